@@ -1,0 +1,71 @@
+// A report as one HTML page that needs nothing but itself: no scripts, no
+// network, no other files.
+//
+// It reads well from telephone to wide screen, in light and dark mode, and on
+// A4. All text is escaped; there is no way to put markup in.
+//
+//   HtmlPage page("Model correction");
+//   page.AddSummary({"The error fell from 19,363 to 8.1."});
+//   page.AddHeading("Choice of λ");
+//   page.AddFigure(RenderFigure(figure, Format::kSvg),
+//                  "Error over λ.", "Two curves with a minimum near 1e-5.");
+//   page.AddTable(table);
+//   page.AddRunAgain({.command = QuoteCommandLine(arguments)});
+//   WriteFileAtomically(path, page.Render());
+
+#ifndef APPS_REPORT_HTML_H_
+#define APPS_REPORT_HTML_H_
+
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "apps/report/table.h"
+
+namespace mle::report {
+
+// What it takes to get the same report once more. Empty fields are left out.
+struct RunAgain {
+  std::string command;  // as typed into a shell; see QuoteCommandLine
+  std::string version;
+  std::string seeds;
+  std::vector<std::pair<std::string, std::string>> more;  // name, value
+};
+
+class HtmlPage {
+ public:
+  explicit HtmlPage(std::string title);
+
+  // The findings in a few sentences, set apart from the rest.
+  void AddSummary(const std::vector<std::string>& sentences);
+  // A section; from three on, the page opens with a table of contents.
+  void AddHeading(std::string_view text);
+  void AddSubheading(std::string_view text);
+  void AddParagraph(std::string_view text);
+  void AddList(const std::vector<std::string>& items);
+  void AddWarning(std::string_view text);
+  void AddTable(const Table& table);
+  // `svg` as RenderFigure gives it; if that failed, a warning with the reason
+  // takes the place of the figure. `alt` says in words what is to be seen.
+  void AddFigure(const absl::StatusOr<std::string>& svg,
+                 std::string_view caption, std::string_view alt);
+  void AddCode(std::string_view code);
+  // Links to files beside the page: name shown, path relative to the page.
+  void AddFiles(const std::vector<std::pair<std::string, std::string>>& files);
+  void AddRunAgain(const RunAgain& run);
+
+  std::string Render() const;
+
+ private:
+  std::string title_;
+  std::string body_;
+  std::vector<std::string> headings_;
+  int figures_ = 0;
+  int tables_ = 0;
+};
+
+}  // namespace mle::report
+
+#endif  // APPS_REPORT_HTML_H_

@@ -1,0 +1,45 @@
+// A table of strings, shown as aligned text on a terminal and as HTML.
+//
+//   Table table{.caption = "Error E by case",
+//               .columns = {{"case", Align::kLeft}, {"E"}}};
+//   table.AddRow({"gain", FormatSignificant(8.13)});
+//   std::cout << RenderText(table);
+
+#ifndef APPS_REPORT_TABLE_H_
+#define APPS_REPORT_TABLE_H_
+
+#include <string>
+#include <vector>
+
+namespace mle::report {
+
+enum class Align { kLeft, kCenter, kRight };
+
+struct Column {
+  std::string header;
+  Align align = Align::kRight;
+};
+
+struct Table {
+  std::string caption;
+  std::vector<Column> columns;
+  // A short row is filled up with empty cells; cells beyond the last column
+  // are shown under an empty header.
+  std::vector<std::vector<std::string>> rows;
+  // The first cell of a row names the row (in HTML: <th scope="row">).
+  bool row_headers = true;
+
+  void AddRow(std::vector<std::string> cells);
+};
+
+// Caption, header, a rule and the rows, each line ending in a newline and
+// without trailing blanks; columns are two blanks apart.
+std::string RenderText(const Table& table);
+
+// A <table> with <caption>, <thead> and <tbody>, scope attributes and
+// everything escaped. Alignment is by the classes left, center and right.
+std::string RenderHtml(const Table& table);
+
+}  // namespace mle::report
+
+#endif  // APPS_REPORT_TABLE_H_
