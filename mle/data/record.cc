@@ -1,0 +1,93 @@
+#include "mle/data/record.h"
+
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "absl/strings/str_cat.h"
+
+namespace mle {
+namespace {
+
+std::string Shape(const Eigen::MatrixXd& matrix) {
+  return absl::StrCat(matrix.rows(), " × ", matrix.cols());
+}
+
+}  // namespace
+
+absl::Status Record::Validate() const {
+  if (!(sample_time > 0.0) || !std::isfinite(sample_time)) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "record: sample_time is ", sample_time, ", must be positive"));
+  }
+  if (!std::isfinite(start_time)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("record: start_time is ", start_time, ", must be finite"));
+  }
+  if (inputs.cols() != outputs.cols()) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("record: outputs are ", Shape(outputs), ", inputs ",
+                     Shape(inputs), "; the numbers of samples must agree"));
+  }
+  if (set_points.size() != 0 && (set_points.rows() != outputs.rows() ||
+                                 set_points.cols() != outputs.cols())) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("record: set points are ", Shape(set_points), ", must be ",
+                     Shape(outputs), " or empty"));
+  }
+  return absl::OkStatus();
+}
+
+std::vector<SetPointChange> FindSetPointChanges(const Record& record) {
+  const Eigen::MatrixXd& set_points = record.set_points;
+  std::vector<SetPointChange> changes;
+  Eigen::VectorXd last = Eigen::VectorXd::Constant(
+      set_points.rows(), std::numeric_limits<double>::quiet_NaN());
+  for (int k = 0; k < set_points.cols(); ++k) {
+    for (int i = 0; i < set_points.rows(); ++i) {
+      const double value = set_points(i, k);
+      if (!std::isfinite(value)) continue;
+      if (std::isfinite(last(i)) && value != last(i)) {
+        changes.push_back({k, i, last(i), value});
+      }
+      last(i) = value;
+    }
+  }
+  return changes;
+}
+
+absl::StatusOr<Record> CutWindow(const Record& record, int center,
+                                 double before, double after) {
+  if (!(before >= 0.0) || !(after >= 0.0)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("window: before is ", before, " and after is ", after,
+                     "; neither may be negative"));
+  }
+  const double first = center - std::round(before / record.sample_time);
+  const double last = center + std::round(after / record.sample_time);
+  if (center < 0 || center >= record.samples() || first < 0 ||
+      last >= record.samples()) {
+    const double center_time = record.time(center);
+    const std::string present =
+        record.samples() == 0
+            ? "is empty"
+            : absl::StrCat("goes from ", record.start_time, " to ",
+                           record.time(record.samples() - 1));
+    return absl::OutOfRangeError(absl::StrCat(
+        "window: from ", center_time - before, " to ", center_time + after,
+        " (around ", center_time, ") is wanted, but the record ", present));
+  }
+  const int begin = static_cast<int>(first);
+  const int count = static_cast<int>(last) - begin + 1;
+  Record window;
+  window.start_time = record.time(begin);
+  window.sample_time = record.sample_time;
+  window.outputs = record.outputs.middleCols(begin, count);
+  window.inputs = record.inputs.middleCols(begin, count);
+  if (record.set_points.size() != 0) {
+    window.set_points = record.set_points.middleCols(begin, count);
+  }
+  return window;
+}
+
+}  // namespace mle

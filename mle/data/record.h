@@ -1,0 +1,53 @@
+// A record of routine operation, sampled every Δt.
+//
+// Column k holds the sample at start_time + kΔt. The inputs are what acts from
+// that sample to the next (zero-order hold); the outputs are measured just
+// before the inputs change. Rows follow the process model's channels.
+
+#ifndef MLE_DATA_RECORD_H_
+#define MLE_DATA_RECORD_H_
+
+#include <vector>
+
+#include "Eigen/Core"
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+
+namespace mle {
+
+struct Record {
+  double start_time = 0.0;
+  double sample_time = 0.0;    // Δt
+  Eigen::MatrixXd outputs;     // p × N, y_k
+  Eigen::MatrixXd inputs;      // m × N, u_k
+  Eigen::MatrixXd set_points;  // p × N, or 0 × 0 where there are none
+
+  // Shapes agree, Δt > 0. Values may be NaN: bad samples.
+  absl::Status Validate() const;
+
+  int samples() const { return static_cast<int>(outputs.cols()); }
+  int num_outputs() const { return static_cast<int>(outputs.rows()); }
+  int num_inputs() const { return static_cast<int>(inputs.rows()); }
+  double time(int k) const { return start_time + k * sample_time; }
+};
+
+// A change of set point: output `output` from sample `sample` on.
+struct SetPointChange {
+  int sample = 0;
+  int output = 0;
+  double from = 0.0;
+  double to = 0.0;
+};
+
+// In order of time.
+std::vector<SetPointChange> FindSetPointChanges(const Record& record);
+
+// The part of `record` from `before` to `after` (both ≥ 0, in time units, ends
+// included) around sample `center`. OutOfRange where the record does not hold
+// it whole; the message gives the times wanted and present.
+absl::StatusOr<Record> CutWindow(const Record& record, int center,
+                                 double before, double after);
+
+}  // namespace mle
+
+#endif  // MLE_DATA_RECORD_H_

@@ -1,0 +1,115 @@
+#include "mle/model/process_model.h"
+
+#include <set>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "glog/logging.h"
+#include "mle/base/status.h"
+
+namespace mle {
+namespace {
+
+// Adds the names of `channels`, each once, to `seen`.
+template <typename Channel>
+absl::Status AddNames(const std::vector<Channel>& channels, const char* kind,
+                      std::set<std::string>& seen) {
+  for (std::size_t i = 0; i < channels.size(); ++i) {
+    const std::string& name = channels[i].name;
+    if (name.empty()) {
+      return absl::InvalidArgumentError(absl::StrCat(
+          kind, "s[", i, "]: name is empty, each channel needs one"));
+    }
+    if (!seen.insert(name).second) {
+      return absl::InvalidArgumentError(absl::StrCat(
+          kind, "s[", i, "]: name \"", name,
+          "\" is used already; the names of inputs and outputs must differ"));
+    }
+  }
+  return absl::OkStatus();
+}
+
+template <typename Channel>
+absl::Status CheckSameNames(const std::vector<Channel>& a,
+                            const std::string& a_name,
+                            const std::vector<Channel>& b,
+                            const std::string& b_name, const char* kind) {
+  if (a.size() != b.size()) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(a_name, " has ", a.size(), " ", kind, "s, ", b_name, " ",
+                     b.size(), "; they must be the same"));
+  }
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (a[i].name != b[i].name) {
+      return absl::InvalidArgumentError(
+          absl::StrCat(kind, "s[", i, "] is \"", a[i].name, "\" in ", a_name,
+                       " and \"", b[i].name, "\" in ", b_name,
+                       "; the names must be the same, in the same order"));
+    }
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+ProcessModel::ProcessModel(std::string name, std::string time_unit,
+                           std::vector<InputChannel> inputs,
+                           std::vector<OutputChannel> outputs)
+    : name_(std::move(name)),
+      time_unit_(std::move(time_unit)),
+      inputs_(std::move(inputs)),
+      outputs_(std::move(outputs)),
+      elements_(inputs_.size() * outputs_.size()) {}
+
+absl::Status ProcessModel::Validate() const {
+  if (inputs_.empty()) {
+    return absl::InvalidArgumentError("inputs is empty, must hold at least 1");
+  }
+  if (outputs_.empty()) {
+    return absl::InvalidArgumentError("outputs is empty, must hold at least 1");
+  }
+  std::set<std::string> seen;
+  MLE_RETURN_IF_ERROR(AddNames(inputs_, "input", seen));
+  MLE_RETURN_IF_ERROR(AddNames(outputs_, "output", seen));
+  for (int i = 0; i < num_outputs(); ++i) {
+    for (int j = 0; j < num_inputs(); ++j) {
+      const absl::Status status = element(i, j).Validate();
+      if (!status.ok()) {
+        return absl::InvalidArgumentError(absl::StrCat(
+            "element of output \"", outputs_[i].name, "\", input \"",
+            inputs_[j].name, "\": ", status.message()));
+      }
+    }
+  }
+  return absl::OkStatus();
+}
+
+StepResponse ProcessModel::ComputeStepResponse(double sample_time,
+                                               int samples) const {
+  CHECK_GE(samples, 0);
+  StepResponse response(sample_time, num_outputs(), num_inputs(), samples);
+  for (int i = 0; i < num_outputs(); ++i) {
+    for (int j = 0; j < num_inputs(); ++j) {
+      response.element(i, j) = element(i, j).StepResponse(sample_time, samples);
+    }
+  }
+  return response;
+}
+
+absl::Status CheckSameChannels(const ProcessModel& a, std::string_view a_name,
+                               const ProcessModel& b, std::string_view b_name) {
+  const std::string name_a(a_name);
+  const std::string name_b(b_name);
+  MLE_RETURN_IF_ERROR(
+      CheckSameNames(a.inputs(), name_a, b.inputs(), name_b, "input"));
+  MLE_RETURN_IF_ERROR(
+      CheckSameNames(a.outputs(), name_a, b.outputs(), name_b, "output"));
+  if (a.time_unit() != b.time_unit()) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "time_unit is \"", a.time_unit(), "\" in ", name_a, " and \"",
+        b.time_unit(), "\" in ", name_b, "; it must be the same"));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace mle

@@ -1,0 +1,92 @@
+// A process as its owner knows it: a p × m matrix of transfer functions with
+// named inputs and outputs,
+//
+//   y_i(s) = Σ_j g_ij(s) u_j(s).
+//
+// The JSON form is described in docs/formats.md:
+//
+//   MLE_ASSIGN_OR_RETURN(const ProcessModel model,
+//                        ReadProcessModel("configs/wood_berry.json"));
+//   model.element(0, 1).StaticGain();   // −18.9
+
+#ifndef MLE_MODEL_PROCESS_MODEL_H_
+#define MLE_MODEL_PROCESS_MODEL_H_
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "mle/model/step_response.h"
+#include "mle/model/transfer_function.h"
+
+namespace mle {
+
+enum class InputRole { kManipulated, kDisturbance };
+
+struct InputChannel {
+  std::string name;
+  std::string unit;
+  InputRole role = InputRole::kManipulated;
+};
+
+struct OutputChannel {
+  std::string name;
+  std::string unit;
+};
+
+class ProcessModel {
+ public:
+  ProcessModel() = default;
+  // All elements zero.
+  ProcessModel(std::string name, std::string time_unit,
+               std::vector<InputChannel> inputs,
+               std::vector<OutputChannel> outputs);
+
+  // At least one input and output, names not empty and distinct over inputs
+  // and outputs, every element valid.
+  absl::Status Validate() const;
+
+  const std::string& name() const { return name_; }
+  const std::string& time_unit() const { return time_unit_; }
+  const std::vector<InputChannel>& inputs() const { return inputs_; }
+  const std::vector<OutputChannel>& outputs() const { return outputs_; }
+  int num_inputs() const { return static_cast<int>(inputs_.size()); }
+  int num_outputs() const { return static_cast<int>(outputs_.size()); }
+
+  const TransferFunction& element(int output, int input) const {
+    return elements_[output * num_inputs() + input];
+  }
+  TransferFunction& element(int output, int input) {
+    return elements_[output * num_inputs() + input];
+  }
+
+  // Responses of all pairs at 0, Δt, …, (samples−1) Δt.
+  StepResponse ComputeStepResponse(double sample_time, int samples) const;
+
+ private:
+  std::string name_;
+  std::string time_unit_;
+  std::vector<InputChannel> inputs_;
+  std::vector<OutputChannel> outputs_;
+  std::vector<TransferFunction> elements_;  // row by row: p × m
+};
+
+// Same inputs and outputs, by name and order, and the same time unit; the
+// status says which differ. `a` and `b` are named in it by `a_name`, `b_name`.
+absl::Status CheckSameChannels(const ProcessModel& a, std::string_view a_name,
+                               const ProcessModel& b, std::string_view b_name);
+
+// `source` (a file's name) opens every message; unknown or missing keys, wrong
+// types and invalid elements are errors that name key and element.
+absl::StatusOr<ProcessModel> ParseProcessModel(std::string_view json,
+                                               std::string_view source);
+std::string FormatProcessModel(const ProcessModel& model);
+absl::StatusOr<ProcessModel> ReadProcessModel(const std::string& path);
+absl::Status WriteProcessModel(const ProcessModel& model,
+                               const std::string& path);
+
+}  // namespace mle
+
+#endif  // MLE_MODEL_PROCESS_MODEL_H_

@@ -1,0 +1,81 @@
+// One input–output pair of a process: a proper, stable rational transfer
+// function with a dead time,
+//
+//   g(s) = e^{-Ls} (b_0 s^q + … + b_q) / (a_0 s^r + … + a_r),   q ≤ r, L ≥ 0.
+//
+// Time is in the unit of the process model the element belongs to.
+//
+//   const auto g = TransferFunction::FirstOrder(12.8, 16.7, 1.0);
+//   g.StaticGain();                       // 12.8
+//   g.StepResponse(/*sample_time=*/0.2, /*samples=*/501);
+
+#ifndef MLE_MODEL_TRANSFER_FUNCTION_H_
+#define MLE_MODEL_TRANSFER_FUNCTION_H_
+
+#include <vector>
+
+#include "Eigen/Core"
+#include "absl/status/status.h"
+
+namespace mle {
+
+// ẋ = A x + B u(t − L),  y = C x + D u(t − L); r states, one input, one output.
+// Controllable companion form with the denominator made monic.
+struct StateSpace {
+  Eigen::MatrixXd A;     // r × r
+  Eigen::VectorXd B;     // r
+  Eigen::RowVectorXd C;  // r
+  double D = 0.0;
+};
+
+class TransferFunction {
+ public:
+  // The zero element: its input does not reach its output.
+  TransferFunction() = default;
+
+  // Coefficients in s, highest power first. Call Validate() on what comes from
+  // outside; the other members expect a valid element.
+  TransferFunction(std::vector<double> numerator,
+                   std::vector<double> denominator, double delay);
+
+  // K e^{-Ls} / (T s + 1).
+  static TransferFunction FirstOrder(double gain, double time_constant,
+                                     double delay);
+
+  // Finite coefficients, a leading denominator coefficient other than zero,
+  // q ≤ r, every pole in the open left half-plane, L ≥ 0.
+  absl::Status Validate() const;
+
+  bool IsZero() const;
+  // A first-order element without zeros, whose gain and time constant are K, T.
+  bool IsFirstOrder() const;
+
+  const std::vector<double>& numerator() const { return numerator_; }
+  const std::vector<double>& denominator() const { return denominator_; }
+  double delay() const { return delay_; }
+  void set_delay(double delay) { delay_ = delay; }
+
+  // g(0).
+  double StaticGain() const;
+  // T of a first-order element.
+  double TimeConstant() const;
+  // −1 / (largest real part of a pole): the slowest mode's time constant; 0 for
+  // a static element.
+  double SlowestTimeConstant() const;
+
+  StateSpace Realize() const;
+
+  // h(kΔt), k = 0 … samples−1, the response to a unit step at t = 0, exact to
+  // rounding (matrix exponential). Samples are taken just before the input
+  // changes: h(t) = 0 for t ≤ L, also where the element has feedthrough.
+  Eigen::VectorXd StepResponse(double sample_time, int samples) const;
+
+ private:
+  std::vector<double> numerator_ = {0.0};
+  std::vector<double> denominator_ = {1.0};
+  double delay_ = 0.0;
+};
+
+}  // namespace mle
+
+#endif  // MLE_MODEL_TRANSFER_FUNCTION_H_
