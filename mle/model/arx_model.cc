@@ -16,10 +16,11 @@ constexpr double kSaturation = 1e100;
 constexpr int kBlock = 8;
 using Block = Eigen::Array<double, kBlock, 1>;
 
-// A non-zero coefficient of an output's own or another output's past.
+// A non-zero coefficient of an output's past, for a history whose columns hold
+// the samples of one pair each: `offset` leads from the entry that is computed
+// to the one that the coefficient multiplies.
 struct OutputTerm {
-  int lag;
-  int output;
+  Eigen::Index offset;
   double coefficient;
 };
 
@@ -30,13 +31,34 @@ double Saturated(double value) {
 
 // Terms of row `output` of R with lag in [first_lag, last_lag].
 void AppendTerms(const ArxModel& model, int output, int first_lag, int last_lag,
-                 std::vector<OutputTerm>& terms) {
+                 Eigen::Index rows, std::vector<OutputTerm>& terms) {
+  const int m = model.num_inputs;
   for (int a = first_lag; a <= last_lag; ++a) {
     for (int c = 0; c < model.num_outputs; ++c) {
       const double value = model.R(output, (a - 1) * model.num_channels() + c);
-      if (value != 0.0) terms.push_back({a, c, value});
+      if (value != 0.0) terms.push_back({(c - output) * m * rows - a, value});
     }
   }
+}
+
+double SumOfTerms(const OutputTerm* begin, const OutputTerm* end,
+                  const double* entry) {
+  double sum = 0.0;
+  for (const OutputTerm* term = begin; term != end; ++term) {
+    sum += term->coefficient * entry[term->offset];
+  }
+  return sum;
+}
+
+// Adds the terms to kBlock entries from `entry` on.
+void AddTermsToBlock(const OutputTerm* begin, const OutputTerm* end,
+                     double* entry) {
+  Eigen::Map<Block> block(entry);
+  Block sum = block;
+  for (const OutputTerm* term = begin; term != end; ++term) {
+    sum += term->coefficient * Eigen::Map<const Block>(entry + term->offset);
+  }
+  block = sum;
 }
 
 // Σ_{a ≤ min(k, d)} of the coefficients of input j: what the step itself adds
@@ -91,52 +113,39 @@ StepResponse ArxModel::ComputeStepResponse(int samples) const {
   const int p = num_outputs;
   const int m = num_inputs;
 
-  // Non-zero terms of all rows: those of row i from far_begin[i] on reach back
-  // behind a block, those from near_begin[i] on into it.
-  std::vector<OutputTerm> terms;
-  terms.reserve(static_cast<std::size_t>(p) * p * order);
-  std::vector<int> far_begin(p + 1);
-  std::vector<int> near_begin(p + 1);
-  for (int i = 0; i < p; ++i) {
-    far_begin[i] = static_cast<int>(terms.size());
-    AppendTerms(*this, i, kBlock, order, terms);
-    near_begin[i] = static_cast<int>(terms.size());
-    AppendTerms(*this, i, 1, std::min(order, kBlock - 1), terms);
-  }
-  far_begin[p] = static_cast<int>(terms.size());
-
   // Row `first_row` + k holds sample k; zeros before it, room for a whole last
   // block after it.
   const int first_row = std::max(order, kBlock);
-  Eigen::MatrixXd history =
-      Eigen::MatrixXd::Zero(first_row + samples + kBlock, p * m);
+  const int rows = first_row + samples + kBlock;
+  Eigen::MatrixXd history = Eigen::MatrixXd::Zero(rows, p * m);
   FillInputPart(*this, first_row, samples, history);
+
+  // Row i has the terms far[i] … near[i] that reach back behind a block, then
+  // up to far[i+1] those that may reach into it.
+  std::vector<OutputTerm> terms;
+  terms.reserve(static_cast<std::size_t>(p) * p * order);
+  std::vector<const OutputTerm*> far(p + 1, terms.data());
+  std::vector<const OutputTerm*> near(p, terms.data());
+  for (int i = 0; i < p; ++i) {
+    AppendTerms(*this, i, kBlock, order, rows, terms);
+    near[i] = terms.data() + terms.size();
+    AppendTerms(*this, i, 1, std::min(order, kBlock - 1), rows, terms);
+    far[i + 1] = terms.data() + terms.size();
+  }
 
   for (int begin = 1; begin < samples; begin += kBlock) {
     for (int i = 0; i < p; ++i) {
       for (int j = 0; j < m; ++j) {
-        Block sum = history.col(i * m + j).segment<kBlock>(first_row + begin);
-        for (int t = far_begin[i]; t < near_begin[i]; ++t) {
-          const OutputTerm& term = terms[t];
-          sum += term.coefficient *
-                 history.col(term.output * m + j)
-                     .segment<kBlock>(first_row + begin - term.lag)
-                     .array();
-        }
-        history.col(i * m + j).segment<kBlock>(first_row + begin) = sum;
+        AddTermsToBlock(far[i], near[i],
+                        &history(first_row + begin, i * m + j));
       }
     }
     const int end = std::min(begin + kBlock, samples);
     for (int k = begin; k < end; ++k) {
       for (int i = 0; i < p; ++i) {
         for (int j = 0; j < m; ++j) {
-          double sum = history(first_row + k, i * m + j);
-          for (int t = near_begin[i]; t < far_begin[i + 1]; ++t) {
-            const OutputTerm& term = terms[t];
-            sum += term.coefficient *
-                   history(first_row + k - term.lag, term.output * m + j);
-          }
-          history(first_row + k, i * m + j) = Saturated(sum);
+          double& y = history(first_row + k, i * m + j);
+          y = Saturated(y + SumOfTerms(near[i], far[i + 1], &y));
         }
       }
     }
