@@ -1,0 +1,66 @@
+# What every target of the project shares.
+
+# Private to the project: warnings are no business of those who use it.
+add_library(mle_build_flags INTERFACE)
+target_compile_features(mle_build_flags INTERFACE cxx_std_20)
+target_compile_options(mle_build_flags INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
+  -fno-math-errno
+  $<$<BOOL:${MLE_WERROR}>:-Werror>)
+
+# Public: the instruction set decides how Eigen aligns what it allocates, so
+# that a program and its libraries must agree on it.
+set(MLE_PUBLIC_OPTIONS $<$<BOOL:${MLE_NATIVE}>:-march=native>)
+
+# mle_add_library(NAME SOURCES … HEADERS … DEPENDS … [PRIVATE_DEPENDS …])
+#
+# The library mle_NAME, alias mle::NAME. HEADERS are public and are included by
+# their path from the root of the project. DEPENDS are what the headers need,
+# PRIVATE_DEPENDS what the sources need besides.
+function(mle_add_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;HEADERS;DEPENDS;PRIVATE_DEPENDS" ${ARGN})
+  set(target mle_${name})
+  add_library(${target} ${ARG_SOURCES})
+  add_library(mle::${name} ALIAS ${target})
+  set_target_properties(${target} PROPERTIES
+    EXPORT_NAME ${name}
+    VERSION ${PROJECT_VERSION}
+    SOVERSION ${PROJECT_VERSION_MAJOR}
+    INSTALL_RPATH "\$ORIGIN"
+    POSITION_INDEPENDENT_CODE ON)
+  target_compile_features(${target} PUBLIC cxx_std_20)
+  target_compile_options(${target} PUBLIC ${MLE_PUBLIC_OPTIONS})
+  target_sources(${target} PUBLIC
+    FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES ${ARG_HEADERS})
+  target_link_libraries(${target}
+    PUBLIC ${ARG_DEPENDS}
+    PRIVATE $<BUILD_INTERFACE:mle_build_flags> ${ARG_PRIVATE_DEPENDS})
+  set_property(GLOBAL APPEND PROPERTY MLE_LIBRARIES ${target})
+endfunction()
+
+# mle_add_command(NAME SOURCES … DEPENDS …)
+#
+# An executable that is installed with the project.
+function(mle_add_command name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE ${ARG_DEPENDS} mle_build_flags)
+  set_target_properties(${name} PROPERTIES
+    INSTALL_RPATH "\$ORIGIN/../${CMAKE_INSTALL_LIBDIR}")
+  set_property(GLOBAL APPEND PROPERTY MLE_COMMANDS ${name})
+endfunction()
+
+# mle_add_test(NAME SOURCES … DEPENDS … [LABEL unit|reference|e2e|slow])
+function(mle_add_test name)
+  cmake_parse_arguments(ARG "" "LABEL" "SOURCES;DEPENDS" ${ARGN})
+  if(NOT ARG_LABEL)
+    set(ARG_LABEL unit)
+  endif()
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE
+    ${ARG_DEPENDS} mle_build_flags GTest::gtest GTest::gmock GTest::gtest_main)
+  gtest_discover_tests(${name}
+    PROPERTIES LABELS ${ARG_LABEL}
+    DISCOVERY_MODE PRE_TEST
+    DISCOVERY_TIMEOUT 60)
+endfunction()

@@ -1,0 +1,45 @@
+# shellcheck shell=bash
+# What the scripts share; to be sourced. Sets `root`, the project's folder.
+
+root=$(dirname -- "$(dirname -- "$(readlink -f -- "${BASH_SOURCE[0]}")")")
+
+# run_logged LOG MESSAGE COMMAND…
+#
+# Says MESSAGE and runs COMMAND quietly, with what it says going to LOG. If it
+# fails, shows the end of LOG and returns its exit code.
+run_logged() {
+  local log=$1 message=$2 code=0
+  shift 2
+  mkdir -p -- "$(dirname -- "$log")"
+  printf '%s\n' "$message" >&2
+  "$@" >"$log" 2>&1 || code=$?
+  if ((code != 0)); then
+    printf '… failed (exit code %d). The end of %s:\n' "$code" "$log" >&2
+    tail -n 40 -- "$log" >&2
+  fi
+  return "$code"
+}
+
+# How many compilers at once: one for each processor, as far as the memory goes
+# (the largest sources take about 1 GB each).
+build_jobs() {
+  local processors gigabytes
+  processors=$(nproc)
+  gigabytes=$(awk '/^MemAvailable:/ { print int($2 / 1e6) }' /proc/meminfo)
+  echo $((gigabytes < 1 ? 1 : gigabytes < processors ? gigabytes : processors))
+}
+
+# build PRESET: configures and builds into build/PRESET.
+build() {
+  run_logged "$root/build/log/$1.log" \
+    "Building in build/$1 (the first time takes some minutes) …" \
+    configure_and_compile "$1"
+}
+
+configure_and_compile() {
+  cd -- "$root" || return
+  # What an earlier run cached may no longer hold: the project moved, or the
+  # system's packages changed. Then once more from nothing.
+  cmake --preset "$1" || cmake --fresh --preset "$1" || return
+  cmake --build --preset "$1" --parallel "$(build_jobs)"
+}
