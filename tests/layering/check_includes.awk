@@ -1,0 +1,116 @@
+# Enforces who may include whom. Usage:
+#
+#   awk -f check_includes.awk FILE…
+#
+# with paths from the root of the project. Prints FILE:LINE and the rule broken
+# for every forbidden include; exits with 1 if there is one.
+#
+# The table is that of docs/architecture.md.
+
+BEGIN {
+  base = "mle/base"
+  model = base " mle/model"
+  data = model " mle/data"
+  regression = data " mle/regression"
+  nonlinear = regression " mle/nonlinear"
+  all_of_mle = nonlinear " mle/correction"
+
+  allowed["mle/base"] = base
+  allowed["mle/model"] = model
+  allowed["mle/data"] = data
+  allowed["mle/regression"] = regression
+  allowed["mle/nonlinear"] = nonlinear
+  allowed["mle/correction"] = all_of_mle
+  allowed["sim"] = data " sim"
+  allowed["control"] = data " control"
+  allowed["benchmarks"] = all_of_mle " sim control benchmarks"
+  allowed["apps"] = all_of_mle " sim control apps"
+  allowed["tests"] = allowed["apps"] " tests"
+}
+
+# "mle/data" for mle/data/record.h, "apps" for apps/report/page.h.
+function layer_of(path,    part) {
+  split(path, part, "/")
+  return part[1] == "mle" ? part[1] "/" part[2] : part[1]
+}
+
+function is_in(word, list) {
+  return index(" " list " ", " " word " ") > 0
+}
+
+# "mle/base, sim" for the list "mle/base sim".
+function spelled(list) {
+  gsub(/ /, ", ", list)
+  return list
+}
+
+function report(rule) {
+  printf "%s:%d: %s: %s\n", FILENAME, FNR, directive, rule
+  ++errors
+}
+
+function check_project_include(target,    from, to) {
+  from = layer_of(FILENAME)
+  to = layer_of(target)
+  if (!is_in(to, allowed[from]))
+    report(from " may include only " spelled(allowed[from]))
+}
+
+function check_gflags() {
+  if (FILENAME !~ /^(apps|tests\/apps)\//)
+    report("gflags is for apps/ alone")
+}
+
+function check_ceres() {
+  if (FILENAME ~ /^(tests|benchmarks)\//) return
+  if (FILENAME !~ /^mle\/nonlinear\/.*\.cc$/)
+    report("ceres is for the .cc files of mle/nonlinear alone")
+}
+
+function check(target, quoted) {
+  if (target ~ /(^|\/)\.\.?\//) {
+    report("include by the path from the root of the project")
+  } else if (layer_of(target) in allowed) {
+    check_project_include(target)
+  } else if (target ~ /^gflags\//) {
+    check_gflags()
+  } else if (target ~ /^ceres\//) {
+    check_ceres()
+  } else if (quoted && target !~ /\//) {
+    report("include by the path from the root of the project")
+  }
+}
+
+FNR == 1 {
+  in_comment = 0
+  if (!(layer_of(FILENAME) in allowed)) {
+    directive = "new layer " layer_of(FILENAME)
+    report("the table of layers does not know it")
+    allowed[layer_of(FILENAME)] = ""
+  }
+}
+
+# Block comments that open or close a line.
+in_comment {
+  if (!sub(/^.*\*\//, "")) next
+  in_comment = 0
+}
+{
+  while (sub(/^[ \t]*\/\*([^*]|\*+[^*\/])*\*+\//, "")) {}
+}
+/^[ \t]*\/\*/ { in_comment = 1; next }
+
+/^[ \t]*#[ \t]*(include|include_next|import)([^A-Za-z0-9_]|$)/ {
+  directive = $0
+  sub(/^[ \t]*/, "", directive)
+  sub(/[ \t\r]*$/, "", directive)
+  if (match($0, /"[^"]*"/)) {
+    check(substr($0, RSTART + 1, RLENGTH - 2), 1)
+  } else if (match($0, /<[^>]*>/)) {
+    check(substr($0, RSTART + 1, RLENGTH - 2), 0)
+  } else {
+    report("an include must name its file, to be checked")
+  }
+}
+
+END { exit errors > 0 }
