@@ -3,7 +3,7 @@
 // A figure is a grid of panels under one shared legend. Series, reference lines
 // and markers have a role, which stands for the same thing in every figure and
 // carries its look; colours are those of Okabe and Ito (2008), which the colour
-// blind can tell apart, and no two roles differ by colour alone.
+// blind can tell apart, and roles shown together differ in line or shape too.
 //
 //   Figure figure{.height_cm = 6.0, .columns = 2};
 //   Panel& panel = figure.AddPanel("gain");
@@ -86,7 +86,8 @@ struct Series {
 
 enum class Orientation { kHorizontal, kVertical };
 
-// A line across the whole panel, at y = value or x = value.
+// A line across the whole panel, at y = value or x = value, behind the series.
+// One that is not finite is not drawn, and has no place in the legend.
 struct ReferenceLine {
   std::string label;
   Orientation orientation = Orientation::kHorizontal;
@@ -94,7 +95,7 @@ struct ReferenceLine {
   Style style;
 };
 
-// A single point.
+// A single point, on top of all; not drawn if not finite.
 struct Marker {
   std::string label;
   double x = 0.0;

@@ -1,0 +1,177 @@
+#include "apps/report/axis.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "apps/report/number.h"
+
+namespace mle::report {
+namespace {
+
+constexpr double kLargest = 1e200;
+constexpr double kSmallest = 1e-200;
+
+class Extent {
+ public:
+  explicit Extent(bool log) : log_(log) {}
+
+  void Add(double value) {
+    if (!IsShown(value, log_)) return;
+    min_ = std::min(min_, value);
+    max_ = std::max(max_, value);
+  }
+
+  // With `margin` of the length to spare at each end.
+  Range ToRange(double margin) const {
+    if (min_ > max_) return log_ ? Range{0.1, 10.0} : Range{0.0, 1.0};
+    double low = log_ ? std::log10(min_) : min_;
+    double high = log_ ? std::log10(max_) : max_;
+    const double size = std::max(std::abs(low), std::abs(high));
+    const double least = log_ ? 0.01 : 1e-9 * size;
+    if (high - low <= least) {
+      const double spare = log_ ? 0.5 : size > 0.0 ? 0.5 * size : 1.0;
+      low -= spare;
+      high += spare;
+    } else {
+      const double spare = margin * (high - low);
+      low -= spare;
+      high += spare;
+    }
+    if (!log_) return {low, high};
+    return {std::pow(10.0, low), std::pow(10.0, high)};
+  }
+
+ private:
+  bool log_;
+  double min_ = std::numeric_limits<double>::infinity();
+  double max_ = -std::numeric_limits<double>::infinity();
+};
+
+// The smallest of 1, 2, 5 times a power of ten that is at least `step`.
+double NiceStep(double step) {
+  const double power = std::pow(10.0, std::floor(std::log10(step)));
+  for (const double factor : {1.0, 2.0, 5.0}) {
+    if (factor * power >= step * (1.0 - 1e-9)) return factor * power;
+  }
+  return 10.0 * power;
+}
+
+// One form for all labels of an axis.
+std::string LinearLabel(double value, double step, double largest) {
+  const int step_exponent =
+      static_cast<int>(std::floor(std::log10(step) + 1e-9));
+  if (largest < 1e5 && step_exponent >= -4) {
+    return FormatFixed(value, std::max(0, -step_exponent));
+  }
+  if (std::abs(value) < 0.5 * step) return "0";
+  const int exponent =
+      static_cast<int>(std::floor(std::log10(std::abs(value)) + 1e-9));
+  return FormatScientific(value, exponent - step_exponent + 1);
+}
+
+std::vector<Tick> LinearTicks(const Range& range, int wanted) {
+  const double step = NiceStep((range.max - range.min) / wanted);
+  const double slack = 1e-9;
+  const double first = std::ceil(range.min / step - slack);
+  const double last = std::floor(range.max / step + slack);
+  const double largest = std::max(std::abs(range.min), std::abs(range.max));
+  std::vector<Tick> ticks;
+  for (int i = 0; first + i <= last; ++i) {
+    const double value = (first + i) * step;
+    ticks.push_back({value, LinearLabel(value, step, largest)});
+  }
+  return ticks;
+}
+
+std::vector<Tick> LogTicks(const Range& range, int wanted) {
+  const double slack = 1e-9;
+  const double low = std::log10(range.min);
+  const double high = std::log10(range.max);
+  const int first = static_cast<int>(std::floor(low + slack));
+  const int last = static_cast<int>(std::floor(high + slack));
+  const int decades = static_cast<int>(std::floor(high + slack)) -
+                      static_cast<int>(std::ceil(low - slack)) + 1;
+  // Too short for powers of ten alone: 1, 2, 5, or as on a linear axis.
+  if (decades < 2 && high - low < 0.7) return LinearTicks(range, wanted);
+  const int stride = std::max(1, (decades + wanted - 1) / wanted);
+  std::vector<Tick> ticks;
+  for (int e = first; e <= last; ++e) {
+    for (int factor = 1; factor <= 9; ++factor) {
+      const double value = factor * std::pow(10.0, e);
+      const double place = std::log10(value);
+      if (place < low - slack || place > high + slack) continue;
+      const bool between = decades < 2 && (factor == 2 || factor == 5);
+      const bool labelled = factor == 1 ? e % stride == 0 : between;
+      if (!labelled && factor > 1 && stride > 1) continue;
+      std::string label;
+      if (labelled && factor == 1) label = PowerOfTen(e);
+      if (labelled && factor > 1) label = FormatSignificant(value, 1);
+      ticks.push_back({value, label});
+    }
+  }
+  return ticks;
+}
+
+}  // namespace
+
+bool IsShown(double value, bool log) {
+  if (!std::isfinite(value) || std::abs(value) > kLargest) return false;
+  return !log || value >= kSmallest;
+}
+
+Range XRange(const Panel& panel) {
+  if (panel.x.range.has_value()) return *panel.x.range;
+  Extent extent(panel.x.log);
+  for (const Series& series : panel.series) {
+    for (std::size_t i = 0; i < series.x.size(); ++i) {
+      if (IsShown(series.y[i], panel.y.log)) extent.Add(series.x[i]);
+    }
+  }
+  for (const ReferenceLine& line : panel.lines) {
+    if (line.orientation == Orientation::kVertical) extent.Add(line.value);
+  }
+  for (const Marker& marker : panel.markers) {
+    if (IsShown(marker.y, panel.y.log)) extent.Add(marker.x);
+  }
+  return extent.ToRange(0.0);
+}
+
+Range YRange(const Panel& panel) {
+  if (panel.y.range.has_value()) return *panel.y.range;
+  const Range x = XRange(panel);
+  const auto seen = [&](double value) {
+    return IsShown(value, panel.x.log) && value >= x.min && value <= x.max;
+  };
+  Extent extent(panel.y.log);
+  for (const Series& series : panel.series) {
+    for (std::size_t i = 0; i < series.x.size(); ++i) {
+      if (!seen(series.x[i])) continue;
+      extent.Add(series.y[i]);
+      if (series.lower.empty()) continue;
+      extent.Add(series.lower[i]);
+      extent.Add(series.upper[i]);
+    }
+  }
+  for (const ReferenceLine& line : panel.lines) {
+    if (line.orientation == Orientation::kHorizontal) extent.Add(line.value);
+  }
+  for (const Marker& marker : panel.markers) {
+    if (seen(marker.x)) extent.Add(marker.y);
+  }
+  return extent.ToRange(0.05);
+}
+
+std::vector<Tick> Ticks(const Range& range, bool log, int wanted) {
+  wanted = std::max(2, wanted);
+  return log ? LogTicks(range, wanted) : LinearTicks(range, wanted);
+}
+
+double Fraction(double value, const Range& range, bool log) {
+  if (log) {
+    return std::log(value / range.min) / std::log(range.max / range.min);
+  }
+  return (value - range.min) / (range.max - range.min);
+}
+
+}  // namespace mle::report

@@ -1,0 +1,39 @@
+// The range of an axis and its ticks, computed here rather than by the drawing
+// program, so that labels can be measured before they are placed.
+
+#ifndef APPS_REPORT_AXIS_H_
+#define APPS_REPORT_AXIS_H_
+
+#include <string>
+#include <vector>
+
+#include "apps/report/figure.h"
+
+namespace mle::report {
+
+struct Tick {
+  double value = 0.0;
+  std::string label;  // empty: a minor tick
+};
+
+// True if a value can be shown on such an axis: finite, of a size that can
+// still be scaled, and positive if logarithmic.
+bool IsShown(double value, bool log);
+
+// The ranges of a panel's axes: as asked for, else what its series, lines and
+// markers need. Along x exactly that; along y with a twentieth to spare at
+// each end. 0 … 1 (0.1 … 10 if logarithmic) if there is nothing to show.
+Range XRange(const Panel& panel);
+Range YRange(const Panel& panel);
+
+// About `wanted` (≥ 2) labelled ticks within `range`. Linear: at multiples of
+// 1, 2 or 5 times a power of ten. Logarithmic: at powers of ten, or between
+// them where the range is short; minor ticks at 2 … 9 times a power of ten.
+std::vector<Tick> Ticks(const Range& range, bool log, int wanted);
+
+// 0 at range.min, 1 at range.max.
+double Fraction(double value, const Range& range, bool log);
+
+}  // namespace mle::report
+
+#endif  // APPS_REPORT_AXIS_H_

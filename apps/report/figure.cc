@@ -1,0 +1,257 @@
+#include "apps/report/figure.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/string_view.h"
+
+namespace mle::report {
+namespace {
+
+bool InRange(double value, double low, double high) {
+  return value >= low && value <= high;  // false for NaN
+}
+
+absl::Status InvalidIf(bool wrong, absl::string_view where,
+                       absl::string_view what) {
+  if (!wrong) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrCat(where, ": ", what));
+}
+
+absl::Status ValidateAxis(const Axis& axis, const std::string& where) {
+  if (!axis.range.has_value()) return absl::OkStatus();
+  const Range& range = *axis.range;
+  const bool ordered = std::isfinite(range.min) && std::isfinite(range.max) &&
+                       range.min < range.max;
+  const bool positive = !axis.log || range.min > 0.0;
+  return InvalidIf(
+      !ordered || !positive, where,
+      absl::StrCat("the range is ", range.min, " … ", range.max,
+                   "; it must be finite, with min < max",
+                   axis.log ? " and min > 0 on a logarithmic axis" : ""));
+}
+
+absl::Status ValidateStyle(const Style& style, const std::string& where) {
+  const bool good = InRange(style.width_pt, 0.0, 50.0) &&
+                    InRange(style.marker_size_pt, 0.0, 200.0);
+  return InvalidIf(!good, where,
+                   absl::StrCat("width_pt is ", style.width_pt,
+                                " and marker_size_pt ", style.marker_size_pt,
+                                "; they must lie in [0, 50] and [0, 200]"));
+}
+
+absl::Status ValidateSeries(const Series& series, const std::string& where) {
+  const std::size_t n = series.x.size();
+  absl::Status status = ValidateStyle(series.style, where);
+  status.Update(
+      InvalidIf(series.y.size() != n, where,
+                absl::StrCat("x has ", n, " points and y ", series.y.size())));
+  const bool no_band = series.lower.empty() && series.upper.empty();
+  status.Update(InvalidIf(
+      !no_band && (series.lower.size() != n || series.upper.size() != n), where,
+      absl::StrCat("the band has ", series.lower.size(), " lower and ",
+                   series.upper.size(), " upper points; both must be ", n,
+                   " or none")));
+  status.Update(
+      InvalidIf(series.max_points != 0 && series.max_points < 6, where,
+                absl::StrCat("max_points is ", series.max_points,
+                             "; it must be 0 (all points) or at least 6")));
+  return status;
+}
+
+absl::Status ValidatePanel(const Panel& panel, const std::string& where) {
+  absl::Status status = ValidateAxis(panel.x, absl::StrCat(where, ", x axis"));
+  status.Update(ValidateAxis(panel.y, absl::StrCat(where, ", y axis")));
+  for (std::size_t i = 0; i < panel.series.size(); ++i) {
+    const Series& series = panel.series[i];
+    status.Update(ValidateSeries(
+        series,
+        absl::StrCat(where, ", series ", i + 1, " \"", series.label, "\"")));
+  }
+  for (const ReferenceLine& line : panel.lines) {
+    status.Update(ValidateStyle(
+        line.style, absl::StrCat(where, ", line \"", line.label, "\"")));
+  }
+  for (const Marker& marker : panel.markers) {
+    status.Update(ValidateStyle(
+        marker.style, absl::StrCat(where, ", marker \"", marker.label, "\"")));
+  }
+  return status;
+}
+
+bool IsDrawable(const Series& series, std::size_t i) {
+  return std::isfinite(series.x[i]) && std::isfinite(series.y[i]);
+}
+
+}  // namespace
+
+std::string ColourOf(Role role) {
+  switch (role) {
+    case Role::kInitial:
+      return "#000000";
+    case Role::kTrue:
+      return "#e69f00";  // orange
+    case Role::kCorrected:
+      return "#0072b2";  // blue
+    case Role::kUnregularised:
+      return "#d55e00";  // vermilion
+    case Role::kFitted:
+      return "#cc79a7";  // reddish purple
+    case Role::kAlternative:
+      return "#009e73";  // bluish green
+    case Role::kMeasured:
+      return "#56b4e9";  // sky blue
+    case Role::kSetPoint:
+      return "#000000";
+    case Role::kReference:
+      return "#666666";
+    case Role::kChosen:
+      return "#d55e00";
+    case Role::kBest:
+      return "#009e73";
+  }
+  return "#000000";
+}
+
+Style StyleOf(Role role) {
+  Style style{.colour = role};
+  switch (role) {
+    case Role::kInitial:
+      style.line = LineStyle::kDashed;
+      break;
+    case Role::kTrue:
+      style.width_pt = 3.0;
+      break;
+    case Role::kCorrected:
+      style.width_pt = 1.25;
+      break;
+    case Role::kUnregularised:
+      style.width_pt = 0.5;
+      break;
+    case Role::kFitted:
+      style.line = LineStyle::kDashDotted;
+      break;
+    case Role::kAlternative:
+      style.line = LineStyle::kDashed;
+      break;
+    case Role::kMeasured:
+      style.width_pt = 0.75;
+      break;
+    case Role::kSetPoint:
+      style.line = LineStyle::kDotted;
+      break;
+    case Role::kReference:
+      style.line = LineStyle::kDotted;
+      break;
+    case Role::kChosen:
+      style.marker = MarkerShape::kCross;
+      style.width_pt = 1.5;
+      style.marker_size_pt = 6.0;
+      break;
+    case Role::kBest:
+      style.marker = MarkerShape::kCircle;
+      style.width_pt = 1.25;
+      style.marker_size_pt = 6.0;
+      break;
+  }
+  return style;
+}
+
+Panel& Figure::AddPanel(std::string panel_title) {
+  Panel panel;
+  panel.title = std::move(panel_title);
+  panels.push_back(std::move(panel));
+  return panels.back();
+}
+
+absl::Status Figure::Validate() const {
+  absl::Status status = InvalidIf(
+      !InRange(width_cm, 3.0, 100.0) || !InRange(height_cm, 3.0, 100.0),
+      "figure",
+      absl::StrCat("the size is ", width_cm, " cm × ", height_cm,
+                   " cm; both must lie in [3, 100]"));
+  status.Update(InvalidIf(!InRange(font_size_pt, 4.0, 40.0), "figure",
+                          absl::StrCat("font_size_pt is ", font_size_pt,
+                                       "; it must lie in [4, 40]")));
+  status.Update(InvalidIf(
+      columns < 1, "figure",
+      absl::StrCat("columns is ", columns, "; it must be at least 1")));
+  status.Update(InvalidIf(panels.empty(), "figure", "it has no panel"));
+  for (std::size_t i = 0; i < panels.size(); ++i) {
+    status.Update(ValidatePanel(
+        panels[i],
+        absl::StrCat("panel ", i + 1, " \"", panels[i].title, "\"")));
+  }
+  return status;
+}
+
+Series MakeSeries(Role role, std::string label, std::vector<double> x,
+                  std::vector<double> y) {
+  Series series;
+  series.label = std::move(label);
+  series.x = std::move(x);
+  series.y = std::move(y);
+  series.style = StyleOf(role);
+  return series;
+}
+
+ReferenceLine HorizontalLine(Role role, std::string label, double y) {
+  return {std::move(label), Orientation::kHorizontal, y, StyleOf(role)};
+}
+
+ReferenceLine VerticalLine(Role role, std::string label, double x) {
+  return {std::move(label), Orientation::kVertical, x, StyleOf(role)};
+}
+
+Marker MakeMarker(Role role, std::string label, double x, double y) {
+  Style style = StyleOf(role);
+  if (style.marker == MarkerShape::kNone) style.marker = MarkerShape::kDisc;
+  return {std::move(label), x, y, style};
+}
+
+Series Downsample(const Series& series) {
+  const std::size_t n = series.x.size();
+  const std::size_t most = static_cast<std::size_t>(series.max_points);
+  if (most == 0 || n <= most) return series;
+
+  // Of each stretch: the smallest, the largest, and a break if there is one.
+  std::vector<std::size_t> kept = {0, n - 1};
+  const std::size_t stretches = (most - 2) / 2;
+  for (std::size_t s = 0; s < stretches; ++s) {
+    const std::size_t begin = n * s / stretches;
+    const std::size_t end = n * (s + 1) / stretches;
+    std::size_t low = end;
+    std::size_t high = end;
+    std::size_t gap = end;
+    for (std::size_t i = begin; i < end; ++i) {
+      if (!IsDrawable(series, i)) {
+        gap = i;
+        continue;
+      }
+      if (low == end || series.y[i] < series.y[low]) low = i;
+      if (high == end || series.y[i] > series.y[high]) high = i;
+    }
+    for (const std::size_t i : {low, high, gap}) {
+      if (i != end) kept.push_back(i);
+    }
+  }
+  std::sort(kept.begin(), kept.end());
+  kept.erase(std::unique(kept.begin(), kept.end()), kept.end());
+
+  Series out = series;
+  const auto pick = [&kept](const std::vector<double>& from) {
+    std::vector<double> to;
+    if (from.empty()) return to;
+    for (const std::size_t i : kept) to.push_back(from[i]);
+    return to;
+  };
+  out.x = pick(series.x);
+  out.y = pick(series.y);
+  out.lower = pick(series.lower);
+  out.upper = pick(series.upper);
+  return out;
+}
+
+}  // namespace mle::report

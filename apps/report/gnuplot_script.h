@@ -1,0 +1,34 @@
+// A figure as a gnuplot program.
+//
+// Labels stand in single quotes, where gnuplot reads nothing but the doubled
+// quote, and are drawn "noenhanced"; control characters are gone (CleanText).
+// Data are inline, in the shortest decimals that give back the same double.
+
+#ifndef APPS_REPORT_GNUPLOT_SCRIPT_H_
+#define APPS_REPORT_GNUPLOT_SCRIPT_H_
+
+#include <string>
+#include <string_view>
+
+#include "apps/report/figure.h"
+#include "apps/report/layout.h"
+
+namespace mle::report {
+
+// How a terminal of gnuplot counts. Each of them has its own units.
+struct Terminal {
+  std::string name_and_size;   // e.g. "svg size 642,302 fixed"
+  double font_per_pt = 1.0;    // font size to ask for, for one point
+  double line_per_pt = 1.0;    // line width likewise
+  double marker_per_pt = 1.0;  // diameter of a marker likewise, in pointsize
+};
+
+// 'text' as gnuplot reads it back.
+std::string QuoteForGnuplot(std::string_view text);
+
+std::string GnuplotScript(const Figure& figure, const Layout& layout,
+                          const Terminal& terminal);
+
+}  // namespace mle::report
+
+#endif  // APPS_REPORT_GNUPLOT_SCRIPT_H_

@@ -1,0 +1,153 @@
+#include "apps/report/html.h"
+
+#include "apps/report/page_style.h"
+#include "apps/report/svg.h"
+#include "apps/report/text.h"
+
+namespace mle::report {
+namespace {
+
+// A path beside the page as the target of a link: "%" before what a URL would
+// read as something else, "./" so that no scheme can be meant.
+std::string RelativeUrl(std::string_view path) {
+  constexpr std::string_view kPlain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
+      "-_.~/";
+  constexpr std::string_view kHex = "0123456789ABCDEF";
+  std::string url = "./";
+  for (const char c : path) {
+    if (kPlain.find(c) != std::string_view::npos) {
+      url += c;
+      continue;
+    }
+    const auto byte = static_cast<unsigned char>(c);
+    url += '%';
+    url += kHex[byte / 16];
+    url += kHex[byte % 16];
+  }
+  return url;
+}
+
+// A box that scrolls sideways by itself where it is wider than the page; it
+// can be reached by keyboard.
+std::string Scrolling(std::string_view css_class, std::string_view name,
+                      std::string_view content) {
+  std::string out = "<div class=\"scroll ";
+  out += css_class;
+  out += "\" tabindex=\"0\" role=\"region\" aria-label=\"";
+  out += EscapeHtml(name) + "\">\n";
+  out += content;
+  return out + "</div>\n";
+}
+
+}  // namespace
+
+HtmlPage::HtmlPage(std::string title) : title_(std::move(title)) {}
+
+void HtmlPage::AddSummary(const std::vector<std::string>& sentences) {
+  body_ += "<div class=\"summary\">\n";
+  for (const std::string& sentence : sentences) AddParagraph(sentence);
+  body_ += "</div>\n";
+}
+
+void HtmlPage::AddHeading(std::string_view text) {
+  headings_.emplace_back(text);
+  body_ += "<h2 id=\"section-" + std::to_string(headings_.size()) + "\">" +
+           EscapeHtml(text) + "</h2>\n";
+}
+
+void HtmlPage::AddSubheading(std::string_view text) {
+  body_ += "<h3>" + EscapeHtml(text) + "</h3>\n";
+}
+
+void HtmlPage::AddParagraph(std::string_view text) {
+  body_ += "<p>" + EscapeHtml(text) + "</p>\n";
+}
+
+void HtmlPage::AddList(const std::vector<std::string>& items) {
+  body_ += "<ul>\n";
+  for (const std::string& item : items) {
+    body_ += "<li>" + EscapeHtml(item) + "</li>\n";
+  }
+  body_ += "</ul>\n";
+}
+
+void HtmlPage::AddWarning(std::string_view text) {
+  body_ +=
+      "<div class=\"warning\" role=\"note\">\n<p><strong>Warning:</strong> " +
+      EscapeHtml(text) + "</p>\n</div>\n";
+}
+
+void HtmlPage::AddTable(const Table& table) {
+  const std::string name = table.caption.empty()
+                               ? "Table " + std::to_string(++tables_)
+                               : table.caption;
+  body_ += Scrolling("table", name, RenderHtml(table));
+}
+
+void HtmlPage::AddFigure(const absl::StatusOr<std::string>& svg,
+                         std::string_view caption, std::string_view alt) {
+  const std::string number = std::to_string(++figures_);
+  absl::StatusOr<std::string> picture =
+      svg.ok() ? EmbedSvg(*svg, "f" + number + "-", alt) : svg;
+  if (!picture.ok()) {
+    AddWarning("Figure " + number + " (" + std::string(caption) +
+               ") is missing: " + std::string(picture.status().message()));
+    return;
+  }
+  body_ += "<figure>\n" + Scrolling("picture", "Figure " + number, *picture) +
+           "<figcaption>Figure " + number + ". " + EscapeHtml(caption) +
+           "</figcaption>\n</figure>\n";
+}
+
+void HtmlPage::AddCode(std::string_view code) {
+  body_ += "<pre><code>" + EscapeHtmlLines(code) + "</code></pre>\n";
+}
+
+void HtmlPage::AddFiles(
+    const std::vector<std::pair<std::string, std::string>>& files) {
+  body_ += "<ul>\n";
+  for (const auto& [name, path] : files) {
+    body_ += "<li><a href=\"" + RelativeUrl(path) + "\">" + EscapeHtml(name) +
+             "</a></li>\n";
+  }
+  body_ += "</ul>\n";
+}
+
+void HtmlPage::AddRunAgain(const RunAgain& run) {
+  AddHeading("Run it again");
+  if (!run.command.empty()) AddCode(run.command);
+  std::string rows;
+  const auto add = [&rows](const std::string& name, const std::string& value) {
+    if (value.empty()) return;
+    rows +=
+        "<dt>" + EscapeHtml(name) + "</dt><dd>" + EscapeHtml(value) + "</dd>\n";
+  };
+  add("Version", run.version);
+  add("Seeds", run.seeds);
+  for (const auto& [name, value] : run.more) add(name, value);
+  if (!rows.empty()) body_ += "<dl>\n" + rows + "</dl>\n";
+}
+
+std::string HtmlPage::Render() const {
+  const std::string title = EscapeHtml(title_);
+  std::string out =
+      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, "
+      "initial-scale=1\">\n<meta name=\"color-scheme\" content=\"light "
+      "dark\">\n<title>";
+  out += title + "</title>\n<style>";
+  out += PageStyle();
+  out += "</style>\n</head>\n<body>\n<main>\n<h1>" + title + "</h1>\n";
+  if (headings_.size() >= 3) {
+    out += "<nav aria-label=\"Contents\">\n<ul>\n";
+    for (std::size_t i = 0; i < headings_.size(); ++i) {
+      out += "<li><a href=\"#section-" + std::to_string(i + 1) + "\">" +
+             EscapeHtml(headings_[i]) + "</a></li>\n";
+    }
+    out += "</ul>\n</nav>\n";
+  }
+  return out + body_ + "</main>\n</body>\n</html>\n";
+}
+
+}  // namespace mle::report

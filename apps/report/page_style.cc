@@ -1,0 +1,85 @@
+#include "apps/report/page_style.h"
+
+namespace mle::report {
+
+// The colours of text on ground have a contrast of at least 4.5 : 1 in both
+// modes. Figures keep their white ground in dark mode.
+std::string_view PageStyle() {
+  return R"css(
+:root {
+  color-scheme: light dark;
+  --ground: #ffffff; --card: #f5f7f9; --text: #1c2126; --soft: #55606b;
+  --rule: #d5dbe1; --accent: #00578a; --warn: #8a3c00; --warn-ground: #fdf1e7;
+}
+@media (prefers-color-scheme: dark) {
+  :root {
+    --ground: #14181c; --card: #1e242a; --text: #e4e8ec; --soft: #a4afba;
+    --rule: #39424b; --accent: #6cbcf0; --warn: #f5b27a; --warn-ground: #33261b;
+  }
+}
+* { box-sizing: border-box; }
+html { -webkit-text-size-adjust: 100%; text-size-adjust: 100%; }
+body {
+  margin: 0; background: var(--ground); color: var(--text);
+  font: 1rem/1.55 system-ui, "Helvetica Neue", Helvetica, Arial, "DejaVu Sans", sans-serif;
+}
+main { max-width: 64rem; margin: 0 auto; padding: 1.5rem clamp(1rem, 4vw, 2.5rem) 4rem; }
+h1, h2, h3 { line-height: 1.25; text-wrap: balance; overflow-wrap: anywhere; }
+h1 { font-size: clamp(1.5rem, 1.2rem + 1.5vw, 2.1rem); margin: .5rem 0 1.25rem; }
+h2 { font-size: 1.35rem; margin: 2.75rem 0 .75rem; padding-top: .9rem; border-top: 1px solid var(--rule); }
+h3 { font-size: 1.1rem; margin: 2rem 0 .5rem; }
+p, ul { max-width: 44rem; margin: .75rem 0; overflow-wrap: anywhere; }
+a { color: var(--accent); }
+a:focus-visible, [tabindex]:focus-visible { outline: 2px solid var(--accent); outline-offset: 2px; }
+.summary { background: var(--card); border-left: 4px solid var(--accent); border-radius: 4px; padding: .6rem 1.1rem; margin: 1.25rem 0; }
+.summary p { font-size: 1.06rem; margin: .45rem 0; }
+.warning { background: var(--warn-ground); border-left: 4px solid var(--warn); border-radius: 4px; padding: .6rem 1.1rem; margin: 1rem 0; }
+.warning p { margin: .2rem 0; }
+.warning strong { color: var(--warn); }
+nav { margin: 1.25rem 0; font-size: .95rem; }
+nav ul { list-style: none; padding: 0; display: flex; flex-wrap: wrap; gap: .35rem 1.4rem; max-width: none; }
+nav a { display: inline-block; padding: .2rem 0; }
+.scroll { overflow-x: auto; max-width: 100%; }
+.table { margin: 1.25rem 0; }
+table { border-collapse: collapse; font-size: .95rem; font-variant-numeric: tabular-nums; }
+caption { text-align: left; color: var(--soft); padding: 0 0 .5rem; max-width: 44rem; }
+th, td { padding: .35rem .8rem; border-bottom: 1px solid var(--rule); vertical-align: baseline; }
+th:first-child, td:first-child { padding-left: .1rem; }
+thead th, thead td { border-bottom: 2px solid var(--soft); vertical-align: bottom; }
+tbody th { font-weight: 600; }
+.left { text-align: left; } .center { text-align: center; } .right { text-align: right; }
+td.right, th.right { white-space: nowrap; }
+figure { margin: 1.5rem 0; }
+.picture { background: #ffffff; border: 1px solid var(--rule); border-radius: 4px; padding: .6rem; }
+.picture svg { display: block; width: 100%; height: auto; margin: 0 auto; }
+figcaption { color: var(--soft); font-size: .95rem; margin-top: .5rem; max-width: 44rem; overflow-wrap: anywhere; }
+pre, code { font-family: ui-monospace, "DejaVu Sans Mono", Menlo, Consolas, monospace; font-size: .88rem; }
+pre { background: var(--card); border: 1px solid var(--rule); border-radius: 4px; padding: .8rem 1rem; margin: .75rem 0; white-space: pre-wrap; overflow-wrap: anywhere; }
+dl { display: grid; grid-template-columns: max-content 1fr; gap: .3rem 1.2rem; margin: .75rem 0; }
+dt { color: var(--soft); } dd { margin: 0; overflow-wrap: anywhere; }
+@media (max-width: 30rem) {
+  dl { grid-template-columns: 1fr; gap: 0; } dd { margin-bottom: .5rem; }
+  th, td { padding: .35rem .5rem; }
+}
+@page { size: A4; margin: 18mm 16mm; }
+@media print {
+  :root {
+    color-scheme: light;
+    --ground: #ffffff; --card: #ffffff; --text: #000000; --soft: #444444;
+    --rule: #bbbbbb; --accent: #00578a; --warn: #8a3c00; --warn-ground: #ffffff;
+  }
+  body { font-size: 10pt; }
+  main { max-width: none; padding: 0; }
+  nav { display: none; }
+  h1, h2, h3, caption { break-after: avoid; }
+  figure, tr, .summary, .warning { break-inside: avoid; }
+  thead { display: table-header-group; }
+  .scroll { overflow: visible; }
+  .picture { border: 0; padding: 0; }
+  .picture svg { min-width: 0 !important; max-width: 100% !important; max-height: 240mm; }
+  p, ul, caption, figcaption { max-width: none; orphans: 3; widows: 3; }
+}
+)css";
+}
+
+}  // namespace mle::report

@@ -1,0 +1,132 @@
+#include "apps/report/table.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <string_view>
+#include <utility>
+
+#include "apps/report/text.h"
+
+namespace mle::report {
+namespace {
+
+// The table with all rows of the same length.
+Table Squared(Table table) {
+  std::size_t width = table.columns.size();
+  for (const auto& row : table.rows) width = std::max(width, row.size());
+  table.columns.resize(width);
+  for (auto& row : table.rows) row.resize(width);
+  return table;
+}
+
+std::string Padded(const std::string& text, int width, Align align) {
+  const int blanks = std::max(0, width - DisplayWidth(text));
+  const int left = align == Align::kLeft     ? 0
+                   : align == Align::kCenter ? blanks / 2
+                                             : blanks;
+  return std::string(left, ' ') + text + std::string(blanks - left, ' ');
+}
+
+void AddLine(std::string line, std::string& out) {
+  line.erase(line.find_last_not_of(' ') + 1);
+  out += line + '\n';
+}
+
+std::string_view ClassOf(Align align) {
+  switch (align) {
+    case Align::kLeft:
+      return "left";
+    case Align::kCenter:
+      return "center";
+    case Align::kRight:
+      return "right";
+  }
+  return "left";
+}
+
+void AddHtmlCell(std::string_view tag, std::string_view scope, Align align,
+                 std::string_view text, std::string& out) {
+  out += "<";
+  out += tag;
+  if (!scope.empty()) {
+    out += " scope=\"";
+    out += scope;
+    out += "\"";
+  }
+  out += " class=\"";
+  out += ClassOf(align);
+  out += "\">" + EscapeHtml(text) + "</";
+  out += tag;
+  out += ">";
+}
+
+}  // namespace
+
+void Table::AddRow(std::vector<std::string> cells) {
+  rows.push_back(std::move(cells));
+}
+
+std::string RenderText(const Table& input) {
+  Table table = Squared(input);
+  std::vector<int> widths;
+  for (std::size_t j = 0; j < table.columns.size(); ++j) {
+    table.columns[j].header = CleanText(table.columns[j].header);
+    int width = DisplayWidth(table.columns[j].header);
+    for (auto& row : table.rows) {
+      row[j] = CleanText(row[j]);
+      width = std::max(width, DisplayWidth(row[j]));
+    }
+    widths.push_back(width);
+  }
+
+  std::string out;
+  if (!table.caption.empty()) AddLine(CleanText(table.caption), out);
+  std::string header;
+  std::string rule;
+  for (std::size_t j = 0; j < table.columns.size(); ++j) {
+    const std::string_view gap = j == 0 ? "" : "  ";
+    const Column& column = table.columns[j];
+    header += gap;
+    header += Padded(column.header, widths[j], column.align);
+    rule += gap;
+    for (int i = 0; i < widths[j]; ++i) rule += "─";
+  }
+  AddLine(header, out);
+  AddLine(rule, out);
+  for (const auto& row : table.rows) {
+    std::string line;
+    for (std::size_t j = 0; j < row.size(); ++j) {
+      line += j == 0 ? "" : "  ";
+      line += Padded(row[j], widths[j], table.columns[j].align);
+    }
+    AddLine(line, out);
+  }
+  return out;
+}
+
+std::string RenderHtml(const Table& input) {
+  const Table table = Squared(input);
+  std::string out = "<table>\n";
+  if (!table.caption.empty()) {
+    out += "<caption>" + EscapeHtml(table.caption) + "</caption>\n";
+  }
+  out += "<thead>\n<tr>";
+  for (const Column& column : table.columns) {
+    AddHtmlCell(column.header.empty() ? "td" : "th",
+                column.header.empty() ? "" : "col", column.align, column.header,
+                out);
+  }
+  out += "</tr>\n</thead>\n<tbody>\n";
+  for (const auto& row : table.rows) {
+    out += "<tr>";
+    for (std::size_t j = 0; j < row.size(); ++j) {
+      const bool names_row = j == 0 && table.row_headers;
+      AddHtmlCell(names_row ? "th" : "td", names_row ? "row" : "",
+                  table.columns[j].align, row[j], out);
+    }
+    out += "</tr>\n";
+  }
+  return out + "</tbody>\n</table>\n";
+}
+
+}  // namespace mle::report

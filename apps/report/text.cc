@@ -1,0 +1,217 @@
+#include "apps/report/text.h"
+
+#include <array>
+#include <cstddef>
+
+namespace mle::report {
+namespace {
+
+constexpr char32_t kReplacement = 0xFFFD;
+
+struct CodeRange {
+  char32_t first;
+  char32_t last;
+};
+
+template <std::size_t n>
+bool IsIn(char32_t c, const std::array<CodeRange, n>& ranges) {
+  for (const CodeRange& range : ranges) {
+    if (c >= range.first && c <= range.last) return true;
+  }
+  return false;
+}
+
+// C0 and C1, line and paragraph separators, and the marks that reorder text.
+bool IsControl(char32_t c) {
+  static constexpr std::array<CodeRange, 6> kControls = {{{0x00, 0x1F},
+                                                          {0x7F, 0x9F},
+                                                          {0x200E, 0x200F},
+                                                          {0x2028, 0x202E},
+                                                          {0x2066, 0x2069},
+                                                          {0xFEFF, 0xFEFF}}};
+  return IsIn(c, kControls);
+}
+
+bool IsCombining(char32_t c) {
+  static constexpr std::array<CodeRange, 6> kCombining = {{{0x0300, 0x036F},
+                                                           {0x1AB0, 0x1AFF},
+                                                           {0x1DC0, 0x1DFF},
+                                                           {0x200B, 0x200D},
+                                                           {0x20D0, 0x20FF},
+                                                           {0xFE00, 0xFE0F}}};
+  return IsIn(c, kCombining);
+}
+
+bool IsWide(char32_t c) {
+  static constexpr std::array<CodeRange, 9> kWide = {{{0x1100, 0x115F},
+                                                      {0x2E80, 0x303E},
+                                                      {0x3041, 0xA4CF},
+                                                      {0xAC00, 0xD7A3},
+                                                      {0xF900, 0xFAFF},
+                                                      {0xFE30, 0xFE6F},
+                                                      {0xFF00, 0xFF60},
+                                                      {0x1F300, 0x1FAFF},
+                                                      {0x20000, 0x3FFFD}}};
+  return IsIn(c, kWide);
+}
+
+// Reads one code point at `at` and moves past it; one byte if it is no UTF-8.
+char32_t Decode(std::string_view text, std::size_t& at) {
+  const auto byte = [&](std::size_t i) {
+    return static_cast<unsigned char>(text[i]);
+  };
+  const unsigned char lead = byte(at++);
+  if (lead < 0x80) return lead;
+  int following = 0;
+  char32_t code = 0;
+  char32_t smallest = 0;
+  if (lead >= 0xC2 && lead <= 0xDF) {
+    following = 1;
+    code = lead & 0x1Fu;
+    smallest = 0x80;
+  } else if (lead >= 0xE0 && lead <= 0xEF) {
+    following = 2;
+    code = lead & 0x0Fu;
+    smallest = 0x800;
+  } else if (lead >= 0xF0 && lead <= 0xF4) {
+    following = 3;
+    code = lead & 0x07u;
+    smallest = 0x10000;
+  } else {
+    return kReplacement;
+  }
+  if (at + following > text.size()) return kReplacement;
+  for (int i = 0; i < following; ++i) {
+    const unsigned char next = byte(at + i);
+    if ((next & 0xC0u) != 0x80u) return kReplacement;
+    code = (code << 6) | (next & 0x3Fu);
+  }
+  const bool surrogate = code >= 0xD800 && code <= 0xDFFF;
+  if (code < smallest || code > 0x10FFFF || surrogate) return kReplacement;
+  at += following;
+  return code;
+}
+
+std::string Escape(std::string_view text, bool keep_lines) {
+  std::string out;
+  std::size_t at = 0;
+  while (at < text.size()) {
+    if (keep_lines && (text[at] == '\n' || text[at] == '\t')) {
+      out += text[at++];
+      continue;
+    }
+    std::size_t end = at;
+    while (end < text.size() &&
+           !(keep_lines && (text[end] == '\n' || text[end] == '\t'))) {
+      ++end;
+    }
+    for (const char c : CleanText(text.substr(at, end - at))) {
+      switch (c) {
+        case '&':
+          out += "&amp;";
+          break;
+        case '<':
+          out += "&lt;";
+          break;
+        case '>':
+          out += "&gt;";
+          break;
+        case '"':
+          out += "&quot;";
+          break;
+        case '\'':
+          out += "&#39;";
+          break;
+        default:
+          out += c;
+      }
+    }
+    at = end;
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<char32_t> CodePoints(std::string_view text) {
+  std::vector<char32_t> points;
+  points.reserve(text.size());
+  for (std::size_t at = 0; at < text.size();) {
+    char32_t code = Decode(text, at);
+    if (IsControl(code)) code = U' ';
+    // Unicode says these are no characters; XML forbids some of them.
+    if ((code & 0xFFFEu) == 0xFFFEu || (code >= 0xFDD0 && code <= 0xFDEF)) {
+      code = kReplacement;
+    }
+    points.push_back(code);
+  }
+  return points;
+}
+
+std::string Utf8(char32_t code) {
+  std::string out;
+  const auto add = [&out](char32_t byte) { out += static_cast<char>(byte); };
+  if (code < 0x80) {
+    add(code);
+  } else if (code < 0x800) {
+    add(0xC0u | (code >> 6));
+    add(0x80u | (code & 0x3Fu));
+  } else if (code < 0x10000) {
+    add(0xE0u | (code >> 12));
+    add(0x80u | ((code >> 6) & 0x3Fu));
+    add(0x80u | (code & 0x3Fu));
+  } else {
+    add(0xF0u | (code >> 18));
+    add(0x80u | ((code >> 12) & 0x3Fu));
+    add(0x80u | ((code >> 6) & 0x3Fu));
+    add(0x80u | (code & 0x3Fu));
+  }
+  return out;
+}
+
+std::string CleanText(std::string_view text) {
+  std::string out;
+  for (const char32_t code : CodePoints(text)) out += Utf8(code);
+  return out;
+}
+
+std::string EscapeHtml(std::string_view text) { return Escape(text, false); }
+
+std::string EscapeHtmlLines(std::string_view text) {
+  return Escape(text, true);
+}
+
+int DisplayWidth(std::string_view text) {
+  int width = 0;
+  for (const char32_t code : CodePoints(text)) {
+    width += IsCombining(code) ? 0 : IsWide(code) ? 2 : 1;
+  }
+  return width;
+}
+
+std::string QuoteCommandLine(const std::vector<std::string>& arguments) {
+  constexpr std::string_view kPlain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
+      "_@%+=:,./-";
+  std::string line;
+  for (const std::string& argument : arguments) {
+    if (!line.empty()) line += ' ';
+    if (!argument.empty() &&
+        argument.find_first_not_of(kPlain) == std::string::npos) {
+      line += argument;
+      continue;
+    }
+    line += '\'';
+    for (const char c : argument) {
+      if (c == '\'') {
+        line += "'\\''";
+      } else {
+        line += c;
+      }
+    }
+    line += '\'';
+  }
+  return line;
+}
+
+}  // namespace mle::report
