@@ -41,8 +41,9 @@ Eigen::MatrixXd FinalValues(const StepResponse& response);
 Eigen::MatrixXd ImpulseResponses(const StepResponse& response);
 
 // p × m: the time kΔt at which each impulse response is largest in magnitude.
-// The response of a first-order element with dead time L peaks in the first
-// sample after L, so that this reads L rounded up to a multiple of Δt.
+// The response of a first-order element with dead time L is steepest in the
+// first whole sample after L, so that this reads L rounded up to a multiple of
+// Δt, plus Δt: the end of that sample.
 Eigen::MatrixXd ImpulsePeakTimes(const StepResponse& response);
 
 }  // namespace mle

@@ -1,0 +1,158 @@
+#include "mle/base/file.h"
+
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+
+namespace mle {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+class FileTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::string pattern = ::testing::TempDir() + "/mle_file_XXXXXX";
+    ASSERT_NE(::mkdtemp(pattern.data()), nullptr);
+    folder_ = pattern;
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  std::string Path(const std::string& name) const {
+    return (folder_ / name).string();
+  }
+  std::vector<std::string> Names() const {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::directory_iterator(folder_)) {
+      names.push_back(entry.path().filename().string());
+    }
+    return names;
+  }
+
+  fs::path folder_;
+};
+
+std::string Message(const absl::Status& status) {
+  return std::string(status.message());
+}
+
+TEST_F(FileTest, WhatIsWrittenIsRead) {
+  const std::string contents[] = {"", "one line\n", std::string("\0\xff\r", 3),
+                                  std::string(1'000'000, 'x')};
+  for (const std::string& content : contents) {
+    ASSERT_TRUE(WriteFileAtomically(Path("a"), content).ok());
+    const absl::StatusOr<std::string> read = ReadFile(Path("a"));
+    ASSERT_TRUE(read.ok()) << read.status();
+    EXPECT_EQ(*read, content);
+    EXPECT_THAT(Names(), ::testing::ElementsAre("a"));  // Nothing left over.
+  }
+}
+
+TEST_F(FileTest, MissingFileIsNamed) {
+  const absl::Status status = ReadFile(Path("absent")).status();
+  EXPECT_TRUE(absl::IsNotFound(status)) << status;
+  EXPECT_THAT(Message(status), HasSubstr(Path("absent")));
+  EXPECT_THAT(Message(status), HasSubstr("No such file"));
+}
+
+TEST_F(FileTest, FoldersAndDevicesAreNotFiles) {
+  EXPECT_THAT(Message(ReadFile(folder_.string()).status()),
+              HasSubstr("is a folder"));
+  EXPECT_THAT(Message(ReadFile("/dev/zero").status()),
+              HasSubstr("not a regular file"));
+  EXPECT_THAT(Message(WriteFileAtomically(folder_.string(), "x")),
+              HasSubstr("is a folder"));
+  EXPECT_THAT(Message(WriteFileAtomically("/dev/null", "x")),
+              HasSubstr("not a regular file"));
+  EXPECT_TRUE(fs::is_character_file("/dev/null"));
+}
+
+TEST_F(FileTest, PipesAreReadToTheirEnd) {
+  const std::string pipe = Path("pipe");
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  const std::string content(300'000, 'y');
+  std::thread writer([&] { std::ofstream(pipe) << content; });
+  const absl::StatusOr<std::string> read = ReadFile(pipe);
+  writer.join();
+  ASSERT_TRUE(read.ok()) << read.status();
+  EXPECT_EQ(*read, content);
+}
+
+TEST_F(FileTest, FailedWriteLeavesNothing) {
+  const absl::Status status = WriteFileAtomically(Path("no/such/a"), "x");
+  EXPECT_TRUE(absl::IsNotFound(status)) << status;
+  EXPECT_THAT(Message(status), HasSubstr(Path("no/such/a")));
+  EXPECT_TRUE(Names().empty());
+  EXPECT_FALSE(WriteFileAtomically("", "x").ok());
+}
+
+// Past the limit on the size of a file a write fails part of the way. To be
+// called in a child, where the limit does no harm.
+[[noreturn]] void WriteBeyondALimit(const std::string& path) {
+  ::signal(SIGXFSZ, SIG_IGN);
+  const rlimit limit = {1000, 1000};
+  ::setrlimit(RLIMIT_FSIZE, &limit);
+  const absl::Status status = WriteFileAtomically(path, std::string(5000, 'z'));
+  std::_Exit(status.ok() ? 1 : 0);
+}
+
+TEST_F(FileTest, FailedWriteKeepsTheOldContent) {
+  ASSERT_TRUE(WriteFileAtomically(Path("a"), "old").ok());
+  EXPECT_EXIT(WriteBeyondALimit(Path("a")), ::testing::ExitedWithCode(0), "");
+  EXPECT_EQ(*ReadFile(Path("a")), "old");
+  EXPECT_THAT(Names(), ::testing::ElementsAre("a"));
+}
+
+TEST_F(FileTest, ManyWritersLeaveOneWholeFile) {
+  std::vector<std::thread> writers;
+  for (char c = 'a'; c < 'i'; ++c) {
+    writers.emplace_back([this, c] {
+      for (int repeat = 0; repeat < 5; ++repeat) {
+        EXPECT_TRUE(
+            WriteFileAtomically(Path("shared"), std::string(50'000, c)).ok());
+      }
+    });
+  }
+  for (std::thread& writer : writers) writer.join();
+  const std::string content = *ReadFile(Path("shared"));
+  EXPECT_EQ(content, std::string(50'000, content[0]));
+  EXPECT_THAT(Names(), ::testing::ElementsAre("shared"));
+}
+
+TEST_F(FileTest, FolderIsMadeWithItsParents) {
+  for (int repeat = 0; repeat < 2; ++repeat) {
+    const absl::Status status = MakeWritableFolder(Path("a/b/c/"));
+    ASSERT_TRUE(status.ok()) << status;
+    EXPECT_TRUE(fs::is_directory(Path("a/b/c")));
+    EXPECT_TRUE(fs::is_empty(Path("a/b/c")));
+  }
+}
+
+TEST_F(FileTest, FolderWhereAFileIsFails) {
+  ASSERT_TRUE(WriteFileAtomically(Path("a"), "x").ok());
+  EXPECT_THAT(Message(MakeWritableFolder(Path("a"))), HasSubstr(Path("a")));
+  EXPECT_THAT(Message(MakeWritableFolder(Path("a/b"))), HasSubstr(Path("a/b")));
+  EXPECT_FALSE(MakeWritableFolder("").ok());
+}
+
+TEST_F(FileTest, FolderThatTakesNoFilesFails) {
+  // No user, not even root, makes files in /proc.
+  const absl::Status status = MakeWritableFolder("/proc");
+  EXPECT_FALSE(status.ok());
+  EXPECT_THAT(Message(status), HasSubstr("cannot make files in"));
+}
+
+}  // namespace
+}  // namespace mle
