@@ -1,0 +1,54 @@
+// The lasso at one λ by cyclic coordinate descent on the Gram matrix.
+//
+// Minimises f along one coefficient after the other,
+//
+//   β_j ← S(c_j + G_jj β_j, λw_j) / G_jj,   S(x, a) = sign(x) (|x| − a)₊,
+//
+// sweeping over the coefficients that are not zero until they settle and over
+// all of them then. (Friedman, Hastie and Tibshirani, J. Stat. Softw. 33(1),
+// 2010.) On strongly collinear columns it needs very many sweeps; it is here to
+// take over where the homotopy cannot go on, and to be compared with.
+
+#ifndef MLE_REGRESSION_COORDINATE_DESCENT_H_
+#define MLE_REGRESSION_COORDINATE_DESCENT_H_
+
+#include <string>
+
+#include "Eigen/Core"
+#include "absl/status/statusor.h"
+#include "mle/regression/duality_gap.h"
+#include "mle/regression/lasso_problem.h"
+
+namespace mle {
+
+struct CoordinateDescentOptions {
+  enum class Stop {
+    kDualityGap,  // relative duality gap ≤ tolerance
+    // MATLAB's `lasso`: a sweep changes β by ≤ tolerance ‖β‖₂ (its default
+    // tolerance is 1e-4). Says little about the distance to the minimiser.
+    kRelativeChange,
+  };
+  Stop stop = Stop::kDualityGap;
+  double tolerance = 1e-9;  // > 0
+  int max_sweeps = 100000;  // ≥ 1
+
+  absl::Status Validate() const;
+};
+
+struct CoordinateDescentSummary {
+  bool converged = false;
+  int sweeps = 0;
+  Eigen::VectorXd beta;  // n
+  DualityGap gap;        // of beta, whatever the stop
+
+  std::string BriefReport() const;
+};
+
+// From `start` (n, or empty for zero). λ ≥ 0.
+absl::StatusOr<CoordinateDescentSummary> SolveCoordinateDescent(
+    const LassoObjective& objective, double lambda,
+    const Eigen::VectorXd& start, const CoordinateDescentOptions& options);
+
+}  // namespace mle
+
+#endif  // MLE_REGRESSION_COORDINATE_DESCENT_H_

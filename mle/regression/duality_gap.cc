@@ -1,0 +1,113 @@
+#include "mle/regression/duality_gap.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "Eigen/Eigenvalues"
+#include "glog/logging.h"
+
+namespace mle {
+namespace {
+
+// Regressors of weight 0, or, where `all`, every one that is not excluded.
+std::vector<int> Free(const LassoObjective& objective, bool all) {
+  std::vector<int> free;
+  for (int j = 0; j < objective.size(); ++j) {
+    const double w = objective.weights(j);
+    if (w == 0.0 || (all && std::isfinite(w))) free.push_back(j);
+  }
+  return free;
+}
+
+// G_FF⁺ c_F.
+Eigen::VectorXd PseudoSolve(const Eigen::MatrixXd& gram,
+                            const std::vector<int>& free,
+                            const Eigen::VectorXd& gradient) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(gram(free, free));
+  const double threshold = static_cast<double>(free.size()) *
+                           std::numeric_limits<double>::epsilon() *
+                           std::max(eigen.eigenvalues().maxCoeff(), 0.0);
+  Eigen::VectorXd coordinates =
+      eigen.eigenvectors().transpose() * gradient(free);
+  coordinates =
+      (eigen.eigenvalues().array() > threshold)
+          .select(coordinates.array() / eigen.eigenvalues().array(), 0.0);
+  return eigen.eigenvectors() * coordinates;
+}
+
+}  // namespace
+
+double DualityGap::Relative() const {
+  if (gap == 0.0) return 0.0;
+  return gap / std::max(primal, std::numeric_limits<double>::epsilon() *
+                                    response_square);
+}
+
+double LeastSquaresGap(const LassoObjective& objective,
+                       const Eigen::VectorXd& gradient) {
+  const std::vector<int> free = Free(objective, /*all=*/true);
+  if (free.empty()) return 0.0;
+  const Eigen::VectorXd step = PseudoSolve(*objective.gram, free, gradient);
+  return std::max(0.5 * step.dot(gradient(free)), 0.0);
+}
+
+DualityGap ComputeDualityGap(const LassoObjective& objective, double lambda,
+                             const Eigen::VectorXd& beta) {
+  CHECK_EQ(beta.size(), objective.size());
+  const Eigen::MatrixXd& gram = *objective.gram;
+  Eigen::VectorXd c = objective.correlation;
+  for (int j = 0; j < beta.size(); ++j) {
+    if (beta(j) != 0.0) c -= beta(j) * gram.col(j);
+  }
+  DualityGap result;
+  result.response_square = objective.response_square;
+  double residual_square = std::max(
+      objective.response_square - beta.dot(objective.correlation + c), 0.0);
+  result.primal = 0.5 * residual_square;
+  if (lambda == 0.0) {
+    result.gap = LeastSquaresGap(objective, c);
+    for (const int j : Free(objective, /*all=*/true)) {
+      result.kkt_violation = std::max(result.kkt_violation, std::abs(c(j)));
+    }
+    return result;
+  }
+
+  if (const std::vector<int> free = Free(objective, /*all=*/false);
+      !free.empty()) {
+    for (const int j : free) {
+      result.kkt_violation = std::max(result.kkt_violation, std::abs(c(j)));
+    }
+    const Eigen::VectorXd step = PseudoSolve(gram, free, c);
+    const double explained = step.dot(c(free));
+    residual_square = std::max(residual_square - explained, 0.0);
+    result.gap += 0.5 * explained;
+    for (std::size_t i = 0; i < free.size(); ++i) {
+      c -= step(static_cast<Eigen::Index>(i)) * gram.col(free[i]);
+    }
+  }
+
+  double ratio = 1.0;
+  for (int j = 0; j < beta.size(); ++j) {
+    const double w = objective.weights(j);
+    if (w == 0.0 || !std::isfinite(w)) continue;
+    ratio = std::max(ratio, std::abs(c(j)) / (lambda * w));
+  }
+  const double alpha = 1.0 / ratio;
+  result.gap += 0.5 * (1.0 - alpha) * (1.0 - alpha) * residual_square;
+  result.kkt_violation = std::max(result.kkt_violation, (ratio - 1.0) * lambda);
+  for (int j = 0; j < beta.size(); ++j) {
+    const double w = objective.weights(j);
+    if (beta(j) == 0.0 || w == 0.0) continue;
+    const double signed_gradient = std::copysign(1.0, beta(j)) * c(j);
+    result.primal += lambda * w * std::abs(beta(j));
+    result.gap += std::abs(beta(j)) * (lambda * w - alpha * signed_gradient);
+    result.kkt_violation = std::max(result.kkt_violation,
+                                    std::abs(signed_gradient - lambda * w) / w);
+  }
+  result.gap = std::max(result.gap, 0.0);
+  return result;
+}
+
+}  // namespace mle

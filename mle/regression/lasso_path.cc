@@ -1,0 +1,54 @@
+#include "mle/regression/lasso_path.h"
+
+#include <algorithm>
+
+#include "glog/logging.h"
+
+namespace mle {
+
+int LassoPath::FindSegment(double lambda) const {
+  if (segments_.empty() || lambda > segments_.front().lambda_begin) return -1;
+  const auto it = std::lower_bound(
+      segments_.begin(), segments_.end(), lambda,
+      [](const Segment& s, double value) { return s.lambda_end > value; });
+  return static_cast<int>(std::min(it, segments_.end() - 1) -
+                          segments_.begin());
+}
+
+void LassoPath::Coefficients(double lambda,
+                             Eigen::Ref<Eigen::VectorXd> beta) const {
+  CHECK_EQ(beta.size(), size_);
+  beta.setZero();
+  const int number = FindSegment(lambda);
+  if (number < 0) return;
+  const Segment& segment = segments_[number];
+  const double step =
+      segment.lambda_begin - std::max(lambda, segment.lambda_end);
+  const auto active = Active(segment);
+  const auto start = Start(segment);
+  const auto slope = Slope(segment);
+  for (int i = 0; i < segment.active; ++i) {
+    beta(active(i)) = start(i) + step * slope(i);
+  }
+}
+
+Eigen::VectorXd LassoPath::Coefficients(double lambda) const {
+  Eigen::VectorXd beta(size_);
+  Coefficients(lambda, beta);
+  return beta;
+}
+
+void LassoPath::Append(double lambda_begin, double lambda_end,
+                       const std::vector<int>& active,
+                       const Eigen::VectorXd& start,
+                       const Eigen::VectorXd& slope) {
+  CHECK_LE(lambda_end, lambda_begin);
+  segments_.push_back({lambda_begin, lambda_end,
+                       static_cast<Eigen::Index>(active_.size()),
+                       static_cast<int>(active.size())});
+  active_.insert(active_.end(), active.begin(), active.end());
+  start_.insert(start_.end(), start.data(), start.data() + active.size());
+  slope_.insert(slope_.end(), slope.data(), slope.data() + active.size());
+}
+
+}  // namespace mle

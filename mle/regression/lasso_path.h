@@ -1,0 +1,74 @@
+// The solutions of one lasso problem for all λ from λ_max down to where the
+// path ends: piecewise linear, kept as the segments between its knots,
+//
+//   β_A(λ) = β_A(λ_begin) + (λ_begin − λ) q,   λ_end ≤ λ ≤ λ_begin,
+//
+// all other coefficients zero.
+
+#ifndef MLE_REGRESSION_LASSO_PATH_H_
+#define MLE_REGRESSION_LASSO_PATH_H_
+
+#include <string>
+#include <vector>
+
+#include "Eigen/Core"
+
+namespace mle {
+
+class LassoPath {
+ public:
+  struct Segment {
+    double lambda_begin = 0.0;
+    double lambda_end = 0.0;
+    Eigen::Index offset = 0;  // of its coefficients in the flat arrays
+    int active = 0;           // |A|
+  };
+
+  LassoPath() = default;
+  explicit LassoPath(int size) : size_(size) {}
+
+  int size() const { return size_; }
+  const std::vector<Segment>& segments() const { return segments_; }
+  // 0 for a path without segments: β = 0 for every λ.
+  double lambda_begin() const {
+    return segments_.empty() ? 0.0 : segments_.front().lambda_begin;
+  }
+  double lambda_end() const {
+    return segments_.empty() ? 0.0 : segments_.back().lambda_end;
+  }
+
+  // A, β_A(λ_begin) and q of a segment.
+  Eigen::Map<const Eigen::VectorXi> Active(const Segment& segment) const {
+    return {active_.data() + segment.offset, segment.active};
+  }
+  Eigen::Map<const Eigen::VectorXd> Start(const Segment& segment) const {
+    return {start_.data() + segment.offset, segment.active};
+  }
+  Eigen::Map<const Eigen::VectorXd> Slope(const Segment& segment) const {
+    return {slope_.data() + segment.offset, segment.active};
+  }
+
+  // Number of the segment that holds λ; −1 above λ_begin, the last one below
+  // λ_end.
+  int FindSegment(double lambda) const;
+
+  // β(λ) into `beta` (n): zero above λ_begin, the end of the path below it.
+  void Coefficients(double lambda, Eigen::Ref<Eigen::VectorXd> beta) const;
+  Eigen::VectorXd Coefficients(double lambda) const;
+
+  // Segments are appended in falling λ.
+  void Append(double lambda_begin, double lambda_end,
+              const std::vector<int>& active, const Eigen::VectorXd& start,
+              const Eigen::VectorXd& slope);
+
+ private:
+  int size_ = 0;
+  std::vector<Segment> segments_;
+  std::vector<int> active_;
+  std::vector<double> start_;
+  std::vector<double> slope_;
+};
+
+}  // namespace mle
+
+#endif  // MLE_REGRESSION_LASSO_PATH_H_

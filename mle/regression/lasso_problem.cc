@@ -1,0 +1,129 @@
+#include "mle/regression/lasso_problem.h"
+
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "absl/strings/str_format.h"
+#include "glog/logging.h"
+
+namespace mle {
+namespace {
+
+// A centred sum of squares below this part of the uncentred one is rounding.
+constexpr double kConstantTolerance =
+    256.0 * std::numeric_limits<double>::epsilon();
+
+}  // namespace
+
+Eigen::VectorXd LassoProblem::Unscale(const Eigen::VectorXd& beta) const {
+  return (scale.array() > 0.0)
+      .select(
+          beta.array() / scale.array().max(std::numeric_limits<double>::min()),
+          0.0);
+}
+
+LassoProblem MakeLassoProblem(LaggedMoments moments, Scaling scaling) {
+  CHECK_GT(moments.rows, 0);
+  const auto n = moments.num_regressors();
+  const double rows = static_cast<double>(moments.rows);
+  LassoProblem problem;
+  problem.rows = moments.rows;
+  problem.gram = std::move(moments.gram);
+  problem.correlation = moments.cross / rows;
+  problem.response_square = moments.response_squares / rows;
+
+  if (scaling == Scaling::kRaw) {
+    problem.regressor_mean.setZero(n);
+    problem.response_mean.setZero(moments.num_responses());
+  } else {
+    problem.regressor_mean = moments.regressor_sum / rows;
+    problem.response_mean = moments.response_sum / rows;
+  }
+  const Eigen::VectorXd& mean = problem.regressor_mean;
+  problem.correlation.noalias() -= mean * problem.response_mean.transpose();
+  problem.response_square -= problem.response_mean.cwiseAbs2();
+  problem.response_square = problem.response_square.cwiseMax(0.0);
+
+  problem.scale.setOnes(n);
+  for (int j = 0; j < n; ++j) {
+    const double second_moment = problem.gram(j, j) / rows;
+    const double variance = second_moment - mean(j) * mean(j);
+    if (variance <= kConstantTolerance * second_moment) {
+      problem.scale(j) = 0.0;
+      problem.constant_regressors.push_back(j);
+    } else if (scaling == Scaling::kStandardise) {
+      problem.scale(j) = std::sqrt(variance);
+    }
+  }
+  const Eigen::ArrayXd inverse_scale =
+      (problem.scale.array() > 0.0)
+          .select(problem.scale.array().inverse(), 0.0);
+  for (int j = 0; j < n; ++j) {
+    problem.gram.col(j) =
+        ((problem.gram.col(j) / rows - mean(j) * mean).array() * inverse_scale *
+         inverse_scale(j))
+            .matrix();
+  }
+  problem.correlation.array().colwise() *= inverse_scale;
+  return problem;
+}
+
+LassoObjective::LassoObjective(const LassoProblem& problem, int response,
+                               const Eigen::VectorXd& penalty_weights)
+    : gram(&problem.gram),
+      correlation(problem.correlation.col(response)),
+      response_square(problem.response_square(response)),
+      weights(penalty_weights) {
+  if (weights.size() == 0) weights.setOnes(problem.num_regressors());
+  if (weights.size() == problem.num_regressors()) {
+    for (const int j : problem.constant_regressors) {
+      weights(j) = std::numeric_limits<double>::infinity();
+    }
+  }
+}
+
+absl::Status LassoObjective::Validate() const {
+  if (gram == nullptr || gram->rows() != size() || gram->cols() != size() ||
+      weights.size() != size()) {
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "lasso: the Gram matrix is %d × %d, the correlations have %d entries "
+        "and the weights %d; all must agree",
+        gram == nullptr ? 0 : gram->rows(), gram == nullptr ? 0 : gram->cols(),
+        size(), weights.size()));
+  }
+  if (size() == 0) {
+    return absl::InvalidArgumentError("lasso: there are no regressors");
+  }
+  if (!gram->allFinite() || !correlation.allFinite() ||
+      !std::isfinite(response_square)) {
+    return absl::InvalidArgumentError(
+        "lasso: the moments are not finite; leave bad samples out of the rows");
+  }
+  for (int j = 0; j < size(); ++j) {
+    if (!(weights(j) >= 0.0)) {
+      return absl::InvalidArgumentError(absl::StrFormat(
+          "lasso: weight %d is %g; weights must be 0 (not penalised), positive "
+          "or infinite (excluded)",
+          j, weights(j)));
+    }
+  }
+  if (!(weights.minCoeff() < std::numeric_limits<double>::infinity())) {
+    return absl::InvalidArgumentError(
+        "lasso: every regressor is excluded or constant; there is nothing to "
+        "estimate");
+  }
+  return absl::OkStatus();
+}
+
+double LassoObjective::LambdaMax() const {
+  double lambda = 0.0;
+  for (int j = 0; j < size(); ++j) {
+    if (weights(j) > 0.0 && std::isfinite(weights(j))) {
+      lambda = std::max(lambda, std::abs(correlation(j)) / weights(j));
+    }
+  }
+  return lambda;
+}
+
+}  // namespace mle

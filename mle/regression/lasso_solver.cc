@@ -1,0 +1,100 @@
+#include "mle/regression/lasso_solver.h"
+
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "mle/base/status.h"
+#include "mle/regression/duality_gap.h"
+#include "mle/regression/homotopy.h"
+
+namespace mle {
+namespace {
+
+// Joins the end of `path` and `beta` at `lambda` by a straight segment.
+void JoinSegment(double lambda_from, const Eigen::VectorXd& from, double lambda,
+                 const Eigen::VectorXd& beta, LassoPath& path) {
+  if (lambda >= lambda_from) return;
+  std::vector<int> active;
+  for (int j = 0; j < beta.size(); ++j) {
+    if (from(j) != 0.0 || beta(j) != 0.0) active.push_back(j);
+  }
+  const Eigen::VectorXd start = from(active);
+  const Eigen::VectorXd end = beta(active);
+  path.Append(lambda_from, lambda, active, start,
+              (end - start) / (lambda_from - lambda));
+}
+
+// Solves lambdas(first) … lambdas(0) by coordinate descent, going down from the
+// end of the path.
+absl::Status Descend(const LassoObjective& objective,
+                     const CoordinateDescentOptions& options,
+                     Eigen::Index first, LassoSolution& solution) {
+  Eigen::VectorXd beta = Eigen::VectorXd::Zero(objective.size());
+  double lambda_before = objective.LambdaMax();
+  if (!solution.path.segments().empty()) {
+    lambda_before = solution.path.lambda_end();
+    beta = solution.path.Coefficients(lambda_before);
+  }
+  int not_converged = 0;
+  for (Eigen::Index i = first; i >= 0; --i) {
+    const double lambda = solution.lambdas(i);
+    MLE_ASSIGN_OR_RETURN(
+        CoordinateDescentSummary summary,
+        SolveCoordinateDescent(objective, lambda, beta, options));
+    not_converged += summary.converged ? 0 : 1;
+    solution.relative_gap(i) = summary.gap.Relative();
+    JoinSegment(lambda_before, beta, lambda, summary.beta, solution.path);
+    if (lambda < lambda_before) lambda_before = lambda;
+    beta = std::move(summary.beta);
+  }
+  absl::StrAppendFormat(&solution.report,
+                        "coordinate descent: %d values of λ, %d not converged",
+                        first + 1, not_converged);
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<LassoSolution> SolveLasso(const LassoObjective& objective,
+                                         const Eigen::VectorXd& lambdas,
+                                         const LassoSolverOptions& options) {
+  if (lambdas.size() == 0) {
+    return absl::InvalidArgumentError("lasso: the grid of λ is empty");
+  }
+  MLE_RETURN_IF_ERROR(objective.Validate());
+  LassoSolution solution;
+  solution.lambdas = lambdas;
+  HomotopyOptions homotopy;
+  homotopy.lambda_min = lambdas(0);
+  homotopy.certify_at = lambdas;
+  MLE_RETURN_IF_ERROR(homotopy.Validate());
+  if (options.solver == LassoSolver::kCoordinateDescent) {
+    solution.path = LassoPath(objective.size());
+    solution.relative_gap.setZero(lambdas.size());
+    MLE_RETURN_IF_ERROR(Descend(objective, options.coordinate_descent,
+                                lambdas.size() - 1, solution));
+    return solution;
+  }
+
+  MLE_ASSIGN_OR_RETURN(HomotopySummary summary,
+                       SolveHomotopy(objective, homotopy));
+  solution.path = std::move(summary.path);
+  solution.relative_gap = std::move(summary.relative_gap);
+  solution.report = summary.BriefReport();
+  Eigen::Index unsolved = 0;
+  while (unsolved < lambdas.size() &&
+         !std::isfinite(solution.relative_gap(unsolved))) {
+    ++unsolved;
+  }
+  if (unsolved > 0) {
+    absl::StrAppend(&solution.report, "; from there on ");
+    MLE_RETURN_IF_ERROR(
+        Descend(objective, options.coordinate_descent, unsolved - 1, solution));
+  }
+  return solution;
+}
+
+}  // namespace mle
