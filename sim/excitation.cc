@@ -1,0 +1,53 @@
+#include "sim/excitation.h"
+
+#include <cmath>
+#include <cstdint>
+
+#include "absl/strings/str_cat.h"
+#include "mle/base/status.h"
+#include "sim/noise.h"
+#include "sim/plant.h"
+#include "sim/sampling.h"
+
+namespace mle::sim {
+namespace {
+
+constexpr std::uint32_t kInputSubstream = 1;
+constexpr std::uint32_t kNoiseSubstream = 2;
+
+}  // namespace
+
+absl::Status ExcitationOptions::Validate() const {
+  MLE_RETURN_IF_ERROR(ValidateSampling(sample_time, duration));
+  if (!(input_variance > 0.0) || !std::isfinite(input_variance)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("input_variance = ", input_variance,
+                     ", but it must be finite and > 0"));
+  }
+  return ValidateNoiseVariance(noise_variance);
+}
+
+absl::StatusOr<Record> SimulateExcitation(const ProcessModel& process,
+                                          const ExcitationOptions& options) {
+  MLE_RETURN_IF_ERROR(options.Validate());
+  MLE_ASSIGN_OR_RETURN(
+      Plant plant,
+      Plant::Create(process, {.sample_time = options.sample_time}));
+  const int samples = SampleCount(options.sample_time, options.duration);
+
+  GaussianNoise input_source(options.seed, options.stream, kInputSubstream);
+  GaussianNoise noise_source(options.seed, options.stream, kNoiseSubstream);
+  Record record;
+  record.sample_time = options.sample_time;
+  record.inputs = input_source.DrawMatrix(plant.num_inputs(), samples,
+                                          std::sqrt(options.input_variance));
+  record.outputs = noise_source.DrawMatrix(plant.num_outputs(), samples,
+                                           std::sqrt(options.noise_variance));
+  for (int k = 0; k < samples; ++k) {
+    record.outputs.col(k) += plant.outputs();
+    plant.Advance(record.inputs.col(k));
+  }
+  return record;
+}
+
+}  // namespace mle::sim

@@ -1,0 +1,45 @@
+#include "sim/sampling.h"
+
+#include <cmath>
+
+#include "absl/strings/str_cat.h"
+
+namespace mle::sim {
+namespace {
+
+constexpr double kMaxSamples = 1e9;
+
+}  // namespace
+
+absl::Status ValidateSampling(double sample_time, double duration) {
+  if (!(sample_time > 0.0) || !std::isfinite(sample_time)) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "sample_time = ", sample_time, ", but it must be finite and > 0"));
+  }
+  if (!(duration > 0.0) || !std::isfinite(duration)) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "duration = ", duration, ", but it must be finite and > 0"));
+  }
+  if (duration / sample_time >= kMaxSamples) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("duration = ", duration, " is ", duration / sample_time,
+                     " samples of sample_time = ", sample_time,
+                     ", but at most ", kMaxSamples, " are supported"));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status ValidateNoiseVariance(double noise_variance) {
+  if (!(noise_variance >= 0.0) || !std::isfinite(noise_variance)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("noise_variance = ", noise_variance,
+                     ", but it must be finite and ≥ 0"));
+  }
+  return absl::OkStatus();
+}
+
+int SampleCount(double sample_time, double duration) {
+  return static_cast<int>(std::floor(duration / sample_time + 1e-6)) + 1;
+}
+
+}  // namespace mle::sim

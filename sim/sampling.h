@@ -1,0 +1,22 @@
+// What the simulations share about sampling and measurement noise.
+
+#ifndef SIM_SAMPLING_H_
+#define SIM_SAMPLING_H_
+
+#include "absl/status/status.h"
+
+namespace mle::sim {
+
+// Δt > 0, duration > 0, both finite, and at most 10⁹ samples.
+absl::Status ValidateSampling(double sample_time, double duration);
+
+// Finite and ≥ 0.
+absl::Status ValidateNoiseVariance(double noise_variance);
+
+// Samples at 0, Δt, … up to `duration`, which counts as reached where it is
+// missed by less than 1e-6 Δt. For what ValidateSampling() accepts.
+int SampleCount(double sample_time, double duration);
+
+}  // namespace mle::sim
+
+#endif  // SIM_SAMPLING_H_

@@ -1,0 +1,44 @@
+#include "sim/set_point_profile.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "absl/strings/str_cat.h"
+
+namespace mle::sim {
+
+absl::Status SetPointProfile::Validate(int num_outputs) const {
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const SetPointStep& step = steps[i];
+    if (step.output < 0 || step.output >= num_outputs) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("set-point step ", i + 1, ": output = ", step.output,
+                       ", but it must be one of 0 … ", num_outputs - 1));
+    }
+    if (!std::isfinite(step.time) || !std::isfinite(step.value)) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("set-point step ", i + 1, ": time = ", step.time,
+                       ", value = ", step.value, ", but both must be finite"));
+    }
+  }
+  return absl::OkStatus();
+}
+
+Eigen::MatrixXd SetPointProfile::Sample(int num_outputs, double sample_time,
+                                        int samples) const {
+  std::vector<SetPointStep> ordered = steps;
+  std::stable_sort(ordered.begin(), ordered.end(),
+                   [](const SetPointStep& a, const SetPointStep& b) {
+                     return a.time < b.time;
+                   });
+  Eigen::MatrixXd values = Eigen::MatrixXd::Zero(num_outputs, samples);
+  for (const SetPointStep& step : ordered) {
+    const double first = std::ceil(step.time / sample_time - 1e-9);
+    if (first >= samples) continue;
+    const int k = static_cast<int>(std::max(0.0, first));
+    values.row(step.output).tail(samples - k).setConstant(step.value);
+  }
+  return values;
+}
+
+}  // namespace mle::sim

@@ -1,0 +1,174 @@
+#include "sim/plant.h"
+
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "sim/noise.h"
+#include "tests/sim/test_models.h"
+
+namespace mle::sim {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using testing::EmptyModel;
+using ::testing::HasSubstr;
+using testing::MixedModel;
+using testing::SingleLoop;
+
+MatrixXd Simulate(const ProcessModel& model, const MatrixXd& inputs) {
+  absl::StatusOr<Plant> plant = Plant::Create(model, {.sample_time = 0.2});
+  EXPECT_TRUE(plant.ok()) << plant.status();
+  MatrixXd outputs(plant->num_outputs(), inputs.cols() + 1);
+  outputs.col(0) = plant->outputs();
+  for (Eigen::Index k = 0; k < inputs.cols(); ++k) {
+    plant->Advance(inputs.col(k));
+    outputs.col(k + 1) = plant->outputs();
+  }
+  return outputs;
+}
+
+MatrixXd RandomInputs(int seed, int m, int steps) {
+  return GaussianNoise(seed, 0).DrawMatrix(m, steps, 1.0);
+}
+
+TEST(PlantTest, HasTheModelsSizeAndStartsAtRest) {
+  const absl::StatusOr<Plant> plant = Plant::Create(MixedModel(), {});
+  ASSERT_TRUE(plant.ok());
+  EXPECT_EQ(plant->num_inputs(), 3);
+  EXPECT_EQ(plant->num_outputs(), 2);
+  EXPECT_EQ(plant->outputs(), VectorXd::Zero(2));
+}
+
+TEST(PlantTest, StaysAtRestWithoutInput) {
+  EXPECT_EQ(Simulate(MixedModel(), MatrixXd::Zero(3, 50)).norm(), 0.0);
+}
+
+TEST(PlantTest, AnAbsentPairHasNoEffect) {
+  MatrixXd inputs = MatrixXd::Zero(3, 50);
+  inputs.row(2).setOnes();
+  const MatrixXd y = Simulate(MixedModel(), inputs);
+  EXPECT_EQ(y.row(1).norm(), 0.0);
+  EXPECT_GT(y.row(0).norm(), 0.0);
+}
+
+TEST(PlantTest, Superposition) {
+  const MatrixXd u = RandomInputs(1, 3, 200);
+  const MatrixXd v = RandomInputs(2, 3, 200);
+  const MatrixXd combined =
+      2.0 * Simulate(MixedModel(), u) - 0.5 * Simulate(MixedModel(), v);
+  // Values of order 1 to 10: rounding.
+  EXPECT_LE((Simulate(MixedModel(), 2.0 * u - 0.5 * v) - combined)
+                .cwiseAbs()
+                .maxCoeff(),
+            1e-12);
+}
+
+TEST(PlantTest, LongerDeadTimeByWholeSamplesShiftsTheResponse) {
+  const int shift = 17;
+  ProcessModel delayed = MixedModel();
+  for (int i = 0; i < 2; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      delayed.element(i, j).set_delay(delayed.element(i, j).delay() +
+                                      shift * 0.2);
+    }
+  }
+  const MatrixXd u = RandomInputs(1, 3, 200);
+  const MatrixXd y = Simulate(MixedModel(), u);
+  const MatrixXd late = Simulate(delayed, u);
+  EXPECT_EQ(late.leftCols(shift + 1).norm(), 0.0);
+  // The part of a sample differs by rounding of the sum of the dead times.
+  EXPECT_LE((late.rightCols(201 - shift) - y.leftCols(201 - shift))
+                .cwiseAbs()
+                .maxCoeff(),
+            1e-12);
+}
+
+TEST(PlantTest, LaterInputShiftsTheResponse) {
+  const MatrixXd u = RandomInputs(1, 3, 100);
+  MatrixXd late_input = MatrixXd::Zero(3, 130);
+  late_input.rightCols(100) = u;
+  const MatrixXd late = Simulate(MixedModel(), late_input);
+  EXPECT_EQ(late.leftCols(31).norm(), 0.0);
+  EXPECT_EQ(late.rightCols(101), Simulate(MixedModel(), u));
+}
+
+// The present input cannot show before time has passed, and an output never
+// depends on inputs to come.
+TEST(PlantTest, IsCausal) {
+  const MatrixXd u = RandomInputs(1, 3, 100);
+  MatrixXd changed = u;
+  changed.rightCols(40) = RandomInputs(2, 3, 40);
+  const MatrixXd y = Simulate(MixedModel(), u);
+  const MatrixXd z = Simulate(MixedModel(), changed);
+  EXPECT_EQ(y.leftCols(61), z.leftCols(61));
+  EXPECT_NE(y.col(61), z.col(61));
+}
+
+// Within 1e-9 of a whole sample the dead time is whole, also from below.
+TEST(PlantTest, DeadTimeWithinRoundingOfASampleIsWhole) {
+  const MatrixXd u = RandomInputs(1, 1, 60);
+  const auto response = [&u](double delay) {
+    return Simulate(SingleLoop(TransferFunction({1.0}, {1.0}, delay)), u);
+  };
+  const MatrixXd whole = response(3 * 0.2);
+  EXPECT_EQ(whole.rightCols(57), u.leftCols(57));
+  EXPECT_EQ(response(0.6), whole);
+  EXPECT_EQ(response(0.6 - 1e-10), whole);
+  EXPECT_EQ(response(0.6 + 1e-10), whole);
+  // A sample earlier as soon as the dead time is truly shorter.
+  EXPECT_EQ(response(0.6 - 1e-6).rightCols(58), u.leftCols(58));
+  EXPECT_EQ(response(0.6 + 1e-6), whole);
+}
+
+TEST(PlantTest, CopiesGoTheirOwnWays) {
+  absl::StatusOr<Plant> plant = Plant::Create(MixedModel(), {});
+  ASSERT_TRUE(plant.ok());
+  plant->Advance(VectorXd::Ones(3));
+  Plant copy = *plant;
+  for (int k = 0; k < 10; ++k) copy.Advance(VectorXd::Zero(3));
+  for (int k = 0; k < 10; ++k) plant->Advance(VectorXd::Zero(3));
+  EXPECT_EQ(copy.outputs(), plant->outputs());
+}
+
+TEST(PlantTest, OptionsNameFieldValueAndConstraint) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const double bad : {0.0, -0.2, nan, 1.0 / 0.0}) {
+    const absl::Status status = PlantOptions{.sample_time = bad}.Validate();
+    EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+    EXPECT_THAT(std::string(status.message()), HasSubstr("sample_time = "));
+  }
+  for (const double bad : {0.0, -1.0, 1.5, nan}) {
+    const absl::StatusOr<Plant> plant =
+        Plant::Create(MixedModel(), {.relative_step = bad});
+    EXPECT_EQ(plant.status().code(), absl::StatusCode::kInvalidArgument);
+    EXPECT_THAT(std::string(plant.status().message()),
+                HasSubstr("relative_step = "));
+  }
+  EXPECT_TRUE(PlantOptions{}.Validate().ok());
+}
+
+TEST(PlantTest, RefusesWhatCannotBeSimulatedAndNamesTheElement) {
+  ProcessModel model = EmptyModel(2, 2);
+  model.element(1, 0) = TransferFunction::FirstOrder(1.0, -3.0, 0.0);
+  EXPECT_EQ(Plant::Create(model, {}).status().code(),
+            absl::StatusCode::kInvalidArgument);
+
+  model.element(1, 0) = TransferFunction::FirstOrder(1.0, 3.0, 1e9);
+  absl::Status status = Plant::Create(model, {}).status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(status.message()), HasSubstr("element (y2, u1)"));
+  EXPECT_THAT(std::string(status.message()), HasSubstr("delay of 1e+09"));
+
+  model.element(1, 0) = TransferFunction::FirstOrder(1.0, 1e-20, 0.0);
+  status = Plant::Create(model, {}).status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(status.message()), HasSubstr("time constant"));
+}
+
+}  // namespace
+}  // namespace mle::sim

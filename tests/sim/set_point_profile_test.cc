@@ -1,0 +1,77 @@
+#include "sim/set_point_profile.h"
+
+#include <limits>
+
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+
+namespace mle::sim {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(SetPointProfileTest, IsZeroBeforeAndHoldsAfterAStep) {
+  const SetPointProfile profile{
+      .steps = {{.output = 1, .time = 500.0, .value = 2.0}}};
+  const Eigen::MatrixXd r = profile.Sample(2, 0.2, 5001);
+  ASSERT_EQ(r.rows(), 2);
+  ASSERT_EQ(r.cols(), 5001);
+  EXPECT_EQ(r.row(0).cwiseAbs().maxCoeff(), 0.0);
+  EXPECT_EQ(r.row(1).head(2500).cwiseAbs().maxCoeff(), 0.0);
+  EXPECT_EQ(r.row(1).tail(2501).minCoeff(), 2.0);
+  EXPECT_EQ(r.row(1).tail(2501).maxCoeff(), 2.0);
+}
+
+TEST(SetPointProfileTest, StepBetweenSamplesShowsAtTheNextOne) {
+  const SetPointProfile profile{.steps = {{.time = 0.31, .value = 1.0}}};
+  const Eigen::MatrixXd r = profile.Sample(1, 0.1, 6);
+  EXPECT_EQ(r, (Eigen::RowVectorXd(6) << 0, 0, 0, 0, 1, 1).finished());
+}
+
+// 0.1 · 3 and 0.6/0.2 are not whole in binary.
+TEST(SetPointProfileTest, StepOnASampleButForRoundingShowsThere) {
+  for (const double time : {0.6, 0.2 * 3.0, 0.6 + 1e-11, 0.6 - 1e-11}) {
+    const SetPointProfile profile{.steps = {{.time = time, .value = 1.0}}};
+    const Eigen::MatrixXd r = profile.Sample(1, 0.2, 5);
+    EXPECT_EQ(r, (Eigen::RowVectorXd(5) << 0, 0, 0, 1, 1).finished()) << time;
+  }
+}
+
+TEST(SetPointProfileTest, OrderInTheListMattersForEqualTimesOnly) {
+  const SetPointStep early{.time = 1.0, .value = 3.0};
+  const SetPointStep late{.time = 2.0, .value = 5.0};
+  const SetPointStep again{.time = 2.0, .value = 7.0};
+  const Eigen::MatrixXd in_order =
+      SetPointProfile{.steps = {early, late, again}}.Sample(1, 1.0, 4);
+  EXPECT_EQ(in_order, (Eigen::RowVectorXd(4) << 0, 3, 7, 7).finished());
+  EXPECT_EQ((SetPointProfile{.steps = {late, again, early}}.Sample(1, 1.0, 4)),
+            in_order);
+  EXPECT_EQ((SetPointProfile{.steps = {again, late, early}}.Sample(1, 1.0, 4)),
+            (Eigen::RowVectorXd(4) << 0, 3, 5, 5).finished());
+}
+
+TEST(SetPointProfileTest, StepsOutsideTheRecord) {
+  const SetPointProfile profile{
+      .steps = {{.time = -3.0, .value = 1.0}, {.time = 1e30, .value = 2.0}}};
+  EXPECT_EQ(profile.Sample(1, 1.0, 3), Eigen::RowVectorXd::Ones(3));
+}
+
+TEST(SetPointProfileTest, ValidateNamesTheStepAndWhatIsWrong) {
+  SetPointProfile profile{.steps = {{.output = 0}, {.output = 2}}};
+  const absl::Status wrong_output = profile.Validate(2);
+  EXPECT_EQ(wrong_output.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(wrong_output.message()),
+              HasSubstr("set-point step 2: output = 2"));
+  EXPECT_TRUE(profile.Validate(3).ok());
+
+  profile.steps[0].time = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(std::string(profile.Validate(3).message()),
+              HasSubstr("set-point step 1: time = nan"));
+  profile.steps[0] = {.value = std::numeric_limits<double>::infinity()};
+  EXPECT_FALSE(profile.Validate(3).ok());
+  profile.steps[0] = {.output = -1};
+  EXPECT_FALSE(profile.Validate(3).ok());
+}
+
+}  // namespace
+}  // namespace mle::sim
