@@ -57,6 +57,17 @@ double NiceStep(double step) {
   return 10.0 * power;
 }
 
+// A linear range that ends just short of a tick is made to reach it.
+Range ToNearTicks(const Range& range) {
+  const double length = range.max - range.min;
+  const double step = NiceStep(length / 10.0);
+  const double low = std::floor(range.min / step) * step;
+  const double high = std::ceil(range.max / step) * step;
+  const double near = 0.02 * length;
+  return {range.min - low < near ? low : range.min,
+          high - range.max < near ? high : range.max};
+}
+
 // One form for all labels of an axis.
 std::string LinearLabel(double value, double step, double largest) {
   const int step_exponent =
@@ -134,7 +145,8 @@ Range XRange(const Panel& panel) {
   for (const Marker& marker : panel.markers) {
     if (IsShown(marker.y, panel.y.log)) extent.Add(marker.x);
   }
-  return extent.ToRange(0.0);
+  const Range exact = extent.ToRange(0.0);
+  return panel.x.log ? exact : ToNearTicks(exact);
 }
 
 Range YRange(const Panel& panel) {

@@ -13,7 +13,7 @@ namespace mle::report {
 
 struct Tick {
   double value = 0.0;
-  std::string label;  // empty: a minor tick
+  std::string label = {};  // empty: a minor tick
 };
 
 // True if a value can be shown on such an axis: finite, of a size that can
@@ -21,7 +21,7 @@ struct Tick {
 bool IsShown(double value, bool log);
 
 // The ranges of a panel's axes: as asked for, else what its series, lines and
-// markers need. Along x exactly that; along y with a twentieth to spare at
+// markers need. Along x just that; along y with a twentieth to spare at
 // each end. 0 … 1 (0.1 … 10 if logarithmic) if there is nothing to show.
 Range XRange(const Panel& panel);
 Range YRange(const Panel& panel);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -81,8 +82,29 @@ absl::Status ValidatePanel(const Panel& panel, const std::string& where) {
   return status;
 }
 
-bool IsDrawable(const Series& series, std::size_t i) {
-  return std::isfinite(series.x[i]) && std::isfinite(series.y[i]);
+// The number, from 0 to count − 1, of the stretch each x lies in; what has no
+// place on the axis lies in the stretch of its neighbour before.
+std::vector<int> Stretches(const std::vector<double>& x, bool log, int count) {
+  const auto place = [log](double value) {
+    return log ? std::log(value) : value;
+  };
+  double low = std::numeric_limits<double>::infinity();
+  double high = -low;
+  for (const double value : x) {
+    if (!std::isfinite(place(value))) continue;
+    low = std::min(low, place(value));
+    high = std::max(high, place(value));
+  }
+  std::vector<int> stretches;
+  int last = 0;
+  for (const double value : x) {
+    if (std::isfinite(place(value)) && high > low) {
+      const double fraction = (place(value) - low) / (high - low);
+      last = std::min(count - 1, static_cast<int>(count * fraction));
+    }
+    stretches.push_back(last);
+  }
+  return stretches;
 }
 
 }  // namespace
@@ -211,30 +233,29 @@ Marker MakeMarker(Role role, std::string label, double x, double y) {
   return {std::move(label), x, y, style};
 }
 
-Series Downsample(const Series& series) {
+Series Downsample(const Series& series, bool log_x) {
   const std::size_t n = series.x.size();
   const std::size_t most = static_cast<std::size_t>(series.max_points);
   if (most == 0 || n <= most) return series;
 
   // Of each stretch: the smallest, the largest, and a break if there is one.
   std::vector<std::size_t> kept = {0, n - 1};
-  const std::size_t stretches = (most - 2) / 2;
-  for (std::size_t s = 0; s < stretches; ++s) {
-    const std::size_t begin = n * s / stretches;
-    const std::size_t end = n * (s + 1) / stretches;
-    std::size_t low = end;
-    std::size_t high = end;
-    std::size_t gap = end;
-    for (std::size_t i = begin; i < end; ++i) {
-      if (!IsDrawable(series, i)) {
-        gap = i;
+  const std::vector<int> stretch =
+      Stretches(series.x, log_x, static_cast<int>((most - 2) / 2));
+  for (std::size_t begin = 0, end = 0; begin < n; begin = end) {
+    std::size_t low = n;
+    std::size_t high = n;
+    std::size_t gap = n;
+    for (end = begin; end < n && stretch[end] == stretch[begin]; ++end) {
+      if (!std::isfinite(series.x[end]) || !std::isfinite(series.y[end])) {
+        gap = end;
         continue;
       }
-      if (low == end || series.y[i] < series.y[low]) low = i;
-      if (high == end || series.y[i] > series.y[high]) high = i;
+      if (low == n || series.y[end] < series.y[low]) low = end;
+      if (high == n || series.y[end] > series.y[high]) high = end;
     }
     for (const std::size_t i : {low, high, gap}) {
-      if (i != end) kept.push_back(i);
+      if (i != n) kept.push_back(i);
     }
   }
   std::sort(kept.begin(), kept.end());

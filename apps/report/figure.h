@@ -70,13 +70,14 @@ std::string ColourOf(Role role);
 // Points (x_i, y_i) joined by a line. A point that is not finite, or not
 // positive on a logarithmic axis, breaks the line.
 struct Series {
-  std::string label;  // in the legend; empty: none. Equal labels appear once.
-  std::vector<double> x;
-  std::vector<double> y;
+  std::string label =
+      {};  // in the legend; empty: none. Equal labels appear once.
+  std::vector<double> x = {};
+  std::vector<double> y = {};
   // A band around the line, from lower to upper; both empty: none.
-  std::vector<double> lower;
-  std::vector<double> upper;
-  Style style;
+  std::vector<double> lower = {};
+  std::vector<double> upper = {};
+  Style style = {};
   // Each value is held until the next one (a staircase).
   bool steps = false;
   // 0 draws every point; else at most about this many (≥ 6), such that the
@@ -89,18 +90,18 @@ enum class Orientation { kHorizontal, kVertical };
 // A line across the whole panel, at y = value or x = value, behind the series.
 // One that is not finite is not drawn, and has no place in the legend.
 struct ReferenceLine {
-  std::string label;
+  std::string label = {};
   Orientation orientation = Orientation::kHorizontal;
   double value = 0.0;
-  Style style;
+  Style style = {};
 };
 
 // A single point, on top of all; not drawn if not finite.
 struct Marker {
-  std::string label;
+  std::string label = {};
   double x = 0.0;
   double y = 0.0;
-  Style style;
+  Style style = {};
 };
 
 struct Range {
@@ -109,30 +110,30 @@ struct Range {
 };
 
 struct Axis {
-  std::string label;
+  std::string label = {};
   bool log = false;
-  std::optional<Range> range;  // default: what the panel shows, rounded
+  std::optional<Range> range = {};  // default: what the panel shows, rounded
 };
 
 struct Panel {
-  std::string title;
-  Axis x;
-  Axis y;
+  std::string title = {};
+  Axis x = {};
+  Axis y = {};
   // Drawn in this order, the later ones on top; then the markers.
-  std::vector<Series> series;
-  std::vector<ReferenceLine> lines;
-  std::vector<Marker> markers;
+  std::vector<Series> series = {};
+  std::vector<ReferenceLine> lines = {};
+  std::vector<Marker> markers = {};
 };
 
 struct Figure {
-  std::string title;
+  std::string title = {};
   // 8.5 cm is one column of a two-column paper, 17 cm its full width.
   double width_cm = 17.0;     // [3, 100]
   double height_cm = 8.0;     // [3, 100]
   double font_size_pt = 8.0;  // [4, 40]
   int columns = 1;
-  bool legend = true;         // one for all panels, above them
-  std::vector<Panel> panels;  // row by row; the last row may be short
+  bool legend = true;              // one for all panels, above them
+  std::vector<Panel> panels = {};  // row by row; the last row may be short
 
   // Appends an empty panel. The reference is good until the next call.
   Panel& AddPanel(std::string title);
@@ -148,9 +149,9 @@ ReferenceLine HorizontalLine(Role role, std::string label, double y);
 ReferenceLine VerticalLine(Role role, std::string label, double x);
 Marker MakeMarker(Role role, std::string label, double x, double y);
 
-// `series` with at most about max_points points (see there); as it is if
-// max_points is 0.
-Series Downsample(const Series& series);
+// `series` with at most about max_points points (see there) if x increases; as
+// it is if max_points is 0. Stretches are equally long on the axis as drawn.
+Series Downsample(const Series& series, bool log_x);
 
 }  // namespace mle::report
 

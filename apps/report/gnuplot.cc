@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "apps/report/gnuplot_script.h"
 #include "apps/report/layout.h"
+#include "apps/report/number.h"
 #include "apps/report/process.h"
 #include "apps/report/text.h"
 #include "mle/base/file.h"
@@ -35,10 +36,11 @@ std::string SizeInPixels(const Layout& layout, double pixels_per_pt) {
                       std::lround(layout.height_pt * pixels_per_pt));
 }
 
-// The factors were measured on gnuplot 5.4: a font of size 1 is 1 px in SVG,
+// The factors were measured on gnuplot 5.4. A font of size 1 is 1 px in SVG,
 // 1/72 in at 96 dots per inch in PNG whatever its resolution, and 4/3 pt in
 // PDF; a line of width 1 is 1 px, 1 px and 1/2 pt; a marker of size 1 is 3/4 of
-// the font size, 6 px and 6 pt.
+// the font size, 6 px and 6 pt; a dash of length 1 is 0.5, 0.275 and 0.275
+// times the width of its line, which in PDF counts as 1 pt at least.
 Terminal TerminalOf(Format format, const Figure& figure, const Layout& layout,
                     const RenderOptions& options) {
   Terminal terminal;
@@ -51,6 +53,7 @@ Terminal TerminalOf(Format format, const Figure& figure, const Layout& layout,
       terminal.font_per_pt = scale;
       terminal.line_per_pt = scale;
       terminal.marker_per_pt = 1.0 / (0.75 * figure.font_size_pt);
+      terminal.dash_length = 0.5;
       break;
     }
     case Format::kPng: {
@@ -61,6 +64,7 @@ Terminal TerminalOf(Format format, const Figure& figure, const Layout& layout,
       terminal.font_per_pt = options.png_dots_per_inch / 96.0;
       terminal.line_per_pt = scale;
       terminal.marker_per_pt = scale / 6.0;
+      terminal.dash_length = 0.275;
       break;
     }
     case Format::kPdf:
@@ -70,6 +74,8 @@ Terminal TerminalOf(Format format, const Figure& figure, const Layout& layout,
       terminal.font_per_pt = 0.75;
       terminal.line_per_pt = 2.0;
       terminal.marker_per_pt = 1.0 / 6.0;
+      terminal.dash_length = 0.275;
+      terminal.dash_min_width_pt = 1.0;
       break;
   }
   return terminal;
@@ -90,24 +96,38 @@ bool IsWhole(Format format, std::string_view picture) {
   return false;
 }
 
-// Viewers without DejaVu Sans take the next font, not one with serifs.
-std::string WithFallbackFonts(const std::string& svg) {
-  constexpr std::string_view kFrom = "font-family=\"DejaVu Sans\"";
-  constexpr std::string_view kTo =
-      "font-family=\"DejaVu Sans, Verdana, Helvetica, Arial, sans-serif\"";
+// `svg` with `to` for every `from` inside a tag; texts stay.
+std::string ReplaceInTags(const std::string& svg, std::string_view from,
+                          std::string_view to) {
   std::string out;
   std::size_t at = 0;
   while (true) {
-    const std::size_t found = svg.find(kFrom, at);
+    const std::size_t found = svg.find(from, at);
     if (found == std::string::npos) return out + svg.substr(at);
     const std::size_t open = svg.rfind('<', found);
     const std::size_t close = svg.rfind('>', found);
     const bool in_tag = open != std::string::npos &&
                         (close == std::string::npos || close < open);
     out.append(svg, at, found - at);
-    out += in_tag ? kTo : kFrom;
-    at = found + kFrom.size();
+    out += in_tag ? to : from;
+    at = found + from.size();
   }
+}
+
+// Viewers without DejaVu Sans take the next font, not one with serifs; the
+// lines of markers, 1 px at marker size 1 by gnuplot, are as strong as in the
+// other formats.
+std::string WithBetterStyle(const std::string& svg, double font_size_pt) {
+  const double font_px = font_size_pt * kSvgPixelsPerInch / kPointsPerInch;
+  const double marker_line = 1.0 / (0.375 * font_px);  // in marker radii
+  const auto attribute = [](double width) {
+    return "stroke-width='" + FormatFixed(width, 3) + "'";
+  };
+  return ReplaceInTags(
+      ReplaceInTags(svg, "font-family=\"DejaVu Sans\"",
+                    "font-family=\"DejaVu Sans, Verdana, Helvetica, Arial, "
+                    "sans-serif\""),
+      attribute(marker_line), attribute(1.7 * marker_line));
 }
 
 // The time of drawing is the only thing that differs between two runs.
@@ -161,7 +181,8 @@ absl::StatusOr<std::string> RenderFigure(const Figure& figure, Format format,
         absl::StrCat(options.program, " did not draw the figure (exit code ",
                      run->exit_code, "): ", Complaint(run->err)));
   }
-  if (format == Format::kSvg) return WithFallbackFonts(run->out);
+  if (format == Format::kSvg)
+    return WithBetterStyle(run->out, figure.font_size_pt);
   if (format == Format::kPdf) return WithoutDate(std::move(run->out));
   return std::move(run->out);
 }

@@ -1,5 +1,6 @@
 #include "apps/report/gnuplot_script.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cstddef>
@@ -85,6 +86,7 @@ class ScriptWriter {
   std::string LineWidth(double width_pt) const {
     return absl::StrCat("lw ", Number(width_pt * terminal_.line_per_pt));
   }
+  std::string DashesOf(const Style& style) const;
   std::string LineOf(const Style& style) const;
   std::string PointOf(const Style& style) const;
 
@@ -105,14 +107,26 @@ class ScriptWriter {
   std::string script_;
 };
 
+std::string ScriptWriter::DashesOf(const Style& style) const {
+  // In points, on a line 1 pt wide or less; wider lines have longer dashes.
+  std::vector<double> pattern;
+  if (style.line == LineStyle::kDashed) pattern = {4.5, 2.5};
+  if (style.line == LineStyle::kDotted) pattern = {1.2, 2.0};
+  if (style.line == LineStyle::kDashDotted) pattern = {4.5, 2.0, 1.2, 2.0};
+  if (pattern.empty() || style.width_pt == 0.0) return "solid";
+  const double unit = terminal_.dash_length *
+                      std::max(style.width_pt, terminal_.dash_min_width_pt);
+  std::string dashes;
+  for (const double length : pattern) {
+    dashes += dashes.empty() ? "(" : ",";
+    dashes += Number(length * std::max(style.width_pt, 1.0) / unit);
+  }
+  return dashes + ")";
+}
+
 std::string ScriptWriter::LineOf(const Style& style) const {
-  // gnuplot stretches the pattern by the width of the line.
-  std::string dashes = "solid";
-  if (style.line == LineStyle::kDashed) dashes = "(9,5)";
-  if (style.line == LineStyle::kDotted) dashes = "(2,4)";
-  if (style.line == LineStyle::kDashDotted) dashes = "(9,4,2,4)";
   return absl::StrCat("lc rgb '", ColourOf(style.colour), "' ",
-                      LineWidth(style.width_pt), " dt ", dashes);
+                      LineWidth(style.width_pt), " dt ", DashesOf(style));
 }
 
 std::string ScriptWriter::PointOf(const Style& style) const {
@@ -203,8 +217,8 @@ void ScriptWriter::AddPlot(const Panel& panel) {
         line && points ? "linespoints "
         : line         ? "lines "
                        : "points ",
-        LineOf(series.style), points ? " " + PointOf(series.style) : "",
-        " notitle");
+        LineOf(series.style),
+        points ? absl::StrCat(" ", PointOf(series.style)) : "", " notitle");
   }
   Add("\n");
 }
@@ -236,7 +250,8 @@ void ScriptWriter::AddPanel(const Panel& panel, const PanelLayout& placed) {
   }
   for (std::size_t i = 0; i < panel.series.size(); ++i) {
     if (panel.series[i].x.empty()) continue;
-    AddData(panel, Downsample(panel.series[i]), absl::StrCat("$series", i));
+    AddData(panel, Downsample(panel.series[i], panel.x.log),
+            absl::StrCat("$series", i));
   }
   AddPlot(panel);
   Add("unset arrow\nunset label\nunset object\n");

@@ -17,10 +17,14 @@ namespace mle::report {
 
 // How a terminal of gnuplot counts. Each of them has its own units.
 struct Terminal {
-  std::string name_and_size;   // e.g. "svg size 642,302 fixed"
-  double font_per_pt = 1.0;    // font size to ask for, for one point
-  double line_per_pt = 1.0;    // line width likewise
+  std::string name_and_size = {};  // e.g. "svg size 642,302 fixed"
+  double font_per_pt = 1.0;        // font size to ask for, for one point
+  double line_per_pt = 1.0;        // line width likewise
   double marker_per_pt = 1.0;  // diameter of a marker likewise, in pointsize
+  // A dash of length 1 on a line of width w is drawn dash_length · w long, and
+  // no shorter than on a line of width dash_min_width_pt.
+  double dash_length = 1.0;
+  double dash_min_width_pt = 0.0;
 };
 
 // 'text' as gnuplot reads it back.

@@ -28,10 +28,10 @@ namespace mle::report {
 
 // What it takes to get the same report once more. Empty fields are left out.
 struct RunAgain {
-  std::string command;  // as typed into a shell; see QuoteCommandLine
-  std::string version;
-  std::string seeds;
-  std::vector<std::pair<std::string, std::string>> more;  // name, value
+  std::string command = {};  // as typed into a shell; see QuoteCommandLine
+  std::string version = {};
+  std::string seeds = {};
+  std::vector<std::pair<std::string, std::string>> more = {};  // name, value
 };
 
 class HtmlPage {

@@ -26,6 +26,7 @@ constexpr double kLineSample = 2.4;    // length of a line in the legend
 constexpr double kMarkerSample = 1.0;  // room for a marker in the legend
 constexpr double kSampleGap = 0.5;     // from sample to its text
 constexpr double kEntryGap = 1.6;      // between entries of the legend
+constexpr double kLegendGap = 0.35;    // from legend to panels
 constexpr double kLegendLine = 1.5;    // from line to line of the legend
 
 // Room around a frame, in points.
@@ -123,7 +124,8 @@ double PlaceLegend(const Figure& figure, double top, Layout& layout) {
     }
     y -= kLegendLine * em;
   }
-  return kLegendLine * em * static_cast<double>(lines.size());
+  if (lines.empty()) return 0.0;
+  return (kLegendLine * static_cast<double>(lines.size()) + kLegendGap) * em;
 }
 
 double WidestLabel(const std::vector<Tick>& ticks) {
@@ -219,6 +221,7 @@ absl::Status PlaceFrames(const Figure& figure, double top, Layout& layout) {
       x += by_column[c].left;
       if (const int i = r * columns + c; i < count) {
         layout.panels[i].frame = {x, x + width, y, y + height};
+        layout.panels[i].y_label_x = x - by_column[c].left + 0.5 * kLine * em;
       }
       x += width + by_column[c].right + kPanelGap * em;
     }
@@ -262,10 +265,8 @@ void PlacePanelTexts(const Panel& panel, const PanelLayout& placed, double em,
   add(panel.x.label, width, mid_x,
       frame.bottom - (kTickGap + kTickSize + 0.5 * kLine) * em,
       TextAlign::kCenter, false);
-  const double labels = kTickSize * WidestLabel(placed.y_ticks);
-  add(panel.y.label, height + em,
-      frame.left - (kTickGap + labels + 0.5 * kLine) * em, mid_y,
-      TextAlign::kCenter, true);
+  add(panel.y.label, height + em, placed.y_label_x, mid_y, TextAlign::kCenter,
+      true);
   const bool empty =
       std::none_of(panel.series.begin(), panel.series.end(),
                    [&](const Series& s) { return HasShownPoint(s, panel); });

@@ -17,7 +17,7 @@ enum class TextAlign { kLeft, kCenter, kRight };
 
 // A line of text; (x, y) is its anchor, half way up.
 struct PlacedText {
-  std::string text;
+  std::string text = {};
   double x = 0.0;
   double y = 0.0;
   TextAlign align = TextAlign::kLeft;
@@ -34,16 +34,17 @@ struct Frame {
 };
 
 struct PanelLayout {
-  Frame frame;
-  Range x_range;
-  Range y_range;
-  std::vector<Tick> x_ticks;
-  std::vector<Tick> y_ticks;
+  Frame frame = {};
+  double y_label_x = 0.0;  // common to a column
+  Range x_range = {};
+  Range y_range = {};
+  std::vector<Tick> x_ticks = {};
+  std::vector<Tick> y_ticks = {};
 };
 
 // The sample of a line or marker in the legend, from x_begin to x_end.
 struct LegendSample {
-  Style style;
+  Style style = {};
   bool band = false;
   double x_begin = 0.0;
   double x_end = 0.0;
@@ -53,9 +54,9 @@ struct LegendSample {
 struct Layout {
   double width_pt = 0.0;
   double height_pt = 0.0;
-  std::vector<PanelLayout> panels;  // as Figure::panels
-  std::vector<LegendSample> legend;
-  std::vector<PlacedText> texts;
+  std::vector<PanelLayout> panels = {};  // as Figure::panels
+  std::vector<LegendSample> legend = {};
+  std::vector<PlacedText> texts = {};
 };
 
 // InvalidArgument if the figure does not validate, or is too small for what it

@@ -72,11 +72,11 @@ dt { color: var(--soft); } dd { margin: 0; overflow-wrap: anywhere; }
   main { max-width: none; padding: 0; }
   nav { display: none; }
   h1, h2, h3, caption { break-after: avoid; }
-  figure, tr, .summary, .warning { break-inside: avoid; }
+  figure, tr, .table, .summary, .warning { break-inside: avoid; }
   thead { display: table-header-group; }
   .scroll { overflow: visible; }
   .picture { border: 0; padding: 0; }
-  .picture svg { min-width: 0 !important; max-width: 100% !important; max-height: 240mm; }
+  .picture svg { min-width: 0 !important; max-height: 240mm; }
   p, ul, caption, figcaption { max-width: none; orphans: 3; widows: 3; }
 }
 )css";

@@ -12,9 +12,9 @@
 namespace mle::report {
 
 struct ProcessResult {
-  int exit_code = 0;  // 128 + the signal, if one ended it
-  std::string out;    // what it wrote to its standard output
-  std::string err;    // and to its standard error
+  int exit_code = 0;     // 128 + the signal, if one ended it
+  std::string out = {};  // what it wrote to its standard output
+  std::string err = {};  // and to its standard error
 };
 
 // Runs `program`, sought in PATH, with `arguments`, and gives it `input` to

@@ -16,16 +16,16 @@ namespace mle::report {
 enum class Align { kLeft, kCenter, kRight };
 
 struct Column {
-  std::string header;
+  std::string header = {};
   Align align = Align::kRight;
 };
 
 struct Table {
-  std::string caption;
-  std::vector<Column> columns;
+  std::string caption = {};
+  std::vector<Column> columns = {};
   // A short row is filled up with empty cells; cells beyond the last column
   // are shown under an empty header.
-  std::vector<std::vector<std::string>> rows;
+  std::vector<std::vector<std::string>> rows = {};
   // The first cell of a row names the row (in HTML: <th scope="row">).
   bool row_headers = true;
 
