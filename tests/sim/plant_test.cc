@@ -137,7 +137,8 @@ TEST(PlantTest, CopiesGoTheirOwnWays) {
 
 TEST(PlantTest, OptionsNameFieldValueAndConstraint) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  for (const double bad : {0.0, -0.2, nan, 1.0 / 0.0}) {
+  for (const double bad :
+       {0.0, -0.2, nan, std::numeric_limits<double>::infinity()}) {
     const absl::Status status = PlantOptions{.sample_time = bad}.Validate();
     EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
     EXPECT_THAT(std::string(status.message()), HasSubstr("sample_time = "));
