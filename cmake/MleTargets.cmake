@@ -6,7 +6,9 @@ target_compile_features(mle_build_flags INTERFACE cxx_std_20)
 target_compile_options(mle_build_flags INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
   -fno-math-errno
-  $<$<BOOL:${MLE_WERROR}>:-Werror>)
+  $<$<BOOL:${MLE_WERROR}>:-Werror>
+  # g++ 12 warns of its own AVX intrinsics (GCC bug 105593).
+  $<$<AND:$<BOOL:${MLE_NATIVE}>,$<CXX_COMPILER_ID:GNU>>:-Wno-maybe-uninitialized>)
 
 # Public: the instruction set decides how Eigen aligns what it allocates, so
 # that a program and its libraries must agree on it.
@@ -26,7 +28,6 @@ function(mle_add_library name)
     EXPORT_NAME ${name}
     VERSION ${PROJECT_VERSION}
     SOVERSION ${PROJECT_VERSION_MAJOR}
-    INSTALL_RPATH "\$ORIGIN"
     POSITION_INDEPENDENT_CODE ON)
   target_compile_features(${target} PUBLIC cxx_std_20)
   target_compile_options(${target} PUBLIC ${MLE_PUBLIC_OPTIONS})
@@ -45,8 +46,6 @@ function(mle_add_command name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE ${ARG_DEPENDS} mle_build_flags)
-  set_target_properties(${name} PROPERTIES
-    INSTALL_RPATH "\$ORIGIN/../${CMAKE_INSTALL_LIBDIR}")
   set_property(GLOBAL APPEND PROPERTY MLE_COMMANDS ${name})
 endfunction()
 
