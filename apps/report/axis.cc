@@ -181,7 +181,8 @@ std::vector<Tick> Ticks(const Range& range, bool log, int wanted) {
 
 double Fraction(double value, const Range& range, bool log) {
   if (log) {
-    return std::log(value / range.min) / std::log(range.max / range.min);
+    const double low = std::log(range.min);
+    return (std::log(value) - low) / (std::log(range.max) - low);
   }
   return (value - range.min) / (range.max - range.min);
 }

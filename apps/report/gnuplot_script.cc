@@ -295,12 +295,20 @@ void ScriptWriter::AddLegend() {
 }  // namespace
 
 std::string QuoteForGnuplot(std::string_view text) {
-  std::string out = "'";
+  std::string out = "\"";
   for (const char c : CleanText(text)) {
-    out += c;
-    if (c == '\'') out += c;
+    const auto byte = static_cast<unsigned char>(c);
+    const bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+    if (letter || c == ' ' || byte >= 0x80) {
+      out += c;
+      continue;
+    }
+    out += '\\';
+    for (const int shift : {6, 3, 0}) {
+      out += static_cast<char>('0' + ((byte >> shift) & 7));
+    }
   }
-  return out + "'";
+  return out + "\"";
 }
 
 std::string GnuplotScript(const Figure& figure, const Layout& layout,

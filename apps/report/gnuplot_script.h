@@ -1,7 +1,8 @@
 // A figure as a gnuplot program.
 //
-// Labels stand in single quotes, where gnuplot reads nothing but the doubled
-// quote, and are drawn "noenhanced"; control characters are gone (CleanText).
+// Of a label, only letters, blanks and characters beyond ASCII stand in the
+// program as they are, the rest as octal escapes, so that nothing in it can be
+// read as anything but text; and it is drawn "noenhanced", without markup.
 // Data are inline, in the shortest decimals that give back the same double.
 
 #ifndef APPS_REPORT_GNUPLOT_SCRIPT_H_
@@ -27,7 +28,8 @@ struct Terminal {
   double dash_min_width_pt = 0.0;
 };
 
-// 'text' as gnuplot reads it back.
+// CleanText(text) as a string of gnuplot: QuoteForGnuplot("a'") = "a\\047" with
+// the double quotes.
 std::string QuoteForGnuplot(std::string_view text);
 
 std::string GnuplotScript(const Figure& figure, const Layout& layout,

@@ -88,7 +88,8 @@ std::string FormatSignificant(double value, int digits) {
   if (value == 0.0) return "0";
   digits = std::clamp(digits, 1, 17);
   const int exponent = Split(std::abs(value), digits).exponent;
-  if (exponent < -3 || exponent >= 6) return FormatScientific(value, digits);
+  const bool plain = exponent >= -3 && std::abs(value) < 999999.5;
+  if (!plain) return FormatScientific(value, digits);
   return FormatFixed(value, std::max(0, digits - 1 - exponent));
 }
 

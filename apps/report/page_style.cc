@@ -32,9 +32,9 @@ p, ul { max-width: 44rem; margin: .75rem 0; overflow-wrap: anywhere; }
 a { color: var(--accent); }
 a:focus-visible, [tabindex]:focus-visible { outline: 2px solid var(--accent); outline-offset: 2px; }
 .summary { background: var(--card); border-left: 4px solid var(--accent); border-radius: 4px; padding: .6rem 1.1rem; margin: 1.25rem 0; }
-.summary p { font-size: 1.06rem; margin: .45rem 0; }
+.summary p { font-size: 1.06rem; margin: .45rem 0; max-width: none; }
 .warning { background: var(--warn-ground); border-left: 4px solid var(--warn); border-radius: 4px; padding: .6rem 1.1rem; margin: 1rem 0; }
-.warning p { margin: .2rem 0; }
+.warning p { margin: .2rem 0; max-width: none; }
 .warning strong { color: var(--warn); }
 nav { margin: 1.25rem 0; font-size: .95rem; }
 nav ul { list-style: none; padding: 0; display: flex; flex-wrap: wrap; gap: .35rem 1.4rem; max-width: none; }
