@@ -45,6 +45,13 @@ double DualityGap::Relative() const {
                                     response_square);
 }
 
+Eigen::VectorXd MinimumNormLeastSquares(const LassoObjective& objective) {
+  Eigen::VectorXd beta = Eigen::VectorXd::Zero(objective.size());
+  const std::vector<int> free = Free(objective, /*all=*/true);
+  beta(free) = PseudoSolve(*objective.gram, free, objective.correlation);
+  return beta;
+}
+
 double LeastSquaresGap(const LassoObjective& objective,
                        const Eigen::VectorXd& gradient) {
   const std::vector<int> free = Free(objective, /*all=*/true);

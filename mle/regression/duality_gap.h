@@ -39,6 +39,10 @@ struct DualityGap {
 DualityGap ComputeDualityGap(const LassoObjective& objective, double lambda,
                              const Eigen::VectorXd& beta);
 
+// The least-squares solution of smallest norm, G⁺C over the regressors that are
+// not excluded; the same directions count as null.
+Eigen::VectorXd MinimumNormLeastSquares(const LassoObjective& objective);
+
 // ½ cᵀG⁺c over the regressors that are not excluded, by eigenvalues; directions
 // below n ε times the largest count as null.
 double LeastSquaresGap(const LassoObjective& objective,

@@ -24,16 +24,18 @@ constexpr double kDependent = 4e-15;
 // relative rate below kFollows.
 constexpr double kNearlyDependent = 1e-9;
 constexpr double kFollows = 1e-7;
-// c is a difference of terms of the size of C, and rounding below this part.
-constexpr double kRounding = 1e-15;
+// c_j = C_j − Σ_i G_ji β_i: its rounding is about ε (|C_j| + Σ_i |β_i| √(G_ii G_jj)).
+constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 // A relative gap above this may be the rounding of c, which is then sharpened.
 constexpr double kSharpen = 5e-11;
 // Violations of the optimality conditions, relative to λ: refined above the
 // first, lost above the second.
 constexpr double kRefine = 1e-13;
 constexpr double kLost = 1e-6;
-// The path counts as ended at this part of λ_max.
+// The path counts as ended at this part of λ_max, or this multiple of the
+// rounding of c.
 constexpr double kFloor = 1e-13;
+constexpr double kEndOfPath = 8.0;
 
 enum class State : std::uint8_t { kInactive, kActive, kWaiting, kExcluded };
 
@@ -59,6 +61,7 @@ class Homotopy {
   void CompensatedProducts();
   double ActiveViolation() const;
   double InactiveViolation() const;
+  double Rounding() const;
   void Refine();
   bool Refactor();
   Event NextEvent() const;
@@ -82,7 +85,7 @@ class Homotopy {
 
   double lambda_ = 0.0;
   double floor_ = 0.0;
-  double rounding_ = 0.0;
+  double scale_ = 0.0;  // max |C_j| / min w_j, an upper bound of λ_max
   std::vector<State> state_;
   std::vector<int> active_;
   UpdatableCholesky cholesky_;
@@ -92,6 +95,8 @@ class Homotopy {
   Eigen::VectorXd c_;                // n
   Eigen::VectorXd b_;                // n, G_·A q
   Eigen::VectorXd inverse_weights_;  // n, 0 where not penalised or excluded
+  Eigen::VectorXd root_diagonal_;    // n, √G_jj
+  double weighted_root_ = 0.0;       // max_j √G_jj / w_j
   Eigen::VectorXd work_;
   // The variable that moved last and the bound it moved at: barred one step.
   int last_moved_ = -1;
@@ -116,6 +121,7 @@ Homotopy::Homotopy(const LassoObjective& objective,
       c_(objective.correlation),
       b_(Eigen::VectorXd::Zero(n_)),
       inverse_weights_(Eigen::VectorXd::Zero(n_)),
+      root_diagonal_(gram_.diagonal().cwiseMax(0.0).cwiseSqrt()),
       work_(n_) {
   for (int j = 0; j < n_; ++j) {
     const double w = objective_.weights(j);
@@ -125,6 +131,7 @@ Homotopy::Homotopy(const LassoObjective& objective,
       inverse_weights_(j) = 1.0 / w;
     }
   }
+  weighted_root_ = root_diagonal_.cwiseProduct(inverse_weights_).maxCoeff();
   active_.reserve(n_);
   summary_.path = LassoPath(n_);
   summary_.relative_gap.setConstant(options.certify_at.size(), kInfinity);
@@ -170,8 +177,7 @@ void Homotopy::Start() {
   lambda_ = c_.cwiseAbs().cwiseProduct(inverse_weights_).maxCoeff();
   const double scale = objective_.correlation.cwiseAbs().maxCoeff() *
                        std::max(inverse_weights_.maxCoeff(), 0.0);
-  floor_ = std::max(options_.lambda_min, kFloor * scale);
-  rounding_ = kRounding * scale;
+  floor_ = std::max(options_.lambda_min, kFloor * scale_);
   // Above λ_max only the unpenalised coefficients differ from zero.
   if (!active_.empty()) {
     summary_.path.Append(std::max(2.0 * lambda_, floor_), lambda_, active_,
@@ -258,6 +264,14 @@ double Homotopy::InactiveViolation() const {
   return c_.cwiseAbs().cwiseProduct(inverse_weights_).maxCoeff() - lambda_;
 }
 
+double Homotopy::Rounding() const {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < active_.size(); ++i) {
+    sum += std::abs(beta_(i)) * root_diagonal_(active_[i]);
+  }
+  return kEpsilon * (scale_ + weighted_root_ * sum);
+}
+
 void Homotopy::Refine() {
   const auto k = static_cast<Eigen::Index>(active_.size());
   work_.head(k) = Gather(c_) - lambda_ * target_.head(k);
@@ -271,8 +285,9 @@ void Homotopy::Refine() {
 
 bool Homotopy::ComputeDirection() {
   const auto k = static_cast<Eigen::Index>(active_.size());
-  const double refine = std::max(kRefine * lambda_, rounding_);
-  const double lost = kLost * lambda_ + 10.0 * rounding_;
+  const double rounding = Rounding();
+  const double refine = std::max(kRefine * lambda_, rounding);
+  const double lost = kLost * lambda_ + 10.0 * rounding;
   const auto solve = [&] {
     slope_.head(k) = target_.head(k);
     cholesky_.SolveInPlace(slope_.head(k));
@@ -320,7 +335,8 @@ void Homotopy::Consider(Event::Kind kind, int variable, double slack,
 
 Event Homotopy::NextEvent() const {
   Event best;
-  best.step = lambda_ - floor_;
+  best.step =
+      std::max(lambda_ - std::max(floor_, kEndOfPath * Rounding()), 0.0);
   for (std::size_t i = 0; i < active_.size(); ++i) {
     if (target_(i) == 0.0 || active_[i] == last_moved_) continue;
     const double sign = target_(i) > 0.0 ? 1.0 : -1.0;

@@ -41,10 +41,16 @@ absl::Status Descend(const LassoObjective& objective,
   int not_converged = 0;
   for (Eigen::Index i = first; i >= 0; --i) {
     const double lambda = solution.lambdas(i);
-    MLE_ASSIGN_OR_RETURN(
-        CoordinateDescentSummary summary,
-        SolveCoordinateDescent(objective, lambda, beta, options));
-    not_converged += summary.converged ? 0 : 1;
+    CoordinateDescentSummary summary;
+    if (lambda > 0.0) {
+      MLE_ASSIGN_OR_RETURN(
+          summary, SolveCoordinateDescent(objective, lambda, beta, options));
+      not_converged += summary.converged ? 0 : 1;
+    } else {
+      // Sweeps hardly get there; a rank-revealing solve does.
+      summary.beta = MinimumNormLeastSquares(objective);
+      summary.gap = ComputeDualityGap(objective, 0.0, summary.beta);
+    }
     solution.relative_gap(i) = summary.gap.Relative();
     JoinSegment(lambda_before, beta, lambda, summary.beta, solution.path);
     if (lambda < lambda_before) lambda_before = lambda;
@@ -81,9 +87,9 @@ absl::StatusOr<LassoSolution> SolveLasso(const LassoObjective& objective,
 
   MLE_ASSIGN_OR_RETURN(HomotopySummary summary,
                        SolveHomotopy(objective, homotopy));
+  solution.report = summary.BriefReport();
   solution.path = std::move(summary.path);
   solution.relative_gap = std::move(summary.relative_gap);
-  solution.report = summary.BriefReport();
   Eigen::Index unsolved = 0;
   while (unsolved < lambdas.size() &&
          !std::isfinite(solution.relative_gap(unsolved))) {

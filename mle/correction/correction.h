@@ -1,0 +1,72 @@
+// Correction of an ARX model from windows of closed-loop records (the paper's
+// Eq. 3 and its choice of λ):
+//
+//   ΔR(λ) = argmin 1/(2N) ‖Y − (R + ΔR) X‖_F² + λ ‖ΔR‖₁,
+//
+// for every λ of a grid, with λ* chosen by cross-validation between the
+// windows. The outputs separate: one lasso problem each, with response Y − RX.
+//
+//   MLE_ASSIGN_OR_RETURN(const Correction correction,
+//                        CorrectModel(initial, windows, options));
+//   correction.Model(correction.selection().lambda_star);
+
+#ifndef MLE_CORRECTION_CORRECTION_H_
+#define MLE_CORRECTION_CORRECTION_H_
+
+#include <vector>
+
+#include "Eigen/Core"
+#include "absl/status/statusor.h"
+#include "absl/types/span.h"
+#include "mle/correction/cross_validation.h"
+#include "mle/data/record.h"
+#include "mle/model/arx_model.h"
+#include "mle/regression/lasso_problem.h"
+#include "mle/regression/lasso_solver.h"
+
+namespace mle {
+
+struct CorrectionOptions {
+  // Ascending, ≥ 0, not empty; the paper's are 0, 1e-6, …, 1e-2.
+  Eigen::VectorXd lambdas;
+  Scaling scaling = Scaling::kStandardise;
+  SelectionOptions selection;
+  LassoSolverOptions solver;
+
+  absl::Status Validate() const;
+};
+
+// {0, step, 2 step, …, max}: every multiple of step up to max and a rounding.
+absl::StatusOr<Eigen::VectorXd> MakeLambdaGrid(double max, double step);
+
+class Correction {
+ public:
+  const CrossValidationSummary& selection() const { return selection_; }
+  // The fit of each output to all windows.
+  const std::vector<LassoSolution>& fits() const { return fits_; }
+  // Worst relative duality gap of all fits, at every λ of the grid.
+  double MaxRelativeGap() const;
+
+  // R + ΔR(λ), one λ for all outputs.
+  ArxModel Model(double lambda) const;
+  // The same into a model that is used again and again.
+  void Model(double lambda, ArxModel& model) const;
+
+ private:
+  friend absl::StatusOr<Correction> CorrectModel(
+      const ArxModel& initial, absl::Span<const Record> windows,
+      const CorrectionOptions& options);
+
+  ArxModel initial_;
+  Eigen::VectorXd inverse_scale_;
+  CrossValidationSummary selection_;
+  std::vector<LassoSolution> fits_;
+};
+
+absl::StatusOr<Correction> CorrectModel(const ArxModel& initial,
+                                        absl::Span<const Record> windows,
+                                        const CorrectionOptions& options);
+
+}  // namespace mle
+
+#endif  // MLE_CORRECTION_CORRECTION_H_

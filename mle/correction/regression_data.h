@@ -1,0 +1,49 @@
+// Windows of records as rows of a regression on a model's mismatch.
+//
+// The response of sample k is what the model leaves, e_k = y_k − R x_k.
+
+#ifndef MLE_CORRECTION_REGRESSION_DATA_H_
+#define MLE_CORRECTION_REGRESSION_DATA_H_
+
+#include <deque>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "absl/types/span.h"
+#include "mle/data/lagged_series.h"
+#include "mle/data/record.h"
+#include "mle/model/arx_model.h"
+#include "mle/regression/lagged_moments.h"
+#include "mle/regression/lasso_problem.h"
+
+namespace mle {
+
+class RegressionData {
+ public:
+  // Each window stands for itself: no row reaches over its ends. Where the
+  // problem will be centred, the channels' means are taken off first, for
+  // accuracy. InvalidArgument if channels or sample times do not match the
+  // model's, or if a window leaves no row (its length and the order are named).
+  static absl::StatusOr<RegressionData> Create(absl::Span<const Record> windows,
+                                               const ArxModel& model,
+                                               Scaling scaling);
+
+  int num_windows() const { return static_cast<int>(rows_.size()); }
+  // The usable rows of one window with their responses.
+  const std::vector<RegressionRows>& window(int number) const {
+    return rows_[number];
+  }
+
+ private:
+  std::deque<LaggedSeries> series_;  // rows point into it
+  std::vector<std::vector<RegressionRows>> rows_;
+};
+
+// The first `length` rows of `rows`, the next, and so on; the last piece may be
+// longer by less than `length`.
+std::vector<RegressionRows> SplitIntoBlocks(const RegressionRows& rows,
+                                            int length);
+
+}  // namespace mle
+
+#endif  // MLE_CORRECTION_REGRESSION_DATA_H_
