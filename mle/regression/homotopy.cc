@@ -24,7 +24,8 @@ constexpr double kDependent = 4e-15;
 // relative rate below kFollows.
 constexpr double kNearlyDependent = 1e-9;
 constexpr double kFollows = 1e-7;
-// c_j = C_j − Σ_i G_ji β_i: its rounding is about ε (|C_j| + Σ_i |β_i| √(G_ii G_jj)).
+// c_j = C_j − Σ_i G_ji β_i: its rounding is about ε (|C_j| + Σ_i |β_i| √(G_ii
+// G_jj)).
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 // A relative gap above this may be the rounding of c, which is then sharpened.
 constexpr double kSharpen = 5e-11;
@@ -175,8 +176,8 @@ HomotopySummary Homotopy::Run() {
 void Homotopy::Start() {
   EnterUnpenalised();
   lambda_ = c_.cwiseAbs().cwiseProduct(inverse_weights_).maxCoeff();
-  const double scale = objective_.correlation.cwiseAbs().maxCoeff() *
-                       std::max(inverse_weights_.maxCoeff(), 0.0);
+  scale_ = objective_.correlation.cwiseAbs().maxCoeff() *
+           std::max(inverse_weights_.maxCoeff(), 0.0);
   floor_ = std::max(options_.lambda_min, kFloor * scale_);
   // Above λ_max only the unpenalised coefficients differ from zero.
   if (!active_.empty()) {
