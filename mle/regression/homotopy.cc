@@ -33,10 +33,10 @@ constexpr double kSharpen = 5e-11;
 // first, lost above the second.
 constexpr double kRefine = 1e-13;
 constexpr double kLost = 1e-6;
-// The path counts as ended at this part of λ_max, or this multiple of the
+// The path counts as ended at this part of λ_max, or at several times the
 // rounding of c.
 constexpr double kFloor = 1e-13;
-constexpr double kEndOfPath = 8.0;
+constexpr double kSeveral = 8.0;
 
 enum class State : std::uint8_t { kInactive, kActive, kWaiting, kExcluded };
 
@@ -86,7 +86,7 @@ class Homotopy {
 
   double lambda_ = 0.0;
   double floor_ = 0.0;
-  double scale_ = 0.0;  // max |C_j| / min w_j, an upper bound of λ_max
+  double scale_ = 0.0;  // max_j |C_j| / w_j
   std::vector<State> state_;
   std::vector<int> active_;
   UpdatableCholesky cholesky_;
@@ -98,6 +98,7 @@ class Homotopy {
   Eigen::VectorXd inverse_weights_;  // n, 0 where not penalised or excluded
   Eigen::VectorXd root_diagonal_;    // n, √G_jj
   double weighted_root_ = 0.0;       // max_j √G_jj / w_j
+  double greatest_inverse_ = 0.0;    // max_j 1 / w_j
   Eigen::VectorXd work_;
   // The variable that moved last and the bound it moved at: barred one step.
   int last_moved_ = -1;
@@ -133,6 +134,7 @@ Homotopy::Homotopy(const LassoObjective& objective,
     }
   }
   weighted_root_ = root_diagonal_.cwiseProduct(inverse_weights_).maxCoeff();
+  greatest_inverse_ = inverse_weights_.maxCoeff();
   active_.reserve(n_);
   summary_.path = LassoPath(n_);
   summary_.relative_gap.setConstant(options.certify_at.size(), kInfinity);
@@ -175,31 +177,33 @@ HomotopySummary Homotopy::Run() {
 
 void Homotopy::Start() {
   EnterUnpenalised();
-  lambda_ = c_.cwiseAbs().cwiseProduct(inverse_weights_).maxCoeff();
-  scale_ = objective_.correlation.cwiseAbs().maxCoeff() *
-           std::max(inverse_weights_.maxCoeff(), 0.0);
+  const auto k = static_cast<Eigen::Index>(active_.size());
+  const double lambda_max =
+      c_.cwiseAbs().cwiseProduct(inverse_weights_).maxCoeff();
+  scale_ = objective_.correlation.cwiseAbs()
+               .cwiseProduct(inverse_weights_)
+               .maxCoeff();
   floor_ = std::max(options_.lambda_min, kFloor * scale_);
-  // Above λ_max only the unpenalised coefficients differ from zero.
-  if (!active_.empty()) {
-    summary_.path.Append(std::max(2.0 * lambda_, floor_), lambda_, active_,
-                         beta_.head(active_.size()),
-                         Eigen::VectorXd::Zero(active_.size()));
+  lambda_ = lambda_max;
+  if (lambda_max <= std::max(floor_, kSeveral * Rounding())) {
+    summary_.termination = HomotopyTermination::kReachedLambdaMin;
+    lambda_ = options_.lambda_min;
   }
-  slope_.head(active_.size()).setZero();
+  slope_.head(k).setZero();
+  // Above λ_max only the unpenalised coefficients differ from zero.
+  if (k > 0) {
+    summary_.path.Append(std::numeric_limits<double>::max(), lambda_, active_,
+                         beta_.head(k), slope_.head(k));
+  }
+  Eigen::VectorXd start = Eigen::VectorXd::Zero(n_);
+  start(active_) = beta_.head(k);
   while (next_certificate_ >= 0 &&
          options_.certify_at(next_certificate_) >= lambda_) {
     const double lambda = options_.certify_at(next_certificate_);
-    Eigen::VectorXd start = Eigen::VectorXd::Zero(n_);
-    for (std::size_t i = 0; i < active_.size(); ++i) {
-      start(active_[i]) = beta_(i);
-    }
     summary_.relative_gap(next_certificate_--) =
-        active_.empty() && lambda > 0.0
+        k == 0 && lambda > 0.0 && lambda >= lambda_max
             ? 0.0
             : ComputeDualityGap(objective_, lambda, start).Relative();
-  }
-  if (lambda_ <= floor_) {
-    summary_.termination = HomotopyTermination::kReachedLambdaMin;
   }
 }
 
@@ -256,7 +260,10 @@ void Homotopy::CompensatedProducts() {
 double Homotopy::ActiveViolation() const {
   double worst = 0.0;
   for (std::size_t i = 0; i < active_.size(); ++i) {
-    worst = std::max(worst, std::abs(c_(active_[i]) - lambda_ * target_(i)));
+    const double inverse_weight =
+        target_(i) == 0.0 ? greatest_inverse_ : inverse_weights_(active_[i]);
+    worst = std::max(worst, inverse_weight * std::abs(c_(active_[i]) -
+                                                      lambda_ * target_(i)));
   }
   return worst;
 }
@@ -336,8 +343,11 @@ void Homotopy::Consider(Event::Kind kind, int variable, double slack,
 
 Event Homotopy::NextEvent() const {
   Event best;
-  best.step =
-      std::max(lambda_ - std::max(floor_, kEndOfPath * Rounding()), 0.0);
+  const double rounding = kSeveral * Rounding();
+  best.step = std::max(lambda_ - std::max(floor_, rounding), 0.0);
+  // A waiting column is tried again only if it really is beyond the bound:
+  // two of them there by rounding would be tried in turn for ever.
+  const double beyond = lambda_ * (1.0 + 1e-11) + rounding;
   for (std::size_t i = 0; i < active_.size(); ++i) {
     if (target_(i) == 0.0 || active_[i] == last_moved_) continue;
     const double sign = target_(i) > 0.0 ? 1.0 : -1.0;
@@ -345,10 +355,9 @@ Event Homotopy::NextEvent() const {
              -sign * slope_(i), sign, best);
   }
   for (int j = 0; j < n_; ++j) {
-    const bool candidate =
-        state_[j] == State::kInactive ||
-        (state_[j] == State::kWaiting &&
-         std::abs(c_(j)) * inverse_weights_(j) > lambda_ * (1.0 + 1e-11));
+    const bool candidate = state_[j] == State::kInactive ||
+                           (state_[j] == State::kWaiting &&
+                            std::abs(c_(j)) * inverse_weights_(j) > beyond);
     if (!candidate) continue;
     const double w = objective_.weights(j);
     for (const double sign : {1.0, -1.0}) {
@@ -363,9 +372,10 @@ Event Homotopy::NextEvent() const {
 // Goes to the event; c is left to the next ComputeDirection.
 void Homotopy::Advance(const Event& event) {
   const auto k = static_cast<Eigen::Index>(active_.size());
-  const bool to_zero =
-      event.kind == Event::Kind::kEnd && options_.lambda_min == 0.0;
-  const double step = to_zero ? lambda_ : event.step;
+  // What is left below the floor is rounding.
+  const double step = event.kind == Event::Kind::kEnd
+                          ? lambda_ - options_.lambda_min
+                          : event.step;
   Certify(step);
   if (step > 0.0) {
     summary_.path.Append(lambda_, lambda_ - step, active_, beta_.head(k),

@@ -3,8 +3,8 @@
 // From λ_max on, where β = 0, λ falls and the solution moves on straight lines:
 // on the active set A with signs s the conditions c_A = λ (s∘w)_A give
 //
-//   β_A(λ − t) = β_A(λ) + t q,  q = G_AA⁻¹ (s∘w)_A,  c(λ − t) = c(λ) − t G_·A
-//   q,
+//   β_A(λ − t) = β_A(λ) + t q,  q = G_AA⁻¹ (s∘w)_A,
+//   c(λ − t) = c(λ) − t G_·A q,
 //
 // until a coefficient reaches zero and leaves or an inactive c_j reaches ±λw_j
 // and enters (a knot). (Osborne, Presnell and Turlach, IMA J. Numer. Anal. 20,
@@ -17,8 +17,7 @@
 //   used up gives a step of zero. The variable that moved last sits out one
 //   step.
 // - A column in the span of A cannot enter. If its c_j just follows the bound
-// (a
-//   twin of an active column) it waits until A loses a member; if it would
+//   (a twin of an active column) it waits until A loses a member; if it would
 //   cross the bound it takes the place of the active variable that reaches zero
 //   first on the line along which the fit does not change.
 // - Ties are resolved one at a time, the lowest number first once steps of zero
