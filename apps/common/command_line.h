@@ -1,0 +1,45 @@
+// How every command starts and ends.
+//
+// Exit codes: 0 done; 1 ran, but the result is not usable; 2 bad input or flags.
+
+#ifndef APPS_COMMON_COMMAND_LINE_H_
+#define APPS_COMMON_COMMAND_LINE_H_
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "Eigen/Core"
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+
+namespace mle {
+
+inline constexpr int kExitDone = 0;
+inline constexpr int kExitNotUsable = 1;
+inline constexpr int kExitBadInput = 2;
+
+// Parses the flags; answers --help and --version (exit code 0) and unknown flags,
+// values that cannot be read and stray arguments (exit code 2) itself. `usage`
+// says what the command does and how it is called.
+void StartCommand(const std::string& usage, int& argc, char**& argv);
+
+// The command line as it was given, for a shell.
+std::string CommandLine();
+
+std::string_view Version();
+
+// Prints the failure and gives its exit code.
+int Fail(const absl::Status& status);
+
+// "0.2" or "0.2,0.3": one number for all `count` channels, or one each. Errors
+// name the flag.
+absl::StatusOr<Eigen::VectorXd> ParseNumbers(std::string_view flag,
+                                             std::string_view value, int count);
+
+// The parts of a comma-separated list, without empty ones.
+std::vector<std::string> ParseList(std::string_view value);
+
+}  // namespace mle
+
+#endif  // APPS_COMMON_COMMAND_LINE_H_

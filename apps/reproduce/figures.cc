@@ -1,0 +1,144 @@
+#include "apps/reproduce/figures.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+
+namespace mle::reproduce {
+namespace {
+
+using report::Figure;
+using report::MakeSeries;
+using report::Panel;
+using report::Role;
+
+constexpr double kColumnWidthCm = 8.5;
+constexpr int kMaxPoints = 2000;
+
+std::vector<double> ToVector(const Eigen::VectorXd& values) {
+  return {values.data(), values.data() + values.size()};
+}
+
+NamedFigure DistanceFigure(const std::vector<CaseResult>& cases,
+                           const Eigen::VectorXd& lambdas) {
+  NamedFigure named;
+  named.name = "distance_over_lambda";
+  named.caption =
+      "Squared distance E of the step responses over the penalty λ, first seed. "
+      "The line is the model before correction.";
+  named.alt = named.caption;
+  Figure& figure = named.figure;
+  figure.columns = std::min(static_cast<int>(cases.size()), 2);
+  const int rows =
+      (static_cast<int>(cases.size()) + figure.columns - 1) / figure.columns;
+  figure.width_cm = figure.columns == 1 ? 12.0 : 2.0 * kColumnWidthCm;
+  figure.height_cm = 1.5 + 6.5 * rows;
+  for (const CaseResult& result : cases) {
+    const RunResult& run = result.runs.front();
+    Panel& panel = figure.AddPanel(result.name);
+    panel.x = {.label = "penalty λ", .log = true};
+    panel.y = {.label = "squared distance E", .log = true};
+    panel.lines.push_back(
+        HorizontalLine(Role::kInitial, "before correction", result.E_initial));
+    panel.series.push_back(MakeSeries(Role::kCorrected, "corrected",
+                                      ToVector(lambdas),
+                                      ToVector(run.squared_distance)));
+    panel.series.back().max_points = kMaxPoints;
+    panel.markers.push_back(MakeMarker(Role::kBest, "best λ in hindsight",
+                                       run.lambda_oracle, run.E_oracle));
+    panel.markers.push_back(MakeMarker(Role::kChosen,
+                                       "λ* chosen by cross-validation",
+                                       run.selection.lambda_star, run.E_star));
+  }
+  return named;
+}
+
+struct Curves {
+  Role role;
+  std::string label;
+  Eigen::MatrixXd values;  // samples × pm
+};
+
+// A panel for each input–output pair, outputs by rows.
+Figure PairGrid(const CaseResult& result, const std::string& quantity,
+                const std::vector<Curves>& curves) {
+  const ProcessModel& plant = result.plant;
+  std::vector<double> time;
+  for (int k = 0; k < result.truth.samples(); ++k) {
+    time.push_back(k * result.truth.sample_time);
+  }
+  Figure figure;
+  figure.columns = plant.num_inputs();
+  figure.width_cm = std::max(kColumnWidthCm * plant.num_inputs(), 12.0);
+  figure.height_cm = 1.5 + 5.0 * plant.num_outputs();
+  for (int i = 0; i < plant.num_outputs(); ++i) {
+    for (int j = 0; j < plant.num_inputs(); ++j) {
+      Panel& panel = figure.AddPanel(absl::StrCat(
+          plant.outputs()[i].name, " ← ", plant.inputs()[j].name));
+      if (i + 1 == plant.num_outputs()) {
+        panel.x.label = absl::StrCat("time (", plant.time_unit(), ")");
+      }
+      if (j == 0) panel.y.label = quantity;
+      for (const Curves& curve : curves) {
+        const Eigen::VectorXd values =
+            curve.values.col(i * plant.num_inputs() + j);
+        panel.series.push_back(
+            MakeSeries(curve.role, curve.label, time, ToVector(values)));
+        panel.series.back().max_points = kMaxPoints;
+      }
+    }
+  }
+  return figure;
+}
+
+NamedFigure StepFigure(const CaseResult& result) {
+  const RunResult& run = result.runs.front();
+  NamedFigure named;
+  named.name = absl::StrCat("step_responses_", result.name);
+  named.caption = absl::StrCat(
+      "Case ", result.name,
+      ": step responses of the plant, of the model before correction, corrected "
+      "with λ*, and corrected without penalty, first seed.");
+  named.alt = named.caption;
+  named.figure = PairGrid(
+      result, "step response",
+      {{Role::kTrue, "true plant", result.truth.values},
+       {Role::kUnregularised, "without penalty", run.unregularised.values},
+       {Role::kInitial, "before correction", result.initial.values},
+       {Role::kCorrected, "corrected, λ*", run.corrected.values}});
+  return named;
+}
+
+NamedFigure ImpulseFigure(const CaseResult& result) {
+  const RunResult& run = result.runs.front();
+  NamedFigure named;
+  named.name = absl::StrCat("impulse_responses_", result.name);
+  named.caption =
+      absl::StrCat("Case ", result.name,
+                   ": impulse responses of the plant, of the model before "
+                   "correction and corrected with λ*, first seed.");
+  named.alt = named.caption;
+  named.figure =
+      PairGrid(result, "impulse response",
+               {{Role::kTrue, "true plant", ImpulseResponses(result.truth)},
+                {Role::kInitial, "before correction",
+                 ImpulseResponses(result.initial)},
+                {Role::kCorrected, "corrected, λ*",
+                 ImpulseResponses(run.corrected)}});
+  return named;
+}
+
+}  // namespace
+
+std::vector<NamedFigure> MakeFigures(const std::vector<CaseResult>& cases,
+                                     const Eigen::VectorXd& lambdas) {
+  std::vector<NamedFigure> figures = {DistanceFigure(cases, lambdas)};
+  for (const CaseResult& result : cases) {
+    figures.push_back(StepFigure(result));
+    figures.push_back(ImpulseFigure(result));
+  }
+  return figures;
+}
+
+}  // namespace mle::reproduce

@@ -1,0 +1,164 @@
+#include "apps/reproduce/outputs.h"
+
+#include <cmath>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/strings/str_replace.h"
+#include "nlohmann/json.hpp"
+
+namespace mle::reproduce {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json Rows(const Eigen::MatrixXd& values) {
+  Json rows = Json::array();
+  for (Eigen::Index i = 0; i < values.rows(); ++i) {
+    Json row = Json::array();
+    for (Eigen::Index j = 0; j < values.cols(); ++j) row.push_back(values(i, j));
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+Json FopdtRows(const RunResult& run, int num_outputs, int num_inputs) {
+  Json rows = Json::array();
+  for (int i = 0; i < num_outputs; ++i) {
+    Json row = Json::array();
+    for (int j = 0; j < num_inputs; ++j) {
+      const FopdtFit& fit = run.judgement.fopdt[i * num_inputs + j];
+      row.push_back({{"gain", fit.gain},
+                     {"time_constant", fit.time_constant},
+                     {"delay", fit.delay}});
+    }
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+Json ToJson(const RunResult& run, const ProcessModel& plant) {
+  return {
+      {"seed", run.seed},
+      {"lambda_star", run.selection.lambda_star},
+      {"lambda_star_penalised_loss", run.selection.lambda_star_penalised},
+      {"lambda_star_off_grid", run.selection.lambda_exact},
+      {"E_star", run.E_star},
+      {"E_zero", run.E_zero},
+      {"lambda_oracle", run.lambda_oracle},
+      {"E_oracle", run.E_oracle},
+      {"max_relative_duality_gap", run.max_relative_gap},
+      {"static_gain_error", Rows(run.judgement.static_gain_error)},
+      {"delay_impulse_peak", Rows(run.judgement.delay_impulse_peak)},
+      {"fopdt", FopdtRows(run, plant.num_outputs(), plant.num_inputs())}};
+}
+
+Json ToJson(const Statistics& statistics) {
+  return {{"mean", statistics.mean},
+          {"worst", statistics.worst},
+          {"best", statistics.best},
+          {"standard_deviation", statistics.standard_deviation}};
+}
+
+Json Summary(const CaseResult& result) {
+  const int p = result.plant.num_outputs();
+  const int m = result.plant.num_inputs();
+  Eigen::MatrixXd static_gain(p, m), fopdt_gain(p, m), fopdt_delay(p, m);
+  for (int i = 0; i < p; ++i) {
+    for (int j = 0; j < m; ++j) {
+      const ElementErrors& e = result.elements[i * m + j];
+      static_gain(i, j) = e.static_gain_error_rms;
+      fopdt_gain(i, j) = e.fopdt_gain_error_rms;
+      fopdt_delay(i, j) = e.fopdt_delay_error_rms;
+    }
+  }
+  return {{"E_star", ToJson(result.E_star)},
+          {"E_zero", ToJson(result.E_zero)},
+          {"E_oracle", ToJson(result.E_oracle)},
+          {"lambda_star", ToJson(result.lambda_star)},
+          {"static_gain_error_rms", Rows(static_gain)},
+          {"fopdt_gain_error_rms", Rows(fopdt_gain)},
+          {"fopdt_delay_error_rms", Rows(fopdt_delay)},
+          {"max_relative_duality_gap", result.max_relative_gap}};
+}
+
+// A CSV field, quoted where it must be (RFC 4180).
+std::string Field(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  return absl::StrCat("\"", absl::StrReplaceAll(text, {{"\"", "\"\""}}), "\"");
+}
+
+std::string FormatDistances(const RunResult& run,
+                            const Eigen::VectorXd& lambdas) {
+  std::string csv = "lambda,E,cross_validation_loss,penalised_loss\n";
+  for (Eigen::Index i = 0; i < lambdas.size(); ++i) {
+    absl::StrAppendFormat(&csv, "%.9g,%.12g,%.12g,%.12g\n", lambdas(i),
+                          run.squared_distance(i), run.selection.loss(i),
+                          run.selection.penalised_loss(i));
+  }
+  return csv;
+}
+
+std::string FormatStepResponses(const CaseResult& result) {
+  const RunResult& run = result.runs.front();
+  const std::pair<const char*, const StepResponse*> models[] = {
+      {"initial", &result.initial},
+      {"true", &result.truth},
+      {"corrected", &run.corrected},
+      {"unregularised", &run.unregularised}};
+  std::string csv = "time";
+  for (const auto& [name, response] : models) {
+    for (const OutputChannel& output : result.plant.outputs()) {
+      for (const InputChannel& input : result.plant.inputs()) {
+        absl::StrAppend(&csv, ",",
+                        Field(absl::StrCat(output.name, "/", input.name, " ",
+                                           name)));
+      }
+    }
+  }
+  csv += '\n';
+  for (int k = 0; k < result.truth.samples(); ++k) {
+    absl::StrAppendFormat(&csv, "%.12g", k * result.truth.sample_time);
+    for (const auto& [name, response] : models) {
+      for (Eigen::Index column = 0; column < response->values.cols();
+           ++column) {
+        absl::StrAppendFormat(&csv, ",%.12g", response->values(k, column));
+      }
+    }
+    csv += '\n';
+  }
+  return csv;
+}
+
+}  // namespace
+
+std::string FormatResults(const std::vector<CaseResult>& cases) {
+  Json list = Json::array();
+  for (const CaseResult& result : cases) {
+    Json runs = Json::array();
+    for (const RunResult& run : result.runs) {
+      runs.push_back(ToJson(run, result.plant));
+    }
+    list.push_back({{"name", result.name},
+                    {"E_initial", result.E_initial},
+                    {"runs", std::move(runs)},
+                    {"summary", Summary(result)}});
+  }
+  const Json document = {{"version", 1}, {"cases", std::move(list)}};
+  return document.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::vector<File> FormatCurves(const std::vector<CaseResult>& cases,
+                               const Eigen::VectorXd& lambdas) {
+  std::vector<File> files;
+  for (const CaseResult& result : cases) {
+    files.emplace_back(absl::StrCat("curve_", result.name, ".csv"),
+                       FormatDistances(result.runs.front(), lambdas));
+    files.emplace_back(absl::StrCat("step_response_", result.name, ".csv"),
+                       FormatStepResponses(result));
+  }
+  return files;
+}
+
+}  // namespace mle::reproduce

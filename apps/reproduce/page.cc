@@ -1,0 +1,75 @@
+#include "apps/reproduce/page.h"
+
+#include "absl/strings/str_cat.h"
+#include "apps/report/number.h"
+
+namespace mle::reproduce {
+
+using report::FormatScientific;
+using report::FormatSignificant;
+
+std::vector<std::string> Findings(const std::vector<CaseResult>& cases) {
+  std::vector<std::string> sentences;
+  for (const CaseResult& result : cases) {
+    const bool several = result.runs.size() > 1;
+    sentences.push_back(absl::StrCat(
+        "Case ", result.name, ": corrected from ",
+        result.plant.num_outputs(),
+        " set-point changes, the model's squared distance E from the plant "
+        "falls from ",
+        FormatSignificant(result.E_initial, 4), " to ",
+        FormatSignificant(result.E_star.mean),
+        several ? absl::StrCat(" on average over ", result.runs.size(),
+                               " seeds (worst ",
+                               FormatSignificant(result.E_star.worst), ")")
+                : "",
+        "."));
+  }
+  return sentences;
+}
+
+std::string FormatPage(const std::vector<CaseResult>& cases,
+                       const std::vector<NamedFigure>& figures,
+                       const std::vector<absl::StatusOr<std::string>>& svgs,
+                       const report::RunAgain& run_again) {
+  report::HtmlPage page("Model Life Extension: reproduction");
+  page.AddSummary(Findings(cases));
+  page.AddHeading("Distance from the plant");
+  page.AddParagraph(
+      "E is the sum of the squared differences of the step responses over all "
+      "input–output pairs and samples. λ* is the grid's value of the smallest "
+      "cross-validation loss between set-point changes; the plant is not used "
+      "to choose it.");
+  for (const CaseResult& result : cases) page.AddTable(DistanceTable(result));
+  page.AddHeading("Gains and dead times");
+  page.AddParagraph(
+      "Gain error by the end of the step response and by a first-order-plus-"
+      "dead-time (FOPDT) fit to it; dead time at the peak of the impulse "
+      "response, as the paper reads it, and error of the fit's. The peak comes "
+      "up to two samples after the dead time even without any error. The "
+      "paper's figures are of one run.");
+  for (const CaseResult& result : cases) page.AddTable(ElementTable(result));
+  page.AddHeading("Figures");
+  for (std::size_t i = 0; i < figures.size(); ++i) {
+    page.AddFigure(svgs[i], figures[i].caption, figures[i].alt);
+  }
+  page.AddHeading("Certificate");
+  for (const CaseResult& result : cases) {
+    const std::string sentence = absl::StrCat(
+        "Case ", result.name,
+        ": relative duality gap of every lasso fit, at every λ of the grid, at "
+        "most ",
+        FormatScientific(result.max_relative_gap, 2), ".");
+    if (result.max_relative_gap <= kAcceptedGap) {
+      page.AddParagraph(sentence);
+    } else {
+      page.AddWarning(absl::StrCat(sentence, " This is more than ",
+                                   FormatScientific(kAcceptedGap, 1),
+                                   ": the fits there are not exact."));
+    }
+  }
+  page.AddRunAgain(run_again);
+  return page.Render();
+}
+
+}  // namespace mle::reproduce

@@ -1,0 +1,199 @@
+#include "apps/reproduce/summary.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "apps/report/number.h"
+#include "apps/reproduce/paper.h"
+#include "mle/base/status.h"
+#include "mle/nonlinear/fopdt_fit.h"
+
+namespace mle::reproduce {
+namespace {
+
+using report::FormatScientific;
+using report::FormatSignificant;
+
+// Dead time of an element as a first-order one: its own, or the best fit's.
+absl::StatusOr<double> FirstOrderDelay(const TransferFunction& element,
+                                       const StepResponse& response, int output,
+                                       int input) {
+  if (element.IsZero() || element.IsFirstOrder()) return element.delay();
+  MLE_ASSIGN_OR_RETURN(const FopdtFit fit,
+                       FitFopdt(response.element(output, input),
+                                response.sample_time, FopdtOptions()));
+  return fit.delay;
+}
+
+double RootMeanSquare(double sum_of_squares, std::size_t count) {
+  return std::sqrt(sum_of_squares / static_cast<double>(count));
+}
+
+std::string PairName(const ProcessModel& plant, int output, int input) {
+  return absl::StrCat("(", output + 1, ",", input + 1, ") ",
+                      plant.outputs()[output].name, " ← ",
+                      plant.inputs()[input].name);
+}
+
+const PaperFigure* FindPaperFigure(const CaseResult& result, int output,
+                                   int input) {
+  for (const PaperFigure& figure : kPaperFigures) {
+    if (result.name == figure.case_name && output == figure.output &&
+        input == figure.input) {
+      return &figure;
+    }
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+Statistics Summarise(const std::vector<double>& values) {
+  Statistics statistics;
+  const double count = static_cast<double>(values.size());
+  for (const double value : values) statistics.mean += value / count;
+  statistics.worst = *std::max_element(values.begin(), values.end());
+  statistics.best = *std::min_element(values.begin(), values.end());
+  if (values.size() > 1) {
+    double sum = 0.0;
+    for (const double value : values) {
+      sum += (value - statistics.mean) * (value - statistics.mean);
+    }
+    statistics.standard_deviation = std::sqrt(sum / (count - 1.0));
+  }
+  return statistics;
+}
+
+absl::Status SummariseCase(const ProcessModel& initial_model,
+                           CaseResult& result) {
+  std::vector<double> star, zero, oracle, lambda;
+  for (const RunResult& run : result.runs) {
+    star.push_back(run.E_star);
+    zero.push_back(run.E_zero);
+    oracle.push_back(run.E_oracle);
+    lambda.push_back(run.selection.lambda_star);
+    result.max_relative_gap =
+        std::max(result.max_relative_gap, run.max_relative_gap);
+  }
+  result.E_star = Summarise(star);
+  result.E_zero = Summarise(zero);
+  result.E_oracle = Summarise(oracle);
+  result.lambda_star = Summarise(lambda);
+
+  const ProcessModel& plant = result.plant;
+  for (int i = 0; i < plant.num_outputs(); ++i) {
+    for (int j = 0; j < plant.num_inputs(); ++j) {
+      ElementErrors errors;
+      errors.true_gain = plant.element(i, j).StaticGain();
+      errors.initial_gain = initial_model.element(i, j).StaticGain();
+      MLE_ASSIGN_OR_RETURN(
+          errors.true_delay,
+          FirstOrderDelay(plant.element(i, j), result.truth, i, j));
+      MLE_ASSIGN_OR_RETURN(
+          errors.initial_delay,
+          FirstOrderDelay(initial_model.element(i, j), result.initial, i, j));
+      double end = 0.0, gain = 0.0, delay = 0.0;
+      for (const RunResult& run : result.runs) {
+        const FopdtFit& fit =
+            run.judgement.fopdt[i * plant.num_inputs() + j];
+        end += std::pow(run.judgement.static_gain_error(i, j), 2);
+        gain += std::pow(fit.gain - errors.true_gain, 2);
+        delay += std::pow(fit.delay - errors.true_delay, 2);
+        errors.delay_impulse_peak_mean +=
+            run.judgement.delay_impulse_peak(i, j) /
+            static_cast<double>(result.runs.size());
+      }
+      errors.static_gain_error_rms = RootMeanSquare(end, result.runs.size());
+      errors.fopdt_gain_error_rms = RootMeanSquare(gain, result.runs.size());
+      errors.fopdt_delay_error_rms = RootMeanSquare(delay, result.runs.size());
+      result.elements.push_back(errors);
+    }
+  }
+  return absl::OkStatus();
+}
+
+report::Table DistanceTable(const CaseResult& result) {
+  report::Table table;
+  table.caption = absl::StrCat(
+      "Case ", result.name, ": squared distance E of the step responses, ",
+      result.runs.size(), result.runs.size() == 1 ? " seed" : " seeds");
+  table.columns = {{"model", report::Align::kLeft}, {"λ"}};
+  const bool several = result.runs.size() > 1;
+  if (several) {
+    for (const char* name : {"E mean", "best", "worst", "deviation"}) {
+      table.columns.push_back({name});
+    }
+  } else {
+    table.columns.push_back({"E"});
+  }
+  const auto add = [&](const char* model, const std::string& lambda,
+                       const Statistics& E) {
+    std::vector<std::string> row = {model, lambda, FormatSignificant(E.mean)};
+    if (several) {
+      row.push_back(FormatSignificant(E.best));
+      row.push_back(FormatSignificant(E.worst));
+      row.push_back(FormatSignificant(E.standard_deviation));
+    }
+    table.AddRow(row);
+  };
+  const RunResult& first = result.runs.front();
+  table.AddRow({"before: initial model", "", FormatSignificant(result.E_initial, 5)});
+  add("corrected, λ* by cross-validation",
+      several ? absl::StrCat(FormatScientific(result.lambda_star.best, 2), " … ",
+                             FormatScientific(result.lambda_star.worst, 2))
+              : FormatScientific(first.selection.lambda_star, 2),
+      result.E_star);
+  add("corrected, best λ in hindsight",
+      several ? "" : FormatScientific(first.lambda_oracle, 2), result.E_oracle);
+  add("corrected, without penalty", "0", result.E_zero);
+  return table;
+}
+
+report::Table ElementTable(const CaseResult& result) {
+  report::Table table;
+  const bool several = result.runs.size() > 1;
+  const std::string unit = result.plant.time_unit();
+  table.caption = absl::StrCat(
+      "Case ", result.name, ": corrected gains and dead times (", unit, ")",
+      several ? ", root mean square errors over the seeds" : "");
+  table.columns = {{"output ← input", report::Align::kLeft},
+                   {"gain: before → true"},
+                   {"error, step response"},
+                   {"error, FOPDT fit"},
+                   {"paper"},
+                   {"dead time: before → true"},
+                   {"at impulse peak"},
+                   {"error, FOPDT fit"},
+                   {"paper"}};
+  const ProcessModel& plant = result.plant;
+  for (int i = 0; i < plant.num_outputs(); ++i) {
+    for (int j = 0; j < plant.num_inputs(); ++j) {
+      const ElementErrors& e = result.elements[i * plant.num_inputs() + j];
+      const PaperFigure* paper = FindPaperFigure(result, i, j);
+      const auto change = [](double before, double after) {
+        return before == after
+                   ? FormatSignificant(after)
+                   : absl::StrCat(FormatSignificant(before), " → ",
+                                  FormatSignificant(after));
+      };
+      table.AddRow(
+          {PairName(plant, i, j), change(e.initial_gain, e.true_gain),
+           FormatSignificant(e.static_gain_error_rms, 2),
+           FormatSignificant(e.fopdt_gain_error_rms, 2),
+           paper != nullptr && paper->gain_error > 0.0
+               ? FormatSignificant(paper->gain_error)
+               : "",
+           change(e.initial_delay, e.true_delay),
+           FormatSignificant(e.delay_impulse_peak_mean),
+           FormatSignificant(e.fopdt_delay_error_rms, 2),
+           paper != nullptr && paper->delay > 0.0
+               ? FormatSignificant(paper->delay)
+               : ""});
+    }
+  }
+  return table;
+}
+
+}  // namespace mle::reproduce

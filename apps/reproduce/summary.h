@@ -1,0 +1,69 @@
+// What the runs of a case say together.
+
+#ifndef APPS_REPRODUCE_SUMMARY_H_
+#define APPS_REPRODUCE_SUMMARY_H_
+
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "apps/report/table.h"
+#include "apps/reproduce/experiment.h"
+#include "mle/model/process_model.h"
+
+namespace mle::reproduce {
+
+// Relative duality gaps up to this are as good as exact.
+inline constexpr double kAcceptedGap = 1e-9;
+
+struct Statistics {
+  double mean = 0.0;
+  double worst = 0.0;               // the largest
+  double best = 0.0;                // the smallest
+  double standard_deviation = 0.0;  // (n − 1); 0 for one value
+};
+
+// Of one value or more, all finite.
+Statistics Summarise(const std::vector<double>& values);
+
+// The corrected model's errors at one input–output pair, over all runs.
+struct ElementErrors {
+  double true_gain = 0.0;   // of the plant's element
+  double true_delay = 0.0;  // its dead time, or that of the best FOPDT fit
+  double initial_gain = 0.0;
+  double initial_delay = 0.0;
+  double static_gain_error_rms = 0.0;  // end of the step response
+  double fopdt_gain_error_rms = 0.0;
+  double delay_impulse_peak_mean = 0.0;
+  double fopdt_delay_error_rms = 0.0;
+};
+
+// One case: a plant and its runs.
+struct CaseResult {
+  std::string name;
+  ProcessModel plant;
+  StepResponse truth;
+  StepResponse initial;
+  double E_initial = 0.0;  // E(M, G₀)
+  std::vector<RunResult> runs;
+  // Filled in by SummariseCase.
+  Statistics E_star;
+  Statistics E_zero;
+  Statistics E_oracle;
+  Statistics lambda_star;
+  std::vector<ElementErrors> elements;  // row by row (p·m)
+  double max_relative_gap = 0.0;
+};
+
+absl::Status SummariseCase(const ProcessModel& initial_model,
+                           CaseResult& result);
+
+// E and λ of a case; with one run its values, with several their statistics.
+report::Table DistanceTable(const CaseResult& result);
+
+// Gains and dead times of every pair, beside the paper's where it has any.
+report::Table ElementTable(const CaseResult& result);
+
+}  // namespace mle::reproduce
+
+#endif  // APPS_REPRODUCE_SUMMARY_H_
