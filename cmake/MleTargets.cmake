@@ -39,16 +39,6 @@ function(mle_add_library name)
   set_property(GLOBAL APPEND PROPERTY MLE_LIBRARIES ${target})
 endfunction()
 
-# mle_add_command(NAME SOURCES … DEPENDS …)
-#
-# An executable that is installed with the project.
-function(mle_add_command name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
-  add_executable(${name} ${ARG_SOURCES})
-  target_link_libraries(${name} PRIVATE ${ARG_DEPENDS} mle_build_flags)
-  set_property(GLOBAL APPEND PROPERTY MLE_COMMANDS ${name})
-endfunction()
-
 # mle_add_test(NAME SOURCES … DEPENDS … [LABEL unit|reference|e2e|slow])
 function(mle_add_test name)
   cmake_parse_arguments(ARG "" "LABEL" "SOURCES;DEPENDS" ${ARGN})
