@@ -64,20 +64,28 @@ Eigen::VectorXd ChannelMeans(const std::vector<Record>& records) {
   if (records.empty()) return {};
   const int p = records.front().num_outputs();
   const int m = records.front().num_inputs();
-  Eigen::VectorXd sum = Eigen::VectorXd::Zero(p + m);
-  Eigen::VectorXd count = Eigen::VectorXd::Zero(p + m);
-  const auto add = [&](const Eigen::MatrixXd& values, int first_channel) {
-    const auto finite = values.array().isFinite();
-    sum.segment(first_channel, values.rows()) +=
-        finite.select(values, 0.0).matrix().rowwise().sum();
-    count.segment(first_channel, values.rows()) +=
-        finite.cast<double>().matrix().rowwise().sum();
-  };
-  for (const Record& record : records) {
-    add(record.outputs, 0);
-    add(record.inputs, p);
+  Eigen::VectorXd mean = Eigen::VectorXd::Zero(p + m);
+  // The second pass takes the rounding of the first away, so that the mean of a
+  // held channel is its value.
+  for (int pass = 0; pass < 2; ++pass) {
+    Eigen::VectorXd sum = Eigen::VectorXd::Zero(p + m);
+    Eigen::VectorXd count = Eigen::VectorXd::Zero(p + m);
+    const auto add = [&](const Eigen::MatrixXd& values, int first_channel) {
+      const Eigen::MatrixXd deviation =
+          values.colwise() - mean.segment(first_channel, values.rows());
+      const auto finite = deviation.array().isFinite();
+      sum.segment(first_channel, values.rows()) +=
+          finite.select(deviation, 0.0).matrix().rowwise().sum();
+      count.segment(first_channel, values.rows()) +=
+          finite.cast<double>().matrix().rowwise().sum();
+    };
+    for (const Record& record : records) {
+      add(record.outputs, 0);
+      add(record.inputs, p);
+    }
+    mean += sum.cwiseQuotient(count.cwiseMax(1.0));
   }
-  return sum.cwiseQuotient(count.cwiseMax(1.0));
+  return mean;
 }
 
 }  // namespace mle

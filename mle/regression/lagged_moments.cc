@@ -5,15 +5,17 @@
 namespace mle {
 namespace {
 
-// The sums that run over the data: S's first block column and those with the
-// responses. Adds to `moments`.
-void AddDataSums(const RegressionRows& part, LaggedMoments& moments) {
+// The sums that run over the data: S's first block column, its diagonal
+// (`squares`) and those with the responses. Adds to them.
+void AddDataSums(const RegressionRows& part, Eigen::VectorXd& squares,
+                 LaggedMoments& moments) {
   const LaggedSeries& series = *part.series;
   const int c = series.num_channels();
   const auto regressors = series.Regressors(part.rows);
   const auto latest = series.Samples(part.rows, /*lag=*/1);
   moments.gram.leftCols(c).noalias() += regressors * latest.transpose();
   moments.cross.noalias() += regressors * part.responses.transpose();
+  squares += regressors.cwiseAbs2().rowwise().sum();
   moments.regressor_sum += regressors.rowwise().sum();
   moments.response_sum += part.responses.rowwise().sum();
   moments.response_squares += part.responses.rowwise().squaredNorm();
@@ -68,6 +70,7 @@ LaggedMoments ComputeLaggedMoments(absl::Span<const RegressionRows> rows) {
   const int c = rows.front().series->num_channels();
   LaggedMoments moments =
       LaggedMoments::Zero(n, static_cast<int>(rows.front().responses.rows()));
+  Eigen::VectorXd squares = Eigen::VectorXd::Zero(n);
   Eigen::MatrixXd entering(n - c, rows.size());
   Eigen::MatrixXd leaving(n - c, rows.size());
   for (std::size_t r = 0; r < rows.size(); ++r) {
@@ -75,7 +78,7 @@ LaggedMoments ComputeLaggedMoments(absl::Span<const RegressionRows> rows) {
     const RowRange range = rows[r].rows;
     CHECK_EQ(series.num_regressors(), n);
     CHECK_EQ(rows[r].responses.cols(), range.rows());
-    AddDataSums(rows[r], moments);
+    AddDataSums(rows[r], squares, moments);
     // x_{k₁} and x_{k₀−1} without the oldest block, which row k₀ may lack.
     leaving.col(r) =
         series.Regressors({range.last, range.last}).col(0).head(n - c);
@@ -85,6 +88,7 @@ LaggedMoments ComputeLaggedMoments(absl::Span<const RegressionRows> rows) {
     }
   }
   ExtendGram(entering, leaving, c, moments.gram);
+  moments.gram.diagonal() = squares;
   return moments;
 }
 

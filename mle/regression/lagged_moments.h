@@ -12,7 +12,9 @@
 //
 // that is, S less its own shift by one block has rank 2c per range of rows.
 // Only the first block column is a sum over the data: 2cnN operations instead
-// of n²N, then 4rn² for r ranges. Memory O(n² + N(c + q)).
+// of n²N, then 4rn² for r ranges. Memory O(n² + N(c + q)). The diagonal is
+// summed as well: the recursion leaves rounding of the size of all that has
+// passed through it, and a column that is constant on these rows must show.
 
 #ifndef MLE_REGRESSION_LAGGED_MOMENTS_H_
 #define MLE_REGRESSION_LAGGED_MOMENTS_H_

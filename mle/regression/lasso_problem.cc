@@ -10,9 +10,12 @@
 namespace mle {
 namespace {
 
-// A centred sum of squares below this part of the uncentred one is rounding.
-constexpr double kConstantTolerance =
-    256.0 * std::numeric_limits<double>::epsilon();
+// A centred sum of squares below this part of the uncentred one is rounding:
+// the bound for a sum of N equal terms, whose roundings need not cancel, less
+// the square of another.
+double ConstantTolerance(double rows) {
+  return (256.0 + 2.0 * rows) * std::numeric_limits<double>::epsilon();
+}
 
 }  // namespace
 
@@ -49,7 +52,7 @@ LassoProblem MakeLassoProblem(LaggedMoments moments, Scaling scaling) {
   for (int j = 0; j < n; ++j) {
     const double second_moment = problem.gram(j, j) / rows;
     const double variance = second_moment - mean(j) * mean(j);
-    if (variance <= kConstantTolerance * second_moment) {
+    if (variance <= ConstantTolerance(rows) * second_moment) {
       problem.scale(j) = 0.0;
       problem.constant_regressors.push_back(j);
     } else if (scaling == Scaling::kStandardise) {
@@ -59,10 +62,11 @@ LassoProblem MakeLassoProblem(LaggedMoments moments, Scaling scaling) {
   const Eigen::ArrayXd inverse_scale =
       (problem.scale.array() > 0.0)
           .select(problem.scale.array().inverse(), 0.0);
+  // In this order of operations G stays symmetric to the bit.
   for (int j = 0; j < n; ++j) {
     problem.gram.col(j) =
-        ((problem.gram.col(j) / rows - mean(j) * mean).array() * inverse_scale *
-         inverse_scale(j))
+        ((problem.gram.col(j) / rows - mean(j) * mean).array() *
+         (inverse_scale * inverse_scale(j)))
             .matrix();
   }
   problem.correlation.array().colwise() *= inverse_scale;
