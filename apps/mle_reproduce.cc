@@ -29,12 +29,14 @@
 DEFINE_string(cases, "gain,delay",
               "Cases to run, of the Wood-Berry column: gain (both reflux gains "
               "halved), delay (both steam dead times 4 min longer).");
-DEFINE_string(model, "",
-              "Process model (JSON) that the controller believes; with --plants "
-              "instead of --cases.");
-DEFINE_string(plants, "",
-              "NAME:FILE,… process models (JSON) of aged plants, a case each, of "
-              "the same inputs and outputs as --model.");
+DEFINE_string(
+    model, "",
+    "Process model (JSON) that the controller believes; with --plants "
+    "instead of --cases.");
+DEFINE_string(
+    plants, "",
+    "NAME:FILE,… process models (JSON) of aged plants, a case each, of "
+    "the same inputs and outputs as --model.");
 DEFINE_int32(seeds, 1, "Noise seeds to run each case with, ≥ 1.");
 DEFINE_uint64(first_seed, 1, "The first of the seeds; the others follow it.");
 DEFINE_string(out, "results",
@@ -44,8 +46,9 @@ DEFINE_int32(threads, 0,
              "Threads, 0: one for each processor. The results do not depend on "
              "it.");
 
-DEFINE_double(sample_time, 0.2,
-              "Sample time Δt of the ARX model, in the model's time unit (min).");
+DEFINE_double(
+    sample_time, 0.2,
+    "Sample time Δt of the ARX model, in the model's time unit (min).");
 DEFINE_int32(order, 150, "Order d of the ARX model, in samples, ≥ 1.");
 DEFINE_double(control_period, 1.0,
               "Control period Δt_c, a multiple of --sample_time (min).");
@@ -56,8 +59,9 @@ DEFINE_int32(control_horizon, 5,
 DEFINE_string(output_weight, "0.2",
               "Weight Q_y on tracking errors, ≥ 0: one value, or one for each "
               "output, separated by commas.");
-DEFINE_string(move_weight, "0.1",
-              "Weight Q_u on input moves, ≥ 0: one value, or one for each input.");
+DEFINE_string(
+    move_weight, "0.1",
+    "Weight Q_u on input moves, ≥ 0: one value, or one for each input.");
 DEFINE_double(disturbance_variance_ratio, 0.1,
               "Disturbance observer: increment variance of the output "
               "disturbance over the noise variance, ≥ 0.");
@@ -95,8 +99,10 @@ namespace mle {
 namespace {
 
 constexpr char kUsage[] =
-    "Corrects a process model from closed-loop records around set-point changes "
-    "alone, in\nsimulation, where the true plant is known and the correction can "
+    "Corrects a process model from closed-loop records around set-point "
+    "changes "
+    "alone, in\nsimulation, where the true plant is known and the correction "
+    "can "
     "be judged.\n\n"
     "  mle_reproduce --cases=gain,delay --seeds=20 --out=results\n"
     "  mle_reproduce --model=column.json --plants=aged:column_aged.json\n\n"
@@ -120,10 +126,10 @@ bool IsGiven(const char* flag) {
 
 // Names go into names of files.
 absl::Status CheckName(const std::string& name) {
-  const bool plain =
-      !name.empty() && name.size() <= 100 &&
-      name.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
-                             "0123456789_-") == std::string::npos;
+  const bool plain = !name.empty() && name.size() <= 100 &&
+                     name.find_first_not_of(
+                         "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
+                         "0123456789_-") == std::string::npos;
   if (plain) return absl::OkStatus();
   return absl::InvalidArgumentError(absl::StrCat(
       "--plants: the name '", name,
@@ -300,10 +306,9 @@ absl::StatusOr<std::vector<reproduce::CaseResult>> RunAll(
   Progress running("runs", seeds * cases);
   ParallelFor(seeds * cases, FLAGS_threads, [&](int i) {
     const int s = i / cases;
-    runs[i] = reproduce::RunExperiment(inputs.initial,
-                                       inputs.cases[i % cases].plant,
-                                       *conversions[s], seed_of(s),
-                                       inputs.experiment);
+    runs[i] = reproduce::RunExperiment(
+        inputs.initial, inputs.cases[i % cases].plant, *conversions[s],
+        seed_of(s), inputs.experiment);
     // The curves of all seeds would fill the memory; figures show the first.
     if (s > 0 && runs[i].ok()) {
       runs[i]->squared_distance.resize(0);
@@ -326,10 +331,10 @@ absl::StatusOr<std::vector<reproduce::CaseResult>> RunAll(
     for (int s = 0; s < seeds; ++s) {
       absl::StatusOr<reproduce::RunResult>& run = runs[s * cases + c];
       if (!run.ok()) {
-        return absl::Status(run.status().code(),
-                            absl::StrCat("case ", result.name, ", seed ",
-                                         seed_of(s), ": ",
-                                         run.status().message()));
+        return absl::Status(
+            run.status().code(),
+            absl::StrCat("case ", result.name, ", seed ", seed_of(s), ": ",
+                         run.status().message()));
       }
       result.runs.push_back(*std::move(run));
     }
@@ -364,8 +369,8 @@ std::string InFolder(const std::string& name) {
 
 absl::Status WriteAll(const std::vector<reproduce::CaseResult>& results,
                       const Eigen::VectorXd& lambdas) {
-  MLE_RETURN_IF_ERROR(WriteFileAtomically(
-      InFolder("results.json"), reproduce::FormatResults(results)));
+  MLE_RETURN_IF_ERROR(WriteFileAtomically(InFolder("results.json"),
+                                          reproduce::FormatResults(results)));
   for (const auto& [name, content] :
        reproduce::FormatCurves(results, lambdas)) {
     MLE_RETURN_IF_ERROR(WriteFileAtomically(InFolder(name), content));
@@ -375,8 +380,7 @@ absl::Status WriteAll(const std::vector<reproduce::CaseResult>& results,
   std::vector<absl::StatusOr<std::string>> svgs;
   absl::Status drawn;
   for (const reproduce::NamedFigure& figure : figures) {
-    svgs.push_back(
-        report::RenderFigure(figure.figure, report::Format::kSvg));
+    svgs.push_back(report::RenderFigure(figure.figure, report::Format::kSvg));
     drawn.Update(report::WriteFigure(
         figure.figure, InFolder(figure.name),
         {report::Format::kSvg, report::Format::kPng, report::Format::kPdf}));
@@ -391,8 +395,8 @@ int Main() {
   const absl::StatusOr<Inputs> inputs = ReadInputs();
   if (!inputs.ok()) return Fail(inputs.status());
   if (const absl::Status status = MakeWritableFolder(FLAGS_out); !status.ok()) {
-    return Fail(absl::InvalidArgumentError(
-        absl::StrCat("--out: ", status.message())));
+    return Fail(
+        absl::InvalidArgumentError(absl::StrCat("--out: ", status.message())));
   }
   const absl::StatusOr<std::vector<reproduce::CaseResult>> results =
       RunAll(*inputs);

@@ -38,7 +38,8 @@ std::string QuoteForShell(std::string_view argument) {
           "-_=./,:+@%") == std::string_view::npos;
   if (plain) return std::string(argument);
   std::string quoted = "'";
-  for (const char c : argument) quoted += c == '\'' ? "'\\''" : std::string(1, c);
+  for (const char c : argument)
+    quoted += c == '\'' ? "'\\''" : std::string(1, c);
   return quoted + "'";
 }
 
@@ -55,7 +56,8 @@ std::string NameOf(const char* program) {
 void PrintHelp(const std::string& name) {
   std::vector<gflags::CommandLineFlagInfo> flags;
   gflags::GetAllFlags(&flags);
-  std::cout << gflags::ProgramUsage() << "\n\nFlags (value in brackets: the default):\n";
+  std::cout << gflags::ProgramUsage()
+            << "\n\nFlags (value in brackets: the default):\n";
   for (const gflags::CommandLineFlagInfo& flag : flags) {
     if (flag.filename.find(name) == std::string::npos) continue;
     std::cout << "  --" << flag.name << " [" << flag.default_value << "]\n";

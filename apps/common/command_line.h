@@ -1,6 +1,7 @@
 // How every command starts and ends.
 //
-// Exit codes: 0 done; 1 ran, but the result is not usable; 2 bad input or flags.
+// Exit codes: 0 done; 1 ran, but the result is not usable; 2 bad input or
+// flags.
 
 #ifndef APPS_COMMON_COMMAND_LINE_H_
 #define APPS_COMMON_COMMAND_LINE_H_
@@ -19,9 +20,9 @@ inline constexpr int kExitDone = 0;
 inline constexpr int kExitNotUsable = 1;
 inline constexpr int kExitBadInput = 2;
 
-// Parses the flags; answers --help and --version (exit code 0) and unknown flags,
-// values that cannot be read and stray arguments (exit code 2) itself. `usage`
-// says what the command does and how it is called.
+// Parses the flags; answers --help and --version (exit code 0) and unknown
+// flags, values that cannot be read and stray arguments (exit code 2) itself.
+// `usage` says what the command does and how it is called.
 void StartCommand(const std::string& usage, int& argc, char**& argv);
 
 // The command line as it was given, for a shell.

@@ -97,7 +97,8 @@ absl::Status ExperimentOptions::Validate(const ProcessModel& initial) const {
   MLE_RETURN_IF_ERROR(CheckPositive("control_period", control_period));
   MLE_RETURN_IF_ERROR(CheckPositive("duration", duration));
   MLE_RETURN_IF_ERROR(CheckPositive("window", window));
-  MLE_RETURN_IF_ERROR(CheckPositive("conversion_duration", conversion_duration));
+  MLE_RETURN_IF_ERROR(
+      CheckPositive("conversion_duration", conversion_duration));
   MLE_RETURN_IF_ERROR(CheckPositive("response_horizon", response_horizon));
   MLE_RETURN_IF_ERROR(CheckNotNegative("step_time", step_time));
   MLE_RETURN_IF_ERROR(CheckNotNegative("noise_variance", noise_variance));
@@ -122,9 +123,9 @@ absl::Status ExperimentOptions::Validate(const ProcessModel& initial) const {
         "--control_horizon=%d: it must be at least 1", control_horizon));
   }
   if (prediction_horizon < control_horizon) {
-    return absl::InvalidArgumentError(absl::StrFormat(
-        "--control_horizon=%d exceeds --prediction_horizon=%d", control_horizon,
-        prediction_horizon));
+    return absl::InvalidArgumentError(
+        absl::StrFormat("--control_horizon=%d exceeds --prediction_horizon=%d",
+                        control_horizon, prediction_horizon));
   }
   if (output_weight.size() != initial.num_outputs() ||
       move_weight.size() != initial.num_inputs()) {

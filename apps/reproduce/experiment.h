@@ -1,5 +1,5 @@
-// One run of the paper's experiment: everything from the initial model, the true
-// plant and a seed to the corrected model and its judgement.
+// One run of the paper's experiment: everything from the initial model, the
+// true plant and a seed to the corrected model and its judgement.
 //
 //   conversion   initial model, excited, → R                 (once for a seed)
 //   records      closed loop on the plant, a run for each output → windows

@@ -20,12 +20,32 @@ std::vector<double> ToVector(const Eigen::VectorXd& values) {
   return {values.data(), values.data() + values.size()};
 }
 
+// E over λ of the first run.
+void FillDistancePanel(const CaseResult& result, const Eigen::VectorXd& lambdas,
+                       Panel& panel) {
+  const RunResult& run = result.runs.front();
+  panel.x = {.label = "penalty λ", .log = true};
+  panel.y = {.label = "squared distance E", .log = true};
+  panel.lines.push_back(
+      HorizontalLine(Role::kInitial, "before correction", result.E_initial));
+  panel.series.push_back(MakeSeries(Role::kCorrected, "corrected",
+                                    ToVector(lambdas),
+                                    ToVector(run.squared_distance)));
+  panel.series.back().max_points = kMaxPoints;
+  panel.markers.push_back(MakeMarker(Role::kBest, "best λ in hindsight",
+                                     run.lambda_oracle, run.E_oracle));
+  panel.markers.push_back(MakeMarker(Role::kChosen,
+                                     "λ* chosen by cross-validation",
+                                     run.selection.lambda_star, run.E_star));
+}
+
 NamedFigure DistanceFigure(const std::vector<CaseResult>& cases,
                            const Eigen::VectorXd& lambdas) {
   NamedFigure named;
   named.name = "distance_over_lambda";
   named.caption =
-      "Squared distance E of the step responses over the penalty λ, first seed. "
+      "Squared distance E of the step responses over the penalty λ, first "
+      "seed. "
       "The line is the model before correction.";
   named.alt = named.caption;
   Figure& figure = named.figure;
@@ -35,21 +55,7 @@ NamedFigure DistanceFigure(const std::vector<CaseResult>& cases,
   figure.width_cm = figure.columns == 1 ? 12.0 : 2.0 * kColumnWidthCm;
   figure.height_cm = 1.5 + 6.5 * rows;
   for (const CaseResult& result : cases) {
-    const RunResult& run = result.runs.front();
-    Panel& panel = figure.AddPanel(result.name);
-    panel.x = {.label = "penalty λ", .log = true};
-    panel.y = {.label = "squared distance E", .log = true};
-    panel.lines.push_back(
-        HorizontalLine(Role::kInitial, "before correction", result.E_initial));
-    panel.series.push_back(MakeSeries(Role::kCorrected, "corrected",
-                                      ToVector(lambdas),
-                                      ToVector(run.squared_distance)));
-    panel.series.back().max_points = kMaxPoints;
-    panel.markers.push_back(MakeMarker(Role::kBest, "best λ in hindsight",
-                                       run.lambda_oracle, run.E_oracle));
-    panel.markers.push_back(MakeMarker(Role::kChosen,
-                                       "λ* chosen by cross-validation",
-                                       run.selection.lambda_star, run.E_star));
+    FillDistancePanel(result, lambdas, figure.AddPanel(result.name));
   }
   return named;
 }
@@ -60,22 +66,70 @@ struct Curves {
   Eigen::MatrixXd values;  // samples × pm
 };
 
+std::vector<double> Times(const StepResponse& response) {
+  std::vector<double> times;
+  for (int k = 0; k < response.samples(); ++k) {
+    times.push_back(k * response.sample_time);
+  }
+  return times;
+}
+
+// What has changed most in each case, and E over λ beside it.
+NamedFigure OverviewFigure(const std::vector<CaseResult>& cases,
+                           const Eigen::VectorXd& lambdas) {
+  NamedFigure named;
+  named.name = "overview";
+  named.caption =
+      "Left: the step response that has changed most, of the plant, of the "
+      "model "
+      "before correction and corrected from closed-loop records. Right: "
+      "squared "
+      "distance E of all step responses over the penalty λ.";
+  named.alt = named.caption;
+  Figure& figure = named.figure;
+  figure.columns = 2;
+  figure.width_cm = 2.0 * kColumnWidthCm;
+  figure.height_cm = 1.5 + 5.0 * static_cast<double>(cases.size());
+  for (const CaseResult& result : cases) {
+    const ProcessModel& plant = result.plant;
+    Eigen::Index pair = 0;
+    (result.truth.values - result.initial.values)
+        .colwise()
+        .squaredNorm()
+        .maxCoeff(&pair);
+    const int m = plant.num_inputs();
+    Panel& panel = figure.AddPanel(
+        absl::StrCat("case ", result.name, ": ", plant.outputs()[pair / m].name,
+                     " ← ", plant.inputs()[pair % m].name));
+    panel.x.label = absl::StrCat("time (", plant.time_unit(), ")");
+    panel.y.label = "step response";
+    const auto add = [&](Role role, const char* label,
+                         const StepResponse& response) {
+      panel.series.push_back(MakeSeries(role, label, Times(response),
+                                        ToVector(response.values.col(pair))));
+    };
+    add(Role::kTrue, "true plant", result.truth);
+    add(Role::kInitial, "before correction", result.initial);
+    add(Role::kCorrected, "corrected", result.runs.front().corrected);
+    FillDistancePanel(result, lambdas,
+                      figure.AddPanel(absl::StrCat("case ", result.name)));
+  }
+  return named;
+}
+
 // A panel for each input–output pair, outputs by rows.
 Figure PairGrid(const CaseResult& result, const std::string& quantity,
                 const std::vector<Curves>& curves) {
   const ProcessModel& plant = result.plant;
-  std::vector<double> time;
-  for (int k = 0; k < result.truth.samples(); ++k) {
-    time.push_back(k * result.truth.sample_time);
-  }
+  const std::vector<double> time = Times(result.truth);
   Figure figure;
   figure.columns = plant.num_inputs();
   figure.width_cm = std::max(kColumnWidthCm * plant.num_inputs(), 12.0);
   figure.height_cm = 1.5 + 5.0 * plant.num_outputs();
   for (int i = 0; i < plant.num_outputs(); ++i) {
     for (int j = 0; j < plant.num_inputs(); ++j) {
-      Panel& panel = figure.AddPanel(absl::StrCat(
-          plant.outputs()[i].name, " ← ", plant.inputs()[j].name));
+      Panel& panel = figure.AddPanel(
+          absl::StrCat(plant.outputs()[i].name, " ← ", plant.inputs()[j].name));
       if (i + 1 == plant.num_outputs()) {
         panel.x.label = absl::StrCat("time (", plant.time_unit(), ")");
       }
@@ -96,10 +150,11 @@ NamedFigure StepFigure(const CaseResult& result) {
   const RunResult& run = result.runs.front();
   NamedFigure named;
   named.name = absl::StrCat("step_responses_", result.name);
-  named.caption = absl::StrCat(
-      "Case ", result.name,
-      ": step responses of the plant, of the model before correction, corrected "
-      "with λ*, and corrected without penalty, first seed.");
+  named.caption =
+      absl::StrCat("Case ", result.name,
+                   ": step responses of the plant, of the model before "
+                   "correction, corrected "
+                   "with λ*, and corrected without penalty, first seed.");
   named.alt = named.caption;
   named.figure = PairGrid(
       result, "step response",
@@ -119,13 +174,11 @@ NamedFigure ImpulseFigure(const CaseResult& result) {
                    ": impulse responses of the plant, of the model before "
                    "correction and corrected with λ*, first seed.");
   named.alt = named.caption;
-  named.figure =
-      PairGrid(result, "impulse response",
-               {{Role::kTrue, "true plant", ImpulseResponses(result.truth)},
-                {Role::kInitial, "before correction",
-                 ImpulseResponses(result.initial)},
-                {Role::kCorrected, "corrected, λ*",
-                 ImpulseResponses(run.corrected)}});
+  named.figure = PairGrid(
+      result, "impulse response",
+      {{Role::kTrue, "true plant", ImpulseResponses(result.truth)},
+       {Role::kInitial, "before correction", ImpulseResponses(result.initial)},
+       {Role::kCorrected, "corrected, λ*", ImpulseResponses(run.corrected)}});
   return named;
 }
 
@@ -133,7 +186,8 @@ NamedFigure ImpulseFigure(const CaseResult& result) {
 
 std::vector<NamedFigure> MakeFigures(const std::vector<CaseResult>& cases,
                                      const Eigen::VectorXd& lambdas) {
-  std::vector<NamedFigure> figures = {DistanceFigure(cases, lambdas)};
+  std::vector<NamedFigure> figures = {OverviewFigure(cases, lambdas),
+                                      DistanceFigure(cases, lambdas)};
   for (const CaseResult& result : cases) {
     figures.push_back(StepFigure(result));
     figures.push_back(ImpulseFigure(result));

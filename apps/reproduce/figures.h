@@ -21,8 +21,9 @@ struct NamedFigure {
   report::Figure figure;
 };
 
-// E over λ, a panel for each case (Fig. 4 of the paper), and for each case the
-// step responses (Figs. 5 and 6) and impulse responses (Fig. 7) of its first run.
+// An overview; E over λ, a panel for each case (the paper's Fig. 4); and for
+// each case the step responses (Figs. 5 and 6) and impulse responses (Fig. 7)
+// of its first run.
 std::vector<NamedFigure> MakeFigures(const std::vector<CaseResult>& cases,
                                      const Eigen::VectorXd& lambdas);
 

@@ -17,7 +17,8 @@ Json Rows(const Eigen::MatrixXd& values) {
   Json rows = Json::array();
   for (Eigen::Index i = 0; i < values.rows(); ++i) {
     Json row = Json::array();
-    for (Eigen::Index j = 0; j < values.cols(); ++j) row.push_back(values(i, j));
+    for (Eigen::Index j = 0; j < values.cols(); ++j)
+      row.push_back(values(i, j));
     rows.push_back(std::move(row));
   }
   return rows;
@@ -39,19 +40,18 @@ Json FopdtRows(const RunResult& run, int num_outputs, int num_inputs) {
 }
 
 Json ToJson(const RunResult& run, const ProcessModel& plant) {
-  return {
-      {"seed", run.seed},
-      {"lambda_star", run.selection.lambda_star},
-      {"lambda_star_penalised_loss", run.selection.lambda_star_penalised},
-      {"lambda_star_off_grid", run.selection.lambda_exact},
-      {"E_star", run.E_star},
-      {"E_zero", run.E_zero},
-      {"lambda_oracle", run.lambda_oracle},
-      {"E_oracle", run.E_oracle},
-      {"max_relative_duality_gap", run.max_relative_gap},
-      {"static_gain_error", Rows(run.judgement.static_gain_error)},
-      {"delay_impulse_peak", Rows(run.judgement.delay_impulse_peak)},
-      {"fopdt", FopdtRows(run, plant.num_outputs(), plant.num_inputs())}};
+  return {{"seed", run.seed},
+          {"lambda_star", run.selection.lambda_star},
+          {"lambda_star_penalised_loss", run.selection.lambda_star_penalised},
+          {"lambda_star_off_grid", run.selection.lambda_exact},
+          {"E_star", run.E_star},
+          {"E_zero", run.E_zero},
+          {"lambda_oracle", run.lambda_oracle},
+          {"E_oracle", run.E_oracle},
+          {"max_relative_duality_gap", run.max_relative_gap},
+          {"static_gain_error", Rows(run.judgement.static_gain_error)},
+          {"delay_impulse_peak", Rows(run.judgement.delay_impulse_peak)},
+          {"fopdt", FopdtRows(run, plant.num_outputs(), plant.num_inputs())}};
 }
 
 Json ToJson(const Statistics& statistics) {
@@ -111,9 +111,9 @@ std::string FormatStepResponses(const CaseResult& result) {
   for (const auto& [name, response] : models) {
     for (const OutputChannel& output : result.plant.outputs()) {
       for (const InputChannel& input : result.plant.inputs()) {
-        absl::StrAppend(&csv, ",",
-                        Field(absl::StrCat(output.name, "/", input.name, " ",
-                                           name)));
+        absl::StrAppend(
+            &csv, ",",
+            Field(absl::StrCat(output.name, "/", input.name, " ", name)));
       }
     }
   }

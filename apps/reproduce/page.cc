@@ -13,8 +13,7 @@ std::vector<std::string> Findings(const std::vector<CaseResult>& cases) {
   for (const CaseResult& result : cases) {
     const bool several = result.runs.size() > 1;
     sentences.push_back(absl::StrCat(
-        "Case ", result.name, ": corrected from ",
-        result.plant.num_outputs(),
+        "Case ", result.name, ": corrected from ", result.plant.num_outputs(),
         " set-point changes, the model's squared distance E from the plant "
         "falls from ",
         FormatSignificant(result.E_initial, 4), " to ",

@@ -96,8 +96,7 @@ absl::Status SummariseCase(const ProcessModel& initial_model,
           FirstOrderDelay(initial_model.element(i, j), result.initial, i, j));
       double end = 0.0, gain = 0.0, delay = 0.0;
       for (const RunResult& run : result.runs) {
-        const FopdtFit& fit =
-            run.judgement.fopdt[i * plant.num_inputs() + j];
+        const FopdtFit& fit = run.judgement.fopdt[i * plant.num_inputs() + j];
         end += std::pow(run.judgement.static_gain_error(i, j), 2);
         gain += std::pow(fit.gain - errors.true_gain, 2);
         delay += std::pow(fit.delay - errors.true_delay, 2);
@@ -139,11 +138,13 @@ report::Table DistanceTable(const CaseResult& result) {
     table.AddRow(row);
   };
   const RunResult& first = result.runs.front();
-  table.AddRow({"before: initial model", "", FormatSignificant(result.E_initial, 5)});
+  table.AddRow(
+      {"before: initial model", "", FormatSignificant(result.E_initial, 5)});
   add("corrected, λ* by cross-validation",
-      several ? absl::StrCat(FormatScientific(result.lambda_star.best, 2), " … ",
-                             FormatScientific(result.lambda_star.worst, 2))
-              : FormatScientific(first.selection.lambda_star, 2),
+      several
+          ? absl::StrCat(FormatScientific(result.lambda_star.best, 2), " … ",
+                         FormatScientific(result.lambda_star.worst, 2))
+          : FormatScientific(first.selection.lambda_star, 2),
       result.E_star);
   add("corrected, best λ in hindsight",
       several ? "" : FormatScientific(first.lambda_oracle, 2), result.E_oracle);
@@ -173,24 +174,22 @@ report::Table ElementTable(const CaseResult& result) {
       const ElementErrors& e = result.elements[i * plant.num_inputs() + j];
       const PaperFigure* paper = FindPaperFigure(result, i, j);
       const auto change = [](double before, double after) {
-        return before == after
-                   ? FormatSignificant(after)
-                   : absl::StrCat(FormatSignificant(before), " → ",
-                                  FormatSignificant(after));
+        return before == after ? FormatSignificant(after)
+                               : absl::StrCat(FormatSignificant(before), " → ",
+                                              FormatSignificant(after));
       };
-      table.AddRow(
-          {PairName(plant, i, j), change(e.initial_gain, e.true_gain),
-           FormatSignificant(e.static_gain_error_rms, 2),
-           FormatSignificant(e.fopdt_gain_error_rms, 2),
-           paper != nullptr && paper->gain_error > 0.0
-               ? FormatSignificant(paper->gain_error)
-               : "",
-           change(e.initial_delay, e.true_delay),
-           FormatSignificant(e.delay_impulse_peak_mean),
-           FormatSignificant(e.fopdt_delay_error_rms, 2),
-           paper != nullptr && paper->delay > 0.0
-               ? FormatSignificant(paper->delay)
-               : ""});
+      table.AddRow({PairName(plant, i, j), change(e.initial_gain, e.true_gain),
+                    FormatSignificant(e.static_gain_error_rms, 2),
+                    FormatSignificant(e.fopdt_gain_error_rms, 2),
+                    paper != nullptr && paper->gain_error > 0.0
+                        ? FormatSignificant(paper->gain_error)
+                        : "",
+                    change(e.initial_delay, e.true_delay),
+                    FormatSignificant(e.delay_impulse_peak_mean),
+                    FormatSignificant(e.fopdt_delay_error_rms, 2),
+                    paper != nullptr && paper->delay > 0.0
+                        ? FormatSignificant(paper->delay)
+                        : ""});
     }
   }
   return table;
