@@ -405,7 +405,8 @@ int Main() {
   int exit_code = kExitDone;
   for (const reproduce::CaseResult& result : *results) {
     std::cout << report::RenderText(reproduce::DistanceTable(result)) << "\n"
-              << report::RenderText(reproduce::ElementTable(result)) << "\n";
+              << report::RenderText(reproduce::GainTable(result)) << "\n"
+              << report::RenderText(reproduce::DelayTable(result)) << "\n";
     std::cout << "Relative duality gap, every fit and every λ: at most "
               << report::FormatScientific(result.max_relative_gap, 2) << "\n\n";
     if (!(result.max_relative_gap <= reproduce::kAcceptedGap)) {

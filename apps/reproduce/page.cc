@@ -47,7 +47,10 @@ std::string FormatPage(const std::vector<CaseResult>& cases,
       "response, as the paper reads it, and error of the fit's. The peak comes "
       "up to two samples after the dead time even without any error. The "
       "paper's figures are of one run.");
-  for (const CaseResult& result : cases) page.AddTable(ElementTable(result));
+  for (const CaseResult& result : cases) {
+    page.AddTable(GainTable(result));
+    page.AddTable(DelayTable(result));
+  }
   page.AddHeading("Figures");
   for (std::size_t i = 0; i < figures.size(); ++i) {
     page.AddFigure(svgs[i], figures[i].caption, figures[i].alt);

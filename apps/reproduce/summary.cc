@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
@@ -152,46 +153,86 @@ report::Table DistanceTable(const CaseResult& result) {
   return table;
 }
 
-report::Table ElementTable(const CaseResult& result) {
-  report::Table table;
-  const bool several = result.runs.size() > 1;
-  const std::string unit = result.plant.time_unit();
-  table.caption = absl::StrCat(
-      "Case ", result.name, ": corrected gains and dead times (", unit, ")",
-      several ? ", root mean square errors over the seeds" : "");
-  table.columns = {{"output ← input", report::Align::kLeft},
-                   {"gain: before → true"},
-                   {"error, step response"},
-                   {"error, FOPDT fit"},
-                   {"paper"},
-                   {"dead time: before → true"},
-                   {"at impulse peak"},
-                   {"error, FOPDT fit"},
-                   {"paper"}};
+namespace {
+
+// "12.8 → 6.40", or one number where nothing changes.
+std::string Change(double before, double after) {
+  if (before == after) return FormatSignificant(after);
+  return absl::StrCat(FormatSignificant(before), " → ",
+                      FormatSignificant(after));
+}
+
+// A row for each pair: its name, then what `cells` gives.
+template <typename Cells>
+void AddPairs(const CaseResult& result, const Cells& cells,
+              report::Table& table) {
   const ProcessModel& plant = result.plant;
   for (int i = 0; i < plant.num_outputs(); ++i) {
     for (int j = 0; j < plant.num_inputs(); ++j) {
-      const ElementErrors& e = result.elements[i * plant.num_inputs() + j];
-      const PaperFigure* paper = FindPaperFigure(result, i, j);
-      const auto change = [](double before, double after) {
-        return before == after ? FormatSignificant(after)
-                               : absl::StrCat(FormatSignificant(before), " → ",
-                                              FormatSignificant(after));
-      };
-      table.AddRow({PairName(plant, i, j), change(e.initial_gain, e.true_gain),
-                    FormatSignificant(e.static_gain_error_rms, 2),
-                    FormatSignificant(e.fopdt_gain_error_rms, 2),
-                    paper != nullptr && paper->gain_error > 0.0
-                        ? FormatSignificant(paper->gain_error)
-                        : "",
-                    change(e.initial_delay, e.true_delay),
-                    FormatSignificant(e.delay_impulse_peak_mean),
-                    FormatSignificant(e.fopdt_delay_error_rms, 2),
-                    paper != nullptr && paper->delay > 0.0
-                        ? FormatSignificant(paper->delay)
-                        : ""});
+      std::vector<std::string> row = {PairName(plant, i, j)};
+      for (std::string& cell :
+           cells(result.elements[i * plant.num_inputs() + j],
+                 FindPaperFigure(result, i, j))) {
+        row.push_back(std::move(cell));
+      }
+      table.AddRow(std::move(row));
     }
   }
+}
+
+std::string OverSeeds(const CaseResult& result) {
+  return result.runs.size() > 1 ? ", root mean square errors over the seeds"
+                                : "";
+}
+
+}  // namespace
+
+report::Table GainTable(const CaseResult& result) {
+  report::Table table;
+  table.caption = absl::StrCat("Case ", result.name, ": corrected gains",
+                               OverSeeds(result));
+  table.columns = {{"output ← input", report::Align::kLeft},
+                   {"before → true"},
+                   {"error, step response"},
+                   {"error, FOPDT fit"},
+                   {"paper"}};
+  AddPairs(
+      result,
+      [](const ElementErrors& e, const PaperFigure* paper) {
+        return std::vector<std::string>{
+            Change(e.initial_gain, e.true_gain),
+            FormatSignificant(e.static_gain_error_rms, 2),
+            FormatSignificant(e.fopdt_gain_error_rms, 2),
+            paper != nullptr && paper->gain_error > 0.0
+                ? FormatSignificant(paper->gain_error)
+                : ""};
+      },
+      table);
+  return table;
+}
+
+report::Table DelayTable(const CaseResult& result) {
+  report::Table table;
+  table.caption =
+      absl::StrCat("Case ", result.name, ": corrected dead times (",
+                   result.plant.time_unit(), ")", OverSeeds(result));
+  table.columns = {{"output ← input", report::Align::kLeft},
+                   {"before → true"},
+                   {"at impulse peak"},
+                   {"paper, at peak"},
+                   {"error, FOPDT fit"}};
+  AddPairs(
+      result,
+      [](const ElementErrors& e, const PaperFigure* paper) {
+        return std::vector<std::string>{
+            Change(e.initial_delay, e.true_delay),
+            FormatSignificant(e.delay_impulse_peak_mean),
+            paper != nullptr && paper->delay > 0.0
+                ? FormatSignificant(paper->delay)
+                : "",
+            FormatSignificant(e.fopdt_delay_error_rms, 2)};
+      },
+      table);
   return table;
 }
 

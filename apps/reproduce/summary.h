@@ -61,8 +61,9 @@ absl::Status SummariseCase(const ProcessModel& initial_model,
 // E and λ of a case; with one run its values, with several their statistics.
 report::Table DistanceTable(const CaseResult& result);
 
-// Gains and dead times of every pair, beside the paper's where it has any.
-report::Table ElementTable(const CaseResult& result);
+// Gains, and dead times, of every pair, beside the paper's where it has any.
+report::Table GainTable(const CaseResult& result);
+report::Table DelayTable(const CaseResult& result);
 
 }  // namespace mle::reproduce
 
