@@ -19,6 +19,9 @@ class CoordinateDescent {
       : objective_(objective), gram_(*objective.gram), lambda_(lambda) {
     beta_ = start.size() > 0 ? start
                              : Eigen::VectorXd::Zero(objective.size()).eval();
+    for (int j = 0; j < objective.size(); ++j) {
+      if (!CanMove(j)) beta_(j) = 0.0;
+    }
     RecomputeGradient();
   }
 
@@ -43,10 +46,15 @@ class CoordinateDescent {
   }
 
  private:
+  // Neither excluded nor without any effect.
+  bool CanMove(int j) const {
+    return std::isfinite(objective_.weights(j)) && gram_(j, j) > 0.0;
+  }
+
   double Step(int j) {
+    if (!CanMove(j)) return 0.0;
     const double w = objective_.weights(j);
     const double square = gram_(j, j);
-    if (!std::isfinite(w) || !(square > 0.0)) return 0.0;
     const double target = c_(j) + square * beta_(j);
     const double shrunk = std::max(std::abs(target) - lambda_ * w, 0.0);
     const double delta = std::copysign(shrunk, target) / square - beta_(j);
@@ -98,32 +106,38 @@ absl::StatusOr<CoordinateDescentSummary> SolveCoordinateDescent(
         absl::StrFormat("lasso: the start has %d entries, the problem %d",
                         start.size(), objective.size()));
   }
+  if (!start.allFinite()) {
+    return absl::InvalidArgumentError("lasso: the start is not finite");
+  }
   using Stop = CoordinateDescentOptions::Stop;
   CoordinateDescent solver(objective, lambda, start);
   CoordinateDescentSummary summary;
   int next_check = kFirstCheck;
   bool only_nonzero = false;
-  while (summary.sweeps < options.max_sweeps && !summary.converged) {
+  while (summary.sweeps < options.max_sweeps) {
     const double change = solver.Sweep(only_nonzero);
     const double size = solver.beta().norm();
     ++summary.sweeps;
     if (options.stop == Stop::kRelativeChange) {
       summary.converged = change <= options.tolerance * size;
+      if (summary.converged) break;
       continue;
     }
     if (summary.sweeps >= next_check || change == 0.0) {
       next_check = 2 * summary.sweeps;
       solver.RecomputeGradient();
-      summary.converged =
-          ComputeDualityGap(objective, lambda, solver.beta()).Relative() <=
-          options.tolerance;
-      if (change == 0.0 && !only_nonzero) break;
+      const double gap =
+          ComputeDualityGap(objective, lambda, solver.beta()).Relative();
+      if (gap <= options.tolerance || (change == 0.0 && !only_nonzero)) break;
     }
     // All coefficients again once those ≠ 0 have settled.
     only_nonzero = change > 1e-12 * size && summary.sweeps % 8 != 0;
   }
   summary.beta = solver.beta();
   summary.gap = ComputeDualityGap(objective, lambda, summary.beta);
+  if (options.stop == Stop::kDualityGap) {
+    summary.converged = summary.gap.Relative() <= options.tolerance;
+  }
   return summary;
 }
 

@@ -44,7 +44,7 @@ struct CoordinateDescentSummary {
   std::string BriefReport() const;
 };
 
-// From `start` (n, or empty for zero). λ ≥ 0.
+// From `start` (n, or empty for zero), without what is excluded. λ ≥ 0.
 absl::StatusOr<CoordinateDescentSummary> SolveCoordinateDescent(
     const LassoObjective& objective, double lambda,
     const Eigen::VectorXd& start, const CoordinateDescentOptions& options);

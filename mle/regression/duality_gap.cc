@@ -40,7 +40,7 @@ Eigen::VectorXd PseudoSolve(const Eigen::MatrixXd& gram,
 }  // namespace
 
 double DualityGap::Relative() const {
-  if (gap == 0.0) return 0.0;
+  if (gap == 0.0 || !std::isfinite(gap)) return gap;
   return gap / std::max(primal, std::numeric_limits<double>::epsilon() *
                                     response_square);
 }
@@ -63,6 +63,12 @@ double LeastSquaresGap(const LassoObjective& objective,
 DualityGap ComputeDualityGap(const LassoObjective& objective, double lambda,
                              const Eigen::VectorXd& beta) {
   CHECK_EQ(beta.size(), objective.size());
+  for (int j = 0; j < beta.size(); ++j) {
+    if (beta(j) != 0.0 && !std::isfinite(objective.weights(j))) {
+      constexpr double kInfinity = std::numeric_limits<double>::infinity();
+      return {kInfinity, kInfinity, kInfinity, objective.response_square};
+    }
+  }
   const Eigen::MatrixXd& gram = *objective.gram;
   Eigen::VectorXd c = objective.correlation;
   for (int j = 0; j < beta.size(); ++j) {

@@ -34,8 +34,9 @@ struct DualityGap {
   double Relative() const;
 };
 
-// Costs n operations for each coefficient that is not zero, and at λ = 0, or
-// with unpenalised regressors, a factorisation.
+// Infinite where an excluded coefficient is not zero. Costs n operations for
+// each coefficient that is not zero, and at λ = 0, or with unpenalised
+// regressors, a factorisation.
 DualityGap ComputeDualityGap(const LassoObjective& objective, double lambda,
                              const Eigen::VectorXd& beta);
 
