@@ -1,22 +1,60 @@
 #include "mle/regression/lagged_moments.h"
 
 #include "glog/logging.h"
+#include "mle/regression/lagged_products.h"
 
 namespace mle {
 namespace {
+
+// Σ x_k and the diagonal of S, entry by entry squares of x_k. Only the samples
+// that some lags miss are gone through lag by lag, and nothing is subtracted,
+// so that every sum is as good as one of its own.
+void AddWindowSums(const LaggedSeries& series, RowRange rows,
+                   Eigen::VectorXd& sums, Eigen::VectorXd& squares) {
+  const int c = series.num_channels();
+  const int d = series.order();
+  if (rows.rows() < d) {
+    sums += series.Regressors(rows).rowwise().sum();
+    squares += series.Regressors(rows).cwiseAbs2().rowwise().sum();
+    return;
+  }
+  // Lag a = 1 … d has samples first − a … last − a: those all lags share, the
+  // older ones and the newer ones.
+  const auto common = series.Samples({rows.first - 1, rows.last - d});
+  Eigen::VectorXd sum = common.rowwise().sum();
+  Eigen::VectorXd square = common.cwiseAbs2().rowwise().sum();
+  const auto add_sample = [&](int k) {
+    const auto sample = series.Samples({k, k}).col(0);
+    sum += sample;
+    square += sample.cwiseAbs2();
+  };
+  const auto add_to_lag = [&](int a) {
+    sums.segment((a - 1) * c, c) += sum;
+    squares.segment((a - 1) * c, c) += square;
+  };
+  add_to_lag(1);
+  for (int a = 2; a <= d; ++a) {
+    add_sample(rows.first - a);
+    add_to_lag(a);
+  }
+  sum.setZero();
+  square.setZero();
+  for (int a = d - 1; a >= 1; --a) {
+    add_sample(rows.last - a);
+    add_to_lag(a);
+  }
+}
 
 // The sums that run over the data: S's first block column, its diagonal
 // (`squares`) and those with the responses. Adds to them.
 void AddDataSums(const RegressionRows& part, Eigen::VectorXd& squares,
                  LaggedMoments& moments) {
   const LaggedSeries& series = *part.series;
-  const int c = series.num_channels();
   const auto regressors = series.Regressors(part.rows);
-  const auto latest = series.Samples(part.rows, /*lag=*/1);
-  moments.gram.leftCols(c).noalias() += regressors * latest.transpose();
-  moments.cross.noalias() += regressors * part.responses.transpose();
-  squares += regressors.cwiseAbs2().rowwise().sum();
-  moments.regressor_sum += regressors.rowwise().sum();
+  AddLaggedProducts(regressors, series.Samples(part.rows, /*lag=*/1),
+                    moments.gram.leftCols(series.num_channels()));
+  AddLaggedProducts(regressors, part.responses, moments.cross);
+  AddWindowSums(series, part.rows, moments.regressor_sum, squares);
   moments.response_sum += part.responses.rowwise().sum();
   moments.response_squares += part.responses.rowwise().squaredNorm();
   moments.rows += part.rows.rows();
@@ -24,18 +62,23 @@ void AddDataSums(const RegressionRows& part, Eigen::VectorXd& squares,
 
 // Fills the other block columns of S from the first by the recursion. Column j
 // of `entering` (n−c × ranges) holds x_{k₀−1}, of `leaving` x_{k₁}, without the
-// last block.
+// last block. One product at a time is added, so that S is symmetric to the bit
+// however the compiler fuses products and sums.
 void ExtendGram(const Eigen::MatrixXd& entering, const Eigen::MatrixXd& leaving,
                 int c, Eigen::MatrixXd& gram) {
   const Eigen::Index n = gram.rows();
+  gram.topLeftCorner(c, c).triangularView<Eigen::StrictlyUpper>() =
+      gram.topLeftCorner(c, c).transpose();
   for (Eigen::Index column = c; column < n; ++column) {
     const Eigen::Index previous = column - c;
     gram.col(column).head(c) = gram.row(column).head(c).transpose();
     auto rest = gram.col(column).tail(n - c);
-    rest = gram.col(previous).head(n - c);
-    for (Eigen::Index r = 0; r < entering.cols(); ++r) {
-      rest += entering(previous, r) * entering.col(r) -
-              leaving(previous, r) * leaving.col(r);
+    rest = gram.col(previous).head(n - c) +
+           entering(previous, 0) * entering.col(0) -
+           leaving(previous, 0) * leaving.col(0);
+    for (Eigen::Index r = 1; r < entering.cols(); ++r) {
+      rest = rest + entering(previous, r) * entering.col(r) -
+             leaving(previous, r) * leaving.col(r);
     }
   }
 }
