@@ -536,7 +536,7 @@ absl::Status HomotopyOptions::Validate() const {
         absl::StrFormat("max_active is %d; it must be ≥ 1", max_active));
   }
   for (Eigen::Index i = 0; i < certify_at.size(); ++i) {
-    if (!(certify_at(i) >= 0.0) ||
+    if (!(certify_at(i) >= 0.0) || !std::isfinite(certify_at(i)) ||
         (i > 0 && !(certify_at(i) >= certify_at(i - 1)))) {
       return absl::InvalidArgumentError(absl::StrFormat(
           "certify_at[%d] is %g; the values must be ≥ 0 and ascending", i,

@@ -1,6 +1,7 @@
 #include "mle/regression/lasso_solver.h"
 
 #include <cmath>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -52,6 +53,13 @@ absl::Status Descend(const LassoObjective& objective,
       summary.gap = ComputeDualityGap(objective, 0.0, summary.beta);
     }
     solution.relative_gap(i) = summary.gap.Relative();
+    // Unpenalised coefficients do not vanish at λ_max: the path begins above
+    // every λ, with those of the first.
+    if (solution.path.segments().empty() &&
+        (objective.weights.array() == 0.0).any()) {
+      lambda_before = std::numeric_limits<double>::max();
+      beta = summary.beta;
+    }
     JoinSegment(lambda_before, beta, lambda, summary.beta, solution.path);
     if (lambda < lambda_before) lambda_before = lambda;
     beta = std::move(summary.beta);
