@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <utility>
 
-#include "Eigen/Eigenvalues"
 #include "absl/strings/str_cat.h"
 #include "glog/logging.h"
 #include "mle/base/status.h"
+#include "sim/fastest_time_constant.h"
 
 namespace mle::sim {
 namespace {
@@ -16,26 +16,6 @@ namespace {
 constexpr double kDelaySnap = 1e-9;  // of Δt
 constexpr double kMaxDelaySamples = 1e7;
 constexpr double kMinStep = 1e-15;  // of Δt
-
-// The inverse of the largest magnitude of a pole. The poles are those of the
-// monic denominator with time scaled so that its largest coefficient is 1,
-// which keeps the largest one accurate in any unit of time.
-double FastestTimeConstant(const std::vector<double>& denominator) {
-  const int r = static_cast<int>(denominator.size()) - 1;
-  double scale = 0.0;
-  for (int i = 1; i <= r; ++i) {
-    const double a = std::abs(denominator[i] / denominator[0]);
-    scale = std::max(scale, std::pow(a, 1.0 / i));
-  }
-  Eigen::MatrixXd companion = Eigen::MatrixXd::Zero(r, r);
-  companion.diagonal(-1).setOnes();
-  for (int i = 1; i <= r; ++i) {
-    companion(0, i - 1) = -denominator[i] / denominator[0] / std::pow(scale, i);
-  }
-  const Eigen::EigenSolver<Eigen::MatrixXd> solver(
-      companion, /*computeEigenvectors=*/false);
-  return 1.0 / (scale * solver.eigenvalues().cwiseAbs().maxCoeff());
-}
 
 HeldInputMap MapOver(double interval, double largest_step,
                      const StateSpace& system) {

@@ -25,6 +25,7 @@
 #include "absl/status/statusor.h"
 #include "mle/model/process_model.h"
 #include "sim/held_input_map.h"
+#include "sim/plant_model.h"
 
 namespace mle::sim {
 
@@ -40,7 +41,7 @@ struct PlantOptions {
   absl::Status Validate() const;
 };
 
-class Plant {
+class Plant final : public PlantModel {
  public:
   // At rest, with all past inputs zero. InvalidArgument for an invalid model or
   // option, and where a dead time is longer than 10⁷ samples or an integration
@@ -48,15 +49,15 @@ class Plant {
   static absl::StatusOr<Plant> Create(const ProcessModel& model,
                                       const PlantOptions& options);
 
-  int num_inputs() const { return static_cast<int>(history_.rows()); }
-  int num_outputs() const { return static_cast<int>(outputs_.size()); }
+  int num_inputs() const override { return static_cast<int>(history_.rows()); }
+  int num_outputs() const override { return static_cast<int>(outputs_.size()); }
 
   // Holds `input` (m) from the present sample to the next one and goes there.
   // Allocates nothing.
-  void Advance(const Eigen::Ref<const Eigen::VectorXd>& input);
+  void Advance(const Eigen::Ref<const Eigen::VectorXd>& input) override;
 
   // y (p) at the present sample, without measurement noise.
-  const Eigen::VectorXd& outputs() const { return outputs_; }
+  const Eigen::VectorXd& outputs() const override { return outputs_; }
 
  private:
   // An element of the model that is not zero.

@@ -16,6 +16,8 @@
 #ifndef SIM_RUNGE_KUTTA_H_
 #define SIM_RUNGE_KUTTA_H_
 
+#include <type_traits>
+
 namespace mle::sim {
 
 template <typename State>
@@ -28,13 +30,21 @@ class RungeKutta4 {
   // What the step from `x` adds to it. Valid until the next call.
   template <typename Derivative>
   const State& Increment(const Derivative& f, double h, const State& x) {
-    f(x, k1_);
+    const auto at = [&f](double since, const State& point, State& derivative) {
+      if constexpr (std::is_invocable_v<Derivative, double, const State&,
+                                        State&>) {
+        f(since, point, derivative);
+      } else {
+        f(point, derivative);
+      }
+    };
+    at(0.0, x, k1_);
     point_ = x + 0.5 * h * k1_;
-    f(point_, k2_);
+    at(0.5 * h, point_, k2_);
     point_ = x + 0.5 * h * k2_;
-    f(point_, k3_);
+    at(0.5 * h, point_, k3_);
     point_ = x + h * k3_;
-    f(point_, k4_);
+    at(h, point_, k4_);
     point_ = h / 6.0 * (k1_ + 2.0 * k2_ + 2.0 * k3_ + k4_);
     return point_;
   }

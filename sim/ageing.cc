@@ -1,0 +1,88 @@
+#include "sim/ageing.h"
+
+#include <set>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+
+namespace mle::sim {
+namespace {
+
+absl::Status CheckElement(const TransferFunction& element,
+                          const ElementAgeing& ageing) {
+  if (element.IsZero()) {
+    return absl::InvalidArgumentError("is zero in the model; it cannot age");
+  }
+  if (!(ageing.time_constant.Min() > 0.0)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("time_constant falls to ", ageing.time_constant.Min(),
+                     "; the factor must stay positive"));
+  }
+  if (element.delay() + ageing.delay.Min() < 0.0) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "delay falls by ", -ageing.delay.Min(), ", but the dead time is only ",
+        element.delay(), "; it must not become negative"));
+  }
+  if (ageing.delay.MaxSlope() >= 1.0) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "delay grows by ", ageing.delay.MaxSlope(),
+        " per unit of time; a dead time must grow slower than time (< 1). For "
+        "a sudden change give two points at one time"));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::Status AgeingSchedule::Validate(const ProcessModel& model) const {
+  std::set<std::pair<int, int>> seen;
+  for (const ElementAgeing& ageing : elements) {
+    if (ageing.output < 0 || ageing.output >= model.num_outputs() ||
+        ageing.input < 0 || ageing.input >= model.num_inputs()) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("ageing of element (", ageing.output, ", ", ageing.input,
+                       "): the model has ", model.num_outputs(),
+                       " outputs and ", model.num_inputs(), " inputs"));
+    }
+    const absl::Status status =
+        seen.insert({ageing.output, ageing.input}).second
+            ? CheckElement(model.element(ageing.output, ageing.input), ageing)
+            : absl::InvalidArgumentError("stands twice, must stand once");
+    if (!status.ok()) {
+      return absl::InvalidArgumentError(absl::StrCat(
+          "ageing of element (", model.outputs()[ageing.output].name, ", ",
+          model.inputs()[ageing.input].name, "): ", status.message()));
+    }
+  }
+  return absl::OkStatus();
+}
+
+TransferFunction AgedElement(const TransferFunction& element,
+                             const ElementAgeing& ageing, double time) {
+  const double gain = ageing.gain.At(time);
+  const double stretch = ageing.time_constant.At(time);
+  // The coefficient of s^i, counted from the end, takes the factor τ^i.
+  const auto stretched = [stretch](std::vector<double> polynomial,
+                                   double factor) {
+    for (auto c = polynomial.rbegin(); c != polynomial.rend(); ++c) {
+      *c *= factor;
+      factor *= stretch;
+    }
+    return polynomial;
+  };
+  return TransferFunction(stretched(element.numerator(), gain),
+                          stretched(element.denominator(), 1.0),
+                          element.delay() + ageing.delay.At(time));
+}
+
+ProcessModel AgedModel(const ProcessModel& model, const AgeingSchedule& ageing,
+                       double time) {
+  ProcessModel aged = model;
+  for (const ElementAgeing& one : ageing.elements) {
+    aged.element(one.output, one.input) =
+        AgedElement(model.element(one.output, one.input), one, time);
+  }
+  return aged;
+}
+
+}  // namespace mle::sim

@@ -1,0 +1,57 @@
+// How the elements of a process model age.
+//
+// An element g(s) = b(s)/a(s) e^{-Ls} with realisation A, B, C, D has, at time
+// t, a gain factor γ(t) of any size, a factor of its time
+// constants τ(t) > 0 and an increase of its dead time ΔL(t):
+//
+//   ẋ = (A x + B u(t − L − ΔL(t))) / τ(t),
+//   y = γ(t) (C x + D u(t − L − ΔL(t))).
+//
+// So τ stretches all time constants of the element alike and leaves its static
+// gain; for constant γ, τ, ΔL the element is γ g(τ s) with dead time L + ΔL.
+// Each is a schedule: drift over months is a few points far apart, an event is
+// a step. How a changing dead time acts stands in delayed_inputs.h.
+//
+//   AgeingSchedule fouling;
+//   fouling.elements.push_back({.output = 0, .input = 1, .gain = *drift});
+
+#ifndef SIM_AGEING_H_
+#define SIM_AGEING_H_
+
+#include <vector>
+
+#include "absl/status/status.h"
+#include "mle/model/process_model.h"
+#include "mle/model/transfer_function.h"
+#include "sim/schedule.h"
+
+namespace mle::sim {
+
+struct ElementAgeing {
+  int output = 0;
+  int input = 0;
+  Schedule gain = Schedule(1.0);           // γ, a factor
+  Schedule time_constant = Schedule(1.0);  // τ > 0, a factor
+  Schedule delay = Schedule(0.0);  // ΔL, added; L + ΔL ≥ 0, slope < 1
+};
+
+struct AgeingSchedule {
+  std::vector<ElementAgeing> elements;
+
+  // Every element exists in `model`, is not zero there and is named once; the
+  // ranges above hold. The message names the element.
+  absl::Status Validate(const ProcessModel& model) const;
+};
+
+// The element as it is at `time`.
+TransferFunction AgedElement(const TransferFunction& element,
+                             const ElementAgeing& ageing, double time);
+
+// The process as it is at `time`: a snapshot, the truth for who estimates it
+// from a record of around that time.
+ProcessModel AgedModel(const ProcessModel& model, const AgeingSchedule& ageing,
+                       double time);
+
+}  // namespace mle::sim
+
+#endif  // SIM_AGEING_H_

@@ -1,0 +1,120 @@
+#include "sim/van_de_vusse.h"
+
+#include <cmath>
+#include <utility>
+
+#include "absl/status/status.h"
+#include "absl/strings/str_cat.h"
+#include "mle/base/status.h"
+#include "sim/fastest_time_constant.h"
+#include "sim/steady_state.h"
+
+namespace mle::sim {
+namespace {
+
+using Eigen::VectorXd;
+
+constexpr double k10 = 1.287e12;              // k₁₀ = k₂₀ [1/h]
+constexpr double k30 = 9.043e9;               // k₃₀ [L/(mol h)]
+constexpr double kE1 = -9758.3;               // E₁ = E₂ [K]
+constexpr double kE3 = -8560.0;               // E₃ [K]
+constexpr double kHeatAB = 4.2;               // ΔH_AB [kJ/mol]
+constexpr double kHeatBC = -11.0;             // ΔH_BC [kJ/mol]
+constexpr double kHeatAD = -41.85;            // ΔH_AD [kJ/mol]
+constexpr double kDensity = 0.9342;           // ρ [kg/L]
+constexpr double kHeatCapacity = 3.01;        // C_p [kJ/(kg K)]
+constexpr double kTransfer = 4032.0;          // k_w [kJ/(h m² K)]
+constexpr double kArea = 0.215;               // A_R [m²]
+constexpr double kVolume = 10.0;              // V_R [L]
+constexpr double kCoolant = 5.0;              // m_K [kg]
+constexpr double kCoolantHeatCapacity = 2.0;  // C_pK [kJ/(kg K)]
+constexpr double kZeroCelsius = 273.15;       // [K]
+
+void Derivative(const VanDeVusseOptions& options, double time,
+                const VectorXd& x, const VectorXd& w, VectorXd& dx) {
+  const double cA = x[0];
+  const double cB = x[1];
+  const double temperature = x[2];
+  const double jacket = x[3];
+  const double activity = options.activity.At(time);
+  const double kelvin = temperature + kZeroCelsius;
+  const double k1 = activity * k10 * std::exp(kE1 / kelvin);
+  const double k3 = activity * k30 * std::exp(kE3 / kelvin);
+  const double released =
+      k1 * cA * kHeatAB + k1 * cB * kHeatBC + k3 * cA * cA * kHeatAD;
+  const double to_jacket = options.heat_transfer.At(time) * kTransfer * kArea *
+                           (temperature - jacket);
+  constexpr double capacity = kDensity * kHeatCapacity;
+
+  dx[0] = w[0] * (options.feed_concentration - cA) - k1 * cA - k3 * cA * cA;
+  dx[1] = -w[0] * cB + k1 * cA - k1 * cB;
+  dx[2] = w[0] * (options.feed_temperature - temperature) -
+          released / capacity - to_jacket / (capacity * kVolume);
+  dx[3] = (w[1] + to_jacket) / (kCoolant * kCoolantHeatCapacity);
+}
+
+absl::Status CheckPositive(const char* field, double value) {
+  if (value > 0.0 && std::isfinite(value)) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrCat(field, " = ", value, ", but it must be finite and > 0"));
+}
+
+absl::Status Validate(const VanDeVusseOptions& options) {
+  MLE_RETURN_IF_ERROR(CheckPositive("feed", options.feed));
+  MLE_RETURN_IF_ERROR(
+      CheckPositive("feed_concentration", options.feed_concentration));
+  MLE_RETURN_IF_ERROR(CheckPositive("activity", options.activity.Min()));
+  MLE_RETURN_IF_ERROR(
+      CheckPositive("heat_transfer", options.heat_transfer.Min()));
+  if (!std::isfinite(options.heat) ||
+      !std::isfinite(options.feed_temperature)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("heat = ", options.heat, ", feed_temperature = ",
+                     options.feed_temperature, ", but both must be finite"));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<ContinuousSystem> MakeVanDeVusseReactor(
+    const VanDeVusseOptions& options, double start_time) {
+  MLE_RETURN_IF_ERROR(Validate(options));
+  ContinuousSystem system;
+  system.num_inputs = 2;
+  system.num_outputs = 2;
+  system.paths = {{0, Schedule(options.feed_delay)},
+                  {1, Schedule(options.heat_delay)}};
+  system.derivative = [options](double time, const VectorXd& x,
+                                const VectorXd& w, VectorXd& dx) {
+    Derivative(options, time, x, w, dx);
+  };
+  system.output = [](double, const VectorXd& x, const VectorXd&, VectorXd& y) {
+    y[0] = x[1];
+    y[1] = x[2];
+  };
+  for (const Schedule* schedule : {&options.activity, &options.heat_transfer}) {
+    for (const Schedule::Point& point : schedule->points()) {
+      system.breaks.push_back(point.time);
+    }
+  }
+
+  const Eigen::Vector2d inputs(options.feed, options.heat);
+  const Eigen::Vector4d published(2.14, 1.09, 114.2, 112.9);
+  const SystemFunction at_start = [options, start_time](
+                                      double, const VectorXd& x,
+                                      const VectorXd& w, VectorXd& dx) {
+    Derivative(options, start_time, x, w, dx);
+  };
+  MLE_ASSIGN_OR_RETURN(system.initial_state,
+                       SolveSteadyState(at_start, inputs, published));
+  system.input_origin = inputs;
+  system.output_origin = system.initial_state.segment<2>(1);
+  // Rates may grow by an order of magnitude away from the steady state.
+  system.largest_step =
+      0.02 *
+      FastestTimeConstant(Linearise(at_start, system.initial_state, inputs).A);
+  return system;
+}
+
+}  // namespace mle::sim
