@@ -14,13 +14,27 @@ double StationaryGain(double variance_ratio) {
 }
 
 DisturbanceObserver::DisturbanceObserver(int num_outputs, double variance_ratio)
-    : gain_(StationaryGain(variance_ratio)),
-      disturbance_(Eigen::VectorXd::Zero(num_outputs)) {}
+    : DisturbanceObserver(
+          Eigen::VectorXd::Constant(num_outputs, variance_ratio)) {}
+
+DisturbanceObserver::DisturbanceObserver(const Eigen::VectorXd& variance_ratios)
+    : gains_(variance_ratios.unaryExpr(&StationaryGain)),
+      disturbance_(Eigen::VectorXd::Zero(variance_ratios.size())) {}
+
+void DisturbanceObserver::Restart(
+    const Eigen::Ref<const Eigen::VectorXd>& disturbance) {
+  CHECK_EQ(disturbance.size(), disturbance_.size());
+  disturbance_ = disturbance;
+}
 
 void DisturbanceObserver::Update(
     const Eigen::Ref<const Eigen::VectorXd>& measured,
     const Eigen::Ref<const Eigen::VectorXd>& predicted) {
-  disturbance_ += gain_ * (measured - predicted - disturbance_);
+  for (Eigen::Index i = 0; i < disturbance_.size(); ++i) {
+    if (!std::isfinite(measured[i])) continue;
+    disturbance_[i] +=
+        gains_[i] * (measured[i] - predicted[i] - disturbance_[i]);
+  }
 }
 
 }  // namespace mle::control

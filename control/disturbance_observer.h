@@ -1,4 +1,4 @@
-// Stationary Kalman filter of an integrating output disturbance.
+// Stationary Kalman filter of an integrating disturbance on each output.
 //
 //   w_{l+1} = w_l + ξ_l,  Var ξ = ρ r;   z_l = w_l + v_l,  Var v = r,
 //
@@ -6,7 +6,8 @@
 // Riccati equation P = P − P²/(P + r) + ρ r, so that P/r = (ρ + √(ρ² + 4ρ))/2
 // and the gain is P/(P + r); ρ = 0.1 gives 0.27. (Anderson and Moore, Optimal
 // Filtering, 1979, ch. 4.) ρ = 0 gives 0, no correction; ρ = ∞ gives 1, the
-// plain bias update ŵ = z.
+// plain bias update ŵ = z. The outputs' disturbances and noises are taken as
+// independent, so that each output has a filter of its own, with its own ρ.
 
 #ifndef CONTROL_DISTURBANCE_OBSERVER_H_
 #define CONTROL_DISTURBANCE_OBSERVER_H_
@@ -20,18 +21,24 @@ double StationaryGain(double variance_ratio);
 
 class DisturbanceObserver {
  public:
+  // The same ρ for every output.
   DisturbanceObserver(int num_outputs, double variance_ratio);
+  // ρ of each output (p).
+  explicit DisturbanceObserver(const Eigen::VectorXd& variance_ratios);
 
-  double gain() const { return gain_; }
+  const Eigen::VectorXd& gains() const { return gains_; }  // p
   // ŵ (p), the filtered disturbance.
   const Eigen::VectorXd& disturbance() const { return disturbance_; }
+  // Sets ŵ.
+  void Restart(const Eigen::Ref<const Eigen::VectorXd>& disturbance);
 
-  // Takes the measured and the predicted outputs (p) of one instant.
+  // Takes the measured and the predicted outputs (p) of one instant. An output
+  // whose measurement is not finite is taken as not measured: its ŵ stays.
   void Update(const Eigen::Ref<const Eigen::VectorXd>& measured,
               const Eigen::Ref<const Eigen::VectorXd>& predicted);
 
  private:
-  double gain_ = 0.0;
+  Eigen::VectorXd gains_;
   Eigen::VectorXd disturbance_;
 };
 

@@ -1,23 +1,29 @@
-// Model predictive control without constraints (the paper's Eq. 4–5).
+// Model predictive control (the paper's Eq. 4–5), with limits.
 //
 // At control instant l the moves Δu_1 … Δu_{H_c} minimise
 //
 //   J = Σ_{i=1}^{H_p} ‖r_l − ŷ_{l+i}‖²_{Q_y} + Σ_{i=1}^{H_c} ‖Δu_i‖²_{Q_u},
 //   ŷ_{l+i} = f_{l+i} + ŵ_l + Σ_{j=1}^{min(i, H_c)} S_{i−j} Δu_j,
 //
-// where S_i is the model's step response at iΔt_c (S_0 = 0: move j acts from
-// instant l+j on), f its free response to the inputs sent so far and ŵ the
-// observed disturbance. The set point is taken to stay where it is. u_{l} +
-// Δu_1 acts from instant l+1. The minimiser is linear in the predicted error,
-// so one instant costs one product with a gain made beforehand.
+// within the limits of MpcOptions, where S_i is the model's step response at
+// iΔt_c (S_0 = 0: move j acts from instant l+j on), f its free response to the
+// inputs sent so far and to the measured disturbances, and ŵ the observed
+// disturbance. The set point is taken to stay where it is, unless it is known
+// ahead. u_l + Δu_1 acts from instant l+1. Without limits the minimiser is
+// linear in the predicted error, so one instant costs one product with a gain
+// made beforehand (move_planner.h).
 //
 //   MLE_ASSIGN_OR_RETURN(Mpc mpc, Mpc::Create(model, options));
+//   mpc.MeasureDisturbances(disturbances);  // if there are any
 //   mpc.Step(measured_outputs, set_points, next_inputs);
 //
 // f is carried from instant to instant: shifted by one, plus the step response
 // to the move just decided (dynamic matrix control: Cutler and Ramaker, Joint
 // Automatic Control Conference, 1980). Inputs of the role "disturbance" are
-// not the controller's: it leaves them at zero and moves the m_c others.
+// not the controller's: it returns zero for them and moves the m_c others.
+//
+// Measurements, set points and disturbances that are not finite are taken as
+// missing: the last ones hold.
 
 #ifndef CONTROL_MPC_H_
 #define CONTROL_MPC_H_
@@ -28,65 +34,106 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "control/disturbance_observer.h"
+#include "control/move_planner.h"
+#include "control/mpc_options.h"
+#include "control/prediction_model.h"
 #include "mle/model/process_model.h"
 
 namespace mle::control {
-
-struct MpcOptions {
-  double control_period = 1.0;  // Δt_c > 0, in the model's time unit
-  int prediction_horizon = 30;  // H_p ≥ H_c, in control periods
-  int control_horizon = 5;      // H_c ≥ 1, in control periods
-  // Symmetric and positive semi-definite; p × p and m × m, where the rows and
-  // columns of disturbances are not used. The Hessian they give must be
-  // positive definite.
-  Eigen::MatrixXd output_weight;  // Q_y
-  Eigen::MatrixXd move_weight;    // Q_u
-  // ρ ∈ [0, ∞] of the DisturbanceObserver.
-  double disturbance_variance_ratio = 0.1;
-
-  absl::Status Validate(int num_outputs, int num_inputs) const;
-};
 
 class Mpc {
  public:
   // At rest: all past inputs zero, no disturbance observed.
   //
-  // InvalidArgument for an invalid model or option, a model without a
-  // manipulated input, a Hessian that is not positive definite, and a model
-  // that settles so slowly that its step responses would hold over 10⁸ values.
+  // InvalidArgument for an invalid model or option, a model of another control
+  // period, without a manipulated input, or that settles so slowly that its
+  // step responses would hold over 10⁸ values, and a Hessian that is not
+  // positive definite.
+  static absl::StatusOr<Mpc> Create(const PredictionModel& model,
+                                    const MpcOptions& options);
   static absl::StatusOr<Mpc> Create(const ProcessModel& model,
                                     const MpcOptions& options);
 
   // m_c × p H_p: Δu_1 is its product with the stacked errors r − f_{l+i} − ŵ,
-  // i = 1 … H_p.
-  const Eigen::MatrixXd& gain() const { return gain_; }
+  // i = 1 … H_p, as long as no limit is met.
+  const Eigen::MatrixXd& gain() const { return planner_.gain(); }
+  const DisturbanceObserver& observer() const { return observer_; }
+  const PredictionModel& model() const { return model_; }
+  const MpcOptions& options() const { return options_; }
 
   // Instants over which the free response is carried: at least H_p, and until
-  // the model has settled to about 1e-11 of its gains.
-  int settling_periods() const {
-    return static_cast<int>(free_response_.size() / num_outputs_) - 1;
-  }
+  // the model has settled.
+  int settling_periods() const { return model_.periods(); }
+  // f + ŵ (p) at the coming instant.
+  Eigen::VectorXd PredictedOutputs() const;
+  // How the last control instant went.
+  const PlanSummary& last_plan() const { return last_plan_; }
+
+  // Starts again as if `inputs` (m) had stood for ever and the outputs had come
+  // to rest at `outputs` (p).
+  void Restart(const Eigen::Ref<const Eigen::VectorXd>& inputs,
+               const Eigen::Ref<const Eigen::VectorXd>& outputs);
+
+  // What the inputs of the role "disturbance" are from this instant on (in
+  // their order); the effect of a change is fed forward. To be called before
+  // Step().
+  void MeasureDisturbances(
+      const Eigen::Ref<const Eigen::VectorXd>& disturbances);
 
   // One control instant; fills `next_inputs` (m). Allocates nothing.
   void Step(const Eigen::Ref<const Eigen::VectorXd>& measured_outputs,
             const Eigen::Ref<const Eigen::VectorXd>& set_points,
             Eigen::Ref<Eigen::VectorXd> next_inputs);
 
+  // With set points known ahead: column i − 1 of `set_points` (p × H_p) holds
+  // at instant l+i.
+  void StepWithPreview(
+      const Eigen::Ref<const Eigen::VectorXd>& measured_outputs,
+      const Eigen::Ref<const Eigen::MatrixXd>& set_points,
+      Eigen::Ref<Eigen::VectorXd> next_inputs);
+
+  // Goes on with another model, and other options, between two instants. The
+  // inputs stay as they are; the free response is that of the new model to the
+  // inputs so far, and the disturbance estimate takes up the difference, so
+  // that the predicted outputs of the coming instant stay too: at rest at its
+  // set point, the loop stays there.
+  //
+  // InvalidArgument, and nothing changed, for what Create() refuses and for
+  // other numbers or roles of inputs and outputs, or another control period.
+  absl::Status ExchangeModel(const PredictionModel& model,
+                             const MpcOptions& options);
+
  private:
-  Mpc(int num_outputs, int num_inputs, double disturbance_variance_ratio);
+  Mpc(PredictionModel model, MpcOptions options, MovePlanner planner);
 
-  int num_outputs_ = 0;           // p
-  int num_inputs_ = 0;            // m
-  std::vector<int> manipulated_;  // the m_c inputs that are moved
-  Eigen::MatrixXd gain_;
-  // S_0; …; S_n, one below the other: p(n+1) × m_c.
-  Eigen::MatrixXd step_responses_;
+  static absl::StatusOr<Mpc> CreateAtRest(PredictionModel model,
+                                          const MpcOptions& options);
+  void PlanAndMove(const Eigen::Ref<const Eigen::VectorXd>& measured_outputs,
+                   Eigen::Ref<Eigen::VectorXd> next_inputs);
+  void RebuildFreeResponse();
 
+  PredictionModel model_;  // reaching at least to H_p
+  MpcOptions options_;
+  MovePlanner planner_;
   DisturbanceObserver observer_;
-  Eigen::VectorXd free_response_;  // f_l; …; f_{l+n}: p(n+1)
-  Eigen::VectorXd inputs_;         // sent last (m_c)
-  Eigen::VectorXd error_;          // p H_p
-  Eigen::VectorXd move_;           // m_c
+  std::vector<int> manipulated_;           // the m_c inputs that are moved
+  std::vector<int> disturbances_;          // the others
+  Eigen::MatrixXd manipulated_responses_;  // p(n+1) × m_c
+  Eigen::MatrixXd disturbance_responses_;  // p(n+1) × (m − m_c)
+
+  Eigen::VectorXd free_response_;       // f_l; …; f_{l+n}: p(n+1)
+  Eigen::VectorXd inputs_;              // sent last (m_c)
+  Eigen::VectorXd disturbance_inputs_;  // measured last (m − m_c)
+  // m × depth, a ring: column newest_ is what acts from the coming instant on.
+  Eigen::MatrixXd history_;
+  Eigen::Index newest_ = 0;
+
+  Eigen::VectorXd set_points_;  // the last finite ones, of each instant: p H_p
+  Eigen::VectorXd free_outputs_;  // p H_p
+  Eigen::VectorXd error_;         // p H_p
+  Eigen::VectorXd move_;          // m_c
+  Eigen::VectorXd change_;        // m − m_c
+  PlanSummary last_plan_;
 };
 
 }  // namespace mle::control

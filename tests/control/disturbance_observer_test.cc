@@ -68,7 +68,7 @@ TEST(StationaryGainTest, Limits) {
 TEST(DisturbanceObserverTest, StartsWithoutADisturbance) {
   const DisturbanceObserver observer(3, 0.1);
   EXPECT_EQ(observer.disturbance(), VectorXd::Zero(3));
-  EXPECT_EQ(observer.gain(), StationaryGain(0.1));
+  EXPECT_EQ(observer.gains(), VectorXd::Constant(3, StationaryGain(0.1)));
 }
 
 // From rest under a constant difference z: ŵ_l = (1 − (1 − g)^l) z.
@@ -78,7 +78,7 @@ TEST(DisturbanceObserverTest, ApproachesAConstantDisturbanceGeometrically) {
   const VectorXd w = (VectorXd(2) << 2.0, -3.0).finished();
   for (int l = 1; l <= 100; ++l) {
     observer.Update(predicted + w, predicted);
-    const double share = 1.0 - std::pow(1.0 - observer.gain(), l);
+    const double share = 1.0 - std::pow(1.0 - observer.gains()[0], l);
     ASSERT_LE((observer.disturbance() - share * w).cwiseAbs().maxCoeff(),
               1e-14);
   }

@@ -1,0 +1,252 @@
+#include "control/prediction_model.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "absl/strings/str_cat.h"
+#include "mle/base/status.h"
+
+namespace mle::control {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double kSettlingRemainder = 1e-11;  // of the gain
+constexpr double kArxRemainder = 1e-8;        // of the largest value
+constexpr double kMaxValues = 1e8;
+// Beyond any plant; ARX responses that grow without bound stop at 1e100.
+constexpr double kUnbounded = 1e60;
+
+// The time in which what remains of a step response falls to about `remainder`
+// of the gain. r equal real modes of time constant T leave
+// e^{−x} Σ_{k<r} x^k/k! after xT, and modes further apart leave less.
+double SettlingTime(const TransferFunction& element, double remainder) {
+  const double T = element.SlowestTimeConstant();
+  if (T == 0.0) return element.delay();
+  const int order = static_cast<int>(element.denominator().size()) - 1;
+  double x = 0.0;
+  for (double left = 1.0; left > remainder;) {
+    x += 1.0;
+    left = 0.0;
+    for (int k = order - 1; k >= 0; --k) left = left * x / (k + 1) + 1.0;
+    left *= std::exp(-x);
+  }
+  return element.delay() + x * T;
+}
+
+// Control periods after which the whole model has settled.
+double SettlingPeriods(const ProcessModel& model, double control_period) {
+  double longest = 0.0;
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    for (int j = 0; j < model.num_inputs(); ++j) {
+      const TransferFunction& element = model.element(i, j);
+      if (element.IsZero()) continue;
+      longest = std::max(longest, SettlingTime(element, kSettlingRemainder));
+    }
+  }
+  return std::ceil(longest / control_period) + 1.0;
+}
+
+absl::Status CheckControlPeriod(double control_period) {
+  if (control_period > 0.0 && std::isfinite(control_period)) {
+    return absl::OkStatus();
+  }
+  return absl::InvalidArgumentError(absl::StrCat(
+      "control_period = ", control_period, ", but it must be finite and > 0"));
+}
+
+// How often `sample_time` goes into `control_period`.
+absl::StatusOr<int> SamplesPerPeriod(double control_period,
+                                     double sample_time) {
+  MLE_RETURN_IF_ERROR(CheckControlPeriod(control_period));
+  const double ratio = control_period / sample_time;
+  const double whole = std::round(ratio);
+  if (!(whole >= 1.0) || !(whole <= 1e9) ||
+      std::abs(ratio - whole) > 1e-9 * whole) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "control_period = ", control_period,
+        " is no whole multiple of the model's sample time ", sample_time));
+  }
+  return static_cast<int>(whole);
+}
+
+// How far a response moves in its last tenth, over its largest magnitude.
+double Unsettled(const Eigen::Ref<const VectorXd>& response) {
+  const double largest = response.cwiseAbs().maxCoeff();
+  if (largest == 0.0) return 0.0;
+  const Eigen::Index tail = std::max<Eigen::Index>(2, response.size() / 10);
+  const auto end = response.tail(std::min(tail, response.size()));
+  return (end.array() - end[end.size() - 1]).abs().maxCoeff() / largest;
+}
+
+double WorstUnsettled(const StepResponse& response) {
+  double worst = 0.0;
+  for (Eigen::Index c = 0; c < response.values.cols(); ++c) {
+    worst = std::max(worst, Unsettled(response.values.col(c)));
+  }
+  return worst;
+}
+
+absl::Status CheckSettled(const StepResponse& response, double tolerance) {
+  for (int i = 0; i < response.num_outputs; ++i) {
+    for (int j = 0; j < response.num_inputs; ++j) {
+      if (response.element(i, j).cwiseAbs().maxCoeff() > kUnbounded) {
+        return absl::FailedPreconditionError(
+            absl::StrCat("the step response of output ", i + 1, " to input ",
+                         j + 1, " grows without bound: the model is unstable"));
+      }
+      const double left = Unsettled(response.element(i, j));
+      if (left <= tolerance) continue;
+      return absl::FailedPreconditionError(absl::StrCat(
+          "the step response of output ", i + 1, " to input ", j + 1,
+          " has not settled: in the last tenth of its ",
+          (response.samples() - 1) * response.sample_time,
+          " time units it still moves by ", 100.0 * left,
+          " % of its largest value, but at most ", 100.0 * tolerance,
+          " % are allowed; it is too short, integrating or unstable"));
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::vector<InputRole>> RolesFor(
+    const std::vector<InputRole>& roles, int num_inputs) {
+  if (roles.empty()) {
+    return std::vector<InputRole>(num_inputs, InputRole::kManipulated);
+  }
+  if (static_cast<int>(roles.size()) != num_inputs) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(roles.size(), " roles are given for ", num_inputs,
+                     " inputs; give one each, or none"));
+  }
+  return roles;
+}
+
+// S_0; …; S_n from every `stride`-th sample; n at least 1, the last sample held
+// where it falls between two instants.
+PredictionModel Stack(const StepResponse& response,
+                      const std::vector<InputRole>& roles,
+                      double control_period, int stride) {
+  const int p = response.num_outputs;
+  const int last = response.samples() - 1;
+  const int n = std::max(1, (last + stride - 1) / stride);
+  PredictionModel model;
+  model.control_period = control_period;
+  model.num_outputs = p;
+  model.roles = roles;
+  model.responses.resize(p * (n + 1), response.num_inputs);
+  for (int j = 0; j < response.num_inputs; ++j) {
+    for (int i = 0; i < p; ++i) {
+      for (int k = 0; k <= n; ++k) {
+        model.responses(k * p + i, j) =
+            response.element(i, j)[std::min(k * stride, last)];
+      }
+    }
+  }
+  return model;
+}
+
+}  // namespace
+
+absl::Status PredictionModel::Validate() const {
+  MLE_RETURN_IF_ERROR(CheckControlPeriod(control_period));
+  if (num_outputs < 1 || roles.empty()) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "a prediction model needs an output and an input, but has ",
+        num_outputs, " and ", roles.size()));
+  }
+  if (responses.cols() != num_inputs() || responses.rows() < 2 * num_outputs ||
+      responses.rows() % num_outputs != 0) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("the responses are ", responses.rows(), " × ",
+                     responses.cols(), ", but they must be ", num_outputs,
+                     "(n + 1) × ", num_inputs(), " with n ≥ 1"));
+  }
+  if (!responses.allFinite()) {
+    return absl::InvalidArgumentError(
+        "the step responses have values that are not finite");
+  }
+  if (!responses.topRows(num_outputs).isZero(0.0)) {
+    return absl::InvalidArgumentError(
+        "the step responses must start at zero: a sample is taken just before "
+        "the input changes");
+  }
+  return absl::OkStatus();
+}
+
+int PredictionModel::periods() const {
+  return static_cast<int>(responses.rows()) / num_outputs - 1;
+}
+
+std::vector<int> PredictionModel::InputsOf(InputRole role) const {
+  std::vector<int> inputs;
+  for (int j = 0; j < num_inputs(); ++j) {
+    if (roles[j] == role) inputs.push_back(j);
+  }
+  return inputs;
+}
+
+absl::StatusOr<PredictionModel> PredictFromProcess(const ProcessModel& model,
+                                                   double control_period) {
+  MLE_RETURN_IF_ERROR(model.Validate());
+  MLE_RETURN_IF_ERROR(CheckControlPeriod(control_period));
+  const double periods = SettlingPeriods(model, control_period);
+  if ((periods + 1.0) * model.num_outputs() * model.num_inputs() > kMaxValues) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "the model '", model.name(), "' settles in ", periods,
+        " control periods of ", control_period, ": too many for its ",
+        model.num_outputs(), " × ", model.num_inputs(),
+        " step responses to be kept; use a longer control_period"));
+  }
+  std::vector<InputRole> roles;
+  for (const InputChannel& input : model.inputs()) roles.push_back(input.role);
+  return Stack(
+      model.ComputeStepResponse(control_period, static_cast<int>(periods) + 1),
+      roles, control_period, 1);
+}
+
+absl::StatusOr<PredictionModel> PredictFromStepResponse(
+    const StepResponse& response, const std::vector<InputRole>& roles,
+    double control_period, double settling_tolerance) {
+  if (response.num_outputs < 1 || response.num_inputs < 1 ||
+      response.samples() < 2 ||
+      response.values.cols() !=
+          Eigen::Index{response.num_outputs} * response.num_inputs) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "a step response of ", response.num_outputs, " outputs, ",
+        response.num_inputs, " inputs and ", response.samples(),
+        " samples cannot be used: at least 1, 1 and 2 are needed"));
+  }
+  MLE_ASSIGN_OR_RETURN(const std::vector<InputRole> all_roles,
+                       RolesFor(roles, response.num_inputs));
+  MLE_ASSIGN_OR_RETURN(const int stride,
+                       SamplesPerPeriod(control_period, response.sample_time));
+  PredictionModel model = Stack(response, all_roles, control_period, stride);
+  MLE_RETURN_IF_ERROR(model.Validate());
+  MLE_RETURN_IF_ERROR(CheckSettled(response, settling_tolerance));
+  return model;
+}
+
+absl::StatusOr<PredictionModel> PredictFromArx(
+    const ArxModel& model, const std::vector<InputRole>& roles,
+    double control_period, double max_duration) {
+  MLE_RETURN_IF_ERROR(model.Validate());
+  MLE_RETURN_IF_ERROR(
+      SamplesPerPeriod(control_period, model.sample_time).status());
+  const double memory = model.order * model.sample_time;
+  const double longest = max_duration > 0.0 ? max_duration : 200.0 * memory;
+  const double values = kMaxValues / (model.num_outputs * model.num_inputs);
+  const int most =
+      static_cast<int>(std::clamp(longest / model.sample_time, 1.0, values));
+  // Twice as long until it has settled.
+  int length = std::min(most, 4 * model.order);
+  StepResponse response = model.ComputeStepResponse(length + 1);
+  while (length < most && WorstUnsettled(response) > kArxRemainder) {
+    length = static_cast<int>(std::min<double>(most, 2.0 * length));
+    response = model.ComputeStepResponse(length + 1);
+  }
+  return PredictFromStepResponse(response, roles, control_period);
+}
+
+}  // namespace mle::control
