@@ -1,0 +1,28 @@
+// Tails and quantiles of the distributions that tests and intervals need.
+//
+// By the incomplete gamma and beta functions as series and continued fractions
+// (Press et al., Numerical Recipes, 3rd ed. 2007, sec. 6.2 and 6.4); quantiles
+// by bisection. Relative accuracy about 1e-10, tails included.
+
+#ifndef MLE_NONLINEAR_DISTRIBUTIONS_H_
+#define MLE_NONLINEAR_DISTRIBUTIONS_H_
+
+namespace mle {
+
+// P(X > x) for X chi-square of ν > 0 degrees of freedom; 1 for x ≤ 0.
+double ChiSquareTail(double x, double degrees_of_freedom);
+
+// P(X > x) for X of Fisher's F distribution with ν1, ν2 > 0; ν2 may be
+// infinite.
+double FisherTail(double x, double numerator, double denominator);
+
+// The x that F exceeds with `probability` in (0, 1).
+double FisherQuantile(double probability, double numerator, double denominator);
+
+// The x that |t| of Student's distribution exceeds with `probability` in
+// (0, 1): 1.96 for 0.05 and ν = ∞.
+double StudentTwoSidedQuantile(double probability, double degrees_of_freedom);
+
+}  // namespace mle
+
+#endif  // MLE_NONLINEAR_DISTRIBUTIONS_H_

@@ -1,0 +1,50 @@
+// Whitening of a sampled disturbance that is white noise upon a random walk,
+//
+//   n_k = w_k + e_k,   w_{k+1} = w_k + ξ_k,   Var e = r,  Var ξ = q = ρ r,
+//
+// by its time-varying Kalman filter with a diffuse start (nothing is known of
+// w_0, so that the first sample sets it: one free offset):
+//
+//   ν_k = n_k − ŵ_k,   F_k = P_k + 1,   ŵ_{k+1} = ŵ_k + (P_k/F_k) ν_k,
+//   P_{k+1} = P_k/F_k + ρ,
+//
+// in units of r. ν_k/√F_k is white with variance r and
+// −2 ln p(n) = Σ (ln(2π r F_k) + ν_k²/(r F_k)), k ≥ 1. The filter is linear in
+// n, so that a model's residuals and its Jacobian pass through it alike.
+// (Durbin and Koopman, Time Series Analysis by State Space Methods, 2nd ed.
+// 2012, ch. 2 and 5.)
+//
+//   const InnovationsFilter filter(times, 1e-3);
+//   filter.Apply(columns);
+
+#ifndef MLE_NONLINEAR_INNOVATIONS_FILTER_H_
+#define MLE_NONLINEAR_INNOVATIONS_FILTER_H_
+
+#include <vector>
+
+#include "Eigen/Core"
+
+namespace mle {
+
+class InnovationsFilter {
+ public:
+  // `times` are the numbers of the samples that are there, increasing; between
+  // them the random walk goes on. `ratio` is ρ ≥ 0, finite.
+  InnovationsFilter(const std::vector<int>& times, double ratio);
+
+  // Σ ln F_k over the innovations, one fewer than the samples.
+  double log_determinant() const { return log_determinant_; }
+
+  // Each column becomes its ν_k/√F_k; the first row, taken up by the offset,
+  // becomes 0. As many rows as samples.
+  void Apply(Eigen::Ref<Eigen::MatrixXd> columns) const;
+
+ private:
+  std::vector<double> gains_;          // P_k/F_k
+  std::vector<double> inverse_roots_;  // 1/√F_k
+  double log_determinant_ = 0.0;
+};
+
+}  // namespace mle
+
+#endif  // MLE_NONLINEAR_INNOVATIONS_FILTER_H_

@@ -1,0 +1,266 @@
+#include "mle/nonlinear/output_error_problem.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "Eigen/QR"
+#include "glog/logging.h"
+#include "mle/nonlinear/innovations_filter.h"
+
+namespace mle {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// Amplitudes whose modes are closer to each other than this are one.
+constexpr double kRankTolerance = 1e-9;
+
+using AmplitudeQr = Eigen::ColPivHouseholderQR<MatrixXd>;
+
+AmplitudeQr Factorise(const MatrixXd& amplitudes) {
+  const VectorXd norms = amplitudes.colwise().norm().cwiseMax(1e-300);
+  AmplitudeQr qr;
+  qr.setThreshold(kRankTolerance);
+  qr.compute(amplitudes * norms.cwiseInverse().asDiagonal());
+  return qr;
+}
+
+// Rotated so that the amplitudes span the first rows, which become 0.
+void ProjectOut(const AmplitudeQr& qr, Eigen::Ref<MatrixXd> columns) {
+  const Eigen::Index rank = qr.rank();
+  columns.applyOnTheLeft(qr.householderQ().setLength(rank).adjoint());
+  columns.topRows(rank).setZero();
+}
+
+}  // namespace
+
+void OutputPoint::SetCells(double sample_time) {
+  cells.resize(values.size());
+  for (std::size_t j = 0; j < values.size(); ++j) {
+    cells[j] = static_cast<int>(values[j].delay / sample_time);
+  }
+}
+
+OutputErrorProblem::OutputErrorProblem(Elements elements,
+                                       const std::vector<Record>& records,
+                                       int output, int skip, int min_rows)
+    : elements_(std::move(elements)) {
+  for (const auto& element : elements_) {
+    if (element.has_value()) num_modes_ += element->order();
+  }
+  for (const Record& record : records) {
+    sample_time_ = record.sample_time;
+    const auto inputs_known = [&](int k) {
+      for (int j = 0; j < num_elements(); ++j) {
+        if (elements_[j].has_value() && !std::isfinite(record.inputs(j, k))) {
+          return false;
+        }
+      }
+      return true;
+    };
+    for (int begin = 0; begin < record.samples();) {
+      int end = begin;
+      while (end < record.samples() && inputs_known(end)) ++end;
+      Segment segment;
+      for (int k = begin + skip; k < end; ++k) {
+        if (std::isfinite(record.outputs(output, k))) {
+          segment.times.push_back(k - begin);
+        }
+      }
+      const int rows = static_cast<int>(segment.times.size());
+      if (rows >= std::max(min_rows, num_modes_ + 2)) {
+        segment.inputs =
+            record.inputs.middleCols(begin, end - begin).transpose();
+        segment.outputs.resize(rows);
+        for (int row = 0; row < rows; ++row) {
+          segment.outputs(row) =
+              record.outputs(output, begin + segment.times[row]);
+        }
+        num_innovations_ += rows - 1;
+        total_squares_ +=
+            (segment.outputs.array() - segment.outputs.mean()).square().sum();
+        segments_.push_back(std::move(segment));
+      }
+      begin = end + 1;
+    }
+  }
+}
+
+bool OutputErrorProblem::IsExcited(int input) const {
+  for (const Segment& segment : segments_) {
+    const auto column = segment.inputs.col(input);
+    const double size = column.cwiseAbs().maxCoeff();
+    if (column.maxCoeff() - column.minCoeff() > 1e-9 * size) return true;
+  }
+  return false;
+}
+
+void OutputErrorProblem::Amplitudes(const Segment& segment,
+                                    const OutputPoint& point, MatrixXd& columns,
+                                    MatrixXd& derivatives) const {
+  const int first = segment.times.front();
+  const int length = segment.times.back() - first + 1;
+  const Eigen::Index rows = segment.outputs.size();
+  columns.resize(rows, num_modes_);
+  derivatives.resize(rows, num_modes_);
+  Eigen::Index column = 0;
+  for (int j = 0; j < num_elements(); ++j) {
+    if (!elements_[j].has_value()) continue;
+    const int r = elements_[j]->order();
+    MatrixXd modes(length, r);
+    MatrixXd by_time_scale(length, r);
+    elements_[j]->FreeResponses(point.values[j].time_scale, sample_time_, modes,
+                                by_time_scale);
+    for (Eigen::Index row = 0; row < rows; ++row) {
+      const int k = segment.times[row] - first;
+      columns.block(row, column, 1, r) = modes.row(k);
+      derivatives.block(row, column, 1, r) = by_time_scale.row(k);
+    }
+    column += r;
+  }
+}
+
+void OutputErrorProblem::Respond(const Segment& segment,
+                                 const OutputPoint& point, int j,
+                                 MatrixXd& response) const {
+  const ElementValues& values = point.values[j];
+  const double fraction =
+      std::clamp(values.delay / sample_time_ - point.cells[j], 0.0, 1.0);
+  elements_[j]->Simulate(values.time_scale, sample_time_,
+                         {point.cells[j], fraction}, segment.inputs.col(j),
+                         segment.inputs(0, j), response);
+}
+
+std::vector<SegmentColumns> OutputErrorProblem::Linearise(
+    const OutputPoint& point, double ratio, bool with_jacobian) const {
+  std::vector<SegmentColumns> all(segments_.size());
+  for (std::size_t s = 0; s < segments_.size(); ++s) {
+    const Segment& segment = segments_[s];
+    SegmentColumns& columns = all[s];
+    const Eigen::Index rows = segment.outputs.size();
+    columns.residuals = segment.outputs;
+    if (with_jacobian) columns.jacobian.setZero(rows, 3 * num_elements());
+    MatrixXd response(segment.inputs.rows(), 3);
+    for (int j = 0; j < num_elements(); ++j) {
+      if (!elements_[j].has_value()) continue;
+      const ElementValues& values = point.values[j];
+      Respond(segment, point, j, response);
+      for (Eigen::Index row = 0; row < rows; ++row) {
+        const auto at = response.row(segment.times[row]);
+        columns.residuals(row) -= values.gain * at(0);
+        if (!with_jacobian) continue;
+        columns.jacobian(row, 3 * j) = -at(0);
+        columns.jacobian(row, 3 * j + 1) = -values.gain * at(1);
+        columns.jacobian(row, 3 * j + 2) = -values.gain * at(2);
+      }
+    }
+    MatrixXd derivatives;
+    Amplitudes(segment, point, columns.amplitudes, derivatives);
+    if (!with_jacobian) continue;
+
+    // The modes' part of the derivative by ln T takes their amplitudes.
+    const InnovationsFilter filter(segment.times, ratio);
+    MatrixXd whitened(rows, 1 + num_modes_);
+    whitened << columns.residuals, columns.amplitudes;
+    filter.Apply(whitened);
+    AmplitudeQr qr;
+    qr.setThreshold(kRankTolerance);
+    qr.compute(whitened.rightCols(num_modes_));
+    const VectorXd amplitudes = qr.solve(whitened.col(0));
+    Eigen::Index mode = 0;
+    for (int j = 0; j < num_elements(); ++j) {
+      if (!elements_[j].has_value()) continue;
+      const int r = elements_[j]->order();
+      columns.jacobian.col(3 * j + 1) -=
+          derivatives.middleCols(mode, r) * amplitudes.segment(mode, r);
+      mode += r;
+    }
+  }
+  return all;
+}
+
+WhitenedColumns OutputErrorProblem::Whiten(
+    const std::vector<SegmentColumns>& columns, double ratio) const {
+  const Eigen::Index total = num_innovations_ + num_segments();
+  const Eigen::Index width =
+      columns.empty() ? 0 : columns.front().jacobian.cols();
+  WhitenedColumns result;
+  result.residuals.resize(total);
+  result.jacobian.resize(total, width);
+  Eigen::Index begin = 0;
+  for (std::size_t s = 0; s < segments_.size(); ++s) {
+    const Eigen::Index rows = columns[s].residuals.size();
+    MatrixXd whitened(rows, 1 + width + num_modes_);
+    whitened << columns[s].residuals, columns[s].jacobian,
+        columns[s].amplitudes;
+    const InnovationsFilter filter(segments_[s].times, ratio);
+    filter.Apply(whitened);
+    const AmplitudeQr qr = Factorise(whitened.rightCols(num_modes_));
+    ProjectOut(qr, whitened.leftCols(1 + width));
+    result.residuals.segment(begin, rows) = whitened.col(0);
+    result.jacobian.middleRows(begin, rows) = whitened.middleCols(1, width);
+    result.log_determinant += filter.log_determinant();
+    // The modes' own sizes count: they depend on the ratio.
+    const VectorXd norms =
+        whitened.rightCols(num_modes_).colwise().norm().cwiseMax(1e-300);
+    for (Eigen::Index i = 0; i < qr.rank(); ++i) {
+      result.log_amplitudes +=
+          2.0 * std::log(std::abs(qr.matrixQR()(i, i)) *
+                         norms(qr.colsPermutation().indices()(i)));
+    }
+    result.num_amplitudes += static_cast<int>(qr.rank());
+    begin += rows;
+  }
+  return result;
+}
+
+MatrixXd OutputErrorProblem::Dictionary(
+    const OutputPoint& point, double ratio,
+    const std::vector<std::vector<int>>& delays) const {
+  Eigen::Index width = 1;
+  for (const std::vector<int>& of_element : delays) width += of_element.size();
+  MatrixXd dictionary(num_innovations_ + num_segments(), width);
+  Eigen::Index begin = 0;
+  for (const Segment& segment : segments_) {
+    const Eigen::Index rows = segment.outputs.size();
+    MatrixXd columns(rows, width);
+    columns.col(width - 1) = segment.outputs;
+    Eigen::Index column = 0;
+    MatrixXd response(segment.inputs.rows(), 3);
+    for (int j = 0; j < num_elements(); ++j) {
+      if (!elements_[j].has_value()) continue;
+      if (delays[j].empty()) {
+        Respond(segment, point, j, response);
+        for (Eigen::Index row = 0; row < rows; ++row) {
+          columns(row, width - 1) -=
+              point.values[j].gain * response(segment.times[row], 0);
+        }
+        continue;
+      }
+      elements_[j]->Simulate(point.values[j].time_scale, sample_time_, {0, 0.0},
+                             segment.inputs.col(j), segment.inputs(0, j),
+                             response);
+      for (const int delay : delays[j]) {
+        for (Eigen::Index row = 0; row < rows; ++row) {
+          const int k = std::max(segment.times[row] - delay, 0);
+          columns(row, column) = response(k, 0);
+        }
+        ++column;
+      }
+    }
+    const InnovationsFilter filter(segment.times, ratio);
+    filter.Apply(columns);
+    MatrixXd amplitudes;
+    MatrixXd derivatives;
+    Amplitudes(segment, point, amplitudes, derivatives);
+    filter.Apply(amplitudes);
+    ProjectOut(Factorise(amplitudes), columns);
+    dictionary.middleRows(begin, rows) = columns;
+    begin += rows;
+  }
+  return dictionary;
+}
+
+}  // namespace mle

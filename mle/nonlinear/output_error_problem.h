@@ -1,0 +1,116 @@
+// One output of a plant fitted to raw records: the residuals of the whole model
+// and their derivatives. Internal to mle/nonlinear.
+//
+// In every segment (a run of samples whose inputs are all known)
+//
+//   y_k = c + Σ_j (K_j x_j(k; T_j, L_j) + φ_j(k; T_j) a_j) + n_k,
+//
+// with x_j the response of element j to the segment's inputs
+// (element_response.h), an offset c, and n white noise upon a random walk
+// (innovations_filter.h). What the inputs did before the segment is unknown.
+// Once the longest dead time that the search allows has passed, all of it is
+// the state of each element: a_j, one free amplitude for each mode φ_j. So the
+// residuals begin there; the inputs from the segment's begin on are used.
+//
+// c goes with the diffuse start of the filter, and a_j, linear, is projected
+// out of the whitened residuals (variable projection in Kaufman's form, whose
+// Gauss–Newton matrix is the full problem's with a_j eliminated: Kaufman, BIT
+// 15, 1975). What remains are K, ln T and L of every element.
+
+#ifndef MLE_NONLINEAR_OUTPUT_ERROR_PROBLEM_H_
+#define MLE_NONLINEAR_OUTPUT_ERROR_PROBLEM_H_
+
+#include <optional>
+#include <vector>
+
+#include "Eigen/Core"
+#include "mle/data/record.h"
+#include "mle/nonlinear/element_response.h"
+
+namespace mle {
+
+// Values of all elements of the output, and the sample that each dead time is
+// taken to lie in (whole); an absent element's are unused.
+struct OutputPoint {
+  std::vector<ElementValues> values;
+  std::vector<int> cells;
+
+  // Each dead time in the sample it begins.
+  void SetCells(double sample_time);
+};
+
+// Unwhitened columns of one segment.
+struct SegmentColumns {
+  Eigen::VectorXd residuals;   // rows
+  Eigen::MatrixXd jacobian;    // rows × 3m: by K, ln T, L of each element
+  Eigen::MatrixXd amplitudes;  // rows × Σ r_j
+};
+
+// Whitened, without what the amplitudes explain; all segments.
+struct WhitenedColumns {
+  Eigen::VectorXd residuals;
+  Eigen::MatrixXd jacobian;      // as above; 0 columns if not asked for
+  double log_determinant = 0.0;  // Σ ln F
+  double log_amplitudes = 0.0;   // ln det of the amplitudes' normal matrix
+  int num_amplitudes = 0;        // its rank
+};
+
+class OutputErrorProblem {
+ public:
+  using Elements = std::vector<std::optional<ElementResponse>>;  // m
+
+  // `skip`: samples left out at the begin of a segment. Segments of fewer than
+  // `min_rows` usable samples are not used.
+  OutputErrorProblem(Elements elements, const std::vector<Record>& records,
+                     int output, int skip, int min_rows);
+
+  const Elements& elements() const { return elements_; }
+  int num_elements() const { return static_cast<int>(elements_.size()); }  // m
+  int num_segments() const { return static_cast<int>(segments_.size()); }
+  double sample_time() const { return sample_time_; }
+  // Samples that count: without one of each segment, which sets its offset.
+  int num_innovations() const { return num_innovations_; }
+  // Σ (y − mean)², the mean of each segment.
+  double total_squares() const { return total_squares_; }
+  // The input moves in a segment.
+  bool IsExcited(int input) const;
+
+  // At `point`; amplitudes are those of least squares under ρ = `ratio`.
+  std::vector<SegmentColumns> Linearise(const OutputPoint& point, double ratio,
+                                        bool with_jacobian) const;
+  WhitenedColumns Whiten(const std::vector<SegmentColumns>& columns,
+                         double ratio) const;
+
+  // Whitened responses (K = 1) of each element with the time scale of `point`,
+  // at each of `delays`[j] (in samples); the last column is y less the
+  // responses at `point` of the elements without such delays. Without what the
+  // amplitudes explain.
+  Eigen::MatrixXd Dictionary(const OutputPoint& point, double ratio,
+                             const std::vector<std::vector<int>>& delays) const;
+
+ private:
+  struct Segment {
+    Eigen::MatrixXd inputs;  // N × m
+    std::vector<int> times;  // samples that count
+    Eigen::VectorXd outputs;
+  };
+
+  // The columns of ElementResponse::Simulate() for element j at `point` (N ×
+  // 3).
+  void Respond(const Segment& segment, const OutputPoint& point, int j,
+               Eigen::MatrixXd& response) const;
+  // rows × Σ r_j, and their derivatives by the ln T of their element.
+  void Amplitudes(const Segment& segment, const OutputPoint& point,
+                  Eigen::MatrixXd& columns, Eigen::MatrixXd& derivatives) const;
+
+  Elements elements_;
+  std::vector<Segment> segments_;
+  double sample_time_ = 0.0;
+  int num_innovations_ = 0;
+  int num_modes_ = 0;  // Σ r_j
+  double total_squares_ = 0.0;
+};
+
+}  // namespace mle
+
+#endif  // MLE_NONLINEAR_OUTPUT_ERROR_PROBLEM_H_

@@ -1,0 +1,420 @@
+#include "mle/nonlinear/output_fit.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "Eigen/Eigenvalues"
+#include "ceres/ceres.h"
+#include "glog/logging.h"
+#include "mle/nonlinear/delay_search.h"
+
+namespace mle {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr int kMaxGridPoints = 64;
+constexpr int kMaxNoiseRounds = 8;
+constexpr int kMaxSearchRounds = 5;
+constexpr int kMaxCellMoves = 100;
+// ρ stays where ln ρ moves less, or where both ratios are below any effect.
+constexpr double kRatioTolerance = 0.02;
+// A dead time this close to the end of its sample (in samples) is at it.
+constexpr double kCellTolerance = 1e-7;
+
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
+
+// Whitened residuals; one parameter block (K, ln T, L) for each element.
+class OutputCost : public ceres::CostFunction {
+ public:
+  // Dead times lie in the samples of `point`, or in any if not `fixed_cells`.
+  OutputCost(const OutputErrorProblem& problem, const OutputPoint& point,
+             double ratio, bool fixed_cells)
+      : problem_(problem),
+        point_(point),
+        ratio_(ratio),
+        fixed_cells_(fixed_cells) {
+    set_num_residuals(problem.num_innovations() + problem.num_segments());
+    for (int j = 0; j < problem.num_elements(); ++j) {
+      if (!problem.elements()[j].has_value()) continue;
+      present_.push_back(j);
+      mutable_parameter_block_sizes()->push_back(3);
+    }
+  }
+
+  bool Evaluate(double const* const* x, double* residuals,
+                double** jacobians) const override {
+    OutputPoint point = point_;
+    for (std::size_t b = 0; b < present_.size(); ++b) {
+      point.values[present_[b]] = {x[b][0], std::exp(x[b][1]), x[b][2]};
+    }
+    if (!fixed_cells_) point.SetCells(problem_.sample_time());
+    const WhitenedColumns whitened = problem_.Whiten(
+        problem_.Linearise(point, ratio_, jacobians != nullptr), ratio_);
+    std::copy(whitened.residuals.begin(), whitened.residuals.end(), residuals);
+    if (jacobians == nullptr) return true;
+    for (std::size_t b = 0; b < present_.size(); ++b) {
+      if (jacobians[b] == nullptr) continue;
+      Eigen::Map<RowMajor>(jacobians[b], whitened.residuals.size(), 3) =
+          whitened.jacobian.middleCols(3 * present_[b], 3);
+    }
+    return true;
+  }
+
+ private:
+  const OutputErrorProblem& problem_;
+  OutputPoint point_;
+  double ratio_;
+  bool fixed_cells_;
+  std::vector<int> present_;
+};
+
+class Fitter {
+ public:
+  Fitter(const OutputErrorProblem& problem, const std::vector<bool>& free,
+         const OutputFitBounds& bounds, const StructuredOptions& options)
+      : problem_(problem), free_(free), bounds_(bounds), options_(options) {}
+
+  FitCertificate& certificate() { return certificate_; }
+
+  // Steps 1 and 2: from the best of several searches.
+  OutputPoint Start(const OutputPoint& start, double ratio) {
+    OutputPoint best = start;
+    double best_cost = kInfinity;
+    for (const double factor : {1.0, 0.5, 2.0}) {
+      OutputPoint point = start;
+      for (std::size_t j = 0; j < free_.size(); ++j) {
+        if (!free_[j]) continue;
+        point.values[j].time_scale =
+            std::clamp(factor * point.values[j].time_scale,
+                       bounds_.min_time_scales[j], bounds_.max_time_scales[j]);
+      }
+      point = Search(point, ratio).point;
+      const double cost = Solve(point, ratio, /*within_cells=*/false);
+      if (cost < best_cost) {
+        best_cost = cost;
+        best = point;
+      }
+    }
+    return best;
+  }
+
+  DelaySearchResult Search(const OutputPoint& point, double ratio) {
+    ++certificate_.grid_searches;
+    return SearchDelays(problem_, point, ratio, free_, bounds_.max_delays,
+                        kMaxGridPoints);
+  }
+
+  // Step 2: all dead times, then sample by sample. Returns the cost.
+  double Refine(OutputPoint& point, double ratio) {
+    Solve(point, ratio, /*within_cells=*/false);
+    point.SetCells(problem_.sample_time());
+    double cost = Solve(point, ratio, /*within_cells=*/true);
+    for (int move = 0; move < kMaxCellMoves; ++move) {
+      OutputPoint moved = point;
+      if (!MoveCells(moved, ratio)) break;
+      const double moved_cost = Solve(moved, ratio, /*within_cells=*/true);
+      if (!(moved_cost < cost * (1.0 - 1e-12))) break;
+      cost = moved_cost;
+      point = moved;
+    }
+    return cost;
+  }
+
+  // Of the certificate: derivatives at the end, in standard deviations.
+  void CertifyGradient(const OutputPoint& point, const NoiseEstimate& noise) {
+    const WhitenedColumns whitened = problem_.Whiten(
+        problem_.Linearise(point, noise.ratio, true), noise.ratio);
+    certificate_.gradient = 0.0;
+    certificate_.at_bound = false;
+    const double scale = std::sqrt(noise.variance);
+    for (int j = 0; j < problem_.num_elements(); ++j) {
+      if (!free_[j]) continue;
+      const double log_scale = std::log(point.values[j].time_scale);
+      const bool at_time_bound =
+          log_scale < std::log(bounds_.min_time_scales[j]) + 1e-6 ||
+          log_scale > std::log(bounds_.max_time_scales[j]) - 1e-6;
+      const double position =
+          point.values[j].delay / problem_.sample_time() - point.cells[j];
+      const bool at_kink = position < kCellTolerance ||
+                           position > 1.0 - kCellTolerance ||
+                           point.values[j].delay > bounds_.max_delays[j] - 1e-9;
+      certificate_.at_bound |=
+          at_time_bound || point.values[j].delay <= 0.0 ||
+          point.values[j].delay > bounds_.max_delays[j] - 1e-9;
+      for (int i = 0; i < 3; ++i) {
+        if ((i == 1 && at_time_bound) || (i == 2 && at_kink)) continue;
+        const auto column = whitened.jacobian.col(3 * j + i);
+        const double norm = column.norm();
+        if (!(norm > 0.0) || !(scale > 0.0)) continue;
+        certificate_.gradient =
+            std::max(certificate_.gradient,
+                     std::abs(column.dot(whitened.residuals)) / (norm * scale));
+      }
+    }
+  }
+
+ private:
+  // Levenberg–Marquardt from and to `point`; returns the cost.
+  double Solve(OutputPoint& point, double ratio, bool within_cells) {
+    std::vector<int> present;
+    for (int j = 0; j < problem_.num_elements(); ++j) {
+      if (problem_.elements()[j].has_value()) present.push_back(j);
+    }
+    std::vector<std::array<double, 3>> x;
+    x.reserve(present.size());
+    for (const int j : present) {
+      const ElementValues& v = point.values[j];
+      x.push_back({v.gain, std::log(v.time_scale), v.delay});
+    }
+    std::vector<double*> blocks;
+    for (auto& block : x) blocks.push_back(block.data());
+    ceres::Problem problem;
+    problem.AddResidualBlock(
+        new OutputCost(problem_, point, ratio, within_cells), nullptr, blocks);
+    for (std::size_t b = 0; b < present.size(); ++b) {
+      SetBounds(point, present[b], within_cells, blocks[b], problem);
+    }
+    ceres::Solver::Options options;
+    options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
+    options.max_num_iterations = options_.max_iterations;
+    options.function_tolerance = within_cells ? 1e-13 : 1e-8;
+    options.parameter_tolerance = within_cells ? 1e-11 : 1e-8;
+    options.gradient_tolerance = 0.0;
+    options.logging_type = ceres::SILENT;
+    ceres::Solver::Summary summary;
+    ceres::Solve(options, &problem, &summary);
+
+    certificate_.iterations += static_cast<int>(summary.iterations.size());
+    certificate_.message = summary.message;
+    switch (summary.termination_type) {
+      case ceres::CONVERGENCE:
+      case ceres::USER_SUCCESS:
+        certificate_.termination = FitTermination::kConverged;
+        break;
+      case ceres::NO_CONVERGENCE:
+        certificate_.termination = FitTermination::kIterationLimit;
+        break;
+      default:
+        certificate_.termination = FitTermination::kFailed;
+        return kInfinity;
+    }
+    for (std::size_t b = 0; b < present.size(); ++b) {
+      if (!free_[present[b]]) continue;
+      point.values[present[b]] = {x[b][0], std::exp(x[b][1]), x[b][2]};
+    }
+    if (!within_cells) point.SetCells(problem_.sample_time());
+    return summary.final_cost;
+  }
+
+  void SetBounds(const OutputPoint& point, int j, bool within_cells,
+                 double* block, ceres::Problem& problem) const {
+    if (!free_[j]) {
+      problem.SetParameterBlockConstant(block);
+      return;
+    }
+    const double sample_time = problem_.sample_time();
+    double low = 0.0;
+    double high = bounds_.max_delays[j];
+    if (within_cells) {
+      low = point.cells[j] * sample_time;
+      high = std::min(high, (point.cells[j] + 1) * sample_time);
+    }
+    // Ceres wants an interval, and a start inside it.
+    high = std::max(high, low + 1e-9 * sample_time);
+    const double min_log = std::log(bounds_.min_time_scales[j]);
+    const double max_log = std::log(bounds_.max_time_scales[j]);
+    block[1] = std::clamp(block[1], min_log, max_log);
+    block[2] = std::clamp(block[2], low, high);
+    problem.SetParameterLowerBound(block, 1, min_log);
+    problem.SetParameterUpperBound(block, 1, max_log);
+    problem.SetParameterLowerBound(block, 2, low);
+    problem.SetParameterUpperBound(block, 2, high);
+  }
+
+  // Takes each dead time at an end of its sample into the next one if the cost
+  // falls there; false if none does.
+  bool MoveCells(OutputPoint& point, double ratio) const {
+    bool moved = false;
+    for (int j = 0; j < problem_.num_elements(); ++j) {
+      if (!free_[j]) continue;
+      const double position =
+          point.values[j].delay / problem_.sample_time() - point.cells[j];
+      int direction = 0;
+      if (position < kCellTolerance && point.cells[j] > 0) direction = -1;
+      if (position > 1.0 - kCellTolerance &&
+          (point.cells[j] + 1) * problem_.sample_time() <
+              bounds_.max_delays[j]) {
+        direction = 1;
+      }
+      if (direction == 0) continue;
+      OutputPoint trial = point;
+      trial.cells[j] += direction;
+      const WhitenedColumns whitened =
+          problem_.Whiten(problem_.Linearise(trial, ratio, true), ratio);
+      const double slope =
+          whitened.jacobian.col(3 * j + 2).dot(whitened.residuals);
+      if (slope * direction < 0.0) {
+        point = trial;
+        moved = true;
+      }
+    }
+    return moved;
+  }
+
+  const OutputErrorProblem& problem_;
+  const std::vector<bool>& free_;
+  const OutputFitBounds& bounds_;
+  const StructuredOptions& options_;
+  FitCertificate certificate_;
+};
+
+bool SameRatio(double a, double b) {
+  const double floor = 1e-10;
+  return std::abs(std::log((a + floor) / (b + floor))) < kRatioTolerance;
+}
+
+// Of the variances on the diagonal of `covariance`: they move with the ratio,
+// which is itself estimated, and with r.
+VectorXd DegreesOfFreedom(const OutputErrorProblem& problem,
+                          const OutputPoint& point,
+                          const std::vector<bool>& free,
+                          const NoiseEstimate& noise) {
+  const double n = problem.num_innovations();
+  VectorXd relative_variance =
+      VectorXd::Constant(3 * problem.num_elements(), 2.0 / n);
+  if (noise.log_ratio_deviation > 0.0) {
+    const double step = 0.2;
+    VectorXd logs[2];
+    for (int side = 0; side < 2; ++side) {
+      NoiseEstimate shifted = noise;
+      shifted.ratio = noise.ratio * std::exp(side == 0 ? -step : step);
+      const WhitenedColumns whitened = problem.Whiten(
+          problem.Linearise(point, shifted.ratio, false), shifted.ratio);
+      shifted.variance = whitened.residuals.squaredNorm() / n;
+      logs[side] = ComputeCovariance(problem, point, free, shifted)
+                       .covariance.diagonal()
+                       .array()
+                       .max(1e-300)
+                       .log();
+    }
+    for (Eigen::Index i = 0; i < relative_variance.size(); ++i) {
+      const double slope = (logs[1](i) - logs[0](i)) / (2.0 * step);
+      if (std::isfinite(slope)) {
+        relative_variance(i) += std::pow(slope * noise.log_ratio_deviation, 2);
+      }
+    }
+  }
+  return 2.0 * relative_variance.cwiseInverse();
+}
+
+}  // namespace
+
+OutputCovariance ComputeCovariance(const OutputErrorProblem& problem,
+                                   const OutputPoint& point,
+                                   const std::vector<bool>& free,
+                                   const NoiseEstimate& noise) {
+  const WhitenedColumns whitened =
+      problem.Whiten(problem.Linearise(point, noise.ratio, true), noise.ratio);
+  std::vector<int> kept;
+  VectorXd units = VectorXd::Ones(3 * problem.num_elements());
+  for (int j = 0; j < problem.num_elements(); ++j) {
+    for (int i = 0; free[j] && i < 3; ++i) kept.push_back(3 * j + i);
+    if (free[j]) units(3 * j + 1) = point.values[j].time_scale;  // of ln T
+  }
+  OutputCovariance result;
+  result.covariance = MatrixXd::Zero(units.size(), units.size());
+  if (kept.empty()) return result;
+  const MatrixXd jacobian = whitened.jacobian(Eigen::all, kept);
+  const VectorXd norms = jacobian.colwise().norm().cwiseMax(1e-300);
+  const MatrixXd scaled = jacobian * norms.cwiseInverse().asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(scaled.transpose() *
+                                                      scaled);
+  const VectorXd& values = eigen.eigenvalues();
+  const double largest = values.maxCoeff();
+  const double limit = 1e-13 * largest;
+  MatrixXd inverse = MatrixXd::Zero(kept.size(), kept.size());
+  VectorXd undetermined = VectorXd::Zero(kept.size());
+  for (Eigen::Index i = 0; i < values.size(); ++i) {
+    const auto direction = eigen.eigenvectors().col(i);
+    if (values(i) > limit) {
+      ++result.rank;
+      inverse += direction * direction.transpose() / values(i);
+    } else {
+      undetermined += direction.cwiseAbs2();
+    }
+  }
+  result.condition = std::sqrt(largest / std::max(values.minCoeff(), 1e-300));
+  for (std::size_t a = 0; a < kept.size(); ++a) {
+    for (std::size_t b = 0; b < kept.size(); ++b) {
+      result.covariance(kept[a], kept[b]) = noise.variance * inverse(a, b) /
+                                            (norms(a) * norms(b)) *
+                                            units(kept[a]) * units(kept[b]);
+    }
+    if (undetermined(a) > 1e-9) {
+      result.covariance(kept[a], kept[a]) = kInfinity;
+    }
+  }
+  return result;
+}
+
+OutputFit FitOutput(const OutputErrorProblem& problem, const OutputPoint& start,
+                    const std::vector<bool>& free,
+                    const OutputFitBounds& bounds,
+                    const StructuredOptions& options) {
+  Fitter fitter(problem, free, bounds, options);
+  OutputFit fit;
+  fit.free = free;
+  fit.point = start;
+  fit.point.SetCells(problem.sample_time());
+  const auto estimate_noise = [&](double ratio) {
+    return EstimateNoise(problem, fit.point, free, ratio,
+                         options.estimate_drift);
+  };
+  fit.noise = estimate_noise(0.0);
+  FitCertificate& certificate = fitter.certificate();
+  const bool any_free = std::find(free.begin(), free.end(), true) != free.end();
+  if (any_free) {
+    fit.point = fitter.Start(fit.point, fit.noise.ratio);
+    for (int round = 0; round < kMaxSearchRounds; ++round) {
+      double cost = 0.0;
+      for (int again = 0; again < kMaxNoiseRounds; ++again) {
+        const double former = fit.noise.ratio;
+        fit.noise = estimate_noise(former);
+        cost = fitter.Refine(fit.point, fit.noise.ratio);
+        if (SameRatio(former, fit.noise.ratio)) break;
+      }
+      const DelaySearchResult search =
+          fitter.Search(fit.point, fit.noise.ratio);
+      certificate.search_confirmed =
+          !(search.cost < cost * (1.0 - 1e-9) - search.cost_accuracy);
+      if (certificate.search_confirmed) break;
+      fit.point = search.point;
+    }
+    fitter.CertifyGradient(fit.point, fit.noise);
+  } else {
+    certificate.termination = FitTermination::kConverged;
+    certificate.message = "no parameter is free";
+    certificate.gradient = 0.0;
+    certificate.search_confirmed = true;
+  }
+  const OutputCovariance covariance =
+      ComputeCovariance(problem, fit.point, free, fit.noise);
+  fit.covariance = covariance.covariance;
+  fit.degrees_of_freedom =
+      DegreesOfFreedom(problem, fit.point, free, fit.noise);
+  fit.deviance = Deviance(problem, fit.point, free, fit.noise.ratio,
+                          options.estimate_drift);
+  certificate.condition = covariance.condition;
+  certificate.rank = covariance.rank;
+  certificate.num_parameters =
+      3 * static_cast<int>(std::count(free.begin(), free.end(), true));
+  fit.certificate = certificate;
+  return fit;
+}
+
+}  // namespace mle

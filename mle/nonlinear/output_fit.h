@@ -1,0 +1,83 @@
+// The maximum-likelihood fit of one output's elements. Internal to
+// mle/nonlinear; StructuredCorrection is what users see.
+//
+// Parameters are K, T and L of the free elements, the noise variance r and the
+// ratio ρ = q/r (output_error_problem.h). For a given ρ the whitened residuals
+// are minimised:
+//
+//   1. The dead times are searched on a grid (delay_search.h), with the time
+//      scales half, as large and twice as large as at the start.
+//   2. Ceres refines the best of each, first with the dead times free, then
+//      within the sample that each lies in, until no neighbouring sample is
+//      better: a minimum may lie in a kink.
+//   3. ρ is estimated anew (restricted likelihood: what the parameters explain
+//      in first order is no noise) and 2 repeated until ρ stays.
+//   4. The grid is searched again around the end, with its time scales and ρ;
+//      a better combination of dead times starts 2 anew.
+
+#ifndef MLE_NONLINEAR_OUTPUT_FIT_H_
+#define MLE_NONLINEAR_OUTPUT_FIT_H_
+
+#include <string>
+#include <vector>
+
+#include "Eigen/Core"
+#include "mle/nonlinear/output_error_problem.h"
+#include "mle/nonlinear/structured_correction.h"
+
+namespace mle {
+
+struct OutputFitBounds {
+  std::vector<double> min_time_scales;  // m
+  std::vector<double> max_time_scales;
+  std::vector<double> max_delays;
+};
+
+struct OutputFit {
+  OutputPoint point;
+  std::vector<bool> free;  // m
+  NoiseEstimate noise;
+  // 3m × 3m, by K, T, L of each element; zero for elements that are not free,
+  // infinite on the diagonal of what the records do not determine.
+  Eigen::MatrixXd covariance;
+  // Of each variance on the diagonal (Satterthwaite): ∞ for known noise.
+  Eigen::VectorXd degrees_of_freedom;
+  // −2 ln likelihood less constants, maximised over r and ρ.
+  double deviance = 0.0;
+  FitCertificate certificate;
+};
+
+// Elements that are not `free` keep the values of `start`.
+OutputFit FitOutput(const OutputErrorProblem& problem, const OutputPoint& start,
+                    const std::vector<bool>& free,
+                    const OutputFitBounds& bounds,
+                    const StructuredOptions& options);
+
+// Noise of the output at `point`, by restricted likelihood, with the elements
+// that are `free` taken to be estimated.
+NoiseEstimate EstimateNoise(const OutputErrorProblem& problem,
+                            const OutputPoint& point,
+                            const std::vector<bool>& free, double start_ratio,
+                            bool estimate_drift);
+
+// −2 ln likelihood less constants at `point`, maximised over r and ρ, and, in
+// first order, over the elements that are `free`.
+double Deviance(const OutputErrorProblem& problem, const OutputPoint& point,
+                const std::vector<bool>& free, double start_ratio,
+                bool estimate_drift);
+
+struct OutputCovariance {
+  Eigen::MatrixXd covariance;  // as above
+  int rank = 0;
+  double condition = 0.0;
+};
+
+// r (JᵀJ)⁻¹ at `point`, the inverse of Fisher's information.
+OutputCovariance ComputeCovariance(const OutputErrorProblem& problem,
+                                   const OutputPoint& point,
+                                   const std::vector<bool>& free,
+                                   const NoiseEstimate& noise);
+
+}  // namespace mle
+
+#endif  // MLE_NONLINEAR_OUTPUT_FIT_H_

@@ -1,0 +1,233 @@
+#include "mle/nonlinear/structured_correction.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "glog/logging.h"
+#include "mle/base/parallel.h"
+#include "mle/base/status.h"
+#include "mle/nonlinear/distributions.h"
+#include "mle/nonlinear/output_fit.h"
+#include "mle/nonlinear/structured_selection.h"
+#include "mle/nonlinear/structured_setup.h"
+
+namespace mle {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+ParameterEstimate Estimate(double initial, double value, double variance,
+                           double degrees_of_freedom, double confidence) {
+  ParameterEstimate estimate;
+  estimate.initial = initial;
+  estimate.value = value;
+  estimate.standard_error = std::sqrt(variance);
+  const double half_width =
+      variance > 0.0
+          ? StudentTwoSidedQuantile(1.0 - confidence, degrees_of_freedom) *
+                estimate.standard_error
+          : 0.0;
+  estimate.lower = value - half_width;
+  estimate.upper = value + half_width;
+  return estimate;
+}
+
+// Writes the fit of output i into `fit`.
+void Report(const OutputSetup& setup, const OutputFit& output_fit, int i,
+            double confidence, StructuredFit& fit) {
+  const int m = fit.model.num_inputs();
+  const auto& elements = setup.problem->elements();
+  for (int j = 0; j < m; ++j) {
+    ElementEstimate& estimate = fit.elements[i * m + j];
+    if (!elements[j].has_value()) continue;
+    const ElementValues& initial = elements[j]->initial_values();
+    const ElementValues& values = output_fit.point.values[j];
+    const auto parameter = [&](int k, double from, double value) {
+      const int index = 3 * j + k;
+      return Estimate(from, value, output_fit.covariance(index, index),
+                      output_fit.degrees_of_freedom(index), confidence);
+    };
+    estimate.gain = parameter(0, initial.gain, values.gain);
+    estimate.time_scale = parameter(1, initial.time_scale, values.time_scale);
+    estimate.delay = parameter(2, initial.delay, values.delay);
+    if (output_fit.free[j]) {
+      estimate.state = ElementState::kFitted;
+      fit.model.element(i, j) = elements[j]->ToTransferFunction(values);
+    } else {
+      estimate.state =
+          setup.informed[j] ? ElementState::kHeld : ElementState::kNotInformed;
+    }
+  }
+  fit.covariances[i] = output_fit.covariance;
+  fit.noise[i] = output_fit.noise;
+  fit.certificates[i] = output_fit.certificate;
+  fit.deviances[i] = output_fit.deviance;
+}
+
+StructuredFit EmptyFit(const ProcessModel& model) {
+  const int p = model.num_outputs();
+  StructuredFit fit;
+  fit.model = model;
+  fit.elements.resize(p * model.num_inputs());
+  fit.covariances.resize(p);
+  fit.noise.resize(p);
+  fit.certificates.resize(p);
+  fit.deviances.resize(p);
+  return fit;
+}
+
+// The elements of one output against their initial values.
+ElementSelection Select(const OutputSetup& setup, const OutputFit& fit,
+                        double false_alarm) {
+  std::vector<int> kept;
+  std::vector<double> degrees;
+  std::vector<double> changes;
+  for (int j = 0; j < setup.problem->num_elements(); ++j) {
+    if (!fit.free[j]) continue;
+    const ElementValues& a = fit.point.values[j];
+    const ElementValues& b = setup.start.values[j];
+    for (int k = 0; k < 3; ++k) kept.push_back(3 * j + k);
+    changes.push_back(a.gain - b.gain);
+    changes.push_back(a.time_scale - b.time_scale);
+    changes.push_back(a.delay - b.delay);
+    degrees.push_back(fit.degrees_of_freedom.segment(3 * j, 3).minCoeff());
+  }
+  MatrixXd covariance = fit.covariance(kept, kept);
+  // What is not determined cannot be told to have changed.
+  const double large = 1e12;
+  for (Eigen::Index k = 0; k < covariance.rows(); ++k) {
+    if (!std::isfinite(covariance(k, k))) {
+      covariance.row(k).setZero();
+      covariance.col(k).setZero();
+      covariance(k, k) = large * (1.0 + changes[k] * changes[k]);
+    }
+  }
+  return SelectChanged(
+      Eigen::Map<const VectorXd>(changes.data(), changes.size()), covariance,
+      degrees, false_alarm);
+}
+
+// Test and selection from the full fits.
+void Judge(const std::vector<OutputSetup>& setups,
+           const std::vector<OutputFit>& fits, const StructuredOptions& options,
+           StructuredCorrection& correction) {
+  const int p = static_cast<int>(setups.size());
+  const int m = setups[0].problem->num_elements();
+  int num_elements = 0;
+  std::vector<double> drops(p);
+  ParallelFor(p, options.threads, [&](int i) {
+    const OutputPoint& start = setups[i].start;
+    drops[i] = Deviance(*setups[i].problem, start, std::vector<bool>(m, false),
+                        fits[i].noise.ratio, options.estimate_drift) -
+               fits[i].deviance;
+  });
+  for (int i = 0; i < p; ++i) {
+    const int free = static_cast<int>(
+        std::count(fits[i].free.begin(), fits[i].free.end(), true));
+    num_elements += free;
+    correction.statistic += std::max(drops[i], 0.0);
+  }
+  correction.degrees_of_freedom = 3 * num_elements;
+  if (num_elements == 0) return;
+  correction.p_value =
+      ChiSquareTail(correction.statistic, correction.degrees_of_freedom);
+  correction.change_proposed =
+      correction.p_value < options.false_alarm_probability;
+
+  int smallest_i = 0;
+  int smallest_j = 0;
+  for (int i = 0; i < p; ++i) {
+    const ElementSelection selection = Select(
+        setups[i], fits[i], options.false_alarm_probability / num_elements);
+    int g = 0;
+    for (int j = 0; j < m; ++j) {
+      if (!fits[i].free[j]) continue;
+      correction.element_p_values(i, j) = selection.p_values[g];
+      correction.aged(i, j) =
+          correction.change_proposed && selection.changed[g];
+      ++g;
+    }
+  }
+  correction.element_p_values.minCoeff(&smallest_i, &smallest_j);
+  // Something has changed: then at least the likeliest element.
+  if (correction.change_proposed && !correction.aged.any()) {
+    correction.aged(smallest_i, smallest_j) = true;
+  }
+}
+
+}  // namespace
+
+absl::StatusOr<StructuredCorrection> CorrectStructure(
+    const ProcessModel& initial, const std::vector<Record>& records,
+    const StructuredOptions& options) {
+  MLE_ASSIGN_OR_RETURN(const std::vector<OutputSetup> setups,
+                       SetUpOutputs(initial, records, options));
+  const int p = initial.num_outputs();
+  const int m = initial.num_inputs();
+  StructuredCorrection correction;
+  correction.full = EmptyFit(initial);
+  correction.corrected = EmptyFit(initial);
+  correction.element_p_values = MatrixXd::Ones(p, m);
+  correction.aged.setConstant(p, m, false);
+
+  std::vector<OutputFit> fits(p);
+  ParallelFor(p, options.threads, [&](int i) {
+    fits[i] = FitOutput(*setups[i].problem, setups[i].start, setups[i].informed,
+                        setups[i].bounds, options);
+  });
+  for (int i = 0; i < p; ++i) {
+    Report(setups[i], fits[i], i, options.confidence, correction.full);
+  }
+  Judge(setups, fits, options, correction);
+  ParallelFor(p, options.threads, [&](int i) {
+    std::vector<bool> free(m);
+    for (int j = 0; j < m; ++j) free[j] = correction.aged(i, j);
+    if (free == fits[i].free) return;
+    // Those that have aged start from where they were found.
+    OutputPoint start = setups[i].start;
+    for (int j = 0; j < m; ++j) {
+      if (free[j]) start.values[j] = fits[i].point.values[j];
+    }
+    fits[i] =
+        FitOutput(*setups[i].problem, start, free, setups[i].bounds, options);
+  });
+  for (int i = 0; i < p; ++i) {
+    Report(setups[i], fits[i], i, options.confidence, correction.corrected);
+  }
+  return correction;
+}
+
+absl::StatusOr<StructuredFit> ComputeStructuredLimit(
+    const ProcessModel& truth, const std::vector<Record>& records,
+    const std::vector<NoiseEstimate>& noise, const StructuredOptions& options) {
+  MLE_ASSIGN_OR_RETURN(const std::vector<OutputSetup> setups,
+                       SetUpOutputs(truth, records, options));
+  const int p = truth.num_outputs();
+  if (static_cast<int>(noise.size()) != p) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("structured limit: noise is given for ", noise.size(),
+                     " outputs, the model has ", p));
+  }
+  StructuredFit limit = EmptyFit(truth);
+  for (int i = 0; i < p; ++i) {
+    OutputFit fit;
+    fit.point = setups[i].start;
+    fit.free = setups[i].informed;
+    fit.noise = noise[i];
+    const OutputCovariance covariance =
+        ComputeCovariance(*setups[i].problem, fit.point, fit.free, fit.noise);
+    fit.covariance = covariance.covariance;
+    fit.degrees_of_freedom = VectorXd::Constant(
+        fit.covariance.rows(), std::numeric_limits<double>::infinity());
+    fit.certificate.message = "limit at the given values";
+    fit.certificate.condition = covariance.condition;
+    fit.certificate.rank = covariance.rank;
+    Report(setups[i], fit, i, options.confidence, limit);
+  }
+  return limit;
+}
+
+}  // namespace mle

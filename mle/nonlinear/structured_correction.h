@@ -1,0 +1,180 @@
+// Correction of the physical parameters of a process model from raw closed-loop
+// records. Every element K e^{−Ls} g₀(Ts) of the model keeps its shape (first
+// order: 1/(Ts + 1)); its gain K, time scale T and dead time L are fitted by
+// maximum likelihood to
+//
+//   y_i = offset + Σ_j K_ij x_ij(u_j; T_ij, L_ij) + free response + noise,
+//
+// output by output, where the noise is white (variance r) upon a random walk
+// (increment variance q per sample, the drift of the plant), q/r estimated from
+// the records, with one offset for each window. Given the past outputs the
+// inputs carry no information of their own about the noise, so that this is the
+// likelihood of closed-loop records too, whatever the controller.
+//
+// Then two questions are answered with a stated probability of a false alarm:
+// has anything changed (likelihood ratio against the initial model), and which
+// elements have (an L1 penalty on each element's change in units of its own
+// uncertainty: structured_selection.h). Elements that have not keep their
+// initial values, and the others are fitted once more.
+//
+//   MLE_ASSIGN_OR_RETURN(
+//       const StructuredCorrection correction,
+//       CorrectStructure(model, windows, StructuredOptions()));
+//   if (correction.change_proposed) use(correction.corrected.model);
+//
+// docs/structured.md has the equations, the decisions and measured figures.
+
+#ifndef MLE_NONLINEAR_STRUCTURED_CORRECTION_H_
+#define MLE_NONLINEAR_STRUCTURED_CORRECTION_H_
+
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "Eigen/Core"
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "mle/data/record.h"
+#include "mle/model/process_model.h"
+#include "mle/model/step_response.h"
+
+namespace mle {
+
+struct StructuredOptions {
+  // T stays within this factor of its initial value, > 1.
+  double max_time_scale_factor = 10.0;
+  // L stays within [0, this], ≥ every initial dead time, in the time unit of
+  // the model. Infinite: twice the initial dead time plus the initial time
+  // scale, but no more than a quarter of the shortest record. The first samples
+  // of each window, as long as the largest bound in a row of the model, serve
+  // to forget the inputs before it and are not fitted.
+  double max_delay = std::numeric_limits<double>::infinity();
+  // Whether the noise has a random walk in it; if not, it is white.
+  bool estimate_drift = true;
+  // Probability of a false alarm, in (0, 1): that a change is proposed where
+  // there is none, and that an element is named that has not changed, of all.
+  double false_alarm_probability = 0.01;
+  // Of the intervals, in (0, 1).
+  double confidence = 0.95;
+  // Of each Ceres solve, ≥ 1.
+  int max_iterations = 100;
+  // Outputs are independent; 0: one thread for each processor.
+  int threads = 1;
+
+  absl::Status Validate() const;
+};
+
+// White noise upon a random walk.
+struct NoiseEstimate {
+  double variance = 0.0;  // r, of the white part
+  double ratio = 0.0;     // q/r
+  // Standard deviation of ln(q/r); 0 where the ratio is at 0 or given.
+  double log_ratio_deviation = 0.0;
+
+  double increment_variance() const { return ratio * variance; }  // q
+};
+
+enum class FitTermination { kNotRun, kConverged, kIterationLimit, kFailed };
+
+// What vouches for the fit of an output.
+struct FitCertificate {
+  FitTermination termination = FitTermination::kNotRun;
+  std::string message;  // of Ceres
+  // Largest derivative of the objective by a parameter, as the step to its
+  // minimum in standard deviations of the noise; parameters at a bound or in a
+  // kink from which the objective rises on both sides do not count.
+  double gradient = std::numeric_limits<double>::infinity();
+  // Of the Jacobian, its columns scaled to one.
+  double condition = std::numeric_limits<double>::infinity();
+  int rank = 0;
+  int num_parameters = 0;
+  int iterations = 0;     // of Ceres, all solves together
+  int grid_searches = 0;  // for the dead times; the last found nothing better
+  bool search_confirmed = false;
+  bool at_bound = false;  // a parameter lies at its bound
+};
+
+struct ParameterEstimate {
+  double initial = 0.0;
+  double value = 0.0;
+  // 0 and an interval of one point where the parameter is not fitted.
+  double standard_error = 0.0;
+  double lower = 0.0;
+  double upper = 0.0;
+};
+
+enum class ElementState {
+  kAbsent,       // zero in the model, and stays so
+  kNotInformed,  // its input does not move in the records: initial values
+  kHeld,         // held at its initial values
+  kFitted,
+};
+
+struct ElementEstimate {
+  ElementState state = ElementState::kAbsent;
+  ParameterEstimate gain;
+  ParameterEstimate time_scale;  // the time constant of a first-order element
+  ParameterEstimate delay;
+};
+
+// All elements of one model, fitted or held.
+struct StructuredFit {
+  ProcessModel model;
+  std::vector<ElementEstimate> elements;  // row by row: p × m
+  // Each output's 3m × 3m covariance of (K, T, L) of its elements in turn.
+  std::vector<Eigen::MatrixXd> covariances;
+  std::vector<NoiseEstimate> noise;          // p
+  std::vector<FitCertificate> certificates;  // p
+  std::vector<double> deviances;             // p: −2 ln likelihood + const
+
+  const ElementEstimate& element(int output, int input) const {
+    return elements[output * model.num_inputs() + input];
+  }
+  // Standard errors of the step responses at 0, Δt, … (delta method): a band
+  // about the model's responses is ± 1.96 of it.
+  StepResponse StepResponseErrors(double sample_time, int samples) const;
+  // E(M, M̂) to be expected if the covariances are right: Σ of their squares.
+  double ExpectedSquaredDistance(double sample_time, int samples) const;
+};
+
+struct StructuredCorrection {
+  // Every element free that the records inform about.
+  StructuredFit full;
+  // What is proposed: the elements that have aged free, all others at their
+  // initial values; the initial model where no change is proposed.
+  StructuredFit corrected;
+
+  // The test of no change.
+  bool change_proposed = false;
+  double p_value = 1.0;
+  double statistic = 0.0;      // likelihood ratio
+  int degrees_of_freedom = 0;  // of its χ² distribution
+  // p × m: of each element against its initial values, the others free (Wald's
+  // F test in `full`); 1 where it is not fitted.
+  Eigen::MatrixXd element_p_values;
+  // p × m: whether the element has aged.
+  Eigen::Matrix<bool, Eigen::Dynamic, Eigen::Dynamic> aged;
+
+  std::string BriefReport() const;  // One line.
+  std::string FullReport() const;   // A line for each element and output.
+};
+
+// InvalidArgument if an option, the model or a record is invalid, an element
+// cannot be fitted (feedthrough), the records do not match the model or each
+// other, the bounds exclude the start, or the samples are too few for the
+// parameters; the message names output and element.
+absl::StatusOr<StructuredCorrection> CorrectStructure(
+    const ProcessModel& initial, const std::vector<Record>& records,
+    const StructuredOptions& options);
+
+// The Cramér–Rao limit: what no unbiased estimate from these records can beat
+// if the plant is `truth` and its outputs have this noise (one for each). Its
+// standard errors and ExpectedSquaredDistance() are the limit's; the records'
+// outputs do not matter, except where they are missing.
+absl::StatusOr<StructuredFit> ComputeStructuredLimit(
+    const ProcessModel& truth, const std::vector<Record>& records,
+    const std::vector<NoiseEstimate>& noise, const StructuredOptions& options);
+
+}  // namespace mle
+
+#endif  // MLE_NONLINEAR_STRUCTURED_CORRECTION_H_

@@ -1,0 +1,160 @@
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "mle/nonlinear/element_response.h"
+#include "mle/nonlinear/structured_correction.h"
+
+namespace mle {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+std::string TerminationName(FitTermination termination) {
+  switch (termination) {
+    case FitTermination::kNotRun:
+      return "not run";
+    case FitTermination::kConverged:
+      return "converged";
+    case FitTermination::kIterationLimit:
+      return "stopped at the iteration limit";
+    case FitTermination::kFailed:
+      return "failed";
+  }
+  return "unknown";
+}
+
+std::string StateName(ElementState state, bool aged) {
+  switch (state) {
+    case ElementState::kAbsent:
+      return "absent";
+    case ElementState::kNotInformed:
+      return "not informed: its input does not move";
+    case ElementState::kHeld:
+    case ElementState::kFitted:
+      return aged ? "aged" : "unchanged";
+  }
+  return "unknown";
+}
+
+std::string Describe(const ParameterEstimate& estimate) {
+  return absl::StrFormat("%.6g -> %.6g ± %.2g [%.6g, %.6g]", estimate.initial,
+                         estimate.value, estimate.standard_error,
+                         estimate.lower, estimate.upper);
+}
+
+// (N+1) × 3: a step response's derivatives by K, T and L.
+MatrixXd StepDerivatives(const ElementResponse& element,
+                         const ElementValues& values, double sample_time,
+                         int samples) {
+  const int whole = static_cast<int>(values.delay / sample_time);
+  const SampledDelay delay = {
+      whole, std::clamp(values.delay / sample_time - whole, 0.0, 1.0)};
+  MatrixXd columns(samples, 3);
+  element.Simulate(values.time_scale, sample_time, delay,
+                   VectorXd::Ones(samples), 0.0, columns);
+  columns.col(1) *= values.gain / values.time_scale;
+  columns.col(2) *= values.gain;
+  return columns;
+}
+
+}  // namespace
+
+StepResponse StructuredFit::StepResponseErrors(double sample_time,
+                                               int samples) const {
+  const int m = model.num_inputs();
+  StepResponse errors(sample_time, model.num_outputs(), m, samples);
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    for (int j = 0; j < m; ++j) {
+      const ElementEstimate& estimate = element(i, j);
+      if (estimate.state != ElementState::kFitted) continue;
+      const auto response = ElementResponse::Create(model.element(i, j));
+      if (!response.ok()) continue;  // A gain of exactly 0 has no shape.
+      const MatrixXd columns =
+          StepDerivatives(*response,
+                          {estimate.gain.value, estimate.time_scale.value,
+                           estimate.delay.value},
+                          sample_time, samples);
+      const MatrixXd own = covariances[i].block(3 * j, 3 * j, 3, 3);
+      errors.element(i, j) = (columns * own)
+                                 .cwiseProduct(columns)
+                                 .rowwise()
+                                 .sum()
+                                 .cwiseMax(0.0)
+                                 .cwiseSqrt();
+    }
+  }
+  return errors;
+}
+
+double StructuredFit::ExpectedSquaredDistance(double sample_time,
+                                              int samples) const {
+  return StepResponseErrors(sample_time, samples).values.squaredNorm();
+}
+
+std::string StructuredCorrection::BriefReport() const {
+  if (!change_proposed) {
+    return absl::StrFormat(
+        "structured correction: no change proposed (p = %.3g)", p_value);
+  }
+  std::string names;
+  for (Eigen::Index i = 0; i < aged.rows(); ++i) {
+    for (Eigen::Index j = 0; j < aged.cols(); ++j) {
+      if (!aged(i, j)) continue;
+      absl::StrAppend(&names, names.empty() ? "" : ", ",
+                      corrected.model.outputs()[i].name, "/",
+                      corrected.model.inputs()[j].name);
+    }
+  }
+  return absl::StrFormat("structured correction: aged %s (p = %.3g)", names,
+                         p_value);
+}
+
+std::string StructuredCorrection::FullReport() const {
+  std::string report = absl::StrFormat(
+      "Structured correction\n"
+      "  change              %s\n"
+      "  likelihood ratio    %.6g, chi-square of %d: p = %.3g\n",
+      change_proposed ? "proposed" : "none proposed", statistic,
+      degrees_of_freedom, p_value);
+  const int m = full.model.num_inputs();
+  for (int i = 0; i < full.model.num_outputs(); ++i) {
+    const FitCertificate& certificate = full.certificates[i];
+    absl::StrAppendFormat(
+        &report,
+        "  output %s\n"
+        "    noise variance    %.4g, increments %.4g (ratio %.3g)\n"
+        "    fit               %s after %d iterations, %d searches, %s\n"
+        "    certificate       gradient %.2g, rank %d of %d, condition %.3g%s\n"
+        "    Ceres             %s\n",
+        full.model.outputs()[i].name, full.noise[i].variance,
+        full.noise[i].increment_variance(), full.noise[i].ratio,
+        TerminationName(certificate.termination), certificate.iterations,
+        certificate.grid_searches,
+        certificate.search_confirmed ? "confirmed" : "not confirmed",
+        certificate.gradient, certificate.rank, certificate.num_parameters,
+        certificate.condition,
+        certificate.at_bound ? ", a parameter at its bound" : "",
+        certificate.message);
+    for (int j = 0; j < m; ++j) {
+      const ElementEstimate& proposed = corrected.element(i, j);
+      absl::StrAppendFormat(&report, "    input %s: %s (p = %.3g)\n",
+                            full.model.inputs()[j].name,
+                            StateName(full.element(i, j).state, aged(i, j)),
+                            element_p_values(i, j));
+      const ElementEstimate& shown = aged(i, j) ? proposed : full.element(i, j);
+      if (shown.state != ElementState::kFitted) continue;
+      absl::StrAppend(&report,  //
+                      "      gain            ", Describe(shown.gain), "\n",
+                      "      time scale      ", Describe(shown.time_scale),
+                      "\n",  //
+                      "      dead time       ", Describe(shown.delay), "\n");
+    }
+  }
+  return report;
+}
+
+}  // namespace mle

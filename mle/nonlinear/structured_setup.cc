@@ -1,0 +1,185 @@
+#include "mle/nonlinear/structured_setup.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "mle/base/status.h"
+
+namespace mle {
+namespace {
+
+// A segment that is shorter tells less than its offset and amplitudes cost.
+constexpr int kMinRows = 20;
+// Of the shortest record, that the automatic bounds of dead times may take.
+constexpr double kMaxSkippedShare = 0.25;
+// T in samples: a faster element cannot be told from a jump.
+constexpr double kMinTimeScaleSamples = 0.05;
+
+std::string Name(const ProcessModel& model, int i, int j) {
+  return absl::StrCat("structured correction: element of output \"",
+                      model.outputs()[i].name, "\", input \"",
+                      model.inputs()[j].name, "\"");
+}
+
+absl::Status CheckRecords(const ProcessModel& model,
+                          const std::vector<Record>& records) {
+  if (records.empty()) {
+    return absl::InvalidArgumentError(
+        "structured correction: there is no record, at least 1 is needed");
+  }
+  for (std::size_t r = 0; r < records.size(); ++r) {
+    const Record& record = records[r];
+    const absl::Status status = record.Validate();
+    if (!status.ok()) {
+      return absl::InvalidArgumentError(absl::StrCat(
+          "structured correction: records[", r, "]: ", status.message()));
+    }
+    if (record.num_outputs() != model.num_outputs() ||
+        record.num_inputs() != model.num_inputs()) {
+      return absl::InvalidArgumentError(absl::StrCat(
+          "structured correction: records[", r, "] has ", record.num_outputs(),
+          " outputs and ", record.num_inputs(), " inputs, the model ",
+          model.num_outputs(), " and ", model.num_inputs(),
+          "; they must be the same"));
+    }
+    if (record.sample_time != records[0].sample_time) {
+      return absl::InvalidArgumentError(absl::StrCat(
+          "structured correction: records[", r, "] is sampled every ",
+          record.sample_time, ", records[0] every ", records[0].sample_time,
+          "; the sample times must be the same"));
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<double> MaxDelay(const ProcessModel& model, int i, int j,
+                                const ElementValues& initial,
+                                const std::vector<Record>& records,
+                                const StructuredOptions& options) {
+  if (std::isfinite(options.max_delay)) {
+    if (options.max_delay < initial.delay) {
+      return absl::InvalidArgumentError(
+          absl::StrCat(Name(model, i, j), ": its dead time ", initial.delay,
+                       " exceeds max_delay = ", options.max_delay,
+                       "; the bounds must hold the start"));
+    }
+    return options.max_delay;
+  }
+  double shortest = std::numeric_limits<double>::infinity();
+  for (const Record& record : records) {
+    shortest = std::min(shortest, record.samples() * record.sample_time);
+  }
+  const double share = kMaxSkippedShare * shortest;
+  if (share < initial.delay) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(Name(model, i, j), ": its dead time ", initial.delay,
+                     " is more than a quarter of the shortest record, ",
+                     shortest, "; use longer records"));
+  }
+  return std::min(2.0 * initial.delay + initial.time_scale, share);
+}
+
+absl::StatusOr<OutputSetup> SetUpOutput(const ProcessModel& model, int i,
+                                        const std::vector<Record>& records,
+                                        const StructuredOptions& options) {
+  const int m = model.num_inputs();
+  const double sample_time = records[0].sample_time;
+  OutputErrorProblem::Elements elements(m);
+  OutputSetup setup;
+  setup.start.values.resize(m);
+  setup.bounds.min_time_scales.resize(m);
+  setup.bounds.max_time_scales.resize(m);
+  setup.bounds.max_delays.resize(m);
+  int num_parameters = 0;
+  double longest = 0.0;
+  for (int j = 0; j < m; ++j) {
+    if (model.element(i, j).IsZero()) continue;
+    absl::StatusOr<ElementResponse> element =
+        ElementResponse::Create(model.element(i, j));
+    if (!element.ok()) {
+      return absl::InvalidArgumentError(
+          absl::StrCat(Name(model, i, j), ": ", element.status().message()));
+    }
+    const ElementValues& initial = element->initial_values();
+    setup.start.values[j] = initial;
+    MLE_ASSIGN_OR_RETURN(setup.bounds.max_delays[j],
+                         MaxDelay(model, i, j, initial, records, options));
+    setup.bounds.min_time_scales[j] =
+        std::min(initial.time_scale,
+                 std::max(initial.time_scale / options.max_time_scale_factor,
+                          kMinTimeScaleSamples * sample_time));
+    setup.bounds.max_time_scales[j] =
+        initial.time_scale * options.max_time_scale_factor;
+    longest = std::max(longest, setup.bounds.max_delays[j]);
+    num_parameters += 3;
+    elements[j] = *std::move(element);
+  }
+  setup.start.SetCells(sample_time);
+  const int skip = static_cast<int>(std::ceil(longest / sample_time)) + 1;
+  setup.problem = std::make_unique<OutputErrorProblem>(
+      std::move(elements), records, i, skip, kMinRows);
+  const int innovations = setup.problem->num_innovations();
+  if (num_parameters > 0 && innovations < 2 * num_parameters + kMinRows) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "structured correction: output \"", model.outputs()[i].name, "\" has ",
+        innovations, " usable samples after the first ", skip,
+        " of each record (the longest dead time allowed), too few for ",
+        num_parameters, " parameters; at least ", 2 * num_parameters + kMinRows,
+        " are needed"));
+  }
+  setup.informed.resize(m);
+  for (int j = 0; j < m; ++j) {
+    setup.informed[j] =
+        setup.problem->elements()[j].has_value() && setup.problem->IsExcited(j);
+  }
+  return setup;
+}
+
+}  // namespace
+
+absl::Status StructuredOptions::Validate() const {
+  const auto fault = [](const char* field, auto value, const char* constraint) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("structured correction: ", field, " is ", value,
+                     ", must be ", constraint));
+  };
+  if (!(max_time_scale_factor > 1.0) || !std::isfinite(max_time_scale_factor)) {
+    return fault("max_time_scale_factor", max_time_scale_factor,
+                 "finite and above 1");
+  }
+  if (!(max_delay >= 0.0)) {
+    return fault("max_delay", max_delay, "not negative");
+  }
+  if (!(false_alarm_probability > 0.0 && false_alarm_probability < 1.0)) {
+    return fault("false_alarm_probability", false_alarm_probability,
+                 "between 0 and 1");
+  }
+  if (!(confidence > 0.0 && confidence < 1.0)) {
+    return fault("confidence", confidence, "between 0 and 1");
+  }
+  if (max_iterations < 1) {
+    return fault("max_iterations", max_iterations, "at least 1");
+  }
+  if (threads < 0) return fault("threads", threads, "not negative");
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::vector<OutputSetup>> SetUpOutputs(
+    const ProcessModel& model, const std::vector<Record>& records,
+    const StructuredOptions& options) {
+  MLE_RETURN_IF_ERROR(options.Validate());
+  MLE_RETURN_IF_ERROR(model.Validate());
+  MLE_RETURN_IF_ERROR(CheckRecords(model, records));
+  std::vector<OutputSetup> setups;
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    MLE_ASSIGN_OR_RETURN(OutputSetup setup,
+                         SetUpOutput(model, i, records, options));
+    setups.push_back(std::move(setup));
+  }
+  return setups;
+}
+
+}  // namespace mle

@@ -1,0 +1,31 @@
+// What a structured correction is asked, checked and made ready for each
+// output. Internal to mle/nonlinear.
+
+#ifndef MLE_NONLINEAR_STRUCTURED_SETUP_H_
+#define MLE_NONLINEAR_STRUCTURED_SETUP_H_
+
+#include <memory>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "mle/nonlinear/output_error_problem.h"
+#include "mle/nonlinear/output_fit.h"
+#include "mle/nonlinear/structured_correction.h"
+
+namespace mle {
+
+struct OutputSetup {
+  std::unique_ptr<OutputErrorProblem> problem;
+  OutputPoint start;  // the model's values
+  OutputFitBounds bounds;
+  std::vector<bool> informed;  // m: the element is there and its input moves
+};
+
+// One for each output; errors as of CorrectStructure().
+absl::StatusOr<std::vector<OutputSetup>> SetUpOutputs(
+    const ProcessModel& model, const std::vector<Record>& records,
+    const StructuredOptions& options);
+
+}  // namespace mle
+
+#endif  // MLE_NONLINEAR_STRUCTURED_SETUP_H_
