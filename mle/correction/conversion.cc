@@ -49,9 +49,11 @@ absl::StatusOr<ConversionSummary> ConvertToArx(
         std::max(summary.max_relative_gap, solution.MaxRelativeGap());
     const Eigen::VectorXd beta = solution.path.Coefficients(options.penalty);
     model.R.row(i) = problem.Unscale(beta).transpose();
-    summary.residual_variance(i) =
+    // A difference, whose rounding may be negative where the fit is exact.
+    summary.residual_variance(i) = std::max(
         objective.response_square -
-        beta.dot(2.0 * objective.correlation - problem.gram * beta);
+            beta.dot(2.0 * objective.correlation - problem.gram * beta),
+        0.0);
   }
   return summary;
 }
