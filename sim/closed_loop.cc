@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "mle/base/status.h"
 #include "sim/noise.h"
 #include "sim/plant.h"
+#include "sim/runaway.h"
 #include "sim/sampling.h"
 
 namespace mle::sim {
@@ -17,60 +17,85 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kRunawayFactor = 1e6;
-
 int SamplesPerControlPeriod(const ClosedLoopOptions& options) {
   return static_cast<int>(
       std::round(options.control_period / options.sample_time));
 }
 
-struct RunawayLimits {
-  VectorXd outputs;  // p
-  VectorXd inputs;   // m, infinite for an input without static effect
-};
-
-RunawayLimits ComputeRunawayLimits(const ProcessModel& plant,
-                                   const MatrixXd& set_points,
-                                   double noise_deviation) {
-  const int p = plant.num_outputs();
-  const int m = plant.num_inputs();
-  VectorXd size =
-      set_points.cwiseAbs().rowwise().maxCoeff().cwiseMax(noise_deviation);
-  if (size.maxCoeff() == 0.0) size.setOnes();
-
-  RunawayLimits limits{size, VectorXd(m)};
-  for (int j = 0; j < m; ++j) {
-    double input_size = 0.0;
-    bool has_effect = false;
-    for (int i = 0; i < p; ++i) {
-      const double gain = std::abs(plant.element(i, j).StaticGain());
-      if (gain == 0.0) continue;
-      has_effect = true;
-      input_size = std::max(input_size, size[i] / gain);
-    }
-    limits.inputs[j] = has_effect ? kRunawayFactor * input_size
-                                  : std::numeric_limits<double>::infinity();
-    for (int i = 0; i < p; ++i) {
-      const double gain = std::abs(plant.element(i, j).StaticGain());
-      limits.outputs[i] = std::max(limits.outputs[i], gain * input_size);
-    }
+absl::Status CheckSizes(const PlantModel& plant, const ProcessModel& channels) {
+  if (plant.num_inputs() == channels.num_inputs() &&
+      plant.num_outputs() == channels.num_outputs()) {
+    return absl::OkStatus();
   }
-  limits.outputs *= kRunawayFactor;
-  return limits;
+  return absl::InvalidArgumentError(absl::StrCat(
+      "the plant has ", plant.num_inputs(), " inputs and ", plant.num_outputs(),
+      " outputs, its process model ", channels.num_inputs(), " and ",
+      channels.num_outputs(), "; they must be the same"));
 }
 
-template <typename Channel>
-absl::Status CheckWithin(const std::vector<Channel>& channels,
-                         const VectorXd& values, const VectorXd& limits,
-                         const char* kind, double time) {
-  for (Eigen::Index i = 0; i < values.size(); ++i) {
-    if (std::isfinite(values[i]) && std::abs(values[i]) <= limits[i]) continue;
-    return absl::FailedPreconditionError(absl::StrCat(
-        "the closed loop runs away: ", kind, " '", channels[i].name, "' is ",
-        values[i], " at time ", time, ", beyond ±", limits[i],
-        "; the controller does not stabilise this plant"));
+// All that is drawn or known before the run.
+struct Surroundings {
+  MatrixXd set_points;           // p × N
+  MatrixXd output_disturbances;  // p × N, with the measurement noise
+  MatrixXd input_disturbances;   // m × N
+  VectorXd output_sizes;         // p, of what is to be expected
+};
+
+Surroundings MakeSurroundings(const ProcessModel& channels,
+                              const SetPointProfile& set_points,
+                              const ClosedLoopOptions& options,
+                              const PlantConditions& conditions) {
+  const int p = channels.num_outputs();
+  const int samples = SampleCount(options.sample_time, options.duration);
+  const double noise_deviation = std::sqrt(options.noise_variance);
+  Surroundings all;
+  all.set_points = set_points.Sample(p, options.sample_time, samples);
+  all.output_disturbances = DrawOutputDisturbance(
+      conditions.output_disturbance, p, options.sample_time, samples,
+      options.seed, options.stream);
+  all.input_disturbances = DrawInputDisturbances(
+      conditions.input_disturbance, channels, options.sample_time, samples,
+      options.seed, options.stream);
+
+  const auto largest = [](const MatrixXd& signals) -> VectorXd {
+    return signals.cwiseAbs().rowwise().maxCoeff();
+  };
+  all.output_sizes = largest(all.set_points)
+                         .cwiseMax(largest(all.output_disturbances))
+                         .cwiseMax(noise_deviation);
+  const VectorXd inputs = largest(all.input_disturbances);
+  for (int i = 0; i < p; ++i) {
+    for (int j = 0; j < channels.num_inputs(); ++j) {
+      all.output_sizes[i] =
+          std::max(all.output_sizes[i],
+                   std::abs(channels.element(i, j).StaticGain()) * inputs[j]);
+    }
   }
-  return absl::OkStatus();
+  all.output_disturbances += GaussianNoise(options.seed, options.stream)
+                                 .DrawMatrix(p, samples, noise_deviation);
+  return all;
+}
+
+std::vector<int> DisturbanceInputs(const ProcessModel& channels) {
+  std::vector<int> inputs;
+  for (int j = 0; j < channels.num_inputs(); ++j) {
+    if (channels.inputs()[j].role == InputRole::kDisturbance) {
+      inputs.push_back(j);
+    }
+  }
+  return inputs;
+}
+
+// Spoils the outputs of sample k for the record, and takes over what the
+// controller is to see of them.
+void Measure(int k, bool only_in_record, MeasurementFaults& faults,
+             Eigen::Ref<VectorXd> outputs, VectorXd& seen) {
+  if (only_in_record) seen = outputs;
+  faults.SpoilOutputs(k, outputs);
+  if (only_in_record) return;
+  for (Eigen::Index i = 0; i < outputs.size(); ++i) {
+    if (!std::isnan(outputs[i])) seen[i] = outputs[i];
+  }
 }
 
 }  // namespace
@@ -87,46 +112,73 @@ absl::Status ClosedLoopOptions::Validate() const {
   return ValidateNoiseVariance(noise_variance);
 }
 
-absl::StatusOr<Record> SimulateClosedLoop(const ProcessModel& plant_model,
+absl::StatusOr<Record> SimulateClosedLoop(PlantModel& plant,
+                                          const ProcessModel& channels,
                                           const Controller& controller,
                                           const SetPointProfile& set_points,
-                                          const ClosedLoopOptions& options) {
+                                          const ClosedLoopOptions& options,
+                                          const PlantConditions& conditions) {
   MLE_RETURN_IF_ERROR(options.Validate());
-  MLE_ASSIGN_OR_RETURN(
-      Plant plant,
-      Plant::Create(plant_model, {.sample_time = options.sample_time}));
+  MLE_RETURN_IF_ERROR(channels.Validate());
+  MLE_RETURN_IF_ERROR(CheckSizes(plant, channels));
+  MLE_RETURN_IF_ERROR(conditions.Validate(channels));
   const int p = plant.num_outputs();
   const int m = plant.num_inputs();
   MLE_RETURN_IF_ERROR(set_points.Validate(p));
 
-  const int samples = SampleCount(options.sample_time, options.duration);
+  Surroundings all =
+      MakeSurroundings(channels, set_points, options, conditions);
+  const int samples = static_cast<int>(all.set_points.cols());
   const int samples_per_period = SamplesPerControlPeriod(options);
-  const double noise_deviation = std::sqrt(options.noise_variance);
-  GaussianNoise noise(options.seed, options.stream);
+  const RunawayGuard guard(channels, all.output_sizes);
+  const std::vector<int> disturbances = DisturbanceInputs(channels);
+  MeasurementFaults faults(conditions.faults, p, m, options.sample_time,
+                           samples, options.seed, options.stream);
   Record record;
   record.sample_time = options.sample_time;
-  record.set_points = set_points.Sample(p, options.sample_time, samples);
-  record.outputs = noise.DrawMatrix(p, samples, noise_deviation);
+  record.set_points = std::move(all.set_points);
+  record.outputs = std::move(all.output_disturbances);
   record.inputs.resize(m, samples);
-  const RunawayLimits limits =
-      ComputeRunawayLimits(plant_model, record.set_points, noise_deviation);
 
+  VectorXd measured = VectorXd::Zero(p);
   VectorXd input = VectorXd::Zero(m);
   VectorXd next_input = VectorXd::Zero(m);
   for (int k = 0; k < samples; ++k) {
-    MLE_RETURN_IF_ERROR(CheckWithin(plant_model.outputs(), plant.outputs(),
-                                    limits.outputs, "output", record.time(k)));
+    MLE_RETURN_IF_ERROR(guard.CheckOutputs(plant.outputs(), record.time(k)));
     record.outputs.col(k) += plant.outputs();
-    if (k % samples_per_period == 0) {
-      input = next_input;
-      MLE_RETURN_IF_ERROR(CheckWithin(plant_model.inputs(), input,
-                                      limits.inputs, "input", record.time(k)));
-      controller(record.outputs.col(k), record.set_points.col(k), next_input);
+    Measure(k, conditions.faults.only_in_record, faults, record.outputs.col(k),
+            measured);
+    const bool is_control_instant = k % samples_per_period == 0;
+    if (is_control_instant) {
+      for (int j = 0; j < m; ++j) {
+        input[j] = conditions.valves.Limit(j, next_input[j]);
+      }
+    }
+    for (const int j : disturbances) {
+      input[j] = next_input[j] = all.input_disturbances(j, k);
+    }
+    if (is_control_instant) {
+      MLE_RETURN_IF_ERROR(guard.CheckInputs(input, record.time(k)));
+      controller(measured, record.set_points.col(k), next_input);
     }
     record.inputs.col(k) = input;
+    faults.SpoilInputs(k, record.inputs.col(k));
     plant.Advance(input);
   }
   return record;
+}
+
+absl::StatusOr<Record> SimulateClosedLoop(const ProcessModel& plant_model,
+                                          const Controller& controller,
+                                          const SetPointProfile& set_points,
+                                          const ClosedLoopOptions& options,
+                                          const PlantConditions& conditions) {
+  MLE_RETURN_IF_ERROR(options.Validate());
+  MLE_ASSIGN_OR_RETURN(
+      Plant plant,
+      Plant::Create(plant_model, {.sample_time = options.sample_time}));
+  return SimulateClosedLoop(plant, plant_model, controller, set_points, options,
+                            conditions);
 }
 
 }  // namespace mle::sim

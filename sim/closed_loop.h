@@ -1,4 +1,5 @@
-// A plant under a sampled controller, with measurement noise.
+// A plant under a sampled controller, with measurement noise and whatever else
+// a plant has to bear (plant_conditions.h).
 //
 // The controller is a callable and nothing else is known of it. At every
 // control instant (each Δt_c, the first at t = 0) it is given the measured
@@ -25,11 +26,19 @@
 #include "absl/status/statusor.h"
 #include "mle/data/record.h"
 #include "mle/model/process_model.h"
+#include "sim/plant_conditions.h"
+#include "sim/plant_model.h"
 #include "sim/set_point_profile.h"
 
 namespace mle::sim {
 
 // (measured outputs (p), set points (p), next inputs (m), to be filled in).
+//
+// Measured outputs are never NaN: a lost sample is the last good one, 0 before
+// the first. On entry the next inputs hold, for inputs with the role of
+// disturbances, their values at this instant, measured without error; what the
+// controller leaves there is not used. The others are on entry what it asked
+// for last.
 using Controller = std::function<void(
     const Eigen::Ref<const Eigen::VectorXd>& measured_outputs,
     const Eigen::Ref<const Eigen::VectorXd>& set_points,
@@ -46,23 +55,30 @@ struct ClosedLoopOptions {
   absl::Status Validate() const;
 };
 
-// From rest. The record holds the measured outputs, the inputs and the set
-// points at every Δt.
+// The record of any plant from its present state on, at every Δt: the outputs
+// as measured (NaN where a sample was lost), the inputs as the valves let them
+// through, and the set points. The plant's sample time must be that of the
+// options.
+//
+// `channels` is a process model of the plant's inputs and outputs: it gives
+// their names and roles, and with its static gains the size of what is to be
+// expected.
 //
 // FailedPrecondition, with the channel and the time, if the loop runs away: a
-// value is not finite or beyond 1e6 times the size that it may have in this
-// experiment. That size is a_i, the larger of an output's greatest set point
-// and the noise's standard deviation (1 where all are zero), carried over to
-// the other channels by the static gains K:
-//
-//   input j:  v_j = max_i a_i / |K_ij| over K_ij ≠ 0;
-//   output i: max(a_i, max_j |K_ij| v_j),
-//
-// so that no choice of units raises a false alarm.
-absl::StatusOr<Record> SimulateClosedLoop(const ProcessModel& plant,
-                                          const Controller& controller,
-                                          const SetPointProfile& set_points,
-                                          const ClosedLoopOptions& options);
+// value is not finite or beyond 1e6 times that size (runaway.h), where an
+// output's own size is the largest of its set point, its disturbances and the
+// noise's standard deviation. InvalidArgument where options do not hold, or
+// plant and channels differ in size.
+absl::StatusOr<Record> SimulateClosedLoop(
+    PlantModel& plant, const ProcessModel& channels,
+    const Controller& controller, const SetPointProfile& set_points,
+    const ClosedLoopOptions& options, const PlantConditions& conditions = {});
+
+// The same for a transfer matrix from rest, which needs no other `channels`.
+absl::StatusOr<Record> SimulateClosedLoop(
+    const ProcessModel& plant, const Controller& controller,
+    const SetPointProfile& set_points, const ClosedLoopOptions& options,
+    const PlantConditions& conditions = {});
 
 }  // namespace mle::sim
 

@@ -10,13 +10,6 @@
 #include "sim/sampling.h"
 
 namespace mle::sim {
-namespace {
-
-constexpr std::uint32_t kInputSubstream = 1;
-constexpr std::uint32_t kNoiseSubstream = 2;
-
-}  // namespace
-
 absl::Status ExcitationOptions::Validate() const {
   MLE_RETURN_IF_ERROR(ValidateSampling(sample_time, duration));
   if (!(input_variance > 0.0) || !std::isfinite(input_variance)) {
@@ -35,8 +28,8 @@ absl::StatusOr<Record> SimulateExcitation(const ProcessModel& process,
       Plant::Create(process, {.sample_time = options.sample_time}));
   const int samples = SampleCount(options.sample_time, options.duration);
 
-  GaussianNoise input_source(options.seed, options.stream, kInputSubstream);
-  GaussianNoise noise_source(options.seed, options.stream, kNoiseSubstream);
+  GaussianNoise input_source(options.seed, options.stream, kExcitationInputs);
+  GaussianNoise noise_source(options.seed, options.stream, kExcitationNoise);
   Record record;
   record.sample_time = options.sample_time;
   record.inputs = input_source.DrawMatrix(plant.num_inputs(), samples,

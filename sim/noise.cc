@@ -3,7 +3,6 @@
 #include <array>
 
 namespace mle::sim {
-namespace {
 
 std::mt19937_64 SeededEngine(std::uint64_t seed, std::uint64_t stream,
                              std::uint32_t substream) {
@@ -19,7 +18,9 @@ std::mt19937_64 SeededEngine(std::uint64_t seed, std::uint64_t stream,
   return std::mt19937_64(sequence);
 }
 
-}  // namespace
+double DrawUniform(std::mt19937_64& engine) {
+  return static_cast<double>(engine() >> 11U) * 0x1p-53;
+}
 
 GaussianNoise::GaussianNoise(std::uint64_t seed, std::uint64_t stream,
                              std::uint32_t substream)

@@ -14,13 +14,33 @@
 
 namespace mle::sim {
 
+// What one run draws for different purposes, each from a generator of its own:
+// switching one on leaves the draws of all others as they were.
+enum Substream : std::uint32_t {
+  kMeasurementNoise = 0,  // of a closed loop
+  kExcitationInputs = 1,
+  kExcitationNoise = 2,
+  kColouredDisturbance = 10,
+  kDriftDisturbance = 11,
+  kStepTimes = 12,
+  kStepSizes = 13,
+  kInputDisturbance = 20,
+  kOutliers = 30,
+  kFrozenChannels = 31,
+  kLostOutputs = 32,
+  kLostInputs = 33,
+};
+
+std::mt19937_64 SeededEngine(std::uint64_t seed, std::uint64_t stream,
+                             std::uint32_t substream);
+
+// Uniform in [0, 1).
+double DrawUniform(std::mt19937_64& engine);
+
 class GaussianNoise {
  public:
-  // `substream` tells apart what one run draws for different purposes: 0 is
-  // the measurement noise of a closed loop, 1 and 2 are the inputs and the
-  // measurement noise of an excitation.
   GaussianNoise(std::uint64_t seed, std::uint64_t stream,
-                std::uint32_t substream = 0);
+                std::uint32_t substream = kMeasurementNoise);
 
   // One draw of mean 0 and the given standard deviation ≥ 0.
   double Draw(double standard_deviation);

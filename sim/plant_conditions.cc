@@ -1,0 +1,51 @@
+#include "sim/plant_conditions.h"
+
+#include "absl/strings/str_cat.h"
+#include "mle/base/status.h"
+
+namespace mle::sim {
+namespace {
+
+absl::Status CheckLimits(const char* field, const Eigen::VectorXd& limits,
+                         int num_inputs) {
+  if (limits.size() != 0 && limits.size() != num_inputs) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("valves: ", field, " has ", limits.size(),
+                     " values, but it needs ", num_inputs, " or none"));
+  }
+  if (limits.hasNaN()) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("valves: ", field, " is nan for an input"));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::Status ValveLimits::Validate(int num_inputs) const {
+  MLE_RETURN_IF_ERROR(CheckLimits("min", min, num_inputs));
+  MLE_RETURN_IF_ERROR(CheckLimits("max", max, num_inputs));
+  if (min.size() == 0 || max.size() == 0) return absl::OkStatus();
+  for (int j = 0; j < num_inputs; ++j) {
+    if (min[j] <= max[j]) continue;
+    return absl::InvalidArgumentError(absl::StrCat(
+        "valves: input ", j, " has min = ", min[j], " above max = ", max[j]));
+  }
+  return absl::OkStatus();
+}
+
+double ValveLimits::Limit(int input, double value) const {
+  // A value that is no number passes, to be noticed.
+  if (min.size() != 0 && value < min[input]) return min[input];
+  if (max.size() != 0 && value > max[input]) return max[input];
+  return value;
+}
+
+absl::Status PlantConditions::Validate(const ProcessModel& channels) const {
+  MLE_RETURN_IF_ERROR(output_disturbance.Validate(channels.num_outputs()));
+  MLE_RETURN_IF_ERROR(input_disturbance.Validate(channels));
+  MLE_RETURN_IF_ERROR(valves.Validate(channels.num_inputs()));
+  return faults.Validate(channels.num_outputs());
+}
+
+}  // namespace mle::sim

@@ -1,0 +1,38 @@
+// Under which conditions a plant runs: what disturbs it, what its valves can do
+// and what becomes of its measurements. By default none of it.
+
+#ifndef SIM_PLANT_CONDITIONS_H_
+#define SIM_PLANT_CONDITIONS_H_
+
+#include "Eigen/Core"
+#include "absl/status/status.h"
+#include "mle/model/process_model.h"
+#include "sim/input_disturbance.h"
+#include "sim/measurement_faults.h"
+#include "sim/output_disturbance.h"
+
+namespace mle::sim {
+
+// What the valves can do, whatever the controller asks for. A value for each
+// input (m), infinite where there is no limit, or none. Disturbances are not
+// limited.
+struct ValveLimits {
+  Eigen::VectorXd min;  // ≤ max
+  Eigen::VectorXd max;
+
+  absl::Status Validate(int num_inputs) const;
+  double Limit(int input, double value) const;
+};
+
+struct PlantConditions {
+  OutputDisturbanceOptions output_disturbance;
+  InputDisturbanceOptions input_disturbance;
+  ValveLimits valves;
+  MeasurementFaultOptions faults;
+
+  absl::Status Validate(const ProcessModel& channels) const;
+};
+
+}  // namespace mle::sim
+
+#endif  // SIM_PLANT_CONDITIONS_H_
