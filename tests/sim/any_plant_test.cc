@@ -82,11 +82,11 @@ TEST(AnyPlantTest, TheReactorFollowsItsTemperature) {
                          {.steps = {{1, 0.5, -3.0}}},
                          {.sample_time = 0.01,
                           .control_period = 0.02,
-                          .duration = 5.0,
+                          .duration = 10.0,
                           .noise_variance = 0.0});
   ASSERT_TRUE(record.ok()) << record.status();
   EXPECT_EQ(record->outputs(1, 50), 0.0);
-  EXPECT_NEAR(record->outputs(1, 500), -3.0, 1e-6);
+  EXPECT_NEAR(record->outputs(1, 1000), -3.0, 1e-6);
 }
 
 TEST(AnyPlantTest, APlantThatBlowsUpIsReported) {
