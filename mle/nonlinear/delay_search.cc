@@ -63,7 +63,7 @@ bool ImprovePair(const Combinations& combinations,
 }  // namespace
 
 DelaySearchResult SearchDelays(const OutputErrorProblem& problem,
-                               const OutputPoint& start, double ratio,
+                               const OutputPoint& start, NoiseShape shape,
                                const std::vector<bool>& free,
                                const std::vector<double>& max_delays,
                                int max_points) {
@@ -92,7 +92,7 @@ DelaySearchResult SearchDelays(const OutputErrorProblem& problem,
     begins.push_back(static_cast<int>(all_delays.size()));
   }
 
-  const MatrixXd dictionary = problem.Dictionary(start, ratio, delays);
+  const MatrixXd dictionary = problem.Dictionary(start, shape, delays);
   const Eigen::Index width = dictionary.cols() - 1;
   Combinations combinations;
   combinations.norms =

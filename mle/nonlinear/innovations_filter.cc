@@ -7,12 +7,17 @@
 namespace mle {
 
 InnovationsFilter::InnovationsFilter(const std::vector<int>& times,
-                                     double ratio)
+                                     NoiseShape shape)
     : gains_(times.size()), inverse_roots_(times.size()) {
-  CHECK_GE(ratio, 0.0);
+  CHECK_GE(shape.ratio, 0.0);
+  if (!shape.offset) {
+    CHECK_EQ(shape.ratio, 0.0);
+    inverse_roots_.assign(times.size(), 1.0);
+    return;
+  }
   double filtered = 1.0;  // Variance of ŵ once the first sample has set it.
   for (std::size_t k = 1; k < times.size(); ++k) {
-    const double predicted = filtered + ratio * (times[k] - times[k - 1]);
+    const double predicted = filtered + shape.ratio * (times[k] - times[k - 1]);
     const double variance = predicted + 1.0;
     filtered = predicted / variance;
     gains_[k] = filtered;
@@ -25,9 +30,9 @@ void InnovationsFilter::Apply(Eigen::Ref<Eigen::MatrixXd> columns) const {
   CHECK_EQ(columns.rows(), static_cast<Eigen::Index>(gains_.size()));
   if (gains_.empty()) return;
   for (Eigen::Index c = 0; c < columns.cols(); ++c) {
-    double level = columns(0, c);
-    columns(0, c) = 0.0;
-    for (std::size_t k = 1; k < gains_.size(); ++k) {
+    // With an offset the first sample sets the level.
+    double level = inverse_roots_[0] == 0.0 ? columns(0, c) : 0.0;
+    for (std::size_t k = 0; k < gains_.size(); ++k) {
       const double innovation = columns(k, c) - level;
       level += gains_[k] * innovation;
       columns(k, c) = innovation * inverse_roots_[k];

@@ -14,7 +14,7 @@
 // (Durbin and Koopman, Time Series Analysis by State Space Methods, 2nd ed.
 // 2012, ch. 2 and 5.)
 //
-//   const InnovationsFilter filter(times, 1e-3);
+//   const InnovationsFilter filter(times, {.ratio = 1e-3});
 //   filter.Apply(columns);
 
 #ifndef MLE_NONLINEAR_INNOVATIONS_FILTER_H_
@@ -26,17 +26,23 @@
 
 namespace mle {
 
+struct NoiseShape {
+  double ratio = 0.0;  // ρ ≥ 0, finite
+  // Without an offset w is zero and ρ is 0: white noise passes as it is.
+  bool offset = true;
+};
+
 class InnovationsFilter {
  public:
   // `times` are the numbers of the samples that are there, increasing; between
-  // them the random walk goes on. `ratio` is ρ ≥ 0, finite.
-  InnovationsFilter(const std::vector<int>& times, double ratio);
+  // them the random walk goes on.
+  InnovationsFilter(const std::vector<int>& times, NoiseShape shape);
 
-  // Σ ln F_k over the innovations, one fewer than the samples.
+  // Σ ln F_k over the innovations: one fewer than the samples with an offset.
   double log_determinant() const { return log_determinant_; }
 
   // Each column becomes its ν_k/√F_k; the first row, taken up by the offset,
-  // becomes 0. As many rows as samples.
+  // becomes 0 where there is one. As many rows as samples.
   void Apply(Eigen::Ref<Eigen::MatrixXd> columns) const;
 
  private:

@@ -6,7 +6,6 @@
 
 #include "Eigen/QR"
 #include "glog/logging.h"
-#include "mle/nonlinear/innovations_filter.h"
 
 namespace mle {
 namespace {
@@ -78,7 +77,7 @@ OutputErrorProblem::OutputErrorProblem(Elements elements,
           segment.outputs(row) =
               record.outputs(output, begin + segment.times[row]);
         }
-        num_innovations_ += rows - 1;
+        num_samples_ += rows;
         total_squares_ +=
             (segment.outputs.array() - segment.outputs.mean()).square().sum();
         segments_.push_back(std::move(segment));
@@ -134,7 +133,7 @@ void OutputErrorProblem::Respond(const Segment& segment,
 }
 
 std::vector<SegmentColumns> OutputErrorProblem::Linearise(
-    const OutputPoint& point, double ratio, bool with_jacobian) const {
+    const OutputPoint& point, NoiseShape shape, bool with_jacobian) const {
   std::vector<SegmentColumns> all(segments_.size());
   for (std::size_t s = 0; s < segments_.size(); ++s) {
     const Segment& segment = segments_[s];
@@ -161,7 +160,7 @@ std::vector<SegmentColumns> OutputErrorProblem::Linearise(
     if (!with_jacobian) continue;
 
     // The modes' part of the derivative by ln T takes their amplitudes.
-    const InnovationsFilter filter(segment.times, ratio);
+    const InnovationsFilter filter(segment.times, shape);
     MatrixXd whitened(rows, 1 + num_modes_);
     whitened << columns.residuals, columns.amplitudes;
     filter.Apply(whitened);
@@ -182,8 +181,8 @@ std::vector<SegmentColumns> OutputErrorProblem::Linearise(
 }
 
 WhitenedColumns OutputErrorProblem::Whiten(
-    const std::vector<SegmentColumns>& columns, double ratio) const {
-  const Eigen::Index total = num_innovations_ + num_segments();
+    const std::vector<SegmentColumns>& columns, NoiseShape shape) const {
+  const Eigen::Index total = num_samples_;
   const Eigen::Index width =
       columns.empty() ? 0 : columns.front().jacobian.cols();
   WhitenedColumns result;
@@ -195,7 +194,7 @@ WhitenedColumns OutputErrorProblem::Whiten(
     MatrixXd whitened(rows, 1 + width + num_modes_);
     whitened << columns[s].residuals, columns[s].jacobian,
         columns[s].amplitudes;
-    const InnovationsFilter filter(segments_[s].times, ratio);
+    const InnovationsFilter filter(segments_[s].times, shape);
     filter.Apply(whitened);
     const AmplitudeQr qr = Factorise(whitened.rightCols(num_modes_));
     ProjectOut(qr, whitened.leftCols(1 + width));
@@ -217,11 +216,11 @@ WhitenedColumns OutputErrorProblem::Whiten(
 }
 
 MatrixXd OutputErrorProblem::Dictionary(
-    const OutputPoint& point, double ratio,
+    const OutputPoint& point, NoiseShape shape,
     const std::vector<std::vector<int>>& delays) const {
   Eigen::Index width = 1;
   for (const std::vector<int>& of_element : delays) width += of_element.size();
-  MatrixXd dictionary(num_innovations_ + num_segments(), width);
+  MatrixXd dictionary(num_samples_, width);
   Eigen::Index begin = 0;
   for (const Segment& segment : segments_) {
     const Eigen::Index rows = segment.outputs.size();
@@ -250,7 +249,7 @@ MatrixXd OutputErrorProblem::Dictionary(
         ++column;
       }
     }
-    const InnovationsFilter filter(segment.times, ratio);
+    const InnovationsFilter filter(segment.times, shape);
     filter.Apply(columns);
     MatrixXd amplitudes;
     MatrixXd derivatives;

@@ -12,7 +12,8 @@
 // the state of each element: a_j, one free amplitude for each mode φ_j. So the
 // residuals begin there; the inputs from the segment's begin on are used.
 //
-// c goes with the diffuse start of the filter, and a_j, linear, is projected
+// c goes with the diffuse start of the filter (or is zero, if the noise has no
+// offset), and a_j, linear, is projected
 // out of the whitened residuals (variable projection in Kaufman's form, whose
 // Gauss–Newton matrix is the full problem's with a_j eliminated: Kaufman, BIT
 // 15, 1975). What remains are K, ln T and L of every element.
@@ -26,6 +27,7 @@
 #include "Eigen/Core"
 #include "mle/data/record.h"
 #include "mle/nonlinear/element_response.h"
+#include "mle/nonlinear/innovations_filter.h"
 
 namespace mle {
 
@@ -68,24 +70,28 @@ class OutputErrorProblem {
   int num_elements() const { return static_cast<int>(elements_.size()); }  // m
   int num_segments() const { return static_cast<int>(segments_.size()); }
   double sample_time() const { return sample_time_; }
-  // Samples that count: without one of each segment, which sets its offset.
-  int num_innovations() const { return num_innovations_; }
+  int num_samples() const { return num_samples_; }
+  // Without one of each segment where that sets its offset.
+  int num_innovations(NoiseShape shape) const {
+    return num_samples_ - (shape.offset ? num_segments() : 0);
+  }
   // Σ (y − mean)², the mean of each segment.
   double total_squares() const { return total_squares_; }
   // The input moves in a segment.
   bool IsExcited(int input) const;
 
-  // At `point`; amplitudes are those of least squares under ρ = `ratio`.
-  std::vector<SegmentColumns> Linearise(const OutputPoint& point, double ratio,
+  // At `point`; amplitudes are those of least squares under noise of `shape`.
+  std::vector<SegmentColumns> Linearise(const OutputPoint& point,
+                                        NoiseShape shape,
                                         bool with_jacobian) const;
   WhitenedColumns Whiten(const std::vector<SegmentColumns>& columns,
-                         double ratio) const;
+                         NoiseShape shape) const;
 
   // Whitened responses (K = 1) of each element with the time scale of `point`,
   // at each of `delays`[j] (in samples); the last column is y less the
   // responses at `point` of the elements without such delays. Without what the
   // amplitudes explain.
-  Eigen::MatrixXd Dictionary(const OutputPoint& point, double ratio,
+  Eigen::MatrixXd Dictionary(const OutputPoint& point, NoiseShape shape,
                              const std::vector<std::vector<int>>& delays) const;
 
  private:
@@ -106,7 +112,7 @@ class OutputErrorProblem {
   Elements elements_;
   std::vector<Segment> segments_;
   double sample_time_ = 0.0;
-  int num_innovations_ = 0;
+  int num_samples_ = 0;
   int num_modes_ = 0;  // Σ r_j
   double total_squares_ = 0.0;
 };

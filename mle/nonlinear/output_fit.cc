@@ -26,6 +26,9 @@ constexpr double kRatioTolerance = 0.02;
 // A dead time this close to the end of its sample (in samples) is at it.
 constexpr double kCellTolerance = 1e-7;
 
+// Satterthwaite's approximation does not reach below.
+constexpr double kMinDegrees = 4.0;
+
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
 // Whitened residuals; one parameter block (K, ln T, L) for each element.
@@ -33,12 +36,12 @@ class OutputCost : public ceres::CostFunction {
  public:
   // Dead times lie in the samples of `point`, or in any if not `fixed_cells`.
   OutputCost(const OutputErrorProblem& problem, const OutputPoint& point,
-             double ratio, bool fixed_cells)
+             NoiseShape shape, bool fixed_cells)
       : problem_(problem),
         point_(point),
-        ratio_(ratio),
+        shape_(shape),
         fixed_cells_(fixed_cells) {
-    set_num_residuals(problem.num_innovations() + problem.num_segments());
+    set_num_residuals(problem.num_samples());
     for (int j = 0; j < problem.num_elements(); ++j) {
       if (!problem.elements()[j].has_value()) continue;
       present_.push_back(j);
@@ -54,7 +57,7 @@ class OutputCost : public ceres::CostFunction {
     }
     if (!fixed_cells_) point.SetCells(problem_.sample_time());
     const WhitenedColumns whitened = problem_.Whiten(
-        problem_.Linearise(point, ratio_, jacobians != nullptr), ratio_);
+        problem_.Linearise(point, shape_, jacobians != nullptr), shape_);
     std::copy(whitened.residuals.begin(), whitened.residuals.end(), residuals);
     if (jacobians == nullptr) return true;
     for (std::size_t b = 0; b < present_.size(); ++b) {
@@ -68,7 +71,7 @@ class OutputCost : public ceres::CostFunction {
  private:
   const OutputErrorProblem& problem_;
   OutputPoint point_;
-  double ratio_;
+  NoiseShape shape_;
   bool fixed_cells_;
   std::vector<int> present_;
 };
@@ -82,7 +85,7 @@ class Fitter {
   FitCertificate& certificate() { return certificate_; }
 
   // Steps 1 and 2: from the best of several searches.
-  OutputPoint Start(const OutputPoint& start, double ratio) {
+  OutputPoint Start(const OutputPoint& start, NoiseShape shape) {
     OutputPoint best = start;
     double best_cost = kInfinity;
     for (const double factor : {1.0, 0.5, 2.0}) {
@@ -93,8 +96,8 @@ class Fitter {
             std::clamp(factor * point.values[j].time_scale,
                        bounds_.min_time_scales[j], bounds_.max_time_scales[j]);
       }
-      point = Search(point, ratio).point;
-      const double cost = Solve(point, ratio, /*within_cells=*/false);
+      point = Search(point, shape).point;
+      const double cost = Solve(point, shape, /*within_cells=*/false);
       if (cost < best_cost) {
         best_cost = cost;
         best = point;
@@ -103,21 +106,21 @@ class Fitter {
     return best;
   }
 
-  DelaySearchResult Search(const OutputPoint& point, double ratio) {
+  DelaySearchResult Search(const OutputPoint& point, NoiseShape shape) {
     ++certificate_.grid_searches;
-    return SearchDelays(problem_, point, ratio, free_, bounds_.max_delays,
+    return SearchDelays(problem_, point, shape, free_, bounds_.max_delays,
                         kMaxGridPoints);
   }
 
   // Step 2: all dead times, then sample by sample. Returns the cost.
-  double Refine(OutputPoint& point, double ratio) {
-    Solve(point, ratio, /*within_cells=*/false);
+  double Refine(OutputPoint& point, NoiseShape shape) {
+    Solve(point, shape, /*within_cells=*/false);
     point.SetCells(problem_.sample_time());
-    double cost = Solve(point, ratio, /*within_cells=*/true);
+    double cost = Solve(point, shape, /*within_cells=*/true);
     for (int move = 0; move < kMaxCellMoves; ++move) {
       OutputPoint moved = point;
-      if (!MoveCells(moved, ratio)) break;
-      const double moved_cost = Solve(moved, ratio, /*within_cells=*/true);
+      if (!MoveCells(moved, shape)) break;
+      const double moved_cost = Solve(moved, shape, /*within_cells=*/true);
       if (!(moved_cost < cost * (1.0 - 1e-12))) break;
       cost = moved_cost;
       point = moved;
@@ -128,7 +131,7 @@ class Fitter {
   // Of the certificate: derivatives at the end, in standard deviations.
   void CertifyGradient(const OutputPoint& point, const NoiseEstimate& noise) {
     const WhitenedColumns whitened = problem_.Whiten(
-        problem_.Linearise(point, noise.ratio, true), noise.ratio);
+        problem_.Linearise(point, ShapeOf(noise), true), ShapeOf(noise));
     certificate_.gradient = 0.0;
     certificate_.at_bound = false;
     const double scale = std::sqrt(noise.variance);
@@ -160,7 +163,7 @@ class Fitter {
 
  private:
   // Levenberg–Marquardt from and to `point`; returns the cost.
-  double Solve(OutputPoint& point, double ratio, bool within_cells) {
+  double Solve(OutputPoint& point, NoiseShape shape, bool within_cells) {
     std::vector<int> present;
     for (int j = 0; j < problem_.num_elements(); ++j) {
       if (problem_.elements()[j].has_value()) present.push_back(j);
@@ -175,7 +178,7 @@ class Fitter {
     for (auto& block : x) blocks.push_back(block.data());
     ceres::Problem problem;
     problem.AddResidualBlock(
-        new OutputCost(problem_, point, ratio, within_cells), nullptr, blocks);
+        new OutputCost(problem_, point, shape, within_cells), nullptr, blocks);
     for (std::size_t b = 0; b < present.size(); ++b) {
       SetBounds(point, present[b], within_cells, blocks[b], problem);
     }
@@ -238,7 +241,7 @@ class Fitter {
 
   // Takes each dead time at an end of its sample into the next one if the cost
   // falls there; false if none does.
-  bool MoveCells(OutputPoint& point, double ratio) const {
+  bool MoveCells(OutputPoint& point, NoiseShape shape) const {
     bool moved = false;
     for (int j = 0; j < problem_.num_elements(); ++j) {
       if (!free_[j]) continue;
@@ -255,7 +258,7 @@ class Fitter {
       OutputPoint trial = point;
       trial.cells[j] += direction;
       const WhitenedColumns whitened =
-          problem_.Whiten(problem_.Linearise(trial, ratio, true), ratio);
+          problem_.Whiten(problem_.Linearise(trial, shape, true), shape);
       const double slope =
           whitened.jacobian.col(3 * j + 2).dot(whitened.residuals);
       if (slope * direction < 0.0) {
@@ -273,9 +276,11 @@ class Fitter {
   FitCertificate certificate_;
 };
 
-bool SameRatio(double a, double b) {
+bool SameShape(const NoiseEstimate& a, const NoiseEstimate& b) {
   const double floor = 1e-10;
-  return std::abs(std::log((a + floor) / (b + floor))) < kRatioTolerance;
+  return a.offset == b.offset &&
+         std::abs(std::log((a.ratio + floor) / (b.ratio + floor))) <
+             kRatioTolerance;
 }
 
 // Of the variances on the diagonal of `covariance`: they move with the ratio,
@@ -284,7 +289,7 @@ VectorXd DegreesOfFreedom(const OutputErrorProblem& problem,
                           const OutputPoint& point,
                           const std::vector<bool>& free,
                           const NoiseEstimate& noise) {
-  const double n = problem.num_innovations();
+  const double n = problem.num_innovations(ShapeOf(noise));
   VectorXd relative_variance =
       VectorXd::Constant(3 * problem.num_elements(), 2.0 / n);
   if (noise.log_ratio_deviation > 0.0) {
@@ -294,7 +299,7 @@ VectorXd DegreesOfFreedom(const OutputErrorProblem& problem,
       NoiseEstimate shifted = noise;
       shifted.ratio = noise.ratio * std::exp(side == 0 ? -step : step);
       const WhitenedColumns whitened = problem.Whiten(
-          problem.Linearise(point, shifted.ratio, false), shifted.ratio);
+          problem.Linearise(point, ShapeOf(shifted), false), ShapeOf(shifted));
       shifted.variance = whitened.residuals.squaredNorm() / n;
       logs[side] = ComputeCovariance(problem, point, free, shifted)
                        .covariance.diagonal()
@@ -309,7 +314,7 @@ VectorXd DegreesOfFreedom(const OutputErrorProblem& problem,
       }
     }
   }
-  return 2.0 * relative_variance.cwiseInverse();
+  return (2.0 * relative_variance.cwiseInverse()).cwiseMax(kMinDegrees);
 }
 
 }  // namespace
@@ -318,8 +323,8 @@ OutputCovariance ComputeCovariance(const OutputErrorProblem& problem,
                                    const OutputPoint& point,
                                    const std::vector<bool>& free,
                                    const NoiseEstimate& noise) {
-  const WhitenedColumns whitened =
-      problem.Whiten(problem.Linearise(point, noise.ratio, true), noise.ratio);
+  const WhitenedColumns whitened = problem.Whiten(
+      problem.Linearise(point, ShapeOf(noise), true), ShapeOf(noise));
   std::vector<int> kept;
   VectorXd units = VectorXd::Ones(3 * problem.num_elements());
   for (int j = 0; j < problem.num_elements(); ++j) {
@@ -371,25 +376,21 @@ OutputFit FitOutput(const OutputErrorProblem& problem, const OutputPoint& start,
   fit.free = free;
   fit.point = start;
   fit.point.SetCells(problem.sample_time());
-  const auto estimate_noise = [&](double ratio) {
-    return EstimateNoise(problem, fit.point, free, ratio,
-                         options.estimate_drift);
-  };
-  fit.noise = estimate_noise(0.0);
+  fit.noise = EstimateNoise(problem, fit.point, free, NoiseEstimate(), options);
   FitCertificate& certificate = fitter.certificate();
   const bool any_free = std::find(free.begin(), free.end(), true) != free.end();
   if (any_free) {
-    fit.point = fitter.Start(fit.point, fit.noise.ratio);
+    fit.point = fitter.Start(fit.point, ShapeOf(fit.noise));
     for (int round = 0; round < kMaxSearchRounds; ++round) {
       double cost = 0.0;
       for (int again = 0; again < kMaxNoiseRounds; ++again) {
-        const double former = fit.noise.ratio;
-        fit.noise = estimate_noise(former);
-        cost = fitter.Refine(fit.point, fit.noise.ratio);
-        if (SameRatio(former, fit.noise.ratio)) break;
+        const NoiseEstimate former = fit.noise;
+        fit.noise = EstimateNoise(problem, fit.point, free, former, options);
+        cost = fitter.Refine(fit.point, ShapeOf(fit.noise));
+        if (SameShape(former, fit.noise)) break;
       }
       const DelaySearchResult search =
-          fitter.Search(fit.point, fit.noise.ratio);
+          fitter.Search(fit.point, ShapeOf(fit.noise));
       certificate.search_confirmed =
           !(search.cost < cost * (1.0 - 1e-9) - search.cost_accuracy);
       if (certificate.search_confirmed) break;
@@ -407,8 +408,7 @@ OutputFit FitOutput(const OutputErrorProblem& problem, const OutputPoint& start,
   fit.covariance = covariance.covariance;
   fit.degrees_of_freedom =
       DegreesOfFreedom(problem, fit.point, free, fit.noise);
-  fit.deviance = Deviance(problem, fit.point, free, fit.noise.ratio,
-                          options.estimate_drift);
+  fit.deviance = Deviance(problem, fit.point, free, fit.noise, options);
   certificate.condition = covariance.condition;
   certificate.rank = covariance.rank;
   certificate.num_parameters =

@@ -53,18 +53,25 @@ OutputFit FitOutput(const OutputErrorProblem& problem, const OutputPoint& start,
                     const OutputFitBounds& bounds,
                     const StructuredOptions& options);
 
+inline NoiseShape ShapeOf(const NoiseEstimate& noise) {
+  return {.ratio = noise.ratio, .offset = noise.offset};
+}
+
 // Noise of the output at `point`, by restricted likelihood, with the elements
-// that are `free` taken to be estimated.
+// that are `free` taken to be estimated. There are no offsets, and ρ is 0,
+// where neither the likelihood ratio of ρ nor that of the offsets speaks for
+// them.
 NoiseEstimate EstimateNoise(const OutputErrorProblem& problem,
                             const OutputPoint& point,
-                            const std::vector<bool>& free, double start_ratio,
-                            bool estimate_drift);
+                            const std::vector<bool>& free,
+                            const NoiseEstimate& start,
+                            const StructuredOptions& options);
 
 // −2 ln likelihood less constants at `point`, maximised over r and ρ, and, in
-// first order, over the elements that are `free`.
+// first order, over the elements that are `free`; with an offset as in `start`.
 double Deviance(const OutputErrorProblem& problem, const OutputPoint& point,
-                const std::vector<bool>& free, double start_ratio,
-                bool estimate_drift);
+                const std::vector<bool>& free, const NoiseEstimate& start,
+                const StructuredOptions& options);
 
 struct OutputCovariance {
   Eigen::MatrixXd covariance;  // as above

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "Eigen/QR"
+#include "mle/nonlinear/distributions.h"
 #include "mle/nonlinear/output_fit.h"
 
 namespace mle {
@@ -20,15 +21,25 @@ const double kMaxLogRatio = std::log(1e6);
 constexpr double kGridStep = 1.0;
 constexpr double kTolerance = 1e-3;
 constexpr double kCurvatureStep = 0.3;
+constexpr double kMaxLogRatioDeviation = 3.0;
 
-// −2 ln likelihood (or restricted likelihood) of a ratio, maximised over r.
-class RatioLikelihood {
+// At one noise shape, maximised over r.
+struct Profile {
+  NoiseShape shape;
+  double value = std::numeric_limits<double>::infinity();  // −2 ln likelihood
+  double squares = 0.0;  // of the whitened residuals
+  double degrees = 0.0;  // of freedom that they have
+  double variance() const { return squares / std::max(degrees, 1.0); }
+};
+
+// The likelihood (or restricted likelihood) of a noise shape.
+class ShapeLikelihood {
  public:
-  RatioLikelihood(const OutputErrorProblem& problem, const OutputPoint& point,
-                  const std::vector<bool>& free, double start_ratio,
+  ShapeLikelihood(const OutputErrorProblem& problem, const OutputPoint& point,
+                  const std::vector<bool>& free, NoiseShape start,
                   bool restricted)
       : problem_(problem),
-        columns_(problem.Linearise(point, start_ratio, true)),
+        columns_(problem.Linearise(point, start, true)),
         restricted_(restricted) {
     std::vector<int> kept;
     for (std::size_t j = 0; j < free.size(); ++j) {
@@ -41,10 +52,11 @@ class RatioLikelihood {
     }
   }
 
-  // Sets r to its estimate.
-  double operator()(double ratio, double& variance) const {
-    const WhitenedColumns whitened = problem_.Whiten(columns_, ratio);
-    double squares = whitened.residuals.squaredNorm();
+  Profile At(NoiseShape shape) const {
+    const WhitenedColumns whitened = problem_.Whiten(columns_, shape);
+    Profile profile;
+    profile.shape = shape;
+    profile.squares = whitened.residuals.squaredNorm();
     double log_jacobian = 0.0;
     Eigen::Index rank = 0;
     if (whitened.jacobian.cols() > 0) {
@@ -61,20 +73,25 @@ class RatioLikelihood {
         log_jacobian += std::log(std::abs(qr.matrixQR()(i, i)));
       }
       log_jacobian -= 2.0 * inverse_norms.array().log().sum();
-      squares -= std::min(squares, gradient.dot(qr.solve(gradient)));
+      profile.squares -=
+          std::min(profile.squares, gradient.dot(qr.solve(gradient)));
     }
     // Exact data leave rounding, which has no likelihood.
-    squares = std::max(squares, 1e-26 * problem_.total_squares());
-    squares = std::max(squares, 1e-300);
-
-    const double n = problem_.num_innovations();
-    const double left = n - whitened.num_amplitudes - static_cast<double>(rank);
-    variance = squares / std::max(left, 1.0);
+    profile.squares =
+        std::max({profile.squares, 1e-26 * problem_.total_squares(), 1e-300});
+    const double n = problem_.num_innovations(shape);
+    profile.degrees = n - whitened.num_amplitudes - static_cast<double>(rank);
+    profile.value = whitened.log_determinant;
     if (restricted_) {
-      return left * std::log(variance) + whitened.log_determinant +
-             whitened.log_amplitudes + log_jacobian;
+      profile.value += profile.degrees * std::log(profile.variance()) +
+                       whitened.log_amplitudes + log_jacobian;
+    } else {
+      profile.value += n * std::log(profile.squares / n);
     }
-    return n * std::log(squares / n) + whitened.log_determinant;
+    return profile;
+  }
+  Profile AtLog(double log_ratio) const {
+    return At({.ratio = std::exp(log_ratio)});
   }
 
  private:
@@ -83,91 +100,109 @@ class RatioLikelihood {
   bool restricted_;
 };
 
-struct Best {
-  double ratio = 0.0;
-  double variance = 0.0;
-  double value = std::numeric_limits<double>::infinity();
-};
-
 // Golden-section search between two values of ln ρ.
-Best SearchBetween(const RatioLikelihood& likelihood, double low, double high) {
+Profile SearchBetween(const ShapeLikelihood& likelihood, double low,
+                      double high) {
   const double golden = 0.5 * (std::sqrt(5.0) - 1.0);
-  const auto at = [&](double log_ratio) {
-    Best point;
-    point.ratio = std::exp(log_ratio);
-    point.value = likelihood(point.ratio, point.variance);
-    return point;
-  };
-  Best left = at(high - golden * (high - low));
-  Best right = at(low + golden * (high - low));
+  double left = high - golden * (high - low);
+  double right = low + golden * (high - low);
+  Profile at_left = likelihood.AtLog(left);
+  Profile at_right = likelihood.AtLog(right);
   while (high - low > kTolerance) {
-    if (left.value < right.value) {
-      high = std::log(right.ratio);
+    if (at_left.value < at_right.value) {
+      high = right;
       right = left;
-      left = at(high - golden * (high - low));
+      at_right = at_left;
+      left = high - golden * (high - low);
+      at_left = likelihood.AtLog(left);
     } else {
-      low = std::log(left.ratio);
+      low = left;
       left = right;
-      right = at(low + golden * (high - low));
+      at_left = at_right;
+      right = low + golden * (high - low);
+      at_right = likelihood.AtLog(right);
     }
   }
-  return left.value < right.value ? left : right;
+  return at_left.value < at_right.value ? at_left : at_right;
 }
 
-Best FindBest(const RatioLikelihood& likelihood, bool estimate_drift) {
-  Best best;
-  best.value = likelihood(0.0, best.variance);
+// With offsets, over all ρ.
+Profile FindBest(const ShapeLikelihood& likelihood, bool estimate_drift) {
+  Profile best = likelihood.At(NoiseShape());
   if (!estimate_drift) return best;
   double best_log = kMinLogRatio;
   for (double log_ratio = kMinLogRatio; log_ratio <= kMaxLogRatio;
        log_ratio += kGridStep) {
-    Best point;
-    point.ratio = std::exp(log_ratio);
-    point.value = likelihood(point.ratio, point.variance);
-    if (point.value < best.value) {
-      best = point;
+    const Profile profile = likelihood.AtLog(log_ratio);
+    if (profile.value < best.value) {
+      best = profile;
       best_log = log_ratio;
     }
   }
-  const Best inner =
+  const Profile inner =
       SearchBetween(likelihood, best_log - kGridStep, best_log + kGridStep);
   return inner.value < best.value ? inner : best;
+}
+
+// Of the likelihood at its maximum, in ln ρ.
+double LogRatioDeviation(const ShapeLikelihood& likelihood,
+                         const Profile& best) {
+  const double log_ratio = std::log(best.shape.ratio);
+  const double curvature =
+      (likelihood.AtLog(log_ratio + kCurvatureStep).value +
+       likelihood.AtLog(log_ratio - kCurvatureStep).value - 2.0 * best.value) /
+      (kCurvatureStep * kCurvatureStep);
+  // A flat likelihood says little, but not nothing: the range is finite.
+  return std::min(std::sqrt(2.0 / std::max(curvature, 1e-3)),
+                  kMaxLogRatioDeviation);
+}
+
+// Whether records without drift speak for offsets, or with offsets for drift.
+bool HasOffsets(const OutputErrorProblem& problem,
+                const ShapeLikelihood& likelihood, const Profile& best,
+                double level) {
+  const Profile with = likelihood.At(NoiseShape());
+  // ρ = 0 is the end of its range: half of the distribution lies there.
+  const double p_drift = 0.5 * ChiSquareTail(with.value - best.value, 1.0);
+  const Profile without = likelihood.At({.ratio = 0.0, .offset = false});
+  const double offsets = problem.num_segments();
+  const double p_offsets =
+      FisherTail((without.squares - with.squares) / offsets / with.variance(),
+                 offsets, std::max(with.degrees, 1.0));
+  return std::min(p_drift, p_offsets) < 0.5 * level;
 }
 
 }  // namespace
 
 NoiseEstimate EstimateNoise(const OutputErrorProblem& problem,
                             const OutputPoint& point,
-                            const std::vector<bool>& free, double start_ratio,
-                            bool estimate_drift) {
-  const RatioLikelihood likelihood(problem, point, free, start_ratio,
+                            const std::vector<bool>& free,
+                            const NoiseEstimate& start,
+                            const StructuredOptions& options) {
+  const ShapeLikelihood likelihood(problem, point, free, ShapeOf(start),
                                    /*restricted=*/true);
-  const Best best = FindBest(likelihood, estimate_drift);
+  Profile best = FindBest(likelihood, options.estimate_drift);
+  if (options.offset_test_level < 1.0 &&
+      !HasOffsets(problem, likelihood, best, options.offset_test_level)) {
+    best = likelihood.At({.ratio = 0.0, .offset = false});
+  }
   NoiseEstimate noise;
-  noise.variance = best.variance;
-  noise.ratio = best.ratio;
-  if (best.ratio > 0.0) {
-    const double log_ratio = std::log(best.ratio);
-    double unused = 0.0;
-    const double curvature =
-        (likelihood(std::exp(log_ratio + kCurvatureStep), unused) +
-         likelihood(std::exp(log_ratio - kCurvatureStep), unused) -
-         2.0 * best.value) /
-        (kCurvatureStep * kCurvatureStep);
-    // A flat likelihood says little, but not nothing: the range is finite.
-    noise.log_ratio_deviation =
-        std::min(std::sqrt(2.0 / std::max(curvature, 1e-3)), 10.0);
+  noise.variance = best.variance();
+  noise.ratio = best.shape.ratio;
+  noise.offset = best.shape.offset;
+  if (noise.ratio > 0.0) {
+    noise.log_ratio_deviation = LogRatioDeviation(likelihood, best);
   }
   return noise;
 }
 
 double Deviance(const OutputErrorProblem& problem, const OutputPoint& point,
-                const std::vector<bool>& free, double start_ratio,
-                bool estimate_drift) {
-  return FindBest(RatioLikelihood(problem, point, free, start_ratio,
-                                  /*restricted=*/false),
-                  estimate_drift)
-      .value;
+                const std::vector<bool>& free, const NoiseEstimate& start,
+                const StructuredOptions& options) {
+  const ShapeLikelihood likelihood(problem, point, free, ShapeOf(start),
+                                   /*restricted=*/false);
+  if (!start.offset) return likelihood.At(ShapeOf(start)).value;
+  return FindBest(likelihood, options.estimate_drift).value;
 }
 
 }  // namespace mle

@@ -121,7 +121,7 @@ void Judge(const std::vector<OutputSetup>& setups,
   ParallelFor(p, options.threads, [&](int i) {
     const OutputPoint& start = setups[i].start;
     drops[i] = Deviance(*setups[i].problem, start, std::vector<bool>(m, false),
-                        fits[i].noise.ratio, options.estimate_drift) -
+                        fits[i].noise, options) -
                fits[i].deviance;
   });
   for (int i = 0; i < p; ++i) {

@@ -49,8 +49,13 @@ struct StructuredOptions {
   // of each window, as long as the largest bound in a row of the model, serve
   // to forget the inputs before it and are not fitted.
   double max_delay = std::numeric_limits<double>::infinity();
-  // Whether the noise has a random walk in it; if not, it is white.
+  // Whether the noise may have a random walk in it; if not, it is white.
   bool estimate_drift = true;
+  // Level, in (0, 1), of the test by which a free offset for each window and
+  // drift are given up: records that are deviations from the operating point
+  // and free of drift determine gains twice as well without them. At 1 they
+  // never are.
+  double offset_test_level = 0.05;
   // Probability of a false alarm, in (0, 1): that a change is proposed where
   // there is none, and that an element is named that has not changed, of all.
   double false_alarm_probability = 0.01;
@@ -68,6 +73,9 @@ struct StructuredOptions {
 struct NoiseEstimate {
   double variance = 0.0;  // r, of the white part
   double ratio = 0.0;     // q/r
+  // Each window has an offset of its own. If not, records are deviations from
+  // the model's operating point, and free of drift.
+  bool offset = true;
   // Standard deviation of ln(q/r); 0 where the ratio is at 0 or given.
   double log_ratio_deviation = 0.0;
 

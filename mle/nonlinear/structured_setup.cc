@@ -121,7 +121,7 @@ absl::StatusOr<OutputSetup> SetUpOutput(const ProcessModel& model, int i,
   const int skip = static_cast<int>(std::ceil(longest / sample_time)) + 1;
   setup.problem = std::make_unique<OutputErrorProblem>(
       std::move(elements), records, i, skip, kMinRows);
-  const int innovations = setup.problem->num_innovations();
+  const int innovations = setup.problem->num_innovations(NoiseShape());
   if (num_parameters > 0 && innovations < 2 * num_parameters + kMinRows) {
     return absl::InvalidArgumentError(absl::StrCat(
         "structured correction: output \"", model.outputs()[i].name, "\" has ",
@@ -156,6 +156,10 @@ absl::Status StructuredOptions::Validate() const {
   if (!(false_alarm_probability > 0.0 && false_alarm_probability < 1.0)) {
     return fault("false_alarm_probability", false_alarm_probability,
                  "between 0 and 1");
+  }
+  if (!(offset_test_level > 0.0 && offset_test_level <= 1.0)) {
+    return fault("offset_test_level", offset_test_level,
+                 "above 0 and at most 1");
   }
   if (!(confidence > 0.0 && confidence < 1.0)) {
     return fault("confidence", confidence, "between 0 and 1");
