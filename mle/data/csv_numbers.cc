@@ -1,0 +1,40 @@
+#include "mle/data/csv_numbers.h"
+
+#include <charconv>
+#include <system_error>
+
+namespace mle {
+
+bool ReadCsvNumber(std::string_view text, double& number) {
+  if (text.starts_with('+')) text.remove_prefix(1);
+  const auto [end, error] =
+      std::from_chars(text.data(), text.data() + text.size(), number);
+  return error == std::errc() && end == text.data() + text.size();
+}
+
+void AppendCsvNumber(double number, std::string& text) {
+  char buffer[32];
+  const auto result = std::to_chars(buffer, buffer + sizeof(buffer), number);
+  text.append(buffer, result.ptr);
+}
+
+double RoundCsvTime(double time) {
+  char buffer[40];
+  const auto result =
+      std::to_chars(buffer, buffer + sizeof(buffer), time,
+                    std::chars_format::scientific, kCsvTimeDigits - 1);
+  std::from_chars(buffer, result.ptr, time);
+  return time;
+}
+
+std::string_view TrimCsvField(std::string_view text) {
+  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) {
+    text.remove_prefix(1);
+  }
+  while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) {
+    text.remove_suffix(1);
+  }
+  return text;
+}
+
+}  // namespace mle

@@ -1,0 +1,28 @@
+// Numbers as they stand in CSV files, independent of the locale.
+
+#ifndef MLE_DATA_CSV_NUMBERS_H_
+#define MLE_DATA_CSV_NUMBERS_H_
+
+#include <string>
+#include <string_view>
+
+namespace mle {
+
+inline constexpr int kCsvTimeDigits = 12;
+
+// The whole of `text` as a number, "nan" and "inf" included; false if it is
+// none, or out of the range of a double.
+bool ReadCsvNumber(std::string_view text, double& number);
+
+// With the fewest digits that read back as the same double.
+void AppendCsvNumber(double number, std::string& text);
+
+// To kCsvTimeDigits significant digits.
+double RoundCsvTime(double time);
+
+// Without the blanks around it.
+std::string_view TrimCsvField(std::string_view text);
+
+}  // namespace mle
+
+#endif  // MLE_DATA_CSV_NUMBERS_H_
