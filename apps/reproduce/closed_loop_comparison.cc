@@ -1,0 +1,275 @@
+#include "apps/reproduce/closed_loop_comparison.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "apps/report/number.h"
+#include "apps/reproduce/experiment.h"
+#include "control/mpc.h"
+#include "control/prediction_model.h"
+#include "mle/base/status.h"
+#include "mle/data/record.h"
+#include "nlohmann/json.hpp"
+#include "sim/closed_loop.h"
+
+namespace mle::reproduce {
+namespace {
+
+using control::PredictionModel;
+using Json = nlohmann::ordered_json;
+using report::FormatSignificant;
+
+constexpr double kSettlingBand = 0.05;  // of the step
+// Noise streams, apart from those of the records the correction learns from.
+constexpr std::uint64_t kFirstStream = 2'000'000;
+
+LoopPerformance Measure(const Record& record, int output,
+                        const ExperimentOptions& options) {
+  const auto sample = [&](double time) {
+    return static_cast<int>(std::lround(time / options.sample_time));
+  };
+  const int begin = sample(options.step_time);
+  const int end = std::min(sample(options.step_time + options.window),
+                           record.samples() - 1);
+  LoopPerformance result;
+  int settled = begin;
+  for (int k = begin; k <= end; ++k) {
+    const Eigen::VectorXd error =
+        record.outputs.col(k) - record.set_points.col(k);
+    result.integrated_squared_error +=
+        error.squaredNorm() * options.sample_time;
+    if (k > begin) {
+      result.input_movement +=
+          (record.inputs.col(k) - record.inputs.col(k - 1)).cwiseAbs().sum();
+    }
+    result.overshoot =
+        std::max(result.overshoot, error[output] / options.setpoint_step);
+    if (error.cwiseAbs().maxCoeff() >
+        kSettlingBand * std::abs(options.setpoint_step)) {
+      settled = k + 1;
+    }
+  }
+  result.settling_time = settled > end
+                             ? std::numeric_limits<double>::infinity()
+                             : (settled - begin) * options.sample_time;
+  return result;
+}
+
+absl::StatusOr<LoopPerformance> RunChange(
+    const PredictionModel& model, const ProcessModel& plant, int output,
+    double noise_variance, std::uint64_t seed,
+    const control::MpcOptions& mpc_options, const ExperimentOptions& options) {
+  MLE_ASSIGN_OR_RETURN(control::Mpc mpc,
+                       control::Mpc::Create(model, mpc_options));
+  sim::ClosedLoopOptions loop;
+  loop.sample_time = options.sample_time;
+  loop.control_period = options.control_period;
+  loop.duration = options.duration;
+  loop.noise_variance = noise_variance;
+  loop.seed = seed;
+  loop.stream = kFirstStream + static_cast<std::uint64_t>(output);
+  sim::SetPointProfile set_points;
+  for (int before = 0; before < output; ++before) {
+    set_points.steps.push_back({before, 0.0, options.setpoint_step});
+  }
+  set_points.steps.push_back(
+      {output, options.step_time, options.setpoint_step});
+  MLE_ASSIGN_OR_RETURN(
+      const Record record,
+      sim::SimulateClosedLoop(
+          plant,
+          [&mpc](const auto& measured, const auto& wanted, auto next) {
+            mpc.Step(measured, wanted, next);
+          },
+          set_points, loop));
+  LoopPerformance performance = Measure(record, output, options);
+  if (noise_variance > 0.0) performance.settling_time = 0.0;
+  return performance;
+}
+
+LoopRun RunModel(const absl::StatusOr<PredictionModel>& model,
+                 const ProcessModel& plant, double noise_variance,
+                 std::uint64_t seed, const control::MpcOptions& mpc,
+                 const ExperimentOptions& options) {
+  LoopRun run;
+  run.status = model.status();
+  for (int e = 0; e < plant.num_outputs() && run.status.ok(); ++e) {
+    absl::StatusOr<LoopPerformance> change =
+        RunChange(*model, plant, e, noise_variance, seed, mpc, options);
+    run.status = change.status();
+    if (change.ok()) run.changes.push_back(*change);
+  }
+  return run;
+}
+
+// Means over the comparisons; empty if any of them has no run.
+std::vector<LoopPerformance> Mean(
+    const std::vector<const ClosedLoopComparison*>& comparisons, bool noisy,
+    std::size_t model) {
+  std::vector<LoopPerformance> mean;
+  const double count = static_cast<double>(comparisons.size());
+  for (const ClosedLoopComparison* comparison : comparisons) {
+    const LoopRun& run =
+        noisy ? comparison->noisy[model] : comparison->noise_free[model];
+    if (!run.status.ok()) return {};
+    mean.resize(run.changes.size());
+    for (std::size_t e = 0; e < mean.size(); ++e) {
+      const LoopPerformance& one = run.changes[e];
+      mean[e].integrated_squared_error += one.integrated_squared_error / count;
+      mean[e].input_movement += one.input_movement / count;
+      mean[e].overshoot += one.overshoot / count;
+      mean[e].settling_time += one.settling_time / count;
+    }
+  }
+  return mean;
+}
+
+double TotalError(const std::vector<LoopPerformance>& changes) {
+  double total = 0.0;
+  for (const LoopPerformance& change : changes) {
+    total += change.integrated_squared_error;
+  }
+  return total;
+}
+
+// A number, or null where there is none.
+Json Number(double value) {
+  return std::isfinite(value) ? Json(value) : Json();
+}
+
+Json ToJson(const std::vector<LoopPerformance>& changes, bool noisy) {
+  if (changes.empty()) return Json();
+  Json error = Json::array(), movement = Json::array();
+  Json overshoot = Json::array(), settling = Json::array();
+  for (const LoopPerformance& change : changes) {
+    error.push_back(Number(change.integrated_squared_error));
+    movement.push_back(Number(change.input_movement));
+    overshoot.push_back(Number(change.overshoot));
+    settling.push_back(Number(change.settling_time));
+  }
+  Json json = {{"integrated_squared_error", std::move(error)},
+               {"input_movement", std::move(movement)}};
+  if (!noisy) {
+    json["overshoot"] = std::move(overshoot);
+    json["settling_time"] = std::move(settling);
+  }
+  return json;
+}
+
+std::vector<LoopPerformance> ChangesOf(const LoopRun& run) {
+  return run.status.ok() ? run.changes : std::vector<LoopPerformance>();
+}
+
+std::string FormatTime(double time) {
+  return std::isfinite(time) ? FormatSignificant(time) : "not settled";
+}
+
+}  // namespace
+
+absl::StatusOr<ClosedLoopComparison> CompareClosedLoops(
+    const ProcessModel& initial, const ArxModel& corrected,
+    const ProcessModel& plant, std::uint64_t seed,
+    const control::MpcOptions& mpc, const ExperimentOptions& options) {
+  MLE_RETURN_IF_ERROR(mpc.Validate(plant.num_outputs(), plant.num_inputs()));
+  std::vector<InputRole> roles;
+  for (const InputChannel& input : initial.inputs())
+    roles.push_back(input.role);
+  const std::array<absl::StatusOr<PredictionModel>, 3> models = {
+      control::PredictFromProcess(initial, mpc.control_period),
+      control::PredictFromArx(corrected, roles, mpc.control_period),
+      control::PredictFromProcess(plant, mpc.control_period)};
+  ClosedLoopComparison comparison;
+  for (std::size_t i = 0; i < models.size(); ++i) {
+    comparison.noise_free[i] =
+        RunModel(models[i], plant, 0.0, seed, mpc, options);
+    comparison.noisy[i] =
+        RunModel(models[i], plant, options.noise_variance, seed, mpc, options);
+  }
+  return comparison;
+}
+
+report::Table ClosedLoopTable(
+    const std::string& case_name, const ProcessModel& plant,
+    const std::vector<const ClosedLoopComparison*>& comparisons) {
+  report::Table table;
+  table.caption = absl::StrCat("Case ", case_name,
+                               ": the plant under control, by the model in the "
+                               "controller");
+  table.columns = {{"set-point change, model", report::Align::kLeft},
+                   {"squared error"},
+                   {"of the true model's"},
+                   {"input movement"},
+                   {"overshoot"},
+                   {absl::StrCat("settling (", plant.time_unit(), ")")},
+                   {"squared error, noisy"}};
+  std::array<std::vector<LoopPerformance>, 3> quiet, noisy;
+  for (std::size_t i = 0; i < quiet.size(); ++i) {
+    quiet[i] = Mean(comparisons, false, i);
+    noisy[i] = Mean(comparisons, true, i);
+  }
+  for (int e = 0; e < plant.num_outputs(); ++e) {
+    for (std::size_t i = 0; i < quiet.size(); ++i) {
+      std::vector<std::string> row = {
+          absl::StrCat(plant.outputs()[e].name, ", ", kLoopModelNames[i])};
+      if (quiet[i].empty()) {
+        row.push_back("not usable");
+      } else {
+        const LoopPerformance& change = quiet[i][e];
+        const double truth =
+            quiet[2].empty() ? 0.0 : quiet[2][e].integrated_squared_error;
+        row.push_back(FormatSignificant(change.integrated_squared_error, 4));
+        row.push_back(truth > 0.0
+                          ? absl::StrFormat(
+                                "%.1f %%",
+                                100.0 * change.integrated_squared_error / truth)
+                          : "");
+        row.push_back(FormatSignificant(change.input_movement));
+        row.push_back(absl::StrFormat("%.1f %%", 100.0 * change.overshoot));
+        row.push_back(FormatTime(change.settling_time));
+        row.push_back(
+            noisy[i].empty()
+                ? "not usable"
+                : FormatSignificant(noisy[i][e].integrated_squared_error, 4));
+      }
+      table.AddRow(row);
+    }
+  }
+  return table;
+}
+
+Json ClosedLoopJson(
+    const std::vector<const ClosedLoopComparison*>& comparisons) {
+  Json json;
+  for (const bool noisy : {false, true}) {
+    const char* const name = noisy ? "noisy" : "noise_free";
+    std::array<std::vector<LoopPerformance>, 3> mean;
+    for (std::size_t i = 0; i < mean.size(); ++i) {
+      mean[i] = Mean(comparisons, noisy, i);
+      Json runs = Json::array();
+      for (const ClosedLoopComparison* comparison : comparisons) {
+        const LoopRun& run =
+            noisy ? comparison->noisy[i] : comparison->noise_free[i];
+        Json one = ToJson(ChangesOf(run), noisy);
+        if (!run.status.ok()) {
+          one = {{"error", std::string(run.status.message())}};
+        }
+        runs.push_back(std::move(one));
+      }
+      json[name][kLoopModelNames[i]] = {{"mean", ToJson(mean[i], noisy)},
+                                        {"runs", std::move(runs)}};
+    }
+    const double truth = TotalError(mean[2]);
+    for (const std::size_t i : {0, 1}) {
+      json[name][absl::StrCat(kLoopModelNames[i], "_over_true")] =
+          mean[i].empty() || !(truth > 0.0) ? Json()
+                                            : Json(TotalError(mean[i]) / truth);
+    }
+  }
+  return json;
+}
+
+}  // namespace mle::reproduce
