@@ -1,0 +1,35 @@
+// NAME:TIME:VALUE,… on a command line: steps of named channels.
+
+#ifndef APPS_SIMULATE_NAMED_VALUES_H_
+#define APPS_SIMULATE_NAMED_VALUES_H_
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "Eigen/Core"
+#include "absl/status/statusor.h"
+
+namespace mle::simulate {
+
+struct NamedStep {
+  int channel = 0;  // of `names`
+  double time = 0.0;
+  double value = 0.0;
+};
+
+// Names may hold colons. InvalidArgument, naming flag and entry, for an unknown
+// name, or a time or value that is no finite number.
+absl::StatusOr<std::vector<NamedStep>> ParseNamedSteps(
+    std::string_view flag, std::string_view value,
+    const std::vector<std::string>& names);
+
+// "-1,none": one limit for all `count` channels, or one each; `none` stands for
+// `unlimited` (an infinity). Empty text gives an empty vector: no limits.
+absl::StatusOr<Eigen::VectorXd> ParseLimits(std::string_view flag,
+                                            std::string_view value, int count,
+                                            double unlimited);
+
+}  // namespace mle::simulate
+
+#endif  // APPS_SIMULATE_NAMED_VALUES_H_
