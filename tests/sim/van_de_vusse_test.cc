@@ -1,10 +1,12 @@
 #include "sim/van_de_vusse.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "Eigen/Eigenvalues"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "mle/model/process_model.h"
 #include "sim/steady_state.h"
 
 namespace mle::sim {
@@ -90,6 +92,34 @@ TEST(VanDeVusseTest, AgesToTheSteadyStateOfSpentCatalyst) {
   const VectorXd spent = Reactor({.activity = Schedule(0.9)}).initial_state;
   EXPECT_LE((plant.state() - spent).cwiseAbs().maxCoeff(), 1e-8);
   EXPECT_GT(spent[0], 2.2);  // More A is left over.
+}
+
+// The process model in configs/, which is the reactor linearised at a feed of
+// 8: alike for small steps, the closer the smaller.
+TEST(VanDeVusseTest, SmallStepsAreThoseOfItsProcessModel) {
+  const absl::StatusOr<ProcessModel> model =
+      ReadProcessModel(MLE_CONFIGS_FOLDER "/van_de_vusse.json");
+  ASSERT_TRUE(model.ok()) << model.status();
+  const auto distance = [&](const Vector2d& step) {
+    const int samples = 101;
+    const StepResponse linear = model->ComputeStepResponse(0.005, samples);
+    ContinuousPlant plant = Make(Reactor({.feed = 8.0}), 0.005);
+    double worst = 0.0;
+    for (int k = 0; k < samples; ++k) {
+      for (int i = 0; i < 2; ++i) {
+        const double expected = linear.element(i, 0)[k] * step[0] +
+                                linear.element(i, 1)[k] * step[1];
+        worst = std::max(worst, std::abs(plant.outputs()[i] - expected));
+      }
+      plant.Advance(step);
+    }
+    return worst;
+  };
+  // What is left is of the second order in the step.
+  for (const Vector2d& step : {Vector2d(0.1, 0.0), Vector2d(0.0, 20.0)}) {
+    EXPECT_LE(distance(step), 5e-3);
+    EXPECT_NEAR(distance(step) / distance(0.1 * step), 100.0, 5.0);
+  }
 }
 
 TEST(VanDeVusseTest, OptionsAreChecked) {
