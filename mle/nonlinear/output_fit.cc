@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "Eigen/Eigenvalues"
 #include "ceres/ceres.h"
 #include "glog/logging.h"
 #include "mle/nonlinear/delay_search.h"
@@ -25,9 +24,6 @@ constexpr int kMaxCellMoves = 100;
 constexpr double kRatioTolerance = 0.02;
 // A dead time this close to the end of its sample (in samples) is at it.
 constexpr double kCellTolerance = 1e-7;
-
-// Satterthwaite's approximation does not reach below.
-constexpr double kMinDegrees = 4.0;
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
@@ -283,138 +279,92 @@ bool SameShape(const NoiseEstimate& a, const NoiseEstimate& b) {
              kRatioTolerance;
 }
 
-// Of the variances on the diagonal of `covariance`: they move with the ratio,
-// which is itself estimated, and with r.
-VectorXd DegreesOfFreedom(const OutputErrorProblem& problem,
-                          const OutputPoint& point,
-                          const std::vector<bool>& free,
-                          const NoiseEstimate& noise) {
-  const double n = problem.num_innovations(ShapeOf(noise));
-  VectorXd relative_variance =
-      VectorXd::Constant(3 * problem.num_elements(), 2.0 / n);
-  if (noise.log_ratio_deviation > 0.0) {
-    const double step = 0.2;
-    VectorXd logs[2];
-    for (int side = 0; side < 2; ++side) {
-      NoiseEstimate shifted = noise;
-      shifted.ratio = noise.ratio * std::exp(side == 0 ? -step : step);
-      const WhitenedColumns whitened = problem.Whiten(
-          problem.Linearise(point, ShapeOf(shifted), false), ShapeOf(shifted));
-      shifted.variance = whitened.residuals.squaredNorm() / n;
-      logs[side] = ComputeCovariance(problem, point, free, shifted)
-                       .covariance.diagonal()
-                       .array()
-                       .max(1e-300)
-                       .log();
+// Steps 2 to 4 and what is reported, from `fit`'s values and noise.
+void Finish(const OutputErrorProblem& problem, const StructuredOptions& options,
+            Fitter& fitter, OutputFit& fit) {
+  FitCertificate& certificate = fitter.certificate();
+  for (int round = 0; round < kMaxSearchRounds; ++round) {
+    double cost = 0.0;
+    for (int again = 0; again < kMaxNoiseRounds; ++again) {
+      const NoiseEstimate former = fit.noise;
+      fit.noise = EstimateNoise(problem, fit.point, fit.free, former,
+                                options.estimate_drift);
+      cost = fitter.Refine(fit.point, ShapeOf(fit.noise));
+      if (again > 0 && SameShape(former, fit.noise)) break;
     }
-    for (Eigen::Index i = 0; i < relative_variance.size(); ++i) {
-      const double slope = (logs[1](i) - logs[0](i)) / (2.0 * step);
-      if (std::isfinite(slope)) {
-        relative_variance(i) += std::pow(slope * noise.log_ratio_deviation, 2);
-      }
-    }
+    const DelaySearchResult search =
+        fitter.Search(fit.point, ShapeOf(fit.noise));
+    certificate.search_confirmed =
+        !(search.cost < cost * (1.0 - 1e-9) - search.cost_accuracy);
+    if (certificate.search_confirmed) break;
+    fit.point = search.point;
   }
-  return (2.0 * relative_variance.cwiseInverse()).cwiseMax(kMinDegrees);
+  fit.noise = EstimateNoise(problem, fit.point, fit.free, fit.noise,
+                            options.estimate_drift);
+  fitter.CertifyGradient(fit.point, fit.noise);
+}
+
+void FillIn(const OutputErrorProblem& problem, const StructuredOptions& options,
+            FitCertificate certificate, OutputFit& fit) {
+  const OutputCovariance covariance =
+      ComputeCovariance(problem, fit.point, fit.free, fit.noise);
+  fit.covariance = covariance.covariance;
+  fit.degrees_of_freedom =
+      ComputeDegreesOfFreedom(problem, fit.point, fit.free, fit.noise);
+  fit.deviance =
+      Deviance(problem, fit.point, fit.free, fit.noise, options.estimate_drift);
+  certificate.condition = covariance.condition;
+  certificate.rank = covariance.rank;
+  certificate.num_parameters =
+      3 * static_cast<int>(std::count(fit.free.begin(), fit.free.end(), true));
+  fit.certificate = certificate;
 }
 
 }  // namespace
-
-OutputCovariance ComputeCovariance(const OutputErrorProblem& problem,
-                                   const OutputPoint& point,
-                                   const std::vector<bool>& free,
-                                   const NoiseEstimate& noise) {
-  const WhitenedColumns whitened = problem.Whiten(
-      problem.Linearise(point, ShapeOf(noise), true), ShapeOf(noise));
-  std::vector<int> kept;
-  VectorXd units = VectorXd::Ones(3 * problem.num_elements());
-  for (int j = 0; j < problem.num_elements(); ++j) {
-    for (int i = 0; free[j] && i < 3; ++i) kept.push_back(3 * j + i);
-    if (free[j]) units(3 * j + 1) = point.values[j].time_scale;  // of ln T
-  }
-  OutputCovariance result;
-  result.covariance = MatrixXd::Zero(units.size(), units.size());
-  if (kept.empty()) return result;
-  const MatrixXd jacobian = whitened.jacobian(Eigen::all, kept);
-  const VectorXd norms = jacobian.colwise().norm().cwiseMax(1e-300);
-  const MatrixXd scaled = jacobian * norms.cwiseInverse().asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(scaled.transpose() *
-                                                      scaled);
-  const VectorXd& values = eigen.eigenvalues();
-  const double largest = values.maxCoeff();
-  const double limit = 1e-13 * largest;
-  MatrixXd inverse = MatrixXd::Zero(kept.size(), kept.size());
-  VectorXd undetermined = VectorXd::Zero(kept.size());
-  for (Eigen::Index i = 0; i < values.size(); ++i) {
-    const auto direction = eigen.eigenvectors().col(i);
-    if (values(i) > limit) {
-      ++result.rank;
-      inverse += direction * direction.transpose() / values(i);
-    } else {
-      undetermined += direction.cwiseAbs2();
-    }
-  }
-  result.condition = std::sqrt(largest / std::max(values.minCoeff(), 1e-300));
-  for (std::size_t a = 0; a < kept.size(); ++a) {
-    for (std::size_t b = 0; b < kept.size(); ++b) {
-      result.covariance(kept[a], kept[b]) = noise.variance * inverse(a, b) /
-                                            (norms(a) * norms(b)) *
-                                            units(kept[a]) * units(kept[b]);
-    }
-    if (undetermined(a) > 1e-9) {
-      result.covariance(kept[a], kept[a]) = kInfinity;
-    }
-  }
-  return result;
-}
 
 OutputFit FitOutput(const OutputErrorProblem& problem, const OutputPoint& start,
                     const std::vector<bool>& free,
                     const OutputFitBounds& bounds,
                     const StructuredOptions& options) {
-  Fitter fitter(problem, free, bounds, options);
   OutputFit fit;
   fit.free = free;
   fit.point = start;
   fit.point.SetCells(problem.sample_time());
-  fit.noise = EstimateNoise(problem, fit.point, free, NoiseEstimate(), options);
-  FitCertificate& certificate = fitter.certificate();
-  const bool any_free = std::find(free.begin(), free.end(), true) != free.end();
-  if (any_free) {
-    fit.point = fitter.Start(fit.point, ShapeOf(fit.noise));
-    for (int round = 0; round < kMaxSearchRounds; ++round) {
-      double cost = 0.0;
-      for (int again = 0; again < kMaxNoiseRounds; ++again) {
-        const NoiseEstimate former = fit.noise;
-        fit.noise = EstimateNoise(problem, fit.point, free, former, options);
-        cost = fitter.Refine(fit.point, ShapeOf(fit.noise));
-        if (SameShape(former, fit.noise)) break;
-      }
-      const DelaySearchResult search =
-          fitter.Search(fit.point, ShapeOf(fit.noise));
-      certificate.search_confirmed =
-          !(search.cost < cost * (1.0 - 1e-9) - search.cost_accuracy);
-      if (certificate.search_confirmed) break;
-      fit.point = search.point;
-    }
-    fitter.CertifyGradient(fit.point, fit.noise);
-  } else {
+  fit.noise = EstimateNoise(problem, fit.point, free, NoiseEstimate(),
+                            options.estimate_drift);
+  Fitter fitter(problem, fit.free, bounds, options);
+  if (std::find(free.begin(), free.end(), true) == free.end()) {
+    FitCertificate certificate;
     certificate.termination = FitTermination::kConverged;
     certificate.message = "no parameter is free";
     certificate.gradient = 0.0;
     certificate.search_confirmed = true;
+    FillIn(problem, options, certificate, fit);
+    return fit;
   }
-  const OutputCovariance covariance =
-      ComputeCovariance(problem, fit.point, free, fit.noise);
-  fit.covariance = covariance.covariance;
-  fit.degrees_of_freedom =
-      DegreesOfFreedom(problem, fit.point, free, fit.noise);
-  fit.deviance = Deviance(problem, fit.point, free, fit.noise, options);
-  certificate.condition = covariance.condition;
-  certificate.rank = covariance.rank;
-  certificate.num_parameters =
-      3 * static_cast<int>(std::count(free.begin(), free.end(), true));
-  fit.certificate = certificate;
+  fit.point = fitter.Start(fit.point, ShapeOf(fit.noise));
+  Finish(problem, options, fitter, fit);
+  FillIn(problem, options, fitter.certificate(), fit);
   return fit;
+}
+
+OutputFit FitWithoutOffsets(const OutputErrorProblem& problem,
+                            const OutputFit& fit, const OutputFitBounds& bounds,
+                            const StructuredOptions& options) {
+  OutputFit plain = fit;
+  plain.noise.ratio = 0.0;
+  plain.noise.offset = false;
+  FitCertificate certificate = fit.certificate;
+  if (fit.certificate.num_parameters > 0) {
+    Fitter fitter(problem, plain.free, bounds, options);
+    Finish(problem, options, fitter, plain);
+    certificate = fitter.certificate();
+  } else {
+    plain.noise = EstimateNoise(problem, plain.point, plain.free, plain.noise,
+                                options.estimate_drift);
+  }
+  FillIn(problem, options, certificate, plain);
+  return plain;
 }
 
 }  // namespace mle

@@ -53,6 +53,11 @@ OutputFit FitOutput(const OutputErrorProblem& problem, const OutputPoint& start,
                     const OutputFitBounds& bounds,
                     const StructuredOptions& options);
 
+// The elements of `fit` fitted under white noise without offsets, from there.
+OutputFit FitWithoutOffsets(const OutputErrorProblem& problem,
+                            const OutputFit& fit, const OutputFitBounds& bounds,
+                            const StructuredOptions& options);
+
 inline NoiseShape ShapeOf(const NoiseEstimate& noise) {
   return {.ratio = noise.ratio, .offset = noise.offset};
 }
@@ -64,14 +69,29 @@ inline NoiseShape ShapeOf(const NoiseEstimate& noise) {
 NoiseEstimate EstimateNoise(const OutputErrorProblem& problem,
                             const OutputPoint& point,
                             const std::vector<bool>& free,
-                            const NoiseEstimate& start,
-                            const StructuredOptions& options);
+                            const NoiseEstimate& start, bool estimate_drift);
+
+// What speaks against "the noise is white, without offsets" in one output.
+struct OffsetEvidence {
+  double offsets = 0.0;  // χ² of `num_offsets` for ρ = 0
+  int num_offsets = 0;
+  double drift = 0.0;  // likelihood ratio of ρ, offsets given
+};
+
+// At the fit of an output with offsets.
+OffsetEvidence FindOffsetEvidence(const OutputErrorProblem& problem,
+                                  const OutputPoint& point,
+                                  const std::vector<bool>& free,
+                                  const NoiseEstimate& noise);
+
+// p-value of no offsets and no drift in any output.
+double OffsetProbability(const std::vector<OffsetEvidence>& evidence);
 
 // −2 ln likelihood less constants at `point`, maximised over r and ρ, and, in
 // first order, over the elements that are `free`; with an offset as in `start`.
 double Deviance(const OutputErrorProblem& problem, const OutputPoint& point,
                 const std::vector<bool>& free, const NoiseEstimate& start,
-                const StructuredOptions& options);
+                bool estimate_drift);
 
 struct OutputCovariance {
   Eigen::MatrixXd covariance;  // as above
@@ -84,6 +104,13 @@ OutputCovariance ComputeCovariance(const OutputErrorProblem& problem,
                                    const OutputPoint& point,
                                    const std::vector<bool>& free,
                                    const NoiseEstimate& noise);
+
+// Of the variances on the diagonal of the covariance (3m), which move with the
+// ratio and with r, both estimated: Satterthwaite's approximation.
+Eigen::VectorXd ComputeDegreesOfFreedom(const OutputErrorProblem& problem,
+                                        const OutputPoint& point,
+                                        const std::vector<bool>& free,
+                                        const NoiseEstimate& noise);
 
 }  // namespace mle
 

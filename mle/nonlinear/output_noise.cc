@@ -157,35 +157,16 @@ double LogRatioDeviation(const ShapeLikelihood& likelihood,
                   kMaxLogRatioDeviation);
 }
 
-// Whether records without drift speak for offsets, or with offsets for drift.
-bool HasOffsets(const OutputErrorProblem& problem,
-                const ShapeLikelihood& likelihood, const Profile& best,
-                double level) {
-  const Profile with = likelihood.At(NoiseShape());
-  // ρ = 0 is the end of its range: half of the distribution lies there.
-  const double p_drift = 0.5 * ChiSquareTail(with.value - best.value, 1.0);
-  const Profile without = likelihood.At({.ratio = 0.0, .offset = false});
-  const double offsets = problem.num_segments();
-  const double p_offsets =
-      FisherTail((without.squares - with.squares) / offsets / with.variance(),
-                 offsets, std::max(with.degrees, 1.0));
-  return std::min(p_drift, p_offsets) < 0.5 * level;
-}
-
 }  // namespace
 
 NoiseEstimate EstimateNoise(const OutputErrorProblem& problem,
                             const OutputPoint& point,
                             const std::vector<bool>& free,
-                            const NoiseEstimate& start,
-                            const StructuredOptions& options) {
+                            const NoiseEstimate& start, bool estimate_drift) {
   const ShapeLikelihood likelihood(problem, point, free, ShapeOf(start),
                                    /*restricted=*/true);
-  Profile best = FindBest(likelihood, options.estimate_drift);
-  if (options.offset_test_level < 1.0 &&
-      !HasOffsets(problem, likelihood, best, options.offset_test_level)) {
-    best = likelihood.At({.ratio = 0.0, .offset = false});
-  }
+  const Profile best = start.offset ? FindBest(likelihood, estimate_drift)
+                                    : likelihood.At(ShapeOf(start));
   NoiseEstimate noise;
   noise.variance = best.variance();
   noise.ratio = best.shape.ratio;
@@ -196,13 +177,51 @@ NoiseEstimate EstimateNoise(const OutputErrorProblem& problem,
   return noise;
 }
 
+OffsetEvidence FindOffsetEvidence(const OutputErrorProblem& problem,
+                                  const OutputPoint& point,
+                                  const std::vector<bool>& free,
+                                  const NoiseEstimate& noise) {
+  const ShapeLikelihood likelihood(problem, point, free, ShapeOf(noise),
+                                   /*restricted=*/true);
+  const Profile with = likelihood.At(NoiseShape());
+  const Profile without = likelihood.At({.ratio = 0.0, .offset = false});
+  OffsetEvidence evidence;
+  evidence.offsets = (without.squares - with.squares) / with.variance();
+  evidence.num_offsets = problem.num_segments();
+  if (noise.ratio > 0.0) {
+    evidence.drift = with.value - likelihood.At(ShapeOf(noise)).value;
+  }
+  return evidence;
+}
+
+double OffsetProbability(const std::vector<OffsetEvidence>& evidence) {
+  double statistic = 0.0;
+  double offsets = 0.0;
+  for (const OffsetEvidence& e : evidence) {
+    statistic += std::max(e.offsets, 0.0) + std::max(e.drift, 0.0);
+    offsets += e.num_offsets;
+  }
+  // ρ = 0 is the end of its range, so that half of each ratio's distribution
+  // lies at 0: the number of χ² terms is binomial.
+  const int outputs = static_cast<int>(evidence.size());
+  double probability = 0.0;
+  double weight = std::pow(0.5, outputs);
+  for (int k = 0; k <= outputs; ++k) {
+    if (offsets + k > 0.0) {
+      probability += weight * ChiSquareTail(statistic, offsets + k);
+    }
+    weight *= static_cast<double>(outputs - k) / (k + 1);
+  }
+  return probability;
+}
+
 double Deviance(const OutputErrorProblem& problem, const OutputPoint& point,
                 const std::vector<bool>& free, const NoiseEstimate& start,
-                const StructuredOptions& options) {
+                bool estimate_drift) {
   const ShapeLikelihood likelihood(problem, point, free, ShapeOf(start),
                                    /*restricted=*/false);
   if (!start.offset) return likelihood.At(ShapeOf(start)).value;
-  return FindBest(likelihood, options.estimate_drift).value;
+  return FindBest(likelihood, estimate_drift).value;
 }
 
 }  // namespace mle

@@ -79,6 +79,27 @@ StructuredFit EmptyFit(const ProcessModel& model) {
   return fit;
 }
 
+// Writes all fits into `fit`, without offsets if no output speaks for them.
+void ReportAll(const std::vector<OutputSetup>& setups,
+               const std::vector<OutputFit>& fits,
+               const StructuredOptions& options, StructuredFit& fit) {
+  const int p = static_cast<int>(setups.size());
+  std::vector<OffsetEvidence> evidence(p);
+  ParallelFor(p, options.threads, [&](int i) {
+    evidence[i] = FindOffsetEvidence(*setups[i].problem, fits[i].point,
+                                     fits[i].free, fits[i].noise);
+  });
+  const bool offsets = options.offset_test_level == 1.0 ||
+                       OffsetProbability(evidence) < options.offset_test_level;
+  ParallelFor(p, options.threads, [&](int i) {
+    const OutputFit shown = offsets
+                                ? fits[i]
+                                : FitWithoutOffsets(*setups[i].problem, fits[i],
+                                                    setups[i].bounds, options);
+    Report(setups[i], shown, i, options.confidence, fit);
+  });
+}
+
 // The elements of one output against their initial values.
 ElementSelection Select(const OutputSetup& setup, const OutputFit& fit,
                         double false_alarm) {
@@ -121,7 +142,7 @@ void Judge(const std::vector<OutputSetup>& setups,
   ParallelFor(p, options.threads, [&](int i) {
     const OutputPoint& start = setups[i].start;
     drops[i] = Deviance(*setups[i].problem, start, std::vector<bool>(m, false),
-                        fits[i].noise, options) -
+                        fits[i].noise, options.estimate_drift) -
                fits[i].deviance;
   });
   for (int i = 0; i < p; ++i) {
@@ -178,9 +199,7 @@ absl::StatusOr<StructuredCorrection> CorrectStructure(
     fits[i] = FitOutput(*setups[i].problem, setups[i].start, setups[i].informed,
                         setups[i].bounds, options);
   });
-  for (int i = 0; i < p; ++i) {
-    Report(setups[i], fits[i], i, options.confidence, correction.full);
-  }
+  ReportAll(setups, fits, options, correction.full);
   Judge(setups, fits, options, correction);
   ParallelFor(p, options.threads, [&](int i) {
     std::vector<bool> free(m);
@@ -194,9 +213,7 @@ absl::StatusOr<StructuredCorrection> CorrectStructure(
     fits[i] =
         FitOutput(*setups[i].problem, start, free, setups[i].bounds, options);
   });
-  for (int i = 0; i < p; ++i) {
-    Report(setups[i], fits[i], i, options.confidence, correction.corrected);
-  }
+  ReportAll(setups, fits, options, correction.corrected);
   return correction;
 }
 

@@ -51,11 +51,12 @@ struct StructuredOptions {
   double max_delay = std::numeric_limits<double>::infinity();
   // Whether the noise may have a random walk in it; if not, it is white.
   bool estimate_drift = true;
-  // Level, in (0, 1), of the test by which a free offset for each window and
-  // drift are given up: records that are deviations from the operating point
-  // and free of drift determine gains twice as well without them. At 1 they
-  // never are.
-  double offset_test_level = 0.05;
+  // Level, in (0, 1], of the test by which the estimates give up offsets of the
+  // windows and drift, in all outputs together: records that are deviations
+  // from the model's operating point and free of drift determine gains twice as
+  // well without them. At 1 they never are. What has changed is judged with
+  // them in any case.
+  double offset_test_level = 1e-3;
   // Probability of a false alarm, in (0, 1): that a change is proposed where
   // there is none, and that an element is named that has not changed, of all.
   double false_alarm_probability = 0.01;

@@ -1,0 +1,102 @@
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "Eigen/Eigenvalues"
+#include "mle/nonlinear/output_fit.h"
+
+namespace mle {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+// Satterthwaite's approximation does not reach below.
+constexpr double kMinDegrees = 4.0;
+// In ln ρ, of the differences that tell how a variance moves with it.
+constexpr double kRatioStep = 0.2;
+
+}  // namespace
+
+OutputCovariance ComputeCovariance(const OutputErrorProblem& problem,
+                                   const OutputPoint& point,
+                                   const std::vector<bool>& free,
+                                   const NoiseEstimate& noise) {
+  const WhitenedColumns whitened = problem.Whiten(
+      problem.Linearise(point, ShapeOf(noise), true), ShapeOf(noise));
+  std::vector<int> kept;
+  VectorXd units = VectorXd::Ones(3 * problem.num_elements());
+  for (int j = 0; j < problem.num_elements(); ++j) {
+    for (int i = 0; free[j] && i < 3; ++i) kept.push_back(3 * j + i);
+    if (free[j]) units(3 * j + 1) = point.values[j].time_scale;  // of ln T
+  }
+  OutputCovariance result;
+  result.covariance = MatrixXd::Zero(units.size(), units.size());
+  if (kept.empty()) return result;
+  const MatrixXd jacobian = whitened.jacobian(Eigen::all, kept);
+  const VectorXd norms = jacobian.colwise().norm().cwiseMax(1e-300);
+  const MatrixXd scaled = jacobian * norms.cwiseInverse().asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(scaled.transpose() *
+                                                      scaled);
+  const VectorXd& values = eigen.eigenvalues();
+  const double largest = values.maxCoeff();
+  const double limit = 1e-13 * largest;
+  MatrixXd inverse = MatrixXd::Zero(kept.size(), kept.size());
+  VectorXd undetermined = VectorXd::Zero(kept.size());
+  for (Eigen::Index i = 0; i < values.size(); ++i) {
+    const auto direction = eigen.eigenvectors().col(i);
+    if (values(i) > limit) {
+      ++result.rank;
+      inverse += direction * direction.transpose() / values(i);
+    } else {
+      undetermined += direction.cwiseAbs2();
+    }
+  }
+  result.condition = std::sqrt(largest / std::max(values.minCoeff(), 1e-300));
+  for (std::size_t a = 0; a < kept.size(); ++a) {
+    for (std::size_t b = 0; b < kept.size(); ++b) {
+      result.covariance(kept[a], kept[b]) = noise.variance * inverse(a, b) /
+                                            (norms(a) * norms(b)) *
+                                            units(kept[a]) * units(kept[b]);
+    }
+    if (undetermined(a) > 1e-9) {
+      result.covariance(kept[a], kept[a]) = kInfinity;
+    }
+  }
+  return result;
+}
+
+VectorXd ComputeDegreesOfFreedom(const OutputErrorProblem& problem,
+                                 const OutputPoint& point,
+                                 const std::vector<bool>& free,
+                                 const NoiseEstimate& noise) {
+  const double n = problem.num_innovations(ShapeOf(noise));
+  VectorXd relative_variance =
+      VectorXd::Constant(3 * problem.num_elements(), 2.0 / n);
+  if (noise.log_ratio_deviation > 0.0) {
+    VectorXd logs[2];
+    for (int side = 0; side < 2; ++side) {
+      NoiseEstimate shifted = noise;
+      shifted.ratio =
+          noise.ratio * std::exp(side == 0 ? -kRatioStep : kRatioStep);
+      const WhitenedColumns whitened = problem.Whiten(
+          problem.Linearise(point, ShapeOf(shifted), false), ShapeOf(shifted));
+      shifted.variance = whitened.residuals.squaredNorm() / n;
+      logs[side] = ComputeCovariance(problem, point, free, shifted)
+                       .covariance.diagonal()
+                       .array()
+                       .max(1e-300)
+                       .log();
+    }
+    for (Eigen::Index i = 0; i < relative_variance.size(); ++i) {
+      const double slope = (logs[1](i) - logs[0](i)) / (2.0 * kRatioStep);
+      if (std::isfinite(slope)) {
+        relative_variance(i) += std::pow(slope * noise.log_ratio_deviation, 2);
+      }
+    }
+  }
+  return (2.0 * relative_variance.cwiseInverse()).cwiseMax(kMinDegrees);
+}
+
+}  // namespace mle
