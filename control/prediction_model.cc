@@ -75,7 +75,7 @@ absl::StatusOr<int> SamplesPerPeriod(double control_period,
 double Unsettled(const Eigen::Ref<const VectorXd>& response) {
   const double largest = response.cwiseAbs().maxCoeff();
   if (largest == 0.0) return 0.0;
-  const Eigen::Index tail = std::max<Eigen::Index>(2, response.size() / 10);
+  const Eigen::Index tail = std::max<Eigen::Index>(5, response.size() / 10);
   const auto end = response.tail(std::min(tail, response.size()));
   return (end.array() - end[end.size() - 1]).abs().maxCoeff() / largest;
 }
@@ -239,8 +239,9 @@ absl::StatusOr<PredictionModel> PredictFromArx(
   const double values = kMaxValues / (model.num_outputs * model.num_inputs);
   const int most =
       static_cast<int>(std::clamp(longest / model.sample_time, 1.0, values));
-  // Twice as long until it has settled.
-  int length = std::min(most, 4 * model.order);
+  // Twice as long until it has settled; its last tenth spans the model's
+  // memory.
+  int length = static_cast<int>(std::min<double>(most, 20.0 * model.order));
   StepResponse response = model.ComputeStepResponse(length + 1);
   while (length < most && WorstUnsettled(response) > kArxRemainder) {
     length = static_cast<int>(std::min<double>(most, 2.0 * length));

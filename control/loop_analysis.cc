@@ -1,0 +1,310 @@
+#include "control/loop_analysis.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+#include "Eigen/LU"
+#include "Eigen/SVD"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "mle/base/status.h"
+
+namespace mle::control {
+namespace {
+
+using Complex = std::complex<double>;
+using Eigen::MatrixXcd;
+using Eigen::MatrixXd;
+using Eigen::VectorXcd;
+using Eigen::VectorXd;
+
+constexpr double kPi = std::numbers::pi;
+// A mode this much larger than 1 per period grows.
+constexpr double kMargin = 1e-6;
+constexpr double kNegligible = 1e-10;  // of the largest coefficient
+
+// Σ_{a=1}^{n} C_a w^a with real matrices C_a.
+class MatrixPolynomial {
+ public:
+  MatrixPolynomial(Eigen::Index rows, Eigen::Index cols, Eigen::Index degree)
+      : rows_(rows), coefficients_(MatrixXd::Zero(rows * cols, degree)) {}
+
+  Eigen::Index degree() const { return coefficients_.cols(); }
+  auto coefficient(Eigen::Index a) {
+    return coefficients_.col(a - 1).reshaped(rows_,
+                                             coefficients_.rows() / rows_);
+  }
+  // Cuts off the negligible end.
+  void Trim() {
+    const double least = kNegligible * coefficients_.cwiseAbs().maxCoeff();
+    Eigen::Index n = degree();
+    while (n > 1 && coefficients_.col(n - 1).cwiseAbs().maxCoeff() <= least) {
+      --n;
+    }
+    coefficients_.conservativeResize(Eigen::NoChange, n);
+  }
+  MatrixXcd operator()(const VectorXcd& powers) const {
+    const VectorXcd value =
+        coefficients_.cast<Complex>().lazyProduct(powers.head(degree()));
+    return value.reshaped(rows_, value.size() / rows_);
+  }
+
+ private:
+  Eigen::Index rows_;
+  MatrixXd coefficients_;  // C_a in column a − 1
+};
+
+MatrixXd ResponseAt(const PredictionModel& model,
+                    const std::vector<int>& inputs, int k) {
+  const int p = model.num_outputs;
+  return model.responses(Eigen::seqN(p * std::min(k, model.periods()), p),
+                         inputs);
+}
+
+// (1 − w) Σ_{a≥1} S_{a−1} w^a = Σ (S_{a−1} − S_{a−2}) w^a.
+MatrixPolynomial Differences(const PredictionModel& model,
+                             const std::vector<int>& inputs) {
+  const int n = model.periods();
+  MatrixPolynomial result(model.num_outputs,
+                          static_cast<Eigen::Index>(inputs.size()), n + 1);
+  for (int a = 2; a <= n + 1; ++a) {
+    result.coefficient(a) =
+        ResponseAt(model, inputs, a - 1) - ResponseAt(model, inputs, a - 2);
+  }
+  result.Trim();
+  return result;
+}
+
+// The loop's transfer matrices, times 1 − w where they have a pole at w = 1.
+class Loop {
+ public:
+  Loop(const Mpc& mpc, const PredictionModel& plant)
+      : gains_(mpc.observer().gains()),
+        manipulated_(mpc.model().InputsOf(InputRole::kManipulated)),
+        model_(Differences(mpc.model(), manipulated_)),
+        plant_(Differences(plant, manipulated_)),
+        predictor_(Predictor(mpc)),
+        degree_(
+            std::max({model_.degree(), plant_.degree(), predictor_.degree()})) {
+    const int p = mpc.model().num_outputs;
+    sum_ = MatrixXd::Zero(mpc.gain().rows(), p);
+    for (Eigen::Index i = 0; i < mpc.gain().cols(); i += p) {
+      sum_ += mpc.gain().middleCols(i, p);
+    }
+    scale_ = mpc.options().output_weight.diagonal().cwiseSqrt();
+    for (double& value : scale_) {
+      if (value == 0.0) value = 1.0;
+    }
+  }
+
+  Eigen::Index degree() const { return degree_; }
+  int surplus_inputs() const {
+    return std::max(
+        0, static_cast<int>(sum_.rows()) - static_cast<int>(sum_.cols()));
+  }
+
+  Complex Determinant(Complex w) const {
+    const VectorXcd powers = Powers(w);
+    return (Controller(w, powers) + Feedback(w) * plant_(powers)).determinant();
+  }
+
+  // S at w on the unit circle, w ≠ 1, in scaled outputs.
+  MatrixXcd Sensitivity(Complex w) const {
+    const VectorXcd powers = Powers(w);
+    const MatrixXcd PC =
+        plant_(powers) *
+        Controller(w, powers).partialPivLu().solve(Feedback(w));
+    const Eigen::Index p = PC.rows();
+    const MatrixXcd S = (MatrixXcd::Identity(p, p) + PC).inverse();
+    return scale_.asDiagonal() * S * scale_.cwiseInverse().asDiagonal();
+  }
+
+ private:
+  // (1 − w) Σ_i K_i F_i.
+  MatrixPolynomial Predictor(const Mpc& mpc) const {
+    const PredictionModel& model = mpc.model();
+    const int p = model.num_outputs;
+    const int n = model.periods();
+    const Eigen::Index m = mpc.gain().rows();
+    const int horizon = static_cast<int>(mpc.gain().cols()) / p;
+    MatrixPolynomial result(m, m, n);
+    MatrixXd previous = MatrixXd::Zero(m, m);
+    for (int a = 1; a <= n; ++a) {
+      MatrixXd sum = MatrixXd::Zero(m, m);
+      for (int i = 1; i <= horizon; ++i) {
+        sum += mpc.gain().middleCols(Eigen::Index{p} * (i - 1), p) *
+               ResponseAt(model, manipulated_, a + i - 1);
+      }
+      result.coefficient(a) = sum - previous;
+      previous = sum;
+    }
+    result.Trim();
+    return result;
+  }
+
+  VectorXcd Powers(Complex w) const {
+    VectorXcd powers(degree_);
+    Complex power = 1.0;
+    for (Complex& value : powers) value = power *= w;
+    return powers;
+  }
+
+  // K̄ W.
+  MatrixXcd Feedback(Complex w) const {
+    const VectorXcd observer =
+        gains_.unaryExpr([w](double g) { return g / (1.0 - (1.0 - g) * w); });
+    return sum_ * observer.asDiagonal();
+  }
+
+  // (1 − w)(I + Σ K_i F_i − K̄ W F_0).
+  MatrixXcd Controller(Complex w, const VectorXcd& powers) const {
+    MatrixXcd result = predictor_(powers) - Feedback(w) * model_(powers);
+    result.diagonal().array() += 1.0 - w;
+    return result;
+  }
+
+  VectorXd gains_;
+  std::vector<int> manipulated_;
+  MatrixPolynomial model_;      // (1 − w) F_0
+  MatrixPolynomial plant_;      // (1 − w) P
+  MatrixPolynomial predictor_;  // (1 − w) Σ K_i F_i
+  Eigen::Index degree_;
+  MatrixXd sum_;    // K̄
+  VectorXd scale_;  // of the outputs
+};
+
+// The change of arg D between two angles on a circle, halving until neighbours
+// are close enough to be told apart.
+double PhaseChange(const Loop& loop, double radius, double from, Complex D_from,
+                   double to, Complex D_to, int depth) {
+  const Complex ratio = D_to / D_from;
+  const double change = std::arg(ratio);
+  const double size = std::abs(ratio);
+  if (depth == 0 || (std::abs(change) < 0.7 && size > 0.4 && size < 2.5)) {
+    return std::isfinite(change) ? change : 0.0;
+  }
+  const double middle = 0.5 * (from + to);
+  const Complex D = loop.Determinant(std::polar(radius, middle));
+  return PhaseChange(loop, radius, from, D_from, middle, D, depth - 1) +
+         PhaseChange(loop, radius, middle, D, to, D_to, depth - 1);
+}
+
+// Zeros of D in |w| < radius. D is real on the real axis, so that half the
+// circle tells all.
+int CountZeros(const Loop& loop, double radius) {
+  const int intervals =
+      static_cast<int>(std::clamp<Eigen::Index>(2 * loop.degree(), 64, 2048));
+  double change = 0.0;
+  Complex previous = loop.Determinant(radius);
+  for (int i = 1; i <= intervals; ++i) {
+    const double angle = kPi * i / intervals;
+    const Complex next = loop.Determinant(std::polar(radius, angle));
+    change += PhaseChange(loop, radius, kPi * (i - 1) / intervals, previous,
+                          angle, next, 30);
+    previous = next;
+  }
+  return static_cast<int>(std::lround(change / kPi));
+}
+
+// The smallest |w| of a zero, of those between `low`, below which there is
+// none, and `high`; `high` if there is none.
+double SmallestZero(const Loop& loop, double low, double high, int spared) {
+  if (CountZeros(loop, high) <= spared) return high;
+  for (int step = 0; step < 30 && high - low > 1e-5; ++step) {
+    const double middle = 0.5 * (low + high);
+    (CountZeros(loop, middle) > spared ? high : low) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+double LargestSingularValue(const MatrixXcd& matrix) {
+  return Eigen::JacobiSVD<MatrixXcd>(matrix).singularValues()(0);
+}
+
+// The peaks over frequencies up to the Nyquist frequency: on a grid, then finer
+// around the largest.
+void FindPeaks(const Loop& loop, double control_period,
+               LoopAnalysis& analysis) {
+  double best = kPi;
+  const auto look = [&](double angle) {
+    const MatrixXcd S = loop.Sensitivity(std::polar(1.0, -angle));
+    const double peak = LargestSingularValue(S);
+    if (peak > analysis.sensitivity_peak) {
+      analysis.sensitivity_peak = peak;
+      best = angle;
+    }
+    const MatrixXcd T = MatrixXcd::Identity(S.rows(), S.cols()) - S;
+    analysis.complementary_peak =
+        std::max(analysis.complementary_peak, LargestSingularValue(T));
+  };
+  constexpr int kPoints = 300;
+  for (int i = 1; i <= kPoints; ++i) {
+    look(kPi * i / kPoints);
+    look(kPi * std::pow(10.0, -4.0 * (i - 1) / kPoints));
+  }
+  for (double width = kPi / kPoints; width > 1e-7; width *= 0.1) {
+    const double center = best;
+    for (int i = -10; i <= 10; ++i) {
+      const double angle = center + 0.1 * i * width;
+      if (angle > 0.0 && angle <= kPi) look(angle);
+    }
+  }
+  analysis.peak_frequency = best / control_period;
+}
+
+}  // namespace
+
+std::string LoopAnalysis::Brief() const {
+  if (!stable) {
+    return absl::StrFormat("unstable, growing by a factor of %.3g per period",
+                           spectral_radius);
+  }
+  return absl::StrFormat(
+      "stable, slowest mode %.3f per period, sensitivity peak %.2f",
+      spectral_radius, sensitivity_peak);
+}
+
+absl::StatusOr<LoopAnalysis> AnalyseLoop(const Mpc& mpc,
+                                         const PredictionModel& plant) {
+  MLE_RETURN_IF_ERROR(plant.Validate());
+  const PredictionModel& model = mpc.model();
+  if (plant.num_outputs != model.num_outputs || plant.roles != model.roles ||
+      std::abs(plant.control_period - model.control_period) >
+          1e-9 * model.control_period) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "the plant has ", plant.num_outputs, " outputs, ", plant.num_inputs(),
+        " inputs and control_period = ", plant.control_period,
+        ", the controller ", model.num_outputs, ", ", model.num_inputs(),
+        " and ", model.control_period,
+        "; these and the inputs' roles must be the same"));
+  }
+  const Loop loop(mpc, plant);
+  LoopAnalysis analysis;
+  analysis.growing_modes = CountZeros(loop, 1.0 - kMargin);
+  analysis.stable = analysis.growing_modes == 0;
+  const double slowest_observer = 1.0 - mpc.observer().gains().minCoeff();
+  if (!analysis.stable) {
+    analysis.spectral_radius = 1.0 / SmallestZero(loop, 0.0, 1.0 - kMargin, 0);
+    return analysis;
+  }
+  // Beyond the plant's own decay the cut-off ends of its responses would be
+  // taken for modes.
+  const double degree = static_cast<double>(loop.degree());
+  double high = std::pow(10.0, 3.0 / std::max(degree, 10.0));
+  if (slowest_observer > 0.0) {
+    high = std::min(high, 0.999 / slowest_observer);
+  }
+  if (loop.surplus_inputs() > 0 || high <= 1.0) {
+    analysis.spectral_radius = 1.0;
+  } else {
+    analysis.spectral_radius = 1.0 / SmallestZero(loop, 1.0 - kMargin, high, 0);
+  }
+  FindPeaks(loop, model.control_period, analysis);
+  return analysis;
+}
+
+}  // namespace mle::control

@@ -1,0 +1,62 @@
+// What a predictive controller will do on a plant that its model knows only
+// roughly: stability and sensitivity of the loop without limits.
+//
+// In w = z⁻¹, with Δu(w) the moves, decided at l and acting from l+1, P_k the
+// plant's step responses, K_i the gain's blocks, K̄ = Σ K_i and W the observer,
+// W_ii = g_i / (1 − (1 − g_i) w):
+//
+//   y = P(w) Δu + d,            P(w) = Σ_{a≥1} P_{a−1} w^a,
+//   Δu = Σ K_i (r − F_i Δu − W (y − F_0 Δu)),   F_i(w) = Σ_{a≥1} S_{a+i−1} w^a.
+//
+// The loop's modes are the inverses of the zeros of
+//
+//   D(w) = det((1 − w)(I + Σ K_i F_i − K̄ W F_0 + K̄ W P)),
+//
+// which has no poles in |w| ≤ 1: they are counted by the argument principle, as
+// in Nyquist's criterion, on the sampled responses themselves. The sensitivity
+// S = (I + P C)⁻¹ tells how much the loop amplifies a disturbance of each
+// frequency, C being the controller from −y to Δu; 1/‖S‖_∞ is the distance of
+// the loop from instability (Skogestad and Postlethwaite, Multivariable
+// Feedback Control, 2005, sec. 2.4.3, who ask for a peak below 2). Outputs are
+// scaled by the roots of their weights Q_y,ii, so that units do not matter.
+//
+//   MLE_ASSIGN_OR_RETURN(const LoopAnalysis loop, AnalyseLoop(mpc, plant));
+
+#ifndef CONTROL_LOOP_ANALYSIS_H_
+#define CONTROL_LOOP_ANALYSIS_H_
+
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "control/mpc.h"
+#include "control/prediction_model.h"
+
+namespace mle::control {
+
+struct LoopAnalysis {
+  // No mode grows. Inputs that are more than the outputs leave as many modes
+  // that neither grow nor decay; they count as stable.
+  bool stable = false;
+  int growing_modes = 0;
+  // The largest magnitude of a mode, per control period. Modes that decay
+  // faster than the plant itself are not told apart: then this is an upper
+  // bound, near that of the plant's slowest mode.
+  double spectral_radius = 0.0;
+  // max_ω σ_max(S) and max_ω σ_max(I − S); meaningful for a stable loop.
+  double sensitivity_peak = 0.0;
+  double complementary_peak = 0.0;
+  // Where S peaks, in rad per time unit.
+  double peak_frequency = 0.0;
+
+  // "stable, slowest mode 0.95 per period, sensitivity peak 1.3"
+  std::string Brief() const;
+};
+
+// InvalidArgument if the plant has another control period, or other numbers or
+// roles of inputs and outputs, than the controller.
+absl::StatusOr<LoopAnalysis> AnalyseLoop(const Mpc& mpc,
+                                         const PredictionModel& plant);
+
+}  // namespace mle::control
+
+#endif  // CONTROL_LOOP_ANALYSIS_H_

@@ -1,0 +1,228 @@
+#include "control/loop_analysis.h"
+
+#include <cmath>
+#include <utility>
+
+#include "Eigen/Eigenvalues"
+#include "gtest/gtest.h"
+#include "tests/sim/test_models.h"
+
+namespace mle::control {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using testing::EmptyModel;
+using testing::SecondOrder;
+using testing::SingleLoop;
+
+MpcOptions Options(int p, int m, double move_weight) {
+  MpcOptions options;
+  options.prediction_horizon = 12;
+  options.control_horizon = 3;
+  options.output_weight = MatrixXd::Identity(p, p);
+  options.move_weight = MatrixXd::Identity(m, m) * move_weight;
+  return options;
+}
+
+PredictionModel Predict(const ProcessModel& model) {
+  absl::StatusOr<PredictionModel> prediction = PredictFromProcess(model, 1.0);
+  EXPECT_TRUE(prediction.ok()) << prediction.status();
+  return *std::move(prediction);
+}
+
+Mpc MakeMpc(const PredictionModel& model, const MpcOptions& options) {
+  absl::StatusOr<Mpc> mpc = Mpc::Create(model, options);
+  EXPECT_TRUE(mpc.ok()) << mpc.status();
+  return *std::move(mpc);
+}
+
+LoopAnalysis Analyse(const Mpc& mpc, const PredictionModel& plant) {
+  const absl::StatusOr<LoopAnalysis> analysis = AnalyseLoop(mpc, plant);
+  EXPECT_TRUE(analysis.ok()) << analysis.status();
+  return *analysis;
+}
+
+// The loop as x ← A x, x = (moves decided 1 … N instants ago, the inputs' older
+// part, ŵ of the last instant), with the laws as mpc.h states them. A's
+// eigenvalues are the modes; independent of transfer functions.
+MatrixXd ClosedLoopMatrix(const Mpc& mpc, const PredictionModel& plant) {
+  const int p = plant.num_outputs;
+  const int m = plant.num_inputs();
+  const int N = std::max(plant.periods(), mpc.model().periods()) + 1;
+  const int H_p = static_cast<int>(mpc.gain().cols()) / p;
+  const auto step = [p](const PredictionModel& model, int k) -> MatrixXd {
+    return model.responses.middleRows(p * std::min(k, model.periods()), p);
+  };
+  const int size = m * N + m + p;
+  // y_l and f_{l+i} as linear functions of x.
+  const auto response = [&](const PredictionModel& model, int ahead) {
+    MatrixXd row = MatrixXd::Zero(p, size);
+    for (int a = 1; a <= N; ++a) {
+      row.middleCols(m * (a - 1), m) = step(model, a + ahead - 1);
+    }
+    row.middleCols(m * N, m) = step(model, model.periods());
+    return row;
+  };
+  MatrixXd w_now = MatrixXd::Zero(p, size);
+  w_now.rightCols(p).setIdentity();
+  w_now += mpc.observer().gains().asDiagonal() *
+           (response(plant, 0) - response(mpc.model(), 0) - w_now).eval();
+  MatrixXd move = MatrixXd::Zero(m, size);
+  for (int i = 1; i <= H_p; ++i) {
+    move -= mpc.gain().middleCols(p * (i - 1), p) *
+            (response(mpc.model(), i) + w_now);
+  }
+  MatrixXd A = MatrixXd::Zero(size, size);
+  A.topRows(m) = move;
+  A.block(m, 0, m * (N - 1), m * (N - 1)).setIdentity();
+  A.block(m * N, m * (N - 1), m, m).setIdentity();
+  A.block(m * N, m * N, m, m).setIdentity();
+  A.bottomRows(p) = w_now;
+  return A;
+}
+
+struct Modes {
+  double radius = 0.0;
+  int growing = 0;
+};
+
+Modes EigenvalueModes(const Mpc& mpc, const PredictionModel& plant) {
+  const VectorXd sizes =
+      Eigen::EigenSolver<MatrixXd>(ClosedLoopMatrix(mpc, plant), false)
+          .eigenvalues()
+          .cwiseAbs();
+  return {sizes.maxCoeff(),
+          static_cast<int>((sizes.array() > 1.0 + 1e-6).count())};
+}
+
+// Short time constants, for short responses and small matrices.
+ProcessModel FastTwoByTwo() {
+  ProcessModel model = EmptyModel(2, 2);
+  model.element(0, 0) = TransferFunction::FirstOrder(2.0, 1.2, 0.5);
+  model.element(0, 1) = SecondOrder(-0.5, 0.0, 0.8, 0.5, 0.4);
+  model.element(1, 0) = TransferFunction::FirstOrder(0.4, 0.9, 1.3);
+  model.element(1, 1) = TransferFunction::FirstOrder(1.5, 1.0, 0.0);
+  return model;
+}
+
+TEST(LoopAnalysisTest, CountsTheModesThatEigenvaluesShow) {
+  const PredictionModel model = Predict(FastTwoByTwo());
+  for (const double ratio : {0.05, 1.0}) {
+    MpcOptions options = Options(2, 2, 0.02);
+    options.disturbance_variance_ratio = ratio;
+    const Mpc mpc = MakeMpc(model, options);
+    int unstable = 0;
+    for (const double factor : {0.3, 1.0, 1.7, 2.6, 4.0, 8.0}) {
+      for (const double delay : {0.0, 1.0, 3.0}) {
+        ProcessModel aged = FastTwoByTwo();
+        for (int i = 0; i < 2; ++i) {
+          for (int j = 0; j < 2; ++j) {
+            const TransferFunction g = aged.element(i, j);
+            std::vector<double> numerator = g.numerator();
+            for (double& b : numerator) b *= i == j ? factor : 1.0;
+            aged.element(i, j) = TransferFunction(
+                numerator, g.denominator(), g.delay() + (j == 0 ? delay : 0));
+          }
+        }
+        const PredictionModel plant = Predict(aged);
+        const Modes expected = EigenvalueModes(mpc, plant);
+        const LoopAnalysis analysis = Analyse(mpc, plant);
+        EXPECT_EQ(analysis.growing_modes, expected.growing)
+            << factor << " " << delay;
+        EXPECT_EQ(analysis.stable, expected.growing == 0);
+        if (expected.growing > 0) {
+          ++unstable;
+          // The search ends within 1e-5 of |w|.
+          EXPECT_NEAR(analysis.spectral_radius, expected.radius,
+                      1e-4 * expected.radius);
+        } else {
+          EXPECT_GE(analysis.spectral_radius, expected.radius - 1e-4);
+        }
+      }
+    }
+    EXPECT_GT(unstable, 3);
+  }
+}
+
+// A slow loop on a quick plant: its mode is found, not only bounded.
+TEST(LoopAnalysisTest, FindsASlowMode) {
+  const PredictionModel model =
+      Predict(SingleLoop(TransferFunction::FirstOrder(1.0, 0.8, 0.0)));
+  const Mpc mpc = MakeMpc(model, Options(1, 1, 3000.0));
+  const Modes expected = EigenvalueModes(mpc, model);
+  ASSERT_GT(expected.radius, 0.95);
+  EXPECT_NEAR(Analyse(mpc, model).spectral_radius, expected.radius, 1e-4);
+}
+
+// A plant whose gain grows loses stability where the sensitivity's peak goes to
+// infinity.
+TEST(LoopAnalysisTest, SensitivityGrowsWithoutBoundTowardsInstability) {
+  const auto process = [](double gain) {
+    return SingleLoop(TransferFunction::FirstOrder(gain, 5.0, 2.0));
+  };
+  const Mpc mpc = MakeMpc(Predict(process(1.0)), Options(1, 1, 0.1));
+  double stable = 1.0, unstable = 100.0;
+  while (unstable - stable > 1e-5) {
+    const double gain = 0.5 * (stable + unstable);
+    (Analyse(mpc, Predict(process(gain))).stable ? stable : unstable) = gain;
+  }
+  const double far = Analyse(mpc, Predict(process(1.0))).sensitivity_peak;
+  const double near =
+      Analyse(mpc, Predict(process(stable * 0.999))).sensitivity_peak;
+  EXPECT_LT(far, 2.5);
+  EXPECT_GT(near, 100.0);
+}
+
+// A relative change of the plant below 1/‖T‖ cannot make the loop unstable
+// (small-gain theorem).
+TEST(LoopAnalysisTest, ComplementaryPeakBoundsHarmlessChanges) {
+  const auto process = [](double gain) {
+    return SingleLoop(SecondOrder(gain, -1.0, 4.0, 2.0, 1.5));
+  };
+  for (const double weight : {0.01, 0.1, 1.0}) {
+    const Mpc mpc = MakeMpc(Predict(process(1.0)), Options(1, 1, weight));
+    const double M_T = Analyse(mpc, Predict(process(1.0))).complementary_peak;
+    const double change = 0.99 / M_T;
+    EXPECT_TRUE(Analyse(mpc, Predict(process(1.0 + change))).stable) << weight;
+    if (change < 1.0) {
+      EXPECT_TRUE(Analyse(mpc, Predict(process(1.0 - change))).stable);
+    }
+  }
+}
+
+// T(0) = 1: no offset. So both peaks are at least 1 for T, and S exceeds 1
+// somewhere (Bode's integral).
+TEST(LoopAnalysisTest, PeaksAreAtLeastOne) {
+  const PredictionModel model = Predict(FastTwoByTwo());
+  const LoopAnalysis analysis =
+      Analyse(MakeMpc(model, Options(2, 2, 0.1)), model);
+  EXPECT_TRUE(analysis.stable);
+  EXPECT_GT(analysis.sensitivity_peak, 1.0);
+  EXPECT_GE(analysis.complementary_peak, 1.0 - 1e-3);
+  EXPECT_GT(analysis.peak_frequency, 0.0);
+}
+
+TEST(LoopAnalysisTest, SurplusInputsAreNoInstability) {
+  ProcessModel model = EmptyModel(1, 2);
+  model.element(0, 0) = TransferFunction::FirstOrder(1.0, 1.5, 0.5);
+  model.element(0, 1) = TransferFunction::FirstOrder(2.0, 1.0, 0.0);
+  const PredictionModel prediction = Predict(model);
+  const LoopAnalysis analysis =
+      Analyse(MakeMpc(prediction, Options(1, 2, 0.1)), prediction);
+  EXPECT_TRUE(analysis.stable);
+  EXPECT_EQ(analysis.spectral_radius, 1.0);
+}
+
+TEST(LoopAnalysisTest, RefusesAnotherShape) {
+  const PredictionModel model = Predict(FastTwoByTwo());
+  const Mpc mpc = MakeMpc(model, Options(2, 2, 0.1));
+  const PredictionModel other =
+      Predict(SingleLoop(TransferFunction::FirstOrder(1.0, 1.0, 0.0)));
+  EXPECT_EQ(AnalyseLoop(mpc, other).status().code(),
+            absl::StatusCode::kInvalidArgument);
+}
+
+}  // namespace
+}  // namespace mle::control
