@@ -9,18 +9,9 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_split.h"
-#include "gflags/gflags.h"
+#include "apps/common/flag_parser.h"
+#include "apps/report/text.h"
 #include "glog/logging.h"
-
-DECLARE_bool(help);
-DECLARE_bool(helpfull);
-DECLARE_bool(helpshort);
-DECLARE_bool(version);
-
-namespace GFLAGS_NAMESPACE {
-// What gflags calls when a flag cannot be read.
-extern void (*gflags_exitfunc)(int);
-}  // namespace GFLAGS_NAMESPACE
 
 namespace mle {
 namespace {
@@ -30,36 +21,18 @@ std::string& StoredCommandLine() {
   return *line;
 }
 
-std::string QuoteForShell(std::string_view argument) {
-  const bool plain =
-      !argument.empty() &&
-      argument.find_first_not_of(
-          "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
-          "-_=./,:+@%") == std::string_view::npos;
-  if (plain) return std::string(argument);
-  std::string quoted = "'";
-  for (const char c : argument)
-    quoted += c == '\'' ? "'\\''" : std::string(1, c);
-  return quoted + "'";
-}
-
 absl::string_view Absl(std::string_view text) {
   return {text.data(), text.size()};
 }
 
-// "apps/mle_reproduce" as gflags knows the file of the flags of this command.
 std::string NameOf(const char* program) {
   const std::string path = program;
   return path.substr(path.find_last_of('/') + 1);
 }
 
-void PrintHelp(const std::string& name) {
-  std::vector<gflags::CommandLineFlagInfo> flags;
-  gflags::GetAllFlags(&flags);
-  std::cout << gflags::ProgramUsage()
-            << "\n\nFlags (value in brackets: the default):\n";
-  for (const gflags::CommandLineFlagInfo& flag : flags) {
-    if (flag.filename.find(name) == std::string::npos) continue;
+void PrintHelp(const std::string& usage) {
+  std::cout << usage << "\n\nFlags (value in brackets: the default):\n";
+  for (const FlagText& flag : CommandFlags()) {
     std::cout << "  --" << flag.name << " [" << flag.default_value << "]\n";
     std::string line = "     ";
     for (const absl::string_view word :
@@ -78,30 +51,24 @@ void PrintHelp(const std::string& name) {
 
 }  // namespace
 
-void StartCommand(const std::string& usage, int& argc, char**& argv) {
+void StartCommand(const std::string& usage, int argc, char** argv) {
   google::InitGoogleLogging(argv[0]);
   FLAGS_logtostderr = true;
-  for (int i = 0; i < argc; ++i) {
-    if (i > 0) StoredCommandLine() += ' ';
-    StoredCommandLine() += QuoteForShell(i == 0 ? NameOf(argv[0]) : argv[i]);
+  const std::vector<std::string> arguments(argv + 1, argv + argc);
+  std::vector<std::string> line = {NameOf(argv[0])};
+  line.insert(line.end(), arguments.begin(), arguments.end());
+  StoredCommandLine() = report::QuoteCommandLine(line);
+  ParsedFlags parsed;
+  const absl::Status status = ParseFlags(arguments, parsed);
+  if (parsed.help) {
+    PrintHelp(usage);
+    std::exit(kExitDone);
   }
-  gflags::SetUsageMessage(usage);
-  gflags::SetVersionString(std::string(Version()));
-  GFLAGS_NAMESPACE::gflags_exitfunc = [](int) { std::exit(kExitBadInput); };
-  gflags::ParseCommandLineNonHelpFlags(&argc, &argv, /*remove_flags=*/true);
-  if (FLAGS_version) {
+  if (parsed.version) {
     std::cout << NameOf(argv[0]) << " " << Version() << "\n";
     std::exit(kExitDone);
   }
-  if (FLAGS_help || FLAGS_helpshort || FLAGS_helpfull) {
-    PrintHelp(NameOf(argv[0]));
-    std::exit(kExitDone);
-  }
-  if (argc > 1) {
-    std::cerr << "error: '" << argv[1]
-              << "' is no flag; flags begin with -- (see --help)\n";
-    std::exit(kExitBadInput);
-  }
+  if (!status.ok()) std::exit(Fail(status));
 }
 
 std::string CommandLine() { return StoredCommandLine(); }
@@ -122,7 +89,8 @@ int Fail(const absl::Status& status) {
 absl::StatusOr<Eigen::VectorXd> ParseNumbers(std::string_view flag,
                                              std::string_view value,
                                              int count) {
-  const std::vector<std::string> parts = ParseList(value);
+  // Empty parts stay: they are typing errors.
+  const std::vector<std::string> parts = absl::StrSplit(Absl(value), ',');
   Eigen::VectorXd numbers(parts.size());
   for (std::size_t i = 0; i < parts.size(); ++i) {
     double number = 0.0;

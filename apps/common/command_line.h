@@ -23,7 +23,7 @@ inline constexpr int kExitBadInput = 2;
 // Parses the flags; answers --help and --version (exit code 0) and unknown
 // flags, values that cannot be read and stray arguments (exit code 2) itself.
 // `usage` says what the command does and how it is called.
-void StartCommand(const std::string& usage, int& argc, char**& argv);
+void StartCommand(const std::string& usage, int argc, char** argv);
 
 // The command line as it was given, for a shell.
 std::string CommandLine();

@@ -1,0 +1,47 @@
+// The command line, read into the flags (gflags) of a command.
+//
+//   --name=value, --name value, --switch, --noswitch, with one dash or two
+//   --flagfile=FILE   a flag a line, written as above; lines that are empty or
+//                     begin with # are passed over; later flags win
+//
+// gflags' own parser passes over what it does not know in a flag file, so that
+// a misspelled flag would quietly keep its default, and says nowhere what would
+// be right; hence this one.
+
+#ifndef APPS_COMMON_FLAG_PARSER_H_
+#define APPS_COMMON_FLAG_PARSER_H_
+
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+
+namespace mle {
+
+// What the command line holds besides flags that were set.
+struct ParsedFlags {
+  bool help = false;
+  bool version = false;
+};
+
+// Sets the flags named in `arguments` (without the program's name). On an error
+// some of them may be set: InvalidArgument names the flag, or the line of the
+// flag file, what was found and what would be right.
+absl::Status ParseFlags(const std::vector<std::string>& arguments,
+                        ParsedFlags& parsed);
+
+// A flag as text.
+struct FlagText {
+  std::string name;
+  std::string value;
+  std::string default_value;
+  std::string description;
+};
+
+// The flags of this command, by name: those defined under apps/, not those of
+// the libraries it uses.
+std::vector<FlagText> CommandFlags();
+
+}  // namespace mle
+
+#endif  // APPS_COMMON_FLAG_PARSER_H_

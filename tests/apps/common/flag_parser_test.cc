@@ -1,0 +1,161 @@
+#include "apps/common/flag_parser.h"
+
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "gflags/gflags.h"
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "mle/base/file.h"
+
+DEFINE_int32(test_count, 1, "");
+DEFINE_uint64(test_seed, 1, "");
+DEFINE_double(test_length, 0.1, "");
+DEFINE_string(test_name, "none", "");
+DEFINE_bool(test_switch, false, "");
+
+namespace mle {
+namespace {
+
+using ::testing::HasSubstr;
+
+class FlagParser : public ::testing::Test {
+ protected:
+  absl::Status Parse(const std::vector<std::string>& arguments) {
+    return ParseFlags(arguments, parsed_);
+  }
+
+  void ExpectError(const std::vector<std::string>& arguments,
+                   const std::vector<std::string>& parts) {
+    const absl::Status status = Parse(arguments);
+    EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+    for (const std::string& part : parts) {
+      EXPECT_THAT(std::string(status.message()), HasSubstr(part));
+    }
+  }
+
+  ParsedFlags parsed_;
+  gflags::FlagSaver saver_;  // puts all flags back
+};
+
+TEST_F(FlagParser, ReadsEveryKindOfFlag) {
+  ASSERT_TRUE(
+      Parse({"--test_count=-7", "--test_seed=18446744073709551615",
+             "--test_length=1e-6", "--test_name=a=b c", "--test_switch=true"})
+          .ok());
+  EXPECT_EQ(FLAGS_test_count, -7);
+  EXPECT_EQ(FLAGS_test_seed, 18446744073709551615u);
+  EXPECT_EQ(FLAGS_test_length, 1e-6);
+  EXPECT_EQ(FLAGS_test_name, "a=b c");
+  EXPECT_TRUE(FLAGS_test_switch);
+  EXPECT_FALSE(parsed_.help);
+  EXPECT_FALSE(parsed_.version);
+}
+
+TEST_F(FlagParser, AcceptsTheUsualSpellings) {
+  ASSERT_TRUE(
+      Parse({"-test_count", "-7", "--test_switch", "--test_name="}).ok());
+  EXPECT_EQ(FLAGS_test_count, -7);
+  EXPECT_EQ(FLAGS_test_name, "");
+  EXPECT_TRUE(FLAGS_test_switch);
+  ASSERT_TRUE(Parse({"--notest_switch"}).ok());
+  EXPECT_FALSE(FLAGS_test_switch);
+}
+
+TEST_F(FlagParser, LaterFlagsWin) {
+  ASSERT_TRUE(Parse({"--test_count=2", "--test_count=3"}).ok());
+  EXPECT_EQ(FLAGS_test_count, 3);
+}
+
+TEST_F(FlagParser, AFlagThatIsGivenIsNoDefault) {
+  EXPECT_TRUE(gflags::GetCommandLineFlagInfoOrDie("test_name").is_default);
+  ASSERT_TRUE(Parse({"--test_name=none"}).ok());
+  EXPECT_FALSE(gflags::GetCommandLineFlagInfoOrDie("test_name").is_default);
+}
+
+TEST_F(FlagParser, KnowsHelpAndVersion) {
+  ASSERT_TRUE(Parse({"--version"}).ok());
+  EXPECT_TRUE(parsed_.version);
+  EXPECT_FALSE(parsed_.help);
+  for (const char* help : {"-h", "--help", "--helpshort"}) {
+    parsed_.help = false;
+    ASSERT_TRUE(Parse({help}).ok());
+    EXPECT_TRUE(parsed_.help) << help;
+  }
+}
+
+TEST_F(FlagParser, ErrorsNameTheFlagAndWhatIsRight) {
+  ExpectError({"--test_cont=1"}, {"--test_cont", "no such flag"});
+  ExpectError({"--notest_count"}, {"--notest_count", "no such flag"});
+  ExpectError({"stray"}, {"'stray'", "--"});
+  ExpectError({"---test_count=1"}, {"---test_count"});
+  ExpectError({"-"}, {"'-'"});
+  ExpectError({""}, {"''"});
+  ExpectError({"--test_count"}, {"--test_count", "needs a value"});
+  ExpectError({"--test_count="}, {"--test_count", "whole number"});
+  ExpectError({"--test_count=1.5"}, {"--test_count=1.5", "whole number"});
+  ExpectError({"--test_count=2147483648"}, {"2147483647"});
+  ExpectError({"--test_seed=-1"}, {"--test_seed=-1", "from 0"});
+  ExpectError({"--test_length=1m"}, {"--test_length=1m", "no number"});
+  ExpectError({"--test_switch=si"}, {"--test_switch=si", "true nor false"});
+}
+
+class FlagFile : public FlagParser {
+ protected:
+  FlagFile() {
+    std::string name =
+        (std::filesystem::temp_directory_path() / "mle_XXXXXX").string();
+    folder_ = mkdtemp(name.data());
+  }
+  ~FlagFile() override { std::filesystem::remove_all(folder_); }
+
+  std::string Write(const std::string& name, const std::string& content) {
+    const std::string path = folder_ + "/" + name;
+    EXPECT_TRUE(WriteFileAtomically(path, content).ok());
+    return path;
+  }
+
+  std::string folder_;
+};
+
+TEST_F(FlagFile, IsReadInItsPlace) {
+  const std::string file =
+      Write("flags", "# comment\r\n\r\n  --test_count=5\r\n--test_name=a b");
+  ASSERT_TRUE(Parse({"--test_count=4", "--flagfile=" + file}).ok());
+  EXPECT_EQ(FLAGS_test_count, 5);
+  EXPECT_EQ(FLAGS_test_name, "a b");
+  ASSERT_TRUE(Parse({"--flagfile", file, "--test_count=6"}).ok());
+  EXPECT_EQ(FLAGS_test_count, 6);
+}
+
+TEST_F(FlagFile, MayNameAnother) {
+  const std::string inner = Write("inner", "--test_count=8\n");
+  const std::string outer = Write("outer", "--flagfile=" + inner + "\n");
+  ASSERT_TRUE(Parse({"--flagfile=" + outer}).ok());
+  EXPECT_EQ(FLAGS_test_count, 8);
+}
+
+TEST_F(FlagFile, ErrorsNameItsLine) {
+  const std::string unknown =
+      Write("unknown", "--test_count=5\n--test_cont=5\n");
+  ExpectError({"--flagfile=" + unknown}, {unknown + ":2", "--test_cont"});
+  const std::string bare = Write("bare", "\ntest_count=5\n");
+  ExpectError({"--flagfile=" + bare}, {bare + ":2", "'test_count=5'"});
+  const std::string self = Write("self", "--flagfile=" + folder_ + "/self\n");
+  ExpectError({"--flagfile=" + self}, {self, "deep"});
+  ExpectError({"--flagfile=" + folder_ + "/none"}, {"--flagfile", "none"});
+  ExpectError({"--flagfile=" + folder_}, {"--flagfile", "folder"});
+}
+
+// The flags of this test lie outside apps/, like those of a library.
+TEST(CommandFlags, AreThoseOfTheCommandAlone) {
+  for (const FlagText& flag : CommandFlags()) {
+    EXPECT_THAT(flag.name, ::testing::Not(HasSubstr("test_")));
+    EXPECT_NE(flag.name, "logtostderr");
+  }
+}
+
+}  // namespace
+}  // namespace mle
