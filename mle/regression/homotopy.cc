@@ -30,8 +30,9 @@ constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 // A relative gap above this may be the rounding of c, which is then sharpened.
 constexpr double kSharpen = 5e-11;
 // Violations of the optimality conditions, relative to λ: refined above the
-// first, lost above the second.
+// first, with c in twice the precision above the second, lost above the third.
 constexpr double kRefine = 1e-13;
+constexpr double kRefineSharply = 1e-9;
 constexpr double kLost = 1e-6;
 // The path counts as ended at this part of λ_max, or at several times the
 // rounding of c.
@@ -46,6 +47,16 @@ struct Event {
   int variable = -1;
   double sign = 0.0;  // of an entering variable's c_j
 };
+
+// high + low −= x y, with what rounding takes from `high` kept in `low` (Ogita,
+// Rump and Oishi, SIAM J. Sci. Comput. 26, 2005, algorithm 5.3).
+void SubtractProduct(double x, double y, double& high, double& low) {
+  const double product = -x * y;
+  const double sum = high + product;
+  const double part = sum - high;
+  low += std::fma(-x, y, -product) + ((high - (sum - part)) + (product - part));
+  high = sum;
+}
 
 class Homotopy {
  public:
@@ -63,7 +74,10 @@ class Homotopy {
   double ActiveViolation() const;
   double InactiveViolation() const;
   double Rounding() const;
+  double Violation() const;
   void Refine();
+  void RefineSharply();
+  bool IsBlurred(int leaving) const;
   bool Refactor();
   Event NextEvent() const;
   void Consider(Event::Kind kind, int variable, double slack, double rate,
@@ -148,7 +162,11 @@ HomotopySummary Homotopy::Run() {
       summary_.termination = HomotopyTermination::kIllConditioned;
       break;
     }
-    const Event event = NextEvent();
+    Event event = NextEvent();
+    if (event.kind == Event::Kind::kLeave && IsBlurred(event.variable)) {
+      RefineSharply();
+      event = NextEvent();
+    }
     Advance(event);
     switch (event.kind) {
       case Event::Kind::kEnd:
@@ -233,8 +251,7 @@ void Homotopy::Products() {
   compensated_ = false;
 }
 
-// c again, in twice the working precision (Ogita, Rump and Oishi, SIAM J. Sci.
-// Comput. 26, 2005, algorithm 5.3).
+// c again, in twice the working precision.
 void Homotopy::CompensatedProducts() {
   Products();
   compensated_ = true;
@@ -244,15 +261,7 @@ void Homotopy::CompensatedProducts() {
   double* low = work_.data();
   for (std::size_t i = 0; i < active_.size(); ++i) {
     const double* g = gram_.col(active_[i]).data();
-    const double x = -beta_(i);
-    for (int j = 0; j < n_; ++j) {
-      const double product = x * g[j];
-      const double sum = c[j] + product;
-      const double part = sum - c[j];
-      low[j] += std::fma(x, g[j], -product) +
-                ((c[j] - (sum - part)) + (product - part));
-      c[j] = sum;
-    }
+    for (int j = 0; j < n_; ++j) SubtractProduct(beta_(i), g[j], c[j], low[j]);
   }
   c_ += work_;
 }
@@ -270,6 +279,10 @@ double Homotopy::ActiveViolation() const {
 
 double Homotopy::InactiveViolation() const {
   return c_.cwiseAbs().cwiseProduct(inverse_weights_).maxCoeff() - lambda_;
+}
+
+double Homotopy::Violation() const {
+  return std::max(ActiveViolation(), InactiveViolation());
 }
 
 double Homotopy::Rounding() const {
@@ -291,11 +304,43 @@ void Homotopy::Refine() {
   Products();
 }
 
+// c_A right to its rounding e leaves c_j of a column x_j = X_A d + … uncertain
+// by ‖d‖₁ e. From c_A in twice the working precision β comes out right to its
+// last digit, and with it every c_j to about e.
+void Homotopy::RefineSharply() {
+  const auto k = static_cast<Eigen::Index>(active_.size());
+  Eigen::VectorXd high = Gather(objective_.correlation);
+  Eigen::VectorXd low = Eigen::VectorXd::Zero(k);
+  for (Eigen::Index i = 0; i < k; ++i) {
+    const double* g = gram_.col(active_[i]).data();
+    for (Eigen::Index l = 0; l < k; ++l) {
+      SubtractProduct(beta_(i), g[active_[l]], high(l), low(l));
+    }
+  }
+  work_.head(k) = (high - lambda_ * target_.head(k)) + low;
+  cholesky_.SolveInPlace(work_.head(k));
+  beta_.head(k) += work_.head(k);
+  Products();
+}
+
+// Whether c_j of the variable that is about to leave may then miss its bound:
+// by ‖d‖₁ e, with d from the column of G_AA⁻¹ that belongs to it.
+bool Homotopy::IsBlurred(int leaving) const {
+  const auto position =
+      std::find(active_.begin(), active_.end(), leaving) - active_.begin();
+  Eigen::VectorXd column = Eigen::VectorXd::Unit(
+      static_cast<Eigen::Index>(active_.size()), position);
+  cholesky_.SolveInPlace(column);
+  return column.lpNorm<1>() * Rounding() >
+         kRefineSharply * lambda_ * column(position);
+}
+
 bool Homotopy::ComputeDirection() {
   const auto k = static_cast<Eigen::Index>(active_.size());
   const double rounding = Rounding();
   const double refine = std::max(kRefine * lambda_, rounding);
   const double lost = kLost * lambda_ + 10.0 * rounding;
+  const double sharp = kRefineSharply * lambda_ + kSeveral * rounding;
   const auto solve = [&] {
     slope_.head(k) = target_.head(k);
     cholesky_.SolveInPlace(slope_.head(k));
@@ -309,7 +354,8 @@ bool Homotopy::ComputeDirection() {
       violation = refined;
       if (stagnates) break;
     }
-    return std::max(violation, InactiveViolation());
+    if (Violation() > sharp) RefineSharply();
+    return Violation();
   };
   if (solve() <= lost) return true;
   return Refactor() && solve() <= lost;
@@ -464,12 +510,19 @@ void Homotopy::Enter(const Event& event) {
   const int j = event.variable;
   const double w = objective_.weights(j);
   const double rate = (w - event.sign * b_(j)) / w;
-  const double tolerance = rate < kFollows ? kNearlyDependent : kDependent;
+  // q solves its equations to about its own rounding.
+  double size = 0.0;
+  for (std::size_t i = 0; i < active_.size(); ++i) {
+    size += std::abs(slope_(i)) * root_diagonal_(active_[i]);
+  }
+  const bool follows = rate < std::max(kFollows, kSeveral * kEpsilon * size *
+                                                     root_diagonal_(j) / w);
+  const double tolerance = follows ? kNearlyDependent : kDependent;
   last_moved_ = j;
   last_sign_ = event.sign;
   if (Append(j, event.sign, tolerance) > tolerance * gram_(j, j)) {
     ++summary_.entered;
-  } else if (rate < kFollows || !Exchange(j, event.sign)) {
+  } else if (follows || !Exchange(j, event.sign)) {
     state_[j] = State::kWaiting;
   }
 }

@@ -12,7 +12,9 @@
 //
 // How it stays exact on nearly dependent columns:
 // - β and c are computed anew at every knot from the factor and G, with
-//   iterative refinement, so that nothing drifts.
+//   iterative refinement, so that nothing drifts. Where a set is so nearly
+//   dependent that a variable would leave at a blurred place, β is refined from
+//   c_A in twice the working precision.
 // - Events are chosen by the direction in which a slack moves; a slack already
 //   used up gives a step of zero. The variable that moved last sits out one
 //   step.

@@ -1,4 +1,4 @@
-// The path on thousands of small problems that are as degenerate as can be.
+// The path on thousands of problems that are as degenerate as can be.
 
 #include "tests/mle/regression/degenerate_lasso.h"
 
@@ -8,41 +8,54 @@
 #include "gtest/gtest.h"
 #include "mle/regression/duality_gap.h"
 #include "mle/regression/homotopy.h"
-#include "mle/regression/lasso_solver.h"
+#include "tests/mle/regression/lagged_lasso.h"
 #include "tests/mle/regression/path_check.h"
 
 namespace mle {
 namespace {
 
+// Down to `smallest_part` of λ_max the path is right to its rounding, and what
+// is certified is so. Where a tie or rounding stops it, that is further down.
+void ExpectSolvedDownTo(double smallest_part, const ExplicitLasso& problem,
+                        int number) {
+  const double lambda_max = problem.objective.LambdaMax();
+  if (lambda_max == 0.0) return;
+  HomotopyOptions options;
+  options.certify_at =
+      LambdaGrid(lambda_max, smallest_part, 20, /*with_zero=*/true);
+  const auto summary = SolveHomotopy(problem.objective, options);
+  ASSERT_TRUE(summary.ok()) << summary.status();
+  if (summary->termination != HomotopyTermination::kReachedLambdaMin) {
+    EXPECT_LE(summary->path.lambda_end(), 0.1 * smallest_part * lambda_max)
+        << "problem " << number << ": " << summary->BriefReport();
+  }
+  for (Eigen::Index i = 1; i < options.certify_at.size(); ++i) {
+    const double lambda = options.certify_at(i);
+    const Eigen::VectorXd beta = summary->path.Coefficients(lambda);
+    const double tolerance = GapTolerance(problem.objective, lambda, beta);
+    EXPECT_LE(ComputeDualityGap(problem.objective, lambda, beta).Relative(),
+              tolerance)
+        << "problem " << number << ", λ = " << lambda / lambda_max << " λ_max; "
+        << summary->BriefReport();
+    EXPECT_LE(summary->relative_gap(i), tolerance) << "problem " << number;
+  }
+}
+
 class DegenerateLassoTest : public ::testing::TestWithParam<int> {};
 
-// Down to 1e-6 λ_max the path is right to its rounding, and what is certified
-// is so.
-TEST_P(DegenerateLassoTest, IsSolvedAtEveryLambda) {
+TEST_P(DegenerateLassoTest, SmallProblemsFullOfTies) {
   DegenerateLassoGenerator generator(GetParam());
   for (int number = 0; number < 400; ++number) {
-    const ExplicitLasso problem = generator.Next();
-    const double lambda_max = problem.objective.LambdaMax();
-    if (lambda_max == 0.0) continue;
-    HomotopyOptions options;
-    options.certify_at = LambdaGrid(lambda_max, 1e-6, 20, /*with_zero=*/true);
-    const auto summary = SolveHomotopy(problem.objective, options);
-    ASSERT_TRUE(summary.ok()) << summary.status();
-    // Where a tie or rounding stops it, that is below what is looked at.
-    if (summary->termination != HomotopyTermination::kReachedLambdaMin) {
-      EXPECT_LE(summary->path.lambda_end(), 1e-9 * lambda_max)
-          << "problem " << number << ": " << summary->BriefReport();
-    }
-    for (Eigen::Index i = 1; i < options.certify_at.size(); ++i) {
-      const double lambda = options.certify_at(i);
-      const Eigen::VectorXd beta = summary->path.Coefficients(lambda);
-      const double tolerance = GapTolerance(problem.objective, lambda, beta);
-      EXPECT_LE(ComputeDualityGap(problem.objective, lambda, beta).Relative(),
-                tolerance)
-          << "problem " << number << ", λ = " << lambda / lambda_max
-          << " λ_max; " << summary->BriefReport();
-      EXPECT_LE(summary->relative_gap(i), tolerance) << "problem " << number;
-    }
+    ExpectSolvedDownTo(1e-6, generator.Next(), number);
+  }
+}
+
+// Where the active columns are nearly dependent, β must be right to its last
+// digit for a variable to leave where its c_j meets the bound.
+TEST_P(DegenerateLassoTest, LagsOfSlowAndHeldSignals) {
+  LaggedLassoGenerator generator(GetParam());
+  for (int number = 0; number < 60; ++number) {
+    ExpectSolvedDownTo(1e-7, generator.Next(), number);
   }
 }
 
