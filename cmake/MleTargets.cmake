@@ -11,8 +11,11 @@ target_compile_options(mle_build_flags INTERFACE
   $<$<AND:$<BOOL:${MLE_NATIVE}>,$<CXX_COMPILER_ID:GNU>>:-Wno-maybe-uninitialized>)
 
 # Public: the instruction set decides how Eigen aligns what it allocates, so
-# that a program and its libraries must agree on it.
-set(MLE_PUBLIC_OPTIONS $<$<BOOL:${MLE_NATIVE}>:-march=native>)
+# that a program and its libraries must agree on it. Ceres as packaged holds
+# copies of Eigen's templates for 16 bytes, which the linker may take for ours:
+# memory allocated by one and freed by the other must be of the same kind.
+set(MLE_PUBLIC_OPTIONS
+  "$<$<BOOL:${MLE_NATIVE}>:-march=native;-DEIGEN_MAX_ALIGN_BYTES=16;-DEIGEN_MALLOC_ALREADY_ALIGNED=1>")
 
 # mle_add_library(NAME SOURCES … HEADERS … DEPENDS … [PRIVATE_DEPENDS …])
 #

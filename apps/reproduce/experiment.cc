@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "absl/strings/str_format.h"
-#include "control/mpc.h"
 #include "mle/base/status.h"
 #include "mle/data/record.h"
 #include "sim/closed_loop.h"
@@ -16,17 +16,11 @@ namespace {
 // Noise streams of a seed: the loops take 0, 1, …, p − 1.
 constexpr std::uint64_t kConversionStream = 1'000'000;
 
+}  // namespace
+
 absl::StatusOr<std::vector<Record>> SimulateWindows(
     const ProcessModel& initial, const ProcessModel& plant, std::uint64_t seed,
     const ExperimentOptions& options) {
-  control::MpcOptions mpc_options;
-  mpc_options.control_period = options.control_period;
-  mpc_options.prediction_horizon = options.prediction_horizon;
-  mpc_options.control_horizon = options.control_horizon;
-  mpc_options.output_weight = options.output_weight.asDiagonal();
-  mpc_options.move_weight = options.move_weight.asDiagonal();
-  mpc_options.disturbance_variance_ratio = options.disturbance_variance_ratio;
-
   sim::ClosedLoopOptions loop;
   loop.sample_time = options.sample_time;
   loop.control_period = options.control_period;
@@ -39,7 +33,7 @@ absl::StatusOr<std::vector<Record>> SimulateWindows(
   std::vector<Record> windows;
   for (int e = 0; e < plant.num_outputs(); ++e) {
     MLE_ASSIGN_OR_RETURN(control::Mpc mpc,
-                         control::Mpc::Create(initial, mpc_options));
+                         control::Mpc::Create(initial, MpcOptionsOf(options)));
     sim::SetPointProfile set_points;
     for (int before = 0; before < e; ++before) {
       set_points.steps.push_back({before, 0.0, options.setpoint_step});
@@ -62,127 +56,101 @@ absl::StatusOr<std::vector<Record>> SimulateWindows(
   return windows;
 }
 
-// E at every λ of the grid, and the best of them.
-void Search(const Correction& correction, const Eigen::VectorXd& lambdas,
-            const StepResponse& truth, const ArxModel& initial,
-            RunResult& run) {
-  ArxModel model = initial;
-  run.squared_distance.resize(lambdas.size());
-  for (Eigen::Index i = 0; i < lambdas.size(); ++i) {
-    correction.Model(lambdas(i), model);
-    run.squared_distance(i) =
-        SquaredDistance(truth, model.ComputeStepResponse(truth.samples()));
+namespace {
+
+// E, infinite for an unstable model whose response leaves the range of numbers.
+double Distance(const StepResponse& truth, const StepResponse& response) {
+  const double distance = SquaredDistance(truth, response);
+  return std::isfinite(distance) ? distance
+                                 : std::numeric_limits<double>::infinity();
+}
+
+// E(M, R̂_λ) at λ of the grid, by number.
+class DistanceCurve {
+ public:
+  DistanceCurve(const Correction& correction, const Eigen::VectorXd& lambdas,
+                const StepResponse& truth, const ArxModel& initial)
+      : correction_(correction),
+        lambdas_(lambdas),
+        truth_(truth),
+        model_(initial) {}
+
+  double operator()(Eigen::Index i) {
+    correction_.Model(
+        Eigen::VectorXd::Constant(model_.num_outputs, lambdas_(i)), model_);
+    return Distance(truth_, model_.ComputeStepResponse(truth_.samples()));
   }
-  Eigen::Index best = 0;
-  run.E_oracle = run.squared_distance.minCoeff(&best);
-  run.lambda_oracle = lambdas(best);
-}
 
-absl::Status CheckPositive(const char* flag, double value) {
-  if (value > 0.0 && std::isfinite(value)) return absl::OkStatus();
-  return absl::InvalidArgumentError(
-      absl::StrFormat("--%s=%g: it must be positive", flag, value));
-}
+  Eigen::VectorXd Whole() {
+    Eigen::VectorXd distances(lambdas_.size());
+    for (Eigen::Index i = 0; i < distances.size(); ++i) {
+      distances(i) = (*this)(i);
+    }
+    return distances;
+  }
 
-absl::Status CheckNotNegative(const char* flag, double value) {
-  if (value >= 0.0 && std::isfinite(value)) return absl::OkStatus();
-  return absl::InvalidArgumentError(
-      absl::StrFormat("--%s=%g: it must not be negative", flag, value));
+  // The number of the smallest E: among λ that grow by kSpacing, then among all
+  // between the best one's neighbours.
+  Eigen::Index Best() {
+    std::vector<Eigen::Index> coarse = {0};
+    for (Eigen::Index i = 1; i < lambdas_.size(); ++i) {
+      if (lambdas_(i) >= kSpacing * lambdas_(coarse.back())) {
+        coarse.push_back(i);
+      }
+    }
+    std::size_t best = 0;
+    double smallest = std::numeric_limits<double>::infinity();
+    for (std::size_t n = 0; n < coarse.size(); ++n) {
+      const double distance = (*this)(coarse[n]);
+      if (distance < smallest) {
+        smallest = distance;
+        best = n;
+      }
+    }
+    Eigen::Index found = coarse[best];
+    const Eigen::Index first = coarse[best > 0 ? best - 1 : 0];
+    const Eigen::Index last = coarse[std::min(best + 1, coarse.size() - 1)];
+    for (Eigen::Index i = first; i <= last; ++i) {
+      const double distance = (*this)(i);
+      if (distance < smallest) {
+        smallest = distance;
+        found = i;
+      }
+    }
+    return found;
+  }
+
+ private:
+  static constexpr double kSpacing = 1.01;
+
+  const Correction& correction_;
+  const Eigen::VectorXd& lambdas_;
+  const StepResponse& truth_;
+  ArxModel model_;
+};
+
+absl::Status AddOtherRule(const Correction& correction,
+                          const SelectionOptions& used,
+                          const StepResponse& truth, RunResult& run) {
+  const bool paper =
+      used.rule == SelectionOptions::Rule::kLeaveChangeOut && used.on_grid;
+  SelectionOptions other;
+  if (!paper) {
+    other.rule = SelectionOptions::Rule::kLeaveChangeOut;
+    other.on_grid = true;
+  }
+  MLE_ASSIGN_OR_RETURN(const SelectionSummary selection,
+                       correction.Select(other));
+  run.max_relative_gap =
+      std::max(run.max_relative_gap, selection.max_relative_gap);
+  run.other_rule = RunResult::OtherRule{
+      paper ? "blocks" : "paper", selection.lambda_star(0),
+      Distance(truth, correction.Model(selection.lambda_star)
+                          .ComputeStepResponse(truth.samples()))};
+  return absl::OkStatus();
 }
 
 }  // namespace
-
-absl::Status ExperimentOptions::Validate(const ProcessModel& initial) const {
-  MLE_RETURN_IF_ERROR(CheckPositive("sample_time", sample_time));
-  MLE_RETURN_IF_ERROR(CheckPositive("control_period", control_period));
-  MLE_RETURN_IF_ERROR(CheckPositive("duration", duration));
-  MLE_RETURN_IF_ERROR(CheckPositive("window", window));
-  MLE_RETURN_IF_ERROR(
-      CheckPositive("conversion_duration", conversion_duration));
-  MLE_RETURN_IF_ERROR(CheckPositive("response_horizon", response_horizon));
-  MLE_RETURN_IF_ERROR(CheckNotNegative("step_time", step_time));
-  MLE_RETURN_IF_ERROR(CheckNotNegative("noise_variance", noise_variance));
-  MLE_RETURN_IF_ERROR(
-      CheckNotNegative("conversion_noise_variance", conversion_noise_variance));
-  MLE_RETURN_IF_ERROR(CheckNotNegative("disturbance_variance_ratio",
-                                       disturbance_variance_ratio));
-  if (setpoint_step == 0.0 || !std::isfinite(setpoint_step)) {
-    return absl::InvalidArgumentError(absl::StrFormat(
-        "--setpoint_step=%g: the set points must change by a finite step",
-        setpoint_step));
-  }
-  const double ratio = control_period / sample_time;
-  if (std::round(ratio) < 1.0 ||
-      std::abs(ratio - std::round(ratio)) > 1e-9 * ratio) {
-    return absl::InvalidArgumentError(absl::StrFormat(
-        "--control_period=%g is no whole multiple of --sample_time=%g",
-        control_period, sample_time));
-  }
-  if (control_horizon < 1) {
-    return absl::InvalidArgumentError(absl::StrFormat(
-        "--control_horizon=%d: it must be at least 1", control_horizon));
-  }
-  if (prediction_horizon < control_horizon) {
-    return absl::InvalidArgumentError(
-        absl::StrFormat("--control_horizon=%d exceeds --prediction_horizon=%d",
-                        control_horizon, prediction_horizon));
-  }
-  if (output_weight.size() != initial.num_outputs() ||
-      move_weight.size() != initial.num_inputs()) {
-    return absl::InvalidArgumentError(absl::StrFormat(
-        "--output_weight has %d values for %d outputs, --move_weight %d for %d "
-        "inputs",
-        output_weight.size(), initial.num_outputs(), move_weight.size(),
-        initial.num_inputs()));
-  }
-  if (!(output_weight.minCoeff() >= 0.0)) {
-    return absl::InvalidArgumentError(absl::StrFormat(
-        "--output_weight: %g is negative; the weight Q_y must be positive "
-        "semi-definite",
-        output_weight.minCoeff()));
-  }
-  if (!(move_weight.minCoeff() >= 0.0)) {
-    return absl::InvalidArgumentError(absl::StrFormat(
-        "--move_weight: %g is negative; the weight Q_u must be positive "
-        "semi-definite",
-        move_weight.minCoeff()));
-  }
-  if (step_time - window < -1e-9 || step_time + window > duration + 1e-9) {
-    return absl::OutOfRangeError(absl::StrFormat(
-        "--window=%g around --step_time=%g reaches from %g to %g, the record "
-        "from 0 to --duration=%g",
-        window, step_time, step_time - window, step_time + window, duration));
-  }
-  if (response_horizon / sample_time > 1e7 || duration / sample_time > 1e8 ||
-      conversion_duration / sample_time > 1e8) {
-    return absl::InvalidArgumentError(absl::StrFormat(
-        "--sample_time=%g is too small: --duration=%g, "
-        "--conversion_duration=%g or --response_horizon=%g would have too many "
-        "samples",
-        sample_time, duration, conversion_duration, response_horizon));
-  }
-  const double rows = 2.0 * window / sample_time + 1.0 - conversion.order;
-  if (conversion.order >= 1 && rows < 2.0) {
-    return absl::InvalidArgumentError(absl::StrFormat(
-        "--order=%d leaves no rows to learn from: a window of 2 × %g has %d "
-        "samples",
-        conversion.order, window,
-        static_cast<int>(2.0 * window / sample_time) + 1));
-  }
-  for (const InputChannel& input : initial.inputs()) {
-    if (input.role == InputRole::kDisturbance) {
-      return absl::InvalidArgumentError(absl::StrFormat(
-          "input '%s' is a disturbance; this experiment moves every input",
-          input.name));
-    }
-  }
-  MLE_RETURN_IF_ERROR(conversion.Validate());
-  return correction.Validate();
-}
-
-int ExperimentOptions::response_samples() const {
-  return static_cast<int>(std::lround(response_horizon / sample_time)) + 1;
-}
 
 absl::StatusOr<ConversionSummary> ConvertInitialModel(
     const ProcessModel& initial, std::uint64_t seed,
@@ -201,7 +169,7 @@ absl::StatusOr<ConversionSummary> ConvertInitialModel(
 absl::StatusOr<RunResult> RunExperiment(const ProcessModel& initial,
                                         const ProcessModel& plant,
                                         const ConversionSummary& conversion,
-                                        std::uint64_t seed,
+                                        std::uint64_t seed, bool whole_curve,
                                         const ExperimentOptions& options) {
   MLE_ASSIGN_OR_RETURN(const std::vector<Record> windows,
                        SimulateWindows(initial, plant, seed, options));
@@ -214,16 +182,31 @@ absl::StatusOr<RunResult> RunExperiment(const ProcessModel& initial,
   RunResult run;
   run.seed = seed;
   run.selection = correction.selection();
+  run.lambda_star = run.selection.lambda_star(0);
   run.max_relative_gap =
       std::max(conversion.max_relative_gap, correction.MaxRelativeGap());
-  Search(correction, options.correction.lambdas, truth, conversion.model, run);
-  run.corrected = correction.Model(run.selection.lambda_star)
-                      .ComputeStepResponse(truth.samples());
+  DistanceCurve curve(correction, options.correction.lambdas, truth,
+                      conversion.model);
+  if (whole_curve) run.squared_distance = curve.Whole();
+  const Eigen::Index best = curve.Best();
+  run.lambda_oracle = options.correction.lambdas(best);
+  run.E_oracle = curve(best);
+  run.corrected = correction.Model().ComputeStepResponse(truth.samples());
   run.unregularised =
       correction.Model(0.0).ComputeStepResponse(truth.samples());
-  run.E_zero = SquaredDistance(truth, run.unregularised);
+  run.E_zero = Distance(truth, run.unregularised);
+  if (!std::isfinite(Distance(truth, run.corrected))) {
+    return absl::FailedPreconditionError(absl::StrFormat(
+        "the model corrected with λ* = %g is unstable: its step response "
+        "leaves the range of numbers within %g",
+        run.lambda_star, options.response_horizon));
+  }
   MLE_ASSIGN_OR_RETURN(run.judgement, Judge(truth, run.corrected));
   run.E_star = run.judgement.squared_distance;
+  if (windows.size() > 1) {
+    MLE_RETURN_IF_ERROR(
+        AddOtherRule(correction, options.correction.selection, truth, run));
+  }
   return run;
 }
 

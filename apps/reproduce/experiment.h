@@ -12,15 +12,18 @@
 #define APPS_REPRODUCE_EXPERIMENT_H_
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "Eigen/Core"
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "control/mpc.h"
 #include "mle/correction/conversion.h"
 #include "mle/correction/correction.h"
 #include "mle/correction/judgement.h"
+#include "mle/data/record.h"
 #include "mle/model/process_model.h"
 #include "mle/model/step_response.h"
 
@@ -60,33 +63,52 @@ struct ExperimentOptions {
   absl::Status Validate(const ProcessModel& initial) const;
 
   int response_samples() const;  // N + 1
+  int window_rows() const;       // samples of a window, less the order
 };
+
+control::MpcOptions MpcOptionsOf(const ExperimentOptions& options);
 
 // R for one seed.
 absl::StatusOr<ConversionSummary> ConvertInitialModel(
     const ProcessModel& initial, std::uint64_t seed,
     const ExperimentOptions& options);
 
+// The records of the closed loop, a window for each output's set-point change.
+absl::StatusOr<std::vector<Record>> SimulateWindows(
+    const ProcessModel& initial, const ProcessModel& plant, std::uint64_t seed,
+    const ExperimentOptions& options);
+
 struct RunResult {
   std::uint64_t seed = 0;
-  CrossValidationSummary selection;
+  SelectionSummary selection;
+  double lambda_star = 0.0;  // of the first output, all alike unless one each
   double E_star = 0.0;
-  double E_zero = 0.0;
+  // The paper's rule for λ beside another one, and the default beside the
+  // paper's. Absent where the paper's needs more set-point changes.
+  struct OtherRule {
+    std::string name;  // as --selection has it
+    double lambda = 0.0;
+    double E = 0.0;
+  };
+  std::optional<OtherRule> other_rule;
+  double E_zero = 0.0;         // infinite for a model that is very unstable
   double lambda_oracle = 0.0;  // best λ of the grid, in hindsight
   double E_oracle = 0.0;
   double max_relative_gap = 0.0;  // conversion and all fits, every λ
   Judgement judgement;            // at λ*
 
-  // For figures: E at every λ of the grid, and step responses.
+  // For figures: E at every λ of the grid (only where asked for), and step
+  // responses.
   Eigen::VectorXd squared_distance;
   StepResponse corrected;      // at λ*
   StepResponse unregularised;  // at λ = 0
 };
 
+// `whole_curve` also computes E at every λ of the grid.
 absl::StatusOr<RunResult> RunExperiment(const ProcessModel& initial,
                                         const ProcessModel& plant,
                                         const ConversionSummary& conversion,
-                                        std::uint64_t seed,
+                                        std::uint64_t seed, bool whole_curve,
                                         const ExperimentOptions& options);
 
 }  // namespace mle::reproduce

@@ -40,18 +40,31 @@ Json FopdtRows(const RunResult& run, int num_outputs, int num_inputs) {
 }
 
 Json ToJson(const RunResult& run, const ProcessModel& plant) {
-  return {{"seed", run.seed},
-          {"lambda_star", run.selection.lambda_star},
-          {"lambda_star_penalised_loss", run.selection.lambda_star_penalised},
-          {"lambda_star_off_grid", run.selection.lambda_exact},
-          {"E_star", run.E_star},
-          {"E_zero", run.E_zero},
-          {"lambda_oracle", run.lambda_oracle},
-          {"E_oracle", run.E_oracle},
-          {"max_relative_duality_gap", run.max_relative_gap},
-          {"static_gain_error", Rows(run.judgement.static_gain_error)},
-          {"delay_impulse_peak", Rows(run.judgement.delay_impulse_peak)},
-          {"fopdt", FopdtRows(run, plant.num_outputs(), plant.num_inputs())}};
+  Json json = {
+      {"seed", run.seed},
+      {"lambda_star", run.lambda_star},
+      {"E_star", run.E_star},
+      {"E_zero", run.E_zero},
+      {"lambda_oracle", run.lambda_oracle},
+      {"E_oracle", run.E_oracle},
+      {"max_relative_duality_gap", run.max_relative_gap},
+      {"static_gain_error", Rows(run.judgement.static_gain_error)},
+      {"delay_impulse_peak", Rows(run.judgement.delay_impulse_peak)},
+      {"fopdt", FopdtRows(run, plant.num_outputs(), plant.num_inputs())}};
+  if (run.other_rule.has_value()) {
+    json["other_rule"] = {{"selection", run.other_rule->name},
+                          {"lambda", run.other_rule->lambda},
+                          {"E", run.other_rule->E}};
+  }
+  if (run.selection.penalised_loss.size() > 0) {
+    json["lambda_star_penalised_loss"] = run.selection.lambda_star_penalised;
+  }
+  const Eigen::VectorXd& each = run.selection.lambda_star;
+  if ((each.array() != each(0)).any()) {
+    json["lambda_star_per_output"] =
+        std::vector<double>(each.data(), each.data() + each.size());
+  }
+  return json;
 }
 
 Json ToJson(const Statistics& statistics) {
@@ -76,6 +89,8 @@ Json Summary(const CaseResult& result) {
   return {{"E_star", ToJson(result.E_star)},
           {"E_zero", ToJson(result.E_zero)},
           {"E_oracle", ToJson(result.E_oracle)},
+          {"E_other_rule",
+           result.E_other.has_value() ? ToJson(*result.E_other) : Json()},
           {"lambda_star", ToJson(result.lambda_star)},
           {"static_gain_error_rms", Rows(static_gain)},
           {"fopdt_gain_error_rms", Rows(fopdt_gain)},
@@ -91,11 +106,25 @@ std::string Field(const std::string& text) {
 
 std::string FormatDistances(const RunResult& run,
                             const Eigen::VectorXd& lambdas) {
-  std::string csv = "lambda,E,cross_validation_loss,penalised_loss\n";
+  const SelectionSummary& selection = run.selection;
+  std::string csv = "lambda,E,selection_loss,penalised_loss\n";
+  Eigen::Index next = 0;  // losses may be known at some λ only
   for (Eigen::Index i = 0; i < lambdas.size(); ++i) {
-    absl::StrAppendFormat(&csv, "%.9g,%.12g,%.12g,%.12g\n", lambdas(i),
-                          run.squared_distance(i), run.selection.loss(i),
-                          run.selection.penalised_loss(i));
+    absl::StrAppendFormat(&csv, "%.9g,%.12g,", lambdas(i),
+                          run.squared_distance(i));
+    if (next < selection.lambdas.size() &&
+        selection.lambdas(next) == lambdas(i)) {
+      absl::StrAppendFormat(&csv, "%.12g", selection.loss(next));
+      if (selection.penalised_loss.size() > 0) {
+        absl::StrAppendFormat(&csv, ",%.12g", selection.penalised_loss(next));
+      } else {
+        csv += ',';
+      }
+      ++next;
+    } else {
+      csv += ',';
+    }
+    csv += '\n';
   }
   return csv;
 }

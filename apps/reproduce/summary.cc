@@ -40,6 +40,7 @@ std::string PairName(const ProcessModel& plant, int output, int input) {
 
 const PaperFigure* FindPaperFigure(const CaseResult& result, int output,
                                    int input) {
+  if (!result.from_paper) return nullptr;
   for (const PaperFigure& figure : kPaperFigures) {
     if (result.name == figure.case_name && output == figure.output &&
         input == figure.input) {
@@ -57,7 +58,9 @@ Statistics Summarise(const std::vector<double>& values) {
   for (const double value : values) statistics.mean += value / count;
   statistics.worst = *std::max_element(values.begin(), values.end());
   statistics.best = *std::min_element(values.begin(), values.end());
-  if (values.size() > 1) {
+  if (!std::isfinite(statistics.worst)) {
+    statistics.standard_deviation = statistics.worst;
+  } else if (values.size() > 1) {
     double sum = 0.0;
     for (const double value : values) {
       sum += (value - statistics.mean) * (value - statistics.mean);
@@ -74,10 +77,15 @@ absl::Status SummariseCase(const ProcessModel& initial_model,
     star.push_back(run.E_star);
     zero.push_back(run.E_zero);
     oracle.push_back(run.E_oracle);
-    lambda.push_back(run.selection.lambda_star);
+    lambda.push_back(run.lambda_star);
     result.max_relative_gap =
         std::max(result.max_relative_gap, run.max_relative_gap);
   }
+  std::vector<double> other;
+  for (const RunResult& run : result.runs) {
+    if (run.other_rule.has_value()) other.push_back(run.other_rule->E);
+  }
+  if (!other.empty()) result.E_other = Summarise(other);
   result.E_star = Summarise(star);
   result.E_zero = Summarise(zero);
   result.E_oracle = Summarise(oracle);
@@ -141,14 +149,21 @@ report::Table DistanceTable(const CaseResult& result) {
   const RunResult& first = result.runs.front();
   table.AddRow(
       {"before: initial model", "", FormatSignificant(result.E_initial, 5)});
-  add("corrected, λ* by cross-validation",
+  add("corrected, λ* from the records",
       several
           ? absl::StrCat(FormatScientific(result.lambda_star.best, 2), " … ",
                          FormatScientific(result.lambda_star.worst, 2))
-          : FormatScientific(first.selection.lambda_star, 2),
+          : FormatScientific(first.lambda_star, 2),
       result.E_star);
   add("corrected, best λ in hindsight",
       several ? "" : FormatScientific(first.lambda_oracle, 2), result.E_oracle);
+  if (result.E_other.has_value()) {
+    const std::string& name = first.other_rule->name;
+    add(name == "paper" ? "corrected, λ by the paper's rule"
+                        : "corrected, λ by the default rule (blocks)",
+        several ? "" : FormatScientific(first.other_rule->lambda, 2),
+        *result.E_other);
+  }
   add("corrected, without penalty", "0", result.E_zero);
   return table;
 }

@@ -3,6 +3,7 @@
 #ifndef APPS_REPRODUCE_SUMMARY_H_
 #define APPS_REPRODUCE_SUMMARY_H_
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,7 +24,8 @@ struct Statistics {
   double standard_deviation = 0.0;  // (n − 1); 0 for one value
 };
 
-// Of one value or more, all finite.
+// Of one value or more. Values may be infinite (> 0), and mean, worst and
+// deviation are so then.
 Statistics Summarise(const std::vector<double>& values);
 
 // The corrected model's errors at one input–output pair, over all runs.
@@ -41,6 +43,7 @@ struct ElementErrors {
 // One case: a plant and its runs.
 struct CaseResult {
   std::string name;
+  bool from_paper = false;  // the paper's figures belong beside the results
   ProcessModel plant;
   StepResponse truth;
   StepResponse initial;
@@ -50,6 +53,7 @@ struct CaseResult {
   Statistics E_star;
   Statistics E_zero;
   Statistics E_oracle;
+  std::optional<Statistics> E_other;
   Statistics lambda_star;
   std::vector<ElementErrors> elements;  // row by row (p·m)
   double max_relative_gap = 0.0;

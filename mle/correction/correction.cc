@@ -5,8 +5,9 @@
 #include <utility>
 
 #include "absl/strings/str_format.h"
+#include "glog/logging.h"
 #include "mle/base/status.h"
-#include "mle/correction/regression_data.h"
+#include "mle/correction/cross_validation.h"
 
 namespace mle {
 
@@ -54,57 +55,80 @@ double Correction::MaxRelativeGap() const {
 }
 
 ArxModel Correction::Model(double lambda) const {
+  return Model(Eigen::VectorXd::Constant(initial_.num_outputs, lambda).eval());
+}
+
+ArxModel Correction::Model(const Eigen::VectorXd& lambdas) const {
   ArxModel model = initial_;
-  Model(lambda, model);
+  Model(lambdas, model);
   return model;
 }
 
-void Correction::Model(double lambda, ArxModel& model) const {
+void Correction::Model(const Eigen::VectorXd& lambdas, ArxModel& model) const {
+  CHECK_EQ(lambdas.size(), initial_.num_outputs);
   model.R = initial_.R;
-  for (std::size_t i = 0; i < fits_.size(); ++i) {
+  for (Eigen::Index i = 0; i < lambdas.size(); ++i) {
     const LassoPath& path = fits_[i].path;
-    const int number = path.FindSegment(lambda);
+    const int number = path.FindSegment(lambdas(i));
     if (number < 0) continue;
     const LassoPath::Segment& segment = path.segments()[number];
     const double step =
-        segment.lambda_begin - std::max(lambda, segment.lambda_end);
+        segment.lambda_begin - std::max(lambdas(i), segment.lambda_end);
     const auto active = path.Active(segment);
     const auto start = path.Start(segment);
     const auto slope = path.Slope(segment);
     for (int a = 0; a < segment.active; ++a) {
-      model.R(static_cast<Eigen::Index>(i), active(a)) +=
-          inverse_scale_(active(a)) * (start(a) + step * slope(a));
+      // Constant regressors are never active.
+      model.R(i, active(a)) +=
+          (start(a) + step * slope(a)) / problem_.scale(active(a));
     }
   }
+}
+
+absl::StatusOr<SelectionSummary> Correction::Select(
+    const SelectionOptions& options) const {
+  return SelectLambda(data_, scaling_, penalty_weights_, moments_, problem_,
+                      fits_, options, solver_);
 }
 
 absl::StatusOr<Correction> CorrectModel(const ArxModel& initial,
                                         absl::Span<const Record> windows,
                                         const CorrectionOptions& options) {
   MLE_RETURN_IF_ERROR(options.Validate());
-  MLE_ASSIGN_OR_RETURN(
-      const RegressionData data,
-      RegressionData::Create(windows, initial, options.scaling));
   Correction correction;
   correction.initial_ = initial;
-  MLE_ASSIGN_OR_RETURN(correction.selection_,
-                       CrossValidate(data, options.scaling, options.lambdas,
-                                     options.selection, options.solver));
-
-  std::vector<RegressionRows> all;
-  for (int i = 0; i < data.num_windows(); ++i) {
-    all.insert(all.end(), data.window(i).begin(), data.window(i).end());
+  correction.scaling_ = options.scaling;
+  correction.solver_ = options.solver;
+  correction.penalty_weights_ = options.penalty_weights;
+  if (options.penalty_weights.size() > 0 &&
+      (options.penalty_weights.rows() != initial.num_outputs ||
+       options.penalty_weights.cols() != initial.num_regressors())) {
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "the penalty weights are %d × %d; they must be %d × %d, a row for each "
+        "output and a column for each regressor, or empty",
+        options.penalty_weights.rows(), options.penalty_weights.cols(),
+        initial.num_outputs, initial.num_regressors()));
   }
-  const LassoProblem problem =
-      MakeLassoProblem(ComputeLaggedMoments(all), options.scaling);
-  correction.inverse_scale_ =
-      problem.Unscale(Eigen::VectorXd::Ones(problem.num_regressors()));
-  for (int i = 0; i < problem.num_responses(); ++i) {
-    MLE_ASSIGN_OR_RETURN(LassoSolution fit,
-                         SolveLasso(LassoObjective(problem, i), options.lambdas,
-                                    options.solver));
+  MLE_ASSIGN_OR_RETURN(
+      correction.data_,
+      RegressionData::Create(windows, initial, options.scaling));
+  std::vector<RegressionRows> all;
+  for (int i = 0; i < correction.data_.num_windows(); ++i) {
+    const std::vector<RegressionRows>& rows = correction.data_.window(i);
+    all.insert(all.end(), rows.begin(), rows.end());
+  }
+  correction.moments_ = ComputeLaggedMoments(all);
+  correction.problem_ = MakeLassoProblem(correction.moments_, options.scaling);
+  for (int i = 0; i < correction.problem_.num_responses(); ++i) {
+    MLE_ASSIGN_OR_RETURN(
+        LassoSolution fit,
+        SolveLasso(LassoObjective(correction.problem_, i,
+                                  PenaltyWeights(options.penalty_weights, i)),
+                   options.lambdas, options.solver));
     correction.fits_.push_back(std::move(fit));
   }
+  MLE_ASSIGN_OR_RETURN(correction.selection_,
+                       correction.Select(options.selection));
   return correction;
 }
 

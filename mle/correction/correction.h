@@ -8,7 +8,7 @@
 //
 //   MLE_ASSIGN_OR_RETURN(const Correction correction,
 //                        CorrectModel(initial, windows, options));
-//   correction.Model(correction.selection().lambda_star);
+//   correction.Model();   // with λ*
 
 #ifndef MLE_CORRECTION_CORRECTION_H_
 #define MLE_CORRECTION_CORRECTION_H_
@@ -18,7 +18,8 @@
 #include "Eigen/Core"
 #include "absl/status/statusor.h"
 #include "absl/types/span.h"
-#include "mle/correction/cross_validation.h"
+#include "mle/correction/regression_data.h"
+#include "mle/correction/selection.h"
 #include "mle/data/record.h"
 #include "mle/model/arx_model.h"
 #include "mle/regression/lasso_problem.h"
@@ -30,6 +31,10 @@ struct CorrectionOptions {
   // Ascending, ≥ 0, not empty; the paper's are 0, 1e-6, …, 1e-2.
   Eigen::VectorXd lambdas;
   Scaling scaling = Scaling::kStandardise;
+  // p × n, or empty for ones: weight of each coefficient's penalty, ≥ 0. 0
+  // leaves it free, ∞ holds it: for inputs known not to reach an output, or
+  // lags shorter than a known dead time.
+  Eigen::MatrixXd penalty_weights;
   SelectionOptions selection;
   LassoSolverOptions solver;
 
@@ -41,16 +46,22 @@ absl::StatusOr<Eigen::VectorXd> MakeLambdaGrid(double max, double step);
 
 class Correction {
  public:
-  const CrossValidationSummary& selection() const { return selection_; }
+  const SelectionSummary& selection() const { return selection_; }
   // The fit of each output to all windows.
   const std::vector<LassoSolution>& fits() const { return fits_; }
   // Worst relative duality gap of all fits, at every λ of the grid.
   double MaxRelativeGap() const;
 
-  // R + ΔR(λ), one λ for all outputs.
+  // R + ΔR with λ*, with a λ for each output (p), with one for all.
+  ArxModel Model() const { return Model(selection_.lambda_star); }
+  ArxModel Model(const Eigen::VectorXd& lambdas) const;
   ArxModel Model(double lambda) const;
   // The same into a model that is used again and again.
-  void Model(double lambda, ArxModel& model) const;
+  void Model(const Eigen::VectorXd& lambdas, ArxModel& model) const;
+
+  // λ* by another rule, on the same fits.
+  absl::StatusOr<SelectionSummary> Select(
+      const SelectionOptions& options) const;
 
  private:
   friend absl::StatusOr<Correction> CorrectModel(
@@ -58,8 +69,13 @@ class Correction {
       const CorrectionOptions& options);
 
   ArxModel initial_;
-  Eigen::VectorXd inverse_scale_;
-  CrossValidationSummary selection_;
+  Scaling scaling_ = Scaling::kStandardise;
+  LassoSolverOptions solver_;
+  RegressionData data_;
+  LaggedMoments moments_;
+  LassoProblem problem_;
+  Eigen::MatrixXd penalty_weights_;
+  SelectionSummary selection_;
   std::vector<LassoSolution> fits_;
 };
 

@@ -1,106 +1,167 @@
 #include "mle/correction/cross_validation.h"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
-#include "absl/strings/str_format.h"
+#include "glog/logging.h"
 #include "mle/base/status.h"
+#include "mle/correction/prediction_residuals.h"
 #include "mle/regression/validation_loss.h"
 
 namespace mle {
 namespace {
 
-using Fold = std::vector<RegressionRows>;
-
-std::vector<Fold> MakeFolds(const RegressionData& data,
-                            const SelectionOptions& selection) {
-  std::vector<Fold> folds;
-  if (selection.rule == SelectionOptions::Rule::kLeaveChangeOut) {
-    for (int i = 0; i < data.num_windows(); ++i) {
-      folds.push_back(data.window(i));
+// One fold: fits to the others' moments, scored on its own.
+class FoldFit {
+ public:
+  FoldFit(std::vector<LaggedMoments>& moments, std::size_t fold,
+          const CrossValidationOptions& options)
+      : options_(options), own_(moments[fold]) {
+    LaggedMoments others =
+        LaggedMoments::Zero(own_.num_regressors(), own_.num_responses());
+    for (std::size_t g = 0; g < moments.size(); ++g) {
+      if (g != fold) others += moments[g];
     }
-    return folds;
+    problem_ = MakeLassoProblem(std::move(others), options.scaling);
   }
-  folds.resize(selection.folds);
-  std::size_t next = 0;
+
+  absl::Status Solve() {
+    for (int q = 0; q < problem_.num_responses(); ++q) {
+      MLE_ASSIGN_OR_RETURN(LassoSolution solution,
+                           SolveLasso(LassoObjective(problem_, q, Weights(q)),
+                                      options_.grid, options_.solver));
+      solutions_.push_back(std::move(solution));
+    }
+    return absl::OkStatus();
+  }
+
+  const std::vector<LassoSolution>& solutions() const { return solutions_; }
+
+  std::vector<PiecewiseQuadratic> OneStepLosses() const {
+    const ValidationRows validation(problem_, own_);
+    std::vector<PiecewiseQuadratic> losses;
+    for (std::size_t q = 0; q < solutions_.size(); ++q) {
+      losses.push_back(
+          validation.Loss(solutions_[q].path, static_cast<int>(q)));
+    }
+    return losses;
+  }
+
+  void AddPenalty(double weight, Eigen::VectorXd& penalty) const {
+    Eigen::VectorXd sum = Eigen::VectorXd::Zero(options_.lambdas.size());
+    for (std::size_t q = 0; q < solutions_.size(); ++q) {
+      Eigen::VectorXd weights = Weights(static_cast<int>(q));
+      if (weights.size() == 0) weights.setOnes(problem_.num_regressors());
+      PenaltyAlong(solutions_[q].path, weights).AddTo(options_.lambdas, sum);
+    }
+    penalty += weight * sum;
+  }
+
+  // R + ΔR(λ).
+  Eigen::MatrixXd Coefficients(const Eigen::MatrixXd& R, double lambda) const {
+    Eigen::MatrixXd corrected = R;
+    for (std::size_t q = 0; q < solutions_.size(); ++q) {
+      corrected.row(static_cast<Eigen::Index>(q)) +=
+          problem_.Unscale(solutions_[q].path.Coefficients(lambda)).transpose();
+    }
+    return corrected;
+  }
+
+ private:
+  Eigen::VectorXd Weights(int output) const {
+    return PenaltyWeights(options_.penalty_weights, output);
+  }
+
+  const CrossValidationOptions& options_;
+  const LaggedMoments& own_;
+  LassoProblem problem_;
+  std::vector<LassoSolution> solutions_;
+};
+
+// ½ mean square of the residuals further ahead, on the rows of `fold`, by
+// output.
+Eigen::VectorXd AheadLoss(const RegressionData& data, const Fold& fold,
+                          const Eigen::MatrixXd& R, int horizon) {
+  Eigen::VectorXd squares = Eigen::VectorXd::Zero(R.rows());
+  double rows = 0.0;
   for (int i = 0; i < data.num_windows(); ++i) {
-    for (const RegressionRows& rows : data.window(i)) {
-      for (RegressionRows& block :
-           SplitIntoBlocks(rows, selection.block_length)) {
-        folds[next++ % folds.size()].push_back(std::move(block));
+    for (const RegressionRows& run : data.window(i)) {
+      Eigen::MatrixXd residuals;
+      for (const RegressionRows& block : fold) {
+        const bool inside = block.series == run.series &&
+                            block.rows.first >= run.rows.first &&
+                            block.rows.last <= run.rows.last;
+        if (!inside) continue;
+        if (residuals.size() == 0) {
+          residuals = PredictionResiduals(*run.series, run.rows, R, horizon);
+        }
+        squares +=
+            residuals
+                .middleCols(run.rows.last - block.rows.last, block.rows.rows())
+                .rowwise()
+                .squaredNorm();
+        rows += block.rows.rows();
       }
     }
   }
-  std::erase_if(folds, [](const Fold& fold) { return fold.empty(); });
-  return folds;
-}
-
-// Index of the smallest entry, the last of several.
-Eigen::Index LastArgMin(const Eigen::VectorXd& values) {
-  Eigen::Index best = 0;
-  for (Eigen::Index i = 1; i < values.size(); ++i) {
-    if (values(i) <= values(best)) best = i;
-  }
-  return best;
+  // An unstable model runs away, until nothing is a number any more.
+  return squares.array().isFinite().select(
+      0.5 / rows * squares, std::numeric_limits<double>::infinity());
 }
 
 }  // namespace
 
-absl::Status SelectionOptions::Validate() const {
-  if (folds < 2) {
-    return absl::InvalidArgumentError(absl::StrFormat(
-        "folds is %d; cross-validation needs at least 2", folds));
-  }
-  if (block_length < 1) {
-    return absl::InvalidArgumentError(absl::StrFormat(
-        "block_length is %d samples; it must be at least 1", block_length));
-  }
-  return absl::OkStatus();
+Eigen::VectorXd PenaltyWeights(const Eigen::MatrixXd& all, int output) {
+  return all.size() > 0 ? Eigen::VectorXd(all.row(output)) : Eigen::VectorXd();
 }
 
-absl::StatusOr<CrossValidationSummary> CrossValidate(
-    const RegressionData& data, Scaling scaling, const Eigen::VectorXd& lambdas,
-    const SelectionOptions& selection, const LassoSolverOptions& solver) {
-  MLE_RETURN_IF_ERROR(selection.Validate());
-  const std::vector<Fold> folds = MakeFolds(data, selection);
-  if (folds.size() < 2) {
-    return absl::InvalidArgumentError(absl::StrFormat(
-        "the records give %d fold; cross-validation needs at least 2: records "
-        "of another set-point change, or blocks within one",
-        folds.size()));
-  }
+absl::StatusOr<FoldLosses> CrossValidate(
+    const RegressionData& data, const std::vector<Fold>& folds,
+    const CrossValidationOptions& options) {
+  CHECK_GE(folds.size(), 2U);
+  const Eigen::VectorXd& lambdas = options.lambdas;
   std::vector<LaggedMoments> moments;
   for (const Fold& fold : folds) moments.push_back(ComputeLaggedMoments(fold));
+  const auto count = static_cast<Eigen::Index>(folds.size());
+  FoldLosses losses;
+  losses.weight.resize(count);
+  for (Eigen::Index f = 0; f < count; ++f) {
+    losses.weight(f) = static_cast<double>(moments[f].rows);
+  }
+  losses.weight /= losses.weight.mean();
+  losses.values.assign(moments.front().num_responses(),
+                       Eigen::MatrixXd::Zero(count, lambdas.size()));
+  losses.penalty.setZero(lambdas.size());
 
-  CrossValidationSummary summary;
-  summary.loss.setZero(lambdas.size());
-  summary.penalised_loss.setZero(lambdas.size());
-  std::vector<PiecewiseQuadratic> losses;
-  for (std::size_t f = 0; f < folds.size(); ++f) {
-    LaggedMoments others = LaggedMoments::Zero(moments[f].num_regressors(),
-                                               moments[f].num_responses());
-    for (std::size_t g = 0; g < folds.size(); ++g) {
-      if (g != f) others += moments[g];
+  for (Eigen::Index f = 0; f < count; ++f) {
+    FoldFit fit(moments, static_cast<std::size_t>(f), options);
+    MLE_RETURN_IF_ERROR(fit.Solve());
+    for (const LassoSolution& solution : fit.solutions()) {
+      losses.max_relative_gap =
+          std::max(losses.max_relative_gap, solution.MaxRelativeGap());
     }
-    const LassoProblem problem = MakeLassoProblem(std::move(others), scaling);
-    const ValidationRows validation(problem, moments[f]);
-    for (int q = 0; q < problem.num_responses(); ++q) {
-      const LassoObjective objective(problem, q);
-      MLE_ASSIGN_OR_RETURN(const LassoSolution solution,
-                           SolveLasso(objective, lambdas, solver));
-      summary.max_relative_gap =
-          std::max(summary.max_relative_gap, solution.MaxRelativeGap());
-      losses.push_back(validation.Loss(solution.path, q));
-      losses.back().AddTo(lambdas, summary.loss);
-      PenaltyAlong(solution.path, objective.weights)
-          .AddTo(lambdas, summary.penalised_loss);
+    if (options.horizon == 1) {
+      losses.exact.push_back(fit.OneStepLosses());
+      fit.AddPenalty(losses.weight(f), losses.penalty);
+      for (std::size_t q = 0; q < losses.values.size(); ++q) {
+        Eigen::VectorXd row = Eigen::VectorXd::Zero(lambdas.size());
+        losses.exact.back()[q].AddTo(lambdas, row);
+        losses.values[q].row(f) = row.transpose();
+        losses.exact.back()[q].Scale(losses.weight(f));
+      }
+    } else {
+      for (Eigen::Index i = 0; i < lambdas.size(); ++i) {
+        const Eigen::VectorXd loss = AheadLoss(
+            data, folds[f], fit.Coefficients(data.model_R(), lambdas(i)),
+            options.horizon);
+        for (std::size_t q = 0; q < losses.values.size(); ++q) {
+          losses.values[q](f, i) = loss(static_cast<Eigen::Index>(q));
+        }
+      }
     }
   }
-  summary.penalised_loss += summary.loss;
-  summary.lambda_star = lambdas(LastArgMin(summary.loss));
-  summary.lambda_star_penalised = lambdas(LastArgMin(summary.penalised_loss));
-  summary.lambda_exact = MinimizeSum(losses).lambda;
-  return summary;
+  return losses;
 }
 
 }  // namespace mle

@@ -1,56 +1,55 @@
-// Choice of the penalty by cross-validation.
+// Losses of lasso fits on rows they have not seen.
 //
-// Every fold is predicted by a fit to all the others; λ* minimises the sum of
-// the folds' prediction losses over all outputs. Exact: the loss is a piecewise
-// quadratic in λ along each path (validation_loss.h).
+// Each fold is predicted by a fit to all the others. One step ahead its loss
+//
+//   V(λ) = 1/(2N_f) Σ_k (e_k − ê_k(λ))²
+//
+// is known exactly for every λ (validation_loss.h); further ahead it is
+// computed by simulation at given λ.
 
 #ifndef MLE_CORRECTION_CROSS_VALIDATION_H_
 #define MLE_CORRECTION_CROSS_VALIDATION_H_
 
-#include <string>
 #include <vector>
 
 #include "Eigen/Core"
 #include "absl/status/statusor.h"
-#include "absl/types/span.h"
+#include "mle/correction/folds.h"
 #include "mle/correction/regression_data.h"
 #include "mle/regression/lasso_solver.h"
+#include "mle/regression/piecewise_quadratic.h"
 
 namespace mle {
 
-struct SelectionOptions {
-  enum class Rule {
-    // A fold is a window, that is, a set-point change (the paper's rule).
-    kLeaveChangeOut,
-    // Every window is cut into blocks that are dealt out to the folds, so that
-    // each fit has seen every change.
-    kBlocks,
-  };
-  Rule rule = Rule::kLeaveChangeOut;
-  int folds = 5;           // of kBlocks, ≥ 2
-  int block_length = 300;  // of kBlocks, in samples, ≥ 1
-
-  absl::Status Validate() const;
+struct CrossValidationOptions {
+  Scaling scaling = Scaling::kStandardise;
+  Eigen::MatrixXd penalty_weights;  // p × n, or empty for ones
+  // Samples predicted before measured outputs are used again: 1 one step ahead,
+  // 0 never (free simulation of each run of rows).
+  int horizon = 1;
+  Eigen::VectorXd grid;     // of the fits, ascending
+  Eigen::VectorXd lambdas;  // where losses are wanted, ascending
+  LassoSolverOptions solver;
 };
 
-struct CrossValidationSummary {
-  // Sum of the folds' losses at each λ of the grid; with the fits' penalties
-  // λ Σ|β| added (the paper's Eq. 6 read literally).
-  Eigen::VectorXd loss;
-  Eigen::VectorXd penalised_loss;
-  // The grid's λ of the smallest loss, the larger of two; likewise penalised.
-  double lambda_star = 0.0;
-  double lambda_star_penalised = 0.0;
-  // Over all λ ≥ 0 rather than the grid.
-  double lambda_exact = 0.0;
-  // Relative duality gap, the worst of all fits and λ of the grid.
-  double max_relative_gap = 0.0;
+struct FoldLosses {
+  // For every output: folds × lambdas, V of each fold.
+  std::vector<Eigen::MatrixXd> values;
+  // One step ahead: for every fold and output, V times the fold's weight.
+  std::vector<std::vector<PiecewiseQuadratic>> exact;
+  // At each λ, of all outputs: Σ_folds weight λ Σ_j |β_j|. One step ahead only.
+  Eigen::VectorXd penalty;
+  Eigen::VectorXd weight;         // of each fold: its rows over the mean fold's
+  double max_relative_gap = 0.0;  // of all fits, at every λ of the grid
 };
 
-// `lambdas` ascending, ≥ 0. Needs at least two folds.
-absl::StatusOr<CrossValidationSummary> CrossValidate(
-    const RegressionData& data, Scaling scaling, const Eigen::VectorXd& lambdas,
-    const SelectionOptions& selection, const LassoSolverOptions& solver);
+// The weights of one output's coefficients; empty for ones.
+Eigen::VectorXd PenaltyWeights(const Eigen::MatrixXd& all, int output);
+
+// At least two folds.
+absl::StatusOr<FoldLosses> CrossValidate(const RegressionData& data,
+                                         const std::vector<Fold>& folds,
+                                         const CrossValidationOptions& options);
 
 }  // namespace mle
 

@@ -1,6 +1,5 @@
 #include "mle/correction/regression_data.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "absl/strings/str_format.h"
@@ -46,6 +45,8 @@ absl::StatusOr<RegressionData> RegressionData::Create(
     offset = ChannelMeans({windows.begin(), windows.end()});
   }
   RegressionData data;
+  data.order_ = model.order;
+  data.model_R_ = model.R;
   for (std::size_t i = 0; i < windows.size(); ++i) {
     const LaggedSeries& series =
         data.series_.emplace_back(windows[i], model.order, offset);
@@ -63,22 +64,6 @@ absl::StatusOr<RegressionData> RegressionData::Create(
     }
   }
   return data;
-}
-
-std::vector<RegressionRows> SplitIntoBlocks(const RegressionRows& rows,
-                                            int length) {
-  std::vector<RegressionRows> blocks;
-  const int count = std::max(rows.rows.rows() / length, 1);
-  for (int i = 0; i < count; ++i) {
-    const int first = rows.rows.first + i * length;
-    const int last = i + 1 < count ? first + length - 1 : rows.rows.last;
-    // Responses run backwards in time.
-    blocks.push_back(
-        {rows.series,
-         {first, last},
-         rows.responses.middleCols(rows.rows.last - last, last - first + 1)});
-  }
-  return blocks;
 }
 
 }  // namespace mle

@@ -20,6 +20,11 @@ namespace mle {
 
 class RegressionData {
  public:
+  RegressionData() = default;
+  // Rows point into the object: it moves, but is not copied.
+  RegressionData(RegressionData&&) = default;
+  RegressionData& operator=(RegressionData&&) = default;
+
   // Each window stands for itself: no row reaches over its ends. Where the
   // problem will be centred, the channels' means are taken off first, for
   // accuracy. InvalidArgument if channels or sample times do not match the
@@ -28,6 +33,9 @@ class RegressionData {
                                                const ArxModel& model,
                                                Scaling scaling);
 
+  int order() const { return order_; }                         // d
+  const Eigen::MatrixXd& model_R() const { return model_R_; }  // p × n
+
   int num_windows() const { return static_cast<int>(rows_.size()); }
   // The usable rows of one window with their responses.
   const std::vector<RegressionRows>& window(int number) const {
@@ -35,14 +43,11 @@ class RegressionData {
   }
 
  private:
+  int order_ = 0;
+  Eigen::MatrixXd model_R_;
   std::deque<LaggedSeries> series_;  // rows point into it
   std::vector<std::vector<RegressionRows>> rows_;
 };
-
-// The first `length` rows of `rows`, the next, and so on; the last piece may be
-// longer by less than `length`.
-std::vector<RegressionRows> SplitIntoBlocks(const RegressionRows& rows,
-                                            int length);
 
 }  // namespace mle
 

@@ -51,4 +51,16 @@ void LassoPath::Append(double lambda_begin, double lambda_end,
   slope_.insert(slope_.end(), slope.data(), slope.data() + active.size());
 }
 
+void LassoPath::AppendJoin(double lambda_begin, const Eigen::VectorXd& begin,
+                           double lambda_end, const Eigen::VectorXd& end) {
+  if (lambda_end >= lambda_begin) return;
+  std::vector<int> active;
+  for (int j = 0; j < size_; ++j) {
+    if (begin(j) != 0.0 || end(j) != 0.0) active.push_back(j);
+  }
+  const Eigen::VectorXd start = begin(active);
+  Append(lambda_begin, lambda_end, active, start,
+         (end(active) - start) / (lambda_begin - lambda_end));
+}
+
 }  // namespace mle

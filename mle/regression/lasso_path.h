@@ -61,6 +61,11 @@ class LassoPath {
               const std::vector<int>& active, const Eigen::VectorXd& start,
               const Eigen::VectorXd& slope);
 
+  // A straight segment between two solutions (n each); nothing where
+  // lambda_end is not below lambda_begin.
+  void AppendJoin(double lambda_begin, const Eigen::VectorXd& begin,
+                  double lambda_end, const Eigen::VectorXd& end);
+
  private:
   int size_ = 0;
   std::vector<Segment> segments_;

@@ -14,20 +14,6 @@
 namespace mle {
 namespace {
 
-// Joins the end of `path` and `beta` at `lambda` by a straight segment.
-void JoinSegment(double lambda_from, const Eigen::VectorXd& from, double lambda,
-                 const Eigen::VectorXd& beta, LassoPath& path) {
-  if (lambda >= lambda_from) return;
-  std::vector<int> active;
-  for (int j = 0; j < beta.size(); ++j) {
-    if (from(j) != 0.0 || beta(j) != 0.0) active.push_back(j);
-  }
-  const Eigen::VectorXd start = from(active);
-  const Eigen::VectorXd end = beta(active);
-  path.Append(lambda_from, lambda, active, start,
-              (end - start) / (lambda_from - lambda));
-}
-
 // Solves lambdas(first) … lambdas(0) by coordinate descent, going down from the
 // end of the path.
 absl::Status Descend(const LassoObjective& objective,
@@ -60,7 +46,7 @@ absl::Status Descend(const LassoObjective& objective,
       lambda_before = std::numeric_limits<double>::max();
       beta = summary.beta;
     }
-    JoinSegment(lambda_before, beta, lambda, summary.beta, solution.path);
+    solution.path.AppendJoin(lambda_before, beta, lambda, summary.beta);
     if (lambda < lambda_before) lambda_before = lambda;
     beta = std::move(summary.beta);
   }

@@ -18,6 +18,15 @@ double PiecewiseQuadratic::operator()(double lambda) const {
   return piece.At(std::max(lambda, piece.lambda_end));
 }
 
+void PiecewiseQuadratic::Scale(double factor) {
+  constant_ *= factor;
+  for (Piece& piece : pieces_) {
+    piece.value *= factor;
+    piece.slope *= factor;
+    piece.curvature *= factor;
+  }
+}
+
 void PiecewiseQuadratic::AddTo(const Eigen::VectorXd& lambdas,
                                Eigen::VectorXd& sums) const {
   CHECK_EQ(lambdas.size(), sums.size());

@@ -33,6 +33,7 @@ class PiecewiseQuadratic {
 
   // Pieces are appended in falling λ, each beginning where the last one ends.
   void Append(const Piece& piece) { pieces_.push_back(piece); }
+  void Scale(double factor);
   const std::vector<Piece>& pieces() const { return pieces_; }
 
   double operator()(double lambda) const;

@@ -1,0 +1,234 @@
+#include <algorithm>
+#include <cmath>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "apps/reproduce/experiment.h"
+#include "mle/base/status.h"
+
+namespace mle::reproduce {
+namespace {
+
+// What still fits into the memory.
+constexpr double kMaxSamples = 1e7;
+constexpr double kMaxHorizonProduct = 1e7;  // values of the dynamic matrix
+
+absl::Status CheckPositive(const char* flag, double value) {
+  if (value > 0.0 && std::isfinite(value)) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrFormat(
+      "--%s=%g: it must be a positive, finite number", flag, value));
+}
+
+absl::Status CheckNotNegative(const char* flag, double value) {
+  if (value >= 0.0 && std::isfinite(value)) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrFormat(
+      "--%s=%g: it must be a finite number and not negative", flag, value));
+}
+
+// A time that will be cut into samples.
+absl::Status CheckDuration(const char* flag, double value, double sample_time) {
+  MLE_RETURN_IF_ERROR(CheckPositive(flag, value));
+  if (value / sample_time <= kMaxSamples) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrFormat(
+      "--%s=%g has %.3g samples of --sample_time=%g; at most %g", flag, value,
+      value / sample_time, sample_time, kMaxSamples));
+}
+
+absl::Status CheckNumbers(const ExperimentOptions& options) {
+  MLE_RETURN_IF_ERROR(CheckPositive("sample_time", options.sample_time));
+  for (const auto& [flag, value] :
+       {std::pair{"control_period", options.control_period},
+        std::pair{"duration", options.duration},
+        std::pair{"window", options.window},
+        std::pair{"conversion_duration", options.conversion_duration},
+        std::pair{"response_horizon", options.response_horizon}}) {
+    MLE_RETURN_IF_ERROR(CheckDuration(flag, value, options.sample_time));
+  }
+  for (const auto& [flag, value] :
+       {std::pair{"step_time", options.step_time},
+        std::pair{"noise_variance", options.noise_variance},
+        std::pair{"conversion_noise_variance",
+                  options.conversion_noise_variance},
+        std::pair{"conversion_penalty", options.conversion.penalty},
+        std::pair{"disturbance_variance_ratio",
+                  options.disturbance_variance_ratio}}) {
+    MLE_RETURN_IF_ERROR(CheckNotNegative(flag, value));
+  }
+  if (options.setpoint_step == 0.0 || !std::isfinite(options.setpoint_step)) {
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "--setpoint_step=%g: it must be a finite number other than 0",
+        options.setpoint_step));
+  }
+  if (options.conversion.order < 1) {
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "--order=%d: it must be at least 1", options.conversion.order));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CheckWeight(const char* flag, const char* symbol,
+                         const Eigen::VectorXd& weight, int channels,
+                         const char* kind) {
+  if (weight.size() != channels) {
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "--%s has %d values for %d %s", flag, weight.size(), channels, kind));
+  }
+  if (!weight.allFinite()) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("--%s has values that are not finite", flag));
+  }
+  if (weight.minCoeff() < 0.0) {
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "--%s: %g is negative; the weight %s must be positive semi-definite",
+        flag, weight.minCoeff(), symbol));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CheckLoop(const ExperimentOptions& options,
+                       const ProcessModel& initial) {
+  const double ratio = options.control_period / options.sample_time;
+  if (std::round(ratio) < 1.0 ||
+      std::abs(ratio - std::round(ratio)) > 1e-9 * ratio) {
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "--control_period=%g is no whole multiple of --sample_time=%g",
+        options.control_period, options.sample_time));
+  }
+  if (options.control_horizon < 1) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("--control_horizon=%d: it must be at least 1",
+                        options.control_horizon));
+  }
+  if (options.prediction_horizon < options.control_horizon) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("--control_horizon=%d exceeds --prediction_horizon=%d",
+                        options.control_horizon, options.prediction_horizon));
+  }
+  const int p = initial.num_outputs();
+  const int m = initial.num_inputs();
+  if (static_cast<double>(options.prediction_horizon) * p *
+          options.control_horizon * m >
+      kMaxHorizonProduct) {
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "--prediction_horizon=%d and --control_horizon=%d are too long: their "
+        "product, times %d outputs and %d inputs, may be at most %g",
+        options.prediction_horizon, options.control_horizon, p, m,
+        kMaxHorizonProduct));
+  }
+  MLE_RETURN_IF_ERROR(
+      CheckWeight("output_weight", "Q_y", options.output_weight, p, "outputs"));
+  MLE_RETURN_IF_ERROR(
+      CheckWeight("move_weight", "Q_u", options.move_weight, m, "inputs"));
+  for (const InputChannel& input : initial.inputs()) {
+    if (input.role == InputRole::kDisturbance) {
+      return absl::InvalidArgumentError(absl::StrFormat(
+          "input '%s' is a disturbance; this experiment moves every input",
+          input.name));
+    }
+  }
+  // Finds the rest, such as weights that leave the moves undetermined.
+  const absl::Status controller =
+      control::Mpc::Create(initial, MpcOptionsOf(options)).status();
+  if (controller.ok()) return controller;
+  return absl::InvalidArgumentError(
+      absl::StrCat("controller: ", controller.message()));
+}
+
+absl::Status CheckRows(const ExperimentOptions& options,
+                       const ProcessModel& initial) {
+  if (options.step_time - options.window < -1e-9 ||
+      options.step_time + options.window > options.duration + 1e-9) {
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "--window=%g around --step_time=%g reaches from %g to %g, the record "
+        "from 0 to --duration=%g",
+        options.window, options.step_time, options.step_time - options.window,
+        options.step_time + options.window, options.duration));
+  }
+  const int order = options.conversion.order;
+  if (options.window_rows() < 2) {
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "--order=%d leaves no rows to learn from: a window of 2 × %g has %d "
+        "samples",
+        order, options.window, options.window_rows() + order));
+  }
+  const double rows =
+      std::round(options.conversion_duration / options.sample_time) + 1 - order;
+  const double regressors = static_cast<double>(order) *
+                            (initial.num_outputs() + initial.num_inputs());
+  if (rows < regressors) {
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "--conversion_duration=%g is too short: --order=%d makes %d "
+        "coefficients of each output, which take at least %g",
+        options.conversion_duration, order, static_cast<long>(regressors),
+        (regressors + order) * options.sample_time));
+  }
+  constexpr int kFewestSamples = 5;  // that a fit of three parameters needs
+  if (options.response_samples() < kFewestSamples) {
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "--response_horizon=%g is too short; it must be at least %g, %d times "
+        "--sample_time",
+        options.response_horizon, (kFewestSamples - 1) * options.sample_time,
+        kFewestSamples - 1));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CheckSelection(const ExperimentOptions& options,
+                            const ProcessModel& initial) {
+  const SelectionOptions& selection = options.correction.selection;
+  const int windows = initial.num_outputs();
+  if (selection.rule == SelectionOptions::Rule::kLeaveChangeOut) {
+    if (windows >= 2) return absl::OkStatus();
+    return absl::InvalidArgumentError(
+        "--selection=paper and leave_change_out need two set-point changes, "
+        "but a plant of one output has one: use --selection=blocks");
+  }
+  if (selection.rule != SelectionOptions::Rule::kBlocks)
+    return absl::OkStatus();
+  if (selection.folds < 2) {
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "--selection_folds=%d: it must be at least 2", selection.folds));
+  }
+  const int length = selection.BlockLength(options.conversion.order);
+  const int blocks = std::max(options.window_rows() / length, 1) * windows;
+  if (blocks < 2) {
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "--selection_block=%d samples makes a single block of the records, "
+        "which have %d rows; cross-validation needs at least 2",
+        length, options.window_rows() * windows));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+control::MpcOptions MpcOptionsOf(const ExperimentOptions& options) {
+  control::MpcOptions mpc;
+  mpc.control_period = options.control_period;
+  mpc.prediction_horizon = options.prediction_horizon;
+  mpc.control_horizon = options.control_horizon;
+  mpc.output_weight = options.output_weight.asDiagonal();
+  mpc.move_weight = options.move_weight.asDiagonal();
+  mpc.disturbance_variance_ratio = options.disturbance_variance_ratio;
+  return mpc;
+}
+
+absl::Status ExperimentOptions::Validate(const ProcessModel& initial) const {
+  MLE_RETURN_IF_ERROR(CheckNumbers(*this));
+  MLE_RETURN_IF_ERROR(CheckLoop(*this, initial));
+  MLE_RETURN_IF_ERROR(CheckRows(*this, initial));
+  MLE_RETURN_IF_ERROR(CheckSelection(*this, initial));
+  MLE_RETURN_IF_ERROR(conversion.Validate());
+  return correction.Validate();
+}
+
+int ExperimentOptions::response_samples() const {
+  return static_cast<int>(std::lround(response_horizon / sample_time)) + 1;
+}
+
+int ExperimentOptions::window_rows() const {
+  return 2 * static_cast<int>(std::lround(window / sample_time)) + 1 -
+         conversion.order;
+}
+
+}  // namespace mle::reproduce

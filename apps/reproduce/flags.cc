@@ -1,0 +1,357 @@
+#include "apps/reproduce/flags.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <set>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "apps/common/built_in_models.h"
+#include "apps/common/command_line.h"
+#include "gflags/gflags.h"
+#include "mle/base/status.h"
+
+DEFINE_string(cases, "gain,delay",
+              "Cases to run, of the Wood-Berry column: gain (both reflux gains "
+              "halved), delay (both steam dead times 4 min longer).");
+DEFINE_string(
+    model, "",
+    "Process model (JSON) that the controller believes; with --plants "
+    "instead of --cases.");
+DEFINE_string(
+    plants, "",
+    "NAME:FILE,… process models (JSON) of aged plants, a case each, of "
+    "the same inputs and outputs as --model.");
+DEFINE_int32(seeds, 1, "Noise seeds to run each case with, 1 … 10000.");
+DEFINE_uint64(first_seed, 1, "The first of the seeds; the others follow it.");
+DEFINE_string(out, "results",
+              "Folder for report.html, results.json, the curves and figures.");
+DEFINE_bool(figures, true, "Draw the figures (needs gnuplot).");
+DEFINE_int32(threads, 0,
+             "Threads, 0: one for each processor. The results do "
+             "not depend on it.");
+
+DEFINE_double(
+    sample_time, 0.2,
+    "Sample time Δt of the ARX model, in the model's time unit (min).");
+DEFINE_int32(order, 150, "Order d of the ARX model, in samples, ≥ 1.");
+DEFINE_double(control_period, 1.0,
+              "Control period Δt_c, a multiple of --sample_time (min).");
+DEFINE_int32(prediction_horizon, 30,
+             "Prediction horizon H_p, in control periods.");
+DEFINE_int32(control_horizon, 5,
+             "Control horizon H_c ≤ H_p, in control periods.");
+DEFINE_string(output_weight, "0.2",
+              "Weight Q_y on tracking errors, ≥ 0: one value, or one for each "
+              "output, separated by commas.");
+DEFINE_string(
+    move_weight, "0.1",
+    "Weight Q_u on input moves, ≥ 0: one value, or one for each input.");
+DEFINE_double(disturbance_variance_ratio, 0.1,
+              "Disturbance observer: increment variance of the output "
+              "disturbance over the noise variance, ≥ 0.");
+DEFINE_double(noise_variance, 0.001,
+              "Variance σ² of the measurement noise of every output, ≥ 0.");
+DEFINE_string(conversion_noise_variance, "",
+              "Variance of the noise under which the initial model is "
+              "converted, ≥ 0: empty takes --noise_variance, 0 shows what goes "
+              "wrong without it.");
+DEFINE_double(conversion_penalty, 1e-6, "Penalty λ₀ of the conversion, ≥ 0.");
+DEFINE_double(conversion_duration, 10000.0,
+              "Length of the excitation for the conversion (min).");
+DEFINE_double(duration, 1000.0, "Length of each closed-loop run (min).");
+DEFINE_double(step_time, 500.0, "Time of the set-point change in a run (min).");
+DEFINE_double(setpoint_step, 1.0, "Size of the set-point changes.");
+DEFINE_double(window, 200.0,
+              "What is kept of a run before and after the change (min).");
+DEFINE_double(response_horizon, 100.0,
+              "Length NΔt of the step responses compared (min).");
+DEFINE_double(lambda_grid_max, 1e-2, "Largest candidate for λ.");
+DEFINE_double(lambda_grid_step, 1e-6,
+              "Step between the candidates for λ, the first being 0.");
+DEFINE_string(
+    selection, "blocks",
+    "Rule for λ: blocks (cross-validation; folds are dealt blocks of "
+    "every set-point change), paper (folds are set-point changes, λ on "
+    "the grid), leave_change_out (the same over all λ), aic, bic, gcv.");
+DEFINE_int32(selection_folds, 5, "Folds of --selection=blocks, ≥ 2.");
+DEFINE_int32(
+    selection_block, 0,
+    "Length of a block of --selection=blocks, in samples; 0: four times "
+    "--order.");
+DEFINE_int32(
+    selection_horizon, 1,
+    "Samples predicted in cross-validation before measured outputs are "
+    "used again; 1: one step ahead, 0: the whole window (simulation).");
+DEFINE_bool(selection_one_standard_error, false,
+            "Take the largest λ whose loss is within a standard error of the "
+            "smallest.");
+DEFINE_bool(selection_per_output, false, "Choose a λ for each output.");
+DEFINE_string(solver, "homotopy",
+              "Lasso solver: homotopy (exact) or coordinate_descent (slow).");
+DEFINE_string(scaling, "standardise",
+              "standardise (centre, unit variance, as MATLAB's lasso) or raw.");
+
+namespace mle::reproduce {
+namespace {
+
+constexpr int kMaxSeeds = 10000;
+
+// A failure of what a flag asks for, as bad input.
+absl::Status Of(const char* flag, const absl::Status& status) {
+  return absl::InvalidArgumentError(
+      absl::StrCat("--", flag, ": ", status.message()));
+}
+
+absl::Status CheckRuns() {
+  if (FLAGS_seeds < 1 || FLAGS_seeds > kMaxSeeds) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "--seeds=", FLAGS_seeds, ": from 1 to ", kMaxSeeds, " are possible"));
+  }
+  if (FLAGS_first_seed > std::numeric_limits<std::uint64_t>::max() -
+                             static_cast<std::uint64_t>(FLAGS_seeds - 1)) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "--first_seed=", FLAGS_first_seed, ": --seeds=", FLAGS_seeds,
+        " of them go beyond the largest, ",
+        std::numeric_limits<std::uint64_t>::max()));
+  }
+  if (FLAGS_threads < 0) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("--threads=", FLAGS_threads,
+                     ": 0 (one for each processor) or more are possible"));
+  }
+  return absl::OkStatus();
+}
+
+// Names go into names of files.
+absl::Status CheckName(const std::string& name) {
+  const bool plain = !name.empty() && name.size() <= 100 &&
+                     name.find_first_not_of(
+                         "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
+                         "0123456789_-") == std::string::npos;
+  if (plain) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrCat(
+      "--plants: the name '", name,
+      "' must be made of letters, digits, '_' and '-', at most 100"));
+}
+
+absl::StatusOr<std::vector<Case>> ReadPlants(const ProcessModel& initial) {
+  std::vector<Case> cases;
+  for (const std::string& part : ParseList(FLAGS_plants)) {
+    const std::size_t colon = part.find(':');
+    if (colon == std::string::npos) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("--plants: '", part, "' is not of the form NAME:FILE"));
+    }
+    const std::string name = part.substr(0, colon);
+    const std::string file = part.substr(colon + 1);
+    MLE_RETURN_IF_ERROR(CheckName(name));
+    absl::StatusOr<ProcessModel> plant = ReadProcessModel(file);
+    if (!plant.ok()) return Of("plants", plant.status());
+    if (const absl::Status same =
+            CheckSameChannels(initial, FLAGS_model, *plant, file);
+        !same.ok()) {
+      return Of("plants", same);
+    }
+    cases.push_back({name, *std::move(plant)});
+  }
+  if (cases.empty()) {
+    return absl::InvalidArgumentError("--plants names no plant");
+  }
+  return cases;
+}
+
+absl::StatusOr<std::vector<Case>> BuiltInCases() {
+  std::vector<Case> cases;
+  for (const std::string& name : ParseList(FLAGS_cases)) {
+    const BuiltInModel* found = nullptr;
+    for (const BuiltInModel& model : kWoodBerryAged) {
+      if (model.name == name) found = &model;
+    }
+    if (found == nullptr) {
+      return absl::InvalidArgumentError(absl::StrCat(
+          "--cases: there is no case '", name,
+          "'; known are gain and delay, others run with --model and --plants"));
+    }
+    MLE_ASSIGN_OR_RETURN(ProcessModel plant,
+                         ParseProcessModel(found->json, found->source));
+    cases.push_back({name, std::move(plant), /*from_paper=*/true});
+  }
+  if (cases.empty()) {
+    return absl::InvalidArgumentError("--cases names no case");
+  }
+  return cases;
+}
+
+absl::StatusOr<double> ConversionNoiseVariance() {
+  if (FLAGS_conversion_noise_variance.empty()) return FLAGS_noise_variance;
+  double variance = 0.0;
+  if (!absl::SimpleAtod(FLAGS_conversion_noise_variance, &variance)) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "--conversion_noise_variance=", FLAGS_conversion_noise_variance, ": '",
+        FLAGS_conversion_noise_variance, "' is no number"));
+  }
+  return variance;
+}
+
+absl::StatusOr<Eigen::VectorXd> LambdaGrid() {
+  absl::StatusOr<Eigen::VectorXd> grid =
+      MakeLambdaGrid(FLAGS_lambda_grid_max, FLAGS_lambda_grid_step);
+  if (grid.ok()) return grid;
+  return absl::InvalidArgumentError(absl::StrCat(
+      "--lambda_grid_max, --lambda_grid_step: ", grid.status().message()));
+}
+
+absl::StatusOr<SelectionOptions> SelectionFromFlags() {
+  using Rule = SelectionOptions::Rule;
+  const std::map<std::string, Rule> rules = {
+      {"blocks", Rule::kBlocks},
+      {"paper", Rule::kLeaveChangeOut},
+      {"leave_change_out", Rule::kLeaveChangeOut},
+      {"aic", Rule::kAic},
+      {"bic", Rule::kBic},
+      {"gcv", Rule::kGcv}};
+  const auto rule = rules.find(FLAGS_selection);
+  if (rule == rules.end()) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "--selection=", FLAGS_selection,
+        ": known are blocks, paper, leave_change_out, aic, bic and gcv"));
+  }
+  SelectionOptions selection;
+  selection.rule = rule->second;
+  selection.on_grid = FLAGS_selection == "paper";
+  if (FLAGS_selection_block < 0) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("--selection_block=", FLAGS_selection_block,
+                     ": it must be at least 1 sample, or 0 for four times "
+                     "--order"));
+  }
+  if (FLAGS_selection_horizon < 0) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("--selection_horizon=", FLAGS_selection_horizon,
+                     ": it must be at least 1 sample, or 0 for the whole "
+                     "window"));
+  }
+  selection.folds = FLAGS_selection_folds;
+  selection.block_length = FLAGS_selection_block;
+  selection.horizon = FLAGS_selection_horizon;
+  selection.one_standard_error = FLAGS_selection_one_standard_error;
+  selection.per_output = FLAGS_selection_per_output;
+  return selection;
+}
+
+absl::StatusOr<LassoSolverOptions> SolverFromFlags() {
+  LassoSolverOptions solver;
+  if (FLAGS_solver == "coordinate_descent") {
+    solver.solver = LassoSolver::kCoordinateDescent;
+  } else if (FLAGS_solver != "homotopy") {
+    return absl::InvalidArgumentError(
+        absl::StrCat("--solver=", FLAGS_solver,
+                     ": known are homotopy and coordinate_descent"));
+  }
+  return solver;
+}
+
+absl::StatusOr<Scaling> ScalingFromFlags() {
+  if (FLAGS_scaling == "standardise") return Scaling::kStandardise;
+  if (FLAGS_scaling == "raw") return Scaling::kRaw;
+  return absl::InvalidArgumentError(absl::StrCat(
+      "--scaling=", FLAGS_scaling, ": known are standardise and raw"));
+}
+
+absl::StatusOr<ExperimentOptions> ExperimentFromFlags(
+    const ProcessModel& initial) {
+  ExperimentOptions options;
+  options.sample_time = FLAGS_sample_time;
+  options.control_period = FLAGS_control_period;
+  options.prediction_horizon = FLAGS_prediction_horizon;
+  options.control_horizon = FLAGS_control_horizon;
+  MLE_ASSIGN_OR_RETURN(options.output_weight,
+                       ParseNumbers("output_weight", FLAGS_output_weight,
+                                    initial.num_outputs()));
+  MLE_ASSIGN_OR_RETURN(
+      options.move_weight,
+      ParseNumbers("move_weight", FLAGS_move_weight, initial.num_inputs()));
+  options.disturbance_variance_ratio = FLAGS_disturbance_variance_ratio;
+  options.noise_variance = FLAGS_noise_variance;
+  options.duration = FLAGS_duration;
+  options.step_time = FLAGS_step_time;
+  options.setpoint_step = FLAGS_setpoint_step;
+  options.window = FLAGS_window;
+  options.conversion_duration = FLAGS_conversion_duration;
+  MLE_ASSIGN_OR_RETURN(options.conversion_noise_variance,
+                       ConversionNoiseVariance());
+  options.conversion.order = FLAGS_order;
+  options.conversion.penalty = FLAGS_conversion_penalty;
+  options.response_horizon = FLAGS_response_horizon;
+  MLE_ASSIGN_OR_RETURN(options.correction.lambdas, LambdaGrid());
+  MLE_ASSIGN_OR_RETURN(options.correction.selection, SelectionFromFlags());
+  MLE_ASSIGN_OR_RETURN(options.correction.solver, SolverFromFlags());
+  options.conversion.solver = options.correction.solver;
+  MLE_ASSIGN_OR_RETURN(options.correction.scaling, ScalingFromFlags());
+  options.conversion.scaling = options.correction.scaling;
+  MLE_RETURN_IF_ERROR(options.Validate(initial));
+  return options;
+}
+
+// The initial model and the plants: the user's own, or the paper's.
+absl::Status ReadModels(Study& study) {
+  const bool own = !FLAGS_model.empty() || !FLAGS_plants.empty();
+  if (own && (FLAGS_model.empty() || FLAGS_plants.empty())) {
+    return absl::InvalidArgumentError(
+        "--model and --plants belong together: the model the controller "
+        "believes, and the plants as they are");
+  }
+  if (own && !gflags::GetCommandLineFlagInfoOrDie("cases").is_default) {
+    return absl::InvalidArgumentError(
+        "--cases stands for plants of the Wood-Berry column; give either "
+        "--cases or --model with --plants");
+  }
+  if (own) {
+    absl::StatusOr<ProcessModel> model = ReadProcessModel(FLAGS_model);
+    if (!model.ok()) return Of("model", model.status());
+    study.initial = *std::move(model);
+    MLE_ASSIGN_OR_RETURN(study.cases, ReadPlants(study.initial));
+  } else {
+    MLE_ASSIGN_OR_RETURN(study.initial,
+                         ParseProcessModel(kWoodBerry.json, kWoodBerry.source));
+    MLE_ASSIGN_OR_RETURN(study.cases, BuiltInCases());
+  }
+  std::set<std::string> names;
+  for (const Case& one : study.cases) {
+    if (!names.insert(one.name).second) {
+      return absl::InvalidArgumentError(
+          absl::StrCat(own ? "--plants" : "--cases", ": '", one.name,
+                       "' is named twice; every case needs its own name"));
+    }
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<Study> StudyFromFlags() {
+  MLE_RETURN_IF_ERROR(CheckRuns());
+  Study study;
+  study.seeds = FLAGS_seeds;
+  study.first_seed = FLAGS_first_seed;
+  // More than there are processors gain nothing.
+  study.threads = static_cast<int>(
+      std::min(static_cast<unsigned>(FLAGS_threads),
+               std::max(std::thread::hardware_concurrency(), 1u)));
+  MLE_RETURN_IF_ERROR(ReadModels(study));
+  MLE_ASSIGN_OR_RETURN(study.experiment, ExperimentFromFlags(study.initial));
+  return study;
+}
+
+Destination DestinationFromFlags() { return {FLAGS_out, FLAGS_figures}; }
+
+}  // namespace mle::reproduce

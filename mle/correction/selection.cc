@@ -1,0 +1,205 @@
+#include "mle/correction/selection.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "absl/strings/str_format.h"
+#include "mle/base/status.h"
+#include "mle/correction/cross_validation.h"
+#include "mle/correction/folds.h"
+#include "mle/regression/validation_loss.h"
+
+namespace mle {
+namespace {
+
+using Rule = SelectionOptions::Rule;
+
+constexpr int kBlockOrders = 4;
+// Of two neighbouring λ at which a loss is found by simulation.
+constexpr double kThinning = 1.1;
+
+// Index of the smallest entry, the last of several: the larger λ.
+Eigen::Index LastArgMin(const Eigen::VectorXd& values) {
+  Eigen::Index best = 0;
+  for (Eigen::Index i = 1; i < values.size(); ++i) {
+    if (values(i) <= values(best)) best = i;
+  }
+  return best;
+}
+
+// Every λ whose ratio to the last one taken is at least kThinning; the first
+// and the last are among them.
+Eigen::VectorXd Thin(const Eigen::VectorXd& lambdas) {
+  std::vector<double> taken;
+  for (Eigen::Index i = 0; i < lambdas.size(); ++i) {
+    if (taken.empty() || i + 1 == lambdas.size() ||
+        lambdas(i) >= kThinning * taken.back()) {
+      taken.push_back(lambdas(i));
+    }
+  }
+  return Eigen::Map<const Eigen::VectorXd>(taken.data(), taken.size());
+}
+
+// The largest λ whose weighted mean loss is within a standard error of the
+// smallest.
+double OneStandardError(const Eigen::MatrixXd& values,
+                        const Eigen::VectorXd& weight,
+                        const Eigen::VectorXd& lambdas) {
+  const double count = static_cast<double>(values.rows());
+  const Eigen::VectorXd mean = values.transpose() * weight / count;
+  const Eigen::Index best = LastArgMin(mean);
+  const double variance =
+      (values.col(best).array() - mean(best)).square().sum() / (count - 1.0);
+  const double limit = mean(best) + std::sqrt(variance / count);
+  for (Eigen::Index i = lambdas.size() - 1; i > best; --i) {
+    if (mean(i) <= limit) return lambdas(i);
+  }
+  return lambdas(best);
+}
+
+SelectionSummary Choose(const FoldLosses& losses,
+                        const Eigen::VectorXd& lambdas,
+                        const SelectionOptions& options) {
+  const auto outputs = losses.values.size();
+  SelectionSummary summary;
+  summary.lambdas = lambdas;
+  summary.max_relative_gap = losses.max_relative_gap;
+  Eigen::MatrixXd sum =
+      Eigen::MatrixXd::Zero(losses.weight.size(), lambdas.size());
+  for (const Eigen::MatrixXd& values : losses.values) sum += values;
+  summary.loss = sum.transpose() * losses.weight;
+  if (!losses.exact.empty()) {
+    summary.penalised_loss = summary.loss + losses.penalty;
+    summary.lambda_star_penalised = lambdas(LastArgMin(summary.penalised_loss));
+  }
+  // Of the outputs first … last together.
+  const auto choose = [&](std::size_t first, std::size_t last) {
+    Eigen::MatrixXd values = Eigen::MatrixXd::Zero(sum.rows(), sum.cols());
+    std::vector<PiecewiseQuadratic> exact;
+    for (std::size_t q = first; q <= last; ++q) {
+      values += losses.values[q];
+      for (const auto& fold : losses.exact) exact.push_back(fold[q]);
+    }
+    if (options.one_standard_error) {
+      return OneStandardError(values, losses.weight, lambdas);
+    }
+    if (!exact.empty() && !options.on_grid) return MinimizeSum(exact).lambda;
+    return lambdas(LastArgMin(values.transpose() * losses.weight));
+  };
+  summary.lambda_star.setConstant(static_cast<Eigen::Index>(outputs),
+                                  choose(0, outputs - 1));
+  if (options.per_output) {
+    for (std::size_t q = 0; q < outputs; ++q) {
+      summary.lambda_star(static_cast<Eigen::Index>(q)) = choose(q, q);
+    }
+  }
+  return summary;
+}
+
+// N log(RSS/N) + c df (AIC: c = 2, BIC: c = log N), or N log of GCV's
+// RSS/N / (1 − df/N)²; the outputs' add up.
+SelectionSummary ChooseByCriterion(const LaggedMoments& moments,
+                                   const LassoProblem& problem,
+                                   absl::Span<const LassoSolution> fits,
+                                   const SelectionOptions& options) {
+  const Eigen::VectorXd& lambdas = fits.front().lambdas;
+  const double rows = static_cast<double>(problem.rows);
+  const double rounding = std::numeric_limits<double>::epsilon();
+  const ValidationRows in_sample(problem, moments);
+  SelectionSummary summary;
+  summary.lambdas = lambdas;
+  summary.loss.setZero(lambdas.size());
+  summary.lambda_star.resize(static_cast<Eigen::Index>(fits.size()));
+  for (std::size_t q = 0; q < fits.size(); ++q) {
+    const LassoPath& path = fits[q].path;
+    const PiecewiseQuadratic loss = in_sample.Loss(path, static_cast<int>(q));
+    const double floor =
+        rounding * problem.response_square(static_cast<Eigen::Index>(q)) +
+        std::numeric_limits<double>::min();
+    Eigen::VectorXd criterion(lambdas.size());
+    for (Eigen::Index i = 0; i < lambdas.size(); ++i) {
+      const double variance = std::max(2.0 * loss(lambdas(i)), floor);
+      const int segment = path.FindSegment(lambdas(i));
+      const double df = segment < 0 ? 0.0 : path.segments()[segment].active;
+      const double penalty = options.rule == Rule::kAic   ? 2.0 * df
+                             : options.rule == Rule::kBic ? std::log(rows) * df
+                             : df < rows
+                                 ? -2.0 * rows * std::log1p(-df / rows)
+                                 : std::numeric_limits<double>::infinity();
+      criterion(i) = rows * std::log(variance) + penalty;
+    }
+    summary.lambda_star(static_cast<Eigen::Index>(q)) =
+        lambdas(LastArgMin(criterion));
+    summary.loss += criterion;
+  }
+  if (!options.per_output) {
+    summary.lambda_star.setConstant(lambdas(LastArgMin(summary.loss)));
+  }
+  return summary;
+}
+
+}  // namespace
+
+absl::Status SelectionOptions::Validate() const {
+  if (folds < 2) {
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "folds is %d; cross-validation needs at least 2", folds));
+  }
+  if (block_length < 0) {
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "block_length is %d samples; it must be at least 1, or 0 for the "
+        "default",
+        block_length));
+  }
+  if (horizon < 0) {
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "horizon is %d samples; it must be at least 1, or 0 for the whole "
+        "window",
+        horizon));
+  }
+  return absl::OkStatus();
+}
+
+int SelectionOptions::BlockLength(int order) const {
+  return block_length > 0 ? block_length : kBlockOrders * order;
+}
+
+absl::StatusOr<SelectionSummary> SelectLambda(
+    const RegressionData& data, Scaling scaling,
+    const Eigen::MatrixXd& penalty_weights, const LaggedMoments& moments,
+    const LassoProblem& problem, absl::Span<const LassoSolution> fits,
+    const SelectionOptions& options, const LassoSolverOptions& solver) {
+  MLE_RETURN_IF_ERROR(options.Validate());
+  const bool blocks = options.rule == Rule::kBlocks;
+  if (!blocks && options.rule != Rule::kLeaveChangeOut) {
+    return ChooseByCriterion(moments, problem, fits, options);
+  }
+  const int length = options.BlockLength(data.order());
+  const std::vector<Fold> folds =
+      blocks ? FoldsByBlock(data, options.folds, length) : FoldsByWindow(data);
+  if (folds.size() < 2) {
+    return absl::InvalidArgumentError(
+        blocks ? absl::StrFormat("the records make a single block of %d rows; "
+                                 "cross-validation needs at least 2 blocks",
+                                 length)
+               : absl::StrFormat(
+                     "there is %d set-point change; leaving a change out needs "
+                     "at least 2. Choose λ by blocks instead",
+                     folds.size()));
+  }
+  CrossValidationOptions cross_validation;
+  cross_validation.scaling = scaling;
+  cross_validation.penalty_weights = penalty_weights;
+  cross_validation.horizon = options.horizon;
+  cross_validation.grid = fits.front().lambdas;
+  cross_validation.lambdas = options.horizon == 1 ? cross_validation.grid
+                                                  : Thin(cross_validation.grid);
+  cross_validation.solver = solver;
+  MLE_ASSIGN_OR_RETURN(const FoldLosses losses,
+                       CrossValidate(data, folds, cross_validation));
+  return Choose(losses, cross_validation.lambdas, options);
+}
+
+}  // namespace mle

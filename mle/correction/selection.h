@@ -1,0 +1,84 @@
+// Choice of the penalty λ from the records alone.
+//
+// Cross-validation: every fold of rows is predicted by a fit to all others, and
+// λ* minimises the folds' prediction losses. What is a fold, and what is
+// predicted, makes the rules differ; docs/selection.md compares them.
+//
+//   leave change out   a fold is a window, that is, a set-point change: the
+//                      paper's rule. A fit that has never seen a direction of
+//                      the inputs cannot predict it, which favours large λ.
+//   blocks             windows are cut into blocks that are dealt to the folds
+//   in
+//                      turn, so that every fit has seen every change. Default.
+//   AIC, BIC, GCV      from the fit to all rows and its degrees of freedom, the
+//                      number of coefficients that are not zero (Zou, Hastie
+//                      and Tibshirani, Ann. Stat. 35, 2007).
+//
+// One step ahead the loss of a path is a piecewise quadratic in λ, known
+// exactly for all λ. Further ahead it is computed by simulation on a thinned
+// grid.
+
+#ifndef MLE_CORRECTION_SELECTION_H_
+#define MLE_CORRECTION_SELECTION_H_
+
+#include <vector>
+
+#include "Eigen/Core"
+#include "absl/status/statusor.h"
+#include "absl/types/span.h"
+#include "mle/correction/regression_data.h"
+#include "mle/regression/lasso_solver.h"
+
+namespace mle {
+
+struct SelectionOptions {
+  enum class Rule { kLeaveChangeOut, kBlocks, kAic, kBic, kGcv };
+  Rule rule = Rule::kBlocks;
+  int folds = 5;  // of kBlocks, ≥ 2
+  // Of kBlocks, in samples, ≥ 0; 0 takes four times the model's order.
+  int block_length = 0;
+  // Samples predicted before measured outputs are used again, ≥ 0: 1 predicts
+  // one step ahead, 0 simulates every window from its start. Above 1, and at 0,
+  // the mean residual of a run of rows is taken off. For cross-validation only.
+  int horizon = 1;
+  // The largest λ whose loss is within one standard error of the smallest
+  // (Hastie, Tibshirani and Friedman, The Elements of Statistical Learning, 2nd
+  // ed., 7.10). For cross-validation only.
+  bool one_standard_error = false;
+  // A λ for each output rather than one for all.
+  bool per_output = false;
+  // λ* among the values of the grid; else, where the loss is known exactly,
+  // among all λ ≥ 0.
+  bool on_grid = false;
+
+  absl::Status Validate() const;
+
+  // Of kBlocks, for a model of order `order`.
+  int BlockLength(int order) const;
+};
+
+struct SelectionSummary {
+  Eigen::VectorXd lambda_star;  // p, all equal unless per_output
+  // Where the loss was computed, ascending, and the folds' losses there, their
+  // rows counting alike; with the fits' penalties λ Σ|β| (the paper's Eq. 6
+  // read literally; empty unless one step ahead).
+  Eigen::VectorXd lambdas;
+  Eigen::VectorXd loss;
+  Eigen::VectorXd penalised_loss;
+  double lambda_star_penalised = 0.0;  // minimises penalised_loss
+  // Relative duality gap, the worst of the folds' fits at every λ of the grid.
+  double max_relative_gap = 0.0;
+};
+
+// `penalty_weights` are those of CorrectionOptions. `fits` are the solutions
+// for each output of `problem`, made from all rows of `data`; `lambdas` is
+// their grid.
+absl::StatusOr<SelectionSummary> SelectLambda(
+    const RegressionData& data, Scaling scaling,
+    const Eigen::MatrixXd& penalty_weights, const LaggedMoments& moments,
+    const LassoProblem& problem, absl::Span<const LassoSolution> fits,
+    const SelectionOptions& options, const LassoSolverOptions& solver);
+
+}  // namespace mle
+
+#endif  // MLE_CORRECTION_SELECTION_H_
