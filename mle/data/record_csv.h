@@ -4,10 +4,11 @@
 //   0,0.0131,0,0
 //   0.2,,0,0
 //
-// A header; `time` in the model's unit, in equal steps; a column for each input
-// and output of a process model, by name, in any order; optionally
-// <output>_setpoint. Other columns are passed over. A field that is empty, NaN
-// or a declared bad value is a bad sample (NaN in the Record).
+// A header; `time` in equal steps, as numbers in the model's unit or ISO 8601
+// (iso_time.h; the record then starts at 0); a column for each input and output
+// of a process model, by name, in any order; optionally <output>_setpoint.
+// Other columns are passed over. A field that is empty, NaN or a declared bad
+// value is a bad sample (NaN in the Record).
 //
 //   MLE_RETURN_IF_ERROR(WriteRecordCsv("run.csv", record, model));
 //   MLE_ASSIGN_OR_RETURN(Record again, ReadRecordCsv("run.csv", model));

@@ -1,6 +1,7 @@
 #include <cmath>
 #include <fstream>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -8,6 +9,7 @@
 #include "mle/base/status.h"
 #include "mle/data/csv_numbers.h"
 #include "mle/data/csv_rows.h"
+#include "mle/data/iso_time.h"
 #include "mle/data/record_columns.h"
 #include "mle/data/record_csv.h"
 
@@ -67,16 +69,48 @@ bool ReadSample(std::string_view field, const BadValues& bad, double& sample) {
   return true;
 }
 
-absl::Status NoNumber(const CsvRows& rows, int field,
-                      const RecordColumn& column, std::string_view text) {
-  const char* wanted =
-      column.kind == Kind::kTime
-          ? "a finite number"
-          : "a finite number, or empty or NaN for a bad sample";
+absl::Status NotReadable(const CsvRows& rows, int field,
+                         const RecordColumn& column, std::string_view text,
+                         const char* wanted) {
   return absl::InvalidArgumentError(
       absl::StrCat(rows.Place(field), " ('", column.name, "'): '",
                    std::string(text), "' is not ", wanted));
 }
+
+// The time column: numbers, or ISO 8601 from its first field on.
+class TimeReader {
+ public:
+  explicit TimeReader(const std::string& time_unit)
+      : seconds_per_unit_(SecondsPerUnit(time_unit)) {}
+
+  // False for text that is no time of the kind that the first one is.
+  bool Read(std::string_view field, double& time) {
+    const std::string_view text = TrimCsvField(field);
+    const std::optional<double> seconds = ParseIsoTime(text);
+    if (is_first_) {
+      is_first_ = false;
+      are_dates_ = seconds.has_value();
+      first_seconds_ = seconds.value_or(0.0);
+    }
+    if (!are_dates_) return ReadCsvNumber(text, time) && std::isfinite(time);
+    if (!seconds || !seconds_per_unit_) return false;
+    time = (*seconds - first_seconds_) / *seconds_per_unit_;
+    return true;
+  }
+
+  // What Read() takes.
+  const char* Wanted() const {
+    if (!are_dates_) return "a finite number";
+    if (seconds_per_unit_) return "a date and time as the first one is";
+    return "of use: dates need a time_unit of s, min, h or d in the model";
+  }
+
+ private:
+  std::optional<double> seconds_per_unit_;
+  bool is_first_ = true;
+  bool are_dates_ = false;
+  double first_seconds_ = 0.0;
+};
 
 // The columns of a file as they grow, row by row.
 struct Columns {
@@ -87,7 +121,7 @@ struct Columns {
 };
 
 absl::Status AddRow(const CsvRows& rows, const std::vector<std::string>& fields,
-                    const BadValues& bad, Columns& all) {
+                    const BadValues& bad, TimeReader& times, Columns& all) {
   if (fields.size() != all.columns.size()) {
     return absl::InvalidArgumentError(absl::StrCat(
         rows.Place(static_cast<int>(fields.size())), ": the row ends after ",
@@ -98,13 +132,13 @@ absl::Status AddRow(const CsvRows& rows, const std::vector<std::string>& fields,
     const int number = static_cast<int>(c) + 1;
     double value = kNaN;
     if (column.kind == Kind::kTime) {
-      if (!ReadCsvNumber(TrimCsvField(fields[c]), value) ||
-          !std::isfinite(value)) {
-        return NoNumber(rows, number, column, fields[c]);
+      if (!times.Read(fields[c], value)) {
+        return NotReadable(rows, number, column, fields[c], times.Wanted());
       }
     } else if (column.kind != Kind::kOther &&
                !ReadSample(fields[c], bad, value)) {
-      return NoNumber(rows, number, column, fields[c]);
+      return NotReadable(rows, number, column, fields[c],
+                         "a finite number, or empty or NaN for a bad sample");
     }
     all.values[c].push_back(value);
   }
@@ -230,8 +264,9 @@ absl::StatusOr<Record> ParseRecordCsv(std::istream& in, std::string_view source,
   while (all.columns[time_column].kind != Kind::kTime) ++time_column;
 
   const BadValues bad(options.bad_values);
+  TimeReader times(channels.time_unit());
   while (rows.Next(fields)) {
-    MLE_RETURN_IF_ERROR(AddRow(rows, fields, bad, all));
+    MLE_RETURN_IF_ERROR(AddRow(rows, fields, bad, times, all));
     MLE_RETURN_IF_ERROR(
         CheckLastStep(rows, time_column, all.values[time_column]));
   }

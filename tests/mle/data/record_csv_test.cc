@@ -200,6 +200,27 @@ TEST(RecordCsvTest, TimesMustIncreaseInEqualSteps) {
               HasSubstr("0.4 follows 0.4; times must increase"));
 }
 
+TEST(RecordCsvTest, TimesMayBeDates) {
+  const std::string header = kHeader;
+  const Record record = ParseOk(header +
+                                "2024-02-28 23:59:48,1,2,3,4\n"
+                                "2024-02-29T00:00:00Z,1,2,3,4\n"
+                                "2024-02-29T01:00:12.0+01:00,1,2,3,4\n");
+  EXPECT_EQ(record.start_time, 0.0);
+  EXPECT_EQ(record.sample_time, 0.2);  // of a minute
+  EXPECT_THAT(Error(header + "2024-02-28 23:59:48,1,2,3,4\n0.2,1,2,3,4\n"),
+              HasSubstr("'0.2' is not a date and time as the first one is"));
+  EXPECT_THAT(Error(header + "0.0,1,2,3,4\n2024-02-29T00:00:00Z,1,2,3,4\n"),
+              HasSubstr("is not a finite number"));
+  EXPECT_THAT(Error(header + "2023-02-29 00:00:00,1,2,3,4\n"),
+              HasSubstr("'2023-02-29 00:00:00' is not"));
+  const ProcessModel odd("odd", "shift", {{"u", ""}}, {{"y", ""}});
+  EXPECT_THAT(std::string(Parse("time,y,u\n2024-02-28 23:59:48,1,2\n", {}, odd)
+                              .status()
+                              .message()),
+              HasSubstr("dates need a time_unit of s, min, h or d"));
+}
+
 // Times rounded to three digits by a historian.
 TEST(RecordCsvTest, RoundedTimesGiveTheMeanStep) {
   std::string text = kHeader;
