@@ -86,7 +86,8 @@ ElementSelection SelectChanged(const VectorXd& changes,
     if (moved < kTolerance * (1.0 + target.norm())) break;
   }
   for (int g = 0; g < groups; ++g) {
-    selection.changed.push_back(!z.segment<3>(3 * g).isZero(0.0));
+    selection.changed.push_back(!z.segment<3>(3 * g).isZero(0.0) &&
+                                selection.p_values[g] < false_alarm);
   }
   return selection;
 }

@@ -13,7 +13,9 @@
 // that holds group g at zero is ẑ_g itself, so that g stays at zero exactly if
 // ‖ẑ_g‖² ≤ λ_g: λ_g is a critical value of Wald's test, and it is set by the
 // probability of a false alarm. The others' penalty keeps changes that could
-// stand for each other from sharing them.
+// stand for each other from sharing them. Where the others are held at zero as
+// well, g may have to answer for them: a group is taken to have changed only if
+// Wald's own test says so too, which keeps the probability.
 
 #ifndef MLE_NONLINEAR_STRUCTURED_SELECTION_H_
 #define MLE_NONLINEAR_STRUCTURED_SELECTION_H_

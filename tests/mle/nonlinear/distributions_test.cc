@@ -1,0 +1,63 @@
+#include "mle/nonlinear/distributions.h"
+
+#include <cmath>
+#include <limits>
+
+#include "gtest/gtest.h"
+
+namespace mle {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+TEST(ChiSquareTailTest, IsItsClosedForms) {
+  for (const double x : {0.01, 0.7, 3.0, 12.0, 60.0, 700.0}) {
+    // ν = 1: twice the normal tail; ν = 2 and 6: a Poisson sum of x/2.
+    EXPECT_NEAR(ChiSquareTail(x, 1.0) / std::erfc(std::sqrt(0.5 * x)), 1.0,
+                1e-10);
+    const double h = 0.5 * x;
+    EXPECT_NEAR(ChiSquareTail(x, 2.0) / std::exp(-h), 1.0, 1e-10);
+    EXPECT_NEAR(
+        ChiSquareTail(x, 6.0) / (std::exp(-h) * (1.0 + h + 0.5 * h * h)), 1.0,
+        1e-10);
+  }
+  EXPECT_EQ(ChiSquareTail(0.0, 3.0), 1.0);
+  EXPECT_EQ(ChiSquareTail(-1.0, 3.0), 1.0);
+}
+
+TEST(FisherTailTest, IsItsClosedForms) {
+  for (const double x : {0.02, 0.9, 4.0, 50.0}) {
+    // ν1 = 2: (1 + 2x/ν2)^(−ν2/2).
+    for (const double nu : {1.0, 4.0, 17.5, 1000.0}) {
+      EXPECT_NEAR(
+          FisherTail(x, 2.0, nu) / std::pow(1.0 + 2.0 * x / nu, -0.5 * nu), 1.0,
+          1e-9);
+    }
+    // ν1 = ν2 = 1: the square of a Cauchy variable.
+    EXPECT_NEAR(FisherTail(x, 1.0, 1.0),
+                1.0 - 2.0 / M_PI * std::atan(std::sqrt(x)), 1e-12);
+    EXPECT_NEAR(FisherTail(x, 3.0, kInfinity), ChiSquareTail(3.0 * x, 3.0),
+                1e-15);
+    EXPECT_NEAR(FisherTail(x, 3.0, 1e8), ChiSquareTail(3.0 * x, 3.0), 1e-6);
+  }
+}
+
+TEST(QuantileTest, InvertsTheTail) {
+  for (const double probability : {1e-12, 1e-3, 0.05, 0.5, 0.99}) {
+    for (const double nu : {1.0, 4.0, 33.3, kInfinity}) {
+      const double x = FisherQuantile(probability, 3.0, nu);
+      EXPECT_NEAR(FisherTail(x, 3.0, nu) / probability, 1.0, 1e-8);
+    }
+  }
+}
+
+TEST(QuantileTest, StudentHasItsTabulatedValues) {
+  // To the digits of the tables.
+  EXPECT_NEAR(StudentTwoSidedQuantile(0.05, kInfinity), 1.959964, 1e-6);
+  EXPECT_NEAR(StudentTwoSidedQuantile(0.05, 10.0), 2.228139, 1e-6);
+  EXPECT_NEAR(StudentTwoSidedQuantile(0.01, 4.0), 4.604095, 1e-6);
+  EXPECT_NEAR(StudentTwoSidedQuantile(0.5, 1.0), 1.0, 1e-9);
+}
+
+}  // namespace
+}  // namespace mle

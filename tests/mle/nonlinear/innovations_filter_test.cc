@@ -1,0 +1,108 @@
+#include "mle/nonlinear/innovations_filter.h"
+
+#include <cmath>
+#include <numeric>
+#include <random>
+#include <vector>
+
+#include "Eigen/Cholesky"
+#include "Eigen/QR"
+#include "gtest/gtest.h"
+
+namespace mle {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+MatrixXd RandomMatrix(int rows, int cols) {
+  std::mt19937 engine(1);
+  std::normal_distribution<double> normal;
+  MatrixXd matrix(rows, cols);
+  for (double& value : matrix.reshaped()) value = normal(engine);
+  return matrix;
+}
+
+// Covariance of noise of unit white part at `times`, random walk from the
+// first.
+MatrixXd Covariance(const std::vector<int>& times, double ratio) {
+  const int n = static_cast<int>(times.size());
+  MatrixXd covariance = MatrixXd::Identity(n, n);
+  for (int i = 0; i < n; ++i) {
+    for (int k = 0; k < n; ++k) {
+      covariance(i, k) += ratio * (std::min(times[i], times[k]) - times[0]);
+    }
+  }
+  return covariance;
+}
+
+class InnovationsFilterTest : public ::testing::TestWithParam<double> {};
+
+TEST_P(InnovationsFilterTest, IsGeneralisedLeastSquaresWithAFreeOffset) {
+  const std::vector<int> times = {0, 1, 2, 3, 7, 8, 10, 11, 12, 30, 31, 32};
+  const int n = static_cast<int>(times.size());
+  const MatrixXd columns = RandomMatrix(n, 3);
+  MatrixXd whitened = columns;
+  const InnovationsFilter filter(times, {.ratio = GetParam()});
+  filter.Apply(whitened);
+  EXPECT_EQ(whitened.row(0).norm(), 0.0);
+
+  // In the space of contrasts A (orthonormal, orthogonal to a constant), the
+  // noise has covariance AᵀVA, whose inverse gives the same products, and whose
+  // determinant is that of the innovations up to the constant's length n.
+  const VectorXd ones = VectorXd::Ones(n);
+  const MatrixXd Q = Eigen::HouseholderQR<MatrixXd>(ones).householderQ();
+  const MatrixXd A = Q.rightCols(n - 1);
+  const MatrixXd V = A.transpose() * Covariance(times, GetParam()) * A;
+  const Eigen::LLT<MatrixXd> factor(V);
+  const MatrixXd contrasts = A.transpose() * columns;
+  const MatrixXd expected = contrasts.transpose() * factor.solve(contrasts);
+  // Rounding, at most 1e-12 of each product.
+  EXPECT_LT((whitened.transpose() * whitened - expected).norm(),
+            1e-11 * expected.norm());
+  const double log_determinant =
+      2.0 * factor.matrixLLT().diagonal().array().log().sum();
+  EXPECT_NEAR(filter.log_determinant(),
+              log_determinant + std::log(static_cast<double>(n)), 1e-9);
+}
+
+INSTANTIATE_TEST_SUITE_P(Ratios, InnovationsFilterTest,
+                         ::testing::Values(0.0, 1e-4, 0.1, 1.0, 1e4));
+
+TEST(InnovationsFilterTest, WhitensWhatItIsMeantFor) {
+  const int n = 20000;
+  const double ratio = 0.01;
+  std::mt19937 engine(2);
+  std::normal_distribution<double> normal;
+  MatrixXd noise(n, 1);
+  double level = 5.0;
+  for (int k = 0; k < n; ++k) {
+    noise(k, 0) = level + 2.0 * normal(engine);
+    level += 2.0 * std::sqrt(ratio) * normal(engine);
+  }
+  std::vector<int> times(n);
+  std::iota(times.begin(), times.end(), 0);
+  InnovationsFilter(times, {.ratio = ratio}).Apply(noise);
+  // Variances of n samples have the relative deviation √(2/n), correlations
+  // 1/√n; five of them.
+  EXPECT_NEAR(noise.squaredNorm() / n, 4.0, 5.0 * 4.0 * std::sqrt(2.0 / n));
+  for (const int lag : {1, 2, 5, 20, 100}) {
+    const double correlation =
+        noise.col(0).head(n - lag).dot(noise.col(0).tail(n - lag)) /
+        noise.squaredNorm();
+    EXPECT_LT(std::abs(correlation), 5.0 / std::sqrt(n)) << lag;
+  }
+}
+
+TEST(InnovationsFilterTest, WithoutOffsetWhiteNoisePassesAsItIs) {
+  const MatrixXd columns = RandomMatrix(5, 2);
+  MatrixXd filtered = columns;
+  const InnovationsFilter filter({0, 1, 2, 5, 6},
+                                 {.ratio = 0.0, .offset = false});
+  filter.Apply(filtered);
+  EXPECT_EQ(filtered, columns);
+  EXPECT_EQ(filter.log_determinant(), 0.0);
+}
+
+}  // namespace
+}  // namespace mle

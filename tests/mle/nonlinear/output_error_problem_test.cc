@@ -1,0 +1,143 @@
+#include "mle/nonlinear/output_error_problem.h"
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "gtest/gtest.h"
+#include "mle/nonlinear/delay_search.h"
+#include "tests/mle/nonlinear/structured_records.h"
+
+namespace mle {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+OutputErrorProblem MakeProblem(const ProcessModel& model,
+                               const std::vector<Record>& records) {
+  OutputErrorProblem::Elements elements(model.num_inputs());
+  for (int j = 0; j < model.num_inputs(); ++j) {
+    if (model.element(0, j).IsZero()) continue;
+    elements[j] = *ElementResponse::Create(model.element(0, j));
+  }
+  return OutputErrorProblem(elements, records, 0, /*skip=*/40, /*min_rows=*/20);
+}
+
+OutputPoint PointOf(const OutputErrorProblem& problem) {
+  OutputPoint point;
+  for (const auto& element : problem.elements()) {
+    point.values.push_back(element.has_value() ? element->initial_values()
+                                               : ElementValues());
+  }
+  point.SetCells(problem.sample_time());
+  return point;
+}
+
+const NoiseShape kShapes[] = {{.ratio = 0.0, .offset = false},
+                              {.ratio = 0.0},
+                              {.ratio = 1e-3},
+                              {.ratio = 1.0}};
+
+TEST(OutputErrorProblemTest, TheTrueParametersLeaveNothing) {
+  const ProcessModel plant = TwoElements();
+  const auto records = MakeRecords(plant, 400, 1, {});
+  const OutputErrorProblem problem = MakeProblem(plant, records);
+  for (const NoiseShape shape : kShapes) {
+    const WhitenedColumns whitened = problem.Whiten(
+        problem.Linearise(PointOf(problem), shape, false), shape);
+    // The simulation is exact to about 1e-9 (Runge–Kutta in fine steps).
+    EXPECT_LT(whitened.residuals.cwiseAbs().maxCoeff(), 1e-7);
+  }
+}
+
+TEST(OutputErrorProblemTest, GradientIsThatOfDifferences) {
+  ProcessModel plant = TwoElements();
+  plant.element(0, 0) = TransferFunction({2.0}, {8.0, 6.0, 1.0}, 1.2);
+  const auto records = MakeRecords(plant, 400, 2, {.variance = 0.01});
+  const OutputErrorProblem problem = MakeProblem(plant, records);
+  OutputPoint point = PointOf(problem);
+  point.values[0].gain *= 1.2;
+  point.values[0].time_scale *= 0.9;
+  point.values[1].delay += 0.13;
+  point.SetCells(problem.sample_time());
+  const auto cost = [&](const OutputPoint& at, NoiseShape shape) {
+    return 0.5 * problem.Whiten(problem.Linearise(at, shape, false), shape)
+                     .residuals.squaredNorm();
+  };
+  for (const NoiseShape shape : kShapes) {
+    const WhitenedColumns whitened =
+        problem.Whiten(problem.Linearise(point, shape, true), shape);
+    const VectorXd gradient =
+        whitened.jacobian.transpose() * whitened.residuals;
+    const double h = 1e-5;
+    for (int index = 0; index < 6; ++index) {
+      const auto shifted = [&](double step) {
+        OutputPoint at = point;
+        ElementValues& v = at.values[index / 3];
+        if (index % 3 == 0) v.gain += step;
+        if (index % 3 == 1) v.time_scale *= std::exp(step);
+        if (index % 3 == 2) v.delay += step;
+        return at;
+      };
+      const double numeric =
+          (cost(shifted(h), shape) - cost(shifted(-h), shape)) / (2.0 * h);
+      // h² times third derivatives, and rounding of the cost by 1e-16/h.
+      EXPECT_NEAR(gradient(index), numeric,
+                  1e-6 * (1.0 + gradient.cwiseAbs().maxCoeff()))
+          << index << " at ratio " << shape.ratio;
+    }
+  }
+}
+
+TEST(OutputErrorProblemTest, BadSamplesAreLeftOut) {
+  const ProcessModel plant = TwoElements();
+  auto records = MakeRecords(plant, 400, 3, {});
+  const double bad = std::numeric_limits<double>::quiet_NaN();
+  records[0].outputs(0, 150) = bad;
+  records[0].outputs(0, 151) = bad;
+  records[1].inputs(1, 200) = bad;
+  const OutputErrorProblem problem = MakeProblem(plant, records);
+  // An unknown input begins a new segment, which skips 40 samples anew.
+  EXPECT_EQ(problem.num_segments(), 3);
+  EXPECT_EQ(problem.num_samples(), 360 - 2 + 160 + 159);
+  const NoiseShape shape = {.ratio = 0.01};
+  const WhitenedColumns whitened =
+      problem.Whiten(problem.Linearise(PointOf(problem), shape, false), shape);
+  EXPECT_LT(whitened.residuals.cwiseAbs().maxCoeff(), 1e-7);
+}
+
+TEST(DelaySearchTest, FindsDeadTimesFarAway) {
+  ProcessModel plant = TwoElements();
+  plant.element(0, 0).set_delay(8.0);
+  plant.element(0, 1).set_delay(0.5);
+  const auto records = MakeRecords(plant, 400, 4, {.variance = 1e-4});
+  const OutputErrorProblem problem = MakeProblem(TwoElements(), records);
+  for (const NoiseShape shape : kShapes) {
+    const DelaySearchResult found = SearchDelays(
+        problem, PointOf(problem), shape, {true, true}, {15.0, 15.0}, 64);
+    EXPECT_EQ(found.point.values[0].delay, 8.0);
+    EXPECT_EQ(found.point.values[1].delay, 0.5);
+    EXPECT_NEAR(found.point.values[0].gain, 2.0, 0.02);
+    const double cost =
+        0.5 *
+        problem.Whiten(problem.Linearise(found.point, shape, false), shape)
+            .residuals.squaredNorm();
+    EXPECT_NEAR(found.cost, cost, 1e-6 * cost + found.cost_accuracy);
+  }
+}
+
+TEST(DelaySearchTest, HoldsWhatIsNotFree) {
+  ProcessModel plant = TwoElements();
+  plant.element(0, 0).set_delay(8.0);
+  const auto records = MakeRecords(plant, 400, 5, {.variance = 1e-4});
+  const OutputErrorProblem problem = MakeProblem(TwoElements(), records);
+  const DelaySearchResult found = SearchDelays(problem, PointOf(problem), {},
+                                               {true, false}, {15.0, 15.0}, 64);
+  EXPECT_EQ(found.point.values[0].delay, 8.0);
+  EXPECT_EQ(found.point.values[1].delay, 2.3);
+  EXPECT_EQ(found.point.values[1].gain, -3.0);
+}
+
+}  // namespace
+}  // namespace mle

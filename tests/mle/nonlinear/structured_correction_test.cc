@@ -1,0 +1,209 @@
+#include "mle/nonlinear/structured_correction.h"
+
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "tests/mle/nonlinear/structured_records.h"
+
+namespace mle {
+namespace {
+
+using ::testing::HasSubstr;
+
+StructuredCorrection Correct(const ProcessModel& model,
+                             const std::vector<Record>& records,
+                             const StructuredOptions& options = {}) {
+  auto correction = CorrectStructure(model, records, options);
+  EXPECT_TRUE(correction.ok()) << correction.status();
+  return *std::move(correction);
+}
+
+// The first element has aged in gain and dead time.
+ProcessModel AgedPlant() {
+  ProcessModel plant = TwoElements();
+  plant.element(0, 0) = TransferFunction::FirstOrder(1.2, 4.0, 4.21);
+  return plant;
+}
+
+std::vector<ParameterEstimate> Parameters(const StructuredFit& fit, int input) {
+  const ElementEstimate& e = fit.element(0, input);
+  return {e.gain, e.time_scale, e.delay};
+}
+
+std::vector<double> Values(const TransferFunction& element) {
+  return {element.StaticGain(), element.TimeConstant(), element.delay()};
+}
+
+TEST(StructuredCorrectionTest, RecoversAnExactPlant) {
+  ProcessModel plant = TwoElements();
+  plant.element(0, 0) = TransferFunction::FirstOrder(-0.8, 9.0, 5.13);
+  plant.element(0, 1) = TransferFunction::FirstOrder(-5.0, 3.0, 0.27);
+  for (const double offset : {0.0, 40.0}) {
+    const auto correction =
+        Correct(TwoElements(), MakeRecords(plant, 500, 1, {.offset = offset}));
+    for (int j = 0; j < 2; ++j) {
+      const auto truth = Values(plant.element(0, j));
+      const auto found = Parameters(correction.full, j);
+      // The plant is simulated to about 1e-9.
+      for (int k = 0; k < 3; ++k) {
+        EXPECT_NEAR(found[k].value, truth[k], 1e-6) << correction.FullReport();
+      }
+      EXPECT_TRUE(correction.aged(0, j));
+    }
+    EXPECT_TRUE(correction.change_proposed);
+    EXPECT_TRUE(correction.full.certificates[0].search_confirmed);
+  }
+}
+
+TEST(StructuredCorrectionTest, FitsOtherShapesByGainScaleAndDelay) {
+  ProcessModel model = MakeModel(1, 1);
+  model.element(0, 0) = TransferFunction({2.0}, {12.0, 8.0, 1.0}, 1.0);
+  ProcessModel plant = model;
+  plant.element(0, 0) = TransferFunction({3.0}, {27.0, 12.0, 1.0}, 3.2);
+  const auto correction = Correct(model, MakeRecords(plant, 500, 2, {}));
+  const ElementEstimate& e = correction.full.element(0, 0);
+  EXPECT_NEAR(e.gain.value, 3.0, 1e-6);
+  EXPECT_NEAR(e.time_scale.value / e.time_scale.initial, 1.5, 1e-6);
+  EXPECT_NEAR(e.delay.value, 3.2, 1e-6);
+  const auto truth = plant.ComputeStepResponse(0.5, 100);
+  EXPECT_LT(
+      SquaredDistance(truth,
+                      correction.corrected.model.ComputeStepResponse(0.5, 100)),
+      1e-9);
+}
+
+TEST(StructuredCorrectionTest, OutputsAreSeparate) {
+  ProcessModel model = MakeModel(2, 2);
+  for (int i = 0; i < 2; ++i) {
+    for (int j = 0; j < 2; ++j) {
+      if (i == 1 && j == 0) continue;  // Stays zero.
+      model.element(i, j) = TransferFunction::FirstOrder(
+          1.0 + i + j, 3.0 + 2.0 * j, 1.1 * (i + 1));
+    }
+  }
+  ProcessModel plant = model;
+  plant.element(1, 1) = TransferFunction::FirstOrder(1.5, 5.0, 2.2);
+  const auto records = MakeRecords(plant, 400, 3, {.variance = 1e-3});
+  const auto correction = Correct(model, records);
+  EXPECT_TRUE(correction.aged(1, 1));
+  EXPECT_EQ(correction.aged.count(), 1);
+  EXPECT_EQ(correction.full.element(1, 0).state, ElementState::kAbsent);
+  EXPECT_TRUE(correction.corrected.model.element(1, 0).IsZero());
+  EXPECT_EQ(correction.corrected.element(0, 0).state, ElementState::kHeld);
+  EXPECT_THAT(correction.BriefReport(), HasSubstr("aged y1/u1"));
+  EXPECT_THAT(correction.FullReport(), HasSubstr("output y1"));
+  // Threads change nothing.
+  const auto again = Correct(model, records, {.threads = 2});
+  EXPECT_EQ(again.full.element(1, 1).delay.value,
+            correction.full.element(1, 1).delay.value);
+}
+
+TEST(StructuredCorrectionTest, AnInputAtRestInformsAboutNothing) {
+  ProcessModel model = TwoElements();
+  auto records = MakeRecords(AgedPlant(), 400, 4, {.variance = 1e-3});
+  // The second input of another plant rests; its element is the offset's.
+  ProcessModel one = AgedPlant();
+  one.element(0, 1) = TransferFunction();
+  records = MakeRecords(one, 400, 4, {.variance = 1e-3});
+  for (Record& record : records) record.inputs.row(1).setConstant(0.4);
+  const auto correction = Correct(model, records);
+  EXPECT_EQ(correction.full.element(0, 1).state, ElementState::kNotInformed);
+  EXPECT_EQ(correction.full.element(0, 1).gain.value, -3.0);
+  EXPECT_TRUE(correction.aged(0, 0));
+  EXPECT_FALSE(correction.aged(0, 1));
+  EXPECT_NEAR(correction.corrected.element(0, 0).delay.value, 4.21, 0.1);
+  EXPECT_THAT(correction.FullReport(), HasSubstr("does not move"));
+}
+
+TEST(StructuredFitTest, BandsAreTheDeltaMethods) {
+  const ProcessModel plant = TwoElements();
+  const auto records = MakeRecords(plant, 400, 5, {.variance = 0.01});
+  const auto limit = ComputeStructuredLimit(
+      plant, records, {{.variance = 0.01}}, StructuredOptions());
+  ASSERT_TRUE(limit.ok());
+  const StepResponse errors = limit->StepResponseErrors(0.5, 80);
+  const auto values = Values(plant.element(0, 1));
+  const double h = 1e-5;
+  Eigen::MatrixXd derivatives(80, 3);
+  for (int k = 0; k < 3; ++k) {
+    auto up = values;
+    auto down = values;
+    up[k] += h;
+    down[k] -= h;
+    derivatives.col(k) =
+        (TransferFunction::FirstOrder(up[0], up[1], up[2])
+             .StepResponse(0.5, 80) -
+         TransferFunction::FirstOrder(down[0], down[1], down[2])
+             .StepResponse(0.5, 80)) /
+        (2.0 * h);
+  }
+  const Eigen::MatrixXd covariance = limit->covariances[0].block(3, 3, 3, 3);
+  const Eigen::VectorXd expected =
+      (derivatives * covariance * derivatives.transpose())
+          .diagonal()
+          .cwiseSqrt();
+  // Central differences err by h².
+  EXPECT_LT((errors.element(0, 1) - expected).cwiseAbs().maxCoeff(), 1e-7);
+  EXPECT_NEAR(limit->ExpectedSquaredDistance(0.5, 80),
+              errors.values.squaredNorm(), 1e-15);
+}
+
+TEST(StructuredCorrectionTest, SaysWhatIsWrong) {
+  const ProcessModel model = TwoElements();
+  const auto records = MakeRecords(model, 300, 6, {.variance = 0.01});
+  const auto message = [](const ProcessModel& m, const std::vector<Record>& r,
+                          const StructuredOptions& o = {}) {
+    return std::string(CorrectStructure(m, r, o).status().message());
+  };
+  EXPECT_THAT(message(model, {}), HasSubstr("no record"));
+  EXPECT_THAT(message(MakeModel(2, 2), records),
+              HasSubstr("records[0] has 1 outputs and 2 inputs"));
+  auto other = records;
+  other[1].sample_time = 0.25;
+  EXPECT_THAT(message(model, other), HasSubstr("records[1] is sampled every"));
+  EXPECT_THAT(message(model, records, {.max_delay = 2.0}),
+              HasSubstr("element of output \"y0\", input \"u1\": its dead time "
+                        "2.3 exceeds max_delay"));
+  EXPECT_THAT(message(model, {MakeRecord(model, 40, 1, {})}),
+              HasSubstr("\"y0\" has"));
+  EXPECT_THAT(message(model, {MakeRecord(model, 12, 1, {})}),
+              HasSubstr("longer records"));
+  ProcessModel direct = model;
+  direct.element(0, 0) = TransferFunction({1.0, 1.0}, {2.0, 1.0}, 0.0);
+  EXPECT_THAT(message(direct, records), HasSubstr("feedthrough"));
+  EXPECT_THAT(
+      std::string(
+          ComputeStructuredLimit(model, records, {}, {}).status().message()),
+      HasSubstr("noise is given for 0 outputs"));
+}
+
+TEST(StructuredOptionsTest, ValidateNamesTheField) {
+  const auto message = [](auto change) {
+    StructuredOptions options;
+    EXPECT_TRUE(options.Validate().ok());
+    change(options);
+    return std::string(options.Validate().message());
+  };
+  using O = StructuredOptions;
+  EXPECT_THAT(message([](O& o) { o.max_time_scale_factor = 1.0; }),
+              HasSubstr("max_time_scale_factor is 1"));
+  EXPECT_THAT(message([](O& o) { o.max_delay = -1.0; }),
+              HasSubstr("max_delay is -1"));
+  EXPECT_THAT(message([](O& o) { o.false_alarm_probability = 0.0; }),
+              HasSubstr("false_alarm_probability is 0"));
+  EXPECT_THAT(message([](O& o) { o.offset_test_level = 0.0; }),
+              HasSubstr("offset_test_level is 0"));
+  EXPECT_THAT(message([](O& o) { o.confidence = 1.0; }),
+              HasSubstr("confidence is 1"));
+  EXPECT_THAT(message([](O& o) { o.max_iterations = 0; }),
+              HasSubstr("max_iterations is 0"));
+  EXPECT_THAT(message([](O& o) { o.threads = -1; }),
+              HasSubstr("threads is -1"));
+}
+
+}  // namespace
+}  // namespace mle

@@ -1,0 +1,117 @@
+// What structured correction promises over many records: intervals that cover,
+// errors at the Cramér–Rao limit, alarms at the stated rate.
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "gtest/gtest.h"
+#include "mle/nonlinear/structured_correction.h"
+#include "tests/mle/nonlinear/structured_records.h"
+
+namespace mle {
+namespace {
+
+StructuredCorrection Correct(const ProcessModel& model,
+                             const std::vector<Record>& records,
+                             const StructuredOptions& options = {}) {
+  auto correction = CorrectStructure(model, records, options);
+  EXPECT_TRUE(correction.ok()) << correction.status();
+  return *std::move(correction);
+}
+
+// The first element has aged in gain and dead time.
+ProcessModel AgedPlant() {
+  ProcessModel plant = TwoElements();
+  plant.element(0, 0) = TransferFunction::FirstOrder(1.2, 4.0, 4.21);
+  return plant;
+}
+
+std::vector<ParameterEstimate> Parameters(const StructuredFit& fit, int input) {
+  const ElementEstimate& e = fit.element(0, input);
+  return {e.gain, e.time_scale, e.delay};
+}
+
+std::vector<double> Values(const TransferFunction& element) {
+  return {element.StaticGain(), element.TimeConstant(), element.delay()};
+}
+
+struct NoiseCase {
+  const char* name;
+  RecordNoise noise;
+};
+
+class StructuredNoiseTest : public ::testing::TestWithParam<NoiseCase> {};
+
+TEST_P(StructuredNoiseTest, IntervalsCoverAndErrorsAreTheLimits) {
+  const ProcessModel plant = AgedPlant();
+  const int seeds = 60;
+  int covered = 0;
+  double squares = 0.0;
+  int named = 0;
+  for (int seed = 0; seed < seeds; ++seed) {
+    const auto records = MakeRecords(plant, 400, 100 + seed, GetParam().noise);
+    const auto correction = Correct(TwoElements(), records);
+    named += correction.aged(0, 0) && !correction.aged(0, 1);
+    const NoiseEstimate noise = {
+        .variance = GetParam().noise.variance,
+        .ratio = GetParam().noise.increment / GetParam().noise.variance,
+        .offset =
+            GetParam().noise.increment > 0.0 || GetParam().noise.offset != 0.0};
+    const auto limit =
+        ComputeStructuredLimit(plant, records, {noise}, StructuredOptions());
+    ASSERT_TRUE(limit.ok()) << limit.status();
+    for (int j = 0; j < 2; ++j) {
+      const auto truth = Values(plant.element(0, j));
+      const auto found = Parameters(correction.full, j);
+      const auto bound = Parameters(*limit, j);
+      for (int k = 0; k < 3; ++k) {
+        covered += found[k].lower <= truth[k] && truth[k] <= found[k].upper;
+        const double score =
+            (found[k].value - truth[k]) / bound[k].standard_error;
+        EXPECT_LT(std::abs(score), 6.0);
+        squares += score * score;
+      }
+    }
+  }
+  // Of 360 intervals, in 60 groups that share a record, 342 are expected; the
+  // deviation is 4.1 if they are independent and at most √6 times that.
+  EXPECT_GT(covered, 342 - 4 * 7);
+  // Mean squared scores: 1 with a deviation of √(2/360) = 0.075 up to 0.18.
+  EXPECT_LT(squares / 360.0, 1.0 + 3 * 0.13);
+  // A false alarm of 1 % in each: 0.6 expected, 4 or more in 1 of 300 runs.
+  EXPECT_GE(named, seeds - 4);
+}
+
+TEST_P(StructuredNoiseTest, NoChangeRaisesNoAlarm) {
+  const ProcessModel plant = TwoElements();
+  const int seeds = 100;
+  int alarms = 0;
+  for (int seed = 0; seed < seeds; ++seed) {
+    const auto correction =
+        Correct(plant, MakeRecords(plant, 300, 1000 + seed, GetParam().noise),
+                {.false_alarm_probability = 0.05});
+    alarms += correction.change_proposed;
+    if (!correction.change_proposed) {
+      EXPECT_FALSE(correction.aged.any());
+      EXPECT_EQ(SquaredDistance(
+                    plant.ComputeStepResponse(0.5, 50),
+                    correction.corrected.model.ComputeStepResponse(0.5, 50)),
+                0.0);
+    }
+  }
+  // 5 expected, deviation 2.2; short records with drift may double the rate,
+  // whose χ² holds for long ones.
+  EXPECT_LE(alarms, 10 + 3 * 3);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Noise, StructuredNoiseTest,
+    ::testing::Values(NoiseCase{"White", {.variance = 0.01}},
+                      NoiseCase{"Offset", {.variance = 0.01, .offset = 3.0}},
+                      NoiseCase{"Drift",
+                                {.variance = 0.01, .increment = 1e-4}}),
+    [](const auto& test) { return std::string(test.param.name); });
+
+}  // namespace
+}  // namespace mle
