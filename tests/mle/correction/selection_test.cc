@@ -1,0 +1,168 @@
+#include "mle/correction/selection.h"
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "mle/correction/correction.h"
+#include "tests/mle/correction/arx_data.h"
+
+namespace mle {
+namespace {
+
+using ::testing::HasSubstr;
+using Rule = SelectionOptions::Rule;
+
+// Two windows of a plant one of whose gains changed.
+Correction TwoWindows(const SelectionOptions& selection = {},
+                      double lambda_max = 0.4) {
+  ArxModel believed = SparseArx();
+  believed.R(0, 2) = 0.6;
+  CorrectionOptions options;
+  options.lambdas = *MakeLambdaGrid(lambda_max, lambda_max / 400.0);
+  options.selection = selection;
+  auto correction =
+      CorrectModel(believed,
+                   {SimulateArx(SparseArx(), 200, 0.3, 1, 2.0, 1.0),
+                    SimulateArx(SparseArx(), 240, 0.3, 2, 2.0, 1.0)},
+                   options);
+  EXPECT_TRUE(correction.ok()) << correction.status();
+  return *std::move(correction);
+}
+
+SelectionSummary Select(const Correction& correction,
+                        const SelectionOptions& options) {
+  const auto summary = correction.Select(options);
+  EXPECT_TRUE(summary.ok()) << summary.status();
+  return *summary;
+}
+
+TEST(SelectLambdaTest, TakesTheLeastLoss) {
+  const Correction correction = TwoWindows();
+  for (const Rule rule : {Rule::kLeaveChangeOut, Rule::kBlocks}) {
+    const SelectionSummary grid =
+        Select(correction, {.rule = rule, .on_grid = true});
+    Eigen::Index best = 0;
+    const double least = grid.loss.minCoeff(&best);
+    EXPECT_EQ(grid.lambda_star, Eigen::Vector2d::Constant(grid.lambdas(best)));
+    EXPECT_GT(grid.lambda_star(0), 0.0);
+    EXPECT_LT(least, 0.9 * grid.loss(400));
+    grid.penalised_loss.minCoeff(&best);
+    EXPECT_EQ(grid.lambda_star_penalised, grid.lambdas(best));
+    // Over all λ ≥ 0 the same but for a step of the grid, as the loss has one
+    // valley here.
+    const SelectionSummary exact = Select(correction, {.rule = rule});
+    EXPECT_NEAR(exact.lambda_star(0), grid.lambda_star(0), 1e-3);
+    EXPECT_EQ(exact.loss, grid.loss);
+  }
+}
+
+TEST(SelectLambdaTest, OneStandardErrorIsLarger) {
+  const Correction correction = TwoWindows();
+  const double least = Select(correction, {.on_grid = true}).lambda_star(0);
+  const double more =
+      Select(correction, {.one_standard_error = true}).lambda_star(0);
+  EXPECT_GT(more, least);
+  EXPECT_LT(more, 0.4);
+}
+
+TEST(SelectLambdaTest, EachOutputMayHaveItsOwn) {
+  const Correction correction = TwoWindows();
+  for (const Rule rule : {Rule::kLeaveChangeOut, Rule::kBlocks, Rule::kBic}) {
+    const SelectionSummary both = Select(correction, {.rule = rule});
+    EXPECT_EQ(both.lambda_star(0), both.lambda_star(1));
+    const SelectionSummary each =
+        Select(correction, {.rule = rule, .per_output = true});
+    // Nothing is wrong with the second output: it wants the larger penalty.
+    EXPECT_GT(each.lambda_star(1), each.lambda_star(0));
+  }
+}
+
+// BIC's penalty on a coefficient is log N ≥ 2 times AIC's.
+TEST(SelectLambdaTest, BicTakesNoMoreCoefficientsThanAic) {
+  const Correction correction = TwoWindows();
+  const double aic = Select(correction, {.rule = Rule::kAic}).lambda_star(0);
+  const double bic = Select(correction, {.rule = Rule::kBic}).lambda_star(0);
+  EXPECT_GE(bic, aic);
+  const Eigen::MatrixXd change =
+      correction.Model(bic).R - correction.Model(1e3).R;
+  EXPECT_NEAR(change(0, 2), 0.4, 0.1);
+}
+
+TEST(SelectLambdaTest, PredictsFurtherAhead) {
+  const Correction correction = TwoWindows();
+  for (const int horizon : {0, 2, 30}) {
+    const SelectionSummary summary = Select(correction, {.horizon = horizon});
+    EXPECT_TRUE(summary.loss.allFinite());
+    EXPECT_EQ(summary.lambdas(summary.lambdas.size() - 1), 0.4);
+    EXPECT_LT(summary.lambdas.size(), 100);
+    const Eigen::MatrixXd change =
+        correction.Model(summary.lambda_star).R - correction.Model(1e3).R;
+    EXPECT_NEAR(change(0, 2), 0.4, 0.1) << "horizon " << horizon;
+  }
+}
+
+// Above every λ_max the loss is flat, and the largest λ stands for "nothing".
+TEST(SelectLambdaTest, OfEqualLossesTakesTheLargestLambda) {
+  ArxModel believed = SparseArx();
+  CorrectionOptions options;
+  options.lambdas = Eigen::VectorXd::LinSpaced(5, 100.0, 104.0);
+  options.selection.on_grid = true;
+  const auto correction = CorrectModel(believed,
+                                       {SimulateArx(SparseArx(), 200, 0.3, 1),
+                                        SimulateArx(SparseArx(), 200, 0.3, 2)},
+                                       options);
+  ASSERT_TRUE(correction.ok()) << correction.status();
+  EXPECT_EQ(correction->selection().lambda_star,
+            Eigen::Vector2d::Constant(104.0));
+}
+
+// An unstable fit that is simulated to infinity is no choice, and no NaN.
+TEST(SelectLambdaTest, AnUnstableFitIsNotChosen) {
+  ArxModel unstable = SparseArx();
+  unstable.R(0, 0) = 1.9;
+  CorrectionOptions options;
+  // The grid's end corrects nothing: it leaves 1.9 as it is.
+  options.lambdas = *MakeLambdaGrid(100.0, 0.02);
+  options.selection.horizon = 0;
+  const auto correction = CorrectModel(unstable,
+                                       {SimulateArx(SparseArx(), 1600, 0.3, 1),
+                                        SimulateArx(SparseArx(), 1600, 0.3, 2)},
+                                       options);
+  ASSERT_TRUE(correction.ok()) << correction.status();
+  const SelectionSummary& selection = correction->selection();
+  for (const double loss : selection.loss) EXPECT_FALSE(std::isnan(loss));
+  EXPECT_LT(selection.lambda_star(0), 1.0);
+  EXPECT_NEAR(correction->Model().R(0, 0), 0.7, 0.1);
+}
+
+TEST(SelectionOptionsTest, ValidateSaysWhatIsWrong) {
+  const auto message = [](const SelectionOptions& options) {
+    return std::string(options.Validate().message());
+  };
+  EXPECT_EQ(message({}), "");
+  EXPECT_THAT(message({.folds = 1}), HasSubstr("folds is 1"));
+  EXPECT_THAT(message({.block_length = -1}), HasSubstr("block_length is -1"));
+  EXPECT_THAT(message({.horizon = -1}), HasSubstr("horizon is -1"));
+}
+
+TEST(SelectLambdaTest, OneFoldIsAnError) {
+  const auto message = [](const SelectionOptions& selection) {
+    CorrectionOptions options;
+    options.lambdas = *MakeLambdaGrid(0.1, 0.01);
+    options.selection = selection;
+    const auto correction = CorrectModel(
+        SparseArx(), {SimulateArx(SparseArx(), 60, 0.3, 1)}, options);
+    EXPECT_EQ(correction.status().code(), absl::StatusCode::kInvalidArgument);
+    return std::string(correction.status().message());
+  };
+  EXPECT_THAT(message({.rule = Rule::kLeaveChangeOut}),
+              HasSubstr("1 set-point change"));
+  EXPECT_THAT(message({.rule = Rule::kBlocks, .block_length = 40}),
+              HasSubstr("single block"));
+}
+
+}  // namespace
+}  // namespace mle
