@@ -23,7 +23,7 @@ BEGIN {
   allowed["mle/correction"] = all_of_mle
   allowed["sim"] = data " sim"
   allowed["control"] = data " control"
-  allowed["benchmarks"] = all_of_mle " sim control benchmarks"
+  allowed["benchmarks"] = all_of_mle " sim control apps benchmarks"
   allowed["apps"] = all_of_mle " sim control apps"
   allowed["tests"] = allowed["apps"] " tests"
 }
