@@ -51,9 +51,10 @@ absl::StatusOr<QuadraticProgram> QuadraticProgram::Create(
   program.softness_ = slack_cost.cwiseInverse();
   program.diagonal_ =
       program.scaled_rows_.rowwise().squaredNorm() + program.softness_;
-  for (VectorXd* v : {&program.lower_, &program.upper_, &program.free_values_,
-                      &program.values_, &program.multipliers_, &program.lambda_,
-                      &program.column_, &program.step_}) {
+  for (VectorXd* v :
+       {&program.lower_, &program.upper_, &program.free_values_,
+        &program.values_, &program.multipliers_, &program.lambda_,
+        &program.column_, &program.step_, &program.cosines_, &program.sines_}) {
     *v = VectorXd::Zero(r);
   }
   program.direction_ = program.x_ = VectorXd::Zero(n);
@@ -256,7 +257,7 @@ bool QuadraticProgram::AppendToFactor(int row, int side) {
 }
 
 // The rows below move up; rotations of neighbouring columns restore the
-// triangle.
+// triangle, row by row, each row fixing the rotation that those below it need.
 void QuadraticProgram::RemoveFromFactor(int position) {
   in_use_[rows_[position]] = 0;
   for (int i = position + 1; i < count_; ++i) {
@@ -266,18 +267,18 @@ void QuadraticProgram::RemoveFromFactor(int position) {
     L_.row(i - 1).head(i + 1) = L_.row(i).head(i + 1);
   }
   --count_;
-  for (int j = position; j < count_; ++j) {
-    const double a = L_(j, j);
-    const double b = L_(j, j + 1);
-    const double length = std::hypot(a, b);
-    const double c = a / length;
-    const double s = b / length;
-    for (int i = j; i < count_; ++i) {
-      const double first = L_(i, j);
-      const double second = L_(i, j + 1);
-      L_(i, j) = c * first + s * second;
-      L_(i, j + 1) = c * second - s * first;
+  for (int i = position; i < count_; ++i) {
+    double* const row = L_.row(i).data();
+    for (int j = position; j < i; ++j) {
+      const double first = row[j];
+      const double second = row[j + 1];
+      row[j] = cosines_[j] * first + sines_[j] * second;
+      row[j + 1] = cosines_[j] * second - sines_[j] * first;
     }
+    const double length = std::hypot(row[i], row[i + 1]);
+    cosines_[i] = row[i] / length;
+    sines_[i] = row[i + 1] / length;
+    row[i] = length;
   }
 }
 

@@ -109,6 +109,7 @@ class QuadraticProgram {
   Eigen::VectorXd lambda_;
   Eigen::VectorXd column_;  // of G, for a row to be added
   Eigen::VectorXd step_;
+  Eigen::VectorXd cosines_, sines_;  // of the rotations
 };
 
 }  // namespace mle::control
