@@ -103,6 +103,9 @@ void PrintTables(const CaseResult& result) {
   std::cout << report::RenderText(reproduce::DistanceTable(result)) << "\n"
             << report::RenderText(reproduce::GainTable(result)) << "\n"
             << report::RenderText(reproduce::DelayTable(result)) << "\n"
+            << report::RenderText(reproduce::ClosedLoopTable(
+                   result.name, result.plant, result.ClosedLoops()))
+            << "\n"
             << "Relative duality gap, every fit and every λ: at most "
             << report::FormatScientific(result.max_relative_gap, 2) << "\n\n";
 }

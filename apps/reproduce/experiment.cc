@@ -203,6 +203,10 @@ absl::StatusOr<RunResult> RunExperiment(const ProcessModel& initial,
   }
   MLE_ASSIGN_OR_RETURN(run.judgement, Judge(truth, run.corrected));
   run.E_star = run.judgement.squared_distance;
+  MLE_ASSIGN_OR_RETURN(
+      run.closed_loop,
+      CompareClosedLoops(initial, correction.Model(), plant, seed,
+                         MpcOptionsOf(options), options));
   if (windows.size() > 1) {
     MLE_RETURN_IF_ERROR(
         AddOtherRule(correction, options.correction.selection, truth, run));

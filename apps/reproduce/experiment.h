@@ -19,6 +19,7 @@
 #include "Eigen/Core"
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "apps/reproduce/closed_loop_comparison.h"
 #include "control/mpc.h"
 #include "mle/correction/conversion.h"
 #include "mle/correction/correction.h"
@@ -96,6 +97,7 @@ struct RunResult {
   double E_oracle = 0.0;
   double max_relative_gap = 0.0;  // conversion and all fits, every λ
   Judgement judgement;            // at λ*
+  ClosedLoopComparison closed_loop;
 
   // For figures: E at every λ of the grid (only where asked for), and step
   // responses.

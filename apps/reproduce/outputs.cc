@@ -172,7 +172,8 @@ std::string FormatResults(const std::vector<CaseResult>& cases) {
     list.push_back({{"name", result.name},
                     {"E_initial", result.E_initial},
                     {"runs", std::move(runs)},
-                    {"summary", Summary(result)}});
+                    {"summary", Summary(result)},
+                    {"closed_loop", ClosedLoopJson(result.ClosedLoops())}});
   }
   const Json document = {{"version", 1}, {"cases", std::move(list)}};
   return document.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";

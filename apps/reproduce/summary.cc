@@ -70,6 +70,12 @@ Statistics Summarise(const std::vector<double>& values) {
   return statistics;
 }
 
+std::vector<const ClosedLoopComparison*> CaseResult::ClosedLoops() const {
+  std::vector<const ClosedLoopComparison*> loops;
+  for (const RunResult& run : runs) loops.push_back(&run.closed_loop);
+  return loops;
+}
+
 absl::Status SummariseCase(const ProcessModel& initial_model,
                            CaseResult& result) {
   std::vector<double> star, zero, oracle, lambda;

@@ -57,6 +57,9 @@ struct CaseResult {
   Statistics lambda_star;
   std::vector<ElementErrors> elements;  // row by row (p·m)
   double max_relative_gap = 0.0;
+
+  // Of all runs.
+  std::vector<const ClosedLoopComparison*> ClosedLoops() const;
 };
 
 absl::Status SummariseCase(const ProcessModel& initial_model,
