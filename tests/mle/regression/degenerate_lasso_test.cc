@@ -54,7 +54,7 @@ TEST_P(DegenerateLassoTest, SmallProblemsFullOfTies) {
 // digit for a variable to leave where its c_j meets the bound.
 TEST_P(DegenerateLassoTest, LagsOfSlowAndHeldSignals) {
   LaggedLassoGenerator generator(GetParam());
-  for (int number = 0; number < 60; ++number) {
+  for (int number = 0; number < 30; ++number) {
     ExpectSolvedDownTo(1e-7, generator.Next(), number);
   }
 }
