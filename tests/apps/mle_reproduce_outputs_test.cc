@@ -1,0 +1,282 @@
+// What mle_reproduce writes: results.json by its contract (docs/formats.md),
+// curves that agree with it, the same bytes whatever the threads, and all of it
+// without gnuplot too.
+
+#include <cmath>
+#include <cstddef>
+#include <cstdlib>
+#include <filesystem>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "tests/apps/command_runner.h"
+
+namespace mle {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::UnorderedElementsAre;
+
+namespace fs = std::filesystem;
+
+std::set<std::string> NamesIn(const std::string& folder) {
+  std::set<std::string> names;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    names.insert(entry.path().filename().string());
+  }
+  return names;
+}
+
+void ExpectNumber(const nlohmann::json& object, const char* key) {
+  ASSERT_TRUE(object.contains(key)) << key;
+  EXPECT_TRUE(object[key].is_number()) << key << " is " << object[key];
+}
+
+// 2 × 2 of what `check` accepts.
+template <typename Check>
+void ExpectPairs(const nlohmann::json& object, const char* key,
+                 const Check& check) {
+  ASSERT_TRUE(object.contains(key)) << key;
+  ASSERT_TRUE(object[key].is_array()) << key;
+  ASSERT_EQ(object[key].size(), 2u) << key;
+  for (const nlohmann::json& row : object[key]) {
+    ASSERT_TRUE(row.is_array()) << key;
+    ASSERT_EQ(row.size(), 2u) << key;
+    for (const nlohmann::json& entry : row) check(entry);
+  }
+}
+
+void ExpectRun(const nlohmann::json& run) {
+  EXPECT_TRUE(run["seed"].is_number_unsigned());
+  for (const char* key : {"lambda_star", "E_star", "E_zero", "lambda_oracle",
+                          "E_oracle", "max_relative_duality_gap"}) {
+    ExpectNumber(run, key);
+  }
+  const auto number = [](const nlohmann::json& entry) {
+    EXPECT_TRUE(entry.is_number());
+  };
+  ExpectPairs(run, "static_gain_error", number);
+  ExpectPairs(run, "delay_impulse_peak", number);
+  ExpectPairs(run, "fopdt", [](const nlohmann::json& entry) {
+    for (const char* key : {"gain", "time_constant", "delay"}) {
+      ExpectNumber(entry, key);
+    }
+  });
+}
+
+TEST(MleReproduceOutputs, HelpListsEveryFlagWithItsDefault) {
+  for (const char* flag : {"--help", "-h", "-help", "--helpfull"}) {
+    const report::ProcessResult result = RunTested({flag});
+    EXPECT_EQ(result.exit_code, 0) << flag;
+    EXPECT_EQ(result.err, "") << flag;
+    for (const char* part : {"--cases [gain,delay]",
+                             "--seeds [1]",
+                             "--first_seed [1]",
+                             "--out [results]",
+                             "--model []",
+                             "--plants []",
+                             "--sample_time [0.2]",
+                             "--order [150]",
+                             "--control_period [1]",
+                             "--prediction_horizon [30]",
+                             "--control_horizon [5]",
+                             "--output_weight [0.2]",
+                             "--move_weight [0.1]",
+                             "--noise_variance [0.001]",
+                             "--conversion_noise_variance []",
+                             "--conversion_penalty [1e-06]",
+                             "--conversion_duration [10000]",
+                             "--duration [1000]",
+                             "--step_time [500]",
+                             "--window [200]",
+                             "--response_horizon [100]",
+                             "--lambda_grid_max [0.01]",
+                             "--lambda_grid_step [1e-06]",
+                             "--selection [",
+                             "--solver [homotopy]",
+                             "--threads [0]",
+                             "--setpoint_step [1]",
+                             "(min)",
+                             "Exit codes"}) {
+      EXPECT_THAT(result.out, HasSubstr(part)) << flag;
+    }
+    // Not those of the libraries.
+    EXPECT_EQ(result.out.find("--logtostderr"), std::string::npos);
+  }
+}
+
+TEST(MleReproduceOutputs, TellsItsVersion) {
+  const report::ProcessResult result = RunTested({"--version"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_THAT(result.out, ::testing::MatchesRegex("mle_reproduce [0-9.]+\n"));
+}
+
+TEST(MleReproduceOutputs, ResultsFollowTheContract) {
+  const ScratchFolder scratch;
+  const std::string out = scratch / "a/new/folder";
+  const report::ProcessResult result = RunTested(
+      SmallRun(out, {"--seeds=2", "--first_seed=7", "--selection=paper"}));
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(NamesIn(out), UnorderedElementsAre(
+                                "results.json", "report.html", "curve_gain.csv",
+                                "curve_delay.csv", "step_response_gain.csv",
+                                "step_response_delay.csv"));
+  const nlohmann::json results = ParsedJson(out + "/results.json");
+  EXPECT_EQ(results["version"], 1);
+  ASSERT_EQ(results["cases"].size(), 2u);
+  EXPECT_EQ(results["cases"][0]["name"], "gain");
+  EXPECT_EQ(results["cases"][1]["name"], "delay");
+  for (const nlohmann::json& one : results["cases"]) {
+    ExpectNumber(one, "E_initial");
+    EXPECT_TRUE(one["summary"].is_object());
+    ASSERT_EQ(one["runs"].size(), 2u);
+    EXPECT_EQ(one["runs"][0]["seed"], 7);
+    EXPECT_EQ(one["runs"][1]["seed"], 8);
+    for (const nlohmann::json& run : one["runs"]) {
+      ExpectRun(run);
+      EXPECT_LE(run["E_oracle"], run["E_star"]);
+      EXPECT_LE(run["E_oracle"], run["E_zero"]);
+      EXPECT_LE(run["max_relative_duality_gap"], 1e-9);
+    }
+  }
+}
+
+TEST(MleReproduceOutputs, CurvesAgreeWithTheResults) {
+  const ScratchFolder scratch;
+  const std::string out = scratch / "out";
+  const report::ProcessResult result =
+      RunTested(SmallRun(out, {"--cases=gain", "--selection=paper"}));
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const nlohmann::json results = ParsedJson(out + "/results.json");
+  const nlohmann::json run = results["cases"][0]["runs"][0];
+
+  const auto curve = ParsedCsv(out + "/curve_gain.csv");
+  // 0, 1e-4, …, 1e-2, below the header.
+  ASSERT_EQ(curve.size(), 102u);
+  EXPECT_EQ(curve[0][0], "lambda");
+  EXPECT_EQ(curve[0][1], "E");
+  std::map<double, double> E;
+  for (std::size_t i = 1; i < curve.size(); ++i) {
+    ASSERT_EQ(curve[i].size(), curve[0].size());
+    const double lambda = std::stod(curve[i][0]);
+    EXPECT_NEAR(lambda, 1e-4 * static_cast<double>(i - 1), 1e-12);
+    E[lambda] = std::stod(curve[i][1]);
+  }
+  // The curves are printed to twelve digits.
+  const auto at = [&](double lambda) {
+    auto found = E.lower_bound(lambda - 5e-5);
+    return found == E.end() ? 0.0 : found->second;
+  };
+  const double E_zero = run["E_zero"];
+  const double E_star = run["E_star"];
+  EXPECT_NEAR(at(0.0), E_zero, 1e-11 * E_zero);
+  EXPECT_NEAR(at(run["lambda_star"]), E_star, 1e-11 * E_star);
+  const double E_oracle = run["E_oracle"];
+  EXPECT_NEAR(at(run["lambda_oracle"]), E_oracle, 1e-11 * E_oracle);
+  for (const auto& [lambda, distance] : E) {
+    EXPECT_GE(distance, E_oracle * (1.0 - 1e-11)) << "at " << lambda;
+  }
+
+  // Time, and four models of four pairs; E from the responses is E.
+  const auto responses = ParsedCsv(out + "/step_response_gain.csv");
+  ASSERT_EQ(responses.size(), 122u);
+  double before = 0.0, after = 0.0;
+  for (std::size_t k = 1; k < responses.size(); ++k) {
+    ASSERT_EQ(responses[k].size(), 17u);
+    EXPECT_NEAR(std::stod(responses[k][0]), 0.5 * static_cast<double>(k - 1),
+                1e-9);
+    for (std::size_t pair = 0; pair < 4; ++pair) {
+      const double truth = std::stod(responses[k][5 + pair]);
+      before += std::pow(std::stod(responses[k][1 + pair]) - truth, 2);
+      after += std::pow(std::stod(responses[k][9 + pair]) - truth, 2);
+    }
+  }
+  EXPECT_EQ(responses[0][1], "overhead/reflux initial");
+  EXPECT_EQ(responses[0][5], "overhead/reflux true");
+  EXPECT_EQ(responses[0][9], "overhead/reflux corrected");
+  const double E_initial = results["cases"][0]["E_initial"];
+  EXPECT_NEAR(before, E_initial, 1e-9 * E_initial);
+  // Differences of responses of about 20, to twelve digits each.
+  EXPECT_NEAR(after, E_star, 1e-7 * E_star);
+}
+
+TEST(MleReproduceOutputs, DoNotDependOnThreadsOrTheRun) {
+  const ScratchFolder scratch;
+  for (const char* threads : {"1", "2", "0"}) {
+    const report::ProcessResult result = RunTested(SmallRun(
+        scratch / threads, {"--seeds=3", std::string("--threads=") + threads}));
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+  }
+  const std::set<std::string> names = NamesIn(scratch / "1");
+  EXPECT_EQ(names, NamesIn(scratch / "2"));
+  for (const std::string& name : names) {
+    if (name == "report.html") continue;  // it holds the command line
+    const std::string one = Content(scratch / ("1/" + name));
+    EXPECT_EQ(one, Content(scratch / ("2/" + name))) << name;
+    EXPECT_EQ(one, Content(scratch / ("0/" + name))) << name;
+  }
+  // Nor on the company of other cases.
+  const report::ProcessResult alone =
+      RunTested(SmallRun(scratch / "alone", {"--seeds=3", "--cases=delay"}));
+  ASSERT_EQ(alone.exit_code, 0) << alone.err;
+  EXPECT_EQ(Content(scratch / "1/curve_delay.csv"),
+            Content(scratch / "alone/curve_delay.csv"));
+}
+
+TEST(MleReproduceOutputs, FlagFilesStandForTheirFlags) {
+  const ScratchFolder scratch;
+  const std::string folder = scratch / "out";
+  std::string lines = "# a small run\n";
+  for (const std::string& argument : SmallRun(folder)) lines += argument + "\n";
+  const std::string file = scratch.Write("small.flags", lines);
+  const report::ProcessResult result = RunTested(
+      {"--cases=gain", "--flagfile", file, "--nofigures", "--first_seed", "5"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(ParsedJson(folder + "/results.json")["cases"][0]["runs"][0]["seed"],
+            5);
+}
+
+TEST(MleReproduceOutputs, WithoutGnuplotOnlyTheFiguresAreMissing) {
+  const ScratchFolder scratch;
+  std::vector<std::string> arguments =
+      SmallRun(scratch / "out", {"--cases=gain", "--figures=true"});
+  const report::ProcessResult result =
+      RunTested(arguments, {"PATH=" + scratch / "no_programs"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_THAT(result.err, HasSubstr("warning: gnuplot is not installed"));
+  EXPECT_THAT(NamesIn(scratch / "out"),
+              UnorderedElementsAre("results.json", "report.html",
+                                   "curve_gain.csv", "step_response_gain.csv"));
+  EXPECT_THAT(Content(scratch / "out/report.html"),
+              HasSubstr("gnuplot is not installed"));
+}
+
+TEST(MleReproduceOutputs, ALoopThatRunsAwayLeavesNothing) {
+  const ScratchFolder scratch;
+  const report::ProcessResult result =
+      RunTested({"--out=" + scratch / "out", "--cases=delay",
+                 "--disturbance_variance_ratio=1e9"});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_EQ(result.out, "");
+  EXPECT_THAT(
+      result.err,
+      HasSubstr("error: case delay, seed 1: the closed loop runs away"));
+  EXPECT_TRUE(fs::is_empty(scratch / "out"));
+}
+
+TEST(MleReproduceOutputs, AFullDiskIsNoSuccess) {
+  // A folder in the place of a file stands for a file that cannot be written.
+  const ScratchFolder scratch;
+  fs::create_directories(scratch / "out/report.html");
+  const report::ProcessResult result =
+      RunTested(SmallRun(scratch / "out", {"--cases=gain"}));
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr("report.html"));
+}
+
+}  // namespace
+}  // namespace mle

@@ -1,0 +1,140 @@
+#include "apps/reproduce/summary.h"
+
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "apps/report/table.h"
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "tests/apps/reproduce/example_case.h"
+
+namespace mle::reproduce {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+TEST(Summarise, OneValueIsItsOwnMeanAndDoesNotDeviate) {
+  const Statistics statistics = Summarise({-2.5});
+  EXPECT_EQ(statistics.mean, -2.5);
+  EXPECT_EQ(statistics.best, -2.5);
+  EXPECT_EQ(statistics.worst, -2.5);
+  EXPECT_EQ(statistics.standard_deviation, 0.0);
+}
+
+TEST(Summarise, KnowsTheTextbookExample) {
+  // Sum of squares about the mean 5: 32, over n − 1 = 7.
+  const Statistics statistics = Summarise({2, 4, 4, 4, 5, 5, 7, 9});
+  EXPECT_NEAR(statistics.mean, 5.0, 1e-14);
+  EXPECT_EQ(statistics.best, 2.0);
+  EXPECT_EQ(statistics.worst, 9.0);
+  EXPECT_NEAR(statistics.standard_deviation, std::sqrt(32.0 / 7.0), 1e-14);
+}
+
+TEST(Summarise, ShiftsAndScalesWithTheValues) {
+  const std::vector<double> values = {0.5, 3.25, -1.0, 8.0};
+  std::vector<double> moved;
+  for (const double value : values) moved.push_back(1000.0 + 3.0 * value);
+  const Statistics before = Summarise(values);
+  const Statistics after = Summarise(moved);
+  EXPECT_NEAR(after.mean, 1000.0 + 3.0 * before.mean, 1e-12);
+  EXPECT_EQ(after.best, 1000.0 + 3.0 * before.best);
+  EXPECT_EQ(after.worst, 1000.0 + 3.0 * before.worst);
+  EXPECT_NEAR(after.standard_deviation, 3.0 * before.standard_deviation, 1e-12);
+}
+
+// E of an unstable model may be too large for a number.
+TEST(Summarise, SaysInfiniteRatherThanNaN) {
+  const Statistics statistics = Summarise({1.0, kInfinity, 2.0});
+  EXPECT_EQ(statistics.mean, kInfinity);
+  EXPECT_EQ(statistics.best, 1.0);
+  EXPECT_EQ(statistics.worst, kInfinity);
+  EXPECT_EQ(statistics.standard_deviation, kInfinity);
+}
+
+TEST(SummariseCase, GathersTheRuns) {
+  CaseResult result = ExampleCase();
+  ASSERT_TRUE(SummariseCase(ExampleModel(0.0, 0.0), result).ok());
+  EXPECT_EQ(result.E_star.mean, 3.5);
+  EXPECT_EQ(result.E_star.worst, 4.0);
+  EXPECT_EQ(result.E_zero.mean, 20.0);
+  EXPECT_EQ(result.E_oracle.mean, 1.5);
+  EXPECT_EQ(result.lambda_star.best, 2e-4);
+  EXPECT_EQ(result.lambda_star.worst, 4e-4);
+  EXPECT_EQ(result.max_relative_gap, 3e-11);
+}
+
+TEST(SummariseCase, HoldsThePairsAgainstThePlant) {
+  CaseResult result = ExampleCase();
+  ASSERT_TRUE(SummariseCase(ExampleModel(0.0, 0.0), result).ok());
+  ASSERT_EQ(result.elements.size(), 6u);
+  // Root mean squares of (0.3, −0.4), (0.6, 0.8) and (0.5, 0.5).
+  for (const ElementErrors& errors : result.elements) {
+    EXPECT_NEAR(errors.static_gain_error_rms, std::sqrt(0.125), 1e-14);
+    EXPECT_NEAR(errors.fopdt_gain_error_rms, std::sqrt(0.5), 1e-13);
+    EXPECT_NEAR(errors.fopdt_delay_error_rms, 0.5, 1e-14);
+    EXPECT_EQ(errors.delay_impulse_peak_mean, 3.0);
+  }
+  EXPECT_EQ(result.elements[0].initial_gain, 11.0);
+  EXPECT_EQ(result.elements[0].true_gain, 10.0);
+  EXPECT_EQ(result.elements[0].initial_delay, 2.0);
+  EXPECT_EQ(result.elements[0].true_delay, 5.0);
+  EXPECT_EQ(result.elements[2].true_gain, 13.0);  // (0, 2)
+  EXPECT_EQ(result.elements[4].true_gain, 22.0);  // (1, 1)
+  EXPECT_EQ(result.elements[1].true_gain, 0.0);   // absent
+  EXPECT_EQ(result.elements[1].true_delay, 0.0);
+}
+
+TEST(SummariseCase, AnElementOfHigherOrderHasTheDeadTimeOfItsFit) {
+  CaseResult result = ExampleCase();
+  // 1/((3s + 1)(2s + 1)) with 1 s of dead time looks like more.
+  result.plant.element(1, 1) = TransferFunction({1.0}, {6.0, 5.0, 1.0}, 1.0);
+  result.truth = result.plant.ComputeStepResponse(0.5, 41);
+  ASSERT_TRUE(SummariseCase(ExampleModel(0.0, 0.0), result).ok());
+  EXPECT_GT(result.elements[4].true_delay, 1.5);
+  EXPECT_LT(result.elements[4].true_delay, 1.0 + 2.0);  // the smaller constant
+}
+
+TEST(Tables, HaveARowForEveryPair) {
+  CaseResult result = ExampleCase();
+  ASSERT_TRUE(SummariseCase(ExampleModel(0.0, 0.0), result).ok());
+  const report::Table gains = GainTable(result);
+  const report::Table delays = DelayTable(result);
+  ASSERT_EQ(gains.rows.size(), 6u);
+  ASSERT_EQ(delays.rows.size(), 6u);
+  EXPECT_EQ(gains.rows[0][0], "(1,1) y ← u, 1");
+  EXPECT_EQ(gains.rows[0][1], "11.0 → 10.0");
+  EXPECT_EQ(gains.rows[2][1], "13.0");
+  EXPECT_EQ(delays.rows[0][1], "2.00 → 5.00");
+  for (const report::Table* table : {&gains, &delays}) {
+    for (const std::vector<std::string>& row : table->rows) {
+      EXPECT_EQ(row.size(), table->columns.size());
+    }
+  }
+  EXPECT_THAT(delays.caption, HasSubstr("(s)"));
+}
+
+TEST(Tables, ThePapersFiguresAreForItsOwnCases) {
+  CaseResult result = ExampleCase();
+  ASSERT_TRUE(SummariseCase(ExampleModel(0.0, 0.0), result).ok());
+  EXPECT_THAT(report::RenderText(GainTable(result)), Not(HasSubstr("0.0933")));
+  result.from_paper = true;
+  EXPECT_THAT(report::RenderText(GainTable(result)), HasSubstr("0.0933"));
+}
+
+TEST(Tables, OfOneRunShowItsValues) {
+  CaseResult result = ExampleCase();
+  result.runs.pop_back();
+  ASSERT_TRUE(SummariseCase(ExampleModel(0.0, 0.0), result).ok());
+  const report::Table table = DistanceTable(result);
+  EXPECT_EQ(table.columns.size(), 3u);
+  EXPECT_EQ(table.rows[0].back(), "100.00");
+  EXPECT_EQ(table.rows[1].back(), "3.00");
+}
+
+}  // namespace
+}  // namespace mle::reproduce
