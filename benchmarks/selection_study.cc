@@ -49,10 +49,12 @@ std::vector<NamedRule> Rules(bool all) {
   };
   SelectionOptions paper;
   paper.rule = Rule::kLeaveChangeOut;
+  paper.horizon = 1;
   paper.on_grid = true;
   rules.push_back({"paper", paper});
   add("leave_change_out", Rule::kLeaveChangeOut, 0, 1);
   add("blocks 2d", Rule::kBlocks, 300, 1);
+  add("blocks 2d, d/5 ahead", Rule::kBlocks, 300, 30);
   add("blocks 4d", Rule::kBlocks, 600, 1);
   add("aic", Rule::kAic, 0, 1);
   add("bic", Rule::kBic, 0, 1);
@@ -60,11 +62,11 @@ std::vector<NamedRule> Rules(bool all) {
   if (!all) return rules;
   add("leave_change_out simulated", Rule::kLeaveChangeOut, 0, 0);
   add("blocks d", Rule::kBlocks, 150, 1);
-  add("blocks 2d, 30 ahead", Rule::kBlocks, 300, 30);
+  add("blocks 2d, d ahead", Rule::kBlocks, 300, 150);
   add("blocks 2d simulated", Rule::kBlocks, 300, 0);
   add("blocks 4d simulated", Rule::kBlocks, 600, 0);
-  add("blocks 4d, 1 s.e.", Rule::kBlocks, 600, 1, true);
-  add("blocks 4d, λ each", Rule::kBlocks, 600, 1, false, true);
+  add("blocks 2d, d/5 ahead, 1 s.e.", Rule::kBlocks, 300, 30, true);
+  add("blocks 2d, d/5 ahead, λ each", Rule::kBlocks, 300, 30, false, true);
   return rules;
 }
 

@@ -137,6 +137,7 @@ absl::Status AddOtherRule(const Correction& correction,
   SelectionOptions other;
   if (!paper) {
     other.rule = SelectionOptions::Rule::kLeaveChangeOut;
+    other.horizon = 1;
     other.on_grid = true;
   }
   MLE_ASSIGN_OR_RETURN(const SelectionSummary selection,
@@ -169,7 +170,7 @@ absl::StatusOr<ConversionSummary> ConvertInitialModel(
 absl::StatusOr<RunResult> RunExperiment(const ProcessModel& initial,
                                         const ProcessModel& plant,
                                         const ConversionSummary& conversion,
-                                        std::uint64_t seed, bool whole_curve,
+                                        std::uint64_t seed, bool in_full,
                                         const ExperimentOptions& options) {
   MLE_ASSIGN_OR_RETURN(const std::vector<Record> windows,
                        SimulateWindows(initial, plant, seed, options));
@@ -187,7 +188,7 @@ absl::StatusOr<RunResult> RunExperiment(const ProcessModel& initial,
       std::max(conversion.max_relative_gap, correction.MaxRelativeGap());
   DistanceCurve curve(correction, options.correction.lambdas, truth,
                       conversion.model);
-  if (whole_curve) run.squared_distance = curve.Whole();
+  if (in_full) run.squared_distance = curve.Whole();
   const Eigen::Index best = curve.Best();
   run.lambda_oracle = options.correction.lambdas(best);
   run.E_oracle = curve(best);
@@ -207,7 +208,7 @@ absl::StatusOr<RunResult> RunExperiment(const ProcessModel& initial,
       run.closed_loop,
       CompareClosedLoops(initial, correction.Model(), plant, seed,
                          MpcOptionsOf(options), options));
-  if (windows.size() > 1) {
+  if (in_full && windows.size() > 1) {
     MLE_RETURN_IF_ERROR(
         AddOtherRule(correction, options.correction.selection, truth, run));
   }

@@ -85,7 +85,7 @@ struct RunResult {
   double lambda_star = 0.0;  // of the first output, all alike unless one each
   double E_star = 0.0;
   // The paper's rule for λ beside another one, and the default beside the
-  // paper's. Absent where the paper's needs more set-point changes.
+  // paper's. Where asked for, and there are two set-point changes or more.
   struct OtherRule {
     std::string name;  // as --selection has it
     double lambda = 0.0;
@@ -106,11 +106,11 @@ struct RunResult {
   StepResponse unregularised;  // at λ = 0
 };
 
-// `whole_curve` also computes E at every λ of the grid.
+// `in_full` also computes E at every λ of the grid, and the other rule.
 absl::StatusOr<RunResult> RunExperiment(const ProcessModel& initial,
                                         const ProcessModel& plant,
                                         const ConversionSummary& conversion,
-                                        std::uint64_t seed, bool whole_curve,
+                                        std::uint64_t seed, bool in_full,
                                         const ExperimentOptions& options);
 
 }  // namespace mle::reproduce

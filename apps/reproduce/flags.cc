@@ -83,14 +83,14 @@ DEFINE_string(
     "every set-point change), paper (folds are set-point changes, λ on "
     "the grid), leave_change_out (the same over all λ), aic, bic, gcv.");
 DEFINE_int32(selection_folds, 5, "Folds of --selection=blocks, ≥ 2.");
+DEFINE_int32(selection_block, 0,
+             "Length of a block of --selection=blocks, in samples; 0: twice "
+             "--order.");
 DEFINE_int32(
-    selection_block, 0,
-    "Length of a block of --selection=blocks, in samples; 0: four times "
-    "--order.");
-DEFINE_int32(
-    selection_horizon, 1,
-    "Samples predicted in cross-validation before measured outputs are "
-    "used again; 1: one step ahead, 0: the whole window (simulation).");
+    selection_horizon, -1,
+    "Samples predicted in cross-validation before measured outputs are used "
+    "again; 1: one step ahead, 0: the whole window (simulation), -1: a fifth "
+    "of --order. The rule paper always has 1.");
 DEFINE_bool(selection_one_standard_error, false,
             "Take the largest λ whose loss is within a standard error of the "
             "smallest.");
@@ -231,18 +231,17 @@ absl::StatusOr<SelectionOptions> SelectionFromFlags() {
   if (FLAGS_selection_block < 0) {
     return absl::InvalidArgumentError(
         absl::StrCat("--selection_block=", FLAGS_selection_block,
-                     ": it must be at least 1 sample, or 0 for four times "
-                     "--order"));
+                     ": it must be at least 1 sample, or 0 for twice --order"));
   }
-  if (FLAGS_selection_horizon < 0) {
+  if (FLAGS_selection_horizon < -1) {
     return absl::InvalidArgumentError(
         absl::StrCat("--selection_horizon=", FLAGS_selection_horizon,
-                     ": it must be at least 1 sample, or 0 for the whole "
-                     "window"));
+                     ": it must be at least 1 sample, 0 for the whole "
+                     "window or -1 for a fifth of --order"));
   }
   selection.folds = FLAGS_selection_folds;
   selection.block_length = FLAGS_selection_block;
-  selection.horizon = FLAGS_selection_horizon;
+  selection.horizon = FLAGS_selection == "paper" ? 1 : FLAGS_selection_horizon;
   selection.one_standard_error = FLAGS_selection_one_standard_error;
   selection.per_output = FLAGS_selection_per_output;
   return selection;

@@ -89,8 +89,6 @@ Json Summary(const CaseResult& result) {
   return {{"E_star", ToJson(result.E_star)},
           {"E_zero", ToJson(result.E_zero)},
           {"E_oracle", ToJson(result.E_oracle)},
-          {"E_other_rule",
-           result.E_other.has_value() ? ToJson(*result.E_other) : Json()},
           {"lambda_star", ToJson(result.lambda_star)},
           {"static_gain_error_rms", Rows(static_gain)},
           {"fopdt_gain_error_rms", Rows(fopdt_gain)},

@@ -57,8 +57,8 @@ std::string FormatPage(const std::vector<CaseResult>& cases,
       "horizons and noise. Squared error: integrated over all outputs, from "
       "the set-point change to the end of its window.");
   for (const CaseResult& result : cases) {
-    page.AddTable(ClosedLoopTable(result.name, result.plant,
-                                  result.ClosedLoops()));
+    page.AddTable(
+        ClosedLoopTable(result.name, result.plant, result.ClosedLoops()));
   }
   page.AddHeading("Figures");
   for (std::size_t i = 0; i < figures.size(); ++i) {

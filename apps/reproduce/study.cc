@@ -75,7 +75,7 @@ absl::StatusOr<std::vector<CaseResult>> RunStudy(const Study& study) {
     const int s = i / cases;
     runs[i] = RunExperiment(study.initial, study.cases[i % cases].plant,
                             conversions[s], SeedOf(study, s),
-                            /*whole_curve=*/s == 0, study.experiment);
+                            /*in_full=*/s == 0, study.experiment);
     if (s > 0 && runs[i].ok()) DropCurves(*runs[i]);
     progress.Done();
   });

@@ -53,7 +53,6 @@ struct CaseResult {
   Statistics E_star;
   Statistics E_zero;
   Statistics E_oracle;
-  std::optional<Statistics> E_other;
   Statistics lambda_star;
   std::vector<ElementErrors> elements;  // row by row (p·m)
   double max_relative_gap = 0.0;

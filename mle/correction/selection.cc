@@ -16,9 +16,10 @@ namespace {
 
 using Rule = SelectionOptions::Rule;
 
-constexpr int kBlockOrders = 4;
+constexpr int kBlockOrders = 2;
+constexpr int kOrdersOverHorizon = 5;
 // Of two neighbouring λ at which a loss is found by simulation.
-constexpr double kThinning = 1.1;
+constexpr double kThinning = 1.25;
 
 // Index of the smallest entry, the last of several: the larger λ.
 Eigen::Index LastArgMin(const Eigen::VectorXd& values) {
@@ -153,10 +154,10 @@ absl::Status SelectionOptions::Validate() const {
         "default",
         block_length));
   }
-  if (horizon < 0) {
+  if (horizon < -1) {
     return absl::InvalidArgumentError(absl::StrFormat(
-        "horizon is %d samples; it must be at least 1, or 0 for the whole "
-        "window",
+        "horizon is %d samples; it must be at least 1, 0 for the whole window "
+        "or -1 for the default",
         horizon));
   }
   return absl::OkStatus();
@@ -164,6 +165,10 @@ absl::Status SelectionOptions::Validate() const {
 
 int SelectionOptions::BlockLength(int order) const {
   return block_length > 0 ? block_length : kBlockOrders * order;
+}
+
+int SelectionOptions::Horizon(int order) const {
+  return horizon >= 0 ? horizon : std::max(order / kOrdersOverHorizon, 1);
 }
 
 absl::StatusOr<SelectionSummary> SelectLambda(
@@ -192,7 +197,7 @@ absl::StatusOr<SelectionSummary> SelectLambda(
   CrossValidationOptions cross_validation;
   cross_validation.scaling = scaling;
   cross_validation.penalty_weights = penalty_weights;
-  cross_validation.horizon = options.horizon;
+  cross_validation.horizon = options.Horizon(data.order());
   cross_validation.grid = fits.front().lambdas;
   cross_validation.lambdas = options.horizon == 1 ? cross_validation.grid
                                                   : Thin(cross_validation.grid);

@@ -35,12 +35,13 @@ struct SelectionOptions {
   enum class Rule { kLeaveChangeOut, kBlocks, kAic, kBic, kGcv };
   Rule rule = Rule::kBlocks;
   int folds = 5;  // of kBlocks, ≥ 2
-  // Of kBlocks, in samples, ≥ 0; 0 takes four times the model's order.
+  // Of kBlocks, in samples, ≥ 0; 0 takes twice the model's order.
   int block_length = 0;
-  // Samples predicted before measured outputs are used again, ≥ 0: 1 predicts
-  // one step ahead, 0 simulates every window from its start. Above 1, and at 0,
-  // the mean residual of a run of rows is taken off. For cross-validation only.
-  int horizon = 1;
+  // Samples predicted before measured outputs are used again: 1 predicts one
+  // step ahead, 0 simulates every window from its start, −1 takes a fifth of
+  // the model's order. But for 1 the mean residual of a run of rows is taken
+  // off. For cross-validation only; the paper's rule has 1.
+  int horizon = -1;
   // The largest λ whose loss is within one standard error of the smallest
   // (Hastie, Tibshirani and Friedman, The Elements of Statistical Learning, 2nd
   // ed., 7.10). For cross-validation only.
@@ -53,8 +54,9 @@ struct SelectionOptions {
 
   absl::Status Validate() const;
 
-  // Of kBlocks, for a model of order `order`.
+  // Block length and horizon for a model of order `order`.
   int BlockLength(int order) const;
+  int Horizon(int order) const;
 };
 
 struct SelectionSummary {

@@ -145,7 +145,7 @@ TEST(SelectionOptionsTest, ValidateSaysWhatIsWrong) {
   EXPECT_EQ(message({}), "");
   EXPECT_THAT(message({.folds = 1}), HasSubstr("folds is 1"));
   EXPECT_THAT(message({.block_length = -1}), HasSubstr("block_length is -1"));
-  EXPECT_THAT(message({.horizon = -1}), HasSubstr("horizon is -1"));
+  EXPECT_THAT(message({.horizon = -2}), HasSubstr("horizon is -2"));
 }
 
 TEST(SelectLambdaTest, OneFoldIsAnError) {
