@@ -199,8 +199,9 @@ absl::StatusOr<SelectionSummary> SelectLambda(
   cross_validation.penalty_weights = penalty_weights;
   cross_validation.horizon = options.Horizon(data.order());
   cross_validation.grid = fits.front().lambdas;
-  cross_validation.lambdas = options.horizon == 1 ? cross_validation.grid
-                                                  : Thin(cross_validation.grid);
+  cross_validation.lambdas = cross_validation.horizon == 1
+                                 ? cross_validation.grid
+                                 : Thin(cross_validation.grid);
   cross_validation.solver = solver;
   MLE_ASSIGN_OR_RETURN(const FoldLosses losses,
                        CrossValidate(data, folds, cross_validation));

@@ -162,7 +162,8 @@ std::vector<SegmentColumns> OutputErrorProblem::Linearise(
     // The modes' part of the derivative by ln T takes their amplitudes.
     const InnovationsFilter filter(segment.times, shape);
     MatrixXd whitened(rows, 1 + num_modes_);
-    whitened << columns.residuals, columns.amplitudes;
+    whitened.col(0) = columns.residuals;
+    whitened.rightCols(num_modes_) = columns.amplitudes;
     filter.Apply(whitened);
     AmplitudeQr qr;
     qr.setThreshold(kRankTolerance);
@@ -192,8 +193,9 @@ WhitenedColumns OutputErrorProblem::Whiten(
   for (std::size_t s = 0; s < segments_.size(); ++s) {
     const Eigen::Index rows = columns[s].residuals.size();
     MatrixXd whitened(rows, 1 + width + num_modes_);
-    whitened << columns[s].residuals, columns[s].jacobian,
-        columns[s].amplitudes;
+    whitened.col(0) = columns[s].residuals;
+    if (width > 0) whitened.middleCols(1, width) = columns[s].jacobian;
+    whitened.rightCols(num_modes_) = columns[s].amplitudes;
     const InnovationsFilter filter(segments_[s].times, shape);
     filter.Apply(whitened);
     const AmplitudeQr qr = Factorise(whitened.rightCols(num_modes_));
