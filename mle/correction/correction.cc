@@ -39,9 +39,12 @@ absl::StatusOr<Eigen::VectorXd> MakeLambdaGrid(double max, double step) {
         "a grid of λ up to %g in steps of %g has %.3g values; at most 1e7", max,
         step, count + 1.0));
   }
+  const bool whole = std::abs(count * step - max) <= 1e-12 * max;
   Eigen::VectorXd lambdas(static_cast<Eigen::Index>(count) + 1);
   for (Eigen::Index i = 0; i < lambdas.size(); ++i) {
-    lambdas(i) = max * (static_cast<double>(i) * step / max);
+    // The nearest number to i·step where step divides max, which i·step is not.
+    lambdas(i) = whole ? static_cast<double>(i) * max / count
+                       : static_cast<double>(i) * step;
   }
   return lambdas;
 }
