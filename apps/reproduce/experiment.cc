@@ -5,6 +5,8 @@
 #include <limits>
 
 #include "absl/strings/str_format.h"
+#include "control/prediction_model.h"
+#include "control/retuning.h"
 #include "mle/base/status.h"
 #include "mle/data/record.h"
 #include "sim/closed_loop.h"
@@ -129,6 +131,27 @@ class DistanceCurve {
   ArxModel model_;
 };
 
+// The corrected model's responses must have settled: they are followed for
+// longer than they are compared.
+constexpr int kSettlingHorizons = 5;
+
+std::vector<std::string> AdviseOnTuning(const ProcessModel& initial,
+                                        const ArxModel& corrected,
+                                        const ExperimentOptions& options) {
+  const auto old_model =
+      control::PredictFromProcess(initial, options.control_period);
+  if (!old_model.ok()) return {std::string(old_model.status().message())};
+  control::RetuningOptions retuning;
+  retuning.time_unit = initial.time_unit();
+  const auto advice = control::AdviseRetuning(
+      *old_model, MpcOptionsOf(options),
+      corrected.ComputeStepResponse(
+          kSettlingHorizons * (options.response_samples() - 1) + 1),
+      retuning);
+  if (!advice.ok()) return {std::string(advice.status().message())};
+  return advice->reasons;
+}
+
 absl::Status AddOtherRule(const Correction& correction,
                           const SelectionOptions& used,
                           const StepResponse& truth, RunResult& run) {
@@ -208,6 +231,9 @@ absl::StatusOr<RunResult> RunExperiment(const ProcessModel& initial,
       run.closed_loop,
       CompareClosedLoops(initial, correction.Model(), plant, seed,
                          MpcOptionsOf(options), options));
+  if (in_full) {
+    run.retuning = AdviseOnTuning(initial, correction.Model(), options);
+  }
   if (in_full && windows.size() > 1) {
     MLE_RETURN_IF_ERROR(
         AddOtherRule(correction, options.correction.selection, truth, run));

@@ -98,6 +98,9 @@ struct RunResult {
   double max_relative_gap = 0.0;  // conversion and all fits, every λ
   Judgement judgement;            // at λ*
   ClosedLoopComparison closed_loop;
+  // How to tune the controller for the corrected model, and why; where asked
+  // for. A single line says why there is no advice.
+  std::vector<std::string> retuning;
 
   // For figures: E at every λ of the grid (only where asked for), and step
   // responses.

@@ -59,6 +59,9 @@ std::string FormatPage(const std::vector<CaseResult>& cases,
   for (const CaseResult& result : cases) {
     page.AddTable(
         ClosedLoopTable(result.name, result.plant, result.ClosedLoops()));
+    page.AddSubheading(
+        absl::StrCat("Tuning for the corrected model, case ", result.name));
+    page.AddList(result.runs.front().retuning);
   }
   page.AddHeading("Figures");
   for (std::size_t i = 0; i < figures.size(); ++i) {
