@@ -6,16 +6,7 @@ target_compile_features(mle_build_flags INTERFACE cxx_std_20)
 target_compile_options(mle_build_flags INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
   -fno-math-errno
-  $<$<BOOL:${MLE_WERROR}>:-Werror>
-  # g++ 12 warns of its own AVX intrinsics (GCC bug 105593).
-  $<$<AND:$<BOOL:${MLE_NATIVE}>,$<CXX_COMPILER_ID:GNU>>:-Wno-maybe-uninitialized>)
-
-# Public: the instruction set decides how Eigen aligns what it allocates, so
-# that a program and its libraries must agree on it. Ceres as packaged holds
-# copies of Eigen's templates for 16 bytes, which the linker may take for ours:
-# memory allocated by one and freed by the other must be of the same kind.
-set(MLE_PUBLIC_OPTIONS
-  "$<$<BOOL:${MLE_NATIVE}>:-march=native;-DEIGEN_MAX_ALIGN_BYTES=16;-DEIGEN_MALLOC_ALREADY_ALIGNED=1>")
+  $<$<BOOL:${MLE_WERROR}>:-Werror>)
 
 # mle_add_library(NAME SOURCES … HEADERS … DEPENDS … [PRIVATE_DEPENDS …])
 #
@@ -33,7 +24,6 @@ function(mle_add_library name)
     SOVERSION ${PROJECT_VERSION_MAJOR}
     POSITION_INDEPENDENT_CODE ON)
   target_compile_features(${target} PUBLIC cxx_std_20)
-  target_compile_options(${target} PUBLIC ${MLE_PUBLIC_OPTIONS})
   target_sources(${target} PUBLIC
     FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES ${ARG_HEADERS})
   target_link_libraries(${target}

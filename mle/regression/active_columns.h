@@ -5,6 +5,7 @@
 
 #include "Eigen/Core"
 #include "absl/types/span.h"
+#include "mle/regression/kernels/arguments.h"
 
 namespace mle {
 
@@ -14,6 +15,10 @@ namespace mle {
 void MultiplyActive(const Eigen::MatrixXd& gram, absl::Span<const int> active,
                     const double* x, const double* q, Eigen::VectorXd& gx,
                     Eigen::VectorXd& gq);
+
+// The columns A of G, for the kernels.
+ColumnSet ActiveColumns(const Eigen::MatrixXd& gram,
+                        absl::Span<const int> active);
 
 }  // namespace mle
 

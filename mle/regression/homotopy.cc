@@ -11,6 +11,7 @@
 #include "mle/base/status.h"
 #include "mle/regression/active_columns.h"
 #include "mle/regression/duality_gap.h"
+#include "mle/regression/kernels/kernels.h"
 #include "mle/regression/updatable_cholesky.h"
 
 namespace mle {
@@ -47,16 +48,6 @@ struct Event {
   int variable = -1;
   double sign = 0.0;  // of an entering variable's c_j
 };
-
-// high + low −= x y, with what rounding takes from `high` kept in `low` (Ogita,
-// Rump and Oishi, SIAM J. Sci. Comput. 26, 2005, algorithm 5.3).
-void SubtractProduct(double x, double y, double& high, double& low) {
-  const double product = -x * y;
-  const double sum = high + product;
-  const double part = sum - high;
-  low += std::fma(-x, y, -product) + ((high - (sum - part)) + (product - part));
-  high = sum;
-}
 
 class Homotopy {
  public:
@@ -257,12 +248,9 @@ void Homotopy::CompensatedProducts() {
   compensated_ = true;
   c_ = objective_.correlation;
   work_.setZero();
-  double* c = c_.data();
-  double* low = work_.data();
-  for (std::size_t i = 0; i < active_.size(); ++i) {
-    const double* g = gram_.col(active_[i]).data();
-    for (int j = 0; j < n_; ++j) SubtractProduct(beta_(i), g[j], c[j], low[j]);
-  }
+  VectorKernels().subtract_columns_twice(ActiveColumns(gram_, active_),
+                                         beta_.data(), nullptr, n_, c_.data(),
+                                         work_.data());
   c_ += work_;
 }
 
@@ -311,12 +299,9 @@ void Homotopy::RefineSharply() {
   const auto k = static_cast<Eigen::Index>(active_.size());
   Eigen::VectorXd high = Gather(objective_.correlation);
   Eigen::VectorXd low = Eigen::VectorXd::Zero(k);
-  for (Eigen::Index i = 0; i < k; ++i) {
-    const double* g = gram_.col(active_[i]).data();
-    for (Eigen::Index l = 0; l < k; ++l) {
-      SubtractProduct(beta_(i), g[active_[l]], high(l), low(l));
-    }
-  }
+  VectorKernels().subtract_columns_twice(ActiveColumns(gram_, active_),
+                                         beta_.data(), active_.data(), k,
+                                         high.data(), low.data());
   work_.head(k) = (high - lambda_ * target_.head(k)) + low;
   cholesky_.SolveInPlace(work_.head(k));
   beta_.head(k) += work_.head(k);

@@ -5,6 +5,7 @@
 
 #include "Eigen/Jacobi"
 #include "glog/logging.h"
+#include "mle/regression/kernels/kernels.h"
 
 namespace mle {
 
@@ -20,7 +21,8 @@ double UpdatableCholesky::Append(const Eigen::Ref<const Eigen::VectorXd>& cross,
   }
   auto column = factor_.col(size_).head(size_);
   column = cross;
-  factor().adjoint().solveInPlace(column);
+  VectorKernels().solve_transposed(factor_.data(), factor_.outerStride(), size_,
+                                   column.data());
   const double pivot = square - column.squaredNorm();
   if (!(pivot > tolerance * square)) return pivot;
   factor_(size_, size_) = std::sqrt(pivot);
@@ -58,12 +60,19 @@ void UpdatableCholesky::Remove(int position) {
 }
 
 void UpdatableCholesky::SolveInPlace(Eigen::Ref<Eigen::VectorXd> x) const {
-  factor().adjoint().solveInPlace(x);
-  factor().solveInPlace(x);
+  CHECK_EQ(x.size(), size_);
+  const Kernels& kernels = VectorKernels();
+  kernels.solve_transposed(factor_.data(), factor_.outerStride(), size_,
+                           x.data());
+  kernels.solve(factor_.data(), factor_.outerStride(), size_, x.data());
 }
 
 double UpdatableCholesky::InverseQuadraticForm(const Eigen::VectorXd& x) const {
-  return factor().adjoint().solve(x).squaredNorm();
+  CHECK_EQ(x.size(), size_);
+  Eigen::VectorXd y = x;
+  VectorKernels().solve_transposed(factor_.data(), factor_.outerStride(), size_,
+                                   y.data());
+  return y.squaredNorm();
 }
 
 double UpdatableCholesky::ReciprocalConditionBound() const {

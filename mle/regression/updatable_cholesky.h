@@ -41,10 +41,6 @@ class UpdatableCholesky {
   double ReciprocalConditionBound() const;
 
  private:
-  auto factor() const {
-    return factor_.topLeftCorner(size_, size_).triangularView<Eigen::Upper>();
-  }
-
   Eigen::MatrixXd factor_;
   int size_ = 0;
 };

@@ -1,0 +1,32 @@
+// What the kernels work on: raw arrays, matrices stored by columns, `stride`
+// numbers from one to the next.
+
+#ifndef MLE_REGRESSION_KERNELS_ARGUMENTS_H_
+#define MLE_REGRESSION_KERNELS_ARGUMENTS_H_
+
+#include <cstddef>
+
+namespace mle {
+
+// Columns `columns` (count) of a matrix.
+struct ColumnSet {
+  const double* matrix = nullptr;
+  std::ptrdiff_t stride = 0;
+  const int* columns = nullptr;
+  std::ptrdiff_t count = 0;
+};
+
+// Σ_k x_k w_kᵀ: x_k has `rows` numbers, w_k `columns`.
+struct ProductSeries {
+  const double* x = nullptr;
+  std::ptrdiff_t x_stride = 0;  // may be less than `rows`: lags overlap
+  std::ptrdiff_t rows = 0;
+  const double* w = nullptr;
+  std::ptrdiff_t w_stride = 0;
+  std::ptrdiff_t columns = 0;
+  std::ptrdiff_t count = 0;  // of k
+};
+
+}  // namespace mle
+
+#endif  // MLE_REGRESSION_KERNELS_ARGUMENTS_H_

@@ -1,0 +1,56 @@
+// The inner loops of the lasso engine, compiled once for each set of vector
+// instructions and chosen when the program runs. So one program is fast on
+// every processor, and none of Eigen's types depends on the processor.
+//
+// Loops run over raw arrays, in an order that depends on sizes and instruction
+// set alone, not on addresses: the same input gives the same bytes with any
+// number of threads. Between instruction sets results differ by rounding.
+
+#ifndef MLE_REGRESSION_KERNELS_KERNELS_H_
+#define MLE_REGRESSION_KERNELS_KERNELS_H_
+
+#include <cstddef>
+#include <vector>
+
+#include "mle/regression/kernels/arguments.h"
+
+namespace mle {
+
+struct Kernels {
+  const char* instruction_set = "";
+
+  // sums (rows × columns) += Σ_k x_k w_kᵀ.
+  void (*add_products)(const ProductSeries& series, double* sums,
+                       std::ptrdiff_t stride);
+
+  // gx += G_·A x and gq += G_·A q, each of n numbers, in one pass over G.
+  void (*multiply_columns)(const ColumnSet& columns, const double* x,
+                           const double* q, std::ptrdiff_t n, double* gx,
+                           double* gq);
+
+  // high + low −= G_RA x in twice the working precision (Ogita, Rump and Oishi,
+  // SIAM J. Sci. Comput. 26, 2005, algorithm 5.3): what rounding takes from
+  // `high` is kept in `low`. R are the rows `rows` (n), or 0 … n−1 for nullptr.
+  void (*subtract_columns_twice)(const ColumnSet& columns, const double* x,
+                                 const int* rows, std::ptrdiff_t n,
+                                 double* high, double* low);
+
+  // x ← U⁻ᵀ x and x ← U⁻¹ x for an upper triangular U (n × n).
+  void (*solve_transposed)(const double* u, std::ptrdiff_t stride,
+                           std::ptrdiff_t n, double* x);
+  void (*solve)(const double* u, std::ptrdiff_t stride, std::ptrdiff_t n,
+                double* x);
+};
+
+// Those this processor can run, the slowest ("baseline": what the compiler
+// takes for granted) first.
+std::vector<Kernels> AvailableKernels();
+
+// The fastest of them, or the one that the environment variable
+// MLE_INSTRUCTION_SET names: "baseline" gives the same bytes on all processors
+// of a kind. Another name is answered in the log, and the fastest taken.
+const Kernels& VectorKernels();
+
+}  // namespace mle
+
+#endif  // MLE_REGRESSION_KERNELS_KERNELS_H_
