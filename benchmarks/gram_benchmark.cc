@@ -6,6 +6,8 @@
 // MiB, what it holds besides the record; error, the greatest of 500 entries'
 // |G_ij − exact| / √(G_ii G_jj), exact from extended precision.
 
+#include <cblas.h>
+
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -13,7 +15,6 @@
 #include "Eigen/Core"
 #include "benchmark/benchmark.h"
 #include "benchmarks/problems.h"
-#include "cblas.h"
 
 namespace mle::benchmarks {
 namespace {
