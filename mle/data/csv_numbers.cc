@@ -1,12 +1,25 @@
 #include "mle/data/csv_numbers.h"
 
+#include <algorithm>
+#include <array>
 #include <charconv>
 #include <system_error>
 
 namespace mle {
 
-bool ReadCsvNumber(std::string_view text, double& number) {
-  if (text.starts_with('+')) text.remove_prefix(1);
+bool ReadCsvNumber(std::string_view text, double& number, char decimal) {
+  if (text.starts_with('+')) {
+    text.remove_prefix(1);
+    if (text.starts_with('-')) return false;
+  }
+  std::array<char, 64> with_point;
+  if (decimal != '.') {
+    if (text.size() > with_point.size()) return false;
+    if (text.find('.') != std::string_view::npos) return false;
+    std::replace_copy(text.begin(), text.end(), with_point.begin(), decimal,
+                      '.');
+    text = std::string_view(with_point.data(), text.size());
+  }
   const auto [end, error] =
       std::from_chars(text.data(), text.data() + text.size(), number);
   return error == std::errc() && end == text.data() + text.size();

@@ -10,9 +10,10 @@ namespace mle {
 
 inline constexpr int kCsvTimeDigits = 12;
 
-// The whole of `text` as a number, "nan" and "inf" included; false if it is
-// none, or out of the range of a double.
-bool ReadCsvNumber(std::string_view text, double& number);
+// The whole of `text` as a number, "nan" and "inf" included, with `decimal` (a
+// point or a comma) before its decimals; false if it is none, or out of the
+// range of a double.
+bool ReadCsvNumber(std::string_view text, double& number, char decimal = '.');
 
 // With the fewest digits that read back as the same double.
 void AppendCsvNumber(double number, std::string& text);

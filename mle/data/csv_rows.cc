@@ -1,6 +1,7 @@
 #include "mle/data/csv_rows.h"
 
 #include <algorithm>
+#include <cstring>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -9,97 +10,232 @@ namespace mle {
 namespace {
 
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+constexpr std::size_t kFirstBlock = std::size_t{1} << 18;
+constexpr std::size_t kShownBytes = 60;
+
+unsigned char Byte(char c) { return static_cast<unsigned char>(c); }
+
+// Bytes of the UTF-8 character at the front of `text`; 0 if it is none.
+std::size_t CharacterLength(std::string_view text) {
+  const unsigned char lead = Byte(text[0]);
+  const std::size_t length = lead < 0x80                   ? 1
+                             : lead >= 0xC2 && lead < 0xE0 ? 2
+                             : lead >= 0xE0 && lead < 0xF0 ? 3
+                             : lead >= 0xF0 && lead < 0xF5 ? 4
+                                                           : 0;
+  if (length > text.size()) return 0;
+  for (std::size_t i = 1; i < length; ++i) {
+    if ((Byte(text[i]) & 0xC0) != 0x80) return 0;
+  }
+  return length;
+}
 
 }  // namespace
 
-CsvRows::CsvRows(std::istream& in, std::string source)
-    : in_(in), source_(std::move(source)) {}
-
-bool CsvRows::Next(std::vector<std::string>& fields) {
-  if (!status_.ok()) return false;
-  do {
-    if (!ReadLine()) return false;
-  } while (text_.empty());
-  row_line_ = line_;
-  return ParseRow(fields);
+CsvRows::CsvRows(std::istream& in, std::string source, CsvLimits limits)
+    : in_(in), source_(std::move(source)), limits_(limits) {
+  set_separator(',');
 }
 
-bool CsvRows::ReadLine() {
-  if (!std::getline(in_, text_)) {
-    if (in_.bad()) {
-      status_ = absl::DataLossError(
-          absl::StrCat(source_, ": cannot be read after line ", line_));
-    }
+void CsvRows::set_separator(char separator) {
+  separator_ = separator;
+  is_special_.fill(false);
+  for (const char c : {separator, '\n', '\r', '"', '\0'}) {
+    is_special_[Byte(c)] = true;
+  }
+}
+
+// More of the file behind what is not yet taken; false at its end, or if the
+// row that begins there is too long.
+bool CsvRows::Fill() {
+  if (at_end_ || !status_.ok()) return false;
+  if (begin_ > 0) {
+    std::memmove(buffer_.data(), buffer_.data() + begin_, end_ - begin_);
+    end_ -= begin_;
+    begin_ = 0;
+  }
+  if (end_ >= limits_.max_row_bytes) {
+    Fault(absl::StrCat("the line is longer than ", limits_.max_row_bytes,
+                       " bytes; a row must be shorter"));
     return false;
   }
-  ++line_;
-  if (!text_.empty() && text_.back() == '\r') text_.pop_back();
-  if (line_ == 1 && text_.starts_with(kByteOrderMark)) {
-    text_.erase(0, kByteOrderMark.size());
+  if (end_ == buffer_.size()) {
+    buffer_.resize(std::min(std::max(kFirstBlock, 2 * buffer_.size()),
+                            limits_.max_row_bytes));
   }
+  in_.read(buffer_.data() + end_,
+           static_cast<std::streamsize>(buffer_.size() - end_));
+  end_ += static_cast<std::size_t>(in_.gcount());
+  if (in_.bad()) {
+    status_ = absl::DataLossError(
+        absl::StrCat(source_, ": cannot be read after line ", line_ - 1));
+    return false;
+  }
+  at_end_ = in_.eof();
+  if (started_) return true;
+  started_ = true;
+  const std::string_view start(buffer_.data(), end_);
+  if (start.starts_with("\xFF\xFE") || start.starts_with("\xFE\xFF")) {
+    Fault("the file is in UTF-16; save it as UTF-8");
+    return false;
+  }
+  if (start.starts_with(kByteOrderMark)) begin_ = kByteOrderMark.size();
   return true;
 }
 
-bool CsvRows::ParseRow(std::vector<std::string>& fields) {
-  std::size_t count = 0;
-  std::size_t at = 0;
-  while (true) {
-    if (count == fields.size()) fields.emplace_back();
-    std::string& field = fields[count++];
-    field.clear();
-    const int number = static_cast<int>(count);
-    if (at < text_.size() && text_[at] == '"') {
-      if (!ParseQuoted(at, field, number)) return false;
-    } else {
-      const std::size_t end = std::min(text_.find(',', at), text_.size());
-      field.assign(text_, at, end - at);
-      if (field.find('"') != std::string::npos) {
-        return Fault(number,
-                     "a quote inside an unquoted field; quote the whole field "
-                     "and double the quotes in it");
-      }
-      at = end;
+std::string_view CsvRows::Peek() {
+  if (begin_ == end_) Fill();
+  return {buffer_.data() + begin_, end_ - begin_};
+}
+
+bool CsvRows::SkipLine() {
+  while (status_.ok()) {
+    const void* found = begin_ == end_ ? nullptr
+                                       : std::memchr(buffer_.data() + begin_,
+                                                     '\n', end_ - begin_);
+    if (found != nullptr) {
+      begin_ = static_cast<const char*>(found) - buffer_.data() + 1;
+      ++line_;
+      return true;
     }
-    if (at == text_.size()) break;
-    ++at;  // the comma
+    if (at_end_ && begin_ < end_) {
+      begin_ = end_;
+      return true;
+    }
+    if (!Fill()) return false;
   }
-  fields.resize(count);
-  return true;
+  return false;
 }
 
-// From the opening quote at `at` to what follows the closing one.
-bool CsvRows::ParseQuoted(std::size_t& at, std::string& field, int number) {
-  ++at;
-  while (true) {
-    const std::size_t quote = text_.find('"', at);
-    if (quote == std::string::npos) {
-      field.append(text_, at);
-      if (!ReadLine()) {
-        if (!status_.ok()) return false;
-        return Fault(number, "the quote that opens here is not closed");
-      }
-      field += '\n';
-      at = 0;
+bool CsvRows::Next(std::vector<std::string_view>& fields) {
+  while (status_.ok()) {
+    row_line_ = line_;
+    Scan scan = begin_ == end_ && at_end_ ? Scan::kMore : ScanRow();
+    if (scan == Scan::kMore) {
+      if (!Fill()) return false;
       continue;
     }
-    field.append(text_, at, quote - at);
-    at = quote + 1;
-    if (at < text_.size() && text_[at] == '"') {
-      field += '"';
+    if (scan == Scan::kFault) return false;
+    if (scan == Scan::kRow) {
+      fields.resize(fields_.size());
+      for (std::size_t c = 0; c < fields_.size(); ++c) {
+        if (fields_[c].escaped) Unescape(fields_[c]);
+        fields[c] = {buffer_.data() + fields_[c].begin,
+                     fields_[c].end - fields_[c].begin};
+      }
+    }
+    begin_ = next_;
+    line_ += lines_;
+    if (scan == Scan::kRow) return true;
+  }
+  return false;
+}
+
+// The row at begin_ into fields_, as far as it has been read.
+CsvRows::Scan CsvRows::ScanRow() {
+  fields_.clear();
+  lines_ = 1;
+  std::size_t at = begin_;
+  while (true) {
+    if (static_cast<int>(fields_.size()) == limits_.max_columns) {
+      fields_.emplace_back();
+      return Fault(absl::StrCat("there are more than ", limits_.max_columns,
+                                " columns"));
+    }
+    Field& field = fields_.emplace_back();
+    if (at == end_ && !at_end_) return Scan::kMore;
+    if (at < end_ && buffer_[at] == '"') {
+      const Scan scan = ScanQuoted(at, field);
+      if (scan != Scan::kRow) return scan;
+    } else {
+      field.begin = at;
+      while (at < end_ && !is_special_[Byte(buffer_[at])]) ++at;
+      field.end = at;
+    }
+    if (at == end_) return at_end_ ? ScanEnd(at) : Scan::kMore;
+    if (buffer_[at] == separator_) {
       ++at;
       continue;
     }
-    if (at < text_.size() && text_[at] != ',') {
-      return Fault(number, "text after the closing quote");
+    if (buffer_[at] == '"') {
+      return Fault(
+          "a quote inside an unquoted field; quote the whole field and double "
+          "the quotes in it");
     }
-    return true;
+    if (buffer_[at] == '\0') {
+      return Fault(
+          "a NUL byte: the file is binary or in UTF-16; save it as text in "
+          "UTF-8");
+    }
+    return ScanEnd(at);
   }
 }
 
-bool CsvRows::Fault(int field, std::string_view what) {
+// The end of the row at `at`: LF, CR or the end of the file.
+CsvRows::Scan CsvRows::ScanEnd(std::size_t at) {
+  if (at < end_ && buffer_[at] == '\r') {
+    if (at + 1 == end_ && !at_end_) return Scan::kMore;
+    if (at + 1 < end_ && buffer_[at + 1] != '\n') {
+      return Fault(
+          "a carriage return inside the line; lines must end with LF or CRLF");
+    }
+    ++at;
+  }
+  next_ = std::min(at + 1, end_);
+  const Field& field = fields_[0];
+  const bool is_empty =
+      fields_.size() == 1 && field.begin == begin_ && field.end == field.begin;
+  return is_empty ? Scan::kEmptyLine : Scan::kRow;
+}
+
+// From the opening quote at `at` to what follows the closing one.
+CsvRows::Scan CsvRows::ScanQuoted(std::size_t& at, Field& field) {
+  field.begin = ++at;
+  while (true) {
+    while (at < end_ && buffer_[at] != '"') {
+      if (buffer_[at] == '\n') ++lines_;
+      if (buffer_[at] == '\r') field.escaped = true;
+      if (buffer_[at] == '\0') {
+        return Fault("a NUL byte: the file is binary or in UTF-16");
+      }
+      ++at;
+    }
+    if (at == end_) {
+      return at_end_ ? Fault("the quote that opens here is not closed")
+                     : Scan::kMore;
+    }
+    if (at + 1 == end_ && !at_end_) return Scan::kMore;
+    if (at + 1 == end_ || buffer_[at + 1] != '"') break;
+    field.escaped = true;
+    at += 2;
+  }
+  field.end = at++;
+  if (at < end_ && buffer_[at] != separator_ && buffer_[at] != '\n' &&
+      buffer_[at] != '\r') {
+    return Fault("text after the closing quote");
+  }
+  return Scan::kRow;
+}
+
+// Doubled quotes become one, CRLF becomes LF.
+void CsvRows::Unescape(Field& field) {
+  std::size_t to = field.begin;
+  for (std::size_t from = field.begin; from < field.end; ++from) {
+    const char c = buffer_[from];
+    if (c == '"') ++from;
+    if (c == '\r' && from + 1 < field.end && buffer_[from + 1] == '\n')
+      continue;
+    buffer_[to++] = c;
+  }
+  field.end = to;
+}
+
+CsvRows::Scan CsvRows::Fault(std::string_view what) {
+  row_line_ = line_;
   status_ = absl::InvalidArgumentError(
-      absl::StrCat(Place(field), ": ", std::string(what)));
-  return false;
+      absl::StrCat(Place(std::max<int>(1, static_cast<int>(fields_.size()))),
+                   ": ", std::string(what)));
+  return Scan::kFault;
 }
 
 std::string CsvRows::Place(int field) const {
@@ -118,6 +254,22 @@ std::string QuoteCsvField(std::string_view field) {
     quoted += c;
   }
   return quoted + '"';
+}
+
+std::string ShowCsvText(std::string_view text) {
+  std::string shown;
+  while (!text.empty()) {
+    if (shown.size() >= kShownBytes) return shown + "…";
+    const std::size_t length = CharacterLength(text);
+    if (length == 0 || Byte(text[0]) < 0x20 || text[0] == 0x7F) {
+      absl::StrAppend(&shown, "\\x", absl::Hex(Byte(text[0]), absl::kZeroPad2));
+      text.remove_prefix(1);
+    } else {
+      shown.append(text.substr(0, length));
+      text.remove_prefix(length);
+    }
+  }
+  return shown;
 }
 
 }  // namespace mle

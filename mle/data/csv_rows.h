@@ -1,17 +1,23 @@
 // Rows of a CSV file, one by one (RFC 4180).
 //
-// Fields are separated by commas. A field in double quotes may hold commas,
-// line breaks and, doubled, quotes. Lines end with LF or CRLF; a byte-order
-// mark is skipped, empty lines are passed over.
+// Fields are separated by commas, or by another separator. A field in double
+// quotes may hold separators, line breaks and, doubled, quotes. Lines end with
+// LF or CRLF; a byte-order mark is skipped, empty lines are passed over.
+//
+// The file is read in blocks, and fields are views into the present one: memory
+// does not depend on the file's length, and what is no text of rows (a line
+// without end, a binary file, UTF-16) is refused before it takes any.
 //
 //   CsvRows rows(file, "run.csv");
-//   std::vector<std::string> fields;
+//   std::vector<std::string_view> fields;
 //   while (rows.Next(fields)) { … }
 //   MLE_RETURN_IF_ERROR(rows.status());
 
 #ifndef MLE_DATA_CSV_ROWS_H_
 #define MLE_DATA_CSV_ROWS_H_
 
+#include <array>
+#include <cstddef>
 #include <istream>
 #include <string>
 #include <string_view>
@@ -21,41 +27,86 @@
 
 namespace mle {
 
+struct CsvLimits {
+  std::size_t max_row_bytes = std::size_t{1} << 20;
+  int max_columns = 10000;
+};
+
 class CsvRows {
  public:
   // `source` (the file's name) opens every message.
-  CsvRows(std::istream& in, std::string source);
+  CsvRows(std::istream& in, std::string source, CsvLimits limits = {});
 
-  // The fields of the next row; false at the end or at an error.
-  bool Next(std::vector<std::string>& fields);
+  // A comma until this is called.
+  void set_separator(char separator);
+
+  // The fields of the next row; false at the end or at an error. They last
+  // until the next call of a member that is not const.
+  bool Next(std::vector<std::string_view>& fields);
+
+  // What comes next, without taking it: the rest of the present block, or, at
+  // the start, the whole first one. Cut somewhere.
+  std::string_view Peek();
+
+  // Passes over a line, whatever stands in it. False as Next().
+  bool SkipLine();
 
   // OK, or what is wrong with the text: a quote that is not closed or stands
-  // inside an unquoted field, or a file that cannot be read. It names file,
-  // line and column (the field, counted from 1).
+  // inside an unquoted field, a NUL byte, a carriage return inside a line, a
+  // row or a number of columns beyond the limits, or a file that cannot be
+  // read. It names file, line and column (the field, counted from 1).
   const absl::Status& status() const { return status_; }
 
   // Where the last row began, counted from 1.
   int line() const { return row_line_; }
 
+  const std::string& source() const { return source_; }
+
   // "run.csv: line 3, column 2", the place of a field of the last row.
   std::string Place(int field) const;
 
  private:
-  bool ReadLine();
-  bool ParseRow(std::vector<std::string>& fields);
-  bool ParseQuoted(std::size_t& at, std::string& field, int number);
-  bool Fault(int field, std::string_view what);
+  enum class Scan { kRow, kEmptyLine, kMore, kFault };
+  struct Field {
+    std::size_t begin = 0;  // in buffer_, without quotes
+    std::size_t end = 0;
+    bool escaped = false;  // has doubled quotes or carriage returns in it
+  };
+
+  bool Fill();
+  Scan ScanRow();
+  Scan ScanQuoted(std::size_t& at, Field& field);
+  Scan ScanEnd(std::size_t at);
+  void Unescape(Field& field);
+  Scan Fault(std::string_view what);
 
   std::istream& in_;
   std::string source_;
-  std::string text_;  // the present line, without its end
-  int line_ = 0;
+  CsvLimits limits_;
+  std::vector<char> buffer_;
+  std::size_t begin_ = 0;  // of what is not yet taken
+  std::size_t end_ = 0;    // of what has been read
+  bool at_end_ = false;    // of the file
+  bool started_ = false;
+  std::array<bool, 256> is_special_{};  // ends a run of plain characters
+  char separator_ = ',';
+
+  // Of the row that is scanned.
+  std::vector<Field> fields_;
+  std::size_t next_ = 0;  // where the next row begins
+  int lines_ = 0;         // that the row takes
+
+  int line_ = 1;  // at begin_
   int row_line_ = 0;
   absl::Status status_;
 };
 
 // A field in double quotes where that is needed.
 std::string QuoteCsvField(std::string_view field);
+
+// `text` for a message: cut if long, its control characters and what is not
+// UTF-8 as \x01.
+std::string ShowCsvText(std::string_view text);
 
 }  // namespace mle
 

@@ -1,8 +1,9 @@
 #include "mle/data/iso_time.h"
 
 #include <array>
+#include <cmath>
 
-#include "mle/data/csv_numbers.h"
+#include "absl/time/time.h"
 
 namespace mle {
 namespace {
@@ -50,11 +51,18 @@ int DaysFromCivil(int year, int month, int day) {
   return 146097 * era + day_of_era - 719468;
 }
 
-// [Z|±hh:mm], the rest of the text, as seconds east of UTC.
-bool TakeZone(std::string_view text, int& seconds) {
+// One or two digits.
+bool TakeShortNumber(std::string_view& text, int& number) {
+  return TakeNumber(text, 2, number) || TakeNumber(text, 1, number);
+}
+
+// [Z|UTC|±hh[[:]mm]], the rest of the text, as seconds east of UTC.
+bool TakeZone(std::string_view text, std::optional<int>& seconds) {
+  if (text.empty()) return true;
+  TakeOneOf(text, " ");
   seconds = 0;
-  if (text.empty() || text == "Z") return true;
-  const int sign = text[0] == '-' ? -1 : 1;
+  if (text == "Z" || text == "z" || text == "UTC") return true;
+  const int sign = text.starts_with('-') ? -1 : 1;
   int hours = 0;
   int minutes = 0;
   if (!TakeOneOf(text, "+-") || !TakeNumber(text, 2, hours)) return false;
@@ -64,33 +72,98 @@ bool TakeZone(std::string_view text, int& seconds) {
   return text.empty() && hours < 24 && minutes < 60;
 }
 
+bool TakeDate(std::string_view& text, DateOrder order, CivilTime& time) {
+  if (order == DateOrder::kYearFirst) {
+    return TakeNumber(text, 4, time.year) && TakeOneOf(text, "-") &&
+           TakeNumber(text, 2, time.month) && TakeOneOf(text, "-") &&
+           TakeNumber(text, 2, time.day);
+  }
+  const bool day_first = order == DateOrder::kDayFirst;
+  return TakeShortNumber(text, day_first ? time.day : time.month) &&
+         TakeOneOf(text, "./-") &&
+         TakeShortNumber(text, day_first ? time.month : time.day) &&
+         TakeOneOf(text, "./-") && TakeNumber(text, 4, time.year);
+}
+
+// ss[.fraction]
+bool TakeSeconds(std::string_view& text, double& seconds) {
+  int whole = 0;
+  if (!TakeNumber(text, 2, whole)) return false;
+  seconds = whole;
+  if (!TakeOneOf(text, ".,")) return true;
+  double digits = 0.0;
+  double scale = 1.0;
+  while (!text.empty() && text[0] >= '0' && text[0] <= '9') {
+    if (scale < 1e15) {
+      digits = 10.0 * digits + (text[0] - '0');
+      scale *= 10.0;
+    }
+    text.remove_prefix(1);
+  }
+  seconds += digits / scale;
+  return true;
+}
+
+// [ AM|PM]
+bool TakeHalfDay(std::string_view& text, int& hour) {
+  std::string_view rest = text;
+  TakeOneOf(rest, " ");
+  const bool is_pm = rest.starts_with("PM") || rest.starts_with("pm");
+  if (!is_pm && !rest.starts_with("AM") && !rest.starts_with("am")) return true;
+  if (hour < 1 || hour > 12) return false;
+  hour = hour % 12 + (is_pm ? 12 : 0);
+  text = rest.substr(2);
+  return true;
+}
+
 }  // namespace
 
+std::optional<CivilTime> ParseCivilTime(std::string_view text,
+                                        DateOrder order) {
+  CivilTime time;
+  const bool is_iso = order == DateOrder::kYearFirst;
+  if (!TakeDate(text, order, time) || !TakeOneOf(text, is_iso ? "Tt " : " T")) {
+    return std::nullopt;
+  }
+  const bool has_hour = is_iso ? TakeNumber(text, 2, time.hour)
+                               : TakeShortNumber(text, time.hour);
+  if (!has_hour || !TakeOneOf(text, ":") || !TakeNumber(text, 2, time.minute)) {
+    return std::nullopt;
+  }
+  if (TakeOneOf(text, ":") && !TakeSeconds(text, time.second)) {
+    return std::nullopt;
+  }
+  if ((!is_iso && !TakeHalfDay(text, time.hour)) ||
+      !TakeZone(text, time.zone) || time.year < 1 ||
+      !DateExists(time.year, time.month, time.day) || time.hour > 23 ||
+      time.minute > 59 || time.second >= 60.0) {
+    return std::nullopt;
+  }
+  return time;
+}
+
+double SecondsSinceEpoch(const CivilTime& time) {
+  return 86400.0 * DaysFromCivil(time.year, time.month, time.day) +
+         3600.0 * time.hour + 60.0 * time.minute + time.second -
+         time.zone.value_or(0);
+}
+
 std::optional<double> ParseIsoTime(std::string_view text) {
-  int year = 0, month = 0, day = 0, hour = 0, minute = 0, zone = 0;
-  if (!TakeNumber(text, 4, year) || !TakeOneOf(text, "-") ||
-      !TakeNumber(text, 2, month) || !TakeOneOf(text, "-") ||
-      !TakeNumber(text, 2, day) || !TakeOneOf(text, "Tt ") ||
-      !TakeNumber(text, 2, hour) || !TakeOneOf(text, ":") ||
-      !TakeNumber(text, 2, minute)) {
-    return std::nullopt;
+  const std::optional<CivilTime> time =
+      ParseCivilTime(text, DateOrder::kYearFirst);
+  if (!time) return std::nullopt;
+  return SecondsSinceEpoch(*time);
+}
+
+std::string FormatIsoTime(double seconds_since_epoch) {
+  const absl::TimeZone utc = absl::UTCTimeZone();
+  if (!(seconds_since_epoch >= -62135596800.0) ||
+      !(seconds_since_epoch < 253402300800.0)) {
+    return "?";
   }
-  double second = 0.0;
-  if (TakeOneOf(text, ":")) {
-    const std::size_t end = text.find_first_not_of("0123456789.");
-    const std::string_view digits = text.substr(0, end);
-    if (digits.size() < 2 || digits[0] == '.' || digits[1] == '.' ||
-        !ReadCsvNumber(digits, second)) {
-      return std::nullopt;
-    }
-    text.remove_prefix(digits.size());
-  }
-  if (!TakeZone(text, zone) || year < 1 || !DateExists(year, month, day) ||
-      hour > 23 || minute > 59 || second >= 60.0) {
-    return std::nullopt;
-  }
-  return 86400.0 * DaysFromCivil(year, month, day) + 3600.0 * hour +
-         60.0 * minute + second - zone;
+  return absl::FormatTime(
+      "%Y-%m-%dT%H:%M:%SZ",
+      absl::FromUnixMillis(std::llround(1e3 * seconds_since_epoch)), utc);
 }
 
 std::optional<double> SecondsPerUnit(std::string_view time_unit) {
@@ -99,6 +172,7 @@ std::optional<double> SecondsPerUnit(std::string_view time_unit) {
     std::array<std::string_view, 5> names;
   };
   constexpr Unit kUnits[] = {
+      {1e-3, {"ms"}},
       {1.0, {"s", "sec", "second", "seconds"}},
       {60.0, {"min", "minute", "minutes"}},
       {3600.0, {"h", "hr", "hour", "hours"}},

@@ -4,18 +4,44 @@
 #define MLE_DATA_RECORD_COLUMNS_H_
 
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "mle/model/process_model.h"
 
 namespace mle {
 
 struct RecordColumn {
-  enum class Kind { kTime, kOutput, kSetPoint, kInput, kOther };
+  enum class Kind { kTime, kOutput, kSetPoint, kInput, kQuality, kOther };
   Kind kind = Kind::kOther;
-  int channel = 0;  // of outputs or inputs
-  std::string name;
+  int channel = 0;   // of outputs or inputs
+  std::string name;  // in the file
+  // Of a sample: channel = scale × column + offset.
+  double scale = 1.0;
+  double offset = 0.0;
+  int quality_of = -1;  // the column that a quality column speaks of
+};
+
+// A column whose name is not that of its channel, or whose unit is not.
+struct TagMapping {
+  std::string tag;      // name of the column
+  std::string channel;  // input, output or <output>_setpoint of the model
+  double scale = 1.0;   // not 0: channel = scale × column + offset
+  double offset = 0.0;
+};
+
+struct ColumnOptions {
+  std::string time_column = "time";
+  std::vector<TagMapping> tags;
+  // Columns that are of no use are passed over. If not, they are errors.
+  bool ignore_other_columns = false;
+  // <column><suffix> is the quality of <column>.
+  std::vector<std::string> quality_suffixes;
+
+  // Channels exist, none is mapped twice, scales are finite and not 0.
+  absl::Status Validate(const ProcessModel& channels) const;
 };
 
 // All columns that a record of these channels can have, in the order in which
@@ -25,10 +51,11 @@ absl::StatusOr<std::vector<RecordColumn>> ColumnsOf(
     const ProcessModel& channels);
 
 // The columns of a header, blanks around its names aside. InvalidArgument for a
-// column that stands twice, the set point of an unknown output, or a missing
-// time, input or output.
+// column that stands twice, the set point of an unknown output, a missing time,
+// input or output, or a column of no use; the message names the column.
 absl::StatusOr<std::vector<RecordColumn>> MatchHeader(
-    const std::vector<std::string>& header, const ProcessModel& channels);
+    const std::vector<std::string_view>& header, const ProcessModel& channels,
+    const ColumnOptions& options);
 
 }  // namespace mle
 

@@ -160,11 +160,12 @@ TEST(RecordCsvTest, DecimalTimesAreWrittenShortAndComeBackExactly) {
 TEST(RecordCsvTest, MalformedFilesAreNamedByLineAndColumn) {
   const std::string header = kHeader;
   const std::string row = "0,1,2,3,4\n";
-  EXPECT_THAT(Error(""), HasSubstr("run.csv: line 1: the file is empty"));
+  EXPECT_THAT(Error(""),
+              HasSubstr("run.csv: line 1, column 1: the file is empty"));
   EXPECT_THAT(Error("time,level,steam,inflow\n"),
               HasSubstr("line 1: there is no column 'temperature'"));
   EXPECT_THAT(Error("time,level,level,steam,inflow\n"),
-              HasSubstr("line 1: column 3: 'level' stands twice"));
+              HasSubstr("line 1, column 3: 'level' stands twice"));
   EXPECT_THAT(
       Error("time,level,temperature,steam,inflow,levle_setpoint\n"),
       HasSubstr("column 6: 'levle_setpoint' is the set point of no output"));

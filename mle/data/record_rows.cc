@@ -1,0 +1,217 @@
+#include "mle/data/record_rows.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "mle/base/status.h"
+#include "mle/data/csv_numbers.h"
+
+namespace mle {
+namespace {
+
+using Kind = RecordColumn::Kind;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr std::size_t kMaxBadQualities = 5;
+
+bool EqualsIgnoreCase(std::string_view a, std::string_view b) {
+  return absl::EqualsIgnoreCase(absl::string_view(a.data(), a.size()),
+                                absl::string_view(b.data(), b.size()));
+}
+
+int ValueOf(const RecordColumn& column, const ProcessModel& channels) {
+  const int p = channels.num_outputs();
+  switch (column.kind) {
+    case Kind::kOutput:
+      return column.channel;
+    case Kind::kSetPoint:
+      return p + column.channel;
+    case Kind::kInput:
+      return 2 * p + column.channel;
+    default:
+      return -1;
+  }
+}
+
+}  // namespace
+
+RecordRows::Vocabulary::Vocabulary(const std::vector<std::string>& list,
+                                   bool ignore_case)
+    : ignores_case(ignore_case) {
+  for (const std::string& text : list) {
+    double number = 0.0;
+    if (ReadCsvNumber(text, number)) {
+      numbers.push_back(number);
+    } else {
+      texts.push_back(text);
+    }
+  }
+}
+
+bool RecordRows::Vocabulary::Contains(std::string_view text) const {
+  return std::any_of(texts.begin(), texts.end(), [&](const std::string& word) {
+    return ignores_case ? EqualsIgnoreCase(word, text) : word == text;
+  });
+}
+
+bool RecordRows::Vocabulary::Contains(double number) const {
+  return std::find(numbers.begin(), numbers.end(), number) != numbers.end();
+}
+
+RecordRows::RecordRows(CsvRows& csv, const RecordRowsOptions& options,
+                       RecordClock& clock)
+    : csv_(&csv),
+      clock_(&clock),
+      decimal_(options.decimal),
+      bad_values_(options.bad_values, false),
+      bad_words_(options.bad_words, true),
+      good_qualities_(options.good_qualities, true) {}
+
+absl::StatusOr<RecordRows> RecordRows::Open(CsvRows& csv,
+                                            const ProcessModel& channels,
+                                            const RecordRowsOptions& options,
+                                            RecordClock& clock) {
+  RecordRows rows(csv, options, clock);
+  if (!csv.Next(rows.fields_)) {
+    MLE_RETURN_IF_ERROR(csv.status());
+    return absl::InvalidArgumentError(
+        absl::StrCat(csv.source(),
+                     ": line 1, column 1: the file is empty; a "
+                     "record begins with a header"));
+  }
+  absl::StatusOr<std::vector<RecordColumn>> columns =
+      MatchHeader(rows.fields_, channels, options.columns);
+  if (!columns.ok()) {
+    const std::string message(columns.status().message());
+    return absl::InvalidArgumentError(absl::StrCat(
+        csv.source(), ": line ", csv.line(),
+        absl::StartsWith(message, "column") ? ", " : ": ", message));
+  }
+  rows.columns_ = *std::move(columns);
+  rows.num_values_ = 2 * channels.num_outputs() + channels.num_inputs();
+  rows.bad_.resize(rows.num_values_);
+  for (std::size_t c = 0; c < rows.columns_.size(); ++c) {
+    const RecordColumn& column = rows.columns_[c];
+    rows.value_of_.push_back(ValueOf(column, channels));
+    if (column.kind == Kind::kTime) rows.time_column_ = static_cast<int>(c);
+    if (column.kind == Kind::kQuality) rows.has_quality_ = true;
+  }
+  for (int r = 0; r < options.rows_below_header; ++r) {
+    if (!csv.SkipLine()) break;
+  }
+  return rows;
+}
+
+std::string RecordRows::TimePlace() const {
+  return absl::StrCat(csv_->Place(time_column_ + 1), " ('",
+                      ShowCsvText(columns_[time_column_].name), "')");
+}
+
+bool RecordRows::NotReadable(std::size_t c, std::string_view wanted) {
+  status_ = absl::InvalidArgumentError(
+      absl::StrCat(csv_->Place(static_cast<int>(c) + 1), " ('",
+                   ShowCsvText(columns_[c].name), "'): '",
+                   ShowCsvText(fields_[c]), "' is not ", std::string(wanted)));
+  return false;
+}
+
+// A sample; NaN for a bad one. False for text that is neither.
+bool RecordRows::ReadSample(std::string_view field, double& sample,
+                            BadSampleCounts& bad) const {
+  const std::string_view text = TrimCsvField(field);
+  // Numbers first: they are what there is most of.
+  if (!text.empty() && ReadCsvNumber(text, sample, decimal_)) {
+    if (std::isnan(sample)) {
+      ++bad.not_a_number;
+      return true;
+    }
+    const bool is_bad =
+        bad_values_.Contains(sample) || bad_values_.Contains(text);
+    if (is_bad) {
+      ++bad.declared;
+      sample = kNaN;
+    }
+    return is_bad || std::isfinite(sample);
+  }
+  sample = kNaN;
+  if (text.empty()) {
+    ++bad.empty;
+    return true;
+  }
+  if (!bad_values_.Contains(text) && !bad_words_.Contains(text)) return false;
+  ++bad.declared;
+  return true;
+}
+
+// Samples whose quality is not good become NaN.
+void RecordRows::TakeQuality(RecordRow& row) {
+  for (std::size_t c = 0; c < columns_.size(); ++c) {
+    if (columns_[c].kind != Kind::kQuality) continue;
+    const std::string_view text = TrimCsvField(fields_[c]);
+    double number = 0.0;
+    if (good_qualities_.Contains(text) ||
+        (ReadCsvNumber(text, number, decimal_) &&
+         good_qualities_.Contains(number))) {
+      continue;
+    }
+    const int value = value_of_[columns_[c].quality_of];
+    if (!std::isnan(row.values[value])) ++bad_[value].quality;
+    row.values[value] = kNaN;
+    if (bad_qualities_.size() < kMaxBadQualities) {
+      std::string shown = ShowCsvText(text);
+      if (std::find(bad_qualities_.begin(), bad_qualities_.end(), shown) ==
+          bad_qualities_.end()) {
+        bad_qualities_.push_back(std::move(shown));
+      }
+    }
+  }
+}
+
+bool RecordRows::Next(RecordRow& row) {
+  if (!status_.ok()) return false;
+  if (!csv_->Next(fields_)) {
+    status_ = csv_->status();
+    return false;
+  }
+  if (fields_.size() != columns_.size()) {
+    status_ = absl::InvalidArgumentError(absl::StrCat(
+        csv_->Place(static_cast<int>(fields_.size())), ": the row ends after ",
+        fields_.size(), " fields, the header has ", columns_.size()));
+    return false;
+  }
+  row.values.assign(num_values_, kNaN);
+  for (std::size_t c = 0; c < columns_.size(); ++c) {
+    const RecordColumn& column = columns_[c];
+    if (column.kind == Kind::kTime) {
+      if (!clock_->Read(fields_[c], decimal_, row.time)) {
+        return NotReadable(c, clock_->Wanted());
+      }
+      continue;
+    }
+    const int value = value_of_[c];
+    if (value < 0) continue;
+    double sample = kNaN;
+    if (!ReadSample(fields_[c], sample, bad_[value])) {
+      return NotReadable(
+          c, decimal_ == '.'
+                 ? "a finite number, or empty or NaN for a bad sample"
+                 : "a finite number with a decimal comma, or empty "
+                   "or NaN for a bad sample");
+    }
+    if (column.scale != 1.0 || column.offset != 0.0) {
+      sample = column.scale * sample + column.offset;
+      if (std::isinf(sample)) {
+        return NotReadable(c, "a finite number once its unit is converted");
+      }
+    }
+    row.values[value] = sample;
+  }
+  if (has_quality_) TakeQuality(row);
+  return true;
+}
+
+}  // namespace mle

@@ -1,0 +1,127 @@
+// Rows of a record file as times and samples: what ReadRecordCsv() and
+// ImportHistorian() have in common.
+//
+// Samples stand in one row of values: the p outputs, their p set points, the m
+// inputs; NaN where a sample is bad or its column is not there.
+//
+//   MLE_ASSIGN_OR_RETURN(RecordRows rows,
+//                        RecordRows::Open(csv, channels, options, clock));
+//   RecordRow row;
+//   while (rows.Next(row)) { … }
+//   MLE_RETURN_IF_ERROR(rows.status());
+
+#ifndef MLE_DATA_RECORD_ROWS_H_
+#define MLE_DATA_RECORD_ROWS_H_
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "mle/data/csv_rows.h"
+#include "mle/data/record_clock.h"
+#include "mle/data/record_columns.h"
+#include "mle/model/process_model.h"
+
+namespace mle {
+
+// Why samples are bad.
+struct BadSampleCounts {
+  std::int64_t empty = 0;
+  std::int64_t not_a_number = 0;  // NaN
+  std::int64_t declared = 0;      // a bad value or a bad word
+  std::int64_t quality = 0;       // by the quality column
+
+  std::int64_t total() const {
+    return empty + not_a_number + declared + quality;
+  }
+};
+
+struct RecordRowsOptions {
+  ColumnOptions columns;
+  char decimal = '.';
+  // What stands for a bad sample, as text or as a number ("-9999", which
+  // -9999.0 is too).
+  std::vector<std::string> bad_values;
+  // Words that do, whatever their case.
+  std::vector<std::string> bad_words;
+  // Values of quality columns that mean good, whatever their case; numbers by
+  // value. All others mean bad.
+  std::vector<std::string> good_qualities;
+  // Rows to pass over below the header (of units, say).
+  int rows_below_header = 0;
+};
+
+struct RecordRow {
+  double time = 0.0;
+  std::vector<double> values;  // 2p + m
+};
+
+class RecordRows {
+ public:
+  // Takes the header. `csv` and `clock` must outlive the rows. InvalidArgument
+  // as of MatchHeader() and CsvRows.
+  static absl::StatusOr<RecordRows> Open(CsvRows& csv,
+                                         const ProcessModel& channels,
+                                         const RecordRowsOptions& options,
+                                         RecordClock& clock);
+
+  // False at the end or at an error: a malformed row, one with more or fewer
+  // fields than the header, or a field that is no time or no number.
+  bool Next(RecordRow& row);
+  const absl::Status& status() const { return status_; }
+
+  const std::vector<RecordColumn>& columns() const { return columns_; }
+  int num_values() const { return num_values_; }
+  // "run.csv: line 3, column 1 ('time')", of the last row.
+  std::string TimePlace() const;
+  int line() const { return csv_->line(); }
+  // By value.
+  const std::vector<BadSampleCounts>& bad() const { return bad_; }
+  // The first few values of quality columns that were not good.
+  const std::vector<std::string>& bad_qualities() const {
+    return bad_qualities_;
+  }
+
+ private:
+  // Words and numbers in a list of texts.
+  struct Vocabulary {
+    std::vector<double> numbers;
+    std::vector<std::string> texts;
+    bool ignores_case = false;
+
+    Vocabulary(const std::vector<std::string>& list, bool ignores_case);
+    bool Contains(std::string_view text) const;
+    bool Contains(double number) const;
+  };
+
+  RecordRows(CsvRows& csv, const RecordRowsOptions& options,
+             RecordClock& clock);
+
+  bool ReadSample(std::string_view field, double& sample,
+                  BadSampleCounts& bad) const;
+  void TakeQuality(RecordRow& row);
+  bool NotReadable(std::size_t c, std::string_view wanted);
+
+  CsvRows* csv_;
+  RecordClock* clock_;
+  char decimal_;
+  Vocabulary bad_values_;
+  Vocabulary bad_words_;
+  Vocabulary good_qualities_;
+  std::vector<RecordColumn> columns_;
+  std::vector<int> value_of_;  // of each column: where its sample goes, or −1
+  int time_column_ = 0;
+  int num_values_ = 0;
+  bool has_quality_ = false;
+  std::vector<std::string_view> fields_;
+  std::vector<BadSampleCounts> bad_;
+  std::vector<std::string> bad_qualities_;
+  absl::Status status_;
+};
+
+}  // namespace mle
+
+#endif  // MLE_DATA_RECORD_ROWS_H_
