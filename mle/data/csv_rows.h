@@ -62,6 +62,9 @@ class CsvRows {
 
   const std::string& source() const { return source_; }
 
+  // Nothing is left to be read from the file but what Peek() shows.
+  bool at_end() const { return at_end_; }
+
   // "run.csv: line 3, column 2", the place of a field of the last row.
   std::string Place(int field) const;
 

@@ -30,10 +30,10 @@ enum class TimeFormat {
 struct ClockOptions {
   TimeFormat format = TimeFormat::kRecognise;
   // Unit of times that are numbers: ms, s, min, h, d; empty: the model's.
-  std::string number_unit;
+  std::string number_unit = {};
   // Of dates without a zone, as the IANA names it ("Europe/Berlin"); empty:
   // UTC, or local time that has no change of clocks in it.
-  std::string time_zone;
+  std::string time_zone = {};
 };
 
 class RecordClock {

@@ -34,11 +34,11 @@ struct TagMapping {
 
 struct ColumnOptions {
   std::string time_column = "time";
-  std::vector<TagMapping> tags;
+  std::vector<TagMapping> tags = {};
   // Columns that are of no use are passed over. If not, they are errors.
   bool ignore_other_columns = false;
   // <column><suffix> is the quality of <column>.
-  std::vector<std::string> quality_suffixes;
+  std::vector<std::string> quality_suffixes = {"_quality", ".quality"};
 
   // Channels exist, none is mapped twice, scales are finite and not 0.
   absl::Status Validate(const ProcessModel& channels) const;

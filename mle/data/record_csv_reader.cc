@@ -116,6 +116,7 @@ absl::StatusOr<Record> ParseRecordCsv(std::istream& in, std::string_view source,
                        RecordClock::Create(channels.time_unit(), {}));
   RecordRowsOptions row_options;
   row_options.columns.ignore_other_columns = true;
+  row_options.columns.quality_suffixes.clear();
   row_options.bad_values = options.bad_values;
   MLE_ASSIGN_OR_RETURN(RecordRows rows,
                        RecordRows::Open(csv, channels, row_options, clock));

@@ -157,7 +157,7 @@ std::vector<SegmentColumns> OutputErrorProblem::Linearise(
     }
     MatrixXd derivatives;
     Amplitudes(segment, point, columns.amplitudes, derivatives);
-    if (!with_jacobian) continue;
+    if (!with_jacobian || num_modes_ == 0) continue;
 
     // The modes' part of the derivative by ln T takes their amplitudes.
     const InnovationsFilter filter(segment.times, shape);
@@ -198,20 +198,22 @@ WhitenedColumns OutputErrorProblem::Whiten(
     whitened.rightCols(num_modes_) = columns[s].amplitudes;
     const InnovationsFilter filter(segments_[s].times, shape);
     filter.Apply(whitened);
-    const AmplitudeQr qr = Factorise(whitened.rightCols(num_modes_));
-    ProjectOut(qr, whitened.leftCols(1 + width));
+    if (num_modes_ > 0) {
+      const AmplitudeQr qr = Factorise(whitened.rightCols(num_modes_));
+      ProjectOut(qr, whitened.leftCols(1 + width));
+      // The modes' own sizes count: they depend on the ratio.
+      const VectorXd norms =
+          whitened.rightCols(num_modes_).colwise().norm().cwiseMax(1e-300);
+      for (Eigen::Index i = 0; i < qr.rank(); ++i) {
+        result.log_amplitudes +=
+            2.0 * std::log(std::abs(qr.matrixQR()(i, i)) *
+                           norms(qr.colsPermutation().indices()(i)));
+      }
+      result.num_amplitudes += static_cast<int>(qr.rank());
+    }
     result.residuals.segment(begin, rows) = whitened.col(0);
     result.jacobian.middleRows(begin, rows) = whitened.middleCols(1, width);
     result.log_determinant += filter.log_determinant();
-    // The modes' own sizes count: they depend on the ratio.
-    const VectorXd norms =
-        whitened.rightCols(num_modes_).colwise().norm().cwiseMax(1e-300);
-    for (Eigen::Index i = 0; i < qr.rank(); ++i) {
-      result.log_amplitudes +=
-          2.0 * std::log(std::abs(qr.matrixQR()(i, i)) *
-                         norms(qr.colsPermutation().indices()(i)));
-    }
-    result.num_amplitudes += static_cast<int>(qr.rank());
     begin += rows;
   }
   return result;
@@ -257,7 +259,7 @@ MatrixXd OutputErrorProblem::Dictionary(
     MatrixXd derivatives;
     Amplitudes(segment, point, amplitudes, derivatives);
     filter.Apply(amplitudes);
-    ProjectOut(Factorise(amplitudes), columns);
+    if (num_modes_ > 0) ProjectOut(Factorise(amplitudes), columns);
     dictionary.middleRows(begin, rows) = columns;
     begin += rows;
   }

@@ -1,0 +1,173 @@
+// Records as a historian exports them: one or several CSV files of samples that
+// need be neither evenly spaced nor complete, made into records sampled every
+// Δt.
+//
+// What a file is, is recognised: its separator (comma, semicolon, tab), its
+// decimal mark, its form of time. Where that is not certain the import fails
+// and says what to declare; it never guesses at a number. Quality columns and
+// known words for bad samples are understood.
+//
+// With the spacing of the file's rows called its step:
+//
+//   inputs      held from row to row; a sample is the mean over [t_k, t_k + Δt)
+//   set points  the value in force at t_k
+//   outputs     step < Δt/1.5: the mean over [t_k − Δt/2, t_k + Δt/2), which
+//               keeps dead times where they are and lets no noise from above
+//               the new Nyquist frequency through; otherwise the row at t_k, or
+//               linear between the rows on both sides
+//
+// A row farther than 1.9 steps from the one before leaves a gap, as bad samples
+// do. Gaps up to `max_gap` are bridged (inputs and set points held, outputs
+// linear) and counted; a longer one leaves bad samples (NaN) in its channel,
+// or, where no row is there at all, ends the record, and the next begins.
+//
+//   MLE_ASSIGN_OR_RETURN(
+//       const HistorianImport import,
+//       ImportHistorian({"jan.csv", "feb.csv"}, model, HistorianOptions()));
+//   std::cout << import.report.FullReport(model);
+//   FindWindows(import.records, model, …);
+//
+// docs/records.md has the decisions, docs/formats.md the file.
+
+#ifndef MLE_DATA_HISTORIAN_H_
+#define MLE_DATA_HISTORIAN_H_
+
+#include <cstdint>
+#include <functional>
+#include <istream>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "mle/data/csv_rows.h"
+#include "mle/data/record.h"
+#include "mle/data/record_clock.h"
+#include "mle/data/record_columns.h"
+#include "mle/data/record_rows.h"
+#include "mle/model/process_model.h"
+
+namespace mle {
+
+// Times are in the model's unit.
+struct HistorianOptions {
+  // The text. 0: recognised.
+  char separator = 0;  // ',', ';' or a tab
+  char decimal = 0;    // '.' or ','
+  int lines_above_header = 0;
+  int rows_below_header = 0;  // of units, say
+  CsvLimits limits = {};
+
+  // Time, tags and their units, quality columns, others.
+  ColumnOptions columns = {};
+  // Values of quality columns that mean good, whatever their case. All others
+  // mean bad.
+  std::vector<std::string> good_qualities = {"good", "ok", "192"};
+  // What stands for a bad sample, besides an empty field, NaN and the words in
+  // KnownBadWords(): as text or as a number ("-9999").
+  std::vector<std::string> bad_values = {};
+
+  ClockOptions clock = {};
+  // A row at the time of the one before, or earlier than it: an error, unless
+  // such rows are passed over and counted.
+  bool skip_repeated_times = false;
+  bool skip_backward_times = false;
+
+  // Δt > 0; 0: the files' step.
+  double sample_time = 0.0;
+  // Gaps are bridged up to this, ≥ 0. Negative: 5 Δt, or 5 steps where those
+  // are longer.
+  double max_gap = -1.0;
+  // Whether short gaps of outputs are bridged too; if not, they stay NaN.
+  // Structured correction does as well without, a regression on lagged data
+  // loses as many samples as it has lags for each that is bad.
+  bool bridge_outputs = true;
+  // Of all records together, > 0: more is an error.
+  std::int64_t max_samples = 100'000'000;
+
+  absl::Status Validate(const ProcessModel& channels) const;
+};
+
+// Whatever their case: Bad, Bad Input, No Data, I/O Timeout, null, N/A, …
+const std::vector<std::string>& KnownBadWords();
+
+// A channel's samples as they were found, in rows of the files, and what became
+// of them, in samples of the records.
+struct ChannelReport {
+  std::string name;    // of the channel
+  std::string column;  // that it was read from
+  BadSampleCounts bad;
+  std::int64_t bridged = 0;  // samples
+  std::int64_t missing = 0;  // samples that stay bad (NaN)
+};
+
+// Time without a usable row.
+struct GapReport {
+  double from = 0.0;    // of the row before
+  double to = 0.0;      // of the row after
+  bool splits = false;  // a new record begins after it
+};
+
+struct FileReport {
+  std::string name;
+  char separator = ',';
+  char decimal = '.';
+  std::int64_t rows = 0;
+  double first_time = 0.0;
+  double last_time = 0.0;
+  std::vector<std::string> ignored_columns;  // the first 20
+  int num_ignored_columns = 0;
+};
+
+struct HistorianReport {
+  std::vector<FileReport> files;  // in order of time
+  // Outputs, set points that are there, inputs.
+  std::vector<ChannelReport> channels;
+  std::int64_t rows = 0;
+  std::int64_t repeated_rows = 0;  // passed over
+  std::int64_t backward_rows = 0;
+  double step = 0.0;         // of the files: the usual one
+  double sample_time = 0.0;  // Δt
+  bool averaged = false;     // the files are finer than Δt
+  // Seconds since 1970-01-01T00:00:00Z at time 0, where times are dates.
+  std::optional<double> time_origin;
+  std::vector<GapReport> gaps;  // the first 100
+  std::int64_t num_gaps = 0;
+  std::int64_t samples = 0;
+  int records = 0;
+  std::vector<std::string> warnings;
+
+  std::string BriefReport() const;  // one line
+  // `time_unit` as in the model.
+  std::string FullReport(const std::string& time_unit) const;
+};
+
+struct HistorianImport {
+  std::vector<Record> records;
+  HistorianReport report;
+};
+
+// A file, or what takes its place in a test. Opened more than once.
+struct HistorianSource {
+  std::string name;
+  std::function<absl::StatusOr<std::unique_ptr<std::istream>>()> open;
+};
+HistorianSource FileSource(const std::string& path);
+HistorianSource TextSource(std::string name, std::string text);
+
+// Files may be given in any order. InvalidArgument, naming file, line and
+// column, for what cannot be read with certainty; NotFound and the like for
+// files. Memory is that of the records: 8 bytes for each channel and sample.
+absl::StatusOr<HistorianImport> ImportHistorian(
+    const std::vector<std::string>& paths, const ProcessModel& channels,
+    const HistorianOptions& options);
+absl::StatusOr<HistorianImport> ImportHistorianSources(
+    const std::vector<HistorianSource>& sources, const ProcessModel& channels,
+    const HistorianOptions& options);
+
+}  // namespace mle
+
+#endif  // MLE_DATA_HISTORIAN_H_

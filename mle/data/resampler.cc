@@ -1,0 +1,180 @@
+#include "mle/data/resampler.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace mle {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+// Rows this much farther apart than usual leave nothing out.
+constexpr double kUsual = 1.9;
+// Rows this many times as frequent as samples are averaged.
+constexpr double kAverageFrom = 1.5;
+// Times are rounded to a sample within this share of a step.
+constexpr double kSnap = 0.01;
+// Of a sample that must be covered by good rows.
+constexpr double kMinCoverage = 0.5 - 1e-9;
+
+}  // namespace
+
+Resampler::Resampler(const ResamplerOptions& options, Sink sink)
+    : options_(options),
+      sink_(std::move(sink)),
+      step_(options.step / options.sample_time),
+      split_((options.max_gap + kUsual * options.step) / options.sample_time),
+      averages_(kAverageFrom * step_ <= 1.0),
+      num_values_(2 * options.num_outputs + options.num_inputs),
+      empty_{std::vector<double>(num_values_, 0.0),
+             std::vector<double>(num_values_, 0.0)},
+      sample_(num_values_) {}
+
+void Resampler::Begin(double time, const std::vector<double>& values) {
+  has_row_ = true;
+  begins_ = true;
+  origin_ = time;
+  at_ = 0.0;
+  next_ = 0.0;
+  last_ = values;
+  if (!averages_) SetOutputs(0.0, values);
+}
+
+void Resampler::Add(double time, const std::vector<double>& values) {
+  if (!has_row_) {
+    Begin(time, values);
+    return;
+  }
+  double at = (time - origin_) / options_.sample_time;
+  if (at - at_ > split_) {
+    Finish();
+    Begin(time, values);
+    return;
+  }
+  const double nearest = std::round(at);
+  if (std::abs(at - nearest) <= kSnap * std::min(step_, 1.0) && nearest > at_) {
+    at = nearest;
+  }
+  AddSegment(at, &values);
+  at_ = at;
+  last_ = values;
+  EmitUpTo(at);
+}
+
+void Resampler::Finish() {
+  if (!has_row_) return;
+  const double last = at_;
+  AddSegment(at_ + std::max(step_, averages_ ? 0.0 : 1.0), nullptr);
+  // Samples whose middle the rows reach.
+  EmitUpTo(averages_ ? last + 0.5 * step_ + 0.5 + 1e-9
+                     : std::floor(last + 1e-9) + 1.0);
+  for (Cell& cell : cells_) {
+    std::fill(cell.weight.begin(), cell.weight.end(), 0.0);
+    std::fill(cell.sum.begin(), cell.sum.end(), 0.0);
+  }
+  has_row_ = false;
+}
+
+// From the last row to the next, which has `values`, or to nothing.
+void Resampler::AddSegment(double to, const std::vector<double>* values) {
+  const int p = options_.num_outputs;
+  const bool is_usual = to - at_ <= kUsual * step_ + 1e-9;
+  // How far a row speaks for the time around it.
+  const double reach = is_usual ? to - at_ : std::min(step_, to - at_);
+  AddPiece(at_, at_ + reach, 0.0, 2 * p, num_values_, last_);
+  if (averages_) {
+    AddPiece(at_, at_ + 0.5 * reach, 0.5, 0, p, last_);
+    if (values != nullptr) AddPiece(to - 0.5 * reach, to, 0.5, 0, p, *values);
+  }
+  AddPoints(to, values, is_usual);
+}
+
+// `values` hold in [from, to); sample k is the mean over [k, k+1) − shift.
+void Resampler::AddPiece(double from, double to, double shift, int first,
+                         int last, const std::vector<double>& values) {
+  from += shift;
+  to += shift;
+  for (double k = std::max(std::floor(from), next_); k < to; k += 1.0) {
+    const double weight = std::min(to, k + 1.0) - std::max(from, k);
+    if (!(weight > 0.0)) continue;
+    Cell& cell = CellAt(k);
+    for (int v = first; v < last; ++v) {
+      if (std::isnan(values[v])) continue;
+      // A single row that fills the sample is it, to the last bit.
+      cell.sum[v] += weight * values[v];
+      cell.weight[v] += weight;
+    }
+  }
+}
+
+// Set points, and outputs that are no means, at the samples from the last row
+// on; an output at the next row itself belongs to that.
+void Resampler::AddPoints(double to, const std::vector<double>* values,
+                          bool is_usual) {
+  const int p = options_.num_outputs;
+  const double held_until = is_usual ? to : std::min(to, at_ + step_);
+  for (double k = std::max(std::ceil(at_), next_); k < to; k += 1.0) {
+    Cell& cell = CellAt(k);
+    for (int v = p; v < 2 * p; ++v) {
+      if (k >= held_until && k > at_) break;
+      if (std::isnan(last_[v])) continue;
+      cell.sum[v] = last_[v];
+      cell.weight[v] = 1.0;
+    }
+    if (averages_ || values == nullptr || !is_usual || k == at_) continue;
+    const double share = (k - at_) / (to - at_);
+    for (int v = 0; v < p; ++v) {
+      const double between = last_[v] + share * ((*values)[v] - last_[v]);
+      if (std::isnan(between)) continue;
+      cell.sum[v] = between;
+      cell.weight[v] = 1.0;
+    }
+  }
+  if (!averages_ && values != nullptr) SetOutputs(to, *values);
+}
+
+// Outputs of a row that stands at a sample.
+void Resampler::SetOutputs(double at, const std::vector<double>& values) {
+  if (at != std::floor(at) || at < next_) return;
+  Cell& cell = CellAt(at);
+  for (int v = 0; v < options_.num_outputs; ++v) {
+    if (std::isnan(values[v])) continue;
+    cell.sum[v] = values[v];
+    cell.weight[v] = 1.0;
+  }
+}
+
+Resampler::Cell& Resampler::CellAt(double index) {
+  const auto at = static_cast<std::size_t>(index - next_);
+  while (cells_.size() <= at) {
+    cells_.push_back(empty_);
+  }
+  return cells_[at];
+}
+
+// All samples k with k + 1 ≤ end.
+void Resampler::EmitUpTo(double end) {
+  const double due = std::floor(end - next_);
+  if (!(due >= 1.0)) return;
+  for (double k = 0.0; k < due; k += 1.0) {
+    const auto at = static_cast<std::size_t>(k);
+    const Cell& cell = at < cells_.size() ? cells_[at] : empty_;
+    for (int v = 0; v < num_values_; ++v) {
+      const double weight = cell.weight[v];
+      sample_[v] = weight >= kMinCoverage ? cell.sum[v] / weight : kNaN;
+    }
+    sink_(begins_, origin_ + (next_ + k) * options_.sample_time, sample_);
+    begins_ = false;
+  }
+  next_ += due;
+  const auto done = static_cast<std::ptrdiff_t>(
+      std::min(due, static_cast<double>(cells_.size())));
+  for (std::ptrdiff_t c = 0; c < done; ++c) {
+    std::fill(cells_[c].sum.begin(), cells_[c].sum.end(), 0.0);
+    std::fill(cells_[c].weight.begin(), cells_[c].weight.end(), 0.0);
+  }
+  std::rotate(cells_.begin(), cells_.begin() + done, cells_.end());
+}
+
+}  // namespace mle

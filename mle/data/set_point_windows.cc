@@ -1,0 +1,333 @@
+#include "mle/data/set_point_windows.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "mle/base/status.h"
+#include "mle/data/quiet_part.h"
+#include "mle/data/quiet_stretches.h"
+#include "mle/data/robust_statistics.h"
+
+namespace mle {
+namespace {
+
+// A window with fewer tells nothing.
+constexpr int kMinSamples = 20;
+
+// Times as numbers of samples.
+struct Extent {
+  double settling = 0.0;
+  double before = 0.0;
+  double after = 0.0;
+  double join = 0.0;
+};
+
+Extent InSamples(const WindowOptions& options, double settling,
+                 double sample_time) {
+  Extent extent;
+  extent.settling = std::ceil(settling / sample_time - 1e-9);
+  extent.before = std::round(
+      (options.before > 0.0 ? options.before : settling) / sample_time);
+  extent.after = std::round(
+      (options.after > 0.0 ? options.after : 1.5 * settling) / sample_time);
+  extent.join = options.join_within > 0.0
+                    ? std::round(options.join_within / sample_time)
+                    : std::min(extent.settling, extent.after);
+  return extent;
+}
+
+// Changes first … last of a record share a window.
+struct Group {
+  std::vector<SetPointChange> changes;
+  int begin = 0;  // samples of the record
+  int end = 0;    // the last
+  bool clipped_before = false;
+  bool clipped_after = false;
+
+  int first_change() const { return changes.front().sample; }
+  int last_change() const { return changes.back().sample; }
+};
+
+std::vector<Group> GroupChanges(const std::vector<SetPointChange>& changes,
+                                const Extent& extent) {
+  std::vector<Group> groups;
+  for (const SetPointChange& change : changes) {
+    if (groups.empty() ||
+        change.sample - groups.back().last_change() > extent.join) {
+      groups.emplace_back();
+    }
+    groups.back().changes.push_back(change);
+  }
+  return groups;
+}
+
+// Where windows begin and end. Between two changes that are too close for both
+// parts the time is shared, in proportion, but the first gets what its plant
+// needs to settle.
+void PlaceWindows(const Extent& extent, int samples,
+                  std::vector<Group>& groups) {
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    Group& group = groups[g];
+    double begin = group.first_change() - extent.before;
+    double end = group.last_change() + extent.after;
+    const auto split = [&](const Group& left, const Group& right) {
+      const double gap = right.first_change() - left.last_change();
+      const double share = extent.after / (extent.after + extent.before);
+      return left.last_change() +
+             std::min(gap - 1.0,
+                      std::max(extent.join, std::floor(gap * share)));
+    };
+    double earliest = 0.0;
+    double latest = samples - 1.0;
+    if (g > 0 && groups[g - 1].last_change() + extent.after >= begin) {
+      earliest = split(groups[g - 1], group) + 1.0;
+    }
+    if (g + 1 < groups.size() &&
+        groups[g + 1].first_change() - extent.before <= end) {
+      latest = split(group, groups[g + 1]);
+    }
+    group.clipped_before = begin < earliest;
+    group.clipped_after = end > latest;
+    group.begin = static_cast<int>(std::max(begin, earliest));
+    group.end = static_cast<int>(std::min(end, latest));
+  }
+}
+
+// The mean of samples first … last; of the first ones of the window where there
+// are too few before the change.
+OperatingPoint FindOperatingPoint(const Record& window, int first, int last) {
+  if (last - first + 1 < kMinSamples / 2) {
+    first = 0;
+    last = std::min(kMinSamples / 2, window.samples()) - 1;
+  }
+  const int count = last - first + 1;
+  const auto means = [&](const Eigen::MatrixXd& rows) {
+    Eigen::VectorXd mean(rows.rows());
+    for (Eigen::Index i = 0; i < rows.rows(); ++i) {
+      int used = 0;
+      mean(i) = TrimmedMean(rows.row(i).segment(first, count), used);
+      // Nothing good there: what there is in the window.
+      if (used == 0) mean(i) = TrimmedMean(rows.row(i), used);
+    }
+    return mean;
+  };
+  OperatingPoint point;
+  point.outputs = means(window.outputs);
+  point.inputs = means(window.inputs);
+  if (window.set_points.size() > 0) point.set_points = means(window.set_points);
+  point.samples = count;
+  return point;
+}
+
+void RemoveOperatingPoint(const OperatingPoint& point, Record& window) {
+  const auto known = [](const Eigen::VectorXd& values) -> Eigen::VectorXd {
+    return values.unaryExpr(
+        [](double value) { return std::isfinite(value) ? value : 0.0; });
+  };
+  window.outputs.colwise() -= known(point.outputs);
+  window.inputs.colwise() -= known(point.inputs);
+  if (window.set_points.size() > 0) {
+    // A set point is a deviation from where its output stood.
+    window.set_points.colwise() -= known(point.outputs);
+  }
+}
+
+std::vector<QuietPart> TestParts(const Record& window, int first, int last,
+                                 double threshold) {
+  const int count = std::max(last - first + 1, 0);
+  std::vector<QuietPart> parts;
+  for (int i = 0; i < window.num_outputs(); ++i) {
+    parts.push_back(count == 0 ? QuietPart()
+                               : TestQuietPart(window.outputs.row(i).segment(
+                                                   std::max(first, 0), count),
+                                               window.time(std::max(first, 0)),
+                                               window.sample_time, threshold));
+  }
+  return parts;
+}
+
+Eigen::VectorXd BadShare(const Record& window) {
+  const auto share = [](const Eigen::MatrixXd& rows) -> Eigen::VectorXd {
+    return 1.0 - rows.array().isFinite().cast<double>().rowwise().mean();
+  };
+  Eigen::VectorXd shares(window.num_outputs() + window.num_inputs());
+  shares << share(window.outputs), share(window.inputs);
+  return shares;
+}
+
+// `settled`: the first sample of the record that the change before leaves
+// quiet.
+absl::StatusOr<SetPointWindow> MakeWindow(const Record& record,
+                                          const Group& group, int settled,
+                                          const Extent& extent,
+                                          const WindowOptions& options) {
+  SetPointWindow window;
+  const int center = group.first_change();
+  MLE_ASSIGN_OR_RETURN(
+      window.record,
+      CutWindow(record, center, (center - group.begin) * record.sample_time,
+                (group.end - center) * record.sample_time));
+  window.first_sample = group.begin;
+  window.changes = group.changes;
+  for (SetPointChange& change : window.changes) change.sample -= group.begin;
+  window.clipped_before = group.clipped_before;
+  window.clipped_after = group.clipped_after;
+
+  const int first_quiet = std::max(settled - group.begin, 0);
+  const int last_quiet = center - group.begin - 1;
+  window.before = TestParts(window.record, first_quiet, last_quiet,
+                            options.report_threshold);
+  const int first_settled =
+      static_cast<int>(group.last_change() - group.begin + extent.settling);
+  window.after =
+      TestParts(window.record, first_settled, window.record.samples() - 1,
+                options.report_threshold);
+  window.bad_share = BadShare(window.record);
+  window.operating_point =
+      FindOperatingPoint(window.record, first_quiet, last_quiet);
+  if (options.remove_operating_point) {
+    RemoveOperatingPoint(window.operating_point, window.record);
+  }
+  return window;
+}
+
+absl::Status CheckRecords(const std::vector<Record>& records,
+                          const ProcessModel& model) {
+  for (std::size_t r = 0; r < records.size(); ++r) {
+    const absl::Status valid = records[r].Validate();
+    if (!valid.ok()) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("windows: records[", r, "]: ", valid.message()));
+    }
+    if (records[r].num_outputs() != model.num_outputs() ||
+        records[r].num_inputs() != model.num_inputs()) {
+      return absl::InvalidArgumentError(absl::StrCat(
+          "windows: records[", r, "] has ", records[r].num_outputs(),
+          " outputs and ", records[r].num_inputs(), " inputs, the model ",
+          model.num_outputs(), " and ", model.num_inputs()));
+    }
+  }
+  return absl::OkStatus();
+}
+
+void WarnOfFew(WindowSet& set) {
+  if (set.windows.empty()) {
+    set.warnings.push_back(
+        "there is no change of set point: nothing excites the process, and its "
+        "model cannot be judged");
+  } else if (set.windows.size() == 1) {
+    set.warnings.push_back(
+        "there is one window only: what is fitted cannot be tried on a change "
+        "that it has not seen, folds have to be blocks of this window, and "
+        "what moves with this change alone is all that can be known");
+  }
+}
+
+}  // namespace
+
+absl::Status WindowOptions::Validate() const {
+  const auto check = [](const char* field, double value) {
+    if (value >= 0.0 && std::isfinite(value)) return absl::OkStatus();
+    return absl::InvalidArgumentError(
+        absl::StrCat("windows: ", field, " is ", value,
+                     ", must be finite and not negative"));
+  };
+  MLE_RETURN_IF_ERROR(check("before", before));
+  MLE_RETURN_IF_ERROR(check("after", after));
+  MLE_RETURN_IF_ERROR(check("join_within", join_within));
+  MLE_RETURN_IF_ERROR(check("min_change", min_change));
+  if (!(report_threshold > 0.0)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("windows: report_threshold is ", report_threshold,
+                     ", must be positive"));
+  }
+  for (std::size_t k = 0; k < change_times.size(); ++k) {
+    if (std::isfinite(change_times[k]) &&
+        (k == 0 || change_times[k] > change_times[k - 1])) {
+      continue;
+    }
+    return absl::InvalidArgumentError(
+        absl::StrCat("windows: change_times[", k, "] is ", change_times[k],
+                     "; times must be finite and increase"));
+  }
+  return absl::OkStatus();
+}
+
+std::vector<std::vector<SetPointChange>> FindChanges(
+    const std::vector<Record>& records, const WindowOptions& options) {
+  std::vector<std::vector<SetPointChange>> changes;
+  for (const Record& record : records) {
+    std::vector<SetPointChange>& found = changes.emplace_back();
+    for (const double time : options.change_times) {
+      const double sample =
+          std::round((time - record.start_time) / record.sample_time);
+      if (sample < 0.0 || sample >= record.samples()) continue;
+      found.push_back({static_cast<int>(sample), -1, 0.0, 0.0});
+    }
+    if (!options.change_times.empty()) continue;
+    // A change grows from the last value that counted, so that a slow ramp of
+    // small ones is seen.
+    Eigen::VectorXd last = Eigen::VectorXd::Constant(
+        record.set_points.rows(), std::numeric_limits<double>::quiet_NaN());
+    for (const SetPointChange& change : FindSetPointChanges(record)) {
+      double& from = last(change.output);
+      if (!std::isfinite(from)) from = change.from;
+      if (std::abs(change.to - from) <= options.min_change) continue;
+      found.push_back({change.sample, change.output, from, change.to});
+      from = change.to;
+    }
+  }
+  return changes;
+}
+
+absl::StatusOr<WindowSet> FindWindows(const std::vector<Record>& records,
+                                      const ProcessModel& model,
+                                      const WindowOptions& options) {
+  MLE_RETURN_IF_ERROR(options.Validate());
+  MLE_RETURN_IF_ERROR(CheckRecords(records, model));
+  const double settling = SettlingTime(model);
+  const std::vector<std::vector<SetPointChange>> changes =
+      FindChanges(records, options);
+  WindowSet set;
+  for (std::size_t r = 0; r < records.size(); ++r) {
+    const Record& record = records[r];
+    const Extent extent = InSamples(options, settling, record.sample_time);
+    set.before = extent.before * record.sample_time;
+    set.after = extent.after * record.sample_time;
+    set.changes += static_cast<int>(changes[r].size());
+    std::vector<Group> groups = GroupChanges(changes[r], extent);
+    PlaceWindows(extent, record.samples(), groups);
+    double settled = 0.0;
+    for (const Group& group : groups) {
+      const int usable = group.end - group.last_change();
+      if (usable < kMinSamples) {
+        set.warnings.push_back(
+            absl::StrCat("the change at ", record.time(group.first_change()),
+                         " has ", usable, " samples after it, at least ",
+                         kMinSamples, " are needed; it is left out"));
+      } else {
+        MLE_ASSIGN_OR_RETURN(
+            SetPointWindow window,
+            MakeWindow(record, group, static_cast<int>(std::min(settled, 2e9)),
+                       extent, options));
+        window.source = static_cast<int>(r);
+        set.windows.push_back(std::move(window));
+      }
+      settled = group.last_change() + extent.settling;
+    }
+  }
+  int given = 0;
+  for (const auto& found : changes) given += static_cast<int>(found.size());
+  const int missing = static_cast<int>(options.change_times.size()) - given;
+  if (missing > 0) {
+    set.warnings.push_back(absl::StrCat(
+        missing, " of the given times of change lie in no record"));
+  }
+  WarnOfFew(set);
+  return set;
+}
+
+}  // namespace mle

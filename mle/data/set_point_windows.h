@@ -1,0 +1,131 @@
+// Windows around the changes of set points: what a correction is made from.
+//
+// Each change gets a window of `before` and `after` around it. Changes that
+// follow before the plant has settled share one window; windows do not overlap;
+// where a record ends or another window begins, they are clipped. Every window
+// has an operating point of its own, the mean of its part before the change,
+// which is taken off its samples. Parts that ought to be quiet (before the
+// change, and once the plant has settled) are tested for drift and
+// disturbances.
+//
+//   MLE_ASSIGN_OR_RETURN(const WindowSet set,
+//                        FindWindows(import.records, model, WindowOptions()));
+//   CorrectStructure(model, set.Records(), …);
+//
+// The operating point is an estimate with an error of its own, so that an
+// offset for each window has to stay free in what is fitted
+// (StructuredOptions::offset_test_level = 1).
+
+#ifndef MLE_DATA_SET_POINT_WINDOWS_H_
+#define MLE_DATA_SET_POINT_WINDOWS_H_
+
+#include <string>
+#include <vector>
+
+#include "Eigen/Core"
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "mle/data/record.h"
+#include "mle/model/process_model.h"
+
+namespace mle {
+
+// Times in the model's unit.
+struct WindowOptions {
+  // Kept before a change and after the last that shares the window, ≥ 0; 0:
+  // the model's settling time before (quiet_stretches.h), 1.5 times it after.
+  double before = 0.0;
+  double after = 0.0;
+  // Changes share a window if the next follows within this, ≥ 0; 0: the model's
+  // settling time, or `after` where that is shorter.
+  double join_within = 0.0;
+  // Changes of set point up to this size, ≥ 0, are none (of each output in its
+  // own unit: the set points' rounding, say).
+  double min_change = 0.0;
+  // When something was changed, for records without set points: if there are
+  // any, set points are not looked at. In order of time.
+  std::vector<double> change_times = {};
+  // Takes the operating point off the samples.
+  bool remove_operating_point = true;
+  // Standard deviations that a trend or a step in a quiet part must have to be
+  // reported, > 0. At 5 white noise is reported in less than 1 of 10⁴ parts.
+  double report_threshold = 5.0;
+
+  absl::Status Validate() const;
+};
+
+struct OperatingPoint {
+  Eigen::VectorXd outputs;     // p
+  Eigen::VectorXd inputs;      // m
+  Eigen::VectorXd set_points;  // p, NaN where unknown; or empty
+  int samples = 0;             // it is the mean of
+};
+
+// A quiet part of an output.
+struct QuietPart {
+  enum class Verdict {
+    kUnknown,    // too short to say
+    kQuiet,      // noise about a constant
+    kDrifting,   // a trend
+    kDisturbed,  // a step
+  };
+  Verdict verdict = Verdict::kUnknown;
+  double noise = 0.0;       // standard deviation of its white part
+  double size = 0.0;        // of the trend over the part, or of the step
+  double deviations = 0.0;  // `size` over its standard error in white noise
+  double time = 0.0;        // of the step
+};
+
+struct SetPointWindow {
+  // Deviations from the operating point, unless that is not removed.
+  Record record;
+  int source = 0;        // the record that it was cut from,
+  int first_sample = 0;  // and from which sample on
+  // In it; samples count from the window's first. `output` is −1 for changes
+  // that are given by their time.
+  std::vector<SetPointChange> changes;
+  OperatingPoint operating_point;
+  // The record, or another window, ends the window short of what was wanted.
+  bool clipped_before = false;
+  bool clipped_after = false;
+  std::vector<QuietPart> before;  // p: quiet part before the change
+  std::vector<QuietPart> after;   // p: once settled
+  // Share of samples that are bad, outputs (p) then inputs (m).
+  Eigen::VectorXd bad_share;
+
+  double change_time() const { return record.time(changes.front().sample); }
+  bool drifting() const;
+  bool disturbed() const;
+  // Lines that a person can read.
+  std::string Report(const ProcessModel& channels) const;
+};
+
+struct WindowSet {
+  std::vector<SetPointWindow> windows;
+  // What was wanted.
+  double before = 0.0;
+  double after = 0.0;
+  int changes = 0;  // found, all together
+  // What is lost, and why: windows dropped, one change only, overlaps.
+  std::vector<std::string> warnings;
+
+  std::vector<Record> Records() const;
+  std::string BriefReport() const;
+  std::string FullReport(const ProcessModel& channels) const;
+};
+
+// The changes of set points of each record, those up to `min_change` left out;
+// or those at given times (each in the record that holds it; `output` −1).
+std::vector<std::vector<SetPointChange>> FindChanges(
+    const std::vector<Record>& records, const WindowOptions& options);
+
+// In order of the records and of time. No change at all is no error: there are
+// no windows, and a warning. InvalidArgument for options, or records that are
+// not valid or not of these channels.
+absl::StatusOr<WindowSet> FindWindows(const std::vector<Record>& records,
+                                      const ProcessModel& model,
+                                      const WindowOptions& options);
+
+}  // namespace mle
+
+#endif  // MLE_DATA_SET_POINT_WINDOWS_H_

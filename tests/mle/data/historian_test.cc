@@ -1,0 +1,402 @@
+#include "mle/data/historian.h"
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <limits>
+#include <random>
+#include <string>
+
+#include "absl/strings/str_cat.h"
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "mle/base/file.h"
+
+namespace mle {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+ProcessModel Tank() {
+  return ProcessModel("tank", "min", {{"steam", ""}}, {{"level", ""}});
+}
+
+absl::StatusOr<HistorianImport> Import(const std::string& text,
+                                       const HistorianOptions& options = {},
+                                       const ProcessModel& model = Tank()) {
+  return ImportHistorianSources({TextSource("a.csv", text)}, model, options);
+}
+
+HistorianImport ImportOk(const std::string& text,
+                         const HistorianOptions& options = {}) {
+  absl::StatusOr<HistorianImport> import = Import(text, options);
+  EXPECT_TRUE(import.ok()) << import.status();
+  return import.ok() ? *std::move(import) : HistorianImport();
+}
+
+std::string Error(const std::string& text,
+                  const HistorianOptions& options = {}) {
+  const absl::Status status = Import(text, options).status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << status;
+  return std::string(status.message());
+}
+
+std::vector<double> RowOf(const Eigen::MatrixXd& matrix, int row = 0) {
+  const Eigen::RowVectorXd values = matrix.row(row);
+  return {values.data(), values.data() + values.size()};
+}
+
+MATCHER(IsNan, "") { return std::isnan(arg); }
+
+// An even record is read as it stands, to the last bit.
+TEST(HistorianTest, EvenRecordsComeThroughUnchanged) {
+  std::mt19937_64 engine(5);
+  std::normal_distribution<double> normal;
+  std::string text = "time,level,level_setpoint,steam\n";
+  std::vector<double> level;
+  std::vector<double> steam;
+  for (int k = 0; k < 500; ++k) {
+    level.push_back(normal(engine));
+    steam.push_back(1e6 * normal(engine));
+    char row[128];
+    std::snprintf(row, sizeof(row), "%.1f,%.17g,%d,%.17g\n", 0.2 * k,
+                  level.back(), k >= 250 ? 1 : 0, steam.back());
+    text += row;
+  }
+  const HistorianImport import = ImportOk(text);
+  ASSERT_EQ(import.records.size(), 1u);
+  const Record& record = import.records[0];
+  EXPECT_TRUE(record.Validate().ok());
+  EXPECT_EQ(record.sample_time, 0.2);
+  EXPECT_EQ(record.start_time, 0.0);
+  EXPECT_EQ(RowOf(record.outputs), level);
+  EXPECT_EQ(RowOf(record.inputs), steam);
+  EXPECT_EQ(record.set_points(0, 249), 0.0);
+  EXPECT_EQ(record.set_points(0, 250), 1.0);
+  EXPECT_EQ(import.report.num_gaps, 0);
+  EXPECT_FALSE(import.report.averaged);
+}
+
+TEST(HistorianTest, RecognisesSeparatorsAndDecimalCommas) {
+  for (const std::string text :
+       {"time;level;steam\n0,0;1,5;2\n0,5;2,5;-3,25e1\n",
+        "time\tlevel\tsteam\r\n0,0\t1,5\t2\r\n0,5\t2,5\t-3,25e1\r\n",
+        "sep=;\ntime;level;steam\n0,0;1,5;2\n0,5;2,5;-3,25e1\n",
+        "\xEF\xBB\xBFtime,level,steam\n0.0,1.5,2\n0.5,2.5,-32.5\n",
+        "time,level,steam\n\"0,0\",\"1,5\",2\n\"0,5\",\"2,5\",\"-3,25e1\"\n",
+        "time;level;steam\n0.0;1.5;2\n0.5;2.5;-32.5"}) {
+    const HistorianImport import = ImportOk(text);
+    ASSERT_EQ(import.records.size(), 1u) << text;
+    EXPECT_THAT(RowOf(import.records[0].outputs), ElementsAre(1.5, 2.5));
+    EXPECT_THAT(RowOf(import.records[0].inputs), ElementsAre(2, -32.5));
+    EXPECT_EQ(import.records[0].sample_time, 0.5);
+  }
+}
+
+TEST(HistorianTest, AmbiguousNumbersAreErrorsThatSaySo) {
+  EXPECT_THAT(Error("time;level;steam\n0;1,234;2\n1;2,345;3\n"),
+              HasSubstr("a.csv: line 2, column 2: '1,234' may have a decimal "
+                        "comma or one between thousands; declare"));
+  EXPECT_THAT(Error("time;level;steam\n0;1,5;2\n1;2.5;3\n"),
+              HasSubstr("line 2, column 2: '1,5' has a comma, but '2.5' in "
+                        "line 3 a point"));
+  EXPECT_THAT(Error("time;level;steam\n0;1.234,5;2\n1;2;3\n"),
+              HasSubstr("thousands"));
+  EXPECT_THAT(Error("time;level,steam\n0;1;2\n"), HasSubstr("separator"));
+  // One clear field settles it, as does a declaration.
+  EXPECT_EQ(ImportOk("time;level;steam\n0;1,234;2\n1;0,5;3\n")
+                .records[0]
+                .outputs(0, 0),
+            1.234);
+  HistorianOptions options;
+  options.decimal = ',';
+  EXPECT_EQ(ImportOk("time;level;steam\n0;1,234;2\n1;2,345;3\n", options)
+                .records[0]
+                .outputs(0, 1),
+            2.345);
+}
+
+TEST(HistorianTest, OtherColumnsArePassedOverOnRequestOnly) {
+  const std::string text =
+      "time,level,remark,steam\n0,1,\"so, so\",2\n1,2,x,3\n";
+  EXPECT_THAT(Error(text), HasSubstr("line 1, column 3: 'remark' is neither"));
+  HistorianOptions options;
+  options.columns.ignore_other_columns = true;
+  const HistorianImport import = ImportOk(text, options);
+  EXPECT_EQ(import.report.files[0].num_ignored_columns, 1);
+  EXPECT_THAT(import.report.files[0].ignored_columns, ElementsAre("remark"));
+}
+
+TEST(HistorianTest, TagsAreMappedWithTheirUnits) {
+  HistorianOptions options;
+  options.columns.time_column = "Timestamp";
+  options.columns.tags = {{"LIC101.PV", "level", 0.01, -1.0},
+                          {"LIC101.SP", "level_setpoint", 0.01, -1.0},
+                          {"FC7.OP", "steam"}};
+  const Record record = ImportOk(
+                            "FC7.OP,LIC101.SP,Timestamp,LIC101.PV\n"
+                            "5,100,0,150\n6,200,1,50\n",
+                            options)
+                            .records[0];
+  EXPECT_THAT(RowOf(record.outputs), ElementsAre(0.5, -0.5));
+  EXPECT_THAT(RowOf(record.set_points), ElementsAre(0.0, 1.0));
+  EXPECT_THAT(RowOf(record.inputs), ElementsAre(5.0, 6.0));
+
+  options.columns.tags = {{"x", "levle"}};
+  EXPECT_THAT(Error("time\n", options), HasSubstr("'levle'"));
+  options.columns.tags = {{"x", "level", 0.0}};
+  EXPECT_THAT(Error("time\n", options), HasSubstr("scale is 0"));
+}
+
+TEST(HistorianTest, BadSamplesAreCountedByCause) {
+  HistorianOptions options;
+  options.bad_values = {"-9999", "Wartung"};
+  options.max_gap = 0.0;
+  const HistorianImport import = ImportOk(
+      "time,level,level_quality,steam\n0,1,Good,2\n1,,good,2\n2,NaN,192,2\n"
+      "3,-9999.0,GOOD,2\n4,Bad Input,Good,2\n5,7,Bad,2\n6,8,0,2\n"
+      "7,Wartung,192.0,2\n8,9,Good,2\n",
+      options);
+  const BadSampleCounts& bad = import.report.channels[0].bad;
+  EXPECT_EQ(bad.empty, 1);
+  EXPECT_EQ(bad.not_a_number, 1);
+  EXPECT_EQ(bad.declared, 3);
+  EXPECT_EQ(bad.quality, 2);
+  EXPECT_EQ(import.report.channels[0].missing, 7);
+  EXPECT_THAT(RowOf(import.records[0].outputs),
+              ElementsAre(1, IsNan(), IsNan(), IsNan(), IsNan(), IsNan(),
+                          IsNan(), IsNan(), 9));
+  EXPECT_THAT(Error("time,level,steam\n0,1,2\n1,bude,3\n"),
+              HasSubstr("line 3, column 2 ('level'): 'bude' is not a finite"));
+  EXPECT_THAT(
+      Error("time,level,level.quality,steam\n0,1,0,2\n1,1,0,3\n"),
+      HasSubstr("the qualities found are '0'; declare which of them mean"));
+}
+
+TEST(HistorianTest, ShortGapsAreBridgedAndLongOnesSplit) {
+  std::string text = "time,level,steam\n";
+  for (int k = 0; k < 40; ++k) {
+    if (k == 3 || k == 4 || (k >= 10 && k < 30)) continue;
+    absl::StrAppend(&text, k, ",", k, ",", k % 2, "\n");
+  }
+  const HistorianImport import = ImportOk(text);
+  ASSERT_EQ(import.records.size(), 2u);
+  EXPECT_EQ(import.records[0].samples(), 10);
+  EXPECT_EQ(import.records[0].outputs(0, 3), 3.0);  // linear
+  EXPECT_EQ(import.records[0].outputs(0, 4), 4.0);
+  EXPECT_EQ(import.records[0].inputs(0, 3), 0.0);  // held
+  EXPECT_EQ(import.records[0].inputs(0, 4), 0.0);
+  EXPECT_EQ(import.records[1].start_time, 30.0);
+  EXPECT_EQ(import.report.num_gaps, 2);
+  EXPECT_FALSE(import.report.gaps[0].splits);
+  EXPECT_TRUE(import.report.gaps[1].splits);
+  EXPECT_EQ(import.report.channels[0].bridged, 2);
+
+  HistorianOptions options;
+  options.bridge_outputs = false;
+  const Record record = ImportOk(text, options).records[0];
+  EXPECT_TRUE(std::isnan(record.outputs(0, 3)));
+  EXPECT_EQ(record.inputs(0, 3), 0.0);
+}
+
+TEST(HistorianTest, TimesThatDoNotIncreaseAreErrorsWithTheirLine) {
+  const std::string twice = "time,level,steam\n0,1,2\n1,1,2\n1,1,2\n2,1,2\n";
+  EXPECT_THAT(Error(twice),
+              HasSubstr("line 4, column 1 ('time'): time 1 stands twice"));
+  HistorianOptions options;
+  options.skip_repeated_times = true;
+  EXPECT_EQ(ImportOk(twice, options).report.repeated_rows, 1);
+  const std::string back =
+      "time,level,steam\n0,1,2\n1,1,2\n2,1,2\n0.5,1,2\n3,1,2\n";
+  EXPECT_THAT(Error(back), HasSubstr("line 5, column 1 ('time'): time 0.5 "
+                                     "follows 2"));
+  options.skip_backward_times = true;
+  EXPECT_EQ(ImportOk(back, options).report.backward_rows, 1);
+  EXPECT_EQ(ImportOk(back, options).records[0].samples(), 4);
+}
+
+TEST(HistorianTest, ClocksThatAreSetBackNeedTheirZone) {
+  std::string text = "time,level,steam\n";
+  for (const char* time : {"00:30", "01:00", "01:30", "02:00", "02:30", "02:00",
+                           "02:30", "03:00", "03:30"}) {
+    absl::StrAppend(&text, "2024-10-27 ", time, ":00,1,2\n");
+  }
+  EXPECT_THAT(Error(text), HasSubstr("line 7, column 1 ('time'): time 90 "
+                                     "follows 120; times must increase. It "
+                                     "goes back by an hour"));
+  HistorianOptions options;
+  options.clock.time_zone = "Europe/Berlin";
+  const HistorianImport import = ImportOk(text, options);
+  ASSERT_EQ(import.records.size(), 1u);
+  EXPECT_EQ(import.records[0].samples(), 9);
+  EXPECT_EQ(import.report.num_gaps, 0);
+  EXPECT_EQ(import.records[0].sample_time, 30.0);
+
+  // In spring an hour does not exist.
+  EXPECT_THAT(
+      Error("time,level,steam\n2024-03-31 01:30:00,1,2\n"
+            "2024-03-31 02:30:00,1,2\n",
+            options),
+      HasSubstr("'2024-03-31 02:30:00' is not a date and time as the first one "
+                "is, one that exists in Europe/Berlin"));
+  options.clock.time_zone = "Atlantis";
+  EXPECT_THAT(Error(text, options), HasSubstr("no time zone 'Atlantis'"));
+}
+
+TEST(HistorianTest, DatesMayHaveTheDayFirstIfDeclared) {
+  const std::string text =
+      "time;level;steam\n31.12.2023 23:59:00;1;2\n1.1.2024 0:00;1;2\n";
+  EXPECT_THAT(Error(text), HasSubstr("line 2, column 1"));
+  HistorianOptions options;
+  options.clock.format = TimeFormat::kDayFirst;
+  EXPECT_EQ(ImportOk(text, options).records[0].sample_time, 1.0);
+  options.clock.format = TimeFormat::kMonthFirst;
+  EXPECT_EQ(ImportOk("time,level,steam\n12/31/2023 11:59:00 PM,1,2\n"
+                     "1/1/2024 12:00 AM,1,2\n",
+                     options)
+                .records[0]
+                .sample_time,
+            1.0);
+  options.clock.format = TimeFormat::kNumbers;
+  options.clock.number_unit = "s";
+  EXPECT_EQ(ImportOk("time,level,steam\n0,1,2\n60,1,2\n", options)
+                .records[0]
+                .sample_time,
+            1.0);
+}
+
+TEST(HistorianTest, FilesAreJoinedInTime) {
+  const std::string late = "steam,time,level\n7,3,1\n7,4,2\n";
+  const std::string early = "time;level;steam\n0;1,5;2\n1;1;2\n2;1;2\n";
+  const auto import = ImportHistorianSources(
+      {TextSource("late.csv", late), TextSource("early.csv", early)}, Tank(),
+      {});
+  ASSERT_TRUE(import.ok()) << import.status();
+  ASSERT_EQ(import->records.size(), 1u);
+  EXPECT_THAT(RowOf(import->records[0].outputs), ElementsAre(1.5, 1, 1, 1, 2));
+  EXPECT_EQ(import->report.files[0].name, "early.csv");
+  const auto overlap = ImportHistorianSources(
+      {TextSource("a.csv", early), TextSource("b.csv", early)}, Tank(), {});
+  EXPECT_THAT(std::string(overlap.status().message()),
+              HasSubstr("b.csv: line 2, column 1 ('time'): time 0 follows 2"));
+  const auto mixed = ImportHistorianSources(
+      {TextSource("a.csv", early),
+       TextSource("b.csv", "time,level,steam\n2024-01-01 00:00,1,2\n")},
+      Tank(), {});
+  EXPECT_THAT(std::string(mixed.status().message()),
+              HasSubstr("b.csv: its times are dates"));
+}
+
+// White noise sampled R times as often has a variance R times smaller, for odd
+// R exactly white; a slow signal passes with its timing.
+TEST(HistorianTest, FinerRecordsAreAveragedWithoutDelay) {
+  for (const int ratio : {2, 4, 5, 25}) {
+    std::mt19937_64 engine(ratio);
+    std::normal_distribution<double> normal;
+    std::string text = "time,level,steam\n";
+    std::string noise = "time,level,steam\n";
+    for (int k = 0; k <= 2000 * ratio; ++k) {
+      const double time = static_cast<double>(k) / ratio;
+      absl::StrAppend(&text, time, ",", std::sin(0.05 * time), ",", k / ratio,
+                      "\n");
+      absl::StrAppend(&noise, time, ",", normal(engine), ",0\n");
+    }
+    HistorianOptions options;
+    options.sample_time = 1.0;
+    const HistorianImport import = ImportOk(text, options);
+    const Record& record = import.records[0];
+    EXPECT_TRUE(import.report.averaged);
+    // The input of the last row's sample is not known to its end.
+    EXPECT_EQ(record.samples(), 2000);
+    for (int k = 1; k < 2000; ++k) {
+      // The mean of a sine about its middle: smaller by (0.05)²/24.
+      ASSERT_NEAR(record.outputs(0, k), std::sin(0.05 * k), 2e-4) << k;
+      ASSERT_NEAR(record.inputs(0, k), k, 1e-9) << k;
+    }
+    const Eigen::RowVectorXd mean =
+        ImportOk(noise, options).records[0].outputs.row(0).segment(1, 1999);
+    const double variance = mean.squaredNorm() / 1999.0;
+    const double expected =
+        ratio % 2 == 1 ? 1.0 / ratio : (ratio - 0.5) / (ratio * ratio);
+    EXPECT_NEAR(variance / expected, 1.0, 0.12) << ratio;
+    if (ratio % 2 == 1) {
+      const double product = mean.head(1998).dot(mean.tail(1998)) / 1998.0;
+      EXPECT_NEAR(product / variance, 0.0, 4.0 / std::sqrt(1998.0));
+    }
+  }
+}
+
+TEST(HistorianTest, UnevenRowsAreInterpolatedAndInputsHeld) {
+  std::mt19937_64 engine(11);
+  std::uniform_real_distribution<double> uniform(-0.3, 0.3);
+  std::string text = "time,level,steam\n";
+  for (int k = 0; k < 1000; ++k) {
+    const double time = k + (k == 0 ? 0.0 : uniform(engine));
+    absl::StrAppend(&text, time, ",", 3.0 * time, ",", k < 500 ? 1 : 2, "\n");
+  }
+  HistorianOptions options;
+  options.sample_time = 1.0;
+  const HistorianImport import = ImportOk(text, options);
+  ASSERT_EQ(import.records.size(), 1u);
+  const Record& record = import.records[0];
+  EXPECT_EQ(import.report.num_gaps, 0);
+  for (int k = 0; k < record.samples(); ++k) {
+    // Six digits in the text.
+    ASSERT_NEAR(record.outputs(0, k), 3.0 * k, 0.05) << k;
+    if (k < 498 || k > 501) {
+      ASSERT_EQ(record.inputs(0, k), k < 500 ? 1.0 : 2.0) << k;
+    }
+  }
+}
+
+TEST(HistorianTest, CoarserRowsAreInterpolatedWithAWarning) {
+  HistorianOptions options;
+  options.sample_time = 0.25;
+  const HistorianImport import =
+      ImportOk("time,level,steam\n0,0,1\n1,4,2\n2,0,3\n", options);
+  EXPECT_THAT(RowOf(import.records[0].outputs),
+              ElementsAre(0, 1, 2, 3, 4, 3, 2, 1, 0));
+  EXPECT_THAT(RowOf(import.records[0].inputs),
+              ElementsAre(1, 1, 1, 1, 2, 2, 2, 2, 3));
+  ASSERT_EQ(import.report.warnings.size(), 1u);
+  EXPECT_THAT(import.report.warnings[0], HasSubstr("interpolated"));
+  options.sample_time = 1e-9;
+  EXPECT_THAT(Error("time,level,steam\n0,0,1\n1,4,2\n2,0,3\n", options),
+              HasSubstr("rows are 1 apart"));
+}
+
+TEST(HistorianTest, ReportsCanBeRead) {
+  HistorianOptions options;
+  options.columns.ignore_other_columns = true;
+  const HistorianImport import = ImportOk(
+      "time,level,steam,other\n2024-01-01 00:00:00,1,2,x\n"
+      "2024-01-01 00:01:00,,2,x\n2024-01-01 00:02:00,1,2,x\n",
+      options);
+  const std::string report = import.report.FullReport("min");
+  EXPECT_THAT(report, HasSubstr("3 rows of 1 files: 1 records, 3 samples"));
+  EXPECT_THAT(report, HasSubstr("1 columns passed over: other"));
+  EXPECT_THAT(report, HasSubstr("time 0 is 2024-01-01T00:00:00Z"));
+  EXPECT_THAT(report, HasSubstr("level: 1 bad in the files, 1 empty; 1 samples "
+                                "bridged"));
+}
+
+TEST(HistorianTest, FilesThatCannotBeReadAreNamed) {
+  const std::string folder = ::testing::TempDir();
+  for (const std::string& path :
+       {folder + "/no_such_file.csv", folder, std::string("/dev/zero")}) {
+    const absl::Status status =
+        ImportHistorian({path}, Tank(), HistorianOptions()).status();
+    EXPECT_FALSE(status.ok());
+    EXPECT_THAT(std::string(status.message()), HasSubstr(path));
+  }
+  const std::string path = folder + "/historian_test.csv";
+  ASSERT_TRUE(
+      WriteFileAtomically(path, "time,level,steam\n0,1,2\n1,1,2\n").ok());
+  EXPECT_TRUE(ImportHistorian({path}, Tank(), HistorianOptions()).ok());
+  std::filesystem::remove(path);
+  EXPECT_FALSE(ImportHistorian(std::vector<std::string>(), Tank(), {}).ok());
+}
+
+}  // namespace
+}  // namespace mle

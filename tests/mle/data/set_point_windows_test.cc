@@ -1,0 +1,233 @@
+#include "mle/data/set_point_windows.h"
+
+#include <cmath>
+#include <limits>
+#include <random>
+#include <string>
+
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "mle/data/quiet_stretches.h"
+
+namespace mle {
+namespace {
+
+using ::testing::HasSubstr;
+using Verdict = QuietPart::Verdict;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+// Settles in 2 + 5·10 = 52.
+ProcessModel Model() {
+  ProcessModel model("tank", "min", {{"u1", ""}, {"u2", ""}},
+                     {{"y1", ""}, {"y2", ""}});
+  model.element(0, 0) = TransferFunction::FirstOrder(1.0, 10.0, 2.0);
+  model.element(1, 1) = TransferFunction::FirstOrder(2.0, 3.0, 5.0);
+  return model;
+}
+
+// Noise about 7 and 8; inputs at 20 and 30; set points change where given.
+Record Noise(int samples, unsigned seed,
+             const std::vector<SetPointChange>& changes) {
+  std::mt19937_64 engine(seed);
+  std::normal_distribution<double> normal;
+  Record record;
+  record.start_time = 1000.0;
+  record.sample_time = 0.5;
+  record.outputs.resize(2, samples);
+  record.inputs.resize(2, samples);
+  record.set_points.resize(2, samples);
+  record.set_points.row(0).setConstant(7.0);
+  record.set_points.row(1).setConstant(8.0);
+  for (int k = 0; k < samples; ++k) {
+    record.outputs.col(k) << 7.0 + 0.1 * normal(engine),
+        8.0 + 0.2 * normal(engine);
+    record.inputs.col(k) << 20.0, 30.0;
+  }
+  for (const SetPointChange& change : changes) {
+    record.set_points.row(change.output)
+        .tail(samples - change.sample)
+        .setConstant(change.to);
+  }
+  return record;
+}
+
+WindowSet Find(const std::vector<Record>& records,
+               const WindowOptions& options = {}) {
+  const absl::StatusOr<WindowSet> set = FindWindows(records, Model(), options);
+  EXPECT_TRUE(set.ok()) << set.status();
+  return set.ok() ? *set : WindowSet();
+}
+
+TEST(SettlingTimeTest, IsThatOfTheSlowestElement) {
+  EXPECT_DOUBLE_EQ(SettlingTime(Model()), 52.0);
+}
+
+TEST(FindWindowsTest, AreAroundEachChangeWithTheModelsSettlingTime) {
+  const WindowSet set =
+      Find({Noise(2000, 1, {{500, 0, 7, 9}, {1200, 1, 8, 6}})});
+  ASSERT_EQ(set.windows.size(), 2u);
+  EXPECT_EQ(set.before, 52.0);
+  EXPECT_EQ(set.after, 78.0);
+  EXPECT_EQ(set.changes, 2);
+  const SetPointWindow& window = set.windows[0];
+  EXPECT_EQ(window.first_sample, 500 - 104);
+  EXPECT_EQ(window.record.samples(), 104 + 156 + 1);
+  EXPECT_EQ(window.change_time(), 1250.0);
+  EXPECT_EQ(window.changes[0].sample, 104);
+  EXPECT_FALSE(window.clipped_before || window.clipped_after);
+  EXPECT_FALSE(window.drifting() || window.disturbed());
+  EXPECT_TRUE(set.warnings.empty());
+  EXPECT_THAT(set.FullReport(Model()),
+              HasSubstr("set point of 'y1' from 7 to 9 at 1250"));
+}
+
+TEST(FindWindowsTest, TakeOffTheirOwnOperatingPoint) {
+  Record record = Noise(2000, 2, {{500, 0, 7, 9}, {1200, 1, 8, 6}});
+  record.inputs.row(0).tail(1000).setConstant(25.0);
+  record.outputs.row(0).tail(1500).array() += 2.0;
+  const WindowSet set = Find({record});
+  const OperatingPoint& first = set.windows[0].operating_point;
+  const OperatingPoint& second = set.windows[1].operating_point;
+  EXPECT_EQ(first.samples, 104);
+  EXPECT_NEAR(first.outputs(0), 7.0, 4 * 0.1 / std::sqrt(104));
+  EXPECT_NEAR(second.outputs(0), 9.0, 4 * 0.1 / std::sqrt(104));
+  EXPECT_EQ(first.inputs(0), 20.0);
+  EXPECT_EQ(second.inputs(0), 25.0);
+  EXPECT_TRUE(set.windows[1].record.inputs.isZero(0.0));
+  EXPECT_NEAR(set.windows[0].record.outputs.row(0).tail(100).mean(), 2.0, 0.1);
+  EXPECT_NEAR(set.windows[0].record.set_points(0, 200), 2.0, 0.1);
+
+  const WindowSet kept = Find({record}, {.remove_operating_point = false});
+  EXPECT_EQ(kept.windows[1].record.outputs,
+            record.outputs.middleCols(1200 - 104, 261));
+}
+
+TEST(FindWindowsTest, ChangesTooCloseTogetherShareAWindow) {
+  // 50 min and 25 min apart, then 100 min.
+  const WindowSet set = Find({Noise(
+      2000, 3,
+      {{500, 0, 7, 9}, {600, 1, 8, 6}, {650, 0, 9, 7}, {850, 1, 6, 8}})});
+  ASSERT_EQ(set.windows.size(), 2u);
+  EXPECT_EQ(set.windows[0].changes.size(), 3u);
+  EXPECT_EQ(set.windows[1].changes.size(), 1u);
+  // The time between is shared; windows do not overlap.
+  const SetPointWindow& first = set.windows[0];
+  const SetPointWindow& second = set.windows[1];
+  EXPECT_TRUE(first.clipped_after);
+  EXPECT_TRUE(second.clipped_before);
+  EXPECT_EQ(first.first_sample + first.record.samples(), second.first_sample);
+  EXPECT_GE(first.first_sample + first.record.samples() - 1, 650 + 104);
+}
+
+// Whatever the changes, windows are disjoint, in order, hold their changes, and
+// every change with enough samples after it is in one.
+TEST(FindWindowsTest, AnyChangesGiveDisjointWindows) {
+  std::mt19937_64 engine(4);
+  for (int trial = 0; trial < 200; ++trial) {
+    const int samples = 200 + static_cast<int>(engine() % 2000);
+    std::vector<SetPointChange> changes;
+    int at = 1 + static_cast<int>(engine() % 300);
+    double value = 7.0;
+    while (at < samples - 20) {
+      changes.push_back({at, 0, value, value + 1.0});
+      value += 1.0;
+      at += 1 + static_cast<int>(engine() % 500);
+    }
+    const WindowSet set = Find({Noise(samples, trial, changes)});
+    int end = 0;
+    std::size_t held = 0;
+    for (const SetPointWindow& window : set.windows) {
+      EXPECT_GE(window.first_sample, end);
+      end = window.first_sample + window.record.samples();
+      EXPECT_LE(end, samples);
+      held += window.changes.size();
+      for (const SetPointChange& change : window.changes) {
+        EXPECT_GE(change.sample, 0);
+        EXPECT_LT(change.sample + 20, window.record.samples());
+      }
+    }
+    EXPECT_EQ(held, changes.size());
+  }
+}
+
+TEST(FindWindowsTest, AreClippedWhereTheRecordEnds) {
+  const WindowSet set =
+      Find({Noise(700, 5, {{30, 0, 7, 9}, {600, 1, 8, 6}, {690, 0, 9, 7}})});
+  ASSERT_EQ(set.windows.size(), 1u);
+  EXPECT_TRUE(set.windows[0].clipped_before);
+  // The last two share a window that ends too soon after.
+  ASSERT_EQ(set.warnings.size(), 2u);
+  EXPECT_THAT(set.warnings[0], HasSubstr("has 9 samples after it"));
+  EXPECT_THAT(set.warnings[1], HasSubstr("one window only"));
+  EXPECT_THAT(set.FullReport(Model()), HasSubstr("shorter than wanted before"));
+}
+
+TEST(FindWindowsTest, TimesMayBeGiven) {
+  Record record = Noise(2000, 6, {});
+  record.set_points.resize(0, 0);
+  EXPECT_THAT(Find({record}).warnings[0], HasSubstr("no change of set point"));
+  const WindowSet set = Find({record}, {.change_times = {1300.1, 1700, 9000}});
+  ASSERT_EQ(set.windows.size(), 2u);
+  EXPECT_EQ(set.windows[0].change_time(), 1300.0);
+  EXPECT_EQ(set.windows[0].changes[0].output, -1);
+  EXPECT_THAT(set.warnings[0], HasSubstr("1 of the given times"));
+  EXPECT_FALSE(FindWindows({record}, Model(), {.change_times = {2, 1}}).ok());
+  EXPECT_FALSE(FindWindows({record}, Model(), {.before = kNaN}).ok());
+}
+
+TEST(FindWindowsTest, SmallChangesAreNone) {
+  const Record record = Noise(2000, 7, {{500, 0, 7, 7.01}, {1200, 0, 7.01, 9}});
+  EXPECT_EQ(Find({record}).changes, 2);
+  const WindowSet set = Find({record}, {.min_change = 0.1});
+  ASSERT_EQ(set.changes, 1);
+  EXPECT_EQ(set.windows[0].changes[0].from, 7.0);
+  // A slow ramp of small steps is seen in the end.
+  Record ramp = Noise(2000, 8, {});
+  for (int k = 500; k < 600; ++k)
+    ramp.set_points(0, k) = 7.0 + 0.02 * (k - 500);
+  ramp.set_points.row(0).tail(1400).setConstant(9.0);
+  const WindowSet ramped = Find({ramp}, {.min_change = 0.1});
+  ASSERT_EQ(ramped.windows.size(), 1u);
+  EXPECT_GT(ramped.changes, 10);
+}
+
+TEST(FindWindowsTest, DriftAndDisturbancesAreReported) {
+  Record record = Noise(3000, 9, {{1000, 0, 7, 7}, {2000, 1, 8, 8.5}});
+  record.set_points.row(0).tail(2000).setConstant(7.5);
+  // A trend before the first change, a step before the second.
+  record.outputs.row(0).segment(896, 104) +=
+      Eigen::RowVectorXd::LinSpaced(104, 0.0, 0.4);
+  record.outputs.row(1).segment(1950, 1050).array() += 0.5;
+  const WindowSet set = Find({record});
+  ASSERT_EQ(set.windows.size(), 2u);
+  EXPECT_EQ(set.windows[0].before[0].verdict, Verdict::kDrifting);
+  EXPECT_NEAR(set.windows[0].before[0].size, 0.4, 0.12);
+  EXPECT_EQ(set.windows[0].before[1].verdict, Verdict::kQuiet);
+  EXPECT_EQ(set.windows[1].before[1].verdict, Verdict::kDisturbed);
+  EXPECT_NEAR(set.windows[1].before[1].size, 0.5, 0.15);
+  EXPECT_NEAR(set.windows[1].before[1].time, 1975.0, 3.0);
+  EXPECT_THAT(set.BriefReport(), HasSubstr("1 drifting, 1 disturbed"));
+}
+
+// The probability that is promised: less than 1 in 10⁴ parts.
+TEST(FindWindowsTest, WhiteNoiseIsQuiet) {
+  int reported = 0;
+  for (unsigned seed = 0; seed < 500; ++seed) {
+    const WindowSet set = Find({Noise(600, seed, {{300, 0, 7, 9}})});
+    reported += set.windows[0].drifting() || set.windows[0].disturbed();
+  }
+  EXPECT_LE(reported, 2);  // of 2000 parts
+}
+
+TEST(FindWindowsTest, BadSamplesAreReported) {
+  Record record = Noise(1000, 10, {{500, 0, 7, 9}});
+  record.outputs.row(1).segment(450, 26).setConstant(kNaN);
+  const SetPointWindow window = Find({record}).windows[0];
+  EXPECT_NEAR(window.bad_share(1), 26.0 / 261.0, 1e-12);
+  EXPECT_EQ(window.bad_share(0), 0.0);
+  EXPECT_TRUE(std::isfinite(window.operating_point.outputs(1)));
+}
+
+}  // namespace
+}  // namespace mle
