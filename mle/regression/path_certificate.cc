@@ -1,0 +1,105 @@
+#include "mle/regression/path_certificate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "mle/regression/duality_gap.h"
+
+namespace mle {
+namespace {
+
+// A relative gap above this may be the rounding of c, which is then sharpened.
+constexpr double kSharpen = 5e-11;
+
+// The gap at λ > 0 from c − t b and β + t q, t = step ≥ 0.
+double RelativeGap(const ActiveSet& active, double lambda, double step) {
+  const LassoObjective& objective = active.objective();
+  const double ratio = ((active.c() - step * active.b())
+                            .cwiseAbs()
+                            .cwiseProduct(active.inverse_weights()))
+                           .maxCoeff() /
+                       lambda;
+  const double alpha = 1.0 / std::max(ratio, 1.0);
+  DualityGap result;
+  result.response_square = objective.response_square;
+  double residual_square = objective.response_square;
+  for (int i = 0; i < active.size(); ++i) {
+    const int j = active.columns()[i];
+    const double beta = active.beta(i) + step * active.slope(i);
+    const double c = active.c()(j) - step * active.b()(j);
+    const double penalty = lambda * objective.weights(j) * std::abs(beta);
+    residual_square -= beta * (objective.correlation(j) + c);
+    result.primal += penalty;
+    result.gap += penalty - alpha * beta * c;
+  }
+  residual_square = std::max(residual_square, 0.0);
+  result.primal += 0.5 * residual_square;
+  result.gap += 0.5 * (1.0 - alpha) * (1.0 - alpha) * residual_square;
+  result.gap = std::abs(result.gap);
+  return result.Relative();
+}
+
+// At λ = 0.
+double LeastSquaresRelativeGap(const ActiveSet& active, double step) {
+  const LassoObjective& objective = active.objective();
+  const Eigen::VectorXd gradient = active.c() - step * active.b();
+  double residual_square = objective.response_square;
+  for (int i = 0; i < active.size(); ++i) {
+    const int j = active.columns()[i];
+    residual_square -= (active.beta(i) + step * active.slope(i)) *
+                       (objective.correlation(j) + gradient(j));
+  }
+  const bool all_active = active.Count(ActiveSet::State::kInactive) +
+                              active.Count(ActiveSet::State::kWaiting) ==
+                          0;
+  DualityGap result;
+  result.response_square = objective.response_square;
+  result.primal = 0.5 * std::max(residual_square, 0.0);
+  result.gap = all_active ? 0.5 * active.cholesky().InverseQuadraticForm(
+                                      gradient(active.columns()))
+                          : LeastSquaresGap(objective, gradient);
+  return result.Relative();
+}
+
+}  // namespace
+
+PathCertificate::PathCertificate(const Eigen::VectorXd& lambdas)
+    : lambdas_(lambdas),
+      relative_gap_(Eigen::VectorXd::Constant(
+          lambdas.size(), std::numeric_limits<double>::infinity())),
+      next_(lambdas.size() - 1) {}
+
+bool PathCertificate::Wanted(double end) const {
+  return next_ >= 0 && lambdas_(next_) >= end;
+}
+
+void PathCertificate::Start(const ActiveSet& active, double lambda_max,
+                            double end) {
+  Eigen::VectorXd start = Eigen::VectorXd::Zero(active.objective().size());
+  start(active.columns()) = active.betas();
+  for (; Wanted(end); --next_) {
+    const double lambda = lambdas_(next_);
+    relative_gap_(next_) =
+        active.size() == 0 && lambda > 0.0 && lambda >= lambda_max
+            ? 0.0
+            : ComputeDualityGap(active.objective(), lambda, start).Relative();
+  }
+}
+
+void PathCertificate::Continue(ActiveSet& active, double lambda, double end) {
+  for (; Wanted(end); --next_) {
+    const double at = lambdas_(next_);
+    if (at == 0.0) {
+      relative_gap_(next_) = LeastSquaresRelativeGap(active, lambda);
+      continue;
+    }
+    double gap = RelativeGap(active, at, lambda - at);
+    if (gap > kSharpen && active.SharpenC()) {
+      gap = RelativeGap(active, at, lambda - at);
+    }
+    relative_gap_(next_) = gap;
+  }
+}
+
+}  // namespace mle
