@@ -8,6 +8,7 @@
 #include "absl/strings/str_join.h"
 #include "mle/base/status.h"
 #include "mle/data/csv_numbers.h"
+#include "mle/data/gap_bridging.h"
 #include "mle/data/historian_file.h"
 #include "mle/data/record_builder.h"
 #include "mle/data/resampler.h"

@@ -29,12 +29,6 @@ class RecordBuilder {
   std::vector<std::vector<double>> blocks_;  // sample after sample
 };
 
-// Samples bridged in each channel: outputs, set points, inputs (2p + m).
-// Bad samples between good ones, up to `max_samples` in a row, are filled:
-// inputs and set points held, outputs linear (if asked for).
-std::vector<int> BridgeGaps(int max_samples, bool bridge_outputs,
-                            Record& record);
-
 }  // namespace mle
 
 #endif  // MLE_DATA_RECORD_BUILDER_H_

@@ -1,0 +1,292 @@
+#include "mle/data/channel_health.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "glog/logging.h"
+#include "mle/data/quantum.h"
+#include "mle/data/robust_statistics.h"
+
+namespace mle {
+namespace {
+
+// Means of equal samples differ by rounding.
+constexpr double kEqual = 1e-12;
+// Probability that a freeze is found in a record where there is none.
+constexpr double kFalseFreeze = 1e-4;
+// Of the largest sample: what a smooth signal changes by when it has settled.
+constexpr double kNoMovement = 1e-9;
+constexpr int kLongRun = 20;  // kept out of the share of repeated samples
+// Saturation lasts this many times longer than the channel's usual holding.
+constexpr double kHoldFactor = 3.0;
+constexpr int kMinSaturated = 10;
+
+bool Same(double a, double b, double scale) {
+  return std::abs(a - b) <= kEqual * scale;
+}
+
+double ScaleOf(const SampleRow& row) {
+  double scale = 0.0;
+  for (const double value : row) {
+    if (std::isfinite(value)) scale = std::max(scale, std::abs(value));
+  }
+  return scale;
+}
+
+// The longest runs of equal good samples, of one sample or more.
+std::vector<SampleRun> RunsOf(const SampleRow& row, int record) {
+  std::vector<SampleRun> runs;
+  const double scale = ScaleOf(row);
+  const int n = static_cast<int>(row.size());
+  for (int k = 0; k < n;) {
+    if (!std::isfinite(row(k))) {
+      ++k;
+      continue;
+    }
+    int end = k + 1;
+    while (end < n && std::isfinite(row(end)) &&
+           Same(row(end), row(k), scale)) {
+      ++end;
+    }
+    runs.push_back({record, k, end - k});
+    k = end;
+  }
+  return runs;
+}
+
+bool Moves(const SampleRow& row, const SampleRun& run) {
+  double first = std::numeric_limits<double>::quiet_NaN();
+  const double scale = ScaleOf(row.segment(run.first, run.samples));
+  for (int k = run.first; k < run.first + run.samples; ++k) {
+    if (!std::isfinite(row(k))) continue;
+    if (!std::isfinite(first)) first = row(k);
+    if (!Same(row(k), first, scale)) return true;
+  }
+  return false;
+}
+
+// A channel other than this one moves during the run.
+bool OthersMove(const Record& record, const SampleRun& run, bool is_output,
+                int channel) {
+  for (int i = 0; i < record.num_outputs(); ++i) {
+    if (is_output && i == channel) continue;
+    if (Moves(record.outputs.row(i), run)) return true;
+  }
+  for (int j = 0; j < record.num_inputs(); ++j) {
+    if (!is_output && j == channel) continue;
+    if (Moves(record.inputs.row(j), run)) return true;
+  }
+  return false;
+}
+
+// There is more noise than movement: what differs between neighbours changes
+// its sign from one to the next.
+bool IsNoisy(const SampleRow& row) {
+  std::vector<double> first;
+  std::vector<double> second;
+  const double least = kNoMovement * ScaleOf(row);
+  for (Eigen::Index k = 2; k < row.size(); ++k) {
+    const double step = row(k) - row(k - 1);
+    const double before = row(k - 1) - row(k - 2);
+    if (!std::isfinite(step) || !std::isfinite(before)) continue;
+    if (std::abs(step) <= least || std::abs(before) <= least) continue;
+    first.push_back(std::abs(step));
+    second.push_back(std::abs(step - before));
+  }
+  return !first.empty() && MedianInPlace(second) > MedianInPlace(first);
+}
+
+// How long a run has to be before chance does not explain it: neighbours are
+// equal with the probability that they have outside long runs.
+double FreezeLength(const std::vector<SampleRun>& runs, int min_samples) {
+  double repeated = 0.0;
+  double steps = 0.0;
+  double samples = 0.0;
+  for (const SampleRun& run : runs) {
+    samples += run.samples;
+    if (run.samples >= std::max(kLongRun, 2 * min_samples)) continue;
+    repeated += run.samples - 1;
+    steps += run.samples;
+  }
+  if (steps == 0.0) return std::numeric_limits<double>::infinity();
+  const double share =
+      std::clamp((repeated + 1.0) / (steps + 2.0), 1e-6, 1.0 - 1e-9);
+  const double by_chance =
+      2.0 + std::log(kFalseFreeze / std::max(samples, 1.0)) / std::log(share);
+  std::vector<double> lengths;
+  for (const SampleRun& run : runs) lengths.push_back(run.samples);
+  // A channel that is updated every so often holds its values in between.
+  return std::max({static_cast<double>(min_samples), by_chance,
+                   kHoldFactor * MedianInPlace(lengths)});
+}
+
+void FindFrozen(const std::vector<Record>& records, int output,
+                const HealthOptions& options, ChannelHealth& health) {
+  std::vector<SampleRun> runs;
+  bool noisy = false;
+  for (std::size_t r = 0; r < records.size(); ++r) {
+    const auto row = records[r].outputs.row(output);
+    const std::vector<SampleRun> found = RunsOf(row, static_cast<int>(r));
+    runs.insert(runs.end(), found.begin(), found.end());
+    noisy = noisy || IsNoisy(row);
+  }
+  const double longest = FreezeLength(runs, options.min_frozen_samples);
+  for (const SampleRun& run : runs) {
+    if (run.samples <= longest) continue;
+    if (noisy || OthersMove(records[run.record], run, true, output)) {
+      health.frozen.push_back(run);
+    }
+  }
+}
+
+void FindSaturated(const std::vector<Record>& records, int input,
+                   const HealthOptions& options, ChannelHealth& health) {
+  double low = std::numeric_limits<double>::infinity();
+  double high = -low;
+  std::vector<SampleRun> runs;
+  std::vector<double> lengths;
+  for (std::size_t r = 0; r < records.size(); ++r) {
+    const auto row = records[r].inputs.row(input);
+    for (const SampleRun& run : RunsOf(row, static_cast<int>(r))) {
+      low = std::min(low, row(run.first));
+      high = std::max(high, row(run.first));
+      runs.push_back(run);
+      lengths.push_back(run.samples);
+    }
+  }
+  if (runs.empty()) return;
+  const double usual = MedianInPlace(lengths);
+  const double range = high - low;
+  const auto limit = [&](const Eigen::VectorXd& limits) {
+    return input < limits.size() ? limits(input)
+                                 : std::numeric_limits<double>::quiet_NaN();
+  };
+  const double min = limit(options.input_min);
+  const double max = limit(options.input_max);
+  for (const SampleRun& run : runs) {
+    const Record& record = records[run.record];
+    const double value = record.inputs(input, run.first);
+    const bool at_limit =
+        value <= min + 1e-9 * range || value >= max - 1e-9 * range;
+    const bool at_end = Same(value, low, range) || Same(value, high, range);
+    const bool is_long =
+        run.samples >= kMinSaturated && run.samples > kHoldFactor * usual;
+    if (at_limit || (!health.is_constant && at_end && is_long &&
+                     OthersMove(record, run, false, input))) {
+      health.saturated.push_back(run);
+    }
+  }
+}
+
+// Single samples that leave a value which two samples before and two after
+// hold.
+void FindInputOutliers(const Record& record, int record_index, int input,
+                       std::vector<SampleRun>& outliers) {
+  const auto row = record.inputs.row(input);
+  const double scale = ScaleOf(row);
+  for (int k = 2; k + 2 < record.samples(); ++k) {
+    const double held = row(k - 1);
+    if (std::isfinite(row(k)) && !Same(row(k), held, scale) &&
+        Same(row(k - 2), held, scale) && Same(row(k + 1), held, scale) &&
+        Same(row(k + 2), held, scale)) {
+      outliers.push_back({record_index, k, 1});
+    }
+  }
+}
+
+bool IsConstant(const std::vector<Record>& records, bool is_output,
+                int channel) {
+  double low = std::numeric_limits<double>::infinity();
+  double high = -low;
+  for (const Record& record : records) {
+    const Eigen::MatrixXd& rows = is_output ? record.outputs : record.inputs;
+    for (const double value : rows.row(channel)) {
+      if (!std::isfinite(value)) continue;
+      low = std::min(low, value);
+      high = std::max(high, value);
+    }
+  }
+  return low <= high &&
+         high - low <= kEqual * std::max(std::abs(low), std::abs(high));
+}
+
+ChannelHealth CheckChannel(const std::vector<Record>& records,
+                           const HealthOptions& options, bool is_output,
+                           int channel) {
+  ChannelHealth health;
+  health.is_output = is_output;
+  health.channel = channel;
+  std::vector<double> noises;
+  std::vector<SampleRow> rows;
+  for (const Record& record : records) {
+    const Eigen::MatrixXd& all = is_output ? record.outputs : record.inputs;
+    rows.emplace_back(all.row(channel));
+    health.samples += record.samples();
+    health.bad += static_cast<int>(record.samples() -
+                                   all.row(channel).array().isFinite().count());
+    noises.push_back(WhiteDeviation(rows.back()));
+  }
+  health.is_constant = IsConstant(records, is_output, channel);
+  if (health.is_constant) return health;
+  health.noise = MedianInPlace(noises);
+  health.quantum = FindQuantum(rows, health.noise);
+  if (is_output) {
+    FindFrozen(records, channel, options, health);
+  } else {
+    FindSaturated(records, channel, options, health);
+  }
+  for (std::size_t r = 0; r < records.size(); ++r) {
+    const int record = static_cast<int>(r);
+    if (!is_output) {
+      FindInputOutliers(records[r], record, channel, health.outliers);
+      continue;
+    }
+    for (const int k : FindOutliers(rows[r], options.outliers)) {
+      health.outliers.push_back({record, k, 1});
+    }
+  }
+  return health;
+}
+
+}  // namespace
+
+HealthReport CheckHealth(const std::vector<Record>& records,
+                         const ProcessModel& model,
+                         const HealthOptions& options) {
+  HealthReport report;
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    report.channels.push_back(CheckChannel(records, options, true, i));
+    report.channels.back().name = model.outputs()[i].name;
+  }
+  for (int j = 0; j < model.num_inputs(); ++j) {
+    report.channels.push_back(CheckChannel(records, options, false, j));
+    report.channels.back().name = model.inputs()[j].name;
+  }
+  return report;
+}
+
+int MarkBad(const HealthReport& report, const MarkOptions& options,
+            std::vector<Record>& records) {
+  int marked = 0;
+  for (const ChannelHealth& channel : report.channels) {
+    const auto mark = [&](const SampleRun& run, int skip) {
+      Record& record = records[run.record];
+      Eigen::MatrixXd& rows =
+          channel.is_output ? record.outputs : record.inputs;
+      for (int k = run.first + skip; k < run.first + run.samples; ++k) {
+        marked += std::isfinite(rows(channel.channel, k)) ? 1 : 0;
+        rows(channel.channel, k) = std::numeric_limits<double>::quiet_NaN();
+      }
+    };
+    if (options.outliers) {
+      for (const SampleRun& run : channel.outliers) mark(run, 0);
+    }
+    if (options.frozen) {
+      for (const SampleRun& run : channel.frozen) mark(run, 1);
+    }
+  }
+  return marked;
+}
+
+}  // namespace mle
