@@ -17,7 +17,8 @@ constexpr double kEqual = 1e-12;
 constexpr double kFalseFreeze = 1e-4;
 // Of the largest sample: what a smooth signal changes by when it has settled.
 constexpr double kNoMovement = 1e-9;
-constexpr int kLongRun = 20;  // kept out of the share of repeated samples
+constexpr double kMovement = 1e-6;  // and what it moves by
+constexpr int kLongRun = 20;        // kept out of the share of repeated samples
 // Saturation lasts this many times longer than the channel's usual holding.
 constexpr double kHoldFactor = 3.0;
 constexpr int kMinSaturated = 10;
@@ -55,15 +56,24 @@ std::vector<SampleRun> RunsOf(const SampleRow& row, int record) {
   return runs;
 }
 
+// In the second half of the run: what came before may still be settling.
 bool Moves(const SampleRow& row, const SampleRun& run) {
   double first = std::numeric_limits<double>::quiet_NaN();
   const double scale = ScaleOf(row.segment(run.first, run.samples));
-  for (int k = run.first; k < run.first + run.samples; ++k) {
+  const int end = run.first + run.samples;
+  for (int k = run.first + run.samples / 2; k < end; ++k) {
     if (!std::isfinite(row(k))) continue;
     if (!std::isfinite(first)) first = row(k);
-    if (!Same(row(k), first, scale)) return true;
+    if (std::abs(row(k) - first) > kNoMovement * scale) return true;
   }
   return false;
+}
+
+// The run ends a movement, rather than what had come to rest.
+bool StopsShort(const SampleRow& row, const SampleRun& run) {
+  if (run.first == 0 || !std::isfinite(row(run.first - 1))) return false;
+  return std::abs(row(run.first) - row(run.first - 1)) >
+         kMovement * ScaleOf(row);
 }
 
 // A channel other than this one moves during the run.
@@ -134,7 +144,9 @@ void FindFrozen(const std::vector<Record>& records, int output,
   const double longest = FreezeLength(runs, options.min_frozen_samples);
   for (const SampleRun& run : runs) {
     if (run.samples <= longest) continue;
-    if (noisy || OthersMove(records[run.record], run, true, output)) {
+    const Record& record = records[run.record];
+    if (noisy || (StopsShort(record.outputs.row(output), run) &&
+                  OthersMove(record, run, true, output))) {
       health.frozen.push_back(run);
     }
   }

@@ -6,8 +6,8 @@
 //   MarkBad(health, MarkOptions(), records);   // frozen and outlying → NaN
 //
 // frozen     an output repeats one value for longer than its noise, or its
-//            rounding, lets it; nothing is said of a signal without noise while
-//            everything else stands still too
+//            rounding, lets it; one without noise, if that stops a movement
+//            while other channels go on
 // saturated  an input stays at its largest or smallest value while other
 //            channels move: at a limit, or not under control
 // quantised  all samples are multiples of a step that is not small beside the

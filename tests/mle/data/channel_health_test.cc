@@ -71,16 +71,18 @@ TEST(ChannelHealthTest, RoutineOperationIsHealthy) {
   }
 }
 
-TEST(ChannelHealthTest, RecordsWithoutNoiseAreNotFrozenBeforeTheStep) {
+TEST(ChannelHealthTest, RecordsWithoutNoiseAreNotFrozenWhereAllRests) {
   Record record = Loop(2000, 1, 0.0);
-  // Nothing moves at all before the step, as in a simulation.
+  // Nothing moves before the step and long after, as in a simulation.
   for (int j = 0; j < 2; ++j) {
     record.inputs.row(j).head(1000).setConstant(record.inputs(j, 1000));
+    record.inputs.row(j).tail(900).setConstant(record.inputs(j, 1100));
   }
+  record.outputs.rightCols(800).colwise() = record.outputs.col(1999).eval();
   const HealthReport report = Check(record);
   for (const ChannelHealth& channel : report.channels) {
-    EXPECT_TRUE(channel.frozen.empty()) << channel.name;
-    EXPECT_TRUE(channel.saturated.empty()) << channel.name;
+    EXPECT_TRUE(channel.frozen.empty()) << channel.Report({record});
+    EXPECT_TRUE(channel.saturated.empty()) << channel.Report({record});
   }
 }
 
