@@ -18,6 +18,7 @@
 #include "apps/common/command_line.h"
 #include "gflags/gflags.h"
 #include "mle/base/status.h"
+#include "mle/nonlinear/smoothed_lasso.h"
 
 DEFINE_string(cases, "gain,delay",
               "Cases to run, of the Wood-Berry column: gain (both reflux gains "
@@ -96,7 +97,9 @@ DEFINE_bool(selection_one_standard_error, false,
             "smallest.");
 DEFINE_bool(selection_per_output, false, "Choose a λ for each output.");
 DEFINE_string(solver, "homotopy",
-              "Lasso solver: homotopy (exact) or coordinate_descent (slow).");
+              "Lasso solver: homotopy (exact), ceres (smoothed L1; the "
+              "conversion stays exact) or coordinate_descent. The last two are "
+              "slow: use a coarse grid.");
 DEFINE_string(scaling, "standardise",
               "standardise (centre, unit variance, as MATLAB's lasso) or raw.");
 
@@ -251,10 +254,12 @@ absl::StatusOr<LassoSolverOptions> SolverFromFlags() {
   LassoSolverOptions solver;
   if (FLAGS_solver == "coordinate_descent") {
     solver.solver = LassoSolver::kCoordinateDescent;
+  } else if (FLAGS_solver == "ceres") {
+    solver = SmoothedLassoSolver({});
   } else if (FLAGS_solver != "homotopy") {
     return absl::InvalidArgumentError(
         absl::StrCat("--solver=", FLAGS_solver,
-                     ": known are homotopy and coordinate_descent"));
+                     ": known are homotopy, ceres and coordinate_descent"));
   }
   return solver;
 }
@@ -294,7 +299,9 @@ absl::StatusOr<ExperimentOptions> ExperimentFromFlags(
   MLE_ASSIGN_OR_RETURN(options.correction.lambdas, LambdaGrid());
   MLE_ASSIGN_OR_RETURN(options.correction.selection, SelectionFromFlags());
   MLE_ASSIGN_OR_RETURN(options.correction.solver, SolverFromFlags());
-  options.conversion.solver = options.correction.solver;
+  if (FLAGS_solver != "ceres") {
+    options.conversion.solver = options.correction.solver;
+  }
   MLE_ASSIGN_OR_RETURN(options.correction.scaling, ScalingFromFlags());
   options.conversion.scaling = options.correction.scaling;
   MLE_RETURN_IF_ERROR(options.Validate(initial));

@@ -10,6 +10,7 @@
 #include "mle/base/status.h"
 #include "mle/regression/duality_gap.h"
 #include "mle/regression/homotopy.h"
+#include "mle/regression/lasso_function_path.h"
 
 namespace mle {
 namespace {
@@ -71,6 +72,14 @@ absl::StatusOr<LassoSolution> SolveLasso(const LassoObjective& objective,
   homotopy.lambda_min = lambdas(0);
   homotopy.certify_at = lambdas;
   MLE_RETURN_IF_ERROR(homotopy.Validate());
+  if (options.solver == LassoSolver::kFunction) {
+    if (!options.function) {
+      return absl::InvalidArgumentError(
+          "lasso: the solver is a function, and none is given");
+    }
+    MLE_RETURN_IF_ERROR(SolveByFunction(objective, options.function, solution));
+    return solution;
+  }
   if (options.solver == LassoSolver::kCoordinateDescent) {
     solution.path = LassoPath(objective.size());
     solution.relative_gap.setZero(lambdas.size());

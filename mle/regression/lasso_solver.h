@@ -1,12 +1,15 @@
 // One lasso problem for every λ of a grid, certified.
 //
-// The homotopy goes as far as it can; where it stops, or where another solver
-// is asked for, coordinate descent with warm starts takes the λ that remain,
-// one after the other, and the path between them is interpolated.
+// The homotopy goes as far as it can; where it stops, or where coordinate
+// descent is asked for, that takes the λ that remain with warm starts, one
+// after the other, and the path between them is interpolated. A solver given as
+// a function is asked for those λ only between which the interpolated path is
+// not certified.
 
 #ifndef MLE_REGRESSION_LASSO_SOLVER_H_
 #define MLE_REGRESSION_LASSO_SOLVER_H_
 
+#include <functional>
 #include <string>
 
 #include "Eigen/Core"
@@ -17,11 +20,17 @@
 
 namespace mle {
 
-enum class LassoSolver { kHomotopy, kCoordinateDescent };
+enum class LassoSolver { kHomotopy, kCoordinateDescent, kFunction };
+
+// β (n) at one λ ≥ 0, from a start nearby (n). Fails where a solve does.
+using LassoFunction = std::function<absl::StatusOr<Eigen::VectorXd>(
+    const LassoObjective& objective, double lambda,
+    const Eigen::VectorXd& start)>;
 
 struct LassoSolverOptions {
   LassoSolver solver = LassoSolver::kHomotopy;
   CoordinateDescentOptions coordinate_descent;
+  LassoFunction function;  // of kFunction; may be called by several threads
 };
 
 struct LassoSolution {
@@ -37,7 +46,8 @@ struct LassoSolution {
 };
 
 // Solves down to the smallest of `lambdas` (ascending, ≥ 0, not empty). Fails
-// on bad input only; a gap that is too large is in the solution.
+// on bad input, or if a function given fails; a gap that is too large is in the
+// solution.
 absl::StatusOr<LassoSolution> SolveLasso(const LassoObjective& objective,
                                          const Eigen::VectorXd& lambdas,
                                          const LassoSolverOptions& options);
