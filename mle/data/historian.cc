@@ -75,6 +75,7 @@ class Importer {
   absl::Status ReadSource(const HistorianProbe& probe, Resampler& resampler);
   absl::Status CheckOrder(const HistorianFile& file, const RecordRows& rows,
                           double time, bool& skip);
+  bool FitsWithin(double time);
   void NoteGap(double time);
   void EndRecord();
   void NoteChannels(const RecordRows& rows);
@@ -92,7 +93,7 @@ class Importer {
   HistorianImport import_;
   double max_gap_ = 0.0;
   double record_start_ = 0.0;
-  bool too_many_ = false;
+  double samples_due_ = 0.0;
   std::int64_t short_pieces_ = 0;
   bool has_last_ = false;
   double last_time_ = 0.0;    // of any row
@@ -190,6 +191,20 @@ absl::Status Importer::CheckOrder(const HistorianFile& file,
   return absl::InvalidArgumentError(message);
 }
 
+// No more samples than allowed, those up to the row at `time` included.
+bool Importer::FitsWithin(double time) {
+  const HistorianReport& report = import_.report;
+  double due = 1.0;
+  if (has_usable_) {
+    const double apart = time - last_usable_;
+    if (apart <= max_gap_ + kGapSteps * report.step) {
+      due = apart / report.sample_time;
+    }
+  }
+  samples_due_ += due;
+  return samples_due_ <= static_cast<double>(options_.max_samples);
+}
+
 void Importer::NoteGap(double time) {
   HistorianReport& report = import_.report;
   if (!has_usable_) return;
@@ -227,16 +242,16 @@ absl::Status Importer::ReadSource(const HistorianProbe& probe,
     // A row without a good sample is none.
     if (!is_usable) continue;
     NoteGap(row.time);
-    resampler.Add(row.time, row.values);
-    has_usable_ = true;
-    last_usable_ = row.time;
-    if (too_many_) {
+    if (!FitsWithin(row.time)) {
       return absl::InvalidArgumentError(
           absl::StrCat(rows.TimePlace(), ": up to here there are more than ",
                        options_.max_samples, " samples, one every ",
                        import_.report.sample_time,
                        "; choose a longer sample_time, or read less at once"));
     }
+    resampler.Add(row.time, row.values);
+    has_usable_ = true;
+    last_usable_ = row.time;
   }
   MLE_RETURN_IF_ERROR(rows.status());
   NoteChannels(rows);
@@ -363,7 +378,6 @@ absl::StatusOr<HistorianImport> Importer::Run(
   values_.resize(num_values());
   is_there_.resize(num_values());
   good_.resize(num_values());
-  std::int64_t samples = 0;
   Resampler resampler(
       {.sample_time = import_.report.sample_time,
        .step = import_.report.step,
@@ -375,8 +389,7 @@ absl::StatusOr<HistorianImport> Importer::Run(
           EndRecord();
           record_start_ = time;
         }
-        too_many_ = ++samples > options_.max_samples;
-        if (!too_many_) builder_.Add(values);
+        builder_.Add(values);
       });
   import_.report.averaged = resampler.averages();
   for (const HistorianProbe& probe : probes_) {

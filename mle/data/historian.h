@@ -86,7 +86,7 @@ struct HistorianOptions {
   // loses as many samples as it has lags for each that is bad.
   bool bridge_outputs = true;
   // Of all records together, > 0: more is an error.
-  std::int64_t max_samples = 100'000'000;
+  std::int64_t max_samples = 20'000'000;
 
   absl::Status Validate(const ProcessModel& channels) const;
 };

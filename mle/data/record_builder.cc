@@ -1,17 +1,22 @@
 #include "mle/data/record_builder.h"
 
+#include <algorithm>
 #include <cstddef>
 
 namespace mle {
 namespace {
 
-constexpr int kBlockSamples = 4096;
+// Large enough for the allocator to give each back to the system by itself.
+constexpr int kBlockBytes = 4 << 20;
 
 }  // namespace
 
 void RecordBuilder::Add(const std::vector<double>& values) {
-  if (samples_ % kBlockSamples == 0) {
-    blocks_.emplace_back().reserve(kBlockSamples * values.size());
+  const std::size_t per_block =
+      std::max<std::size_t>(kBlockBytes / (8 * values.size()), 1) *
+      values.size();
+  if (blocks_.empty() || blocks_.back().size() == per_block) {
+    blocks_.emplace_back().reserve(per_block);
   }
   blocks_.back().insert(blocks_.back().end(), values.begin(), values.end());
   ++samples_;

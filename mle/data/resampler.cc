@@ -83,11 +83,13 @@ void Resampler::AddSegment(double to, const std::vector<double>* values) {
   // How far a row speaks for the time around it.
   const double reach = is_usual ? to - at_ : std::min(step_, to - at_);
   AddPiece(at_, at_ + reach, 0.0, 2 * p, num_values_, last_);
-  if (averages_) {
-    AddPiece(at_, at_ + 0.5 * reach, 0.5, 0, p, last_);
-    if (values != nullptr) AddPiece(to - 0.5 * reach, to, 0.5, 0, p, *values);
-  }
+  if (averages_) AddPiece(at_, at_ + 0.5 * reach, 0.5, 0, p, last_);
   AddPoints(to, values, is_usual);
+  if (values == nullptr) return;
+  // A gap's samples are given away before the row after it takes its own.
+  if (!is_usual) EmitUpTo(to - 1.0);
+  if (averages_) AddPiece(to - 0.5 * reach, to, 0.5, 0, p, *values);
+  if (!averages_) SetOutputs(to, *values);
 }
 
 // `values` hold in [from, to); sample k is the mean over [k, k+1) − shift.
@@ -114,10 +116,10 @@ void Resampler::AddPoints(double to, const std::vector<double>* values,
                           bool is_usual) {
   const int p = options_.num_outputs;
   const double held_until = is_usual ? to : std::min(to, at_ + step_);
-  for (double k = std::max(std::ceil(at_), next_); k < to; k += 1.0) {
+  for (double k = std::max(std::ceil(at_), next_);
+       k < held_until || (k == at_ && k < to); k += 1.0) {
     Cell& cell = CellAt(k);
     for (int v = p; v < 2 * p; ++v) {
-      if (k >= held_until && k > at_) break;
       if (std::isnan(last_[v])) continue;
       cell.sum[v] = last_[v];
       cell.weight[v] = 1.0;
@@ -131,7 +133,6 @@ void Resampler::AddPoints(double to, const std::vector<double>* values,
       cell.weight[v] = 1.0;
     }
   }
-  if (!averages_ && values != nullptr) SetOutputs(to, *values);
 }
 
 // Outputs of a row that stands at a sample.
