@@ -63,7 +63,7 @@ void WriteRows(const Problem& problem, const LassoProblem& lasso,
     y.middleRows(row, count) = part.responses.row(0).transpose();
     row += count;
   }
-  x.rowwise() -= lasso.regressor_mean.transpose();
+  x.rowwise() -= lasso.regressor_mean.col(0).transpose();
   x.array().rowwise() /= lasso.scale.transpose().array();
   y.array() -= lasso.response_mean(0);
   Write(x, dir + "/x.npy");

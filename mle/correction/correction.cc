@@ -23,6 +23,11 @@ absl::Status CorrectionOptions::Validate() const {
           lambdas(i)));
     }
   }
+  if (window_intercepts && scaling == Scaling::kRaw) {
+    return absl::InvalidArgumentError(
+        "an intercept for each window needs centred data, but the scaling is "
+        "raw");
+  }
   return selection.Validate();
 }
 
@@ -112,15 +117,16 @@ absl::StatusOr<Correction> CorrectModel(const ArxModel& initial,
         options.penalty_weights.rows(), options.penalty_weights.cols(),
         initial.num_outputs, initial.num_regressors()));
   }
-  MLE_ASSIGN_OR_RETURN(
-      correction.data_,
-      RegressionData::Create(windows, initial, options.scaling));
+  MLE_ASSIGN_OR_RETURN(correction.data_,
+                       RegressionData::Create(windows, initial, options.scaling,
+                                              options.window_intercepts));
   std::vector<RegressionRows> all;
   for (int i = 0; i < correction.data_.num_windows(); ++i) {
     const std::vector<RegressionRows>& rows = correction.data_.window(i);
     all.insert(all.end(), rows.begin(), rows.end());
   }
-  correction.moments_ = ComputeLaggedMoments(all);
+  correction.moments_ =
+      ComputeLaggedMoments(all, correction.data_.num_groups());
   correction.problem_ = MakeLassoProblem(correction.moments_, options.scaling);
   for (int i = 0; i < correction.problem_.num_responses(); ++i) {
     MLE_ASSIGN_OR_RETURN(

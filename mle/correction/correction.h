@@ -31,6 +31,9 @@ struct CorrectionOptions {
   // Ascending, ≥ 0, not empty; the paper's are 0, 1e-6, …, 1e-2.
   Eigen::VectorXd lambdas;
   Scaling scaling = Scaling::kStandardise;
+  // An intercept for each window rather than one for all: for records whose
+  // operating points, or slow disturbances, differ. Only if standardised.
+  bool window_intercepts = false;
   // p × n, or empty for ones: weight of each coefficient's penalty, ≥ 0. 0
   // leaves it free, ∞ holds it: for inputs known not to reach an output, or
   // lags shorter than a known dead time.

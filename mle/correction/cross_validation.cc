@@ -18,8 +18,8 @@ class FoldFit {
   FoldFit(std::vector<LaggedMoments>& moments, std::size_t fold,
           const CrossValidationOptions& options)
       : options_(options), own_(moments[fold]) {
-    LaggedMoments others =
-        LaggedMoments::Zero(own_.num_regressors(), own_.num_responses());
+    LaggedMoments others = LaggedMoments::Zero(
+        own_.num_regressors(), own_.num_responses(), own_.num_groups());
     for (std::size_t g = 0; g < moments.size(); ++g) {
       if (g != fold) others += moments[g];
     }
@@ -122,7 +122,9 @@ absl::StatusOr<FoldLosses> CrossValidate(
   CHECK_GE(folds.size(), 2U);
   const Eigen::VectorXd& lambdas = options.lambdas;
   std::vector<LaggedMoments> moments;
-  for (const Fold& fold : folds) moments.push_back(ComputeLaggedMoments(fold));
+  for (const Fold& fold : folds) {
+    moments.push_back(ComputeLaggedMoments(fold, data.num_groups()));
+  }
   const auto count = static_cast<Eigen::Index>(folds.size());
   FoldLosses losses;
   losses.weight.resize(count);

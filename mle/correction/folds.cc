@@ -37,7 +37,8 @@ std::vector<RegressionRows> SplitIntoBlocks(const RegressionRows& rows,
     blocks.push_back(
         {rows.series,
          {first, last},
-         rows.responses.middleCols(rows.rows.last - last, last - first + 1)});
+         rows.responses.middleCols(rows.rows.last - last, last - first + 1),
+         rows.group});
   }
   return blocks;
 }

@@ -30,7 +30,8 @@ absl::Status CheckWindow(const Record& window, const ArxModel& model,
 }  // namespace
 
 absl::StatusOr<RegressionData> RegressionData::Create(
-    absl::Span<const Record> windows, const ArxModel& model, Scaling scaling) {
+    absl::Span<const Record> windows, const ArxModel& model, Scaling scaling,
+    bool window_intercepts) {
   MLE_RETURN_IF_ERROR(model.Validate());
   if (windows.empty()) {
     return absl::InvalidArgumentError(
@@ -47,14 +48,19 @@ absl::StatusOr<RegressionData> RegressionData::Create(
   RegressionData data;
   data.order_ = model.order;
   data.model_R_ = model.R;
+  if (window_intercepts) data.num_groups_ = static_cast<int>(windows.size());
   for (std::size_t i = 0; i < windows.size(); ++i) {
+    if (scaling == Scaling::kStandardise && window_intercepts) {
+      offset = ChannelMeans({windows[i]});
+    }
+    const int group = window_intercepts ? static_cast<int>(i) : 0;
     const LaggedSeries& series =
         data.series_.emplace_back(windows[i], model.order, offset);
     std::vector<RegressionRows>& rows = data.rows_.emplace_back();
     for (const RowRange range : series.UsableRows()) {
       Eigen::MatrixXd residual = series.Outputs(range);
       residual.noalias() -= model.R * series.Regressors(range);
-      rows.push_back({&series, range, std::move(residual)});
+      rows.push_back({&series, range, std::move(residual), group});
     }
     if (rows.empty()) {
       return absl::InvalidArgumentError(absl::StrFormat(

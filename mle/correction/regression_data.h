@@ -31,11 +31,14 @@ class RegressionData {
   // model's, or if a window leaves no row (its length and the order are named).
   static absl::StatusOr<RegressionData> Create(absl::Span<const Record> windows,
                                                const ArxModel& model,
-                                               Scaling scaling);
+                                               Scaling scaling,
+                                               bool window_intercepts = false);
 
   int order() const { return order_; }                         // d
   const Eigen::MatrixXd& model_R() const { return model_R_; }  // p × n
 
+  // 1, or with an intercept for each window their number.
+  int num_groups() const { return num_groups_; }
   int num_windows() const { return static_cast<int>(rows_.size()); }
   // The usable rows of one window with their responses.
   const std::vector<RegressionRows>& window(int number) const {
@@ -44,6 +47,7 @@ class RegressionData {
 
  private:
   int order_ = 0;
+  int num_groups_ = 1;
   Eigen::MatrixXd model_R_;
   std::deque<LaggedSeries> series_;  // rows point into it
   std::vector<std::vector<RegressionRows>> rows_;

@@ -16,7 +16,7 @@ namespace {
 // that some lags miss are gone through lag by lag, and nothing is subtracted,
 // so that every sum is as good as one of its own.
 void AddWindowSums(const LaggedSeries& series, RowRange rows,
-                   Eigen::VectorXd& sums, Eigen::VectorXd& squares) {
+                   Eigen::Ref<Eigen::VectorXd> sums, Eigen::VectorXd& squares) {
   const int c = series.num_channels();
   const int d = series.order();
   if (rows.rows() < d) {
@@ -60,8 +60,10 @@ void AddDataSums(const RegressionRows& part, Eigen::VectorXd& squares,
   AddLaggedProducts(regressors, series.Samples(part.rows, /*lag=*/1),
                     moments.gram.leftCols(series.num_channels()));
   AddLaggedProducts(regressors, part.responses, moments.cross);
-  AddWindowSums(series, part.rows, moments.regressor_sum, squares);
-  moments.response_sum += part.responses.rowwise().sum();
+  AddWindowSums(series, part.rows, moments.regressor_sum.col(part.group),
+                squares);
+  moments.response_sum.col(part.group) += part.responses.rowwise().sum();
+  moments.group_rows(part.group) += static_cast<double>(part.rows.rows());
   moments.response_squares += part.responses.rowwise().squaredNorm();
   moments.rows += part.rows.rows();
 }
@@ -109,38 +111,43 @@ void ExtendGram(const Eigen::MatrixXd& entering, const Eigen::MatrixXd& leaving,
 
 }  // namespace
 
-LaggedMoments LaggedMoments::Zero(int num_regressors, int num_responses) {
+LaggedMoments LaggedMoments::Zero(int num_regressors, int num_responses,
+                                  int num_groups) {
   LaggedMoments zero;
   zero.gram.setZero(num_regressors, num_regressors);
   zero.cross.setZero(num_regressors, num_responses);
-  zero.regressor_sum.setZero(num_regressors);
-  zero.response_sum.setZero(num_responses);
   zero.response_squares.setZero(num_responses);
+  zero.group_rows.setZero(num_groups);
+  zero.regressor_sum.setZero(num_regressors, num_groups);
+  zero.response_sum.setZero(num_responses, num_groups);
   return zero;
 }
 
 LaggedMoments& LaggedMoments::operator+=(const LaggedMoments& other) {
   CHECK_EQ(num_regressors(), other.num_regressors());
   CHECK_EQ(num_responses(), other.num_responses());
+  CHECK_EQ(num_groups(), other.num_groups());
   rows += other.rows;
   gram += other.gram;
   cross += other.cross;
+  response_squares += other.response_squares;
+  group_rows += other.group_rows;
   regressor_sum += other.regressor_sum;
   response_sum += other.response_sum;
-  response_squares += other.response_squares;
   return *this;
 }
 
-LaggedMoments ComputeLaggedMoments(absl::Span<const RegressionRows> rows) {
+LaggedMoments ComputeLaggedMoments(absl::Span<const RegressionRows> rows,
+                                   int num_groups) {
   CHECK(!rows.empty());
   const int n = rows.front().series->num_regressors();
   const int c = rows.front().series->num_channels();
-  LaggedMoments moments =
-      LaggedMoments::Zero(0, static_cast<int>(rows.front().responses.rows()));
+  LaggedMoments moments = LaggedMoments::Zero(
+      0, static_cast<int>(rows.front().responses.rows()), num_groups);
   moments.gram = UninitialisedGram(n);
   moments.gram.leftCols(c).setZero();
   moments.cross.setZero(n, moments.cross.cols());
-  moments.regressor_sum.setZero(n);
+  moments.regressor_sum.setZero(n, num_groups);
   Eigen::VectorXd squares = Eigen::VectorXd::Zero(n);
   Eigen::MatrixXd entering(n - c, rows.size());
   Eigen::MatrixXd leaving(n - c, rows.size());
@@ -149,6 +156,7 @@ LaggedMoments ComputeLaggedMoments(absl::Span<const RegressionRows> rows) {
     const RowRange range = rows[r].rows;
     CHECK_EQ(series.num_regressors(), n);
     CHECK_EQ(rows[r].responses.cols(), range.rows());
+    CHECK(rows[r].group >= 0 && rows[r].group < num_groups);
     AddDataSums(rows[r], squares, moments);
     // x_{k₁} and x_{k₀−1} without the oldest block, which row k₀ may lack.
     leaving.col(r) =

@@ -3,7 +3,8 @@
 //   S = Σ x_k x_kᵀ,  Σ x_k e_kᵀ,  Σ x_k,  Σ e_k,  Σ e_k².
 //
 // They are additive over sets of rows, and all a linear regression on those
-// rows needs; centring and scaling come afterwards (lasso_problem.h).
+// rows needs; centring and scaling come afterwards (lasso_problem.h). First
+// sums are kept by group (g of them): rows of a group share an intercept.
 //
 // S is built without forming X. For consecutive rows k₀ … k₁ the c × c blocks
 // obey
@@ -34,27 +35,34 @@ struct RegressionRows {
   RowRange rows;
   // q × rows, column i belongs to sample last − i (as the series' views).
   Eigen::MatrixXd responses;
+  int group = 0;
 };
 
 struct LaggedMoments {
   std::int64_t rows = 0;             // N
   Eigen::MatrixXd gram;              // n × n, Σ x xᵀ
   Eigen::MatrixXd cross;             // n × q, Σ x eᵀ
-  Eigen::VectorXd regressor_sum;     // n
-  Eigen::VectorXd response_sum;      // q
   Eigen::VectorXd response_squares;  // q, Σ e²
+  // By group.
+  Eigen::VectorXd group_rows;     // g, adding up to N
+  Eigen::MatrixXd regressor_sum;  // n × g
+  Eigen::MatrixXd response_sum;   // q × g
 
   // All zero.
-  static LaggedMoments Zero(int num_regressors, int num_responses);
+  static LaggedMoments Zero(int num_regressors, int num_responses,
+                            int num_groups = 1);
 
+  int num_groups() const { return static_cast<int>(group_rows.size()); }
   int num_regressors() const { return static_cast<int>(gram.rows()); }
   int num_responses() const { return static_cast<int>(cross.cols()); }
 
   LaggedMoments& operator+=(const LaggedMoments& other);
 };
 
-// Sums over all `rows`, which share n and q. Values must be finite.
-LaggedMoments ComputeLaggedMoments(absl::Span<const RegressionRows> rows);
+// Sums over all `rows`, which share n and q and belong to groups below
+// `num_groups`. Values must be finite.
+LaggedMoments ComputeLaggedMoments(absl::Span<const RegressionRows> rows,
+                                   int num_groups = 1);
 
 }  // namespace mle
 

@@ -36,22 +36,30 @@ LassoProblem MakeLassoProblem(LaggedMoments moments, Scaling scaling) {
   problem.correlation = moments.cross / rows;
   problem.response_square = moments.response_squares / rows;
 
-  if (scaling == Scaling::kRaw) {
-    problem.regressor_mean.setZero(n);
-    problem.response_mean.setZero(moments.num_responses());
-  } else {
-    problem.regressor_mean = moments.regressor_sum / rows;
-    problem.response_mean = moments.response_sum / rows;
+  problem.group_rows = moments.group_rows;
+  problem.regressor_mean.setZero(n, moments.num_groups());
+  problem.response_mean.setZero(moments.num_responses(), moments.num_groups());
+  if (scaling == Scaling::kStandardise) {
+    const Eigen::ArrayXd divisor = moments.group_rows.array().max(1.0);
+    problem.regressor_mean =
+        moments.regressor_sum * divisor.inverse().matrix().asDiagonal();
+    problem.response_mean =
+        moments.response_sum * divisor.inverse().matrix().asDiagonal();
   }
-  const Eigen::VectorXd& mean = problem.regressor_mean;
-  problem.correlation.noalias() -= mean * problem.response_mean.transpose();
-  problem.response_square -= problem.response_mean.cwiseAbs2();
+  // Means by the root of their group's part of the rows: what centring takes
+  // off is Σ_g m_g m_gᵀ.
+  const Eigen::VectorXd root_part = (moments.group_rows / rows).cwiseSqrt();
+  const Eigen::MatrixXd mean = problem.regressor_mean * root_part.asDiagonal();
+  const Eigen::MatrixXd response_mean =
+      problem.response_mean * root_part.asDiagonal();
+  problem.correlation.noalias() -= mean * response_mean.transpose();
+  problem.response_square -= response_mean.rowwise().squaredNorm();
   problem.response_square = problem.response_square.cwiseMax(0.0);
 
   problem.scale.setOnes(n);
   for (int j = 0; j < n; ++j) {
     const double second_moment = problem.gram(j, j) / rows;
-    const double variance = second_moment - mean(j) * mean(j);
+    const double variance = second_moment - mean.row(j).squaredNorm();
     if (variance <= ConstantTolerance(rows) * second_moment) {
       problem.scale(j) = 0.0;
       problem.constant_regressors.push_back(j);
@@ -64,10 +72,12 @@ LassoProblem MakeLassoProblem(LaggedMoments moments, Scaling scaling) {
           .select(problem.scale.array().inverse(), 0.0);
   // In this order of operations G stays symmetric to the bit.
   for (int j = 0; j < n; ++j) {
-    problem.gram.col(j) =
-        ((problem.gram.col(j) / rows - mean(j) * mean).array() *
-         (inverse_scale * inverse_scale(j)))
-            .matrix();
+    auto column = problem.gram.col(j);
+    column /= rows;
+    for (Eigen::Index g = 0; g < mean.cols(); ++g) {
+      column -= mean(j, g) * mean.col(g);
+    }
+    column.array() *= inverse_scale * inverse_scale(j);
   }
   problem.correlation.array().colwise() *= inverse_scale;
   return problem;

@@ -9,7 +9,8 @@
 //
 // Standardised as MATLAB's `lasso` does by default: centred, each regressor of
 // unit variance (1/N), the response not scaled. A fit in original units is
-// e ≈ b₀ + bᵀx with b_j = β_j / scale_j.
+// e ≈ b₀ + bᵀx with b_j = β_j / scale_j. Where the rows are in groups, each
+// group is centred by its own means, that is, has an intercept b₀ of its own.
 
 #ifndef MLE_REGRESSION_LASSO_PROBLEM_H_
 #define MLE_REGRESSION_LASSO_PROBLEM_H_
@@ -34,8 +35,9 @@ struct LassoProblem {
   Eigen::MatrixXd gram;             // n × n, G
   Eigen::MatrixXd correlation;      // n × q, C of each response
   Eigen::VectorXd response_square;  // q, v
-  Eigen::VectorXd regressor_mean;   // n; zero when raw
-  Eigen::VectorXd response_mean;    // q; zero when raw
+  Eigen::VectorXd group_rows;       // g, adding up to N
+  Eigen::MatrixXd regressor_mean;   // n × g; zero when raw, or without rows
+  Eigen::MatrixXd response_mean;    // q × g; likewise
   Eigen::VectorXd scale;            // n; 1 when raw, 0 for a constant column
   // Columns without variation. Their rows and columns of G are zero and their
   // coefficients stay zero.

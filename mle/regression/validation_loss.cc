@@ -13,29 +13,39 @@ ValidationRows::ValidationRows(const LassoProblem& fitted,
   CHECK_EQ(fitted.num_responses(), validation.num_responses());
   CHECK_GT(validation.rows, 0);
   const double rows = static_cast<double>(validation.rows);
-  const Eigen::VectorXd& mean = fitted.regressor_mean;
-  const Eigen::VectorXd& response_mean = fitted.response_mean;
-  const Eigen::VectorXd own_mean = validation.regressor_sum / rows;
-  const Eigen::VectorXd own_response_mean = validation.response_sum / rows;
+  CHECK_EQ(fitted.group_rows.size(), validation.num_groups());
   const Eigen::VectorXd inverse_scale =
       fitted.Unscale(Eigen::VectorXd::Ones(fitted.num_regressors()));
 
   // Moments about the fitted means: E[(x − x̄)(x − x̄)ᵀ] and so on.
-  gram_.resize(mean.size(), mean.size());
-  for (Eigen::Index j = 0; j < mean.size(); ++j) {
-    gram_.col(j) = (validation.gram.col(j) / rows - own_mean(j) * mean -
-                    mean(j) * (own_mean - mean))
-                       .cwiseProduct(inverse_scale) *
-                   inverse_scale(j);
-  }
+  gram_ = validation.gram / rows;
   correlation_ = validation.cross / rows;
-  correlation_.noalias() -= own_mean * response_mean.transpose();
-  correlation_.noalias() -=
-      mean * (own_response_mean - response_mean).transpose();
+  response_square_ = validation.response_squares / rows;
+  for (Eigen::Index g = 0; g < validation.num_groups(); ++g) {
+    if (validation.group_rows(g) == 0.0) continue;
+    const double part = validation.group_rows(g) / rows;
+    const Eigen::VectorXd own_mean =
+        validation.regressor_sum.col(g) / validation.group_rows(g);
+    const Eigen::VectorXd own_response_mean =
+        validation.response_sum.col(g) / validation.group_rows(g);
+    const bool seen = fitted.group_rows(g) > 0.0;
+    const Eigen::VectorXd mean = seen ? fitted.regressor_mean.col(g) : own_mean;
+    const Eigen::VectorXd response_mean =
+        seen ? fitted.response_mean.col(g) : own_response_mean;
+    for (Eigen::Index j = 0; j < mean.size(); ++j) {
+      gram_.col(j) -= part * (own_mean(j) * mean + mean(j) * (own_mean - mean));
+    }
+    correlation_.noalias() -= part * own_mean * response_mean.transpose();
+    correlation_.noalias() -=
+        part * mean * (own_response_mean - response_mean).transpose();
+    response_square_ -=
+        part * (2.0 * own_response_mean.cwiseProduct(response_mean) -
+                response_mean.cwiseAbs2());
+  }
+  for (Eigen::Index j = 0; j < gram_.cols(); ++j) {
+    gram_.col(j).array() *= inverse_scale.array() * inverse_scale(j);
+  }
   correlation_.array().colwise() *= inverse_scale.array();
-  response_square_ = (validation.response_squares / rows -
-                      2.0 * own_response_mean.cwiseProduct(response_mean) +
-                      response_mean.cwiseAbs2());
 }
 
 PiecewiseQuadratic ValidationRows::Loss(const LassoPath& path,

@@ -6,7 +6,9 @@
 //   V(λ) = 1/(2N_v) Σ_k (e_k − ê_k(λ))²
 //
 // is a quadratic in β and so piecewise quadratic in λ along the path: it needs
-// the moments of the other rows only, and is exact for every λ.
+// the moments of the other rows only, and is exact for every λ. Where the rows
+// are in groups with a mean each, a group that the fit has not seen is
+// predicted about its own mean.
 
 #ifndef MLE_REGRESSION_VALIDATION_LOSS_H_
 #define MLE_REGRESSION_VALIDATION_LOSS_H_

@@ -93,6 +93,28 @@ TEST(CorrectModelTest, FindsTheCoefficientThatChanged) {
   }
 }
 
+// With an intercept for each window the records may lie at operating points of
+// their own.
+TEST(CorrectModelTest, WindowInterceptsTakeUpOffsets) {
+  for (const auto rule : {SelectionOptions::Rule::kLeaveChangeOut,
+                          SelectionOptions::Rule::kBlocks}) {
+    CorrectionOptions options = Options();
+    options.window_intercepts = true;
+    options.selection.rule = rule;
+    const Correction at_rest = Correct(Believed(), Windows(), options);
+    std::vector<Record> moved = Windows();
+    moved[0].outputs.array() += 4.0;
+    moved[1].inputs.array() -= 7.0;
+    const Correction correction = Correct(Believed(), moved, options);
+    EXPECT_NEAR(correction.selection().lambda_star(0),
+                at_rest.selection().lambda_star(0), 1e-6);
+    EXPECT_TRUE(correction.Model(1e-3).R.isApprox(at_rest.Model(1e-3).R, 1e-9));
+    options.window_intercepts = false;
+    const Correction common = Correct(Believed(), moved, options);
+    EXPECT_FALSE(common.Model(1e-3).R.isApprox(at_rest.Model(1e-3).R, 1e-3));
+  }
+}
+
 TEST(CorrectModelTest, ChangesNothingFromLambdaMaxOn) {
   const Correction correction = Correct(Believed(), Windows());
   EXPECT_EQ(correction.Model(1e3).R, Believed().R);

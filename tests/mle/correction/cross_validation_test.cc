@@ -51,7 +51,7 @@ DirectLosses Direct(const std::vector<Fold>& folds, Scaling scaling,
       losses.penalty += weight(fold) * lambda * beta.lpNorm<1>();
       const Eigen::VectorXd b = problem.Unscale(beta);
       const double intercept =
-          problem.response_mean(q) - b.dot(problem.regressor_mean);
+          problem.response_mean(q, 0) - b.dot(problem.regressor_mean.col(0));
       double sum = 0.0;
       double count = 0.0;
       for (const RegressionRows& rows : folds[f]) {

@@ -55,8 +55,8 @@ LaggedMoments Dense(absl::Span<const RegressionRows> rows) {
     const Eigen::MatrixXd X = part.series->Regressors(part.rows);
     sums.gram += X * X.transpose();
     sums.cross += X * part.responses.transpose();
-    sums.regressor_sum += X.rowwise().sum();
-    sums.response_sum += part.responses.rowwise().sum();
+    sums.regressor_sum.col(0) += X.rowwise().sum();
+    sums.response_sum.col(0) += part.responses.rowwise().sum();
     sums.response_squares += part.responses.rowwise().squaredNorm();
     sums.rows += X.cols();
   }

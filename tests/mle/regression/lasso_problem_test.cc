@@ -84,6 +84,42 @@ TEST(MakeLassoProblemTest, StandardisesAsTheDenseMatrixWouldBe) {
       problem.Unscale(beta).isApprox(beta.cwiseQuotient(scale), kTolerance));
 }
 
+// Each group about its own means, and divided by the spread about them.
+TEST(MakeLassoProblemTest, CentresEachGroupByItself) {
+  const Window window(RandomRecord(200), 3, {3, 199});
+  RegressionRows parts[] = {window.rows, window.rows};
+  parts[0].rows = {3, 89};
+  parts[1].rows = {90, 199};
+  parts[1].group = 2;  // and none in group 1
+  parts[0].responses = window.rows.responses.rightCols(87);
+  parts[1].responses = window.rows.responses.leftCols(110).array() + 5.0;
+  const LassoProblem problem = MakeLassoProblem(
+      ComputeLaggedMoments(parts, /*num_groups=*/3), Scaling::kStandardise);
+
+  Eigen::MatrixXd Z(12, 197);
+  Eigen::MatrixXd f(2, 197);
+  int first = 0;
+  for (const RegressionRows& part : parts) {
+    const Eigen::MatrixXd X = window.series.Regressors(part.rows);
+    const Eigen::VectorXd mean = X.rowwise().mean();
+    Z.middleCols(first, X.cols()) = X.colwise() - mean;
+    f.middleCols(first, X.cols()) =
+        part.responses.colwise() - part.responses.rowwise().mean();
+    EXPECT_TRUE(problem.regressor_mean.col(part.group).isApprox(mean, 1e-12));
+    first += static_cast<int>(X.cols());
+  }
+  const Eigen::VectorXd scale = (Z.rowwise().squaredNorm() / 197.0).cwiseSqrt();
+  Z = scale.asDiagonal().inverse() * Z;
+  EXPECT_TRUE(problem.scale.isApprox(scale, kTolerance));
+  EXPECT_TRUE(problem.gram.isApprox(Z * Z.transpose() / 197.0, kTolerance));
+  EXPECT_TRUE(
+      problem.correlation.isApprox(Z * f.transpose() / 197.0, kTolerance));
+  EXPECT_TRUE(problem.response_square.isApprox(
+      f.rowwise().squaredNorm() / 197.0, kTolerance));
+  EXPECT_TRUE(problem.regressor_mean.col(1).isZero(0.0));
+  EXPECT_EQ(problem.gram, problem.gram.transpose());
+}
+
 TEST(MakeLassoProblemTest, RawLeavesEverythingAsItIs) {
   const Window window(RandomRecord(200), 3, {3, 199});
   const LassoProblem problem = window.Problem(Scaling::kRaw);

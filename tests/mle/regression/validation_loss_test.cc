@@ -58,8 +58,8 @@ class ValidationLossTest : public ::testing::TestWithParam<Scaling> {
   // 1/(2N) Σ (e − b₀ − bᵀx)², row by row.
   double DirectLoss(const Eigen::VectorXd& beta, int response) const {
     const Eigen::VectorXd b = problem_.Unscale(beta);
-    const double intercept =
-        problem_.response_mean(response) - b.dot(problem_.regressor_mean);
+    const double intercept = problem_.response_mean(response, 0) -
+                             b.dot(problem_.regressor_mean.col(0));
     const auto X = series_.Regressors(validation_.rows);
     double sum = 0.0;
     for (Eigen::Index k = 0; k < X.cols(); ++k) {
@@ -92,6 +92,31 @@ TEST_P(ValidationLossTest, IsTheLossOfTheRows) {
       EXPECT_GE(piece.curvature, 0.0);
       EXPECT_NEAR(loss(piece.lambda_begin), piece.value, 1e-12 * piece.value);
     }
+  }
+}
+
+// A group that was fitted is predicted about the fitted means, another about
+// its own.
+TEST_P(ValidationLossTest, KnowsTheMeansOfGroups) {
+  if (GetParam() == Scaling::kRaw) return;
+  for (const int group : {0, 1}) {
+    RegressionRows fitted = fitted_;
+    fitted.group = group;
+    const ValidationRows one(problem_, ComputeLaggedMoments({&validation_, 1}));
+    const LassoProblem problem =
+        MakeLassoProblem(ComputeLaggedMoments({&fitted, 1}, 2), GetParam());
+    const ValidationRows rows(problem,
+                              ComputeLaggedMoments({&validation_, 1}, 2));
+    const LassoPath path = Path(0);
+    const double lambda = 0.1 * path.lambda_begin();
+    const double loss = rows.Loss(path, 0)(lambda);
+    const Eigen::VectorXd b = problem.Unscale(path.Coefficients(lambda));
+    const Eigen::RowVectorXd error =
+        validation_.responses.row(0) -
+        b.transpose() * series_.Regressors(validation_.rows);
+    const double spread = (error.array() - error.mean()).square().sum() / 180.0;
+    const double expected = group == 0 ? one.Loss(path, 0)(lambda) : spread;
+    EXPECT_NEAR(loss, expected, 1e-12 * expected);
   }
 }
 
