@@ -87,8 +87,11 @@ DEFINE_int32(selection_folds, 5, "Folds of --selection=blocks, ≥ 2.");
 DEFINE_int32(selection_block, 0,
              "Length of a block of --selection=blocks, in samples; 0: twice "
              "--order.");
+DEFINE_int32(selection_phases, 2,
+             "How often --selection=blocks cuts the records, each time that "
+             "part of a block later, ≥ 1.");
 DEFINE_int32(
-    selection_horizon, -1,
+    selection_horizon, 1,
     "Samples predicted in cross-validation before measured outputs are used "
     "again; 1: one step ahead, 0: the whole window (simulation), -1: a fifth "
     "of --order. The rule paper always has 1.");
@@ -243,7 +246,13 @@ absl::StatusOr<SelectionOptions> SelectionFromFlags() {
                      "window or -1 for a fifth of --order"));
   }
   selection.folds = FLAGS_selection_folds;
+  if (FLAGS_selection_phases < 1) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("--selection_phases=", FLAGS_selection_phases,
+                     ": it must be at least 1"));
+  }
   selection.block_length = FLAGS_selection_block;
+  selection.phases = FLAGS_selection_phases;
   selection.horizon = FLAGS_selection == "paper" ? 1 : FLAGS_selection_horizon;
   selection.one_standard_error = FLAGS_selection_one_standard_error;
   selection.per_output = FLAGS_selection_per_output;

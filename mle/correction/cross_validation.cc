@@ -1,6 +1,7 @@
 #include "mle/correction/cross_validation.h"
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -114,6 +115,27 @@ Eigen::VectorXd AheadLoss(const RegressionData& data, const Fold& fold,
 
 Eigen::VectorXd PenaltyWeights(const Eigen::MatrixXd& all, int output) {
   return all.size() > 0 ? Eigen::VectorXd(all.row(output)) : Eigen::VectorXd();
+}
+
+void FoldLosses::Append(FoldLosses more) {
+  if (values.empty()) {
+    *this = std::move(more);
+    return;
+  }
+  CHECK_EQ(values.size(), more.values.size());
+  const auto stack = [](const auto& above, const auto& below) {
+    Eigen::MatrixXd both(above.rows() + below.rows(), above.cols());
+    both << above, below;
+    return both;
+  };
+  for (std::size_t q = 0; q < values.size(); ++q) {
+    values[q] = stack(values[q], more.values[q]);
+  }
+  weight = stack(weight, more.weight);
+  exact.insert(exact.end(), std::make_move_iterator(more.exact.begin()),
+               std::make_move_iterator(more.exact.end()));
+  penalty += more.penalty;
+  max_relative_gap = std::max(max_relative_gap, more.max_relative_gap);
 }
 
 absl::StatusOr<FoldLosses> CrossValidate(

@@ -41,6 +41,9 @@ struct FoldLosses {
   Eigen::VectorXd penalty;
   Eigen::VectorXd weight;         // of each fold: its rows over the mean fold's
   double max_relative_gap = 0.0;  // of all fits, at every λ of the grid
+
+  // Adds the folds of another partition of the rows.
+  void Append(FoldLosses more);
 };
 
 // The weights of one output's coefficients; empty for ones.

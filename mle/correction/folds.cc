@@ -12,12 +12,12 @@ std::vector<Fold> FoldsByWindow(const RegressionData& data) {
 }
 
 std::vector<Fold> FoldsByBlock(const RegressionData& data, int count,
-                               int block_length) {
+                               int block_length, int shift) {
   std::vector<Fold> folds(count);
   std::size_t next = 0;
   for (int i = 0; i < data.num_windows(); ++i) {
     for (const RegressionRows& rows : data.window(i)) {
-      for (RegressionRows& block : SplitIntoBlocks(rows, block_length)) {
+      for (RegressionRows& block : SplitIntoBlocks(rows, block_length, shift)) {
         folds[next++ % folds.size()].push_back(std::move(block));
       }
     }
@@ -27,19 +27,25 @@ std::vector<Fold> FoldsByBlock(const RegressionData& data, int count,
 }
 
 std::vector<RegressionRows> SplitIntoBlocks(const RegressionRows& rows,
-                                            int length) {
+                                            int length, int shift) {
+  const auto [first, last] = rows.rows;
   std::vector<RegressionRows> blocks;
-  const int count = std::max(rows.rows.rows() / length, 1);
-  for (int i = 0; i < count; ++i) {
-    const int first = rows.rows.first + i * length;
-    const int last = i + 1 < count ? first + length - 1 : rows.rows.last;
-    // Responses run backwards in time.
-    blocks.push_back(
-        {rows.series,
-         {first, last},
-         rows.responses.middleCols(rows.rows.last - last, last - first + 1),
-         rows.group});
+  // Responses run backwards in time.
+  const auto add = [&](int begin, int end) {
+    blocks.push_back({rows.series,
+                      {begin, end},
+                      rows.responses.middleCols(last - end, end - begin + 1),
+                      rows.group});
+  };
+  int next = first;
+  if (shift > 0 && rows.rows.rows() >= 2 * shift) {
+    add(first, first + shift - 1);
+    next += shift;
   }
+  for (; last - next + 1 >= 2 * length; next += length) {
+    add(next, next + length - 1);
+  }
+  add(next, last);
   return blocks;
 }
 

@@ -141,6 +141,32 @@ SelectionSummary ChooseByCriterion(const LaggedMoments& moments,
   return summary;
 }
 
+// The ways to deal the rows into folds whose losses are added.
+absl::StatusOr<std::vector<std::vector<Fold>>> Partitions(
+    const RegressionData& data, const SelectionOptions& options) {
+  std::vector<std::vector<Fold>> partitions;
+  if (options.rule == Rule::kLeaveChangeOut) {
+    partitions.push_back(FoldsByWindow(data));
+    if (partitions.front().size() >= 2) return partitions;
+    return absl::InvalidArgumentError(
+        "there is 1 set-point change; leaving a change out needs at least 2. "
+        "Choose λ by blocks instead");
+  }
+  const int length = options.BlockLength(data.order());
+  for (int phase = 0; phase < options.phases; ++phase) {
+    std::vector<Fold> folds = FoldsByBlock(data, options.folds, length,
+                                           phase * length / options.phases);
+    if (folds.size() < 2) {
+      return absl::InvalidArgumentError(
+          absl::StrFormat("the records make a single block of %d rows; "
+                          "cross-validation needs at least 2 blocks",
+                          length));
+    }
+    partitions.push_back(std::move(folds));
+  }
+  return partitions;
+}
+
 }  // namespace
 
 absl::Status SelectionOptions::Validate() const {
@@ -153,6 +179,10 @@ absl::Status SelectionOptions::Validate() const {
         "block_length is %d samples; it must be at least 1, or 0 for the "
         "default",
         block_length));
+  }
+  if (phases < 1) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("phases is %d; it must be at least 1", phases));
   }
   if (horizon < -1) {
     return absl::InvalidArgumentError(absl::StrFormat(
@@ -177,22 +207,8 @@ absl::StatusOr<SelectionSummary> SelectLambda(
     const LassoProblem& problem, absl::Span<const LassoSolution> fits,
     const SelectionOptions& options, const LassoSolverOptions& solver) {
   MLE_RETURN_IF_ERROR(options.Validate());
-  const bool blocks = options.rule == Rule::kBlocks;
-  if (!blocks && options.rule != Rule::kLeaveChangeOut) {
+  if (options.rule != Rule::kBlocks && options.rule != Rule::kLeaveChangeOut) {
     return ChooseByCriterion(moments, problem, fits, options);
-  }
-  const int length = options.BlockLength(data.order());
-  const std::vector<Fold> folds =
-      blocks ? FoldsByBlock(data, options.folds, length) : FoldsByWindow(data);
-  if (folds.size() < 2) {
-    return absl::InvalidArgumentError(
-        blocks ? absl::StrFormat("the records make a single block of %d rows; "
-                                 "cross-validation needs at least 2 blocks",
-                                 length)
-               : absl::StrFormat(
-                     "there is %d set-point change; leaving a change out needs "
-                     "at least 2. Choose λ by blocks instead",
-                     folds.size()));
   }
   CrossValidationOptions cross_validation;
   cross_validation.scaling = scaling;
@@ -203,8 +219,14 @@ absl::StatusOr<SelectionSummary> SelectLambda(
                                  ? cross_validation.grid
                                  : Thin(cross_validation.grid);
   cross_validation.solver = solver;
-  MLE_ASSIGN_OR_RETURN(const FoldLosses losses,
-                       CrossValidate(data, folds, cross_validation));
+  MLE_ASSIGN_OR_RETURN(const std::vector<std::vector<Fold>> partitions,
+                       Partitions(data, options));
+  FoldLosses losses;
+  for (const std::vector<Fold>& folds : partitions) {
+    MLE_ASSIGN_OR_RETURN(FoldLosses more,
+                         CrossValidate(data, folds, cross_validation));
+    losses.Append(std::move(more));
+  }
   return Choose(losses, cross_validation.lambdas, options);
 }
 

@@ -8,8 +8,9 @@
 //                      paper's rule. A fit that has never seen a direction of
 //                      the inputs cannot predict it, which favours large λ.
 //   blocks             windows are cut into blocks that are dealt to the folds
-//   in
-//                      turn, so that every fit has seen every change. Default.
+//                      in turn, so that every fit has seen every change, and
+//                      cut once more half a block later, since it matters where
+//                      the cuts lie against the change. Default.
 //   AIC, BIC, GCV      from the fit to all rows and its degrees of freedom, the
 //                      number of coefficients that are not zero (Zou, Hastie
 //                      and Tibshirani, Ann. Stat. 35, 2007).
@@ -37,11 +38,14 @@ struct SelectionOptions {
   int folds = 5;  // of kBlocks, ≥ 2
   // Of kBlocks, in samples, ≥ 0; 0 takes twice the model's order.
   int block_length = 0;
+  // Of kBlocks, ≥ 1: so often the windows are cut, each time that part of a
+  // block later, and the losses are added.
+  int phases = 2;
   // Samples predicted before measured outputs are used again: 1 predicts one
   // step ahead, 0 simulates every window from its start, −1 takes a fifth of
   // the model's order. But for 1 the mean residual of a run of rows is taken
   // off. For cross-validation only; the paper's rule has 1.
-  int horizon = -1;
+  int horizon = 1;
   // The largest λ whose loss is within one standard error of the smallest
   // (Hastie, Tibshirani and Friedman, The Elements of Statistical Learning, 2nd
   // ed., 7.10). For cross-validation only.

@@ -37,6 +37,28 @@ TEST(SplitIntoBlocksTest, CoversEveryRowOnce) {
   }
 }
 
+TEST(SplitIntoBlocksTest, ShiftedCutsLieLater) {
+  const ArxModel model = SparseArx();
+  const auto data = RegressionData::Create({SimulateArx(model, 104, 0.1, 1)},
+                                           model, Scaling::kRaw);
+  ASSERT_TRUE(data.ok());
+  const RegressionRows& rows = data->window(0)[0];
+  const auto ends = [&](int length, int shift) {
+    std::vector<int> last;
+    for (const RegressionRows& block : SplitIntoBlocks(rows, length, shift)) {
+      last.push_back(block.rows.last - 3);
+      EXPECT_EQ(block.responses.col(0),
+                rows.responses.col(rows.rows.last - block.rows.last));
+    }
+    return last;
+  };
+  EXPECT_EQ(ends(30, 15), (std::vector<int>{15, 45, 100}));
+  EXPECT_EQ(ends(30, 0), (std::vector<int>{30, 60, 100}));
+  EXPECT_EQ(ends(100, 50), (std::vector<int>{50, 100}));
+  // No room for a block of 60 and as many rows besides.
+  EXPECT_EQ(ends(120, 60), (std::vector<int>{100}));
+}
+
 // Three windows, one of them in two runs: 100, 46 and 66, 30 rows.
 RegressionData ThreeWindows() {
   const ArxModel model = SparseArx();

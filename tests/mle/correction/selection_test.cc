@@ -91,6 +91,24 @@ TEST(SelectLambdaTest, BicTakesNoMoreCoefficientsThanAic) {
   EXPECT_NEAR(change(0, 2), 0.4, 0.1);
 }
 
+// The losses of two phases are those of each, added.
+TEST(SelectLambdaTest, PhasesAddUp) {
+  const Correction correction = TwoWindows();
+  for (const int horizon : {1, 5}) {
+    const SelectionOptions one{
+        .phases = 1, .horizon = horizon, .on_grid = true};
+    const SelectionOptions two{
+        .phases = 2, .horizon = horizon, .on_grid = true};
+    const Eigen::VectorXd first = Select(correction, one).loss;
+    const SelectionSummary both = Select(correction, two);
+    const Eigen::VectorXd second = both.loss - first;
+    ASSERT_EQ(first.size(), second.size());
+    EXPECT_FALSE(second.isApprox(first, 1e-6));
+    // The noise is alike.
+    EXPECT_TRUE(second.isApprox(first, 0.2));
+  }
+}
+
 TEST(SelectLambdaTest, PredictsFurtherAhead) {
   const Correction correction = TwoWindows();
   for (const int horizon : {0, 2, 30}) {
@@ -145,6 +163,7 @@ TEST(SelectionOptionsTest, ValidateSaysWhatIsWrong) {
   EXPECT_EQ(message({}), "");
   EXPECT_THAT(message({.folds = 1}), HasSubstr("folds is 1"));
   EXPECT_THAT(message({.block_length = -1}), HasSubstr("block_length is -1"));
+  EXPECT_THAT(message({.phases = 0}), HasSubstr("phases is 0"));
   EXPECT_THAT(message({.horizon = -2}), HasSubstr("horizon is -2"));
 }
 
