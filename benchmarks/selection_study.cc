@@ -32,51 +32,67 @@ using Rule = SelectionOptions::Rule;
 struct NamedRule {
   std::string name;
   SelectionOptions options;
+  bool window_intercepts = false;
 };
 
 std::vector<NamedRule> Rules(bool all) {
-  std::vector<NamedRule> rules;
-  const auto add = [&](std::string name, Rule rule, int block, int horizon,
-                       bool one_standard_error = false,
-                       bool per_output = false) {
+  // Orders of a block, phases and samples ahead.
+  const auto blocks = [](double orders, int phases, int horizon) {
     SelectionOptions options;
-    options.rule = rule;
-    options.block_length = block;
+    options.block_length = static_cast<int>(orders * 150);
+    options.phases = phases;
     options.horizon = horizon;
-    options.one_standard_error = one_standard_error;
-    options.per_output = per_output;
-    rules.push_back({std::move(name), options});
+    return options;
   };
   SelectionOptions paper;
   paper.rule = Rule::kLeaveChangeOut;
-  paper.horizon = 1;
   paper.on_grid = true;
-  rules.push_back({"paper", paper});
-  add("leave_change_out", Rule::kLeaveChangeOut, 0, 1);
-  add("blocks 2d", Rule::kBlocks, 300, 1);
-  add("blocks 2d, d/5 ahead", Rule::kBlocks, 300, 30);
-  add("blocks 4d", Rule::kBlocks, 600, 1);
-  add("aic", Rule::kAic, 0, 1);
-  add("bic", Rule::kBic, 0, 1);
-  add("gcv", Rule::kGcv, 0, 1);
+  SelectionOptions leave_change_out;
+  leave_change_out.rule = Rule::kLeaveChangeOut;
+  std::vector<NamedRule> rules = {
+      {"paper", paper},
+      {"leave_change_out", leave_change_out},
+      {"blocks 2d, 1 phase", blocks(2, 1, 1)},
+      {"blocks 2d, 2 phases (default)", blocks(2, 2, 1)},
+      {"blocks 2d, 2 phases, intercepts", blocks(2, 2, 1), true},
+      {"blocks 4d, 1 phase", blocks(4, 1, 1)},
+  };
+  for (const auto& [name, rule] : {std::pair{"aic", Rule::kAic},
+                                   {"bic", Rule::kBic},
+                                   {"gcv", Rule::kGcv}}) {
+    SelectionOptions criterion;
+    criterion.rule = rule;
+    rules.push_back({name, criterion});
+  }
   if (!all) return rules;
-  add("leave_change_out simulated", Rule::kLeaveChangeOut, 0, 0);
-  add("blocks d", Rule::kBlocks, 150, 1);
-  add("blocks 2d, d ahead", Rule::kBlocks, 300, 150);
-  add("blocks 2d simulated", Rule::kBlocks, 300, 0);
-  add("blocks 4d simulated", Rule::kBlocks, 600, 0);
-  add("blocks 2d, d/5 ahead, 1 s.e.", Rule::kBlocks, 300, 30, true);
-  add("blocks 2d, d/5 ahead, λ each", Rule::kBlocks, 300, 30, false, true);
+  SelectionOptions simulated = leave_change_out;
+  simulated.horizon = 0;
+  SelectionOptions one_standard_error = blocks(2, 2, 1);
+  one_standard_error.one_standard_error = true;
+  SelectionOptions each = blocks(2, 2, 1);
+  each.per_output = true;
+  for (const NamedRule& rule : std::vector<NamedRule>{
+           {"leave_change_out, simulated", simulated},
+           {"blocks d, 2 phases", blocks(1, 2, 1)},
+           {"blocks 2d, 4 phases", blocks(2, 4, 1)},
+           {"blocks 4d, 2 phases", blocks(4, 2, 1)},
+           {"blocks 2d, 2 phases, d/5 ahead", blocks(2, 2, 30)},
+           {"blocks 2d, 2 phases, d ahead", blocks(2, 2, 150)},
+           {"blocks 2d, 2 phases, simulated", blocks(2, 2, 0)},
+           {"blocks 2d, 2 phases, 1 s.e.", one_standard_error},
+           {"blocks 2d, 2 phases, λ each", each}}) {
+    rules.push_back(rule);
+  }
   return rules;
 }
 
-// 0, then 24 a decade from 1e-6 to 10: above any λ_max of these records.
-Eigen::VectorXd Grid() {
-  std::vector<double> lambdas = {0.0};
-  for (int i = 0; i <= 7 * 24; ++i) {
-    lambdas.push_back(std::pow(10.0, -6.0 + i / 24.0));
-  }
-  return Eigen::Map<Eigen::VectorXd>(lambdas.data(), lambdas.size());
+// 24 a decade from 1e-4 σ, where noise is fitted, to 10: above any λ_max of
+// these records.
+Eigen::VectorXd Grid(double noise_variance) {
+  const double first = std::log10(1e-4 * std::sqrt(noise_variance));
+  const int steps = static_cast<int>(std::ceil((1.0 - first) * 24.0));
+  return Eigen::VectorXd::LinSpaced(steps + 1, first, 1.0)
+      .unaryExpr([](double x) { return std::pow(10.0, x); });
 }
 
 // The paper's rule stops at 1e-2.
@@ -94,9 +110,15 @@ Outcome Run(const std::vector<NamedRule>& rules, const ProcessModel& initial,
   const auto windows =
       reproduce::SimulateWindows(initial, plant, seed, options);
   CHECK(windows.ok()) << windows.status();
-  const auto correction =
-      CorrectModel(conversion.model, *windows, options.correction);
-  CHECK(correction.ok()) << correction.status();
+  const auto correct = [&](bool window_intercepts) {
+    CorrectionOptions correction = options.correction;
+    correction.window_intercepts = window_intercepts;
+    auto result = CorrectModel(conversion.model, *windows, correction);
+    CHECK(result.ok()) << result.status();
+    return *std::move(result);
+  };
+  const Correction common = correct(false);
+  const Correction by_window = correct(true);
   const StepResponse truth = plant.ComputeStepResponse(
       options.sample_time, options.response_samples());
   const auto distance = [&](const ArxModel& model) {
@@ -107,11 +129,12 @@ Outcome Run(const std::vector<NamedRule>& rules, const ProcessModel& initial,
   if (mismatch) {
     for (const double lambda : options.correction.lambdas) {
       outcome.reference =
-          std::min(outcome.reference, distance(correction->Model(lambda)));
+          std::min(outcome.reference, distance(common.Model(lambda)));
     }
   }
   for (const NamedRule& rule : rules) {
-    const auto selection = correction->Select(rule.options);
+    const Correction& correction = rule.window_intercepts ? by_window : common;
+    const auto selection = correction.Select(rule.options);
     CHECK(selection.ok()) << selection.status();
     Eigen::VectorXd lambda = selection->lambda_star;
     if (rule.name == "paper") {
@@ -124,7 +147,7 @@ Outcome Run(const std::vector<NamedRule>& rules, const ProcessModel& initial,
       }
       lambda.setConstant(selection->lambdas(best));
     }
-    outcome.E[rule.name] = distance(correction->Model(lambda));
+    outcome.E[rule.name] = distance(correction.Model(lambda));
   }
   return outcome;
 }
@@ -137,13 +160,13 @@ void PrintTable(const std::vector<NamedRule>& rules,
             << ": E over that at the best λ (without mismatch: over that of "
                "leaving the model alone), mean of ratios / ratio of means / "
                "largest\n"
-            << absl::StrFormat("%-28s", "rule");
+            << absl::StrFormat("%-34s", "rule");
   for (const std::string& plant : plants) {
     std::cout << absl::StrFormat("%-24s", plant);
   }
   std::cout << "\n";
   for (const NamedRule& rule : rules) {
-    std::cout << absl::StrFormat("%-28s", rule.name);
+    std::cout << absl::StrFormat("%-34s", rule.name);
     for (const std::vector<Outcome>& runs : outcomes) {
       double ratios = 0.0, largest = 0.0, sum = 0.0, reference = 0.0;
       for (const Outcome& run : runs) {
@@ -196,7 +219,9 @@ int Main(int argc, char** argv) {
     options.output_weight =
         Eigen::VectorXd::Constant(initial->num_outputs(), 0.2);
     options.move_weight = Eigen::VectorXd::Constant(initial->num_inputs(), 0.1);
-    options.correction.lambdas = Grid();
+    options.correction.lambdas = Grid(options.noise_variance);
+    // The rules under study are applied afterwards.
+    options.correction.selection.rule = Rule::kAic;
     CHECK(options.Validate(*initial).ok()) << options.Validate(*initial);
     std::vector<std::vector<Outcome>> outcomes(plants.size(),
                                                std::vector<Outcome>(seeds));
