@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "Eigen/QR"
 #include "absl/strings/str_cat.h"
 #include "mle/base/status.h"
 #include "mle/data/outliers.h"
@@ -22,12 +23,24 @@ constexpr double kDerivativeStep = 0.1;  // of ln ρ
 // −2 ln likelihood rises by this where a two-sided interval of 95 % ends.
 constexpr double kProfileRise = 3.841;
 
-// Restricted likelihood of ρ, maximised over r. All elements are held.
+// Restricted likelihood of ρ, maximised over r, with the elements that are free
+// estimated in first order.
 class RatioLikelihood {
  public:
-  RatioLikelihood(const OutputErrorProblem& problem, const OutputPoint& point)
+  RatioLikelihood(const OutputErrorProblem& problem, const OutputPoint& point,
+                  const std::vector<bool>& free)
       : problem_(problem),
-        columns_(problem.Linearise(point, NoiseShape(), false)) {}
+        columns_(problem.Linearise(point, NoiseShape(), true)) {
+    std::vector<int> kept;
+    for (std::size_t j = 0; j < free.size(); ++j) {
+      for (int k = 0; free[j] && k < 3; ++k) {
+        kept.push_back(3 * static_cast<int>(j) + k);
+      }
+    }
+    for (SegmentColumns& segment : columns_) {
+      segment.jacobian = Eigen::MatrixXd(segment.jacobian(Eigen::all, kept));
+    }
+  }
 
   struct Value {
     double deviance = 0.0;  // −2 ln likelihood less constants
@@ -38,13 +51,32 @@ class RatioLikelihood {
     const NoiseShape shape{.ratio = ratio};
     const WhitenedColumns whitened = problem_.Whiten(columns_, shape);
     Value value;
+    value.squares = whitened.residuals.squaredNorm();
+    value.deviance = whitened.log_determinant + whitened.log_amplitudes;
+    Eigen::Index rank = 0;
+    if (whitened.jacobian.cols() > 0) {
+      const Eigen::VectorXd norms =
+          whitened.jacobian.colwise().norm().cwiseMax(1e-300);
+      Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr;
+      qr.setThreshold(1e-8);
+      qr.compute(whitened.jacobian * norms.cwiseInverse().asDiagonal());
+      rank = qr.rank();
+      const Eigen::VectorXd explained =
+          (qr.householderQ().adjoint() * whitened.residuals).head(rank);
+      value.squares -= explained.squaredNorm();
+      for (Eigen::Index i = 0; i < rank; ++i) {
+        value.deviance +=
+            2.0 * std::log(std::abs(qr.matrixQR()(i, i)) *
+                           norms(qr.colsPermutation().indices()(i)));
+      }
+    }
     // Exact data leave rounding, which has no likelihood.
-    value.squares = std::max({whitened.residuals.squaredNorm(),
-                              1e-26 * problem_.total_squares(), 1e-300});
-    value.degrees =
-        std::max(1, problem_.num_innovations(shape) - whitened.num_amplitudes);
-    value.deviance = value.degrees * std::log(value.squares / value.degrees) +
-                     whitened.log_determinant + whitened.log_amplitudes;
+    value.squares =
+        std::max({value.squares, 1e-26 * problem_.total_squares(), 1e-300});
+    value.degrees = std::max<double>(1.0, problem_.num_innovations(shape) -
+                                              whitened.num_amplitudes -
+                                              static_cast<double>(rank));
+    value.deviance += value.degrees * std::log(value.squares / value.degrees);
     return value;
   }
 
@@ -85,12 +117,15 @@ Record CutStretch(const Record& record, const QuietStretch& stretch, int skip,
   return part;
 }
 
-QuietNoise Estimate(const OutputErrorProblem& problem,
-                    const OutputPoint& point) {
-  const std::vector<bool> held(problem.num_elements(), false);
+QuietNoise Estimate(const OutputErrorProblem& problem, const OutputPoint& point,
+                    bool free_elements) {
+  std::vector<bool> free(problem.num_elements(), false);
+  for (int j = 0; free_elements && j < problem.num_elements(); ++j) {
+    free[j] = problem.elements()[j].has_value() && problem.IsExcited(j);
+  }
   const NoiseEstimate best =
-      EstimateNoise(problem, point, held, NoiseEstimate(), true);
-  const RatioLikelihood likelihood(problem, point);
+      EstimateNoise(problem, point, free, NoiseEstimate(), true);
+  const RatioLikelihood likelihood(problem, point, free);
   const RatioLikelihood::Value at_best = likelihood.At(best.ratio);
   QuietNoise noise;
   noise.variance = at_best.squares / at_best.degrees;
@@ -246,7 +281,7 @@ absl::StatusOr<std::vector<QuietNoise>> EstimateQuietNoise(
     if (problem.num_samples() < options.min_samples / 2) {
       return TooShort(model, i, settling, options);
     }
-    noise.push_back(Estimate(problem, point));
+    noise.push_back(Estimate(problem, point, options.free_elements));
     noise.back().outliers = outliers;
   }
   return noise;

@@ -5,10 +5,11 @@
 //
 // by restricted maximum likelihood (innovations_filter.h), each stretch with a
 // level of its own. In closed loop the inputs move in answer to the noise; what
-// they do to the outputs is taken off by the model's response, as far as the
-// model is right. What has aged stays, and is seen as noise: the noise that
-// CorrectStructure() estimates beside the parameters is the better one once
-// there is a correction. Outliers are left out, gaps are gaps.
+// they do to the outputs is taken off by the model's response, with gains, time
+// scales and dead times free in first order, so that what has aged is not taken
+// for noise; large changes of dead times and time constants are, in part, and
+// the noise that CorrectStructure() estimates beside the parameters is the
+// better one once there is a correction. Outliers are left out, gaps are gaps.
 //
 //   MLE_ASSIGN_OR_RETURN(
 //       const std::vector<QuietNoise> noise,
@@ -40,6 +41,8 @@ struct QuietNoiseOptions {
   int max_samples = 20000;
   // Takes off the model's response to the inputs.
   bool use_model = true;
+  // Lets the elements change.
+  bool free_elements = true;
 
   absl::Status Validate() const;
 };

@@ -106,6 +106,22 @@ TEST(QuietNoiseTest, TheModelTakesOffWhatInputsDo) {
   EXPECT_LT(without, 0.7e-4);
 }
 
+// A plant with gains that are not the model's: no drift for that.
+TEST(QuietNoiseTest, WhatHasAgedIsNoDrift) {
+  ProcessModel plant = TwoElements();
+  plant.element(0, 0) = TransferFunction::FirstOrder(1.0, 4.0, 1.0);
+  double held = 0.0;
+  double free = 0.0;
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    const std::vector<Record> records = {
+        ClosedLoop(plant, 4000, seed, 0.0, 0.6)};
+    free += Estimate(records).increment_variance / 10;
+    held += Estimate(records, {.free_elements = false}).increment_variance / 10;
+  }
+  EXPECT_LT(free, 1e-7);
+  EXPECT_GT(held, 10.0 * free);
+}
+
 TEST(QuietNoiseTest, WithoutDriftNoneIsClaimed) {
   int claimed = 0;
   for (unsigned seed = 0; seed < 60; ++seed) {
