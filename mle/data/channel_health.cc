@@ -288,7 +288,10 @@ int MarkBad(const HealthReport& report, const MarkOptions& options,
           channel.is_output ? record.outputs : record.inputs;
       for (int k = run.first + skip; k < run.first + run.samples; ++k) {
         marked += std::isfinite(rows(channel.channel, k)) ? 1 : 0;
-        rows(channel.channel, k) = std::numeric_limits<double>::quiet_NaN();
+        // An input that is held on both sides is known in between.
+        rows(channel.channel, k) =
+            channel.is_output ? std::numeric_limits<double>::quiet_NaN()
+                              : rows(channel.channel, k - 1);
       }
     };
     if (options.outliers) {

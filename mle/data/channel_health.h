@@ -84,8 +84,9 @@ struct MarkOptions {
   bool outliers = true;
 };
 
-// Turns what the report found into bad samples (NaN); returns how many.
-// `records` are those that the report is of.
+// Turns what the report found into bad samples (NaN), an outlier of an input
+// into the value held around it; returns how many. `records` are those that the
+// report is of.
 int MarkBad(const HealthReport& report, const MarkOptions& options,
             std::vector<Record>& records);
 

@@ -60,7 +60,7 @@ Explanation FitStep(const std::vector<double>& values) {
 }  // namespace
 
 QuietPart TestQuietPart(const SampleRow& samples, double start_time,
-                        double sample_time, double threshold) {
+                        double sample_time, QuietLimits limits) {
   QuietPart part;
   part.noise = WhiteDeviation(samples);
   int used = 0;
@@ -92,7 +92,8 @@ QuietPart TestQuietPart(const SampleRow& samples, double start_time,
   part.size = best.size;
   part.deviations = noise > 0.0 ? std::sqrt(best.squares) / noise : 0.0;
   part.verdict = QuietPart::Verdict::kQuiet;
-  if (part.deviations > threshold) {
+  if (part.deviations > limits.deviations &&
+      std::abs(part.size) > limits.size * noise) {
     part.verdict = is_step ? QuietPart::Verdict::kDisturbed
                            : QuietPart::Verdict::kDrifting;
     if (is_step) part.time = start_time + sample_time * times[step.at];

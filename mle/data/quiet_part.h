@@ -12,9 +12,14 @@
 
 namespace mle {
 
-// `threshold`: standard deviations from which on it is not quiet.
+// From which on a part is not quiet.
+struct QuietLimits {
+  double deviations = 5.0;  // standard errors
+  double size = 1.0;        // standard deviations of the noise
+};
+
 QuietPart TestQuietPart(const SampleRow& samples, double start_time,
-                        double sample_time, double threshold);
+                        double sample_time, QuietLimits limits);
 
 }  // namespace mle
 

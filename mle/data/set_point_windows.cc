@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "mle/base/status.h"
+#include "mle/data/model_residual.h"
 #include "mle/data/quiet_part.h"
 #include "mle/data/quiet_stretches.h"
 #include "mle/data/robust_statistics.h"
@@ -135,16 +136,19 @@ void RemoveOperatingPoint(const OperatingPoint& point, Record& window) {
   }
 }
 
-std::vector<QuietPart> TestParts(const Record& window, int first, int last,
-                                 double threshold) {
-  const int count = std::max(last - first + 1, 0);
+// Samples first … last of a record, less what the model makes of the inputs.
+std::vector<QuietPart> TestParts(const Record& record,
+                                 const ProcessModel& model, int first, int last,
+                                 double settling,
+                                 const WindowOptions& options) {
+  if (last < first) return std::vector<QuietPart>(record.num_outputs());
+  const Eigen::MatrixXd residual = ModelResidual(
+      record, model, first, last, static_cast<int>(std::min(settling, 1e9)));
   std::vector<QuietPart> parts;
-  for (int i = 0; i < window.num_outputs(); ++i) {
-    parts.push_back(count == 0 ? QuietPart()
-                               : TestQuietPart(window.outputs.row(i).segment(
-                                                   std::max(first, 0), count),
-                                               window.time(std::max(first, 0)),
-                                               window.sample_time, threshold));
+  for (int i = 0; i < record.num_outputs(); ++i) {
+    parts.push_back(
+        TestQuietPart(residual.row(i), record.time(first), record.sample_time,
+                      {options.report_threshold, options.report_size}));
   }
   return parts;
 }
@@ -161,6 +165,7 @@ Eigen::VectorXd BadShare(const Record& window) {
 // `settled`: the first sample of the record that the change before leaves
 // quiet.
 absl::StatusOr<SetPointWindow> MakeWindow(const Record& record,
+                                          const ProcessModel& model,
                                           const Group& group, int settled,
                                           const Extent& extent,
                                           const WindowOptions& options) {
@@ -178,13 +183,12 @@ absl::StatusOr<SetPointWindow> MakeWindow(const Record& record,
 
   const int first_quiet = std::max(settled - group.begin, 0);
   const int last_quiet = center - group.begin - 1;
-  window.before = TestParts(window.record, first_quiet, last_quiet,
-                            options.report_threshold);
-  const int first_settled =
-      static_cast<int>(group.last_change() - group.begin + extent.settling);
-  window.after =
-      TestParts(window.record, first_settled, window.record.samples() - 1,
-                options.report_threshold);
+  window.before = TestParts(record, model, group.begin + first_quiet,
+                            center - 1, extent.settling, options);
+  window.after = TestParts(
+      record, model,
+      static_cast<int>(std::min(group.last_change() + extent.settling, 2e9)),
+      group.end, extent.settling, options);
   window.bad_share = BadShare(window.record);
   window.operating_point =
       FindOperatingPoint(window.record, first_quiet, last_quiet);
@@ -239,6 +243,7 @@ absl::Status WindowOptions::Validate() const {
   MLE_RETURN_IF_ERROR(check("after", after));
   MLE_RETURN_IF_ERROR(check("join_within", join_within));
   MLE_RETURN_IF_ERROR(check("min_change", min_change));
+  MLE_RETURN_IF_ERROR(check("report_size", report_size));
   if (!(report_threshold > 0.0)) {
     return absl::InvalidArgumentError(
         absl::StrCat("windows: report_threshold is ", report_threshold,
@@ -311,8 +316,9 @@ absl::StatusOr<WindowSet> FindWindows(const std::vector<Record>& records,
       } else {
         MLE_ASSIGN_OR_RETURN(
             SetPointWindow window,
-            MakeWindow(record, group, static_cast<int>(std::min(settled, 2e9)),
-                       extent, options));
+            MakeWindow(record, model, group,
+                       static_cast<int>(std::min(settled, 2e9)), extent,
+                       options));
         window.source = static_cast<int>(r);
         set.windows.push_back(std::move(window));
       }

@@ -50,6 +50,8 @@ struct WindowOptions {
   // Standard deviations that a trend or a step in a quiet part must have to be
   // reported, > 0. At 5 white noise is reported in less than 1 of 10⁴ parts.
   double report_threshold = 5.0;
+  // And standard deviations of the noise that its size must have, ≥ 0.
+  double report_size = 1.0;
 
   absl::Status Validate() const;
 };
@@ -61,7 +63,8 @@ struct OperatingPoint {
   int samples = 0;             // it is the mean of
 };
 
-// A quiet part of an output.
+// A quiet part of an output, less the model's response to the inputs: with that
+// the control takes away what disturbs the output.
 struct QuietPart {
   enum class Verdict {
     kUnknown,    // too short to say

@@ -190,9 +190,12 @@ TEST(ChannelHealthTest, WhatIsFoundIsMarkedBad) {
   Record record = Loop(4000, 10);
   record.outputs.row(0).segment(100, 50).setConstant(record.outputs(0, 100));
   record.outputs(1, 3000) += 1.0;
+  const double held = record.inputs(0, 502);
+  record.inputs(0, 502) = 100.0;
   std::vector<Record> records = {record};
   const HealthReport report = CheckHealth(records, Model(), {});
-  EXPECT_EQ(MarkBad(report, MarkOptions(), records), 50);
+  EXPECT_EQ(MarkBad(report, MarkOptions(), records), 51);
+  EXPECT_EQ(records[0].inputs(0, 502), held);
   EXPECT_EQ(records[0].outputs.array().isNaN().count(), 50);
   EXPECT_FALSE(std::isnan(records[0].outputs(0, 100)));
   EXPECT_TRUE(std::isnan(records[0].outputs(1, 3000)));

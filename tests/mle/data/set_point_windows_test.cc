@@ -210,6 +210,24 @@ TEST(FindWindowsTest, DriftAndDisturbancesAreReported) {
   EXPECT_THAT(set.BriefReport(), HasSubstr("1 drifting, 1 disturbed"));
 }
 
+// In closed loop the control takes a disturbance away: it shows in what the
+// model leaves of the output. What the inputs do by themselves is none.
+TEST(FindWindowsTest, TheModelTellsDisturbancesFromMoves) {
+  Record record = Noise(2000, 11, {{1000, 1, 8, 6}});
+  const Eigen::VectorXd step = Model().element(0, 0).StepResponse(0.5, 2000);
+  record.inputs.row(0).tail(1050).array() += 1.0;  // a move, and its response
+  record.outputs.row(0).tail(1050) += step.head(1050).transpose();
+  WindowSet set = Find({record});
+  EXPECT_EQ(set.windows[0].before[0].verdict, Verdict::kQuiet);
+  // The move answers a disturbance of the opposite sign, so that the output
+  // ends where it was.
+  record.outputs.row(0).tail(1050).array() -= 1.0;
+  set = Find({record});
+  EXPECT_EQ(set.windows[0].before[0].verdict, Verdict::kDisturbed);
+  EXPECT_NEAR(set.windows[0].before[0].size, -1.0, 0.1);
+  EXPECT_NEAR(set.windows[0].before[0].time, 1475.0, 1.0);
+}
+
 // The probability that is promised: less than 1 in 10⁴ parts.
 TEST(FindWindowsTest, WhiteNoiseIsQuiet) {
   int reported = 0;
