@@ -11,6 +11,7 @@
 namespace mle {
 namespace {
 
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 // Means of equal samples differ by rounding.
 constexpr double kEqual = 1e-12;
 // Probability that a freeze is found in a record where there is none.
@@ -35,30 +36,30 @@ double ScaleOf(const SampleRow& row) {
   return scale;
 }
 
-// The longest runs of equal good samples, of one sample or more.
-std::vector<SampleRun> RunsOf(const SampleRow& row, int record) {
-  std::vector<SampleRun> runs;
+// A run of samples of which those that are good are equal.
+struct EqualRun {
+  SampleRun extent;  // from its first good sample to its last
+  int good = 0;
+};
+
+std::vector<EqualRun> RunsOf(const SampleRow& row, int record) {
+  std::vector<EqualRun> runs;
   const double scale = ScaleOf(row);
   const int n = static_cast<int>(row.size());
-  for (int k = 0; k < n;) {
-    if (!std::isfinite(row(k))) {
-      ++k;
-      continue;
-    }
-    int end = k + 1;
-    while (end < n && std::isfinite(row(end)) &&
-           Same(row(end), row(k), scale)) {
-      ++end;
-    }
-    runs.push_back({record, k, end - k});
-    k = end;
+  for (int k = 0; k < n; ++k) {
+    if (!std::isfinite(row(k))) continue;
+    const bool goes_on =
+        !runs.empty() && Same(row(k), row(runs.back().extent.first), scale);
+    if (!goes_on) runs.push_back({{record, k, 0}, 0});
+    runs.back().extent.samples = k - runs.back().extent.first + 1;
+    ++runs.back().good;
   }
   return runs;
 }
 
 // In the second half of the run: what came before may still be settling.
 bool Moves(const SampleRow& row, const SampleRun& run) {
-  double first = std::numeric_limits<double>::quiet_NaN();
+  double first = kNaN;
   const double scale = ScaleOf(row.segment(run.first, run.samples));
   const int end = run.first + run.samples;
   for (int k = run.first + run.samples / 2; k < end; ++k) {
@@ -109,45 +110,47 @@ bool IsNoisy(const SampleRow& row) {
 
 // How long a run has to be before chance does not explain it: neighbours are
 // equal with the probability that they have outside long runs.
-double FreezeLength(const std::vector<SampleRun>& runs, int min_samples) {
+double FreezeLength(const std::vector<EqualRun>& runs, int min_samples) {
   double repeated = 0.0;
   double steps = 0.0;
   double samples = 0.0;
-  for (const SampleRun& run : runs) {
-    samples += run.samples;
-    if (run.samples >= std::max(kLongRun, 2 * min_samples)) continue;
-    repeated += run.samples - 1;
-    steps += run.samples;
+  std::vector<double> lengths;
+  for (const EqualRun& run : runs) {
+    samples += run.good;
+    lengths.push_back(run.good);
+    if (run.good >= std::max(kLongRun, 2 * min_samples)) continue;
+    repeated += run.good - 1;
+    steps += run.good;
   }
   if (steps == 0.0) return std::numeric_limits<double>::infinity();
   const double share =
       std::clamp((repeated + 1.0) / (steps + 2.0), 1e-6, 1.0 - 1e-9);
   const double by_chance =
       2.0 + std::log(kFalseFreeze / std::max(samples, 1.0)) / std::log(share);
-  std::vector<double> lengths;
-  for (const SampleRun& run : runs) lengths.push_back(run.samples);
   // A channel that is updated every so often holds its values in between.
   return std::max({static_cast<double>(min_samples), by_chance,
                    kHoldFactor * MedianInPlace(lengths)});
 }
 
-void FindFrozen(const std::vector<Record>& records, int output,
+// `rows`: of the output in each record, without its outliers.
+void FindFrozen(const std::vector<Record>& records,
+                const std::vector<Eigen::RowVectorXd>& rows,
                 const HealthOptions& options, ChannelHealth& health) {
-  std::vector<SampleRun> runs;
+  std::vector<EqualRun> runs;
   bool noisy = false;
-  for (std::size_t r = 0; r < records.size(); ++r) {
-    const auto row = records[r].outputs.row(output);
-    const std::vector<SampleRun> found = RunsOf(row, static_cast<int>(r));
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    const std::vector<EqualRun> found = RunsOf(rows[r], static_cast<int>(r));
     runs.insert(runs.end(), found.begin(), found.end());
-    noisy = noisy || IsNoisy(row);
+    noisy = noisy || IsNoisy(rows[r]);
   }
   const double longest = FreezeLength(runs, options.min_frozen_samples);
-  for (const SampleRun& run : runs) {
-    if (run.samples <= longest) continue;
-    const Record& record = records[run.record];
-    if (noisy || (StopsShort(record.outputs.row(output), run) &&
-                  OthersMove(record, run, true, output))) {
-      health.frozen.push_back(run);
+  for (const EqualRun& run : runs) {
+    if (run.good <= longest) continue;
+    const SampleRun& extent = run.extent;
+    if (noisy ||
+        (StopsShort(rows[extent.record], extent) &&
+         OthersMove(records[extent.record], extent, true, health.channel))) {
+      health.frozen.push_back(extent);
     }
   }
 }
@@ -160,19 +163,18 @@ void FindSaturated(const std::vector<Record>& records, int input,
   std::vector<double> lengths;
   for (std::size_t r = 0; r < records.size(); ++r) {
     const auto row = records[r].inputs.row(input);
-    for (const SampleRun& run : RunsOf(row, static_cast<int>(r))) {
-      low = std::min(low, row(run.first));
-      high = std::max(high, row(run.first));
-      runs.push_back(run);
-      lengths.push_back(run.samples);
+    for (const EqualRun& run : RunsOf(row, static_cast<int>(r))) {
+      low = std::min(low, row(run.extent.first));
+      high = std::max(high, row(run.extent.first));
+      runs.push_back(run.extent);
+      lengths.push_back(run.extent.samples);
     }
   }
   if (runs.empty()) return;
   const double usual = MedianInPlace(lengths);
   const double range = high - low;
   const auto limit = [&](const Eigen::VectorXd& limits) {
-    return input < limits.size() ? limits(input)
-                                 : std::numeric_limits<double>::quiet_NaN();
+    return input < limits.size() ? limits(input) : kNaN;
   };
   const double min = limit(options.input_min);
   const double max = limit(options.input_max);
@@ -243,21 +245,33 @@ ChannelHealth CheckChannel(const std::vector<Record>& records,
   if (health.is_constant) return health;
   health.noise = MedianInPlace(noises);
   health.quantum = FindQuantum(rows, health.noise);
-  if (is_output) {
-    FindFrozen(records, channel, options, health);
-  } else {
+  if (!is_output) {
     FindSaturated(records, channel, options, health);
-  }
-  for (std::size_t r = 0; r < records.size(); ++r) {
-    const int record = static_cast<int>(r);
-    if (!is_output) {
-      FindInputOutliers(records[r], record, channel, health.outliers);
-      continue;
+    for (std::size_t r = 0; r < records.size(); ++r) {
+      FindInputOutliers(records[r], static_cast<int>(r), channel,
+                        health.outliers);
     }
+    return health;
+  }
+  std::vector<Eigen::RowVectorXd> cleaned;
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    cleaned.emplace_back(rows[r]);
     for (const int k : FindOutliers(rows[r], options.outliers)) {
-      health.outliers.push_back({record, k, 1});
+      health.outliers.push_back({static_cast<int>(r), k, 1});
+      cleaned.back()(k) = kNaN;
     }
   }
+  FindFrozen(records, cleaned, options, health);
+  if (health.frozen.empty()) return health;
+  // What stands still has no noise.
+  noises.clear();
+  for (const SampleRun& run : health.frozen) {
+    cleaned[run.record].segment(run.first, run.samples).setConstant(kNaN);
+  }
+  for (const Eigen::RowVectorXd& row : cleaned) {
+    if (row.array().isFinite().any()) noises.push_back(WhiteDeviation(row));
+  }
+  if (!noises.empty()) health.noise = MedianInPlace(noises);
   return health;
 }
 
@@ -290,8 +304,7 @@ int MarkBad(const HealthReport& report, const MarkOptions& options,
         marked += std::isfinite(rows(channel.channel, k)) ? 1 : 0;
         // An input that is held on both sides is known in between.
         rows(channel.channel, k) =
-            channel.is_output ? std::numeric_limits<double>::quiet_NaN()
-                              : rows(channel.channel, k - 1);
+            channel.is_output ? kNaN : rows(channel.channel, k - 1);
       }
     };
     if (options.outliers) {

@@ -98,6 +98,24 @@ TEST(ChannelHealthTest, AFrozenOutputIsFoundWhereItIs) {
               HasSubstr("y1: frozen for 120 samples in 1 places: 610 … 669.5"));
 }
 
+// Lost samples and outliers inside a freeze do not hide it.
+TEST(ChannelHealthTest, AFreezeGoesOnOverLossesAndOutliers) {
+  Record record = Loop(4000, 13);
+  std::mt19937_64 engine(13);
+  record.outputs.row(0).segment(1200, 300).setConstant(record.outputs(0, 1200));
+  for (int k = 1201; k < 1499; ++k) {
+    if (engine() % 10 == 0) record.outputs(0, k) = kNaN;
+    if (engine() % 50 == 0) record.outputs(0, k) += 1.0;
+  }
+  std::vector<Record> records = {record};
+  const HealthReport report = CheckHealth(records, Model(), {});
+  ASSERT_EQ(report.channels[0].frozen.size(), 1u);
+  EXPECT_EQ(report.channels[0].frozen[0].samples, 300);
+  MarkBad(report, MarkOptions(), records);
+  EXPECT_TRUE(
+      records[0].outputs.row(0).segment(1201, 299).array().isNaN().all());
+}
+
 // Rounding repeats values by itself; a freeze is longer than that.
 TEST(ChannelHealthTest, RoundingIsNoFreeze) {
   for (const double quantum : {0.003, 0.01, 0.03, 0.06}) {
