@@ -1,423 +1,64 @@
 #include "mle/data/historian.h"
 
-#include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_join.h"
 #include "mle/base/status.h"
-#include "mle/data/csv_numbers.h"
-#include "mle/data/gap_bridging.h"
-#include "mle/data/historian_file.h"
-#include "mle/data/record_builder.h"
-#include "mle/data/resampler.h"
-#include "mle/data/robust_statistics.h"
+#include "mle/data/historian_importer.h"
 
 namespace mle {
-namespace {
-
-using Kind = RecordColumn::Kind;
-
-constexpr std::size_t kMaxGaps = 100;
-constexpr double kDefaultGapSteps = 5.0;
-// A Δt finer than this share of the files' step invents its samples.
-constexpr double kMaxRefinement = 50.0;
-// Rows this much farther apart than usual leave a gap.
-constexpr double kGapSteps = 1.9;
-// Samples this much finer than rows are mostly interpolated.
-constexpr double kCoarse = 1.5;
-
-// The usual step: the mean of those near the median, rounded to as few digits
-// as keep it.
-double UsualStep(std::vector<double> steps) {
-  std::vector<double> sorted = steps;
-  const double median = MedianInPlace(sorted);
-  double sum = 0.0;
-  double count = 0.0;
-  double spread = 0.0;
-  for (const double step : steps) {
-    if (std::abs(step - median) > 0.1 * median) continue;
-    sum += step;
-    spread += std::abs(step - median);
-    count += 1.0;
-  }
-  const double mean = count > 0.0 ? sum / count : median;
-  // Uneven rows have no step that is exact.
-  const bool is_uneven = count < 0.5 * static_cast<double>(steps.size()) ||
-                         spread > 0.005 * median * count;
-  const double tolerance = is_uneven ? 5e-3 : 1e-6;
-  for (int digits = 1; digits <= kCsvTimeDigits; ++digits) {
-    const double scale =
-        std::pow(10.0, digits - 1 - std::floor(std::log10(mean)));
-    const double rounded = std::round(mean * scale) / scale;
-    if (std::abs(rounded - mean) <= tolerance * mean) {
-      return RoundCsvTime(rounded);
-    }
-  }
-  return mean;
-}
-
-// Reads the sources one after the other into records.
-class Importer {
- public:
-  Importer(const ProcessModel& channels, const HistorianOptions& options)
-      : channels_(channels),
-        options_(options),
-        builder_(channels.num_outputs(), channels.num_inputs()) {}
-
-  absl::StatusOr<HistorianImport> Run(
-      const std::vector<HistorianSource>& sources);
-
- private:
-  absl::Status Probe(const std::vector<HistorianSource>& sources);
-  absl::Status ChooseSampleTime(const std::vector<double>& steps);
-  absl::Status ReadSource(const HistorianProbe& probe, Resampler& resampler);
-  absl::Status CheckOrder(const HistorianFile& file, const RecordRows& rows,
-                          double time, bool& skip);
-  bool FitsWithin(double time);
-  void NoteGap(double time);
-  void EndRecord();
-  void NoteChannels(const RecordRows& rows);
-  absl::Status CheckChannels();
-  void Warn();
-
-  int num_values() const {
-    return 2 * channels_.num_outputs() + channels_.num_inputs();
-  }
-
-  const ProcessModel& channels_;
-  const HistorianOptions& options_;
-  RecordBuilder builder_;
-  std::vector<HistorianProbe> probes_;
-  HistorianImport import_;
-  double max_gap_ = 0.0;
-  double record_start_ = 0.0;
-  double samples_due_ = 0.0;
-  std::int64_t short_pieces_ = 0;
-  bool has_last_ = false;
-  double last_time_ = 0.0;    // of any row
-  double last_usable_ = 0.0;  // of one with a good sample
-  bool has_usable_ = false;
-  // By value: outputs, set points, inputs.
-  std::vector<ChannelReport> values_;
-  std::vector<bool> is_there_;
-  std::vector<std::int64_t> good_;
-  std::vector<std::string> bad_qualities_;
-};
-
-absl::Status Importer::Probe(const std::vector<HistorianSource>& sources) {
-  if (sources.empty()) {
-    return absl::InvalidArgumentError(
-        "historian: there is no file to read, at least 1 is needed");
-  }
-  std::vector<double> steps;
-  for (const HistorianSource& source : sources) {
-    MLE_ASSIGN_OR_RETURN(HistorianProbe probe,
-                         ProbeHistorian(source, channels_, options_));
-    steps.insert(steps.end(), probe.steps.begin(), probe.steps.end());
-    probes_.push_back(std::move(probe));
-  }
-  for (const HistorianProbe& probe : probes_) {
-    if (probe.has_dates == probes_[0].has_dates) continue;
-    return absl::InvalidArgumentError(absl::StrCat(
-        probe.source.name, ": its times are ",
-        probe.has_dates ? "dates" : "numbers", ", those of ",
-        probes_[0].source.name, " are not; files that are joined must agree"));
-  }
-  std::stable_sort(
-      probes_.begin(), probes_.end(), [](const auto& a, const auto& b) {
-        return a.has_dates ? a.origin < b.origin : a.first_time < b.first_time;
-      });
-  if (probes_[0].has_dates) import_.report.time_origin = probes_[0].origin;
-  return ChooseSampleTime(steps);
-}
-
-absl::Status Importer::ChooseSampleTime(const std::vector<double>& steps) {
-  HistorianReport& report = import_.report;
-  if (steps.empty()) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        probes_[0].source.name,
-        ": line 2, column 1: no row is later than the one before it; a record "
-        "needs at least 2 rows at different times"));
-  }
-  report.step = UsualStep(steps);
-  report.sample_time =
-      options_.sample_time > 0.0 ? options_.sample_time : report.step;
-  if (report.step > kMaxRefinement * report.sample_time) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        probes_[0].source.name, ": sample_time is ", report.sample_time,
-        ", but rows are ", report.step, " apart; it must be at least ",
-        report.step / kMaxRefinement, ", better not below ", report.step));
-  }
-  max_gap_ = options_.max_gap >= 0.0
-                 ? options_.max_gap
-                 : kDefaultGapSteps * std::max(report.step, report.sample_time);
-  return absl::OkStatus();
-}
-
-// An error for a row that does not follow the last, or `skip`.
-absl::Status Importer::CheckOrder(const HistorianFile& file,
-                                  const RecordRows& rows, double time,
-                                  bool& skip) {
-  skip = false;
-  if (!has_last_ || time > last_time_) return absl::OkStatus();
-  const bool is_repeated = time == last_time_;
-  if (is_repeated ? options_.skip_repeated_times
-                  : options_.skip_backward_times) {
-    ++(is_repeated ? import_.report.repeated_rows
-                   : import_.report.backward_rows);
-    skip = true;
-    return absl::OkStatus();
-  }
-  std::string message = absl::StrCat(
-      rows.TimePlace(), ": time ", time, " ",
-      is_repeated ? "stands twice" : absl::StrCat("follows ", last_time_),
-      "; times must increase");
-  const std::optional<double> hour = file.clock().hour();
-  const bool is_hour =
-      hour && !is_repeated && file.clock().has_dates() &&
-      std::abs(last_time_ - time + import_.report.step - *hour) <
-          0.5 * import_.report.step + 1e-9 * *hour;
-  if (is_hour) {
-    message +=
-        ". It goes back by an hour, as clocks do in autumn: declare the time "
-        "zone";
-  } else {
-    absl::StrAppend(&message, ", or rows ",
-                    is_repeated ? "at the same time" : "that go back",
-                    " be passed over on request");
-  }
-  return absl::InvalidArgumentError(message);
-}
-
-// No more samples than allowed, those up to the row at `time` included.
-bool Importer::FitsWithin(double time) {
-  const HistorianReport& report = import_.report;
-  double due = 1.0;
-  if (has_usable_) {
-    const double apart = time - last_usable_;
-    if (apart <= max_gap_ + kGapSteps * report.step) {
-      due = apart / report.sample_time;
-    }
-  }
-  samples_due_ += due;
-  return samples_due_ <= static_cast<double>(options_.max_samples);
-}
-
-void Importer::NoteGap(double time) {
-  HistorianReport& report = import_.report;
-  if (!has_usable_) return;
-  const double apart = time - last_usable_;
-  if (apart <= kGapSteps * std::max(report.step, report.sample_time)) return;
-  ++report.num_gaps;
-  if (report.gaps.size() < kMaxGaps) {
-    report.gaps.push_back(
-        {last_usable_, time, apart > max_gap_ + kGapSteps * report.step});
-  }
-}
-
-absl::Status Importer::ReadSource(const HistorianProbe& probe,
-                                  Resampler& resampler) {
-  MLE_ASSIGN_OR_RETURN(const std::unique_ptr<HistorianFile> file,
-                       HistorianFile::Open(probe.source, channels_, options_,
-                                           import_.report.time_origin));
-  RecordRows& rows = file->rows();
-  FileReport report = file->report();
-  RecordRow row;
-  while (rows.Next(row)) {
-    bool skip = false;
-    MLE_RETURN_IF_ERROR(CheckOrder(*file, rows, row.time, skip));
-    if (report.rows == 0) report.first_time = row.time;
-    ++report.rows;
-    if (skip) continue;
-    has_last_ = true;
-    last_time_ = report.last_time = row.time;
-    bool is_usable = false;
-    for (int v = 0; v < num_values(); ++v) {
-      if (std::isnan(row.values[v])) continue;
-      ++good_[v];
-      is_usable = true;
-    }
-    // A row without a good sample is none.
-    if (!is_usable) continue;
-    NoteGap(row.time);
-    if (!FitsWithin(row.time)) {
-      return absl::InvalidArgumentError(
-          absl::StrCat(rows.TimePlace(), ": up to here there are more than ",
-                       options_.max_samples, " samples, one every ",
-                       import_.report.sample_time,
-                       "; choose a longer sample_time, or read less at once"));
-    }
-    resampler.Add(row.time, row.values);
-    has_usable_ = true;
-    last_usable_ = row.time;
-  }
-  MLE_RETURN_IF_ERROR(rows.status());
-  NoteChannels(rows);
-  import_.report.rows += report.rows;
-  import_.report.files.push_back(std::move(report));
-  return absl::OkStatus();
-}
-
-void Importer::NoteChannels(const RecordRows& rows) {
-  const int p = channels_.num_outputs();
-  for (const RecordColumn& column : rows.columns()) {
-    int value = column.channel;
-    std::string name;
-    if (column.kind == Kind::kOutput) {
-      name = channels_.outputs()[column.channel].name;
-    } else if (column.kind == Kind::kSetPoint) {
-      name = channels_.outputs()[column.channel].name + "_setpoint";
-      value += p;
-    } else if (column.kind == Kind::kInput) {
-      name = channels_.inputs()[column.channel].name;
-      value += 2 * p;
-    } else {
-      continue;
-    }
-    is_there_[value] = true;
-    ChannelReport& report = values_[value];
-    report.name = name;
-    report.column = column.name;
-    const BadSampleCounts& bad = rows.bad()[value];
-    report.bad.empty += bad.empty;
-    report.bad.not_a_number += bad.not_a_number;
-    report.bad.declared += bad.declared;
-    report.bad.quality += bad.quality;
-  }
-  for (const std::string& quality : rows.bad_qualities()) {
-    if (std::find(bad_qualities_.begin(), bad_qualities_.end(), quality) ==
-        bad_qualities_.end()) {
-      bad_qualities_.push_back(quality);
-    }
-  }
-}
-
-void Importer::EndRecord() {
-  if (builder_.samples() == 0) return;
-  HistorianReport& report = import_.report;
-  const int p = channels_.num_outputs();
-  bool with_set_points = false;
-  for (const HistorianProbe& probe : probes_) {
-    with_set_points |= probe.has_set_points;
-  }
-  Record record =
-      builder_.Take(record_start_, report.sample_time, with_set_points);
-  if (record.samples() < 2) {
-    ++short_pieces_;
-    return;
-  }
-  const double longest =
-      max_gap_ + std::max(report.step - report.sample_time, 0.0);
-  const std::vector<int> bridged =
-      BridgeGaps(static_cast<int>(std::min(
-                     std::floor(longest / report.sample_time + 0.5), 1e9)),
-                 options_.bridge_outputs, record);
-  const auto count = [&](const Eigen::MatrixXd& rows, int first) {
-    for (Eigen::Index i = 0; i < rows.rows(); ++i) {
-      ChannelReport& channel = values_[first + i];
-      channel.bridged += bridged[first + i];
-      channel.missing += (!rows.row(i).array().isFinite()).count();
-    }
-  };
-  count(record.outputs, 0);
-  count(record.set_points, p);
-  count(record.inputs, 2 * p);
-  report.samples += record.samples();
-  import_.records.push_back(std::move(record));
-}
-
-absl::Status Importer::CheckChannels() {
-  for (int v = 0; v < num_values(); ++v) {
-    if (!is_there_[v] || good_[v] > 0) continue;
-    const ChannelReport& channel = values_[v];
-    if (channel.bad.quality == 0) {
-      return absl::InvalidArgumentError(absl::StrCat(
-          probes_[0].source.name, ": column '", ShowCsvText(channel.column),
-          "' has no good sample in any row (", channel.bad.empty, " empty, ",
-          channel.bad.not_a_number, " NaN, ", channel.bad.declared,
-          " bad values); the channel '", channel.name, "' needs samples"));
-    }
-    return absl::InvalidArgumentError(absl::StrCat(
-        probes_[0].source.name, ": column '", ShowCsvText(channel.column),
-        "' has no good sample, as its quality says; the qualities found are '",
-        absl::StrJoin(bad_qualities_, "', '"),
-        "'; declare which of them mean good"));
-  }
-  return absl::OkStatus();
-}
-
-void Importer::Warn() {
-  HistorianReport& report = import_.report;
-  if (report.step > kCoarse * report.sample_time) {
-    report.warnings.push_back(absl::StrCat(
-        "rows are ", report.step, " apart, more than the sample time ",
-        report.sample_time,
-        ": most outputs are interpolated, and their noise is not white; choose "
-        "a sample time not below the step"));
-  }
-  if (short_pieces_ > 0) {
-    report.warnings.push_back(
-        absl::StrCat(short_pieces_,
-                     " single samples between long gaps are "
-                     "left out"));
-  }
-  for (const ChannelReport& channel : report.channels) {
-    if (channel.missing > 0) {
-      report.warnings.push_back(absl::StrCat("'", channel.name, "' has ",
-                                             channel.missing,
-                                             " samples that stay bad"));
-    }
-  }
-}
-
-absl::StatusOr<HistorianImport> Importer::Run(
-    const std::vector<HistorianSource>& sources) {
-  MLE_RETURN_IF_ERROR(Probe(sources));
-  values_.resize(num_values());
-  is_there_.resize(num_values());
-  good_.resize(num_values());
-  Resampler resampler(
-      {.sample_time = import_.report.sample_time,
-       .step = import_.report.step,
-       .max_gap = max_gap_,
-       .num_outputs = channels_.num_outputs(),
-       .num_inputs = channels_.num_inputs()},
-      [&](bool begins, double time, const std::vector<double>& values) {
-        if (begins) {
-          EndRecord();
-          record_start_ = time;
-        }
-        builder_.Add(values);
-      });
-  import_.report.averaged = resampler.averages();
-  for (const HistorianProbe& probe : probes_) {
-    MLE_RETURN_IF_ERROR(ReadSource(probe, resampler));
-  }
-  resampler.Finish();
-  EndRecord();
-  MLE_RETURN_IF_ERROR(CheckChannels());
-  if (import_.records.empty()) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        probes_[0].source.name, ": no two samples follow each other within ",
-        max_gap_, ", the longest gap that is bridged"));
-  }
-  for (int v = 0; v < num_values(); ++v) {
-    if (is_there_[v]) import_.report.channels.push_back(values_[v]);
-  }
-  import_.report.records = static_cast<int>(import_.records.size());
-  Warn();
-  return std::move(import_);
-}
-
-}  // namespace
 
 absl::StatusOr<HistorianImport> ImportHistorianSources(
     const std::vector<HistorianSource>& sources, const ProcessModel& channels,
     const HistorianOptions& options) {
   MLE_RETURN_IF_ERROR(options.Validate(channels));
-  return Importer(channels, options).Run(sources);
+  MLE_ASSIGN_OR_RETURN(HistorianScan scan,
+                       HistorianImporter(channels, options).Run(sources, -1.0));
+  HistorianImport import{std::move(scan.records), std::move(scan.report)};
+  if (!import.records.empty()) return import;
+  const std::string& name = import.report.files[0].name;
+  if (!options.keep.empty()) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(name, ": no samples lie within the times to be kept"));
+  }
+  return absl::InvalidArgumentError(absl::StrCat(
+      name,
+      ": line 2, column 1: no two samples follow each other without a "
+      "gap longer than max_gap"));
+}
+
+absl::StatusOr<HistorianImport> ImportAroundChanges(
+    const std::vector<HistorianSource>& sources, const ProcessModel& channels,
+    const HistorianOptions& options, double before, double after,
+    double min_change) {
+  MLE_RETURN_IF_ERROR(options.Validate(channels));
+  for (const double value : {before, after, min_change}) {
+    if (value >= 0.0 && std::isfinite(value)) continue;
+    return absl::InvalidArgumentError(
+        absl::StrCat("historian: before is ", before, ", after ", after,
+                     ", min_change ", min_change, "; none may be negative"));
+  }
+  MLE_ASSIGN_OR_RETURN(
+      const HistorianScan scan,
+      HistorianImporter(channels, options).Run(sources, min_change));
+  HistorianOptions around = options;
+  around.keep.clear();
+  for (const double time : scan.change_times) {
+    const TimeRange range{time - before, time + after};
+    if (around.keep.empty() || around.keep.back().to < range.from) {
+      around.keep.push_back(range);
+    } else {
+      around.keep.back().to = range.to;
+    }
+  }
+  if (around.keep.empty()) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(scan.report.files[0].name,
+                     ": no set point changes in any row; columns "
+                     "<output>_setpoint must hold changes"));
+  }
+  return ImportHistorianSources(sources, channels, around);
 }
 
 absl::StatusOr<HistorianImport> ImportHistorian(

@@ -366,6 +366,44 @@ TEST(HistorianTest, CoarserRowsAreInterpolatedWithAWarning) {
               HasSubstr("rows are 1 apart"));
 }
 
+TEST(HistorianTest, OnlyWhatIsWantedIsKept) {
+  std::string text = "time,level,level_setpoint,steam\n";
+  for (int k = 0; k < 1000; ++k) {
+    absl::StrAppend(&text, k, ",", k, ",",
+                    k < 300   ? 0
+                    : k < 305 ? 1
+                              : 2,
+                    ",", k / 5, "\n");
+  }
+  HistorianOptions options;
+  options.keep = {{-5.0, 9.5}, {100.0, 110.0}, {995.0, 2000.0}};
+  const HistorianImport import = ImportOk(text, options);
+  ASSERT_EQ(import.records.size(), 3u);
+  EXPECT_EQ(import.records[0].samples(), 10);
+  EXPECT_EQ(import.records[1].start_time, 100.0);
+  EXPECT_EQ(import.records[1].samples(), 11);
+  EXPECT_EQ(import.records[2].samples(), 5);
+  EXPECT_EQ(import.report.rows, 1000);
+  options.keep = {{5000.0, 6000.0}};
+  EXPECT_THAT(Error(text, options), HasSubstr("no samples lie within"));
+  options.keep = {{10.0, 20.0}, {15.0, 30.0}};
+  EXPECT_THAT(Error(text, options), HasSubstr("keep is from 15 to 30"));
+
+  // The same samples as of the whole record.
+  const auto around = ImportAroundChanges({TextSource("a.csv", text)}, Tank(),
+                                          HistorianOptions(), 20.0, 40.0);
+  ASSERT_TRUE(around.ok()) << around.status();
+  ASSERT_EQ(around->records.size(), 1u);
+  EXPECT_EQ(around->records[0].start_time, 280.0);
+  EXPECT_EQ(around->records[0].samples(), 66);
+  EXPECT_EQ(around->records[0].inputs,
+            ImportOk(text).records[0].inputs.middleCols(280, 66));
+  const auto none = ImportAroundChanges({TextSource("a.csv", text)}, Tank(),
+                                        HistorianOptions(), 20.0, 40.0, 5.0);
+  EXPECT_THAT(std::string(none.status().message()),
+              HasSubstr("no set point changes"));
+}
+
 TEST(HistorianTest, ReportsCanBeRead) {
   HistorianOptions options;
   options.columns.ignore_other_columns = true;

@@ -1,0 +1,76 @@
+// One pass over the files of a historian. Internal to mle/data; historian.h is
+// what users see.
+
+#ifndef MLE_DATA_HISTORIAN_IMPORTER_H_
+#define MLE_DATA_HISTORIAN_IMPORTER_H_
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "mle/data/historian.h"
+#include "mle/data/historian_file.h"
+#include "mle/data/record_collector.h"
+#include "mle/data/resampler.h"
+
+namespace mle {
+
+// What a pass over the sources finds: records, or the changes of set points.
+struct HistorianScan {
+  std::vector<Record> records;
+  HistorianReport report;
+  std::vector<double> change_times;
+};
+
+// Reads the sources one after the other.
+class HistorianImporter {
+ public:
+  HistorianImporter(const ProcessModel& channels,
+                    const HistorianOptions& options)
+      : channels_(channels), options_(options) {}
+
+  // `scan_for_change`: negative, or as in CollectorOptions.
+  absl::StatusOr<HistorianScan> Run(const std::vector<HistorianSource>& sources,
+                                    double scan_for_change);
+
+ private:
+  absl::Status Probe(const std::vector<HistorianSource>& sources);
+  absl::Status ChooseSampleTime(const std::vector<double>& steps);
+  absl::Status ReadSource(const HistorianProbe& probe, Resampler& resampler);
+  absl::Status CheckOrder(const HistorianFile& file, const RecordRows& rows,
+                          double time, bool& skip);
+  bool FitsWithin(double time);
+  void NoteGap(double time);
+  void NoteSamples();
+  CollectorOptions MakeCollectorOptions(double scan_for_change) const;
+  void NoteChannels(const RecordRows& rows);
+  absl::Status CheckChannels();
+  void Warn();
+
+  int num_values() const {
+    return 2 * channels_.num_outputs() + channels_.num_inputs();
+  }
+
+  const ProcessModel& channels_;
+  const HistorianOptions& options_;
+  std::vector<HistorianProbe> probes_;
+  HistorianScan import_;
+  double max_gap_ = 0.0;
+  std::optional<RecordCollector> collector_;
+  bool has_last_ = false;
+  double last_time_ = 0.0;    // of any row
+  double last_usable_ = 0.0;  // of one with a good sample
+  bool has_usable_ = false;
+  // By value: outputs, set points, inputs.
+  std::vector<ChannelReport> values_;
+  std::vector<bool> is_there_;
+  std::vector<std::int64_t> good_;
+  std::vector<std::string> bad_qualities_;
+};
+
+}  // namespace mle
+
+#endif  // MLE_DATA_HISTORIAN_IMPORTER_H_
