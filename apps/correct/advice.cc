@@ -1,0 +1,252 @@
+#include "apps/correct/advice.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
+#include "apps/report/number.h"
+#include "control/prediction_model.h"
+#include "control/retuning.h"
+#include "mle/base/status.h"
+
+namespace mle::correct {
+namespace {
+
+using report::FormatSignificant;
+
+// The corrected model's responses must have settled: they are followed for
+// longer than they are compared.
+constexpr double kSettlingTimes = 3.0;
+constexpr int kMostWindows = 1000;
+
+std::vector<InputRole> RolesOf(const ProcessModel& model) {
+  std::vector<InputRole> roles;
+  for (const InputChannel& input : model.inputs()) roles.push_back(input.role);
+  return roles;
+}
+
+// The tuning that is running or, where it was not told, what the rules give for
+// the initial model.
+absl::StatusOr<control::MpcOptions> OldTuning(
+    const Result& result, const control::RetuningOptions& options) {
+  const ControllerSettings& told = result.request.controller;
+  control::MpcOptions tuning;
+  tuning.output_weight = told.output_weight.asDiagonal();
+  tuning.move_weight = told.move_weight.asDiagonal();
+  tuning.disturbance_variance_ratio = told.disturbance_variance_ratio;
+  if (told.known()) {
+    tuning.control_period = told.control_period;
+    tuning.prediction_horizon = told.prediction_horizon;
+    tuning.control_horizon = told.control_horizon;
+    return tuning;
+  }
+  MLE_ASSIGN_OR_RETURN(const std::vector<control::FirstOrder> elements,
+                       control::DescribeAsFirstOrder(result.initial_response));
+  std::vector<std::string> unused;
+  return control::TuneByRules(elements, RolesOf(result.initial()),
+                              result.data.sample_time(), tuning, options,
+                              unused);
+}
+
+StepResponse SettledResponse(const Result& result) {
+  const double sample_time = result.data.sample_time();
+  const double settling =
+      std::max(SettlingTime(result.corrected.process.has_value()
+                                ? *result.corrected.process
+                                : result.initial()),
+               SettlingTime(result.initial()));
+  const int samples =
+      static_cast<int>(std::ceil(kSettlingTimes * settling / sample_time)) + 1;
+  return result.corrected.process.has_value()
+             ? result.corrected.process->ComputeStepResponse(sample_time,
+                                                             samples)
+             : result.corrected.arx.ComputeStepResponse(samples);
+}
+
+absl::StatusOr<std::vector<std::string>> Retune(const Result& result) {
+  control::RetuningOptions options;
+  options.time_unit = result.initial().time_unit();
+  MLE_ASSIGN_OR_RETURN(const control::MpcOptions old_tuning,
+                       OldTuning(result, options));
+  MLE_ASSIGN_OR_RETURN(
+      const control::PredictionModel old_model,
+      control::PredictFromProcess(result.initial(), old_tuning.control_period));
+  MLE_ASSIGN_OR_RETURN(
+      const control::RetuningAdvice advice,
+      control::AdviseRetuning(old_model, old_tuning, SettledResponse(result),
+                              options));
+  return advice.reasons;
+}
+
+void AddRetuning(const Result& result, std::vector<std::string>& advice) {
+  const absl::StatusOr<std::vector<std::string>> reasons = Retune(result);
+  if (!reasons.ok()) {
+    advice.push_back(absl::StrCat("No advice on the controller's tuning: ",
+                                  reasons.status().message(), "."));
+    return;
+  }
+  advice.push_back(
+      result.request.controller.known()
+          ? "Controller, from its tuning as told by the flags to the tuning "
+            "for the corrected model:"
+          : "Controller, from what tuning rules give for the initial model to "
+            "what they give for the corrected one (its own tuning was not "
+            "told: --control_period and others):");
+  for (const std::string& reason : *reasons) {
+    advice.push_back(absl::StrCat("– ", reason));
+  }
+}
+
+// Pairs that the records say little or nothing about.
+void AddMissingInformation(const Result& result,
+                           std::vector<std::string>& advice) {
+  const ProcessModel& model = result.initial();
+  const StructuredFit& full = result.estimate.fit.structured.full;
+  std::set<int> still;
+  std::vector<std::string> weak;
+  double worst = 0.0;
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    for (int j = 0; j < model.num_inputs(); ++j) {
+      const PairInformation information = InformationOf(full.element(i, j));
+      if (information == PairInformation::kNone) still.insert(j);
+      if (information != PairInformation::kWeak) continue;
+      weak.push_back(PairName(model, i, j));
+      const double error = RelativeGainError(full.element(i, j));
+      if (std::isfinite(error)) worst = std::max(worst, error);
+    }
+  }
+  if (!still.empty()) {
+    std::vector<std::string> names;
+    for (const int j : still) names.push_back(model.inputs()[j].name);
+    advice.push_back(absl::StrCat(
+        "These inputs do not move in the records, and their elements keep the "
+        "initial model: ",
+        absl::StrJoin(names, ", "),
+        ". A step test of these inputs alone, or records in which they move, "
+        "would tell."));
+  }
+  if (weak.empty()) return;
+  const auto windows = static_cast<double>(result.data.windows.size());
+  const double needed = std::ceil(windows * worst * worst /
+                                  (kWantedGainError * kWantedGainError));
+  std::string text =
+      absl::StrCat("The records say little about the gain of ",
+                   absl::StrJoin(weak, ", "), " (standard error above ",
+                   FormatSignificant(100.0 * kWeakGainError, 2), " %).");
+  if (worst > 0.0 && needed <= kMostWindows) {
+    absl::StrAppend(
+        &text, " For ", FormatSignificant(100.0 * kWantedGainError, 2),
+        " %, about ", static_cast<int>(std::max(needed - windows, 1.0)),
+        " more set-point changes like these are needed, or a step test of ");
+  } else {
+    absl::StrAppend(&text,
+                    " More set-point changes like these will hardly help; a "
+                    "step test would, of ");
+  }
+  std::set<std::string> inputs;
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    for (int j = 0; j < model.num_inputs(); ++j) {
+      if (InformationOf(full.element(i, j)) == PairInformation::kWeak) {
+        inputs.insert(model.inputs()[j].name);
+      }
+    }
+  }
+  advice.push_back(absl::StrCat(text, absl::StrJoin(inputs, ", "), " only."));
+}
+
+void AddWhatTheModelLacks(const Result& result,
+                          std::vector<std::string>& advice) {
+  std::vector<std::string> pairs;
+  const ProcessModel& model = result.initial();
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    const ResidualReport& report = result.corrected_residuals[i];
+    for (int j = 0; j < model.num_inputs(); ++j) {
+      if (report.inputs[j].correlated()) pairs.push_back(PairName(model, i, j));
+    }
+  }
+  if (pairs.empty()) return;
+  advice.push_back(absl::StrCat(
+      "What is left of the outputs still follows inputs (",
+      absl::StrJoin(pairs, ", "),
+      "): there are dynamics, a disturbance or a valve limit that the model "
+      "does not have.",
+      result.request.estimation.estimator == Estimator::kStructured
+          ? " --estimator=arx can take any shape of response; compare the fits "
+            "on what was held out."
+          : ""));
+}
+
+}  // namespace
+
+std::string_view NameOf(PairInformation information) {
+  switch (information) {
+    case PairInformation::kAbsent:
+      return "absent";
+    case PairInformation::kNone:
+      return "none";
+    case PairInformation::kWeak:
+      return "weak";
+    case PairInformation::kInformed:
+      return "informed";
+  }
+  return "";
+}
+
+double RelativeGainError(const ElementEstimate& estimate) {
+  const double size =
+      std::max(std::abs(estimate.gain.initial), std::abs(estimate.gain.value));
+  const double error = estimate.gain.standard_error / size;
+  return std::isfinite(error) ? error : std::numeric_limits<double>::infinity();
+}
+
+PairInformation InformationOf(const ElementEstimate& estimate) {
+  switch (estimate.state) {
+    case ElementState::kAbsent:
+      return PairInformation::kAbsent;
+    case ElementState::kNotInformed:
+      return PairInformation::kNone;
+    case ElementState::kHeld:
+    case ElementState::kFitted:
+      break;
+  }
+  return RelativeGainError(estimate) > kWeakGainError
+             ? PairInformation::kWeak
+             : PairInformation::kInformed;
+}
+
+std::string PairName(const ProcessModel& model, int output, int input) {
+  return absl::StrCat(model.outputs()[output].name, " ← ",
+                      model.inputs()[input].name);
+}
+
+std::vector<std::string> Advise(const Result& result) {
+  std::vector<std::string> advice;
+  switch (result.decision) {
+    case Decision::kNoChange:
+      advice.push_back("Leave the controller's model as it is.");
+      break;
+    case Decision::kRefused:
+      advice.push_back(
+          "Do not change the controller's model yet. Something has changed, "
+          "but not in the way this estimator can describe: look at the "
+          "residuals and the windows for a disturbance, and try the other "
+          "--estimator.");
+      break;
+    case Decision::kCorrected:
+      advice.push_back(
+          "Put the corrected model into the controller: fopdt.json holds it as "
+          "transfer functions, arx.json for prediction, step_response.csv as "
+          "curves.");
+      AddRetuning(result, advice);
+      break;
+  }
+  AddMissingInformation(result, advice);
+  AddWhatTheModelLacks(result, advice);
+  return advice;
+}
+
+}  // namespace mle::correct

@@ -1,0 +1,68 @@
+// A process model and its records in units in which the ARX correction is set
+// up alike for every plant, and the conversion in those units.
+//
+// The penalties λ₀ and λ, and the excitation of the conversion, are numbers for
+// the paper's plant: noise of variance 0.001, inputs of variance 1 that move
+// outputs by some 500 standard deviations of it. So output i is divided by s_i
+// and input j by s_j,
+//
+//   s_i = √(r_i/0.001),   s_j = 500 · geometric mean over i of √r_i / |φ_ij|,
+//
+// with r_i the variance of the output's white noise and |φ_ij| the largest
+// magnitude of the pair's step response. A change of units changes nothing.
+
+#ifndef APPS_CORRECT_CONVERSION_SCALES_H_
+#define APPS_CORRECT_CONVERSION_SCALES_H_
+
+#include <cstdint>
+#include <vector>
+
+#include "Eigen/Core"
+#include "absl/status/statusor.h"
+#include "mle/correction/conversion.h"
+#include "mle/data/record.h"
+#include "mle/model/arx_model.h"
+#include "mle/model/process_model.h"
+#include "mle/nonlinear/structured_correction.h"
+
+namespace mle::correct {
+
+struct ChannelScales {
+  Eigen::VectorXd outputs;  // p, s_i
+  Eigen::VectorXd inputs;   // m, s_j
+};
+
+// `noise` (p) of the plant; where an output has next to none, a 10⁻⁵th of its
+// range in `records` stands for its standard deviation.
+ChannelScales ChooseScales(const ProcessModel& model,
+                           const std::vector<NoiseEstimate>& noise,
+                           const std::vector<Record>& records);
+
+Record Scaled(const Record& record, const ChannelScales& scales);
+ProcessModel Scaled(const ProcessModel& model, const ChannelScales& scales);
+// Back to the units of the records.
+ArxModel Unscaled(const ArxModel& model, const ChannelScales& scales);
+
+struct ConversionSettings {
+  int order = 0;           // d; 0: see ChooseOrder()
+  double penalty = 1e-6;   // λ₀ ≥ 0
+  int samples = 50000;     // of the excitation
+  std::uint64_t seed = 1;  // of the excitation
+  LassoSolverOptions solver;
+};
+
+// 1.25 times the longest dead time and time constant together, as the paper's
+// order is to its plant, in samples; at least 10, and at most what leaves 1500
+// regressors.
+int ChooseOrder(const ProcessModel& model, double sample_time);
+
+// R of the model in scaled units, under noise of the plant's shape: white, with
+// a random walk of the ratio q/r of each output.
+absl::StatusOr<ConversionSummary> ConvertUnderNoise(
+    const ProcessModel& model, const std::vector<NoiseEstimate>& noise,
+    const ChannelScales& scales, double sample_time,
+    const ConversionSettings& settings);
+
+}  // namespace mle::correct
+
+#endif  // APPS_CORRECT_CONVERSION_SCALES_H_

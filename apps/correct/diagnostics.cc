@@ -1,0 +1,177 @@
+#include "apps/correct/diagnostics.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "Eigen/QR"
+#include "mle/nonlinear/distributions.h"
+
+namespace mle::correct {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::RowVectorXd;
+using Eigen::VectorXd;
+
+constexpr double k99Percent = 2.5758293035489004;
+
+// A signal in its windows, NaN where it is not known.
+using Windows = std::vector<RowVectorXd>;
+
+// Takes the mean of all finite values off.
+void Centre(Windows& windows) {
+  double sum = 0.0;
+  double count = 0.0;
+  for (const RowVectorXd& window : windows) {
+    for (const double value : window) {
+      if (!std::isfinite(value)) continue;
+      sum += value;
+      count += 1.0;
+    }
+  }
+  if (count == 0.0) return;
+  for (RowVectorXd& window : windows) window.array() -= sum / count;
+}
+
+// Σ_k a_{k+lag} b_k over the samples where both are known.
+double Product(const Windows& a, const Windows& b, int lag) {
+  double sum = 0.0;
+  for (std::size_t w = 0; w < a.size(); ++w) {
+    const auto n = static_cast<int>(a[w].size());
+    for (int k = std::max(0, -lag); k < n - std::max(lag, 0); ++k) {
+      const double value = a[w](k + lag) * b[w](k);
+      if (std::isfinite(value)) sum += value;
+    }
+  }
+  return sum;
+}
+
+// r(1) … r(max_lag); zeros for a signal that does not move.
+VectorXd Autocorrelation(const Windows& signal, int max_lag) {
+  const double squares = Product(signal, signal, 0);
+  VectorXd values = VectorXd::Zero(max_lag);
+  if (!(squares > 0.0)) return values;
+  for (int lag = 1; lag <= max_lag; ++lag) {
+    values(lag - 1) = Product(signal, signal, lag) / squares;
+  }
+  return values;
+}
+
+// N R² of the errors on `input` at lags 1, 1 + step, …; rank of the regressors.
+void TestInput(const Windows& errors, const Windows& input, int max_lag,
+               InputCorrelation& result) {
+  const int step = std::max((max_lag + kTestLags - 1) / kTestLags, 1);
+  const int lags = (max_lag - 1) / step + 1;
+  const int deepest = 1 + (lags - 1) * step;
+  std::vector<double> values;
+  int rows = 0;
+  for (std::size_t w = 0; w < errors.size(); ++w) {
+    for (int k = deepest; k < errors[w].size(); ++k) {
+      if (!std::isfinite(errors[w](k))) continue;
+      for (int a = 0; a < lags; ++a) {
+        values.push_back(input[w](k - 1 - a * step));
+      }
+      values.push_back(errors[w](k));
+      ++rows;
+    }
+  }
+  if (rows <= 2 * lags) return;
+  MatrixXd table =
+      Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic,
+                                     Eigen::RowMajor>>(values.data(), rows,
+                                                       lags + 1);
+  table.rowwise() -= table.colwise().mean().eval();
+  const VectorXd response = table.col(lags);
+  if (!(response.squaredNorm() > 0.0)) return;
+  Eigen::ColPivHouseholderQR<MatrixXd> qr;
+  qr.setThreshold(1e-6);
+  qr.compute(table.leftCols(lags));
+  const auto rank = static_cast<int>(qr.rank());
+  if (rank == 0) return;
+  const VectorXd rotated = qr.householderQ().adjoint() * response;
+  result.statistic =
+      rows * rotated.head(rank).squaredNorm() / response.squaredNorm();
+  result.degrees_of_freedom = rank;
+  result.p_value = ChiSquareTail(result.statistic, rank);
+}
+
+InputCorrelation Correlate(const Windows& errors, const VectorXd& errors_acf,
+                           Windows input, int samples, int max_lag) {
+  InputCorrelation result;
+  result.max_lag = max_lag;
+  result.values = VectorXd::Zero(2 * max_lag + 1);
+  Centre(input);
+  const double norm =
+      std::sqrt(Product(errors, errors, 0) * Product(input, input, 0));
+  if (!(norm > 0.0)) return result;
+  for (int lag = -max_lag; lag <= max_lag; ++lag) {
+    const double value = Product(errors, input, lag) / norm;
+    result.values(lag + max_lag) = value;
+    if (lag > 0 && std::abs(value) > result.largest) {
+      result.largest = std::abs(value);
+      result.largest_lag = lag;
+    }
+  }
+  const VectorXd input_acf = Autocorrelation(input, max_lag);
+  const double spread =
+      std::max(1.0 + 2.0 * errors_acf.dot(input_acf), 1.0 / samples);
+  result.limit = k99Percent * std::sqrt(spread / samples);
+  TestInput(errors, input, max_lag, result);
+  return result;
+}
+
+ResidualReport ExamineOutput(Windows errors, const std::vector<Windows>& inputs,
+                             int max_lag) {
+  ResidualReport report;
+  Centre(errors);
+  for (const RowVectorXd& window : errors) {
+    report.samples += static_cast<int>(window.array().isFinite().count());
+  }
+  const double n = report.samples;
+  const VectorXd acf = Autocorrelation(errors, max_lag);
+  report.autocorrelation = acf;
+  if (report.samples > max_lag + 1) {
+    report.variance = Product(errors, errors, 0) / n;
+    report.limit = k99Percent / std::sqrt(n);
+    for (int lag = 1; lag <= max_lag; ++lag) {
+      report.ljung_box += acf(lag - 1) * acf(lag - 1) / (n - lag);
+    }
+    report.ljung_box *= n * (n + 2.0);
+    report.degrees_of_freedom = max_lag;
+    report.p_value = ChiSquareTail(report.ljung_box, max_lag);
+    report.outside = (acf.array().abs() > report.limit).cast<double>().mean();
+    for (const Windows& input : inputs) {
+      report.inputs.push_back(
+          Correlate(errors, acf, input, report.samples, max_lag));
+    }
+  } else {
+    report.inputs.resize(inputs.size());
+  }
+  return report;
+}
+
+}  // namespace
+
+std::vector<ResidualReport> ExamineResiduals(const Predictor& predictor,
+                                             const std::vector<Record>& windows,
+                                             int max_lag) {
+  const int p = windows.front().num_outputs();
+  const int m = windows.front().num_inputs();
+  std::vector<Windows> errors(p);
+  std::vector<Windows> inputs(m);
+  int longest = 0;
+  for (const Record& window : windows) {
+    const MatrixXd one_step = predictor(window, 1);
+    for (int i = 0; i < p; ++i) errors[i].push_back(one_step.row(i));
+    for (int j = 0; j < m; ++j) inputs[j].push_back(window.inputs.row(j));
+    longest = std::max(longest, window.samples());
+  }
+  const int lags = std::clamp(max_lag, 1, std::max(longest / 4, 1));
+  std::vector<ResidualReport> reports;
+  for (int i = 0; i < p; ++i) {
+    reports.push_back(ExamineOutput(errors[i], inputs, lags));
+  }
+  return reports;
+}
+
+}  // namespace mle::correct

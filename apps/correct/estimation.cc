@@ -1,0 +1,138 @@
+#include "apps/correct/estimation.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "mle/base/status.h"
+#include "mle/data/lagged_series.h"
+
+namespace mle::correct {
+namespace {
+
+// Each window has an operating point of its own where the noise has one.
+std::vector<Record> ScaledWindows(const Setting& setting,
+                                  const std::vector<Record>& windows) {
+  const bool offsets =
+      std::any_of(setting.noise.begin(), setting.noise.end(),
+                  [](const NoiseEstimate& noise) { return noise.offset; });
+  std::vector<Record> scaled;
+  for (const Record& window : windows) {
+    Record& record = scaled.emplace_back(Scaled(window, setting.scales));
+    if (!offsets) continue;
+    const Eigen::VectorXd means = ChannelMeans({record});
+    record.outputs.colwise() -= means.head(record.num_outputs());
+    record.inputs.colwise() -= means.tail(record.num_inputs());
+  }
+  return scaled;
+}
+
+absl::Status AddPredictors(const Setting& setting, double sample_time,
+                           Fit& fit) {
+  if (setting.options.estimator == Estimator::kArx) {
+    fit.initial =
+        PredictWithArx(Unscaled(setting.conversion->model, setting.scales));
+    fit.corrected =
+        fit.arx.has_value()
+            ? PredictWithArx(Unscaled(fit.arx->Model(), setting.scales))
+            : fit.initial;
+    return absl::OkStatus();
+  }
+  MLE_ASSIGN_OR_RETURN(
+      fit.initial,
+      PredictWithProcess(setting.initial, setting.noise, sample_time));
+  MLE_ASSIGN_OR_RETURN(fit.corrected,
+                       PredictWithProcess(fit.structured.corrected.model,
+                                          setting.noise, sample_time));
+  return absl::OkStatus();
+}
+
+// What `structured` leaves to be done for the estimator.
+absl::StatusOr<Fit> Complete(const Setting& setting,
+                             const std::vector<Record>& windows,
+                             StructuredCorrection structured) {
+  Fit fit;
+  fit.structured = std::move(structured);
+  fit.change_proposed = fit.structured.change_proposed;
+  if (setting.options.estimator == Estimator::kArx && fit.change_proposed) {
+    MLE_ASSIGN_OR_RETURN(fit.arx, CorrectModel(setting.conversion->model,
+                                               ScaledWindows(setting, windows),
+                                               setting.options.correction));
+  }
+  MLE_RETURN_IF_ERROR(AddPredictors(setting, windows.front().sample_time, fit));
+  return fit;
+}
+
+}  // namespace
+
+std::string_view NameOf(Estimator estimator) {
+  return estimator == Estimator::kArx ? "arx" : "structured";
+}
+
+absl::StatusOr<Fit> FitWindows(const Setting& setting,
+                               const std::vector<Record>& windows) {
+  MLE_ASSIGN_OR_RETURN(
+      StructuredCorrection structured,
+      CorrectStructure(setting.initial, windows, setting.options.structured));
+  return Complete(setting, windows, std::move(structured));
+}
+
+absl::StatusOr<Estimate> EstimateModel(const ProcessModel& initial,
+                                       const std::vector<Record>& windows,
+                                       const EstimationOptions& options) {
+  MLE_ASSIGN_OR_RETURN(StructuredCorrection structured,
+                       CorrectStructure(initial, windows, options.structured));
+  Estimate estimate;
+  Setting& setting = estimate.setting;
+  setting.initial = initial;
+  setting.options = options;
+  setting.noise = structured.full.noise;
+  setting.scales = ChooseScales(initial, setting.noise, windows);
+  if (options.estimator == Estimator::kArx) {
+    MLE_ASSIGN_OR_RETURN(
+        setting.conversion,
+        ConvertUnderNoise(initial, setting.noise, setting.scales,
+                          windows.front().sample_time, options.conversion));
+  }
+  MLE_ASSIGN_OR_RETURN(estimate.fit,
+                       Complete(setting, windows, std::move(structured)));
+  return estimate;
+}
+
+absl::StatusOr<CorrectedModel> MakeCorrectedModel(const Estimate& estimate,
+                                                  bool accepted,
+                                                  double sample_time,
+                                                  int response_samples) {
+  const Setting& setting = estimate.setting;
+  const Fit& fit = estimate.fit;
+  CorrectedModel corrected;
+  if (setting.options.estimator == Estimator::kArx) {
+    corrected.max_relative_gap = setting.conversion->max_relative_gap;
+    ArxModel scaled = setting.conversion->model;
+    if (accepted && fit.arx.has_value()) {
+      scaled = fit.arx->Model();
+      corrected.max_relative_gap =
+          std::max(corrected.max_relative_gap, fit.arx->MaxRelativeGap());
+    }
+    corrected.arx = Unscaled(scaled, setting.scales);
+    corrected.response = corrected.arx.ComputeStepResponse(response_samples);
+    return corrected;
+  }
+  const StructuredFit& structured = fit.structured.corrected;
+  corrected.process = accepted ? structured.model : setting.initial;
+  corrected.response =
+      corrected.process->ComputeStepResponse(sample_time, response_samples);
+  corrected.errors =
+      accepted ? structured.StepResponseErrors(sample_time, response_samples)
+               : StepResponse(sample_time, setting.initial.num_outputs(),
+                              setting.initial.num_inputs(), response_samples);
+  MLE_ASSIGN_OR_RETURN(
+      const ConversionSummary conversion,
+      ConvertUnderNoise(*corrected.process, setting.noise, setting.scales,
+                        sample_time, setting.options.conversion));
+  corrected.max_relative_gap = conversion.max_relative_gap;
+  corrected.arx = Unscaled(conversion.model, setting.scales);
+  return corrected;
+}
+
+}  // namespace mle::correct

@@ -1,0 +1,100 @@
+// The corrected model from windows of records.
+//
+// The structured correction always runs: its test of no change guards every
+// estimator, and its noise is what the ARX conversion is made under. Where it
+// finds no change the initial model stays, whatever the estimator.
+//
+//   structured  gains, time constants and dead times (the default)
+//   arx         ΔR by lasso, any shape of response (the paper's method)
+
+#ifndef APPS_CORRECT_ESTIMATION_H_
+#define APPS_CORRECT_ESTIMATION_H_
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "Eigen/Core"
+#include "absl/status/statusor.h"
+#include "apps/correct/conversion_scales.h"
+#include "apps/correct/prediction.h"
+#include "mle/correction/correction.h"
+#include "mle/data/record.h"
+#include "mle/model/arx_model.h"
+#include "mle/model/process_model.h"
+#include "mle/model/step_response.h"
+#include "mle/nonlinear/structured_correction.h"
+
+namespace mle::correct {
+
+enum class Estimator { kStructured, kArx };
+
+std::string_view NameOf(Estimator estimator);
+
+struct EstimationOptions {
+  Estimator estimator = Estimator::kStructured;
+  StructuredOptions structured;
+  ConversionSettings conversion;
+  CorrectionOptions correction;
+};
+
+// What was fitted to one set of windows.
+struct Fit {
+  bool change_proposed = false;
+  StructuredCorrection structured;
+  // Of the estimator arx, where a change is proposed.
+  std::optional<Correction> arx;
+  // Predictions of the initial and of the corrected model; equal without a
+  // proposal.
+  Predictor initial;
+  Predictor corrected;
+};
+
+// What an estimator needs besides windows, made once.
+struct Setting {
+  ProcessModel initial;
+  EstimationOptions options;
+  // Of the full fit to all windows.
+  std::vector<NoiseEstimate> noise;
+  ChannelScales scales;
+  // R of the initial model, in scaled units; the estimator arx only.
+  std::optional<ConversionSummary> conversion;
+};
+
+// Everything from all windows.
+struct Estimate {
+  Setting setting;
+  Fit fit;
+};
+
+absl::StatusOr<Estimate> EstimateModel(const ProcessModel& initial,
+                                       const std::vector<Record>& windows,
+                                       const EstimationOptions& options);
+
+// The same estimator on other windows, with the noise and the conversion as
+// they are in `setting`.
+absl::StatusOr<Fit> FitWindows(const Setting& setting,
+                               const std::vector<Record>& windows);
+
+// What comes out for use.
+struct CorrectedModel {
+  // Of the structured estimator: the process model with the initial one's
+  // shapes.
+  std::optional<ProcessModel> process;
+  ArxModel arx;           // in the units of the records
+  StepResponse response;  // at 0, Δt, … (response_samples)
+  // Standard errors of `response`; the structured estimator only.
+  std::optional<StepResponse> errors;
+  double max_relative_gap = 0.0;  // of all lasso fits
+};
+
+// The initial model where `accepted` is false.
+absl::StatusOr<CorrectedModel> MakeCorrectedModel(const Estimate& estimate,
+                                                  bool accepted,
+                                                  double sample_time,
+                                                  int response_samples);
+
+}  // namespace mle::correct
+
+#endif  // APPS_CORRECT_ESTIMATION_H_

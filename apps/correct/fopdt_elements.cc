@@ -1,0 +1,135 @@
+#include "apps/correct/fopdt_elements.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "absl/strings/str_cat.h"
+#include "mle/base/status.h"
+
+namespace mle::correct {
+namespace {
+
+constexpr int kResponseSamples = 600;
+constexpr double kHorizons = 6.0;     // of the slowest time constant
+constexpr double kNegligible = 1e-9;  // of the largest response
+
+FopdtElement FromFit(const FopdtFit& fit) {
+  FopdtElement element;
+  element.gain = fit.gain;
+  element.time_constant = fit.time_constant;
+  element.delay = fit.delay;
+  element.gain_error = fit.gain_standard_error;
+  element.time_constant_error = fit.time_constant_standard_error;
+  element.delay_error = fit.delay_standard_error;
+  element.shape = fit.shape;
+  element.relative_rms = fit.relative_rms;
+  if (fit.shape == FopdtShape::kNoResponse) {
+    element.gain_error = 0.0;
+    element.time_constant_error = 0.0;
+    element.delay_error = 0.0;
+    element.relative_rms = 0.0;
+  }
+  return element;
+}
+
+absl::StatusOr<FopdtElement> FromTransfer(const TransferFunction& transfer) {
+  FopdtElement element;
+  if (transfer.IsZero()) {
+    element.exact = true;
+    element.shape = FopdtShape::kNoResponse;
+    return element;
+  }
+  if (transfer.IsFirstOrder()) {
+    element.exact = true;
+    element.gain = transfer.StaticGain();
+    element.time_constant = transfer.TimeConstant();
+    element.delay = transfer.delay();
+    return element;
+  }
+  const double sample_time =
+      (transfer.delay() + kHorizons * transfer.SlowestTimeConstant()) /
+      (kResponseSamples - 1);
+  MLE_ASSIGN_OR_RETURN(
+      const FopdtFit fit,
+      FitFopdt(transfer.StepResponse(sample_time, kResponseSamples),
+               sample_time, {}));
+  return FromFit(fit);
+}
+
+// The errors of (K, T, L) carried over to the fit.
+void CarryErrors(const StructuredFit& fit, int i, int j,
+                 FopdtElement& element) {
+  const ElementEstimate& estimate = fit.element(i, j);
+  element.gain_error = 0.0;
+  element.time_constant_error = 0.0;
+  element.delay_error = 0.0;
+  if (estimate.state != ElementState::kFitted) return;
+  const double scale = estimate.time_scale.value;
+  const double ratio = element.time_constant / scale;
+  const double shift = (element.delay - estimate.delay.value) / scale;
+  const double gain = estimate.gain.value;
+  const double covariance = fit.covariances[i](3 * j + 1, 3 * j + 2);
+  const double t = estimate.time_scale.standard_error;
+  const double l = estimate.delay.standard_error;
+  element.gain_error = estimate.gain.standard_error *
+                       (gain != 0.0 ? std::abs(element.gain / gain) : 1.0);
+  element.time_constant_error = ratio * t;
+  element.delay_error = std::sqrt(
+      std::max(l * l + shift * shift * t * t + 2.0 * shift * covariance, 0.0));
+}
+
+}  // namespace
+
+absl::StatusOr<std::vector<FopdtElement>> DescribeAsFopdt(
+    const Estimate& estimate, bool accepted, const CorrectedModel& corrected) {
+  const int p = estimate.setting.initial.num_outputs();
+  const int m = estimate.setting.initial.num_inputs();
+  std::vector<FopdtElement> elements;
+  for (int i = 0; i < p; ++i) {
+    for (int j = 0; j < m; ++j) {
+      if (!corrected.process.has_value()) {
+        const StepResponse& response = corrected.response;
+        FopdtOptions options;
+        options.negligible_response =
+            kNegligible * response.values.cwiseAbs().maxCoeff();
+        MLE_ASSIGN_OR_RETURN(
+            const FopdtFit fit,
+            FitFopdt(response.element(i, j), response.sample_time, options));
+        elements.push_back(FromFit(fit));
+        continue;
+      }
+      MLE_ASSIGN_OR_RETURN(FopdtElement element,
+                           FromTransfer(corrected.process->element(i, j)));
+      if (accepted) {
+        CarryErrors(estimate.fit.structured.corrected, i, j, element);
+      } else {
+        element.gain_error = 0.0;
+        element.time_constant_error = 0.0;
+        element.delay_error = 0.0;
+      }
+      elements.push_back(element);
+    }
+  }
+  return elements;
+}
+
+ProcessModel FopdtModel(const ProcessModel& initial,
+                        const std::vector<FopdtElement>& elements,
+                        double time_floor) {
+  ProcessModel model(initial.name(), initial.time_unit(), initial.inputs(),
+                     initial.outputs());
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    for (int j = 0; j < model.num_inputs(); ++j) {
+      const FopdtElement& element = elements[i * model.num_inputs() + j];
+      if (element.shape == FopdtShape::kNoResponse || element.gain == 0.0) {
+        continue;
+      }
+      model.element(i, j) = TransferFunction::FirstOrder(
+          element.gain, std::max(element.time_constant, time_floor),
+          element.delay);
+    }
+  }
+  return model;
+}
+
+}  // namespace mle::correct

@@ -1,0 +1,53 @@
+// The corrected model as first-order elements with dead time, with standard
+// errors where the records give them.
+//
+// An element that is of first order is itself. Of another shape g₀(Ts) of the
+// structured correction the best first-order fit K, T_f, L_f to its step
+// response is taken; stretching the time scale T stretches that fit alike, so
+// that with l₀ = (L_f − L)/T
+//
+//   T_f = const · T,   L_f = L + l₀ T
+//
+// and the errors of K, T and L carry over. An ARX model's step responses are
+// fitted; its coefficients give no errors, those of the fit say how well a
+// first-order element describes the response, and no more.
+
+#ifndef APPS_CORRECT_FOPDT_ELEMENTS_H_
+#define APPS_CORRECT_FOPDT_ELEMENTS_H_
+
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "apps/correct/estimation.h"
+#include "mle/model/process_model.h"
+#include "mle/nonlinear/fopdt_fit.h"
+
+namespace mle::correct {
+
+struct FopdtElement {
+  double gain = 0.0;
+  double time_constant = 0.0;
+  double delay = 0.0;
+  // Infinite where the records do not determine the value, 0 where it was
+  // held.
+  double gain_error = 0.0;
+  double time_constant_error = 0.0;
+  double delay_error = 0.0;
+  bool exact = false;  // of first order as it is
+  FopdtShape shape = FopdtShape::kFits;
+  double relative_rms = 0.0;  // of the response about the fit
+};
+
+// Row by row (p·m). `accepted` as for MakeCorrectedModel().
+absl::StatusOr<std::vector<FopdtElement>> DescribeAsFopdt(
+    const Estimate& estimate, bool accepted, const CorrectedModel& corrected);
+
+// The elements as a process model of the initial one's channels. `time_floor`
+// is the smallest time constant written: a jump has none.
+ProcessModel FopdtModel(const ProcessModel& initial,
+                        const std::vector<FopdtElement>& elements,
+                        double time_floor);
+
+}  // namespace mle::correct
+
+#endif  // APPS_CORRECT_FOPDT_ELEMENTS_H_

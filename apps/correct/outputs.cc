@@ -1,0 +1,152 @@
+#include "apps/correct/outputs.h"
+
+#include <cmath>
+#include <limits>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/strings/str_replace.h"
+#include "apps/common/command_line.h"
+#include "apps/correct/advice.h"
+#include "apps/correct/checksum.h"
+#include "apps/correct/result_json.h"
+#include "mle/base/status.h"
+#include "mle/nonlinear/distributions.h"
+#include "nlohmann/json.hpp"
+
+namespace mle::correct {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string Dump(const Json& json) {
+  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+// A CSV field, quoted where it must be (RFC 4180).
+std::string Field(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  return absl::StrCat("\"", absl::StrReplaceAll(text, {{"\"", "\"\""}}), "\"");
+}
+
+absl::StatusOr<Json> FileJson(const std::string& path) {
+  MLE_ASSIGN_OR_RETURN(const FileChecksum checksum, ChecksumOf(path));
+  return Json{
+      {"path", path}, {"sha256", checksum.sha256}, {"bytes", checksum.bytes}};
+}
+
+absl::StatusOr<Json> InputsJson(const Result& result) {
+  Json inputs;
+  MLE_ASSIGN_OR_RETURN(inputs["model"], FileJson(result.request.model_path));
+  if (!result.request.truth_path.empty()) {
+    MLE_ASSIGN_OR_RETURN(inputs["truth"], FileJson(result.request.truth_path));
+  }
+  Json data = Json::array();
+  for (const Source& source : result.data.sources) {
+    data.push_back({{"path", source.path},
+                    {"sha256", source.sha256},
+                    {"bytes", source.bytes},
+                    {"samples", source.record.samples()},
+                    {"sample_time", source.record.sample_time}});
+  }
+  inputs["data"] = std::move(data);
+  return inputs;
+}
+
+// The columns of one model.
+struct Curve {
+  std::string name;
+  Eigen::MatrixXd values;
+};
+
+std::vector<Curve> CurvesOf(const Result& result) {
+  std::vector<Curve> curves = {{"initial", result.initial_response.values},
+                               {"corrected", result.corrected.response.values}};
+  if (result.true_response.has_value()) {
+    curves.push_back({"true", result.true_response->values});
+  }
+  if (result.corrected.errors.has_value()) {
+    const Eigen::MatrixXd half_width =
+        BandFactor(result) * result.corrected.errors->values;
+    const Eigen::MatrixXd& middle = result.corrected.response.values;
+    curves.push_back({"corrected_lower", middle - half_width});
+    curves.push_back({"corrected_upper", middle + half_width});
+  }
+  return curves;
+}
+
+}  // namespace
+
+double BandFactor(const Result& result) {
+  return StudentTwoSidedQuantile(
+      1.0 - result.request.estimation.structured.confidence,
+      std::numeric_limits<double>::infinity());
+}
+
+absl::StatusOr<std::string> FormatResult(
+    const Result& result, const std::string& command,
+    const std::vector<std::pair<std::string, std::string>>& flags) {
+  Json json = {{"version", 1},
+               {"program", "mle_correct"},
+               {"program_version", std::string(Version())},
+               {"command", command}};
+  Json flag_values = Json::object();
+  for (const auto& [name, value] : flags) flag_values[name] = value;
+  json["flags"] = std::move(flag_values);
+  MLE_ASSIGN_OR_RETURN(json["inputs"], InputsJson(result));
+  AddFindings(result, json);
+  AddDiagnostics(result, json);
+  return Dump(json);
+}
+
+std::string FormatArx(const ArxModel& model, const ProcessModel& channels) {
+  Json inputs = Json::array();
+  Json outputs = Json::array();
+  for (const InputChannel& input : channels.inputs()) {
+    inputs.push_back(input.name);
+  }
+  for (const OutputChannel& output : channels.outputs()) {
+    outputs.push_back(output.name);
+  }
+  return Dump({{"version", 1},
+               {"name", channels.name()},
+               {"time_unit", channels.time_unit()},
+               {"sample_time", model.sample_time},
+               {"order", model.order},
+               {"outputs", std::move(outputs)},
+               {"inputs", std::move(inputs)},
+               {"R", MatrixJson(model.R)}});
+}
+
+std::string FormatStepResponses(const Result& result) {
+  const ProcessModel& model = result.initial();
+  const std::vector<Curve> curves = CurvesOf(result);
+  std::string csv = "time";
+  for (const Curve& curve : curves) {
+    for (const OutputChannel& output : model.outputs()) {
+      for (const InputChannel& input : model.inputs()) {
+        absl::StrAppend(
+            &csv, ",",
+            Field(absl::StrCat(output.name, "/", input.name, " ", curve.name)));
+      }
+    }
+  }
+  csv += '\n';
+  for (int k = 0; k < result.initial_response.samples(); ++k) {
+    absl::StrAppendFormat(&csv, "%.12g",
+                          k * result.initial_response.sample_time);
+    for (const Curve& curve : curves) {
+      for (const double value : curve.values.row(k)) {
+        if (std::isfinite(value)) {
+          absl::StrAppendFormat(&csv, ",%.12g", value);
+        } else {
+          csv += ',';  // not determined
+        }
+      }
+    }
+    csv += '\n';
+  }
+  return csv;
+}
+
+}  // namespace mle::correct

@@ -1,0 +1,105 @@
+#include "apps/correct/page.h"
+
+#include "absl/strings/str_cat.h"
+#include "apps/correct/tables.h"
+#include "apps/report/number.h"
+
+namespace mle::correct {
+namespace {
+
+using report::HtmlPage;
+
+void AddFigure(const NamedFigure& figure, const DrawFigure& draw,
+               HtmlPage& page) {
+  if (draw) page.AddFigure(draw(figure), figure.caption, figure.alt);
+}
+
+void AddModel(const Result& result, const DrawFigure& draw, HtmlPage& page) {
+  page.AddHeading("The model");
+  AddFigure(StepResponseFigure(result), draw, page);
+  page.AddTable(MismatchMap(result));
+  page.AddParagraph(
+      "“Not informed” is an element whose input does not move in the records; "
+      "“weak” one whose gain has a standard error above 20 %. Both keep the "
+      "initial model unless the records prove a change.");
+  page.AddTable(ParameterTable(result));
+  page.AddTable(FopdtTable(result));
+  if (!result.corrected.process.has_value()) {
+    page.AddParagraph(
+        "The model is an ARX model here; its standard errors are not known. "
+        "Those given say how well a first-order element describes its step "
+        "response.");
+  }
+}
+
+void AddRecords(const Result& result, const DrawFigure& draw, HtmlPage& page) {
+  page.AddHeading("The records");
+  page.AddTable(SourceTable(result.data, result.initial()));
+  page.AddTable(ChannelTable(result.data, result.initial()));
+  page.AddTable(WindowTable(result.data, result.initial()));
+  if (!result.data.notes.empty()) page.AddList(result.data.notes);
+  AddFigure(RecordFigure(result), draw, page);
+}
+
+void AddPredictions(const Result& result, const DrawFigure& draw,
+                    HtmlPage& page) {
+  page.AddHeading("Can it be trusted?");
+  if (result.validation.available()) {
+    page.AddTable(ValidationTable(result));
+    page.AddParagraph(
+        result.validation.blocked
+            ? "There is one window: five times, every fifth of ten blocks of "
+              "its outputs was hidden from the fit and then predicted."
+            : "Each window in turn was held out: the correction was made from "
+              "the others and predicts what it had not seen. Where the others "
+              "say too little for a correction, both models are the initial "
+              "one.");
+  } else {
+    page.AddWarning(absl::StrCat(
+        "The models could not be tried on what they had not seen: ",
+        result.validation.missing));
+  }
+  AddFigure(PredictionFigure(result), draw, page);
+  if (HasLossFigure(result)) AddFigure(LossFigure(result), draw, page);
+  page.AddSubheading("What is left");
+  page.AddTable(ResidualTable(result));
+  page.AddParagraph(
+      "Tested at a level of 1 %. Errors that are not white hold slow "
+      "disturbances or missing dynamics; errors that follow an input after it "
+      "moved, missing dynamics. Quantised or filtered measurements are not "
+      "white either.");
+  AddFigure(AutocorrelationFigure(result), draw, page);
+  AddFigure(CrossCorrelationFigure(result), draw, page);
+  page.AddTable(NoiseTable(result));
+}
+
+}  // namespace
+
+std::string FormatPage(const Result& result, const DrawFigure& draw,
+                       const report::RunAgain& run_again) {
+  HtmlPage page(absl::StrCat("Model correction: ", result.initial().name()));
+  page.AddSummary(result.verdict);
+  for (const std::string& failure : result.failures) {
+    page.AddWarning(absl::StrCat("The result is not usable: ", failure));
+  }
+  for (const std::string& warning : result.warnings) page.AddWarning(warning);
+  page.AddHeading("What to do");
+  page.AddList(result.advice);
+  AddModel(result, draw, page);
+  AddRecords(result, draw, page);
+  AddPredictions(result, draw, page);
+  page.AddHeading("Certificate");
+  page.AddTable(CertificateTable(result));
+  page.AddParagraph(absl::StrCat(
+      "Relative duality gap of every lasso fit used: at most ",
+      report::FormatScientific(result.corrected.max_relative_gap, 2), "."));
+  page.AddHeading("Files");
+  page.AddFiles({{"result.json", "result.json"},
+                 {"fopdt.json", "fopdt.json"},
+                 {"arx.json", "arx.json"},
+                 {"step_response.csv", "step_response.csv"}});
+  page.AddRunAgain(run_again);
+  return page.Render();
+}
+
+}  // namespace mle::correct

@@ -1,0 +1,134 @@
+#include "apps/correct/prediction.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <utility>
+
+#include "mle/base/status.h"
+#include "mle/correction/prediction_residuals.h"
+#include "mle/data/lagged_series.h"
+#include "sim/plant.h"
+
+namespace mle::correct {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+// Samples after which the inputs before a record are forgotten.
+int ForgettingSamples(const ProcessModel& model, double sample_time) {
+  double longest = 0.0;
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    for (int j = 0; j < model.num_inputs(); ++j) {
+      const TransferFunction& element = model.element(i, j);
+      if (element.IsZero()) continue;
+      longest =
+          std::max(longest, element.delay() + element.SlowestTimeConstant());
+    }
+  }
+  return static_cast<int>(std::min(std::ceil(longest / sample_time), 1e9));
+}
+
+// Removes the mean of the finite values.
+void Centre(Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>> values) {
+  double sum = 0.0;
+  int count = 0;
+  for (const double value : values) {
+    if (!std::isfinite(value)) continue;
+    sum += value;
+    ++count;
+  }
+  if (count > 0) values.array() -= sum / count;
+}
+
+// The errors of one output, given e_k = y_k − x_k (NaN where not measured).
+Eigen::RowVectorXd LevelErrors(const Eigen::RowVectorXd& e, double ratio,
+                               int first, int horizon) {
+  const int n = static_cast<int>(e.size());
+  Eigen::RowVectorXd errors = Eigen::RowVectorXd::Constant(n, kNaN);
+  if (horizon == 0) {
+    errors.tail(n - first) = e.tail(n - first);
+    Centre(errors);
+    return errors;
+  }
+  double level = 0.0;
+  double variance = 0.0;  // of the level, in units of r
+  bool known = false;
+  double start = 0.0;  // the level from which predictions run
+  bool started = false;
+  for (int k = first; k < n; ++k) {
+    if ((k - first) % horizon == 0) {
+      start = level;
+      started = known;
+    }
+    if (started) errors(k) = e(k) - start;
+    if (known) variance += ratio;
+    if (!std::isfinite(e(k))) continue;
+    const double gain = known ? variance / (variance + 1.0) : 1.0;
+    level += gain * (e(k) - level);
+    variance = gain;  // in units of r: P/(P + 1)
+    known = true;
+  }
+  return errors;
+}
+
+}  // namespace
+
+absl::StatusOr<MatrixXd> SimulateResponse(const ProcessModel& model,
+                                          const Record& record) {
+  MLE_ASSIGN_OR_RETURN(
+      sim::Plant plant,
+      sim::Plant::Create(model, {.sample_time = record.sample_time}));
+  MatrixXd outputs(model.num_outputs(), record.samples());
+  for (int k = 0; k < record.samples(); ++k) {
+    outputs.col(k) = plant.outputs();
+    plant.Advance(record.inputs.col(k) - record.inputs.col(0));
+  }
+  return outputs;
+}
+
+absl::StatusOr<Predictor> PredictWithProcess(
+    const ProcessModel& model, const std::vector<NoiseEstimate>& noise,
+    double sample_time) {
+  // What cannot be simulated is found here, not record by record.
+  MLE_RETURN_IF_ERROR(
+      sim::Plant::Create(model, {.sample_time = sample_time}).status());
+  VectorXd ratios(model.num_outputs());
+  for (int i = 0; i < model.num_outputs(); ++i) ratios(i) = noise[i].ratio;
+  const int forgetting = ForgettingSamples(model, sample_time);
+  return Predictor([=](const Record& record, int horizon) {
+    const absl::StatusOr<MatrixXd> response = SimulateResponse(model, record);
+    MatrixXd errors =
+        MatrixXd::Constant(record.num_outputs(), record.samples(), kNaN);
+    if (!response.ok()) return errors;
+    const int first = std::min(forgetting, record.samples() / 4);
+    for (int i = 0; i < record.num_outputs(); ++i) {
+      errors.row(i) = LevelErrors(record.outputs.row(i) - response->row(i),
+                                  ratios(i), first, horizon);
+    }
+    return errors;
+  });
+}
+
+Predictor PredictWithArx(const ArxModel& model) {
+  return [model](const Record& record, int horizon) {
+    MatrixXd errors =
+        MatrixXd::Constant(record.num_outputs(), record.samples(), kNaN);
+    if (record.samples() <= model.order) return errors;
+    const LaggedSeries series(record, model.order, ChannelMeans({record}));
+    for (const RowRange& rows : series.UsableRows()) {
+      const MatrixXd residuals =
+          PredictionResiduals(series, rows, model.R, horizon);
+      // They run backwards in time.
+      errors.middleCols(rows.first, rows.rows()) =
+          residuals.rowwise().reverse();
+    }
+    return errors;
+  };
+}
+
+}  // namespace mle::correct

@@ -1,0 +1,310 @@
+#include "apps/correct/result_json.h"
+
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "apps/correct/advice.h"
+
+namespace mle::correct {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+const char* StateName(ElementState state) {
+  switch (state) {
+    case ElementState::kAbsent:
+      return "absent";
+    case ElementState::kNotInformed:
+      return "not_informed";
+    case ElementState::kHeld:
+      return "held";
+    case ElementState::kFitted:
+      return "fitted";
+  }
+  return "";
+}
+
+const char* ShapeName(FopdtShape shape) {
+  switch (shape) {
+    case FopdtShape::kFits:
+      return "fits";
+    case FopdtShape::kNoResponse:
+      return "no_response";
+    case FopdtShape::kPoorFit:
+      return "poor_fit";
+  }
+  return "";
+}
+
+Json EstimateJson(const ParameterEstimate& estimate) {
+  return {{"value", NumberJson(estimate.value)},
+          {"standard_error", NumberJson(estimate.standard_error)},
+          {"lower", NumberJson(estimate.lower)},
+          {"upper", NumberJson(estimate.upper)}};
+}
+
+// One parameter: as it was, from the fit with every element free, and as it is
+// written.
+Json ParameterJson(const ParameterEstimate& full,
+                   const ParameterEstimate& corrected, bool accepted) {
+  Json json = {{"initial", NumberJson(full.initial)},
+               {"all_free", EstimateJson(full)}};
+  if (accepted) json["corrected"] = EstimateJson(corrected);
+  return json;
+}
+
+Json FopdtJson(const FopdtElement& element, bool errors_from_records) {
+  Json json = {
+      {"gain", NumberJson(element.gain)},
+      {"time_constant", NumberJson(element.time_constant)},
+      {"delay", NumberJson(element.delay)},
+      {"gain_standard_error", NumberJson(element.gain_error)},
+      {"time_constant_standard_error", NumberJson(element.time_constant_error)},
+      {"delay_standard_error", NumberJson(element.delay_error)},
+      {"standard_errors_from", errors_from_records ? "records" : "fit"},
+      {"exact", element.exact},
+      {"shape", ShapeName(element.shape)},
+      {"relative_rms", NumberJson(element.relative_rms)}};
+  return json;
+}
+
+Json ElementJson(const Result& result, int i, int j) {
+  const ProcessModel& model = result.initial();
+  const StructuredCorrection& structured = result.estimate.fit.structured;
+  const ElementEstimate& full = structured.full.element(i, j);
+  const ElementEstimate& corrected = structured.corrected.element(i, j);
+  const bool structural = result.corrected.process.has_value();
+  Json json = {{"output", model.outputs()[i].name},
+               {"input", model.inputs()[j].name},
+               {"state", StateName(full.state)},
+               {"information", std::string(NameOf(InformationOf(full)))}};
+  if (full.state == ElementState::kFitted) {
+    json["relative_gain_error"] = NumberJson(RelativeGainError(full));
+    json["p_value"] = NumberJson(structured.element_p_values(i, j));
+    json["aged"] = static_cast<bool>(structured.aged(i, j));
+  }
+  if (full.state != ElementState::kAbsent) {
+    const bool shown = structural && result.accepted();
+    json["gain"] = ParameterJson(full.gain, corrected.gain, shown);
+    json["time_constant"] =
+        ParameterJson(full.time_scale, corrected.time_scale, shown);
+    json["delay"] = ParameterJson(full.delay, corrected.delay, shown);
+    if (shown) {
+      json["gain_ratio"] =
+          NumberJson(corrected.gain.value / corrected.gain.initial);
+      json["delay_shift"] =
+          NumberJson(corrected.delay.value - corrected.delay.initial);
+    }
+  }
+  json["response_change"] = NumberJson(result.change.elements(i, j));
+  json["fopdt"] =
+      FopdtJson(result.fopdt[i * model.num_inputs() + j], structural);
+  return json;
+}
+
+Json DistanceJson(const Distance& distance) {
+  return {{"E", NumberJson(distance.total)},
+          {"relative", NumberJson(distance.relative)},
+          {"elements", MatrixJson(distance.elements)}};
+}
+
+Json FitJson(const FitPercent& fit) {
+  return {{"one_step", NumberJson(fit.one_step)},
+          {"several_steps", NumberJson(fit.several_steps)},
+          {"simulated", NumberJson(fit.simulated)}};
+}
+
+Json ValidationJson(const Result& result) {
+  const Validation& validation = result.validation;
+  Json json = {{"held_out", validation.blocked ? "blocks" : "windows"},
+               {"several_steps_samples", validation.horizon}};
+  if (!validation.available()) {
+    json["missing"] = validation.missing;
+    return json;
+  }
+  Json folds = Json::array();
+  for (const FoldSummary& fold : validation.folds) {
+    folds.push_back({{"held_out", fold.held_out},
+                     {"change_proposed", fold.change_proposed}});
+  }
+  json["folds"] = std::move(folds);
+  Json outputs = Json::array();
+  for (int i = 0; i < result.initial().num_outputs(); ++i) {
+    outputs.push_back(
+        {{"output", result.initial().outputs()[i].name},
+         {"initial", FitJson(validation.outputs[i].initial)},
+         {"corrected", FitJson(validation.outputs[i].corrected)}});
+  }
+  json["fit_percent"] = std::move(outputs);
+  json["log_likelihood_gain"] = NumberJson(validation.gain);
+  return json;
+}
+
+Json ResidualJson(const ResidualReport& report, const ProcessModel& model,
+                  int output) {
+  Json inputs = Json::array();
+  for (std::size_t j = 0; j < report.inputs.size(); ++j) {
+    const InputCorrelation& input = report.inputs[j];
+    inputs.push_back({{"input", model.inputs()[j].name},
+                      {"statistic", NumberJson(input.statistic)},
+                      {"degrees_of_freedom", input.degrees_of_freedom},
+                      {"p_value", NumberJson(input.p_value)},
+                      {"limit", NumberJson(input.limit)},
+                      {"largest", NumberJson(input.largest)},
+                      {"largest_lag", input.largest_lag},
+                      {"correlated", input.correlated()}});
+  }
+  return {{"output", model.outputs()[output].name},
+          {"samples", report.samples},
+          {"variance", NumberJson(report.variance)},
+          {"ljung_box", NumberJson(report.ljung_box)},
+          {"degrees_of_freedom", report.degrees_of_freedom},
+          {"p_value", NumberJson(report.p_value)},
+          {"limit", NumberJson(report.limit)},
+          {"share_outside", NumberJson(report.outside)},
+          {"white", report.white()},
+          {"inputs", std::move(inputs)}};
+}
+
+Json ResidualsJson(const std::vector<ResidualReport>& reports,
+                   const ProcessModel& model) {
+  Json json = Json::array();
+  for (std::size_t i = 0; i < reports.size(); ++i) {
+    json.push_back(ResidualJson(reports[i], model, static_cast<int>(i)));
+  }
+  return json;
+}
+
+Json WindowsJson(const Result& result) {
+  Json windows = Json::array();
+  for (const Window& window : result.data.windows) {
+    Json changes = Json::array();
+    for (const SetPointChange& change : window.changes) {
+      changes.push_back(
+          {{"time", window.record.time(change.sample)},
+           {"output", result.initial().outputs()[change.output].name},
+           {"from", change.from},
+           {"to", change.to}});
+    }
+    windows.push_back({{"file", result.data.sources[window.source].path},
+                       {"from", window.begin()},
+                       {"to", window.end()},
+                       {"samples", window.record.samples()},
+                       {"set_point_changes", std::move(changes)}});
+  }
+  return windows;
+}
+
+const char* TerminationName(FitTermination termination) {
+  switch (termination) {
+    case FitTermination::kNotRun:
+      return "not_run";
+    case FitTermination::kConverged:
+      return "converged";
+    case FitTermination::kIterationLimit:
+      return "iteration_limit";
+    case FitTermination::kFailed:
+      return "failed";
+  }
+  return "";
+}
+
+Json CertificateJson(const Result& result) {
+  Json fits = Json::array();
+  const StructuredFit& fit = result.estimate.fit.structured.corrected;
+  for (std::size_t i = 0; i < fit.certificates.size(); ++i) {
+    const FitCertificate& certificate = fit.certificates[i];
+    fits.push_back({{"output", result.initial().outputs()[i].name},
+                    {"termination", TerminationName(certificate.termination)},
+                    {"message", certificate.message},
+                    {"gradient", NumberJson(certificate.gradient)},
+                    {"condition", NumberJson(certificate.condition)},
+                    {"rank", certificate.rank},
+                    {"num_parameters", certificate.num_parameters},
+                    {"iterations", certificate.iterations},
+                    {"search_confirmed", certificate.search_confirmed},
+                    {"at_bound", certificate.at_bound}});
+  }
+  return {{"structured", std::move(fits)},
+          {"max_relative_duality_gap",
+           NumberJson(result.corrected.max_relative_gap)}};
+}
+
+}  // namespace
+
+Json NumberJson(double value) {
+  return std::isfinite(value) ? Json(value) : Json();
+}
+
+Json MatrixJson(const Eigen::MatrixXd& matrix) {
+  Json rows = Json::array();
+  for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
+    Json row = Json::array();
+    for (const double value : matrix.row(i)) row.push_back(NumberJson(value));
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+void AddFindings(const Result& result, Json& json) {
+  const StructuredCorrection& test = result.estimate.fit.structured;
+  const ProcessModel& model = result.initial();
+  json["estimator"] = std::string(NameOf(result.request.estimation.estimator));
+  json["decision"] = std::string(NameOf(result.decision));
+  json["verdict"] = result.verdict;
+  json["test_of_no_change"] = {
+      {"p_value", NumberJson(test.p_value)},
+      {"statistic", NumberJson(test.statistic)},
+      {"degrees_of_freedom", test.degrees_of_freedom},
+      {"false_alarm_probability",
+       result.request.estimation.structured.false_alarm_probability},
+      {"change_proposed", test.change_proposed}};
+  Json elements = Json::array();
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    for (int j = 0; j < model.num_inputs(); ++j) {
+      elements.push_back(ElementJson(result, i, j));
+    }
+  }
+  json["elements"] = std::move(elements);
+  json["response_horizon"] = (result.initial_response.samples() - 1) *
+                             result.initial_response.sample_time;
+  json["distance"] = DistanceJson(result.change);
+  if (result.initial_to_truth.has_value()) {
+    json["truth"] = {{"E_initial", result.initial_to_truth->total},
+                     {"E_corrected", result.corrected_to_truth->total},
+                     {"initial", DistanceJson(*result.initial_to_truth)},
+                     {"corrected", DistanceJson(*result.corrected_to_truth)}};
+  }
+  Json noise = Json::array();
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    const NoiseEstimate& estimate = result.estimate.setting.noise[i];
+    noise.push_back(
+        {{"output", model.outputs()[i].name},
+         {"variance", NumberJson(estimate.variance)},
+         {"increment_variance", NumberJson(estimate.increment_variance())},
+         {"window_offsets", estimate.offset}});
+  }
+  json["noise"] = std::move(noise);
+  const Fit& fit = result.estimate.fit;
+  if (fit.arx.has_value()) {
+    json["lambda_star"] = fit.arx->selection().lambda_star(0);
+  }
+}
+
+void AddDiagnostics(const Result& result, Json& json) {
+  json["windows"] = WindowsJson(result);
+  json["validation"] = ValidationJson(result);
+  json["residuals"] = {
+      {"initial", ResidualsJson(result.initial_residuals, result.initial())},
+      {"corrected",
+       ResidualsJson(result.corrected_residuals, result.initial())}};
+  json["certificate"] = CertificateJson(result);
+  json["advice"] = result.advice;
+  json["notes"] = result.data.notes;
+  json["warnings"] = result.warnings;
+  json["failures"] = result.failures;
+}
+
+}  // namespace mle::correct

@@ -1,0 +1,267 @@
+#include "apps/correct/tables.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "absl/strings/str_cat.h"
+#include "apps/correct/advice.h"
+#include "apps/correct/verdict.h"
+#include "apps/report/number.h"
+
+namespace mle::correct {
+namespace {
+
+using report::Align;
+using report::FormatFixed;
+using report::FormatInteger;
+using report::FormatScientific;
+using report::FormatSignificant;
+using report::Table;
+
+std::string Percent(double value) {
+  return std::isfinite(value) ? absl::StrCat(FormatFixed(value, 1), " %") : "–";
+}
+
+std::string WithInterval(const ParameterEstimate& estimate) {
+  const double half = 0.5 * (estimate.upper - estimate.lower);
+  if (!std::isfinite(half)) {
+    return absl::StrCat(FormatSignificant(estimate.value, 4),
+                        " (not determined)");
+  }
+  return absl::StrCat(FormatSignificant(estimate.value, 4), " ± ",
+                      FormatSignificant(half, 2));
+}
+
+std::string WithError(double value, double error) {
+  if (!std::isfinite(error)) {
+    return absl::StrCat(FormatSignificant(value, 4), " (not determined)");
+  }
+  return error > 0.0 ? absl::StrCat(FormatSignificant(value, 4), " ± ",
+                                    FormatSignificant(error, 2))
+                     : FormatSignificant(value, 4);
+}
+
+// What a cell of the map says of an element.
+std::string MapCell(const Result& result, int i, int j) {
+  const StructuredCorrection& structured = result.estimate.fit.structured;
+  switch (InformationOf(structured.full.element(i, j))) {
+    case PairInformation::kAbsent:
+      return "–";
+    case PairInformation::kNone:
+      return "not informed: initial";
+    case PairInformation::kWeak:
+    case PairInformation::kInformed:
+      break;
+  }
+  const bool weak =
+      InformationOf(structured.full.element(i, j)) == PairInformation::kWeak;
+  const std::string moved = Percent(100.0 * result.change.elements(i, j));
+  if (!result.accepted()) return weak ? "kept (weak)" : "kept";
+  if (result.corrected.process.has_value() && !structured.aged(i, j)) {
+    return weak ? "kept (weak)" : "kept";
+  }
+  return absl::StrCat("changed by ", moved, weak ? " (weak)" : "");
+}
+
+}  // namespace
+
+Table MismatchMap(const Result& result) {
+  const ProcessModel& model = result.initial();
+  Table table;
+  table.caption =
+      "Mismatch by element: change of the step response, relative to its size";
+  table.columns = {{"output ← input", Align::kLeft}};
+  for (const InputChannel& input : model.inputs()) {
+    table.columns.push_back({input.name, Align::kCenter});
+  }
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    std::vector<std::string> row = {model.outputs()[i].name};
+    for (int j = 0; j < model.num_inputs(); ++j) {
+      row.push_back(MapCell(result, i, j));
+    }
+    table.AddRow(std::move(row));
+  }
+  return table;
+}
+
+Table ParameterTable(const Result& result) {
+  const ProcessModel& model = result.initial();
+  const StructuredCorrection& structured = result.estimate.fit.structured;
+  const bool shown = result.accepted() && result.corrected.process.has_value();
+  Table table;
+  table.caption = absl::StrCat(
+      "Elements, with ",
+      FormatSignificant(100.0 * result.request.estimation.structured.confidence,
+                        3),
+      " % intervals; times in ", model.time_unit());
+  table.columns = {{"element", Align::kLeft},
+                   {"value", Align::kLeft},
+                   {"initial"},
+                   {"all elements free"},
+                   {"written"},
+                   {"p, no change"},
+                   {"records", Align::kLeft}};
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    for (int j = 0; j < model.num_inputs(); ++j) {
+      const ElementEstimate& full = structured.full.element(i, j);
+      const ElementEstimate& written = structured.corrected.element(i, j);
+      if (full.state == ElementState::kAbsent) continue;
+      const bool fitted = full.state == ElementState::kFitted;
+      const bool changed = shown && structured.aged(i, j);
+      const struct {
+        const char* name;
+        const ParameterEstimate& full;
+        const ParameterEstimate& written;
+      } rows[] = {{"gain", full.gain, written.gain},
+                  {"time constant", full.time_scale, written.time_scale},
+                  {"dead time", full.delay, written.delay}};
+      bool first = true;
+      for (const auto& row : rows) {
+        table.AddRow({first ? PairName(model, i, j) : "", row.name,
+                      FormatSignificant(row.full.initial, 4),
+                      fitted ? WithInterval(row.full) : "–",
+                      changed ? WithInterval(row.written)
+                      : result.corrected.process.has_value()
+                          ? FormatSignificant(row.full.initial, 4)
+                          : "–",
+                      first && fitted
+                          ? FormatProbability(structured.element_p_values(i, j))
+                          : "",
+                      first ? std::string(NameOf(InformationOf(full))) : ""});
+        first = false;
+      }
+    }
+  }
+  return table;
+}
+
+Table FopdtTable(const Result& result) {
+  const ProcessModel& model = result.initial();
+  Table table;
+  table.caption = absl::StrCat(
+      "The model written, as first-order elements with dead time (± one "
+      "standard error); times in ",
+      model.time_unit());
+  table.columns = {{"element", Align::kLeft},
+                   {"gain"},
+                   {"time constant"},
+                   {"dead time"},
+                   {"fit", Align::kLeft}};
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    for (int j = 0; j < model.num_inputs(); ++j) {
+      const FopdtElement& element = result.fopdt[i * model.num_inputs() + j];
+      if (element.shape == FopdtShape::kNoResponse) continue;
+      table.AddRow(
+          {PairName(model, i, j), WithError(element.gain, element.gain_error),
+           WithError(element.time_constant, element.time_constant_error),
+           WithError(element.delay, element.delay_error),
+           element.exact
+               ? "exact"
+               : absl::StrCat(
+                     element.shape == FopdtShape::kPoorFit ? "poor, " : "",
+                     "residual ", Percent(100.0 * element.relative_rms))});
+    }
+  }
+  return table;
+}
+
+Table ValidationTable(const Result& result) {
+  const Validation& validation = result.validation;
+  Table table;
+  table.caption = absl::StrCat(
+      "Fit on ", validation.blocked ? "blocks" : "windows",
+      " held out: 100 % is a perfect prediction, 0 % as good as the mean");
+  const std::string several =
+      absl::StrCat(validation.horizon, " samples ahead");
+  table.columns = {{"output", Align::kLeft},
+                   {"one step: initial"},
+                   {"corrected"},
+                   {absl::StrCat(several, ": initial")},
+                   {"corrected"},
+                   {"simulated: initial"},
+                   {"corrected"}};
+  for (std::size_t i = 0; i < validation.outputs.size(); ++i) {
+    const OutputValidation& output = validation.outputs[i];
+    table.AddRow({result.initial().outputs()[i].name,
+                  Percent(output.initial.one_step),
+                  Percent(output.corrected.one_step),
+                  Percent(output.initial.several_steps),
+                  Percent(output.corrected.several_steps),
+                  Percent(output.initial.simulated),
+                  Percent(output.corrected.simulated)});
+  }
+  return table;
+}
+
+Table ResidualTable(const Result& result) {
+  const ProcessModel& model = result.initial();
+  Table table;
+  table.caption = "What is left of the outputs, one step ahead";
+  table.columns = {
+      {"output, model", Align::kLeft}, {"variance"}, {"white? (Ljung–Box p)"}};
+  for (const InputChannel& input : model.inputs()) {
+    table.columns.push_back({absl::StrCat("follows ", input.name, "? (p)")});
+  }
+  const auto add = [&](const char* name, const ResidualReport& report, int i) {
+    std::vector<std::string> row = {
+        absl::StrCat(model.outputs()[i].name, ", ", name),
+        FormatSignificant(report.variance),
+        absl::StrCat(report.white() ? "yes" : "no", " (",
+                     FormatProbability(report.p_value), ")")};
+    for (const InputCorrelation& input : report.inputs) {
+      row.push_back(absl::StrCat(input.correlated() ? "yes" : "no", " (",
+                                 FormatProbability(input.p_value), ")"));
+    }
+    table.AddRow(std::move(row));
+  };
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    add("initial", result.initial_residuals[i], i);
+    if (result.accepted()) add("corrected", result.corrected_residuals[i], i);
+  }
+  return table;
+}
+
+Table NoiseTable(const Result& result) {
+  const ProcessModel& model = result.initial();
+  Table table;
+  table.caption = "Noise of the outputs, as estimated beside the model";
+  table.columns = {{"output", Align::kLeft},
+                   {"white: standard deviation"},
+                   {"drift: standard deviation after 100 samples"},
+                   {"offset of each window", Align::kLeft}};
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    const NoiseEstimate& noise = result.estimate.setting.noise[i];
+    table.AddRow(
+        {model.outputs()[i].name, FormatSignificant(std::sqrt(noise.variance)),
+         FormatSignificant(std::sqrt(100.0 * noise.increment_variance())),
+         noise.offset ? "yes" : "no"});
+  }
+  return table;
+}
+
+Table CertificateTable(const Result& result) {
+  const StructuredFit& fit = result.estimate.fit.structured.corrected;
+  Table table;
+  table.caption = "Certificate of the structured fits";
+  table.columns = {{"output", Align::kLeft},
+                   {"step to the optimum (standard deviations)"},
+                   {"rank"},
+                   {"condition"},
+                   {"iterations"},
+                   {"dead-time search", Align::kLeft}};
+  for (int i = 0; i < result.initial().num_outputs(); ++i) {
+    const FitCertificate& certificate = fit.certificates[i];
+    const bool free = certificate.num_parameters > 0;
+    table.AddRow(
+        {result.initial().outputs()[i].name,
+         free ? FormatScientific(certificate.gradient, 2) : "–",
+         absl::StrCat(certificate.rank, " of ", certificate.num_parameters),
+         free ? FormatSignificant(certificate.condition, 2) : "–",
+         FormatInteger(certificate.iterations),
+         certificate.search_confirmed ? "confirmed" : "–"});
+  }
+  return table;
+}
+
+}  // namespace mle::correct

@@ -1,0 +1,26 @@
+// The tables of the console and the page.
+
+#ifndef APPS_CORRECT_TABLES_H_
+#define APPS_CORRECT_TABLES_H_
+
+#include "apps/correct/result.h"
+#include "apps/report/table.h"
+
+namespace mle::correct {
+
+// The mismatch map: outputs by rows, inputs by columns, how far each step
+// response has moved and what is known of it.
+report::Table MismatchMap(const Result& result);
+// Gain, time constant and dead time of every element: as it was, as fitted
+// with all elements free with its interval, as written.
+report::Table ParameterTable(const Result& result);
+// The corrected model as first-order elements with standard errors.
+report::Table FopdtTable(const Result& result);
+report::Table ValidationTable(const Result& result);
+report::Table ResidualTable(const Result& result);
+report::Table NoiseTable(const Result& result);
+report::Table CertificateTable(const Result& result);
+
+}  // namespace mle::correct
+
+#endif  // APPS_CORRECT_TABLES_H_

@@ -1,0 +1,210 @@
+#include "apps/correct/verdict.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "apps/correct/advice.h"
+#include "apps/report/number.h"
+
+namespace mle::correct {
+namespace {
+
+using report::FormatFixed;
+using report::FormatSignificant;
+
+std::string Percent(double value) {
+  return std::isfinite(value) ? absl::StrCat(FormatFixed(value, 1), " %")
+                              : "unknown";
+}
+
+double HalfWidth(const ParameterEstimate& estimate) {
+  return 0.5 * (estimate.upper - estimate.lower);
+}
+
+bool Moved(const ParameterEstimate& estimate) {
+  return estimate.initial < estimate.lower || estimate.initial > estimate.upper;
+}
+
+std::string WithInterval(const ParameterEstimate& estimate) {
+  return absl::StrCat(FormatSignificant(estimate.value), " ± ",
+                      FormatSignificant(HalfWidth(estimate), 2));
+}
+
+// How closely the records confirm the gains, smallest and largest.
+std::string Confirmation(const Result& result) {
+  const StructuredFit& full = result.estimate.fit.structured.full;
+  double smallest = std::numeric_limits<double>::infinity();
+  double largest = 0.0;
+  for (const ElementEstimate& element : full.elements) {
+    if (element.state != ElementState::kFitted) continue;
+    const double width = HalfWidth(element.gain) /
+                         std::max(std::abs(element.gain.initial), 1e-300);
+    if (!std::isfinite(width)) continue;
+    smallest = std::min(smallest, width);
+    largest = std::max(largest, width);
+  }
+  if (!(largest > 0.0)) return "";
+  return absl::StrCat(
+      "They determine its gains within ± ",
+      smallest < largest
+          ? absl::StrCat(FormatSignificant(100.0 * smallest, 2), " … ")
+          : "",
+      FormatSignificant(100.0 * largest, 2), " % (",
+      FormatSignificant(100.0 * result.request.estimation.structured.confidence,
+                        3),
+      " % intervals): larger changes would have been seen.");
+}
+
+std::string AgedOrNot(const Result& result) {
+  const StructuredCorrection& test = result.estimate.fit.structured;
+  const std::string p = FormatProbability(test.p_value);
+  switch (result.decision) {
+    case Decision::kNoChange:
+      return absl::StrCat(
+          "The records do not contradict the model (p = ", p,
+          " for no change): it has not aged in a way that they show, and is "
+          "left alone.");
+    case Decision::kCorrected:
+      return absl::StrCat(
+          "The model has aged: without any change, records like these come "
+          "with a probability of ",
+          p, ".");
+    case Decision::kRefused:
+      return absl::StrCat(
+          "The records contradict the model (p = ", p,
+          " for no change), but the correction is refused: on what it had not "
+          "seen it predicts worse than the initial model, which is kept.");
+  }
+  return "";
+}
+
+std::vector<std::string> ChangedElements(const Result& result) {
+  std::vector<std::string> sentences;
+  const ProcessModel& model = result.initial();
+  const StructuredCorrection& structured = result.estimate.fit.structured;
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    for (int j = 0; j < model.num_inputs(); ++j) {
+      const std::string pair = PairName(model, i, j);
+      if (result.corrected.process.has_value()) {
+        if (!structured.aged(i, j)) continue;
+        sentences.push_back(
+            absl::StrCat(pair, ": ",
+                         DescribeChange(structured.corrected.element(i, j),
+                                        model.time_unit()),
+                         "."));
+      } else if (result.change.elements(i, j) > 0.05) {
+        sentences.push_back(absl::StrCat(
+            pair, ": the step response changes by ",
+            Percent(100.0 * result.change.elements(i, j)), " of its size."));
+      }
+    }
+  }
+  return sentences;
+}
+
+std::string Validated(const Result& result) {
+  const Validation& validation = result.validation;
+  if (!validation.available()) {
+    return absl::StrCat(
+        "The models could not be tried on what they had not seen (",
+        validation.missing, ").");
+  }
+  std::vector<std::string> parts;
+  for (int i = 0; i < result.initial().num_outputs(); ++i) {
+    const OutputValidation& output = validation.outputs[i];
+    parts.push_back(absl::StrCat(result.initial().outputs()[i].name, " ",
+                                 Percent(output.corrected.several_steps), " (",
+                                 Percent(output.initial.several_steps),
+                                 "), simulated ",
+                                 Percent(output.corrected.simulated), " (",
+                                 Percent(output.initial.simulated), ")"));
+  }
+  return absl::StrCat(
+      "Fit on ", validation.blocked ? "parts of the window" : "windows",
+      " held out, ", validation.horizon,
+      " samples ahead, corrected (initial): ", absl::StrJoin(parts, "; "), ".");
+}
+
+}  // namespace
+
+std::string FormatProbability(double p) {
+  return p < 1e-300 ? "less than 10⁻³⁰⁰" : FormatSignificant(p, 2);
+}
+
+std::string DescribeChange(const ElementEstimate& element,
+                           const std::string& time_unit) {
+  std::vector<std::string> moved;
+  std::vector<std::string> stayed;
+  const auto add = [&](const ParameterEstimate& estimate, const char* name,
+                       const std::string& change) {
+    if (Moved(estimate)) {
+      moved.push_back(absl::StrCat(name, " ",
+                                   FormatSignificant(estimate.initial), " → ",
+                                   WithInterval(estimate), change));
+    } else {
+      stayed.push_back(name);
+    }
+  };
+  add(element.gain, "gain",
+      element.gain.initial != 0.0
+          ? absl::StrCat(
+                " (× ",
+                FormatSignificant(element.gain.value / element.gain.initial),
+                ")")
+          : "");
+  add(element.time_scale, "time constant",
+      absl::StrCat(" ", time_unit, " (× ",
+                   FormatSignificant(element.time_scale.value /
+                                     element.time_scale.initial),
+                   ")"));
+  const double shift = element.delay.value - element.delay.initial;
+  add(element.delay, "dead time",
+      absl::StrCat(" ", time_unit, " (", shift < 0.0 ? "−" : "+",
+                   FormatSignificant(std::abs(shift)), " ", time_unit, ")"));
+  if (moved.empty()) {
+    return "gain, time constant and dead time together differ; none of them "
+           "does by itself";
+  }
+  std::string text = absl::StrJoin(moved, ", ");
+  if (!stayed.empty()) {
+    absl::StrAppend(&text, "; ", absl::StrJoin(stayed, " and "),
+                    " as before within its interval");
+  }
+  return text;
+}
+
+std::vector<std::string> Verdict(const Result& result) {
+  std::vector<std::string> sentences = {AgedOrNot(result)};
+  if (result.decision == Decision::kNoChange) {
+    std::string confirmation = Confirmation(result);
+    if (!confirmation.empty()) sentences.push_back(std::move(confirmation));
+  }
+  if (result.decision == Decision::kCorrected) {
+    for (std::string& change : ChangedElements(result)) {
+      sentences.push_back(std::move(change));
+    }
+    sentences.push_back(
+        absl::StrCat("The step responses change by ",
+                     Percent(100.0 * result.change.relative),
+                     " of their size (root of the sums of squares; E = ",
+                     FormatSignificant(result.change.total), ")."));
+  }
+  if (result.decision != Decision::kNoChange) {
+    sentences.push_back(Validated(result));
+  }
+  if (result.initial_to_truth.has_value()) {
+    sentences.push_back(
+        absl::StrCat("Against the truth given, E is ",
+                     FormatSignificant(result.initial_to_truth->total, 4),
+                     " for the initial model and ",
+                     FormatSignificant(result.corrected_to_truth->total, 4),
+                     " for the one written."));
+  }
+  return sentences;
+}
+
+}  // namespace mle::correct

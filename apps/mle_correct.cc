@@ -1,0 +1,161 @@
+// mle_correct: a process model corrected from a user's own records.
+
+#include <iostream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "apps/common/command_line.h"
+#include "apps/common/flag_parser.h"
+#include "apps/correct/flags.h"
+#include "apps/correct/outputs.h"
+#include "apps/correct/page.h"
+#include "apps/correct/result.h"
+#include "apps/correct/tables.h"
+#include "apps/report/gnuplot.h"
+#include "mle/base/file.h"
+#include "mle/base/status.h"
+
+namespace mle {
+namespace {
+
+constexpr char kUsage[] =
+    R"(Corrects a process model from records of routine closed-loop operation with
+set-point changes, and says whether it has aged, where, by how much, and how far
+the correction can be trusted.
+
+  mle_correct --model=column.json --data=march.csv,april.csv --out=correction
+  mle_correct --model=column.json --data=march.csv --dry_run
+
+Times are in the model's time unit: min below. Exit codes: 0 done, 1 ran but the
+result is not usable, 2 bad input or flags.)";
+
+std::vector<std::pair<std::string, std::string>> FlagValues() {
+  std::vector<std::pair<std::string, std::string>> values;
+  for (const FlagText& flag : CommandFlags()) {
+    values.emplace_back(flag.name, flag.value);
+  }
+  return values;
+}
+
+report::RunAgain HowToRunAgain(const correct::Result& result) {
+  report::RunAgain again;
+  again.command = CommandLine();
+  again.version = std::string(Version());
+  for (const correct::Source& source : result.data.sources) {
+    again.more.emplace_back(absl::StrCat("SHA-256 of ", source.path),
+                            source.sha256);
+  }
+  for (const auto& [name, value] : FlagValues()) {
+    again.more.emplace_back(absl::StrCat("--", name), value);
+  }
+  return again;
+}
+
+// The figures, and the first reason why one could not be drawn.
+std::string MakePage(const correct::Result& result, absl::Status& drawn) {
+  correct::DrawFigure draw;
+  if (result.request.figures) {
+    std::cerr << "drawing the figures …\n";
+    draw = [&drawn](const correct::NamedFigure& figure) {
+      absl::StatusOr<std::string> svg =
+          report::RenderFigure(figure.figure, report::Format::kSvg);
+      drawn.Update(svg.status());
+      return svg;
+    };
+  }
+  return FormatPage(result, draw, HowToRunAgain(result));
+}
+
+// All contents are made before the first file is written.
+absl::Status WriteAll(const correct::Result& result) {
+  MLE_ASSIGN_OR_RETURN(
+      std::string json,
+      correct::FormatResult(result, CommandLine(), FlagValues()));
+  absl::Status drawn;
+  std::string page = MakePage(result, drawn);
+  if (!drawn.ok()) std::cerr << "warning: " << drawn.message() << "\n";
+  const ProcessModel& initial = result.initial();
+  std::vector<std::pair<std::string, std::string>> files = {
+      {"arx.json", correct::FormatArx(result.corrected.arx, initial)},
+      {"fopdt.json",
+       FormatProcessModel(correct::FopdtModel(
+           initial, result.fopdt, 1e-3 * result.data.sample_time()))},
+      {"step_response.csv", correct::FormatStepResponses(result)},
+      {"report.html", std::move(page)},
+      {"result.json", std::move(json)}};
+  for (const auto& [name, content] : files) {
+    MLE_RETURN_IF_ERROR(WriteFileAtomically(
+        absl::StrCat(result.request.out, "/", name), content));
+  }
+  return absl::OkStatus();
+}
+
+void PrintData(const correct::RecordData& data, const ProcessModel& model) {
+  std::cout << report::RenderText(SourceTable(data, model)) << "\n"
+            << report::RenderText(ChannelTable(data, model)) << "\n"
+            << report::RenderText(WindowTable(data, model)) << "\n";
+  for (const std::string& note : data.notes) std::cout << note << "\n";
+}
+
+void PrintResult(const correct::Result& result) {
+  for (const std::string& sentence : result.verdict) {
+    std::cout << sentence << "\n";
+  }
+  std::cout << "\n"
+            << report::RenderText(MismatchMap(result)) << "\n"
+            << report::RenderText(ParameterTable(result)) << "\n";
+  if (result.validation.available()) {
+    std::cout << report::RenderText(ValidationTable(result)) << "\n";
+  }
+  std::cout << report::RenderText(ResidualTable(result)) << "\nWhat to do\n";
+  for (const std::string& item : result.advice) {
+    std::cout << "  " << item << "\n";
+  }
+  std::cout << "\nReport: " << result.request.out << "/report.html\n";
+}
+
+int Main() {
+  const absl::StatusOr<correct::Request> request = correct::RequestFromFlags();
+  if (!request.ok()) return Fail(request.status());
+  std::cerr << "reading " << request->data_paths.size()
+            << (request->data_paths.size() == 1 ? " file" : " files") << " …\n";
+  absl::StatusOr<correct::RecordData> data = correct::LoadRecords(
+      request->data_paths, request->model, request->records);
+  if (!data.ok()) return Fail(data.status());
+  if (request->dry_run) {
+    PrintData(*data, request->model);
+    for (const std::string& warning : data->warnings) {
+      std::cerr << "warning: " << warning << "\n";
+    }
+    return kExitDone;
+  }
+  if (const absl::Status status = MakeWritableFolder(request->out);
+      !status.ok()) {
+    return Fail(
+        absl::InvalidArgumentError(absl::StrCat("--out: ", status.message())));
+  }
+  const absl::StatusOr<correct::Result> result =
+      correct::CorrectFromRecords(*request, *std::move(data));
+  if (!result.ok()) return Fail(result.status());
+  for (const std::string& warning : result->warnings) {
+    std::cerr << "warning: " << warning << "\n";
+  }
+  for (const std::string& failure : result->failures) {
+    std::cerr << "error: " << failure << "\n";
+  }
+  if (const absl::Status status = WriteAll(*result); !status.ok()) {
+    return Fail(absl::InternalError(status.message()));
+  }
+  PrintResult(*result);
+  return result->exit_code();
+}
+
+}  // namespace
+}  // namespace mle
+
+int main(int argc, char** argv) {
+  mle::StartCommand(mle::kUsage, argc, argv);
+  return mle::Main();
+}
