@@ -106,12 +106,19 @@ void PrintResult(const correct::Result& result) {
   std::cout << "\n"
             << report::RenderText(MismatchMap(result)) << "\n"
             << report::RenderText(ParameterTable(result)) << "\n";
-  if (result.validation.available()) {
+  if (result.validation.shown() != nullptr ||
+      !result.validation.initial.empty()) {
     std::cout << report::RenderText(ValidationTable(result)) << "\n";
   }
   std::cout << report::RenderText(ResidualTable(result)) << "\nWhat to do\n";
   for (const std::string& item : result.advice) {
     std::cout << "  " << item << "\n";
+  }
+  if (!result.tuning.heading.empty()) {
+    std::cout << "\n" << result.tuning.heading << "\n";
+    for (const std::string& reason : result.tuning.reasons) {
+      std::cout << "  " << reason << "\n";
+    }
   }
   std::cout << "\nReport: " << result.request.out << "/report.html\n";
 }

@@ -19,11 +19,19 @@ constexpr int kMostDoublings = 40;
 struct Pair {
   int output = 0;
   int input = 0;
-
-  std::string Name() const {
-    return absl::StrCat("output ", output + 1, " ← input ", input + 1);
-  }
 };
+
+std::string NameOf(const std::vector<std::string>& names, const char* kind,
+                   int channel) {
+  return channel < static_cast<int>(names.size())
+             ? names[channel]
+             : absl::StrCat(kind, " ", channel + 1);
+}
+
+std::string NameOf(Pair pair, const RetuningOptions& options) {
+  return absl::StrCat(NameOf(options.output_names, "output", pair.output),
+                      " ← ", NameOf(options.input_names, "input", pair.input));
+}
 
 // The elements between the outputs and the manipulated inputs that matter.
 class Elements {
@@ -91,7 +99,7 @@ double ChoosePeriod(const Elements& elements, double sample_time,
   const std::string basis = absl::StrCat(
       "the smallest over all pairs of the larger of 0.1 time constants and 0.5 "
       "dead times is ",
-      Time(rule, options), ", at ", pair.Name(), " (",
+      Time(rule, options), ", at ", NameOf(pair, options), " (",
       Describe(elements.at(pair), options), "; Shridhar and Cooper, 1998)");
   if (options.keep_control_period) {
     reasons.push_back(absl::StrCat(
@@ -130,7 +138,7 @@ void ChooseHorizons(const Elements& elements, const RetuningOptions& options,
       "prediction horizon: ", old_tuning.prediction_horizon, " → ",
       tuning.prediction_horizon, " periods, ",
       Time(tuning.prediction_horizon * period, options),
-      ": until the slowest pair, ", slowest.Name(), " (",
+      ": until the slowest pair, ", NameOf(slowest, options), " (",
       Describe(elements.at(slowest), options),
       "), has settled: 5 time constants, the dead time and 2 periods (Shridhar "
       "and Cooper, 1998, and a period for the move to act)"));
@@ -142,7 +150,7 @@ void ChooseHorizons(const Elements& elements, const RetuningOptions& options,
   tuning.block_lengths.clear();
   reasons.push_back(absl::StrCat(
       "control horizon: ", old_tuning.MoveInstants().size(), " → ",
-      tuning.control_horizon, " moves: until ", latest.Name(),
+      tuning.control_horizon, " moves: until ", NameOf(latest, options),
       " has gone 63 % of its way, ", rule,
       " periods (Shridhar and Cooper, 1998)",
       rule > tuning.control_horizon ? ", cut to the longest allowed" : ""));
@@ -174,9 +182,10 @@ void ChooseMoveWeights(const Elements& elements,
     tuning.move_weight.col(j).setZero();
     tuning.move_weight(j, j) = weight;
     reasons.push_back(absl::StrFormat(
-        "move weight of input %d: %.3g → %.3g: gives the control problem a "
+        "move weight of %s: %.3g → %.3g: gives the control problem a "
         "condition number of about %g (Shridhar and Cooper, 1998)",
-        j + 1, old_weight(j, j), weight, options.condition_number));
+        NameOf(options.input_names, "input", static_cast<int>(j)),
+        old_weight(j, j), weight, options.condition_number));
   }
 }
 

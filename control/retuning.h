@@ -58,6 +58,9 @@ struct RetuningOptions {
   double largest_sensitivity_peak = 2.0;
   // How times are spelled in the reasons, such as "min".
   std::string time_unit = {};
+  // How channels are; empty: "output 1" and "input 1".
+  std::vector<std::string> output_names = {};
+  std::vector<std::string> input_names = {};
 
   absl::Status Validate() const;
 };

@@ -70,6 +70,12 @@ StepResponse SettledResponse(const Result& result) {
 absl::StatusOr<std::vector<std::string>> Retune(const Result& result) {
   control::RetuningOptions options;
   options.time_unit = result.initial().time_unit();
+  for (const OutputChannel& output : result.initial().outputs()) {
+    options.output_names.push_back(output.name);
+  }
+  for (const InputChannel& input : result.initial().inputs()) {
+    options.input_names.push_back(input.name);
+  }
   MLE_ASSIGN_OR_RETURN(const control::MpcOptions old_tuning,
                        OldTuning(result, options));
   MLE_ASSIGN_OR_RETURN(
@@ -80,25 +86,6 @@ absl::StatusOr<std::vector<std::string>> Retune(const Result& result) {
       control::AdviseRetuning(old_model, old_tuning, SettledResponse(result),
                               options));
   return advice.reasons;
-}
-
-void AddRetuning(const Result& result, std::vector<std::string>& advice) {
-  const absl::StatusOr<std::vector<std::string>> reasons = Retune(result);
-  if (!reasons.ok()) {
-    advice.push_back(absl::StrCat("No advice on the controller's tuning: ",
-                                  reasons.status().message(), "."));
-    return;
-  }
-  advice.push_back(
-      result.request.controller.known()
-          ? "Controller, from its tuning as told by the flags to the tuning "
-            "for the corrected model:"
-          : "Controller, from what tuning rules give for the initial model to "
-            "what they give for the corrected one (its own tuning was not "
-            "told: --control_period and others):");
-  for (const std::string& reason : *reasons) {
-    advice.push_back(absl::StrCat("– ", reason));
-  }
 }
 
 // Pairs that the records say little or nothing about.
@@ -223,6 +210,26 @@ std::string PairName(const ProcessModel& model, int output, int input) {
                       model.inputs()[input].name);
 }
 
+Tuning AdviseTuning(const Result& result) {
+  Tuning tuning;
+  if (!result.accepted()) return tuning;
+  const absl::StatusOr<std::vector<std::string>> reasons = Retune(result);
+  if (!reasons.ok()) {
+    tuning.heading = absl::StrCat("No advice on the controller's tuning: ",
+                                  reasons.status().message(), ".");
+    return tuning;
+  }
+  tuning.heading =
+      result.request.controller.known()
+          ? "The controller, from the tuning told by the flags to that for the "
+            "corrected model:"
+          : "The controller, from what tuning rules give for the initial model "
+            "to what they give for the corrected one. Its own tuning was not "
+            "told (--control_period and others).";
+  tuning.reasons = *reasons;
+  return tuning;
+}
+
 std::vector<std::string> Advise(const Result& result) {
   std::vector<std::string> advice;
   switch (result.decision) {
@@ -241,7 +248,6 @@ std::vector<std::string> Advise(const Result& result) {
           "Put the corrected model into the controller: fopdt.json holds it as "
           "transfer functions, arx.json for prediction, step_response.csv as "
           "curves.");
-      AddRetuning(result, advice);
       break;
   }
   AddMissingInformation(result, advice);

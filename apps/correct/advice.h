@@ -33,6 +33,10 @@ PairInformation InformationOf(const ElementEstimate& estimate);
 // "overhead ← reflux"
 std::string PairName(const ProcessModel& model, int output, int input);
 
+// The controller's horizons, weights and stability; empty where nothing was
+// corrected.
+Tuning AdviseTuning(const Result& result);
+
 // Items, most urgent first. `result` is complete but for advice.
 std::vector<std::string> Advise(const Result& result);
 

@@ -10,6 +10,9 @@
 namespace mle::correct {
 namespace {
 
+// A probability that counts as none.
+constexpr double kNever = 1e-300;
+
 // Each window has an operating point of its own where the noise has one.
 std::vector<Record> ScaledWindows(const Setting& setting,
                                   const std::vector<Record>& windows) {
@@ -47,20 +50,71 @@ absl::Status AddPredictors(const Setting& setting, double sample_time,
   return absl::OkStatus();
 }
 
-// What `structured` leaves to be done for the estimator.
-absl::StatusOr<Fit> Complete(const Setting& setting,
-                             const std::vector<Record>& windows,
-                             StructuredCorrection structured) {
-  Fit fit;
-  fit.structured = std::move(structured);
-  fit.change_proposed = fit.structured.change_proposed;
-  if (setting.options.estimator == Estimator::kArx && fit.change_proposed) {
-    MLE_ASSIGN_OR_RETURN(fit.arx, CorrectModel(setting.conversion->model,
-                                               ScaledWindows(setting, windows),
-                                               setting.options.correction));
+// The model's elements that have aged, and the others.
+struct Split {
+  ProcessModel aged;
+  ProcessModel held;
+};
+
+Split SplitElements(const ProcessModel& model,
+                    const StructuredCorrection& full) {
+  Split split = {model, model};
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    for (int j = 0; j < model.num_inputs(); ++j) {
+      (full.aged(i, j) ? split.held : split.aged).element(i, j) =
+          TransferFunction();
+    }
   }
-  MLE_RETURN_IF_ERROR(AddPredictors(setting, windows.front().sample_time, fit));
-  return fit;
+  return split;
+}
+
+// One output of a record, less what the held elements make of it.
+absl::StatusOr<Record> Remainder(const ProcessModel& held, const Record& record,
+                                 int output) {
+  MLE_ASSIGN_OR_RETURN(const Eigen::MatrixXd response,
+                       SimulateResponse(held, record));
+  Record remainder;
+  remainder.start_time = record.start_time;
+  remainder.sample_time = record.sample_time;
+  remainder.inputs = record.inputs;
+  remainder.outputs = record.outputs.row(output) - response.row(output);
+  return remainder;
+}
+
+ProcessModel RowOf(const ProcessModel& model, int output) {
+  ProcessModel row(model.name(), model.time_unit(), model.inputs(),
+                   {model.outputs()[output]});
+  for (int j = 0; j < model.num_inputs(); ++j) {
+    row.element(0, j) = model.element(output, j);
+  }
+  return row;
+}
+
+// The initial model with its aged elements fitted to `windows`.
+absl::StatusOr<ProcessModel> FitAgedElements(
+    const Setting& setting, const StructuredCorrection& full,
+    const std::vector<Record>& windows) {
+  const Split split = SplitElements(setting.initial, full);
+  ProcessModel model = setting.initial;
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    if (!full.aged.row(i).any()) continue;
+    std::vector<Record> remainders;
+    for (const Record& window : windows) {
+      MLE_ASSIGN_OR_RETURN(Record remainder, Remainder(split.held, window, i));
+      remainders.push_back(std::move(remainder));
+    }
+    StructuredOptions options = setting.options.structured;
+    // Offsets as in the full fit, and no selection.
+    options.offset_test_level = setting.noise[i].offset ? 1.0 : kNever;
+    options.false_alarm_probability = kNever;
+    MLE_ASSIGN_OR_RETURN(
+        const StructuredCorrection fit,
+        CorrectStructure(RowOf(split.aged, i), remainders, options));
+    for (int j = 0; j < model.num_inputs(); ++j) {
+      if (full.aged(i, j)) model.element(i, j) = fit.full.model.element(0, j);
+    }
+  }
+  return model;
 }
 
 }  // namespace
@@ -69,12 +123,19 @@ std::string_view NameOf(Estimator estimator) {
   return estimator == Estimator::kArx ? "arx" : "structured";
 }
 
-absl::StatusOr<Fit> FitWindows(const Setting& setting,
-                               const std::vector<Record>& windows) {
-  MLE_ASSIGN_OR_RETURN(
-      StructuredCorrection structured,
-      CorrectStructure(setting.initial, windows, setting.options.structured));
-  return Complete(setting, windows, std::move(structured));
+absl::StatusOr<Predictor> PredictFromPart(const Setting& setting,
+                                          const Fit& full,
+                                          const std::vector<Record>& windows) {
+  if (setting.options.estimator == Estimator::kArx) {
+    MLE_ASSIGN_OR_RETURN(
+        const Correction correction,
+        CorrectModel(setting.conversion->model, ScaledWindows(setting, windows),
+                     setting.options.correction));
+    return PredictWithArx(Unscaled(correction.Model(), setting.scales));
+  }
+  MLE_ASSIGN_OR_RETURN(const ProcessModel model,
+                       FitAgedElements(setting, full.structured, windows));
+  return PredictWithProcess(model, setting.noise, windows.front().sample_time);
 }
 
 absl::StatusOr<Estimate> EstimateModel(const ProcessModel& initial,
@@ -94,8 +155,15 @@ absl::StatusOr<Estimate> EstimateModel(const ProcessModel& initial,
         ConvertUnderNoise(initial, setting.noise, setting.scales,
                           windows.front().sample_time, options.conversion));
   }
-  MLE_ASSIGN_OR_RETURN(estimate.fit,
-                       Complete(setting, windows, std::move(structured)));
+  Fit& fit = estimate.fit;
+  fit.structured = std::move(structured);
+  fit.change_proposed = fit.structured.change_proposed;
+  if (options.estimator == Estimator::kArx && fit.change_proposed) {
+    MLE_ASSIGN_OR_RETURN(fit.arx, CorrectModel(setting.conversion->model,
+                                               ScaledWindows(setting, windows),
+                                               options.correction));
+  }
+  MLE_RETURN_IF_ERROR(AddPredictors(setting, windows.front().sample_time, fit));
   return estimate;
 }
 

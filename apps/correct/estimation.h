@@ -32,6 +32,9 @@ enum class Estimator { kStructured, kArx };
 
 std::string_view NameOf(Estimator estimator);
 
+// A λ that corrects nothing, the last of the grid of `correction`.
+inline constexpr double kNoCorrectionLambda = 1e6;
+
 struct EstimationOptions {
   Estimator estimator = Estimator::kStructured;
   StructuredOptions structured;
@@ -72,10 +75,14 @@ absl::StatusOr<Estimate> EstimateModel(const ProcessModel& initial,
                                        const std::vector<Record>& windows,
                                        const EstimationOptions& options);
 
-// The same estimator on other windows, with the noise and the conversion as
-// they are in `setting`.
-absl::StatusOr<Fit> FitWindows(const Setting& setting,
-                               const std::vector<Record>& windows);
+// The two models that a fit to `windows` leaves to compare, where `full` is the
+// fit to all windows and proposes a change. The structured estimator fits the
+// elements that have aged according to `full`, all others at their initial
+// values: a part of the records would not always name the same ones. arx keeps
+// λ. Noise and conversion are those of `setting`.
+absl::StatusOr<Predictor> PredictFromPart(const Setting& setting,
+                                          const Fit& full,
+                                          const std::vector<Record>& windows);
 
 // What comes out for use.
 struct CorrectedModel {

@@ -251,10 +251,13 @@ NamedFigure LossFigure(const Result& result) {
   Panel& panel = named.figure.AddPanel("");
   panel.x = {.label = "penalty λ", .log = true};
   panel.y = {.label = "loss", .log = true};
+  // The last λ corrects nothing, and lies far off.
+  const Eigen::Index shown = selection.lambdas.size() - 1;
+  panel.lines.push_back(
+      HorizontalLine(Role::kInitial, "no correction", selection.loss(shown)));
   panel.series.push_back(MakeSeries(Role::kCorrected, "loss",
-                                    ToVector(selection.lambdas),
-                                    ToVector(selection.loss)));
-  panel.series.back().max_points = kMaxPoints;
+                                    ToVector(selection.lambdas.head(shown)),
+                                    ToVector(selection.loss.head(shown))));
   const double chosen = selection.lambda_star(0);
   Eigen::Index nearest = 0;
   (selection.lambdas.array() - chosen).abs().minCoeff(&nearest);

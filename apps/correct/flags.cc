@@ -76,10 +76,6 @@ DEFINE_double(conversion_penalty, 1e-6,
 DEFINE_int32(conversion_samples, 50000,
              "Samples of the excitation for the conversion.");
 DEFINE_uint64(seed, 1, "Seed of the excitation for the conversion.");
-DEFINE_double(lambda_grid_max, 1e-2,
-              "Largest λ of the curves, --estimator=arx.");
-DEFINE_double(lambda_grid_step, 1e-5,
-              "Step between the λ of the curves, the first being 0.");
 DEFINE_string(selection, "blocks",
               "Rule for λ, --estimator=arx: blocks, leave_change_out, aic, "
               "bic, gcv.");
@@ -239,6 +235,16 @@ absl::StatusOr<SelectionOptions> SelectionFromFlags() {
   return selection;
 }
 
+// 0, twelve values a decade from 1e-7 to 10, and one that corrects nothing: in
+// scaled units (conversion_scales.h) every λ that matters lies between.
+Eigen::VectorXd LambdaGrid() {
+  std::vector<double> lambdas = {0.0};
+  for (int i = -84; i <= 12; ++i) lambdas.push_back(std::pow(10.0, i / 12.0));
+  lambdas.push_back(kNoCorrectionLambda);
+  return Eigen::Map<const Eigen::VectorXd>(
+      lambdas.data(), static_cast<Eigen::Index>(lambdas.size()));
+}
+
 absl::StatusOr<EstimationOptions> EstimationFromFlags() {
   EstimationOptions options;
   MLE_ASSIGN_OR_RETURN(options.estimator, EstimatorFromFlags());
@@ -253,13 +259,7 @@ absl::StatusOr<EstimationOptions> EstimationFromFlags() {
   options.conversion.penalty = FLAGS_conversion_penalty;
   options.conversion.samples = FLAGS_conversion_samples;
   options.conversion.seed = FLAGS_seed;
-  absl::StatusOr<Eigen::VectorXd> grid =
-      MakeLambdaGrid(FLAGS_lambda_grid_max, FLAGS_lambda_grid_step);
-  if (!grid.ok()) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "--lambda_grid_max, --lambda_grid_step: ", grid.status().message()));
-  }
-  options.correction.lambdas = *std::move(grid);
+  options.correction.lambdas = LambdaGrid();
   MLE_ASSIGN_OR_RETURN(options.correction.selection, SelectionFromFlags());
   return options;
 }

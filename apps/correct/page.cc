@@ -44,20 +44,22 @@ void AddRecords(const Result& result, const DrawFigure& draw, HtmlPage& page) {
 void AddPredictions(const Result& result, const DrawFigure& draw,
                     HtmlPage& page) {
   page.AddHeading("Can it be trusted?");
-  if (result.validation.available()) {
+  const Validation& validation = result.validation;
+  if (validation.shown() != nullptr || !validation.initial.empty()) {
     page.AddTable(ValidationTable(result));
+  }
+  if (validation.windows.has_value() && validation.windows->available()) {
     page.AddParagraph(
-        result.validation.blocked
-            ? "There is one window: five times, every fifth of ten blocks of "
-              "its outputs was hidden from the fit and then predicted."
-            : "Each window in turn was held out: the correction was made from "
-              "the others and predicts what it had not seen. Where the others "
-              "say too little for a correction, both models are the initial "
-              "one.");
-  } else {
-    page.AddWarning(absl::StrCat(
-        "The models could not be tried on what they had not seen: ",
-        result.validation.missing));
+        "Each window in turn was held out: the elements found to have aged "
+        "were fitted to the others, and predict what that fit had not seen.");
+  }
+  if (validation.blocks.has_value() && validation.blocks->available()) {
+    page.AddParagraph(absl::StrCat(
+        "Ten blocks of every window, two at a time, were hidden from the fit "
+        "as well: there the correction changes the log-likelihood of what it "
+        "had not seen by ",
+        report::FormatSignificant(validation.blocks->gain),
+        ". Below zero it would be refused."));
   }
   AddFigure(PredictionFigure(result), draw, page);
   if (HasLossFigure(result)) AddFigure(LossFigure(result), draw, page);
@@ -85,6 +87,10 @@ std::string FormatPage(const Result& result, const DrawFigure& draw,
   for (const std::string& warning : result.warnings) page.AddWarning(warning);
   page.AddHeading("What to do");
   page.AddList(result.advice);
+  if (!result.tuning.heading.empty()) {
+    page.AddParagraph(result.tuning.heading);
+    page.AddList(result.tuning.reasons);
+  }
   AddModel(result, draw, page);
   AddRecords(result, draw, page);
   AddPredictions(result, draw, page);

@@ -83,9 +83,16 @@ absl::StatusOr<MatrixXd> SimulateResponse(const ProcessModel& model,
   MLE_ASSIGN_OR_RETURN(
       sim::Plant plant,
       sim::Plant::Create(model, {.sample_time = record.sample_time}));
+  MatrixXd gains(model.num_outputs(), model.num_inputs());
+  for (int i = 0; i < gains.rows(); ++i) {
+    for (int j = 0; j < gains.cols(); ++j) {
+      gains(i, j) = model.element(i, j).StaticGain();
+    }
+  }
+  const VectorXd settled = gains * record.inputs.col(0);
   MatrixXd outputs(model.num_outputs(), record.samples());
   for (int k = 0; k < record.samples(); ++k) {
-    outputs.col(k) = plant.outputs();
+    outputs.col(k) = settled + plant.outputs();
     plant.Advance(record.inputs.col(k) - record.inputs.col(0));
   }
   return outputs;

@@ -24,8 +24,8 @@ namespace mle::correct {
 using Predictor =
     std::function<Eigen::MatrixXd(const Record& record, int horizon)>;
 
-// Output of the process model to the record's inputs, p × samples: at rest, and
-// zero, before its first sample.
+// Output of the process model to the record's inputs, p × samples: settled at
+// the first inputs before.
 absl::StatusOr<Eigen::MatrixXd> SimulateResponse(const ProcessModel& model,
                                                  const Record& record);
 

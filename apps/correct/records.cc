@@ -19,6 +19,9 @@ namespace {
 using report::FormatInteger;
 using report::FormatSignificant;
 
+// Without trailing zeros.
+std::string FormatTime(double time) { return absl::StrFormat("%.7g", time); }
+
 absl::Status During(const std::string& what, const absl::Status& status) {
   return absl::Status(status.code(),
                       absl::StrCat(what, ": ", status.message()));
@@ -131,8 +134,8 @@ void AddWindows(int source, const RecordOptions& options,
     const Range range = WholeInputs(record, wanted);
     const std::string name = absl::StrCat(
         data.sources[source].path, ": the window from ",
-        FormatSignificant(record.time(wanted.first), 6), " to ",
-        FormatSignificant(record.time(wanted.last), 6), " ", model.time_unit());
+        FormatTime(record.time(wanted.first)), " to ",
+        FormatTime(record.time(wanted.last)), " ", model.time_unit());
     if (range.changes.empty()) {
       data.warnings.push_back(absl::StrCat(
           name,
@@ -259,9 +262,8 @@ report::Table SourceTable(const RecordData& data, const ProcessModel& model) {
   for (const Source& source : data.sources) {
     const Record& record = source.record;
     table.AddRow({source.path, FormatInteger(record.samples()),
-                  FormatSignificant(record.sample_time, 6),
-                  FormatSignificant(record.time(0), 6),
-                  FormatSignificant(record.time(record.samples() - 1), 6),
+                  FormatTime(record.sample_time), FormatTime(record.time(0)),
+                  FormatTime(record.time(record.samples() - 1)),
                   source.sha256.substr(0, 12) + "…"});
   }
   return table;
@@ -314,8 +316,7 @@ report::Table WindowTable(const RecordData& data, const ProcessModel& model) {
       changes.push_back(Describe(change, model));
     }
     table.AddRow({absl::StrCat(w + 1), data.sources[window.source].path,
-                  FormatSignificant(window.begin(), 6),
-                  FormatSignificant(window.end(), 6),
+                  FormatTime(window.begin()), FormatTime(window.end()),
                   FormatInteger(window.record.samples()),
                   absl::StrJoin(changes, ", ")});
   }

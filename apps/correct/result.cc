@@ -86,6 +86,27 @@ void CheckCertificates(Result& result) {
   }
 }
 
+void WarnOfValidation(Result& result) {
+  const Validation& validation = result.validation;
+  const auto warn = [&](const std::optional<HeldOut>& held_out) {
+    if (held_out.has_value() && !held_out->available()) {
+      result.warnings.push_back(absl::StrCat(
+          "The correction could not be tried on what it had not seen: ",
+          held_out->missing, "."));
+    }
+  };
+  warn(validation.windows);
+  warn(validation.blocks);
+  if (result.accepted() && validation.windows.has_value() &&
+      validation.windows->gain < 0.0) {
+    result.warnings.push_back(
+        "A correction made from some of the windows predicts the others worse "
+        "than the initial model: single changes say too little, or something "
+        "else than the inputs moved the outputs in one of them. Made from "
+        "parts of all windows it predicts the rest better.");
+  }
+}
+
 void CheckResponse(Result& result) {
   if (!result.corrected.response.values.allFinite() ||
       result.corrected.response.values.cwiseAbs().maxCoeff() > 1e50) {
@@ -184,21 +205,21 @@ absl::StatusOr<Result> CorrectFromRecords(const Request& request,
                    windows.size() == 1 ? " window" : " windows"));
   MLE_ASSIGN_OR_RETURN(result.estimate, EstimateModel(request.model, windows,
                                                       request.estimation));
-  ValidationOptions validation;
-  validation.max_folds = request.validation_folds;
-  validation.horizon = request.prediction_samples;
-  validation.order = request.estimation.conversion.order > 0
-                         ? request.estimation.conversion.order
-                         : ChooseOrder(request.model, sample_time);
-  validation.threads = request.threads;
-  Say("predicting what was held out");
-  MLE_ASSIGN_OR_RETURN(result.validation, Validate(result.estimate.setting,
-                                                   result.data, validation));
+  ValidationOptions options;
+  options.max_folds = request.validation_folds;
+  options.horizon = request.prediction_samples;
+  options.order = request.estimation.conversion.order > 0
+                      ? request.estimation.conversion.order
+                      : ChooseOrder(request.model, sample_time);
+  options.threads = request.threads;
+  if (result.estimate.fit.change_proposed) Say("predicting what is held out");
+  MLE_ASSIGN_OR_RETURN(result.validation,
+                       Validate(result.estimate, result.data, options));
   result.decision = Decide(result.estimate.fit, result.validation);
   MLE_RETURN_IF_ERROR(AddResponses(request, result));
   Say("examining what is left");
   const Fit& fit = result.estimate.fit;
-  result.max_lag = validation.order;
+  result.max_lag = options.order;
   result.initial_residuals =
       ExamineResiduals(fit.initial, windows, result.max_lag);
   result.corrected_residuals =
@@ -206,9 +227,11 @@ absl::StatusOr<Result> CorrectFromRecords(const Request& request,
           ? ExamineResiduals(fit.corrected, windows, result.max_lag)
           : result.initial_residuals;
   CheckCertificates(result);
+  WarnOfValidation(result);
   WarnOfShapes(result);
   result.verdict = Verdict(result);
   result.advice = Advise(result);
+  result.tuning = AdviseTuning(result);
   return result;
 }
 

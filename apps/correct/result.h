@@ -26,6 +26,12 @@ enum class Decision {
 
 std::string_view NameOf(Decision decision);
 
+// How to tune the controller for the corrected model.
+struct Tuning {
+  std::string heading;
+  std::vector<std::string> reasons;
+};
+
 // How two models differ, by the sum of squares of their step responses.
 struct Distance {
   double total = 0.0;        // E: all pairs and samples
@@ -54,7 +60,8 @@ struct Result {
   std::vector<ResidualReport> corrected_residuals;  // p
   std::vector<std::string> verdict;                 // sentences
   std::vector<std::string> advice;                  // items
-  std::vector<std::string> warnings;                // records' and the fit's
+  Tuning tuning;
+  std::vector<std::string> warnings;  // records' and the fit's
   // Fits that did not converge, or are not exact: the result is not usable.
   std::vector<std::string> failures;
 

@@ -116,29 +116,36 @@ Json FitJson(const FitPercent& fit) {
           {"simulated", NumberJson(fit.simulated)}};
 }
 
+Json HeldOutJson(const HeldOut& held_out, const ProcessModel& model) {
+  if (!held_out.available()) return {{"missing", held_out.missing}};
+  Json outputs = Json::array();
+  for (std::size_t i = 0; i < held_out.outputs.size(); ++i) {
+    outputs.push_back({{"output", model.outputs()[i].name},
+                       {"initial", FitJson(held_out.outputs[i].initial)},
+                       {"corrected", FitJson(held_out.outputs[i].corrected)}});
+  }
+  return {{"folds", held_out.folds},
+          {"fit_percent", std::move(outputs)},
+          {"log_likelihood_gain", NumberJson(held_out.gain)}};
+}
+
 Json ValidationJson(const Result& result) {
   const Validation& validation = result.validation;
-  Json json = {{"held_out", validation.blocked ? "blocks" : "windows"},
-               {"several_steps_samples", validation.horizon}};
-  if (!validation.available()) {
-    json["missing"] = validation.missing;
-    return json;
+  Json json = {{"several_steps_samples", validation.horizon}};
+  if (validation.windows.has_value()) {
+    json["windows"] = HeldOutJson(*validation.windows, result.initial());
   }
-  Json folds = Json::array();
-  for (const FoldSummary& fold : validation.folds) {
-    folds.push_back({{"held_out", fold.held_out},
-                     {"change_proposed", fold.change_proposed}});
+  if (validation.blocks.has_value()) {
+    json["blocks"] = HeldOutJson(*validation.blocks, result.initial());
   }
-  json["folds"] = std::move(folds);
-  Json outputs = Json::array();
-  for (int i = 0; i < result.initial().num_outputs(); ++i) {
-    outputs.push_back(
-        {{"output", result.initial().outputs()[i].name},
-         {"initial", FitJson(validation.outputs[i].initial)},
-         {"corrected", FitJson(validation.outputs[i].corrected)}});
+  if (!validation.initial.empty()) {
+    Json outputs = Json::array();
+    for (int i = 0; i < result.initial().num_outputs(); ++i) {
+      outputs.push_back({{"output", result.initial().outputs()[i].name},
+                         {"initial", FitJson(validation.initial[i])}});
+    }
+    json["initial"] = std::move(outputs);
   }
-  json["fit_percent"] = std::move(outputs);
-  json["log_likelihood_gain"] = NumberJson(validation.gain);
   return json;
 }
 
@@ -302,6 +309,7 @@ void AddDiagnostics(const Result& result, Json& json) {
        ResidualsJson(result.corrected_residuals, result.initial())}};
   json["certificate"] = CertificateJson(result);
   json["advice"] = result.advice;
+  json["tuning"] = result.tuning.reasons;
   json["notes"] = result.data.notes;
   json["warnings"] = result.warnings;
   json["failures"] = result.failures;

@@ -168,28 +168,31 @@ Table FopdtTable(const Result& result) {
 
 Table ValidationTable(const Result& result) {
   const Validation& validation = result.validation;
+  const HeldOut* const shown = validation.shown();
+  const bool proposed = shown != nullptr;
   Table table;
   table.caption = absl::StrCat(
-      "Fit on ", validation.blocked ? "blocks" : "windows",
-      " held out: 100 % is a perfect prediction, 0 % as good as the mean");
-  const std::string several =
-      absl::StrCat(validation.horizon, " samples ahead");
-  table.columns = {{"output", Align::kLeft},
-                   {"one step: initial"},
-                   {"corrected"},
-                   {absl::StrCat(several, ": initial")},
-                   {"corrected"},
-                   {"simulated: initial"},
-                   {"corrected"}};
-  for (std::size_t i = 0; i < validation.outputs.size(); ++i) {
-    const OutputValidation& output = validation.outputs[i];
-    table.AddRow({result.initial().outputs()[i].name,
-                  Percent(output.initial.one_step),
-                  Percent(output.corrected.one_step),
-                  Percent(output.initial.several_steps),
-                  Percent(output.corrected.several_steps),
-                  Percent(output.initial.simulated),
-                  Percent(output.corrected.simulated)});
+      !proposed ? "Fit of the initial model on all windows"
+      : validation.blocks.has_value() && shown == &*validation.blocks
+          ? "Fit on parts of the windows held out"
+          : "Fit on windows held out",
+      ": 100 % is a perfect prediction, 0 % as good as the mean");
+  table.columns = {{"output, model", Align::kLeft},
+                   {"one step ahead"},
+                   {absl::StrCat(validation.horizon, " samples ahead")},
+                   {"simulated"}};
+  const auto add = [&](int i, const char* model, const FitPercent& fit) {
+    table.AddRow({absl::StrCat(result.initial().outputs()[i].name, ", ", model),
+                  Percent(fit.one_step), Percent(fit.several_steps),
+                  Percent(fit.simulated)});
+  };
+  for (int i = 0; i < result.initial().num_outputs(); ++i) {
+    if (!proposed) {
+      add(i, "initial", validation.initial[i]);
+      continue;
+    }
+    add(i, "initial", shown->outputs[i].initial);
+    add(i, "corrected", shown->outputs[i].corrected);
   }
   return table;
 }

@@ -47,21 +47,22 @@ std::vector<Fold> FoldsOfWindows(const RecordData& data, int max_folds) {
   return folds;
 }
 
-// Blocks of equal length go to the folds in turn.
+// Of every window, blocks of equal length go to the folds in turn.
 std::vector<Fold> FoldsOfBlocks(const RecordData& data) {
-  const int n = data.windows.front().record.samples();
   const int blocks = kBlockFolds * kBlocksPerFold;
   std::vector<Fold> folds(kBlockFolds);
   for (int f = 0; f < kBlockFolds; ++f) {
     folds[f].name = absl::StrCat("blocks ", f + 1, " and ", f + 1 + kBlockFolds,
                                  " of ", blocks);
-    folds[f].held.resize(1);
-    folds[f].held[0].resize(n);
   }
-  for (int k = 0; k < n; ++k) {
-    const auto block =
-        static_cast<int>(static_cast<std::int64_t>(k) * blocks / n);
-    folds[block % kBlockFolds].held[0][k] = true;
+  for (const Window& window : data.windows) {
+    const int n = window.record.samples();
+    for (Fold& fold : folds) fold.held.emplace_back(n);
+    for (int k = 0; k < n; ++k) {
+      const auto block =
+          static_cast<int>(static_cast<std::int64_t>(k) * blocks / n);
+      folds[block % kBlockFolds].held.back()[k] = true;
+    }
   }
   return folds;
 }
@@ -125,7 +126,8 @@ Sums Score(const Eigen::RowVectorXd& measured, const std::vector<bool>& held,
 // By output and horizon.
 using Scores = std::vector<std::array<Sums, 3>>;
 
-Scores ScoreFold(const RecordData& data, const Fold& fold, const Fit& fit,
+Scores ScoreFold(const RecordData& data, const Fold& fold,
+                 const Predictor& before, const Predictor& after,
                  const std::array<int, 3>& horizons) {
   const int p = data.windows.front().record.num_outputs();
   Scores scores(p);
@@ -134,8 +136,8 @@ Scores ScoreFold(const RecordData& data, const Fold& fold, const Fit& fit,
     if (held.empty()) continue;
     const Record& record = data.windows[w].record;
     for (std::size_t h = 0; h < horizons.size(); ++h) {
-      const Eigen::MatrixXd initial = fit.initial(record, horizons[h]);
-      const Eigen::MatrixXd corrected = fit.corrected(record, horizons[h]);
+      const Eigen::MatrixXd initial = before(record, horizons[h]);
+      const Eigen::MatrixXd corrected = after(record, horizons[h]);
       for (int i = 0; i < p; ++i) {
         scores[i][h].Add(Score(record.outputs.row(i), held, initial.row(i),
                                corrected.row(i)));
@@ -151,65 +153,125 @@ double Percent(double squares, const Sums& sums) {
              : kNaN;
 }
 
-void Summarise(const Scores& scores, Validation& validation) {
-  for (const std::array<Sums, 3>& sums : scores) {
-    OutputValidation output;
-    output.initial = {Percent(sums[0].initial, sums[0]),
-                      Percent(sums[1].initial, sums[1]),
-                      Percent(sums[2].initial, sums[2])};
-    output.corrected = {Percent(sums[0].corrected, sums[0]),
-                        Percent(sums[1].corrected, sums[1]),
-                        Percent(sums[2].corrected, sums[2])};
-    validation.outputs.push_back(output);
-    const Sums& several = sums[1];
-    if (several.initial > 0.0 && several.corrected > 0.0) {
-      validation.gain -=
-          0.5 * several.count * std::log(several.corrected / several.initial);
-    }
-  }
+FitPercent InitialPercent(const std::array<Sums, 3>& sums) {
+  return {Percent(sums[0].initial, sums[0]), Percent(sums[1].initial, sums[1]),
+          Percent(sums[2].initial, sums[2])};
 }
 
-}  // namespace
+FitPercent CorrectedPercent(const std::array<Sums, 3>& sums) {
+  return {Percent(sums[0].corrected, sums[0]),
+          Percent(sums[1].corrected, sums[1]),
+          Percent(sums[2].corrected, sums[2])};
+}
 
-absl::StatusOr<Validation> Validate(const Setting& setting,
-                                    const RecordData& data,
-                                    const ValidationOptions& options) {
-  Validation validation;
-  validation.blocked = data.windows.size() == 1;
-  validation.horizon =
-      options.horizon > 0 ? options.horizon : std::max(options.order / 5, 1);
-  const std::vector<Fold> folds = validation.blocked
-                                      ? FoldsOfBlocks(data)
-                                      : FoldsOfWindows(data, options.max_folds);
+HeldOut HoldOut(const Estimate& estimate, const RecordData& data,
+                const std::vector<Fold>& folds, int horizon, int threads) {
   const int count = static_cast<int>(folds.size());
-  const std::array<int, 3> horizons = {1, validation.horizon, 0};
+  const std::array<int, 3> horizons = {1, horizon, 0};
   std::vector<absl::Status> status(count);
-  std::vector<FoldSummary> summaries(count);
   std::vector<Scores> scores(count);
-  ParallelFor(count, options.threads, [&](int f) {
-    const absl::StatusOr<Fit> fit =
-        FitWindows(setting, Remaining(data, folds[f]));
-    status[f] = fit.status();
-    if (!fit.ok()) return;
-    summaries[f] = {folds[f].name, fit->change_proposed};
-    scores[f] = ScoreFold(data, folds[f], *fit, horizons);
+  ParallelFor(count, threads, [&](int f) {
+    const absl::StatusOr<Predictor> corrected = PredictFromPart(
+        estimate.setting, estimate.fit, Remaining(data, folds[f]));
+    status[f] = corrected.status();
+    if (!corrected.ok()) return;
+    scores[f] =
+        ScoreFold(data, folds[f], estimate.fit.initial, *corrected, horizons);
   });
+  HeldOut held_out;
   Scores all(data.windows.front().record.num_outputs());
   for (int f = 0; f < count; ++f) {
     if (!status[f].ok()) {
       // What remains may be too short, or move too little, to be fitted.
-      validation.missing =
+      held_out.missing =
           absl::StrCat("without ", folds[f].name, ": ", status[f].message());
-      return validation;
+      return held_out;
     }
-    validation.folds.push_back(summaries[f]);
+    held_out.folds.push_back(folds[f].name);
     for (std::size_t i = 0; i < all.size(); ++i) {
       for (std::size_t h = 0; h < horizons.size(); ++h) {
         all[i][h].Add(scores[f][i][h]);
       }
     }
   }
-  Summarise(all, validation);
+  const bool arx = estimate.setting.options.estimator == Estimator::kArx;
+  for (const std::array<Sums, 3>& sums : all) {
+    held_out.outputs.push_back({InitialPercent(sums), CorrectedPercent(sums)});
+    const Sums& decisive = sums[arx ? 1 : 0];
+    if (decisive.initial > 0.0 && decisive.corrected > 0.0) {
+      held_out.gain -= 0.5 * decisive.count *
+                       std::log(decisive.corrected / decisive.initial);
+    }
+  }
+  return held_out;
+}
+
+// What the rule for λ has held out already: its loss at λ* against that of the
+// largest λ, which corrects nothing.
+HeldOut BlocksOfTheRule(const Correction& correction, const RecordData& data) {
+  HeldOut held_out;
+  const SelectionSummary& selection = correction.selection();
+  const Eigen::VectorXd& loss = selection.loss;
+  if (loss.size() < 2 || !(loss.minCoeff() > 0.0)) {
+    held_out.missing = "the rule for λ holds nothing out";
+    return held_out;
+  }
+  Eigen::Index chosen = 0;
+  (selection.lambdas.array() - selection.lambda_star(0))
+      .abs()
+      .minCoeff(&chosen);
+  double samples = 0.0;
+  for (const Window& window : data.windows) {
+    samples += window.record.samples();
+  }
+  held_out.folds = {"what the rule for λ holds out"};
+  held_out.gain =
+      -0.5 * samples * std::log(loss(chosen) / loss(loss.size() - 1));
+  return held_out;
+}
+
+}  // namespace
+
+bool Validation::worsens() const {
+  return blocks.has_value() && blocks->available() && blocks->gain < 0.0;
+}
+
+const HeldOut* Validation::shown() const {
+  if (windows.has_value() && !windows->outputs.empty()) return &*windows;
+  if (blocks.has_value() && !blocks->outputs.empty()) return &*blocks;
+  return nullptr;
+}
+
+absl::StatusOr<Validation> Validate(const Estimate& estimate,
+                                    const RecordData& data,
+                                    const ValidationOptions& options) {
+  Validation validation;
+  validation.horizon =
+      options.horizon > 0 ? options.horizon : std::max(options.order / 5, 1);
+  if (!estimate.fit.change_proposed) {
+    Fold all;
+    for (const Window& window : data.windows) {
+      all.held.emplace_back(window.record.samples(), true);
+    }
+    const Scores scores =
+        ScoreFold(data, all, estimate.fit.initial, estimate.fit.initial,
+                  {1, validation.horizon, 0});
+    for (const std::array<Sums, 3>& sums : scores) {
+      validation.initial.push_back(InitialPercent(sums));
+    }
+    return validation;
+  }
+  if (data.windows.size() > 1) {
+    validation.windows =
+        HoldOut(estimate, data, FoldsOfWindows(data, options.max_folds),
+                validation.horizon, options.threads);
+  }
+  if (estimate.fit.arx.has_value()) {
+    validation.blocks = BlocksOfTheRule(*estimate.fit.arx, data);
+    return validation;
+  }
+  validation.blocks = HoldOut(estimate, data, FoldsOfBlocks(data),
+                              validation.horizon, options.threads);
   return validation;
 }
 

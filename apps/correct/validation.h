@@ -1,11 +1,18 @@
 // How well the initial and the corrected model predict what the correction has
 // not seen.
 //
-// With two windows or more, each is held out in turn (at most `max_folds`
-// groups of them), the estimator fitted to the others, and its model predicts
-// the one held out. With a single window, five times every fifth of its blocks
-// is held out: the outputs there are hidden from the fit. The fit of a model in
-// percent is
+// Two ways of holding out, both only where a change is proposed:
+//
+//   windows  each is held out in turn (at most `max_folds` groups of them): a
+//            correction made from some set-point changes predicts the others.
+//            Hard where a single change says little, as under drift.
+//   blocks   ten blocks of each window, two at a time, are hidden from the fit:
+//            a correction that has seen parts of every change predicts the
+//            rest. This decides whether a correction is refused. For arx the
+//            rule for λ has held blocks out already: its loss at λ* and
+//            without correction is compared.
+//
+// The fit of a model in percent is
 //
 //   100 (1 − ‖y − ŷ‖ / ‖y − ȳ‖)
 //
@@ -16,6 +23,7 @@
 #ifndef APPS_CORRECT_VALIDATION_H_
 #define APPS_CORRECT_VALIDATION_H_
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,29 +52,34 @@ struct OutputValidation {
   FitPercent corrected;
 };
 
-struct FoldSummary {
-  std::string held_out;          // in words
-  bool change_proposed = false;  // by the fit that has not seen it
+// One way of holding out.
+struct HeldOut {
+  std::vector<std::string> folds;         // what each held out, in words
+  std::vector<OutputValidation> outputs;  // p, or empty: no figures
+  // Σ_i −½ N_i ln(S_i corrected / S_i initial), S_i the sum of squared errors
+  // of output i: what the corrected model gains in log-likelihood. One step
+  // ahead for the structured estimator, whose predictor is made for its noise;
+  // `horizon` samples ahead for arx.
+  double gain = 0.0;
+  std::string missing;  // why nothing could be held out
+
+  bool available() const { return missing.empty(); }
 };
 
 struct Validation {
-  bool blocked = false;  // parts of a single window were held out
-  int horizon = 0;       // of several_steps, in samples
-  std::vector<FoldSummary> folds;
-  std::vector<OutputValidation> outputs;  // p
-  // Σ_i −½ N_i ln(S_i corrected / S_i initial), S_i the sum of squared errors
-  // of output i over `horizon`: what the corrected model gains in likelihood if
-  // its errors were independent. They are not, but the sign stands.
-  double gain = 0.0;
-  // Why there are no figures; empty where there are.
-  std::string missing;
+  int horizon = 0;                 // of several_steps, in samples
+  std::optional<HeldOut> windows;  // where there are two or more
+  std::optional<HeldOut> blocks;   // where a change is proposed
+  // The initial model on all windows, where no change is proposed.
+  std::vector<FitPercent> initial;  // p
 
-  bool available() const { return missing.empty(); }
-  // The corrected model predicts what it has not seen worse than the initial.
-  bool worsens() const { return available() && gain < 0.0; }
+  // The correction predicts what it has not seen worse than the initial model.
+  bool worsens() const;
+  // What is shown: windows where there are such figures, else blocks.
+  const HeldOut* shown() const;
 };
 
-absl::StatusOr<Validation> Validate(const Setting& setting,
+absl::StatusOr<Validation> Validate(const Estimate& estimate,
                                     const RecordData& data,
                                     const ValidationOptions& options);
 

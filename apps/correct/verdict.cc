@@ -34,29 +34,45 @@ std::string WithInterval(const ParameterEstimate& estimate) {
                       FormatSignificant(HalfWidth(estimate), 2));
 }
 
-// How closely the records confirm the gains, smallest and largest.
+// How closely the records confirm the gains, and which they do not.
 std::string Confirmation(const Result& result) {
   const StructuredFit& full = result.estimate.fit.structured.full;
-  double smallest = std::numeric_limits<double>::infinity();
+  const ProcessModel& model = result.initial();
   double largest = 0.0;
-  for (const ElementEstimate& element : full.elements) {
-    if (element.state != ElementState::kFitted) continue;
-    const double width = HalfWidth(element.gain) /
-                         std::max(std::abs(element.gain.initial), 1e-300);
-    if (!std::isfinite(width)) continue;
-    smallest = std::min(smallest, width);
-    largest = std::max(largest, width);
+  int confirmed = 0;
+  std::vector<std::string> unknown;
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    for (int j = 0; j < model.num_inputs(); ++j) {
+      const ElementEstimate& element = full.element(i, j);
+      const PairInformation information = InformationOf(element);
+      if (information == PairInformation::kAbsent) continue;
+      if (information != PairInformation::kInformed) {
+        unknown.push_back(PairName(model, i, j));
+        continue;
+      }
+      ++confirmed;
+      largest = std::max(largest,
+                         HalfWidth(element.gain) /
+                             std::max(std::abs(element.gain.initial), 1e-300));
+    }
   }
-  if (!(largest > 0.0)) return "";
-  return absl::StrCat(
-      "They determine its gains within ± ",
-      smallest < largest
-          ? absl::StrCat(FormatSignificant(100.0 * smallest, 2), " … ")
-          : "",
-      FormatSignificant(100.0 * largest, 2), " % (",
-      FormatSignificant(100.0 * result.request.estimation.structured.confidence,
-                        3),
-      " % intervals): larger changes would have been seen.");
+  std::string text;
+  if (confirmed > 0) {
+    text = absl::StrCat(
+        unknown.empty()
+            ? "They determine every gain within ± "
+            : absl::StrCat("They determine ", confirmed, " gains within ± "),
+        FormatSignificant(100.0 * largest, 2), " % (",
+        FormatSignificant(
+            100.0 * result.request.estimation.structured.confidence, 3),
+        " % intervals)");
+  }
+  if (!unknown.empty()) {
+    absl::StrAppend(&text, text.empty() ? "They" : ", but",
+                    " tell little or nothing about ",
+                    absl::StrJoin(unknown, ", "));
+  }
+  return text.empty() ? text : text + ".";
 }
 
 std::string AgedOrNot(const Result& result) {
@@ -108,14 +124,13 @@ std::vector<std::string> ChangedElements(const Result& result) {
 
 std::string Validated(const Result& result) {
   const Validation& validation = result.validation;
-  if (!validation.available()) {
-    return absl::StrCat(
-        "The models could not be tried on what they had not seen (",
-        validation.missing, ").");
+  const HeldOut* const shown = validation.shown();
+  if (shown == nullptr) {
+    return "The models could not be tried on what they had not seen.";
   }
   std::vector<std::string> parts;
   for (int i = 0; i < result.initial().num_outputs(); ++i) {
-    const OutputValidation& output = validation.outputs[i];
+    const OutputValidation& output = shown->outputs[i];
     parts.push_back(absl::StrCat(result.initial().outputs()[i].name, " ",
                                  Percent(output.corrected.several_steps), " (",
                                  Percent(output.initial.several_steps),
@@ -124,7 +139,7 @@ std::string Validated(const Result& result) {
                                  Percent(output.initial.simulated), ")"));
   }
   return absl::StrCat(
-      "Fit on ", validation.blocked ? "parts of the window" : "windows",
+      "Fit on ", shown == &*validation.blocks ? "parts of windows" : "windows",
       " held out, ", validation.horizon,
       " samples ahead, corrected (initial): ", absl::StrJoin(parts, "; "), ".");
 }
