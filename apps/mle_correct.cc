@@ -11,6 +11,7 @@
 #include "apps/correct/flags.h"
 #include "apps/correct/outputs.h"
 #include "apps/correct/page.h"
+#include "apps/correct/record_tables.h"
 #include "apps/correct/result.h"
 #include "apps/correct/tables.h"
 #include "apps/report/gnuplot.h"
@@ -43,9 +44,9 @@ report::RunAgain HowToRunAgain(const correct::Result& result) {
   report::RunAgain again;
   again.command = CommandLine();
   again.version = std::string(Version());
-  for (const correct::Source& source : result.data.sources) {
-    again.more.emplace_back(absl::StrCat("SHA-256 of ", source.path),
-                            source.sha256);
+  for (const correct::DataFile& file : result.data.files) {
+    again.more.emplace_back(absl::StrCat("SHA-256 of ", file.path),
+                            file.sha256);
   }
   for (const auto& [name, value] : FlagValues()) {
     again.more.emplace_back(absl::StrCat("--", name), value);
@@ -93,7 +94,7 @@ absl::Status WriteAll(const correct::Result& result) {
 }
 
 void PrintData(const correct::RecordData& data, const ProcessModel& model) {
-  std::cout << report::RenderText(SourceTable(data, model)) << "\n"
+  std::cout << report::RenderText(FileTable(data, model)) << "\n"
             << report::RenderText(ChannelTable(data, model)) << "\n"
             << report::RenderText(WindowTable(data, model)) << "\n";
   for (const std::string& note : data.notes) std::cout << note << "\n";

@@ -12,6 +12,7 @@
 #include "control/prediction_model.h"
 #include "control/retuning.h"
 #include "mle/base/status.h"
+#include "mle/data/quiet_stretches.h"
 
 namespace mle::correct {
 namespace {

@@ -144,6 +144,17 @@ absl::StatusOr<Estimate> EstimateModel(const ProcessModel& initial,
   MLE_ASSIGN_OR_RETURN(StructuredCorrection structured,
                        CorrectStructure(initial, windows, options.structured));
   Estimate estimate;
+  Fit& fit = estimate.fit;
+  MLE_ASSIGN_OR_RETURN(
+      fit.test, CalibrateTest(initial, windows, structured, options.structured,
+                              options.calibration));
+  if (structured.change_proposed &&
+      fit.test.p_value >= options.structured.false_alarm_probability) {
+    StructuredOptions without = options.structured;
+    without.false_alarm_probability = kNever;
+    MLE_ASSIGN_OR_RETURN(structured,
+                         CorrectStructure(initial, windows, without));
+  }
   Setting& setting = estimate.setting;
   setting.initial = initial;
   setting.options = options;
@@ -155,7 +166,6 @@ absl::StatusOr<Estimate> EstimateModel(const ProcessModel& initial,
         ConvertUnderNoise(initial, setting.noise, setting.scales,
                           windows.front().sample_time, options.conversion));
   }
-  Fit& fit = estimate.fit;
   fit.structured = std::move(structured);
   fit.change_proposed = fit.structured.change_proposed;
   if (options.estimator == Estimator::kArx && fit.change_proposed) {

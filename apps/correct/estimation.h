@@ -18,6 +18,7 @@
 #include "Eigen/Core"
 #include "absl/status/statusor.h"
 #include "apps/correct/conversion_scales.h"
+#include "apps/correct/null_calibration.h"
 #include "apps/correct/prediction.h"
 #include "mle/correction/correction.h"
 #include "mle/data/record.h"
@@ -38,13 +39,16 @@ inline constexpr double kNoCorrectionLambda = 1e6;
 struct EstimationOptions {
   Estimator estimator = Estimator::kStructured;
   StructuredOptions structured;
+  NullCalibrationOptions calibration;
   ConversionSettings conversion;
   CorrectionOptions correction;
 };
 
 // What was fitted to one set of windows.
 struct Fit {
+  // By the calibrated test; `structured` says so too.
   bool change_proposed = false;
+  NullCalibration test;
   StructuredCorrection structured;
   // Of the estimator arx, where a change is proposed.
   std::optional<Correction> arx;

@@ -54,7 +54,7 @@ struct Strip {
 Strip MakeStrip(const RecordData& data) {
   Strip strip;
   double start = 0.0;
-  for (const Window& window : data.windows) {
+  for (const SetPointWindow& window : data.windows) {
     const Record& record = window.record;
     if (start > 0.0) strip.ends.push_back(start);
     for (int k = 0; k < record.samples(); ++k) {
@@ -90,6 +90,12 @@ void MarkEnds(const Strip& strip, Panel& panel) {
   for (const double end : strip.ends) {
     panel.lines.push_back(VerticalLine(Role::kReference, "", end));
   }
+}
+
+// NaN where there are none.
+Eigen::RowVectorXd SetPointsOf(const Record& record, int output) {
+  if (record.set_points.size() > 0) return record.set_points.row(output);
+  return Eigen::RowVectorXd::Constant(record.samples(), kNaN);
 }
 
 // y less what a model simulates, at the mean of what is measured.
@@ -169,8 +175,8 @@ NamedFigure RecordFigure(const Result& result) {
              panel);
     AddStrip(Role::kSetPoint, "set point", strip,
              Join(data,
-                  [&](std::size_t w) -> Eigen::RowVectorXd {
-                    return data.windows[w].record.set_points.row(i);
+                  [&](std::size_t w) {
+                    return SetPointsOf(data.windows[w].record, i);
                   }),
              panel, /*steps=*/true);
     MarkEnds(strip, panel);

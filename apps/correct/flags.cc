@@ -12,9 +12,11 @@
 
 #include "absl/strings/str_cat.h"
 #include "apps/common/command_line.h"
+#include "apps/correct/record_flags.h"
 #include "control/mpc_options.h"
 #include "gflags/gflags.h"
 #include "mle/base/status.h"
+#include "mle/data/quiet_stretches.h"
 
 DEFINE_string(model, "",
               "Process model (JSON) to be corrected: the one in the "
@@ -38,18 +40,6 @@ DEFINE_string(estimator, "structured",
               "structured (gains, time constants and dead times of the "
               "model's elements) or arx (any shape of response, by "
               "regularised regression).");
-DEFINE_string(bad_values, "",
-              "What stands for a bad sample beside an empty field and NaN, "
-              "separated by commas, such as Bad,-9999.");
-DEFINE_int32(longest_bridge, 10,
-             "Lost samples of an input in a row, ≥ 0, for which its value "
-             "before is held.");
-DEFINE_double(window_before, 0.0,
-              "What is kept before a set-point change, in the model's time "
-              "unit (min); 0: the model's settling time.");
-DEFINE_double(window_after, 0.0,
-              "What is kept after a set-point change (min); 0: the model's "
-              "settling time.");
 DEFINE_double(response_horizon, 0.0,
               "Length NΔt of the step responses (min); 0: the model's "
               "settling time.");
@@ -75,7 +65,10 @@ DEFINE_double(conversion_penalty, 1e-6,
               "Penalty λ₀ of the conversion to an ARX model, ≥ 0.");
 DEFINE_int32(conversion_samples, 50000,
              "Samples of the excitation for the conversion.");
-DEFINE_uint64(seed, 1, "Seed of the excitation for the conversion.");
+DEFINE_uint64(
+    seed, 1,
+    "Seed of what is simulated: the excitation for the conversion, and records "
+    "of the initial model that calibrate a doubtful test.");
 DEFINE_string(selection, "blocks",
               "Rule for λ, --estimator=arx: blocks, leave_change_out, aic, "
               "bic, gcv.");
@@ -125,14 +118,11 @@ absl::Status CheckTime(const char* flag, double value) {
 }
 
 absl::Status CheckNumbers() {
-  MLE_RETURN_IF_ERROR(CheckTime("window_before", FLAGS_window_before));
-  MLE_RETURN_IF_ERROR(CheckTime("window_after", FLAGS_window_after));
   MLE_RETURN_IF_ERROR(CheckTime("response_horizon", FLAGS_response_horizon));
   MLE_RETURN_IF_ERROR(CheckTime("max_delay", FLAGS_max_delay));
   MLE_RETURN_IF_ERROR(CheckTime("control_period", FLAGS_control_period));
   const std::pair<const char*, int> not_negative[] = {
       {"threads", FLAGS_threads},
-      {"longest_bridge", FLAGS_longest_bridge},
       {"order", FLAGS_order},
       {"prediction_samples", FLAGS_prediction_samples}};
   for (const auto& [flag, value] : not_negative) {
@@ -259,6 +249,7 @@ absl::StatusOr<EstimationOptions> EstimationFromFlags() {
   options.conversion.penalty = FLAGS_conversion_penalty;
   options.conversion.samples = FLAGS_conversion_samples;
   options.conversion.seed = FLAGS_seed;
+  options.calibration.seed = FLAGS_seed;
   options.correction.lambdas = LambdaGrid();
   MLE_ASSIGN_OR_RETURN(options.correction.selection, SelectionFromFlags());
   return options;
@@ -302,11 +293,12 @@ absl::StatusOr<Request> RequestFromFlags() {
   MLE_RETURN_IF_ERROR(ReadModels(request));
   MLE_RETURN_IF_ERROR(ReadDataPaths(request));
   request.out = FLAGS_out;
-  request.records.window_before = FLAGS_window_before;
-  request.records.window_after = FLAGS_window_after;
-  request.records.longest_bridge = FLAGS_longest_bridge;
-  request.records.bad_values = ParseList(FLAGS_bad_values);
+  MLE_ASSIGN_OR_RETURN(request.records, RecordOptionsFromFlags(request.model));
   MLE_ASSIGN_OR_RETURN(request.estimation, EstimationFromFlags());
+  // A lost sample costs a regression on lagged data as many rows as it has
+  // lags.
+  request.records.import.bridge_outputs =
+      request.estimation.estimator != Estimator::kStructured;
   request.validation_folds = FLAGS_validation_folds;
   request.prediction_samples = FLAGS_prediction_samples;
   request.response_horizon = FLAGS_response_horizon;

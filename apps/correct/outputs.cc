@@ -42,12 +42,9 @@ absl::StatusOr<Json> InputsJson(const Result& result) {
     MLE_ASSIGN_OR_RETURN(inputs["truth"], FileJson(result.request.truth_path));
   }
   Json data = Json::array();
-  for (const Source& source : result.data.sources) {
-    data.push_back({{"path", source.path},
-                    {"sha256", source.sha256},
-                    {"bytes", source.bytes},
-                    {"samples", source.record.samples()},
-                    {"sample_time", source.record.sample_time}});
+  for (const DataFile& file : result.data.files) {
+    data.push_back(
+        {{"path", file.path}, {"sha256", file.sha256}, {"bytes", file.bytes}});
   }
   inputs["data"] = std::move(data);
   return inputs;

@@ -1,6 +1,7 @@
 #include "apps/correct/page.h"
 
 #include "absl/strings/str_cat.h"
+#include "apps/correct/record_tables.h"
 #include "apps/correct/tables.h"
 #include "apps/report/number.h"
 
@@ -34,7 +35,7 @@ void AddModel(const Result& result, const DrawFigure& draw, HtmlPage& page) {
 
 void AddRecords(const Result& result, const DrawFigure& draw, HtmlPage& page) {
   page.AddHeading("The records");
-  page.AddTable(SourceTable(result.data, result.initial()));
+  page.AddTable(FileTable(result.data, result.initial()));
   page.AddTable(ChannelTable(result.data, result.initial()));
   page.AddTable(WindowTable(result.data, result.initial()));
   if (!result.data.notes.empty()) page.AddList(result.data.notes);

@@ -1,9 +1,9 @@
-// The records a model is corrected from: read, checked, and cut into windows
-// around their set-point changes.
+// The records a model is corrected from: imported, checked, and cut into
+// windows around their set-point changes.
 //
 //   MLE_ASSIGN_OR_RETURN(const RecordData data,
 //                        LoadRecords(paths, model, options));
-//   CorrectStructure(model, data.Windows(), …);
+//   CorrectStructure(model, data.Records(), …);
 
 #ifndef APPS_CORRECT_RECORDS_H_
 #define APPS_CORRECT_RECORDS_H_
@@ -13,68 +13,54 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "apps/report/table.h"
+#include "mle/data/historian.h"
 #include "mle/data/record.h"
+#include "mle/data/set_point_windows.h"
 #include "mle/model/process_model.h"
 
 namespace mle::correct {
 
-// Times in the model's time unit.
 struct RecordOptions {
-  // Kept before the first and after the last set-point change of a window, ≥ 0.
-  // 0: the model's settling time.
-  double window_before = 0.0;
-  double window_after = 0.0;
-  // Samples in a row of an input that may be lost; their value before is held.
-  int longest_bridge = 10;
-  // What a historian writes for a bad sample, beside nothing and NaN.
-  std::vector<std::string> bad_values;
+  HistorianOptions import;
+  WindowOptions windows;
+  // Single samples of outputs far from their neighbours are taken as bad.
+  bool mark_outliers = true;
 };
 
 // A file as it was read.
-struct Source {
+struct DataFile {
   std::string path;
   std::string sha256;  // of its bytes, hexadecimal
   std::int64_t bytes = 0;
-  Record record;
-};
-
-// A part of a source in which set points change.
-struct Window {
-  Record record;
-  int source = 0;
-  // Their samples count from the start of the window.
-  std::vector<SetPointChange> changes;
-
-  double begin() const { return record.time(0); }
-  double end() const { return record.time(record.samples() - 1); }
 };
 
 struct RecordData {
-  std::vector<Source> sources;
-  std::vector<Window> windows;
+  std::vector<DataFile> files;
+  std::vector<Record> records;
+  HistorianReport report;
+  // Records as they are, no operating point taken off.
+  std::vector<SetPointWindow> windows;
+  std::vector<int> outliers;          // p: samples marked, of each output
   std::vector<std::string> notes;     // what was found
   std::vector<std::string> warnings;  // what weakens the result
 
-  double sample_time() const { return sources.front().record.sample_time; }
+  double sample_time() const { return report.sample_time; }
   std::vector<Record> Records() const;  // of the windows
 };
 
-// max over the elements of L + 5 T of its slowest mode: after it a step
-// response is within 1 % of its end.
-double SettlingTime(const ProcessModel& model);
+double BeginOf(const SetPointWindow& window);
+double EndOf(const SetPointWindow& window);
 
-// The files hold the model's channels, with the same sample time. Errors name
-// the file and, where there is one, the flag that would help. A record without
-// set-point changes is an error: nothing there can be learnt from.
+// Outputs that are not at rest before the change or at the end, in words.
+std::vector<std::string> UnrestIn(const SetPointWindow& window,
+                                  const ProcessModel& model);
+
+// Errors name the file and, where there is one, the flag that would help.
+// Windows are whole in their inputs: one with a gap there is cut to its longest
+// part. No window at all is an error: nothing there can be learnt from.
 absl::StatusOr<RecordData> LoadRecords(const std::vector<std::string>& paths,
                                        const ProcessModel& model,
                                        const RecordOptions& options);
-
-// A row for each source, for each channel over all sources, for each window.
-report::Table SourceTable(const RecordData& data, const ProcessModel& model);
-report::Table ChannelTable(const RecordData& data, const ProcessModel& model);
-report::Table WindowTable(const RecordData& data, const ProcessModel& model);
 
 }  // namespace mle::correct
 

@@ -11,6 +11,7 @@
 #include "apps/correct/verdict.h"
 #include "apps/report/number.h"
 #include "mle/base/status.h"
+#include "mle/data/quiet_stretches.h"
 
 namespace mle::correct {
 namespace {
@@ -101,9 +102,9 @@ void WarnOfValidation(Result& result) {
       validation.windows->gain < 0.0) {
     result.warnings.push_back(
         "A correction made from some of the windows predicts the others worse "
-        "than the initial model: single changes say too little, or something "
-        "else than the inputs moved the outputs in one of them. Made from "
-        "parts of all windows it predicts the rest better.");
+        "than the initial model: single changes say too little for this "
+        "estimator. Made from parts of all windows it predicts the rest "
+        "better.");
   }
 }
 

@@ -186,18 +186,20 @@ Json ResidualsJson(const std::vector<ResidualReport>& reports,
 
 Json WindowsJson(const Result& result) {
   Json windows = Json::array();
-  for (const Window& window : result.data.windows) {
+  for (const SetPointWindow& window : result.data.windows) {
     Json changes = Json::array();
     for (const SetPointChange& change : window.changes) {
-      changes.push_back(
-          {{"time", window.record.time(change.sample)},
-           {"output", result.initial().outputs()[change.output].name},
-           {"from", change.from},
-           {"to", change.to}});
+      Json one = {{"time", window.record.time(change.sample)}};
+      if (change.output >= 0) {
+        one["output"] = result.initial().outputs()[change.output].name;
+        one["from"] = NumberJson(change.from);
+        one["to"] = NumberJson(change.to);
+      }
+      changes.push_back(std::move(one));
     }
-    windows.push_back({{"file", result.data.sources[window.source].path},
-                       {"from", window.begin()},
-                       {"to", window.end()},
+    windows.push_back({{"from", BeginOf(window)},
+                       {"to", EndOf(window)},
+                       {"unrest", UnrestIn(window, result.initial())},
                        {"samples", window.record.samples()},
                        {"set_point_changes", std::move(changes)}});
   }
@@ -256,18 +258,22 @@ Json MatrixJson(const Eigen::MatrixXd& matrix) {
 }
 
 void AddFindings(const Result& result, Json& json) {
+  const NullCalibration& calibrated = result.estimate.fit.test;
   const StructuredCorrection& test = result.estimate.fit.structured;
   const ProcessModel& model = result.initial();
   json["estimator"] = std::string(NameOf(result.request.estimation.estimator));
   json["decision"] = std::string(NameOf(result.decision));
   json["verdict"] = result.verdict;
   json["test_of_no_change"] = {
-      {"p_value", NumberJson(test.p_value)},
+      {"p_value", NumberJson(calibrated.p_value)},
+      {"p_value_chi_square", NumberJson(test.p_value)},
+      {"calibration_factor", calibrated.factor},
+      {"calibration_replicates", calibrated.replicates},
       {"statistic", NumberJson(test.statistic)},
       {"degrees_of_freedom", test.degrees_of_freedom},
       {"false_alarm_probability",
        result.request.estimation.structured.false_alarm_probability},
-      {"change_proposed", test.change_proposed}};
+      {"change_proposed", result.estimate.fit.change_proposed}};
   Json elements = Json::array();
   for (int i = 0; i < model.num_outputs(); ++i) {
     for (int j = 0; j < model.num_inputs(); ++j) {

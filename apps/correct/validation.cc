@@ -55,7 +55,7 @@ std::vector<Fold> FoldsOfBlocks(const RecordData& data) {
     folds[f].name = absl::StrCat("blocks ", f + 1, " and ", f + 1 + kBlockFolds,
                                  " of ", blocks);
   }
-  for (const Window& window : data.windows) {
+  for (const SetPointWindow& window : data.windows) {
     const int n = window.record.samples();
     for (Fold& fold : folds) fold.held.emplace_back(n);
     for (int k = 0; k < n; ++k) {
@@ -221,7 +221,7 @@ HeldOut BlocksOfTheRule(const Correction& correction, const RecordData& data) {
       .abs()
       .minCoeff(&chosen);
   double samples = 0.0;
-  for (const Window& window : data.windows) {
+  for (const SetPointWindow& window : data.windows) {
     samples += window.record.samples();
   }
   held_out.folds = {"what the rule for λ holds out"};
@@ -233,7 +233,11 @@ HeldOut BlocksOfTheRule(const Correction& correction, const RecordData& data) {
 }  // namespace
 
 bool Validation::worsens() const {
-  return blocks.has_value() && blocks->available() && blocks->gain < 0.0;
+  const auto worse = [](const std::optional<HeldOut>& held_out) {
+    return held_out.has_value() && held_out->available() && held_out->decides &&
+           held_out->gain < 0.0;
+  };
+  return worse(windows) || worse(blocks);
 }
 
 const HeldOut* Validation::shown() const {
@@ -250,7 +254,7 @@ absl::StatusOr<Validation> Validate(const Estimate& estimate,
       options.horizon > 0 ? options.horizon : std::max(options.order / 5, 1);
   if (!estimate.fit.change_proposed) {
     Fold all;
-    for (const Window& window : data.windows) {
+    for (const SetPointWindow& window : data.windows) {
       all.held.emplace_back(window.record.samples(), true);
     }
     const Scores scores =
@@ -267,6 +271,7 @@ absl::StatusOr<Validation> Validate(const Estimate& estimate,
                 validation.horizon, options.threads);
   }
   if (estimate.fit.arx.has_value()) {
+    if (validation.windows.has_value()) validation.windows->decides = false;
     validation.blocks = BlocksOfTheRule(*estimate.fit.arx, data);
     return validation;
   }

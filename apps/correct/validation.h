@@ -5,12 +5,14 @@
 //
 //   windows  each is held out in turn (at most `max_folds` groups of them): a
 //            correction made from some set-point changes predicts the others.
-//            Hard where a single change says little, as under drift.
 //   blocks   ten blocks of each window, two at a time, are hidden from the fit:
 //            a correction that has seen parts of every change predicts the
-//            rest. This decides whether a correction is refused. For arx the
-//            rule for λ has held blocks out already: its loss at λ* and
-//            without correction is compared.
+//            rest. For arx the rule for λ has held blocks out already: its
+//            loss at λ* and without correction is compared.
+//
+// A correction that predicts worse in either way is refused; of arx only the
+// blocks count, since ΔR without a change can hardly predict it
+// (docs/selection.md).
 //
 // The fit of a model in percent is
 //
@@ -61,6 +63,7 @@ struct HeldOut {
   // ahead for the structured estimator, whose predictor is made for its noise;
   // `horizon` samples ahead for arx.
   double gain = 0.0;
+  bool decides = true;  // whether a loss is a reason to refuse
   std::string missing;  // why nothing could be held out
 
   bool available() const { return missing.empty(); }

@@ -76,8 +76,7 @@ std::string Confirmation(const Result& result) {
 }
 
 std::string AgedOrNot(const Result& result) {
-  const StructuredCorrection& test = result.estimate.fit.structured;
-  const std::string p = FormatProbability(test.p_value);
+  const std::string p = FormatProbability(result.estimate.fit.test.p_value);
   switch (result.decision) {
     case Decision::kNoChange:
       return absl::StrCat(

@@ -1,0 +1,90 @@
+#include "apps/correct/null_calibration.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "apps/correct/prediction.h"
+#include "mle/base/parallel.h"
+#include "mle/base/status.h"
+#include "mle/nonlinear/distributions.h"
+#include "sim/noise.h"
+
+namespace mle::correct {
+namespace {
+
+constexpr double kNever = 1e-300;
+// Noise streams of a seed, apart from those of the conversion.
+constexpr std::uint64_t kFirstStream = 3'000'000;
+
+// `responses` of the initial model under noise of the plant's size, bad where
+// `windows` are.
+std::vector<Record> DrawRecords(const std::vector<Record>& windows,
+                                const std::vector<Eigen::MatrixXd>& responses,
+                                const std::vector<NoiseEstimate>& noise,
+                                std::uint64_t seed, int replicate) {
+  const std::uint64_t stream =
+      kFirstStream + static_cast<std::uint64_t>(replicate);
+  sim::GaussianNoise white(seed, stream, sim::kMeasurementNoise);
+  sim::GaussianNoise walk(seed, stream, sim::kDriftDisturbance);
+  std::vector<Record> drawn = windows;
+  for (std::size_t w = 0; w < drawn.size(); ++w) {
+    Record& record = drawn[w];
+    for (int i = 0; i < record.num_outputs(); ++i) {
+      const double deviation = std::sqrt(noise[i].variance);
+      const double step = std::sqrt(noise[i].increment_variance());
+      double level = 0.0;
+      for (int k = 0; k < record.samples(); ++k) {
+        const double value = responses[w](i, k) + level + white.Draw(deviation);
+        level += walk.Draw(step);
+        if (std::isfinite(record.outputs(i, k))) record.outputs(i, k) = value;
+      }
+    }
+  }
+  return drawn;
+}
+
+}  // namespace
+
+absl::StatusOr<NullCalibration> CalibrateTest(
+    const ProcessModel& initial, const std::vector<Record>& windows,
+    const StructuredCorrection& test, const StructuredOptions& options,
+    const NullCalibrationOptions& calibration) {
+  NullCalibration result;
+  result.p_value = test.p_value;
+  const int degrees = test.degrees_of_freedom;
+  if (!test.change_proposed || degrees == 0 ||
+      ChiSquareTail(test.statistic / calibration.doubt, degrees) <
+          options.false_alarm_probability) {
+    return result;
+  }
+  std::vector<Eigen::MatrixXd> responses;
+  for (const Record& window : windows) {
+    MLE_ASSIGN_OR_RETURN(Eigen::MatrixXd response,
+                         SimulateResponse(initial, window));
+    responses.push_back(std::move(response));
+  }
+  StructuredOptions one = options;
+  one.threads = 1;
+  one.false_alarm_probability = kNever;  // the statistic alone is wanted
+  std::vector<absl::Status> status(calibration.replicates);
+  std::vector<double> statistics(calibration.replicates);
+  ParallelFor(calibration.replicates, options.threads, [&](int b) {
+    const absl::StatusOr<StructuredCorrection> fit = CorrectStructure(
+        initial,
+        DrawRecords(windows, responses, test.full.noise, calibration.seed, b),
+        one);
+    status[b] = fit.status();
+    if (fit.ok()) statistics[b] = fit->statistic;
+  });
+  double sum = 0.0;
+  for (int b = 0; b < calibration.replicates; ++b) {
+    MLE_RETURN_IF_ERROR(status[b]);
+    sum += statistics[b];
+  }
+  result.replicates = calibration.replicates;
+  result.factor = std::max(1.0, sum / calibration.replicates / degrees);
+  result.p_value = ChiSquareTail(test.statistic / result.factor, degrees);
+  return result;
+}
+
+}  // namespace mle::correct

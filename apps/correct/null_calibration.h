@@ -1,0 +1,50 @@
+// The test of no change, calibrated.
+//
+// The likelihood ratio of the structured correction is χ² with ν degrees of
+// freedom in long records. Where outputs drift, or inputs hardly move, it is
+// larger: dead times are searched among many local minima, and the drift's size
+// is estimated along with the model. So, where χ² rejects the initial model but
+// not beyond doubt, records are simulated from that model: the inputs as they
+// were, noise and drift as they were estimated, gaps where they were. The same
+// test of each gives the mean statistic without any change, and Bartlett's
+// factor
+//
+//   c = max(1, mean / ν),   p = P(χ²_ν > statistic / c).
+//
+// (Bartlett, Proc. R. Soc. A 160, 1937.)
+
+#ifndef APPS_CORRECT_NULL_CALIBRATION_H_
+#define APPS_CORRECT_NULL_CALIBRATION_H_
+
+#include <cstdint>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "mle/data/record.h"
+#include "mle/model/process_model.h"
+#include "mle/nonlinear/structured_correction.h"
+
+namespace mle::correct {
+
+struct NullCalibration {
+  int replicates = 0;   // simulated; 0 where χ² leaves no doubt
+  double factor = 1.0;  // c ≥ 1
+  double p_value = 1.0;
+};
+
+struct NullCalibrationOptions {
+  int replicates = 12;  // ≥ 1
+  double doubt = 4.0;   // c up to it is thought possible, ≥ 1
+  std::uint64_t seed = 1;
+};
+
+// `test` is what CorrectStructure() said of `windows` with `options`. The
+// result does not depend on options.threads.
+absl::StatusOr<NullCalibration> CalibrateTest(
+    const ProcessModel& initial, const std::vector<Record>& windows,
+    const StructuredCorrection& test, const StructuredOptions& options,
+    const NullCalibrationOptions& calibration);
+
+}  // namespace mle::correct
+
+#endif  // APPS_CORRECT_NULL_CALIBRATION_H_

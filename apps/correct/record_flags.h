@@ -1,0 +1,16 @@
+// The flags of mle_correct that say how records are read and cut.
+
+#ifndef APPS_CORRECT_RECORD_FLAGS_H_
+#define APPS_CORRECT_RECORD_FLAGS_H_
+
+#include "absl/status/statusor.h"
+#include "apps/correct/records.h"
+
+namespace mle::correct {
+
+// Errors name the flag, what was found and what would be right.
+absl::StatusOr<RecordOptions> RecordOptionsFromFlags(const ProcessModel& model);
+
+}  // namespace mle::correct
+
+#endif  // APPS_CORRECT_RECORD_FLAGS_H_

@@ -1,0 +1,158 @@
+#include "apps/correct/record_tables.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
+#include "apps/report/number.h"
+
+namespace mle::correct {
+namespace {
+
+using report::Align;
+using report::FormatInteger;
+using report::FormatSignificant;
+using report::Table;
+
+// Without trailing zeros.
+std::string FormatTime(double time) { return absl::StrFormat("%.7g", time); }
+
+std::string Describe(const SetPointChange& change, double time,
+                     const ProcessModel& model) {
+  if (change.output < 0) return absl::StrCat("at ", FormatTime(time));
+  return absl::StrCat(model.outputs()[change.output].name, " ",
+                      FormatSignificant(change.from, 4), " → ",
+                      FormatSignificant(change.to, 4));
+}
+
+struct ChannelRange {
+  double min = std::numeric_limits<double>::infinity();
+  double max = -std::numeric_limits<double>::infinity();
+};
+
+template <typename Function>
+ChannelRange RangeOf(const RecordData& data, const Function& row_of) {
+  ChannelRange range;
+  for (const Record& record : data.records) {
+    for (const double value : row_of(record)) {
+      if (!std::isfinite(value)) continue;
+      range.min = std::min(range.min, value);
+      range.max = std::max(range.max, value);
+    }
+  }
+  return range;
+}
+
+// Of the report; null where the files have no such channel.
+const ChannelReport* FindChannel(const RecordData& data,
+                                 const std::string& name) {
+  for (const ChannelReport& channel : data.report.channels) {
+    if (channel.name == name) return &channel;
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+Table FileTable(const RecordData& data, const ProcessModel& model) {
+  Table table;
+  table.caption =
+      absl::StrCat("Files, sampled every ", FormatTime(data.sample_time()), " ",
+                   model.time_unit(), " for the correction");
+  table.columns = {{"file", Align::kLeft},
+                   {"rows"},
+                   {absl::StrCat("from (", model.time_unit(), ")")},
+                   {"to"},
+                   {"SHA-256", Align::kLeft}};
+  for (const FileReport& file : data.report.files) {
+    std::string sha256;
+    for (const DataFile& one : data.files) {
+      if (one.path == file.name) sha256 = one.sha256.substr(0, 12) + "…";
+    }
+    table.AddRow({file.name, FormatInteger(file.rows),
+                  FormatTime(file.first_time), FormatTime(file.last_time),
+                  sha256});
+  }
+  return table;
+}
+
+Table ChannelTable(const RecordData& data, const ProcessModel& model) {
+  Table table;
+  table.caption = "Channels";
+  table.columns = {{"channel", Align::kLeft},
+                   {"kind", Align::kLeft},
+                   {"unit", Align::kLeft},
+                   {"smallest"},
+                   {"largest"},
+                   {"bad in files"},
+                   {"bridged samples"},
+                   {"outliers"},
+                   {"missing samples"}};
+  const auto add = [&](const std::string& name, const char* kind,
+                       const std::string& unit, ChannelRange range,
+                       int outliers) {
+    const ChannelReport* const channel = FindChannel(data, name);
+    table.AddRow(
+        {name, kind, unit, FormatSignificant(range.min, 4),
+         FormatSignificant(range.max, 4),
+         channel != nullptr ? FormatInteger(channel->bad.total()) : "–",
+         channel != nullptr ? FormatInteger(channel->bridged) : "–",
+         FormatInteger(outliers),
+         channel != nullptr ? FormatInteger(channel->missing) : "–"});
+  };
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    add(model.outputs()[i].name, "output", model.outputs()[i].unit,
+        RangeOf(data,
+                [i](const Record& r) -> Eigen::RowVectorXd {
+                  return r.outputs.row(i);
+                }),
+        data.outliers[i]);
+  }
+  for (int j = 0; j < model.num_inputs(); ++j) {
+    add(model.inputs()[j].name, "input", model.inputs()[j].unit,
+        RangeOf(data,
+                [j](const Record& r) -> Eigen::RowVectorXd {
+                  return r.inputs.row(j);
+                }),
+        0);
+  }
+  return table;
+}
+
+Table WindowTable(const RecordData& data, const ProcessModel& model) {
+  Table table;
+  table.caption = "Windows around set-point changes";
+  table.columns = {{"window"},
+                   {absl::StrCat("from (", model.time_unit(), ")")},
+                   {"to"},
+                   {"samples"},
+                   {"set-point changes", Align::kLeft},
+                   {"remarks", Align::kLeft}};
+  for (std::size_t w = 0; w < data.windows.size(); ++w) {
+    const SetPointWindow& window = data.windows[w];
+    std::vector<std::string> changes;
+    for (const SetPointChange& change : window.changes) {
+      changes.push_back(
+          Describe(change, window.record.time(change.sample), model));
+    }
+    std::vector<std::string> remarks;
+    if (window.clipped_before) remarks.push_back("short before");
+    if (window.clipped_after) remarks.push_back("short after");
+    for (std::string& unrest : UnrestIn(window, model)) {
+      remarks.push_back(std::move(unrest));
+    }
+    table.AddRow({absl::StrCat(w + 1), FormatTime(BeginOf(window)),
+                  FormatTime(EndOf(window)),
+                  FormatInteger(window.record.samples()),
+                  absl::StrJoin(changes, ", "), absl::StrJoin(remarks, ", ")});
+  }
+  return table;
+}
+
+}  // namespace mle::correct
