@@ -57,19 +57,20 @@ VectorXd Autocorrelation(const Windows& signal, int max_lag) {
   return values;
 }
 
-// N R² of the errors on `input` at lags 1, 1 + step, …; rank of the regressors.
+// N R² of the errors on means of `input` over lags 1 … step, step + 1 … 2 step,
+// and so on; rank of the regressors.
 void TestInput(const Windows& errors, const Windows& input, int max_lag,
                InputCorrelation& result) {
   const int step = std::max((max_lag + kTestLags - 1) / kTestLags, 1);
   const int lags = (max_lag - 1) / step + 1;
-  const int deepest = 1 + (lags - 1) * step;
+  const int deepest = lags * step;
   std::vector<double> values;
   int rows = 0;
   for (std::size_t w = 0; w < errors.size(); ++w) {
     for (int k = deepest; k < errors[w].size(); ++k) {
       if (!std::isfinite(errors[w](k))) continue;
       for (int a = 0; a < lags; ++a) {
-        values.push_back(input[w](k - 1 - a * step));
+        values.push_back(input[w].segment(k - (a + 1) * step, step).mean());
       }
       values.push_back(errors[w](k));
       ++rows;

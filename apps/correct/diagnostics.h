@@ -17,8 +17,9 @@
 // feedback: an input of a closed loop answers to earlier outputs, and to the
 // sample measured just before it moves. At τ > 0 it shows dynamics that the
 // model lacks. Those lags are judged together: the errors are regressed on the
-// input at up to kTestLags lags, N R² is χ² with as many degrees of freedom if
-// the errors are white (Ljung, System Identification, 1999, sec. 16.6).
+// input's means over kTestLags stretches of lags, N R² is χ² with as many
+// degrees of freedom if the errors are white (Ljung, System Identification,
+// 1999, sec. 16.6).
 
 #ifndef APPS_CORRECT_DIAGNOSTICS_H_
 #define APPS_CORRECT_DIAGNOSTICS_H_

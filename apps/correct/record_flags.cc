@@ -58,8 +58,9 @@ DEFINE_double(max_gap, -1.0,
               "Gaps up to this are bridged (min), ≥ 0; negative: five "
               "samples.");
 DEFINE_bool(mark_outliers, true,
-            "Single samples of outputs far from their neighbours are taken as "
-            "bad.");
+            "Single samples far from their neighbours are taken as bad.");
+DEFINE_bool(mark_frozen, true,
+            "Stretches in which an output repeats one value are taken as bad.");
 DEFINE_double(window_before, 0.0,
               "What is kept before a set-point change (min); 0: the model's "
               "settling time.");
@@ -235,7 +236,8 @@ absl::StatusOr<RecordOptions> RecordOptionsFromFlags(
     return absl::InvalidArgumentError(
         absl::StrCat("flags of the windows (see --help): ", status.message()));
   }
-  options.mark_outliers = FLAGS_mark_outliers;
+  options.mark.outliers = FLAGS_mark_outliers;
+  options.mark.frozen = FLAGS_mark_frozen;
   return options;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <string>
 #include <utility>
@@ -92,18 +93,20 @@ Table ChannelTable(const RecordData& data, const ProcessModel& model) {
                    {"largest"},
                    {"bad in files"},
                    {"bridged samples"},
-                   {"outliers"},
+                   {"outlying"},
+                   {"frozen"},
                    {"missing samples"}};
   const auto add = [&](const std::string& name, const char* kind,
                        const std::string& unit, ChannelRange range,
-                       int outliers) {
+                       const ChannelHealth& health) {
     const ChannelReport* const channel = FindChannel(data, name);
     table.AddRow(
         {name, kind, unit, FormatSignificant(range.min, 4),
          FormatSignificant(range.max, 4),
          channel != nullptr ? FormatInteger(channel->bad.total()) : "–",
          channel != nullptr ? FormatInteger(channel->bridged) : "–",
-         FormatInteger(outliers),
+         FormatInteger(static_cast<std::int64_t>(health.outliers.size())),
+         FormatInteger(health.frozen_samples()),
          channel != nullptr ? FormatInteger(channel->missing) : "–"});
   };
   for (int i = 0; i < model.num_outputs(); ++i) {
@@ -112,7 +115,7 @@ Table ChannelTable(const RecordData& data, const ProcessModel& model) {
                 [i](const Record& r) -> Eigen::RowVectorXd {
                   return r.outputs.row(i);
                 }),
-        data.outliers[i]);
+        data.health.channels[i]);
   }
   for (int j = 0; j < model.num_inputs(); ++j) {
     add(model.inputs()[j].name, "input", model.inputs()[j].unit,
@@ -120,7 +123,7 @@ Table ChannelTable(const RecordData& data, const ProcessModel& model) {
                 [j](const Record& r) -> Eigen::RowVectorXd {
                   return r.inputs.row(j);
                 }),
-        0);
+        data.health.channels[model.num_outputs() + j]);
   }
   return table;
 }

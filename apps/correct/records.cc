@@ -5,42 +5,41 @@
 #include <limits>
 #include <utility>
 
+#include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
+#include "absl/strings/str_split.h"
 #include "apps/correct/checksum.h"
 #include "apps/report/number.h"
 #include "mle/base/status.h"
-#include "mle/data/outliers.h"
 
 namespace mle::correct {
 namespace {
 
 using report::FormatInteger;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
 absl::Status OfData(const absl::Status& status) {
   return absl::Status(status.code(),
                       absl::StrCat("--data: ", status.message()));
 }
 
-void MarkOutliers(const ProcessModel& model, RecordData& data) {
-  for (Record& record : data.records) {
-    for (int i = 0; i < record.num_outputs(); ++i) {
-      for (const int k : FindOutliers(record.outputs.row(i))) {
-        record.outputs(i, k) = kNaN;
-        ++data.outliers[i];
-      }
+// Finds what is wrong with the channels, and marks what is not to be used.
+void MarkUnhealthy(const ProcessModel& model, const MarkOptions& mark,
+                   RecordData& data) {
+  data.health = CheckHealth(data.records, model, HealthOptions());
+  for (const ChannelHealth& channel : data.health.channels) {
+    if (channel.is_healthy()) continue;
+    for (const absl::string_view line : absl::StrSplit(
+             channel.Report(data.records), '\n', absl::SkipWhitespace())) {
+      data.notes.emplace_back(absl::StripAsciiWhitespace(line));
     }
   }
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    if (data.outliers[i] == 0) continue;
+  if (const int marked = MarkBad(data.health, mark, data.records); marked > 0) {
     data.notes.push_back(
-        absl::StrCat(FormatInteger(data.outliers[i]), " samples of ",
-                     model.outputs()[i].name,
-                     " lie far from their neighbours and are taken as bad "
-                     "(--nomark_outliers keeps them)."));
+        absl::StrCat(FormatInteger(marked),
+                     " of these samples are taken as bad (--nomark_outliers, "
+                     "--nomark_frozen keep them)."));
   }
 }
 
@@ -193,8 +192,7 @@ absl::StatusOr<RecordData> LoadRecords(const std::vector<std::string>& paths,
   data.records = std::move(import->records);
   data.report = std::move(import->report);
   data.warnings = data.report.warnings;
-  data.outliers.assign(model.num_outputs(), 0);
-  if (options.mark_outliers) MarkOutliers(model, data);
+  MarkUnhealthy(model, options.mark, data);
   MLE_ASSIGN_OR_RETURN(WindowSet set,
                        FindWindows(data.records, model, options.windows));
   data.windows = std::move(set.windows);

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "mle/data/channel_health.h"
 #include "mle/data/historian.h"
 #include "mle/data/record.h"
 #include "mle/data/set_point_windows.h"
@@ -23,8 +24,9 @@ namespace mle::correct {
 struct RecordOptions {
   HistorianOptions import;
   WindowOptions windows;
-  // Single samples of outputs far from their neighbours are taken as bad.
-  bool mark_outliers = true;
+  // What is taken as bad: frozen stretches and single samples far from their
+  // neighbours.
+  MarkOptions mark;
 };
 
 // A file as it was read.
@@ -40,7 +42,7 @@ struct RecordData {
   HistorianReport report;
   // Records as they are, no operating point taken off.
   std::vector<SetPointWindow> windows;
-  std::vector<int> outliers;          // p: samples marked, of each output
+  HealthReport health;
   std::vector<std::string> notes;     // what was found
   std::vector<std::string> warnings;  // what weakens the result
 

@@ -206,6 +206,22 @@ Json WindowsJson(const Result& result) {
   return windows;
 }
 
+Json ChannelsJson(const Result& result) {
+  Json channels = Json::array();
+  for (const ChannelHealth& channel : result.data.health.channels) {
+    channels.push_back({{"channel", channel.name},
+                        {"samples", channel.samples},
+                        {"bad", channel.bad},
+                        {"constant", channel.is_constant},
+                        {"frozen_samples", channel.frozen_samples()},
+                        {"saturated_samples", channel.saturated_samples()},
+                        {"outliers", channel.outliers.size()},
+                        {"quantum", NumberJson(channel.quantum)},
+                        {"noise_deviation", NumberJson(channel.noise)}});
+  }
+  return channels;
+}
+
 const char* TerminationName(FitTermination termination) {
   switch (termination) {
     case FitTermination::kNotRun:
@@ -307,6 +323,7 @@ void AddFindings(const Result& result, Json& json) {
 }
 
 void AddDiagnostics(const Result& result, Json& json) {
+  json["channels"] = ChannelsJson(result);
   json["windows"] = WindowsJson(result);
   json["validation"] = ValidationJson(result);
   json["residuals"] = {

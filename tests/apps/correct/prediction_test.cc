@@ -1,0 +1,149 @@
+#include "apps/correct/prediction.h"
+
+#include <cmath>
+#include <vector>
+
+#include "gtest/gtest.h"
+#include "sim/noise.h"
+
+namespace mle::correct {
+namespace {
+
+ProcessModel Tank() {
+  ProcessModel model("tank", "min", {{"u", ""}}, {{"y", ""}});
+  model.element(0, 0) = TransferFunction::FirstOrder(2.0, 5.0, 1.3);
+  return model;
+}
+
+// The tank from rest at input 3, with a step to 4 at sample 40.
+Record Step(double noise, double drift) {
+  Record record;
+  record.sample_time = 0.5;
+  record.inputs = Eigen::MatrixXd::Constant(1, 400, 3.0);
+  record.inputs.rightCols(360).setConstant(4.0);
+  record.outputs = *SimulateResponse(Tank(), record);
+  sim::GaussianNoise generator(1, 0);
+  double level = 0.0;
+  for (int k = 0; k < 400; ++k) {
+    record.outputs(0, k) += level + generator.Draw(noise);
+    level += generator.Draw(drift);
+  }
+  return record;
+}
+
+std::vector<NoiseEstimate> Noise(double ratio) {
+  NoiseEstimate noise;
+  noise.variance = 1.0;
+  noise.ratio = ratio;
+  return {noise};
+}
+
+double MeanSquare(const Eigen::MatrixXd& errors) {
+  double sum = 0.0;
+  int count = 0;
+  for (const double error : errors.row(0)) {
+    if (!std::isfinite(error)) continue;
+    sum += error * error;
+    ++count;
+  }
+  return sum / count;
+}
+
+TEST(PredictionTest, TheResponseStartsSettledAndIsThatOfTheElement) {
+  const Record record = Step(0.0, 0.0);
+  const Eigen::VectorXd step = Tank().element(0, 0).StepResponse(0.5, 360);
+  for (int k = 0; k < 40; ++k) EXPECT_NEAR(record.outputs(0, k), 6.0, 1e-9);
+  for (int k = 0; k < 360; ++k) {
+    EXPECT_NEAR(record.outputs(0, 40 + k), 6.0 + step(k), 1e-6);
+  }
+}
+
+TEST(PredictionTest, WithoutNoiseNothingIsLeft) {
+  const Record record = Step(0.0, 0.0);
+  const Predictor predictor = *PredictWithProcess(Tank(), Noise(0.0), 0.5);
+  for (const int horizon : {1, 7, 0}) {
+    EXPECT_LT(MeanSquare(predictor(record, horizon)), 1e-12) << horizon;
+  }
+}
+
+TEST(PredictionTest, OneStepAheadIsTheStationaryKalmanFilter) {
+  const double ratio = 0.04;
+  const Record record = Step(0.1, 0.1 * std::sqrt(ratio));
+  const Predictor predictor = *PredictWithProcess(Tank(), Noise(ratio), 0.5);
+  // Innovation variance r (1 + P), P = (ρ + √(ρ² + 4ρ))/2.
+  const double P = 0.5 * (ratio + std::sqrt(ratio * ratio + 4.0 * ratio));
+  // Standard error of a variance of 380 samples: 7 %.
+  EXPECT_NEAR(MeanSquare(predictor(record, 1)), 0.01 * (1.0 + P), 0.003);
+  EXPECT_GT(MeanSquare(predictor(record, 50)),
+            MeanSquare(predictor(record, 1)));
+}
+
+TEST(PredictionTest, AWrongModelPredictsWorse) {
+  ProcessModel wrong = Tank();
+  wrong.element(0, 0) = TransferFunction::FirstOrder(1.4, 5.0, 1.3);
+  const Record record = Step(0.05, 0.0);
+  const Predictor good = *PredictWithProcess(Tank(), Noise(0.0), 0.5);
+  const Predictor bad = *PredictWithProcess(wrong, Noise(0.0), 0.5);
+  for (const int horizon : {1, 20, 0}) {
+    EXPECT_LT(MeanSquare(good(record, horizon)),
+              0.5 * MeanSquare(bad(record, horizon)));
+  }
+}
+
+TEST(PredictionTest, ConstantsDoNotMatter) {
+  const Record record = Step(0.05, 0.01);
+  Record lifted = record;
+  lifted.outputs.array() += 350.0;
+  const Predictor predictor = *PredictWithProcess(Tank(), Noise(0.01), 0.5);
+  for (const int horizon : {1, 20, 0}) {
+    EXPECT_NEAR(MeanSquare(predictor(record, horizon)),
+                MeanSquare(predictor(lifted, horizon)), 1e-9);
+  }
+}
+
+TEST(PredictionTest, LostSamplesHaveNoError) {
+  Record record = Step(0.05, 0.0);
+  record.outputs(0, 200) = std::nan("");
+  const Predictor process = *PredictWithProcess(Tank(), Noise(0.0), 0.5);
+  const Eigen::MatrixXd errors = process(record, 1);
+  EXPECT_TRUE(std::isnan(errors(0, 200)));
+  EXPECT_TRUE(std::isfinite(errors(0, 201)));
+  ArxModel arx;
+  arx.sample_time = 0.5;
+  arx.order = 3;
+  arx.num_outputs = arx.num_inputs = 1;
+  arx.R = Eigen::MatrixXd::Zero(1, 6);
+  arx.R(0, 0) = 0.9;
+  const Eigen::MatrixXd left = PredictWithArx(arx)(record, 1);
+  EXPECT_TRUE(std::isnan(left(0, 2)));
+  EXPECT_TRUE(std::isfinite(left(0, 3)));
+  EXPECT_TRUE(std::isnan(left(0, 200)));
+  EXPECT_TRUE(std::isnan(left(0, 203)));
+  EXPECT_TRUE(std::isfinite(left(0, 204)));
+}
+
+TEST(PredictionTest, AnArxModelPredictsItsOwnRecordExactly) {
+  Record record;
+  record.sample_time = 1.0;
+  record.inputs = sim::GaussianNoise(2, 0).DrawMatrix(1, 200, 1.0);
+  record.outputs = Eigen::MatrixXd::Zero(1, 200);
+  ArxModel arx;
+  arx.sample_time = 1.0;
+  arx.order = 2;
+  arx.num_outputs = arx.num_inputs = 1;
+  arx.R.resize(1, 4);
+  arx.R << 0.7, 0.5, -0.1, 0.2;  // y₋₁, u₋₁, y₋₂, u₋₂
+  for (int k = 2; k < 200; ++k) {
+    record.outputs(0, k) =
+        0.7 * record.outputs(0, k - 1) + 0.5 * record.inputs(0, k - 1) -
+        0.1 * record.outputs(0, k - 2) + 0.2 * record.inputs(0, k - 2);
+  }
+  const Predictor predictor = PredictWithArx(arx);
+  for (const int horizon : {1, 10, 0}) {
+    // Each window's mean is taken off: the constant that leaves is no error.
+    EXPECT_LT(MeanSquare(predictor(record, horizon)), 1e-20) << horizon;
+  }
+}
+
+}  // namespace
+}  // namespace mle::correct

@@ -1,0 +1,370 @@
+// mle_correct as its users call it.
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "absl/strings/str_format.h"
+#include "absl/strings/str_replace.h"
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "mle/model/arx_model.h"
+#include "mle/model/process_model.h"
+#include "mle/model/step_response.h"
+#include "tests/apps/correct_runs.h"
+
+namespace mle {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+Heater WithHalvedGain() {
+  Heater aged;
+  aged.first.gain = 1.0;
+  return aged;
+}
+
+// A model, an aged plant, and a record of it.
+struct Example {
+  explicit Example(const Heater& aged,
+                   const std::vector<std::string>& more = {})
+      : model(scratch.Write("model.json", HeaterJson(Heater()))),
+        plant(scratch.Write("plant.json", HeaterJson(aged))),
+        data(SimulateHeater(scratch, "run.csv", model, plant, more)),
+        out(scratch / "out") {}
+
+  nlohmann::json Run(std::vector<std::string> more = {},
+                     int exit_code = 0) const {
+    more.push_back("--truth=" + plant);
+    return Correct(CorrectionFlags(model, data, out, more), out, exit_code);
+  }
+
+  const ScratchFolder scratch;
+  std::string model, plant, data, out;
+};
+
+TEST(MleCorrectTest, AChangedGainIsFoundAndCorrected) {
+  const Example example(WithHalvedGain());
+  const nlohmann::json result = example.Run();
+  EXPECT_EQ(result["version"], 1);
+  EXPECT_EQ(result["decision"], "corrected");
+  EXPECT_LT(result["test_of_no_change"]["p_value"], 1e-6);
+  const nlohmann::json changed = ElementOf(result, "y1", "u1");
+  EXPECT_TRUE(changed["aged"]);
+  EXPECT_NEAR(changed["gain_ratio"], 0.5, 0.05);
+  EXPECT_LE(changed["gain"]["corrected"]["lower"], 1.0 + 0.03);
+  EXPECT_GE(changed["gain"]["corrected"]["upper"], 1.0 - 0.03);
+  for (const auto& [output, input] :
+       {std::pair("y1", "u2"), {"y2", "u1"}, {"y2", "u2"}}) {
+    const nlohmann::json kept = ElementOf(result, output, input);
+    EXPECT_FALSE(kept["aged"]) << output << input;
+    EXPECT_EQ(kept["response_change"], 0.0);
+  }
+  EXPECT_LT(result["truth"]["E_corrected"],
+            0.05 * result["truth"]["E_initial"].get<double>());
+  // What it had not seen is predicted better.
+  EXPECT_GT(result["validation"]["windows"]["log_likelihood_gain"], 0.0);
+  EXPECT_GT(result["validation"]["blocks"]["log_likelihood_gain"], 0.0);
+}
+
+TEST(MleCorrectTest, SeveralChangesOfAllKindsAreCorrected) {
+  Heater aged;
+  aged.first.delay = 3.0;
+  aged.fourth.time_constant = 8.0;
+  const Example example(aged);
+  const nlohmann::json result = example.Run();
+  EXPECT_EQ(result["decision"], "corrected");
+  EXPECT_NEAR(ElementOf(result, "y1", "u1")["delay_shift"], 2.0, 0.4);
+  EXPECT_NEAR(
+      ElementOf(result, "y2", "u2")["time_constant"]["corrected"]["value"], 8.0,
+      0.8);
+  EXPECT_LT(result["truth"]["E_corrected"],
+            0.1 * result["truth"]["E_initial"].get<double>());
+}
+
+TEST(MleCorrectTest, AModelThatIsRightIsLeftAlone) {
+  for (const char* const drift : {"0", "1e-6"}) {
+    SCOPED_TRACE(drift);
+    const Example example(
+        Heater(), {"--drift_variance=" + std::string(drift), "--seed=4"});
+    const nlohmann::json result = example.Run();
+    EXPECT_EQ(result["decision"], "no_change");
+    EXPECT_EQ(result["truth"]["E_corrected"], 0.0);
+    EXPECT_EQ(Content(example.out + "/fopdt.json"),
+              FormatProcessModel(*ReadProcessModel(example.model)));
+    EXPECT_THAT(result["verdict"][0], HasSubstr("left alone"));
+  }
+}
+
+TEST(MleCorrectTest, TheFilesAgreeWithEachOther) {
+  const Example example(WithHalvedGain());
+  const nlohmann::json result = example.Run();
+  const absl::StatusOr<ProcessModel> fopdt =
+      ReadProcessModel(example.out + "/fopdt.json");
+  ASSERT_TRUE(fopdt.ok()) << fopdt.status();
+  EXPECT_DOUBLE_EQ(fopdt->element(0, 0).StaticGain(),
+                   ElementOf(result, "y1", "u1")["fopdt"]["gain"]);
+  const auto lines = ParsedCsv(example.out + "/step_response.csv");
+  ASSERT_GT(lines.size(), 10u);
+  const std::vector<std::string>& header = lines[0];
+  ASSERT_EQ(header.size(), 1u + 5u * 4u);
+  EXPECT_EQ(header[0], "time");
+  EXPECT_EQ(header[1], "y1/u1 initial");
+  EXPECT_EQ(header[5], "y1/u1 corrected");
+  EXPECT_EQ(header[9], "y1/u1 true");
+  EXPECT_EQ(header[13], "y1/u1 corrected_lower");
+  EXPECT_EQ(header[17], "y1/u1 corrected_upper");
+  // E from the file is E of the result, and the band lies about the response.
+  double squared = 0.0;
+  for (std::size_t k = 1; k < lines.size(); ++k) {
+    ASSERT_EQ(lines[k].size(), header.size());
+    for (int c = 0; c < 4; ++c) {
+      const double corrected = std::stod(lines[k][5 + c]);
+      const double error = corrected - std::stod(lines[k][9 + c]);
+      squared += error * error;
+      EXPECT_LE(std::stod(lines[k][13 + c]), corrected);
+      EXPECT_GE(std::stod(lines[k][17 + c]), corrected);
+    }
+  }
+  // Values are written with 12 digits.
+  EXPECT_NEAR(squared, result["truth"]["E_corrected"], 1e-8 * (1.0 + squared));
+  const nlohmann::json arx = ParsedJson(example.out + "/arx.json");
+  EXPECT_EQ(arx["R"].size(), 2u);
+  EXPECT_EQ(arx["R"][0].size(), arx["order"].get<std::size_t>() * 4);
+  // The corrected model is a plant for mle_simulate.
+  SimulateHeater(example.scratch, "again.csv", example.out + "/fopdt.json",
+                 example.plant);
+}
+
+TEST(MleCorrectTest, TheArxModelHasTheStepResponsesOfTheProcessModel) {
+  const Example example(WithHalvedGain());
+  const nlohmann::json result = example.Run({"--conversion_samples=30000"});
+  const nlohmann::json file = ParsedJson(example.out + "/arx.json");
+  ArxModel arx;
+  arx.sample_time = file["sample_time"];
+  arx.order = file["order"];
+  arx.num_outputs = arx.num_inputs = 2;
+  arx.R.resize(2, 4 * arx.order);
+  for (int i = 0; i < 2; ++i) {
+    for (int n = 0; n < arx.R.cols(); ++n) arx.R(i, n) = file["R"][i][n];
+  }
+  const StepResponse response = arx.ComputeStepResponse(140);
+  const StepResponse wanted = ReadProcessModel(example.out + "/fopdt.json")
+                                  ->ComputeStepResponse(0.25, 140);
+  // The conversion is itself an estimate under noise.
+  EXPECT_LT(std::sqrt(SquaredDistance(response, wanted) /
+                      wanted.values.squaredNorm()),
+            0.02);
+}
+
+TEST(MleCorrectTest, AnInputThatDoesNotMoveKeepsItsElements) {
+  // The third input stands still throughout.
+  const std::string model_text = absl::StrReplaceAll(
+      HeaterJson(Heater()),
+      {{R"({"name": "u2", "unit": "%"}])",
+        R"({"name": "u2", "unit": "%"}, {"name": "u3", "unit": "", "role": "disturbance"}])"},
+       {"\n\"elements\": [",
+        "\n\"elements\": [{\"output\": \"y2\", \"input\": \"u3\", \"gain\": 3, "
+        "\"time_constant\": 4, \"delay\": 1},\n"}});
+  const ScratchFolder scratch;
+  const std::string model = scratch.Write("model.json", model_text);
+  std::string aged = absl::StrReplaceAll(
+      model_text, {{R"("u1", "gain": 2,)", R"("u1", "gain": 1,)"}});
+  const std::string plant = scratch.Write("plant.json", aged);
+  const std::string data = SimulateHeater(scratch, "run.csv", model, plant);
+  const nlohmann::json result =
+      Correct(CorrectionFlags(model, data, scratch / "out"), scratch / "out");
+  EXPECT_EQ(result["decision"], "corrected");
+  const nlohmann::json still = ElementOf(result, "y2", "u3");
+  EXPECT_EQ(still["information"], "none");
+  EXPECT_EQ(still["state"], "not_informed");
+  EXPECT_EQ(still["response_change"], 0.0);
+  EXPECT_EQ(still["fopdt"]["gain"], 3.0);
+  EXPECT_NEAR(ElementOf(result, "y1", "u1")["gain_ratio"], 0.5, 0.05);
+  bool said = false;
+  for (const std::string advice : result["advice"]) {
+    said = said || (advice.find("u3") != std::string::npos &&
+                    advice.find("step test") != std::string::npos);
+  }
+  EXPECT_TRUE(said) << result["advice"];
+}
+
+TEST(MleCorrectTest, OneWindowIsEnoughAndItsLimitsAreSaid) {
+  const Example example(WithHalvedGain(),
+                        {"--setpoints=y1:60:1", "--duration=140"});
+  const nlohmann::json result = example.Run();
+  EXPECT_EQ(result["decision"], "corrected");
+  EXPECT_EQ(result["windows"].size(), 1u);
+  EXPECT_FALSE(result["validation"].contains("windows"));
+  EXPECT_GT(result["validation"]["blocks"]["log_likelihood_gain"], 0.0);
+  EXPECT_FALSE(result["warnings"].empty());
+}
+
+TEST(MleCorrectTest, GapsOutliersAndRoundingAreSaidAndSurvived) {
+  const Example clean(WithHalvedGain());
+  const Example faulty(
+      WithHalvedGain(),
+      {"--lost_probability=0.05", "--lost_input_probability=0.02",
+       "--outlier_probability=0.01", "--outlier_size=1", "--quantum=0.003",
+       "--faults_only_in_record"});
+  const nlohmann::json before = clean.Run();
+  const nlohmann::json result = faulty.Run();
+  EXPECT_EQ(result["decision"], "corrected");
+  EXPECT_GT(result["channels"][0]["bad"], 20);
+  EXPECT_GT(result["channels"][0]["outliers"], 1);
+  // In units of the initial distance: the same noise, fewer samples.
+  EXPECT_LT(result["truth"]["E_corrected"],
+            3.0 * before["truth"]["E_corrected"].get<double>() +
+                1e-3 * before["truth"]["E_initial"].get<double>());
+}
+
+TEST(MleCorrectTest, ADisturbanceNeverMakesTheModelWorse) {
+  // Steps of outputs that nobody measures, half as large as the set points'.
+  for (const char* const seed : {"1", "2", "3", "4"}) {
+    SCOPED_TRACE(seed);
+    const Example example(Heater(), {"--disturbance_step_rate=0.02",
+                                     "--disturbance_step_deviation=0.5",
+                                     "--seed=" + std::string(seed)});
+    const report::ProcessResult run =
+        RunTested(CorrectionFlags(example.model, example.data, example.out,
+                                  {"--truth=" + example.plant}));
+    const nlohmann::json result = ParsedJson(example.out + "/result.json");
+    EXPECT_NE(result["decision"], "corrected");
+    EXPECT_EQ(result["truth"]["E_corrected"], 0.0);
+    EXPECT_EQ(run.exit_code, result["decision"] == "refused" ? 1 : 0);
+  }
+}
+
+TEST(MleCorrectTest, AnotherTimeUnitGivesTheSameModel) {
+  const ScratchFolder scratch;
+  const std::string model = scratch.Write("min.json", HeaterJson(Heater()));
+  const std::string plant =
+      scratch.Write("aged_min.json", HeaterJson(WithHalvedGain()));
+  const std::string data = SimulateHeater(scratch, "min.csv", model, plant);
+  const std::string model_s =
+      scratch.Write("s.json", HeaterJson(Heater(), "s", 60.0));
+  const nlohmann::json in_minutes =
+      Correct(CorrectionFlags(model, data, scratch / "min"), scratch / "min");
+  // The same record, its times in minutes, for a model in seconds.
+  const nlohmann::json in_seconds = Correct(
+      CorrectionFlags(model_s, data, scratch / "s", {"--number_unit=min"}),
+      scratch / "s");
+  const nlohmann::json a = ElementOf(in_minutes, "y1", "u1");
+  const nlohmann::json b = ElementOf(in_seconds, "y1", "u1");
+  EXPECT_NEAR(b["fopdt"]["gain"].get<double>(), a["fopdt"]["gain"], 1e-5);
+  EXPECT_NEAR(b["fopdt"]["time_constant"].get<double>() / 60.0,
+              a["fopdt"]["time_constant"], 1e-4);
+  EXPECT_NEAR(b["fopdt"]["delay"].get<double>() / 60.0, a["fopdt"]["delay"],
+              1e-4);
+}
+
+TEST(MleCorrectTest, TheArxEstimatorCorrectsToo) {
+  const Example example(WithHalvedGain());
+  const nlohmann::json result =
+      example.Run({"--estimator=arx", "--conversion_samples=20000"});
+  EXPECT_EQ(result["decision"], "corrected");
+  EXPECT_GT(result["lambda_star"], 0.0);
+  EXPECT_LE(result["certificate"]["max_relative_duality_gap"], 1e-6);
+  EXPECT_LT(result["truth"]["E_corrected"],
+            0.1 * result["truth"]["E_initial"].get<double>());
+  const Example right{Heater()};
+  const nlohmann::json kept =
+      right.Run({"--estimator=arx", "--conversion_samples=20000"});
+  EXPECT_EQ(kept["decision"], "no_change");
+}
+
+TEST(MleCorrectTest, TheResultDoesNotDependOnTheThreads) {
+  const Example example(WithHalvedGain());
+  const auto without_flags = [&](const char* threads) {
+    nlohmann::json result = example.Run({std::string("--threads=") + threads});
+    result.erase("flags");
+    result.erase("command");
+    return result.dump();
+  };
+  const std::string one = without_flags("1");
+  EXPECT_EQ(one, without_flags("2"));
+}
+
+TEST(MleCorrectTest, TheDryRunWritesNothing) {
+  const Example example(WithHalvedGain());
+  const report::ProcessResult run = RunTested(
+      CorrectionFlags(example.model, example.data, example.out, {"--dry_run"}));
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("Windows around set-point changes"));
+  EXPECT_THAT(run.out, HasSubstr("y2 0 → 1"));
+  EXPECT_FALSE(std::filesystem::exists(example.out));
+}
+
+TEST(MleCorrectTest, NamesAreTextWhateverTheyHold) {
+  const std::string hostile = R"(<script>alert(1)</script> \"u1\" & 'x' 🌡)";
+  const ScratchFolder scratch;
+  const auto rename = [&](const Heater& heater) {
+    return absl::StrReplaceAll(HeaterJson(heater), {{"u1", hostile}});
+  };
+  const std::string plain_model =
+      scratch.Write("plain.json", HeaterJson(Heater()));
+  const std::string plain_plant =
+      scratch.Write("plain_aged.json", HeaterJson(WithHalvedGain()));
+  const std::string plain =
+      SimulateHeater(scratch, "plain.csv", plain_model, plain_plant);
+  const std::string model = scratch.Write("model.json", rename(Heater()));
+  const std::string data = scratch.Write(
+      "run.csv",
+      absl::StrReplaceAll(
+          Content(plain),
+          {{"u1", R"("<script>alert(1)</script> ""u1"" & 'x' 🌡")"}}));
+  const nlohmann::json result =
+      Correct(CorrectionFlags(model, data, scratch / "out"), scratch / "out");
+  EXPECT_EQ(result["decision"], "corrected");
+  const std::string name = R"(<script>alert(1)</script> "u1" & 'x' 🌡)";
+  EXPECT_EQ(ElementOf(result, "y1", name)["aged"], true);
+  const std::string page = Content(scratch / "out/report.html");
+  EXPECT_THAT(page, Not(HasSubstr("<script")));
+  EXPECT_THAT(page, HasSubstr("&lt;script&gt;"));
+  EXPECT_THAT(page, HasSubstr("🌡"));
+  EXPECT_EQ(ParsedCsv(scratch / "out/step_response.csv")[0][1],
+            "y1/" + name + " initial");
+  EXPECT_TRUE(ReadProcessModel(scratch / "out/fopdt.json").ok());
+}
+
+TEST(MleCorrectTest, ChecksumsAndFlagsTieTheResultToItsInputs) {
+  const Example example(WithHalvedGain());
+  const nlohmann::json result = example.Run({"--seed=7"});
+  EXPECT_EQ(result["inputs"]["data"][0]["path"], example.data);
+  EXPECT_EQ(result["inputs"]["data"][0]["bytes"],
+            std::filesystem::file_size(example.data));
+  const absl::StatusOr<report::ProcessResult> sum =
+      report::RunProcess("sha256sum", {example.data}, "");
+  ASSERT_TRUE(sum.ok()) << sum.status();
+  EXPECT_EQ(result["inputs"]["data"][0]["sha256"], sum->out.substr(0, 64));
+  EXPECT_EQ(result["flags"]["seed"], "7");
+  EXPECT_THAT(result["command"].get<std::string>(), HasSubstr("--seed=7"));
+}
+
+TEST(MleCorrectTest, NothingThatIsWrittenIsNotANumber) {
+  const Example example(WithHalvedGain(), {"--lost_probability=0.3"});
+  example.Run();
+  for (const char* const file :
+       {"result.json", "arx.json", "fopdt.json", "step_response.csv"}) {
+    const std::string content = Content(example.out + "/" + file);
+    EXPECT_THAT(content, Not(HasSubstr("nan"))) << file;
+    EXPECT_THAT(content, Not(HasSubstr("inf,"))) << file;
+  }
+}
+
+TEST(MleCorrectTest, HelpNamesEveryFlagWithItsDefault) {
+  const report::ProcessResult run = RunTested({"--help"});
+  EXPECT_EQ(run.exit_code, 0);
+  for (const char* const flag :
+       {"--model []", "--data []", "--out [correction]",
+        "--estimator [structured]", "--dry_run [false]", "--threads [0]",
+        "--window_before [0]", "--false_alarm_probability", "--max_gap"}) {
+    EXPECT_THAT(run.out, HasSubstr(flag));
+  }
+}
+
+}  // namespace
+}  // namespace mle
