@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <set>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
@@ -22,7 +20,9 @@ using report::FormatSignificant;
 // The corrected model's responses must have settled: they are followed for
 // longer than they are compared.
 constexpr double kSettlingTimes = 3.0;
-constexpr int kMostWindows = 1000;
+constexpr double kMostWindows = 1000.0;
+// Of the tests of what is left, over all pairs together.
+constexpr double kResidualLevel = 0.01;
 
 std::vector<InputRole> RolesOf(const ProcessModel& model) {
   std::vector<InputRole> roles;
@@ -89,61 +89,55 @@ absl::StatusOr<std::vector<std::string>> Retune(const Result& result) {
   return advice.reasons;
 }
 
+// The names of the model's inputs with these numbers.
+std::string InputNames(const ProcessModel& model,
+                       const std::vector<int>& inputs) {
+  std::vector<std::string> names;
+  for (const int j : inputs) names.push_back(model.inputs()[j].name);
+  return absl::StrJoin(names, ", ");
+}
+
 // Pairs that the records say little or nothing about.
 void AddMissingInformation(const Result& result,
                            std::vector<std::string>& advice) {
   const ProcessModel& model = result.initial();
-  const StructuredFit& full = result.estimate.fit.structured.full;
-  std::set<int> still;
   std::vector<std::string> weak;
+  std::vector<std::string> unknown;
   double worst = 0.0;
   for (int i = 0; i < model.num_outputs(); ++i) {
     for (int j = 0; j < model.num_inputs(); ++j) {
-      const PairInformation information = InformationOf(full.element(i, j));
-      if (information == PairInformation::kNone) still.insert(j);
-      if (information != PairInformation::kWeak) continue;
-      weak.push_back(PairName(model, i, j));
-      const double error = RelativeGainError(full.element(i, j));
-      if (std::isfinite(error)) worst = std::max(worst, error);
-    }
-  }
-  if (!still.empty()) {
-    std::vector<std::string> names;
-    for (const int j : still) names.push_back(model.inputs()[j].name);
-    advice.push_back(absl::StrCat(
-        "These inputs do not move in the records, and their elements keep the "
-        "initial model: ",
-        absl::StrJoin(names, ", "),
-        ". A step test of these inputs alone, or records in which they move, "
-        "would tell."));
-  }
-  if (weak.empty()) return;
-  const auto windows = static_cast<double>(result.data.windows.size());
-  const double needed = std::ceil(windows * worst * worst /
-                                  (kWantedGainError * kWantedGainError));
-  std::string text =
-      absl::StrCat("The records say little about the gain of ",
-                   absl::StrJoin(weak, ", "), " (standard error above ",
-                   FormatSignificant(100.0 * kWeakGainError, 2), " %).");
-  if (worst > 0.0 && needed <= kMostWindows) {
-    absl::StrAppend(
-        &text, " For ", FormatSignificant(100.0 * kWantedGainError, 2),
-        " %, about ", static_cast<int>(std::max(needed - windows, 1.0)),
-        " more set-point changes like these are needed, or a step test of ");
-  } else {
-    absl::StrAppend(&text,
-                    " More set-point changes like these will hardly help; a "
-                    "step test would, of ");
-  }
-  std::set<std::string> inputs;
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      if (InformationOf(full.element(i, j)) == PairInformation::kWeak) {
-        inputs.insert(model.inputs()[j].name);
+      const PairErrors& pair = result.information.pair(i, j);
+      if (pair.state == PairState::kNotInformed) {
+        unknown.push_back(PairName(model, i, j));
+      } else if (pair.state == PairState::kWeak) {
+        weak.push_back(PairName(model, i, j));
+        worst = std::max(worst, pair.gain);
       }
     }
   }
-  advice.push_back(absl::StrCat(text, absl::StrJoin(inputs, ", "), " only."));
+  if (unknown.empty() && weak.empty()) return;
+  if (!unknown.empty()) {
+    advice.push_back(absl::StrCat(
+        "The records cannot tell the gain of ", absl::StrJoin(unknown, ", "),
+        ": the input hardly moves in them, or only together with others. The "
+        "initial model is kept there unless a change is proved."));
+  }
+  if (!weak.empty()) {
+    const auto windows = static_cast<double>(result.data.windows.size());
+    const double wanted = InformationOptions().informed;
+    const double needed =
+        std::ceil(windows * worst * worst / (wanted * wanted) - windows);
+    advice.push_back(
+        absl::StrCat("The records tell only large changes of the gain of ",
+                     absl::StrJoin(weak, ", "), ". For a standard error of ",
+                     FormatSignificant(100.0 * wanted, 2), " %, about ",
+                     static_cast<int>(std::clamp(needed, 1.0, kMostWindows)),
+                     " more set-point changes like these are needed."));
+  }
+  advice.push_back(absl::StrCat(
+      "A step test, or set-point changes in which they move apart, would have "
+      "to move these inputs only: ",
+      InputNames(model, result.information.inputs_to_test()), "."));
 }
 
 void AddWhatTheModelLacks(const Result& result,
@@ -153,7 +147,9 @@ void AddWhatTheModelLacks(const Result& result,
   for (int i = 0; i < model.num_outputs(); ++i) {
     const ResidualReport& report = result.corrected_residuals[i];
     for (int j = 0; j < model.num_inputs(); ++j) {
-      if (report.inputs[j].correlated()) pairs.push_back(PairName(model, i, j));
+      const int tests = model.num_outputs() * model.num_inputs();
+      if (report.inputs[j].p_value * tests < kResidualLevel)
+        pairs.push_back(PairName(model, i, j));
     }
   }
   if (pairs.empty()) return;
@@ -170,40 +166,18 @@ void AddWhatTheModelLacks(const Result& result,
 
 }  // namespace
 
-std::string_view NameOf(PairInformation information) {
-  switch (information) {
-    case PairInformation::kAbsent:
+std::string_view NameOf(PairState state) {
+  switch (state) {
+    case PairState::kAbsent:
       return "absent";
-    case PairInformation::kNone:
-      return "none";
-    case PairInformation::kWeak:
+    case PairState::kNotInformed:
+      return "not_informed";
+    case PairState::kWeak:
       return "weak";
-    case PairInformation::kInformed:
+    case PairState::kInformed:
       return "informed";
   }
   return "";
-}
-
-double RelativeGainError(const ElementEstimate& estimate) {
-  const double size =
-      std::max(std::abs(estimate.gain.initial), std::abs(estimate.gain.value));
-  const double error = estimate.gain.standard_error / size;
-  return std::isfinite(error) ? error : std::numeric_limits<double>::infinity();
-}
-
-PairInformation InformationOf(const ElementEstimate& estimate) {
-  switch (estimate.state) {
-    case ElementState::kAbsent:
-      return PairInformation::kAbsent;
-    case ElementState::kNotInformed:
-      return PairInformation::kNone;
-    case ElementState::kHeld:
-    case ElementState::kFitted:
-      break;
-  }
-  return RelativeGainError(estimate) > kWeakGainError
-             ? PairInformation::kWeak
-             : PairInformation::kInformed;
 }
 
 std::string PairName(const ProcessModel& model, int output, int input) {

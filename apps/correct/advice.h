@@ -5,30 +5,14 @@
 #define APPS_CORRECT_ADVICE_H_
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "apps/correct/result.h"
 
 namespace mle::correct {
 
-// How well the records determine the gain of a pair: of the fit with all
-// elements free.
-enum class PairInformation {
-  kAbsent,  // zero in the model
-  kNone,    // the input does not move
-  kWeak,    // standard error of the gain above kWeakGainError of it
-  kInformed,
-};
-
-inline constexpr double kWeakGainError = 0.2;
-inline constexpr double kWantedGainError = 0.1;
-
-std::string_view NameOf(PairInformation information);
-
-// Standard error of the gain, relative to the larger of old and new gain;
-// infinite where the records do not determine it.
-double RelativeGainError(const ElementEstimate& estimate);
-PairInformation InformationOf(const ElementEstimate& estimate);
+std::string_view NameOf(PairState state);
 
 // "overhead ← reflux"
 std::string PairName(const ProcessModel& model, int output, int input);

@@ -20,9 +20,9 @@ void AddModel(const Result& result, const DrawFigure& draw, HtmlPage& page) {
   AddFigure(StepResponseFigure(result), draw, page);
   page.AddTable(MismatchMap(result));
   page.AddParagraph(
-      "“Not informed” is an element whose input does not move in the records; "
-      "“weak” one whose gain has a standard error above 20 %. Both keep the "
-      "initial model unless the records prove a change.");
+      "“Weak”: from these records the gain would have a standard error above "
+      "10 %, “not informed”: above 50 %. Such elements keep the initial model "
+      "unless the records prove a change.");
   page.AddTable(ParameterTable(result));
   page.AddTable(FopdtTable(result));
   if (!result.corrected.process.has_value()) {

@@ -90,8 +90,8 @@ absl::StatusOr<MatrixXd> SimulateResponse(const ProcessModel& model,
     }
   }
   const VectorXd settled = gains * record.inputs.col(0);
-  MatrixXd outputs(model.num_outputs(), record.samples());
-  for (int k = 0; k < record.samples(); ++k) {
+  MatrixXd outputs(model.num_outputs(), record.inputs.cols());
+  for (Eigen::Index k = 0; k < outputs.cols(); ++k) {
     outputs.col(k) = settled + plant.outputs();
     plant.Advance(record.inputs.col(k) - record.inputs.col(0));
   }

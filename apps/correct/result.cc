@@ -206,6 +206,12 @@ absl::StatusOr<Result> CorrectFromRecords(const Request& request,
                    windows.size() == 1 ? " window" : " windows"));
   MLE_ASSIGN_OR_RETURN(result.estimate, EstimateModel(request.model, windows,
                                                       request.estimation));
+  InformationOptions information;
+  information.structured = request.estimation.structured;
+  MLE_ASSIGN_OR_RETURN(
+      result.information,
+      AssessInformation(request.model, windows, result.estimate.setting.noise,
+                        information));
   ValidationOptions options;
   options.max_folds = request.validation_folds;
   options.horizon = request.prediction_samples;

@@ -14,6 +14,7 @@
 #include "apps/correct/records.h"
 #include "apps/correct/request.h"
 #include "apps/correct/validation.h"
+#include "mle/correction/pair_information.h"
 #include "mle/model/step_response.h"
 
 namespace mle::correct {
@@ -45,6 +46,9 @@ struct Result {
   Request request;
   RecordData data;
   Estimate estimate;
+  // What the windows can tell about each pair, by the model's own values and
+  // the noise found.
+  PairInformation information;
   Validation validation;
   Decision decision = Decision::kNoChange;
   CorrectedModel corrected;

@@ -79,9 +79,11 @@ Json ElementJson(const Result& result, int i, int j) {
   Json json = {{"output", model.outputs()[i].name},
                {"input", model.inputs()[j].name},
                {"state", StateName(full.state)},
-               {"information", std::string(NameOf(InformationOf(full)))}};
+               {"information",
+                std::string(NameOf(result.information.pair(i, j).state))}};
   if (full.state == ElementState::kFitted) {
-    json["relative_gain_error"] = NumberJson(RelativeGainError(full));
+    json["expected_relative_gain_error"] =
+        NumberJson(result.information.pair(i, j).gain);
     json["p_value"] = NumberJson(structured.element_p_values(i, j));
     json["aged"] = static_cast<bool>(structured.aged(i, j));
   }

@@ -45,23 +45,21 @@ std::string WithError(double value, double error) {
 // What a cell of the map says of an element.
 std::string MapCell(const Result& result, int i, int j) {
   const StructuredCorrection& structured = result.estimate.fit.structured;
-  switch (InformationOf(structured.full.element(i, j))) {
-    case PairInformation::kAbsent:
-      return "–";
-    case PairInformation::kNone:
-      return "not informed: initial";
-    case PairInformation::kWeak:
-    case PairInformation::kInformed:
-      break;
+  const PairState state = result.information.pair(i, j).state;
+  if (state == PairState::kAbsent) return "–";
+  if (structured.full.element(i, j).state == ElementState::kNotInformed) {
+    return "not informed: initial";
   }
-  const bool weak =
-      InformationOf(structured.full.element(i, j)) == PairInformation::kWeak;
+  const std::string remark = state == PairState::kWeak ? " (weak)"
+                             : state == PairState::kNotInformed
+                                 ? " (not informed)"
+                                 : "";
   const std::string moved = Percent(100.0 * result.change.elements(i, j));
-  if (!result.accepted()) return weak ? "kept (weak)" : "kept";
+  if (!result.accepted()) return "kept" + remark;
   if (result.corrected.process.has_value() && !structured.aged(i, j)) {
-    return weak ? "kept (weak)" : "kept";
+    return "kept" + remark;
   }
-  return absl::StrCat("changed by ", moved, weak ? " (weak)" : "");
+  return absl::StrCat("changed by ", moved, remark);
 }
 
 }  // namespace
@@ -118,17 +116,19 @@ Table ParameterTable(const Result& result) {
                   {"dead time", full.delay, written.delay}};
       bool first = true;
       for (const auto& row : rows) {
-        table.AddRow({first ? PairName(model, i, j) : "", row.name,
-                      FormatSignificant(row.full.initial, 4),
-                      fitted ? WithInterval(row.full) : "–",
-                      changed ? WithInterval(row.written)
-                      : result.corrected.process.has_value()
-                          ? FormatSignificant(row.full.initial, 4)
-                          : "–",
-                      first && fitted
-                          ? FormatProbability(structured.element_p_values(i, j))
-                          : "",
-                      first ? std::string(NameOf(InformationOf(full))) : ""});
+        table.AddRow(
+            {first ? PairName(model, i, j) : "", row.name,
+             FormatSignificant(row.full.initial, 4),
+             fitted ? WithInterval(row.full) : "–",
+             changed ? WithInterval(row.written)
+             : result.corrected.process.has_value()
+                 ? FormatSignificant(row.full.initial, 4)
+                 : "–",
+             first && fitted
+                 ? FormatProbability(structured.element_p_values(i, j))
+                 : "",
+             first ? std::string(NameOf(result.information.pair(i, j).state))
+                   : ""});
         first = false;
       }
     }

@@ -44,9 +44,9 @@ std::string Confirmation(const Result& result) {
   for (int i = 0; i < model.num_outputs(); ++i) {
     for (int j = 0; j < model.num_inputs(); ++j) {
       const ElementEstimate& element = full.element(i, j);
-      const PairInformation information = InformationOf(element);
-      if (information == PairInformation::kAbsent) continue;
-      if (information != PairInformation::kInformed) {
+      const PairState state = result.information.pair(i, j).state;
+      if (state == PairState::kAbsent) continue;
+      if (state != PairState::kInformed) {
         unknown.push_back(PairName(model, i, j));
         continue;
       }

@@ -179,7 +179,7 @@ TEST(MleCorrectTest, AnInputThatDoesNotMoveKeepsItsElements) {
       Correct(CorrectionFlags(model, data, scratch / "out"), scratch / "out");
   EXPECT_EQ(result["decision"], "corrected");
   const nlohmann::json still = ElementOf(result, "y2", "u3");
-  EXPECT_EQ(still["information"], "none");
+  EXPECT_EQ(still["information"], "not_informed");
   EXPECT_EQ(still["state"], "not_informed");
   EXPECT_EQ(still["response_change"], 0.0);
   EXPECT_EQ(still["fopdt"]["gain"], 3.0);

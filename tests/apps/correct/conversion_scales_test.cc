@@ -81,7 +81,8 @@ TEST(ConversionScalesTest, OutputsWithoutNoiseHaveAScale) {
 }
 
 TEST(ConversionScalesTest, TheOrderIsThatOfThePaperForItsPlant) {
-  ProcessModel column("column", "min", {{"steam", ""}}, {{"overhead", ""}});
+  ProcessModel column("column", "min", {InputChannel{"steam", ""}},
+                      {OutputChannel{"overhead", ""}});
   column.element(0, 0) = TransferFunction::FirstOrder(-18.9, 21.0, 3.0);
   EXPECT_EQ(ChooseOrder(column, 0.2), 150);
   // Never more regressors than can be solved for in time.

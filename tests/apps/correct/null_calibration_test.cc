@@ -11,7 +11,8 @@ namespace mle::correct {
 namespace {
 
 ProcessModel Tank(double gain) {
-  ProcessModel model("tank", "min", {{"u", ""}}, {{"y", ""}});
+  ProcessModel model("tank", "min", {InputChannel{"u", ""}},
+                     {OutputChannel{"y", ""}});
   model.element(0, 0) = TransferFunction::FirstOrder(gain, 5.0, 1.5);
   return model;
 }
