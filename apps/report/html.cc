@@ -1,5 +1,6 @@
 #include "apps/report/html.h"
 
+#include "apps/report/chart_data.h"
 #include "apps/report/page_style.h"
 #include "apps/report/svg.h"
 #include "apps/report/text.h"
@@ -85,18 +86,27 @@ void HtmlPage::AddTable(const Table& table) {
   body_ += Scrolling("table", name, RenderHtml(table));
 }
 
-void HtmlPage::AddFigure(const absl::StatusOr<std::string>& svg,
+void HtmlPage::AddFigure(const Figure& figure,
+                         const absl::StatusOr<std::string>& svg,
                          std::string_view caption, std::string_view alt) {
   const std::string number = std::to_string(++figures_);
+  const absl::Status valid = figure.Validate();
   absl::StatusOr<std::string> picture =
       svg.ok() ? EmbedSvg(*svg, "f" + number + "-", alt) : svg;
   if (!picture.ok()) {
-    AddWarning("Figure " + number + " (" + std::string(caption) +
+    AddWarning("The picture of figure " + number + " (" + std::string(caption) +
                ") is missing: " + std::string(picture.status().message()));
-    return;
   }
-  body_ += "<figure>\n" + Scrolling("picture", "Figure " + number, *picture) +
-           "<figcaption>Figure " + number + ". " + EscapeHtml(caption) +
+  if (!picture.ok() && !valid.ok()) return;
+  body_ += valid.ok() ? "<figure class=\"has-chart\">\n" : "<figure>\n";
+  if (picture.ok()) {
+    body_ += Scrolling("picture", "Figure " + number, *picture);
+  }
+  if (valid.ok()) {
+    body_ += "<script type=\"application/json\" class=\"chart-data\">" +
+             ChartData(figure) + "</script>\n";
+  }
+  body_ += "<figcaption>Figure " + number + ". " + EscapeHtml(caption) +
            "</figcaption>\n</figure>\n";
 }
 
@@ -138,6 +148,7 @@ std::string HtmlPage::Render() const {
       "dark\">\n<title>";
   out += title + "</title>\n<style>";
   out += PageStyle();
+  if (figures_ > 0) out += ChartStyle();
   out += "</style>\n</head>\n<body>\n<main>\n<h1>" + title + "</h1>\n";
   if (headings_.size() >= 3) {
     out += "<nav aria-label=\"Contents\">\n<ul>\n";
@@ -147,7 +158,15 @@ std::string HtmlPage::Render() const {
     }
     out += "</ul>\n</nav>\n";
   }
-  return out + body_ + "</main>\n</body>\n</html>\n";
+  out += body_ + "</main>\n";
+  if (figures_ > 0) {
+    for (const std::string_view script : {ChartLibrary(), ChartScript()}) {
+      out += "<script>";
+      out += script;
+      out += "</script>\n";
+    }
+  }
+  return out + "</body>\n</html>\n";
 }
 
 }  // namespace mle::report

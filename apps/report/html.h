@@ -1,5 +1,6 @@
-// A report as one HTML page that needs nothing but itself: no scripts, no
-// network, no other files.
+// A report as one HTML page that needs nothing but itself: no network, no other
+// files. Scripts make charts of its figures (charts.js); without them, and on
+// paper, it shows them as pictures.
 //
 // It reads well from telephone to wide screen, in light and dark mode, and on
 // A4. All text is escaped; there is no way to put markup in.
@@ -7,7 +8,7 @@
 //   HtmlPage page("Model correction");
 //   page.AddSummary({"The error fell from 19,363 to 8.1."});
 //   page.AddHeading("Choice of λ");
-//   page.AddFigure(RenderFigure(figure, Format::kSvg),
+//   page.AddFigure(figure, RenderFigure(figure, Format::kSvg),
 //                  "Error over λ.", "Two curves with a minimum near 1e-5.");
 //   page.AddTable(table);
 //   page.AddRunAgain({.command = QuoteCommandLine(arguments)});
@@ -22,6 +23,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "apps/report/figure.h"
 #include "apps/report/table.h"
 
 namespace mle::report {
@@ -48,8 +50,8 @@ class HtmlPage {
   void AddWarning(std::string_view text);
   void AddTable(const Table& table);
   // `svg` as RenderFigure gives it; if that failed, a warning with the reason
-  // takes the place of the figure. `alt` says in words what is to be seen.
-  void AddFigure(const absl::StatusOr<std::string>& svg,
+  // takes the place of the picture. `alt` says in words what is to be seen.
+  void AddFigure(const Figure& figure, const absl::StatusOr<std::string>& svg,
                  std::string_view caption, std::string_view alt);
   void AddCode(std::string_view code);
   // Links to files beside the page: name shown, path relative to the page.

@@ -52,6 +52,28 @@ td.right, th.right { white-space: nowrap; }
 figure { margin: 1.5rem 0; }
 .picture { background: #ffffff; border: 1px solid var(--rule); border-radius: 4px; padding: .6rem; }
 .picture svg { display: block; width: 100%; height: auto; margin: 0 auto; }
+figure .charts { display: none; }
+figure.drawn .charts { display: block; background: #ffffff; color: #1c2126; border: 1px solid var(--rule); border-radius: 4px; padding: .6rem; }
+figure.drawn .picture { display: none; }
+.grid { display: grid; grid-template-columns: repeat(var(--columns), minmax(0, 1fr)); gap: .8rem 1rem; }
+.panel { min-width: 0; }
+.panel-head { display: flex; align-items: baseline; gap: .5rem; min-height: 1.9rem; }
+.panel-title { font-weight: 600; font-size: .92rem; flex: 1; min-width: 0; overflow-wrap: anywhere; }
+.tools { white-space: nowrap; }
+.tools button, .legend-item { font: inherit; color: #1c2126; background: none; border: 1px solid transparent; border-radius: 4px; cursor: pointer; }
+.tools button { width: 1.75rem; height: 1.75rem; padding: 0; line-height: 1; color: #55606b; }
+.tools button:hover, .legend-item:hover { border-color: #b9c2ca; }
+.charts button:focus-visible, .chart:focus-visible { outline: 2px solid #00578a; outline-offset: 1px; }
+.chart { height: 17rem; width: 100%; }
+.readout { display: block; min-height: 1.35rem; font-size: .85rem; color: #55606b; overflow-wrap: anywhere; font-variant-numeric: tabular-nums; }
+.legend { display: flex; flex-wrap: wrap; gap: .1rem .5rem; margin: 0 0 .4rem; }
+.legend-item { display: inline-flex; align-items: center; gap: .4rem; padding: .15rem .4rem; font-size: .9rem; text-align: left; overflow-wrap: anywhere; }
+.legend-item[aria-pressed="false"] { text-decoration: line-through; color: #55606b; }
+.legend-item[aria-pressed="false"] .swatch { opacity: .25; }
+.swatch { width: 30px; height: 14px; flex: none; }
+.chart .dygraph-axis-label { font-size: .78rem; color: #3c454d; }
+.chart .dygraph-label { font-size: .85rem; color: #1c2126; }
+@media (max-width: 44rem) { .grid { grid-template-columns: minmax(0, 1fr); } .chart { height: 14rem; } }
 figcaption { color: var(--soft); font-size: .95rem; margin-top: .5rem; max-width: 44rem; overflow-wrap: anywhere; }
 pre, code { font-family: ui-monospace, "DejaVu Sans Mono", Menlo, Consolas, monospace; font-size: .88rem; }
 pre { background: var(--card); border: 1px solid var(--rule); border-radius: 4px; padding: .8rem 1rem; margin: .75rem 0; white-space: pre-wrap; overflow-wrap: anywhere; }
@@ -77,6 +99,8 @@ dt { color: var(--soft); } dd { margin: 0; overflow-wrap: anywhere; }
   .scroll { overflow: visible; }
   .picture { border: 0; padding: 0; }
   .picture svg { min-width: 0 !important; max-height: 240mm; }
+  figure.drawn .charts { display: none; }
+  figure.drawn .picture { display: block; }
   p, ul, caption, figcaption { max-width: none; orphans: 3; widows: 3; }
 }
 )css";

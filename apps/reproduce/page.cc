@@ -65,7 +65,7 @@ std::string FormatPage(const std::vector<CaseResult>& cases,
   }
   page.AddHeading("Figures");
   for (std::size_t i = 0; i < figures.size(); ++i) {
-    page.AddFigure(svgs[i], figures[i].caption, figures[i].alt);
+    page.AddFigure(figures[i].figure, svgs[i], figures[i].caption, figures[i].alt);
   }
   page.AddHeading("Certificate");
   for (const CaseResult& result : cases) {

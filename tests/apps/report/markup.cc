@@ -140,10 +140,11 @@ class Reader {
     if (open_.empty()) ++roots_;
     const bool closed = text_.substr(at_).starts_with("/>");
     const bool is_void = html_ && element.name == "meta";
-    const bool is_raw = html_ && element.name == "style";
+    const std::string name = element.name;
+    const bool is_raw = html_ && (name == "style" || name == "script");
     SkipPast(">");
     markup_.elements.push_back(std::move(element));
-    if (is_raw) return SkipPast("</style>");
+    if (is_raw) return SkipPast("</" + name + ">");
     if (!closed && !is_void) open_.push_back(markup_.elements.size() - 1);
   }
 

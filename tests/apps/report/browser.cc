@@ -1,0 +1,109 @@
+#include "tests/apps/report/browser.h"
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
+#include "apps/report/text.h"
+
+namespace mle::report {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Windows are at least so wide; a narrower page stands in a frame.
+constexpr int kNarrowest = 500;
+
+std::string ReadAll(const fs::path& path) {
+  std::ostringstream text;
+  text << std::ifstream(path, std::ios::binary).rdbuf();
+  return text.str();
+}
+
+// Paths of ours: nothing a shell would read otherwise.
+int Chromium(const std::string& arguments, const fs::path& out,
+             const fs::path& log, const fs::path& profile) {
+  return std::system(
+      absl::StrCat("timeout 60 chromium --headless --no-sandbox --disable-gpu "
+                   "--disable-dev-shm-usage --hide-scrollbars "
+                   "--enable-logging=stderr --v=0 --user-data-dir='",
+                   profile.string(), "' ", arguments, " >'", out.string(),
+                   "' 2>'", log.string(), "'")
+          .c_str());
+}
+
+}  // namespace
+
+bool HasBrowser() {
+  return std::system("command -v chromium >/dev/null 2>&1") == 0;
+}
+
+BrowserVisit VisitPage(const std::string& html, int width,
+                       const std::string& name) {
+  BrowserVisit visit;
+  const std::string base = absl::StrCat(name, "_", width);
+  const fs::path folder = fs::current_path() / "screenshots";
+  fs::create_directories(folder);
+  const fs::path page = folder / (base + ".html");
+  const fs::path dom = folder / (base + ".dom");
+  const fs::path log = folder / (base + ".log");
+  const fs::path profile = folder / (base + ".profile");
+  std::string checked = html;
+  const std::size_t end = checked.rfind("</body>");
+  if (end == std::string::npos) {
+    visit.error = "the page has no </body>";
+    return visit;
+  }
+  checked.insert(end, "<script>" + ReadAll(MLE_CHARTS_CHECK) + "</script>");
+  if (width < kNarrowest) {
+    checked = absl::StrCat(
+        "<!DOCTYPE html><body style='margin:0'><iframe style='border:0;width:",
+        width, "px;height:1500px' srcdoc=\"", EscapeHtmlLines(checked),
+        "\"></iframe></body>");
+  }
+  std::ofstream(page, std::ios::binary) << checked;
+  const std::string view =
+      absl::StrCat("--virtual-time-budget=5000 --window-size=", width, ",");
+  const std::string url = "'file://" + page.string() + "'";
+  if (Chromium(absl::StrCat(view, "900 --dump-dom ", url), dom, log, profile) !=
+      0) {
+    visit.error = "chromium failed: " + ReadAll(log);
+    return visit;
+  }
+  for (const auto& line : absl::StrSplit(ReadAll(log), '\n')) {
+    if (line.find("CONSOLE") != std::string_view::npos) {
+      visit.console.emplace_back(line);
+    }
+  }
+  const std::string text = ReadAll(dom);
+  const std::string open = "<pre id=\"check\" hidden=\"\">";
+  const std::size_t start = text.rfind(open);
+  if (start == std::string::npos) {
+    visit.error = "the check did not finish: " + ReadAll(log);
+    return visit;
+  }
+  std::string json = text.substr(start + open.size());
+  json = json.substr(0, json.find("</pre>"));
+  for (const auto& [entity, character] :
+       {std::pair<std::string, std::string>{"&lt;", "<"},
+        {"&gt;", ">"},
+        {"&amp;", "&"}}) {
+    for (std::size_t at = 0; (at = json.find(entity, at)) != std::string::npos;
+         ++at) {
+      json.replace(at, entity.size(), character);
+    }
+  }
+  visit.found = nlohmann::json::parse(json, nullptr, false);
+  if (visit.found.is_discarded()) visit.error = "no JSON: " + json;
+  Chromium(absl::StrCat(view, "1600 --screenshot='",
+                        (folder / (base + ".png")).string(), "' ", url),
+           dom, log, profile);
+  fs::remove_all(profile);
+  fs::remove(dom);
+  return visit;
+}
+
+}  // namespace mle::report

@@ -1,0 +1,29 @@
+// Opens a page in headless Chromium and looks at it (charts_check.js).
+
+#ifndef TESTS_APPS_REPORT_BROWSER_H_
+#define TESTS_APPS_REPORT_BROWSER_H_
+
+#include <string>
+#include <vector>
+
+#include "nlohmann/json.hpp"
+
+namespace mle::report {
+
+struct BrowserVisit {
+  std::string error;                 // empty, or why there is nothing more
+  nlohmann::json found;              // by charts_check.js
+  std::vector<std::string> console;  // messages, errors among them
+};
+
+// Whether there is a Chromium to test with.
+bool HasBrowser();
+
+// `html` in a window of `width` pixels. A screenshot is kept as
+// screenshots/NAME_WIDTH.png in the folder the test runs in.
+BrowserVisit VisitPage(const std::string& html, int width,
+                       const std::string& name);
+
+}  // namespace mle::report
+
+#endif  // TESTS_APPS_REPORT_BROWSER_H_

@@ -1,0 +1,106 @@
+// Pages with charts in a real browser: they draw, zoom and answer, ask for
+// nothing from outside, and can be read.
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "apps/report/gnuplot.h"
+#include "apps/report/html.h"
+#include "apps/report/text.h"
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "nlohmann/json.hpp"
+#include "tests/apps/report/browser.h"
+
+namespace mle::report {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+constexpr char kHostile[] =
+    "<b data-injected=1>x</b>\"'&</script><script>alert(1)</script> "
+    "\u202e\U0001F600";
+
+Figure Curves() {
+  Figure figure{.columns = 2};
+  Panel& steps = figure.AddPanel("reflux");
+  steps.x.label = "time (min)";
+  steps.y.label = "step response";
+  std::vector<double> time, value, low, high;
+  for (int i = 0; i <= 200; ++i) {
+    time.push_back(0.5 * i);
+    value.push_back(6.4 * (1.0 - std::exp(-0.03 * i)));
+    low.push_back(value.back() - 0.3);
+    high.push_back(value.back() + 0.3);
+  }
+  steps.series.push_back(
+      MakeSeries(Role::kCorrected, "corrected", time, value));
+  steps.series.back().lower = low;
+  steps.series.back().upper = high;
+  steps.series.push_back(MakeSeries(Role::kSetPoint, kHostile,
+                                    {0.0, 50.0, 100.0}, {0.0, 5.0, 5.0}));
+  steps.series.back().steps = true;
+  steps.lines.push_back(VerticalLine(Role::kReference, "change", 20.0));
+  Panel& loss = figure.AddPanel(kHostile);
+  loss.x = {.label = "penalty λ", .log = true};
+  loss.y = {.label = "E", .log = true};
+  loss.series.push_back(MakeSeries(Role::kCorrected, "corrected",
+                                   {0.0, 1e-6, 1e-4, 1e-2},
+                                   {9.0, 8.0, 3.0, 4e3}));
+  loss.lines.push_back(HorizontalLine(Role::kInitial, "before", 2e4));
+  loss.markers.push_back(MakeMarker(Role::kChosen, "chosen", 1e-4, 3.0));
+  return figure;
+}
+
+std::string Page() {
+  HtmlPage page("Charts");
+  page.AddSummary({"Two figures."});
+  page.AddWarning("A warning.");
+  page.AddFigure(Curves(), RenderFigure(Curves(), Format::kSvg), "Curves.",
+                 "Rising.");
+  Figure empty;
+  empty.AddPanel("nothing in it").x.label = "time (min)";
+  page.AddFigure(empty, RenderFigure(empty, Format::kSvg), "Empty.", "None.");
+  page.AddRunAgain({.command = "mle_correct", .version = "0.1.0"});
+  return page.Render();
+}
+
+class ChartsBrowserTest : public ::testing::TestWithParam<int> {};
+
+TEST_P(ChartsBrowserTest, DrawsAnswersAndAsksForNothing) {
+  if (!HasBrowser()) GTEST_SKIP() << "chromium is not installed";
+  const BrowserVisit visit = VisitPage(Page(), GetParam(), "charts");
+  ASSERT_EQ(visit.error, "");
+  const nlohmann::json& found = visit.found;
+  EXPECT_THAT(visit.console, IsEmpty());
+  EXPECT_EQ(found["width"], GetParam());
+  EXPECT_EQ(found["figures"], 2);
+  EXPECT_EQ(found["charts"], 3);
+  EXPECT_GE(found["painted"], 2);
+  EXPECT_EQ(found["requests"], nlohmann::json::array());
+  EXPECT_LE(found["overflow"], 0);
+  EXPECT_EQ(found["faint"], nlohmann::json::array());
+  EXPECT_EQ(found["overlapping"], 0);
+  for (const char* what : {"keyZooms", "keyMoves", "keyResets", "buttonZooms",
+                           "dragZooms", "legendHides", "legendShows"}) {
+    EXPECT_EQ(found[what], true) << what;
+  }
+  EXPECT_THAT(found["readout"].get<std::string>(), HasSubstr("time "));
+}
+
+TEST_P(ChartsBrowserTest, ShowsHostileNamesAsText) {
+  if (!HasBrowser()) GTEST_SKIP() << "chromium is not installed";
+  const BrowserVisit visit = VisitPage(Page(), GetParam(), "hostile");
+  ASSERT_EQ(visit.error, "");
+  EXPECT_EQ(visit.found["injected"], 0);
+  EXPECT_THAT(visit.found["legend"].get<std::vector<std::string>>(),
+              ::testing::Contains(CleanText(kHostile)));
+}
+
+INSTANTIATE_TEST_SUITE_P(Widths, ChartsBrowserTest,
+                         ::testing::Values(375, 1024, 1920));
+
+}  // namespace
+}  // namespace mle::report
