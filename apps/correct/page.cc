@@ -12,7 +12,9 @@ using report::HtmlPage;
 
 void AddFigure(const NamedFigure& figure, const DrawFigure& draw,
                HtmlPage& page) {
-  if (draw) page.AddFigure(draw(figure), figure.caption, figure.alt);
+  if (draw) {
+    page.AddFigure(figure.figure, draw(figure), figure.caption, figure.alt);
+  }
 }
 
 void AddModel(const Result& result, const DrawFigure& draw, HtmlPage& page) {
