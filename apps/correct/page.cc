@@ -69,7 +69,8 @@ void AddPredictions(const Result& result, const DrawFigure& draw,
   page.AddSubheading("What is left");
   page.AddTable(ResidualTable(result));
   page.AddParagraph(
-      "Tested at a level of 1 %. Errors that are not white hold slow "
+      "A p-value below 0.01 is a finding, one test in a hundred has one by "
+      "chance. Errors that are not white hold slow "
       "disturbances or missing dynamics; errors that follow an input after it "
       "moved, missing dynamics. Quantised or filtered measurements are not "
       "white either.");

@@ -24,6 +24,20 @@ absl::Status OfData(const absl::Status& status) {
                       absl::StrCat("--data: ", status.message()));
 }
 
+// Of missing samples a warning is made only where they are many: the table of
+// the channels has them all.
+constexpr double kManyMissing = 0.05;
+
+void AddImportWarnings(RecordData& data) {
+  bool many = false;
+  for (const ChannelReport& channel : data.report.channels) {
+    many = many || static_cast<double>(channel.missing) >
+                       kManyMissing * static_cast<double>(data.report.samples);
+  }
+  std::vector<std::string>& to = many ? data.warnings : data.notes;
+  to.insert(to.end(), data.report.warnings.begin(), data.report.warnings.end());
+}
+
 // Finds what is wrong with the channels, and marks what is not to be used.
 void MarkUnhealthy(const ProcessModel& model, const MarkOptions& mark,
                    RecordData& data) {
@@ -191,7 +205,7 @@ absl::StatusOr<RecordData> LoadRecords(const std::vector<std::string>& paths,
   if (!import.ok()) return OfData(import.status());
   data.records = std::move(import->records);
   data.report = std::move(import->report);
-  data.warnings = data.report.warnings;
+  AddImportWarnings(data);
   MarkUnhealthy(model, options.mark, data);
   MLE_ASSIGN_OR_RETURN(WindowSet set,
                        FindWindows(data.records, model, options.windows));

@@ -42,6 +42,11 @@ std::string WithError(double value, double error) {
                      : FormatSignificant(value, 4);
 }
 
+// What is far below any level need not be told apart.
+std::string ShortProbability(double p) {
+  return p < 1e-9 ? "< 10⁻⁹" : FormatProbability(p);
+}
+
 // What a cell of the map says of an element.
 std::string MapCell(const Result& result, int i, int j) {
   const StructuredCorrection& structured = result.estimate.fit.structured;
@@ -200,21 +205,20 @@ Table ValidationTable(const Result& result) {
 Table ResidualTable(const Result& result) {
   const ProcessModel& model = result.initial();
   Table table;
-  table.caption = "What is left of the outputs, one step ahead";
-  table.columns = {
-      {"output, model", Align::kLeft}, {"variance"}, {"white? (Ljung–Box p)"}};
+  table.caption =
+      "What is left of the outputs, one step ahead: p-values for white, and "
+      "for "
+      "independent of what each input did before";
+  table.columns = {{"output, model", Align::kLeft}, {"variance"}, {"white"}};
   for (const InputChannel& input : model.inputs()) {
-    table.columns.push_back({absl::StrCat("follows ", input.name, "? (p)")});
+    table.columns.push_back({input.name});
   }
   const auto add = [&](const char* name, const ResidualReport& report, int i) {
     std::vector<std::string> row = {
         absl::StrCat(model.outputs()[i].name, ", ", name),
-        FormatSignificant(report.variance),
-        absl::StrCat(report.white() ? "yes" : "no", " (",
-                     FormatProbability(report.p_value), ")")};
+        FormatSignificant(report.variance), ShortProbability(report.p_value)};
     for (const InputCorrelation& input : report.inputs) {
-      row.push_back(absl::StrCat(input.correlated() ? "yes" : "no", " (",
-                                 FormatProbability(input.p_value), ")"));
+      row.push_back(ShortProbability(input.p_value));
     }
     table.AddRow(std::move(row));
   };
