@@ -99,10 +99,18 @@ absl::Status WriteAll(const std::vector<CaseResult>& results,
                                                     HowToRunAgain(study)));
 }
 
+std::string EstimatorText(const CaseResult& result) {
+  if (result.runs.front().estimators.estimators.empty()) return "";
+  return report::RenderText(
+             reproduce::EstimatorTable(result.name, result.Estimators())) +
+         "\n";
+}
+
 void PrintTables(const CaseResult& result) {
   std::cout << report::RenderText(reproduce::DistanceTable(result)) << "\n"
             << report::RenderText(reproduce::GainTable(result)) << "\n"
             << report::RenderText(reproduce::DelayTable(result)) << "\n"
+            << EstimatorText(result)
             << report::RenderText(reproduce::ClosedLoopTable(
                    result.name, result.plant, result.ClosedLoops()))
             << "\n"

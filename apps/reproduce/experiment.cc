@@ -49,7 +49,7 @@ absl::StatusOr<std::vector<Record>> SimulateWindows(
             [&mpc](const auto& measured, const auto& wanted, auto next) {
               mpc.Step(measured, wanted, next);
             },
-            set_points, loop));
+            set_points, loop, options.conditions));
     MLE_ASSIGN_OR_RETURN(
         Record window,
         CutWindow(record, center, options.window, options.window));
@@ -197,9 +197,11 @@ absl::StatusOr<RunResult> RunExperiment(const ProcessModel& initial,
                                         const ExperimentOptions& options) {
   MLE_ASSIGN_OR_RETURN(const std::vector<Record> windows,
                        SimulateWindows(initial, plant, seed, options));
+  const double start = ThreadSeconds();
   MLE_ASSIGN_OR_RETURN(
       const Correction correction,
       CorrectModel(conversion.model, windows, options.correction));
+  const double correction_seconds = ThreadSeconds() - start;
 
   const StepResponse truth = plant.ComputeStepResponse(
       options.sample_time, options.response_samples());
@@ -231,6 +233,9 @@ absl::StatusOr<RunResult> RunExperiment(const ProcessModel& initial,
       run.closed_loop,
       CompareClosedLoops(initial, correction.Model(), plant, seed,
                          MpcOptionsOf(options), options));
+  run.estimators =
+      CompareEstimators(initial, plant, windows, correction, correction_seconds,
+                        seed, in_full, options);
   if (in_full) {
     run.retuning = AdviseOnTuning(initial, correction.Model(), options);
   }

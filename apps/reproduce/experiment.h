@@ -20,6 +20,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "apps/reproduce/closed_loop_comparison.h"
+#include "apps/reproduce/estimators.h"
 #include "control/mpc.h"
 #include "mle/correction/conversion.h"
 #include "mle/correction/correction.h"
@@ -27,6 +28,7 @@
 #include "mle/data/record.h"
 #include "mle/model/process_model.h"
 #include "mle/model/step_response.h"
+#include "sim/plant_conditions.h"
 
 namespace mle::reproduce {
 
@@ -50,6 +52,8 @@ struct ExperimentOptions {
   double step_time = 500.0;
   double setpoint_step = 1.0;  // not 0
   double window = 200.0;       // kept before and after the step
+  // What else the plant has to bear: drift, faults of measurements, …
+  sim::PlantConditions conditions;
 
   // The conversion.
   double conversion_duration = 10000.0;
@@ -57,6 +61,9 @@ struct ExperimentOptions {
   ConversionOptions conversion;
 
   CorrectionOptions correction;
+
+  // To be compared, of EstimatorNames().
+  std::vector<std::string> estimators;
 
   double response_horizon = 100.0;  // N Δt
 
@@ -98,6 +105,7 @@ struct RunResult {
   double max_relative_gap = 0.0;  // conversion and all fits, every λ
   Judgement judgement;            // at λ*
   ClosedLoopComparison closed_loop;
+  EstimatorComparison estimators;
   // How to tune the controller for the corrected model, and why; where asked
   // for. A single line says why there is no advice.
   std::vector<std::string> retuning;

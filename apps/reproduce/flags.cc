@@ -103,6 +103,11 @@ DEFINE_string(solver, "homotopy",
               "Lasso solver: homotopy (exact), ceres (smoothed L1; the "
               "conversion stays exact) or coordinate_descent. The last two are "
               "slow: use a coarse grid.");
+DEFINE_string(estimators, "arx,ceres,structured,combined",
+              "Estimators to compare on the same records, of arx (ΔR, exact), "
+              "ceres (ΔR by smoothed L1; first seed only), structured (gains, "
+              "time constants, dead times) and combined (structured, then ΔR); "
+              "empty for none.");
 DEFINE_string(scaling, "standardise",
               "standardise (centre, unit variance, as MATLAB's lasso) or raw.");
 
@@ -273,6 +278,25 @@ absl::StatusOr<LassoSolverOptions> SolverFromFlags() {
   return solver;
 }
 
+absl::StatusOr<std::vector<std::string>> EstimatorsFromFlags() {
+  std::vector<std::string> estimators;
+  for (const std::string& name : ParseList(FLAGS_estimators)) {
+    const auto& known = EstimatorNames();
+    if (std::find(known.begin(), known.end(), name) == known.end()) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("--estimators: there is no estimator '", name,
+                       "'; known are arx, ceres, structured and combined"));
+    }
+    if (std::find(estimators.begin(), estimators.end(), name) !=
+        estimators.end()) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("--estimators: '", name, "' is named twice"));
+    }
+    estimators.push_back(name);
+  }
+  return estimators;
+}
+
 absl::StatusOr<Scaling> ScalingFromFlags() {
   if (FLAGS_scaling == "standardise") return Scaling::kStandardise;
   if (FLAGS_scaling == "raw") return Scaling::kRaw;
@@ -311,6 +335,7 @@ absl::StatusOr<ExperimentOptions> ExperimentFromFlags(
   if (FLAGS_solver != "ceres") {
     options.conversion.solver = options.correction.solver;
   }
+  MLE_ASSIGN_OR_RETURN(options.estimators, EstimatorsFromFlags());
   MLE_ASSIGN_OR_RETURN(options.correction.scaling, ScalingFromFlags());
   options.conversion.scaling = options.correction.scaling;
   MLE_RETURN_IF_ERROR(options.Validate(initial));

@@ -51,6 +51,12 @@ Json ToJson(const RunResult& run, const ProcessModel& plant) {
       {"static_gain_error", Rows(run.judgement.static_gain_error)},
       {"delay_impulse_peak", Rows(run.judgement.delay_impulse_peak)},
       {"fopdt", FopdtRows(run, plant.num_outputs(), plant.num_inputs())}};
+  if (!run.estimators.estimators.empty()) {
+    json["estimators"] = EstimatorsJson(run.estimators);
+    if (run.estimators.E_limit > 0.0) {
+      json["E_limit"] = run.estimators.E_limit;
+    }
+  }
   if (run.other_rule.has_value()) {
     json["other_rule"] = {{"selection", run.other_rule->name},
                           {"lambda", run.other_rule->lambda},

@@ -50,6 +50,20 @@ std::string FormatPage(const std::vector<CaseResult>& cases,
     page.AddTable(GainTable(result));
     page.AddTable(DelayTable(result));
   }
+  if (!cases.front().runs.front().estimators.estimators.empty()) {
+    page.AddHeading("Estimators side by side");
+    page.AddParagraph(
+        "On the same records. arx: ΔR by the exact engine, unless a test finds "
+        "that the initial model explains the records; ceres: the same by "
+        "smoothed L1, first seed only; structured: gains, time constants and "
+        "dead times; combined: structured, then ΔR where its structure does "
+        "not explain the records. The Cramér–Rao limit is the E that no "
+        "unbiased estimate of the plant's parameters can beat on average; an "
+        "estimate that knows which elements have aged can.");
+    for (const CaseResult& result : cases) {
+      page.AddTable(EstimatorTable(result.name, result.Estimators()));
+    }
+  }
   page.AddHeading("The loop under control");
   page.AddParagraph(
       "The aged plant with the initial model in its controller, with the "

@@ -76,6 +76,12 @@ std::vector<const ClosedLoopComparison*> CaseResult::ClosedLoops() const {
   return loops;
 }
 
+std::vector<const EstimatorComparison*> CaseResult::Estimators() const {
+  std::vector<const EstimatorComparison*> comparisons;
+  for (const RunResult& run : runs) comparisons.push_back(&run.estimators);
+  return comparisons;
+}
+
 absl::Status SummariseCase(const ProcessModel& initial_model,
                            CaseResult& result) {
   std::vector<double> star, zero, oracle, lambda;

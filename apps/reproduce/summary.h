@@ -59,6 +59,7 @@ struct CaseResult {
 
   // Of all runs.
   std::vector<const ClosedLoopComparison*> ClosedLoops() const;
+  std::vector<const EstimatorComparison*> Estimators() const;
 };
 
 absl::Status SummariseCase(const ProcessModel& initial_model,

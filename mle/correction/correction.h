@@ -52,6 +52,11 @@ class Correction {
   const SelectionSummary& selection() const { return selection_; }
   // The fit of each output to all windows.
   const std::vector<LassoSolution>& fits() const { return fits_; }
+  // The problems of these fits, and the weights of their penalties (p × n, or
+  // empty for ones).
+  const LassoProblem& problem() const { return problem_; }
+  const Eigen::MatrixXd& penalty_weights() const { return penalty_weights_; }
+  const ArxModel& initial() const { return initial_; }
   // Worst relative duality gap of all fits, at every λ of the grid.
   double MaxRelativeGap() const;
 

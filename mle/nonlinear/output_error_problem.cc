@@ -219,6 +219,36 @@ WhitenedColumns OutputErrorProblem::Whiten(
   return result;
 }
 
+std::vector<MatrixXd> OutputErrorProblem::LagSums(
+    const std::vector<int>& first_lags) const {
+  const Eigen::Index ranges = static_cast<Eigen::Index>(first_lags.size()) - 1;
+  std::vector<MatrixXd> all;
+  for (const Segment& segment : segments_) {
+    const Eigen::Index rows = segment.outputs.size();
+    MatrixXd& sums =
+        all.emplace_back(MatrixXd::Zero(rows, num_elements() * ranges));
+    for (int j = 0; j < num_elements(); ++j) {
+      const auto input = segment.inputs.col(j);
+      if (!input.allFinite()) continue;
+      // Σ_{i<k} (u_i − u_0): sums over lags are differences of it.
+      VectorXd sum(input.size() + 1);
+      sum(0) = 0.0;
+      for (Eigen::Index k = 0; k < input.size(); ++k) {
+        sum(k + 1) = sum(k) + input(k) - input(0);
+      }
+      for (Eigen::Index row = 0; row < rows; ++row) {
+        const int k = segment.times[row];
+        for (Eigen::Index b = 0; b < ranges; ++b) {
+          sums(row, j * ranges + b) =
+              sum(std::max(k - first_lags[b] + 1, 0)) -
+              sum(std::max(k - first_lags[b + 1] + 1, 0));
+        }
+      }
+    }
+  }
+  return all;
+}
+
 MatrixXd OutputErrorProblem::Dictionary(
     const OutputPoint& point, NoiseShape shape,
     const std::vector<std::vector<int>>& delays) const {

@@ -87,6 +87,13 @@ class OutputErrorProblem {
   WhitenedColumns Whiten(const std::vector<SegmentColumns>& columns,
                          NoiseShape shape) const;
 
+  // For each segment rows × (m · ranges): sums of each input over the lags
+  // first_lags[b] … first_lags[b + 1] − 1 (in samples, ≥ 0, ascending), by
+  // input and range; before the segment it stands at its first value. Zero
+  // where an input of an absent element is not known throughout.
+  std::vector<Eigen::MatrixXd> LagSums(
+      const std::vector<int>& first_lags) const;
+
   // Whitened responses (K = 1) of each element with the time scale of `point`,
   // at each of `delays`[j] (in samples); the last column is y less the
   // responses at `point` of the elements without such delays. Without what the

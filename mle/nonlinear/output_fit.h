@@ -93,6 +93,19 @@ double Deviance(const OutputErrorProblem& problem, const OutputPoint& point,
                 const std::vector<bool>& free, const NoiseEstimate& start,
                 bool estimate_drift);
 
+// What the likelihood gains, maximised over r and ρ both times, if the columns
+// `more` (of each segment, rows × k) are fitted beside the elements that are
+// `free`.
+struct MoreEvidence {
+  double statistic = 0.0;  // likelihood ratio, ≥ 0
+  int degrees = 0;         // of freedom: what the columns add to the rank
+};
+MoreEvidence FindMoreEvidence(const OutputErrorProblem& problem,
+                              const OutputPoint& point,
+                              const std::vector<bool>& free,
+                              const NoiseEstimate& start, bool estimate_drift,
+                              const std::vector<Eigen::MatrixXd>& more);
+
 struct OutputCovariance {
   Eigen::MatrixXd covariance;  // as above
   int rank = 0;

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "Eigen/QR"
@@ -29,6 +30,7 @@ struct Profile {
   double value = std::numeric_limits<double>::infinity();  // −2 ln likelihood
   double squares = 0.0;  // of the whitened residuals
   double degrees = 0.0;  // of freedom that they have
+  int rank = 0;          // of what is fitted to first order
   double variance() const { return squares / std::max(degrees, 1.0); }
 };
 
@@ -37,7 +39,7 @@ class ShapeLikelihood {
  public:
   ShapeLikelihood(const OutputErrorProblem& problem, const OutputPoint& point,
                   const std::vector<bool>& free, NoiseShape start,
-                  bool restricted)
+                  bool restricted, const std::vector<MatrixXd>& more = {})
       : problem_(problem),
         columns_(problem.Linearise(point, start, true)),
         restricted_(restricted) {
@@ -47,8 +49,14 @@ class ShapeLikelihood {
         kept.push_back(3 * static_cast<int>(j) + i);
       }
     }
-    for (SegmentColumns& segment : columns_) {
-      segment.jacobian = MatrixXd(segment.jacobian(Eigen::all, kept));
+    for (std::size_t s = 0; s < columns_.size(); ++s) {
+      MatrixXd jacobian = columns_[s].jacobian(Eigen::all, kept);
+      const Eigen::Index width = jacobian.cols();
+      if (!more.empty()) {
+        jacobian.conservativeResize(Eigen::NoChange, width + more[s].cols());
+        jacobian.rightCols(more[s].cols()) = more[s];
+      }
+      columns_[s].jacobian = std::move(jacobian);
     }
   }
 
@@ -69,6 +77,7 @@ class ShapeLikelihood {
       qr.setThreshold(1e-12);
       qr.compute(jacobian.transpose() * jacobian);
       rank = qr.rank();
+      profile.rank = static_cast<int>(rank);
       for (Eigen::Index i = 0; i < rank; ++i) {
         log_jacobian += std::log(std::abs(qr.matrixQR()(i, i)));
       }
@@ -222,6 +231,23 @@ double Deviance(const OutputErrorProblem& problem, const OutputPoint& point,
                                    /*restricted=*/false);
   if (!start.offset) return likelihood.At(ShapeOf(start)).value;
   return FindBest(likelihood, estimate_drift).value;
+}
+
+MoreEvidence FindMoreEvidence(const OutputErrorProblem& problem,
+                              const OutputPoint& point,
+                              const std::vector<bool>& free,
+                              const NoiseEstimate& start, bool estimate_drift,
+                              const std::vector<MatrixXd>& more) {
+  const Profile without =
+      FindBest(ShapeLikelihood(problem, point, free, ShapeOf(start),
+                               /*restricted=*/false),
+               estimate_drift);
+  const Profile with =
+      FindBest(ShapeLikelihood(problem, point, free, ShapeOf(start),
+                               /*restricted=*/false, more),
+               estimate_drift);
+  return {.statistic = std::max(without.value - with.value, 0.0),
+          .degrees = with.rank - without.rank};
 }
 
 }  // namespace mle

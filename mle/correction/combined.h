@@ -1,0 +1,89 @@
+// Structured correction first, then, only where that leaves something the
+// inputs explain, a correction ΔR of the ARX model converted from it:
+//
+//   1. CorrectStructure(): gains, time scales and dead times, with its own test
+//      of no change (structured_correction.h).
+//   2. TestAdequacy() of the model so corrected: whether the structure itself
+//   is
+//      right (model_adequacy.h).
+//   3. If not, R of that model and CorrectModel() around it, λ by its rule.
+//
+// Where the plant has the model's structure, step 3 is not reached but for
+// false alarms, and the answer is the structured one; where an element has
+// become of another order, or one that was zero has not stayed so, ΔR takes up
+// the rest.
+//
+//   MLE_ASSIGN_OR_RETURN(
+//       const CombinedCorrection correction,
+//       CorrectCombined(model, windows, convert, options));
+//   correction.ComputeStepResponse(0.2, 501);
+//
+// The conversion needs a record of the excited model, which only a simulation
+// has: the caller brings it as a function.
+
+#ifndef MLE_CORRECTION_COMBINED_H_
+#define MLE_CORRECTION_COMBINED_H_
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "mle/correction/conversion.h"
+#include "mle/correction/correction.h"
+#include "mle/data/record.h"
+#include "mle/model/process_model.h"
+#include "mle/model/step_response.h"
+#include "mle/nonlinear/model_adequacy.h"
+#include "mle/nonlinear/structured_correction.h"
+
+namespace mle {
+
+using ArxConverter =
+    std::function<absl::StatusOr<ConversionSummary>(const ProcessModel& model)>;
+
+struct CombinedOptions {
+  StructuredOptions structured;
+  // Probability, in (0, 1), that ΔR is corrected where the structure is right.
+  double false_alarm_probability = 0.01;
+  CorrectionOptions correction;  // of ΔR
+
+  absl::Status Validate() const;
+};
+
+struct CombinedCorrection {
+  StructuredCorrection structured;
+  ModelAdequacy adequacy;  // of structured.corrected.model
+  // Where that is not adequate: R, ΔR around it, and the outputs (p) that ΔR is
+  // for.
+  std::optional<ConversionSummary> conversion;
+  std::optional<Correction> correction;
+  std::vector<bool> outputs_corrected;
+
+  // Whether anything is changed at all.
+  bool change_proposed() const {
+    return structured.change_proposed || correction.has_value();
+  }
+  // Of Model() in the outputs that ΔR is for (`sample_time` must be its own),
+  // of the structured model in the others.
+  StepResponse ComputeStepResponse(double sample_time, int samples) const;
+  std::string BriefReport() const;  // One line.
+};
+
+// The windows and their errors are those of CorrectStructure() and
+// CorrectModel().
+absl::StatusOr<CombinedCorrection> CorrectCombined(
+    const ProcessModel& initial, const std::vector<Record>& windows,
+    const ArxConverter& convert, const CombinedOptions& options);
+
+// Steps 2 and 3 for a structured correction that is there already.
+absl::StatusOr<CombinedCorrection> CompleteStructured(
+    const ProcessModel& initial, StructuredCorrection structured,
+    const std::vector<Record>& windows, const ArxConverter& convert,
+    const CombinedOptions& options);
+
+}  // namespace mle
+
+#endif  // MLE_CORRECTION_COMBINED_H_

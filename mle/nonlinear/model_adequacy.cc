@@ -1,0 +1,113 @@
+#include "mle/nonlinear/model_adequacy.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "mle/base/parallel.h"
+#include "mle/base/status.h"
+#include "mle/nonlinear/distributions.h"
+#include "mle/nonlinear/output_fit.h"
+#include "mle/nonlinear/structured_setup.h"
+
+namespace mle {
+namespace {
+
+// The settling time is the longest of dead time + this many time scales.
+constexpr double kSettlingTimeScales = 4.0;
+// No lag is longer than this share of the shortest record.
+constexpr double kMaxLagShare = 0.25;
+
+// 1, 2, 4, … and the end of the last range.
+std::vector<int> FirstLags(const std::vector<OutputSetup>& setups,
+                           const std::vector<Record>& records) {
+  double settling = 0.0;
+  for (const OutputSetup& setup : setups) {
+    for (const ElementValues& element : setup.start.values) {
+      settling = std::max(
+          settling, element.delay + kSettlingTimeScales * element.time_scale);
+    }
+  }
+  double lags = settling / records[0].sample_time;
+  for (const Record& record : records) {
+    lags = std::min(lags, kMaxLagShare * record.samples());
+  }
+  std::vector<int> first_lags = {1, 2};
+  while (first_lags.back() < lags) {
+    first_lags.push_back(2 * first_lags.back());
+  }
+  return first_lags;
+}
+
+}  // namespace
+
+absl::Status AdequacyOptions::Validate() const {
+  if (!(false_alarm_probability > 0.0 && false_alarm_probability < 1.0)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("model adequacy: false_alarm_probability is ",
+                     false_alarm_probability, ", must be between 0 and 1"));
+  }
+  if (threads < 0) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "model adequacy: threads is ", threads, ", must be not negative"));
+  }
+  return structure.Validate();
+}
+
+std::string ModelAdequacy::BriefReport() const {
+  return absl::StrFormat(
+      "model adequacy: %s, likelihood ratio %.4g with %d degrees of freedom, "
+      "p = %.2g",
+      adequate ? "the inputs explain no more than the model does"
+               : "the inputs explain more than the model does",
+      statistic, degrees_of_freedom, p_value);
+}
+
+absl::StatusOr<ModelAdequacy> TestAdequacy(
+    const ProcessModel& model, const std::vector<Record>& records,
+    const Eigen::Matrix<bool, Eigen::Dynamic, Eigen::Dynamic>& fitted,
+    const AdequacyOptions& options) {
+  MLE_RETURN_IF_ERROR(options.Validate());
+  MLE_ASSIGN_OR_RETURN(const std::vector<OutputSetup> setups,
+                       SetUpOutputs(model, records, options.structure));
+  const int p = model.num_outputs();
+  const int m = model.num_inputs();
+  if (fitted.size() > 0 && (fitted.rows() != p || fitted.cols() != m)) {
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "model adequacy: the elements fitted are given as %d × %d, the model "
+        "has %d × %d",
+        fitted.rows(), fitted.cols(), p, m));
+  }
+  const std::vector<int> first_lags = FirstLags(setups, records);
+  std::vector<MoreEvidence> evidence(p);
+  ParallelFor(p, options.threads, [&](int i) {
+    const OutputSetup& setup = setups[i];
+    if (setup.problem->num_segments() == 0) return;
+    std::vector<bool> free(m, false);
+    for (int j = 0; j < m && fitted.size() > 0; ++j) {
+      free[j] = fitted(i, j) && setup.informed[j];
+    }
+    evidence[i] = FindMoreEvidence(*setup.problem, setup.start, free,
+                                   NoiseEstimate(), options.estimate_drift,
+                                   setup.problem->LagSums(first_lags));
+  });
+  ModelAdequacy adequacy;
+  adequacy.output_p_values.setOnes(p);
+  for (int i = 0; i < p; ++i) {
+    adequacy.statistic += evidence[i].statistic;
+    adequacy.degrees_of_freedom += evidence[i].degrees;
+    if (evidence[i].degrees > 0) {
+      adequacy.output_p_values(i) =
+          ChiSquareTail(evidence[i].statistic, evidence[i].degrees);
+    }
+  }
+  if (adequacy.degrees_of_freedom > 0) {
+    adequacy.p_value =
+        ChiSquareTail(adequacy.statistic, adequacy.degrees_of_freedom);
+  }
+  adequacy.adequate = adequacy.p_value >= options.false_alarm_probability;
+  return adequacy;
+}
+
+}  // namespace mle

@@ -1,0 +1,72 @@
+// Whether a process model explains records up to their noise, whatever may be
+// wrong with it: a gain, a dead time, another order, an element that is
+// missing.
+//
+// What the model leaves of an output is regressed on sums of every input over
+// ranges of lags (1, 2–3, 4–7, … samples, up to the model's settling time),
+// that is, on any impulse response that is constant over each range,
+//
+//   y_i − ŷ_i = Σ_j Σ_b h_ijb Σ_{l in range b} u_j(k − l) + noise,
+//
+// with the noise of structured_correction.h: white upon a random walk, an
+// offset for each window, both estimated with and without the h. The statistic
+// is the likelihood ratio, χ² under "the model is right" with a degree of
+// freedom for each h that the records determine. Given the past outputs the
+// inputs say nothing about the noise to come, so that this holds for
+// closed-loop records too.
+//
+// Elements whose gain, time scale and dead time were fitted to the same records
+// may be named: what they could explain is taken off both sides.
+//
+//   MLE_ASSIGN_OR_RETURN(const ModelAdequacy adequacy,
+//                        TestAdequacy(model, records, {}, AdequacyOptions()));
+//   if (!adequacy.adequate) correct(model);
+
+#ifndef MLE_NONLINEAR_MODEL_ADEQUACY_H_
+#define MLE_NONLINEAR_MODEL_ADEQUACY_H_
+
+#include <string>
+#include <vector>
+
+#include "Eigen/Core"
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "mle/data/record.h"
+#include "mle/model/process_model.h"
+#include "mle/nonlinear/structured_correction.h"
+
+namespace mle {
+
+struct AdequacyOptions {
+  // Probability, in (0, 1), of finding a model wrong that is right.
+  double false_alarm_probability = 0.01;
+  // Whether the noise may have a random walk in it; if not, it is white.
+  bool estimate_drift = true;
+  // Of the model's elements; as of StructuredOptions, whose bounds decide how
+  // many samples at the begin of each window are left out.
+  StructuredOptions structure;
+  // Outputs are independent; 0: one thread for each processor.
+  int threads = 1;
+
+  absl::Status Validate() const;
+};
+
+struct ModelAdequacy {
+  bool adequate = true;
+  double p_value = 1.0;    // of all outputs together
+  double statistic = 0.0;  // sum over the outputs
+  int degrees_of_freedom = 0;
+  Eigen::VectorXd output_p_values;  // p
+
+  std::string BriefReport() const;  // One line.
+};
+
+// `fitted` is p × m, or empty for none. Errors are those of CorrectStructure().
+absl::StatusOr<ModelAdequacy> TestAdequacy(
+    const ProcessModel& model, const std::vector<Record>& records,
+    const Eigen::Matrix<bool, Eigen::Dynamic, Eigen::Dynamic>& fitted,
+    const AdequacyOptions& options);
+
+}  // namespace mle
+
+#endif  // MLE_NONLINEAR_MODEL_ADEQUACY_H_
