@@ -57,7 +57,7 @@ absl::Status AdequacyOptions::Validate() const {
 
 std::string ModelAdequacy::BriefReport() const {
   return absl::StrFormat(
-      "model adequacy: %s, likelihood ratio %.4g with %d degrees of freedom, "
+      "model adequacy: %s, χ² = %.4g with %d degrees of freedom, "
       "p = %.2g",
       adequate ? "the inputs explain no more than the model does"
                : "the inputs explain more than the model does",
@@ -80,7 +80,7 @@ absl::StatusOr<ModelAdequacy> TestAdequacy(
         fitted.rows(), fitted.cols(), p, m));
   }
   const std::vector<int> first_lags = FirstLags(setups, records);
-  std::vector<MoreEvidence> evidence(p);
+  std::vector<Contrast> evidence(p);
   ParallelFor(p, options.threads, [&](int i) {
     const OutputSetup& setup = setups[i];
     if (setup.problem->num_segments() == 0) return;
@@ -88,9 +88,9 @@ absl::StatusOr<ModelAdequacy> TestAdequacy(
     for (int j = 0; j < m && fitted.size() > 0; ++j) {
       free[j] = fitted(i, j) && setup.informed[j];
     }
-    evidence[i] = FindMoreEvidence(*setup.problem, setup.start, free,
-                                   NoiseEstimate(), options.estimate_drift,
-                                   setup.problem->LagSums(first_lags));
+    evidence[i] = ContrastWithColumns(*setup.problem, setup.start, free,
+                                      options.estimate_drift,
+                                      setup.problem->LagSums(first_lags));
   });
   ModelAdequacy adequacy;
   adequacy.output_p_values.setOnes(p);

@@ -93,18 +93,26 @@ double Deviance(const OutputErrorProblem& problem, const OutputPoint& point,
                 const std::vector<bool>& free, const NoiseEstimate& start,
                 bool estimate_drift);
 
-// What the likelihood gains, maximised over r and ρ both times, if the columns
-// `more` (of each segment, rows × k) are fitted beside the elements that are
-// `free`.
-struct MoreEvidence {
-  double statistic = 0.0;  // likelihood ratio, ≥ 0
-  int degrees = 0;         // of freedom: what the columns add to the rank
+// Two explanations of an output, the second with more parameters, under the
+// same noise: an offset for each segment and one ρ.
+struct Contrast {
+  // What the second takes off the squares, over r; ≥ 0. χ² where the first is
+  // right.
+  double statistic = 0.0;
+  int degrees = 0;  // of freedom: what the second has more in rank
 };
-MoreEvidence FindMoreEvidence(const OutputErrorProblem& problem,
-                              const OutputPoint& point,
-                              const std::vector<bool>& free,
-                              const NoiseEstimate& start, bool estimate_drift,
-                              const std::vector<Eigen::MatrixXd>& more);
+
+// At `point` with the elements that are `free`; and with the columns (of each
+// segment, rows × k) besides.
+Contrast ContrastWithColumns(const OutputErrorProblem& problem,
+                             const OutputPoint& point,
+                             const std::vector<bool>& free, bool estimate_drift,
+                             const std::vector<Eigen::MatrixXd>& columns);
+
+// At `null` with nothing fitted; and at the fit `point` of what is `free`.
+Contrast ContrastWithFit(const OutputErrorProblem& problem,
+                         const OutputPoint& null, const OutputPoint& point,
+                         const std::vector<bool>& free, bool estimate_drift);
 
 struct OutputCovariance {
   Eigen::MatrixXd covariance;  // as above

@@ -233,21 +233,45 @@ double Deviance(const OutputErrorProblem& problem, const OutputPoint& point,
   return FindBest(likelihood, estimate_drift).value;
 }
 
-MoreEvidence FindMoreEvidence(const OutputErrorProblem& problem,
-                              const OutputPoint& point,
-                              const std::vector<bool>& free,
-                              const NoiseEstimate& start, bool estimate_drift,
-                              const std::vector<MatrixXd>& more) {
-  const Profile without =
-      FindBest(ShapeLikelihood(problem, point, free, ShapeOf(start),
-                               /*restricted=*/false),
-               estimate_drift);
-  const Profile with =
-      FindBest(ShapeLikelihood(problem, point, free, ShapeOf(start),
-                               /*restricted=*/false, more),
-               estimate_drift);
-  return {.statistic = std::max(without.value - with.value, 0.0),
+namespace {
+
+// Both at the larger of the two ratios that restricted likelihood finds.
+// Likelihood that takes a ratio for each would let the alternative explain slow
+// drift and then call the noise white: with weak drift every fourth test would
+// raise a false alarm of one in a hundred.
+Contrast AtOneRatio(const ShapeLikelihood& null,
+                    const ShapeLikelihood& alternative, bool estimate_drift) {
+  const NoiseShape shape = {
+      .ratio = std::max(FindBest(null, estimate_drift).shape.ratio,
+                        FindBest(alternative, estimate_drift).shape.ratio)};
+  const Profile without = null.At(shape);
+  const Profile with = alternative.At(shape);
+  return {.statistic =
+              std::max(without.squares - with.squares, 0.0) / with.variance(),
           .degrees = with.rank - without.rank};
+}
+
+}  // namespace
+
+Contrast ContrastWithColumns(const OutputErrorProblem& problem,
+                             const OutputPoint& point,
+                             const std::vector<bool>& free, bool estimate_drift,
+                             const std::vector<MatrixXd>& columns) {
+  return AtOneRatio(ShapeLikelihood(problem, point, free, NoiseShape(),
+                                    /*restricted=*/true),
+                    ShapeLikelihood(problem, point, free, NoiseShape(),
+                                    /*restricted=*/true, columns),
+                    estimate_drift);
+}
+
+Contrast ContrastWithFit(const OutputErrorProblem& problem,
+                         const OutputPoint& null, const OutputPoint& point,
+                         const std::vector<bool>& free, bool estimate_drift) {
+  return AtOneRatio(
+      ShapeLikelihood(problem, null, std::vector<bool>(free.size(), false),
+                      NoiseShape(), /*restricted=*/true),
+      ShapeLikelihood(problem, point, free, NoiseShape(), /*restricted=*/true),
+      estimate_drift);
 }
 
 }  // namespace mle

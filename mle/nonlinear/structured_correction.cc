@@ -138,18 +138,17 @@ void Judge(const std::vector<OutputSetup>& setups,
   const int p = static_cast<int>(setups.size());
   const int m = setups[0].problem->num_elements();
   int num_elements = 0;
-  std::vector<double> drops(p);
+  std::vector<Contrast> contrasts(p);
   ParallelFor(p, options.threads, [&](int i) {
-    const OutputPoint& start = setups[i].start;
-    drops[i] = Deviance(*setups[i].problem, start, std::vector<bool>(m, false),
-                        fits[i].noise, options.estimate_drift) -
-               fits[i].deviance;
+    contrasts[i] =
+        ContrastWithFit(*setups[i].problem, setups[i].start, fits[i].point,
+                        fits[i].free, options.estimate_drift);
   });
   for (int i = 0; i < p; ++i) {
     const int free = static_cast<int>(
         std::count(fits[i].free.begin(), fits[i].free.end(), true));
     num_elements += free;
-    correction.statistic += std::max(drops[i], 0.0);
+    correction.statistic += contrasts[i].statistic;
   }
   correction.degrees_of_freedom = 3 * num_elements;
   if (num_elements == 0) return;

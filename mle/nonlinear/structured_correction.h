@@ -12,7 +12,7 @@
 // likelihood of closed-loop records too, whatever the controller.
 //
 // Then two questions are answered with a stated probability of a false alarm:
-// has anything changed (likelihood ratio against the initial model), and which
+// has anything changed (χ² of the fit against the initial model), and which
 // elements have (an L1 penalty on each element's change in units of its own
 // uncertainty: structured_selection.h). Elements that have not keep their
 // initial values, and the others are fitted once more.
@@ -156,7 +156,7 @@ struct StructuredCorrection {
   // The test of no change.
   bool change_proposed = false;
   double p_value = 1.0;
-  double statistic = 0.0;      // likelihood ratio
+  double statistic = 0.0;      // of the fit against the initial model
   int degrees_of_freedom = 0;  // of its χ² distribution
   // p × m: of each element against its initial values, the others free (Wald's
   // F test in `full`); 1 where it is not fitted.

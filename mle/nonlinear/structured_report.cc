@@ -117,7 +117,7 @@ std::string StructuredCorrection::FullReport() const {
   std::string report = absl::StrFormat(
       "Structured correction\n"
       "  change              %s\n"
-      "  likelihood ratio    %.6g, chi-square of %d: p = %.3g\n",
+      "  against no change   %.6g, chi-square of %d: p = %.3g\n",
       change_proposed ? "proposed" : "none proposed", statistic,
       degrees_of_freedom, p_value);
   const int m = full.model.num_inputs();

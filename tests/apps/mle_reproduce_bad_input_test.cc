@@ -149,7 +149,10 @@ TEST(MleReproduceBadInput, ChoiceOfThePenalty) {
        {"--selection_folds=1", "at least 2"}},
       {{"--selection=blocks", "--selection_block=-1"},
        {"--selection_block=-1", "at least 1"}},
-      {{"--solver=simplex"}, {"--solver=simplex", "known are homotopy"}},
+      {{"--solver=simplex"}, {"--solver=simplex", "known are homotopy, ceres"}},
+      {{"--estimators=arx,magic"},
+       {"--estimators", "'magic'", "known are arx, ceres"}},
+      {{"--estimators=arx,arx"}, {"--estimators", "'arx' is named twice"}},
       {{"--scaling=none"}, {"--scaling=none", "known are standardise"}},
   });
 }

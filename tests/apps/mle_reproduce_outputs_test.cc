@@ -204,6 +204,41 @@ TEST(MleReproduceOutputs, CurvesAgreeWithTheResults) {
   EXPECT_NEAR(after, E_star, 1e-7 * E_star);
 }
 
+// The estimators asked for, on the same records.
+TEST(MleReproduceOutputs, CompareEstimators) {
+  const ScratchFolder scratch;
+  const report::ProcessResult result =
+      RunTested(SmallRun(scratch / "out", {"--seeds=2", "--cases=gain"}));
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("estimators side by side"));
+  const nlohmann::json one =
+      ParsedJson(scratch / "out/results.json")["cases"][0];
+  ASSERT_EQ(one["runs"].size(), 2u);
+  for (const nlohmann::json& run : one["runs"]) {
+    const nlohmann::json& estimators = run["estimators"];
+    EXPECT_EQ(estimators.contains("ceres"), run == one["runs"][0]);
+    for (const auto& [name, values] : estimators.items()) {
+      EXPECT_TRUE(values["change_proposed"]) << name;
+      EXPECT_LT(values["E"], one["E_initial"]) << name;
+      EXPECT_LT(values["p_value"], 0.01) << name;
+    }
+    EXPECT_EQ(estimators["arx"]["E"], run["E_star"]);
+    EXPECT_LT(estimators["structured"]["E"], estimators["arx"]["E"]);
+    ExpectNumber(run, "E_limit");
+  }
+  const nlohmann::json& first = one["runs"][0];
+  EXPECT_NEAR(first["estimators"]["ceres"]["E"], first["E_star"],
+              1e-3 * first["E_star"].get<double>());
+  // None asked for, none there.
+  const report::ProcessResult none =
+      RunTested(SmallRun(scratch / "none", {"--cases=gain", "--estimators="}));
+  ASSERT_EQ(none.exit_code, 0) << none.err;
+  const nlohmann::json without =
+      ParsedJson(scratch / "none/results.json")["cases"][0]["runs"][0];
+  EXPECT_FALSE(without.contains("estimators"));
+  EXPECT_EQ(without["E_star"], first["E_star"]);
+}
+
 TEST(MleReproduceOutputs, DoNotDependOnThreadsOrTheRun) {
   const ScratchFolder scratch;
   for (const char* threads : {"1", "2", "0"}) {
