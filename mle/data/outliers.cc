@@ -7,6 +7,7 @@ namespace mle {
 namespace {
 
 constexpr double kGaussian = 1.4826;
+constexpr double kLocal = 0.8;
 // Of the largest sample: what rounding can do.
 constexpr double kRounding = 1e-9;
 
@@ -40,7 +41,7 @@ std::vector<int> FindOutliers(const SampleRow& samples,
     }
     for (double& value : around) value = std::abs(value - median);
     const double spread = kGaussian * MedianInPlace(around);
-    if (distance > options.threshold * spread) outliers.push_back(k);
+    if (distance > kLocal * options.threshold * spread) outliers.push_back(k);
   }
   return outliers;
 }

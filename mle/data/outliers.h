@@ -19,7 +19,7 @@ namespace mle {
 struct OutlierOptions {
   // Samples on each side, ≥ 2. Fewer than this in a row are found.
   int half_width = 5;
-  double threshold = 6.0;  // > 0
+  double threshold = 5.0;  // > 0
 };
 
 // Their positions, ascending. Needs at least half_width good samples around.

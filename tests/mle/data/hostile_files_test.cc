@@ -271,7 +271,7 @@ void ExpectRefused(const absl::Status& status, const Hostile& file,
 
 TEST(HostileFilesTest, AreRefusedByNameLineAndColumn) {
   const std::vector<Hostile> files = AllFiles();
-  EXPECT_GE(files.size(), 200u);
+  EXPECT_GE(files.size(), 300u);
   for (const Hostile& file : files) {
     ExpectRefused(ImportHistorianSources({TextSource("hostile.csv", file.text)},
                                          Tank(), {})
