@@ -1,11 +1,13 @@
 // Files that are malformed or made to do harm: each is refused with its name,
 // the line and the column, by the import and by the strict reader.
 
-#include <limits>
+#include <cstdint>
+#include <memory>
 #include <random>
 #include <sstream>
 #include <streambuf>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
@@ -33,8 +35,6 @@ struct Hostile {
 };
 
 constexpr char kHeader[] = "time,level,temperature,steam,inflow\n";
-const char* const kColumns[] = {"time", "level", "temperature", "steam",
-                                "inflow"};
 
 // Six rows, the field at `row` and `column` (from 0) replaced.
 std::string WithField(int row, int column, const std::string& field) {
