@@ -1,6 +1,7 @@
 #include "apps/report/chart_data.h"
 
 #include <cmath>
+#include <cstddef>
 #include <utility>
 #include <vector>
 
@@ -91,8 +92,26 @@ std::string Look(const std::string& label, const Style& style) {
       "\",\"size\":", Number(kPixelsPerPoint * style.marker_size_pt));
 }
 
+// Without the points in the middle of a stair, which say nothing.
+Series WithoutRepetitions(const Series& stairs) {
+  Series kept = stairs;
+  kept.x.clear();
+  kept.y.clear();
+  const auto last = static_cast<std::ptrdiff_t>(stairs.y.size()) - 1;
+  for (std::ptrdiff_t i = 0; i <= last; ++i) {
+    const bool repeats = i > 0 && i < last && stairs.y[i] == stairs.y[i - 1] &&
+                         stairs.y[i] == stairs.y[i + 1];
+    if (repeats) continue;
+    kept.x.push_back(stairs.x[i]);
+    kept.y.push_back(stairs.y[i]);
+  }
+  return kept;
+}
+
 std::string SeriesData(const Series& series, bool log_x) {
-  Series thinned = series;
+  Series thinned = series.steps && series.lower.empty()
+                       ? WithoutRepetitions(series)
+                       : series;
   if (thinned.max_points == 0 || thinned.max_points > kMostPoints) {
     thinned.max_points = kMostPoints;
   }

@@ -141,8 +141,10 @@ function options(panel, hidden, readout) {
       stepPlot: s.steps,
       drawPoints: Boolean(s.marker),
       pointSize: s.size / 2,
-      drawPointCallback: (chart, name, context, x, y, colour) =>
-          drawShape(context, s.marker, x, y, s.size, s.colour),
+      // Points between gaps are drawn, too, where there are no markers.
+      drawPointCallback: (chart, name, context, x, y) =>
+          drawShape(context, s.marker || 'disc', x, y, s.marker ? s.size : 1.5,
+                    s.colour),
       drawHighlightPointCallback: (chart, name, context, x, y) =>
           drawShape(context, s.marker || 'disc', x, y, s.marker ? s.size : 6,
                     s.colour),

@@ -56,8 +56,8 @@ figure .charts { display: none; }
 figure.drawn .charts { display: block; background: #ffffff; color: #1c2126; border: 1px solid var(--rule); border-radius: 4px; padding: .6rem; }
 figure.drawn .picture { display: none; }
 .grid { display: grid; grid-template-columns: repeat(var(--columns), minmax(0, 1fr)); gap: .8rem 1rem; }
-.panel { min-width: 0; }
-.panel-head { display: flex; align-items: baseline; gap: .5rem; min-height: 1.9rem; }
+.panel { min-width: 0; display: flex; flex-direction: column; }
+.panel-head { display: flex; align-items: baseline; gap: .5rem; min-height: 1.9rem; flex: 1; }
 .panel-title { font-weight: 600; font-size: .92rem; flex: 1; min-width: 0; overflow-wrap: anywhere; }
 .tools { white-space: nowrap; }
 .tools button, .legend-item { font: inherit; color: #1c2126; background: none; border: 1px solid transparent; border-radius: 4px; cursor: pointer; }

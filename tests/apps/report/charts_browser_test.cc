@@ -42,6 +42,11 @@ Figure Curves() {
   steps.series.push_back(MakeSeries(Role::kSetPoint, kHostile,
                                     {0.0, 50.0, 100.0}, {0.0, 5.0, 5.0}));
   steps.series.back().steps = true;
+  // Gaps, and a point alone between two.
+  const double gap = std::nan("");
+  steps.series.push_back(MakeSeries(Role::kMeasured, "measured",
+                                    {0.0, 10.0, 20.0, 30.0, 40.0, 50.0},
+                                    {0.1, 1.2, gap, 3.3, gap, gap}));
   steps.lines.push_back(VerticalLine(Role::kReference, "change", 20.0));
   Panel& loss = figure.AddPanel(kHostile);
   loss.x = {.label = "penalty λ", .log = true};
