@@ -11,6 +11,23 @@ constexpr double kLocal = 0.8;
 // Of the largest sample: what rounding can do.
 constexpr double kRounding = 1e-9;
 
+// Whether the median of samples first … last may be farther than `distance`
+// from sample k: half of them have to be, on one side. Most samples end here.
+bool IsCandidate(const SampleRow& samples, int k, int first, int last,
+                 double distance) {
+  const double low = samples(k) - distance;
+  const double high = samples(k) + distance;
+  int good = 0;
+  int below = 0;
+  int above = 0;
+  for (int i = first; i <= last; ++i) {
+    good += std::isfinite(samples(i)) ? 1 : 0;
+    below += samples(i) < low ? 1 : 0;
+    above += samples(i) > high ? 1 : 0;
+  }
+  return 2 * std::max(below, above) >= good;
+}
+
 }  // namespace
 
 std::vector<int> FindOutliers(const SampleRow& samples,
@@ -27,6 +44,9 @@ std::vector<int> FindOutliers(const SampleRow& samples,
     if (!std::isfinite(samples(k))) continue;
     const int first = std::max(0, k - options.half_width);
     const int last = std::min(n - 1, k + options.half_width);
+    if (!IsCandidate(samples, k, first, last, options.threshold * noise)) {
+      continue;
+    }
     around.clear();
     for (int i = first; i <= last; ++i) {
       if (std::isfinite(samples(i))) around.push_back(samples(i));
@@ -34,7 +54,6 @@ std::vector<int> FindOutliers(const SampleRow& samples,
     if (static_cast<int>(around.size()) <= options.half_width) continue;
     const double median = MedianInPlace(around);
     const double distance = std::abs(samples(k) - median);
-    // Most samples are no candidates; the rest is for those that are.
     if (distance <= options.threshold * noise ||
         distance <= kRounding * largest) {
       continue;

@@ -1,5 +1,6 @@
 #include "mle/data/channel_health.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -164,6 +165,34 @@ TEST(ChannelHealthTest, OutliersAreFoundAndNothingElse) {
   }
   EXPECT_GE(found, placed.size() * 95 / 100);
   EXPECT_LE(health.outliers.size() - found, 3u);
+}
+
+// As the filter is defined, median by median.
+TEST(ChannelHealthTest, OutliersAreThoseOfTheDefinition) {
+  std::mt19937_64 engine(17);
+  std::student_t_distribution<double> heavy(1.5);
+  for (int trial = 0; trial < 20; ++trial) {
+    Eigen::RowVectorXd y(500);
+    for (double& value : y) value = engine() % 25 == 0 ? kNaN : heavy(engine);
+    const double noise = WhiteDeviation(y);
+    std::vector<int> expected;
+    for (int k = 0; k < 500; ++k) {
+      std::vector<double> around;
+      for (int i = std::max(0, k - 5); i <= std::min(499, k + 5); ++i) {
+        if (std::isfinite(y(i))) around.push_back(y(i));
+      }
+      if (!std::isfinite(y(k)) || around.size() <= 5) continue;
+      const double median = MedianInPlace(around);
+      for (double& value : around) value = std::abs(value - median);
+      const double spread = 1.4826 * MedianInPlace(around);
+      const double distance = std::abs(y(k) - median);
+      if (distance > 5.0 * noise && distance > 4.0 * spread) {
+        expected.push_back(k);
+      }
+    }
+    EXPECT_EQ(FindOutliers(y), expected);
+    EXPECT_FALSE(expected.empty());
+  }
 }
 
 TEST(ChannelHealthTest, SingleSamplesOfInputsThatAreHeldAreOutliers) {
