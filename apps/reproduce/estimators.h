@@ -38,7 +38,8 @@ struct EstimatorResult {
   // E is that of the initial model.
   bool change_proposed = false;
   double p_value = 1.0;  // of the initial model being right
-  // Of processor time, conversion and test included.
+  // Of processor time, tests included; the conversion of the initial model,
+  // which all of a seed's cases share, is not.
   double seconds = 0.0;
   std::string report;  // in a line
 };
