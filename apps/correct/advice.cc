@@ -215,7 +215,7 @@ std::vector<std::string> Advise(const Result& result) {
       advice.push_back(
           "Do not change the controller's model yet. Something has changed, "
           "but not in the way this estimator can describe: look at the "
-          "residuals and the windows for a disturbance, and try the other "
+          "residuals and the windows for a disturbance, and try another "
           "--estimator.");
       break;
     case Decision::kCorrected:

@@ -21,7 +21,8 @@ std::vector<Record> ScaledWindows(const Setting& setting,
                   [](const NoiseEstimate& noise) { return noise.offset; });
   std::vector<Record> scaled;
   for (const Record& window : windows) {
-    Record& record = scaled.emplace_back(Scaled(window, setting.scales));
+    Record& record =
+        scaled.emplace_back(Scaled(WithBridgedOutputs(window), setting.scales));
     if (!offsets) continue;
     const Eigen::VectorXd means = ChannelMeans({record});
     record.outputs.colwise() -= means.head(record.num_outputs());
@@ -30,23 +31,48 @@ std::vector<Record> ScaledWindows(const Setting& setting,
   return scaled;
 }
 
+// The rows that are ΔR's from `arx`, the others from `process`.
+Predictor Mix(const std::vector<bool>& arx_outputs, Predictor process,
+              Predictor arx) {
+  return [=](const Record& record, int horizon) {
+    Eigen::MatrixXd errors = process(record, horizon);
+    const Eigen::MatrixXd own = arx(record, horizon);
+    for (std::size_t i = 0; i < arx_outputs.size(); ++i) {
+      const auto row = static_cast<Eigen::Index>(i);
+      if (arx_outputs[i]) errors.row(row) = own.row(row);
+    }
+    return errors;
+  };
+}
+
+// Of `process` in all outputs but those of `arx` (scaled), if there is one.
+absl::StatusOr<Predictor> MakePredictor(const Setting& setting,
+                                        const ProcessModel& process,
+                                        const ArxModel* arx,
+                                        double sample_time) {
+  MLE_ASSIGN_OR_RETURN(Predictor predictor,
+                       PredictWithProcess(process, setting.noise, sample_time));
+  if (arx == nullptr) return predictor;
+  return Mix(setting.arx_outputs, std::move(predictor),
+             PredictWithArx(Unscaled(*arx, setting.scales)));
+}
+
 absl::Status AddPredictors(const Setting& setting, double sample_time,
                            Fit& fit) {
-  if (setting.options.estimator == Estimator::kArx) {
-    fit.initial =
-        PredictWithArx(Unscaled(setting.conversion->model, setting.scales));
-    fit.corrected =
-        fit.arx.has_value()
-            ? PredictWithArx(Unscaled(fit.arx->Model(), setting.scales))
-            : fit.initial;
+  const ArxModel* const before =
+      setting.conversion.has_value() ? &setting.conversion->model : nullptr;
+  MLE_ASSIGN_OR_RETURN(fit.initial, MakePredictor(setting, setting.initial,
+                                                  before, sample_time));
+  if (!fit.arx.has_value()) {
+    MLE_ASSIGN_OR_RETURN(fit.corrected,
+                         MakePredictor(setting, fit.structured.corrected.model,
+                                       before, sample_time));
     return absl::OkStatus();
   }
-  MLE_ASSIGN_OR_RETURN(
-      fit.initial,
-      PredictWithProcess(setting.initial, setting.noise, sample_time));
+  const ArxModel after = fit.arx->Model();
   MLE_ASSIGN_OR_RETURN(fit.corrected,
-                       PredictWithProcess(fit.structured.corrected.model,
-                                          setting.noise, sample_time));
+                       MakePredictor(setting, fit.structured.corrected.model,
+                                     &after, sample_time));
   return absl::OkStatus();
 }
 
@@ -117,25 +143,87 @@ absl::StatusOr<ProcessModel> FitAgedElements(
   return model;
 }
 
+// ΔR for the whole model, or for the outputs that structure does not explain.
+absl::Status AddArx(const std::vector<Record>& windows, Estimate& estimate) {
+  Setting& setting = estimate.setting;
+  Fit& fit = estimate.fit;
+  const EstimationOptions& options = setting.options;
+  const double sample_time = windows.front().sample_time;
+  const auto p = static_cast<std::size_t>(setting.initial.num_outputs());
+  if (options.estimator == Estimator::kArx) {
+    setting.arx_outputs.assign(p, true);
+    MLE_ASSIGN_OR_RETURN(
+        setting.conversion,
+        ConvertUnderNoise(setting.initial, setting.noise, setting.scales,
+                          sample_time, options.conversion));
+    if (!fit.change_proposed) return absl::OkStatus();
+    MLE_ASSIGN_OR_RETURN(fit.arx, CorrectModel(setting.conversion->model,
+                                               ScaledWindows(setting, windows),
+                                               options.correction));
+    return absl::OkStatus();
+  }
+  CombinedOptions combined;
+  combined.structured = options.structured;
+  combined.false_alarm_probability = options.structured.false_alarm_probability;
+  combined.correction = options.correction;
+  // All in scaled units; back again, a model is converted as it is.
+  const ChannelScales unit = {
+      Eigen::VectorXd::Ones(setting.initial.num_outputs()),
+      Eigen::VectorXd::Ones(setting.initial.num_inputs())};
+  StructuredCorrection scaled = fit.structured;
+  scaled.corrected.model = Scaled(scaled.corrected.model, setting.scales);
+  MLE_ASSIGN_OR_RETURN(CombinedCorrection result,
+                       CompleteStructured(
+                           Scaled(setting.initial, setting.scales),
+                           std::move(scaled), ScaledWindows(setting, windows),
+                           [&](const ProcessModel& model) {
+                             return ConvertUnderNoise(model, setting.noise,
+                                                      unit, sample_time,
+                                                      options.conversion);
+                           },
+                           combined));
+  fit.adequacy = std::move(result.adequacy);
+  if (!result.correction.has_value()) return absl::OkStatus();
+  fit.change_proposed = true;
+  fit.arx = std::move(result.correction);
+  setting.conversion = std::move(result.conversion);
+  setting.arx_outputs = std::move(result.outputs_corrected);
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 std::string_view NameOf(Estimator estimator) {
-  return estimator == Estimator::kArx ? "arx" : "structured";
+  switch (estimator) {
+    case Estimator::kStructured:
+      return "structured";
+    case Estimator::kArx:
+      return "arx";
+    case Estimator::kCombined:
+      return "combined";
+  }
+  return "";
 }
 
 absl::StatusOr<Predictor> PredictFromPart(const Setting& setting,
                                           const Fit& full,
                                           const std::vector<Record>& windows) {
-  if (setting.options.estimator == Estimator::kArx) {
-    MLE_ASSIGN_OR_RETURN(
-        const Correction correction,
-        CorrectModel(setting.conversion->model, ScaledWindows(setting, windows),
-                     setting.options.correction));
-    return PredictWithArx(Unscaled(correction.Model(), setting.scales));
+  const double sample_time = windows.front().sample_time;
+  ProcessModel process = setting.initial;
+  if (setting.options.estimator != Estimator::kArx) {
+    MLE_ASSIGN_OR_RETURN(process,
+                         FitAgedElements(setting, full.structured, windows));
   }
-  MLE_ASSIGN_OR_RETURN(const ProcessModel model,
-                       FitAgedElements(setting, full.structured, windows));
-  return PredictWithProcess(model, setting.noise, windows.front().sample_time);
+  if (!full.arx.has_value()) {
+    return MakePredictor(setting, process, nullptr, sample_time);
+  }
+  CorrectionOptions options = setting.options.correction;
+  options.selection.rule = SelectionOptions::Rule::kAic;  // the cheapest
+  MLE_ASSIGN_OR_RETURN(const Correction correction,
+                       CorrectModel(setting.conversion->model,
+                                    ScaledWindows(setting, windows), options));
+  const ArxModel arx = correction.Model(full.arx->selection().lambda_star);
+  return MakePredictor(setting, process, &arx, sample_time);
 }
 
 absl::StatusOr<Estimate> EstimateModel(const ProcessModel& initial,
@@ -160,18 +248,12 @@ absl::StatusOr<Estimate> EstimateModel(const ProcessModel& initial,
   setting.options = options;
   setting.noise = structured.full.noise;
   setting.scales = ChooseScales(initial, setting.noise, windows);
-  if (options.estimator == Estimator::kArx) {
-    MLE_ASSIGN_OR_RETURN(
-        setting.conversion,
-        ConvertUnderNoise(initial, setting.noise, setting.scales,
-                          windows.front().sample_time, options.conversion));
-  }
   fit.structured = std::move(structured);
   fit.change_proposed = fit.structured.change_proposed;
-  if (options.estimator == Estimator::kArx && fit.change_proposed) {
-    MLE_ASSIGN_OR_RETURN(fit.arx, CorrectModel(setting.conversion->model,
-                                               ScaledWindows(setting, windows),
-                                               options.correction));
+  setting.arx_outputs.assign(static_cast<std::size_t>(initial.num_outputs()),
+                             false);
+  if (options.estimator != Estimator::kStructured) {
+    MLE_RETURN_IF_ERROR(AddArx(windows, estimate));
   }
   MLE_RETURN_IF_ERROR(AddPredictors(setting, windows.front().sample_time, fit));
   return estimate;
@@ -184,16 +266,31 @@ absl::StatusOr<CorrectedModel> MakeCorrectedModel(const Estimate& estimate,
   const Setting& setting = estimate.setting;
   const Fit& fit = estimate.fit;
   CorrectedModel corrected;
-  if (setting.options.estimator == Estimator::kArx) {
+  const bool pure_arx = setting.options.estimator == Estimator::kArx;
+  if (pure_arx || (accepted && fit.arx.has_value())) {
     corrected.max_relative_gap = setting.conversion->max_relative_gap;
     ArxModel scaled = setting.conversion->model;
     if (accepted && fit.arx.has_value()) {
-      scaled = fit.arx->Model();
+      const ArxModel with_change = fit.arx->Model();
+      for (std::size_t i = 0; i < setting.arx_outputs.size(); ++i) {
+        const auto row = static_cast<Eigen::Index>(i);
+        if (setting.arx_outputs[i]) scaled.R.row(row) = with_change.R.row(row);
+      }
       corrected.max_relative_gap =
           std::max(corrected.max_relative_gap, fit.arx->MaxRelativeGap());
     }
     corrected.arx = Unscaled(scaled, setting.scales);
     corrected.response = corrected.arx.ComputeStepResponse(response_samples);
+    if (pure_arx) return corrected;
+    // The outputs that are not ΔR's have the process model's own responses.
+    const StepResponse process =
+        fit.structured.corrected.model.ComputeStepResponse(sample_time,
+                                                           response_samples);
+    for (int i = 0; i < process.num_outputs; ++i) {
+      for (int j = 0; !setting.arx_outputs[i] && j < process.num_inputs; ++j) {
+        corrected.response.element(i, j) = process.element(i, j);
+      }
+    }
     return corrected;
   }
   const StructuredFit& structured = fit.structured.corrected;

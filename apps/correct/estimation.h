@@ -6,6 +6,8 @@
 //
 //   structured  gains, time constants and dead times (the default)
 //   arx         ΔR by lasso, any shape of response (the paper's method)
+//   combined    structured, and ΔR for the outputs in which that leaves
+//               something the inputs explain (combined.h)
 
 #ifndef APPS_CORRECT_ESTIMATION_H_
 #define APPS_CORRECT_ESTIMATION_H_
@@ -20,6 +22,7 @@
 #include "apps/correct/conversion_scales.h"
 #include "apps/correct/null_calibration.h"
 #include "apps/correct/prediction.h"
+#include "mle/correction/combined.h"
 #include "mle/correction/correction.h"
 #include "mle/data/record.h"
 #include "mle/model/arx_model.h"
@@ -29,7 +32,7 @@
 
 namespace mle::correct {
 
-enum class Estimator { kStructured, kArx };
+enum class Estimator { kStructured, kArx, kCombined };
 
 std::string_view NameOf(Estimator estimator);
 
@@ -50,7 +53,10 @@ struct Fit {
   bool change_proposed = false;
   NullCalibration test;
   StructuredCorrection structured;
-  // Of the estimator arx, where a change is proposed.
+  // The test whether structure is enough, of the estimator combined.
+  std::optional<ModelAdequacy> adequacy;
+  // ΔR: of the estimator arx where a change is proposed, of combined where
+  // structure is not enough.
   std::optional<Correction> arx;
   // Predictions of the initial and of the corrected model; equal without a
   // proposal.
@@ -65,8 +71,12 @@ struct Setting {
   // Of the full fit to all windows.
   std::vector<NoiseEstimate> noise;
   ChannelScales scales;
-  // R of the initial model, in scaled units; the estimator arx only.
+  // R around which ΔR is sought, in scaled units: of the initial model for arx;
+  // of combined, where structure is not enough, of the structured model but for
+  // the outputs that ΔR is for.
   std::optional<ConversionSummary> conversion;
+  // p: outputs that R + ΔR is for.
+  std::vector<bool> arx_outputs;
 };
 
 // Everything from all windows.
@@ -90,12 +100,12 @@ absl::StatusOr<Predictor> PredictFromPart(const Setting& setting,
 
 // What comes out for use.
 struct CorrectedModel {
-  // Of the structured estimator: the process model with the initial one's
+  // Where no output is ΔR's: the process model with the initial one's
   // shapes.
   std::optional<ProcessModel> process;
   ArxModel arx;           // in the units of the records
   StepResponse response;  // at 0, Δt, … (response_samples)
-  // Standard errors of `response`; the structured estimator only.
+  // Standard errors of `response`; where there is a process model.
   std::optional<StepResponse> errors;
   double max_relative_gap = 0.0;  // of all lasso fits
 };

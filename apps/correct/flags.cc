@@ -36,10 +36,11 @@ DEFINE_int32(threads, 0,
              "Threads, 0: one for each processor. The results do not depend "
              "on it.");
 
-DEFINE_string(estimator, "structured",
+DEFINE_string(estimator, "combined",
               "structured (gains, time constants and dead times of the "
-              "model's elements) or arx (any shape of response, by "
-              "regularised regression).");
+              "model's elements), arx (any shape of response, by regularised "
+              "regression) or combined (structured, and arx for the outputs "
+              "in which that leaves something the inputs explain).");
 DEFINE_double(response_horizon, 0.0,
               "Length NΔt of the step responses (min); 0: the model's "
               "settling time.");
@@ -201,10 +202,12 @@ absl::Status ReadDataPaths(Request& request) {
 }
 
 absl::StatusOr<Estimator> EstimatorFromFlags() {
-  for (const Estimator estimator : {Estimator::kStructured, Estimator::kArx}) {
+  for (const Estimator estimator :
+       {Estimator::kStructured, Estimator::kArx, Estimator::kCombined}) {
     if (FLAGS_estimator == std::string(NameOf(estimator))) return estimator;
   }
-  return Refuse("estimator", FLAGS_estimator, "known are structured and arx");
+  return Refuse("estimator", FLAGS_estimator,
+                "known are structured, arx and combined");
 }
 
 absl::StatusOr<SelectionOptions> SelectionFromFlags() {
@@ -295,10 +298,6 @@ absl::StatusOr<Request> RequestFromFlags() {
   request.out = FLAGS_out;
   MLE_ASSIGN_OR_RETURN(request.records, RecordOptionsFromFlags(request.model));
   MLE_ASSIGN_OR_RETURN(request.estimation, EstimationFromFlags());
-  // A lost sample costs a regression on lagged data as many rows as it has
-  // lags.
-  request.records.import.bridge_outputs =
-      request.estimation.estimator != Estimator::kStructured;
   request.validation_folds = FLAGS_validation_folds;
   request.prediction_samples = FLAGS_prediction_samples;
   request.response_horizon = FLAGS_response_horizon;

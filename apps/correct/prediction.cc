@@ -121,12 +121,31 @@ absl::StatusOr<Predictor> PredictWithProcess(
   });
 }
 
+Record WithBridgedOutputs(const Record& record) {
+  Record bridged = record;
+  for (int i = 0; i < record.num_outputs(); ++i) {
+    auto output = bridged.outputs.row(i);
+    int last = -1;  // good sample
+    for (int k = 0; k < record.samples(); ++k) {
+      if (!std::isfinite(output(k))) continue;
+      const int gap = k - last - 1;
+      for (int a = 1; last >= 0 && gap <= kLongestBridge && a <= gap; ++a) {
+        output(last + a) =
+            output(last) + (output(k) - output(last)) * a / (gap + 1);
+      }
+      last = k;
+    }
+  }
+  return bridged;
+}
+
 Predictor PredictWithArx(const ArxModel& model) {
   return [model](const Record& record, int horizon) {
     MatrixXd errors =
         MatrixXd::Constant(record.num_outputs(), record.samples(), kNaN);
     if (record.samples() <= model.order) return errors;
-    const LaggedSeries series(record, model.order, ChannelMeans({record}));
+    const LaggedSeries series(WithBridgedOutputs(record), model.order,
+                              ChannelMeans({record}));
     for (const RowRange& rows : series.UsableRows()) {
       const MatrixXd residuals =
           PredictionResiduals(series, rows, model.R, horizon);
@@ -134,7 +153,8 @@ Predictor PredictWithArx(const ArxModel& model) {
       errors.middleCols(rows.first, rows.rows()) =
           residuals.rowwise().reverse();
     }
-    return errors;
+    // What was not measured has no error.
+    return MatrixXd(record.outputs.array().isFinite().select(errors, kNaN));
   };
 }
 

@@ -38,8 +38,15 @@ absl::StatusOr<Predictor> PredictWithProcess(
     const ProcessModel& model, const std::vector<NoiseEstimate>& noise,
     double sample_time);
 
-// y_{k+1} = R x_k, on its own outputs within the horizon. The first d samples,
-// and d samples after each that is lost, are not predicted.
+// The record with lines drawn over outputs lost for up to kLongestBridge
+// samples in a row: a regression on lagged data loses as many rows as it has
+// lags for each that is lost.
+inline constexpr int kLongestBridge = 5;
+Record WithBridgedOutputs(const Record& record);
+
+// y_{k+1} = R x_k, on its own outputs within the horizon, short losses bridged.
+// The first d samples, and d samples after each that stays lost, are not
+// predicted.
 Predictor PredictWithArx(const ArxModel& model);
 
 }  // namespace mle::correct

@@ -54,9 +54,10 @@ DEFINE_bool(skip_backward_times, false,
 DEFINE_double(sample_time, 0.0,
               "Sample time Δt the records are brought to, in the model's time "
               "unit (min); 0: the files' own.");
-DEFINE_double(max_gap, -1.0,
-              "Gaps up to this are bridged (min), ≥ 0; negative: five "
-              "samples.");
+DEFINE_double(
+    max_gap, -1.0,
+    "Gaps of inputs up to this are bridged (min), ≥ 0; negative: five "
+    "samples.");
 DEFINE_bool(mark_outliers, true,
             "Single samples far from their neighbours are taken as bad.");
 DEFINE_bool(mark_frozen, true,
@@ -221,6 +222,8 @@ absl::StatusOr<RecordOptions> RecordOptionsFromFlags(
   import.skip_backward_times = FLAGS_skip_backward_times;
   import.sample_time = FLAGS_sample_time;
   import.max_gap = FLAGS_max_gap;
+  // Each estimator deals with lost outputs in its own way.
+  import.bridge_outputs = false;
   if (const absl::Status status = import.Validate(model); !status.ok()) {
     return absl::InvalidArgumentError(
         absl::StrCat("flags of the records (see --help): ", status.message()));

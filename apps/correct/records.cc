@@ -57,32 +57,6 @@ void MarkUnhealthy(const ProcessModel& model, const MarkOptions& mark,
   }
 }
 
-// Draws lines over what was marked in outputs, up to `longest` samples in a
-// row: a regression on lagged data loses as many rows as it has lags for each.
-void BridgeOutputs(int longest, std::vector<Record>& records) {
-  for (Record& record : records) {
-    for (int i = 0; i < record.num_outputs(); ++i) {
-      auto output = record.outputs.row(i);
-      int last = -1;  // good sample
-      for (int k = 0; k < record.samples(); ++k) {
-        if (!std::isfinite(output(k))) continue;
-        const int gap = k - last - 1;
-        for (int a = 1; last >= 0 && gap <= longest && a <= gap; ++a) {
-          output(last + a) =
-              output(last) + (output(k) - output(last)) * a / (gap + 1);
-        }
-        last = k;
-      }
-    }
-  }
-}
-
-int LongestBridge(const HistorianOptions& options, double sample_time) {
-  if (options.max_gap < 0.0) return 5;
-  return static_cast<int>(
-      std::min(std::round(options.max_gap / sample_time), 1e9));
-}
-
 // Samples first … last of a window.
 struct Range {
   int first = 0;
@@ -233,10 +207,6 @@ absl::StatusOr<RecordData> LoadRecords(const std::vector<std::string>& paths,
   data.report = std::move(import->report);
   AddImportWarnings(data);
   MarkUnhealthy(model, options.mark, data);
-  if (options.import.bridge_outputs) {
-    BridgeOutputs(LongestBridge(options.import, data.sample_time()),
-                  data.records);
-  }
   MLE_ASSIGN_OR_RETURN(WindowSet set,
                        FindWindows(data.records, model, options.windows));
   data.windows = std::move(set.windows);

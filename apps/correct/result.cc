@@ -98,14 +98,6 @@ void WarnOfValidation(Result& result) {
   };
   warn(validation.windows);
   warn(validation.blocks);
-  if (result.accepted() && validation.windows.has_value() &&
-      validation.windows->gain < 0.0) {
-    result.warnings.push_back(
-        "A correction made from some of the windows predicts the others worse "
-        "than the initial model: single changes say too little for this "
-        "estimator. Made from parts of all windows it predicts the rest "
-        "better.");
-  }
 }
 
 void CheckResponse(Result& result) {

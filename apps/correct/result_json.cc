@@ -319,6 +319,11 @@ void AddFindings(const Result& result, Json& json) {
   }
   json["noise"] = std::move(noise);
   const Fit& fit = result.estimate.fit;
+  if (fit.adequacy.has_value()) {
+    json["structure_adequate"] = {
+        {"p_value", NumberJson(fit.adequacy->p_value)},
+        {"adequate", fit.adequacy->adequate}};
+  }
   if (fit.arx.has_value()) {
     json["lambda_star"] = fit.arx->selection().lambda_star(0);
   }

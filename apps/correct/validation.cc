@@ -194,10 +194,10 @@ HeldOut HoldOut(const Estimate& estimate, const RecordData& data,
       }
     }
   }
-  const bool arx = estimate.setting.options.estimator == Estimator::kArx;
-  for (const std::array<Sums, 3>& sums : all) {
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const std::array<Sums, 3>& sums = all[i];
     held_out.outputs.push_back({InitialPercent(sums), CorrectedPercent(sums)});
-    const Sums& decisive = sums[arx ? 1 : 0];
+    const Sums& decisive = sums[estimate.setting.arx_outputs[i] ? 2 : 0];
     if (decisive.initial > 0.0 && decisive.corrected > 0.0) {
       held_out.gain -= 0.5 * decisive.count *
                        std::log(decisive.corrected / decisive.initial);
@@ -234,7 +234,7 @@ HeldOut BlocksOfTheRule(const Correction& correction, const RecordData& data) {
 
 bool Validation::worsens() const {
   const auto worse = [](const std::optional<HeldOut>& held_out) {
-    return held_out.has_value() && held_out->available() && held_out->decides &&
+    return held_out.has_value() && held_out->available() &&
            held_out->gain < 0.0;
   };
   return worse(windows) || worse(blocks);
@@ -271,7 +271,6 @@ absl::StatusOr<Validation> Validate(const Estimate& estimate,
                 validation.horizon, options.threads);
   }
   if (estimate.fit.arx.has_value()) {
-    if (validation.windows.has_value()) validation.windows->decides = false;
     validation.blocks = BlocksOfTheRule(*estimate.fit.arx, data);
     return validation;
   }

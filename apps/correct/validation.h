@@ -10,9 +10,7 @@
 //            rest. For arx the rule for λ has held blocks out already: its
 //            loss at λ* and without correction is compared.
 //
-// A correction that predicts worse in either way is refused; of arx only the
-// blocks count, since ΔR without a change can hardly predict it
-// (docs/selection.md).
+// A correction that predicts worse in either way is refused.
 //
 // The fit of a model in percent is
 //
@@ -60,10 +58,10 @@ struct HeldOut {
   std::vector<OutputValidation> outputs;  // p, or empty: no figures
   // Σ_i −½ N_i ln(S_i corrected / S_i initial), S_i the sum of squared errors
   // of output i: what the corrected model gains in log-likelihood. One step
-  // ahead for the structured estimator, whose predictor is made for its noise;
-  // `horizon` samples ahead for arx.
+  // ahead where the model is structured, whose predictor is made for its noise;
+  // simulated for outputs that are ΔR's, which predicts well a few samples
+  // ahead even where its step responses are wrong.
   double gain = 0.0;
-  bool decides = true;  // whether a loss is a reason to refuse
   std::string missing;  // why nothing could be held out
 
   bool available() const { return missing.empty(); }

@@ -76,7 +76,12 @@ std::string Confirmation(const Result& result) {
 }
 
 std::string AgedOrNot(const Result& result) {
-  const std::string p = FormatProbability(result.estimate.fit.test.p_value);
+  const Fit& fit = result.estimate.fit;
+  // Of combined, the second test may have found what the first did not.
+  const std::string p = FormatProbability(
+      fit.adequacy.has_value() && !fit.structured.change_proposed
+          ? fit.adequacy->p_value
+          : fit.test.p_value);
   switch (result.decision) {
     case Decision::kNoChange:
       return absl::StrCat(
@@ -119,6 +124,22 @@ std::vector<std::string> ChangedElements(const Result& result) {
     }
   }
   return sentences;
+}
+
+// Where gains, time constants and dead times were not enough.
+std::string BeyondStructure(const Result& result) {
+  const Fit& fit = result.estimate.fit;
+  if (!fit.adequacy.has_value() || fit.adequacy->adequate) return "";
+  std::vector<std::string> names;
+  for (int i = 0; i < result.initial().num_outputs(); ++i) {
+    if (result.estimate.setting.arx_outputs[i]) {
+      names.push_back(result.initial().outputs()[i].name);
+    }
+  }
+  return absl::StrCat(
+      "Gains, time constants and dead times do not explain the records (p = ",
+      FormatProbability(fit.adequacy->p_value), "): the responses of ",
+      absl::StrJoin(names, ", "), " have changed their shape, or more.");
 }
 
 std::string Validated(const Result& result) {
@@ -196,6 +217,9 @@ std::vector<std::string> Verdict(const Result& result) {
   if (result.decision == Decision::kNoChange) {
     std::string confirmation = Confirmation(result);
     if (!confirmation.empty()) sentences.push_back(std::move(confirmation));
+  }
+  if (std::string beyond = BeyondStructure(result); !beyond.empty()) {
+    sentences.push_back(std::move(beyond));
   }
   if (result.decision == Decision::kCorrected) {
     for (std::string& change : ChangedElements(result)) {

@@ -276,6 +276,32 @@ TEST(MleCorrectTest, TheArxEstimatorCorrectsToo) {
   EXPECT_EQ(kept["decision"], "no_change");
 }
 
+// No gain, time constant and dead time make an inverse response: what is fitted
+// then is worse than the initial model, and says nothing of it.
+TEST(MleCorrectTest, AnElementOfAnotherShapeIsCorrectedOrRefused) {
+  const ScratchFolder scratch;
+  const std::string model = scratch.Write("model.json", HeaterJson(Heater()));
+  const std::string plant = scratch.Write(
+      "plant.json",
+      absl::StrReplaceAll(
+          HeaterJson(Heater()),
+          {{R"("gain": 2, "time_constant": 5, "delay": 1)",
+            R"("numerator": [-8, 2], "denominator": [15, 8, 1], "delay": 1)"}}));
+  for (const char* const seed : {"1", "2", "3"}) {
+    SCOPED_TRACE(seed);
+    const std::string data = SimulateHeater(scratch, "run.csv", model, plant,
+                                            {"--seed=" + std::string(seed)});
+    RunTested(
+        CorrectionFlags(model, data, scratch / "out",
+                        {"--truth=" + plant, "--conversion_samples=20000"}));
+    const nlohmann::json result = ParsedJson(scratch / "out/result.json");
+    EXPECT_NE(result["decision"], "no_change");
+    EXPECT_FALSE(result["structure_adequate"]["adequate"]);
+    EXPECT_LE(result["truth"]["E_corrected"].get<double>(),
+              result["truth"]["E_initial"].get<double>());
+  }
+}
+
 TEST(MleCorrectTest, TheResultDoesNotDependOnTheThreads) {
   const Example example(WithHalvedGain());
   const auto without_flags = [&](const char* threads) {
@@ -360,7 +386,7 @@ TEST(MleCorrectTest, HelpNamesEveryFlagWithItsDefault) {
   EXPECT_EQ(run.exit_code, 0);
   for (const char* const flag :
        {"--model []", "--data []", "--out [correction]",
-        "--estimator [structured]", "--dry_run [false]", "--threads [0]",
+        "--estimator [combined]", "--dry_run [false]", "--threads [0]",
         "--window_before [0]", "--false_alarm_probability", "--max_gap"}) {
     EXPECT_THAT(run.out, HasSubstr(flag));
   }

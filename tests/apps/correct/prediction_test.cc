@@ -119,8 +119,12 @@ TEST(PredictionTest, LostSamplesHaveNoError) {
   EXPECT_TRUE(std::isnan(left(0, 2)));
   EXPECT_TRUE(std::isfinite(left(0, 3)));
   EXPECT_TRUE(std::isnan(left(0, 200)));
-  EXPECT_TRUE(std::isnan(left(0, 203)));
-  EXPECT_TRUE(std::isfinite(left(0, 204)));
+  EXPECT_TRUE(std::isfinite(left(0, 201)));
+  // A longer loss is not bridged: d samples after it have no regressor.
+  record.outputs.middleCols(200, kLongestBridge + 1).setConstant(std::nan(""));
+  const Eigen::MatrixXd longer = PredictWithArx(arx)(record, 1);
+  EXPECT_TRUE(std::isnan(longer(0, 200 + kLongestBridge + 3)));
+  EXPECT_TRUE(std::isfinite(longer(0, 200 + kLongestBridge + 4)));
 }
 
 TEST(PredictionTest, AnArxModelPredictsItsOwnRecordExactly) {
