@@ -91,7 +91,7 @@ DEFINE_int32(selection_phases, 2,
              "How often --selection=blocks cuts the records, each time that "
              "part of a block later, ≥ 1.");
 DEFINE_int32(
-    selection_horizon, 1,
+    selection_horizon, -1,
     "Samples predicted in cross-validation before measured outputs are used "
     "again; 1: one step ahead, 0: the whole window (simulation), -1: a fifth "
     "of --order. The rule paper always has 1.");

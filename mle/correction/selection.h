@@ -45,7 +45,7 @@ struct SelectionOptions {
   // step ahead, 0 simulates every window from its start, −1 takes a fifth of
   // the model's order. But for 1 the mean residual of a run of rows is taken
   // off. For cross-validation only; the paper's rule has 1.
-  int horizon = 1;
+  int horizon = -1;
   // The largest λ whose loss is within one standard error of the smallest
   // (Hastie, Tibshirani and Friedman, The Elements of Statistical Learning, 2nd
   // ed., 7.10). For cross-validation only.
