@@ -53,8 +53,9 @@ std::vector<NamedRule> Rules(bool all) {
       {"paper", paper},
       {"leave_change_out", leave_change_out},
       {"blocks 2d, 1 phase", blocks(2, 1, 1)},
-      {"blocks 2d, 2 phases (default)", blocks(2, 2, 1)},
+      {"blocks 2d, 2 phases", blocks(2, 2, 1)},
       {"blocks 2d, 2 phases, intercepts", blocks(2, 2, 1), true},
+      {"blocks 2d, 2 ph., d/5 ahead (default)", blocks(2, 2, 30)},
       {"blocks 4d, 1 phase", blocks(4, 1, 1)},
   };
   for (const auto& [name, rule] : {std::pair{"aic", Rule::kAic},
@@ -76,7 +77,6 @@ std::vector<NamedRule> Rules(bool all) {
            {"blocks d, 2 phases", blocks(1, 2, 1)},
            {"blocks 2d, 4 phases", blocks(2, 4, 1)},
            {"blocks 4d, 2 phases", blocks(4, 2, 1)},
-           {"blocks 2d, 2 phases, d/5 ahead", blocks(2, 2, 30)},
            {"blocks 2d, 2 phases, d ahead", blocks(2, 2, 150)},
            {"blocks 2d, 2 phases, simulated", blocks(2, 2, 0)},
            {"blocks 2d, 2 phases, 1 s.e.", one_standard_error},
@@ -160,13 +160,13 @@ void PrintTable(const std::vector<NamedRule>& rules,
             << ": E over that at the best λ (without mismatch: over that of "
                "leaving the model alone), mean of ratios / ratio of means / "
                "largest\n"
-            << absl::StrFormat("%-34s", "rule");
+            << absl::StrFormat("%-40s", "rule");
   for (const std::string& plant : plants) {
     std::cout << absl::StrFormat("%-24s", plant);
   }
   std::cout << "\n";
   for (const NamedRule& rule : rules) {
-    std::cout << absl::StrFormat("%-34s", rule.name);
+    std::cout << absl::StrFormat("%-40s", rule.name);
     for (const std::vector<Outcome>& runs : outcomes) {
       double ratios = 0.0, largest = 0.0, sum = 0.0, reference = 0.0;
       for (const Outcome& run : runs) {

@@ -256,7 +256,7 @@ report::Table EstimatorTable(
     ++limits;
   }
   if (limits > 0) {
-    table.AddRow({"Cramér–Rao limit", absl::StrCat(limits),
+    table.AddRow({"Cramér–Rao limit, all elements free", absl::StrCat(limits),
                   FormatSignificant(limit / limits)});
   }
   return table;
