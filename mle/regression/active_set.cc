@@ -25,6 +25,7 @@ constexpr double kShrinks = 1e-9;
 constexpr double kRefine = 1e-13;
 constexpr double kRefineSharply = 1e-9;
 constexpr double kLost = 1e-6;
+constexpr double kEntersAtOnce = 1e-4;
 constexpr double kSeveral = 8.0;
 
 }  // namespace
@@ -174,9 +175,14 @@ bool ActiveSet::IsBlurred(int leaving, double lambda) const {
 }
 
 bool ActiveSet::Solve(double lambda) {
-  const double lost = kLost * lambda + 10.0 * Rounding();
-  if (SolveOnce(lambda) <= lost) return true;
-  return Refactor() && SolveOnce(lambda) <= lost;
+  const double rounding = 10.0 * Rounding();
+  if (SolveOnce(lambda) <= kLost * lambda + rounding) return true;
+  if (!Refactor()) return false;
+  // A column beyond its bound by no more than this enters at once, and the
+  // conditions hold again from there.
+  const double violation = SolveOnce(lambda);
+  return ActiveViolation(lambda) <= kLost * lambda + rounding &&
+         violation <= kEntersAtOnce * lambda + rounding;
 }
 
 // Returns how far the optimality conditions are violated.

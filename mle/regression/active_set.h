@@ -59,8 +59,9 @@ class ActiveSet {
   // max_j |C_j| / w_j.
   double scale() const { return scale_; }
 
-  // Makes q, refines β at λ, and makes c and b. False if the optimality
-  // conditions do not hold to 1e-6 λ even after refactoring.
+  // Makes q, refines β at λ, and makes c and b. False if even after refactoring
+  // the optimality conditions of active columns do not hold to 1e-6 λ, or those
+  // of inactive ones, which enter at once, to 1e-4 λ.
   bool Solve(double lambda);
   // β ← β + step q; c stays that of before until `Solve`.
   void Move(double step) { beta_.head(size()) += step * slope_.head(size()); }

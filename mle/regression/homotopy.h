@@ -58,7 +58,8 @@ enum class HomotopyTermination {
   kReachedMaxActive,
   // Steps of zero kept repeating.
   kStalled,
-  // The optimality conditions no longer hold to 1e-6 λ after refactoring.
+  // The optimality conditions no longer hold after refactoring: to 1e-6 λ on
+  // active columns, to 1e-4 λ on others.
   kIllConditioned,
 };
 

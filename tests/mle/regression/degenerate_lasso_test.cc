@@ -26,7 +26,7 @@ void ExpectSolvedDownTo(double smallest_part, const ExplicitLasso& problem,
   const auto summary = SolveHomotopy(problem.objective, options);
   ASSERT_TRUE(summary.ok()) << summary.status();
   if (summary->termination != HomotopyTermination::kReachedLambdaMin) {
-    EXPECT_LE(summary->path.lambda_end(), 0.5 * smallest_part * lambda_max)
+    EXPECT_LE(summary->path.lambda_end(), 0.1 * smallest_part * lambda_max)
         << "problem " << number << ": " << summary->BriefReport();
   }
   for (Eigen::Index i = 1; i < options.certify_at.size(); ++i) {
