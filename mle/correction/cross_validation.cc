@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <iterator>
-#include <limits>
 #include <utility>
 
 #include "glog/logging.h"
@@ -59,14 +58,14 @@ class FoldFit {
     penalty += weight * sum;
   }
 
-  // R + ΔR(λ).
-  Eigen::MatrixXd Coefficients(const Eigen::MatrixXd& R, double lambda) const {
-    Eigen::MatrixXd corrected = R;
+  // ΔR(λ).
+  Eigen::MatrixXd Change(double lambda) const {
+    Eigen::MatrixXd change(problem_.num_responses(), problem_.num_regressors());
     for (std::size_t q = 0; q < solutions_.size(); ++q) {
-      corrected.row(static_cast<Eigen::Index>(q)) +=
+      change.row(static_cast<Eigen::Index>(q)) =
           problem_.Unscale(solutions_[q].path.Coefficients(lambda)).transpose();
     }
-    return corrected;
+    return change;
   }
 
  private:
@@ -79,37 +78,6 @@ class FoldFit {
   LassoProblem problem_;
   std::vector<LassoSolution> solutions_;
 };
-
-// ½ mean square of the residuals further ahead, on the rows of `fold`, by
-// output.
-Eigen::VectorXd AheadLoss(const RegressionData& data, const Fold& fold,
-                          const Eigen::MatrixXd& R, int horizon) {
-  Eigen::VectorXd squares = Eigen::VectorXd::Zero(R.rows());
-  double rows = 0.0;
-  for (int i = 0; i < data.num_windows(); ++i) {
-    for (const RegressionRows& run : data.window(i)) {
-      Eigen::MatrixXd residuals;
-      for (const RegressionRows& block : fold) {
-        const bool inside = block.series == run.series &&
-                            block.rows.first >= run.rows.first &&
-                            block.rows.last <= run.rows.last;
-        if (!inside) continue;
-        if (residuals.size() == 0) {
-          residuals = PredictionResiduals(*run.series, run.rows, R, horizon);
-        }
-        squares +=
-            residuals
-                .middleCols(run.rows.last - block.rows.last, block.rows.rows())
-                .rowwise()
-                .squaredNorm();
-        rows += block.rows.rows();
-      }
-    }
-  }
-  // An unstable model runs away, until nothing is a number any more.
-  return squares.array().isFinite().select(
-      0.5 / rows * squares, std::numeric_limits<double>::infinity());
-}
 
 }  // namespace
 
@@ -175,12 +143,18 @@ absl::StatusOr<FoldLosses> CrossValidate(
         losses.exact.back()[q].Scale(losses.weight(f));
       }
     } else {
-      for (Eigen::Index i = 0; i < lambdas.size(); ++i) {
-        const Eigen::VectorXd loss = AheadLoss(
-            data, folds[f], fit.Coefficients(data.model_R(), lambdas(i)),
-            options.horizon);
+      const AheadLosses ahead(data, folds[f], options.horizon);
+      // Two λ at a time share the reading of the rows.
+      for (Eigen::Index i = 0; i < lambdas.size(); i += 2) {
+        std::vector<Eigen::MatrixXd> changes;
+        for (const double lambda : lambdas.segment(
+                 i, std::min<Eigen::Index>(2, lambdas.size() - i))) {
+          changes.push_back(fit.Change(lambda));
+        }
+        const Eigen::MatrixXd loss = ahead.Of(changes);
         for (std::size_t q = 0; q < losses.values.size(); ++q) {
-          losses.values[q](f, i) = loss(static_cast<Eigen::Index>(q));
+          losses.values[q].row(f).segment(i, loss.cols()) =
+              loss.row(static_cast<Eigen::Index>(q));
         }
       }
     }

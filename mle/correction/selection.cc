@@ -167,6 +167,24 @@ absl::StatusOr<std::vector<std::vector<Fold>>> Partitions(
   return partitions;
 }
 
+// λ* from the losses on the folds of all partitions, on the grid of
+// `cross_validation`.
+absl::StatusOr<SelectionSummary> ChooseByFolds(
+    const RegressionData& data,
+    const std::vector<std::vector<Fold>>& partitions,
+    const SelectionOptions& options, CrossValidationOptions cross_validation) {
+  cross_validation.lambdas = cross_validation.horizon == 1
+                                 ? cross_validation.grid
+                                 : Thin(cross_validation.grid);
+  FoldLosses losses;
+  for (const std::vector<Fold>& folds : partitions) {
+    MLE_ASSIGN_OR_RETURN(FoldLosses more,
+                         CrossValidate(data, folds, cross_validation));
+    losses.Append(std::move(more));
+  }
+  return Choose(losses, cross_validation.lambdas, options);
+}
+
 }  // namespace
 
 absl::Status SelectionOptions::Validate() const {
@@ -215,19 +233,20 @@ absl::StatusOr<SelectionSummary> SelectLambda(
   cross_validation.penalty_weights = penalty_weights;
   cross_validation.horizon = options.Horizon(data.order());
   cross_validation.grid = fits.front().lambdas;
-  cross_validation.lambdas = cross_validation.horizon == 1
-                                 ? cross_validation.grid
-                                 : Thin(cross_validation.grid);
   cross_validation.solver = solver;
   MLE_ASSIGN_OR_RETURN(const std::vector<std::vector<Fold>> partitions,
                        Partitions(data, options));
-  FoldLosses losses;
-  for (const std::vector<Fold>& folds : partitions) {
-    MLE_ASSIGN_OR_RETURN(FoldLosses more,
-                         CrossValidate(data, folds, cross_validation));
-    losses.Append(std::move(more));
+  const Eigen::VectorXd grid = fits.front().lambdas;
+  if (cross_validation.horizon != 1 && grid.size() > 2 && grid(0) == 0.0) {
+    // A third of a path's work lies below the smallest λ > 0.
+    cross_validation.grid = grid.tail(grid.size() - 1);
+    MLE_ASSIGN_OR_RETURN(
+        SelectionSummary summary,
+        ChooseByFolds(data, partitions, options, cross_validation));
+    if (summary.lambda_star.minCoeff() > grid(1)) return summary;
   }
-  return Choose(losses, cross_validation.lambdas, options);
+  cross_validation.grid = grid;
+  return ChooseByFolds(data, partitions, options, cross_validation);
 }
 
 }  // namespace mle

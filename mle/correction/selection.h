@@ -16,8 +16,8 @@
 //                      and Tibshirani, Ann. Stat. 35, 2007).
 //
 // One step ahead the loss of a path is a piecewise quadratic in λ, known
-// exactly for all λ. Further ahead it is computed by simulation on a thinned
-// grid.
+// exactly for all λ. Further ahead it is computed on a thinned grid, with λ = 0
+// among it only where the smallest λ > 0 is the best of the others.
 
 #ifndef MLE_CORRECTION_SELECTION_H_
 #define MLE_CORRECTION_SELECTION_H_

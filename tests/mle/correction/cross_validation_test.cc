@@ -1,10 +1,13 @@
 #include "mle/correction/cross_validation.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 #include <vector>
 
 #include "gtest/gtest.h"
+#include "mle/correction/prediction_residuals.h"
 #include "mle/regression/homotopy.h"
 #include "tests/mle/correction/arx_data.h"
 
@@ -119,46 +122,120 @@ INSTANTIATE_TEST_SUITE_P(Scalings, CrossValidationTest,
                          ::testing::Values(Scaling::kStandardise,
                                            Scaling::kRaw));
 
-// Simulated over the whole of the other window, from its first lags on.
-TEST(CrossValidationAheadTest, FreeSimulationIsThatOfTheRecursion) {
-  const RegressionData data = Data(2, Scaling::kRaw);
-  const std::vector<Fold> folds = FoldsByWindow(data);
-  CrossValidationOptions options;
-  options.scaling = Scaling::kRaw;
-  options.horizon = 0;
-  options.grid = Eigen::Vector2d(0.01, 0.1);
-  options.lambdas = options.grid;
-  const auto losses = CrossValidate(data, folds, options);
-  ASSERT_TRUE(losses.ok()) << losses.status();
-  const LassoProblem problem =
-      MakeLassoProblem(ComputeLaggedMoments(folds[1]), Scaling::kRaw);
-  Eigen::MatrixXd R = data.model_R();
-  for (int q = 0; q < 2; ++q) {
-    const auto fit = SolveHomotopy(LassoObjective(problem, q), {});
-    ASSERT_TRUE(fit.ok());
-    R.row(q) += fit->path.Coefficients(0.1).transpose();
-  }
-  const LaggedSeries& series = *folds[0][0].series;
-  const RowRange rows = folds[0][0].rows;
-  // Oldest first, outputs replaced by their prediction.
+// Measured less simulated outputs, oldest first, on the model's own outputs
+// after the lags of the first row.
+Eigen::MatrixXd SimulationErrors(const LaggedSeries& series, RowRange rows,
+                                 const Eigen::MatrixXd& R) {
   Eigen::MatrixXd z = series.Samples({0, rows.last}).rowwise().reverse();
   const Eigen::MatrixXd measured = z;
   for (int k = rows.first; k <= rows.last; ++k) {
     Eigen::Vector2d y = Eigen::Vector2d::Zero();
-    for (int lag = 1; lag <= 4; ++lag) {
+    for (int lag = 1; lag <= series.order(); ++lag) {
       y += R.middleCols(4 * lag - 4, 4) * z.col(k - lag);
     }
     z.col(k).head(2) = y;
   }
-  Eigen::MatrixXd error = (measured - z).topRightCorner(2, rows.rows());
-  error.colwise() -= error.rowwise().mean().eval();
-  for (std::size_t q = 0; q < 2; ++q) {
-    const double expected =
-        0.5 * error.row(static_cast<Eigen::Index>(q)).squaredNorm() /
-        rows.rows();
-    EXPECT_NEAR(losses->values[q](0, 1), expected, 1e-12 * expected);
+  return (measured - z).topRightCorner(2, rows.rows());
+}
+
+// Anew from measured outputs every `horizon` samples, less the mean.
+Eigen::MatrixXd ErrorsAhead(const LaggedSeries& series, RowRange rows,
+                            const Eigen::MatrixXd& R, int horizon) {
+  const int length = horizon > 0 ? horizon : rows.rows();
+  Eigen::MatrixXd errors(2, rows.rows());
+  for (int first = rows.first; first <= rows.last; first += length) {
+    const int last = std::min(first + length - 1, rows.last);
+    errors.middleCols(first - rows.first, last - first + 1) =
+        SimulationErrors(series, {first, last}, R);
   }
-  EXPECT_TRUE(losses->exact.empty());
+  errors.colwise() -= errors.rowwise().mean().eval();
+  return errors;
+}
+
+class CrossValidationAheadTest : public ::testing::TestWithParam<int> {};
+
+TEST_P(CrossValidationAheadTest, LossesAreThoseOfTheRecursion) {
+  const RegressionData data = Data(2, Scaling::kRaw);
+  for (const std::vector<Fold>& folds :
+       {FoldsByWindow(data), FoldsByBlock(data, 3, 20, 5)}) {
+    CrossValidationOptions options;
+    options.scaling = Scaling::kRaw;
+    options.horizon = GetParam();
+    options.grid = Eigen::Vector3d(0.01, 0.1, 0.3);
+    options.lambdas = options.grid;
+    const auto losses = CrossValidate(data, folds, options);
+    ASSERT_TRUE(losses.ok()) << losses.status();
+    EXPECT_TRUE(losses->exact.empty());
+    for (std::size_t f = 0; f < folds.size(); ++f) {
+      std::vector<RegressionRows> others;
+      for (std::size_t g = 0; g < folds.size(); ++g) {
+        if (g != f) {
+          others.insert(others.end(), folds[g].begin(), folds[g].end());
+        }
+      }
+      const LassoProblem problem =
+          MakeLassoProblem(ComputeLaggedMoments(others), Scaling::kRaw);
+      for (Eigen::Index i = 0; i < options.lambdas.size(); ++i) {
+        Eigen::MatrixXd R = data.model_R();
+        for (int q = 0; q < 2; ++q) {
+          const auto fit = SolveHomotopy(LassoObjective(problem, q), {});
+          ASSERT_TRUE(fit.ok());
+          R.row(q) += fit->path.Coefficients(options.lambdas(i)).transpose();
+        }
+        Eigen::Vector2d squares = Eigen::Vector2d::Zero();
+        double count = 0.0;
+        for (const RegressionRows& part : folds[f]) {
+          // Predictions run through the whole window of the part.
+          for (int w = 0; w < data.num_windows(); ++w) {
+            const RegressionRows& run = data.window(w).front();
+            if (run.series != part.series) continue;
+            squares += ErrorsAhead(*run.series, run.rows, R, GetParam())
+                           .middleCols(part.rows.first - run.rows.first,
+                                       part.rows.rows())
+                           .rowwise()
+                           .squaredNorm();
+            count += part.rows.rows();
+          }
+        }
+        for (Eigen::Index q = 0; q < 2; ++q) {
+          const double expected = 0.5 * squares(q) / count;
+          EXPECT_NEAR(losses->values[q](static_cast<Eigen::Index>(f), i),
+                      expected, 1e-11 * expected);
+        }
+      }
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Horizons, CrossValidationAheadTest,
+                         ::testing::Values(0, 2, 7, 1000));
+
+TEST(PredictionResidualsTest, AreThoseOfTheRecursion) {
+  const RegressionData data = Data(2, Scaling::kRaw);
+  const RegressionRows& run = data.window(1).front();
+  for (const int horizon : {0, 1, 2, 7, 1000}) {
+    const Eigen::MatrixXd errors =
+        PredictionResiduals(*run.series, run.rows, data.model_R(), horizon);
+    const Eigen::MatrixXd expected =
+        ErrorsAhead(*run.series, run.rows, data.model_R(), horizon);
+    EXPECT_LE((errors.rowwise().reverse() - expected).cwiseAbs().maxCoeff(),
+              1e-12 * expected.cwiseAbs().maxCoeff())
+        << "horizon " << horizon;
+  }
+}
+
+TEST(PredictionResidualsTest, LossOfAModelThatRunsAwayIsInfinite) {
+  const RegressionData data = Data(2, Scaling::kRaw);
+  const std::vector<Fold> folds = FoldsByWindow(data);
+  Eigen::MatrixXd change = Eigen::MatrixXd::Zero(2, 16);
+  change(0, 0) = 1e12;
+  change(1, 1) = 1e12;
+  const std::vector<Eigen::MatrixXd> changes = {Eigen::MatrixXd::Zero(2, 16),
+                                                change};
+  const Eigen::MatrixXd loss = AheadLosses(data, folds[0], 0).Of(changes);
+  EXPECT_TRUE(loss.col(0).allFinite());
+  EXPECT_EQ(loss(0, 1), std::numeric_limits<double>::infinity());
+  EXPECT_EQ(loss(1, 1), std::numeric_limits<double>::infinity());
 }
 
 }  // namespace
