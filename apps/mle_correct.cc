@@ -8,13 +8,15 @@
 #include "absl/strings/str_cat.h"
 #include "apps/common/command_line.h"
 #include "apps/common/flag_parser.h"
+#include "apps/correct/figures.h"
 #include "apps/correct/flags.h"
+#include "apps/correct/mismatch_map.h"
 #include "apps/correct/outputs.h"
 #include "apps/correct/page.h"
 #include "apps/correct/record_tables.h"
 #include "apps/correct/result.h"
 #include "apps/correct/tables.h"
-#include "apps/report/gnuplot.h"
+#include "apps/report/drawing.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"
 
@@ -54,29 +56,22 @@ report::RunAgain HowToRunAgain(const correct::Result& result) {
   return again;
 }
 
-// The figures, and the first reason why one could not be drawn.
-std::string MakePage(const correct::Result& result, absl::Status& drawn) {
-  correct::DrawFigure draw;
-  if (result.request.figures) {
-    std::cerr << "drawing the figures …\n";
-    draw = [&drawn](const correct::NamedFigure& figure) {
-      absl::StatusOr<std::string> svg =
-          report::RenderFigure(figure.figure, report::Format::kSvg);
-      drawn.Update(svg.status());
-      return svg;
-    };
-  }
-  return FormatPage(result, draw, HowToRunAgain(result));
-}
-
 // All contents are made before the first file is written.
 absl::Status WriteAll(const correct::Result& result) {
   MLE_ASSIGN_OR_RETURN(
       std::string json,
       correct::FormatResult(result, CommandLine(), FlagValues()));
-  absl::Status drawn;
-  std::string page = MakePage(result, drawn);
-  if (!drawn.ok()) std::cerr << "warning: " << drawn.message() << "\n";
+  std::vector<report::DrawnFigure> figures;
+  if (result.request.figures) {
+    std::cerr << "drawing the figures …\n";
+    figures = report::DrawFigures(correct::MakeFigures(result),
+                                  result.request.threads);
+  }
+  if (const absl::Status drawn = report::FirstFailure(figures); !drawn.ok()) {
+    std::cerr << "warning: " << drawn.message() << "\n";
+  }
+  std::string page =
+      correct::FormatPage(result, figures, HowToRunAgain(result));
   const ProcessModel& initial = result.initial();
   std::vector<std::pair<std::string, std::string>> files = {
       {"arx.json", correct::FormatArx(result.corrected.arx, initial)},
@@ -86,6 +81,9 @@ absl::Status WriteAll(const correct::Result& result) {
       {"step_response.csv", correct::FormatStepResponses(result)},
       {"report.html", std::move(page)},
       {"result.json", std::move(json)}};
+  for (auto& picture : report::FilesOf(figures)) {
+    files.push_back(std::move(picture));
+  }
   for (const auto& [name, content] : files) {
     MLE_RETURN_IF_ERROR(WriteFileAtomically(
         absl::StrCat(result.request.out, "/", name), content));
@@ -104,8 +102,11 @@ void PrintResult(const correct::Result& result) {
   for (const std::string& sentence : result.verdict) {
     std::cout << sentence << "\n";
   }
+  for (const std::string& finding : result.findings) {
+    std::cout << "  " << finding << "\n";
+  }
   std::cout << "\n"
-            << report::RenderText(MismatchMap(result)) << "\n"
+            << report::RenderText(correct::MismatchTable(result)) << "\n"
             << report::RenderText(ParameterTable(result)) << "\n";
   if (result.validation.shown() != nullptr ||
       !result.validation.initial.empty()) {

@@ -8,7 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "apps/common/command_line.h"
 #include "apps/common/flag_parser.h"
-#include "apps/report/gnuplot.h"
+#include "apps/report/drawing.h"
 #include "apps/report/number.h"
 #include "apps/reproduce/figures.h"
 #include "apps/reproduce/flags.h"
@@ -50,34 +50,6 @@ report::RunAgain HowToRunAgain(const reproduce::Study& study) {
   return again;
 }
 
-// Writes every figure in every format, and gives the page's pictures, or why a
-// figure could not be drawn: that leaves the results as good as they are, and
-// is warned of; a file that cannot be written is an error.
-absl::StatusOr<std::vector<absl::StatusOr<std::string>>> DrawFigures(
-    const std::vector<reproduce::NamedFigure>& figures,
-    const std::string& folder) {
-  constexpr std::pair<report::Format, const char*> kFormats[] = {
-      {report::Format::kSvg, ".svg"},
-      {report::Format::kPng, ".png"},
-      {report::Format::kPdf, ".pdf"}};
-  std::vector<absl::StatusOr<std::string>> svgs;
-  absl::Status drawn;
-  for (const reproduce::NamedFigure& figure : figures) {
-    for (const auto& [format, extension] : kFormats) {
-      absl::StatusOr<std::string> picture =
-          report::RenderFigure(figure.figure, format);
-      drawn.Update(picture.status());
-      if (picture.ok()) {
-        MLE_RETURN_IF_ERROR(WriteFileAtomically(
-            absl::StrCat(folder, "/", figure.name, extension), *picture));
-      }
-      if (format == report::Format::kSvg) svgs.push_back(std::move(picture));
-    }
-  }
-  if (!drawn.ok()) std::cerr << "warning: " << drawn.message() << "\n";
-  return svgs;
-}
-
 absl::Status WriteAll(const std::vector<CaseResult>& results,
                       const reproduce::Study& study,
                       const reproduce::Destination& destination) {
@@ -91,12 +63,20 @@ absl::Status WriteAll(const std::vector<CaseResult>& results,
        reproduce::FormatCurves(results, lambdas)) {
     MLE_RETURN_IF_ERROR(write(name, content));
   }
-  std::vector<reproduce::NamedFigure> figures;
-  if (destination.figures) figures = reproduce::MakeFigures(results, lambdas);
-  MLE_ASSIGN_OR_RETURN(const auto svgs,
-                       DrawFigures(figures, destination.folder));
-  return write("report.html", reproduce::FormatPage(results, figures, svgs,
-                                                    HowToRunAgain(study)));
+  std::vector<report::DrawnFigure> figures;
+  if (destination.figures) {
+    figures = report::DrawFigures(reproduce::MakeFigures(results, lambdas),
+                                  study.threads);
+  }
+  // What could not be drawn leaves the results as good as they are.
+  if (const absl::Status drawn = report::FirstFailure(figures); !drawn.ok()) {
+    std::cerr << "warning: " << drawn.message() << "\n";
+  }
+  for (const auto& [name, content] : report::FilesOf(figures)) {
+    MLE_RETURN_IF_ERROR(write(name, content));
+  }
+  return write("report.html",
+               reproduce::FormatPage(results, figures, HowToRunAgain(study)));
 }
 
 std::string EstimatorText(const CaseResult& result) {
@@ -106,11 +86,18 @@ std::string EstimatorText(const CaseResult& result) {
          "\n";
 }
 
+std::string AblationText(const CaseResult& result) {
+  if (result.ablations.empty()) return "";
+  return report::RenderText(reproduce::AblationTable(
+             result.name, result.AblatedE(), result.ablations)) +
+         "\n";
+}
+
 void PrintTables(const CaseResult& result) {
   std::cout << report::RenderText(reproduce::DistanceTable(result)) << "\n"
             << report::RenderText(reproduce::GainTable(result)) << "\n"
             << report::RenderText(reproduce::DelayTable(result)) << "\n"
-            << EstimatorText(result)
+            << EstimatorText(result) << AblationText(result)
             << report::RenderText(reproduce::ClosedLoopTable(
                    result.name, result.plant, result.ClosedLoops()))
             << "\n"

@@ -2,241 +2,120 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <string>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "apps/correct/advice.h"
+#include "apps/correct/figure_parts.h"
+#include "apps/correct/mismatch_map.h"
 #include "apps/correct/outputs.h"
+#include "apps/report/figure.h"
 
 namespace mle::correct {
 namespace {
 
-using report::Figure;
 using report::HorizontalLine;
-using report::MakeSeries;
+using report::NamedFigure;
 using report::Panel;
 using report::Role;
 using report::Series;
+using report::VerticalLine;
 
-constexpr double kPanelWidthCm = 8.5;
-constexpr double kMaxWidthCm = 34.0;
-constexpr int kMaxPoints = 1500;
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
-std::vector<double> ToVector(const Eigen::VectorXd& values) {
-  return {values.data(), values.data() + values.size()};
-}
-
-std::string TimeLabel(const Result& result, const std::string& what) {
-  return absl::StrCat(what, " (", result.initial().time_unit(), ")");
-}
-
-std::string Named(const std::string& name, const std::string& unit) {
-  return unit.empty() ? name : absl::StrCat(name, " (", unit, ")");
-}
-
-Figure Grid(int rows, int columns, double row_height_cm) {
-  Figure figure;
-  figure.columns = columns;
-  figure.width_cm =
-      std::clamp(kPanelWidthCm * columns, 2.0 * kPanelWidthCm, kMaxWidthCm);
-  figure.height_cm = std::min(1.5 + row_height_cm * rows, 100.0);
-  return figure;
-}
-
-// The windows one after the other, with a break between them.
-struct Strip {
-  std::vector<double> time;  // from the start of the first window
-  std::vector<double> ends;  // of all windows but the last
-};
-
-Strip MakeStrip(const RecordData& data) {
-  Strip strip;
-  double start = 0.0;
-  for (const SetPointWindow& window : data.windows) {
-    const Record& record = window.record;
-    if (start > 0.0) strip.ends.push_back(start);
-    for (int k = 0; k < record.samples(); ++k) {
-      strip.time.push_back(start + k * record.sample_time);
-    }
-    start += record.samples() * record.sample_time;
-    strip.time.push_back(start);
+std::vector<double> Times(double first, double step, Eigen::Index count) {
+  std::vector<double> times;
+  for (Eigen::Index k = 0; k < count; ++k) {
+    times.push_back(first + static_cast<double>(k) * step);
   }
-  return strip;
+  return times;
 }
 
-// `values_of(w)` of every window, NaN between them.
-template <typename Function>
-std::vector<double> Join(const RecordData& data, const Function& values_of) {
-  std::vector<double> joined;
-  for (std::size_t w = 0; w < data.windows.size(); ++w) {
-    const Eigen::RowVectorXd values = values_of(w);
-    joined.insert(joined.end(), values.data(), values.data() + values.size());
-    joined.push_back(kNaN);
-  }
-  return joined;
+// "% per t/h": of a step response.
+std::string ResponseUnit(const ProcessModel& model, int output, int input) {
+  const std::string& y = model.outputs()[output].unit;
+  const std::string& u = model.inputs()[input].unit;
+  if (y.empty() || u.empty()) return "step response";
+  return absl::StrCat(y, " per ", u);
 }
-
-void AddStrip(Role role, const std::string& label, const Strip& strip,
-              std::vector<double> values, Panel& panel, bool steps = false) {
-  Series series = MakeSeries(role, label, strip.time, std::move(values));
-  series.max_points = kMaxPoints;
-  series.steps = steps;
-  panel.series.push_back(std::move(series));
-}
-
-void MarkEnds(const Strip& strip, Panel& panel) {
-  for (const double end : strip.ends) {
-    panel.lines.push_back(VerticalLine(Role::kReference, "", end));
-  }
-}
-
-// NaN where there are none.
-Eigen::RowVectorXd SetPointsOf(const Record& record, int output) {
-  if (record.set_points.size() > 0) return record.set_points.row(output);
-  return Eigen::RowVectorXd::Constant(record.samples(), kNaN);
-}
-
-// y less what a model simulates, at the mean of what is measured.
-Eigen::RowVectorXd Simulated(const Predictor& predictor, const Record& record,
-                             int output) {
-  return record.outputs.row(output) - predictor(record, 0).row(output);
-}
-
-}  // namespace
 
 NamedFigure StepResponseFigure(const Result& result) {
   const ProcessModel& model = result.initial();
-  const StepResponse& initial = result.initial_response;
-  NamedFigure named;
-  named.name = "step_responses";
-  named.caption =
+  NamedFigure named = NewFigure(
+      "step_responses",
       "Response of each output (row) to a unit step of each input (column): "
       "the initial model and the one written, with its band where the records "
-      "give one.";
-  named.alt = named.caption;
-  named.figure = Grid(model.num_outputs(), model.num_inputs(), 5.0);
-  std::vector<double> time;
-  for (int k = 0; k < initial.samples(); ++k) {
-    time.push_back(k * initial.sample_time);
+      "give one.",
+      model.num_outputs(), model.num_inputs(), 5.0);
+  const std::vector<double> time =
+      Times(0.0, result.initial_response.sample_time,
+            result.initial_response.samples());
+  const auto fill = [&](int i, int j, Panel& panel) {
+    panel.y.label = ResponseUnit(model, i, j);
+    const auto add = [&](Role role, const char* label,
+                         const StepResponse& response) -> Series& {
+      return AddCurve(role, label, time, ToVector(response.element(i, j)),
+                      panel);
+    };
+    if (result.true_response.has_value()) {
+      add(Role::kTrue, "true plant", *result.true_response);
+    }
+    add(Role::kInitial, "initial model", result.initial_response);
+    Series& corrected =
+        add(Role::kCorrected, result.accepted() ? "corrected" : "written",
+            result.corrected.response);
+    if (!result.corrected.errors.has_value()) return;
+    const Eigen::VectorXd half =
+        BandFactor(result) * result.corrected.errors->element(i, j);
+    if (!half.allFinite() || !(half.maxCoeff() > 0.0)) return;
+    const Eigen::VectorXd middle = result.corrected.response.element(i, j);
+    corrected.lower = ToVector(middle - half);
+    corrected.upper = ToVector(middle + half);
+  };
+  AddPairPanels(result, TimeLabel(result, "time"), named.figure, fill);
+  return named;
+}
+
+// From 0, kept, to 1.
+double Shade(const Result& result, int output, int input) {
+  constexpr double kLeast = 0.2;
+  constexpr double kFull = 0.5;  // of the response's size
+  const double change = result.change.elements(output, input);
+  if (!result.accepted() || change == 0.0) return 0.0;
+  if (!std::isfinite(change)) return 1.0;
+  return kLeast + (1.0 - kLeast) * std::min(change / kFull, 1.0);
+}
+
+// A square for each pair, inputs along x, the first output at the top.
+NamedFigure MismatchFigure(const Result& result) {
+  constexpr double kCellWidthCm = 3.9;
+  constexpr double kCellHeightCm = 2.3;
+  const ProcessModel& model = result.initial();
+  const int p = model.num_outputs();
+  const int m = model.num_inputs();
+  NamedFigure named = NewFigure(
+      "mismatch_map",
+      "Mismatch by element: what has changed, and the probability p of such "
+      "records if the element had not. White: kept. The darker, the more of "
+      "its "
+      "step response has changed; half or more is darkest.",
+      p, 1, kCellHeightCm);
+  named.alt = absl::StrCat(named.caption,
+                           " The table of elements has the same numbers.");
+  named.figure.width_cm = std::clamp(3.0 + kCellWidthCm * m, 8.5, 60.0);
+  named.figure.legend = false;
+  Panel& panel = named.figure.AddPanel("");
+  panel.x.label = "input";
+  panel.y.label = "output";
+  for (const InputChannel& input : model.inputs()) {
+    panel.x.names.push_back(input.name);
   }
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      Panel& panel = named.figure.AddPanel(PairName(model, i, j));
-      if (i + 1 == model.num_outputs())
-        panel.x.label = TimeLabel(result, "time");
-      const auto add = [&](Role role, const char* label,
-                           const StepResponse& response) -> Series& {
-        panel.series.push_back(
-            MakeSeries(role, label, time, ToVector(response.element(i, j))));
-        panel.series.back().max_points = kMaxPoints;
-        return panel.series.back();
-      };
-      if (result.true_response.has_value()) {
-        add(Role::kTrue, "true plant", *result.true_response);
-      }
-      add(Role::kInitial, "initial model", initial);
-      Series& corrected =
-          add(Role::kCorrected, result.accepted() ? "corrected" : "written",
-              result.corrected.response);
-      if (!result.corrected.errors.has_value()) continue;
-      const Eigen::VectorXd half =
-          BandFactor(result) * result.corrected.errors->element(i, j);
-      if (!half.allFinite() || !(half.maxCoeff() > 0.0)) continue;
-      const Eigen::VectorXd middle = result.corrected.response.element(i, j);
-      corrected.lower = ToVector(middle - half);
-      corrected.upper = ToVector(middle + half);
+  for (int i = p - 1; i >= 0; --i) {
+    panel.y.names.push_back(model.outputs()[i].name);
+    for (int j = 0; j < m; ++j) {
+      panel.cells.push_back(
+          {static_cast<double>(j), static_cast<double>(p - 1 - i),
+           Shade(result, i, j), DescribeMismatch(result, i, j)});
     }
   }
-  return named;
-}
-
-NamedFigure RecordFigure(const Result& result) {
-  const ProcessModel& model = result.initial();
-  const RecordData& data = result.data;
-  const Strip strip = MakeStrip(data);
-  NamedFigure named;
-  named.name = "records";
-  named.caption =
-      "The windows the correction rests on, one after the other: outputs with "
-      "their set points, and inputs.";
-  named.alt = named.caption;
-  const int channels = model.num_outputs() + model.num_inputs();
-  named.figure = Grid((channels + 1) / 2, 2, 4.0);
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    Panel& panel = named.figure.AddPanel(
-        Named(model.outputs()[i].name, model.outputs()[i].unit));
-    AddStrip(Role::kMeasured, "measured", strip,
-             Join(data,
-                  [&](std::size_t w) -> Eigen::RowVectorXd {
-                    return data.windows[w].record.outputs.row(i);
-                  }),
-             panel);
-    AddStrip(Role::kSetPoint, "set point", strip,
-             Join(data,
-                  [&](std::size_t w) {
-                    return SetPointsOf(data.windows[w].record, i);
-                  }),
-             panel, /*steps=*/true);
-    MarkEnds(strip, panel);
-  }
-  for (int j = 0; j < model.num_inputs(); ++j) {
-    Panel& panel = named.figure.AddPanel(
-        Named(model.inputs()[j].name, model.inputs()[j].unit));
-    AddStrip(Role::kMeasured, "measured", strip,
-             Join(data,
-                  [&](std::size_t w) -> Eigen::RowVectorXd {
-                    return data.windows[w].record.inputs.row(j);
-                  }),
-             panel, /*steps=*/true);
-    MarkEnds(strip, panel);
-  }
-  for (std::size_t n =
-           named.figure.panels.size() >= 2 ? named.figure.panels.size() - 2 : 0;
-       n < named.figure.panels.size(); ++n) {
-    named.figure.panels[n].x.label =
-        TimeLabel(result, "time from the first window's start");
-  }
-  return named;
-}
-
-NamedFigure PredictionFigure(const Result& result) {
-  const ProcessModel& model = result.initial();
-  const RecordData& data = result.data;
-  const Strip strip = MakeStrip(data);
-  const Fit& fit = result.estimate.fit;
-  NamedFigure named;
-  named.name = "predictions";
-  named.caption =
-      "Measured outputs and what both models simulate from the inputs alone, "
-      "in all windows (the corrected model was fitted to them).";
-  named.alt = named.caption;
-  named.figure = Grid(model.num_outputs(), 1, 5.0);
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    Panel& panel = named.figure.AddPanel(
-        Named(model.outputs()[i].name, model.outputs()[i].unit));
-    AddStrip(Role::kMeasured, "measured", strip,
-             Join(data,
-                  [&](std::size_t w) -> Eigen::RowVectorXd {
-                    return data.windows[w].record.outputs.row(i);
-                  }),
-             panel);
-    const auto add = [&](Role role, const char* label,
-                         const Predictor& predictor) {
-      AddStrip(role, label, strip,
-               Join(data,
-                    [&](std::size_t w) {
-                      return Simulated(predictor, data.windows[w].record, i);
-                    }),
-               panel);
-    };
-    add(Role::kInitial, "initial model", fit.initial);
-    if (result.accepted()) add(Role::kCorrected, "corrected", fit.corrected);
-    MarkEnds(strip, panel);
-  }
-  named.figure.panels.back().x.label =
-      TimeLabel(result, "time from the first window's start");
   return named;
 }
 
@@ -247,13 +126,11 @@ bool HasLossFigure(const Result& result) {
 
 NamedFigure LossFigure(const Result& result) {
   const SelectionSummary& selection = result.estimate.fit.arx->selection();
-  NamedFigure named;
-  named.name = "loss_over_lambda";
-  named.caption =
+  NamedFigure named = NewFigure(
+      "loss_over_lambda",
       "What the rule for λ minimises: the prediction loss on blocks held out, "
-      "or the criterion. λ acts on outputs in units of their noise.";
-  named.alt = named.caption;
-  named.figure.width_cm = 14.0;
+      "or the criterion. λ acts on outputs in units of their noise.",
+      1, 1, 6.5);
   Panel& panel = named.figure.AddPanel("");
   panel.x = {.label = "penalty λ", .log = true};
   panel.y = {.label = "loss", .log = true};
@@ -272,36 +149,35 @@ NamedFigure LossFigure(const Result& result) {
   return named;
 }
 
+void AddLimits(double limit, Panel& panel) {
+  for (const double side : {limit, -limit}) {
+    panel.lines.push_back(HorizontalLine(Role::kReference, "99 %", side));
+  }
+}
+
 NamedFigure AutocorrelationFigure(const Result& result) {
   const ProcessModel& model = result.initial();
   const double sample_time = result.data.sample_time();
-  NamedFigure named;
-  named.name = "autocorrelation";
-  named.caption =
+  NamedFigure named = NewFigure(
+      "autocorrelation",
       "Autocorrelation of the one-step prediction errors, with the 99 % limits "
-      "of white noise.";
-  named.alt = named.caption;
-  named.figure = Grid((model.num_outputs() + 1) / 2, 2, 4.5);
+      "of white noise.",
+      (model.num_outputs() + 1) / 2, 2, 4.5);
   for (int i = 0; i < model.num_outputs(); ++i) {
     Panel& panel = named.figure.AddPanel(model.outputs()[i].name);
     panel.x.label = TimeLabel(result, "lag");
+    panel.y.label = "autocorrelation";
     const auto add = [&](Role role, const char* label,
                          const ResidualReport& report) {
-      std::vector<double> lags;
-      for (Eigen::Index a = 0; a < report.autocorrelation.size(); ++a) {
-        lags.push_back(static_cast<double>(a + 1) * sample_time);
-      }
-      panel.series.push_back(
-          MakeSeries(role, label, lags, ToVector(report.autocorrelation)));
-      panel.series.back().max_points = kMaxPoints;
+      AddCurve(role, label,
+               Times(sample_time, sample_time, report.autocorrelation.size()),
+               ToVector(report.autocorrelation), panel);
     };
     add(Role::kInitial, "initial model", result.initial_residuals[i]);
     if (result.accepted()) {
       add(Role::kCorrected, "corrected", result.corrected_residuals[i]);
     }
-    const double limit = result.corrected_residuals[i].limit;
-    panel.lines.push_back(HorizontalLine(Role::kReference, "99 %", limit));
-    panel.lines.push_back(HorizontalLine(Role::kReference, "99 %", -limit));
+    AddLimits(result.corrected_residuals[i].limit, panel);
   }
   return named;
 }
@@ -309,43 +185,42 @@ NamedFigure AutocorrelationFigure(const Result& result) {
 NamedFigure CrossCorrelationFigure(const Result& result) {
   const ProcessModel& model = result.initial();
   const double sample_time = result.data.sample_time();
-  NamedFigure named;
-  named.name = "cross_correlation";
-  named.caption =
+  NamedFigure named = NewFigure(
+      "cross_correlation",
       "Correlation of the one-step prediction errors with the inputs, with "
       "99 % limits. To the right of zero it shows dynamics that the model "
-      "lacks; to the left the controller, which answers to what it measures.";
-  named.alt = named.caption;
-  named.figure = Grid(model.num_outputs(), model.num_inputs(), 4.5);
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      Panel& panel = named.figure.AddPanel(PairName(model, i, j));
-      if (i + 1 == model.num_outputs())
-        panel.x.label = TimeLabel(result, "lag");
-      const auto add = [&](Role role, const char* label,
-                           const InputCorrelation& input) {
-        std::vector<double> lags;
-        for (int lag = -input.max_lag; lag <= input.max_lag; ++lag) {
-          lags.push_back(lag * sample_time);
-        }
-        if (input.values.size() == 0) return;
-        panel.series.push_back(
-            MakeSeries(role, label, lags, ToVector(input.values)));
-        panel.series.back().max_points = kMaxPoints;
-      };
-      add(Role::kInitial, "initial model",
-          result.initial_residuals[i].inputs[j]);
-      const InputCorrelation& corrected =
-          result.corrected_residuals[i].inputs[j];
-      if (result.accepted()) add(Role::kCorrected, "corrected", corrected);
-      panel.lines.push_back(
-          HorizontalLine(Role::kReference, "99 %", corrected.limit));
-      panel.lines.push_back(
-          HorizontalLine(Role::kReference, "99 %", -corrected.limit));
-      panel.lines.push_back(VerticalLine(Role::kReference, "", 0.0));
-    }
-  }
+      "lacks; to the left the controller, which answers to what it measures.",
+      model.num_outputs(), model.num_inputs(), 4.5);
+  const auto fill = [&](int i, int j, Panel& panel) {
+    panel.y.label = "correlation";
+    const auto add = [&](Role role, const char* label,
+                         const InputCorrelation& input) {
+      if (input.values.size() == 0) return;
+      AddCurve(
+          role, label,
+          Times(-input.max_lag * sample_time, sample_time, input.values.size()),
+          ToVector(input.values), panel);
+    };
+    const InputCorrelation& corrected = result.corrected_residuals[i].inputs[j];
+    add(Role::kInitial, "initial model", result.initial_residuals[i].inputs[j]);
+    if (result.accepted()) add(Role::kCorrected, "corrected", corrected);
+    AddLimits(corrected.limit, panel);
+    panel.lines.push_back(VerticalLine(Role::kReference, "", 0.0));
+  };
+  AddPairPanels(result, TimeLabel(result, "lag"), named.figure, fill);
   return named;
+}
+
+}  // namespace
+
+std::vector<report::NamedFigure> MakeFigures(const Result& result) {
+  std::vector<NamedFigure> figures = {
+      StepResponseFigure(result), MismatchFigure(result), RecordFigure(result),
+      PredictionFigure(result)};
+  if (HasLossFigure(result)) figures.push_back(LossFigure(result));
+  figures.push_back(AutocorrelationFigure(result));
+  figures.push_back(CrossCorrelationFigure(result));
+  return figures;
 }
 
 }  // namespace mle::correct

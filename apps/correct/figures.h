@@ -1,37 +1,29 @@
-// The figures of the page.
+// The figures of the page, each also a file of its own.
 
 #ifndef APPS_CORRECT_FIGURES_H_
 #define APPS_CORRECT_FIGURES_H_
 
-#include <string>
 #include <vector>
 
 #include "apps/correct/result.h"
-#include "apps/report/figure.h"
+#include "apps/report/drawing.h"
 
 namespace mle::correct {
 
-struct NamedFigure {
-  std::string name;  // of its file, without extension
-  std::string caption;
-  std::string alt;
-  report::Figure figure;
-};
-
-// A panel for each pair: initial, corrected with its band, true.
-NamedFigure StepResponseFigure(const Result& result);
-// A panel for each channel, windows one after the other: outputs with set
-// points, inputs.
-NamedFigure RecordFigure(const Result& result);
-// A panel for each output: measured, and simulated by both models.
-NamedFigure PredictionFigure(const Result& result);
-// The loss the rule for λ minimises; only where ΔR was used.
-bool HasLossFigure(const Result& result);
-NamedFigure LossFigure(const Result& result);
-// A panel for each output: autocorrelation of the one-step errors.
-NamedFigure AutocorrelationFigure(const Result& result);
-// A panel for each pair: errors against inputs over the lag.
-NamedFigure CrossCorrelationFigure(const Result& result);
+// By their names:
+//
+//   step_responses     a panel for each pair: initial, corrected with its band,
+//                      true where it is known
+//   mismatch_map       what has changed of each pair, and how surely
+//   records            a panel for each channel: samples, bad ones, set points,
+//                      the windows used
+//   predictions        a panel for each output: measured, and simulated by both
+//                      models in every window
+//   loss_over_lambda   what the rule for λ minimises; only where ΔR was used
+//   autocorrelation    a panel for each output, of the one-step errors
+//   cross_correlation  a panel for each pair: errors against inputs over the
+//   lag
+std::vector<report::NamedFigure> MakeFigures(const Result& result);
 
 }  // namespace mle::correct
 

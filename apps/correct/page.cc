@@ -1,6 +1,7 @@
 #include "apps/correct/page.h"
 
 #include "absl/strings/str_cat.h"
+#include "apps/correct/mismatch_map.h"
 #include "apps/correct/record_tables.h"
 #include "apps/correct/tables.h"
 #include "apps/report/number.h"
@@ -8,19 +9,16 @@
 namespace mle::correct {
 namespace {
 
+using report::DrawnFigure;
 using report::HtmlPage;
 
-void AddFigure(const NamedFigure& figure, const DrawFigure& draw,
-               HtmlPage& page) {
-  if (draw) {
-    page.AddFigure(figure.figure, draw(figure), figure.caption, figure.alt);
-  }
-}
+using Figures = std::vector<DrawnFigure>;
 
-void AddModel(const Result& result, const DrawFigure& draw, HtmlPage& page) {
+void AddModel(const Result& result, const Figures& figures, HtmlPage& page) {
   page.AddHeading("The model");
-  AddFigure(StepResponseFigure(result), draw, page);
-  page.AddTable(MismatchMap(result));
+  AddFigure(figures, "step_responses", page);
+  AddFigure(figures, "mismatch_map", page);
+  if (figures.empty()) page.AddTable(MismatchTable(result));
   page.AddParagraph(
       "“Weak”: from these records the gain would have a standard error above "
       "10 %, “not informed”: above 50 %. Such elements keep the initial model "
@@ -35,17 +33,16 @@ void AddModel(const Result& result, const DrawFigure& draw, HtmlPage& page) {
   }
 }
 
-void AddRecords(const Result& result, const DrawFigure& draw, HtmlPage& page) {
+void AddRecords(const Result& result, const Figures& figures, HtmlPage& page) {
   page.AddHeading("The records");
   page.AddTable(FileTable(result.data, result.initial()));
   page.AddTable(ChannelTable(result.data, result.initial()));
   page.AddTable(WindowTable(result.data, result.initial()));
   if (!result.data.notes.empty()) page.AddList(result.data.notes);
-  AddFigure(RecordFigure(result), draw, page);
+  AddFigure(figures, "records", page);
 }
 
-void AddPredictions(const Result& result, const DrawFigure& draw,
-                    HtmlPage& page) {
+void AddTrust(const Result& result, const Figures& figures, HtmlPage& page) {
   page.AddHeading("Can it be trusted?");
   const Validation& validation = result.validation;
   if (validation.shown() != nullptr || !validation.initial.empty()) {
@@ -64,8 +61,8 @@ void AddPredictions(const Result& result, const DrawFigure& draw,
         report::FormatSignificant(validation.blocks->gain),
         ". Below zero it would be refused."));
   }
-  AddFigure(PredictionFigure(result), draw, page);
-  if (HasLossFigure(result)) AddFigure(LossFigure(result), draw, page);
+  AddFigure(figures, "predictions", page);
+  AddFigure(figures, "loss_over_lambda", page);
   page.AddSubheading("What is left");
   page.AddTable(ResidualTable(result));
   page.AddParagraph(
@@ -74,14 +71,14 @@ void AddPredictions(const Result& result, const DrawFigure& draw,
       "disturbances or missing dynamics; errors that follow an input after it "
       "moved, missing dynamics. Quantised or filtered measurements are not "
       "white either.");
-  AddFigure(AutocorrelationFigure(result), draw, page);
-  AddFigure(CrossCorrelationFigure(result), draw, page);
+  AddFigure(figures, "autocorrelation", page);
+  AddFigure(figures, "cross_correlation", page);
   page.AddTable(NoiseTable(result));
 }
 
 }  // namespace
 
-std::string FormatPage(const Result& result, const DrawFigure& draw,
+std::string FormatPage(const Result& result, const Figures& figures,
                        const report::RunAgain& run_again) {
   HtmlPage page(absl::StrCat("Model correction: ", result.initial().name()));
   page.AddSummary(result.verdict);
@@ -89,15 +86,16 @@ std::string FormatPage(const Result& result, const DrawFigure& draw,
     page.AddWarning(absl::StrCat("The result is not usable: ", failure));
   }
   for (const std::string& warning : result.warnings) page.AddWarning(warning);
+  page.AddList(result.findings);
   page.AddHeading("What to do");
   page.AddList(result.advice);
   if (!result.tuning.heading.empty()) {
     page.AddParagraph(result.tuning.heading);
     page.AddList(result.tuning.reasons);
   }
-  AddModel(result, draw, page);
-  AddRecords(result, draw, page);
-  AddPredictions(result, draw, page);
+  AddModel(result, figures, page);
+  AddRecords(result, figures, page);
+  AddTrust(result, figures, page);
   page.AddHeading("Certificate");
   page.AddTable(CertificateTable(result));
   page.AddParagraph(absl::StrCat(

@@ -229,6 +229,7 @@ absl::StatusOr<Result> CorrectFromRecords(const Request& request,
   WarnOfValidation(result);
   WarnOfShapes(result);
   result.verdict = Verdict(result);
+  result.findings = Findings(result);
   result.advice = Advise(result);
   result.tuning = AdviseTuning(result);
   return result;

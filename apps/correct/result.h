@@ -62,7 +62,8 @@ struct Result {
   int max_lag = 0;                                  // of the diagnostics
   std::vector<ResidualReport> initial_residuals;    // p
   std::vector<ResidualReport> corrected_residuals;  // p
-  std::vector<std::string> verdict;                 // sentences
+  std::vector<std::string> verdict;                 // two sentences
+  std::vector<std::string> findings;                // what it rests on
   std::vector<std::string> advice;                  // items
   Tuning tuning;
   std::vector<std::string> warnings;  // records' and the fit's

@@ -282,6 +282,7 @@ void AddFindings(const Result& result, Json& json) {
   json["estimator"] = std::string(NameOf(result.request.estimation.estimator));
   json["decision"] = std::string(NameOf(result.decision));
   json["verdict"] = result.verdict;
+  json["findings"] = result.findings;
   json["test_of_no_change"] = {
       {"p_value", NumberJson(calibrated.p_value)},
       {"p_value_chi_square", NumberJson(test.p_value)},

@@ -42,51 +42,7 @@ std::string WithError(double value, double error) {
                      : FormatSignificant(value, 4);
 }
 
-// What is far below any level need not be told apart.
-std::string ShortProbability(double p) {
-  return p < 1e-9 ? "< 10⁻⁹" : FormatProbability(p);
-}
-
-// What a cell of the map says of an element.
-std::string MapCell(const Result& result, int i, int j) {
-  const StructuredCorrection& structured = result.estimate.fit.structured;
-  const PairState state = result.information.pair(i, j).state;
-  if (state == PairState::kAbsent) return "–";
-  if (structured.full.element(i, j).state == ElementState::kNotInformed) {
-    return "not informed: initial";
-  }
-  const std::string remark = state == PairState::kWeak ? " (weak)"
-                             : state == PairState::kNotInformed
-                                 ? " (not informed)"
-                                 : "";
-  const std::string moved = Percent(100.0 * result.change.elements(i, j));
-  if (!result.accepted()) return "kept" + remark;
-  if (result.corrected.process.has_value() && !structured.aged(i, j)) {
-    return "kept" + remark;
-  }
-  return absl::StrCat("changed by ", moved, remark);
-}
-
 }  // namespace
-
-Table MismatchMap(const Result& result) {
-  const ProcessModel& model = result.initial();
-  Table table;
-  table.caption =
-      "Mismatch by element: change of the step response, relative to its size";
-  table.columns = {{"output ← input", Align::kLeft}};
-  for (const InputChannel& input : model.inputs()) {
-    table.columns.push_back({input.name, Align::kCenter});
-  }
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    std::vector<std::string> row = {model.outputs()[i].name};
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      row.push_back(MapCell(result, i, j));
-    }
-    table.AddRow(std::move(row));
-  }
-  return table;
-}
 
 Table ParameterTable(const Result& result) {
   const ProcessModel& model = result.initial();

@@ -8,9 +8,6 @@
 
 namespace mle::correct {
 
-// The mismatch map: outputs by rows, inputs by columns, how far each step
-// response has moved and what is known of it.
-report::Table MismatchMap(const Result& result);
 // Gain, time constant and dead time of every element: as it was, as fitted
 // with all elements free with its interval, as written.
 report::Table ParameterTable(const Result& result);

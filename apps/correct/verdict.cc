@@ -21,12 +21,11 @@ std::string Percent(double value) {
                               : "unknown";
 }
 
+// Of a step response, relative to its size, without structure to judge it by.
+constexpr double kNoticedChange = 0.05;
+
 double HalfWidth(const ParameterEstimate& estimate) {
   return 0.5 * (estimate.upper - estimate.lower);
-}
-
-bool Moved(const ParameterEstimate& estimate) {
-  return estimate.initial < estimate.lower || estimate.initial > estimate.upper;
 }
 
 std::string WithInterval(const ParameterEstimate& estimate) {
@@ -75,13 +74,48 @@ std::string Confirmation(const Result& result) {
   return text.empty() ? text : text + ".";
 }
 
-std::string AgedOrNot(const Result& result) {
+// Of combined, the second test may have found what the first did not.
+double PValue(const Result& result) {
   const Fit& fit = result.estimate.fit;
-  // Of combined, the second test may have found what the first did not.
-  const std::string p = FormatProbability(
-      fit.adequacy.has_value() && !fit.structured.change_proposed
-          ? fit.adequacy->p_value
-          : fit.test.p_value);
+  return fit.adequacy.has_value() && !fit.structured.change_proposed
+             ? fit.adequacy->p_value
+             : fit.test.p_value;
+}
+
+bool HasChanged(const Result& result, int output, int input) {
+  return result.corrected.process.has_value()
+             ? result.estimate.fit.structured.aged(output, input)
+             : result.change.elements(output, input) > kNoticedChange;
+}
+
+// "; 3 of 7 elements have changed, overhead ← reflux most (36 % of its
+// response)".
+std::string WhereMost(const Result& result) {
+  const ProcessModel& model = result.initial();
+  int present = 0;
+  int changed = 0;
+  double largest = -1.0;
+  std::string most;
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    for (int j = 0; j < model.num_inputs(); ++j) {
+      if (result.information.pair(i, j).state != PairState::kAbsent) ++present;
+      if (!HasChanged(result, i, j)) continue;
+      ++changed;
+      if (!(result.change.elements(i, j) > largest)) continue;
+      largest = result.change.elements(i, j);
+      most = PairName(model, i, j);
+    }
+  }
+  if (changed == 0) return "";
+  return absl::StrCat("; ", changed, " of ", present,
+                      present == 1 ? " element has" : " elements have",
+                      " changed, ", most, changed > 1 ? " most (" : " (",
+                      FormatSignificant(100.0 * largest, 2),
+                      " % of its step response)");
+}
+
+std::string AgedOrNot(const Result& result) {
+  const std::string p = FormatProbability(PValue(result));
   switch (result.decision) {
     case Decision::kNoChange:
       return absl::StrCat(
@@ -89,94 +123,65 @@ std::string AgedOrNot(const Result& result) {
           " for no change): it has not aged in a way that they show, and is "
           "left alone.");
     case Decision::kCorrected:
-      return absl::StrCat(
-          "The model has aged: without any change, records like these come "
-          "with a probability of ",
-          p, ".");
+      return absl::StrCat("The model has aged (p = ", p, " for no change)",
+                          WhereMost(result), ".");
     case Decision::kRefused:
-      return absl::StrCat(
-          "The records contradict the model (p = ", p,
-          " for no change), but the correction is refused: on what it had not "
-          "seen it predicts worse than the initial model, which is kept.");
+      return absl::StrCat("The records contradict the model (p = ", p,
+                          " for no change), but the correction is refused, and "
+                          "the initial model kept.");
   }
   return "";
 }
 
-std::vector<std::string> ChangedElements(const Result& result) {
-  std::vector<std::string> sentences;
-  const ProcessModel& model = result.initial();
-  const StructuredCorrection& structured = result.estimate.fit.structured;
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      const std::string pair = PairName(model, i, j);
-      if (result.corrected.process.has_value()) {
-        if (!structured.aged(i, j)) continue;
-        sentences.push_back(
-            absl::StrCat(pair, ": ",
-                         DescribeChange(structured.corrected.element(i, j),
-                                        model.time_unit()),
-                         "."));
-      } else if (result.change.elements(i, j) > 0.05) {
-        sentences.push_back(absl::StrCat(
-            pair, ": the step response changes by ",
-            Percent(100.0 * result.change.elements(i, j)), " of its size."));
-      }
-    }
+// "11 to 84 %", of what `fit_of` gives for each output.
+template <typename Function>
+std::string RangeOfFits(const HeldOut& held_out, const Function& fit_of) {
+  double low = std::numeric_limits<double>::infinity();
+  double high = -low;
+  for (const OutputValidation& output : held_out.outputs) {
+    low = std::min(low, fit_of(output).several_steps);
+    high = std::max(high, fit_of(output).several_steps);
   }
-  return sentences;
+  if (!std::isfinite(low) || !std::isfinite(high)) return "unknown";
+  const std::string from = FormatFixed(low, 0);
+  const std::string to = FormatFixed(high, 0);
+  return from == to ? absl::StrCat(to, " %")
+                    : absl::StrCat(from, " to ", to, " %");
 }
 
-// Where gains, time constants and dead times were not enough.
-std::string BeyondStructure(const Result& result) {
-  const Fit& fit = result.estimate.fit;
-  if (!fit.adequacy.has_value() || fit.adequacy->adequate) return "";
-  std::vector<std::string> names;
-  for (int i = 0; i < result.initial().num_outputs(); ++i) {
-    if (result.estimate.setting.arx_outputs[i]) {
-      names.push_back(result.initial().outputs()[i].name);
-    }
+std::string WhatItIsWorth(const Result& result) {
+  if (!result.failures.empty()) {
+    return "The result is not usable: a fit behind it is not what it should "
+           "be, see the warnings.";
   }
-  return absl::StrCat(
-      "Gains, time constants and dead times do not explain the records (p = ",
-      FormatProbability(fit.adequacy->p_value), "): the responses of ",
-      absl::StrJoin(names, ", "), " have changed their shape, or more.");
-}
-
-std::string Validated(const Result& result) {
-  const Validation& validation = result.validation;
-  const HeldOut* const shown = validation.shown();
+  if (result.decision == Decision::kNoChange) return Confirmation(result);
+  const HeldOut* const shown = result.validation.shown();
   if (shown == nullptr) {
     return "The models could not be tried on what they had not seen.";
   }
-  std::vector<std::string> parts;
-  for (int i = 0; i < result.initial().num_outputs(); ++i) {
-    const OutputValidation& output = shown->outputs[i];
-    parts.push_back(absl::StrCat(result.initial().outputs()[i].name, " ",
-                                 Percent(output.corrected.several_steps), " (",
-                                 Percent(output.initial.several_steps),
-                                 "), simulated ",
-                                 Percent(output.corrected.simulated), " (",
-                                 Percent(output.initial.simulated), ")"));
+  const std::string fits = absl::StrCat(
+      "a fit of ",
+      RangeOfFits(*shown, [](const auto& o) { return o.corrected; }), ", ",
+      result.validation.horizon, " samples ahead, where the initial one has ",
+      RangeOfFits(*shown, [](const auto& o) { return o.initial; }));
+  if (result.decision == Decision::kRefused) {
+    return absl::StrCat(
+        "On what it had not seen the corrected model would predict worse: it "
+        "has ",
+        fits, ".");
   }
-  return absl::StrCat(
-      "Fit on ", shown == &*validation.blocks ? "parts of windows" : "windows",
-      " held out, ", validation.horizon,
-      " samples ahead, corrected (initial): ", absl::StrJoin(parts, "; "), ".");
+  return absl::StrCat("On what it had not seen the corrected model has ", fits,
+                      ": put it into the controller.");
 }
 
-}  // namespace
-
-std::string FormatProbability(double p) {
-  return p < 1e-300 ? "less than 10⁻³⁰⁰" : FormatSignificant(p, 2);
-}
-
+// "gain 12.8 → 6.40 ± 0.02 (× 0.50), dead time + 0.1 ± 0.2 min".
 std::string DescribeChange(const ElementEstimate& element,
                            const std::string& time_unit) {
   std::vector<std::string> moved;
   std::vector<std::string> stayed;
   const auto add = [&](const ParameterEstimate& estimate, const char* name,
                        const std::string& change) {
-    if (Moved(estimate)) {
+    if (HasMoved(estimate)) {
       moved.push_back(absl::StrCat(name, " ",
                                    FormatSignificant(estimate.initial), " → ",
                                    WithInterval(estimate), change));
@@ -212,12 +217,89 @@ std::string DescribeChange(const ElementEstimate& element,
   return text;
 }
 
+std::vector<std::string> ChangedElements(const Result& result) {
+  std::vector<std::string> sentences;
+  const ProcessModel& model = result.initial();
+  const StructuredCorrection& structured = result.estimate.fit.structured;
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    for (int j = 0; j < model.num_inputs(); ++j) {
+      const std::string pair = PairName(model, i, j);
+      if (result.corrected.process.has_value()) {
+        if (!structured.aged(i, j)) continue;
+        sentences.push_back(
+            absl::StrCat(pair, ": ",
+                         DescribeChange(structured.corrected.element(i, j),
+                                        model.time_unit()),
+                         "."));
+      } else if (HasChanged(result, i, j)) {
+        sentences.push_back(absl::StrCat(
+            pair, ": the step response changes by ",
+            Percent(100.0 * result.change.elements(i, j)), " of its size."));
+      }
+    }
+  }
+  return sentences;
+}
+
+// Where gains, time constants and dead times were not enough.
+std::string BeyondStructure(const Result& result) {
+  const Fit& fit = result.estimate.fit;
+  if (!fit.adequacy.has_value() || fit.adequacy->adequate) return "";
+  std::vector<std::string> names;
+  for (int i = 0; i < result.initial().num_outputs(); ++i) {
+    if (result.estimate.setting.arx_outputs[i]) {
+      names.push_back(result.initial().outputs()[i].name);
+    }
+  }
+  return absl::StrCat(
+      "Gains, time constants and dead times do not explain the records (p = ",
+      FormatProbability(fit.adequacy->p_value), "): the responses of ",
+      absl::StrJoin(names, ", "), " have changed their shape, or more.");
+}
+
+std::string Validated(const Result& result) {
+  const Validation& validation = result.validation;
+  const HeldOut* const shown = validation.shown();
+  std::vector<std::string> parts;
+  for (int i = 0; i < result.initial().num_outputs(); ++i) {
+    const OutputValidation& output = shown->outputs[i];
+    parts.push_back(absl::StrCat(result.initial().outputs()[i].name, " ",
+                                 Percent(output.corrected.several_steps), " (",
+                                 Percent(output.initial.several_steps),
+                                 "), simulated ",
+                                 Percent(output.corrected.simulated), " (",
+                                 Percent(output.initial.simulated), ")"));
+  }
+  return absl::StrCat(
+      "Fit on ", shown == &*validation.blocks ? "parts of windows" : "windows",
+      " held out, ", validation.horizon,
+      " samples ahead, corrected (initial): ", absl::StrJoin(parts, "; "), ".");
+}
+
+}  // namespace
+
+std::string FormatProbability(double p) {
+  return p < 1e-300 ? "less than 10⁻³⁰⁰" : FormatSignificant(p, 2);
+}
+
+std::string ShortProbability(double p) {
+  return p < 1e-9 ? "< 10⁻⁹" : FormatProbability(p);
+}
+
+bool HasMoved(const ParameterEstimate& estimate) {
+  return estimate.initial < estimate.lower || estimate.initial > estimate.upper;
+}
+
 std::vector<std::string> Verdict(const Result& result) {
   std::vector<std::string> sentences = {AgedOrNot(result)};
-  if (result.decision == Decision::kNoChange) {
-    std::string confirmation = Confirmation(result);
-    if (!confirmation.empty()) sentences.push_back(std::move(confirmation));
+  if (std::string worth = WhatItIsWorth(result); !worth.empty()) {
+    sentences.push_back(std::move(worth));
   }
+  return sentences;
+}
+
+std::vector<std::string> Findings(const Result& result) {
+  std::vector<std::string> sentences;
   if (std::string beyond = BeyondStructure(result); !beyond.empty()) {
     sentences.push_back(std::move(beyond));
   }
@@ -231,7 +313,8 @@ std::vector<std::string> Verdict(const Result& result) {
                      " of their size (root of the sums of squares; E = ",
                      FormatSignificant(result.change.total), ")."));
   }
-  if (result.decision != Decision::kNoChange) {
+  if (result.decision != Decision::kNoChange &&
+      result.validation.shown() != nullptr) {
     sentences.push_back(Validated(result));
   }
   if (result.initial_to_truth.has_value()) {

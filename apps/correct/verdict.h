@@ -12,15 +12,19 @@ namespace mle::correct {
 
 // "3.1×10⁻⁹"; what is too small for a double is below its smallest.
 std::string FormatProbability(double p);
+// The same, but what is far below any level is not told apart: "< 10⁻⁹".
+std::string ShortProbability(double p);
 
-// Aged or not and how sure; which elements and by how much; what that is worth
-// on what the fit had not seen; the distance to the truth where it is known.
+// Whether the initial value lies outside the estimate's interval.
+bool HasMoved(const ParameterEstimate& estimate);
+
+// Two sentences: aged or not, how sure and where; what that is worth on records
+// that the fit had not seen, and so what to do.
 std::vector<std::string> Verdict(const Result& result);
 
-// How an element of the structured correction has changed: "gain 12.8 → 6.40 ±
-// 0.02 (× 0.50), dead time + 0.1 ± 0.2 min".
-std::string DescribeChange(const ElementEstimate& element,
-                           const std::string& time_unit);
+// What it rests on, a sentence each: every change of an element, fits of every
+// output, the distance to the truth where it is known.
+std::vector<std::string> Findings(const Result& result);
 
 }  // namespace mle::correct
 

@@ -57,6 +57,11 @@ double NiceStep(double step) {
   return 10.0 * power;
 }
 
+// Half a place to spare at each end.
+Range NamedRange(const Axis& axis) {
+  return {-0.5, static_cast<double>(axis.names.size()) - 0.5};
+}
+
 // A linear range that ends just short of a tick is made to reach it.
 Range ToNearTicks(const Range& range) {
   const double length = range.max - range.min;
@@ -132,6 +137,7 @@ bool IsShown(double value, bool log) {
 }
 
 Range XRange(const Panel& panel) {
+  if (!panel.x.names.empty()) return NamedRange(panel.x);
   if (panel.x.range.has_value()) return *panel.x.range;
   Extent extent(panel.x.log);
   for (const Series& series : panel.series) {
@@ -139,17 +145,26 @@ Range XRange(const Panel& panel) {
       if (IsShown(series.y[i], panel.y.log)) extent.Add(series.x[i]);
     }
   }
+  // Lines across must not lie upon the frame.
+  double margin = 0.0;
   for (const ReferenceLine& line : panel.lines) {
-    if (line.orientation == Orientation::kVertical) extent.Add(line.value);
+    if (line.orientation != Orientation::kVertical) continue;
+    extent.Add(line.value);
+    if (panel.x.log) margin = 0.02;
   }
   for (const Marker& marker : panel.markers) {
     if (IsShown(marker.y, panel.y.log)) extent.Add(marker.x);
   }
-  const Range exact = extent.ToRange(0.0);
+  for (const Span& span : panel.spans) {
+    extent.Add(span.from);
+    extent.Add(span.to);
+  }
+  const Range exact = extent.ToRange(margin);
   return panel.x.log ? exact : ToNearTicks(exact);
 }
 
 Range YRange(const Panel& panel) {
+  if (!panel.y.names.empty()) return NamedRange(panel.y);
   if (panel.y.range.has_value()) return *panel.y.range;
   const Range x = XRange(panel);
   const auto seen = [&](double value) {
@@ -177,6 +192,14 @@ Range YRange(const Panel& panel) {
 std::vector<Tick> Ticks(const Range& range, bool log, int wanted) {
   wanted = std::max(2, wanted);
   return log ? LogTicks(range, wanted) : LinearTicks(range, wanted);
+}
+
+std::vector<Tick> NamedTicks(const std::vector<std::string>& names) {
+  std::vector<Tick> ticks;
+  for (const std::string& name : names) {
+    ticks.push_back({static_cast<double>(ticks.size()), name});
+  }
+  return ticks;
 }
 
 double Fraction(double value, const Range& range, bool log) {

@@ -20,9 +20,9 @@ struct Tick {
 // still be scaled, and positive if logarithmic.
 bool IsShown(double value, bool log);
 
-// The ranges of a panel's axes: as asked for, else what its series, lines and
-// markers need. Along x just that; along y with a twentieth to spare at
-// each end. 0 … 1 (0.1 … 10 if logarithmic) if there is nothing to show.
+// The ranges of a panel's axes: as asked for, else what its series, lines,
+// spans and markers need. Along x just that; along y with a twentieth to spare
+// at each end. 0 … 1 (0.1 … 10 if logarithmic) if there is nothing to show.
 Range XRange(const Panel& panel);
 Range YRange(const Panel& panel);
 
@@ -30,6 +30,9 @@ Range YRange(const Panel& panel);
 // 1, 2 or 5 times a power of ten. Logarithmic: at powers of ten, or between
 // them where the range is short; minor ticks at 2 … 9 times a power of ten.
 std::vector<Tick> Ticks(const Range& range, bool log, int wanted);
+
+// At 0, 1, 2, …, one for each name.
+std::vector<Tick> NamedTicks(const std::vector<std::string>& names);
 
 // 0 at range.min, 1 at range.max.
 double Fraction(double value, const Range& range, bool log);

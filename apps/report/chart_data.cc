@@ -84,7 +84,7 @@ std::string_view Shape(MarkerShape shape) {
 
 std::string Look(const std::string& label, const Style& style) {
   return absl::StrCat(
-      "\"label\":", Quoted(label), ",\"colour\":\"", ColourOf(style.colour),
+      "\"label\":", Quoted(label), ",\"colour\":\"", NameOf(style.colour),
       "\",\"line\":", style.line == LineStyle::kNone ? "false" : "true",
       ",\"dash\":", std::string(Dash(style.line)),
       ",\"width\":", Number(kPixelsPerPoint * style.width_pt), ",\"marker\":\"",
@@ -135,19 +135,43 @@ std::string MarkerData(const Marker& marker) {
                       Number(marker.y), "]}");
 }
 
+// [written(item),…]
+template <typename Items, typename Write>
+std::string Joined(const Items& items, const Write& written) {
+  std::string out = "[";
+  for (const auto& item : items) {
+    absl::StrAppend(&out, out.size() > 1 ? "," : "", written(item));
+  }
+  return out + "]";
+}
+
 std::string AxisData(const Axis& axis) {
   // What stands before a value: the label without its unit.
   const std::string name = axis.label.substr(0, axis.label.find(" ("));
   return absl::StrCat(
       "{\"label\":", Quoted(axis.label), ",\"name\":", Quoted(name),
-      ",\"log\":", axis.log ? "true" : "false", ",\"range\":",
+      ",\"log\":", axis.log ? "true" : "false",
+      ",\"names\":", Joined(axis.names, Quoted), ",\"range\":",
       axis.range ? absl::StrCat("[", Number(axis.range->min), ",",
                                 Number(axis.range->max), "]")
                  : std::string("null"),
       "}");
 }
 
-std::string PanelData(const Panel& panel, const Axis& x) {
+std::string LineData(const ReferenceLine& line) {
+  return absl::StrCat(
+      "{", Look(line.label, line.style), ",\"vertical\":",
+      line.orientation == Orientation::kVertical ? "true" : "false",
+      ",\"value\":", Number(line.value), "}");
+}
+
+std::string SpanData(const Span& span) {
+  return absl::StrCat("{", Look(span.label, span.style), ",\"shaded\":true",
+                      ",\"from\":", Number(span.from),
+                      ",\"to\":", Number(span.to), "}");
+}
+
+std::string PanelData(const Panel& panel, const Axis& x, const Axis& y) {
   std::vector<std::string> series;
   for (const Series& s : panel.series) {
     series.push_back(SeriesData(s, panel.x.log));
@@ -157,25 +181,16 @@ std::string PanelData(const Panel& panel, const Axis& x) {
       series.push_back(MarkerData(marker));
     }
   }
-  std::vector<std::string> lines;
+  std::vector<ReferenceLine> lines;
   for (const ReferenceLine& line : panel.lines) {
-    if (!std::isfinite(line.value)) continue;
-    lines.push_back(absl::StrCat(
-        "{", Look(line.label, line.style), ",\"vertical\":",
-        line.orientation == Orientation::kVertical ? "true" : "false",
-        ",\"value\":", Number(line.value), "}"));
+    if (std::isfinite(line.value)) lines.push_back(line);
   }
-  const auto join = [](const std::vector<std::string>& items) {
-    std::string out = "[";
-    for (std::size_t i = 0; i < items.size(); ++i) {
-      absl::StrAppend(&out, i > 0 ? "," : "", items[i]);
-    }
-    return out + "]";
-  };
+  const auto as_is = [](const std::string& text) { return text; };
   return absl::StrCat("{\"title\":", Quoted(panel.title),
-                      ",\"x\":", AxisData(x), ",\"y\":", AxisData(panel.y),
-                      ",\"series\":", join(series), ",\"lines\":", join(lines),
-                      "}");
+                      ",\"x\":", AxisData(x), ",\"y\":", AxisData(y),
+                      ",\"series\":", Joined(series, as_is),
+                      ",\"lines\":", Joined(lines, LineData),
+                      ",\"spans\":", Joined(panel.spans, SpanData), "}");
 }
 
 }  // namespace
@@ -184,14 +199,19 @@ std::string ChartData(const Figure& figure) {
   std::string out = absl::StrCat(
       "{\"columns\":", figure.columns,
       ",\"legend\":", figure.legend ? "true" : "false", ",\"panels\":[");
-  // Panels above others leave the label of x to the lowest.
+  // Panels above others leave the label of x to the lowest, those to the right
+  // that of y to the first.
   const auto count = static_cast<int>(figure.panels.size());
   for (int i = 0; i < count; ++i) {
     int lowest = i;
     while (lowest + figure.columns < count) lowest += figure.columns;
     Axis x = figure.panels[i].x;
     if (x.label.empty()) x.label = figure.panels[lowest].x.label;
-    absl::StrAppend(&out, i > 0 ? "," : "", PanelData(figure.panels[i], x));
+    Axis y = figure.panels[i].y;
+    if (y.label.empty()) {
+      y.label = figure.panels[i - i % figure.columns].y.label;
+    }
+    absl::StrAppend(&out, i > 0 ? "," : "", PanelData(figure.panels[i], x, y));
   }
   return out + "]}";
 }

@@ -49,6 +49,14 @@ const shapes = {
   },
 };
 
+// The page's style sheet has a colour for each role, one in light and one in
+// dark mode.
+function look(name) {
+  return getComputedStyle(document.documentElement).getPropertyValue(
+      '--' + name).trim();
+}
+const colourOf = item => look('role-' + item.colour);
+
 function drawShape(context, name, x, y, size, colour) {
   context.save();
   context.setLineDash([]);
@@ -69,16 +77,19 @@ function swatch(item) {
   canvas.height = 14 * scale;
   const context = canvas.getContext('2d');
   context.scale(scale, scale);
-  context.strokeStyle = item.colour;
+  context.strokeStyle = context.fillStyle = colourOf(item);
   context.lineWidth = Math.max(item.width, 1.5);
-  if (item.line) {
+  if (item.shaded) {
+    context.globalAlpha = 0.25;
+    context.fillRect(1, 1, 28, 12);
+  } else if (item.line) {
     context.setLineDash(item.dash);
     context.beginPath();
     context.moveTo(1, 7);
     context.lineTo(29, 7);
     context.stroke();
   }
-  if (item.marker) drawShape(context, item.marker, 15, 7, 8, item.colour);
+  if (item.marker) drawShape(context, item.marker, 15, 7, 8, colourOf(item));
   canvas.setAttribute('aria-hidden', 'true');
   return canvas;
 }
@@ -103,21 +114,40 @@ function rows(panel, banded) {
   return table;
 }
 
-// Lines across the whole panel.
+// Where x is, in pixels; toDomXCoord knows no logarithmic axis.
+function place(chart, area, x) {
+  return area.x + area.w * chart.toPercentXCoord(x);
+}
+
+// Stretches shaded and lines across the whole panel.
 function drawLines(panel, hidden) {
   return function (context, area, chart) {
+    panel.spans.forEach(span => {
+      if (hidden.has(span.label)) return;
+      const end = x => Math.min(Math.max(place(chart, area, x), area.x),
+                                area.x + area.w);
+      const from = end(span.from), to = end(span.to);
+      context.save();
+      context.globalAlpha = 0.16;
+      context.fillStyle = colourOf(span);
+      context.fillRect(from, area.y, to - from, area.h);
+      context.globalAlpha = 0.5;
+      context.strokeStyle = colourOf(span);
+      context.strokeRect(from, area.y - 1, to - from, area.h + 2);
+      context.restore();
+    });
     panel.lines.forEach(line => {
       if (hidden.has(line.label)) return;
       context.save();
       context.beginPath();
       context.rect(area.x, area.y, area.w, area.h);
       context.clip();
-      context.strokeStyle = line.colour;
+      context.strokeStyle = colourOf(line);
       context.lineWidth = line.width;
       context.setLineDash(line.dash);
       context.beginPath();
       if (line.vertical) {
-        const x = chart.toDomXCoord(line.value);
+        const x = place(chart, area, line.value);
         context.moveTo(x, area.y);
         context.lineTo(x, area.y + area.h);
       } else {
@@ -134,8 +164,9 @@ function drawLines(panel, hidden) {
 function options(panel, hidden, readout) {
   const series = {};
   panel.series.forEach((s, i) => {
+    const colour = colourOf(s);
     series[i] = {
-      color: s.colour,
+      color: colour,
       strokeWidth: s.line ? s.width : 0,
       strokePattern: s.dash.length ? s.dash : null,
       stepPlot: s.steps,
@@ -144,17 +175,18 @@ function options(panel, hidden, readout) {
       // Points between gaps are drawn, too, where there are no markers.
       drawPointCallback: (chart, name, context, x, y) =>
           drawShape(context, s.marker || 'disc', x, y, s.marker ? s.size : 1.5,
-                    s.colour),
+                    colour),
       drawHighlightPointCallback: (chart, name, context, x, y) =>
           drawShape(context, s.marker || 'disc', x, y, s.marker ? s.size : 6,
-                    s.colour),
+                    colour),
     };
   });
   const banded = panel.series.some(s => s.lower);
   const axis = {
-    axisLabelFormatter: number, pixelsPerLabel: 60, drawGrid: true,
+    axisLabelFormatter: number, pixelsPerLabel: 46, drawGrid: true,
   };
-  const ticker = log => log ? {ticker: logTicks} : {};
+  const ticker = ({log, names}) => names.length ? {ticker: namedTicks(names)} :
+      log ? {ticker: logTicks} : {};
   return {
     labels: ['x'].concat(panel.series.map((s, i) => String(i))),
     series,
@@ -165,13 +197,13 @@ function options(panel, hidden, readout) {
     ylabel: panel.y.label.replace(/[&<>]/g, c => `&#${c.charCodeAt(0)};`),
     logscale: panel.y.log,
     axes: {
-      x: Object.assign({logscale: panel.x.log}, axis, ticker(panel.x.log)),
+      x: Object.assign({logscale: panel.x.log}, axis, ticker(panel.x)),
       y: Object.assign({axisLabelWidth: 62}, axis, {pixelsPerLabel: 34},
-                       ticker(panel.y.log)),
+                       ticker(panel.y)),
     },
     legend: 'never',
-    gridLineColor: '#e3e7eb',
-    axisLineColor: '#8a939c',
+    gridLineColor: look('chart-grid'),
+    axisLineColor: look('chart-axis'),
     highlightCircleSize: 3,
     underlayCallback: drawLines(panel, hidden),
     highlightCallback: (event, x, points) => {
@@ -184,6 +216,12 @@ function options(panel, hidden, readout) {
     },
     unhighlightCallback: () => { readout.textContent = ''; },
   };
+}
+
+// One at each place that has a name.
+function namedTicks(names) {
+  return (low, high) => names.map((label, v) => ({v, label})).filter(
+      ({v}) => v >= low && v <= high);
 }
 
 // Ticks of a logarithmic axis: powers of ten, where there is room 2 and 5 as
@@ -222,18 +260,21 @@ function extent(values, log, pad) {
   return [low - room, high + room];
 }
 
-// What the data and the lines across need.
+// What the data, the lines across and the stretches need.
 function ranges(panel) {
   const xs = [], ys = [];
+  panel.spans.forEach(s => xs.push(s.from, s.to));
   panel.series.forEach(s => {
     s.x.forEach(v => xs.push(v));
     [s.y, s.lower || [], s.upper || []].forEach(
         part => part.forEach(v => ys.push(v)));
   });
   panel.lines.forEach(l => (l.vertical ? xs : ys).push(l.value));
+  const named = axis => axis.names.length ? [-0.5, axis.names.length - 0.5]
+                                          : axis.range;
   return {
-    dateWindow: panel.x.range || extent(xs, panel.x.log, 0.01),
-    valueRange: panel.y.range || extent(ys, panel.y.log, 0.06),
+    dateWindow: named(panel.x) || extent(xs, panel.x.log, 0.01),
+    valueRange: named(panel.y) || extent(ys, panel.y.log, 0.06),
   };
 }
 
@@ -301,7 +342,7 @@ function addPanel(grid, panel, hidden, alt) {
 // A button for each label; it switches all that bears it.
 function addLegend(holder, data, hidden, charts) {
   const items = new Map();
-  data.panels.forEach(p => p.series.concat(p.lines).forEach(s => {
+  data.panels.forEach(p => p.series.concat(p.lines, p.spans).forEach(s => {
     if (s.label && !items.has(s.label)) items.set(s.label, s);
   }));
   items.forEach((item, label) => {
@@ -349,6 +390,15 @@ function start() {
     window.mleCharts.push(...draw(figure).map(({chart}) => chart));
   });
 }
+
+// The same in the colours of the other mode.
+function startAgain() {
+  window.mleCharts.forEach(chart => chart.destroy());
+  document.querySelectorAll('figure .charts').forEach(old => old.remove());
+  start();
+}
+matchMedia('(prefers-color-scheme: dark)').addEventListener(
+    'change', startAgain);
 
 if (document.readyState === 'loading') {
   document.addEventListener('DOMContentLoaded', start);

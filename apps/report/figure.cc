@@ -22,6 +22,10 @@ absl::Status InvalidIf(bool wrong, absl::string_view where,
 }
 
 absl::Status ValidateAxis(const Axis& axis, const std::string& where) {
+  if (!axis.names.empty()) {
+    return InvalidIf(axis.log || axis.range.has_value(), where,
+                     "an axis with names has no range and no logarithm");
+  }
   if (!axis.range.has_value()) return absl::OkStatus();
   const Range& range = *axis.range;
   const bool ordered = std::isfinite(range.min) && std::isfinite(range.max) &&
@@ -79,6 +83,22 @@ absl::Status ValidatePanel(const Panel& panel, const std::string& where) {
     status.Update(ValidateStyle(
         marker.style, absl::StrCat(where, ", marker \"", marker.label, "\"")));
   }
+  for (const Span& span : panel.spans) {
+    status.Update(
+        InvalidIf(!(std::isfinite(span.from) && std::isfinite(span.to) &&
+                    span.from < span.to),
+                  absl::StrCat(where, ", span \"", span.label, "\""),
+                  absl::StrCat("it goes from ", span.from, " to ", span.to,
+                               "; both must be finite, in this order")));
+  }
+  for (const Cell& cell : panel.cells) {
+    status.Update(InvalidIf(
+        !(std::isfinite(cell.x) && std::isfinite(cell.y) &&
+          InRange(cell.shade, 0.0, 1.0)),
+        absl::StrCat(where, ", cell at ", cell.x, ", ", cell.y),
+        absl::StrCat("its shade is ", cell.shade,
+                     "; it must lie in [0, 1], its place be finite")));
+  }
   return status;
 }
 
@@ -109,32 +129,51 @@ std::vector<int> Stretches(const std::vector<double>& x, bool log, int count) {
 
 }  // namespace
 
-std::string ColourOf(Role role) {
-  switch (role) {
-    case Role::kInitial:
-      return "#000000";
-    case Role::kTrue:
-      return "#e69f00";  // orange
-    case Role::kCorrected:
-      return "#0072b2";  // blue
-    case Role::kUnregularised:
-      return "#d55e00";  // vermilion
-    case Role::kFitted:
-      return "#cc79a7";  // reddish purple
-    case Role::kAlternative:
-      return "#009e73";  // bluish green
-    case Role::kMeasured:
-      return "#56b4e9";  // sky blue
-    case Role::kSetPoint:
-      return "#000000";
-    case Role::kReference:
-      return "#666666";
-    case Role::kChosen:
-      return "#d55e00";
-    case Role::kBest:
-      return "#009e73";
+namespace {
+
+struct Palette {
+  Role role;
+  const char* name;
+  const char* colour;
+  const char* dark;
+};
+
+constexpr Palette kPalette[] = {
+    {Role::kInitial, "initial", "#000000", "#e4e8ec"},
+    {Role::kTrue, "true", "#e69f00", "#e69f00"},                    // orange
+    {Role::kCorrected, "corrected", "#0072b2", "#4ba6e0"},          // blue
+    {Role::kUnregularised, "unregularised", "#d55e00", "#f2803a"},  // vermilion
+    {Role::kFitted, "fitted", "#cc79a7", "#dc9cc0"},  // reddish purple
+    {Role::kAlternative, "alternative", "#009e73", "#2fc79b"},  // green
+    {Role::kMeasured, "measured", "#56b4e9", "#8a97a3"},  // sky blue, or grey
+    {Role::kSetPoint, "set-point", "#000000", "#e4e8ec"},
+    {Role::kReference, "reference", "#666666", "#a4afba"},
+    {Role::kChosen, "chosen", "#d55e00", "#f2803a"},
+    {Role::kBest, "best", "#009e73", "#2fc79b"},
+    {Role::kBad, "bad", "#d55e00", "#f2803a"},
+    {Role::kWindow, "window", "#e69f00", "#e69f00"},
+};
+
+const Palette& PaletteOf(Role role) {
+  for (const Palette& entry : kPalette) {
+    if (entry.role == role) return entry;
   }
-  return "#000000";
+  return kPalette[0];
+}
+
+}  // namespace
+
+std::string ColourOf(Role role) { return PaletteOf(role).colour; }
+std::string DarkColourOf(Role role) { return PaletteOf(role).dark; }
+std::string NameOf(Role role) { return PaletteOf(role).name; }
+
+const std::vector<Role>& AllRoles() {
+  static const std::vector<Role>* const roles = [] {
+    auto* all = new std::vector<Role>;
+    for (const Palette& entry : kPalette) all->push_back(entry.role);
+    return all;
+  }();
+  return *roles;
 }
 
 Style StyleOf(Role role) {
@@ -176,6 +215,13 @@ Style StyleOf(Role role) {
       style.marker = MarkerShape::kCircle;
       style.width_pt = 1.25;
       style.marker_size_pt = 6.0;
+      break;
+    case Role::kBad:
+      style.line = LineStyle::kNone;
+      style.marker = MarkerShape::kCross;
+      style.marker_size_pt = 4.0;
+      break;
+    case Role::kWindow:
       break;
   }
   return style;
@@ -231,6 +277,15 @@ Marker MakeMarker(Role role, std::string label, double x, double y) {
   Style style = StyleOf(role);
   if (style.marker == MarkerShape::kNone) style.marker = MarkerShape::kDisc;
   return {std::move(label), x, y, style};
+}
+
+Span MakeSpan(Role role, std::string label, double from, double to) {
+  return {std::move(label), from, to, StyleOf(role)};
+}
+
+bool Figure::HasCells() const {
+  return std::any_of(panels.begin(), panels.end(),
+                     [](const Panel& panel) { return !panel.cells.empty(); });
 }
 
 Series Downsample(const Series& series, bool log_x) {

@@ -41,6 +41,8 @@ enum class Role {
   kReference,      // a limit or a bound
   kChosen,         // the λ the method chose
   kBest,           // the λ best in hindsight
+  kBad,            // a sample that is bad
+  kWindow,         // what is used of a record
 };
 
 enum class LineStyle { kNone, kSolid, kDashed, kDotted, kDashDotted };
@@ -63,9 +65,17 @@ struct Style {
   double marker_size_pt = 5.0;
 };
 
-// The look a role has by default, and its colour as "#rrggbb".
+// The look a role has by default.
 Style StyleOf(Role role);
+
+// Its colour on white, and on the dark ground of a page, as "#rrggbb"; its
+// name, of letters and "-". Colours are those of Okabe and Ito (Color Universal
+// Design, 2008), which the colour-blind can tell apart, or lighter.
 std::string ColourOf(Role role);
+std::string DarkColourOf(Role role);
+std::string NameOf(Role role);
+// All of them, in the order above.
+const std::vector<Role>& AllRoles();
 
 // Points (x_i, y_i) joined by a line. A point that is not finite, or not
 // positive on a logarithmic axis, breaks the line.
@@ -96,6 +106,22 @@ struct ReferenceLine {
   Style style = {};
 };
 
+// A stretch of x, shaded over the whole height of the panel, behind the lines.
+struct Span {
+  std::string label = {};
+  double from = 0.0;  // < to, both finite
+  double to = 0.0;
+  Style style = {};
+};
+
+// A square of a map, from x − ½ to x + ½ and y − ½ to y + ½, with words in it.
+struct Cell {
+  double x = 0.0;
+  double y = 0.0;
+  double shade = 0.0;  // of its ground: from 0, white, to 1
+  std::vector<std::string> lines = {};
+};
+
 // A single point, on top of all; not drawn if not finite.
 struct Marker {
   std::string label = {};
@@ -113,6 +139,8 @@ struct Axis {
   std::string label = {};
   bool log = false;
   std::optional<Range> range = {};  // default: what the panel shows, rounded
+  // Names of the places 0, 1, 2, … instead of numbers; the range is theirs.
+  std::vector<std::string> names = {};
 };
 
 struct Panel {
@@ -123,6 +151,8 @@ struct Panel {
   std::vector<Series> series = {};
   std::vector<ReferenceLine> lines = {};
   std::vector<Marker> markers = {};
+  std::vector<Span> spans = {};
+  std::vector<Cell> cells = {};
 };
 
 struct Figure {
@@ -138,6 +168,9 @@ struct Figure {
   // Appends an empty panel. The reference is good until the next call.
   Panel& AddPanel(std::string title);
 
+  // A map of cells is to be read, not zoomed.
+  bool HasCells() const;
+
   // InvalidArgument names the panel, the series and what is wrong with it.
   absl::Status Validate() const;
 };
@@ -148,6 +181,7 @@ Series MakeSeries(Role role, std::string label, std::vector<double> x,
 ReferenceLine HorizontalLine(Role role, std::string label, double y);
 ReferenceLine VerticalLine(Role role, std::string label, double x);
 Marker MakeMarker(Role role, std::string label, double x, double y);
+Span MakeSpan(Role role, std::string label, double from, double to);
 
 // `series` with at most about max_points points (see there) if x increases; as
 // it is if max_points is 0. Stretches are equally long on the axis as drawn.

@@ -95,6 +95,8 @@ class ScriptWriter {
                const std::vector<Tick>& ticks);
   void AddReferenceLine(const Panel& panel, const PanelLayout& placed,
                         const ReferenceLine& line);
+  void AddSpan(const PanelLayout& placed, const Span& span);
+  void AddCell(const Cell& cell);
   void AddData(const Panel& panel, const Series& series,
                const std::string& name);
   void AddPlot(const Panel& panel);
@@ -168,6 +170,25 @@ void ScriptWriter::AddReferenceLine(const Panel& panel,
   Add(" nohead back ", LineOf(line.style), "\n");
 }
 
+void ScriptWriter::AddSpan(const PanelLayout& placed, const Span& span) {
+  const double from = std::max(span.from, placed.x_range.min);
+  const double to = std::min(span.to, placed.x_range.max);
+  if (!(from < to)) return;
+  Add("set object rectangle from first ", Number(from), ", graph 0 to first ",
+      Number(to), ", graph 1 behind fs transparent solid 0.2 border lc rgb '",
+      ColourOf(span.style.colour), "' fc rgb '", ColourOf(span.style.colour),
+      "' ", LineWidth(0.4), "\n");
+}
+
+void ScriptWriter::AddCell(const Cell& cell) {
+  // Strong enough to be told apart, light enough for dark words on it.
+  Add("set object rectangle from first ", Number(cell.x - 0.5), ", first ",
+      Number(cell.y - 0.5), " to first ", Number(cell.x + 0.5), ", first ",
+      Number(cell.y + 0.5), " behind fs transparent solid ",
+      Number(0.75 * cell.shade), " border lc rgb '", kGridColour, "' fc rgb '",
+      ColourOf(Role::kMeasured), "'\n");
+}
+
 void ScriptWriter::AddData(const Panel& panel, const Series& series,
                            const std::string& name) {
   const bool band = !series.lower.empty();
@@ -233,10 +254,16 @@ void ScriptWriter::AddPanel(const Panel& panel, const PanelLayout& placed) {
   margin("b", frame.bottom / layout_.height_pt);
   margin("t", frame.top / layout_.height_pt);
   Add("set border 3 back lc rgb '", kFrameColour, "' ", LineWidth(0.6), "\n");
-  Add("set grid xtics ytics back lt 1 lc rgb '", kGridColour, "' ",
-      LineWidth(0.4), " dt solid\n");
+  if (panel.cells.empty()) {
+    Add("set grid xtics ytics back lt 1 lc rgb '", kGridColour, "' ",
+        LineWidth(0.4), " dt solid\n");
+  } else {
+    Add("unset grid\n");
+  }
   AddAxis("x", panel.x.log, placed.x_range, placed.x_ticks);
   AddAxis("y", panel.y.log, placed.y_range, placed.y_ticks);
+  for (const Span& span : panel.spans) AddSpan(placed, span);
+  for (const Cell& cell : panel.cells) AddCell(cell);
   for (const ReferenceLine& line : panel.lines) {
     AddReferenceLine(panel, placed, line);
   }

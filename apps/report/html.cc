@@ -90,19 +90,19 @@ void HtmlPage::AddFigure(const Figure& figure,
                          const absl::StatusOr<std::string>& svg,
                          std::string_view caption, std::string_view alt) {
   const std::string number = std::to_string(++figures_);
-  const absl::Status valid = figure.Validate();
+  const bool chart = figure.Validate().ok() && !figure.HasCells();
   absl::StatusOr<std::string> picture =
       svg.ok() ? EmbedSvg(*svg, "f" + number + "-", alt) : svg;
   if (!picture.ok()) {
     AddWarning("The picture of figure " + number + " (" + std::string(caption) +
                ") is missing: " + std::string(picture.status().message()));
   }
-  if (!picture.ok() && !valid.ok()) return;
-  body_ += valid.ok() ? "<figure class=\"has-chart\">\n" : "<figure>\n";
+  if (!picture.ok() && !chart) return;
+  body_ += chart ? "<figure class=\"has-chart\">\n" : "<figure>\n";
   if (picture.ok()) {
     body_ += Scrolling("picture", "Figure " + number, *picture);
   }
-  if (valid.ok()) {
+  if (chart) {
     body_ += "<script type=\"application/json\" class=\"chart-data\">" +
              ChartData(figure) + "</script>\n";
   }

@@ -28,6 +28,7 @@ constexpr double kSampleGap = 0.5;     // from sample to its text
 constexpr double kEntryGap = 1.6;      // between entries of the legend
 constexpr double kLegendGap = 0.35;    // from legend to panels
 constexpr double kLegendLine = 1.5;    // from line to line of the legend
+constexpr double kLongestName = 14.0;  // of a place on an axis
 
 // Room around a frame, in points.
 struct Margins {
@@ -66,6 +67,12 @@ std::vector<LegendEntry> CollectLegend(const Figure& figure) {
     for (const Series& series : panel.series) {
       add(series.label, series.style, !series.lower.empty(),
           HasShownPoint(series, panel));
+    }
+    for (const Span& span : panel.spans) {
+      Style style = span.style;
+      style.line = LineStyle::kNone;
+      style.marker = MarkerShape::kNone;
+      add(span.label, style, true, true);
     }
     for (const ReferenceLine& line : panel.lines) {
       const bool log = line.orientation == Orientation::kVertical ? panel.x.log
@@ -152,6 +159,19 @@ std::vector<Tick> FittingTicks(const Range& range, bool log, double em,
   return Ticks(range, log, 2);
 }
 
+std::vector<Tick> TicksOf(const Axis& axis, const Range& range, double em,
+                          double length, bool horizontal, int places) {
+  if (axis.names.empty()) {
+    return FittingTicks(range, axis.log, em, length, horizontal);
+  }
+  std::vector<Tick> ticks = NamedTicks(axis.names);
+  const double room = horizontal
+                          ? length / em / kTickSize / std::max(places, 1) - 1.0
+                          : kLongestName;
+  for (Tick& tick : ticks) tick.label = Ellipsized(tick.label, room);
+  return ticks;
+}
+
 Margins MarginsOf(const Panel& panel, const PanelLayout& placed, double em) {
   Margins margins;
   margins.left = kTickGap + kTickSize * WidestLabel(placed.y_ticks) +
@@ -187,10 +207,11 @@ absl::Status PlaceFrames(const Figure& figure, double top, Layout& layout) {
     PanelLayout& placed = layout.panels[i];
     placed.x_range = XRange(panel);
     placed.y_range = YRange(panel);
-    placed.x_ticks = FittingTicks(placed.x_range, panel.x.log, em,
-                                  0.8 * room_x / columns, true);
-    placed.y_ticks = FittingTicks(placed.y_range, panel.y.log, em,
-                                  0.8 * room_y / rows - 2.0 * em, false);
+    const auto places = static_cast<int>(panel.x.names.size());
+    placed.x_ticks = TicksOf(panel.x, placed.x_range, em,
+                             0.8 * room_x / columns, true, places);
+    placed.y_ticks = TicksOf(panel.y, placed.y_range, em,
+                             0.8 * room_y / rows - 2.0 * em, false, 0);
     const Margins margins = MarginsOf(panel, placed, em);
     Margins& column = by_column[i % columns];
     Margins& row = by_row[i / columns];
@@ -228,6 +249,30 @@ absl::Status PlaceFrames(const Figure& figure, double top, Layout& layout) {
     y -= by_row[r].bottom + kPanelGap * em;
   }
   return absl::OkStatus();
+}
+
+// The words of each cell, from its middle up and down.
+void PlaceCellTexts(const Panel& panel, const PanelLayout& placed, double em,
+                    Layout& layout) {
+  const Frame& frame = placed.frame;
+  const double width = frame.right - frame.left;
+  const double height = frame.top - frame.bottom;
+  const double size = kTickSize * em;
+  const double room =
+      width / (placed.x_range.max - placed.x_range.min) / size - 0.6;
+  for (const Cell& cell : panel.cells) {
+    const double x =
+        frame.left + width * Fraction(cell.x, placed.x_range, false);
+    const double y =
+        frame.bottom + height * Fraction(cell.y, placed.y_range, false);
+    const auto count = static_cast<double>(cell.lines.size());
+    for (std::size_t n = 0; n < cell.lines.size(); ++n) {
+      const double below = static_cast<double>(n) - 0.5 * (count - 1.0);
+      layout.texts.push_back({Ellipsized(cell.lines[n], room), x,
+                              y - kLine * size * below, TextAlign::kCenter,
+                              size, false});
+    }
+  }
 }
 
 void PlacePanelTexts(const Panel& panel, const PanelLayout& placed, double em,
@@ -270,7 +315,8 @@ void PlacePanelTexts(const Panel& panel, const PanelLayout& placed, double em,
   const bool empty =
       std::none_of(panel.series.begin(), panel.series.end(),
                    [&](const Series& s) { return HasShownPoint(s, panel); });
-  if (empty && panel.lines.empty() && panel.markers.empty()) {
+  if (empty && panel.lines.empty() && panel.markers.empty() &&
+      panel.cells.empty()) {
     add("no data", width, mid_x, mid_y, TextAlign::kCenter, false);
   }
 }
@@ -298,6 +344,7 @@ absl::StatusOr<Layout> MakeLayout(const Figure& figure) {
   MLE_RETURN_IF_ERROR(PlaceFrames(figure, top, layout));
   for (std::size_t i = 0; i < figure.panels.size(); ++i) {
     PlacePanelTexts(figure.panels[i], layout.panels[i], em, layout);
+    PlaceCellTexts(figure.panels[i], layout.panels[i], em, layout);
   }
   return layout;
 }

@@ -3,11 +3,11 @@
 #ifndef APPS_REPORT_PAGE_STYLE_H_
 #define APPS_REPORT_PAGE_STYLE_H_
 
-#include <string_view>
+#include <string>
 
 namespace mle::report {
 
-std::string_view PageStyle();
+std::string PageStyle();
 
 }  // namespace mle::report
 

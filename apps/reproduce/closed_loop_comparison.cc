@@ -59,12 +59,11 @@ LoopPerformance Measure(const Record& record, int output,
   return result;
 }
 
-absl::StatusOr<LoopPerformance> RunChange(
-    const PredictionModel& model, const ProcessModel& plant, int output,
-    double noise_variance, std::uint64_t seed,
-    const control::MpcOptions& mpc_options, const ExperimentOptions& options) {
-  MLE_ASSIGN_OR_RETURN(control::Mpc mpc,
-                       control::Mpc::Create(model, mpc_options));
+// Set point `output` steps in the loop of `mpc`.
+absl::StatusOr<Record> SimulateChange(control::Mpc mpc,
+                                      const ProcessModel& plant, int output,
+                                      double noise_variance, std::uint64_t seed,
+                                      const ExperimentOptions& options) {
   sim::ClosedLoopOptions loop;
   loop.sample_time = options.sample_time;
   loop.control_period = options.control_period;
@@ -78,31 +77,45 @@ absl::StatusOr<LoopPerformance> RunChange(
   }
   set_points.steps.push_back(
       {output, options.step_time, options.setpoint_step});
-  MLE_ASSIGN_OR_RETURN(
-      const Record record,
-      sim::SimulateClosedLoop(
-          plant,
-          [&mpc](const auto& measured, const auto& wanted, auto next) {
-            mpc.Step(measured, wanted, next);
-          },
-          set_points, loop));
-  LoopPerformance performance = Measure(record, output, options);
-  if (noise_variance > 0.0) performance.settling_time = 0.0;
-  return performance;
+  return sim::SimulateClosedLoop(
+      plant,
+      [&mpc](const auto& measured, const auto& wanted, auto next) {
+        mpc.Step(measured, wanted, next);
+      },
+      set_points, loop);
+}
+
+// From a twentieth of the window before the change to half of it after.
+absl::StatusOr<Record> AboutTheChange(const Record& record,
+                                      const ExperimentOptions& options) {
+  const auto change =
+      static_cast<int>(std::lround(options.step_time / options.sample_time));
+  return CutWindow(record, change, 0.05 * options.window, 0.5 * options.window);
 }
 
 LoopRun RunModel(const absl::StatusOr<PredictionModel>& model,
                  const ProcessModel& plant, double noise_variance,
-                 std::uint64_t seed, const control::MpcOptions& mpc,
+                 std::uint64_t seed, bool keep_records,
+                 const control::MpcOptions& mpc_options,
                  const ExperimentOptions& options) {
   LoopRun run;
-  run.status = model.status();
-  for (int e = 0; e < plant.num_outputs() && run.status.ok(); ++e) {
-    absl::StatusOr<LoopPerformance> change =
-        RunChange(*model, plant, e, noise_variance, seed, mpc, options);
-    run.status = change.status();
-    if (change.ok()) run.changes.push_back(*change);
-  }
+  const auto run_changes = [&]() -> absl::Status {
+    MLE_RETURN_IF_ERROR(model.status());
+    MLE_ASSIGN_OR_RETURN(const control::Mpc mpc,
+                         control::Mpc::Create(*model, mpc_options));
+    for (int e = 0; e < plant.num_outputs(); ++e) {
+      MLE_ASSIGN_OR_RETURN(
+          const Record record,
+          SimulateChange(mpc, plant, e, noise_variance, seed, options));
+      run.changes.push_back(Measure(record, e, options));
+      if (noise_variance > 0.0) run.changes.back().settling_time = 0.0;
+      if (!keep_records) continue;
+      MLE_ASSIGN_OR_RETURN(Record kept, AboutTheChange(record, options));
+      run.records.push_back(std::move(kept));
+    }
+    return absl::OkStatus();
+  };
+  run.status = run_changes();
   return run;
 }
 
@@ -172,7 +185,7 @@ std::string FormatTime(double time) {
 
 absl::StatusOr<ClosedLoopComparison> CompareClosedLoops(
     const ProcessModel& initial, const ArxModel& corrected,
-    const ProcessModel& plant, std::uint64_t seed,
+    const ProcessModel& plant, std::uint64_t seed, bool in_full,
     const control::MpcOptions& mpc, const ExperimentOptions& options) {
   MLE_RETURN_IF_ERROR(mpc.Validate(plant.num_outputs(), plant.num_inputs()));
   std::vector<InputRole> roles;
@@ -185,9 +198,10 @@ absl::StatusOr<ClosedLoopComparison> CompareClosedLoops(
   ClosedLoopComparison comparison;
   for (std::size_t i = 0; i < models.size(); ++i) {
     comparison.noise_free[i] =
-        RunModel(models[i], plant, 0.0, seed, mpc, options);
+        RunModel(models[i], plant, 0.0, seed, in_full, mpc, options);
     comparison.noisy[i] =
-        RunModel(models[i], plant, options.noise_variance, seed, mpc, options);
+        RunModel(models[i], plant, options.noise_variance, seed,
+                 /*keep_records=*/false, mpc, options);
   }
   return comparison;
 }

@@ -16,6 +16,7 @@
 #include "absl/status/statusor.h"
 #include "apps/report/table.h"
 #include "control/mpc_options.h"
+#include "mle/data/record.h"
 #include "mle/model/arx_model.h"
 #include "mle/model/process_model.h"
 #include "nlohmann/json_fwd.hpp"
@@ -48,6 +49,8 @@ struct LoopRun {
   // Why there is none: a model that cannot predict, or a loop that runs away.
   absl::Status status;
   std::vector<LoopPerformance> changes;  // one for each output
+  // The records about each change, for figures; where asked for.
+  std::vector<Record> records;
 };
 
 struct ClosedLoopComparison {
@@ -56,10 +59,11 @@ struct ClosedLoopComparison {
   std::array<LoopRun, 3> noisy;
 };
 
-// Only what makes the comparison itself impossible is an error.
+// Only what makes the comparison itself impossible is an error. `in_full` also
+// keeps the records without noise.
 absl::StatusOr<ClosedLoopComparison> CompareClosedLoops(
     const ProcessModel& initial, const ArxModel& corrected,
-    const ProcessModel& plant, std::uint64_t seed,
+    const ProcessModel& plant, std::uint64_t seed, bool in_full,
     const control::MpcOptions& mpc, const ExperimentOptions& options);
 
 // Means over the seeds, a row for each change and model.

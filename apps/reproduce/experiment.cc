@@ -143,6 +143,12 @@ std::vector<std::string> AdviseOnTuning(const ProcessModel& initial,
   if (!old_model.ok()) return {std::string(old_model.status().message())};
   control::RetuningOptions retuning;
   retuning.time_unit = initial.time_unit();
+  for (const OutputChannel& output : initial.outputs()) {
+    retuning.output_names.push_back(output.name);
+  }
+  for (const InputChannel& input : initial.inputs()) {
+    retuning.input_names.push_back(input.name);
+  }
   const auto advice = control::AdviseRetuning(
       *old_model, MpcOptionsOf(options),
       corrected.ComputeStepResponse(
@@ -231,7 +237,7 @@ absl::StatusOr<RunResult> RunExperiment(const ProcessModel& initial,
   run.E_star = run.judgement.squared_distance;
   MLE_ASSIGN_OR_RETURN(
       run.closed_loop,
-      CompareClosedLoops(initial, correction.Model(), plant, seed,
+      CompareClosedLoops(initial, correction.Model(), plant, seed, in_full,
                          MpcOptionsOf(options), options));
   run.estimators =
       CompareEstimators(initial, plant, windows, correction, correction_seconds,

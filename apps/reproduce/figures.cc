@@ -9,9 +9,12 @@ namespace mle::reproduce {
 namespace {
 
 using report::Figure;
+using report::HorizontalLine;
 using report::MakeSeries;
+using report::NamedFigure;
 using report::Panel;
 using report::Role;
+using report::VerticalLine;
 
 constexpr double kColumnWidthCm = 8.5;
 constexpr int kMaxPoints = 2000;
@@ -55,7 +58,8 @@ NamedFigure DistanceFigure(const std::vector<CaseResult>& cases,
   figure.width_cm = figure.columns == 1 ? 12.0 : 2.0 * kColumnWidthCm;
   figure.height_cm = 1.5 + 6.5 * rows;
   for (const CaseResult& result : cases) {
-    FillDistancePanel(result, lambdas, figure.AddPanel(result.name));
+    FillDistancePanel(result, lambdas,
+                      figure.AddPanel(absl::StrCat("case ", result.name)));
   }
   return named;
 }
@@ -182,15 +186,152 @@ NamedFigure ImpulseFigure(const CaseResult& result) {
   return named;
 }
 
+// The share of values up to each of them.
+void AddDistribution(Role role, const char* label, std::vector<double> values,
+                     Panel& panel) {
+  if (values.empty()) return;
+  std::sort(values.begin(), values.end());
+  std::vector<double> share = {0.0};
+  for (std::size_t i = 1; i <= values.size(); ++i) {
+    share.push_back(static_cast<double>(i) /
+                    static_cast<double>(values.size()));
+  }
+  values.insert(values.begin(), values.front());  // from nothing up
+  panel.series.push_back(
+      MakeSeries(role, label, std::move(values), std::move(share)));
+  report::Series& series = panel.series.back();
+  series.steps = true;
+  series.style.marker = report::MarkerShape::kNone;
+  series.style.width_pt = 1.25;
+  series.max_points = kMaxPoints;
+}
+
+std::vector<double> OfRuns(const CaseResult& result,
+                           double RunResult::*member) {
+  std::vector<double> values;
+  for (const RunResult& run : result.runs) values.push_back(run.*member);
+  return values;
+}
+
+std::vector<double> OfEstimator(const CaseResult& result,
+                                const std::string& name) {
+  std::vector<double> values;
+  for (const RunResult& run : result.runs) {
+    for (const EstimatorResult& one : run.estimators.estimators) {
+      if (one.name == name && one.status.ok()) values.push_back(one.E);
+    }
+  }
+  return values;
+}
+
+NamedFigure DistributionFigure(const std::vector<CaseResult>& cases) {
+  NamedFigure named;
+  named.name = "distance_distribution";
+  named.caption = absl::StrCat(
+      "Share of the ", cases.front().runs.size(),
+      " seeds in which the model's distance from the plant is at most E. The "
+      "further left, the better; the steeper, the more dependable.");
+  named.alt = named.caption;
+  Figure& figure = named.figure;
+  figure.columns = std::min(static_cast<int>(cases.size()), 2);
+  const int rows =
+      (static_cast<int>(cases.size()) + figure.columns - 1) / figure.columns;
+  figure.width_cm = figure.columns == 1 ? 12.0 : 2.0 * kColumnWidthCm;
+  figure.height_cm = 2.2 + 6.0 * rows;
+  for (const CaseResult& result : cases) {
+    Panel& panel = figure.AddPanel(absl::StrCat("case ", result.name));
+    panel.x = {.label = "squared distance E", .log = true};
+    panel.y = {.label = "share of seeds", .range = report::Range{0.0, 1.03}};
+    panel.lines.push_back(
+        VerticalLine(Role::kInitial, "before correction", result.E_initial));
+    AddDistribution(Role::kUnregularised, "without penalty",
+                    OfRuns(result, &RunResult::E_zero), panel);
+    AddDistribution(Role::kCorrected, "corrected, λ*",
+                    OfRuns(result, &RunResult::E_star), panel);
+    AddDistribution(Role::kBest, "best λ in hindsight",
+                    OfRuns(result, &RunResult::E_oracle), panel);
+    AddDistribution(Role::kFitted, "structured",
+                    OfEstimator(result, "structured"), panel);
+    double limit = 0.0;
+    for (const RunResult& run : result.runs) {
+      limit += run.estimators.E_limit / static_cast<double>(result.runs.size());
+    }
+    if (limit > 0.0) {
+      panel.lines.push_back(
+          VerticalLine(Role::kReference, "Cramér–Rao limit", limit));
+    }
+  }
+  return named;
+}
+
+// Noise-free set-point changes under each of the models; nothing where a loop
+// could not be run.
+void FillLoopPanel(const CaseResult& result, int output, int change,
+                   Panel& panel) {
+  constexpr Role kRoles[] = {Role::kInitial, Role::kCorrected, Role::kTrue};
+  const auto& loops = result.runs.front().closed_loop.noise_free;
+  // The widest line first, beneath the others.
+  for (const std::size_t model : {2, 0, 1}) {
+    const LoopRun& run = loops[model];
+    if (change >= static_cast<int>(run.records.size())) continue;
+    const Record& record = run.records[change];
+    std::vector<double> time;
+    for (int k = 0; k < record.samples(); ++k) time.push_back(record.time(k));
+    if (panel.series.empty()) {
+      panel.series.push_back(
+          MakeSeries(Role::kSetPoint, "set point", time,
+                     ToVector(record.set_points.row(output))));
+      panel.series.back().steps = true;
+    }
+    panel.series.push_back(MakeSeries(
+        kRoles[model], absl::StrCat(kLoopModelNames[model], " model"), time,
+        ToVector(record.outputs.row(output))));
+    panel.series.back().max_points = kMaxPoints;
+  }
+}
+
+NamedFigure ClosedLoopFigure(const CaseResult& result) {
+  const ProcessModel& plant = result.plant;
+  const int p = plant.num_outputs();
+  NamedFigure named;
+  named.name = absl::StrCat("closed_loop_", result.name);
+  named.caption = absl::StrCat(
+      "Case ", result.name,
+      ": the aged plant under control, without noise, by the model in the "
+      "controller; a column for each set point that is changed, first seed.");
+  named.alt = named.caption;
+  Figure& figure = named.figure;
+  figure.columns = p;
+  figure.width_cm = std::clamp(kColumnWidthCm * p, 12.0, 60.0);
+  figure.height_cm = std::min(1.5 + 5.0 * p, 100.0);
+  for (int i = 0; i < p; ++i) {
+    for (int e = 0; e < p; ++e) {
+      Panel& panel = figure.AddPanel(absl::StrCat(
+          plant.outputs()[i].name, "; set point of ", plant.outputs()[e].name));
+      const std::string& unit = plant.outputs()[i].unit;
+      panel.y.label = unit.empty() ? "deviation" : unit;
+      if (i + 1 == p) {
+        panel.x.label = absl::StrCat("time (", plant.time_unit(), ")");
+      }
+      FillLoopPanel(result, i, e, panel);
+    }
+  }
+  return named;
+}
+
 }  // namespace
 
 std::vector<NamedFigure> MakeFigures(const std::vector<CaseResult>& cases,
                                      const Eigen::VectorXd& lambdas) {
   std::vector<NamedFigure> figures = {OverviewFigure(cases, lambdas),
                                       DistanceFigure(cases, lambdas)};
+  if (cases.front().runs.size() > 1) {
+    figures.push_back(DistributionFigure(cases));
+  }
   for (const CaseResult& result : cases) {
     figures.push_back(StepFigure(result));
     figures.push_back(ImpulseFigure(result));
+    figures.push_back(ClosedLoopFigure(result));
   }
   return figures;
 }

@@ -14,23 +14,12 @@
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
-#include "apps/common/built_in_models.h"
 #include "apps/common/command_line.h"
+#include "apps/reproduce/case_flags.h"
 #include "gflags/gflags.h"
 #include "mle/base/status.h"
 #include "mle/nonlinear/smoothed_lasso.h"
 
-DEFINE_string(cases, "gain,delay",
-              "Cases to run, of the Wood-Berry column: gain (both reflux gains "
-              "halved), delay (both steam dead times 4 min longer).");
-DEFINE_string(
-    model, "",
-    "Process model (JSON) that the controller believes; with --plants "
-    "instead of --cases.");
-DEFINE_string(
-    plants, "",
-    "NAME:FILE,… process models (JSON) of aged plants, a case each, of "
-    "the same inputs and outputs as --model.");
 DEFINE_int32(seeds, 1, "Noise seeds to run each case with, 1 … 10000.");
 DEFINE_uint64(first_seed, 1, "The first of the seeds; the others follow it.");
 DEFINE_string(out, "results",
@@ -108,6 +97,13 @@ DEFINE_string(estimators, "arx,ceres,structured,combined",
               "ceres (ΔR by smoothed L1; first seed only), structured (gains, "
               "time constants, dead times) and combined (structured, then ΔR); "
               "empty for none.");
+DEFINE_string(
+    ablations, "",
+    "Decisions to take differently for once, to see what each is worth: all, "
+    "or some of noise_free_conversion, raw_scaling, matlab_stop, "
+    "lambda_per_output, one_standard_error and half_windows; empty for none.");
+DEFINE_int32(ablation_seeds, 5,
+             "Seeds, the first of --seeds, to run the ablations with, ≥ 1.");
 DEFINE_string(scaling, "standardise",
               "standardise (centre, unit variance, as MATLAB's lasso) or raw.");
 
@@ -115,12 +111,6 @@ namespace mle::reproduce {
 namespace {
 
 constexpr int kMaxSeeds = 10000;
-
-// A failure of what a flag asks for, as bad input.
-absl::Status Of(const char* flag, const absl::Status& status) {
-  return absl::InvalidArgumentError(
-      absl::StrCat("--", flag, ": ", status.message()));
-}
 
 absl::Status CheckRuns() {
   if (FLAGS_seeds < 1 || FLAGS_seeds > kMaxSeeds) {
@@ -134,72 +124,16 @@ absl::Status CheckRuns() {
         " of them go beyond the largest, ",
         std::numeric_limits<std::uint64_t>::max()));
   }
+  if (FLAGS_ablation_seeds < 1) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "--ablation_seeds=", FLAGS_ablation_seeds, ": it must be at least 1"));
+  }
   if (FLAGS_threads < 0) {
     return absl::InvalidArgumentError(
         absl::StrCat("--threads=", FLAGS_threads,
                      ": 0 (one for each processor) or more are possible"));
   }
   return absl::OkStatus();
-}
-
-// Names go into names of files.
-absl::Status CheckName(const std::string& name) {
-  const bool plain = !name.empty() && name.size() <= 100 &&
-                     name.find_first_not_of(
-                         "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
-                         "0123456789_-") == std::string::npos;
-  if (plain) return absl::OkStatus();
-  return absl::InvalidArgumentError(absl::StrCat(
-      "--plants: the name '", name,
-      "' must be made of letters, digits, '_' and '-', at most 100"));
-}
-
-absl::StatusOr<std::vector<Case>> ReadPlants(const ProcessModel& initial) {
-  std::vector<Case> cases;
-  for (const std::string& part : ParseList(FLAGS_plants)) {
-    const std::size_t colon = part.find(':');
-    if (colon == std::string::npos) {
-      return absl::InvalidArgumentError(
-          absl::StrCat("--plants: '", part, "' is not of the form NAME:FILE"));
-    }
-    const std::string name = part.substr(0, colon);
-    const std::string file = part.substr(colon + 1);
-    MLE_RETURN_IF_ERROR(CheckName(name));
-    absl::StatusOr<ProcessModel> plant = ReadProcessModel(file);
-    if (!plant.ok()) return Of("plants", plant.status());
-    if (const absl::Status same =
-            CheckSameChannels(initial, FLAGS_model, *plant, file);
-        !same.ok()) {
-      return Of("plants", same);
-    }
-    cases.push_back({name, *std::move(plant)});
-  }
-  if (cases.empty()) {
-    return absl::InvalidArgumentError("--plants names no plant");
-  }
-  return cases;
-}
-
-absl::StatusOr<std::vector<Case>> BuiltInCases() {
-  std::vector<Case> cases;
-  for (const std::string& name : ParseList(FLAGS_cases)) {
-    const BuiltInModel* found = nullptr;
-    for (const BuiltInModel& model : kWoodBerryAged) {
-      if (model.name == name) found = &model;
-    }
-    if (found == nullptr) {
-      return absl::InvalidArgumentError(absl::StrCat(
-          "--cases: there is no case '", name,
-          "'; known are gain and delay, others run with --model and --plants"));
-    }
-    MLE_ASSIGN_OR_RETURN(ProcessModel plant,
-                         ParseProcessModel(found->json, found->source));
-    cases.push_back({name, std::move(plant), /*from_paper=*/true});
-  }
-  if (cases.empty()) {
-    return absl::InvalidArgumentError("--cases names no case");
-  }
-  return cases;
 }
 
 absl::StatusOr<double> ConversionNoiseVariance() {
@@ -297,6 +231,35 @@ absl::StatusOr<std::vector<std::string>> EstimatorsFromFlags() {
   return estimators;
 }
 
+absl::StatusOr<std::vector<const Ablation*>> AblationsFromFlags() {
+  std::vector<const Ablation*> ablations;
+  for (const std::string& name : ParseList(FLAGS_ablations)) {
+    if (name == "all") {
+      for (const Ablation& ablation : Ablations()) {
+        ablations.push_back(&ablation);
+      }
+      continue;
+    }
+    const Ablation* const ablation = FindAblation(name);
+    if (ablation == nullptr) {
+      std::string known;
+      for (const Ablation& one : Ablations()) {
+        absl::StrAppend(&known, ", ", one.name);
+      }
+      return absl::InvalidArgumentError(
+          absl::StrCat("--ablations: there is no ablation '", name,
+                       "'; known are all", known));
+    }
+    ablations.push_back(ablation);
+  }
+  std::set<const Ablation*> different(ablations.begin(), ablations.end());
+  if (different.size() < ablations.size()) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "--ablations=", FLAGS_ablations, ": an ablation is named twice"));
+  }
+  return ablations;
+}
+
 absl::StatusOr<Scaling> ScalingFromFlags() {
   if (FLAGS_scaling == "standardise") return Scaling::kStandardise;
   if (FLAGS_scaling == "raw") return Scaling::kRaw;
@@ -342,53 +305,21 @@ absl::StatusOr<ExperimentOptions> ExperimentFromFlags(
   return options;
 }
 
-// The initial model and the plants: the user's own, or the paper's.
-absl::Status ReadModels(Study& study) {
-  const bool own = !FLAGS_model.empty() || !FLAGS_plants.empty();
-  if (own && (FLAGS_model.empty() || FLAGS_plants.empty())) {
-    return absl::InvalidArgumentError(
-        "--model and --plants belong together: the model the controller "
-        "believes, and the plants as they are");
-  }
-  if (own && !gflags::GetCommandLineFlagInfoOrDie("cases").is_default) {
-    return absl::InvalidArgumentError(
-        "--cases stands for plants of the Wood-Berry column; give either "
-        "--cases or --model with --plants");
-  }
-  if (own) {
-    absl::StatusOr<ProcessModel> model = ReadProcessModel(FLAGS_model);
-    if (!model.ok()) return Of("model", model.status());
-    study.initial = *std::move(model);
-    MLE_ASSIGN_OR_RETURN(study.cases, ReadPlants(study.initial));
-  } else {
-    MLE_ASSIGN_OR_RETURN(study.initial,
-                         ParseProcessModel(kWoodBerry.json, kWoodBerry.source));
-    MLE_ASSIGN_OR_RETURN(study.cases, BuiltInCases());
-  }
-  std::set<std::string> names;
-  for (const Case& one : study.cases) {
-    if (!names.insert(one.name).second) {
-      return absl::InvalidArgumentError(
-          absl::StrCat(own ? "--plants" : "--cases", ": '", one.name,
-                       "' is named twice; every case needs its own name"));
-    }
-  }
-  return absl::OkStatus();
-}
-
 }  // namespace
 
 absl::StatusOr<Study> StudyFromFlags() {
   MLE_RETURN_IF_ERROR(CheckRuns());
   Study study;
   study.seeds = FLAGS_seeds;
+  study.ablation_seeds = FLAGS_ablation_seeds;
   study.first_seed = FLAGS_first_seed;
   // More than there are processors gain nothing.
   study.threads = static_cast<int>(
       std::min(static_cast<unsigned>(FLAGS_threads),
                std::max(std::thread::hardware_concurrency(), 1u)));
-  MLE_RETURN_IF_ERROR(ReadModels(study));
+  MLE_RETURN_IF_ERROR(ReadCases(study));
   MLE_ASSIGN_OR_RETURN(study.experiment, ExperimentFromFlags(study.initial));
+  MLE_ASSIGN_OR_RETURN(study.ablations, AblationsFromFlags());
   return study;
 }
 

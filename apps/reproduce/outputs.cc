@@ -178,6 +178,9 @@ std::string FormatResults(const std::vector<CaseResult>& cases) {
                     {"runs", std::move(runs)},
                     {"summary", Summary(result)},
                     {"closed_loop", ClosedLoopJson(result.ClosedLoops())}});
+    if (!result.ablations.empty()) {
+      list.back()["ablations"] = AblationsJson(result.ablations);
+    }
   }
   const Json document = {{"version", 1}, {"cases", std::move(list)}};
   return document.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";

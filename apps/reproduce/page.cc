@@ -27,18 +27,54 @@ std::vector<std::string> Findings(const std::vector<CaseResult>& cases) {
   return sentences;
 }
 
-std::string FormatPage(const std::vector<CaseResult>& cases,
-                       const std::vector<NamedFigure>& figures,
-                       const std::vector<absl::StatusOr<std::string>>& svgs,
-                       const report::RunAgain& run_again) {
-  report::HtmlPage page("Model Life Extension: reproduction");
-  page.AddSummary(Findings(cases));
+namespace {
+
+using Figures = std::vector<report::DrawnFigure>;
+
+void AddDistances(const std::vector<CaseResult>& cases, const Figures& figures,
+                  report::HtmlPage& page) {
   page.AddHeading("Distance from the plant");
   page.AddParagraph(
       "E is the sum of the squared differences of the step responses over all "
       "input–output pairs and samples. λ* is chosen from the records alone, by "
       "the rule that --selection names; the plant is not used for it.");
   for (const CaseResult& result : cases) page.AddTable(DistanceTable(result));
+  AddFigure(figures, "distance_over_lambda", page);
+  AddFigure(figures, "distance_distribution", page);
+}
+
+void AddEstimators(const std::vector<CaseResult>& cases,
+                   report::HtmlPage& page) {
+  if (cases.front().runs.front().estimators.estimators.empty()) return;
+  page.AddHeading("Estimators side by side");
+  page.AddParagraph(
+      "On the same records. arx: ΔR by the exact engine, unless a test finds "
+      "that the initial model explains the records; ceres: the same by "
+      "smoothed L1, first seed only; structured: gains, time constants and "
+      "dead times; combined: structured, then ΔR where its structure does "
+      "not explain the records. The Cramér–Rao limit is the E that no "
+      "unbiased estimate of the plant's parameters can beat on average; an "
+      "estimate that knows which elements have aged can.");
+  for (const CaseResult& result : cases) {
+    page.AddTable(EstimatorTable(result.name, result.Estimators()));
+  }
+}
+
+void AddAblations(const std::vector<CaseResult>& cases,
+                  report::HtmlPage& page) {
+  if (cases.front().ablations.empty()) return;
+  page.AddHeading("What each decision is worth");
+  page.AddParagraph(
+      "The same records corrected with one decision taken differently. A "
+      "duality gap that is not tiny means that the fits are not exact.");
+  for (const CaseResult& result : cases) {
+    page.AddTable(
+        AblationTable(result.name, result.AblatedE(), result.ablations));
+  }
+}
+
+void AddResponses(const std::vector<CaseResult>& cases, const Figures& figures,
+                  report::HtmlPage& page) {
   page.AddHeading("Gains and dead times");
   page.AddParagraph(
       "Gain error by the end of the step response and by a first-order-plus-"
@@ -49,21 +85,13 @@ std::string FormatPage(const std::vector<CaseResult>& cases,
   for (const CaseResult& result : cases) {
     page.AddTable(GainTable(result));
     page.AddTable(DelayTable(result));
+    AddFigure(figures, absl::StrCat("step_responses_", result.name), page);
+    AddFigure(figures, absl::StrCat("impulse_responses_", result.name), page);
   }
-  if (!cases.front().runs.front().estimators.estimators.empty()) {
-    page.AddHeading("Estimators side by side");
-    page.AddParagraph(
-        "On the same records. arx: ΔR by the exact engine, unless a test finds "
-        "that the initial model explains the records; ceres: the same by "
-        "smoothed L1, first seed only; structured: gains, time constants and "
-        "dead times; combined: structured, then ΔR where its structure does "
-        "not explain the records. The Cramér–Rao limit is the E that no "
-        "unbiased estimate of the plant's parameters can beat on average; an "
-        "estimate that knows which elements have aged can.");
-    for (const CaseResult& result : cases) {
-      page.AddTable(EstimatorTable(result.name, result.Estimators()));
-    }
-  }
+}
+
+void AddLoops(const std::vector<CaseResult>& cases, const Figures& figures,
+              report::HtmlPage& page) {
   page.AddHeading("The loop under control");
   page.AddParagraph(
       "The aged plant with the initial model in its controller, with the "
@@ -73,14 +101,15 @@ std::string FormatPage(const std::vector<CaseResult>& cases,
   for (const CaseResult& result : cases) {
     page.AddTable(
         ClosedLoopTable(result.name, result.plant, result.ClosedLoops()));
+    AddFigure(figures, absl::StrCat("closed_loop_", result.name), page);
     page.AddSubheading(
         absl::StrCat("Tuning for the corrected model, case ", result.name));
     page.AddList(result.runs.front().retuning);
   }
-  page.AddHeading("Figures");
-  for (std::size_t i = 0; i < figures.size(); ++i) {
-    page.AddFigure(figures[i].figure, svgs[i], figures[i].caption, figures[i].alt);
-  }
+}
+
+void AddCertificates(const std::vector<CaseResult>& cases,
+                     report::HtmlPage& page) {
   page.AddHeading("Certificate");
   for (const CaseResult& result : cases) {
     const std::string sentence = absl::StrCat(
@@ -96,6 +125,22 @@ std::string FormatPage(const std::vector<CaseResult>& cases,
                                    ": the fits there are not exact."));
     }
   }
+}
+
+}  // namespace
+
+std::string FormatPage(const std::vector<CaseResult>& cases,
+                       const std::vector<report::DrawnFigure>& figures,
+                       const report::RunAgain& run_again) {
+  report::HtmlPage page("Model Life Extension: reproduction");
+  page.AddSummary(Findings(cases));
+  AddFigure(figures, "overview", page);
+  AddDistances(cases, figures, page);
+  AddEstimators(cases, page);
+  AddAblations(cases, page);
+  AddResponses(cases, figures, page);
+  AddLoops(cases, figures, page);
+  AddCertificates(cases, page);
   page.AddRunAgain(run_again);
   return page.Render();
 }

@@ -6,17 +6,15 @@
 #include <string>
 #include <vector>
 
-#include "absl/status/statusor.h"
+#include "apps/report/drawing.h"
 #include "apps/report/html.h"
-#include "apps/reproduce/figures.h"
 #include "apps/reproduce/summary.h"
 
 namespace mle::reproduce {
 
-// `svgs` belong to `figures`, one each, or say why one could not be drawn.
+// With the figures of MakeFigures, drawn, or without any.
 std::string FormatPage(const std::vector<CaseResult>& cases,
-                       const std::vector<NamedFigure>& figures,
-                       const std::vector<absl::StatusOr<std::string>>& svgs,
+                       const std::vector<report::DrawnFigure>& figures,
                        const report::RunAgain& run_again);
 
 // "E falls from … to …", for each case.

@@ -1,5 +1,6 @@
 #include "apps/reproduce/study.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <utility>
 
@@ -48,6 +49,30 @@ void DropCurves(RunResult& run) {
   run.unregularised = StepResponse();
 }
 
+void RunAblations(const Study& study, std::vector<CaseResult>& results) {
+  const int seeds = std::min(study.ablation_seeds, study.seeds);
+  const auto kinds = static_cast<int>(study.ablations.size());
+  if (kinds == 0) return;
+  for (CaseResult& result : results) {
+    for (const Ablation* ablation : study.ablations) {
+      result.ablations.push_back({ablation, {}});
+      result.ablations.back().runs.resize(seeds);
+    }
+  }
+  const int each = kinds * seeds;
+  Progress progress("ablations", static_cast<int>(results.size()) * each);
+  ParallelFor(
+      static_cast<int>(results.size()) * each, study.threads, [&](int i) {
+        CaseResult& result = results[i / each];
+        const int s = i % seeds;
+        const int kind = i % each / seeds;
+        result.ablations[kind].runs[s] =
+            RunAblation(*study.ablations[kind], study.initial, result.plant,
+                        SeedOf(study, s), study.experiment);
+        progress.Done();
+      });
+}
+
 CaseResult Describe(const Case& one, const Study& study) {
   CaseResult result;
   result.name = one.name;
@@ -94,6 +119,7 @@ absl::StatusOr<std::vector<CaseResult>> RunStudy(const Study& study) {
     }
     MLE_RETURN_IF_ERROR(SummariseCase(study.initial, result));
   }
+  RunAblations(study, results);
   return results;
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "apps/reproduce/ablations.h"
 #include "apps/reproduce/experiment.h"
 #include "apps/reproduce/summary.h"
 #include "mle/model/process_model.h"
@@ -24,6 +25,8 @@ struct Study {
   ProcessModel initial;
   std::vector<Case> cases;  // not empty, names differ
   ExperimentOptions experiment;
+  std::vector<const Ablation*> ablations;
+  int ablation_seeds = 5;        // the first of the seeds, ≥ 1
   int seeds = 1;                 // ≥ 1
   std::uint64_t first_seed = 1;  // the others follow it
   int threads = 0;               // 0: one for each processor

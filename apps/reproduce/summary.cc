@@ -82,6 +82,15 @@ std::vector<const EstimatorComparison*> CaseResult::Estimators() const {
   return comparisons;
 }
 
+std::vector<double> CaseResult::AblatedE() const {
+  std::vector<double> E;
+  for (std::size_t s = 0;
+       !ablations.empty() && s < ablations.front().runs.size(); ++s) {
+    E.push_back(runs[s].E_star);
+  }
+  return E;
+}
+
 absl::Status SummariseCase(const ProcessModel& initial_model,
                            CaseResult& result) {
   std::vector<double> star, zero, oracle, lambda;

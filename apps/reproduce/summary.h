@@ -9,6 +9,7 @@
 
 #include "absl/status/statusor.h"
 #include "apps/report/table.h"
+#include "apps/reproduce/ablations.h"
 #include "apps/reproduce/experiment.h"
 #include "mle/model/process_model.h"
 
@@ -49,6 +50,8 @@ struct CaseResult {
   StepResponse initial;
   double E_initial = 0.0;  // E(M, G₀)
   std::vector<RunResult> runs;
+  // Each with the first of the runs' seeds.
+  std::vector<AblationResult> ablations;
   // Filled in by SummariseCase.
   Statistics E_star;
   Statistics E_zero;
@@ -60,6 +63,9 @@ struct CaseResult {
   // Of all runs.
   std::vector<const ClosedLoopComparison*> ClosedLoops() const;
   std::vector<const EstimatorComparison*> Estimators() const;
+
+  // E at λ* of the seeds that the ablations were run with.
+  std::vector<double> AblatedE() const;
 };
 
 absl::Status SummariseCase(const ProcessModel& initial_model,

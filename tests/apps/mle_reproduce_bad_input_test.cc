@@ -157,6 +157,14 @@ TEST(MleReproduceBadInput, ChoiceOfThePenalty) {
   });
 }
 
+TEST(MleReproduceBadInput, ChoiceOfTheAblations) {
+  ExpectRefused({
+      {{"--ablations=speed"}, {"--ablations", "'speed'", "raw_scaling"}},
+      {{"--ablations=all,raw_scaling"}, {"--ablations", "named twice"}},
+      {{"--ablation_seeds=0"}, {"--ablation_seeds=0", "at least 1"}},
+  });
+}
+
 TEST(MleReproduceBadInput, Cases) {
   const std::string model = std::string("--model=") + kColumn;
   const std::string plant = kAgedColumn;

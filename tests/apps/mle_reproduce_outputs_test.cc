@@ -9,11 +9,13 @@
 #include <map>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "tests/apps/command_runner.h"
+#include "tests/apps/page_tables.h"
 
 namespace mle {
 namespace {
@@ -237,6 +239,63 @@ TEST(MleReproduceOutputs, CompareEstimators) {
       ParsedJson(scratch / "none/results.json")["cases"][0]["runs"][0];
   EXPECT_FALSE(without.contains("estimators"));
   EXPECT_EQ(without["E_star"], first["E_star"]);
+}
+
+TEST(MleReproduceOutputs, ThePageShowsTheValuesOfTheResults) {
+  const ScratchFolder scratch;
+  const report::ProcessResult run = RunTested(
+      SmallRun(scratch / "out", {"--cases=gain", "--seeds=2", "--ablations=all",
+                                 "--estimators=arx,structured"}));
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const nlohmann::json result =
+      ParsedJson(scratch / "out/results.json")["cases"][0];
+  const std::string html = Content(scratch / "out/report.html");
+  const auto distances = TableOf(html, "Case gain: squared distance E").rows;
+  ExpectShows(distances[1][2], result["E_initial"]);
+  const std::pair<std::size_t, const char*> rows[] = {
+      {2, "E_star"}, {3, "E_oracle"}, {5, "E_zero"}};
+  for (const auto& [row, name] : rows) {
+    const nlohmann::json& summary = result["summary"][name];
+    ExpectShows(distances[row][2], summary["mean"]);
+    ExpectShows(distances[row][3], summary["best"]);
+    ExpectShows(distances[row][4], summary["worst"]);
+    ExpectShows(distances[row][5], summary["standard_deviation"]);
+  }
+  const auto gains = TableOf(html, "Case gain: corrected gains").rows;
+  const auto delays = TableOf(html, "Case gain: corrected dead times").rows;
+  for (std::size_t pair = 0; pair < 4; ++pair) {
+    const auto of = [&](const char* name) -> double {
+      return result["summary"][name][pair / 2][pair % 2];
+    };
+    ExpectShows(gains[1 + pair][2], of("static_gain_error_rms"));
+    ExpectShows(gains[1 + pair][3], of("fopdt_gain_error_rms"));
+    ExpectShows(delays[1 + pair][4], of("fopdt_delay_error_rms"));
+  }
+  const auto mean = [&](const auto& value_of) {
+    double sum = 0.0;
+    for (int s = 0; s < 2; ++s) sum += 0.5 * value_of(s).template get<double>();
+    return sum;
+  };
+  const auto estimators = TableOf(html, "Case gain: estimators").rows;
+  for (std::size_t row = 1; row <= 2; ++row) {
+    ExpectShows(
+        estimators[row][2], mean([&](int s) {
+          return result["runs"][s]["estimators"][estimators[row][0]]["E"];
+        }));
+  }
+  ExpectShows(estimators[3][2],
+              mean([&](int s) { return result["runs"][s]["E_limit"]; }));
+  const auto ablations = TableOf(html, "Case gain: one decision").rows;
+  ASSERT_EQ(ablations.size(), 2u + result["ablations"].size());
+  ExpectShows(ablations[1][1], result["summary"]["E_star"]["mean"]);
+  std::size_t row = 2;
+  for (const char* name :
+       {"noise_free_conversion", "raw_scaling", "matlab_stop",
+        "lambda_per_output", "one_standard_error", "half_windows"}) {
+    const nlohmann::json& runs = result["ablations"][name];
+    ASSERT_EQ(runs.size(), 2u) << name;
+    ExpectShows(ablations[row++][1], mean([&](int s) { return runs[s]["E"]; }));
+  }
 }
 
 TEST(MleReproduceOutputs, DoNotDependOnThreadsOrTheRun) {

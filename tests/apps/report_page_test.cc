@@ -2,6 +2,7 @@
 // for from outside, no message on the console, nothing faint or overlapping.
 
 #include <string>
+#include <utility>
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
@@ -17,9 +18,14 @@ void ExpectReadable(const std::string& path, const std::string& name,
                     int charts) {
   const std::string html = Content(path);
   EXPECT_LE(html.size(), 3'000'000U);
-  for (const int width : {375, 1024, 1920}) {
-    const report::BrowserVisit visit = report::VisitPage(html, width, name);
+  for (const auto& [width, mode] : {std::pair(375, report::Mode::kLight),
+                                    {1024, report::Mode::kLight},
+                                    {1024, report::Mode::kDark},
+                                    {1920, report::Mode::kLight}}) {
+    const report::BrowserVisit visit =
+        report::VisitPage(html, width, name, mode);
     ASSERT_EQ(visit.error, "");
+    EXPECT_EQ(visit.found["dark"], mode == report::Mode::kDark);
     EXPECT_THAT(visit.console, IsEmpty());
     EXPECT_EQ(visit.found["charts"], charts);
     EXPECT_EQ(visit.found["painted"], charts);
@@ -54,8 +60,9 @@ TEST(ReportPageTest, OfAReproduction) {
   const report::ProcessResult run =
       RunTested(SmallRun(scratch / "out", {"--figures=true", "--cases=gain"}));
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  // Two of the overview, E over λ, step and impulse responses of four pairs.
-  ExpectReadable(scratch / "out/report.html", "reproduction", 11);
+  // Two of the overview, E over λ, step and impulse responses of four pairs,
+  // and two outputs in each of two set-point changes.
+  ExpectReadable(scratch / "out/report.html", "reproduction", 15);
 }
 #endif
 

@@ -137,6 +137,29 @@ TEST(Ranges, AreProperWithoutOrWithConstantData) {
   }
 }
 
+TEST(Ranges, HoldStretchesAndNamedPlaces) {
+  Panel panel;
+  panel.spans.push_back(MakeSpan(Role::kWindow, "", -3.0, 5.0));
+  EXPECT_LE(XRange(panel).min, -3.0);
+  EXPECT_GE(XRange(panel).max, 5.0);
+  panel.x.names = {"a", "b", "c"};
+  EXPECT_EQ(XRange(panel).min, -0.5);
+  EXPECT_EQ(XRange(panel).max, 2.5);
+  const std::vector<Tick> ticks = NamedTicks(panel.x.names);
+  ASSERT_EQ(ticks.size(), 3u);
+  EXPECT_EQ(ticks[2].value, 2.0);
+  EXPECT_EQ(ticks[2].label, "c");
+}
+
+TEST(Ranges, LinesAcrossALogarithmicAxisAreNotItsEnds) {
+  Panel panel;
+  panel.x.log = true;
+  panel.lines.push_back(VerticalLine(Role::kInitial, "", 1.0));
+  panel.lines.push_back(VerticalLine(Role::kTrue, "", 100.0));
+  EXPECT_LT(XRange(panel).min, 1.0);
+  EXPECT_GT(XRange(panel).max, 100.0);
+}
+
 TEST(Fraction, RunsFromZeroToOne) {
   EXPECT_DOUBLE_EQ(Fraction(5.0, {0.0, 20.0}, false), 0.25);
   EXPECT_NEAR(Fraction(1e-4, {1e-6, 1e-2}, true), 0.5, 1e-15);

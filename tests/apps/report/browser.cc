@@ -42,9 +42,10 @@ bool HasBrowser() {
 }
 
 BrowserVisit VisitPage(const std::string& html, int width,
-                       const std::string& name) {
+                       const std::string& name, Mode mode) {
   BrowserVisit visit;
-  const std::string base = absl::StrCat(name, "_", width);
+  const bool dark = mode == Mode::kDark;
+  const std::string base = absl::StrCat(name, "_", width, dark ? "_dark" : "");
   const fs::path folder = fs::current_path() / "screenshots";
   fs::create_directories(folder);
   const fs::path page = folder / (base + ".html");
@@ -66,7 +67,9 @@ BrowserVisit VisitPage(const std::string& html, int width,
   }
   std::ofstream(page, std::ios::binary) << checked;
   const std::string view =
-      absl::StrCat("--virtual-time-budget=5000 --window-size=", width, ",");
+      absl::StrCat("--virtual-time-budget=5000 ",
+                   dark ? "--blink-settings=preferredColorScheme=0 " : "",
+                   "--window-size=", width, ",");
   const std::string url = "'file://" + page.string() + "'";
   if (Chromium(absl::StrCat(view, "900 --dump-dom ", url), dom, log, profile) !=
       0) {

@@ -19,10 +19,12 @@ struct BrowserVisit {
 // Whether there is a Chromium to test with.
 bool HasBrowser();
 
+enum class Mode { kLight, kDark };
+
 // `html` in a window of `width` pixels. A screenshot is kept as
-// screenshots/NAME_WIDTH.png in the folder the test runs in.
+// screenshots/NAME_WIDTH.png (or _dark.png) in the folder the test runs in.
 BrowserVisit VisitPage(const std::string& html, int width,
-                       const std::string& name);
+                       const std::string& name, Mode mode = Mode::kLight);
 
 }  // namespace mle::report
 

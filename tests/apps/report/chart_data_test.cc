@@ -44,11 +44,27 @@ TEST(ChartDataTest, HoldsWhatThePanelShows) {
   EXPECT_EQ(shown["series"][0]["x"], (Numbers{0.1, 0.2}));
   EXPECT_TRUE(shown["series"][0]["y"][1].is_null());
   EXPECT_EQ(shown["series"][0]["upper"], (Numbers{4.0, 4.0}));
-  EXPECT_EQ(shown["series"][0]["colour"], ColourOf(Role::kCorrected));
+  EXPECT_EQ(shown["series"][0]["colour"], NameOf(Role::kCorrected));
   EXPECT_EQ(shown["series"][1]["label"], "chosen");
   EXPECT_EQ(shown["series"][1]["line"], false);
   ASSERT_EQ(shown["lines"].size(), 1);
   EXPECT_EQ(shown["lines"][0]["value"], 7.0);
+}
+
+TEST(ChartDataTest, HoldsStretchesAndNames) {
+  Figure figure{.columns = 2};
+  for (const char* title : {"a", "b"}) figure.AddPanel(title);
+  figure.panels[0].y.label = "E";
+  figure.panels[1].x.names = {"first", "\"second\""};
+  figure.panels[1].spans.push_back(
+      MakeSpan(Role::kWindow, "window", -1.0, 2.5));
+  const nlohmann::json shown = Data(figure)["panels"][1];
+  EXPECT_EQ(shown["x"]["names"], (nlohmann::json{"first", "\"second\""}));
+  EXPECT_EQ(shown["spans"][0]["from"], -1.0);
+  EXPECT_EQ(shown["spans"][0]["to"], 2.5);
+  EXPECT_EQ(shown["spans"][0]["colour"], "window");
+  // The first of a row has the label of all.
+  EXPECT_EQ(shown["y"]["label"], "E");
 }
 
 TEST(ChartDataTest, TextCannotEndTheScriptItStandsIn) {

@@ -126,6 +126,7 @@ found.legend = Array.from(document.querySelectorAll('.legend-item')).map(
 found.injected = document.querySelectorAll('[data-injected]').length;
 found.requests = performance.getEntriesByType('resource').map(r => r.name);
 found.width = window.innerWidth;
+found.dark = matchMedia('(prefers-color-scheme: dark)').matches;
 found.overflow = document.documentElement.scrollWidth - window.innerWidth;
 found.faint = faint();
 found.overlapping = overlapping();

@@ -89,6 +89,45 @@ TEST(Roles, OfTheSameFigureDifferInMoreThanColour) {
   EXPECT_NE(StyleOf(Role::kChosen).marker, StyleOf(Role::kBest).marker);
 }
 
+TEST(Roles, HaveAColourOnEitherGroundAndANameOfTheirOwn) {
+  const auto luminance = [](const std::string& colour) {
+    double sum = 0.0;
+    const double weights[] = {0.2126, 0.7152, 0.0722};
+    for (int c = 0; c < 3; ++c) {
+      const double part = std::stoi(colour.substr(1 + 2 * c, 2), nullptr, 16);
+      const double v = part / 255.0;
+      sum += weights[c] *
+             (v <= 0.03928 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4));
+    }
+    return sum;
+  };
+  std::set<std::string> names;
+  for (const Role role : AllRoles()) {
+    names.insert(NameOf(role));
+    // 3 : 1 is what graphics need (WCAG 2.1, 1.4.11); orange and sky blue are
+    // wide or of samples, and have less on white.
+    EXPECT_LT(luminance(ColourOf(role)), 0.45) << NameOf(role);
+    EXPECT_GT(luminance(DarkColourOf(role)) + 0.05,
+              3.0 * (luminance("#1a1f24") + 0.05))
+        << NameOf(role);
+  }
+  EXPECT_EQ(names.size(), AllRoles().size());
+}
+
+TEST(Validate, NamesWhatIsWrongWithAMap) {
+  Figure figure = Good();
+  figure.panels[0].spans.push_back(MakeSpan(Role::kWindow, "late", 2.0, 1.0));
+  EXPECT_THAT(std::string(figure.Validate().message()), HasSubstr("\"late\""));
+  figure = Good();
+  figure.panels[0].cells.push_back({0.0, 0.0, 1.5, {"dark"}});
+  EXPECT_THAT(std::string(figure.Validate().message()), HasSubstr("1.5"));
+  EXPECT_TRUE(figure.HasCells());
+  figure = Good();
+  figure.panels[0].x.names = {"a"};
+  figure.panels[0].x.log = true;
+  EXPECT_THAT(std::string(figure.Validate().message()), HasSubstr("x axis"));
+}
+
 TEST(MakeMarker, AlwaysHasAShape) {
   EXPECT_NE(MakeMarker(Role::kTrue, "", 0.0, 0.0).style.marker,
             MarkerShape::kNone);

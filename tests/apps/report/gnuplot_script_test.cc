@@ -63,6 +63,22 @@ TEST(GnuplotScript, ABandIsDrawnBelowItsLine) {
   EXPECT_LT(script.find("filledcurves"), script.find("with lines"));
 }
 
+TEST(GnuplotScript, CellsAndStretchesLieBehind) {
+  Figure figure;
+  Panel& panel = figure.AddPanel("");
+  panel.x.names = {"a", "b"};
+  panel.cells.push_back({1.0, 0.0, 0.4, {"word"}});
+  panel.spans.push_back(MakeSpan(Role::kWindow, "used", 0.0, 9.0));
+  const std::string script =
+      GnuplotScript(figure, *MakeLayout(figure), {.name_and_size = "svg"});
+  EXPECT_THAT(script, HasSubstr("set object rectangle from first 0.5, first "
+                                "-0.5 to first 1.5, first 0.5 behind"));
+  EXPECT_THAT(script, HasSubstr("\"word\""));
+  // No further than the axis goes.
+  EXPECT_THAT(script, HasSubstr("set object rectangle from first 0, graph 0 to "
+                                "first 1.5, graph 1 behind"));
+}
+
 TEST(GnuplotScript, LinesOutsideTheRangeAreLeftOut) {
   Figure figure;
   Panel& panel = figure.AddPanel("");

@@ -132,6 +132,20 @@ TEST(HtmlPage, AMissingFigureIsAWarningWithTheReason) {
                             "picture is no SVG")));
 }
 
+TEST(HtmlPage, AMapOfCellsIsAPictureOnly) {
+  Figure map;
+  map.AddPanel("").cells.push_back({0.0, 0.0, 0.5, {"gain"}});
+  HtmlPage page("Map");
+  page.AddFigure(map,
+                 std::string("<svg xmlns=\"http://www.w3.org/2000/svg\" "
+                             "width=\"10\" height=\"10\" "
+                             "viewBox=\"0 0 10 10\"></svg>"),
+                 "A map.", "A map.");
+  const std::string html = page.Render();
+  EXPECT_NE(html.find("<svg"), std::string::npos);
+  EXPECT_EQ(html.find("class=\"chart-data\""), std::string::npos);
+}
+
 TEST(HtmlPage, ListsItsSectionsFromThreeOn) {
   HtmlPage page("p");
   page.AddHeading("one");

@@ -137,6 +137,53 @@ TEST(MakeLayout, LongNamesAreShortenedToTheRoomTheyHave) {
   EXPECT_EQ(shortened, 4);
 }
 
+// A map of three by two with long words and names.
+Figure Map() {
+  Figure figure{.width_cm = 12.0, .height_cm = 6.0, .legend = false};
+  Panel& panel = figure.AddPanel("");
+  panel.x.label = "input";
+  panel.y.label = "output";
+  panel.x.names = {"reflux", std::string(200, 'x'), "steam"};
+  panel.y.names = {"overhead composition of the column", "bottoms"};
+  for (int i = 0; i < 2; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      panel.cells.push_back({1.0 * j,
+                             1.0 * i,
+                             0.5,
+                             {"gain × 0.644", std::string(100, 'w'), "p"}});
+    }
+  }
+  return figure;
+}
+
+TEST(MakeLayout, WordsStayInTheirCell) {
+  const absl::StatusOr<Layout> layout = MakeLayout(Map());
+  ASSERT_TRUE(layout.ok()) << layout.status();
+  const Frame& frame = layout->panels[0].frame;
+  const double width = (frame.right - frame.left) / 3.0;
+  const double height = (frame.top - frame.bottom) / 2.0;
+  int words = 0;
+  for (std::size_t a = 0; a < layout->texts.size(); ++a) {
+    const Box box = BoxOf(layout->texts[a]);
+    EXPECT_GE(box.left, 0.0);
+    EXPECT_LE(box.right, layout->width_pt);
+    for (std::size_t b = 0; b < a; ++b) {
+      EXPECT_FALSE(Overlap(box, BoxOf(layout->texts[b])))
+          << layout->texts[a].text << " and " << layout->texts[b].text;
+    }
+    if (box.left < frame.left || box.bottom < frame.bottom) continue;
+    ++words;
+    const auto cell = [&](double place, double start, double size) {
+      return std::floor((place - start) / size);
+    };
+    EXPECT_EQ(cell(box.left, frame.left, width),
+              cell(box.right, frame.left, width));
+    EXPECT_EQ(cell(box.bottom, frame.bottom, height),
+              cell(box.top, frame.bottom, height));
+  }
+  EXPECT_EQ(words, 18);
+}
+
 TEST(MakeLayout, WhatIsNotDrawnIsNotInTheLegend) {
   Figure figure;
   Panel& panel = figure.AddPanel("");

@@ -1,0 +1,46 @@
+// What the figures of a correction have in common.
+
+#ifndef APPS_CORRECT_FIGURE_PARTS_H_
+#define APPS_CORRECT_FIGURE_PARTS_H_
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "Eigen/Core"
+#include "apps/correct/result.h"
+#include "apps/report/drawing.h"
+
+namespace mle::correct {
+
+// Longer curves are thinned, their extremes kept.
+inline constexpr int kMaxPoints = 1500;
+
+std::vector<double> ToVector(const Eigen::VectorXd& values);
+
+// "time (min)".
+std::string TimeLabel(const Result& result, const std::string& what);
+
+// A figure without panels yet, its caption for all readers.
+report::NamedFigure NewFigure(const std::string& name,
+                              const std::string& caption, int rows, int columns,
+                              double row_height_cm);
+
+// fill(i, j, panel) for each output i (row) and input j (column), titled and
+// labelled along x, which all panels share.
+void AddPairPanels(
+    const Result& result, const std::string& x_label, report::Figure& figure,
+    const std::function<void(int i, int j, report::Panel& panel)>& fill);
+
+// Thinned to kMaxPoints.
+report::Series& AddCurve(report::Role role, const std::string& label,
+                         std::vector<double> x, std::vector<double> y,
+                         report::Panel& panel);
+
+// Records, and predictions in their windows (record_figures.cc).
+report::NamedFigure RecordFigure(const Result& result);
+report::NamedFigure PredictionFigure(const Result& result);
+
+}  // namespace mle::correct
+
+#endif  // APPS_CORRECT_FIGURE_PARTS_H_

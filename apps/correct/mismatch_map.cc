@@ -1,0 +1,98 @@
+#include "apps/correct/mismatch_map.h"
+
+#include <cmath>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "apps/correct/advice.h"
+#include "apps/correct/verdict.h"
+#include "apps/report/number.h"
+
+namespace mle::correct {
+namespace {
+
+using report::FormatSignificant;
+
+std::string Ratio(const char* name, const ParameterEstimate& estimate) {
+  return absl::StrCat(name, " × ",
+                      FormatSignificant(estimate.value / estimate.initial, 3));
+}
+
+std::string Shift(const ParameterEstimate& delay, const std::string& unit) {
+  const double shift = delay.value - delay.initial;
+  return absl::StrCat("dead time ", shift < 0.0 ? "−" : "+",
+                      FormatSignificant(std::abs(shift), 3), " ", unit);
+}
+
+// Only what left the interval of the initial value.
+std::vector<std::string> Changes(const ElementEstimate& element,
+                                 const std::string& time_unit) {
+  std::vector<std::string> lines;
+  if (HasMoved(element.gain) && element.gain.initial != 0.0) {
+    lines.push_back(Ratio("gain", element.gain));
+  }
+  if (HasMoved(element.time_scale)) {
+    lines.push_back(Ratio("time const.", element.time_scale));
+  }
+  if (HasMoved(element.delay)) {
+    lines.push_back(Shift(element.delay, time_unit));
+  }
+  if (lines.empty()) lines.emplace_back("changed");
+  return lines;
+}
+
+}  // namespace
+
+std::vector<std::string> DescribeMismatch(const Result& result, int output,
+                                          int input) {
+  const StructuredCorrection& structured = result.estimate.fit.structured;
+  const ElementEstimate& full = structured.full.element(output, input);
+  const PairState state = result.information.pair(output, input).state;
+  if (state == PairState::kAbsent) return {"–"};
+  if (full.state == ElementState::kNotInformed) return {"kept", "not informed"};
+  const bool by_structure = result.corrected.process.has_value();
+  std::vector<std::string> lines;
+  if (!result.accepted() || (by_structure && !structured.aged(output, input))) {
+    lines.emplace_back("kept");
+  } else if (by_structure) {
+    lines = Changes(structured.corrected.element(output, input),
+                    result.initial().time_unit());
+  } else {
+    lines.push_back(absl::StrCat(
+        "response by ",
+        FormatSignificant(100.0 * result.change.elements(output, input), 2),
+        " %"));
+  }
+  if (by_structure && full.state == ElementState::kFitted) {
+    const std::string p =
+        ShortProbability(structured.element_p_values(output, input));
+    lines.push_back(p.front() == '<' ? absl::StrCat("p ", p)
+                                     : absl::StrCat("p = ", p));
+  }
+  if (state != PairState::kInformed) {
+    lines.emplace_back(NameOf(state));
+  }
+  return lines;
+}
+
+report::Table MismatchTable(const Result& result) {
+  const ProcessModel& model = result.initial();
+  report::Table table;
+  table.caption =
+      "Mismatch by element: what has changed, and the probability p of such "
+      "records if the element had not";
+  table.columns = {{"output ← input", report::Align::kLeft}};
+  for (const InputChannel& input : model.inputs()) {
+    table.columns.push_back({input.name, report::Align::kCenter});
+  }
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    std::vector<std::string> row = {model.outputs()[i].name};
+    for (int j = 0; j < model.num_inputs(); ++j) {
+      row.push_back(absl::StrJoin(DescribeMismatch(result, i, j), "; "));
+    }
+    table.AddRow(std::move(row));
+  }
+  return table;
+}
+
+}  // namespace mle::correct

@@ -1,0 +1,24 @@
+// What has become of each element, in a few words: for the table on the
+// terminal, the page and its map.
+
+#ifndef APPS_CORRECT_MISMATCH_MAP_H_
+#define APPS_CORRECT_MISMATCH_MAP_H_
+
+#include <string>
+#include <vector>
+
+#include "apps/correct/result.h"
+#include "apps/report/table.h"
+
+namespace mle::correct {
+
+// Lines such as "gain × 0.644", "dead time +2.92 min", "p < 10⁻⁹".
+std::vector<std::string> DescribeMismatch(const Result& result, int output,
+                                          int input);
+
+// The same, a cell for each pair, with how much of the step response changes.
+report::Table MismatchTable(const Result& result);
+
+}  // namespace mle::correct
+
+#endif  // APPS_CORRECT_MISMATCH_MAP_H_

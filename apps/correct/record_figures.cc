@@ -1,0 +1,197 @@
+// The records as they came, and what the models make of them.
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "apps/correct/figure_parts.h"
+
+namespace mle::correct {
+namespace {
+
+using report::Panel;
+using report::Role;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+// Pieces of record one after the other, with a break between them.
+struct Strip {
+  std::vector<const Record*> pieces;
+  std::vector<double> starts;  // of each piece, on the strip
+  std::vector<double> time;    // of each sample, and of the break after a piece
+};
+
+// From the first piece's own time, or from zero where there are several.
+Strip MakeStrip(std::vector<const Record*> pieces) {
+  Strip strip;
+  double start = pieces.size() == 1 ? pieces.front()->start_time : 0.0;
+  for (const Record* piece : pieces) {
+    strip.starts.push_back(start);
+    for (int k = 0; k <= piece->samples(); ++k) {
+      strip.time.push_back(start + k * piece->sample_time);
+    }
+    start = strip.time.back();
+  }
+  strip.pieces = std::move(pieces);
+  return strip;
+}
+
+// row_of(piece) of every piece, NaN at the breaks.
+std::vector<double> Join(
+    const Strip& strip,
+    const std::function<Eigen::RowVectorXd(const Record&)>& row_of) {
+  std::vector<double> joined;
+  for (const Record* piece : strip.pieces) {
+    const Eigen::RowVectorXd values = row_of(*piece);
+    joined.insert(joined.end(), values.data(), values.data() + values.size());
+    joined.push_back(kNaN);
+  }
+  return joined;
+}
+
+std::vector<double> SetPoints(const Strip& strip, int output) {
+  return Join(strip, [output](const Record& piece) -> Eigen::RowVectorXd {
+    if (piece.set_points.size() > 0) return piece.set_points.row(output);
+    return Eigen::RowVectorXd::Constant(piece.samples(), kNaN);
+  });
+}
+
+// A mark at every bad sample, as high as the good one before it (or, at a
+// start, after it).
+void MarkBadSamples(const Strip& strip, const std::vector<double>& values,
+                    Panel& panel) {
+  std::vector<double> time;
+  std::vector<double> height;
+  double last = kNaN;
+  for (const double value : values) {
+    if (std::isnan(last) && std::isfinite(value)) last = value;
+  }
+  std::size_t n = 0;
+  for (const Record* piece : strip.pieces) {
+    for (int k = 0; k < piece->samples(); ++k, ++n) {
+      if (std::isfinite(values[n])) {
+        last = values[n];
+      } else if (std::isfinite(last)) {
+        time.push_back(strip.time[n]);
+        height.push_back(last);
+      }
+    }
+    ++n;  // the break
+  }
+  if (time.empty()) return;
+  AddCurve(Role::kBad, "bad sample", std::move(time), std::move(height), panel);
+}
+
+void MarkWindows(const RecordData& data, const Strip& strip, Panel& panel) {
+  for (const SetPointWindow& window : data.windows) {
+    const Record& record = data.records[window.source];
+    const double shift = strip.starts[window.source] - record.start_time;
+    panel.spans.push_back(report::MakeSpan(Role::kWindow, "window used",
+                                           BeginOf(window) + shift,
+                                           EndOf(window) + shift));
+  }
+}
+
+std::string UnitOr(const std::string& unit, const char* otherwise) {
+  return unit.empty() ? otherwise : unit;
+}
+
+}  // namespace
+
+report::NamedFigure RecordFigure(const Result& result) {
+  const ProcessModel& model = result.initial();
+  const RecordData& data = result.data;
+  std::vector<const Record*> records;
+  for (const Record& record : data.records) records.push_back(&record);
+  const Strip strip = MakeStrip(std::move(records));
+  const int channels = model.num_outputs() + model.num_inputs();
+  report::NamedFigure named = NewFigure(
+      "records",
+      absl::StrCat("The records: outputs with their set points, and inputs. "
+                   "The correction rests on the windows, which are shaded; bad "
+                   "samples have a cross at the last good value.",
+                   strip.pieces.size() > 1
+                       ? " Pieces follow one another without the time between "
+                         "them."
+                       : ""),
+      (channels + 1) / 2, 2, 4.0);
+  const std::string x_label = TimeLabel(
+      result, strip.pieces.size() > 1 ? "time from the first start" : "time");
+  for (int c = 0; c < channels; ++c) {
+    const bool output = c < model.num_outputs();
+    const int j = c - model.num_outputs();
+    Panel& panel = named.figure.AddPanel(output ? model.outputs()[c].name
+                                                : model.inputs()[j].name);
+    panel.y.label =
+        UnitOr(output ? model.outputs()[c].unit : model.inputs()[j].unit,
+               output ? "measured" : "input");
+    if (c + 2 >= channels) panel.x.label = x_label;
+    const std::vector<double> values =
+        Join(strip, [&](const Record& piece) -> Eigen::RowVectorXd {
+          if (output) return piece.outputs.row(c);
+          return piece.inputs.row(j);
+        });
+    MarkWindows(data, strip, panel);
+    AddCurve(Role::kMeasured, "recorded", strip.time, values, panel).steps =
+        !output;
+    if (output) {
+      AddCurve(Role::kSetPoint, "set point", strip.time, SetPoints(strip, c),
+               panel)
+          .steps = true;
+    }
+    MarkBadSamples(strip, values, panel);
+  }
+  return named;
+}
+
+report::NamedFigure PredictionFigure(const Result& result) {
+  const ProcessModel& model = result.initial();
+  std::vector<const Record*> windows;
+  for (const SetPointWindow& window : result.data.windows) {
+    windows.push_back(&window.record);
+  }
+  const Strip strip = MakeStrip(std::move(windows));
+  const Fit& fit = result.estimate.fit;
+  report::NamedFigure named = NewFigure(
+      "predictions",
+      "Measured outputs and what both models simulate from the inputs alone, "
+      "in all windows, one after the other (the corrected model was fitted to "
+      "them).",
+      model.num_outputs(), 1, 5.0);
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    Panel& panel = named.figure.AddPanel(model.outputs()[i].name);
+    panel.y.label = UnitOr(model.outputs()[i].unit, "measured");
+    AddCurve(Role::kMeasured, "recorded", strip.time,
+             Join(strip,
+                  [i](const Record& piece) -> Eigen::RowVectorXd {
+                    return piece.outputs.row(i);
+                  }),
+             panel);
+    const auto add = [&](Role role, const char* label,
+                         const Predictor& predictor) {
+      // What is measured less what the model does not explain.
+      AddCurve(role, label, strip.time,
+               Join(strip,
+                    [&](const Record& piece) -> Eigen::RowVectorXd {
+                      return piece.outputs.row(i) - predictor(piece, 0).row(i);
+                    }),
+               panel);
+    };
+    add(Role::kInitial, "initial model", fit.initial);
+    if (result.accepted()) add(Role::kCorrected, "corrected", fit.corrected);
+    for (std::size_t n = 1; n < strip.starts.size(); ++n) {
+      panel.lines.push_back(
+          VerticalLine(Role::kReference, "", strip.starts[n]));
+    }
+  }
+  named.figure.panels.back().x.label = TimeLabel(
+      result, strip.pieces.size() > 1 ? "time in the windows" : "time");
+  return named;
+}
+
+}  // namespace mle::correct

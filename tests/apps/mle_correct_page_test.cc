@@ -1,0 +1,157 @@
+// The page of mle_correct shows what its other files hold, and its figures are
+// files as well.
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "tests/apps/correct_runs.h"
+#include "tests/apps/page_tables.h"
+
+namespace mle {
+namespace {
+
+using ::testing::HasSubstr;
+
+// A run in which a gain has halved, with all that it writes.
+class MleCorrectPage : public ::testing::Test {
+ protected:
+  MleCorrectPage() {
+    Heater aged;
+    aged.first.gain = 1.0;
+    const std::string model =
+        scratch_.Write("model.json", HeaterJson(Heater()));
+    const std::string plant = scratch_.Write("plant.json", HeaterJson(aged));
+    const std::string data =
+        SimulateHeater(scratch_, "run.csv", model, plant,
+                       {"--lost_probability=0.02", "--seed=3"});
+    out_ = scratch_ / "out";
+    result_ = Correct(CorrectionFlags(model, data, out_,
+                                      {"--figures=true", "--truth=" + plant}),
+                      out_);
+    html_ = Content(out_ + "/report.html");
+  }
+
+  const ScratchFolder scratch_;
+  std::string out_, html_;
+  nlohmann::json result_;
+};
+
+void ExpectInterval(const std::string& cell, const nlohmann::json& estimate) {
+  const std::string separator = " ± ";
+  const std::size_t at = cell.find(separator);
+  ASSERT_NE(at, std::string::npos) << cell;
+  ExpectShows(cell, estimate["value"]);
+  ExpectShows(cell.substr(at + separator.size()),
+              0.5 * (estimate["upper"].get<double>() -
+                     estimate["lower"].get<double>()));
+}
+
+TEST_F(MleCorrectPage, TablesShowTheValuesOfTheResult) {
+  const PageTable table = TableOf(html_, "Elements, with 95");
+  ASSERT_EQ(table.rows.size(), 1u + 3u * 4u);
+  std::size_t row = 1;
+  for (const char* const output : {"y1", "y2"}) {
+    for (const char* const input : {"u1", "u2"}) {
+      const nlohmann::json element = ElementOf(result_, output, input);
+      EXPECT_EQ(table.rows[row][0], std::string(output) + " ← " + input);
+      if (element["p_value"] < 1e-300) {
+        EXPECT_THAT(table.rows[row][5], HasSubstr("less than 10⁻³⁰⁰"));
+      } else {
+        ExpectShows(table.rows[row][5], element["p_value"]);
+      }
+      for (const char* const name : {"gain", "time_constant", "delay"}) {
+        SCOPED_TRACE(table.rows[row][0] + " " + name);
+        const nlohmann::json& value = element[name];
+        ExpectShows(table.rows[row][2], value["initial"]);
+        ExpectInterval(table.rows[row][3], value["all_free"]);
+        if (element["aged"].get<bool>()) {
+          ExpectInterval(table.rows[row][4], value["corrected"]);
+        } else {
+          ExpectShows(table.rows[row][4], value["initial"]);
+        }
+        ++row;
+      }
+    }
+  }
+  const PageTable fits = TableOf(html_, "Fit on windows held out");
+  const nlohmann::json& held_out =
+      result_["validation"]["windows"]["fit_percent"];
+  ASSERT_EQ(fits.rows.size(), 1u + 2u * held_out.size());
+  for (std::size_t i = 0; i < held_out.size(); ++i) {
+    int line = 0;
+    for (const char* const model : {"initial", "corrected"}) {
+      const auto& cells = fits.rows[1 + 2 * i + line++];
+      ExpectShows(cells[1], held_out[i][model]["one_step"]);
+      ExpectShows(cells[2], held_out[i][model]["several_steps"]);
+      ExpectShows(cells[3], held_out[i][model]["simulated"]);
+    }
+  }
+}
+
+TEST_F(MleCorrectPage, OpensWithTheVerdictInTwoSentences) {
+  ASSERT_EQ(result_["verdict"].size(), 2u);
+  const std::string aged = result_["verdict"][0];
+  const std::string worth = result_["verdict"][1];
+  EXPECT_THAT(aged, HasSubstr("1 of 4 elements have changed, y1 ← u1"));
+  EXPECT_THAT(worth, HasSubstr("put it into the controller"));
+  const std::size_t summary = html_.find("class=\"summary\"");
+  ASSERT_NE(summary, std::string::npos);
+  EXPECT_LT(summary, html_.find(aged));
+  EXPECT_LT(html_.find(worth), html_.find("<h2"));
+}
+
+TEST_F(MleCorrectPage, ChartsShowTheResponsesOfTheFile) {
+  const nlohmann::json panel = ChartsOf(html_).front()["panels"][0];
+  const auto lines = ParsedCsv(out_ + "/step_response.csv");
+  int compared = 0;
+  for (const nlohmann::json& series : panel["series"]) {
+    const int column = series["label"] == "initial model" ? 1
+                       : series["label"] == "corrected"   ? 5
+                                                          : 9;
+    ASSERT_EQ(series["x"].size(), lines.size() - 1);
+    for (std::size_t k = 1; k < lines.size(); ++k) {
+      const double value = std::stod(lines[k][column]);
+      EXPECT_NEAR(series["y"][k - 1], value, 1e-6 * (1.0 + std::abs(value)));
+      ++compared;
+    }
+  }
+  EXPECT_EQ(compared, 3 * static_cast<int>(lines.size() - 1));
+}
+
+TEST_F(MleCorrectPage, RecordsAreDrawnWithTheirWindowsAndBadSamples) {
+  const nlohmann::json panel = ChartsOf(html_)[1]["panels"][0];
+  EXPECT_EQ(panel["spans"].size(), result_["windows"].size());
+  const auto& series = panel["series"];
+  const auto bad = std::find_if(
+      series.begin(), series.end(),
+      [](const nlohmann::json& s) { return s["label"] == "bad sample"; });
+  ASSERT_NE(bad, series.end());
+  // All that are lost in the file.
+  int lost = 0;
+  const auto lines = ParsedCsv(scratch_ / "run.csv");
+  for (std::size_t k = 1; k < lines.size(); ++k) {
+    lost += lines[k][1].empty() ? 1 : 0;
+  }
+  EXPECT_GT(lost, 5);
+  EXPECT_EQ((*bad)["x"].size(), static_cast<std::size_t>(lost));
+}
+
+TEST_F(MleCorrectPage, EveryFigureIsAFileToo) {
+  for (const char* const name :
+       {"step_responses", "mismatch_map", "records", "predictions",
+        "autocorrelation", "cross_correlation"}) {
+    const std::string base = out_ + "/" + name;
+    EXPECT_EQ(Content(base + ".svg").find("<?xml"), 0u) << name;
+    EXPECT_EQ(Content(base + ".png").find("\x89PNG"), 0u) << name;
+    EXPECT_EQ(Content(base + ".pdf").find("%PDF"), 0u) << name;
+  }
+  EXPECT_THAT(Content(out_ + "/mismatch_map.svg"), HasSubstr("gain × 0."));
+}
+
+}  // namespace
+}  // namespace mle
