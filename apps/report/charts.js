@@ -383,26 +383,37 @@ function draw(figure) {
   return charts;
 }
 
-function start() {
-  // For tests and for those who look under the bonnet.
+// One figure after the other, so that the first can be seen at once. For tests
+// and for those who look under the bonnet: window.mleCharts has the charts,
+// window.mleChartsDrawn is fulfilled when all are drawn.
+let drawing = 0;
+
+async function start() {
+  const mine = ++drawing;
   window.mleCharts = [];
-  document.querySelectorAll('figure.has-chart').forEach(figure => {
+  for (const figure of document.querySelectorAll('figure.has-chart')) {
     window.mleCharts.push(...draw(figure).map(({chart}) => chart));
-  });
+    await new Promise(next => setTimeout(next));
+    if (mine !== drawing) return;
+  }
+}
+
+function begin() {
+  window.mleChartsDrawn = start();
 }
 
 // The same in the colours of the other mode.
 function startAgain() {
   window.mleCharts.forEach(chart => chart.destroy());
   document.querySelectorAll('figure .charts').forEach(old => old.remove());
-  start();
+  begin();
 }
 matchMedia('(prefers-color-scheme: dark)').addEventListener(
     'change', startAgain);
 
 if (document.readyState === 'loading') {
-  document.addEventListener('DOMContentLoaded', start);
+  document.addEventListener('DOMContentLoaded', begin);
 } else {
-  start();
+  begin();
 }
 })();

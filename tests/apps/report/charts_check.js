@@ -117,6 +117,7 @@ async function checkFirst(chart) {
 }
 
 await pause();
+await window.mleChartsDrawn;
 const charts = window.mleCharts;
 found.figures = document.querySelectorAll('figure.has-chart').length;
 found.charts = charts.length;
