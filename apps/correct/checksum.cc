@@ -4,10 +4,10 @@
 #include <cerrno>
 #include <cstdio>
 #include <memory>
+#include <string_view>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_format.h"
-#include "openssl/evp.h"
+#include "apps/common/sha256.h"
 
 namespace mle::correct {
 
@@ -17,30 +17,23 @@ absl::StatusOr<FileChecksum> ChecksumOf(const std::string& path) {
   if (file == nullptr) {
     return absl::ErrnoToStatus(errno, absl::StrCat("cannot open '", path, "'"));
   }
-  const std::unique_ptr<EVP_MD_CTX, void (*)(EVP_MD_CTX*)> context(
-      EVP_MD_CTX_new(), &EVP_MD_CTX_free);
-  bool good = context != nullptr &&
-              EVP_DigestInit_ex(context.get(), EVP_sha256(), nullptr) == 1;
+  Sha256 hash;
   FileChecksum result;
-  std::array<unsigned char, 1 << 16> block;
-  while (good) {
+  std::array<char, 1 << 16> block;
+  while (true) {
     const std::size_t size =
         std::fread(block.data(), 1, block.size(), file.get());
     if (size == 0) break;
     result.bytes += static_cast<std::int64_t>(size);
-    good = EVP_DigestUpdate(context.get(), block.data(), size) == 1;
+    hash.Add(std::string_view(block.data(), size));
   }
   if (std::ferror(file.get()) != 0) {
     return absl::ErrnoToStatus(errno, absl::StrCat("cannot read '", path, "'"));
   }
-  std::array<unsigned char, EVP_MAX_MD_SIZE> digest;
-  unsigned int length = 0;
-  if (!good || EVP_DigestFinal_ex(context.get(), digest.data(), &length) != 1) {
+  result.sha256 = hash.HexDigest();
+  if (result.sha256.empty()) {
     return absl::InternalError(
         absl::StrCat("the checksum of '", path, "' could not be computed"));
-  }
-  for (unsigned int i = 0; i < length; ++i) {
-    absl::StrAppendFormat(&result.sha256, "%02x", digest[i]);
   }
   return result;
 }

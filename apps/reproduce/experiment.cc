@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "absl/strings/str_format.h"
+#include "apps/reproduce/distance_curve.h"
 #include "control/prediction_model.h"
 #include "control/retuning.h"
 #include "mle/base/status.h"
@@ -60,77 +60,6 @@ absl::StatusOr<std::vector<Record>> SimulateWindows(
 
 namespace {
 
-// E, infinite for an unstable model whose response leaves the range of numbers.
-double Distance(const StepResponse& truth, const StepResponse& response) {
-  const double distance = SquaredDistance(truth, response);
-  return std::isfinite(distance) ? distance
-                                 : std::numeric_limits<double>::infinity();
-}
-
-// E(M, R̂_λ) at λ of the grid, by number.
-class DistanceCurve {
- public:
-  DistanceCurve(const Correction& correction, const Eigen::VectorXd& lambdas,
-                const StepResponse& truth, const ArxModel& initial)
-      : correction_(correction),
-        lambdas_(lambdas),
-        truth_(truth),
-        model_(initial) {}
-
-  double operator()(Eigen::Index i) {
-    correction_.Model(
-        Eigen::VectorXd::Constant(model_.num_outputs, lambdas_(i)), model_);
-    return Distance(truth_, model_.ComputeStepResponse(truth_.samples()));
-  }
-
-  Eigen::VectorXd Whole() {
-    Eigen::VectorXd distances(lambdas_.size());
-    for (Eigen::Index i = 0; i < distances.size(); ++i) {
-      distances(i) = (*this)(i);
-    }
-    return distances;
-  }
-
-  // The number of the smallest E: among λ that grow by kSpacing, then among all
-  // between the best one's neighbours.
-  Eigen::Index Best() {
-    std::vector<Eigen::Index> coarse = {0};
-    for (Eigen::Index i = 1; i < lambdas_.size(); ++i) {
-      if (lambdas_(i) >= kSpacing * lambdas_(coarse.back())) {
-        coarse.push_back(i);
-      }
-    }
-    std::size_t best = 0;
-    double smallest = std::numeric_limits<double>::infinity();
-    for (std::size_t n = 0; n < coarse.size(); ++n) {
-      const double distance = (*this)(coarse[n]);
-      if (distance < smallest) {
-        smallest = distance;
-        best = n;
-      }
-    }
-    Eigen::Index found = coarse[best];
-    const Eigen::Index first = coarse[best > 0 ? best - 1 : 0];
-    const Eigen::Index last = coarse[std::min(best + 1, coarse.size() - 1)];
-    for (Eigen::Index i = first; i <= last; ++i) {
-      const double distance = (*this)(i);
-      if (distance < smallest) {
-        smallest = distance;
-        found = i;
-      }
-    }
-    return found;
-  }
-
- private:
-  static constexpr double kSpacing = 1.01;
-
-  const Correction& correction_;
-  const Eigen::VectorXd& lambdas_;
-  const StepResponse& truth_;
-  ArxModel model_;
-};
-
 // The corrected model's responses must have settled: they are followed for
 // longer than they are compared.
 constexpr int kSettlingHorizons = 5;
@@ -175,8 +104,8 @@ absl::Status AddOtherRule(const Correction& correction,
       std::max(run.max_relative_gap, selection.max_relative_gap);
   run.other_rule = RunResult::OtherRule{
       paper ? "blocks" : "paper", selection.lambda_star(0),
-      Distance(truth, correction.Model(selection.lambda_star)
-                          .ComputeStepResponse(truth.samples()))};
+      DistanceOrInfinity(truth, correction.Model(selection.lambda_star)
+                                    .ComputeStepResponse(truth.samples()))};
   return absl::OkStatus();
 }
 
@@ -217,8 +146,7 @@ absl::StatusOr<RunResult> RunExperiment(const ProcessModel& initial,
   run.lambda_star = run.selection.lambda_star(0);
   run.max_relative_gap =
       std::max(conversion.max_relative_gap, correction.MaxRelativeGap());
-  DistanceCurve curve(correction, options.correction.lambdas, truth,
-                      conversion.model);
+  DistanceCurve curve(correction, options.correction.lambdas, truth);
   if (in_full) run.squared_distance = curve.Whole();
   const Eigen::Index best = curve.Best();
   run.lambda_oracle = options.correction.lambdas(best);
@@ -226,8 +154,8 @@ absl::StatusOr<RunResult> RunExperiment(const ProcessModel& initial,
   run.corrected = correction.Model().ComputeStepResponse(truth.samples());
   run.unregularised =
       correction.Model(0.0).ComputeStepResponse(truth.samples());
-  run.E_zero = Distance(truth, run.unregularised);
-  if (!std::isfinite(Distance(truth, run.corrected))) {
+  run.E_zero = DistanceOrInfinity(truth, run.unregularised);
+  if (!std::isfinite(DistanceOrInfinity(truth, run.corrected))) {
     return absl::FailedPreconditionError(absl::StrFormat(
         "the model corrected with λ* = %g is unstable: its step response "
         "leaves the range of numbers within %g",

@@ -9,6 +9,7 @@
 #include "absl/strings/str_format.h"
 #include "mle/base/status.h"
 #include "mle/regression/duality_gap.h"
+#include "mle/regression/elastic_net.h"
 #include "mle/regression/homotopy.h"
 #include "mle/regression/lasso_function_path.h"
 
@@ -66,6 +67,11 @@ absl::StatusOr<LassoSolution> SolveLasso(const LassoObjective& objective,
     return absl::InvalidArgumentError("lasso: the grid of λ is empty");
   }
   MLE_RETURN_IF_ERROR(objective.Validate());
+  if (options.solver == LassoSolver::kElasticNet) {
+    ElasticNetOptions elastic_net;
+    elastic_net.ratio = options.elastic_net_ratio;
+    return SolveElasticNet(objective, lambdas, elastic_net);
+  }
   LassoSolution solution;
   solution.lambdas = lambdas;
   HomotopyOptions homotopy;

@@ -20,7 +20,12 @@
 
 namespace mle {
 
-enum class LassoSolver { kHomotopy, kCoordinateDescent, kFunction };
+enum class LassoSolver {
+  kHomotopy,
+  kCoordinateDescent,
+  kFunction,
+  kElasticNet  // not the lasso: elastic_net.h
+};
 
 // β (n) at one λ ≥ 0, from a start nearby (n). Fails where a solve does.
 using LassoFunction = std::function<absl::StatusOr<Eigen::VectorXd>(
@@ -31,6 +36,9 @@ struct LassoSolverOptions {
   LassoSolver solver = LassoSolver::kHomotopy;
   CoordinateDescentOptions coordinate_descent;
   LassoFunction function;  // of kFunction; may be called by several threads
+  // Of kElasticNet: ρ, 0 < ρ ≤ 1. Its λ must be above 0, and its gap is that of
+  // the elastic net.
+  double elastic_net_ratio = 0.5;
 };
 
 struct LassoSolution {

@@ -1,0 +1,258 @@
+// mle_study: many runs of the experiment over a grid, on one machine or many.
+
+#include <sched.h>
+
+#include <algorithm>
+#include <atomic>
+#include <csignal>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "apps/common/command_line.h"
+#include "apps/common/sha256.h"
+#include "apps/study/campaign.h"
+#include "apps/study/coordinator.h"
+#include "apps/study/flags.h"
+#include "apps/study/grid.h"
+#include "apps/study/journal.h"
+#include "apps/study/merge.h"
+#include "apps/study/outputs.h"
+#include "apps/study/processes.h"
+#include "apps/study/row.h"
+#include "apps/study/summary.h"
+#include "apps/study/worker_pool.h"
+#include "mle/base/file.h"
+#include "mle/base/status.h"
+
+namespace mle {
+namespace {
+
+using study::Campaign;
+using study::Grid;
+using study::Journal;
+using study::Processes;
+
+constexpr char kUsage[] =
+    R"(Runs a campaign: the experiment of mle_reproduce over a grid of seeds, plants,
+mismatches, noise, controllers, set-point changes and ways to estimate.
+
+  mle_study --campaign=configs/campaign_reproduction.json --out=study
+  mle_study --campaign=campaign.json --out=study --resume
+
+A campaign that was stopped, or killed, goes on with --resume; nothing is lost
+but the runs that were under way, and nothing is run twice. )";
+
+constexpr char kUsageMpi[] = R"(On several processors or
+machines, of which the first writes the results:
+
+  mpirun -np 4 mle_study --campaign=campaign.json --out=study)";
+
+constexpr char kUsageNoMpi[] = R"(This program was built
+without MPI: it runs on the threads of one machine. Built where MPI is found
+(libopenmpi-dev on Debian) it also runs as mpirun -np K mle_study ….)";
+
+constexpr char kUsageEnd[] = R"(
+
+Exit codes: 0 done, 1 stopped before the end or no run succeeded, 2 bad input or
+flags.)";
+
+std::atomic<bool> g_stop{false};
+
+extern "C" void StopOnSignal(int /*signal*/) { g_stop = true; }
+
+// A second signal ends the program at once.
+void CatchSignals() {
+  struct sigaction action = {};
+  action.sa_handler = StopOnSignal;
+  action.sa_flags = SA_RESETHAND;
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+// Those this process may use, or its share of the machine's.
+int Threads(int wanted, const Processes& processes) {
+  if (wanted > 0) return wanted;
+  const int all =
+      std::max(static_cast<int>(std::thread::hardware_concurrency()), 1);
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  const int allowed = sched_getaffinity(0, sizeof(set), &set) == 0
+                          ? std::max(CPU_COUNT(&set), 1)
+                          : all;
+  if (allowed < all) return allowed;
+  return std::max(all / processes.on_this_machine(), 1);
+}
+
+void PrintPlan(const Campaign& campaign, const Grid& grid) {
+  constexpr std::int64_t kShown = 10;
+  std::cout << "Campaign " << campaign.name << ": " << grid.num_runs()
+            << " runs, " << grid.num_cells() << " cells of the grid with "
+            << grid.seeds() << " seeds each, in " << grid.num_units()
+            << " units of work.\n\n"
+            << "run," << absl::StrJoin(study::CoordinateNames(), ",") << "\n";
+  for (std::int64_t run = 0; run < std::min(kShown, grid.num_runs()); ++run) {
+    std::cout << run << ","
+              << absl::StrJoin(CoordinateTexts(campaign, grid.At(run)), ",")
+              << "\n";
+  }
+  if (grid.num_runs() > kShown) std::cout << "…\n";
+}
+
+// Merges, summarises and reports; gives the exit code.
+absl::StatusOr<int> Conclude(const study::Request& request,
+                             const Campaign& campaign, const Grid& grid,
+                             const Journal& journal) {
+  MLE_RETURN_IF_ERROR(MergeRuns(journal, grid.num_runs(), request.out));
+  MLE_ASSIGN_OR_RETURN(
+      const study::StudySummary summary,
+      Summarise(absl::StrCat(request.out, "/runs.csv"), campaign, grid));
+  MLE_RETURN_IF_ERROR(study::WriteOutputs(
+      request.out, request.figures, campaign, summary, study::MakeRunAgain()));
+  study::PrintSummary(campaign, summary);
+  std::cout << "Report and results: " << request.out << "/report.html\n";
+  for (const auto& [kind, count] : summary.failures) {
+    std::cerr << "warning: " << count << " of " << summary.runs
+              << " runs: " << kind << "\n";
+  }
+  return summary.failed < summary.runs ? kExitDone : kExitNotUsable;
+}
+
+// What process 0 has open before the others may begin.
+struct Prepared {
+  std::string resolved;
+  Campaign campaign;
+  std::unique_ptr<study::FolderLock> lock;
+  std::unique_ptr<Journal> journal;
+};
+
+// The resolved text and the campaign.
+absl::Status ReadCampaign(const study::Request& request, Prepared& prepared) {
+  const absl::StatusOr<std::string> text = ReadFile(request.campaign);
+  if (!text.ok()) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("--campaign: ", text.status().message()));
+  }
+  const std::size_t slash = request.campaign.rfind('/');
+  const std::string folder =
+      slash == std::string::npos ? "" : request.campaign.substr(0, slash + 1);
+  MLE_ASSIGN_OR_RETURN(prepared.resolved,
+                       study::ResolveCampaign(*text, request.campaign, folder));
+  MLE_ASSIGN_OR_RETURN(
+      prepared.campaign,
+      study::ParseCampaign(prepared.resolved, request.campaign));
+  return absl::OkStatus();
+}
+
+absl::Status OpenFolder(const study::Request& request, Prepared& prepared) {
+  if (const absl::Status status = MakeWritableFolder(request.out);
+      !status.ok()) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("--out: ", status.message()));
+  }
+  MLE_ASSIGN_OR_RETURN(prepared.lock, study::FolderLock::Take(request.out));
+  const std::int64_t runs = Grid(prepared.campaign).num_runs();
+  const std::string checksum = Sha256Of(prepared.resolved);
+  if (checksum.empty()) {
+    return absl::InternalError("the campaign's checksum cannot be computed");
+  }
+  MLE_ASSIGN_OR_RETURN(prepared.journal,
+                       Journal::Open(absl::StrCat(request.out, "/journal.csv"),
+                                     {.checksum = checksum,
+                                      .version = std::string(Version()),
+                                      .runs = runs},
+                                     request.resume));
+  const Journal& journal = *prepared.journal;
+  if (journal.dropped_bytes() > 0) {
+    std::cerr << "journal.csv: a last line that was not whole is dropped ("
+              << journal.dropped_bytes() << " bytes)\n";
+  }
+  if (journal.num_done() > 0) {
+    std::cerr << "Going on: " << journal.num_done() << " of " << runs
+              << " runs are done.\n";
+  }
+  return WriteFileAtomically(absl::StrCat(request.out, "/campaign.json"),
+                             prepared.resolved);
+}
+
+absl::StatusOr<int> Run(const study::Request& request, const Prepared& prepared,
+                        Processes& processes) {
+  const Campaign& campaign = prepared.campaign;
+  Journal& journal = *prepared.journal;
+  const Grid grid(campaign);
+  {
+    study::WorkerPool pool(campaign, grid, Threads(request.threads, processes));
+    MLE_RETURN_IF_ERROR(Coordinate(grid, processes, pool, journal,
+                                   [] { return g_stop.load(); }));
+  }
+  if (journal.num_done() < grid.num_runs()) {
+    std::cerr << "Stopped: " << journal.num_done() << " of " << grid.num_runs()
+              << " runs are done, in " << request.out
+              << "/journal.csv. To go on, give the same command with "
+                 "--resume.\n";
+    return kExitNotUsable;
+  }
+  return Conclude(request, campaign, grid, journal);
+}
+
+// Process 0. The others wait for the campaign's text; an empty one means that
+// there is nothing to do, none that there is an error.
+absl::StatusOr<int> Lead(const study::Request& request, Processes& processes) {
+  Prepared prepared;
+  absl::Status status = ReadCampaign(request, prepared);
+  if (status.ok() && request.dry_run) {
+    processes.Broadcast("");
+    PrintPlan(prepared.campaign, Grid(prepared.campaign));
+    return kExitDone;
+  }
+  if (status.ok()) status = OpenFolder(request, prepared);
+  if (!status.ok()) {
+    processes.Broadcast(std::nullopt);
+    return status;
+  }
+  processes.Broadcast(prepared.resolved);
+  return Run(request, prepared, processes);
+}
+
+int Follow(const study::Request& request, Processes& processes) {
+  const std::optional<std::string> resolved = processes.Broadcast(std::nullopt);
+  if (!resolved.has_value()) return kExitBadInput;  // The first has said why.
+  if (resolved->empty()) return kExitDone;
+  const absl::StatusOr<Campaign> campaign =
+      study::ParseCampaign(*resolved, request.campaign);
+  if (!campaign.ok()) return Fail(campaign.status());
+  const Grid grid(*campaign);
+  study::WorkerPool pool(*campaign, grid, Threads(request.threads, processes));
+  Serve(processes, pool, [] { return g_stop.load(); });
+  return kExitDone;
+}
+
+int Main(int* argc, char*** argv) {
+  const absl::StatusOr<std::unique_ptr<Processes>> processes =
+      Processes::Start(argc, argv);
+  if (!processes.ok()) return Fail(processes.status());
+  CatchSignals();
+  const absl::StatusOr<study::Request> request = study::RequestFromFlags();
+  const bool leads = (*processes)->rank() == 0;
+  if (!request.ok()) return leads ? Fail(request.status()) : kExitBadInput;
+  if (!leads) return Follow(*request, **processes);
+  const absl::StatusOr<int> code = Lead(*request, **processes);
+  return code.ok() ? *code : Fail(code.status());
+}
+
+}  // namespace
+}  // namespace mle
+
+int main(int argc, char** argv) {
+  mle::StartCommand(
+      absl::StrCat(
+          mle::kUsage,
+          mle::study::Processes::HaveMpi() ? mle::kUsageMpi : mle::kUsageNoMpi,
+          mle::kUsageEnd),
+      argc, argv);
+  return mle::Main(&argc, &argv);
+}

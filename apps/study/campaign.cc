@@ -1,0 +1,177 @@
+#include "apps/study/campaign.h"
+
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "apps/study/campaign_methods.h"
+#include "apps/study/campaign_scenarios.h"
+#include "apps/study/grid.h"
+#include "apps/study/json_node.h"
+#include "apps/study/scenario.h"
+#include "mle/base/status.h"
+#include "mle/model/strict_json.h"
+#include "nlohmann/json.hpp"
+
+namespace mle::study {
+namespace {
+
+using Json = nlohmann::json;
+
+// Replaces the process model file that `key` of `entry` names by what it holds,
+// under `new_key`. A model that stands there itself is left.
+absl::Status ReadIn(const JsonNode& node, const std::string& key,
+                    const std::string& new_key, const std::string& folder,
+                    Json& entry) {
+  MLE_ASSIGN_OR_RETURN(const std::string name, node.At(key).Text());
+  const std::string path = name.front() == '/' || folder.empty()
+                               ? name
+                               : absl::StrCat(folder, "/", name);
+  const absl::StatusOr<ProcessModel> model = ReadProcessModel(path);
+  if (!model.ok()) {
+    return node.At(key).Fault(std::string(model.status().message()));
+  }
+  entry.erase(key);
+  entry[new_key] = Json::parse(FormatProcessModel(*model));
+  return absl::OkStatus();
+}
+
+// For every entry of a list that is an object with a string at `key`. What is
+// no list is left for ParseCampaign() to refuse.
+absl::Status ReadInList(const JsonNode& campaign, const std::string& list,
+                        const std::string& key, const std::string& new_key,
+                        const std::string& folder, Json& resolved) {
+  if (!campaign.Has(list) || !campaign.At(list).json().is_array() ||
+      campaign.At(list).json().empty()) {
+    return absl::OkStatus();
+  }
+  MLE_ASSIGN_OR_RETURN(const std::vector<JsonNode> entries,
+                       campaign.At(list).Elements());
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    if (!entries[i].json().is_object() || !entries[i].Has(key)) continue;
+    if (key == new_key && !entries[i].At(key).json().is_string()) continue;
+    if (key != new_key && entries[i].Has(new_key)) {
+      return entries[i].Fault(absl::StrCat("has ", key, " and ", new_key,
+                                           "; only one is possible"));
+    }
+    MLE_RETURN_IF_ERROR(
+        ReadIn(entries[i], key, new_key, folder, resolved[list][i]));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status ParseConversion(const JsonNode& node, Campaign& campaign) {
+  MLE_RETURN_IF_ERROR(
+      node.CheckObject({}, {"duration", "penalty", "noise_variance"}));
+  MLE_RETURN_IF_ERROR(
+      ReadNumber(node, "duration", kPositive, campaign.conversion_duration));
+  MLE_RETURN_IF_ERROR(
+      ReadNumber(node, "penalty", kNotNegative, campaign.conversion_penalty));
+  if (node.Has("noise_variance")) {
+    MLE_ASSIGN_OR_RETURN(campaign.conversion_noise_variance,
+                         node.At("noise_variance").Number(kNotNegative));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status ParseScaling(const JsonNode& node, Campaign& campaign) {
+  MLE_ASSIGN_OR_RETURN(const std::string name, node.Text());
+  if (name != "standardise" && name != "raw") {
+    return node.Fault(
+        absl::StrCat("must be standardise or raw, is ", node.Found()));
+  }
+  campaign.scaling = name == "raw" ? Scaling::kRaw : Scaling::kStandardise;
+  return absl::OkStatus();
+}
+
+absl::Status ParseAxes(const JsonNode& node, Campaign& campaign) {
+  MLE_ASSIGN_OR_RETURN(campaign.seeds, ParseSeeds(node.At("seeds")));
+  MLE_ASSIGN_OR_RETURN(campaign.models, ParseModels(node.At("models")));
+  MLE_ASSIGN_OR_RETURN(campaign.mismatches,
+                       ParseMismatches(node.At("mismatches"), campaign.models));
+  campaign.noise_variances = {0.001};
+  if (node.Has("noise_variances")) {
+    MLE_ASSIGN_OR_RETURN(
+        campaign.noise_variances,
+        ParseNumberList(node.At("noise_variances"), kNotNegative));
+  }
+  campaign.drift_variances = {0.0};
+  if (node.Has("drift_variances")) {
+    MLE_ASSIGN_OR_RETURN(
+        campaign.drift_variances,
+        ParseNumberList(node.At("drift_variances"), kNotNegative));
+  }
+  campaign.controllers.resize(1);
+  campaign.controllers[0].name = "default";
+  if (node.Has("controllers")) {
+    MLE_ASSIGN_OR_RETURN(campaign.controllers,
+                         ParseControllers(node.At("controllers")));
+  }
+  campaign.windows.resize(1);
+  campaign.windows[0].name = "default";
+  if (node.Has("windows")) {
+    MLE_ASSIGN_OR_RETURN(campaign.windows, ParseWindows(node.At("windows")));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status ParseSettings(const JsonNode& node, Campaign& campaign) {
+  MLE_RETURN_IF_ERROR(
+      ReadNumber(node, "sample_time", kPositive, campaign.sample_time));
+  MLE_RETURN_IF_ERROR(ReadInteger(node, "order", 1, 100'000, campaign.order));
+  MLE_RETURN_IF_ERROR(ReadNumber(node, "response_horizon", kPositive,
+                                 campaign.response_horizon));
+  if (node.Has("conversion")) {
+    MLE_RETURN_IF_ERROR(ParseConversion(node.At("conversion"), campaign));
+  }
+  if (node.Has("scaling")) {
+    MLE_RETURN_IF_ERROR(ParseScaling(node.At("scaling"), campaign));
+  }
+  const Json paper_grid = {{"max", 1e-2}, {"step", 1e-6}};
+  MLE_ASSIGN_OR_RETURN(
+      campaign.lambdas,
+      ParseLambdaGrid(node.Has("lambda_grid") ? node.At("lambda_grid")
+                                              : JsonNode(paper_grid, "")));
+  return ParseMethods(node, campaign);
+}
+
+}  // namespace
+
+absl::StatusOr<std::string> ResolveCampaign(std::string_view text,
+                                            const std::string& source,
+                                            const std::string& folder) {
+  MLE_ASSIGN_OR_RETURN(const Json json, ParseStrictJson(text, source));
+  const JsonNode node(json, source);
+  if (!json.is_object()) {
+    return node.Fault(absl::StrCat("must be an object, is ", node.Found()));
+  }
+  Json resolved = json;
+  MLE_RETURN_IF_ERROR(
+      ReadInList(node, "models", "file", "model", folder, resolved));
+  MLE_RETURN_IF_ERROR(
+      ReadInList(node, "mismatches", "plant", "plant", folder, resolved));
+  return absl::StrCat(resolved.dump(2), "\n");
+}
+
+absl::StatusOr<Campaign> ParseCampaign(std::string_view resolved,
+                                       const std::string& source) {
+  MLE_ASSIGN_OR_RETURN(const Json json, ParseStrictJson(resolved, source));
+  const JsonNode node(json, source);
+  MLE_RETURN_IF_ERROR(node.CheckObject(
+      {"version", "name", "seeds", "models", "mismatches"},
+      {"noise_variances", "drift_variances", "controllers", "windows",
+       "estimators", "selections", "solvers", "sample_time", "order",
+       "response_horizon", "lambda_grid", "scaling", "conversion"}));
+  MLE_RETURN_IF_ERROR(node.At("version").Integer(1, 1).status());
+  Campaign campaign;
+  MLE_ASSIGN_OR_RETURN(campaign.name, node.At("name").Name());
+  MLE_RETURN_IF_ERROR(ParseAxes(node, campaign));
+  MLE_RETURN_IF_ERROR(ParseSettings(node, campaign));
+  if (!Grid(campaign).IsCountable()) {
+    return node.Fault("the grid has more than 1e9 runs; take fewer values");
+  }
+  const absl::Status scenarios = CheckScenarios(campaign);
+  if (!scenarios.ok()) return node.Fault(std::string(scenarios.message()));
+  return campaign;
+}
+
+}  // namespace mle::study

@@ -1,0 +1,35 @@
+// The parts of a campaign's JSON that describe what is simulated.
+
+#ifndef APPS_STUDY_CAMPAIGN_SCENARIOS_H_
+#define APPS_STUDY_CAMPAIGN_SCENARIOS_H_
+
+#include <cstdint>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "apps/study/campaign.h"
+#include "apps/study/json_node.h"
+
+namespace mle::study {
+
+absl::StatusOr<std::vector<std::uint64_t>> ParseSeeds(const JsonNode& node);
+absl::StatusOr<std::vector<ModelSpec>> ParseModels(const JsonNode& node);
+// Those that name a plant must have the channels of every model.
+absl::StatusOr<std::vector<Mismatch>> ParseMismatches(
+    const JsonNode& node, const std::vector<ModelSpec>& models);
+absl::StatusOr<std::vector<ControllerSpec>> ParseControllers(
+    const JsonNode& node);
+absl::StatusOr<std::vector<WindowSpec>> ParseWindows(const JsonNode& node);
+// A list of different numbers.
+absl::StatusOr<std::vector<double>> ParseNumberList(const JsonNode& node,
+                                                    const NumberRange& range);
+
+// Fails if `name` is in `names` already, which it joins.
+absl::Status CheckNewName(const JsonNode& node, const std::string& name,
+                          std::set<std::string>& names);
+
+}  // namespace mle::study
+
+#endif  // APPS_STUDY_CAMPAIGN_SCENARIOS_H_

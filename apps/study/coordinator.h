@@ -1,0 +1,48 @@
+// Who runs what. Process 0 deals the units of a campaign to its own threads and
+// to the other processes, each getting more when it has done what it had, and
+// is the only one to write the journal.
+
+#ifndef APPS_STUDY_COORDINATOR_H_
+#define APPS_STUDY_COORDINATOR_H_
+
+#include <cstdint>
+#include <functional>
+
+#include "absl/status/status.h"
+#include "absl/time/time.h"
+#include "apps/study/campaign.h"
+#include "apps/study/grid.h"
+#include "apps/study/journal.h"
+#include "apps/study/processes.h"
+#include "apps/study/worker_pool.h"
+
+namespace mle::study {
+
+// Runs done, rate and time left on standard error: at most a line every two
+// seconds, the first after two.
+class StudyProgress {
+ public:
+  // `done` runs are there from before.
+  StudyProgress(std::int64_t done, std::int64_t total);
+  void Show(std::int64_t done);
+
+ private:
+  const std::int64_t before_;
+  const std::int64_t total_;
+  const absl::Time start_;
+  absl::Time last_;
+};
+
+// Process 0: until every run is in the journal, or `stopped` says so (then the
+// runs under way are still waited for).
+absl::Status Coordinate(const Grid& grid, Processes& processes,
+                        WorkerPool& pool, Journal& journal,
+                        const std::function<bool()>& stopped);
+
+// The other processes: until process 0 has nothing more to do, or `stopped`.
+void Serve(Processes& processes, WorkerPool& pool,
+           const std::function<bool()>& stopped);
+
+}  // namespace mle::study
+
+#endif  // APPS_STUDY_COORDINATOR_H_

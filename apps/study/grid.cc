@@ -1,0 +1,76 @@
+#include "apps/study/grid.h"
+
+#include <algorithm>
+
+namespace mle::study {
+namespace {
+
+template <typename List>
+int Count(const List& list) {
+  return static_cast<int>(list.size());
+}
+
+// The last digit of `number` in base `base`, which is taken off.
+int Digit(std::int64_t& number, int base) {
+  const auto digit = static_cast<int>(number % base);
+  number /= base;
+  return digit;
+}
+
+}  // namespace
+
+Grid::Grid(const Campaign& campaign)
+    : models_(Count(campaign.models)),
+      noises_(Count(campaign.noise_variances)),
+      drifts_(Count(campaign.drift_variances)),
+      controllers_(Count(campaign.controllers)),
+      windows_(Count(campaign.windows)),
+      mismatches_(Count(campaign.mismatches)),
+      methods_(Count(campaign.methods)),
+      seeds_(Count(campaign.seeds)) {
+  constexpr double kMostRuns = 1e9;
+  double runs = 1.0;
+  for (const int count : {models_, noises_, drifts_, controllers_, windows_,
+                          mismatches_, methods_, seeds_}) {
+    runs *= count;
+  }
+  countable_ = runs <= kMostRuns;
+  conversions_ = static_cast<std::int64_t>(models_) * noises_;
+  shared_ = countable_ ? static_cast<std::int64_t>(drifts_) * controllers_ *
+                             windows_ * mismatches_
+                       : 1;
+  blocks_ = (shared_ + kUnitScenarios - 1) / kUnitScenarios;
+  scenarios_ = countable_ ? conversions_ * shared_ : 1;
+}
+
+Coordinates Grid::At(std::int64_t run) const {
+  Coordinates at;
+  at.seed = Digit(run, seeds_);
+  at.method = Digit(run, methods_);
+  at.scenario.mismatch = Digit(run, mismatches_);
+  at.scenario.windows = Digit(run, windows_);
+  at.scenario.controller = Digit(run, controllers_);
+  at.scenario.drift = Digit(run, drifts_);
+  at.scenario.noise = Digit(run, noises_);
+  at.scenario.model = static_cast<int>(run);
+  return at;
+}
+
+std::vector<std::int64_t> Grid::RunsOf(std::int64_t unit) const {
+  const std::int64_t block = unit % blocks_;
+  const std::int64_t conversion = unit / blocks_ % conversions_;
+  const std::int64_t seed = unit / blocks_ / conversions_;
+  const std::int64_t first = conversion * shared_ + block * kUnitScenarios;
+  const std::int64_t count =
+      std::min<std::int64_t>(kUnitScenarios, shared_ - block * kUnitScenarios);
+  std::vector<std::int64_t> runs;
+  runs.reserve(static_cast<std::size_t>(count * methods_));
+  for (std::int64_t s = first; s < first + count; ++s) {
+    for (std::int64_t m = 0; m < methods_; ++m) {
+      runs.push_back((s * methods_ + m) * seeds_ + seed);
+    }
+  }
+  return runs;
+}
+
+}  // namespace mle::study

@@ -1,0 +1,97 @@
+// The journal of a campaign: DIR/journal.csv, one line a run, in the order in
+// which they ended.
+//
+//   # mle_study journal 1, campaign SHA-256 …, mle 0.1.0, 1000 runs
+//   run,model,…,status,seconds
+//   17,wood_berry,…
+//
+// Lines are written whole and forced to the disk in batches. What a crash left
+// of the last line is recognised and dropped when the journal is opened again;
+// a journal of another campaign or version is refused. Only the numbers of the
+// runs done are kept in memory: a byte offset each.
+//
+// A journal holds a lock on DIR (flock of DIR/lock): one command at a time.
+
+#ifndef APPS_STUDY_JOURNAL_H_
+#define APPS_STUDY_JOURNAL_H_
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/time/time.h"
+
+namespace mle::study {
+
+struct JournalHead {
+  std::string checksum;  // SHA-256 of the resolved campaign
+  std::string version;   // of the program
+  std::int64_t runs = 0;
+
+  std::string Line() const;
+};
+
+// Holds DIR for one command, until destroyed.
+class FolderLock {
+ public:
+  // InvalidArgument if another command has it; the folder must exist.
+  static absl::StatusOr<std::unique_ptr<FolderLock>> Take(
+      const std::string& folder);
+  ~FolderLock();
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+
+ private:
+  explicit FolderLock(int file) : file_(file) {}
+  int file_;
+};
+
+class Journal {
+ public:
+  // Opens or makes `path`. With `resume` false a journal that is there already
+  // is an error, and the message says how to go on. Otherwise its runs count
+  // as done. InvalidArgument names file and line of what is wrong.
+  static absl::StatusOr<std::unique_ptr<Journal>> Open(const std::string& path,
+                                                       const JournalHead& head,
+                                                       bool resume);
+  ~Journal();
+  Journal(const Journal&) = delete;
+  Journal& operator=(const Journal&) = delete;
+
+  std::int64_t num_done() const { return num_done_; }
+  bool IsDone(std::int64_t run) const { return offsets_[run] >= 0; }
+
+  // A line of row.h for a run that is not done, without its line end. On the
+  // disk after Sync(), or within a second or so of further calls.
+  absl::Status Append(std::int64_t run, std::string_view line);
+  absl::Status Sync();
+
+  // The line of a run that is done.
+  absl::StatusOr<std::string> Line(std::int64_t run) const;
+
+  // Bytes of a last line that was not whole, dropped on opening.
+  std::int64_t dropped_bytes() const { return dropped_bytes_; }
+
+ private:
+  Journal(std::string path, int file, std::int64_t runs);
+  absl::Status WriteHead(const JournalHead& head);
+  absl::Status ReadBack(const JournalHead& head);
+  absl::Status Write(std::string_view text);
+
+  const std::string path_;
+  const int file_;
+  std::vector<std::int64_t> offsets_;  // of each run's line; −1: not done
+  std::int64_t num_done_ = 0;
+  std::int64_t size_ = 0;
+  std::int64_t dropped_bytes_ = 0;
+  std::int64_t unsynced_ = 0;
+  absl::Time last_sync_;
+};
+
+}  // namespace mle::study
+
+#endif  // APPS_STUDY_JOURNAL_H_

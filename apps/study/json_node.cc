@@ -1,0 +1,178 @@
+#include "apps/study/json_node.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
+#include "mle/base/status.h"
+
+namespace mle::study {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::size_t kShown = 40;
+
+std::string Quoted(const std::string& text) {
+  return Json(text).dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+std::string Described(const NumberRange& range) {
+  const bool below = range.min > std::numeric_limits<double>::lowest();
+  const bool above = range.max < std::numeric_limits<double>::max();
+  if (below && above) {
+    return absl::StrFormat("a number %s %g and at most %g",
+                           range.open_min ? "above" : "of at least", range.min,
+                           range.max);
+  }
+  if (below) {
+    return absl::StrFormat("a number %s %g",
+                           range.open_min ? "above" : "of at least", range.min);
+  }
+  if (above) return absl::StrFormat("a number of at most %g", range.max);
+  return "a number";
+}
+
+}  // namespace
+
+absl::Status JsonNode::Fault(std::string_view message) const {
+  return absl::InvalidArgumentError(absl::StrCat(
+      source_, path_.empty() ? "" : ": ", path_, ": ", std::string(message)));
+}
+
+std::string JsonNode::Found() const {
+  if (json_->is_string()) {
+    const std::string& text = json_->get_ref<const std::string&>();
+    return text.size() <= kShown
+               ? absl::StrCat("the string ", Quoted(text))
+               : absl::StrFormat("a string of %d characters", text.size());
+  }
+  if (json_->is_number()) return absl::StrCat("the number ", json_->dump());
+  if (json_->is_boolean()) return json_->dump();
+  if (json_->is_null()) return "null";
+  return absl::StrCat("an ", json_->type_name());
+}
+
+absl::Status JsonNode::CheckObject(
+    const std::vector<std::string>& required,
+    const std::vector<std::string>& optional) const {
+  if (!json_->is_object()) {
+    return Fault(absl::StrCat("must be an object, is ", Found()));
+  }
+  std::vector<std::string> allowed = required;
+  allowed.insert(allowed.end(), optional.begin(), optional.end());
+  for (const auto& item : json_->items()) {
+    if (std::find(allowed.begin(), allowed.end(), item.key()) ==
+        allowed.end()) {
+      return Fault(absl::StrCat("unknown key ", Quoted(item.key()),
+                                "; allowed are ",
+                                absl::StrJoin(allowed, ", ")));
+    }
+  }
+  for (const std::string& key : required) {
+    if (!json_->contains(key)) {
+      return Fault(absl::StrCat("key \"", key, "\" is missing"));
+    }
+  }
+  return absl::OkStatus();
+}
+
+JsonNode JsonNode::At(const std::string& key) const {
+  JsonNode node((*json_).at(key), source_);
+  node.path_ = path_.empty() ? key : absl::StrCat(path_, ".", key);
+  return node;
+}
+
+absl::StatusOr<std::vector<JsonNode>> JsonNode::Elements() const {
+  if (!json_->is_array()) {
+    return Fault(absl::StrCat("must be a list, is ", Found()));
+  }
+  if (json_->empty()) {
+    return Fault("is an empty list; it must have one element or more");
+  }
+  std::vector<JsonNode> nodes;
+  for (std::size_t i = 0; i < json_->size(); ++i) {
+    nodes.emplace_back((*json_)[i], source_);
+    nodes.back().path_ = absl::StrCat(path_, "[", i, "]");
+  }
+  return nodes;
+}
+
+absl::StatusOr<std::string> JsonNode::Text() const {
+  if (!json_->is_string() || json_->get_ref<const std::string&>().empty()) {
+    return Fault(
+        absl::StrCat("must be a string that is not empty, is ", Found()));
+  }
+  return json_->get<std::string>();
+}
+
+absl::StatusOr<std::string> JsonNode::Name() const {
+  MLE_ASSIGN_OR_RETURN(const std::string name, Text());
+  const bool plain =
+      name.size() <= 100 && name.front() != ' ' && name.back() != ' ' &&
+      name.find_first_not_of(
+          "abcdefghijklmnopqrstuvwxyz"
+          "ABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789 ._-+:") == std::string::npos;
+  if (plain) return name;
+  return Fault(
+      absl::StrCat("must be a name of at most 100 letters, digits, blanks and "
+                   ". _ - + :, is ",
+                   Found()));
+}
+
+absl::StatusOr<double> JsonNode::Number(const NumberRange& range) const {
+  const double value = json_->is_number()
+                           ? json_->get<double>()
+                           : std::numeric_limits<double>::quiet_NaN();
+  const bool inside = std::isfinite(value) && value <= range.max &&
+                      (range.open_min ? value > range.min : value >= range.min);
+  if (inside) return value;
+  return Fault(absl::StrCat("must be ", Described(range), ", is ", Found()));
+}
+
+absl::StatusOr<std::int64_t> JsonNode::Integer(std::int64_t min,
+                                               std::int64_t max) const {
+  const bool is_integer = json_->is_number_integer() &&
+                          (!json_->is_number_unsigned() ||
+                           json_->get<std::uint64_t>() <=
+                               static_cast<std::uint64_t>(
+                                   std::numeric_limits<std::int64_t>::max()));
+  if (is_integer) {
+    const auto value = json_->get<std::int64_t>();
+    if (value >= min && value <= max) return value;
+  }
+  return Fault(absl::StrCat("must be a whole number from ", min, " to ", max,
+                            ", is ", Found()));
+}
+
+absl::StatusOr<bool> JsonNode::Boolean() const {
+  if (json_->is_boolean()) return json_->get<bool>();
+  return Fault(absl::StrCat("must be true or false, is ", Found()));
+}
+
+absl::Status ReadNumber(const JsonNode& object, const std::string& key,
+                        const NumberRange& range, double& value) {
+  if (!object.Has(key)) return absl::OkStatus();
+  MLE_ASSIGN_OR_RETURN(value, object.At(key).Number(range));
+  return absl::OkStatus();
+}
+
+absl::Status ReadInteger(const JsonNode& object, const std::string& key,
+                         int min, int max, int& value) {
+  if (!object.Has(key)) return absl::OkStatus();
+  MLE_ASSIGN_OR_RETURN(const std::int64_t wide,
+                       object.At(key).Integer(min, max));
+  value = static_cast<int>(wide);
+  return absl::OkStatus();
+}
+
+absl::Status ReadBoolean(const JsonNode& object, const std::string& key,
+                         bool& value) {
+  if (!object.Has(key)) return absl::OkStatus();
+  MLE_ASSIGN_OR_RETURN(value, object.At(key).Boolean());
+  return absl::OkStatus();
+}
+
+}  // namespace mle::study

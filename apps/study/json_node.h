@@ -1,0 +1,81 @@
+// A value of a JSON file that knows where it stands, so that every error names
+// its path, what was found there and what would be right:
+//
+//   campaign.json: seeds.count: must be a whole number from 1 to 1000000, is
+//   the string "many"
+
+#ifndef APPS_STUDY_JSON_NODE_H_
+#define APPS_STUDY_JSON_NODE_H_
+
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "nlohmann/json.hpp"
+
+namespace mle::study {
+
+// What a number may be; the ends are allowed unless said.
+struct NumberRange {
+  double min = std::numeric_limits<double>::lowest();
+  double max = std::numeric_limits<double>::max();
+  bool open_min = false;
+};
+inline constexpr NumberRange kAnyNumber{};
+inline constexpr NumberRange kPositive{.min = 0.0, .open_min = true};
+inline constexpr NumberRange kNotNegative{.min = 0.0};
+
+class JsonNode {
+ public:
+  // The whole of `json`, which must outlive the node; `source` names the file.
+  JsonNode(const nlohmann::json& json, std::string source)
+      : json_(&json), source_(std::move(source)) {}
+
+  const nlohmann::json& json() const { return *json_; }
+  const std::string& path() const { return path_; }
+
+  // InvalidArgument: "source: path: message".
+  absl::Status Fault(std::string_view message) const;
+
+  // An object with all of `required` and nothing beyond these and `optional`.
+  absl::Status CheckObject(const std::vector<std::string>& required,
+                           const std::vector<std::string>& optional) const;
+  bool Has(const std::string& key) const { return json_->contains(key); }
+  JsonNode At(const std::string& key) const;  // which is there
+
+  // The elements of an array that is not empty.
+  absl::StatusOr<std::vector<JsonNode>> Elements() const;
+
+  absl::StatusOr<std::string> Text() const;  // not empty
+  // For names that go into tables and files: letters, digits, blanks and
+  // . _ - + : at most 100, no blank at either end.
+  absl::StatusOr<std::string> Name() const;
+  absl::StatusOr<double> Number(const NumberRange& range = kAnyNumber) const;
+  absl::StatusOr<std::int64_t> Integer(std::int64_t min,
+                                       std::int64_t max) const;
+  absl::StatusOr<bool> Boolean() const;
+
+  // What stands here, in a few characters.
+  std::string Found() const;
+
+ private:
+  const nlohmann::json* json_;
+  std::string source_;
+  std::string path_;
+};
+
+// Fields of an object that keep their default where the key is absent.
+absl::Status ReadNumber(const JsonNode& object, const std::string& key,
+                        const NumberRange& range, double& value);
+absl::Status ReadInteger(const JsonNode& object, const std::string& key,
+                         int min, int max, int& value);
+absl::Status ReadBoolean(const JsonNode& object, const std::string& key,
+                         bool& value);
+
+}  // namespace mle::study
+
+#endif  // APPS_STUDY_JSON_NODE_H_

@@ -1,0 +1,290 @@
+#include "apps/study/outputs.h"
+
+#include <cmath>
+#include <iostream>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "apps/common/command_line.h"
+#include "apps/common/flag_parser.h"
+#include "apps/report/gnuplot.h"
+#include "apps/report/number.h"
+#include "apps/study/figures.h"
+#include "apps/study/labels.h"
+#include "mle/base/file.h"
+#include "mle/base/status.h"
+
+namespace mle::study {
+namespace {
+
+using report::FormatInteger;
+using report::FormatScientific;
+using report::FormatSignificant;
+
+constexpr int kRowsOnPage = 300;
+constexpr int kRowsPrinted = 40;
+
+std::string Percent(double share) {
+  return std::isnan(share)
+             ? "–"
+             : absl::StrCat(FormatSignificant(100.0 * share, 3), " %");
+}
+
+// "8.1 [7.6, 8.7]".
+std::string MeanText(const Distribution& metric) {
+  if (metric.count == 0) return "–";
+  if (metric.count == 1) return FormatSignificant(metric.mean);
+  return absl::StrCat(FormatSignificant(metric.mean), " [",
+                      FormatSignificant(metric.mean_low), ", ",
+                      FormatSignificant(metric.mean_high), "]");
+}
+
+std::string MedianText(const Distribution& metric) {
+  return metric.count == 0 ? "–" : FormatSignificant(metric.median());
+}
+
+std::string SpanText(const Distribution& metric) {
+  if (metric.count == 0) return "–";
+  return absl::StrCat(FormatSignificant(metric.quantiles.front()), " … ",
+                      FormatSignificant(metric.quantiles.back()));
+}
+
+report::Table CellTable(const Campaign& campaign, const StudySummary& summary,
+                        std::vector<report::Column> columns, int most,
+                        std::vector<std::string> (*values)(const Cell&)) {
+  report::Table table;
+  table.columns = {{"scenario", report::Align::kLeft},
+                   {"method", report::Align::kLeft}};
+  for (report::Column& column : columns) {
+    table.columns.push_back(std::move(column));
+  }
+  for (const Cell& cell : summary.cells) {
+    if (static_cast<int>(table.rows.size()) == most) break;
+    std::vector<std::string> row = {
+        ScenarioLabel(campaign, cell.at.scenario),
+        MethodLabel(campaign, campaign.methods[cell.at.method])};
+    for (std::string& value : values(cell)) row.push_back(std::move(value));
+    table.AddRow(std::move(row));
+  }
+  return table;
+}
+
+report::Table LambdaTable(const Campaign& campaign,
+                          const StudySummary& summary) {
+  report::Table table = CellTable(
+      campaign, summary,
+      {{"best λ, median"},
+       {"5 … 95 %"},
+       {"λ chosen, median"},
+       {"5 … 95 %"},
+       {"E / E at best λ, median"},
+       {"95 %"},
+       {"largest"},
+       {"above 2"}},
+      kRowsOnPage, [](const Cell& cell) -> std::vector<std::string> {
+        const Distribution& ratio = cell[Metric::kRatio];
+        return {
+            MedianText(cell[Metric::kBestLambda]),
+            SpanText(cell[Metric::kBestLambda]),
+            MedianText(cell[Metric::kLambdaMin]),
+            SpanText(cell[Metric::kLambdaMin]),
+            MedianText(ratio),
+            ratio.count == 0 ? "–" : FormatSignificant(ratio.quantiles.back()),
+            ratio.count == 0 ? "–" : FormatSignificant(ratio.max),
+            Percent(cell.above_twice_best)};
+      });
+  table.caption = "λ over the seeds";
+  return table;
+}
+
+report::Table ElementTable(const Campaign& campaign,
+                           const StudySummary& summary) {
+  report::Table table = CellTable(
+      campaign, summary,
+      {{"gain error, RMS of the elements, median"},
+       {"95 %"},
+       {"dead-time error, RMS of the elements, median"},
+       {"95 %"},
+       {"change proposed"}},
+      kRowsOnPage, [](const Cell& cell) -> std::vector<std::string> {
+        const Distribution& gain = cell[Metric::kGainErrorRms];
+        const Distribution& delay = cell[Metric::kDelayErrorRms];
+        return {
+            gain.count == 0 ? "–" : Percent(gain.median()),
+            gain.count == 0 ? "–" : Percent(gain.quantiles.back()),
+            MedianText(delay),
+            delay.count == 0 ? "–" : FormatSignificant(delay.quantiles.back()),
+            cell[Metric::kProposed].count == 0
+                ? "–"
+                : Percent(cell[Metric::kProposed].mean)};
+      });
+  table.caption =
+      "Gains, relative to the plant's, and dead times of "
+      "first-order fits";
+  return table;
+}
+
+report::Table FailureTable(const StudySummary& summary) {
+  report::Table table;
+  table.caption = "Runs that failed";
+  table.columns = {{"why (# stands for a number)", report::Align::kLeft},
+                   {"runs"}};
+  for (const auto& [kind, count] : summary.failures) {
+    table.AddRow({kind, FormatInteger(count)});
+  }
+  return table;
+}
+
+std::vector<std::string> Findings(const Campaign& campaign,
+                                  const StudySummary& summary) {
+  std::vector<std::string> sentences = {absl::StrCat(
+      FormatInteger(summary.runs),
+      " runs: ", FormatInteger(static_cast<std::int64_t>(summary.cells.size())),
+      " cells of the grid with ",
+      FormatInteger(static_cast<std::int64_t>(campaign.seeds.size())),
+      " seeds each. ",
+      summary.failed == 0
+          ? "None failed."
+          : absl::StrCat(FormatInteger(summary.failed), " failed."))};
+  constexpr std::size_t kMost = 4;
+  for (const Cell& cell : summary.cells) {
+    if (sentences.size() > kMost) break;
+    const Distribution& E = cell[Metric::kE];
+    if (E.count == 0) continue;
+    sentences.push_back(absl::StrCat(
+        ScenarioLabel(campaign, cell.at.scenario), ", ",
+        MethodLabel(campaign, campaign.methods[cell.at.method]), ": E from ",
+        FormatSignificant(cell[Metric::kInitialE].median()), " to ",
+        FormatSignificant(E.median()), " (medians; nine of ten between ",
+        FormatSignificant(E.quantiles.front()), " and ",
+        FormatSignificant(E.quantiles.back()), ")."));
+  }
+  return sentences;
+}
+
+// Writes the figures' files; what could not be drawn is warned of.
+absl::StatusOr<std::vector<absl::StatusOr<std::string>>> DrawFigures(
+    const std::vector<NamedFigure>& figures, const std::string& folder) {
+  std::vector<absl::StatusOr<std::string>> svgs;
+  for (const NamedFigure& figure : figures) {
+    svgs.push_back(report::RenderFigure(figure.figure, report::Format::kSvg));
+    if (!svgs.back().ok()) {
+      std::cerr << "warning: " << svgs.back().status().message() << "\n";
+      continue;
+    }
+    MLE_RETURN_IF_ERROR(WriteFileAtomically(
+        absl::StrCat(folder, "/", figure.name, ".svg"), *svgs.back()));
+  }
+  return svgs;
+}
+
+std::string FormatPage(const Campaign& campaign, const StudySummary& summary,
+                       const std::vector<NamedFigure>& figures,
+                       const std::vector<absl::StatusOr<std::string>>& svgs,
+                       const report::RunAgain& run_again) {
+  report::HtmlPage page(absl::StrCat("Campaign: ", campaign.name));
+  page.AddSummary(Findings(campaign, summary));
+  page.AddHeading("Distance from the plant");
+  page.AddParagraph(
+      "E is the sum of the squared differences of the step responses over all "
+      "input–output pairs and samples. Means have 95 % intervals by the "
+      "bootstrap over the seeds. Harmed: E is above that of the model left as "
+      "it is.");
+  page.AddTable(ErrorTable(campaign, summary, kRowsOnPage));
+  if (static_cast<int>(summary.cells.size()) > kRowsOnPage) {
+    page.AddWarning(absl::StrCat(
+        "The tables show the first ", kRowsOnPage, " of ",
+        FormatInteger(static_cast<std::int64_t>(summary.cells.size())),
+        " cells; all are in summary.csv."));
+  }
+  if (!figures.empty()) page.AddHeading("Figures");
+  for (std::size_t i = 0; i < figures.size(); ++i) {
+    page.AddFigure(figures[i].figure, svgs[i], figures[i].caption,
+                   figures[i].caption);
+  }
+  page.AddHeading("λ, gains and dead times");
+  page.AddTable(LambdaTable(campaign, summary));
+  page.AddTable(ElementTable(campaign, summary));
+  page.AddHeading("Failures and certificate");
+  if (summary.failures.empty()) {
+    page.AddParagraph("No run failed.");
+  } else {
+    page.AddTable(FailureTable(summary));
+  }
+  page.AddParagraph(absl::StrCat(
+      "Relative duality gap of every fit of the exact solvers, at every λ of "
+      "the grid, over all runs: at most ",
+      FormatScientific(summary.max_gap, 2), "."));
+  page.AddFiles({{"runs.csv", "runs.csv"},
+                 {"summary.csv", "summary.csv"},
+                 {"summary.json", "summary.json"},
+                 {"timings.csv", "timings.csv"},
+                 {"campaign.json", "campaign.json"}});
+  page.AddRunAgain(run_again);
+  return page.Render();
+}
+
+}  // namespace
+
+report::RunAgain MakeRunAgain() {
+  report::RunAgain again;
+  again.command = CommandLine();
+  again.version = std::string(Version());
+  return again;
+}
+
+report::Table ErrorTable(const Campaign& campaign, const StudySummary& summary,
+                         int most) {
+  report::Table table =
+      CellTable(campaign, summary,
+                {{"runs"},
+                 {"failed"},
+                 {"E before, median"},
+                 {"E, mean"},
+                 {"median"},
+                 {"5 … 95 %"},
+                 {"largest"},
+                 {"at best λ, median"},
+                 {"harmed"}},
+                most, [](const Cell& cell) -> std::vector<std::string> {
+                  const Distribution& E = cell[Metric::kE];
+                  return {FormatInteger(cell.runs),
+                          FormatInteger(cell.failed),
+                          MedianText(cell[Metric::kInitialE]),
+                          MeanText(E),
+                          MedianText(E),
+                          SpanText(E),
+                          E.count == 0 ? "–" : FormatSignificant(E.max),
+                          MedianText(cell[Metric::kBestE]),
+                          Percent(cell.harmed)};
+                });
+  table.caption = "Squared distance E over the seeds";
+  return table;
+}
+
+absl::Status WriteOutputs(const std::string& folder, bool figures,
+                          const Campaign& campaign, const StudySummary& summary,
+                          const report::RunAgain& run_again) {
+  const auto write = [&](const char* name, const std::string& content) {
+    return WriteFileAtomically(absl::StrCat(folder, "/", name), content);
+  };
+  MLE_RETURN_IF_ERROR(write("summary.csv", SummaryCsv(summary, campaign)));
+  MLE_RETURN_IF_ERROR(write("summary.json", SummaryJson(summary, campaign)));
+  std::vector<NamedFigure> drawn;
+  if (figures) drawn = MakeFigures(campaign, summary);
+  MLE_ASSIGN_OR_RETURN(const auto svgs, DrawFigures(drawn, folder));
+  return write("report.html",
+               FormatPage(campaign, summary, drawn, svgs, run_again));
+}
+
+void PrintSummary(const Campaign& campaign, const StudySummary& summary) {
+  std::cout << report::RenderText(ErrorTable(campaign, summary, kRowsPrinted))
+            << "\n";
+  if (static_cast<int>(summary.cells.size()) > kRowsPrinted) {
+    std::cout << "… and " << summary.cells.size() - kRowsPrinted
+              << " more cells, in summary.csv\n\n";
+  }
+}
+
+}  // namespace mle::study

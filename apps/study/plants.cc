@@ -1,0 +1,248 @@
+#include "apps/study/plants.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "Eigen/Core"
+#include "Eigen/SVD"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "control/loop_analysis.h"
+#include "control/mpc.h"
+#include "control/prediction_model.h"
+#include "mle/base/status.h"
+#include "sim/ageing.h"
+#include "sim/noise.h"
+#include "sim/schedule.h"
+
+namespace mle::study {
+namespace {
+
+// Streams of a seed, apart from those of mle_reproduce's experiment.
+constexpr std::uint64_t kPlantStream = 2'000'000;
+constexpr std::uint64_t kAgeingStream = 3'000'000;
+constexpr int kMaxDraws = 1000;
+
+struct Pair {
+  int output = 0;
+  int input = 0;
+};
+
+double Uniform(const Interval& interval, std::mt19937_64& engine) {
+  return interval.from +
+         (interval.to - interval.from) * sim::DrawUniform(engine);
+}
+
+double LogUniform(const Interval& interval, std::mt19937_64& engine) {
+  // One number stays what it is, to the last digit.
+  const double u = sim::DrawUniform(engine);
+  if (interval.from == interval.to) return interval.from;
+  return interval.from * std::pow(interval.to / interval.from, u);
+}
+
+ProcessModel DrawOnce(const RandomPlants& plants, std::mt19937_64& engine) {
+  std::vector<InputChannel> inputs;
+  std::vector<OutputChannel> outputs;
+  for (int j = 0; j < plants.inputs; ++j) {
+    inputs.push_back({absl::StrCat("u", j + 1), ""});
+  }
+  for (int i = 0; i < plants.outputs; ++i) {
+    outputs.push_back({absl::StrCat("y", i + 1), ""});
+  }
+  ProcessModel model("drawn at random", "min", std::move(inputs),
+                     std::move(outputs));
+  for (int i = 0; i < plants.outputs; ++i) {
+    for (int j = 0; j < plants.inputs; ++j) {
+      const double size = LogUniform(plants.gain, engine);
+      const double gain = sim::DrawUniform(engine) < 0.5 ? -size : size;
+      const double time_constant = Uniform(plants.time_constant, engine);
+      model.element(i, j) = TransferFunction::FirstOrder(
+          gain, time_constant, Uniform(plants.delay, engine));
+    }
+  }
+  return model;
+}
+
+// Of the largest singular value to the smallest.
+double ConditionNumber(const ProcessModel& model) {
+  Eigen::MatrixXd gains(model.num_outputs(), model.num_inputs());
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    for (int j = 0; j < model.num_inputs(); ++j) {
+      gains(i, j) = model.element(i, j).StaticGain();
+    }
+  }
+  const Eigen::VectorXd values =
+      Eigen::JacobiSVD<Eigen::MatrixXd>(gains).singularValues();
+  return values(0) / values(values.size() - 1);
+}
+
+// Whether the loop is stable and calm with the model true.
+absl::StatusOr<bool> IsControlled(const ProcessModel& model,
+                                  const ControllerSpec& spec,
+                                  double max_sensitivity) {
+  MLE_ASSIGN_OR_RETURN(
+      const control::MpcOptions options,
+      MpcOptionsOf(spec, model.num_outputs(), model.num_inputs()));
+  MLE_ASSIGN_OR_RETURN(const control::Mpc mpc,
+                       control::Mpc::Create(model, options));
+  MLE_ASSIGN_OR_RETURN(const control::PredictionModel plant,
+                       control::PredictFromProcess(model, spec.control_period));
+  MLE_ASSIGN_OR_RETURN(const control::LoopAnalysis loop,
+                       control::AnalyseLoop(mpc, plant));
+  return loop.stable && loop.sensitivity_peak <= max_sensitivity;
+}
+
+std::vector<Pair> MatchingElements(const ProcessModel& model,
+                                   const Change& change) {
+  std::vector<Pair> pairs;
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    for (int j = 0; j < model.num_inputs(); ++j) {
+      const bool matches =
+          (change.output == "*" || change.output == model.outputs()[i].name) &&
+          (change.input == "*" || change.input == model.inputs()[j].name);
+      if (matches && !model.element(i, j).IsZero()) pairs.push_back({i, j});
+    }
+  }
+  return pairs;
+}
+
+absl::Status CheckChange(const ProcessModel& model, const Change& change,
+                         double size) {
+  const std::vector<Pair> pairs = MatchingElements(model, change);
+  if (pairs.empty()) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("a change of output '", change.output, "' and input '",
+                     change.input, "' matches no element that is not zero"));
+  }
+  if (change.elements > static_cast<int>(pairs.size())) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("a change of ", change.elements, " elements matches only ",
+                     pairs.size(), " that are not zero"));
+  }
+  const double shift =
+      std::min(size * change.delay_shift.from, size * change.delay_shift.to);
+  for (const auto& [i, j] : pairs) {
+    const double delay = model.element(i, j).delay();
+    if (delay + shift >= 0.0) continue;
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "a shift of %g would make the dead time of %s ← %s, %g, negative",
+        shift, model.outputs()[i].name, model.inputs()[j].name, delay));
+  }
+  return absl::OkStatus();
+}
+
+// Those of a change that are to be changed, in the order of the model.
+std::vector<Pair> DrawElements(const ProcessModel& model, const Change& change,
+                               std::mt19937_64& engine) {
+  std::vector<Pair> pairs = MatchingElements(model, change);
+  if (change.elements == 0) return pairs;
+  std::vector<Pair> drawn;
+  auto left = static_cast<double>(pairs.size());
+  int wanted = change.elements;
+  for (const Pair& pair : pairs) {
+    if (sim::DrawUniform(engine) * left < wanted) {
+      drawn.push_back(pair);
+      --wanted;
+    }
+    --left;
+  }
+  return drawn;
+}
+
+}  // namespace
+
+absl::StatusOr<control::MpcOptions> MpcOptionsOf(const ControllerSpec& spec,
+                                                 int outputs, int inputs) {
+  const auto diagonal = [](const char* name, const std::vector<double>& weights,
+                           int channels) -> absl::StatusOr<Eigen::MatrixXd> {
+    const auto count = static_cast<int>(weights.size());
+    if (count != 1 && count != channels) {
+      return absl::InvalidArgumentError(
+          absl::StrFormat("%s has %d values; one is needed, or one for each of "
+                          "%d channels",
+                          name, count, channels));
+    }
+    Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(channels, channels);
+    for (int i = 0; i < channels; ++i) {
+      matrix(i, i) = weights[count == 1 ? 0 : i];
+    }
+    return matrix;
+  };
+  control::MpcOptions options;
+  options.control_period = spec.control_period;
+  options.prediction_horizon = spec.prediction_horizon;
+  options.control_horizon = spec.control_horizon;
+  options.disturbance_variance_ratio = spec.disturbance_variance_ratio;
+  MLE_ASSIGN_OR_RETURN(options.output_weight,
+                       diagonal("output_weight", spec.output_weight, outputs));
+  MLE_ASSIGN_OR_RETURN(options.move_weight,
+                       diagonal("move_weight", spec.move_weight, inputs));
+  return options;
+}
+
+absl::StatusOr<ProcessModel> DrawModel(
+    const RandomPlants& plants, std::uint64_t seed,
+    const std::vector<ControllerSpec>& controllers) {
+  std::mt19937_64 engine = sim::SeededEngine(seed, kPlantStream, 0);
+  for (int draw = 0; draw < kMaxDraws; ++draw) {
+    ProcessModel model = DrawOnce(plants, engine);
+    if (!(ConditionNumber(model) <= plants.max_condition_number)) continue;
+    bool good = true;
+    for (const ControllerSpec& controller : controllers) {
+      MLE_ASSIGN_OR_RETURN(
+          const bool controlled,
+          IsControlled(model, controller, plants.max_sensitivity));
+      good = good && controlled;
+    }
+    if (good) return model;
+  }
+  return absl::FailedPreconditionError(absl::StrFormat(
+      "none of %d plants drawn has a condition number up to %g and a loop with "
+      "a sensitivity peak up to %g: widen the ranges",
+      kMaxDraws, plants.max_condition_number, plants.max_sensitivity));
+}
+
+absl::Status CheckAgeing(const ProcessModel& model, const Mismatch& mismatch) {
+  for (const Change& change : mismatch.changes) {
+    MLE_RETURN_IF_ERROR(CheckChange(model, change, mismatch.size));
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<ProcessModel> AgeModel(const ProcessModel& model,
+                                      const Mismatch& mismatch,
+                                      std::uint64_t seed) {
+  if (mismatch.plant.has_value()) return *mismatch.plant;
+  ProcessModel aged = model;
+  for (std::size_t c = 0; c < mismatch.changes.size(); ++c) {
+    const Change& change = mismatch.changes[c];
+    std::mt19937_64 engine =
+        sim::SeededEngine(seed, kAgeingStream, static_cast<std::uint32_t>(c));
+    for (const auto& [i, j] : DrawElements(aged, change, engine)) {
+      const double gain = LogUniform(change.gain_factor, engine);
+      const double tau = LogUniform(change.time_constant_factor, engine);
+      const double shift = mismatch.size * Uniform(change.delay_shift, engine);
+      if (aged.element(i, j).delay() + shift < 0.0) {
+        return absl::InvalidArgumentError(absl::StrFormat(
+            "mismatch '%s': a shift of %g would make the dead time of %s ← %s, "
+            "%g, negative",
+            mismatch.name, shift, aged.outputs()[i].name, aged.inputs()[j].name,
+            aged.element(i, j).delay()));
+      }
+      const sim::ElementAgeing ageing = {
+          .output = i,
+          .input = j,
+          .gain = sim::Schedule(std::pow(gain, mismatch.size)),
+          .time_constant = sim::Schedule(std::pow(tau, mismatch.size)),
+          .delay = sim::Schedule(shift)};
+      aged.element(i, j) = sim::AgedElement(aged.element(i, j), ageing, 0.0);
+    }
+  }
+  const absl::Status valid = aged.Validate();
+  if (!valid.ok()) return valid;
+  return aged;
+}
+
+}  // namespace mle::study

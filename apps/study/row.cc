@@ -1,0 +1,168 @@
+#include "apps/study/row.h"
+
+#include <charconv>
+#include <cmath>
+#include <utility>
+
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
+#include "mle/base/status.h"
+
+namespace mle::study {
+
+const std::array<const char*, kNumMetrics> kMetricNames = {
+    "E_initial",       "E",
+    "E_best",          "ratio",
+    "E_zero",          "lambda_min",
+    "lambda_max",      "lambda_best",
+    "gain_error_rms",  "gain_error_max",
+    "delay_error_rms", "delay_error_max",
+    "change_proposed", "p_value",
+    "relative_gap"};
+
+namespace {
+
+// The columns before the metrics: the run's number and its coordinates.
+int FirstMetric() { return 1 + static_cast<int>(CoordinateNames().size()); }
+
+absl::StatusOr<std::vector<std::string>> SplitCsv(std::string_view line) {
+  std::vector<std::string> fields(1);
+  bool quoted = false;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const char c = line[i];
+    if (quoted) {
+      if (c != '"') {
+        fields.back() += c;
+      } else if (i + 1 < line.size() && line[i + 1] == '"') {
+        fields.back() += '"';
+        ++i;
+      } else {
+        quoted = false;
+      }
+    } else if (c == '"') {
+      quoted = true;
+    } else if (c == ',') {
+      fields.emplace_back();
+    } else {
+      fields.back() += c;
+    }
+  }
+  if (quoted) return absl::InvalidArgumentError("a quote is not closed");
+  return fields;
+}
+
+absl::StatusOr<double> ParseNumber(const std::string& field,
+                                   const std::string& column) {
+  if (field.empty()) return std::numeric_limits<double>::quiet_NaN();
+  double value = 0.0;
+  if (!absl::SimpleAtod(field, &value) || std::isnan(value)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("column ", column, " holds '", field, "', no number"));
+  }
+  return value;
+}
+
+}  // namespace
+
+std::string NumberText(double value) {
+  if (std::isnan(value)) return "";
+  if (std::isinf(value)) return value > 0.0 ? "inf" : "-inf";
+  std::array<char, 32> text;
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value);
+  return {text.data(), end.ptr};
+}
+
+std::string CsvField(std::string_view text) {
+  std::string field(text);
+  for (char& c : field) {
+    if (static_cast<unsigned char>(c) < 0x20) c = ' ';
+  }
+  if (field.find_first_of(",\"") == std::string::npos) return field;
+  std::string quoted = "\"";
+  for (const char c : field) {
+    if (c == '"') quoted += '"';
+    quoted += c;
+  }
+  return quoted + "\"";
+}
+
+std::vector<std::string> CoordinateNames() {
+  return {
+      "model",    "noise_variance", "drift_variance", "controller", "windows",
+      "mismatch", "size",           "estimator",      "selection",  "solver",
+      "seed"};
+}
+
+std::vector<std::string> CoordinateTexts(const Campaign& campaign,
+                                         const Coordinates& at) {
+  const Mismatch& mismatch = campaign.mismatches[at.scenario.mismatch];
+  const Method& method = campaign.methods[at.method];
+  return {
+      campaign.models[at.scenario.model].name,
+      NumberText(campaign.noise_variances[at.scenario.noise]),
+      NumberText(campaign.drift_variances[at.scenario.drift]),
+      campaign.controllers[at.scenario.controller].name,
+      campaign.windows[at.scenario.windows].name,
+      mismatch.name,
+      NumberText(mismatch.size),
+      NameOf(method.estimator),
+      method.selection < 0 ? "" : campaign.selections[method.selection].name,
+      method.solver < 0 ? "" : campaign.solvers[method.solver].name,
+      absl::StrCat(campaign.seeds[at.seed])};
+}
+
+std::string RowHeader(bool with_seconds) {
+  return absl::StrCat("run,", absl::StrJoin(CoordinateNames(), ","), ",",
+                      absl::StrJoin(kMetricNames, ","), ",status",
+                      with_seconds ? ",seconds" : "");
+}
+
+std::string RowText(const Campaign& campaign, const Grid& grid,
+                    const Row& row) {
+  std::string line = absl::StrCat(row.run);
+  for (const std::string& text : CoordinateTexts(campaign, grid.At(row.run))) {
+    absl::StrAppend(&line, ",", CsvField(text));
+  }
+  for (const double value : row.values) {
+    absl::StrAppend(&line, ",", NumberText(value));
+  }
+  absl::StrAppend(&line, ",", CsvField(row.status), ",",
+                  absl::StrFormat("%.6f", row.seconds));
+  return line;
+}
+
+std::string WithoutSeconds(std::string_view line) {
+  return std::string(line.substr(0, line.rfind(',')));
+}
+
+absl::StatusOr<Row> ParseRow(std::string_view line, bool with_seconds) {
+  MLE_ASSIGN_OR_RETURN(const std::vector<std::string> fields, SplitCsv(line));
+  const int first = FirstMetric();
+  const std::size_t columns = static_cast<std::size_t>(first + kNumMetrics + 1 +
+                                                       (with_seconds ? 1 : 0));
+  if (fields.size() != columns) {
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "%d fields, where %d are needed", fields.size(), columns));
+  }
+  Row row;
+  if (!absl::SimpleAtoi(fields[0], &row.run) || row.run < 0) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("'", fields[0], "' is no number of a run"));
+  }
+  for (int i = 0; i < kNumMetrics; ++i) {
+    MLE_ASSIGN_OR_RETURN(row.values[i],
+                         ParseNumber(fields[first + i], kMetricNames[i]));
+  }
+  row.status = fields[first + kNumMetrics];
+  if (row.status.empty()) {
+    return absl::InvalidArgumentError("the status is empty");
+  }
+  if (with_seconds) {
+    MLE_ASSIGN_OR_RETURN(row.seconds, ParseNumber(fields.back(), "seconds"));
+  }
+  return row;
+}
+
+}  // namespace mle::study
