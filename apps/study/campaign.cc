@@ -22,10 +22,9 @@ using Json = nlohmann::json;
 absl::Status ReadIn(const JsonNode& node, const std::string& key,
                     const std::string& new_key, const std::string& folder,
                     Json& entry) {
-  MLE_ASSIGN_OR_RETURN(const std::string name, node.At(key).Text());
-  const std::string path = name.front() == '/' || folder.empty()
-                               ? name
-                               : absl::StrCat(folder, "/", name);
+  MLE_ASSIGN_OR_RETURN(std::string path, node.At(key).Text());
+  const bool relative = path.rfind('/', 0) != 0;
+  if (relative && !folder.empty()) path = absl::StrCat(folder, "/", path);
   const absl::StatusOr<ProcessModel> model = ReadProcessModel(path);
   if (!model.ok()) {
     return node.At(key).Fault(std::string(model.status().message()));

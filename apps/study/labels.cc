@@ -4,11 +4,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
-#include "apps/report/number.h"
 
 namespace mle::study {
-
-using report::FormatSignificant;
 
 std::string ScenarioLabel(const Campaign& campaign, const Scenario& scenario) {
   return ScenarioLabel(campaign, scenario, Axis::kNone);
@@ -25,18 +22,18 @@ std::string ScenarioLabel(const Campaign& campaign, const Scenario& scenario,
   }
   parts.push_back(mismatch.name);
   if (sizes && without != Axis::kSize) {
-    parts.back() += absl::StrCat(" × ", FormatSignificant(mismatch.size));
+    parts.back() += absl::StrCat(" × ", mismatch.size);
   }
   if (campaign.models.size() > 1) {
     parts.push_back(campaign.models[scenario.model].name);
   }
   if (campaign.noise_variances.size() > 1 && without != Axis::kNoise) {
-    parts.push_back(absl::StrCat(
-        "σ² ", FormatSignificant(campaign.noise_variances[scenario.noise])));
+    parts.push_back(
+        absl::StrCat("σ² ", campaign.noise_variances[scenario.noise]));
   }
   if (campaign.drift_variances.size() > 1 && without != Axis::kDrift) {
-    parts.push_back(absl::StrCat(
-        "q ", FormatSignificant(campaign.drift_variances[scenario.drift])));
+    parts.push_back(
+        absl::StrCat("q ", campaign.drift_variances[scenario.drift]));
   }
   if (campaign.controllers.size() > 1 && without != Axis::kController) {
     parts.push_back(campaign.controllers[scenario.controller].name);

@@ -120,8 +120,8 @@ report::Table ElementTable(const Campaign& campaign,
                 : Percent(cell[Metric::kProposed].mean)};
       });
   table.caption =
-      "Gains, relative to the plant's, and dead times of "
-      "first-order fits";
+      "Errors of first-order fits, RMS over the elements, gains relative to "
+      "the plant's: medians over the seeds, unless said";
   return table;
 }
 

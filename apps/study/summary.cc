@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <fstream>
 #include <limits>
 #include <random>
@@ -57,23 +58,22 @@ void BootstrapMean(const std::vector<double>& values, std::uint64_t number,
   description.mean_high = Quantile(means, 0.975);
 }
 
+bool IsDigit(char c) { return c >= '0' && c <= '9'; }
+
 // A failure's words with every number made "#", so that like counts with like.
 std::string KindOf(const std::string& status) {
   std::string kind;
-  bool in_number = false;
-  for (std::size_t i = 0; i < status.size(); ++i) {
-    const char c = status[i];
-    const bool digit = c >= '0' && c <= '9';
-    const bool joins =
-        in_number && (c == '.' || c == 'e' || c == '-' || c == '+') &&
-        i + 1 < status.size() && status[i + 1] >= '0' && status[i + 1] <= '9';
-    if (digit || joins) {
-      if (!in_number) kind += '#';
-      in_number = true;
-    } else {
-      in_number = false;
-      kind += c;
+  const char* at = status.c_str();
+  while (*at != '\0') {
+    const bool sign = *at == '-' || *at == '+';
+    if (!IsDigit(sign ? at[1] : at[0])) {
+      kind += *at++;
+      continue;
     }
+    char* end = nullptr;
+    std::strtod(at, &end);
+    at = end;
+    kind += '#';
   }
   return kind;
 }

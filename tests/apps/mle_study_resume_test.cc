@@ -1,0 +1,225 @@
+// Campaigns that are stopped: by kill -9, by signals, by a second command.
+
+#include <fcntl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstdlib>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "tests/apps/command_runner.h"
+#include "tests/apps/study/small_campaign.h"
+
+namespace mle {
+namespace {
+
+using study::SmallCampaign;
+using ::testing::HasSubstr;
+
+class MleStudyResumeTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    campaign_ = scratch_.Write("campaign.json", SmallCampaign(20).dump());
+  }
+
+  std::vector<std::string> Arguments(const std::string& out) const {
+    return {"--campaign=" + campaign_, "--out=" + scratch_ / out,
+            "--figures=false", "--threads=2", "--resume"};
+  }
+
+  // Starts the command without waiting for it; what it says goes to a file.
+  pid_t Start(const std::string& out) const {
+    std::vector<std::string> arguments = Arguments(out);
+    arguments.insert(arguments.begin(), MLE_TESTED_COMMAND);
+    std::vector<char*> line;
+    for (std::string& argument : arguments) line.push_back(argument.data());
+    line.push_back(nullptr);
+    const std::string log = scratch_ / "log";
+    const pid_t child = fork();
+    if (child != 0) return child;
+    const int file = open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0644);
+    dup2(file, 1);
+    dup2(file, 2);
+    execv(line[0], line.data());
+    _exit(127);
+  }
+
+  // Lines of the journal, its head too; 0 if there is none.
+  int JournalLines(const std::string& out) const {
+    const int file =
+        open((scratch_ / (out + "/journal.csv")).c_str(), O_RDONLY);
+    if (file < 0) return 0;
+    int lines = 0;
+    char block[4096];
+    for (ssize_t size; (size = read(file, block, sizeof(block))) > 0;) {
+      lines += static_cast<int>(std::count(block, block + size, '\n'));
+    }
+    close(file);
+    return lines;
+  }
+
+  // Until the journal has so many lines more, or the child has ended.
+  void WaitForLines(const std::string& out, int lines, pid_t child) const {
+    while (JournalLines(out) < lines) {
+      siginfo_t info = {};
+      if (waitid(P_PID, static_cast<id_t>(child), &info,
+                 WEXITED | WNOHANG | WNOWAIT) == 0 &&
+          info.si_pid == child) {
+        return;
+      }
+      usleep(2000);
+    }
+  }
+
+  const ScratchFolder scratch_;
+  std::string campaign_;
+};
+
+TEST_F(MleStudyResumeTest, NothingIsLostOrDoubledByKilling) {
+  const report::ProcessResult whole = RunTested(Arguments("whole"));
+  ASSERT_EQ(whole.exit_code, 0) << whole.err;
+  int kills = 0;
+  // Killed a few times, each a little later in the life of the process.
+  for (int lines = 3; lines < 36; lines += 6) {
+    const pid_t child = Start("killed");
+    WaitForLines("killed", lines, child);
+    usleep(static_cast<useconds_t>(1000 * (7 * lines % 20)));
+    kill(child, SIGKILL);
+    int status = 0;
+    ASSERT_EQ(waitpid(child, &status, 0), child);
+    kills += WIFSIGNALED(status) ? 1 : 0;
+  }
+  EXPECT_GE(kills, 3);
+  const int done = JournalLines("killed") - 2;
+  EXPECT_GT(done, 0);
+  const report::ProcessResult rest = RunTested(Arguments("killed"));
+  ASSERT_EQ(rest.exit_code, 0) << rest.err;
+  for (const char* file : {"/runs.csv", "/summary.json", "/summary.csv"}) {
+    EXPECT_EQ(Content(scratch_ / "killed" + file),
+              Content(scratch_ / "whole" + file))
+        << file;
+  }
+  // The journal itself: every run once.
+  EXPECT_EQ(JournalLines("killed"), 2 + 40);
+  std::set<std::string> runs;
+  for (const auto& line : ParsedCsv(scratch_ / "killed/journal.csv")) {
+    EXPECT_TRUE(runs.insert(line[0]).second) << line[0];
+  }
+}
+
+TEST_F(MleStudyResumeTest, StopsCleanlyOnASignalAndSaysHowToGoOn) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const std::string out = signal == SIGINT ? "int" : "term";
+    const pid_t child = Start(out);
+    WaitForLines(out, 4, child);
+    kill(child, signal);
+    int status = 0;
+    ASSERT_EQ(waitpid(child, &status, 0), child);
+    ASSERT_TRUE(WIFEXITED(status));
+    EXPECT_EQ(WEXITSTATUS(status), 1);
+    const std::string log = Content(scratch_ / "log");
+    EXPECT_THAT(log, HasSubstr("Stopped: "));
+    EXPECT_THAT(log, HasSubstr("--resume"));
+    // Every line is whole.
+    EXPECT_EQ(Content(scratch_ / out + "/journal.csv").back(), '\n');
+  }
+  const report::ProcessResult rest = RunTested(Arguments("int"));
+  EXPECT_EQ(rest.exit_code, 0) << rest.err;
+  EXPECT_THAT(rest.err, HasSubstr("Going on: "));
+  EXPECT_EQ(JournalLines("int"), 2 + 40);
+}
+
+TEST_F(MleStudyResumeTest, OneCommandInAFolder) {
+  const pid_t child = Start("out");
+  WaitForLines("out", 3, child);
+  kill(child, SIGSTOP);
+  const report::ProcessResult second = RunTested(Arguments("out"));
+  EXPECT_EQ(second.exit_code, 2);
+  EXPECT_THAT(second.err, HasSubstr("another mle_study"));
+  kill(child, SIGCONT);
+  kill(child, SIGKILL);
+  waitpid(child, nullptr, 0);
+}
+
+TEST_F(MleStudyResumeTest, RefusesWithoutResumeAndWithAnotherCampaign) {
+  const report::ProcessResult first = RunTested(Arguments("out"));
+  ASSERT_EQ(first.exit_code, 0) << first.err;
+  const std::string before = Content(scratch_ / "out/runs.csv");
+  const report::ProcessResult again =
+      RunTested({"--campaign=" + campaign_, "--out=" + scratch_ / "out"});
+  EXPECT_EQ(again.exit_code, 2);
+  EXPECT_THAT(again.err, HasSubstr("--resume"));
+  scratch_.Write("campaign.json", SmallCampaign(21).dump());
+  const report::ProcessResult other = RunTested(Arguments("out"));
+  EXPECT_EQ(other.exit_code, 2);
+  EXPECT_THAT(other.err, HasSubstr("another campaign"));
+  EXPECT_EQ(Content(scratch_ / "out/runs.csv"), before);
+  // With the campaign as it was: nothing to do, and the same once more.
+  scratch_.Write("campaign.json", SmallCampaign(20).dump());
+  const report::ProcessResult same = RunTested(Arguments("out"));
+  EXPECT_EQ(same.exit_code, 0) << same.err;
+  EXPECT_EQ(Content(scratch_ / "out/runs.csv"), before);
+}
+
+TEST_F(MleStudyResumeTest, BadInput) {
+  const auto refused = [&](const std::vector<std::string>& arguments,
+                           const std::string& named) {
+    const report::ProcessResult result = RunTested(arguments);
+    EXPECT_EQ(result.exit_code, 2) << named;
+    EXPECT_THAT(result.err, HasSubstr(named));
+    EXPECT_EQ(result.out, "");
+  };
+  refused({}, "--campaign");
+  refused({"--campaign=/no/such.json"}, "/no/such.json");
+  refused({"--campaign=" + campaign_, "--out="}, "--out");
+  refused({"--campaign=" + campaign_, "--threads=-1"}, "--threads=-1");
+  refused({"--campaign=" + campaign_, "--out=/proc/x"}, "--out");
+  refused({"--campaign=" + scratch_.Write("bad.json", "{"), "--dry_run"},
+          "bad.json: line 1");
+}
+
+#ifdef MLE_MPIEXEC
+std::vector<std::string> OnTwoProcesses(std::vector<std::string> arguments) {
+  std::vector<std::string> line = {"OMPI_ALLOW_RUN_AS_ROOT=1",
+                                   "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1",
+                                   "OMPI_MCA_rmaps_base_oversubscribe=1",
+                                   MLE_MPIEXEC,
+                                   "-n",
+                                   "2",
+                                   MLE_TESTED_COMMAND};
+  line.insert(line.end(), arguments.begin(), arguments.end());
+  return line;
+}
+
+TEST_F(MleStudyResumeTest, TheSameBytesFromTwoProcesses) {
+  const report::ProcessResult one = RunTested(Arguments("one"));
+  ASSERT_EQ(one.exit_code, 0) << one.err;
+  const auto two =
+      report::RunProcess("env", OnTwoProcesses(Arguments("two")), "");
+  ASSERT_TRUE(two.ok()) << two.status();
+  ASSERT_EQ(two->exit_code, 0) << two->err;
+  for (const char* file : {"/runs.csv", "/summary.json", "/summary.csv"}) {
+    EXPECT_EQ(Content(scratch_ / "one" + file),
+              Content(scratch_ / "two" + file))
+        << file;
+  }
+}
+
+TEST_F(MleStudyResumeTest, TwoProcessesAgreeOnBadInput) {
+  scratch_.Write("campaign.json", "{}");
+  const auto result =
+      report::RunProcess("env", OnTwoProcesses(Arguments("out")), "");
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_EQ(result->exit_code, 2);
+  EXPECT_THAT(result->err, HasSubstr("\"version\" is missing"));
+}
+#endif
+
+}  // namespace
+}  // namespace mle

@@ -1,0 +1,174 @@
+#include "apps/study/journal.h"
+
+#include <memory>
+#include <string>
+
+#include "absl/strings/str_cat.h"
+#include "apps/study/merge.h"
+#include "apps/study/row.h"
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "tests/apps/command_runner.h"
+#include "tests/apps/study/small_campaign.h"
+
+namespace mle::study {
+namespace {
+
+using ::testing::HasSubstr;
+
+const JournalHead kHead = {.checksum = "ab12", .version = "0.1.0", .runs = 6};
+
+class JournalTest : public ::testing::Test {
+ protected:
+  std::string LineOf(std::int64_t run) const {
+    Row row;
+    row.run = run;
+    row[Metric::kE] = 0.1 * static_cast<double>(run);
+    row.seconds = 0.5;
+    return RowText(campaign_, grid_, row);
+  }
+
+  // A journal with runs 4 and 1 done.
+  void WriteTwo() const {
+    const auto journal = Journal::Open(path_, kHead, false);
+    ASSERT_TRUE(journal.ok()) << journal.status();
+    ASSERT_TRUE((*journal)->Append(4, LineOf(4)).ok());
+    ASSERT_TRUE((*journal)->Append(1, LineOf(1)).ok());
+  }
+
+  void Spoil(const std::string& content) const {
+    scratch_.Write("journal.csv", content);
+  }
+
+  const ScratchFolder scratch_;
+  const std::string path_ = scratch_ / "journal.csv";
+  const Campaign campaign_ = *ParseCampaign(SmallCampaign(3).dump(), "c.json");
+  const Grid grid_{campaign_};
+};
+
+TEST_F(JournalTest, KeepsWhatWasDone) {
+  WriteTwo();
+  const auto journal = Journal::Open(path_, kHead, true);
+  ASSERT_TRUE(journal.ok()) << journal.status();
+  EXPECT_EQ((*journal)->num_done(), 2);
+  EXPECT_EQ((*journal)->dropped_bytes(), 0);
+  EXPECT_TRUE((*journal)->IsDone(1));
+  EXPECT_FALSE((*journal)->IsDone(0));
+  EXPECT_EQ(*(*journal)->Line(4), LineOf(4));
+  EXPECT_EQ(*(*journal)->Line(1), LineOf(1));
+}
+
+// Wherever the file breaks off, what is whole stays, and nothing else. (Not at
+// every byte: each look flushes files to the disk.)
+TEST_F(JournalTest, DropsALineThatBrokeOff) {
+  WriteTwo();
+  const std::string whole = Content(path_);
+  const std::size_t second = whole.rfind("\n1,") + 1;
+  for (std::size_t size = 0; size < whole.size(); size += 23) {
+    Spoil(whole.substr(0, size));
+    auto journal = Journal::Open(path_, kHead, true);
+    ASSERT_TRUE(journal.ok()) << size << ": " << journal.status();
+    const int left = size >= second ? 1 : 0;
+    EXPECT_EQ((*journal)->num_done(), left) << size;
+    ASSERT_TRUE((*journal)->Append(1, LineOf(1)).ok());
+    if (left == 0) {
+      ASSERT_TRUE((*journal)->Append(4, LineOf(4)).ok());
+    }
+    journal = absl::CancelledError("closed");
+    const auto again = Journal::Open(path_, kHead, true);
+    ASSERT_TRUE(again.ok()) << size << ": " << again.status();
+    EXPECT_EQ((*again)->num_done(), 2) << size;
+  }
+}
+
+TEST_F(JournalTest, DropsALastLineOfRubbish) {
+  WriteTwo();
+  Spoil(Content(path_) + std::string(100, '\0') + "\n");
+  const auto journal = Journal::Open(path_, kHead, true);
+  ASSERT_TRUE(journal.ok()) << journal.status();
+  EXPECT_EQ((*journal)->num_done(), 2);
+  EXPECT_EQ((*journal)->dropped_bytes(), 101);
+}
+
+TEST_F(JournalTest, RefusesWhatIsDamagedInTheMiddle) {
+  WriteTwo();
+  const std::string whole = Content(path_);
+  Spoil(absl::StrCat(whole, "rubbish\n", LineOf(2), "\n"));
+  auto journal = Journal::Open(path_, kHead, true);
+  ASSERT_FALSE(journal.ok());
+  EXPECT_THAT(std::string(journal.status().message()),
+              HasSubstr("journal.csv:5"));
+  Spoil(absl::StrCat(whole, LineOf(4), "\n"));
+  journal = Journal::Open(path_, kHead, true);
+  ASSERT_FALSE(journal.ok());
+  EXPECT_THAT(std::string(journal.status().message()),
+              HasSubstr("run 4 stands twice"));
+}
+
+TEST_F(JournalTest, RefusesAnotherCampaignOrVersion) {
+  WriteTwo();
+  for (const JournalHead& other :
+       {JournalHead{"cd34", "0.1.0", 6}, JournalHead{"ab12", "0.2.0", 6},
+        JournalHead{"ab12", "0.1.0", 7}}) {
+    const auto journal = Journal::Open(path_, other, true);
+    ASSERT_FALSE(journal.ok());
+    EXPECT_THAT(std::string(journal.status().message()),
+                HasSubstr("another campaign"));
+  }
+  const auto journal = Journal::Open(path_, kHead, false);
+  ASSERT_FALSE(journal.ok());
+  EXPECT_THAT(std::string(journal.status().message()), HasSubstr("--resume"));
+}
+
+TEST_F(JournalTest, MergesInTheOrderOfTheRuns) {
+  const auto journal = Journal::Open(path_, kHead, false);
+  ASSERT_TRUE(journal.ok()) << journal.status();
+  for (const int run : {3, 5, 0, 1, 4, 2}) {
+    ASSERT_TRUE((*journal)->Append(run, LineOf(run)).ok());
+  }
+  const absl::Status merged = MergeRuns(**journal, 6, scratch_ / "");
+  ASSERT_TRUE(merged.ok()) << merged;
+  const auto lines = ParsedCsv(scratch_ / "runs.csv");
+  ASSERT_EQ(lines.size(), 7U);
+  for (int run = 0; run < 6; ++run) {
+    EXPECT_EQ(lines[run + 1][0], std::to_string(run));
+    EXPECT_EQ(lines[run + 1].size(), lines[0].size());
+  }
+}
+
+TEST_F(JournalTest, AFolderIsForOneCommand) {
+  const auto lock = FolderLock::Take(scratch_ / "");
+  ASSERT_TRUE(lock.ok()) << lock.status();
+  const auto second = FolderLock::Take(scratch_ / "");
+  ASSERT_FALSE(second.ok());
+  EXPECT_THAT(std::string(second.status().message()),
+              HasSubstr("another mle_study"));
+}
+
+TEST(RowTest, ReadsWhatItWrites) {
+  const Campaign campaign = *ParseCampaign(SmallCampaign(3).dump(), "c.json");
+  const Grid grid(campaign);
+  Row row;
+  row.run = 5;
+  row[Metric::kE] = 1.0 / 3.0;
+  row[Metric::kRatio] = std::numeric_limits<double>::infinity();
+  row[Metric::kLambdaMin] = 5e-324;
+  row.status = "failed: a \"quote\", a comma\nand a line";
+  row.seconds = 0.25;
+  const std::string text = RowText(campaign, grid, row);
+  EXPECT_EQ(text.find('\n'), std::string::npos);
+  const absl::StatusOr<Row> read = ParseRow(text, true);
+  ASSERT_TRUE(read.ok()) << read.status();
+  EXPECT_EQ(read->run, 5);
+  EXPECT_EQ((*read)[Metric::kE], 1.0 / 3.0);
+  EXPECT_EQ((*read)[Metric::kRatio], row[Metric::kRatio]);
+  EXPECT_EQ((*read)[Metric::kLambdaMin], 5e-324);
+  EXPECT_TRUE(std::isnan((*read)[Metric::kPValue]));
+  EXPECT_EQ(read->status, "failed: a \"quote\", a comma and a line");
+  EXPECT_EQ(read->seconds, 0.25);
+  EXPECT_TRUE(ParseRow(WithoutSeconds(text), false).ok());
+  EXPECT_FALSE(ParseRow(WithoutSeconds(text), true).ok());
+}
+
+}  // namespace
+}  // namespace mle::study

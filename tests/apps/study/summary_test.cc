@@ -1,0 +1,187 @@
+#include "apps/study/summary.h"
+
+#include <cmath>
+#include <limits>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "apps/study/figures.h"
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "tests/apps/command_runner.h"
+#include "tests/apps/study/small_campaign.h"
+
+namespace mle::study {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(DescribeTest, KnownValues) {
+  const Distribution d = Describe({4.0, 1.0, 3.0, 2.0, 5.0}, 0);
+  EXPECT_EQ(d.count, 5);
+  EXPECT_DOUBLE_EQ(d.mean, 3.0);
+  EXPECT_DOUBLE_EQ(d.deviation, std::sqrt(2.5));
+  EXPECT_EQ(d.min, 1.0);
+  EXPECT_EQ(d.max, 5.0);
+  EXPECT_DOUBLE_EQ(d.median(), 3.0);
+  EXPECT_DOUBLE_EQ(d.quantiles[0], 1.2);  // 1 + 0.05 · 4
+  EXPECT_DOUBLE_EQ(d.quantiles[1], 2.0);
+  EXPECT_DOUBLE_EQ(d.quantiles[4], 4.8);
+  EXPECT_LT(d.mean_low, 3.0);
+  EXPECT_GT(d.mean_high, 3.0);
+}
+
+TEST(DescribeTest, NoneOneAndInfinite) {
+  EXPECT_TRUE(std::isnan(Describe({}, 0).mean));
+  const Distribution one = Describe({7.0}, 0);
+  EXPECT_EQ(one.mean_low, 7.0);
+  EXPECT_EQ(one.mean_high, 7.0);
+  EXPECT_EQ(one.deviation, 0.0);
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const Distribution infinite = Describe({1.0, kInfinity, 2.0}, 0);
+  EXPECT_EQ(infinite.mean, kInfinity);
+  EXPECT_EQ(infinite.deviation, kInfinity);
+  EXPECT_EQ(infinite.median(), 2.0);
+  EXPECT_EQ(infinite.quantiles[4], kInfinity);
+  for (const double quantile : infinite.quantiles) {
+    EXPECT_FALSE(std::isnan(quantile));
+  }
+}
+
+// Scaled values have scaled statistics, whatever the resampling drew.
+TEST(DescribeTest, ScalesWithTheValues) {
+  std::mt19937_64 engine(5);
+  std::normal_distribution<double> normal;
+  std::vector<double> values(40);
+  for (double& value : values) value = std::exp(normal(engine));
+  std::vector<double> doubled = values;
+  for (double& value : doubled) value *= 2.0;
+  const Distribution a = Describe(values, 3);
+  const Distribution b = Describe(doubled, 3);
+  EXPECT_DOUBLE_EQ(b.mean_low, 2.0 * a.mean_low);
+  EXPECT_DOUBLE_EQ(b.mean_high, 2.0 * a.mean_high);
+  EXPECT_DOUBLE_EQ(b.deviation, 2.0 * a.deviation);
+  EXPECT_DOUBLE_EQ(b.median(), 2.0 * a.median());
+}
+
+// The interval holds the mean in about 95 of 100 samples of 30; percentiles of
+// the bootstrap come a little short, and 200 samples have a deviation of 1.5 %.
+TEST(DescribeTest, IntervalsHoldTheMean) {
+  std::mt19937_64 engine(6);
+  std::normal_distribution<double> normal(10.0, 3.0);
+  int held = 0;
+  for (int sample = 0; sample < 200; ++sample) {
+    std::vector<double> values(30);
+    for (double& value : values) value = normal(engine);
+    const Distribution d = Describe(std::move(values), sample);
+    held += d.mean_low <= 10.0 && 10.0 <= d.mean_high ? 1 : 0;
+  }
+  EXPECT_GE(held, 176);
+  EXPECT_LE(held, 199);
+}
+
+class SummaryTest : public ::testing::Test {
+ protected:
+  std::string RunsCsv(const std::function<void(Row&)>& fill) const {
+    std::string text = absl::StrCat(RowHeader(false), "\n");
+    for (std::int64_t run = 0; run < grid_.num_runs(); ++run) {
+      Row row;
+      row.run = run;
+      row[Metric::kInitialE] = 100.0;
+      row[Metric::kE] = 10.0 + static_cast<double>(run);
+      row[Metric::kBestE] = 8.0;
+      row[Metric::kRatio] = row[Metric::kE] / 8.0;
+      row[Metric::kLambdaMin] = row[Metric::kLambdaMax] = 1e-4;
+      row[Metric::kBestLambda] = 2e-5 * static_cast<double>(run + 1);
+      row[Metric::kGap] = 1e-11;
+      fill(row);
+      absl::StrAppend(&text, WithoutSeconds(RowText(campaign_, grid_, row)),
+                      "\n");
+    }
+    return scratch_.Write("runs.csv", text);
+  }
+
+  const ScratchFolder scratch_;
+  const Campaign campaign_ = *ParseCampaign(SmallCampaign(4).dump(), "c.json");
+  const Grid grid_{campaign_};
+};
+
+TEST_F(SummaryTest, CellByCell) {
+  const std::string path = RunsCsv([](Row& row) {
+    if (row.run == 1) row.status = "failed: a loop at 12.5 of 1e+30";
+    if (row.run == 6) row.status = "failed: a loop at 3 of 4e-7";
+    if (row.run == 7) row[Metric::kE] = 150.0;
+  });
+  const auto summary = Summarise(path, campaign_, grid_);
+  ASSERT_TRUE(summary.ok()) << summary.status();
+  EXPECT_EQ(summary->runs, 8);
+  EXPECT_EQ(summary->failed, 2);
+  ASSERT_EQ(summary->failures.size(), 1U);
+  EXPECT_EQ(summary->failures.at("failed: a loop at # of #"), 2);
+  EXPECT_EQ(summary->max_gap, 1e-11);
+  ASSERT_EQ(summary->cells.size(), 2U);
+  const Cell& gain = summary->cells[0];
+  EXPECT_EQ(gain.runs, 4);
+  EXPECT_EQ(gain.failed, 1);
+  EXPECT_EQ(gain[Metric::kE].count, 3);
+  EXPECT_DOUBLE_EQ(gain[Metric::kE].mean, (10.0 + 12.0 + 13.0) / 3.0);
+  EXPECT_EQ(gain.harmed, 0.0);
+  EXPECT_EQ(gain.above_twice_best, 0.0);
+  EXPECT_EQ(gain[Metric::kPValue].count, 0);
+  // Runs 4, 5 and 7: E of 14, 15 and 150.
+  EXPECT_DOUBLE_EQ(summary->cells[1].harmed, 1.0 / 3.0);
+  EXPECT_DOUBLE_EQ(summary->cells[1].above_twice_best, 1.0 / 3.0);
+}
+
+TEST_F(SummaryTest, FilesSayTheSame) {
+  const auto summary = Summarise(RunsCsv([](Row&) {}), campaign_, grid_);
+  ASSERT_TRUE(summary.ok()) << summary.status();
+  const nlohmann::json json =
+      nlohmann::json::parse(SummaryJson(*summary, campaign_));
+  EXPECT_EQ(json["version"], 1);
+  ASSERT_EQ(json["cells"].size(), 2U);
+  EXPECT_EQ(json["cells"][1]["mismatch"], "delay");
+  scratch_.Write("summary.csv", SummaryCsv(*summary, campaign_));
+  const auto lines = ParsedCsv(scratch_ / "summary.csv");
+  int compared = 0;
+  const auto column = [&](const std::string& name) {
+    return std::find(lines[0].begin(), lines[0].end(), name) - lines[0].begin();
+  };
+  for (std::size_t i = 1; i < lines.size(); ++i) {
+    ASSERT_EQ(lines[i].size(), lines[0].size());
+    const nlohmann::json& metric = json["cells"][std::stoi(lines[i][0])]
+                                       ["metrics"][lines[i][column("metric")]];
+    for (const char* value : {"mean", "q05", "median", "max"}) {
+      EXPECT_EQ(std::stod(lines[i][column(value)]), metric[value]);
+      ++compared;
+    }
+  }
+  EXPECT_EQ(compared, 2 * 8 * 4);
+}
+
+TEST_F(SummaryTest, FiguresAreValid) {
+  const auto summary = Summarise(RunsCsv([](Row&) {}), campaign_, grid_);
+  ASSERT_TRUE(summary.ok()) << summary.status();
+  const std::vector<NamedFigure> figures = MakeFigures(campaign_, *summary);
+  ASSERT_EQ(figures.size(), 3U);
+  for (const NamedFigure& figure : figures) {
+    EXPECT_TRUE(figure.figure.Validate().ok()) << figure.name;
+    EXPECT_EQ(figure.figure.panels.size(), 2U) << figure.name;
+  }
+}
+
+TEST_F(SummaryTest, RefusesRunsOutOfOrder) {
+  std::string text = Content(RunsCsv([](Row&) {}));
+  const std::size_t second = text.find("\n1,") + 1;
+  text.erase(second, text.find('\n', second) + 1 - second);
+  const auto summary =
+      Summarise(scratch_.Write("runs.csv", text), campaign_, grid_);
+  ASSERT_FALSE(summary.ok());
+  EXPECT_THAT(std::string(summary.status().message()),
+              HasSubstr("runs.csv:3: not the next run"));
+}
+
+}  // namespace
+}  // namespace mle::study
