@@ -74,11 +74,11 @@ report::Table LambdaTable(const Campaign& campaign,
                           const StudySummary& summary) {
   report::Table table = CellTable(
       campaign, summary,
-      {{"best λ, median"},
+      {{"best λ"},
        {"5 … 95 %"},
-       {"λ chosen, median"},
+       {"λ chosen"},
        {"5 … 95 %"},
-       {"E / E at best λ, median"},
+       {"E / E at best λ"},
        {"95 %"},
        {"largest"},
        {"above 2"}},
@@ -94,7 +94,7 @@ report::Table LambdaTable(const Campaign& campaign,
             ratio.count == 0 ? "–" : FormatSignificant(ratio.max),
             Percent(cell.above_twice_best)};
       });
-  table.caption = "λ over the seeds";
+  table.caption = "λ over the seeds: medians, unless said";
   return table;
 }
 
@@ -102,9 +102,9 @@ report::Table ElementTable(const Campaign& campaign,
                            const StudySummary& summary) {
   report::Table table = CellTable(
       campaign, summary,
-      {{"gain error, RMS of the elements, median"},
+      {{"gain error"},
        {"95 %"},
-       {"dead-time error, RMS of the elements, median"},
+       {"dead-time error"},
        {"95 %"},
        {"change proposed"}},
       kRowsOnPage, [](const Cell& cell) -> std::vector<std::string> {
@@ -236,30 +236,30 @@ report::RunAgain MakeRunAgain() {
 
 report::Table ErrorTable(const Campaign& campaign, const StudySummary& summary,
                          int most) {
-  report::Table table =
-      CellTable(campaign, summary,
-                {{"runs"},
-                 {"failed"},
-                 {"E before, median"},
-                 {"E, mean"},
-                 {"median"},
-                 {"5 … 95 %"},
-                 {"largest"},
-                 {"at best λ, median"},
-                 {"harmed"}},
-                most, [](const Cell& cell) -> std::vector<std::string> {
-                  const Distribution& E = cell[Metric::kE];
-                  return {FormatInteger(cell.runs),
-                          FormatInteger(cell.failed),
-                          MedianText(cell[Metric::kInitialE]),
-                          MeanText(E),
-                          MedianText(E),
-                          SpanText(E),
-                          E.count == 0 ? "–" : FormatSignificant(E.max),
-                          MedianText(cell[Metric::kBestE]),
-                          Percent(cell.harmed)};
-                });
-  table.caption = "Squared distance E over the seeds";
+  report::Table table = CellTable(
+      campaign, summary,
+      {{"runs"},
+       {"E before"},
+       {"E"},
+       {"5 … 95 %"},
+       {"largest"},
+       {"mean"},
+       {"E at best λ"},
+       {"harmed"}},
+      most, [](const Cell& cell) -> std::vector<std::string> {
+        const Distribution& E = cell[Metric::kE];
+        return {cell.failed == 0
+                    ? FormatInteger(cell.runs)
+                    : absl::StrCat(cell.runs, ", ", cell.failed, " failed"),
+                MedianText(cell[Metric::kInitialE]),
+                MedianText(E),
+                SpanText(E),
+                E.count == 0 ? "–" : FormatSignificant(E.max),
+                MeanText(E),
+                MedianText(cell[Metric::kBestE]),
+                Percent(cell.harmed)};
+      });
+  table.caption = "Squared distance E over the seeds: medians, unless said";
   return table;
 }
 

@@ -39,19 +39,42 @@ absl::StatusOr<ProcessModel> InitialModel(const Campaign& campaign, int model,
   return DrawModel(*spec.random, seed, campaign.controllers);
 }
 
+// R of the initial model, for all scenarios of a unit: made when first asked
+// for, since not every estimator needs it.
+class SharedConversion {
+ public:
+  SharedConversion(const ProcessModel& initial, std::uint64_t seed)
+      : initial_(initial), seed_(seed) {}
+
+  absl::StatusOr<const ConversionSummary*> Get(
+      const ExperimentOptions& options) {
+    if (!conversion_.has_value()) {
+      conversion_ = reproduce::ConvertInitialModel(initial_, seed_, options);
+    }
+    if (!conversion_->ok()) return During("conversion", conversion_->status());
+    return &**conversion_;
+  }
+
+ private:
+  const ProcessModel& initial_;
+  const std::uint64_t seed_;
+  std::optional<absl::StatusOr<ConversionSummary>> conversion_;
+};
+
 // One scenario with one seed, and what its methods share.
 class ScenarioRuns {
  public:
   // What is given must outlive the object.
   static absl::StatusOr<std::unique_ptr<ScenarioRuns>> Create(
       const Campaign& campaign, const Scenario& scenario, std::uint64_t seed,
-      const ProcessModel& initial, const ConversionSummary& conversion);
+      const ProcessModel& initial, SharedConversion& conversion);
 
   absl::Status Run(const Method& method, Row& row);
 
  private:
   // A path with λ chosen by every rule asked for, and the best λ.
   struct Path {
+    double conversion_gap = 0.0;
     Correction correction;
     std::map<int, SelectionSummary> selections;  // by rule
     double best_lambda = 0.0;
@@ -60,7 +83,7 @@ class ScenarioRuns {
   };
 
   ScenarioRuns(const Campaign& campaign, std::uint64_t seed,
-               const ProcessModel& initial, const ConversionSummary& conversion)
+               const ProcessModel& initial, SharedConversion& conversion)
       : campaign_(campaign),
         seed_(seed),
         initial_(initial),
@@ -70,7 +93,7 @@ class ScenarioRuns {
   absl::Status Structured(Row& row);
   absl::Status Combined(const Method& method, Row& row);
   absl::StatusOr<const Path*> PathOf(const Method& method);
-  absl::StatusOr<Path> SolvePath(const Method& method) const;
+  absl::StatusOr<Path> SolvePath(const Method& method);
   absl::StatusOr<const ModelAdequacy*> Adequacy();
   absl::StatusOr<const StructuredCorrection*> StructuredResult();
   // E, gains and dead times of a model's responses.
@@ -80,7 +103,7 @@ class ScenarioRuns {
   const Campaign& campaign_;
   const std::uint64_t seed_;
   const ProcessModel& initial_;
-  const ConversionSummary& conversion_;
+  SharedConversion& conversion_;
   ExperimentOptions options_;
   ProcessModel plant_;
   StepResponse truth_;
@@ -93,7 +116,7 @@ class ScenarioRuns {
 
 absl::StatusOr<std::unique_ptr<ScenarioRuns>> ScenarioRuns::Create(
     const Campaign& campaign, const Scenario& scenario, std::uint64_t seed,
-    const ProcessModel& initial, const ConversionSummary& conversion) {
+    const ProcessModel& initial, SharedConversion& conversion) {
   std::unique_ptr<ScenarioRuns> runs(
       new ScenarioRuns(campaign, seed, initial, conversion));
   MLE_ASSIGN_OR_RETURN(runs->options_,
@@ -157,14 +180,17 @@ absl::Status ScenarioRuns::JudgeModel(const StepResponse& response,
 }
 
 absl::StatusOr<ScenarioRuns::Path> ScenarioRuns::SolvePath(
-    const Method& method) const {
+    const Method& method) {
+  MLE_ASSIGN_OR_RETURN(const ConversionSummary* const conversion,
+                       conversion_.Get(options_));
   CorrectionOptions correction_options = options_.correction;
   correction_options.solver = campaign_.solvers[method.solver].options;
   correction_options.selection = campaign_.selections[method.selection].options;
   Path path;
   MLE_ASSIGN_OR_RETURN(
       path.correction,
-      CorrectModel(conversion_.model, windows_, correction_options));
+      CorrectModel(conversion->model, windows_, correction_options));
+  path.conversion_gap = conversion->max_relative_gap;
   path.selections[method.selection] = path.correction.selection();
   reproduce::DistanceCurve curve(path.correction, campaign_.lambdas, truth_);
   const Eigen::Index best = curve.Best();
@@ -207,8 +233,7 @@ absl::Status ScenarioRuns::Arx(const Method& method, bool tested, Row& row) {
   row[Metric::kZeroE] = path->zero_E;
   row[Metric::kLambdaMin] = selection.lambda_star.minCoeff();
   row[Metric::kLambdaMax] = selection.lambda_star.maxCoeff();
-  double gap =
-      std::max(conversion_.max_relative_gap, selection.max_relative_gap);
+  double gap = std::max(path->conversion_gap, selection.max_relative_gap);
   for (const LassoSolution& fit : path->correction.fits()) {
     gap = std::max(gap, fit.MaxRelativeGap());
   }
@@ -315,22 +340,8 @@ void RunUnit(const Campaign& campaign, const Grid& grid,
   const std::uint64_t seed = campaign.seeds[first.seed];
   const absl::StatusOr<ProcessModel> initial =
       InitialModel(campaign, first.scenario.model, seed);
-  absl::StatusOr<ConversionSummary> conversion = [&] {
-    if (!initial.ok()) {
-      return absl::StatusOr<ConversionSummary>(
-          During("model", initial.status()));
-    }
-    const auto options =
-        OptionsOf(campaign, first.scenario, initial->num_outputs(),
-                  initial->num_inputs());
-    if (!options.ok()) {
-      return absl::StatusOr<ConversionSummary>(options.status());
-    }
-    return reproduce::ConvertInitialModel(*initial, seed, *options);
-  }();
-  if (initial.ok() && !conversion.ok()) {
-    conversion = During("conversion", conversion.status());
-  }
+  std::optional<SharedConversion> conversion;
+  if (initial.ok()) conversion.emplace(*initial, seed);
 
   std::optional<Scenario> current;
   absl::StatusOr<std::unique_ptr<ScenarioRuns>> scenario =
@@ -340,8 +351,10 @@ void RunUnit(const Campaign& campaign, const Grid& grid,
     const Coordinates at = grid.At(run);
     Row row;
     row.run = run;
-    absl::Status status = conversion.status();
-    if (status.ok()) {
+    absl::Status status;
+    if (!initial.ok()) {
+      status = During("model", initial.status());
+    } else {
       if (!current.has_value() || !SameScenario(*current, at.scenario)) {
         current = at.scenario;
         scenario = ScenarioRuns::Create(campaign, at.scenario, seed, *initial,
