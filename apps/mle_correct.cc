@@ -84,11 +84,7 @@ absl::Status WriteAll(const correct::Result& result) {
   for (auto& picture : report::FilesOf(figures)) {
     files.push_back(std::move(picture));
   }
-  for (const auto& [name, content] : files) {
-    MLE_RETURN_IF_ERROR(WriteFileAtomically(
-        absl::StrCat(result.request.out, "/", name), content));
-  }
-  return absl::OkStatus();
+  return WriteFilesTogether(result.request.out, files);
 }
 
 void PrintData(const correct::RecordData& data, const ProcessModel& model) {
@@ -140,11 +136,8 @@ int Main() {
     }
     return kExitDone;
   }
-  if (const absl::Status status = MakeWritableFolder(request->out);
-      !status.ok()) {
-    return Fail(
-        absl::InvalidArgumentError(absl::StrCat("--out: ", status.message())));
-  }
+  const absl::StatusOr<FolderLock> lock = ClaimOutputFolder(request->out);
+  if (!lock.ok()) return Fail(lock.status());
   const absl::StatusOr<correct::Result> result =
       correct::CorrectFromRecords(*request, *std::move(data));
   if (!result.ok()) return Fail(result.status());

@@ -53,16 +53,9 @@ report::RunAgain HowToRunAgain(const reproduce::Study& study) {
 absl::Status WriteAll(const std::vector<CaseResult>& results,
                       const reproduce::Study& study,
                       const reproduce::Destination& destination) {
-  const auto write = [&](const std::string& name, const std::string& content) {
-    return WriteFileAtomically(absl::StrCat(destination.folder, "/", name),
-                               content);
-  };
   const Eigen::VectorXd& lambdas = study.experiment.correction.lambdas;
-  MLE_RETURN_IF_ERROR(write("results.json", reproduce::FormatResults(results)));
-  for (const auto& [name, content] :
-       reproduce::FormatCurves(results, lambdas)) {
-    MLE_RETURN_IF_ERROR(write(name, content));
-  }
+  std::vector<std::pair<std::string, std::string>> files =
+      reproduce::FormatCurves(results, lambdas);
   std::vector<report::DrawnFigure> figures;
   if (destination.figures) {
     figures = report::DrawFigures(reproduce::MakeFigures(results, lambdas),
@@ -72,11 +65,14 @@ absl::Status WriteAll(const std::vector<CaseResult>& results,
   if (const absl::Status drawn = report::FirstFailure(figures); !drawn.ok()) {
     std::cerr << "warning: " << drawn.message() << "\n";
   }
-  for (const auto& [name, content] : report::FilesOf(figures)) {
-    MLE_RETURN_IF_ERROR(write(name, content));
+  for (auto& picture : report::FilesOf(figures)) {
+    files.push_back(std::move(picture));
   }
-  return write("report.html",
-               reproduce::FormatPage(results, figures, HowToRunAgain(study)));
+  files.emplace_back("results.json", reproduce::FormatResults(results));
+  files.emplace_back(
+      "report.html",
+      reproduce::FormatPage(results, figures, HowToRunAgain(study)));
+  return WriteFilesTogether(destination.folder, files);
 }
 
 std::string EstimatorText(const CaseResult& result) {
@@ -114,11 +110,8 @@ int Main() {
   const absl::StatusOr<reproduce::Study> study = reproduce::StudyFromFlags();
   if (!study.ok()) return Fail(study.status());
   const reproduce::Destination destination = reproduce::DestinationFromFlags();
-  if (const absl::Status status = MakeWritableFolder(destination.folder);
-      !status.ok()) {
-    return Fail(
-        absl::InvalidArgumentError(absl::StrCat("--out: ", status.message())));
-  }
+  const absl::StatusOr<FolderLock> lock = ClaimOutputFolder(destination.folder);
+  if (!lock.ok()) return Fail(lock.status());
   const absl::StatusOr<std::vector<CaseResult>> results =
       reproduce::RunStudy(*study);
   if (!results.ok()) return Fail(results.status());

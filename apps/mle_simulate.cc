@@ -37,8 +37,12 @@ int Main() {
   const std::string out = simulate::OutFromFlags();
   const absl::Status written = WriteRecordCsv(out, *record, simulation->model);
   if (!written.ok()) {
-    return Fail(
-        absl::InvalidArgumentError(absl::StrCat("--out: ", written.message())));
+    const std::string message = absl::StrCat("--out: ", written.message());
+    // A full disk is no fault of the flag.
+    const bool full =
+        absl::IsResourceExhausted(written) || absl::IsOutOfRange(written);
+    return Fail(full ? absl::ResourceExhaustedError(message)
+                     : absl::InvalidArgumentError(message));
   }
   const auto lost = record->outputs.array().isNaN().count() +
                     record->inputs.array().isNaN().count();

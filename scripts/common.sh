@@ -29,17 +29,20 @@ build_jobs() {
   echo $((gigabytes < 1 ? 1 : gigabytes < processors ? gigabytes : processors))
 }
 
-# build PRESET: configures and builds into build/PRESET.
+# build PRESET [TARGET…]: configures and builds, all or some targets, into
+# build/PRESET.
 build() {
   run_logged "$root/build/log/$1.log" \
     "Building in build/$1 (the first time takes some minutes) …" \
-    configure_and_compile "$1"
+    configure_and_compile "$@"
 }
 
 configure_and_compile() {
+  local preset=$1 targets=()
+  if (($# > 1)); then targets=(--target "${@:2}"); fi
   cd -- "$root" || return
   # What an earlier run cached may no longer hold: the project moved, or the
   # system's packages changed. Then once more from nothing.
-  cmake --preset "$1" || cmake --fresh --preset "$1" || return
-  cmake --build --preset "$1" --parallel "$(build_jobs)"
+  cmake --preset "$preset" || cmake --fresh --preset "$preset" || return
+  cmake --build --preset "$preset" --parallel "$(build_jobs)" "${targets[@]}"
 }

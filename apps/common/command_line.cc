@@ -10,8 +10,11 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_split.h"
 #include "apps/common/flag_parser.h"
+#include "apps/common/process_faults.h"
 #include "apps/report/text.h"
 #include "glog/logging.h"
+#include "mle/base/file.h"
+#include "mle/base/version.h"
 
 namespace mle {
 namespace {
@@ -52,6 +55,7 @@ void PrintHelp(const std::string& usage) {
 }  // namespace
 
 void StartCommand(const std::string& usage, int argc, char** argv) {
+  PrepareForFaults();
   google::InitGoogleLogging(argv[0]);
   FLAGS_logtostderr = true;
   const std::vector<std::string> arguments(argv + 1, argv + argc);
@@ -73,17 +77,31 @@ void StartCommand(const std::string& usage, int argc, char** argv) {
 
 std::string CommandLine() { return StoredCommandLine(); }
 
-std::string_view Version() { return MLE_VERSION; }
+std::string_view Version() { return LibraryVersion(); }
 
 int Fail(const absl::Status& status) {
   std::cerr << "error: " << status.message() << "\n";
   switch (status.code()) {
     case absl::StatusCode::kFailedPrecondition:
     case absl::StatusCode::kInternal:
+    case absl::StatusCode::kResourceExhausted:
       return kExitNotUsable;
     default:
       return kExitBadInput;
   }
+}
+
+absl::StatusOr<FolderLock> ClaimOutputFolder(const std::string& folder) {
+  const auto wrong = [](const absl::Status& status) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("--out: ", status.message()));
+  };
+  if (const absl::Status made = MakeWritableFolder(folder); !made.ok()) {
+    return wrong(made);
+  }
+  absl::StatusOr<FolderLock> lock = FolderLock::Take(folder);
+  if (!lock.ok()) return wrong(lock.status());
+  return lock;
 }
 
 absl::StatusOr<Eigen::VectorXd> ParseNumbers(std::string_view flag,

@@ -13,6 +13,7 @@
 #include "Eigen/Core"
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "mle/base/folder_lock.h"
 
 namespace mle {
 
@@ -30,8 +31,13 @@ std::string CommandLine();
 
 std::string_view Version();
 
-// Prints the failure and gives its exit code.
+// Prints the failure and gives its exit code: 1 for FailedPrecondition,
+// Internal and ResourceExhausted, else 2.
 int Fail(const absl::Status& status);
+
+// Makes the folder that --out names, and keeps other commands off it as long as
+// the lock lasts. InvalidArgument, naming --out, if that cannot be.
+absl::StatusOr<FolderLock> ClaimOutputFolder(const std::string& folder);
 
 // "0.2" or "0.2,0.3": one number for all `count` channels, or one each. Errors
 // name the flag.

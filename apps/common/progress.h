@@ -4,10 +4,9 @@
 #ifndef APPS_COMMON_PROGRESS_H_
 #define APPS_COMMON_PROGRESS_H_
 
+#include <chrono>
 #include <mutex>
 #include <string>
-
-#include "absl/time/time.h"
 
 namespace mle {
 
@@ -21,10 +20,12 @@ class Progress {
  private:
   const std::string what_;
   const int total_;
-  const absl::Time start_;
+  // Not the clock on the wall: that may be set while the command runs.
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point start_;
   std::mutex mutex_;
   int done_ = 0;
-  absl::Time last_print_;
+  Clock::time_point last_print_;
 };
 
 }  // namespace mle

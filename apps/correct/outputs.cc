@@ -11,6 +11,7 @@
 #include "apps/correct/checksum.h"
 #include "apps/correct/result_json.h"
 #include "mle/base/status.h"
+#include "mle/model/arx_model_json.h"
 #include "mle/nonlinear/distributions.h"
 #include "nlohmann/json.hpp"
 
@@ -97,22 +98,14 @@ absl::StatusOr<std::string> FormatResult(
 }
 
 std::string FormatArx(const ArxModel& model, const ProcessModel& channels) {
-  Json inputs = Json::array();
-  Json outputs = Json::array();
+  NamedArxModel named = {channels.name(), channels.time_unit(), {}, {}, model};
   for (const InputChannel& input : channels.inputs()) {
-    inputs.push_back(input.name);
+    named.inputs.push_back(input.name);
   }
   for (const OutputChannel& output : channels.outputs()) {
-    outputs.push_back(output.name);
+    named.outputs.push_back(output.name);
   }
-  return Dump({{"version", 1},
-               {"name", channels.name()},
-               {"time_unit", channels.time_unit()},
-               {"sample_time", model.sample_time},
-               {"order", model.order},
-               {"outputs", std::move(outputs)},
-               {"inputs", std::move(inputs)},
-               {"R", MatrixJson(model.R)}});
+  return FormatArxModel(named);
 }
 
 std::string FormatStepResponses(const Result& result) {

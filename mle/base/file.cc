@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <filesystem>
+#include <memory>
 #include <new>
 #include <stdexcept>
 #include <system_error>
@@ -67,15 +68,101 @@ absl::Status WriteAll(int fd, std::string_view content,
   return absl::OkStatus();
 }
 
-// A new file with this content, on the disk before this returns.
-absl::Status WriteNewFile(const std::string& path, std::string_view content) {
-  Descriptor file(
-      ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
-  if (file.get() < 0) return ErrnoStatus("cannot create", path);
-  MLE_RETURN_IF_ERROR(WriteAll(file.get(), content, path));
-  if (::fsync(file.get()) != 0) return ErrnoStatus("cannot sync", path);
-  if (file.Close() != 0) return ErrnoStatus("cannot close", path);
+// The folder that a path lies in.
+std::string FolderOf(const std::string& path) {
+  const std::string folder = std::filesystem::path(path).parent_path().string();
+  return folder.empty() ? "." : folder;
+}
+
+// A file that is on the disk but does not have its name yet. Where the file
+// system can (O_TMPFILE), it has no name at all, so that nothing is left of it
+// if the program is killed.
+class StagedFile {
+ public:
+  explicit StagedFile(const std::string& path)
+      : path_(path), temporary_(TemporaryName(path)) {}
+  StagedFile(StagedFile&& other) noexcept
+      : path_(std::move(other.path_)),
+        temporary_(std::exchange(other.temporary_, "")),
+        unnamed_(std::move(other.unnamed_)) {}
+  StagedFile& operator=(StagedFile&&) = delete;
+  ~StagedFile() {
+    if (!temporary_.empty()) ::unlink(temporary_.c_str());
+  }
+
+  absl::Status Write(std::string_view content) {
+    if (::access("/proc/self/fd", X_OK) == 0) {
+      unnamed_ = std::make_unique<Descriptor>(::open(
+          FolderOf(path_).c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666));
+    }
+    if (unnamed_ != nullptr && unnamed_->get() >= 0) {
+      return WriteAndSync(unnamed_->get(), content);
+    }
+    unnamed_.reset();
+    Descriptor file(::open(temporary_.c_str(),
+                           O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
+    if (file.get() < 0) return ErrnoStatus("cannot create", temporary_);
+    MLE_RETURN_IF_ERROR(WriteAndSync(file.get(), content));
+    if (file.Close() != 0) return ErrnoStatus("cannot close", temporary_);
+    return absl::OkStatus();
+  }
+
+  // Takes the place of what has the name now.
+  absl::Status Commit() {
+    if (unnamed_ != nullptr) {
+      const std::string link = absl::StrCat("/proc/self/fd/", unnamed_->get());
+      if (::linkat(AT_FDCWD, link.c_str(), AT_FDCWD, temporary_.c_str(),
+                   AT_SYMLINK_FOLLOW) != 0) {
+        return ErrnoStatus("cannot create", temporary_);
+      }
+    }
+    if (std::rename(temporary_.c_str(), path_.c_str()) != 0) {
+      return ErrnoStatus("cannot replace", path_);
+    }
+    temporary_.clear();
+    return absl::OkStatus();
+  }
+
+  const std::string& path() const { return path_; }
+
+ private:
+  absl::Status WriteAndSync(int fd, std::string_view content) {
+    MLE_RETURN_IF_ERROR(WriteAll(fd, content, path_));
+    if (::fsync(fd) != 0) return ErrnoStatus("cannot sync", path_);
+    return absl::OkStatus();
+  }
+
+  std::string path_;
+  std::string temporary_;
+  std::unique_ptr<Descriptor> unnamed_;
+};
+
+// Renaming would replace a device or a pipe by a file.
+absl::Status CheckReplaceable(const std::string& path) {
+  if (path.empty()) {
+    return absl::InvalidArgumentError("cannot write a file without a name");
+  }
+  struct stat info = {};
+  if (::stat(path.c_str(), &info) == 0 && !S_ISREG(info.st_mode)) {
+    return absl::FailedPreconditionError(
+        absl::StrCat("cannot write '", path,
+                     S_ISDIR(info.st_mode) ? "': it is a folder"
+                                           : "': it is not a regular file"));
+  }
   return absl::OkStatus();
+}
+
+absl::Status CannotWrite(const std::string& path, const absl::Status& reason) {
+  return absl::Status(reason.code(), absl::StrCat("cannot write '", path,
+                                                  "': ", reason.message()));
+}
+
+// New names last through a loss of power once their folder is on the disk too.
+// Not every file system can; the files themselves are safe without.
+void SyncFolder(const std::string& folder) {
+  const Descriptor opened(
+      ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (opened.get() >= 0) ::fsync(opened.get());
 }
 
 // The content of an open file of about `size_hint` bytes.
@@ -127,27 +214,31 @@ absl::StatusOr<std::string> ReadFile(const std::string& path) {
 
 absl::Status WriteFileAtomically(const std::string& path,
                                  std::string_view content) {
-  if (path.empty()) {
-    return absl::InvalidArgumentError("cannot write a file without a name");
+  MLE_RETURN_IF_ERROR(CheckReplaceable(path));
+  StagedFile file(path);
+  absl::Status status = file.Write(content);
+  if (status.ok()) status = file.Commit();
+  if (!status.ok()) return CannotWrite(path, status);
+  SyncFolder(FolderOf(path));
+  return absl::OkStatus();
+}
+
+absl::Status WriteFilesTogether(
+    const std::string& folder,
+    const std::vector<std::pair<std::string, std::string>>& files) {
+  std::vector<StagedFile> staged;
+  staged.reserve(files.size());
+  for (const auto& [name, content] : files) {
+    const std::string path = absl::StrCat(folder, "/", name);
+    MLE_RETURN_IF_ERROR(CheckReplaceable(path));
+    const absl::Status status = staged.emplace_back(path).Write(content);
+    if (!status.ok()) return CannotWrite(path, status);
   }
-  // Renaming would replace a device or a pipe by a file.
-  struct stat info = {};
-  if (::stat(path.c_str(), &info) == 0 && !S_ISREG(info.st_mode)) {
-    return absl::FailedPreconditionError(
-        absl::StrCat("cannot write '", path,
-                     S_ISDIR(info.st_mode) ? "': it is a folder"
-                                           : "': it is not a regular file"));
+  for (StagedFile& file : staged) {
+    const absl::Status status = file.Commit();
+    if (!status.ok()) return CannotWrite(file.path(), status);
   }
-  const std::string temporary = TemporaryName(path);
-  absl::Status status = WriteNewFile(temporary, content);
-  if (status.ok() && std::rename(temporary.c_str(), path.c_str()) != 0) {
-    status = ErrnoStatus("cannot replace", path);
-  }
-  if (!status.ok()) {
-    ::unlink(temporary.c_str());
-    return absl::Status(status.code(), absl::StrCat("cannot write '", path,
-                                                    "': ", status.message()));
-  }
+  SyncFolder(folder);
   return absl::OkStatus();
 }
 
@@ -170,7 +261,12 @@ absl::Status MakeWritableFolder(const std::string& path) {
         code, absl::StrCat("cannot make the folder '", path, "'"));
   }
   const std::string probe = TemporaryName(path + "/probe");
-  const absl::Status status = WriteNewFile(probe, "");
+  absl::Status status;
+  {
+    const Descriptor file(
+        ::open(probe.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
+    if (file.get() < 0) status = ErrnoStatus("cannot create", probe);
+  }
   ::unlink(probe.c_str());
   if (!status.ok()) {
     return absl::Status(status.code(),

@@ -2,13 +2,20 @@
 //
 // WriteFileAtomically writes to a temporary file in the same folder, flushes it
 // to the disk and renames it, so that a reader sees the old content or the new,
-// never a part.
+// never a part. WriteFilesTogether does so for all files of a result: the first
+// takes its name once the last is on the disk, so that a full disk or a kill
+// leaves the old result.
+//
+//   MLE_RETURN_IF_ERROR(WriteFilesTogether(
+//       "correction", {{"result.json", json}, {"report.html", page}}));
 
 #ifndef MLE_BASE_FILE_H_
 #define MLE_BASE_FILE_H_
 
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
@@ -21,6 +28,13 @@ absl::StatusOr<std::string> ReadFile(const std::string& path);
 // Replaces `path` by `content`, whole or not at all.
 absl::Status WriteFileAtomically(const std::string& path,
                                  std::string_view content);
+
+// Replaces the files of these names in `folder` by these contents. Nothing is
+// replaced unless all could be written; a fault between the renames, which take
+// no room, is the one way to part of them.
+absl::Status WriteFilesTogether(
+    const std::string& folder,
+    const std::vector<std::pair<std::string, std::string>>& files);
 
 // Makes `path` and its parents; fails if it exists and is no folder, or if
 // files cannot be made in it.

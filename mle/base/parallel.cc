@@ -8,9 +8,8 @@ namespace mle {
 
 void ParallelFor(int count, int threads, const std::function<void(int)>& body) {
   tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
-  arena.execute([&] {
-    tbb::parallel_for(0, count, body, tbb::simple_partitioner());
-  });
+  arena.execute(
+      [&] { tbb::parallel_for(0, count, body, tbb::simple_partitioner()); });
 }
 
 }  // namespace mle

@@ -12,19 +12,18 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 
-#define MLE_RETURN_IF_ERROR(expression)                       \
-  do {                                                        \
-    if (absl::Status mle_status = (expression);               \
-        !mle_status.ok()) {                                   \
-      return mle_status;                                      \
-    }                                                         \
+#define MLE_RETURN_IF_ERROR(expression)                             \
+  do {                                                              \
+    if (absl::Status mle_status = (expression); !mle_status.ok()) { \
+      return mle_status;                                            \
+    }                                                               \
   } while (false)
 
 #define MLE_STATUS_CONCAT_INNER(a, b) a##b
 #define MLE_STATUS_CONCAT(a, b) MLE_STATUS_CONCAT_INNER(a, b)
 
-#define MLE_ASSIGN_OR_RETURN(declaration, expression)                       \
-  MLE_ASSIGN_OR_RETURN_IMPL(MLE_STATUS_CONCAT(mle_statusor_, __LINE__),     \
+#define MLE_ASSIGN_OR_RETURN(declaration, expression)                   \
+  MLE_ASSIGN_OR_RETURN_IMPL(MLE_STATUS_CONCAT(mle_statusor_, __LINE__), \
                             declaration, expression)
 
 #define MLE_ASSIGN_OR_RETURN_IMPL(statusor, declaration, expression) \

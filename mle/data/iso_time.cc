@@ -162,7 +162,7 @@ std::string FormatIsoTime(double seconds_since_epoch) {
     return "?";
   }
   return absl::FormatTime(
-      "%Y-%m-%dT%H:%M:%SZ",
+      "%E4Y-%m-%dT%H:%M:%SZ",
       absl::FromUnixMillis(std::llround(1e3 * seconds_since_epoch)), utc);
 }
 

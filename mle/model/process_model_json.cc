@@ -8,9 +8,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
-#include "absl/strings/string_view.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"
+#include "mle/model/json_node.h"
 #include "mle/model/process_model.h"
 #include "mle/model/strict_json.h"
 #include "nlohmann/json.hpp"
@@ -24,119 +24,16 @@ using Keys = std::vector<std::string>;
 // More pairs than any plant has; a file that asks for more is broken.
 constexpr std::size_t kMaxPairs = 250'000;
 
-std::string Quoted(const std::string& text) {
-  return Json(text).dump(-1, ' ', false, Json::error_handler_t::replace);
-}
-
-// An object of the file and where it stands, to be named in messages.
-struct Node {
-  const Json& json;
-  std::string place;  // "" at the top, else as in elements[2]
-};
-
-absl::Status Fault(const Node& node, absl::string_view message) {
-  return absl::InvalidArgumentError(
-      absl::StrCat(node.place, node.place.empty() ? "" : ": ", message));
-}
-
-// What was found, in a few characters.
-std::string Found(const Json& value) {
-  if (value.is_string()) {
-    const std::string& text = value.get_ref<const std::string&>();
-    return absl::StrCat("the string ",
-                        text.size() <= 40 ? Quoted(text) : "it holds");
-  }
-  if (value.is_number()) return absl::StrCat("the number ", value.dump());
-  if (value.is_boolean()) return value.dump();
-  return value.type_name();
-}
-
-// An object with all of `required` and nothing beyond these and `optional`.
-absl::Status CheckKeys(const Node& node, const Keys& required,
-                       const Keys& optional) {
-  if (!node.json.is_object()) {
-    return Fault(node,
-                 absl::StrCat("must be an object, is ", Found(node.json)));
-  }
-  Keys allowed = required;
-  allowed.insert(allowed.end(), optional.begin(), optional.end());
-  for (const auto& item : node.json.items()) {
-    if (std::find(allowed.begin(), allowed.end(), item.key()) ==
-        allowed.end()) {
-      return Fault(
-          node, absl::StrCat("unknown key ", Quoted(item.key()),
-                             "; allowed are ", absl::StrJoin(allowed, ", ")));
-    }
-  }
-  for (const std::string& key : required) {
-    if (!node.json.contains(key)) {
-      return Fault(node, absl::StrCat("key \"", key, "\" is missing"));
-    }
-  }
-  return absl::OkStatus();
-}
-
-absl::StatusOr<std::string> GetString(const Node& node,
-                                      const std::string& key) {
-  const Json& value = node.json.find(key).value();
-  if (!value.is_string()) {
-    return Fault(node,
-                 absl::StrCat(key, " must be a string, is ", Found(value)));
-  }
-  return value.get<std::string>();
-}
-
-absl::StatusOr<double> GetNumber(const Node& node, const std::string& key) {
-  const Json& value = node.json.find(key).value();
-  if (!value.is_number()) {
-    return Fault(node,
-                 absl::StrCat(key, " must be a number, is ", Found(value)));
-  }
-  return value.get<double>();
-}
-
-absl::StatusOr<std::vector<double>> GetNumbers(const Node& node,
-                                               const std::string& key) {
-  const Json& value = node.json.find(key).value();
-  if (!value.is_array() || value.empty()) {
-    return Fault(node, absl::StrCat(key, " must be a list of numbers, is ",
-                                    value.is_array() ? "empty" : Found(value)));
-  }
-  std::vector<double> numbers;
-  for (const Json& entry : value) {
-    if (!entry.is_number()) {
-      return Fault(node, absl::StrCat(key, " must hold numbers only, has ",
-                                      Found(entry)));
-    }
-    numbers.push_back(entry.get<double>());
-  }
-  return numbers;
-}
-
-absl::StatusOr<std::vector<Node>> GetObjects(const Node& node,
-                                             const std::string& key) {
-  const Json& value = node.json.find(key).value();
-  if (!value.is_array()) {
-    return Fault(node, absl::StrCat(key, " must be a list of objects, is ",
-                                    Found(value)));
-  }
-  std::vector<Node> nodes;
-  for (std::size_t i = 0; i < value.size(); ++i) {
-    nodes.push_back({value[i], absl::StrCat(key, "[", i, "]")});
-  }
-  return nodes;
-}
-
-absl::StatusOr<InputChannel> ParseInput(const Node& node) {
-  MLE_RETURN_IF_ERROR(CheckKeys(node, {"name", "unit"}, {"role"}));
+absl::StatusOr<InputChannel> ParseInput(const JsonNode& node) {
+  MLE_RETURN_IF_ERROR(CheckJsonKeys(node, {"name", "unit"}, {"role"}));
   InputChannel input;
-  MLE_ASSIGN_OR_RETURN(input.name, GetString(node, "name"));
-  MLE_ASSIGN_OR_RETURN(input.unit, GetString(node, "unit"));
+  MLE_ASSIGN_OR_RETURN(input.name, GetJsonString(node, "name"));
+  MLE_ASSIGN_OR_RETURN(input.unit, GetJsonString(node, "unit"));
   if (node.json.contains("role")) {
-    MLE_ASSIGN_OR_RETURN(const std::string role, GetString(node, "role"));
+    MLE_ASSIGN_OR_RETURN(const std::string role, GetJsonString(node, "role"));
     if (role != "manipulated" && role != "disturbance") {
-      return Fault(
-          node, absl::StrCat("role is ", Quoted(role),
+      return JsonFault(
+          node, absl::StrCat("role is ", QuotedJson(role),
                              ", must be \"manipulated\" or \"disturbance\""));
     }
     if (role == "disturbance") input.role = InputRole::kDisturbance;
@@ -144,33 +41,33 @@ absl::StatusOr<InputChannel> ParseInput(const Node& node) {
   return input;
 }
 
-absl::StatusOr<OutputChannel> ParseOutput(const Node& node) {
-  MLE_RETURN_IF_ERROR(CheckKeys(node, {"name", "unit"}, {}));
+absl::StatusOr<OutputChannel> ParseOutput(const JsonNode& node) {
+  MLE_RETURN_IF_ERROR(CheckJsonKeys(node, {"name", "unit"}, {}));
   OutputChannel output;
-  MLE_ASSIGN_OR_RETURN(output.name, GetString(node, "name"));
-  MLE_ASSIGN_OR_RETURN(output.unit, GetString(node, "unit"));
+  MLE_ASSIGN_OR_RETURN(output.name, GetJsonString(node, "name"));
+  MLE_ASSIGN_OR_RETURN(output.unit, GetJsonString(node, "unit"));
   return output;
 }
 
 // The index of the channel that `key` names.
 template <typename Channel>
-absl::StatusOr<int> FindChannel(const Node& node, const std::string& key,
+absl::StatusOr<int> FindChannel(const JsonNode& node, const std::string& key,
                                 const std::vector<Channel>& channels) {
-  MLE_ASSIGN_OR_RETURN(const std::string name, GetString(node, key));
+  MLE_ASSIGN_OR_RETURN(const std::string name, GetJsonString(node, key));
   for (std::size_t i = 0; i < channels.size(); ++i) {
     if (channels[i].name == name) return static_cast<int>(i);
   }
-  return Fault(
-      node,
-      absl::StrCat(key, " ", Quoted(name), " is unknown; the ", key, "s are ",
-                   absl::StrJoin(channels, ", ",
-                                 [](std::string* out, const Channel& channel) {
-                                   absl::StrAppend(out, Quoted(channel.name));
-                                 })));
+  return JsonFault(
+      node, absl::StrCat(
+                key, " ", QuotedJson(name), " is unknown; the ", key, "s are ",
+                absl::StrJoin(channels, ", ",
+                              [](std::string* out, const Channel& channel) {
+                                absl::StrAppend(out, QuotedJson(channel.name));
+                              })));
 }
 
 // The transfer function of an element, in either of its two forms.
-absl::StatusOr<TransferFunction> ParseDynamics(const Node& node) {
+absl::StatusOr<TransferFunction> ParseDynamics(const JsonNode& node) {
   const bool has_gain = node.json.contains("gain");
   const bool has_time_constant = node.json.contains("time_constant");
   const bool has_numerator = node.json.contains("numerator");
@@ -185,53 +82,53 @@ absl::StatusOr<TransferFunction> ParseDynamics(const Node& node) {
     if (has_time_constant) found.push_back("time_constant");
     if (has_numerator) found.push_back("numerator");
     if (has_denominator) found.push_back("denominator");
-    return Fault(
+    return JsonFault(
         node, absl::StrCat("needs either gain and time_constant or numerator "
                            "and denominator, has ",
                            found.empty() ? std::string("none of them")
                                          : absl::StrJoin(found, ", ")));
   }
-  MLE_ASSIGN_OR_RETURN(const double delay, GetNumber(node, "delay"));
+  MLE_ASSIGN_OR_RETURN(const double delay, GetJsonNumber(node, "delay"));
   TransferFunction g;
   if (first_order) {
-    MLE_ASSIGN_OR_RETURN(const double gain, GetNumber(node, "gain"));
+    MLE_ASSIGN_OR_RETURN(const double gain, GetJsonNumber(node, "gain"));
     MLE_ASSIGN_OR_RETURN(const double time_constant,
-                         GetNumber(node, "time_constant"));
+                         GetJsonNumber(node, "time_constant"));
     if (!(time_constant > 0.0)) {
-      return Fault(node, absl::StrCat("time_constant is ", time_constant,
-                                      ", must be positive"));
+      return JsonFault(node, absl::StrCat("time_constant is ", time_constant,
+                                          ", must be positive"));
     }
     g = TransferFunction::FirstOrder(gain, time_constant, delay);
   } else {
     MLE_ASSIGN_OR_RETURN(std::vector<double> numerator,
-                         GetNumbers(node, "numerator"));
+                         GetJsonNumbers(node, "numerator"));
     MLE_ASSIGN_OR_RETURN(std::vector<double> denominator,
-                         GetNumbers(node, "denominator"));
+                         GetJsonNumbers(node, "denominator"));
     g = TransferFunction(std::move(numerator), std::move(denominator), delay);
   }
   if (const absl::Status status = g.Validate(); !status.ok()) {
-    return Fault(node, status.message());
+    return JsonFault(node, std::string(status.message()));
   }
   return g;
 }
 
-absl::Status ParseElements(const Node& top, ProcessModel& model) {
-  MLE_ASSIGN_OR_RETURN(const std::vector<Node> nodes,
-                       GetObjects(top, "elements"));
+absl::Status ParseElements(const JsonNode& top, ProcessModel& model) {
+  MLE_ASSIGN_OR_RETURN(const std::vector<JsonNode> nodes,
+                       GetJsonObjects(top, "elements"));
   std::set<std::pair<int, int>> seen;
-  for (const Node& node : nodes) {
+  for (const JsonNode& node : nodes) {
     MLE_RETURN_IF_ERROR(
-        CheckKeys(node, {"output", "input", "delay"},
-                  {"gain", "time_constant", "numerator", "denominator"}));
+        CheckJsonKeys(node, {"output", "input", "delay"},
+                      {"gain", "time_constant", "numerator", "denominator"}));
     MLE_ASSIGN_OR_RETURN(const int output,
                          FindChannel(node, "output", model.outputs()));
     MLE_ASSIGN_OR_RETURN(const int input,
                          FindChannel(node, "input", model.inputs()));
     if (!seen.insert({output, input}).second) {
-      return Fault(
+      return JsonFault(
           node, absl::StrCat("the element of output ",
-                             Quoted(model.outputs()[output].name), ", input ",
-                             Quoted(model.inputs()[input].name),
+                             QuotedJson(model.outputs()[output].name),
+                             ", input ", QuotedJson(model.inputs()[input].name),
                              " stands twice; each pair may stand once"));
     }
     MLE_ASSIGN_OR_RETURN(model.element(output, input), ParseDynamics(node));
@@ -239,29 +136,29 @@ absl::Status ParseElements(const Node& top, ProcessModel& model) {
   return absl::OkStatus();
 }
 
-absl::StatusOr<ProcessModel> ParseModel(const Node& top) {
-  MLE_RETURN_IF_ERROR(CheckKeys(
+absl::StatusOr<ProcessModel> ParseModel(const JsonNode& top) {
+  MLE_RETURN_IF_ERROR(CheckJsonKeys(
       top, {"name", "time_unit", "inputs", "outputs", "elements"}, {}));
-  MLE_ASSIGN_OR_RETURN(std::string name, GetString(top, "name"));
-  MLE_ASSIGN_OR_RETURN(std::string time_unit, GetString(top, "time_unit"));
+  MLE_ASSIGN_OR_RETURN(std::string name, GetJsonString(top, "name"));
+  MLE_ASSIGN_OR_RETURN(std::string time_unit, GetJsonString(top, "time_unit"));
   std::vector<InputChannel> inputs;
-  MLE_ASSIGN_OR_RETURN(const std::vector<Node> input_nodes,
-                       GetObjects(top, "inputs"));
-  for (const Node& node : input_nodes) {
+  MLE_ASSIGN_OR_RETURN(const std::vector<JsonNode> input_nodes,
+                       GetJsonObjects(top, "inputs"));
+  for (const JsonNode& node : input_nodes) {
     MLE_ASSIGN_OR_RETURN(InputChannel input, ParseInput(node));
     inputs.push_back(std::move(input));
   }
   std::vector<OutputChannel> outputs;
-  MLE_ASSIGN_OR_RETURN(const std::vector<Node> output_nodes,
-                       GetObjects(top, "outputs"));
-  for (const Node& node : output_nodes) {
+  MLE_ASSIGN_OR_RETURN(const std::vector<JsonNode> output_nodes,
+                       GetJsonObjects(top, "outputs"));
+  for (const JsonNode& node : output_nodes) {
     MLE_ASSIGN_OR_RETURN(OutputChannel output, ParseOutput(node));
     outputs.push_back(std::move(output));
   }
   if (!inputs.empty() && outputs.size() > kMaxPairs / inputs.size()) {
-    return Fault(top,
-                 absl::StrCat(inputs.size(), " inputs and ", outputs.size(),
-                              " outputs make more than ", kMaxPairs, " pairs"));
+    return JsonFault(
+        top, absl::StrCat(inputs.size(), " inputs and ", outputs.size(),
+                          " outputs make more than ", kMaxPairs, " pairs"));
   }
   ProcessModel model(std::move(name), std::move(time_unit), std::move(inputs),
                      std::move(outputs));
@@ -322,15 +219,16 @@ absl::StatusOr<ProcessModel> ParseProcessModel(std::string_view json,
 std::string FormatProcessModel(const ProcessModel& model) {
   std::vector<std::string> inputs;
   for (const InputChannel& input : model.inputs()) {
-    inputs.push_back(absl::StrCat(
-        "\"name\": ", Quoted(input.name), ", \"unit\": ", Quoted(input.unit),
-        input.role == InputRole::kDisturbance ? ", \"role\": \"disturbance\""
-                                              : ""));
+    inputs.push_back(absl::StrCat("\"name\": ", QuotedJson(input.name),
+                                  ", \"unit\": ", QuotedJson(input.unit),
+                                  input.role == InputRole::kDisturbance
+                                      ? ", \"role\": \"disturbance\""
+                                      : ""));
   }
   std::vector<std::string> outputs;
   for (const OutputChannel& output : model.outputs()) {
-    outputs.push_back(absl::StrCat("\"name\": ", Quoted(output.name),
-                                   ", \"unit\": ", Quoted(output.unit)));
+    outputs.push_back(absl::StrCat("\"name\": ", QuotedJson(output.name),
+                                   ", \"unit\": ", QuotedJson(output.unit)));
   }
   std::vector<std::string> elements;
   for (int i = 0; i < model.num_outputs(); ++i) {
@@ -338,12 +236,12 @@ std::string FormatProcessModel(const ProcessModel& model) {
       const TransferFunction& g = model.element(i, j);
       if (g.IsZero()) continue;
       elements.push_back(absl::StrCat(
-          "\"output\": ", Quoted(model.outputs()[i].name), ", \"input\": ",
-          Quoted(model.inputs()[j].name), ", ", FormatDynamics(g)));
+          "\"output\": ", QuotedJson(model.outputs()[i].name), ", \"input\": ",
+          QuotedJson(model.inputs()[j].name), ", ", FormatDynamics(g)));
     }
   }
-  return absl::StrCat("{\n  \"name\": ", Quoted(model.name()),
-                      ",\n  \"time_unit\": ", Quoted(model.time_unit()),
+  return absl::StrCat("{\n  \"name\": ", QuotedJson(model.name()),
+                      ",\n  \"time_unit\": ", QuotedJson(model.time_unit()),
                       ",\n  \"inputs\": ", FormatObjects(inputs),
                       ",\n  \"outputs\": ", FormatObjects(outputs),
                       ",\n  \"elements\": ", FormatObjects(elements), "\n}\n");

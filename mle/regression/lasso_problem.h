@@ -50,7 +50,8 @@ struct LassoProblem {
   Eigen::VectorXd Unscale(const Eigen::VectorXd& beta) const;
 };
 
-// Works in place on the moments' Gram matrix, which it takes over.
+// Works in place on the moments' Gram matrix, which it takes over; they are of
+// at least one row.
 LassoProblem MakeLassoProblem(LaggedMoments moments, Scaling scaling);
 
 // One response's problem with its penalty weights; refers to `gram`.

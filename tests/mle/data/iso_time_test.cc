@@ -64,5 +64,11 @@ TEST(IsoTimeTest, KnowsUnitsOfTime) {
   EXPECT_FALSE(SecondsPerUnit("shift").has_value());
 }
 
+TEST(FormatIsoTimeTest, YearsOfThreeDigitsReadBack) {
+  const std::optional<double> seconds = ParseIsoTime("0901-02-20T00:00:00Z");
+  ASSERT_TRUE(seconds.has_value());
+  EXPECT_EQ(FormatIsoTime(*seconds), "0901-02-20T00:00:00Z");
+}
+
 }  // namespace
 }  // namespace mle

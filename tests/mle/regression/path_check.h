@@ -5,33 +5,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "gtest/gtest.h"
 #include "mle/regression/duality_gap.h"
 #include "mle/regression/homotopy.h"
 #include "tests/mle/regression/explicit_lasso.h"
+#include "tests/mle/regression/gap_tolerance.h"
 
 namespace mle {
-
-// 1e-9, and what the rounding of β alone costs: with β rounded, c_j is off by
-// ε Σ_i |G_ji β_i| ≤ ε √G_jj Σ_i √G_ii |β_i|, and the relative gap by about
-// that over λw_j, a few times over.
-inline double GapTolerance(const LassoObjective& objective, double lambda,
-                           const Eigen::VectorXd& beta) {
-  if (lambda == 0.0) return 1e-9;
-  const Eigen::VectorXd root = objective.gram->diagonal().cwiseSqrt();
-  double greatest = 0.0;
-  for (int j = 0; j < objective.size(); ++j) {
-    const double w = objective.weights(j);
-    if (w > 0.0) greatest = std::max(greatest, root(j) / w);
-  }
-  const double rounding =
-      objective.LambdaMax() + greatest * root.dot(beta.cwiseAbs());
-  return 1e-9 +
-         16.0 * std::numeric_limits<double>::epsilon() * rounding / lambda;
-}
 
 // Solves `problem` down to λ = 0 and expects optimality at every knot and in
 // between, by ComputeDualityGap, down to 1e-7 λ_max.

@@ -1,0 +1,17 @@
+// What a command does when the system fails it: no memory, no room on the disk,
+// an output that nobody takes. It says so and ends with exit code 1.
+
+#ifndef APPS_COMMON_PROCESS_FAULTS_H_
+#define APPS_COMMON_PROCESS_FAULTS_H_
+
+namespace mle {
+
+// - Out of memory ends the program with a message instead of a core dump.
+// - A file beyond its limit of size (ulimit -f) is an error of that write, not
+//   the end of the program.
+// - Text on standard output that could not be written is an error.
+void PrepareForFaults();
+
+}  // namespace mle
+
+#endif  // APPS_COMMON_PROCESS_FAULTS_H_

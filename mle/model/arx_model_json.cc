@@ -1,0 +1,147 @@
+#include "mle/model/arx_model_json.h"
+
+#include <set>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "mle/base/file.h"
+#include "mle/base/status.h"
+#include "mle/model/json_node.h"
+#include "mle/model/strict_json.h"
+
+namespace mle {
+namespace {
+
+constexpr int kFormatVersion = 1;
+// More lags than any model has; a file that asks for more is broken.
+constexpr int kMaxOrder = 1'000'000;
+
+absl::Status CheckNames(const std::vector<std::string>& names, int wanted,
+                        const char* kind, std::set<std::string>& seen) {
+  if (static_cast<int>(names.size()) != wanted) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(names.size(), " names for ", wanted, " ", kind, "s"));
+  }
+  for (const std::string& name : names) {
+    if (name.empty()) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("an ", kind, " has an empty name"));
+    }
+    if (!seen.insert(name).second) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("the name ", QuotedJson(name),
+                       " stands twice; each channel needs its own"));
+    }
+  }
+  return absl::OkStatus();
+}
+
+// R, a list of p rows of d(p+m) numbers.
+absl::StatusOr<Eigen::MatrixXd> ParseMatrix(const nlohmann::json& rows,
+                                            int num_outputs,
+                                            int num_regressors) {
+  if (!rows.is_array() ||
+      rows.size() != static_cast<std::size_t>(num_outputs)) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "R must be a list of ", num_outputs, " rows, one for each output, is ",
+        rows.is_array() ? absl::StrCat("one of ", rows.size())
+                        : FoundJson(rows)));
+  }
+  // Rows are as long as they should be before memory is taken for them.
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (!rows[i].is_array() ||
+        rows[i].size() != static_cast<std::size_t>(num_regressors)) {
+      return absl::InvalidArgumentError(absl::StrCat(
+          "R[", i, "] must be a list of ", num_regressors,
+          " numbers, order × channels, is ",
+          rows[i].is_array() ? absl::StrCat("one of ", rows[i].size())
+                             : FoundJson(rows[i])));
+    }
+  }
+  Eigen::MatrixXd R(num_outputs, num_regressors);
+  for (int i = 0; i < num_outputs; ++i) {
+    for (int j = 0; j < num_regressors; ++j) {
+      const nlohmann::json& entry = rows[i][j];
+      if (!entry.is_number()) {
+        return absl::InvalidArgumentError(absl::StrCat(
+            "R[", i, "][", j, "] must be a number, is ", FoundJson(entry)));
+      }
+      R(i, j) = entry.get<double>();
+    }
+  }
+  return R;
+}
+
+absl::StatusOr<NamedArxModel> ParseNamed(const JsonNode& top) {
+  MLE_RETURN_IF_ERROR(
+      CheckJsonKeys(top,
+                    {"version", "name", "time_unit", "sample_time", "order",
+                     "outputs", "inputs", "R"},
+                    {"program_version"}));
+  MLE_RETURN_IF_ERROR(
+      GetJsonInteger(top, "version", kFormatVersion, kFormatVersion).status());
+  NamedArxModel named;
+  MLE_ASSIGN_OR_RETURN(named.name, GetJsonString(top, "name"));
+  MLE_ASSIGN_OR_RETURN(named.time_unit, GetJsonString(top, "time_unit"));
+  MLE_ASSIGN_OR_RETURN(named.outputs, GetJsonStrings(top, "outputs"));
+  MLE_ASSIGN_OR_RETURN(named.inputs, GetJsonStrings(top, "inputs"));
+  ArxModel& model = named.model;
+  MLE_ASSIGN_OR_RETURN(model.sample_time, GetJsonNumber(top, "sample_time"));
+  MLE_ASSIGN_OR_RETURN(model.order, GetJsonInteger(top, "order", 1, kMaxOrder));
+  const std::size_t channels = named.outputs.size() + named.inputs.size();
+  if (channels > static_cast<std::size_t>(kMaxOrder / model.order)) {
+    return JsonFault(top, absl::StrCat(model.order, " lags of ", channels,
+                                       " channels are more than ", kMaxOrder,
+                                       " regressors"));
+  }
+  model.num_outputs = static_cast<int>(named.outputs.size());
+  model.num_inputs = static_cast<int>(named.inputs.size());
+  MLE_ASSIGN_OR_RETURN(model.R, ParseMatrix(top.json["R"], model.num_outputs,
+                                            model.num_regressors()));
+  MLE_RETURN_IF_ERROR(named.Validate());
+  return named;
+}
+
+}  // namespace
+
+absl::Status NamedArxModel::Validate() const {
+  MLE_RETURN_IF_ERROR(model.Validate());
+  std::set<std::string> seen;
+  MLE_RETURN_IF_ERROR(CheckNames(outputs, model.num_outputs, "output", seen));
+  return CheckNames(inputs, model.num_inputs, "input", seen);
+}
+
+absl::StatusOr<NamedArxModel> ParseArxModel(std::string_view json,
+                                            std::string_view source) {
+  MLE_ASSIGN_OR_RETURN(const nlohmann::json top, ParseStrictJson(json, source));
+  absl::StatusOr<NamedArxModel> named = ParseNamed({top, ""});
+  if (!named.ok()) {
+    return absl::Status(
+        named.status().code(),
+        absl::StrCat(std::string(source), ": ", named.status().message()));
+  }
+  return named;
+}
+
+std::string FormatArxModel(const NamedArxModel& named) {
+  using Json = nlohmann::ordered_json;
+  Json rows = Json::array();
+  for (int i = 0; i < named.model.R.rows(); ++i) {
+    Json row = Json::array();
+    for (const double value : named.model.R.row(i)) row.push_back(value);
+    rows.push_back(std::move(row));
+  }
+  const Json json = {
+      {"version", kFormatVersion},    {"name", named.name},
+      {"time_unit", named.time_unit}, {"sample_time", named.model.sample_time},
+      {"order", named.model.order},   {"outputs", named.outputs},
+      {"inputs", named.inputs},       {"R", std::move(rows)}};
+  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+absl::StatusOr<NamedArxModel> ReadArxModel(const std::string& path) {
+  MLE_ASSIGN_OR_RETURN(const std::string text, ReadFile(path));
+  return ParseArxModel(text, path);
+}
+
+}  // namespace mle

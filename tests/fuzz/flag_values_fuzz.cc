@@ -1,0 +1,71 @@
+// What stands in flags: set points and limits by name, lists of numbers, dates.
+
+#include <cmath>
+#include <limits>
+
+#include "apps/common/command_line.h"
+#include "apps/simulate/named_values.h"
+#include "mle/data/iso_time.h"
+#include "tests/fuzz/fuzz.h"
+
+namespace mle {
+namespace {
+
+void CheckSteps(std::string_view text) {
+  const std::vector<std::string> names = {"level", "a:b", "temperature"};
+  const auto steps = simulate::ParseNamedSteps("setpoints", text, names);
+  if (!steps.ok()) {
+    FUZZ_EXPECT(steps.status().message().find("--setpoints") == 0);
+    return;
+  }
+  for (const simulate::NamedStep& step : *steps) {
+    FUZZ_EXPECT(step.channel >= 0 && step.channel < 3);
+    FUZZ_EXPECT(std::isfinite(step.time) && std::isfinite(step.value));
+  }
+}
+
+void CheckNumbers(std::string_view text) {
+  const auto numbers = ParseNumbers("weight", text, 3);
+  if (numbers.ok()) {
+    FUZZ_EXPECT(numbers->size() == 3 && numbers->allFinite());
+  }
+  const double infinity = std::numeric_limits<double>::infinity();
+  const auto limits = simulate::ParseLimits("input_max", text, 3, infinity);
+  if (limits.ok()) {
+    FUZZ_EXPECT(limits->size() == 0 || limits->size() == 3);
+    FUZZ_EXPECT(!limits->hasNaN());
+  }
+}
+
+void CheckTimes(std::string_view text) {
+  for (const DateOrder order :
+       {DateOrder::kYearFirst, DateOrder::kDayFirst, DateOrder::kMonthFirst}) {
+    const auto civil = ParseCivilTime(text, order);
+    if (!civil.has_value()) continue;
+    const double seconds = SecondsSinceEpoch(*civil);
+    FUZZ_EXPECT(std::isfinite(seconds));
+    if (order != DateOrder::kYearFirst || civil->year < 2 ||
+        civil->year > 9998) {
+      continue;
+    }
+    // What is written reads back, to the second it shows.
+    const auto again = ParseIsoTime(FormatIsoTime(seconds));
+    FUZZ_EXPECT(again.has_value(), text);
+    FUZZ_EXPECT(std::abs(*again - seconds) <= 1.0, text);
+  }
+}
+
+}  // namespace
+}  // namespace mle
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data,
+                                      std::size_t size) {
+  const std::string_view text = mle::fuzz::Bytes(data, size).Rest();
+  mle::CheckSteps(text);
+  mle::CheckNumbers(text);
+  mle::CheckTimes(text);
+  for (const std::string& part : mle::ParseList(text)) {
+    FUZZ_EXPECT(part.find(',') == std::string::npos);
+  }
+  return 0;
+}
