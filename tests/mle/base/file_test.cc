@@ -115,6 +115,37 @@ TEST_F(FileTest, FailedWriteKeepsTheOldContent) {
   EXPECT_THAT(Names(), ::testing::ElementsAre("a"));
 }
 
+TEST_F(FileTest, FilesAreWrittenTogetherOrNotAtAll) {
+  ASSERT_TRUE(WriteFilesTogether(Path(""), {{"a", "1"}, {"b", "2"}}).ok());
+  EXPECT_EQ(*ReadFile(Path("a")), "1");
+  EXPECT_EQ(*ReadFile(Path("b")), "2");
+  ASSERT_TRUE(fs::create_directory(Path("c")));
+  const absl::Status status =
+      WriteFilesTogether(Path(""), {{"a", "3"}, {"c", "4"}});
+  EXPECT_FALSE(status.ok());
+  EXPECT_THAT(Message(status), HasSubstr("is a folder"));
+  EXPECT_EQ(*ReadFile(Path("a")), "1");
+  EXPECT_THAT(Names(), ::testing::UnorderedElementsAre("a", "b", "c"));
+}
+
+[[noreturn]] void WriteTogetherBeyondALimit(const std::string& folder) {
+  ::signal(SIGXFSZ, SIG_IGN);
+  const rlimit limit = {1000, 1000};
+  ::setrlimit(RLIMIT_FSIZE, &limit);
+  const absl::Status status = WriteFilesTogether(
+      folder, {{"a", "short"}, {"b", std::string(5000, 'z')}});
+  std::_Exit(status.ok() ? 1 : 0);
+}
+
+TEST_F(FileTest, OneFileWithoutRoomKeepsAllOldOnes) {
+  ASSERT_TRUE(WriteFilesTogether(Path(""), {{"a", "1"}, {"b", "2"}}).ok());
+  EXPECT_EXIT(WriteTogetherBeyondALimit(Path("")), ::testing::ExitedWithCode(0),
+              "");
+  EXPECT_EQ(*ReadFile(Path("a")), "1");
+  EXPECT_EQ(*ReadFile(Path("b")), "2");
+  EXPECT_THAT(Names(), ::testing::UnorderedElementsAre("a", "b"));
+}
+
 TEST_F(FileTest, ManyWritersLeaveOneWholeFile) {
   std::vector<std::thread> writers;
   for (char c = 'a'; c < 'i'; ++c) {

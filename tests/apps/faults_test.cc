@@ -1,0 +1,197 @@
+// What the commands do when the system fails them: old results stay, the
+// message says what is wrong, and the exit code is 1 or 2 as for other faults.
+// Runs as root too, to whom permissions are no hindrance: limits are.
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "mle/base/file.h"
+#include "mle/base/folder_lock.h"
+#include "tests/apps/command_runner.h"
+
+namespace mle {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+report::ProcessResult Run(const std::string& program,
+                          const std::vector<std::string>& arguments) {
+  auto result = report::RunProcess(program, arguments, "");
+  EXPECT_TRUE(result.ok()) << result.status();
+  return result.ok() ? *std::move(result)
+                     : report::ProcessResult{.exit_code = -1};
+}
+
+// The command under `prlimit LIMIT`.
+report::ProcessResult RunLimited(const std::string& limit,
+                                 const std::vector<std::string>& arguments) {
+  std::vector<std::string> line = {limit, MLE_TESTED_COMMAND};
+  line.insert(line.end(), arguments.begin(), arguments.end());
+  return Run("prlimit", line);
+}
+
+std::map<std::string, std::string> Contents(const std::string& folder) {
+  std::map<std::string, std::string> contents;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    contents[entry.path().filename().string()] = Content(entry.path().string());
+  }
+  return contents;
+}
+
+// results.json and the curves of a small run, of one case.
+std::vector<std::string> Flags(const std::string& out, int seed = 1) {
+  return SmallRun(out, {"--cases=gain", absl::StrCat("--first_seed=", seed)});
+}
+
+TEST(FaultsTest, AFullDiskLeavesTheOldResults) {
+  const ScratchFolder scratch;
+  const std::string out = scratch / "out";
+  ASSERT_EQ(RunTested(Flags(out)).exit_code, 0);
+  const auto before = Contents(out);
+  // The limit lets small files through and stops the larger ones.
+  const report::ProcessResult run =
+      RunLimited("--fsize=20000", Flags(out, /*seed=*/2));
+  EXPECT_EQ(run.exit_code, 1) << run.err;
+  EXPECT_THAT(run.err, AllOf(HasSubstr("cannot write '" + out),
+                             HasSubstr("File too large")));
+  EXPECT_EQ(Contents(out), before);  // and no temporary file
+}
+
+TEST(FaultsTest, AFileSystemWithoutRoomLeavesTheOldResults) {
+  const ScratchFolder scratch;
+  const std::string script = scratch.Write(
+      "run",
+      "set -e\n"
+      "mount -t tmpfs -o size=64k tmpfs \"$1\"\n"
+      "echo old > \"$1/results.json\"\n"
+      "shift\n"
+      "code=0; \"$@\" || code=$?\n"
+      "echo \"code $code, $(cat \"${0%run}room/results.json\"), \"$(ls -A "
+      "\"${0%run}room\")\n");
+  const std::string room = scratch / "room";
+  ASSERT_TRUE(MakeWritableFolder(room).ok());
+  std::vector<std::string> line = {"--mount", "sh", script, room,
+                                   MLE_TESTED_COMMAND};
+  const std::vector<std::string> flags = Flags(room);
+  line.insert(line.end(), flags.begin(), flags.end());
+  const report::ProcessResult run = Run("unshare", line);
+  if (run.out.find("code ") == std::string::npos) {
+    GTEST_SKIP() << "no file system may be mounted here: " << run.err;
+  }
+  EXPECT_THAT(run.out, HasSubstr("code 1, old, results.json\n"));
+  EXPECT_THAT(run.err, HasSubstr("No space left on device"));
+}
+
+TEST(FaultsTest, AFolderInUseIsRefused) {
+  const ScratchFolder scratch;
+  const std::string out = scratch / "out";
+  ASSERT_TRUE(MakeWritableFolder(out).ok());
+  {
+    const auto lock = FolderLock::Take(out);
+    ASSERT_TRUE(lock.ok()) << lock.status();
+    const report::ProcessResult run = RunTested(Flags(out));
+    EXPECT_EQ(run.exit_code, 2);
+    EXPECT_THAT(run.err, AllOf(HasSubstr("--out"), HasSubstr(out),
+                               HasSubstr("in use by another command")));
+    EXPECT_TRUE(Contents(out).empty());
+  }
+  EXPECT_EQ(RunTested(Flags(out)).exit_code, 0);
+}
+
+TEST(FaultsTest, AFolderThatTakesNoFilesIsNamed) {
+  for (const char* folder : {"/proc/mle", "/dev/null/mle", "/proc"}) {
+    const report::ProcessResult run = RunTested(Flags(folder));
+    EXPECT_EQ(run.exit_code, 2) << folder;
+    EXPECT_THAT(run.err, AllOf(HasSubstr("--out"), HasSubstr(folder)));
+  }
+}
+
+TEST(FaultsTest, OutOfMemoryIsSaid) {
+  const ScratchFolder scratch;
+  const std::string out = scratch / "out";
+  std::vector<std::string> flags = Flags(out);
+  // 40,000 regressors: a Gram matrix of 12.8 GB.
+  flags.insert(flags.end(),
+               {"--order=10000", "--conversion_duration=30000", "--window=6000",
+                "--duration=13000", "--step_time=6500", "--threads=1"});
+  const report::ProcessResult run = RunLimited("--as=4000000000", flags);
+  EXPECT_EQ(run.exit_code, 1) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("out of memory"));
+  EXPECT_TRUE(Contents(out).empty());
+}
+
+TEST(FaultsTest, OutputThatNobodyTakesIsAnError) {
+  const report::ProcessResult run =
+      Run("sh", {"-c", absl::StrCat(MLE_TESTED_COMMAND, " --help >/dev/full")});
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_THAT(run.err, HasSubstr("cannot write to standard output"));
+}
+
+// Starts the command, kills it after a while, and says whether it had ended.
+bool EndedBeforeItWasKilled(const std::vector<std::string>& flags,
+                            std::chrono::milliseconds after) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    std::vector<char*> line = {const_cast<char*>(MLE_TESTED_COMMAND)};
+    for (const std::string& flag : flags) {
+      line.push_back(const_cast<char*>(flag.c_str()));
+    }
+    line.push_back(nullptr);
+    std::freopen("/dev/null", "w", stdout);
+    std::freopen("/dev/null", "w", stderr);
+    ::execv(line[0], line.data());
+    ::_exit(127);
+  }
+  std::this_thread::sleep_for(after);
+  ::kill(child, SIGKILL);
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
+
+TEST(FaultsTest, AKilledCommandLeavesWholeFilesOfOneRun) {
+  const ScratchFolder scratch;
+  const std::string old_out = scratch / "old";
+  const std::string new_out = scratch / "new";
+  const std::string out = scratch / "out";
+  ASSERT_EQ(RunTested(Flags(old_out)).exit_code, 0);
+  const auto begin = std::chrono::steady_clock::now();
+  ASSERT_EQ(RunTested(Flags(new_out, /*seed=*/2)).exit_code, 0);
+  const auto whole = std::chrono::duration_cast<std::chrono::milliseconds>(
+      std::chrono::steady_clock::now() - begin);
+  const std::string old_results = Content(old_out + "/results.json");
+  const std::string new_results = Content(new_out + "/results.json");
+  ASSERT_NE(old_results, new_results);
+  std::filesystem::copy(old_out, out);
+  // Most of them around the time at which files are written.
+  for (const double part : {0.1, 0.5, 0.8, 0.9, 0.95, 1.0, 1.05, 1.2}) {
+    const bool ended = EndedBeforeItWasKilled(
+        Flags(out, /*seed=*/2),
+        std::chrono::milliseconds(
+            static_cast<int>(part * static_cast<double>(whole.count()))));
+    const std::string results = Content(out + "/results.json");
+    EXPECT_TRUE(results == old_results || results == new_results) << part;
+    if (ended) {
+      EXPECT_EQ(results, new_results);
+    }
+    // A lock does not outlive its owner.
+    EXPECT_TRUE(FolderLock::Take(out).ok());
+  }
+  EXPECT_EQ(RunTested(Flags(out, /*seed=*/2)).exit_code, 0);
+  EXPECT_EQ(Content(out + "/results.json"), new_results);
+}
+
+}  // namespace
+}  // namespace mle
