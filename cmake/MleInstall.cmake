@@ -11,20 +11,23 @@ set(mle_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/mle)
 get_property(mle_libraries GLOBAL PROPERTY MLE_LIBRARIES)
 foreach(target IN LISTS mle_libraries)
   get_target_property(file_sets ${target} INTERFACE_HEADER_SETS)
+  set(headers)
   if(file_sets)
-    install(TARGETS ${target} EXPORT mle-targets
-      FILE_SET HEADERS DESTINATION ${mle_include_dir})
-  else()
-    install(TARGETS ${target} EXPORT mle-targets)
+    set(headers FILE_SET HEADERS DESTINATION ${mle_include_dir} COMPONENT development)
   endif()
+  install(TARGETS ${target} EXPORT mle-targets
+    ARCHIVE COMPONENT development
+    LIBRARY COMPONENT library NAMELINK_COMPONENT development
+    ${headers})
 endforeach()
 
 get_property(mle_commands GLOBAL PROPERTY MLE_COMMANDS)
 if(mle_commands)
-  install(TARGETS ${mle_commands} RUNTIME)
+  install(TARGETS ${mle_commands} RUNTIME COMPONENT tools)
 endif()
 
-install(EXPORT mle-targets NAMESPACE mle:: DESTINATION ${mle_package_dir})
+install(EXPORT mle-targets NAMESPACE mle:: DESTINATION ${mle_package_dir}
+  COMPONENT development)
 
 configure_package_config_file(
   ${PROJECT_SOURCE_DIR}/cmake/mleConfig.cmake.in
@@ -37,11 +40,16 @@ write_basic_package_version_file(
 install(FILES
   ${PROJECT_BINARY_DIR}/mleConfig.cmake
   ${PROJECT_BINARY_DIR}/mleConfigVersion.cmake
-  DESTINATION ${mle_package_dir})
+  DESTINATION ${mle_package_dir}
+  COMPONENT development)
 
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/configs DESTINATION ${CMAKE_INSTALL_DATADIR}/mle)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/configs DESTINATION ${CMAKE_INSTALL_DATADIR}/mle
+  COMPONENT tools)
 install(FILES
   ${PROJECT_SOURCE_DIR}/LICENSE
   ${PROJECT_SOURCE_DIR}/README.md
   ${PROJECT_SOURCE_DIR}/CHANGELOG.md
-  DESTINATION ${CMAKE_INSTALL_DOCDIR})
+  DESTINATION ${CMAKE_INSTALL_DOCDIR}
+  COMPONENT tools)
+
+include(MlePackages)

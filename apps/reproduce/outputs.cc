@@ -6,6 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_replace.h"
+#include "mle/base/version.h"
 #include "nlohmann/json.hpp"
 
 namespace mle::reproduce {
@@ -182,7 +183,10 @@ std::string FormatResults(const std::vector<CaseResult>& cases) {
       list.back()["ablations"] = AblationsJson(result.ablations);
     }
   }
-  const Json document = {{"version", 1}, {"cases", std::move(list)}};
+  const Json document = {{"version", 1},
+                         {"program", "mle_reproduce"},
+                         {"program_version", std::string(LibraryVersion())},
+                         {"cases", std::move(list)}};
   return document.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

@@ -6,6 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"
+#include "mle/base/version.h"
 #include "mle/model/json_node.h"
 #include "mle/model/strict_json.h"
 

@@ -9,12 +9,12 @@
 //   y_i − ŷ_i = Σ_j Σ_b h_ijb Σ_{l in range b} u_j(k − l) + noise,
 //
 // with the noise of structured_correction.h, white upon a random walk, and an
-// offset for each window. The statistic is what the h take off the squares of the
-// whitened residuals, χ² under "the model is right" with a degree of freedom for
-// each h that the records determine; the ratio of drift to white noise is the
-// larger of those estimated with and without the h, by restricted likelihood.
-// Given the past outputs the inputs say nothing about the noise to come, so that
-// this holds for closed-loop records too.
+// offset for each window. The statistic is what the h take off the squares of
+// the whitened residuals, χ² under "the model is right" with a degree of
+// freedom for each h that the records determine; the ratio of drift to white
+// noise is the larger of those estimated with and without the h, by restricted
+// likelihood. Given the past outputs the inputs say nothing about the noise to
+// come, so that this holds for closed-loop records too.
 //
 // Elements whose gain, time scale and dead time were fitted to the same records
 // may be named: what they could explain is taken off both sides.

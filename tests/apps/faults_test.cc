@@ -2,6 +2,7 @@
 // message says what is wrong, and the exit code is 1 or 2 as for other faults.
 // Runs as root too, to whom permissions are no hindrance: limits are.
 
+#include <fcntl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -26,8 +27,8 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-report::ProcessResult Run(const std::string& program,
-                          const std::vector<std::string>& arguments) {
+report::ProcessResult RunProgram(const std::string& program,
+                                 const std::vector<std::string>& arguments) {
   auto result = report::RunProcess(program, arguments, "");
   EXPECT_TRUE(result.ok()) << result.status();
   return result.ok() ? *std::move(result)
@@ -39,7 +40,7 @@ report::ProcessResult RunLimited(const std::string& limit,
                                  const std::vector<std::string>& arguments) {
   std::vector<std::string> line = {limit, MLE_TESTED_COMMAND};
   line.insert(line.end(), arguments.begin(), arguments.end());
-  return Run("prlimit", line);
+  return RunProgram("prlimit", line);
 }
 
 std::map<std::string, std::string> Contents(const std::string& folder) {
@@ -74,10 +75,10 @@ TEST(FaultsTest, AFileSystemWithoutRoomLeavesTheOldResults) {
   const std::string script = scratch.Write(
       "run",
       "set -e\n"
-      "mount -t tmpfs -o size=64k tmpfs \"$1\"\n"
+      "mount -t tmpfs -o size=16k tmpfs \"$1\"\n"
       "echo old > \"$1/results.json\"\n"
       "shift\n"
-      "code=0; \"$@\" || code=$?\n"
+      "code=0; \"$@\" >/dev/null || code=$?\n"
       "echo \"code $code, $(cat \"${0%run}room/results.json\"), \"$(ls -A "
       "\"${0%run}room\")\n");
   const std::string room = scratch / "room";
@@ -86,7 +87,7 @@ TEST(FaultsTest, AFileSystemWithoutRoomLeavesTheOldResults) {
                                    MLE_TESTED_COMMAND};
   const std::vector<std::string> flags = Flags(room);
   line.insert(line.end(), flags.begin(), flags.end());
-  const report::ProcessResult run = Run("unshare", line);
+  const report::ProcessResult run = RunProgram("unshare", line);
   if (run.out.find("code ") == std::string::npos) {
     GTEST_SKIP() << "no file system may be mounted here: " << run.err;
   }
@@ -133,8 +134,8 @@ TEST(FaultsTest, OutOfMemoryIsSaid) {
 }
 
 TEST(FaultsTest, OutputThatNobodyTakesIsAnError) {
-  const report::ProcessResult run =
-      Run("sh", {"-c", absl::StrCat(MLE_TESTED_COMMAND, " --help >/dev/full")});
+  const report::ProcessResult run = RunProgram(
+      "sh", {"-c", absl::StrCat(MLE_TESTED_COMMAND, " --help >/dev/full")});
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_THAT(run.err, HasSubstr("cannot write to standard output"));
 }
@@ -149,8 +150,9 @@ bool EndedBeforeItWasKilled(const std::vector<std::string>& flags,
       line.push_back(const_cast<char*>(flag.c_str()));
     }
     line.push_back(nullptr);
-    std::freopen("/dev/null", "w", stdout);
-    std::freopen("/dev/null", "w", stderr);
+    const int nothing = ::open("/dev/null", O_WRONLY);
+    ::dup2(nothing, STDOUT_FILENO);
+    ::dup2(nothing, STDERR_FILENO);
     ::execv(line[0], line.data());
     ::_exit(127);
   }

@@ -1,0 +1,87 @@
+"""check_schemas.py SOURCE BUILD: files of the project, and what its commands write, against
+the JSON Schemas in docs/schemas.
+
+Each schema is also tried on files that are wrong, so that one that takes anything fails.
+"""
+
+import copy
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+import jsonschema
+
+source, build = (pathlib.Path(argument) for argument in sys.argv[1:3])
+faults = []
+
+
+def validator(name):
+    schema = json.loads((source / f"docs/schemas/{name}.schema.json").read_text())
+    jsonschema.Draft202012Validator.check_schema(schema)
+    return jsonschema.Draft202012Validator(schema)
+
+
+def no_constant(text):
+    raise ValueError(f"{text} is no JSON")
+
+
+def read(path):
+    return json.loads(path.read_text(), parse_constant=no_constant)
+
+
+def check(name, path):
+    """The file is valid; without any one of the required keys it is not."""
+    schema = validator(name)
+    content = read(path)
+    for error in schema.iter_errors(content):
+        place = "/".join(str(step) for step in error.absolute_path)
+        faults.append(f"{path}: {place}: {error.message[:200]}")
+    for key in schema.schema["required"]:
+        broken = copy.deepcopy(content)
+        del broken[key]
+        if schema.is_valid(broken):
+            faults.append(f"{name}: takes a file without '{key}'")
+        broken[key] = {"no": ["such", "thing"]}
+        if schema.is_valid(broken) and key != "flags":
+            faults.append(f"{name}: takes any '{key}'")
+
+
+def run(command, *arguments, accepted=(0,)):
+    done = subprocess.run([build / "apps" / command, *arguments], capture_output=True, text=True)
+    if done.returncode not in accepted:
+        sys.exit(f"{command} failed ({done.returncode}): {done.stderr[-2000:]}")
+
+
+def check_commands(folder):
+    model = f"--model={source}/configs/wood_berry.json"
+    run("mle_simulate", model, f"--plant={source}/configs/wood_berry_gain.json",
+        "--setpoints=overhead:150:1,bottoms:450:1", "--duration=700", "--sample_time=0.5",
+        f"--out={folder}/run.csv")
+    for estimator in ("structured", "arx", "combined"):
+        out = folder / estimator
+        run("mle_correct", model, f"--data={folder}/run.csv", f"--out={out}", "--figures=false",
+            "--conversion_samples=5000", f"--estimator={estimator}",
+            f"--truth={source}/configs/wood_berry_gain.json",
+            accepted=(0, 1))  # 1: a correction that was refused is a result too
+        check("result", out / "result.json")
+        check("arx", out / "arx.json")
+        check("process_model", out / "fopdt.json")
+    out = folder / "reproduction"
+    run("mle_reproduce", f"--out={out}", "--cases=gain", "--figures=false", "--sample_time=0.5",
+        "--order=30", "--conversion_duration=2000", "--duration=400", "--step_time=200",
+        "--window=150", "--response_horizon=60", "--lambda_grid_step=1e-4")
+    check("results", out / "results.json")
+
+
+for path in sorted((source / "configs").glob("*.json")):
+    if "elements" in read(path) and "inputs" in read(path):
+        check("process_model", path)
+check("ageing", source / "tests/fuzz/corpus/ageing/steps.json")
+check("arx", source / "tests/fuzz/corpus/arx_model/small.json")
+with tempfile.TemporaryDirectory() as folder:
+    check_commands(pathlib.Path(folder))
+for fault in faults:
+    print(fault)
+sys.exit(1 if faults else 0)
