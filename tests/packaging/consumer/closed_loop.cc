@@ -1,13 +1,14 @@
 // Uses the libraries together: exits with 0 if a controlled tank reaches its
 // set point.
 
+#include "sim/closed_loop.h"
+
 #include <cmath>
 #include <cstdio>
 
 #include "Eigen/Core"
 #include "control/mpc.h"
 #include "mle/model/process_model.h"
-#include "sim/closed_loop.h"
 #include "sim/set_point_profile.h"
 
 int main() {
