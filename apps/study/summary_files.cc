@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "apps/study/summary.h"
+#include "mle/base/version.h"
 #include "nlohmann/json.hpp"
 
 namespace mle::study {
@@ -79,6 +80,8 @@ std::string SummaryCsv(const StudySummary& summary, const Campaign& campaign) {
 
 std::string SummaryJson(const StudySummary& summary, const Campaign& campaign) {
   Json json = {{"version", 1},
+               {"program", "mle_study"},
+               {"program_version", std::string(LibraryVersion())},
                {"campaign", campaign.name},
                {"runs", summary.runs},
                {"failed", summary.failed},

@@ -73,11 +73,26 @@ def check_commands(folder):
         "--order=30", "--conversion_duration=2000", "--duration=400", "--step_time=200",
         "--window=150", "--response_horizon=60", "--lambda_grid_step=1e-4")
     check("results", out / "results.json")
+    campaign = {
+        "version": 1, "name": "small", "seeds": [1, 2], "sample_time": 0.5, "order": 30,
+        "models": [{"name": "column", "file": f"{source}/configs/wood_berry.json"}],
+        "mismatches": [{"name": "gain", "plant": f"{source}/configs/wood_berry_gain.json"}],
+        "windows": [{"name": "two", "window": 150, "duration": 400, "step_time": 200}],
+        "response_horizon": 60, "conversion": {"duration": 2000},
+        "lambda_grid": {"max": 1e-2, "step": 1e-4}}
+    (folder / "small.json").write_text(json.dumps(campaign))
+    check("campaign", folder / "small.json")
+    out = folder / "study"
+    run("mle_study", f"--campaign={folder}/small.json", f"--out={out}", "--figures=false")
+    check("campaign", out / "campaign.json")
+    check("summary", out / "summary.json")
 
 
 for path in sorted((source / "configs").glob("*.json")):
     if "elements" in read(path) and "inputs" in read(path):
         check("process_model", path)
+for path in sorted((source / "configs").glob("campaign_*.json")):
+    check("campaign", path)
 check("ageing", source / "tests/fuzz/corpus/ageing/steps.json")
 check("arx", source / "tests/fuzz/corpus/arx_model/small.json")
 with tempfile.TemporaryDirectory() as folder:
