@@ -13,7 +13,7 @@ import tempfile
 
 import jsonschema
 
-source, build = (pathlib.Path(argument) for argument in sys.argv[1:3])
+source, build = (pathlib.Path(argument).resolve() for argument in sys.argv[1:3])
 faults = []
 
 
