@@ -37,16 +37,16 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data,
   const auto resolved =
       mle::study::ResolveCampaign(text, "fuzz.json", "/nonexistent");
   if (!resolved.ok()) {
-    FUZZ_EXPECT(resolved.status().message().find("fuzz.json") !=
-                    std::string_view::npos,
-                resolved.status().ToString());
+    FUZZ_EXPECT(
+        resolved.status().message().find("fuzz.json") != std::string_view::npos,
+        resolved.status().ToString());
     return 0;
   }
   const auto campaign = mle::study::ParseCampaign(*resolved, "fuzz.json");
   if (!campaign.ok()) {
-    FUZZ_EXPECT(campaign.status().message().find("fuzz.json") !=
-                    std::string_view::npos,
-                campaign.status().ToString());
+    FUZZ_EXPECT(
+        campaign.status().message().find("fuzz.json") != std::string_view::npos,
+        campaign.status().ToString());
     return 0;
   }
   mle::study::CheckGrid(*campaign);

@@ -238,7 +238,8 @@ TEST(CampaignTest, ControllersWindowsAndMethods) {
 TEST(CampaignTest, TextThatIsNoJson) {
   const auto resolved = ResolveCampaign("{\"name\": 1,}", "c.json", "");
   ASSERT_FALSE(resolved.ok());
-  EXPECT_THAT(std::string(resolved.status().message()), HasSubstr("c.json: line 1"));
+  EXPECT_THAT(std::string(resolved.status().message()),
+              HasSubstr("c.json: line 1"));
 }
 
 TEST(CampaignTest, AGridTooLargeToCount) {
