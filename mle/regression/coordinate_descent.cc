@@ -16,9 +16,12 @@ class CoordinateDescent {
  public:
   CoordinateDescent(const LassoObjective& objective, double lambda,
                     const Eigen::VectorXd& start)
-      : objective_(objective), gram_(*objective.gram), lambda_(lambda) {
-    beta_ = start.size() > 0 ? start
-                             : Eigen::VectorXd::Zero(objective.size()).eval();
+      : objective_(objective),
+        gram_(*objective.gram),
+        lambda_(lambda),
+        beta_(start.size() > 0
+                  ? start
+                  : Eigen::VectorXd::Zero(objective.size()).eval()) {
     for (int j = 0; j < objective.size(); ++j) {
       if (!CanMove(j)) beta_(j) = 0.0;
     }
