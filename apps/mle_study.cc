@@ -126,7 +126,7 @@ absl::StatusOr<int> Conclude(const study::Request& request,
 struct Prepared {
   std::string resolved;
   Campaign campaign;
-  std::unique_ptr<study::FolderLock> lock;
+  std::optional<FolderLock> lock;
   std::unique_ptr<Journal> journal;
 };
 
@@ -149,12 +149,7 @@ absl::Status ReadCampaign(const study::Request& request, Prepared& prepared) {
 }
 
 absl::Status OpenFolder(const study::Request& request, Prepared& prepared) {
-  if (const absl::Status status = MakeWritableFolder(request.out);
-      !status.ok()) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("--out: ", status.message()));
-  }
-  MLE_ASSIGN_OR_RETURN(prepared.lock, study::FolderLock::Take(request.out));
+  MLE_ASSIGN_OR_RETURN(prepared.lock, ClaimOutputFolder(request.out));
   const std::int64_t runs = Grid(prepared.campaign).num_runs();
   const std::string checksum = Sha256Of(prepared.resolved);
   if (checksum.empty()) {

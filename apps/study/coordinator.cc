@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "absl/strings/str_format.h"
-#include "absl/time/clock.h"
+#include "absl/time/time.h"
 #include "mle/base/status.h"
 
 namespace mle::study {
@@ -151,13 +151,16 @@ std::string Spelled(double seconds) {
 }  // namespace
 
 StudyProgress::StudyProgress(std::int64_t done, std::int64_t total)
-    : before_(done), total_(total), start_(absl::Now()), last_(start_) {}
+    : before_(done),
+      total_(total),
+      start_(std::chrono::steady_clock::now()),
+      last_(start_) {}
 
 void StudyProgress::Show(std::int64_t done) {
-  const absl::Time now = absl::Now();
-  if (now - last_ < absl::Seconds(2) || done == total_) return;
+  const auto now = std::chrono::steady_clock::now();
+  if (now - last_ < std::chrono::seconds(2) || done == total_) return;
   last_ = now;
-  const double seconds = absl::ToDoubleSeconds(now - start_);
+  const double seconds = std::chrono::duration<double>(now - start_).count();
   const double fresh = static_cast<double>(done - before_);
   if (fresh == 0.0) {
     std::cerr << absl::StrFormat("runs: %d of %d\n", done, total_);

@@ -5,11 +5,11 @@
 #ifndef APPS_STUDY_COORDINATOR_H_
 #define APPS_STUDY_COORDINATOR_H_
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 
 #include "absl/status/status.h"
-#include "absl/time/time.h"
 #include "apps/study/campaign.h"
 #include "apps/study/grid.h"
 #include "apps/study/journal.h"
@@ -29,8 +29,8 @@ class StudyProgress {
  private:
   const std::int64_t before_;
   const std::int64_t total_;
-  const absl::Time start_;
-  absl::Time last_;
+  const std::chrono::steady_clock::time_point start_;
+  std::chrono::steady_clock::time_point last_;
 };
 
 // Process 0: until every run is in the journal, or `stopped` says so (then the

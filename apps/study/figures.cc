@@ -18,6 +18,7 @@ using report::Figure;
 using report::LineStyle;
 using report::MakeSeries;
 using report::MarkerShape;
+using report::NamedFigure;
 using report::Panel;
 using report::Role;
 using report::Series;
@@ -296,7 +297,9 @@ std::vector<NamedFigure> MakeFigures(const Campaign& campaign,
            DistributionFigure(campaign, groups, Metric::kE),
            LambdaFigure(campaign, groups),
            DistributionFigure(campaign, groups, Metric::kRatio)}) {
-    if (!figure.figure.panels.empty()) figures.push_back(std::move(figure));
+    if (figure.figure.panels.empty()) continue;
+    figure.alt = figure.caption;
+    figures.push_back(std::move(figure));
   }
   return figures;
 }

@@ -3,20 +3,13 @@
 #ifndef APPS_STUDY_FIGURES_H_
 #define APPS_STUDY_FIGURES_H_
 
-#include <string>
 #include <vector>
 
-#include "apps/report/figure.h"
+#include "apps/report/drawing.h"
 #include "apps/study/campaign.h"
 #include "apps/study/summary.h"
 
 namespace mle::study {
-
-struct NamedFigure {
-  std::string name;  // of its files
-  std::string caption;
-  report::Figure figure;
-};
 
 // Scenarios have a panel each, the first kMaxPanels of them, and methods a
 // curve:
@@ -26,8 +19,8 @@ struct NamedFigure {
 //   how far E is above that of the best λ
 // What a campaign has no values for is left out.
 inline constexpr int kMaxPanels = 6;
-std::vector<NamedFigure> MakeFigures(const Campaign& campaign,
-                                     const StudySummary& summary);
+std::vector<report::NamedFigure> MakeFigures(const Campaign& campaign,
+                                             const StudySummary& summary);
 
 }  // namespace mle::study
 

@@ -1,7 +1,6 @@
 #include "apps/study/journal.h"
 
 #include <fcntl.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -13,12 +12,13 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "absl/time/clock.h"
 #include "apps/study/row.h"
 #include "mle/base/status.h"
 
 namespace mle::study {
 namespace {
+
+using Clock = std::chrono::steady_clock;
 
 constexpr std::int64_t kBatch = 64;
 
@@ -42,31 +42,11 @@ std::string JournalHead::Line() const {
       checksum, version, runs);
 }
 
-absl::StatusOr<std::unique_ptr<FolderLock>> FolderLock::Take(
-    const std::string& folder) {
-  const std::string path = absl::StrCat(folder, "/lock");
-  const int file = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-  if (file < 0) return FileError(path, "cannot be opened");
-  if (flock(file, LOCK_EX | LOCK_NB) == 0) {
-    return std::unique_ptr<FolderLock>(new FolderLock(file));
-  }
-  const bool taken = errno == EWOULDBLOCK;
-  const absl::Status error = FileError(path, "cannot be locked");
-  close(file);
-  if (!taken) return error;
-  return absl::InvalidArgumentError(absl::StrCat(
-      "--out=", folder,
-      ": another mle_study is at work there; wait for its end, or take another "
-      "folder"));
-}
-
-FolderLock::~FolderLock() { close(file_); }
-
 Journal::Journal(std::string path, int file, std::int64_t runs)
     : path_(std::move(path)),
       file_(file),
       offsets_(static_cast<std::size_t>(runs), -1),
-      last_sync_(absl::Now()) {}
+      last_sync_(Clock::now()) {}
 
 Journal::~Journal() {
   if (unsynced_ > 0) fsync(file_);
@@ -187,7 +167,8 @@ absl::Status Journal::Append(std::int64_t run, std::string_view line) {
   offsets_[run] = begin;
   ++num_done_;
   ++unsynced_;
-  if (unsynced_ >= kBatch || absl::Now() - last_sync_ > absl::Seconds(1)) {
+  if (unsynced_ >= kBatch ||
+      Clock::now() - last_sync_ > std::chrono::seconds(1)) {
     return Sync();
   }
   return absl::OkStatus();
@@ -196,7 +177,7 @@ absl::Status Journal::Append(std::int64_t run, std::string_view line) {
 absl::Status Journal::Sync() {
   if (fsync(file_) != 0) return FileError(path_, "cannot be flushed");
   unsynced_ = 0;
-  last_sync_ = absl::Now();
+  last_sync_ = Clock::now();
   return absl::OkStatus();
 }
 

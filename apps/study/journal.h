@@ -9,12 +9,12 @@
 // of the last line is recognised and dropped when the journal is opened again;
 // a journal of another campaign or version is refused. Only the numbers of the
 // runs done are kept in memory: a byte offset each.
-//
-// A journal holds a lock on DIR (flock of DIR/lock): one command at a time.
+// Who has a journal open holds the folder's lock (folder_lock.h).
 
 #ifndef APPS_STUDY_JOURNAL_H_
 #define APPS_STUDY_JOURNAL_H_
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -23,7 +23,6 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "absl/time/time.h"
 
 namespace mle::study {
 
@@ -33,21 +32,6 @@ struct JournalHead {
   std::int64_t runs = 0;
 
   std::string Line() const;
-};
-
-// Holds DIR for one command, until destroyed.
-class FolderLock {
- public:
-  // InvalidArgument if another command has it; the folder must exist.
-  static absl::StatusOr<std::unique_ptr<FolderLock>> Take(
-      const std::string& folder);
-  ~FolderLock();
-  FolderLock(const FolderLock&) = delete;
-  FolderLock& operator=(const FolderLock&) = delete;
-
- private:
-  explicit FolderLock(int file) : file_(file) {}
-  int file_;
 };
 
 class Journal {
@@ -89,7 +73,7 @@ class Journal {
   std::int64_t size_ = 0;
   std::int64_t dropped_bytes_ = 0;
   std::int64_t unsynced_ = 0;
-  absl::Time last_sync_;
+  std::chrono::steady_clock::time_point last_sync_;
 };
 
 }  // namespace mle::study

@@ -8,7 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "apps/common/command_line.h"
 #include "apps/common/flag_parser.h"
-#include "apps/report/gnuplot.h"
+#include "apps/report/drawing.h"
 #include "apps/report/number.h"
 #include "apps/study/figures.h"
 #include "apps/study/labels.h"
@@ -163,25 +163,8 @@ std::vector<std::string> Findings(const Campaign& campaign,
   return sentences;
 }
 
-// Writes the figures' files; what could not be drawn is warned of.
-absl::StatusOr<std::vector<absl::StatusOr<std::string>>> DrawFigures(
-    const std::vector<NamedFigure>& figures, const std::string& folder) {
-  std::vector<absl::StatusOr<std::string>> svgs;
-  for (const NamedFigure& figure : figures) {
-    svgs.push_back(report::RenderFigure(figure.figure, report::Format::kSvg));
-    if (!svgs.back().ok()) {
-      std::cerr << "warning: " << svgs.back().status().message() << "\n";
-      continue;
-    }
-    MLE_RETURN_IF_ERROR(WriteFileAtomically(
-        absl::StrCat(folder, "/", figure.name, ".svg"), *svgs.back()));
-  }
-  return svgs;
-}
-
 std::string FormatPage(const Campaign& campaign, const StudySummary& summary,
-                       const std::vector<NamedFigure>& figures,
-                       const std::vector<absl::StatusOr<std::string>>& svgs,
+                       const std::vector<report::DrawnFigure>& figures,
                        const report::RunAgain& run_again) {
   report::HtmlPage page(absl::StrCat("Campaign: ", campaign.name));
   page.AddSummary(Findings(campaign, summary));
@@ -199,9 +182,8 @@ std::string FormatPage(const Campaign& campaign, const StudySummary& summary,
         " cells; all are in summary.csv."));
   }
   if (!figures.empty()) page.AddHeading("Figures");
-  for (std::size_t i = 0; i < figures.size(); ++i) {
-    page.AddFigure(figures[i].figure, svgs[i], figures[i].caption,
-                   figures[i].caption);
+  for (const report::DrawnFigure& figure : figures) {
+    report::AddFigure(figures, figure.named.name, page);
   }
   page.AddHeading("λ, gains and dead times");
   page.AddTable(LambdaTable(campaign, summary));
@@ -266,16 +248,18 @@ report::Table ErrorTable(const Campaign& campaign, const StudySummary& summary,
 absl::Status WriteOutputs(const std::string& folder, bool figures,
                           const Campaign& campaign, const StudySummary& summary,
                           const report::RunAgain& run_again) {
-  const auto write = [&](const char* name, const std::string& content) {
-    return WriteFileAtomically(absl::StrCat(folder, "/", name), content);
-  };
-  MLE_RETURN_IF_ERROR(write("summary.csv", SummaryCsv(summary, campaign)));
-  MLE_RETURN_IF_ERROR(write("summary.json", SummaryJson(summary, campaign)));
-  std::vector<NamedFigure> drawn;
-  if (figures) drawn = MakeFigures(campaign, summary);
-  MLE_ASSIGN_OR_RETURN(const auto svgs, DrawFigures(drawn, folder));
-  return write("report.html",
-               FormatPage(campaign, summary, drawn, svgs, run_again));
+  std::vector<report::DrawnFigure> drawn;
+  if (figures) drawn = report::DrawFigures(MakeFigures(campaign, summary), 0);
+  if (const absl::Status status = report::FirstFailure(drawn); !status.ok()) {
+    std::cerr << "warning: " << status.message() << "\n";
+  }
+  std::vector<std::pair<std::string, std::string>> files =
+      report::FilesOf(drawn);
+  files.emplace_back("summary.csv", SummaryCsv(summary, campaign));
+  files.emplace_back("summary.json", SummaryJson(summary, campaign));
+  files.emplace_back("report.html",
+                     FormatPage(campaign, summary, drawn, run_again));
+  return WriteFilesTogether(folder, files);
 }
 
 void PrintSummary(const Campaign& campaign, const StudySummary& summary) {

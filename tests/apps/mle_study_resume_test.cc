@@ -141,7 +141,7 @@ TEST_F(MleStudyResumeTest, OneCommandInAFolder) {
   kill(child, SIGSTOP);
   const report::ProcessResult second = RunTested(Arguments("out"));
   EXPECT_EQ(second.exit_code, 2);
-  EXPECT_THAT(second.err, HasSubstr("another mle_study"));
+  EXPECT_THAT(second.err, HasSubstr("in use by another command"));
   kill(child, SIGCONT);
   kill(child, SIGKILL);
   waitpid(child, nullptr, 0);

@@ -136,15 +136,6 @@ TEST_F(JournalTest, MergesInTheOrderOfTheRuns) {
   }
 }
 
-TEST_F(JournalTest, AFolderIsForOneCommand) {
-  const auto lock = FolderLock::Take(scratch_ / "");
-  ASSERT_TRUE(lock.ok()) << lock.status();
-  const auto second = FolderLock::Take(scratch_ / "");
-  ASSERT_FALSE(second.ok());
-  EXPECT_THAT(std::string(second.status().message()),
-              HasSubstr("another mle_study"));
-}
-
 TEST(RowTest, ReadsWhatItWrites) {
   const Campaign campaign = *ParseCampaign(SmallCampaign(3).dump(), "c.json");
   const Grid grid(campaign);

@@ -164,9 +164,10 @@ TEST_F(SummaryTest, FilesSayTheSame) {
 TEST_F(SummaryTest, FiguresAreValid) {
   const auto summary = Summarise(RunsCsv([](Row&) {}), campaign_, grid_);
   ASSERT_TRUE(summary.ok()) << summary.status();
-  const std::vector<NamedFigure> figures = MakeFigures(campaign_, *summary);
+  const std::vector<report::NamedFigure> figures =
+      MakeFigures(campaign_, *summary);
   ASSERT_EQ(figures.size(), 3U);
-  for (const NamedFigure& figure : figures) {
+  for (const report::NamedFigure& figure : figures) {
     EXPECT_TRUE(figure.figure.Validate().ok()) << figure.name;
     EXPECT_EQ(figure.figure.panels.size(), 2U) << figure.name;
   }
