@@ -1,5 +1,7 @@
 #include "apps/common/process_faults.h"
 
+#include <stdlib.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <csignal>
@@ -42,10 +44,20 @@ std::terminate_handler usual_handler = nullptr;
   std::abort();
 }
 
-void CheckOutput() {
-  if (std::cout.flush()) return;
-  Say("error: cannot write to standard output\n");
-  ::_exit(kExitNotUsable);
+void AtExit(int exit_code, void*) {
+  if (!std::cout.flush()) {
+    Say("error: cannot write to standard output\n");
+    ::_exit(kExitNotUsable);
+  }
+  // A thread of OpenBLAS (which may stand behind LAPACK, and that behind Ceres)
+  // that finds no memory for its buffer tries for ever, and the library waits
+  // for it when the program ends. All is written by now.
+  rlimit memory = {};
+  if (::getrlimit(RLIMIT_AS, &memory) == 0 &&
+      memory.rlim_cur != RLIM_INFINITY) {
+    std::cerr.flush();
+    ::_exit(exit_code);
+  }
 }
 
 }  // namespace
@@ -53,7 +65,7 @@ void CheckOutput() {
 void PrepareForFaults() {
   std::signal(SIGXFSZ, SIG_IGN);
   usual_handler = std::set_terminate(Terminate);
-  std::atexit(CheckOutput);
+  ::on_exit(AtExit, nullptr);
 }
 
 }  // namespace mle

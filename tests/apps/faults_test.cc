@@ -43,6 +43,21 @@ report::ProcessResult RunLimited(const std::string& limit,
   return RunProgram("prlimit", line);
 }
 
+// Sanitizers reserve terabytes of addresses: no limit can be set on them.
+bool AddressesCanBeLimited() {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  return false;
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+  return false;
+#else
+  return true;
+#endif
+#else
+  return true;
+#endif
+}
+
 std::map<std::string, std::string> Contents(const std::string& folder) {
   std::map<std::string, std::string> contents;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
@@ -120,6 +135,7 @@ TEST(FaultsTest, AFolderThatTakesNoFilesIsNamed) {
 }
 
 TEST(FaultsTest, OutOfMemoryIsSaid) {
+  if (!AddressesCanBeLimited()) GTEST_SKIP() << "under a sanitizer";
   const ScratchFolder scratch;
   const std::string out = scratch / "out";
   std::vector<std::string> flags = Flags(out);
@@ -131,6 +147,25 @@ TEST(FaultsTest, OutOfMemoryIsSaid) {
   EXPECT_EQ(run.exit_code, 1) << run.err;
   EXPECT_THAT(run.err, HasSubstr("out of memory"));
   EXPECT_TRUE(Contents(out).empty());
+}
+
+// Whatever the limit, the command ends by itself: done, or with the message.
+TEST(FaultsTest, LittleMemoryDoesNotKeepACommandFromEnding) {
+  if (!AddressesCanBeLimited()) GTEST_SKIP() << "under a sanitizer";
+  const ScratchFolder scratch;
+  for (const int megabytes : {100, 150, 200, 250, 400}) {
+    std::vector<std::string> line = {"60", "prlimit",
+                                     absl::StrCat("--as=", megabytes, "000000"),
+                                     MLE_TESTED_COMMAND};
+    const std::vector<std::string> flags = Flags(scratch / "out");
+    line.insert(line.end(), flags.begin(), flags.end());
+    const report::ProcessResult run = RunProgram("timeout", line);
+    // 127: not even the program and its libraries fit.
+    EXPECT_THAT(run.exit_code, ::testing::AnyOf(0, 1, 127)) << run.err;
+    if (run.exit_code == 1) {
+      EXPECT_THAT(run.err, HasSubstr("out of memory"));
+    }
+  }
 }
 
 TEST(FaultsTest, OutputThatNobodyTakesIsAnError) {
