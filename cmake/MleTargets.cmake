@@ -1,5 +1,12 @@
 # What every target of the project shares.
 
+# Two traps of memory between Eigen and the packaged Ceres, which share objects:
+# - -march=native, or any wider vectors: Eigen then aligns memory otherwise than
+#   the copies of its templates inside Ceres, and one frees what the other took.
+# - g++ -fsanitize=address: Eigen (Memory.h, __SANITIZE_ADDRESS__) then pads its
+#   blocks and hands out a pointer into them, which Ceres gives to free().
+#   clang++ 14 does not define that macro; the preset asan-ubsan uses it.
+
 # Private to the project: warnings are no business of those who use it.
 add_library(mle_build_flags INTERFACE)
 target_compile_features(mle_build_flags INTERFACE cxx_std_20)
