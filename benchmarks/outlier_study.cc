@@ -1,16 +1,22 @@
-// What outliers do to the estimators, and what their replacement mends:
+// What outliers do to the estimators, and what replacement and robust losses
+// mend:
 //
-//   outlier_study MODEL.json SEEDS FIRST SHARE NAME:PLANT.json …
+//   outlier_study MODEL.json SEEDS FIRST SHARE LONGEST VARIANCE NAME:PLANT.json
+//   …
 //
 // Of every output a share of the samples is off by 10 to 50 σ, in the historian
-// alone, so that the loop and its noise are those of the clean record. E of ΔR
-// and of the structured correction with the clean records, with the spoilt
-// ones, and with the outliers replaced (for the structured one: marked).
+// alone, so that the loop and its noise are those of the clean record: singly
+// (LONGEST 1) or in bursts of 3 to LONGEST samples off to the same side. E of
+// ΔR and of the structured correction with the clean records, with the spoilt
+// ones, with the outliers replaced (for the structured one: marked), and with
+// robust losses: of ΔR on the replaced records, of the structured correction on
+// the spoilt ones.
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <iostream>
+#include <random>
 #include <string>
 #include <utility>
 #include <vector>
@@ -21,17 +27,47 @@
 #include "apps/reproduce/experiment.h"
 #include "glog/logging.h"
 #include "mle/base/parallel.h"
+#include "mle/correction/robust_correction.h"
 #include "mle/data/outlier_replacement.h"
 #include "mle/nonlinear/structured_correction.h"
 
 namespace mle {
 namespace {
 
-constexpr double kLargestOutlier = 50.0;  // σ; the smallest is a fifth of it
-constexpr std::array<const char*, 6> kColumns = {
-    "ΔR, clean",         "ΔR, spoilt",         "ΔR, replaced",
-    "structured, clean", "structured, spoilt", "structured, marked"};
+constexpr double kSmallest = 10.0;  // σ
+constexpr double kLargest = 50.0;
+constexpr int kShortestBurst = 3;
+constexpr std::array<const char*, 10> kColumns = {
+    "ΔR, clean",          "ΔR, spoilt",         "ΔR, replaced",
+    "ΔR, Huber",          "ΔR, Cauchy",         "structured, clean",
+    "structured, spoilt", "structured, marked", "structured, Huber",
+    "structured, Cauchy"};
+constexpr std::array<int, 10> kClean = {0, 0, 0, 0, 0, 5, 5, 5, 5, 5};
 using Row = std::array<double, kColumns.size()>;
+
+// Outliers, or bursts of them, until the share is reached.
+void Spoil(double share, int longest, double deviation, std::uint64_t seed,
+           std::vector<Record>& windows) {
+  std::mt19937_64 engine(seed);
+  std::uniform_real_distribution<double> size(kSmallest, kLargest);
+  for (Record& window : windows) {
+    const int samples = window.samples();
+    for (int i = 0; i < window.num_outputs(); ++i) {
+      for (int spoilt = 0; spoilt < share * samples;) {
+        const int length = longest == 1 ? 1
+                                        : std::uniform_int_distribution<int>(
+                                              kShortestBurst, longest)(engine);
+        const int first =
+            std::uniform_int_distribution<int>(0, samples - length)(engine);
+        const double side = engine() % 2 == 0 ? 1.0 : -1.0;
+        for (int k = first; k < first + length; ++k) {
+          window.outputs(i, k) += side * size(engine) * deviation;
+        }
+        spoilt += length;
+      }
+    }
+  }
+}
 
 std::vector<Record> Windows(const ProcessModel& initial,
                             const ProcessModel& plant, std::uint64_t seed,
@@ -41,69 +77,104 @@ std::vector<Record> Windows(const ProcessModel& initial,
   return *std::move(windows);
 }
 
+struct Spoiling {
+  double share = 0.0;
+  int longest = 1;
+};
+
 Row RunOne(const ProcessModel& initial, const ProcessModel& plant,
            std::uint64_t seed, const ConversionSummary& conversion,
-           double share, reproduce::ExperimentOptions options) {
+           const Spoiling& spoiling,
+           const reproduce::ExperimentOptions& options) {
   const StepResponse truth = plant.ComputeStepResponse(
       options.sample_time, options.response_samples());
-  const auto arx = [&](const std::vector<Record>& windows) {
-    const auto correction =
+  const auto correct = [&](const std::vector<Record>& windows) {
+    auto correction =
         CorrectModel(conversion.model, windows, options.correction);
     CHECK(correction.ok()) << correction.status();
-    return SquaredDistance(
-        truth, correction->Model().ComputeStepResponse(truth.samples()));
+    return *std::move(correction);
   };
-  const auto structured = [&](const std::vector<Record>& windows) {
-    const auto fit = CorrectStructure(initial, windows, {});
+  const auto arx = [&](const ArxModel& model) {
+    return SquaredDistance(truth, model.ComputeStepResponse(truth.samples()));
+  };
+  const auto robust = [&](const Correction& correction, RobustLoss loss) {
+    const auto fit =
+        CorrectRobustly(correction, correction.selection().lambda_star,
+                        {.loss = loss, .lasso = {}});
+    CHECK(fit.ok()) << fit.status();
+    for (const RobustFit& output : fit->fits) {
+      if (!output.converged || output.relative_gap > 1e-6) {
+        std::cerr << "seed " << seed << ": " << output.BriefReport()
+                  << std::endl;
+      }
+    }
+    return arx(fit->model);
+  };
+  const auto structured = [&](const std::vector<Record>& windows,
+                              RobustLoss loss = RobustLoss::kNone) {
+    const auto fit = CorrectStructure(initial, windows, {.robust_loss = loss});
     CHECK(fit.ok()) << fit.status();
     return SquaredDistance(truth, fit->full.model.ComputeStepResponse(
                                       options.sample_time, truth.samples()));
   };
   const std::vector<Record> clean = Windows(initial, plant, seed, options);
-  auto& faults = options.conditions.faults;
-  faults.outlier_probability = share;
-  faults.outlier_size = Eigen::VectorXd::Constant(
-      plant.num_outputs(), kLargestOutlier * std::sqrt(options.noise_variance));
-  faults.only_in_record = true;
-  const std::vector<Record> spoilt = Windows(initial, plant, seed, options);
+  std::vector<Record> spoilt = clean;
+  Spoil(spoiling.share, spoiling.longest, std::sqrt(options.noise_variance),
+        seed, spoilt);
   std::vector<Record> replaced = spoilt;
   ReplaceOutliers(initial, {}, replaced);
   std::vector<Record> marked = spoilt;
   OutlierReplacementOptions mark;
   mark.max_gap = 0;
   ReplaceOutliers(initial, mark, marked);
-  return {arx(clean),        arx(spoilt),        arx(replaced),
-          structured(clean), structured(spoilt), structured(marked)};
+  const Correction of_replaced = correct(replaced);
+  return {arx(correct(clean).Model()),
+          arx(correct(spoilt).Model()),
+          arx(of_replaced.Model()),
+          robust(of_replaced, RobustLoss::kHuber),
+          robust(of_replaced, RobustLoss::kCauchy),
+          structured(clean),
+          structured(spoilt),
+          structured(marked),
+          structured(spoilt, RobustLoss::kHuber),
+          structured(spoilt, RobustLoss::kCauchy)};
 }
 
 int Main(int argc, char** argv) {
   int seeds = 0;
   int first = 0;
-  double share = 0.0;
-  if (argc < 6 || !absl::SimpleAtoi(argv[2], &seeds) || seeds < 1 ||
+  Spoiling spoiling;
+  double variance = 0.0;
+  if (argc < 8 || !absl::SimpleAtoi(argv[2], &seeds) || seeds < 1 ||
       !absl::SimpleAtoi(argv[3], &first) || first < 0 ||
-      !absl::SimpleAtod(argv[4], &share)) {
-    std::cerr << "usage: outlier_study MODEL.json SEEDS FIRST SHARE "
-                 "NAME:PLANT.json …\n";
+      !absl::SimpleAtod(argv[4], &spoiling.share) ||
+      !absl::SimpleAtoi(argv[5], &spoiling.longest) ||
+      (spoiling.longest != 1 && spoiling.longest < kShortestBurst) ||
+      !absl::SimpleAtod(argv[6], &variance)) {
+    std::cerr << "usage: outlier_study MODEL.json SEEDS FIRST SHARE LONGEST "
+                 "VARIANCE NAME:PLANT.json …\n";
     return 2;
   }
   const auto initial = ReadProcessModel(argv[1]);
   CHECK(initial.ok()) << initial.status();
   reproduce::ExperimentOptions options;
+  options.noise_variance = variance;
+  options.conversion_noise_variance = variance;
   options.output_weight =
       Eigen::VectorXd::Constant(initial->num_outputs(), 0.2);
   options.move_weight = Eigen::VectorXd::Constant(initial->num_inputs(), 0.1);
   options.correction.lambdas = *MakeLambdaGrid(1e-2, 1e-6);
   std::cout << "| case | seed |";
   for (const char* column : kColumns) std::cout << " " << column << " |";
-  std::cout << "\n|---|---|---|---|---|---|---|---|" << std::endl;
+  std::cout << "\n|---|---|---|---|---|---|---|---|---|---|---|---|"
+            << std::endl;
   const auto print = [](const std::string& name, const std::string& seed,
                         const Row& row) {
     std::cout << "| " << name << " | " << seed << " |";
     for (const double E : row) std::cout << absl::StrFormat(" %.3g |", E);
     std::cout << std::endl;
   };
-  for (int c = 5; c < argc; ++c) {
+  for (int c = 7; c < argc; ++c) {
     const std::pair<std::string, std::string> part =
         absl::StrSplit(argv[c], absl::MaxSplits(':', 1));
     const auto plant = ReadProcessModel(part.second);
@@ -114,16 +185,24 @@ int Main(int argc, char** argv) {
       const auto conversion =
           reproduce::ConvertInitialModel(*initial, seed, options);
       CHECK(conversion.ok()) << conversion.status();
-      rows[s] = RunOne(*initial, *plant, seed, *conversion, share, options);
+      rows[s] = RunOne(*initial, *plant, seed, *conversion, spoiling, options);
     });
     Row mean = {};
+    Row worst = {};  // ratio to the clean records' E
     for (int s = 0; s < seeds; ++s) {
       print(part.first, std::to_string(first + s), rows[s]);
       for (std::size_t k = 0; k < mean.size(); ++k) {
         mean[k] += rows[s][k] / seeds;
+        worst[k] = std::max(worst[k], rows[s][k] / rows[s][kClean[k]]);
       }
     }
     print(part.first, "mean", mean);
+    Row ratio = {};
+    for (std::size_t k = 0; k < ratio.size(); ++k) {
+      ratio[k] = mean[k] / mean[kClean[k]];
+    }
+    print(part.first, "mean over clean mean", ratio);
+    print(part.first, "largest over clean", worst);
   }
   return 0;
 }

@@ -131,7 +131,8 @@ absl::StatusOr<ProcessModel> FitAgedElements(
     }
     StructuredOptions options = setting.options.structured;
     // Offsets as in the full fit, and no selection.
-    options.offset_test_level = setting.noise[i].offset ? 1.0 : kNever;
+    options.offsets = setting.noise[i].offset ? WindowOffsets::kAlways
+                                              : WindowOffsets::kNever;
     options.false_alarm_probability = kNever;
     MLE_ASSIGN_OR_RETURN(
         const StructuredCorrection fit,

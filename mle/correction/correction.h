@@ -57,6 +57,10 @@ class Correction {
   const LassoProblem& problem() const { return problem_; }
   const Eigen::MatrixXd& penalty_weights() const { return penalty_weights_; }
   const ArxModel& initial() const { return initial_; }
+  // The rows, their moments, and how the problem was made from these.
+  const RegressionData& data() const { return data_; }
+  const LaggedMoments& moments() const { return moments_; }
+  Scaling scaling() const { return scaling_; }
   // Worst relative duality gap of all fits, at every λ of the grid.
   double MaxRelativeGap() const;
 

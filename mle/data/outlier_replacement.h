@@ -3,7 +3,8 @@
 // well: a loss that spares outlying responses does nothing about those, and
 // marking the sample as bad loses them all.
 //
-//   CheckHealth()  finds single samples far from their neighbours' median
+//   CheckHealth()  finds samples far from their neighbours' median, first among
+//                  so many neighbours that a burst is the smaller part of them
 //   MarkBad()      makes them NaN: enough for CorrectStructure(), which passes
 //                  over bad outputs
 //   BridgeGaps()   puts the line between their neighbours in their place: for
@@ -24,9 +25,12 @@ namespace mle {
 
 struct OutlierReplacementOptions {
   OutlierOptions outliers;
+  // Up to so many outliers in a row are found, ≥ 1. A peak of the output itself
+  // must last longer.
+  int longest_burst = 10;
   // Gaps of outputs of up to this many samples are filled, whether outliers
   // left them or they were there; ≥ 0, 0 only marks the outliers as bad.
-  int max_gap = 5;
+  int max_gap = 10;
 };
 
 // How many outliers there were. The records are of the model's channels.

@@ -14,7 +14,7 @@
 //
 // The operating point is an estimate with an error of its own, so that an
 // offset for each window has to stay free in what is fitted
-// (StructuredOptions::offset_test_level = 1).
+// (StructuredOptions::offsets = kAlways).
 
 #ifndef MLE_DATA_SET_POINT_WINDOWS_H_
 #define MLE_DATA_SET_POINT_WINDOWS_H_

@@ -124,6 +124,11 @@ double FisherQuantile(double probability, double numerator,
   return 0.5 * (low + high);
 }
 
+double StudentTail(double x, double degrees_of_freedom) {
+  const double half = 0.5 * FisherTail(x * x, 1.0, degrees_of_freedom);
+  return x >= 0.0 ? half : 1.0 - half;
+}
+
 double StudentTwoSidedQuantile(double probability, double degrees_of_freedom) {
   return std::sqrt(FisherQuantile(probability, 1.0, degrees_of_freedom));
 }

@@ -19,6 +19,9 @@ double FisherTail(double x, double numerator, double denominator);
 // The x that F exceeds with `probability` in (0, 1).
 double FisherQuantile(double probability, double numerator, double denominator);
 
+// P(t > x) for Student's t.
+double StudentTail(double x, double degrees_of_freedom);
+
 // The x that |t| of Student's distribution exceeds with `probability` in
 // (0, 1): 1.96 for 0.05 and ν = ∞.
 double StudentTwoSidedQuantile(double probability, double degrees_of_freedom);

@@ -11,8 +11,9 @@
 // in units of r. ν_k/√F_k is white with variance r and
 // −2 ln p(n) = Σ (ln(2π r F_k) + ν_k²/(r F_k)), k ≥ 1. The filter is linear in
 // n, so that a model's residuals and its Jacobian pass through it alike.
-// (Durbin and Koopman, Time Series Analysis by State Space Methods, 2nd ed.
-// 2012, ch. 2 and 5.)
+// Samples may have weights ω_k: Var e_k = r/ω_k, F_k = P_k + 1/ω_k. (Durbin and
+// Koopman, Time Series Analysis by State Space Methods, 2nd ed. 2012, ch. 2
+// and 5.)
 //
 //   const InnovationsFilter filter(times, {.ratio = 1e-3});
 //   filter.Apply(columns);
@@ -36,7 +37,9 @@ class InnovationsFilter {
  public:
   // `times` are the numbers of the samples that are there, increasing; between
   // them the random walk goes on.
-  InnovationsFilter(const std::vector<int>& times, NoiseShape shape);
+  // `weights`, of each sample, are > 0; empty for ones.
+  InnovationsFilter(const std::vector<int>& times, NoiseShape shape,
+                    const Eigen::VectorXd& weights = {});
 
   // Σ ln F_k over the innovations: one fewer than the samples with an offset.
   double log_determinant() const { return log_determinant_; }
@@ -45,9 +48,16 @@ class InnovationsFilter {
   // becomes 0 where there is one. As many rows as samples.
   void Apply(Eigen::Ref<Eigen::MatrixXd> columns) const;
 
+  // e_k to be expected given all of n (as many as samples): what n leaves of
+  // the random walk drawn through it.
+  Eigen::VectorXd WhitePart(const Eigen::VectorXd& disturbance) const;
+
  private:
   std::vector<double> gains_;          // P_k/F_k
   std::vector<double> inverse_roots_;  // 1/√F_k
+  // Of the error of ŵ_k to that of ŵ_{k+1} before its sample (P_k r/P_{k+1}).
+  std::vector<double> smoothing_;
+  bool offset_ = true;
   double log_determinant_ = 0.0;
 };
 

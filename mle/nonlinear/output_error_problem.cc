@@ -160,7 +160,7 @@ std::vector<SegmentColumns> OutputErrorProblem::Linearise(
     if (!with_jacobian || num_modes_ == 0) continue;
 
     // The modes' part of the derivative by ln T takes their amplitudes.
-    const InnovationsFilter filter(segment.times, shape);
+    const InnovationsFilter filter(segment.times, shape, segment.weights);
     MatrixXd whitened(rows, 1 + num_modes_);
     whitened.col(0) = columns.residuals;
     whitened.rightCols(num_modes_) = columns.amplitudes;
@@ -196,7 +196,8 @@ WhitenedColumns OutputErrorProblem::Whiten(
     whitened.col(0) = columns[s].residuals;
     if (width > 0) whitened.middleCols(1, width) = columns[s].jacobian;
     whitened.rightCols(num_modes_) = columns[s].amplitudes;
-    const InnovationsFilter filter(segments_[s].times, shape);
+    const InnovationsFilter filter(segments_[s].times, shape,
+                                   segments_[s].weights);
     filter.Apply(whitened);
     if (num_modes_ > 0) {
       const AmplitudeQr qr = Factorise(whitened.rightCols(num_modes_));
@@ -217,6 +218,44 @@ WhitenedColumns OutputErrorProblem::Whiten(
     begin += rows;
   }
   return result;
+}
+
+void OutputErrorProblem::SetWeights(const VectorXd& weights,
+                                    double variance_factor) {
+  CHECK_EQ(weights.size(), num_samples_);
+  CHECK(weights.size() == 0 || weights.minCoeff() > 0.0);
+  weights_ = weights;
+  variance_factor_ = variance_factor;
+  Eigen::Index begin = 0;
+  for (Segment& segment : segments_) {
+    segment.weights = weights.segment(begin, segment.outputs.size());
+    begin += segment.outputs.size();
+  }
+}
+
+VectorXd OutputErrorProblem::WhiteResiduals(const OutputPoint& point,
+                                            NoiseShape shape) const {
+  const std::vector<SegmentColumns> columns =
+      Linearise(point, shape, /*with_jacobian=*/false);
+  VectorXd all(num_samples_);
+  Eigen::Index begin = 0;
+  for (std::size_t s = 0; s < segments_.size(); ++s) {
+    const Segment& segment = segments_[s];
+    const InnovationsFilter filter(segment.times, shape, segment.weights);
+    VectorXd residuals = columns[s].residuals;
+    if (num_modes_ > 0) {
+      MatrixXd whitened(residuals.size(), 1 + num_modes_);
+      whitened << residuals, columns[s].amplitudes;
+      filter.Apply(whitened);
+      AmplitudeQr qr;
+      qr.setThreshold(kRankTolerance);
+      qr.compute(whitened.rightCols(num_modes_));
+      residuals -= columns[s].amplitudes * qr.solve(whitened.col(0));
+    }
+    all.segment(begin, residuals.size()) = filter.WhitePart(residuals);
+    begin += residuals.size();
+  }
+  return all;
 }
 
 std::vector<MatrixXd> OutputErrorProblem::LagSums(
@@ -283,7 +322,7 @@ MatrixXd OutputErrorProblem::Dictionary(
         ++column;
       }
     }
-    const InnovationsFilter filter(segment.times, shape);
+    const InnovationsFilter filter(segment.times, shape, segment.weights);
     filter.Apply(columns);
     MatrixXd amplitudes;
     MatrixXd derivatives;

@@ -71,6 +71,14 @@ class OutputErrorProblem {
   int num_segments() const { return static_cast<int>(segments_.size()); }
   double sample_time() const { return sample_time_; }
   int num_samples() const { return num_samples_; }
+
+  // Weights ω_k > 0 of the samples of all segments in turn: the variance of
+  // their white noise is r/ω_k. `variance_factor` is what makes the variances
+  // of estimates out of that fit's (robust_loss.h).
+  void SetWeights(const Eigen::VectorXd& weights, double variance_factor);
+  const Eigen::VectorXd& weights() const { return weights_; }  // empty: ones
+  double variance_factor() const { return variance_factor_; }
+
   // Without one of each segment where that sets its offset.
   int num_innovations(NoiseShape shape) const {
     return num_samples_ - (shape.offset ? num_segments() : 0);
@@ -86,6 +94,11 @@ class OutputErrorProblem {
                                         bool with_jacobian) const;
   WhitenedColumns Whiten(const std::vector<SegmentColumns>& columns,
                          NoiseShape shape) const;
+
+  // What the whole model leaves at `point`, sample by sample: without the
+  // amplitudes' part and what is drawn through as offset and random walk.
+  Eigen::VectorXd WhiteResiduals(const OutputPoint& point,
+                                 NoiseShape shape) const;
 
   // For each segment rows × (m · ranges): sums of each input over the lags
   // first_lags[b] … first_lags[b + 1] − 1 (in samples, ≥ 0, ascending), by
@@ -106,6 +119,7 @@ class OutputErrorProblem {
     Eigen::MatrixXd inputs;  // N × m
     std::vector<int> times;  // samples that count
     Eigen::VectorXd outputs;
+    Eigen::VectorXd weights;  // empty: ones
   };
 
   // The columns of ElementResponse::Simulate() for element j at `point` (N ×
@@ -122,6 +136,8 @@ class OutputErrorProblem {
   int num_samples_ = 0;
   int num_modes_ = 0;  // Σ r_j
   double total_squares_ = 0.0;
+  Eigen::VectorXd weights_;
+  double variance_factor_ = 1.0;
 };
 
 }  // namespace mle

@@ -20,6 +20,9 @@ constexpr int kMaxGridPoints = 64;
 constexpr int kMaxNoiseRounds = 8;
 constexpr int kMaxSearchRounds = 5;
 constexpr int kMaxCellMoves = 100;
+// Weights of a robust loss are done where none moves by more than this.
+constexpr int kMaxRobustRounds = 30;
+constexpr double kWeightTolerance = 1e-3;
 // ρ stays where ln ρ moves less, or where both ratios are below any effect.
 constexpr double kRatioTolerance = 0.02;
 // A dead time this close to the end of its sample (in samples) is at it.
@@ -320,6 +323,18 @@ void FillIn(const OutputErrorProblem& problem, const StructuredOptions& options,
   fit.certificate = certificate;
 }
 
+// The weights at `fit`; returns by how much any of them moves.
+double Reweight(RobustLoss loss, const OutputFit& fit,
+                OutputErrorProblem& problem) {
+  const RobustWeights robust = ComputeRobustWeights(
+      loss, problem.WhiteResiduals(fit.point, ShapeOf(fit.noise)));
+  const VectorXd former = problem.weights().size() > 0
+                              ? problem.weights()
+                              : VectorXd::Ones(robust.weights.size());
+  problem.SetWeights(robust.weights, robust.variance_factor);
+  return (robust.weights - former).cwiseAbs().maxCoeff();
+}
+
 }  // namespace
 
 OutputFit FitOutput(const OutputErrorProblem& problem, const OutputPoint& start,
@@ -348,23 +363,59 @@ OutputFit FitOutput(const OutputErrorProblem& problem, const OutputPoint& start,
   return fit;
 }
 
+OutputFit Refit(const OutputErrorProblem& problem, const OutputFit& fit,
+                const OutputFitBounds& bounds,
+                const StructuredOptions& options) {
+  OutputFit again = fit;
+  FitCertificate certificate = fit.certificate;
+  if (fit.certificate.num_parameters > 0) {
+    Fitter fitter(problem, again.free, bounds, options);
+    Finish(problem, options, fitter, again);
+    certificate = fitter.certificate();
+  } else {
+    again.noise = EstimateNoise(problem, again.point, again.free, again.noise,
+                                options.estimate_drift);
+  }
+  certificate.weight_change = fit.certificate.weight_change;
+  FillIn(problem, options, certificate, again);
+  return again;
+}
+
 OutputFit FitWithoutOffsets(const OutputErrorProblem& problem,
                             const OutputFit& fit, const OutputFitBounds& bounds,
                             const StructuredOptions& options) {
   OutputFit plain = fit;
   plain.noise.ratio = 0.0;
   plain.noise.offset = false;
-  FitCertificate certificate = fit.certificate;
-  if (fit.certificate.num_parameters > 0) {
-    Fitter fitter(problem, plain.free, bounds, options);
-    Finish(problem, options, fitter, plain);
-    certificate = fitter.certificate();
-  } else {
-    plain.noise = EstimateNoise(problem, plain.point, plain.free, plain.noise,
+  return Refit(problem, plain, bounds, options);
+}
+
+void FitRobustly(const OutputFitBounds& bounds,
+                 const StructuredOptions& options, OutputErrorProblem& problem,
+                 OutputFit& fit) {
+  if (problem.num_segments() == 0) return;
+  Fitter fitter(problem, fit.free, bounds, options);
+  const bool parameters = fit.certificate.num_parameters > 0;
+  double change = kInfinity;
+  for (int search = 0; search < kMaxSearchRounds && change > kWeightTolerance;
+       ++search) {
+    // Weights from nearby, then the search for dead times once more.
+    for (int round = 0; round < kMaxRobustRounds; ++round) {
+      change = Reweight(options.robust_loss, fit, problem);
+      if (change <= kWeightTolerance) break;
+      fit.noise = EstimateNoise(problem, fit.point, fit.free, fit.noise,
                                 options.estimate_drift);
+      if (parameters) fitter.Refine(fit.point, ShapeOf(fit.noise));
+    }
+    fit = Refit(problem, fit, bounds, options);
+    change = Reweight(options.robust_loss, fit, problem);
   }
-  FillIn(problem, options, certificate, plain);
-  return plain;
+  // At the weights of the final residuals: the robust loss's own gradient.
+  if (parameters) {
+    fitter.CertifyGradient(fit.point, fit.noise);
+    fit.certificate.gradient = fitter.certificate().gradient;
+  }
+  fit.certificate.weight_change = change;
 }
 
 }  // namespace mle

@@ -53,6 +53,17 @@ OutputFit FitOutput(const OutputErrorProblem& problem, const OutputPoint& start,
                     const OutputFitBounds& bounds,
                     const StructuredOptions& options);
 
+// The fit continued from `fit`, under the weights that `problem` has now.
+OutputFit Refit(const OutputErrorProblem& problem, const OutputFit& fit,
+                const OutputFitBounds& bounds,
+                const StructuredOptions& options);
+
+// Weights of a robust loss and the fit under them, in turn from `fit` until
+// neither moves; left in `problem` and `fit`.
+void FitRobustly(const OutputFitBounds& bounds,
+                 const StructuredOptions& options, OutputErrorProblem& problem,
+                 OutputFit& fit);
+
 // The elements of `fit` fitted under white noise without offsets, from there.
 OutputFit FitWithoutOffsets(const OutputErrorProblem& problem,
                             const OutputFit& fit, const OutputFitBounds& bounds,
@@ -73,19 +84,21 @@ NoiseEstimate EstimateNoise(const OutputErrorProblem& problem,
 
 // What speaks against "the noise is white, without offsets" in one output.
 struct OffsetEvidence {
-  double offsets = 0.0;  // χ² of `num_offsets` for ρ = 0
-  int num_offsets = 0;
-  double drift = 0.0;  // likelihood ratio of ρ, offsets given
+  double offsets = 0.0;    // χ² of the offsets for ρ = 0
+  double drift = 0.0;      // likelihood ratio of ρ, offsets given
+  int num_parameters = 0;  // offsets, and ρ where it is estimated
 };
 
 // At the fit of an output with offsets.
 OffsetEvidence FindOffsetEvidence(const OutputErrorProblem& problem,
                                   const OutputPoint& point,
                                   const std::vector<bool>& free,
-                                  const NoiseEstimate& noise);
+                                  const NoiseEstimate& noise,
+                                  bool estimate_drift);
 
-// p-value of no offsets and no drift in any output.
-double OffsetProbability(const std::vector<OffsetEvidence>& evidence);
+// Akaike's weight of offsets and drift in all outputs against neither in any:
+// 1/(1 + exp(−ΔAIC/2)).
+double OffsetWeight(const std::vector<OffsetEvidence>& evidence);
 
 // −2 ln likelihood less constants at `point`, maximised over r and ρ, and, in
 // first order, over the elements that are `free`; with an offset as in `start`.

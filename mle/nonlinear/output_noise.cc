@@ -31,7 +31,8 @@ struct Profile {
   double squares = 0.0;  // of the whitened residuals
   double degrees = 0.0;  // of freedom that they have
   int rank = 0;          // of what is fitted to first order
-  double variance() const { return squares / std::max(degrees, 1.0); }
+  double factor = 1.0;   // of OutputErrorProblem::variance_factor()
+  double variance() const { return factor * squares / std::max(degrees, 1.0); }
 };
 
 // The likelihood (or restricted likelihood) of a noise shape.
@@ -64,6 +65,7 @@ class ShapeLikelihood {
     const WhitenedColumns whitened = problem_.Whiten(columns_, shape);
     Profile profile;
     profile.shape = shape;
+    profile.factor = problem_.variance_factor();
     profile.squares = whitened.residuals.squaredNorm();
     double log_jacobian = 0.0;
     Eigen::Index rank = 0;
@@ -189,39 +191,31 @@ NoiseEstimate EstimateNoise(const OutputErrorProblem& problem,
 OffsetEvidence FindOffsetEvidence(const OutputErrorProblem& problem,
                                   const OutputPoint& point,
                                   const std::vector<bool>& free,
-                                  const NoiseEstimate& noise) {
+                                  const NoiseEstimate& noise,
+                                  bool estimate_drift) {
   const ShapeLikelihood likelihood(problem, point, free, ShapeOf(noise),
                                    /*restricted=*/true);
   const Profile with = likelihood.At(NoiseShape());
   const Profile without = likelihood.At({.ratio = 0.0, .offset = false});
   OffsetEvidence evidence;
   evidence.offsets = (without.squares - with.squares) / with.variance();
-  evidence.num_offsets = problem.num_segments();
+  if (problem.num_segments() > 0) {
+    evidence.num_parameters =
+        problem.num_segments() + (estimate_drift ? 1 : 0);
+  }
   if (noise.ratio > 0.0) {
     evidence.drift = with.value - likelihood.At(ShapeOf(noise)).value;
   }
   return evidence;
 }
 
-double OffsetProbability(const std::vector<OffsetEvidence>& evidence) {
-  double statistic = 0.0;
-  double offsets = 0.0;
+double OffsetWeight(const std::vector<OffsetEvidence>& evidence) {
+  double excess = 0.0;  // of AIC without over AIC with
   for (const OffsetEvidence& e : evidence) {
-    statistic += std::max(e.offsets, 0.0) + std::max(e.drift, 0.0);
-    offsets += e.num_offsets;
+    excess += std::max(e.offsets, 0.0) + std::max(e.drift, 0.0) -
+              2.0 * e.num_parameters;
   }
-  // ρ = 0 is the end of its range, so that half of each ratio's distribution
-  // lies at 0: the number of χ² terms is binomial.
-  const int outputs = static_cast<int>(evidence.size());
-  double probability = 0.0;
-  double weight = std::pow(0.5, outputs);
-  for (int k = 0; k <= outputs; ++k) {
-    if (offsets + k > 0.0) {
-      probability += weight * ChiSquareTail(statistic, offsets + k);
-    }
-    weight *= static_cast<double>(outputs - k) / (k + 1);
-  }
-  return probability;
+  return 1.0 / (1.0 + std::exp(-0.5 * excess));
 }
 
 double Deviance(const OutputErrorProblem& problem, const OutputPoint& point,

@@ -9,6 +9,7 @@
 #include "mle/base/parallel.h"
 #include "mle/base/status.h"
 #include "mle/nonlinear/distributions.h"
+#include "mle/nonlinear/model_average.h"
 #include "mle/nonlinear/output_fit.h"
 #include "mle/nonlinear/structured_selection.h"
 #include "mle/nonlinear/structured_setup.h"
@@ -19,41 +20,35 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-ParameterEstimate Estimate(double initial, double value, double variance,
-                           double degrees_of_freedom, double confidence) {
-  ParameterEstimate estimate;
-  estimate.initial = initial;
-  estimate.value = value;
-  estimate.standard_error = std::sqrt(variance);
-  const double half_width =
-      variance > 0.0
-          ? StudentTwoSidedQuantile(1.0 - confidence, degrees_of_freedom) *
-                estimate.standard_error
-          : 0.0;
-  estimate.lower = value - half_width;
-  estimate.upper = value + half_width;
-  return estimate;
-}
+// Below this weight a part of the average is left out.
+constexpr double kSmallWeight = 1e-3;
+// A sample of less weight is said to be spared by a robust loss.
+constexpr double kSpared = 0.5;
 
-// Writes the fit of output i into `fit`.
-void Report(const OutputSetup& setup, const OutputFit& output_fit, int i,
-            double confidence, StructuredFit& fit) {
+// Writes the average of fits of output i into `fit`.
+void Report(const OutputSetup& setup, const std::vector<WeightedFit>& parts,
+            int i, double confidence, StructuredFit& fit) {
   const int m = fit.model.num_inputs();
   const auto& elements = setup.problem->elements();
+  const OutputFit average = Average(parts, setup.problem->sample_time());
   for (int j = 0; j < m; ++j) {
     ElementEstimate& estimate = fit.elements[i * m + j];
     if (!elements[j].has_value()) continue;
     const ElementValues& initial = elements[j]->initial_values();
-    const ElementValues& values = output_fit.point.values[j];
+    const ElementValues& values = average.point.values[j];
     const auto parameter = [&](int k, double from, double value) {
-      const int index = 3 * j + k;
-      return Estimate(from, value, output_fit.covariance(index, index),
-                      output_fit.degrees_of_freedom(index), confidence);
+      const Interval interval = MixtureInterval(parts, 3 * j + k, confidence);
+      return ParameterEstimate{
+          .initial = from,
+          .value = value,
+          .standard_error = std::sqrt(average.covariance(3 * j + k, 3 * j + k)),
+          .lower = interval.low,
+          .upper = interval.high};
     };
     estimate.gain = parameter(0, initial.gain, values.gain);
     estimate.time_scale = parameter(1, initial.time_scale, values.time_scale);
     estimate.delay = parameter(2, initial.delay, values.delay);
-    if (output_fit.free[j]) {
+    if (average.free[j]) {
       estimate.state = ElementState::kFitted;
       fit.model.element(i, j) = elements[j]->ToTransferFunction(values);
     } else {
@@ -61,10 +56,12 @@ void Report(const OutputSetup& setup, const OutputFit& output_fit, int i,
           setup.informed[j] ? ElementState::kHeld : ElementState::kNotInformed;
     }
   }
-  fit.covariances[i] = output_fit.covariance;
-  fit.noise[i] = output_fit.noise;
-  fit.certificates[i] = output_fit.certificate;
-  fit.deviances[i] = output_fit.deviance;
+  fit.covariances[i] = average.covariance;
+  fit.noise[i] = average.noise;
+  fit.certificates[i] = average.certificate;
+  fit.deviances[i] = average.deviance;
+  fit.spared_samples[i] =
+      static_cast<int>((setup.problem->weights().array() < kSpared).count());
 }
 
 StructuredFit EmptyFit(const ProcessModel& model) {
@@ -76,27 +73,43 @@ StructuredFit EmptyFit(const ProcessModel& model) {
   fit.noise.resize(p);
   fit.certificates.resize(p);
   fit.deviances.resize(p);
+  fit.spared_samples.resize(p);
   return fit;
 }
 
-// Writes all fits into `fit`, without offsets if no output speaks for them.
+double WeightOfOffsets(const std::vector<OutputSetup>& setups,
+                       const std::vector<OutputFit>& fits,
+                       const StructuredOptions& options) {
+  if (options.offsets == WindowOffsets::kAlways) return 1.0;
+  if (options.offsets == WindowOffsets::kNever) return 0.0;
+  std::vector<OffsetEvidence> evidence(setups.size());
+  ParallelFor(static_cast<int>(setups.size()), options.threads, [&](int i) {
+    evidence[i] =
+        FindOffsetEvidence(*setups[i].problem, fits[i].point, fits[i].free,
+                           fits[i].noise, options.estimate_drift);
+  });
+  const double weight = OffsetWeight(evidence);
+  return weight < kSmallWeight         ? 0.0
+         : weight > 1.0 - kSmallWeight ? 1.0
+                                       : weight;
+}
+
+// Writes all fits into `fit`, averaged with those without offsets.
 void ReportAll(const std::vector<OutputSetup>& setups,
                const std::vector<OutputFit>& fits,
                const StructuredOptions& options, StructuredFit& fit) {
-  const int p = static_cast<int>(setups.size());
-  std::vector<OffsetEvidence> evidence(p);
-  ParallelFor(p, options.threads, [&](int i) {
-    evidence[i] = FindOffsetEvidence(*setups[i].problem, fits[i].point,
-                                     fits[i].free, fits[i].noise);
-  });
-  const bool offsets = options.offset_test_level == 1.0 ||
-                       OffsetProbability(evidence) < options.offset_test_level;
-  ParallelFor(p, options.threads, [&](int i) {
-    const OutputFit shown = offsets
-                                ? fits[i]
-                                : FitWithoutOffsets(*setups[i].problem, fits[i],
-                                                    setups[i].bounds, options);
-    Report(setups[i], shown, i, options.confidence, fit);
+  const double weight = WeightOfOffsets(setups, fits, options);
+  fit.offset_weight = weight;
+  ParallelFor(static_cast<int>(setups.size()), options.threads, [&](int i) {
+    std::vector<WeightedFit> parts;
+    if (weight > 0.0) parts.push_back({weight, &fits[i]});
+    OutputFit plain;
+    if (weight < 1.0) {
+      plain = FitWithoutOffsets(*setups[i].problem, fits[i], setups[i].bounds,
+                                options);
+      parts.push_back({1.0 - weight, &plain});
+    }
+    Report(setups[i], parts, i, options.confidence, fit);
   });
 }
 
@@ -197,6 +210,9 @@ absl::StatusOr<StructuredCorrection> CorrectStructure(
   ParallelFor(p, options.threads, [&](int i) {
     fits[i] = FitOutput(*setups[i].problem, setups[i].start, setups[i].informed,
                         setups[i].bounds, options);
+    if (options.robust_loss != RobustLoss::kNone) {
+      FitRobustly(setups[i].bounds, options, *setups[i].problem, fits[i]);
+    }
   });
   ReportAll(setups, fits, options, correction.full);
   Judge(setups, fits, options, correction);
@@ -241,7 +257,9 @@ absl::StatusOr<StructuredFit> ComputeStructuredLimit(
     fit.certificate.message = "limit at the given values";
     fit.certificate.condition = covariance.condition;
     fit.certificate.rank = covariance.rank;
-    Report(setups[i], fit, i, options.confidence, limit);
+    limit.offset_weight = fit.noise.offset ? 1.0 : 0.0;
+    Report(setups[i], {{.weight = 1.0, .fit = &fit}}, i, options.confidence,
+           limit);
   }
   return limit;
 }

@@ -37,8 +37,21 @@
 #include "mle/data/record.h"
 #include "mle/model/process_model.h"
 #include "mle/model/step_response.h"
+#include "mle/nonlinear/robust_loss.h"
 
 namespace mle {
+
+// Records that are deviations from the model's operating point and free of
+// drift determine gains two to three times as well without an offset for each
+// window.
+enum class WindowOffsets {
+  // The estimates with offsets and drift, and with neither, averaged by their
+  // Akaike weights, all outputs together (Buckland, Burnham and Augustin,
+  // Biometrics 53, 1997).
+  kAveraged,
+  kAlways,
+  kNever,  // Neither offsets nor drift.
+};
 
 struct StructuredOptions {
   // T stays within this factor of its initial value, > 1.
@@ -51,12 +64,12 @@ struct StructuredOptions {
   double max_delay = std::numeric_limits<double>::infinity();
   // Whether the noise may have a random walk in it; if not, it is white.
   bool estimate_drift = true;
-  // Level, in (0, 1], of the test by which the estimates give up offsets of the
-  // windows and drift, in all outputs together: records that are deviations
-  // from the model's operating point and free of drift determine gains twice as
-  // well without them. At 1 they never are. What has changed is judged with
-  // them in any case.
-  double offset_test_level = 1e-3;
+  // What has changed is judged with an offset for each window and drift in any
+  // case.
+  WindowOffsets offsets = WindowOffsets::kAveraged;
+  // Loss of the residuals, for records with outliers. The noise variance, the
+  // intervals and the tests then hold in its first order.
+  RobustLoss robust_loss = RobustLoss::kNone;
   // Probability of a false alarm, in (0, 1): that a change is proposed where
   // there is none, and that an element is named that has not changed, of all.
   double false_alarm_probability = 0.01;
@@ -101,6 +114,9 @@ struct FitCertificate {
   int grid_searches = 0;  // for the dead times; the last found nothing better
   bool search_confirmed = false;
   bool at_bound = false;  // a parameter lies at its bound
+  // Of a robust loss: by how much a sample's weight differs at most from the
+  // one it had in the fit. `gradient` is the loss's own.
+  double weight_change = 0.0;
 };
 
 struct ParameterEstimate {
@@ -134,7 +150,12 @@ struct StructuredFit {
   std::vector<Eigen::MatrixXd> covariances;
   std::vector<NoiseEstimate> noise;          // p
   std::vector<FitCertificate> certificates;  // p
-  std::vector<double> deviances;             // p: −2 ln likelihood + const
+  // Of offsets and drift in the average; noise, certificates and deviances are
+  // those of its heavier part.
+  double offset_weight = 1.0;
+  // p: samples whose weight in a robust loss is below 0.5.
+  std::vector<int> spared_samples;
+  std::vector<double> deviances;  // p: −2 ln likelihood + const
 
   const ElementEstimate& element(int output, int input) const {
     return elements[output * model.num_inputs() + input];

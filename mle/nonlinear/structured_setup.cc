@@ -157,10 +157,6 @@ absl::Status StructuredOptions::Validate() const {
     return fault("false_alarm_probability", false_alarm_probability,
                  "between 0 and 1");
   }
-  if (!(offset_test_level > 0.0 && offset_test_level <= 1.0)) {
-    return fault("offset_test_level", offset_test_level,
-                 "above 0 and at most 1");
-  }
   if (!(confidence > 0.0 && confidence < 1.0)) {
     return fault("confidence", confidence, "between 0 and 1");
   }

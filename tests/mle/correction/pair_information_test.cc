@@ -49,8 +49,8 @@ TEST(PairInformationTest, InputsThatMoveInform) {
 
 // The limit of the errors is what a fit reaches.
 TEST(PairInformationTest, ErrorsAreThoseOfTheFit) {
-  const auto correction =
-      CorrectStructure(TwoElements(), Windows(), {.offset_test_level = 1.0});
+  const auto correction = CorrectStructure(TwoElements(), Windows(),
+                                           {.offsets = WindowOffsets::kAlways});
   ASSERT_TRUE(correction.ok());
   const PairInformation information =
       Assess(Windows(), correction->full.noise[0].variance,

@@ -1,5 +1,6 @@
 #include "mle/data/outlier_replacement.h"
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <vector>
@@ -57,6 +58,35 @@ TEST(OutlierReplacementTest, FindsAndReplacesThemAndNothingElse) {
   mark.max_gap = 0;
   EXPECT_EQ(ReplaceOutliers(Channels(), mark, records), spoilt_samples);
   EXPECT_EQ(records[0].outputs.array().isNaN().count(), spoilt_samples);
+}
+
+// Up to ten in a row, off to one side.
+TEST(OutlierReplacementTest, FindsBursts) {
+  const Record clean = StepRecord(3);
+  Record spoilt = clean;
+  std::mt19937_64 random(4);
+  int spoilt_samples = 0;
+  for (int k = 30; k < 1950; k += 131) {
+    const int length = 3 + static_cast<int>(random() % 8);
+    const double side = random() % 2 == 0 ? 1.0 : -1.0;
+    for (int i = k; i < k + length; ++i) {
+      spoilt.outputs(0, i) +=
+          side * (0.3 + 1.2 * static_cast<double>(random() % 1000) / 1e3);
+    }
+    spoilt_samples += length;
+  }
+  std::vector<Record> records = {spoilt};
+  const int found = ReplaceOutliers(Channels(), {}, records);
+  // All but the odd one that noise brings nearer, or that is the last of a
+  // burst on a flank.
+  EXPECT_GE(found, 0.95 * spoilt_samples);
+  EXPECT_LE(found, 1.05 * spoilt_samples);
+  double largest = 0.0;
+  for (int k = 0; k < 2000; ++k) {
+    largest = std::max(
+        largest, std::abs(records[0].outputs(0, k) - clean.outputs(0, k)));
+  }
+  EXPECT_LT(largest, 15 * 0.03);
 }
 
 TEST(OutlierReplacementTest, LeavesCleanRecordsAlone) {

@@ -69,6 +69,44 @@ TEST_P(InnovationsFilterTest, IsGeneralisedLeastSquaresWithAFreeOffset) {
 INSTANTIATE_TEST_SUITE_P(Ratios, InnovationsFilterTest,
                          ::testing::Values(0.0, 1e-4, 0.1, 1.0, 1e4));
 
+// Weighted samples: the same identity with variances 1/ω on the diagonal.
+TEST_P(InnovationsFilterTest, WeightsAreInverseVariances) {
+  const std::vector<int> times = {0, 1, 2, 3, 7, 8, 10, 11, 12, 30, 31, 32};
+  const int n = static_cast<int>(times.size());
+  VectorXd weights = VectorXd::Ones(n);
+  weights(0) = 0.2;
+  weights(4) = 0.01;
+  weights(9) = 0.5;
+  const MatrixXd columns = RandomMatrix(n, 3);
+  MatrixXd whitened = columns;
+  const InnovationsFilter filter(times, {.ratio = GetParam()}, weights);
+  filter.Apply(whitened);
+  MatrixXd V = Covariance(times, GetParam());
+  V.diagonal().array() += weights.array().inverse() - 1.0;
+  const VectorXd ones = VectorXd::Ones(n);
+  const MatrixXd Q = Eigen::HouseholderQR<MatrixXd>(ones).householderQ();
+  const MatrixXd A = Q.rightCols(n - 1);
+  const Eigen::LLT<MatrixXd> factor(MatrixXd(A.transpose() * V * A));
+  const MatrixXd contrasts = A.transpose() * columns;
+  const MatrixXd expected = contrasts.transpose() * factor.solve(contrasts);
+  EXPECT_LT((whitened.transpose() * whitened - expected).norm(),
+            1e-11 * expected.norm());
+  EXPECT_NEAR(filter.log_determinant(),
+              2.0 * factor.matrixLLT().diagonal().array().log().sum() +
+                  std::log(static_cast<double>(n)),
+              1e-9);
+
+  // The best guess of the white part e = n − w: D V⁻¹ (n − c), D = diag(1/ω), c
+  // the generalised mean.
+  const VectorXd noise = columns.col(0);
+  const Eigen::LLT<MatrixXd> full(V);
+  const double mean = ones.dot(full.solve(noise)) / ones.dot(full.solve(ones));
+  const VectorXd white =
+      weights.cwiseInverse().cwiseProduct(full.solve(noise - mean * ones));
+  EXPECT_LT((filter.WhitePart(noise) - white).norm(),
+            1e-10 * (noise.norm() + white.norm()));
+}
+
 TEST(InnovationsFilterTest, WhitensWhatItIsMeantFor) {
   const int n = 20000;
   const double ratio = 0.01;
@@ -102,6 +140,7 @@ TEST(InnovationsFilterTest, WithoutOffsetWhiteNoisePassesAsItIs) {
   filter.Apply(filtered);
   EXPECT_EQ(filtered, columns);
   EXPECT_EQ(filter.log_determinant(), 0.0);
+  EXPECT_EQ(filter.WhitePart(columns.col(0)), columns.col(0));
 }
 
 }  // namespace

@@ -195,8 +195,6 @@ TEST(StructuredOptionsTest, ValidateNamesTheField) {
               HasSubstr("max_delay is -1"));
   EXPECT_THAT(message([](O& o) { o.false_alarm_probability = 0.0; }),
               HasSubstr("false_alarm_probability is 0"));
-  EXPECT_THAT(message([](O& o) { o.offset_test_level = 0.0; }),
-              HasSubstr("offset_test_level is 0"));
   EXPECT_THAT(message([](O& o) { o.confidence = 1.0; }),
               HasSubstr("confidence is 1"));
   EXPECT_THAT(message([](O& o) { o.max_iterations = 0; }),

@@ -1,0 +1,118 @@
+#include "mle/nonlinear/model_average.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "glog/logging.h"
+#include "mle/nonlinear/distributions.h"
+
+namespace mle {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+struct Component {
+  double weight;
+  double value;
+  double error;
+  double degrees;
+};
+
+// Probability of a parameter above x.
+double Tail(const std::vector<Component>& components, double x) {
+  double tail = 0.0;
+  for (const Component& c : components) {
+    tail += c.weight * StudentTail((x - c.value) / c.error, c.degrees);
+  }
+  return tail;
+}
+
+// The x above which it lies with `probability`, between bounds.
+double Quantile(const std::vector<Component>& components, double probability,
+                double low, double high) {
+  for (int i = 0;
+       i < 200 && high - low > 1e-13 * (std::abs(low) + std::abs(high)); ++i) {
+    const double middle = 0.5 * (low + high);
+    (Tail(components, middle) > probability ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+}  // namespace
+
+VectorXd ParametersOf(const OutputPoint& point) {
+  VectorXd parameters(3 * static_cast<Eigen::Index>(point.values.size()));
+  for (std::size_t j = 0; j < point.values.size(); ++j) {
+    const ElementValues& v = point.values[j];
+    parameters.segment(3 * static_cast<Eigen::Index>(j), 3) << v.gain,
+        v.time_scale, v.delay;
+  }
+  return parameters;
+}
+
+OutputFit Average(const std::vector<WeightedFit>& fits, double sample_time) {
+  CHECK(!fits.empty());
+  const WeightedFit& heaviest = *std::max_element(
+      fits.begin(), fits.end(),
+      [](const auto& a, const auto& b) { return a.weight < b.weight; });
+  OutputFit average = *heaviest.fit;
+  if (fits.size() == 1) return average;
+  VectorXd mean = VectorXd::Zero(average.covariance.rows());
+  VectorXd inverse_degrees = VectorXd::Zero(mean.size());
+  for (const WeightedFit& part : fits) {
+    mean += part.weight * ParametersOf(part.fit->point);
+    inverse_degrees +=
+        part.weight * part.fit->degrees_of_freedom.cwiseInverse();
+    average.certificate.search_confirmed &=
+        part.fit->certificate.search_confirmed;
+    average.certificate.gradient =
+        std::max(average.certificate.gradient, part.fit->certificate.gradient);
+  }
+  average.covariance.setZero();
+  for (const WeightedFit& part : fits) {
+    const VectorXd apart = ParametersOf(part.fit->point) - mean;
+    average.covariance +=
+        part.weight * (part.fit->covariance + apart * apart.transpose());
+  }
+  average.degrees_of_freedom = inverse_degrees.cwiseInverse();
+  for (std::size_t j = 0; j < average.free.size(); ++j) {
+    if (!average.free[j]) continue;
+    const auto values = mean.segment(3 * static_cast<Eigen::Index>(j), 3);
+    average.point.values[j] = {values(0), values(1), values(2)};
+  }
+  average.point.SetCells(sample_time);
+  return average;
+}
+
+Interval MixtureInterval(const std::vector<WeightedFit>& fits, int index,
+                         double confidence) {
+  std::vector<Component> components;
+  Interval widest = {kInfinity, -kInfinity};
+  for (const WeightedFit& part : fits) {
+    const double value = ParametersOf(part.fit->point)(index);
+    const double variance = part.fit->covariance(index, index);
+    const double degrees = part.fit->degrees_of_freedom(index);
+    if (!std::isfinite(variance)) return {-kInfinity, kInfinity};
+    const double error = std::sqrt(variance);
+    const double half =
+        variance > 0.0
+            ? StudentTwoSidedQuantile(1.0 - confidence, degrees) * error
+            : 0.0;
+    widest.low = std::min(widest.low, value - half);
+    widest.high = std::max(widest.high, value + half);
+    if (variance > 0.0) {
+      components.push_back({part.weight, value, error, degrees});
+    }
+  }
+  // One fit, or nothing to mix.
+  if (components.size() < 2) return widest;
+  const double tail = 0.5 * (1.0 - confidence);
+  return {Quantile(components, 1.0 - tail, widest.low, widest.high),
+          Quantile(components, tail, widest.low, widest.high)};
+}
+
+}  // namespace mle
