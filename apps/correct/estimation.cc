@@ -5,6 +5,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "mle/base/status.h"
+#include "mle/correction/robust_correction.h"
+#include "mle/correction/smoothed_correction.h"
 #include "mle/data/lagged_series.h"
 
 namespace mle::correct {
@@ -57,6 +59,35 @@ absl::StatusOr<Predictor> MakePredictor(const Setting& setting,
              PredictWithArx(Unscaled(*arx, setting.scales)));
 }
 
+// R + ΔR at λ (one for each output) by the solver and the loss asked for.
+absl::StatusOr<ArxModel> SolveArx(const EstimationOptions& options,
+                                  const Correction& correction,
+                                  const Eigen::VectorXd& lambdas, double& gap) {
+  gap = correction.MaxRelativeGap();
+  if (options.structured.robust_loss != RobustLoss::kNone) {
+    RobustCorrectionOptions robust_options;
+    robust_options.loss = options.structured.robust_loss;
+    MLE_ASSIGN_OR_RETURN(RobustCorrection robust,
+                         CorrectRobustly(correction, lambdas, robust_options));
+    gap = std::max(gap, robust.MaxRelativeGap());
+    return std::move(robust.model);
+  }
+  if (options.solve_by_ceres) {
+    MLE_ASSIGN_OR_RETURN(SmoothedCorrection smoothed,
+                         CorrectSmoothed(correction, lambdas, {}));
+    gap = std::max(gap, smoothed.MaxRelativeGap());
+    return std::move(smoothed.model);
+  }
+  return correction.Model(lambdas);
+}
+
+absl::Status SolveArx(const EstimationOptions& options, Fit& fit) {
+  MLE_ASSIGN_OR_RETURN(fit.arx_model,
+                       SolveArx(options, *fit.arx,
+                                fit.arx->selection().lambda_star, fit.arx_gap));
+  return absl::OkStatus();
+}
+
 absl::Status AddPredictors(const Setting& setting, double sample_time,
                            Fit& fit) {
   const ArxModel* const before =
@@ -69,10 +100,9 @@ absl::Status AddPredictors(const Setting& setting, double sample_time,
                                        before, sample_time));
     return absl::OkStatus();
   }
-  const ArxModel after = fit.arx->Model();
   MLE_ASSIGN_OR_RETURN(fit.corrected,
                        MakePredictor(setting, fit.structured.corrected.model,
-                                     &after, sample_time));
+                                     &fit.arx_model, sample_time));
   return absl::OkStatus();
 }
 
@@ -161,7 +191,7 @@ absl::Status AddArx(const std::vector<Record>& windows, Estimate& estimate) {
     MLE_ASSIGN_OR_RETURN(fit.arx, CorrectModel(setting.conversion->model,
                                                ScaledWindows(setting, windows),
                                                options.correction));
-    return absl::OkStatus();
+    return SolveArx(options, fit);
   }
   CombinedOptions combined;
   combined.structured = options.structured;
@@ -189,7 +219,7 @@ absl::Status AddArx(const std::vector<Record>& windows, Estimate& estimate) {
   fit.arx = std::move(result.correction);
   setting.conversion = std::move(result.conversion);
   setting.arx_outputs = std::move(result.outputs_corrected);
-  return absl::OkStatus();
+  return SolveArx(options, fit);
 }
 
 }  // namespace
@@ -223,7 +253,10 @@ absl::StatusOr<Predictor> PredictFromPart(const Setting& setting,
   MLE_ASSIGN_OR_RETURN(const Correction correction,
                        CorrectModel(setting.conversion->model,
                                     ScaledWindows(setting, windows), options));
-  const ArxModel arx = correction.Model(full.arx->selection().lambda_star);
+  double gap = 0.0;
+  MLE_ASSIGN_OR_RETURN(const ArxModel arx,
+                       SolveArx(setting.options, correction,
+                                full.arx->selection().lambda_star, gap));
   return MakePredictor(setting, process, &arx, sample_time);
 }
 
@@ -272,13 +305,13 @@ absl::StatusOr<CorrectedModel> MakeCorrectedModel(const Estimate& estimate,
     corrected.max_relative_gap = setting.conversion->max_relative_gap;
     ArxModel scaled = setting.conversion->model;
     if (accepted && fit.arx.has_value()) {
-      const ArxModel with_change = fit.arx->Model();
       for (std::size_t i = 0; i < setting.arx_outputs.size(); ++i) {
         const auto row = static_cast<Eigen::Index>(i);
-        if (setting.arx_outputs[i]) scaled.R.row(row) = with_change.R.row(row);
+        if (setting.arx_outputs[i])
+          scaled.R.row(row) = fit.arx_model.R.row(row);
       }
       corrected.max_relative_gap =
-          std::max(corrected.max_relative_gap, fit.arx->MaxRelativeGap());
+          std::max(corrected.max_relative_gap, fit.arx_gap);
     }
     corrected.arx = Unscaled(scaled, setting.scales);
     corrected.response = corrected.arx.ComputeStepResponse(response_samples);

@@ -41,6 +41,9 @@ inline constexpr double kNoCorrectionLambda = 1e6;
 
 struct EstimationOptions {
   Estimator estimator = Estimator::kStructured;
+  // ΔR at λ*, which is chosen on the exact path, solved as a smooth problem by
+  // Ceres. With structured.robust_loss it is solved with that loss, by Ceres.
+  bool solve_by_ceres = false;
   StructuredOptions structured;
   NullCalibrationOptions calibration;
   ConversionSettings conversion;
@@ -58,6 +61,9 @@ struct Fit {
   // ΔR: of the estimator arx where a change is proposed, of combined where
   // structure is not enough.
   std::optional<Correction> arx;
+  // R + ΔR at its λ*, scaled, and the relative duality gap.
+  ArxModel arx_model;
+  double arx_gap = 0.0;
   // Predictions of the initial and of the corrected model; equal without a
   // proposal.
   Predictor initial;

@@ -41,7 +41,7 @@ namespace mle {
 struct RobustCorrectionOptions {
   RobustLoss loss = RobustLoss::kHuber;
   // Weights stay where none moves by more than this, in (0, 1).
-  double weight_tolerance = 1e-4;
+  double weight_tolerance = 1e-6;
   int max_rounds = 200;  // ≥ 1
   SmoothedLassoOptions lasso;
 

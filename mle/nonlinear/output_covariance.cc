@@ -19,15 +19,13 @@ constexpr double kRatioStep = 0.2;
 
 }  // namespace
 
-OutputCovariance ComputeCovariance(const OutputErrorProblem& problem,
-                                   const OutputPoint& point,
-                                   const std::vector<bool>& free,
-                                   const NoiseEstimate& noise) {
-  const WhitenedColumns whitened = problem.Whiten(
-      problem.Linearise(point, ShapeOf(noise), true), ShapeOf(noise));
+OutputCovariance CovarianceOf(const WhitenedColumns& whitened,
+                              const OutputPoint& point,
+                              const std::vector<bool>& free, double variance) {
   std::vector<int> kept;
-  VectorXd units = VectorXd::Ones(3 * problem.num_elements());
-  for (int j = 0; j < problem.num_elements(); ++j) {
+  const int m = static_cast<int>(free.size());
+  VectorXd units = VectorXd::Ones(3 * m);
+  for (int j = 0; j < m; ++j) {
     for (int i = 0; free[j] && i < 3; ++i) kept.push_back(3 * j + i);
     if (free[j]) units(3 * j + 1) = point.values[j].time_scale;  // of ln T
   }
@@ -56,7 +54,7 @@ OutputCovariance ComputeCovariance(const OutputErrorProblem& problem,
   result.condition = std::sqrt(largest / std::max(values.minCoeff(), 1e-300));
   for (std::size_t a = 0; a < kept.size(); ++a) {
     for (std::size_t b = 0; b < kept.size(); ++b) {
-      result.covariance(kept[a], kept[b]) = noise.variance * inverse(a, b) /
+      result.covariance(kept[a], kept[b]) = variance * inverse(a, b) /
                                             (norms(a) * norms(b)) *
                                             units(kept[a]) * units(kept[b]);
     }
@@ -65,6 +63,16 @@ OutputCovariance ComputeCovariance(const OutputErrorProblem& problem,
     }
   }
   return result;
+}
+
+OutputCovariance ComputeCovariance(const OutputErrorProblem& problem,
+                                   const OutputPoint& point,
+                                   const std::vector<bool>& free,
+                                   const NoiseEstimate& noise) {
+  return CovarianceOf(problem.Whiten(problem.Linearise(point, ShapeOf(noise),
+                                                       /*with_jacobian=*/true),
+                                     ShapeOf(noise)),
+                      point, free, noise.variance);
 }
 
 VectorXd ComputeDegreesOfFreedom(const OutputErrorProblem& problem,

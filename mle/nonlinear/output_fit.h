@@ -64,6 +64,36 @@ void FitRobustly(const OutputFitBounds& bounds,
                  const StructuredOptions& options, OutputErrorProblem& problem,
                  OutputFit& fit);
 
+struct RatioLikelihood {
+  double deviance = 0.0;  // −2 ln restricted likelihood less constants
+  double variance = 0.0;  // r
+};
+
+// Of noise of `shape`, from columns linearised at `point`.
+RatioLikelihood RestrictedLikelihood(const OutputErrorProblem& problem,
+                                     const std::vector<bool>& free,
+                                     const std::vector<SegmentColumns>& columns,
+                                     NoiseShape shape);
+
+// Estimates under one ρ.
+struct RatioEstimate {
+  double weight = 1.0;
+  Eigen::VectorXd change;              // 3m, of K, T, L from the fit's
+  Eigen::MatrixXd covariance;          // 3m × 3m
+  Eigen::VectorXd degrees_of_freedom;  // 3m, of its diagonal
+};
+
+// ρ is known no better than the records tell, and where drift is too weak to be
+// seen its best estimate is 0. So estimates are taken in first order about
+// `fit` (an offset for each segment) under every ρ that is possible, weighted
+// by restricted likelihood: ρ = 0 and e-folds from 1/N² on, N samples of a
+// segment, below which drift changes no estimate, all as likely beforehand.
+// Weights add up to one. One estimate where ρ is not estimated, or nothing is
+// free.
+std::vector<RatioEstimate> IntegrateRatio(const OutputErrorProblem& problem,
+                                          const OutputFit& fit,
+                                          bool estimate_drift);
+
 // The elements of `fit` fitted under white noise without offsets, from there.
 OutputFit FitWithoutOffsets(const OutputErrorProblem& problem,
                             const OutputFit& fit, const OutputFitBounds& bounds,
@@ -132,6 +162,11 @@ struct OutputCovariance {
   int rank = 0;
   double condition = 0.0;
 };
+
+// The same from whitened columns of all parameters, for r = `variance`.
+OutputCovariance CovarianceOf(const WhitenedColumns& whitened,
+                              const OutputPoint& point,
+                              const std::vector<bool>& free, double variance);
 
 // r (JᵀJ)⁻¹ at `point`, the inverse of Fisher's information.
 OutputCovariance ComputeCovariance(const OutputErrorProblem& problem,

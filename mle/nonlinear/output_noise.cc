@@ -41,8 +41,15 @@ class ShapeLikelihood {
   ShapeLikelihood(const OutputErrorProblem& problem, const OutputPoint& point,
                   const std::vector<bool>& free, NoiseShape start,
                   bool restricted, const std::vector<MatrixXd>& more = {})
+      : ShapeLikelihood(problem, problem.Linearise(point, start, true), free,
+                        restricted, more) {}
+
+  ShapeLikelihood(const OutputErrorProblem& problem,
+                  std::vector<SegmentColumns> columns,
+                  const std::vector<bool>& free, bool restricted,
+                  const std::vector<MatrixXd>& more = {})
       : problem_(problem),
-        columns_(problem.Linearise(point, start, true)),
+        columns_(std::move(columns)),
         restricted_(restricted) {
     std::vector<int> kept;
     for (std::size_t j = 0; j < free.size(); ++j) {
@@ -188,6 +195,15 @@ NoiseEstimate EstimateNoise(const OutputErrorProblem& problem,
   return noise;
 }
 
+RatioLikelihood RestrictedLikelihood(const OutputErrorProblem& problem,
+                                     const std::vector<bool>& free,
+                                     const std::vector<SegmentColumns>& columns,
+                                     NoiseShape shape) {
+  const Profile profile =
+      ShapeLikelihood(problem, columns, free, /*restricted=*/true).At(shape);
+  return {.deviance = profile.value, .variance = profile.variance()};
+}
+
 OffsetEvidence FindOffsetEvidence(const OutputErrorProblem& problem,
                                   const OutputPoint& point,
                                   const std::vector<bool>& free,
@@ -200,8 +216,7 @@ OffsetEvidence FindOffsetEvidence(const OutputErrorProblem& problem,
   OffsetEvidence evidence;
   evidence.offsets = (without.squares - with.squares) / with.variance();
   if (problem.num_segments() > 0) {
-    evidence.num_parameters =
-        problem.num_segments() + (estimate_drift ? 1 : 0);
+    evidence.num_parameters = problem.num_segments() + (estimate_drift ? 1 : 0);
   }
   if (noise.ratio > 0.0) {
     evidence.drift = with.value - likelihood.At(ShapeOf(noise)).value;

@@ -77,6 +77,25 @@ StructuredFit EmptyFit(const ProcessModel& model) {
   return fit;
 }
 
+// `fit` with the estimates under another ratio.
+OutputFit Shifted(OutputFit fit, RatioEstimate estimate,
+                  const OutputFitBounds& bounds) {
+  for (std::size_t j = 0; j < fit.free.size(); ++j) {
+    if (!fit.free[j]) continue;
+    const auto k = 3 * static_cast<Eigen::Index>(j);
+    ElementValues& v = fit.point.values[j];
+    v.gain += estimate.change(k);
+    v.time_scale =
+        std::clamp(v.time_scale + estimate.change(k + 1),
+                   bounds.min_time_scales[j], bounds.max_time_scales[j]);
+    v.delay = std::clamp(v.delay + estimate.change(k + 2), 0.0,
+                         std::max(bounds.max_delays[j], v.delay));
+  }
+  fit.covariance = std::move(estimate.covariance);
+  fit.degrees_of_freedom = std::move(estimate.degrees_of_freedom);
+  return fit;
+}
+
 double WeightOfOffsets(const std::vector<OutputSetup>& setups,
                        const std::vector<OutputFit>& fits,
                        const StructuredOptions& options) {
@@ -101,14 +120,22 @@ void ReportAll(const std::vector<OutputSetup>& setups,
   const double weight = WeightOfOffsets(setups, fits, options);
   fit.offset_weight = weight;
   ParallelFor(static_cast<int>(setups.size()), options.threads, [&](int i) {
+    std::vector<OutputFit> under;  // each possible ratio of drift
     std::vector<WeightedFit> parts;
-    if (weight > 0.0) parts.push_back({weight, &fits[i]});
-    OutputFit plain;
-    if (weight < 1.0) {
-      plain = FitWithoutOffsets(*setups[i].problem, fits[i], setups[i].bounds,
-                                options);
-      parts.push_back({1.0 - weight, &plain});
+    if (weight > 0.0) {
+      for (RatioEstimate& estimate : IntegrateRatio(*setups[i].problem, fits[i],
+                                                    options.estimate_drift)) {
+        parts.push_back({weight * estimate.weight, nullptr});
+        under.push_back(
+            Shifted(fits[i], std::move(estimate), setups[i].bounds));
+      }
     }
+    if (weight < 1.0) {
+      under.push_back(FitWithoutOffsets(*setups[i].problem, fits[i],
+                                        setups[i].bounds, options));
+      parts.push_back({1.0 - weight, nullptr});
+    }
+    for (std::size_t k = 0; k < parts.size(); ++k) parts[k].fit = &under[k];
     Report(setups[i], parts, i, options.confidence, fit);
   });
 }

@@ -54,6 +54,10 @@ TEST_F(MleCorrectBadInput, Flags) {
   ExpectRefused({"--data=" + data_ + "," + data_}, {"--data", "twice"});
   ExpectRefused({"--estimator=best"},
                 {"--estimator=best", "known are structured"});
+  ExpectRefused({"--solver=best"},
+                {"--solver=best", "known are homotopy, coordinate_descent"});
+  ExpectRefused({"--robust=best"},
+                {"--robust=best", "known are none, huber and cauchy"});
   ExpectRefused({"--estimator=arx", "--selection=best"},
                 {"--selection=best", "known are blocks"});
   ExpectRefused({"--false_alarm_probability=0"},

@@ -276,6 +276,34 @@ TEST(MleCorrectTest, TheArxEstimatorCorrectsToo) {
   EXPECT_EQ(kept["decision"], "no_change");
 }
 
+// Ceres solves what the path solves; a robust loss is another problem, near by
+// where nothing is wrong with the records.
+TEST(MleCorrectTest, SolversAgreeAndLossesAreTaken) {
+  const Example example(WithHalvedGain());
+  const std::vector<std::string> arx = {"--estimator=arx",
+                                        "--conversion_samples=20000"};
+  const auto run = [&](const std::string& flag) {
+    std::vector<std::string> flags = arx;
+    flags.push_back(flag);
+    return example.Run(flags);
+  };
+  const nlohmann::json exact = run("--solver=homotopy");
+  const nlohmann::json ceres = run("--solver=ceres");
+  EXPECT_EQ(ceres["lambda_star"], exact["lambda_star"]);
+  EXPECT_LE(ceres["certificate"]["max_relative_duality_gap"], 1e-6);
+  const double E = exact["truth"]["E_corrected"];
+  EXPECT_NEAR(ceres["truth"]["E_corrected"].get<double>(), E, 1e-3 * E);
+  for (const char* const loss : {"--robust=huber", "--robust=cauchy"}) {
+    SCOPED_TRACE(loss);
+    const nlohmann::json robust = run(loss);
+    EXPECT_EQ(robust["decision"], "corrected");
+    EXPECT_LE(robust["certificate"]["max_relative_duality_gap"], 1e-6);
+    EXPECT_NE(robust["truth"]["E_corrected"], exact["truth"]["E_corrected"]);
+    EXPECT_LT(robust["truth"]["E_corrected"],
+              0.1 * robust["truth"]["E_initial"].get<double>());
+  }
+}
+
 // No gain, time constant and dead time make an inverse response: what is fitted
 // then is worse than the initial model, and says nothing of it.
 TEST(MleCorrectTest, AnElementOfAnotherShapeIsCorrectedOrRefused) {

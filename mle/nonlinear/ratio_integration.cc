@@ -1,0 +1,98 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "mle/nonlinear/output_fit.h"
+
+namespace mle {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// Of the largest weight; less is left out.
+constexpr double kSmallWeight = 1e-3;
+constexpr double kGridStep = 1.0;  // of ln ρ
+const double kMaxLogRatio = std::log(1e6);
+
+// ln of the restricted likelihood of a ratio, and the estimates under it.
+struct Candidate {
+  double log_likelihood = 0.0;
+  RatioEstimate estimate;
+};
+
+Candidate AtRatio(const OutputErrorProblem& problem, const OutputFit& fit,
+                  const std::vector<SegmentColumns>& columns, double ratio) {
+  const NoiseShape shape = {.ratio = ratio};
+  const RatioLikelihood likelihood =
+      RestrictedLikelihood(problem, fit.free, columns, shape);
+  const WhitenedColumns whitened = problem.Whiten(columns, shape);
+  Candidate candidate;
+  candidate.log_likelihood = -0.5 * likelihood.deviance;
+  candidate.estimate.covariance =
+      CovarianceOf(whitened, fit.point, fit.free, likelihood.variance)
+          .covariance;
+  // A step of Gauss and Newton, V Jᵀ(−r)/r with V/r in units of K, T and L.
+  VectorXd gradient = whitened.jacobian.transpose() * whitened.residuals;
+  for (std::size_t j = 0; j < fit.free.size(); ++j) {
+    const auto t = 3 * static_cast<Eigen::Index>(j) + 1;
+    if (fit.free[j]) gradient(t) /= fit.point.values[j].time_scale;
+  }
+  MatrixXd finite = candidate.estimate.covariance;
+  for (Eigen::Index i = 0; i < finite.rows(); ++i) {
+    if (!std::isfinite(finite(i, i))) {
+      finite.row(i).setZero();
+      finite.col(i).setZero();
+    }
+  }
+  candidate.estimate.change = -finite * gradient / likelihood.variance;
+  return candidate;
+}
+
+}  // namespace
+
+std::vector<RatioEstimate> IntegrateRatio(const OutputErrorProblem& problem,
+                                          const OutputFit& fit,
+                                          bool estimate_drift) {
+  const bool any =
+      std::find(fit.free.begin(), fit.free.end(), true) != fit.free.end();
+  if (!estimate_drift || !any || problem.num_segments() == 0) {
+    return {{.weight = 1.0,
+             .change = VectorXd::Zero(fit.covariance.rows()),
+             .covariance = fit.covariance,
+             .degrees_of_freedom = fit.degrees_of_freedom}};
+  }
+  const std::vector<SegmentColumns> columns =
+      problem.Linearise(fit.point, ShapeOf(fit.noise), /*with_jacobian=*/true);
+  const VectorXd at_fit =
+      AtRatio(problem, fit, columns, fit.noise.ratio).estimate.change;
+  std::vector<Candidate> candidates = {AtRatio(problem, fit, columns, 0.0)};
+  const double length = static_cast<double>(problem.num_samples()) /
+                        static_cast<double>(problem.num_segments());
+  for (double log_ratio = -2.0 * std::log(length); log_ratio <= kMaxLogRatio;
+       log_ratio += kGridStep) {
+    candidates.push_back(AtRatio(problem, fit, columns, std::exp(log_ratio)));
+  }
+  double best = -std::numeric_limits<double>::infinity();
+  for (const Candidate& c : candidates) best = std::max(best, c.log_likelihood);
+  double total = 0.0;
+  std::vector<RatioEstimate> estimates;
+  for (Candidate& c : candidates) {
+    c.estimate.weight = std::exp(c.log_likelihood - best);
+    if (!(c.estimate.weight > kSmallWeight)) continue;
+    total += c.estimate.weight;
+    // What is left of the gradient at the fit (kinks and bounds) stays.
+    c.estimate.change -= at_fit;
+    estimates.push_back(std::move(c.estimate));
+  }
+  for (RatioEstimate& estimate : estimates) {
+    estimate.weight /= total;
+    // Of r: what is not known of ρ is in the weights.
+    estimate.degrees_of_freedom = VectorXd::Constant(
+        fit.covariance.rows(), problem.num_innovations(NoiseShape()));
+  }
+  return estimates;
+}
+
+}  // namespace mle

@@ -1,0 +1,114 @@
+#include <cmath>
+#include <vector>
+
+#include "gtest/gtest.h"
+#include "mle/nonlinear/output_fit.h"
+#include "mle/nonlinear/structured_setup.h"
+#include "tests/mle/nonlinear/structured_records.h"
+
+namespace mle {
+namespace {
+
+using Eigen::VectorXd;
+
+struct Fitted {
+  std::vector<OutputSetup> setups;
+  OutputFit fit;
+};
+
+Fitted FitRecords(const RecordNoise& noise, unsigned seed) {
+  const ProcessModel model = TwoElements();
+  auto setups = SetUpOutputs(model, MakeRecords(model, 400, seed, noise), {});
+  EXPECT_TRUE(setups.ok()) << setups.status();
+  Fitted fitted{*std::move(setups), {}};
+  const OutputSetup& setup = fitted.setups[0];
+  fitted.fit =
+      FitOutput(*setup.problem, setup.start, {true, true}, setup.bounds, {});
+  return fitted;
+}
+
+VectorXd Mean(const std::vector<RatioEstimate>& estimates) {
+  VectorXd mean = VectorXd::Zero(estimates[0].change.size());
+  for (const RatioEstimate& e : estimates) mean += e.weight * e.change;
+  return mean;
+}
+
+TEST(RatioIntegrationTest, WeightsAreAProbability) {
+  for (const double increment : {0.0, 1e-6, 1e-4}) {
+    const Fitted f = FitRecords({.variance = 0.01, .increment = increment}, 3);
+    const auto estimates = IntegrateRatio(*f.setups[0].problem, f.fit, true);
+    double total = 0.0;
+    for (const RatioEstimate& e : estimates) {
+      EXPECT_GT(e.weight, 0.0);
+      EXPECT_TRUE(e.change.allFinite());
+      total += e.weight;
+    }
+    EXPECT_NEAR(total, 1.0, 1e-12);
+    // Between the ratios estimates differ by less than their errors.
+    const VectorXd mean = Mean(estimates);
+    for (Eigen::Index k = 0; k < mean.size(); ++k) {
+      EXPECT_LT(std::abs(mean(k)), std::sqrt(f.fit.covariance(k, k)));
+    }
+  }
+}
+
+// A step of Gauss and Newton to another ratio is where the fit under it ends.
+TEST(RatioIntegrationTest, ChangesAreThoseOfRefits) {
+  const Fitted f = FitRecords({.variance = 0.01, .increment = 1e-4}, 4);
+  const OutputErrorProblem& problem = *f.setups[0].problem;
+  StructuredOptions white;
+  white.estimate_drift = false;  // ρ = 0
+  const OutputFit refit =
+      FitOutput(problem, f.fit.point, {true, true}, f.setups[0].bounds, white);
+  // In records without drift ρ = 0 stands first among the estimates.
+  const Fitted still = FitRecords({.variance = 0.01}, 5);
+  const auto estimates =
+      IntegrateRatio(*still.setups[0].problem, still.fit, true);
+  const OutputFit still_refit =
+      FitOutput(*still.setups[0].problem, still.fit.point, {true, true},
+                still.setups[0].bounds, white);
+  EXPECT_GT(std::abs(refit.point.values[0].gain - f.fit.point.values[0].gain),
+            0.0);
+  for (int j = 0; j < 2; ++j) {
+    const double deviation = std::sqrt(still.fit.covariance(3 * j, 3 * j));
+    EXPECT_NEAR(still.fit.point.values[j].gain + estimates[0].change(3 * j),
+                still_refit.point.values[j].gain, 0.05 * deviation);
+  }
+}
+
+// Where drift is plain the weights gather about its ratio, and what is not
+// known of it widens nothing.
+TEST(RatioIntegrationTest, PlainDriftIsFound) {
+  const Fitted f = FitRecords({.variance = 0.01, .increment = 1e-3}, 6);
+  const auto estimates = IntegrateRatio(*f.setups[0].problem, f.fit, true);
+  EXPECT_LE(estimates.size(), 6U);
+  double variance = 0.0;
+  for (const RatioEstimate& e : estimates) {
+    variance += e.weight * e.covariance(0, 0);
+  }
+  EXPECT_NEAR(variance / f.fit.covariance(0, 0), 1.0, 0.3);
+}
+
+// Without drift it cannot be excluded: the gain is less certain than at ρ = 0.
+TEST(RatioIntegrationTest, DriftThatCannotBeExcludedCounts) {
+  const Fitted f = FitRecords({.variance = 0.01}, 7);
+  const auto estimates = IntegrateRatio(*f.setups[0].problem, f.fit, true);
+  EXPECT_GT(estimates.size(), 5U);
+  double variance = 0.0;
+  for (const RatioEstimate& e : estimates) {
+    variance += e.weight * e.covariance(0, 0);
+    EXPECT_GE(e.covariance(0, 0), 0.9 * estimates[0].covariance(0, 0));
+  }
+  EXPECT_GT(variance, 1.05 * estimates[0].covariance(0, 0));
+}
+
+TEST(RatioIntegrationTest, WithoutDriftThereIsOneEstimate) {
+  const Fitted f = FitRecords({.variance = 0.01}, 8);
+  const auto estimates = IntegrateRatio(*f.setups[0].problem, f.fit, false);
+  ASSERT_EQ(estimates.size(), 1U);
+  EXPECT_EQ(estimates[0].covariance, f.fit.covariance);
+  EXPECT_EQ(estimates[0].change.norm(), 0.0);
+}
+
+}  // namespace
+}  // namespace mle
