@@ -39,6 +39,7 @@ struct Group {
 
 void SizeFigure(Figure& figure) {
   const auto panels = static_cast<int>(figure.panels.size());
+  if (panels == 0) return;
   figure.columns = std::min(panels, 2);
   const int rows = (panels + figure.columns - 1) / figure.columns;
   figure.width_cm = figure.columns == 1 ? 13.0 : 17.0;

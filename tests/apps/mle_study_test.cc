@@ -142,8 +142,10 @@ TEST_F(MleStudyTest, ExitCodeOneIfNothingSucceeded) {
   nlohmann::json campaign = SmallCampaign(1);
   campaign["mismatches"] = {
       {{"name", "wild"}, {"changes", {{{"gain_factor", 40}}}}}};
-  Run(campaign, "out");
+  Run(campaign, "out", {"--figures=true"});
   EXPECT_EQ(result_.exit_code, 1);
+  EXPECT_THAT(Content(scratch_ / "out/report.html"),
+              HasSubstr("failed: closed loop"));
 }
 
 TEST_F(MleStudyTest, ADryRunWritesNothing) {

@@ -173,6 +173,30 @@ TEST_F(SummaryTest, FiguresAreValid) {
   }
 }
 
+// Without λ, or where every run failed, there is less to draw, or nothing.
+TEST_F(SummaryTest, FiguresOfLittle) {
+  const auto without_lambda =
+      Summarise(RunsCsv([](Row& row) {
+                  for (const Metric metric :
+                       {Metric::kBestE, Metric::kRatio, Metric::kLambdaMin,
+                        Metric::kLambdaMax, Metric::kBestLambda}) {
+                    row[metric] = NAN;
+                  }
+                }),
+                campaign_, grid_);
+  ASSERT_TRUE(without_lambda.ok()) << without_lambda.status();
+  const auto figures = MakeFigures(campaign_, *without_lambda);
+  ASSERT_EQ(figures.size(), 1U);
+  EXPECT_EQ(figures[0].name, "distribution");
+  const auto failed = Summarise(
+      RunsCsv([](Row& row) { row.status = "failed"; }), campaign_, grid_);
+  ASSERT_TRUE(failed.ok()) << failed.status();
+  EXPECT_EQ(failed->failed, 8);
+  EXPECT_TRUE(MakeFigures(campaign_, *failed).empty());
+  EXPECT_THAT(SummaryCsv(*failed, campaign_), testing::Not(HasSubstr("nan")));
+  EXPECT_THAT(SummaryJson(*failed, campaign_), testing::Not(HasSubstr("nan")));
+}
+
 TEST_F(SummaryTest, RefusesRunsOutOfOrder) {
   std::string text = Content(RunsCsv([](Row&) {}));
   const std::size_t second = text.find("\n1,") + 1;
