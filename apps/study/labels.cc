@@ -22,7 +22,7 @@ std::string ScenarioLabel(const Campaign& campaign, const Scenario& scenario,
   }
   parts.push_back(mismatch.name);
   if (sizes && without != Axis::kSize) {
-    parts.back() += absl::StrCat(" × ", mismatch.size);
+    parts.back() += absl::StrCat("\u00a0×\u00a0", mismatch.size);
   }
   if (campaign.models.size() > 1) {
     parts.push_back(campaign.models[scenario.model].name);

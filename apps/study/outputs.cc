@@ -151,7 +151,10 @@ std::vector<std::string> Findings(const Campaign& campaign,
   for (const Cell& cell : summary.cells) {
     if (sentences.size() > kMost) break;
     const Distribution& E = cell[Metric::kE];
-    if (E.count == 0) continue;
+    if (E.count == 0 ||
+        campaign.methods[cell.at.method].estimator == Estimator::kNone) {
+      continue;
+    }
     sentences.push_back(absl::StrCat(
         ScenarioLabel(campaign, cell.at.scenario), ", ",
         MethodLabel(campaign, campaign.methods[cell.at.method]), ": E from ",
