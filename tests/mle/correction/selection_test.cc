@@ -91,6 +91,37 @@ TEST(SelectLambdaTest, BicTakesNoMoreCoefficientsThanAic) {
   EXPECT_NEAR(change(0, 2), 0.4, 0.1);
 }
 
+// N log(RSS/N) + 2 df, with log N for 2, and N log of RSS/N / (1 − df/N)², from
+// the fits' coefficients.
+TEST(SelectLambdaTest, CriteriaAreThoseOfTheBook) {
+  const Correction correction = TwoWindows();
+  const LassoProblem& problem = correction.problem();
+  const double rows = static_cast<double>(problem.rows);
+  for (const Rule rule : {Rule::kAic, Rule::kBic, Rule::kGcv}) {
+    const SelectionSummary summary = Select(correction, {.rule = rule});
+    ASSERT_EQ(summary.loss.size(), summary.lambdas.size());
+    for (Eigen::Index i = 0; i < summary.lambdas.size(); i += 7) {
+      double expected = 0.0;
+      for (int q = 0; q < 2; ++q) {
+        const Eigen::VectorXd beta =
+            correction.fits()[q].path.Coefficients(summary.lambdas(i));
+        const double mean_square = problem.response_square(q) -
+                                   2.0 * beta.dot(problem.correlation.col(q)) +
+                                   beta.dot(problem.gram * beta);
+        const auto df = static_cast<double>((beta.array() != 0.0).count());
+        expected += rows * std::log(mean_square);
+        if (rule == Rule::kAic) expected += 2.0 * df;
+        if (rule == Rule::kBic) expected += std::log(rows) * df;
+        if (rule == Rule::kGcv) {
+          expected -= 2.0 * rows * std::log(1.0 - df / rows);
+        }
+      }
+      EXPECT_NEAR(summary.loss(i), expected, 1e-6 * std::abs(expected))
+          << "λ = " << summary.lambdas(i);
+    }
+  }
+}
+
 // The losses of two phases are those of each, added.
 TEST(SelectLambdaTest, PhasesAddUp) {
   const Correction correction = TwoWindows();
