@@ -28,7 +28,9 @@ std::vector<Fold> FoldsByBlock(const RegressionData& data, int count,
 
 std::vector<RegressionRows> SplitIntoBlocks(const RegressionRows& rows,
                                             int length, int shift) {
-  const auto [first, last] = rows.rows;
+  // No binding: clang 14 takes none into the lambda.
+  const int first = rows.rows.first;
+  const int last = rows.rows.last;
   std::vector<RegressionRows> blocks;
   // Responses run backwards in time.
   const auto add = [&](int begin, int end) {
