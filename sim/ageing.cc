@@ -1,9 +1,12 @@
 #include "sim/ageing.h"
 
+#include <cmath>
 #include <set>
 #include <utility>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "mle/base/status.h"
 
 namespace mle::sim {
 namespace {
@@ -30,6 +33,14 @@ absl::Status CheckElement(const TransferFunction& element,
         "a sudden change give two points at one time"));
   }
   return absl::OkStatus();
+}
+
+// The schedule with `map` applied to the value of every point.
+template <typename Map>
+absl::StatusOr<Schedule> Mapped(const Schedule& schedule, const Map& map) {
+  std::vector<Schedule::Point> points = schedule.points();
+  for (Schedule::Point& point : points) point.value = map(point.value);
+  return Schedule::Create(std::move(points));
 }
 
 }  // namespace
@@ -83,6 +94,31 @@ ProcessModel AgedModel(const ProcessModel& model, const AgeingSchedule& ageing,
         AgedElement(model.element(one.output, one.input), one, time);
   }
   return aged;
+}
+
+absl::StatusOr<AgeingSchedule> ScaleAgeing(const AgeingSchedule& ageing,
+                                           double rate) {
+  if (!std::isfinite(rate) || rate < 0.0) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "ageing rate = ", rate, ", but it must be finite and not negative"));
+  }
+  AgeingSchedule scaled = ageing;
+  for (ElementAgeing& element : scaled.elements) {
+    if (!(element.gain.Min() > 0.0)) {
+      return absl::InvalidArgumentError(absl::StrCat(
+          "ageing of element (", element.output, ", ", element.input,
+          "): the gain's factor falls to ", element.gain.Min(),
+          "; it must be positive to be scaled"));
+    }
+    const auto power = [rate](double factor) { return std::pow(factor, rate); };
+    MLE_ASSIGN_OR_RETURN(element.gain, Mapped(element.gain, power));
+    MLE_ASSIGN_OR_RETURN(element.time_constant,
+                         Mapped(element.time_constant, power));
+    MLE_ASSIGN_OR_RETURN(
+        element.delay,
+        Mapped(element.delay, [rate](double delay) { return rate * delay; }));
+  }
+  return scaled;
 }
 
 }  // namespace mle::sim

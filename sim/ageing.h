@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "mle/model/process_model.h"
 #include "mle/model/transfer_function.h"
 #include "sim/schedule.h"
@@ -51,6 +52,14 @@ TransferFunction AgedElement(const TransferFunction& element,
 // from a record of around that time.
 ProcessModel AgedModel(const ProcessModel& model, const AgeingSchedule& ageing,
                        double time);
+
+// The schedule of a plant that ages `rate` ≥ 0 times as far in the same time:
+// at every point γ^rate, τ^rate and rate · ΔL, so that rate 0 is a plant that
+// does not age. Between points the result is linear again. InvalidArgument for
+// a rate that is negative or not finite, and for factors γ that are not
+// positive.
+absl::StatusOr<AgeingSchedule> ScaleAgeing(const AgeingSchedule& ageing,
+                                           double rate);
 
 }  // namespace mle::sim
 

@@ -1,6 +1,7 @@
 #include "apps/correct/estimation.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -223,6 +224,14 @@ absl::Status AddArx(const std::vector<Record>& windows, Estimate& estimate) {
 }
 
 }  // namespace
+
+Eigen::VectorXd DefaultLambdaGrid() {
+  std::vector<double> lambdas = {0.0};
+  for (int i = -84; i <= 12; ++i) lambdas.push_back(std::pow(10.0, i / 12.0));
+  lambdas.push_back(kNoCorrectionLambda);
+  return Eigen::Map<const Eigen::VectorXd>(
+      lambdas.data(), static_cast<Eigen::Index>(lambdas.size()));
+}
 
 std::string_view NameOf(Estimator estimator) {
   switch (estimator) {

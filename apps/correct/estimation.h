@@ -39,6 +39,10 @@ std::string_view NameOf(Estimator estimator);
 // A λ that corrects nothing, the last of the grid of `correction`.
 inline constexpr double kNoCorrectionLambda = 1e6;
 
+// 0, twelve values a decade from 1e-7 to 10, and one that corrects nothing: in
+// scaled units (conversion_scales.h) every λ that matters lies between.
+Eigen::VectorXd DefaultLambdaGrid();
+
 struct EstimationOptions {
   Estimator estimator = Estimator::kStructured;
   // ΔR at λ*, which is chosen on the exact path, solved as a smooth problem by

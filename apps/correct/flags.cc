@@ -259,16 +259,6 @@ absl::Status SolverFromFlags(EstimationOptions& options) {
   return absl::OkStatus();
 }
 
-// 0, twelve values a decade from 1e-7 to 10, and one that corrects nothing: in
-// scaled units (conversion_scales.h) every λ that matters lies between.
-Eigen::VectorXd LambdaGrid() {
-  std::vector<double> lambdas = {0.0};
-  for (int i = -84; i <= 12; ++i) lambdas.push_back(std::pow(10.0, i / 12.0));
-  lambdas.push_back(kNoCorrectionLambda);
-  return Eigen::Map<const Eigen::VectorXd>(
-      lambdas.data(), static_cast<Eigen::Index>(lambdas.size()));
-}
-
 absl::StatusOr<EstimationOptions> EstimationFromFlags() {
   EstimationOptions options;
   MLE_ASSIGN_OR_RETURN(options.estimator, EstimatorFromFlags());
@@ -284,7 +274,7 @@ absl::StatusOr<EstimationOptions> EstimationFromFlags() {
   options.conversion.samples = FLAGS_conversion_samples;
   options.conversion.seed = FLAGS_seed;
   options.calibration.seed = FLAGS_seed;
-  options.correction.lambdas = LambdaGrid();
+  options.correction.lambdas = DefaultLambdaGrid();
   MLE_ASSIGN_OR_RETURN(options.correction.selection, SelectionFromFlags());
   MLE_RETURN_IF_ERROR(SolverFromFlags(options));
   return options;

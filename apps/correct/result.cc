@@ -213,7 +213,7 @@ absl::StatusOr<Result> CorrectFromRecords(const Request& request,
   options.threads = request.threads;
   if (result.estimate.fit.change_proposed) Say("predicting what is held out");
   MLE_ASSIGN_OR_RETURN(result.validation,
-                       Validate(result.estimate, result.data, options));
+                       Validate(result.estimate, windows, options));
   result.decision = Decide(result.estimate.fit, result.validation);
   MLE_RETURN_IF_ERROR(AddResponses(request, result));
   Say("examining what is left");

@@ -30,15 +30,15 @@ bool HoldsAll(const std::vector<bool>& held) {
          std::all_of(held.begin(), held.end(), [](bool h) { return h; });
 }
 
-std::vector<Fold> FoldsOfWindows(const RecordData& data, int max_folds) {
-  const int windows = static_cast<int>(data.windows.size());
-  const int count = std::min(windows, max_folds);
+std::vector<Fold> FoldsOfWindows(const std::vector<Record>& windows, int max_folds) {
+  const int size = static_cast<int>(windows.size());
+  const int count = std::min(size, max_folds);
   std::vector<Fold> folds(count);
   for (int f = 0; f < count; ++f) {
-    folds[f].held.resize(windows);
+    folds[f].held.resize(size);
     std::vector<std::string> numbers;
-    for (int w = f; w < windows; w += count) {
-      folds[f].held[w].assign(data.windows[w].record.samples(), true);
+    for (int w = f; w < size; w += count) {
+      folds[f].held[w].assign(windows[w].samples(), true);
       numbers.push_back(absl::StrCat(w + 1));
     }
     folds[f].name = absl::StrCat(numbers.size() > 1 ? "windows " : "window ",
@@ -48,15 +48,15 @@ std::vector<Fold> FoldsOfWindows(const RecordData& data, int max_folds) {
 }
 
 // Of every window, blocks of equal length go to the folds in turn.
-std::vector<Fold> FoldsOfBlocks(const RecordData& data) {
+std::vector<Fold> FoldsOfBlocks(const std::vector<Record>& windows) {
   const int blocks = kBlockFolds * kBlocksPerFold;
   std::vector<Fold> folds(kBlockFolds);
   for (int f = 0; f < kBlockFolds; ++f) {
     folds[f].name = absl::StrCat("blocks ", f + 1, " and ", f + 1 + kBlockFolds,
                                  " of ", blocks);
   }
-  for (const SetPointWindow& window : data.windows) {
-    const int n = window.record.samples();
+  for (const Record& window : windows) {
+    const int n = window.samples();
     for (Fold& fold : folds) fold.held.emplace_back(n);
     for (int k = 0; k < n; ++k) {
       const auto block =
@@ -69,12 +69,12 @@ std::vector<Fold> FoldsOfBlocks(const RecordData& data) {
 
 // What remains for the fit: windows held out whole are gone, in others the
 // outputs held out are lost.
-std::vector<Record> Remaining(const RecordData& data, const Fold& fold) {
+std::vector<Record> Remaining(const std::vector<Record>& windows, const Fold& fold) {
   std::vector<Record> records;
-  for (std::size_t w = 0; w < data.windows.size(); ++w) {
+  for (std::size_t w = 0; w < windows.size(); ++w) {
     const std::vector<bool>& held = fold.held[w];
     if (HoldsAll(held)) continue;
-    Record& record = records.emplace_back(data.windows[w].record);
+    Record& record = records.emplace_back(windows[w]);
     for (std::size_t k = 0; k < held.size(); ++k) {
       if (held[k])
         record.outputs.col(static_cast<Eigen::Index>(k)).setConstant(kNaN);
@@ -126,15 +126,15 @@ Sums Score(const Eigen::RowVectorXd& measured, const std::vector<bool>& held,
 // By output and horizon.
 using Scores = std::vector<std::array<Sums, 3>>;
 
-Scores ScoreFold(const RecordData& data, const Fold& fold,
+Scores ScoreFold(const std::vector<Record>& windows, const Fold& fold,
                  const Predictor& before, const Predictor& after,
                  const std::array<int, 3>& horizons) {
-  const int p = data.windows.front().record.num_outputs();
+  const int p = windows.front().num_outputs();
   Scores scores(p);
-  for (std::size_t w = 0; w < data.windows.size(); ++w) {
+  for (std::size_t w = 0; w < windows.size(); ++w) {
     const std::vector<bool>& held = fold.held[w];
     if (held.empty()) continue;
-    const Record& record = data.windows[w].record;
+    const Record& record = windows[w];
     for (std::size_t h = 0; h < horizons.size(); ++h) {
       const Eigen::MatrixXd initial = before(record, horizons[h]);
       const Eigen::MatrixXd corrected = after(record, horizons[h]);
@@ -164,7 +164,7 @@ FitPercent CorrectedPercent(const std::array<Sums, 3>& sums) {
           Percent(sums[2].corrected, sums[2])};
 }
 
-HeldOut HoldOut(const Estimate& estimate, const RecordData& data,
+HeldOut HoldOut(const Estimate& estimate, const std::vector<Record>& windows,
                 const std::vector<Fold>& folds, int horizon, int threads) {
   const int count = static_cast<int>(folds.size());
   const std::array<int, 3> horizons = {1, horizon, 0};
@@ -172,14 +172,14 @@ HeldOut HoldOut(const Estimate& estimate, const RecordData& data,
   std::vector<Scores> scores(count);
   ParallelFor(count, threads, [&](int f) {
     const absl::StatusOr<Predictor> corrected = PredictFromPart(
-        estimate.setting, estimate.fit, Remaining(data, folds[f]));
+        estimate.setting, estimate.fit, Remaining(windows, folds[f]));
     status[f] = corrected.status();
     if (!corrected.ok()) return;
     scores[f] =
-        ScoreFold(data, folds[f], estimate.fit.initial, *corrected, horizons);
+        ScoreFold(windows, folds[f], estimate.fit.initial, *corrected, horizons);
   });
   HeldOut held_out;
-  Scores all(data.windows.front().record.num_outputs());
+  Scores all(windows.front().num_outputs());
   for (int f = 0; f < count; ++f) {
     if (!status[f].ok()) {
       // What remains may be too short, or move too little, to be fitted.
@@ -208,7 +208,7 @@ HeldOut HoldOut(const Estimate& estimate, const RecordData& data,
 
 // What the rule for λ has held out already: its loss at λ* against that of the
 // largest λ, which corrects nothing.
-HeldOut BlocksOfTheRule(const Correction& correction, const RecordData& data) {
+HeldOut BlocksOfTheRule(const Correction& correction, const std::vector<Record>& windows) {
   HeldOut held_out;
   const SelectionSummary& selection = correction.selection();
   const Eigen::VectorXd& loss = selection.loss;
@@ -221,8 +221,8 @@ HeldOut BlocksOfTheRule(const Correction& correction, const RecordData& data) {
       .abs()
       .minCoeff(&chosen);
   double samples = 0.0;
-  for (const SetPointWindow& window : data.windows) {
-    samples += window.record.samples();
+  for (const Record& window : windows) {
+    samples += window.samples();
   }
   held_out.folds = {"what the rule for λ holds out"};
   held_out.gain =
@@ -247,34 +247,34 @@ const HeldOut* Validation::shown() const {
 }
 
 absl::StatusOr<Validation> Validate(const Estimate& estimate,
-                                    const RecordData& data,
+                                    const std::vector<Record>& windows,
                                     const ValidationOptions& options) {
   Validation validation;
   validation.horizon =
       options.horizon > 0 ? options.horizon : std::max(options.order / 5, 1);
   if (!estimate.fit.change_proposed) {
     Fold all;
-    for (const SetPointWindow& window : data.windows) {
-      all.held.emplace_back(window.record.samples(), true);
+    for (const Record& window : windows) {
+      all.held.emplace_back(window.samples(), true);
     }
     const Scores scores =
-        ScoreFold(data, all, estimate.fit.initial, estimate.fit.initial,
+        ScoreFold(windows, all, estimate.fit.initial, estimate.fit.initial,
                   {1, validation.horizon, 0});
     for (const std::array<Sums, 3>& sums : scores) {
       validation.initial.push_back(InitialPercent(sums));
     }
     return validation;
   }
-  if (data.windows.size() > 1) {
+  if (windows.size() > 1) {
     validation.windows =
-        HoldOut(estimate, data, FoldsOfWindows(data, options.max_folds),
+        HoldOut(estimate, windows, FoldsOfWindows(windows, options.max_folds),
                 validation.horizon, options.threads);
   }
   if (estimate.fit.arx.has_value()) {
-    validation.blocks = BlocksOfTheRule(*estimate.fit.arx, data);
+    validation.blocks = BlocksOfTheRule(*estimate.fit.arx, windows);
     return validation;
   }
-  validation.blocks = HoldOut(estimate, data, FoldsOfBlocks(data),
+  validation.blocks = HoldOut(estimate, windows, FoldsOfBlocks(windows),
                               validation.horizon, options.threads);
   return validation;
 }

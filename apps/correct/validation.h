@@ -29,7 +29,7 @@
 
 #include "absl/status/statusor.h"
 #include "apps/correct/estimation.h"
-#include "apps/correct/records.h"
+#include "mle/data/record.h"
 
 namespace mle::correct {
 
@@ -80,8 +80,9 @@ struct Validation {
   const HeldOut* shown() const;
 };
 
+// `windows` are those of the estimate.
 absl::StatusOr<Validation> Validate(const Estimate& estimate,
-                                    const RecordData& data,
+                                    const std::vector<Record>& windows,
                                     const ValidationOptions& options);
 
 }  // namespace mle::correct

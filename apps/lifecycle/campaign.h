@@ -1,0 +1,47 @@
+// All lives that are asked for: every policy, at every rate of ageing, with
+// every seed. Lives with the same rate and seed have set points, noise,
+// disturbances and plant in common.
+
+#ifndef APPS_LIFECYCLE_CAMPAIGN_H_
+#define APPS_LIFECYCLE_CAMPAIGN_H_
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "apps/lifecycle/life.h"
+#include "apps/lifecycle/policy.h"
+#include "apps/lifecycle/scenario.h"
+#include "apps/lifecycle/store.h"
+#include "mle/model/process_model.h"
+#include "sim/ageing.h"
+
+namespace mle::lifecycle {
+
+struct Campaign {
+  ProcessModel model;
+  ProcessModel plant;
+  sim::AgeingSchedule ageing;  // at the rate 1
+  SetPointOptions set_points;
+  LifeOptions life;
+  std::vector<Policy> policies;
+  std::vector<double> rates;
+  std::vector<std::uint64_t> seeds;
+  Settings settings;
+  std::string folder;
+  int threads = 1;
+};
+
+// lives[rate][seed][policy].
+using Lives = std::vector<std::vector<std::vector<Life>>>;
+
+// Uses what the folder holds, and stores each life as soon as it is made.
+// Cancelled where `stop` says so: what is made is stored.
+absl::StatusOr<Lives> RunCampaign(const Campaign& campaign,
+                                  const std::function<bool()>& stop);
+
+}  // namespace mle::lifecycle
+
+#endif  // APPS_LIFECYCLE_CAMPAIGN_H_

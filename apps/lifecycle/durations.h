@@ -1,0 +1,20 @@
+// Lengths of time with their unit, as flags have them: "30d", "12h", "0.5y".
+
+#ifndef APPS_LIFECYCLE_DURATIONS_H_
+#define APPS_LIFECYCLE_DURATIONS_H_
+
+#include <string>
+
+#include "absl/status/statusor.h"
+
+namespace mle::lifecycle {
+
+inline constexpr double kHoursPerYear = 8766.0;  // 365.25 days
+
+// In hours; units are s, min, h, d, w and y. InvalidArgument for what is no
+// number > 0 with one of them.
+absl::StatusOr<double> ParseHours(const std::string& text);
+
+}  // namespace mle::lifecycle
+
+#endif  // APPS_LIFECYCLE_DURATIONS_H_

@@ -1,0 +1,323 @@
+#include "apps/lifecycle/figures.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <set>
+
+#include "absl/strings/str_cat.h"
+#include "apps/lifecycle/durations.h"
+
+namespace mle::lifecycle {
+namespace {
+
+using report::Figure;
+using report::LineStyle;
+using report::MarkerShape;
+using report::Panel;
+using report::Role;
+using report::Series;
+using report::Style;
+
+constexpr double kColumnWidthCm = 8.5;
+constexpr double kDaysPerYear = kHoursPerYear / 24.0;
+
+// Colour by family; its members differ in their lines.
+Style StyleOfPolicy(const Policy& policy, int member) {
+  static const std::map<std::string, Role>* const kColours =
+      new std::map<std::string, Role>{
+          {"never", Role::kInitial},        {"perfect", Role::kTrue},
+          {"structured", Role::kCorrected}, {"combined", Role::kFitted},
+          {"arx", Role::kAlternative},      {"test", Role::kUnregularised},
+          {"on_demand", Role::kMeasured}};
+  constexpr LineStyle kLines[] = {LineStyle::kSolid, LineStyle::kDashed,
+                                  LineStyle::kDotted, LineStyle::kDashDotted};
+  Style style;
+  const auto colour = kColours->find(policy.family());
+  if (colour != kColours->end()) style.colour = colour->second;
+  style.line = kLines[member % 4];
+  style.width_pt = 1.4;
+  return style;
+}
+
+// By its place among the policies.
+Style StyleAt(const std::vector<Policy>& policies, std::size_t place) {
+  int member = 0;
+  for (std::size_t i = 0; i < place; ++i) {
+    if (policies[i].family() == policies[place].family()) ++member;
+  }
+  return StyleOfPolicy(policies[place], member);
+}
+
+// Mean months between updates or tests; NaN for those without an interval.
+double MonthsBetween(const Policy& policy, double change_months) {
+  switch (policy.kind) {
+    case Policy::Kind::kCorrection:
+      return policy.every * change_months;
+    case Policy::Kind::kTest:
+      return policy.months;
+    default:
+      return std::numeric_limits<double>::quiet_NaN();
+  }
+}
+
+MarkerShape MarkerOf(const std::string& family) {
+  if (family == "structured") return MarkerShape::kDisc;
+  if (family == "combined") return MarkerShape::kSquare;
+  if (family == "arx") return MarkerShape::kTriangle;
+  return MarkerShape::kDiamond;
+}
+
+// What is drawn of a policy: what it costs beyond the perfect model, where that
+// is known.
+MeanOfSeeds Drawn(const PolicySummary& policy) {
+  return std::isfinite(policy.excess.mean) ? policy.excess : policy.cost;
+}
+
+// The highest cost that a picture has to show. Step tests may cost many times
+// what all others do, and would press those flat.
+class UpperEdge {
+ public:
+  void Add(const Policy& policy, double cost) {
+    if (!std::isfinite(cost)) return;
+    if (policy.tests()) {
+      tests_ = std::min(tests_, cost);
+    } else {
+      others_ = std::max(others_, cost);
+    }
+  }
+  double value() const {
+    const double tests = tests_ <= kMostTimes * others_ ? tests_ : others_;
+    return 1.15 * std::max(others_, tests);
+  }
+
+ private:
+  static constexpr double kMostTimes = 4.0;
+  double others_ = 0.0;
+  double tests_ = std::numeric_limits<double>::infinity();
+};
+
+// One line for each family that has an interval.
+void FillIntervalPanel(const RateSummary& rate, double change_months,
+                       Panel& panel) {
+  panel.x = {.label = "months between updates", .log = true};
+  panel.y = {.label = rate.Find(Policy::Kind::kPerfect) != nullptr
+                          ? "cost per year beyond perfect"
+                          : "cost per year"};
+  UpperEdge upper;
+  double lower = 0.0;
+  for (const PolicySummary& policy : rate.policies) {
+    const MeanOfSeeds drawn = Drawn(policy);
+    const double half =
+        std::isfinite(drawn.half_width) && !policy.policy.tests()
+            ? drawn.half_width
+            : 0.0;
+    upper.Add(policy.policy, drawn.mean + half);
+    if (!policy.policy.tests()) lower = std::min(lower, drawn.mean - half);
+  }
+  if (upper.value() > lower) panel.y.range = {{lower, upper.value()}};
+  std::map<std::string, std::vector<const PolicySummary*>> families;
+  for (const PolicySummary& policy : rate.policies) {
+    if (std::isfinite(MonthsBetween(policy.policy, change_months))) {
+      families[policy.policy.family()].push_back(&policy);
+    }
+  }
+  for (auto& [family, members] : families) {
+    std::sort(members.begin(), members.end(),
+              [&](const auto* a, const auto* b) {
+                return MonthsBetween(a->policy, change_months) <
+                       MonthsBetween(b->policy, change_months);
+              });
+    Series series;
+    series.label = family == "test" ? "step test" : family;
+    series.style = StyleOfPolicy(members.front()->policy, 0);
+    series.style.marker = MarkerOf(family);
+    series.style.marker_size_pt = 6.0;
+    for (const PolicySummary* policy : members) {
+      series.x.push_back(MonthsBetween(policy->policy, change_months));
+      const MeanOfSeeds drawn = Drawn(*policy);
+      const double half =
+          std::isfinite(drawn.half_width) ? drawn.half_width : 0.0;
+      series.y.push_back(drawn.mean);
+      series.lower.push_back(drawn.mean - half);
+      series.upper.push_back(drawn.mean + half);
+    }
+    panel.series.push_back(std::move(series));
+  }
+  for (const PolicySummary& policy : rate.policies) {
+    const std::string family = policy.policy.family();
+    if (family != "never" && family != "perfect" && family != "on_demand") {
+      continue;
+    }
+    panel.lines.push_back(
+        {.label = family == "on_demand" ? "step test on demand" : family,
+         .value = Drawn(policy).mean,
+         .style = StyleOfPolicy(policy.policy, 1)});
+  }
+}
+
+NamedFigure IntervalFigure(const std::vector<RateSummary>& summaries,
+                           double change_months) {
+  NamedFigure named;
+  named.name = "cost_over_interval";
+  named.caption =
+      "Cost per year beyond what the perfect model would have cost (all of it "
+      "where that policy is not run) against the time between updates, a panel "
+      "for each rate of ageing; mean of the seeds, bands of 95 %, compared "
+      "seed "
+      "by seed. Step tests that cost several times as much as all others lie "
+      "beyond the upper edge.";
+  Figure& figure = named.figure;
+  figure.columns = std::min(static_cast<int>(summaries.size()), 2);
+  const int rows = (static_cast<int>(summaries.size()) + figure.columns - 1) /
+                   figure.columns;
+  figure.width_cm = figure.columns == 1 ? 13.0 : 2.0 * kColumnWidthCm;
+  figure.height_cm = 2.0 + 6.0 * rows;
+  for (const RateSummary& rate : summaries) {
+    FillIntervalPanel(rate, change_months,
+                      figure.AddPanel(absl::StrCat("ageing rate ", rate.rate)));
+  }
+  return named;
+}
+
+NamedFigure RateFigure(const Campaign& campaign,
+                       const std::vector<RateSummary>& summaries) {
+  NamedFigure named;
+  named.name = "cost_over_rate";
+  named.caption =
+      "Cost per year beyond what the perfect model would have cost (all of it "
+      "where that policy is not run) against the rate of ageing, a line for "
+      "each policy; mean of the seeds. Step tests that cost several times as "
+      "much as all others lie beyond the upper edge.";
+  Figure& figure = named.figure;
+  figure.width_cm = 15.0;
+  figure.height_cm = 9.5;
+  Panel& panel = figure.AddPanel("");
+  panel.x = {.label = "rate of ageing"};
+  panel.y = {.label = summaries.front().Find(Policy::Kind::kPerfect) != nullptr
+                          ? "cost per year beyond perfect"
+                          : "cost per year"};
+  std::vector<std::size_t> order(summaries.size());
+  for (std::size_t r = 0; r < order.size(); ++r) order[r] = r;
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return summaries[a].rate < summaries[b].rate;
+  });
+  UpperEdge upper;
+  double lower = 0.0;
+  for (std::size_t p = 0; p < campaign.policies.size(); ++p) {
+    Series series;
+    series.label = campaign.policies[p].name;
+    series.style = StyleAt(campaign.policies, p);
+    series.style.marker = MarkerOf(campaign.policies[p].family());
+    for (const std::size_t r : order) {
+      series.x.push_back(summaries[r].rate);
+      const double cost = Drawn(summaries[r].policies[p]).mean;
+      series.y.push_back(cost);
+      upper.Add(campaign.policies[p], cost);
+      if (!campaign.policies[p].tests()) lower = std::min(lower, cost);
+    }
+    panel.series.push_back(std::move(series));
+  }
+  if (upper.value() > lower) panel.y.range = {{lower, upper.value()}};
+  return named;
+}
+
+NamedFigure TimeFigure(const Campaign& campaign,
+                       const std::vector<std::vector<Life>>& lives, double rate,
+                       const Valuation& valuation) {
+  NamedFigure named;
+  named.name = "over_time";
+  named.caption = absl::StrCat(
+      "Over the years, seed ", campaign.seeds.front(), ", ageing rate ", rate,
+      ": money spent so far beyond what the perfect model would have cost "
+      "(all of it where that policy is not run), and the squared distance E of "
+      "the model in use from the plant. Step tests may leave the picture.");
+  Figure& figure = named.figure;
+  figure.columns = 1;
+  figure.width_cm = 2.0 * kColumnWidthCm;
+  figure.height_cm = 16.0;
+  figure.panels = {Panel{.title = "Cost"},
+                   Panel{.title = "Distance from the plant"}};
+  Panel& cost = figure.panels[0];
+  Panel& distance_panel = figure.panels[1];
+  cost.x = {.label = "years"};
+  cost.y = {.label = "cost so far"};
+  distance_panel.x = {.label = "years"};
+  distance_panel.y = {.label = "squared distance E", .log = true};
+  std::vector<double> perfect;
+  for (std::size_t p = 0; p < campaign.policies.size(); ++p) {
+    if (campaign.policies[p].kind != Policy::Kind::kPerfect) continue;
+    for (const ChangeRow& row : lives.front()[p].rows) {
+      perfect.push_back(
+          CostOf(row, valuation.prices, valuation.hours_per_unit).total());
+    }
+  }
+  if (!perfect.empty()) cost.y.label = "cost beyond perfect";
+  UpperEdge upper;
+  double lower = 0.0;
+  for (std::size_t p = 0; p < campaign.policies.size(); ++p) {
+    const bool is_perfect = campaign.policies[p].kind == Policy::Kind::kPerfect;
+    if (is_perfect) continue;
+    Series spent;
+    spent.label = campaign.policies[p].name;
+    spent.style = StyleAt(campaign.policies, p);
+    Series distance = spent;
+    double total = 0.0;
+    const std::vector<ChangeRow>& rows = lives.front()[p].rows;
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+      const double years =
+          rows[k].event.time * valuation.hours_per_unit / 24.0 / kDaysPerYear;
+      total +=
+          CostOf(rows[k], valuation.prices, valuation.hours_per_unit).total() -
+          (k < perfect.size() ? perfect[k] : 0.0);
+      spent.x.push_back(years);
+      spent.y.push_back(total);
+      if (!campaign.policies[p].tests()) lower = std::min(lower, total);
+      distance.x.push_back(years);
+      distance.y.push_back(rows[k].error.distance);
+    }
+    if (!spent.y.empty()) {
+      upper.Add(campaign.policies[p],
+                *std::max_element(spent.y.begin(), spent.y.end()));
+    }
+    cost.series.push_back(std::move(spent));
+    distance_panel.series.push_back(std::move(distance));
+  }
+  if (upper.value() > lower) cost.y.range = {{lower, upper.value()}};
+  return named;
+}
+
+}  // namespace
+
+std::vector<NamedFigure> MakeFigures(const Campaign& campaign,
+                                     const Lives& lives,
+                                     const std::vector<RateSummary>& summaries,
+                                     const Valuation& valuation) {
+  std::vector<NamedFigure> figures;
+  const double change_months =
+      campaign.set_points.change_every / campaign.life.month;
+  std::map<std::string, int> members;
+  for (const Policy& policy : campaign.policies) {
+    if (std::isfinite(MonthsBetween(policy, change_months))) {
+      ++members[policy.family()];
+    }
+  }
+  const bool several =
+      std::any_of(members.begin(), members.end(),
+                  [](const auto& family) { return family.second > 1; });
+  if (several) figures.push_back(IntervalFigure(summaries, change_months));
+  if (summaries.size() > 1) figures.push_back(RateFigure(campaign, summaries));
+  std::size_t nearest = 0;
+  for (std::size_t r = 1; r < summaries.size(); ++r) {
+    if (std::abs(summaries[r].rate - 1.0) <
+        std::abs(summaries[nearest].rate - 1.0)) {
+      nearest = r;
+    }
+  }
+  figures.push_back(
+      TimeFigure(campaign, lives[nearest], summaries[nearest].rate, valuation));
+  return figures;
+}
+
+}  // namespace mle::lifecycle

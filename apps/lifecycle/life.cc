@@ -1,0 +1,206 @@
+#include "apps/lifecycle/life.h"
+
+#include <cmath>
+#include <deque>
+#include <utility>
+
+#include "apps/lifecycle/performance.h"
+#include "mle/base/status.h"
+
+namespace mle::lifecycle {
+namespace {
+
+using Kind = Policy::Kind;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+// A squared error that is none.
+constexpr double kRounding = 1e-18;
+// The record with about `share` of its samples, evenly spread; the others'
+// outputs are lost.
+Record Thinned(const Record& record, double share) {
+  Record thinned = record;
+  for (int k = 0; k < record.samples(); ++k) {
+    // Kept where the count of those to be kept goes up.
+    if (std::floor((k + 1) * share) > std::floor(k * share)) continue;
+    thinned.outputs.col(k).setConstant(kNaN);
+  }
+  return thinned;
+}
+
+class Years {
+ public:
+  Years(const Scenario& scenario, const Policy& policy,
+        const LifeOptions& options, Operation operation, ModelInUse model)
+      : scenario_(scenario),
+        policy_(policy),
+        options_(options),
+        operation_(std::move(operation)),
+        model_(std::move(model)) {
+    options_.update.estimation.estimator = policy.estimator;
+  }
+
+  absl::StatusOr<ChangeRow> Change(const SetPointEvent& event) {
+    const double period = options_.operation.controller.control_period;
+    const ProcessModel plant = scenario_.PlantAt(event.time);
+    if (policy_.kind == Kind::kPerfect) {
+      MLE_ASSIGN_OR_RETURN(model_, UseProcess(plant, period));
+    }
+    ChangeRow row;
+    row.event = event;
+    MLE_ASSIGN_OR_RETURN(
+        row.error,
+        CompareWithPlant(model_, plant, options_.operation.sample_time,
+                         options_.update.response_samples));
+    MLE_ASSIGN_OR_RETURN(ChangeOperation operation,
+                         operation_.RunChange(model_.prediction));
+    row.quiet = std::move(operation.quiet);
+    row.transient = std::move(operation.transient);
+    row.test = Sums::Zero(plant.num_outputs(), plant.num_inputs());
+    row.watch = row.test;
+    quiet_square_ = std::move(operation.quiet_square);
+    if (event.output >= 0) {
+      windows_.push_front(std::move(operation.window));
+      MLE_RETURN_IF_ERROR(Maintain(row));
+      while (static_cast<int>(windows_.size()) >= options_.windows) {
+        windows_.pop_back();
+      }
+    }
+    return row;
+  }
+
+ private:
+  // After a change, whose record is windows_.front().
+  absl::Status Maintain(ChangeRow& row) {
+    ++changes_;
+    switch (policy_.kind) {
+      case Kind::kNever:
+      case Kind::kPerfect:
+        return absl::OkStatus();
+      case Kind::kCorrection:
+        if (changes_ % policy_.every != 0) return absl::OkStatus();
+        return Update(RecordsForCorrection(), row);
+      case Kind::kTest:
+        if (operation_.now() < next_test_ * policy_.months * options_.month) {
+          return absl::OkStatus();
+        }
+        next_test_ = 1.0 + std::floor(operation_.now() /
+                                      (policy_.months * options_.month));
+        return Test(row);
+      case Kind::kOnDemand:
+        MLE_ASSIGN_OR_RETURN(row.index, IndexOfLastChange());
+        return row.index < policy_.threshold ? Test(row) : absl::OkStatus();
+    }
+    return absl::OkStatus();
+  }
+
+  absl::StatusOr<double> IndexOfLastChange() const {
+    const Record& window = windows_.front();
+    const std::vector<SetPointChange> changes = FindSetPointChanges(window);
+    return PerformanceIndex(model_.process, options_.operation.controller,
+                            window, changes.front().sample,
+                            options_.operation.noise_variance);
+  }
+
+  // Oldest first.
+  std::vector<Record> RecordsForCorrection() const {
+    std::vector<Record> records;
+    const bool thin = options_.forgetting < 1.0 &&
+                      policy_.estimator == correct::Estimator::kStructured;
+    double share = 1.0;
+    for (const Record& window : windows_) {
+      if (operation_.now() - window.start_time > options_.window_age) break;
+      records.insert(records.begin(),
+                     thin && share < 1.0 ? Thinned(window, share) : window);
+      share *= options_.forgetting;
+    }
+    if (records.empty()) records.push_back(windows_.front());
+    return records;
+  }
+
+  absl::Status Update(const std::vector<Record>& records, ChangeRow& row) {
+    MLE_ASSIGN_OR_RETURN(UpdateResult result,
+                         UpdateModel(model_, records, options_.update));
+    row.outcome = result.outcome;
+    row.reason = std::move(result.reason);
+    row.held_out_gain = result.held_out_gain;
+    if (!result.model.has_value()) return absl::OkStatus();
+    if (std::isfinite(options_.watch_limit)) {
+      MLE_ASSIGN_OR_RETURN(const bool worse, RunsWorse(*result.model, row));
+      if (worse) {
+        row.outcome = Outcome::kReverted;
+        row.reason = "the loop ran worse with it";
+        return absl::OkStatus();
+      }
+    }
+    model_ = *std::move(result.model);
+    return absl::OkStatus();
+  }  // Tries a new model on the plant.
+  absl::StatusOr<bool> RunsWorse(const ModelInUse& model, ChangeRow& row) {
+    absl::StatusOr<WatchOperation> watch =
+        operation_.RunWatch(model.prediction);
+    // A loop that runs away within hours is stopped long before its numbers
+    // mean anything.
+    if (watch.status().code() == absl::StatusCode::kFailedPrecondition) {
+      return true;
+    }
+    MLE_RETURN_IF_ERROR(watch.status());
+    row.watch = std::move(watch->sums);
+    return (watch->square.array() >
+            options_.watch_limit * quiet_square_.array() + kRounding)
+        .any();
+  }
+
+  absl::Status Test(ChangeRow& row) {
+    MLE_ASSIGN_OR_RETURN(
+        TestOperation test,
+        operation_.RunStepTest(PlanStepTest(model_.process, options_.test)));
+    row.test = std::move(test.sums);
+    return Update({test.record}, row);
+  }
+
+  const Scenario& scenario_;
+  const Policy& policy_;
+  LifeOptions options_;
+  Operation operation_;
+  ModelInUse model_;
+  std::deque<Record> windows_;    // the newest first
+  Eigen::VectorXd quiet_square_;  // p, before the last change
+  int changes_ = 0;
+  double next_test_ = 1.0;  // in the policy's intervals
+};
+
+}  // namespace
+
+Sums ChangeRow::Total() const {
+  Sums total = quiet;
+  total.Add(transient);
+  total.Add(test);
+  total.Add(watch);
+  return total;
+}
+
+absl::StatusOr<Life> LiveThrough(const Scenario& scenario, const Policy& policy,
+                                 const LifeOptions& options,
+                                 const std::function<bool()>& stop) {
+  MLE_ASSIGN_OR_RETURN(Operation operation,
+                       Operation::Create(scenario, options.operation));
+  MLE_ASSIGN_OR_RETURN(
+      ModelInUse model,
+      UseProcess(scenario.model, options.operation.controller.control_period));
+  Years years(scenario, policy, options, std::move(operation),
+              std::move(model));
+  Life life;
+  for (const SetPointEvent& event : scenario.events) {
+    if (stop()) return absl::CancelledError("stopped");
+    absl::StatusOr<ChangeRow> row = years.Change(event);
+    if (row.status().code() == absl::StatusCode::kFailedPrecondition) {
+      life.ended = std::string(row.status().message());
+      return life;
+    }
+    MLE_RETURN_IF_ERROR(row.status());
+    life.rows.push_back(*std::move(row));
+  }
+  return life;
+}
+
+}  // namespace mle::lifecycle

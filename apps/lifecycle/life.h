@@ -1,0 +1,77 @@
+// One policy through all the years of a scenario.
+//
+// For each set-point change, in turn: the quiet time before it, the change, and
+// then what the policy does about its model: nothing, a correction from the
+// records of the last changes, or a step test. What it decides acts from there
+// on.
+
+#ifndef APPS_LIFECYCLE_LIFE_H_
+#define APPS_LIFECYCLE_LIFE_H_
+
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "apps/lifecycle/model_in_use.h"
+#include "apps/lifecycle/operation.h"
+#include "apps/lifecycle/policy.h"
+#include "apps/lifecycle/scenario.h"
+#include "apps/lifecycle/step_test.h"
+#include "apps/lifecycle/sums.h"
+#include "apps/lifecycle/update.h"
+
+namespace mle::lifecycle {
+
+struct LifeOptions {
+  OperationOptions operation;
+  UpdateOptions update;  // its estimator is the policy's
+  StepTestOptions test;
+  int windows = 4;  // records of the last changes that are kept, ≥ 1
+  // Older ones are forgotten, time unit, > 0.
+  double window_age = std::numeric_limits<double>::infinity();
+  // Of a record's samples, those of a change n changes ago count w^n, in (0,
+  // 1]: so many of its samples are used, evenly spread. Not for ΔR, which needs
+  // all lags of each sample.
+  double forgetting = 1.0;
+  double month = 43830.0;  // in the time unit
+  // A new model is watched for a quiet stretch, and taken back if the measured
+  // squared error of an output is more than this many times what it was before
+  // the last change, > 1; infinite: never.
+  double watch_limit = 3.0;
+};
+
+// What a set-point change, and the time before it, brought.
+struct ChangeRow {
+  SetPointEvent event;
+  Sums quiet;      // since the last row
+  Sums transient;  // after the change
+  Sums test;       // of a step test after it; its time is 0 without one
+  Sums watch;      // of the first hours with a new model, likewise
+  ModelError error;  // of the model in use at the change
+  double index = std::numeric_limits<double>::quiet_NaN();  // on_demand only
+  Outcome outcome = Outcome::kNone;  // of a correction or step test after it
+  std::string reason;                // of a refusal
+  double held_out_gain = std::numeric_limits<double>::quiet_NaN();
+
+  bool tested() const { return test.time > 0.0; }
+  // Sums of all four.
+  Sums Total() const;
+};
+
+struct Life {
+  std::vector<ChangeRow> rows;  // the last is the end of the years
+  // Where the loop ran away before: why and when. Rows end there.
+  std::string ended;
+};
+
+// `stop` is asked between changes; Cancelled if it says so. Other errors are of
+// options and models that do not fit.
+absl::StatusOr<Life> LiveThrough(const Scenario& scenario, const Policy& policy,
+                                 const LifeOptions& options,
+                                 const std::function<bool()>& stop);
+
+}  // namespace mle::lifecycle
+
+#endif  // APPS_LIFECYCLE_LIFE_H_

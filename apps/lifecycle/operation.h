@@ -1,0 +1,135 @@
+// The plant in operation, stretch by stretch: predictive control around each
+// set-point change, quiet running between them, step tests.
+//
+// Months pass between changes, and all but hours of them are stationary: the
+// set point stands, the loop answers to noise and slow disturbances. Of such a
+// quiet stretch only the last `quiet_stretch` is simulated; what it costs, per
+// unit of time, stands for all of it. There the plant is as it has become by
+// the next change (frozen: it ages by parts in a thousand while that is
+// simulated), and is entered at its steady state, the loop having run for
+// `warm_up` before anything is counted. With `every_sample` nothing is skipped:
+// the plant ages sample by sample and the controller never starts anew; that is
+// slower by a factor of about a hundred, and shows that the short cut is right.
+//
+// Disturbances: on each output white measurement noise, which the controller
+// and the records see, and a slow disturbance of the product itself,
+//
+//   d_{k+1} = φ d_k + √(1−φ²) s e_k,   φ = exp(−Δt/T),
+//
+// one path over all years. Noise and disturbance depend on the seed and the
+// change alone, so that all policies live through the same ones.
+
+#ifndef APPS_LIFECYCLE_OPERATION_H_
+#define APPS_LIFECYCLE_OPERATION_H_
+
+#include <memory>
+#include <optional>
+
+#include "Eigen/Core"
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "apps/lifecycle/scenario.h"
+#include "apps/lifecycle/step_test.h"
+#include "apps/lifecycle/sums.h"
+#include "control/mpc.h"
+#include "control/mpc_options.h"
+#include "control/prediction_model.h"
+#include "mle/data/record.h"
+#include "sim/ageing_plant.h"
+#include "sim/closed_loop.h"
+#include "sim/set_point_profile.h"
+
+namespace mle::lifecycle {
+
+struct OperationOptions {
+  double sample_time = 0.2;
+  double noise_variance = 0.001;          // σ² ≥ 0
+  Eigen::VectorXd disturbance_deviation;  // s ≥ 0 (p)
+  double disturbance_time = 1440.0;       // T > 0
+  control::MpcOptions controller;
+  OutputLimits limits;           // for the violation
+  double before = 200.0;         // of the record of a change
+  double after = 200.0;          // of it, and what counts as transient
+  double quiet_stretch = 400.0;  // > 0
+  double warm_up = 100.0;        // ≥ 0
+  bool every_sample = false;
+
+  // The time that a change needs before it and after it.
+  double Lead() const { return quiet_stretch + warm_up; }
+  absl::Status Validate(const ProcessModel& model) const;
+};
+
+// What happened from the end of the last change (or step test) to the end of
+// this one.
+struct ChangeOperation {
+  Sums quiet;      // up to the change
+  Sums transient;  // `after` from the change on
+  Record window;   // measured, `before` and `after` around the change
+  // p: mean squared error as it was measured, in the quiet time.
+  Eigen::VectorXd quiet_square;
+};
+
+// The first hours with another model.
+struct WatchOperation {
+  Sums sums;
+  Eigen::VectorXd square;  // p: mean squared error as it was measured
+};
+
+struct TestOperation {
+  Sums sums;
+  Record record;
+};
+
+class Operation {
+ public:
+  // `scenario` must outlive it.
+  static absl::StatusOr<Operation> Create(const Scenario& scenario,
+                                          const OperationOptions& options);
+
+  // The next change of the scenario, with this model in the controller.
+  // FailedPrecondition, with channel and time, if the loop runs away.
+  absl::StatusOr<ChangeOperation> RunChange(
+      const control::PredictionModel& model);
+
+  // A step test right after the last change: the controller is off.
+  absl::StatusOr<TestOperation> RunStepTest(const StepTestPlan& plan);
+
+  // Quiet running after the last change with a new model, for a quiet stretch.
+  absl::StatusOr<WatchOperation> RunWatch(
+      const control::PredictionModel& model);
+
+  int changes_done() const { return next_; }
+  double now() const { return now_; }
+
+ private:
+  struct Stretch;
+
+  Operation(const Scenario& scenario, const OperationOptions& options);
+
+  Eigen::MatrixXd DrawDisturbance(std::uint64_t stream, double gap, int samples,
+                                  bool keep);
+  Eigen::VectorXd SteadyInputs(const ProcessModel& plant,
+                               const Eigen::VectorXd& wanted) const;
+  absl::StatusOr<Stretch> Enter(double time, const Eigen::VectorXd& set_points,
+                                Eigen::MatrixXd disturbance);
+  absl::Status Simulate(Stretch& stretch, const sim::SetPointProfile& profile,
+                        std::uint64_t stream,
+                        const sim::Controller& controller);
+  absl::Status PrepareController(const control::PredictionModel& model,
+                                 const Stretch& stretch,
+                                 const Eigen::VectorXd& set_points);
+
+  const Scenario* scenario_;
+  OperationOptions options_;
+  int next_ = 0;           // of the scenario's events
+  double now_ = 0.0;       // all before has been lived through
+  Eigen::VectorXd level_;  // p: the slow disturbance at level_time_
+  double level_time_ = 0.0;
+  Eigen::VectorXd inputs_;                        // m: asked for last
+  std::unique_ptr<sim::PlantModel> whole_plant_;  // every_sample
+  std::optional<control::Mpc> mpc_;
+};
+
+}  // namespace mle::lifecycle
+
+#endif  // APPS_LIFECYCLE_OPERATION_H_

@@ -1,0 +1,45 @@
+// Ways of keeping the model of a controller up to date.
+//
+//   never          the model of the commissioning for ever
+//   perfect        the plant's own model at every change: no one has it, and no
+//                  one does better with this controller
+//   structured:N, combined:N, arx:N
+//                  corrected from routine records after every N-th set-point
+//                  change (1 if not given) by that estimator
+//   test:M         a step test every M months (a twelfth of a year)
+//   on_demand:T    a step test whenever the performance index of a change
+//                  (performance.h) is below T
+
+#ifndef APPS_LIFECYCLE_POLICY_H_
+#define APPS_LIFECYCLE_POLICY_H_
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "apps/correct/estimation.h"
+
+namespace mle::lifecycle {
+
+struct Policy {
+  enum class Kind { kNever, kPerfect, kCorrection, kTest, kOnDemand };
+  Kind kind = Kind::kNever;
+  correct::Estimator estimator = correct::Estimator::kStructured;
+  int every = 1;           // kCorrection: changes, ≥ 1
+  double months = 0.0;     // kTest, > 0
+  double threshold = 0.0;  // kOnDemand, in (0, 1)
+  std::string name;        // as it is shown: "structured:3"
+
+  bool tests() const { return kind == Kind::kTest || kind == Kind::kOnDemand; }
+  // "structured", "test", …
+  std::string family() const { return name.substr(0, name.find(':')); }
+};
+
+// A comma-separated list. InvalidArgument names the part that is wrong or
+// stands twice, and what is known.
+absl::StatusOr<std::vector<Policy>> ParsePolicies(std::string_view text);
+
+}  // namespace mle::lifecycle
+
+#endif  // APPS_LIFECYCLE_POLICY_H_

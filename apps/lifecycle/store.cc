@@ -1,0 +1,173 @@
+#include "apps/lifecycle/store.h"
+
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/strings/str_replace.h"
+#include "mle/base/file.h"
+#include "mle/base/status.h"
+#include "nlohmann/json.hpp"
+
+namespace mle::lifecycle {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kVersion = 1;
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+Json ToJson(const Eigen::VectorXd& values) {
+  Json list = Json::array();
+  for (const double value : values) list.push_back(value);
+  return list;
+}
+
+Json NumberOrNull(double value) {
+  return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
+Json ToJson(const Sums& sums) {
+  return {{"time", sums.time},
+          {"squared_error", ToJson(sums.squared_error)},
+          {"absolute_error", ToJson(sums.absolute_error)},
+          {"violation", ToJson(sums.violation)},
+          {"movement", ToJson(sums.movement)}};
+}
+
+Json ToJson(const ChangeRow& row) {
+  return {{"time", row.event.time},
+          {"output", row.event.output},
+          {"before", ToJson(row.event.before)},
+          {"after", ToJson(row.event.after)},
+          {"quiet", ToJson(row.quiet)},
+          {"transient", ToJson(row.transient)},
+          {"test", ToJson(row.test)},
+          {"watch", ToJson(row.watch)},
+          {"distance", row.error.distance},
+          {"gain_error", NumberOrNull(row.error.gain)},
+          {"delay_error", NumberOrNull(row.error.delay)},
+          {"index", NumberOrNull(row.index)},
+          {"outcome", std::string(NameOf(row.outcome))},
+          {"reason", row.reason},
+          {"held_out_gain", NumberOrNull(row.held_out_gain)}};
+}
+
+Eigen::VectorXd ToVector(const Json& json) {
+  Eigen::VectorXd values(static_cast<Eigen::Index>(json.size()));
+  for (std::size_t i = 0; i < json.size(); ++i) {
+    values[static_cast<Eigen::Index>(i)] = json.at(i).get<double>();
+  }
+  return values;
+}
+
+double ToNumber(const Json& json) {
+  return json.is_null() ? kNaN : json.get<double>();
+}
+
+Sums ToSums(const Json& json) {
+  Sums sums;
+  sums.time = json.at("time").get<double>();
+  sums.squared_error = ToVector(json.at("squared_error"));
+  sums.absolute_error = ToVector(json.at("absolute_error"));
+  sums.violation = ToVector(json.at("violation"));
+  sums.movement = ToVector(json.at("movement"));
+  return sums;
+}
+
+absl::StatusOr<ChangeRow> ToRow(const Json& json) {
+  ChangeRow row;
+  row.event.time = json.at("time").get<double>();
+  row.event.output = json.at("output").get<int>();
+  row.event.before = ToVector(json.at("before"));
+  row.event.after = ToVector(json.at("after"));
+  row.quiet = ToSums(json.at("quiet"));
+  row.transient = ToSums(json.at("transient"));
+  row.test = ToSums(json.at("test"));
+  row.watch = ToSums(json.at("watch"));
+  row.error.distance = json.at("distance").get<double>();
+  row.error.gain = ToNumber(json.at("gain_error"));
+  row.error.delay = ToNumber(json.at("delay_error"));
+  row.index = ToNumber(json.at("index"));
+  MLE_ASSIGN_OR_RETURN(row.outcome,
+                       ParseOutcome(json.at("outcome").get<std::string>()));
+  row.reason = json.at("reason").get<std::string>();
+  row.held_out_gain = ToNumber(json.at("held_out_gain"));
+  return row;
+}
+
+Json KeyJson(const LifeKey& key, const Settings& settings) {
+  return {{"version", kVersion},
+          {"policy", key.policy},
+          {"ageing_rate", key.ageing_rate},
+          {"seed", key.seed},
+          {"settings", settings}};
+}
+
+}  // namespace
+
+std::string LifeKey::FileName() const {
+  return absl::StrFormat("%s_rate%.15g_seed%d.json",
+                         absl::StrReplaceAll(policy, {{":", "-"}}), ageing_rate,
+                         seed);
+}
+
+std::string FormatLife(const LifeKey& key, const Settings& settings,
+                       const Life& life) {
+  Json json = KeyJson(key, settings);
+  json["ended"] = life.ended;
+  Json rows = Json::array();
+  for (const ChangeRow& row : life.rows) rows.push_back(ToJson(row));
+  json["rows"] = std::move(rows);
+  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+absl::StatusOr<std::optional<Life>> ParseLife(const std::string& json,
+                                              const std::string& source,
+                                              const LifeKey& key,
+                                              const Settings& settings) {
+  // The only file format here that we write and read ourselves: whatever else
+  // is found is said to be no such file, and why.
+  try {
+    const Json parsed = Json::parse(json);
+    // Compared as they are written.
+    const Json wanted =
+        Json::parse(KeyJson(key, settings)
+                        .dump(-1, ' ', false, Json::error_handler_t::replace));
+    for (const auto& item : wanted.items()) {
+      if (parsed.at(item.key()) != item.value()) return std::nullopt;
+    }
+    Life life;
+    life.ended = parsed.at("ended").get<std::string>();
+    for (const Json& row : parsed.at("rows")) {
+      MLE_ASSIGN_OR_RETURN(ChangeRow read, ToRow(row));
+      life.rows.push_back(std::move(read));
+    }
+    return life;
+  } catch (const Json::exception& error) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(source, ": is no life of a policy: ", error.what()));
+  }
+}
+
+absl::StatusOr<std::optional<Life>> LoadLife(const std::string& folder,
+                                             const LifeKey& key,
+                                             const Settings& settings) {
+  const std::string path = absl::StrCat(folder, "/runs/", key.FileName());
+  const absl::StatusOr<std::string> content = ReadFile(path);
+  if (content.status().code() == absl::StatusCode::kNotFound) {
+    return std::nullopt;
+  }
+  MLE_RETURN_IF_ERROR(content.status());
+  return ParseLife(*content, path, key, settings);
+}
+
+absl::Status StoreLife(const std::string& folder, const LifeKey& key,
+                       const Settings& settings, const Life& life) {
+  return WriteFileAtomically(absl::StrCat(folder, "/runs/", key.FileName()),
+                             FormatLife(key, settings, life));
+}
+
+}  // namespace mle::lifecycle

@@ -1,0 +1,52 @@
+// Lives kept as files, so that a run that was killed goes on where it was.
+//
+// DIR/runs/POLICY_rateR_seedS.json holds the whole life of one policy, with the
+// settings it was made under: what it was worth in physical terms, no prices,
+// so that other prices need no new simulation. A file is written whole or not
+// at all, and used only where its settings are those asked for.
+
+#ifndef APPS_LIFECYCLE_STORE_H_
+#define APPS_LIFECYCLE_STORE_H_
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "apps/lifecycle/life.h"
+
+namespace mle::lifecycle {
+
+// Names and values of all that a life depends on, but for these three:
+using Settings = std::map<std::string, std::string>;
+
+struct LifeKey {
+  std::string policy;
+  double ageing_rate = 1.0;
+  std::uint64_t seed = 1;
+
+  std::string FileName() const;
+};
+
+std::string FormatLife(const LifeKey& key, const Settings& settings,
+                       const Life& life);
+
+// The life in `json`; nothing if it was made under other settings or for
+// another key. InvalidArgument, with `source`, for what is no such file.
+absl::StatusOr<std::optional<Life>> ParseLife(const std::string& json,
+                                              const std::string& source,
+                                              const LifeKey& key,
+                                              const Settings& settings);
+
+// From and to FOLDER/runs. Nothing where there is no such file.
+absl::StatusOr<std::optional<Life>> LoadLife(const std::string& folder,
+                                             const LifeKey& key,
+                                             const Settings& settings);
+absl::Status StoreLife(const std::string& folder, const LifeKey& key,
+                       const Settings& settings, const Life& life);
+
+}  // namespace mle::lifecycle
+
+#endif  // APPS_LIFECYCLE_STORE_H_

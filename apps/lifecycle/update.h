@@ -1,0 +1,64 @@
+// What a policy does with the records it has: corrects the model in use, tries
+// the correction on what was held out, and takes it or leaves it.
+//
+// Test, estimators and trial are those of mle_correct (apps/correct): without a
+// change that the test sees, nothing is done; a correction that predicts what
+// was held out worse than the model in use is refused.
+
+#ifndef APPS_LIFECYCLE_UPDATE_H_
+#define APPS_LIFECYCLE_UPDATE_H_
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "apps/correct/estimation.h"
+#include "apps/lifecycle/model_in_use.h"
+#include "mle/data/record.h"
+#include "mle/model/process_model.h"
+
+namespace mle::lifecycle {
+
+struct UpdateOptions {
+  correct::EstimationOptions estimation;
+  int validation_folds = 5;  // ≥ 2
+  // A correction must raise the log-likelihood of what is held out by more than
+  // this, ≥ 0.
+  double least_gain = 0.0;
+  double control_period = 1.0;
+  int response_samples = 501;  // compared with the plant
+};
+
+enum class Outcome {
+  kNone,      // nothing was tried
+  kNoChange,  // the test found no change
+  kUpdated,
+  kRefused,   // by the trial, or because the controller cannot use it
+  kReverted,  // used for some hours, then taken back: the loop ran worse
+};
+
+std::string_view NameOf(Outcome outcome);
+// The reverse; an error for another name.
+absl::StatusOr<Outcome> ParseOutcome(std::string_view name);
+
+struct UpdateResult {
+  Outcome outcome = Outcome::kNone;
+  std::string reason;  // of a refusal
+  // What the correction gains in log-likelihood where it was held out: the
+  // worse of both ways; NaN where it was not tried.
+  double held_out_gain = 0.0;
+  std::optional<ModelInUse> model;  // if updated
+};
+
+// ΔR, where the estimator has one, is always sought around the process model of
+// `in_use`, which for the estimator arx stays that of the commissioning.
+absl::StatusOr<UpdateResult> UpdateModel(const ModelInUse& in_use,
+                                         const std::vector<Record>& windows,
+                                         const UpdateOptions& options);
+
+}  // namespace mle::lifecycle
+
+#endif  // APPS_LIFECYCLE_UPDATE_H_

@@ -1,0 +1,167 @@
+// mle_lifecycle: what keeping a model up to date is worth, over years.
+
+#include <atomic>
+#include <csignal>
+#include <iostream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/strings/str_cat.h"
+#include "apps/common/command_line.h"
+#include "apps/common/flag_parser.h"
+#include "apps/lifecycle/campaign.h"
+#include "apps/lifecycle/figures.h"
+#include "apps/lifecycle/flags.h"
+#include "apps/lifecycle/outputs.h"
+#include "apps/lifecycle/page.h"
+#include "apps/lifecycle/summary.h"
+#include "apps/report/gnuplot.h"
+#include "apps/report/html.h"
+#include "apps/report/table.h"
+#include "mle/base/file.h"
+#include "mle/base/status.h"
+
+namespace mle {
+namespace {
+
+constexpr char kUsage[] =
+    R"(Lets a plant age over years under predictive control, and holds policies of keeping
+the controller's model up to date against each other: never, corrections from routine
+records, step tests, and the perfect model. Same plant, set points and noise for all.
+
+  mle_lifecycle --model=configs/wood_berry.json --ageing=configs/wood_berry_ageing.json \
+      --years=5 --change_every=30d --out=lifecycle
+  mle_lifecycle … --ageing_rates=0.25,0.5,1,2 \
+      --policies=never,structured:1,structured:6,test:6,test:24,perfect
+
+A run that was stopped goes on where it was when it is started again with the same
+flags. Other prices need no new simulation. Exit codes: 0 done, 1 stopped, or ran
+but the result is not usable, 2 bad input or flags.)";
+
+std::atomic<bool> stop_requested = false;
+
+void RequestStop(int /*signal*/) { stop_requested = true; }
+
+using lifecycle::NamedFigure;
+
+// The page's pictures, or why a figure could not be drawn: that is warned of
+// and leaves the results as good as they are.
+absl::StatusOr<std::vector<absl::StatusOr<std::string>>> DrawFigures(
+    const std::vector<NamedFigure>& figures, const std::string& folder) {
+  constexpr std::pair<report::Format, const char*> kFormats[] = {
+      {report::Format::kSvg, ".svg"}, {report::Format::kPng, ".png"}};
+  std::vector<absl::StatusOr<std::string>> svgs;
+  absl::Status drawn;
+  for (const NamedFigure& figure : figures) {
+    for (const auto& [format, extension] : kFormats) {
+      absl::StatusOr<std::string> picture =
+          report::RenderFigure(figure.figure, format);
+      drawn.Update(picture.status());
+      if (picture.ok()) {
+        MLE_RETURN_IF_ERROR(WriteFileAtomically(
+            absl::StrCat(folder, "/", figure.name, extension), *picture));
+      }
+      if (format == report::Format::kSvg) svgs.push_back(std::move(picture));
+    }
+  }
+  if (!drawn.ok()) std::cerr << "warning: " << drawn.message() << "\n";
+  return svgs;
+}
+
+// The flags that change what is found.
+std::vector<std::pair<std::string, std::string>> FlagValues() {
+  std::vector<std::pair<std::string, std::string>> values;
+  for (const FlagText& flag : CommandFlags()) {
+    if (flag.name != "out" && flag.name != "threads") {
+      values.emplace_back(flag.name, flag.value);
+    }
+  }
+  return values;
+}
+
+report::RunAgain HowToRunAgain(const lifecycle::Campaign& campaign) {
+  report::RunAgain again;
+  again.command = CommandLine();
+  again.version = std::string(Version());
+  again.seeds = absl::StrCat(campaign.seeds.front());
+  if (campaign.seeds.size() > 1) {
+    absl::StrAppend(&again.seeds, " … ", campaign.seeds.back());
+  }
+  for (const auto& [name, value] : FlagValues()) {
+    again.more.emplace_back(absl::StrCat("--", name), value);
+  }
+  return again;
+}
+
+absl::Status WriteAll(const lifecycle::Request& request,
+                      const lifecycle::Lives& lives,
+                      const std::vector<lifecycle::RateSummary>& summaries,
+                      const lifecycle::Valuation& valuation) {
+  const lifecycle::Campaign& campaign = request.campaign;
+  const auto write = [&](const std::string& name, const std::string& content) {
+    return WriteFileAtomically(absl::StrCat(campaign.folder, "/", name),
+                               content);
+  };
+  MLE_RETURN_IF_ERROR(write(
+      "result.json", lifecycle::FormatResult(campaign, summaries, valuation,
+                                             CommandLine(), FlagValues())));
+  MLE_RETURN_IF_ERROR(write("lifecycle.csv",
+                            lifecycle::FormatRows(campaign, lives, valuation)));
+  std::vector<NamedFigure> figures;
+  if (request.figures) {
+    figures = lifecycle::MakeFigures(campaign, lives, summaries, valuation);
+  }
+  MLE_ASSIGN_OR_RETURN(const auto svgs, DrawFigures(figures, campaign.folder));
+  return write("report.html",
+               lifecycle::FormatPage(campaign, summaries, figures, svgs,
+                                     HowToRunAgain(campaign)));
+}
+
+int Main() {
+  const absl::StatusOr<lifecycle::Request> request =
+      lifecycle::RequestFromFlags();
+  if (!request.ok()) return Fail(request.status());
+  const lifecycle::Campaign& campaign = request->campaign;
+  if (const absl::Status status = MakeWritableFolder(campaign.folder);
+      !status.ok()) {
+    return Fail(
+        absl::InvalidArgumentError(absl::StrCat("--out: ", status.message())));
+  }
+  std::signal(SIGINT, RequestStop);
+  std::signal(SIGTERM, RequestStop);
+  const absl::StatusOr<lifecycle::Lives> lives =
+      lifecycle::RunCampaign(campaign, [] { return stop_requested.load(); });
+  if (lives.status().code() == absl::StatusCode::kCancelled) {
+    std::cerr << "stopped; what is finished is kept in " << campaign.folder
+              << "/runs, and the same command goes on from there\n";
+    return kExitNotUsable;
+  }
+  if (!lives.ok()) return Fail(lives.status());
+  const lifecycle::Valuation valuation = {
+      request->prices, request->hours_per_unit, request->years};
+  const std::vector<lifecycle::RateSummary> summaries =
+      lifecycle::Summarise(campaign, *lives, valuation);
+  for (const lifecycle::RateSummary& rate : summaries) {
+    std::cout << report::RenderText(lifecycle::PolicyTable(rate)) << "\n";
+  }
+  for (const std::string& sentence : lifecycle::Findings(campaign, summaries)) {
+    std::cout << sentence << "\n";
+  }
+  if (const absl::Status status =
+          WriteAll(*request, *lives, summaries, valuation);
+      !status.ok()) {
+    return Fail(absl::InternalError(status.message()));
+  }
+  std::cout << "Report and results: " << campaign.folder << "/report.html\n";
+  return kExitDone;
+}
+
+}  // namespace
+}  // namespace mle
+
+int main(int argc, char** argv) {
+  mle::StartCommand(mle::kUsage, argc, argv);
+  return mle::Main();
+}

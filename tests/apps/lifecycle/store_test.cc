@@ -1,0 +1,85 @@
+#include "apps/lifecycle/store.h"
+
+#include <cmath>
+
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "tests/apps/lifecycle/small_scenario.h"
+
+namespace mle::lifecycle {
+namespace {
+
+using testing::Fouling;
+using ::testing::HasSubstr;
+using testing::NoisyTank;
+using testing::TankLife;
+using testing::TankScenario;
+
+const LifeKey& Key() {
+  static const LifeKey* const key = new LifeKey{"on_demand:0.9", 0.1, 7};
+  return *key;
+}
+
+const Settings& SomeSettings() {
+  static const Settings* const settings =
+      new Settings{{"years", "5"}, {"file", "{\"a\": \"µ\"}\n"}};
+  return *settings;
+}
+
+Life SomeLife() {
+  absl::StatusOr<Life> life =
+      LiveThrough(TankScenario(8, Fouling(0.5, 16000.0)),
+                  ParsePolicies("on_demand:0.9")->front(),
+                  TankLife(NoisyTank()), [] { return false; });
+  EXPECT_TRUE(life.ok()) << life.status();
+  return *std::move(life);
+}
+
+TEST(StoreTest, NothingIsLostOnTheWay) {
+  const Life life = SomeLife();
+  const std::string text = FormatLife(Key(), SomeSettings(), life);
+  const auto read = ParseLife(text, "life.json", Key(), SomeSettings());
+  ASSERT_TRUE(read.ok()) << read.status();
+  ASSERT_TRUE(read->has_value());
+  const Life& again = **read;
+  ASSERT_EQ(again.rows.size(), life.rows.size());
+  for (std::size_t k = 0; k < life.rows.size(); ++k) {
+    EXPECT_EQ(again.rows[k].Total().squared_error,
+              life.rows[k].Total().squared_error);
+    EXPECT_EQ(again.rows[k].outcome, life.rows[k].outcome);
+    EXPECT_EQ(std::isnan(again.rows[k].index), std::isnan(life.rows[k].index));
+  }
+  EXPECT_EQ(FormatLife(Key(), SomeSettings(), again), text);
+}
+
+TEST(StoreTest, OtherSettingsAreNotTakenForTheSame) {
+  const std::string text = FormatLife(Key(), SomeSettings(), SomeLife());
+  Settings other = SomeSettings();
+  other["years"] = "6";
+  EXPECT_FALSE(ParseLife(text, "life.json", Key(), other)->has_value());
+  LifeKey key = Key();
+  key.seed = 8;
+  EXPECT_FALSE(ParseLife(text, "life.json", key, SomeSettings())->has_value());
+  key = Key();
+  key.ageing_rate = std::nextafter(0.1, 1.0);
+  EXPECT_FALSE(ParseLife(text, "life.json", key, SomeSettings())->has_value());
+}
+
+TEST(StoreTest, WhatIsNoLifeIsNamed) {
+  const std::string text = FormatLife(Key(), SomeSettings(), SomeLife());
+  for (const std::string& wrong :
+       {std::string("{"), std::string("[]"), std::string("{\"version\": 1}"),
+        text.substr(0, text.size() / 2)}) {
+    const auto read = ParseLife(wrong, "life.json", Key(), SomeSettings());
+    ASSERT_FALSE(read.ok()) << wrong.substr(0, 20);
+    EXPECT_THAT(std::string(read.status().message()), HasSubstr("life.json"));
+  }
+}
+
+TEST(StoreTest, FilesOfDifferentLivesHaveDifferentNames) {
+  EXPECT_EQ(Key().FileName(), "on_demand-0.9_rate0.1_seed7.json");
+  EXPECT_FALSE(LoadLife("/nonexistent", Key(), SomeSettings())->has_value());
+}
+
+}  // namespace
+}  // namespace mle::lifecycle

@@ -1,0 +1,64 @@
+#include "apps/lifecycle/sums.h"
+
+#include <limits>
+
+#include "gtest/gtest.h"
+
+namespace mle::lifecycle {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+OutputLimits Limits(double min, double max) {
+  return {VectorXd::Constant(2, min), VectorXd::Constant(2, max)};
+}
+
+TEST(SumsTest, AreWhatTheirEquationsSay) {
+  MatrixXd outputs(2, 3), set_points(2, 3), inputs(1, 3);
+  outputs << 1.0, 2.0, 3.0, 0.0, 0.0, -2.0;
+  set_points << 1.0, 1.0, 1.0, 0.0, 1.0, 1.0;
+  inputs << 5.0, 4.0, 6.0;
+  const Sums sums =
+      SumsOf(outputs, set_points, inputs, 0, 3, 0.5, Limits(-1.0, 2.5));
+  EXPECT_EQ(sums.time, 1.5);
+  EXPECT_EQ(sums.squared_error[0], 0.5 * (0.0 + 1.0 + 4.0));
+  EXPECT_EQ(sums.squared_error[1], 0.5 * (0.0 + 1.0 + 9.0));
+  EXPECT_EQ(sums.absolute_error[0], 0.5 * 3.0);
+  EXPECT_EQ(sums.violation[0], 0.5 * 0.5);
+  EXPECT_EQ(sums.violation[1], 0.5 * 1.0);
+  EXPECT_EQ(sums.movement[0], 1.0 + 2.0);
+}
+
+TEST(SumsTest, PartsAddUpToTheWhole) {
+  const MatrixXd outputs = MatrixXd::Random(2, 40);
+  const MatrixXd set_points = MatrixXd::Random(2, 40);
+  const MatrixXd inputs = MatrixXd::Random(3, 40);
+  const OutputLimits limits = Limits(-0.3, 0.4);
+  const auto part = [&](int first, int end) {
+    return SumsOf(outputs, set_points, inputs, first, end, 0.2, limits);
+  };
+  const Sums whole = part(0, 40);
+  Sums parts = Sums::Zero(2, 3);
+  parts.Add(part(0, 17));
+  parts.Add(part(17, 40), 0.5);
+  parts.Add(part(17, 40), 0.5);
+  // Rounding of forty additions.
+  EXPECT_NEAR(parts.time, whole.time, 1e-12);
+  EXPECT_TRUE(parts.squared_error.isApprox(whole.squared_error, 1e-12));
+  EXPECT_TRUE(parts.absolute_error.isApprox(whole.absolute_error, 1e-12));
+  EXPECT_TRUE(parts.violation.isApprox(whole.violation, 1e-12));
+  EXPECT_TRUE(parts.movement.isApprox(whole.movement, 1e-12));
+}
+
+TEST(SumsTest, WithoutLimitsThereIsNoViolation) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const MatrixXd outputs = 100.0 * MatrixXd::Random(2, 10);
+  const Sums sums =
+      SumsOf(outputs, MatrixXd::Zero(2, 10), MatrixXd::Zero(1, 10), 0, 10, 1.0,
+             Limits(-kInfinity, kInfinity));
+  EXPECT_EQ(sums.violation.sum(), 0.0);
+}
+
+}  // namespace
+}  // namespace mle::lifecycle

@@ -1,0 +1,197 @@
+// mle_lifecycle as its users call it.
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "tests/apps/command_runner.h"
+
+namespace mle {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+constexpr char kTank[] = R"({"name": "tank", "time_unit": "min",
+  "inputs": [{"name": "steam", "unit": ""}],
+  "outputs": [{"name": "level", "unit": ""}],
+  "elements": [{"output": "level", "input": "steam",
+                "gain": 2, "time_constant": 8, "delay": 3}]})";
+// In days: the gain halves within 60.
+constexpr char kFouling[] = R"({"time_factor": 1440, "elements": [
+  {"output": "level", "input": "steam", "gain": [[0, 1.0], [60, 0.5]]}]})";
+
+// Sixty days of a tank, a change every fifth.
+class MleLifecycleTest : public ::testing::Test {
+ protected:
+  MleLifecycleTest()
+      : model_(scratch_.Write("tank.json", kTank)),
+        ageing_(scratch_.Write("fouling.json", kFouling)) {}
+
+  std::vector<std::string> Arguments(
+      const std::string& out, const std::vector<std::string>& more = {}) {
+    std::vector<std::string> arguments = {
+        "--model=" + model_,
+        "--ageing=" + ageing_,
+        "--years=0.165",
+        "--change_every=5d",
+        "--sample_time=1",
+        "--move_weight=2",
+        "--policies=never,structured:2,test:1,perfect",
+        "--seeds=2",
+        "--out=" + (scratch_ / out),
+        "--nofigures"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  }
+
+  report::ProcessResult Run(const std::string& out,
+                            const std::vector<std::string>& more = {}) {
+    return RunTested(Arguments(out, more));
+  }
+
+  std::string Message(const std::vector<std::string>& more) {
+    const report::ProcessResult result = Run("wrong", more);
+    EXPECT_EQ(result.exit_code, 2) << result.err;
+    EXPECT_EQ(result.out, "");
+    return result.err;
+  }
+
+  // The cost a year of a policy in a result.
+  static double CostOf(const nlohmann::json& result, std::size_t policy) {
+    return result.at("rates")
+        .at(0)
+        .at("policies")
+        .at(policy)
+        .at("cost_per_year")
+        .at("mean");
+  }
+
+  ScratchFolder scratch_;
+  std::string model_;
+  std::string ageing_;
+};
+
+TEST_F(MleLifecycleTest, WritesWhatItFound) {
+  const report::ProcessResult run = Run("out", {"--ageing_rates=0,1"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("structured:2"));
+  const nlohmann::json result = ParsedJson(scratch_ / "out/result.json");
+  EXPECT_EQ(result.at("version"), 1);
+  const nlohmann::json& rates = result.at("rates");
+  ASSERT_EQ(rates.size(), 2u);
+  // Nothing ages at the rate 0: never is as good as perfect there, and with
+  // ageing it is not.
+  const auto policy = [&](int rate, int p) {
+    return rates.at(rate).at("policies").at(p);
+  };
+  EXPECT_EQ(policy(0, 0).at("distance"), 0.0);
+  EXPECT_EQ(policy(0, 0).at("cost_per_year"), policy(0, 3).at("cost_per_year"));
+  EXPECT_GT(policy(1, 0).at("distance"), 0.0);
+  EXPECT_LT(policy(1, 1).at("distance"),
+            0.5 * policy(1, 0).at("distance").get<double>());
+  EXPECT_GT(policy(1, 2).at("step_tests"), 0.0);
+
+  const auto rows = ParsedCsv(scratch_ / "out/lifecycle.csv");
+  ASSERT_GT(rows.size(), 50u);
+  EXPECT_EQ(rows[0][0], "ageing_rate");
+  for (const auto& row : rows) EXPECT_EQ(row.size(), rows[0].size());
+  // The report stands without figures as well.
+  EXPECT_THAT(Content(scratch_ / "out/report.html"),
+              HasSubstr("what each policy costs"));
+}
+
+TEST_F(MleLifecycleTest, ThreadsAndInterruptionsChangeNoByte) {
+  ASSERT_EQ(Run("one", {"--threads=1"}).exit_code, 0);
+  ASSERT_EQ(Run("two", {"--threads=2"}).exit_code, 0);
+  // A run that has lost some of its lives makes them again, and only them.
+  std::filesystem::copy(scratch_ / "one", scratch_ / "rest",
+                        std::filesystem::copy_options::recursive);
+  std::filesystem::remove(scratch_ / "rest/lifecycle.csv");
+  std::filesystem::remove(scratch_ / "rest/runs/structured-2_rate1_seed1.json");
+  std::filesystem::remove(scratch_ / "rest/runs/never_rate1_seed2.json");
+  const report::ProcessResult rest = Run("rest");
+  ASSERT_EQ(rest.exit_code, 0) << rest.err;
+  EXPECT_THAT(rest.err, HasSubstr("6 of 8 lives are there already"));
+  const std::string lines = Content(scratch_ / "one/lifecycle.csv");
+  EXPECT_EQ(Content(scratch_ / "two/lifecycle.csv"), lines);
+  EXPECT_EQ(Content(scratch_ / "rest/lifecycle.csv"), lines);
+  EXPECT_EQ(ParsedJson(scratch_ / "two/result.json").at("rates"),
+            ParsedJson(scratch_ / "one/result.json").at("rates"));
+  for (const auto& file :
+       std::filesystem::directory_iterator(scratch_ / "one/runs")) {
+    const std::string name = file.path().filename();
+    EXPECT_EQ(Content(scratch_ / ("two/runs/" + name)), Content(file.path()));
+    EXPECT_EQ(Content(scratch_ / ("rest/runs/" + name)), Content(file.path()));
+  }
+}
+
+TEST_F(MleLifecycleTest, OtherPricesNeedNoNewSimulation) {
+  const std::vector<std::string> prices = {
+      "--price_movement=0", "--price_violation=0", "--price_engineer_hour=0",
+      "--price_test_hour=0"};
+  std::vector<std::string> dear = prices;
+  dear.emplace_back("--price_squared_error=700");
+  std::vector<std::string> cheap = prices;
+  cheap.emplace_back("--price_squared_error=100");
+  ASSERT_EQ(Run("out", dear).exit_code, 0);
+  const nlohmann::json at_700 = ParsedJson(scratch_ / "out/result.json");
+  const report::ProcessResult again = Run("out", cheap);
+  ASSERT_EQ(again.exit_code, 0);
+  EXPECT_THAT(again.err, HasSubstr("8 of 8 lives are there already"));
+  const nlohmann::json at_100 = ParsedJson(scratch_ / "out/result.json");
+  for (std::size_t p = 0; p < 4; ++p) {
+    EXPECT_NEAR(CostOf(at_700, p), 7.0 * CostOf(at_100, p),
+                1e-9 * CostOf(at_700, p));
+  }
+}
+
+TEST_F(MleLifecycleTest, OtherSettingsAreSimulatedAnew) {
+  ASSERT_EQ(Run("out", {"--policies=never"}).exit_code, 0);
+  const std::string before = Content(scratch_ / "out/lifecycle.csv");
+  const report::ProcessResult other =
+      Run("out", {"--policies=never", "--noise_variance=0.002"});
+  ASSERT_EQ(other.exit_code, 0);
+  EXPECT_THAT(other.err, Not(HasSubstr("there already")));
+  EXPECT_NE(Content(scratch_ / "out/lifecycle.csv"), before);
+}
+
+TEST_F(MleLifecycleTest, MistakesNameTheFlagAndWhatWouldBeRight) {
+  EXPECT_THAT(Message({"--model=/none.json"}),
+              HasSubstr("--model: cannot open '/none.json'"));
+  EXPECT_THAT(Message({"--ageing="}), HasSubstr("--ageing=FILE.json"));
+  EXPECT_THAT(Message({"--change_every=30"}),
+              HasSubstr("--change_every: '30'"));
+  EXPECT_THAT(Message({"--change_every=1h"}),
+              HasSubstr("--change_every: 1h: changes follow each other after"));
+  EXPECT_THAT(Message({"--change_every=1y"}), HasSubstr("there would be no"));
+  EXPECT_THAT(Message({"--policies=sometimes"}),
+              HasSubstr("--policies: 'sometimes': known are never"));
+  EXPECT_THAT(Message({"--ageing_rates=1,-2"}),
+              HasSubstr("--ageing_rates: '-2' is no rate"));
+  EXPECT_THAT(Message({"--seeds=0"}), HasSubstr("--seeds=0"));
+  EXPECT_THAT(Message({"--forgetting=2"}), HasSubstr("--forgetting=2"));
+  EXPECT_THAT(Message({"--setpoint_range=0"}), HasSubstr("--setpoint_range=0"));
+  EXPECT_THAT(Message({"--price_movement=-1"}), HasSubstr("--price_movement"));
+  EXPECT_THAT(Message({"--sample_time=0.3"}), HasSubstr("--control_period=1"));
+  EXPECT_THAT(Message({"--disturbance_time=x"}),
+              HasSubstr("--disturbance_time: 'x'"));
+  EXPECT_THAT(Message({"--prediction_horizon=2"}),
+              HasSubstr("--prediction_horizon"));
+  const std::string file = scratch_.Write("file", "");
+  EXPECT_THAT(Message({"--out=" + file}), HasSubstr(file));
+}
+
+TEST_F(MleLifecycleTest, AFileThatIsNoLifeIsNamed) {
+  ASSERT_EQ(Run("out", {"--policies=never"}).exit_code, 0);
+  const std::string life =
+      scratch_.Write("out/runs/never_rate1_seed2.json", "{\"version\": 1}");
+  const report::ProcessResult run = Run("out", {"--policies=never"});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_THAT(run.err, HasSubstr(life));
+}
+
+}  // namespace
+}  // namespace mle
