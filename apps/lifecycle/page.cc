@@ -68,7 +68,7 @@ std::vector<std::string> Findings(const Campaign& campaign,
     if (never != nullptr && never != cheapest) {
       absl::StrAppend(&sentence, "; never updating costs ",
                       WithInterval(cheapest->saving), " more");
-      if (!(cheapest->saving.mean > cheapest->saving.half_width)) {
+      if (cheapest->saving.mean <= cheapest->saving.half_width) {
         absl::StrAppend(&sentence,
                         ", which these seeds cannot tell from nothing");
       }
