@@ -40,16 +40,27 @@ A run that was stopped goes on where it was when it is started again with the sa
 flags. Other prices need no new simulation. Exit codes: 0 done, 1 stopped, or ran
 but the result is not usable, 2 bad input or flags.)";
 
-std::atomic<bool> stop_requested = false;
+std::atomic<bool> g_stop{false};
 
-void RequestStop(int /*signal*/) { stop_requested = true; }
+extern "C" void StopOnSignal(int /*signal*/) { g_stop = true; }
+
+// A second signal ends the program at once.
+void CatchSignals() {
+  struct sigaction action = {};
+  action.sa_handler = StopOnSignal;
+  action.sa_flags = SA_RESETHAND;
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
 
 using lifecycle::NamedFigure;
 
+using Files = std::vector<std::pair<std::string, std::string>>;
+
 // The page's pictures, or why a figure could not be drawn: that is warned of
-// and leaves the results as good as they are.
-absl::StatusOr<std::vector<absl::StatusOr<std::string>>> DrawFigures(
-    const std::vector<NamedFigure>& figures, const std::string& folder) {
+// and leaves the results as good as they are. Adds the figures to `files`.
+std::vector<absl::StatusOr<std::string>> DrawFigures(
+    const std::vector<NamedFigure>& figures, Files& files) {
   constexpr std::pair<report::Format, const char*> kFormats[] = {
       {report::Format::kSvg, ".svg"}, {report::Format::kPng, ".png"}};
   std::vector<absl::StatusOr<std::string>> svgs;
@@ -60,8 +71,7 @@ absl::StatusOr<std::vector<absl::StatusOr<std::string>>> DrawFigures(
           report::RenderFigure(figure.figure, format);
       drawn.Update(picture.status());
       if (picture.ok()) {
-        MLE_RETURN_IF_ERROR(WriteFileAtomically(
-            absl::StrCat(folder, "/", figure.name, extension), *picture));
+        files.emplace_back(absl::StrCat(figure.name, extension), *picture);
       }
       if (format == report::Format::kSvg) svgs.push_back(std::move(picture));
     }
@@ -100,23 +110,19 @@ absl::Status WriteAll(const lifecycle::Request& request,
                       const std::vector<lifecycle::RateSummary>& summaries,
                       const lifecycle::Valuation& valuation) {
   const lifecycle::Campaign& campaign = request.campaign;
-  const auto write = [&](const std::string& name, const std::string& content) {
-    return WriteFileAtomically(absl::StrCat(campaign.folder, "/", name),
-                               content);
-  };
-  MLE_RETURN_IF_ERROR(write(
-      "result.json", lifecycle::FormatResult(campaign, summaries, valuation,
-                                             CommandLine(), FlagValues())));
-  MLE_RETURN_IF_ERROR(write("lifecycle.csv",
-                            lifecycle::FormatRows(campaign, lives, valuation)));
+  Files files = {
+      {"result.json", lifecycle::FormatResult(campaign, summaries, valuation,
+                                              CommandLine(), FlagValues())},
+      {"lifecycle.csv", lifecycle::FormatRows(campaign, lives, valuation)}};
   std::vector<NamedFigure> figures;
   if (request.figures) {
     figures = lifecycle::MakeFigures(campaign, lives, summaries, valuation);
   }
-  MLE_ASSIGN_OR_RETURN(const auto svgs, DrawFigures(figures, campaign.folder));
-  return write("report.html",
-               lifecycle::FormatPage(campaign, summaries, figures, svgs,
-                                     HowToRunAgain(campaign)));
+  const auto svgs = DrawFigures(figures, files);
+  files.emplace_back("report.html",
+                     lifecycle::FormatPage(campaign, summaries, figures, svgs,
+                                           HowToRunAgain(campaign)));
+  return WriteFilesTogether(campaign.folder, files);
 }
 
 int Main() {
@@ -124,15 +130,11 @@ int Main() {
       lifecycle::RequestFromFlags();
   if (!request.ok()) return Fail(request.status());
   const lifecycle::Campaign& campaign = request->campaign;
-  if (const absl::Status status = MakeWritableFolder(campaign.folder);
-      !status.ok()) {
-    return Fail(
-        absl::InvalidArgumentError(absl::StrCat("--out: ", status.message())));
-  }
-  std::signal(SIGINT, RequestStop);
-  std::signal(SIGTERM, RequestStop);
+  const absl::StatusOr<FolderLock> lock = ClaimOutputFolder(campaign.folder);
+  if (!lock.ok()) return Fail(lock.status());
+  CatchSignals();
   const absl::StatusOr<lifecycle::Lives> lives =
-      lifecycle::RunCampaign(campaign, [] { return stop_requested.load(); });
+      lifecycle::RunCampaign(campaign, [] { return g_stop.load(); });
   if (lives.status().code() == absl::StatusCode::kCancelled) {
     std::cerr << "stopped; what is finished is kept in " << campaign.folder
               << "/runs, and the same command goes on from there\n";
@@ -152,7 +154,9 @@ int Main() {
   if (const absl::Status status =
           WriteAll(*request, *lives, summaries, valuation);
       !status.ok()) {
-    return Fail(absl::InternalError(status.message()));
+    return Fail(absl::IsResourceExhausted(status)
+                    ? status
+                    : absl::InternalError(status.message()));
   }
   std::cout << "Report and results: " << campaign.folder << "/report.html\n";
   return kExitDone;

@@ -40,29 +40,23 @@ absl::Status At(const LifeKey& key, const absl::Status& status) {
                    ", seed ", key.seed, ": ", status.message()));
 }
 
-}  // namespace
+LifeKey KeyOf(const Campaign& campaign, const Task& task) {
+  return {campaign.policies[task.policy].name, campaign.rates[task.rate],
+          campaign.seeds[task.seed]};
+}
 
-absl::StatusOr<Lives> RunCampaign(const Campaign& campaign,
-                                  const std::function<bool()>& stop) {
-  MLE_RETURN_IF_ERROR(MakeWritableFolder(campaign.folder + "/runs"));
-  Lives lives(
-      campaign.rates.size(),
-      std::vector<std::vector<Life>>(
-          campaign.seeds.size(), std::vector<Life>(campaign.policies.size())));
-  const auto key_of = [&](const Task& task) {
-    return LifeKey{campaign.policies[task.policy].name,
-                   campaign.rates[task.rate], campaign.seeds[task.seed]};
-  };
-  // What is there need not be made again.
+// Fills in the lives that the folder holds; what remains to be done.
+absl::StatusOr<std::vector<Task>> TakeWhatIsThere(const Campaign& campaign,
+                                                  Lives& lives) {
   std::vector<Task> tasks;
   std::size_t found = 0;
   for (std::size_t r = 0; r < campaign.rates.size(); ++r) {
     for (std::size_t s = 0; s < campaign.seeds.size(); ++s) {
       for (std::size_t p = 0; p < campaign.policies.size(); ++p) {
         const Task task = {r, s, p};
-        MLE_ASSIGN_OR_RETURN(
-            std::optional<Life> life,
-            LoadLife(campaign.folder, key_of(task), campaign.settings));
+        MLE_ASSIGN_OR_RETURN(std::optional<Life> life,
+                             LoadLife(campaign.folder, KeyOf(campaign, task),
+                                      campaign.settings));
         if (life.has_value()) {
           lives[r][s][p] = *std::move(life);
           ++found;
@@ -76,11 +70,25 @@ absl::StatusOr<Lives> RunCampaign(const Campaign& campaign,
     std::cerr << campaign.folder << "/runs: " << found << " of "
               << found + tasks.size() << " lives are there already\n";
   }
+  return tasks;
+}
+
+}  // namespace
+
+absl::StatusOr<Lives> RunCampaign(const Campaign& campaign,
+                                  const std::function<bool()>& stop) {
+  MLE_RETURN_IF_ERROR(MakeWritableFolder(campaign.folder + "/runs"));
+  Lives lives(
+      campaign.rates.size(),
+      std::vector<std::vector<Life>>(
+          campaign.seeds.size(), std::vector<Life>(campaign.policies.size())));
+  MLE_ASSIGN_OR_RETURN(const std::vector<Task> tasks,
+                       TakeWhatIsThere(campaign, lives));
   Progress progress("lives", static_cast<int>(tasks.size()));
   std::vector<absl::Status> status(tasks.size());
   ParallelFor(static_cast<int>(tasks.size()), campaign.threads, [&](int i) {
     const Task& task = tasks[i];
-    const LifeKey key = key_of(task);
+    const LifeKey key = KeyOf(campaign, task);
     status[i] = [&]() -> absl::Status {
       if (stop()) return absl::CancelledError("stopped");
       MLE_ASSIGN_OR_RETURN(const Scenario scenario,
@@ -99,7 +107,7 @@ absl::StatusOr<Lives> RunCampaign(const Campaign& campaign,
     if (status[i].code() == absl::StatusCode::kCancelled) {
       return absl::CancelledError("stopped");
     }
-    if (!status[i].ok()) return At(key_of(tasks[i]), status[i]);
+    if (!status[i].ok()) return At(KeyOf(campaign, tasks[i]), status[i]);
   }
   return lives;
 }

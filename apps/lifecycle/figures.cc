@@ -223,6 +223,21 @@ NamedFigure RateFigure(const Campaign& campaign,
   return named;
 }
 
+// Of the perfect policy, by change; empty where it is not run.
+std::vector<double> PerfectCosts(const Campaign& campaign,
+                                 const std::vector<Life>& lives,
+                                 const Valuation& valuation) {
+  std::vector<double> perfect;
+  for (std::size_t p = 0; p < campaign.policies.size(); ++p) {
+    if (campaign.policies[p].kind != Policy::Kind::kPerfect) continue;
+    for (const ChangeRow& row : lives[p].rows) {
+      perfect.push_back(
+          CostOf(row, valuation.prices, valuation.hours_per_unit).total());
+    }
+  }
+  return perfect;
+}
+
 NamedFigure TimeFigure(const Campaign& campaign,
                        const std::vector<std::vector<Life>>& lives, double rate,
                        const Valuation& valuation) {
@@ -245,14 +260,8 @@ NamedFigure TimeFigure(const Campaign& campaign,
   cost.y = {.label = "cost so far"};
   distance_panel.x = {.label = "years"};
   distance_panel.y = {.label = "squared distance E", .log = true};
-  std::vector<double> perfect;
-  for (std::size_t p = 0; p < campaign.policies.size(); ++p) {
-    if (campaign.policies[p].kind != Policy::Kind::kPerfect) continue;
-    for (const ChangeRow& row : lives.front()[p].rows) {
-      perfect.push_back(
-          CostOf(row, valuation.prices, valuation.hours_per_unit).total());
-    }
-  }
+  const std::vector<double> perfect =
+      PerfectCosts(campaign, lives.front(), valuation);
   if (!perfect.empty()) cost.y.label = "cost beyond perfect";
   UpperEdge upper;
   double lower = 0.0;

@@ -128,6 +128,30 @@ TEST_F(MleLifecycleTest, ThreadsAndInterruptionsChangeNoByte) {
   }
 }
 
+TEST_F(MleLifecycleTest, ARunThatIsStoppedGoesOnWhereItWas) {
+  ASSERT_EQ(Run("whole").exit_code, 0);
+  // Asked to stop, or killed, at some moment; it may be done by then.
+  for (const char* signal : {"INT", "KILL", "TERM"}) {
+    std::vector<std::string> line = {"--signal=" + std::string(signal),
+                                     "--preserve-status", "0.4",
+                                     MLE_TESTED_COMMAND};
+    const std::vector<std::string> arguments =
+        Arguments("stopped", {"--threads=1"});
+    line.insert(line.end(), arguments.begin(), arguments.end());
+    const absl::StatusOr<report::ProcessResult> stopped =
+        report::RunProcess("timeout", line, "");
+    ASSERT_TRUE(stopped.ok()) << stopped.status();
+    if (stopped->exit_code == 1) {
+      EXPECT_THAT(stopped->err, HasSubstr("stopped; what is finished is kept"));
+    } else {
+      EXPECT_THAT(stopped->exit_code, ::testing::AnyOf(0, 137));
+    }
+  }
+  ASSERT_EQ(Run("stopped").exit_code, 0);
+  EXPECT_EQ(Content(scratch_ / "stopped/lifecycle.csv"),
+            Content(scratch_ / "whole/lifecycle.csv"));
+}
+
 TEST_F(MleLifecycleTest, OtherPricesNeedNoNewSimulation) {
   const std::vector<std::string> prices = {
       "--price_movement=0", "--price_violation=0", "--price_engineer_hour=0",

@@ -86,6 +86,11 @@ def check_commands(folder):
     run("mle_study", f"--campaign={folder}/small.json", f"--out={out}", "--figures=false")
     check("campaign", out / "campaign.json")
     check("summary", out / "summary.json")
+    out = folder / "lifecycle"
+    run("mle_lifecycle", model, f"--ageing={source}/configs/wood_berry_ageing.json", f"--out={out}",
+        "--figures=false", "--years=0.2", "--change_every=20d", "--sample_time=1", "--seeds=1",
+        "--policies=never,structured:2,test:1,perfect")
+    check("lifecycle", out / "result.json")
 
 
 for path in sorted((source / "configs").glob("*.json")):
@@ -93,6 +98,8 @@ for path in sorted((source / "configs").glob("*.json")):
         check("process_model", path)
 for path in sorted((source / "configs").glob("campaign_*.json")):
     check("campaign", path)
+for path in sorted((source / "configs").glob("*_ageing.json")):
+    check("ageing", path)
 check("ageing", source / "tests/fuzz/corpus/ageing/steps.json")
 check("arx", source / "tests/fuzz/corpus/arx_model/small.json")
 with tempfile.TemporaryDirectory() as folder:
