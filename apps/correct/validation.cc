@@ -30,7 +30,8 @@ bool HoldsAll(const std::vector<bool>& held) {
          std::all_of(held.begin(), held.end(), [](bool h) { return h; });
 }
 
-std::vector<Fold> FoldsOfWindows(const std::vector<Record>& windows, int max_folds) {
+std::vector<Fold> FoldsOfWindows(const std::vector<Record>& windows,
+                                 int max_folds) {
   const int size = static_cast<int>(windows.size());
   const int count = std::min(size, max_folds);
   std::vector<Fold> folds(count);
@@ -69,7 +70,8 @@ std::vector<Fold> FoldsOfBlocks(const std::vector<Record>& windows) {
 
 // What remains for the fit: windows held out whole are gone, in others the
 // outputs held out are lost.
-std::vector<Record> Remaining(const std::vector<Record>& windows, const Fold& fold) {
+std::vector<Record> Remaining(const std::vector<Record>& windows,
+                              const Fold& fold) {
   std::vector<Record> records;
   for (std::size_t w = 0; w < windows.size(); ++w) {
     const std::vector<bool>& held = fold.held[w];
@@ -175,8 +177,8 @@ HeldOut HoldOut(const Estimate& estimate, const std::vector<Record>& windows,
         estimate.setting, estimate.fit, Remaining(windows, folds[f]));
     status[f] = corrected.status();
     if (!corrected.ok()) return;
-    scores[f] =
-        ScoreFold(windows, folds[f], estimate.fit.initial, *corrected, horizons);
+    scores[f] = ScoreFold(windows, folds[f], estimate.fit.initial, *corrected,
+                          horizons);
   });
   HeldOut held_out;
   Scores all(windows.front().num_outputs());
@@ -208,7 +210,8 @@ HeldOut HoldOut(const Estimate& estimate, const std::vector<Record>& windows,
 
 // What the rule for λ has held out already: its loss at λ* against that of the
 // largest λ, which corrects nothing.
-HeldOut BlocksOfTheRule(const Correction& correction, const std::vector<Record>& windows) {
+HeldOut BlocksOfTheRule(const Correction& correction,
+                        const std::vector<Record>& windows) {
   HeldOut held_out;
   const SelectionSummary& selection = correction.selection();
   const Eigen::VectorXd& loss = selection.loss;

@@ -45,10 +45,10 @@ struct LifeOptions {
 // What a set-point change, and the time before it, brought.
 struct ChangeRow {
   SetPointEvent event;
-  Sums quiet;      // since the last row
-  Sums transient;  // after the change
-  Sums test;       // of a step test after it; its time is 0 without one
-  Sums watch;      // of the first hours with a new model, likewise
+  Sums quiet;        // since the last row
+  Sums transient;    // after the change
+  Sums test;         // of a step test after it; its time is 0 without one
+  Sums watch;        // of the first hours with a new model, likewise
   ModelError error;  // of the model in use at the change
   double index = std::numeric_limits<double>::quiet_NaN();  // on_demand only
   Outcome outcome = Outcome::kNone;  // of a correction or step test after it
