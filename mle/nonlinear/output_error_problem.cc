@@ -213,7 +213,9 @@ WhitenedColumns OutputErrorProblem::Whiten(
       result.num_amplitudes += static_cast<int>(qr.rank());
     }
     result.residuals.segment(begin, rows) = whitened.col(0);
-    result.jacobian.middleRows(begin, rows) = whitened.middleCols(1, width);
+    if (width > 0) {
+      result.jacobian.middleRows(begin, rows) = whitened.middleCols(1, width);
+    }
     result.log_determinant += filter.log_determinant();
     begin += rows;
   }
