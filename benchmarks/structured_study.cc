@@ -19,6 +19,7 @@
 #include "apps/reproduce/experiment.h"
 #include "glog/logging.h"
 #include "mle/base/parallel.h"
+#include "mle/nonlinear/element_response.h"
 #include "mle/nonlinear/model_adequacy.h"
 #include "mle/nonlinear/structured_correction.h"
 
@@ -44,9 +45,10 @@ struct Run {
 };
 
 double Value(const TransferFunction& element, int kind) {
-  return kind == 0   ? element.StaticGain()
-         : kind == 1 ? element.TimeConstant()
-                     : element.delay();
+  return kind == 0 ? element.StaticGain()
+         : kind == 1
+             ? ElementResponse::Create(element)->initial_values().time_scale
+             : element.delay();
 }
 
 const ParameterEstimate& Parameter(const ElementEstimate& element, int kind) {

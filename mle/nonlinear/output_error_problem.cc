@@ -26,6 +26,18 @@ AmplitudeQr Factorise(const MatrixXd& amplitudes) {
   return qr;
 }
 
+// The shortest amplitudes that fit best: modes that are one (equal time
+// constants) share, where a solve by pivots would blow them up against each
+// other.
+VectorXd FitAmplitudes(const MatrixXd& amplitudes, const VectorXd& residuals) {
+  const VectorXd inverse_norms =
+      amplitudes.colwise().norm().cwiseMax(1e-300).cwiseInverse();
+  Eigen::CompleteOrthogonalDecomposition<MatrixXd> decomposition;
+  decomposition.setThreshold(kRankTolerance);
+  decomposition.compute(amplitudes * inverse_norms.asDiagonal());
+  return inverse_norms.cwiseProduct(decomposition.solve(residuals));
+}
+
 // Rotated so that the amplitudes span the first rows, which become 0.
 void ProjectOut(const AmplitudeQr& qr, Eigen::Ref<MatrixXd> columns) {
   const Eigen::Index rank = qr.rank();
@@ -165,10 +177,8 @@ std::vector<SegmentColumns> OutputErrorProblem::Linearise(
     whitened.col(0) = columns.residuals;
     whitened.rightCols(num_modes_) = columns.amplitudes;
     filter.Apply(whitened);
-    AmplitudeQr qr;
-    qr.setThreshold(kRankTolerance);
-    qr.compute(whitened.rightCols(num_modes_));
-    const VectorXd amplitudes = qr.solve(whitened.col(0));
+    const VectorXd amplitudes =
+        FitAmplitudes(whitened.rightCols(num_modes_), whitened.col(0));
     Eigen::Index mode = 0;
     for (int j = 0; j < num_elements(); ++j) {
       if (!elements_[j].has_value()) continue;
@@ -249,10 +259,9 @@ VectorXd OutputErrorProblem::WhiteResiduals(const OutputPoint& point,
       MatrixXd whitened(residuals.size(), 1 + num_modes_);
       whitened << residuals, columns[s].amplitudes;
       filter.Apply(whitened);
-      AmplitudeQr qr;
-      qr.setThreshold(kRankTolerance);
-      qr.compute(whitened.rightCols(num_modes_));
-      residuals -= columns[s].amplitudes * qr.solve(whitened.col(0));
+      residuals -=
+          columns[s].amplitudes *
+          FitAmplitudes(whitened.rightCols(num_modes_), whitened.col(0));
     }
     all.segment(begin, residuals.size()) = filter.WhitePart(residuals);
     begin += residuals.size();

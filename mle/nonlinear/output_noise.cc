@@ -91,8 +91,12 @@ class ShapeLikelihood {
         log_jacobian += std::log(std::abs(qr.matrixQR()(i, i)));
       }
       log_jacobian -= 2.0 * inverse_norms.array().log().sum();
-      profile.squares -=
-          std::min(profile.squares, gradient.dot(qr.solve(gradient)));
+      // By rank: a solve by pivots would take rounding for a direction.
+      Eigen::CompleteOrthogonalDecomposition<MatrixXd> decomposition;
+      decomposition.setThreshold(1e-12);
+      decomposition.compute(jacobian.transpose() * jacobian);
+      profile.squares -= std::min(profile.squares,
+                                  gradient.dot(decomposition.solve(gradient)));
     }
     // Exact data leave rounding, which has no likelihood.
     profile.squares =

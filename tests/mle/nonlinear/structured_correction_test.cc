@@ -152,6 +152,37 @@ TEST(StructuredFitTest, BandsAreTheDeltaMethods) {
               errors.values.squaredNorm(), 1e-15);
 }
 
+// Free responses of elements with one time constant are one and the same: they
+// must not blow up against each other.
+TEST(StructuredCorrectionTest, EqualTimeConstantsAreDetermined) {
+  ProcessModel model = MakeModel(1, 2);
+  model.element(0, 0) = TransferFunction::FirstOrder(-2.2, 7.0, 1.0);
+  model.element(0, 1) = TransferFunction::FirstOrder(1.3, 7.0, 0.3);
+  ProcessModel plant = model;
+  plant.element(0, 1) = TransferFunction::FirstOrder(1.3, 7.0, 2.3);
+  const auto records = MakeRecords(plant, 500, 9, {.variance = 1e-3});
+  for (const bool offset : {false, true}) {
+    const auto limit = ComputeStructuredLimit(
+        plant, records, {{.variance = 1e-3, .ratio = 0.0, .offset = offset}},
+        {});
+    ASSERT_TRUE(limit.ok()) << limit.status();
+    EXPECT_TRUE(std::isfinite(limit->ExpectedSquaredDistance(0.5, 100)));
+    const auto correction = Correct(model, records);
+    for (int j = 0; j < 2; ++j) {
+      const auto bound = Parameters(*limit, j);
+      const auto found = Parameters(correction.full, j);
+      const auto truth = Values(plant.element(0, j));
+      for (int k = 0; k < 3; ++k) {
+        EXPECT_LT(bound[k].standard_error, 0.1 * std::abs(truth[k]) + 0.1);
+        EXPECT_LT(std::abs(found[k].value - truth[k]),
+                  6.0 * bound[k].standard_error);
+      }
+    }
+    EXPECT_TRUE(correction.aged(0, 1));
+    EXPECT_FALSE(correction.aged(0, 0));
+  }
+}
+
 TEST(StructuredCorrectionTest, SaysWhatIsWrong) {
   const ProcessModel model = TwoElements();
   const auto records = MakeRecords(model, 300, 6, {.variance = 0.01});
