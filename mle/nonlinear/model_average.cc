@@ -61,10 +61,12 @@ OutputFit Average(const std::vector<WeightedFit>& fits, double sample_time) {
       [](const auto& a, const auto& b) { return a.weight < b.weight; });
   OutputFit average = *heaviest.fit;
   if (fits.size() == 1) return average;
-  VectorXd mean = VectorXd::Zero(average.covariance.rows());
-  VectorXd inverse_degrees = VectorXd::Zero(mean.size());
+  // As differences from the heaviest: what is held does not differ at all.
+  const VectorXd base = ParametersOf(average.point);
+  VectorXd shift = VectorXd::Zero(base.size());
+  VectorXd inverse_degrees = VectorXd::Zero(base.size());
   for (const WeightedFit& part : fits) {
-    mean += part.weight * ParametersOf(part.fit->point);
+    shift += part.weight * (ParametersOf(part.fit->point) - base);
     inverse_degrees +=
         part.weight * part.fit->degrees_of_freedom.cwiseInverse();
     average.certificate.search_confirmed &=
@@ -74,11 +76,12 @@ OutputFit Average(const std::vector<WeightedFit>& fits, double sample_time) {
   }
   average.covariance.setZero();
   for (const WeightedFit& part : fits) {
-    const VectorXd apart = ParametersOf(part.fit->point) - mean;
+    const VectorXd apart = ParametersOf(part.fit->point) - base - shift;
     average.covariance +=
         part.weight * (part.fit->covariance + apart * apart.transpose());
   }
   average.degrees_of_freedom = inverse_degrees.cwiseInverse();
+  const VectorXd mean = base + shift;
   for (std::size_t j = 0; j < average.free.size(); ++j) {
     if (!average.free[j]) continue;
     const auto values = mean.segment(3 * static_cast<Eigen::Index>(j), 3);
