@@ -52,7 +52,7 @@ th:first-child, td:first-child { padding-left: .1rem; }
 thead th, thead td { border-bottom: 2px solid var(--soft); vertical-align: bottom; }
 tbody th { font-weight: 600; }
 .left { text-align: left; } .center { text-align: center; } .right { text-align: right; }
-td.right { white-space: nowrap; } th.right { min-width: 4.4em; }
+td.right { white-space: nowrap; } th.right { min-width: 5.8em; }
 figure { margin: 1.5rem 0; }
 .picture { background: #ffffff; border: 1px solid var(--rule); border-radius: 4px; padding: .6rem; }
 .picture svg { display: block; width: 100%; height: auto; margin: 0 auto; }
