@@ -6,9 +6,9 @@
 #include "apps/study/campaign_methods.h"
 #include "apps/study/campaign_scenarios.h"
 #include "apps/study/grid.h"
-#include "apps/study/json_node.h"
 #include "apps/study/scenario.h"
 #include "mle/base/status.h"
+#include "mle/model/json_node.h"
 #include "mle/model/strict_json.h"
 #include "nlohmann/json.hpp"
 
@@ -60,7 +60,7 @@ absl::Status ReadInList(const JsonNode& campaign, const std::string& list,
 
 absl::Status ParseConversion(const JsonNode& node, Campaign& campaign) {
   MLE_RETURN_IF_ERROR(
-      node.CheckObject({}, {"duration", "penalty", "noise_variance"}));
+      node.CheckKeys({}, {"duration", "penalty", "noise_variance"}));
   MLE_RETURN_IF_ERROR(
       ReadNumber(node, "duration", kPositive, campaign.conversion_duration));
   MLE_RETURN_IF_ERROR(
@@ -155,7 +155,7 @@ absl::StatusOr<Campaign> ParseCampaign(std::string_view resolved,
                                        const std::string& source) {
   MLE_ASSIGN_OR_RETURN(const Json json, ParseStrictJson(resolved, source));
   const JsonNode node(json, source);
-  MLE_RETURN_IF_ERROR(node.CheckObject(
+  MLE_RETURN_IF_ERROR(node.CheckKeys(
       {"version", "name", "seeds", "models", "mismatches"},
       {"noise_variances", "drift_variances", "controllers", "windows",
        "estimators", "selections", "solvers", "sample_time", "order",

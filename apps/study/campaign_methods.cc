@@ -59,7 +59,7 @@ absl::StatusOr<SelectionSpec> ParseSelection(const JsonNode& node) {
     spec.name = node.json().get<std::string>();
     return spec;
   }
-  MLE_RETURN_IF_ERROR(node.CheckObject(
+  MLE_RETURN_IF_ERROR(node.CheckKeys(
       {"name", "rule"}, {"folds", "block", "phases", "horizon", "per_output",
                          "one_standard_error", "on_grid"}));
   MLE_ASSIGN_OR_RETURN(spec.name, node.At("name").Name());
@@ -82,7 +82,7 @@ absl::StatusOr<SolverSpec> ParseSolver(const JsonNode& node,
                                        const Campaign& campaign) {
   SolverSpec spec;
   if (node.json().is_object()) {
-    MLE_RETURN_IF_ERROR(node.CheckObject({"name", "elastic_net"}, {}));
+    MLE_RETURN_IF_ERROR(node.CheckKeys({"name", "elastic_net"}, {}));
     MLE_ASSIGN_OR_RETURN(spec.name, node.At("name").Name());
     MLE_ASSIGN_OR_RETURN(
         spec.options.elastic_net_ratio,
@@ -194,14 +194,14 @@ bool UsesLambda(Estimator estimator) {
 
 absl::StatusOr<Eigen::VectorXd> ParseLambdaGrid(const JsonNode& node) {
   if (node.json().is_object() && node.Has("step")) {
-    MLE_RETURN_IF_ERROR(node.CheckObject({"max", "step"}, {}));
+    MLE_RETURN_IF_ERROR(node.CheckKeys({"max", "step"}, {}));
     MLE_ASSIGN_OR_RETURN(const double max, node.At("max").Number(kPositive));
     MLE_ASSIGN_OR_RETURN(const double step, node.At("step").Number(kPositive));
     absl::StatusOr<Eigen::VectorXd> grid = MakeLambdaGrid(max, step);
     if (grid.ok()) return grid;
     return node.Fault(std::string(grid.status().message()));
   }
-  MLE_RETURN_IF_ERROR(node.CheckObject({"min", "max", "count"}, {}));
+  MLE_RETURN_IF_ERROR(node.CheckKeys({"min", "max", "count"}, {}));
   MLE_ASSIGN_OR_RETURN(const double min, node.At("min").Number(kPositive));
   MLE_ASSIGN_OR_RETURN(const double max,
                        node.At("max").Number({.min = min, .open_min = true}));

@@ -44,9 +44,9 @@ absl::Status ReadInterval(const JsonNode& object, const std::string& key,
 }
 
 absl::StatusOr<RandomPlants> ParseRandomPlants(const JsonNode& node) {
-  MLE_RETURN_IF_ERROR(node.CheckObject(
-      {}, {"outputs", "inputs", "gain", "time_constant", "delay",
-           "max_condition_number", "max_sensitivity"}));
+  MLE_RETURN_IF_ERROR(
+      node.CheckKeys({}, {"outputs", "inputs", "gain", "time_constant", "delay",
+                          "max_condition_number", "max_sensitivity"}));
   RandomPlants plants;
   MLE_RETURN_IF_ERROR(
       ReadInteger(node, "outputs", 1, kMaxChannels, plants.outputs));
@@ -76,8 +76,8 @@ absl::StatusOr<ProcessModel> ParseModel(const JsonNode& node) {
 
 absl::StatusOr<Change> ParseChange(const JsonNode& node) {
   MLE_RETURN_IF_ERROR(
-      node.CheckObject({}, {"output", "input", "elements", "gain_factor",
-                            "time_constant_factor", "delay_shift"}));
+      node.CheckKeys({}, {"output", "input", "elements", "gain_factor",
+                          "time_constant_factor", "delay_shift"}));
   Change change;
   if (node.Has("output")) {
     MLE_ASSIGN_OR_RETURN(change.output, node.At("output").Text());
@@ -131,8 +131,7 @@ absl::Status CheckMismatch(const JsonNode& node, const Mismatch& mismatch,
 // A mismatch for each of its sizes.
 absl::StatusOr<std::vector<Mismatch>> ParseMismatch(
     const JsonNode& node, const std::vector<ModelSpec>& models) {
-  MLE_RETURN_IF_ERROR(
-      node.CheckObject({"name"}, {"plant", "changes", "sizes"}));
+  MLE_RETURN_IF_ERROR(node.CheckKeys({"name"}, {"plant", "changes", "sizes"}));
   Mismatch mismatch;
   MLE_ASSIGN_OR_RETURN(mismatch.name, node.At("name").Name());
   if (node.Has("plant") && node.Has("changes")) {
@@ -206,7 +205,7 @@ absl::StatusOr<std::vector<double>> ParseNumberList(const JsonNode& node,
 absl::StatusOr<std::vector<std::uint64_t>> ParseSeeds(const JsonNode& node) {
   std::vector<std::uint64_t> seeds;
   if (node.json().is_object()) {
-    MLE_RETURN_IF_ERROR(node.CheckObject({"first", "count"}, {}));
+    MLE_RETURN_IF_ERROR(node.CheckKeys({"first", "count"}, {}));
     MLE_ASSIGN_OR_RETURN(const std::int64_t count,
                          node.At("count").Integer(1, kMaxSeeds));
     MLE_ASSIGN_OR_RETURN(const std::int64_t first,
@@ -239,7 +238,7 @@ absl::StatusOr<std::vector<ModelSpec>> ParseModels(const JsonNode& node) {
   std::set<std::string> names;
   for (const JsonNode& element : elements) {
     MLE_RETURN_IF_ERROR(
-        element.CheckObject({"name"}, {"file", "model", "random"}));
+        element.CheckKeys({"name"}, {"file", "model", "random"}));
     ModelSpec spec;
     MLE_ASSIGN_OR_RETURN(spec.name, element.At("name").Name());
     MLE_RETURN_IF_ERROR(CheckNewName(element, spec.name, names));
@@ -279,7 +278,7 @@ absl::StatusOr<std::vector<ControllerSpec>> ParseControllers(
   std::set<std::string> names;
   constexpr int kMaxHorizon = 100'000;
   for (const JsonNode& element : elements) {
-    MLE_RETURN_IF_ERROR(element.CheckObject(
+    MLE_RETURN_IF_ERROR(element.CheckKeys(
         {"name"},
         {"control_period", "prediction_horizon", "control_horizon",
          "output_weight", "move_weight", "disturbance_variance_ratio"}));
@@ -314,8 +313,8 @@ absl::StatusOr<std::vector<WindowSpec>> ParseWindows(const JsonNode& node) {
   std::set<std::string> names;
   for (const JsonNode& element : elements) {
     MLE_RETURN_IF_ERROR(
-        element.CheckObject({"name"}, {"duration", "step_time", "setpoint_step",
-                                       "window", "changes", "spacing"}));
+        element.CheckKeys({"name"}, {"duration", "step_time", "setpoint_step",
+                                     "window", "changes", "spacing"}));
     WindowSpec spec;
     MLE_ASSIGN_OR_RETURN(spec.name, element.At("name").Name());
     MLE_RETURN_IF_ERROR(CheckNewName(element, spec.name, names));

@@ -10,7 +10,7 @@
 
 #include "absl/status/statusor.h"
 #include "apps/study/campaign.h"
-#include "apps/study/json_node.h"
+#include "mle/model/json_node.h"
 
 namespace mle::study {
 

@@ -38,68 +38,66 @@ absl::Status CheckNames(const std::vector<std::string>& names, int wanted,
 }
 
 // R, a list of p rows of d(p+m) numbers.
-absl::StatusOr<Eigen::MatrixXd> ParseMatrix(const nlohmann::json& rows,
+absl::StatusOr<Eigen::MatrixXd> ParseMatrix(const JsonNode& node,
                                             int num_outputs,
                                             int num_regressors) {
+  const nlohmann::json& rows = node.json();
   if (!rows.is_array() ||
       rows.size() != static_cast<std::size_t>(num_outputs)) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "R must be a list of ", num_outputs, " rows, one for each output, is ",
-        rows.is_array() ? absl::StrCat("one of ", rows.size())
-                        : FoundJson(rows)));
+    return node.Fault(absl::StrCat(
+        "must be a list of ", num_outputs, " rows, one for each output, is ",
+        rows.is_array() ? absl::StrCat("one of ", rows.size()) : node.Found()));
   }
   // Rows are as long as they should be before memory is taken for them.
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (!rows[i].is_array() ||
-        rows[i].size() != static_cast<std::size_t>(num_regressors)) {
-      return absl::InvalidArgumentError(absl::StrCat(
-          "R[", i, "] must be a list of ", num_regressors,
+  MLE_ASSIGN_OR_RETURN(const std::vector<JsonNode> row_nodes, node.Elements());
+  for (const JsonNode& row : row_nodes) {
+    if (!row.json().is_array() ||
+        row.json().size() != static_cast<std::size_t>(num_regressors)) {
+      return row.Fault(absl::StrCat(
+          "must be a list of ", num_regressors,
           " numbers, order × channels, is ",
-          rows[i].is_array() ? absl::StrCat("one of ", rows[i].size())
-                             : FoundJson(rows[i])));
+          row.json().is_array() ? absl::StrCat("one of ", row.json().size())
+                                : row.Found()));
     }
   }
   Eigen::MatrixXd R(num_outputs, num_regressors);
   for (int i = 0; i < num_outputs; ++i) {
-    for (int j = 0; j < num_regressors; ++j) {
-      const nlohmann::json& entry = rows[i][j];
-      if (!entry.is_number()) {
-        return absl::InvalidArgumentError(absl::StrCat(
-            "R[", i, "][", j, "] must be a number, is ", FoundJson(entry)));
-      }
-      R(i, j) = entry.get<double>();
-    }
+    MLE_ASSIGN_OR_RETURN(const std::vector<double> row, row_nodes[i].Numbers());
+    R.row(i) = Eigen::Map<const Eigen::RowVectorXd>(row.data(), num_regressors);
   }
   return R;
 }
 
 absl::StatusOr<NamedArxModel> ParseNamed(const JsonNode& top) {
   MLE_RETURN_IF_ERROR(
-      CheckJsonKeys(top,
-                    {"version", "name", "time_unit", "sample_time", "order",
+      top.CheckKeys({"version", "name", "time_unit", "sample_time", "order",
                      "outputs", "inputs", "R"},
                     {"program_version"}));
   MLE_RETURN_IF_ERROR(
-      GetJsonInteger(top, "version", kFormatVersion, kFormatVersion).status());
+      top.At("version").Integer(kFormatVersion, kFormatVersion).status());
   NamedArxModel named;
-  MLE_ASSIGN_OR_RETURN(named.name, GetJsonString(top, "name"));
-  MLE_ASSIGN_OR_RETURN(named.time_unit, GetJsonString(top, "time_unit"));
-  MLE_ASSIGN_OR_RETURN(named.outputs, GetJsonStrings(top, "outputs"));
-  MLE_ASSIGN_OR_RETURN(named.inputs, GetJsonStrings(top, "inputs"));
+  MLE_ASSIGN_OR_RETURN(named.name, top.At("name").String());
+  MLE_ASSIGN_OR_RETURN(named.time_unit, top.At("time_unit").String());
+  MLE_ASSIGN_OR_RETURN(named.outputs, top.At("outputs").Strings());
+  MLE_ASSIGN_OR_RETURN(named.inputs, top.At("inputs").Strings());
   ArxModel& model = named.model;
-  MLE_ASSIGN_OR_RETURN(model.sample_time, GetJsonNumber(top, "sample_time"));
-  MLE_ASSIGN_OR_RETURN(model.order, GetJsonInteger(top, "order", 1, kMaxOrder));
+  MLE_ASSIGN_OR_RETURN(model.sample_time, top.At("sample_time").Number());
+  MLE_ASSIGN_OR_RETURN(const std::int64_t order,
+                       top.At("order").Integer(1, kMaxOrder));
+  model.order = static_cast<int>(order);
   const std::size_t channels = named.outputs.size() + named.inputs.size();
   if (channels > static_cast<std::size_t>(kMaxOrder / model.order)) {
-    return JsonFault(top, absl::StrCat(model.order, " lags of ", channels,
-                                       " channels are more than ", kMaxOrder,
-                                       " regressors"));
+    return top.Fault(absl::StrCat(model.order, " lags of ", channels,
+                                  " channels are more than ", kMaxOrder,
+                                  " regressors"));
   }
   model.num_outputs = static_cast<int>(named.outputs.size());
   model.num_inputs = static_cast<int>(named.inputs.size());
-  MLE_ASSIGN_OR_RETURN(model.R, ParseMatrix(top.json["R"], model.num_outputs,
+  MLE_ASSIGN_OR_RETURN(model.R, ParseMatrix(top.At("R"), model.num_outputs,
                                             model.num_regressors()));
-  MLE_RETURN_IF_ERROR(named.Validate());
+  if (const absl::Status status = named.Validate(); !status.ok()) {
+    return top.Fault(std::string(status.message()));
+  }
   return named;
 }
 
@@ -115,13 +113,7 @@ absl::Status NamedArxModel::Validate() const {
 absl::StatusOr<NamedArxModel> ParseArxModel(std::string_view json,
                                             std::string_view source) {
   MLE_ASSIGN_OR_RETURN(const nlohmann::json top, ParseStrictJson(json, source));
-  absl::StatusOr<NamedArxModel> named = ParseNamed({top, ""});
-  if (!named.ok()) {
-    return absl::Status(
-        named.status().code(),
-        absl::StrCat(std::string(source), ": ", named.status().message()));
-  }
-  return named;
+  return ParseNamed(JsonNode(top, std::string(source)));
 }
 
 std::string FormatArxModel(const NamedArxModel& named) {

@@ -2,14 +2,35 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
+#include "mle/base/status.h"
 
 namespace mle {
 namespace {
 
 using Json = nlohmann::json;
+
+constexpr std::size_t kShown = 40;
+
+std::string Described(const NumberRange& range) {
+  const bool below = range.min > std::numeric_limits<double>::lowest();
+  const bool above = range.max < std::numeric_limits<double>::max();
+  if (below && above) {
+    return absl::StrFormat("a number %s %g and at most %g",
+                           range.open_min ? "above" : "of at least", range.min,
+                           range.max);
+  }
+  if (below) {
+    return absl::StrFormat("a number %s %g",
+                           range.open_min ? "above" : "of at least", range.min);
+  }
+  if (above) return absl::StrFormat("a number of at most %g", range.max);
+  return "a number";
+}
 
 }  // namespace
 
@@ -17,130 +38,177 @@ std::string QuotedJson(const std::string& text) {
   return Json(text).dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-absl::Status JsonFault(const JsonNode& node, std::string_view message) {
-  return absl::InvalidArgumentError(absl::StrCat(
-      node.place, node.place.empty() ? "" : ": ", std::string(message)));
-}
-
 std::string FoundJson(const Json& value) {
   if (value.is_string()) {
     const std::string& text = value.get_ref<const std::string&>();
-    return absl::StrCat("the string ",
-                        text.size() <= 40 ? QuotedJson(text) : "it holds");
+    return text.size() <= kShown
+               ? absl::StrCat("the string ", QuotedJson(text))
+               : absl::StrFormat("a string of %d characters", text.size());
   }
   if (value.is_number()) return absl::StrCat("the number ", value.dump());
   if (value.is_boolean()) return value.dump();
-  return value.type_name();
+  if (value.is_null()) return "null";
+  return absl::StrCat("an ", value.type_name());
 }
 
-absl::Status CheckJsonKeys(const JsonNode& node,
-                           const std::vector<std::string>& required,
-                           const std::vector<std::string>& optional) {
-  if (!node.json.is_object()) {
-    return JsonFault(
-        node, absl::StrCat("must be an object, is ", FoundJson(node.json)));
+absl::Status JsonNode::Fault(std::string_view message) const {
+  return absl::InvalidArgumentError(absl::StrCat(
+      source_, path_.empty() ? "" : ": ", path_, ": ", std::string(message)));
+}
+
+absl::Status JsonNode::CheckKeys(
+    const std::vector<std::string>& required,
+    const std::vector<std::string>& optional) const {
+  if (!json_->is_object()) {
+    return Fault(absl::StrCat("must be an object, is ", Found()));
   }
   std::vector<std::string> allowed = required;
   allowed.insert(allowed.end(), optional.begin(), optional.end());
-  for (const auto& item : node.json.items()) {
+  for (const auto& item : json_->items()) {
     if (std::find(allowed.begin(), allowed.end(), item.key()) ==
         allowed.end()) {
-      return JsonFault(
-          node, absl::StrCat("unknown key ", QuotedJson(item.key()),
-                             "; allowed are ", absl::StrJoin(allowed, ", ")));
+      return Fault(absl::StrCat("unknown key ", QuotedJson(item.key()),
+                                "; allowed are ",
+                                absl::StrJoin(allowed, ", ")));
     }
   }
   for (const std::string& key : required) {
-    if (!node.json.contains(key)) {
-      return JsonFault(node, absl::StrCat("key \"", key, "\" is missing"));
+    if (!json_->contains(key)) {
+      return Fault(absl::StrCat("key \"", key, "\" is missing"));
     }
   }
   return absl::OkStatus();
 }
 
-absl::StatusOr<std::string> GetJsonString(const JsonNode& node,
-                                          const std::string& key) {
-  const Json& value = node.json.find(key).value();
-  if (!value.is_string()) {
-    return JsonFault(
-        node, absl::StrCat(key, " must be a string, is ", FoundJson(value)));
-  }
-  return value.get<std::string>();
+JsonNode JsonNode::At(const std::string& key) const {
+  JsonNode node((*json_).at(key), source_);
+  node.path_ = path_.empty() ? key : absl::StrCat(path_, ".", key);
+  return node;
 }
 
-absl::StatusOr<double> GetJsonNumber(const JsonNode& node,
-                                     const std::string& key) {
-  const Json& value = node.json.find(key).value();
-  if (!value.is_number()) {
-    return JsonFault(
-        node, absl::StrCat(key, " must be a number, is ", FoundJson(value)));
+absl::StatusOr<std::vector<JsonNode>> JsonNode::ElementsOrNone() const {
+  if (!json_->is_array()) {
+    return Fault(absl::StrCat("must be a list, is ", Found()));
   }
-  return value.get<double>();
+  std::vector<JsonNode> nodes;
+  for (std::size_t i = 0; i < json_->size(); ++i) {
+    nodes.emplace_back((*json_)[i], source_);
+    nodes.back().path_ = absl::StrCat(path_, "[", i, "]");
+  }
+  return nodes;
 }
 
-absl::StatusOr<int> GetJsonInteger(const JsonNode& node, const std::string& key,
-                                   int low, int high) {
-  const Json& value = node.json.find(key).value();
-  // 5.0 is a whole number too; compared as double, nothing can overflow.
-  const double number = value.is_number() ? value.get<double>() : 0.5;
-  if (!(number >= low && number <= high) || number != std::floor(number)) {
-    return JsonFault(
-        node, absl::StrCat(key, " must be a whole number from ", low, " to ",
-                           high, ", is ", FoundJson(value)));
+absl::StatusOr<std::vector<JsonNode>> JsonNode::Elements() const {
+  if (json_->is_array() && json_->empty()) {
+    return Fault("is an empty list; it must have one element or more");
   }
-  return static_cast<int>(number);
+  return ElementsOrNone();
 }
 
-absl::StatusOr<std::vector<double>> GetJsonNumbers(const JsonNode& node,
-                                                   const std::string& key) {
-  const Json& value = node.json.find(key).value();
-  if (!value.is_array() || value.empty()) {
-    return JsonFault(
-        node, absl::StrCat(key, " must be a list of numbers, is ",
-                           value.is_array() ? "empty" : FoundJson(value)));
-  }
-  std::vector<double> numbers;
-  for (const Json& entry : value) {
-    if (!entry.is_number()) {
-      return JsonFault(node, absl::StrCat(key, " must hold numbers only, has ",
-                                          FoundJson(entry)));
-    }
-    numbers.push_back(entry.get<double>());
+absl::StatusOr<std::vector<double>> JsonNode::Numbers() const {
+  MLE_ASSIGN_OR_RETURN(const std::vector<JsonNode> nodes, Elements());
+  std::vector<double> numbers(nodes.size());
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    MLE_ASSIGN_OR_RETURN(numbers[i], nodes[i].Number());
   }
   return numbers;
 }
 
-absl::StatusOr<std::vector<std::string>> GetJsonStrings(
-    const JsonNode& node, const std::string& key) {
-  const Json& value = node.json.find(key).value();
-  if (!value.is_array() || value.empty()) {
-    return JsonFault(
-        node, absl::StrCat(key, " must be a list of strings, is ",
-                           value.is_array() ? "empty" : FoundJson(value)));
-  }
-  std::vector<std::string> strings;
-  for (const Json& entry : value) {
-    if (!entry.is_string()) {
-      return JsonFault(node, absl::StrCat(key, " must hold strings only, has ",
-                                          FoundJson(entry)));
-    }
-    strings.push_back(entry.get<std::string>());
+absl::StatusOr<std::vector<std::string>> JsonNode::Strings() const {
+  MLE_ASSIGN_OR_RETURN(const std::vector<JsonNode> nodes, Elements());
+  std::vector<std::string> strings(nodes.size());
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    MLE_ASSIGN_OR_RETURN(strings[i], nodes[i].String());
   }
   return strings;
 }
 
-absl::StatusOr<std::vector<JsonNode>> GetJsonObjects(const JsonNode& node,
-                                                     const std::string& key) {
-  const Json& value = node.json.find(key).value();
-  if (!value.is_array()) {
-    return JsonFault(node, absl::StrCat(key, " must be a list of objects, is ",
-                                        FoundJson(value)));
+absl::StatusOr<std::string> JsonNode::String() const {
+  if (json_->is_string()) return json_->get<std::string>();
+  return Fault(absl::StrCat("must be a string, is ", Found()));
+}
+
+absl::StatusOr<std::string> JsonNode::Text() const {
+  if (!json_->is_string() || json_->get_ref<const std::string&>().empty()) {
+    return Fault(
+        absl::StrCat("must be a string that is not empty, is ", Found()));
   }
-  std::vector<JsonNode> nodes;
-  for (std::size_t i = 0; i < value.size(); ++i) {
-    nodes.push_back({value[i], absl::StrCat(key, "[", i, "]")});
+  return json_->get<std::string>();
+}
+
+absl::StatusOr<std::string> JsonNode::Name() const {
+  MLE_ASSIGN_OR_RETURN(const std::string name, Text());
+  const bool plain =
+      name.size() <= 100 && name.front() != ' ' && name.back() != ' ' &&
+      name.find_first_not_of(
+          "abcdefghijklmnopqrstuvwxyz"
+          "ABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789 ._-+:") == std::string::npos;
+  if (plain) return name;
+  return Fault(
+      absl::StrCat("must be a name of at most 100 letters, digits, blanks and "
+                   ". _ - + :, is ",
+                   Found()));
+}
+
+absl::StatusOr<double> JsonNode::Number(const NumberRange& range) const {
+  const double value = json_->is_number()
+                           ? json_->get<double>()
+                           : std::numeric_limits<double>::quiet_NaN();
+  const bool inside = std::isfinite(value) && value <= range.max &&
+                      (range.open_min ? value > range.min : value >= range.min);
+  if (inside) return value;
+  return Fault(absl::StrCat("must be ", Described(range), ", is ", Found()));
+}
+
+absl::StatusOr<std::int64_t> JsonNode::Integer(std::int64_t min,
+                                               std::int64_t max) const {
+  constexpr double kExact = 9007199254740992.0;  // 2⁵³: all below are exact
+  std::optional<std::int64_t> value;
+  if (json_->is_number_float()) {
+    const auto number = json_->get<double>();
+    if (std::abs(number) <= kExact && number == std::floor(number)) {
+      value = static_cast<std::int64_t>(number);
+    }
+  } else if (json_->is_number_unsigned()) {
+    const auto number = json_->get<std::uint64_t>();
+    if (number <=
+        static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max())) {
+      value = static_cast<std::int64_t>(number);
+    }
+  } else if (json_->is_number_integer()) {
+    value = json_->get<std::int64_t>();
   }
-  return nodes;
+  if (value.has_value() && *value >= min && *value <= max) return *value;
+  return Fault(absl::StrCat("must be a whole number from ", min, " to ", max,
+                            ", is ", Found()));
+}
+
+absl::StatusOr<bool> JsonNode::Boolean() const {
+  if (json_->is_boolean()) return json_->get<bool>();
+  return Fault(absl::StrCat("must be true or false, is ", Found()));
+}
+
+absl::Status ReadNumber(const JsonNode& object, const std::string& key,
+                        const NumberRange& range, double& value) {
+  if (!object.Has(key)) return absl::OkStatus();
+  MLE_ASSIGN_OR_RETURN(value, object.At(key).Number(range));
+  return absl::OkStatus();
+}
+
+absl::Status ReadInteger(const JsonNode& object, const std::string& key,
+                         int min, int max, int& value) {
+  if (!object.Has(key)) return absl::OkStatus();
+  MLE_ASSIGN_OR_RETURN(const std::int64_t wide,
+                       object.At(key).Integer(min, max));
+  value = static_cast<int>(wide);
+  return absl::OkStatus();
+}
+
+absl::Status ReadBoolean(const JsonNode& object, const std::string& key,
+                         bool& value) {
+  if (!object.Has(key)) return absl::OkStatus();
+  MLE_ASSIGN_OR_RETURN(value, object.At(key).Boolean());
+  return absl::OkStatus();
 }
 
 }  // namespace mle

@@ -1,14 +1,20 @@
-// Typed access to a JSON file that a person wrote: every fault names the place
-// in the file, what stands there and what would be right.
+// A value of a JSON file that a person wrote. It knows where it stands, so that
+// every error names its path, what was found there and what would be right:
 //
-//   MLE_RETURN_IF_ERROR(CheckJsonKeys(node, {"name", "unit"}, {"role"}));
-//   MLE_ASSIGN_OR_RETURN(input.name, GetJsonString(node, "name"));
+//   campaign.json: seeds.count: must be a whole number from 1 to 1000000, is
+//   the string "many"
+//
+//   const JsonNode top(json, "plant.json");
+//   MLE_RETURN_IF_ERROR(top.CheckKeys({"name", "unit"}, {"role"}));
+//   MLE_ASSIGN_OR_RETURN(input.name, top.At("name").String());
 //
 // Internal to the project: it shows the JSON library's type.
 
 #ifndef MLE_MODEL_JSON_NODE_H_
 #define MLE_MODEL_JSON_NODE_H_
 
+#include <cstdint>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,42 +25,73 @@
 
 namespace mle {
 
-// An object of the file and where it stands, to be named in messages.
-struct JsonNode {
-  const nlohmann::json& json;
-  std::string place;  // "" at the top, else as in elements[2]
+// What a number may be; the ends are allowed unless said.
+struct NumberRange {
+  double min = std::numeric_limits<double>::lowest();
+  double max = std::numeric_limits<double>::max();
+  bool open_min = false;
 };
+inline constexpr NumberRange kAnyNumber{};
+inline constexpr NumberRange kPositive{.min = 0.0, .open_min = true};
+inline constexpr NumberRange kNotNegative{.min = 0.0};
 
 // `text` in quotes, as JSON has it.
 std::string QuotedJson(const std::string& text);
 
-// What was found, in a few characters.
+// What `value` is, in a few words.
 std::string FoundJson(const nlohmann::json& value);
 
-// InvalidArgument that opens with the place.
-absl::Status JsonFault(const JsonNode& node, std::string_view message);
+class JsonNode {
+ public:
+  // The whole of `json`, which must outlive the node; `source` names the file.
+  JsonNode(const nlohmann::json& json, std::string source)
+      : json_(&json), source_(std::move(source)) {}
 
-// An object with all of `required` and nothing beyond these and `optional`.
-absl::Status CheckJsonKeys(const JsonNode& node,
-                           const std::vector<std::string>& required,
-                           const std::vector<std::string>& optional);
+  const nlohmann::json& json() const { return *json_; }
+  const std::string& path() const { return path_; }
 
-// The value of a key that is there; a fault where it is of another type, or a
-// list is empty.
-absl::StatusOr<std::string> GetJsonString(const JsonNode& node,
-                                          const std::string& key);
-absl::StatusOr<double> GetJsonNumber(const JsonNode& node,
-                                     const std::string& key);
-// A whole number from `low` to `high`.
-absl::StatusOr<int> GetJsonInteger(const JsonNode& node, const std::string& key,
-                                   int low, int high);
-absl::StatusOr<std::vector<double>> GetJsonNumbers(const JsonNode& node,
-                                                   const std::string& key);
-absl::StatusOr<std::vector<std::string>> GetJsonStrings(const JsonNode& node,
-                                                        const std::string& key);
-// The entries of a list; may be empty.
-absl::StatusOr<std::vector<JsonNode>> GetJsonObjects(const JsonNode& node,
-                                                     const std::string& key);
+  // InvalidArgument: "source: path: message".
+  absl::Status Fault(std::string_view message) const;
+
+  // An object with all of `required` and nothing beyond these and `optional`.
+  absl::Status CheckKeys(const std::vector<std::string>& required,
+                         const std::vector<std::string>& optional) const;
+  bool Has(const std::string& key) const { return json_->contains(key); }
+  JsonNode At(const std::string& key) const;  // which is there
+
+  // Of a list; of one that is not empty.
+  absl::StatusOr<std::vector<JsonNode>> ElementsOrNone() const;
+  absl::StatusOr<std::vector<JsonNode>> Elements() const;
+  absl::StatusOr<std::vector<double>> Numbers() const;       // not empty
+  absl::StatusOr<std::vector<std::string>> Strings() const;  // not empty
+
+  absl::StatusOr<std::string> String() const;
+  absl::StatusOr<std::string> Text() const;  // a string that is not empty
+  // For names that go into tables and files: letters, digits, blanks and
+  // . _ - + : at most 100, no blank at either end.
+  absl::StatusOr<std::string> Name() const;
+  absl::StatusOr<double> Number(const NumberRange& range = kAnyNumber) const;
+  // 5.0 is a whole number too.
+  absl::StatusOr<std::int64_t> Integer(std::int64_t min,
+                                       std::int64_t max) const;
+  absl::StatusOr<bool> Boolean() const;
+
+  // What stands here, in a few words.
+  std::string Found() const { return FoundJson(*json_); }
+
+ private:
+  const nlohmann::json* json_;
+  std::string source_;
+  std::string path_;
+};
+
+// Fields of an object that keep their default where the key is absent.
+absl::Status ReadNumber(const JsonNode& object, const std::string& key,
+                        const NumberRange& range, double& value);
+absl::Status ReadInteger(const JsonNode& object, const std::string& key,
+                         int min, int max, int& value);
+absl::Status ReadBoolean(const JsonNode& object, const std::string& key,
+                         bool& value);
 
 }  // namespace mle
 

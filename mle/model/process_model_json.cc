@@ -25,16 +25,16 @@ using Keys = std::vector<std::string>;
 constexpr std::size_t kMaxPairs = 250'000;
 
 absl::StatusOr<InputChannel> ParseInput(const JsonNode& node) {
-  MLE_RETURN_IF_ERROR(CheckJsonKeys(node, {"name", "unit"}, {"role"}));
+  MLE_RETURN_IF_ERROR(node.CheckKeys({"name", "unit"}, {"role"}));
   InputChannel input;
-  MLE_ASSIGN_OR_RETURN(input.name, GetJsonString(node, "name"));
-  MLE_ASSIGN_OR_RETURN(input.unit, GetJsonString(node, "unit"));
-  if (node.json.contains("role")) {
-    MLE_ASSIGN_OR_RETURN(const std::string role, GetJsonString(node, "role"));
+  MLE_ASSIGN_OR_RETURN(input.name, node.At("name").String());
+  MLE_ASSIGN_OR_RETURN(input.unit, node.At("unit").String());
+  if (node.Has("role")) {
+    MLE_ASSIGN_OR_RETURN(const std::string role, node.At("role").String());
     if (role != "manipulated" && role != "disturbance") {
-      return JsonFault(
-          node, absl::StrCat("role is ", QuotedJson(role),
-                             ", must be \"manipulated\" or \"disturbance\""));
+      return node.At("role").Fault(
+          absl::StrCat("is ", QuotedJson(role),
+                       ", must be \"manipulated\" or \"disturbance\""));
     }
     if (role == "disturbance") input.role = InputRole::kDisturbance;
   }
@@ -42,10 +42,10 @@ absl::StatusOr<InputChannel> ParseInput(const JsonNode& node) {
 }
 
 absl::StatusOr<OutputChannel> ParseOutput(const JsonNode& node) {
-  MLE_RETURN_IF_ERROR(CheckJsonKeys(node, {"name", "unit"}, {}));
+  MLE_RETURN_IF_ERROR(node.CheckKeys({"name", "unit"}, {}));
   OutputChannel output;
-  MLE_ASSIGN_OR_RETURN(output.name, GetJsonString(node, "name"));
-  MLE_ASSIGN_OR_RETURN(output.unit, GetJsonString(node, "unit"));
+  MLE_ASSIGN_OR_RETURN(output.name, node.At("name").String());
+  MLE_ASSIGN_OR_RETURN(output.unit, node.At("unit").String());
   return output;
 }
 
@@ -53,25 +53,24 @@ absl::StatusOr<OutputChannel> ParseOutput(const JsonNode& node) {
 template <typename Channel>
 absl::StatusOr<int> FindChannel(const JsonNode& node, const std::string& key,
                                 const std::vector<Channel>& channels) {
-  MLE_ASSIGN_OR_RETURN(const std::string name, GetJsonString(node, key));
+  MLE_ASSIGN_OR_RETURN(const std::string name, node.At(key).String());
   for (std::size_t i = 0; i < channels.size(); ++i) {
     if (channels[i].name == name) return static_cast<int>(i);
   }
-  return JsonFault(
-      node, absl::StrCat(
-                key, " ", QuotedJson(name), " is unknown; the ", key, "s are ",
-                absl::StrJoin(channels, ", ",
-                              [](std::string* out, const Channel& channel) {
-                                absl::StrAppend(out, QuotedJson(channel.name));
-                              })));
+  return node.At(key).Fault(absl::StrCat(
+      QuotedJson(name), " is unknown; the ", key, "s are ",
+      absl::StrJoin(channels, ", ",
+                    [](std::string* out, const Channel& channel) {
+                      absl::StrAppend(out, QuotedJson(channel.name));
+                    })));
 }
 
 // The transfer function of an element, in either of its two forms.
 absl::StatusOr<TransferFunction> ParseDynamics(const JsonNode& node) {
-  const bool has_gain = node.json.contains("gain");
-  const bool has_time_constant = node.json.contains("time_constant");
-  const bool has_numerator = node.json.contains("numerator");
-  const bool has_denominator = node.json.contains("denominator");
+  const bool has_gain = node.Has("gain");
+  const bool has_time_constant = node.Has("time_constant");
+  const bool has_numerator = node.Has("numerator");
+  const bool has_denominator = node.Has("denominator");
   const bool first_order =
       has_gain && has_time_constant && !has_numerator && !has_denominator;
   const bool rational =
@@ -82,54 +81,49 @@ absl::StatusOr<TransferFunction> ParseDynamics(const JsonNode& node) {
     if (has_time_constant) found.push_back("time_constant");
     if (has_numerator) found.push_back("numerator");
     if (has_denominator) found.push_back("denominator");
-    return JsonFault(
-        node, absl::StrCat("needs either gain and time_constant or numerator "
-                           "and denominator, has ",
-                           found.empty() ? std::string("none of them")
-                                         : absl::StrJoin(found, ", ")));
+    return node.Fault(
+        absl::StrCat("needs either gain and time_constant or numerator and "
+                     "denominator, has ",
+                     found.empty() ? std::string("none of them")
+                                   : absl::StrJoin(found, ", ")));
   }
-  MLE_ASSIGN_OR_RETURN(const double delay, GetJsonNumber(node, "delay"));
+  MLE_ASSIGN_OR_RETURN(const double delay, node.At("delay").Number());
   TransferFunction g;
   if (first_order) {
-    MLE_ASSIGN_OR_RETURN(const double gain, GetJsonNumber(node, "gain"));
+    MLE_ASSIGN_OR_RETURN(const double gain, node.At("gain").Number());
     MLE_ASSIGN_OR_RETURN(const double time_constant,
-                         GetJsonNumber(node, "time_constant"));
-    if (!(time_constant > 0.0)) {
-      return JsonFault(node, absl::StrCat("time_constant is ", time_constant,
-                                          ", must be positive"));
-    }
+                         node.At("time_constant").Number(kPositive));
     g = TransferFunction::FirstOrder(gain, time_constant, delay);
   } else {
     MLE_ASSIGN_OR_RETURN(std::vector<double> numerator,
-                         GetJsonNumbers(node, "numerator"));
+                         node.At("numerator").Numbers());
     MLE_ASSIGN_OR_RETURN(std::vector<double> denominator,
-                         GetJsonNumbers(node, "denominator"));
+                         node.At("denominator").Numbers());
     g = TransferFunction(std::move(numerator), std::move(denominator), delay);
   }
   if (const absl::Status status = g.Validate(); !status.ok()) {
-    return JsonFault(node, std::string(status.message()));
+    return node.Fault(std::string(status.message()));
   }
   return g;
 }
 
 absl::Status ParseElements(const JsonNode& top, ProcessModel& model) {
   MLE_ASSIGN_OR_RETURN(const std::vector<JsonNode> nodes,
-                       GetJsonObjects(top, "elements"));
+                       top.At("elements").ElementsOrNone());
   std::set<std::pair<int, int>> seen;
   for (const JsonNode& node : nodes) {
     MLE_RETURN_IF_ERROR(
-        CheckJsonKeys(node, {"output", "input", "delay"},
-                      {"gain", "time_constant", "numerator", "denominator"}));
+        node.CheckKeys({"output", "input", "delay"},
+                       {"gain", "time_constant", "numerator", "denominator"}));
     MLE_ASSIGN_OR_RETURN(const int output,
                          FindChannel(node, "output", model.outputs()));
     MLE_ASSIGN_OR_RETURN(const int input,
                          FindChannel(node, "input", model.inputs()));
     if (!seen.insert({output, input}).second) {
-      return JsonFault(
-          node, absl::StrCat("the element of output ",
-                             QuotedJson(model.outputs()[output].name),
-                             ", input ", QuotedJson(model.inputs()[input].name),
-                             " stands twice; each pair may stand once"));
+      return node.Fault(absl::StrCat(
+          "the element of output ", QuotedJson(model.outputs()[output].name),
+          ", input ", QuotedJson(model.inputs()[input].name),
+          " stands twice; each pair may stand once"));
     }
     MLE_ASSIGN_OR_RETURN(model.element(output, input), ParseDynamics(node));
   }
@@ -137,32 +131,34 @@ absl::Status ParseElements(const JsonNode& top, ProcessModel& model) {
 }
 
 absl::StatusOr<ProcessModel> ParseModel(const JsonNode& top) {
-  MLE_RETURN_IF_ERROR(CheckJsonKeys(
-      top, {"name", "time_unit", "inputs", "outputs", "elements"}, {}));
-  MLE_ASSIGN_OR_RETURN(std::string name, GetJsonString(top, "name"));
-  MLE_ASSIGN_OR_RETURN(std::string time_unit, GetJsonString(top, "time_unit"));
+  MLE_RETURN_IF_ERROR(top.CheckKeys(
+      {"name", "time_unit", "inputs", "outputs", "elements"}, {}));
+  MLE_ASSIGN_OR_RETURN(std::string name, top.At("name").String());
+  MLE_ASSIGN_OR_RETURN(std::string time_unit, top.At("time_unit").String());
   std::vector<InputChannel> inputs;
   MLE_ASSIGN_OR_RETURN(const std::vector<JsonNode> input_nodes,
-                       GetJsonObjects(top, "inputs"));
+                       top.At("inputs").ElementsOrNone());
   for (const JsonNode& node : input_nodes) {
     MLE_ASSIGN_OR_RETURN(InputChannel input, ParseInput(node));
     inputs.push_back(std::move(input));
   }
   std::vector<OutputChannel> outputs;
   MLE_ASSIGN_OR_RETURN(const std::vector<JsonNode> output_nodes,
-                       GetJsonObjects(top, "outputs"));
+                       top.At("outputs").ElementsOrNone());
   for (const JsonNode& node : output_nodes) {
     MLE_ASSIGN_OR_RETURN(OutputChannel output, ParseOutput(node));
     outputs.push_back(std::move(output));
   }
   if (!inputs.empty() && outputs.size() > kMaxPairs / inputs.size()) {
-    return JsonFault(
-        top, absl::StrCat(inputs.size(), " inputs and ", outputs.size(),
-                          " outputs make more than ", kMaxPairs, " pairs"));
+    return top.Fault(absl::StrCat(inputs.size(), " inputs and ", outputs.size(),
+                                  " outputs make more than ", kMaxPairs,
+                                  " pairs"));
   }
   ProcessModel model(std::move(name), std::move(time_unit), std::move(inputs),
                      std::move(outputs));
-  MLE_RETURN_IF_ERROR(model.Validate());  // The channels' names.
+  if (const absl::Status names = model.Validate(); !names.ok()) {
+    return top.Fault(std::string(names.message()));
+  }
   MLE_RETURN_IF_ERROR(ParseElements(top, model));
   return model;
 }
@@ -207,13 +203,7 @@ std::string FormatObjects(const std::vector<std::string>& objects) {
 absl::StatusOr<ProcessModel> ParseProcessModel(std::string_view json,
                                                std::string_view source) {
   MLE_ASSIGN_OR_RETURN(const Json top, ParseStrictJson(json, source));
-  absl::StatusOr<ProcessModel> model = ParseModel({top, ""});
-  if (!model.ok()) {
-    return absl::Status(
-        model.status().code(),
-        absl::StrCat(std::string(source), ": ", model.status().message()));
-  }
-  return model;
+  return ParseModel(JsonNode(top, std::string(source)));
 }
 
 std::string FormatProcessModel(const ProcessModel& model) {

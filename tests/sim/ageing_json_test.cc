@@ -50,11 +50,11 @@ TEST(AgeingJsonTest, MistakesAreNamed) {
               HasSubstr("age.json: key \"elements\" is missing"));
   EXPECT_THAT(message(R"({"elements": 1})"), HasSubstr("elements: must be"));
   EXPECT_THAT(message(R"({"elements": [], "time_factor": 0})"),
-              HasSubstr("time_factor: must be a positive number"));
+              HasSubstr("time_factor: must be a number above 0"));
   EXPECT_THAT(message(R"({"elements": [{"output": "y9", "input": "u1"}]})"),
               HasSubstr("elements[0]: the model has no output \"y9\""));
   EXPECT_THAT(message(R"({"elements": [{"output": "y1", "input": 3}]})"),
-              HasSubstr("elements[0]: input must be a string"));
+              HasSubstr("elements[0].input: must be a string"));
   EXPECT_THAT(element(R"("gian": 2)"),
               HasSubstr("elements[0]: unknown key \"gian\"; allowed are"));
   EXPECT_THAT(element(R"("gain": "2")"),

@@ -64,36 +64,36 @@ TEST(ArxModelJsonTest, ReadsBackWhatItWritesBitByBit) {
 
 TEST(ArxModelJsonTest, FaultsNameTheKeyAndWhatWouldBeRight) {
   EXPECT_THAT(MessageWith("\"order\": 2", "\"order\": 3"),
-              AllOf(StartsWith("a.json: R[0] must be a list of 6 numbers"),
+              AllOf(StartsWith("a.json: R[0]: must be a list of 6 numbers"),
                     HasSubstr("is one of 4")));
   EXPECT_THAT(MessageWith("\"order\": 2", "\"order\": 2.5"),
-              HasSubstr("order must be a whole number from 1 to 1000000, is "
+              HasSubstr("order: must be a whole number from 1 to 1000000, is "
                         "the number 2.5"));
   EXPECT_THAT(MessageWith("\"order\": 2", "\"order\": 1e300"),
-              HasSubstr("order must be a whole number"));
+              HasSubstr("order: must be a whole number"));
   EXPECT_THAT(MessageWith("\"order\": 2", "\"order\": 700000"),
               HasSubstr("more than 1000000 regressors"));
   EXPECT_THAT(MessageWith("\"version\": 1", "\"version\": 2"),
-              HasSubstr("version must be a whole number from 1 to 1"));
+              HasSubstr("version: must be a whole number from 1 to 1"));
   EXPECT_THAT(MessageWith("\"order\": 2", "\"Order\": 2"),
               HasSubstr("unknown key \"Order\"; allowed are version"));
   EXPECT_THAT(MessageWith("\"order\": 2,", ""),
               HasSubstr("key \"order\" is missing"));
   EXPECT_THAT(MessageWith("0.5", "-0.5"), HasSubstr("must be positive"));
   EXPECT_THAT(MessageWith("0.05", "\"x\""),
-              HasSubstr("R[0][3] must be a number, is the string \"x\""));
+              HasSubstr("R[0][3]: must be a number, is the string \"x\""));
   EXPECT_THAT(MessageWith("[[", "[[1,2,3,4],["),
-              HasSubstr("R must be a list of 1 rows"));
+              HasSubstr("R: must be a list of 1 rows"));
   EXPECT_THAT(MessageWith("[\"level\"]", "[]"),
-              HasSubstr("outputs must be a list of strings, is empty"));
+              HasSubstr("outputs: is an empty list"));
   EXPECT_THAT(MessageWith("[\"level\"]", "[3]"),
-              HasSubstr("outputs must hold strings only, has the number 3"));
+              HasSubstr("outputs[0]: must be a string, is the number 3"));
   EXPECT_THAT(MessageWith("\"inflow\"", "\"level\""),
               HasSubstr("the name \"level\" stands twice"));
   EXPECT_THAT(MessageWith("\"inflow\"", "\"\""),
               HasSubstr("an input has an empty name"));
   EXPECT_THAT(MessageWith("[\"level\"]", "\"level\""),
-              HasSubstr("outputs must be a list of strings, is the string"));
+              HasSubstr("outputs: must be a list, is the string"));
 }
 
 TEST(ArxModelJsonTest, NamesAFileThatIsNotThere) {

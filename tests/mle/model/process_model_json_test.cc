@@ -142,42 +142,46 @@ TEST(ParseProcessModelTest, EitherFormWhole) {
 
 TEST(ParseProcessModelTest, WrongTypesAreNamed) {
   EXPECT_THAT(MessageWith("12.8", "\"12.8\""),
-              HasSubstr("elements[0]: gain must be a number, is the string "
+              HasSubstr("elements[0].gain: must be a number, is the string "
                         "\"12.8\""));
   EXPECT_THAT(MessageWith("12.8", "null"), HasSubstr("is null"));
   EXPECT_THAT(MessageWith("[-4, 3.8]", "[-4, true]"),
-              HasSubstr("elements[1]: numerator must hold numbers only"));
-  EXPECT_THAT(MessageWith("[-4, 3.8]", "[]"), HasSubstr("is empty"));
-  EXPECT_THAT(MessageWith("[-4, 3.8]", "3"), HasSubstr("list of numbers"));
+              HasSubstr("elements[1].numerator[1]: must be a number, is true"));
+  EXPECT_THAT(MessageWith("[-4, 3.8]", "[]"),
+              HasSubstr("numerator: is an empty list"));
+  EXPECT_THAT(MessageWith("[-4, 3.8]", "3"),
+              HasSubstr("numerator: must be a list, is the number 3"));
   EXPECT_THAT(MessageWith("\"min\"", "60"),
-              HasSubstr("time_unit must be a string, is the number 60"));
+              HasSubstr("time_unit: must be a string, is the number 60"));
   EXPECT_THAT(MessageWith("[{\"name\": \"overhead\", \"unit\": \"wt%\"}]",
                           "\"overhead\""),
-              HasSubstr("outputs must be a list of objects"));
+              HasSubstr("outputs: must be a list, is the string"));
   EXPECT_THAT(MessageWith("[{\"name\": \"overhead\", \"unit\": \"wt%\"}]",
                           "[\"overhead\"]"),
               HasSubstr("outputs[0]: must be an object"));
   EXPECT_THAT(
       std::string(ParseProcessModel("[1]", "plant.json").status().message()),
-      HasSubstr("must be an object, is array"));
+      HasSubstr("must be an object, is an array"));
 }
 
 TEST(ParseProcessModelTest, ValuesOutOfRangeAreNamed) {
-  EXPECT_THAT(MessageWith("16.7", "0"),
-              HasSubstr("elements[0]: time_constant is 0, must be positive"));
-  EXPECT_THAT(MessageWith("16.7", "-16.7"), HasSubstr("is -16.7"));
+  EXPECT_THAT(
+      MessageWith("16.7", "0"),
+      HasSubstr("elements[0].time_constant: must be a number above 0, is "
+                "the number 0"));
+  EXPECT_THAT(MessageWith("16.7", "-16.7"), HasSubstr("is the number -16.7"));
   EXPECT_THAT(MessageWith("8.1", "-8.1"),
               HasSubstr("elements[1]: delay is -8.1"));
   EXPECT_THAT(MessageWith("[74.5, 29.9, 1]", "[74.5, 29.9, 0]"),
               HasSubstr("elements[1]: denominator"));
   EXPECT_THAT(MessageWith("[-4, 3.8]", "[1, 2, 3, 4]"), HasSubstr("proper"));
   EXPECT_THAT(MessageWith("\"disturbance\"", "\"nuisance\""),
-              HasSubstr("inputs[1]: role is \"nuisance\""));
+              HasSubstr("inputs[1].role: is \"nuisance\""));
 }
 
 TEST(ParseProcessModelTest, ChannelsMustBeKnownAndDistinct) {
   EXPECT_THAT(MessageWith("\"input\": \"feed\"", "\"input\": \"fede\""),
-              AllOf(HasSubstr("elements[1]: input \"fede\" is unknown"),
+              AllOf(HasSubstr("elements[1].input: \"fede\" is unknown"),
                     HasSubstr("\"reflux\", \"feed\"")));
   EXPECT_THAT(MessageWith("\"input\": \"feed\"", "\"input\": \"reflux\""),
               AllOf(HasSubstr("elements[1]"), HasSubstr("stands twice")));
