@@ -67,9 +67,6 @@ absl::Status WriteAll(const correct::Result& result) {
     figures = report::DrawFigures(correct::MakeFigures(result),
                                   result.request.threads);
   }
-  if (const absl::Status drawn = report::FirstFailure(figures); !drawn.ok()) {
-    std::cerr << "warning: " << drawn.message() << "\n";
-  }
   std::string page =
       correct::FormatPage(result, figures, HowToRunAgain(result));
   const ProcessModel& initial = result.initial();
@@ -81,9 +78,7 @@ absl::Status WriteAll(const correct::Result& result) {
       {"step_response.csv", correct::FormatStepResponses(result)},
       {"report.html", std::move(page)},
       {"result.json", std::move(json)}};
-  for (auto& picture : report::FilesOf(figures)) {
-    files.push_back(std::move(picture));
-  }
+  report::AddPictures(figures, files);
   return WriteFilesTogether(result.request.out, files);
 }
 

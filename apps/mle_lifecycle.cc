@@ -1,7 +1,5 @@
 // mle_lifecycle: what keeping a model up to date is worth, over years.
 
-#include <atomic>
-#include <csignal>
 #include <iostream>
 #include <string>
 #include <utility>
@@ -11,13 +9,14 @@
 #include "absl/strings/str_cat.h"
 #include "apps/common/command_line.h"
 #include "apps/common/flag_parser.h"
+#include "apps/common/stop_signal.h"
 #include "apps/lifecycle/campaign.h"
 #include "apps/lifecycle/figures.h"
 #include "apps/lifecycle/flags.h"
 #include "apps/lifecycle/outputs.h"
 #include "apps/lifecycle/page.h"
 #include "apps/lifecycle/summary.h"
-#include "apps/report/gnuplot.h"
+#include "apps/report/drawing.h"
 #include "apps/report/html.h"
 #include "apps/report/table.h"
 #include "mle/base/file.h"
@@ -39,46 +38,6 @@ records, step tests, and the perfect model. Same plant, set points and noise for
 A run that was stopped goes on where it was when it is started again with the same
 flags. Other prices need no new simulation. Exit codes: 0 done, 1 stopped, or ran
 but the result is not usable, 2 bad input or flags.)";
-
-std::atomic<bool> g_stop{false};
-
-extern "C" void StopOnSignal(int /*signal*/) { g_stop = true; }
-
-// A second signal ends the program at once.
-void CatchSignals() {
-  struct sigaction action = {};
-  action.sa_handler = StopOnSignal;
-  action.sa_flags = SA_RESETHAND;
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
-}
-
-using lifecycle::NamedFigure;
-
-using Files = std::vector<std::pair<std::string, std::string>>;
-
-// The page's pictures, or why a figure could not be drawn: that is warned of
-// and leaves the results as good as they are. Adds the figures to `files`.
-std::vector<absl::StatusOr<std::string>> DrawFigures(
-    const std::vector<NamedFigure>& figures, Files& files) {
-  constexpr std::pair<report::Format, const char*> kFormats[] = {
-      {report::Format::kSvg, ".svg"}, {report::Format::kPng, ".png"}};
-  std::vector<absl::StatusOr<std::string>> svgs;
-  absl::Status drawn;
-  for (const NamedFigure& figure : figures) {
-    for (const auto& [format, extension] : kFormats) {
-      absl::StatusOr<std::string> picture =
-          report::RenderFigure(figure.figure, format);
-      drawn.Update(picture.status());
-      if (picture.ok()) {
-        files.emplace_back(absl::StrCat(figure.name, extension), *picture);
-      }
-      if (format == report::Format::kSvg) svgs.push_back(std::move(picture));
-    }
-  }
-  if (!drawn.ok()) std::cerr << "warning: " << drawn.message() << "\n";
-  return svgs;
-}
 
 // The flags that change what is found.
 std::vector<std::pair<std::string, std::string>> FlagValues() {
@@ -110,17 +69,19 @@ absl::Status WriteAll(const lifecycle::Request& request,
                       const std::vector<lifecycle::RateSummary>& summaries,
                       const lifecycle::Valuation& valuation) {
   const lifecycle::Campaign& campaign = request.campaign;
-  Files files = {
+  std::vector<std::pair<std::string, std::string>> files = {
       {"result.json", lifecycle::FormatResult(campaign, summaries, valuation,
                                               CommandLine(), FlagValues())},
       {"lifecycle.csv", lifecycle::FormatRows(campaign, lives, valuation)}};
-  std::vector<NamedFigure> figures;
+  std::vector<report::DrawnFigure> figures;
   if (request.figures) {
-    figures = lifecycle::MakeFigures(campaign, lives, summaries, valuation);
+    figures = report::DrawFigures(
+        lifecycle::MakeFigures(campaign, lives, summaries, valuation),
+        campaign.threads);
   }
-  const auto svgs = DrawFigures(figures, files);
+  report::AddPictures(figures, files);
   files.emplace_back("report.html",
-                     lifecycle::FormatPage(campaign, summaries, figures, svgs,
+                     lifecycle::FormatPage(campaign, summaries, figures,
                                            HowToRunAgain(campaign)));
   return WriteFilesTogether(campaign.folder, files);
 }
@@ -132,9 +93,9 @@ int Main() {
   const lifecycle::Campaign& campaign = request->campaign;
   const absl::StatusOr<FolderLock> lock = ClaimOutputFolder(campaign.folder);
   if (!lock.ok()) return Fail(lock.status());
-  CatchSignals();
+  CatchStopSignals();
   const absl::StatusOr<lifecycle::Lives> lives =
-      lifecycle::RunCampaign(campaign, [] { return g_stop.load(); });
+      lifecycle::RunCampaign(campaign, StopRequested);
   if (lives.status().code() == absl::StatusCode::kCancelled) {
     std::cerr << "stopped; what is finished is kept in " << campaign.folder
               << "/runs, and the same command goes on from there\n";

@@ -61,13 +61,7 @@ absl::Status WriteAll(const std::vector<CaseResult>& results,
     figures = report::DrawFigures(reproduce::MakeFigures(results, lambdas),
                                   study.threads);
   }
-  // What could not be drawn leaves the results as good as they are.
-  if (const absl::Status drawn = report::FirstFailure(figures); !drawn.ok()) {
-    std::cerr << "warning: " << drawn.message() << "\n";
-  }
-  for (auto& picture : report::FilesOf(figures)) {
-    files.push_back(std::move(picture));
-  }
+  report::AddPictures(figures, files);
   files.emplace_back("results.json", reproduce::FormatResults(results));
   files.emplace_back(
       "report.html",

@@ -3,8 +3,6 @@
 #include <sched.h>
 
 #include <algorithm>
-#include <atomic>
-#include <csignal>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -15,6 +13,7 @@
 #include "absl/strings/str_join.h"
 #include "apps/common/command_line.h"
 #include "apps/common/sha256.h"
+#include "apps/common/stop_signal.h"
 #include "apps/study/campaign.h"
 #include "apps/study/coordinator.h"
 #include "apps/study/flags.h"
@@ -60,19 +59,6 @@ constexpr char kUsageEnd[] = R"(
 
 Exit codes: 0 done, 1 stopped before the end or no run succeeded, 2 bad input or
 flags.)";
-
-std::atomic<bool> g_stop{false};
-
-extern "C" void StopOnSignal(int /*signal*/) { g_stop = true; }
-
-// A second signal ends the program at once.
-void CatchSignals() {
-  struct sigaction action = {};
-  action.sa_handler = StopOnSignal;
-  action.sa_flags = SA_RESETHAND;
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
-}
 
 // Those this process may use, or its share of the machine's.
 int Threads(int wanted, const Processes& processes) {
@@ -181,8 +167,8 @@ absl::StatusOr<int> Run(const study::Request& request, const Prepared& prepared,
   const Grid grid(campaign);
   {
     study::WorkerPool pool(campaign, grid, Threads(request.threads, processes));
-    MLE_RETURN_IF_ERROR(Coordinate(grid, processes, pool, journal,
-                                   [] { return g_stop.load(); }));
+    MLE_RETURN_IF_ERROR(
+        Coordinate(grid, processes, pool, journal, StopRequested));
   }
   if (journal.num_done() < grid.num_runs()) {
     std::cerr << "Stopped: " << journal.num_done() << " of " << grid.num_runs()
@@ -222,7 +208,7 @@ int Follow(const study::Request& request, Processes& processes) {
   if (!campaign.ok()) return Fail(campaign.status());
   const Grid grid(*campaign);
   study::WorkerPool pool(*campaign, grid, Threads(request.threads, processes));
-  Serve(processes, pool, [] { return g_stop.load(); });
+  Serve(processes, pool, StopRequested);
   return kExitDone;
 }
 
@@ -230,7 +216,7 @@ int Main(int* argc, char*** argv) {
   const absl::StatusOr<std::unique_ptr<Processes>> processes =
       Processes::Start(argc, argv);
   if (!processes.ok()) return Fail(processes.status());
-  CatchSignals();
+  CatchStopSignals();
   const absl::StatusOr<study::Request> request = study::RequestFromFlags();
   const bool leads = (*processes)->rank() == 0;
   if (!request.ok()) return leads ? Fail(request.status()) : kExitBadInput;

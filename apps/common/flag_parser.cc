@@ -1,5 +1,6 @@
 #include "apps/common/flag_parser.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <string_view>
 
@@ -164,6 +165,11 @@ std::vector<FlagText> CommandFlags() {
   const std::string_view apps = here.substr(0, here.rfind("common/"));
   std::vector<gflags::CommandLineFlagInfo> all;
   gflags::GetAllFlags(&all);
+  // Those that commands share come after a command's own.
+  const std::string shared = absl::StrCat(std::string(apps), "common/");
+  std::stable_partition(all.begin(), all.end(), [&](const auto& flag) {
+    return !flag.filename.starts_with(shared);
+  });
   std::vector<FlagText> flags;
   for (const gflags::CommandLineFlagInfo& flag : all) {
     if (!flag.filename.starts_with(apps)) continue;

@@ -39,7 +39,7 @@ struct FlagText {
 };
 
 // The flags of this command, by name: those defined under apps/, not those of
-// the libraries it uses.
+// the libraries it uses; its own before those that commands share.
 std::vector<FlagText> CommandFlags();
 
 }  // namespace mle

@@ -8,6 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "apps/lifecycle/durations.h"
+#include "apps/lifecycle/saving_map.h"
 
 namespace mle::lifecycle {
 namespace {
@@ -15,6 +16,7 @@ namespace {
 using report::Figure;
 using report::LineStyle;
 using report::MarkerShape;
+using report::NamedFigure;
 using report::Panel;
 using report::Role;
 using report::Series;
@@ -181,8 +183,18 @@ NamedFigure IntervalFigure(const std::vector<RateSummary>& summaries,
   return named;
 }
 
+std::vector<const RateSummary*> ByRate(
+    const std::vector<RateSummary>& summaries) {
+  std::vector<const RateSummary*> sorted;
+  for (const RateSummary& rate : summaries) sorted.push_back(&rate);
+  std::sort(sorted.begin(), sorted.end(),
+            [](const auto* a, const auto* b) { return a->rate < b->rate; });
+  return sorted;
+}
+
+// `summaries`: by rising rate.
 NamedFigure RateFigure(const Campaign& campaign,
-                       const std::vector<RateSummary>& summaries) {
+                       const std::vector<const RateSummary*>& summaries) {
   NamedFigure named;
   named.name = "cost_over_rate";
   named.caption =
@@ -195,14 +207,9 @@ NamedFigure RateFigure(const Campaign& campaign,
   figure.height_cm = 9.5;
   Panel& panel = figure.AddPanel("");
   panel.x = {.label = "rate of ageing"};
-  panel.y = {.label = summaries.front().Find(Policy::Kind::kPerfect) != nullptr
+  panel.y = {.label = summaries.front()->Find(Policy::Kind::kPerfect) != nullptr
                           ? "cost per year beyond perfect"
                           : "cost per year"};
-  std::vector<std::size_t> order(summaries.size());
-  for (std::size_t r = 0; r < order.size(); ++r) order[r] = r;
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return summaries[a].rate < summaries[b].rate;
-  });
   UpperEdge upper;
   double lower = 0.0;
   for (std::size_t p = 0; p < campaign.policies.size(); ++p) {
@@ -210,9 +217,9 @@ NamedFigure RateFigure(const Campaign& campaign,
     series.label = campaign.policies[p].name;
     series.style = StyleAt(campaign.policies, p);
     series.style.marker = MarkerOf(campaign.policies[p].family());
-    for (const std::size_t r : order) {
-      series.x.push_back(summaries[r].rate);
-      const double cost = Drawn(summaries[r].policies[p]).mean;
+    for (const RateSummary* rate : summaries) {
+      series.x.push_back(rate->rate);
+      const double cost = Drawn(rate->policies[p]).mean;
       series.y.push_back(cost);
       upper.Add(campaign.policies[p], cost);
       if (!campaign.policies[p].tests()) lower = std::min(lower, cost);
@@ -316,7 +323,14 @@ std::vector<NamedFigure> MakeFigures(const Campaign& campaign,
       std::any_of(members.begin(), members.end(),
                   [](const auto& family) { return family.second > 1; });
   if (several) figures.push_back(IntervalFigure(summaries, change_months));
-  if (summaries.size() > 1) figures.push_back(RateFigure(campaign, summaries));
+  const std::vector<const RateSummary*> by_rate = ByRate(summaries);
+  if (summaries.size() > 1) {
+    if (summaries.front().Find(Policy::Kind::kNever) != nullptr &&
+        campaign.policies.size() > 1) {
+      figures.push_back(SavingMap(by_rate));
+    }
+    figures.push_back(RateFigure(campaign, by_rate));
+  }
   std::size_t nearest = 0;
   for (std::size_t r = 1; r < summaries.size(); ++r) {
     if (std::abs(summaries[r].rate - 1.0) <
@@ -326,6 +340,9 @@ std::vector<NamedFigure> MakeFigures(const Campaign& campaign,
   }
   figures.push_back(
       TimeFigure(campaign, lives[nearest], summaries[nearest].rate, valuation));
+  for (NamedFigure& figure : figures) {
+    if (figure.alt.empty()) figure.alt = figure.caption;
+  }
   return figures;
 }
 

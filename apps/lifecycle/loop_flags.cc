@@ -7,29 +7,13 @@
 #include "Eigen/QR"
 #include "absl/strings/str_cat.h"
 #include "apps/common/command_line.h"
+#include "apps/common/loop_flags.h"
 #include "apps/lifecycle/durations.h"
 #include "gflags/gflags.h"
 #include "mle/base/status.h"
 #include "mle/data/quiet_stretches.h"
 #include "sim/check_options.h"
 
-DEFINE_double(sample_time, 0.2,
-              "Sample time Δt of the records, in the model's time unit (min).");
-DEFINE_double(control_period, 1.0,
-              "Control period Δt_c, a multiple of --sample_time (min).");
-DEFINE_int32(prediction_horizon, 30,
-             "Prediction horizon H_p, in control periods.");
-DEFINE_int32(control_horizon, 5,
-             "Control horizon H_c ≤ H_p, in control periods.");
-DEFINE_string(output_weight, "0.2",
-              "Weight Q_y on tracking errors, ≥ 0: one value, or one for each "
-              "output, separated by commas.");
-DEFINE_string(
-    move_weight, "0.1",
-    "Weight Q_u on input moves, ≥ 0: one value, or one for each input.");
-DEFINE_double(disturbance_variance_ratio, 0.1,
-              "Disturbance observer: increment variance of the output "
-              "disturbance over the noise variance, ≥ 0.");
 DEFINE_string(min_input, "",
               "Least inputs: one value, or one for each input. Empty: minus "
               "four times what holds the outputs at any set points within "
@@ -43,9 +27,6 @@ DEFINE_string(output_limit_cost, "1000",
               "Weight of exceeding an output limit in the controller, by its "
               "square, > 0: one value, or one for each output.");
 
-DEFINE_double(
-    noise_variance, 0.001,
-    "Variance σ² of the white measurement noise of every output, ≥ 0.");
 DEFINE_string(disturbance_deviation, "0.1",
               "Standard deviation of a slow disturbance of the outputs, ≥ 0: "
               "one value, or one for each output.");
@@ -106,17 +87,8 @@ VectorXd NeededInputs(const ProcessModel& model, const VectorXd& range) {
 absl::Status SetController(const ProcessModel& model, const VectorXd& range,
                            OperationOptions& operation) {
   const int p = model.num_outputs();
+  MLE_ASSIGN_OR_RETURN(operation.controller, ControllerFromFlags(model));
   control::MpcOptions& mpc = operation.controller;
-  mpc.prediction_horizon = FLAGS_prediction_horizon;
-  mpc.control_horizon = FLAGS_control_horizon;
-  MLE_ASSIGN_OR_RETURN(const VectorXd output_weight,
-                       ParseNumbers("output_weight", FLAGS_output_weight, p));
-  MLE_ASSIGN_OR_RETURN(
-      const VectorXd move_weight,
-      ParseNumbers("move_weight", FLAGS_move_weight, model.num_inputs()));
-  mpc.output_weight = output_weight.asDiagonal();
-  mpc.move_weight = move_weight.asDiagonal();
-  mpc.disturbance_variance_ratio = FLAGS_disturbance_variance_ratio;
   const VectorXd inputs = kInputMargin * NeededInputs(model, range);
   const VectorXd outputs = kOutputMargin * range;
   control::MpcLimits& limits = mpc.limits;
@@ -145,7 +117,6 @@ absl::Status SetController(const ProcessModel& model, const VectorXd& range,
 
 absl::Status SetPeriods(OperationOptions& operation) {
   operation.sample_time = FLAGS_sample_time;
-  operation.controller.control_period = FLAGS_control_period;
   if (const absl::Status status =
           sim::CheckPositive("sample_time", FLAGS_sample_time);
       !status.ok()) {

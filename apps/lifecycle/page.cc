@@ -178,8 +178,7 @@ Table SavingTable(const std::vector<RateSummary>& summaries) {
 
 std::string FormatPage(const Campaign& campaign,
                        const std::vector<RateSummary>& summaries,
-                       const std::vector<NamedFigure>& figures,
-                       const std::vector<absl::StatusOr<std::string>>& svgs,
+                       const std::vector<report::DrawnFigure>& figures,
                        const report::RunAgain& run_again) {
   report::HtmlPage page(
       absl::StrCat("The life of a model: ", campaign.model.name()));
@@ -192,10 +191,9 @@ std::string FormatPage(const Campaign& campaign,
                                    " lives; its cost is not known."));
     }
   }
-  page.AddHeading("Figures");
-  for (std::size_t i = 0; i < figures.size(); ++i) {
-    page.AddFigure(figures[i].figure, svgs[i], figures[i].caption,
-                   figures[i].caption);
+  if (!figures.empty()) page.AddHeading("Figures");
+  for (const report::DrawnFigure& figure : figures) {
+    report::AddFigure(figures, figure.named.name, page);
   }
   page.AddHeading("Policies");
   page.AddParagraph(

@@ -6,10 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "absl/status/statusor.h"
 #include "apps/lifecycle/campaign.h"
-#include "apps/lifecycle/figures.h"
 #include "apps/lifecycle/summary.h"
+#include "apps/report/drawing.h"
 #include "apps/report/html.h"
 #include "apps/report/table.h"
 
@@ -25,11 +24,9 @@ report::Table CostTable(const RateSummary& rate);
 // Policies by rates: the part of the avoidable cost that is saved, in percent.
 report::Table SavingTable(const std::vector<RateSummary>& summaries);
 
-// `svgs`: the figures as pictures, in their order.
 std::string FormatPage(const Campaign& campaign,
                        const std::vector<RateSummary>& summaries,
-                       const std::vector<NamedFigure>& figures,
-                       const std::vector<absl::StatusOr<std::string>>& svgs,
+                       const std::vector<report::DrawnFigure>& figures,
                        const report::RunAgain& run_again);
 
 }  // namespace mle::lifecycle

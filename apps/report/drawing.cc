@@ -1,6 +1,7 @@
 #include "apps/report/drawing.h"
 
 #include <array>
+#include <iostream>
 
 #include "apps/report/gnuplot.h"
 #include "mle/base/parallel.h"
@@ -26,26 +27,20 @@ std::vector<DrawnFigure> DrawFigures(std::vector<NamedFigure> figures,
   return drawn;
 }
 
-absl::Status FirstFailure(const std::vector<DrawnFigure>& drawn) {
-  absl::Status first;
+void AddPictures(const std::vector<DrawnFigure>& drawn,
+                 std::vector<std::pair<std::string, std::string>>& files) {
+  absl::Status failure;
   for (const DrawnFigure& one : drawn) {
-    for (const auto* picture : {&one.svg, &one.png, &one.pdf}) {
-      first.Update(picture->status());
+    for (const auto& [picture, extension] :
+         {std::pair{&one.svg, ".svg"}, std::pair{&one.png, ".png"},
+          std::pair{&one.pdf, ".pdf"}}) {
+      failure.Update(picture->status());
+      if (picture->ok()) {
+        files.emplace_back(one.named.name + extension, **picture);
+      }
     }
   }
-  return first;
-}
-
-std::vector<std::pair<std::string, std::string>> FilesOf(
-    const std::vector<DrawnFigure>& drawn) {
-  std::vector<std::pair<std::string, std::string>> files;
-  for (const DrawnFigure& one : drawn) {
-    const std::string& name = one.named.name;
-    if (one.svg.ok()) files.emplace_back(name + ".svg", *one.svg);
-    if (one.png.ok()) files.emplace_back(name + ".png", *one.png);
-    if (one.pdf.ok()) files.emplace_back(name + ".pdf", *one.pdf);
-  }
-  return files;
+  if (!failure.ok()) std::cerr << "warning: " << failure.message() << "\n";
 }
 
 void AddFigure(const std::vector<DrawnFigure>& drawn, std::string_view name,

@@ -1,7 +1,7 @@
 // The figures of a page, drawn in every format at once.
 //
 //   const std::vector<DrawnFigure> drawn = DrawFigures(MakeFigures(result), 0);
-//   for (const auto& [name, content] : FilesOf(drawn)) …  // records.svg, …
+//   AddPictures(drawn, files);  // records.svg, records.png, …
 //   AddFigure(drawn, "records", page);
 
 #ifndef APPS_REPORT_DRAWING_H_
@@ -37,12 +37,11 @@ struct DrawnFigure {
 std::vector<DrawnFigure> DrawFigures(std::vector<NamedFigure> figures,
                                      int threads);
 
-// The first reason why a picture is missing.
-absl::Status FirstFailure(const std::vector<DrawnFigure>& drawn);
-
-// Name and content of every picture there is.
-std::vector<std::pair<std::string, std::string>> FilesOf(
-    const std::vector<DrawnFigure>& drawn);
+// Adds name and content of every picture there is to `files`. The first reason
+// why one is missing becomes a warning on standard error: what could not be
+// drawn leaves the results as good as they are.
+void AddPictures(const std::vector<DrawnFigure>& drawn,
+                 std::vector<std::pair<std::string, std::string>>& files);
 
 // The figure of that name; nothing if there is none.
 void AddFigure(const std::vector<DrawnFigure>& drawn, std::string_view name,

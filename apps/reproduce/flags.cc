@@ -15,6 +15,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "apps/common/command_line.h"
+#include "apps/common/loop_flags.h"
 #include "apps/reproduce/case_flags.h"
 #include "gflags/gflags.h"
 #include "mle/base/status.h"
@@ -29,27 +30,7 @@ DEFINE_int32(threads, 0,
              "Threads, 0: one for each processor. The results do "
              "not depend on it.");
 
-DEFINE_double(
-    sample_time, 0.2,
-    "Sample time Δt of the ARX model, in the model's time unit (min).");
 DEFINE_int32(order, 150, "Order d of the ARX model, in samples, ≥ 1.");
-DEFINE_double(control_period, 1.0,
-              "Control period Δt_c, a multiple of --sample_time (min).");
-DEFINE_int32(prediction_horizon, 30,
-             "Prediction horizon H_p, in control periods.");
-DEFINE_int32(control_horizon, 5,
-             "Control horizon H_c ≤ H_p, in control periods.");
-DEFINE_string(output_weight, "0.2",
-              "Weight Q_y on tracking errors, ≥ 0: one value, or one for each "
-              "output, separated by commas.");
-DEFINE_string(
-    move_weight, "0.1",
-    "Weight Q_u on input moves, ≥ 0: one value, or one for each input.");
-DEFINE_double(disturbance_variance_ratio, 0.1,
-              "Disturbance observer: increment variance of the output "
-              "disturbance over the noise variance, ≥ 0.");
-DEFINE_double(noise_variance, 0.001,
-              "Variance σ² of the measurement noise of every output, ≥ 0.");
 DEFINE_string(conversion_noise_variance, "",
               "Variance of the noise under which the initial model is "
               "converted, ≥ 0: empty takes --noise_variance, 0 shows what goes "
@@ -271,16 +252,14 @@ absl::StatusOr<ExperimentOptions> ExperimentFromFlags(
     const ProcessModel& initial) {
   ExperimentOptions options;
   options.sample_time = FLAGS_sample_time;
-  options.control_period = FLAGS_control_period;
-  options.prediction_horizon = FLAGS_prediction_horizon;
-  options.control_horizon = FLAGS_control_horizon;
-  MLE_ASSIGN_OR_RETURN(options.output_weight,
-                       ParseNumbers("output_weight", FLAGS_output_weight,
-                                    initial.num_outputs()));
-  MLE_ASSIGN_OR_RETURN(
-      options.move_weight,
-      ParseNumbers("move_weight", FLAGS_move_weight, initial.num_inputs()));
-  options.disturbance_variance_ratio = FLAGS_disturbance_variance_ratio;
+  MLE_ASSIGN_OR_RETURN(const control::MpcOptions controller,
+                       ControllerFromFlags(initial));
+  options.control_period = controller.control_period;
+  options.prediction_horizon = controller.prediction_horizon;
+  options.control_horizon = controller.control_horizon;
+  options.output_weight = controller.output_weight.diagonal();
+  options.move_weight = controller.move_weight.diagonal();
+  options.disturbance_variance_ratio = controller.disturbance_variance_ratio;
   options.noise_variance = FLAGS_noise_variance;
   options.duration = FLAGS_duration;
   options.step_time = FLAGS_step_time;

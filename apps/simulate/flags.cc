@@ -8,6 +8,7 @@
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
 #include "apps/common/command_line.h"
+#include "apps/common/loop_flags.h"
 #include "apps/simulate/named_values.h"
 #include "gflags/gflags.h"
 #include "mle/base/status.h"
@@ -38,23 +39,6 @@ DEFINE_double(duration, 1000.0, "Length of the run (min).");
 DEFINE_uint64(seed, 1, "Seed of everything random.");
 DEFINE_string(out, "", "The record: a CSV file. Must be given.");
 
-DEFINE_double(sample_time, 0.2,
-              "Sample time Δt of the record, in the model's time unit (min).");
-DEFINE_double(control_period, 1.0,
-              "Control period Δt_c, a multiple of --sample_time (min).");
-DEFINE_int32(prediction_horizon, 30,
-             "Prediction horizon H_p, in control periods.");
-DEFINE_int32(control_horizon, 5,
-             "Control horizon H_c ≤ H_p, in control periods.");
-DEFINE_string(output_weight, "0.2",
-              "Weight Q_y on tracking errors, ≥ 0: one value, or one for each "
-              "output, separated by commas.");
-DEFINE_string(
-    move_weight, "0.1",
-    "Weight Q_u on input moves, ≥ 0: one value, or one for each input.");
-DEFINE_double(disturbance_variance_ratio, 0.1,
-              "Disturbance observer: increment variance of the output "
-              "disturbance over the noise variance, ≥ 0.");
 DEFINE_string(
     min_input, "",
     "Least inputs the controller asks for: one value, or one for each "
@@ -76,9 +60,6 @@ DEFINE_bool(feed_forward, true,
             "disturbances.");
 DEFINE_bool(preview, false, "The controller knows set points ahead.");
 
-DEFINE_double(
-    noise_variance, 0.001,
-    "Variance σ² of the white measurement noise of every output, ≥ 0.");
 DEFINE_string(coloured_variance, "0",
               "Variance of a coloured disturbance of the outputs, ≥ 0: one "
               "value, or one for each output.");
@@ -232,25 +213,6 @@ absl::StatusOr<control::MpcLimits> LimitsFromFlags(int outputs, int inputs) {
   return limits;
 }
 
-absl::StatusOr<control::MpcOptions> ControllerFromFlags(
-    const ProcessModel& model) {
-  const int p = model.num_outputs();
-  const int m = model.num_inputs();
-  control::MpcOptions options;
-  options.control_period = FLAGS_control_period;
-  options.prediction_horizon = FLAGS_prediction_horizon;
-  options.control_horizon = FLAGS_control_horizon;
-  MLE_ASSIGN_OR_RETURN(const VectorXd output_weight,
-                       ParseNumbers("output_weight", FLAGS_output_weight, p));
-  MLE_ASSIGN_OR_RETURN(const VectorXd move_weight,
-                       ParseNumbers("move_weight", FLAGS_move_weight, m));
-  options.output_weight = output_weight.asDiagonal();
-  options.move_weight = move_weight.asDiagonal();
-  options.disturbance_variance_ratio = FLAGS_disturbance_variance_ratio;
-  MLE_ASSIGN_OR_RETURN(options.limits, LimitsFromFlags(p, m));
-  return options;
-}
-
 absl::StatusOr<sim::MeasurementFaultOptions> FaultsFromFlags(int outputs) {
   sim::MeasurementFaultOptions faults;
   faults.outlier_probability = FLAGS_outlier_probability;
@@ -343,6 +305,9 @@ absl::StatusOr<Simulation> SimulationFromFlags() {
   MLE_RETURN_IF_ERROR(loop.Validate());
   MLE_ASSIGN_OR_RETURN(simulation.plant, MakePlant(model));
   MLE_ASSIGN_OR_RETURN(simulation.controller, ControllerFromFlags(model));
+  MLE_ASSIGN_OR_RETURN(
+      simulation.controller.limits,
+      LimitsFromFlags(model.num_outputs(), model.num_inputs()));
   simulation.feed_forward = FLAGS_feed_forward;
   simulation.preview = FLAGS_preview;
   MLE_ASSIGN_OR_RETURN(simulation.set_points, SetPointsFromFlags(model));

@@ -253,11 +253,8 @@ absl::Status WriteOutputs(const std::string& folder, bool figures,
                           const report::RunAgain& run_again) {
   std::vector<report::DrawnFigure> drawn;
   if (figures) drawn = report::DrawFigures(MakeFigures(campaign, summary), 0);
-  if (const absl::Status status = report::FirstFailure(drawn); !status.ok()) {
-    std::cerr << "warning: " << status.message() << "\n";
-  }
-  std::vector<std::pair<std::string, std::string>> files =
-      report::FilesOf(drawn);
+  std::vector<std::pair<std::string, std::string>> files;
+  report::AddPictures(drawn, files);
   files.emplace_back("summary.csv", SummaryCsv(summary, campaign));
   files.emplace_back("summary.json", SummaryJson(summary, campaign));
   files.emplace_back("report.html",

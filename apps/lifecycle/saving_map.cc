@@ -1,0 +1,86 @@
+#include "apps/lifecycle/saving_map.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "absl/strings/str_cat.h"
+#include "apps/report/number.h"
+
+namespace mle::lifecycle {
+namespace {
+
+constexpr double kCellWidthCm = 3.4;
+constexpr double kCellHeightCm = 1.1;
+
+// Beyond what chance does.
+bool Pays(const MeanOfSeeds& saving) {
+  return saving.mean > 0.0 && !(saving.half_width >= saving.mean);
+}
+
+double LargestSaving(const std::vector<const RateSummary*>& summaries) {
+  double largest = 0.0;
+  for (const RateSummary* rate : summaries) {
+    for (const PolicySummary& policy : rate->policies) {
+      if (Pays(policy.saving)) largest = std::max(largest, policy.saving.mean);
+    }
+  }
+  return largest;
+}
+
+std::string Amount(double money) {
+  return std::abs(money) < 100.0 ? report::FormatSignificant(money)
+                                 : report::FormatInteger(std::llround(money));
+}
+
+std::vector<std::string> Words(const PolicySummary& policy) {
+  if (policy.ran_away > 0) return {"the loop ran away"};
+  const MeanOfSeeds& saving = policy.saving;
+  if (!std::isfinite(saving.mean)) return {"–"};
+  std::vector<std::string> lines = {
+      absl::StrCat(saving.mean > 0.0 ? "+" : "", Amount(saving.mean))};
+  if (std::isfinite(saving.half_width)) {
+    lines.push_back(absl::StrCat("± ", Amount(saving.half_width)));
+  }
+  return lines;
+}
+
+}  // namespace
+
+report::NamedFigure SavingMap(
+    const std::vector<const RateSummary*>& summaries) {
+  report::NamedFigure named;
+  named.name = "saving_map";
+  named.caption =
+      "Where it pays: money saved a year against never updating, by policy and "
+      "rate of ageing, with the half-width of its interval of 95 %. The "
+      "darker, the more. White: what is saved is not above zero beyond chance.";
+  named.alt = absl::StrCat(named.caption, " The tables have the same numbers.");
+  report::Panel& panel = named.figure.AddPanel("");
+  panel.x.label = "rate of ageing";
+  for (const RateSummary* rate : summaries) {
+    panel.x.names.push_back(absl::StrCat(rate->rate));
+  }
+  const double largest = LargestSaving(summaries);
+  const std::size_t policies = summaries.front()->policies.size();
+  for (std::size_t p = policies; p-- > 0;) {
+    const Policy& policy = summaries.front()->policies[p].policy;
+    if (policy.kind == Policy::Kind::kNever) continue;
+    const auto y = static_cast<double>(panel.y.names.size());
+    panel.y.names.push_back(policy.name);
+    for (std::size_t r = 0; r < summaries.size(); ++r) {
+      const PolicySummary& at = summaries[r]->policies[p];
+      panel.cells.push_back({static_cast<double>(r), y,
+                             Pays(at.saving) ? at.saving.mean / largest : 0.0,
+                             Words(at)});
+    }
+  }
+  named.figure.legend = false;
+  named.figure.width_cm = std::clamp(
+      4.0 + kCellWidthCm * static_cast<double>(summaries.size()), 8.5, 60.0);
+  named.figure.height_cm =
+      1.8 + kCellHeightCm * static_cast<double>(panel.y.names.size());
+  return named;
+}
+
+}  // namespace mle::lifecycle

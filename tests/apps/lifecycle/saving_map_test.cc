@@ -1,0 +1,72 @@
+#include "apps/lifecycle/saving_map.h"
+
+#include <cmath>
+#include <limits>
+
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+
+namespace mle::lifecycle {
+namespace {
+
+using ::testing::ElementsAre;
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+PolicySummary Policy(const std::string& policies, double saving,
+                     double half_width, int ran_away = 0) {
+  PolicySummary policy;
+  policy.policy = ParsePolicies(policies)->front();
+  policy.saving = {saving, half_width};
+  policy.ran_away = ran_away;
+  return policy;
+}
+
+RateSummary Rate(double rate, std::vector<PolicySummary> policies) {
+  policies.insert(policies.begin(), Policy("never", 0.0, 0.0));
+  return {.rate = rate, .policies = std::move(policies), .break_even = {}};
+}
+
+TEST(SavingMapTest, ShadesWhatPaysAndSaysWhatEachSaves) {
+  const RateSummary slow = Rate(0.5, {Policy("structured:3", 49.4, 143.0),
+                                      Policy("test:12", -24736.0, 2924.0)});
+  const RateSummary fast = Rate(1.0, {Policy("structured:3", 8416.0, 1130.0),
+                                      Policy("test:12", 4208.0, 100.0)});
+  const report::NamedFigure map = SavingMap({&slow, &fast});
+  ASSERT_TRUE(map.figure.Validate().ok());
+  EXPECT_FALSE(map.alt.empty());
+  const report::Panel& panel = map.figure.panels.front();
+  EXPECT_THAT(panel.x.names, ElementsAre("0.5", "1"));
+  EXPECT_THAT(panel.y.names, ElementsAre("test:12", "structured:3"));
+  ASSERT_EQ(panel.cells.size(), 4u);
+  // From the bottom: tests at both rates, then corrections.
+  EXPECT_EQ(panel.cells[0].shade, 0.0);
+  EXPECT_THAT(panel.cells[0].lines, ElementsAre("−24,736", "± 2,924"));
+  EXPECT_EQ(panel.cells[1].shade, 0.5);
+  EXPECT_EQ(panel.cells[2].shade, 0.0);  // Within its interval of zero.
+  EXPECT_EQ(panel.cells[3].shade, 1.0);
+  EXPECT_THAT(panel.cells[3].lines, ElementsAre("+8,416", "± 1,130"));
+}
+
+TEST(SavingMapTest, OneSeedHasNoIntervals) {
+  const RateSummary rate = Rate(1.0, {Policy("structured", 500.0, kNone),
+                                      Policy("on_demand:0.7", kNone, kNone, 1),
+                                      Policy("perfect", kNone, kNone)});
+  const report::NamedFigure map = SavingMap({&rate});
+  ASSERT_TRUE(map.figure.Validate().ok());
+  const auto& cells = map.figure.panels.front().cells;
+  ASSERT_EQ(cells.size(), 3u);
+  EXPECT_THAT(cells[0].lines, ElementsAre("–"));
+  EXPECT_THAT(cells[1].lines, ElementsAre("the loop ran away"));
+  EXPECT_THAT(cells[2].lines, ElementsAre("+500"));
+  EXPECT_EQ(cells[2].shade, 1.0);
+}
+
+TEST(SavingMapTest, NothingSavedLeavesTheMapWhite) {
+  const RateSummary rate = Rate(0.0, {Policy("structured", 0.0, 0.0)});
+  const report::NamedFigure map = SavingMap({&rate});
+  EXPECT_EQ(map.figure.panels.front().cells.front().shade, 0.0);
+}
+
+}  // namespace
+}  // namespace mle::lifecycle
