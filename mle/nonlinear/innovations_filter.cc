@@ -5,6 +5,17 @@
 #include "glog/logging.h"
 
 namespace mle {
+namespace {
+
+// Columns filtered at once: each sample waits for the one before, and
+// recurrences that do not need each other fill the time.
+constexpr Eigen::Index kTogether = 4;
+
+// A product of F_k beyond this is exchanged for its logarithm: far from
+// overflow, and one logarithm serves many samples.
+constexpr double kLargeProduct = 1e100;
+
+}  // namespace
 
 InnovationsFilter::InnovationsFilter(const std::vector<int>& times,
                                      NoiseShape shape,
@@ -30,6 +41,7 @@ InnovationsFilter::InnovationsFilter(const std::vector<int>& times,
   }
   // Variance of ŵ once the first sample has set it.
   double filtered = times.empty() ? 0.0 : white(0);
+  double product = 1.0;
   for (std::size_t k = 1; k < times.size(); ++k) {
     const double predicted = filtered + shape.ratio * (times[k] - times[k - 1]);
     const double variance = predicted + white(k);
@@ -37,19 +49,34 @@ InnovationsFilter::InnovationsFilter(const std::vector<int>& times,
     filtered = predicted * white(k) / variance;
     gains_[k] = predicted / variance;
     inverse_roots_[k] = 1.0 / std::sqrt(variance);
-    log_determinant_ += std::log(variance);
+    product *= variance;
+    if (product > kLargeProduct) {
+      log_determinant_ += std::log(product);
+      product = 1.0;
+    }
   }
+  log_determinant_ += std::log(product);
 }
 
 void InnovationsFilter::Apply(Eigen::Ref<Eigen::MatrixXd> columns) const {
   CHECK_EQ(columns.rows(), static_cast<Eigen::Index>(gains_.size()));
   if (gains_.empty()) return;
-  for (Eigen::Index c = 0; c < columns.cols(); ++c) {
-    // With an offset the first sample sets the level.
-    double level = offset_ ? columns(0, c) : 0.0;
-    for (std::size_t k = 0; k < gains_.size(); ++k) {
-      const double innovation = columns(k, c) - level;
-      level += gains_[k] * innovation;
+  Eigen::Index c = 0;
+  for (; c + kTogether <= columns.cols(); c += kTogether) {
+    ApplyTo<kTogether>(columns.middleCols<kTogether>(c));
+  }
+  for (; c < columns.cols(); ++c) ApplyTo<1>(columns.middleCols<1>(c));
+}
+
+template <int kColumns, typename Columns>
+void InnovationsFilter::ApplyTo(Columns&& columns) const {
+  // With an offset the first sample sets the level.
+  double level[kColumns];
+  for (int c = 0; c < kColumns; ++c) level[c] = offset_ ? columns(0, c) : 0.0;
+  for (std::size_t k = 0; k < gains_.size(); ++k) {
+    for (int c = 0; c < kColumns; ++c) {
+      const double innovation = columns(k, c) - level[c];
+      level[c] += gains_[k] * innovation;
       columns(k, c) = innovation * inverse_roots_[k];
     }
   }

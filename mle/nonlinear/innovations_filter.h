@@ -53,6 +53,9 @@ class InnovationsFilter {
   Eigen::VectorXd WhitePart(const Eigen::VectorXd& disturbance) const;
 
  private:
+  template <int kColumns, typename Columns>
+  void ApplyTo(Columns&& columns) const;
+
   std::vector<double> gains_;          // P_k/F_k
   std::vector<double> inverse_roots_;  // 1/√F_k
   // Of the error of ŵ_k to that of ŵ_{k+1} before its sample (P_k r/P_{k+1}).
