@@ -117,6 +117,7 @@ absl::Status SetController(const ProcessModel& model, const VectorXd& range,
 
 absl::Status SetPeriods(OperationOptions& operation) {
   operation.sample_time = FLAGS_sample_time;
+  operation.controller.control_period = FLAGS_control_period;
   if (const absl::Status status =
           sim::CheckPositive("sample_time", FLAGS_sample_time);
       !status.ok()) {

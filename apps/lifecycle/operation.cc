@@ -6,10 +6,10 @@
 
 #include "Eigen/QR"
 #include "absl/strings/str_cat.h"
+#include "apps/lifecycle/watched_plant.h"
 #include "mle/base/status.h"
 #include "sim/check_options.h"
 #include "sim/closed_loop.h"
-#include "sim/noise.h"
 #include "sim/plant.h"
 #include "sim/sampling.h"
 
@@ -19,48 +19,9 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr std::uint32_t kSlowDisturbance = 102;
 // Streams of step tests, beyond those of the changes.
 constexpr std::uint64_t kTestStreams = 1'000'000;
 constexpr std::uint64_t kWatchStreams = 2'000'000;
-
-// A plant about an operating point, with the disturbance of its outputs; keeps
-// what the outputs really were.
-class WatchedPlant final : public sim::PlantModel {
- public:
-  // `disturbance` has one column more than there will be samples.
-  WatchedPlant(sim::PlantModel& plant, VectorXd input_offset,
-               const VectorXd& output_offset, MatrixXd disturbance)
-      : plant_(plant),
-        input_offset_(std::move(input_offset)),
-        truth_(std::move(disturbance)) {
-    truth_.colwise() += output_offset;
-    Look();
-  }
-
-  int num_inputs() const override { return plant_.num_inputs(); }
-  int num_outputs() const override { return plant_.num_outputs(); }
-  void Advance(const Eigen::Ref<const VectorXd>& input) override {
-    plant_.Advance(input + input_offset_);
-    ++sample_;
-    Look();
-  }
-  const VectorXd& outputs() const override { return outputs_; }
-
-  const MatrixXd& truth() const { return truth_; }
-
- private:
-  void Look() {
-    truth_.col(sample_) += plant_.outputs();
-    outputs_ = truth_.col(sample_);
-  }
-
-  sim::PlantModel& plant_;
-  VectorXd input_offset_;
-  MatrixXd truth_;  // p × (N + 1)
-  VectorXd outputs_;
-  Eigen::Index sample_ = 0;
-};
 
 MatrixXd StaticGains(const ProcessModel& model) {
   MatrixXd gains(model.num_outputs(), model.num_inputs());
@@ -87,11 +48,17 @@ VectorXd MeasuredSquare(const Record& record, int first, int end) {
          std::max(end - first, 1);
 }
 
-sim::SetPointProfile Profile(const SetPointEvent& event, double change_time) {
+// Set points that stand.
+sim::SetPointProfile Hold(const VectorXd& set_points) {
   sim::SetPointProfile profile;
-  for (int i = 0; i < event.before.size(); ++i) {
-    profile.steps.push_back({i, 0.0, event.before[i]});
+  for (int i = 0; i < set_points.size(); ++i) {
+    profile.steps.push_back({i, 0.0, set_points[i]});
   }
+  return profile;
+}
+
+sim::SetPointProfile Profile(const SetPointEvent& event, double change_time) {
+  sim::SetPointProfile profile = Hold(event.before);
   if (event.output >= 0) {
     profile.steps.push_back(
         {event.output, change_time, event.after[event.output]});
@@ -140,22 +107,19 @@ absl::Status OperationOptions::Validate(const ProcessModel& model) const {
 }
 
 Operation::Operation(const Scenario& scenario, const OperationOptions& options)
-    : scenario_(&scenario), options_(options) {
-  const int p = scenario.plant.num_outputs();
-  if (options_.disturbance_deviation.size() == 0) {
-    options_.disturbance_deviation = VectorXd::Zero(p);
-  }
+    : scenario_(&scenario),
+      options_(options),
+      disturbance_(scenario.seed,
+                   options.disturbance_deviation.size() > 0
+                       ? options.disturbance_deviation
+                       : VectorXd::Zero(scenario.plant.num_outputs()),
+                   options.disturbance_time, options.sample_time),
+      inputs_(VectorXd::Zero(scenario.plant.num_inputs())) {
   const double period = options_.controller.control_period;
   for (double* const length : {&options_.before, &options_.after,
                                &options_.quiet_stretch, &options_.warm_up}) {
     *length = std::ceil(*length / period - 1e-9) * period;
   }
-  sim::GaussianNoise source(scenario.seed, 0, kSlowDisturbance);
-  level_ = VectorXd::Zero(p);
-  for (int i = 0; i < p; ++i) {
-    level_[i] = source.Draw(options_.disturbance_deviation[i]);
-  }
-  inputs_ = VectorXd::Zero(scenario.plant.num_inputs());
 }
 
 absl::StatusOr<Operation> Operation::Create(const Scenario& scenario,
@@ -172,29 +136,6 @@ absl::StatusOr<Operation> Operation::Create(const Scenario& scenario,
         std::make_unique<sim::AgeingPlant>(std::move(plant));
   }
   return operation;
-}
-
-// The slow disturbance from `gap` after level_time_ on, `samples` + 1 columns.
-MatrixXd Operation::DrawDisturbance(std::uint64_t stream, double gap,
-                                    int samples, bool keep) {
-  sim::GaussianNoise source(scenario_->seed, stream, kSlowDisturbance);
-  const Eigen::Index p = level_.size();
-  MatrixXd path(p, samples + 1);
-  const auto step = [&](double time, const VectorXd& from) {
-    const double phi = std::exp(-time / options_.disturbance_time);
-    VectorXd to = phi * from;
-    for (Eigen::Index i = 0; i < p; ++i) {
-      to[i] += source.Draw(std::sqrt(1.0 - phi * phi) *
-                           options_.disturbance_deviation[i]);
-    }
-    return to;
-  };
-  path.col(0) = step(std::max(gap, 0.0), level_);
-  for (int k = 1; k <= samples; ++k) {
-    path.col(k) = step(options_.sample_time, path.col(k - 1));
-  }
-  if (keep) level_ = path.col(samples);
-  return path;
 }
 
 // Inputs that hold the plant at `wanted`, as near to the last ones and as far
@@ -308,11 +249,10 @@ absl::StatusOr<ChangeOperation> Operation::RunChange(
   const auto stream = static_cast<std::uint64_t>(next_) + 1;
   const int change = Samples(counted + warm_up, dt);
   const int end = change + Samples(after, dt);
-  MLE_ASSIGN_OR_RETURN(
-      Stretch stretch,
-      Enter(event.time, event.before,
-            DrawDisturbance(stream, start - level_time_, end, true)));
-  level_time_ = event.time + after;
+  const MatrixXd disturbance = disturbance_.Draw(stream, start, end);
+  disturbance_.Keep(disturbance, event.time + after);
+  MLE_ASSIGN_OR_RETURN(Stretch stretch,
+                       Enter(event.time, event.before, disturbance));
   stretch.start = start;
   MLE_RETURN_IF_ERROR(PrepareController(model, stretch, event.before));
   MLE_RETURN_IF_ERROR(
@@ -346,27 +286,22 @@ absl::StatusOr<TestOperation> Operation::RunStepTest(const StepTestPlan& plan) {
   const double period = options_.controller.control_period;
   const int samples = Samples(plan.duration(), dt);
   const auto stream = kTestStreams + static_cast<std::uint64_t>(next_);
-  MLE_ASSIGN_OR_RETURN(Stretch stretch,
-                       Enter(now_, event.after,
-                             DrawDisturbance(stream, now_ - level_time_,
-                                             samples, options_.every_sample)));
+  const MatrixXd disturbance = disturbance_.Draw(stream, now_, samples);
+  MLE_ASSIGN_OR_RETURN(Stretch stretch, Enter(now_, event.after, disturbance));
   stretch.start = now_;
   const control::MpcLimits& limits = options_.controller.limits;
   const int m = scenario_->plant.num_inputs();
   int instant = 0;
-  sim::SetPointProfile profile;
-  for (int i = 0; i < event.after.size(); ++i) {
-    profile.steps.push_back({i, 0.0, event.after[i]});
-  }
   MLE_RETURN_IF_ERROR(Simulate(
-      stretch, profile, stream, [&](const auto&, const auto&, auto next) {
+      stretch, Hold(event.after), stream,
+      [&](const auto&, const auto&, auto next) {
         next = stretch.base + plan.InputsAt(++instant * period, m);
         for (int j = 0; j < m; ++j) {
           next[j] = Limited(next[j], limits.min_input, limits.max_input, j);
         }
       }));
   if (options_.every_sample) {
-    level_time_ = now_ + plan.duration();
+    disturbance_.Keep(disturbance, now_ + plan.duration());
     mpc_->Restart(inputs_, event.after);
   }
   TestOperation result;
@@ -381,22 +316,18 @@ absl::StatusOr<WatchOperation> Operation::RunWatch(
   const VectorXd& set_points = scenario_->events[next_ - 1].after;
   const int samples = Samples(options_.quiet_stretch, options_.sample_time);
   const auto stream = kWatchStreams + static_cast<std::uint64_t>(next_);
-  MLE_ASSIGN_OR_RETURN(Stretch stretch,
-                       Enter(now_, set_points,
-                             DrawDisturbance(stream, now_ - level_time_,
-                                             samples, options_.every_sample)));
+  const MatrixXd disturbance = disturbance_.Draw(stream, now_, samples);
+  MLE_ASSIGN_OR_RETURN(Stretch stretch, Enter(now_, set_points, disturbance));
   stretch.start = now_;
   MLE_RETURN_IF_ERROR(PrepareController(model, stretch, set_points));
-  sim::SetPointProfile profile;
-  for (int i = 0; i < set_points.size(); ++i) {
-    profile.steps.push_back({i, 0.0, set_points[i]});
-  }
   MLE_RETURN_IF_ERROR(
-      Simulate(stretch, profile, stream,
+      Simulate(stretch, Hold(set_points), stream,
                [this](const auto& measured, const auto& r, auto next) {
                  mpc_->Step(measured, r, next);
                }));
-  if (options_.every_sample) level_time_ = now_ + options_.quiet_stretch;
+  if (options_.every_sample) {
+    disturbance_.Keep(disturbance, now_ + options_.quiet_stretch);
+  }
   now_ += options_.quiet_stretch;
   return WatchOperation{stretch.Sum(0, samples, options_.limits),
                         MeasuredSquare(stretch.record, 0, samples)};

@@ -12,12 +12,10 @@
 // slower by a factor of about a hundred, and shows that the short cut is right.
 //
 // Disturbances: on each output white measurement noise, which the controller
-// and the records see, and a slow disturbance of the product itself,
-//
-//   d_{k+1} = φ d_k + √(1−φ²) s e_k,   φ = exp(−Δt/T),
-//
-// one path over all years. Noise and disturbance depend on the seed and the
-// change alone, so that all policies live through the same ones.
+// and the records see, and a slow disturbance of the product itself
+// (slow_disturbance.h), one path over all years. Noise and disturbance depend
+// on the seed and the change alone, so that all policies live through the same
+// ones.
 
 #ifndef APPS_LIFECYCLE_OPERATION_H_
 #define APPS_LIFECYCLE_OPERATION_H_
@@ -29,6 +27,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "apps/lifecycle/scenario.h"
+#include "apps/lifecycle/slow_disturbance.h"
 #include "apps/lifecycle/step_test.h"
 #include "apps/lifecycle/sums.h"
 #include "control/mpc.h"
@@ -106,8 +105,6 @@ class Operation {
 
   Operation(const Scenario& scenario, const OperationOptions& options);
 
-  Eigen::MatrixXd DrawDisturbance(std::uint64_t stream, double gap, int samples,
-                                  bool keep);
   Eigen::VectorXd SteadyInputs(const ProcessModel& plant,
                                const Eigen::VectorXd& wanted) const;
   absl::StatusOr<Stretch> Enter(double time, const Eigen::VectorXd& set_points,
@@ -121,10 +118,9 @@ class Operation {
 
   const Scenario* scenario_;
   OperationOptions options_;
-  int next_ = 0;           // of the scenario's events
-  double now_ = 0.0;       // all before has been lived through
-  Eigen::VectorXd level_;  // p: the slow disturbance at level_time_
-  double level_time_ = 0.0;
+  int next_ = 0;      // of the scenario's events
+  double now_ = 0.0;  // all before has been lived through
+  SlowDisturbance disturbance_;
   Eigen::VectorXd inputs_;                        // m: asked for last
   std::unique_ptr<sim::PlantModel> whole_plant_;  // every_sample
   std::optional<control::Mpc> mpc_;

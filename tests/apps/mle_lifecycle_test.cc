@@ -1,5 +1,6 @@
 // mle_lifecycle as its users call it.
 
+#include <cmath>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -101,6 +102,20 @@ TEST_F(MleLifecycleTest, WritesWhatItFound) {
   // The report stands without figures as well.
   EXPECT_THAT(Content(scratch_ / "out/report.html"),
               HasSubstr("what each policy costs"));
+}
+
+TEST_F(MleLifecycleTest, SetPointsChangeAtControlInstants) {
+  const report::ProcessResult run =
+      Run("out", {"--control_period=7", "--policies=never", "--seeds=1"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto rows = ParsedCsv(scratch_ / "out/lifecycle.csv");
+  ASSERT_GT(rows.size(), 5u);
+  ASSERT_EQ(rows[0][3], "day");
+  for (std::size_t k = 1; k < rows.size(); ++k) {
+    if (rows[k][4].empty()) continue;  // The end of the life.
+    const double periods = std::stod(rows[k][3]) * 24.0 * 60.0 / 7.0;
+    EXPECT_NEAR(periods, std::round(periods), 1e-4) << k;
+  }
 }
 
 TEST_F(MleLifecycleTest, ThreadsAndInterruptionsChangeNoByte) {
