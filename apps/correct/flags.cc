@@ -13,6 +13,7 @@
 #include "absl/strings/str_cat.h"
 #include "apps/common/command_line.h"
 #include "apps/correct/record_flags.h"
+#include "apps/correct/solver_flags.h"
 #include "control/mpc_options.h"
 #include "gflags/gflags.h"
 #include "mle/base/status.h"
@@ -75,14 +76,6 @@ DEFINE_uint64(
 DEFINE_string(selection, "blocks",
               "Rule for λ, --estimator=arx: blocks, leave_change_out, aic, "
               "bic, gcv.");
-
-DEFINE_string(solver, "homotopy",
-              "Solver of ΔR: homotopy (exact, for all λ), coordinate_descent, "
-              "or ceres (smoothed L1, at the λ chosen on the exact path).");
-DEFINE_string(robust, "none",
-              "Loss of the residuals: none (squares), huber or cauchy, for "
-              "records with bursts and outliers that no check finds. Of ΔR "
-              "at the λ chosen with squares.");
 
 DEFINE_int32(validation_folds, 5,
              "Windows are held out in turn, in at most so many groups, ≥ 2.");
@@ -238,27 +231,6 @@ absl::StatusOr<SelectionOptions> SelectionFromFlags() {
   return selection;
 }
 
-absl::Status SolverFromFlags(EstimationOptions& options) {
-  if (FLAGS_solver == "coordinate_descent") {
-    options.correction.solver.solver = LassoSolver::kCoordinateDescent;
-  } else if (FLAGS_solver == "ceres") {
-    options.solve_by_ceres = true;
-  } else if (FLAGS_solver != "homotopy") {
-    return Refuse("solver", FLAGS_solver,
-                  "known are homotopy, coordinate_descent and ceres");
-  }
-  const std::map<std::string, RobustLoss> losses = {
-      {"none", RobustLoss::kNone},
-      {"huber", RobustLoss::kHuber},
-      {"cauchy", RobustLoss::kCauchy}};
-  const auto loss = losses.find(FLAGS_robust);
-  if (loss == losses.end()) {
-    return Refuse("robust", FLAGS_robust, "known are none, huber and cauchy");
-  }
-  options.structured.robust_loss = loss->second;
-  return absl::OkStatus();
-}
-
 absl::StatusOr<EstimationOptions> EstimationFromFlags() {
   EstimationOptions options;
   MLE_ASSIGN_OR_RETURN(options.estimator, EstimatorFromFlags());
@@ -276,7 +248,7 @@ absl::StatusOr<EstimationOptions> EstimationFromFlags() {
   options.calibration.seed = FLAGS_seed;
   options.correction.lambdas = DefaultLambdaGrid();
   MLE_ASSIGN_OR_RETURN(options.correction.selection, SelectionFromFlags());
-  MLE_RETURN_IF_ERROR(SolverFromFlags(options));
+  MLE_RETURN_IF_ERROR(SetSolver(options));
   return options;
 }
 

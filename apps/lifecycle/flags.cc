@@ -13,6 +13,7 @@
 #include "absl/strings/str_cat.h"
 #include "apps/common/command_line.h"
 #include "apps/common/flag_parser.h"
+#include "apps/correct/solver_flags.h"
 #include "apps/lifecycle/durations.h"
 #include "apps/lifecycle/loop_flags.h"
 #include "apps/lifecycle/price_flags.h"
@@ -285,6 +286,7 @@ absl::Status SetLife(Request& request) {
   update.estimation.conversion.order = FLAGS_order;
   update.estimation.conversion.samples = FLAGS_conversion_samples;
   update.estimation.correction.lambdas = correct::DefaultLambdaGrid();
+  MLE_RETURN_IF_ERROR(correct::SetSolver(update.estimation));
   update.validation_folds = FLAGS_validation_folds;
   update.least_gain = FLAGS_least_gain;
   update.control_period = period;

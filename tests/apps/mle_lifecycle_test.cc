@@ -215,6 +215,10 @@ TEST_F(MleLifecycleTest, MistakesNameTheFlagAndWhatWouldBeRight) {
   EXPECT_THAT(Message({"--setpoint_range=0"}), HasSubstr("--setpoint_range=0"));
   EXPECT_THAT(Message({"--price_movement=-1"}), HasSubstr("--price_movement"));
   EXPECT_THAT(Message({"--sample_time=0.3"}), HasSubstr("--control_period=1"));
+  EXPECT_THAT(Message({"--solver=simplex"}),
+              HasSubstr("--solver=simplex: known are homotopy"));
+  EXPECT_THAT(Message({"--robust=tukey"}),
+              HasSubstr("--robust=tukey: known are none, huber"));
   EXPECT_THAT(Message({"--disturbance_time=x"}),
               HasSubstr("--disturbance_time: 'x'"));
   EXPECT_THAT(Message({"--prediction_horizon=2"}),
