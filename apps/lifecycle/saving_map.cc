@@ -18,12 +18,10 @@ bool Pays(const MeanOfSeeds& saving) {
   return saving.mean > 0.0 && !(saving.half_width >= saving.mean);
 }
 
-double LargestSaving(const std::vector<const RateSummary*>& summaries) {
+double LargestSaving(const RateSummary& rate) {
   double largest = 0.0;
-  for (const RateSummary* rate : summaries) {
-    for (const PolicySummary& policy : rate->policies) {
-      if (Pays(policy.saving)) largest = std::max(largest, policy.saving.mean);
-    }
+  for (const PolicySummary& policy : rate.policies) {
+    if (Pays(policy.saving)) largest = std::max(largest, policy.saving.mean);
   }
   return largest;
 }
@@ -54,14 +52,15 @@ report::NamedFigure SavingMap(
   named.caption =
       "Where it pays: money saved a year against never updating, by policy and "
       "rate of ageing, with the half-width of its interval of 95 %. The "
-      "darker, the more. White: what is saved is not above zero beyond chance.";
+      "darker, the larger a part of what is saved most at that rate. White: "
+      "not "
+      "above zero beyond chance.";
   named.alt = absl::StrCat(named.caption, " The tables have the same numbers.");
   report::Panel& panel = named.figure.AddPanel("");
   panel.x.label = "rate of ageing";
   for (const RateSummary* rate : summaries) {
     panel.x.names.push_back(absl::StrCat(rate->rate));
   }
-  const double largest = LargestSaving(summaries);
   const std::size_t policies = summaries.front()->policies.size();
   for (std::size_t p = policies; p-- > 0;) {
     const Policy& policy = summaries.front()->policies[p].policy;
@@ -70,9 +69,9 @@ report::NamedFigure SavingMap(
     panel.y.names.push_back(policy.name);
     for (std::size_t r = 0; r < summaries.size(); ++r) {
       const PolicySummary& at = summaries[r]->policies[p];
-      panel.cells.push_back({static_cast<double>(r), y,
-                             Pays(at.saving) ? at.saving.mean / largest : 0.0,
-                             Words(at)});
+      const double shade =
+          Pays(at.saving) ? at.saving.mean / LargestSaving(*summaries[r]) : 0.0;
+      panel.cells.push_back({static_cast<double>(r), y, shade, Words(at)});
     }
   }
   named.figure.legend = false;

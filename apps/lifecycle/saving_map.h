@@ -12,10 +12,10 @@
 namespace mle::lifecycle {
 
 // A square for each policy and rate: what is saved a year against never, with
-// the half-width of its interval of 95 %. The more it is of the largest mean
-// saving of all, the darker; a saving within its interval of zero is white.
-// `summaries`: by rising rate, all of the same policies, `never` among them and
-// others too.
+// the half-width of its interval of 95 %. The larger a part of the largest mean
+// saving at that rate, the darker; a saving within its interval of zero is
+// white. `summaries`: by rising rate, all of the same policies, `never` among
+// them and others too.
 report::NamedFigure SavingMap(const std::vector<const RateSummary*>& summaries);
 
 }  // namespace mle::lifecycle

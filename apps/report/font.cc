@@ -23,6 +23,7 @@ double Advance(char32_t code) {
   const bool superscript = code == 0xB2 || code == 0xB3 || code == 0xB9 ||
                            (code >= 0x2070 && code <= 0x209C);
   if (superscript) return code == 0x207B ? 0.55 : 0.42;
+  if (code == U'×') return 0.84;
   if (code >= 0xA0 && code < 0x2000) return 0.7;  // Latin, Greek, Cyrillic
   if (DisplayWidth(Utf8(code)) > 1) return 1.4;
   return 1.0;

@@ -19,6 +19,7 @@ constexpr double kPointsPerCm = 72.0 / 2.54;
 constexpr double kEdge = 0.4;          // free around the figure
 constexpr double kTickGap = 0.55;      // from frame to tick label
 constexpr double kLine = 1.35;         // from line to line of text
+constexpr double kLabelGap = 0.3;      // from tick labels to an upright label
 constexpr double kPanelGap = 0.9;      // between neighbouring panels
 constexpr double kTickSize = 0.9;      // size of the tick labels
 constexpr double kTitleSize = 1.15;    // size of the figure's title
@@ -175,7 +176,7 @@ std::vector<Tick> TicksOf(const Axis& axis, const Range& range, double em,
 Margins MarginsOf(const Panel& panel, const PanelLayout& placed, double em) {
   Margins margins;
   margins.left = kTickGap + kTickSize * WidestLabel(placed.y_ticks) +
-                 (panel.y.label.empty() ? 0.0 : kLine);
+                 (panel.y.label.empty() ? 0.0 : kLine + kLabelGap);
   margins.bottom = kTickGap + kTickSize + (panel.x.label.empty() ? 0.0 : kLine);
   margins.top = panel.title.empty() ? 0.5 * kTickSize : kLine + 0.15;
   // The last label below the axis may stand out by half its width.

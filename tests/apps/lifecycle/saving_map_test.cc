@@ -32,20 +32,23 @@ TEST(SavingMapTest, ShadesWhatPaysAndSaysWhatEachSaves) {
                                       Policy("test:12", -24736.0, 2924.0)});
   const RateSummary fast = Rate(1.0, {Policy("structured:3", 8416.0, 1130.0),
                                       Policy("test:12", 4208.0, 100.0)});
-  const report::NamedFigure map = SavingMap({&slow, &fast});
+  const RateSummary faster = Rate(2.0, {Policy("structured:3", 90000.0, 10.0),
+                                        Policy("test:12", 22500.0, 10.0)});
+  const report::NamedFigure map = SavingMap({&slow, &fast, &faster});
   ASSERT_TRUE(map.figure.Validate().ok());
   EXPECT_FALSE(map.alt.empty());
   const report::Panel& panel = map.figure.panels.front();
-  EXPECT_THAT(panel.x.names, ElementsAre("0.5", "1"));
+  EXPECT_THAT(panel.x.names, ElementsAre("0.5", "1", "2"));
   EXPECT_THAT(panel.y.names, ElementsAre("test:12", "structured:3"));
-  ASSERT_EQ(panel.cells.size(), 4u);
-  // From the bottom: tests at both rates, then corrections.
+  ASSERT_EQ(panel.cells.size(), 6u);
+  // From the bottom: tests at all rates, then corrections.
   EXPECT_EQ(panel.cells[0].shade, 0.0);
   EXPECT_THAT(panel.cells[0].lines, ElementsAre("−24,736", "± 2,924"));
   EXPECT_EQ(panel.cells[1].shade, 0.5);
-  EXPECT_EQ(panel.cells[2].shade, 0.0);  // Within its interval of zero.
-  EXPECT_EQ(panel.cells[3].shade, 1.0);
-  EXPECT_THAT(panel.cells[3].lines, ElementsAre("+8,416", "± 1,130"));
+  EXPECT_EQ(panel.cells[2].shade, 0.25);  // Of the most saved at that rate.
+  EXPECT_EQ(panel.cells[3].shade, 0.0);   // Within its interval of zero.
+  EXPECT_EQ(panel.cells[4].shade, 1.0);
+  EXPECT_THAT(panel.cells[4].lines, ElementsAre("+8,416", "± 1,130"));
 }
 
 TEST(SavingMapTest, OneSeedHasNoIntervals) {
