@@ -5,7 +5,7 @@
 //
 // DRIFT is the increment variance per sample of a random walk on every output.
 // NAME:none has no mismatch. A line for each run, then a table. The conversion
-// is under white noise of the same variance.
+// is under white noise of the same variance. --threads=N limits the threads.
 
 #include <iostream>
 #include <mutex>
@@ -19,6 +19,7 @@
 #include "absl/strings/str_split.h"
 #include "apps/reproduce/estimators.h"
 #include "apps/reproduce/experiment.h"
+#include "benchmarks/study_threads.h"
 #include "glog/logging.h"
 #include "mle/base/parallel.h"
 #include "mle/correction/correction.h"
@@ -91,16 +92,17 @@ std::string Line(const std::string& name, std::uint64_t seed,
 }
 
 int Main(int argc, char** argv) {
+  const int threads = benchmarks::TakeThreads(argc, argv);
   int seeds = 0;
   int first = 0;
   double variance = 0.0;
   double drift = 0.0;
-  if (argc < 8 || !absl::SimpleAtoi(argv[2], &seeds) || seeds < 1 ||
-      !absl::SimpleAtoi(argv[3], &first) || first < 0 ||
+  if (threads < 0 || argc < 8 || !absl::SimpleAtoi(argv[2], &seeds) ||
+      seeds < 1 || !absl::SimpleAtoi(argv[3], &first) || first < 0 ||
       !absl::SimpleAtod(argv[4], &variance) ||
       !absl::SimpleAtod(argv[5], &drift)) {
     std::cerr << "usage: estimator_study MODEL.json SEEDS FIRST VARIANCE DRIFT "
-                 "ESTIMATOR,… NAME:PLANT.json …\n";
+                 "ESTIMATOR,… NAME:PLANT.json … [--threads=N]\n";
     return 2;
   }
   const ProcessModel initial = Read(argv[1]);
@@ -116,7 +118,7 @@ int Main(int argc, char** argv) {
   std::vector<std::vector<reproduce::EstimatorComparison>> runs(
       cases.size(), std::vector<reproduce::EstimatorComparison>(seeds));
   std::mutex mutex;
-  ParallelFor(seeds, 0, [&](int s) {
+  ParallelFor(seeds, threads, [&](int s) {
     const std::uint64_t seed = static_cast<std::uint64_t>(first + s);
     const auto conversion =
         reproduce::ConvertInitialModel(initial, seed, options);

@@ -8,9 +8,11 @@
 // alone, so that the loop and its noise are those of the clean record: singly
 // (LONGEST 1) or in bursts of 3 to LONGEST samples off to the same side. E of
 // ΔR and of the structured correction with the clean records, with the spoilt
-// ones, with the outliers replaced (for the structured one: marked), and with
-// robust losses: of ΔR on the replaced records, of the structured correction on
-// the spoilt ones.
+// ones, with the outliers replaced (for the structured one: marked) by their
+// neighbours and by a model (output_reconstruction.h), and of the
+// structured correction with robust losses on the spoilt ones. Last, how many
+// samples were spoilt, how many of them the model found, and how many it found
+// besides. --threads=N limits the threads.
 
 #include <algorithm>
 #include <array>
@@ -25,10 +27,12 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_split.h"
 #include "apps/reproduce/experiment.h"
+#include "benchmarks/study_threads.h"
 #include "glog/logging.h"
 #include "mle/base/parallel.h"
-#include "mle/correction/robust_correction.h"
+#include "mle/correction/correction.h"
 #include "mle/data/outlier_replacement.h"
+#include "mle/nonlinear/output_reconstruction.h"
 #include "mle/nonlinear/structured_correction.h"
 
 namespace mle {
@@ -37,12 +41,23 @@ namespace {
 constexpr double kSmallest = 10.0;  // σ
 constexpr double kLargest = 50.0;
 constexpr int kShortestBurst = 3;
-constexpr std::array<const char*, 10> kColumns = {
-    "ΔR, clean",          "ΔR, spoilt",         "ΔR, replaced",
-    "ΔR, Huber",          "ΔR, Cauchy",         "structured, clean",
-    "structured, spoilt", "structured, marked", "structured, Huber",
-    "structured, Cauchy"};
-constexpr std::array<int, 10> kClean = {0, 0, 0, 0, 0, 5, 5, 5, 5, 5};
+constexpr std::array<const char*, 13> kColumns = {"ΔR, clean",
+                                                  "ΔR, spoilt",
+                                                  "ΔR, neighbours",
+                                                  "ΔR, model",
+                                                  "structured, clean",
+                                                  "structured, spoilt",
+                                                  "structured, neighbours",
+                                                  "structured, model",
+                                                  "structured, Huber",
+                                                  "structured, Cauchy",
+                                                  "spoilt",
+                                                  "found",
+                                                  "wrongly"};
+constexpr std::array<int, kColumns.size()> kClean = {0, 0, 0, 0,  4,  4, 4,
+                                                     4, 4, 4, 10, 10, 10};
+// Longest gap that is filled: two bursts, one at the other.
+constexpr int kMaxGap = 30;
 using Row = std::array<double, kColumns.size()>;
 
 // Outliers, or bursts of them, until the share is reached.
@@ -77,6 +92,34 @@ std::vector<Record> Windows(const ProcessModel& initial,
   return *std::move(windows);
 }
 
+// 0 where there is nothing to compare with: no sample was spoilt.
+double Ratio(double value, double clean) {
+  return clean > 0.0 ? value / clean : 0.0;
+}
+
+// Samples of outputs.
+struct Counts {
+  double spoilt = 0.0;
+  double found = 0.0;
+  double wrongly = 0.0;
+};
+
+Counts Compare(const std::vector<Record>& clean,
+               const std::vector<Record>& spoilt,
+               const std::vector<Record>& marked) {
+  Counts counts;
+  for (std::size_t w = 0; w < clean.size(); ++w) {
+    for (Eigen::Index k = 0; k < clean[w].outputs.size(); ++k) {
+      const bool bad = spoilt[w].outputs(k) != clean[w].outputs(k);
+      const bool found = std::isnan(marked[w].outputs(k));
+      counts.spoilt += bad ? 1.0 : 0.0;
+      counts.found += bad && found ? 1.0 : 0.0;
+      counts.wrongly += !bad && found ? 1.0 : 0.0;
+    }
+  }
+  return counts;
+}
+
 struct Spoiling {
   double share = 0.0;
   int longest = 1;
@@ -97,19 +140,6 @@ Row RunOne(const ProcessModel& initial, const ProcessModel& plant,
   const auto arx = [&](const ArxModel& model) {
     return SquaredDistance(truth, model.ComputeStepResponse(truth.samples()));
   };
-  const auto robust = [&](const Correction& correction, RobustLoss loss) {
-    const auto fit =
-        CorrectRobustly(correction, correction.selection().lambda_star,
-                        {.loss = loss, .lasso = {}});
-    CHECK(fit.ok()) << fit.status();
-    for (const RobustFit& output : fit->fits) {
-      if (!output.converged || output.relative_gap > 1e-6) {
-        std::cerr << "seed " << seed << ": " << output.BriefReport()
-                  << std::endl;
-      }
-    }
-    return arx(fit->model);
-  };
   const auto structured = [&](const std::vector<Record>& windows,
                               RobustLoss loss = RobustLoss::kNone) {
     const auto fit = CorrectStructure(initial, windows, {.robust_loss = loss});
@@ -127,32 +157,45 @@ Row RunOne(const ProcessModel& initial, const ProcessModel& plant,
   OutlierReplacementOptions mark;
   mark.max_gap = 0;
   ReplaceOutliers(initial, mark, marked);
-  const Correction of_replaced = correct(replaced);
+  std::vector<Record> by_model = spoilt;
+  const auto report = MarkOutliers(initial, {}, {}, by_model);
+  CHECK(report.ok()) << report.status();
+  const auto fit = CorrectStructure(initial, by_model, {});
+  CHECK(fit.ok()) << fit.status();
+  std::vector<Record> filled = by_model;
+  const auto count =
+      FillOutputs(fit->full.model, fit->full.noise, kMaxGap, filled);
+  CHECK(count.ok()) << count.status();
+  const Counts counts = Compare(clean, spoilt, by_model);
   return {arx(correct(clean).Model()),
           arx(correct(spoilt).Model()),
-          arx(of_replaced.Model()),
-          robust(of_replaced, RobustLoss::kHuber),
-          robust(of_replaced, RobustLoss::kCauchy),
+          arx(correct(replaced).Model()),
+          arx(correct(filled).Model()),
           structured(clean),
           structured(spoilt),
           structured(marked),
+          structured(by_model),
           structured(spoilt, RobustLoss::kHuber),
-          structured(spoilt, RobustLoss::kCauchy)};
+          structured(spoilt, RobustLoss::kCauchy),
+          counts.spoilt,
+          counts.found,
+          counts.wrongly};
 }
 
 int Main(int argc, char** argv) {
+  const int threads = benchmarks::TakeThreads(argc, argv);
   int seeds = 0;
   int first = 0;
   Spoiling spoiling;
   double variance = 0.0;
-  if (argc < 8 || !absl::SimpleAtoi(argv[2], &seeds) || seeds < 1 ||
-      !absl::SimpleAtoi(argv[3], &first) || first < 0 ||
+  if (threads < 0 || argc < 8 || !absl::SimpleAtoi(argv[2], &seeds) ||
+      seeds < 1 || !absl::SimpleAtoi(argv[3], &first) || first < 0 ||
       !absl::SimpleAtod(argv[4], &spoiling.share) ||
       !absl::SimpleAtoi(argv[5], &spoiling.longest) ||
       (spoiling.longest != 1 && spoiling.longest < kShortestBurst) ||
       !absl::SimpleAtod(argv[6], &variance)) {
     std::cerr << "usage: outlier_study MODEL.json SEEDS FIRST SHARE LONGEST "
-                 "VARIANCE NAME:PLANT.json …\n";
+                 "VARIANCE NAME:PLANT.json … [--threads=N]\n";
     return 2;
   }
   const auto initial = ReadProcessModel(argv[1]);
@@ -166,8 +209,9 @@ int Main(int argc, char** argv) {
   options.correction.lambdas = *MakeLambdaGrid(1e-2, 1e-6);
   std::cout << "| case | seed |";
   for (const char* column : kColumns) std::cout << " " << column << " |";
-  std::cout << "\n|---|---|---|---|---|---|---|---|---|---|---|---|"
-            << std::endl;
+  std::cout << "\n|---|---|";
+  for (std::size_t k = 0; k < kColumns.size(); ++k) std::cout << "---|";
+  std::cout << std::endl;
   const auto print = [](const std::string& name, const std::string& seed,
                         const Row& row) {
     std::cout << "| " << name << " | " << seed << " |";
@@ -180,7 +224,7 @@ int Main(int argc, char** argv) {
     const auto plant = ReadProcessModel(part.second);
     CHECK(plant.ok()) << plant.status();
     std::vector<Row> rows(seeds);
-    ParallelFor(seeds, 0, [&](int s) {
+    ParallelFor(seeds, threads, [&](int s) {
       const auto seed = static_cast<std::uint64_t>(first + s);
       const auto conversion =
           reproduce::ConvertInitialModel(*initial, seed, options);
@@ -193,13 +237,13 @@ int Main(int argc, char** argv) {
       print(part.first, std::to_string(first + s), rows[s]);
       for (std::size_t k = 0; k < mean.size(); ++k) {
         mean[k] += rows[s][k] / seeds;
-        worst[k] = std::max(worst[k], rows[s][k] / rows[s][kClean[k]]);
+        worst[k] = std::max(worst[k], Ratio(rows[s][k], rows[s][kClean[k]]));
       }
     }
     print(part.first, "mean", mean);
     Row ratio = {};
     for (std::size_t k = 0; k < ratio.size(); ++k) {
-      ratio[k] = mean[k] / mean[kClean[k]];
+      ratio[k] = Ratio(mean[k], mean[kClean[k]]);
     }
     print(part.first, "mean over clean mean", ratio);
     print(part.first, "largest over clean", worst);

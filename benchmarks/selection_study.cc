@@ -6,7 +6,7 @@
 // paper's experiment, lets each rule choose λ over the whole path, and compares
 // E there with E at the best λ of the path. A plant NAME:none has no mismatch;
 // there E is held against that of leaving the model alone. Writes a line of CSV
-// for each run, then a table for each variance.
+// for each run, then a table for each variance. --threads=N limits the threads.
 
 #include <algorithm>
 #include <cmath>
@@ -21,6 +21,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_split.h"
 #include "apps/reproduce/experiment.h"
+#include "benchmarks/study_threads.h"
 #include "glog/logging.h"
 #include "mle/base/parallel.h"
 
@@ -185,12 +186,14 @@ void PrintTable(const std::vector<NamedRule>& rules,
 }
 
 int Main(int argc, char** argv) {
+  const int threads = benchmarks::TakeThreads(argc, argv);
   int seeds = 0;
   const std::string which = argc > 1 ? argv[1] : "";
-  if (argc < 6 || (which != "core" && which != "all") ||
+  if (threads < 0 || argc < 6 || (which != "core" && which != "all") ||
       !absl::SimpleAtoi(argv[3], &seeds) || seeds < 1) {
-    std::cerr << "usage: selection_study core|all MODEL.json SEEDS VARIANCE,… "
-                 "NAME:PLANT.json … (NAME:none has no mismatch)\n";
+    std::cerr
+        << "usage: selection_study core|all MODEL.json SEEDS VARIANCE,… "
+           "NAME:PLANT.json … [--threads=N] (NAME:none has no mismatch)\n";
     return 2;
   }
   const std::vector<NamedRule> rules = Rules(which == "all");
@@ -226,7 +229,7 @@ int Main(int argc, char** argv) {
     std::vector<std::vector<Outcome>> outcomes(plants.size(),
                                                std::vector<Outcome>(seeds));
     std::mutex mutex;
-    ParallelFor(seeds, 0, [&](int s) {
+    ParallelFor(seeds, threads, [&](int s) {
       const std::uint64_t seed = 1 + static_cast<std::uint64_t>(s);
       const auto conversion =
           reproduce::ConvertInitialModel(*initial, seed, options);
