@@ -11,25 +11,31 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+constexpr double kGridStep = 1.0;  // of ln ρ
+// Beforehand every √ρ is as likely as any other: what of it is nearest to a
+// value of the grid, as a share of √ρ there; and below the smallest, of that.
+const double kShareOfValue =
+    std::exp(0.25 * kGridStep) - std::exp(-0.25 * kGridStep);
+const double kShareBelow = std::exp(-0.25 * kGridStep);
 // Of the largest weight; less is left out.
 constexpr double kSmallWeight = 1e-3;
-constexpr double kGridStep = 1.0;  // of ln ρ
 const double kMaxLogRatio = std::log(1e6);
 
-// ln of the restricted likelihood of a ratio, and the estimates under it.
+// The probability of a ratio but for a factor, and the estimates under it.
 struct Candidate {
-  double log_likelihood = 0.0;
+  double log_probability = 0.0;
   RatioEstimate estimate;
 };
 
 Candidate AtRatio(const OutputErrorProblem& problem, const OutputFit& fit,
-                  const std::vector<SegmentColumns>& columns, double ratio) {
+                  const std::vector<SegmentColumns>& columns, double ratio,
+                  double prior) {
   const NoiseShape shape = {.ratio = ratio};
   const RatioLikelihood likelihood =
       RestrictedLikelihood(problem, fit.free, columns, shape);
   const WhitenedColumns whitened = problem.Whiten(columns, shape);
   Candidate candidate;
-  candidate.log_likelihood = -0.5 * likelihood.deviance;
+  candidate.log_probability = std::log(prior) - 0.5 * likelihood.deviance;
   candidate.estimate.covariance =
       CovarianceOf(whitened, fit.point, fit.free, likelihood.variance)
           .covariance;
@@ -66,20 +72,23 @@ std::vector<RatioEstimate> IntegrateRatio(const OutputErrorProblem& problem,
   const std::vector<SegmentColumns> columns =
       problem.Linearise(fit.point, ShapeOf(fit.noise), /*with_jacobian=*/true);
   const VectorXd at_fit =
-      AtRatio(problem, fit, columns, fit.noise.ratio).estimate.change;
-  std::vector<Candidate> candidates = {AtRatio(problem, fit, columns, 0.0)};
+      AtRatio(problem, fit, columns, fit.noise.ratio, 1.0).estimate.change;
   const double length = static_cast<double>(problem.num_samples()) /
                         static_cast<double>(problem.num_segments());
+  std::vector<Candidate> candidates = {
+      AtRatio(problem, fit, columns, 0.0, kShareBelow / length)};
   for (double log_ratio = -2.0 * std::log(length); log_ratio <= kMaxLogRatio;
        log_ratio += kGridStep) {
-    candidates.push_back(AtRatio(problem, fit, columns, std::exp(log_ratio)));
+    candidates.push_back(AtRatio(problem, fit, columns, std::exp(log_ratio),
+                                 kShareOfValue * std::exp(0.5 * log_ratio)));
   }
   double best = -std::numeric_limits<double>::infinity();
-  for (const Candidate& c : candidates) best = std::max(best, c.log_likelihood);
+  for (const Candidate& c : candidates)
+    best = std::max(best, c.log_probability);
   double total = 0.0;
   std::vector<RatioEstimate> estimates;
   for (Candidate& c : candidates) {
-    c.estimate.weight = std::exp(c.log_likelihood - best);
+    c.estimate.weight = std::exp(c.log_probability - best);
     if (!(c.estimate.weight > kSmallWeight)) continue;
     total += c.estimate.weight;
     // What is left of the gradient at the fit (kinks and bounds) stays.
