@@ -9,6 +9,7 @@
 #include "mle/correction/robust_correction.h"
 #include "mle/correction/smoothed_correction.h"
 #include "mle/data/lagged_series.h"
+#include "mle/nonlinear/output_reconstruction.h"
 
 namespace mle::correct {
 namespace {
@@ -16,16 +17,19 @@ namespace {
 // A probability that counts as none.
 constexpr double kNever = 1e-300;
 
-// Each window has an operating point of its own where the noise has one.
-std::vector<Record> ScaledWindows(const Setting& setting,
-                                  const std::vector<Record>& windows) {
+// Missing outputs filled in. Each window has an operating point of its own
+// where the noise has one.
+absl::StatusOr<std::vector<Record>> ScaledWindows(const Setting& setting,
+                                                  std::vector<Record> windows) {
+  MLE_RETURN_IF_ERROR(
+      FillOutputs(setting.filler, setting.noise, kLongestFill, windows)
+          .status());
   const bool offsets =
       std::any_of(setting.noise.begin(), setting.noise.end(),
                   [](const NoiseEstimate& noise) { return noise.offset; });
   std::vector<Record> scaled;
   for (const Record& window : windows) {
-    Record& record =
-        scaled.emplace_back(Scaled(WithBridgedOutputs(window), setting.scales));
+    Record& record = scaled.emplace_back(Scaled(window, setting.scales));
     if (!offsets) continue;
     const Eigen::VectorXd means = ChannelMeans({record});
     record.outputs.colwise() -= means.head(record.num_outputs());
@@ -56,8 +60,11 @@ absl::StatusOr<Predictor> MakePredictor(const Setting& setting,
   MLE_ASSIGN_OR_RETURN(Predictor predictor,
                        PredictWithProcess(process, setting.noise, sample_time));
   if (arx == nullptr) return predictor;
-  return Mix(setting.arx_outputs, std::move(predictor),
-             PredictWithArx(Unscaled(*arx, setting.scales)));
+  MLE_ASSIGN_OR_RETURN(
+      Predictor lagged,
+      PredictFilled(setting.filler, setting.noise, sample_time,
+                    PredictWithArx(Unscaled(*arx, setting.scales))));
+  return Mix(setting.arx_outputs, std::move(predictor), std::move(lagged));
 }
 
 // R + ΔR at λ (one for each output) by the solver and the loss asked for.
@@ -189,9 +196,10 @@ absl::Status AddArx(const std::vector<Record>& windows, Estimate& estimate) {
         ConvertUnderNoise(setting.initial, setting.noise, setting.scales,
                           sample_time, options.conversion));
     if (!fit.change_proposed) return absl::OkStatus();
+    MLE_ASSIGN_OR_RETURN(const std::vector<Record> scaled,
+                         ScaledWindows(setting, windows));
     MLE_ASSIGN_OR_RETURN(fit.arx, CorrectModel(setting.conversion->model,
-                                               ScaledWindows(setting, windows),
-                                               options.correction));
+                                               scaled, options.correction));
     return SolveArx(options, fit);
   }
   CombinedOptions combined;
@@ -204,10 +212,12 @@ absl::Status AddArx(const std::vector<Record>& windows, Estimate& estimate) {
       Eigen::VectorXd::Ones(setting.initial.num_inputs())};
   StructuredCorrection scaled = fit.structured;
   scaled.corrected.model = Scaled(scaled.corrected.model, setting.scales);
+  MLE_ASSIGN_OR_RETURN(const std::vector<Record> scaled_windows,
+                       ScaledWindows(setting, windows));
   MLE_ASSIGN_OR_RETURN(CombinedCorrection result,
                        CompleteStructured(
                            Scaled(setting.initial, setting.scales),
-                           std::move(scaled), ScaledWindows(setting, windows),
+                           std::move(scaled), scaled_windows,
                            [&](const ProcessModel& model) {
                              return ConvertUnderNoise(model, setting.noise,
                                                       unit, sample_time,
@@ -259,9 +269,11 @@ absl::StatusOr<Predictor> PredictFromPart(const Setting& setting,
   }
   CorrectionOptions options = setting.options.correction;
   options.selection.rule = SelectionOptions::Rule::kAic;  // the cheapest
-  MLE_ASSIGN_OR_RETURN(const Correction correction,
-                       CorrectModel(setting.conversion->model,
-                                    ScaledWindows(setting, windows), options));
+  MLE_ASSIGN_OR_RETURN(const std::vector<Record> scaled,
+                       ScaledWindows(setting, windows));
+  MLE_ASSIGN_OR_RETURN(
+      const Correction correction,
+      CorrectModel(setting.conversion->model, scaled, options));
   double gap = 0.0;
   MLE_ASSIGN_OR_RETURN(const ArxModel arx,
                        SolveArx(setting.options, correction,
@@ -290,6 +302,7 @@ absl::StatusOr<Estimate> EstimateModel(const ProcessModel& initial,
   setting.initial = initial;
   setting.options = options;
   setting.noise = structured.full.noise;
+  setting.filler = structured.full.model;
   setting.scales = ChooseScales(initial, setting.noise, windows);
   fit.structured = std::move(structured);
   fit.change_proposed = fit.structured.change_proposed;

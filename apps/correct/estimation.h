@@ -80,6 +80,8 @@ struct Setting {
   EstimationOptions options;
   // Of the full fit to all windows.
   std::vector<NoiseEstimate> noise;
+  // The full fit, which stands in for outputs that are missing.
+  ProcessModel filler;
   ChannelScales scales;
   // R around which ΔR is sought, in scaled units: of the initial model for arx;
   // of combined, where structure is not enough, of the structured model but for

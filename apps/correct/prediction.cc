@@ -9,6 +9,7 @@
 #include "mle/base/status.h"
 #include "mle/correction/prediction_residuals.h"
 #include "mle/data/lagged_series.h"
+#include "mle/nonlinear/output_reconstruction.h"
 #include "sim/plant.h"
 
 namespace mle::correct {
@@ -121,31 +122,12 @@ absl::StatusOr<Predictor> PredictWithProcess(
   });
 }
 
-Record WithBridgedOutputs(const Record& record) {
-  Record bridged = record;
-  for (int i = 0; i < record.num_outputs(); ++i) {
-    auto output = bridged.outputs.row(i);
-    int last = -1;  // good sample
-    for (int k = 0; k < record.samples(); ++k) {
-      if (!std::isfinite(output(k))) continue;
-      const int gap = k - last - 1;
-      for (int a = 1; last >= 0 && gap <= kLongestBridge && a <= gap; ++a) {
-        output(last + a) =
-            output(last) + (output(k) - output(last)) * a / (gap + 1);
-      }
-      last = k;
-    }
-  }
-  return bridged;
-}
-
 Predictor PredictWithArx(const ArxModel& model) {
   return [model](const Record& record, int horizon) {
     MatrixXd errors =
         MatrixXd::Constant(record.num_outputs(), record.samples(), kNaN);
     if (record.samples() <= model.order) return errors;
-    const LaggedSeries series(WithBridgedOutputs(record), model.order,
-                              ChannelMeans({record}));
+    const LaggedSeries series(record, model.order, ChannelMeans({record}));
     for (const RowRange& rows : series.UsableRows()) {
       const MatrixXd residuals =
           PredictionResiduals(series, rows, model.R, horizon);
@@ -153,9 +135,31 @@ Predictor PredictWithArx(const ArxModel& model) {
       errors.middleCols(rows.first, rows.rows()) =
           residuals.rowwise().reverse();
     }
-    // What was not measured has no error.
-    return MatrixXd(record.outputs.array().isFinite().select(errors, kNaN));
+    return errors;
   };
+}
+
+absl::StatusOr<Predictor> PredictFilled(const ProcessModel& model,
+                                        const std::vector<NoiseEstimate>& noise,
+                                        double sample_time,
+                                        Predictor predictor) {
+  // What cannot be expected is found here, not record by record.
+  Record empty;
+  empty.sample_time = sample_time;
+  empty.outputs.resize(model.num_outputs(), 0);
+  empty.inputs.resize(model.num_inputs(), 0);
+  MLE_RETURN_IF_ERROR(ExpectedOutputs(model, noise, empty).status());
+  return Predictor([=](const Record& record, int horizon) {
+    std::vector<Record> filled = {record};
+    const absl::StatusOr<int> count =
+        FillOutputs(model, noise, kLongestFill, filled);
+    if (!count.ok()) {
+      return MatrixXd(
+          MatrixXd::Constant(record.num_outputs(), record.samples(), kNaN));
+    }
+    return MatrixXd(record.outputs.array().isFinite().select(
+        predictor(filled.front(), horizon), kNaN));
+  });
 }
 
 }  // namespace mle::correct

@@ -38,16 +38,20 @@ absl::StatusOr<Predictor> PredictWithProcess(
     const ProcessModel& model, const std::vector<NoiseEstimate>& noise,
     double sample_time);
 
-// The record with lines drawn over outputs lost for up to kLongestBridge
-// samples in a row: a regression on lagged data loses as many rows as it has
-// lags for each that is lost.
-inline constexpr int kLongestBridge = 5;
-Record WithBridgedOutputs(const Record& record);
-
-// y_{k+1} = R x_k, on its own outputs within the horizon, short losses bridged.
-// The first d samples, and d samples after each that stays lost, are not
-// predicted.
+// y_{k+1} = R x_k, on its own outputs within the horizon. The first d samples,
+// and d samples after each that is lost, are not predicted.
 Predictor PredictWithArx(const ArxModel& model);
+
+// Outputs lost for up to this many samples in a row have what a model expects
+// of them in their place (output_reconstruction.h) where a regression on lagged
+// data needs them: it loses as many rows as it has lags for each that is lost.
+inline constexpr int kLongestFill = 30;
+
+// `predictor` on records so filled; what was not measured has no error.
+absl::StatusOr<Predictor> PredictFilled(const ProcessModel& model,
+                                        const std::vector<NoiseEstimate>& noise,
+                                        double sample_time,
+                                        Predictor predictor);
 
 }  // namespace mle::correct
 

@@ -58,8 +58,11 @@ DEFINE_double(
     max_gap, -1.0,
     "Gaps of inputs up to this are bridged (min), ≥ 0; negative: five "
     "samples.");
-DEFINE_bool(mark_outliers, true,
-            "Single samples far from their neighbours are taken as bad.");
+DEFINE_bool(
+    mark_outliers, true,
+    "Samples far from their neighbours are taken as bad; and where there "
+    "are such, or with --robust, samples that the model does not "
+    "believe.");
 DEFINE_bool(mark_frozen, true,
             "Stretches in which an output repeats one value are taken as bad.");
 DEFINE_double(window_before, 0.0,

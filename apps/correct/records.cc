@@ -13,6 +13,7 @@
 #include "apps/correct/checksum.h"
 #include "apps/report/number.h"
 #include "mle/base/status.h"
+#include "mle/nonlinear/output_reconstruction.h"
 
 namespace mle::correct {
 namespace {
@@ -217,6 +218,38 @@ absl::StatusOr<RecordData> LoadRecords(const std::vector<std::string>& paths,
   if (data.windows.empty()) return NoWindows(paths, data);
   WarnOfUnrest(model, data);
   return data;
+}
+
+absl::Status MarkOutliersByModel(const ProcessModel& model,
+                                 const StructuredOptions& structured,
+                                 RecordData& data) {
+  std::vector<Record> records = data.Records();
+  const OutlierMarkOptions options;
+  MLE_ASSIGN_OR_RETURN(const OutlierReport report,
+                       MarkOutliers(model, structured, options, records));
+  for (std::size_t w = 0; w < records.size(); ++w) {
+    data.windows[w].record = std::move(records[w]);
+  }
+  data.outliers_by_model = report.marked;
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    const std::string& name = model.outputs()[i].name;
+    if (report.marked[i] > 0) {
+      data.notes.push_back(absl::StrCat(
+          name, ": ", FormatInteger(report.marked[i]),
+          " samples of the windows that the model does not believe, at most ",
+          report.longest[i],
+          " in a row, are taken as bad (--nomark_outliers keeps them)."));
+    }
+    if (report.left[i] > 0) {
+      data.warnings.push_back(absl::StrCat(
+          name, ": ", FormatInteger(report.left[i]),
+          " samples are as far from what the model expects as outliers are, "
+          "but more than ",
+          options.longest_burst,
+          " in a row: a disturbance that was not measured. They are used."));
+    }
+  }
+  return absl::OkStatus();
 }
 
 }  // namespace mle::correct

@@ -12,12 +12,14 @@
 #include <string>
 #include <vector>
 
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "mle/data/channel_health.h"
 #include "mle/data/historian.h"
 #include "mle/data/record.h"
 #include "mle/data/set_point_windows.h"
 #include "mle/model/process_model.h"
+#include "mle/nonlinear/structured_correction.h"
 
 namespace mle::correct {
 
@@ -43,6 +45,8 @@ struct RecordData {
   // Records as they are, no operating point taken off.
   std::vector<SetPointWindow> windows;
   HealthReport health;
+  // p: outliers that the model found besides (MarkOutliersByModel()).
+  std::vector<int> outliers_by_model;
   std::vector<std::string> notes;     // what was found
   std::vector<std::string> warnings;  // what weakens the result
 
@@ -63,6 +67,13 @@ std::vector<std::string> UnrestIn(const SetPointWindow& window,
 absl::StatusOr<RecordData> LoadRecords(const std::vector<std::string>& paths,
                                        const ProcessModel& model,
                                        const RecordOptions& options);
+
+// Neighbours do not find every outlier of a burst, the model does
+// (output_reconstruction.h): marks as bad what it finds in the windows, and
+// says how many there are.
+absl::Status MarkOutliersByModel(const ProcessModel& model,
+                                 const StructuredOptions& structured,
+                                 RecordData& data);
 
 }  // namespace mle::correct
 

@@ -11,6 +11,7 @@
 #include "apps/correct/verdict.h"
 #include "apps/report/number.h"
 #include "mle/base/status.h"
+#include "mle/data/outliers.h"
 #include "mle/data/quiet_stretches.h"
 
 namespace mle::correct {
@@ -121,6 +122,31 @@ void WarnOfShapes(Result& result) {
   }
 }
 
+// Of the samples on each side, for bursts of up to ten.
+constexpr int kWideHalfWidth = 12;
+
+// Where neighbours find an outlier there may be more; and where a robust loss
+// is asked for.
+bool LooksForOutliers(const Request& request, const RecordData& data) {
+  if (!request.records.mark.outliers) return false;
+  if (request.estimation.structured.robust_loss != RobustLoss::kNone) {
+    return true;
+  }
+  for (const ChannelHealth& channel : data.health.channels) {
+    if (channel.is_output && !channel.outliers.empty()) return true;
+  }
+  for (const SetPointWindow& window : data.windows) {
+    for (int i = 0; i < window.record.num_outputs(); ++i) {
+      if (!FindOutliers(window.record.outputs.row(i),
+                        {.half_width = kWideHalfWidth})
+               .empty()) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
 absl::Status AddResponses(const Request& request, Result& result) {
   const double sample_time = result.data.sample_time();
   MLE_ASSIGN_OR_RETURN(const int samples,
@@ -190,6 +216,11 @@ absl::StatusOr<Result> CorrectFromRecords(const Request& request,
   Result result;
   result.request = request;
   result.data = std::move(data);
+  if (LooksForOutliers(request, result.data)) {
+    Say("looking for outliers");
+    MLE_RETURN_IF_ERROR(MarkOutliersByModel(
+        request.model, request.estimation.structured, result.data));
+  }
   result.warnings = result.data.warnings;
   const std::vector<Record> windows = result.data.Records();
   const double sample_time = result.data.sample_time();

@@ -220,6 +220,10 @@ Json ChannelsJson(const Result& result) {
                         {"outliers", channel.outliers.size()},
                         {"quantum", NumberJson(channel.quantum)},
                         {"noise_deviation", NumberJson(channel.noise)}});
+    if (channel.is_output && !result.data.outliers_by_model.empty()) {
+      channels.back()["outliers_by_model"] =
+          result.data.outliers_by_model[channel.channel];
+    }
   }
   return channels;
 }

@@ -6,10 +6,15 @@
 #include <string>
 #include <vector>
 
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
 #include "absl/strings/str_replace.h"
+#include "absl/strings/str_split.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "mle/base/file.h"
 #include "mle/model/arx_model.h"
 #include "mle/model/process_model.h"
 #include "mle/model/step_response.h"
@@ -219,6 +224,57 @@ TEST(MleCorrectTest, GapsOutliersAndRoundingAreSaidAndSurvived) {
   EXPECT_LT(result["truth"]["E_corrected"],
             3.0 * before["truth"]["E_corrected"].get<double>() +
                 1e-3 * before["truth"]["E_initial"].get<double>());
+}
+
+// Now and then eight samples in a row of both outputs off by 15 to 45
+// deviations, to one side: the model finds what neighbours do not.
+TEST(MleCorrectTest, BurstsOfOutliersAreFoundByTheModel) {
+  const Example example(WithHalvedGain());
+  std::vector<std::string> lines =
+      absl::StrSplit(*ReadFile(example.data), '\n', absl::SkipEmpty());
+  const std::vector<std::string> names = absl::StrSplit(lines[0], ',');
+  int spoilt = 0;
+  for (std::size_t k = 20; k + 60 < lines.size(); k += 97) {
+    const double side = k % 2 == 0 ? 1.0 : -1.0;
+    for (std::size_t i = k; i < k + 8; ++i) {
+      std::vector<std::string> fields = absl::StrSplit(lines[i], ',');
+      for (std::size_t c = 0; c < names.size(); ++c) {
+        if (names[c] != "y1" && names[c] != "y2") continue;
+        double value = 0.0;
+        ASSERT_TRUE(absl::SimpleAtod(fields[c], &value));
+        const double size = 0.5 + 0.125 * static_cast<double>((i * 7 + c) % 8);
+        fields[c] = absl::StrCat(value + side * size);
+      }
+      lines[i] = absl::StrJoin(fields, ",");
+      ++spoilt;
+    }
+  }
+  for (const char* const estimator :
+       {"--estimator=structured", "--estimator=arx"}) {
+    SCOPED_TRACE(estimator);
+    const std::vector<std::string> flags = {estimator,
+                                            "--conversion_samples=20000"};
+    const nlohmann::json clean = Example(WithHalvedGain()).Run(flags);
+    EXPECT_FALSE(clean["channels"][0].contains("outliers_by_model"));
+    const std::string data = example.scratch.Write(
+        "spoilt.csv", absl::StrCat(absl::StrJoin(lines, "\n"), "\n"));
+    std::vector<std::string> all = flags;
+    all.push_back("--truth=" + example.plant);
+    const nlohmann::json result = Correct(
+        CorrectionFlags(example.model, data, example.out, all), example.out);
+    EXPECT_EQ(result["decision"], "corrected");
+    for (int i = 0; i < 2; ++i) {
+      const int found = result["channels"][i]["outliers"].get<int>() +
+                        result["channels"][i]["outliers_by_model"].get<int>();
+      EXPECT_GT(result["channels"][i]["outliers_by_model"], 0);
+      // Some lie outside the windows.
+      EXPECT_GT(found, spoilt / 2);
+      EXPECT_LE(found, spoilt + 2);
+    }
+    EXPECT_LT(result["truth"]["E_corrected"],
+              3.0 * clean["truth"]["E_corrected"].get<double>() +
+                  1e-3 * clean["truth"]["E_initial"].get<double>());
+  }
 }
 
 TEST(MleCorrectTest, ADisturbanceNeverMakesTheModelWorse) {

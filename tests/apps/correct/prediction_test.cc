@@ -115,16 +115,21 @@ TEST(PredictionTest, LostSamplesHaveNoError) {
   arx.num_outputs = arx.num_inputs = 1;
   arx.R = Eigen::MatrixXd::Zero(1, 6);
   arx.R(0, 0) = 0.9;
-  const Eigen::MatrixXd left = PredictWithArx(arx)(record, 1);
+  const Predictor filled =
+      *PredictFilled(Tank(), Noise(0.0), 0.5, PredictWithArx(arx));
+  const Eigen::MatrixXd left = filled(record, 1);
   EXPECT_TRUE(std::isnan(left(0, 2)));
   EXPECT_TRUE(std::isfinite(left(0, 3)));
   EXPECT_TRUE(std::isnan(left(0, 200)));
   EXPECT_TRUE(std::isfinite(left(0, 201)));
-  // A longer loss is not bridged: d samples after it have no regressor.
-  record.outputs.middleCols(200, kLongestBridge + 1).setConstant(std::nan(""));
-  const Eigen::MatrixXd longer = PredictWithArx(arx)(record, 1);
-  EXPECT_TRUE(std::isnan(longer(0, 200 + kLongestBridge + 3)));
-  EXPECT_TRUE(std::isfinite(longer(0, 200 + kLongestBridge + 4)));
+  // Left alone, or of a longer loss: d samples after it have no regressor.
+  const Eigen::MatrixXd lost = PredictWithArx(arx)(record, 1);
+  EXPECT_TRUE(std::isnan(lost(0, 203)));
+  EXPECT_TRUE(std::isfinite(lost(0, 204)));
+  record.outputs.middleCols(200, kLongestFill + 1).setConstant(std::nan(""));
+  const Eigen::MatrixXd longer = filled(record, 1);
+  EXPECT_TRUE(std::isnan(longer(0, 200 + kLongestFill + 3)));
+  EXPECT_TRUE(std::isfinite(longer(0, 200 + kLongestFill + 4)));
 }
 
 TEST(PredictionTest, AnArxModelPredictsItsOwnRecordExactly) {

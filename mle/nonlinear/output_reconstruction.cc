@@ -1,0 +1,416 @@
+#include "mle/nonlinear/output_reconstruction.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <optional>
+#include <utility>
+
+#include "Eigen/QR"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "mle/base/status.h"
+#include "mle/data/robust_statistics.h"
+#include "mle/nonlinear/element_response.h"
+#include "mle/nonlinear/innovations_filter.h"
+#include "mle/nonlinear/robust_loss.h"
+
+namespace mle {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using Elements = std::vector<std::optional<ElementResponse>>;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+// Of the median at the beginning: of so many samples on each side, so that
+// bursts of nearly as many are the smaller part.
+constexpr int kMedianHalfWidth = 25;
+constexpr int kMaxRounds = 50;
+constexpr double kWeightTolerance = 1e-3;
+// Amplitudes whose modes are closer to each other than this are one.
+constexpr double kRankTolerance = 1e-9;
+// Of an output's range: less noise than this is rounding.
+constexpr double kSmallestRelativeNoise = 1e-5;
+// ρ of an output without elements, if the noise's own is smaller.
+constexpr double kSmallestRatio = 1e-4;
+
+// The elements of one output.
+absl::StatusOr<Elements> ElementsOf(const ProcessModel& model, int i) {
+  Elements elements(model.num_inputs());
+  for (int j = 0; j < model.num_inputs(); ++j) {
+    if (model.element(i, j).IsZero()) continue;
+    absl::StatusOr<ElementResponse> element =
+        ElementResponse::Create(model.element(i, j));
+    if (!element.ok()) {
+      return absl::InvalidArgumentError(absl::StrCat(
+          "expected outputs: element of output \"", model.outputs()[i].name,
+          "\", input \"", model.inputs()[j].name,
+          "\": ", element.status().message()));
+    }
+    elements[j] = *std::move(element);
+  }
+  return elements;
+}
+
+double RatioOf(const Elements& elements, const NoiseEstimate& noise,
+               double sample_time) {
+  double ratio = kSmallestRatio;
+  double fastest = std::numeric_limits<double>::infinity();
+  for (const auto& element : elements) {
+    if (element.has_value()) {
+      fastest = std::min(fastest, element->initial_values().time_scale);
+    }
+  }
+  if (std::isfinite(fastest)) ratio = std::pow(sample_time / fastest, 2);
+  return std::max(ratio, noise.ratio);
+}
+
+// x over samples begin … end − 1, whose inputs are known.
+VectorXd Response(const Elements& elements, const Record& record, int begin,
+                  int end) {
+  VectorXd response = VectorXd::Zero(end - begin);
+  MatrixXd columns(end - begin, 3);
+  for (std::size_t j = 0; j < elements.size(); ++j) {
+    if (!elements[j].has_value()) continue;
+    const ElementValues& values = elements[j]->initial_values();
+    const double samples = values.delay / record.sample_time;
+    const int whole = static_cast<int>(samples);
+    const VectorXd inputs =
+        record.inputs.row(static_cast<Index>(j)).segment(begin, end - begin);
+    elements[j]->Simulate(values.time_scale, record.sample_time,
+                          {.whole = whole, .fraction = samples - whole}, inputs,
+                          inputs(0), columns);
+    response += values.gain * columns.col(0);
+  }
+  return response;
+}
+
+// The median of up to kMedianHalfWidth values on each side.
+VectorXd RunningMedian(const VectorXd& values) {
+  VectorXd medians(values.size());
+  std::vector<double> around;
+  for (Index k = 0; k < values.size(); ++k) {
+    const Index first = std::max<Index>(k - kMedianHalfWidth, 0);
+    const Index last = std::min<Index>(k + kMedianHalfWidth, values.size() - 1);
+    around.assign(values.data() + first, values.data() + last + 1);
+    medians(k) = MedianInPlace(around);
+  }
+  return medians;
+}
+
+// The free responses of all elements over `samples` samples, side by side.
+MatrixXd FreeResponses(const Elements& elements, double sample_time,
+                       Index samples) {
+  Index order = 0;
+  for (const auto& element : elements) {
+    if (element.has_value()) order += element->order();
+  }
+  MatrixXd modes(samples, order);
+  MatrixXd derivatives(samples, order);
+  Index begin = 0;
+  for (const auto& element : elements) {
+    if (!element.has_value()) continue;
+    const Index own = element->order();
+    element->FreeResponses(element->initial_values().time_scale, sample_time,
+                           modes.middleCols(begin, own),
+                           derivatives.middleCols(begin, own));
+    begin += own;
+  }
+  return modes;
+}
+
+// What a record's run of known inputs shows besides the response to them.
+struct Disturbance {
+  std::vector<int> times;  // of the samples that were measured
+  VectorXd measured;       // φa + w + e there
+  MatrixXd modes;          // φ of all samples
+};
+
+// φa + w at the samples measured.
+struct Smoothed {
+  VectorXd amplitudes;  // a
+  VectorXd level;       // w, at the times measured
+};
+
+Smoothed SmoothOnce(const Disturbance& n, const VectorXd& weights,
+                    double ratio) {
+  const InnovationsFilter filter(n.times, {.ratio = ratio}, weights);
+  const MatrixXd modes = n.modes(n.times, Eigen::all);
+  Smoothed smoothed;
+  smoothed.amplitudes = VectorXd::Zero(modes.cols());
+  VectorXd rest = n.measured;
+  if (modes.cols() > 0 && n.measured.size() > modes.cols() + 1) {
+    MatrixXd whitened(rest.size(), modes.cols() + 1);
+    whitened << modes, rest;
+    filter.Apply(whitened);
+    // Modes that are alike share: the shortest amplitudes.
+    const VectorXd inverse_norms = whitened.leftCols(modes.cols())
+                                       .colwise()
+                                       .norm()
+                                       .cwiseMax(1e-300)
+                                       .cwiseInverse();
+    Eigen::CompleteOrthogonalDecomposition<MatrixXd> decomposition;
+    decomposition.setThreshold(kRankTolerance);
+    decomposition.compute(whitened.leftCols(modes.cols()) *
+                          inverse_norms.asDiagonal());
+    smoothed.amplitudes = inverse_norms.cwiseProduct(
+        decomposition.solve(whitened.col(modes.cols())));
+    rest -= modes * smoothed.amplitudes;
+  }
+  smoothed.level = rest - filter.WhitePart(rest);
+  return smoothed;
+}
+
+// The same with Cauchy's weights. At first all samples count alike, for the
+// amplitudes; beside these the level begins at a running median.
+Smoothed Smooth(const Disturbance& n, double ratio) {
+  const MatrixXd modes = n.modes(n.times, Eigen::all);
+  Smoothed smoothed = SmoothOnce(n, VectorXd::Ones(n.measured.size()), ratio);
+  smoothed.level = RunningMedian(n.measured - modes * smoothed.amplitudes);
+  VectorXd weights = VectorXd::Zero(n.measured.size());
+  for (int round = 0; round < kMaxRounds; ++round) {
+    const VectorXd former = std::exchange(
+        weights, ComputeRobustWeights(
+                     RobustLoss::kCauchy,
+                     n.measured - modes * smoothed.amplitudes - smoothed.level)
+                     .weights);
+    if ((weights - former).cwiseAbs().maxCoeff() <= kWeightTolerance) break;
+    smoothed = SmoothOnce(n, weights, ratio);
+  }
+  return smoothed;
+}
+
+// Adds φa + w to all samples: between two that were measured the expected
+// random walk is the line, beyond the last it stands.
+void AddDisturbance(const Disturbance& n, const Smoothed& smoothed,
+                    Eigen::Ref<VectorXd> expected) {
+  expected += n.modes * smoothed.amplitudes;
+  std::size_t next = 0;  // the first time not before k
+  for (Index k = 0; k < expected.size(); ++k) {
+    while (next < n.times.size() && n.times[next] < k) ++next;
+    const auto at = [&](std::size_t i) {
+      return smoothed.level(static_cast<Index>(i));
+    };
+    if (next == 0 || next == n.times.size()) {
+      expected(k) += at(next == 0 ? 0 : next - 1);
+      continue;
+    }
+    const double share = static_cast<double>(k - n.times[next - 1]) /
+                         static_cast<double>(n.times[next] - n.times[next - 1]);
+    expected(k) += (1.0 - share) * at(next - 1) + share * at(next);
+  }
+}
+
+// One output.
+VectorXd Expected(const Elements& elements, double ratio, const Record& record,
+                  int output) {
+  VectorXd expected = VectorXd::Constant(record.samples(), kNaN);
+  const auto inputs_known = [&](int k) {
+    for (std::size_t j = 0; j < elements.size(); ++j) {
+      if (elements[j].has_value() &&
+          !std::isfinite(record.inputs(static_cast<Index>(j), k))) {
+        return false;
+      }
+    }
+    return true;
+  };
+  for (int begin = 0; begin < record.samples();) {
+    int end = begin;
+    while (end < record.samples() && inputs_known(end)) ++end;
+    Disturbance n;
+    for (int k = begin; k < end; ++k) {
+      if (std::isfinite(record.outputs(output, k))) {
+        n.times.push_back(k - begin);
+      }
+    }
+    if (!n.times.empty()) {
+      auto part = expected.segment(begin, end - begin);
+      part = Response(elements, record, begin, end);
+      const VectorXd measured =
+          record.outputs.row(output).segment(begin, end - begin);
+      n.measured = (measured - part)(n.times);
+      n.modes = FreeResponses(elements, record.sample_time, part.size());
+      AddDisturbance(n, Smooth(n, ratio), part);
+    }
+    begin = end + 1;
+  }
+  return expected;
+}
+
+// Runs of samples farther off than `limit`, first and how many.
+struct Run {
+  int first = 0;
+  int samples = 0;
+};
+
+std::vector<Run> RunsBeyond(double limit, const Eigen::RowVectorXd& errors) {
+  std::vector<Run> runs;
+  for (int k = 0; k < errors.size(); ++k) {
+    if (!(std::abs(errors(k)) > limit)) continue;
+    if (runs.empty() || runs.back().first + runs.back().samples < k) {
+      runs.push_back({.first = k, .samples = 0});
+    }
+    ++runs.back().samples;
+  }
+  return runs;
+}
+
+// The noise's robust deviation in all errors of an output.
+double DeviationOf(const std::vector<MatrixXd>& errors,
+                   const std::vector<Record>& records, int output) {
+  std::vector<double> sizes;
+  double min = std::numeric_limits<double>::infinity();
+  double max = -min;
+  for (std::size_t r = 0; r < errors.size(); ++r) {
+    for (Index k = 0; k < errors[r].cols(); ++k) {
+      const double error = errors[r](output, k);
+      if (!std::isfinite(error)) continue;
+      sizes.push_back(std::abs(error));
+      min = std::min(min, records[r].outputs(output, k));
+      max = std::max(max, records[r].outputs(output, k));
+    }
+  }
+  if (sizes.empty()) return std::numeric_limits<double>::infinity();
+  return std::max(1.4826 * MedianInPlace(sizes),
+                  kSmallestRelativeNoise * (max - min));
+}
+
+// Marks what the model does not believe.
+absl::StatusOr<OutlierReport> Judge(const ProcessModel& model,
+                                    const std::vector<NoiseEstimate>& noise,
+                                    const OutlierMarkOptions& options,
+                                    std::vector<Record>& records) {
+  std::vector<MatrixXd> errors;
+  for (const Record& record : records) {
+    MLE_ASSIGN_OR_RETURN(const MatrixXd expected,
+                         ExpectedOutputs(model, noise, record));
+    errors.push_back(record.outputs - expected);
+  }
+  const int p = model.num_outputs();
+  OutlierReport report;
+  report.marked.assign(p, 0);
+  report.longest.assign(p, 0);
+  report.left.assign(p, 0);
+  for (int i = 0; i < p; ++i) {
+    const double limit = options.threshold * DeviationOf(errors, records, i);
+    for (std::size_t r = 0; r < records.size(); ++r) {
+      for (const Run& run : RunsBeyond(limit, errors[r].row(i))) {
+        if (run.samples > options.longest_burst) {
+          report.left[i] += run.samples;
+          continue;
+        }
+        records[r]
+            .outputs.row(i)
+            .segment(run.first, run.samples)
+            .setConstant(kNaN);
+        report.marked[i] += run.samples;
+        report.longest[i] = std::max(report.longest[i], run.samples);
+      }
+    }
+  }
+  return report;
+}
+
+}  // namespace
+
+absl::Status OutlierMarkOptions::Validate() const {
+  if (!(threshold > 0.0) || !std::isfinite(threshold)) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "outliers: threshold is ", threshold, ", must be finite and positive"));
+  }
+  if (longest_burst < 1) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "outliers: longest_burst is ", longest_burst, ", must be at least 1"));
+  }
+  return absl::OkStatus();
+}
+
+int OutlierReport::total() const {
+  return std::accumulate(marked.begin(), marked.end(), 0);
+}
+
+std::string OutlierReport::BriefReport(const ProcessModel& model) const {
+  std::vector<std::string> parts;
+  for (std::size_t i = 0; i < marked.size(); ++i) {
+    parts.push_back(absl::StrCat(
+        model.outputs()[i].name, " ", marked[i], " (at most ", longest[i],
+        " in a row)",
+        left[i] > 0
+            ? absl::StrCat(", ", left[i], " in longer rows left as they are")
+            : ""));
+  }
+  return absl::StrCat("outliers by the model: ", absl::StrJoin(parts, "; "));
+}
+
+absl::StatusOr<MatrixXd> ExpectedOutputs(
+    const ProcessModel& model, const std::vector<NoiseEstimate>& noise,
+    const Record& record) {
+  MLE_RETURN_IF_ERROR(record.Validate());
+  const int p = model.num_outputs();
+  if (record.num_outputs() != p || record.num_inputs() != model.num_inputs() ||
+      static_cast<int>(noise.size()) != p) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "expected outputs: the record has ", record.num_outputs(),
+        " outputs and ", record.num_inputs(), " inputs, noise is given for ",
+        noise.size(), " outputs; the model has ", p, " and ",
+        model.num_inputs()));
+  }
+  MatrixXd expected(p, record.samples());
+  for (int i = 0; i < p; ++i) {
+    MLE_ASSIGN_OR_RETURN(const Elements elements, ElementsOf(model, i));
+    const double ratio = RatioOf(elements, noise[i], record.sample_time);
+    expected.row(i) = Expected(elements, ratio, record, i);
+  }
+  return expected;
+}
+
+absl::StatusOr<OutlierReport> MarkOutliers(const ProcessModel& initial,
+                                           const StructuredOptions& structured,
+                                           const OutlierMarkOptions& options,
+                                           std::vector<Record>& records) {
+  MLE_RETURN_IF_ERROR(options.Validate());
+  StructuredOptions robust = structured;
+  robust.robust_loss = RobustLoss::kCauchy;
+  robust.offsets = WindowOffsets::kAlways;
+  // A loss does not always keep a fit from bending to a burst in the middle of
+  // a response. So what the initial model does not believe is left out of it.
+  std::vector<Record> to_fit = records;
+  const std::vector<NoiseEstimate> unknown(initial.num_outputs());
+  MLE_RETURN_IF_ERROR(robust.Validate());
+  MLE_RETURN_IF_ERROR(Judge(initial, unknown, options, to_fit).status());
+  MLE_ASSIGN_OR_RETURN(const StructuredCorrection fit,
+                       CorrectStructure(initial, to_fit, robust));
+  return Judge(fit.full.model, fit.full.noise, options, records);
+}
+
+absl::StatusOr<int> FillOutputs(const ProcessModel& model,
+                                const std::vector<NoiseEstimate>& noise,
+                                int max_gap, std::vector<Record>& records) {
+  if (max_gap < 0) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "expected outputs: max_gap is ", max_gap, ", must not be negative"));
+  }
+  int filled = 0;
+  for (Record& record : records) {
+    MLE_ASSIGN_OR_RETURN(const MatrixXd expected,
+                         ExpectedOutputs(model, noise, record));
+    for (int i = 0; i < record.num_outputs(); ++i) {
+      int last = -1;  // good sample
+      for (int k = 0; k < record.samples(); ++k) {
+        if (!std::isfinite(record.outputs(i, k))) continue;
+        const int gap = k - last - 1;
+        for (int a = 1; last >= 0 && gap <= max_gap && a <= gap; ++a) {
+          record.outputs(i, last + a) = expected(i, last + a);
+          filled += std::isfinite(expected(i, last + a)) ? 1 : 0;
+        }
+        last = k;
+      }
+    }
+  }
+  return filled;
+}
+
+}  // namespace mle

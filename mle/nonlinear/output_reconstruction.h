@@ -1,0 +1,87 @@
+// What a model of the plant expects of each output sample, given all others:
+// outliers that it does not believe, and the samples in place of those missing.
+//
+//   y_k = x_k + w_k + e_k,   w_{k+1} = w_k + ξ_k,
+//
+// x is the model's response to the record's inputs, settled at the first of
+// them; w a random walk with the noise's ratio ρ = Var ξ / Var e, or, where
+// that is slower, as fast as the output's fastest time scale T, ρ ≥ (Δt/T)²: so
+// it follows what the inputs before the record do as well, and what a model
+// leaves that is not quite the plant's. w is the fixed-interval smoother's
+// (innovations_filter.h), with Cauchy's weights (robust_loss.h), beginning at a
+// running median: neither single outliers nor bursts of them draw it aside.
+// Where neighbours alone cannot tell a burst from a movement of the output, the
+// model can: it knows how the inputs moved.
+//
+//   MLE_ASSIGN_OR_RETURN(const OutlierReport report,
+//                        MarkOutliers(model, {}, {}, windows));  // → NaN
+//   MLE_ASSIGN_OR_RETURN(const StructuredCorrection fit,
+//                        CorrectStructure(model, windows, {}));
+//   MLE_ASSIGN_OR_RETURN(const int filled,       // for a regression on lags
+//                        FillOutputs(fit.full.model, fit.full.noise, 30,
+//                                    windows));
+//
+// docs/estimators.md has what it is worth.
+
+#ifndef MLE_NONLINEAR_OUTPUT_RECONSTRUCTION_H_
+#define MLE_NONLINEAR_OUTPUT_RECONSTRUCTION_H_
+
+#include <string>
+#include <vector>
+
+#include "Eigen/Core"
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "mle/data/record.h"
+#include "mle/model/process_model.h"
+#include "mle/nonlinear/structured_correction.h"
+
+namespace mle {
+
+// x + w, p × samples: NaN where inputs are not known, or no output is within
+// the same run of known inputs. `noise`: p, of which the ratios count.
+// InvalidArgument if the record is not of the model's channels, an element has
+// feedthrough, or noise is not given for each output.
+absl::StatusOr<Eigen::MatrixXd> ExpectedOutputs(
+    const ProcessModel& model, const std::vector<NoiseEstimate>& noise,
+    const Record& record);
+
+struct OutlierMarkOptions {
+  // A sample is an outlier that lies farther from what is expected than so many
+  // robust standard deviations of all that do not, > 0.
+  double threshold = 5.0;
+  // More outliers than this in a row are none: a disturbance. ≥ 1.
+  int longest_burst = 25;
+
+  absl::Status Validate() const;
+};
+
+struct OutlierReport {
+  std::vector<int> marked;   // p: samples that are NaN now
+  std::vector<int> longest;  // p: most in a row
+  // p: samples as far off, in rows so long that they are left as they are.
+  std::vector<int> left;
+
+  int total() const;
+  std::string BriefReport(const ProcessModel& model) const;  // One line.
+};
+
+// Marks the outliers of the records' outputs as bad (NaN): those that the
+// structured correction of `initial` with Cauchy's loss does not believe,
+// fitted without those that `initial` itself does not. Errors as of
+// CorrectStructure() and ExpectedOutputs().
+absl::StatusOr<OutlierReport> MarkOutliers(const ProcessModel& initial,
+                                           const StructuredOptions& structured,
+                                           const OutlierMarkOptions& options,
+                                           std::vector<Record>& records);
+
+// Puts what is expected in the place of missing outputs, up to `max_gap` of
+// them in a row (≥ 0), between good samples; returns how many. Errors as of
+// ExpectedOutputs().
+absl::StatusOr<int> FillOutputs(const ProcessModel& model,
+                                const std::vector<NoiseEstimate>& noise,
+                                int max_gap, std::vector<Record>& records);
+
+}  // namespace mle
+
+#endif  // MLE_NONLINEAR_OUTPUT_RECONSTRUCTION_H_
