@@ -87,7 +87,9 @@ struct RatioEstimate {
 // seen its best estimate is 0. So estimates are taken in first order about
 // `fit` (an offset for each segment) under every ρ that is possible, weighted
 // by restricted likelihood: ρ = 0 and e-folds from 1/N² on, N samples of a
-// segment, below which drift changes no estimate, all as likely beforehand.
+// segment, below which drift changes no estimate. Beforehand every √ρ is as
+// likely as any other (Gelman, Bayesian Analysis 1, 2006); were every ln ρ,
+// drift too weak to be seen would count as next to none.
 // Weights add up to one. One estimate where ρ is not estimated, or nothing is
 // free.
 std::vector<RatioEstimate> IntegrateRatio(const OutputErrorProblem& problem,

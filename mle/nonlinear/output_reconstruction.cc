@@ -3,13 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <optional>
 #include <utility>
 
 #include "Eigen/QR"
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_join.h"
 #include "mle/base/status.h"
 #include "mle/data/robust_statistics.h"
 #include "mle/nonlinear/element_response.h"
@@ -32,8 +30,6 @@ constexpr int kMaxRounds = 50;
 constexpr double kWeightTolerance = 1e-3;
 // Amplitudes whose modes are closer to each other than this are one.
 constexpr double kRankTolerance = 1e-9;
-// Of an output's range: less noise than this is rounding.
-constexpr double kSmallestRelativeNoise = 1e-5;
 // ρ of an output without elements, if the noise's own is smaller.
 constexpr double kSmallestRatio = 1e-4;
 
@@ -240,110 +236,7 @@ VectorXd Expected(const Elements& elements, double ratio, const Record& record,
   return expected;
 }
 
-// Runs of samples farther off than `limit`, first and how many.
-struct Run {
-  int first = 0;
-  int samples = 0;
-};
-
-std::vector<Run> RunsBeyond(double limit, const Eigen::RowVectorXd& errors) {
-  std::vector<Run> runs;
-  for (int k = 0; k < errors.size(); ++k) {
-    if (!(std::abs(errors(k)) > limit)) continue;
-    if (runs.empty() || runs.back().first + runs.back().samples < k) {
-      runs.push_back({.first = k, .samples = 0});
-    }
-    ++runs.back().samples;
-  }
-  return runs;
-}
-
-// The noise's robust deviation in all errors of an output.
-double DeviationOf(const std::vector<MatrixXd>& errors,
-                   const std::vector<Record>& records, int output) {
-  std::vector<double> sizes;
-  double min = std::numeric_limits<double>::infinity();
-  double max = -min;
-  for (std::size_t r = 0; r < errors.size(); ++r) {
-    for (Index k = 0; k < errors[r].cols(); ++k) {
-      const double error = errors[r](output, k);
-      if (!std::isfinite(error)) continue;
-      sizes.push_back(std::abs(error));
-      min = std::min(min, records[r].outputs(output, k));
-      max = std::max(max, records[r].outputs(output, k));
-    }
-  }
-  if (sizes.empty()) return std::numeric_limits<double>::infinity();
-  return std::max(1.4826 * MedianInPlace(sizes),
-                  kSmallestRelativeNoise * (max - min));
-}
-
-// Marks what the model does not believe.
-absl::StatusOr<OutlierReport> Judge(const ProcessModel& model,
-                                    const std::vector<NoiseEstimate>& noise,
-                                    const OutlierMarkOptions& options,
-                                    std::vector<Record>& records) {
-  std::vector<MatrixXd> errors;
-  for (const Record& record : records) {
-    MLE_ASSIGN_OR_RETURN(const MatrixXd expected,
-                         ExpectedOutputs(model, noise, record));
-    errors.push_back(record.outputs - expected);
-  }
-  const int p = model.num_outputs();
-  OutlierReport report;
-  report.marked.assign(p, 0);
-  report.longest.assign(p, 0);
-  report.left.assign(p, 0);
-  for (int i = 0; i < p; ++i) {
-    const double limit = options.threshold * DeviationOf(errors, records, i);
-    for (std::size_t r = 0; r < records.size(); ++r) {
-      for (const Run& run : RunsBeyond(limit, errors[r].row(i))) {
-        if (run.samples > options.longest_burst) {
-          report.left[i] += run.samples;
-          continue;
-        }
-        records[r]
-            .outputs.row(i)
-            .segment(run.first, run.samples)
-            .setConstant(kNaN);
-        report.marked[i] += run.samples;
-        report.longest[i] = std::max(report.longest[i], run.samples);
-      }
-    }
-  }
-  return report;
-}
-
 }  // namespace
-
-absl::Status OutlierMarkOptions::Validate() const {
-  if (!(threshold > 0.0) || !std::isfinite(threshold)) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "outliers: threshold is ", threshold, ", must be finite and positive"));
-  }
-  if (longest_burst < 1) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "outliers: longest_burst is ", longest_burst, ", must be at least 1"));
-  }
-  return absl::OkStatus();
-}
-
-int OutlierReport::total() const {
-  return std::accumulate(marked.begin(), marked.end(), 0);
-}
-
-std::string OutlierReport::BriefReport(const ProcessModel& model) const {
-  std::vector<std::string> parts;
-  for (std::size_t i = 0; i < marked.size(); ++i) {
-    parts.push_back(absl::StrCat(
-        model.outputs()[i].name, " ", marked[i], " (at most ", longest[i],
-        " in a row)",
-        left[i] > 0
-            ? absl::StrCat(", ", left[i], " in longer rows left as they are")
-            : ""));
-  }
-  return absl::StrCat("outliers by the model: ", absl::StrJoin(parts, "; "));
-}
 
 absl::StatusOr<MatrixXd> ExpectedOutputs(
     const ProcessModel& model, const std::vector<NoiseEstimate>& noise,
@@ -365,25 +258,6 @@ absl::StatusOr<MatrixXd> ExpectedOutputs(
     expected.row(i) = Expected(elements, ratio, record, i);
   }
   return expected;
-}
-
-absl::StatusOr<OutlierReport> MarkOutliers(const ProcessModel& initial,
-                                           const StructuredOptions& structured,
-                                           const OutlierMarkOptions& options,
-                                           std::vector<Record>& records) {
-  MLE_RETURN_IF_ERROR(options.Validate());
-  StructuredOptions robust = structured;
-  robust.robust_loss = RobustLoss::kCauchy;
-  robust.offsets = WindowOffsets::kAlways;
-  // A loss does not always keep a fit from bending to a burst in the middle of
-  // a response. So what the initial model does not believe is left out of it.
-  std::vector<Record> to_fit = records;
-  const std::vector<NoiseEstimate> unknown(initial.num_outputs());
-  MLE_RETURN_IF_ERROR(robust.Validate());
-  MLE_RETURN_IF_ERROR(Judge(initial, unknown, options, to_fit).status());
-  MLE_ASSIGN_OR_RETURN(const StructuredCorrection fit,
-                       CorrectStructure(initial, to_fit, robust));
-  return Judge(fit.full.model, fit.full.noise, options, records);
 }
 
 absl::StatusOr<int> FillOutputs(const ProcessModel& model,

@@ -183,6 +183,18 @@ TEST(StructuredCorrectionTest, EqualTimeConstantsAreDetermined) {
   }
 }
 
+// A solve that Ceres does not end at an optimum says so in Ceres' own words.
+TEST(StructuredCorrectionTest, CeresWordsArePassedOn) {
+  const auto correction = Correct(
+      TwoElements(), MakeRecords(AgedPlant(), 300, 6, {.variance = 0.01}),
+      {.max_iterations = 1});
+  const FitCertificate& certificate = correction.full.certificates[0];
+  EXPECT_EQ(certificate.termination, FitTermination::kIterationLimit);
+  EXPECT_THAT(certificate.message, HasSubstr("Maximum number of iterations"));
+  EXPECT_THAT(correction.FullReport(),
+              HasSubstr("Maximum number of iterations"));
+}
+
 TEST(StructuredCorrectionTest, SaysWhatIsWrong) {
   const ProcessModel model = TwoElements();
   const auto records = MakeRecords(model, 300, 6, {.variance = 0.01});
