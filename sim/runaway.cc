@@ -32,30 +32,34 @@ absl::Status CheckWithin(const std::vector<Channel>& channels,
 }  // namespace
 
 RunawayGuard::RunawayGuard(const ProcessModel& channels, VectorXd output_sizes)
-    : channels_(channels), input_limits_(channels.num_inputs()) {
-  VectorXd size = std::move(output_sizes);
-  if (size.maxCoeff() == 0.0) size.setOnes();
-  output_limits_ = size;
-  for (int j = 0; j < channels.num_inputs(); ++j) {
-    double input_size = 0.0;
-    bool has_effect = false;
-    for (int i = 0; i < channels.num_outputs(); ++i) {
-      const double gain = std::abs(channels.element(i, j).StaticGain());
-      if (gain == 0.0) continue;
-      has_effect = true;
-      input_size = std::max(input_size, size[i] / gain);
+    : channels_(channels) {
+  const int p = channels.num_outputs();
+  const int m = channels.num_inputs();
+  VectorXd outputs = std::move(output_sizes);
+  if (outputs.maxCoeff() == 0.0) outputs.setOnes();
+  VectorXd inputs = VectorXd::Zero(m);
+  // A size reaches one channel further in each round.
+  for (int round = 0; round < p + m; ++round) {
+    for (int j = 0; j < m; ++j) {
+      if (inputs[j] > 0.0) continue;
+      for (int i = 0; i < p; ++i) {
+        const double gain = std::abs(channels.element(i, j).StaticGain());
+        if (gain > 0.0) inputs[j] = std::max(inputs[j], outputs[i] / gain);
+      }
     }
-    input_limits_[j] = has_effect ? kRunawayFactor * input_size
-                                  : std::numeric_limits<double>::infinity();
-    for (int i = 0; i < channels.num_outputs(); ++i) {
-      const double gain = std::abs(channels.element(i, j).StaticGain());
-      output_limits_[i] = std::max(output_limits_[i], gain * input_size);
+    for (int j = 0; j < m; ++j) {
+      for (int i = 0; i < p; ++i) {
+        const double gain = std::abs(channels.element(i, j).StaticGain());
+        outputs[i] = std::max(outputs[i], gain * inputs[j]);
+      }
     }
   }
-  for (double& limit : output_limits_) {
-    limit = limit > 0.0 ? kRunawayFactor * limit
-                        : std::numeric_limits<double>::infinity();
-  }
+  const auto limit = [](double size) {
+    return size > 0.0 ? kRunawayFactor * size
+                      : std::numeric_limits<double>::infinity();
+  };
+  output_limits_ = outputs.unaryExpr(limit);
+  input_limits_ = inputs.unaryExpr(limit);
 }
 
 absl::Status RunawayGuard::CheckOutputs(const VectorXd& outputs,

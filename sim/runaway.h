@@ -14,11 +14,11 @@ namespace mle::sim {
 // gains K:
 //
 //   input j:  v_j = max_i a_i / |K_ij| over K_ij ≠ 0;
-//   output i: max(a_i, max_j |K_ij| v_j),
+//   output i: a_i ← max(a_i, max_j |K_ij| v_j),
 //
-// so that no choice of units raises a false alarm. An input without static
-// effect, and an output that nothing is expected to move, have no limit but to
-// be finite.
+// and so on for inputs that move only what others move, so that neither units
+// nor set points that stand at zero raise a false alarm. A channel that nothing
+// is expected to move has no limit but to be finite.
 class RunawayGuard {
  public:
   // `output_sizes`: a (p) ≥ 0; all 1 where all are zero.

@@ -196,6 +196,28 @@ TEST(ClosedLoopTest, RunawayDoesNotDependOnUnits) {
   }
 }
 
+// u1 moves both outputs, u2 the first alone, whose set point stands at zero: u2
+// has to make up for what u1 does there.
+TEST(ClosedLoopTest, AnInputMayMakeUpForAnother) {
+  ProcessModel plant("", "min", {{"u1", ""}, {"u2", ""}},
+                     {{"y1", ""}, {"y2", ""}});
+  plant.element(0, 0) = TransferFunction::FirstOrder(0.5, 2.0, 0.0);
+  plant.element(0, 1) = TransferFunction::FirstOrder(2.0, 2.0, 0.0);
+  plant.element(1, 0) = TransferFunction::FirstOrder(1.0, 2.0, 0.0);
+  const auto decoupled = [](const Ref<const VectorXd>& outputs,
+                            const Ref<const VectorXd>& set_points,
+                            Ref<VectorXd> next) {
+    next[0] = 0.5 * (set_points[1] - outputs[1]);
+    next[1] = -0.25 * next[0];
+  };
+  const Record record = Simulate(
+      plant, decoupled, {.steps = {{.output = 1, .time = 1.0, .value = 1.0}}},
+      {.duration = 20.0, .noise_variance = 0.0});
+  EXPECT_NEAR(record.outputs.rightCols<1>()[1], 1.0 / 3.0, 1e-3);
+  EXPECT_LE(record.outputs.row(0).cwiseAbs().maxCoeff(), 1e-12);
+  EXPECT_GT(record.inputs.row(1).cwiseAbs().maxCoeff(), 0.05);
+}
+
 TEST(ClosedLoopTest, WithoutSetPointsAndNoiseARunIsPossible) {
   const Record record = Simulate(
       SingleLoop(TransferFunction::FirstOrder(1.0, 2.0, 0.5)),
