@@ -8,6 +8,7 @@
 #include "ceres/ceres.h"
 #include "glog/logging.h"
 #include "mle/nonlinear/delay_search.h"
+#include "mle/nonlinear/output_cost.h"
 
 namespace mle {
 namespace {
@@ -27,53 +28,6 @@ constexpr double kWeightTolerance = 1e-3;
 constexpr double kRatioTolerance = 0.02;
 // A dead time this close to the end of its sample (in samples) is at it.
 constexpr double kCellTolerance = 1e-7;
-
-using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
-
-// Whitened residuals; one parameter block (K, ln T, L) for each element.
-class OutputCost : public ceres::CostFunction {
- public:
-  // Dead times lie in the samples of `point`, or in any if not `fixed_cells`.
-  OutputCost(const OutputErrorProblem& problem, const OutputPoint& point,
-             NoiseShape shape, bool fixed_cells)
-      : problem_(problem),
-        point_(point),
-        shape_(shape),
-        fixed_cells_(fixed_cells) {
-    set_num_residuals(problem.num_samples());
-    for (int j = 0; j < problem.num_elements(); ++j) {
-      if (!problem.elements()[j].has_value()) continue;
-      present_.push_back(j);
-      mutable_parameter_block_sizes()->push_back(3);
-    }
-  }
-
-  bool Evaluate(double const* const* x, double* residuals,
-                double** jacobians) const override {
-    OutputPoint point = point_;
-    for (std::size_t b = 0; b < present_.size(); ++b) {
-      point.values[present_[b]] = {x[b][0], std::exp(x[b][1]), x[b][2]};
-    }
-    if (!fixed_cells_) point.SetCells(problem_.sample_time());
-    const WhitenedColumns whitened = problem_.Whiten(
-        problem_.Linearise(point, shape_, jacobians != nullptr), shape_);
-    std::copy(whitened.residuals.begin(), whitened.residuals.end(), residuals);
-    if (jacobians == nullptr) return true;
-    for (std::size_t b = 0; b < present_.size(); ++b) {
-      if (jacobians[b] == nullptr) continue;
-      Eigen::Map<RowMajor>(jacobians[b], whitened.residuals.size(), 3) =
-          whitened.jacobian.middleCols(3 * present_[b], 3);
-    }
-    return true;
-  }
-
- private:
-  const OutputErrorProblem& problem_;
-  OutputPoint point_;
-  NoiseShape shape_;
-  bool fixed_cells_;
-  std::vector<int> present_;
-};
 
 class Fitter {
  public:
@@ -177,7 +131,8 @@ class Fitter {
     for (auto& block : x) blocks.push_back(block.data());
     ceres::Problem problem;
     problem.AddResidualBlock(
-        new OutputCost(problem_, point, shape, within_cells), nullptr, blocks);
+        MakeOutputCost(problem_, point, shape, within_cells).release(), nullptr,
+        blocks);
     for (std::size_t b = 0; b < present.size(); ++b) {
       SetBounds(point, present[b], within_cells, blocks[b], problem);
     }
