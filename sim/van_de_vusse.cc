@@ -44,12 +44,12 @@ void Derivative(const VanDeVusseOptions& options, double time,
       k1 * cA * kHeatAB + k1 * cB * kHeatBC + k3 * cA * cA * kHeatAD;
   const double to_jacket = options.heat_transfer.At(time) * kTransfer * kArea *
                            (temperature - jacket);
-  constexpr double capacity = kDensity * kHeatCapacity;
+  constexpr double kCapacity = kDensity * kHeatCapacity;
 
   dx[0] = w[0] * (options.feed_concentration - cA) - k1 * cA - k3 * cA * cA;
   dx[1] = -w[0] * cB + k1 * cA - k1 * cB;
   dx[2] = w[0] * (options.feed_temperature - temperature) -
-          released / capacity - to_jacket / (capacity * kVolume);
+          released / kCapacity - to_jacket / (kCapacity * kVolume);
   dx[3] = (w[1] + to_jacket) / (kCoolant * kCoolantHeatCapacity);
 }
 

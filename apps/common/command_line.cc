@@ -20,8 +20,8 @@ namespace mle {
 namespace {
 
 std::string& StoredCommandLine() {
-  static std::string* const line = new std::string;
-  return *line;
+  static std::string* const kLine = new std::string;
+  return *kLine;
 }
 
 absl::string_view Absl(std::string_view text) {

@@ -1,6 +1,5 @@
 #include "apps/common/process_faults.h"
 
-#include <stdlib.h>
 #include <sys/resource.h>
 #include <unistd.h>
 

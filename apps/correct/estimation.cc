@@ -39,8 +39,8 @@ absl::StatusOr<std::vector<Record>> ScaledWindows(const Setting& setting,
 }
 
 // The rows that are ΔR's from `arx`, the others from `process`.
-Predictor Mix(const std::vector<bool>& arx_outputs, Predictor process,
-              Predictor arx) {
+Predictor Mix(const std::vector<bool>& arx_outputs, const Predictor& process,
+              const Predictor& arx) {
   return [=](const Record& record, int horizon) {
     Eigen::MatrixXd errors = process(record, horizon);
     const Eigen::MatrixXd own = arx(record, horizon);
@@ -64,7 +64,7 @@ absl::StatusOr<Predictor> MakePredictor(const Setting& setting,
       Predictor lagged,
       PredictFilled(setting.filler, setting.noise, sample_time,
                     PredictWithArx(Unscaled(*arx, setting.scales))));
-  return Mix(setting.arx_outputs, std::move(predictor), std::move(lagged));
+  return Mix(setting.arx_outputs, predictor, lagged);
 }
 
 // R + ΔR at λ (one for each output) by the solver and the loss asked for.

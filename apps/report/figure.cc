@@ -168,12 +168,12 @@ std::string DarkColourOf(Role role) { return PaletteOf(role).dark; }
 std::string NameOf(Role role) { return PaletteOf(role).name; }
 
 const std::vector<Role>& AllRoles() {
-  static const std::vector<Role>* const roles = [] {
+  static const std::vector<Role>* const kRoles = [] {
     auto* all = new std::vector<Role>;
     for (const Palette& entry : kPalette) all->push_back(entry.role);
     return all;
   }();
-  return *roles;
+  return *kRoles;
 }
 
 Style StyleOf(Role role) {
@@ -201,8 +201,6 @@ Style StyleOf(Role role) {
       style.width_pt = 0.75;
       break;
     case Role::kSetPoint:
-      style.line = LineStyle::kDotted;
-      break;
     case Role::kReference:
       style.line = LineStyle::kDotted;
       break;

@@ -69,7 +69,7 @@ class Coordinator {
         other.wanted += report.wanted;
         other.outstanding -= report.harvest.ended;
         other.known = true;
-        status.Update(Keep(std::move(report.harvest)));
+        status.Update(Keep(report.harvest));
       }
       progress_.Show(journal_.num_done());
     }
@@ -125,7 +125,7 @@ class Coordinator {
     return true;
   }
 
-  absl::Status Keep(Harvest harvest) {
+  absl::Status Keep(const Harvest& harvest) {
     for (const Harvest::Line& line : harvest.lines) {
       MLE_RETURN_IF_ERROR(journal_.Append(line.run, line.text));
     }

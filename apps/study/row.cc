@@ -140,8 +140,8 @@ std::string WithoutSeconds(std::string_view line) {
 absl::StatusOr<Row> ParseRow(std::string_view line, bool with_seconds) {
   MLE_ASSIGN_OR_RETURN(const std::vector<std::string> fields, SplitCsv(line));
   const int first = FirstMetric();
-  const std::size_t columns = static_cast<std::size_t>(first + kNumMetrics + 1 +
-                                                       (with_seconds ? 1 : 0));
+  const int needed = first + kNumMetrics + 1 + (with_seconds ? 1 : 0);
+  const auto columns = static_cast<std::size_t>(needed);
   if (fields.size() != columns) {
     return absl::InvalidArgumentError(absl::StrFormat(
         "%d fields, where %d are needed", fields.size(), columns));

@@ -40,8 +40,8 @@ int ValueOf(const RecordColumn& column, const ProcessModel& channels) {
 }  // namespace
 
 RecordRows::Vocabulary::Vocabulary(const std::vector<std::string>& list,
-                                   bool ignore_case)
-    : ignores_case(ignore_case) {
+                                   bool case_ignored)
+    : ignores_case(case_ignored) {
   for (const std::string& text : list) {
     double number = 0.0;
     if (ReadCsvNumber(text, number)) {

@@ -92,7 +92,7 @@ class RecordRows {
     std::vector<std::string> texts;
     bool ignores_case = false;
 
-    Vocabulary(const std::vector<std::string>& list, bool ignores_case);
+    Vocabulary(const std::vector<std::string>& list, bool case_ignored);
     bool Contains(std::string_view text) const;
     bool Contains(double number) const;
   };

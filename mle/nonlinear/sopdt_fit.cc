@@ -230,7 +230,9 @@ const char* ResponseName(ResponseShape shape) {
 
 }  // namespace
 
-ResponseShape ClassifyResponse(const Response& y, double negligible_response) {
+ResponseShape ClassifyResponse(const Response& step_response,
+                               double negligible_response) {
+  const Response& y = step_response;
   const Eigen::Index n = y.size();
   const double size = n == 0 ? 0.0 : y.cwiseAbs().maxCoeff();
   if (size == 0.0 || size <= negligible_response) {

@@ -74,13 +74,14 @@ Eigen::MatrixXd UninitialisedGram(Eigen::Index n) {
   Eigen::MatrixXd gram(n, n);
 #ifdef __linux__
   constexpr std::uintptr_t kPage = std::uintptr_t{1} << 21;
-  const auto begin = reinterpret_cast<std::uintptr_t>(gram.data());
-  const auto end = begin + sizeof(double) * static_cast<std::uintptr_t>(n * n);
-  const std::uintptr_t first = (begin + kPage - 1) / kPage * kPage;
-  if (first + kPage <= end) {
+  auto* const data = reinterpret_cast<char*>(gram.data());
+  const auto size = sizeof(double) * static_cast<std::uintptr_t>(n * n);
+  const std::uintptr_t past = reinterpret_cast<std::uintptr_t>(data) % kPage;
+  const std::uintptr_t skipped = past == 0 ? 0 : kPage - past;
+  if (skipped + kPage <= size) {
     // Advice: without it all is the same, but slower.
-    static_cast<void>(madvise(reinterpret_cast<void*>(first),
-                              (end - first) / kPage * kPage, MADV_HUGEPAGE));
+    static_cast<void>(madvise(data + skipped, (size - skipped) / kPage * kPage,
+                              MADV_HUGEPAGE));
   }
 #endif
   return gram;

@@ -44,8 +44,8 @@ std::vector<Kernels> AvailableKernels() {
 }
 
 const Kernels& VectorKernels() {
-  static const Kernels kernels = ChooseKernels();
-  return kernels;
+  static const Kernels kChosen = ChooseKernels();
+  return kChosen;
 }
 
 }  // namespace mle

@@ -47,7 +47,8 @@ Index Min(Index a, Index b) { return a < b ? a : b; }
 // Adds to `depth` vectors of T by `columns` of the sums.
 template <typename T, int depth, int columns>
 void AddTile(const ProductSeries& f, double* sums, Index stride) {
-  constexpr Index width = sizeof(T) / sizeof(double);
+  // NOLINTNEXTLINE(bugprone-sizeof-expression): 1 where T is double.
+  constexpr Index kLanes = sizeof(T) / sizeof(double);
   T tile[columns][depth];
   for (int j = 0; j < columns; ++j) {
     for (int i = 0; i < depth; ++i) tile[j][i] = T{};
@@ -56,13 +57,13 @@ void AddTile(const ProductSeries& f, double* sums, Index stride) {
   const double* w = f.w;
   for (Index k = 0; k < f.count; ++k, x += f.x_stride, w += f.w_stride) {
     for (int i = 0; i < depth; ++i) {
-      const T left = Load<T>(x + i * width);
+      const T left = Load<T>(x + i * kLanes);
       for (int j = 0; j < columns; ++j) tile[j][i] += left * w[j];
     }
   }
   for (int j = 0; j < columns; ++j) {
     for (int i = 0; i < depth; ++i) {
-      double* to = sums + j * stride + i * width;
+      double* to = sums + j * stride + i * kLanes;
       Store(Load<T>(to) + tile[j][i], to);
     }
   }
