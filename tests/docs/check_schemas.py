@@ -54,8 +54,26 @@ def run(command, *arguments, accepted=(0,)):
         sys.exit(f"{command} failed ({done.returncode}): {done.stderr[-2000:]}")
 
 
+def version_of(command):
+    """What --version says: the command and a version."""
+    done = subprocess.run([build / "apps" / command, "--version"], capture_output=True, text=True)
+    name, version = done.stdout.split()
+    if done.returncode != 0 or name != command or version.count(".") != 2:
+        faults.append(f"{command} --version: {done.returncode}, '{done.stdout}'")
+    return version
+
+
+def check_version(command, path):
+    """A folder's results name the program that wrote them and its version."""
+    content = read(path)
+    found = (content.get("program"), content.get("program_version"))
+    if found != (command, version_of(command)):
+        faults.append(f"{path}: was written by {found}, not by {command} {version_of(command)}")
+
+
 def check_commands(folder):
     model = f"--model={source}/configs/wood_berry.json"
+    version_of("mle_simulate")  # its one file has the columns of a record and nothing else
     run("mle_simulate", model, f"--plant={source}/configs/wood_berry_gain.json",
         "--setpoints=overhead:150:1,bottoms:450:1", "--duration=700", "--sample_time=0.5",
         f"--out={folder}/run.csv")
@@ -66,6 +84,7 @@ def check_commands(folder):
             f"--truth={source}/configs/wood_berry_gain.json",
             accepted=(0, 1))  # 1: a correction that was refused is a result too
         check("result", out / "result.json")
+        check_version("mle_correct", out / "result.json")
         check("arx", out / "arx.json")
         check("process_model", out / "fopdt.json")
     out = folder / "reproduction"
@@ -73,6 +92,7 @@ def check_commands(folder):
         "--order=30", "--conversion_duration=2000", "--duration=400", "--step_time=200",
         "--window=150", "--response_horizon=60", "--lambda_grid_step=1e-4")
     check("results", out / "results.json")
+    check_version("mle_reproduce", out / "results.json")
     campaign = {
         "version": 1, "name": "small", "seeds": [1, 2], "sample_time": 0.5, "order": 30,
         "models": [{"name": "column", "file": f"{source}/configs/wood_berry.json"}],
@@ -86,11 +106,19 @@ def check_commands(folder):
     run("mle_study", f"--campaign={folder}/small.json", f"--out={out}", "--figures=false")
     check("campaign", out / "campaign.json")
     check("summary", out / "summary.json")
+    check_version("mle_study", out / "summary.json")
     out = folder / "lifecycle"
     run("mle_lifecycle", model, f"--ageing={source}/configs/wood_berry_ageing.json", f"--out={out}",
         "--figures=false", "--years=0.2", "--change_every=20d", "--sample_time=1", "--seeds=1",
         "--policies=never,structured:2,test:1,perfect")
     check("lifecycle", out / "result.json")
+    check_version("mle_lifecycle", out / "result.json")
+    lives = list((out / "runs").glob("*.json"))
+    if not lives:
+        faults.append(f"{out}/runs: no life was kept")
+    for life in lives:
+        if read(life)["settings"].get("program_version") != version_of("mle_lifecycle"):
+            faults.append(f"{life}: names no version, or another")
 
 
 for path in sorted((source / "configs").glob("*.json")):
