@@ -9,7 +9,6 @@
 namespace mle::control {
 namespace {
 
-using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double kSettlingRemainder = 1e-11;  // of the gain

@@ -10,7 +10,6 @@ namespace {
 
 using report::Align;
 using report::FormatFixed;
-using report::FormatInteger;
 using report::FormatSignificant;
 using report::Table;
 

@@ -66,13 +66,13 @@ void Table::AddRow(std::vector<std::string> cells) {
   rows.push_back(std::move(cells));
 }
 
-std::string RenderText(const Table& input) {
-  Table table = Squared(input);
+std::string RenderText(const Table& table) {
+  Table square = Squared(table);
   std::vector<int> widths;
-  for (std::size_t j = 0; j < table.columns.size(); ++j) {
-    table.columns[j].header = CleanText(table.columns[j].header);
-    int width = DisplayWidth(table.columns[j].header);
-    for (auto& row : table.rows) {
+  for (std::size_t j = 0; j < square.columns.size(); ++j) {
+    square.columns[j].header = CleanText(square.columns[j].header);
+    int width = DisplayWidth(square.columns[j].header);
+    for (auto& row : square.rows) {
       row[j] = CleanText(row[j]);
       width = std::max(width, DisplayWidth(row[j]));
     }
@@ -80,12 +80,12 @@ std::string RenderText(const Table& input) {
   }
 
   std::string out;
-  if (!table.caption.empty()) AddLine(CleanText(table.caption), out);
+  if (!square.caption.empty()) AddLine(CleanText(square.caption), out);
   std::string header;
   std::string rule;
-  for (std::size_t j = 0; j < table.columns.size(); ++j) {
+  for (std::size_t j = 0; j < square.columns.size(); ++j) {
     const std::string_view gap = j == 0 ? "" : "  ";
-    const Column& column = table.columns[j];
+    const Column& column = square.columns[j];
     header += gap;
     header += Padded(column.header, widths[j], column.align);
     rule += gap;
@@ -93,36 +93,36 @@ std::string RenderText(const Table& input) {
   }
   AddLine(header, out);
   AddLine(rule, out);
-  for (const auto& row : table.rows) {
+  for (const auto& row : square.rows) {
     std::string line;
     for (std::size_t j = 0; j < row.size(); ++j) {
       line += j == 0 ? "" : "  ";
-      line += Padded(row[j], widths[j], table.columns[j].align);
+      line += Padded(row[j], widths[j], square.columns[j].align);
     }
     AddLine(line, out);
   }
   return out;
 }
 
-std::string RenderHtml(const Table& input) {
-  const Table table = Squared(input);
+std::string RenderHtml(const Table& table) {
+  const Table square = Squared(table);
   std::string out = "<table>\n";
-  if (!table.caption.empty()) {
-    out += "<caption>" + EscapeHtml(table.caption) + "</caption>\n";
+  if (!square.caption.empty()) {
+    out += "<caption>" + EscapeHtml(square.caption) + "</caption>\n";
   }
   out += "<thead>\n<tr>";
-  for (const Column& column : table.columns) {
+  for (const Column& column : square.columns) {
     AddHtmlCell(column.header.empty() ? "td" : "th",
                 column.header.empty() ? "" : "col", column.align, column.header,
                 out);
   }
   out += "</tr>\n</thead>\n<tbody>\n";
-  for (const auto& row : table.rows) {
+  for (const auto& row : square.rows) {
     out += "<tr>";
     for (std::size_t j = 0; j < row.size(); ++j) {
-      const bool names_row = j == 0 && table.row_headers;
+      const bool names_row = j == 0 && square.row_headers;
       AddHtmlCell(names_row ? "th" : "td", names_row ? "row" : "",
-                  table.columns[j].align, row[j], out);
+                  square.columns[j].align, row[j], out);
     }
     out += "</tr>\n";
   }

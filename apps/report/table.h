@@ -34,11 +34,11 @@ struct Table {
 
 // Caption, header, a rule and the rows, each line ending in a newline and
 // without trailing blanks; columns are two blanks apart.
-std::string RenderText(const Table& input);
+std::string RenderText(const Table& table);
 
 // A <table> with <caption>, <thead> and <tbody>, scope attributes and
 // everything escaped. Alignment is by the classes left, center and right.
-std::string RenderHtml(const Table& input);
+std::string RenderHtml(const Table& table);
 
 }  // namespace mle::report
 

@@ -4,12 +4,12 @@
 
 namespace mle {
 
-StepResponse::StepResponse(double time_step, int outputs, int inputs,
-                           int samples)
-    : sample_time(time_step),
-      num_outputs(outputs),
-      num_inputs(inputs),
-      values(Eigen::MatrixXd::Zero(samples, outputs * inputs)) {}
+StepResponse::StepResponse(double sample_time_, int num_outputs_,
+                           int num_inputs_, int samples)
+    : sample_time(sample_time_),
+      num_outputs(num_outputs_),
+      num_inputs(num_inputs_),
+      values(Eigen::MatrixXd::Zero(samples, num_outputs_ * num_inputs_)) {}
 
 double SquaredDistance(const StepResponse& a, const StepResponse& b) {
   CHECK_EQ(a.num_outputs, b.num_outputs);

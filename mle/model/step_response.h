@@ -18,7 +18,8 @@ struct StepResponse {
   Eigen::MatrixXd values;
 
   StepResponse() = default;
-  StepResponse(double time_step, int outputs, int inputs, int samples);
+  StepResponse(double sample_time, int num_outputs, int num_inputs,
+               int samples);
 
   int samples() const { return static_cast<int>(values.rows()); }
   auto element(int output, int input) const {
