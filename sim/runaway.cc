@@ -39,15 +39,17 @@ RunawayGuard::RunawayGuard(const ProcessModel& channels, VectorXd output_sizes)
   if (outputs.maxCoeff() == 0.0) outputs.setOnes();
   VectorXd inputs = VectorXd::Zero(m);
   // A size reaches one channel further in each round.
-  for (int round = 0; round < p + m; ++round) {
+  for (bool reached = true; reached;) {
+    reached = false;
     for (int j = 0; j < m; ++j) {
       if (inputs[j] > 0.0) continue;
       for (int i = 0; i < p; ++i) {
         const double gain = std::abs(channels.element(i, j).StaticGain());
         if (gain > 0.0) inputs[j] = std::max(inputs[j], outputs[i] / gain);
       }
+      reached = reached || inputs[j] > 0.0;
     }
-    for (int j = 0; j < m; ++j) {
+    for (int j = 0; reached && j < m; ++j) {
       for (int i = 0; i < p; ++i) {
         const double gain = std::abs(channels.element(i, j).StaticGain());
         outputs[i] = std::max(outputs[i], gain * inputs[j]);

@@ -53,8 +53,7 @@ report::NamedFigure SavingMap(
       "Where it pays: money saved a year against never updating, by policy and "
       "rate of ageing, with the half-width of its interval of 95 %. The "
       "darker, the larger a part of what is saved most at that rate. White: "
-      "not "
-      "above zero beyond chance.";
+      "not above zero beyond chance.";
   named.alt = absl::StrCat(named.caption, " The tables have the same numbers.");
   report::Panel& panel = named.figure.AddPanel("");
   panel.x.label = "rate of ageing";
