@@ -142,7 +142,7 @@ Predictor PredictWithArx(const ArxModel& model) {
 absl::StatusOr<Predictor> PredictFilled(const ProcessModel& model,
                                         const std::vector<NoiseEstimate>& noise,
                                         double sample_time,
-                                        Predictor predictor) {
+                                        const Predictor& predictor) {
   // What cannot be expected is found here, not record by record.
   Record empty;
   empty.sample_time = sample_time;

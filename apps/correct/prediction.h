@@ -51,7 +51,7 @@ inline constexpr int kLongestFill = 30;
 absl::StatusOr<Predictor> PredictFilled(const ProcessModel& model,
                                         const std::vector<NoiseEstimate>& noise,
                                         double sample_time,
-                                        Predictor predictor);
+                                        const Predictor& predictor);
 
 }  // namespace mle::correct
 

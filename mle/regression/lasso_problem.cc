@@ -53,8 +53,14 @@ LassoProblem MakeLassoProblem(LaggedMoments moments, Scaling scaling) {
   const Eigen::MatrixXd response_mean =
       problem.response_mean * root_part.asDiagonal();
   problem.correlation.noalias() -= mean * response_mean.transpose();
-  problem.response_square -= response_mean.rowwise().squaredNorm();
-  problem.response_square = problem.response_square.cwiseMax(0.0);
+  for (int i = 0; i < problem.response_square.size(); ++i) {
+    const double second_moment = problem.response_square(i);
+    const double variance =
+        second_moment - response_mean.row(i).squaredNorm();
+    const bool constant = variance <= ConstantTolerance(rows) * second_moment;
+    problem.response_square(i) = constant ? 0.0 : variance;
+    if (constant) problem.correlation.col(i).setZero();
+  }
 
   problem.scale.setOnes(n);
   for (int j = 0; j < n; ++j) {

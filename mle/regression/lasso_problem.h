@@ -34,7 +34,8 @@ struct LassoProblem {
   std::int64_t rows = 0;            // N
   Eigen::MatrixXd gram;             // n × n, G
   Eigen::MatrixXd correlation;      // n × q, C of each response
-  Eigen::VectorXd response_square;  // q, v
+  // q, v; 0, as is its column of C, for a response without variation.
+  Eigen::VectorXd response_square;
   Eigen::VectorXd group_rows;       // g, adding up to N
   Eigen::MatrixXd regressor_mean;   // n × g; zero when raw, or without rows
   Eigen::MatrixXd response_mean;    // q × g; likewise

@@ -192,6 +192,31 @@ TEST(MakeLassoProblemTest, LagsThatDoNotSeeAMoveAreConstant) {
   }
 }
 
+// Rounding must not correlate a response that does not vary with regressors:
+// nothing of it is left to be explained, in one group or in several.
+TEST(MakeLassoProblemTest, HeldResponseHasNothingToExplain) {
+  for (const int samples : {20, 2000, 50000}) {
+    const Window window(RandomRecord(samples), 3, {3, samples - 1});
+    const int half = samples / 2;
+    for (const double value : {0.0, 1e-12 / 3.0, 96.1, -1e7 / 3.0}) {
+      RegressionRows parts[] = {window.rows, window.rows};
+      parts[0].rows.last = half - 1;
+      parts[1].rows.first = half;
+      parts[1].group = 1;
+      parts[0].responses = window.rows.responses.leftCols(half - 3);
+      parts[1].responses = window.rows.responses.rightCols(samples - half);
+      parts[0].responses.row(1).setConstant(value);
+      parts[1].responses.row(1).setConstant(2.0 * value);
+      const LassoProblem problem = MakeLassoProblem(
+          ComputeLaggedMoments(parts, /*num_groups=*/2), Scaling::kStandardise);
+      EXPECT_GT(problem.response_square(0), 0.5) << value;
+      EXPECT_EQ(problem.response_square(1), 0.0) << value;
+      EXPECT_GT(LassoObjective(problem, 0).LambdaMax(), 0.0) << value;
+      EXPECT_EQ(LassoObjective(problem, 1).LambdaMax(), 0.0) << value;
+    }
+  }
+}
+
 TEST(LassoObjectiveTest, TakesWeightsAndLeavesConstantsOut) {
   Record record = RandomRecord(50);
   record.inputs.row(0).setConstant(96.0);
