@@ -163,8 +163,10 @@ absl::StatusOr<ProcessModel> ParseModel(const JsonNode& top) {
   return model;
 }
 
-// The shortest decimal that reads back as `value`.
+// The shortest decimal that reads back as `value`; −0, which JSON takes for a
+// whole number, as 0.
 std::string Shortest(double value) {
+  if (value == 0.0) return "0";
   char buffer[32];
   const auto end = std::to_chars(buffer, buffer + sizeof(buffer), value).ptr;
   return std::string(buffer, end);

@@ -200,9 +200,11 @@ void AddDisturbance(const Disturbance& n, const Smoothed& smoothed,
   }
 }
 
-// One output.
-VectorXd Expected(const Elements& elements, double ratio, const Record& record,
-                  int output) {
+absl::StatusOr<VectorXd> ExpectedOutput(const ProcessModel& model,
+                                        const NoiseEstimate& noise,
+                                        const Record& record, int output) {
+  MLE_ASSIGN_OR_RETURN(const Elements elements, ElementsOf(model, output));
+  const double ratio = RatioOf(elements, noise, record.sample_time);
   VectorXd expected = VectorXd::Constant(record.samples(), kNaN);
   const auto inputs_known = [&](int k) {
     for (std::size_t j = 0; j < elements.size(); ++j) {
@@ -236,11 +238,9 @@ VectorXd Expected(const Elements& elements, double ratio, const Record& record,
   return expected;
 }
 
-}  // namespace
-
-absl::StatusOr<MatrixXd> ExpectedOutputs(
-    const ProcessModel& model, const std::vector<NoiseEstimate>& noise,
-    const Record& record) {
+absl::Status CheckShapes(const ProcessModel& model,
+                         const std::vector<NoiseEstimate>& noise,
+                         const Record& record) {
   MLE_RETURN_IF_ERROR(record.Validate());
   const int p = model.num_outputs();
   if (record.num_outputs() != p || record.num_inputs() != model.num_inputs() ||
@@ -251,11 +251,19 @@ absl::StatusOr<MatrixXd> ExpectedOutputs(
         noise.size(), " outputs; the model has ", p, " and ",
         model.num_inputs()));
   }
-  MatrixXd expected(p, record.samples());
-  for (int i = 0; i < p; ++i) {
-    MLE_ASSIGN_OR_RETURN(const Elements elements, ElementsOf(model, i));
-    const double ratio = RatioOf(elements, noise[i], record.sample_time);
-    expected.row(i) = Expected(elements, ratio, record, i);
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<MatrixXd> ExpectedOutputs(
+    const ProcessModel& model, const std::vector<NoiseEstimate>& noise,
+    const Record& record) {
+  MLE_RETURN_IF_ERROR(CheckShapes(model, noise, record));
+  MatrixXd expected(model.num_outputs(), record.samples());
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    MLE_ASSIGN_OR_RETURN(expected.row(i),
+                         ExpectedOutput(model, noise[i], record, i));
   }
   return expected;
 }
@@ -269,16 +277,18 @@ absl::StatusOr<int> FillOutputs(const ProcessModel& model,
   }
   int filled = 0;
   for (Record& record : records) {
-    MLE_ASSIGN_OR_RETURN(const MatrixXd expected,
-                         ExpectedOutputs(model, noise, record));
+    MLE_RETURN_IF_ERROR(CheckShapes(model, noise, record));
     for (int i = 0; i < record.num_outputs(); ++i) {
+      if (record.outputs.row(i).allFinite()) continue;
+      MLE_ASSIGN_OR_RETURN(const VectorXd expected,
+                           ExpectedOutput(model, noise[i], record, i));
       int last = -1;  // good sample
       for (int k = 0; k < record.samples(); ++k) {
         if (!std::isfinite(record.outputs(i, k))) continue;
         const int gap = k - last - 1;
         for (int a = 1; last >= 0 && gap <= max_gap && a <= gap; ++a) {
-          record.outputs(i, last + a) = expected(i, last + a);
-          filled += std::isfinite(expected(i, last + a)) ? 1 : 0;
+          record.outputs(i, last + a) = expected(last + a);
+          filled += std::isfinite(expected(last + a)) ? 1 : 0;
         }
         last = k;
       }
