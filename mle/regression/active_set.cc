@@ -68,6 +68,7 @@ void ActiveSet::AppendUnpenalised() {
       states_[j] = State::kExcluded;
     }
   }
+  num_unpenalised_ = size();
   slope_.head(size()).setZero();
   if (size() == 0) return;
   beta_.head(size()) = objective_.correlation(columns_);

@@ -39,6 +39,8 @@ class ActiveSet {
   const std::vector<int>& columns() const { return columns_; }
   // Where column `variable` stands among them.
   int PositionOf(int variable) const;
+  // The first so many are without penalty; they never leave.
+  int num_unpenalised() const { return num_unpenalised_; }
   State state(int variable) const { return states_[variable]; }
   void Wait(int variable) { states_[variable] = State::kWaiting; }
   int Count(State state) const;
@@ -108,6 +110,7 @@ class ActiveSet {
   const Eigen::MatrixXd& gram_;
   std::vector<State> states_;
   std::vector<int> columns_;
+  int num_unpenalised_ = 0;
   UpdatableCholesky cholesky_;
   Eigen::VectorXd target_;  // these three by position, the first size()
   Eigen::VectorXd beta_;

@@ -31,15 +31,15 @@ enum class Scaling {
 
 // The problems of q responses on the same regressors.
 struct LassoProblem {
-  std::int64_t rows = 0;            // N
-  Eigen::MatrixXd gram;             // n × n, G
-  Eigen::MatrixXd correlation;      // n × q, C of each response
+  std::int64_t rows = 0;        // N
+  Eigen::MatrixXd gram;         // n × n, G
+  Eigen::MatrixXd correlation;  // n × q, C of each response
   // q, v; 0, as is its column of C, for a response without variation.
   Eigen::VectorXd response_square;
-  Eigen::VectorXd group_rows;       // g, adding up to N
-  Eigen::MatrixXd regressor_mean;   // n × g; zero when raw, or without rows
-  Eigen::MatrixXd response_mean;    // q × g; likewise
-  Eigen::VectorXd scale;            // n; 1 when raw, 0 for a constant column
+  Eigen::VectorXd group_rows;      // g, adding up to N
+  Eigen::MatrixXd regressor_mean;  // n × g; zero when raw, or without rows
+  Eigen::MatrixXd response_mean;   // q × g; likewise
+  Eigen::VectorXd scale;           // n; 1 when raw, 0 for a constant column
   // Columns without variation. Their rows and columns of G are zero and their
   // coefficients stay zero.
   std::vector<int> constant_regressors;

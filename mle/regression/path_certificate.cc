@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "mle/regression/duality_gap.h"
 
@@ -11,34 +12,6 @@ namespace {
 
 // A relative gap above this may be the rounding of c, which is then sharpened.
 constexpr double kSharpen = 5e-11;
-
-// The gap at λ > 0 from c − t b and β + t q, t = step ≥ 0.
-double RelativeGap(const ActiveSet& active, double lambda, double step) {
-  const LassoObjective& objective = active.objective();
-  const double ratio = ((active.c() - step * active.b())
-                            .cwiseAbs()
-                            .cwiseProduct(active.inverse_weights()))
-                           .maxCoeff() /
-                       lambda;
-  const double alpha = 1.0 / std::max(ratio, 1.0);
-  DualityGap result;
-  result.response_square = objective.response_square;
-  double residual_square = objective.response_square;
-  for (int i = 0; i < active.size(); ++i) {
-    const int j = active.columns()[i];
-    const double beta = active.beta(i) + step * active.slope(i);
-    const double c = active.c()(j) - step * active.b()(j);
-    const double penalty = lambda * objective.weights(j) * std::abs(beta);
-    residual_square -= beta * (objective.correlation(j) + c);
-    result.primal += penalty;
-    result.gap += penalty - alpha * beta * c;
-  }
-  residual_square = std::max(residual_square, 0.0);
-  result.primal += 0.5 * residual_square;
-  result.gap += 0.5 * (1.0 - alpha) * (1.0 - alpha) * residual_square;
-  result.gap = std::abs(result.gap);
-  return result.Relative();
-}
 
 // At λ = 0.
 double LeastSquaresRelativeGap(const ActiveSet& active, double step) {
@@ -72,6 +45,49 @@ PathCertificate::PathCertificate(const Eigen::VectorXd& lambdas)
 
 bool PathCertificate::Wanted(double end) const {
   return next_ >= 0 && lambdas_(next_) >= end;
+}
+
+double PathCertificate::RelativeGap(const ActiveSet& active, double lambda,
+                                    double step) {
+  const LassoObjective& objective = active.objective();
+  c_ = active.c() - step * active.b();
+  DualityGap result;
+  result.response_square = objective.response_square;
+  double residual_square = objective.response_square;
+  for (int i = 0; i < active.size(); ++i) {
+    const int j = active.columns()[i];
+    residual_square -= (active.beta(i) + step * active.slope(i)) *
+                       (objective.correlation(j) + c_(j));
+  }
+  const int free = active.num_unpenalised();
+  if (free > 0) {
+    const std::vector<int> columns(active.columns().begin(),
+                                   active.columns().begin() + free);
+    const Eigen::VectorXd gradient = c_(columns);
+    Eigen::VectorXd change = gradient;
+    active.cholesky().SolveInPlace(change);
+    const double explained = change.dot(gradient);
+    residual_square -= explained;
+    result.gap = 0.5 * explained;
+    for (int i = 0; i < free; ++i) {
+      c_ -= change(i) * objective.gram->col(columns[i]);
+    }
+  }
+  residual_square = std::max(residual_square, 0.0);
+  const double ratio =
+      c_.cwiseAbs().cwiseProduct(active.inverse_weights()).maxCoeff() / lambda;
+  const double alpha = 1.0 / std::max(ratio, 1.0);
+  for (int i = free; i < active.size(); ++i) {
+    const int j = active.columns()[i];
+    const double beta = active.beta(i) + step * active.slope(i);
+    const double penalty = lambda * objective.weights(j) * std::abs(beta);
+    result.primal += penalty;
+    result.gap += penalty - alpha * beta * c_(j);
+  }
+  result.primal += 0.5 * residual_square;
+  result.gap += 0.5 * (1.0 - alpha) * (1.0 - alpha) * residual_square;
+  result.gap = std::abs(result.gap);
+  return result.Relative();
 }
 
 void PathCertificate::Start(const ActiveSet& active, double lambda_max,

@@ -28,10 +28,13 @@ class PathCertificate {
 
  private:
   bool Wanted(double end) const;
+  // The gap at λ > 0 from c − t b and β + t q, t = step ≥ 0.
+  double RelativeGap(const ActiveSet& active, double lambda, double step);
 
   const Eigen::VectorXd& lambdas_;
   Eigen::VectorXd relative_gap_;
   Eigen::Index next_;  // into lambdas_, from its end
+  Eigen::VectorXd c_;
 };
 
 }  // namespace mle

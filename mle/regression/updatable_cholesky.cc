@@ -60,11 +60,11 @@ void UpdatableCholesky::Remove(int position) {
 }
 
 void UpdatableCholesky::SolveInPlace(Eigen::Ref<Eigen::VectorXd> x) const {
-  CHECK_EQ(x.size(), size_);
+  CHECK_LE(x.size(), size_);
   const Kernels& kernels = VectorKernels();
-  kernels.solve_transposed(factor_.data(), factor_.outerStride(), size_,
+  kernels.solve_transposed(factor_.data(), factor_.outerStride(), x.size(),
                            x.data());
-  kernels.solve(factor_.data(), factor_.outerStride(), size_, x.data());
+  kernels.solve(factor_.data(), factor_.outerStride(), x.size(), x.data());
 }
 
 double UpdatableCholesky::InverseQuadraticForm(const Eigen::VectorXd& x) const {

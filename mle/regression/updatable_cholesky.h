@@ -31,7 +31,7 @@ class UpdatableCholesky {
 
   void Clear() { size_ = 0; }
 
-  // x ← G_AA⁻¹ x.
+  // x ← G_AA⁻¹ x, for the first columns alone where x is shorter.
   void SolveInPlace(Eigen::Ref<Eigen::VectorXd> x) const;
 
   // ‖U⁻ᵀx‖² = xᵀ G_AA⁻¹ x.

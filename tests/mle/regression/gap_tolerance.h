@@ -4,27 +4,46 @@
 #define TESTS_MLE_REGRESSION_GAP_TOLERANCE_H_
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <vector>
 
 #include "Eigen/Core"
+#include "Eigen/QR"
 #include "mle/regression/lasso_problem.h"
 
 namespace mle {
 
 // 1e-9, and what the rounding of β alone costs: with β rounded, c_j is off by
-// ε Σ_i |G_ji β_i| ≤ ε √G_jj Σ_i √G_ii |β_i|, and the relative gap by about
-// that over λw_j, a few times over.
+// e_j = ε (|C_j| + Σ_i |G_ji β_i|) ≤ ε (|C_j| + √G_jj Σ_i √G_ii |β_i|), and the
+// relative gap by about that over λw_j, a few times over. Regressors F without
+// penalty hand theirs on: the dual point is orthogonal to them, which changes
+// c_j by (G_jF G_FF⁻¹) c_F.
 inline double GapTolerance(const LassoObjective& objective, double lambda,
                            const Eigen::VectorXd& beta) {
   if (lambda == 0.0) return 1e-9;
-  const Eigen::VectorXd root = objective.gram->diagonal().cwiseSqrt();
-  double greatest = 0.0;
+  const Eigen::MatrixXd& gram = *objective.gram;
+  const Eigen::VectorXd root = gram.diagonal().cwiseSqrt();
+  const Eigen::VectorXd error =
+      objective.correlation.cwiseAbs() + root.dot(beta.cwiseAbs()) * root;
+  std::vector<int> free;
+  for (int j = 0; j < objective.size(); ++j) {
+    if (objective.weights(j) == 0.0) free.push_back(j);
+  }
+  Eigen::MatrixXd handed_on(free.size(), objective.size());
+  if (!free.empty()) {
+    handed_on = gram(free, free)
+                    .completeOrthogonalDecomposition()
+                    .solve(gram(free, Eigen::all))
+                    .cwiseAbs();
+  }
+  double rounding = 0.0;
   for (int j = 0; j < objective.size(); ++j) {
     const double w = objective.weights(j);
-    if (w > 0.0) greatest = std::max(greatest, root(j) / w);
+    if (!(w > 0.0) || !std::isfinite(w)) continue;
+    const double all = error(j) + handed_on.col(j).dot(error(free));
+    rounding = std::max(rounding, all / w);
   }
-  const double rounding =
-      objective.LambdaMax() + greatest * root.dot(beta.cwiseAbs());
   return 1e-9 +
          16.0 * std::numeric_limits<double>::epsilon() * rounding / lambda;
 }
