@@ -7,6 +7,7 @@
 #include "glog/logging.h"
 #include "mle/regression/active_columns.h"
 #include "mle/regression/kernels/kernels.h"
+#include "mle/regression/unpenalised.h"
 
 namespace mle {
 namespace {
@@ -14,10 +15,8 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
-// Pivots below this part of a column's square are rounding; below the second
-// one a column without penalty is taken to lie in the span of the others.
+// Pivots below this part of a column's square are rounding.
 constexpr double kDependent = 4e-15;
-constexpr double kUnpenalisedDependent = 1e-12;
 // What shrinks more slowly than this on an exchange does not shrink.
 constexpr double kShrinks = 1e-9;
 // Violations of the optimality conditions, relative to λ: refined above the
@@ -54,20 +53,17 @@ ActiveSet::ActiveSet(const LassoObjective& objective)
   weighted_root_ = root_diagonal_.cwiseProduct(inverse_weights_).maxCoeff();
   greatest_inverse_ = inverse_weights_.maxCoeff();
   scale_ = c_.cwiseAbs().cwiseProduct(inverse_weights_).maxCoeff();
-  columns_.reserve(objective_.size());
   AppendUnpenalised();
 }
 
 void ActiveSet::AppendUnpenalised() {
+  columns_ = IndependentUnpenalised(objective_, cholesky_);
+  columns_.reserve(objective_.size());
   for (int j = 0; j < objective_.size(); ++j) {
-    if (objective_.weights(j) != 0.0 || states_[j] != State::kInactive) {
-      continue;
-    }
-    if (Append(j, 0.0, kUnpenalisedDependent) <=
-        kUnpenalisedDependent * gram_(j, j)) {
-      states_[j] = State::kExcluded;
-    }
+    if (objective_.weights(j) == 0.0) states_[j] = State::kExcluded;
   }
+  for (const int j : columns_) states_[j] = State::kActive;
+  target_.head(size()).setZero();
   num_unpenalised_ = size();
   slope_.head(size()).setZero();
   if (size() == 0) return;

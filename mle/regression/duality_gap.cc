@@ -7,16 +7,17 @@
 
 #include "Eigen/Eigenvalues"
 #include "glog/logging.h"
+#include "mle/regression/unpenalised.h"
+#include "mle/regression/updatable_cholesky.h"
 
 namespace mle {
 namespace {
 
-// Regressors of weight 0, or, where `all`, every one that is not excluded.
-std::vector<int> Free(const LassoObjective& objective, bool all) {
+// Those that are not excluded.
+std::vector<int> Free(const LassoObjective& objective) {
   std::vector<int> free;
   for (int j = 0; j < objective.size(); ++j) {
-    const double w = objective.weights(j);
-    if (w == 0.0 || (all && std::isfinite(w))) free.push_back(j);
+    if (std::isfinite(objective.weights(j))) free.push_back(j);
   }
   return free;
 }
@@ -47,14 +48,14 @@ double DualityGap::Relative() const {
 
 Eigen::VectorXd MinimumNormLeastSquares(const LassoObjective& objective) {
   Eigen::VectorXd beta = Eigen::VectorXd::Zero(objective.size());
-  const std::vector<int> free = Free(objective, /*all=*/true);
+  const std::vector<int> free = Free(objective);
   beta(free) = PseudoSolve(*objective.gram, free, objective.correlation);
   return beta;
 }
 
 double LeastSquaresGap(const LassoObjective& objective,
                        const Eigen::VectorXd& gradient) {
-  const std::vector<int> free = Free(objective, /*all=*/true);
+  const std::vector<int> free = Free(objective);
   if (free.empty()) return 0.0;
   const Eigen::VectorXd step = PseudoSolve(*objective.gram, free, gradient);
   return std::max(0.5 * step.dot(gradient(free)), 0.0);
@@ -81,19 +82,20 @@ DualityGap ComputeDualityGap(const LassoObjective& objective, double lambda,
   result.primal = 0.5 * residual_square;
   if (lambda == 0.0) {
     result.gap = LeastSquaresGap(objective, c);
-    for (const int j : Free(objective, /*all=*/true)) {
+    for (const int j : Free(objective)) {
       result.kkt_violation = std::max(result.kkt_violation, std::abs(c(j)));
     }
     return result;
   }
 
-  if (const std::vector<int> free = Free(objective, /*all=*/false);
+  UpdatableCholesky factor(/*capacity=*/1);
+  if (const std::vector<int> free = IndependentUnpenalised(objective, factor);
       !free.empty()) {
-    for (const int j : free) {
-      result.kkt_violation = std::max(result.kkt_violation, std::abs(c(j)));
-    }
-    const Eigen::VectorXd step = PseudoSolve(gram, free, c);
-    const double explained = step.dot(c(free));
+    const Eigen::VectorXd gradient = c(free);
+    result.kkt_violation = gradient.lpNorm<Eigen::Infinity>();
+    Eigen::VectorXd step = gradient;
+    factor.SolveInPlace(step);
+    const double explained = step.dot(gradient);
     residual_square = std::max(residual_square - explained, 0.0);
     result.gap += 0.5 * explained;
     for (std::size_t i = 0; i < free.size(); ++i) {

@@ -9,8 +9,9 @@
 #include <vector>
 
 #include "Eigen/Core"
-#include "Eigen/QR"
 #include "mle/regression/lasso_problem.h"
+#include "mle/regression/unpenalised.h"
+#include "mle/regression/updatable_cholesky.h"
 
 namespace mle {
 
@@ -26,22 +27,15 @@ inline double GapTolerance(const LassoObjective& objective, double lambda,
   const Eigen::VectorXd root = gram.diagonal().cwiseSqrt();
   const Eigen::VectorXd error =
       objective.correlation.cwiseAbs() + root.dot(beta.cwiseAbs()) * root;
-  std::vector<int> free;
-  for (int j = 0; j < objective.size(); ++j) {
-    if (objective.weights(j) == 0.0) free.push_back(j);
-  }
-  Eigen::MatrixXd handed_on(free.size(), objective.size());
-  if (!free.empty()) {
-    handed_on = gram(free, free)
-                    .completeOrthogonalDecomposition()
-                    .solve(gram(free, Eigen::all))
-                    .cwiseAbs();
-  }
+  UpdatableCholesky factor(1);
+  const std::vector<int> free = IndependentUnpenalised(objective, factor);
   double rounding = 0.0;
   for (int j = 0; j < objective.size(); ++j) {
     const double w = objective.weights(j);
     if (!(w > 0.0) || !std::isfinite(w)) continue;
-    const double all = error(j) + handed_on.col(j).dot(error(free));
+    Eigen::VectorXd handed_on = gram.col(j)(free);
+    factor.SolveInPlace(handed_on);
+    const double all = error(j) + handed_on.cwiseAbs().dot(error(free));
     rounding = std::max(rounding, all / w);
   }
   return 1e-9 +
