@@ -70,6 +70,25 @@ TEST(ElasticNetTest, MeetsOptimalityConditions) {
   }
 }
 
+// At λ_max/ρ; above it all are zero.
+TEST(ElasticNetTest, PathBeginsWhereTheFirstCoefficientEnters) {
+  const ExplicitLasso problem = CollinearProblem(25, 50, 6);
+  const double ratio = 0.4;
+  const double begin = problem.objective.LambdaMax() / ratio;
+  const Eigen::Vector2d below(0.5 * begin, 0.999 * begin);
+  const Eigen::Vector2d across(0.999 * begin, 1.001 * begin);
+  const auto first =
+      SolveElasticNet(problem.objective, below, {.ratio = ratio});
+  const auto second =
+      SolveElasticNet(problem.objective, across, {.ratio = ratio});
+  ASSERT_TRUE(first.ok() && second.ok());
+  EXPECT_EQ(first->path.lambda_begin(), begin);
+  EXPECT_TRUE(first->path.Coefficients(begin).isZero(0.0));
+  EXPECT_FALSE(first->path.Coefficients(0.999 * begin).isZero(0.0));
+  EXPECT_TRUE(second->path.Coefficients(1.001 * begin).isZero(0.0));
+  EXPECT_FALSE(second->path.Coefficients(0.999 * begin).isZero(0.0));
+}
+
 TEST(ElasticNetTest, RatioOneIsTheLasso) {
   const ExplicitLasso problem = CollinearProblem(30, 60, 3);
   const Eigen::VectorXd lambdas = Grid(problem.objective.LambdaMax(), 20);
