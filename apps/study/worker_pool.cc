@@ -5,6 +5,7 @@
 
 #include "apps/study/row.h"
 #include "apps/study/unit.h"
+#include "mle/base/thread_order.h"
 #include "oneapi/tbb/global_control.h"
 #include "oneapi/tbb/task_arena.h"
 
@@ -48,8 +49,11 @@ void WorkerPool::Submit(Assignment assignment) {
     const std::lock_guard<std::mutex> lock(mutex_);
     ++outstanding_;
   }
-  arena_->arena().enqueue(
-      [this, given = std::move(assignment)] { Work(given); });
+  TellRelease(handed_over_);
+  arena_->arena().enqueue([this, given = std::move(assignment)] {
+    TellAcquire(handed_over_);
+    Work(given);
+  });
 }
 
 void WorkerPool::Work(const Assignment& assignment) {

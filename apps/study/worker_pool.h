@@ -65,6 +65,7 @@ class WorkerPool {
   std::condition_variable changed_;
   Harvest harvest_;
   int outstanding_ = 0;
+  char handed_over_ = 0;  // thread_order.h
   std::unique_ptr<Arena> arena_;
 };
 
