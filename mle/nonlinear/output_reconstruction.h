@@ -77,7 +77,7 @@ absl::StatusOr<OutlierReport> MarkOutliers(const ProcessModel& initial,
 
 // Puts what is expected in the place of missing outputs, up to `max_gap` of
 // them in a row (≥ 0), between good samples; returns how many. Errors as of
-// ExpectedOutputs().
+// ExpectedOutputs(), of the outputs that miss some.
 absl::StatusOr<int> FillOutputs(const ProcessModel& model,
                                 const std::vector<NoiseEstimate>& noise,
                                 int max_gap, std::vector<Record>& records);

@@ -149,6 +149,11 @@ TEST(MarkOutliersInRecordsTest, LongRowsAreLeft) {
   EXPECT_EQ(records[0].outputs, spoilt[0].outputs);
   EXPECT_THAT(report->BriefReport(TwoElements()),
               HasSubstr("6 in longer rows left"));
+  const auto as_long = MarkOutliers(
+      TwoElements(), {}, {.threshold = 5.0, .longest_burst = 6}, records);
+  ASSERT_TRUE(as_long.ok()) << as_long.status();
+  EXPECT_EQ(as_long->marked[0], 6);
+  EXPECT_EQ(as_long->left[0], 0);
 }
 
 // Without noise, and beginning at rest, the model knows what is missing.
@@ -214,6 +219,19 @@ TEST(FillOutputsTest, LongGapsAndEndsStay) {
   ASSERT_TRUE(filled.ok()) << filled.status();
   EXPECT_EQ(*filled, 0);
   EXPECT_EQ(records[0].outputs.array().isNaN().count(), 13);
+}
+
+// Between the samples at both ends of a gap a drift goes on.
+TEST(FillOutputsTest, FollowsDriftAcrossAGap) {
+  constexpr double kSlope = 0.05;  // a sample
+  const ProcessModel plant = AgedPlant();
+  Record whole = MakeRecord(plant, 300, 3, {}, 0);
+  whole.outputs.row(0) += Eigen::RowVectorXd::LinSpaced(300, 0.0, 299 * kSlope);
+  std::vector<Record> records = {whole};
+  records[0].outputs.row(0).segment(150, 12).setConstant(kNaN);
+  const NoiseEstimate quick = {.variance = 1e-4, .ratio = 100.0};
+  ASSERT_TRUE(FillOutputs(plant, {quick}, 12, records).ok());
+  EXPECT_LT((records[0].outputs - whole.outputs).cwiseAbs().maxCoeff(), kSlope);
 }
 
 // Inputs that are missing part a record: nothing is expected there, and each

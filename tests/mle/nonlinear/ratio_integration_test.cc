@@ -102,6 +102,45 @@ TEST(RatioIntegrationTest, DriftThatCannotBeExcludedCounts) {
   EXPECT_GT(variance, 1.05 * estimates[0].covariance(0, 0));
 }
 
+// Weights are likelihood times the length of √ρ that each ratio stands for.
+TEST(RatioIntegrationTest, EverySquareRootIsAsLikelyBeforehand) {
+  const Fitted f = FitRecords({.variance = 0.01}, 9);
+  const OutputErrorProblem& problem = *f.setups[0].problem;
+  const auto columns =
+      problem.Linearise(f.fit.point, ShapeOf(f.fit.noise), true);
+  const double length =
+      static_cast<double>(problem.num_samples()) / problem.num_segments();
+  std::vector<double> ratios = {0.0};
+  std::vector<double> edges = {0.0};  // of √ρ
+  for (double log_ratio = -2.0 * std::log(length); log_ratio <= std::log(1e6);
+       log_ratio += 1.0) {
+    ratios.push_back(std::exp(log_ratio));
+    edges.push_back(std::exp(0.5 * (log_ratio - 0.5)));
+  }
+  edges.push_back(std::sqrt(ratios.back()) * std::exp(0.25));
+  VectorXd log_weights(ratios.size());
+  for (std::size_t i = 0; i < ratios.size(); ++i) {
+    const NoiseShape shape = {.ratio = ratios[i]};
+    log_weights(static_cast<Eigen::Index>(i)) =
+        std::log(edges[i + 1] - edges[i]) -
+        0.5 *
+            RestrictedLikelihood(problem, f.fit.free, columns, shape).deviance;
+  }
+  std::vector<double> expected;
+  double total = 0.0;
+  for (const double log_weight : log_weights) {
+    const double weight = std::exp(log_weight - log_weights.maxCoeff());
+    if (weight <= 1e-3) continue;  // left out
+    expected.push_back(weight);
+    total += weight;
+  }
+  const auto estimates = IntegrateRatio(problem, f.fit, true);
+  ASSERT_EQ(estimates.size(), expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    EXPECT_NEAR(estimates[i].weight, expected[i] / total, 1e-9);
+  }
+}
+
 TEST(RatioIntegrationTest, WithoutDriftThereIsOneEstimate) {
   const Fitted f = FitRecords({.variance = 0.01}, 8);
   const auto estimates = IntegrateRatio(*f.setups[0].problem, f.fit, false);
