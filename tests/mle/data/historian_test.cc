@@ -327,6 +327,27 @@ TEST(HistorianTest, FinerRecordsAreAveragedWithoutDelay) {
   }
 }
 
+// Rows that do not divide a sample count by the time they stand for: an input
+// from its row to the next in [k, k + 1), an output as far as half the way to
+// its neighbours in [k − ½, k + ½).
+TEST(HistorianTest, MeansAreOverTime) {
+  std::string text = "time,level,steam\n";
+  for (int row = 0; row <= 40; ++row) {
+    absl::StrAppend(&text, 0.4 * row, ",", row * row, ",", row * row, "\n");
+  }
+  HistorianOptions options;
+  options.sample_time = 1.0;
+  const HistorianImport import = ImportOk(text, options);
+  EXPECT_TRUE(import.report.averaged);
+  const Record& record = import.records[0];
+  // Samples 1 and 2, from rows at 0.4, 0.8, 1.2, …
+  EXPECT_NEAR(record.inputs(0, 1), 0.2 * 4 + 0.4 * 9 + 0.4 * 16, 1e-9);
+  EXPECT_NEAR(record.inputs(0, 2), 0.4 * 25 + 0.4 * 36 + 0.2 * 49, 1e-9);
+  EXPECT_NEAR(record.outputs(0, 1), 0.1 * 1 + 0.4 * 4 + 0.4 * 9 + 0.1 * 16,
+              1e-9);
+  EXPECT_NEAR(record.outputs(0, 2), 0.3 * 16 + 0.4 * 25 + 0.3 * 36, 1e-9);
+}
+
 TEST(HistorianTest, UnevenRowsAreInterpolatedAndInputsHeld) {
   std::mt19937_64 engine(11);
   std::uniform_real_distribution<double> uniform(-0.3, 0.3);
