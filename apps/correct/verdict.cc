@@ -74,12 +74,14 @@ std::string Confirmation(const Result& result) {
   return text.empty() ? text : text + ".";
 }
 
-// Of combined, the second test may have found what the first did not.
+// Of the test that decided: where it found no change and there is one all the
+// same, that of whether the structure is enough.
 double PValue(const Result& result) {
   const Fit& fit = result.estimate.fit;
-  return fit.adequacy.has_value() && !fit.structured.change_proposed
-             ? fit.adequacy->p_value
-             : fit.test.p_value;
+  const bool by_structure = result.decision != Decision::kNoChange &&
+                            fit.adequacy.has_value() &&
+                            !fit.structured.change_proposed;
+  return by_structure ? fit.adequacy->p_value : fit.test.p_value;
 }
 
 bool HasChanged(const Result& result, int output, int input) {

@@ -101,6 +101,10 @@ TEST(MleCorrectTest, AModelThatIsRightIsLeftAlone) {
     EXPECT_EQ(Content(example.out + "/fopdt.json"),
               FormatProcessModel(*ReadProcessModel(example.model)));
     EXPECT_THAT(result["verdict"][0], HasSubstr("left alone"));
+    EXPECT_THAT(result["verdict"][0],
+                HasSubstr(absl::StrFormat(
+                    "(p = %#.2g for no change)",
+                    result["test_of_no_change"]["p_value"].get<double>())));
   }
 }
 
