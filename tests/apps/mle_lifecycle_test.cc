@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "absl/strings/str_split.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "tests/apps/command_runner.h"
@@ -14,6 +15,7 @@ namespace {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
+using ::testing::StartsWith;
 
 constexpr char kTank[] = R"({"name": "tank", "time_unit": "min",
   "inputs": [{"name": "steam", "unit": ""}],
@@ -102,6 +104,25 @@ TEST_F(MleLifecycleTest, WritesWhatItFound) {
   // The report stands without figures as well.
   EXPECT_THAT(Content(scratch_ / "out/report.html"),
               HasSubstr("what each policy costs"));
+}
+
+// As vector graphics, as a document's pictures, and in the page.
+TEST_F(MleLifecycleTest, DrawsCostsAndTheirCourse) {
+  const report::ProcessResult run =
+      Run("out", {"--ageing_rates=0.5,1", "--seeds=1", "--figures=true",
+                  "--policies=never,structured:1,structured:2,test:2,perfect"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(run.err.find("warning"), std::string::npos) << run.err;
+  const std::string page = Content(scratch_ / "out/report.html");
+  for (const char* const name :
+       {"cost_over_interval", "saving_map", "cost_over_rate", "over_time"}) {
+    SCOPED_TRACE(name);
+    const std::string stem = scratch_ / "out/" + name;
+    EXPECT_THAT(Content(stem + ".svg"), HasSubstr("</svg>"));
+    EXPECT_THAT(Content(stem + ".pdf"), StartsWith("%PDF"));
+  }
+  const std::vector<std::string> parts = absl::StrSplit(page, "<svg");
+  EXPECT_EQ(parts.size(), 5u);
 }
 
 TEST_F(MleLifecycleTest, SetPointsChangeAtControlInstants) {
