@@ -230,6 +230,48 @@ TEST(MleCorrectTest, GapsOutliersAndRoundingAreSaidAndSurvived) {
                 1e-3 * before["truth"]["E_initial"].get<double>());
 }
 
+// A window whose inputs are missing for a while is cut where its set-point
+// change is left, and left out where it is not.
+TEST(MleCorrectTest, WindowsWithoutInputsAreCutOrLeftOut) {
+  const Example example(WithHalvedGain());
+  const std::string text = *ReadFile(example.data);
+  const auto run = [&](double from, double to) {
+    std::vector<std::string> lines =
+        absl::StrSplit(text, '\n', absl::SkipEmpty());
+    const std::vector<std::string> names = absl::StrSplit(lines[0], ',');
+    for (std::size_t k = 1; k < lines.size(); ++k) {
+      std::vector<std::string> fields = absl::StrSplit(lines[k], ',');
+      double time = 0.0;
+      EXPECT_TRUE(absl::SimpleAtod(fields[0], &time));
+      if (time < from || time > to) continue;
+      for (std::size_t c = 0; c < names.size(); ++c) {
+        if (names[c] == "u1") fields[c].clear();
+      }
+      lines[k] = absl::StrJoin(fields, ",");
+    }
+    const std::string data = example.scratch.Write(
+        "missing.csv", absl::StrCat(absl::StrJoin(lines, "\n"), "\n"));
+    return Correct(CorrectionFlags(example.model, data, example.out,
+                                   {"--max_gap=1", "--truth=" + example.plant}),
+                   example.out);
+  };
+  const nlohmann::json whole = example.Run();
+  ASSERT_EQ(whole["windows"].size(), 2U);
+  const double end = whole["windows"][0]["to"];
+
+  const nlohmann::json cut = run(end - 10.0, end - 7.0);
+  EXPECT_THAT(cut["warnings"].dump(), HasSubstr("is cut to its longest part"));
+  ASSERT_EQ(cut["windows"].size(), 2U);
+  EXPECT_NEAR(cut["windows"][0]["to"].get<double>(), end - 10.0, 0.5);
+  EXPECT_LT(cut["truth"]["E_corrected"],
+            0.05 * cut["truth"]["E_initial"].get<double>());
+
+  const nlohmann::json left_out = run(59.0, 62.0);
+  EXPECT_THAT(left_out["warnings"].dump(),
+              HasSubstr("inputs are missing around its set-point change"));
+  EXPECT_EQ(left_out["windows"].size(), 1U);
+}
+
 // Now and then eight samples in a row of both outputs off by 15 to 45
 // deviations, to one side: the model finds what neighbours do not.
 TEST(MleCorrectTest, BurstsOfOutliersAreFoundByTheModel) {

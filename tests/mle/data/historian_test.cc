@@ -15,6 +15,7 @@
 namespace mle {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
@@ -385,6 +386,36 @@ TEST(HistorianTest, CoarserRowsAreInterpolatedWithAWarning) {
   options.sample_time = 1e-9;
   EXPECT_THAT(Error("time,level,steam\n0,0,1\n1,4,2\n2,0,3\n", options),
               HasSubstr("rows are 1 apart"));
+}
+
+TEST(HistorianTest, OptionsOutOfRangeAreNamed) {
+  const auto error = [](auto change) {
+    HistorianOptions options;
+    change(options);
+    return Error("time,level,steam\n0,0,1\n1,4,2\n", options);
+  };
+  using Options = HistorianOptions;
+  EXPECT_THAT(error([](Options& o) { o.separator = '|'; }),
+              AllOf(HasSubstr("separator"), HasSubstr("'|'"),
+                    HasSubstr("a comma, a semicolon or a tab")));
+  EXPECT_THAT(error([](Options& o) { o.decimal = '\''; }),
+              AllOf(HasSubstr("decimal"), HasSubstr("a point or a comma")));
+  EXPECT_THAT(error([](Options& o) { o.lines_above_header = -1; }),
+              AllOf(HasSubstr("lines_above_header"), HasSubstr("-1")));
+  EXPECT_THAT(error([](Options& o) { o.rows_below_header = -2; }),
+              AllOf(HasSubstr("rows_below_header"), HasSubstr("-2")));
+  EXPECT_THAT(error([](Options& o) { o.sample_time = -0.5; }),
+              AllOf(HasSubstr("sample_time"), HasSubstr("-0.5")));
+  EXPECT_THAT(error([](Options& o) { o.max_gap = HUGE_VAL; }),
+              AllOf(HasSubstr("max_gap"), HasSubstr("finite")));
+  EXPECT_THAT(error([](Options& o) {
+                o.keep = {{4.0, 5.0}, {1.0, 2.0}};
+              }),
+              AllOf(HasSubstr("keep"), HasSubstr("from 1 to 2")));
+  EXPECT_THAT(error([](Options& o) { o.max_samples = 1; }),
+              AllOf(HasSubstr("max_samples"), HasSubstr("at least 2")));
+  EXPECT_THAT(error([](Options& o) { o.limits.max_columns = 0; }),
+              AllOf(HasSubstr("limits"), HasSubstr("0 columns")));
 }
 
 TEST(HistorianTest, OnlyWhatIsWantedIsKept) {
