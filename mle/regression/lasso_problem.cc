@@ -55,8 +55,7 @@ LassoProblem MakeLassoProblem(LaggedMoments moments, Scaling scaling) {
   problem.correlation.noalias() -= mean * response_mean.transpose();
   for (int i = 0; i < problem.response_square.size(); ++i) {
     const double second_moment = problem.response_square(i);
-    const double variance =
-        second_moment - response_mean.row(i).squaredNorm();
+    const double variance = second_moment - response_mean.row(i).squaredNorm();
     const bool constant = variance <= ConstantTolerance(rows) * second_moment;
     problem.response_square(i) = constant ? 0.0 : variance;
     if (constant) problem.correlation.col(i).setZero();
