@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "absl/strings/numbers.h"
@@ -23,6 +24,7 @@
 namespace mle {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -228,6 +230,55 @@ TEST(MleCorrectTest, GapsOutliersAndRoundingAreSaidAndSurvived) {
   EXPECT_LT(result["truth"]["E_corrected"],
             3.0 * before["truth"]["E_corrected"].get<double>() +
                 1e-3 * before["truth"]["E_initial"].get<double>());
+}
+
+// Columns of other names and units, of a scale with an exponent and of one that
+// turns the sign, are the model's channels.
+TEST(MleCorrectTest, TagsAreMappedWithTheirUnits) {
+  const Example example(WithHalvedGain());
+  std::vector<std::string> lines =
+      absl::StrSplit(*ReadFile(example.data), '\n', absl::SkipEmpty());
+  const std::vector<std::string> names = absl::StrSplit(lines[0], ',');
+  for (std::string& line : lines) {
+    std::vector<std::string> fields = absl::StrSplit(line, ',');
+    for (std::size_t c = 0; c < names.size(); ++c) {
+      double value = 0.0;
+      const bool header = !absl::SimpleAtod(fields[c], &value);
+      if (names[c] == "y1") {
+        fields[c] =
+            header ? "TI 101" : absl::StrFormat("%.17g", (value - 5) / 0.2);
+      } else if (names[c] == "u1") {
+        fields[c] = header ? "FC-7.OP" : absl::StrFormat("%.17g", -value);
+      }
+    }
+    line = absl::StrJoin(fields, ",");
+  }
+  const std::string data = example.scratch.Write(
+      "tags.csv", absl::StrCat(absl::StrJoin(lines, "\n"), "\n"));
+  const auto correct = [&](const std::string& tags) {
+    return RunTested(
+        CorrectionFlags(example.model, data, example.out,
+                        {"--tags=" + tags, "--truth=" + example.plant}));
+  };
+  const nlohmann::json before = example.Run();
+  ASSERT_EQ(correct("TI 101=y1*2e-1+5,FC-7.OP=u1*-1").exit_code, 0);
+  const nlohmann::json after = ParsedJson(example.out + "/result.json");
+  EXPECT_EQ(after["decision"], "corrected");
+  EXPECT_NEAR(ElementOf(after, "y1", "u1")["gain_ratio"],
+              ElementOf(before, "y1", "u1")["gain_ratio"].get<double>(), 1e-6);
+  EXPECT_NEAR(after["truth"]["E_corrected"],
+              before["truth"]["E_corrected"].get<double>(),
+              1e-6 * before["truth"]["E_initial"].get<double>());
+
+  for (const auto& [tags, message] :
+       {std::pair("y1", "not of the form TAG=CHANNEL"),
+        {"TI 101=y7*2", "'y7' is no input, output"},
+        {"TI 101=y1*two", "*SCALE+OFFSET is expected"},
+        {"TI 101=y1*2+", "*SCALE+OFFSET is expected"}}) {
+    const report::ProcessResult run = correct(tags);
+    EXPECT_EQ(run.exit_code, 2) << tags;
+    EXPECT_THAT(run.err, AllOf(HasSubstr("--tags"), HasSubstr(message)));
+  }
 }
 
 // A window whose inputs are missing for a while is cut where its set-point

@@ -218,6 +218,24 @@ TEST_F(MleLifecycleTest, OtherSettingsAreSimulatedAnew) {
   EXPECT_NE(Content(scratch_ / "out/lifecycle.csv"), before);
 }
 
+// A plant that never was what the model says: to be right pays from the
+// beginning, and windows that are too old are not used.
+TEST_F(MleLifecycleTest, ThePlantMayDifferFromTheModelFromTheBeginning) {
+  std::string other = kTank;
+  other.replace(other.find("\"gain\": 2"), 9, "\"gain\": 3");
+  const std::string plant = scratch_.Write("plant.json", other);
+  const report::ProcessResult run =
+      Run("out", {"--plant=" + plant, "--ageing_rates=0", "--window_age=12d",
+                  "--test_move=0.7", "--policies=never,structured:1,perfect"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const nlohmann::json result = ParsedJson(scratch_ / "out/result.json");
+  const nlohmann::json& policies = result.at("rates").at(0).at("policies");
+  EXPECT_GT(policies.at(0).at("distance"), 0.0);
+  EXPECT_LT(policies.at(1).at("distance"),
+            0.8 * policies.at(0).at("distance").get<double>());
+  EXPECT_EQ(policies.at(2).at("distance"), 0.0);
+}
+
 TEST_F(MleLifecycleTest, MistakesNameTheFlagAndWhatWouldBeRight) {
   EXPECT_THAT(Message({"--model=/none.json"}),
               HasSubstr("--model: cannot open '/none.json'"));
@@ -240,6 +258,29 @@ TEST_F(MleLifecycleTest, MistakesNameTheFlagAndWhatWouldBeRight) {
               HasSubstr("--solver=simplex: known are homotopy"));
   EXPECT_THAT(Message({"--robust=tukey"}),
               HasSubstr("--robust=tukey: known are none, huber"));
+  EXPECT_THAT(Message({"--ageing_rates=1,1"}),
+              HasSubstr("--ageing_rates: '1' stands twice"));
+  EXPECT_THAT(Message({"--ageing_rates="}),
+              HasSubstr("--ageing_rates: names no rate"));
+  EXPECT_THAT(Message({"--plant=/none.json"}),
+              HasSubstr("--plant: cannot open '/none.json'"));
+  EXPECT_THAT(Message({"--window_age=soon"}),
+              HasSubstr("--window_age: 'soon'"));
+  EXPECT_THAT(Message({"--test_move=0"}), HasSubstr("--test_move=0"));
+  EXPECT_THAT(Message({"--first_seed=18446744073709551615"}),
+              HasSubstr("--first_seed=18446744073709551615"));
+  EXPECT_THAT(Message({"--years=0"}), HasSubstr("--years=0"));
+  EXPECT_THAT(Message({"--windows=0"}), HasSubstr("--windows=0"));
+  EXPECT_THAT(Message({"--test_cycles=0"}), HasSubstr("--test_cycles=0"));
+  EXPECT_THAT(Message({"--validation_folds=1"}),
+              HasSubstr("--validation_folds=1"));
+  EXPECT_THAT(Message({"--conversion_samples=1"}),
+              HasSubstr("--conversion_samples=1"));
+  EXPECT_THAT(Message({"--watch_limit=0.5"}), HasSubstr("--watch_limit=0.5"));
+  EXPECT_THAT(Message({"--false_alarm_probability=1"}),
+              HasSubstr("--false_alarm_probability=1"));
+  EXPECT_THAT(Message({"--test_hold=-1"}), HasSubstr("--test_hold=-1"));
+  EXPECT_THAT(Message({"--threads=-1"}), HasSubstr("--threads=-1"));
   EXPECT_THAT(Message({"--disturbance_time=x"}),
               HasSubstr("--disturbance_time: 'x'"));
   EXPECT_THAT(Message({"--prediction_horizon=2"}),
