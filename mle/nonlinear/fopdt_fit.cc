@@ -6,18 +6,18 @@
 #include <limits>
 #include <utility>
 
-#include "Eigen/Eigenvalues"
+#include "Eigen/Core"
 #include "absl/strings/str_cat.h"
 #include "ceres/ceres.h"
 #include "glog/logging.h"
 #include "mle/base/status.h"
 #include "mle/nonlinear/fopdt_grid.h"
+#include "mle/nonlinear/unit_errors.h"
 
 namespace mle {
 namespace {
 
 using Response = Eigen::Ref<const Eigen::VectorXd>;
-using Jacobian = Eigen::Matrix<double, Eigen::Dynamic, 3>;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -155,30 +155,6 @@ Refined RefineBest(const Response& response, const FopdtBounds& bounds,
   return best;
 }
 
-// Square roots of the diagonal of (JᵀJ)⁻¹; infinite for a parameter that has a
-// part in a direction without effect.
-Eigen::Vector3d UnitErrors(const Jacobian& jacobian) {
-  const Eigen::Vector3d norms = jacobian.colwise().norm();
-  const Eigen::Vector3d scales =
-      norms.unaryExpr([](double norm) { return norm > 0.0 ? norm : 1.0; });
-  const Jacobian scaled = jacobian * scales.cwiseInverse().asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(
-      scaled.transpose() * scaled);
-  Eigen::Vector3d variances = Eigen::Vector3d::Zero();
-  for (int i = 0; i < 3; ++i) {
-    const bool has_effect = eigen.eigenvalues()(i) > 1e-14;
-    for (int j = 0; j < 3; ++j) {
-      const double part = std::pow(eigen.eigenvectors()(j, i), 2);
-      if (has_effect) {
-        variances(j) += part / eigen.eigenvalues()(i);
-      } else if (part > 1e-12) {
-        variances(j) = kInfinity;
-      }
-    }
-  }
-  return variances.cwiseSqrt().cwiseQuotient(scales);
-}
-
 bool IsPoor(const FopdtFit& fit, const FopdtOptions& options,
             double max_time_constant) {
   return fit.termination == FopdtTermination::kFailed ||
@@ -193,7 +169,7 @@ FopdtFit MakeFit(const Response& response, const Refined& refined, double scale,
                  double sample_time) {
   const Eigen::Index n = response.size();
   Eigen::VectorXd residuals(n);
-  Jacobian jacobian(n, 3);
+  Eigen::MatrixXd jacobian(n, 3);
   Evaluate(
       response, refined.parameters, residuals.data(),
       {jacobian.col(0).data(), jacobian.col(1).data(), jacobian.col(2).data()});

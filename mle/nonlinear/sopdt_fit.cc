@@ -6,10 +6,11 @@
 #include <utility>
 #include <vector>
 
-#include "Eigen/Eigenvalues"
+#include "Eigen/Core"
 #include "absl/strings/str_cat.h"
 #include "ceres/ceres.h"
 #include "mle/base/status.h"
+#include "mle/nonlinear/unit_errors.h"
 
 namespace mle {
 namespace {
@@ -151,29 +152,6 @@ Refined Refine(const Response& response, Parameters x, const Bounds& bounds,
       const Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::RowMajor>>(
       rows.values.data(), rows.num_rows, 4);
   return refined;
-}
-
-// Square roots of the diagonal of (JᵀJ)⁻¹; infinite for what has a part in a
-// direction without effect.
-Eigen::Vector4d UnitErrors(const MatrixXd& jacobian) {
-  const Eigen::Vector4d scales =
-      jacobian.colwise().norm().transpose().cwiseMax(1e-300);
-  const MatrixXd scaled = jacobian * scales.cwiseInverse().asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(scaled.transpose() *
-                                                      scaled);
-  Eigen::Vector4d variances = Eigen::Vector4d::Zero();
-  for (int i = 0; i < 4; ++i) {
-    const bool has_effect = eigen.eigenvalues()(i) > 1e-14;
-    for (int j = 0; j < 4; ++j) {
-      const double part = std::pow(eigen.eigenvectors()(j, i), 2);
-      if (has_effect) {
-        variances(j) += part / eigen.eigenvalues()(i);
-      } else if (part > 1e-12) {
-        variances(j) = kInfinity;
-      }
-    }
-  }
-  return variances.cwiseSqrt().cwiseQuotient(scales);
 }
 
 SopdtFit MakeFit(const Response& response, const Refined& refined, double scale,
