@@ -262,8 +262,10 @@ absl::StatusOr<MatrixXd> ExpectedOutputs(
   MLE_RETURN_IF_ERROR(CheckShapes(model, noise, record));
   MatrixXd expected(model.num_outputs(), record.samples());
   for (int i = 0; i < model.num_outputs(); ++i) {
-    MLE_ASSIGN_OR_RETURN(expected.row(i),
+    MLE_ASSIGN_OR_RETURN(const VectorXd one,
                          ExpectedOutput(model, noise[i], record, i));
+    // Without samples there is no row to be filled.
+    if (one.size() > 0) expected.row(i) = one;
   }
   return expected;
 }

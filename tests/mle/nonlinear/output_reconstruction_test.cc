@@ -250,6 +250,17 @@ TEST(ExpectedOutputsTest, IsNotKnownWithoutInputs) {
   EXPECT_LT(errors.rightCols(100).cwiseAbs().mean(), 0.05);
 }
 
+TEST(ExpectedOutputsTest, OfNoSamplesIsEmpty) {
+  Record record = MakeRecord(TwoElements(), 10, 4, {});
+  record.outputs.resize(1, 0);
+  record.inputs.resize(2, 0);
+  const auto expected =
+      ExpectedOutputs(TwoElements(), {NoiseEstimate()}, record);
+  ASSERT_TRUE(expected.ok()) << expected.status();
+  EXPECT_EQ(expected->rows(), 1);
+  EXPECT_EQ(expected->cols(), 0);
+}
+
 TEST(ExpectedOutputsTest, SaysWhatIsWrong) {
   const ProcessModel model = TwoElements();
   const Record record = MakeRecord(model, 300, 4, {.variance = 1e-4});
