@@ -16,6 +16,12 @@ std::string ElementJson(const char* output, const char* input,
 
 }  // namespace
 
+Heater WithHalvedGain() {
+  Heater aged;
+  aged.first.gain = 1.0;
+  return aged;
+}
+
 std::string HeaterJson(const Heater& heater, const std::string& time_unit,
                        double time_factor) {
   return absl::StrFormat(

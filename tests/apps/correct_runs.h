@@ -46,6 +46,28 @@ std::vector<std::string> CorrectionFlags(
 nlohmann::json Correct(const std::vector<std::string>& flags,
                        const std::string& folder, int exit_code = 0);
 
+// The plant once the gain of its first pair has halved.
+Heater WithHalvedGain();
+
+// A model, an aged plant, and a record of it.
+struct HeaterExample {
+  explicit HeaterExample(const Heater& aged,
+                         const std::vector<std::string>& more = {})
+      : model(scratch.Write("model.json", HeaterJson(Heater()))),
+        plant(scratch.Write("plant.json", HeaterJson(aged))),
+        data(SimulateHeater(scratch, "run.csv", model, plant, more)),
+        out(scratch / "out") {}
+
+  nlohmann::json Run(std::vector<std::string> more = {},
+                     int exit_code = 0) const {
+    more.push_back("--truth=" + plant);
+    return Correct(CorrectionFlags(model, data, out, more), out, exit_code);
+  }
+
+  const ScratchFolder scratch;
+  std::string model, plant, data, out;
+};
+
 // The entry of a pair in result.json.
 nlohmann::json ElementOf(const nlohmann::json& result,
                          const std::string& output, const std::string& input);

@@ -1,18 +1,13 @@
 // mle_correct as its users call it.
 
-#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "absl/strings/numbers.h"
-#include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "absl/strings/str_join.h"
 #include "absl/strings/str_replace.h"
-#include "absl/strings/str_split.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "mle/base/file.h"
@@ -24,37 +19,11 @@
 namespace mle {
 namespace {
 
-using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-Heater WithHalvedGain() {
-  Heater aged;
-  aged.first.gain = 1.0;
-  return aged;
-}
-
-// A model, an aged plant, and a record of it.
-struct Example {
-  explicit Example(const Heater& aged,
-                   const std::vector<std::string>& more = {})
-      : model(scratch.Write("model.json", HeaterJson(Heater()))),
-        plant(scratch.Write("plant.json", HeaterJson(aged))),
-        data(SimulateHeater(scratch, "run.csv", model, plant, more)),
-        out(scratch / "out") {}
-
-  nlohmann::json Run(std::vector<std::string> more = {},
-                     int exit_code = 0) const {
-    more.push_back("--truth=" + plant);
-    return Correct(CorrectionFlags(model, data, out, more), out, exit_code);
-  }
-
-  const ScratchFolder scratch;
-  std::string model, plant, data, out;
-};
-
 TEST(MleCorrectTest, AChangedGainIsFoundAndCorrected) {
-  const Example example(WithHalvedGain());
+  const HeaterExample example(WithHalvedGain());
   const nlohmann::json result = example.Run();
   EXPECT_EQ(result["version"], 1);
   EXPECT_EQ(result["decision"], "corrected");
@@ -81,7 +50,7 @@ TEST(MleCorrectTest, SeveralChangesOfAllKindsAreCorrected) {
   Heater aged;
   aged.first.delay = 3.0;
   aged.fourth.time_constant = 8.0;
-  const Example example(aged);
+  const HeaterExample example(aged);
   const nlohmann::json result = example.Run();
   EXPECT_EQ(result["decision"], "corrected");
   EXPECT_NEAR(ElementOf(result, "y1", "u1")["delay_shift"], 2.0, 0.4);
@@ -95,7 +64,7 @@ TEST(MleCorrectTest, SeveralChangesOfAllKindsAreCorrected) {
 TEST(MleCorrectTest, AModelThatIsRightIsLeftAlone) {
   for (const char* const drift : {"0", "1e-6"}) {
     SCOPED_TRACE(drift);
-    const Example example(
+    const HeaterExample example(
         Heater(), {"--drift_variance=" + std::string(drift), "--seed=4"});
     const nlohmann::json result = example.Run();
     EXPECT_EQ(result["decision"], "no_change");
@@ -111,7 +80,7 @@ TEST(MleCorrectTest, AModelThatIsRightIsLeftAlone) {
 }
 
 TEST(MleCorrectTest, TheFilesAgreeWithEachOther) {
-  const Example example(WithHalvedGain());
+  const HeaterExample example(WithHalvedGain());
   const nlohmann::json result = example.Run();
   const absl::StatusOr<ProcessModel> fopdt =
       ReadProcessModel(example.out + "/fopdt.json");
@@ -151,7 +120,7 @@ TEST(MleCorrectTest, TheFilesAgreeWithEachOther) {
 }
 
 TEST(MleCorrectTest, TheArxModelHasTheStepResponsesOfTheProcessModel) {
-  const Example example(WithHalvedGain());
+  const HeaterExample example(WithHalvedGain());
   const nlohmann::json result = example.Run({"--conversion_samples=30000"});
   const nlohmann::json file = ParsedJson(example.out + "/arx.json");
   ArxModel arx;
@@ -204,8 +173,8 @@ TEST(MleCorrectTest, AnInputThatDoesNotMoveKeepsItsElements) {
 }
 
 TEST(MleCorrectTest, OneWindowIsEnoughAndItsLimitsAreSaid) {
-  const Example example(WithHalvedGain(),
-                        {"--setpoints=y1:60:1", "--duration=140"});
+  const HeaterExample example(WithHalvedGain(),
+                              {"--setpoints=y1:60:1", "--duration=140"});
   const nlohmann::json result = example.Run();
   EXPECT_EQ(result["decision"], "corrected");
   EXPECT_EQ(result["windows"].size(), 1u);
@@ -214,173 +183,13 @@ TEST(MleCorrectTest, OneWindowIsEnoughAndItsLimitsAreSaid) {
   EXPECT_FALSE(result["warnings"].empty());
 }
 
-TEST(MleCorrectTest, GapsOutliersAndRoundingAreSaidAndSurvived) {
-  const Example clean(WithHalvedGain());
-  const Example faulty(
-      WithHalvedGain(),
-      {"--lost_probability=0.05", "--lost_input_probability=0.02",
-       "--outlier_probability=0.01", "--outlier_size=1", "--quantum=0.003",
-       "--faults_only_in_record"});
-  const nlohmann::json before = clean.Run();
-  const nlohmann::json result = faulty.Run();
-  EXPECT_EQ(result["decision"], "corrected");
-  EXPECT_GT(result["channels"][0]["bad"], 20);
-  EXPECT_GT(result["channels"][0]["outliers"], 1);
-  // In units of the initial distance: the same noise, fewer samples.
-  EXPECT_LT(result["truth"]["E_corrected"],
-            3.0 * before["truth"]["E_corrected"].get<double>() +
-                1e-3 * before["truth"]["E_initial"].get<double>());
-}
-
-// Columns of other names and units, of a scale with an exponent and of one that
-// turns the sign, are the model's channels.
-TEST(MleCorrectTest, TagsAreMappedWithTheirUnits) {
-  const Example example(WithHalvedGain());
-  std::vector<std::string> lines =
-      absl::StrSplit(*ReadFile(example.data), '\n', absl::SkipEmpty());
-  const std::vector<std::string> names = absl::StrSplit(lines[0], ',');
-  for (std::string& line : lines) {
-    std::vector<std::string> fields = absl::StrSplit(line, ',');
-    for (std::size_t c = 0; c < names.size(); ++c) {
-      double value = 0.0;
-      const bool header = !absl::SimpleAtod(fields[c], &value);
-      if (names[c] == "y1") {
-        fields[c] =
-            header ? "TI 101" : absl::StrFormat("%.17g", (value - 5) / 0.2);
-      } else if (names[c] == "u1") {
-        fields[c] = header ? "FC-7.OP" : absl::StrFormat("%.17g", -value);
-      }
-    }
-    line = absl::StrJoin(fields, ",");
-  }
-  const std::string data = example.scratch.Write(
-      "tags.csv", absl::StrCat(absl::StrJoin(lines, "\n"), "\n"));
-  const auto correct = [&](const std::string& tags) {
-    return RunTested(
-        CorrectionFlags(example.model, data, example.out,
-                        {"--tags=" + tags, "--truth=" + example.plant}));
-  };
-  const nlohmann::json before = example.Run();
-  ASSERT_EQ(correct("TI 101=y1*2e-1+5,FC-7.OP=u1*-1").exit_code, 0);
-  const nlohmann::json after = ParsedJson(example.out + "/result.json");
-  EXPECT_EQ(after["decision"], "corrected");
-  EXPECT_NEAR(ElementOf(after, "y1", "u1")["gain_ratio"],
-              ElementOf(before, "y1", "u1")["gain_ratio"].get<double>(), 1e-6);
-  EXPECT_NEAR(after["truth"]["E_corrected"],
-              before["truth"]["E_corrected"].get<double>(),
-              1e-6 * before["truth"]["E_initial"].get<double>());
-
-  for (const auto& [tags, message] :
-       {std::pair("y1", "not of the form TAG=CHANNEL"),
-        {"TI 101=y7*2", "'y7' is no input, output"},
-        {"TI 101=y1*two", "*SCALE+OFFSET is expected"},
-        {"TI 101=y1*2+", "*SCALE+OFFSET is expected"}}) {
-    const report::ProcessResult run = correct(tags);
-    EXPECT_EQ(run.exit_code, 2) << tags;
-    EXPECT_THAT(run.err, AllOf(HasSubstr("--tags"), HasSubstr(message)));
-  }
-}
-
-// A window whose inputs are missing for a while is cut where its set-point
-// change is left, and left out where it is not.
-TEST(MleCorrectTest, WindowsWithoutInputsAreCutOrLeftOut) {
-  const Example example(WithHalvedGain());
-  const std::string text = *ReadFile(example.data);
-  const auto run = [&](double from, double to) {
-    std::vector<std::string> lines =
-        absl::StrSplit(text, '\n', absl::SkipEmpty());
-    const std::vector<std::string> names = absl::StrSplit(lines[0], ',');
-    for (std::size_t k = 1; k < lines.size(); ++k) {
-      std::vector<std::string> fields = absl::StrSplit(lines[k], ',');
-      double time = 0.0;
-      EXPECT_TRUE(absl::SimpleAtod(fields[0], &time));
-      if (time < from || time > to) continue;
-      for (std::size_t c = 0; c < names.size(); ++c) {
-        if (names[c] == "u1") fields[c].clear();
-      }
-      lines[k] = absl::StrJoin(fields, ",");
-    }
-    const std::string data = example.scratch.Write(
-        "missing.csv", absl::StrCat(absl::StrJoin(lines, "\n"), "\n"));
-    return Correct(CorrectionFlags(example.model, data, example.out,
-                                   {"--max_gap=1", "--truth=" + example.plant}),
-                   example.out);
-  };
-  const nlohmann::json whole = example.Run();
-  ASSERT_EQ(whole["windows"].size(), 2U);
-  const double end = whole["windows"][0]["to"];
-
-  const nlohmann::json cut = run(end - 10.0, end - 7.0);
-  EXPECT_THAT(cut["warnings"].dump(), HasSubstr("is cut to its longest part"));
-  ASSERT_EQ(cut["windows"].size(), 2U);
-  EXPECT_NEAR(cut["windows"][0]["to"].get<double>(), end - 10.0, 0.5);
-  EXPECT_LT(cut["truth"]["E_corrected"],
-            0.05 * cut["truth"]["E_initial"].get<double>());
-
-  const nlohmann::json left_out = run(59.0, 62.0);
-  EXPECT_THAT(left_out["warnings"].dump(),
-              HasSubstr("inputs are missing around its set-point change"));
-  EXPECT_EQ(left_out["windows"].size(), 1U);
-}
-
-// Now and then eight samples in a row of both outputs off by 15 to 45
-// deviations, to one side: the model finds what neighbours do not.
-TEST(MleCorrectTest, BurstsOfOutliersAreFoundByTheModel) {
-  const Example example(WithHalvedGain());
-  std::vector<std::string> lines =
-      absl::StrSplit(*ReadFile(example.data), '\n', absl::SkipEmpty());
-  const std::vector<std::string> names = absl::StrSplit(lines[0], ',');
-  int spoilt = 0;
-  for (std::size_t k = 20; k + 60 < lines.size(); k += 97) {
-    const double side = k % 2 == 0 ? 1.0 : -1.0;
-    for (std::size_t i = k; i < k + 8; ++i) {
-      std::vector<std::string> fields = absl::StrSplit(lines[i], ',');
-      for (std::size_t c = 0; c < names.size(); ++c) {
-        if (names[c] != "y1" && names[c] != "y2") continue;
-        double value = 0.0;
-        ASSERT_TRUE(absl::SimpleAtod(fields[c], &value));
-        const double size = 0.5 + 0.125 * static_cast<double>((i * 7 + c) % 8);
-        fields[c] = absl::StrCat(value + side * size);
-      }
-      lines[i] = absl::StrJoin(fields, ",");
-      ++spoilt;
-    }
-  }
-  for (const char* const estimator :
-       {"--estimator=structured", "--estimator=arx"}) {
-    SCOPED_TRACE(estimator);
-    const std::vector<std::string> flags = {estimator,
-                                            "--conversion_samples=20000"};
-    const nlohmann::json clean = Example(WithHalvedGain()).Run(flags);
-    EXPECT_FALSE(clean["channels"][0].contains("outliers_by_model"));
-    const std::string data = example.scratch.Write(
-        "spoilt.csv", absl::StrCat(absl::StrJoin(lines, "\n"), "\n"));
-    std::vector<std::string> all = flags;
-    all.push_back("--truth=" + example.plant);
-    const nlohmann::json result = Correct(
-        CorrectionFlags(example.model, data, example.out, all), example.out);
-    EXPECT_EQ(result["decision"], "corrected");
-    for (int i = 0; i < 2; ++i) {
-      const int found = result["channels"][i]["outliers"].get<int>() +
-                        result["channels"][i]["outliers_by_model"].get<int>();
-      EXPECT_GT(result["channels"][i]["outliers_by_model"], 0);
-      // Some lie outside the windows.
-      EXPECT_GT(found, spoilt / 2);
-      EXPECT_LE(found, spoilt + 2);
-    }
-    EXPECT_LT(result["truth"]["E_corrected"],
-              3.0 * clean["truth"]["E_corrected"].get<double>() +
-                  1e-3 * clean["truth"]["E_initial"].get<double>());
-  }
-}
-
 TEST(MleCorrectTest, ADisturbanceNeverMakesTheModelWorse) {
   // Steps of outputs that nobody measures, half as large as the set points'.
   for (const char* const seed : {"1", "2", "3", "4"}) {
     SCOPED_TRACE(seed);
-    const Example example(Heater(), {"--disturbance_step_rate=0.02",
-                                     "--disturbance_step_deviation=0.5",
-                                     "--seed=" + std::string(seed)});
+    const HeaterExample example(Heater(), {"--disturbance_step_rate=0.02",
+                                           "--disturbance_step_deviation=0.5",
+                                           "--seed=" + std::string(seed)});
     const report::ProcessResult run =
         RunTested(CorrectionFlags(example.model, example.data, example.out,
                                   {"--truth=" + example.plant}));
@@ -415,7 +224,7 @@ TEST(MleCorrectTest, AnotherTimeUnitGivesTheSameModel) {
 }
 
 TEST(MleCorrectTest, TheArxEstimatorCorrectsToo) {
-  const Example example(WithHalvedGain());
+  const HeaterExample example(WithHalvedGain());
   const nlohmann::json result =
       example.Run({"--estimator=arx", "--conversion_samples=20000"});
   EXPECT_EQ(result["decision"], "corrected");
@@ -423,7 +232,7 @@ TEST(MleCorrectTest, TheArxEstimatorCorrectsToo) {
   EXPECT_LE(result["certificate"]["max_relative_duality_gap"], 1e-6);
   EXPECT_LT(result["truth"]["E_corrected"],
             0.1 * result["truth"]["E_initial"].get<double>());
-  const Example right{Heater()};
+  const HeaterExample right{Heater()};
   const nlohmann::json kept =
       right.Run({"--estimator=arx", "--conversion_samples=20000"});
   EXPECT_EQ(kept["decision"], "no_change");
@@ -432,7 +241,7 @@ TEST(MleCorrectTest, TheArxEstimatorCorrectsToo) {
 // Ceres solves what the path solves; a robust loss is another problem, near by
 // where nothing is wrong with the records.
 TEST(MleCorrectTest, SolversAgreeAndLossesAreTaken) {
-  const Example example(WithHalvedGain());
+  const HeaterExample example(WithHalvedGain());
   const std::vector<std::string> arx = {"--estimator=arx",
                                         "--conversion_samples=20000"};
   const auto run = [&](const std::string& flag) {
@@ -484,7 +293,7 @@ TEST(MleCorrectTest, AnElementOfAnotherShapeIsCorrectedOrRefused) {
 }
 
 TEST(MleCorrectTest, TheResultDoesNotDependOnTheThreads) {
-  const Example example(WithHalvedGain());
+  const HeaterExample example(WithHalvedGain());
   const auto without_flags = [&](const char* threads) {
     nlohmann::json result = example.Run({std::string("--threads=") + threads});
     result.erase("flags");
@@ -496,7 +305,7 @@ TEST(MleCorrectTest, TheResultDoesNotDependOnTheThreads) {
 }
 
 TEST(MleCorrectTest, TheDryRunWritesNothing) {
-  const Example example(WithHalvedGain());
+  const HeaterExample example(WithHalvedGain());
   const report::ProcessResult run = RunTested(
       CorrectionFlags(example.model, example.data, example.out, {"--dry_run"}));
   EXPECT_EQ(run.exit_code, 0) << run.err;
@@ -538,7 +347,7 @@ TEST(MleCorrectTest, NamesAreTextWhateverTheyHold) {
 }
 
 TEST(MleCorrectTest, ChecksumsAndFlagsTieTheResultToItsInputs) {
-  const Example example(WithHalvedGain());
+  const HeaterExample example(WithHalvedGain());
   const nlohmann::json result = example.Run({"--seed=7"});
   EXPECT_EQ(result["inputs"]["data"][0]["path"], example.data);
   EXPECT_EQ(result["inputs"]["data"][0]["bytes"],
@@ -552,7 +361,7 @@ TEST(MleCorrectTest, ChecksumsAndFlagsTieTheResultToItsInputs) {
 }
 
 TEST(MleCorrectTest, NothingThatIsWrittenIsNotANumber) {
-  const Example example(WithHalvedGain(), {"--lost_probability=0.3"});
+  const HeaterExample example(WithHalvedGain(), {"--lost_probability=0.3"});
   example.Run();
   for (const char* const file :
        {"result.json", "arx.json", "fopdt.json", "step_response.csv"}) {

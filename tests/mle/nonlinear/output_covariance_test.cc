@@ -4,7 +4,7 @@
 #include "Eigen/LU"
 #include "gtest/gtest.h"
 #include "mle/nonlinear/output_fit.h"
-#include "mle/nonlinear/structured_setup.h"
+#include "tests/mle/nonlinear/fitted_output.h"
 #include "tests/mle/nonlinear/structured_records.h"
 
 namespace mle {
@@ -13,27 +13,14 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-struct Fitted {
-  std::vector<OutputSetup> setups;
-  OutputFit fit;
-
-  const OutputErrorProblem& problem() const { return *setups[0].problem; }
-};
-
 // Dead times between samples: the response has a kink where one is a whole
 // number of them.
-Fitted FitRecords(unsigned seed, const RecordNoise& record_noise = {
-                                     .variance = 0.01, .increment = 1e-4}) {
+FittedOutput FitRecords(unsigned seed,
+                        const RecordNoise& noise = {.variance = 0.01,
+                                                    .increment = 1e-4}) {
   ProcessModel model = TwoElements();
   model.element(0, 0) = TransferFunction::FirstOrder(2.0, 4.0, 1.2);
-  const auto records = MakeRecords(model, 400, seed, record_noise);
-  auto setups = SetUpOutputs(model, records, {});
-  EXPECT_TRUE(setups.ok()) << setups.status();
-  Fitted fitted{*std::move(setups), {}};
-  const OutputSetup& setup = fitted.setups[0];
-  fitted.fit =
-      FitOutput(*setup.problem, setup.start, {true, true}, setup.bounds, {});
-  return fitted;
+  return FitRecords(model, noise, seed);
 }
 
 VectorXd Residuals(const OutputErrorProblem& problem, OutputPoint point,
@@ -47,7 +34,7 @@ VectorXd Residuals(const OutputErrorProblem& problem, OutputPoint point,
 // exact: J leaves out how the estimates of what is eliminated (initial states)
 // move with T, which counts with the residuals.
 TEST(OutputCovarianceTest, IsTheInverseOfInformationInUnitsOfTheParameters) {
-  const Fitted f = FitRecords(1, {});
+  const FittedOutput f = FitRecords(1, {});
   NoiseEstimate noise;
   noise.variance = 0.01;
   noise.ratio = 1e-2;
@@ -84,7 +71,7 @@ TEST(OutputCovarianceTest, IsTheInverseOfInformationInUnitsOfTheParameters) {
 
 // What is held has none; what stands in no relation to the record, any.
 TEST(OutputCovarianceTest, HeldElementsAndUnexcitedOnes) {
-  const Fitted f = FitRecords(2);
+  const FittedOutput f = FitRecords(2);
   const OutputCovariance held =
       ComputeCovariance(f.problem(), f.fit.point, {true, false}, f.fit.noise);
   EXPECT_EQ(held.rank, 3);
@@ -103,7 +90,7 @@ TEST(OutputCovarianceTest, HeldElementsAndUnexcitedOnes) {
 // A variance known as well as n squares tell it has n degrees of freedom; each
 // part of its variance adds: 2/ν = 2/n + (d ln V / d ln ρ · σ)².
 TEST(OutputCovarianceTest, DegreesOfFreedomAreSatterthwaites) {
-  const Fitted f = FitRecords(3);
+  const FittedOutput f = FitRecords(3);
   const double n = f.problem().num_innovations(ShapeOf(f.fit.noise));
   NoiseEstimate noise = f.fit.noise;
   ASSERT_GT(noise.ratio, 0.0);

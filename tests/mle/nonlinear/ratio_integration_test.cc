@@ -3,7 +3,7 @@
 
 #include "gtest/gtest.h"
 #include "mle/nonlinear/output_fit.h"
-#include "mle/nonlinear/structured_setup.h"
+#include "tests/mle/nonlinear/fitted_output.h"
 #include "tests/mle/nonlinear/structured_records.h"
 
 namespace mle {
@@ -11,20 +11,8 @@ namespace {
 
 using Eigen::VectorXd;
 
-struct Fitted {
-  std::vector<OutputSetup> setups;
-  OutputFit fit;
-};
-
-Fitted FitRecords(const RecordNoise& noise, unsigned seed) {
-  const ProcessModel model = TwoElements();
-  auto setups = SetUpOutputs(model, MakeRecords(model, 400, seed, noise), {});
-  EXPECT_TRUE(setups.ok()) << setups.status();
-  Fitted fitted{*std::move(setups), {}};
-  const OutputSetup& setup = fitted.setups[0];
-  fitted.fit =
-      FitOutput(*setup.problem, setup.start, {true, true}, setup.bounds, {});
-  return fitted;
+FittedOutput FitRecords(const RecordNoise& noise, unsigned seed) {
+  return FitRecords(TwoElements(), noise, seed);
 }
 
 VectorXd Mean(const std::vector<RatioEstimate>& estimates) {
@@ -35,8 +23,9 @@ VectorXd Mean(const std::vector<RatioEstimate>& estimates) {
 
 TEST(RatioIntegrationTest, WeightsAreAProbability) {
   for (const double increment : {0.0, 1e-6, 1e-4}) {
-    const Fitted f = FitRecords({.variance = 0.01, .increment = increment}, 3);
-    const auto estimates = IntegrateRatio(*f.setups[0].problem, f.fit, true);
+    const FittedOutput f =
+        FitRecords({.variance = 0.01, .increment = increment}, 3);
+    const auto estimates = IntegrateRatio(f.problem(), f.fit, true);
     double total = 0.0;
     for (const RatioEstimate& e : estimates) {
       EXPECT_GT(e.weight, 0.0);
@@ -54,18 +43,17 @@ TEST(RatioIntegrationTest, WeightsAreAProbability) {
 
 // A step of Gauss and Newton to another ratio is where the fit under it ends.
 TEST(RatioIntegrationTest, ChangesAreThoseOfRefits) {
-  const Fitted f = FitRecords({.variance = 0.01, .increment = 1e-4}, 4);
-  const OutputErrorProblem& problem = *f.setups[0].problem;
+  const FittedOutput f = FitRecords({.variance = 0.01, .increment = 1e-4}, 4);
+  const OutputErrorProblem& problem = f.problem();
   StructuredOptions white;
   white.estimate_drift = false;  // ρ = 0
   const OutputFit refit =
       FitOutput(problem, f.fit.point, {true, true}, f.setups[0].bounds, white);
   // In records without drift ρ = 0 stands first among the estimates.
-  const Fitted still = FitRecords({.variance = 0.01}, 5);
-  const auto estimates =
-      IntegrateRatio(*still.setups[0].problem, still.fit, true);
+  const FittedOutput still = FitRecords({.variance = 0.01}, 5);
+  const auto estimates = IntegrateRatio(still.problem(), still.fit, true);
   const OutputFit still_refit =
-      FitOutput(*still.setups[0].problem, still.fit.point, {true, true},
+      FitOutput(still.problem(), still.fit.point, {true, true},
                 still.setups[0].bounds, white);
   EXPECT_GT(std::abs(refit.point.values[0].gain - f.fit.point.values[0].gain),
             0.0);
@@ -79,8 +67,8 @@ TEST(RatioIntegrationTest, ChangesAreThoseOfRefits) {
 // Where drift is plain the weights gather about its ratio, and what is not
 // known of it widens nothing.
 TEST(RatioIntegrationTest, PlainDriftIsFound) {
-  const Fitted f = FitRecords({.variance = 0.01, .increment = 1e-3}, 6);
-  const auto estimates = IntegrateRatio(*f.setups[0].problem, f.fit, true);
+  const FittedOutput f = FitRecords({.variance = 0.01, .increment = 1e-3}, 6);
+  const auto estimates = IntegrateRatio(f.problem(), f.fit, true);
   EXPECT_LE(estimates.size(), 6U);
   double variance = 0.0;
   for (const RatioEstimate& e : estimates) {
@@ -91,8 +79,8 @@ TEST(RatioIntegrationTest, PlainDriftIsFound) {
 
 // Without drift it cannot be excluded: the gain is less certain than at ρ = 0.
 TEST(RatioIntegrationTest, DriftThatCannotBeExcludedCounts) {
-  const Fitted f = FitRecords({.variance = 0.01}, 7);
-  const auto estimates = IntegrateRatio(*f.setups[0].problem, f.fit, true);
+  const FittedOutput f = FitRecords({.variance = 0.01}, 7);
+  const auto estimates = IntegrateRatio(f.problem(), f.fit, true);
   EXPECT_GT(estimates.size(), 5U);
   double variance = 0.0;
   for (const RatioEstimate& e : estimates) {
@@ -104,8 +92,8 @@ TEST(RatioIntegrationTest, DriftThatCannotBeExcludedCounts) {
 
 // Weights are likelihood times the length of √ρ that each ratio stands for.
 TEST(RatioIntegrationTest, EverySquareRootIsAsLikelyBeforehand) {
-  const Fitted f = FitRecords({.variance = 0.01}, 9);
-  const OutputErrorProblem& problem = *f.setups[0].problem;
+  const FittedOutput f = FitRecords({.variance = 0.01}, 9);
+  const OutputErrorProblem& problem = f.problem();
   const auto columns =
       problem.Linearise(f.fit.point, ShapeOf(f.fit.noise), true);
   const double length =
@@ -142,8 +130,8 @@ TEST(RatioIntegrationTest, EverySquareRootIsAsLikelyBeforehand) {
 }
 
 TEST(RatioIntegrationTest, WithoutDriftThereIsOneEstimate) {
-  const Fitted f = FitRecords({.variance = 0.01}, 8);
-  const auto estimates = IntegrateRatio(*f.setups[0].problem, f.fit, false);
+  const FittedOutput f = FitRecords({.variance = 0.01}, 8);
+  const auto estimates = IntegrateRatio(f.problem(), f.fit, false);
   ASSERT_EQ(estimates.size(), 1U);
   EXPECT_EQ(estimates[0].covariance, f.fit.covariance);
   EXPECT_EQ(estimates[0].change.norm(), 0.0);
