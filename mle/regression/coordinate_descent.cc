@@ -117,10 +117,13 @@ absl::StatusOr<CoordinateDescentSummary> SolveCoordinateDescent(
   CoordinateDescentSummary summary;
   int next_check = kFirstCheck;
   bool only_nonzero = false;
+  bool ran_away = false;
   while (summary.sweeps < options.max_sweeps) {
     const double change = solver.Sweep(only_nonzero);
     const double size = solver.beta().norm();
     ++summary.sweeps;
+    ran_away = !std::isfinite(change);
+    if (ran_away) break;
     if (options.stop == Stop::kRelativeChange) {
       summary.converged = change <= options.tolerance * size;
       if (summary.converged) break;
@@ -136,7 +139,8 @@ absl::StatusOr<CoordinateDescentSummary> SolveCoordinateDescent(
     // All coefficients again once those ≠ 0 have settled.
     only_nonzero = change > 1e-12 * size && summary.sweeps % 8 != 0;
   }
-  summary.beta = solver.beta();
+  summary.beta = ran_away ? CoordinateDescent(objective, lambda, start).beta()
+                          : solver.beta();
   summary.gap = ComputeDualityGap(objective, lambda, summary.beta);
   if (options.stop == Stop::kDualityGap) {
     summary.converged = summary.gap.Relative() <= options.tolerance;

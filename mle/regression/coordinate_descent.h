@@ -44,7 +44,9 @@ struct CoordinateDescentSummary {
   std::string BriefReport() const;
 };
 
-// From `start` (n, or empty for zero), without what is excluded. λ ≥ 0.
+// From `start` (n, or empty for zero), without what is excluded. λ ≥ 0. Where G
+// has a negative eigenvalue, f may have no minimum: sweeps that run away end
+// there again, not converged.
 absl::StatusOr<CoordinateDescentSummary> SolveCoordinateDescent(
     const LassoObjective& objective, double lambda,
     const Eigen::VectorXd& start, const CoordinateDescentOptions& options);

@@ -64,10 +64,12 @@ double LeastSquaresGap(const LassoObjective& objective,
 DualityGap ComputeDualityGap(const LassoObjective& objective, double lambda,
                              const Eigen::VectorXd& beta) {
   CHECK_EQ(beta.size(), objective.size());
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const DualityGap nothing_known = {kInfinity, kInfinity, kInfinity,
+                                    objective.response_square};
   for (int j = 0; j < beta.size(); ++j) {
     if (beta(j) != 0.0 && !std::isfinite(objective.weights(j))) {
-      constexpr double kInfinity = std::numeric_limits<double>::infinity();
-      return {kInfinity, kInfinity, kInfinity, objective.response_square};
+      return nothing_known;
     }
   }
   const Eigen::MatrixXd& gram = *objective.gram;
@@ -85,7 +87,7 @@ DualityGap ComputeDualityGap(const LassoObjective& objective, double lambda,
     for (const int j : Free(objective)) {
       result.kkt_violation = std::max(result.kkt_violation, std::abs(c(j)));
     }
-    return result;
+    return std::isfinite(result.gap) ? result : nothing_known;
   }
 
   UpdatableCholesky factor(/*capacity=*/1);
@@ -120,6 +122,9 @@ DualityGap ComputeDualityGap(const LassoObjective& objective, double lambda,
     result.gap += std::abs(beta(j)) * (lambda * w - alpha * signed_gradient);
     result.kkt_violation = std::max(result.kkt_violation,
                                     std::abs(signed_gradient - lambda * w) / w);
+  }
+  if (!std::isfinite(result.gap) || !std::isfinite(result.primal)) {
+    return nothing_known;
   }
   result.gap = std::max(result.gap, 0.0);
   return result;

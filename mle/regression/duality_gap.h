@@ -35,7 +35,8 @@ struct DualityGap {
   double Relative() const;
 };
 
-// Infinite where an excluded coefficient is not zero. Costs n operations for
+// Infinite where an excluded coefficient is not zero, and where β is so large
+// that its products overflow. Costs n operations for
 // each coefficient that is not zero, and at λ = 0, or with unpenalised
 // regressors, a factorisation.
 DualityGap ComputeDualityGap(const LassoObjective& objective, double lambda,

@@ -4,13 +4,20 @@
 #include <sys/mman.h>
 #endif
 
+#include <algorithm>
 #include <cstdint>
+#include <vector>
 
 #include "glog/logging.h"
 #include "mle/regression/lagged_products.h"
 
 namespace mle {
 namespace {
+
+// The recursion is given up where a channel's sum of squares falls below this
+// part of the largest that passed through: its rounding, ε of that, is then no
+// longer small beside what is left.
+constexpr double kQuietPart = 1e-4;
 
 // Σ x_k and the diagonal of S, entry by entry squares of x_k. Only the samples
 // that some lags miss are gone through lag by lag, and nothing is subtracted,
@@ -51,21 +58,58 @@ void AddWindowSums(const LaggedSeries& series, RowRange rows,
   }
 }
 
-// The sums that run over the data: S's first block column, its diagonal
-// (`squares`) and those with the responses. Adds to them.
+// The sums that run over the data, but for S itself. `squares` is its diagonal.
+// Adds to them.
 void AddDataSums(const RegressionRows& part, Eigen::VectorXd& squares,
                  LaggedMoments& moments) {
   const LaggedSeries& series = *part.series;
-  const auto regressors = series.Regressors(part.rows);
-  AddLaggedProducts(regressors, series.Samples(part.rows, /*lag=*/1),
-                    moments.gram.leftCols(series.num_channels()));
-  AddLaggedProducts(regressors, part.responses, moments.cross);
+  AddLaggedProducts(series.Regressors(part.rows), part.responses,
+                    moments.cross);
   AddWindowSums(series, part.rows, moments.regressor_sum.col(part.group),
                 squares);
   moments.response_sum.col(part.group) += part.responses.rowwise().sum();
   moments.group_rows(part.group) += static_cast<double>(part.rows.rows());
   moments.response_squares += part.responses.rowwise().squaredNorm();
   moments.rows += part.rows.rows();
+}
+
+// The block columns of S that are summed over the data: the first, and those
+// where a channel has become quiet.
+std::vector<int> SummedBlocks(const Eigen::VectorXd& squares, int c) {
+  const Eigen::Map<const Eigen::ArrayXXd> of_lag(squares.data(), c,
+                                                 squares.size() / c);
+  std::vector<int> blocks = {0};
+  Eigen::ArrayXd largest = of_lag.col(0);
+  for (int b = 1; b < of_lag.cols(); ++b) {
+    const auto square = of_lag.col(b);
+    largest = largest.max(square);
+    if ((square > 0.0 && square < kQuietPart * largest).any()) {
+      blocks.push_back(b);
+      largest = square;
+    }
+  }
+  return blocks;
+}
+
+// Each of `blocks` (ascending), the same above the diagonal as below.
+void SumBlocks(absl::Span<const RegressionRows> rows,
+               const std::vector<int>& blocks, int c, Eigen::MatrixXd& gram) {
+  for (const int b : blocks) {
+    auto columns = gram.middleCols(b * c, c);
+    columns.setZero();
+    for (const RegressionRows& part : rows) {
+      AddLaggedProducts(part.series->Regressors(part.rows),
+                        part.series->Samples(part.rows, /*lag=*/b + 1),
+                        columns);
+    }
+    gram.block(b * c, b * c, c, c).triangularView<Eigen::StrictlyUpper>() =
+        gram.block(b * c, b * c, c, c).transpose();
+    for (const int before : blocks) {
+      if (before >= b) break;
+      gram.block(before * c, b * c, c, c) =
+          gram.block(b * c, before * c, c, c).transpose();
+    }
+  }
 }
 
 // An n × n matrix, not initialised. To touch it page by page for the first time
@@ -87,18 +131,16 @@ Eigen::MatrixXd UninitialisedGram(Eigen::Index n) {
   return gram;
 }
 
-// Fills the other block columns of S from the first by the recursion. Column j
-// of `entering` (n−c × ranges) holds x_{k₀−1}, of `leaving` x_{k₁}, without the
-// last block. One product at a time is added, so that S is symmetric to the bit
-// however the compiler fuses products and sums.
+// Fills the other block columns of S from those that are summed by the
+// recursion. Column j of `entering` (n−c × ranges) holds x_{k₀−1}, of `leaving`
+// x_{k₁}, without the last block. One product at a time is added, so that S is
+// symmetric to the bit however the compiler fuses products and sums.
 void ExtendGram(const Eigen::MatrixXd& entering, const Eigen::MatrixXd& leaving,
-                int c, Eigen::MatrixXd& gram) {
+                const std::vector<int>& summed, int c, Eigen::MatrixXd& gram) {
   const Eigen::Index n = gram.rows();
-  gram.topLeftCorner(c, c).triangularView<Eigen::StrictlyUpper>() =
-      gram.topLeftCorner(c, c).transpose();
   for (Eigen::Index column = c; column < n; ++column) {
+    if (std::binary_search(summed.begin(), summed.end(), column / c)) continue;
     const Eigen::Index previous = column - c;
-    gram.col(column).head(c) = gram.row(column).head(c).transpose();
     auto rest = gram.col(column).tail(n - c);
     rest = gram.col(previous).head(n - c) +
            entering(previous, 0) * entering.col(0) -
@@ -106,6 +148,10 @@ void ExtendGram(const Eigen::MatrixXd& entering, const Eigen::MatrixXd& leaving,
     for (Eigen::Index r = 1; r < entering.cols(); ++r) {
       rest = rest + entering(previous, r) * entering.col(r) -
              leaving(previous, r) * leaving.col(r);
+    }
+    for (const int b : summed) {
+      gram.col(column).segment(b * c, c) =
+          gram.row(column).segment(b * c, c).transpose();
     }
   }
 }
@@ -146,7 +192,6 @@ LaggedMoments ComputeLaggedMoments(absl::Span<const RegressionRows> rows,
   LaggedMoments moments = LaggedMoments::Zero(
       0, static_cast<int>(rows.front().responses.rows()), num_groups);
   moments.gram = UninitialisedGram(n);
-  moments.gram.leftCols(c).setZero();
   moments.cross.setZero(n, moments.cross.cols());
   moments.regressor_sum.setZero(n, num_groups);
   Eigen::VectorXd squares = Eigen::VectorXd::Zero(n);
@@ -167,7 +212,9 @@ LaggedMoments ComputeLaggedMoments(absl::Span<const RegressionRows> rows,
           series.Samples({range.first, range.first}, a + 2).col(0);
     }
   }
-  ExtendGram(entering, leaving, c, moments.gram);
+  const std::vector<int> summed = SummedBlocks(squares, c);
+  SumBlocks(rows, summed, c, moments.gram);
+  ExtendGram(entering, leaving, summed, c, moments.gram);
   moments.gram.diagonal() = squares;
   return moments;
 }

@@ -102,6 +102,9 @@ void CheckCertificate(const char* solver, const LassoObjective& objective,
   FUZZ_EXPECT(!std::isnan(certified) && certified >= 0.0, solver);
   if (std::isinf(certified)) return;  // the path did not reach: it says so
   FUZZ_EXPECT(beta.allFinite(), solver);
+  // A gap of the primal value and more says only that the minimum is not below
+  // zero. Both gaps are rounding then.
+  if (certified >= 1.0) return;
   const double actual = ComputeDualityGap(objective, lambda, beta).Relative();
   FUZZ_EXPECT(
       actual <= 2.0 * certified + 10.0 * GapTolerance(objective, lambda, beta),

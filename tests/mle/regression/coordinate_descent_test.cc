@@ -131,6 +131,27 @@ TEST(CoordinateDescentTest, SaysWhenItDoesNotConverge) {
 }
 
 // The last sweep allowed counts like any other.
+TEST(CoordinateDescentTest, SweepsThatRunAwayEndWhereTheyBegan) {
+  Eigen::MatrixXd indefinite(2, 2);
+  indefinite << 1.0, 2.0, 2.0, 1.0;
+  LassoObjective objective;
+  objective.gram = &indefinite;
+  objective.correlation = Eigen::Vector2d(1.0, -1.0);
+  objective.response_square = 4.0;
+  objective.weights = Eigen::Vector2d::Ones();
+  const Eigen::Vector2d start(0.5, 0.25);
+  for (const auto stop : {CoordinateDescentOptions::Stop::kDualityGap,
+                          CoordinateDescentOptions::Stop::kRelativeChange}) {
+    CoordinateDescentOptions options;
+    options.stop = stop;
+    const auto summary = SolveCoordinateDescent(objective, 0.1, start, options);
+    ASSERT_TRUE(summary.ok());
+    EXPECT_FALSE(summary->converged);
+    EXPECT_EQ(summary->beta, start);
+    EXPECT_TRUE(std::isfinite(summary->gap.Relative()));
+  }
+}
+
 TEST(CoordinateDescentTest, ConvergesWithinTheLastSweeps) {
   std::mt19937_64 random(6);
   const ExplicitLasso problem(RandomMatrix(5, 100, random),

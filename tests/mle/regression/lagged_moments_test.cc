@@ -81,6 +81,37 @@ void ExpectSame(const LaggedMoments& actual, const LaggedMoments& expected) {
   near(actual.response_squares, expected.response_squares);
 }
 
+// However much louder other samples are, by orders of magnitude: each entry to
+// the roundings of the two columns that it is the product of.
+TEST(LaggedMomentsOfQuietChannelsTest, AreNotLostInTheRoundingOfLoudOnes) {
+  constexpr int kSamples = 60;
+  constexpr int kOrder = 12;
+  std::mt19937_64 random(7);
+  Record record;
+  record.sample_time = 1.0;
+  record.outputs = RandomMatrix(2, kSamples, random);
+  record.inputs = RandomMatrix(1, kSamples, random);
+  // Quiet but for what only the first lags see; loud again before that.
+  record.outputs.row(0).segment(5, 50) *= 1e-11;
+  record.inputs.row(0).tail(3) *= 1e8;
+  record.inputs.row(0).head(4) *= 1e12;
+  const LaggedSeries series(record, kOrder);
+  std::vector<RegressionRows> rows;
+  for (const RowRange range : {RowRange{20, 33}, RowRange{40, kSamples - 1}}) {
+    rows.push_back({&series, range, series.Outputs(range)});
+  }
+  const LaggedMoments moments = ComputeLaggedMoments(rows);
+  const LaggedMoments dense = Dense(rows);
+  EXPECT_EQ(moments.gram, moments.gram.transpose());
+  const Eigen::VectorXd root = dense.gram.diagonal().cwiseSqrt();
+  EXPECT_LE(root.minCoeff(), 1e-9);
+  EXPECT_LE(
+      ((moments.gram - dense.gram).array() / (root * root.transpose()).array())
+          .abs()
+          .maxCoeff(),
+      1e-10);
+}
+
 class LaggedMomentsTest : public ::testing::TestWithParam<Shape> {};
 
 TEST_P(LaggedMomentsTest, EqualTheDenseProducts) {
