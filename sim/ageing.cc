@@ -32,6 +32,23 @@ absl::Status CheckElement(const TransferFunction& element,
         " per unit of time; a dead time must grow slower than time (< 1). For "
         "a sudden change give two points at one time"));
   }
+  // What is between the extremes has coefficients between theirs.
+  for (const double gain : {ageing.gain.Min(), ageing.gain.Max()}) {
+    for (const double time_constant :
+         {ageing.time_constant.Min(), ageing.time_constant.Max()}) {
+      ElementAgeing extreme;
+      extreme.gain = Schedule(gain);
+      extreme.time_constant = Schedule(time_constant);
+      extreme.delay = Schedule(ageing.delay.Max());
+      const absl::Status status =
+          AgedElement(element, extreme, /*time=*/0.0).Validate();
+      if (!status.ok()) {
+        return absl::InvalidArgumentError(absl::StrCat(
+            "with gain ", gain, ", time_constant ", time_constant,
+            " and delay ", ageing.delay.Max(), ": ", status.message()));
+      }
+    }
+  }
   return absl::OkStatus();
 }
 

@@ -40,7 +40,8 @@ struct AgeingSchedule {
   std::vector<ElementAgeing> elements;
 
   // Every element exists in `model`, is not zero there and is named once; the
-  // ranges above hold. The message names the element.
+  // ranges above hold, and what they make of the element has finite
+  // coefficients. The message names the element.
   absl::Status Validate(const ProcessModel& model) const;
 };
 

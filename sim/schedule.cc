@@ -14,6 +14,10 @@ bool LessValue(const Schedule::Point& a, const Schedule::Point& b) {
   return a.value < b.value;
 }
 
+double SlopeBetween(const Schedule::Point& a, const Schedule::Point& b) {
+  return (b.value - a.value) / (b.time - a.time);
+}
+
 }  // namespace
 
 absl::StatusOr<Schedule> Schedule::Create(std::vector<Point> points) {
@@ -38,6 +42,14 @@ absl::StatusOr<Schedule> Schedule::Create(std::vector<Point> points) {
           "three points are at time ", point.time,
           "; a step has two, the value before it and the one after"));
     }
+    if (i >= 1 && point.time > points[i - 1].time &&
+        !(std::isfinite(point.time - points[i - 1].time) &&
+          std::isfinite(SlopeBetween(points[i - 1], point)))) {
+      return absl::InvalidArgumentError(absl::StrCat(
+          "between points ", i, " and ", i + 1, ", (", points[i - 1].time, ", ",
+          points[i - 1].value, ") and (", point.time, ", ", point.value,
+          "), time or slope is not finite; a step is two points at one time"));
+    }
   }
   Schedule schedule(0.0);
   schedule.points_ = std::move(points);
@@ -57,9 +69,8 @@ double Schedule::Max() const {
 double Schedule::MaxSlope() const {
   double slope = -std::numeric_limits<double>::infinity();
   for (std::size_t i = 1; i < points_.size(); ++i) {
-    const double time = points_[i].time - points_[i - 1].time;
-    if (time == 0.0) continue;
-    slope = std::max(slope, (points_[i].value - points_[i - 1].value) / time);
+    if (points_[i].time == points_[i - 1].time) continue;
+    slope = std::max(slope, SlopeBetween(points_[i - 1], points_[i]));
   }
   return slope;
 }
@@ -71,8 +82,7 @@ Schedule::Line Schedule::LineAt(double time) const {
   if (next == points_.begin()) return {points_.front().value, 0.0};
   if (next == points_.end()) return {points_.back().value, 0.0};
   const Point& before = *std::prev(next);
-  const double slope =
-      (next->value - before.value) / (next->time - before.time);
+  const double slope = SlopeBetween(before, *next);
   return {before.value + slope * (time - before.time), slope};
 }
 

@@ -32,7 +32,8 @@ class Schedule {
   };
 
   explicit Schedule(double constant) : points_{{0.0, constant}} {}
-  // Finite points, at least one, in order of time, at most two at one time.
+  // Finite points, at least one, in order of time, at most two at one time;
+  // slopes between them finite.
   static absl::StatusOr<Schedule> Create(std::vector<Point> points);
 
   const std::vector<Point>& points() const { return points_; }

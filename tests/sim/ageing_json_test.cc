@@ -8,6 +8,7 @@ namespace mle::sim {
 namespace {
 
 using ::mle::testing::MixedModel;
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 absl::StatusOr<AgeingSchedule> Parse(const std::string& json) {
@@ -64,6 +65,14 @@ TEST(AgeingJsonTest, MistakesAreNamed) {
               HasSubstr("elements[0].gain: point 2 is at time 0"));
   EXPECT_THAT(element(R"("time_constant": -1)"),
               HasSubstr("element (y1, u1): time_constant falls to -1"));
+  EXPECT_THAT(element(R"("time_constant": 1.7e308)"),
+              AllOf(HasSubstr("element (y1, u1): with gain 1, time_constant "
+                              "1.7e+308 and delay 0: "),
+                    HasSubstr("not finite")));
+  EXPECT_THAT(element(R"("gain": [[0, -1e308], [1, 1e308]])"),
+              HasSubstr("elements[0].gain: between points 1 and 2"));
+  EXPECT_THAT(element(R"("gain": [[0, 1], [5e-324, 2]])"),
+              HasSubstr("slope is not finite; a step is two points"));
 }
 
 }  // namespace
