@@ -14,9 +14,15 @@ constexpr int kMaxTerms = 100'000;
 // Beyond it F is chi-square over ν to ten digits.
 constexpr double kManyDegrees = 1e10;
 
+// ln Γ(a), a > 0. std::lgamma writes the sign to a global: a race of threads.
+double LogGamma(double a) {
+  int sign = 0;
+  return ::lgamma_r(a, &sign);
+}
+
 // Q(a, x), the upper regularised incomplete gamma function; x > 0.
 double UpperGamma(double a, double x) {
-  const double factor = std::exp(a * std::log(x) - x - std::lgamma(a));
+  const double factor = std::exp(a * std::log(x) - x - LogGamma(a));
   if (x < a + 1.0) {
     double term = 1.0 / a;
     double sum = term;
@@ -75,9 +81,8 @@ double BetaFraction(double a, double b, double x) {
 double IncompleteBeta(double a, double b, double x, double y) {
   if (x <= 0.0) return 0.0;
   if (y <= 0.0) return 1.0;
-  const double factor =
-      std::exp(std::lgamma(a + b) - std::lgamma(a) - std::lgamma(b) +
-               a * std::log(x) + b * std::log(y));
+  const double factor = std::exp(LogGamma(a + b) - LogGamma(a) - LogGamma(b) +
+                                 a * std::log(x) + b * std::log(y));
   if (x < (a + 1.0) / (a + b + 2.0)) return factor * BetaFraction(a, b, x) / a;
   return 1.0 - factor * BetaFraction(b, a, y) / b;
 }
