@@ -6,9 +6,10 @@
 #include <atomic>
 #include <condition_variable>
 #include <cstdint>
-#include <memory>
+#include <deque>
 #include <mutex>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "absl/time/time.h"
@@ -53,20 +54,21 @@ class WorkerPool {
   void Stop() { stop_ = true; }
 
  private:
-  class Arena;  // oneTBB
-
-  void Work(const Assignment& assignment);
+  // Until the pool is closed and nothing waits.
+  void Work();
 
   const Campaign& campaign_;
   const Grid& grid_;
   const int threads_;
   std::atomic<bool> stop_{false};
-  mutable std::mutex mutex_;
-  std::condition_variable changed_;
+  mutable std::mutex mutex_;  // of what follows
+  std::condition_variable given_;
+  std::condition_variable came_out_;
+  std::deque<Assignment> waiting_;
   Harvest harvest_;
   int outstanding_ = 0;
-  char handed_over_ = 0;  // thread_order.h
-  std::unique_ptr<Arena> arena_;
+  bool closed_ = false;
+  std::vector<std::thread> workers_;
 };
 
 }  // namespace mle::study
