@@ -32,10 +32,11 @@ std::string ScratchFolder::Write(const std::string& name,
   return *this / name;
 }
 
-report::ProcessResult RunTested(const std::vector<std::string>& arguments,
-                                const std::vector<std::string>& variables) {
+report::ProcessResult RunCommand(const std::string& command,
+                                 const std::vector<std::string>& arguments,
+                                 const std::vector<std::string>& variables) {
   std::vector<std::string> line = variables;
-  line.push_back(MLE_TESTED_COMMAND);
+  line.push_back(command);
   line.insert(line.end(), arguments.begin(), arguments.end());
   absl::StatusOr<report::ProcessResult> result =
       report::RunProcess("env", line, "");

@@ -27,9 +27,19 @@ class ScratchFolder {
   std::string path_;
 };
 
-// Runs the command under test; variables are set as by env(1), "PATH=/none".
-report::ProcessResult RunTested(const std::vector<std::string>& arguments,
-                                const std::vector<std::string>& variables = {});
+// Variables are set as by env(1), "PATH=/none".
+report::ProcessResult RunCommand(const std::string& command,
+                                 const std::vector<std::string>& arguments,
+                                 const std::vector<std::string>& variables);
+
+#ifdef MLE_TESTED_COMMAND
+// The command that the test program is about.
+inline report::ProcessResult RunTested(
+    const std::vector<std::string>& arguments,
+    const std::vector<std::string>& variables = {}) {
+  return RunCommand(MLE_TESTED_COMMAND, arguments, variables);
+}
+#endif
 
 // The content of a file; a failure of the test if there is none.
 std::string Content(const std::string& path);
