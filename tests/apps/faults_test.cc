@@ -2,8 +2,6 @@
 // message says what is wrong, and the exit code is 1 or 2 as for other faults.
 // Runs as root too, to whom permissions are no hindrance: limits are.
 
-#include <fcntl.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -20,6 +18,7 @@
 #include "mle/base/file.h"
 #include "mle/base/folder_lock.h"
 #include "tests/apps/command_runner.h"
+#include "tests/apps/started_command.h"
 
 namespace mle {
 namespace {
@@ -175,29 +174,6 @@ TEST(FaultsTest, OutputThatNobodyTakesIsAnError) {
   EXPECT_THAT(run.err, HasSubstr("cannot write to standard output"));
 }
 
-// Starts the command, kills it after a while, and says whether it had ended.
-bool EndedBeforeItWasKilled(const std::vector<std::string>& flags,
-                            std::chrono::milliseconds after) {
-  const pid_t child = ::fork();
-  if (child == 0) {
-    std::vector<char*> line = {const_cast<char*>(MLE_TESTED_COMMAND)};
-    for (const std::string& flag : flags) {
-      line.push_back(const_cast<char*>(flag.c_str()));
-    }
-    line.push_back(nullptr);
-    const int nothing = ::open("/dev/null", O_WRONLY);
-    ::dup2(nothing, STDOUT_FILENO);
-    ::dup2(nothing, STDERR_FILENO);
-    ::execv(line[0], line.data());
-    ::_exit(127);
-  }
-  std::this_thread::sleep_for(after);
-  ::kill(child, SIGKILL);
-  int status = 0;
-  ::waitpid(child, &status, 0);
-  return WIFEXITED(status) && WEXITSTATUS(status) == 0;
-}
-
 TEST(FaultsTest, AKilledCommandLeavesWholeFilesOfOneRun) {
   const ScratchFolder scratch;
   const std::string old_out = scratch / "old";
@@ -206,22 +182,24 @@ TEST(FaultsTest, AKilledCommandLeavesWholeFilesOfOneRun) {
   ASSERT_EQ(RunTested(Flags(old_out)).exit_code, 0);
   const auto begin = std::chrono::steady_clock::now();
   ASSERT_EQ(RunTested(Flags(new_out, /*seed=*/2)).exit_code, 0);
-  const auto whole = std::chrono::duration_cast<std::chrono::milliseconds>(
-      std::chrono::steady_clock::now() - begin);
+  const auto whole = std::chrono::steady_clock::now() - begin;
   const std::string old_results = Content(old_out + "/results.json");
   const std::string new_results = Content(new_out + "/results.json");
   ASSERT_NE(old_results, new_results);
   std::filesystem::copy(old_out, out);
   // Most of them around the time at which files are written.
   for (const double part : {0.1, 0.5, 0.8, 0.9, 0.95, 1.0, 1.05, 1.2}) {
-    const bool ended = EndedBeforeItWasKilled(
-        Flags(out, /*seed=*/2),
-        std::chrono::milliseconds(
-            static_cast<int>(part * static_cast<double>(whole.count()))));
+    StartedCommand command(MLE_TESTED_COMMAND, Flags(out, /*seed=*/2),
+                           scratch / "log");
+    std::this_thread::sleep_for(part * whole);
+    command.Send(SIGKILL);
+    const int exit_code = command.ExitCode();
     const std::string results = Content(out + "/results.json");
     EXPECT_TRUE(results == old_results || results == new_results) << part;
-    if (ended) {
+    if (exit_code == 0) {
       EXPECT_EQ(results, new_results);
+    } else {
+      EXPECT_EQ(exit_code, 128 + SIGKILL);
     }
     // A lock does not outlive its owner.
     EXPECT_TRUE(FolderLock::Take(out).ok());

@@ -1,12 +1,10 @@
 // Campaigns that are stopped: by kill -9, by signals, by a second command.
 
 #include <fcntl.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <csignal>
-#include <cstdlib>
 #include <set>
 #include <string>
 #include <vector>
@@ -14,6 +12,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "tests/apps/command_runner.h"
+#include "tests/apps/started_command.h"
 #include "tests/apps/study/small_campaign.h"
 
 namespace mle {
@@ -33,23 +32,6 @@ class MleStudyResumeTest : public ::testing::Test {
             "--figures=false", "--threads=2", "--resume"};
   }
 
-  // Starts the command without waiting for it; what it says goes to a file.
-  pid_t Start(const std::string& out) const {
-    std::vector<std::string> arguments = Arguments(out);
-    arguments.insert(arguments.begin(), MLE_TESTED_COMMAND);
-    std::vector<char*> line;
-    for (std::string& argument : arguments) line.push_back(argument.data());
-    line.push_back(nullptr);
-    const std::string log = scratch_ / "log";
-    const pid_t child = fork();
-    if (child != 0) return child;
-    const int file = open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0644);
-    dup2(file, 1);
-    dup2(file, 2);
-    execv(line[0], line.data());
-    _exit(127);
-  }
-
   // Lines of the journal, its head too; 0 if there is none.
   int JournalLines(const std::string& out) const {
     const int file =
@@ -64,20 +46,14 @@ class MleStudyResumeTest : public ::testing::Test {
     return lines;
   }
 
-  // Until the journal has so many lines more, or the child has ended.
-  void WaitForLines(const std::string& out, int lines, pid_t child) const {
-    while (JournalLines(out) < lines) {
-      siginfo_t info = {};
-      if (waitid(P_PID, static_cast<id_t>(child), &info,
-                 WEXITED | WNOHANG | WNOWAIT) == 0 &&
-          info.si_pid == child) {
-        return;
-      }
-      usleep(2000);
-    }
+  // Until the journal has so many lines, or the command has ended.
+  void AwaitLines(const std::string& out, int lines,
+                  const StartedCommand& command) const {
+    command.Await([&] { return JournalLines(out) >= lines; });
   }
 
   const ScratchFolder scratch_;
+  const std::string log_ = scratch_ / "log";
   std::string campaign_;
 };
 
@@ -87,13 +63,11 @@ TEST_F(MleStudyResumeTest, NothingIsLostOrDoubledByKilling) {
   int kills = 0;
   // Killed a few times, each a little later in the life of the process.
   for (int lines = 3; lines < 36; lines += 6) {
-    const pid_t child = Start("killed");
-    WaitForLines("killed", lines, child);
+    StartedCommand command(MLE_TESTED_COMMAND, Arguments("killed"), log_);
+    AwaitLines("killed", lines, command);
     usleep(static_cast<useconds_t>(1000 * (7 * lines % 20)));
-    kill(child, SIGKILL);
-    int status = 0;
-    ASSERT_EQ(waitpid(child, &status, 0), child);
-    kills += WIFSIGNALED(status) ? 1 : 0;
+    command.Send(SIGKILL);
+    kills += command.ExitCode() == 128 + SIGKILL ? 1 : 0;
   }
   EXPECT_GE(kills, 3);
   const int done = JournalLines("killed") - 2;
@@ -116,14 +90,11 @@ TEST_F(MleStudyResumeTest, NothingIsLostOrDoubledByKilling) {
 TEST_F(MleStudyResumeTest, StopsCleanlyOnASignalAndSaysHowToGoOn) {
   for (const int signal : {SIGINT, SIGTERM}) {
     const std::string out = signal == SIGINT ? "int" : "term";
-    const pid_t child = Start(out);
-    WaitForLines(out, 4, child);
-    kill(child, signal);
-    int status = 0;
-    ASSERT_EQ(waitpid(child, &status, 0), child);
-    ASSERT_TRUE(WIFEXITED(status));
-    EXPECT_EQ(WEXITSTATUS(status), 1);
-    const std::string log = Content(scratch_ / "log");
+    StartedCommand command(MLE_TESTED_COMMAND, Arguments(out), log_);
+    AwaitLines(out, 4, command);
+    command.Send(signal);
+    EXPECT_EQ(command.ExitCode(), 1);
+    const std::string log = Content(log_);
     EXPECT_THAT(log, HasSubstr("Stopped: "));
     EXPECT_THAT(log, HasSubstr("--resume"));
     // Every line is whole.
@@ -136,15 +107,12 @@ TEST_F(MleStudyResumeTest, StopsCleanlyOnASignalAndSaysHowToGoOn) {
 }
 
 TEST_F(MleStudyResumeTest, OneCommandInAFolder) {
-  const pid_t child = Start("out");
-  WaitForLines("out", 3, child);
-  kill(child, SIGSTOP);
+  const StartedCommand first(MLE_TESTED_COMMAND, Arguments("out"), log_);
+  AwaitLines("out", 3, first);
+  first.Send(SIGSTOP);
   const report::ProcessResult second = RunTested(Arguments("out"));
   EXPECT_EQ(second.exit_code, 2);
   EXPECT_THAT(second.err, HasSubstr("in use by another command"));
-  kill(child, SIGCONT);
-  kill(child, SIGKILL);
-  waitpid(child, nullptr, 0);
 }
 
 TEST_F(MleStudyResumeTest, RefusesWithoutResumeAndWithAnotherCampaign) {
