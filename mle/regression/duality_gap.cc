@@ -42,8 +42,19 @@ Eigen::VectorXd PseudoSolve(const Eigen::MatrixXd& gram,
 
 double DualityGap::Relative() const {
   if (gap == 0.0 || !std::isfinite(gap)) return gap;
-  return gap / std::max(primal, std::numeric_limits<double>::epsilon() *
-                                    response_square);
+  return gap /
+         std::max(primal - primal_rounding,
+                  std::numeric_limits<double>::epsilon() * response_square);
+}
+
+void PrimalRounding::Add(int j, double beta) {
+  product_ += std::abs(beta * objective_.correlation(j));
+  length_ += std::sqrt((*objective_.gram)(j, j)) * std::abs(beta);
+}
+
+double PrimalRounding::Value() const {
+  return std::numeric_limits<double>::epsilon() *
+         (objective_.response_square + product_ + length_ * length_);
 }
 
 Eigen::VectorXd MinimumNormLeastSquares(const LassoObjective& objective) {
@@ -66,7 +77,7 @@ DualityGap ComputeDualityGap(const LassoObjective& objective, double lambda,
   CHECK_EQ(beta.size(), objective.size());
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const DualityGap nothing_known = {kInfinity, kInfinity, kInfinity,
-                                    objective.response_square};
+                                    objective.response_square, kInfinity};
   for (int j = 0; j < beta.size(); ++j) {
     if (beta(j) != 0.0 && !std::isfinite(objective.weights(j))) {
       return nothing_known;
@@ -74,11 +85,15 @@ DualityGap ComputeDualityGap(const LassoObjective& objective, double lambda,
   }
   const Eigen::MatrixXd& gram = *objective.gram;
   Eigen::VectorXd c = objective.correlation;
+  PrimalRounding rounding(objective);
   for (int j = 0; j < beta.size(); ++j) {
-    if (beta(j) != 0.0) c -= beta(j) * gram.col(j);
+    if (beta(j) == 0.0) continue;
+    c -= beta(j) * gram.col(j);
+    rounding.Add(j, beta(j));
   }
   DualityGap result;
   result.response_square = objective.response_square;
+  result.primal_rounding = rounding.Value();
   double residual_square = std::max(
       objective.response_square - beta.dot(objective.correlation + c), 0.0);
   result.primal = 0.5 * residual_square;

@@ -30,9 +30,33 @@ struct DualityGap {
   double kkt_violation = 0.0;
 
   double response_square = 0.0;  // v
+  // What rounding may have added to the primal value (PrimalRounding).
+  double primal_rounding = 0.0;
 
-  // gap / primal, where a primal value below ε v counts as ε v: it is rounding.
+  // gap / (primal − primal_rounding), where a denominator below ε v counts as
+  // ε v: no better than the gap relative to the true primal value.
   double Relative() const;
+};
+
+// The residual's square is a difference, v − βᵀ(C + c), of terms that with
+// nearly dependent regressors exceed it by far. With β_j and c_j = C_j − Σ_i
+// G_ji β_i rounded, |G_ji| ≤ √(G_jj G_ii), its half is known to
+//
+//   ε (v + Σ_j |β_j| |C_j| + (Σ_j √G_jj |β_j|)²).
+//
+// This sums the two sums over j.
+class PrimalRounding {
+ public:
+  explicit PrimalRounding(const LassoObjective& objective)
+      : objective_(objective) {}
+
+  void Add(int j, double beta);
+  double Value() const;
+
+ private:
+  const LassoObjective& objective_;
+  double product_ = 0.0;  // Σ_j |β_j| |C_j|
+  double length_ = 0.0;   // Σ_j √G_jj |β_j|
 };
 
 // Infinite where an excluded coefficient is not zero, and where β is so large

@@ -13,21 +13,33 @@ namespace {
 // A relative gap above this may be the rounding of c, which is then sharpened.
 constexpr double kSharpen = 5e-11;
 
+// v − βᵀ(C + c) with β + t q; what it is relative to and known to goes to
+// `result`.
+double ResidualSquare(const ActiveSet& active, double step,
+                      const Eigen::VectorXd& c, DualityGap& result) {
+  const LassoObjective& objective = active.objective();
+  PrimalRounding rounding(objective);
+  double residual_square = objective.response_square;
+  for (int i = 0; i < active.size(); ++i) {
+    const int j = active.columns()[i];
+    const double beta = active.beta(i) + step * active.slope(i);
+    residual_square -= beta * (objective.correlation(j) + c(j));
+    rounding.Add(j, beta);
+  }
+  result.response_square = objective.response_square;
+  result.primal_rounding = rounding.Value();
+  return residual_square;
+}
+
 // At λ = 0.
 double LeastSquaresRelativeGap(const ActiveSet& active, double step) {
   const LassoObjective& objective = active.objective();
   const Eigen::VectorXd gradient = active.c() - step * active.b();
-  double residual_square = objective.response_square;
-  for (int i = 0; i < active.size(); ++i) {
-    const int j = active.columns()[i];
-    residual_square -= (active.beta(i) + step * active.slope(i)) *
-                       (objective.correlation(j) + gradient(j));
-  }
+  DualityGap result;
+  const double residual_square = ResidualSquare(active, step, gradient, result);
   const bool all_active = active.Count(ActiveSet::State::kInactive) +
                               active.Count(ActiveSet::State::kWaiting) ==
                           0;
-  DualityGap result;
-  result.response_square = objective.response_square;
   result.primal = 0.5 * std::max(residual_square, 0.0);
   result.gap = all_active ? 0.5 * active.cholesky().InverseQuadraticForm(
                                       gradient(active.columns()))
@@ -52,13 +64,7 @@ double PathCertificate::RelativeGap(const ActiveSet& active, double lambda,
   const LassoObjective& objective = active.objective();
   c_ = active.c() - step * active.b();
   DualityGap result;
-  result.response_square = objective.response_square;
-  double residual_square = objective.response_square;
-  for (int i = 0; i < active.size(); ++i) {
-    const int j = active.columns()[i];
-    residual_square -= (active.beta(i) + step * active.slope(i)) *
-                       (objective.correlation(j) + c_(j));
-  }
+  double residual_square = ResidualSquare(active, step, c_, result);
   const int free = active.num_unpenalised();
   if (free > 0) {
     const std::vector<int> columns(active.columns().begin(),

@@ -1,5 +1,6 @@
 #include "mle/regression/duality_gap.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -190,6 +191,31 @@ TEST(DualityGapTest, RelativeIsNeverNaN) {
   EXPECT_EQ(ComputeDualityGap(empty.objective, 1.0, Eigen::VectorXd::Zero(3))
                 .Relative(),
             0.0);
+}
+
+// Large coefficients of nearly dependent regressors cancel: the primal value is
+// a difference of products that exceed it, and is known to their rounding.
+TEST(DualityGapTest, ThePrimalValueIsKnownToItsRounding) {
+  std::mt19937_64 random(7);
+  long double furthest_off = 0.0L;
+  for (const double distance : {1.0, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6}) {
+    for (int trial = 0; trial < 20; ++trial) {
+      Eigen::MatrixXd X = RandomMatrix(3, 30, random);
+      const Eigen::VectorXd between = X.row(1);
+      X.row(1) = X.row(0) + distance * between.transpose();
+      const ExplicitLasso problem(X, between + 1e-6 * RandomVector(30, random),
+                                  Eigen::Vector3d(0.0, 0.0, 1.0));
+      const Eigen::Vector3d beta(-1.0 / distance, 1.0 / distance, 0.0);
+      const DualityGap gap = ComputeDualityGap(problem.objective, 1e-9, beta);
+      const Values exact = PrimalAndDual(problem, 1e-9, beta);
+      EXPECT_LE(gap.primal - gap.primal_rounding, exact.primal) << distance;
+      EXPECT_GE(gap.primal + gap.primal_rounding, exact.primal) << distance;
+      EXPECT_GE(gap.Relative() * exact.primal, gap.gap) << distance;
+      furthest_off = std::max(
+          furthest_off, std::abs(gap.primal - exact.primal) / exact.primal);
+    }
+  }
+  EXPECT_GT(furthest_off, 1.0L);
 }
 
 // A coefficient that is excluded may not differ from zero.
