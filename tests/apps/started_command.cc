@@ -8,6 +8,7 @@
 #include <csignal>
 #include <thread>
 
+#include "glog/logging.h"
 #include "gtest/gtest.h"
 
 namespace mle {
@@ -21,7 +22,7 @@ StartedCommand::StartedCommand(const std::string& command,
   for (std::string& word : words) line.push_back(word.data());
   line.push_back(nullptr);
   process_ = ::fork();
-  EXPECT_GE(process_, 0) << "no process for " << command;
+  PCHECK(process_ >= 0) << "no process for " << command;
   if (process_ != 0) return;
   const int file =
       ::open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
