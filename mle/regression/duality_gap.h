@@ -40,7 +40,7 @@ struct DualityGap {
 
 // The residual's square is a difference, v − βᵀ(C + c), of terms that with
 // nearly dependent regressors exceed it by far. With β_j and c_j = C_j − Σ_i
-// G_ji β_i rounded, |G_ji| ≤ √(G_jj G_ii), its half is known to
+// G_ji β_i rounded, |G_ji| ≤ √(G_jj G_ii), its half is known to within
 //
 //   ε (v + Σ_j |β_j| |C_j| + (Σ_j √G_jj |β_j|)²).
 //
