@@ -49,7 +49,8 @@ double DualityGap::Relative() const {
 
 void PrimalRounding::Add(int j, double beta) {
   product_ += std::abs(beta * objective_.correlation(j));
-  length_ += std::sqrt((*objective_.gram)(j, j)) * std::abs(beta);
+  const double square = std::max((*objective_.gram)(j, j), 0.0);
+  length_ += std::sqrt(square) * std::abs(beta);
 }
 
 double PrimalRounding::Value() const {
