@@ -10,7 +10,7 @@ int LassoPath::FindSegment(double lambda) const {
   if (segments_.empty() || lambda > segments_.front().lambda_begin) return -1;
   const auto it = std::lower_bound(
       segments_.begin(), segments_.end(), lambda,
-      [](const Segment& s, double value) { return s.lambda_end > value; });
+      [](const Segment& s, double value) { return s.lambda_end >= value; });
   return static_cast<int>(std::min(it, segments_.end() - 1) -
                           segments_.begin());
 }

@@ -48,8 +48,8 @@ class LassoPath {
     return {slope_.data() + segment.offset, segment.active};
   }
 
-  // Number of the segment that holds λ; −1 above λ_begin, the last one below
-  // λ_end.
+  // Number of the segment that holds λ, the later one where two meet; −1 above
+  // λ_begin, the last one below λ_end.
   int FindSegment(double lambda) const;
 
   // β(λ) into `beta` (n): zero above λ_begin, the end of the path below it.

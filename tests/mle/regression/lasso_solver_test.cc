@@ -123,6 +123,23 @@ TEST(LassoSolverTest, EveryLambdaIsSolvedOnDegenerateProblems) {
   }
 }
 
+// Where two segments meet the path is what the second begins with, to the bit:
+// zero stays zero.
+TEST(LassoPathTest, IsExactWhereSegmentsMeet) {
+  std::mt19937_64 random(3);
+  for (int trial = 0; trial < 50; ++trial) {
+    const double end = std::uniform_real_distribution(0.1, 0.9)(random);
+    const Eigen::VectorXd begin = RandomVector(4, random);
+    Eigen::VectorXd knot = RandomVector(4, random);
+    knot(trial % 4) = 0.0;
+    LassoPath path(4);
+    path.AppendJoin(1.0, begin, end, knot);
+    path.AppendJoin(end, knot, 0.05, RandomVector(4, random));
+    EXPECT_EQ(path.Coefficients(1.0), begin);
+    EXPECT_EQ(path.Coefficients(end), knot);
+  }
+}
+
 TEST(LassoSolverTest, OneLambdaIsEnough) {
   std::mt19937_64 random(3);
   const ExplicitLasso problem(RandomMatrix(10, 40, random),
