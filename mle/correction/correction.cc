@@ -76,20 +76,10 @@ void Correction::Model(const Eigen::VectorXd& lambdas, ArxModel& model) const {
   CHECK_EQ(lambdas.size(), initial_.num_outputs);
   model.R = initial_.R;
   for (Eigen::Index i = 0; i < lambdas.size(); ++i) {
-    const LassoPath& path = fits_[i].path;
-    const int number = path.FindSegment(lambdas(i));
-    if (number < 0) continue;
-    const LassoPath::Segment& segment = path.segments()[number];
-    const double step =
-        segment.lambda_begin - std::max(lambdas(i), segment.lambda_end);
-    const auto active = path.Active(segment);
-    const auto start = path.Start(segment);
-    const auto slope = path.Slope(segment);
-    for (int a = 0; a < segment.active; ++a) {
-      // Constant regressors are never active.
-      model.R(i, active(a)) +=
-          (start(a) + step * slope(a)) / problem_.scale(active(a));
-    }
+    // Constant regressors are never active.
+    fits_[i].path.VisitCoefficients(lambdas(i), [&](int j, double beta) {
+      model.R(i, j) += beta / problem_.scale(j);
+    });
   }
 }
 

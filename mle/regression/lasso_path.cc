@@ -19,17 +19,7 @@ void LassoPath::Coefficients(double lambda,
                              Eigen::Ref<Eigen::VectorXd> beta) const {
   CHECK_EQ(beta.size(), size_);
   beta.setZero();
-  const int number = FindSegment(lambda);
-  if (number < 0) return;
-  const Segment& segment = segments_[number];
-  const double step =
-      segment.lambda_begin - std::max(lambda, segment.lambda_end);
-  const auto active = Active(segment);
-  const auto start = Start(segment);
-  const auto slope = Slope(segment);
-  for (int i = 0; i < segment.active; ++i) {
-    beta(active(i)) = start(i) + step * slope(i);
-  }
+  VisitCoefficients(lambda, [&](int j, double value) { beta(j) = value; });
 }
 
 Eigen::VectorXd LassoPath::Coefficients(double lambda) const {
@@ -49,6 +39,7 @@ void LassoPath::Append(double lambda_begin, double lambda_end,
   active_.insert(active_.end(), active.begin(), active.end());
   start_.insert(start_.end(), start.data(), start.data() + active.size());
   slope_.insert(slope_.end(), slope.data(), slope.data() + active.size());
+  end_.resize(0);
 }
 
 void LassoPath::AppendJoin(double lambda_begin, const Eigen::VectorXd& begin,
@@ -61,6 +52,7 @@ void LassoPath::AppendJoin(double lambda_begin, const Eigen::VectorXd& begin,
   const Eigen::VectorXd start = begin(active);
   Append(lambda_begin, lambda_end, active, start,
          (end(active) - start) / (lambda_begin - lambda_end));
+  end_ = end;
 }
 
 }  // namespace mle

@@ -8,7 +8,7 @@
 #ifndef MLE_REGRESSION_LASSO_PATH_H_
 #define MLE_REGRESSION_LASSO_PATH_H_
 
-#include <string>
+#include <algorithm>
 #include <vector>
 
 #include "Eigen/Core"
@@ -56,13 +56,18 @@ class LassoPath {
   void Coefficients(double lambda, Eigen::Ref<Eigen::VectorXd> beta) const;
   Eigen::VectorXd Coefficients(double lambda) const;
 
+  // visit(j, β_j(λ)) for each coefficient that may differ from zero.
+  template <typename Function>
+  void VisitCoefficients(double lambda, Function visit) const;
+
   // Segments are appended in falling λ.
   void Append(double lambda_begin, double lambda_end,
               const std::vector<int>& active, const Eigen::VectorXd& start,
               const Eigen::VectorXd& slope);
 
-  // A straight segment between two solutions (n each); nothing where
-  // lambda_end is not below lambda_begin.
+  // A straight segment between two solutions (n each), which the path then
+  // gives back without rounding; nothing where lambda_end is not below
+  // lambda_begin.
   void AppendJoin(double lambda_begin, const Eigen::VectorXd& begin,
                   double lambda_end, const Eigen::VectorXd& end);
 
@@ -72,7 +77,29 @@ class LassoPath {
   std::vector<int> active_;
   std::vector<double> start_;
   std::vector<double> slope_;
+  Eigen::VectorXd end_;  // β(λ_end) where it is known without rounding
 };
+
+template <typename Function>
+void LassoPath::VisitCoefficients(double lambda, Function visit) const {
+  const int number = FindSegment(lambda);
+  if (number < 0) return;
+  if (end_.size() > 0 && lambda <= lambda_end()) {
+    for (int j = 0; j < size_; ++j) {
+      if (end_(j) != 0.0) visit(j, end_(j));
+    }
+    return;
+  }
+  const Segment& segment = segments_[number];
+  const double step =
+      segment.lambda_begin - std::max(lambda, segment.lambda_end);
+  const auto active = Active(segment);
+  const auto start = Start(segment);
+  const auto slope = Slope(segment);
+  for (int i = 0; i < segment.active; ++i) {
+    visit(active(i), start(i) + step * slope(i));
+  }
+}
 
 }  // namespace mle
 

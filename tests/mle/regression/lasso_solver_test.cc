@@ -134,6 +134,8 @@ TEST(LassoPathTest, IsExactWhereSegmentsMeet) {
     knot(trial % 4) = 0.0;
     LassoPath path(4);
     path.AppendJoin(1.0, begin, end, knot);
+    EXPECT_EQ(path.Coefficients(end), knot);
+    EXPECT_EQ(path.Coefficients(0.01), knot);
     path.AppendJoin(end, knot, 0.05, RandomVector(4, random));
     EXPECT_EQ(path.Coefficients(1.0), begin);
     EXPECT_EQ(path.Coefficients(end), knot);
