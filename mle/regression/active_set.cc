@@ -84,19 +84,16 @@ int ActiveSet::Count(State state) const {
 void ActiveSet::Products() {
   MultiplyActive(gram_, columns_, beta_.data(), slope_.data(), c_, b_);
   c_ = objective_.correlation - c_;
-  c_is_sharp_ = false;
 }
 
-bool ActiveSet::SharpenC() {
-  if (c_is_sharp_) return false;
-  c_ = objective_.correlation;
-  work_.setZero();
+void ActiveSet::SharpC(double step, Eigen::VectorXd& c) const {
+  const Eigen::VectorXd beta = betas() + step * slopes();
+  Eigen::VectorXd low = Eigen::VectorXd::Zero(objective_.size());
+  c = objective_.correlation;
   VectorKernels().subtract_columns_twice(ActiveColumns(gram_, columns_),
-                                         beta_.data(), nullptr, c_.size(),
-                                         c_.data(), work_.data());
-  c_ += work_;
-  c_is_sharp_ = true;
-  return true;
+                                         beta.data(), nullptr, c.size(),
+                                         c.data(), low.data());
+  c += low;
 }
 
 double ActiveSet::ActiveViolation(double lambda) const {

@@ -77,8 +77,8 @@ class ActiveSet {
   bool IsBlurred(int leaving, double lambda) const;
   // β and c from c_A in twice the working precision.
   void RefineSharply(double lambda);
-  // c in twice the working precision; false if it is already.
-  bool SharpenC();
+  // c of β + step q as rounded, in twice the working precision.
+  void SharpC(double step, Eigen::VectorXd& c) const;
 
   // Adds `variable` with s = sign unless its squared distance from the span of
   // the others is at most tolerance × its square. Returns that distance.
@@ -123,7 +123,6 @@ class ActiveSet {
   double greatest_inverse_ = 0.0;  // max_j 1 / w_j
   double scale_ = 0.0;
   Eigen::VectorXd work_;
-  bool c_is_sharp_ = false;
   int refined_ = 0;
   int refactored_ = 0;
 };

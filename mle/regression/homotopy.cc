@@ -25,12 +25,16 @@ constexpr double kFollows = 1e-7;
 // rounding of c.
 constexpr double kFloor = 1e-13;
 constexpr double kSeveral = 8.0;
+// A wanted λ becomes a knot where rounding of β at the knot before would change
+// c by more than this part of λ.
+constexpr double kBlurs = 1e-9;
 
 struct Event {
-  enum class Kind { kEnd, kEnter, kLeave } kind = Kind::kEnd;
+  enum class Kind { kEnd, kEnter, kLeave, kWanted } kind = Kind::kEnd;
   double step = 0.0;
   int variable = -1;
-  double sign = 0.0;  // of an entering variable's c_j
+  double sign = 0.0;    // of an entering variable's c_j
+  double lambda = 0.0;  // where no variable moves
 };
 
 class Homotopy {
@@ -110,6 +114,7 @@ void Homotopy::Start() {
 }
 
 HomotopySummary Homotopy::Finish() {
+  certificate_.Finish(objective_, summary_.path);
   summary_.relative_gap = certificate_.relative_gap();
   summary_.refined = active_.refined();
   summary_.refactored = active_.refactored();
@@ -135,6 +140,14 @@ Event Homotopy::NextEvent() const {
   Event best;
   const double rounding = kSeveral * active_.Rounding();
   best.step = std::max(lambda_ - std::max(floor_, rounding), 0.0);
+  best.lambda = options_.lambda_min;  // what is left below is rounding
+  if (const double wanted = certificate_.WantedBelow(
+          std::min(lambda_, active_.Rounding() / kBlurs));
+      lambda_ - wanted <= best.step) {
+    best = {.kind = Event::Kind::kWanted,
+            .step = lambda_ - wanted,
+            .lambda = wanted};
+  }
   // A waiting column is tried again only if it really is beyond the bound:
   // two of them there by rounding would be tried in turn for ever.
   const double beyond = lambda_ * (1.0 + 1e-11) + rounding;
@@ -163,18 +176,16 @@ Event Homotopy::NextEvent() const {
 
 // Goes to the event; c is left to the next solve.
 void Homotopy::Advance(const Event& event) {
-  // What is left below the floor is rounding.
-  const double step = event.kind == Event::Kind::kEnd
-                          ? lambda_ - options_.lambda_min
-                          : event.step;
-  certificate_.Continue(active_, lambda_, lambda_ - step);
-  if (step > 0.0) {
-    summary_.path.Append(lambda_, lambda_ - step, active_.columns(),
-                         active_.betas(), active_.slopes());
+  const double end = event.variable < 0 ? event.lambda : lambda_ - event.step;
+  const double step = lambda_ - end;
+  certificate_.Continue(active_, lambda_, end, event.kind == Event::Kind::kEnd);
+  if (step > 0.0 || event.kind == Event::Kind::kEnd) {
+    summary_.path.Append(lambda_, end, active_.columns(), active_.betas(),
+                         active_.slopes());
   }
   zero_steps_ = step <= 1e-15 * lambda_ ? zero_steps_ + 1 : 0;
   active_.Move(step);
-  lambda_ -= step;
+  lambda_ = end;
 }
 
 void Homotopy::Handle(const Event& event) {
@@ -191,6 +202,9 @@ void Homotopy::Handle(const Event& event) {
       break;
     case Event::Kind::kLeave:
       Leave(event.variable);
+      break;
+    case Event::Kind::kWanted:
+      last_moved_ = -1;
       break;
   }
 }

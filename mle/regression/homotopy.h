@@ -22,6 +22,8 @@
 //   (a twin of an active column) it waits until A loses a member; if it would
 //   cross the bound it takes the place of the active variable that reaches zero
 //   first on the line along which the fit does not change.
+// - A λ to be certified becomes a knot where rounding of β, which may have been
+//   far larger at the knot before, would be seen there.
 // - Ties are resolved one at a time, the lowest number first once steps of zero
 //   repeat, and a path that cannot go on says so and where.
 //
@@ -46,7 +48,8 @@ struct HomotopyOptions {
   double lambda_min = 0.0;
   // It also stops before more coefficients than this would be active; ≥ 1.
   int max_active = std::numeric_limits<int>::max();
-  // λ, ascending, at which the duality gap is computed on the way.
+  // λ, ascending, at which the duality gap of the path's β is computed on the
+  // way.
   Eigen::VectorXd certify_at;
 
   absl::Status Validate() const;

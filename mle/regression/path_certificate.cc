@@ -10,8 +10,11 @@
 namespace mle {
 namespace {
 
-// A relative gap above this may be the rounding of c, which is then sharpened.
+// A relative gap above the first may be the rounding of c, and rounding of β
+// that changes c by more than the second, relative to λ, is seen in the gap: c
+// is then computed from β in twice the working precision.
 constexpr double kSharpen = 5e-11;
+constexpr double kSeen = 1e-9;
 
 // v − βᵀ(C + c) with β + t q; what it is relative to and known to goes to
 // `result`.
@@ -32,9 +35,9 @@ double ResidualSquare(const ActiveSet& active, double step,
 }
 
 // At λ = 0.
-double LeastSquaresRelativeGap(const ActiveSet& active, double step) {
+double LeastSquaresRelativeGap(const ActiveSet& active, double step,
+                               const Eigen::VectorXd& gradient) {
   const LassoObjective& objective = active.objective();
-  const Eigen::VectorXd gradient = active.c() - step * active.b();
   DualityGap result;
   const double residual_square = ResidualSquare(active, step, gradient, result);
   const bool all_active = active.Count(ActiveSet::State::kInactive) +
@@ -55,14 +58,15 @@ PathCertificate::PathCertificate(const Eigen::VectorXd& lambdas)
           lambdas.size(), std::numeric_limits<double>::infinity())),
       next_(lambdas.size() - 1) {}
 
-bool PathCertificate::Wanted(double end) const {
-  return next_ >= 0 && lambdas_(next_) >= end;
+double PathCertificate::WantedBelow(double bound) const {
+  const double* begin = lambdas_.data();
+  const double* below = std::lower_bound(begin, begin + (next_ + 1), bound);
+  return below == begin ? -1.0 : *(below - 1);
 }
 
-double PathCertificate::RelativeGap(const ActiveSet& active, double lambda,
-                                    double step) {
+double PathCertificate::GapFromC(const ActiveSet& active, double lambda,
+                                 double step) {
   const LassoObjective& objective = active.objective();
-  c_ = active.c() - step * active.b();
   DualityGap result;
   double residual_square = ResidualSquare(active, step, c_, result);
   const int free = active.num_unpenalised();
@@ -96,12 +100,24 @@ double PathCertificate::RelativeGap(const ActiveSet& active, double lambda,
   return result.Relative();
 }
 
+double PathCertificate::RelativeGap(const ActiveSet& active, double lambda,
+                                    double step) {
+  if (lambda > 0.0 && active.Rounding() <= kSeen * lambda) {
+    c_ = active.c() - step * active.b();
+    const double gap = GapFromC(active, lambda, step);
+    if (gap <= kSharpen) return gap;
+  }
+  active.SharpC(step, c_);
+  return lambda > 0.0 ? GapFromC(active, lambda, step)
+                      : LeastSquaresRelativeGap(active, step, c_);
+}
+
 void PathCertificate::Start(const ActiveSet& active, double lambda_max,
                             double end) {
   Eigen::VectorXd start = Eigen::VectorXd::Zero(active.objective().size());
   start(active.columns()) = active.betas();
-  for (; Wanted(end); --next_) {
-    const double lambda = lambdas_(next_);
+  for (; next_ >= 0 && Next() >= end; --next_) {
+    const double lambda = Next();
     relative_gap_(next_) =
         active.size() == 0 && lambda > 0.0 && lambda >= lambda_max
             ? 0.0
@@ -109,19 +125,20 @@ void PathCertificate::Start(const ActiveSet& active, double lambda_max,
   }
 }
 
-void PathCertificate::Continue(ActiveSet& active, double lambda, double end) {
-  for (; Wanted(end); --next_) {
-    const double at = lambdas_(next_);
-    if (at == 0.0) {
-      relative_gap_(next_) = LeastSquaresRelativeGap(active, lambda);
-      continue;
-    }
-    double gap = RelativeGap(active, at, lambda - at);
-    if (gap > kSharpen && active.SharpenC()) {
-      gap = RelativeGap(active, at, lambda - at);
-    }
-    relative_gap_(next_) = gap;
+void PathCertificate::Continue(const ActiveSet& active, double lambda,
+                               double end, bool is_last) {
+  for (; Next() > end || (is_last && Next() == end); --next_) {
+    relative_gap_(next_) = RelativeGap(active, Next(), lambda - Next());
   }
+}
+
+void PathCertificate::Finish(const LassoObjective& objective,
+                             const LassoPath& path) {
+  if (path.segments().empty() || Next() != path.lambda_end()) return;
+  relative_gap_(next_) =
+      ComputeDualityGap(objective, Next(), path.Coefficients(Next()))
+          .Relative();
+  --next_;
 }
 
 }  // namespace mle

@@ -73,6 +73,29 @@ TEST(LassoSolverTest, BothSolversAgree) {
   }
 }
 
+// Two coefficients shrink to nothing along the last segment, for the third
+// regressor explains everything. What rounding of their larger values leaves,
+// seen through the square of a sample that both regressors share, is more than
+// λ.
+TEST(LassoSolverTest, CertifiesTheCoefficientsAsRounded) {
+  for (const double spike : {1e3, 1e5, 1e7}) {
+    const Eigen::MatrixXd regressors{
+        {spike, 2.1, 1.7}, {spike, -1.9, -1.3}, {0.0, 1.1, 0.0}};
+    const Eigen::VectorXd response{{0.0, 1e6, 0.0}};
+    const ExplicitLasso problem(regressors, response);
+    const Eigen::VectorXd lambdas =
+        LambdaGrid(problem.objective.LambdaMax(), 1e-6, 8, /*with_zero=*/false);
+    const LassoSolution solution =
+        Solve(problem, lambdas, LassoSolver::kHomotopy);
+    ExpectCertified(problem, solution);
+    for (Eigen::Index i = 0; i < lambdas.size(); ++i) {
+      const Eigen::VectorXd beta = solution.path.Coefficients(lambdas(i));
+      EXPECT_LE(solution.relative_gap(i),
+                GapTolerance(problem.objective, lambdas(i), beta));
+    }
+  }
+}
+
 // Between the values of its grid coordinate descent interpolates, from zero at
 // λ_max.
 TEST(LassoSolverTest, CoordinateDescentGivesAContinuousPath) {
