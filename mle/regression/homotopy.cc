@@ -30,7 +30,7 @@ constexpr double kSeveral = 8.0;
 constexpr double kBlurs = 1e-9;
 
 struct Event {
-  enum class Kind { kEnd, kEnter, kLeave, kWanted } kind = Kind::kEnd;
+  enum class Kind { kEnd, kEnter, kLeave, kKnot } kind = Kind::kEnd;
   double step = 0.0;
   int variable = -1;
   double sign = 0.0;    // of an entering variable's c_j
@@ -141,12 +141,16 @@ Event Homotopy::NextEvent() const {
   const double rounding = kSeveral * active_.Rounding();
   best.step = std::max(lambda_ - std::max(floor_, rounding), 0.0);
   best.lambda = options_.lambda_min;  // what is left below is rounding
+  // β, and its rounding with it, may be smaller where that would be so.
+  if (rounding > floor_ && rounding < 0.5 * lambda_) {
+    best.kind = Event::Kind::kKnot;
+    best.lambda = rounding;
+  }
   if (const double wanted = certificate_.WantedBelow(
           std::min(lambda_, active_.Rounding() / kBlurs));
       lambda_ - wanted <= best.step) {
-    best = {.kind = Event::Kind::kWanted,
-            .step = lambda_ - wanted,
-            .lambda = wanted};
+    best = {
+        .kind = Event::Kind::kKnot, .step = lambda_ - wanted, .lambda = wanted};
   }
   // A waiting column is tried again only if it really is beyond the bound:
   // two of them there by rounding would be tried in turn for ever.
@@ -203,7 +207,7 @@ void Homotopy::Handle(const Event& event) {
     case Event::Kind::kLeave:
       Leave(event.variable);
       break;
-    case Event::Kind::kWanted:
+    case Event::Kind::kKnot:
       last_moved_ = -1;
       break;
   }

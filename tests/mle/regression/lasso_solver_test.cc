@@ -84,14 +84,19 @@ TEST(LassoSolverTest, CertifiesTheCoefficientsAsRounded) {
     const Eigen::VectorXd response{{0.0, 1e6, 0.0}};
     const ExplicitLasso problem(regressors, response);
     const Eigen::VectorXd lambdas =
-        LambdaGrid(problem.objective.LambdaMax(), 1e-6, 8, /*with_zero=*/false);
+        LambdaGrid(problem.objective.LambdaMax(), 1e-8, 9, /*with_zero=*/false);
     const LassoSolution solution =
         Solve(problem, lambdas, LassoSolver::kHomotopy);
     ExpectCertified(problem, solution);
     for (Eigen::Index i = 0; i < lambdas.size(); ++i) {
       const Eigen::VectorXd beta = solution.path.Coefficients(lambdas(i));
-      EXPECT_LE(solution.relative_gap(i),
-                GapTolerance(problem.objective, lambdas(i), beta));
+      const double tolerance =
+          GapTolerance(problem.objective, lambdas(i), beta);
+      EXPECT_LE(solution.relative_gap(i), tolerance);
+      const LassoSolution alone =
+          Solve(problem, lambdas.segment(i, 1), LassoSolver::kHomotopy);
+      ExpectCertified(problem, alone);
+      EXPECT_LE(alone.relative_gap(0), tolerance);
     }
   }
 }
