@@ -134,11 +134,11 @@ void PathCertificate::Continue(const ActiveSet& active, double lambda,
 
 void PathCertificate::Finish(const LassoObjective& objective,
                              const LassoPath& path) {
-  if (path.segments().empty() || Next() != path.lambda_end()) return;
-  relative_gap_(next_) =
-      ComputeDualityGap(objective, Next(), path.Coefficients(Next()))
-          .Relative();
-  --next_;
+  if (path.segments().empty()) return;
+  for (const double end = path.lambda_end(); Next() == end; --next_) {
+    relative_gap_(next_) =
+        ComputeDualityGap(objective, end, path.Coefficients(end)).Relative();
+  }
 }
 
 }  // namespace mle
