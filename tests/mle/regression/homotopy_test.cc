@@ -344,6 +344,18 @@ TEST(HomotopyTest, StopsAtLambdaMin) {
   EXPECT_TRUE(Solve(problem, options).path.segments().empty());
 }
 
+TEST(HomotopyTest, CertifiesThePlaceWhereItStops) {
+  const ExplicitLasso problem = WellConditioned(20, 60, 23);
+  HomotopyOptions options;
+  options.max_active = 5;
+  const double end = Solve(problem, options).path.lambda_end();
+  options.certify_at = Eigen::VectorXd{{0.5 * end, end, end, 1.5 * end}};
+  const HomotopySummary summary = Solve(problem, options);
+  EXPECT_EQ(summary.path.lambda_end(), end);
+  EXPECT_EQ(summary.relative_gap(0), std::numeric_limits<double>::infinity());
+  EXPECT_LE(summary.relative_gap.tail(3).maxCoeff(), 1e-12);
+}
+
 TEST(HomotopyTest, StopsBeforeMoreAreActiveThanAllowed) {
   const ExplicitLasso problem = WellConditioned(20, 60, 23);
   const LassoPath whole = Solve(problem).path;
