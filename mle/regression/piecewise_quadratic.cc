@@ -13,7 +13,7 @@ double PiecewiseQuadratic::operator()(double lambda) const {
   }
   const auto it = std::lower_bound(
       pieces_.begin(), pieces_.end(), lambda,
-      [](const Piece& piece, double l) { return piece.lambda_end > l; });
+      [](const Piece& piece, double l) { return piece.lambda_end >= l; });
   const Piece& piece = it == pieces_.end() ? pieces_.back() : *it;
   return piece.At(std::max(lambda, piece.lambda_end));
 }
@@ -37,7 +37,7 @@ void PiecewiseQuadratic::AddTo(const Eigen::VectorXd& lambdas,
       sums(i) += constant_;
       continue;
     }
-    while (piece + 1 != pieces_.end() && lambda < piece->lambda_end) ++piece;
+    while (piece + 1 != pieces_.end() && lambda <= piece->lambda_end) ++piece;
     sums(i) += piece->At(std::max(lambda, piece->lambda_end));
   }
 }

@@ -45,6 +45,16 @@ TEST(PiecewiseQuadraticTest, IsItsPieces) {
   EXPECT_EQ(f(0.0), 9.0);  // constant below its end
 }
 
+TEST(PiecewiseQuadraticTest, TakesTheLaterPieceWhereTwoMeet) {
+  PiecewiseQuadratic f(0.0);
+  f.Append({4.0, 2.0, 7.0, -1.0, 0.5});
+  f.Append({2.0, 1.0, 7.25, 2.0, 0.0});  // as if by rounding
+  EXPECT_EQ(f(2.0), 7.25);
+  Eigen::VectorXd sums = Eigen::VectorXd::Zero(1);
+  f.AddTo(Eigen::VectorXd::Constant(1, 2.0), sums);
+  EXPECT_EQ(sums(0), 7.25);
+}
+
 TEST(PiecewiseQuadraticTest, OneSweepGivesTheValuesOneByOne) {
   std::mt19937_64 random(1);
   for (const double end : {0.0, 0.5}) {
