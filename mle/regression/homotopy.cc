@@ -25,9 +25,10 @@ constexpr double kFollows = 1e-7;
 // rounding of c.
 constexpr double kFloor = 1e-13;
 constexpr double kSeveral = 8.0;
-// A wanted λ becomes a knot where rounding of β at the knot before would change
-// c by more than this part of λ.
+// Where rounding of β at a knot changes c by more than the first part of λ, the
+// next knot is no farther than at the second.
 constexpr double kBlurs = 1e-9;
+constexpr double kFarthest = 0.1;
 
 struct Event {
   enum class Kind { kEnd, kEnter, kLeave, kKnot } kind = Kind::kEnd;
@@ -139,18 +140,17 @@ void Homotopy::Consider(Event::Kind kind, int variable, double slack,
 Event Homotopy::NextEvent() const {
   Event best;
   const double rounding = kSeveral * active_.Rounding();
-  best.step = std::max(lambda_ - std::max(floor_, rounding), 0.0);
-  best.lambda = options_.lambda_min;  // what is left below is rounding
-  // β, and its rounding with it, may be smaller where that would be so.
-  if (rounding > floor_ && rounding < 0.5 * lambda_) {
-    best.kind = Event::Kind::kKnot;
-    best.lambda = rounding;
-  }
-  if (const double wanted = certificate_.WantedBelow(
-          std::min(lambda_, active_.Rounding() / kBlurs));
-      lambda_ - wanted <= best.step) {
-    best = {
-        .kind = Event::Kind::kKnot, .step = lambda_ - wanted, .lambda = wanted};
+  const double end = std::max(floor_, rounding);
+  if (const double blurred =
+          std::min(kFarthest * lambda_, active_.Rounding() / kBlurs);
+      blurred > end) {
+    best = {.kind = Event::Kind::kKnot,
+            .step = lambda_ - blurred,
+            .lambda = blurred};
+  } else {
+    // What is left below the end is rounding.
+    best = {.step = std::max(lambda_ - end, 0.0),
+            .lambda = options_.lambda_min};
   }
   // A waiting column is tried again only if it really is beyond the bound:
   // two of them there by rounding would be tried in turn for ever.
@@ -183,7 +183,7 @@ void Homotopy::Advance(const Event& event) {
   const double end = event.variable < 0 ? event.lambda : lambda_ - event.step;
   const double step = lambda_ - end;
   certificate_.Continue(active_, lambda_, end, event.kind == Event::Kind::kEnd);
-  if (step > 0.0 || event.kind == Event::Kind::kEnd) {
+  if (step > 0.0) {
     summary_.path.Append(lambda_, end, active_.columns(), active_.betas(),
                          active_.slopes());
   }

@@ -22,9 +22,10 @@
 //   (a twin of an active column) it waits until A loses a member; if it would
 //   cross the bound it takes the place of the active variable that reaches zero
 //   first on the line along which the fit does not change.
-// - Where rounding of β, which may have been far larger at the knot before,
-//   would be seen at a λ to be certified, that λ becomes a knot; so does the λ
-//   at which it would end the path, which goes on below if β has shrunk.
+// - Where β shrinks along a segment, rounding of its larger values would be
+// seen
+//   at the end. From where it would be, knots are at most a factor of ten
+//   apart.
 // - Ties are resolved one at a time, the lowest number first once steps of zero
 //   repeat, and a path that cannot go on says so and where.
 //

@@ -58,12 +58,6 @@ PathCertificate::PathCertificate(const Eigen::VectorXd& lambdas)
           lambdas.size(), std::numeric_limits<double>::infinity())),
       next_(lambdas.size() - 1) {}
 
-double PathCertificate::WantedBelow(double bound) const {
-  const double* begin = lambdas_.data();
-  const double* below = std::lower_bound(begin, begin + (next_ + 1), bound);
-  return below == begin ? -1.0 : *(below - 1);
-}
-
 double PathCertificate::GapFromC(const ActiveSet& active, double lambda,
                                  double step) {
   const LassoObjective& objective = active.objective();

@@ -20,10 +20,6 @@ class PathCertificate {
   // Wanted at `lambdas`, ascending; must outlive the certificate.
   explicit PathCertificate(const Eigen::VectorXd& lambdas);
 
-  // The largest λ below `bound` not certified yet; negative where there is
-  // none.
-  double WantedBelow(double bound) const;
-
   // At each wanted λ ≥ end, with what is active above `lambda_max`: the
   // coefficients without penalty.
   void Start(const ActiveSet& active, double lambda_max, double end);
