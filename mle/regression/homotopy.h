@@ -23,8 +23,7 @@
 //   cross the bound it takes the place of the active variable that reaches zero
 //   first on the line along which the fit does not change.
 // - Where β shrinks along a segment, rounding of its larger values would be
-// seen
-//   at the end. From where it would be, knots are at most a factor of ten
+//   seen at the end. From where it would be, knots are at most a factor of ten
 //   apart.
 // - Ties are resolved one at a time, the lowest number first once steps of zero
 //   repeat, and a path that cannot go on says so and where.
