@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
@@ -140,6 +141,34 @@ void AddMissingInformation(const Result& result,
       InputNames(model, result.information.inputs_to_test()), "."));
 }
 
+// A refused ΔR may have been tried on what the windows left to it never moved.
+void AddWindowsWanted(const Result& result, std::vector<std::string>& advice) {
+  const std::optional<HeldOut>& windows = result.validation.windows;
+  if (!result.estimate.fit.arx.has_value() || !windows.has_value() ||
+      !windows->available() || windows->gain >= 0.0) {
+    return;
+  }
+  const ProcessModel& model = result.initial();
+  std::vector<std::string> changed_once;
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    const auto changed = std::count_if(
+        result.data.windows.begin(), result.data.windows.end(),
+        [i](const SetPointWindow& window) {
+          return std::any_of(
+              window.changes.begin(), window.changes.end(),
+              [i](const SetPointChange& c) { return c.output == i; });
+        });
+    if (changed == 1) changed_once.push_back(model.outputs()[i].name);
+  }
+  if (changed_once.empty()) return;
+  advice.push_back(absl::StrCat(
+      "Each window was predicted by a ΔR made from the others, which cannot "
+      "know what they did not see: the set point of ",
+      absl::StrJoin(changed_once, " and that of "),
+      " changed in one window only. Records with another change would tell "
+      "whether the correction is right."));
+}
+
 void AddWhatTheModelLacks(const Result& result,
                           std::vector<std::string>& advice) {
   std::vector<std::string> pairs;
@@ -217,6 +246,7 @@ std::vector<std::string> Advise(const Result& result) {
           "but not in the way this estimator can describe: look at the "
           "residuals and the windows for a disturbance, and try another "
           "--estimator.");
+      AddWindowsWanted(result, advice);
       break;
     case Decision::kCorrected:
       advice.push_back(

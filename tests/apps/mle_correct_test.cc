@@ -238,6 +238,39 @@ TEST(MleCorrectTest, TheArxEstimatorCorrectsToo) {
   EXPECT_EQ(kept["decision"], "no_change");
 }
 
+// From one of two windows ΔR cannot know what only the other moves. With
+// another change of each set point it can, and is taken.
+TEST(MleCorrectTest, ARefusalSaysWhichWindowsWouldDecide) {
+  const std::string configs = std::string(MLE_SOURCE_FOLDER) + "/configs/";
+  const std::string model = configs + "wood_berry.json";
+  const std::string plant = configs + "wood_berry_gain.json";
+  const ScratchFolder scratch;
+  const auto run = [&](const std::string& more_setpoints, int exit_code) {
+    const std::string data = SimulateHeater(
+        scratch, "run.csv", model, plant,
+        {"--sample_time=1", "--control_period=1", "--duration=1300",
+         "--setpoints=overhead:150:1,bottoms:450:1" + more_setpoints});
+    return Correct(
+        CorrectionFlags(model, data, scratch / "out",
+                        {"--estimator=arx", "--conversion_samples=20000",
+                         "--truth=" + plant}),
+        scratch / "out", exit_code);
+  };
+  const auto said = [](const nlohmann::json& result) {
+    return result["advice"].dump().find(
+               "overhead and that of bottoms changed in one window only") !=
+           std::string::npos;
+  };
+  const nlohmann::json two = run("", 1);
+  EXPECT_EQ(two["decision"], "refused");
+  EXPECT_TRUE(said(two)) << two["advice"];
+  const nlohmann::json four = run(",overhead:750:0,bottoms:1050:0", 0);
+  EXPECT_EQ(four["decision"], "corrected");
+  EXPECT_FALSE(said(four)) << four["advice"];
+  EXPECT_LT(four["truth"]["E_corrected"],
+            0.01 * four["truth"]["E_initial"].get<double>());
+}
+
 // Ceres solves what the path solves; a robust loss is another problem, near by
 // where nothing is wrong with the records.
 TEST(MleCorrectTest, SolversAgreeAndLossesAreTaken) {
