@@ -141,11 +141,14 @@ void AddMissingInformation(const Result& result,
       InputNames(model, result.information.inputs_to_test()), "."));
 }
 
-// A refused ΔR may have been tried on what the windows left to it never moved.
+// A correction that blocks speak for may have been refused on a window that
+// shows what no other does.
 void AddWindowsWanted(const Result& result, std::vector<std::string>& advice) {
-  const std::optional<HeldOut>& windows = result.validation.windows;
-  if (!result.estimate.fit.arx.has_value() || !windows.has_value() ||
-      !windows->available() || windows->gain >= 0.0) {
+  const auto gains = [](const std::optional<HeldOut>& held_out) {
+    return held_out.has_value() && held_out->available() &&
+           held_out->gain >= 0.0;
+  };
+  if (gains(result.validation.windows) || !gains(result.validation.blocks)) {
     return;
   }
   const ProcessModel& model = result.initial();
@@ -162,11 +165,13 @@ void AddWindowsWanted(const Result& result, std::vector<std::string>& advice) {
   }
   if (changed_once.empty()) return;
   advice.push_back(absl::StrCat(
-      "Each window was predicted by a ΔR made from the others, which cannot "
-      "know what they did not see: the set point of ",
-      absl::StrJoin(changed_once, " and that of "),
+      "Each window was predicted by a correction made from the others, which "
+      "cannot know what they did not see: ",
+      changed_once.size() > 1 ? "each of the set points of "
+                              : "the set point of ",
+      absl::StrJoin(changed_once, ", "),
       " changed in one window only. Records with another change would tell "
-      "whether the correction is right."));
+      "whether it is right."));
 }
 
 void AddWhatTheModelLacks(const Result& result,

@@ -258,8 +258,8 @@ TEST(MleCorrectTest, ARefusalSaysWhichWindowsWouldDecide) {
   };
   const auto said = [](const nlohmann::json& result) {
     return result["advice"].dump().find(
-               "overhead and that of bottoms changed in one window only") !=
-           std::string::npos;
+               "each of the set points of overhead, bottoms changed in one "
+               "window only") != std::string::npos;
   };
   const nlohmann::json two = run("", 1);
   EXPECT_EQ(two["decision"], "refused");
