@@ -141,16 +141,10 @@ void AddMissingInformation(const Result& result,
       InputNames(model, result.information.inputs_to_test()), "."));
 }
 
-// A correction that blocks speak for may have been refused on a window that
-// shows what no other does.
+// A correction may have been refused on a window that shows what no other does.
 void AddWindowsWanted(const Result& result, std::vector<std::string>& advice) {
-  const auto gains = [](const std::optional<HeldOut>& held_out) {
-    return held_out.has_value() && held_out->available() &&
-           held_out->gain >= 0.0;
-  };
-  if (gains(result.validation.windows) || !gains(result.validation.blocks)) {
-    return;
-  }
+  const Validation& validation = result.validation;
+  if (validation.blocks.has_value() && validation.blocks->worsens()) return;
   const ProcessModel& model = result.initial();
   std::vector<std::string> changed_once;
   for (int i = 0; i < model.num_outputs(); ++i) {

@@ -236,11 +236,8 @@ HeldOut BlocksOfTheRule(const Correction& correction,
 }  // namespace
 
 bool Validation::worsens() const {
-  const auto worse = [](const std::optional<HeldOut>& held_out) {
-    return held_out.has_value() && held_out->available() &&
-           held_out->gain < 0.0;
-  };
-  return worse(windows) || worse(blocks);
+  return (windows.has_value() && windows->worsens()) ||
+         (blocks.has_value() && blocks->worsens());
 }
 
 const HeldOut* Validation::shown() const {

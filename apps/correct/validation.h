@@ -65,6 +65,7 @@ struct HeldOut {
   std::string missing;  // why nothing could be held out
 
   bool available() const { return missing.empty(); }
+  bool worsens() const { return available() && gain < 0.0; }
 };
 
 struct Validation {

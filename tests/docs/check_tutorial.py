@@ -75,11 +75,11 @@ with tempfile.TemporaryDirectory() as scratch:
             words, numbers = parts(line)
             checked += 1
             if not found(words, numbers, shown):
-                others = shown.get(words, ["nothing like it"])
-                faults.append(f"is not what is printed: {line.strip()}\n  numbers there: {others}")
+                there = shown.get(words, "nothing like it")
+                faults.append(f"is not what is printed: {line.strip()}\n  numbers there: {there}")
             # The check can fail.
-            others = [1.5 * number + 1 for number in numbers]
-            if numbers and found(words, others, shown):
+            wrong = [1.5 * number + 1 for number in numbers]
+            if numbers and found(words, wrong, shown):
                 faults.append(f"any number would do: {line.strip()}")
 
 if checked < 50:
