@@ -30,14 +30,14 @@ absl::Status WriteFileAtomically(const std::string& path,
                                  std::string_view content);
 
 // Replaces the files of these names in `folder` by these contents. Nothing is
-// replaced unless all could be written; a fault between the renames, which take
-// no room, is the one way to part of them.
+// replaced unless all files could be written; only a failure between the final
+// renames, which need no disk space, can leave some old and some new.
 absl::Status WriteFilesTogether(
     const std::string& folder,
     const std::vector<std::pair<std::string, std::string>>& files);
 
-// Makes `path` and its parents; fails if it exists and is no folder, or if
-// files cannot be made in it.
+// Makes `path` and its parents; fails if `path` exists and is not a
+// folder, or if files cannot be created in it.
 absl::Status MakeWritableFolder(const std::string& path);
 
 }  // namespace mle

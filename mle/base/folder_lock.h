@@ -1,7 +1,7 @@
 // One program at a time on a folder of results.
 //
 // The lock is flock(2) on the folder itself: no file is left behind, and the
-// system frees it when its owner ends, however that comes about.
+// system releases the lock when its owner ends, also when it is killed.
 //
 //   MLE_ASSIGN_OR_RETURN(const FolderLock lock, FolderLock::Take("results"));
 
@@ -17,9 +17,9 @@ namespace mle {
 
 class FolderLock {
  public:
-  // Of a folder that is there. Unavailable, naming it, if another FolderLock
-  // (of any process on this machine) has it; NotFound and the like where it
-  // cannot be opened. On a file system without locks it is granted to all.
+  // Locks an existing folder. Unavailable if another FolderLock of any process on
+  // this machine holds it; NotFound or the like if it cannot be opened. A file
+  // system without locks grants the lock to every caller.
   static absl::StatusOr<FolderLock> Take(const std::string& folder);
 
   FolderLock(FolderLock&& other) noexcept

@@ -8,7 +8,7 @@
 
 namespace mle {
 
-// Of the library that the program runs with.
+// The version of the library that the program runs with.
 std::string_view LibraryVersion();
 
 }  // namespace mle

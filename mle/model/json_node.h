@@ -1,5 +1,5 @@
-// A value of a JSON file that a person wrote. It knows where it stands, so that
-// every error names its path, what was found there and what would be right:
+// A value of a JSON file written by hand. The node knows its path in the file,
+// so that every error names the path, what was found and what would be right:
 //
 //   campaign.json: seeds.count: must be a whole number from 1 to 1000000, is
 //   the string "many"
@@ -25,7 +25,7 @@
 
 namespace mle {
 
-// What a number may be; the ends are allowed unless said.
+// The allowed range of a number; bounds are inclusive unless marked open.
 struct NumberRange {
   double min = std::numeric_limits<double>::lowest();
   double max = std::numeric_limits<double>::max();
@@ -38,7 +38,7 @@ inline constexpr NumberRange kNotNegative{.min = 0.0};
 // `text` in quotes, as JSON has it.
 std::string QuotedJson(const std::string& text);
 
-// What `value` is, in a few words.
+// A short description of `value` for error messages.
 std::string FoundJson(const nlohmann::json& value);
 
 class JsonNode {
@@ -59,7 +59,7 @@ class JsonNode {
   bool Has(const std::string& key) const { return json_->contains(key); }
   JsonNode At(const std::string& key) const;  // which is there
 
-  // Of a list; of one that is not empty.
+  // The elements of a list; of a list that is not empty.
   absl::StatusOr<std::vector<JsonNode>> ElementsOrNone() const;
   absl::StatusOr<std::vector<JsonNode>> Elements() const;
   absl::StatusOr<std::vector<double>> Numbers() const;       // not empty
@@ -76,7 +76,7 @@ class JsonNode {
                                        std::int64_t max) const;
   absl::StatusOr<bool> Boolean() const;
 
-  // What stands here, in a few words.
+  // A short description of this value for error messages.
   std::string Found() const { return FoundJson(*json_); }
 
  private:

@@ -1,5 +1,5 @@
-// A process as its owner knows it: a p × m matrix of transfer functions with
-// named inputs and outputs,
+// A process model: a p × m matrix of transfer functions with named inputs and
+// outputs,
 //
 //   y_i(s) = Σ_j g_ij(s) u_j(s).
 //

@@ -1,4 +1,4 @@
-// Sampled step responses of a p × m process, and what is read from them.
+// Sampled step responses of a p × m process, and measures computed from them.
 //
 // φ_k^{ij} is the response of output i to a unit step of input j at t = 0,
 // sampled at kΔt, k = 0 … N.

@@ -1,7 +1,7 @@
-// JSON as a person writes it, read so that no mistake passes in silence.
+// Strict parsing of JSON files.
 //
-// Beyond the grammar, a key may stand only once in an object, a number must fit
-// into a double, and nesting ends at 64 levels. Errors name `source` (a file),
+// Beyond the grammar, a key may stand only once in an object, a number must be
+// representable as a double, and nesting is limited to 64 levels. Errors name `source` (a file),
 // line and column, or for a repeated key its place, as in elements[2].
 // Internal to the project: it shows the JSON library's type.
 
