@@ -17,9 +17,9 @@ namespace mle {
 
 class FolderLock {
  public:
-  // Locks an existing folder. Unavailable if another FolderLock of any process on
-  // this machine holds it; NotFound or the like if it cannot be opened. A file
-  // system without locks grants the lock to every caller.
+  // Locks an existing folder. Unavailable if another FolderLock of any process
+  // on this machine holds it; NotFound or the like if it cannot be opened. A
+  // file system without locks grants the lock to every caller.
   static absl::StatusOr<FolderLock> Take(const std::string& folder);
 
   FolderLock(FolderLock&& other) noexcept

@@ -1,8 +1,8 @@
 // Strict parsing of JSON files.
 //
-// Beyond the grammar, a key may stand only once in an object, a number must be
-// representable as a double, and nesting is limited to 64 levels. Errors name `source` (a file),
-// line and column, or for a repeated key its place, as in elements[2].
+// A key may stand only once in an object, a number must be representable as a
+// double, nesting is limited to 64 levels. Errors name `source` (a file), line
+// and column, or for a repeated key its place, as in elements[2].
 // Internal to the project: it shows the JSON library's type.
 
 #ifndef MLE_MODEL_STRICT_JSON_H_
