@@ -8,11 +8,11 @@
 // alone, so that the loop and its noise are those of the clean record: singly
 // (LONGEST 1) or in bursts of 3 to LONGEST samples off to the same side. E of
 // ΔR and of the structured correction with the clean records, with the spoilt
-// ones, with the outliers replaced (for the structured one: marked) by their
-// neighbours and by a model (output_reconstruction.h), and of the
-// structured correction with robust losses on the spoilt ones. Last, how many
-// samples were spoilt, how many of them the model found, and how many it found
-// besides. --threads=N limits the threads.
+// ones, with the outliers replaced (for the structured one: marked) by a model
+// (output_reconstruction.h), and of the structured correction with robust
+// losses on the spoilt ones. Last, how many samples were spoilt, how many of
+// them the model found, and how many it found besides. --threads=N limits the
+// threads.
 
 #include <algorithm>
 #include <array>
@@ -31,7 +31,6 @@
 #include "glog/logging.h"
 #include "mle/base/parallel.h"
 #include "mle/correction/correction.h"
-#include "mle/data/outlier_replacement.h"
 #include "mle/nonlinear/output_reconstruction.h"
 #include "mle/nonlinear/structured_correction.h"
 
@@ -41,21 +40,19 @@ namespace {
 constexpr double kSmallest = 10.0;  // σ
 constexpr double kLargest = 50.0;
 constexpr int kShortestBurst = 3;
-constexpr std::array<const char*, 13> kColumns = {"ΔR, clean",
+constexpr std::array<const char*, 11> kColumns = {"ΔR, clean",
                                                   "ΔR, spoilt",
-                                                  "ΔR, neighbours",
                                                   "ΔR, model",
                                                   "structured, clean",
                                                   "structured, spoilt",
-                                                  "structured, neighbours",
                                                   "structured, model",
                                                   "structured, Huber",
                                                   "structured, Cauchy",
                                                   "spoilt",
                                                   "found",
                                                   "wrongly"};
-constexpr std::array<int, kColumns.size()> kClean = {0, 0, 0, 0,  4,  4, 4,
-                                                     4, 4, 4, 10, 10, 10};
+constexpr std::array<int, kColumns.size()> kClean = {0, 0, 0, 3, 3, 3,
+                                                     3, 3, 8, 8, 8};
 // Longest gap that is filled: two bursts, one at the other.
 constexpr int kMaxGap = 30;
 using Row = std::array<double, kColumns.size()>;
@@ -151,12 +148,6 @@ Row RunOne(const ProcessModel& initial, const ProcessModel& plant,
   std::vector<Record> spoilt = clean;
   Spoil(spoiling.share, spoiling.longest, std::sqrt(options.noise_variance),
         seed, spoilt);
-  std::vector<Record> replaced = spoilt;
-  ReplaceOutliers(initial, {}, replaced);
-  std::vector<Record> marked = spoilt;
-  OutlierReplacementOptions mark;
-  mark.max_gap = 0;
-  ReplaceOutliers(initial, mark, marked);
   std::vector<Record> by_model = spoilt;
   const auto report = MarkOutliers(initial, {}, {}, by_model);
   CHECK(report.ok()) << report.status();
@@ -169,11 +160,9 @@ Row RunOne(const ProcessModel& initial, const ProcessModel& plant,
   const Counts counts = Compare(clean, spoilt, by_model);
   return {arx(correct(clean).Model()),
           arx(correct(spoilt).Model()),
-          arx(correct(replaced).Model()),
           arx(correct(filled).Model()),
           structured(clean),
           structured(spoilt),
-          structured(marked),
           structured(by_model),
           structured(spoilt, RobustLoss::kHuber),
           structured(spoilt, RobustLoss::kCauchy),

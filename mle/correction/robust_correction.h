@@ -15,8 +15,8 @@
 //
 // Outliers of the outputs stand in the regressors of the next d rows as well,
 // where no loss on residuals reaches them: they are to be replaced first
-// (ReplaceOutliers()). What this adds is that rows which are wrong all the same
-// do not rule the fit.
+// (output_reconstruction.h). What this adds is that rows which are wrong all
+// the same do not rule the fit.
 //
 //   MLE_ASSIGN_OR_RETURN(
 //       const RobustCorrection robust,

@@ -14,21 +14,6 @@ constexpr double kGaussian = 1.4826;
 
 }  // namespace
 
-double RobustCost(RobustLoss loss, double x) {
-  const double size = std::abs(x);
-  switch (loss) {
-    case RobustLoss::kNone:
-      break;
-    case RobustLoss::kHuber:
-      if (size > kHuber) return kHuber * (size - 0.5 * kHuber);
-      break;
-    case RobustLoss::kCauchy:
-      return 0.5 * kCauchy * kCauchy *
-             std::log1p((x / kCauchy) * (x / kCauchy));
-  }
-  return 0.5 * x * x;
-}
-
 double RobustWeight(RobustLoss loss, double x) {
   switch (loss) {
     case RobustLoss::kNone:

@@ -23,8 +23,7 @@ namespace mle {
 
 enum class RobustLoss { kNone, kHuber, kCauchy };
 
-// ρ(x), ψ(x)/x and ψ′(x), x = e/s; x²/2, 1 and 1 without a loss.
-double RobustCost(RobustLoss loss, double x);
+// ψ(x)/x and ψ′(x), x = e/s; 1 and 1 without a loss.
 double RobustWeight(RobustLoss loss, double x);
 double RobustCurvature(RobustLoss loss, double x);
 
