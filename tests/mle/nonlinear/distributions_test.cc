@@ -42,9 +42,57 @@ TEST(FisherTailTest, IsItsClosedForms) {
   }
 }
 
+// Down to 1e-300 a tail is still right to ten digits, and below the smallest
+// double it is 0.
+TEST(TailTest, KeepsItsAccuracyWhereItIsTiny) {
+  for (const double x : {100.0, 700.0, 1380.0}) {
+    const double h = 0.5 * x;
+    EXPECT_NEAR(ChiSquareTail(x, 1.0) / std::erfc(std::sqrt(h)), 1.0, 1e-10);
+    EXPECT_NEAR(ChiSquareTail(x, 4.0) / (std::exp(-h) * (1.0 + h)), 1.0, 1e-10);
+    EXPECT_NEAR(
+        StudentTail(std::sqrt(x), kInfinity) / (0.5 * std::erfc(std::sqrt(h))),
+        1.0, 1e-10);
+  }
+  for (const double x : {1e8, 1e75, 1e150}) {
+    EXPECT_NEAR(FisherTail(x, 2.0, 4.0) / (4.0 / (x * x)), 1.0,
+                4.1 / x + 1e-10);
+    EXPECT_NEAR(StudentTail(x, 1.0) * x * M_PI, 1.0, 1e-10);
+  }
+  for (const double x : {50.0, 690.0}) {
+    EXPECT_NEAR(FisherTail(x, 2.0, 1e9) / std::exp(-5e8 * std::log1p(2e-9 * x)),
+                1.0, 1e-7);  // the closed form itself loses digits
+  }
+  EXPECT_EQ(ChiSquareTail(1e6, 3.0), 0.0);
+  EXPECT_EQ(ChiSquareTail(kInfinity, 3.0), 0.0);
+  EXPECT_EQ(FisherTail(1e300, 2.0, 50.0), 0.0);
+  EXPECT_EQ(FisherTail(kInfinity, 2.0, 50.0), 0.0);
+  EXPECT_EQ(StudentTail(kInfinity, 5.0), 0.0);
+  EXPECT_EQ(StudentTail(-kInfinity, 5.0), 1.0);
+}
+
+TEST(QuantileTest, IsItsClosedForms) {
+  for (const double p : {1e-300, 1e-100, 1e-12, 1e-3, 0.05, 0.5, 0.99}) {
+    // ν1 = 2: ν2/2 (p^(−2/ν2) − 1), for ν2 = ∞ −ln p.
+    for (const double nu : {2.0, 4.0, 17.5, 1000.0}) {
+      EXPECT_NEAR(FisherQuantile(p, 2.0, nu) /
+                      (0.5 * nu * std::expm1(-2.0 / nu * std::log(p))),
+                  1.0, 1e-10)
+          << p << " " << nu;
+    }
+    EXPECT_NEAR(FisherQuantile(p, 2.0, kInfinity) / -std::log(p), 1.0, 1e-10);
+    // ν = 1, Cauchy's distribution, and ν = 2.
+    EXPECT_NEAR(StudentTwoSidedQuantile(p, 1.0) * std::tan(0.5 * M_PI * p), 1.0,
+                1e-10);
+    EXPECT_NEAR(StudentTwoSidedQuantile(p, 2.0) /
+                    ((1.0 - p) * std::sqrt(2.0 / (p * (2.0 - p)))),
+                1.0, 1e-10);
+  }
+  EXPECT_EQ(FisherQuantile(1e-300, 2.0, 1.0), kInfinity);  // 5e599
+}
+
 TEST(QuantileTest, InvertsTheTail) {
-  for (const double probability : {1e-12, 1e-3, 0.05, 0.5, 0.99}) {
-    for (const double nu : {1.0, 4.0, 33.3, kInfinity}) {
+  for (const double probability : {1e-300, 1e-12, 1e-3, 0.05, 0.5, 0.99}) {
+    for (const double nu : {2.0, 4.0, 33.3, kInfinity}) {
       const double x = FisherQuantile(probability, 3.0, nu);
       EXPECT_NEAR(FisherTail(x, 3.0, nu) / probability, 1.0, 1e-8);
     }
