@@ -1,8 +1,9 @@
 """check_tutorial.py SOURCE BUILD: docs/tutorial.md, typed in as it stands in a copy of the
 project, with the commands of BUILD.
 
-Every command succeeds, and what the page shows is what they print or write. Numbers may
-differ by a tenth, for compilers round differently; words may not.
+Every command succeeds, and the page shows what the commands print or write; the page may
+wrap long lines. Numbers may differ by a tenth, because compilers round differently; words
+may not.
 """
 
 import pathlib
@@ -15,6 +16,7 @@ import tempfile
 source, build = (pathlib.Path(argument).resolve() for argument in sys.argv[1:3])
 
 TOLERANCE = 0.1
+MAX_WRAPPED = 5  # lines of the page for one line of output
 NUMBER = re.compile(r"[−-]?\d+(?:,\d{3})*(?:\.\d+)?(?:×10[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)?")
 PLAIN = str.maketrans("−⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "--0123456789", ",")
 
@@ -36,6 +38,20 @@ def found(expected, numbers, shown):
         all(abs(a - b) <= TOLERANCE * max(abs(a), abs(b)) for a, b in zip(numbers, other))
         for other in shown.get(expected, [])
     )
+
+
+def lines_of(block, shown):
+    """The lines of a block; a line that the page wraps is joined again."""
+    lines = list(filter(str.strip, block.splitlines()))
+    begin = 0
+    while begin < len(lines):
+        end = begin + 1
+        for last in range(begin + 1, min(begin + MAX_WRAPPED, len(lines)) + 1):
+            if found(*parts(" ".join(lines[begin:last])), shown):
+                end = last
+                break
+        yield " ".join(lines[begin:end])
+        begin = end
 
 
 def copy_project(folder):
@@ -71,7 +87,7 @@ with tempfile.TemporaryDirectory() as scratch:
             for export in folder.glob("examples/*_export.csv"):
                 remember("\n".join(export.read_text().splitlines()[:10]), shown)
             continue
-        for line in filter(str.strip, block.splitlines()):
+        for line in lines_of(block, shown):
             words, numbers = parts(line)
             checked += 1
             if not found(words, numbers, shown):
