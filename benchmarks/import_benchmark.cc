@@ -1,10 +1,7 @@
 // How fast a historian's export is read and cut into windows, and what memory
 // that takes.
 //
-//   import_benchmark ROWS numbers|dates|changes FILE.csv
-//
-// changes: times are numbers, and only what is around the changes of set points
-// is kept, in two passes. Otherwise all of it is.
+//   import_benchmark ROWS numbers|dates FILE.csv
 //
 // Writes ROWS rows of two inputs, two outputs and their set points to FILE.csv
 // in a first process, reads them in a second, and prints seconds and the peak
@@ -29,7 +26,6 @@ namespace mle {
 namespace {
 
 constexpr int kChangeEvery = 5000;
-constexpr int kRareChangeEvery = 100000;  // with `changes`
 
 ProcessModel Model() {
   ProcessModel model("column", "min", {{"reflux", ""}, {"steam", ""}},
@@ -42,7 +38,7 @@ ProcessModel Model() {
 }
 
 // A sample every 12 s.
-void WriteRows(int rows, bool dates, int change_every, const char* path) {
+void WriteRows(int rows, bool dates, const char* path) {
   std::FILE* file = std::fopen(path, "w");
   CHECK(file != nullptr) << path;
   std::fputs(
@@ -68,18 +64,15 @@ void WriteRows(int rows, bool dates, int change_every, const char* path) {
       std::fprintf(file, "%.1f", 0.2 * k);
     }
     std::fprintf(file, ",%.6f,%d,%.6f,0,%.8f,%.8f\n", 0.03 * normal(engine),
-                 k / change_every % 2, 0.03 * normal(engine), reflux, steam);
+                 k / kChangeEvery % 2, 0.03 * normal(engine), reflux, steam);
   }
   CHECK_EQ(std::fclose(file), 0);
 }
 
-int Read(const char* path, bool changes) {
+int Read(const char* path) {
   const ProcessModel model = Model();
   const auto start = std::chrono::steady_clock::now();
-  const auto import =
-      changes ? ImportAroundChanges({FileSource(path)}, model,
-                                    HistorianOptions(), 200.0, 200.0)
-              : ImportHistorian({path}, model, HistorianOptions());
+  const auto import = ImportHistorian({path}, model, HistorianOptions());
   CHECK(import.ok()) << import.status();
   const auto middle = std::chrono::steady_clock::now();
   const auto windows = FindWindows(import->records, model, WindowOptions());
@@ -100,21 +93,20 @@ int Read(const char* path, bool changes) {
 int Main(int argc, char** argv) {
   int rows = 0;
   if (argc != 4 || !absl::SimpleAtoi(argv[1], &rows) || rows < 2) {
-    std::cerr << "import_benchmark ROWS numbers|dates|changes FILE.csv\n";
+    std::cerr << "import_benchmark ROWS numbers|dates FILE.csv\n";
     return 2;
   }
   const std::string form = argv[2];
   const pid_t writer = fork();
   CHECK_GE(writer, 0);
   if (writer == 0) {
-    WriteRows(rows, form == "dates",
-              form == "changes" ? kRareChangeEvery : kChangeEvery, argv[3]);
+    WriteRows(rows, form == "dates", argv[3]);
     _exit(0);
   }
   int status = 0;
   CHECK_EQ(waitpid(writer, &status, 0), writer);
   CHECK_EQ(status, 0);
-  return Read(argv[3], form == "changes");
+  return Read(argv[3]);
 }
 
 }  // namespace

@@ -35,7 +35,6 @@
 #include <cstdint>
 #include <functional>
 #include <istream>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -51,12 +50,6 @@
 #include "mle/model/process_model.h"
 
 namespace mle {
-
-// Ends included.
-struct TimeRange {
-  double from = 0.0;
-  double to = 0.0;
-};
 
 // Times are in the model's unit.
 struct HistorianOptions {
@@ -91,9 +84,6 @@ struct HistorianOptions {
   // Structured correction does as well without, a regression on lagged data
   // loses as many samples as it has lags for each that is bad.
   bool bridge_outputs = true;
-  // If there are any, only the samples within them are kept, each range as a
-  // record of its own: in order, disjoint.
-  std::vector<TimeRange> keep = {};
   // Of all records together, > 0: more is an error.
   std::int64_t max_samples = 20'000'000;
 
@@ -176,15 +166,6 @@ absl::StatusOr<HistorianImport> ImportHistorian(
 absl::StatusOr<HistorianImport> ImportHistorianSources(
     const std::vector<HistorianSource>& sources, const ProcessModel& channels,
     const HistorianOptions& options);
-
-// The parts from `before` to `after` (both ≥ 0) around the changes of set
-// points by more than `min_change`, in two passes: memory is that of these
-// parts, however long the files are. InvalidArgument, besides, if there are
-// none. options.keep is not used.
-absl::StatusOr<HistorianImport> ImportAroundChanges(
-    const std::vector<HistorianSource>& sources, const ProcessModel& channels,
-    const HistorianOptions& options, double before, double after,
-    double min_change = 0.0);
 
 }  // namespace mle
 

@@ -215,8 +215,7 @@ void HistorianImporter::NoteChannels(const RecordRows& rows) {
   }
 }
 
-CollectorOptions HistorianImporter::MakeCollectorOptions(
-    double scan_for_change) const {
+CollectorOptions HistorianImporter::MakeCollectorOptions() const {
   const HistorianReport& report = import_.report;
   CollectorOptions options;
   options.num_outputs = channels_.num_outputs();
@@ -230,15 +229,12 @@ CollectorOptions HistorianImporter::MakeCollectorOptions(
   options.max_bridged = static_cast<int>(
       std::min(std::floor(longest / report.sample_time + 0.5), 1e9));
   options.bridge_outputs = options_.bridge_outputs;
-  options.keep = options_.keep;
-  options.scan_for_change = scan_for_change;
   return options;
 }
 
 void HistorianImporter::NoteSamples() {
   HistorianReport& report = import_.report;
   import_.records = collector_->TakeRecords();
-  import_.change_times = collector_->change_times();
   for (int v = 0; v < num_values(); ++v) {
     if (!is_there_[v]) continue;
     values_[v].bridged = collector_->bridged()[v];
@@ -295,13 +291,13 @@ void HistorianImporter::Warn() {
   }
 }
 
-absl::StatusOr<HistorianScan> HistorianImporter::Run(
-    const std::vector<HistorianSource>& sources, double scan_for_change) {
+absl::StatusOr<HistorianImport> HistorianImporter::Run(
+    const std::vector<HistorianSource>& sources) {
   MLE_RETURN_IF_ERROR(Probe(sources));
   values_.resize(num_values());
   is_there_.resize(num_values());
   good_.resize(num_values());
-  collector_.emplace(MakeCollectorOptions(scan_for_change));
+  collector_.emplace(MakeCollectorOptions());
   Resampler resampler(
       {.sample_time = import_.report.sample_time,
        .step = import_.report.step,

@@ -18,13 +18,6 @@
 
 namespace mle {
 
-// What a pass over the sources finds: records, or the changes of set points.
-struct HistorianScan {
-  std::vector<Record> records;
-  HistorianReport report;
-  std::vector<double> change_times;
-};
-
 // Reads the sources one after the other.
 class HistorianImporter {
  public:
@@ -32,9 +25,8 @@ class HistorianImporter {
                     const HistorianOptions& options)
       : channels_(channels), options_(options) {}
 
-  // `scan_for_change`: negative, or as in CollectorOptions.
-  absl::StatusOr<HistorianScan> Run(const std::vector<HistorianSource>& sources,
-                                    double scan_for_change);
+  absl::StatusOr<HistorianImport> Run(
+      const std::vector<HistorianSource>& sources);
 
  private:
   absl::Status Probe(const std::vector<HistorianSource>& sources);
@@ -45,7 +37,7 @@ class HistorianImporter {
   bool FitsWithin(double time);
   void NoteGap(double time);
   void NoteSamples();
-  CollectorOptions MakeCollectorOptions(double scan_for_change) const;
+  CollectorOptions MakeCollectorOptions() const;
   void NoteChannels(const RecordRows& rows);
   absl::Status CheckChannels();
   void Warn();
@@ -57,7 +49,7 @@ class HistorianImporter {
   const ProcessModel& channels_;
   const HistorianOptions& options_;
   std::vector<HistorianProbe> probes_;
-  HistorianScan import_;
+  HistorianImport import_;
   double max_gap_ = 0.0;
   std::optional<RecordCollector> collector_;
   bool has_last_ = false;

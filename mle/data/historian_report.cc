@@ -70,15 +70,6 @@ absl::Status HistorianOptions::Validate(const ProcessModel& channels) const {
   if (!std::isfinite(max_gap)) {
     return Fault("max_gap", absl::StrCat(max_gap), "finite");
   }
-  for (std::size_t k = 0; k < keep.size(); ++k) {
-    if (keep[k].from <= keep[k].to &&
-        (k == 0 || keep[k].from > keep[k - 1].to)) {
-      continue;
-    }
-    return Fault("keep",
-                 absl::StrCat("from ", keep[k].from, " to ", keep[k].to),
-                 "in order, and after the range before");
-  }
   if (max_samples < 2) {
     return Fault("max_samples", absl::StrCat(max_samples), "at least 2");
   }

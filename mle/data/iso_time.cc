@@ -1,6 +1,7 @@
 #include "mle/data/iso_time.h"
 
 #include <array>
+#include <chrono>
 #include <cmath>
 
 #include "absl/time/time.h"
@@ -28,27 +29,10 @@ bool TakeOneOf(std::string_view& text, std::string_view characters) {
   return true;
 }
 
-bool IsLeap(int year) {
-  return year % 4 == 0 && (year % 100 != 0 || year % 400 == 0);
-}
-
-bool DateExists(int year, int month, int day) {
-  constexpr std::array<int, 12> kDays = {31, 28, 31, 30, 31, 30,
-                                         31, 31, 30, 31, 30, 31};
-  if (month < 1 || month > 12 || day < 1) return false;
-  return day <= kDays[month - 1] + (month == 2 && IsLeap(year) ? 1 : 0);
-}
-
-// Days since 1970-01-01, for years from 1 on.
-int DaysFromCivil(int year, int month, int day) {
-  if (month <= 2) --year;
-  const int era = year / 400;
-  const int year_of_era = year - 400 * era;
-  const int month_from_march = month > 2 ? month - 3 : month + 9;
-  const int day_of_year = (153 * month_from_march + 2) / 5 + day - 1;
-  const int day_of_era =
-      365 * year_of_era + year_of_era / 4 - year_of_era / 100 + day_of_year;
-  return 146097 * era + day_of_era - 719468;
+std::chrono::year_month_day DateOf(const CivilTime& time) {
+  return std::chrono::year(time.year) /
+         std::chrono::month(static_cast<unsigned>(time.month)) /
+         std::chrono::day(static_cast<unsigned>(time.day));
 }
 
 // One or two digits.
@@ -134,25 +118,17 @@ std::optional<CivilTime> ParseCivilTime(std::string_view text,
     return std::nullopt;
   }
   if ((!is_iso && !TakeHalfDay(text, time.hour)) ||
-      !TakeZone(text, time.zone) || time.year < 1 ||
-      !DateExists(time.year, time.month, time.day) || time.hour > 23 ||
-      time.minute > 59 || time.second >= 60.0) {
+      !TakeZone(text, time.zone) || time.year < 1 || !DateOf(time).ok() ||
+      time.hour > 23 || time.minute > 59 || time.second >= 60.0) {
     return std::nullopt;
   }
   return time;
 }
 
 double SecondsSinceEpoch(const CivilTime& time) {
-  return 86400.0 * DaysFromCivil(time.year, time.month, time.day) +
-         3600.0 * time.hour + 60.0 * time.minute + time.second -
-         time.zone.value_or(0);
-}
-
-std::optional<double> ParseIsoTime(std::string_view text) {
-  const std::optional<CivilTime> time =
-      ParseCivilTime(text, DateOrder::kYearFirst);
-  if (!time) return std::nullopt;
-  return SecondsSinceEpoch(*time);
+  const auto days = std::chrono::sys_days(DateOf(time)).time_since_epoch();
+  return 86400.0 * static_cast<double>(days.count()) + 3600.0 * time.hour +
+         60.0 * time.minute + time.second - time.zone.value_or(0);
 }
 
 std::string FormatIsoTime(double seconds_since_epoch) {

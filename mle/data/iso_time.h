@@ -29,12 +29,8 @@ struct CivilTime {
 // Nothing for any other text, and for dates and times that do not exist.
 std::optional<CivilTime> ParseCivilTime(std::string_view text, DateOrder order);
 
-// Since 1970-01-01T00:00:00Z; without a zone it is taken as UTC. (Days from
-// civil dates: H. Hinnant, chrono-Compatible Low-Level Date Algorithms, 2013.)
+// Since 1970-01-01T00:00:00Z; without a zone it is taken as UTC.
 double SecondsSinceEpoch(const CivilTime& time);
-
-// The same of a text with the year first.
-std::optional<double> ParseIsoTime(std::string_view text);
 
 // YYYY-MM-DDThh:mm:ssZ; "?" before the year 1 and after 9999.
 std::string FormatIsoTime(double seconds_since_epoch);

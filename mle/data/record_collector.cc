@@ -1,7 +1,5 @@
 #include "mle/data/record_collector.h"
 
-#include <cmath>
-#include <limits>
 #include <utility>
 
 #include "mle/data/gap_bridging.h"
@@ -12,27 +10,10 @@ RecordCollector::RecordCollector(CollectorOptions options)
     : options_(std::move(options)),
       builder_(options_.num_outputs, options_.num_inputs),
       bridged_(2 * options_.num_outputs + options_.num_inputs),
-      missing_(bridged_.size()),
-      last_set_points_(options_.num_outputs,
-                       std::numeric_limits<double>::quiet_NaN()) {}
+      missing_(bridged_.size()) {}
 
 void RecordCollector::Add(bool begins, double time,
                           const std::vector<double>& values) {
-  if (options_.scan_for_change >= 0.0) {
-    Scan(begins, time, values);
-    return;
-  }
-  const std::vector<TimeRange>& keep = options_.keep;
-  if (!keep.empty()) {
-    while (range_ < keep.size() && time > keep[range_].to) {
-      EndRecord();
-      ++range_;
-    }
-    if (range_ == keep.size() || time < keep[range_].from) {
-      if (begins) EndRecord();
-      return;
-    }
-  }
   if (begins) EndRecord();
   if (builder_.samples() == 0) start_time_ = time;
   builder_.Add(values);
@@ -40,21 +21,6 @@ void RecordCollector::Add(bool begins, double time,
 }
 
 void RecordCollector::Finish() { EndRecord(); }
-
-void RecordCollector::Scan(bool begins, double time,
-                           const std::vector<double>& values) {
-  for (int i = 0; i < options_.num_outputs; ++i) {
-    const double value = values[options_.num_outputs + i];
-    if (!std::isfinite(value)) continue;
-    double& last = last_set_points_[i];
-    const bool changes = !begins && std::isfinite(last) &&
-                         std::abs(value - last) > options_.scan_for_change;
-    if (changes && (change_times_.empty() || change_times_.back() < time)) {
-      change_times_.push_back(time);
-    }
-    if (changes || begins || !std::isfinite(last)) last = value;
-  }
-}
 
 void RecordCollector::EndRecord() {
   if (builder_.samples() == 0) return;

@@ -1,10 +1,11 @@
-// Samples as they come, made into records: those wanted are kept, gaps are
-// bridged and counted. Internal to mle/data.
+// Samples as they come, made into records: gaps are bridged and counted.
+// Internal to mle/data.
 
 #ifndef MLE_DATA_RECORD_COLLECTOR_H_
 #define MLE_DATA_RECORD_COLLECTOR_H_
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "mle/data/historian.h"
@@ -20,11 +21,6 @@ struct CollectorOptions {
   bool has_set_points = false;
   int max_bridged = 0;  // samples in a row
   bool bridge_outputs = true;
-  // In order and disjoint; if there are none, everything is kept.
-  std::vector<TimeRange> keep = {};
-  // Keeps nothing, but notes when set points change by more than this;
-  // negative: keeps samples.
-  double scan_for_change = -1.0;
 };
 
 class RecordCollector {
@@ -36,30 +32,25 @@ class RecordCollector {
   // Once all samples are there.
   void Finish();
 
-  // Samples kept so far.
+  // Samples so far.
   std::int64_t samples() const { return samples_; }
   // Single samples left out.
   std::int64_t short_pieces() const { return short_pieces_; }
   // By value (2p + m).
   const std::vector<std::int64_t>& bridged() const { return bridged_; }
   const std::vector<std::int64_t>& missing() const { return missing_; }
-  const std::vector<double>& change_times() const { return change_times_; }
   std::vector<Record> TakeRecords() { return std::move(records_); }
 
  private:
   void EndRecord();
-  void Scan(bool begins, double time, const std::vector<double>& values);
 
   CollectorOptions options_;
   RecordBuilder builder_;
   double start_time_ = 0.0;
-  std::size_t range_ = 0;  // of options_.keep: the present or next one
   std::int64_t samples_ = 0;
   std::int64_t short_pieces_ = 0;
   std::vector<std::int64_t> bridged_;
   std::vector<std::int64_t> missing_;
-  std::vector<double> last_set_points_;
-  std::vector<double> change_times_;
   std::vector<Record> records_;
 };
 

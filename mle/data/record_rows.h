@@ -1,5 +1,4 @@
-// Rows of a record file as times and samples: what ReadRecordCsv() and
-// ImportHistorian() have in common.
+// Rows of a record file as times and samples.
 //
 // Samples stand in one row of values: the p outputs, their p set points, the m
 // inputs; NaN where a sample is bad or its column is not there.

@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "gtest/gtest.h"
+#include "mle/data/historian.h"
 #include "mle/data/record_csv.h"
 #include "mle/model/process_model.h"
 #include "tests/apps/correct_runs.h"
@@ -100,8 +101,9 @@ TEST(MleCorrectMetamorphicTest, UnitsScaleTheGainsAlone) {
 
   const absl::StatusOr<ProcessModel> model = ReadProcessModel(files.model);
   ASSERT_TRUE(model.ok()) << model.status();
-  absl::StatusOr<Record> record = ReadRecordCsv(files.data, *model);
-  ASSERT_TRUE(record.ok()) << record.status();
+  auto import = ImportHistorian({files.data}, *model, {.max_gap = 0.0});
+  ASSERT_TRUE(import.ok()) << import.status();
+  Record* const record = &import->records.at(0);
   for (int i = 0; i < 2; ++i) {
     record->outputs.row(i) *= output_scale[i];
     record->set_points.row(i) *= output_scale[i];

@@ -8,7 +8,7 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "mle/data/record_csv.h"
+#include "mle/data/historian.h"
 #include "tests/apps/command_runner.h"
 
 namespace mle {
@@ -43,9 +43,9 @@ Record Simulate(const ScratchFolder& scratch, const std::string& model,
   EXPECT_EQ(result.err, "");
   const absl::StatusOr<ProcessModel> channels = ReadProcessModel(model);
   EXPECT_TRUE(channels.ok()) << channels.status();
-  absl::StatusOr<Record> record = ReadRecordCsv(out, *channels);
-  EXPECT_TRUE(record.ok()) << record.status();
-  return record.ok() ? *std::move(record) : Record();
+  const auto import = ImportHistorian({out}, *channels, {.max_gap = 0.0});
+  EXPECT_TRUE(import.ok()) << import.status();
+  return import.ok() ? import->records.at(0) : Record();
 }
 
 double MeanOfLast(const Eigen::MatrixXd& rows, int row, int samples) {

@@ -36,7 +36,6 @@ HistorianOptions OptionsFrom(fuzz::Bytes& bytes) {
   options.rows_below_header = text / 3 % 2;
   options.clock.format = static_cast<TimeFormat>(text / 6 % 5);
   if (text / 30 % 2 == 1) options.clock.time_zone = "Europe/Berlin";
-  if (text % 5 == 0) options.keep = {{0.0, 3.0}, {4.0, 10.0}};
   options.max_samples = kMaxSamples;
   return options;
 }
@@ -92,8 +91,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data,
   FUZZ_EXPECT(!import->report.FullReport("min").empty());
   mle::CheckRecords(import->records);
   mle::LookAt(std::move(import->records));
-  const auto around =
-      mle::ImportAroundChanges(sources, tank, options, 2.0, 4.0);
-  if (around.ok()) mle::CheckRecords(around->records);
   return 0;
 }

@@ -267,6 +267,15 @@ TEST(HistorianTest, DatesMayHaveTheDayFirstIfDeclared) {
             1.0);
 }
 
+TEST(HistorianTest, DatesNeedAUnitOfTime) {
+  const ProcessModel odd("odd", "shift", {{"steam", ""}}, {{"level", ""}});
+  EXPECT_THAT(
+      std::string(Import("time,level,steam\n2024-02-28 23:59:48,1,2\n", {}, odd)
+                      .status()
+                      .message()),
+      HasSubstr("dates need a time_unit of s, min, h or d"));
+}
+
 TEST(HistorianTest, FilesAreJoinedInTime) {
   const std::string late = "steam,time,level\n7,3,1\n7,4,2\n";
   const std::string early = "time;level;steam\n0;1,5;2\n1;1;2\n2;1;2\n";
@@ -408,52 +417,10 @@ TEST(HistorianTest, OptionsOutOfRangeAreNamed) {
               AllOf(HasSubstr("sample_time"), HasSubstr("-0.5")));
   EXPECT_THAT(error([](Options& o) { o.max_gap = HUGE_VAL; }),
               AllOf(HasSubstr("max_gap"), HasSubstr("finite")));
-  EXPECT_THAT(error([](Options& o) {
-                o.keep = {{4.0, 5.0}, {1.0, 2.0}};
-              }),
-              AllOf(HasSubstr("keep"), HasSubstr("from 1 to 2")));
   EXPECT_THAT(error([](Options& o) { o.max_samples = 1; }),
               AllOf(HasSubstr("max_samples"), HasSubstr("at least 2")));
   EXPECT_THAT(error([](Options& o) { o.limits.max_columns = 0; }),
               AllOf(HasSubstr("limits"), HasSubstr("0 columns")));
-}
-
-TEST(HistorianTest, OnlyWhatIsWantedIsKept) {
-  std::string text = "time,level,level_setpoint,steam\n";
-  for (int k = 0; k < 1000; ++k) {
-    absl::StrAppend(&text, k, ",", k, ",",
-                    k < 300   ? 0
-                    : k < 305 ? 1
-                              : 2,
-                    ",", k / 5, "\n");
-  }
-  HistorianOptions options;
-  options.keep = {{-5.0, 9.5}, {100.0, 110.0}, {995.0, 2000.0}};
-  const HistorianImport import = ImportOk(text, options);
-  ASSERT_EQ(import.records.size(), 3u);
-  EXPECT_EQ(import.records[0].samples(), 10);
-  EXPECT_EQ(import.records[1].start_time, 100.0);
-  EXPECT_EQ(import.records[1].samples(), 11);
-  EXPECT_EQ(import.records[2].samples(), 5);
-  EXPECT_EQ(import.report.rows, 1000);
-  options.keep = {{5000.0, 6000.0}};
-  EXPECT_THAT(Error(text, options), HasSubstr("no samples lie within"));
-  options.keep = {{10.0, 20.0}, {15.0, 30.0}};
-  EXPECT_THAT(Error(text, options), HasSubstr("keep is from 15 to 30"));
-
-  // The same samples as of the whole record.
-  const auto around = ImportAroundChanges({TextSource("a.csv", text)}, Tank(),
-                                          HistorianOptions(), 20.0, 40.0);
-  ASSERT_TRUE(around.ok()) << around.status();
-  ASSERT_EQ(around->records.size(), 1u);
-  EXPECT_EQ(around->records[0].start_time, 280.0);
-  EXPECT_EQ(around->records[0].samples(), 66);
-  EXPECT_EQ(around->records[0].inputs,
-            ImportOk(text).records[0].inputs.middleCols(280, 66));
-  const auto none = ImportAroundChanges({TextSource("a.csv", text)}, Tank(),
-                                        HistorianOptions(), 20.0, 40.0, 5.0);
-  EXPECT_THAT(std::string(none.status().message()),
-              HasSubstr("no set point changes"));
 }
 
 TEST(HistorianTest, ReportsCanBeRead) {
