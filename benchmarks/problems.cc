@@ -7,9 +7,9 @@
 #include "control/mpc.h"
 #include "glog/logging.h"
 #include "mle/correction/conversion.h"
+#include "mle/correction/excitation.h"
 #include "mle/model/process_model.h"
 #include "sim/closed_loop.h"
-#include "sim/excitation.h"
 
 namespace mle::benchmarks {
 namespace {
@@ -39,12 +39,12 @@ void AddRecord(const Record& record, int order, Problem& problem) {
 }
 
 Record Excite(const ProcessModel& model, std::uint64_t seed, int samples) {
-  sim::ExcitationOptions options;
+  ExcitationOptions options;
   options.sample_time = kSampleTime;
   options.duration = kSampleTime * (samples - 1);
   options.noise_variance = kNoiseVariance;
   options.seed = seed;
-  return ValueOrDie(sim::SimulateExcitation(model, options));
+  return ValueOrDie(SimulateExcitation(model, options));
 }
 
 // ±200 min around the set-point step of output `stepped`.

@@ -16,9 +16,8 @@ absl::StatusOr<ContinuousPlant> ElementPlant(
   ProcessModel model("element", "", {{"input", ""}}, {{"output", ""}});
   model.element(0, 0) = element;
   ageing.output = ageing.input = 0;
-  MLE_ASSIGN_OR_RETURN(
-      ContinuousSystem system,
-      ToLinearSystem(model, {{std::move(ageing)}}, options.relative_step));
+  MLE_ASSIGN_OR_RETURN(ContinuousSystem system,
+                       ToLinearSystem(model, {{std::move(ageing)}}));
   return ContinuousPlant::Create(
       std::move(system),
       {.sample_time = options.sample_time, .start_time = options.start_time});
@@ -29,9 +28,6 @@ absl::StatusOr<ContinuousPlant> ElementPlant(
 absl::StatusOr<AgeingPlant> AgeingPlant::Create(
     const ProcessModel& model, const AgeingSchedule& ageing,
     const AgeingPlantOptions& options) {
-  const PlantOptions plant_options{.sample_time = options.sample_time,
-                                   .relative_step = options.relative_step};
-  MLE_RETURN_IF_ERROR(plant_options.Validate());
   MLE_RETURN_IF_ERROR(model.Validate());
   MLE_RETURN_IF_ERROR(ageing.Validate(model));
   ProcessModel steady = model;
@@ -43,7 +39,9 @@ absl::StatusOr<AgeingPlant> AgeingPlant::Create(
     elements.push_back({one.output, one.input, std::move(plant)});
     steady.element(one.output, one.input) = TransferFunction();
   }
-  MLE_ASSIGN_OR_RETURN(Plant steady_part, Plant::Create(steady, plant_options));
+  MLE_ASSIGN_OR_RETURN(
+      Plant steady_part,
+      Plant::Create(steady, {.sample_time = options.sample_time}));
   return AgeingPlant(std::move(steady_part), std::move(elements));
 }
 

@@ -27,7 +27,6 @@ struct AgeingPlantOptions {
   double sample_time = 0.2;  // Δt > 0
   // Time of the schedule at the first sample: how old the plant is.
   double start_time = 0.0;
-  double relative_step = 0.01;  // as in PlantOptions
 };
 
 class AgeingPlant final : public PlantModel {

@@ -5,11 +5,11 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "mle/base/random.h"
 #include "mle/base/status.h"
-#include "sim/noise.h"
+#include "mle/data/sampling.h"
 #include "sim/plant.h"
 #include "sim/runaway.h"
-#include "sim/sampling.h"
 
 namespace mle::sim {
 namespace {

@@ -9,7 +9,7 @@
 #define SIM_COLOURED_NOISE_H_
 
 #include "Eigen/Core"
-#include "sim/noise.h"
+#include "mle/base/random.h"
 
 namespace mle::sim {
 

@@ -3,10 +3,10 @@
 #include <cmath>
 
 #include "absl/strings/str_cat.h"
+#include "mle/base/random.h"
 #include "mle/base/status.h"
 #include "sim/check_options.h"
 #include "sim/coloured_noise.h"
-#include "sim/noise.h"
 #include "sim/set_point_profile.h"
 
 namespace mle::sim {

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <limits>
 
+#include "mle/base/random.h"
 #include "mle/base/status.h"
 #include "sim/check_options.h"
-#include "sim/noise.h"
 
 namespace mle::sim {
 namespace {

@@ -2,10 +2,10 @@
 
 #include <cmath>
 
+#include "mle/base/random.h"
 #include "mle/base/status.h"
 #include "sim/check_options.h"
 #include "sim/coloured_noise.h"
-#include "sim/noise.h"
 
 namespace mle::sim {
 namespace {

@@ -11,7 +11,7 @@
 #include "control/prediction_model.h"
 #include "control/retuning.h"
 #include "mle/base/status.h"
-#include "mle/data/quiet_stretches.h"
+#include "mle/model/process_model.h"
 
 namespace mle::correct {
 namespace {
@@ -206,11 +206,6 @@ std::string_view NameOf(PairState state) {
       return "informed";
   }
   return "";
-}
-
-std::string PairName(const ProcessModel& model, int output, int input) {
-  return absl::StrCat(model.outputs()[output].name, " ← ",
-                      model.inputs()[input].name);
 }
 
 Tuning AdviseTuning(const Result& result) {

@@ -14,9 +14,6 @@ namespace mle::correct {
 
 std::string_view NameOf(PairState state);
 
-// "overhead ← reflux"
-std::string PairName(const ProcessModel& model, int output, int input);
-
 // The controller's horizons, weights and stability; empty where nothing was
 // corrected.
 Tuning AdviseTuning(const Result& result);

@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "mle/base/random.h"
 #include "mle/base/status.h"
-#include "sim/excitation.h"
-#include "sim/noise.h"
+#include "mle/correction/excitation.h"
 
 namespace mle::correct {
 namespace {
@@ -21,8 +21,6 @@ constexpr double kSmallestRelativeNoise = 1e-5;
 constexpr int kMostRegressors = 1500;
 constexpr int kShortestOrder = 10;
 constexpr int kResponseSamples = 200;
-// Noise streams of a seed, as those of mle_reproduce.
-constexpr std::uint64_t kConversionStream = 1'000'000;
 
 double LargestResponse(const TransferFunction& element) {
   const double horizon = element.delay() + 5.0 * element.SlowestTimeConstant();
@@ -143,16 +141,15 @@ absl::StatusOr<ConversionSummary> ConvertUnderNoise(
     const ProcessModel& model, const std::vector<NoiseEstimate>& noise,
     const ChannelScales& scales, double sample_time,
     const ConversionSettings& settings) {
-  sim::ExcitationOptions excitation;
+  ExcitationOptions excitation;
   excitation.sample_time = sample_time;
   excitation.duration = (settings.samples - 1) * sample_time;
   excitation.noise_variance = kPaperNoiseVariance;
   excitation.seed = settings.seed;
   excitation.stream = kConversionStream;
-  MLE_ASSIGN_OR_RETURN(Record record, sim::SimulateExcitation(
-                                          Scaled(model, scales), excitation));
-  sim::GaussianNoise walk(settings.seed, kConversionStream,
-                          sim::kDriftDisturbance);
+  MLE_ASSIGN_OR_RETURN(Record record,
+                       SimulateExcitation(Scaled(model, scales), excitation));
+  GaussianNoise walk(settings.seed, kConversionStream, kDriftDisturbance);
   for (int i = 0; i < record.num_outputs(); ++i) {
     const double step = std::sqrt(noise[i].ratio * kPaperNoiseVariance);
     double level = 0.0;

@@ -9,6 +9,7 @@
 #include "mle/correction/robust_correction.h"
 #include "mle/correction/smoothed_correction.h"
 #include "mle/data/lagged_series.h"
+#include "mle/model/process_simulator.h"
 #include "mle/nonlinear/output_reconstruction.h"
 
 namespace mle::correct {
@@ -135,8 +136,9 @@ Split SplitElements(const ProcessModel& model,
 // One output of a record, less what the held elements make of it.
 absl::StatusOr<Record> Remainder(const ProcessModel& held, const Record& record,
                                  int output) {
-  MLE_ASSIGN_OR_RETURN(const Eigen::MatrixXd response,
-                       SimulateResponse(held, record));
+  MLE_ASSIGN_OR_RETURN(
+      const Eigen::MatrixXd response,
+      SimulateResponse(held, record.sample_time, record.inputs));
   Record remainder;
   remainder.start_time = record.start_time;
   remainder.sample_time = record.sample_time;

@@ -17,7 +17,7 @@
 #include "control/mpc_options.h"
 #include "gflags/gflags.h"
 #include "mle/base/status.h"
-#include "mle/data/quiet_stretches.h"
+#include "mle/model/process_model.h"
 
 DEFINE_string(model, "",
               "Process model (JSON) to be corrected: the one in the "

@@ -5,16 +5,15 @@
 
 #include "apps/correct/prediction.h"
 #include "mle/base/parallel.h"
+#include "mle/base/random.h"
 #include "mle/base/status.h"
+#include "mle/model/process_simulator.h"
 #include "mle/nonlinear/distributions.h"
-#include "sim/noise.h"
 
 namespace mle::correct {
 namespace {
 
 constexpr double kNever = 1e-300;
-// Noise streams of a seed, apart from those of the conversion.
-constexpr std::uint64_t kFirstStream = 3'000'000;
 
 // `responses` of the initial model under noise of the plant's size, bad where
 // `windows` are.
@@ -23,9 +22,9 @@ std::vector<Record> DrawRecords(const std::vector<Record>& windows,
                                 const std::vector<NoiseEstimate>& noise,
                                 std::uint64_t seed, int replicate) {
   const std::uint64_t stream =
-      kFirstStream + static_cast<std::uint64_t>(replicate);
-  sim::GaussianNoise white(seed, stream, sim::kMeasurementNoise);
-  sim::GaussianNoise walk(seed, stream, sim::kDriftDisturbance);
+      kCalibrationStream + static_cast<std::uint64_t>(replicate);
+  GaussianNoise white(seed, stream, kMeasurementNoise);
+  GaussianNoise walk(seed, stream, kDriftDisturbance);
   std::vector<Record> drawn = windows;
   for (std::size_t w = 0; w < drawn.size(); ++w) {
     Record& record = drawn[w];
@@ -59,8 +58,9 @@ absl::StatusOr<NullCalibration> CalibrateTest(
   }
   std::vector<Eigen::MatrixXd> responses;
   for (const Record& window : windows) {
-    MLE_ASSIGN_OR_RETURN(Eigen::MatrixXd response,
-                         SimulateResponse(initial, window));
+    MLE_ASSIGN_OR_RETURN(
+        Eigen::MatrixXd response,
+        SimulateResponse(initial, window.sample_time, window.inputs));
     responses.push_back(std::move(response));
   }
   StructuredOptions one = options;

@@ -9,8 +9,8 @@
 #include "mle/base/status.h"
 #include "mle/correction/prediction_residuals.h"
 #include "mle/data/lagged_series.h"
+#include "mle/model/process_simulator.h"
 #include "mle/nonlinear/output_reconstruction.h"
-#include "sim/plant.h"
 
 namespace mle::correct {
 namespace {
@@ -79,37 +79,17 @@ Eigen::RowVectorXd LevelErrors(const Eigen::RowVectorXd& e, double ratio,
 
 }  // namespace
 
-absl::StatusOr<MatrixXd> SimulateResponse(const ProcessModel& model,
-                                          const Record& record) {
-  MLE_ASSIGN_OR_RETURN(
-      sim::Plant plant,
-      sim::Plant::Create(model, {.sample_time = record.sample_time}));
-  MatrixXd gains(model.num_outputs(), model.num_inputs());
-  for (int i = 0; i < gains.rows(); ++i) {
-    for (int j = 0; j < gains.cols(); ++j) {
-      gains(i, j) = model.element(i, j).StaticGain();
-    }
-  }
-  const VectorXd settled = gains * record.inputs.col(0);
-  MatrixXd outputs(model.num_outputs(), record.inputs.cols());
-  for (Eigen::Index k = 0; k < outputs.cols(); ++k) {
-    outputs.col(k) = settled + plant.outputs();
-    plant.Advance(record.inputs.col(k) - record.inputs.col(0));
-  }
-  return outputs;
-}
-
 absl::StatusOr<Predictor> PredictWithProcess(
     const ProcessModel& model, const std::vector<NoiseEstimate>& noise,
     double sample_time) {
   // What cannot be simulated is found here, not record by record.
-  MLE_RETURN_IF_ERROR(
-      sim::Plant::Create(model, {.sample_time = sample_time}).status());
+  MLE_RETURN_IF_ERROR(ProcessSimulator::Create(model, sample_time).status());
   VectorXd ratios(model.num_outputs());
   for (int i = 0; i < model.num_outputs(); ++i) ratios(i) = noise[i].ratio;
   const int forgetting = ForgettingSamples(model, sample_time);
   return Predictor([=](const Record& record, int horizon) {
-    const absl::StatusOr<MatrixXd> response = SimulateResponse(model, record);
+    const absl::StatusOr<MatrixXd> response =
+        SimulateResponse(model, record.sample_time, record.inputs);
     MatrixXd errors =
         MatrixXd::Constant(record.num_outputs(), record.samples(), kNaN);
     if (!response.ok()) return errors;

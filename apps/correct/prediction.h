@@ -24,11 +24,6 @@ namespace mle::correct {
 using Predictor =
     std::function<Eigen::MatrixXd(const Record& record, int horizon)>;
 
-// Output of the process model to the record's inputs, p × samples: settled at
-// the first inputs before.
-absl::StatusOr<Eigen::MatrixXd> SimulateResponse(const ProcessModel& model,
-                                                 const Record& record);
-
 // The process model plus a level that is followed in white noise by a Kalman
 // filter, diffuse at first (`noise`: p, its ratio q/r; 0 takes the mean of all
 // errors so far): ŷ_k = x_k + ŵ_{k−h|k−h}. The first samples, as long as the

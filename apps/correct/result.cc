@@ -12,7 +12,7 @@
 #include "apps/report/number.h"
 #include "mle/base/status.h"
 #include "mle/data/outliers.h"
-#include "mle/data/quiet_stretches.h"
+#include "mle/model/process_model.h"
 
 namespace mle::correct {
 namespace {

@@ -20,7 +20,7 @@
 #include "gflags/gflags.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"
-#include "mle/data/quiet_stretches.h"
+#include "mle/model/process_model.h"
 #include "sim/ageing_json.h"
 
 DEFINE_string(model, "",

@@ -11,7 +11,7 @@
 #include "apps/lifecycle/durations.h"
 #include "gflags/gflags.h"
 #include "mle/base/status.h"
-#include "mle/data/quiet_stretches.h"
+#include "mle/model/process_model.h"
 #include "sim/check_options.h"
 
 DEFINE_string(min_input, "",
@@ -70,13 +70,10 @@ absl::StatusOr<VectorXd> NumbersOr(const char* flag, const std::string& value,
 // The largest input that holds the outputs anywhere within ± range: for each
 // manipulated input the sum over the outputs of |K⁺| range.
 VectorXd NeededInputs(const ProcessModel& model, const VectorXd& range) {
-  Eigen::MatrixXd gains =
-      Eigen::MatrixXd::Zero(model.num_outputs(), model.num_inputs());
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      if (model.inputs()[j].role == InputRole::kManipulated) {
-        gains(i, j) = model.element(i, j).StaticGain();
-      }
+  Eigen::MatrixXd gains = StaticGains(model);
+  for (int j = 0; j < model.num_inputs(); ++j) {
+    if (model.inputs()[j].role != InputRole::kManipulated) {
+      gains.col(j).setZero();
     }
   }
   const Eigen::MatrixXd inverse =

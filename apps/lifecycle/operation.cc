@@ -7,31 +7,18 @@
 #include "Eigen/QR"
 #include "absl/strings/str_cat.h"
 #include "apps/lifecycle/watched_plant.h"
+#include "mle/base/random.h"
 #include "mle/base/status.h"
+#include "mle/data/sampling.h"
 #include "sim/check_options.h"
 #include "sim/closed_loop.h"
 #include "sim/plant.h"
-#include "sim/sampling.h"
 
 namespace mle::lifecycle {
 namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-// Streams of step tests, beyond those of the changes.
-constexpr std::uint64_t kTestStreams = 1'000'000;
-constexpr std::uint64_t kWatchStreams = 2'000'000;
-
-MatrixXd StaticGains(const ProcessModel& model) {
-  MatrixXd gains(model.num_outputs(), model.num_inputs());
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      gains(i, j) = model.element(i, j).StaticGain();
-    }
-  }
-  return gains;
-}
 
 double Limited(double value, const VectorXd& min, const VectorXd& max, int j) {
   if (min.size() > 0) value = std::max(value, min[j]);
@@ -285,7 +272,7 @@ absl::StatusOr<TestOperation> Operation::RunStepTest(const StepTestPlan& plan) {
   const double dt = options_.sample_time;
   const double period = options_.controller.control_period;
   const int samples = Samples(plan.duration(), dt);
-  const auto stream = kTestStreams + static_cast<std::uint64_t>(next_);
+  const auto stream = kStepTestStream + static_cast<std::uint64_t>(next_);
   const MatrixXd disturbance = disturbance_.Draw(stream, now_, samples);
   MLE_ASSIGN_OR_RETURN(Stretch stretch, Enter(now_, event.after, disturbance));
   stretch.start = now_;
@@ -315,7 +302,7 @@ absl::StatusOr<WatchOperation> Operation::RunWatch(
     const control::PredictionModel& model) {
   const VectorXd& set_points = scenario_->events[next_ - 1].after;
   const int samples = Samples(options_.quiet_stretch, options_.sample_time);
-  const auto stream = kWatchStreams + static_cast<std::uint64_t>(next_);
+  const auto stream = kWatchStream + static_cast<std::uint64_t>(next_);
   const MatrixXd disturbance = disturbance_.Draw(stream, now_, samples);
   MLE_ASSIGN_OR_RETURN(Stretch stretch, Enter(now_, set_points, disturbance));
   stretch.start = now_;

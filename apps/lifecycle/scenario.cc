@@ -4,17 +4,13 @@
 #include <random>
 
 #include "absl/strings/str_cat.h"
+#include "mle/base/random.h"
 #include "mle/base/status.h"
 #include "sim/check_options.h"
-#include "sim/noise.h"
 
 namespace mle::lifecycle {
 namespace {
 
-// Streams of the seed; those of the changes themselves begin at 1.
-constexpr std::uint64_t kStream = 0;
-constexpr std::uint32_t kTimes = 100;
-constexpr std::uint32_t kSizes = 101;
 constexpr double kMaxEvents = 1e5;
 
 }  // namespace
@@ -41,27 +37,27 @@ absl::Status SetPointOptions::Validate() const {
 
 std::vector<SetPointEvent> DrawSetPointEvents(const SetPointOptions& options,
                                               std::uint64_t seed) {
-  std::mt19937_64 times = sim::SeededEngine(seed, kStream, kTimes);
-  std::mt19937_64 sizes = sim::SeededEngine(seed, kStream, kSizes);
+  std::mt19937_64 times = SeededEngine(seed, kRunStream, kSetPointTimes);
+  std::mt19937_64 sizes = SeededEngine(seed, kRunStream, kSetPointSizes);
   const Eigen::Index p = options.range.size();
   const double end = std::floor(options.duration / options.grid) * options.grid;
   std::vector<SetPointEvent> events;
   Eigen::VectorXd set_points = Eigen::VectorXd::Zero(p);
   double time = 0.0;
   for (;;) {
-    const double gap = options.change_every * (0.5 + sim::DrawUniform(times));
+    const double gap = options.change_every * (0.5 + DrawUniform(times));
     time = std::round((time + gap) / options.grid) * options.grid;
     // What follows the last change has to fit in before the end.
     if (time > end - options.ShortestGap()) break;
     SetPointEvent& event = events.emplace_back();
     event.time = time;
     event.output =
-        static_cast<int>(sim::DrawUniform(sizes) * static_cast<double>(p));
+        static_cast<int>(DrawUniform(sizes) * static_cast<double>(p));
     event.before = set_points;
     const double range = options.range[event.output];
     double target = 0.0;
     do {
-      target = range * (2.0 * sim::DrawUniform(sizes) - 1.0);
+      target = range * (2.0 * DrawUniform(sizes) - 1.0);
     } while (std::abs(target - set_points[event.output]) < 0.5 * range);
     set_points[event.output] = target;
     event.after = set_points;

@@ -4,14 +4,9 @@
 #include <cmath>
 #include <utility>
 
-#include "sim/noise.h"
+#include "mle/base/random.h"
 
 namespace mle::lifecycle {
-namespace {
-
-constexpr std::uint32_t kSlowDisturbance = 102;  // of the kinds of noise
-
-}  // namespace
 
 SlowDisturbance::SlowDisturbance(std::uint64_t seed, Eigen::VectorXd deviation,
                                  double time, double sample_time)
@@ -20,7 +15,7 @@ SlowDisturbance::SlowDisturbance(std::uint64_t seed, Eigen::VectorXd deviation,
       time_(time),
       sample_time_(sample_time),
       level_(deviation_.size()) {
-  sim::GaussianNoise source(seed_, 0, kSlowDisturbance);
+  GaussianNoise source(seed_, kRunStream, kSlowDisturbance);
   for (Eigen::Index i = 0; i < level_.size(); ++i) {
     level_[i] = source.Draw(deviation_[i]);
   }
@@ -28,7 +23,7 @@ SlowDisturbance::SlowDisturbance(std::uint64_t seed, Eigen::VectorXd deviation,
 
 Eigen::MatrixXd SlowDisturbance::Draw(std::uint64_t stream, double start,
                                       int samples) const {
-  sim::GaussianNoise source(seed_, stream, kSlowDisturbance);
+  GaussianNoise source(seed_, stream, kSlowDisturbance);
   Eigen::MatrixXd path(level_.size(), samples + 1);
   const auto step = [&](double time, const Eigen::VectorXd& from) {
     const double phi = std::exp(-time / time_);

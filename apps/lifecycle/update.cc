@@ -9,7 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "apps/correct/validation.h"
 #include "mle/base/status.h"
-#include "mle/data/quiet_stretches.h"
+#include "mle/model/process_model.h"
 
 namespace mle::lifecycle {
 namespace {

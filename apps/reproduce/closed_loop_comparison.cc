@@ -11,6 +11,7 @@
 #include "apps/reproduce/experiment.h"
 #include "control/mpc.h"
 #include "control/prediction_model.h"
+#include "mle/base/random.h"
 #include "mle/base/status.h"
 #include "mle/data/record.h"
 #include "nlohmann/json.hpp"
@@ -24,8 +25,6 @@ using Json = nlohmann::ordered_json;
 using report::FormatSignificant;
 
 constexpr double kSettlingBand = 0.05;  // of the step
-// Noise streams, apart from those of the records the correction learns from.
-constexpr std::uint64_t kFirstStream = 2'000'000;
 
 LoopPerformance Measure(const Record& record, int output,
                         const ExperimentOptions& options) {
@@ -70,7 +69,7 @@ absl::StatusOr<Record> SimulateChange(control::Mpc mpc,
   loop.duration = options.duration;
   loop.noise_variance = noise_variance;
   loop.seed = seed;
-  loop.stream = kFirstStream + static_cast<std::uint64_t>(output);
+  loop.stream = kComparisonStream + static_cast<std::uint64_t>(output);
   sim::SetPointProfile set_points;
   for (int before = 0; before < output; ++before) {
     set_points.steps.push_back({before, 0.0, options.setpoint_step});

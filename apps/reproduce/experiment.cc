@@ -7,18 +7,14 @@
 #include "apps/reproduce/distance_curve.h"
 #include "control/prediction_model.h"
 #include "control/retuning.h"
+#include "mle/base/random.h"
 #include "mle/base/status.h"
+#include "mle/correction/excitation.h"
 #include "mle/data/record.h"
 #include "sim/closed_loop.h"
-#include "sim/excitation.h"
 
 namespace mle::reproduce {
-namespace {
-
-// Noise streams of a seed: the loops take 0, 1, …, p − 1.
-constexpr std::uint64_t kConversionStream = 1'000'000;
-
-}  // namespace
+namespace {}  // namespace
 
 absl::StatusOr<std::vector<Record>> SimulateWindows(
     const ProcessModel& initial, const ProcessModel& plant, std::uint64_t seed,
@@ -41,7 +37,7 @@ absl::StatusOr<std::vector<Record>> SimulateWindows(
       set_points.steps.push_back({before, 0.0, options.setpoint_step});
     }
     set_points.steps.push_back({e, options.step_time, options.setpoint_step});
-    loop.stream = static_cast<std::uint64_t>(e);
+    loop.stream = kRunStream + static_cast<std::uint64_t>(e);
     MLE_ASSIGN_OR_RETURN(
         const Record record,
         sim::SimulateClosedLoop(
@@ -114,14 +110,14 @@ absl::Status AddOtherRule(const Correction& correction,
 absl::StatusOr<ConversionSummary> ConvertInitialModel(
     const ProcessModel& initial, std::uint64_t seed,
     const ExperimentOptions& options) {
-  sim::ExcitationOptions excitation;
+  ExcitationOptions excitation;
   excitation.sample_time = options.sample_time;
   excitation.duration = options.conversion_duration;
   excitation.noise_variance = options.conversion_noise_variance;
   excitation.seed = seed;
   excitation.stream = kConversionStream;
   MLE_ASSIGN_OR_RETURN(const Record record,
-                       sim::SimulateExcitation(initial, excitation));
+                       SimulateExcitation(initial, excitation));
   return ConvertToArx(record, options.conversion);
 }
 

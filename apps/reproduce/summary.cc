@@ -32,10 +32,9 @@ double RootMeanSquare(double sum_of_squares, std::size_t count) {
   return std::sqrt(sum_of_squares / static_cast<double>(count));
 }
 
-std::string PairName(const ProcessModel& plant, int output, int input) {
+std::string NumberedPair(const ProcessModel& plant, int output, int input) {
   return absl::StrCat("(", output + 1, ",", input + 1, ") ",
-                      plant.outputs()[output].name, " ← ",
-                      plant.inputs()[input].name);
+                      PairName(plant, output, input));
 }
 
 const PaperFigure* FindPaperFigure(const CaseResult& result, int output,
@@ -203,7 +202,7 @@ void AddPairs(const CaseResult& result, const Cells& cells,
   const ProcessModel& plant = result.plant;
   for (int i = 0; i < plant.num_outputs(); ++i) {
     for (int j = 0; j < plant.num_inputs(); ++j) {
-      std::vector<std::string> row = {PairName(plant, i, j)};
+      std::vector<std::string> row = {NumberedPair(plant, i, j)};
       for (std::string& cell :
            cells(result.elements[i * plant.num_inputs() + j],
                  FindPaperFigure(result, i, j))) {

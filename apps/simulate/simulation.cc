@@ -6,7 +6,7 @@
 #include "Eigen/Core"
 #include "control/mpc.h"
 #include "mle/base/status.h"
-#include "sim/sampling.h"
+#include "mle/data/sampling.h"
 
 namespace mle::simulate {
 namespace {
@@ -17,7 +17,7 @@ using Eigen::VectorXd;
 // Set points at the control instants of the run and H_p beyond its end.
 MatrixXd SampleAhead(const Simulation& simulation) {
   const double period = simulation.loop.control_period;
-  const int instants = sim::SampleCount(period, simulation.loop.duration) +
+  const int instants = SampleCount(period, simulation.loop.duration) +
                        simulation.controller.prediction_horizon;
   return simulation.set_points.Sample(simulation.model.num_outputs(), period,
                                       instants + 1);

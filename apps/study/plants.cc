@@ -12,17 +12,15 @@
 #include "control/loop_analysis.h"
 #include "control/mpc.h"
 #include "control/prediction_model.h"
+#include "mle/base/random.h"
 #include "mle/base/status.h"
 #include "sim/ageing.h"
-#include "sim/noise.h"
 #include "sim/schedule.h"
 
 namespace mle::study {
 namespace {
 
 // Streams of a seed, apart from those of mle_reproduce's experiment.
-constexpr std::uint64_t kPlantStream = 2'000'000;
-constexpr std::uint64_t kAgeingStream = 3'000'000;
 constexpr int kMaxDraws = 1000;
 
 struct Pair {
@@ -31,13 +29,12 @@ struct Pair {
 };
 
 double Uniform(const Interval& interval, std::mt19937_64& engine) {
-  return interval.from +
-         (interval.to - interval.from) * sim::DrawUniform(engine);
+  return interval.from + (interval.to - interval.from) * DrawUniform(engine);
 }
 
 double LogUniform(const Interval& interval, std::mt19937_64& engine) {
   // One number stays what it is, to the last digit.
-  const double u = sim::DrawUniform(engine);
+  const double u = DrawUniform(engine);
   if (interval.from == interval.to) return interval.from;
   return interval.from * std::pow(interval.to / interval.from, u);
 }
@@ -56,7 +53,7 @@ ProcessModel DrawOnce(const RandomPlants& plants, std::mt19937_64& engine) {
   for (int i = 0; i < plants.outputs; ++i) {
     for (int j = 0; j < plants.inputs; ++j) {
       const double size = LogUniform(plants.gain, engine);
-      const double gain = sim::DrawUniform(engine) < 0.5 ? -size : size;
+      const double gain = DrawUniform(engine) < 0.5 ? -size : size;
       const double time_constant = Uniform(plants.time_constant, engine);
       model.element(i, j) = TransferFunction::FirstOrder(
           gain, time_constant, Uniform(plants.delay, engine));
@@ -67,14 +64,8 @@ ProcessModel DrawOnce(const RandomPlants& plants, std::mt19937_64& engine) {
 
 // Of the largest singular value to the smallest.
 double ConditionNumber(const ProcessModel& model) {
-  Eigen::MatrixXd gains(model.num_outputs(), model.num_inputs());
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      gains(i, j) = model.element(i, j).StaticGain();
-    }
-  }
   const Eigen::VectorXd values =
-      Eigen::JacobiSVD<Eigen::MatrixXd>(gains).singularValues();
+      Eigen::JacobiSVD<Eigen::MatrixXd>(StaticGains(model)).singularValues();
   return values(0) / values(values.size() - 1);
 }
 
@@ -142,7 +133,7 @@ std::vector<Pair> DrawElements(const ProcessModel& model, const Change& change,
   auto left = static_cast<double>(pairs.size());
   int wanted = change.elements;
   for (const Pair& pair : pairs) {
-    if (sim::DrawUniform(engine) * left < wanted) {
+    if (DrawUniform(engine) * left < wanted) {
       drawn.push_back(pair);
       --wanted;
     }
@@ -185,7 +176,7 @@ absl::StatusOr<control::MpcOptions> MpcOptionsOf(const ControllerSpec& spec,
 absl::StatusOr<ProcessModel> DrawModel(
     const RandomPlants& plants, std::uint64_t seed,
     const std::vector<ControllerSpec>& controllers) {
-  std::mt19937_64 engine = sim::SeededEngine(seed, kPlantStream, 0);
+  std::mt19937_64 engine = SeededEngine(seed, kPlantStream, 0);
   for (int draw = 0; draw < kMaxDraws; ++draw) {
     ProcessModel model = DrawOnce(plants, engine);
     if (!(ConditionNumber(model) <= plants.max_condition_number)) continue;
@@ -219,7 +210,7 @@ absl::StatusOr<ProcessModel> AgeModel(const ProcessModel& model,
   for (std::size_t c = 0; c < mismatch.changes.size(); ++c) {
     const Change& change = mismatch.changes[c];
     std::mt19937_64 engine =
-        sim::SeededEngine(seed, kAgeingStream, static_cast<std::uint32_t>(c));
+        SeededEngine(seed, kAgeingStream, static_cast<std::uint32_t>(c));
     for (const auto& [i, j] : DrawElements(aged, change, engine)) {
       const double gain = LogUniform(change.gain_factor, engine);
       const double tau = LogUniform(change.time_constant_factor, engine);

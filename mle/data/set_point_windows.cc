@@ -9,7 +9,6 @@
 #include "mle/base/status.h"
 #include "mle/data/model_residual.h"
 #include "mle/data/quiet_part.h"
-#include "mle/data/quiet_stretches.h"
 #include "mle/data/robust_statistics.h"
 
 namespace mle {

@@ -33,7 +33,7 @@ namespace mle {
 // Times in the model's unit.
 struct WindowOptions {
   // Kept before a change and after the last that shares the window, ≥ 0; 0:
-  // the model's settling time before (quiet_stretches.h), 1.5 times it after.
+  // the model's settling time before (SettlingTime()), 1.5 times it after.
   double before = 0.0;
   double after = 0.0;
   // Changes share a window if the next follows within this, ≥ 0; 0: the model's

@@ -1,5 +1,6 @@
 #include "mle/model/process_model.h"
 
+#include <algorithm>
 #include <set>
 #include <utility>
 
@@ -110,6 +111,34 @@ absl::Status CheckSameChannels(const ProcessModel& a, std::string_view a_name,
         b.time_unit(), "\" in ", name_b, "; it must be the same"));
   }
   return absl::OkStatus();
+}
+
+Eigen::MatrixXd StaticGains(const ProcessModel& model) {
+  Eigen::MatrixXd gains(model.num_outputs(), model.num_inputs());
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    for (int j = 0; j < model.num_inputs(); ++j) {
+      gains(i, j) = model.element(i, j).StaticGain();
+    }
+  }
+  return gains;
+}
+
+double SettlingTime(const ProcessModel& model) {
+  double longest = 0.0;
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    for (int j = 0; j < model.num_inputs(); ++j) {
+      const TransferFunction& element = model.element(i, j);
+      if (element.IsZero()) continue;
+      longest = std::max(longest,
+                         element.delay() + 5.0 * element.SlowestTimeConstant());
+    }
+  }
+  return longest;
+}
+
+std::string PairName(const ProcessModel& model, int output, int input) {
+  return absl::StrCat(model.outputs()[output].name, " ← ",
+                      model.inputs()[input].name);
 }
 
 }  // namespace mle

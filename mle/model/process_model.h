@@ -16,6 +16,7 @@
 #include <string_view>
 #include <vector>
 
+#include "Eigen/Core"
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "mle/model/step_response.h"
@@ -77,6 +78,16 @@ class ProcessModel {
 // status says which differ. `a` and `b` are named in it by `a_name`, `b_name`.
 absl::Status CheckSameChannels(const ProcessModel& a, std::string_view a_name,
                                const ProcessModel& b, std::string_view b_name);
+
+// p × m: g_ij(0).
+Eigen::MatrixXd StaticGains(const ProcessModel& model);
+
+// Dead time plus five times the slowest time constant of the slowest element:
+// what is left of a step's response then is 0.7 % of it.
+double SettlingTime(const ProcessModel& model);
+
+// "overhead ← reflux": the pair as reports name it.
+std::string PairName(const ProcessModel& model, int output, int input);
 
 // `source` (a file's name) opens every message; unknown or missing keys, wrong
 // types and invalid elements are errors that name key and element.

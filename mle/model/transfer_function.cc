@@ -12,7 +12,7 @@
 #include "absl/strings/str_join.h"
 #include "glog/logging.h"
 #include "mle/base/status.h"
-#include "unsupported/Eigen/MatrixFunctions"
+#include "mle/model/held_input_map.h"
 
 namespace mle {
 namespace {
@@ -222,6 +222,11 @@ StateSpace TransferFunction::Realize() const {
     system.A(r - 1, r - i) = -monic;
     system.C(r - i) = b - system.D * monic;
   }
+  if (r == 1) return system;
+  const Eigen::VectorXd scales = BalancingScales(system.A);
+  system.A = Balanced(system.A, scales);
+  // The states are so scaled as a whole that B stays as it is.
+  system.C = system.C.cwiseProduct(scales.transpose() / scales(r - 1)).eval();
   return system;
 }
 
@@ -237,37 +242,14 @@ Eigen::VectorXd TransferFunction::StepResponse(double sample_time,
   }
   if (IsZero() || first == samples) return response;
 
-  const int r = Degree(denominator_);
-  if (r <= 1) {
-    const double rate = r == 0 ? std::numeric_limits<double>::infinity()
-                               : denominator_[1] / denominator_[0];
-    const double feedthrough =
-        Degree(numerator_) == r ? numerator_[0] / denominator_[0] : 0.0;
-    for (int k = first; k < samples; ++k) {
-      const double x = rate * (k * sample_time - delay_);
-      response(k) = -StaticGain() * std::expm1(-x) + feedthrough * std::exp(-x);
-    }
-    return response;
-  }
-
-  // ż = M z with z = [x; 1], so that z(t) = e^{Mt} [0; 1].
   const StateSpace system = Realize();
-  const Eigen::VectorXd scales = BalancingScales(system.A);
-  const Eigen::VectorXd B = system.B.cwiseQuotient(scales);
-  const double input_scale = B.norm();
-  Eigen::MatrixXd M = Eigen::MatrixXd::Zero(r + 1, r + 1);
-  M.topLeftCorner(r, r) = Balanced(system.A, scales);
-  M.topRightCorner(r, 1) = B / input_scale;
-  Eigen::RowVectorXd output(r + 1);
-  output.head(r) = system.C.cwiseProduct(scales.transpose()) * input_scale;
-  output(r) = system.D;
-
-  const Eigen::MatrixXd to_first = (M * (first * sample_time - delay_)).exp();
-  const Eigen::MatrixXd step = (M * sample_time).exp();
-  Eigen::VectorXd z = to_first.col(r);
+  const HeldInputMap step = HeldInputMap::Over(sample_time, system.A, system.B);
+  Eigen::VectorXd state =
+      HeldInputMap::Over(first * sample_time - delay_, system.A, system.B)
+          .gamma;
   for (int k = first; k < samples; ++k) {
-    response(k) = output.dot(z);
-    z = step * z;
+    response(k) = system.C.dot(state) + system.D;
+    state += step.E.lazyProduct(state).eval() + step.gamma;
   }
   return response;
 }

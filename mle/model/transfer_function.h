@@ -20,7 +20,9 @@
 namespace mle {
 
 // ẋ = A x + B u(t − L),  y = C x + D u(t − L); r states, one input, one output.
-// Controllable companion form with the denominator made monic.
+// Controllable companion form with the denominator made monic and its states
+// scaled by powers of two, so that rows and columns of A are of like size (the
+// companion form itself loses digits in any unit of time but its own).
 struct StateSpace {
   Eigen::MatrixXd A;     // r × r
   Eigen::VectorXd B;     // r
@@ -66,7 +68,7 @@ class TransferFunction {
   StateSpace Realize() const;
 
   // h(kΔt), k = 0 … samples−1, the response to a unit step at t = 0, exact to
-  // rounding (matrix exponential). Samples are taken just before the input
+  // rounding (held_input_map.h). Samples are taken just before the input
   // changes: h(t) = 0 for t ≤ L, also where the element has feedthrough.
   Eigen::VectorXd StepResponse(double sample_time, int samples) const;
 

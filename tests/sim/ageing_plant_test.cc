@@ -10,8 +10,8 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "mle/base/random.h"
 #include "sim/linear_system.h"
-#include "sim/noise.h"
 #include "tests/sim/test_models.h"
 
 namespace mle::sim {

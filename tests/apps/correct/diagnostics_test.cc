@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "gtest/gtest.h"
-#include "sim/noise.h"
+#include "mle/base/random.h"
 
 namespace mle::correct {
 namespace {
@@ -24,7 +24,7 @@ Record RecordOf(const Eigen::RowVectorXd& error,
 Eigen::MatrixXd Identity(const Record& record, int) { return record.outputs; }
 
 Eigen::RowVectorXd White(std::uint64_t seed, int stream) {
-  return sim::GaussianNoise(seed, stream).DrawMatrix(1, kSamples, 1.0);
+  return GaussianNoise(seed, stream).DrawMatrix(1, kSamples, 1.0);
 }
 
 ResidualReport Examine(const Eigen::RowVectorXd& error,

@@ -4,8 +4,9 @@
 
 #include "apps/correct/prediction.h"
 #include "gtest/gtest.h"
+#include "mle/base/random.h"
+#include "mle/model/process_simulator.h"
 #include "mle/nonlinear/distributions.h"
-#include "sim/noise.h"
 
 namespace mle::correct {
 namespace {
@@ -23,8 +24,9 @@ std::vector<Record> Windows(double gain) {
   record.inputs = Eigen::MatrixXd::Zero(1, 300);
   record.inputs.rightCols(240).setOnes();
   record.inputs.rightCols(120).setConstant(-0.5);
-  record.outputs = *SimulateResponse(Tank(gain), record);
-  record.outputs += sim::GaussianNoise(3, 0).DrawMatrix(1, 300, 0.05);
+  record.outputs =
+      *SimulateResponse(Tank(gain), record.sample_time, record.inputs);
+  record.outputs += GaussianNoise(3, 0).DrawMatrix(1, 300, 0.05);
   return {record};
 }
 

@@ -4,7 +4,8 @@
 #include <vector>
 
 #include "gtest/gtest.h"
-#include "sim/noise.h"
+#include "mle/base/random.h"
+#include "mle/model/process_simulator.h"
 
 namespace mle::correct {
 namespace {
@@ -22,8 +23,8 @@ Record Step(double noise, double drift) {
   record.sample_time = 0.5;
   record.inputs = Eigen::MatrixXd::Constant(1, 400, 3.0);
   record.inputs.rightCols(360).setConstant(4.0);
-  record.outputs = *SimulateResponse(Tank(), record);
-  sim::GaussianNoise generator(1, 0);
+  record.outputs = *SimulateResponse(Tank(), record.sample_time, record.inputs);
+  GaussianNoise generator(1, 0);
   double level = 0.0;
   for (int k = 0; k < 400; ++k) {
     record.outputs(0, k) += level + generator.Draw(noise);
@@ -135,7 +136,7 @@ TEST(PredictionTest, LostSamplesHaveNoError) {
 TEST(PredictionTest, AnArxModelPredictsItsOwnRecordExactly) {
   Record record;
   record.sample_time = 1.0;
-  record.inputs = sim::GaussianNoise(2, 0).DrawMatrix(1, 200, 1.0);
+  record.inputs = GaussianNoise(2, 0).DrawMatrix(1, 200, 1.0);
   record.outputs = Eigen::MatrixXd::Zero(1, 200);
   ArxModel arx;
   arx.sample_time = 1.0;

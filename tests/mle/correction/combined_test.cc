@@ -5,8 +5,8 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "mle/correction/excitation.h"
 #include "mle/correction/smoothed_correction.h"
-#include "sim/excitation.h"
 #include "tests/mle/nonlinear/structured_records.h"
 
 namespace mle {
@@ -28,11 +28,11 @@ ProcessModel Initial() {
 }
 
 absl::StatusOr<ConversionSummary> Convert(const ProcessModel& model) {
-  sim::ExcitationOptions excitation;
+  ExcitationOptions excitation;
   excitation.sample_time = kSampleTime;
   excitation.duration = 4000.0;
   excitation.noise_variance = 1e-3;
-  const auto record = sim::SimulateExcitation(model, excitation);
+  const auto record = SimulateExcitation(model, excitation);
   if (!record.ok()) return record.status();
   ConversionOptions options;
   options.order = 50;

@@ -8,10 +8,10 @@
 #include "gtest/gtest.h"
 #include "mle/correction/conversion.h"
 #include "mle/correction/correction.h"
+#include "mle/correction/excitation.h"
 #include "mle/data/record.h"
 #include "mle/model/process_model.h"
 #include "sim/closed_loop.h"
-#include "sim/excitation.h"
 
 namespace mle {
 namespace {
@@ -51,9 +51,9 @@ Record Window(const ProcessModel& believed, const ProcessModel& plant,
 TEST(WoodBerryCorrectionTest, TheGainCaseIsCorrected) {
   const ProcessModel believed = ReadConfig("wood_berry.json");
   const ProcessModel plant = ReadConfig("wood_berry_gain.json");
-  sim::ExcitationOptions excitation;
+  ExcitationOptions excitation;
   excitation.stream = 1000;
-  const auto record = sim::SimulateExcitation(believed, excitation);
+  const auto record = SimulateExcitation(believed, excitation);
   ASSERT_TRUE(record.ok()) << record.status();
   const auto conversion = ConvertToArx(*record, {});
   ASSERT_TRUE(conversion.ok()) << conversion.status();

@@ -7,7 +7,6 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "mle/data/quiet_stretches.h"
 
 namespace mle {
 namespace {

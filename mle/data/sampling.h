@@ -1,11 +1,11 @@
-// What the simulations share about sampling and measurement noise.
+// Sampling and measurement noise of simulated records.
 
-#ifndef SIM_SAMPLING_H_
-#define SIM_SAMPLING_H_
+#ifndef MLE_DATA_SAMPLING_H_
+#define MLE_DATA_SAMPLING_H_
 
 #include "absl/status/status.h"
 
-namespace mle::sim {
+namespace mle {
 
 // Δt > 0, duration > 0, both finite, and at most 10⁹ samples.
 absl::Status ValidateSampling(double sample_time, double duration);
@@ -17,6 +17,6 @@ absl::Status ValidateNoiseVariance(double noise_variance);
 // missed by less than 1e-6 Δt. For what ValidateSampling() accepts.
 int SampleCount(double sample_time, double duration);
 
-}  // namespace mle::sim
+}  // namespace mle
 
-#endif  // SIM_SAMPLING_H_
+#endif  // MLE_DATA_SAMPLING_H_

@@ -1,8 +1,8 @@
-#include "sim/noise.h"
+#include "mle/base/random.h"
 
 #include <array>
 
-namespace mle::sim {
+namespace mle {
 
 std::mt19937_64 SeededEngine(std::uint64_t seed, std::uint64_t stream,
                              std::uint32_t substream) {
@@ -39,4 +39,4 @@ Eigen::MatrixXd GaussianNoise::DrawMatrix(int rows, int cols,
   return draws;
 }
 
-}  // namespace mle::sim
+}  // namespace mle

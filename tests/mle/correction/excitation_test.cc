@@ -1,4 +1,4 @@
-#include "sim/excitation.h"
+#include "mle/correction/excitation.h"
 
 #include <cmath>
 #include <string>
@@ -7,7 +7,7 @@
 #include "gtest/gtest.h"
 #include "tests/sim/test_models.h"
 
-namespace mle::sim {
+namespace mle {
 namespace {
 
 using Eigen::MatrixXd;
@@ -121,4 +121,4 @@ TEST(ExcitationTest, OptionsNameFieldAndValue) {
 }
 
 }  // namespace
-}  // namespace mle::sim
+}  // namespace mle

@@ -1,8 +1,8 @@
 // The record from which a model is converted: the process excited in open loop
 // by white Gaussian inputs that change at every sample.
 
-#ifndef SIM_EXCITATION_H_
-#define SIM_EXCITATION_H_
+#ifndef MLE_CORRECTION_EXCITATION_H_
+#define MLE_CORRECTION_EXCITATION_H_
 
 #include <cstdint>
 
@@ -11,7 +11,7 @@
 #include "mle/data/record.h"
 #include "mle/model/process_model.h"
 
-namespace mle::sim {
+namespace mle {
 
 struct ExcitationOptions {
   double sample_time = 0.2;       // Δt > 0
@@ -29,6 +29,6 @@ struct ExcitationOptions {
 absl::StatusOr<Record> SimulateExcitation(const ProcessModel& process,
                                           const ExcitationOptions& options);
 
-}  // namespace mle::sim
+}  // namespace mle
 
-#endif  // SIM_EXCITATION_H_
+#endif  // MLE_CORRECTION_EXCITATION_H_

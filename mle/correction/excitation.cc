@@ -1,15 +1,16 @@
-#include "sim/excitation.h"
+#include "mle/correction/excitation.h"
 
 #include <cmath>
 #include <cstdint>
 
 #include "absl/strings/str_cat.h"
+#include "mle/base/random.h"
 #include "mle/base/status.h"
-#include "sim/noise.h"
-#include "sim/plant.h"
-#include "sim/sampling.h"
+#include "mle/data/sampling.h"
+#include "mle/model/process_simulator.h"
 
-namespace mle::sim {
+namespace mle {
+
 absl::Status ExcitationOptions::Validate() const {
   MLE_RETURN_IF_ERROR(ValidateSampling(sample_time, duration));
   if (!(input_variance > 0.0) || !std::isfinite(input_variance)) {
@@ -23,24 +24,23 @@ absl::Status ExcitationOptions::Validate() const {
 absl::StatusOr<Record> SimulateExcitation(const ProcessModel& process,
                                           const ExcitationOptions& options) {
   MLE_RETURN_IF_ERROR(options.Validate());
-  MLE_ASSIGN_OR_RETURN(
-      Plant plant,
-      Plant::Create(process, {.sample_time = options.sample_time}));
+  MLE_ASSIGN_OR_RETURN(ProcessSimulator simulator,
+                       ProcessSimulator::Create(process, options.sample_time));
   const int samples = SampleCount(options.sample_time, options.duration);
 
   GaussianNoise input_source(options.seed, options.stream, kExcitationInputs);
   GaussianNoise noise_source(options.seed, options.stream, kExcitationNoise);
   Record record;
   record.sample_time = options.sample_time;
-  record.inputs = input_source.DrawMatrix(plant.num_inputs(), samples,
+  record.inputs = input_source.DrawMatrix(process.num_inputs(), samples,
                                           std::sqrt(options.input_variance));
-  record.outputs = noise_source.DrawMatrix(plant.num_outputs(), samples,
+  record.outputs = noise_source.DrawMatrix(process.num_outputs(), samples,
                                            std::sqrt(options.noise_variance));
   for (int k = 0; k < samples; ++k) {
-    record.outputs.col(k) += plant.outputs();
-    plant.Advance(record.inputs.col(k));
+    record.outputs.col(k) += simulator.outputs();
+    simulator.Advance(record.inputs.col(k));
   }
   return record;
 }
 
-}  // namespace mle::sim
+}  // namespace mle

@@ -1,17 +1,18 @@
-// The plant against closed forms, exact discretisations and the matrix
-// exponential of TransferFunction::StepResponse().
+// The simulator against closed forms, exact discretisations and superposed step
+// responses.
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <utility>
 #include <vector>
 
 #include "gtest/gtest.h"
-#include "sim/noise.h"
-#include "sim/plant.h"
+#include "mle/base/random.h"
+#include "mle/model/process_simulator.h"
 #include "tests/sim/test_models.h"
 
-namespace mle::sim {
+namespace mle {
 namespace {
 
 using Eigen::MatrixXd;
@@ -19,19 +20,16 @@ using Eigen::VectorXd;
 using testing::SecondOrder;
 using testing::SingleLoop;
 
-// What the default step promises, relative to the largest response.
-constexpr double kTolerance = 1e-8;
-
-Plant MakePlant(const ProcessModel& model, const PlantOptions& options) {
-  absl::StatusOr<Plant> plant = Plant::Create(model, options);
-  EXPECT_TRUE(plant.ok()) << plant.status();
-  return *std::move(plant);
-}
+// Rounding of hundreds of samples, relative to the largest response.
+constexpr double kTolerance = 1e-12;
 
 // p × (N + 1): the outputs at 0 … N under the inputs (m × N).
-MatrixXd Simulate(const ProcessModel& model, const PlantOptions& options,
+MatrixXd Simulate(const ProcessModel& model, double sample_time,
                   const MatrixXd& inputs) {
-  Plant plant = MakePlant(model, options);
+  absl::StatusOr<ProcessSimulator> created =
+      ProcessSimulator::Create(model, sample_time);
+  EXPECT_TRUE(created.ok()) << created.status();
+  ProcessSimulator plant = *std::move(created);
   MatrixXd outputs(plant.num_outputs(), inputs.cols() + 1);
   outputs.col(0) = plant.outputs();
   for (Eigen::Index k = 0; k < inputs.cols(); ++k) {
@@ -41,9 +39,9 @@ MatrixXd Simulate(const ProcessModel& model, const PlantOptions& options,
   return outputs;
 }
 
-VectorXd StepOf(const TransferFunction& element, const PlantOptions& options,
+VectorXd StepOf(const TransferFunction& element, double sample_time,
                 int steps) {
-  return Simulate(SingleLoop(element), options, MatrixXd::Ones(1, steps))
+  return Simulate(SingleLoop(element), sample_time, MatrixXd::Ones(1, steps))
       .row(0);
 }
 
@@ -52,7 +50,7 @@ VectorXd StepOf(const TransferFunction& element, const PlantOptions& options,
 void ExpectStepResponse(const TransferFunction& element, double sample_time,
                         const std::function<double(double)>& response) {
   const int steps = 400;
-  const VectorXd y = StepOf(element, {.sample_time = sample_time}, steps);
+  const VectorXd y = StepOf(element, sample_time, steps);
   VectorXd expected(steps + 1);
   for (int k = 0; k <= steps; ++k) {
     const double t = k * sample_time - element.delay();
@@ -63,7 +61,7 @@ void ExpectStepResponse(const TransferFunction& element, double sample_time,
       << "delay " << element.delay();
 }
 
-TEST(PlantAccuracyTest, FirstOrderWithDeadTimesOnAndOffTheGrid) {
+TEST(ProcessSimulatorAccuracyTest, FirstOrderWithDeadTimesOnAndOffTheGrid) {
   for (const double delay : {0.0, 0.2, 0.6, 1.0, 0.05, 0.19, 0.31, 7.777}) {
     ExpectStepResponse(TransferFunction::FirstOrder(-18.9, 21.0, delay), 0.2,
                        [](double t) { return 18.9 * std::expm1(-t / 21.0); });
@@ -71,16 +69,16 @@ TEST(PlantAccuracyTest, FirstOrderWithDeadTimesOnAndOffTheGrid) {
 }
 
 // Pointwise, also where the response has only begun.
-TEST(PlantAccuracyTest, FirstOrderIsAccurateRelativeToEverySample) {
-  const VectorXd y = StepOf(TransferFunction::FirstOrder(12.8, 16.7, 0.0),
-                            {.sample_time = 0.2}, 5000);
+TEST(ProcessSimulatorAccuracyTest, FirstOrderIsAccurateRelativeToEverySample) {
+  const VectorXd y =
+      StepOf(TransferFunction::FirstOrder(12.8, 16.7, 0.0), 0.2, 5000);
   for (int k = 1; k <= 5000; ++k) {
     const double expected = -12.8 * std::expm1(-0.2 * k / 16.7);
     ASSERT_NEAR(y[k], expected, kTolerance * expected) << k;
   }
 }
 
-TEST(PlantAccuracyTest, SecondOrderWithLeadAndWithInverseResponse) {
+TEST(ProcessSimulatorAccuracyTest, SecondOrderWithLeadAndWithInverseResponse) {
   const double T1 = 5.0, T2 = 0.9;
   for (const double lead : {0.0, 8.0, -3.0}) {
     for (const double delay : {0.0, 0.6, 0.47}) {
@@ -93,7 +91,7 @@ TEST(PlantAccuracyTest, SecondOrderWithLeadAndWithInverseResponse) {
   }
 }
 
-TEST(PlantAccuracyTest, UnderdampedSecondOrder) {
+TEST(ProcessSimulatorAccuracyTest, UnderdampedSecondOrder) {
   const double omega = 1.3, zeta = 0.2;
   const double damped = omega * std::sqrt(1.0 - zeta * zeta);
   ExpectStepResponse(
@@ -106,14 +104,15 @@ TEST(PlantAccuracyTest, UnderdampedSecondOrder) {
       });
 }
 
-TEST(PlantAccuracyTest, StaticGain) {
+TEST(ProcessSimulatorAccuracyTest, StaticGain) {
   for (const double delay : {0.0, 0.6, 0.5}) {
     ExpectStepResponse(TransferFunction({-4.0}, {2.0}, delay), 0.2,
                        [](double) { return -2.0; });
   }
 }
 
-TEST(PlantAccuracyTest, BiproperElementJumpsAfterTheSampleOfTheStep) {
+TEST(ProcessSimulatorAccuracyTest,
+     BiproperElementJumpsAfterTheSampleOfTheStep) {
   for (const double delay : {0.0, 0.4, 0.5}) {
     ExpectStepResponse(
         TransferFunction({3.0 * 6.0, 3.0}, {4.0, 1.0}, delay), 0.2,
@@ -122,7 +121,7 @@ TEST(PlantAccuracyTest, BiproperElementJumpsAfterTheSampleOfTheStep) {
 }
 
 // A mode much faster than the sample settles within it.
-TEST(PlantAccuracyTest, ModesFarFasterThanTheSample) {
+TEST(ProcessSimulatorAccuracyTest, ModesFarFasterThanTheSample) {
   const double T1 = 5.0, T2 = 1e-6;
   ExpectStepResponse(SecondOrder(1.0, 0.0, T1, T2, 0.3), 0.2, [&](double t) {
     return 1.0 - (T1 * std::exp(-t / T1) - T2 * std::exp(-t / T2)) / (T1 - T2);
@@ -130,13 +129,13 @@ TEST(PlantAccuracyTest, ModesFarFasterThanTheSample) {
 }
 
 // Time in other units: the same numbers.
-TEST(PlantAccuracyTest, DoesNotDependOnTheUnitOfTime) {
+TEST(ProcessSimulatorAccuracyTest, DoesNotDependOnTheUnitOfTime) {
   const auto response = [](double unit) {
     return StepOf(TransferFunction({1.0},
                                    {8.0 * unit * unit * unit,
                                     12.0 * unit * unit, 6.0 * unit, 1.0},
                                    0.7 * unit),
-                  {.sample_time = 0.2 * unit}, 200);
+                  0.2 * unit, 200);
   };
   const VectorXd in_minutes = response(1.0);
   for (const double unit : {60.0, 1e-9, 1e9}) {
@@ -145,14 +144,14 @@ TEST(PlantAccuracyTest, DoesNotDependOnTheUnitOfTime) {
   }
 }
 
-TEST(PlantAccuracyTest, AgreesWithTheMatrixExponential) {
+TEST(ProcessSimulatorAccuracyTest, AgreesWithTheStepResponses) {
   const ProcessModel model = testing::MixedModel();
   const int steps = 300;
   const StepResponse exact = model.ComputeStepResponse(0.2, steps + 1);
   for (int j = 0; j < model.num_inputs(); ++j) {
     MatrixXd inputs = MatrixXd::Zero(model.num_inputs(), steps);
     inputs.row(j).setOnes();
-    const MatrixXd y = Simulate(model, {.sample_time = 0.2}, inputs);
+    const MatrixXd y = Simulate(model, 0.2, inputs);
     for (int i = 0; i < model.num_outputs(); ++i) {
       const VectorXd expected = exact.element(i, j);
       EXPECT_LE((y.row(i).transpose() - expected).cwiseAbs().maxCoeff(),
@@ -164,15 +163,14 @@ TEST(PlantAccuracyTest, AgreesWithTheMatrixExponential) {
 
 // x_{k+1} = a x_k + K (c − a) u_{k−q−1} + K (1 − c) u_{k−q},
 // a = e^{−Δt/T}, c = e^{−(1−f)Δt/T}.
-TEST(PlantAccuracyTest, RandomInputAgainstTheExactDiscretisation) {
+TEST(ProcessSimulatorAccuracyTest, RandomInputAgainstTheExactDiscretisation) {
   const double K = 6.6, T = 10.9, dt = 0.2;
   const int steps = 5000;
   const MatrixXd u = GaussianNoise(3, 0).DrawMatrix(1, steps, 1.0);
   for (const auto& [q, f] : std::vector<std::pair<int, double>>{
            {0, 0.0}, {0, 0.4}, {5, 0.0}, {5, 0.75}}) {
-    const MatrixXd y =
-        Simulate(SingleLoop(TransferFunction::FirstOrder(K, T, (q + f) * dt)),
-                 {.sample_time = dt}, u);
+    const MatrixXd y = Simulate(
+        SingleLoop(TransferFunction::FirstOrder(K, T, (q + f) * dt)), dt, u);
     const double a = std::exp(-dt / T);
     const double c = std::exp(-(1.0 - f) * dt / T);
     double x = 0.0;
@@ -191,11 +189,11 @@ TEST(PlantAccuracyTest, RandomInputAgainstTheExactDiscretisation) {
 
 // y_k = Σ_j Σ_{i<k} φ_{k−i}^{j} (u_i − u_{i−1}), since inputs change at
 // samples.
-TEST(PlantAccuracyTest, RandomInputsAgainstSuperposedStepResponses) {
+TEST(ProcessSimulatorAccuracyTest, RandomInputsAgainstSuperposedStepResponses) {
   const ProcessModel model = testing::MixedModel();
   const int steps = 250;
   const MatrixXd u = GaussianNoise(4, 0).DrawMatrix(3, steps, 1.0);
-  const MatrixXd y = Simulate(model, {.sample_time = 0.2}, u);
+  const MatrixXd y = Simulate(model, 0.2, u);
   const StepResponse phi = model.ComputeStepResponse(0.2, steps + 1);
   MatrixXd expected = MatrixXd::Zero(2, steps + 1);
   for (int k = 1; k <= steps; ++k) {
@@ -213,24 +211,88 @@ TEST(PlantAccuracyTest, RandomInputsAgainstSuperposedStepResponses) {
             kTolerance * expected.cwiseAbs().maxCoeff());
 }
 
-// Steps that divide both parts of a sample, so that each halving of
-// relative_step is one of the steps.
-TEST(PlantAccuracyTest, ConvergesWithOrderFour) {
-  const TransferFunction element = SecondOrder(1.0, 0.5, 2.0, 1.0, 2.0);
-  const double dt = 8.0;
-  const VectorXd exact = element.StepResponse(dt, 4);
-  std::vector<double> log_step, log_error;
-  for (double relative = 0.5; relative > 0.02; relative /= 2.0) {
-    const VectorXd y =
-        StepOf(element, {.sample_time = dt, .relative_step = relative}, 3);
-    log_step.push_back(std::log2(relative));
-    log_error.push_back(std::log2((y - exact).cwiseAbs().maxCoeff()));
+// Π (1 + s/λ_i), highest power first.
+std::vector<double> Lags(const std::vector<double>& rates) {
+  std::vector<double> product = {1.0};
+  for (const double rate : rates) {
+    std::vector<double> next(product.size() + 1, 0.0);
+    for (std::size_t k = 0; k < product.size(); ++k) {
+      next[k] += product[k] / rate;
+      next[k + 1] += product[k];
+    }
+    product = std::move(next);
   }
-  const Eigen::Map<VectorXd> x(log_step.data(), log_step.size());
-  const Eigen::Map<VectorXd> e(log_error.data(), log_error.size());
-  const VectorXd centred = x.array() - x.mean();
-  EXPECT_NEAR(centred.dot(e) / centred.squaredNorm(), 4.0, 0.2);
+  return product;
+}
+
+// 1/(s + 1)⁸ responds with 1 − e^{−t} Σ_{k<8} tᵏ/k!.
+TEST(ProcessSimulatorAccuracyTest, EightEqualLags) {
+  ExpectStepResponse(
+      TransferFunction({1.0}, Lags(std::vector<double>(8, 1.0)), 0.33), 0.2,
+      [](double t) {
+        double term = std::exp(-t), rest = 0.0;
+        for (int i = 0; i < 8; ++i) {
+          rest += term;
+          term *= t / (i + 1);
+        }
+        return 1.0 - rest;
+      });
+}
+
+// Thirty lags over six decades: 1 − Σ_i e^{−λ_i t} Π_{j≠i} λ_j/(λ_j − λ_i).
+TEST(ProcessSimulatorAccuracyTest, ThirtyLagsOverSixDecades) {
+  std::vector<double> rates;
+  for (int i = 0; i < 30; ++i) rates.push_back(std::pow(1.6, i - 15));
+  const int steps = 2000;
+  const VectorXd y =
+      StepOf(TransferFunction({1.0}, Lags(rates), 0.3), 0.5, steps);
+  for (int k = 1; k <= steps; ++k) {
+    const double t = 0.5 * k - 0.3;
+    long double expected = 1.0L;
+    for (const double rate : rates) {
+      long double term = std::exp(-static_cast<long double>(rate) * t);
+      for (const double other : rates) {
+        if (other != rate) {
+          term *= other / (static_cast<long double>(other) - rate);
+        }
+      }
+      expected -= term;
+    }
+    ASSERT_NEAR(y[k], static_cast<double>(expected), 1e-10) << k;
+  }
+}
+
+// A damping ratio of 1e-5 over thousands of periods: only the phase gathers
+// rounding, ε ω t.
+TEST(ProcessSimulatorAccuracyTest, LightlyDampedOverManyPeriods) {
+  const double zeta = 1e-5;
+  const double damped = std::sqrt(1.0 - zeta * zeta);
+  const int steps = 100'000;
+  for (const double dt : {0.2, 7.0}) {
+    const VectorXd y = StepOf(
+        TransferFunction({1.0}, {1.0, 2.0 * zeta, 1.0}, 0.4 * dt), dt, steps);
+    double worst = 0.0;
+    for (int k = 1; k <= steps; ++k) {
+      const double t = (k - 0.4) * dt;
+      const double expected =
+          1.0 - std::exp(-zeta * t) * (std::cos(damped * t) +
+                                       zeta / damped * std::sin(damped * t));
+      worst = std::max(worst, std::abs(y[k] - expected));
+    }
+    EXPECT_LE(worst, 1e-9) << dt;
+  }
+}
+
+// A mode that no sample could resolve acts as its static gain.
+TEST(ProcessSimulatorAccuracyTest, ATimeConstantFarBelowRoundingOfTheSample) {
+  for (const double tau : {1e-9, 1e-20, 1e-100}) {
+    const VectorXd y =
+        StepOf(TransferFunction::FirstOrder(3.0, tau, 0.5), 0.2, 10);
+    for (int k = 0; k <= 10; ++k) {
+      EXPECT_NEAR(y[k], k >= 3 ? 3.0 : 0.0, 1e-13) << tau << " " << k;
+    }
+  }
 }
 
 }  // namespace
-}  // namespace mle::sim
+}  // namespace mle

@@ -1,10 +1,10 @@
-#include "sim/noise.h"
+#include "mle/base/random.h"
 
 #include <cmath>
 
 #include "gtest/gtest.h"
 
-namespace mle::sim {
+namespace mle {
 namespace {
 
 constexpr int kDraws = 100'000;
@@ -74,4 +74,4 @@ TEST(GaussianNoiseTest, DeviationScalesAndUsesTheSameDraws) {
 }
 
 }  // namespace
-}  // namespace mle::sim
+}  // namespace mle

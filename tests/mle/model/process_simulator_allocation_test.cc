@@ -1,21 +1,22 @@
 #include <utility>
 
 #include "gtest/gtest.h"
-#include "sim/plant.h"
+#include "mle/model/process_simulator.h"
 #include "tests/sim/allocation_counter.h"
 #include "tests/sim/test_models.h"
 
-namespace mle::sim {
+namespace mle {
 namespace {
 
-TEST(PlantAllocationTest, AdvanceAllocatesNothing) {
+TEST(ProcessSimulatorAllocationTest, AdvanceAllocatesNothing) {
   const std::size_t before_create = testing::AllocationCount();
-  absl::StatusOr<Plant> created = Plant::Create(testing::MixedModel(), {});
+  absl::StatusOr<ProcessSimulator> created =
+      ProcessSimulator::Create(testing::MixedModel(), 0.2);
   ASSERT_TRUE(created.ok()) << created.status();
   // The counter counts.
   ASSERT_GT(testing::AllocationCount(), before_create);
 
-  Plant plant = *std::move(created);
+  ProcessSimulator plant = *std::move(created);
   Eigen::VectorXd input = Eigen::VectorXd::Ones(3);
   const std::size_t before = testing::AllocationCount();
   for (int k = 0; k < 100; ++k) {
@@ -26,4 +27,4 @@ TEST(PlantAllocationTest, AdvanceAllocatesNothing) {
 }
 
 }  // namespace
-}  // namespace mle::sim
+}  // namespace mle

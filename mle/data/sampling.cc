@@ -1,10 +1,10 @@
-#include "sim/sampling.h"
+#include "mle/data/sampling.h"
 
 #include <cmath>
 
 #include "absl/strings/str_cat.h"
 
-namespace mle::sim {
+namespace mle {
 namespace {
 
 constexpr double kMaxSamples = 1e9;
@@ -42,4 +42,4 @@ int SampleCount(double sample_time, double duration) {
   return static_cast<int>(std::floor(duration / sample_time + 1e-6)) + 1;
 }
 
-}  // namespace mle::sim
+}  // namespace mle

@@ -1,4 +1,4 @@
-#include "sim/plant.h"
+#include "mle/model/process_simulator.h"
 
 #include <limits>
 #include <string>
@@ -7,10 +7,10 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "sim/noise.h"
+#include "mle/base/random.h"
 #include "tests/sim/test_models.h"
 
-namespace mle::sim {
+namespace mle {
 namespace {
 
 using Eigen::MatrixXd;
@@ -21,7 +21,7 @@ using testing::MixedModel;
 using testing::SingleLoop;
 
 MatrixXd Simulate(const ProcessModel& model, const MatrixXd& inputs) {
-  absl::StatusOr<Plant> plant = Plant::Create(model, {.sample_time = 0.2});
+  absl::StatusOr<ProcessSimulator> plant = ProcessSimulator::Create(model, 0.2);
   EXPECT_TRUE(plant.ok()) << plant.status();
   MatrixXd outputs(plant->num_outputs(), inputs.cols() + 1);
   outputs.col(0) = plant->outputs();
@@ -36,19 +36,20 @@ MatrixXd RandomInputs(int seed, int m, int steps) {
   return GaussianNoise(seed, 0).DrawMatrix(m, steps, 1.0);
 }
 
-TEST(PlantTest, HasTheModelsSizeAndStartsAtRest) {
-  const absl::StatusOr<Plant> plant = Plant::Create(MixedModel(), {});
+TEST(ProcessSimulatorTest, HasTheModelsSizeAndStartsAtRest) {
+  const absl::StatusOr<ProcessSimulator> plant =
+      ProcessSimulator::Create(MixedModel(), 0.2);
   ASSERT_TRUE(plant.ok());
   EXPECT_EQ(plant->num_inputs(), 3);
   EXPECT_EQ(plant->num_outputs(), 2);
   EXPECT_EQ(plant->outputs(), VectorXd::Zero(2));
 }
 
-TEST(PlantTest, StaysAtRestWithoutInput) {
+TEST(ProcessSimulatorTest, StaysAtRestWithoutInput) {
   EXPECT_EQ(Simulate(MixedModel(), MatrixXd::Zero(3, 50)).norm(), 0.0);
 }
 
-TEST(PlantTest, AnAbsentPairHasNoEffect) {
+TEST(ProcessSimulatorTest, AnAbsentPairHasNoEffect) {
   MatrixXd inputs = MatrixXd::Zero(3, 50);
   inputs.row(2).setOnes();
   const MatrixXd y = Simulate(MixedModel(), inputs);
@@ -56,7 +57,7 @@ TEST(PlantTest, AnAbsentPairHasNoEffect) {
   EXPECT_GT(y.row(0).norm(), 0.0);
 }
 
-TEST(PlantTest, Superposition) {
+TEST(ProcessSimulatorTest, Superposition) {
   const MatrixXd u = RandomInputs(1, 3, 200);
   const MatrixXd v = RandomInputs(2, 3, 200);
   const MatrixXd combined =
@@ -68,7 +69,7 @@ TEST(PlantTest, Superposition) {
             1e-12);
 }
 
-TEST(PlantTest, LongerDeadTimeByWholeSamplesShiftsTheResponse) {
+TEST(ProcessSimulatorTest, LongerDeadTimeByWholeSamplesShiftsTheResponse) {
   const int shift = 17;
   ProcessModel delayed = MixedModel();
   for (int i = 0; i < 2; ++i) {
@@ -88,7 +89,7 @@ TEST(PlantTest, LongerDeadTimeByWholeSamplesShiftsTheResponse) {
             1e-12);
 }
 
-TEST(PlantTest, LaterInputShiftsTheResponse) {
+TEST(ProcessSimulatorTest, LaterInputShiftsTheResponse) {
   const MatrixXd u = RandomInputs(1, 3, 100);
   MatrixXd late_input = MatrixXd::Zero(3, 130);
   late_input.rightCols(100) = u;
@@ -99,7 +100,7 @@ TEST(PlantTest, LaterInputShiftsTheResponse) {
 
 // The present input cannot show before time has passed, and an output never
 // depends on inputs to come.
-TEST(PlantTest, IsCausal) {
+TEST(ProcessSimulatorTest, IsCausal) {
   const MatrixXd u = RandomInputs(1, 3, 100);
   MatrixXd changed = u;
   changed.rightCols(40) = RandomInputs(2, 3, 40);
@@ -110,7 +111,7 @@ TEST(PlantTest, IsCausal) {
 }
 
 // Within 1e-9 of a whole sample the dead time is whole, also from below.
-TEST(PlantTest, DeadTimeWithinRoundingOfASampleIsWhole) {
+TEST(ProcessSimulatorTest, DeadTimeWithinRoundingOfASampleIsWhole) {
   const MatrixXd u = RandomInputs(1, 1, 60);
   const auto response = [&u](double delay) {
     return Simulate(SingleLoop(TransferFunction({1.0}, {1.0}, delay)), u);
@@ -125,51 +126,91 @@ TEST(PlantTest, DeadTimeWithinRoundingOfASampleIsWhole) {
   EXPECT_EQ(response(0.6 + 1e-6), whole);
 }
 
-TEST(PlantTest, CopiesGoTheirOwnWays) {
-  absl::StatusOr<Plant> plant = Plant::Create(MixedModel(), {});
+TEST(ProcessSimulatorTest, CopiesGoTheirOwnWays) {
+  absl::StatusOr<ProcessSimulator> plant =
+      ProcessSimulator::Create(MixedModel(), 0.2);
   ASSERT_TRUE(plant.ok());
   plant->Advance(VectorXd::Ones(3));
-  Plant copy = *plant;
+  ProcessSimulator copy = *plant;
   for (int k = 0; k < 10; ++k) copy.Advance(VectorXd::Zero(3));
   for (int k = 0; k < 10; ++k) plant->Advance(VectorXd::Zero(3));
   EXPECT_EQ(copy.outputs(), plant->outputs());
 }
 
-TEST(PlantTest, OptionsNameFieldValueAndConstraint) {
-  const double nan = std::numeric_limits<double>::quiet_NaN();
-  for (const double bad :
-       {0.0, -0.2, nan, std::numeric_limits<double>::infinity()}) {
-    const absl::Status status = PlantOptions{.sample_time = bad}.Validate();
-    EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
-    EXPECT_THAT(std::string(status.message()), HasSubstr("sample_time = "));
+TEST(ProcessSimulatorTest, ABadSampleTimeIsNamed) {
+  for (const double bad : {0.0, -0.2, std::numeric_limits<double>::quiet_NaN(),
+                           std::numeric_limits<double>::infinity()}) {
+    for (const ProcessModel& model : {MixedModel(), EmptyModel(1, 1)}) {
+      const absl::Status status = ProcessSimulator::Create(model, bad).status();
+      EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+      EXPECT_THAT(std::string(status.message()), HasSubstr("sample_time = "));
+    }
   }
-  for (const double bad : {0.0, -1.0, 1.5, nan}) {
-    const absl::StatusOr<Plant> plant =
-        Plant::Create(MixedModel(), {.relative_step = bad});
-    EXPECT_EQ(plant.status().code(), absl::StatusCode::kInvalidArgument);
-    EXPECT_THAT(std::string(plant.status().message()),
-                HasSubstr("relative_step = "));
-  }
-  EXPECT_TRUE(PlantOptions{}.Validate().ok());
 }
 
-TEST(PlantTest, RefusesWhatCannotBeSimulatedAndNamesTheElement) {
+TEST(ProcessSimulatorTest, RefusesWhatCannotBeSimulatedAndNamesTheElement) {
   ProcessModel model = EmptyModel(2, 2);
   model.element(1, 0) = TransferFunction::FirstOrder(1.0, -3.0, 0.0);
-  EXPECT_EQ(Plant::Create(model, {}).status().code(),
+  EXPECT_EQ(ProcessSimulator::Create(model, 0.2).status().code(),
             absl::StatusCode::kInvalidArgument);
 
   model.element(1, 0) = TransferFunction::FirstOrder(1.0, 3.0, 1e9);
-  absl::Status status = Plant::Create(model, {}).status();
+  absl::Status status = ProcessSimulator::Create(model, 0.2).status();
   EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
   EXPECT_THAT(std::string(status.message()), HasSubstr("element (y2, u1)"));
   EXPECT_THAT(std::string(status.message()), HasSubstr("delay of 1e+09"));
 
-  model.element(1, 0) = TransferFunction::FirstOrder(1.0, 1e-20, 0.0);
-  status = Plant::Create(model, {}).status();
+  // Valid, but e^{AΔt} needs AΔt.
+  model.element(1, 0) = TransferFunction::FirstOrder(1.0, 1e-300, 0.0);
+  status = ProcessSimulator::Create(model, 1e10).status();
   EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
-  EXPECT_THAT(std::string(status.message()), HasSubstr("time constant"));
+  EXPECT_THAT(std::string(status.message()), HasSubstr("overflows"));
+}
+
+TEST(SimulateResponseTest, StartsSettledAtTheFirstInputs) {
+  MatrixXd inputs = MatrixXd::Zero(3, 80);
+  inputs.colwise() = Eigen::Vector3d(0.5, -2.0, 1.0);
+  const absl::StatusOr<MatrixXd> y =
+      SimulateResponse(MixedModel(), 0.2, inputs);
+  ASSERT_TRUE(y.ok()) << y.status();
+  const VectorXd settled = StaticGains(MixedModel()) * inputs.col(0);
+  for (int k = 0; k < 80; ++k) EXPECT_EQ(y->col(k), settled);
+}
+
+// Where the past is long enough, it does not matter that it was settled.
+TEST(SimulateResponseTest, GoesOnFromTheSettledState) {
+  MatrixXd inputs = RandomInputs(3, 3, 400);
+  inputs.leftCols(300).colwise() = Eigen::Vector3d(0.5, -2.0, 1.0);
+  const MatrixXd from_rest = Simulate(MixedModel(), inputs).leftCols(400);
+  const absl::StatusOr<MatrixXd> y =
+      SimulateResponse(MixedModel(), 0.2, inputs.rightCols(101));
+  ASSERT_TRUE(y.ok());
+  // The slowest mode, of 5 min, has left e^{−12} after 60 min.
+  EXPECT_LE((*y - from_rest.rightCols(101)).cwiseAbs().maxCoeff(), 1e-4);
+}
+
+TEST(SimulateResponseTest, ScalesWithTheUnitsOfInputsAndOutputs) {
+  const MatrixXd inputs = RandomInputs(4, 1, 50);
+  const TransferFunction element({0.9}, {1.0, 0.4, 1.0}, 1.07);
+  const TransferFunction scaled({0.9 * 8.0 / 0.25}, {1.0, 0.4, 1.0}, 1.07);
+  const absl::StatusOr<MatrixXd> y =
+      SimulateResponse(SingleLoop(element), 0.2, inputs);
+  const absl::StatusOr<MatrixXd> z =
+      SimulateResponse(SingleLoop(scaled), 0.2, 0.25 * inputs);
+  ASSERT_TRUE(y.ok() && z.ok());
+  EXPECT_LE((8.0 * *y - *z).cwiseAbs().maxCoeff(), 1e-13);
+}
+
+TEST(SimulateResponseTest, ChecksTheInputs) {
+  const absl::Status status =
+      SimulateResponse(MixedModel(), 0.2, MatrixXd::Zero(2, 5)).status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(status.message()), HasSubstr("2 rows"));
+  const absl::StatusOr<MatrixXd> none =
+      SimulateResponse(MixedModel(), 0.2, MatrixXd::Zero(3, 0));
+  ASSERT_TRUE(none.ok());
+  EXPECT_EQ(none->cols(), 0);
 }
 
 }  // namespace
-}  // namespace mle::sim
+}  // namespace mle
