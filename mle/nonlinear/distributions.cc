@@ -1,11 +1,12 @@
 #include "mle/nonlinear/distributions.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "boost/math/distributions/chi_squared.hpp"
 #include "boost/math/distributions/fisher_f.hpp"
 #include "boost/math/distributions/students_t.hpp"
-#include "boost/math/special_functions/beta.hpp"
 #include "glog/logging.h"
 
 namespace mle {
@@ -31,8 +32,34 @@ using ChiSquare = bm::chi_squared_distribution<double, Policy>;
 using Fisher = bm::fisher_f_distribution<double, Policy>;
 using Student = bm::students_t_distribution<double, Policy>;
 
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Beyond it F is chi-square over ν to ten digits.
 constexpr double kManyDegrees = 1e10;
+
+// The x > 0 at which a falling tail is `probability`, to rounding. (Boost's own
+// quantiles throw whatever the policy: in 1.74 their root finders do not know
+// it.)
+template <typename Tail>
+double InvertTail(const Tail& tail, double probability) {
+  double low = 1.0;
+  double high = 1.0;
+  for (double factor = 2.0; tail(high) > probability; factor *= factor) {
+    if (high == std::numeric_limits<double>::max()) return kInfinity;
+    low = high;
+    high = std::min(high * factor, std::numeric_limits<double>::max());
+  }
+  for (double factor = 2.0; tail(low) <= probability; factor *= factor) {
+    high = low;
+    low /= factor;
+    if (low == 0.0) return 0.0;
+  }
+  for (;;) {
+    const double middle = high > 4.0 * low ? std::sqrt(low) * std::sqrt(high)
+                                           : low + 0.5 * (high - low);
+    if (middle <= low || middle >= high) return middle;
+    (tail(middle) > probability ? low : high) = middle;
+  }
+}
 
 }  // namespace
 
@@ -60,17 +87,9 @@ double FisherQuantile(double probability, double numerator,
   CHECK_LT(probability, 1.0);
   CHECK_GT(numerator, 0.0);
   CHECK_GT(denominator, 0.0);
-  if (denominator > kManyDegrees) {
-    return bm::quantile(bm::complement(ChiSquare(numerator), probability)) /
-           numerator;
-  }
-  // X = ν2/(ν2 + ν1 F) is beta distributed, and P(F > x) a lower tail of it.
-  // Boost's quantile of the F distribution takes an upper tail, and loses small
-  // probabilities in 1 − p for ν1 = ν2 = 2 (1.74).
-  double rest = 0.0;  // 1 − X
-  const double X = bm::ibeta_inv(0.5 * denominator, 0.5 * numerator,
-                                 probability, &rest, Policy());
-  return denominator / numerator * (rest / X);
+  return InvertTail(
+      [&](double x) { return FisherTail(x, numerator, denominator); },
+      probability);
 }
 
 double StudentTail(double x, double degrees_of_freedom) {
@@ -83,8 +102,9 @@ double StudentTwoSidedQuantile(double probability, double degrees_of_freedom) {
   CHECK_GT(probability, 0.0);
   CHECK_LT(probability, 1.0);
   CHECK_GT(degrees_of_freedom, 0.0);
-  return bm::quantile(
-      bm::complement(Student(degrees_of_freedom), 0.5 * probability));
+  return InvertTail(
+      [&](double x) { return 2.0 * StudentTail(x, degrees_of_freedom); },
+      probability);
 }
 
 }  // namespace mle

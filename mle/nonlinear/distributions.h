@@ -1,7 +1,7 @@
 // Tails and quantiles of the distributions that tests and intervals need.
 //
 // Relative accuracy 1e-11 or better, for tails down to the smallest normal
-// double; smaller tails are 0, quantiles beyond the largest double +∞.
+// double and quantiles up to 1e150. Smaller tails are 0.
 
 #ifndef MLE_NONLINEAR_DISTRIBUTIONS_H_
 #define MLE_NONLINEAR_DISTRIBUTIONS_H_
