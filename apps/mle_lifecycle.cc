@@ -97,8 +97,8 @@ int Main() {
   const absl::StatusOr<lifecycle::Lives> lives =
       lifecycle::RunCampaign(campaign, StopRequested);
   if (lives.status().code() == absl::StatusCode::kCancelled) {
-    std::cerr << "stopped; what is finished is kept in " << campaign.folder
-              << "/runs, and the same command goes on from there\n";
+    std::cerr << "stopped; finished lives are kept in " << campaign.folder
+              << "/runs, and the same command resumes from there\n";
     return kExitNotUsable;
   }
   if (!lives.ok()) return Fail(lives.status());

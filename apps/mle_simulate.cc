@@ -15,8 +15,8 @@ namespace {
 
 constexpr char kUsage[] =
     "Simulates a plant under predictive control and writes the record that a "
-    "historian would\nhave of it. What the controller believes (--model) and "
-    "what is true (--plant) may differ.\n\n"
+    "historian would\nhave of it. The controller's model (--model) and the "
+    "plant (--plant) may differ.\n\n"
     "  mle_simulate --model=configs/wood_berry.json "
     "--plant=configs/wood_berry_gain.json \\\n"
     "      --setpoints=overhead:500:1 --out=run.csv\n\n"

@@ -63,8 +63,7 @@ absl::StatusOr<Mpc> Mpc::CreateAtRest(PredictionModel model,
   }
   if (model.InputsOf(InputRole::kManipulated).empty()) {
     return absl::InvalidArgumentError(
-        "the model has no manipulated input, so there is nothing to control it "
-        "with");
+        "the model has no manipulated input, so nothing can be controlled");
   }
   ReachTo(options.prediction_horizon, model);
   MLE_ASSIGN_OR_RETURN(MovePlanner planner,

@@ -8,8 +8,8 @@
 // within the limits of MpcOptions, where S_i is the model's step response at
 // iΔt_c (S_0 = 0: move j acts from instant l+j on), f its free response to the
 // inputs sent so far and to the measured disturbances, and ŵ the observed
-// disturbance. The set point is taken to stay where it is, unless it is known
-// ahead. u_l + Δu_1 acts from instant l+1. Without limits the minimiser is
+// disturbance. The set point is assumed constant, unless its future is
+// given. u_l + Δu_1 acts from instant l+1. Without limits the minimiser is
 // linear in the predicted error, so one instant costs one product with a gain
 // made beforehand (move_planner.h).
 //
@@ -92,11 +92,11 @@ class Mpc {
       const Eigen::Ref<const Eigen::MatrixXd>& set_points,
       Eigen::Ref<Eigen::VectorXd> next_inputs);
 
-  // Goes on with another model, and other options, between two instants. The
-  // inputs stay as they are; the free response is that of the new model to the
-  // inputs so far, and the disturbance estimate takes up the difference, so
-  // that the predicted outputs of the coming instant stay too: at rest at its
-  // set point, the loop stays there.
+  // Continues with another model and other options between two instants. The
+  // inputs stay; the free response is that of the new model to the inputs so
+  // far, and the disturbance estimate absorbs the difference, so that the
+  // predicted outputs of the coming instant stay too: a loop at rest at its set
+  // point remains at rest.
   //
   // InvalidArgument, and nothing changed, for what Create() refuses and for
   // other numbers or roles of inputs and outputs, or another control period.

@@ -1,4 +1,4 @@
-// What a predictive controller is to do: horizons, weights, limits, observer.
+// Options of a predictive controller: horizons, weights, limits, observer.
 
 #ifndef CONTROL_MPC_OPTIONS_H_
 #define CONTROL_MPC_OPTIONS_H_
@@ -16,8 +16,8 @@ namespace mle::control {
 //
 //   y_min − s_i ≤ ŷ_{l+i} ≤ y_max + s_i, i = 1 … H_p, at the cost c s_i²
 //
-// for each output and instant, so that what cannot be avoided, as within a dead
-// time, does not loosen what can.
+// for each output and instant, so that an unavoidable violation, as within a
+// dead time, does not relax the other limits.
 struct MpcLimits {
   Eigen::VectorXd min_input;   // m, ≤ max_input
   Eigen::VectorXd max_input;   // m

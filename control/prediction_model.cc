@@ -65,7 +65,7 @@ absl::StatusOr<int> SamplesPerPeriod(double control_period,
       std::abs(ratio - whole) > 1e-9 * whole) {
     return absl::InvalidArgumentError(absl::StrCat(
         "control_period = ", control_period,
-        " is no whole multiple of the model's sample time ", sample_time));
+        " is not a whole multiple of the model's sample time ", sample_time));
   }
   return static_cast<int>(whole);
 }

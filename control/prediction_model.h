@@ -1,11 +1,11 @@
-// What a predictive controller needs of a model: its step responses at the
-// control instants, for every input,
+// The model of a predictive controller: step responses at the control
+// instants, for every input,
 //
 //   y_{l+k} = S_k u,  k = 0 … n, for inputs that step from 0 to u at instant l;
 //   S_0 = 0, and S_k = S_n beyond n.
 //
-// It can be made from each kind of model there is, so that an ARX model R̂ as it
-// comes out of a correction is used as it is:
+// It can be made from each kind of model; the ARX model R̂ of a correction is
+// used directly:
 //
 //   MLE_ASSIGN_OR_RETURN(const PredictionModel model,
 //                        PredictFromArx(corrected, {}, 1.0));

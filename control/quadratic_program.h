@@ -1,11 +1,11 @@
-// A small dense, strictly convex quadratic programme, solved again and again
-// with new data, without allocating:
+// A small dense, strictly convex quadratic program, solved repeatedly with new
+// data, without allocating:
 //
 //   min_{x,s} ½ (x − x₀)ᵀ H (x − x₀) + ½ Σ_i c_i s_i²
 //   subject to l_i − s_i ≤ a_iᵀ x ≤ h_i + s_i, i = 1 … r,
 //
 // where s_i = 0 for hard rows (c_i = ∞) and H: n × n is positive definite. x₀
-// is the unconstrained minimiser, returned as it is where it meets all limits.
+// is the unconstrained minimiser, the solution where it meets all limits.
 //
 // The dual active-set method of Goldfarb and Idnani (Mathematical Programming
 // 27, 1983, 1–33), which starts from x₀ and adds the most violated row until

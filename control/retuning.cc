@@ -151,7 +151,7 @@ void ChooseHorizons(const Elements& elements, const RetuningOptions& options,
   reasons.push_back(absl::StrCat(
       "control horizon: ", old_tuning.MoveInstants().size(), " → ",
       tuning.control_horizon, " moves: until ", NameOf(latest, options),
-      " has gone 63 % of its way, ", rule,
+      " has reached 63 % of its final value, ", rule,
       " periods (Shridhar and Cooper, 1998)",
       rule > tuning.control_horizon ? ", cut to the longest allowed" : ""));
 }
@@ -219,7 +219,7 @@ absl::Status MakeRobust(const PredictionModel& model,
   if (doublings > 0) {
     advice.reasons.push_back(absl::StrFormat(
         "move weights: all doubled %d times, for a sensitivity peak of %.2f "
-        "where at most %g is wanted (Skogestad and Postlethwaite, 2005)%s",
+        "where at most %g is allowed (Skogestad and Postlethwaite, 2005)%s",
         doublings, advice.retuned.sensitivity_peak,
         options.largest_sensitivity_peak, good() ? "" : "; it is not reached"));
   }
@@ -228,7 +228,7 @@ absl::Status MakeRobust(const PredictionModel& model,
 
 void JudgeOldTuning(RetuningAdvice& advice, double largest_peak) {
   const auto verdict = [&](const LoopAnalysis& loop) {
-    if (!loop.stable) return "; it must not go on like this";
+    if (!loop.stable) return "; it must not continue like this";
     return loop.sensitivity_peak > largest_peak
                ? "; it amplifies disturbances more than it should"
                : "; acceptable";
@@ -274,7 +274,7 @@ absl::StatusOr<MpcOptions> TuneByRules(const std::vector<FirstOrder>& elements,
   MLE_RETURN_IF_ERROR(options.Validate());
   if (roles.empty() || elements.size() % roles.size() != 0) {
     return absl::InvalidArgumentError(
-        absl::StrCat(elements.size(), " elements are no p × m for ",
+        absl::StrCat(elements.size(), " elements are not p × m for ",
                      roles.size(), " inputs"));
   }
   MLE_RETURN_IF_ERROR(

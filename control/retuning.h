@@ -1,5 +1,5 @@
-// How to tune a controller after its model was corrected, and what the old
-// tuning would do.
+// Tuning of a controller after its model was corrected, compared with the old
+// tuning.
 //
 // From a first-order description (K, T, L) of each pair of output i and input
 // j, the rules of Shridhar and Cooper for dynamic matrix control (Ind. Eng.
@@ -10,9 +10,8 @@
 //                    here acts one period later
 //   prediction       H_p = ⌈max_ij (5 T_ij/Δt_c + k_ij)⌉, until all has settled
 //   control          H_c = ⌈max_ij (T_ij/Δt_c + k_ij)⌉, until 63 % of it
-//   move weights     Q_u,jj = H_c/c Σ_i Q_y,ii K_ij² (H_p − k_ij − 1.5
-//   T_ij/Δt_c
-//                    + 2 − (H_c − 1)/2), terms ≥ 0
+//   move weights     Q_u,jj = H_c/c Σ_i Q_y,ii K_ij² (H_p − k_ij + 2
+//                             − 1.5 T_ij/Δt_c − (H_c − 1)/2), terms ≥ 0
 //
 // where c is the condition number that the control problem is to have; the sum
 // approximates the trace of the problem's Hessian for input j. A control
@@ -76,7 +75,7 @@ struct RetuningAdvice {
   LoopAnalysis exchanged;
   // … and with the new one.
   LoopAnalysis retuned;
-  // Each decision with what it rests on, a line each.
+  // Each decision with its reason, a line each.
   std::vector<std::string> reasons;
 };
 

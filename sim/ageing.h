@@ -10,7 +10,7 @@
 // So τ stretches all time constants of the element alike and leaves its static
 // gain; for constant γ, τ, ΔL the element is γ g(τ s) with dead time L + ΔL.
 // Each is a schedule: drift over months is a few points far apart, an event is
-// a step. How a changing dead time acts stands in delayed_inputs.h.
+// a step. delayed_inputs.h defines a changing dead time.
 //
 //   AgeingSchedule fouling;
 //   fouling.elements.push_back({.output = 0, .input = 1, .gain = *drift});

@@ -1,7 +1,7 @@
-// A plant under a sampled controller, with measurement noise and whatever else
-// a plant has to bear (plant_conditions.h).
+// A plant under a sampled controller, with measurement noise and other
+// conditions (plant_conditions.h).
 //
-// The controller is a callable and nothing else is known of it. At every
+// The controller is a callable. At every
 // control instant (each Δt_c, the first at t = 0) it is given the measured
 // outputs and the set points of that instant, and returns the inputs that act
 // from the NEXT control instant on; the inputs of the first period are zero.
@@ -64,7 +64,7 @@ struct ClosedLoopOptions {
 // their names and roles, and with its static gains the size of what is to be
 // expected.
 //
-// FailedPrecondition, with the channel and the time, if the loop runs away: a
+// FailedPrecondition, with the channel and the time, if the loop diverges: a
 // value is not finite or beyond 1e6 times that size (runaway.h), where an
 // output's own size is the largest of its set point, its disturbances and the
 // noise's standard deviation. InvalidArgument where options do not hold, or

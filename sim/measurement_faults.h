@@ -1,4 +1,4 @@
-// What happens to a measurement on its way to the controller and the historian:
+// Faults of a measurement on its way to the controller and the historian:
 // outliers, quantisation, frozen channels and lost samples.
 //
 // In this order: a frozen channel repeats its last value; any other takes an
@@ -42,7 +42,8 @@ class MeasurementFaults {
                     int num_inputs, double sample_time, int samples,
                     std::uint64_t seed, std::uint64_t stream);
 
-  // Spoils the measured outputs (p) of sample k; to be called for k = 0, 1, ….
+  // Applies the faults to the measured outputs (p) of sample k; to be called
+  // for k = 0, 1, ….
   void SpoilOutputs(int k, Eigen::Ref<Eigen::VectorXd> outputs);
   // Marks the recorded inputs (m) of sample k that are lost.
   void SpoilInputs(int k, Eigen::Ref<Eigen::VectorXd> inputs) const;

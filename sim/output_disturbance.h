@@ -1,12 +1,12 @@
-// Unmeasured disturbances of the outputs: what the loop has to reject.
+// Unmeasured disturbances of the outputs.
 //
 //   d_k = ξ_k + w_k + s_k for each output, at sample k,
 //   ξ_k = φ ξ_{k−1} + √(1−φ²) σ e_k,  φ = exp(−Δt/T)   coloured, stationary
 //   w_k = w_{k−1} + √q e_k,           w_0 = 0          drift (random walk)
 //   s_k: steps at the events of a Poisson process, of Gaussian size
 //
-// Each kind draws from a stream of its own, and what is drawn does not depend
-// on any of its sizes: twice the variance is the same path, √2 times as large.
+// Each kind draws from a stream of its own that does not depend on any size:
+// twice the variance is the same path, √2 times as large.
 
 #ifndef SIM_OUTPUT_DISTURBANCE_H_
 #define SIM_OUTPUT_DISTURBANCE_H_

@@ -22,7 +22,7 @@ absl::Status CheckWithin(const std::vector<Channel>& channels,
   for (Eigen::Index i = 0; i < values.size(); ++i) {
     if (std::isfinite(values[i]) && std::abs(values[i]) <= limits[i]) continue;
     return absl::FailedPreconditionError(absl::StrCat(
-        "the closed loop runs away: ", kind, " '", channels[i].name, "' is ",
+        "the closed loop diverges: ", kind, " '", channels[i].name, "' is ",
         values[i], " at time ", time, ", beyond ±", limits[i],
         "; the controller does not stabilise this plant"));
   }

@@ -1,4 +1,4 @@
-// Telling a loop that runs away from one that is merely badly tuned.
+// Detection of a diverging loop, as opposed to a badly tuned one.
 
 #ifndef SIM_RUNAWAY_H_
 #define SIM_RUNAWAY_H_

@@ -114,7 +114,7 @@ absl::StatusOr<Eigen::VectorXd> ParseNumbers(std::string_view flag,
     double number = 0.0;
     if (!absl::SimpleAtod(parts[i], &number) || !std::isfinite(number)) {
       return absl::InvalidArgumentError(absl::StrFormat(
-          "--%s=%s: '%s' is no number", Absl(flag), Absl(value), parts[i]));
+          "--%s=%s: '%s' is not a number", Absl(flag), Absl(value), parts[i]));
     }
     numbers(i) = number;
   }

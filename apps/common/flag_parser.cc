@@ -25,10 +25,10 @@ absl::Status ParseAll(const std::vector<std::string>& arguments, int depth,
 // What a value of a type has to be.
 std::string Wanted(const std::string& type) {
   if (type == "bool") return "neither true nor false";
-  if (type == "double") return "no number";
-  if (type == "int32") return "no whole number from -2147483648 to 2147483647";
+  if (type == "double") return "not a number";
+  if (type == "int32") return "not a whole number from -2147483648 to 2147483647";
   if (type == "uint64") {
-    return "no whole number from 0 to 18446744073709551615";
+    return "not a whole number from 0 to 18446744073709551615";
   }
   return absl::StrCat("no ", type);
 }
@@ -79,7 +79,7 @@ absl::StatusOr<Argument> Split(const std::string& text) {
   const std::size_t dashes = text.find_first_not_of('-');
   if (dashes == std::string::npos || dashes == 0 || dashes > 2) {
     return absl::InvalidArgumentError(absl::StrCat(
-        "'", text, "' is no flag; flags begin with -- (see --help)"));
+        "'", text, "' is not a flag; flags begin with -- (see --help)"));
   }
   Argument argument;
   const std::size_t equals = text.find('=');

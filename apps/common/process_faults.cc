@@ -34,8 +34,8 @@ std::terminate_handler usual_handler = nullptr;
       std::rethrow_exception(fault);
     }
   } catch (const std::bad_alloc&) {
-    Say("error: out of memory; files that were there are as they were. Give "
-        "the command more, or fewer samples, lags or threads\n");
+    Say("error: out of memory; existing files are unchanged. Provide more "
+        "memory, or use fewer samples, lags or threads\n");
     ::_exit(kExitNotUsable);
   } catch (...) {
   }

@@ -23,7 +23,7 @@ absl::StatusOr<double> ParseHours(const std::string& text) {
   }
   return absl::InvalidArgumentError(
       absl::StrCat("'", text,
-                   "' is no length of time; a number > 0 with one of the units "
+                   "' is not a duration; a number > 0 with one of the units "
                    "s, min, h, d, w, y is needed, as in 30d"));
 }
 

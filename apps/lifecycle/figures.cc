@@ -105,7 +105,7 @@ void FillIntervalPanel(const RateSummary& rate, double change_months,
                        Panel& panel) {
   panel.x = {.label = "months between updates", .log = true};
   panel.y = {.label = rate.Find(Policy::Kind::kPerfect) != nullptr
-                          ? "cost per year beyond perfect"
+                          ? "excess cost per year over perfect"
                           : "cost per year"};
   UpperEdge upper;
   double lower = 0.0;
@@ -164,11 +164,10 @@ NamedFigure IntervalFigure(const std::vector<RateSummary>& summaries,
   NamedFigure named;
   named.name = "cost_over_interval";
   named.caption =
-      "Cost per year beyond what the perfect model would have cost (all of it "
-      "where that policy is not run) against the time between updates, a panel "
-      "for each rate of ageing; mean of the seeds, bands of 95 %, compared "
-      "seed "
-      "by seed. Step tests that cost several times as much as all others lie "
+      "Cost per year in excess of the perfect model (total cost where that "
+      "policy is not run) against the time between updates, a panel "
+      "for each rate of ageing; mean of the seeds, 95 % bands, compared seed "
+      "by seed. Step tests that cost several times as much as all others are "
       "beyond the upper edge.";
   Figure& figure = named.figure;
   figure.columns = std::min(static_cast<int>(summaries.size()), 2);
@@ -198,17 +197,17 @@ NamedFigure RateFigure(const Campaign& campaign,
   NamedFigure named;
   named.name = "cost_over_rate";
   named.caption =
-      "Cost per year beyond what the perfect model would have cost (all of it "
-      "where that policy is not run) against the rate of ageing, a line for "
+      "Cost per year in excess of the perfect model (total cost where that "
+      "policy is not run) against the rate of ageing, a line for "
       "each policy; mean of the seeds. Step tests that cost several times as "
-      "much as all others lie beyond the upper edge.";
+      "much as all others are beyond the upper edge.";
   Figure& figure = named.figure;
   figure.width_cm = 15.0;
   figure.height_cm = 9.5;
   Panel& panel = figure.AddPanel("");
   panel.x = {.label = "rate of ageing"};
   panel.y = {.label = summaries.front()->Find(Policy::Kind::kPerfect) != nullptr
-                          ? "cost per year beyond perfect"
+                          ? "excess cost per year over perfect"
                           : "cost per year"};
   UpperEdge upper;
   double lower = 0.0;
@@ -252,9 +251,10 @@ NamedFigure TimeFigure(const Campaign& campaign,
   named.name = "over_time";
   named.caption = absl::StrCat(
       "Over the years, seed ", campaign.seeds.front(), ", ageing rate ", rate,
-      ": money spent so far beyond what the perfect model would have cost "
-      "(all of it where that policy is not run), and the squared distance E of "
-      "the model in use from the plant. Step tests may leave the picture.");
+      ": cost so far in excess of the perfect model (total cost where that "
+      "policy is not run), and the squared distance E of "
+      "the model in use from the plant. Step tests may exceed the range "
+      "shown.");
   Figure& figure = named.figure;
   figure.columns = 1;
   figure.width_cm = 2.0 * kColumnWidthCm;
@@ -269,7 +269,7 @@ NamedFigure TimeFigure(const Campaign& campaign,
   distance_panel.y = {.label = "squared distance E", .log = true};
   const std::vector<double> perfect =
       PerfectCosts(campaign, lives.front(), valuation);
-  if (!perfect.empty()) cost.y.label = "cost beyond perfect";
+  if (!perfect.empty()) cost.y.label = "excess over perfect";
   UpperEdge upper;
   double lower = 0.0;
   for (std::size_t p = 0; p < campaign.policies.size(); ++p) {

@@ -24,79 +24,80 @@
 #include "sim/ageing_json.h"
 
 DEFINE_string(model, "",
-              "Process model (JSON) as commissioned: what every controller "
-              "begins with. Must be given.");
+              "Process model (JSON) as commissioned, the first model of every "
+              "controller. Must be given.");
 DEFINE_string(plant, "",
-              "Process model (JSON) of the plant at time 0. Empty: --model, "
-              "which was right then.");
+              "Process model (JSON) of the plant at time 0. Empty: --model.");
 DEFINE_string(ageing, "",
               "Ageing schedule (JSON) of the plant's elements. Must be given.");
 DEFINE_string(ageing_rates, "1",
-              "Rates of ageing, ≥ 0: at 2 gains, time constants and dead times "
-              "of --ageing go twice as far in the same time, at 0 nothing "
-              "ages.");
+              "Rates of ageing, ≥ 0: at 2 the changes of gains, time constants "
+              "and dead times of --ageing are twice as large at the same time, "
+              "at 0 nothing ages.");
 DEFINE_double(years, 5.0, "Years of operation, > 0.");
 DEFINE_string(change_every, "30d",
-              "Mean time between set-point changes (s, min, h, d, w, y); times "
-              "between are uniform from half to one and a half times it.");
+              "Mean time between set-point changes (s, min, h, d, w, y); the "
+              "times are uniform from half to one and a half times the mean.");
 DEFINE_string(setpoint_range, "1",
-              "Set points are drawn from ± this, > 0: one value, or one for "
-              "each output, in its unit.");
+              "Set points are drawn from ± this value, > 0: one value, or one "
+              "for each output.");
 DEFINE_string(policies,
               "never,structured:1,combined:1,arx:1,test:12,on_demand:0.7,"
               "perfect",
-              "Policies side by side: never; structured:N, combined:N, arx:N "
+              "Policies to compare: never; structured:N, combined:N, arx:N "
               "(corrected after every N-th set-point change); test:M (a step "
               "test every M months); on_demand:T (a step test when the "
               "performance index of a change falls below T); perfect.");
-DEFINE_int32(seeds, 5, "Seeds to live through, 1 … 10000.");
-DEFINE_uint64(first_seed, 1, "The first of the seeds; the others follow it.");
+DEFINE_int32(seeds, 5, "Number of seeds, 1 … 10000.");
+DEFINE_uint64(first_seed, 1, "First of the consecutive seeds.");
 DEFINE_string(out, "lifecycle",
               "Folder for report.html, result.json, lifecycle.csv, the figures "
-              "and runs/, from which a run that was killed goes on.");
+              "and runs/, from which an interrupted run resumes.");
 DEFINE_bool(figures, true, "Draw the figures (needs gnuplot).");
 DEFINE_int32(threads, 0,
-             "Threads, 0: one for each processor. The results do not depend "
-             "on it.");
+             "Threads; 0: one for each processor. The results do not depend on "
+             "the number.");
 
-DEFINE_int32(windows, 4,
-             "Records of the last set-point changes that a correction is made "
-             "from, ≥ 1.");
-DEFINE_string(
-    window_age, "",
-    "Older records are forgotten (s, min, h, d, w, y). Empty: never.");
+DEFINE_int32(
+    windows, 4,
+    "A correction uses the records of this many last set-point changes, ≥ 1.");
+DEFINE_string(window_age, "",
+              "Maximum age of the records of a correction (s, min, h, d, w, "
+              "y). Empty: no maximum.");
 DEFINE_double(forgetting, 1.0,
               "Weight w of the record before the last, w² of that before, …, "
               "in (0, 1]; estimator structured only.");
-DEFINE_double(false_alarm_probability, 0.01,
-              "Probability, in (0, 1), that a change is found where there is "
-              "none.");
+DEFINE_double(
+    false_alarm_probability, 0.01,
+    "Probability, in (0, 1), of a false alarm of the test of no change.");
 DEFINE_bool(calibrate_test, false,
-            "Simulates the test of no change where it is in doubt, as "
-            "mle_correct does: several times slower. Without it the trial on "
-            "held-out records alone guards against false alarms.");
-DEFINE_int32(validation_folds, 4,
-             "Records are held out in turn, in at most so many groups, ≥ 2.");
+            "Calibrates the test of no change by simulation where it is in "
+            "doubt, as mle_correct does: several times slower. If false, "
+            "hold-out validation alone guards against false alarms.");
+DEFINE_int32(
+    validation_folds, 4,
+    "Maximum number of folds of the hold-out validation over windows, ≥ 2.");
 DEFINE_double(least_gain, 0.0,
-              "A correction is refused that raises the log-likelihood of what "
-              "was held out by no more than this, ≥ 0.");
+              "A correction is refused unless it raises the held-out "
+              "log-likelihood by more than this value, ≥ 0.");
 DEFINE_double(watch_limit, 3.0,
-              "A new model is watched for --quiet_stretch and taken back if "
-              "the measured squared error of an output is more than this many "
-              "times what it was before the last change, > 1; 0: never.");
+              "A new model is watched for --quiet_stretch and reverted if the "
+              "measured squared error of an output exceeds this many times its "
+              "value before the last change, > 1; 0: never.");
 DEFINE_int32(order, 0,
-             "Order d of the ARX model, in samples; 0: 1.25 times the longest "
-             "dead time and time constant together.");
-DEFINE_int32(conversion_samples, 50000,
-             "Samples of the excitation for the conversion to an ARX model.");
+             "Order d of the ARX model, in samples; 0: 1.25 times the largest "
+             "sum of dead time and time constant of an element.");
+DEFINE_int32(
+    conversion_samples, 50000,
+    "Number of samples of the excitation for the conversion to an ARX model.");
 DEFINE_double(response_horizon, 0.0,
               "Length of the step responses compared with the plant's, in the "
               "model's time unit (min); 0: the model's settling time.");
 DEFINE_double(test_hold, 0.0,
-              "Time for which an input is held in a step test (min); 0: the "
-              "model's settling time.");
+              "Duration of each step of a step test (min); 0: the model's "
+              "settling time.");
 DEFINE_int32(test_cycles, 1,
-             "How often each input goes up and back in a step test, ≥ 1.");
+             "Number of steps up and back of each input in a step test, ≥ 1.");
 DEFINE_string(test_move, "",
               "Largest expected move of an output in a step test, > 0: one "
               "value, or one for each output. Empty: --setpoint_range.");
@@ -218,7 +219,7 @@ absl::Status ReadRates(Campaign& campaign) {
     if (!absl::SimpleAtod(part, &rate) || !(rate >= 0.0) || rate > kMaxRate) {
       return Of("ageing_rates",
                 absl::InvalidArgumentError(absl::StrCat(
-                    "'", part, "' is no rate from 0 to ", kMaxRate)));
+                    "'", part, "' is not a rate from 0 to ", kMaxRate)));
     }
     if (std::count(campaign.rates.begin(), campaign.rates.end(), rate) > 0) {
       return Of("ageing_rates", absl::InvalidArgumentError(

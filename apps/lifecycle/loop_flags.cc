@@ -15,36 +15,37 @@
 #include "sim/check_options.h"
 
 DEFINE_string(min_input, "",
-              "Least inputs: one value, or one for each input. Empty: minus "
-              "four times what holds the outputs at any set points within "
-              "--setpoint_range.");
-DEFINE_string(max_input, "", "Largest inputs, as --min_input.");
-DEFINE_string(min_output, "",
-              "Least outputs, soft limits of the controller: one value, or one "
-              "for each output. Empty: -1.5 times --setpoint_range.");
-DEFINE_string(max_output, "", "Largest outputs, as --min_output.");
+              "Lower limits of the inputs: one value, or one for each input. "
+              "Empty: minus four times the inputs that hold the outputs at any "
+              "set points within --setpoint_range.");
+DEFINE_string(max_input, "", "Upper limits of the inputs, as --min_input.");
+DEFINE_string(
+    min_output, "",
+    "Lower limits of the outputs (soft limits of the controller): one value, "
+    "or one for each output. Empty: -1.5 times --setpoint_range.");
+DEFINE_string(max_output, "", "Upper limits of the outputs, as --min_output.");
 DEFINE_string(output_limit_cost, "1000",
-              "Weight of exceeding an output limit in the controller, by its "
-              "square, > 0: one value, or one for each output.");
+              "Weight of the squared violation of an output limit in the "
+              "controller, > 0: one value, or one for each output.");
 
 DEFINE_string(disturbance_deviation, "0.1",
               "Standard deviation of a slow disturbance of the outputs, ≥ 0: "
               "one value, or one for each output.");
 DEFINE_string(disturbance_time, "1d",
-              "Its correlation time (s, min, h, d, w, y).");
+              "Correlation time of that disturbance (s, min, h, d, w, y).");
 DEFINE_double(window, 0.0,
-              "What is kept of a record before and after a set-point change, "
+              "Length of the record kept before and after a set-point change, "
               "in the model's time unit (min); 0: one and a half times the "
               "model's settling time.");
 DEFINE_double(quiet_stretch, 0.0,
-              "What is simulated of a quiet time and stands for all of it "
+              "Simulated part of a quiet time, which represents all of it "
               "(min); 0: three times the model's settling time.");
 DEFINE_double(warm_up, 0.0,
-              "What is simulated before that and does not count (min); 0: the "
-              "model's settling time.");
+              "Simulated time before the quiet stretch, which does not count "
+              "(min); 0: the model's settling time.");
 DEFINE_bool(every_sample, false,
-            "Simulates every sample of all years, of a plant that ages all the "
-            "while, instead of a stretch of each quiet time. Slow.");
+            "Simulates every sample of all years, with an ageing plant, "
+            "instead of a stretch of each quiet time. Slow.");
 
 namespace mle::lifecycle {
 namespace {

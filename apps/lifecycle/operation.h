@@ -86,7 +86,7 @@ class Operation {
                                           const OperationOptions& options);
 
   // The next change of the scenario, with this model in the controller.
-  // FailedPrecondition, with channel and time, if the loop runs away.
+  // FailedPrecondition, with channel and time, if the loop diverges.
   absl::StatusOr<ChangeOperation> RunChange(
       const control::PredictionModel& model);
 

@@ -43,8 +43,7 @@ std::string BreakEvenSentence(const BreakEven& break_even) {
         rivals, ").");
   }
   return absl::StrCat(
-      " Step tests are the cheaper way while an hour of them "
-      "costs less than ",
+      " Step tests are cheaper if an hour of them costs less than ",
       Money(break_even.price), " (", rivals, ").");
 }
 
@@ -57,7 +56,7 @@ std::vector<std::string> Findings(const Campaign& campaign,
     const PolicySummary* cheapest = rate.Cheapest();
     if (cheapest == nullptr) {
       sentences.push_back(absl::StrCat(
-          RateTitle(rate), ": under every policy the loop ran away."));
+          RateTitle(rate), ": the loop diverged under every policy."));
       continue;
     }
     std::string sentence = absl::StrCat(
@@ -69,11 +68,11 @@ std::vector<std::string> Findings(const Campaign& campaign,
                       WithInterval(cheapest->saving), " more");
       if (cheapest->saving.mean <= cheapest->saving.half_width) {
         absl::StrAppend(&sentence,
-                        ", which these seeds cannot tell from nothing");
+                        ", which is not significant with these seeds");
       }
       const PolicySummary* perfect = rate.Find(Policy::Kind::kPerfect);
       if (perfect != nullptr && std::isfinite(cheapest->share_saved)) {
-        absl::StrAppend(&sentence, ", of which a perfect model would save ",
+        absl::StrAppend(&sentence, "; a perfect model would save ",
                         Money(never->cost.mean - perfect->cost.mean));
       }
     }
@@ -83,9 +82,8 @@ std::vector<std::string> Findings(const Campaign& campaign,
   const std::size_t seeds = campaign.seeds.size();
   sentences.push_back(absl::StrCat(
       "Means of ", seeds, seeds == 1 ? " seed" : " seeds",
-      seeds == 1 ? "; with one there are no intervals."
-                 : " with intervals of 95 %; what is saved is compared seed by "
-                   "seed."));
+      seeds == 1 ? "; with one seed there are no intervals."
+                 : " with 95 % intervals; savings are compared seed by seed."));
   return sentences;
 }
 
@@ -94,11 +92,11 @@ Table PolicyTable(const RateSummary& rate) {
                                       ": what each policy costs and does"),
               .columns = {{"policy", Align::kLeft},
                           {"cost a year"},
-                          {"saved against never"},
-                          {"of what can be saved"},
+                          {"saving against never"},
+                          {"share of possible saving"},
                           {"updates"},
                           {"refused"},
-                          {"taken back"},
+                          {"reverted"},
                           {"no change found"},
                           {"step tests"},
                           {"mean E"},
@@ -108,7 +106,7 @@ Table PolicyTable(const RateSummary& rate) {
     std::vector<std::string> cells = {policy.policy.name};
     if (policy.ran_away > 0) {
       cells.push_back(
-          absl::StrCat("the loop ran away in ", policy.ran_away, " lives"));
+          absl::StrCat("the loop diverged in ", policy.ran_away, " lives"));
     } else {
       cells.push_back(WithInterval(policy.cost));
     }
@@ -153,9 +151,9 @@ Table CostTable(const RateSummary& rate) {
 
 Table SavingTable(const std::vector<RateSummary>& summaries) {
   Table table{.caption =
-                  "Part of the avoidable cost (never less perfect) that each "
-                  "policy saves, by rate of ageing; below zero it costs more "
-                  "than it saves",
+                  "Share of the avoidable cost (never less perfect) that each "
+                  "policy saves, by rate of ageing; negative: the policy costs "
+                  "more than never",
               .columns = {{"policy", Align::kLeft}}};
   for (const RateSummary& rate : summaries) {
     table.columns.push_back({absl::StrCat("rate ", rate.rate)});
@@ -186,7 +184,7 @@ std::string FormatPage(const Campaign& campaign,
     for (const PolicySummary& policy : rate.policies) {
       if (policy.ran_away == 0) continue;
       page.AddWarning(absl::StrCat(RateTitle(rate), ", ", policy.policy.name,
-                                   ": the loop ran away in ", policy.ran_away,
+                                   ": the loop diverged in ", policy.ran_away,
                                    " lives; its cost is not known."));
     }
   }
@@ -196,8 +194,8 @@ std::string FormatPage(const Campaign& campaign,
   }
   page.AddHeading("Policies");
   page.AddParagraph(
-      "All policies live through the same plant, set points, noise and "
-      "disturbances. Mean errors are of the model in use at each set-point "
+      "All policies have the same plant, set points, noise and disturbances. "
+      "Mean errors are of the model in use at each set-point "
       "change: squared distance E of its step responses from the plant's, its "
       "largest relative gain error and its largest dead-time error. Updates, "
       "refusals and step tests are counted over a whole life.");
@@ -205,9 +203,10 @@ std::string FormatPage(const Campaign& campaign,
   for (const RateSummary& rate : summaries) page.AddTable(PolicyTable(rate));
   page.AddHeading("Cost");
   page.AddParagraph(
-      "Product off set point and beyond limits is counted as it is, without "
-      "measurement noise, quiet times between changes included. The hours of a "
-      "step test cost their price besides the product made in them.");
+      "Deviations from the set points and beyond limits are those of the true "
+      "outputs, without measurement noise, including the quiet times between "
+      "changes. The price of the hours of a step test is added to the cost of "
+      "the product made in them.");
   for (const RateSummary& rate : summaries) page.AddTable(CostTable(rate));
   page.AddHeading("Files");
   page.AddFiles(

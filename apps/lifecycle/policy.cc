@@ -26,7 +26,7 @@ absl::StatusOr<double> Argument(const std::string& part, double none) {
   if (!absl::SimpleAtod(part.substr(colon + 1), &value) ||
       !std::isfinite(value)) {
     return Wrong(part,
-                 absl::StrCat("'", part.substr(colon + 1), "' is no number"));
+                 absl::StrCat("'", part.substr(colon + 1), "' is not a number"));
   }
   return value;
 }

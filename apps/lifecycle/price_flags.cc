@@ -11,20 +11,23 @@
 #include "mle/base/status.h"
 
 DEFINE_string(price_squared_error, "10000",
-              "Price of a squared unit off set point for an hour: one value, "
-              "or one for each output.");
+              "Price of a squared unit of deviation from the set point for an "
+              "hour: one value, or one for each output.");
 DEFINE_string(price_absolute_error, "0",
-              "Price of a unit off set point for an hour, likewise.");
+              "Price of a unit of deviation from the set point for an hour: "
+              "one value, or one for each output.");
 DEFINE_string(price_violation, "1000",
-              "Price of a unit beyond an output limit for an hour, likewise.");
-DEFINE_string(price_movement, "0.1",
-              "Price of a unit that an input moves: one value, or one for each "
-              "input.");
-DEFINE_double(price_test_hour, 100.0,
-              "Price of an hour of step test, besides the product made in it.");
+              "Price of a unit beyond an output limit for an hour: one value, "
+              "or one for each output.");
+DEFINE_string(
+    price_movement, "0.1",
+    "Price of a unit of input movement: one value, or one for each input.");
+DEFINE_double(
+    price_test_hour, 100.0,
+    "Price of an hour of step test, in addition to the product made in it.");
 DEFINE_double(price_engineer_hour, 100.0, "Price of an engineer's hour.");
 DEFINE_double(hours_per_update, 1.0,
-              "Engineer's hours for a correction that is proposed.");
+              "Engineer's hours for a proposed correction.");
 DEFINE_double(hours_per_test, 16.0, "Engineer's hours for a step test.");
 
 namespace mle::lifecycle {

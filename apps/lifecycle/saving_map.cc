@@ -32,7 +32,7 @@ std::string Amount(double money) {
 }
 
 std::vector<std::string> Words(const PolicySummary& policy) {
-  if (policy.ran_away > 0) return {"the loop ran away"};
+  if (policy.ran_away > 0) return {"the loop diverged"};
   const MeanOfSeeds& saving = policy.saving;
   if (!std::isfinite(saving.mean)) return {"–"};
   std::vector<std::string> lines = {
@@ -50,10 +50,10 @@ report::NamedFigure SavingMap(
   report::NamedFigure named;
   named.name = "saving_map";
   named.caption =
-      "Where it pays: money saved a year against never updating, by policy and "
-      "rate of ageing, with the half-width of its interval of 95 %. The "
-      "darker, the larger a part of what is saved most at that rate. White: "
-      "not above zero beyond chance.";
+      "Saving a year against never updating, by policy and rate of ageing, "
+      "with the half-width of its 95 % interval. The darker, the larger the "
+      "share of the largest saving at that rate. White: not significantly "
+      "above zero.";
   named.alt = absl::StrCat(named.caption, " The tables have the same numbers.");
   report::Panel& panel = named.figure.AddPanel("");
   panel.x.label = "rate of ageing";

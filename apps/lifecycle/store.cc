@@ -148,7 +148,7 @@ absl::StatusOr<std::optional<Life>> ParseLife(const std::string& json,
     return life;
   } catch (const Json::exception& error) {
     return absl::InvalidArgumentError(
-        absl::StrCat(source, ": is no life of a policy: ", error.what()));
+        absl::StrCat(source, ": is not a stored life of a policy: ", error.what()));
   }
 }
 

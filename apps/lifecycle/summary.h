@@ -26,7 +26,7 @@ MeanOfSeeds MeanWithInterval(const std::vector<double>& values);
 
 struct PolicySummary {
   Policy policy;
-  // A year's, in money; NaN where the loop ran away in a seed.
+  // A year's, in money; NaN where the loop diverged in a seed.
   MeanOfSeeds cost;
   Cost parts;          // mean of each part
   MeanOfSeeds saving;  // never less this policy; NaN without never

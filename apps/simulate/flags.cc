@@ -17,15 +17,15 @@
 #include "sim/continuous_plant.h"
 #include "sim/van_de_vusse.h"
 
-DEFINE_string(model, "", "Process model (JSON) that the controller believes.");
+DEFINE_string(model, "", "Process model (JSON) of the controller.");
 DEFINE_string(plant, "",
-              "What is true: a process model (JSON) of the same inputs and "
+              "The plant: a process model (JSON) with the same inputs and "
               "outputs, or van_de_vusse, a stirred tank reactor (non-linear, "
-              "time in h). Empty: --model itself.");
+              "time in h). Empty: --model.");
 DEFINE_string(
     operating_inputs, "8,-1113.5",
-    "Feed (1/h) and heat (kJ/h) at which van_de_vusse starts at rest; "
-    "the record holds deviations from there.");
+    "Feed (1/h) and heat (kJ/h) of the steady state at which van_de_vusse "
+    "starts; the record has deviations from that state.");
 DEFINE_string(ageing, "",
               "Ageing schedule (JSON) of the plant's elements: gains, time "
               "constants and dead times over time.");
@@ -34,79 +34,86 @@ DEFINE_double(age, 0.0,
               "unit (min).");
 DEFINE_string(setpoints, "",
               "NAME:TIME:VALUE,… set points of outputs: VALUE from TIME on, 0 "
-              "before the first.");
+              "before the first change.");
 DEFINE_double(duration, 1000.0, "Length of the run (min).");
-DEFINE_uint64(seed, 1, "Seed of everything random.");
-DEFINE_string(out, "", "The record: a CSV file. Must be given.");
+DEFINE_uint64(seed, 1, "Seed of all random numbers.");
+DEFINE_string(out, "", "The record to be written (CSV). Must be given.");
 
-DEFINE_string(
-    min_input, "",
-    "Least inputs the controller asks for: one value, or one for each "
-    "input, none for no limit. Empty: no limits.");
-DEFINE_string(max_input, "", "Largest inputs, as --min_input.");
+DEFINE_string(min_input, "",
+              "Lower limits of the inputs in the controller: one value, or one "
+              "for each input; none: no limit. Empty: no limits.");
+DEFINE_string(max_input, "",
+              "Upper limits of the inputs in the controller, as --min_input.");
 DEFINE_string(max_move, "",
               "Largest move of each input in a control period, > 0, as "
               "--min_input.");
+DEFINE_string(min_output, "",
+              "Lower limits of the outputs in the controller (soft): one "
+              "value, or one for each output; none: no limit.");
 DEFINE_string(
-    min_output, "",
-    "Least outputs the controller plans for (soft limits): one value, "
-    "or one for each output, none for no limit.");
-DEFINE_string(max_output, "", "Largest outputs, as --min_output.");
+    max_output, "",
+    "Upper limits of the outputs in the controller (soft), as --min_output.");
 DEFINE_string(output_limit_cost, "1000",
-              "Cost of exceeding an output limit, by its square, > 0: one "
+              "Weight of the squared violation of an output limit, > 0: one "
               "value, or one for each output.");
 DEFINE_bool(feed_forward, true,
-            "The controller uses measurements of inputs with the role of "
+            "The controller uses measurements of the inputs with the role of "
             "disturbances.");
-DEFINE_bool(preview, false, "The controller knows set points ahead.");
+DEFINE_bool(preview, false, "The controller knows future set points.");
 
 DEFINE_string(coloured_variance, "0",
               "Variance of a coloured disturbance of the outputs, ≥ 0: one "
               "value, or one for each output.");
-DEFINE_double(coloured_time_constant, 10.0, "Its correlation time, > 0 (min).");
-DEFINE_string(drift_variance, "0",
-              "Variance q of the increment per sample of a random-walk "
-              "disturbance of the outputs, ≥ 0, as --coloured_variance.");
+DEFINE_double(coloured_time_constant, 10.0,
+              "Correlation time of the coloured disturbance, > 0 (min).");
+DEFINE_string(
+    drift_variance, "0",
+    "Variance q of the increments per sample of a random-walk disturbance of "
+    "the outputs, ≥ 0: one value, or one for each output.");
 DEFINE_double(disturbance_step_rate, 0.0,
               "Mean number of step disturbances of an output per unit of time "
               "(1/min), ≥ 0.");
 DEFINE_string(disturbance_step_deviation, "0",
-              "Standard deviation of such a step, ≥ 0, as "
-              "--coloured_variance.");
+              "Standard deviation of a step disturbance, ≥ 0: one value, or "
+              "one for each output.");
+DEFINE_string(disturbances, "",
+              "NAME:TIME:VALUE,… steps of inputs with the role of "
+              "disturbances: VALUE from TIME on, 0 before the first step.");
 DEFINE_string(
-    disturbances, "",
-    "NAME:TIME:VALUE,… steps of inputs with the role of disturbances: "
-    "VALUE from TIME on, 0 before the first.");
-DEFINE_string(disturbance_variance, "0",
-              "Variance of coloured noise on those inputs, ≥ 0: one value, or "
-              "one for each input of the model.");
+    disturbance_variance, "0",
+    "Variance of coloured noise on the inputs with the role of disturbances, ≥ "
+    "0: one value, or one for each input of the model.");
 DEFINE_double(disturbance_time_constant, 10.0,
-              "Its correlation time, > 0 (min).");
+              "Correlation time of that noise on the inputs, > 0 (min).");
 DEFINE_string(valve_min, "",
-              "Where the plant's valves end, whatever the controller asks for; "
-              "as --min_input.");
-DEFINE_string(valve_max, "", "Where they end above.");
+              "Lower limits of the plant's valves, which the controller does "
+              "not know; as --min_input.");
+DEFINE_string(valve_max, "",
+              "Upper limits of the plant's valves, as --valve_min.");
 
 DEFINE_double(outlier_probability, 0.0,
               "Probability that a measured sample of an output is an outlier.");
-DEFINE_string(outlier_size, "0",
-              "Largest outlier, ≥ 0; they are a fifth of it to all of it. One "
-              "value, or one for each output.");
+DEFINE_string(
+    outlier_size, "0",
+    "Largest outlier, ≥ 0; the size of an outlier is uniform between a fifth "
+    "of this value and this value. One value, or one for each output.");
 DEFINE_string(quantum, "0",
-              "Outputs are measured in whole multiples of it, 0: exactly. One "
-              "value, or one for each output.");
+              "Quantum of the measured outputs; 0: no rounding. One value, or "
+              "one for each output.");
 DEFINE_double(freeze_rate, 0.0,
               "Mean number of times a measured output freezes per unit of time "
               "(1/min), ≥ 0.");
-DEFINE_double(freeze_duration, 10.0, "Mean length of a freeze, > 0 (min).");
+DEFINE_double(
+    freeze_duration, 10.0,
+    "Mean duration for which a measured output is frozen, > 0 (min).");
 DEFINE_double(lost_probability, 0.0,
               "Probability that a sample of an output is lost.");
 DEFINE_double(lost_input_probability, 0.0,
               "Probability that a sample of an input is lost in the record.");
 DEFINE_bool(
     faults_only_in_record, false,
-    "Outliers, rounding, freezes and losses arise in the historian; the "
-    "controller sees the measurements as they are.");
+    "Outliers, rounding, frozen and lost samples occur in the historian; the "
+    "controller receives the measurements without these faults.");
 
 namespace mle::simulate {
 namespace {

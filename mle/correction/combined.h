@@ -1,17 +1,16 @@
-// Structured correction first, then, only where that leaves something the
-// inputs explain, a correction ΔR of the ARX model converted from it:
+// Structured correction, and a correction ΔR of the ARX model converted from it
+// for the outputs whose residuals still depend on the inputs:
 //
 //   1. CorrectStructure(): gains, time scales and dead times, with its own test
 //      of no change (structured_correction.h).
-//   2. TestAdequacy() of the model so corrected: whether the structure itself
-//   is
-//      right (model_adequacy.h).
+//   2. TestAdequacy() of the corrected model: whether its structure is right
+//      (model_adequacy.h).
 //   3. If not, R of that model and CorrectModel() around it, λ by its rule.
 //
-// Where the plant has the model's structure, step 3 is not reached but for
-// false alarms, and the answer is the structured one; where an element has
-// become of another order, or one that was zero has not stayed so, ΔR takes up
-// the rest.
+// Where the plant has the model's structure, step 3 is reached only by false
+// alarms, and the result is the structured correction; where an element has
+// another order, or an element that was zero is no longer zero, ΔR corrects the
+// rest.
 //
 //   MLE_ASSIGN_OR_RETURN(
 //       const CombinedCorrection correction,
@@ -78,7 +77,7 @@ absl::StatusOr<CombinedCorrection> CorrectCombined(
     const ProcessModel& initial, const std::vector<Record>& windows,
     const ArxConverter& convert, const CombinedOptions& options);
 
-// Steps 2 and 3 for a structured correction that is there already.
+// Steps 2 and 3 for an existing structured correction.
 absl::StatusOr<CombinedCorrection> CompleteStructured(
     const ProcessModel& initial, StructuredCorrection structured,
     const std::vector<Record>& windows, const ArxConverter& convert,

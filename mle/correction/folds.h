@@ -1,4 +1,4 @@
-// Rows of windows dealt into folds.
+// Folds of the rows of windows.
 
 #ifndef MLE_CORRECTION_FOLDS_H_
 #define MLE_CORRECTION_FOLDS_H_
@@ -14,8 +14,8 @@ using Fold = std::vector<RegressionRows>;
 // A fold for each window.
 std::vector<Fold> FoldsByWindow(const RegressionData& data);
 
-// The windows' runs of rows, cut into blocks of `block_length` ≥ 1 rows that go
-// to `count` ≥ 1 folds in turn. Folds that get none are left out. Cuts lie
+// The windows' runs of rows, cut into blocks of `block_length` ≥ 1 rows that
+// are assigned to `count` ≥ 1 folds in turn. Empty folds are left out. Cuts lie
 // `shift` ≥ 0 rows later.
 std::vector<Fold> FoldsByBlock(const RegressionData& data, int count,
                                int block_length, int shift = 0);

@@ -1,5 +1,5 @@
-// How good a model is, held against the plant it should describe. Only
-// simulations know the plant; the correction itself never sees it.
+// Evaluation of a model against the true plant. Only simulations know the
+// plant; the correction itself never sees it.
 
 #ifndef MLE_CORRECTION_JUDGEMENT_H_
 #define MLE_CORRECTION_JUDGEMENT_H_

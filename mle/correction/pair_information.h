@@ -1,5 +1,5 @@
-// What records can tell about each pair of output and input, before anything is
-// corrected: the standard error that the best estimate of its gain would have,
+// What records can determine about each pair of output and input, before a
+// correction: the standard error that the best estimate of its gain would have,
 // relative to the gain, by Fisher's information (ComputeStructuredLimit()) at
 // the model's values, under the outputs' noise and drift, with gain, time scale
 // and dead time of every element free and an offset for each window.
@@ -44,7 +44,7 @@ struct InformationOptions {
 
 enum class PairState {
   kAbsent,       // zero in the model
-  kNotInformed,  // cannot be told from these records
+  kNotInformed,  // not determined by these records
   kWeak,         // large changes can
   kInformed,
 };

@@ -1,9 +1,9 @@
-// What a model misses when it predicts further ahead than one sample.
+// Residuals of predictions further ahead than one sample.
 //
 // Predictions y_{k+1} = R x_k run on their own outputs and start anew from
 // measured ones every h samples, counted from the first row; h = 0 never does.
-// What they miss follows from what one step misses, r_k = y_k − R x_k with all
-// outputs measured:
+// Their residuals e follow from the one-step residuals, r_k = y_k − R x_k with
+// all outputs measured:
 //
 //   e_k = r_k + Σ_l A_l e_{k−l},   l = 1 … min(s, d),
 //
@@ -36,7 +36,7 @@ class AheadLosses {
   // Both must outlive the object.
   AheadLosses(const RegressionData& data, const Fold& fold, int horizon);
 
-  // p × models, infinite where a model runs away. `changes` are ΔR (p × n).
+  // p × models, infinite where a model diverges. `changes` are ΔR (p × n).
   Eigen::MatrixXd Of(absl::Span<const Eigen::MatrixXd> changes) const;
 
  private:

@@ -1,6 +1,6 @@
 // Windows of records as rows of a regression on a model's mismatch.
 //
-// The response of sample k is what the model leaves, e_k = y_k − R x_k.
+// The response of sample k is the residual of the model, e_k = y_k − R x_k.
 
 #ifndef MLE_CORRECTION_REGRESSION_DATA_H_
 #define MLE_CORRECTION_REGRESSION_DATA_H_
@@ -25,10 +25,10 @@ class RegressionData {
   RegressionData(RegressionData&&) = default;
   RegressionData& operator=(RegressionData&&) = default;
 
-  // Each window stands for itself: no row reaches over its ends. Where the
-  // problem will be centred, the channels' means are taken off first, for
-  // accuracy. InvalidArgument if channels or sample times do not match the
-  // model's, or if a window leaves no row (its length and the order are named).
+  // No row extends over the ends of a window. Where the problem will be
+  // centred, the channels' means are subtracted first, for accuracy.
+  // InvalidArgument if channels or sample times do not match the model's, or if
+  // a window leaves no row (its length and the order are named).
   static absl::StatusOr<RegressionData> Create(absl::Span<const Record> windows,
                                                const ArxModel& model,
                                                Scaling scaling,

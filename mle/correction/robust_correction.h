@@ -1,4 +1,4 @@
-// A correction's ΔR once more, with a loss that large residuals do not rule:
+// A correction's ΔR refitted with a robust loss:
 //
 //   minimise  s²/N Σ_k ρ((e_k − b₀ − bᵀx_k)/s) + λ Σ_j w_j |β_j|
 //
@@ -7,16 +7,16 @@
 // Cauchy's (robust_loss.h); the quadratic loss of CorrectModel() is ρ = x²/2.
 //
 // Solved by lasso problems with weighted rows, each a smooth problem for Ceres
-// from the one before (smoothed_lasso.h), until the weights stay. At the end
-// they are computed once more, and what vouches for the answer is the duality
-// gap of β in the lasso so weighted: where it is 0, β minimises a quadratic
-// that touches the robust loss, so that it is stationary there, and for
-// Huber's, which is convex, a minimum.
+// from the one before (smoothed_lasso.h), until the weights converge. At the
+// end the weights are computed once more, and the certificate is the duality
+// gap of β in the lasso with these weights: where it is 0, β minimises a
+// quadratic that touches the robust loss, so that it is stationary there, and
+// for Huber's, which is convex, a minimum.
 //
-// Outliers of the outputs stand in the regressors of the next d rows as well,
+// Outliers of the outputs are in the regressors of the next d rows as well,
 // where no loss on residuals reaches them: they are to be replaced first
-// (output_reconstruction.h). What this adds is that rows which are wrong all
-// the same do not rule the fit.
+// (output_reconstruction.h). The robust loss adds that rows which are still
+// wrong are down-weighted.
 //
 //   MLE_ASSIGN_OR_RETURN(
 //       const RobustCorrection robust,

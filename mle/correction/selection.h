@@ -1,13 +1,13 @@
 // Choice of the penalty λ from the records alone.
 //
 // Cross-validation: every fold of rows is predicted by a fit to all others, and
-// λ* minimises the folds' prediction losses. What is a fold, and what is
-// predicted, makes the rules differ; docs/selection.md compares them.
+// λ* minimises the folds' prediction losses. The rules differ in their folds
+// and predictions; docs/selection.md compares them.
 //
 //   leave change out   a fold is a window, that is, a set-point change: the
 //                      paper's rule. A fit that has never seen a direction of
 //                      the inputs cannot predict it, which favours large λ.
-//   blocks             windows are cut into blocks that are dealt to the folds
+//   blocks             windows are cut into blocks, assigned to the folds
 //                      in turn, so that every fit has seen every change, and
 //                      cut once more half a block later, since it matters where
 //                      the cuts lie against the change. Default.

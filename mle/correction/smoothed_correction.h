@@ -1,6 +1,6 @@
-// A correction's ΔR once more, as the smooth problem of smoothed_lasso.h by
-// Ceres, at given λ: a check of the exact engine by one that shares nothing
-// with it but the data, and the place where other penalties and losses can go.
+// A correction's ΔR as the smooth problem of smoothed_lasso.h, solved by Ceres
+// at given λ: a check of the exact engine by one that shares only the data with
+// it, and a basis for other penalties and losses.
 //
 //   MLE_ASSIGN_OR_RETURN(
 //       const SmoothedCorrection smoothed,

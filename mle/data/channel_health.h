@@ -1,4 +1,4 @@
-// What is wrong with the channels of records: frozen, saturated, quantised,
+// Data quality of the channels of records: frozen, saturated, quantised,
 // outlying, constant, missing.
 //
 //   const HealthReport health = CheckHealth(records, model, HealthOptions());
@@ -15,7 +15,7 @@
 // outlying   outputs by the Hampel filter (outliers.h), which does not take a
 //            response to a set point for one; inputs where a single sample
 //            leaves a value that is held on both sides
-// constant   it never moves
+// constant   the channel never moves
 
 #ifndef MLE_DATA_CHANNEL_HEALTH_H_
 #define MLE_DATA_CHANNEL_HEALTH_H_
@@ -32,7 +32,7 @@ namespace mle {
 
 struct HealthOptions {
   OutlierOptions outliers;
-  // A value repeated this often is no freeze yet, ≥ 2.
+  // A value repeated up to this often is not a freeze, ≥ 2.
   int min_frozen_samples = 10;
   // Where inputs end (m), NaN where unknown; or empty. Samples there are
   // saturated, whatever else happens.
@@ -56,7 +56,7 @@ struct ChannelHealth {
   bool is_constant = false;
   std::vector<SampleRun> frozen;
   std::vector<SampleRun> saturated;
-  double quantum = 0.0;             // 0: none worth naming
+  double quantum = 0.0;             // 0: negligible or none
   double noise = 0.0;               // standard deviation of the white part
   std::vector<SampleRun> outliers;  // of one sample each
 
@@ -70,7 +70,7 @@ struct ChannelHealth {
 struct HealthReport {
   std::vector<ChannelHealth> channels;  // outputs, then inputs
 
-  // Of the channels with findings; one line if there are none.
+  // Lines for the channels with findings; one line without findings.
   std::string Report(const std::vector<Record>& records) const;
 };
 
@@ -86,7 +86,7 @@ struct MarkOptions {
 
 // Turns what the report found into bad samples (NaN), an outlier of an input
 // into the value held around it; returns how many. `records` are those that the
-// report is of.
+// report describes.
 int MarkBad(const HealthReport& report, const MarkOptions& options,
             std::vector<Record>& records);
 

@@ -18,12 +18,12 @@ struct CsvHead {
   std::string text;
   bool is_whole = false;  // the file ends here
   std::string source;     // its name
-  int line = 1;           // that the header stands in
+  int line = 1;           // of the header
 };
 
-// The one of comma, semicolon and tab that stands in the header; if there are
-// several, the one that makes most of `names` fields of it. InvalidArgument if
-// two do alike.
+// The one of comma, semicolon and tab that occurs in the header; if several
+// occur, the one that yields most of `names` as fields. InvalidArgument for a
+// tie.
 absl::StatusOr<char> RecogniseSeparator(const CsvHead& head,
                                         const std::vector<std::string>& names);
 

@@ -1,4 +1,4 @@
-// Numbers as they stand in CSV files, independent of the locale.
+// Numbers in CSV files, independent of the locale.
 
 #ifndef MLE_DATA_CSV_NUMBERS_H_
 #define MLE_DATA_CSV_NUMBERS_H_
@@ -11,8 +11,8 @@ namespace mle {
 inline constexpr int kCsvTimeDigits = 12;
 
 // The whole of `text` as a number, "nan" and "inf" included, with `decimal` (a
-// point or a comma) before its decimals; false if it is none, or out of the
-// range of a double.
+// point or a comma) before its decimals; false if it is not a number, or is out
+// of the range of a double.
 bool ReadCsvNumber(std::string_view text, double& number, char decimal = '.');
 
 // With the fewest digits that read back as the same double.

@@ -2,11 +2,11 @@
 //
 // Fields are separated by commas, or by another separator. A field in double
 // quotes may hold separators, line breaks and, doubled, quotes. Lines end with
-// LF or CRLF; a byte-order mark is skipped, empty lines are passed over.
+// LF or CRLF; a byte-order mark and empty lines are skipped.
 //
-// The file is read in blocks, and fields are views into the present one: memory
-// does not depend on the file's length, and what is no text of rows (a line
-// without end, a binary file, UTF-16) is refused before it takes any.
+// The file is read in blocks, and fields are views into the present block:
+// memory does not depend on the file's length, and a file that is not text in
+// rows (an endless line, binary, UTF-16) is refused before it uses any.
 //
 //   CsvRows rows(file, "run.csv");
 //   std::vector<std::string_view> fields;
@@ -48,7 +48,7 @@ class CsvRows {
   // the start, the whole first one. Cut somewhere.
   std::string_view Peek();
 
-  // Passes over a line, whatever stands in it. False as Next().
+  // Skips a line, whatever it contains. False as Next().
   bool SkipLine();
 
   // OK, or what is wrong with the text: a quote that is not closed or stands

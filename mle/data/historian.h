@@ -2,10 +2,10 @@
 // need be neither evenly spaced nor complete, made into records sampled every
 // Δt.
 //
-// What a file is, is recognised: its separator (comma, semicolon, tab), its
-// decimal mark, its form of time. Where that is not certain the import fails
-// and says what to declare; it never guesses at a number. Quality columns and
-// known words for bad samples are understood.
+// The form of a file is recognised: its separator (comma, semicolon, tab), its
+// decimal mark, its form of time. Where the form is not certain the import
+// fails and says what to declare; it never guesses at a number. Quality columns
+// and known words for bad samples are understood.
 //
 // With the spacing of the file's rows called its step:
 //
@@ -19,7 +19,7 @@
 // A row farther than 1.9 steps from the one before leaves a gap, as bad samples
 // do. Gaps up to `max_gap` are bridged (inputs and set points held, outputs
 // linear) and counted; a longer one leaves bad samples (NaN) in its channel,
-// or, where no row is there at all, ends the record, and the next begins.
+// or, where every row is missing, ends the record, and the next begins.
 //
 //   MLE_ASSIGN_OR_RETURN(
 //       const HistorianImport import,
@@ -65,13 +65,13 @@ struct HistorianOptions {
   // Values of quality columns that mean good, whatever their case. All others
   // mean bad.
   std::vector<std::string> good_qualities = {"good", "ok", "192"};
-  // What stands for a bad sample, besides an empty field, NaN and the words in
+  // Values that mark a bad sample, besides an empty field, NaN and the words in
   // KnownBadWords(): as text or as a number ("-9999").
   std::vector<std::string> bad_values = {};
 
   ClockOptions clock = {};
   // A row at the time of the one before, or earlier than it: an error, unless
-  // such rows are passed over and counted.
+  // such rows are ignored and counted.
   bool skip_repeated_times = false;
   bool skip_backward_times = false;
 
@@ -123,10 +123,10 @@ struct FileReport {
 
 struct HistorianReport {
   std::vector<FileReport> files;  // in order of time
-  // Outputs, set points that are there, inputs.
+  // Outputs, the set points present, inputs.
   std::vector<ChannelReport> channels;
   std::int64_t rows = 0;
-  std::int64_t repeated_rows = 0;  // passed over
+  std::int64_t repeated_rows = 0;  // ignored
   std::int64_t backward_rows = 0;
   double step = 0.0;         // of the files: the usual one
   double sample_time = 0.0;  // Δt

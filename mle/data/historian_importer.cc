@@ -107,7 +107,7 @@ absl::Status HistorianImporter::CheckOrder(const HistorianFile& file,
   } else {
     absl::StrAppend(&message, ", or rows ",
                     is_repeated ? "at the same time" : "that go back",
-                    " be passed over on request");
+                    " be ignored on request");
   }
   return absl::InvalidArgumentError(message);
 }

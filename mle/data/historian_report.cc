@@ -128,7 +128,7 @@ std::string HistorianReport::FullReport(const std::string& time_unit) const {
     if (file.num_ignored_columns > 0) {
       absl::StrAppend(
           &text, "  ", file.num_ignored_columns,
-          " columns passed over: ", absl::StrJoin(file.ignored_columns, ", "),
+          " columns ignored: ", absl::StrJoin(file.ignored_columns, ", "),
           file.num_ignored_columns >
                   static_cast<int>(file.ignored_columns.size())
               ? ", …\n"
@@ -145,7 +145,7 @@ std::string HistorianReport::FullReport(const std::string& time_unit) const {
                   "\n");
   if (repeated_rows > 0 || backward_rows > 0) {
     absl::StrAppend(&text, repeated_rows, " rows at a time already read and ",
-                    backward_rows, " that go back were passed over\n");
+                    backward_rows, " that go back were ignored\n");
   }
   text += "channels:\n";
   for (const ChannelReport& channel : channels) AppendBad(channel, text);

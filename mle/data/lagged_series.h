@@ -7,7 +7,7 @@
 // the order of ArxModel's coefficients. The samples are stored latest first, so
 // that x_k is n consecutive numbers and a range of rows is a matrix whose
 // columns overlap (outer stride c): X is never formed. In these views time runs
-// backwards; sums over rows do not mind.
+// backwards, which does not matter for sums over rows.
 
 #ifndef MLE_DATA_LAGGED_SERIES_H_
 #define MLE_DATA_LAGGED_SERIES_H_
@@ -31,8 +31,8 @@ class LaggedSeries {
  public:
   using View = Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>>;
 
-  // `offset` (c) is taken off every sample first: sums of squares about a far
-  // operating point would lose digits. Empty means zero.
+  // `offset` (c) is subtracted from every sample first: sums of squares about a
+  // distant operating point would lose digits. Empty means zero.
   LaggedSeries(const Record& record, int order,
                const Eigen::VectorXd& offset = {});
 

@@ -1,4 +1,4 @@
-// The step that samples are multiples of. Internal to mle/data.
+// The quantum of rounded samples. Internal to mle/data.
 
 #ifndef MLE_DATA_QUANTUM_H_
 #define MLE_DATA_QUANTUM_H_
@@ -10,8 +10,8 @@
 namespace mle {
 
 // The largest step of which most differences between neighbours are whole
-// multiples; 0 if there is none, or if it is below a fiftieth of `noise` (or of
-// the usual difference, if that is 0), so that it does not matter.
+// multiples; 0 if no such step exists, or if it is negligible: below a fiftieth
+// of `noise` (or of the usual difference, if `noise` is 0).
 double FindQuantum(const std::vector<SampleRow>& rows, double noise);
 
 }  // namespace mle

@@ -1,8 +1,9 @@
-// Whether an output is quiet where it ought to be. Internal to mle/data.
+// Test for drift and steps in a part that should be at rest. Internal to
+// mle/data.
 //
 // Under the null hypothesis the samples are white noise about a constant. A
 // trend is tested by its slope, a step by the largest difference of the means
-// on both sides of a split; of the two the one that leaves less is reported.
+// on both sides of a split; the one with the smaller residual is reported.
 
 #ifndef MLE_DATA_QUIET_PART_H_
 #define MLE_DATA_QUIET_PART_H_
@@ -12,7 +13,7 @@
 
 namespace mle {
 
-// From which on a part is not quiet.
+// Thresholds above which a part is not quiet.
 struct QuietLimits {
   double deviations = 5.0;  // standard errors
   double size = 1.0;        // standard deviations of the noise

@@ -20,7 +20,7 @@ struct Record {
   double sample_time = 0.0;    // Δt
   Eigen::MatrixXd outputs;     // p × N, y_k
   Eigen::MatrixXd inputs;      // m × N, u_k
-  Eigen::MatrixXd set_points;  // p × N, or 0 × 0 where there are none
+  Eigen::MatrixXd set_points;  // p × N, or 0 × 0 without set points
 
   // Shapes agree, Δt > 0. Values may be NaN: bad samples.
   absl::Status Validate() const;

@@ -1,8 +1,8 @@
 // The time column of a record: numbers, or dates of one form, as times in the
 // model's unit. Dates count from the first one.
 //
-// Dates without a zone are UTC, or the civil time of a declared zone: then an
-// hour that the clocks show twice is told apart by the order of the rows.
+// Dates without a zone are UTC, or the civil time of a declared zone: then the
+// order of the rows distinguishes an hour that the clocks show twice.
 //
 //   MLE_ASSIGN_OR_RETURN(RecordClock clock, RecordClock::Create("min", {}));
 //   clock.Read("2024-02-29T12:34:56Z", '.', time);
@@ -42,7 +42,7 @@ class RecordClock {
   static absl::StatusOr<RecordClock> Create(const std::string& model_unit,
                                             const ClockOptions& options);
 
-  // False for text that is no time of the kind that the first one is.
+  // False for text that is not a time in the form of the first one.
   bool Read(std::string_view field, char decimal, double& time);
   // What Read() takes, for a message.
   std::string Wanted() const;

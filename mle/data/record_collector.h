@@ -1,4 +1,4 @@
-// Samples as they come, made into records: gaps are bridged and counted.
+// Makes records of a stream of samples: gaps are bridged and counted.
 // Internal to mle/data.
 
 #ifndef MLE_DATA_RECORD_COLLECTOR_H_
@@ -29,7 +29,7 @@ class RecordCollector {
 
   // `begins`: a record begins with this sample.
   void Add(bool begins, double time, const std::vector<double>& values);
-  // Once all samples are there.
+  // To be called after the last sample.
   void Finish();
 
   // Samples so far.

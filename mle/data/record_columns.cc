@@ -86,9 +86,11 @@ absl::Status CheckOthers(const std::vector<RecordColumn>& columns,
     return absl::InvalidArgumentError(absl::StrCat(
         "column ", c + 1, ": ", Quoted(name),
         is_set_point
-            ? " is the set point of no output of the process model"
+            ? " is a set point of an output that the process model does not "
+              "have"
             : " is neither time nor an input, output or set point of the "
-              "process model; other columns are passed over on request only"));
+              "process model; other columns are errors unless they are to be "
+              "ignored"));
   }
   return absl::OkStatus();
 }

@@ -21,7 +21,7 @@ struct RecordColumn {
   // Of a sample: channel = scale × column + offset.
   double scale = 1.0;
   double offset = 0.0;
-  int quality_of = -1;  // the column that a quality column speaks of
+  int quality_of = -1;  // the column that a quality column describes
 };
 
 // A column whose name is not that of its channel, or whose unit is not.
@@ -35,7 +35,7 @@ struct TagMapping {
 struct ColumnOptions {
   std::string time_column = "time";
   std::vector<TagMapping> tags = {};
-  // Columns that are of no use are passed over. If not, they are errors.
+  // Unknown columns are ignored. If false, they are errors.
   bool ignore_other_columns = false;
   // <column><suffix> is the quality of <column>.
   std::vector<std::string> quality_suffixes = {"_quality", ".quality"};
@@ -50,9 +50,9 @@ struct ColumnOptions {
 absl::StatusOr<std::vector<RecordColumn>> ColumnsOf(
     const ProcessModel& channels);
 
-// The columns of a header, blanks around its names aside. InvalidArgument for a
-// column that stands twice, the set point of an unknown output, a missing time,
-// input or output, or a column of no use; the message names the column.
+// The columns of a header; blanks around names are ignored. InvalidArgument for
+// a repeated column, the set point of an unknown output, a missing time, input
+// or output, or an unknown column; the message names the column.
 absl::StatusOr<std::vector<RecordColumn>> MatchHeader(
     const std::vector<std::string_view>& header, const ProcessModel& channels,
     const ColumnOptions& options);

@@ -1,7 +1,7 @@
 // Rows of a record file as times and samples.
 //
-// Samples stand in one row of values: the p outputs, their p set points, the m
-// inputs; NaN where a sample is bad or its column is not there.
+// A row of values has the p outputs, their p set points and the m inputs; NaN
+// where a sample is bad or its column is missing.
 //
 //   MLE_ASSIGN_OR_RETURN(RecordRows rows,
 //                        RecordRows::Open(csv, channels, options, clock));
@@ -41,15 +41,15 @@ struct BadSampleCounts {
 struct RecordRowsOptions {
   ColumnOptions columns;
   char decimal = '.';
-  // What stands for a bad sample, as text or as a number ("-9999", which
+  // Values that mark a bad sample, as text or as a number ("-9999", which
   // -9999.0 is too).
   std::vector<std::string> bad_values;
-  // Words that do, whatever their case.
+  // Words for bad samples, whatever their case.
   std::vector<std::string> bad_words;
   // Values of quality columns that mean good, whatever their case; numbers by
   // value. All others mean bad.
   std::vector<std::string> good_qualities;
-  // Rows to pass over below the header (of units, say).
+  // Rows to skip below the header (of units, say).
   int rows_below_header = 0;
 };
 
@@ -68,7 +68,7 @@ class RecordRows {
                                          RecordClock& clock);
 
   // False at the end or at an error: a malformed row, one with more or fewer
-  // fields than the header, or a field that is no time or no number.
+  // fields than the header, or a field that is not a time or not a number.
   bool Next(RecordRow& row);
   const absl::Status& status() const { return status_; }
 

@@ -1,5 +1,5 @@
-// Rows at any times made into samples every Δt, one by one: the rule is that of
-// historian.h. Internal to mle/data.
+// Resamples rows at any times to samples every Δt, by the rules of historian.h.
+// Internal to mle/data.
 //
 // Memory is that of a few samples, whatever the number of rows.
 
@@ -33,7 +33,7 @@ class Resampler {
 
   // Times must increase. Values NaN where bad; those of a row (2p + m).
   void Add(double time, const std::vector<double>& values);
-  // The samples that are still due.
+  // Emits the remaining samples.
   void Finish();
 
  private:

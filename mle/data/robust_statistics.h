@@ -1,4 +1,4 @@
-// Location and spread of samples some of which may be bad. NaN is passed over
+// Location and spread of samples some of which may be bad. NaN is ignored
 // throughout.
 
 #ifndef MLE_DATA_ROBUST_STATISTICS_H_
@@ -12,7 +12,7 @@ namespace mle {
 
 using SampleRow = Eigen::Ref<const Eigen::RowVectorXd, 0, Eigen::InnerStride<>>;
 
-// The median; NaN of nothing. Reorders `values`, which hold no NaN.
+// The median; NaN without samples. Reorders `values`, which hold no NaN.
 double MedianInPlace(std::vector<double>& values);
 
 // 1.4826 times the median distance from the median: the standard deviation of
@@ -25,7 +25,7 @@ double RobustDeviation(const SampleRow& samples);
 double WhiteDeviation(const SampleRow& samples);
 
 // Mean of the samples within six robust deviations of their median; `used` is
-// how many they are. NaN of nothing.
+// their number. NaN without samples.
 double TrimmedMean(const SampleRow& samples, int& used);
 
 }  // namespace mle

@@ -220,12 +220,12 @@ void WarnOfFew(WindowSet& set) {
   if (set.windows.empty()) {
     set.warnings.push_back(
         "there is no change of set point: nothing excites the process, and its "
-        "model cannot be judged");
+        "model cannot be tested");
   } else if (set.windows.size() == 1) {
     set.warnings.push_back(
-        "there is one window only: what is fitted cannot be tried on a change "
-        "that it has not seen, folds have to be blocks of this window, and "
-        "what moves with this change alone is all that can be known");
+        "there is one window only: a correction cannot be validated on a "
+        "held-out change, folds are blocks of this window, and only what this "
+        "change excites can be estimated");
   }
 }
 

@@ -1,11 +1,11 @@
-// Windows around the changes of set points: what a correction is made from.
+// Windows around the changes of set points: the data of a correction.
 //
 // Each change gets a window of `before` and `after` around it. Changes that
 // follow before the plant has settled share one window; windows do not overlap;
 // where a record ends or another window begins, they are clipped. Every window
 // has an operating point of its own, the mean of its part before the change,
-// which is taken off its samples. Parts that ought to be quiet (before the
-// change, and once the plant has settled) are tested for drift and
+// which is subtracted from its samples. Parts that should be at rest (before
+// the change, and once the plant has settled) are tested for drift and
 // disturbances.
 //
 //   MLE_ASSIGN_OR_RETURN(const WindowSet set,
@@ -39,13 +39,13 @@ struct WindowOptions {
   // Changes share a window if the next follows within this, ≥ 0; 0: the model's
   // settling time, or `after` where that is shorter.
   double join_within = 0.0;
-  // Changes of set point up to this size, ≥ 0, are none (of each output in its
-  // own unit: the set points' rounding, say).
+  // Changes of set point up to this size, ≥ 0, are ignored (in the unit of each
+  // output: the rounding of the set points, say).
   double min_change = 0.0;
-  // When something was changed, for records without set points: if there are
-  // any, set points are not looked at. In order of time.
+  // Times of changes, for records without set points. If not empty, set points
+  // are not used. In order of time.
   std::vector<double> change_times = {};
-  // Takes the operating point off the samples.
+  // Subtracts the operating point from the samples.
   bool remove_operating_point = true;
   // Standard deviations that a trend or a step in a quiet part must have to be
   // reported, > 0. At 5 white noise is reported in less than 1 of 10⁴ parts.
@@ -63,8 +63,8 @@ struct OperatingPoint {
   int samples = 0;             // it is the mean of
 };
 
-// A quiet part of an output, less the model's response to the inputs: with that
-// the control takes away what disturbs the output.
+// A quiet part of an output, less the model's response to the inputs, with
+// which control compensates disturbances of the output.
 struct QuietPart {
   enum class Verdict {
     kUnknown,    // too short to say
@@ -88,7 +88,7 @@ struct SetPointWindow {
   // that are given by their time.
   std::vector<SetPointChange> changes;
   OperatingPoint operating_point;
-  // The record, or another window, ends the window short of what was wanted.
+  // The window is shorter than requested: the record or another window ends it.
   bool clipped_before = false;
   bool clipped_after = false;
   std::vector<QuietPart> before;  // p: quiet part before the change
@@ -99,17 +99,17 @@ struct SetPointWindow {
   double change_time() const { return record.time(changes.front().sample); }
   bool drifting() const;
   bool disturbed() const;
-  // Lines that a person can read.
+  // Text for a reader.
   std::string Report(const ProcessModel& channels) const;
 };
 
 struct WindowSet {
   std::vector<SetPointWindow> windows;
-  // What was wanted.
+  // As requested.
   double before = 0.0;
   double after = 0.0;
   int changes = 0;  // found, all together
-  // What is lost, and why: windows dropped, one change only, overlaps.
+  // Losses and their reasons: windows dropped, one change only, overlaps.
   std::vector<std::string> warnings;
 
   std::vector<Record> Records() const;
@@ -122,8 +122,8 @@ struct WindowSet {
 std::vector<std::vector<SetPointChange>> FindChanges(
     const std::vector<Record>& records, const WindowOptions& options);
 
-// In order of the records and of time. No change at all is no error: there are
-// no windows, and a warning. InvalidArgument for options, or records that are
+// In order of the records and of time. Without any change there are no
+// windows, and a warning. InvalidArgument for options, or records that are
 // not valid or not of these channels.
 absl::StatusOr<WindowSet> FindWindows(const std::vector<Record>& records,
                                       const ProcessModel& model,

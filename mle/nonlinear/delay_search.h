@@ -1,4 +1,4 @@
-// The best dead times of an output's elements on a grid, whatever their start.
+// The best dead times of an output's elements on a grid, for any start.
 // Internal to mle/nonlinear.
 //
 // For given time scales the model is linear in gains, offsets and amplitudes,

@@ -36,12 +36,12 @@ struct FopdtOptions {
   // so that three samples see the response.
   double max_delay = std::numeric_limits<double>::infinity();
   // T ≥ min_time_constant_samples · Δt, > 0. A faster element has settled
-  // within a sample, and cannot be told from a jump.
+  // within a sample, and is indistinguishable from a jump.
   double min_time_constant_samples = 0.05;
-  // T ≤ max_time_constant_horizons · NΔt, ≥ 1. A slower element cannot be told
-  // from an integrator.
+  // T ≤ max_time_constant_horizons · NΔt, ≥ 1. A slower element is
+  // indistinguishable from an integrator.
   double max_time_constant_horizons = 100.0;
-  // A response that stays within ± this is none at all; in units of the
+  // A response that stays within ± this is negligible; in units of the
   // output, ≥ 0. The default is far below any gain and above rounding.
   double negligible_response = 1e-9;
   // The fit is poor where the residuals exceed these fractions of the

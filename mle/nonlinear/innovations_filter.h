@@ -1,4 +1,4 @@
-// Whitening of a sampled disturbance that is white noise upon a random walk,
+// Whitening of a sampled disturbance that is white noise plus a random walk,
 //
 //   n_k = w_k + e_k,   w_{k+1} = w_k + ξ_k,   Var e = r,  Var ξ = q = ρ r,
 //
@@ -29,14 +29,14 @@ namespace mle {
 
 struct NoiseShape {
   double ratio = 0.0;  // ρ ≥ 0, finite
-  // Without an offset w is zero and ρ is 0: white noise passes as it is.
+  // Without an offset w is zero and ρ is 0: white noise passes unchanged.
   bool offset = true;
 };
 
 class InnovationsFilter {
  public:
-  // `times` are the numbers of the samples that are there, increasing; between
-  // them the random walk goes on.
+  // `times` are the numbers of the samples present, increasing; between them
+  // the random walk continues.
   // `weights`, of each sample, are > 0; empty for ones.
   InnovationsFilter(const std::vector<int>& times, NoiseShape shape,
                     const Eigen::VectorXd& weights = {});
@@ -48,8 +48,8 @@ class InnovationsFilter {
   // becomes 0 where there is one. As many rows as samples.
   void Apply(Eigen::Ref<Eigen::MatrixXd> columns) const;
 
-  // e_k to be expected given all of n (as many as samples): what n leaves of
-  // the random walk drawn through it.
+  // The expected e_k given all of n (as many as samples): n less the smoothed
+  // random walk.
   Eigen::VectorXd WhitePart(const Eigen::VectorXd& disturbance) const;
 
  private:

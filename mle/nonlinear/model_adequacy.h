@@ -1,23 +1,22 @@
-// Whether a process model explains records up to their noise, whatever may be
-// wrong with it: a gain, a dead time, another order, an element that is
-// missing.
+// Test whether a process model explains records up to their noise, against any
+// fault of the model: a gain, a dead time, another order, a missing element.
 //
-// What the model leaves of an output is regressed on sums of every input over
+// The model's residual of an output is regressed on sums of every input over
 // ranges of lags (1, 2–3, 4–7, … samples, up to the model's settling time),
 // that is, on any impulse response that is constant over each range,
 //
 //   y_i − ŷ_i = Σ_j Σ_b h_ijb Σ_{l in range b} u_j(k − l) + noise,
 //
 // with the noise of structured_correction.h, white upon a random walk, and an
-// offset for each window. The statistic is what the h take off the squares of
-// the whitened residuals, χ² under "the model is right" with a degree of
-// freedom for each h that the records determine; the ratio of drift to white
-// noise is the larger of those estimated with and without the h, by restricted
-// likelihood. Given the past outputs the inputs say nothing about the noise to
-// come, so that this holds for closed-loop records too.
+// offset for each window. The statistic is the reduction by the h of the
+// squares of the whitened residuals, χ² under "the model is right" with a
+// degree of freedom for each h that the records determine; the ratio of drift
+// to white noise is the larger of those estimated with and without the h, by
+// restricted likelihood. Given the past outputs the inputs say nothing about
+// the noise to come, so that this holds for closed-loop records too.
 //
 // Elements whose gain, time scale and dead time were fitted to the same records
-// may be named: what they could explain is taken off both sides.
+// may be named: what these elements could explain is removed from both sides.
 //
 //   MLE_ASSIGN_OR_RETURN(const ModelAdequacy adequacy,
 //                        TestAdequacy(model, records, {}, AdequacyOptions()));

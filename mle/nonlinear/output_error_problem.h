@@ -6,7 +6,7 @@
 //   y_k = c + Σ_j (K_j x_j(k; T_j, L_j) + φ_j(k; T_j) a_j) + n_k,
 //
 // with x_j the response of element j to the segment's inputs
-// (element_response.h), an offset c, and n white noise upon a random walk
+// (element_response.h), an offset c, and n white noise plus a random walk
 // (innovations_filter.h). What the inputs did before the segment is unknown.
 // Once the longest dead time that the search allows has passed, all of it is
 // the state of each element: a_j, one free amplitude for each mode φ_j. So the
@@ -95,8 +95,8 @@ class OutputErrorProblem {
   WhitenedColumns Whiten(const std::vector<SegmentColumns>& columns,
                          NoiseShape shape) const;
 
-  // What the whole model leaves at `point`, sample by sample: without the
-  // amplitudes' part and what is drawn through as offset and random walk.
+  // The residuals of the whole model at `point`, sample by sample: less the
+  // amplitudes' part, the offset and the smoothed random walk.
   Eigen::VectorXd WhiteResiduals(const OutputPoint& point,
                                  NoiseShape shape) const;
 

@@ -1,5 +1,5 @@
 // The maximum-likelihood fit of one output's elements. Internal to
-// mle/nonlinear; StructuredCorrection is what users see.
+// mle/nonlinear; the public interface is StructuredCorrection.
 //
 // Parameters are K, T and L of the free elements, the noise variance r and the
 // ratio ρ = q/r (output_error_problem.h). For a given ρ the whitened residuals
@@ -10,8 +10,8 @@
 //   2. Ceres refines the best of each, first with the dead times free, then
 //      within the sample that each lies in, until no neighbouring sample is
 //      better: a minimum may lie in a kink.
-//   3. ρ is estimated anew (restricted likelihood: what the parameters explain
-//      in first order is no noise) and 2 repeated until ρ stays.
+//   3. ρ is estimated anew (restricted likelihood: variation explained by the
+//      parameters to first order is not noise) and 2 repeated until ρ stays.
 //   4. The grid is searched again around the end, with its time scales and ρ;
 //      a better combination of dead times starts 2 anew.
 
@@ -83,13 +83,13 @@ struct RatioEstimate {
   Eigen::VectorXd degrees_of_freedom;  // 3m, of its diagonal
 };
 
-// ρ is known no better than the records tell, and where drift is too weak to be
-// seen its best estimate is 0. So estimates are taken in first order about
+// ρ is uncertain, and where drift is too weak to be detected its best estimate
+// is 0. Estimates are therefore taken to first order about
 // `fit` (an offset for each segment) under every ρ that is possible, weighted
 // by restricted likelihood: ρ = 0 and e-folds from 1/N² on, N samples of a
-// segment, below which drift changes no estimate. Beforehand every √ρ is as
-// likely as any other (Gelman, Bayesian Analysis 1, 2006); were every ln ρ,
-// drift too weak to be seen would count as next to none.
+// segment, below which drift changes no estimate. The prior is
+// uniform in √ρ (Gelman, Bayesian Analysis 1, 2006); a prior uniform in ln ρ
+// would concentrate on negligible drift.
 // Weights add up to one. One estimate where ρ is not estimated, or nothing is
 // free.
 std::vector<RatioEstimate> IntegrateRatio(const OutputErrorProblem& problem,
@@ -114,7 +114,7 @@ NoiseEstimate EstimateNoise(const OutputErrorProblem& problem,
                             const std::vector<bool>& free,
                             const NoiseEstimate& start, bool estimate_drift);
 
-// What speaks against "the noise is white, without offsets" in one output.
+// The evidence against "the noise is white, without offsets" in one output.
 struct OffsetEvidence {
   double offsets = 0.0;    // χ² of the offsets for ρ = 0
   double drift = 0.0;      // likelihood ratio of ρ, offsets given
@@ -141,8 +141,8 @@ double Deviance(const OutputErrorProblem& problem, const OutputPoint& point,
 // Two explanations of an output, the second with more parameters, under the
 // same noise: an offset for each segment and one ρ.
 struct Contrast {
-  // What the second takes off the squares, over r; ≥ 0. χ² where the first is
-  // right.
+  // The reduction of the squares by the second, over r; ≥ 0. χ² where the first
+  // is right.
   double statistic = 0.0;
   int degrees = 0;  // of freedom: what the second has more in rank
 };

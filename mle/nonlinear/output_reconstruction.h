@@ -1,17 +1,17 @@
-// What a model of the plant expects of each output sample, given all others:
-// outliers that it does not believe, and the samples in place of those missing.
+// The expected value of each output sample under a model of the plant, given
+// all other samples: to detect outliers and to replace missing samples.
 //
 //   y_k = x_k + w_k + e_k,   w_{k+1} = w_k + ξ_k,
 //
 // x is the model's response to the record's inputs, settled at the first of
 // them; w a random walk with the noise's ratio ρ = Var ξ / Var e, or, where
 // that is slower, as fast as the output's fastest time scale T, ρ ≥ (Δt/T)²: so
-// it follows what the inputs before the record do as well, and what a model
-// leaves that is not quite the plant's. w is the fixed-interval smoother's
+// w also follows the effect of inputs before the record and the residual of a
+// model that is not quite the plant's. w is the fixed-interval smoother's
 // (innovations_filter.h), with Cauchy's weights (robust_loss.h), beginning at a
-// running median: neither single outliers nor bursts of them draw it aside.
-// Where neighbours alone cannot tell a burst from a movement of the output, the
-// model can: it knows how the inputs moved.
+// running median, which single outliers and bursts do not bias. Neighbours
+// alone cannot distinguish a burst from a movement of the output; the model
+// knows how the inputs moved.
 //
 //   MLE_ASSIGN_OR_RETURN(const OutlierReport report,
 //                        MarkOutliers(model, {}, {}, windows));  // → NaN
@@ -21,7 +21,7 @@
 //                        FillOutputs(fit.full.model, fit.full.noise, 30,
 //                                    windows));
 //
-// docs/estimators.md has what it is worth.
+// docs/estimators.md has measured results.
 
 #ifndef MLE_NONLINEAR_OUTPUT_RECONSTRUCTION_H_
 #define MLE_NONLINEAR_OUTPUT_RECONSTRUCTION_H_
@@ -50,7 +50,7 @@ struct OutlierMarkOptions {
   // A sample is an outlier that lies farther from what is expected than so many
   // robust standard deviations of all that do not, > 0.
   double threshold = 5.0;
-  // More outliers than this in a row are none: a disturbance. ≥ 1.
+  // More outliers than this in a row are a disturbance and are kept. ≥ 1.
   int longest_burst = 25;
 
   absl::Status Validate() const;
@@ -59,24 +59,24 @@ struct OutlierMarkOptions {
 struct OutlierReport {
   std::vector<int> marked;   // p: samples that are NaN now
   std::vector<int> longest;  // p: most in a row
-  // p: samples as far off, in rows so long that they are left as they are.
+  // p: samples as far off that are kept, as part of a disturbance.
   std::vector<int> left;
 
   int total() const;
   std::string BriefReport(const ProcessModel& model) const;  // One line.
 };
 
-// Marks the outliers of the records' outputs as bad (NaN): those that the
-// structured correction of `initial` with Cauchy's loss does not believe,
-// fitted without those that `initial` itself does not. Errors as of
-// CorrectStructure() and ExpectedOutputs().
+// Marks the outliers of the records' outputs as bad (NaN): outliers under the
+// structured correction of `initial` with Cauchy's loss, fitted without the
+// outliers under `initial` itself. Errors as of CorrectStructure() and
+// ExpectedOutputs().
 absl::StatusOr<OutlierReport> MarkOutliers(const ProcessModel& initial,
                                            const StructuredOptions& structured,
                                            const OutlierMarkOptions& options,
                                            std::vector<Record>& records);
 
-// Puts what is expected in the place of missing outputs, up to `max_gap` of
-// them in a row (≥ 0), between good samples; returns how many. Errors as of
+// Replaces missing outputs by their expected values, up to `max_gap` of them in
+// a row (≥ 0), between good samples; returns how many. Errors as of
 // ExpectedOutputs(), of the outputs that miss some.
 absl::StatusOr<int> FillOutputs(const ProcessModel& model,
                                 const std::vector<NoiseEstimate>& noise,

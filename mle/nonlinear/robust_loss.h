@@ -1,4 +1,4 @@
-// Losses that large residuals do not rule, by weights: at the minimum of
+// Robust losses by weights: at the minimum of
 // Σ ρ(e_k/s) over parameters that residuals e_k depend on,
 //
 //   Σ w_k e_k ∂e_k = 0,   w_k = ψ(e_k/s) / (e_k/s),   ψ = ρ′,
@@ -10,9 +10,10 @@
 //   Cauchy  w = 1/(1 + (e/(cs))²)       c = 2.3849
 //
 // with 95 % of least squares' efficiency each under Gaussian noise. Huber's ρ
-// is convex; Cauchy's forgets a residual the larger it is. s is 1.4826 times
-// the median |e_k|. Sources: Huber and Ronchetti, Robust Statistics, 2nd ed.
-// 2009, ch. 6 and 7; Holland and Welsch, Commun. Stat. A 6, 1977 (constants).
+// is convex; under Cauchy's the influence of a large residual tends to 0. s is
+// 1.4826 times the median |e_k|. Sources: Huber and Ronchetti, Robust
+// Statistics, 2nd ed. 2009, ch. 6 and 7; Holland and Welsch, Commun. Stat. A 6,
+// 1977 (constants).
 
 #ifndef MLE_NONLINEAR_ROBUST_LOSS_H_
 #define MLE_NONLINEAR_ROBUST_LOSS_H_

@@ -5,7 +5,7 @@
 //
 //   y_i = offset + Σ_j K_ij x_ij(u_j; T_ij, L_ij) + free response + noise,
 //
-// output by output, where the noise is white (variance r) upon a random walk
+// output by output, where the noise is white (variance r) plus a random walk
 // (increment variance q per sample, the drift of the plant), q/r estimated from
 // the records, with one offset for each window. Given the past outputs the
 // inputs carry no information of their own about the noise, so that this is the
@@ -59,19 +59,18 @@ struct StructuredOptions {
   // L stays within [0, this], ≥ every initial dead time, in the time unit of
   // the model. Infinite: twice the initial dead time plus the initial time
   // scale, but no more than a quarter of the shortest record. The first samples
-  // of each window, as long as the largest bound in a row of the model, serve
-  // to forget the inputs before it and are not fitted.
+  // of each window, as long as the largest bound in a row of the model, are
+  // not fitted: in them the effect of earlier inputs decays.
   double max_delay = std::numeric_limits<double>::infinity();
   // Whether the noise may have a random walk in it; if not, it is white.
   bool estimate_drift = true;
-  // What has changed is judged with an offset for each window and drift in any
-  // case.
+  // The tests always have an offset for each window and drift.
   WindowOffsets offsets = WindowOffsets::kAveraged;
   // Loss of the residuals, for records with outliers. The noise variance, the
   // intervals and the tests then hold in its first order.
   RobustLoss robust_loss = RobustLoss::kNone;
-  // Probability of a false alarm, in (0, 1): that a change is proposed where
-  // there is none, and that an element is named that has not changed, of all.
+  // Probability of a false alarm, in (0, 1), of the test of no change, and of
+  // naming any element that has not changed.
   double false_alarm_probability = 0.01;
   // Of the intervals, in (0, 1).
   double confidence = 0.95;
@@ -83,7 +82,7 @@ struct StructuredOptions {
   absl::Status Validate() const;
 };
 
-// White noise upon a random walk.
+// White noise plus a random walk.
 struct NoiseEstimate {
   double variance = 0.0;  // r, of the white part
   double ratio = 0.0;     // q/r
@@ -98,7 +97,7 @@ struct NoiseEstimate {
 
 enum class FitTermination { kNotRun, kConverged, kIterationLimit, kFailed };
 
-// What vouches for the fit of an output.
+// The certificate of the fit of an output.
 struct FitCertificate {
   FitTermination termination = FitTermination::kNotRun;
   std::string message;  // of Ceres

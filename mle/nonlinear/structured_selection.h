@@ -12,8 +12,8 @@
 // sets whole groups to zero. While the others are free to follow, the slope
 // that holds group g at zero is ẑ_g itself, so that g stays at zero exactly if
 // ‖ẑ_g‖² ≤ λ_g: λ_g is a critical value of Wald's test, and it is set by the
-// probability of a false alarm. The others' penalty keeps changes that could
-// stand for each other from sharing them. Where the others are held at zero as
+// probability of a false alarm. The others' penalty keeps exchangeable changes
+// from being shared. Where the others are held at zero as
 // well, g may have to answer for them: a group is taken to have changed only if
 // Wald's own test says so too, which keeps the probability.
 

@@ -1,5 +1,5 @@
-// What a structured correction is asked, checked and made ready for each
-// output. Internal to mle/nonlinear.
+// Checks the arguments of a structured correction and sets up its outputs.
+// Internal to mle/nonlinear.
 
 #ifndef MLE_NONLINEAR_STRUCTURED_SETUP_H_
 #define MLE_NONLINEAR_STRUCTURED_SETUP_H_
@@ -18,7 +18,7 @@ struct OutputSetup {
   std::unique_ptr<OutputErrorProblem> problem;
   OutputPoint start;  // the model's values
   OutputFitBounds bounds;
-  std::vector<bool> informed;  // m: the element is there and its input moves
+  std::vector<bool> informed;  // m: the element is present and its input moves
 };
 
 // One for each output; errors as of CorrectStructure().

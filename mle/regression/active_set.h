@@ -37,7 +37,7 @@ class ActiveSet {
 
   int size() const { return static_cast<int>(columns_.size()); }
   const std::vector<int>& columns() const { return columns_; }
-  // Where column `variable` stands among them.
+  // The position of column `variable` among them.
   int PositionOf(int variable) const;
   // The first so many are without penalty; they never leave.
   int num_unpenalised() const { return num_unpenalised_; }

@@ -6,8 +6,8 @@
 //
 // sweeping over the coefficients that are not zero until they settle and over
 // all of them then. (Friedman, Hastie and Tibshirani, J. Stat. Softw. 33(1),
-// 2010.) On strongly collinear columns it needs very many sweeps; it is here to
-// take over where the homotopy cannot go on, and to be compared with.
+// 2010.) On strongly collinear columns it needs very many sweeps; it serves
+// where the homotopy stops early, and for comparison.
 
 #ifndef MLE_REGRESSION_COORDINATE_DESCENT_H_
 #define MLE_REGRESSION_COORDINATE_DESCENT_H_
@@ -45,8 +45,8 @@ struct CoordinateDescentSummary {
 };
 
 // From `start` (n, or empty for zero), without what is excluded. λ ≥ 0. Where G
-// has a negative eigenvalue, f may have no minimum: sweeps that run away end
-// there again, not converged.
+// has a negative eigenvalue, f may have no minimum: diverging sweeps return
+// to the start, not converged.
 absl::StatusOr<CoordinateDescentSummary> SolveCoordinateDescent(
     const LassoObjective& objective, double lambda,
     const Eigen::VectorXd& start, const CoordinateDescentOptions& options);

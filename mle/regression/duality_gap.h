@@ -11,7 +11,7 @@
 // IEEE J. Sel. Top. Signal Process. 1(4), 2007, sec. III.)
 //
 // Regressors without penalty need c_j = 0; r is first made orthogonal to them
-// (unpenalised.h: to those that can be told from the others).
+// (to the linearly independent ones: unpenalised.h).
 // At λ = 0 the gap is the distance to the least-squares minimum, ½ cᵀG⁺c.
 
 #ifndef MLE_REGRESSION_DUALITY_GAP_H_

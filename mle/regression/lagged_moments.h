@@ -15,12 +15,12 @@
 // Only the first block column is a sum over the data: 2cnN operations instead
 // of n²N, then 4rn² for r ranges. Memory O(n² + N(c + q)).
 //
-// The recursion leaves rounding of the size of all that has passed through it.
-// So the diagonal is summed as well, for a column that is constant on these
-// rows must show; and so is the block column of a lag at which a channel is
-// quieter by orders of magnitude than at the lags before, whose rounding would
-// otherwise be all that is seen of it (of a channel that moves in its newest
-// samples alone, or after a bad value of 1e8).
+// The recursion accumulates rounding of the size of all terms that entered it.
+// The diagonal is therefore summed directly, so that a column that is constant
+// on these rows is recognised; and so is the block column of a lag at which a
+// channel is smaller by orders of magnitude than at the lags before, which
+// rounding would otherwise dominate (a channel that moves in its newest samples
+// only, or after a bad value of 1e8).
 
 #ifndef MLE_REGRESSION_LAGGED_MOMENTS_H_
 #define MLE_REGRESSION_LAGGED_MOMENTS_H_

@@ -66,7 +66,7 @@ class LassoPath {
               const Eigen::VectorXd& slope);
 
   // A straight segment between two solutions (n each), which the path then
-  // gives back without rounding; nothing where lambda_end is not below
+  // returns without rounding; nothing where lambda_end is not below
   // lambda_begin.
   void AppendJoin(double lambda_begin, const Eigen::VectorXd& begin,
                   double lambda_end, const Eigen::VectorXd& end);

@@ -1,9 +1,9 @@
-// Duality gaps along a regularisation path, from what the path holds already.
+// Duality gaps along a regularisation path, from the quantities of the path.
 //
 // Between two knots c and β are straight lines in λ, so that the gap at any λ
-// costs one pass over c (duality_gap.h has the formula). Where it is not small,
-// or rounding of β would be seen in it, c is computed from β as the path gives
-// it.
+// costs one pass over c (duality_gap.h has the formula). Where the gap is not
+// small, or rounding of β would dominate it, c is computed from β as the path
+// returns it.
 
 #ifndef MLE_REGRESSION_PATH_CERTIFICATE_H_
 #define MLE_REGRESSION_PATH_CERTIFICATE_H_

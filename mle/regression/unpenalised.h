@@ -1,4 +1,4 @@
-// Regressors without penalty: which of them can be told from the others.
+// The linearly independent ones among the regressors without penalty.
 
 #ifndef MLE_REGRESSION_UNPENALISED_H_
 #define MLE_REGRESSION_UNPENALISED_H_

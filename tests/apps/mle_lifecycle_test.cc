@@ -197,7 +197,7 @@ TEST_F(MleLifecycleTest, ARunThatIsStoppedGoesOnWhereItWas) {
       EXPECT_EQ(exit_code, 128 + SIGKILL) << Content(log);
     } else {
       EXPECT_EQ(exit_code, 1) << Content(log);
-      EXPECT_THAT(Content(log), HasSubstr("stopped; what is finished is kept"));
+      EXPECT_THAT(Content(log), HasSubstr("stopped; finished lives are kept"));
     }
   }
   EXPECT_GT(stopped, 0);
@@ -266,7 +266,7 @@ TEST_F(MleLifecycleTest, MistakesNameTheFlagAndWhatWouldBeRight) {
   EXPECT_THAT(Message({"--policies=sometimes"}),
               HasSubstr("--policies: 'sometimes': known are never"));
   EXPECT_THAT(Message({"--ageing_rates=1,-2"}),
-              HasSubstr("--ageing_rates: '-2' is no rate"));
+              HasSubstr("--ageing_rates: '-2' is not a rate"));
   EXPECT_THAT(Message({"--seeds=0"}), HasSubstr("--seeds=0"));
   EXPECT_THAT(Message({"--forgetting=2"}), HasSubstr("--forgetting=2"));
   EXPECT_THAT(Message({"--setpoint_range=0"}), HasSubstr("--setpoint_range=0"));

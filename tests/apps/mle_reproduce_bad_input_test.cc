@@ -75,10 +75,10 @@ TEST(MleReproduceBadInput, ValuesOfTheWrongKind) {
       {{"--seeds=99999999999"}, {"--seeds=99999999999", "2147483647"}},
       {{"--first_seed=-1"}, {"--first_seed=-1", "from 0"}},
       {{"--order=1.5"}, {"--order=1.5", "whole number"}},
-      {{"--sample_time=fast"}, {"--sample_time=fast", "no number"}},
+      {{"--sample_time=fast"}, {"--sample_time=fast", "not a number"}},
       {{"--figures=maybe"}, {"--figures=maybe", "true nor false"}},
-      {{"--output_weight=x"}, {"--output_weight=x", "'x' is no number"}},
-      {{"--move_weight=1,,2"}, {"--move_weight=1,,2", "'' is no number"}},
+      {{"--output_weight=x"}, {"--output_weight=x", "'x' is not a number"}},
+      {{"--move_weight=1,,2"}, {"--move_weight=1,,2", "'' is not a number"}},
       {{"--conversion_noise_variance=x"}, {"--conversion_noise_variance=x"}},
   });
 }

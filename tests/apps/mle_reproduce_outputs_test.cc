@@ -356,9 +356,8 @@ TEST(MleReproduceOutputs, ALoopThatRunsAwayLeavesNothing) {
                  "--disturbance_variance_ratio=1e9"});
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_EQ(result.out, "");
-  EXPECT_THAT(
-      result.err,
-      HasSubstr("error: case delay, seed 1: the closed loop runs away"));
+  EXPECT_THAT(result.err,
+              HasSubstr("error: case delay, seed 1: the closed loop diverges"));
   EXPECT_TRUE(fs::is_empty(scratch / "out"));
 }
 

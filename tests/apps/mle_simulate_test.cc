@@ -176,7 +176,7 @@ TEST(MleSimulateTest, AnUnstableLoopIsReported) {
       RunTested({"--model=" + model, "--plant=" + plant, "--out=" + out,
                  "--duration=100000"});
   EXPECT_EQ(result.exit_code, 1);
-  EXPECT_THAT(result.err, HasSubstr("the closed loop runs away"));
+  EXPECT_THAT(result.err, HasSubstr("the closed loop diverges"));
   EXPECT_FALSE(std::filesystem::exists(out));
 }
 

@@ -118,7 +118,7 @@ TEST_F(MleStudyTest, AgreesWithMleReproduce) {
 
 TEST_F(MleStudyTest, AFailedRunIsARow) {
   nlohmann::json campaign = SmallCampaign(2);
-  // With gains 40 times as large the loop runs away.
+  // With gains 40 times as large the loop diverges.
   campaign["mismatches"].push_back(
       {{"name", "wild"}, {"changes", {{{"gain_factor", 40}}}}});
   const auto runs = ParsedCsv(Run(campaign, "out") + "/runs.csv");

@@ -123,7 +123,7 @@ TEST(PredictionModelTest, RefusesArgumentsThatDoNotFit) {
     return std::string(result.status().message());
   };
   EXPECT_THAT(message(PredictFromStepResponse(response, {}, 0.5)),
-              HasSubstr("no whole multiple"));
+              HasSubstr("whole multiple"));
   EXPECT_THAT(message(PredictFromStepResponse(response, {}, 0.0)),
               HasSubstr("control_period = 0"));
   EXPECT_THAT(message(PredictFromStepResponse(response,

@@ -107,7 +107,7 @@ TEST(AnyPlantTest, APlantThatBlowsUpIsReported) {
       {.duration = 100.0});
   EXPECT_EQ(record.status().code(), absl::StatusCode::kFailedPrecondition);
   EXPECT_THAT(std::string(record.status().message()),
-              HasSubstr("runs away: output 'y1'"));
+              HasSubstr("diverges: output 'y1'"));
 }
 
 TEST(AnyPlantTest, AnUnstableLoopAroundAnAgeingPlantIsReported) {

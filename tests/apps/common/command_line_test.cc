@@ -50,11 +50,11 @@ TEST(Fail, PrintsTheMessageAndTellsBadInputFromABadResult) {
   ::testing::internal::CaptureStderr();
   EXPECT_EQ(Fail(absl::InvalidArgumentError("no such case")), 2);
   EXPECT_EQ(Fail(absl::NotFoundError("no such file")), 2);
-  EXPECT_EQ(Fail(absl::FailedPreconditionError("the loop runs away")), 1);
+  EXPECT_EQ(Fail(absl::FailedPreconditionError("the loop diverges")), 1);
   EXPECT_EQ(Fail(absl::InternalError("the disk is full")), 1);
   EXPECT_EQ(::testing::internal::GetCapturedStderr(),
             "error: no such case\nerror: no such file\n"
-            "error: the loop runs away\nerror: the disk is full\n");
+            "error: the loop diverges\nerror: the disk is full\n");
 }
 
 }  // namespace

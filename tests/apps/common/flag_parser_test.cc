@@ -98,7 +98,7 @@ TEST_F(FlagParser, ErrorsNameTheFlagAndWhatIsRight) {
   ExpectError({"--test_count=1.5"}, {"--test_count=1.5", "whole number"});
   ExpectError({"--test_count=2147483648"}, {"2147483647"});
   ExpectError({"--test_seed=-1"}, {"--test_seed=-1", "from 0"});
-  ExpectError({"--test_length=1m"}, {"--test_length=1m", "no number"});
+  ExpectError({"--test_length=1m"}, {"--test_length=1m", "not a number"});
   ExpectError({"--test_switch=si"}, {"--test_switch=si", "true nor false"});
 }
 

@@ -168,7 +168,7 @@ TEST(LifeTest, ALoopThatRunsAwayEndsTheLifeAndSaysSo) {
   options.operation.quiet_stretch = 800.0;
   const Life life = LiveBy("never", scenario, options);
   EXPECT_LT(life.rows.size(), scenario.events.size());
-  EXPECT_THAT(life.ended, ::testing::HasSubstr("the closed loop runs away"));
+  EXPECT_THAT(life.ended, ::testing::HasSubstr("the closed loop diverges"));
 }
 
 }  // namespace

@@ -134,7 +134,7 @@ TEST(PolicyTest, MistakesAreNamed) {
   EXPECT_THAT(message("structured:1.5"), HasSubstr("whole number"));
   EXPECT_THAT(message("structured,structured:1"), HasSubstr("stands twice"));
   EXPECT_THAT(message("test"), HasSubstr("test:12"));
-  EXPECT_THAT(message("test:x"), HasSubstr("'x' is no number"));
+  EXPECT_THAT(message("test:x"), HasSubstr("'x' is not a number"));
   EXPECT_THAT(message("on_demand:1.2"), HasSubstr("between 0 and 1"));
   EXPECT_THAT(message("never:2"), HasSubstr("takes no number"));
   EXPECT_THAT(message(""), HasSubstr("names no policy"));

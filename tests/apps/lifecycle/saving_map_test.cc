@@ -60,7 +60,7 @@ TEST(SavingMapTest, OneSeedHasNoIntervals) {
   const auto& cells = map.figure.panels.front().cells;
   ASSERT_EQ(cells.size(), 3u);
   EXPECT_THAT(cells[0].lines, ElementsAre("–"));
-  EXPECT_THAT(cells[1].lines, ElementsAre("the loop ran away"));
+  EXPECT_THAT(cells[1].lines, ElementsAre("the loop diverged"));
   EXPECT_THAT(cells[2].lines, ElementsAre("+500"));
   EXPECT_EQ(cells[2].shade, 1.0);
 }

@@ -432,7 +432,7 @@ TEST(HistorianTest, ReportsCanBeRead) {
       options);
   const std::string report = import.report.FullReport("min");
   EXPECT_THAT(report, HasSubstr("3 rows of 1 files: 1 records, 3 samples"));
-  EXPECT_THAT(report, HasSubstr("1 columns passed over: other"));
+  EXPECT_THAT(report, HasSubstr("1 columns ignored: other"));
   EXPECT_THAT(report, HasSubstr("time 0 is 2024-01-01T00:00:00Z"));
   EXPECT_THAT(report, HasSubstr("level: 1 bad in the files, 1 empty; 1 samples "
                                 "bridged"));
