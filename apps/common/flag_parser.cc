@@ -26,7 +26,8 @@ absl::Status ParseAll(const std::vector<std::string>& arguments, int depth,
 std::string Wanted(const std::string& type) {
   if (type == "bool") return "neither true nor false";
   if (type == "double") return "not a number";
-  if (type == "int32") return "not a whole number from -2147483648 to 2147483647";
+  if (type == "int32")
+    return "not a whole number from -2147483648 to 2147483647";
   if (type == "uint64") {
     return "not a whole number from 0 to 18446744073709551615";
   }
