@@ -158,7 +158,7 @@ void AddHeaders(std::vector<Hostile>& files) {
   add("time,level,temperature,steam,inflow,",
       "column 6: '' is neither time nor an input");
   add("time,level,temperature,steam,inflow,levle_setpoint",
-      "column 6: 'levle_setpoint' is the set point of no output");
+      "column 6: 'levle_setpoint' is a set point of an output");
   add("time|level|temperature|steam|inflow", "there is no column 'inflow'");
   add("time,level,temperature,steam,\"inflow", "line 1, column 5: the quote");
   add("\"time\"\",level,temperature,steam,inflow", "line 1, column 1: ");
