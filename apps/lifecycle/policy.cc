@@ -25,8 +25,8 @@ absl::StatusOr<double> Argument(const std::string& part, double none) {
   double value = 0.0;
   if (!absl::SimpleAtod(part.substr(colon + 1), &value) ||
       !std::isfinite(value)) {
-    return Wrong(part,
-                 absl::StrCat("'", part.substr(colon + 1), "' is not a number"));
+    return Wrong(
+        part, absl::StrCat("'", part.substr(colon + 1), "' is not a number"));
   }
   return value;
 }

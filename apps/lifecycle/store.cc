@@ -147,8 +147,8 @@ absl::StatusOr<std::optional<Life>> ParseLife(const std::string& json,
     }
     return life;
   } catch (const Json::exception& error) {
-    return absl::InvalidArgumentError(
-        absl::StrCat(source, ": is not a stored life of a policy: ", error.what()));
+    return absl::InvalidArgumentError(absl::StrCat(
+        source, ": is not a stored life of a policy: ", error.what()));
   }
 }
 

@@ -168,7 +168,8 @@ absl::Status RobustCorrectionOptions::Validate() const {
 
 std::string RobustFit::BriefReport() const {
   return absl::StrFormat(
-      "robust loss: %s after %d rounds, scale %.3g, %d rows down-weighted, weights "
+      "robust loss: %s after %d rounds, scale %.3g, %d rows down-weighted, "
+      "weights "
       "moved by %.1e, relative gap %.1e",
       converged ? "converged" : "not converged", rounds, scale, spared_rows,
       weight_change, relative_gap);
