@@ -35,8 +35,8 @@ std::string_view Version();
 // Internal and ResourceExhausted, else 2.
 int Fail(const absl::Status& status);
 
-// Makes the folder that --out names, and keeps other commands off it as long as
-// the lock lasts. InvalidArgument, naming --out, if that cannot be.
+// Makes the folder that --out names, and locks it against other commands as
+// long as the lock lasts. InvalidArgument, naming --out, if that fails.
 absl::StatusOr<FolderLock> ClaimOutputFolder(const std::string& folder);
 
 // "0.2" or "0.2,0.3": one number for all `count` channels, or one each. Errors

@@ -1,12 +1,12 @@
 // The command line, read into the flags (gflags) of a command.
 //
 //   --name=value, --name value, --switch, --noswitch, with one dash or two
-//   --flagfile=FILE   a flag a line, written as above; lines that are empty or
-//                     begin with # are passed over; later flags win
+//   --flagfile=FILE   a flag a line, written as above; empty lines and
+//                     lines that begin with # are skipped; later flags win
 //
-// gflags' own parser passes over what it does not know in a flag file, so that
-// a misspelled flag would quietly keep its default, and says nowhere what would
-// be right; hence this one.
+// gflags' own parser ignores unknown flags in a flag file, so that a misspelled
+// flag would silently keep its default, and its messages do not say what would
+// be right.
 
 #ifndef APPS_COMMON_FLAG_PARSER_H_
 #define APPS_COMMON_FLAG_PARSER_H_

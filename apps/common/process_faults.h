@@ -1,5 +1,5 @@
-// What a command does when the system fails it: no memory, no room on the disk,
-// an output that nobody takes. It says so and ends with exit code 1.
+// Handling of system failures in a command: exhausted memory, a full disk, a
+// broken pipe. The command reports the failure and ends with exit code 1.
 
 #ifndef APPS_COMMON_PROCESS_FAULTS_H_
 #define APPS_COMMON_PROCESS_FAULTS_H_

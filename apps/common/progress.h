@@ -20,7 +20,7 @@ class Progress {
  private:
   const std::string what_;
   const int total_;
-  // Not the clock on the wall: that may be set while the command runs.
+  // Steady, because the system clock may be set while the command runs.
   using Clock = std::chrono::steady_clock;
   const Clock::time_point start_;
   std::mutex mutex_;

@@ -1,4 +1,4 @@
-// SHA-256 (FIPS 180-4), so that a result can be tied to what it was made from.
+// SHA-256 (FIPS 180-4), to identify the input files of a result.
 //
 //   Sha256 hash;
 //   hash.Add("abc");

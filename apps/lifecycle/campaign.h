@@ -1,4 +1,4 @@
-// All lives that are asked for: every policy, at every rate of ageing, with
+// All requested lives: every policy, at every rate of ageing, with
 // every seed. Lives with the same rate and seed have set points, noise,
 // disturbances and plant in common.
 

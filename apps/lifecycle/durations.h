@@ -11,7 +11,7 @@ namespace mle::lifecycle {
 
 inline constexpr double kHoursPerYear = 8766.0;  // 365.25 days
 
-// In hours; units are s, min, h, d, w and y. InvalidArgument for what is no
+// In hours; units are s, min, h, d, w and y. InvalidArgument unless it is a
 // number > 0 with one of them.
 absl::StatusOr<double> ParseHours(const std::string& text);
 

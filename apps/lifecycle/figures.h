@@ -1,4 +1,4 @@
-// What mle_lifecycle shows in pictures.
+// The figures of mle_lifecycle.
 
 #ifndef APPS_LIFECYCLE_FIGURES_H_
 #define APPS_LIFECYCLE_FIGURES_H_

@@ -1,5 +1,5 @@
-// The flags of mle_lifecycle, turned into what is to be lived through and at
-// what prices. They are listed by `mle_lifecycle --help`.
+// The flags of mle_lifecycle, as a campaign of lives and its prices.
+// `mle_lifecycle --help` lists them.
 
 #ifndef APPS_LIFECYCLE_FLAGS_H_
 #define APPS_LIFECYCLE_FLAGS_H_

@@ -1,9 +1,8 @@
 // One policy through all the years of a scenario.
 //
 // For each set-point change, in turn: the quiet time before it, the change, and
-// then what the policy does about its model: nothing, a correction from the
-// records of the last changes, or a step test. What it decides acts from there
-// on.
+// then the action of the policy: nothing, a correction from the records of the
+// last changes, or a step test. The resulting model is used from there on.
 
 #ifndef APPS_LIFECYCLE_LIFE_H_
 #define APPS_LIFECYCLE_LIFE_H_
@@ -36,13 +35,13 @@ struct LifeOptions {
   // all lags of each sample.
   double forgetting = 1.0;
   double month = 43830.0;  // in the time unit
-  // A new model is watched for a quiet stretch, and taken back if the measured
+  // A new model is watched for a quiet stretch, and reverted if the measured
   // squared error of an output is more than this many times what it was before
   // the last change, > 1; infinite: never.
   double watch_limit = 3.0;
 };
 
-// What a set-point change, and the time before it, brought.
+// Results of a set-point change and of the time before it.
 struct ChangeRow {
   SetPointEvent event;
   Sums quiet;        // since the last row
@@ -62,7 +61,7 @@ struct ChangeRow {
 
 struct Life {
   std::vector<ChangeRow> rows;  // the last is the end of the years
-  // Where the loop ran away before: why and when. Rows end there.
+  // If the loop diverged: the reason and the time. Rows end there.
   std::string ended;
 };
 

@@ -2,20 +2,19 @@
 // set-point change, quiet running between them, step tests.
 //
 // Months pass between changes, and all but hours of them are stationary: the
-// set point stands, the loop answers to noise and slow disturbances. Of such a
-// quiet stretch only the last `quiet_stretch` is simulated; what it costs, per
-// unit of time, stands for all of it. There the plant is as it has become by
+// set point is constant, the loop responds to noise and slow disturbances. Of
+// such a quiet stretch only the last `quiet_stretch` is simulated; what it
+// costs, per unit of time, represents all of it. There the plant is as it is at
 // the next change (frozen: it ages by parts in a thousand while that is
 // simulated), and is entered at its steady state, the loop having run for
-// `warm_up` before anything is counted. With `every_sample` nothing is skipped:
-// the plant ages sample by sample and the controller never starts anew; that is
-// slower by a factor of about a hundred, and shows that the short cut is right.
+// `warm_up` before anything is counted. With `every_sample` everything is
+// simulated: the plant ages sample by sample and the controller is never
+// restarted; this is about a hundred times slower and validates the short cut.
 //
 // Disturbances: on each output white measurement noise, which the controller
 // and the records see, and a slow disturbance of the product itself
 // (slow_disturbance.h), one path over all years. Noise and disturbance depend
-// on the seed and the change alone, so that all policies live through the same
-// ones.
+// on the seed and the change alone, so that all policies have the same.
 
 #ifndef APPS_LIFECYCLE_OPERATION_H_
 #define APPS_LIFECYCLE_OPERATION_H_

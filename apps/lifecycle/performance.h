@@ -1,5 +1,5 @@
-// How well a loop follows a set-point change, from its record alone, held
-// against what it was designed for:
+// Performance of a loop in a set-point change, from its record alone, relative
+// to its design:
 //
 //   index = J_design / J_achieved,   J = Σ_i Σ_k (y_i(k) − r_i(k))²,
 //

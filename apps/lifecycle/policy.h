@@ -1,8 +1,8 @@
 // Ways of keeping the model of a controller up to date.
 //
 //   never          the model of the commissioning for ever
-//   perfect        the plant's own model at every change: no one has it, and no
-//                  one does better with this controller
+//   perfect        the plant's own model at every change, a bound for this
+//                  controller
 //   structured:N, combined:N, arx:N
 //                  corrected from routine records after every N-th set-point
 //                  change (1 if not given) by that estimator

@@ -1,4 +1,4 @@
-// What sums of operation cost. Prices are in units of money of the user's
+// The cost of operation. Prices are in units of money of the user's
 // choice; hours are real hours, whatever the model's time unit.
 
 #ifndef APPS_LIFECYCLE_PRICES_H_

@@ -1,5 +1,4 @@
-// Where it pays to keep a model up to date: a map of policies by rates of
-// ageing.
+// A map of the saving of policies by rates of ageing.
 
 #ifndef APPS_LIFECYCLE_SAVING_MAP_H_
 #define APPS_LIFECYCLE_SAVING_MAP_H_

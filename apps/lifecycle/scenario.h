@@ -1,5 +1,5 @@
-// The years that every policy has to go through alike: the plant, how it ages,
-// and when which set point is changed.
+// The scenario that all policies share: the plant, its ageing, and the changes
+// of set points.
 //
 // Times are in the process model's unit, 0 being the commissioning, when the
 // model was right.

@@ -2,7 +2,7 @@
 //
 //   d_{k+1} = φ d_k + √(1−φ²) s e_k,   φ = exp(−Δt/T),
 //
-// drawn stretch by stretch; what lies between stretches is passed over in one
+// drawn stretch by stretch; the time between stretches is skipped in one
 // step. It depends on the seed and the streams alone.
 
 #ifndef APPS_LIFECYCLE_SLOW_DISTURBANCE_H_

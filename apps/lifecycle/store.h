@@ -1,4 +1,4 @@
-// Lives kept as files, so that a run that was killed goes on where it was.
+// Lives stored as files, so that an interrupted run can be resumed.
 //
 // DIR/runs/POLICY_rateR_seedS.json holds the whole life of one policy, with the
 // settings it was made under: what it was worth in physical terms, no prices,
@@ -34,7 +34,7 @@ std::string FormatLife(const LifeKey& key, const Settings& settings,
                        const Life& life);
 
 // The life in `json`; nothing if it was made under other settings or for
-// another key. InvalidArgument, with `source`, for what is no such file.
+// another key. InvalidArgument, with `source`, for another kind of file.
 absl::StatusOr<std::optional<Life>> ParseLife(const std::string& json,
                                               const std::string& source,
                                               const LifeKey& key,

@@ -1,8 +1,8 @@
-// What the lives have cost, on average over the seeds, with intervals.
+// Mean costs of lives over the seeds, with intervals.
 //
-// All policies live through the same noise, so that differences between them
-// are known better than their costs: savings are differences by seed. Intervals
-// are of 95 %, by Student's t over the seeds; NaN with one seed.
+// All policies have the same noise, so that differences between them have
+// smaller intervals than their costs: savings are differences by seed.
+// Intervals are of 95 %, by Student's t over the seeds; NaN with one seed.
 
 #ifndef APPS_LIFECYCLE_SUMMARY_H_
 #define APPS_LIFECYCLE_SUMMARY_H_

@@ -1,4 +1,4 @@
-// What a stretch of operation is worth, before prices are put to it.
+// Integrals over a stretch of operation, before prices are applied.
 //
 //   squared error   ∫ (y_i − r_i)² dt
 //   absolute error  ∫ |y_i − r_i| dt

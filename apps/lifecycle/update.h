@@ -1,5 +1,5 @@
-// What a policy does with the records it has: corrects the model in use, tries
-// the correction on what was held out, and takes it or leaves it.
+// A policy's update: corrects the model in use from records, validates the
+// correction on held-out data, and accepts or refuses it.
 //
 // Test, estimators and trial are those of mle_correct (apps/correct): without a
 // change that the test sees, nothing is done; a correction that predicts what
@@ -36,8 +36,8 @@ enum class Outcome {
   kNone,      // nothing was tried
   kNoChange,  // the test found no change
   kUpdated,
-  kRefused,   // by the trial, or because the controller cannot use it
-  kReverted,  // used for some hours, then taken back: the loop ran worse
+  kRefused,   // by hold-out validation, or because the controller cannot use it
+  kReverted,  // used for some hours, then reverted: the squared error grew
 };
 
 std::string_view NameOf(Outcome outcome);

@@ -1,5 +1,5 @@
-// The flags of mle_simulate, turned into what is to be run. They are listed by
-// `mle_simulate --help`.
+// The flags of mle_simulate, as the settings of a run. `mle_simulate --help`
+// lists them.
 
 #ifndef APPS_SIMULATE_FLAGS_H_
 #define APPS_SIMULATE_FLAGS_H_
@@ -15,7 +15,7 @@ namespace mle::simulate {
 // run; errors name the flag or the file.
 absl::StatusOr<Simulation> SimulationFromFlags();
 
-// Where the record goes.
+// The file of the record.
 std::string OutFromFlags();
 
 }  // namespace mle::simulate

@@ -19,7 +19,7 @@ struct NamedStep {
 };
 
 // Names may hold colons. InvalidArgument, naming flag and entry, for an unknown
-// name, or a time or value that is no finite number.
+// name, or a time or value that is not a finite number.
 absl::StatusOr<std::vector<NamedStep>> ParseNamedSteps(
     std::string_view flag, std::string_view value,
     const std::vector<std::string>& names);

@@ -1,5 +1,5 @@
-// One run of mle_simulate: a plant as it is, under a controller that believes
-// in a model of it.
+// One run of mle_simulate: a plant under a controller with a model of the
+// plant.
 
 #ifndef APPS_SIMULATE_SIMULATION_H_
 #define APPS_SIMULATE_SIMULATION_H_
@@ -18,8 +18,8 @@
 namespace mle::simulate {
 
 struct Simulation {
-  ProcessModel model;  // what the controller believes
-  // The plant as it is, at the beginning of the run.
+  ProcessModel model;  // of the controller
+  // The plant at the beginning of the run.
   std::unique_ptr<sim::PlantModel> plant;
   control::MpcOptions controller;
   bool feed_forward = true;  // of measured disturbances
@@ -30,7 +30,7 @@ struct Simulation {
 };
 
 // InvalidArgument for settings that do not fit together, FailedPrecondition for
-// a loop that runs away.
+// a loop that diverges.
 absl::StatusOr<Record> Run(Simulation& simulation);
 
 }  // namespace mle::simulate
