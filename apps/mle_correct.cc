@@ -7,7 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "apps/common/command_line.h"
-#include "apps/common/flag_parser.h"
+#include "apps/common/run_again.h"
 #include "apps/correct/figures.h"
 #include "apps/correct/flags.h"
 #include "apps/correct/mismatch_map.h"
@@ -34,41 +34,28 @@ the correction can be trusted.
 Times are in the model's time unit: min below. Exit codes: 0 done, 1 ran but the
 result is not usable, 2 bad input or flags.)";
 
-std::vector<std::pair<std::string, std::string>> FlagValues() {
-  std::vector<std::pair<std::string, std::string>> values;
-  for (const FlagText& flag : CommandFlags()) {
-    values.emplace_back(flag.name, flag.value);
-  }
-  return values;
-}
-
-report::RunAgain HowToRunAgain(const correct::Result& result) {
-  report::RunAgain again;
-  again.command = CommandLine();
-  again.version = std::string(Version());
+std::vector<std::pair<std::string, std::string>> Checksums(
+    const correct::Result& result) {
+  std::vector<std::pair<std::string, std::string>> checksums;
   for (const correct::DataFile& file : result.data.files) {
-    again.more.emplace_back(absl::StrCat("SHA-256 of ", file.path),
-                            file.sha256);
+    checksums.emplace_back(absl::StrCat("SHA-256 of ", file.path), file.sha256);
   }
-  for (const auto& [name, value] : FlagValues()) {
-    again.more.emplace_back(absl::StrCat("--", name), value);
-  }
-  return again;
+  return checksums;
 }
 
 // All contents are made before the first file is written.
 absl::Status WriteAll(const correct::Result& result) {
   MLE_ASSIGN_OR_RETURN(
       std::string json,
-      correct::FormatResult(result, CommandLine(), FlagValues()));
+      correct::FormatResult(result, CommandLine(), ResultFlags()));
   std::vector<report::DrawnFigure> figures;
   if (result.request.figures) {
     std::cerr << "drawing the figures …\n";
     figures = report::DrawFigures(correct::MakeFigures(result),
                                   result.request.threads);
   }
-  std::string page =
-      correct::FormatPage(result, figures, HowToRunAgain(result));
+  std::string page = correct::FormatPage(result, figures,
+                                         HowToRunAgain({}, Checksums(result)));
   const ProcessModel& initial = result.initial();
   std::vector<std::pair<std::string, std::string>> files = {
       {"arx.json", correct::FormatArx(result.corrected.arx, initial)},

@@ -8,7 +8,7 @@
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
 #include "apps/common/command_line.h"
-#include "apps/common/flag_parser.h"
+#include "apps/common/run_again.h"
 #include "apps/common/stop_signal.h"
 #include "apps/lifecycle/campaign.h"
 #include "apps/lifecycle/figures.h"
@@ -39,31 +39,6 @@ A run that was stopped goes on where it was when it is started again with the sa
 flags. Other prices need no new simulation. Exit codes: 0 done, 1 stopped, or ran
 but the result is not usable, 2 bad input or flags.)";
 
-// The flags that change what is found.
-std::vector<std::pair<std::string, std::string>> FlagValues() {
-  std::vector<std::pair<std::string, std::string>> values;
-  for (const FlagText& flag : CommandFlags()) {
-    if (flag.name != "out" && flag.name != "threads") {
-      values.emplace_back(flag.name, flag.value);
-    }
-  }
-  return values;
-}
-
-report::RunAgain HowToRunAgain(const lifecycle::Campaign& campaign) {
-  report::RunAgain again;
-  again.command = CommandLine();
-  again.version = std::string(Version());
-  again.seeds = absl::StrCat(campaign.seeds.front());
-  if (campaign.seeds.size() > 1) {
-    absl::StrAppend(&again.seeds, " … ", campaign.seeds.back());
-  }
-  for (const auto& [name, value] : FlagValues()) {
-    again.more.emplace_back(absl::StrCat("--", name), value);
-  }
-  return again;
-}
-
 absl::Status WriteAll(const lifecycle::Request& request,
                       const lifecycle::Lives& lives,
                       const std::vector<lifecycle::RateSummary>& summaries,
@@ -71,7 +46,7 @@ absl::Status WriteAll(const lifecycle::Request& request,
   const lifecycle::Campaign& campaign = request.campaign;
   std::vector<std::pair<std::string, std::string>> files = {
       {"result.json", lifecycle::FormatResult(campaign, summaries, valuation,
-                                              CommandLine(), FlagValues())},
+                                              CommandLine(), ResultFlags())},
       {"lifecycle.csv", lifecycle::FormatRows(campaign, lives, valuation)}};
   std::vector<report::DrawnFigure> figures;
   if (request.figures) {
@@ -82,7 +57,7 @@ absl::Status WriteAll(const lifecycle::Request& request,
   report::AddPictures(figures, files);
   files.emplace_back("report.html",
                      lifecycle::FormatPage(campaign, summaries, figures,
-                                           HowToRunAgain(campaign)));
+                                           HowToRunAgain(campaign.seeds)));
   return WriteFilesTogether(campaign.folder, files);
 }
 

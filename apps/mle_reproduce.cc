@@ -7,7 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "apps/common/command_line.h"
-#include "apps/common/flag_parser.h"
+#include "apps/common/run_again.h"
 #include "apps/report/drawing.h"
 #include "apps/report/number.h"
 #include "apps/reproduce/figures.h"
@@ -34,20 +34,11 @@ in simulation, where the true plant is known and the correction can be judged.
 Times are in the model's time unit: min by default. Exit codes: 0 done, 1 ran but
 the result is not usable, 2 bad input or flags.)";
 
-report::RunAgain HowToRunAgain(const reproduce::Study& study) {
-  report::RunAgain again;
-  again.command = CommandLine();
-  again.version = std::string(Version());
-  again.seeds = absl::StrCat(study.first_seed);
-  if (study.seeds > 1) {
-    absl::StrAppend(&again.seeds, " … ", study.first_seed + study.seeds - 1);
-  }
-  for (const FlagText& flag : CommandFlags()) {
-    if (flag.name != "out" && flag.name != "threads") {
-      again.more.emplace_back(absl::StrCat("--", flag.name), flag.value);
-    }
-  }
-  return again;
+// First and last.
+std::vector<std::uint64_t> SeedsOf(const reproduce::Study& study) {
+  std::vector<std::uint64_t> seeds = {study.first_seed};
+  if (study.seeds > 1) seeds.push_back(study.first_seed + study.seeds - 1);
+  return seeds;
 }
 
 absl::Status WriteAll(const std::vector<CaseResult>& results,
@@ -65,7 +56,7 @@ absl::Status WriteAll(const std::vector<CaseResult>& results,
   files.emplace_back("results.json", reproduce::FormatResults(results));
   files.emplace_back(
       "report.html",
-      reproduce::FormatPage(results, figures, HowToRunAgain(study)));
+      reproduce::FormatPage(results, figures, HowToRunAgain(SeedsOf(study))));
   return WriteFilesTogether(destination.folder, files);
 }
 

@@ -12,6 +12,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "apps/common/command_line.h"
+#include "apps/common/run_again.h"
 #include "apps/common/sha256.h"
 #include "apps/common/stop_signal.h"
 #include "apps/study/campaign.h"
@@ -97,8 +98,9 @@ absl::StatusOr<int> Conclude(const study::Request& request,
   MLE_ASSIGN_OR_RETURN(
       const study::StudySummary summary,
       Summarise(absl::StrCat(request.out, "/runs.csv"), campaign, grid));
-  MLE_RETURN_IF_ERROR(study::WriteOutputs(
-      request.out, request.figures, campaign, summary, study::MakeRunAgain()));
+  MLE_RETURN_IF_ERROR(study::WriteOutputs(request.out, request.figures,
+                                          campaign, summary,
+                                          HowToRunAgain(campaign.seeds)));
   study::PrintSummary(campaign, summary);
   std::cout << "Report and results: " << request.out << "/report.html\n";
   for (const auto& [kind, count] : summary.failures) {

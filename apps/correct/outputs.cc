@@ -5,13 +5,14 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "absl/strings/str_replace.h"
 #include "apps/common/command_line.h"
 #include "apps/correct/advice.h"
 #include "apps/correct/checksum.h"
 #include "apps/correct/result_json.h"
 #include "mle/base/status.h"
+#include "mle/data/csv_rows.h"
 #include "mle/model/arx_model_json.h"
+#include "mle/model/json_text.h"
 #include "mle/nonlinear/distributions.h"
 #include "nlohmann/json.hpp"
 
@@ -19,16 +20,6 @@ namespace mle::correct {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-std::string Dump(const Json& json) {
-  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
-}
-
-// A CSV field, quoted where it must be (RFC 4180).
-std::string Field(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  return absl::StrCat("\"", absl::StrReplaceAll(text, {{"\"", "\"\""}}), "\"");
-}
 
 absl::StatusOr<Json> FileJson(const std::string& path) {
   MLE_ASSIGN_OR_RETURN(const FileChecksum checksum, ChecksumOf(path));
@@ -94,7 +85,7 @@ absl::StatusOr<std::string> FormatResult(
   MLE_ASSIGN_OR_RETURN(json["inputs"], InputsJson(result));
   AddFindings(result, json);
   AddDiagnostics(result, json);
-  return Dump(json);
+  return FormatJson(json);
 }
 
 std::string FormatArx(const ArxModel& model, const ProcessModel& channels) {
@@ -115,9 +106,9 @@ std::string FormatStepResponses(const Result& result) {
   for (const Curve& curve : curves) {
     for (const OutputChannel& output : model.outputs()) {
       for (const InputChannel& input : model.inputs()) {
-        absl::StrAppend(
-            &csv, ",",
-            Field(absl::StrCat(output.name, "/", input.name, " ", curve.name)));
+        absl::StrAppend(&csv, ",",
+                        QuoteCsvField(absl::StrCat(output.name, "/", input.name,
+                                                   " ", curve.name)));
       }
     }
   }

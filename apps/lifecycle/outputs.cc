@@ -4,8 +4,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "absl/strings/str_replace.h"
 #include "apps/common/command_line.h"
+#include "mle/data/csv_rows.h"
+#include "mle/model/json_text.h"
 #include "nlohmann/json.hpp"
 
 namespace mle::lifecycle {
@@ -13,13 +14,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json NumberOrNull(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
-
 Json ToJson(const MeanOfSeeds& value) {
-  return {{"mean", NumberOrNull(value.mean)},
-          {"half_width_95", NumberOrNull(value.half_width)}};
+  return {{"mean", value.mean}, {"half_width_95", value.half_width}};
 }
 
 Json ToJson(const PolicySummary& policy) {
@@ -33,16 +29,16 @@ Json ToJson(const PolicySummary& policy) {
             {"engineering", policy.parts.engineering}}},
           {"saving_per_year", ToJson(policy.saving)},
           {"excess_over_perfect_per_year", ToJson(policy.excess)},
-          {"share_saved", NumberOrNull(policy.share_saved)},
+          {"share_saved", policy.share_saved},
           {"updates", policy.updates},
           {"refusals", policy.refusals},
           {"reverted", policy.reverted},
           {"unchanged", policy.unchanged},
           {"step_tests", policy.tests},
           {"step_test_hours", policy.test_hours},
-          {"distance", NumberOrNull(policy.distance)},
-          {"gain_error", NumberOrNull(policy.gain_error)},
-          {"delay_error", NumberOrNull(policy.delay_error)},
+          {"distance", policy.distance},
+          {"gain_error", policy.gain_error},
+          {"delay_error", policy.delay_error},
           {"ran_away", policy.ran_away}};
 }
 
@@ -50,13 +46,7 @@ Json ToJson(const BreakEven& break_even) {
   if (break_even.test.empty()) return nullptr;
   return {{"step_test_policy", break_even.test},
           {"correction_policy", break_even.correction},
-          {"price_of_test_hour", NumberOrNull(break_even.price)}};
-}
-
-// A CSV field, quoted where it must be (RFC 4180).
-std::string Field(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  return absl::StrCat("\"", absl::StrReplaceAll(text, {{"\"", "\"\""}}), "\"");
+          {"price_of_test_hour", break_even.price}};
 }
 
 // ",value", empty where there is none.
@@ -72,7 +62,7 @@ void AppendRow(const ChangeRow& row, const Campaign& campaign,
   const bool change = event.output >= 0;
   absl::StrAppend(
       &csv, ",",
-      change ? Field(campaign.plant.outputs()[event.output].name) : "");
+      change ? QuoteCsvField(campaign.plant.outputs()[event.output].name) : "");
   Append(csv, change ? event.before[event.output] : NAN);
   Append(csv, change ? event.after[event.output] : NAN);
   Append(csv, row.error.distance);
@@ -93,7 +83,7 @@ void AppendRow(const ChangeRow& row, const Campaign& campaign,
   Append(csv, row.index);
   absl::StrAppend(&csv, ",", std::string(NameOf(row.outcome)));
   Append(csv, row.held_out_gain);
-  absl::StrAppend(&csv, ",", Field(row.reason), "\n");
+  absl::StrAppend(&csv, ",", QuoteCsvField(row.reason), "\n");
 }
 
 }  // namespace
@@ -125,7 +115,7 @@ std::string FormatResult(
          {"policies", std::move(policies)}});
   }
   json["rates"] = std::move(rates);
-  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+  return FormatJson(json);
 }
 
 std::string FormatRows(const Campaign& campaign, const Lives& lives,

@@ -9,6 +9,7 @@
 #include "absl/strings/str_replace.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"
+#include "mle/model/json_text.h"
 #include "nlohmann/json.hpp"
 
 namespace mle::lifecycle {
@@ -23,10 +24,6 @@ Json ToJson(const Eigen::VectorXd& values) {
   Json list = Json::array();
   for (const double value : values) list.push_back(value);
   return list;
-}
-
-Json NumberOrNull(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
 }
 
 Json ToJson(const Sums& sums) {
@@ -47,12 +44,12 @@ Json ToJson(const ChangeRow& row) {
           {"test", ToJson(row.test)},
           {"watch", ToJson(row.watch)},
           {"distance", row.error.distance},
-          {"gain_error", NumberOrNull(row.error.gain)},
-          {"delay_error", NumberOrNull(row.error.delay)},
-          {"index", NumberOrNull(row.index)},
+          {"gain_error", row.error.gain},
+          {"delay_error", row.error.delay},
+          {"index", row.index},
           {"outcome", std::string(NameOf(row.outcome))},
           {"reason", row.reason},
-          {"held_out_gain", NumberOrNull(row.held_out_gain)}};
+          {"held_out_gain", row.held_out_gain}};
 }
 
 Eigen::VectorXd ToVector(const Json& json) {
@@ -121,7 +118,7 @@ std::string FormatLife(const LifeKey& key, const Settings& settings,
   Json rows = Json::array();
   for (const ChangeRow& row : life.rows) rows.push_back(ToJson(row));
   json["rows"] = std::move(rows);
-  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+  return FormatJson(json);
 }
 
 absl::StatusOr<std::optional<Life>> ParseLife(const std::string& json,
@@ -133,9 +130,7 @@ absl::StatusOr<std::optional<Life>> ParseLife(const std::string& json,
   try {
     const Json parsed = Json::parse(json);
     // Compared as they are written.
-    const Json wanted =
-        Json::parse(KeyJson(key, settings)
-                        .dump(-1, ' ', false, Json::error_handler_t::replace));
+    const Json wanted = Json::parse(FormatJson(KeyJson(key, settings)));
     for (const auto& item : wanted.items()) {
       if (parsed.at(item.key()) != item.value()) return std::nullopt;
     }

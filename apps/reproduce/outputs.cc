@@ -5,25 +5,15 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "absl/strings/str_replace.h"
 #include "mle/base/version.h"
+#include "mle/data/csv_rows.h"
+#include "mle/model/json_text.h"
 #include "nlohmann/json.hpp"
 
 namespace mle::reproduce {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-Json Rows(const Eigen::MatrixXd& values) {
-  Json rows = Json::array();
-  for (Eigen::Index i = 0; i < values.rows(); ++i) {
-    Json row = Json::array();
-    for (Eigen::Index j = 0; j < values.cols(); ++j)
-      row.push_back(values(i, j));
-    rows.push_back(std::move(row));
-  }
-  return rows;
-}
 
 Json FopdtRows(const RunResult& run, int num_outputs, int num_inputs) {
   Json rows = Json::array();
@@ -49,8 +39,8 @@ Json ToJson(const RunResult& run, const ProcessModel& plant) {
       {"lambda_oracle", run.lambda_oracle},
       {"E_oracle", run.E_oracle},
       {"max_relative_duality_gap", run.max_relative_gap},
-      {"static_gain_error", Rows(run.judgement.static_gain_error)},
-      {"delay_impulse_peak", Rows(run.judgement.delay_impulse_peak)},
+      {"static_gain_error", MatrixJson(run.judgement.static_gain_error)},
+      {"delay_impulse_peak", MatrixJson(run.judgement.delay_impulse_peak)},
       {"fopdt", FopdtRows(run, plant.num_outputs(), plant.num_inputs())}};
   if (!run.estimators.estimators.empty()) {
     json["estimators"] = EstimatorsJson(run.estimators);
@@ -97,16 +87,10 @@ Json Summary(const CaseResult& result) {
           {"E_zero", ToJson(result.E_zero)},
           {"E_oracle", ToJson(result.E_oracle)},
           {"lambda_star", ToJson(result.lambda_star)},
-          {"static_gain_error_rms", Rows(static_gain)},
-          {"fopdt_gain_error_rms", Rows(fopdt_gain)},
-          {"fopdt_delay_error_rms", Rows(fopdt_delay)},
+          {"static_gain_error_rms", MatrixJson(static_gain)},
+          {"fopdt_gain_error_rms", MatrixJson(fopdt_gain)},
+          {"fopdt_delay_error_rms", MatrixJson(fopdt_delay)},
           {"max_relative_duality_gap", result.max_relative_gap}};
-}
-
-// A CSV field, quoted where it must be (RFC 4180).
-std::string Field(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  return absl::StrCat("\"", absl::StrReplaceAll(text, {{"\"", "\"\""}}), "\"");
 }
 
 std::string FormatDistances(const RunResult& run,
@@ -145,9 +129,9 @@ std::string FormatStepResponses(const CaseResult& result) {
   for (const auto& [name, response] : models) {
     for (const OutputChannel& output : result.plant.outputs()) {
       for (const InputChannel& input : result.plant.inputs()) {
-        absl::StrAppend(
-            &csv, ",",
-            Field(absl::StrCat(output.name, "/", input.name, " ", name)));
+        absl::StrAppend(&csv, ",",
+                        QuoteCsvField(absl::StrCat(output.name, "/", input.name,
+                                                   " ", name)));
       }
     }
   }
@@ -187,7 +171,7 @@ std::string FormatResults(const std::vector<CaseResult>& cases) {
                          {"program", "mle_reproduce"},
                          {"program_version", std::string(LibraryVersion())},
                          {"cases", std::move(list)}};
-  return document.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+  return FormatJson(document);
 }
 
 std::vector<File> FormatCurves(const std::vector<CaseResult>& cases,

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "apps/common/command_line.h"
 #include "apps/common/flag_parser.h"
 #include "apps/report/drawing.h"
 #include "apps/report/number.h"
@@ -211,13 +210,6 @@ std::string FormatPage(const Campaign& campaign, const StudySummary& summary,
 }
 
 }  // namespace
-
-report::RunAgain MakeRunAgain() {
-  report::RunAgain again;
-  again.command = CommandLine();
-  again.version = std::string(Version());
-  return again;
-}
 
 report::Table ErrorTable(const Campaign& campaign, const StudySummary& summary,
                          int most) {

@@ -14,9 +14,6 @@
 
 namespace mle::study {
 
-// The command line that gives the same report once more.
-report::RunAgain MakeRunAgain();
-
 // E, λ and failures, a row for each of the first `most` cells.
 report::Table ErrorTable(const Campaign& campaign, const StudySummary& summary,
                          int most);

@@ -9,6 +9,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "mle/base/status.h"
+#include "mle/data/csv_rows.h"
 
 namespace mle::study {
 
@@ -79,13 +80,7 @@ std::string CsvField(std::string_view text) {
   for (char& c : field) {
     if (static_cast<unsigned char>(c) < 0x20) c = ' ';
   }
-  if (field.find_first_of(",\"") == std::string::npos) return field;
-  std::string quoted = "\"";
-  for (const char c : field) {
-    if (c == '"') quoted += '"';
-    quoted += c;
-  }
-  return quoted + "\"";
+  return QuoteCsvField(field);
 }
 
 std::vector<std::string> CoordinateNames() {

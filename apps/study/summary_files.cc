@@ -1,6 +1,5 @@
 // summary.csv and summary.json.
 
-#include <cmath>
 #include <string>
 #include <utility>
 
@@ -8,6 +7,7 @@
 #include "absl/strings/str_join.h"
 #include "apps/study/summary.h"
 #include "mle/base/version.h"
+#include "mle/model/json_text.h"
 #include "nlohmann/json.hpp"
 
 namespace mle::study {
@@ -41,13 +41,6 @@ std::vector<std::pair<const char*, double>> Values(const Distribution& d) {
           {"q75", d.quantiles[3]},
           {"q95", d.quantiles[4]},
           {"max", d.max}};
-}
-
-// JSON knows no infinity: it is a string there, as in results.json of others.
-Json Number(double value) {
-  if (std::isnan(value)) return nullptr;
-  if (std::isinf(value)) return "inf";
-  return value;
 }
 
 }  // namespace
@@ -101,19 +94,19 @@ std::string SummaryJson(const StudySummary& summary, const Campaign& campaign) {
     entry["size"] = campaign.mismatches[cell.at.scenario.mismatch].size;
     entry["runs"] = cell.runs;
     entry["failed"] = cell.failed;
-    entry["share_harmed"] = Number(cell.harmed);
-    entry["share_above_twice_best"] = Number(cell.above_twice_best);
+    entry["share_harmed"] = cell.harmed;
+    entry["share_above_twice_best"] = cell.above_twice_best;
     for (int i = 0; i < kNumMetrics; ++i) {
       if (cell.metrics[i].count == 0) continue;
       Json metric = {{"count", cell.metrics[i].count}};
       for (const auto& [name, value] : Values(cell.metrics[i])) {
-        metric[name] = Number(value);
+        metric[name] = value;
       }
       entry["metrics"][kMetricNames[i]] = std::move(metric);
     }
     json["cells"].push_back(std::move(entry));
   }
-  return absl::StrCat(json.dump(1), "\n");
+  return FormatJson(json);
 }
 
 }  // namespace mle::study

@@ -8,6 +8,7 @@
 #include "mle/base/status.h"
 #include "mle/base/version.h"
 #include "mle/model/json_node.h"
+#include "mle/model/json_text.h"
 #include "mle/model/strict_json.h"
 
 namespace mle {
@@ -118,18 +119,12 @@ absl::StatusOr<NamedArxModel> ParseArxModel(std::string_view json,
 
 std::string FormatArxModel(const NamedArxModel& named) {
   using Json = nlohmann::ordered_json;
-  Json rows = Json::array();
-  for (int i = 0; i < named.model.R.rows(); ++i) {
-    Json row = Json::array();
-    for (const double value : named.model.R.row(i)) row.push_back(value);
-    rows.push_back(std::move(row));
-  }
   const Json json = {
       {"version", kFormatVersion},    {"name", named.name},
       {"time_unit", named.time_unit}, {"sample_time", named.model.sample_time},
       {"order", named.model.order},   {"outputs", named.outputs},
-      {"inputs", named.inputs},       {"R", std::move(rows)}};
-  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+      {"inputs", named.inputs},       {"R", MatrixJson(named.model.R)}};
+  return FormatJson(json);
 }
 
 absl::StatusOr<NamedArxModel> ReadArxModel(const std::string& path) {

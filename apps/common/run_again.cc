@@ -1,0 +1,34 @@
+#include "apps/common/run_again.h"
+
+#include "absl/strings/str_cat.h"
+#include "apps/common/command_line.h"
+#include "apps/common/flag_parser.h"
+
+namespace mle {
+
+std::vector<std::pair<std::string, std::string>> ResultFlags() {
+  std::vector<std::pair<std::string, std::string>> values;
+  for (const FlagText& flag : CommandFlags()) {
+    if (flag.name != "out" && flag.name != "threads") {
+      values.emplace_back(flag.name, flag.value);
+    }
+  }
+  return values;
+}
+
+report::RunAgain HowToRunAgain(
+    const std::vector<std::uint64_t>& seeds,
+    std::vector<std::pair<std::string, std::string>> checksums) {
+  report::RunAgain again;
+  again.command = CommandLine();
+  again.version = std::string(Version());
+  if (!seeds.empty()) again.seeds = absl::StrCat(seeds.front());
+  if (seeds.size() > 1) absl::StrAppend(&again.seeds, " … ", seeds.back());
+  again.more = std::move(checksums);
+  for (const auto& [name, value] : ResultFlags()) {
+    again.more.emplace_back(absl::StrCat("--", name), value);
+  }
+  return again;
+}
+
+}  // namespace mle
