@@ -32,9 +32,10 @@ DEFINE_string(truth, "",
               "Process model (JSON) of the plant, where it is simulated: its "
               "step responses are shown beside the others.");
 DEFINE_bool(dry_run, false, "Only read the records and report on them.");
-DEFINE_bool(figures, true,
-            "Draw the figures, for the page and as files (SVG, PNG, PDF; needs "
-            "gnuplot).");
+DEFINE_bool(
+    figures, true,
+    "Draw the figures, for the page and as files (SVG; PNG and PDF need "
+    "rsvg-convert).");
 DEFINE_int32(threads, 0,
              "Threads, 0: one for each processor. The results do not depend "
              "on it.");

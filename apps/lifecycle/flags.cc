@@ -53,7 +53,7 @@ DEFINE_uint64(first_seed, 1, "First of the consecutive seeds.");
 DEFINE_string(out, "lifecycle",
               "Folder for report.html, result.json, lifecycle.csv, the figures "
               "and runs/, from which an interrupted run resumes.");
-DEFINE_bool(figures, true, "Draw the figures (needs gnuplot).");
+DEFINE_bool(figures, true, "Draw the figures (PNG and PDF need rsvg-convert).");
 DEFINE_int32(threads, 0,
              "Threads; 0: one for each processor. The results do not depend on "
              "the number.");

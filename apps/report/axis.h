@@ -1,5 +1,4 @@
-// The range of an axis and its ticks, computed here rather than by the drawing
-// program, so that labels can be measured before they are placed.
+// The range of an axis and its ticks, and where a value lies on it.
 
 #ifndef APPS_REPORT_AXIS_H_
 #define APPS_REPORT_AXIS_H_

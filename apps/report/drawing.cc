@@ -2,27 +2,47 @@
 
 #include <array>
 #include <iostream>
+#include <mutex>
 
-#include "apps/report/gnuplot.h"
+#include "apps/report/svg.h"
 #include "mle/base/parallel.h"
 
 namespace mle::report {
 
 std::vector<DrawnFigure> DrawFigures(std::vector<NamedFigure> figures,
-                                     int threads) {
+                                     int threads,
+                                     const ConvertOptions& options) {
   std::vector<DrawnFigure> drawn(figures.size());
   for (std::size_t i = 0; i < figures.size(); ++i) {
     drawn[i].named = std::move(figures[i]);
+    const NamedFigure& named = drawn[i].named;
+    drawn[i].svg = SvgFile(named.figure, named.caption, named.alt);
   }
-  constexpr std::array kFormats = {Format::kSvg, Format::kPng, Format::kPdf};
+  constexpr std::array kFormats = {Format::kPng, Format::kPdf};
+  std::mutex mutex;
+  absl::Status hung;
   const auto pictures = static_cast<int>(drawn.size() * kFormats.size());
   ParallelFor(pictures, threads, [&](int n) {
     DrawnFigure& one = drawn[n / kFormats.size()];
     const Format format = kFormats[n % kFormats.size()];
-    absl::StatusOr<std::string>& picture = format == Format::kSvg   ? one.svg
-                                           : format == Format::kPng ? one.png
-                                                                    : one.pdf;
-    picture = RenderFigure(one.named.figure, format);
+    absl::StatusOr<std::string>& picture =
+        format == Format::kPng ? one.png : one.pdf;
+    if (!one.svg.ok()) {
+      picture = one.svg.status();
+      return;
+    }
+    {
+      const std::lock_guard lock(mutex);
+      if (!hung.ok()) {
+        picture = hung;
+        return;
+      }
+    }
+    picture = ConvertSvg(*one.svg, format, options);
+    if (absl::IsDeadlineExceeded(picture.status())) {
+      const std::lock_guard lock(mutex);
+      hung = picture.status();
+    }
   });
   return drawn;
 }
@@ -47,7 +67,7 @@ void AddFigure(const std::vector<DrawnFigure>& drawn, std::string_view name,
                HtmlPage& page) {
   for (const DrawnFigure& one : drawn) {
     if (one.named.name != name) continue;
-    page.AddFigure(one.named.figure, one.svg, one.named.caption, one.named.alt);
+    page.AddFigure(one.named.figure, one.named.caption, one.named.alt);
     return;
   }
 }

@@ -1,4 +1,4 @@
-// The figures of a page, drawn in every format at once.
+// The figures of a page, and the files of them beside it.
 //
 //   const std::vector<DrawnFigure> drawn = DrawFigures(MakeFigures(result), 0);
 //   AddPictures(drawn, files);  // records.svg, records.png, …
@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "apps/report/convert.h"
 #include "apps/report/figure.h"
 #include "apps/report/html.h"
 
@@ -25,7 +26,7 @@ struct NamedFigure {
   Figure figure;
 };
 
-// The bytes of each picture, or why there is none.
+// The file of each picture, or why there is none.
 struct DrawnFigure {
   NamedFigure named;
   absl::StatusOr<std::string> svg;
@@ -33,9 +34,11 @@ struct DrawnFigure {
   absl::StatusOr<std::string> pdf;
 };
 
-// In the order given, on `threads` threads (0: one for each processor).
+// In the order given, on `threads` threads (0: one for each processor). PNG and
+// PDF need a program (convert.h); when that hangs once, it is not asked again.
 std::vector<DrawnFigure> DrawFigures(std::vector<NamedFigure> figures,
-                                     int threads);
+                                     int threads,
+                                     const ConvertOptions& options = {});
 
 // Adds name and content of every picture there is to `files`. The first reason
 // why one is missing becomes a warning on standard error: what could not be

@@ -281,11 +281,6 @@ Span MakeSpan(Role role, std::string label, double from, double to) {
   return {std::move(label), from, to, StyleOf(role)};
 }
 
-bool Figure::HasCells() const {
-  return std::any_of(panels.begin(), panels.end(),
-                     [](const Panel& panel) { return !panel.cells.empty(); });
-}
-
 Series Downsample(const Series& series, bool log_x) {
   const std::size_t n = series.x.size();
   const std::size_t most = static_cast<std::size_t>(series.max_points);

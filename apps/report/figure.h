@@ -1,4 +1,4 @@
-// What a figure shows, free of how it is drawn (gnuplot.h draws it).
+// What a figure shows, free of how it is drawn (svg.h draws it).
 //
 // A figure is a grid of panels under one shared legend. Series, reference lines
 // and markers have a role, which stands for the same thing in every figure and
@@ -167,9 +167,6 @@ struct Figure {
 
   // Appends an empty panel. The reference is good until the next call.
   Panel& AddPanel(std::string title);
-
-  // A map of cells is to be read, not zoomed.
-  bool HasCells() const;
 
   // InvalidArgument names the panel, the series and what is wrong with it.
   absl::Status Validate() const;

@@ -1,7 +1,8 @@
 #include "apps/report/html.h"
 
-#include "apps/report/chart_data.h"
+#include "absl/status/statusor.h"
 #include "apps/report/page_style.h"
+#include "apps/report/readout.h"
 #include "apps/report/svg.h"
 #include "apps/report/text.h"
 
@@ -86,27 +87,17 @@ void HtmlPage::AddTable(const Table& table) {
   body_ += Scrolling("table", name, RenderHtml(table));
 }
 
-void HtmlPage::AddFigure(const Figure& figure,
-                         const absl::StatusOr<std::string>& svg,
-                         std::string_view caption, std::string_view alt) {
+void HtmlPage::AddFigure(const Figure& figure, std::string_view caption,
+                         std::string_view alt) {
   const std::string number = std::to_string(++figures_);
-  const bool chart = figure.Validate().ok() && !figure.HasCells();
-  absl::StatusOr<std::string> picture =
-      svg.ok() ? EmbedSvg(*svg, "f" + number + "-", alt) : svg;
+  const absl::StatusOr<std::string> picture = SvgElement(figure, alt);
   if (!picture.ok()) {
-    AddWarning("The picture of figure " + number + " (" + std::string(caption) +
+    AddWarning("Figure " + number + " (" + std::string(caption) +
                ") is missing: " + std::string(picture.status().message()));
+    return;
   }
-  if (!picture.ok() && !chart) return;
-  body_ += chart ? "<figure class=\"has-chart\">\n" : "<figure>\n";
-  if (picture.ok()) {
-    body_ += Scrolling("picture", "Figure " + number, *picture);
-  }
-  if (chart) {
-    body_ += "<script type=\"application/json\" class=\"chart-data\">" +
-             ChartData(figure) + "</script>\n";
-  }
-  body_ += "<figcaption>Figure " + number + ". " + EscapeHtml(caption) +
+  body_ += "<figure>\n" + Scrolling("picture", "Figure " + number, *picture) +
+           "<figcaption>Figure " + number + ". " + EscapeHtml(caption) +
            "</figcaption>\n</figure>\n";
 }
 
@@ -148,7 +139,7 @@ std::string HtmlPage::Render() const {
       "dark\">\n<title>";
   out += title + "</title>\n<style>";
   out += PageStyle();
-  if (figures_ > 0) out += ChartStyle();
+  if (figures_ > 0) out += FigureStyle();
   out += "</style>\n</head>\n<body>\n<main>\n<h1>" + title + "</h1>\n";
   if (headings_.size() >= 3) {
     out += "<nav aria-label=\"Contents\">\n<ul>\n";
@@ -160,11 +151,9 @@ std::string HtmlPage::Render() const {
   }
   out += body_ + "</main>\n";
   if (figures_ > 0) {
-    for (const std::string_view script : {ChartLibrary(), ChartScript()}) {
-      out += "<script>";
-      out += script;
-      out += "</script>\n";
-    }
+    out += "<script>";
+    out += ReadoutScript();
+    out += "</script>\n";
   }
   return out + "</body>\n</html>\n";
 }

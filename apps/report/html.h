@@ -1,6 +1,6 @@
 // A report as one HTML page that needs nothing but itself: no network, no other
-// files. Scripts make charts of its figures (charts.js); without them, and on
-// paper, it shows them as pictures.
+// files. Without scripts it is whole; one script shows the values of a figure's
+// curves under the pointer (readout.h).
 //
 // It reads well from telephone to wide screen, in light and dark mode, and on
 // A4. All text is escaped; there is no way to put markup in.
@@ -8,8 +8,8 @@
 //   HtmlPage page("Model correction");
 //   page.AddSummary({"The error fell from 19,363 to 8.1."});
 //   page.AddHeading("Choice of λ");
-//   page.AddFigure(figure, RenderFigure(figure, Format::kSvg),
-//                  "Error over λ.", "Two curves with a minimum near 1e-5.");
+//   page.AddFigure(figure, "Error over λ.",
+//                  "Two curves with a minimum near 1e-5.");
 //   page.AddTable(table);
 //   page.AddRunAgain({.command = QuoteCommandLine(arguments)});
 //   WriteFileAtomically(path, page.Render());
@@ -22,7 +22,6 @@
 #include <utility>
 #include <vector>
 
-#include "absl/status/statusor.h"
 #include "apps/report/figure.h"
 #include "apps/report/table.h"
 
@@ -49,10 +48,10 @@ class HtmlPage {
   void AddList(const std::vector<std::string>& items);
   void AddWarning(std::string_view text);
   void AddTable(const Table& table);
-  // `svg` as RenderFigure gives it; if that failed, a warning with the reason
-  // takes the place of the picture. `alt` says in words what is to be seen.
-  void AddFigure(const Figure& figure, const absl::StatusOr<std::string>& svg,
-                 std::string_view caption, std::string_view alt);
+  // `alt` says in words what is to be seen. A figure that cannot be drawn
+  // leaves a warning with the reason.
+  void AddFigure(const Figure& figure, std::string_view caption,
+                 std::string_view alt);
   void AddCode(std::string_view code);
   // Links to files beside the page: name shown, path relative to the page.
   void AddFiles(const std::vector<std::pair<std::string, std::string>>& files);

@@ -1,24 +1,20 @@
 #include "apps/report/page_style.h"
 
-#include "apps/report/figure.h"
-
 namespace mle::report {
 namespace {
 
 // The colours of text on ground have a contrast of at least 4.5 : 1 in both
-// modes. Pictures are inverted in dark mode, charts have colours of their own.
+// modes; figures have a style sheet of their own (svg.h).
 constexpr std::string_view kStyle = R"css(
 :root {
   color-scheme: light dark;
   --ground: #ffffff; --card: #f5f7f9; --text: #1c2126; --soft: #55606b;
   --rule: #d5dbe1; --accent: #00578a; --warn: #8a3c00; --warn-ground: #fdf1e7;
-  --chart: #ffffff; --chart-grid: #e3e7eb; --chart-axis: #8a939c;
 }
 @media (prefers-color-scheme: dark) {
   :root {
     --ground: #14181c; --card: #1e242a; --text: #e4e8ec; --soft: #a4afba;
     --rule: #39424b; --accent: #6cbcf0; --warn: #f5b27a; --warn-ground: #33261b;
-    --chart: #1a1f24; --chart-grid: #323a43; --chart-axis: #6b7681;
   }
 }
 * { box-sizing: border-box; }
@@ -53,35 +49,11 @@ thead th, thead td { border-bottom: 2px solid var(--soft); vertical-align: botto
 tbody th { font-weight: 600; }
 .left { text-align: left; } .center { text-align: center; } .right { text-align: right; }
 td.right { white-space: nowrap; } th.right { min-width: 5.8em; }
-figure { margin: 1.5rem 0; }
-.picture { background: #ffffff; border: 1px solid var(--rule); border-radius: 4px; padding: .6rem; }
-.picture svg { display: block; width: 100%; height: auto; margin: 0 auto; }
-@media screen and (prefers-color-scheme: dark) {
-  .picture { background: #1a1a1a; }
-  .picture svg { filter: invert(.9) hue-rotate(180deg); }
-}
-figure .charts { display: none; }
-figure.drawn .charts { display: block; background: var(--chart); color: var(--text); border: 1px solid var(--rule); border-radius: 4px; padding: .6rem; }
-figure.drawn .picture { display: none; }
-.grid { display: grid; grid-template-columns: repeat(var(--columns), minmax(0, 1fr)); gap: .8rem 1rem; }
-.panel { min-width: 0; display: flex; flex-direction: column; }
-.panel-head { display: flex; align-items: baseline; gap: .5rem; min-height: 1.9rem; flex: 1; }
-.panel-title { font-weight: 600; font-size: .92rem; flex: 1; min-width: 0; overflow-wrap: anywhere; }
-.tools { white-space: nowrap; }
-.tools button, .legend-item { font: inherit; color: var(--text); background: none; border: 1px solid transparent; border-radius: 4px; cursor: pointer; }
-.tools button { width: 1.75rem; height: 1.75rem; padding: 0; line-height: 1; color: var(--soft); }
-.tools button:hover, .legend-item:hover { border-color: var(--rule); }
-.charts button:focus-visible, .chart:focus-visible { outline: 2px solid var(--accent); outline-offset: 1px; }
-.chart { height: 17rem; width: 100%; }
-.readout { display: block; min-height: 1.35rem; font-size: .85rem; color: var(--soft); overflow-wrap: anywhere; font-variant-numeric: tabular-nums; }
-.legend { display: flex; flex-wrap: wrap; gap: .1rem .5rem; margin: 0 0 .4rem; }
-.legend-item { display: inline-flex; align-items: center; gap: .4rem; padding: .15rem .4rem; font-size: .9rem; text-align: left; overflow-wrap: anywhere; }
-.legend-item[aria-pressed="false"] { text-decoration: line-through; color: var(--soft); }
-.legend-item[aria-pressed="false"] .swatch { opacity: .25; }
-.swatch { width: 30px; height: 14px; flex: none; }
-.chart .dygraph-axis-label { font-size: .78rem; color: var(--soft); }
-.chart .dygraph-label { font-size: .85rem; color: var(--text); }
-@media (max-width: 44rem) { .grid { grid-template-columns: minmax(0, 1fr); } .chart { height: 14rem; } }
+figure { margin: 1.75rem 0; position: relative; }
+.picture { border: 1px solid var(--rule); border-radius: 4px; padding: .6rem; background: #ffffff; }
+.picture > svg { display: block; width: 100%; height: auto; margin: 0 auto; }
+@media screen and (prefers-color-scheme: dark) { .picture { background: #1a1f24; } }
+.readout { position: absolute; bottom: 100%; left: 0; right: 0; background: var(--ground); font-size: .85rem; color: var(--soft); overflow-wrap: anywhere; font-variant-numeric: tabular-nums; }
 figcaption { color: var(--soft); font-size: .95rem; margin-top: .5rem; max-width: 44rem; overflow-wrap: anywhere; }
 pre, code { font-family: ui-monospace, "DejaVu Sans Mono", Menlo, Consolas, monospace; font-size: .88rem; }
 pre { background: var(--card); border: 1px solid var(--rule); border-radius: 4px; padding: .8rem 1rem; margin: .75rem 0; white-space: pre-wrap; overflow-wrap: anywhere; }
@@ -106,28 +78,14 @@ dt { color: var(--soft); } dd { margin: 0; overflow-wrap: anywhere; }
   thead { display: table-header-group; }
   .scroll { overflow: visible; }
   .picture { border: 0; padding: 0; }
-  .picture svg { min-width: 0 !important; max-height: 240mm; }
-  figure.drawn .charts { display: none; }
-  figure.drawn .picture { display: block; }
+  .picture > svg { min-width: 0 !important; max-height: 240mm; }
+  .readout { display: none; }
   p, ul, caption, figcaption { max-width: none; orphans: 3; widows: 3; }
 }
 )css";
 
-// A variable for the colour of each role.
-std::string Roles(std::string (*colour_of)(Role)) {
-  std::string out;
-  for (const Role role : AllRoles()) {
-    out += "--role-" + NameOf(role) + ": " + colour_of(role) + "; ";
-  }
-  return out;
-}
-
 }  // namespace
 
-std::string PageStyle() {
-  return ":root { " + Roles(ColourOf) +
-         "}\n@media (prefers-color-scheme: dark) { :root { " +
-         Roles(DarkColourOf) + "} }" + std::string(kStyle);
-}
+std::string_view PageStyle() { return kStyle; }
 
 }  // namespace mle::report

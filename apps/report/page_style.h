@@ -3,11 +3,11 @@
 #ifndef APPS_REPORT_PAGE_STYLE_H_
 #define APPS_REPORT_PAGE_STYLE_H_
 
-#include <string>
+#include <string_view>
 
 namespace mle::report {
 
-std::string PageStyle();
+std::string_view PageStyle();
 
 }  // namespace mle::report
 

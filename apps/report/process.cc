@@ -5,14 +5,19 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <system_error>
 #include <utility>
 
 #include "absl/status/status.h"
+#include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
 
 extern char** environ;
 
@@ -45,8 +50,8 @@ std::string ReadAll(std::FILE* file) {
   return content;
 }
 
-std::vector<std::string> Environment() {
-  std::vector<std::string> variables;
+std::vector<std::string> Environment(const std::vector<std::string>& more) {
+  std::vector<std::string> variables = more;  // the first of a name counts
   for (char** at = environ; *at != nullptr; ++at) {
     const std::string_view variable = *at;
     if (variable.starts_with("LC_") || variable.starts_with("LANG") ||
@@ -67,19 +72,29 @@ std::vector<char*> Pointers(std::vector<std::string>& strings) {
   return pointers;
 }
 
-int Wait(pid_t child) {
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0) {
-    if (errno != EINTR) return 127;
+// Of a child that has ended: its exit code. Nothing if it still runs after
+// `limit`.
+std::optional<int> WaitFor(pid_t child, absl::Duration limit) {
+  const bool forever = limit == absl::InfiniteDuration();
+  const absl::Time end = absl::Now() + limit;
+  for (absl::Duration pause = absl::Milliseconds(1);;
+       pause = std::min(2 * pause, absl::Milliseconds(20))) {
+    int status = 0;
+    const pid_t ended = waitpid(child, &status, forever ? 0 : WNOHANG);
+    if (ended < 0 && errno != EINTR) return 127;
+    if (ended == child) {
+      return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    }
+    if (!forever && absl::Now() >= end) return std::nullopt;
+    if (!forever) absl::SleepFor(pause);
   }
-  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
 }  // namespace
 
 absl::StatusOr<ProcessResult> RunProcess(
     const std::string& program, const std::vector<std::string>& arguments,
-    std::string_view input) {
+    std::string_view input, const ProcessOptions& options) {
   const File in = MakeFile();
   const File out = MakeFile();
   const File err = MakeFile();
@@ -94,7 +109,7 @@ absl::StatusOr<ProcessResult> RunProcess(
   std::vector<std::string> argument_strings = {program};
   argument_strings.insert(argument_strings.end(), arguments.begin(),
                           arguments.end());
-  std::vector<std::string> variables = Environment();
+  std::vector<std::string> variables = Environment(options.variables);
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_adddup2(&actions, fileno(in.get()), STDIN_FILENO);
@@ -111,8 +126,16 @@ absl::StatusOr<ProcessResult> RunProcess(
   if (error != 0) {
     return absl::InternalError(program + " cannot be run: " + Reason(error));
   }
+  const std::optional<int> exit_code = WaitFor(child, options.time_limit);
+  if (!exit_code.has_value()) {
+    kill(child, SIGKILL);
+    WaitFor(child, absl::InfiniteDuration());
+    return absl::DeadlineExceededError(
+        absl::StrCat(program, " did not end within ",
+                     absl::FormatDuration(options.time_limit)));
+  }
   ProcessResult result;
-  result.exit_code = Wait(child);
+  result.exit_code = *exit_code;
   result.out = ReadAll(out.get());
   result.err = ReadAll(err.get());
   return result;

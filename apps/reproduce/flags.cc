@@ -25,7 +25,7 @@ DEFINE_int32(seeds, 1, "Noise seeds to run each case with, 1 … 10000.");
 DEFINE_uint64(first_seed, 1, "The first of the seeds; the others follow it.");
 DEFINE_string(out, "results",
               "Folder for report.html, results.json, the curves and figures.");
-DEFINE_bool(figures, true, "Draw the figures (needs gnuplot).");
+DEFINE_bool(figures, true, "Draw the figures (PNG and PDF need rsvg-convert).");
 DEFINE_int32(threads, 0,
              "Threads, 0: one for each processor. The results do "
              "not depend on it.");

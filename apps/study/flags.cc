@@ -16,7 +16,8 @@ DEFINE_bool(resume, false,
             "one. It must be the same campaign and version.");
 DEFINE_bool(dry_run, false,
             "Only print how many runs there are, and the first few.");
-DEFINE_bool(figures, true, "Draw the figures of the report (needs gnuplot).");
+DEFINE_bool(figures, true,
+            "Draw the figures of the report (PNG and PDF need rsvg-convert).");
 DEFINE_int32(threads, 0,
              "Threads of each process, 0: a share of the processors. The "
              "results do not depend on it.");

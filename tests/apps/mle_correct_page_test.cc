@@ -11,6 +11,7 @@
 #include "gtest/gtest.h"
 #include "tests/apps/correct_runs.h"
 #include "tests/apps/page_tables.h"
+#include "tests/apps/report/shown_figures.h"
 
 namespace mle {
 namespace {
@@ -105,18 +106,19 @@ TEST_F(MleCorrectPage, OpensWithTheVerdictInTwoSentences) {
   EXPECT_LT(html_.find(worth), html_.find("<h2"));
 }
 
-TEST_F(MleCorrectPage, ChartsShowTheResponsesOfTheFile) {
-  const nlohmann::json panel = ChartsOf(html_).front()["panels"][0];
+TEST_F(MleCorrectPage, FiguresShowTheResponsesOfTheFile) {
+  const report::ShownPanel panel =
+      report::FiguresOf(html_, true).at(0).panels.at(0);
   const auto lines = ParsedCsv(out_ + "/step_response.csv");
   int compared = 0;
-  for (const nlohmann::json& series : panel["series"]) {
-    const int column = series["label"] == "initial model" ? 1
-                       : series["label"] == "corrected"   ? 5
-                                                          : 9;
-    ASSERT_EQ(series["x"].size(), lines.size() - 1);
+  for (const report::ShownSeries& series : panel.series) {
+    const int column = series.label == "initial model" ? 1
+                       : series.label == "corrected"   ? 5
+                                                       : 9;
+    ASSERT_EQ(series.x.size(), lines.size() - 1);
     for (std::size_t k = 1; k < lines.size(); ++k) {
-      const double value = std::stod(lines[k][column]);
-      EXPECT_NEAR(series["y"][k - 1], value, 1e-6 * (1.0 + std::abs(value)));
+      EXPECT_NEAR(series.y[k - 1], std::stod(lines[k][column]),
+                  1e-4 * (panel.y.max - panel.y.min));
       ++compared;
     }
   }
@@ -124,13 +126,16 @@ TEST_F(MleCorrectPage, ChartsShowTheResponsesOfTheFile) {
 }
 
 TEST_F(MleCorrectPage, RecordsAreDrawnWithTheirWindowsAndBadSamples) {
-  const nlohmann::json panel = ChartsOf(html_)[1]["panels"][0];
-  EXPECT_EQ(panel["spans"].size(), result_["windows"].size());
-  const auto& series = panel["series"];
+  // Of the file, which is the picture of the page.
+  const report::ShownPanel panel =
+      report::FiguresOf(Content(out_ + "/records.svg"), false)
+          .at(0)
+          .panels.at(0);
+  EXPECT_EQ(panel.spans, static_cast<int>(result_["windows"].size()));
   const auto bad = std::find_if(
-      series.begin(), series.end(),
-      [](const nlohmann::json& s) { return s["label"] == "bad sample"; });
-  ASSERT_NE(bad, series.end());
+      panel.series.begin(), panel.series.end(),
+      [](const report::ShownSeries& s) { return s.label == "bad sample"; });
+  ASSERT_NE(bad, panel.series.end());
   // All that are lost in the file.
   int lost = 0;
   const auto lines = ParsedCsv(scratch_ / "run.csv");
@@ -138,7 +143,7 @@ TEST_F(MleCorrectPage, RecordsAreDrawnWithTheirWindowsAndBadSamples) {
     lost += lines[k][1].empty() ? 1 : 0;
   }
   EXPECT_GT(lost, 5);
-  EXPECT_EQ((*bad)["x"].size(), static_cast<std::size_t>(lost));
+  EXPECT_EQ(bad->x.size(), static_cast<std::size_t>(lost));
 }
 
 TEST_F(MleCorrectPage, EveryFigureIsAFileToo) {

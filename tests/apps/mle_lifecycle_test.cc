@@ -136,7 +136,8 @@ TEST_F(MleLifecycleTest, DrawsCostsAndTheirCourse) {
     EXPECT_THAT(Content(stem + ".svg"), HasSubstr("</svg>"));
     EXPECT_THAT(Content(stem + ".pdf"), StartsWith("%PDF"));
   }
-  const std::vector<std::string> parts = absl::StrSplit(page, "<svg");
+  const std::vector<std::string> parts =
+      absl::StrSplit(page, "class=\"drawing\"");
   EXPECT_EQ(parts.size(), 5u);
 }
 

@@ -1,6 +1,6 @@
 // What mle_reproduce writes: results.json by its contract (docs/formats.md),
 // curves that agree with it, the same bytes whatever the threads, and all of it
-// without gnuplot too.
+// without rsvg-convert too.
 
 #include <cmath>
 #include <cstddef>
@@ -21,6 +21,7 @@ namespace mle {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::IsSupersetOf;
 using ::testing::UnorderedElementsAre;
 
 namespace fs = std::filesystem;
@@ -334,19 +335,25 @@ TEST(MleReproduceOutputs, FlagFilesStandForTheirFlags) {
             5);
 }
 
-TEST(MleReproduceOutputs, WithoutGnuplotOnlyTheFiguresAreMissing) {
+TEST(MleReproduceOutputs, WithoutRsvgConvertOnlyPngAndPdfAreMissing) {
   const ScratchFolder scratch;
   std::vector<std::string> arguments =
       SmallRun(scratch / "out", {"--cases=gain", "--figures=true"});
   const report::ProcessResult result =
       RunTested(arguments, {"PATH=" + scratch / "no_programs"});
   EXPECT_EQ(result.exit_code, 0);
-  EXPECT_THAT(result.err, HasSubstr("warning: gnuplot is not installed"));
+  EXPECT_THAT(result.err, HasSubstr("warning: rsvg-convert is not installed"));
+  for (const std::string& name : NamesIn(scratch / "out")) {
+    EXPECT_EQ(name.find(".png"), std::string::npos) << name;
+    EXPECT_EQ(name.find(".pdf"), std::string::npos) << name;
+  }
   EXPECT_THAT(NamesIn(scratch / "out"),
-              UnorderedElementsAre("results.json", "report.html",
-                                   "curve_gain.csv", "step_response_gain.csv"));
-  EXPECT_THAT(Content(scratch / "out/report.html"),
-              HasSubstr("gnuplot is not installed"));
+              IsSupersetOf({"results.json", "report.html", "overview.svg",
+                            "step_responses_gain.svg"}));
+  // The page has all its figures.
+  const std::string page = Content(scratch / "out/report.html");
+  EXPECT_THAT(page, HasSubstr("class=\"drawing\""));
+  EXPECT_EQ(page.find("is missing"), std::string::npos);
 }
 
 TEST(MleReproduceOutputs, ALoopThatRunsAwayLeavesNothing) {

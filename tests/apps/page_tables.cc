@@ -74,15 +74,6 @@ PageTable TableOf(const std::string& html, const std::string& caption) {
   return {};
 }
 
-std::vector<nlohmann::json> ChartsOf(const std::string& html) {
-  std::vector<nlohmann::json> charts;
-  for (const std::string& piece :
-       Pieces(html, "class=\"chart-data\">", "</script>")) {
-    charts.push_back(nlohmann::json::parse(piece));
-  }
-  return charts;
-}
-
 void ExpectShows(const std::string& text, double value) {
   std::string_view rest = text;
   const bool negative = Take(rest, "−");

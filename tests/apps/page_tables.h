@@ -1,12 +1,10 @@
-// What a page shows, read back: its tables and the data of its charts.
+// What a page shows, read back: its tables.
 
 #ifndef TESTS_APPS_PAGE_TABLES_H_
 #define TESTS_APPS_PAGE_TABLES_H_
 
 #include <string>
 #include <vector>
-
-#include "nlohmann/json.hpp"
 
 namespace mle {
 
@@ -20,9 +18,6 @@ std::vector<PageTable> TablesOf(const std::string& html);
 // The first table whose caption begins so; a failure of the test if there is
 // none.
 PageTable TableOf(const std::string& html, const std::string& caption);
-
-// The data of the charts, figure by figure.
-std::vector<nlohmann::json> ChartsOf(const std::string& html);
 
 // Fails unless `text` begins with `value` as a person would write it: every
 // digit shown is right. Thousands may be grouped; "−1.2×10⁻¹¹" is a number.

@@ -58,7 +58,7 @@ BrowserVisit VisitPage(const std::string& html, int width,
     visit.error = "the page has no </body>";
     return visit;
   }
-  checked.insert(end, "<script>" + ReadAll(MLE_CHARTS_CHECK) + "</script>");
+  checked.insert(end, "<script>" + ReadAll(MLE_PAGE_CHECK) + "</script>");
   if (width < kNarrowest) {
     checked = absl::StrCat(
         "<!DOCTYPE html><body style='margin:0'><iframe style='border:0;width:",

@@ -1,4 +1,4 @@
-// Opens a page in headless Chromium and looks at it (charts_check.js).
+// Opens a page in headless Chromium and looks at it (page_check.js).
 
 #ifndef TESTS_APPS_REPORT_BROWSER_H_
 #define TESTS_APPS_REPORT_BROWSER_H_
@@ -12,7 +12,7 @@ namespace mle::report {
 
 struct BrowserVisit {
   std::string error;                 // empty, or why there is nothing more
-  nlohmann::json found;              // by charts_check.js
+  nlohmann::json found;              // by page_check.js
   std::vector<std::string> console;  // messages, errors among them
 };
 

@@ -1,11 +1,11 @@
-// Pages with charts in a real browser: they draw, zoom and answer, ask for
-// nothing from outside, and can be read.
+// Pages with figures in a real browser: they can be read at every width, in
+// light and dark mode, and ask for nothing from outside.
 
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "apps/report/gnuplot.h"
 #include "apps/report/html.h"
 #include "apps/report/text.h"
 #include "gmock/gmock.h"
@@ -16,6 +16,7 @@
 namespace mle::report {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
@@ -60,52 +61,58 @@ Figure Curves() {
 }
 
 std::string Page() {
-  HtmlPage page("Charts");
+  HtmlPage page("Figures");
   page.AddSummary({"Two figures."});
   page.AddWarning("A warning.");
-  page.AddFigure(Curves(), RenderFigure(Curves(), Format::kSvg), "Curves.",
-                 "Rising.");
+  page.AddFigure(Curves(), "Curves.", "Rising.");
+  Figure map;
+  Panel& cells = map.AddPanel("");
+  cells.x.names = cells.y.names = {"a", "b"};
+  cells.cells.push_back({1.0, 1.0, 1.0, {"gain × 0.5", "p < 10⁻⁹"}});
+  page.AddFigure(map, "A map.", "A map.");
   Figure empty;
   empty.AddPanel("nothing in it").x.label = "time (min)";
-  page.AddFigure(empty, RenderFigure(empty, Format::kSvg), "Empty.", "None.");
+  page.AddFigure(empty, "Empty.", "None.");
   page.AddRunAgain({.command = "mle_correct", .version = "0.1.0"});
   return page.Render();
 }
 
-class ChartsBrowserTest : public ::testing::TestWithParam<int> {};
+class FiguresBrowserTest
+    : public ::testing::TestWithParam<std::pair<int, Mode>> {};
 
-TEST_P(ChartsBrowserTest, DrawsAnswersAndAsksForNothing) {
+TEST_P(FiguresBrowserTest, CanBeReadAndAsksForNothing) {
   if (!HasBrowser()) GTEST_SKIP() << "chromium is not installed";
-  const BrowserVisit visit = VisitPage(Page(), GetParam(), "charts");
+  const auto [width, mode] = GetParam();
+  const BrowserVisit visit = VisitPage(Page(), width, "figures", mode);
   ASSERT_EQ(visit.error, "");
   const nlohmann::json& found = visit.found;
   EXPECT_THAT(visit.console, IsEmpty());
-  EXPECT_EQ(found["width"], GetParam());
-  EXPECT_EQ(found["figures"], 2);
-  EXPECT_EQ(found["charts"], 3);
-  EXPECT_GE(found["painted"], 2);
+  EXPECT_EQ(found["width"], width);
+  EXPECT_EQ(found["dark"], mode == Mode::kDark);
+  EXPECT_EQ(found["figures"], 3);
+  EXPECT_EQ(found["panels"], 4);
   EXPECT_EQ(found["requests"], nlohmann::json::array());
   EXPECT_LE(found["overflow"], 0);
   EXPECT_EQ(found["faint"], nlohmann::json::array());
-  EXPECT_EQ(found["overlapping"], 0);
-  for (const char* what : {"keyZooms", "keyMoves", "keyResets", "buttonZooms",
-                           "dragZooms", "legendHides", "legendShows"}) {
-    EXPECT_EQ(found[what], true) << what;
-  }
-  EXPECT_THAT(found["readout"].get<std::string>(), HasSubstr("time "));
-}
-
-TEST_P(ChartsBrowserTest, ShowsHostileNamesAsText) {
-  if (!HasBrowser()) GTEST_SKIP() << "chromium is not installed";
-  const BrowserVisit visit = VisitPage(Page(), GetParam(), "hostile");
-  ASSERT_EQ(visit.error, "");
-  EXPECT_EQ(visit.found["injected"], 0);
-  EXPECT_THAT(visit.found["legend"].get<std::vector<std::string>>(),
+  EXPECT_EQ(found["overlapping"], nlohmann::json::array());
+  EXPECT_GE(found["smallest"], 8.0);
+  // Names are text, whatever they hold.
+  EXPECT_EQ(found["injected"], 0);
+  EXPECT_THAT(found["texts"].get<std::vector<std::string>>(),
               ::testing::Contains(CleanText(kHostile)));
+  // The middle of 0 … 100: 6.4·(1 − e⁻³) = 6.08.
+  EXPECT_THAT(found["readout"].get<std::string>(),
+              AllOf(HasSubstr("at 50 "), HasSubstr("corrected 6.08"),
+                    HasSubstr(CleanText(kHostile) + " 5.00")));
 }
 
-INSTANTIATE_TEST_SUITE_P(Widths, ChartsBrowserTest,
-                         ::testing::Values(375, 1024, 1920));
+INSTANTIATE_TEST_SUITE_P(Widths, FiguresBrowserTest,
+                         ::testing::Values(std::pair(375, Mode::kLight),
+                                           std::pair(375, Mode::kDark),
+                                           std::pair(1024, Mode::kLight),
+                                           std::pair(1024, Mode::kDark),
+                                           std::pair(1920, Mode::kLight),
+                                           std::pair(1920, Mode::kDark)));
 
 }  // namespace
 }  // namespace mle::report

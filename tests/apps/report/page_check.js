@@ -1,0 +1,123 @@
+// Runs inside a page under test and leaves what it finds in <pre id="check">.
+(async function () {
+'use strict';
+const found = {};
+const pause = () => new Promise(done => setTimeout(done, 30));
+
+function luminance([r, g, b]) {
+  const part = v => v <= 10.3 ? v / 3294.6 : ((v / 255 + 0.055) / 1.055) ** 2.4;
+  return 0.2126 * part(r) + 0.7152 * part(g) + 0.0722 * part(b);
+}
+const rgba = text => (text.match(/[\d.]+/g) || []).map(Number);
+
+function contrast(one, other) {
+  const a = luminance(one), b = luminance(other);
+  return (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05);
+}
+
+function ground(node) {
+  for (let at = node; at; at = at.parentElement) {
+    const colour = rgba(getComputedStyle(at).backgroundColor);
+    if (colour.length < 4 || colour[3] > 0.99) return colour;
+  }
+  return [255, 255, 255];
+}
+
+// Text whose contrast is below 4.5, or 3 where it is large.
+function faint() {
+  const bad = [];
+  const judge = (node, value, least) => {
+    if (value < least) {
+      bad.push(node.textContent.slice(0, 40) + ' ' + value.toFixed(2));
+    }
+  };
+  document.querySelectorAll('body *').forEach(node => {
+    if (node.closest('svg, script, #check') || !node.offsetParent) return;
+    const own = Array.from(node.childNodes).some(
+        child => child.nodeType === 3 && child.textContent.trim());
+    if (!own) return;
+    const style = getComputedStyle(node);
+    judge(node, contrast(rgba(style.color), ground(node)),
+          parseFloat(style.fontSize) >= 24 ? 3 : 4.5);
+  });
+  // The lightest colours of Okabe and Ito have 2.2 : 1 on white; lines differ
+  // in width and dashes, too.
+  const colour = node => rgba(getComputedStyle(node).color);
+  document.querySelectorAll('svg.drawing').forEach(svg => {
+    const behind = colour(svg.querySelector('.ground'));
+    svg.querySelectorAll('text').forEach(text => {
+      judge(text, contrast(colour(text), behind), 4.5);
+    });
+    svg.querySelectorAll('.series').forEach(series => {
+      judge(series, contrast(colour(series), behind), 1.9);
+    });
+  });
+  return bad;
+}
+
+// Texts of a figure that lie over each other or stand out of it, in this
+// browser's font.
+function overlapping() {
+  const bad = [];
+  document.querySelectorAll('svg.drawing').forEach(svg => {
+    const whole = svg.getBoundingClientRect();
+    const texts = Array.from(svg.querySelectorAll('text'), node => ({
+      words: node.textContent, box: node.getBoundingClientRect(),
+    }));
+    texts.forEach(({words, box: a}, i) => {
+      if (a.left < whole.left - 1 || a.right > whole.right + 1 ||
+          a.top < whole.top - 3 || a.bottom > whole.bottom + 3) {
+        bad.push('outside: ' + words);
+      }
+      texts.slice(i + 1).forEach(({words: others, box: b}) => {
+        const high = 0.25 * Math.min(a.height, b.height);
+        if (a.left < b.right - 1 && b.left < a.right - 1 &&
+            a.top < b.bottom - high && b.top < a.bottom - high) {
+          bad.push(words + ' over ' + others);
+        }
+      });
+    });
+  });
+  return bad;
+}
+
+// The smallest letters of the figures, in pixels.
+function smallest() {
+  return Array.from(document.querySelectorAll('svg.drawing text')).reduce(
+      (least, text) => Math.min(
+          least, parseFloat(getComputedStyle(text).fontSize) *
+              text.getScreenCTM().a || least), Infinity);
+}
+
+// What the line above the first figure shows with the pointer in its middle.
+function readout() {
+  const panel = document.querySelector('.panel');
+  if (!panel) return '';
+  const box = panel.querySelector('.grid').getBoundingClientRect();
+  panel.dispatchEvent(new PointerEvent('pointermove', {
+    bubbles: true, clientX: box.left + box.width / 2,
+    clientY: box.top + box.height / 2,
+  }));
+  return panel.closest('figure').querySelector('.readout').textContent;
+}
+
+await pause();
+found.figures = document.querySelectorAll('svg.drawing').length;
+found.panels = document.querySelectorAll('.panel').length;
+found.texts = Array.from(document.querySelectorAll('svg.drawing text'),
+                         text => text.textContent);
+found.injected = document.querySelectorAll('[data-injected]').length;
+found.requests = performance.getEntriesByType('resource').map(r => r.name);
+found.width = window.innerWidth;
+found.dark = matchMedia('(prefers-color-scheme: dark)').matches;
+found.overflow = document.documentElement.scrollWidth - window.innerWidth;
+found.faint = faint();
+found.overlapping = overlapping();
+found.smallest = smallest();
+found.readout = readout();
+const out = document.createElement('pre');
+out.id = 'check';
+out.hidden = true;
+out.textContent = JSON.stringify(found);
+(window.frameElement ? window.parent.document : document).body.append(out);
+})();
