@@ -37,7 +37,7 @@ result is not usable, 2 bad input or flags.)";
 std::vector<std::pair<std::string, std::string>> Checksums(
     const correct::Result& result) {
   std::vector<std::pair<std::string, std::string>> checksums;
-  for (const correct::DataFile& file : result.data.files) {
+  for (const correct::DataFile& file : result.files) {
     checksums.emplace_back(absl::StrCat("SHA-256 of ", file.path), file.sha256);
   }
   return checksums;
@@ -52,16 +52,14 @@ absl::Status WriteAll(const correct::Result& result) {
   if (result.request.figures) {
     std::cerr << "drawing the figures …\n";
     figures = report::DrawFigures(correct::MakeFigures(result),
-                                  result.request.threads);
+                                  result.options.threads);
   }
   std::string page = correct::FormatPage(result, figures,
                                          HowToRunAgain({}, Checksums(result)));
-  const ProcessModel& initial = result.initial();
+  const ProcessModel& initial = result.initial;
   std::vector<std::pair<std::string, std::string>> files = {
       {"arx.json", correct::FormatArx(result.corrected.arx, initial)},
-      {"fopdt.json",
-       FormatProcessModel(correct::FopdtModel(
-           initial, result.fopdt, 1e-3 * result.data.sample_time()))},
+      {"fopdt.json", FormatProcessModel(result.fopdt_model)},
       {"step_response.csv", correct::FormatStepResponses(result)},
       {"report.html", std::move(page)},
       {"result.json", std::move(json)}};
@@ -69,28 +67,40 @@ absl::Status WriteAll(const correct::Result& result) {
   return WriteFilesTogether(result.request.out, files);
 }
 
-void PrintData(const correct::RecordData& data, const ProcessModel& model) {
-  std::cout << report::RenderText(FileTable(data, model)) << "\n"
-            << report::RenderText(ChannelTable(data, model)) << "\n"
-            << report::RenderText(WindowTable(data, model)) << "\n";
-  for (const std::string& note : data.notes) std::cout << note << "\n";
+void PrintData(const RecordData& data,
+               const std::vector<correct::DataFile>& files,
+               const ProcessModel& model) {
+  std::cout << report::RenderText(correct::FileTable(data, files, model))
+            << "\n"
+            << report::RenderText(correct::ChannelTable(data, model)) << "\n"
+            << report::RenderText(correct::WindowTable(data, model)) << "\n";
+  for (const Message& note : data.notes) {
+    std::cout << correct::Shown(note) << "\n";
+  }
+}
+
+void PrintMessages(const char* kind, const std::vector<Message>& messages) {
+  for (const Message& message : messages) {
+    std::cerr << kind << ": " << correct::Shown(message) << "\n";
+  }
 }
 
 void PrintResult(const correct::Result& result) {
   for (const std::string& sentence : result.verdict) {
     std::cout << sentence << "\n";
   }
-  for (const std::string& finding : result.findings) {
-    std::cout << "  " << finding << "\n";
+  for (const std::string& sentence : correct::Sentences(result.findings)) {
+    std::cout << "  " << sentence << "\n";
   }
   std::cout << "\n"
             << report::RenderText(correct::MismatchTable(result)) << "\n"
-            << report::RenderText(ParameterTable(result)) << "\n";
+            << report::RenderText(correct::ParameterTable(result)) << "\n";
   if (result.validation.shown() != nullptr ||
       !result.validation.initial.empty()) {
-    std::cout << report::RenderText(ValidationTable(result)) << "\n";
+    std::cout << report::RenderText(correct::ValidationTable(result)) << "\n";
   }
-  std::cout << report::RenderText(ResidualTable(result)) << "\nWhat to do\n";
+  std::cout << report::RenderText(correct::ResidualTable(result))
+            << "\nWhat to do\n";
   for (const std::string& item : result.advice) {
     std::cout << "  " << item << "\n";
   }
@@ -108,27 +118,29 @@ int Main() {
   if (!request.ok()) return Fail(request.status());
   std::cerr << "reading " << request->data_paths.size()
             << (request->data_paths.size() == 1 ? " file" : " files") << " …\n";
-  absl::StatusOr<correct::RecordData> data = correct::LoadRecords(
-      request->data_paths, request->model, request->records);
-  if (!data.ok()) return Fail(data.status());
+  absl::StatusOr<std::vector<correct::DataFile>> files =
+      correct::ReadChecksums(request->data_paths);
+  if (!files.ok()) return Fail(files.status());
+  absl::StatusOr<RecordData> data =
+      LoadRecords(request->data_paths, request->model, request->import,
+                  request->options.records);
+  if (!data.ok()) {
+    return Fail(
+        absl::Status(data.status().code(),
+                     absl::StrCat("--data: ", data.status().message())));
+  }
   if (request->dry_run) {
-    PrintData(*data, request->model);
-    for (const std::string& warning : data->warnings) {
-      std::cerr << "warning: " << warning << "\n";
-    }
+    PrintData(*data, *files, request->model);
+    PrintMessages("warning", data->warnings);
     return kExitDone;
   }
   const absl::StatusOr<FolderLock> lock = ClaimOutputFolder(request->out);
   if (!lock.ok()) return Fail(lock.status());
   const absl::StatusOr<correct::Result> result =
-      correct::CorrectFromRecords(*request, *std::move(data));
+      correct::RunCorrection(*request, *std::move(data), *std::move(files));
   if (!result.ok()) return Fail(result.status());
-  for (const std::string& warning : result->warnings) {
-    std::cerr << "warning: " << warning << "\n";
-  }
-  for (const std::string& failure : result->failures) {
-    std::cerr << "error: " << failure << "\n";
-  }
+  PrintMessages("warning", result->warnings);
+  PrintMessages("error", result->failures);
   if (const absl::Status status = WriteAll(*result); !status.ok()) {
     return Fail(absl::InternalError(status.message()));
   }

@@ -49,7 +49,7 @@ absl::StatusOr<control::MpcOptions> OldTuning(
   MLE_ASSIGN_OR_RETURN(const std::vector<control::FirstOrder> elements,
                        control::DescribeAsFirstOrder(result.initial_response));
   std::vector<std::string> unused;
-  return control::TuneByRules(elements, RolesOf(result.initial()),
+  return control::TuneByRules(elements, RolesOf(result.initial),
                               result.data.sample_time(), tuning, options,
                               unused);
 }
@@ -59,8 +59,8 @@ StepResponse SettledResponse(const Result& result) {
   const double settling =
       std::max(SettlingTime(result.corrected.process.has_value()
                                 ? *result.corrected.process
-                                : result.initial()),
-               SettlingTime(result.initial()));
+                                : result.initial),
+               SettlingTime(result.initial));
   const int samples =
       static_cast<int>(std::ceil(kSettlingTimes * settling / sample_time)) + 1;
   return result.corrected.process.has_value()
@@ -71,18 +71,18 @@ StepResponse SettledResponse(const Result& result) {
 
 absl::StatusOr<std::vector<std::string>> Retune(const Result& result) {
   control::RetuningOptions options;
-  options.time_unit = result.initial().time_unit();
-  for (const OutputChannel& output : result.initial().outputs()) {
+  options.time_unit = result.initial.time_unit();
+  for (const OutputChannel& output : result.initial.outputs()) {
     options.output_names.push_back(output.name);
   }
-  for (const InputChannel& input : result.initial().inputs()) {
+  for (const InputChannel& input : result.initial.inputs()) {
     options.input_names.push_back(input.name);
   }
   MLE_ASSIGN_OR_RETURN(const control::MpcOptions old_tuning,
                        OldTuning(result, options));
   MLE_ASSIGN_OR_RETURN(
       const control::PredictionModel old_model,
-      control::PredictFromProcess(result.initial(), old_tuning.control_period));
+      control::PredictFromProcess(result.initial, old_tuning.control_period));
   MLE_ASSIGN_OR_RETURN(
       const control::RetuningAdvice advice,
       control::AdviseRetuning(old_model, old_tuning, SettledResponse(result),
@@ -101,7 +101,7 @@ std::string InputNames(const ProcessModel& model,
 // Pairs that the records say little or nothing about.
 void AddMissingInformation(const Result& result,
                            std::vector<std::string>& advice) {
-  const ProcessModel& model = result.initial();
+  const ProcessModel& model = result.initial;
   std::vector<std::string> weak;
   std::vector<std::string> unknown;
   double worst = 0.0;
@@ -144,8 +144,11 @@ void AddMissingInformation(const Result& result,
 // A correction may have been refused on a window that shows what no other does.
 void AddWindowsWanted(const Result& result, std::vector<std::string>& advice) {
   const Validation& validation = result.validation;
-  if (validation.blocks.has_value() && validation.blocks->worsens()) return;
-  const ProcessModel& model = result.initial();
+  if (validation.blocks.has_value() && validation.blocks->available() &&
+      !(validation.blocks->gain > result.options.decision.least_gain)) {
+    return;
+  }
+  const ProcessModel& model = result.initial;
   std::vector<std::string> changed_once;
   for (int i = 0; i < model.num_outputs(); ++i) {
     const auto changed = std::count_if(
@@ -171,7 +174,7 @@ void AddWindowsWanted(const Result& result, std::vector<std::string>& advice) {
 void AddWhatTheModelLacks(const Result& result,
                           std::vector<std::string>& advice) {
   std::vector<std::string> pairs;
-  const ProcessModel& model = result.initial();
+  const ProcessModel& model = result.initial;
   for (int i = 0; i < model.num_outputs(); ++i) {
     const ResidualReport& report = result.corrected_residuals[i];
     for (int j = 0; j < model.num_inputs(); ++j) {
@@ -186,7 +189,7 @@ void AddWhatTheModelLacks(const Result& result,
       absl::StrJoin(pairs, ", "),
       "): there are dynamics, a disturbance or a valve limit that the model "
       "does not have.",
-      result.request.estimation.estimator == Estimator::kStructured
+      result.options.estimation.estimator == Estimator::kStructured
           ? " --estimator=arx can take any shape of response; compare the fits "
             "on what was held out."
           : ""));

@@ -20,7 +20,7 @@ std::vector<double> ToVector(const Eigen::VectorXd& values) {
 }
 
 std::string TimeLabel(const Result& result, const std::string& what) {
-  return absl::StrCat(what, " (", result.initial().time_unit(), ")");
+  return absl::StrCat(what, " (", result.initial.time_unit(), ")");
 }
 
 report::NamedFigure NewFigure(const std::string& name,
@@ -40,7 +40,7 @@ report::NamedFigure NewFigure(const std::string& name,
 void AddPairPanels(
     const Result& result, const std::string& x_label, report::Figure& figure,
     const std::function<void(int i, int j, report::Panel& panel)>& fill) {
-  const ProcessModel& model = result.initial();
+  const ProcessModel& model = result.initial;
   for (int i = 0; i < model.num_outputs(); ++i) {
     for (int j = 0; j < model.num_inputs(); ++j) {
       report::Panel& panel = figure.AddPanel(PairName(model, i, j));

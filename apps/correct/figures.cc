@@ -38,7 +38,7 @@ std::string ResponseUnit(const ProcessModel& model, int output, int input) {
 }
 
 NamedFigure StepResponseFigure(const Result& result) {
-  const ProcessModel& model = result.initial();
+  const ProcessModel& model = result.initial;
   NamedFigure named = NewFigure(
       "step_responses",
       "Response of each output (row) to a unit step of each input (column): "
@@ -88,7 +88,7 @@ double Shade(const Result& result, int output, int input) {
 NamedFigure MismatchFigure(const Result& result) {
   constexpr double kCellWidthCm = 3.9;
   constexpr double kCellHeightCm = 2.3;
-  const ProcessModel& model = result.initial();
+  const ProcessModel& model = result.initial;
   const int p = model.num_outputs();
   const int m = model.num_inputs();
   NamedFigure named = NewFigure(
@@ -156,7 +156,7 @@ void AddLimits(double limit, Panel& panel) {
 }
 
 NamedFigure AutocorrelationFigure(const Result& result) {
-  const ProcessModel& model = result.initial();
+  const ProcessModel& model = result.initial;
   const double sample_time = result.data.sample_time();
   NamedFigure named = NewFigure(
       "autocorrelation",
@@ -183,7 +183,7 @@ NamedFigure AutocorrelationFigure(const Result& result) {
 }
 
 NamedFigure CrossCorrelationFigure(const Result& result) {
-  const ProcessModel& model = result.initial();
+  const ProcessModel& model = result.initial;
   const double sample_time = result.data.sample_time();
   NamedFigure named = NewFigure(
       "cross_correlation",

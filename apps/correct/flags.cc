@@ -206,12 +206,9 @@ absl::Status ReadDataPaths(Request& request) {
 }
 
 absl::StatusOr<Estimator> EstimatorFromFlags() {
-  for (const Estimator estimator :
-       {Estimator::kStructured, Estimator::kArx, Estimator::kCombined}) {
-    if (FLAGS_estimator == std::string(NameOf(estimator))) return estimator;
-  }
-  return Refuse("estimator", FLAGS_estimator,
-                "known are structured, arx and combined");
+  const absl::StatusOr<Estimator> estimator = ParseEstimator(FLAGS_estimator);
+  if (!estimator.ok()) return Of("estimator", estimator.status());
+  return *estimator;
 }
 
 absl::StatusOr<SelectionOptions> SelectionFromFlags() {
@@ -241,13 +238,11 @@ absl::StatusOr<EstimationOptions> EstimationFromFlags() {
   structured.estimate_drift = FLAGS_drift;
   structured.false_alarm_probability = FLAGS_false_alarm_probability;
   structured.confidence = FLAGS_confidence;
-  structured.threads = FLAGS_threads;
   options.conversion.order = FLAGS_order;
   options.conversion.penalty = FLAGS_conversion_penalty;
   options.conversion.samples = FLAGS_conversion_samples;
   options.conversion.seed = FLAGS_seed;
   options.calibration.seed = FLAGS_seed;
-  options.correction.lambdas = DefaultLambdaGrid();
   MLE_ASSIGN_OR_RETURN(options.correction.selection, SelectionFromFlags());
   MLE_RETURN_IF_ERROR(SetSolver(options));
   return options;
@@ -291,17 +286,18 @@ absl::StatusOr<Request> RequestFromFlags() {
   MLE_RETURN_IF_ERROR(ReadModels(request));
   MLE_RETURN_IF_ERROR(ReadDataPaths(request));
   request.out = FLAGS_out;
-  MLE_ASSIGN_OR_RETURN(request.records, RecordOptionsFromFlags(request.model));
-  MLE_ASSIGN_OR_RETURN(request.estimation, EstimationFromFlags());
-  request.validation_folds = FLAGS_validation_folds;
-  request.prediction_samples = FLAGS_prediction_samples;
-  request.response_horizon = FLAGS_response_horizon;
+  CorrectOptions& options = request.options;
+  MLE_ASSIGN_OR_RETURN(request.import, ImportOptionsFromFlags(request.model));
+  MLE_ASSIGN_OR_RETURN(options.records, RecordOptionsFromFlags());
+  MLE_ASSIGN_OR_RETURN(options.estimation, EstimationFromFlags());
+  options.hold_out.max_folds = FLAGS_validation_folds;
+  options.hold_out.horizon = FLAGS_prediction_samples;
+  options.response_horizon = FLAGS_response_horizon;
   MLE_ASSIGN_OR_RETURN(request.controller, ControllerFromFlags(request.model));
   // More than there are processors gain nothing.
-  request.threads = static_cast<int>(
+  options.threads = static_cast<int>(
       std::min(static_cast<unsigned>(FLAGS_threads),
                std::max(std::thread::hardware_concurrency(), 1u)));
-  request.estimation.structured.threads = request.threads;
   request.dry_run = FLAGS_dry_run;
   request.figures = FLAGS_figures;
   return request;

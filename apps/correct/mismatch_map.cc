@@ -56,7 +56,7 @@ std::vector<std::string> DescribeMismatch(const Result& result, int output,
     lines.emplace_back("kept");
   } else if (by_structure) {
     lines = Changes(structured.corrected.element(output, input),
-                    result.initial().time_unit());
+                    result.initial.time_unit());
   } else {
     lines.push_back(absl::StrCat(
         "response by ",
@@ -76,7 +76,7 @@ std::vector<std::string> DescribeMismatch(const Result& result, int output,
 }
 
 report::Table MismatchTable(const Result& result) {
-  const ProcessModel& model = result.initial();
+  const ProcessModel& model = result.initial;
   report::Table table;
   table.caption =
       "Mismatch by element: what has changed, and the probability p of such "

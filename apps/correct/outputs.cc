@@ -34,7 +34,7 @@ absl::StatusOr<Json> InputsJson(const Result& result) {
     MLE_ASSIGN_OR_RETURN(inputs["truth"], FileJson(result.request.truth_path));
   }
   Json data = Json::array();
-  for (const DataFile& file : result.data.files) {
+  for (const DataFile& file : result.files) {
     data.push_back(
         {{"path", file.path}, {"sha256", file.sha256}, {"bytes", file.bytes}});
   }
@@ -68,14 +68,14 @@ std::vector<Curve> CurvesOf(const Result& result) {
 
 double BandFactor(const Result& result) {
   return StudentTwoSidedQuantile(
-      1.0 - result.request.estimation.structured.confidence,
+      1.0 - result.options.estimation.structured.confidence,
       std::numeric_limits<double>::infinity());
 }
 
 absl::StatusOr<std::string> FormatResult(
     const Result& result, const std::string& command,
     const std::vector<std::pair<std::string, std::string>>& flags) {
-  Json json = {{"version", 1},
+  Json json = {{"version", 2},
                {"program", "mle_correct"},
                {"program_version", std::string(Version())},
                {"command", command}};
@@ -100,7 +100,7 @@ std::string FormatArx(const ArxModel& model, const ProcessModel& channels) {
 }
 
 std::string FormatStepResponses(const Result& result) {
-  const ProcessModel& model = result.initial();
+  const ProcessModel& model = result.initial;
   const std::vector<Curve> curves = CurvesOf(result);
   std::string csv = "time";
   for (const Curve& curve : curves) {

@@ -35,10 +35,12 @@ void AddModel(const Result& result, const Figures& figures, HtmlPage& page) {
 
 void AddRecords(const Result& result, const Figures& figures, HtmlPage& page) {
   page.AddHeading("The records");
-  page.AddTable(FileTable(result.data, result.initial()));
-  page.AddTable(ChannelTable(result.data, result.initial()));
-  page.AddTable(WindowTable(result.data, result.initial()));
-  if (!result.data.notes.empty()) page.AddList(result.data.notes);
+  page.AddTable(FileTable(result.data, result.files, result.initial));
+  page.AddTable(ChannelTable(result.data, result.initial));
+  page.AddTable(WindowTable(result.data, result.initial));
+  std::vector<std::string> notes;
+  for (const Message& note : result.notes) notes.push_back(Shown(note));
+  if (!notes.empty()) page.AddList(notes);
   AddFigure(figures, "records", page);
 }
 
@@ -63,7 +65,7 @@ void AddTrust(const Result& result, const Figures& figures, HtmlPage& page) {
   }
   AddFigure(figures, "predictions", page);
   AddFigure(figures, "loss_over_lambda", page);
-  page.AddSubheading("What is left");
+  page.AddSubheading("Residuals");
   page.AddTable(ResidualTable(result));
   page.AddParagraph(
       "A p-value below 0.01 is a finding, one test in a hundred has one by "
@@ -80,13 +82,14 @@ void AddTrust(const Result& result, const Figures& figures, HtmlPage& page) {
 
 std::string FormatPage(const Result& result, const Figures& figures,
                        const report::RunAgain& run_again) {
-  HtmlPage page(absl::StrCat("Model correction: ", result.initial().name()));
+  HtmlPage page(absl::StrCat("Model correction: ", result.initial.name()));
   page.AddSummary(result.verdict);
-  for (const std::string& failure : result.failures) {
-    page.AddWarning(absl::StrCat("The result is not usable: ", failure));
+  for (const Message& failure : result.failures) {
+    page.AddWarning(absl::StrCat("The result is not usable: ", Shown(failure)));
   }
-  for (const std::string& warning : result.warnings) page.AddWarning(warning);
-  page.AddList(result.findings);
+  for (const Message& warning : result.warnings)
+    page.AddWarning(Shown(warning));
+  page.AddList(Sentences(result.findings));
   page.AddHeading("What to do");
   page.AddList(result.advice);
   if (!result.tuning.heading.empty()) {

@@ -104,7 +104,7 @@ std::string UnitOr(const std::string& unit, const char* otherwise) {
 }  // namespace
 
 report::NamedFigure RecordFigure(const Result& result) {
-  const ProcessModel& model = result.initial();
+  const ProcessModel& model = result.initial;
   const RecordData& data = result.data;
   std::vector<const Record*> records;
   for (const Record& record : data.records) records.push_back(&record);
@@ -150,13 +150,13 @@ report::NamedFigure RecordFigure(const Result& result) {
 }
 
 report::NamedFigure PredictionFigure(const Result& result) {
-  const ProcessModel& model = result.initial();
+  const ProcessModel& model = result.initial;
   std::vector<const Record*> windows;
   for (const SetPointWindow& window : result.data.windows) {
     windows.push_back(&window.record);
   }
   const Strip strip = MakeStrip(std::move(windows));
-  const Fit& fit = result.estimate.fit;
+  const EstimateFit& fit = result.estimate.fit;
   report::NamedFigure named = NewFigure(
       "predictions",
       "Measured outputs and what both models simulate from the inputs alone, "

@@ -200,11 +200,10 @@ absl::Status CheckTimes() {
 
 }  // namespace
 
-absl::StatusOr<RecordOptions> RecordOptionsFromFlags(
+absl::StatusOr<HistorianOptions> ImportOptionsFromFlags(
     const ProcessModel& model) {
   MLE_RETURN_IF_ERROR(CheckTimes());
-  RecordOptions options;
-  HistorianOptions& import = options.import;
+  HistorianOptions import;
   MLE_ASSIGN_OR_RETURN(import.separator, Mark("separator", FLAGS_separator,
                                               {{"recognise", 0},
                                                {"comma", ','},
@@ -225,19 +224,20 @@ absl::StatusOr<RecordOptions> RecordOptionsFromFlags(
   import.skip_backward_times = FLAGS_skip_backward_times;
   import.sample_time = FLAGS_sample_time;
   import.max_gap = FLAGS_max_gap;
-  // Each estimator deals with lost outputs in its own way.
-  import.bridge_outputs = false;
   if (const absl::Status status = import.Validate(model); !status.ok()) {
     return absl::InvalidArgumentError(
         absl::StrCat("flags of the records (see --help): ", status.message()));
   }
+  return import;
+}
+
+absl::StatusOr<RecordOptions> RecordOptionsFromFlags() {
+  MLE_RETURN_IF_ERROR(CheckTimes());
+  RecordOptions options;
   options.windows.before = FLAGS_window_before;
   options.windows.after = FLAGS_window_after;
   options.windows.min_change = FLAGS_min_setpoint_change;
   MLE_ASSIGN_OR_RETURN(options.windows.change_times, ChangeTimes());
-  // Absolute values tell more than deviations from an estimated operating
-  // point, and the estimators find offsets themselves.
-  options.windows.remove_operating_point = false;
   if (const absl::Status status = options.windows.Validate(); !status.ok()) {
     return absl::InvalidArgumentError(
         absl::StrCat("flags of the windows (see --help): ", status.message()));

@@ -4,12 +4,14 @@
 #define APPS_CORRECT_RECORD_FLAGS_H_
 
 #include "absl/status/statusor.h"
-#include "apps/correct/records.h"
+#include "mle/maintain/records.h"
 
 namespace mle::correct {
 
 // Errors name the flag, what was found and what would be right.
-absl::StatusOr<RecordOptions> RecordOptionsFromFlags(const ProcessModel& model);
+absl::StatusOr<HistorianOptions> ImportOptionsFromFlags(
+    const ProcessModel& model);
+absl::StatusOr<RecordOptions> RecordOptionsFromFlags();
 
 }  // namespace mle::correct
 

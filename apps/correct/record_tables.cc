@@ -61,7 +61,8 @@ const ChannelReport* FindChannel(const RecordData& data,
 
 }  // namespace
 
-Table FileTable(const RecordData& data, const ProcessModel& model) {
+Table FileTable(const RecordData& data, const std::vector<DataFile>& files,
+                const ProcessModel& model) {
   Table table;
   table.caption =
       absl::StrCat("Files, sampled every ", FormatTime(data.sample_time()), " ",
@@ -73,7 +74,7 @@ Table FileTable(const RecordData& data, const ProcessModel& model) {
                    {"SHA-256", Align::kLeft}};
   for (const FileReport& file : data.report.files) {
     std::string sha256;
-    for (const DataFile& one : data.files) {
+    for (const DataFile& one : files) {
       if (one.path == file.name) sha256 = one.sha256.substr(0, 12) + "…";
     }
     table.AddRow({file.name, FormatInteger(file.rows),

@@ -3,13 +3,15 @@
 #ifndef APPS_CORRECT_RECORD_TABLES_H_
 #define APPS_CORRECT_RECORD_TABLES_H_
 
-#include "apps/correct/records.h"
+#include "apps/correct/result.h"
 #include "apps/report/table.h"
 #include "mle/model/process_model.h"
 
 namespace mle::correct {
 
-report::Table FileTable(const RecordData& data, const ProcessModel& model);
+report::Table FileTable(const RecordData& data,
+                        const std::vector<DataFile>& files,
+                        const ProcessModel& model);
 // A row for each channel over all records.
 report::Table ChannelTable(const RecordData& data, const ProcessModel& model);
 report::Table WindowTable(const RecordData& data, const ProcessModel& model);

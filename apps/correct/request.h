@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "Eigen/Core"
-#include "apps/correct/estimation.h"
-#include "apps/correct/records.h"
+#include "mle/data/historian.h"
+#include "mle/maintain/correct.h"
 #include "mle/model/process_model.h"
 
 namespace mle::correct {
@@ -33,14 +33,9 @@ struct Request {
   std::string out;
   std::string truth_path;  // empty: none
   std::optional<ProcessModel> truth;
-  RecordOptions records;
-  EstimationOptions estimation;
-  int validation_folds = 5;
-  int prediction_samples = 0;  // 0: a fifth of the ARX order
-  // NΔt of the step responses; 0: the model's settling time.
-  double response_horizon = 0.0;
+  HistorianOptions import;
+  CorrectOptions options;
   ControllerSettings controller;
-  int threads = 0;
   bool dry_run = false;
   bool figures = true;
 };

@@ -71,7 +71,7 @@ Json FopdtJson(const FopdtElement& element, bool errors_from_records) {
 }
 
 Json ElementJson(const Result& result, int i, int j) {
-  const ProcessModel& model = result.initial();
+  const ProcessModel& model = result.initial;
   const StructuredCorrection& structured = result.estimate.fit.structured;
   const ElementEstimate& full = structured.full.element(i, j);
   const ElementEstimate& corrected = structured.corrected.element(i, j);
@@ -106,7 +106,7 @@ Json ElementJson(const Result& result, int i, int j) {
   return json;
 }
 
-Json DistanceJson(const Distance& distance) {
+Json DistanceJson(const ResponseDistance& distance) {
   return {{"E", NumberJson(distance.total)},
           {"relative", NumberJson(distance.relative)},
           {"elements", MatrixJson(distance.elements)}};
@@ -135,15 +135,15 @@ Json ValidationJson(const Result& result) {
   const Validation& validation = result.validation;
   Json json = {{"several_steps_samples", validation.horizon}};
   if (validation.windows.has_value()) {
-    json["windows"] = HeldOutJson(*validation.windows, result.initial());
+    json["windows"] = HeldOutJson(*validation.windows, result.initial);
   }
   if (validation.blocks.has_value()) {
-    json["blocks"] = HeldOutJson(*validation.blocks, result.initial());
+    json["blocks"] = HeldOutJson(*validation.blocks, result.initial);
   }
   if (!validation.initial.empty()) {
     Json outputs = Json::array();
-    for (int i = 0; i < result.initial().num_outputs(); ++i) {
-      outputs.push_back({{"output", result.initial().outputs()[i].name},
+    for (int i = 0; i < result.initial.num_outputs(); ++i) {
+      outputs.push_back({{"output", result.initial.outputs()[i].name},
                          {"initial", FitJson(validation.initial[i])}});
     }
     json["initial"] = std::move(outputs);
@@ -193,7 +193,7 @@ Json WindowsJson(const Result& result) {
     for (const SetPointChange& change : window.changes) {
       Json one = {{"time", window.record.time(change.sample)}};
       if (change.output >= 0) {
-        one["output"] = result.initial().outputs()[change.output].name;
+        one["output"] = result.initial.outputs()[change.output].name;
         one["from"] = NumberJson(change.from);
         one["to"] = NumberJson(change.to);
       }
@@ -201,7 +201,7 @@ Json WindowsJson(const Result& result) {
     }
     windows.push_back({{"from", BeginOf(window)},
                        {"to", EndOf(window)},
-                       {"unrest", UnrestIn(window, result.initial())},
+                       {"unrest", UnrestIn(window, result.initial)},
                        {"samples", window.record.samples()},
                        {"set_point_changes", std::move(changes)}});
   }
@@ -228,6 +228,31 @@ Json ChannelsJson(const Result& result) {
   return channels;
 }
 
+Json MessagesJson(const std::vector<Message>& messages) {
+  Json json = Json::array();
+  for (const Message& message : messages) {
+    json.push_back({{"code", std::string(NameOf(message.code))},
+                    {"place", message.place},
+                    {"text", message.text},
+                    {"options", message.options}});
+  }
+  return json;
+}
+
+Json FindingsJson(const std::vector<Finding>& findings) {
+  Json json = Json::array();
+  for (const Finding& finding : findings) {
+    json.push_back({{"name", finding.name},
+                    {"place", finding.place},
+                    {"value", NumberJson(finding.value)},
+                    {"unit", finding.unit},
+                    {"lower", NumberJson(finding.lower)},
+                    {"upper", NumberJson(finding.upper)},
+                    {"text", finding.text}});
+  }
+  return json;
+}
+
 const char* TerminationName(FitTermination termination) {
   switch (termination) {
     case FitTermination::kNotRun:
@@ -247,7 +272,7 @@ Json CertificateJson(const Result& result) {
   const StructuredFit& fit = result.estimate.fit.structured.corrected;
   for (std::size_t i = 0; i < fit.certificates.size(); ++i) {
     const FitCertificate& certificate = fit.certificates[i];
-    fits.push_back({{"output", result.initial().outputs()[i].name},
+    fits.push_back({{"output", result.initial.outputs()[i].name},
                     {"termination", TerminationName(certificate.termination)},
                     {"message", certificate.message},
                     {"gradient", NumberJson(certificate.gradient)},
@@ -282,11 +307,12 @@ Json MatrixJson(const Eigen::MatrixXd& matrix) {
 void AddFindings(const Result& result, Json& json) {
   const NullCalibration& calibrated = result.estimate.fit.test;
   const StructuredCorrection& test = result.estimate.fit.structured;
-  const ProcessModel& model = result.initial();
-  json["estimator"] = std::string(NameOf(result.request.estimation.estimator));
+  const ProcessModel& model = result.initial;
+  json["estimator"] = std::string(NameOf(result.options.estimation.estimator));
   json["decision"] = std::string(NameOf(result.decision));
   json["verdict"] = result.verdict;
-  json["findings"] = result.findings;
+  json["reasons"] = MessagesJson(result.reasons);
+  json["findings"] = FindingsJson(result.findings);
   json["test_of_no_change"] = {
       {"p_value", NumberJson(calibrated.p_value)},
       {"p_value_chi_square", NumberJson(test.p_value)},
@@ -295,7 +321,7 @@ void AddFindings(const Result& result, Json& json) {
       {"statistic", NumberJson(test.statistic)},
       {"degrees_of_freedom", test.degrees_of_freedom},
       {"false_alarm_probability",
-       result.request.estimation.structured.false_alarm_probability},
+       result.options.estimation.structured.false_alarm_probability},
       {"change_proposed", result.estimate.fit.change_proposed}};
   Json elements = Json::array();
   for (int i = 0; i < model.num_outputs(); ++i) {
@@ -323,7 +349,7 @@ void AddFindings(const Result& result, Json& json) {
          {"window_offsets", estimate.offset}});
   }
   json["noise"] = std::move(noise);
-  const Fit& fit = result.estimate.fit;
+  const EstimateFit& fit = result.estimate.fit;
   if (fit.adequacy.has_value()) {
     json["structure_adequate"] = {
         {"p_value", NumberJson(fit.adequacy->p_value)},
@@ -339,15 +365,14 @@ void AddDiagnostics(const Result& result, Json& json) {
   json["windows"] = WindowsJson(result);
   json["validation"] = ValidationJson(result);
   json["residuals"] = {
-      {"initial", ResidualsJson(result.initial_residuals, result.initial())},
-      {"corrected",
-       ResidualsJson(result.corrected_residuals, result.initial())}};
+      {"initial", ResidualsJson(result.initial_residuals, result.initial)},
+      {"corrected", ResidualsJson(result.corrected_residuals, result.initial)}};
   json["certificate"] = CertificateJson(result);
   json["advice"] = result.advice;
   json["tuning"] = result.tuning.reasons;
-  json["notes"] = result.data.notes;
-  json["warnings"] = result.warnings;
-  json["failures"] = result.failures;
+  json["notes"] = MessagesJson(result.notes);
+  json["warnings"] = MessagesJson(result.warnings);
+  json["failures"] = MessagesJson(result.failures);
 }
 
 }  // namespace mle::correct

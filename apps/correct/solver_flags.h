@@ -4,7 +4,7 @@
 #define APPS_CORRECT_SOLVER_FLAGS_H_
 
 #include "absl/status/status.h"
-#include "apps/correct/estimation.h"
+#include "mle/maintain/estimation.h"
 
 namespace mle::correct {
 

@@ -45,13 +45,13 @@ std::string WithError(double value, double error) {
 }  // namespace
 
 Table ParameterTable(const Result& result) {
-  const ProcessModel& model = result.initial();
+  const ProcessModel& model = result.initial;
   const StructuredCorrection& structured = result.estimate.fit.structured;
   const bool shown = result.accepted() && result.corrected.process.has_value();
   Table table;
   table.caption = absl::StrCat(
       "Elements, with ",
-      FormatSignificant(100.0 * result.request.estimation.structured.confidence,
+      FormatSignificant(100.0 * result.options.estimation.structured.confidence,
                         3),
       " % intervals; times in ", model.time_unit());
   table.columns = {{"element", Align::kLeft},
@@ -98,7 +98,7 @@ Table ParameterTable(const Result& result) {
 }
 
 Table FopdtTable(const Result& result) {
-  const ProcessModel& model = result.initial();
+  const ProcessModel& model = result.initial;
   Table table;
   table.caption = absl::StrCat(
       "The model written, as first-order elements with dead time (± one "
@@ -143,11 +143,11 @@ Table ValidationTable(const Result& result) {
                    {absl::StrCat(validation.horizon, " samples ahead")},
                    {"simulated"}};
   const auto add = [&](int i, const char* model, const FitPercent& fit) {
-    table.AddRow({absl::StrCat(result.initial().outputs()[i].name, ", ", model),
+    table.AddRow({absl::StrCat(result.initial.outputs()[i].name, ", ", model),
                   Percent(fit.one_step), Percent(fit.several_steps),
                   Percent(fit.simulated)});
   };
-  for (int i = 0; i < result.initial().num_outputs(); ++i) {
+  for (int i = 0; i < result.initial.num_outputs(); ++i) {
     if (!proposed) {
       add(i, "initial", validation.initial[i]);
       continue;
@@ -159,13 +159,13 @@ Table ValidationTable(const Result& result) {
 }
 
 Table ResidualTable(const Result& result) {
-  const ProcessModel& model = result.initial();
+  const ProcessModel& model = result.initial;
   Table table;
   table.caption =
-      "What is left of the outputs, one step ahead: p-values for white, and "
-      "for "
-      "independent of what each input did before";
-  table.columns = {{"output, model", Align::kLeft}, {"variance"}, {"white"}};
+      "Residual tests, one step ahead (p-values): whiteness; independence of "
+      "past inputs";
+  table.columns = {
+      {"output, model", Align::kLeft}, {"variance"}, {"whiteness"}};
   for (const InputChannel& input : model.inputs()) {
     table.columns.push_back({input.name});
   }
@@ -186,7 +186,7 @@ Table ResidualTable(const Result& result) {
 }
 
 Table NoiseTable(const Result& result) {
-  const ProcessModel& model = result.initial();
+  const ProcessModel& model = result.initial;
   Table table;
   table.caption = "Noise of the outputs, as estimated beside the model";
   table.columns = {{"output", Align::kLeft},
@@ -213,11 +213,11 @@ Table CertificateTable(const Result& result) {
                    {"condition"},
                    {"iterations"},
                    {"dead-time search", Align::kLeft}};
-  for (int i = 0; i < result.initial().num_outputs(); ++i) {
+  for (int i = 0; i < result.initial.num_outputs(); ++i) {
     const FitCertificate& certificate = fit.certificates[i];
     const bool free = certificate.num_parameters > 0;
     table.AddRow(
-        {result.initial().outputs()[i].name,
+        {result.initial.outputs()[i].name,
          free ? FormatScientific(certificate.gradient, 2) : "–",
          absl::StrCat(certificate.rank, " of ", certificate.num_parameters),
          free ? FormatSignificant(certificate.condition, 2) : "–",

@@ -16,6 +16,8 @@ namespace {
 using report::FormatFixed;
 using report::FormatSignificant;
 
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
 std::string Percent(double value) {
   return std::isfinite(value) ? absl::StrCat(FormatFixed(value, 1), " %")
                               : "unknown";
@@ -36,7 +38,7 @@ std::string WithInterval(const ParameterEstimate& estimate) {
 // How closely the records confirm the gains, and which they do not.
 std::string Confirmation(const Result& result) {
   const StructuredFit& full = result.estimate.fit.structured.full;
-  const ProcessModel& model = result.initial();
+  const ProcessModel& model = result.initial;
   double largest = 0.0;
   int confirmed = 0;
   std::vector<std::string> unknown;
@@ -63,7 +65,7 @@ std::string Confirmation(const Result& result) {
             : absl::StrCat("They determine ", confirmed, " gains within ± "),
         FormatSignificant(100.0 * largest, 2), " % (",
         FormatSignificant(
-            100.0 * result.request.estimation.structured.confidence, 3),
+            100.0 * result.options.estimation.structured.confidence, 3),
         " % intervals)");
   }
   if (!unknown.empty()) {
@@ -72,16 +74,6 @@ std::string Confirmation(const Result& result) {
                     absl::StrJoin(unknown, ", "));
   }
   return text.empty() ? text : text + ".";
-}
-
-// Of the test that decided: where it found no change and there is one all the
-// same, that of whether the structure is enough.
-double PValue(const Result& result) {
-  const Fit& fit = result.estimate.fit;
-  const bool by_structure = result.decision != Decision::kNoChange &&
-                            fit.adequacy.has_value() &&
-                            !fit.structured.change_proposed;
-  return by_structure ? fit.adequacy->p_value : fit.test.p_value;
 }
 
 bool HasChanged(const Result& result, int output, int input) {
@@ -93,7 +85,7 @@ bool HasChanged(const Result& result, int output, int input) {
 // "; 3 of 7 elements have changed, overhead ← reflux most (36 % of its
 // response)".
 std::string WhereMost(const Result& result) {
-  const ProcessModel& model = result.initial();
+  const ProcessModel& model = result.initial;
   int present = 0;
   int changed = 0;
   double largest = -1.0;
@@ -117,7 +109,7 @@ std::string WhereMost(const Result& result) {
 }
 
 std::string AgedOrNot(const Result& result) {
-  const std::string p = FormatProbability(PValue(result));
+  const std::string p = FormatProbability(result.estimate.fit.PValue());
   switch (result.decision) {
     case Decision::kNoChange:
       return absl::StrCat(
@@ -219,60 +211,81 @@ std::string DescribeChange(const ElementEstimate& element,
   return text;
 }
 
-std::vector<std::string> ChangedElements(const Result& result) {
-  std::vector<std::string> sentences;
-  const ProcessModel& model = result.initial();
+// Every parameter of an element, the sentence with the first.
+void AddElement(const ElementEstimate& element, const std::string& pair,
+                const std::string& time_unit, std::vector<Finding>& findings) {
+  const auto add = [&](const char* name, const std::string& unit,
+                       const ParameterEstimate& estimate) {
+    findings.push_back(
+        {name, pair, estimate.value, unit, estimate.lower, estimate.upper, ""});
+  };
+  const std::size_t first = findings.size();
+  add("gain", "", element.gain);
+  add("time_constant", time_unit, element.time_scale);
+  add("delay", time_unit, element.delay);
+  findings[first].text =
+      absl::StrCat(pair, ": ", DescribeChange(element, time_unit), ".");
+}
+
+void AddChangedElements(const Result& result, std::vector<Finding>& findings) {
+  const ProcessModel& model = result.initial;
   const StructuredCorrection& structured = result.estimate.fit.structured;
   for (int i = 0; i < model.num_outputs(); ++i) {
     for (int j = 0; j < model.num_inputs(); ++j) {
+      if (!HasChanged(result, i, j)) continue;
       const std::string pair = PairName(model, i, j);
       if (result.corrected.process.has_value()) {
-        if (!structured.aged(i, j)) continue;
-        sentences.push_back(
-            absl::StrCat(pair, ": ",
-                         DescribeChange(structured.corrected.element(i, j),
-                                        model.time_unit()),
-                         "."));
-      } else if (HasChanged(result, i, j)) {
-        sentences.push_back(absl::StrCat(
-            pair, ": the step response changes by ",
-            Percent(100.0 * result.change.elements(i, j)), " of its size."));
+        AddElement(structured.corrected.element(i, j), pair, model.time_unit(),
+                   findings);
+        continue;
       }
+      const double change = 100.0 * result.change.elements(i, j);
+      findings.push_back({"response_change", pair, change, "%", kNaN, kNaN,
+                          absl::StrCat(pair, ": the step response changes by ",
+                                       Percent(change), " of its size.")});
     }
   }
-  return sentences;
 }
 
 // Where gains, time constants and dead times were not enough.
-std::string BeyondStructure(const Result& result) {
-  const Fit& fit = result.estimate.fit;
-  if (!fit.adequacy.has_value() || fit.adequacy->adequate) return "";
+void AddInadequacy(const Result& result, std::vector<Finding>& findings) {
+  const EstimateFit& fit = result.estimate.fit;
+  if (!fit.adequacy.has_value() || fit.adequacy->adequate) return;
   std::vector<std::string> names;
-  for (int i = 0; i < result.initial().num_outputs(); ++i) {
+  for (int i = 0; i < result.initial.num_outputs(); ++i) {
     if (result.estimate.setting.arx_outputs[i]) {
-      names.push_back(result.initial().outputs()[i].name);
+      names.push_back(result.initial.outputs()[i].name);
     }
   }
-  return absl::StrCat(
-      "Gains, time constants and dead times do not explain the records (p = ",
-      FormatProbability(fit.adequacy->p_value), "): the responses of ",
-      absl::StrJoin(names, ", "), " have changed their shape, or more.");
+  findings.push_back(
+      {"structure_adequate", absl::StrJoin(names, ", "), fit.adequacy->p_value,
+       "", kNaN, kNaN,
+       absl::StrCat("Gains, time constants and dead times do not explain the "
+                    "records (p = ",
+                    FormatProbability(fit.adequacy->p_value),
+                    "): the responses of ", absl::StrJoin(names, ", "),
+                    " have changed their shape, or more.")});
 }
 
-std::string Validated(const Result& result) {
+void AddFits(const Result& result, std::vector<Finding>& findings) {
   const Validation& validation = result.validation;
   const HeldOut* const shown = validation.shown();
+  const std::size_t first = findings.size();
   std::vector<std::string> parts;
-  for (int i = 0; i < result.initial().num_outputs(); ++i) {
+  for (int i = 0; i < result.initial.num_outputs(); ++i) {
     const OutputValidation& output = shown->outputs[i];
-    parts.push_back(absl::StrCat(result.initial().outputs()[i].name, " ",
-                                 Percent(output.corrected.several_steps), " (",
-                                 Percent(output.initial.several_steps),
-                                 "), simulated ",
-                                 Percent(output.corrected.simulated), " (",
-                                 Percent(output.initial.simulated), ")"));
+    const std::string& name = result.initial.outputs()[i].name;
+    parts.push_back(
+        absl::StrCat(name, " ", Percent(output.corrected.several_steps), " (",
+                     Percent(output.initial.several_steps), "), simulated ",
+                     Percent(output.corrected.simulated), " (",
+                     Percent(output.initial.simulated), ")"));
+    findings.push_back({"fit_several_steps", name,
+                        output.corrected.several_steps, "%", kNaN, kNaN, ""});
+    findings.push_back({"fit_simulated", name, output.corrected.simulated, "%",
+                        kNaN, kNaN, ""});
   }
-  return absl::StrCat(
+  findings[first].text = absl::StrCat(
       "Fit on ", shown == &*validation.blocks ? "parts of windows" : "windows",
       " held out, ", validation.horizon,
       " samples ahead, corrected (initial): ", absl::StrJoin(parts, "; "), ".");
@@ -292,7 +305,7 @@ bool HasMoved(const ParameterEstimate& estimate) {
   return estimate.initial < estimate.lower || estimate.initial > estimate.upper;
 }
 
-std::vector<std::string> Verdict(const Result& result) {
+std::vector<std::string> DescribeVerdict(const Result& result) {
   std::vector<std::string> sentences = {AgedOrNot(result)};
   if (std::string worth = WhatItIsWorth(result); !worth.empty()) {
     sentences.push_back(std::move(worth));
@@ -300,34 +313,41 @@ std::vector<std::string> Verdict(const Result& result) {
   return sentences;
 }
 
-std::vector<std::string> Findings(const Result& result) {
+std::vector<std::string> Sentences(const std::vector<Finding>& findings) {
   std::vector<std::string> sentences;
-  if (std::string beyond = BeyondStructure(result); !beyond.empty()) {
-    sentences.push_back(std::move(beyond));
+  for (const Finding& finding : findings) {
+    if (!finding.text.empty()) sentences.push_back(finding.text);
   }
+  return sentences;
+}
+
+std::vector<Finding> Findings(const Result& result) {
+  std::vector<Finding> findings;
+  AddInadequacy(result, findings);
   if (result.decision == Decision::kCorrected) {
-    for (std::string& change : ChangedElements(result)) {
-      sentences.push_back(std::move(change));
-    }
-    sentences.push_back(
-        absl::StrCat("The step responses change by ",
-                     Percent(100.0 * result.change.relative),
-                     " of their size (root of the sums of squares; E = ",
-                     FormatSignificant(result.change.total), ")."));
+    AddChangedElements(result, findings);
+    const double relative = 100.0 * result.change.relative;
+    findings.push_back(
+        {"response_change", "", relative, "%", kNaN, kNaN,
+         absl::StrCat("The step responses change by ", Percent(relative),
+                      " of their size (root of the sums of squares; E = ",
+                      FormatSignificant(result.change.total), ").")});
   }
   if (result.decision != Decision::kNoChange &&
       result.validation.shown() != nullptr) {
-    sentences.push_back(Validated(result));
+    AddFits(result, findings);
   }
   if (result.initial_to_truth.has_value()) {
-    sentences.push_back(
-        absl::StrCat("Against the truth given, E is ",
-                     FormatSignificant(result.initial_to_truth->total, 4),
-                     " for the initial model and ",
-                     FormatSignificant(result.corrected_to_truth->total, 4),
-                     " for the one written."));
+    findings.push_back(
+        {"truth_E_corrected", "", result.corrected_to_truth->total, "", kNaN,
+         kNaN,
+         absl::StrCat("Against the truth given, E is ",
+                      FormatSignificant(result.initial_to_truth->total, 4),
+                      " for the initial model and ",
+                      FormatSignificant(result.corrected_to_truth->total, 4),
+                      " for the one written.")});
   }
-  return sentences;
+  return findings;
 }
 
 }  // namespace mle::correct

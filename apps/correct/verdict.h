@@ -20,11 +20,11 @@ bool HasMoved(const ParameterEstimate& estimate);
 
 // Two sentences: aged or not, how sure and where; what that is worth on records
 // that the fit had not seen, and so what to do.
-std::vector<std::string> Verdict(const Result& result);
+std::vector<std::string> DescribeVerdict(const Result& result);
 
-// What it rests on, a sentence each: every change of an element, fits of every
-// output, the distance to the truth where it is known.
-std::vector<std::string> Findings(const Result& result);
+// What it rests on: every change of an element, fits of every output, the
+// distance to the truth where it is known.
+std::vector<Finding> Findings(const Result& result);
 
 }  // namespace mle::correct
 

@@ -280,16 +280,17 @@ absl::Status SetLife(Request& request) {
                                          campaign.model.num_outputs()));
   }
   UpdateOptions& update = life.update;
-  update.estimation.structured.false_alarm_probability =
+  CorrectOptions& correct = update.correct;
+  correct.estimation.structured.false_alarm_probability =
       FLAGS_false_alarm_probability;
-  // With no doubt about the test nothing is simulated.
-  if (!FLAGS_calibrate_test) update.estimation.calibration.doubt = 1.0;
-  update.estimation.conversion.order = FLAGS_order;
-  update.estimation.conversion.samples = FLAGS_conversion_samples;
-  update.estimation.correction.lambdas = correct::DefaultLambdaGrid();
-  MLE_RETURN_IF_ERROR(correct::SetSolver(update.estimation));
-  update.validation_folds = FLAGS_validation_folds;
-  update.least_gain = FLAGS_least_gain;
+  if (!FLAGS_calibrate_test) {
+    correct.estimation.change_test = ChangeTest::kChiSquare;
+  }
+  correct.estimation.conversion.order = FLAGS_order;
+  correct.estimation.conversion.samples = FLAGS_conversion_samples;
+  MLE_RETURN_IF_ERROR(correct::SetSolver(correct.estimation));
+  correct.hold_out.max_folds = FLAGS_validation_folds;
+  correct.decision.least_gain = FLAGS_least_gain;
   update.control_period = period;
   const double horizon =
       FLAGS_response_horizon > 0.0 ? FLAGS_response_horizon : settling;

@@ -36,7 +36,7 @@ class Years {
         options_(options),
         operation_(std::move(operation)),
         model_(std::move(model)) {
-    options_.update.estimation.estimator = policy.estimator;
+    options_.update.correct.estimation.estimator = policy.estimator;
   }
 
   absl::StatusOr<ChangeRow> Change(const SetPointEvent& event) {
@@ -105,7 +105,7 @@ class Years {
   std::vector<Record> RecordsForCorrection() const {
     std::vector<Record> records;
     const bool thin = options_.forgetting < 1.0 &&
-                      policy_.estimator == correct::Estimator::kStructured;
+                      policy_.estimator == Estimator::kStructured;
     double share = 1.0;
     for (const Record& window : windows_) {
       if (operation_.now() - window.start_time > options_.window_age) break;

@@ -4,8 +4,8 @@
 #define APPS_LIFECYCLE_MODEL_IN_USE_H_
 
 #include "absl/status/statusor.h"
-#include "apps/correct/prediction.h"
 #include "control/prediction_model.h"
+#include "mle/maintain/prediction.h"
 #include "mle/model/process_model.h"
 #include "mle/model/step_response.h"
 
@@ -17,8 +17,8 @@ struct ModelInUse {
   ProcessModel process;
   // Step responses are not those of `process`: the model has a ΔR.
   bool own_response = false;
-  StepResponse response;         // at 0, Δt, … (only if own_response)
-  correct::Predictor predictor;  // of the model in use (only if own_response)
+  StepResponse response;  // at 0, Δt, … (only if own_response)
+  Predictor predictor;    // of the model in use (only if own_response)
   control::PredictionModel prediction;
 };
 

@@ -32,7 +32,7 @@ absl::StatusOr<double> Argument(const std::string& part, double none) {
 }
 
 absl::StatusOr<Policy> ParseCorrection(const std::string& part,
-                                       correct::Estimator estimator) {
+                                       Estimator estimator) {
   Policy policy;
   policy.kind = Policy::Kind::kCorrection;
   policy.estimator = estimator;
@@ -43,17 +43,15 @@ absl::StatusOr<Policy> ParseCorrection(const std::string& part,
                  "≥ 1 is needed");
   }
   policy.every = static_cast<int>(every);
-  policy.name =
-      absl::StrCat(std::string(correct::NameOf(estimator)), ":", policy.every);
+  policy.name = absl::StrCat(std::string(NameOf(estimator)), ":", policy.every);
   return policy;
 }
 
 absl::StatusOr<Policy> ParsePolicy(const std::string& part) {
   const std::string kind = part.substr(0, part.find(':'));
   for (const auto estimator :
-       {correct::Estimator::kStructured, correct::Estimator::kCombined,
-        correct::Estimator::kArx}) {
-    if (kind == correct::NameOf(estimator)) {
+       {Estimator::kStructured, Estimator::kCombined, Estimator::kArx}) {
+    if (kind == NameOf(estimator)) {
       return ParseCorrection(part, estimator);
     }
   }

@@ -18,14 +18,14 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "apps/correct/estimation.h"
+#include "mle/maintain/estimation.h"
 
 namespace mle::lifecycle {
 
 struct Policy {
   enum class Kind { kNever, kPerfect, kCorrection, kTest, kOnDemand };
   Kind kind = Kind::kNever;
-  correct::Estimator estimator = correct::Estimator::kStructured;
+  Estimator estimator = Estimator::kStructured;
   int every = 1;           // kCorrection: changes, ≥ 1
   double months = 0.0;     // kTest, > 0
   double threshold = 0.0;  // kOnDemand, in (0, 1)

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "apps/correct/validation.h"
 #include "mle/base/status.h"
 #include "mle/model/process_model.h"
 
@@ -15,8 +14,6 @@ namespace mle::lifecycle {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
-constexpr double kAcceptedGap = 1e-6;
 
 constexpr std::array<std::pair<Outcome, std::string_view>, 5> kNames = {{
     {Outcome::kNone, "none"},
@@ -34,56 +31,29 @@ UpdateResult Refuse(std::string reason, double gain) {
   return result;
 }
 
-// The worse of the two ways of holding out; NaN if there is neither.
-double WorstGain(const correct::Validation& validation) {
-  double worst = kNaN;
-  for (const auto* way : {&validation.windows, &validation.blocks}) {
-    if (!way->has_value() || !(*way)->available()) continue;
-    worst = std::isnan(worst) ? (*way)->gain : std::min(worst, (*way)->gain);
-  }
-  return worst;
-}
-
-// The corrected model of an accepted estimate.
-absl::StatusOr<ModelInUse> MakeModel(const correct::Estimate& estimate,
-                                     double sample_time,
+// The model that was handed over, for the controller.
+absl::StatusOr<ModelInUse> MakeModel(const CorrectionResult& result,
                                      const UpdateOptions& options) {
-  const StructuredFit& structured = estimate.fit.structured.corrected;
-  const ProcessModel& process = structured.model;
-  for (const FitCertificate& certificate : structured.certificates) {
-    if (certificate.termination == FitTermination::kFailed) {
-      return absl::FailedPreconditionError(
-          absl::StrCat("a fit failed: ", certificate.message));
-    }
+  if (!result.usable()) {
+    return absl::FailedPreconditionError(result.failures.front().text);
   }
-  const bool arx =
-      estimate.setting.options.estimator == correct::Estimator::kArx;
-  if (!arx && !estimate.fit.arx.has_value()) {
-    return UseProcess(process, options.control_period);
+  if (result.corrected.process.has_value()) {
+    return UseProcess(*result.corrected.process, options.control_period);
   }
-  // Long enough for the controller, which holds the last value.
-  const int settled =
-      static_cast<int>(std::ceil(3.0 * SettlingTime(process) / sample_time));
-  MLE_ASSIGN_OR_RETURN(const correct::CorrectedModel corrected,
-                       correct::MakeCorrectedModel(
-                           estimate, /*accepted=*/true, sample_time,
-                           std::max(settled + 1, options.response_samples)));
-  if (!(corrected.max_relative_gap <= kAcceptedGap)) {
-    return absl::FailedPreconditionError(
-        absl::StrCat("a lasso fit has a relative duality gap of ",
-                     corrected.max_relative_gap, ", more than ", kAcceptedGap));
-  }
+  const bool arx = result.options.estimation.estimator == Estimator::kArx;
   ModelInUse model;
-  model.process = arx ? estimate.setting.initial : process;
+  model.process =
+      arx ? result.initial : result.estimate.fit.structured.corrected.model;
   model.own_response = true;
-  model.response = corrected.response;
-  model.predictor = estimate.fit.corrected;
+  model.response = result.corrected.response;
+  model.predictor = result.estimate.fit.corrected;
   std::vector<InputRole> roles;
-  for (const InputChannel& input : process.inputs())
+  for (const InputChannel& input : result.initial.inputs()) {
     roles.push_back(input.role);
+  }
   MLE_ASSIGN_OR_RETURN(model.prediction,
                        control::PredictFromStepResponse(
-                           corrected.response, roles, options.control_period));
+                           model.response, roles, options.control_period));
   return model;
 }
 
@@ -105,47 +75,52 @@ absl::StatusOr<Outcome> ParseOutcome(std::string_view name) {
       "'; known are none, no change, updated, refused and reverted"));
 }
 
+CorrectOptions UpdateOptions::SimulatedRecords() {
+  CorrectOptions options;
+  options.records.mark = {.frozen = false, .outliers = false};
+  options.make_arx = false;
+  options.examine = false;
+  options.threads = 1;
+  return options;
+}
+
 absl::StatusOr<UpdateResult> UpdateModel(const ModelInUse& in_use,
                                          const std::vector<Record>& windows,
                                          const UpdateOptions& options) {
+  CorrectOptions correct = options.correct;
+  // Long enough for the controller, which holds the last value.
   const double sample_time = windows.front().sample_time;
-  absl::StatusOr<correct::Estimate> estimate =
-      correct::EstimateModel(in_use.process, windows, options.estimation);
-  if (!estimate.ok()) {
-    return Refuse(absl::StrCat("not estimated: ", estimate.status().message()),
+  const double settled = 3.0 * SettlingTime(in_use.process) / sample_time;
+  correct.response_horizon =
+      sample_time *
+      std::max(std::ceil(settled), options.response_samples - 1.0);
+  // The rival is what the controller runs on.
+  if (in_use.own_response) correct.in_use = in_use.predictor;
+  const absl::StatusOr<CorrectionResult> result =
+      CorrectFromData(in_use.process, UseAsWindows(windows), correct);
+  if (!result.ok()) {
+    return Refuse(absl::StrCat("not estimated: ", result.status().message()),
                   kNaN);
   }
-  UpdateResult result;
-  result.held_out_gain = kNaN;
-  if (!estimate->fit.change_proposed) {
-    result.outcome = Outcome::kNoChange;
-    return result;
+  UpdateResult update;
+  update.held_out_gain = result->validation.WorstGain().value_or(kNaN);
+  switch (result->decision) {
+    case Decision::kNoChange:
+      update.outcome = Outcome::kNoChange;
+      return update;
+    case Decision::kRefused:
+      return Refuse(result->reasons.back().text, update.held_out_gain);
+    case Decision::kCorrected:
+      break;
   }
-  // The rival is what the controller runs on.
-  if (in_use.own_response) estimate->fit.initial = in_use.predictor;
-  correct::ValidationOptions trial;
-  trial.max_folds = options.validation_folds;
-  trial.order = options.estimation.conversion.order > 0
-                    ? options.estimation.conversion.order
-                    : correct::ChooseOrder(in_use.process, sample_time);
-  MLE_ASSIGN_OR_RETURN(const correct::Validation validation,
-                       correct::Validate(*estimate, windows, trial));
-  const double gain = WorstGain(validation);
-  if (!(gain > options.least_gain)) {
-    return Refuse(
-        std::isnan(gain)
-            ? "nothing could be held out"
-            : "predicts what was held out worse than the model in use",
-        gain);
-  }
-  absl::StatusOr<ModelInUse> model = MakeModel(*estimate, sample_time, options);
+  absl::StatusOr<ModelInUse> model = MakeModel(*result, options);
   if (!model.ok()) {
-    return Refuse(absl::StrCat("not usable: ", model.status().message()), gain);
+    return Refuse(absl::StrCat("not usable: ", model.status().message()),
+                  update.held_out_gain);
   }
-  result.outcome = Outcome::kUpdated;
-  result.held_out_gain = gain;
-  result.model = *std::move(model);
-  return result;
+  update.outcome = Outcome::kUpdated;
+  update.model = *std::move(model);
+  return update;
 }
 
 }  // namespace mle::lifecycle

@@ -1,9 +1,5 @@
-// A policy's update: corrects the model in use from records, validates the
-// correction on held-out data, and accepts or refuses it.
-//
-// Test, estimators and trial are those of mle_correct (apps/correct): without a
-// change that the test sees, nothing is done; a correction that predicts what
-// was held out worse than the model in use is refused.
+// A policy's update: corrects the model in use from records, and accepts or
+// refuses the correction as CorrectFromRecords() (mle/maintain) decides.
 
 #ifndef APPS_LIFECYCLE_UPDATE_H_
 #define APPS_LIFECYCLE_UPDATE_H_
@@ -15,21 +11,21 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "apps/correct/estimation.h"
 #include "apps/lifecycle/model_in_use.h"
 #include "mle/data/record.h"
+#include "mle/maintain/correct.h"
 #include "mle/model/process_model.h"
 
 namespace mle::lifecycle {
 
 struct UpdateOptions {
-  correct::EstimationOptions estimation;
-  int validation_folds = 5;  // ≥ 2
-  // A correction must raise the log-likelihood of what is held out by more than
-  // this, ≥ 0.
-  double least_gain = 0.0;
+  CorrectOptions correct = SimulatedRecords();
   double control_period = 1.0;
   int response_samples = 501;  // compared with the plant
+
+  // What is simulated here has no outliers, and nobody looks at diagnostics or
+  // an ARX model.
+  static CorrectOptions SimulatedRecords();
 };
 
 enum class Outcome {

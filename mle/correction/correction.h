@@ -29,7 +29,7 @@ namespace mle {
 
 struct CorrectionOptions {
   // Ascending, ≥ 0, not empty; the paper's are 0, 1e-6, …, 1e-2.
-  Eigen::VectorXd lambdas;
+  Eigen::VectorXd lambdas = {};
   Scaling scaling = Scaling::kStandardise;
   // An intercept for each window rather than one for all: for records whose
   // operating points, or slow disturbances, differ. Only if standardised.
@@ -37,9 +37,9 @@ struct CorrectionOptions {
   // p × n, or empty for ones: weight of each coefficient's penalty, ≥ 0. 0
   // leaves it free, ∞ holds it: for inputs known not to reach an output, or
   // lags shorter than a known dead time.
-  Eigen::MatrixXd penalty_weights;
-  SelectionOptions selection;
-  LassoSolverOptions solver;
+  Eigen::MatrixXd penalty_weights = {};
+  SelectionOptions selection = {};
+  LassoSolverOptions solver = {};
 
   absl::Status Validate() const;
 };

@@ -83,7 +83,7 @@ struct HistorianOptions {
   // Whether short gaps of outputs are bridged too; if not, they stay NaN.
   // Structured correction does as well without, a regression on lagged data
   // loses as many samples as it has lags for each that is bad.
-  bool bridge_outputs = true;
+  bool bridge_outputs = false;
   // Of all records together, > 0: more is an error.
   std::int64_t max_samples = 20'000'000;
 

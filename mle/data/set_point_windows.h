@@ -46,7 +46,7 @@ struct WindowOptions {
   // are not used. In order of time.
   std::vector<double> change_times = {};
   // Subtracts the operating point from the samples.
-  bool remove_operating_point = true;
+  bool remove_operating_point = false;
   // Standard deviations that a trend or a step in a quiet part must have to be
   // reported, > 0. At 5 white noise is reported in less than 1 of 10⁴ parts.
   double report_threshold = 5.0;

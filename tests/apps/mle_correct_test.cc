@@ -26,7 +26,7 @@ using ::testing::Not;
 TEST(MleCorrectTest, AChangedGainIsFoundAndCorrected) {
   const HeaterExample example(WithHalvedGain());
   const nlohmann::json result = example.Run();
-  EXPECT_EQ(result["version"], 1);
+  EXPECT_EQ(result["version"], 2);
   EXPECT_EQ(result["decision"], "corrected");
   EXPECT_LT(result["test_of_no_change"]["p_value"], 1e-6);
   const nlohmann::json changed = ElementOf(result, "y1", "u1");

@@ -13,17 +13,23 @@ BEGIN {
   data = model " mle/data"
   regression = data " mle/regression"
   nonlinear = regression " mle/nonlinear"
-  all_of_mle = nonlinear " mle/correction"
+  correction = nonlinear " mle/correction"
+  all_of_mle = correction " mle/maintain"
 
   allowed["mle/base"] = base
   allowed["mle/model"] = model
   allowed["mle/data"] = data
   allowed["mle/regression"] = regression
   allowed["mle/nonlinear"] = nonlinear
-  allowed["mle/correction"] = all_of_mle
+  allowed["mle/correction"] = correction
+  allowed["mle/maintain"] = all_of_mle
+  # The front door.
+  allowed["mle/mle.h"] = all_of_mle
+  all_of_mle = all_of_mle " mle/mle.h"
   allowed["sim"] = data " sim"
   allowed["control"] = data " control"
   allowed["benchmarks"] = all_of_mle " sim control apps benchmarks"
+  allowed["examples"] = all_of_mle " sim control"
   allowed["apps"] = all_of_mle " sim control apps"
   allowed["tests"] = allowed["apps"] " tests"
 }

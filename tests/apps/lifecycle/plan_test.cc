@@ -117,7 +117,7 @@ TEST(PolicyTest, ListsAreRead) {
   ASSERT_TRUE(policies.ok()) << policies.status();
   ASSERT_EQ(policies->size(), 7u);
   EXPECT_EQ((*policies)[1].every, 3);
-  EXPECT_EQ((*policies)[1].estimator, correct::Estimator::kStructured);
+  EXPECT_EQ((*policies)[1].estimator, Estimator::kStructured);
   EXPECT_EQ((*policies)[2].name, "combined:1");
   EXPECT_EQ((*policies)[3].family(), "arx");
   EXPECT_EQ((*policies)[4].months, 6.0);

@@ -73,8 +73,7 @@ inline OperationOptions NoisyTank() {
 inline LifeOptions TankLife(OperationOptions operation) {
   LifeOptions options;
   options.operation = std::move(operation);
-  options.update.estimation.calibration.doubt = 1.0;
-  options.update.estimation.correction.lambdas = correct::DefaultLambdaGrid();
+  options.update.correct.estimation.change_test = ChangeTest::kChiSquare;
   options.update.response_samples = 44;
   options.test = {.hold = 50.0, .move = Eigen::VectorXd::Ones(1)};
   return options;

@@ -181,7 +181,9 @@ TEST(HistorianTest, ShortGapsAreBridgedAndLongOnesSplit) {
     if (k == 3 || k == 4 || (k >= 10 && k < 30)) continue;
     absl::StrAppend(&text, k, ",", k, ",", k % 2, "\n");
   }
-  const HistorianImport import = ImportOk(text);
+  HistorianOptions options;
+  options.bridge_outputs = true;
+  const HistorianImport import = ImportOk(text, options);
   ASSERT_EQ(import.records.size(), 2u);
   EXPECT_EQ(import.records[0].samples(), 10);
   EXPECT_EQ(import.records[0].outputs(0, 3), 3.0);  // linear
@@ -194,9 +196,7 @@ TEST(HistorianTest, ShortGapsAreBridgedAndLongOnesSplit) {
   EXPECT_TRUE(import.report.gaps[1].splits);
   EXPECT_EQ(import.report.channels[0].bridged, 2);
 
-  HistorianOptions options;
-  options.bridge_outputs = false;
-  const Record record = ImportOk(text, options).records[0];
+  const Record record = ImportOk(text).records[0];
   EXPECT_TRUE(std::isnan(record.outputs(0, 3)));
   EXPECT_EQ(record.inputs(0, 3), 0.0);
 }

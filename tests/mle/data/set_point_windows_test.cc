@@ -85,7 +85,7 @@ TEST(FindWindowsTest, TakeOffTheirOwnOperatingPoint) {
   Record record = Noise(2000, 2, {{500, 0, 7, 9}, {1200, 1, 8, 6}});
   record.inputs.row(0).tail(1000).setConstant(25.0);
   record.outputs.row(0).tail(1500).array() += 2.0;
-  const WindowSet set = Find({record});
+  const WindowSet set = Find({record}, {.remove_operating_point = true});
   const OperatingPoint& first = set.windows[0].operating_point;
   const OperatingPoint& second = set.windows[1].operating_point;
   EXPECT_EQ(first.samples, 104);
@@ -97,7 +97,7 @@ TEST(FindWindowsTest, TakeOffTheirOwnOperatingPoint) {
   EXPECT_NEAR(set.windows[0].record.outputs.row(0).tail(100).mean(), 2.0, 0.1);
   EXPECT_NEAR(set.windows[0].record.set_points(0, 200), 2.0, 0.1);
 
-  const WindowSet kept = Find({record}, {.remove_operating_point = false});
+  const WindowSet kept = Find({record});
   EXPECT_EQ(kept.windows[1].record.outputs,
             record.outputs.middleCols(1200 - 104, 261));
 }

@@ -1,4 +1,4 @@
-#include "apps/correct/prediction.h"
+#include "mle/maintain/prediction.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,7 @@
 #include "mle/model/process_simulator.h"
 #include "mle/nonlinear/output_reconstruction.h"
 
-namespace mle::correct {
+namespace mle {
 namespace {
 
 using Eigen::MatrixXd;
@@ -142,4 +142,4 @@ absl::StatusOr<Predictor> PredictFilled(const ProcessModel& model,
   });
 }
 
-}  // namespace mle::correct
+}  // namespace mle

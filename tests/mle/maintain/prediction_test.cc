@@ -1,4 +1,4 @@
-#include "apps/correct/prediction.h"
+#include "mle/maintain/prediction.h"
 
 #include <cmath>
 #include <vector>
@@ -7,7 +7,7 @@
 #include "mle/base/random.h"
 #include "mle/model/process_simulator.h"
 
-namespace mle::correct {
+namespace mle {
 namespace {
 
 ProcessModel Tank() {
@@ -159,4 +159,4 @@ TEST(PredictionTest, AnArxModelPredictsItsOwnRecordExactly) {
 }
 
 }  // namespace
-}  // namespace mle::correct
+}  // namespace mle

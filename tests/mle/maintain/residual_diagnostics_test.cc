@@ -1,4 +1,4 @@
-#include "apps/correct/diagnostics.h"
+#include "mle/maintain/residual_diagnostics.h"
 
 #include <cmath>
 #include <vector>
@@ -6,7 +6,7 @@
 #include "gtest/gtest.h"
 #include "mle/base/random.h"
 
-namespace mle::correct {
+namespace mle {
 namespace {
 
 constexpr int kSamples = 1500;
@@ -104,4 +104,4 @@ TEST(DiagnosticsTest, UnitsChangeNothing) {
 }
 
 }  // namespace
-}  // namespace mle::correct
+}  // namespace mle

@@ -1,4 +1,4 @@
-#include "apps/correct/conversion_scales.h"
+#include "mle/maintain/channel_scales.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 #include "mle/base/status.h"
 #include "mle/correction/excitation.h"
 
-namespace mle::correct {
+namespace mle {
 namespace {
 
 using Eigen::VectorXd;
@@ -20,6 +20,8 @@ constexpr double kPaperSignalToNoise = 500.0;
 constexpr double kSmallestRelativeNoise = 1e-5;
 constexpr int kMostRegressors = 1500;
 constexpr int kShortestOrder = 10;
+constexpr int kFewestSamples = 100;
+constexpr int kMostSamples = 10'000'000;
 constexpr int kResponseSamples = 200;
 
 double LargestResponse(const TransferFunction& element) {
@@ -120,6 +122,24 @@ ArxModel Unscaled(const ArxModel& model, const ChannelScales& scales) {
   return unscaled;
 }
 
+absl::Status ConversionSettings::Validate() const {
+  if (order < 0) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "conversion.order = ", order, ": it must not be negative"));
+  }
+  if (!(penalty >= 0.0) || !std::isfinite(penalty)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("conversion.penalty = ", penalty,
+                     ": it must be finite and not negative"));
+  }
+  if (samples < kFewestSamples || samples > kMostSamples) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("conversion.samples = ", samples,
+                     ": from 100 to 10,000,000 are possible"));
+  }
+  return absl::OkStatus();
+}
+
 int ChooseOrder(const ProcessModel& model, double sample_time) {
   double longest = 0.0;
   for (int i = 0; i < model.num_outputs(); ++i) {
@@ -166,4 +186,4 @@ absl::StatusOr<ConversionSummary> ConvertUnderNoise(
   return ConvertToArx(record, options);
 }
 
-}  // namespace mle::correct
+}  // namespace mle

@@ -2,13 +2,13 @@
 // windows around their set-point changes.
 //
 //   MLE_ASSIGN_OR_RETURN(const RecordData data,
-//                        LoadRecords(paths, model, options));
-//   CorrectStructure(model, data.Records(), …);
+//                        LoadRecords(paths, model, HistorianOptions(), {}));
+//   CorrectFromData(model, data, …);
 
-#ifndef APPS_CORRECT_RECORDS_H_
-#define APPS_CORRECT_RECORDS_H_
+#ifndef MLE_MAINTAIN_RECORDS_H_
+#define MLE_MAINTAIN_RECORDS_H_
 
-#include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,37 +18,32 @@
 #include "mle/data/historian.h"
 #include "mle/data/record.h"
 #include "mle/data/set_point_windows.h"
+#include "mle/maintain/message.h"
 #include "mle/model/process_model.h"
 #include "mle/nonlinear/structured_correction.h"
 
-namespace mle::correct {
+namespace mle {
 
 struct RecordOptions {
-  HistorianOptions import;
   WindowOptions windows;
   // What is taken as bad: frozen stretches and single samples far from their
   // neighbours.
   MarkOptions mark;
-};
 
-// A file as it was read.
-struct DataFile {
-  std::string path;
-  std::string sha256;  // of its bytes, hexadecimal
-  std::int64_t bytes = 0;
+  absl::Status Validate() const;
 };
 
 struct RecordData {
-  std::vector<DataFile> files;
   std::vector<Record> records;
+  // Of the files; empty but for the sample time where there are none.
   HistorianReport report;
   // Records as they are, no operating point taken off.
   std::vector<SetPointWindow> windows;
   HealthReport health;
   // p: outliers that the model found besides (MarkOutliersByModel()).
   std::vector<int> outliers_by_model;
-  std::vector<std::string> notes;     // what was found
-  std::vector<std::string> warnings;  // what weakens the result
+  std::vector<Message> notes;     // what was found
+  std::vector<Message> warnings;  // what weakens the result
 
   double sample_time() const { return report.sample_time; }
   std::vector<Record> Records() const;  // of the windows
@@ -61,12 +56,22 @@ double EndOf(const SetPointWindow& window);
 std::vector<std::string> UnrestIn(const SetPointWindow& window,
                                   const ProcessModel& model);
 
-// Errors name the file and, where there is one, the flag that would help.
-// Windows are whole in their inputs: one with a gap there is cut to its longest
-// part. No window at all is an error: nothing there can be learnt from.
+// Records in memory: of the model's channels, not empty, all with one sample
+// time. Windows are whole in their inputs: one with a gap there is cut to its
+// longest part. No window at all is an error: nothing there can be learnt from.
+absl::StatusOr<RecordData> PrepareRecords(std::vector<Record> records,
+                                          const ProcessModel& model,
+                                          const RecordOptions& options);
+
+// The same of a historian's files. Errors name the file.
 absl::StatusOr<RecordData> LoadRecords(const std::vector<std::string>& paths,
                                        const ProcessModel& model,
+                                       const HistorianOptions& import,
                                        const RecordOptions& options);
+
+// Records that are windows already, as simulations make them: nothing is
+// checked, marked or cut.
+RecordData UseAsWindows(std::vector<Record> windows);
 
 // Neighbours do not find every outlier of a burst, the model does
 // (output_reconstruction.h): marks as bad what it finds in the windows, and
@@ -75,6 +80,12 @@ absl::Status MarkOutliersByModel(const ProcessModel& model,
                                  const StructuredOptions& structured,
                                  RecordData& data);
 
-}  // namespace mle::correct
+// Where neighbours find an outlier there may be more of them that only the
+// model finds; likewise where a robust loss is asked for.
+bool ShouldLookForOutliers(const RecordOptions& options,
+                           const StructuredOptions& structured,
+                           const RecordData& data);
 
-#endif  // APPS_CORRECT_RECORDS_H_
+}  // namespace mle
+
+#endif  // MLE_MAINTAIN_RECORDS_H_

@@ -21,16 +21,16 @@
 // degrees of freedom if the errors are white (Ljung, System Identification,
 // 1999, sec. 16.6).
 
-#ifndef APPS_CORRECT_DIAGNOSTICS_H_
-#define APPS_CORRECT_DIAGNOSTICS_H_
+#ifndef MLE_MAINTAIN_RESIDUAL_DIAGNOSTICS_H_
+#define MLE_MAINTAIN_RESIDUAL_DIAGNOSTICS_H_
 
 #include <vector>
 
 #include "Eigen/Core"
-#include "apps/correct/prediction.h"
 #include "mle/data/record.h"
+#include "mle/maintain/prediction.h"
 
-namespace mle::correct {
+namespace mle {
 
 inline constexpr double kDiagnosticLevel = 0.01;  // of the limits: 99 %
 inline constexpr int kTestLags = 20;
@@ -68,6 +68,6 @@ std::vector<ResidualReport> ExamineResiduals(const Predictor& predictor,
                                              const std::vector<Record>& windows,
                                              int max_lag);
 
-}  // namespace mle::correct
+}  // namespace mle
 
-#endif  // APPS_CORRECT_DIAGNOSTICS_H_
+#endif  // MLE_MAINTAIN_RESIDUAL_DIAGNOSTICS_H_

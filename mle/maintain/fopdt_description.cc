@@ -1,4 +1,4 @@
-#include "apps/correct/fopdt_elements.h"
+#include "mle/maintain/fopdt_description.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "mle/base/status.h"
 
-namespace mle::correct {
+namespace mle {
 namespace {
 
 constexpr int kResponseSamples = 600;
@@ -132,4 +132,4 @@ ProcessModel FopdtModel(const ProcessModel& initial,
   return model;
 }
 
-}  // namespace mle::correct
+}  // namespace mle

@@ -1,4 +1,4 @@
-#include "apps/correct/diagnostics.h"
+#include "mle/maintain/residual_diagnostics.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include "Eigen/QR"
 #include "mle/nonlinear/distributions.h"
 
-namespace mle::correct {
+namespace mle {
 namespace {
 
 using Eigen::MatrixXd;
@@ -175,4 +175,4 @@ std::vector<ResidualReport> ExamineResiduals(const Predictor& predictor,
   return reports;
 }
 
-}  // namespace mle::correct
+}  // namespace mle

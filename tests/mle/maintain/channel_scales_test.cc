@@ -1,11 +1,11 @@
-#include "apps/correct/conversion_scales.h"
+#include "mle/maintain/channel_scales.h"
 
 #include <cmath>
 #include <vector>
 
 #include "gtest/gtest.h"
 
-namespace mle::correct {
+namespace mle {
 namespace {
 
 ProcessModel Heater(double output_unit, double input_unit) {
@@ -91,4 +91,4 @@ TEST(ConversionScalesTest, TheOrderIsThatOfThePaperForItsPlant) {
 }
 
 }  // namespace
-}  // namespace mle::correct
+}  // namespace mle

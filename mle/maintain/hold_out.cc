@@ -1,4 +1,4 @@
-#include "apps/correct/validation.h"
+#include "mle/maintain/hold_out.h"
 
 #include <algorithm>
 #include <array>
@@ -11,7 +11,7 @@
 #include "mle/base/parallel.h"
 #include "mle/base/status.h"
 
-namespace mle::correct {
+namespace mle {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -166,20 +166,26 @@ FitPercent CorrectedPercent(const std::array<Sums, 3>& sums) {
           Percent(sums[2].corrected, sums[2])};
 }
 
-HeldOut HoldOut(const Estimate& estimate, const std::vector<Record>& windows,
-                const std::vector<Fold>& folds, int horizon, int threads) {
+absl::StatusOr<HeldOut> HoldOut(const Estimate& estimate,
+                                const std::vector<Record>& windows,
+                                const std::vector<Fold>& folds, int horizon,
+                                int threads, const ProgressCallback& progress) {
   const int count = static_cast<int>(folds.size());
   const std::array<int, 3> horizons = {1, horizon, 0};
   std::vector<absl::Status> status(count);
   std::vector<Scores> scores(count);
+  Stage stage(progress, "predicting what is held out", count);
   ParallelFor(count, threads, [&](int f) {
+    if (stage.cancelled()) return;
     const absl::StatusOr<Predictor> corrected = PredictFromPart(
         estimate.setting, estimate.fit, Remaining(windows, folds[f]));
     status[f] = corrected.status();
     if (!corrected.ok()) return;
     scores[f] = ScoreFold(windows, folds[f], estimate.fit.initial, *corrected,
                           horizons);
+    stage.Done();
   });
+  MLE_RETURN_IF_ERROR(stage.status());
   HeldOut held_out;
   Scores all(windows.front().num_outputs());
   for (int f = 0; f < count; ++f) {
@@ -235,9 +241,25 @@ HeldOut BlocksOfTheRule(const Correction& correction,
 
 }  // namespace
 
-bool Validation::worsens() const {
-  return (windows.has_value() && windows->worsens()) ||
-         (blocks.has_value() && blocks->worsens());
+absl::Status HoldOutOptions::Validate() const {
+  if (max_folds < 2) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "hold_out.max_folds = ", max_folds, ": it must be at least 2"));
+  }
+  if (horizon < 0) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "hold_out.horizon = ", horizon, ": it must not be negative"));
+  }
+  return absl::OkStatus();
+}
+
+std::optional<double> Validation::WorstGain() const {
+  std::optional<double> worst;
+  for (const auto* way : {&windows, &blocks}) {
+    if (!way->has_value() || !(*way)->available()) continue;
+    worst = std::min(worst.value_or((*way)->gain), (*way)->gain);
+  }
+  return worst;
 }
 
 const HeldOut* Validation::shown() const {
@@ -246,12 +268,16 @@ const HeldOut* Validation::shown() const {
   return nullptr;
 }
 
-absl::StatusOr<Validation> Validate(const Estimate& estimate,
-                                    const std::vector<Record>& windows,
-                                    const ValidationOptions& options) {
+absl::StatusOr<Validation> ValidateByHoldOut(const Estimate& estimate,
+                                             const std::vector<Record>& windows,
+                                             int order,
+                                             const HoldOutOptions& options,
+                                             int threads,
+                                             const ProgressCallback& progress) {
+  MLE_RETURN_IF_ERROR(options.Validate());
   Validation validation;
   validation.horizon =
-      options.horizon > 0 ? options.horizon : std::max(options.order / 5, 1);
+      options.horizon > 0 ? options.horizon : std::max(order / 5, 1);
   if (!estimate.fit.change_proposed) {
     Fold all;
     for (const Record& window : windows) {
@@ -266,17 +292,19 @@ absl::StatusOr<Validation> Validate(const Estimate& estimate,
     return validation;
   }
   if (windows.size() > 1) {
-    validation.windows =
+    MLE_ASSIGN_OR_RETURN(
+        validation.windows,
         HoldOut(estimate, windows, FoldsOfWindows(windows, options.max_folds),
-                validation.horizon, options.threads);
+                validation.horizon, threads, progress));
   }
   if (estimate.fit.arx.has_value()) {
     validation.blocks = BlocksOfTheRule(*estimate.fit.arx, windows);
     return validation;
   }
-  validation.blocks = HoldOut(estimate, windows, FoldsOfBlocks(windows),
-                              validation.horizon, options.threads);
+  MLE_ASSIGN_OR_RETURN(validation.blocks,
+                       HoldOut(estimate, windows, FoldsOfBlocks(windows),
+                               validation.horizon, threads, progress));
   return validation;
 }
 
-}  // namespace mle::correct
+}  // namespace mle

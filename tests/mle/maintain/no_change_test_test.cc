@@ -1,14 +1,14 @@
-#include "apps/correct/null_calibration.h"
+#include "mle/maintain/no_change_test.h"
 
+#include <random>
 #include <vector>
 
-#include "apps/correct/prediction.h"
 #include "gtest/gtest.h"
 #include "mle/base/random.h"
 #include "mle/model/process_simulator.h"
 #include "mle/nonlinear/distributions.h"
 
-namespace mle::correct {
+namespace mle {
 namespace {
 
 ProcessModel Tank(double gain) {
@@ -64,5 +64,61 @@ TEST(NullCalibrationTest, ADoubtfulTestIsMeasuredAgainstItsOwnMean) {
             ChiSquareTail(14.0 / one->factor, test->degrees_of_freedom));
 }
 
+// An input that hardly moves beside a drift: the likelihood has many local
+// maxima along the dead time, and its ratio is far from χ².
+std::vector<Record> HardlyMovingWindows() {
+  Record record;
+  record.sample_time = 0.5;
+  record.inputs = Eigen::MatrixXd::Zero(1, 160);
+  record.inputs.rightCols(80).setConstant(0.05);
+  record.outputs = *SimulateResponse(Tank(2.0), 0.5, record.inputs);
+  return {record};
+}
+
+// The mean of the statistic over records simulated here, without the library's
+// noise.
+double MeanStatistic(const std::vector<Record>& windows, int count) {
+  std::mt19937 engine(7);
+  std::normal_distribution<double> normal;
+  double sum = 0.0;
+  for (int n = 0; n < count; ++n) {
+    std::vector<Record> drawn = windows;
+    double level = 0.0;
+    for (int k = 0; k < drawn[0].samples(); ++k) {
+      drawn[0].outputs(0, k) += level + 0.05 * normal(engine);
+      level += 0.005 * normal(engine);
+    }
+    StructuredOptions options;
+    options.false_alarm_probability = 1e-300;
+    const auto test = CorrectStructure(Tank(2.0), drawn, options);
+    EXPECT_TRUE(test.ok()) << test.status();
+    if (test.ok()) sum += test->statistic;
+  }
+  return sum / count;
+}
+
+TEST(NullCalibrationTest, TheFactorIsThatOfRecordsSimulatedElsewhere) {
+  const std::vector<Record> windows = HardlyMovingWindows();
+  auto test = CorrectStructure(Tank(2.0), windows, {});
+  ASSERT_TRUE(test.ok()) << test.status();
+  ASSERT_EQ(test->degrees_of_freedom, 3);
+  test->change_proposed = true;
+  test->statistic = 14.0;
+  test->p_value = ChiSquareTail(14.0, 3);
+  test->full.noise[0].variance = 0.05 * 0.05;
+  test->full.noise[0].ratio = 0.01;
+  NullCalibrationOptions options;
+  options.replicates = 60;
+  const auto calibration =
+      CalibrateTest(Tank(2.0), windows, *test, {}, options);
+  ASSERT_TRUE(calibration.ok()) << calibration.status();
+  const double expected = MeanStatistic(windows, 60) / 3.0;
+  EXPECT_GT(expected, 1.3);
+  // Each mean of 60 has a standard error of about an eighth of it.
+  EXPECT_NEAR(calibration->factor, expected, 0.45 * expected);
+  EXPECT_EQ(calibration->p_value, ChiSquareTail(14.0 / calibration->factor, 3));
+  EXPECT_GT(calibration->p_value, test->p_value);
+}
+
 }  // namespace
-}  // namespace mle::correct
+}  // namespace mle

@@ -13,18 +13,20 @@
 //
 // (Bartlett, Proc. R. Soc. A 160, 1937.)
 
-#ifndef APPS_CORRECT_NULL_CALIBRATION_H_
-#define APPS_CORRECT_NULL_CALIBRATION_H_
+#ifndef MLE_MAINTAIN_NO_CHANGE_TEST_H_
+#define MLE_MAINTAIN_NO_CHANGE_TEST_H_
 
 #include <cstdint>
 #include <vector>
 
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "mle/data/record.h"
+#include "mle/maintain/progress.h"
 #include "mle/model/process_model.h"
 #include "mle/nonlinear/structured_correction.h"
 
-namespace mle::correct {
+namespace mle {
 
 struct NullCalibration {
   int replicates = 0;   // simulated; 0 where χ² leaves no doubt
@@ -36,6 +38,8 @@ struct NullCalibrationOptions {
   int replicates = 12;  // ≥ 1
   double doubt = 4.0;   // c up to it is thought possible, ≥ 1
   std::uint64_t seed = 1;
+
+  absl::Status Validate() const;
 };
 
 // `test` is what CorrectStructure() said of `windows` with `options`. The
@@ -43,8 +47,9 @@ struct NullCalibrationOptions {
 absl::StatusOr<NullCalibration> CalibrateTest(
     const ProcessModel& initial, const std::vector<Record>& windows,
     const StructuredCorrection& test, const StructuredOptions& options,
-    const NullCalibrationOptions& calibration);
+    const NullCalibrationOptions& calibration,
+    const ProgressCallback& progress = {});
 
-}  // namespace mle::correct
+}  // namespace mle
 
-#endif  // APPS_CORRECT_NULL_CALIBRATION_H_
+#endif  // MLE_MAINTAIN_NO_CHANGE_TEST_H_

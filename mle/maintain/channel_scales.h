@@ -11,13 +11,14 @@
 // with r_i the variance of the output's white noise and |φ_ij| the largest
 // magnitude of the pair's step response. A change of units changes nothing.
 
-#ifndef APPS_CORRECT_CONVERSION_SCALES_H_
-#define APPS_CORRECT_CONVERSION_SCALES_H_
+#ifndef MLE_MAINTAIN_CHANNEL_SCALES_H_
+#define MLE_MAINTAIN_CHANNEL_SCALES_H_
 
 #include <cstdint>
 #include <vector>
 
 #include "Eigen/Core"
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "mle/correction/conversion.h"
 #include "mle/data/record.h"
@@ -25,7 +26,7 @@
 #include "mle/model/process_model.h"
 #include "mle/nonlinear/structured_correction.h"
 
-namespace mle::correct {
+namespace mle {
 
 struct ChannelScales {
   Eigen::VectorXd outputs;  // p, s_i
@@ -49,6 +50,8 @@ struct ConversionSettings {
   int samples = 50000;     // of the excitation
   std::uint64_t seed = 1;  // of the excitation
   LassoSolverOptions solver;
+
+  absl::Status Validate() const;
 };
 
 // 1.25 times the longest dead time and time constant together, as the paper's
@@ -63,6 +66,6 @@ absl::StatusOr<ConversionSummary> ConvertUnderNoise(
     const ChannelScales& scales, double sample_time,
     const ConversionSettings& settings);
 
-}  // namespace mle::correct
+}  // namespace mle
 
-#endif  // APPS_CORRECT_CONVERSION_SCALES_H_
+#endif  // MLE_MAINTAIN_CHANNEL_SCALES_H_

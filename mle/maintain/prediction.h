@@ -5,8 +5,8 @@
 // The error is measured less predicted output: p × samples, NaN where there is
 // no measurement or not yet a prediction.
 
-#ifndef APPS_CORRECT_PREDICTION_H_
-#define APPS_CORRECT_PREDICTION_H_
+#ifndef MLE_MAINTAIN_PREDICTION_H_
+#define MLE_MAINTAIN_PREDICTION_H_
 
 #include <functional>
 #include <vector>
@@ -18,7 +18,7 @@
 #include "mle/model/process_model.h"
 #include "mle/nonlinear/structured_correction.h"
 
-namespace mle::correct {
+namespace mle {
 
 // Errors of a model on a record whose inputs are all known.
 using Predictor =
@@ -48,6 +48,6 @@ absl::StatusOr<Predictor> PredictFilled(const ProcessModel& model,
                                         double sample_time,
                                         const Predictor& predictor);
 
-}  // namespace mle::correct
+}  // namespace mle
 
-#endif  // APPS_CORRECT_PREDICTION_H_
+#endif  // MLE_MAINTAIN_PREDICTION_H_

@@ -12,17 +12,18 @@
 // fitted; its coefficients give no errors, those of the fit say how well a
 // first-order element describes the response, and no more.
 
-#ifndef APPS_CORRECT_FOPDT_ELEMENTS_H_
-#define APPS_CORRECT_FOPDT_ELEMENTS_H_
+#ifndef MLE_MAINTAIN_FOPDT_DESCRIPTION_H_
+#define MLE_MAINTAIN_FOPDT_DESCRIPTION_H_
 
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "apps/correct/estimation.h"
+#include "mle/maintain/corrected_model.h"
+#include "mle/maintain/estimation.h"
 #include "mle/model/process_model.h"
 #include "mle/nonlinear/fopdt_fit.h"
 
-namespace mle::correct {
+namespace mle {
 
 struct FopdtElement {
   double gain = 0.0;
@@ -48,6 +49,6 @@ ProcessModel FopdtModel(const ProcessModel& initial,
                         const std::vector<FopdtElement>& elements,
                         double time_floor);
 
-}  // namespace mle::correct
+}  // namespace mle
 
-#endif  // APPS_CORRECT_FOPDT_ELEMENTS_H_
+#endif  // MLE_MAINTAIN_FOPDT_DESCRIPTION_H_

@@ -1,40 +1,39 @@
 // The corrected model from windows of records.
 //
 // The structured correction always runs: its test of no change guards every
-// estimator, and its noise is what the ARX conversion is made under. Where it
-// finds no change the initial model stays, whatever the estimator.
+// estimator, and its noise is what the ARX conversion is made under. Where the
+// test finds no change the initial model stays, whatever the estimator
+// (estimator.h).
 //
-//   structured  gains, time constants and dead times (the default)
-//   arx         ΔR by lasso, any shape of response (the paper's method)
-//   combined    structured, and ΔR for the outputs in which that leaves
-//               something the inputs explain (combined.h)
+//   MLE_ASSIGN_OR_RETURN(const Estimate estimate,
+//                        EstimateModel(model, windows, EstimationOptions()));
+//
+// Hold-out validation (hold_out.h), the decision (decision.h) and the models
+// for use (corrected_model.h) stand upon it; CorrectFromRecords() (correct.h)
+// does all of them in turn.
 
-#ifndef APPS_CORRECT_ESTIMATION_H_
-#define APPS_CORRECT_ESTIMATION_H_
+#ifndef MLE_MAINTAIN_ESTIMATION_H_
+#define MLE_MAINTAIN_ESTIMATION_H_
 
 #include <optional>
-#include <string>
-#include <string_view>
 #include <vector>
 
 #include "Eigen/Core"
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "apps/correct/conversion_scales.h"
-#include "apps/correct/null_calibration.h"
-#include "apps/correct/prediction.h"
 #include "mle/correction/combined.h"
 #include "mle/correction/correction.h"
 #include "mle/data/record.h"
+#include "mle/maintain/channel_scales.h"
+#include "mle/maintain/estimator.h"
+#include "mle/maintain/no_change_test.h"
+#include "mle/maintain/prediction.h"
+#include "mle/maintain/progress.h"
 #include "mle/model/arx_model.h"
 #include "mle/model/process_model.h"
-#include "mle/model/step_response.h"
 #include "mle/nonlinear/structured_correction.h"
 
-namespace mle::correct {
-
-enum class Estimator { kStructured, kArx, kCombined };
-
-std::string_view NameOf(Estimator estimator);
+namespace mle {
 
 // A λ that corrects nothing, the last of the grid of `correction`.
 inline constexpr double kNoCorrectionLambda = 1e6;
@@ -43,19 +42,34 @@ inline constexpr double kNoCorrectionLambda = 1e6;
 // scaled units (conversion_scales.h) every λ that matters lies between.
 Eigen::VectorXd DefaultLambdaGrid();
 
+// What decides that a change is proposed at all.
+enum class ChangeTest {
+  // The likelihood-ratio test of the structured correction, calibrated on
+  // simulated records where χ² leaves doubt (no_change_test.h).
+  kCalibrated,
+  // The same test by χ² alone.
+  kChiSquare,
+  // Nothing: ΔR is proposed as it is, for studies of the estimator kArx.
+  kNone,
+};
+
 struct EstimationOptions {
-  Estimator estimator = Estimator::kStructured;
+  Estimator estimator = Estimator::kCombined;
+  ChangeTest change_test = ChangeTest::kCalibrated;
   // ΔR at λ*, which is chosen on the exact path, solved as a smooth problem by
   // Ceres. With structured.robust_loss it is solved with that loss, by Ceres.
   bool solve_by_ceres = false;
   StructuredOptions structured;
   NullCalibrationOptions calibration;
   ConversionSettings conversion;
-  CorrectionOptions correction;
+  CorrectionOptions correction = {.lambdas = DefaultLambdaGrid()};
+
+  // Names the field, its value and the constraint broken.
+  absl::Status Validate() const;
 };
 
 // What was fitted to one set of windows.
-struct Fit {
+struct EstimateFit {
   // By the calibrated test; `structured` says so too.
   bool change_proposed = false;
   NullCalibration test;
@@ -72,10 +86,14 @@ struct Fit {
   // proposal.
   Predictor initial;
   Predictor corrected;
+
+  // Of the test that decided: where it found no change and there is one all the
+  // same, that of whether the structure is enough.
+  double PValue() const;
 };
 
 // What an estimator needs besides windows, made once.
-struct Setting {
+struct EstimateSetting {
   ProcessModel initial;
   EstimationOptions options;
   // Of the full fit to all windows.
@@ -93,41 +111,25 @@ struct Setting {
 
 // Everything from all windows.
 struct Estimate {
-  Setting setting;
-  Fit fit;
+  EstimateSetting setting;
+  EstimateFit fit;
 };
 
+// InvalidArgument as of CorrectStructure(), Cancelled by `progress`.
 absl::StatusOr<Estimate> EstimateModel(const ProcessModel& initial,
                                        const std::vector<Record>& windows,
-                                       const EstimationOptions& options);
+                                       const EstimationOptions& options,
+                                       const ProgressCallback& progress = {});
 
 // The two models that a fit to `windows` leaves to compare, where `full` is the
 // fit to all windows and proposes a change. The structured estimator fits the
 // elements that have aged according to `full`, all others at their initial
 // values: a part of the records would not always name the same ones. arx keeps
 // λ. Noise and conversion are those of `setting`.
-absl::StatusOr<Predictor> PredictFromPart(const Setting& setting,
-                                          const Fit& full,
+absl::StatusOr<Predictor> PredictFromPart(const EstimateSetting& setting,
+                                          const EstimateFit& full,
                                           const std::vector<Record>& windows);
 
-// What comes out for use.
-struct CorrectedModel {
-  // Where no output is ΔR's: the process model with the initial one's
-  // shapes.
-  std::optional<ProcessModel> process;
-  ArxModel arx;           // in the units of the records
-  StepResponse response;  // at 0, Δt, … (response_samples)
-  // Standard errors of `response`; where there is a process model.
-  std::optional<StepResponse> errors;
-  double max_relative_gap = 0.0;  // of all lasso fits
-};
+}  // namespace mle
 
-// The initial model where `accepted` is false.
-absl::StatusOr<CorrectedModel> MakeCorrectedModel(const Estimate& estimate,
-                                                  bool accepted,
-                                                  double sample_time,
-                                                  int response_samples);
-
-}  // namespace mle::correct
-
-#endif  // APPS_CORRECT_ESTIMATION_H_
+#endif  // MLE_MAINTAIN_ESTIMATION_H_

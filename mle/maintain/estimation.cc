@@ -1,4 +1,4 @@
-#include "apps/correct/estimation.h"
+#include "mle/maintain/estimation.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,10 +9,11 @@
 #include "mle/correction/robust_correction.h"
 #include "mle/correction/smoothed_correction.h"
 #include "mle/data/lagged_series.h"
+#include "mle/maintain/select_output.h"
 #include "mle/model/process_simulator.h"
 #include "mle/nonlinear/output_reconstruction.h"
 
-namespace mle::correct {
+namespace mle {
 namespace {
 
 // A probability that counts as none.
@@ -20,8 +21,8 @@ constexpr double kNever = 1e-300;
 
 // Missing outputs filled in. Each window has an operating point of its own
 // where the noise has one.
-absl::StatusOr<std::vector<Record>> ScaledWindows(const Setting& setting,
-                                                  std::vector<Record> windows) {
+absl::StatusOr<std::vector<Record>> ScaledWindows(
+    const EstimateSetting& setting, std::vector<Record> windows) {
   MLE_RETURN_IF_ERROR(
       FillOutputs(setting.filler, setting.noise, kLongestFill, windows)
           .status());
@@ -54,7 +55,7 @@ Predictor Mix(const std::vector<bool>& arx_outputs, const Predictor& process,
 }
 
 // Of `process` in all outputs but those of `arx` (scaled), if there is one.
-absl::StatusOr<Predictor> MakePredictor(const Setting& setting,
+absl::StatusOr<Predictor> MakePredictor(const EstimateSetting& setting,
                                         const ProcessModel& process,
                                         const ArxModel* arx,
                                         double sample_time) {
@@ -90,15 +91,15 @@ absl::StatusOr<ArxModel> SolveArx(const EstimationOptions& options,
   return correction.Model(lambdas);
 }
 
-absl::Status SolveArx(const EstimationOptions& options, Fit& fit) {
+absl::Status SolveArx(const EstimationOptions& options, EstimateFit& fit) {
   MLE_ASSIGN_OR_RETURN(fit.arx_model,
                        SolveArx(options, *fit.arx,
                                 fit.arx->selection().lambda_star, fit.arx_gap));
   return absl::OkStatus();
 }
 
-absl::Status AddPredictors(const Setting& setting, double sample_time,
-                           Fit& fit) {
+absl::Status AddPredictors(const EstimateSetting& setting, double sample_time,
+                           EstimateFit& fit) {
   const ArxModel* const before =
       setting.conversion.has_value() ? &setting.conversion->model : nullptr;
   MLE_ASSIGN_OR_RETURN(fit.initial, MakePredictor(setting, setting.initial,
@@ -139,26 +140,14 @@ absl::StatusOr<Record> Remainder(const ProcessModel& held, const Record& record,
   MLE_ASSIGN_OR_RETURN(
       const Eigen::MatrixXd response,
       SimulateResponse(held, record.sample_time, record.inputs));
-  Record remainder;
-  remainder.start_time = record.start_time;
-  remainder.sample_time = record.sample_time;
-  remainder.inputs = record.inputs;
-  remainder.outputs = record.outputs.row(output) - response.row(output);
+  Record remainder = SelectOutput(record, output);
+  remainder.outputs -= response.row(output);
   return remainder;
-}
-
-ProcessModel RowOf(const ProcessModel& model, int output) {
-  ProcessModel row(model.name(), model.time_unit(), model.inputs(),
-                   {model.outputs()[output]});
-  for (int j = 0; j < model.num_inputs(); ++j) {
-    row.element(0, j) = model.element(output, j);
-  }
-  return row;
 }
 
 // The initial model with its aged elements fitted to `windows`.
 absl::StatusOr<ProcessModel> FitAgedElements(
-    const Setting& setting, const StructuredCorrection& full,
+    const EstimateSetting& setting, const StructuredCorrection& full,
     const std::vector<Record>& windows) {
   const Split split = SplitElements(setting.initial, full);
   ProcessModel model = setting.initial;
@@ -176,7 +165,7 @@ absl::StatusOr<ProcessModel> FitAgedElements(
     options.false_alarm_probability = kNever;
     MLE_ASSIGN_OR_RETURN(
         const StructuredCorrection fit,
-        CorrectStructure(RowOf(split.aged, i), remainders, options));
+        CorrectStructure(SelectOutput(split.aged, i), remainders, options));
     for (int j = 0; j < model.num_inputs(); ++j) {
       if (full.aged(i, j)) model.element(i, j) = fit.full.model.element(0, j);
     }
@@ -186,8 +175,8 @@ absl::StatusOr<ProcessModel> FitAgedElements(
 
 // ΔR for the whole model, or for the outputs that structure does not explain.
 absl::Status AddArx(const std::vector<Record>& windows, Estimate& estimate) {
-  Setting& setting = estimate.setting;
-  Fit& fit = estimate.fit;
+  EstimateSetting& setting = estimate.setting;
+  EstimateFit& fit = estimate.fit;
   const EstimationOptions& options = setting.options;
   const double sample_time = windows.front().sample_time;
   const auto p = static_cast<std::size_t>(setting.initial.num_outputs());
@@ -235,6 +224,20 @@ absl::Status AddArx(const std::vector<Record>& windows, Estimate& estimate) {
   return SolveArx(options, fit);
 }
 
+// The test that options.change_test asks for.
+absl::StatusOr<NullCalibration> TestNoChange(
+    const ProcessModel& initial, const std::vector<Record>& windows,
+    const StructuredCorrection& structured, const EstimationOptions& options,
+    const ProgressCallback& progress) {
+  if (options.change_test == ChangeTest::kCalibrated) {
+    return CalibrateTest(initial, windows, structured, options.structured,
+                         options.calibration, progress);
+  }
+  NullCalibration test;
+  test.p_value = structured.p_value;
+  return test;
+}
+
 }  // namespace
 
 Eigen::VectorXd DefaultLambdaGrid() {
@@ -245,20 +248,8 @@ Eigen::VectorXd DefaultLambdaGrid() {
       lambdas.data(), static_cast<Eigen::Index>(lambdas.size()));
 }
 
-std::string_view NameOf(Estimator estimator) {
-  switch (estimator) {
-    case Estimator::kStructured:
-      return "structured";
-    case Estimator::kArx:
-      return "arx";
-    case Estimator::kCombined:
-      return "combined";
-  }
-  return "";
-}
-
-absl::StatusOr<Predictor> PredictFromPart(const Setting& setting,
-                                          const Fit& full,
+absl::StatusOr<Predictor> PredictFromPart(const EstimateSetting& setting,
+                                          const EstimateFit& full,
                                           const std::vector<Record>& windows) {
   const double sample_time = windows.front().sample_time;
   ProcessModel process = setting.initial;
@@ -283,16 +274,40 @@ absl::StatusOr<Predictor> PredictFromPart(const Setting& setting,
   return MakePredictor(setting, process, &arx, sample_time);
 }
 
+double EstimateFit::PValue() const {
+  const bool by_structure =
+      change_proposed && adequacy.has_value() && !structured.change_proposed;
+  return by_structure ? adequacy->p_value : test.p_value;
+}
+
+absl::Status EstimationOptions::Validate() const {
+  if (change_test == ChangeTest::kNone && estimator != Estimator::kArx) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("change_test is none, but estimator is ",
+                     std::string(NameOf(estimator)),
+                     ": only arx can do without a test of no change"));
+  }
+  MLE_RETURN_IF_ERROR(structured.Validate());
+  MLE_RETURN_IF_ERROR(calibration.Validate());
+  MLE_RETURN_IF_ERROR(conversion.Validate());
+  return correction.Validate();
+}
+
 absl::StatusOr<Estimate> EstimateModel(const ProcessModel& initial,
                                        const std::vector<Record>& windows,
-                                       const EstimationOptions& options) {
+                                       const EstimationOptions& options,
+                                       const ProgressCallback& progress) {
+  MLE_RETURN_IF_ERROR(options.Validate());
+  Stage fitting(progress,
+                absl::StrCat("fitting ", windows.size(),
+                             windows.size() == 1 ? " window" : " windows"));
   MLE_ASSIGN_OR_RETURN(StructuredCorrection structured,
                        CorrectStructure(initial, windows, options.structured));
+  MLE_RETURN_IF_ERROR(fitting.status());
   Estimate estimate;
-  Fit& fit = estimate.fit;
+  EstimateFit& fit = estimate.fit;
   MLE_ASSIGN_OR_RETURN(
-      fit.test, CalibrateTest(initial, windows, structured, options.structured,
-                              options.calibration));
+      fit.test, TestNoChange(initial, windows, structured, options, progress));
   if (structured.change_proposed &&
       fit.test.p_value >= options.structured.false_alarm_probability) {
     StructuredOptions without = options.structured;
@@ -300,72 +315,24 @@ absl::StatusOr<Estimate> EstimateModel(const ProcessModel& initial,
     MLE_ASSIGN_OR_RETURN(structured,
                          CorrectStructure(initial, windows, without));
   }
-  Setting& setting = estimate.setting;
+  EstimateSetting& setting = estimate.setting;
   setting.initial = initial;
   setting.options = options;
   setting.noise = structured.full.noise;
   setting.filler = structured.full.model;
   setting.scales = ChooseScales(initial, setting.noise, windows);
   fit.structured = std::move(structured);
-  fit.change_proposed = fit.structured.change_proposed;
+  fit.change_proposed = options.change_test == ChangeTest::kNone ||
+                        fit.structured.change_proposed;
   setting.arx_outputs.assign(static_cast<std::size_t>(initial.num_outputs()),
                              false);
   if (options.estimator != Estimator::kStructured) {
+    Stage correcting(progress, "correcting the ARX model");
+    MLE_RETURN_IF_ERROR(correcting.status());
     MLE_RETURN_IF_ERROR(AddArx(windows, estimate));
   }
   MLE_RETURN_IF_ERROR(AddPredictors(setting, windows.front().sample_time, fit));
   return estimate;
 }
 
-absl::StatusOr<CorrectedModel> MakeCorrectedModel(const Estimate& estimate,
-                                                  bool accepted,
-                                                  double sample_time,
-                                                  int response_samples) {
-  const Setting& setting = estimate.setting;
-  const Fit& fit = estimate.fit;
-  CorrectedModel corrected;
-  const bool pure_arx = setting.options.estimator == Estimator::kArx;
-  if (pure_arx || (accepted && fit.arx.has_value())) {
-    corrected.max_relative_gap = setting.conversion->max_relative_gap;
-    ArxModel scaled = setting.conversion->model;
-    if (accepted && fit.arx.has_value()) {
-      for (std::size_t i = 0; i < setting.arx_outputs.size(); ++i) {
-        const auto row = static_cast<Eigen::Index>(i);
-        if (setting.arx_outputs[i])
-          scaled.R.row(row) = fit.arx_model.R.row(row);
-      }
-      corrected.max_relative_gap =
-          std::max(corrected.max_relative_gap, fit.arx_gap);
-    }
-    corrected.arx = Unscaled(scaled, setting.scales);
-    corrected.response = corrected.arx.ComputeStepResponse(response_samples);
-    if (pure_arx) return corrected;
-    // The outputs that are not ΔR's have the process model's own responses.
-    const StepResponse process =
-        fit.structured.corrected.model.ComputeStepResponse(sample_time,
-                                                           response_samples);
-    for (int i = 0; i < process.num_outputs; ++i) {
-      for (int j = 0; !setting.arx_outputs[i] && j < process.num_inputs; ++j) {
-        corrected.response.element(i, j) = process.element(i, j);
-      }
-    }
-    return corrected;
-  }
-  const StructuredFit& structured = fit.structured.corrected;
-  corrected.process = accepted ? structured.model : setting.initial;
-  corrected.response =
-      corrected.process->ComputeStepResponse(sample_time, response_samples);
-  corrected.errors =
-      accepted ? structured.StepResponseErrors(sample_time, response_samples)
-               : StepResponse(sample_time, setting.initial.num_outputs(),
-                              setting.initial.num_inputs(), response_samples);
-  MLE_ASSIGN_OR_RETURN(
-      const ConversionSummary conversion,
-      ConvertUnderNoise(*corrected.process, setting.noise, setting.scales,
-                        sample_time, setting.options.conversion));
-  corrected.max_relative_gap = conversion.max_relative_gap;
-  corrected.arx = Unscaled(conversion.model, setting.scales);
-  return corrected;
-}
-
-}  // namespace mle::correct
+}  // namespace mle

@@ -1,16 +1,16 @@
-#include "apps/correct/null_calibration.h"
+#include "mle/maintain/no_change_test.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "apps/correct/prediction.h"
+#include "absl/strings/str_cat.h"
 #include "mle/base/parallel.h"
 #include "mle/base/random.h"
 #include "mle/base/status.h"
 #include "mle/model/process_simulator.h"
 #include "mle/nonlinear/distributions.h"
 
-namespace mle::correct {
+namespace mle {
 namespace {
 
 constexpr double kNever = 1e-300;
@@ -44,10 +44,23 @@ std::vector<Record> DrawRecords(const std::vector<Record>& windows,
 
 }  // namespace
 
+absl::Status NullCalibrationOptions::Validate() const {
+  if (replicates < 1) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "calibration.replicates = ", replicates, ": it must be at least 1"));
+  }
+  if (!(doubt >= 1.0) || !std::isfinite(doubt)) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "calibration.doubt = ", doubt, ": it must be finite and at least 1"));
+  }
+  return absl::OkStatus();
+}
+
 absl::StatusOr<NullCalibration> CalibrateTest(
     const ProcessModel& initial, const std::vector<Record>& windows,
     const StructuredCorrection& test, const StructuredOptions& options,
-    const NullCalibrationOptions& calibration) {
+    const NullCalibrationOptions& calibration,
+    const ProgressCallback& progress) {
   NullCalibration result;
   result.p_value = test.p_value;
   const int degrees = test.degrees_of_freedom;
@@ -66,16 +79,21 @@ absl::StatusOr<NullCalibration> CalibrateTest(
   StructuredOptions one = options;
   one.threads = 1;
   one.false_alarm_probability = kNever;  // the statistic alone is wanted
+  Stage simulating(progress, "calibrating the test of no change",
+                   calibration.replicates);
   std::vector<absl::Status> status(calibration.replicates);
   std::vector<double> statistics(calibration.replicates);
   ParallelFor(calibration.replicates, options.threads, [&](int b) {
+    if (simulating.cancelled()) return;
     const absl::StatusOr<StructuredCorrection> fit = CorrectStructure(
         initial,
         DrawRecords(windows, responses, test.full.noise, calibration.seed, b),
         one);
     status[b] = fit.status();
     if (fit.ok()) statistics[b] = fit->statistic;
+    simulating.Done();
   });
+  MLE_RETURN_IF_ERROR(simulating.status());
   double sum = 0.0;
   for (int b = 0; b < calibration.replicates; ++b) {
     MLE_RETURN_IF_ERROR(status[b]);
@@ -87,4 +105,4 @@ absl::StatusOr<NullCalibration> CalibrateTest(
   return result;
 }
 
-}  // namespace mle::correct
+}  // namespace mle

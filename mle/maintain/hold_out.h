@@ -10,7 +10,7 @@
 //            rest. For arx the rule for λ has held blocks out already: its
 //            loss at λ* and without correction is compared.
 //
-// A correction that predicts worse in either way is refused.
+// A correction that predicts worse in either way is refused (decision.h).
 //
 // The fit of a model in percent is
 //
@@ -20,24 +20,26 @@
 // measured outputs every h samples: one, a fifth of the ARX order, or never
 // (simulation, its mean error taken off).
 
-#ifndef APPS_CORRECT_VALIDATION_H_
-#define APPS_CORRECT_VALIDATION_H_
+#ifndef MLE_MAINTAIN_HOLD_OUT_H_
+#define MLE_MAINTAIN_HOLD_OUT_H_
 
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "apps/correct/estimation.h"
 #include "mle/data/record.h"
+#include "mle/maintain/estimation.h"
+#include "mle/maintain/progress.h"
 
-namespace mle::correct {
+namespace mle {
 
-struct ValidationOptions {
+struct HoldOutOptions {
   int max_folds = 5;  // ≥ 2
   int horizon = 0;    // samples, of the k-step fit; 0: a fifth of the ARX order
-  int order = 0;      // of the ARX model, > 0
-  int threads = 1;
+
+  absl::Status Validate() const;
 };
 
 // In percent; NaN where nothing could be scored.
@@ -65,7 +67,6 @@ struct HeldOut {
   std::string missing;  // why nothing could be held out
 
   bool available() const { return missing.empty(); }
-  bool worsens() const { return available() && gain < 0.0; }
 };
 
 struct Validation {
@@ -75,17 +76,20 @@ struct Validation {
   // The initial model on all windows, where no change is proposed.
   std::vector<FitPercent> initial;  // p
 
-  // The correction predicts what it has not seen worse than the initial model.
-  bool worsens() const;
+  // The least log-likelihood gain of the ways that were possible; nothing where
+  // none was.
+  std::optional<double> WorstGain() const;
   // What is shown: windows where there are such figures, else blocks.
   const HeldOut* shown() const;
 };
 
-// `windows` are those of the estimate.
-absl::StatusOr<Validation> Validate(const Estimate& estimate,
-                                    const std::vector<Record>& windows,
-                                    const ValidationOptions& options);
+// `windows` are those of the estimate, `order` (> 0) is that of the ARX model.
+// Cancelled by `progress`.
+absl::StatusOr<Validation> ValidateByHoldOut(
+    const Estimate& estimate, const std::vector<Record>& windows, int order,
+    const HoldOutOptions& options, int threads = 1,
+    const ProgressCallback& progress = {});
 
-}  // namespace mle::correct
+}  // namespace mle
 
-#endif  // APPS_CORRECT_VALIDATION_H_
+#endif  // MLE_MAINTAIN_HOLD_OUT_H_

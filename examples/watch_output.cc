@@ -1,0 +1,37 @@
+// Says whether the model of one output still holds, from records in memory:
+// watch_output MODEL.json RECORD.csv OUTPUT
+
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "mle/mle.h"
+
+int main(int argc, char** argv) {
+  if (argc != 4) return 2;
+  const auto model = mle::ReadProcessModel(argv[1]);
+  if (!model.ok()) return 2;
+  const auto import = mle::ImportHistorian({argv[2]}, *model, {});
+  if (!import.ok()) return 2;
+  for (int i = 0; i < model->num_outputs(); ++i) {
+    if (model->outputs()[i].name != argv[3]) continue;
+    std::vector<mle::Record> records;
+    for (const mle::Record& record : import->records) {
+      records.push_back(mle::SelectOutput(record, i));
+    }
+    mle::CorrectOptions options;
+    options.estimation.estimator = mle::Estimator::kStructured;
+    const auto result =
+        mle::CorrectFromRecords(mle::SelectOutput(*model, i), records, options);
+    if (!result.ok()) {
+      std::fprintf(stderr, "%s\n", result.status().ToString().c_str());
+      return 2;
+    }
+    std::printf("%s: %s, p = %.3g for no change\n", argv[3],
+                std::string(mle::NameOf(result->decision)).c_str(),
+                result->estimate.fit.PValue());
+    return 0;
+  }
+  std::fprintf(stderr, "the model has no output '%s'\n", argv[3]);
+  return 2;
+}

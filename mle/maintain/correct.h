@@ -1,0 +1,138 @@
+// The product: a model and records in, a decision and the corrected model out.
+//
+//   records → health → windows → estimate → hold-out validation → decision
+//           → corrected model, diagnostics, certificate
+//
+//   MLE_ASSIGN_OR_RETURN(
+//       const CorrectionResult result,
+//       CorrectFromRecords("column.json", {"march.csv"}, {}, {}));
+//   if (result.decision == Decision::kCorrected)
+//   use(result.corrected.response);
+//
+// Nothing is printed: warnings are data (message.h), progress is told to a
+// callback that may stop the run.
+
+#ifndef MLE_MAINTAIN_CORRECT_H_
+#define MLE_MAINTAIN_CORRECT_H_
+
+#include <string>
+#include <vector>
+
+#include "Eigen/Core"
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "mle/correction/pair_information.h"
+#include "mle/data/record.h"
+#include "mle/maintain/corrected_model.h"
+#include "mle/maintain/decision.h"
+#include "mle/maintain/estimation.h"
+#include "mle/maintain/fopdt_description.h"
+#include "mle/maintain/hold_out.h"
+#include "mle/maintain/message.h"
+#include "mle/maintain/prediction.h"
+#include "mle/maintain/progress.h"
+#include "mle/maintain/records.h"
+#include "mle/maintain/residual_diagnostics.h"
+#include "mle/model/process_model.h"
+#include "mle/model/step_response.h"
+
+namespace mle {
+
+struct CorrectOptions {
+  RecordOptions records;
+  EstimationOptions estimation;
+  HoldOutOptions hold_out;
+  DecisionOptions decision;
+  // NΔt of the step responses, ≥ 0 in the model's time unit; 0: the model's
+  // settling time. From 5 to 1,000,000 samples.
+  double response_horizon = 0.0;
+  // Largest relative duality gap of a lasso fit that is used, > 0.
+  double accepted_gap = 1e-6;
+  // Largest step to the optimum, in standard deviations of the noise, that
+  // goes without a warning, > 0 (FitCertificate::gradient).
+  double accepted_gradient = 1e-2;
+  // Whether the model is handed over as an ARX model too (estimators other than
+  // kArx: its conversion takes half a second for a plant of 2 × 2), and whether
+  // residuals are examined and pairs assessed.
+  bool make_arx = true;
+  bool examine = true;
+  // What the controller predicts, where its model is not the process model
+  // given (a step-response or ARX model, say): its errors are those that a
+  // correction has to beat. Empty: the process model.
+  Predictor in_use;
+  // 0: one for each processor. The result does not depend on it.
+  int threads = 0;
+  ProgressCallback progress;
+
+  // Names the field, its value and the constraint broken.
+  absl::Status Validate() const;
+};
+
+// How two models differ, by the sum of squares of their step responses.
+struct ResponseDistance {
+  double total = 0.0;        // E: all pairs and samples
+  double relative = 0.0;     // √(E / Σ φ²), φ of the first model
+  Eigen::MatrixXd elements;  // p × m: the same for each pair, 0 for zero pairs
+};
+
+ResponseDistance CompareResponses(const StepResponse& from,
+                                  const StepResponse& to);
+
+struct CorrectionResult {
+  ProcessModel initial;
+  CorrectOptions options;
+  // Records as they were used, bad samples marked, and their windows.
+  RecordData data;
+
+  Decision decision = Decision::kNoChange;
+  std::vector<Message> reasons;
+  // Test of no change, estimates with covariances, noise, certificates.
+  Estimate estimate;
+  // What the windows can tell about each pair, by the model's own values and
+  // the noise found.
+  PairInformation information;
+  // Scores of each output at each horizon, where records were held out.
+  Validation validation;
+  int max_lag = 0;                                  // of the diagnostics
+  std::vector<ResidualReport> initial_residuals;    // p
+  std::vector<ResidualReport> corrected_residuals;  // p
+
+  // The model for use: the initial one unless `decision` is kCorrected.
+  CorrectedModel corrected;
+  std::vector<FopdtElement> fopdt;  // p × m, row by row
+  ProcessModel fopdt_model;         // the same as a process model
+  StepResponse initial_response;
+  ResponseDistance change;  // from the initial to the corrected response
+
+  std::vector<Message> notes;     // what was found, of no consequence
+  std::vector<Message> warnings;  // what weakens the result
+  // Why the result is not usable: fits that failed or are not exact.
+  std::vector<Message> failures;
+
+  bool accepted() const { return decision == Decision::kCorrected; }
+  bool usable() const { return failures.empty(); }
+};
+
+// From records in memory, sampled alike, whole and in order of time.
+// InvalidArgument for options, models and records that are wrong,
+// FailedPrecondition where a fit behind the model for use is not what it
+// should be, Cancelled by the callback.
+absl::StatusOr<CorrectionResult> CorrectFromRecords(
+    const ProcessModel& model, std::vector<Record> records,
+    const CorrectOptions& options);
+
+// From files: a process model (JSON) and exports of a historian (CSV),
+// imported as `import` says.
+absl::StatusOr<CorrectionResult> CorrectFromRecords(
+    const std::string& model_path, const std::vector<std::string>& record_paths,
+    const HistorianOptions& import, const CorrectOptions& options);
+
+// From what LoadRecords() or PrepareRecords() (records.h) made with
+// `options.records`: for callers that look at the data before they go on.
+absl::StatusOr<CorrectionResult> CorrectFromData(const ProcessModel& model,
+                                                 RecordData data,
+                                                 const CorrectOptions& options);
+
+}  // namespace mle
+
+#endif  // MLE_MAINTAIN_CORRECT_H_

@@ -1,0 +1,39 @@
+// The corrected model in every form that is handed over.
+
+#ifndef MLE_MAINTAIN_CORRECTED_MODEL_H_
+#define MLE_MAINTAIN_CORRECTED_MODEL_H_
+
+#include <optional>
+
+#include "absl/status/statusor.h"
+#include "mle/maintain/estimation.h"
+#include "mle/model/arx_model.h"
+#include "mle/model/process_model.h"
+#include "mle/model/step_response.h"
+
+namespace mle {
+
+struct CorrectedModel {
+  // Where no output is ΔR's: the process model with the initial one's
+  // shapes.
+  std::optional<ProcessModel> process;
+  // In the units of the records; without coefficients where it is not made.
+  ArxModel arx;
+  StepResponse response;  // at 0, Δt, … (response_samples)
+  // Standard errors of `response`; where there is a process model.
+  std::optional<StepResponse> errors;
+  double max_relative_gap = 0.0;  // of all lasso fits
+};
+
+// The initial model where `accepted` is false. Without `make_arx` a process
+// model is not converted to an ARX model. InvalidArgument where it cannot be
+// simulated.
+absl::StatusOr<CorrectedModel> MakeCorrectedModel(const Estimate& estimate,
+                                                  bool accepted,
+                                                  double sample_time,
+                                                  int response_samples,
+                                                  bool make_arx = true);
+
+}  // namespace mle
+
+#endif  // MLE_MAINTAIN_CORRECTED_MODEL_H_

@@ -1,0 +1,54 @@
+// What a caller has to know of a run, as data: what it is about (code), where
+// (an output, a pair, a window, a file), the text, and the options that would
+// change it. A command prints the options as its own flags.
+
+#ifndef MLE_MAINTAIN_MESSAGE_H_
+#define MLE_MAINTAIN_MESSAGE_H_
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace mle {
+
+enum class MessageCode {
+  // Records.
+  kImport,           // what the import reports of the files
+  kChannel,          // frozen, saturated, outlying, constant or quantised
+  kSamplesMarked,    // samples taken as bad
+  kWindows,          // how windows were found
+  kWindowDropped,    // inputs are missing around the set-point change
+  kWindowCut,        // to its longest part without missing inputs
+  kWindowNotAtRest,  // a drift or a step where there should be none
+  kUnmeasured,       // a burst too long to be outliers
+  // Fits.
+  kOptimumLoose,    // the gradient at the optimum is not small
+  kAtBound,         // a parameter lies at the bound of what is searched
+  kRankDeficient,   // the records do not determine every parameter
+  kPoorFopdt,       // a first-order element with dead time describes it badly
+  kHoldOutMissing,  // nothing could be held out in this way
+  // The result is not usable.
+  kFitFailed,
+  kNotExact,  // a duality gap above the accepted one
+  kUnstable,
+  // Reasons of a decision.
+  kNoChangeFound,   // the records do not contradict the model
+  kChangeProved,    // they do
+  kPredictsBetter,  // the corrected model, where records were held out
+  kPredictsWorse,   // the same
+  kNothingHeldOut,  // the correction could not be validated
+};
+
+// "at_bound", as in result.json.
+std::string_view NameOf(MessageCode code);
+
+struct Message {
+  MessageCode code;
+  std::string place;                 // empty: the whole run
+  std::string text;                  // a whole sentence
+  std::vector<std::string> options;  // names of fields that would change it
+};
+
+}  // namespace mle
+
+#endif  // MLE_MAINTAIN_MESSAGE_H_

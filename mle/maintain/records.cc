@@ -1,0 +1,360 @@
+#include "mle/maintain/records.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
+#include "absl/strings/str_split.h"
+#include "mle/base/status.h"
+#include "mle/data/outliers.h"
+#include "mle/nonlinear/output_reconstruction.h"
+
+namespace mle {
+namespace {
+
+// Of missing samples a warning is made only where they are many: the table of
+// the channels has them all.
+constexpr double kManyMissing = 0.05;
+
+void AddImportWarnings(RecordData& data) {
+  bool many = false;
+  for (const ChannelReport& channel : data.report.channels) {
+    many = many || static_cast<double>(channel.missing) >
+                       kManyMissing * static_cast<double>(data.report.samples);
+  }
+  std::vector<Message>& to = many ? data.warnings : data.notes;
+  for (const std::string& warning : data.report.warnings) {
+    to.push_back({MessageCode::kImport, "", warning, {}});
+  }
+}
+
+// Finds what is wrong with the channels, and marks what is not to be used.
+void MarkUnhealthy(const ProcessModel& model, const MarkOptions& mark,
+                   RecordData& data) {
+  data.health = CheckHealth(data.records, model, HealthOptions());
+  for (const ChannelHealth& channel : data.health.channels) {
+    if (channel.is_healthy()) continue;
+    for (const absl::string_view line : absl::StrSplit(
+             channel.Report(data.records), '\n', absl::SkipWhitespace())) {
+      data.notes.push_back({MessageCode::kChannel,
+                            channel.name,
+                            std::string(absl::StripAsciiWhitespace(line)),
+                            {}});
+    }
+  }
+  if (const int marked = MarkBad(data.health, mark, data.records); marked > 0) {
+    data.notes.push_back(
+        {MessageCode::kSamplesMarked,
+         "",
+         absl::StrCat(marked, " of these samples are taken as bad."),
+         {"mark_outliers", "mark_frozen"}});
+  }
+}
+
+// Samples first … last of a window.
+struct Range {
+  int first = 0;
+  int last = -1;
+
+  int samples() const { return last - first + 1; }
+};
+
+// The longest part in which every input is known.
+Range WholeInputs(const Record& record) {
+  Range best;
+  int first = 0;
+  for (int k = 0; k <= record.samples(); ++k) {
+    if (k < record.samples() && record.inputs.col(k).array().isFinite().all()) {
+      continue;
+    }
+    if (k - first > best.samples()) best = {first, k - 1};
+    first = k + 1;
+  }
+  return best;
+}
+
+void Cut(Range range, SetPointWindow& window) {
+  Record part;
+  part.start_time = window.record.time(range.first);
+  part.sample_time = window.record.sample_time;
+  part.outputs = window.record.outputs.middleCols(range.first, range.samples());
+  part.inputs = window.record.inputs.middleCols(range.first, range.samples());
+  if (window.record.set_points.size() > 0) {
+    part.set_points =
+        window.record.set_points.middleCols(range.first, range.samples());
+  }
+  window.record = std::move(part);
+  window.first_sample += range.first;
+  std::vector<SetPointChange> changes;
+  for (SetPointChange change : window.changes) {
+    change.sample -= range.first;
+    if (change.sample >= 0 && change.sample < range.samples()) {
+      changes.push_back(change);
+    }
+  }
+  window.changes = std::move(changes);
+}
+
+// Leaves out, or cuts, windows in which inputs are missing.
+void MakeInputsWhole(const ProcessModel& model, RecordData& data) {
+  std::vector<SetPointWindow> whole;
+  for (SetPointWindow& window : data.windows) {
+    const std::string name =
+        absl::StrFormat("The window from %.7g to %.7g %s", BeginOf(window),
+                        EndOf(window), model.time_unit());
+    const Range range = WholeInputs(window.record);
+    if (range.samples() == window.record.samples()) {
+      whole.push_back(std::move(window));
+      continue;
+    }
+    if (range.samples() > 0) Cut(range, window);
+    if (range.samples() < 2 || window.changes.empty()) {
+      data.warnings.push_back(
+          {MessageCode::kWindowDropped,
+           name,
+           absl::StrCat(
+               name,
+               " is left out: inputs are missing around its set-point change."),
+           {"max_gap"}});
+      continue;
+    }
+    data.warnings.push_back(
+        {MessageCode::kWindowCut,
+         name,
+         absl::StrCat(name,
+                      " is cut to its longest part without missing inputs."),
+         {"max_gap"}});
+    whole.push_back(std::move(window));
+  }
+  data.windows = std::move(whole);
+}
+
+// Beyond what a controller makes of noise: it moves inputs in quiet parts too.
+constexpr double kLargeUnrest = 3.0;  // of the noise's standard deviation
+
+bool IsLarge(const QuietPart& part) {
+  return std::abs(part.size) > kLargeUnrest * part.noise;
+}
+
+void WarnOfUnrest(const ProcessModel& model, RecordData& data) {
+  for (std::size_t w = 0; w < data.windows.size(); ++w) {
+    const std::vector<std::string> unrest = UnrestIn(data.windows[w], model);
+    if (unrest.empty()) continue;
+    const std::string name = absl::StrCat("Window ", w + 1);
+    data.warnings.push_back(
+        {MessageCode::kWindowNotAtRest,
+         name,
+         absl::StrCat(name, " is not at rest where it should be: ",
+                      absl::StrJoin(unrest, ", "),
+                      ". An unmeasured disturbance widens the intervals."),
+         {}});
+  }
+}
+
+absl::Status NoWindows(const RecordData& data) {
+  std::vector<std::string> files;
+  for (const FileReport& file : data.report.files) files.push_back(file.name);
+  std::vector<std::string> warnings;
+  for (const Message& warning : data.warnings) warnings.push_back(warning.text);
+  return absl::InvalidArgumentError(absl::StrCat(
+      "there is nothing to learn from in ",
+      files.empty() ? "the records" : absl::StrJoin(files, ", "),
+      ": no set point changes. Set points (columns <output>_setpoint) must "
+      "change, or change_times must name the times",
+      warnings.empty()
+          ? ""
+          : absl::StrCat(" (", absl::StrJoin(warnings, " "), ")")));
+}
+
+// The same channels and sample time in all records.
+absl::Status CheckRecords(const std::vector<Record>& records,
+                          const ProcessModel& model) {
+  if (records.empty()) {
+    return absl::InvalidArgumentError("there are no records");
+  }
+  for (std::size_t r = 0; r < records.size(); ++r) {
+    const Record& record = records[r];
+    const std::string name = absl::StrCat("record ", r + 1);
+    if (const absl::Status status = record.Validate(); !status.ok()) {
+      return absl::InvalidArgumentError(
+          absl::StrCat(name, ": ", status.message()));
+    }
+    if (record.num_outputs() != model.num_outputs() ||
+        record.num_inputs() != model.num_inputs()) {
+      return absl::InvalidArgumentError(
+          absl::StrCat(name, " has ", record.num_outputs(), " outputs and ",
+                       record.num_inputs(), " inputs; the model has ",
+                       model.num_outputs(), " and ", model.num_inputs()));
+    }
+    if (std::abs(record.sample_time - records.front().sample_time) >
+        1e-9 * records.front().sample_time) {
+      return absl::InvalidArgumentError(
+          absl::StrCat(name, " is sampled every ", record.sample_time,
+                       ", the first record every ", records.front().sample_time,
+                       "; they must be alike"));
+    }
+  }
+  return absl::OkStatus();
+}
+
+// Health and windows of data.records.
+absl::Status FindWhatIsUsed(const ProcessModel& model,
+                            const RecordOptions& options, RecordData& data) {
+  AddImportWarnings(data);
+  MarkUnhealthy(model, options.mark, data);
+  MLE_ASSIGN_OR_RETURN(WindowSet set,
+                       FindWindows(data.records, model, options.windows));
+  data.windows = std::move(set.windows);
+  for (std::string& warning : set.warnings) {
+    data.warnings.push_back(
+        {MessageCode::kWindows, "", std::move(warning), {}});
+  }
+  MakeInputsWhole(model, data);
+  if (data.windows.empty()) return NoWindows(data);
+  WarnOfUnrest(model, data);
+  return absl::OkStatus();
+}
+
+// Of the samples on each side, for bursts of up to ten.
+constexpr int kWideHalfWidth = 12;
+
+}  // namespace
+
+std::vector<Record> RecordData::Records() const {
+  std::vector<Record> result;
+  for (const SetPointWindow& window : windows) result.push_back(window.record);
+  return result;
+}
+
+double BeginOf(const SetPointWindow& window) { return window.record.time(0); }
+
+double EndOf(const SetPointWindow& window) {
+  return window.record.time(window.record.samples() - 1);
+}
+
+std::vector<std::string> UnrestIn(const SetPointWindow& window,
+                                  const ProcessModel& model) {
+  std::vector<std::string> unrest;
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    for (const auto* parts : {&window.before, &window.after}) {
+      if (i >= static_cast<int>(parts->size())) continue;
+      const QuietPart& part = (*parts)[i];
+      const bool drifts = part.verdict == QuietPart::Verdict::kDrifting;
+      const bool steps = part.verdict == QuietPart::Verdict::kDisturbed;
+      if (!IsLarge(part) || (!drifts && !steps)) continue;
+      unrest.push_back(absl::StrCat(
+          model.outputs()[i].name, drifts ? " drifts" : " steps",
+          parts == &window.before ? " before the change" : " at the end"));
+    }
+  }
+  return unrest;
+}
+
+absl::Status RecordOptions::Validate() const { return windows.Validate(); }
+
+absl::StatusOr<RecordData> PrepareRecords(std::vector<Record> records,
+                                          const ProcessModel& model,
+                                          const RecordOptions& options) {
+  MLE_RETURN_IF_ERROR(model.Validate());
+  MLE_RETURN_IF_ERROR(CheckRecords(records, model));
+  RecordData data;
+  data.records = std::move(records);
+  data.report.sample_time = data.records.front().sample_time;
+  data.report.records = static_cast<int>(data.records.size());
+  for (const Record& record : data.records) {
+    data.report.samples += record.samples();
+  }
+  MLE_RETURN_IF_ERROR(FindWhatIsUsed(model, options, data));
+  return data;
+}
+
+absl::StatusOr<RecordData> LoadRecords(const std::vector<std::string>& paths,
+                                       const ProcessModel& model,
+                                       const HistorianOptions& import,
+                                       const RecordOptions& options) {
+  MLE_ASSIGN_OR_RETURN(HistorianImport imported,
+                       ImportHistorian(paths, model, import));
+  RecordData data;
+  data.records = std::move(imported.records);
+  data.report = std::move(imported.report);
+  MLE_RETURN_IF_ERROR(FindWhatIsUsed(model, options, data));
+  return data;
+}
+
+RecordData UseAsWindows(std::vector<Record> windows) {
+  RecordData data;
+  if (!windows.empty()) data.report.sample_time = windows.front().sample_time;
+  data.records = std::move(windows);
+  for (std::size_t r = 0; r < data.records.size(); ++r) {
+    SetPointWindow& window = data.windows.emplace_back();
+    window.record = data.records[r];
+    window.source = static_cast<int>(r);
+    window.changes = FindSetPointChanges(window.record);
+  }
+  return data;
+}
+
+bool ShouldLookForOutliers(const RecordOptions& options,
+                           const StructuredOptions& structured,
+                           const RecordData& data) {
+  if (!options.mark.outliers) return false;
+  if (structured.robust_loss != RobustLoss::kNone) return true;
+  for (const ChannelHealth& channel : data.health.channels) {
+    if (channel.is_output && !channel.outliers.empty()) return true;
+  }
+  for (const SetPointWindow& window : data.windows) {
+    for (int i = 0; i < window.record.num_outputs(); ++i) {
+      if (!FindOutliers(window.record.outputs.row(i),
+                        {.half_width = kWideHalfWidth})
+               .empty()) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+absl::Status MarkOutliersByModel(const ProcessModel& model,
+                                 const StructuredOptions& structured,
+                                 RecordData& data) {
+  std::vector<Record> records = data.Records();
+  const OutlierMarkOptions options;
+  MLE_ASSIGN_OR_RETURN(const OutlierReport report,
+                       MarkOutliers(model, structured, options, records));
+  for (std::size_t w = 0; w < records.size(); ++w) {
+    data.windows[w].record = std::move(records[w]);
+  }
+  data.outliers_by_model = report.marked;
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    const std::string& name = model.outputs()[i].name;
+    if (report.marked[i] > 0) {
+      data.notes.push_back(
+          {MessageCode::kSamplesMarked,
+           name,
+           absl::StrCat(name, ": ", report.marked[i],
+                        " samples of the windows lie too far from what the "
+                        "model expects, at most ",
+                        report.longest[i], " in a row, and are taken as bad."),
+           {"mark_outliers"}});
+    }
+    if (report.left[i] > 0) {
+      data.warnings.push_back(
+          {MessageCode::kUnmeasured,
+           name,
+           absl::StrCat(name, ": ", report.left[i],
+                        " samples are as far from what the model expects as "
+                        "outliers are, but more than ",
+                        options.longest_burst,
+                        " in a row: an unmeasured disturbance. They are used."),
+           {}});
+    }
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace mle

@@ -1,0 +1,19 @@
+// One output of a model and of its records: each is a problem of its own.
+
+#ifndef MLE_MAINTAIN_SELECT_OUTPUT_H_
+#define MLE_MAINTAIN_SELECT_OUTPUT_H_
+
+#include "mle/data/record.h"
+#include "mle/model/process_model.h"
+
+namespace mle {
+
+// The row of the output (0 … p − 1), as a model of its own.
+ProcessModel SelectOutput(const ProcessModel& model, int output);
+
+// The output with its set point, and all inputs.
+Record SelectOutput(const Record& record, int output);
+
+}  // namespace mle
+
+#endif  // MLE_MAINTAIN_SELECT_OUTPUT_H_

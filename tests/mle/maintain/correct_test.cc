@@ -1,0 +1,213 @@
+#include "mle/maintain/correct.h"
+
+#include <cmath>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "gtest/gtest.h"
+#include "mle/data/record_csv.h"
+#include "mle/mle.h"
+#include "tests/mle/maintain/tank_records.h"
+
+namespace mle {
+namespace {
+
+using testing::Tank;
+using testing::TankRecord;
+
+CorrectOptions Fast() {
+  CorrectOptions options;
+  options.estimation.estimator = Estimator::kStructured;
+  options.make_arx = false;
+  options.threads = 1;
+  return options;
+}
+
+bool Mentions(const absl::Status& status, const std::string& word) {
+  return std::string(status.message()).find(word) != std::string::npos;
+}
+
+TEST(CorrectFromRecordsTest, AnAgedGainIsCorrected) {
+  const auto result =
+      CorrectFromRecords(Tank(1.0), {TankRecord(Tank(1.6), 0.02, 1)}, Fast());
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_EQ(result->decision, Decision::kCorrected);
+  ASSERT_TRUE(result->usable());
+  ASSERT_EQ(result->fopdt.size(), 1);
+  EXPECT_NEAR(result->fopdt[0].gain, 1.6, 4.0 * result->fopdt[0].gain_error);
+  EXPECT_LT(result->fopdt[0].gain_error, 0.02);
+  EXPECT_EQ(result->fopdt_model.element(0, 0).StaticGain(),
+            result->fopdt[0].gain);
+  // The response change is that of the gain, dead time and time constant being
+  // kept.
+  EXPECT_NEAR(result->change.elements(0, 0), 0.6, 0.02);
+  EXPECT_TRUE(result->corrected_residuals[0].white());
+  EXPECT_FALSE(result->initial_residuals[0].white());
+}
+
+TEST(CorrectFromRecordsTest, ARightModelIsKeptToTheLastDigit) {
+  const auto result =
+      CorrectFromRecords(Tank(1.6), {TankRecord(Tank(1.6), 0.02, 1)}, Fast());
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_EQ(result->decision, Decision::kNoChange);
+  EXPECT_EQ(result->change.total, 0.0);
+  EXPECT_EQ(result->corrected.process->element(0, 0).StaticGain(), 1.6);
+  ASSERT_EQ(result->reasons.size(), 1);
+  EXPECT_EQ(result->reasons[0].code, MessageCode::kNoChangeFound);
+}
+
+TEST(CorrectFromRecordsTest, WindowsThatDisagreeAreRefused) {
+  const auto result = CorrectFromRecords(
+      Tank(1.5),
+      {TankRecord(Tank(3.0), 0.02, 1), TankRecord(Tank(-1.0), 0.02, 2)},
+      Fast());
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_EQ(result->decision, Decision::kRefused);
+  EXPECT_EQ(result->reasons.back().code, MessageCode::kPredictsWorse);
+  EXPECT_EQ(result->change.total, 0.0);
+}
+
+TEST(CorrectFromRecordsTest, FilesGiveTheSameAsMemory) {
+  const std::string folder = ::testing::TempDir();
+  const std::string model_path = folder + "/tank.json";
+  const std::string record_path = folder + "/tank.csv";
+  ASSERT_TRUE(WriteProcessModel(Tank(1.0), model_path).ok());
+  const Record record = TankRecord(Tank(1.6), 0.02, 1);
+  ASSERT_TRUE(WriteRecordCsv(record_path, record, Tank(1.0)).ok());
+  const auto files = CorrectFromRecords(model_path, {record_path}, {}, Fast());
+  ASSERT_TRUE(files.ok()) << files.status();
+  const auto imported = ImportHistorian({record_path}, Tank(1.0), {});
+  ASSERT_TRUE(imported.ok()) << imported.status();
+  const auto memory = CorrectFromRecords(Tank(1.0), imported->records, Fast());
+  ASSERT_TRUE(memory.ok()) << memory.status();
+  EXPECT_EQ(files->decision, memory->decision);
+  EXPECT_EQ(files->fopdt[0].gain, memory->fopdt[0].gain);
+  EXPECT_EQ(files->estimate.fit.test.p_value,
+            memory->estimate.fit.test.p_value);
+}
+
+TEST(CorrectFromRecordsTest, ArxModelsComeOutInTheUnitsOfTheRecords) {
+  CorrectOptions options = Fast();
+  options.make_arx = true;
+  options.estimation.conversion.samples = 20000;
+  const auto result =
+      CorrectFromRecords(Tank(1.0), {TankRecord(Tank(1.6), 0.02, 1)}, options);
+  ASSERT_TRUE(result.ok()) << result.status();
+  const StepResponse arx = result->corrected.arx.ComputeStepResponse(
+      result->change.elements.size() ? 80 : 0);
+  EXPECT_NEAR(arx.element(0, 0)(79), 1.6, 0.1);
+  EXPECT_LT(result->corrected.max_relative_gap, options.accepted_gap);
+}
+
+TEST(CorrectFromRecordsTest, ProgressNamesEveryStageAndCanStop) {
+  CorrectOptions options = Fast();
+  std::vector<std::string> stages;
+  options.progress = [&](const RunProgress& progress) {
+    if (progress.fraction == 0.0) stages.push_back(progress.stage);
+    EXPECT_GE(progress.fraction, 0.0);
+    EXPECT_LE(progress.fraction, 1.0);
+    return true;
+  };
+  const std::vector<Record> records = {TankRecord(Tank(1.6), 0.02, 1)};
+  ASSERT_TRUE(CorrectFromRecords(Tank(1.0), records, options).ok());
+  ASSERT_GE(stages.size(), 3);
+  for (const std::string& last : stages) {
+    options.progress = [&](const RunProgress& progress) {
+      return progress.stage != last;
+    };
+    const auto stopped = CorrectFromRecords(Tank(1.0), records, options);
+    EXPECT_EQ(stopped.status().code(), absl::StatusCode::kCancelled) << last;
+    EXPECT_TRUE(Mentions(stopped.status(), last)) << stopped.status();
+  }
+}
+
+TEST(CorrectFromRecordsTest, TheModelInUseIsTheRival) {
+  CorrectOptions options = Fast();
+  // A rival that knows every output: no correction predicts better.
+  options.in_use = [](const Record& record, int) -> Eigen::MatrixXd {
+    return Eigen::MatrixXd::Constant(record.num_outputs(), record.samples(),
+                                     1e-6);
+  };
+  const auto result =
+      CorrectFromRecords(Tank(1.0), {TankRecord(Tank(1.6), 0.02, 1)}, options);
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_EQ(result->decision, Decision::kRefused);
+}
+
+TEST(CorrectFromRecordsTest, WrongArgumentsAreNamed) {
+  const Record record = TankRecord(Tank(1.6), 0.02, 1);
+  const auto message = [&](const ProcessModel& model,
+                           const std::vector<Record>& records,
+                           const CorrectOptions& options) {
+    const auto result = CorrectFromRecords(model, records, options);
+    EXPECT_EQ(result.status().code(), absl::StatusCode::kInvalidArgument);
+    return result.status();
+  };
+  CorrectOptions options = Fast();
+  options.response_horizon = -1.0;
+  EXPECT_TRUE(
+      Mentions(message(Tank(1.0), {record}, options), "response_horizon"));
+  options = Fast();
+  options.accepted_gap = 0.0;
+  EXPECT_TRUE(Mentions(message(Tank(1.0), {record}, options), "accepted_gap"));
+  options = Fast();
+  options.threads = -1;
+  EXPECT_TRUE(Mentions(message(Tank(1.0), {record}, options), "threads"));
+  options = Fast();
+  options.estimation.change_test = ChangeTest::kNone;
+  EXPECT_TRUE(Mentions(message(Tank(1.0), {record}, options), "change_test"));
+  options = Fast();
+  options.estimation.structured.confidence = 2.0;
+  EXPECT_TRUE(Mentions(message(Tank(1.0), {record}, options), "confidence"));
+
+  EXPECT_TRUE(Mentions(message(Tank(1.0), {}, Fast()), "records"));
+  Record quiet = record;
+  quiet.set_points.setZero();
+  EXPECT_TRUE(Mentions(message(Tank(1.0), {quiet}, Fast()), "change_times"));
+  Record slower = record;
+  slower.sample_time = 1.0;
+  EXPECT_TRUE(
+      Mentions(message(Tank(1.0), {record, slower}, Fast()), "record 2"));
+  Record wide = record;
+  wide.inputs = Eigen::MatrixXd::Zero(2, record.samples());
+  EXPECT_TRUE(Mentions(message(Tank(1.0), {wide}, Fast()), "2 inputs"));
+  const ProcessModel nothing("nothing", "min", {{"valve", ""}},
+                             {{"level", ""}});
+  EXPECT_TRUE(Mentions(message(nothing, {record}, Fast()), "nothing"));
+}
+
+TEST(CorrectFromRecordsTest, WhatIsFoundInTheRecordsIsData) {
+  Record record = TankRecord(Tank(1.6), 0.02, 1);
+  record.inputs(0, 560) = std::nan("");
+  record.inputs(0, 561) = std::nan("");
+  const auto result = CorrectFromRecords(Tank(1.0), {record}, Fast());
+  ASSERT_TRUE(result.ok()) << result.status();
+  bool found = false;
+  for (const Message& warning : result->warnings) {
+    if (warning.code != MessageCode::kWindowCut &&
+        warning.code != MessageCode::kWindowDropped) {
+      continue;
+    }
+    found = true;
+    EXPECT_FALSE(warning.place.empty());
+    EXPECT_EQ(warning.options, std::vector<std::string>{"max_gap"});
+  }
+  EXPECT_TRUE(found);
+}
+
+TEST(EstimatorTest, NamesAreReadBack) {
+  for (const Estimator estimator : AllEstimators()) {
+    const auto parsed = ParseEstimator(NameOf(estimator));
+    ASSERT_TRUE(parsed.ok());
+    EXPECT_EQ(*parsed, estimator);
+  }
+  const absl::Status unknown = ParseEstimator("arx2").status();
+  EXPECT_EQ(unknown.code(), absl::StatusCode::kInvalidArgument);
+  for (const Estimator estimator : AllEstimators()) {
+    EXPECT_TRUE(Mentions(unknown, std::string(NameOf(estimator))));
+  }
+}
+
+}  // namespace
+}  // namespace mle
