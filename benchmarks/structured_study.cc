@@ -23,7 +23,7 @@
 #include "benchmarks/study_threads.h"
 #include "glog/logging.h"
 #include "mle/base/parallel.h"
-#include "mle/nonlinear/element_response.h"
+#include "mle/model/element_response.h"
 #include "mle/nonlinear/model_adequacy.h"
 #include "mle/nonlinear/structured_correction.h"
 

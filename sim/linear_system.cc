@@ -62,7 +62,7 @@ double FastestOf(const Block& block) {
   if (block.system.A.rows() == 0) {
     return std::numeric_limits<double>::infinity();
   }
-  const double fastest = FastestTimeConstant(block.element.denominator());
+  const double fastest = FastestTimeConstant(block.system.A);
   return block.ageing ? fastest * block.ageing->time_constant.Min() : fastest;
 }
 

@@ -25,12 +25,26 @@ struct HeldInputMap {
   Eigen::MatrixXd E;      // r × r
   Eigen::VectorXd gamma;  // r
 
-  // Over `duration` τ ≥ 0, for A: r × r, B: r. Not finite where A τ is not.
+  // Over `duration` τ ≥ 0, for A: r × r, B: r. Not finite where ‖A‖₁ is not.
   static HeldInputMap Over(double duration, const Eigen::MatrixXd& A,
                            const Eigen::VectorXd& B);
 
   // First this map, then `next`, under the same input.
   HeldInputMap Then(const HeldInputMap& next) const;
+};
+
+// One sample in which the input before is seen for the first part of the time:
+//
+//   x ← x + E x + b_older u_older + b_newer u_newer.
+struct SampleMap {
+  Eigen::MatrixXd E;      // r × r
+  Eigen::VectorXd older;  // b_older: r
+  Eigen::VectorXd newer;  // b_newer: r
+
+  // The sample takes `sample_time` ≥ 0, the first part `fraction` f of it, in
+  // [0, 1].
+  static SampleMap Over(double sample_time, double fraction,
+                        const Eigen::MatrixXd& A, const Eigen::VectorXd& B);
 };
 
 }  // namespace mle

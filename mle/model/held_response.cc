@@ -2,11 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "mle/base/status.h"
-#include "mle/model/held_input_map.h"
 
 namespace mle {
 namespace {
@@ -35,23 +33,16 @@ absl::StatusOr<HeldResponse> HeldResponse::Create(
   if (fraction < kDelaySnap) fraction = 0.0;
 
   const StateSpace system = element.Realize();
-  const HeldInputMap first =
-      HeldInputMap::Over(fraction * sample_time, system.A, system.B);
-  HeldInputMap rest =
-      HeldInputMap::Over((1.0 - fraction) * sample_time, system.A, system.B);
   HeldResponse response;
   response.whole_delay = static_cast<int>(whole);
-  response.E = first.E + rest.E + rest.E * first.E;
-  response.older = first.gamma + rest.E * first.gamma;
-  response.newer = std::move(rest.gamma);
+  response.map = SampleMap::Over(sample_time, fraction, system.A, system.B);
   response.C = system.C;
   response.D = system.D;
-  if (!response.E.allFinite() || !response.older.allFinite() ||
-      !response.newer.allFinite()) {
+  if (!response.map.E.allFinite() || !response.map.older.allFinite() ||
+      !response.map.newer.allFinite()) {
     return absl::InvalidArgumentError(
         absl::StrCat("its response over a sample of ", sample_time,
-                     " overflows; its fastest mode is too fast for that sample "
-                     "time: leave that mode out"));
+                     " overflows; use another unit of time"));
   }
   return response;
 }

@@ -16,16 +16,15 @@
 
 #include "Eigen/Core"
 #include "absl/status/statusor.h"
+#include "mle/model/held_input_map.h"
 #include "mle/model/transfer_function.h"
 
 namespace mle {
 
 struct HeldResponse {
-  int whole_delay = 0;    // q
-  Eigen::MatrixXd E;      // r × r
-  Eigen::VectorXd older;  // b_older: r
-  Eigen::VectorXd newer;  // b_newer: r
-  Eigen::RowVectorXd C;   // r
+  int whole_delay = 0;   // q
+  SampleMap map;         // E, b_older, b_newer
+  Eigen::RowVectorXd C;  // r
   double D = 0.0;
 
   // InvalidArgument for Δt that is not finite and > 0, for an invalid element,

@@ -32,7 +32,7 @@ absl::StatusOr<ProcessSimulator> ProcessSimulator::Create(
       element.output = i;
       element.input = j;
       element.response = *std::move(response);
-      element.state = Eigen::VectorXd::Zero(element.response.E.rows());
+      element.state = Eigen::VectorXd::Zero(element.response.map.E.rows());
       element.move = element.state;
       longest_delay = std::max(longest_delay, element.response.whole_delay);
     }
@@ -52,8 +52,8 @@ void ProcessSimulator::Advance(const Eigen::Ref<const Eigen::VectorXd>& input) {
     const HeldResponse& response = element.response;
     const double newer = PastInput(element.input, response.whole_delay);
     const double older = PastInput(element.input, response.whole_delay + 1);
-    element.move = response.E.lazyProduct(element.state) +
-                   response.older * older + response.newer * newer;
+    element.move = response.map.E.lazyProduct(element.state) +
+                   response.map.older * older + response.map.newer * newer;
     element.state += element.move;
     outputs_[element.output] +=
         response.C.dot(element.state) + response.D * newer;

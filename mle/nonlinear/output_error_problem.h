@@ -26,7 +26,7 @@
 
 #include "Eigen/Core"
 #include "mle/data/record.h"
-#include "mle/nonlinear/element_response.h"
+#include "mle/model/element_response.h"
 #include "mle/nonlinear/innovations_filter.h"
 
 namespace mle {

@@ -10,7 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "mle/base/status.h"
 #include "mle/data/robust_statistics.h"
-#include "mle/nonlinear/element_response.h"
+#include "mle/model/element_response.h"
 #include "mle/nonlinear/innovations_filter.h"
 #include "mle/nonlinear/robust_loss.h"
 

@@ -4,7 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "mle/nonlinear/element_response.h"
+#include "mle/model/element_response.h"
 #include "mle/nonlinear/structured_correction.h"
 
 namespace mle {

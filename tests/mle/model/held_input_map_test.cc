@@ -91,11 +91,35 @@ TEST(HeldInputMapTest, KeepsTheSlowModeOfAStiffSystem) {
   }
 }
 
-TEST(HeldInputMapTest, IsNotFiniteWhereTheProductIsNot) {
+// 1e300 · 1e300 is above the range of doubles, e to the minus that is 0.
+TEST(HeldInputMapTest, SettlesOverATimeBeyondTheRange) {
   const HeldInputMap map = HeldInputMap::Over(
       1e300, MatrixXd::Constant(1, 1, -1e300), VectorXd::Ones(1));
+  EXPECT_NEAR(map.E(0, 0), -1.0, 1e-12);
+  EXPECT_NEAR(map.gamma(0), 1e-300, 1e-312);
+}
+
+TEST(HeldInputMapTest, IsNotFiniteWhereASumsToInfinity) {
+  const HeldInputMap map = HeldInputMap::Over(
+      1.0, MatrixXd::Constant(2, 2, -1.5e308), VectorXd::Ones(2));
   EXPECT_FALSE(map.E.allFinite());
   EXPECT_FALSE(map.gamma.allFinite());
+}
+
+TEST(SampleMapTest, IsItsTwoPartsAfterEachOther) {
+  const System system;
+  const VectorXd x = (VectorXd(2) << 1.0, 2.0).finished();
+  for (const double fraction : {0.0, 0.3, 1.0}) {
+    const SampleMap map = SampleMap::Over(2.5, fraction, system.A, system.B);
+    const VectorXd first =
+        Apply(HeldInputMap::Over(fraction * 2.5, system.A, system.B), x, 0.7);
+    const VectorXd both =
+        Apply(HeldInputMap::Over((1.0 - fraction) * 2.5, system.A, system.B),
+              first, -1.1);
+    EXPECT_LT((x + map.E * x + map.older * 0.7 - map.newer * 1.1 - both).norm(),
+              1e-15)
+        << fraction;
+  }
 }
 
 }  // namespace

@@ -19,8 +19,8 @@
 //   element.Simulate(21.0, 0.2, {.whole = 15, .fraction = 0.5}, inputs,
 //                    /*past_input=*/0.0, columns);
 
-#ifndef MLE_NONLINEAR_ELEMENT_RESPONSE_H_
-#define MLE_NONLINEAR_ELEMENT_RESPONSE_H_
+#ifndef MLE_MODEL_ELEMENT_RESPONSE_H_
+#define MLE_MODEL_ELEMENT_RESPONSE_H_
 
 #include "Eigen/Core"
 #include "absl/status/statusor.h"
@@ -80,4 +80,4 @@ class ElementResponse {
 
 }  // namespace mle
 
-#endif  // MLE_NONLINEAR_ELEMENT_RESPONSE_H_
+#endif  // MLE_MODEL_ELEMENT_RESPONSE_H_

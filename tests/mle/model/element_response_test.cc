@@ -1,4 +1,4 @@
-#include "mle/nonlinear/element_response.h"
+#include "mle/model/element_response.h"
 
 #include <cmath>
 #include <random>
@@ -7,6 +7,8 @@
 #include "Eigen/QR"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "mle/model/process_model.h"
+#include "mle/model/process_simulator.h"
 #include "mle/model/transfer_function.h"
 
 namespace mle {
@@ -91,6 +93,24 @@ TEST(ElementResponseTest, AnyInputIsASumOfSteps) {
                                          .col(0);
     EXPECT_LT((y - expected).cwiseAbs().maxCoeff(),
               1e-9 * std::abs(values.gain));
+  }
+}
+
+TEST(ElementResponseTest, IsTheResponseOfTheProcessModel) {
+  const VectorXd inputs = RandomInputs(5);
+  for (const TransferFunction& element : Elements()) {
+    ProcessModel model("one", "min", {{"u", ""}}, {{"y", ""}});
+    model.element(0, 0) = element;
+    const absl::StatusOr<MatrixXd> expected =
+        SimulateResponse(model, kSampleTime, inputs.transpose());
+    ASSERT_TRUE(expected.ok()) << expected.status();
+    const ElementResponse response = Make(element);
+    const ElementValues& values = response.initial_values();
+    const VectorXd y = values.gain * Simulate(response, values.time_scale,
+                                              values.delay, inputs, inputs(0))
+                                         .col(0);
+    EXPECT_LT((y - expected->row(0).transpose()).cwiseAbs().maxCoeff(),
+              1e-11 * std::abs(values.gain));
   }
 }
 

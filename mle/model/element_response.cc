@@ -1,4 +1,4 @@
-#include "mle/nonlinear/element_response.h"
+#include "mle/model/element_response.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,31 +7,12 @@
 #include "Eigen/LU"
 #include "glog/logging.h"
 #include "mle/base/status.h"
-#include "unsupported/Eigen/MatrixFunctions"
+#include "mle/model/held_input_map.h"
 
 namespace mle {
-namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-// z(τ) = transition z(0) + input u, for ż = M z + n u.
-struct HeldMap {
-  MatrixXd transition;
-  VectorXd input;
-};
-
-HeldMap Discretise(const MatrixXd& M, const VectorXd& n, double duration) {
-  const Eigen::Index size = M.rows();
-  MatrixXd augmented = MatrixXd::Zero(size + 1, size + 1);
-  augmented.topLeftCorner(size, size) = duration * M;
-  augmented.topRightCorner(size, 1) = duration * n;
-  const MatrixXd exponential = augmented.exp();
-  return {exponential.topLeftCorner(size, size),
-          exponential.topRightCorner(size, 1)};
-}
-
-}  // namespace
 
 absl::StatusOr<ElementResponse> ElementResponse::Create(
     const TransferFunction& element) {
@@ -53,22 +34,11 @@ absl::StatusOr<ElementResponse> ElementResponse::Create(
   response.initial_values_ = {.gain = response.shape_gain_,
                               .time_scale = time_scale,
                               .delay = element.delay()};
-  // In the time unit T the state of derivative i is T^i times as large.
+  // In the time unit T, with B as it is.
   const StateSpace system = element.Realize();
-  const Eigen::Index r = system.B.size();
-  VectorXd scale(r);
-  for (Eigen::Index i = 0; i < r; ++i) {
-    scale(i) = std::pow(time_scale, static_cast<double>(i));
-  }
-  response.A_ = time_scale * (scale.asDiagonal() * system.A *
-                              scale.cwiseInverse().asDiagonal());
-  response.B_ = time_scale * scale.cwiseProduct(system.B);
-  response.C_ = system.C * scale.cwiseInverse().asDiagonal();
-  response.C_ /= response.shape_gain_;
-  // The output's size belongs to C: states of size 1 then make outputs of it.
-  const double size = response.B_.norm();
-  response.B_ /= size;
-  response.C_ *= size;
+  response.A_ = time_scale * system.A;
+  response.B_ = system.B;
+  response.C_ = time_scale / response.shape_gain_ * system.C;
   return response;
 }
 
@@ -109,16 +79,13 @@ void ElementResponse::Simulate(double time_scale, double sample_time,
   VectorXd n(2 * r);
   n << B_, -B_;
   const double duration = sample_time / time_scale;
-  const HeldMap first = Discretise(M, n, delay.fraction * duration);
-  const HeldMap rest = Discretise(M, n, (1.0 - delay.fraction) * duration);
-  const MatrixXd transition = rest.transition * first.transition;
-  const VectorXd by_older = rest.transition * first.input;
+  const SampleMap map = SampleMap::Over(duration, delay.fraction, M, n);
   const Eigen::RowVectorXd slope_by_state = -C_ * A_ / time_scale;
   const double slope_by_input = -C_.dot(B_) / time_scale;
 
   VectorXd state = VectorXd::Zero(2 * r);
   state.head(r) = -A_.partialPivLu().solve(B_) * past_input;
-  VectorXd next(2 * r);
+  VectorXd move(2 * r);
   double older = past_input;  // u_{k−q−1}
   for (Eigen::Index k = 0; k < inputs.size(); ++k) {
     columns(k, 0) = C_.dot(state.head(r));
@@ -126,8 +93,10 @@ void ElementResponse::Simulate(double time_scale, double sample_time,
     columns(k, 2) = slope_by_state.dot(state.head(r)) + slope_by_input * older;
     const double newer =
         k >= delay.whole ? inputs(k - delay.whole) : past_input;
-    next.noalias() = transition * state;
-    state = next + by_older * older + rest.input * newer;
+    move.setZero();
+    move.noalias() += map.E * state;
+    move += map.older * older + map.newer * newer;
+    state += move;
     older = newer;
   }
 }
@@ -137,12 +106,12 @@ void ElementResponse::FreeResponses(double time_scale, double sample_time,
                                     Eigen::Ref<MatrixXd> derivatives) const {
   CHECK_EQ(columns.cols(), order());
   const double duration = sample_time / time_scale;
-  const MatrixXd transition = (duration * A_).exp();
+  const MatrixXd E = HeldInputMap::Over(duration, A_, B_).E;
   Eigen::RowVectorXd output = C_;
   for (Eigen::Index k = 0; k < columns.rows(); ++k) {
     columns.row(k) = output;
     derivatives.row(k) = -static_cast<double>(k) * duration * (output * A_);
-    output = (output * transition).eval();
+    output += (output * E).eval();
   }
 }
 
