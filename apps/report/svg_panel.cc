@@ -109,10 +109,13 @@ class PanelWriter {
   }
 
   std::string SpanOf(const Span& span) const {
-    if (!IsShown(span.from, panel_.x.log)) return "";
+    // On a logarithmic axis what begins at 0 begins at its end.
+    const double from =
+        IsShown(span.from, panel_.x.log) ? span.from : placed_.x_range.min;
+    if (span.to <= placed_.x_range.min) return "";
     return absl::StrCat(
         "<g ", Paint(span.style.colour, "span "), ">\n", Title(span.label),
-        Rectangle(X(span.from), -1.0, X(span.to) - X(span.from), height_ + 2.0,
+        Rectangle(X(from), -1.0, X(span.to) - X(from), height_ + 2.0,
                   " fill-opacity=\"0.2\" stroke=\"currentColor\" "
                   "stroke-width=\"0.4\""),
         "</g>\n");

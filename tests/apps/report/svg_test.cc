@@ -258,6 +258,18 @@ TEST(SvgTest, WhatLiesOutsideTheRangeIsLeftOut) {
                                   Not(HasSubstr("<title>marker"))));
 }
 
+TEST(SvgTest, AStretchFromZeroBeginsAtTheEndOfALogarithmicAxis) {
+  Figure figure;
+  Panel& panel = figure.AddPanel("");
+  panel.x = {.log = true, .range = Range{1.0, 100.0}};
+  panel.spans.push_back(MakeSpan(Role::kWindow, "span", 0.0, 10.0));
+  const std::string svg = File(figure);
+  const std::size_t at = svg.find("<rect", svg.find("<title>span"));
+  EXPECT_EQ(svg.substr(at, 12), "<rect x=\"0\"");
+  panel.spans[0].to = 0.5;
+  EXPECT_THAT(File(figure), Not(HasSubstr("<title>span")));
+}
+
 TEST(SvgTest, LegendHasEachLabelOnce) {
   const ShownFigure shown = Shown(Example());
   for (const char* label : {"corrected", "initial", "chosen λ", "best λ"}) {
