@@ -13,10 +13,6 @@ double StationaryGain(double variance_ratio) {
   return 2.0 / (1.0 + std::sqrt(1.0 + 4.0 / variance_ratio));
 }
 
-DisturbanceObserver::DisturbanceObserver(int num_outputs, double variance_ratio)
-    : DisturbanceObserver(
-          Eigen::VectorXd::Constant(num_outputs, variance_ratio)) {}
-
 DisturbanceObserver::DisturbanceObserver(const Eigen::VectorXd& variance_ratios)
     : gains_(variance_ratios.unaryExpr(&StationaryGain)),
       disturbance_(Eigen::VectorXd::Zero(variance_ratios.size())) {}

@@ -21,8 +21,6 @@ double StationaryGain(double variance_ratio);
 
 class DisturbanceObserver {
  public:
-  // The same ρ for every output.
-  DisturbanceObserver(int num_outputs, double variance_ratio);
   // ρ of each output (p).
   explicit DisturbanceObserver(const Eigen::VectorXd& variance_ratios);
 

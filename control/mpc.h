@@ -61,9 +61,6 @@ class Mpc {
   const PredictionModel& model() const { return model_; }
   const MpcOptions& options() const { return options_; }
 
-  // Instants over which the free response is carried: at least H_p, and until
-  // the model has settled.
-  int settling_periods() const { return model_.periods(); }
   // f + ŵ (p) at the coming instant.
   Eigen::VectorXd PredictedOutputs() const;
   // How the last control instant went.

@@ -96,7 +96,6 @@ class Operation {
   absl::StatusOr<WatchOperation> RunWatch(
       const control::PredictionModel& model);
 
-  int changes_done() const { return next_; }
   double now() const { return now_; }
 
  private:

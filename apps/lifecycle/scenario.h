@@ -23,10 +23,6 @@ struct SetPointEvent {
   int output = 0;          // −1: none is changed, the end of the years
   Eigen::VectorXd before;  // p, all set points before
   Eigen::VectorXd after;   // p, and from `time` on
-
-  double size() const {
-    return output < 0 ? 0.0 : after[output] - before[output];
-  }
 };
 
 struct SetPointOptions {

@@ -37,7 +37,6 @@ class LaggedSeries {
                const Eigen::VectorXd& offset = {});
 
   int order() const { return order_; }                                    // d
-  int num_outputs() const { return num_outputs_; }                        // p
   int num_channels() const { return static_cast<int>(samples_.rows()); }  // c
   int num_regressors() const { return order_ * num_channels(); }          // n
   int samples() const { return static_cast<int>(samples_.cols()); }

@@ -73,7 +73,6 @@ class RecordRows {
   const absl::Status& status() const { return status_; }
 
   const std::vector<RecordColumn>& columns() const { return columns_; }
-  int num_values() const { return num_values_; }
   // "run.csv: line 3, column 1 ('time')", of the last row.
   std::string TimePlace() const;
   int line() const { return csv_->line(); }

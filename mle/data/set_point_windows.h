@@ -96,7 +96,6 @@ struct SetPointWindow {
   // Share of samples that are bad, outputs (p) then inputs (m).
   Eigen::VectorXd bad_share;
 
-  double change_time() const { return record.time(changes.front().sample); }
   bool drifting() const;
   bool disturbed() const;
   // Text for a reader.

@@ -48,7 +48,6 @@ class JsonNode {
       : json_(&json), source_(std::move(source)) {}
 
   const nlohmann::json& json() const { return *json_; }
-  const std::string& path() const { return path_; }
 
   // InvalidArgument: "source: path: message".
   absl::Status Fault(std::string_view message) const;

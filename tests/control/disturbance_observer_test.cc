@@ -66,14 +66,14 @@ TEST(StationaryGainTest, Limits) {
 }
 
 TEST(DisturbanceObserverTest, StartsWithoutADisturbance) {
-  const DisturbanceObserver observer(3, 0.1);
+  const DisturbanceObserver observer(VectorXd::Constant(3, 0.1));
   EXPECT_EQ(observer.disturbance(), VectorXd::Zero(3));
   EXPECT_EQ(observer.gains(), VectorXd::Constant(3, StationaryGain(0.1)));
 }
 
 // From rest under a constant difference z: ŵ_l = (1 − (1 − g)^l) z.
 TEST(DisturbanceObserverTest, ApproachesAConstantDisturbanceGeometrically) {
-  DisturbanceObserver observer(2, 0.1);
+  DisturbanceObserver observer(VectorXd::Constant(2, 0.1));
   const VectorXd predicted = (VectorXd(2) << 4.0, -1.0).finished();
   const VectorXd w = (VectorXd(2) << 2.0, -3.0).finished();
   for (int l = 1; l <= 100; ++l) {
@@ -85,7 +85,8 @@ TEST(DisturbanceObserverTest, ApproachesAConstantDisturbanceGeometrically) {
 }
 
 TEST(DisturbanceObserverTest, WithInfiniteRatioIsThePlainBiasUpdate) {
-  DisturbanceObserver observer(1, std::numeric_limits<double>::infinity());
+  DisturbanceObserver observer(
+      VectorXd::Constant(1, std::numeric_limits<double>::infinity()));
   observer.Update(VectorXd::Constant(1, 5.0), VectorXd::Constant(1, 2.0));
   EXPECT_EQ(observer.disturbance()[0], 3.0);
   observer.Update(VectorXd::Constant(1, 1.0), VectorXd::Constant(1, 2.0));

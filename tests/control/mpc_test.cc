@@ -258,7 +258,7 @@ TEST(MpcTest, CarriesTheFreeResponseUntilTheModelHasSettled) {
   const TransferFunction triple({2.0}, {27.0, 27.0, 9.0, 1.0}, 4.0);
   const MpcOptions options = SingleOptions(1.0, 1.0);
   const Mpc mpc = MakeMpc(SingleLoop(triple), options);
-  const int n = mpc.settling_periods();
+  const int n = mpc.model().periods();
   EXPECT_GE(n, options.prediction_horizon);
   EXPECT_NEAR(triple.StepResponse(1.0, n + 1)[n], 2.0, 1e-10);
   // Not without end either: e^{-40} is below the last digit.

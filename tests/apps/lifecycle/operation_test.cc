@@ -37,6 +37,7 @@ ChangeOperation Next(Operation& operation, const ProcessModel& model) {
 
 TEST(OperationTest, WithoutNoiseAndAgeingOnlyTransientsCost) {
   const Scenario scenario = TankScenario(6, {});
+  ASSERT_GE(scenario.events.size(), 3u);
   Operation operation = Make(scenario, QuietTank());
   for (const SetPointEvent& event : scenario.events) {
     const ChangeOperation change = Next(operation, Tank());
@@ -48,8 +49,8 @@ TEST(OperationTest, WithoutNoiseAndAgeingOnlyTransientsCost) {
     }
     // The loop is linear: errors go with the size of the change. At least a
     // dead time of it is off by all of that.
-    const double relative =
-        change.transient.squared_error[0] / event.size() / event.size();
+    const double size = event.after[event.output] - event.before[event.output];
+    const double relative = change.transient.squared_error[0] / (size * size);
     EXPECT_GT(relative, 3.0);
     EXPECT_LT(relative, 20.0);
     EXPECT_EQ(change.window.samples(), 200);

@@ -43,7 +43,9 @@ TEST(SetPointEventsTest, KeepWhatTheirOptionsPromise) {
       EXPECT_LE(event.time - last, 1500.0 + options.grid);
       const double range = options.range[event.output];
       EXPECT_LE(std::abs(event.after[event.output]), range);
-      EXPECT_GE(std::abs(event.size()), 0.5 * range);
+      EXPECT_GE(
+          std::abs(event.after[event.output] - event.before[event.output]),
+          0.5 * range);
       outputs.insert(event.output);
     }
     last = event.time;

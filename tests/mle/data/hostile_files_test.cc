@@ -277,6 +277,7 @@ TEST(HostileFilesTest, AreRefusedByNameLineAndColumn) {
 // and nothing crashes.
 TEST(HostileFilesTest, AnyDamageIsSurvived) {
   std::mt19937_64 engine(1);
+  int taken = 0;
   const std::string alphabet("0123456789,.;\t\n\r\"eE+-NaN \0\xFFtime", 31);
   for (int trial = 0; trial < 20000; ++trial) {
     std::string text = WithField(0, 0, "0");
@@ -298,12 +299,15 @@ TEST(HostileFilesTest, AnyDamageIsSurvived) {
     const auto import = ImportHistorianSources(
         {TextSource("hostile.csv", text)}, Tank(), {.max_samples = 100000});
     if (!import.ok()) continue;
+    ++taken;
     for (const Record& record : import->records) {
       ASSERT_TRUE(record.Validate().ok());
       ASSERT_FALSE(record.outputs.array().isInf().any());
       ASSERT_FALSE(record.inputs.array().isInf().any());
     }
   }
+  EXPECT_GT(taken, 1000);  // the others are refused
+  EXPECT_LT(taken, 19000);
 }
 
 // As many bytes as one likes, without a line's end; counts those taken.

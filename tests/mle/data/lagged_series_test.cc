@@ -52,7 +52,6 @@ TEST(LaggedSeriesTest, ViewsAreTheLaggedSamplesLatestFirst) {
   for (const Eigen::VectorXd& off : {Eigen::VectorXd(), offset}) {
     const LaggedSeries series(record, 4, off);
     EXPECT_EQ(series.order(), 4);
-    EXPECT_EQ(series.num_outputs(), 2);
     EXPECT_EQ(series.num_channels(), 5);
     EXPECT_EQ(series.num_regressors(), 20);
     EXPECT_EQ(series.samples(), 20);

@@ -72,7 +72,7 @@ TEST(FindWindowsTest, AreAroundEachChangeWithTheModelsSettlingTime) {
   const SetPointWindow& window = set.windows[0];
   EXPECT_EQ(window.first_sample, 500 - 104);
   EXPECT_EQ(window.record.samples(), 104 + 156 + 1);
-  EXPECT_EQ(window.change_time(), 1250.0);
+  EXPECT_EQ(window.record.time(window.changes.front().sample), 1250.0);
   EXPECT_EQ(window.changes[0].sample, 104);
   EXPECT_FALSE(window.clipped_before || window.clipped_after);
   EXPECT_FALSE(window.drifting() || window.disturbed());
@@ -168,7 +168,8 @@ TEST(FindWindowsTest, TimesMayBeGiven) {
   EXPECT_THAT(Find({record}).warnings[0], HasSubstr("no change of set point"));
   const WindowSet set = Find({record}, {.change_times = {1300.1, 1700, 9000}});
   ASSERT_EQ(set.windows.size(), 2u);
-  EXPECT_EQ(set.windows[0].change_time(), 1300.0);
+  EXPECT_EQ(set.windows[0].record.time(set.windows[0].changes.front().sample),
+            1300.0);
   EXPECT_EQ(set.windows[0].changes[0].output, -1);
   EXPECT_THAT(set.warnings[0], HasSubstr("1 of the given times"));
   EXPECT_FALSE(FindWindows({record}, Model(), {.change_times = {2, 1}}).ok());
