@@ -1,11 +1,11 @@
 #include "apps/correct/result_json.h"
 
-#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "apps/correct/advice.h"
+#include "mle/model/json_text.h"
 
 namespace mle::correct {
 namespace {
@@ -39,34 +39,33 @@ const char* ShapeName(FopdtShape shape) {
 }
 
 Json EstimateJson(const ParameterEstimate& estimate) {
-  return {{"value", NumberJson(estimate.value)},
-          {"standard_error", NumberJson(estimate.standard_error)},
-          {"lower", NumberJson(estimate.lower)},
-          {"upper", NumberJson(estimate.upper)}};
+  return {{"value", estimate.value},
+          {"standard_error", estimate.standard_error},
+          {"lower", estimate.lower},
+          {"upper", estimate.upper}};
 }
 
 // One parameter: as it was, from the fit with every element free, and as it is
 // written.
 Json ParameterJson(const ParameterEstimate& full,
                    const ParameterEstimate& corrected, bool accepted) {
-  Json json = {{"initial", NumberJson(full.initial)},
-               {"all_free", EstimateJson(full)}};
+  Json json = {{"initial", full.initial}, {"all_free", EstimateJson(full)}};
   if (accepted) json["corrected"] = EstimateJson(corrected);
   return json;
 }
 
 Json FopdtJson(const FopdtElement& element, bool errors_from_records) {
   Json json = {
-      {"gain", NumberJson(element.gain)},
-      {"time_constant", NumberJson(element.time_constant)},
-      {"delay", NumberJson(element.delay)},
-      {"gain_standard_error", NumberJson(element.gain_error)},
-      {"time_constant_standard_error", NumberJson(element.time_constant_error)},
-      {"delay_standard_error", NumberJson(element.delay_error)},
+      {"gain", element.gain},
+      {"time_constant", element.time_constant},
+      {"delay", element.delay},
+      {"gain_standard_error", element.gain_error},
+      {"time_constant_standard_error", element.time_constant_error},
+      {"delay_standard_error", element.delay_error},
       {"standard_errors_from", errors_from_records ? "records" : "fit"},
       {"exact", element.exact},
       {"shape", ShapeName(element.shape)},
-      {"relative_rms", NumberJson(element.relative_rms)}};
+      {"relative_rms", element.relative_rms}};
   return json;
 }
 
@@ -82,9 +81,8 @@ Json ElementJson(const Result& result, int i, int j) {
                {"information",
                 std::string(NameOf(result.information.pair(i, j).state))}};
   if (full.state == ElementState::kFitted) {
-    json["expected_relative_gain_error"] =
-        NumberJson(result.information.pair(i, j).gain);
-    json["p_value"] = NumberJson(structured.element_p_values(i, j));
+    json["expected_relative_gain_error"] = result.information.pair(i, j).gain;
+    json["p_value"] = structured.element_p_values(i, j);
     json["aged"] = static_cast<bool>(structured.aged(i, j));
   }
   if (full.state != ElementState::kAbsent) {
@@ -94,28 +92,26 @@ Json ElementJson(const Result& result, int i, int j) {
         ParameterJson(full.time_scale, corrected.time_scale, shown);
     json["delay"] = ParameterJson(full.delay, corrected.delay, shown);
     if (shown) {
-      json["gain_ratio"] =
-          NumberJson(corrected.gain.value / corrected.gain.initial);
-      json["delay_shift"] =
-          NumberJson(corrected.delay.value - corrected.delay.initial);
+      json["gain_ratio"] = corrected.gain.value / corrected.gain.initial;
+      json["delay_shift"] = corrected.delay.value - corrected.delay.initial;
     }
   }
-  json["response_change"] = NumberJson(result.change.elements(i, j));
+  json["response_change"] = result.change.elements(i, j);
   json["fopdt"] =
       FopdtJson(result.fopdt[i * model.num_inputs() + j], structural);
   return json;
 }
 
 Json DistanceJson(const ResponseDistance& distance) {
-  return {{"E", NumberJson(distance.total)},
-          {"relative", NumberJson(distance.relative)},
+  return {{"E", distance.total},
+          {"relative", distance.relative},
           {"elements", MatrixJson(distance.elements)}};
 }
 
 Json FitJson(const FitPercent& fit) {
-  return {{"one_step", NumberJson(fit.one_step)},
-          {"several_steps", NumberJson(fit.several_steps)},
-          {"simulated", NumberJson(fit.simulated)}};
+  return {{"one_step", fit.one_step},
+          {"several_steps", fit.several_steps},
+          {"simulated", fit.simulated}};
 }
 
 Json HeldOutJson(const HeldOut& held_out, const ProcessModel& model) {
@@ -128,7 +124,7 @@ Json HeldOutJson(const HeldOut& held_out, const ProcessModel& model) {
   }
   return {{"folds", held_out.folds},
           {"fit_percent", std::move(outputs)},
-          {"log_likelihood_gain", NumberJson(held_out.gain)}};
+          {"log_likelihood_gain", held_out.gain}};
 }
 
 Json ValidationJson(const Result& result) {
@@ -157,22 +153,22 @@ Json ResidualJson(const ResidualReport& report, const ProcessModel& model,
   for (std::size_t j = 0; j < report.inputs.size(); ++j) {
     const InputCorrelation& input = report.inputs[j];
     inputs.push_back({{"input", model.inputs()[j].name},
-                      {"statistic", NumberJson(input.statistic)},
+                      {"statistic", input.statistic},
                       {"degrees_of_freedom", input.degrees_of_freedom},
-                      {"p_value", NumberJson(input.p_value)},
-                      {"limit", NumberJson(input.limit)},
-                      {"largest", NumberJson(input.largest)},
+                      {"p_value", input.p_value},
+                      {"limit", input.limit},
+                      {"largest", input.largest},
                       {"largest_lag", input.largest_lag},
                       {"correlated", input.correlated()}});
   }
   return {{"output", model.outputs()[output].name},
           {"samples", report.samples},
-          {"variance", NumberJson(report.variance)},
-          {"ljung_box", NumberJson(report.ljung_box)},
+          {"variance", report.variance},
+          {"ljung_box", report.ljung_box},
           {"degrees_of_freedom", report.degrees_of_freedom},
-          {"p_value", NumberJson(report.p_value)},
-          {"limit", NumberJson(report.limit)},
-          {"share_outside", NumberJson(report.outside)},
+          {"p_value", report.p_value},
+          {"limit", report.limit},
+          {"share_outside", report.outside},
           {"white", report.white()},
           {"inputs", std::move(inputs)}};
 }
@@ -194,8 +190,8 @@ Json WindowsJson(const Result& result) {
       Json one = {{"time", window.record.time(change.sample)}};
       if (change.output >= 0) {
         one["output"] = result.initial.outputs()[change.output].name;
-        one["from"] = NumberJson(change.from);
-        one["to"] = NumberJson(change.to);
+        one["from"] = change.from;
+        one["to"] = change.to;
       }
       changes.push_back(std::move(one));
     }
@@ -218,8 +214,8 @@ Json ChannelsJson(const Result& result) {
                         {"frozen_samples", channel.frozen_samples()},
                         {"saturated_samples", channel.saturated_samples()},
                         {"outliers", channel.outliers.size()},
-                        {"quantum", NumberJson(channel.quantum)},
-                        {"noise_deviation", NumberJson(channel.noise)}});
+                        {"quantum", channel.quantum},
+                        {"noise_deviation", channel.noise}});
     if (channel.is_output && !result.data.outliers_by_model.empty()) {
       channels.back()["outliers_by_model"] =
           result.data.outliers_by_model[channel.channel];
@@ -244,10 +240,10 @@ Json FindingsJson(const std::vector<Finding>& findings) {
   for (const Finding& finding : findings) {
     json.push_back({{"name", finding.name},
                     {"place", finding.place},
-                    {"value", NumberJson(finding.value)},
+                    {"value", finding.value},
                     {"unit", finding.unit},
-                    {"lower", NumberJson(finding.lower)},
-                    {"upper", NumberJson(finding.upper)},
+                    {"lower", finding.lower},
+                    {"upper", finding.upper},
                     {"text", finding.text}});
   }
   return json;
@@ -275,8 +271,8 @@ Json CertificateJson(const Result& result) {
     fits.push_back({{"output", result.initial.outputs()[i].name},
                     {"termination", TerminationName(certificate.termination)},
                     {"message", certificate.message},
-                    {"gradient", NumberJson(certificate.gradient)},
-                    {"condition", NumberJson(certificate.condition)},
+                    {"gradient", certificate.gradient},
+                    {"condition", certificate.condition},
                     {"rank", certificate.rank},
                     {"num_parameters", certificate.num_parameters},
                     {"iterations", certificate.iterations},
@@ -284,25 +280,10 @@ Json CertificateJson(const Result& result) {
                     {"at_bound", certificate.at_bound}});
   }
   return {{"structured", std::move(fits)},
-          {"max_relative_duality_gap",
-           NumberJson(result.corrected.max_relative_gap)}};
+          {"max_relative_duality_gap", result.corrected.max_relative_gap}};
 }
 
 }  // namespace
-
-Json NumberJson(double value) {
-  return std::isfinite(value) ? Json(value) : Json();
-}
-
-Json MatrixJson(const Eigen::MatrixXd& matrix) {
-  Json rows = Json::array();
-  for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
-    Json row = Json::array();
-    for (const double value : matrix.row(i)) row.push_back(NumberJson(value));
-    rows.push_back(std::move(row));
-  }
-  return rows;
-}
 
 void AddFindings(const Result& result, Json& json) {
   const NullCalibration& calibrated = result.estimate.fit.test;
@@ -314,11 +295,11 @@ void AddFindings(const Result& result, Json& json) {
   json["reasons"] = MessagesJson(result.reasons);
   json["findings"] = FindingsJson(result.findings);
   json["test_of_no_change"] = {
-      {"p_value", NumberJson(calibrated.p_value)},
-      {"p_value_chi_square", NumberJson(test.p_value)},
+      {"p_value", calibrated.p_value},
+      {"p_value_chi_square", test.p_value},
       {"calibration_factor", calibrated.factor},
       {"calibration_replicates", calibrated.replicates},
-      {"statistic", NumberJson(test.statistic)},
+      {"statistic", test.statistic},
       {"degrees_of_freedom", test.degrees_of_freedom},
       {"false_alarm_probability",
        result.options.estimation.structured.false_alarm_probability},
@@ -342,18 +323,16 @@ void AddFindings(const Result& result, Json& json) {
   Json noise = Json::array();
   for (int i = 0; i < model.num_outputs(); ++i) {
     const NoiseEstimate& estimate = result.estimate.setting.noise[i];
-    noise.push_back(
-        {{"output", model.outputs()[i].name},
-         {"variance", NumberJson(estimate.variance)},
-         {"increment_variance", NumberJson(estimate.increment_variance())},
-         {"window_offsets", estimate.offset}});
+    noise.push_back({{"output", model.outputs()[i].name},
+                     {"variance", estimate.variance},
+                     {"increment_variance", estimate.increment_variance()},
+                     {"window_offsets", estimate.offset}});
   }
   json["noise"] = std::move(noise);
   const EstimateFit& fit = result.estimate.fit;
   if (fit.adequacy.has_value()) {
-    json["structure_adequate"] = {
-        {"p_value", NumberJson(fit.adequacy->p_value)},
-        {"adequate", fit.adequacy->adequate}};
+    json["structure_adequate"] = {{"p_value", fit.adequacy->p_value},
+                                  {"adequate", fit.adequacy->adequate}};
   }
   if (fit.arx.has_value()) {
     json["lambda_star"] = fit.arx->selection().lambda_star(0);
