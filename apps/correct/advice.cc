@@ -119,9 +119,10 @@ void AddMissingInformation(const Result& result,
   if (unknown.empty() && weak.empty()) return;
   if (!unknown.empty()) {
     advice.push_back(absl::StrCat(
-        "The records cannot tell the gain of ", absl::StrJoin(unknown, ", "),
-        ": the input hardly moves in them, or only together with others. The "
-        "initial model is kept there unless a change is proved."));
+        "The records do not determine the gain of ",
+        absl::StrJoin(unknown, ", "),
+        ": the input hardly moves, or only together with other inputs. The "
+        "initial model is kept there unless a change is significant."));
   }
   if (!weak.empty()) {
     const auto windows = static_cast<double>(result.data.windows.size());
@@ -129,15 +130,15 @@ void AddMissingInformation(const Result& result,
     const double needed =
         std::ceil(windows * worst * worst / (wanted * wanted) - windows);
     advice.push_back(
-        absl::StrCat("The records tell only large changes of the gain of ",
+        absl::StrCat("The records show only large changes of the gain of ",
                      absl::StrJoin(weak, ", "), ". For a standard error of ",
                      FormatSignificant(100.0 * wanted, 2), " %, about ",
                      static_cast<int>(std::clamp(needed, 1.0, kMostWindows)),
                      " more set-point changes like these are needed."));
   }
   advice.push_back(absl::StrCat(
-      "A step test, or set-point changes in which they move apart, would have "
-      "to move these inputs only: ",
+      "A step test, or set-point changes that move these inputs independently, "
+      "would be needed for: ",
       InputNames(model, result.information.inputs_to_test()), "."));
 }
 
@@ -161,14 +162,14 @@ void AddWindowsWanted(const Result& result, std::vector<std::string>& advice) {
     if (changed == 1) changed_once.push_back(model.outputs()[i].name);
   }
   if (changed_once.empty()) return;
-  advice.push_back(absl::StrCat(
-      "Each window was predicted by a correction made from the others, which "
-      "cannot know what they did not see: ",
-      changed_once.size() > 1 ? "each of the set points of "
-                              : "the set point of ",
-      absl::StrJoin(changed_once, ", "),
-      " changed in one window only. Records with another change would tell "
-      "whether it is right."));
+  advice.push_back(
+      absl::StrCat("Each window was predicted by a correction made from the "
+                   "other windows, in which this change is missing: ",
+                   changed_once.size() > 1 ? "each of the set points of "
+                                           : "the set point of ",
+                   absl::StrJoin(changed_once, ", "),
+                   " changed in one window only. Records with another change "
+                   "are needed for a decision."));
 }
 
 void AddWhatTheModelLacks(const Result& result,
@@ -185,13 +186,11 @@ void AddWhatTheModelLacks(const Result& result,
   }
   if (pairs.empty()) return;
   advice.push_back(absl::StrCat(
-      "What is left of the outputs still follows inputs (",
-      absl::StrJoin(pairs, ", "),
-      "): there are dynamics, a disturbance or a valve limit that the model "
-      "does not have.",
+      "The residuals still depend on inputs (", absl::StrJoin(pairs, ", "),
+      "): dynamics, a disturbance or a valve limit is missing in the model.",
       result.options.estimation.estimator == Estimator::kStructured
-          ? " --estimator=arx can take any shape of response; compare the fits "
-            "on what was held out."
+          ? " --estimator=arx can fit any shape of response; compare the fits "
+            "on held-out data."
           : ""));
 }
 
@@ -222,11 +221,11 @@ Tuning AdviseTuning(const Result& result) {
   }
   tuning.heading =
       result.request.controller.known()
-          ? "The controller, from the tuning told by the flags to that for the "
-            "corrected model:"
-          : "The controller, from what tuning rules give for the initial model "
-            "to what they give for the corrected one. Its own tuning was not "
-            "told (--control_period and others).";
+          ? "Controller tuning, from the tuning given by the flags to the "
+            "tuning for the corrected model:"
+          : "Controller tuning by published rules, from the initial model to "
+            "the corrected model. The controller's own tuning was not given "
+            "(--control_period and others).";
   tuning.reasons = *reasons;
   return tuning;
 }
@@ -235,21 +234,20 @@ std::vector<std::string> Advise(const Result& result) {
   std::vector<std::string> advice;
   switch (result.decision) {
     case Decision::kNoChange:
-      advice.push_back("Leave the controller's model as it is.");
+      advice.push_back("Keep the controller's model.");
       break;
     case Decision::kRefused:
       advice.push_back(
-          "Do not change the controller's model yet. Something has changed, "
-          "but not in the way this estimator can describe: look at the "
-          "residuals and the windows for a disturbance, and try another "
-          "--estimator.");
+          "Keep the controller's model for now. The records contradict it, but "
+          "this estimator does not explain how: check the residuals and the "
+          "windows for a disturbance, and try another --estimator.");
       AddWindowsWanted(result, advice);
       break;
     case Decision::kCorrected:
       advice.push_back(
-          "Put the corrected model into the controller: fopdt.json holds it as "
-          "transfer functions, arx.json for prediction, step_response.csv as "
-          "curves.");
+          "Use the corrected model in the controller: fopdt.json has its "
+          "transfer functions, arx.json its ARX form for prediction, "
+          "step_response.csv its step responses.");
       break;
   }
   AddMissingInformation(result, advice);

@@ -39,12 +39,12 @@ std::string ResponseUnit(const ProcessModel& model, int output, int input) {
 
 NamedFigure StepResponseFigure(const Result& result) {
   const ProcessModel& model = result.initial;
-  NamedFigure named = NewFigure(
-      "step_responses",
-      "Response of each output (row) to a unit step of each input (column): "
-      "the initial model and the one written, with its band where the records "
-      "give one.",
-      model.num_outputs(), model.num_inputs(), 5.0);
+  NamedFigure named =
+      NewFigure("step_responses",
+                "Response of each output (row) to a unit step of each input "
+                "(column): the initial model and the model written, with a "
+                "confidence band where available.",
+                model.num_outputs(), model.num_inputs(), 5.0);
   const std::vector<double> time =
       Times(0.0, result.initial_response.sample_time,
             result.initial_response.samples());
@@ -93,10 +93,9 @@ NamedFigure MismatchFigure(const Result& result) {
   const int m = model.num_inputs();
   NamedFigure named = NewFigure(
       "mismatch_map",
-      "Mismatch by element: what has changed, and the probability p of such "
-      "records if the element had not. White: kept. The darker, the more of "
-      "its "
-      "step response has changed; half or more is darkest.",
+      "Mismatch by element: changes, and the p-value of the element's initial "
+      "values. White: kept. The darker, the larger the relative change of the "
+      "step response; half or more is darkest.",
       p, 1, kCellHeightCm);
   named.alt = absl::StrCat(named.caption,
                            " The table of elements has the same numbers.");
@@ -128,8 +127,8 @@ NamedFigure LossFigure(const Result& result) {
   const SelectionSummary& selection = result.estimate.fit.arx->selection();
   NamedFigure named = NewFigure(
       "loss_over_lambda",
-      "What the rule for λ minimises: the prediction loss on blocks held out, "
-      "or the criterion. λ acts on outputs in units of their noise.",
+      "Criterion of the choice of λ: the prediction loss on held-out blocks, "
+      "or an information criterion. λ acts on outputs in units of their noise.",
       1, 1, 6.5);
   Panel& panel = named.figure.AddPanel("");
   panel.x = {.label = "penalty λ", .log = true};
@@ -188,8 +187,8 @@ NamedFigure CrossCorrelationFigure(const Result& result) {
   NamedFigure named = NewFigure(
       "cross_correlation",
       "Correlation of the one-step prediction errors with the inputs, with "
-      "99 % limits. To the right of zero it shows dynamics that the model "
-      "lacks; to the left the controller, which answers to what it measures.",
+      "99 % limits. At positive lags it indicates missing dynamics; at "
+      "negative lags the feedback of the controller.",
       model.num_outputs(), model.num_inputs(), 4.5);
   const auto fill = [&](int i, int j, Panel& panel) {
     panel.y.label = "correlation";

@@ -19,9 +19,9 @@
 #include "mle/base/status.h"
 #include "mle/model/process_model.h"
 
-DEFINE_string(model, "",
-              "Process model (JSON) to be corrected: the one in the "
-              "controller. Must be given.");
+DEFINE_string(
+    model, "",
+    "Process model (JSON) of the controller, to be corrected. Must be given.");
 DEFINE_string(data, "",
               "Records (CSV) of routine operation with set-point changes, "
               "separated by commas. Must be given.");
@@ -29,77 +29,81 @@ DEFINE_string(out, "correction",
               "Folder for report.html, result.json, arx.json, fopdt.json and "
               "step_response.csv.");
 DEFINE_string(truth, "",
-              "Process model (JSON) of the plant, where it is simulated: its "
-              "step responses are shown beside the others.");
+              "Process model (JSON) of a simulated plant: its step responses "
+              "are shown as the truth.");
 DEFINE_bool(dry_run, false, "Only read the records and report on them.");
 DEFINE_bool(
     figures, true,
     "Draw the figures, for the page and as files (SVG; PNG and PDF need "
     "rsvg-convert).");
 DEFINE_int32(threads, 0,
-             "Threads, 0: one for each processor. The results do not depend "
-             "on it.");
+             "Threads; 0: one for each processor. The results do not depend on "
+             "the number.");
 
 DEFINE_string(estimator, "combined",
-              "structured (gains, time constants and dead times of the "
-              "model's elements), arx (any shape of response, by regularised "
+              "structured (gains, time constants and dead times of the model's "
+              "elements), arx (any shape of response, by regularised "
               "regression) or combined (structured, and arx for the outputs "
-              "in which that leaves something the inputs explain).");
+              "whose structure a test rejects).");
 DEFINE_double(response_horizon, 0.0,
               "Length NΔt of the step responses (min); 0: the model's "
               "settling time.");
 
 DEFINE_double(false_alarm_probability, 0.01,
-              "Probability, in (0, 1), that a change is found where there is "
-              "none, and that an element is named that has not changed.");
-DEFINE_double(confidence, 0.95, "Of the intervals, in (0, 1).");
+              "Probability, in (0, 1), of a false alarm of the test of no "
+              "change, and of naming an element that has not changed.");
+DEFINE_double(confidence, 0.95,
+              "Confidence level of the intervals, in (0, 1).");
 DEFINE_bool(drift, true,
-            "The noise of the plant may drift (a random walk in its outputs); "
-            "its size is estimated.");
+            "The noise may drift (a random walk in the outputs); the size of "
+            "the drift is estimated.");
 DEFINE_double(max_time_constant_factor, 10.0,
-              "Time constants are sought within this factor, > 1, of the "
-              "model's.");
+              "Largest factor, > 1, by which a time constant may differ from "
+              "the model's.");
 DEFINE_double(max_delay, 0.0,
-              "Dead times are sought up to it (min); 0: twice the model's "
-              "plus its time constant.");
+              "Largest dead time of the search (min); 0: twice the model's "
+              "dead time plus its time constant.");
 
 DEFINE_int32(order, 0,
-             "Order d of the ARX model, in samples; 0: 1.25 times the longest "
-             "dead time and time constant together.");
+             "Order d of the ARX model, in samples; 0: 1.25 times the largest "
+             "sum of dead time and time constant of an element.");
 DEFINE_double(conversion_penalty, 1e-6,
               "Penalty λ₀ of the conversion to an ARX model, ≥ 0.");
-DEFINE_int32(conversion_samples, 50000,
-             "Samples of the excitation for the conversion.");
+DEFINE_int32(
+    conversion_samples, 50000,
+    "Number of samples of the excitation for the conversion to an ARX model.");
 DEFINE_uint64(
     seed, 1,
-    "Seed of what is simulated: the excitation for the conversion, and records "
-    "of the initial model that calibrate a doubtful test.");
+    "Seed of the simulations: the excitation for the conversion, and records "
+    "of the initial model that calibrate the test of no change.");
 DEFINE_string(selection, "blocks",
-              "Rule for λ, --estimator=arx: blocks, leave_change_out, aic, "
+              "Rule for λ with --estimator=arx: blocks, leave_change_out, aic, "
               "bic, gcv.");
 
-DEFINE_int32(validation_folds, 5,
-             "Windows are held out in turn, in at most so many groups, ≥ 2.");
+DEFINE_int32(
+    validation_folds, 5,
+    "Maximum number of folds of the hold-out validation over windows, ≥ 2.");
 DEFINE_int32(prediction_samples, 0,
-             "Samples predicted ahead where fits are compared; 0: a fifth of "
-             "--order.");
+             "Prediction horizon of the compared fits, in samples; 0: a fifth "
+             "of --order.");
 
 DEFINE_double(control_period, 0.0,
-              "Control period of the controller, a multiple of the sample "
-              "time (min); 0: not told, the advice then compares what tuning "
-              "rules give for the two models.");
+              "Control period of the controller, a multiple of the sample time "
+              "(min); 0: unknown, the advice then compares the tuning by "
+              "published rules for the two models.");
 DEFINE_int32(prediction_horizon, 30,
-             "Its prediction horizon, in control periods.");
-DEFINE_int32(control_horizon, 5, "Its control horizon, in control periods.");
+             "Prediction horizon of the controller, in control periods.");
+DEFINE_int32(control_horizon, 5,
+             "Control horizon of the controller, in control periods.");
 DEFINE_string(output_weight, "0.2",
-              "Its weight on tracking errors, ≥ 0: one value, or one for each "
-              "output, separated by commas.");
+              "Weight of the controller on tracking errors, ≥ 0: one value, or "
+              "one for each output, separated by commas.");
 DEFINE_string(move_weight, "0.1",
-              "Its weight on input moves, ≥ 0: one value, or one for each "
-              "input.");
+              "Weight of the controller on input moves, ≥ 0: one value, or one "
+              "for each input.");
 DEFINE_double(disturbance_variance_ratio, 0.1,
-              "Its disturbance observer: increment variance of the output "
-              "disturbance over the noise variance, ≥ 0.");
+              "Disturbance observer of the controller: increment variance of "
+              "the output disturbance over the noise variance, ≥ 0.");
 
 namespace mle::correct {
 namespace {
@@ -198,8 +202,8 @@ absl::Status ReadDataPaths(Request& request) {
   std::set<std::string> seen;
   for (const std::string& path : request.data_paths) {
     if (!seen.insert(path).second) {
-      return absl::InvalidArgumentError(absl::StrCat(
-          "--data: '", path, "' is named twice; it would count double"));
+      return absl::InvalidArgumentError(
+          absl::StrCat("--data: '", path, "' is named twice"));
     }
   }
   return absl::OkStatus();

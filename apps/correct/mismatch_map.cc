@@ -79,8 +79,8 @@ report::Table MismatchTable(const Result& result) {
   const ProcessModel& model = result.initial;
   report::Table table;
   table.caption =
-      "Mismatch by element: what has changed, and the probability p of such "
-      "records if the element had not";
+      "Mismatch by element: changes, and p-value of the element's initial "
+      "values";
   table.columns = {{"output ← input", report::Align::kLeft}};
   for (const InputChannel& input : model.inputs()) {
     table.columns.push_back({input.name, report::Align::kCenter});

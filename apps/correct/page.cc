@@ -20,15 +20,15 @@ void AddModel(const Result& result, const Figures& figures, HtmlPage& page) {
   AddFigure(figures, "mismatch_map", page);
   if (figures.empty()) page.AddTable(MismatchTable(result));
   page.AddParagraph(
-      "“Weak”: from these records the gain would have a standard error above "
-      "10 %, “not informed”: above 50 %. Such elements keep the initial model "
-      "unless the records prove a change.");
+      "“Weak”: the expected standard error of the gain is above 10 %, “not "
+      "informed”: above 50 %. Such elements keep the initial model unless a "
+      "change is significant.");
   page.AddTable(ParameterTable(result));
   page.AddTable(FopdtTable(result));
   if (!result.corrected.process.has_value()) {
     page.AddParagraph(
-        "The model is an ARX model here; its standard errors are not known. "
-        "Those given say how well a first-order element describes its step "
+        "The model is an ARX model; its standard errors are not known. The "
+        "standard errors given are those of the first-order fit to its step "
         "response.");
   }
 }
@@ -45,7 +45,7 @@ void AddRecords(const Result& result, const Figures& figures, HtmlPage& page) {
 }
 
 void AddTrust(const Result& result, const Figures& figures, HtmlPage& page) {
-  page.AddHeading("Can it be trusted?");
+  page.AddHeading("Validation");
   const Validation& validation = result.validation;
   if (validation.shown() != nullptr || !validation.initial.empty()) {
     page.AddTable(ValidationTable(result));
@@ -53,26 +53,25 @@ void AddTrust(const Result& result, const Figures& figures, HtmlPage& page) {
   if (validation.windows.has_value() && validation.windows->available()) {
     page.AddParagraph(
         "Each window in turn was held out: the elements found to have aged "
-        "were fitted to the others, and predict what that fit had not seen.");
+        "were fitted to the other windows, and the fit predicts the held-out "
+        "window.");
   }
   if (validation.blocks.has_value() && validation.blocks->available()) {
     page.AddParagraph(absl::StrCat(
-        "Ten blocks of every window, two at a time, were hidden from the fit "
-        "as well: there the correction changes the log-likelihood of what it "
-        "had not seen by ",
+        "Ten blocks of every window were also held out, two at a time: there "
+        "the correction changes the held-out log-likelihood by ",
         report::FormatSignificant(validation.blocks->gain),
-        ". Below zero it would be refused."));
+        ". A negative change refuses the correction."));
   }
   AddFigure(figures, "predictions", page);
   AddFigure(figures, "loss_over_lambda", page);
   page.AddSubheading("Residuals");
   page.AddTable(ResidualTable(result));
   page.AddParagraph(
-      "A p-value below 0.01 is a finding, one test in a hundred has one by "
-      "chance. Errors that are not white hold slow "
-      "disturbances or missing dynamics; errors that follow an input after it "
-      "moved, missing dynamics. Quantised or filtered measurements are not "
-      "white either.");
+      "A p-value below 0.01 is significant; one test in a hundred is so by "
+      "chance. Residuals that are not white indicate slow disturbances or "
+      "missing dynamics; residuals correlated with past inputs, missing "
+      "dynamics. Quantised or filtered measurements are not white either.");
   AddFigure(figures, "autocorrelation", page);
   AddFigure(figures, "cross_correlation", page);
   page.AddTable(NoiseTable(result));

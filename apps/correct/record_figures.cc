@@ -113,11 +113,10 @@ report::NamedFigure RecordFigure(const Result& result) {
   report::NamedFigure named = NewFigure(
       "records",
       absl::StrCat("The records: outputs with their set points, and inputs. "
-                   "The correction rests on the windows, which are shaded; bad "
-                   "samples have a cross at the last good value.",
+                   "The correction uses the shaded windows; bad samples have a "
+                   "cross at the last good value.",
                    strip.pieces.size() > 1
-                       ? " Pieces follow one another without the time between "
-                         "them."
+                       ? " Records are joined without the time between them."
                        : ""),
       (channels + 1) / 2, 2, 4.0);
   const std::string x_label = TimeLabel(
@@ -157,12 +156,12 @@ report::NamedFigure PredictionFigure(const Result& result) {
   }
   const Strip strip = MakeStrip(std::move(windows));
   const EstimateFit& fit = result.estimate.fit;
-  report::NamedFigure named = NewFigure(
-      "predictions",
-      "Measured outputs and what both models simulate from the inputs alone, "
-      "in all windows, one after the other (the corrected model was fitted to "
-      "them).",
-      model.num_outputs(), 1, 5.0);
+  report::NamedFigure named =
+      NewFigure("predictions",
+                "Measured outputs and simulations of both models from the "
+                "inputs alone, in all windows, one after the other (the "
+                "corrected model was fitted to these windows).",
+                model.num_outputs(), 1, 5.0);
   for (int i = 0; i < model.num_outputs(); ++i) {
     Panel& panel = named.figure.AddPanel(model.outputs()[i].name);
     panel.y.label = UnitOr(model.outputs()[i].unit, "measured");

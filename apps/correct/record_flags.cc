@@ -18,64 +18,63 @@ DEFINE_string(time_format, "recognise",
               "Form of times: recognise (numbers or ISO 8601), numbers, iso, "
               "day_first (29.02.2024 12:34) or month_first (2/29/2024 12:34 "
               "PM).");
-DEFINE_string(number_unit, "",
-              "Unit of times that are numbers: ms, s, min, h or d; empty: the "
-              "model's.");
+DEFINE_string(
+    number_unit, "",
+    "Unit of numerical times: ms, s, min, h or d; empty: the model's.");
 DEFINE_string(time_zone, "",
-              "Zone of dates that name none, such as Europe/Berlin; empty: "
-              "UTC, or a local time without change of clocks.");
+              "Zone of dates without a zone, such as Europe/Berlin; empty: "
+              "UTC, or a local time without clock changes.");
 DEFINE_string(separator, "recognise",
-              "What separates fields: recognise, comma, semicolon or tab.");
+              "Separator of fields: recognise, comma, semicolon or tab.");
 DEFINE_string(decimal, "recognise", "Decimal mark: recognise, point or comma.");
 DEFINE_int32(lines_above_header, 0, "Lines above the header, ≥ 0.");
 DEFINE_int32(rows_below_header, 0,
              "Rows between the header and the samples, such as of units, ≥ 0.");
-DEFINE_string(tags, "",
-              "TAG=CHANNEL,… columns whose names are not the model's: the "
-              "tag's column is the input, output or <output>_setpoint; "
-              "TAG=CHANNEL*SCALE+OFFSET changes units, channel = scale × "
-              "column + offset.");
+DEFINE_string(
+    tags, "",
+    "TAG=CHANNEL,… for columns that are not named as in the model: CHANNEL is "
+    "an input, output or <output>_setpoint; TAG=CHANNEL*SCALE+OFFSET converts "
+    "units, channel = scale × column + offset.");
 DEFINE_bool(ignore_other_columns, false,
-            "Columns that are of no use are passed over; if not, they are "
-            "errors.");
+            "Unknown columns are ignored; if false, they are errors.");
 DEFINE_string(quality_suffixes, "_quality,.quality",
-              "<column><suffix> is the quality of <column>.");
+              "The column <column><suffix> holds the quality of <column>.");
 DEFINE_string(good_qualities, "good,ok,192",
               "Values of quality columns that mean good.");
-DEFINE_string(bad_values, "",
-              "What stands for a bad sample beside an empty field, NaN and "
-              "words such as Bad and No Data, separated by commas: -9999.");
+DEFINE_string(
+    bad_values, "",
+    "Values that mark a bad sample, in addition to an empty field, NaN and "
+    "words such as Bad and No Data, separated by commas: -9999.");
 DEFINE_bool(skip_repeated_times, false,
-            "Rows at the time of the one before are passed over; if not, they "
+            "Rows with the time of the row before are ignored; if false, they "
             "are errors.");
 DEFINE_bool(skip_backward_times, false,
-            "Rows earlier than the one before are passed over; if not, they "
-            "are errors.");
+            "Rows with an earlier time than the row before are ignored; if "
+            "false, they are errors.");
 DEFINE_double(sample_time, 0.0,
-              "Sample time Δt the records are brought to, in the model's time "
-              "unit (min); 0: the files' own.");
-DEFINE_double(
-    max_gap, -1.0,
-    "Gaps of inputs up to this are bridged (min), ≥ 0; negative: five "
-    "samples.");
+              "Sample time Δt of the resampled records, in the model's time "
+              "unit (min); 0: that of the files.");
+DEFINE_double(max_gap, -1.0,
+              "Longest gap of inputs that is bridged (min), ≥ 0; negative: "
+              "five samples.");
 DEFINE_bool(
     mark_outliers, true,
-    "Samples far from their neighbours are taken as bad; and where there "
-    "are such, or with --robust, samples that the model does not "
-    "believe.");
-DEFINE_bool(mark_frozen, true,
-            "Stretches in which an output repeats one value are taken as bad.");
+    "Samples far from their neighbours are marked as bad; if there are any, or "
+    "with --robust, also samples that are outliers under the model.");
+DEFINE_bool(
+    mark_frozen, true,
+    "Stretches in which an output repeats one value are marked as bad.");
 DEFINE_double(window_before, 0.0,
-              "What is kept before a set-point change (min); 0: the model's "
-              "settling time.");
+              "Length of the record kept before a set-point change (min); 0: "
+              "the model's settling time.");
 DEFINE_double(window_after, 0.0,
-              "What is kept after a set-point change (min); 0: 1.5 times the "
-              "model's settling time.");
+              "Length of the record kept after a set-point change (min); 0: "
+              "1.5 times the model's settling time.");
 DEFINE_double(min_setpoint_change, 0.0,
-              "Changes of set points up to this size are none, ≥ 0.");
+              "Largest change of a set point that is ignored, ≥ 0.");
 DEFINE_string(change_times, "",
-              "Times of changes, for records without set points, separated by "
-              "commas and ascending.");
+              "Times of set-point changes, for records without set points, "
+              "ascending and separated by commas.");
 
 namespace mle::correct {
 namespace {
@@ -137,10 +136,11 @@ absl::StatusOr<TagMapping> ParseTag(const std::string& text,
   const std::size_t star = rest.rfind('*');
   mapping.channel = rest.substr(0, star);
   if (!known(mapping.channel)) {
-    return Refuse("tags", text,
-                  absl::StrCat("'", mapping.channel,
-                               "' is no input, output or <output>_setpoint of "
-                               "the model"));
+    return Refuse(
+        "tags", text,
+        absl::StrCat(
+            "'", mapping.channel,
+            "' is not an input, output or <output>_setpoint of the model"));
   }
   const std::string numbers = rest.substr(star + 1);
   const std::size_t sign = numbers.find_first_of("+-", 1);
@@ -176,7 +176,7 @@ absl::StatusOr<std::vector<double>> ChangeTimes() {
     double time = 0.0;
     if (!absl::SimpleAtod(part, &time) || !std::isfinite(time)) {
       return Refuse("change_times", FLAGS_change_times,
-                    absl::StrCat("'", part, "' is no number"));
+                    absl::StrCat("'", part, "' is not a number"));
     }
     times.push_back(time);
   }

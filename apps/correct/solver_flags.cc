@@ -11,7 +11,7 @@ DEFINE_string(solver, "homotopy",
               "or ceres (smoothed L1, at the λ chosen on the exact path).");
 DEFINE_string(robust, "none",
               "Loss of the residuals: none (squares), huber or cauchy, for "
-              "records with bursts and outliers that no check finds. Of ΔR "
+              "records with bursts and outliers that are not detected. For ΔR "
               "at the λ chosen with squares.");
 
 namespace mle::correct {

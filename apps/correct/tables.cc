@@ -101,7 +101,7 @@ Table FopdtTable(const Result& result) {
   const ProcessModel& model = result.initial;
   Table table;
   table.caption = absl::StrCat(
-      "The model written, as first-order elements with dead time (± one "
+      "The model written as first-order elements with dead time (± one "
       "standard error); times in ",
       model.time_unit());
   table.columns = {{"element", Align::kLeft},
@@ -188,7 +188,7 @@ Table ResidualTable(const Result& result) {
 Table NoiseTable(const Result& result) {
   const ProcessModel& model = result.initial;
   Table table;
-  table.caption = "Noise of the outputs, as estimated beside the model";
+  table.caption = "Estimated noise of the outputs";
   table.columns = {{"output", Align::kLeft},
                    {"white: standard deviation"},
                    {"drift: standard deviation after 100 samples"},

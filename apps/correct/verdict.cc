@@ -70,7 +70,7 @@ std::string Confirmation(const Result& result) {
   }
   if (!unknown.empty()) {
     absl::StrAppend(&text, text.empty() ? "They" : ", but",
-                    " tell little or nothing about ",
+                    " contain little or no information about ",
                     absl::StrJoin(unknown, ", "));
   }
   return text.empty() ? text : text + ".";
@@ -112,17 +112,15 @@ std::string AgedOrNot(const Result& result) {
   const std::string p = FormatProbability(result.estimate.fit.PValue());
   switch (result.decision) {
     case Decision::kNoChange:
-      return absl::StrCat(
-          "The records do not contradict the model (p = ", p,
-          " for no change): it has not aged in a way that they show, and is "
-          "left alone.");
+      return absl::StrCat("The records do not contradict the model (p = ", p,
+                          " for no change): the model is kept.");
     case Decision::kCorrected:
       return absl::StrCat("The model has aged (p = ", p, " for no change)",
                           WhereMost(result), ".");
     case Decision::kRefused:
       return absl::StrCat("The records contradict the model (p = ", p,
-                          " for no change), but the correction is refused, and "
-                          "the initial model kept.");
+                          " for no change), but the correction is refused and "
+                          "the initial model is kept.");
   }
   return "";
 }
@@ -145,27 +143,26 @@ std::string RangeOfFits(const HeldOut& held_out, const Function& fit_of) {
 
 std::string WhatItIsWorth(const Result& result) {
   if (!result.failures.empty()) {
-    return "The result is not usable: a fit behind it is not what it should "
-           "be, see the warnings.";
+    return "The result is not usable because a fit is not certified; see the "
+           "warnings.";
   }
   if (result.decision == Decision::kNoChange) return Confirmation(result);
   const HeldOut* const shown = result.validation.shown();
   if (shown == nullptr) {
-    return "The models could not be tried on what they had not seen.";
+    return "The models could not be validated on held-out data.";
   }
   const std::string fits = absl::StrCat(
       "a fit of ",
       RangeOfFits(*shown, [](const auto& o) { return o.corrected; }), ", ",
-      result.validation.horizon, " samples ahead, where the initial one has ",
+      result.validation.horizon, " samples ahead, the initial model ",
       RangeOfFits(*shown, [](const auto& o) { return o.initial; }));
   if (result.decision == Decision::kRefused) {
     return absl::StrCat(
-        "On what it had not seen the corrected model would predict worse: it "
-        "has ",
-        fits, ".");
+        "On held-out data the corrected model predicts worse: it has ", fits,
+        ".");
   }
-  return absl::StrCat("On what it had not seen the corrected model has ", fits,
-                      ": put it into the controller.");
+  return absl::StrCat("On held-out data the corrected model has ", fits,
+                      ": use the corrected model in the controller.");
 }
 
 // "gain 12.8 → 6.40 ± 0.02 (× 0.50), dead time + 0.1 ± 0.2 min".
@@ -200,13 +197,13 @@ std::string DescribeChange(const ElementEstimate& element,
       absl::StrCat(" ", time_unit, " (", shift < 0.0 ? "−" : "+",
                    FormatSignificant(std::abs(shift)), " ", time_unit, ")"));
   if (moved.empty()) {
-    return "gain, time constant and dead time together differ; none of them "
-           "does by itself";
+    return "gain, time constant and dead time differ jointly, but none "
+           "significantly by itself";
   }
   std::string text = absl::StrJoin(moved, ", ");
   if (!stayed.empty()) {
     absl::StrAppend(&text, "; ", absl::StrJoin(stayed, " and "),
-                    " as before within its interval");
+                    " not significantly changed");
   }
   return text;
 }
@@ -330,7 +327,7 @@ std::vector<Finding> Findings(const Result& result) {
     findings.push_back(
         {"response_change", "", relative, "%", kNaN, kNaN,
          absl::StrCat("The step responses change by ", Percent(relative),
-                      " of their size (root of the sums of squares; E = ",
+                      " of their norm (E = ",
                       FormatSignificant(result.change.total), ").")});
   }
   if (result.decision != Decision::kNoChange &&
@@ -341,11 +338,11 @@ std::vector<Finding> Findings(const Result& result) {
     findings.push_back(
         {"truth_E_corrected", "", result.corrected_to_truth->total, "", kNaN,
          kNaN,
-         absl::StrCat("Against the truth given, E is ",
+         absl::StrCat("Against the given truth, E is ",
                       FormatSignificant(result.initial_to_truth->total, 4),
                       " for the initial model and ",
                       FormatSignificant(result.corrected_to_truth->total, 4),
-                      " for the one written.")});
+                      " for the model written.")});
   }
   return findings;
 }

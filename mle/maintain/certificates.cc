@@ -43,18 +43,18 @@ void CheckOutput(const std::string& output, const FitCertificate& certificate,
         {MessageCode::kAtBound,
          output,
          absl::StrCat("In ", name,
-                      " a time constant or dead time lies at the bound of what "
-                      "is searched: the optimum may lie beyond it."),
+                      " a time constant or dead time is at its search bound: "
+                      "the optimum may be beyond the bound."),
          {"max_time_constant_factor", "max_delay"}});
   }
   if (certificate.rank < certificate.num_parameters) {
     result.warnings.push_back(
         {MessageCode::kRankDeficient,
          output,
-         absl::StrCat("In ", name, " the records determine only ",
-                      certificate.rank, " of ", certificate.num_parameters,
-                      " parameters: inputs that move together cannot be told "
-                      "apart."),
+         absl::StrCat(
+             "In ", name, " the records determine only ", certificate.rank,
+             " of ", certificate.num_parameters,
+             " parameters: inputs that move together cannot be separated."),
          {}});
   }
 }
@@ -83,8 +83,8 @@ void CheckShapes(CorrectionResult& result) {
           {MessageCode::kPoorFopdt,
            pair,
            absl::StrCat(pair,
-                        " is described badly by a gain, a time constant and a "
-                        "dead time: use its step response instead."),
+                        " is not well described by a gain, a time constant and "
+                        "a dead time: use its step response instead."),
            {}});
     }
   }

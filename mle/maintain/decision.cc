@@ -49,11 +49,11 @@ Verdict Decide(const Evidence& evidence, const DecisionOptions& options) {
   if (!evidence.held_out_gain.has_value()) {
     verdict.decision =
         options.require_hold_out ? Decision::kRefused : Decision::kCorrected;
-    verdict.reasons.push_back({MessageCode::kNothingHeldOut,
-                               "",
-                               "Nothing could be held out to validate the "
-                               "correction.",
-                               {}});
+    verdict.reasons.push_back(
+        {MessageCode::kNothingHeldOut,
+         "",
+         "No data could be held out to validate the correction.",
+         {}});
     return verdict;
   }
   const double gain = *evidence.held_out_gain;

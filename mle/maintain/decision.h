@@ -2,7 +2,7 @@
 //
 //   evidence                                              decision
 //   no change proposed                                    kNoChange
-//   a change, nothing could be held out                   kRefused
+//   a change, no data could be held out                   kRefused
 //   a change, log-likelihood gain ≤ least_gain somewhere  kRefused
 //   a change, a larger gain in every way of holding out   kCorrected
 //
@@ -33,7 +33,7 @@ struct DecisionOptions {
   // A correction must raise the log-likelihood of what is held out by more
   // than this, in every way of holding out that is possible; ≥ 0.
   double least_gain = 0.0;
-  // A correction that nothing could be held out from is refused. If not, it is
+  // A correction that no data could be held out from is refused. If not, it is
   // taken as it is.
   bool require_hold_out = true;
 

@@ -174,7 +174,7 @@ absl::StatusOr<HeldOut> HoldOut(const Estimate& estimate,
   const std::array<int, 3> horizons = {1, horizon, 0};
   std::vector<absl::Status> status(count);
   std::vector<Scores> scores(count);
-  Stage stage(progress, "predicting what is held out", count);
+  Stage stage(progress, "predicting held-out data", count);
   ParallelFor(count, threads, [&](int f) {
     if (stage.cancelled()) return;
     const absl::StatusOr<Predictor> corrected = PredictFromPart(
@@ -233,7 +233,7 @@ HeldOut BlocksOfTheRule(const Correction& correction,
   for (const Record& window : windows) {
     samples += window.samples();
   }
-  held_out.folds = {"what the rule for λ holds out"};
+  held_out.folds = {"the blocks held out by the rule for λ"};
   held_out.gain =
       -0.5 * samples * std::log(loss(chosen) / loss(loss.size() - 1));
   return held_out;

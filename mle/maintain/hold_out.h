@@ -64,7 +64,7 @@ struct HeldOut {
   // simulated for outputs that are ΔR's, which predicts well a few samples
   // ahead even where its step responses are wrong.
   double gain = 0.0;
-  std::string missing;  // why nothing could be held out
+  std::string missing;  // why no data could be held out
 
   bool available() const { return missing.empty(); }
 };

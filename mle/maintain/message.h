@@ -26,7 +26,7 @@ enum class MessageCode {
   kAtBound,         // a parameter lies at the bound of what is searched
   kRankDeficient,   // the records do not determine every parameter
   kPoorFopdt,       // a first-order element with dead time describes it badly
-  kHoldOutMissing,  // nothing could be held out in this way
+  kHoldOutMissing,  // no data could be held out in this way
   // The result is not usable.
   kFitFailed,
   kNotExact,  // a duality gap above the accepted one

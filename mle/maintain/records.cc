@@ -51,7 +51,7 @@ void MarkUnhealthy(const ProcessModel& model, const MarkOptions& mark,
     data.notes.push_back(
         {MessageCode::kSamplesMarked,
          "",
-         absl::StrCat(marked, " of these samples are taken as bad."),
+         absl::StrCat(marked, " of these samples are marked as bad."),
          {"mark_outliers", "mark_frozen"}});
   }
 }
@@ -336,21 +336,22 @@ absl::Status MarkOutliersByModel(const ProcessModel& model,
       data.notes.push_back(
           {MessageCode::kSamplesMarked,
            name,
-           absl::StrCat(name, ": ", report.marked[i],
-                        " samples of the windows lie too far from what the "
-                        "model expects, at most ",
-                        report.longest[i], " in a row, and are taken as bad."),
+           absl::StrCat(
+               name, ": ", report.marked[i],
+               " samples of the windows are outliers under the model, at most ",
+               report.longest[i], " in a row, and are marked as bad."),
            {"mark_outliers"}});
     }
     if (report.left[i] > 0) {
       data.warnings.push_back(
           {MessageCode::kUnmeasured,
            name,
-           absl::StrCat(name, ": ", report.left[i],
-                        " samples are as far from what the model expects as "
-                        "outliers are, but more than ",
-                        options.longest_burst,
-                        " in a row: an unmeasured disturbance. They are used."),
+           absl::StrCat(
+               name, ": ", report.left[i],
+               " samples are as far from the model's prediction as outliers, "
+               "but more than ",
+               options.longest_burst,
+               " in a row: an unmeasured disturbance. These samples are used."),
            {}});
     }
   }

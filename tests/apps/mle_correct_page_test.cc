@@ -99,7 +99,7 @@ TEST_F(MleCorrectPage, OpensWithTheVerdictInTwoSentences) {
   const std::string aged = result_["verdict"][0];
   const std::string worth = result_["verdict"][1];
   EXPECT_THAT(aged, HasSubstr("1 of 4 elements have changed, y1 ← u1"));
-  EXPECT_THAT(worth, HasSubstr("put it into the controller"));
+  EXPECT_THAT(worth, HasSubstr("use the corrected model"));
   const std::size_t summary = html_.find("class=\"summary\"");
   ASSERT_NE(summary, std::string::npos);
   EXPECT_LT(summary, html_.find(aged));

@@ -79,7 +79,7 @@ TEST(MleCorrectRecords, TagsAreMappedWithTheirUnits) {
 
   for (const auto& [tags, message] :
        {std::pair("y1", "not of the form TAG=CHANNEL"),
-        {"TI 101=y7*2", "'y7' is no input, output"},
+        {"TI 101=y7*2", "'y7' is not an input, output"},
         {"TI 101=y1*two", "*SCALE+OFFSET is expected"},
         {"TI 101=y1*2+", "*SCALE+OFFSET is expected"}}) {
     const report::ProcessResult run = correct(tags);
