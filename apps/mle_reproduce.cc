@@ -14,7 +14,7 @@
 #include "apps/reproduce/flags.h"
 #include "apps/reproduce/outputs.h"
 #include "apps/reproduce/page.h"
-#include "apps/reproduce/study.h"
+#include "apps/reproduce/reproduction.h"
 #include "apps/reproduce/summary.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"
@@ -34,52 +34,38 @@ in simulation, where the true plant is known and the correction can be judged.
 Times are in the model's time unit: min by default. Exit codes: 0 done, 1 ran but
 the result is not usable, 2 bad input or flags.)";
 
-// First and last.
-std::vector<std::uint64_t> SeedsOf(const reproduce::Study& study) {
-  std::vector<std::uint64_t> seeds = {study.first_seed};
-  if (study.seeds > 1) seeds.push_back(study.first_seed + study.seeds - 1);
-  return seeds;
-}
-
 absl::Status WriteAll(const std::vector<CaseResult>& results,
-                      const reproduce::Study& study,
+                      const reproduce::Reproduction& reproduction,
                       const reproduce::Destination& destination) {
-  const Eigen::VectorXd& lambdas = study.experiment.correction.lambdas;
+  const Eigen::VectorXd& lambdas =
+      reproduction.campaign.settings.correction.lambdas;
   std::vector<std::pair<std::string, std::string>> files =
       reproduce::FormatCurves(results, lambdas);
   std::vector<report::DrawnFigure> figures;
   if (destination.figures) {
     figures = report::DrawFigures(reproduce::MakeFigures(results, lambdas),
-                                  study.threads);
+                                  reproduction.threads);
   }
   report::AddPictures(figures, files);
   files.emplace_back("results.json", reproduce::FormatResults(results));
   files.emplace_back(
       "report.html",
-      reproduce::FormatPage(results, figures, HowToRunAgain(SeedsOf(study))));
+      reproduce::FormatPage(results, figures,
+                            HowToRunAgain(reproduction.campaign.seeds)));
   return WriteFilesTogether(destination.folder, files);
-}
-
-std::string EstimatorText(const CaseResult& result) {
-  if (result.runs.front().estimators.estimators.empty()) return "";
-  return report::RenderText(
-             reproduce::EstimatorTable(result.name, result.Estimators())) +
-         "\n";
-}
-
-std::string AblationText(const CaseResult& result) {
-  if (result.ablations.empty()) return "";
-  return report::RenderText(reproduce::AblationTable(
-             result.name, result.AblatedE(), result.ablations)) +
-         "\n";
 }
 
 void PrintTables(const CaseResult& result) {
   std::cout << report::RenderText(reproduce::DistanceTable(result)) << "\n"
             << report::RenderText(reproduce::GainTable(result)) << "\n"
-            << report::RenderText(reproduce::DelayTable(result)) << "\n"
-            << EstimatorText(result) << AblationText(result)
-            << report::RenderText(reproduce::ClosedLoopTable(
+            << report::RenderText(reproduce::DelayTable(result)) << "\n";
+  if (!result.runs.front().estimators.empty()) {
+    std::cout << report::RenderText(reproduce::EstimatorTable(result)) << "\n";
+  }
+  if (!result.ablations.empty()) {
+    std::cout << report::RenderText(reproduce::AblationTable(result)) << "\n";
+  }
+  std::cout << report::RenderText(reproduce::ClosedLoopTable(
                    result.name, result.plant, result.ClosedLoops()))
             << "\n"
             << "Case " << result.name
@@ -92,13 +78,14 @@ void PrintTables(const CaseResult& result) {
 }
 
 int Main() {
-  const absl::StatusOr<reproduce::Study> study = reproduce::StudyFromFlags();
-  if (!study.ok()) return Fail(study.status());
+  const absl::StatusOr<reproduce::Reproduction> reproduction =
+      reproduce::ReproductionFromFlags();
+  if (!reproduction.ok()) return Fail(reproduction.status());
   const reproduce::Destination destination = reproduce::DestinationFromFlags();
   const absl::StatusOr<FolderLock> lock = ClaimOutputFolder(destination.folder);
   if (!lock.ok()) return Fail(lock.status());
   const absl::StatusOr<std::vector<CaseResult>> results =
-      reproduce::RunStudy(*study);
+      reproduce::RunReproduction(*reproduction);
   if (!results.ok()) return Fail(results.status());
 
   int exit_code = kExitDone;
@@ -112,7 +99,8 @@ int Main() {
       exit_code = kExitNotUsable;
     }
   }
-  if (const absl::Status status = WriteAll(*results, *study, destination);
+  if (const absl::Status status =
+          WriteAll(*results, *reproduction, destination);
       !status.ok()) {
     return Fail(absl::InternalError(status.message()));
   }

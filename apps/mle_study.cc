@@ -15,15 +15,15 @@
 #include "apps/common/run_again.h"
 #include "apps/common/sha256.h"
 #include "apps/common/stop_signal.h"
+#include "apps/experiment/grid.h"
+#include "apps/experiment/row.h"
 #include "apps/study/campaign.h"
 #include "apps/study/coordinator.h"
 #include "apps/study/flags.h"
-#include "apps/study/grid.h"
 #include "apps/study/journal.h"
 #include "apps/study/merge.h"
 #include "apps/study/outputs.h"
 #include "apps/study/processes.h"
-#include "apps/study/row.h"
 #include "apps/study/summary.h"
 #include "apps/study/worker_pool.h"
 #include "mle/base/file.h"
@@ -32,8 +32,8 @@
 namespace mle {
 namespace {
 
-using study::Campaign;
-using study::Grid;
+using experiment::Campaign;
+using experiment::Grid;
 using study::Journal;
 using study::Processes;
 
@@ -81,7 +81,8 @@ void PrintPlan(const Campaign& campaign, const Grid& grid) {
             << " runs, " << grid.num_cells() << " cells of the grid with "
             << grid.seeds() << " seeds each, in " << grid.num_units()
             << " units of work.\n\n"
-            << "run," << absl::StrJoin(study::CoordinateNames(), ",") << "\n";
+            << "run," << absl::StrJoin(experiment::CoordinateNames(), ",")
+            << "\n";
   for (std::int64_t run = 0; run < std::min(kShown, grid.num_runs()); ++run) {
     std::cout << run << ","
               << absl::StrJoin(CoordinateTexts(campaign, grid.At(run)), ",")
@@ -97,7 +98,7 @@ absl::StatusOr<int> Conclude(const study::Request& request,
   MLE_RETURN_IF_ERROR(MergeRuns(journal, grid.num_runs(), request.out));
   MLE_ASSIGN_OR_RETURN(
       const study::StudySummary summary,
-      Summarise(absl::StrCat(request.out, "/runs.csv"), campaign, grid));
+      study::Summarise(absl::StrCat(request.out, "/runs.csv"), campaign, grid));
   MLE_RETURN_IF_ERROR(study::WriteOutputs(request.out, request.figures,
                                           campaign, summary,
                                           HowToRunAgain(campaign.seeds)));

@@ -27,6 +27,8 @@ DEFINE_string(
 namespace mle::reproduce {
 namespace {
 
+using experiment::Mismatch;
+
 // A failure of what a flag asks for, as bad input.
 absl::Status Of(const char* flag, const absl::Status& status) {
   return absl::InvalidArgumentError(
@@ -45,8 +47,8 @@ absl::Status CheckName(const std::string& name) {
       "' must be made of letters, digits, '_' and '-', at most 100"));
 }
 
-absl::StatusOr<std::vector<Case>> ReadPlants(const ProcessModel& initial) {
-  std::vector<Case> cases;
+absl::StatusOr<std::vector<Mismatch>> ReadPlants(const ProcessModel& initial) {
+  std::vector<Mismatch> cases;
   for (const std::string& part : ParseList(FLAGS_plants)) {
     const std::size_t colon = part.find(':');
     if (colon == std::string::npos) {
@@ -63,7 +65,9 @@ absl::StatusOr<std::vector<Case>> ReadPlants(const ProcessModel& initial) {
         !same.ok()) {
       return Of("plants", same);
     }
-    cases.push_back({name, *std::move(plant)});
+    Mismatch& one = cases.emplace_back();
+    one.name = name;
+    one.plant = *std::move(plant);
   }
   if (cases.empty()) {
     return absl::InvalidArgumentError("--plants names no plant");
@@ -71,8 +75,8 @@ absl::StatusOr<std::vector<Case>> ReadPlants(const ProcessModel& initial) {
   return cases;
 }
 
-absl::StatusOr<std::vector<Case>> BuiltInCases() {
-  std::vector<Case> cases;
+absl::StatusOr<std::vector<Mismatch>> BuiltInCases() {
+  std::vector<Mismatch> cases;
   for (const std::string& name : ParseList(FLAGS_cases)) {
     const BuiltInModel* found = nullptr;
     for (const BuiltInModel& model : kWoodBerryAged) {
@@ -85,7 +89,9 @@ absl::StatusOr<std::vector<Case>> BuiltInCases() {
     }
     MLE_ASSIGN_OR_RETURN(ProcessModel plant,
                          ParseProcessModel(found->json, found->source));
-    cases.push_back({name, std::move(plant), /*from_paper=*/true});
+    Mismatch& one = cases.emplace_back();
+    one.name = name;
+    one.plant = std::move(plant);
   }
   if (cases.empty()) {
     return absl::InvalidArgumentError("--cases names no case");
@@ -95,7 +101,11 @@ absl::StatusOr<std::vector<Case>> BuiltInCases() {
 
 }  // namespace
 
-absl::Status ReadCases(Study& study) {
+absl::Status ReadCases(Reproduction& reproduction) {
+  experiment::Campaign& campaign = reproduction.campaign;
+  campaign.models.resize(1);
+  campaign.models.front().name = "initial";
+  ProcessModel& initial = campaign.models.front().model;
   const bool own = !FLAGS_model.empty() || !FLAGS_plants.empty();
   if (own && (FLAGS_model.empty() || FLAGS_plants.empty())) {
     return absl::InvalidArgumentError(
@@ -110,15 +120,16 @@ absl::Status ReadCases(Study& study) {
   if (own) {
     absl::StatusOr<ProcessModel> model = ReadProcessModel(FLAGS_model);
     if (!model.ok()) return Of("model", model.status());
-    study.initial = *std::move(model);
-    MLE_ASSIGN_OR_RETURN(study.cases, ReadPlants(study.initial));
+    initial = *std::move(model);
+    MLE_ASSIGN_OR_RETURN(campaign.mismatches, ReadPlants(initial));
   } else {
-    MLE_ASSIGN_OR_RETURN(study.initial,
+    MLE_ASSIGN_OR_RETURN(initial,
                          ParseProcessModel(kWoodBerry.json, kWoodBerry.source));
-    MLE_ASSIGN_OR_RETURN(study.cases, BuiltInCases());
+    MLE_ASSIGN_OR_RETURN(campaign.mismatches, BuiltInCases());
+    reproduction.from_paper = true;
   }
   std::set<std::string> names;
-  for (const Case& one : study.cases) {
+  for (const Mismatch& one : campaign.mismatches) {
     if (!names.insert(one.name).second) {
       return absl::InvalidArgumentError(
           absl::StrCat(own ? "--plants" : "--cases", ": '", one.name,

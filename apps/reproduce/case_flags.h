@@ -4,13 +4,13 @@
 #define APPS_REPRODUCE_CASE_FLAGS_H_
 
 #include "absl/status/status.h"
-#include "apps/reproduce/study.h"
+#include "apps/reproduce/reproduction.h"
 
 namespace mle::reproduce {
 
-// Fills in `initial` and `cases`: the user's own, or the paper's. Errors name
-// the flag, and the file if there is one.
-absl::Status ReadCases(Study& study);
+// Fills in the campaign's model and mismatches: the user's own, or the paper's.
+// Errors name the flag, and the file if there is one.
+absl::Status ReadCases(Reproduction& reproduction);
 
 }  // namespace mle::reproduce
 

@@ -7,20 +7,20 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "apps/experiment/records.h"
 #include "apps/report/number.h"
-#include "apps/reproduce/experiment.h"
 #include "control/mpc.h"
 #include "control/prediction_model.h"
 #include "mle/base/random.h"
 #include "mle/base/status.h"
 #include "mle/data/record.h"
 #include "nlohmann/json.hpp"
-#include "sim/closed_loop.h"
 
 namespace mle::reproduce {
 namespace {
 
 using control::PredictionModel;
+using experiment::ExperimentOptions;
 using Json = nlohmann::ordered_json;
 using report::FormatSignificant;
 
@@ -31,9 +31,10 @@ LoopPerformance Measure(const Record& record, int output,
   const auto sample = [&](double time) {
     return static_cast<int>(std::lround(time / options.sample_time));
   };
-  const int begin = sample(options.step_time);
-  const int end = std::min(sample(options.step_time + options.window),
-                           record.samples() - 1);
+  const int begin = sample(options.windows.step_time);
+  const int end =
+      std::min(sample(options.windows.step_time + options.windows.window),
+               record.samples() - 1);
   LoopPerformance result;
   int settled = begin;
   for (int k = begin; k <= end; ++k) {
@@ -45,10 +46,10 @@ LoopPerformance Measure(const Record& record, int output,
       result.input_movement +=
           (record.inputs.col(k) - record.inputs.col(k - 1)).cwiseAbs().sum();
     }
-    result.overshoot =
-        std::max(result.overshoot, error[output] / options.setpoint_step);
+    result.overshoot = std::max(result.overshoot,
+                                error[output] / options.windows.setpoint_step);
     if (error.cwiseAbs().maxCoeff() >
-        kSettlingBand * std::abs(options.setpoint_step)) {
+        kSettlingBand * std::abs(options.windows.setpoint_step)) {
       settled = k + 1;
     }
   }
@@ -58,54 +59,32 @@ LoopPerformance Measure(const Record& record, int output,
   return result;
 }
 
-// Set point `output` steps in the loop of `mpc`.
-absl::StatusOr<Record> SimulateChange(control::Mpc mpc,
-                                      const ProcessModel& plant, int output,
-                                      double noise_variance, std::uint64_t seed,
-                                      const ExperimentOptions& options) {
-  sim::ClosedLoopOptions loop;
-  loop.sample_time = options.sample_time;
-  loop.control_period = options.control_period;
-  loop.duration = options.duration;
-  loop.noise_variance = noise_variance;
-  loop.seed = seed;
-  loop.stream = kComparisonStream + static_cast<std::uint64_t>(output);
-  sim::SetPointProfile set_points;
-  for (int before = 0; before < output; ++before) {
-    set_points.steps.push_back({before, 0.0, options.setpoint_step});
-  }
-  set_points.steps.push_back(
-      {output, options.step_time, options.setpoint_step});
-  return sim::SimulateClosedLoop(
-      plant,
-      [&mpc](const auto& measured, const auto& wanted, auto next) {
-        mpc.Step(measured, wanted, next);
-      },
-      set_points, loop);
-}
-
 // From a twentieth of the window before the change to half of it after.
 absl::StatusOr<Record> AboutTheChange(const Record& record,
                                       const ExperimentOptions& options) {
-  const auto change =
-      static_cast<int>(std::lround(options.step_time / options.sample_time));
-  return CutWindow(record, change, 0.05 * options.window, 0.5 * options.window);
+  const auto change = static_cast<int>(
+      std::lround(options.windows.step_time / options.sample_time));
+  return CutWindow(record, change, 0.05 * options.windows.window,
+                   0.5 * options.windows.window);
 }
 
 LoopRun RunModel(const absl::StatusOr<PredictionModel>& model,
                  const ProcessModel& plant, double noise_variance,
                  std::uint64_t seed, bool keep_records,
-                 const control::MpcOptions& mpc_options,
                  const ExperimentOptions& options) {
   LoopRun run;
   const auto run_changes = [&]() -> absl::Status {
     MLE_RETURN_IF_ERROR(model.status());
     MLE_ASSIGN_OR_RETURN(const control::Mpc mpc,
-                         control::Mpc::Create(*model, mpc_options));
+                         control::Mpc::Create(*model, options.controller));
     for (int e = 0; e < plant.num_outputs(); ++e) {
       MLE_ASSIGN_OR_RETURN(
           const Record record,
-          SimulateChange(mpc, plant, e, noise_variance, seed, options));
+          experiment::SimulateLoop(
+              mpc, plant, experiment::StepOf(e, options.windows),
+              noise_variance, seed,
+              kComparisonStream + static_cast<std::uint64_t>(e),
+              /*conditions=*/{}, options));
       run.changes.push_back(Measure(record, e, options));
       if (noise_variance > 0.0) run.changes.back().settling_time = 0.0;
       if (!keep_records) continue;
@@ -185,7 +164,8 @@ std::string FormatTime(double time) {
 absl::StatusOr<ClosedLoopComparison> CompareClosedLoops(
     const ProcessModel& initial, const ArxModel& corrected,
     const ProcessModel& plant, std::uint64_t seed, bool in_full,
-    const control::MpcOptions& mpc, const ExperimentOptions& options) {
+    const ExperimentOptions& options) {
+  const control::MpcOptions& mpc = options.controller;
   MLE_RETURN_IF_ERROR(mpc.Validate(plant.num_outputs(), plant.num_inputs()));
   std::vector<InputRole> roles;
   for (const InputChannel& input : initial.inputs())
@@ -197,10 +177,10 @@ absl::StatusOr<ClosedLoopComparison> CompareClosedLoops(
   ClosedLoopComparison comparison;
   for (std::size_t i = 0; i < models.size(); ++i) {
     comparison.noise_free[i] =
-        RunModel(models[i], plant, 0.0, seed, in_full, mpc, options);
+        RunModel(models[i], plant, 0.0, seed, in_full, options);
     comparison.noisy[i] =
         RunModel(models[i], plant, options.noise_variance, seed,
-                 /*keep_records=*/false, mpc, options);
+                 /*keep_records=*/false, options);
   }
   return comparison;
 }

@@ -14,16 +14,14 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "apps/experiment/options.h"
 #include "apps/report/table.h"
-#include "control/mpc_options.h"
 #include "mle/data/record.h"
 #include "mle/model/arx_model.h"
 #include "mle/model/process_model.h"
 #include "nlohmann/json_fwd.hpp"
 
 namespace mle::reproduce {
-
-struct ExperimentOptions;
 
 // How one set-point change went, from the change to the end of its window. All
 // outputs count; times in the model's time unit.
@@ -64,7 +62,7 @@ struct ClosedLoopComparison {
 absl::StatusOr<ClosedLoopComparison> CompareClosedLoops(
     const ProcessModel& initial, const ArxModel& corrected,
     const ProcessModel& plant, std::uint64_t seed, bool in_full,
-    const control::MpcOptions& mpc, const ExperimentOptions& options);
+    const experiment::ExperimentOptions& options);
 
 // Means over the seeds, a row for each change and model.
 report::Table ClosedLoopTable(

@@ -217,7 +217,7 @@ std::vector<double> OfEstimator(const CaseResult& result,
                                 const std::string& name) {
   std::vector<double> values;
   for (const RunResult& run : result.runs) {
-    for (const EstimatorResult& one : run.estimators.estimators) {
+    for (const EstimatorResult& one : run.estimators) {
       if (one.name == name && one.status.ok()) values.push_back(one.E);
     }
   }
@@ -254,7 +254,7 @@ NamedFigure DistributionFigure(const std::vector<CaseResult>& cases) {
                     OfEstimator(result, "structured"), panel);
     double limit = 0.0;
     for (const RunResult& run : result.runs) {
-      limit += run.estimators.E_limit / static_cast<double>(result.runs.size());
+      limit += run.E_limit / static_cast<double>(result.runs.size());
     }
     if (limit > 0.0) {
       panel.lines.push_back(

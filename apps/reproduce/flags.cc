@@ -1,11 +1,8 @@
 #include "apps/reproduce/flags.h"
 
 #include <algorithm>
-#include <cmath>
-#include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <map>
 #include <set>
 #include <string>
 #include <thread>
@@ -19,7 +16,6 @@
 #include "apps/reproduce/case_flags.h"
 #include "gflags/gflags.h"
 #include "mle/base/status.h"
-#include "mle/nonlinear/smoothed_lasso.h"
 
 DEFINE_int32(seeds, 1, "Noise seeds to run each case with, 1 … 10000.");
 DEFINE_uint64(first_seed, 1, "The first of the seeds; the others follow it.");
@@ -91,6 +87,9 @@ DEFINE_string(scaling, "standardise",
 namespace mle::reproduce {
 namespace {
 
+using experiment::Ablation;
+using experiment::Campaign;
+
 constexpr int kMaxSeeds = 10000;
 
 absl::Status CheckRuns() {
@@ -136,24 +135,18 @@ absl::StatusOr<Eigen::VectorXd> LambdaGrid() {
       "--lambda_grid_max, --lambda_grid_step: ", grid.status().message()));
 }
 
+// "--flag=value: known are …".
+absl::Status Unknown(const char* flag, const std::string& value,
+                     const absl::Status& known) {
+  return absl::InvalidArgumentError(
+      absl::StrCat("--", flag, "=", value, ": ", known.message()));
+}
+
 absl::StatusOr<SelectionOptions> SelectionFromFlags() {
-  using Rule = SelectionOptions::Rule;
-  const std::map<std::string, Rule> rules = {
-      {"blocks", Rule::kBlocks},
-      {"paper", Rule::kLeaveChangeOut},
-      {"leave_change_out", Rule::kLeaveChangeOut},
-      {"aic", Rule::kAic},
-      {"bic", Rule::kBic},
-      {"gcv", Rule::kGcv}};
-  const auto rule = rules.find(FLAGS_selection);
-  if (rule == rules.end()) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "--selection=", FLAGS_selection,
-        ": known are blocks, paper, leave_change_out, aic, bic and gcv"));
-  }
-  SelectionOptions selection;
-  selection.rule = rule->second;
-  selection.on_grid = FLAGS_selection == "paper";
+  absl::StatusOr<SelectionOptions> named =
+      experiment::NamedSelection(FLAGS_selection);
+  if (!named.ok()) return Unknown("selection", FLAGS_selection, named.status());
+  SelectionOptions selection = *named;
   if (FLAGS_selection_block < 0) {
     return absl::InvalidArgumentError(
         absl::StrCat("--selection_block=", FLAGS_selection_block,
@@ -173,58 +166,47 @@ absl::StatusOr<SelectionOptions> SelectionFromFlags() {
   }
   selection.block_length = FLAGS_selection_block;
   selection.phases = FLAGS_selection_phases;
-  selection.horizon = FLAGS_selection == "paper" ? 1 : FLAGS_selection_horizon;
+  if (FLAGS_selection != "paper") selection.horizon = FLAGS_selection_horizon;
   selection.one_standard_error = FLAGS_selection_one_standard_error;
   selection.per_output = FLAGS_selection_per_output;
   return selection;
 }
 
-absl::StatusOr<LassoSolverOptions> SolverFromFlags() {
-  LassoSolverOptions solver;
-  if (FLAGS_solver == "coordinate_descent") {
-    solver.solver = LassoSolver::kCoordinateDescent;
-  } else if (FLAGS_solver == "ceres") {
-    solver = SmoothedLassoSolver({});
-  } else if (FLAGS_solver != "homotopy") {
-    return absl::InvalidArgumentError(
-        absl::StrCat("--solver=", FLAGS_solver,
-                     ": known are homotopy, ceres and coordinate_descent"));
-  }
-  return solver;
-}
-
-absl::StatusOr<std::vector<std::string>> EstimatorsFromFlags() {
-  std::vector<std::string> estimators;
+absl::StatusOr<std::vector<NamedEstimator>> EstimatorsFromFlags() {
+  std::vector<NamedEstimator> estimators;
+  std::set<std::string> names;
   for (const std::string& name : ParseList(FLAGS_estimators)) {
-    const auto& known = EstimatorNames();
-    if (std::find(known.begin(), known.end(), name) == known.end()) {
+    const auto& known = NamedEstimators();
+    const auto found = std::find_if(
+        known.begin(), known.end(),
+        [&](const NamedEstimator& one) { return name == one.name; });
+    if (found == known.end()) {
       return absl::InvalidArgumentError(
           absl::StrCat("--estimators: there is no estimator '", name,
                        "'; known are arx, ceres, structured and combined"));
     }
-    if (std::find(estimators.begin(), estimators.end(), name) !=
-        estimators.end()) {
+    if (!names.insert(name).second) {
       return absl::InvalidArgumentError(
           absl::StrCat("--estimators: '", name, "' is named twice"));
     }
-    estimators.push_back(name);
+    estimators.push_back(*found);
   }
   return estimators;
 }
 
 absl::StatusOr<std::vector<const Ablation*>> AblationsFromFlags() {
-  std::vector<const Ablation*> ablations;
+  std::vector<const Ablation*> ablations = {nullptr};
   for (const std::string& name : ParseList(FLAGS_ablations)) {
     if (name == "all") {
-      for (const Ablation& ablation : Ablations()) {
+      for (const Ablation& ablation : experiment::Ablations()) {
         ablations.push_back(&ablation);
       }
       continue;
     }
-    const Ablation* const ablation = FindAblation(name);
+    const Ablation* const ablation = experiment::FindAblation(name);
     if (ablation == nullptr) {
       std::string known;
-      for (const Ablation& one : Ablations()) {
+      for (const Ablation& one : experiment::Ablations()) {
         absl::StrAppend(&known, ", ", one.name);
       }
       return absl::InvalidArgumentError(
@@ -248,58 +230,68 @@ absl::StatusOr<Scaling> ScalingFromFlags() {
       "--scaling=", FLAGS_scaling, ": known are standardise and raw"));
 }
 
-absl::StatusOr<ExperimentOptions> ExperimentFromFlags(
-    const ProcessModel& initial) {
-  ExperimentOptions options;
-  options.sample_time = FLAGS_sample_time;
-  MLE_ASSIGN_OR_RETURN(const control::MpcOptions controller,
-                       ControllerFromFlags(initial));
-  options.control_period = controller.control_period;
-  options.prediction_horizon = controller.prediction_horizon;
-  options.control_horizon = controller.control_horizon;
-  options.output_weight = controller.output_weight.diagonal();
-  options.move_weight = controller.move_weight.diagonal();
-  options.disturbance_variance_ratio = controller.disturbance_variance_ratio;
-  options.noise_variance = FLAGS_noise_variance;
-  options.duration = FLAGS_duration;
-  options.step_time = FLAGS_step_time;
-  options.setpoint_step = FLAGS_setpoint_step;
-  options.window = FLAGS_window;
-  options.conversion_duration = FLAGS_conversion_duration;
-  MLE_ASSIGN_OR_RETURN(options.conversion_noise_variance,
+// What all runs have in common.
+absl::Status ReadSettings(const Campaign& campaign,
+                          experiment::ExperimentOptions& settings) {
+  settings.sample_time = FLAGS_sample_time;
+  settings.conversion_duration = FLAGS_conversion_duration;
+  MLE_ASSIGN_OR_RETURN(settings.conversion_noise_variance,
                        ConversionNoiseVariance());
-  options.conversion.order = FLAGS_order;
-  options.conversion.penalty = FLAGS_conversion_penalty;
-  options.response_horizon = FLAGS_response_horizon;
-  MLE_ASSIGN_OR_RETURN(options.correction.lambdas, LambdaGrid());
-  MLE_ASSIGN_OR_RETURN(options.correction.selection, SelectionFromFlags());
-  MLE_ASSIGN_OR_RETURN(options.correction.solver, SolverFromFlags());
+  settings.conversion.order = FLAGS_order;
+  settings.conversion.penalty = FLAGS_conversion_penalty;
   if (FLAGS_solver != "ceres") {
-    options.conversion.solver = options.correction.solver;
+    settings.conversion.solver = campaign.solvers.front().options;
   }
-  MLE_ASSIGN_OR_RETURN(options.estimators, EstimatorsFromFlags());
-  MLE_ASSIGN_OR_RETURN(options.correction.scaling, ScalingFromFlags());
-  options.conversion.scaling = options.correction.scaling;
-  MLE_RETURN_IF_ERROR(options.Validate(initial));
-  return options;
+  settings.response_horizon = FLAGS_response_horizon;
+  MLE_ASSIGN_OR_RETURN(settings.correction.lambdas, LambdaGrid());
+  MLE_ASSIGN_OR_RETURN(settings.correction.scaling, ScalingFromFlags());
+  settings.conversion.scaling = settings.correction.scaling;
+  return absl::OkStatus();
+}
+
+absl::Status ReadAxes(Campaign& campaign) {
+  for (int s = 0; s < FLAGS_seeds; ++s) {
+    campaign.seeds.push_back(FLAGS_first_seed + static_cast<std::uint64_t>(s));
+  }
+  campaign.noise_variances = {FLAGS_noise_variance};
+  MLE_ASSIGN_OR_RETURN(campaign.controllers.front().mpc,
+                       ControllerFromFlags(campaign.models.front().model));
+  experiment::WindowSpec& windows = campaign.windows.front();
+  windows.duration = FLAGS_duration;
+  windows.step_time = FLAGS_step_time;
+  windows.setpoint_step = FLAGS_setpoint_step;
+  windows.window = FLAGS_window;
+  campaign.selections.front().name = FLAGS_selection;
+  MLE_ASSIGN_OR_RETURN(campaign.selections.front().options,
+                       SelectionFromFlags());
+  absl::StatusOr<experiment::SolverSpec> solver =
+      experiment::NamedSolver(FLAGS_solver);
+  if (!solver.ok()) return Unknown("solver", FLAGS_solver, solver.status());
+  campaign.solvers.front() = *std::move(solver);
+  MLE_ASSIGN_OR_RETURN(campaign.ablations, AblationsFromFlags());
+  return absl::OkStatus();
 }
 
 }  // namespace
 
-absl::StatusOr<Study> StudyFromFlags() {
+absl::StatusOr<Reproduction> ReproductionFromFlags() {
   MLE_RETURN_IF_ERROR(CheckRuns());
-  Study study;
-  study.seeds = FLAGS_seeds;
-  study.ablation_seeds = FLAGS_ablation_seeds;
-  study.first_seed = FLAGS_first_seed;
+  Reproduction reproduction;
+  Campaign& campaign = reproduction.campaign;
+  campaign.name = "reproduction";
+  reproduction.ablation_seeds = FLAGS_ablation_seeds;
   // More than there are processors gain nothing.
-  study.threads = static_cast<int>(
+  reproduction.threads = static_cast<int>(
       std::min(static_cast<unsigned>(FLAGS_threads),
                std::max(std::thread::hardware_concurrency(), 1u)));
-  MLE_RETURN_IF_ERROR(ReadCases(study));
-  MLE_ASSIGN_OR_RETURN(study.experiment, ExperimentFromFlags(study.initial));
-  MLE_ASSIGN_OR_RETURN(study.ablations, AblationsFromFlags());
-  return study;
+  MLE_RETURN_IF_ERROR(ReadCases(reproduction));
+  MLE_RETURN_IF_ERROR(ReadAxes(campaign));
+  MLE_RETURN_IF_ERROR(ReadSettings(campaign, campaign.settings));
+  MLE_ASSIGN_OR_RETURN(reproduction.estimators, EstimatorsFromFlags());
+  MLE_ASSIGN_OR_RETURN(const experiment::ExperimentOptions options,
+                       reproduction.Options());
+  MLE_RETURN_IF_ERROR(options.Validate(campaign.models.front().model));
+  return reproduction;
 }
 
 Destination DestinationFromFlags() { return {FLAGS_out, FLAGS_figures}; }

@@ -7,13 +7,13 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "apps/reproduce/study.h"
+#include "apps/reproduce/reproduction.h"
 
 namespace mle::reproduce {
 
 // Reads the process models and checks everything that can be checked before
 // something is run; errors name the flag or the file.
-absl::StatusOr<Study> StudyFromFlags();
+absl::StatusOr<Reproduction> ReproductionFromFlags();
 
 struct Destination {
   std::string folder;

@@ -30,6 +30,38 @@ Json FopdtRows(const RunResult& run, int num_outputs, int num_inputs) {
   return rows;
 }
 
+Json FailureJson(const absl::Status& status) {
+  return {{"failure", std::string(status.message())}};
+}
+
+Json EstimatorsJson(const std::vector<EstimatorResult>& estimators) {
+  Json json = Json::object();
+  for (const EstimatorResult& one : estimators) {
+    json[one.name] = one.status.ok()
+                         ? Json{{"E", one.E},
+                                {"change_proposed", one.change_proposed},
+                                {"p_value", one.p_value}}
+                         : FailureJson(one.status);
+  }
+  return json;
+}
+
+Json AblationsJson(const std::vector<AblationResult>& results) {
+  Json json = Json::object();
+  for (const AblationResult& result : results) {
+    Json runs = Json::array();
+    for (const AblationRun& run : result.runs) {
+      runs.push_back(run.status.ok() ? Json{{"lambda_star", run.lambda_star},
+                                            {"E", run.E},
+                                            {"max_relative_duality_gap",
+                                             run.max_relative_gap}}
+                                     : FailureJson(run.status));
+    }
+    json[result.ablation->name] = std::move(runs);
+  }
+  return json;
+}
+
 Json ToJson(const RunResult& run, const ProcessModel& plant) {
   Json json = {
       {"seed", run.seed},
@@ -42,11 +74,9 @@ Json ToJson(const RunResult& run, const ProcessModel& plant) {
       {"static_gain_error", MatrixJson(run.judgement.static_gain_error)},
       {"delay_impulse_peak", MatrixJson(run.judgement.delay_impulse_peak)},
       {"fopdt", FopdtRows(run, plant.num_outputs(), plant.num_inputs())}};
-  if (!run.estimators.estimators.empty()) {
+  if (!run.estimators.empty()) {
     json["estimators"] = EstimatorsJson(run.estimators);
-    if (run.estimators.E_limit > 0.0) {
-      json["E_limit"] = run.estimators.E_limit;
-    }
+    if (run.E_limit > 0.0) json["E_limit"] = run.E_limit;
   }
   if (run.other_rule.has_value()) {
     json["other_rule"] = {{"selection", run.other_rule->name},
@@ -64,11 +94,11 @@ Json ToJson(const RunResult& run, const ProcessModel& plant) {
   return json;
 }
 
-Json ToJson(const Statistics& statistics) {
-  return {{"mean", statistics.mean},
-          {"worst", statistics.worst},
-          {"best", statistics.best},
-          {"standard_deviation", statistics.standard_deviation}};
+Json ToJson(const experiment::Distribution& values) {
+  return {{"mean", values.mean},
+          {"worst", values.max},
+          {"best", values.min},
+          {"standard_deviation", values.deviation}};
 }
 
 Json Summary(const CaseResult& result) {

@@ -20,7 +20,7 @@ std::vector<std::string> Findings(const std::vector<CaseResult>& cases) {
         FormatSignificant(result.E_star.mean),
         several ? absl::StrCat(" on average over ", result.runs.size(),
                                " seeds (worst ",
-                               FormatSignificant(result.E_star.worst), ")")
+                               FormatSignificant(result.E_star.max), ")")
                 : "",
         "."));
   }
@@ -45,7 +45,7 @@ void AddDistances(const std::vector<CaseResult>& cases, const Figures& figures,
 
 void AddEstimators(const std::vector<CaseResult>& cases,
                    report::HtmlPage& page) {
-  if (cases.front().runs.front().estimators.estimators.empty()) return;
+  if (cases.front().runs.front().estimators.empty()) return;
   page.AddHeading("Estimators side by side");
   page.AddParagraph(
       "On the same records. arx: ΔR by the exact engine, unless a test finds "
@@ -56,7 +56,7 @@ void AddEstimators(const std::vector<CaseResult>& cases,
       "unbiased estimate of the plant's parameters can beat on average; an "
       "estimate that knows which elements have aged can.");
   for (const CaseResult& result : cases) {
-    page.AddTable(EstimatorTable(result.name, result.Estimators()));
+    page.AddTable(EstimatorTable(result));
   }
 }
 
@@ -68,8 +68,7 @@ void AddAblations(const std::vector<CaseResult>& cases,
       "The same records corrected with one decision taken differently. A "
       "duality gap that is not tiny means that the fits are not exact.");
   for (const CaseResult& result : cases) {
-    page.AddTable(
-        AblationTable(result.name, result.AblatedE(), result.ablations));
+    page.AddTable(AblationTable(result));
   }
 }
 

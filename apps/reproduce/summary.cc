@@ -51,43 +51,10 @@ const PaperFigure* FindPaperFigure(const CaseResult& result, int output,
 
 }  // namespace
 
-Statistics Summarise(const std::vector<double>& values) {
-  Statistics statistics;
-  const double count = static_cast<double>(values.size());
-  for (const double value : values) statistics.mean += value / count;
-  statistics.worst = *std::max_element(values.begin(), values.end());
-  statistics.best = *std::min_element(values.begin(), values.end());
-  if (!std::isfinite(statistics.worst)) {
-    statistics.standard_deviation = statistics.worst;
-  } else if (values.size() > 1) {
-    double sum = 0.0;
-    for (const double value : values) {
-      sum += (value - statistics.mean) * (value - statistics.mean);
-    }
-    statistics.standard_deviation = std::sqrt(sum / (count - 1.0));
-  }
-  return statistics;
-}
-
 std::vector<const ClosedLoopComparison*> CaseResult::ClosedLoops() const {
   std::vector<const ClosedLoopComparison*> loops;
   for (const RunResult& run : runs) loops.push_back(&run.closed_loop);
   return loops;
-}
-
-std::vector<const EstimatorComparison*> CaseResult::Estimators() const {
-  std::vector<const EstimatorComparison*> comparisons;
-  for (const RunResult& run : runs) comparisons.push_back(&run.estimators);
-  return comparisons;
-}
-
-std::vector<double> CaseResult::AblatedE() const {
-  std::vector<double> E;
-  for (std::size_t s = 0;
-       !ablations.empty() && s < ablations.front().runs.size(); ++s) {
-    E.push_back(runs[s].E_star);
-  }
-  return E;
 }
 
 absl::Status SummariseCase(const ProcessModel& initial_model,
@@ -101,10 +68,10 @@ absl::Status SummariseCase(const ProcessModel& initial_model,
     result.max_relative_gap =
         std::max(result.max_relative_gap, run.max_relative_gap);
   }
-  result.E_star = Summarise(star);
-  result.E_zero = Summarise(zero);
-  result.E_oracle = Summarise(oracle);
-  result.lambda_star = Summarise(lambda);
+  result.E_star = experiment::Describe(star, 0);
+  result.E_zero = experiment::Describe(zero, 0);
+  result.E_oracle = experiment::Describe(oracle, 0);
+  result.lambda_star = experiment::Describe(lambda, 0);
 
   const ProcessModel& plant = result.plant;
   for (int i = 0; i < plant.num_outputs(); ++i) {
@@ -152,12 +119,12 @@ report::Table DistanceTable(const CaseResult& result) {
     table.columns.push_back({"E"});
   }
   const auto add = [&](const char* model, const std::string& lambda,
-                       const Statistics& E) {
+                       const experiment::Distribution& E) {
     std::vector<std::string> row = {model, lambda, FormatSignificant(E.mean)};
     if (several) {
-      row.push_back(FormatSignificant(E.best));
-      row.push_back(FormatSignificant(E.worst));
-      row.push_back(FormatSignificant(E.standard_deviation));
+      row.push_back(FormatSignificant(E.min));
+      row.push_back(FormatSignificant(E.max));
+      row.push_back(FormatSignificant(E.deviation));
     }
     table.AddRow(row);
   };
@@ -165,10 +132,9 @@ report::Table DistanceTable(const CaseResult& result) {
   table.AddRow(
       {"before: initial model", "", FormatSignificant(result.E_initial, 5)});
   add("corrected, λ* from the records",
-      several
-          ? absl::StrCat(FormatScientific(result.lambda_star.best, 2), " … ",
-                         FormatScientific(result.lambda_star.worst, 2))
-          : FormatScientific(first.lambda_star, 2),
+      several ? absl::StrCat(FormatScientific(result.lambda_star.min, 2), " … ",
+                             FormatScientific(result.lambda_star.max, 2))
+              : FormatScientific(first.lambda_star, 2),
       result.E_star);
   add("corrected, best λ in hindsight",
       several ? "" : FormatScientific(first.lambda_oracle, 2), result.E_oracle);

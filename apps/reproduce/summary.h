@@ -8,9 +8,10 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "apps/experiment/ablations.h"
+#include "apps/experiment/distribution.h"
 #include "apps/report/table.h"
-#include "apps/reproduce/ablations.h"
-#include "apps/reproduce/experiment.h"
+#include "apps/reproduce/run.h"
 #include "mle/model/process_model.h"
 
 namespace mle::reproduce {
@@ -18,16 +19,11 @@ namespace mle::reproduce {
 // Relative duality gaps up to this are as good as exact.
 inline constexpr double kAcceptedGap = 1e-9;
 
-struct Statistics {
-  double mean = 0.0;
-  double worst = 0.0;               // the largest
-  double best = 0.0;                // the smallest
-  double standard_deviation = 0.0;  // (n − 1); 0 for one value
+// An ablation with the first of the seeds.
+struct AblationResult {
+  const experiment::Ablation* ablation = nullptr;
+  std::vector<AblationRun> runs;  // seed by seed
 };
-
-// Of one value or more. Values may be infinite (> 0), and mean, worst and
-// deviation are so then.
-Statistics Summarise(const std::vector<double>& values);
 
 // The corrected model's errors at one input–output pair, over all runs.
 struct ElementErrors {
@@ -53,19 +49,15 @@ struct CaseResult {
   // Each with the first of the runs' seeds.
   std::vector<AblationResult> ablations;
   // Filled in by SummariseCase.
-  Statistics E_star;
-  Statistics E_zero;
-  Statistics E_oracle;
-  Statistics lambda_star;
+  experiment::Distribution E_star;
+  experiment::Distribution E_zero;
+  experiment::Distribution E_oracle;
+  experiment::Distribution lambda_star;
   std::vector<ElementErrors> elements;  // row by row (p·m)
   double max_relative_gap = 0.0;
 
   // Of all runs.
   std::vector<const ClosedLoopComparison*> ClosedLoops() const;
-  std::vector<const EstimatorComparison*> Estimators() const;
-
-  // E at λ* of the seeds that the ablations were run with.
-  std::vector<double> AblatedE() const;
 };
 
 absl::Status SummariseCase(const ProcessModel& initial_model,
@@ -77,6 +69,12 @@ report::Table DistanceTable(const CaseResult& result);
 // Gains, and dead times, of every pair, beside the paper's where it has any.
 report::Table GainTable(const CaseResult& result);
 report::Table DelayTable(const CaseResult& result);
+
+// A row for each estimator over the runs, and one for the limit.
+report::Table EstimatorTable(const CaseResult& result);
+
+// A row for each ablation, beside the paper's method with the same seeds.
+report::Table AblationTable(const CaseResult& result);
 
 }  // namespace mle::reproduce
 

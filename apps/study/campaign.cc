@@ -3,10 +3,11 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_replace.h"
+#include "apps/experiment/campaign.h"
+#include "apps/experiment/grid.h"
 #include "apps/study/campaign_methods.h"
 #include "apps/study/campaign_scenarios.h"
-#include "apps/study/grid.h"
-#include "apps/study/scenario.h"
 #include "mle/base/status.h"
 #include "mle/model/json_node.h"
 #include "mle/model/strict_json.h"
@@ -14,6 +15,11 @@
 
 namespace mle::study {
 namespace {
+
+using experiment::Campaign;
+using experiment::CheckScenarios;
+using experiment::ExperimentOptions;
+using experiment::Grid;
 
 using Json = nlohmann::json;
 
@@ -58,27 +64,30 @@ absl::Status ReadInList(const JsonNode& campaign, const std::string& list,
   return absl::OkStatus();
 }
 
-absl::Status ParseConversion(const JsonNode& node, Campaign& campaign) {
+absl::Status ParseConversion(const JsonNode& node,
+                             ExperimentOptions& settings) {
   MLE_RETURN_IF_ERROR(
       node.CheckKeys({}, {"duration", "penalty", "noise_variance"}));
   MLE_RETURN_IF_ERROR(
-      ReadNumber(node, "duration", kPositive, campaign.conversion_duration));
+      ReadNumber(node, "duration", kPositive, settings.conversion_duration));
   MLE_RETURN_IF_ERROR(
-      ReadNumber(node, "penalty", kNotNegative, campaign.conversion_penalty));
+      ReadNumber(node, "penalty", kNotNegative, settings.conversion.penalty));
   if (node.Has("noise_variance")) {
-    MLE_ASSIGN_OR_RETURN(campaign.conversion_noise_variance,
+    MLE_ASSIGN_OR_RETURN(settings.conversion_noise_variance,
                          node.At("noise_variance").Number(kNotNegative));
   }
   return absl::OkStatus();
 }
 
-absl::Status ParseScaling(const JsonNode& node, Campaign& campaign) {
+absl::Status ParseScaling(const JsonNode& node, ExperimentOptions& settings) {
   MLE_ASSIGN_OR_RETURN(const std::string name, node.Text());
   if (name != "standardise" && name != "raw") {
     return node.Fault(
         absl::StrCat("must be standardise or raw, is ", node.Found()));
   }
-  campaign.scaling = name == "raw" ? Scaling::kRaw : Scaling::kStandardise;
+  settings.conversion.scaling =
+      name == "raw" ? Scaling::kRaw : Scaling::kStandardise;
+  settings.correction.scaling = settings.conversion.scaling;
   return absl::OkStatus();
 }
 
@@ -87,26 +96,20 @@ absl::Status ParseAxes(const JsonNode& node, Campaign& campaign) {
   MLE_ASSIGN_OR_RETURN(campaign.models, ParseModels(node.At("models")));
   MLE_ASSIGN_OR_RETURN(campaign.mismatches,
                        ParseMismatches(node.At("mismatches"), campaign.models));
-  campaign.noise_variances = {0.001};
   if (node.Has("noise_variances")) {
     MLE_ASSIGN_OR_RETURN(
         campaign.noise_variances,
         ParseNumberList(node.At("noise_variances"), kNotNegative));
   }
-  campaign.drift_variances = {0.0};
   if (node.Has("drift_variances")) {
     MLE_ASSIGN_OR_RETURN(
         campaign.drift_variances,
         ParseNumberList(node.At("drift_variances"), kNotNegative));
   }
-  campaign.controllers.resize(1);
-  campaign.controllers[0].name = "default";
   if (node.Has("controllers")) {
     MLE_ASSIGN_OR_RETURN(campaign.controllers,
                          ParseControllers(node.At("controllers")));
   }
-  campaign.windows.resize(1);
-  campaign.windows[0].name = "default";
   if (node.Has("windows")) {
     MLE_ASSIGN_OR_RETURN(campaign.windows, ParseWindows(node.At("windows")));
   }
@@ -114,20 +117,22 @@ absl::Status ParseAxes(const JsonNode& node, Campaign& campaign) {
 }
 
 absl::Status ParseSettings(const JsonNode& node, Campaign& campaign) {
+  ExperimentOptions& settings = campaign.settings;
   MLE_RETURN_IF_ERROR(
-      ReadNumber(node, "sample_time", kPositive, campaign.sample_time));
-  MLE_RETURN_IF_ERROR(ReadInteger(node, "order", 1, 100'000, campaign.order));
+      ReadNumber(node, "sample_time", kPositive, settings.sample_time));
+  MLE_RETURN_IF_ERROR(
+      ReadInteger(node, "order", 1, 100'000, settings.conversion.order));
   MLE_RETURN_IF_ERROR(ReadNumber(node, "response_horizon", kPositive,
-                                 campaign.response_horizon));
+                                 settings.response_horizon));
   if (node.Has("conversion")) {
-    MLE_RETURN_IF_ERROR(ParseConversion(node.At("conversion"), campaign));
+    MLE_RETURN_IF_ERROR(ParseConversion(node.At("conversion"), settings));
   }
   if (node.Has("scaling")) {
-    MLE_RETURN_IF_ERROR(ParseScaling(node.At("scaling"), campaign));
+    MLE_RETURN_IF_ERROR(ParseScaling(node.At("scaling"), settings));
   }
   const Json paper_grid = {{"max", 1e-2}, {"step", 1e-6}};
   MLE_ASSIGN_OR_RETURN(
-      campaign.lambdas,
+      settings.correction.lambdas,
       ParseLambdaGrid(node.Has("lambda_grid") ? node.At("lambda_grid")
                                               : JsonNode(paper_grid, "")));
   return ParseMethods(node, campaign);
@@ -158,8 +163,8 @@ absl::StatusOr<Campaign> ParseCampaign(std::string_view resolved,
   MLE_RETURN_IF_ERROR(node.CheckKeys(
       {"version", "name", "seeds", "models", "mismatches"},
       {"noise_variances", "drift_variances", "controllers", "windows",
-       "estimators", "selections", "solvers", "sample_time", "order",
-       "response_horizon", "lambda_grid", "scaling", "conversion"}));
+       "ablations", "estimators", "selections", "solvers", "sample_time",
+       "order", "response_horizon", "lambda_grid", "scaling", "conversion"}));
   MLE_RETURN_IF_ERROR(node.At("version").Integer(1, 1).status());
   Campaign campaign;
   MLE_ASSIGN_OR_RETURN(campaign.name, node.At("name").Name());
@@ -169,7 +174,10 @@ absl::StatusOr<Campaign> ParseCampaign(std::string_view resolved,
     return node.Fault("the grid has more than 1e9 runs; take fewer values");
   }
   const absl::Status scenarios = CheckScenarios(campaign);
-  if (!scenarios.ok()) return node.Fault(std::string(scenarios.message()));
+  // The checks name flags of mle_reproduce; the keys are called the same.
+  if (!scenarios.ok()) {
+    return node.Fault(absl::StrReplaceAll(scenarios.message(), {{"--", ""}}));
+  }
   return campaign;
 }
 

@@ -7,49 +7,31 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "absl/strings/string_view.h"
 #include "apps/study/campaign_scenarios.h"
 #include "mle/base/status.h"
 #include "mle/correction/correction.h"
-#include "mle/nonlinear/smoothed_lasso.h"
 
 namespace mle::study {
 namespace {
 
-using Rule = SelectionOptions::Rule;
+using experiment::Ablation;
+using experiment::AddMethods;
+using experiment::Campaign;
+using experiment::Estimator;
+using experiment::NameOf;
+using experiment::SelectionSpec;
+using experiment::SolverSpec;
 
-constexpr Estimator kEstimators[] = {
-    Estimator::kNone, Estimator::kArx, Estimator::kArxTested,
-    Estimator::kStructured, Estimator::kCombined};
-
-struct NamedRule {
-  const char* name;
-  Rule rule;
-};
-constexpr NamedRule kRules[] = {{"paper", Rule::kLeaveChangeOut},
-                                {"leave_change_out", Rule::kLeaveChangeOut},
-                                {"blocks", Rule::kBlocks},
-                                {"aic", Rule::kAic},
-                                {"bic", Rule::kBic},
-                                {"gcv", Rule::kGcv}};
+absl::Status Unknown(const JsonNode& node, absl::string_view known) {
+  return node.Fault(absl::StrCat("is ", node.Found(), "; ", known));
+}
 
 absl::StatusOr<SelectionOptions> ParseRule(const JsonNode& node) {
   MLE_ASSIGN_OR_RETURN(const std::string name, node.Text());
-  std::vector<std::string> known;
-  for (const NamedRule& one : kRules) {
-    if (name == one.name) {
-      SelectionOptions options;
-      options.rule = one.rule;
-      // As mle_reproduce's --selection=paper.
-      if (name == "paper") {
-        options.on_grid = true;
-        options.horizon = 1;
-      }
-      return options;
-    }
-    known.emplace_back(one.name);
-  }
-  return node.Fault(absl::StrCat("must be one of ", absl::StrJoin(known, ", "),
-                                 ", is ", node.Found()));
+  absl::StatusOr<SelectionOptions> rule = experiment::NamedSelection(name);
+  if (rule.ok()) return rule;
+  return Unknown(node, rule.status().message());
 }
 
 absl::StatusOr<SelectionSpec> ParseSelection(const JsonNode& node) {
@@ -89,46 +71,36 @@ absl::StatusOr<SolverSpec> ParseSolver(const JsonNode& node,
         node.At("elastic_net")
             .Number({.min = 0.0, .max = 1.0, .open_min = true}));
     spec.options.solver = LassoSolver::kElasticNet;
-    if (!(campaign.lambdas(0) > 0.0)) {
+    if (!(campaign.settings.correction.lambdas(0) > 0.0)) {
       return node.Fault(
           "the elastic net needs λ above 0, but the first value of lambda_grid "
           "is 0: give min, max and count");
     }
     return spec;
   }
-  MLE_ASSIGN_OR_RETURN(spec.name, node.Text());
-  if (spec.name == "homotopy") return spec;
-  spec.exact = false;
-  if (spec.name == "coordinate_descent") {
-    spec.options.solver = LassoSolver::kCoordinateDescent;
-    return spec;
-  }
-  if (spec.name == "ceres") {
-    spec.options = SmoothedLassoSolver({});
-    return spec;
-  }
-  return node.Fault(absl::StrCat(
-      "must be homotopy, coordinate_descent, ceres or {\"name\": …, "
-      "\"elastic_net\": RATIO}, is ",
-      node.Found()));
+  MLE_ASSIGN_OR_RETURN(const std::string name, node.Text());
+  absl::StatusOr<SolverSpec> named = experiment::NamedSolver(name);
+  if (named.ok()) return named;
+  return Unknown(node,
+                 absl::StrCat(named.status().message(),
+                              ", and {\"name\": …, \"elastic_net\": RATIO}"));
 }
 
 absl::StatusOr<Estimator> ParseEstimator(const JsonNode& node) {
   MLE_ASSIGN_OR_RETURN(const std::string name, node.Text());
   std::vector<std::string> known;
-  for (const Estimator estimator : kEstimators) {
+  for (const Estimator estimator : experiment::AllEstimators()) {
     if (name == NameOf(estimator)) return estimator;
     known.emplace_back(NameOf(estimator));
   }
-  return node.Fault(absl::StrCat("must be one of ", absl::StrJoin(known, ", "),
-                                 ", is ", node.Found()));
+  return Unknown(node, absl::StrCat("known are ", absl::StrJoin(known, ", ")));
 }
 
 absl::Status ParseSelections(const JsonNode& node, Campaign& campaign) {
   if (!node.Has("selections")) {
-    campaign.selections = {{"blocks", SelectionOptions()}};
     return absl::OkStatus();
   }
+  campaign.selections.clear();
   MLE_ASSIGN_OR_RETURN(const std::vector<JsonNode> elements,
                        node.At("selections").Elements());
   std::set<std::string> names;
@@ -142,9 +114,9 @@ absl::Status ParseSelections(const JsonNode& node, Campaign& campaign) {
 
 absl::Status ParseSolvers(const JsonNode& node, Campaign& campaign) {
   if (!node.Has("solvers")) {
-    campaign.solvers = {{"homotopy", LassoSolverOptions(), true}};
     return absl::OkStatus();
   }
+  campaign.solvers.clear();
   MLE_ASSIGN_OR_RETURN(const std::vector<JsonNode> elements,
                        node.At("solvers").Elements());
   std::set<std::string> names;
@@ -156,41 +128,29 @@ absl::Status ParseSolvers(const JsonNode& node, Campaign& campaign) {
   return absl::OkStatus();
 }
 
-void AddMethods(Estimator estimator, Campaign& campaign) {
-  if (!UsesLambda(estimator)) {
-    campaign.methods.push_back({estimator, -1, -1});
-    return;
-  }
-  // Solver by solver: a path is solved once for all rules.
-  for (int s = 0; s < static_cast<int>(campaign.solvers.size()); ++s) {
-    for (int r = 0; r < static_cast<int>(campaign.selections.size()); ++r) {
-      campaign.methods.push_back({estimator, r, s});
+absl::Status ParseAblations(const JsonNode& node, Campaign& campaign) {
+  if (!node.Has("ablations")) return absl::OkStatus();
+  MLE_ASSIGN_OR_RETURN(const std::vector<JsonNode> elements,
+                       node.At("ablations").Elements());
+  campaign.ablations.clear();
+  std::set<std::string> names;
+  for (const JsonNode& element : elements) {
+    MLE_ASSIGN_OR_RETURN(const std::string name, element.Text());
+    MLE_RETURN_IF_ERROR(CheckNewName(element, name, names));
+    const Ablation* const ablation = experiment::FindAblation(name);
+    if (ablation == nullptr && name != "none") {
+      std::string known = "none";
+      for (const Ablation& one : experiment::Ablations()) {
+        absl::StrAppend(&known, ", ", one.name);
+      }
+      return Unknown(element, absl::StrCat("known are ", known));
     }
+    campaign.ablations.push_back(ablation);
   }
+  return absl::OkStatus();
 }
 
 }  // namespace
-
-const char* NameOf(Estimator estimator) {
-  switch (estimator) {
-    case Estimator::kNone:
-      return "none";
-    case Estimator::kArx:
-      return "arx";
-    case Estimator::kArxTested:
-      return "arx_tested";
-    case Estimator::kStructured:
-      return "structured";
-    case Estimator::kCombined:
-      return "combined";
-  }
-  return "";
-}
-
-bool UsesLambda(Estimator estimator) {
-  return estimator == Estimator::kArx || estimator == Estimator::kArxTested ||
-         estimator == Estimator::kCombined;
-}
 
 absl::StatusOr<Eigen::VectorXd> ParseLambdaGrid(const JsonNode& node) {
   if (node.json().is_object() && node.Has("step")) {
@@ -219,6 +179,7 @@ absl::StatusOr<Eigen::VectorXd> ParseLambdaGrid(const JsonNode& node) {
 absl::Status ParseMethods(const JsonNode& node, Campaign& campaign) {
   MLE_RETURN_IF_ERROR(ParseSelections(node, campaign));
   MLE_RETURN_IF_ERROR(ParseSolvers(node, campaign));
+  MLE_RETURN_IF_ERROR(ParseAblations(node, campaign));
   if (!node.Has("estimators")) {
     AddMethods(Estimator::kArx, campaign);
     return absl::OkStatus();

@@ -16,9 +16,11 @@ namespace mle::study {
 // above the one before.
 absl::StatusOr<Eigen::VectorXd> ParseLambdaGrid(const JsonNode& node);
 
-// The lists `selections`, `solvers` and `estimators` of the campaign's object,
-// with their defaults, and the methods they make. Needs the grid of λ.
-absl::Status ParseMethods(const JsonNode& campaign_node, Campaign& campaign);
+// The lists `selections`, `solvers`, `ablations` and `estimators` of the
+// campaign's object, with their defaults, and the methods they make. Needs the
+// grid of λ.
+absl::Status ParseMethods(const JsonNode& campaign_node,
+                          experiment::Campaign& campaign);
 
 }  // namespace mle::study
 

@@ -4,11 +4,20 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "apps/study/plants.h"
+#include "apps/experiment/plants.h"
 #include "mle/base/status.h"
 
 namespace mle::study {
 namespace {
+
+using experiment::Change;
+using experiment::CheckAgeing;
+using experiment::ControllerSpec;
+using experiment::Interval;
+using experiment::Mismatch;
+using experiment::ModelSpec;
+using experiment::RandomPlants;
+using experiment::WindowSpec;
 
 constexpr std::int64_t kMaxSeeds = 1'000'000;
 // The largest whole number that every JSON reader keeps exactly.
@@ -164,18 +173,24 @@ absl::StatusOr<std::vector<Mismatch>> ParseMismatch(
   return mismatches;
 }
 
-absl::StatusOr<std::vector<double>> ParseWeights(const JsonNode& node) {
+// Diagonal; of 1 × 1 for one number, that of every channel.
+absl::Status ReadWeight(const JsonNode& object, const std::string& key,
+                        Eigen::MatrixXd& weight) {
+  if (!object.Has(key)) return absl::OkStatus();
+  const JsonNode node = object.At(key);
   if (node.json().is_number()) {
-    MLE_ASSIGN_OR_RETURN(const double weight, node.Number(kNotNegative));
-    return std::vector<double>{weight};
+    MLE_ASSIGN_OR_RETURN(const double every, node.Number(kNotNegative));
+    weight = Eigen::MatrixXd::Constant(1, 1, every);
+    return absl::OkStatus();
   }
   MLE_ASSIGN_OR_RETURN(const std::vector<JsonNode> elements, node.Elements());
-  std::vector<double> weights;
-  for (const JsonNode& element : elements) {
-    MLE_ASSIGN_OR_RETURN(const double weight, element.Number(kNotNegative));
-    weights.push_back(weight);
+  Eigen::VectorXd weights(static_cast<Eigen::Index>(elements.size()));
+  for (std::size_t i = 0; i < elements.size(); ++i) {
+    MLE_ASSIGN_OR_RETURN(weights(static_cast<Eigen::Index>(i)),
+                         elements[i].Number(kNotNegative));
   }
-  return weights;
+  weight = weights.asDiagonal();
+  return absl::OkStatus();
 }
 
 }  // namespace
@@ -285,23 +300,19 @@ absl::StatusOr<std::vector<ControllerSpec>> ParseControllers(
     ControllerSpec spec;
     MLE_ASSIGN_OR_RETURN(spec.name, element.At("name").Name());
     MLE_RETURN_IF_ERROR(CheckNewName(element, spec.name, names));
-    MLE_RETURN_IF_ERROR(
-        ReadNumber(element, "control_period", kPositive, spec.control_period));
+    MLE_RETURN_IF_ERROR(ReadNumber(element, "control_period", kPositive,
+                                   spec.mpc.control_period));
     MLE_RETURN_IF_ERROR(ReadInteger(element, "prediction_horizon", 1,
-                                    kMaxHorizon, spec.prediction_horizon));
+                                    kMaxHorizon, spec.mpc.prediction_horizon));
     MLE_RETURN_IF_ERROR(ReadInteger(element, "control_horizon", 1, kMaxHorizon,
-                                    spec.control_horizon));
+                                    spec.mpc.control_horizon));
     MLE_RETURN_IF_ERROR(ReadNumber(element, "disturbance_variance_ratio",
                                    kNotNegative,
-                                   spec.disturbance_variance_ratio));
-    if (element.Has("output_weight")) {
-      MLE_ASSIGN_OR_RETURN(spec.output_weight,
-                           ParseWeights(element.At("output_weight")));
-    }
-    if (element.Has("move_weight")) {
-      MLE_ASSIGN_OR_RETURN(spec.move_weight,
-                           ParseWeights(element.At("move_weight")));
-    }
+                                   spec.mpc.disturbance_variance_ratio));
+    MLE_RETURN_IF_ERROR(
+        ReadWeight(element, "output_weight", spec.mpc.output_weight));
+    MLE_RETURN_IF_ERROR(
+        ReadWeight(element, "move_weight", spec.mpc.move_weight));
     controllers.push_back(std::move(spec));
   }
   return controllers;

@@ -15,13 +15,15 @@
 namespace mle::study {
 
 absl::StatusOr<std::vector<std::uint64_t>> ParseSeeds(const JsonNode& node);
-absl::StatusOr<std::vector<ModelSpec>> ParseModels(const JsonNode& node);
-// Those that name a plant must have the channels of every model.
-absl::StatusOr<std::vector<Mismatch>> ParseMismatches(
-    const JsonNode& node, const std::vector<ModelSpec>& models);
-absl::StatusOr<std::vector<ControllerSpec>> ParseControllers(
+absl::StatusOr<std::vector<experiment::ModelSpec>> ParseModels(
     const JsonNode& node);
-absl::StatusOr<std::vector<WindowSpec>> ParseWindows(const JsonNode& node);
+// Those that name a plant must have the channels of every model.
+absl::StatusOr<std::vector<experiment::Mismatch>> ParseMismatches(
+    const JsonNode& node, const std::vector<experiment::ModelSpec>& models);
+absl::StatusOr<std::vector<experiment::ControllerSpec>> ParseControllers(
+    const JsonNode& node);
+absl::StatusOr<std::vector<experiment::WindowSpec>> ParseWindows(
+    const JsonNode& node);
 // A list of different numbers.
 absl::StatusOr<std::vector<double>> ParseNumberList(const JsonNode& node,
                                                     const NumberRange& range);

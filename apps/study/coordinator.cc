@@ -12,6 +12,8 @@
 namespace mle::study {
 namespace {
 
+using experiment::Grid;
+
 // How long a thread sleeps between two looks at messages and signals.
 constexpr absl::Duration kPause = absl::Milliseconds(2);
 constexpr absl::Duration kPauseAlone = absl::Milliseconds(100);

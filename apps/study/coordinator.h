@@ -10,8 +10,8 @@
 #include <functional>
 
 #include "absl/status/status.h"
+#include "apps/experiment/grid.h"
 #include "apps/study/campaign.h"
-#include "apps/study/grid.h"
 #include "apps/study/journal.h"
 #include "apps/study/processes.h"
 #include "apps/study/worker_pool.h"
@@ -35,7 +35,7 @@ class StudyProgress {
 
 // Process 0: until every run is in the journal, or `stopped` says so (then the
 // runs under way are still waited for).
-absl::Status Coordinate(const Grid& grid, Processes& processes,
+absl::Status Coordinate(const experiment::Grid& grid, Processes& processes,
                         WorkerPool& pool, Journal& journal,
                         const std::function<bool()>& stopped);
 

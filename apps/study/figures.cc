@@ -14,6 +14,12 @@
 namespace mle::study {
 namespace {
 
+using experiment::Campaign;
+using experiment::Distribution;
+using experiment::Metric;
+using experiment::Mismatch;
+using experiment::Scenario;
+
 using report::Figure;
 using report::LineStyle;
 using report::MakeSeries;

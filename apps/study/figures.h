@@ -19,8 +19,8 @@ namespace mle::study {
 //   how far E is above that of the best λ
 // What a campaign has no values for is left out.
 inline constexpr int kMaxPanels = 6;
-std::vector<report::NamedFigure> MakeFigures(const Campaign& campaign,
-                                             const StudySummary& summary);
+std::vector<report::NamedFigure> MakeFigures(
+    const experiment::Campaign& campaign, const StudySummary& summary);
 
 }  // namespace mle::study
 

@@ -12,11 +12,15 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "apps/study/row.h"
+#include "apps/experiment/row.h"
 #include "mle/base/status.h"
 
 namespace mle::study {
 namespace {
+
+using experiment::ParseRow;
+using experiment::Row;
+using experiment::RowHeader;
 
 using Clock = std::chrono::steady_clock;
 

@@ -7,6 +7,12 @@
 
 namespace mle::study {
 
+using experiment::Campaign;
+using experiment::Method;
+using experiment::Mismatch;
+using experiment::NameOf;
+using experiment::Scenario;
+
 std::string ScenarioLabel(const Campaign& campaign, const Scenario& scenario) {
   return ScenarioLabel(campaign, scenario, Axis::kNone);
 }
@@ -30,6 +36,11 @@ std::string ScenarioLabel(const Campaign& campaign, const Scenario& scenario,
   if (campaign.noise_variances.size() > 1 && without != Axis::kNoise) {
     parts.push_back(
         absl::StrCat("σ² ", campaign.noise_variances[scenario.noise]));
+  }
+  if (campaign.ablations.size() > 1) {
+    const experiment::Ablation* const ablation =
+        campaign.ablations[scenario.ablation];
+    parts.emplace_back(ablation == nullptr ? "no ablation" : ablation->name);
   }
   if (campaign.drift_variances.size() > 1 && without != Axis::kDrift) {
     parts.push_back(

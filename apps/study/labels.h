@@ -5,19 +5,21 @@
 
 #include <string>
 
+#include "apps/experiment/grid.h"
 #include "apps/study/campaign.h"
-#include "apps/study/grid.h"
 
 namespace mle::study {
 
 // "gain, noise 0.001"; the campaign's mismatch where nothing else differs.
-std::string ScenarioLabel(const Campaign& campaign, const Scenario& scenario);
+std::string ScenarioLabel(const experiment::Campaign& campaign,
+                          const experiment::Scenario& scenario);
 // The same without the one axis that a figure has.
 enum class Axis { kNone, kNoise, kDrift, kSize, kWindows, kController };
-std::string ScenarioLabel(const Campaign& campaign, const Scenario& scenario,
-                          Axis without);
+std::string ScenarioLabel(const experiment::Campaign& campaign,
+                          const experiment::Scenario& scenario, Axis without);
 // "arx, paper".
-std::string MethodLabel(const Campaign& campaign, const Method& method);
+std::string MethodLabel(const experiment::Campaign& campaign,
+                        const experiment::Method& method);
 
 }  // namespace mle::study
 

@@ -9,11 +9,14 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "apps/study/row.h"
+#include "apps/experiment/row.h"
 #include "mle/base/status.h"
 
 namespace mle::study {
 namespace {
+
+using experiment::RowHeader;
+using experiment::WithoutSeconds;
 
 // A file that takes its name once it is whole and on the disk.
 class NewFile {

@@ -17,6 +17,11 @@
 namespace mle::study {
 namespace {
 
+using experiment::Campaign;
+using experiment::Distribution;
+using experiment::Estimator;
+using experiment::Metric;
+
 using report::FormatInteger;
 using report::FormatScientific;
 using report::FormatSignificant;

@@ -15,14 +15,16 @@
 namespace mle::study {
 
 // E, λ and failures, a row for each of the first `most` cells.
-report::Table ErrorTable(const Campaign& campaign, const StudySummary& summary,
-                         int most);
+report::Table ErrorTable(const experiment::Campaign& campaign,
+                         const StudySummary& summary, int most);
 
 absl::Status WriteOutputs(const std::string& folder, bool figures,
-                          const Campaign& campaign, const StudySummary& summary,
+                          const experiment::Campaign& campaign,
+                          const StudySummary& summary,
                           const report::RunAgain& run_again);
 
-void PrintSummary(const Campaign& campaign, const StudySummary& summary);
+void PrintSummary(const experiment::Campaign& campaign,
+                  const StudySummary& summary);
 
 }  // namespace mle::study
 

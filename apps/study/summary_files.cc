@@ -13,6 +13,15 @@
 namespace mle::study {
 namespace {
 
+using experiment::Campaign;
+using experiment::CoordinateNames;
+using experiment::CoordinateTexts;
+using experiment::CsvField;
+using experiment::Distribution;
+using experiment::kMetricNames;
+using experiment::kNumMetrics;
+using experiment::NumberText;
+
 using Json = nlohmann::ordered_json;
 
 // Coordinates of a cell: all but the seed.

@@ -3,10 +3,16 @@
 #include <chrono>
 #include <utility>
 
-#include "apps/study/row.h"
-#include "apps/study/unit.h"
+#include "apps/experiment/row.h"
+#include "apps/experiment/unit.h"
 
 namespace mle::study {
+
+using experiment::Campaign;
+using experiment::Grid;
+using experiment::Row;
+using experiment::RowText;
+using experiment::RunUnit;
 
 WorkerPool::WorkerPool(const Campaign& campaign, const Grid& grid, int threads)
     : campaign_(campaign), grid_(grid), threads_(threads) {
@@ -45,12 +51,14 @@ void WorkerPool::Work() {
     const Assignment assignment = std::move(waiting_.front());
     waiting_.pop_front();
     lock.unlock();
-    RunUnit(campaign_, grid_, assignment.runs, stop_, [this](const Row& row) {
-      std::string text = RowText(campaign_, grid_, row);
-      const std::lock_guard<std::mutex> held(mutex_);
-      harvest_.lines.push_back({row.run, std::move(text)});
-      came_out_.notify_all();
-    });
+    RunUnit(campaign_, grid_, assignment.runs, stop_,
+            [this](const experiment::Outcome& outcome) {
+              std::string text =
+                  RowText(campaign_, grid_, experiment::RowOf(outcome));
+              const std::lock_guard<std::mutex> held(mutex_);
+              harvest_.lines.push_back({outcome.run, std::move(text)});
+              came_out_.notify_all();
+            });
     lock.lock();
     --outstanding_;
     ++harvest_.ended;

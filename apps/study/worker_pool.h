@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "absl/time/time.h"
+#include "apps/experiment/grid.h"
 #include "apps/study/campaign.h"
-#include "apps/study/grid.h"
 
 namespace mle::study {
 
@@ -37,7 +37,8 @@ struct Harvest {
 class WorkerPool {
  public:
   // `campaign` and `grid` must outlive the pool.
-  WorkerPool(const Campaign& campaign, const Grid& grid, int threads);
+  WorkerPool(const experiment::Campaign& campaign, const experiment::Grid& grid,
+             int threads);
   // Waits for the runs that are under way.
   ~WorkerPool();
   WorkerPool(const WorkerPool&) = delete;
@@ -57,8 +58,8 @@ class WorkerPool {
   // Until the pool is closed and nothing waits.
   void Work();
 
-  const Campaign& campaign_;
-  const Grid& grid_;
+  const experiment::Campaign& campaign_;
+  const experiment::Grid& grid_;
   const int threads_;
   std::atomic<bool> stop_{false};
   mutable std::mutex mutex_;  // of what follows

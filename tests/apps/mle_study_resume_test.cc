@@ -12,13 +12,13 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "tests/apps/command_runner.h"
+#include "tests/apps/experiment/small_campaign.h"
 #include "tests/apps/started_command.h"
-#include "tests/apps/study/small_campaign.h"
 
 namespace mle {
 namespace {
 
-using study::SmallCampaign;
+using experiment::SmallCampaign;
 using ::testing::HasSubstr;
 
 class MleStudyResumeTest : public ::testing::Test {

@@ -8,13 +8,13 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "tests/apps/command_runner.h"
+#include "tests/apps/experiment/small_campaign.h"
 #include "tests/apps/report/browser.h"
-#include "tests/apps/study/small_campaign.h"
 
 namespace mle {
 namespace {
 
-using study::SmallCampaign;
+using experiment::SmallCampaign;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
@@ -130,7 +130,7 @@ TEST_F(MleStudyTest, AFailedRunIsARow) {
     if (run < 4) {
       EXPECT_EQ(status, "ok");
     } else {
-      EXPECT_THAT(status, HasSubstr("failed: closed loop"));
+      EXPECT_THAT(status, HasSubstr("failed: the closed loop"));
     }
   }
   const nlohmann::json summary = ParsedJson(scratch_ / "out/summary.json");
@@ -145,7 +145,15 @@ TEST_F(MleStudyTest, ExitCodeOneIfNothingSucceeded) {
   Run(campaign, "out", {"--figures=true"});
   EXPECT_EQ(result_.exit_code, 1);
   EXPECT_THAT(Content(scratch_ / "out/report.html"),
-              HasSubstr("failed: closed loop"));
+              HasSubstr("failed: the closed loop"));
+}
+
+// Where the first line has that name.
+std::size_t Column(const std::vector<std::vector<std::string>>& csv,
+                   const std::string& name) {
+  const auto found = std::find(csv[0].begin(), csv[0].end(), name);
+  EXPECT_NE(found, csv[0].end()) << name;
+  return static_cast<std::size_t>(found - csv[0].begin());
 }
 
 TEST_F(MleStudyTest, ADryRunWritesNothing) {
@@ -170,11 +178,15 @@ TEST_F(MleStudyTest, RandomPlantsAndSequencesOfChanges) {
   EXPECT_EQ(result_.exit_code, 0) << result_.err;
   ASSERT_EQ(runs.size(), 7U);
   // Every seed another plant: E before correction differs.
-  EXPECT_NE(runs[4][12], runs[5][12]);
-  EXPECT_NE(runs[5][12], runs[6][12]);
+  EXPECT_NE(runs[4][Column(runs, "E_initial")],
+            runs[5][Column(runs, "E_initial")]);
+  EXPECT_NE(runs[5][Column(runs, "E_initial")],
+            runs[6][Column(runs, "E_initial")]);
   for (std::size_t i = 1; i < runs.size(); ++i) {
     EXPECT_EQ(runs[i].back(), "ok");
-    EXPECT_LT(std::stod(runs[i][13]), std::stod(runs[i][12])) << i;
+    EXPECT_LT(std::stod(runs[i][Column(runs, "E")]),
+              std::stod(runs[i][Column(runs, "E_initial")]))
+        << i;
   }
 }
 
@@ -189,9 +201,12 @@ TEST_F(MleStudyTest, TheElasticNetGoesFromTheLassoOn) {
   ASSERT_EQ(runs.size(), 7U);
   // At ratio 1 it is the lasso, but for the path between the λ of the grid,
   // which decides nothing here: λ and E are of the grid.
-  EXPECT_EQ(runs[1][17], runs[2][17]);
-  EXPECT_NEAR(std::stod(runs[1][13]) / std::stod(runs[2][13]), 1.0, 1e-6);
-  EXPECT_NE(runs[1][13], runs[3][13]);
+  EXPECT_EQ(runs[1][Column(runs, "lambda_min")],
+            runs[2][Column(runs, "lambda_min")]);
+  EXPECT_NEAR(std::stod(runs[1][Column(runs, "E")]) /
+                  std::stod(runs[2][Column(runs, "E")]),
+              1.0, 1e-6);
+  EXPECT_NE(runs[1][Column(runs, "E")], runs[3][Column(runs, "E")]);
 }
 
 TEST_F(MleStudyTest, ThePageIsReadable) {

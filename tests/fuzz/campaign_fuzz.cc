@@ -4,19 +4,19 @@
 #include <cmath>
 #include <cstdint>
 
+#include "apps/experiment/grid.h"
 #include "apps/study/campaign.h"
-#include "apps/study/grid.h"
 #include "tests/fuzz/fuzz.h"
 
 namespace mle::study {
 namespace {
 
-void CheckGrid(const Campaign& campaign) {
+void CheckGrid(const experiment::Campaign& campaign) {
   FUZZ_EXPECT(!campaign.seeds.empty() && !campaign.methods.empty());
-  FUZZ_EXPECT(campaign.lambdas.allFinite());
-  FUZZ_EXPECT(std::isfinite(campaign.sample_time) &&
-              campaign.sample_time > 0.0);
-  const Grid grid(campaign);
+  FUZZ_EXPECT(campaign.settings.correction.lambdas.allFinite());
+  FUZZ_EXPECT(std::isfinite(campaign.settings.sample_time) &&
+              campaign.settings.sample_time > 0.0);
+  const experiment::Grid grid(campaign);
   if (!grid.IsCountable() || grid.num_runs() > 2000) return;
   std::int64_t runs = 0;
   for (std::int64_t unit = 0; unit < grid.num_units(); ++unit) {

@@ -7,10 +7,14 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "tests/apps/study/small_campaign.h"
+#include "tests/apps/experiment/small_campaign.h"
 
 namespace mle::study {
 namespace {
+
+using experiment::Campaign;
+using experiment::Estimator;
+using experiment::SmallCampaign;
 
 using ::testing::HasSubstr;
 using Json = nlohmann::json;
@@ -51,12 +55,12 @@ TEST(CampaignTest, DefaultsAreThePapers) {
   const absl::StatusOr<Campaign> campaign = Parse(json);
   ASSERT_TRUE(campaign.ok()) << campaign.status();
   EXPECT_EQ(campaign->seeds, (std::vector<std::uint64_t>{1, 2, 3}));
-  EXPECT_EQ(campaign->order, 150);
-  EXPECT_EQ(campaign->lambdas.size(), 10001);
+  EXPECT_EQ(campaign->settings.conversion.order, 150);
+  EXPECT_EQ(campaign->settings.correction.lambdas.size(), 10001);
   EXPECT_EQ(campaign->noise_variances, std::vector<double>{0.001});
   EXPECT_EQ(campaign->drift_variances, std::vector<double>{0.0});
   ASSERT_EQ(campaign->controllers.size(), 1U);
-  EXPECT_EQ(campaign->controllers[0].prediction_horizon, 30);
+  EXPECT_EQ(campaign->controllers[0].mpc.prediction_horizon, 30);
   ASSERT_EQ(campaign->windows.size(), 1U);
   EXPECT_EQ(campaign->windows[0].step_time, 500.0);
   ASSERT_EQ(campaign->methods.size(), 1U);
@@ -89,9 +93,10 @@ TEST(CampaignTest, GridOfLambdaInEqualFactors) {
   const absl::StatusOr<Campaign> campaign = Parse(json);
   ASSERT_TRUE(campaign.ok()) << campaign.status();
   for (int i = 0; i < 5; ++i) {
-    EXPECT_NEAR(campaign->lambdas(i), std::pow(10.0, i - 6), 1e-15);
+    EXPECT_NEAR(campaign->settings.correction.lambdas(i), std::pow(10.0, i - 6),
+                1e-15);
   }
-  EXPECT_EQ(campaign->lambdas(4), 1e-2);
+  EXPECT_EQ(campaign->settings.correction.lambdas(4), 1e-2);
 }
 
 TEST(CampaignTest, KeysAndTypes) {
@@ -207,7 +212,7 @@ TEST(CampaignTest, ControllersWindowsAndMethods) {
       {[](Json& j) {
          j["windows"] = {{{"name", "w"}, {"changes", 1}, {"window", 100}}};
        },
-       {"'paper'", "at least 2 changes"}},
+       {"'paper'", "two set-point changes, one to leave out, not 1"}},
       {[](Json& j) {
          j["estimators"] = {"arx", "magic"};
        },
@@ -216,6 +221,14 @@ TEST(CampaignTest, ControllersWindowsAndMethods) {
          j["estimators"] = {"arx", "arx"};
        },
        {"estimators[1]", "stands twice"}},
+      {[](Json& j) {
+         j["ablations"] = {"none", "no_conversion"};
+       },
+       {"ablations[1]", "no_conversion", "raw_scaling"}},
+      {[](Json& j) {
+         j["ablations"] = {"raw_scaling", "raw_scaling"};
+       },
+       {"ablations[1]", "stands twice"}},
       {[](Json& j) { j["selections"] = {"best"}; },
        {"selections[0]", "best", "blocks"}},
       {[](Json& j) { j["solvers"] = {"simplex"}; },

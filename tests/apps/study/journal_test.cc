@@ -4,15 +4,25 @@
 #include <string>
 
 #include "absl/strings/str_cat.h"
+#include "apps/experiment/row.h"
+#include "apps/study/campaign.h"
 #include "apps/study/merge.h"
-#include "apps/study/row.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "tests/apps/command_runner.h"
-#include "tests/apps/study/small_campaign.h"
+#include "tests/apps/experiment/small_campaign.h"
 
 namespace mle::study {
 namespace {
+
+using experiment::Campaign;
+using experiment::Grid;
+using experiment::Metric;
+using experiment::ParseRow;
+using experiment::Row;
+using experiment::RowText;
+using experiment::SmallCampaign;
+using experiment::WithoutSeconds;
 
 using ::testing::HasSubstr;
 

@@ -1,8 +1,8 @@
-#include "apps/study/grid.h"
+#include "apps/experiment/grid.h"
 
 #include <algorithm>
 
-namespace mle::study {
+namespace mle::experiment {
 namespace {
 
 template <typename List>
@@ -19,27 +19,29 @@ int Digit(std::int64_t& number, int base) {
 
 }  // namespace
 
-Grid::Grid(const Campaign& campaign)
+Grid::Grid(const Campaign& campaign, int unit_scenarios)
     : models_(Count(campaign.models)),
       noises_(Count(campaign.noise_variances)),
+      ablations_(Count(campaign.ablations)),
       drifts_(Count(campaign.drift_variances)),
       controllers_(Count(campaign.controllers)),
       windows_(Count(campaign.windows)),
       mismatches_(Count(campaign.mismatches)),
       methods_(Count(campaign.methods)),
-      seeds_(Count(campaign.seeds)) {
+      seeds_(Count(campaign.seeds)),
+      unit_scenarios_(unit_scenarios) {
   constexpr double kMostRuns = 1e9;
   double runs = 1.0;
-  for (const int count : {models_, noises_, drifts_, controllers_, windows_,
-                          mismatches_, methods_, seeds_}) {
+  for (const int count : {models_, noises_, ablations_, drifts_, controllers_,
+                          windows_, mismatches_, methods_, seeds_}) {
     runs *= count;
   }
   countable_ = runs <= kMostRuns;
-  conversions_ = static_cast<std::int64_t>(models_) * noises_;
+  conversions_ = static_cast<std::int64_t>(models_) * noises_ * ablations_;
   shared_ = countable_ ? static_cast<std::int64_t>(drifts_) * controllers_ *
                              windows_ * mismatches_
                        : 1;
-  blocks_ = (shared_ + kUnitScenarios - 1) / kUnitScenarios;
+  blocks_ = (shared_ + unit_scenarios_ - 1) / unit_scenarios_;
   scenarios_ = countable_ ? conversions_ * shared_ : 1;
 }
 
@@ -51,6 +53,7 @@ Coordinates Grid::At(std::int64_t run) const {
   at.scenario.windows = Digit(run, windows_);
   at.scenario.controller = Digit(run, controllers_);
   at.scenario.drift = Digit(run, drifts_);
+  at.scenario.ablation = Digit(run, ablations_);
   at.scenario.noise = Digit(run, noises_);
   at.scenario.model = static_cast<int>(run);
   return at;
@@ -60,9 +63,9 @@ std::vector<std::int64_t> Grid::RunsOf(std::int64_t unit) const {
   const std::int64_t block = unit % blocks_;
   const std::int64_t conversion = unit / blocks_ % conversions_;
   const std::int64_t seed = unit / blocks_ / conversions_;
-  const std::int64_t first = conversion * shared_ + block * kUnitScenarios;
-  const std::int64_t count =
-      std::min<std::int64_t>(kUnitScenarios, shared_ - block * kUnitScenarios);
+  const std::int64_t first = conversion * shared_ + block * unit_scenarios_;
+  const std::int64_t count = std::min<std::int64_t>(
+      unit_scenarios_, shared_ - block * unit_scenarios_);
   std::vector<std::int64_t> runs;
   runs.reserve(static_cast<std::size_t>(count * methods_));
   for (std::int64_t s = first; s < first + count; ++s) {
@@ -73,4 +76,4 @@ std::vector<std::int64_t> Grid::RunsOf(std::int64_t unit) const {
   return runs;
 }
 
-}  // namespace mle::study
+}  // namespace mle::experiment

@@ -1,7 +1,7 @@
 // What is kept of one run: a line of runs.csv (docs/formats.md).
 
-#ifndef APPS_STUDY_ROW_H_
-#define APPS_STUDY_ROW_H_
+#ifndef APPS_EXPERIMENT_ROW_H_
+#define APPS_EXPERIMENT_ROW_H_
 
 #include <array>
 #include <cstdint>
@@ -11,10 +11,10 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "apps/study/campaign.h"
-#include "apps/study/grid.h"
+#include "apps/experiment/campaign.h"
+#include "apps/experiment/grid.h"
 
-namespace mle::study {
+namespace mle::experiment {
 
 // What is measured of a run. NaN stands for "there is none" and is written as
 // an empty field.
@@ -34,8 +34,12 @@ enum class Metric {
   kProposed,  // 1: the records proved a change, 0: not
   kPValue,    // of the initial model being right
   kGap,       // largest relative duality gap of the conversion and all fits
+  // Of the estimators with structure:
+  kLimitE,   // Cramér–Rao limit of E, every element free
+  kNamed,    // 1: the elements named as aged are those that differ, 0: not
+  kCovered,  // share of the intervals of all parameters that hold the plant's
 };
-inline constexpr int kNumMetrics = 15;
+inline constexpr int kNumMetrics = 18;
 extern const std::array<const char*, kNumMetrics> kMetricNames;
 
 struct Row {
@@ -80,6 +84,6 @@ std::vector<std::string> CoordinateNames();
 std::vector<std::string> CoordinateTexts(const Campaign& campaign,
                                          const Coordinates& at);
 
-}  // namespace mle::study
+}  // namespace mle::experiment
 
-#endif  // APPS_STUDY_ROW_H_
+#endif  // APPS_EXPERIMENT_ROW_H_

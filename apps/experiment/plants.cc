@@ -1,4 +1,4 @@
-#include "apps/study/plants.h"
+#include "apps/experiment/plants.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,10 +17,9 @@
 #include "sim/ageing.h"
 #include "sim/schedule.h"
 
-namespace mle::study {
+namespace mle::experiment {
 namespace {
 
-// Streams of a seed, apart from those of mle_reproduce's experiment.
 constexpr int kMaxDraws = 1000;
 
 struct Pair {
@@ -73,13 +72,13 @@ double ConditionNumber(const ProcessModel& model) {
 absl::StatusOr<bool> IsControlled(const ProcessModel& model,
                                   const ControllerSpec& spec,
                                   double max_sensitivity) {
-  MLE_ASSIGN_OR_RETURN(
-      const control::MpcOptions options,
-      MpcOptionsOf(spec, model.num_outputs(), model.num_inputs()));
+  MLE_ASSIGN_OR_RETURN(const control::MpcOptions options,
+                       spec.For(model.num_outputs(), model.num_inputs()));
   MLE_ASSIGN_OR_RETURN(const control::Mpc mpc,
                        control::Mpc::Create(model, options));
-  MLE_ASSIGN_OR_RETURN(const control::PredictionModel plant,
-                       control::PredictFromProcess(model, spec.control_period));
+  MLE_ASSIGN_OR_RETURN(
+      const control::PredictionModel plant,
+      control::PredictFromProcess(model, options.control_period));
   MLE_ASSIGN_OR_RETURN(const control::LoopAnalysis loop,
                        control::AnalyseLoop(mpc, plant));
   return loop.stable && loop.sensitivity_peak <= max_sensitivity;
@@ -144,35 +143,6 @@ std::vector<Pair> DrawElements(const ProcessModel& model, const Change& change,
 
 }  // namespace
 
-absl::StatusOr<control::MpcOptions> MpcOptionsOf(const ControllerSpec& spec,
-                                                 int outputs, int inputs) {
-  const auto diagonal = [](const char* name, const std::vector<double>& weights,
-                           int channels) -> absl::StatusOr<Eigen::MatrixXd> {
-    const auto count = static_cast<int>(weights.size());
-    if (count != 1 && count != channels) {
-      return absl::InvalidArgumentError(
-          absl::StrFormat("%s has %d values; one is needed, or one for each of "
-                          "%d channels",
-                          name, count, channels));
-    }
-    Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(channels, channels);
-    for (int i = 0; i < channels; ++i) {
-      matrix(i, i) = weights[count == 1 ? 0 : i];
-    }
-    return matrix;
-  };
-  control::MpcOptions options;
-  options.control_period = spec.control_period;
-  options.prediction_horizon = spec.prediction_horizon;
-  options.control_horizon = spec.control_horizon;
-  options.disturbance_variance_ratio = spec.disturbance_variance_ratio;
-  MLE_ASSIGN_OR_RETURN(options.output_weight,
-                       diagonal("output_weight", spec.output_weight, outputs));
-  MLE_ASSIGN_OR_RETURN(options.move_weight,
-                       diagonal("move_weight", spec.move_weight, inputs));
-  return options;
-}
-
 absl::StatusOr<ProcessModel> DrawModel(
     const RandomPlants& plants, std::uint64_t seed,
     const std::vector<ControllerSpec>& controllers) {
@@ -236,4 +206,4 @@ absl::StatusOr<ProcessModel> AgeModel(const ProcessModel& model,
   return aged;
 }
 
-}  // namespace mle::study
+}  // namespace mle::experiment

@@ -1,11 +1,11 @@
-#include "apps/reproduce/distance_curve.h"
+#include "apps/experiment/distance_curve.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
 
-namespace mle::reproduce {
+namespace mle::experiment {
 namespace {
 
 constexpr double kSpacing = 1.01;
@@ -71,4 +71,4 @@ Eigen::Index DistanceCurve::Best() {
   return found;
 }
 
-}  // namespace mle::reproduce
+}  // namespace mle::experiment

@@ -1,15 +1,15 @@
 // E(M, R̂_λ) over the penalty λ, and the λ that is best in hindsight: what only
 // a simulation can know.
 
-#ifndef APPS_REPRODUCE_DISTANCE_CURVE_H_
-#define APPS_REPRODUCE_DISTANCE_CURVE_H_
+#ifndef APPS_EXPERIMENT_DISTANCE_CURVE_H_
+#define APPS_EXPERIMENT_DISTANCE_CURVE_H_
 
 #include "Eigen/Core"
 #include "mle/correction/correction.h"
 #include "mle/model/arx_model.h"
 #include "mle/model/step_response.h"
 
-namespace mle::reproduce {
+namespace mle::experiment {
 
 // E, infinite for an unstable model whose response leaves the range of numbers.
 double DistanceOrInfinity(const StepResponse& truth,
@@ -36,6 +36,6 @@ class DistanceCurve {
   ArxModel model_;
 };
 
-}  // namespace mle::reproduce
+}  // namespace mle::experiment
 
-#endif  // APPS_REPRODUCE_DISTANCE_CURVE_H_
+#endif  // APPS_EXPERIMENT_DISTANCE_CURVE_H_

@@ -1,12 +1,14 @@
+#include "apps/experiment/options.h"
+
 #include <algorithm>
 #include <cmath>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "apps/reproduce/experiment.h"
+#include "control/mpc.h"
 #include "mle/base/status.h"
 
-namespace mle::reproduce {
+namespace mle::experiment {
 namespace {
 
 // What still fits into the memory.
@@ -37,27 +39,28 @@ absl::Status CheckDuration(const char* flag, double value, double sample_time) {
 absl::Status CheckNumbers(const ExperimentOptions& options) {
   MLE_RETURN_IF_ERROR(CheckPositive("sample_time", options.sample_time));
   for (const auto& [flag, value] :
-       {std::pair{"control_period", options.control_period},
-        std::pair{"duration", options.duration},
-        std::pair{"window", options.window},
+       {std::pair{"control_period", options.controller.control_period},
+        std::pair{"duration", options.windows.run_duration()},
+        std::pair{"window", options.windows.window},
         std::pair{"conversion_duration", options.conversion_duration},
         std::pair{"response_horizon", options.response_horizon}}) {
     MLE_RETURN_IF_ERROR(CheckDuration(flag, value, options.sample_time));
   }
   for (const auto& [flag, value] :
-       {std::pair{"step_time", options.step_time},
+       {std::pair{"step_time", options.windows.first_change()},
         std::pair{"noise_variance", options.noise_variance},
         std::pair{"conversion_noise_variance",
-                  options.conversion_noise_variance},
+                  options.conversion_noise_variance.value_or(0.0)},
         std::pair{"conversion_penalty", options.conversion.penalty},
         std::pair{"disturbance_variance_ratio",
-                  options.disturbance_variance_ratio}}) {
+                  options.controller.disturbance_variance_ratio}}) {
     MLE_RETURN_IF_ERROR(CheckNotNegative(flag, value));
   }
-  if (options.setpoint_step == 0.0 || !std::isfinite(options.setpoint_step)) {
+  if (options.windows.setpoint_step == 0.0 ||
+      !std::isfinite(options.windows.setpoint_step)) {
     return absl::InvalidArgumentError(absl::StrFormat(
         "--setpoint_step=%g: it must be a finite number other than 0",
-        options.setpoint_step));
+        options.windows.setpoint_step));
   }
   if (options.conversion.order < 1) {
     return absl::InvalidArgumentError(absl::StrFormat(
@@ -67,8 +70,9 @@ absl::Status CheckNumbers(const ExperimentOptions& options) {
 }
 
 absl::Status CheckWeight(const char* flag, const char* symbol,
-                         const Eigen::VectorXd& weight, int channels,
+                         const Eigen::MatrixXd& matrix, int channels,
                          const char* kind) {
+  const Eigen::VectorXd weight = matrix.diagonal();
   if (weight.size() != channels) {
     return absl::InvalidArgumentError(absl::StrFormat(
         "--%s has %d values for %d %s", flag, weight.size(), channels, kind));
@@ -87,38 +91,39 @@ absl::Status CheckWeight(const char* flag, const char* symbol,
 
 absl::Status CheckLoop(const ExperimentOptions& options,
                        const ProcessModel& initial) {
-  const double ratio = options.control_period / options.sample_time;
+  const control::MpcOptions& controller = options.controller;
+  const double ratio = controller.control_period / options.sample_time;
   if (std::round(ratio) < 1.0 ||
       std::abs(ratio - std::round(ratio)) > 1e-9 * ratio) {
     return absl::InvalidArgumentError(absl::StrFormat(
         "--control_period=%g is no whole multiple of --sample_time=%g",
-        options.control_period, options.sample_time));
+        controller.control_period, options.sample_time));
   }
-  if (options.control_horizon < 1) {
+  if (controller.control_horizon < 1) {
     return absl::InvalidArgumentError(
         absl::StrFormat("--control_horizon=%d: it must be at least 1",
-                        options.control_horizon));
+                        controller.control_horizon));
   }
-  if (options.prediction_horizon < options.control_horizon) {
-    return absl::InvalidArgumentError(
-        absl::StrFormat("--control_horizon=%d exceeds --prediction_horizon=%d",
-                        options.control_horizon, options.prediction_horizon));
+  if (controller.prediction_horizon < controller.control_horizon) {
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "--control_horizon=%d exceeds --prediction_horizon=%d",
+        controller.control_horizon, controller.prediction_horizon));
   }
   const int p = initial.num_outputs();
   const int m = initial.num_inputs();
-  if (static_cast<double>(options.prediction_horizon) * p *
-          options.control_horizon * m >
+  if (static_cast<double>(controller.prediction_horizon) * p *
+          controller.control_horizon * m >
       kMaxHorizonProduct) {
     return absl::InvalidArgumentError(absl::StrFormat(
         "--prediction_horizon=%d and --control_horizon=%d are too long: their "
         "product, times %d outputs and %d inputs, may be at most %g",
-        options.prediction_horizon, options.control_horizon, p, m,
+        controller.prediction_horizon, controller.control_horizon, p, m,
         kMaxHorizonProduct));
   }
+  MLE_RETURN_IF_ERROR(CheckWeight("output_weight", "Q_y",
+                                  controller.output_weight, p, "outputs"));
   MLE_RETURN_IF_ERROR(
-      CheckWeight("output_weight", "Q_y", options.output_weight, p, "outputs"));
-  MLE_RETURN_IF_ERROR(
-      CheckWeight("move_weight", "Q_u", options.move_weight, m, "inputs"));
+      CheckWeight("move_weight", "Q_u", controller.move_weight, m, "inputs"));
   for (const InputChannel& input : initial.inputs()) {
     if (input.role == InputRole::kDisturbance) {
       return absl::InvalidArgumentError(absl::StrFormat(
@@ -127,29 +132,30 @@ absl::Status CheckLoop(const ExperimentOptions& options,
     }
   }
   // Finds the rest, such as weights that leave the moves undetermined.
-  const absl::Status controller =
-      control::Mpc::Create(initial, MpcOptionsOf(options)).status();
-  if (controller.ok()) return controller;
+  const absl::Status created =
+      control::Mpc::Create(initial, controller).status();
+  if (created.ok()) return created;
   return absl::InvalidArgumentError(
-      absl::StrCat("controller: ", controller.message()));
+      absl::StrCat("controller: ", created.message()));
 }
 
 absl::Status CheckRows(const ExperimentOptions& options,
                        const ProcessModel& initial) {
-  if (options.step_time - options.window < -1e-9 ||
-      options.step_time + options.window > options.duration + 1e-9) {
+  const double first = options.windows.first_change();
+  const double window = options.windows.window;
+  const double duration = options.windows.run_duration();
+  if (first - window < -1e-9 || first + window > duration + 1e-9) {
     return absl::InvalidArgumentError(absl::StrFormat(
         "--window=%g around --step_time=%g reaches from %g to %g, the record "
         "from 0 to --duration=%g",
-        options.window, options.step_time, options.step_time - options.window,
-        options.step_time + options.window, options.duration));
+        window, first, first - window, first + window, duration));
   }
   const int order = options.conversion.order;
   if (options.window_rows() < 2) {
     return absl::InvalidArgumentError(absl::StrFormat(
         "--order=%d leaves no rows to learn from: a window of 2 × %g has %d "
         "samples",
-        order, options.window, options.window_rows() + order));
+        order, window, options.window_rows() + order));
   }
   const double rows =
       std::round(options.conversion_duration / options.sample_time) + 1 - order;
@@ -176,12 +182,13 @@ absl::Status CheckRows(const ExperimentOptions& options,
 absl::Status CheckSelection(const ExperimentOptions& options,
                             const ProcessModel& initial) {
   const SelectionOptions& selection = options.correction.selection;
-  const int windows = initial.num_outputs();
+  const int windows = options.windows.num_changes(initial.num_outputs());
   if (selection.rule == SelectionOptions::Rule::kLeaveChangeOut) {
     if (windows >= 2) return absl::OkStatus();
-    return absl::InvalidArgumentError(
-        "--selection=paper and leave_change_out need two set-point changes, "
-        "but a plant of one output has one: use --selection=blocks");
+    return absl::InvalidArgumentError(absl::StrFormat(
+        "--selection=paper and leave_change_out need at least two set-point "
+        "changes, one to leave out, not %d: use --selection=blocks",
+        windows));
   }
   if (selection.rule != SelectionOptions::Rule::kBlocks)
     return absl::OkStatus();
@@ -202,17 +209,6 @@ absl::Status CheckSelection(const ExperimentOptions& options,
 
 }  // namespace
 
-control::MpcOptions MpcOptionsOf(const ExperimentOptions& options) {
-  control::MpcOptions mpc;
-  mpc.control_period = options.control_period;
-  mpc.prediction_horizon = options.prediction_horizon;
-  mpc.control_horizon = options.control_horizon;
-  mpc.output_weight = options.output_weight.asDiagonal();
-  mpc.move_weight = options.move_weight.asDiagonal();
-  mpc.disturbance_variance_ratio = options.disturbance_variance_ratio;
-  return mpc;
-}
-
 absl::Status ExperimentOptions::Validate(const ProcessModel& initial) const {
   MLE_RETURN_IF_ERROR(CheckNumbers(*this));
   MLE_RETURN_IF_ERROR(CheckLoop(*this, initial));
@@ -227,8 +223,8 @@ int ExperimentOptions::response_samples() const {
 }
 
 int ExperimentOptions::window_rows() const {
-  return 2 * static_cast<int>(std::lround(window / sample_time)) + 1 -
+  return 2 * static_cast<int>(std::lround(windows.window / sample_time)) + 1 -
          conversion.order;
 }
 
-}  // namespace mle::reproduce
+}  // namespace mle::experiment

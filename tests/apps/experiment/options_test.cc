@@ -1,30 +1,43 @@
+#include "apps/experiment/options.h"
+
 #include <functional>
 #include <limits>
 #include <string>
 #include <vector>
 
-#include "apps/reproduce/experiment.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "tests/apps/reproduce/example_case.h"
+#include "mle/model/process_model.h"
 
-namespace mle::reproduce {
+namespace mle::experiment {
 namespace {
 
 using ::testing::HasSubstr;
 using Rule = SelectionOptions::Rule;
 
-// The example has two outputs and three inputs.
+// Two outputs and three inputs.
+ProcessModel ExampleModel() {
+  ProcessModel model("example", "s", {{"u", ""}, {"v", ""}, {"w", ""}},
+                     {{"y", ""}, {"z", ""}});
+  for (int i = 0; i < 2; ++i) {
+    for (int j = i; j < 3; j += 2) {
+      model.element(i, j) =
+          TransferFunction::FirstOrder(10.0 * (i + 1) + j + 1, 5.0, 2.0);
+    }
+  }
+  return model;
+}
+
 ExperimentOptions GoodOptions() {
   ExperimentOptions options;
-  options.output_weight = Eigen::VectorXd::Constant(2, 0.2);
-  options.move_weight = Eigen::VectorXd::Constant(3, 0.1);
+  options.controller.output_weight = 0.2 * Eigen::MatrixXd::Identity(2, 2);
+  options.controller.move_weight = 0.1 * Eigen::MatrixXd::Identity(3, 3);
   options.correction.lambdas = Eigen::Vector2d(0.0, 1e-3);
   return options;
 }
 
 TEST(ExperimentOptions, ThePapersAreGood) {
-  const absl::Status status = GoodOptions().Validate(ExampleModel(0.0, 0.0));
+  const absl::Status status = GoodOptions().Validate(ExampleModel());
   EXPECT_TRUE(status.ok()) << status;
 }
 
@@ -45,18 +58,24 @@ TEST(ExperimentOptions, ErrorsNameTheFlag) {
     std::function<void(Options&)> spoil;
   } cases[] = {
       {"--sample_time", [](Options& o) { o.sample_time = -0.2; }},
-      {"--control_period", [](Options& o) { o.control_period = 0.3; }},
-      {"--duration", [&](Options& o) { o.duration = nan; }},
-      {"--duration", [](Options& o) { o.duration = 1e9; }},
-      {"--step_time", [](Options& o) { o.step_time = -1.0; }},
-      {"--window", [](Options& o) { o.window = 501.0; }},
-      {"--setpoint_step", [](Options& o) { o.setpoint_step = 0.0; }},
+      {"--control_period",
+       [](Options& o) { o.controller.control_period = 0.3; }},
+      {"--duration", [&](Options& o) { o.windows.duration = nan; }},
+      {"--duration", [](Options& o) { o.windows.duration = 1e9; }},
+      {"--step_time", [](Options& o) { o.windows.step_time = -1.0; }},
+      {"--window", [](Options& o) { o.windows.window = 501.0; }},
+      {"--setpoint_step", [](Options& o) { o.windows.setpoint_step = 0.0; }},
       {"--noise_variance", [&](Options& o) { o.noise_variance = nan; }},
-      {"--control_horizon", [](Options& o) { o.control_horizon = 0; }},
-      {"--prediction_horizon", [](Options& o) { o.prediction_horizon = 4; }},
-      {"--output_weight", [](Options& o) { o.output_weight(1) = -1.0; }},
-      {"--output_weight", [&](Options& o) { o.output_weight(1) = nan; }},
-      {"--move_weight", [](Options& o) { o.move_weight.resize(2); }},
+      {"--control_horizon",
+       [](Options& o) { o.controller.control_horizon = 0; }},
+      {"--prediction_horizon",
+       [](Options& o) { o.controller.prediction_horizon = 4; }},
+      {"--output_weight",
+       [](Options& o) { o.controller.output_weight(1, 1) = -1.0; }},
+      {"--output_weight",
+       [&](Options& o) { o.controller.output_weight(1, 1) = nan; }},
+      {"--move_weight",
+       [](Options& o) { o.controller.move_weight.resize(2, 2); }},
       {"--order", [](Options& o) { o.conversion.order = 0; }},
       {"--order", [](Options& o) { o.conversion.order = 2000; }},
       {"--conversion_penalty", [](Options& o) { o.conversion.penalty = -1; }},
@@ -70,7 +89,7 @@ TEST(ExperimentOptions, ErrorsNameTheFlag) {
     ExperimentOptions options = GoodOptions();
     options.correction.selection.rule = Rule::kBlocks;
     spoil(options);
-    const absl::Status status = options.Validate(ExampleModel(0.0, 0.0));
+    const absl::Status status = options.Validate(ExampleModel());
     EXPECT_FALSE(status.ok()) << named;
     EXPECT_THAT(std::string(status.message()), HasSubstr(named));
   }
@@ -80,8 +99,8 @@ TEST(ExperimentOptions, OneOutputAllowsNoChangeToBeLeftOut) {
   ProcessModel model("heater", "min", {{"power", ""}}, {{"temperature", ""}});
   model.element(0, 0) = TransferFunction::FirstOrder(2.0, 5.0, 1.0);
   ExperimentOptions options = GoodOptions();
-  options.output_weight = Eigen::VectorXd::Ones(1);
-  options.move_weight = Eigen::VectorXd::Ones(1);
+  options.controller.output_weight = Eigen::MatrixXd::Ones(1, 1);
+  options.controller.move_weight = Eigen::MatrixXd::Ones(1, 1);
   options.correction.selection.rule = Rule::kLeaveChangeOut;
   EXPECT_THAT(std::string(options.Validate(model).message()),
               HasSubstr("--selection=blocks"));
@@ -95,11 +114,11 @@ TEST(ExperimentOptions, InputsNobodyMovesAreRefused) {
       "column", "min", {{"reflux", ""}, {"feed", "", InputRole::kDisturbance}},
       {{"top", ""}});
   ExperimentOptions options = GoodOptions();
-  options.output_weight = Eigen::VectorXd::Ones(1);
-  options.move_weight = Eigen::VectorXd::Ones(2);
+  options.controller.output_weight = Eigen::MatrixXd::Ones(1, 1);
+  options.controller.move_weight = Eigen::MatrixXd::Identity(2, 2);
   EXPECT_THAT(std::string(options.Validate(column).message()),
               HasSubstr("'feed' is a disturbance"));
 }
 
 }  // namespace
-}  // namespace mle::reproduce
+}  // namespace mle::experiment

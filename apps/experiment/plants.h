@@ -1,23 +1,17 @@
 // The plants of a campaign: models drawn at random, and models that have aged.
 
-#ifndef APPS_STUDY_PLANTS_H_
-#define APPS_STUDY_PLANTS_H_
+#ifndef APPS_EXPERIMENT_PLANTS_H_
+#define APPS_EXPERIMENT_PLANTS_H_
 
 #include <cstdint>
 #include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "apps/study/campaign.h"
-#include "control/mpc_options.h"
+#include "apps/experiment/campaign.h"
 #include "mle/model/process_model.h"
 
-namespace mle::study {
-
-// The controller of `spec` for `outputs` × `inputs` channels. InvalidArgument
-// if the numbers of weights do not fit.
-absl::StatusOr<control::MpcOptions> MpcOptionsOf(const ControllerSpec& spec,
-                                                 int outputs, int inputs);
+namespace mle::experiment {
 
 // The plant of a seed: the first draw that is within the bounds for every
 // controller. FailedPrecondition if there is none among a thousand.
@@ -35,6 +29,6 @@ absl::StatusOr<ProcessModel> AgeModel(const ProcessModel& model,
                                       const Mismatch& mismatch,
                                       std::uint64_t seed);
 
-}  // namespace mle::study
+}  // namespace mle::experiment
 
-#endif  // APPS_STUDY_PLANTS_H_
+#endif  // APPS_EXPERIMENT_PLANTS_H_

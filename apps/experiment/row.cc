@@ -1,4 +1,4 @@
-#include "apps/study/row.h"
+#include "apps/experiment/row.h"
 
 #include <charconv>
 #include <cmath>
@@ -11,7 +11,7 @@
 #include "mle/base/status.h"
 #include "mle/data/csv_rows.h"
 
-namespace mle::study {
+namespace mle::experiment {
 
 const std::array<const char*, kNumMetrics> kMetricNames = {
     "E_initial",       "E",
@@ -21,7 +21,8 @@ const std::array<const char*, kNumMetrics> kMetricNames = {
     "gain_error_rms",  "gain_error_max",
     "delay_error_rms", "delay_error_max",
     "change_proposed", "p_value",
-    "relative_gap"};
+    "relative_gap",    "E_limit",
+    "named_exactly",   "interval_coverage"};
 
 namespace {
 
@@ -84,16 +85,16 @@ std::string CsvField(std::string_view text) {
 }
 
 std::vector<std::string> CoordinateNames() {
-  return {
-      "model",    "noise_variance", "drift_variance", "controller", "windows",
-      "mismatch", "size",           "estimator",      "selection",  "solver",
-      "seed"};
+  return {"model",     "noise_variance", "drift_variance", "controller",
+          "windows",   "mismatch",       "size",           "ablation",
+          "estimator", "selection",      "solver",         "seed"};
 }
 
 std::vector<std::string> CoordinateTexts(const Campaign& campaign,
                                          const Coordinates& at) {
   const Mismatch& mismatch = campaign.mismatches[at.scenario.mismatch];
   const Method& method = campaign.methods[at.method];
+  const Ablation* const ablation = campaign.ablations[at.scenario.ablation];
   return {
       campaign.models[at.scenario.model].name,
       NumberText(campaign.noise_variances[at.scenario.noise]),
@@ -102,6 +103,7 @@ std::vector<std::string> CoordinateTexts(const Campaign& campaign,
       campaign.windows[at.scenario.windows].name,
       mismatch.name,
       NumberText(mismatch.size),
+      ablation == nullptr ? "" : ablation->name,
       NameOf(method.estimator),
       method.selection < 0 ? "" : campaign.selections[method.selection].name,
       method.solver < 0 ? "" : campaign.solvers[method.solver].name,
@@ -160,4 +162,4 @@ absl::StatusOr<Row> ParseRow(std::string_view line, bool with_seconds) {
   return row;
 }
 
-}  // namespace mle::study
+}  // namespace mle::experiment

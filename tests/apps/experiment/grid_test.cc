@@ -1,27 +1,29 @@
-#include "apps/study/grid.h"
+#include "apps/experiment/grid.h"
 
 #include <set>
 #include <vector>
 
+#include "apps/study/campaign.h"
 #include "gtest/gtest.h"
-#include "tests/apps/study/small_campaign.h"
+#include "tests/apps/experiment/small_campaign.h"
 
-namespace mle::study {
+namespace mle::experiment {
 namespace {
 
 Campaign LargeCampaign() {
   nlohmann::json json = SmallCampaign(5);
   json["noise_variances"] = {1e-4, 1e-3};
   json["drift_variances"] = {0, 1e-7, 1e-6};
+  json["ablations"] = {"none", "raw_scaling"};
   json["selections"] = {"paper", "bic"};
   json["mismatches"].push_back({{"name", "none"}});
-  return *ParseCampaign(json.dump(), "c.json");
+  return *study::ParseCampaign(json.dump(), "c.json");
 }
 
 TEST(GridTest, UnitsHoldEveryRunOnce) {
   const Campaign campaign = LargeCampaign();
   const Grid grid(campaign);
-  EXPECT_EQ(grid.num_runs(), 5 * 2 * 3 * 2 * 3);
+  EXPECT_EQ(grid.num_runs(), 5 * 2 * 2 * 3 * 2 * 3);
   std::set<std::int64_t> seen;
   for (std::int64_t unit = 0; unit < grid.num_units(); ++unit) {
     const std::vector<std::int64_t> runs = grid.RunsOf(unit);
@@ -35,6 +37,7 @@ TEST(GridTest, UnitsHoldEveryRunOnce) {
       EXPECT_EQ(at.seed, first.seed);
       EXPECT_EQ(at.scenario.model, first.scenario.model);
       EXPECT_EQ(at.scenario.noise, first.scenario.noise);
+      EXPECT_EQ(at.scenario.ablation, first.scenario.ablation);
     }
   }
   EXPECT_EQ(static_cast<std::int64_t>(seen.size()), grid.num_runs());
@@ -53,8 +56,8 @@ TEST(GridTest, CellsDifferInTheSeedAlone) {
     EXPECT_EQ(at.method, first.method);
     EXPECT_EQ(at.scenario.mismatch, first.scenario.mismatch);
     EXPECT_EQ(at.scenario.drift, first.scenario.drift);
-    seen.insert({at.scenario.model, at.scenario.noise, at.scenario.drift,
-                 at.scenario.controller, at.scenario.windows,
+    seen.insert({at.scenario.model, at.scenario.noise, at.scenario.ablation,
+                 at.scenario.drift, at.scenario.controller, at.scenario.windows,
                  at.scenario.mismatch, at.method, at.seed});
   }
   EXPECT_EQ(static_cast<std::int64_t>(seen.size()), grid.num_runs());
@@ -72,4 +75,4 @@ TEST(GridTest, TheFirstSeedsUnitsComeFirst) {
 }
 
 }  // namespace
-}  // namespace mle::study
+}  // namespace mle::experiment

@@ -1,21 +1,24 @@
-#include "apps/study/plants.h"
+#include "apps/experiment/plants.h"
 
 #include <cmath>
 #include <string>
 
 #include "Eigen/SVD"
+#include "apps/study/campaign.h"
 #include "control/loop_analysis.h"
 #include "control/mpc.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "tests/apps/study/small_campaign.h"
+#include "tests/apps/experiment/small_campaign.h"
 
-namespace mle::study {
+namespace mle::experiment {
 namespace {
 
 using ::testing::HasSubstr;
 
-Campaign Small() { return *ParseCampaign(SmallCampaign(2).dump(), "c.json"); }
+Campaign Small() {
+  return *study::ParseCampaign(SmallCampaign(2).dump(), "c.json");
+}
 
 TEST(PlantsTest, DrawsAreWithinTheirRanges) {
   const std::vector<ControllerSpec> controllers(1);
@@ -49,11 +52,11 @@ TEST(PlantsTest, DrawsAreWithinTheirRanges) {
         Eigen::JacobiSVD<Eigen::MatrixXd>(gains).singularValues();
     EXPECT_LE(values(0) / values(1), 6.0 * (1.0 + 1e-12));
     const auto mpc =
-        control::Mpc::Create(*model, *MpcOptionsOf(controllers.front(), 3, 2));
+        control::Mpc::Create(*model, *controllers.front().For(3, 2));
     ASSERT_TRUE(mpc.ok());
     const auto loop = control::AnalyseLoop(
-        *mpc, *control::PredictFromProcess(*model,
-                                           controllers.front().control_period));
+        *mpc, *control::PredictFromProcess(
+                  *model, controllers.front().mpc.control_period));
     ASSERT_TRUE(loop.ok());
     EXPECT_TRUE(loop->stable);
     EXPECT_LE(loop->sensitivity_peak, 2.5);
@@ -142,4 +145,4 @@ TEST(PlantsTest, DrawsElementsAndTheirChanges) {
 }
 
 }  // namespace
-}  // namespace mle::study
+}  // namespace mle::experiment

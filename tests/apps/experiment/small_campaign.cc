@@ -1,6 +1,6 @@
-#include "tests/apps/study/small_campaign.h"
+#include "tests/apps/experiment/small_campaign.h"
 
-namespace mle::study {
+namespace mle::experiment {
 
 nlohmann::json SmallCampaign(int seeds) {
   nlohmann::json campaign = nlohmann::json::parse(R"({
@@ -37,4 +37,4 @@ nlohmann::json SmallCampaign(int seeds) {
   return campaign;
 }
 
-}  // namespace mle::study
+}  // namespace mle::experiment

@@ -1,0 +1,182 @@
+// A campaign: runs of the experiment over a grid of seeds, plants, mismatches,
+// noise, controllers, set-point changes and ways to estimate (docs/studies.md,
+// docs/formats.md).
+//
+//   run = (scenario, method, seed),
+//   scenario = (model, noise, ablation, drift, controller, windows, mismatch),
+//   method = (estimator, selection rule, solver).
+//
+// Every axis of the grid is a list; the campaign is their product. All runs of
+// a seed see the same draws of noise.
+
+#ifndef APPS_EXPERIMENT_CAMPAIGN_H_
+#define APPS_EXPERIMENT_CAMPAIGN_H_
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "apps/experiment/ablations.h"
+#include "apps/experiment/options.h"
+#include "control/mpc_options.h"
+#include "mle/correction/selection.h"
+#include "mle/model/process_model.h"
+#include "mle/regression/lasso_solver.h"
+
+namespace mle::experiment {
+
+struct Interval {
+  double from = 0.0;
+  double to = 0.0;
+};
+
+// Plants of first-order elements with dead time, one for each seed, named
+// y1 … yp and u1 … um. Gains have either sign and are drawn uniformly in the
+// logarithm of their size, time constants and dead times uniformly.
+struct RandomPlants {
+  int outputs = 2;
+  int inputs = 2;
+  Interval gain = {1.0, 20.0};           // > 0
+  Interval time_constant = {5.0, 20.0};  // > 0
+  Interval delay = {0.0, 8.0};           // ≥ 0
+  // Of the matrix of static gains, ≥ 1: draws above it are drawn again.
+  double max_condition_number = 20.0;
+  // And draws whose loop, with the model true, is unstable or has a larger peak
+  // of sensitivity (loop_analysis.h), > 1.
+  double max_sensitivity = 2.0;
+};
+
+// The model that the controller believes.
+struct ModelSpec {
+  std::string name;
+  ProcessModel model;  // unless `random`
+  std::optional<RandomPlants> random;
+};
+
+// Elements that have aged: those of `output` and `input` ("*": any) that are
+// not zero, or `elements` > 0 of them, drawn. Values are drawn for each element
+// and seed, uniformly, factors in the logarithm; from = to is no draw.
+struct Change {
+  std::string output = "*";
+  std::string input = "*";
+  int elements = 0;
+  Interval gain_factor = {1.0, 1.0};           // > 0
+  Interval time_constant_factor = {1.0, 1.0};  // > 0
+  Interval delay_shift = {0.0, 0.0};
+};
+
+// How the plant differs from the model: as another model, or by changes of
+// size s: factors are taken to the power s, shifts times s. Neither: not at
+// all.
+struct Mismatch {
+  std::string name;
+  double size = 1.0;
+  std::optional<ProcessModel> plant;
+  std::vector<Change> changes;
+};
+
+// A controller's tuning. A weight of 1 × 1 is that of every channel.
+struct ControllerSpec {
+  ControllerSpec();  // the paper's
+
+  // For so many channels. InvalidArgument if the numbers of weights do not fit.
+  absl::StatusOr<control::MpcOptions> For(int outputs, int inputs) const;
+
+  std::string name;
+  control::MpcOptions mpc;
+};
+
+enum class Estimator {
+  kNone,        // the model stays as it is
+  kArx,         // ΔR
+  kArxTested,   // ΔR if a test finds the model wrong (model_adequacy.h)
+  kCeres,       // kArxTested at the same λ, by Ceres (smoothed_correction.h)
+  kStructured,  // gains, time scales, dead times (structured_correction.h)
+  kStructuredFree,  // the same with every element free, whatever the test says
+  kCombined,  // structured, then ΔR where that is not enough (combined.h)
+};
+const std::vector<Estimator>& AllEstimators();
+const char* NameOf(Estimator estimator);
+// Whether it chooses a λ, so that selection rules and solvers make a
+// difference.
+bool UsesLambda(Estimator estimator);
+
+struct SelectionSpec {
+  std::string name;
+  SelectionOptions options;
+};
+
+struct SolverSpec {
+  std::string name;
+  LassoSolverOptions options;
+  bool exact = true;  // its gap certifies the optimum
+};
+
+// One way to estimate; indices into the campaign's lists, −1 where none.
+struct Method {
+  Estimator estimator = Estimator::kArx;
+  int selection = -1;
+  int solver = -1;
+};
+
+struct Campaign {
+  Campaign();  // the paper's: one controller, its windows, no drift, ΔR
+
+  std::string name;
+  std::vector<std::uint64_t> seeds;
+  std::vector<ModelSpec> models;
+  std::vector<double> noise_variances = {0.001};
+  std::vector<double> drift_variances = {0.0};
+  std::vector<const Ablation*> ablations = {nullptr};  // null: none
+  std::vector<ControllerSpec> controllers;
+  std::vector<WindowSpec> windows;
+  std::vector<Mismatch> mismatches;
+  std::vector<SelectionSpec> selections;
+  std::vector<SolverSpec> solvers;
+  std::vector<Method> methods;
+
+  // What all runs have in common. Controller, noise, drift, windows, selection
+  // and solver are taken from the lists instead.
+  ExperimentOptions settings;
+};
+
+// Adds the methods of an estimator, with every solver and selection rule of the
+// campaign where it uses them.
+void AddMethods(Estimator estimator, Campaign& campaign);
+
+// The rule for λ that campaigns and mle_reproduce call `name`: paper,
+// leave_change_out, blocks, aic, bic, gcv. InvalidArgument lists them.
+absl::StatusOr<SelectionOptions> NamedSelection(const std::string& name);
+
+// homotopy, ceres or coordinate_descent. InvalidArgument lists them.
+absl::StatusOr<SolverSpec> NamedSolver(const std::string& name);
+
+// One scenario of the grid; indices into the campaign's lists.
+struct Scenario {
+  int model = 0;
+  int noise = 0;
+  int ablation = 0;
+  int drift = 0;
+  int controller = 0;
+  int windows = 0;
+  int mismatch = 0;
+
+  bool operator==(const Scenario&) const = default;
+};
+
+// For a model of so many channels, before its ablation. InvalidArgument if
+// weights do not fit.
+absl::StatusOr<ExperimentOptions> OptionsOf(const Campaign& campaign,
+                                            const Scenario& scenario,
+                                            int outputs, int inputs);
+
+// What can be known before anything is run: that the options of every model,
+// controller and windows belong together.
+absl::Status CheckScenarios(const Campaign& campaign);
+
+}  // namespace mle::experiment
+
+#endif  // APPS_EXPERIMENT_CAMPAIGN_H_

@@ -1,0 +1,243 @@
+#include "apps/reproduce/reproduction.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cstdint>
+#include <thread>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "apps/common/progress.h"
+#include "apps/experiment/grid.h"
+#include "apps/experiment/unit.h"
+#include "mle/base/parallel.h"
+#include "mle/base/status.h"
+
+namespace mle::reproduce {
+namespace {
+
+using experiment::Campaign;
+using experiment::Coordinates;
+using experiment::Estimator;
+using experiment::Grid;
+using experiment::Outcome;
+
+// The campaign's methods: the paper's, the other rule for λ if there is one,
+// the estimators.
+class Methods {
+ public:
+  Methods(const Reproduction& reproduction, Campaign& campaign)
+      : reproduction_(reproduction) {
+    campaign.methods = {{Estimator::kArx, 0, 0}};
+    const int outputs = campaign.models.front().model.num_outputs();
+    if (campaign.windows.front().num_changes(outputs) > 1) {
+      const bool paper = campaign.selections.front().name == "paper";
+      other_rule_ = paper ? "blocks" : "paper";
+      campaign.selections.resize(1);
+      campaign.selections.push_back(
+          {other_rule_, *experiment::NamedSelection(other_rule_)});
+      campaign.methods.push_back({Estimator::kArx, 1, 0});
+    }
+    first_estimator_ = static_cast<int>(campaign.methods.size());
+    for (const NamedEstimator& one : reproduction.estimators) {
+      campaign.methods.push_back({one.estimator, 0, 0});
+    }
+  }
+
+  const std::string& other_rule() const { return other_rule_; }
+  // Null for the paper's method and the other rule.
+  const NamedEstimator* EstimatorOf(int method) const {
+    return method < first_estimator_
+               ? nullptr
+               : &reproduction_.estimators[method - first_estimator_];
+  }
+
+  // Ablations are of the paper's method with some seeds; the other rule and
+  // what takes long, with the first.
+  bool Wants(const Coordinates& at) const {
+    if (at.scenario.ablation > 0) {
+      return at.method == 0 && at.seed < reproduction_.ablation_seeds;
+    }
+    const NamedEstimator* const estimator = EstimatorOf(at.method);
+    const bool once = estimator == nullptr
+                          ? at.method > 0
+                          : estimator->estimator == Estimator::kCeres;
+    return at.seed == 0 || !once;
+  }
+
+ private:
+  const Reproduction& reproduction_;
+  std::string other_rule_;
+  int first_estimator_ = 0;
+};
+
+CaseResult Describe(const Reproduction& reproduction, int number,
+                    const experiment::ExperimentOptions& options) {
+  const Campaign& campaign = reproduction.campaign;
+  const ProcessModel& initial = campaign.models.front().model;
+  CaseResult result;
+  result.name = campaign.mismatches[number].name;
+  result.from_paper = reproduction.from_paper;
+  result.plant = *campaign.mismatches[number].plant;
+  const int samples = options.response_samples();
+  result.truth = result.plant.ComputeStepResponse(options.sample_time, samples);
+  result.initial = initial.ComputeStepResponse(options.sample_time, samples);
+  result.E_initial = SquaredDistance(result.truth, result.initial);
+  result.runs.resize(campaign.seeds.size());
+  const std::size_t seeds =
+      std::min(static_cast<std::size_t>(reproduction.ablation_seeds),
+               campaign.seeds.size());
+  for (const experiment::Ablation* ablation : campaign.ablations) {
+    if (ablation == nullptr) continue;
+    result.ablations.push_back({ablation, std::vector<AblationRun>(seeds)});
+  }
+  return result;
+}
+
+AblationRun MakeAblationRun(const Outcome& outcome) {
+  AblationRun run;
+  run.status = outcome.status;
+  if (!run.status.ok()) return run;
+  run.lambda_star = outcome.estimate->lambda(0);
+  run.E = outcome.estimate->E();
+  run.max_relative_gap = outcome.estimate->max_relative_gap;
+  return run;
+}
+
+EstimatorResult MakeEstimatorResult(const char* name, const Outcome& outcome) {
+  EstimatorResult result;
+  result.name = name;
+  result.status = outcome.status;
+  if (!result.status.ok()) return result;
+  result.E = outcome.estimate->E();
+  result.change_proposed = outcome.estimate->change_proposed;
+  result.p_value = outcome.estimate->p_value.value_or(1.0);
+  result.seconds = outcome.estimate->seconds;
+  return result;
+}
+
+// Puts an outcome where it belongs. The runs of a case and seed come one after
+// the other, those of different ones from any thread.
+void Keep(const Reproduction& reproduction, const Methods& methods,
+          const Outcome& outcome, std::vector<CaseResult>& results) {
+  const Coordinates& at = outcome.at;
+  CaseResult& result = results[at.scenario.mismatch];
+  if (at.scenario.ablation > 0) {
+    result.ablations[at.scenario.ablation - 1].runs[at.seed] =
+        MakeAblationRun(outcome);
+    return;
+  }
+  RunResult& run = result.runs[at.seed];
+  if (const NamedEstimator* const one = methods.EstimatorOf(at.method)) {
+    run.estimators.push_back(MakeEstimatorResult(one->name, outcome));
+    if (outcome.experiment != nullptr) {
+      run.E_limit = outcome.experiment->Limit();
+    }
+    return;
+  }
+  if (at.method > 0) {
+    RunResult::OtherRule other;
+    other.name = methods.other_rule();
+    other.status = outcome.status;
+    if (outcome.status.ok()) {
+      other.lambda = outcome.estimate->lambda(0);
+      other.E = outcome.estimate->E();
+      run.max_relative_gap =
+          std::max(run.max_relative_gap, outcome.estimate->max_relative_gap);
+    }
+    run.other_rule = std::move(other);
+    return;
+  }
+  run.seed = reproduction.campaign.seeds[at.seed];
+  run.status = outcome.status;
+  if (outcome.status.ok()) {
+    run.status = FillRun(*outcome.experiment, *outcome.estimate,
+                         /*in_full=*/at.seed == 0, run);
+  }
+}
+
+absl::Status FirstFailure(const std::vector<CaseResult>& results) {
+  for (const CaseResult& result : results) {
+    for (const RunResult& run : result.runs) {
+      absl::Status status = run.status;
+      if (run.other_rule.has_value()) status.Update(run.other_rule->status);
+      if (status.ok()) continue;
+      return absl::Status(
+          status.code(), absl::StrCat("case ", result.name, ", seed ", run.seed,
+                                      ": ", status.message()));
+    }
+  }
+  return absl::OkStatus();
+}
+
+// The runs wanted, unit by unit. With fewer seeds than threads every case has
+// its own unit, and its own conversion.
+std::vector<std::vector<std::int64_t>> UnitsOf(const Grid& grid,
+                                               const Methods& methods) {
+  std::vector<std::vector<std::int64_t>> units;
+  for (std::int64_t unit = 0; unit < grid.num_units(); ++unit) {
+    std::vector<std::int64_t> runs;
+    for (const std::int64_t run : grid.RunsOf(unit)) {
+      if (methods.Wants(grid.At(run))) runs.push_back(run);
+    }
+    if (!runs.empty()) units.push_back(std::move(runs));
+  }
+  return units;
+}
+
+}  // namespace
+
+const std::vector<NamedEstimator>& NamedEstimators() {
+  static const auto* const kAll =
+      new std::vector<NamedEstimator>{{"arx", Estimator::kArxTested},
+                                      {"ceres", Estimator::kCeres},
+                                      {"structured", Estimator::kStructured},
+                                      {"combined", Estimator::kCombined}};
+  return *kAll;
+}
+
+absl::StatusOr<experiment::ExperimentOptions> Reproduction::Options() const {
+  const ProcessModel& initial = campaign.models.front().model;
+  MLE_ASSIGN_OR_RETURN(
+      experiment::ExperimentOptions options,
+      OptionsOf(campaign, {}, initial.num_outputs(), initial.num_inputs()));
+  options.correction.selection = campaign.selections.front().options;
+  options.correction.solver = campaign.solvers.front().options;
+  return options;
+}
+
+absl::StatusOr<std::vector<CaseResult>> RunReproduction(
+    const Reproduction& reproduction) {
+  MLE_ASSIGN_OR_RETURN(const experiment::ExperimentOptions options,
+                       reproduction.Options());
+  Campaign campaign = reproduction.campaign;
+  const Methods methods(reproduction, campaign);
+  const int threads =
+      reproduction.threads > 0
+          ? reproduction.threads
+          : std::max(static_cast<int>(std::thread::hardware_concurrency()), 1);
+  const bool many = static_cast<int>(campaign.seeds.size()) >= threads;
+  const Grid grid(campaign, many ? Grid::kUnitScenarios : 1);
+  std::vector<CaseResult> results;
+  for (std::size_t c = 0; c < campaign.mismatches.size(); ++c) {
+    results.push_back(Describe(reproduction, static_cast<int>(c), options));
+  }
+  const std::vector<std::vector<std::int64_t>> units = UnitsOf(grid, methods);
+  std::size_t runs = 0;
+  for (const auto& unit : units) runs += unit.size();
+  Progress progress("runs", static_cast<int>(runs));
+  const std::atomic<bool> stop{false};
+  ParallelFor(static_cast<int>(units.size()), threads, [&](int i) {
+    RunUnit(campaign, grid, units[i], stop, [&](const Outcome& outcome) {
+      Keep(reproduction, methods, outcome, results);
+      progress.Done();
+    });
+  });
+  MLE_RETURN_IF_ERROR(FirstFailure(results));
+  for (CaseResult& result : results) {
+    MLE_RETURN_IF_ERROR(SummariseCase(campaign.models.front().model, result));
+  }
+  return results;
+}
+
+}  // namespace mle::reproduce

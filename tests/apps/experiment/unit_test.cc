@@ -1,0 +1,121 @@
+#include "apps/experiment/unit.h"
+
+#include <cmath>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "apps/study/campaign.h"
+#include "gtest/gtest.h"
+#include "tests/apps/experiment/small_campaign.h"
+
+namespace mle::experiment {
+namespace {
+
+Campaign Parse(const nlohmann::json& json) {
+  return *study::ParseCampaign(json.dump(), "c.json");
+}
+
+// All rows of a campaign, each unit's runs in one call, or one by one.
+std::map<std::int64_t, std::string> Rows(const Campaign& campaign,
+                                         int unit_scenarios, bool one_by_one) {
+  const Grid grid(campaign, unit_scenarios);
+  const std::atomic<bool> stop{false};
+  std::map<std::int64_t, std::string> rows;
+  const auto keep = [&](const Outcome& outcome) {
+    rows[outcome.run] = WithoutSeconds(RowText(campaign, grid, RowOf(outcome)));
+  };
+  for (std::int64_t unit = 0; unit < grid.num_units(); ++unit) {
+    const std::vector<std::int64_t> runs = grid.RunsOf(unit);
+    if (!one_by_one) {
+      RunUnit(campaign, grid, runs, stop, keep);
+      continue;
+    }
+    for (const std::int64_t run : runs) {
+      RunUnit(campaign, grid, {run}, stop, keep);
+    }
+  }
+  return rows;
+}
+
+// What runs share must not show in them.
+TEST(RunUnitTest, ARowDependsOnItsNumberAlone) {
+  nlohmann::json json = SmallCampaign(2);
+  json["estimators"] = {"arx", "arx_tested", "structured", "combined"};
+  json["selections"] = {"paper", "bic"};
+  json["ablations"] = {"none", "half_windows"};
+  const Campaign campaign = Parse(json);
+  const auto together = Rows(campaign, Grid::kUnitScenarios, false);
+  EXPECT_EQ(together.size(), 2U * 2U * 2U * 7U);
+  EXPECT_EQ(together, Rows(campaign, 1, true));
+}
+
+// Every ablation changes what comes of ΔR, and nothing else does.
+TEST(RunUnitTest, AblationsDiffer) {
+  nlohmann::json json = SmallCampaign(1);
+  json["mismatches"].erase(1);
+  json["ablations"] = {"none"};
+  for (const Ablation& ablation : Ablations()) {
+    json["ablations"].push_back(ablation.name);
+  }
+  const Campaign campaign = Parse(json);
+  const Grid grid(campaign);
+  const std::atomic<bool> stop{false};
+  std::map<int, double> E;
+  for (std::int64_t unit = 0; unit < grid.num_units(); ++unit) {
+    RunUnit(campaign, grid, grid.RunsOf(unit), stop,
+            [&](const Outcome& outcome) {
+              ASSERT_TRUE(outcome.status.ok()) << outcome.status;
+              E[outcome.at.scenario.ablation] = outcome.estimate->E();
+            });
+  }
+  ASSERT_EQ(E.size(), campaign.ablations.size());
+  for (std::size_t i = 1; i < E.size(); ++i) {
+    EXPECT_NE(E[static_cast<int>(i)], E[0]) << campaign.ablations[i]->name;
+  }
+}
+
+// The model left alone has E(M, G₀), and no test or λ.
+TEST(RunUnitTest, NoEstimatorLeavesTheModel) {
+  nlohmann::json json = SmallCampaign(1);
+  json["estimators"] = {"none", "structured"};
+  const Campaign campaign = Parse(json);
+  const Grid grid(campaign);
+  const std::atomic<bool> stop{false};
+  RunUnit(campaign, grid, grid.RunsOf(0), stop, [&](const Outcome& outcome) {
+    const Row row = RowOf(outcome);
+    ASSERT_TRUE(row.ok()) << row.status;
+    if (campaign.methods[outcome.at.method].estimator == Estimator::kNone) {
+      EXPECT_EQ(row[Metric::kE], row[Metric::kInitialE]);
+      EXPECT_TRUE(std::isnan(row[Metric::kPValue]));
+      EXPECT_TRUE(std::isnan(row[Metric::kLimitE]));
+      return;
+    }
+    // The mismatches are far beyond the noise.
+    EXPECT_LT(row[Metric::kE], row[Metric::kInitialE]);
+    EXPECT_EQ(row[Metric::kProposed], 1.0);
+    EXPECT_EQ(row[Metric::kNamed], 1.0);
+    EXPECT_GT(row[Metric::kLimitE], 0.0);
+    EXPECT_GE(row[Metric::kCovered], 0.0);
+    EXPECT_LE(row[Metric::kCovered], 1.0);
+  });
+}
+
+TEST(RunUnitTest, StartsNothingOnceStopped) {
+  const Campaign campaign = Parse(SmallCampaign(1));
+  const Grid grid(campaign);
+  std::atomic<bool> stop{true};
+  int runs = 0;
+  RunUnit(campaign, grid, grid.RunsOf(0), stop,
+          [&](const Outcome&) { ++runs; });
+  EXPECT_EQ(runs, 0);
+  stop = false;
+  RunUnit(campaign, grid, grid.RunsOf(0), stop, [&](const Outcome&) {
+    ++runs;
+    stop = true;
+  });
+  EXPECT_EQ(runs, 1);
+}
+
+}  // namespace
+}  // namespace mle::experiment
