@@ -5,7 +5,6 @@
 #include <utility>
 #include <vector>
 
-#include "absl/strings/str_cat.h"
 #include "apps/common/command_line.h"
 #include "apps/common/run_again.h"
 #include "apps/report/drawing.h"

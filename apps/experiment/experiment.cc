@@ -8,11 +8,13 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "apps/experiment/distance_curve.h"
+#include "apps/experiment/outliers.h"
 #include "apps/experiment/plants.h"
 #include "apps/experiment/records.h"
 #include "mle/base/status.h"
 #include "mle/correction/combined.h"
 #include "mle/correction/smoothed_correction.h"
+#include "mle/nonlinear/output_reconstruction.h"
 
 namespace mle::experiment {
 double ThreadSeconds() {
@@ -53,6 +55,10 @@ absl::StatusOr<std::unique_ptr<Experiment>> Experiment::Create(
   MLE_ASSIGN_OR_RETURN(made->truth_judged_, Judge(made->truth_, made->truth_));
   MLE_ASSIGN_OR_RETURN(made->windows_,
                        SimulateWindows(initial, made->plant_, seed, options));
+  AddOutliers(options.windows, options.noise_variance, seed, made->windows_);
+  if (options.windows.robust == OutlierTreatment::kModel) {
+    MLE_RETURN_IF_ERROR(MarkOutliers(initial, {}, {}, made->windows_).status());
+  }
   return made;
 }
 
@@ -69,14 +75,34 @@ CorrectionOptions Experiment::CorrectionOf(const Method& method) const {
   return options.correction;
 }
 
+absl::StatusOr<StructuredCorrection*> Experiment::StructuredFitOf(
+    double& seconds) {
+  return structured_.Get(
+      [&] {
+        return CorrectStructure(initial_, windows_,
+                                StructuredOptionsFor(options_.windows.robust));
+      },
+      seconds);
+}
+
+// Without gaps where outliers were marked.
+absl::StatusOr<std::vector<Record>> Experiment::WindowsOfArx() {
+  if (options_.windows.robust != OutlierTreatment::kModel) return windows_;
+  double seconds = 0.0;
+  MLE_ASSIGN_OR_RETURN(const StructuredCorrection* const structured,
+                       StructuredFitOf(seconds));
+  return FillMarked(structured->full, windows_);
+}
+
 absl::StatusOr<Path> Experiment::SolvePath(const Method& method) {
   MLE_ASSIGN_OR_RETURN(const ConversionSummary* const conversion,
                        conversion_.Get(options_));
   const CorrectionOptions options = CorrectionOf(method);
+  MLE_ASSIGN_OR_RETURN(const std::vector<Record> windows, WindowsOfArx());
   const double start = ThreadSeconds();
   Path path;
   MLE_ASSIGN_OR_RETURN(path.correction,
-                       CorrectModel(conversion->model, windows_, options));
+                       CorrectModel(conversion->model, windows, options));
   path.correction_seconds = ThreadSeconds() - start;
   path.conversion_gap = conversion->max_relative_gap;
   path.lambdas = options.lambdas;
@@ -147,13 +173,7 @@ absl::Status Experiment::Ceres(const Method& method, Estimate& estimate) {
 }
 
 absl::Status Experiment::Structured(bool all_free, Estimate& estimate) {
-  MLE_ASSIGN_OR_RETURN(estimate.structured, structured_.Get(
-                                                [&] {
-                                                  return CorrectStructure(
-                                                      initial_, windows_,
-                                                      StructuredOptions());
-                                                },
-                                                estimate.seconds));
+  MLE_ASSIGN_OR_RETURN(estimate.structured, StructuredFitOf(estimate.seconds));
   const StructuredCorrection& structured = *estimate.structured;
   estimate.change_proposed = structured.change_proposed;
   estimate.p_value = structured.p_value;

@@ -148,6 +148,8 @@ class Experiment {
   absl::Status Structured(bool all_free, Estimate& estimate);
   absl::Status Combined(const Method& method, Estimate& estimate);
   absl::Status Dispatch(const Method& method, Estimate& estimate);
+  absl::StatusOr<StructuredCorrection*> StructuredFitOf(double& seconds);
+  absl::StatusOr<std::vector<Record>> WindowsOfArx();
   absl::StatusOr<Path> SolvePath(const Method& method);
   absl::StatusOr<Path*> PathOf(const Method& method);
   CorrectionOptions CorrectionOf(const Method& method) const;

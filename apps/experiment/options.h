@@ -22,6 +22,14 @@
 
 namespace mle::experiment {
 
+// What is done about outliers.
+enum class OutlierTreatment {
+  kNone,
+  kModel,   // marked by a model; for ΔR replaced (output_reconstruction.h)
+  kHuber,   // Huber's loss in the structured correction
+  kCauchy,  // Cauchy's
+};
+
 // The set-point changes and what is kept of them. With `changes` = 0 as in the
 // paper: a run for each output e, whose set point steps at `step_time`, those
 // before it standing at `setpoint_step` throughout. Else one run of so many
@@ -36,6 +44,13 @@ struct WindowSpec {
   double window = 200.0;       // kept before and after each change
   int changes = 0;
   double spacing = 400.0;  // ≥ 2 window
+
+  // Outliers (outliers.h): share of the samples of every output, in [0, 0.5];
+  // single ones, or in bursts of kShortestBurst to `longest_outlier` samples.
+  static constexpr int kShortestBurst = 3;
+  double outlier_share = 0.0;
+  int longest_outlier = 1;
+  OutlierTreatment robust = OutlierTreatment::kNone;
 
   double first_change() const { return changes > 0 ? window : step_time; }
   double run_duration() const {

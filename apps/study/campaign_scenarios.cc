@@ -318,14 +318,44 @@ absl::StatusOr<std::vector<ControllerSpec>> ParseControllers(
   return controllers;
 }
 
+absl::Status ReadOutliers(const JsonNode& node, WindowSpec& spec) {
+  MLE_RETURN_IF_ERROR(ReadNumber(node, "outlier_share",
+                                 {.min = 0.0, .max = 0.5}, spec.outlier_share));
+  MLE_RETURN_IF_ERROR(
+      ReadInteger(node, "longest_outlier", 1, 100, spec.longest_outlier));
+  if (spec.longest_outlier > 1 &&
+      spec.longest_outlier < WindowSpec::kShortestBurst) {
+    return node.At("longest_outlier")
+        .Fault(absl::StrCat("must be 1, or at least ",
+                            WindowSpec::kShortestBurst, " for bursts"));
+  }
+  if (!node.Has("robust")) return absl::OkStatus();
+  using Treatment = experiment::OutlierTreatment;
+  constexpr std::pair<const char*, Treatment> kKnown[] = {
+      {"none", Treatment::kNone},
+      {"model", Treatment::kModel},
+      {"huber", Treatment::kHuber},
+      {"cauchy", Treatment::kCauchy}};
+  MLE_ASSIGN_OR_RETURN(const std::string name, node.At("robust").Text());
+  for (const auto& [known, treatment] : kKnown) {
+    if (name != known) continue;
+    spec.robust = treatment;
+    return absl::OkStatus();
+  }
+  return node.At("robust").Fault(
+      absl::StrCat("is ", node.At("robust").Found(),
+                   "; known are none, model, huber and cauchy"));
+}
+
 absl::StatusOr<std::vector<WindowSpec>> ParseWindows(const JsonNode& node) {
   MLE_ASSIGN_OR_RETURN(const std::vector<JsonNode> elements, node.Elements());
   std::vector<WindowSpec> windows;
   std::set<std::string> names;
   for (const JsonNode& element : elements) {
-    MLE_RETURN_IF_ERROR(
-        element.CheckKeys({"name"}, {"duration", "step_time", "setpoint_step",
-                                     "window", "changes", "spacing"}));
+    MLE_RETURN_IF_ERROR(element.CheckKeys(
+        {"name"},
+        {"duration", "step_time", "setpoint_step", "window", "changes",
+         "spacing", "outlier_share", "longest_outlier", "robust"}));
     WindowSpec spec;
     MLE_ASSIGN_OR_RETURN(spec.name, element.At("name").Name());
     MLE_RETURN_IF_ERROR(CheckNewName(element, spec.name, names));
@@ -341,6 +371,7 @@ absl::StatusOr<std::vector<WindowSpec>> ParseWindows(const JsonNode& node) {
     spec.spacing = 2.0 * spec.window;
     MLE_RETURN_IF_ERROR(ReadNumber(element, "spacing",
                                    {.min = 2.0 * spec.window}, spec.spacing));
+    MLE_RETURN_IF_ERROR(ReadOutliers(element, spec));
     const bool sequence = spec.changes > 0;
     for (const char* key : {"duration", "step_time"}) {
       if (sequence && element.Has(key)) {

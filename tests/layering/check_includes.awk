@@ -28,7 +28,7 @@ BEGIN {
   all_of_mle = all_of_mle " mle/mle.h"
   allowed["sim"] = data " sim"
   allowed["control"] = data " control"
-  allowed["benchmarks"] = all_of_mle " sim control apps benchmarks"
+  allowed["benchmarks"] = all_of_mle " sim control benchmarks"
   allowed["examples"] = all_of_mle " sim control"
   allowed["apps"] = all_of_mle " sim control apps"
   allowed["tests"] = allowed["apps"] " tests"

@@ -101,6 +101,34 @@ TEST(RunUnitTest, NoEstimatorLeavesTheModel) {
   });
 }
 
+// Outliers ruin both estimators; judged by a model they cost little.
+TEST(RunUnitTest, OutliersAreFoundByTheModel) {
+  nlohmann::json json = SmallCampaign(1);
+  json["mismatches"].erase(1);
+  json["estimators"] = {"arx", "structured_free"};
+  nlohmann::json window = json["windows"][0];
+  window["name"] = "outliers";
+  window["outlier_share"] = 0.01;
+  window["longest_outlier"] = 10;
+  json["windows"].push_back(window);
+  window["name"] = "by model";
+  window["robust"] = "model";
+  json["windows"].push_back(window);
+  const Campaign campaign = Parse(json);
+  const Grid grid(campaign);
+  const std::atomic<bool> stop{false};
+  std::map<std::pair<int, int>, double> E;  // by method and windows
+  RunUnit(campaign, grid, grid.RunsOf(0), stop, [&](const Outcome& outcome) {
+    ASSERT_TRUE(outcome.status.ok()) << outcome.status;
+    E[{outcome.at.method, outcome.at.scenario.windows}] = outcome.estimate->E();
+  });
+  ASSERT_EQ(E.size(), 6U);
+  for (const int method : {0, 1}) {
+    EXPECT_GT((E[{method, 1}]), 5.0 * (E[{method, 0}])) << method;
+    EXPECT_LT((E[{method, 2}]), 3.0 * (E[{method, 0}])) << method;
+  }
+}
+
 TEST(RunUnitTest, StartsNothingOnceStopped) {
   const Campaign campaign = Parse(SmallCampaign(1));
   const Grid grid(campaign);

@@ -200,6 +200,12 @@ TEST(CampaignTest, ControllersWindowsAndMethods) {
        {"controller 'a'", "output_weight", "3 values"}},
       {[](Json& j) { j["windows"][0]["window"] = 200; },
        {"windows 'short'", "window=200"}},
+      {[](Json& j) { j["windows"][0]["outlier_share"] = 0.6; },
+       {"windows[0].outlier_share", "0.6"}},
+      {[](Json& j) { j["windows"][0]["longest_outlier"] = 2; },
+       {"windows[0].longest_outlier", "at least 3"}},
+      {[](Json& j) { j["windows"][0]["robust"] = "tukey"; },
+       {"windows[0].robust", "tukey", "cauchy"}},
       {[](Json& j) { j["windows"][0]["spacing"] = 500; },
        {"windows[0].spacing", "changes"}},
       {[](Json& j) {

@@ -1,0 +1,31 @@
+// Outliers in the records of a run, and what is done about them.
+
+#ifndef APPS_EXPERIMENT_OUTLIERS_H_
+#define APPS_EXPERIMENT_OUTLIERS_H_
+
+#include <cstdint>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "apps/experiment/options.h"
+#include "mle/data/record.h"
+#include "mle/nonlinear/structured_correction.h"
+
+namespace mle::experiment {
+
+// Adds 10 to 50 standard deviations of the noise to a share of the samples of
+// every output, singly or in bursts to the same side. In the records alone: the
+// loop and its noise are those of the run without outliers.
+void AddOutliers(const WindowSpec& spec, double noise_variance,
+                 std::uint64_t seed, std::vector<Record>& windows);
+
+// The loss of the structured correction.
+StructuredOptions StructuredOptionsFor(OutlierTreatment treatment);
+
+// Outputs marked as outliers replaced by what the fitted model expects.
+absl::StatusOr<std::vector<Record>> FillMarked(const StructuredFit& fit,
+                                               std::vector<Record> windows);
+
+}  // namespace mle::experiment
+
+#endif  // APPS_EXPERIMENT_OUTLIERS_H_
