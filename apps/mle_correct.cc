@@ -125,9 +125,9 @@ int Main() {
       LoadRecords(request->data_paths, request->model, request->import,
                   request->options.records);
   if (!data.ok()) {
-    return Fail(
-        absl::Status(data.status().code(),
-                     absl::StrCat("--data: ", data.status().message())));
+    return Fail(absl::Status(
+        data.status().code(),
+        absl::StrCat("--data: ", correct::NameFlags(data.status()).message())));
   }
   if (request->dry_run) {
     PrintData(*data, *files, request->model);
@@ -138,7 +138,7 @@ int Main() {
   if (!lock.ok()) return Fail(lock.status());
   const absl::StatusOr<correct::Result> result =
       correct::RunCorrection(*request, *std::move(data), *std::move(files));
-  if (!result.ok()) return Fail(result.status());
+  if (!result.ok()) return Fail(correct::NameFlags(result.status()));
   PrintMessages("warning", result->warnings);
   PrintMessages("error", result->failures);
   if (const absl::Status status = WriteAll(*result); !status.ok()) {

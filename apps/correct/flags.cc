@@ -211,7 +211,10 @@ absl::Status ReadDataPaths(Request& request) {
 
 absl::StatusOr<Estimator> EstimatorFromFlags() {
   const absl::StatusOr<Estimator> estimator = ParseEstimator(FLAGS_estimator);
-  if (!estimator.ok()) return Of("estimator", estimator.status());
+  if (!estimator.ok()) {
+    return Refuse("estimator", FLAGS_estimator,
+                  std::string(estimator.status().message()));
+  }
   return *estimator;
 }
 

@@ -5,6 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "absl/strings/str_replace.h"
 #include "apps/correct/advice.h"
 #include "apps/correct/checksum.h"
 #include "apps/correct/verdict.h"
@@ -63,6 +64,16 @@ absl::StatusOr<Result> RunCorrection(const Request& request, RecordData data,
   result.advice = Advise(result);
   result.tuning = AdviseTuning(result);
   return result;
+}
+
+absl::Status NameFlags(const absl::Status& status) {
+  const std::string option = OptionOf(status);
+  if (option.empty()) return status;
+  const std::string flag = absl::StrCat("--", option);
+  return absl::Status(
+      status.code(),
+      absl::StrReplaceAll(status.message(),
+                          {{option + " = ", flag + "="}, {option, flag}}));
 }
 
 std::string Shown(const Message& message) {

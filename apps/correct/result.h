@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "apps/correct/finding.h"
 #include "apps/correct/request.h"
@@ -52,6 +53,9 @@ absl::StatusOr<std::vector<DataFile>> ReadChecksums(
 // doing.
 absl::StatusOr<Result> RunCorrection(const Request& request, RecordData data,
                                      std::vector<DataFile> files);
+
+// With the option that the error is about named as the command's flag.
+absl::Status NameFlags(const absl::Status& status);
 
 // The text, and the flags that would change it.
 std::string Shown(const Message& message);

@@ -31,7 +31,8 @@ absl::StatusOr<int> ResponseSamples(const ProcessModel& model,
   const double samples = std::round(horizon / sample_time) + 1.0;
   if (!(samples >= kFewestResponseSamples) ||
       !(samples <= kMostResponseSamples)) {
-    return absl::InvalidArgumentError(
+    return OptionError(
+        "response_horizon",
         absl::StrCat("response_horizon = ", options.response_horizon, " gives ",
                      samples, " samples at a sample time of ", sample_time,
                      "; from 5 to 1,000,000 are possible"));
@@ -120,7 +121,8 @@ absl::Status CorrectOptions::Validate() const {
   MLE_RETURN_IF_ERROR(hold_out.Validate());
   MLE_RETURN_IF_ERROR(decision.Validate());
   if (!(response_horizon >= 0.0) || !std::isfinite(response_horizon)) {
-    return absl::InvalidArgumentError(
+    return OptionError(
+        "response_horizon",
         absl::StrCat("response_horizon = ", response_horizon,
                      ": it must be a time > 0, or 0 for the default"));
   }

@@ -9,6 +9,8 @@
 #include <string_view>
 #include <vector>
 
+#include "absl/status/status.h"
+
 namespace mle {
 
 enum class MessageCode {
@@ -48,6 +50,13 @@ struct Message {
   std::string text;                  // a whole sentence
   std::vector<std::string> options;  // names of fields that would change it
 };
+
+// InvalidArgument that is about an option: its name, as it stands in `text`, is
+// kept beside the text, so that a caller can name it in its own way.
+absl::Status OptionError(std::string_view option, std::string_view text);
+
+// The option that an error is about; empty: none.
+std::string OptionOf(const absl::Status& status);
 
 }  // namespace mle
 

@@ -161,14 +161,16 @@ absl::Status NoWindows(const RecordData& data) {
   for (const FileReport& file : data.report.files) files.push_back(file.name);
   std::vector<std::string> warnings;
   for (const Message& warning : data.warnings) warnings.push_back(warning.text);
-  return absl::InvalidArgumentError(absl::StrCat(
-      "there is nothing to learn from in ",
-      files.empty() ? "the records" : absl::StrJoin(files, ", "),
-      ": no set point changes. Set points (columns <output>_setpoint) must "
-      "change, or change_times must name the times",
-      warnings.empty()
-          ? ""
-          : absl::StrCat(" (", absl::StrJoin(warnings, " "), ")")));
+  return OptionError(
+      "change_times",
+      absl::StrCat(
+          "there is nothing to learn from in ",
+          files.empty() ? "the records" : absl::StrJoin(files, ", "),
+          ": no set point changes. Set points (columns <output>_setpoint) must "
+          "change, or change_times must name the times",
+          warnings.empty()
+              ? ""
+              : absl::StrCat(" (", absl::StrJoin(warnings, " "), ")")));
 }
 
 // The same channels and sample time in all records.
