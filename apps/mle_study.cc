@@ -152,7 +152,7 @@ absl::Status OpenFolder(const study::Request& request, Prepared& prepared) {
                                      request.resume));
   const Journal& journal = *prepared.journal;
   if (journal.dropped_bytes() > 0) {
-    std::cerr << "journal.csv: a last line that was not whole is dropped ("
+    std::cerr << "journal.csv: an incomplete last line is dropped ("
               << journal.dropped_bytes() << " bytes)\n";
   }
   if (journal.num_done() > 0) {
@@ -174,10 +174,10 @@ absl::StatusOr<int> Run(const study::Request& request, const Prepared& prepared,
         Coordinate(grid, processes, pool, journal, StopRequested));
   }
   if (journal.num_done() < grid.num_runs()) {
-    std::cerr << "Stopped: " << journal.num_done() << " of " << grid.num_runs()
-              << " runs are done, in " << request.out
-              << "/journal.csv. To go on, give the same command with "
-                 "--resume.\n";
+    std::cerr
+        << "Stopped: " << journal.num_done() << " of " << grid.num_runs()
+        << " runs are done, in " << request.out
+        << "/journal.csv. Give the same command with --resume to resume.\n";
     return kExitNotUsable;
   }
   return Conclude(request, campaign, grid, journal);

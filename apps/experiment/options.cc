@@ -96,7 +96,7 @@ absl::Status CheckLoop(const ExperimentOptions& options,
   if (std::round(ratio) < 1.0 ||
       std::abs(ratio - std::round(ratio)) > 1e-9 * ratio) {
     return absl::InvalidArgumentError(absl::StrFormat(
-        "--control_period=%g is no whole multiple of --sample_time=%g",
+        "--control_period=%g is not a whole multiple of --sample_time=%g",
         controller.control_period, options.sample_time));
   }
   if (controller.control_horizon < 1) {

@@ -146,7 +146,7 @@ absl::StatusOr<Row> ParseRow(std::string_view line, bool with_seconds) {
   Row row;
   if (!absl::SimpleAtoi(fields[0], &row.run) || row.run < 0) {
     return absl::InvalidArgumentError(
-        absl::StrCat("'", fields[0], "' is no number of a run"));
+        absl::StrCat("'", fields[0], "' is not a number of a run"));
   }
   for (int i = 0; i < kNumMetrics; ++i) {
     MLE_ASSIGN_OR_RETURN(row.values[i],

@@ -15,14 +15,12 @@
 DEFINE_string(cases, "gain,delay",
               "Cases to run, of the Wood-Berry column: gain (both reflux gains "
               "halved), delay (both steam dead times 4 min longer).");
-DEFINE_string(
-    model, "",
-    "Process model (JSON) that the controller believes; with --plants "
-    "instead of --cases.");
-DEFINE_string(
-    plants, "",
-    "NAME:FILE,… process models (JSON) of aged plants, a case each, of "
-    "the same inputs and outputs as --model.");
+DEFINE_string(model, "",
+              "Process model (JSON) of the controller; with --plants instead "
+              "of --cases.");
+DEFINE_string(plants, "",
+              "NAME:FILE,… process models (JSON) of aged plants, one for each "
+              "case, with the inputs and outputs of --model.");
 
 namespace mle::reproduce {
 namespace {
@@ -109,8 +107,8 @@ absl::Status ReadCases(Reproduction& reproduction) {
   const bool own = !FLAGS_model.empty() || !FLAGS_plants.empty();
   if (own && (FLAGS_model.empty() || FLAGS_plants.empty())) {
     return absl::InvalidArgumentError(
-        "--model and --plants belong together: the model the controller "
-        "believes, and the plants as they are");
+        "--model and --plants must be given together: the controller's model, "
+        "and the plants");
   }
   if (own && !gflags::GetCommandLineFlagInfoOrDie("cases").is_default) {
     return absl::InvalidArgumentError(

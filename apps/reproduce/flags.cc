@@ -17,20 +17,19 @@
 #include "gflags/gflags.h"
 #include "mle/base/status.h"
 
-DEFINE_int32(seeds, 1, "Noise seeds to run each case with, 1 … 10000.");
-DEFINE_uint64(first_seed, 1, "The first of the seeds; the others follow it.");
+DEFINE_int32(seeds, 1, "Number of noise seeds for each case, 1 … 10000.");
+DEFINE_uint64(first_seed, 1, "First of the consecutive seeds.");
 DEFINE_string(out, "results",
               "Folder for report.html, results.json, the curves and figures.");
 DEFINE_bool(figures, true, "Draw the figures (PNG and PDF need rsvg-convert).");
 DEFINE_int32(threads, 0,
-             "Threads, 0: one for each processor. The results do "
-             "not depend on it.");
+             "Threads; 0: one for each processor. The results do not depend on "
+             "the number.");
 
 DEFINE_int32(order, 150, "Order d of the ARX model, in samples, ≥ 1.");
 DEFINE_string(conversion_noise_variance, "",
-              "Variance of the noise under which the initial model is "
-              "converted, ≥ 0: empty takes --noise_variance, 0 shows what goes "
-              "wrong without it.");
+              "Noise variance of the conversion of the initial model, ≥ 0; "
+              "empty: --noise_variance; 0: without noise.");
 DEFINE_double(conversion_penalty, 1e-6, "Penalty λ₀ of the conversion, ≥ 0.");
 DEFINE_double(conversion_duration, 10000.0,
               "Length of the excitation for the conversion (min).");
@@ -38,37 +37,36 @@ DEFINE_double(duration, 1000.0, "Length of each closed-loop run (min).");
 DEFINE_double(step_time, 500.0, "Time of the set-point change in a run (min).");
 DEFINE_double(setpoint_step, 1.0, "Size of the set-point changes.");
 DEFINE_double(window, 200.0,
-              "What is kept of a run before and after the change (min).");
+              "Length of a run kept before and after the change (min).");
 DEFINE_double(response_horizon, 100.0,
               "Length NΔt of the step responses compared (min).");
 DEFINE_double(lambda_grid_max, 1e-2, "Largest candidate for λ.");
 DEFINE_double(lambda_grid_step, 1e-6,
-              "Step between the candidates for λ, the first being 0.");
-DEFINE_string(
-    selection, "blocks",
-    "Rule for λ: blocks (cross-validation; folds are dealt blocks of "
-    "every set-point change), paper (folds are set-point changes, λ on "
-    "the grid), leave_change_out (the same over all λ), aic, bic, gcv.");
+              "Step between the candidates for λ; the first candidate is 0.");
+DEFINE_string(selection, "blocks",
+              "Rule for λ: blocks (cross-validation over blocks of every "
+              "set-point change), paper (folds are set-point changes, λ on the "
+              "grid), leave_change_out (the same over all λ), aic, bic, gcv.");
 DEFINE_int32(selection_folds, 5, "Folds of --selection=blocks, ≥ 2.");
 DEFINE_int32(selection_block, 0,
              "Length of a block of --selection=blocks, in samples; 0: twice "
              "--order.");
 DEFINE_int32(selection_phases, 2,
-             "How often --selection=blocks cuts the records, each time that "
-             "part of a block later, ≥ 1.");
+             "Number of times --selection=blocks cuts the records, each "
+             "shifted by that part of a block, ≥ 1.");
 DEFINE_int32(
     selection_horizon, -1,
     "Samples predicted in cross-validation before measured outputs are used "
     "again; 1: one step ahead, 0: the whole window (simulation), -1: a fifth "
-    "of --order. The rule paper always has 1.");
+    "of --order. Always 1 with --selection=paper.");
 DEFINE_bool(selection_one_standard_error, false,
-            "Take the largest λ whose loss is within a standard error of the "
-            "smallest.");
+            "Select the largest λ whose loss is within one standard error of "
+            "the smallest.");
 DEFINE_bool(selection_per_output, false, "Choose a λ for each output.");
 DEFINE_string(solver, "homotopy",
               "Lasso solver: homotopy (exact), ceres (smoothed L1; the "
-              "conversion stays exact) or coordinate_descent. The last two are "
-              "slow: use a coarse grid.");
+              "conversion stays exact) or coordinate_descent. ceres and "
+              "coordinate_descent are slow: use a coarse grid.");
 DEFINE_string(estimators, "arx,ceres,structured,combined",
               "Estimators to compare on the same records, of arx (ΔR, exact), "
               "ceres (ΔR by smoothed L1; first seed only), structured (gains, "
@@ -76,13 +74,14 @@ DEFINE_string(estimators, "arx,ceres,structured,combined",
               "empty for none.");
 DEFINE_string(
     ablations, "",
-    "Decisions to take differently for once, to see what each is worth: all, "
-    "or some of noise_free_conversion, raw_scaling, matlab_stop, "
-    "lambda_per_output, one_standard_error and half_windows; empty for none.");
+    "Decisions to be taken differently, one at a time, to measure their "
+    "effect: all, or some of noise_free_conversion, raw_scaling, matlab_stop, "
+    "lambda_per_output, one_standard_error and half_windows; empty: none.");
 DEFINE_int32(ablation_seeds, 5,
-             "Seeds, the first of --seeds, to run the ablations with, ≥ 1.");
+             "Number of the first seeds that --ablations uses, ≥ 1.");
 DEFINE_string(scaling, "standardise",
-              "standardise (centre, unit variance, as MATLAB's lasso) or raw.");
+              "Scaling of the regressors: standardise (centre, unit variance, "
+              "as MATLAB's lasso) or raw.");
 
 namespace mle::reproduce {
 namespace {
@@ -122,7 +121,7 @@ absl::StatusOr<double> ConversionNoiseVariance() {
   if (!absl::SimpleAtod(FLAGS_conversion_noise_variance, &variance)) {
     return absl::InvalidArgumentError(absl::StrCat(
         "--conversion_noise_variance=", FLAGS_conversion_noise_variance, ": '",
-        FLAGS_conversion_noise_variance, "' is no number"));
+        FLAGS_conversion_noise_variance, "' is not a number"));
   }
   return variance;
 }

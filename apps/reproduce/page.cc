@@ -65,8 +65,8 @@ void AddAblations(const std::vector<CaseResult>& cases,
   if (cases.front().ablations.empty()) return;
   page.AddHeading("What each decision is worth");
   page.AddParagraph(
-      "The same records corrected with one decision taken differently. A "
-      "duality gap that is not tiny means that the fits are not exact.");
+      "The same records corrected with one decision taken differently. A large "
+      "duality gap means that the fits are not exact.");
   for (const CaseResult& result : cases) {
     page.AddTable(AblationTable(result));
   }

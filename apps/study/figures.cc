@@ -114,11 +114,11 @@ NamedFigure DistributionFigure(const Campaign& campaign,
   NamedFigure named;
   named.name = ratio ? "ratio" : "distribution";
   named.caption =
-      ratio ? "How far E is above that of the best λ in hindsight: share of "
-              "the seeds whose ratio is at most that on the axis."
+      ratio ? "Ratio of E to that of the best λ in hindsight: share of the "
+              "seeds with at most the ratio on the axis."
             : "Squared distance E of the estimated model from the plant: share "
               "of the seeds whose E is at most that on the axis. The vertical "
-              "line is the model left as it is (median).";
+              "line is the initial model (median).";
   for (const Group& group : groups) {
     Panel panel;
     panel.title = group.title;
@@ -239,8 +239,8 @@ NamedFigure SweepFigure(const Campaign& campaign, const StudySummary& summary) {
   const SweptAxis swept = ChooseAxis(campaign);
   if (swept.axis == Axis::kNone) return named;
   named.caption = absl::StrCat("Squared distance E over the ", swept.label,
-                               ": median over the seeds, and the band that "
-                               "holds nine of ten.");
+                               ": median over the seeds, and the band from the "
+                               "5 % to the 95 % quantile.");
   // Panel → method → points, in the order of the cells.
   std::vector<std::string> titles;
   std::map<std::string, std::map<int, std::vector<const Cell*>>> panels;

@@ -12,8 +12,8 @@ DEFINE_string(out, "study",
               "Folder for journal.csv, runs.csv, timings.csv, summary.csv, "
               "summary.json and report.html.");
 DEFINE_bool(resume, false,
-            "Go on with the campaign that was begun in --out, where there is "
-            "one. It must be the same campaign and version.");
+            "Resume the campaign in --out, if there is one. It must be the "
+            "same campaign and version.");
 DEFINE_bool(dry_run, false,
             "Only print how many runs there are, and the first few.");
 DEFINE_bool(figures, true,

@@ -63,10 +63,10 @@ absl::StatusOr<std::unique_ptr<Journal>> Journal::Open(const std::string& path,
   struct stat there = {};
   const bool exists = stat(path.c_str(), &there) == 0 && there.st_size > 0;
   if (exists && !resume) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        path,
-        ": there is a campaign in this folder already: go on with it with "
-        "--resume, or take another folder"));
+    return absl::InvalidArgumentError(
+        absl::StrCat(path,
+                     ": there is a campaign in this folder already: resume it "
+                     "with --resume, or use another folder"));
   }
   const int file = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
   if (file < 0) return FileError(path, "cannot be opened");

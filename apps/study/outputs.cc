@@ -179,8 +179,8 @@ std::string FormatPage(const Campaign& campaign, const StudySummary& summary,
   page.AddParagraph(
       "E is the sum of the squared differences of the step responses over all "
       "input–output pairs and samples. Means have 95 % intervals by the "
-      "bootstrap over the seeds. Harmed: E is above that of the model left as "
-      "it is.");
+      "bootstrap over the seeds. Harmed: E is above that of the initial "
+      "model.");
   page.AddTable(ErrorTable(campaign, summary, kRowsOnPage));
   if (static_cast<int>(summary.cells.size()) > kRowsOnPage) {
     page.AddWarning(absl::StrCat(

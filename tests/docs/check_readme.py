@@ -1,5 +1,6 @@
 """check_readme.py SOURCE: the program that README.md shows is the one in examples/, of at
-most 40 lines, and what links of Markdown files name exists.
+most 40 lines; no line of a Markdown file is longer than 120 characters, and what its links
+name exists.
 """
 
 import pathlib
@@ -21,6 +22,9 @@ for program in (source / "examples").glob("*.cc"):
 pages = [*source.glob("*.md"), *(source / "docs").glob("*.md")]
 for page in pages:
     text = page.read_text()
+    for number, line in enumerate(text.splitlines(), 1):
+        if len(line) > 120:
+            faults.append(f"{page}:{number}: {len(line)} characters")
     for link in re.findall(r"\]\(([^)#\s]+)[^)]*\)", text):
         if not re.match("https?:", link) and not (page.parent / link).exists():
             faults.append(f"{page}: there is no {link}")
