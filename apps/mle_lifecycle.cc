@@ -35,8 +35,8 @@ records, step tests, and the perfect model. Same plant, set points and noise for
   mle_lifecycle … --ageing_rates=0.25,0.5,1,2 \
       --policies=never,structured:1,structured:6,test:6,test:24,perfect
 
-A run that was stopped goes on where it was when it is started again with the same
-flags. Other prices need no new simulation. Exit codes: 0 done, 1 stopped, or ran
+An interrupted run resumes when it is started again with the same flags. Other
+prices need no new simulation. Exit codes: 0 done, 1 stopped, or ran
 but the result is not usable, 2 bad input or flags.)";
 
 absl::Status WriteAll(const lifecycle::Request& request,

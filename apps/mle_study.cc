@@ -44,8 +44,8 @@ mismatches, noise, controllers, set-point changes and ways to estimate.
   mle_study --campaign=configs/campaign_reproduction.json --out=study
   mle_study --campaign=campaign.json --out=study --resume
 
-A campaign that was stopped, or killed, goes on with --resume; nothing is lost
-but the runs that were under way, and nothing is run twice. )";
+An interrupted campaign resumes with --resume; only the runs that were in
+progress are lost, and no run is repeated. )";
 
 constexpr char kUsageMpi[] = R"(On several processors or
 machines, of which the first writes the results:

@@ -197,7 +197,7 @@ Json WindowsJson(const Result& result) {
     }
     windows.push_back({{"from", BeginOf(window)},
                        {"to", EndOf(window)},
-                       {"unrest", UnrestIn(window, result.initial)},
+                       {"non_stationary", UnrestIn(window, result.initial)},
                        {"samples", window.record.samples()},
                        {"set_point_changes", std::move(changes)}});
   }

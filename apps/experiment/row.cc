@@ -60,8 +60,8 @@ absl::StatusOr<double> ParseNumber(const std::string& field,
   if (field.empty()) return std::numeric_limits<double>::quiet_NaN();
   double value = 0.0;
   if (!absl::SimpleAtod(field, &value) || std::isnan(value)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("column ", column, " holds '", field, "', no number"));
+    return absl::InvalidArgumentError(absl::StrCat(
+        "column ", column, " holds '", field, "', which is not a number"));
   }
   return value;
 }

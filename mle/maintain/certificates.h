@@ -1,4 +1,4 @@
-// What vouches for the fits behind a result, and what weakens them.
+// The certificates of the fits behind a result, and warnings about them.
 
 #ifndef MLE_MAINTAIN_CERTIFICATES_H_
 #define MLE_MAINTAIN_CERTIFICATES_H_
