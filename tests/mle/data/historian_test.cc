@@ -426,6 +426,7 @@ TEST(HistorianTest, OptionsOutOfRangeAreNamed) {
 TEST(HistorianTest, ReportsCanBeRead) {
   HistorianOptions options;
   options.columns.ignore_other_columns = true;
+  options.bridge_outputs = true;
   const HistorianImport import = ImportOk(
       "time,level,steam,other\n2024-01-01 00:00:00,1,2,x\n"
       "2024-01-01 00:01:00,,2,x\n2024-01-01 00:02:00,1,2,x\n",
