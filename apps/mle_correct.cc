@@ -9,7 +9,6 @@
 #include "apps/common/command_line.h"
 #include "apps/common/run_again.h"
 #include "apps/correct/figures.h"
-#include "apps/correct/flags.h"
 #include "apps/correct/mismatch_map.h"
 #include "apps/correct/outputs.h"
 #include "apps/correct/page.h"
@@ -113,31 +112,33 @@ void PrintResult(const correct::Result& result) {
   std::cout << "\nReport: " << result.request.out << "/report.html\n";
 }
 
-int Main() {
-  const absl::StatusOr<correct::Request> request = correct::RequestFromFlags();
-  if (!request.ok()) return Fail(request.status());
-  std::cerr << "reading " << request->data_paths.size()
-            << (request->data_paths.size() == 1 ? " file" : " files") << " …\n";
+int Main(correct::Request& request, OptionTable& table) {
+  if (const absl::Status status = correct::Complete(request, table);
+      !status.ok()) {
+    return Fail(status);
+  }
+  std::cerr << "reading " << request.data_paths.size()
+            << (request.data_paths.size() == 1 ? " file" : " files") << " …\n";
   absl::StatusOr<std::vector<correct::DataFile>> files =
-      correct::ReadChecksums(request->data_paths);
+      correct::ReadChecksums(request.data_paths);
   if (!files.ok()) return Fail(files.status());
   absl::StatusOr<RecordData> data =
-      LoadRecords(request->data_paths, request->model, request->import,
-                  request->options.records);
+      LoadRecords(request.data_paths, request.model, request.import,
+                  request.options.records);
   if (!data.ok()) {
     return Fail(absl::Status(
         data.status().code(),
         absl::StrCat("--data: ", correct::NameFlags(data.status()).message())));
   }
-  if (request->dry_run) {
-    PrintData(*data, *files, request->model);
+  if (request.dry_run) {
+    PrintData(*data, *files, request.model);
     PrintMessages("warning", data->warnings);
     return kExitDone;
   }
-  const absl::StatusOr<FolderLock> lock = ClaimOutputFolder(request->out);
+  const absl::StatusOr<FolderLock> lock = ClaimOutputFolder(request.out);
   if (!lock.ok()) return Fail(lock.status());
   const absl::StatusOr<correct::Result> result =
-      correct::RunCorrection(*request, *std::move(data), *std::move(files));
+      correct::RunCorrection(request, *std::move(data), *std::move(files));
   if (!result.ok()) return Fail(correct::NameFlags(result.status()));
   PrintMessages("warning", result->warnings);
   PrintMessages("error", result->failures);
@@ -152,6 +153,9 @@ int Main() {
 }  // namespace mle
 
 int main(int argc, char** argv) {
-  mle::StartCommand(mle::kUsage, argc, argv);
-  return mle::Main();
+  mle::correct::Request request;
+  mle::OptionTable table;
+  mle::correct::AddOptions(request, table);
+  mle::StartCommand(mle::kUsage, table, argc, argv);
+  return mle::Main(request, table);
 }

@@ -12,9 +12,9 @@
 #include "apps/common/stop_signal.h"
 #include "apps/lifecycle/campaign.h"
 #include "apps/lifecycle/figures.h"
-#include "apps/lifecycle/flags.h"
 #include "apps/lifecycle/outputs.h"
 #include "apps/lifecycle/page.h"
+#include "apps/lifecycle/request.h"
 #include "apps/lifecycle/summary.h"
 #include "apps/report/drawing.h"
 #include "apps/report/html.h"
@@ -61,11 +61,12 @@ absl::Status WriteAll(const lifecycle::Request& request,
   return WriteFilesTogether(campaign.folder, files);
 }
 
-int Main() {
-  const absl::StatusOr<lifecycle::Request> request =
-      lifecycle::RequestFromFlags();
-  if (!request.ok()) return Fail(request.status());
-  const lifecycle::Campaign& campaign = request->campaign;
+int Main(lifecycle::Request& request, OptionTable& table) {
+  if (const absl::Status status = lifecycle::Complete(request, table);
+      !status.ok()) {
+    return Fail(status);
+  }
+  const lifecycle::Campaign& campaign = request.campaign;
   const absl::StatusOr<FolderLock> lock = ClaimOutputFolder(campaign.folder);
   if (!lock.ok()) return Fail(lock.status());
   CatchStopSignals();
@@ -78,7 +79,7 @@ int Main() {
   }
   if (!lives.ok()) return Fail(lives.status());
   const lifecycle::Valuation valuation = {
-      request->prices, request->hours_per_unit, request->years};
+      request.prices, request.hours_per_unit, request.years};
   const std::vector<lifecycle::RateSummary> summaries =
       lifecycle::Summarise(campaign, *lives, valuation);
   for (const lifecycle::RateSummary& rate : summaries) {
@@ -88,7 +89,7 @@ int Main() {
     std::cout << sentence << "\n";
   }
   if (const absl::Status status =
-          WriteAll(*request, *lives, summaries, valuation);
+          WriteAll(request, *lives, summaries, valuation);
       !status.ok()) {
     return Fail(absl::IsResourceExhausted(status)
                     ? status
@@ -102,6 +103,9 @@ int Main() {
 }  // namespace mle
 
 int main(int argc, char** argv) {
-  mle::StartCommand(mle::kUsage, argc, argv);
-  return mle::Main();
+  mle::lifecycle::Request request;
+  mle::OptionTable table;
+  mle::lifecycle::AddOptions(request, table);
+  mle::StartCommand(mle::kUsage, table, argc, argv);
+  return mle::Main(request, table);
 }

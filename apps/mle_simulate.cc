@@ -6,7 +6,7 @@
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
 #include "apps/common/command_line.h"
-#include "apps/simulate/flags.h"
+#include "apps/simulate/request.h"
 #include "apps/simulate/simulation.h"
 #include "mle/data/record_csv.h"
 
@@ -25,17 +25,17 @@ constexpr char kUsage[] =
     "the operating\npoint. Exit codes: 0 done, 1 ran but the loop is unstable, "
     "2 bad input or flags.";
 
-int Main() {
-  absl::StatusOr<simulate::Simulation> simulation =
-      simulate::SimulationFromFlags();
-  if (!simulation.ok()) {
-    return Fail(absl::InvalidArgumentError(simulation.status().message()));
+int Main(simulate::Request& request, OptionTable& table) {
+  const absl::Status complete = simulate::Complete(request, table);
+  if (!complete.ok()) {
+    return Fail(absl::InvalidArgumentError(complete.message()));
   }
-  const absl::StatusOr<Record> record = simulate::Run(*simulation);
+  const absl::StatusOr<Record> record = simulate::Run(request.simulation);
   if (!record.ok()) return Fail(record.status());
 
-  const std::string out = simulate::OutFromFlags();
-  const absl::Status written = WriteRecordCsv(out, *record, simulation->model);
+  const std::string& out = request.out;
+  const absl::Status written =
+      WriteRecordCsv(out, *record, request.simulation.model);
   if (!written.ok()) {
     const std::string message = absl::StrCat("--out: ", written.message());
     // A full disk is no fault of the flag.
@@ -57,6 +57,9 @@ int Main() {
 }  // namespace mle
 
 int main(int argc, char** argv) {
-  mle::StartCommand(mle::kUsage, argc, argv);
-  return mle::Main();
+  mle::simulate::Request request;
+  mle::OptionTable table;
+  mle::simulate::AddOptions(request, table);
+  mle::StartCommand(mle::kUsage, table, argc, argv);
+  return mle::Main(request, table);
 }

@@ -1,10 +1,11 @@
 #include "apps/common/command_line.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <iostream>
+#include <thread>
 
-#include "absl/strings/ascii.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
@@ -24,6 +25,9 @@ std::string& StoredCommandLine() {
   return *kLine;
 }
 
+// Null where flags are defined by macros.
+const OptionTable* stored_table = nullptr;
+
 absl::string_view Absl(std::string_view text) {
   return {text.data(), text.size()};
 }
@@ -33,28 +37,24 @@ std::string NameOf(const char* program) {
   return path.substr(path.find_last_of('/') + 1);
 }
 
-void PrintHelp(const std::string& usage) {
-  std::cout << usage << "\n\nFlags (value in brackets: the default):\n";
-  for (const FlagText& flag : CommandFlags()) {
-    std::cout << "  --" << flag.name << " [" << flag.default_value << "]\n";
-    std::string line = "     ";
-    for (const absl::string_view word :
-         absl::StrSplit(flag.description, ' ', absl::SkipEmpty())) {
-      if (line.size() + word.size() > 78) {
-        std::cout << line << "\n";
-        line = "     ";
-      }
-      absl::StrAppend(&line, " ", word);
-    }
-    std::cout << line << "\n";
-  }
-  std::cout << "  --flagfile\n      Reads flags from a file, one a line; later "
-               "ones win.\n";
+void PrintHelp(const std::string& usage, const std::string& flags) {
+  std::cout << usage << "\n\nFlags (value in brackets: the default):\n"
+            << flags
+            << "\nFlag files\n  --flagfile\n      Reads flags from a file, one "
+               "a line; later ones win.\n";
 }
 
-}  // namespace
+std::string HelpOfMacros() {
+  std::string help;
+  for (const FlagText& flag : CommandFlags()) {
+    help += HelpOf(flag.name, flag.default_value, "", flag.description);
+  }
+  return help;
+}
 
-void StartCommand(const std::string& usage, int argc, char** argv) {
+// `help` describes the flags.
+void ParseCommandLine(const std::string& usage, const std::string& help,
+                      int argc, char** argv) {
   PrepareForFaults();
   google::InitGoogleLogging(argv[0]);
   FLAGS_logtostderr = true;
@@ -65,7 +65,7 @@ void StartCommand(const std::string& usage, int argc, char** argv) {
   ParsedFlags parsed;
   const absl::Status status = ParseFlags(arguments, parsed);
   if (parsed.help) {
-    PrintHelp(usage);
+    PrintHelp(usage, help);
     std::exit(kExitDone);
   }
   if (parsed.version) {
@@ -75,7 +75,32 @@ void StartCommand(const std::string& usage, int argc, char** argv) {
   if (!status.ok()) std::exit(Fail(status));
 }
 
+}  // namespace
+
+void StartCommand(const std::string& usage, OptionTable& table, int argc,
+                  char** argv) {
+  stored_table = &table;
+  table.RegisterFlags();
+  ParseCommandLine(usage, table.Help(), argc, argv);
+  if (const absl::Status status = table.Read(); !status.ok()) {
+    std::exit(Fail(status));
+  }
+}
+
+void StartCommand(const std::string& usage, int argc, char** argv) {
+  ParseCommandLine(usage, HelpOfMacros(), argc, argv);
+}
+
 std::string CommandLine() { return StoredCommandLine(); }
+
+std::vector<std::pair<std::string, std::string>> GivenOptions() {
+  if (stored_table != nullptr) return stored_table->Values();
+  std::vector<std::pair<std::string, std::string>> values;
+  for (const FlagText& flag : CommandFlags()) {
+    values.emplace_back(flag.name, flag.value);
+  }
+  return values;
+}
 
 std::string_view Version() { return LibraryVersion(); }
 
@@ -129,13 +154,10 @@ absl::StatusOr<Eigen::VectorXd> ParseNumbers(std::string_view flag,
   return numbers;
 }
 
-std::vector<std::string> ParseList(std::string_view value) {
-  std::vector<std::string> parts;
-  for (const absl::string_view part :
-       absl::StrSplit(Absl(value), ',', absl::SkipWhitespace())) {
-    parts.emplace_back(absl::StripAsciiWhitespace(part));
-  }
-  return parts;
+int UsableThreads(int asked) {
+  return static_cast<int>(
+      std::min(static_cast<unsigned>(asked),
+               std::max(std::thread::hardware_concurrency(), 1u)));
 }
 
 }  // namespace mle

@@ -8,11 +8,13 @@
 
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "Eigen/Core"
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "apps/common/option_table.h"
 #include "mle/base/folder_lock.h"
 
 namespace mle {
@@ -22,12 +24,17 @@ inline constexpr int kExitNotUsable = 1;
 inline constexpr int kExitBadInput = 2;
 
 // Parses the flags; answers --help and --version (exit code 0) and unknown
-// flags, values that cannot be read and stray arguments (exit code 2) itself.
-// `usage` says what the command does and how it is called.
+// flags, stray arguments, values that cannot be read (exit code 2) itself,
+void StartCommand(const std::string& usage, OptionTable& table, int argc,
+                  char** argv);
+// The same for a command whose flags are defined by gflags' macros.
 void StartCommand(const std::string& usage, int argc, char** argv);
 
 // The command line as it was given, for a shell.
 std::string CommandLine();
+
+// The names and values of all options of the command that was started.
+std::vector<std::pair<std::string, std::string>> GivenOptions();
 
 std::string_view Version();
 
@@ -44,8 +51,8 @@ absl::StatusOr<FolderLock> ClaimOutputFolder(const std::string& folder);
 absl::StatusOr<Eigen::VectorXd> ParseNumbers(std::string_view flag,
                                              std::string_view value, int count);
 
-// The parts of a comma-separated list, without empty ones.
-std::vector<std::string> ParseList(std::string_view value);
+// Threads that gain something: `asked`, but no more than there are processors.
+int UsableThreads(int asked);
 
 }  // namespace mle
 

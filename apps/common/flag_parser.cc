@@ -7,8 +7,8 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_format.h"
 #include "absl/strings/str_split.h"
+#include "apps/common/option_table.h"
 #include "gflags/gflags.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"
@@ -143,14 +143,10 @@ absl::Status ParseAll(const std::vector<std::string>& arguments, int depth,
   return absl::OkStatus();
 }
 
-// gflags writes 1e-6 as 9.9999999999999995e-07.
-std::string ReadableNumber(const std::string& text, const std::string& type) {
+std::string ReadableValue(const std::string& text, const std::string& type) {
   double number = 0.0;
   if (type != "double" || !absl::SimpleAtod(text, &number)) return text;
-  const std::string readable = absl::StrFormat("%.15g", number);
-  double again = 0.0;
-  return absl::SimpleAtod(readable, &again) && again == number ? readable
-                                                               : text;
+  return ReadableNumber(number);
 }
 
 }  // namespace
@@ -174,8 +170,8 @@ std::vector<FlagText> CommandFlags() {
   std::vector<FlagText> flags;
   for (const gflags::CommandLineFlagInfo& flag : all) {
     if (!flag.filename.starts_with(apps)) continue;
-    flags.push_back({flag.name, ReadableNumber(flag.current_value, flag.type),
-                     ReadableNumber(flag.default_value, flag.type),
+    flags.push_back({flag.name, ReadableValue(flag.current_value, flag.type),
+                     ReadableValue(flag.default_value, flag.type),
                      flag.description});
   }
   return flags;

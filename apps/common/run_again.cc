@@ -2,17 +2,14 @@
 
 #include "absl/strings/str_cat.h"
 #include "apps/common/command_line.h"
-#include "apps/common/flag_parser.h"
 
 namespace mle {
 
 std::vector<std::pair<std::string, std::string>> ResultFlags() {
-  std::vector<std::pair<std::string, std::string>> values;
-  for (const FlagText& flag : CommandFlags()) {
-    if (flag.name != "out" && flag.name != "threads") {
-      values.emplace_back(flag.name, flag.value);
-    }
-  }
+  std::vector<std::pair<std::string, std::string>> values = GivenOptions();
+  std::erase_if(values, [](const auto& option) {
+    return option.first == "out" || option.first == "threads";
+  });
   return values;
 }
 

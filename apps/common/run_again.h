@@ -16,8 +16,8 @@ namespace mle {
 // --threads.
 std::vector<std::pair<std::string, std::string>> ResultFlags();
 
-// Command line, version, seeds (the first and the last, if there are any) and flags.
-// `checksums`: names and values that come before the flags.
+// Command line, version, seeds (the first and the last, if there are any) and
+// flags. `checksums`: names and values that come before the flags.
 report::RunAgain HowToRunAgain(
     const std::vector<std::uint64_t>& seeds,
     std::vector<std::pair<std::string, std::string>> checksums = {});

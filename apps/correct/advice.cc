@@ -35,17 +35,12 @@ std::vector<InputRole> RolesOf(const ProcessModel& model) {
 // the initial model.
 absl::StatusOr<control::MpcOptions> OldTuning(
     const Result& result, const control::RetuningOptions& options) {
-  const ControllerSettings& told = result.request.controller;
+  const control::MpcOptions& told = result.request.controller;
+  if (result.request.controller_known()) return told;
   control::MpcOptions tuning;
-  tuning.output_weight = told.output_weight.asDiagonal();
-  tuning.move_weight = told.move_weight.asDiagonal();
+  tuning.output_weight = told.output_weight;
+  tuning.move_weight = told.move_weight;
   tuning.disturbance_variance_ratio = told.disturbance_variance_ratio;
-  if (told.known()) {
-    tuning.control_period = told.control_period;
-    tuning.prediction_horizon = told.prediction_horizon;
-    tuning.control_horizon = told.control_horizon;
-    return tuning;
-  }
   MLE_ASSIGN_OR_RETURN(const std::vector<control::FirstOrder> elements,
                        control::DescribeAsFirstOrder(result.initial_response));
   std::vector<std::string> unused;
@@ -220,7 +215,7 @@ Tuning AdviseTuning(const Result& result) {
     return tuning;
   }
   tuning.heading =
-      result.request.controller.known()
+      result.request.controller_known()
           ? "Controller tuning, from the tuning given by the flags to the "
             "tuning for the corrected model:"
           : "Controller tuning by published rules, from the initial model to "

@@ -1,4 +1,4 @@
-// What the flags ask for.
+// What mle_correct is asked to do.
 
 #ifndef APPS_CORRECT_REQUEST_H_
 #define APPS_CORRECT_REQUEST_H_
@@ -7,38 +7,44 @@
 #include <string>
 #include <vector>
 
-#include "Eigen/Core"
+#include "absl/status/status.h"
+#include "apps/common/option_table.h"
+#include "control/mpc_options.h"
 #include "mle/data/historian.h"
 #include "mle/maintain/correct.h"
 #include "mle/model/process_model.h"
 
 namespace mle::correct {
 
-// The controller as it is tuned, for the advice. Times in the model's unit.
-struct ControllerSettings {
-  double control_period = 0.0;    // 0: not told
-  int prediction_horizon = 0;     // in periods
-  int control_horizon = 0;        // in periods
-  Eigen::VectorXd output_weight;  // p
-  Eigen::VectorXd move_weight;    // m
-  double disturbance_variance_ratio = 0.1;
-
-  bool known() const { return control_period > 0.0; }
-};
-
 struct Request {
+  // Options as they are given.
   std::string model_path;
-  ProcessModel model;
   std::vector<std::string> data_paths;
-  std::string out;
+  std::string out = "correction";
   std::string truth_path;  // empty: none
-  std::optional<ProcessModel> truth;
+  std::vector<std::string> tags;
   HistorianOptions import;
   CorrectOptions options;
-  ControllerSettings controller;
+  // As it is tuned, for the advice.
+  control::MpcOptions controller;
   bool dry_run = false;
   bool figures = true;
+
+  // What they name.
+  ProcessModel model;
+  std::optional<ProcessModel> truth;
+
+  // A control period of 0 stands for a controller that was not told.
+  bool controller_known() const { return controller.control_period > 0.0; }
 };
+
+// Both must outlive the program's flags. The controller is not told unless its
+// option is given.
+void AddOptions(Request& request, OptionTable& table);
+
+// Reads the models that the options name, and what depends on them. Errors name
+// the option, what was found and what would be right.
+absl::Status Complete(Request& request, OptionTable& table);
 
 }  // namespace mle::correct
 

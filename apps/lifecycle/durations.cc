@@ -5,6 +5,7 @@
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "mle/base/status.h"
 
 namespace mle::lifecycle {
 
@@ -25,6 +26,25 @@ absl::StatusOr<double> ParseHours(const std::string& text) {
       absl::StrCat("'", text,
                    "' is not a duration; a number > 0 with one of the units "
                    "s, min, h, d, w, y is needed, as in 30d"));
+}
+
+TextValue Hours(double* hours, std::string text) {
+  TextValue value;
+  value.text = std::move(text);
+  value.read = [hours](const std::string& given, const NumberRange&) {
+    MLE_ASSIGN_OR_RETURN(*hours, ParseHours(given));
+    return absl::OkStatus();
+  };
+  return value;
+}
+
+TextValue HoursOrNever(double* hours) {
+  TextValue value = Hours(hours, "");
+  value.read = [read = value.read](const std::string& given,
+                                   const NumberRange& range) {
+    return given.empty() ? absl::OkStatus() : read(given, range);
+  };
+  return value;
 }
 
 }  // namespace mle::lifecycle

@@ -5,10 +5,12 @@
 #define APPS_LIFECYCLE_PRICES_H_
 
 #include <string>
+#include <vector>
 
 #include "Eigen/Core"
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "apps/common/option_table.h"
 #include "apps/lifecycle/life.h"
 #include "apps/lifecycle/sums.h"
 
@@ -19,11 +21,13 @@ struct Prices {
   Eigen::VectorXd absolute_error;  // p, per unit and hour
   Eigen::VectorXd violation;       // p, per unit beyond a limit and hour
   Eigen::VectorXd movement;        // m, per unit that an input moves
-  double test_hour = 0.0;          // of a step test, besides its product
-  double engineer_hour = 0.0;
-  double hours_per_update = 0.0;  // of an engineer: a correction to be approved
-  double hours_per_test = 0.0;    // of an engineer, for a step test
+  double test_hour = 100.0;        // of a step test, besides its product
+  double engineer_hour = 100.0;
+  double hours_per_update = 1.0;  // of an engineer: a correction to be approved
+  double hours_per_test = 16.0;   // of an engineer, for a step test
 };
+
+std::vector<Option> OptionsOf(Prices& prices);
 
 // Parts of a cost.
 struct Cost {

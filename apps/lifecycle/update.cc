@@ -78,6 +78,7 @@ absl::StatusOr<Outcome> ParseOutcome(std::string_view name) {
 CorrectOptions UpdateOptions::SimulatedRecords() {
   CorrectOptions options;
   options.records.mark = {.frozen = false, .outliers = false};
+  options.hold_out.max_folds = 4;
   options.make_arx = false;
   options.examine = false;
   options.threads = 1;

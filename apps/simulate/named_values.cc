@@ -6,7 +6,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
-#include "apps/common/command_line.h"
+#include "apps/common/option_values.h"
 #include "mle/base/status.h"
 
 namespace mle::simulate {
@@ -53,30 +53,6 @@ absl::StatusOr<std::vector<NamedStep>> ParseNamedSteps(
     steps.push_back(step);
   }
   return steps;
-}
-
-absl::StatusOr<Eigen::VectorXd> ParseLimits(std::string_view flag,
-                                            std::string_view value, int count,
-                                            double unlimited) {
-  const std::vector<std::string> parts = ParseList(value);
-  if (parts.empty()) return Eigen::VectorXd();
-  const int size = static_cast<int>(parts.size());
-  if (size != 1 && size != count) {
-    return Wrong(flag, absl::StrCat(size,
-                                    " limits; one is needed, or one for "
-                                    "each of ",
-                                    count, " channels"));
-  }
-  Eigen::VectorXd limits(count);
-  for (int i = 0; i < count; ++i) {
-    const std::string& part = parts[size == 1 ? 0 : i];
-    limits[i] = unlimited;
-    if (part != "none" && !ReadFinite(part, limits[i])) {
-      return Wrong(flag,
-                   absl::StrCat("'", part, "' is neither a number nor none"));
-    }
-  }
-  return limits;
 }
 
 }  // namespace mle::simulate

@@ -7,7 +7,6 @@
 #include <string_view>
 #include <vector>
 
-#include "Eigen/Core"
 #include "absl/status/statusor.h"
 
 namespace mle::simulate {
@@ -23,12 +22,6 @@ struct NamedStep {
 absl::StatusOr<std::vector<NamedStep>> ParseNamedSteps(
     std::string_view flag, std::string_view value,
     const std::vector<std::string>& names);
-
-// "-1,none": one limit for all `count` channels, or one each; `none` stands for
-// `unlimited` (an infinity). Empty text gives an empty vector: no limits.
-absl::StatusOr<Eigen::VectorXd> ParseLimits(std::string_view flag,
-                                            std::string_view value, int count,
-                                            double unlimited);
 
 }  // namespace mle::simulate
 

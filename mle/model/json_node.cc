@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "absl/strings/str_cat.h"
@@ -15,22 +16,6 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr std::size_t kShown = 40;
-
-std::string Described(const NumberRange& range) {
-  const bool below = range.min > std::numeric_limits<double>::lowest();
-  const bool above = range.max < std::numeric_limits<double>::max();
-  if (below && above) {
-    return absl::StrFormat("a number %s %g and at most %g",
-                           range.open_min ? "above" : "of at least", range.min,
-                           range.max);
-  }
-  if (below) {
-    return absl::StrFormat("a number %s %g",
-                           range.open_min ? "above" : "of at least", range.min);
-  }
-  if (above) return absl::StrFormat("a number of at most %g", range.max);
-  return "a number";
-}
 
 }  // namespace
 
@@ -154,10 +139,10 @@ absl::StatusOr<double> JsonNode::Number(const NumberRange& range) const {
   const double value = json_->is_number()
                            ? json_->get<double>()
                            : std::numeric_limits<double>::quiet_NaN();
-  const bool inside = std::isfinite(value) && value <= range.max &&
-                      (range.open_min ? value > range.min : value >= range.min);
-  if (inside) return value;
-  return Fault(absl::StrCat("must be ", Described(range), ", is ", Found()));
+  if (range.Contains(value)) return value;
+  const std::string bounds = range.Describe();
+  return Fault(absl::StrCat("must be a number", bounds.empty() ? "" : " ",
+                            bounds, ", is ", Found()));
 }
 
 absl::StatusOr<std::int64_t> JsonNode::Integer(std::int64_t min,

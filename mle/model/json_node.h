@@ -14,26 +14,16 @@
 #define MLE_MODEL_JSON_NODE_H_
 
 #include <cstdint>
-#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "mle/base/number_range.h"
 #include "nlohmann/json.hpp"
 
 namespace mle {
-
-// The allowed range of a number; bounds are inclusive unless marked open.
-struct NumberRange {
-  double min = std::numeric_limits<double>::lowest();
-  double max = std::numeric_limits<double>::max();
-  bool open_min = false;
-};
-inline constexpr NumberRange kAnyNumber{};
-inline constexpr NumberRange kPositive{.min = 0.0, .open_min = true};
-inline constexpr NumberRange kNotNegative{.min = 0.0};
 
 // `text` in quotes, as JSON has it.
 std::string QuotedJson(const std::string& text);

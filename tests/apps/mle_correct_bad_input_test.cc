@@ -50,7 +50,7 @@ TEST_F(MleCorrectBadInput, Flags) {
   ExpectRefused({"stray"}, {"'stray'"});
   ExpectRefused({"--model="}, {"--model=FILE.json", "--data"});
   ExpectRefused({"--data="}, {"--data=A.csv,B.csv"});
-  ExpectRefused({"--data=,"}, {"--data names no file"});
+  ExpectRefused({"--data=,"}, {"--data"});
   ExpectRefused({"--data=" + data_ + "," + data_}, {"--data", "twice"});
   ExpectRefused({"--estimator=best"},
                 {"--estimator=best", "known are structured"});
@@ -61,22 +61,22 @@ TEST_F(MleCorrectBadInput, Flags) {
   ExpectRefused({"--estimator=arx", "--selection=best"},
                 {"--selection=best", "known are blocks"});
   ExpectRefused({"--false_alarm_probability=0"},
-                {"--false_alarm_probability=0", "between 0 and 1"});
-  ExpectRefused({"--confidence=95"}, {"--confidence=95", "between 0 and 1"});
+                {"--false_alarm_probability=0", "in (0, 1)"});
+  ExpectRefused({"--confidence=95"}, {"--confidence=95", "in (0, 1)"});
   ExpectRefused({"--max_time_constant_factor=1"},
-                {"--max_time_constant_factor=1", "larger than 1"});
-  ExpectRefused({"--window_before=-1"}, {"--window_before=-1", "negative"});
+                {"--max_time_constant_factor=1", "> 1"});
+  ExpectRefused({"--window_before=-1"}, {"--window_before=-1", "≥ 0"});
   ExpectRefused({"--window_after=nan"}, {"--window_after=nan", "finite"});
   ExpectRefused({"--response_horizon=-3"}, {"--response_horizon=-3"});
   ExpectRefused({"--response_horizon=0.3"}, {"--response_horizon=0.3", "5"});
   ExpectRefused({"--max_delay=-1"}, {"--max_delay=-1"});
-  ExpectRefused({"--order=-1"}, {"--order=-1", "negative"});
-  ExpectRefused({"--threads=-1"}, {"--threads=-1", "negative"});
+  ExpectRefused({"--order=-1"}, {"--order=-1", "≥ 0"});
+  ExpectRefused({"--threads=-1"}, {"--threads=-1", "≥ 0"});
   ExpectRefused({"--validation_folds=1"}, {"--validation_folds=1", "2"});
   ExpectRefused({"--conversion_samples=10"}, {"--conversion_samples=10"});
   ExpectRefused({"--conversion_penalty=-1"}, {"--conversion_penalty=-1"});
   ExpectRefused({"--output_weight=1,2,3"}, {"--output_weight=1,2,3", "3", "2"});
-  ExpectRefused({"--move_weight=-1"}, {"--move_weight"});
+  ExpectRefused({"--move_weight=-1"}, {"--move_weight=-1", "≥ 0"});
   ExpectRefused({"--control_horizon=50"}, {"--control_horizon"});
   ExpectRefused({"--time_format=german"},
                 {"--time_format=german", "day_first"});

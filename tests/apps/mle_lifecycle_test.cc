@@ -260,14 +260,14 @@ TEST_F(MleLifecycleTest, MistakesNameTheFlagAndWhatWouldBeRight) {
               HasSubstr("--model: cannot open '/none.json'"));
   EXPECT_THAT(Message({"--ageing="}), HasSubstr("--ageing=FILE.json"));
   EXPECT_THAT(Message({"--change_every=30"}),
-              HasSubstr("--change_every: '30'"));
+              HasSubstr("--change_every=30: '30'"));
   EXPECT_THAT(Message({"--change_every=1h"}),
-              HasSubstr("--change_every: 1h: changes follow each other after"));
+              HasSubstr("--change_every: changes follow each other after"));
   EXPECT_THAT(Message({"--change_every=1y"}), HasSubstr("there would be no"));
   EXPECT_THAT(Message({"--policies=sometimes"}),
-              HasSubstr("--policies: 'sometimes': known are never"));
+              HasSubstr("--policies=sometimes: 'sometimes': known are never"));
   EXPECT_THAT(Message({"--ageing_rates=1,-2"}),
-              HasSubstr("--ageing_rates: '-2' is not a rate"));
+              HasSubstr("--ageing_rates=1,-2: '-2'"));
   EXPECT_THAT(Message({"--seeds=0"}), HasSubstr("--seeds=0"));
   EXPECT_THAT(Message({"--forgetting=2"}), HasSubstr("--forgetting=2"));
   EXPECT_THAT(Message({"--setpoint_range=0"}), HasSubstr("--setpoint_range=0"));
@@ -284,7 +284,7 @@ TEST_F(MleLifecycleTest, MistakesNameTheFlagAndWhatWouldBeRight) {
   EXPECT_THAT(Message({"--plant=/none.json"}),
               HasSubstr("--plant: cannot open '/none.json'"));
   EXPECT_THAT(Message({"--window_age=soon"}),
-              HasSubstr("--window_age: 'soon'"));
+              HasSubstr("--window_age=soon: 'soon'"));
   EXPECT_THAT(Message({"--test_move=0"}), HasSubstr("--test_move=0"));
   EXPECT_THAT(Message({"--first_seed=18446744073709551615"}),
               HasSubstr("--first_seed=18446744073709551615"));
@@ -301,7 +301,7 @@ TEST_F(MleLifecycleTest, MistakesNameTheFlagAndWhatWouldBeRight) {
   EXPECT_THAT(Message({"--test_hold=-1"}), HasSubstr("--test_hold=-1"));
   EXPECT_THAT(Message({"--threads=-1"}), HasSubstr("--threads=-1"));
   EXPECT_THAT(Message({"--disturbance_time=x"}),
-              HasSubstr("--disturbance_time: 'x'"));
+              HasSubstr("--disturbance_time=x: 'x'"));
   EXPECT_THAT(Message({"--prediction_horizon=2"}),
               HasSubstr("--prediction_horizon"));
   const std::string file = scratch_.Write("file", "");

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "apps/common/command_line.h"
+#include "apps/common/option_values.h"
 #include "apps/simulate/named_values.h"
 #include "mle/data/iso_time.h"
 #include "tests/fuzz/fuzz.h"
@@ -25,16 +25,16 @@ void CheckSteps(std::string_view text) {
 }
 
 void CheckNumbers(std::string_view text) {
-  const auto numbers = ParseNumbers("weight", text, 3);
+  const auto numbers = ParseNumbers(text, kNotNegative);
   if (numbers.ok()) {
-    FUZZ_EXPECT(numbers->size() == 3 && numbers->allFinite());
+    FUZZ_EXPECT(numbers->size() > 0 && numbers->allFinite());
+    FUZZ_EXPECT(numbers->minCoeff() >= 0.0);
+    const auto fitted = FitToChannels(*numbers, 3);
+    FUZZ_EXPECT(!fitted.ok() || fitted->size() == 3);
   }
   const double infinity = std::numeric_limits<double>::infinity();
-  const auto limits = simulate::ParseLimits("input_max", text, 3, infinity);
-  if (limits.ok()) {
-    FUZZ_EXPECT(limits->size() == 0 || limits->size() == 3);
-    FUZZ_EXPECT(!limits->hasNaN());
-  }
+  const auto limits = ParseNumbers(text, kAnyNumber, infinity);
+  FUZZ_EXPECT(!limits.ok() || !limits->hasNaN());
 }
 
 void CheckTimes(std::string_view text) {

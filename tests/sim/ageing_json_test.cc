@@ -51,7 +51,7 @@ TEST(AgeingJsonTest, MistakesAreNamed) {
               HasSubstr("age.json: key \"elements\" is missing"));
   EXPECT_THAT(message(R"({"elements": 1})"), HasSubstr("elements: must be"));
   EXPECT_THAT(message(R"({"elements": [], "time_factor": 0})"),
-              HasSubstr("time_factor: must be a number above 0"));
+              HasSubstr("time_factor: must be a number > 0"));
   EXPECT_THAT(message(R"({"elements": [{"output": "y9", "input": "u1"}]})"),
               HasSubstr("elements[0]: the model has no output \"y9\""));
   EXPECT_THAT(message(R"({"elements": [{"output": "y1", "input": 3}]})"),

@@ -11,7 +11,6 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using ::testing::IsEmpty;
 
 TEST(ParseNumbers, OneValueServesAllChannels) {
   const absl::StatusOr<Eigen::VectorXd> numbers =
@@ -38,12 +37,6 @@ TEST(ParseNumbers, ErrorsNameFlagValueAndWhatIsNeeded) {
   const absl::Status status = ParseNumbers("move_weight", "1,2", 3).status();
   EXPECT_THAT(std::string(status.message()), HasSubstr("2 values"));
   EXPECT_THAT(std::string(status.message()), HasSubstr("3 channels"));
-}
-
-TEST(ParseList, LeavesOutBlanksAndEmptyParts) {
-  EXPECT_THAT(ParseList("gain, delay,,"), ElementsAre("gain", "delay"));
-  EXPECT_THAT(ParseList(" , "), IsEmpty());
-  EXPECT_THAT(ParseList(""), IsEmpty());
 }
 
 TEST(Fail, PrintsTheMessageAndTellsBadInputFromABadResult) {

@@ -108,7 +108,7 @@ TEST(CampaignTest, KeysAndTypes) {
       {[](Json& j) { j["name"] = 3; }, {"name", "string", "number 3"}},
       {[](Json& j) { j["name"] = "a/b\n"; }, {"name", "letters"}},
       {[](Json& j) { j["order"] = 1.5; }, {"order", "whole number", "1.5"}},
-      {[](Json& j) { j["sample_time"] = 0; }, {"sample_time", "above 0"}},
+      {[](Json& j) { j["sample_time"] = 0; }, {"sample_time", "> 0"}},
       {[](Json& j) { j["sample_time"] = "1"; },
        {"sample_time", "the string \"1\""}},
       {[](Json& j) { j["scaling"] = "none"; }, {"scaling", "standardise"}},
@@ -138,7 +138,7 @@ TEST(CampaignTest, SeedsAndNumbers) {
        },
        {"noise_variances[1]", "stands twice"}},
       {[](Json& j) { j["noise_variances"] = {-1}; },
-       {"noise_variances[0]", "at least 0", "-1"}},
+       {"noise_variances[0]", "≥ 0", "-1"}},
       {[](Json& j) { j["drift_variances"] = {nullptr}; },
        {"drift_variances[0]", "null"}},
   });
@@ -169,7 +169,7 @@ TEST(CampaignTest, ModelsAndMismatches) {
       {[](Json& j) { j["mismatches"][0]["changes"][0] = Json::object(); },
        {"mismatches[0].changes[0]", "changes nothing"}},
       {[](Json& j) { j["mismatches"][0]["changes"][0]["gain_factor"] = 0; },
-       {"mismatches[0].changes[0].gain_factor", "above 0"}},
+       {"mismatches[0].changes[0].gain_factor", "> 0"}},
       {[](Json& j) { j["mismatches"][1]["changes"][0]["delay_shift"] = -3; },
        {"mismatches[1]", "dead time", "negative"}},
       {[](Json& j) {
@@ -214,7 +214,7 @@ TEST(CampaignTest, ControllersWindowsAndMethods) {
                           {"window", 100},
                           {"spacing", 150}}};
        },
-       {"windows[0].spacing", "at least 200"}},
+       {"windows[0].spacing", "≥ 200"}},
       {[](Json& j) {
          j["windows"] = {{{"name", "w"}, {"changes", 1}, {"window", 100}}};
        },
@@ -250,7 +250,7 @@ TEST(CampaignTest, ControllersWindowsAndMethods) {
       {[](Json& j) {
          j["lambda_grid"] = {{"min", 2}, {"max", 1}, {"count", 3}};
        },
-       {"lambda_grid.max", "above 2"}},
+       {"lambda_grid.max", "> 2"}},
   });
 }
 

@@ -165,10 +165,9 @@ TEST(ParseProcessModelTest, WrongTypesAreNamed) {
 }
 
 TEST(ParseProcessModelTest, ValuesOutOfRangeAreNamed) {
-  EXPECT_THAT(
-      MessageWith("16.7", "0"),
-      HasSubstr("elements[0].time_constant: must be a number above 0, is "
-                "the number 0"));
+  EXPECT_THAT(MessageWith("16.7", "0"),
+              HasSubstr("elements[0].time_constant: must be a number > 0, is "
+                        "the number 0"));
   EXPECT_THAT(MessageWith("16.7", "-16.7"), HasSubstr("is the number -16.7"));
   EXPECT_THAT(MessageWith("8.1", "-8.1"),
               HasSubstr("elements[1]: delay is -8.1"));

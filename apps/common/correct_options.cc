@@ -1,0 +1,110 @@
+#include "apps/common/correct_options.h"
+
+namespace mle {
+namespace {
+
+TextValue RuleForLambda(SelectionOptions& selection) {
+  using Rule = SelectionOptions::Rule;
+  return OneOf<Rule>(&selection.rule,
+                     {{"blocks", Rule::kBlocks, ""},
+                      {"leave_change_out", Rule::kLeaveChangeOut, ""},
+                      {"aic", Rule::kAic, ""},
+                      {"bic", Rule::kBic, ""},
+                      {"gcv", Rule::kGcv, ""}});
+}
+
+TextValue Solver(EstimationOptions& options) {
+  return OneOfNames("homotopy",
+                    {{"homotopy", "exact, for all λ"},
+                     {"coordinate_descent", ""},
+                     {"ceres", "smoothed L1, at the λ of the exact path"}},
+                    [&options](std::size_t number) {
+                      options.correction.solver.solver =
+                          number == 1 ? LassoSolver::kCoordinateDescent
+                                      : LassoSolver::kHomotopy;
+                      options.solve_by_ceres = number == 2;
+                    });
+}
+
+}  // namespace
+
+std::vector<Option> OptionsOf(EstimationOptions& options) {
+  StructuredOptions& structured = options.structured;
+  ConversionSettings& conversion = options.conversion;
+  return {
+      {"estimator",
+       OneOf<Estimator>(&options.estimator,
+                        {{"structured", Estimator::kStructured,
+                          "gains, time constants and dead times of the model's "
+                          "elements"},
+                         {"arx", Estimator::kArx,
+                          "any shape of response, by regularised regression"},
+                         {"combined", Estimator::kCombined,
+                          "structured, then arx for the outputs whose "
+                          "structure a test rejects"}}),
+       "Estimator of the corrected model."},
+      {"false_alarm_probability", &structured.false_alarm_probability,
+       "Probability of a false alarm of the test of no change, and of naming "
+       "an element that has not changed.",
+       "", kProbability},
+      {"confidence", &structured.confidence,
+       "Confidence level of the intervals.", "", kProbability},
+      {"drift", &structured.estimate_drift,
+       "The noise may drift (a random walk in the outputs); the size of the "
+       "drift is estimated."},
+      {"max_time_constant_factor",
+       &structured.max_time_scale_factor,
+       "Largest factor by which a time constant may differ from the model's.",
+       "",
+       {.min = 1.0, .open_min = true}},
+      {"max_delay", ZeroForInfinity(&structured.max_delay),
+       "Largest dead time of the search; 0: twice the model's dead time plus "
+       "its time constant.",
+       "min", kNotNegative},
+      {"robust",
+       OneOf<RobustLoss>(&structured.robust_loss,
+                         {{"none", RobustLoss::kNone, "squares"},
+                          {"huber", RobustLoss::kHuber, ""},
+                          {"cauchy", RobustLoss::kCauchy, ""}}),
+       "Loss of the residuals, for records with bursts and outliers that are "
+       "not detected. For ΔR at the λ chosen with squares."},
+      {"order", &conversion.order,
+       "Order d of the ARX model; 0: 1.25 times the largest sum of dead time "
+       "and time constant of an element.",
+       "samples", kNotNegative},
+      {"conversion_penalty", &conversion.penalty,
+       "Penalty λ₀ of the conversion to an ARX model.", "", kNotNegative},
+      {"conversion_samples", &conversion.samples,
+       "Number of samples of the excitation for the conversion to an ARX "
+       "model.",
+       "samples", Between(100, 10'000'000)},
+      {"seed", &conversion.seed,
+       "Seed of the simulations: the excitation for the conversion, and "
+       "records of the initial model that calibrate the test of no change."},
+      {"selection", RuleForLambda(options.correction.selection),
+       "Rule for λ with --estimator=arx."},
+      {"solver", Solver(options), "Solver of ΔR."},
+  };
+}
+
+std::vector<Option> OptionsOf(HoldOutOptions& options) {
+  return {
+      {"validation_folds", &options.max_folds,
+       "Maximum number of folds of the hold-out validation over windows.", "",
+       AtLeast(2)},
+      {"prediction_samples", &options.horizon,
+       "Prediction horizon of the compared fits; 0: a fifth of --order.",
+       "samples", kNotNegative},
+  };
+}
+
+std::vector<Option> OptionsOf(DecisionOptions& options) {
+  return {
+      {"least_gain", &options.least_gain,
+       "A correction is refused unless it raises the held-out log-likelihood "
+       "by more than this value.",
+       "", kNotNegative},
+  };
+}
+
+}  // namespace mle

@@ -1,0 +1,40 @@
+#include "apps/common/model_files.h"
+
+#include "absl/strings/str_cat.h"
+#include "mle/base/status.h"
+
+namespace mle {
+
+absl::Status AboutOption(const std::string& option,
+                         const absl::Status& status) {
+  return absl::InvalidArgumentError(
+      absl::StrCat("--", option, ": ", status.message()));
+}
+
+absl::StatusOr<ProcessModel> ReadModel(const std::string& option,
+                                       const std::string& path) {
+  absl::StatusOr<ProcessModel> model = ReadProcessModel(path);
+  if (!model.ok()) return AboutOption(option, model.status());
+  return model;
+}
+
+absl::StatusOr<ProcessModel> ReadModelLike(const ProcessModel& model,
+                                           const std::string& model_path,
+                                           const std::string& option,
+                                           const std::string& path) {
+  MLE_ASSIGN_OR_RETURN(ProcessModel other, ReadModel(option, path));
+  const absl::Status same = CheckSameChannels(model, model_path, other, path);
+  if (!same.ok()) return AboutOption(option, same);
+  return other;
+}
+
+absl::Status CheckMoves(const ProcessModel& model, const std::string& path,
+                        const std::string& nothing) {
+  if (SettlingTime(model) > 0.0) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrCat(
+      "--model: ", path,
+      " has no element with a time constant or a dead time: there is ",
+      nothing));
+}
+
+}  // namespace mle

@@ -1,0 +1,215 @@
+#include "apps/common/option_table.h"
+
+#include <algorithm>
+#include <type_traits>
+
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
+#include "absl/strings/str_split.h"
+#include "gflags/gflags.h"
+#include "glog/logging.h"
+#include "mle/base/status.h"
+
+namespace mle {
+namespace {
+
+constexpr std::size_t kLineWidth = 78;
+
+template <typename Value>
+constexpr bool kIsNumber =
+    std::is_arithmetic_v<Value> && !std::is_same_v<Value, bool>;
+
+std::string TextOf(bool value) { return value ? "true" : "false"; }
+std::string TextOf(int value) { return absl::StrCat(value); }
+std::string TextOf(std::uint64_t value) { return absl::StrCat(value); }
+std::string TextOf(double value) { return ReadableNumber(value); }
+std::string TextOf(const std::string& value) { return value; }
+
+std::string CurrentText(const Option& option) {
+  return std::visit(
+      [](const auto& value) {
+        using Value = std::decay_t<decltype(value)>;
+        if constexpr (std::is_same_v<Value, TextValue>) {
+          return value.text;
+        } else {
+          return TextOf(*value);
+        }
+      },
+      option.value);
+}
+
+// "min, > 0".
+std::string KindOf(const Option& option) {
+  std::vector<std::string> parts = {option.unit, option.range.Describe()};
+  std::erase(parts, "");
+  return absl::StrJoin(parts, ", ");
+}
+
+std::string HelpText(const Option& option) {
+  const TextValue* const text = std::get_if<TextValue>(&option.value);
+  return text == nullptr || text->known.empty()
+             ? option.help
+             : absl::StrCat(option.help, " One of ", text->known, ".");
+}
+
+absl::Status ReadOption(Option& option) {
+  return std::visit(
+      [&option](auto& value) -> absl::Status {
+        using Value = std::decay_t<decltype(value)>;
+        if constexpr (std::is_same_v<Value, TextValue>) {
+          return value.read(value.text, option.range);
+        } else if constexpr (kIsNumber<std::remove_pointer_t<Value>>) {
+          if (option.range.Contains(static_cast<double>(*value))) {
+            return absl::OkStatus();
+          }
+          const bool whole = !std::is_same_v<Value, double*>;
+          const std::string bounds = option.range.Describe();
+          return absl::InvalidArgumentError(
+              absl::StrCat("it must be a ", whole ? "whole" : "finite",
+                           " number", bounds.empty() ? "" : " ", bounds));
+        } else {
+          return absl::OkStatus();
+        }
+      },
+      option.value);
+}
+
+absl::string_view Absl(std::string_view text) {
+  return {text.data(), text.size()};
+}
+
+}  // namespace
+
+std::vector<Option> Only(const std::vector<Option>& options,
+                         const std::vector<std::string>& names) {
+  std::vector<Option> some;
+  for (const Option& option : options) {
+    if (std::count(names.begin(), names.end(), option.name) > 0) {
+      some.push_back(option);
+    }
+  }
+  CHECK_EQ(some.size(), names.size()) << "an option has another name";
+  return some;
+}
+
+Option& Find(std::vector<Option>& options, std::string_view name) {
+  const auto found =
+      std::find_if(options.begin(), options.end(),
+                   [&](const Option& option) { return option.name == name; });
+  CHECK(found != options.end()) << "no option " << name;
+  return *found;
+}
+
+void OptionTable::Add(const std::string& group, std::vector<Option> options) {
+  for (Option& option : options) {
+    Row& row = rows_.emplace_back();
+    row.group = group;
+    row.option = std::move(option);
+    row.default_text = CurrentText(row.option);
+  }
+}
+
+void OptionTable::RegisterFlags() {
+  for (Row& row : rows_) {
+    const auto make = [&row](auto* storage) {
+      using Value = std::remove_pointer_t<decltype(storage)>;
+      row.default_value = *storage;
+      gflags::FlagRegisterer(row.option.name.c_str(), row.option.help.c_str(),
+                             row.group.c_str(), storage,
+                             &std::get<Value>(row.default_value));
+    };
+    std::visit(
+        [&make](auto& value) {
+          using Value = std::decay_t<decltype(value)>;
+          if constexpr (std::is_same_v<Value, TextValue>) {
+            make(&value.text);
+          } else {
+            make(value);
+          }
+        },
+        row.option.value);
+  }
+}
+
+absl::Status OptionTable::Read() {
+  for (Row& row : rows_) {
+    const absl::Status status = ReadOption(row.option);
+    if (!status.ok()) {
+      return RefuseOption(row.option.name, CurrentText(row.option),
+                          {status.message().data(), status.message().size()});
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::Status OptionTable::FitTo(const ProcessModel& model) {
+  for (Row& row : rows_) {
+    const auto* const text = std::get_if<TextValue>(&row.option.value);
+    if (text == nullptr || !text->fit) continue;
+    const absl::Status status =
+        text->fit(model.num_outputs(), model.num_inputs());
+    if (!status.ok()) {
+      return RefuseOption(row.option.name, text->text,
+                          {status.message().data(), status.message().size()});
+    }
+  }
+  return absl::OkStatus();
+}
+
+std::vector<std::pair<std::string, std::string>> OptionTable::Values() const {
+  std::vector<std::pair<std::string, std::string>> values;
+  for (const Row& row : rows_) {
+    values.emplace_back(row.option.name, CurrentText(row.option));
+  }
+  return values;
+}
+
+std::string OptionTable::Help() const {
+  std::string help;
+  std::string group;
+  for (const Row& row : rows_) {
+    if (row.group != group) {
+      group = row.group;
+      absl::StrAppend(&help, "\n", group, "\n");
+    }
+    absl::StrAppend(&help, HelpOf(row.option.name, row.default_text,
+                                  KindOf(row.option), HelpText(row.option)));
+  }
+  return help;
+}
+
+absl::Status RefuseOption(std::string_view name, std::string_view value,
+                          std::string_view message) {
+  return absl::InvalidArgumentError(
+      absl::StrCat("--", Absl(name), "=", Absl(value), ": ", Absl(message)));
+}
+
+std::string HelpOf(std::string_view name, std::string_view default_text,
+                   std::string_view kind, std::string_view help) {
+  std::string text =
+      absl::StrCat("  --", Absl(name), " [", Absl(default_text), "]",
+                   kind.empty() ? "" : " ", Absl(kind), "\n");
+  std::string line = "     ";
+  for (const absl::string_view word :
+       absl::StrSplit(Absl(help), ' ', absl::SkipEmpty())) {
+    if (line.size() + word.size() > kLineWidth) {
+      absl::StrAppend(&text, line, "\n");
+      line = "     ";
+    }
+    absl::StrAppend(&line, " ", word);
+  }
+  absl::StrAppend(&text, line, "\n");
+  return text;
+}
+
+std::string ReadableNumber(double number) {
+  const std::string readable = absl::StrFormat("%.15g", number);
+  double again = 0.0;
+  return absl::SimpleAtod(readable, &again) && again == number
+             ? readable
+             : absl::StrFormat("%.17g", number);
+}
+
+}  // namespace mle

@@ -1,0 +1,228 @@
+#include "apps/common/option_values.h"
+
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <optional>
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "absl/strings/str_split.h"
+#include "mle/base/status.h"
+
+namespace mle {
+namespace {
+
+using Eigen::VectorXd;
+
+enum class Channels { kOutputs, kInputs };
+using Setter = std::function<void(const VectorXd&)>;
+
+absl::string_view Absl(std::string_view text) {
+  return {text.data(), text.size()};
+}
+
+// "a, b and c".
+std::string Enumerated(const std::vector<std::string>& names) {
+  if (names.size() < 2) return absl::StrJoin(names, "");
+  return absl::StrCat(absl::StrJoin(names.begin(), names.end() - 1, ", "),
+                      " and ", names.back());
+}
+
+absl::StatusOr<double> ParseNumber(absl::string_view text,
+                                   const NumberRange& range) {
+  const std::string shown(text);
+  double number = 0.0;
+  if (!absl::SimpleAtod(text, &number) || !std::isfinite(number)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("'", shown, "' is not a number"));
+  }
+  if (range.Contains(number)) return number;
+  return absl::InvalidArgumentError(
+      absl::StrCat("'", shown, "' must be ", range.Describe()));
+}
+
+// A list that may be blank, and one in which `none` is a number.
+struct Blank {
+  bool allowed = false;
+  std::optional<double> none = {};
+};
+
+TextValue ForEach(Channels channels, std::string text, Blank blank,
+                  Setter set) {
+  const auto values = std::make_shared<VectorXd>();
+  TextValue value;
+  value.text = std::move(text);
+  value.read = [=](const std::string& given, const NumberRange& range) {
+    values->resize(0);
+    if (!blank.allowed || !ParseList(given).empty()) {
+      MLE_ASSIGN_OR_RETURN(*values, ParseNumbers(given, range, blank.none));
+    }
+    set(*values);
+    return absl::OkStatus();
+  };
+  value.fit = [=](int outputs, int inputs) {
+    MLE_ASSIGN_OR_RETURN(
+        const VectorXd all,
+        FitToChannels(*values,
+                      channels == Channels::kOutputs ? outputs : inputs));
+    set(all);
+    return absl::OkStatus();
+  };
+  return value;
+}
+
+Setter SetVector(VectorXd* values) {
+  return [values](const VectorXd& all) { *values = all; };
+}
+
+Setter SetDiagonal(Eigen::MatrixXd* diagonal) {
+  return [diagonal](const VectorXd& all) { *diagonal = all.asDiagonal(); };
+}
+
+}  // namespace
+
+TextValue OneOfNames(std::string text, std::vector<ChoiceText> choices,
+                     std::function<void(std::size_t)> set) {
+  std::vector<std::string> names;
+  std::vector<std::string> described;
+  for (const ChoiceText& choice : choices) {
+    names.push_back(choice.name);
+    described.push_back(
+        choice.meaning.empty()
+            ? choice.name
+            : absl::StrCat(choice.name, " (", choice.meaning, ")"));
+  }
+  TextValue value;
+  value.text = std::move(text);
+  value.known = absl::StrJoin(described, ", ");
+  value.read = [names, set = std::move(set)](const std::string& given,
+                                             const NumberRange&) {
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      if (names[i] != given) continue;
+      set(i);
+      return absl::OkStatus();
+    }
+    return absl::InvalidArgumentError(
+        absl::StrCat("known are ", Enumerated(names)));
+  };
+  return value;
+}
+
+TextValue Words(std::vector<std::string>* words) {
+  TextValue value;
+  value.text = absl::StrJoin(*words, ",");
+  value.read = [words](const std::string& given, const NumberRange&) {
+    *words = ParseList(given);
+    return absl::OkStatus();
+  };
+  return value;
+}
+
+TextValue Numbers(std::vector<double>* numbers) {
+  TextValue value;
+  value.text = absl::StrJoin(*numbers, ",");
+  value.read = [numbers](const std::string& given, const NumberRange& range) {
+    numbers->clear();
+    for (const std::string& part : ParseList(given)) {
+      MLE_ASSIGN_OR_RETURN(const double number, ParseNumber(part, range));
+      numbers->push_back(number);
+    }
+    return absl::OkStatus();
+  };
+  return value;
+}
+
+TextValue ZeroForInfinity(double* number) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  TextValue value;
+  value.text = *number == kInfinity ? "0" : absl::StrCat(*number);
+  value.read = [number](const std::string& given, const NumberRange& range) {
+    double zero = 1.0;
+    if (absl::SimpleAtod(given, &zero) && zero == 0.0) {
+      *number = kInfinity;
+      return absl::OkStatus();
+    }
+    MLE_ASSIGN_OR_RETURN(*number, ParseNumber(given, range));
+    return absl::OkStatus();
+  };
+  return value;
+}
+
+TextValue ForEachOutput(VectorXd* values, std::string text) {
+  return ForEach(Channels::kOutputs, std::move(text), {}, SetVector(values));
+}
+
+TextValue ForEachOutput(Eigen::MatrixXd* diagonal, std::string text) {
+  return ForEach(Channels::kOutputs, std::move(text), {},
+                 SetDiagonal(diagonal));
+}
+
+TextValue ForEachInput(VectorXd* values, std::string text) {
+  return ForEach(Channels::kInputs, std::move(text), {}, SetVector(values));
+}
+
+TextValue ForEachInput(Eigen::MatrixXd* diagonal, std::string text) {
+  return ForEach(Channels::kInputs, std::move(text), {}, SetDiagonal(diagonal));
+}
+
+TextValue OptionalForEachOutput(VectorXd* values) {
+  return ForEach(Channels::kOutputs, "", {true}, SetVector(values));
+}
+
+TextValue OptionalForEachInput(VectorXd* values) {
+  return ForEach(Channels::kInputs, "", {true}, SetVector(values));
+}
+
+TextValue LimitOfEachOutput(VectorXd* limits, double unlimited) {
+  return ForEach(Channels::kOutputs, "", {true, unlimited}, SetVector(limits));
+}
+
+TextValue LimitOfEachInput(VectorXd* limits, double unlimited) {
+  return ForEach(Channels::kInputs, "", {true, unlimited}, SetVector(limits));
+}
+
+std::vector<std::string> ParseList(std::string_view text) {
+  std::vector<std::string> parts;
+  for (const absl::string_view part :
+       absl::StrSplit(Absl(text), ',', absl::SkipWhitespace())) {
+    parts.emplace_back(absl::StripAsciiWhitespace(part));
+  }
+  return parts;
+}
+
+absl::StatusOr<VectorXd> ParseNumbers(std::string_view text,
+                                      const NumberRange& range,
+                                      std::optional<double> unlimited) {
+  // Empty parts stay: they are typing errors.
+  const std::vector<std::string> parts = absl::StrSplit(Absl(text), ',');
+  VectorXd numbers(parts.size());
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    double& number = numbers[static_cast<Eigen::Index>(i)];
+    if (unlimited.has_value() &&
+        absl::StripAsciiWhitespace(parts[i]) == "none") {
+      number = *unlimited;
+      continue;
+    }
+    const absl::StatusOr<double> parsed = ParseNumber(parts[i], range);
+    if (!parsed.ok()) {
+      return absl::InvalidArgumentError(
+          absl::StrCat(parsed.status().message(),
+                       unlimited.has_value() ? ", or none for no limit" : ""));
+    }
+    number = *parsed;
+  }
+  return numbers;
+}
+
+absl::StatusOr<VectorXd> FitToChannels(const VectorXd& values, int count) {
+  if (values.size() == 1) return VectorXd::Constant(count, values[0]).eval();
+  if (values.size() == 0 || values.size() == count) return values;
+  return absl::InvalidArgumentError(
+      absl::StrCat(values.size(), " values; one is needed, or one for each of ",
+                   count, " channels"));
+}
+
+}  // namespace mle

@@ -1,0 +1,166 @@
+#include "apps/correct/record_options.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "mle/base/status.h"
+
+namespace mle::correct {
+namespace {
+
+TextValue TimeFormatOf(ClockOptions& clock) {
+  return OneOf<TimeFormat>(
+      &clock.format,
+      {{"recognise", TimeFormat::kRecognise, "numbers or ISO 8601"},
+       {"numbers", TimeFormat::kNumbers, ""},
+       {"iso", TimeFormat::kIso, ""},
+       {"day_first", TimeFormat::kDayFirst, "29.02.2024 12:34"},
+       {"month_first", TimeFormat::kMonthFirst, "2/29/2024 12:34 PM"}});
+}
+
+bool IsColumnOf(const ProcessModel& model, const std::string& name) {
+  for (const OutputChannel& output : model.outputs()) {
+    if (name == output.name || name == output.name + "_setpoint") return true;
+  }
+  for (const InputChannel& input : model.inputs()) {
+    if (name == input.name) return true;
+  }
+  return false;
+}
+
+// "SCALE", "SCALE+OFFSET" or "SCALE-OFFSET".
+bool ParseScale(const std::string& text, TagMapping& mapping) {
+  const std::size_t sign = text.find_first_of("+-", 1);
+  const bool exponent = sign != std::string::npos &&
+                        (text[sign - 1] == 'e' || text[sign - 1] == 'E');
+  const std::size_t split =
+      exponent ? text.find_first_of("+-", sign + 1) : sign;
+  const std::string offset =
+      split == std::string::npos ? "0" : text.substr(split);
+  return absl::SimpleAtod(text.substr(0, split), &mapping.scale) &&
+         absl::SimpleAtod(offset, &mapping.offset);
+}
+
+// TAG=CHANNEL, with *SCALE and +OFFSET or -OFFSET after it. Channels may have
+// these marks in their names: the numbers are sought from the end.
+absl::StatusOr<TagMapping> ParseTag(const std::string& text,
+                                    const ProcessModel& model) {
+  const std::size_t equals = text.rfind('=');
+  if (equals == std::string::npos || equals == 0) {
+    return RefuseOption("tags", text, "it is not of the form TAG=CHANNEL");
+  }
+  TagMapping mapping;
+  mapping.tag = text.substr(0, equals);
+  mapping.channel = text.substr(equals + 1);
+  if (IsColumnOf(model, mapping.channel)) return mapping;
+  const std::size_t star = mapping.channel.rfind('*');
+  const std::string scale = mapping.channel.substr(star + 1);
+  mapping.channel.resize(std::min(star, mapping.channel.size()));
+  if (!IsColumnOf(model, mapping.channel)) {
+    return RefuseOption(
+        "tags", text,
+        absl::StrCat("'", mapping.channel,
+                     "' is not an input, output or <output>_setpoint of the "
+                     "model"));
+  }
+  if (!ParseScale(scale, mapping)) {
+    return RefuseOption(
+        "tags", text,
+        "after the channel *SCALE+OFFSET is expected, two numbers");
+  }
+  return mapping;
+}
+
+}  // namespace
+
+std::vector<Option> OptionsOf(HistorianOptions& import,
+                              std::vector<std::string>& tags) {
+  ColumnOptions& columns = import.columns;
+  return {
+      {"time_column", &columns.time_column, "Name of the column of times."},
+      {"time_format", TimeFormatOf(import.clock), "Form of times."},
+      {"number_unit", &import.clock.number_unit,
+       "Unit of numerical times: ms, s, min, h or d; empty: the model's."},
+      {"time_zone", &import.clock.time_zone,
+       "Zone of dates without a zone, such as Europe/Berlin; empty: UTC, or a "
+       "local time without clock changes."},
+      {"separator",
+       OneOf<char>(&import.separator, {{"recognise", '\0', ""},
+                                       {"comma", ',', ""},
+                                       {"semicolon", ';', ""},
+                                       {"tab", '\t', ""}}),
+       "Separator of fields."},
+      {"decimal",
+       OneOf<char>(
+           &import.decimal,
+           {{"recognise", '\0', ""}, {"point", '.', ""}, {"comma", ',', ""}}),
+       "Decimal mark."},
+      {"lines_above_header", &import.lines_above_header,
+       "Lines above the header.", "", kNotNegative},
+      {"rows_below_header", &import.rows_below_header,
+       "Rows between the header and the samples, such as of units.", "",
+       kNotNegative},
+      {"tags", Words(&tags),
+       "TAG=CHANNEL,… for columns that are not named as in the model: CHANNEL "
+       "is an input, output or <output>_setpoint; TAG=CHANNEL*SCALE+OFFSET "
+       "converts units, channel = scale × column + offset."},
+      {"ignore_other_columns", &columns.ignore_other_columns,
+       "Unknown columns are ignored; if false, they are errors."},
+      {"quality_suffixes", Words(&columns.quality_suffixes),
+       "The column <column><suffix> holds the quality of <column>."},
+      {"good_qualities", Words(&import.good_qualities),
+       "Values of quality columns that mean good."},
+      {"bad_values", Words(&import.bad_values),
+       "Values that mark a bad sample, in addition to an empty field, NaN and "
+       "words such as Bad and No Data, separated by commas: -9999."},
+      {"skip_repeated_times", &import.skip_repeated_times,
+       "Rows with the time of the row before are ignored; if false, they are "
+       "errors."},
+      {"skip_backward_times", &import.skip_backward_times,
+       "Rows with an earlier time than the row before are ignored; if false, "
+       "they are errors."},
+      {"sample_time", &import.sample_time,
+       "Sample time Δt of the resampled records; 0: that of the files.", "min",
+       kNotNegative},
+      {"max_gap", &import.max_gap,
+       "Longest gap of inputs that is bridged; negative: five samples.", "min"},
+  };
+}
+
+std::vector<Option> OptionsOf(RecordOptions& options) {
+  WindowOptions& windows = options.windows;
+  return {
+      {"mark_outliers", &options.mark.outliers,
+       "Samples far from their neighbours are marked as bad; if there are any, "
+       "or with --robust, also samples that are outliers under the model."},
+      {"mark_frozen", &options.mark.frozen,
+       "Stretches in which an output repeats one value are marked as bad."},
+      {"window_before", &windows.before,
+       "Length of the record kept before a set-point change; 0: the model's "
+       "settling time.",
+       "min", kNotNegative},
+      {"window_after", &windows.after,
+       "Length of the record kept after a set-point change; 0: 1.5 times the "
+       "model's settling time.",
+       "min", kNotNegative},
+      {"min_setpoint_change", &windows.min_change,
+       "Largest change of a set point that is ignored.", "", kNotNegative},
+      {"change_times", Numbers(&windows.change_times),
+       "Times of set-point changes, for records without set points, ascending "
+       "and separated by commas.",
+       "min"},
+  };
+}
+
+absl::Status ParseTags(const std::vector<std::string>& tags,
+                       const ProcessModel& model, ColumnOptions& columns) {
+  for (const std::string& text : tags) {
+    MLE_ASSIGN_OR_RETURN(TagMapping mapping, ParseTag(text, model));
+    columns.tags.push_back(std::move(mapping));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace mle::correct

@@ -1,0 +1,27 @@
+// The options of mle_correct that say how records are read and cut.
+
+#ifndef APPS_CORRECT_RECORD_OPTIONS_H_
+#define APPS_CORRECT_RECORD_OPTIONS_H_
+
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "apps/common/option_table.h"
+#include "mle/maintain/records.h"
+
+namespace mle::correct {
+
+// `tags` are the texts TAG=CHANNEL….
+std::vector<Option> OptionsOf(HistorianOptions& import,
+                              std::vector<std::string>& tags);
+
+std::vector<Option> OptionsOf(RecordOptions& options);
+
+// Adds the tags' columns. InvalidArgument names --tags and what it expects.
+absl::Status ParseTags(const std::vector<std::string>& tags,
+                       const ProcessModel& model, ColumnOptions& columns);
+
+}  // namespace mle::correct
+
+#endif  // APPS_CORRECT_RECORD_OPTIONS_H_

@@ -1,0 +1,119 @@
+#include "apps/correct/request.h"
+
+#include <set>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "apps/common/command_line.h"
+#include "apps/common/controller_options.h"
+#include "apps/common/correct_options.h"
+#include "apps/common/model_files.h"
+#include "apps/correct/record_options.h"
+#include "mle/base/status.h"
+
+namespace mle::correct {
+namespace {
+
+std::vector<Option> FileOptions(Request& request) {
+  return {
+      {"model", &request.model_path,
+       "Process model (JSON) of the controller, to be corrected. Must be "
+       "given."},
+      {"data", Words(&request.data_paths),
+       "Records (CSV) of routine operation with set-point changes, separated "
+       "by commas. Must be given."},
+      {"out", &request.out,
+       "Folder for report.html, result.json, arx.json, fopdt.json and "
+       "step_response.csv."},
+      {"truth", &request.truth_path,
+       "Process model (JSON) of a simulated plant: its step responses are "
+       "shown as the truth."},
+      {"dry_run", &request.dry_run,
+       "Only reads the records and reports on "
+       "them."},
+      {"figures", &request.figures,
+       "Draws the figures, for the page and as files (SVG; PNG and PDF need "
+       "rsvg-convert)."},
+      {"threads", &request.options.threads,
+       "Threads; 0: one for each processor. The results do not depend on the "
+       "number.",
+       "", kNotNegative},
+  };
+}
+
+absl::Status ReadModels(Request& request) {
+  if (request.model_path.empty() || request.data_paths.empty()) {
+    return absl::InvalidArgumentError(
+        "--model=FILE.json and --data=A.csv,B.csv must be given (see --help)");
+  }
+  MLE_ASSIGN_OR_RETURN(request.model, ReadModel("model", request.model_path));
+  MLE_RETURN_IF_ERROR(
+      CheckMoves(request.model, request.model_path, "nothing to correct"));
+  if (request.truth_path.empty()) return absl::OkStatus();
+  MLE_ASSIGN_OR_RETURN(request.truth,
+                       ReadModelLike(request.model, request.model_path, "truth",
+                                     request.truth_path));
+  return absl::OkStatus();
+}
+
+absl::Status CheckDataPaths(const std::vector<std::string>& paths) {
+  std::set<std::string> seen;
+  for (const std::string& path : paths) {
+    if (!seen.insert(path).second) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("--data: '", path, "' is named twice"));
+    }
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+void AddOptions(Request& request, OptionTable& table) {
+  CorrectOptions& options = request.options;
+  table.Add("Files", FileOptions(request));
+  table.Add("Reading the records", OptionsOf(request.import, request.tags));
+  table.Add("Windows and bad samples", OptionsOf(options.records));
+  table.Add("Estimation", OptionsOf(options.estimation));
+  table.Add("Hold-out validation", OptionsOf(options.hold_out));
+  table.Add("Results",
+            {{"response_horizon", &options.response_horizon,
+              "Length NΔt of the step responses; 0: the model's settling time.",
+              "min", kNotNegative}});
+  request.controller.control_period = 0.0;
+  std::vector<Option> controller = mle::OptionsOf(request.controller);
+  Option& period = Find(controller, "control_period");
+  period.help =
+      "Control period of the controller, a multiple of the sample time; 0: "
+      "unknown, the advice then compares the tuning by published rules for the "
+      "two models.";
+  period.range = kNotNegative;
+  table.Add("The controller as it is tuned, for the advice",
+            std::move(controller));
+}
+
+absl::Status Complete(Request& request, OptionTable& table) {
+  MLE_RETURN_IF_ERROR(ReadModels(request));
+  MLE_RETURN_IF_ERROR(CheckDataPaths(request.data_paths));
+  MLE_RETURN_IF_ERROR(table.FitTo(request.model));
+  MLE_RETURN_IF_ERROR(
+      ParseTags(request.tags, request.model, request.import.columns));
+  if (const absl::Status status = request.import.Validate(request.model);
+      !status.ok()) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("options of the records: ", status.message()));
+  }
+  if (const absl::Status status = request.options.records.Validate();
+      !status.ok()) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("options of the windows: ", status.message()));
+  }
+  EstimationOptions& estimation = request.options.estimation;
+  estimation.calibration.seed = estimation.conversion.seed;
+  request.options.threads = UsableThreads(request.options.threads);
+  control::MpcOptions controller = request.controller;
+  if (!request.controller_known()) controller.control_period = 1.0;
+  return CheckController(controller, request.model);
+}
+
+}  // namespace mle::correct

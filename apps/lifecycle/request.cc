@@ -1,0 +1,241 @@
+#include "apps/lifecycle/request.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include "Eigen/QR"
+#include "absl/strings/str_cat.h"
+#include "apps/common/command_line.h"
+#include "apps/common/controller_options.h"
+#include "apps/common/model_files.h"
+#include "apps/lifecycle/durations.h"
+#include "mle/base/file.h"
+#include "mle/base/status.h"
+#include "sim/ageing_json.h"
+
+namespace mle::lifecycle {
+namespace {
+
+using Eigen::VectorXd;
+
+// How far beyond what is needed inputs and outputs may go.
+constexpr double kInputMargin = 4.0;
+constexpr double kOutputMargin = 1.5;
+
+// What does not change a life.
+const std::set<std::string> kNotOfALife = {
+    "model",    "plant",   "ageing",           "ageing_rates",
+    "policies", "seeds",   "first_seed",       "out",
+    "figures",  "threads", "hours_per_update", "hours_per_test"};
+
+absl::Status Wrong(const char* option, const std::string& message) {
+  return AboutOption(option, absl::InvalidArgumentError(message));
+}
+
+// `given`, or `by_default` where that is 0.
+double Or(double given, double by_default) {
+  return given > 0.0 ? given : by_default;
+}
+
+absl::Status ReadModels(const Request& request, Campaign& campaign) {
+  if (request.model_path.empty() || request.ageing_path.empty()) {
+    return absl::InvalidArgumentError(
+        "--model=FILE.json and --ageing=FILE.json must be given (see --help)");
+  }
+  MLE_ASSIGN_OR_RETURN(campaign.model, ReadModel("model", request.model_path));
+  MLE_RETURN_IF_ERROR(
+      CheckMoves(campaign.model, request.model_path, "nothing that can age"));
+  campaign.plant = campaign.model;
+  if (!request.plant_path.empty()) {
+    MLE_ASSIGN_OR_RETURN(campaign.plant,
+                         ReadModelLike(campaign.model, request.model_path,
+                                       "plant", request.plant_path));
+  }
+  absl::StatusOr<sim::AgeingSchedule> ageing =
+      sim::ReadAgeingSchedule(request.ageing_path, campaign.plant);
+  if (!ageing.ok()) return AboutOption("ageing", ageing.status());
+  campaign.ageing = *std::move(ageing);
+  return absl::OkStatus();
+}
+
+absl::Status SetRates(const Request& request, Campaign& campaign) {
+  if (request.rates.empty()) return Wrong("ageing_rates", "names no rate");
+  for (const double rate : request.rates) {
+    if (std::count(campaign.rates.begin(), campaign.rates.end(), rate) > 0) {
+      return Wrong("ageing_rates", absl::StrCat("'", rate, "' stands twice"));
+    }
+    absl::StatusOr<sim::AgeingSchedule> scaled =
+        sim::ScaleAgeing(campaign.ageing, rate);
+    absl::Status status = scaled.status();
+    if (status.ok()) status = scaled->Validate(campaign.plant);
+    if (!status.ok()) {
+      return Wrong("ageing_rates",
+                   absl::StrCat("at ", rate, ": ", status.message()));
+    }
+    campaign.rates.push_back(rate);
+  }
+  return absl::OkStatus();
+}
+
+absl::Status SetSeeds(const Request& request, Campaign& campaign) {
+  const auto seeds = static_cast<std::uint64_t>(request.seeds);
+  if (request.first_seed > std::numeric_limits<std::uint64_t>::max() - seeds) {
+    return RefuseOption("first_seed", absl::StrCat(request.first_seed),
+                        "--seeds of them go beyond the largest");
+  }
+  for (std::uint64_t s = 0; s < seeds; ++s) {
+    campaign.seeds.push_back(request.first_seed + s);
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CheckPeriods(const OperationOptions& operation) {
+  const double period = operation.controller.control_period;
+  const double ratio = period / operation.sample_time;
+  if (ratio >= 1.0 - 1e-9 && ratio <= 1e9 &&
+      std::abs(ratio - std::round(ratio)) <= 1e-9 * ratio) {
+    return absl::OkStatus();
+  }
+  return RefuseOption("control_period", ReadableNumber(period),
+                      absl::StrCat("it must be a whole multiple of "
+                                   "--sample_time=",
+                                   operation.sample_time));
+}
+
+absl::Status SetSetPoints(const Request& request, Campaign& campaign) {
+  SetPointOptions& set_points = campaign.set_points;
+  set_points.duration = request.years * kHoursPerYear / request.hours_per_unit;
+  set_points.change_every = request.change_every_hours / request.hours_per_unit;
+  set_points.grid = campaign.life.operation.controller.control_period;
+  const absl::Status status = set_points.Validate();
+  return status.ok() ? status : AboutOption("change_every", status);
+}
+
+// The largest input that holds the outputs anywhere within ± range: for each
+// manipulated input the sum over the outputs of |K⁺| range.
+VectorXd NeededInputs(const ProcessModel& model, const VectorXd& range) {
+  Eigen::MatrixXd gains = StaticGains(model);
+  for (int j = 0; j < model.num_inputs(); ++j) {
+    if (model.inputs()[j].role != InputRole::kManipulated) {
+      gains.col(j).setZero();
+    }
+  }
+  const Eigen::MatrixXd inverse =
+      gains.completeOrthogonalDecomposition().pseudoInverse();
+  return inverse.cwiseAbs() * range;
+}
+
+// Limits that are not given follow from the set points' range: inputs may go
+// to four times what holds the outputs at any corner of it, outputs to one and
+// a half times it.
+absl::Status SetLimits(const Campaign& campaign, OperationOptions& operation) {
+  const ProcessModel& model = campaign.model;
+  const VectorXd& range = campaign.set_points.range;
+  control::MpcLimits& limits = operation.controller.limits;
+  const auto by_default = [](VectorXd& limit, const VectorXd& value) {
+    if (limit.size() == 0) limit = value;
+  };
+  const VectorXd inputs = kInputMargin * NeededInputs(model, range);
+  by_default(limits.min_input, -inputs);
+  by_default(limits.max_input, inputs);
+  by_default(limits.min_output, -kOutputMargin * range);
+  by_default(limits.max_output, kOutputMargin * range);
+  operation.limits = {limits.min_output, limits.max_output};
+  return CheckController(operation.controller, model);
+}
+
+absl::Status SetOperation(const Request& request, Campaign& campaign) {
+  OperationOptions& operation = campaign.life.operation;
+  const double settling = SettlingTime(campaign.model);
+  operation.disturbance_time =
+      request.disturbance_hours / request.hours_per_unit;
+  operation.before = Or(request.window, 1.5 * settling);
+  operation.after = operation.before;
+  operation.quiet_stretch = Or(request.quiet_stretch, 3.0 * settling);
+  operation.warm_up = Or(request.warm_up, settling);
+  MLE_RETURN_IF_ERROR(SetLimits(campaign, operation));
+  const absl::Status status = operation.Validate(campaign.model);
+  if (status.ok()) return status;
+  // Fields are named as their options.
+  return absl::InvalidArgumentError(absl::StrCat("--", status.message()));
+}
+
+double RoundUp(double value, double unit) {
+  return std::ceil(value / unit - 1e-9) * unit;
+}
+
+void SetLife(const Request& request, Campaign& campaign) {
+  LifeOptions& life = campaign.life;
+  const double settling = SettlingTime(campaign.model);
+  const double period = life.operation.controller.control_period;
+  life.month = kHoursPerYear / 12.0 / request.hours_per_unit;
+  life.window_age = request.window_age_hours / request.hours_per_unit;
+  life.test.hold = RoundUp(Or(request.test_hold, settling), period);
+  if (life.test.move.size() == 0) life.test.move = campaign.set_points.range;
+  UpdateOptions& update = life.update;
+  if (!request.calibrate_test) {
+    update.correct.estimation.change_test = ChangeTest::kChiSquare;
+  }
+  update.control_period = period;
+  update.response_samples =
+      1 + static_cast<int>(std::ceil(Or(request.response_horizon, settling) /
+                                         life.operation.sample_time -
+                                     1e-9));
+}
+
+// Whether all that is done about a change fits in before the next.
+absl::Status CheckGaps(const Campaign& campaign) {
+  const OperationOptions& operation = campaign.life.operation;
+  const double test =
+      PlanStepTest(campaign.model, campaign.life.test).duration();
+  const double watch = operation.quiet_stretch;
+  const double needed = operation.Lead() + operation.after + test + watch;
+  const double shortest = campaign.set_points.ShortestGap();
+  if (needed <= shortest) return absl::OkStatus();
+  return Wrong(
+      "change_every",
+      absl::StrCat("changes follow each other after ", shortest, " ",
+                   campaign.model.time_unit(),
+                   " at the least, but what is simulated of one "
+                   "(--quiet_stretch, --warm_up, --window, --quiet_stretch "
+                   "again with a new model, a step test of ",
+                   test, ") takes ", needed));
+}
+
+absl::Status AddSettings(const Request& request, const OptionTable& table,
+                         Campaign& campaign) {
+  for (const auto& [name, value] : table.Values()) {
+    if (kNotOfALife.count(name) > 0 || name.rfind("price_", 0) == 0) continue;
+    campaign.settings[name] = value;
+  }
+  MLE_ASSIGN_OR_RETURN(campaign.settings["file of ageing"],
+                       ReadFile(request.ageing_path));
+  campaign.settings["file of model"] = FormatProcessModel(campaign.model);
+  campaign.settings["file of plant"] = FormatProcessModel(campaign.plant);
+  campaign.settings["program_version"] = std::string(Version());
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::Status Complete(Request& request, OptionTable& table) {
+  Campaign& campaign = request.campaign;
+  MLE_RETURN_IF_ERROR(ReadModels(request, campaign));
+  const absl::StatusOr<double> hours = HoursPerUnit(campaign.model.time_unit());
+  if (!hours.ok()) return AboutOption("model", hours.status());
+  request.hours_per_unit = *hours;
+  MLE_RETURN_IF_ERROR(table.FitTo(campaign.model));
+  MLE_RETURN_IF_ERROR(SetRates(request, campaign));
+  MLE_RETURN_IF_ERROR(SetSeeds(request, campaign));
+  MLE_RETURN_IF_ERROR(CheckPeriods(campaign.life.operation));
+  MLE_RETURN_IF_ERROR(SetSetPoints(request, campaign));
+  MLE_RETURN_IF_ERROR(SetOperation(request, campaign));
+  SetLife(request, campaign);
+  MLE_RETURN_IF_ERROR(CheckGaps(campaign));
+  campaign.threads = UsableThreads(request.threads);
+  return AddSettings(request, table, campaign);
+}
+
+}  // namespace mle::lifecycle

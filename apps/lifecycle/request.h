@@ -1,0 +1,56 @@
+// What mle_lifecycle is asked to do: what is to be lived through, and at what
+// prices.
+
+#ifndef APPS_LIFECYCLE_REQUEST_H_
+#define APPS_LIFECYCLE_REQUEST_H_
+
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "apps/common/option_table.h"
+#include "apps/lifecycle/campaign.h"
+#include "apps/lifecycle/prices.h"
+
+namespace mle::lifecycle {
+
+struct Request {
+  // Options that are not fields of the campaign. Times are in the model's unit
+  // unless they are called hours; 0 stands for what follows from the model.
+  std::string model_path;
+  std::string plant_path;
+  std::string ageing_path;
+  std::vector<double> rates = {1.0};
+  double years = 5.0;
+  double change_every_hours = 720.0;
+  double window_age_hours = std::numeric_limits<double>::infinity();
+  double disturbance_hours = 24.0;
+  int seeds = 5;
+  std::uint64_t first_seed = 1;
+  bool figures = true;
+  int threads = 0;
+  bool calibrate_test = false;
+  double window = 0.0;
+  double quiet_stretch = 0.0;
+  double warm_up = 0.0;
+  double response_horizon = 0.0;
+  double test_hold = 0.0;
+
+  // Where all others are.
+  Campaign campaign;
+  Prices prices;
+  double hours_per_unit = 1.0;  // of the model's time unit
+};
+
+// Both must outlive the program's flags.
+void AddOptions(Request& request, OptionTable& table);
+
+// Reads the files and checks everything that can be checked before something is
+// simulated; errors name the option or the file.
+absl::Status Complete(Request& request, OptionTable& table);
+
+}  // namespace mle::lifecycle
+
+#endif  // APPS_LIFECYCLE_REQUEST_H_

@@ -1,0 +1,187 @@
+#include "apps/simulate/request.h"
+
+#include <memory>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "apps/common/controller_options.h"
+#include "apps/common/model_files.h"
+#include "apps/simulate/condition_options.h"
+#include "apps/simulate/named_values.h"
+#include "mle/base/status.h"
+#include "sim/ageing_json.h"
+#include "sim/ageing_plant.h"
+#include "sim/continuous_plant.h"
+#include "sim/van_de_vusse.h"
+
+namespace mle::simulate {
+namespace {
+
+constexpr char kReactor[] = "van_de_vusse";
+
+template <typename Channel>
+std::vector<std::string> NamesOf(const std::vector<Channel>& channels) {
+  std::vector<std::string> names;
+  for (const Channel& channel : channels) names.push_back(channel.name);
+  return names;
+}
+
+std::vector<Option> PlantOptions(Request& request) {
+  return {
+      {"model", &request.model_path, "Process model (JSON) of the controller."},
+      {"plant", &request.plant,
+       "The plant: a process model (JSON) with the same inputs and outputs, or "
+       "van_de_vusse, a stirred tank reactor (non-linear, time in h). Empty: "
+       "--model."},
+      {"operating_inputs", Numbers(&request.operating_inputs),
+       "Feed (1/h) and heat (kJ/h) of the steady state at which van_de_vusse "
+       "starts; the record has deviations from that state."},
+      {"ageing", &request.ageing_path,
+       "Ageing schedule (JSON) of the plant's elements: gains, time constants "
+       "and dead times over time."},
+      {"age", &request.age, "Time of --ageing at which the run begins.", "min"},
+  };
+}
+
+std::vector<Option> RunOptions(Request& request) {
+  sim::ClosedLoopOptions& loop = request.simulation.loop;
+  return {
+      {"setpoints", &request.set_points,
+       "NAME:TIME:VALUE,… set points of outputs: VALUE from TIME on, 0 before "
+       "the first change."},
+      {"duration", &loop.duration, "Length of the run.", "min", kPositive},
+      {"sample_time", &loop.sample_time, "Sample time Δt of the record.", "min",
+       kPositive},
+      {"noise_variance", &loop.noise_variance,
+       "Variance σ² of the white measurement noise of every output.", "",
+       kNotNegative},
+      {"seed", &loop.seed, "Seed of all random numbers."},
+      {"out", &request.out, "The record to be written (CSV). Must be given."},
+  };
+}
+
+absl::StatusOr<std::unique_ptr<sim::PlantModel>> MakeReactor(
+    const Request& request) {
+  if (!request.ageing_path.empty()) {
+    return absl::InvalidArgumentError(
+        "--ageing is for plants that are process models, not for "
+        "--plant=van_de_vusse");
+  }
+  const ProcessModel channels("reactor", "h", {{"feed", ""}, {"heat", ""}},
+                              {{"product", ""}, {"temperature", ""}});
+  MLE_RETURN_IF_ERROR(CheckSameChannels(
+      request.simulation.model, request.model_path, channels, kReactor));
+  const std::vector<double>& operating = request.operating_inputs;
+  if (operating.size() != 2) {
+    return RefuseOption("operating_inputs", absl::StrJoin(operating, ","),
+                        "the feed and the heat are needed");
+  }
+  absl::StatusOr<sim::ContinuousSystem> system =
+      sim::MakeVanDeVusseReactor({.feed = operating[0], .heat = operating[1]});
+  if (!system.ok()) return AboutOption("operating_inputs", system.status());
+  MLE_ASSIGN_OR_RETURN(
+      sim::ContinuousPlant plant,
+      sim::ContinuousPlant::Create(
+          *std::move(system),
+          {.sample_time = request.simulation.loop.sample_time}));
+  return std::make_unique<sim::ContinuousPlant>(std::move(plant));
+}
+
+absl::StatusOr<std::unique_ptr<sim::PlantModel>> MakePlant(
+    const Request& request) {
+  if (request.plant == kReactor) return MakeReactor(request);
+  ProcessModel plant = request.simulation.model;
+  if (!request.plant.empty()) {
+    MLE_ASSIGN_OR_RETURN(
+        plant, ReadModelLike(request.simulation.model, request.model_path,
+                             "plant", request.plant));
+  }
+  sim::AgeingSchedule ageing;
+  if (!request.ageing_path.empty()) {
+    absl::StatusOr<sim::AgeingSchedule> read =
+        sim::ReadAgeingSchedule(request.ageing_path, plant);
+    if (!read.ok()) return AboutOption("ageing", read.status());
+    ageing = *std::move(read);
+  }
+  MLE_ASSIGN_OR_RETURN(sim::AgeingPlant ageing_plant,
+                       sim::AgeingPlant::Create(
+                           plant, ageing,
+                           {.sample_time = request.simulation.loop.sample_time,
+                            .start_time = request.age}));
+  return std::make_unique<sim::AgeingPlant>(std::move(ageing_plant));
+}
+
+absl::Status ReadSteps(const Request& request, Simulation& simulation) {
+  const ProcessModel& model = simulation.model;
+  MLE_ASSIGN_OR_RETURN(const std::vector<NamedStep> set_points,
+                       ParseNamedSteps("setpoints", request.set_points,
+                                       NamesOf(model.outputs())));
+  for (const NamedStep& step : set_points) {
+    if (step.time > simulation.loop.duration) {
+      return absl::InvalidArgumentError(absl::StrCat(
+          "--setpoints: a step of '", model.outputs()[step.channel].name,
+          "' at ", step.time, " comes after the end of the run, --duration=",
+          simulation.loop.duration));
+    }
+    simulation.set_points.steps.push_back(
+        {step.channel, step.time, step.value});
+  }
+  MLE_ASSIGN_OR_RETURN(const std::vector<NamedStep> disturbances,
+                       ParseNamedSteps("disturbances", request.disturbances,
+                                       NamesOf(model.inputs())));
+  for (const NamedStep& step : disturbances) {
+    simulation.conditions.input_disturbance.steps.push_back(
+        {step.channel, step.time, step.value});
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+void AddOptions(Request& request, OptionTable& table) {
+  Simulation& simulation = request.simulation;
+  sim::PlantConditions& conditions = simulation.conditions;
+  table.Add("Model and plant", PlantOptions(request));
+  table.Add("Run", RunOptions(request));
+  table.Add("Controller", mle::OptionsOf(simulation.controller));
+  table.Add("Controller",
+            {{"feed_forward", &simulation.feed_forward,
+              "The controller uses measurements of the inputs with the role of "
+              "disturbances."},
+             {"preview", &simulation.preview,
+              "The controller knows future set points."}});
+  table.Add("Limits in the controller",
+            mle::OptionsOf(simulation.controller.limits));
+  table.Add("Disturbances of the outputs",
+            OptionsOf(conditions.output_disturbance));
+  table.Add("Measured disturbances",
+            {{"disturbances", &request.disturbances,
+              "NAME:TIME:VALUE,… steps of inputs with the role of "
+              "disturbances: VALUE from TIME on, 0 before the first step."}});
+  table.Add("Measured disturbances", OptionsOf(conditions.input_disturbance));
+  table.Add("Valves", OptionsOf(conditions.valves));
+  table.Add("Faults of measurements", OptionsOf(conditions.faults));
+}
+
+absl::Status Complete(Request& request, OptionTable& table) {
+  if (request.model_path.empty() || request.out.empty()) {
+    return absl::InvalidArgumentError(
+        "--model=FILE.json and --out=FILE.csv must be given (see --help)");
+  }
+  Simulation& simulation = request.simulation;
+  simulation.loop.control_period = simulation.controller.control_period;
+  MLE_ASSIGN_OR_RETURN(simulation.model,
+                       ReadModel("model", request.model_path));
+  MLE_RETURN_IF_ERROR(simulation.loop.Validate());
+  MLE_ASSIGN_OR_RETURN(simulation.plant, MakePlant(request));
+  MLE_RETURN_IF_ERROR(table.FitTo(simulation.model));
+  control::MpcLimits& limits = simulation.controller.limits;
+  if (limits.min_output.size() == 0 && limits.max_output.size() == 0) {
+    limits.output_limit_cost.resize(0);
+  }
+  MLE_RETURN_IF_ERROR(ReadSteps(request, simulation));
+  return simulation.conditions.Validate(simulation.model);
+}
+
+}  // namespace mle::simulate
