@@ -1,3 +1,5 @@
+#include "mle/data/record_csv.h"
+
 #include <cmath>
 #include <limits>
 
@@ -7,7 +9,6 @@
 #include "mle/data/csv_numbers.h"
 #include "mle/data/csv_rows.h"
 #include "mle/data/record_columns.h"
-#include "mle/data/record_csv.h"
 
 namespace mle {
 namespace {
