@@ -7,7 +7,7 @@
 namespace mle {
 
 RecordCollector::RecordCollector(CollectorOptions options)
-    : options_(std::move(options)),
+    : options_(options),
       builder_(options_.num_outputs, options_.num_inputs),
       bridged_(2 * options_.num_outputs + options_.num_inputs),
       missing_(bridged_.size()) {}
