@@ -39,7 +39,7 @@ namespace mle {
 inline constexpr double kNoCorrectionLambda = 1e6;
 
 // 0, twelve values a decade from 1e-7 to 10, and one that corrects nothing: in
-// scaled units (conversion_scales.h) every λ that matters lies between.
+// scaled units (channel_scales.h) every λ that matters lies between.
 Eigen::VectorXd DefaultLambdaGrid();
 
 // What decides that a change is proposed at all.

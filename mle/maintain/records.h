@@ -35,7 +35,7 @@ struct RecordOptions {
 
 struct RecordData {
   std::vector<Record> records;
-  // Of the files; empty but for the sample time where there are none.
+  // Of the files; for records in memory only the sample time and the counts.
   HistorianReport report;
   // Records as they are, no operating point taken off.
   std::vector<SetPointWindow> windows;

@@ -83,7 +83,7 @@ absl::Status CheckSameChannels(const ProcessModel& a, std::string_view a_name,
 Eigen::MatrixXd StaticGains(const ProcessModel& model);
 
 // Dead time plus five times the slowest time constant of the slowest element:
-// what is left of a step's response then is 0.7 % of it.
+// the remainder of a step's response is then 0.7 % of it.
 double SettlingTime(const ProcessModel& model);
 
 // "overhead ← reflux": the pair as reports name it.

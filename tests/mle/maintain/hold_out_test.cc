@@ -99,7 +99,7 @@ TEST(HoldOutTest, WhatIsHeldOutHasNoPartInTheFit) {
   ASSERT_TRUE(validation.ok()) << validation.status();
   EXPECT_LT(validation->windows->gain, 0.0);
   EXPECT_LT(validation->windows->outputs[0].corrected.simulated, 0.0);
-  // Parts of both windows hidden: what is left of each fits in between.
+  // Parts of both windows hidden: the fit to the rest of each lies in between.
   EXPECT_GT(validation->blocks->outputs[0].corrected.simulated,
             validation->windows->outputs[0].corrected.simulated);
   EXPECT_EQ(*validation->WorstGain(), validation->windows->gain);
