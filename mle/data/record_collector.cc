@@ -6,7 +6,7 @@
 
 namespace mle {
 
-RecordCollector::RecordCollector(CollectorOptions options)
+RecordCollector::RecordCollector(const CollectorOptions& options)
     : options_(options),
       builder_(options_.num_outputs, options_.num_inputs),
       bridged_(2 * options_.num_outputs + options_.num_inputs),

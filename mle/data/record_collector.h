@@ -25,7 +25,7 @@ struct CollectorOptions {
 
 class RecordCollector {
  public:
-  explicit RecordCollector(CollectorOptions options);
+  explicit RecordCollector(const CollectorOptions& options);
 
   // `begins`: a record begins with this sample.
   void Add(bool begins, double time, const std::vector<double>& values);
