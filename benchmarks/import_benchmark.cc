@@ -84,8 +84,9 @@ int Read(const char* path) {
     return std::chrono::duration<double>(to - from).count();
   };
   std::cout << import->report.BriefReport() << "\n"
-            << windows->BriefReport() << "\nread " << seconds(start, middle)
-            << " s, windows " << seconds(middle, end) << " s, peak memory "
+            << windows->windows.size() << " windows\nread "
+            << seconds(start, middle) << " s, windows " << seconds(middle, end)
+            << " s, peak memory "
             << static_cast<double>(usage.ru_maxrss) / 1024.0 << " MB\n";
   return 0;
 }

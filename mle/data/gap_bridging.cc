@@ -12,35 +12,6 @@ using Row = Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>>;
 // a probability of 2^−(moves − 1).
 constexpr int kEnoughMoves = 11;
 
-// Where `fill(last, next)` fills the samples between two good ones. Returns how
-// many it filled.
-template <typename Fill>
-int BridgeRow(int max_samples, Row row, Fill fill) {
-  int bridged = 0;
-  Eigen::Index last = -1;  // the last good sample
-  for (Eigen::Index k = 0; k < row.size(); ++k) {
-    if (!std::isfinite(row(k))) continue;
-    const Eigen::Index missing = k - last - 1;
-    if (last >= 0 && missing > 0 && missing <= max_samples) {
-      fill(last, k);
-      bridged += static_cast<int>(missing);
-    }
-    last = k;
-  }
-  return bridged;
-}
-
-int BridgeLinearly(int max_samples, Row row) {
-  return BridgeRow(
-      max_samples, row, [&row](Eigen::Index last, Eigen::Index next) {
-        const double slope =
-            (row(next) - row(last)) / static_cast<double>(next - last);
-        for (Eigen::Index k = last + 1; k < next; ++k) {
-          row(k) = row(last) + static_cast<double>(k - last) * slope;
-        }
-      });
-}
-
 // The instants at which a held signal moves: phase + i period.
 struct MoveInstants {
   Eigen::Index phase = 0;
@@ -68,31 +39,35 @@ MoveInstants FindMoveInstants(const Row& row) {
   return instants;
 }
 
+// Returns how many samples it filled.
 int BridgeHeld(int max_samples, const MoveInstants& instants, Row row) {
-  return BridgeRow(max_samples, row, [&](Eigen::Index last, Eigen::Index next) {
-    Eigen::Index moved = next;
-    if (instants.period > 1 && instants.LastUpTo(next) > last) {
-      moved = instants.LastUpTo(next);
+  int bridged = 0;
+  Eigen::Index last = -1;  // the last good sample
+  for (Eigen::Index next = 0; next < row.size(); ++next) {
+    if (!std::isfinite(row(next))) continue;
+    const Eigen::Index missing = next - last - 1;
+    if (last >= 0 && missing > 0 && missing <= max_samples) {
+      Eigen::Index moved = next;
+      if (instants.period > 1 && instants.LastUpTo(next) > last) {
+        moved = instants.LastUpTo(next);
+      }
+      for (Eigen::Index k = last + 1; k < next; ++k) {
+        row(k) = k < moved ? row(last) : row(next);
+      }
+      bridged += static_cast<int>(missing);
     }
-    for (Eigen::Index k = last + 1; k < next; ++k) {
-      row(k) = k < moved ? row(last) : row(next);
-    }
-  });
+    last = next;
+  }
+  return bridged;
 }
 
 }  // namespace
 
-std::vector<int> BridgeGaps(int max_samples, bool bridge_outputs,
-                            Record& record) {
+std::vector<int> BridgeGaps(int max_samples, Record& record) {
   const int p = record.num_outputs();
   std::vector<int> bridged(2 * p + record.num_inputs(), 0);
-  for (int i = 0; i < p; ++i) {
-    if (bridge_outputs) {
-      bridged[i] = BridgeLinearly(max_samples, record.outputs.row(i));
-    }
-    if (record.set_points.size() > 0) {
-      bridged[p + i] = BridgeHeld(max_samples, {}, record.set_points.row(i));
-    }
+  for (Eigen::Index i = 0; i < record.set_points.rows(); ++i) {
+    bridged[p + i] = BridgeHeld(max_samples, {}, record.set_points.row(i));
   }
   for (int j = 0; j < record.num_inputs(); ++j) {
     bridged[2 * p + j] =

@@ -17,14 +17,15 @@
 //               linear between the rows on both sides
 //
 // A row farther than 1.9 steps from the one before leaves a gap, as bad samples
-// do. Gaps up to `max_gap` are bridged (inputs and set points held, outputs
-// linear) and counted; a longer one leaves bad samples (NaN) in its channel,
-// or, where every row is missing, ends the record, and the next begins.
+// do. Gaps of inputs and set points up to `max_gap` are bridged (held) and
+// counted; a longer one, and any gap of an output, leaves bad samples (NaN),
+// or, where every row is missing for longer, ends the record, and the next
+// begins.
 //
 //   MLE_ASSIGN_OR_RETURN(
 //       const HistorianImport import,
 //       ImportHistorian({"jan.csv", "feb.csv"}, model, HistorianOptions()));
-//   std::cout << import.report.FullReport(model);
+//   std::cout << import.report.FullReport(model.time_unit());
 //   FindWindows(import.records, model, …);
 //
 // docs/records.md has the decisions, docs/formats.md the file.
@@ -77,13 +78,9 @@ struct HistorianOptions {
 
   // Δt > 0; 0: the files' step.
   double sample_time = 0.0;
-  // Gaps are bridged up to this, ≥ 0. Negative: 5 Δt, or 5 steps where those
-  // are longer.
+  // Gaps of inputs and set points are bridged up to this, ≥ 0. Negative: 5 Δt,
+  // or 5 steps where those are longer. Gaps of outputs stay NaN.
   double max_gap = -1.0;
-  // Whether short gaps of outputs are bridged too; if not, they stay NaN.
-  // Structured correction does as well without, a regression on lagged data
-  // loses as many samples as it has lags for each that is bad.
-  bool bridge_outputs = false;
   // Of all records together, > 0: more is an error.
   std::int64_t max_samples = 20'000'000;
 

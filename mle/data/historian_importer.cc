@@ -228,7 +228,6 @@ CollectorOptions HistorianImporter::MakeCollectorOptions() const {
       max_gap_ + std::max(report.step - report.sample_time, 0.0);
   options.max_bridged = static_cast<int>(
       std::min(std::floor(longest / report.sample_time + 0.5), 1e9));
-  options.bridge_outputs = options_.bridge_outputs;
   return options;
 }
 

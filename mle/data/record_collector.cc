@@ -30,8 +30,7 @@ void RecordCollector::EndRecord() {
     ++short_pieces_;
     return;
   }
-  const std::vector<int> bridged =
-      BridgeGaps(options_.max_bridged, options_.bridge_outputs, record);
+  const std::vector<int> bridged = BridgeGaps(options_.max_bridged, record);
   const auto count = [&](const Eigen::MatrixXd& rows, int first) {
     for (Eigen::Index i = 0; i < rows.rows(); ++i) {
       bridged_[first + i] += bridged[first + i];

@@ -20,7 +20,6 @@ struct CollectorOptions {
   double sample_time = 0.0;
   bool has_set_points = false;
   int max_bridged = 0;  // samples in a row
-  bool bridge_outputs = true;
 };
 
 class RecordCollector {

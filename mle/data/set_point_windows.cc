@@ -9,7 +9,6 @@
 #include "mle/base/status.h"
 #include "mle/data/model_residual.h"
 #include "mle/data/quiet_part.h"
-#include "mle/data/robust_statistics.h"
 
 namespace mle {
 namespace {
@@ -96,45 +95,6 @@ void PlaceWindows(const Extent& extent, int samples,
   }
 }
 
-// The mean of samples first … last; of the first ones of the window where there
-// are too few before the change.
-OperatingPoint FindOperatingPoint(const Record& window, int first, int last) {
-  if (last - first + 1 < kMinSamples / 2) {
-    first = 0;
-    last = std::min(kMinSamples / 2, window.samples()) - 1;
-  }
-  const int count = last - first + 1;
-  const auto means = [&](const Eigen::MatrixXd& rows) {
-    Eigen::VectorXd mean(rows.rows());
-    for (Eigen::Index i = 0; i < rows.rows(); ++i) {
-      int used = 0;
-      mean(i) = TrimmedMean(rows.row(i).segment(first, count), used);
-      // Nothing good there: what there is in the window.
-      if (used == 0) mean(i) = TrimmedMean(rows.row(i), used);
-    }
-    return mean;
-  };
-  OperatingPoint point;
-  point.outputs = means(window.outputs);
-  point.inputs = means(window.inputs);
-  if (window.set_points.size() > 0) point.set_points = means(window.set_points);
-  point.samples = count;
-  return point;
-}
-
-void RemoveOperatingPoint(const OperatingPoint& point, Record& window) {
-  const auto known = [](const Eigen::VectorXd& values) -> Eigen::VectorXd {
-    return values.unaryExpr(
-        [](double value) { return std::isfinite(value) ? value : 0.0; });
-  };
-  window.outputs.colwise() -= known(point.outputs);
-  window.inputs.colwise() -= known(point.inputs);
-  if (window.set_points.size() > 0) {
-    // A set point is a deviation from where its output stood.
-    window.set_points.colwise() -= known(point.outputs);
-  }
-}
-
 // Samples first … last of a record, less what the model makes of the inputs.
 std::vector<QuietPart> TestParts(const Record& record,
                                  const ProcessModel& model, int first, int last,
@@ -150,15 +110,6 @@ std::vector<QuietPart> TestParts(const Record& record,
                       {options.report_threshold, options.report_size}));
   }
   return parts;
-}
-
-Eigen::VectorXd BadShare(const Record& window) {
-  const auto share = [](const Eigen::MatrixXd& rows) -> Eigen::VectorXd {
-    return 1.0 - rows.array().isFinite().cast<double>().rowwise().mean();
-  };
-  Eigen::VectorXd shares(window.num_outputs() + window.num_inputs());
-  shares << share(window.outputs), share(window.inputs);
-  return shares;
 }
 
 // `settled`: the first sample of the record that the change before leaves
@@ -181,19 +132,12 @@ absl::StatusOr<SetPointWindow> MakeWindow(const Record& record,
   window.clipped_after = group.clipped_after;
 
   const int first_quiet = std::max(settled - group.begin, 0);
-  const int last_quiet = center - group.begin - 1;
   window.before = TestParts(record, model, group.begin + first_quiet,
                             center - 1, extent.settling, options);
   window.after = TestParts(
       record, model,
       static_cast<int>(std::min(group.last_change() + extent.settling, 2e9)),
       group.end, extent.settling, options);
-  window.bad_share = BadShare(window.record);
-  window.operating_point =
-      FindOperatingPoint(window.record, first_quiet, last_quiet);
-  if (options.remove_operating_point) {
-    RemoveOperatingPoint(window.operating_point, window.record);
-  }
   return window;
 }
 
@@ -230,6 +174,12 @@ void WarnOfFew(WindowSet& set) {
 }
 
 }  // namespace
+
+std::vector<Record> WindowSet::Records() const {
+  std::vector<Record> records;
+  for (const SetPointWindow& window : windows) records.push_back(window.record);
+  return records;
+}
 
 absl::Status WindowOptions::Validate() const {
   const auto check = [](const char* field, double value) {

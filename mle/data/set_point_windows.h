@@ -2,19 +2,13 @@
 //
 // Each change gets a window of `before` and `after` around it. Changes that
 // follow before the plant has settled share one window; windows do not overlap;
-// where a record ends or another window begins, they are clipped. Every window
-// has an operating point of its own, the mean of its part before the change,
-// which is subtracted from its samples. Parts that should be at rest (before
-// the change, and once the plant has settled) are tested for drift and
-// disturbances.
+// where a record ends or another window begins, they are clipped. Parts that
+// should be at rest (before the change, and once the plant has settled) are
+// tested for drift and disturbances.
 //
 //   MLE_ASSIGN_OR_RETURN(const WindowSet set,
 //                        FindWindows(import.records, model, WindowOptions()));
 //   CorrectStructure(model, set.Records(), …);
-//
-// The operating point is an estimate with an error of its own, so that an
-// offset for each window has to stay free in what is fitted
-// (StructuredOptions::offsets = kAlways).
 
 #ifndef MLE_DATA_SET_POINT_WINDOWS_H_
 #define MLE_DATA_SET_POINT_WINDOWS_H_
@@ -22,7 +16,6 @@
 #include <string>
 #include <vector>
 
-#include "Eigen/Core"
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "mle/data/record.h"
@@ -45,8 +38,6 @@ struct WindowOptions {
   // Times of changes, for records without set points. If not empty, set points
   // are not used. In order of time.
   std::vector<double> change_times = {};
-  // Subtracts the operating point from the samples.
-  bool remove_operating_point = false;
   // Standard deviations that a trend or a step in a quiet part must have to be
   // reported, > 0. At 5 white noise is reported in less than 1 of 10⁴ parts.
   double report_threshold = 5.0;
@@ -54,13 +45,6 @@ struct WindowOptions {
   double report_size = 1.0;
 
   absl::Status Validate() const;
-};
-
-struct OperatingPoint {
-  Eigen::VectorXd outputs;     // p
-  Eigen::VectorXd inputs;      // m
-  Eigen::VectorXd set_points;  // p, NaN where unknown; or empty
-  int samples = 0;             // it is the mean of
 };
 
 // A quiet part of an output, less the model's response to the inputs, with
@@ -80,26 +64,17 @@ struct QuietPart {
 };
 
 struct SetPointWindow {
-  // Deviations from the operating point, unless that is not removed.
   Record record;
   int source = 0;        // the record that it was cut from,
   int first_sample = 0;  // and from which sample on
   // In it; samples count from the window's first. `output` is −1 for changes
   // that are given by their time.
   std::vector<SetPointChange> changes;
-  OperatingPoint operating_point;
   // The window is shorter than requested: the record or another window ends it.
   bool clipped_before = false;
   bool clipped_after = false;
   std::vector<QuietPart> before;  // p: quiet part before the change
   std::vector<QuietPart> after;   // p: once settled
-  // Share of samples that are bad, outputs (p) then inputs (m).
-  Eigen::VectorXd bad_share;
-
-  bool drifting() const;
-  bool disturbed() const;
-  // Text for a reader.
-  std::string Report(const ProcessModel& channels) const;
 };
 
 struct WindowSet {
@@ -112,8 +87,6 @@ struct WindowSet {
   std::vector<std::string> warnings;
 
   std::vector<Record> Records() const;
-  std::string BriefReport() const;
-  std::string FullReport(const ProcessModel& channels) const;
 };
 
 // The changes of set points of each record, those up to `min_change` left out;

@@ -181,24 +181,19 @@ TEST(HistorianTest, ShortGapsAreBridgedAndLongOnesSplit) {
     if (k == 3 || k == 4 || (k >= 10 && k < 30)) continue;
     absl::StrAppend(&text, k, ",", k, ",", k % 2, "\n");
   }
-  HistorianOptions options;
-  options.bridge_outputs = true;
-  const HistorianImport import = ImportOk(text, options);
+  const HistorianImport import = ImportOk(text);
   ASSERT_EQ(import.records.size(), 2u);
   EXPECT_EQ(import.records[0].samples(), 10);
-  EXPECT_EQ(import.records[0].outputs(0, 3), 3.0);  // linear
-  EXPECT_EQ(import.records[0].outputs(0, 4), 4.0);
+  EXPECT_TRUE(std::isnan(import.records[0].outputs(0, 3)));
   EXPECT_EQ(import.records[0].inputs(0, 3), 0.0);  // held
   EXPECT_EQ(import.records[0].inputs(0, 4), 0.0);
   EXPECT_EQ(import.records[1].start_time, 30.0);
   EXPECT_EQ(import.report.num_gaps, 2);
   EXPECT_FALSE(import.report.gaps[0].splits);
   EXPECT_TRUE(import.report.gaps[1].splits);
-  EXPECT_EQ(import.report.channels[0].bridged, 2);
-
-  const Record record = ImportOk(text).records[0];
-  EXPECT_TRUE(std::isnan(record.outputs(0, 3)));
-  EXPECT_EQ(record.inputs(0, 3), 0.0);
+  EXPECT_EQ(import.report.channels[0].bridged, 0);
+  EXPECT_EQ(import.report.channels[0].missing, 2);
+  EXPECT_EQ(import.report.channels[1].bridged, 2);
 }
 
 TEST(HistorianTest, TimesThatDoNotIncreaseAreErrorsWithTheirLine) {
@@ -426,7 +421,6 @@ TEST(HistorianTest, OptionsOutOfRangeAreNamed) {
 TEST(HistorianTest, ReportsCanBeRead) {
   HistorianOptions options;
   options.columns.ignore_other_columns = true;
-  options.bridge_outputs = true;
   const HistorianImport import = ImportOk(
       "time,level,steam,other\n2024-01-01 00:00:00,1,2,x\n"
       "2024-01-01 00:01:00,,2,x\n2024-01-01 00:02:00,1,2,x\n",
@@ -435,8 +429,8 @@ TEST(HistorianTest, ReportsCanBeRead) {
   EXPECT_THAT(report, HasSubstr("3 rows of 1 files: 1 records, 3 samples"));
   EXPECT_THAT(report, HasSubstr("1 columns ignored: other"));
   EXPECT_THAT(report, HasSubstr("time 0 is 2024-01-01T00:00:00Z"));
-  EXPECT_THAT(report, HasSubstr("level: 1 bad in the files, 1 empty; 1 samples "
-                                "bridged"));
+  EXPECT_THAT(report, HasSubstr("level: 1 bad in the files, 1 empty; 0 samples "
+                                "bridged, 1 stay bad"));
 }
 
 TEST(HistorianTest, FilesThatCannotBeReadAreNamed) {
