@@ -90,49 +90,6 @@ absl::StatusOr<control::MpcOptions> ControllerSpec::For(int outputs,
   return options;
 }
 
-const std::vector<Estimator>& AllEstimators() {
-  static const auto* const kAll = new std::vector<Estimator>{
-      Estimator::kNone,    Estimator::kArx,        Estimator::kArxTested,
-      Estimator::kCeres,   Estimator::kStructured, Estimator::kStructuredFree,
-      Estimator::kCombined};
-  return *kAll;
-}
-
-const char* NameOf(Estimator estimator) {
-  switch (estimator) {
-    case Estimator::kNone:
-      return "none";
-    case Estimator::kArx:
-      return "arx";
-    case Estimator::kArxTested:
-      return "arx_tested";
-    case Estimator::kCeres:
-      return "ceres";
-    case Estimator::kStructured:
-      return "structured";
-    case Estimator::kStructuredFree:
-      return "structured_free";
-    case Estimator::kCombined:
-      return "combined";
-  }
-  return "";
-}
-
-bool UsesLambda(Estimator estimator) {
-  switch (estimator) {
-    case Estimator::kNone:
-    case Estimator::kStructured:
-    case Estimator::kStructuredFree:
-      return false;
-    case Estimator::kArx:
-    case Estimator::kArxTested:
-    case Estimator::kCeres:
-    case Estimator::kCombined:
-      return true;
-  }
-  return false;
-}
-
 Campaign::Campaign() {
   controllers.resize(1);
   controllers[0].name = "default";
@@ -142,15 +99,17 @@ Campaign::Campaign() {
   solvers = {{"homotopy", LassoSolverOptions(), true}};
 }
 
-void AddMethods(Estimator estimator, Campaign& campaign) {
-  if (!UsesLambda(estimator)) {
-    campaign.methods.push_back({estimator, -1, -1});
+void AddMethods(Method method, Campaign& campaign) {
+  if (!method.UsesLambda()) {
+    campaign.methods.push_back(method);
     return;
   }
   // Solver by solver: a path is solved once for all rules.
   for (int s = 0; s < static_cast<int>(campaign.solvers.size()); ++s) {
     for (int r = 0; r < static_cast<int>(campaign.selections.size()); ++r) {
-      campaign.methods.push_back({estimator, r, s});
+      method.selection = r;
+      method.solver = s;
+      campaign.methods.push_back(method);
     }
   }
 }

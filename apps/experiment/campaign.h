@@ -20,6 +20,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "apps/experiment/ablations.h"
+#include "apps/experiment/method.h"
 #include "apps/experiment/options.h"
 #include "control/mpc_options.h"
 #include "mle/correction/selection.h"
@@ -89,21 +90,6 @@ struct ControllerSpec {
   control::MpcOptions mpc;
 };
 
-enum class Estimator {
-  kNone,        // the model stays as it is
-  kArx,         // ΔR
-  kArxTested,   // ΔR if a test finds the model wrong (model_adequacy.h)
-  kCeres,       // kArxTested at the same λ, by Ceres (smoothed_correction.h)
-  kStructured,  // gains, time scales, dead times (structured_correction.h)
-  kStructuredFree,  // the same with every element free, whatever the test says
-  kCombined,  // structured, then ΔR where that is not enough (combined.h)
-};
-const std::vector<Estimator>& AllEstimators();
-const char* NameOf(Estimator estimator);
-// Whether it chooses a λ, so that selection rules and solvers make a
-// difference.
-bool UsesLambda(Estimator estimator);
-
 struct SelectionSpec {
   std::string name;
   SelectionOptions options;
@@ -113,13 +99,6 @@ struct SolverSpec {
   std::string name;
   LassoSolverOptions options;
   bool exact = true;  // its gap certifies the optimum
-};
-
-// One way to estimate; indices into the campaign's lists, −1 where none.
-struct Method {
-  Estimator estimator = Estimator::kArx;
-  int selection = -1;
-  int solver = -1;
 };
 
 struct Campaign {
@@ -143,9 +122,9 @@ struct Campaign {
   ExperimentOptions settings;
 };
 
-// Adds the methods of an estimator, with every solver and selection rule of the
-// campaign where it uses them.
-void AddMethods(Estimator estimator, Campaign& campaign);
+// Adds a method, with every solver and selection rule of the campaign where it
+// uses them.
+void AddMethods(Method method, Campaign& campaign);
 
 // The rule for λ that campaigns and mle_reproduce call `name`: paper,
 // leave_change_out, blocks, aic, bic, gcv. InvalidArgument lists them.

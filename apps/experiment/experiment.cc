@@ -2,8 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
-#include <string>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
@@ -12,17 +11,10 @@
 #include "apps/experiment/plants.h"
 #include "apps/experiment/records.h"
 #include "mle/base/status.h"
-#include "mle/correction/combined.h"
-#include "mle/correction/smoothed_correction.h"
+#include "mle/maintain/corrected_model.h"
 #include "mle/nonlinear/output_reconstruction.h"
 
 namespace mle::experiment {
-double ThreadSeconds() {
-  timespec time{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) +
-         1e-9 * static_cast<double>(time.tv_nsec);
-}
 
 absl::StatusOr<const ConversionSummary*> SharedConversion::Get(
     const ExperimentOptions& options) {
@@ -66,186 +58,92 @@ StepResponse Experiment::InitialResponse() const {
   return initial_.ComputeStepResponse(options_.sample_time, truth_.samples());
 }
 
-CorrectionOptions Experiment::CorrectionOf(const Method& method) const {
+EstimationOptions Experiment::EstimationOf(const Method& method) {
+  EstimationOptions estimation;
+  estimation.estimator = *method.estimator;
+  estimation.change_test = method.change_test;
+  estimation.solve_by_ceres = method.solve_by_ceres;
+  estimation.structured = StructuredOptionsFor(options_.windows.robust);
+  estimation.calibration.seed = seed_;
+  // The noise is known, the initial model converted once.
+  estimation.converter =
+      [this, initial = *method.estimator == Estimator::kArx](
+          const ProcessModel& model) -> absl::StatusOr<ConversionSummary> {
+    if (!initial) return ConvertInitialModel(model, seed_, options_);
+    MLE_ASSIGN_OR_RETURN(const ConversionSummary* const conversion,
+                         conversion_.Get(options_));
+    return *conversion;
+  };
   ExperimentOptions options = base_;
-  options.correction.solver = campaign_.solvers[method.solver].options;
-  options.correction.selection = campaign_.selections[method.selection].options;
+  if (method.UsesLambda()) {
+    options.correction.solver = campaign_.solvers[method.solver].options;
+    options.correction.selection =
+        campaign_.selections[method.selection].options;
+  }
   const Ablation* const ablation = campaign_.ablations[scenario_.ablation];
   if (ablation != nullptr) ablation->apply(options);
-  return options.correction;
+  estimation.correction = std::move(options.correction);
+  return estimation;
 }
 
-absl::StatusOr<StructuredCorrection*> Experiment::StructuredFitOf(
-    double& seconds) {
-  return structured_.Get(
-      [&] {
-        return CorrectStructure(initial_, windows_,
-                                StructuredOptionsFor(options_.windows.robust));
-      },
-      seconds);
+const Hindsight& Experiment::HindsightOf(int solver,
+                                         const Correction& correction) {
+  const auto [found, added] = hindsights_.try_emplace(solver);
+  Hindsight& hindsight = found->second;
+  if (added) {
+    const Eigen::VectorXd& lambdas = correction.fits().front().lambdas;
+    DistanceCurve curve(correction, lambdas, truth_);
+    const Eigen::Index best = curve.Best();
+    hindsight = {lambdas(best), curve(best), curve(0)};
+  }
+  return hindsight;
 }
 
-// Without gaps where outliers were marked.
-absl::StatusOr<std::vector<Record>> Experiment::WindowsOfArx() {
-  if (options_.windows.robust != OutlierTreatment::kModel) return windows_;
-  double seconds = 0.0;
-  MLE_ASSIGN_OR_RETURN(const StructuredCorrection* const structured,
-                       StructuredFitOf(seconds));
-  return FillMarked(structured->full, windows_);
-}
-
-absl::StatusOr<Path> Experiment::SolvePath(const Method& method) {
-  MLE_ASSIGN_OR_RETURN(const ConversionSummary* const conversion,
-                       conversion_.Get(options_));
-  const CorrectionOptions options = CorrectionOf(method);
-  MLE_ASSIGN_OR_RETURN(const std::vector<Record> windows, WindowsOfArx());
-  const double start = ThreadSeconds();
-  Path path;
-  MLE_ASSIGN_OR_RETURN(path.correction,
-                       CorrectModel(conversion->model, windows, options));
-  path.correction_seconds = ThreadSeconds() - start;
-  path.conversion_gap = conversion->max_relative_gap;
-  path.lambdas = options.lambdas;
-  path.selections[method.selection] = path.correction.selection();
-  DistanceCurve curve(path.correction, path.lambdas, truth_);
-  const Eigen::Index best = curve.Best();
-  path.best_lambda = path.lambdas(best);
-  path.best_E = curve(best);
-  path.zero_E = curve(0);
-  return path;
-}
-
-// The path of the method's solver, with λ chosen by its rule.
-absl::StatusOr<Path*> Experiment::PathOf(const Method& method) {
-  double seconds = 0.0;
+absl::Status Experiment::RunEstimator(const Method& method,
+                                      Evaluation& evaluation) {
+  const int solver = std::max(method.solver, 0);
+  MLE_ASSIGN_OR_RETURN(evaluation.estimate,
+                       EstimateModel(initial_, windows_, EstimationOf(method),
+                                     {}, &fits_[solver]));
+  const EstimateFit& fit = evaluation.estimate->fit;
+  evaluation.change_proposed = fit.change_proposed;
+  evaluation.seconds = fit.seconds;
+  if (method.change_test != ChangeTest::kNone)
+    evaluation.p_value = fit.PValue();
+  if (fit.arx.has_value()) {
+    evaluation.lambda = fit.arx->selection().lambda_star;
+    if (*method.estimator == Estimator::kArx) {
+      evaluation.hindsight = &HindsightOf(solver, *fit.arx);
+    }
+  }
   MLE_ASSIGN_OR_RETURN(
-      Path* const path,
-      paths_[method.solver].Get([&] { return SolvePath(method); }, seconds));
-  if (path->selections.count(method.selection) == 0) {
-    MLE_ASSIGN_OR_RETURN(
-        path->selections[method.selection],
-        path->correction.Select(CorrectionOf(method).selection));
+      CorrectedModel model,
+      MakeCorrectedModel(*evaluation.estimate, fit.change_proposed,
+                         options_.sample_time, truth_.samples(),
+                         /*make_arx=*/false));
+  evaluation.response = std::move(model.response);
+  if (evaluation.estimate->setting.conversion.has_value()) {
+    evaluation.max_relative_gap = model.max_relative_gap;
   }
-  return path;
-}
-
-absl::Status Experiment::Guard(Estimate& estimate) {
-  MLE_ASSIGN_OR_RETURN(const ModelAdequacy* const adequacy,
-                       adequacy_.Get(
-                           [&] {
-                             return TestAdequacy(initial_, windows_, {},
-                                                 AdequacyOptions());
-                           },
-                           estimate.seconds));
-  estimate.change_proposed = !adequacy->adequate;
-  estimate.p_value = adequacy->p_value;
   return absl::OkStatus();
 }
 
-absl::Status Experiment::Arx(const Method& method, Estimate& estimate) {
-  MLE_ASSIGN_OR_RETURN(const Path* const path, PathOf(method));
-  const SelectionSummary& selection = path->selections.at(method.selection);
-  estimate.path = path;
-  estimate.lambda = selection.lambda_star;
-  estimate.seconds += path->correction_seconds;
-  // Not of the rule that happened to be asked for first.
-  double gap = std::max(path->conversion_gap, selection.max_relative_gap);
-  for (const LassoSolution& fit : path->correction.fits()) {
-    gap = std::max(gap, fit.MaxRelativeGap());
+absl::StatusOr<Evaluation> Experiment::Run(const Method& method) {
+  Evaluation evaluation;
+  if (method.estimator.has_value()) {
+    MLE_RETURN_IF_ERROR(RunEstimator(method, evaluation));
+  } else {
+    evaluation.response = InitialResponse();
   }
-  estimate.max_relative_gap = gap;
-  estimate.response = path->correction.Model(selection.lambda_star)
-                          .ComputeStepResponse(truth_.samples());
-  return absl::OkStatus();
-}
-
-absl::Status Experiment::Ceres(const Method& method, Estimate& estimate) {
-  MLE_ASSIGN_OR_RETURN(const Path* const path, PathOf(method));
-  const double start = ThreadSeconds();
-  estimate.path = path;
-  estimate.lambda = path->selections.at(method.selection).lambda_star;
-  MLE_ASSIGN_OR_RETURN(const SmoothedCorrection smoothed,
-                       CorrectSmoothed(path->correction, estimate.lambda, {}));
-  estimate.max_relative_gap = smoothed.MaxRelativeGap();
-  estimate.response = smoothed.model.ComputeStepResponse(truth_.samples());
-  estimate.seconds += ThreadSeconds() - start;
-  return absl::OkStatus();
-}
-
-absl::Status Experiment::Structured(bool all_free, Estimate& estimate) {
-  MLE_ASSIGN_OR_RETURN(estimate.structured, StructuredFitOf(estimate.seconds));
-  const StructuredCorrection& structured = *estimate.structured;
-  estimate.change_proposed = structured.change_proposed;
-  estimate.p_value = structured.p_value;
-  const StructuredFit& fit = all_free ? structured.full : structured.corrected;
-  estimate.response =
-      fit.model.ComputeStepResponse(options_.sample_time, truth_.samples());
-  return absl::OkStatus();
-}
-
-absl::Status Experiment::Combined(const Method& method, Estimate& estimate) {
-  MLE_RETURN_IF_ERROR(Structured(/*all_free=*/false, estimate));
-  const double start = ThreadSeconds();
-  CombinedOptions combined_options;
-  combined_options.correction = CorrectionOf(method);
-  MLE_ASSIGN_OR_RETURN(const CombinedCorrection combined,
-                       CompleteStructured(
-                           initial_, *estimate.structured, windows_,
-                           [this](const ProcessModel& model) {
-                             return ConvertInitialModel(model, seed_, options_);
-                           },
-                           combined_options));
-  estimate.change_proposed = combined.change_proposed();
-  if (combined.correction.has_value()) {
-    estimate.lambda = combined.correction->selection().lambda_star;
-    estimate.max_relative_gap = std::max(combined.conversion->max_relative_gap,
-                                         combined.correction->MaxRelativeGap());
-  }
-  estimate.response =
-      combined.ComputeStepResponse(options_.sample_time, truth_.samples());
-  estimate.seconds += ThreadSeconds() - start;
-  return absl::OkStatus();
-}
-
-absl::Status Experiment::Dispatch(const Method& method, Estimate& estimate) {
-  switch (method.estimator) {
-    case Estimator::kNone:
-      estimate.response = InitialResponse();
-      return absl::OkStatus();
-    case Estimator::kArx:
-      return Arx(method, estimate);
-    case Estimator::kArxTested:
-      MLE_RETURN_IF_ERROR(Guard(estimate));
-      return Arx(method, estimate);
-    case Estimator::kCeres:
-      MLE_RETURN_IF_ERROR(Guard(estimate));
-      return Ceres(method, estimate);
-    case Estimator::kStructured:
-      return Structured(/*all_free=*/false, estimate);
-    case Estimator::kStructuredFree:
-      return Structured(/*all_free=*/true, estimate);
-    case Estimator::kCombined:
-      return Combined(method, estimate);
-  }
-  return absl::InternalError("unknown estimator");
-}
-
-absl::StatusOr<Estimate> Experiment::Run(const Method& method) {
-  Estimate estimate;
-  MLE_RETURN_IF_ERROR(Dispatch(method, estimate));
-  const bool guarded = method.estimator == Estimator::kArxTested ||
-                       method.estimator == Estimator::kCeres;
-  if (guarded && !estimate.change_proposed) {
-    estimate.response = InitialResponse();
-  }
-  if (!std::isfinite(SquaredDistance(truth_, estimate.response))) {
+  if (!std::isfinite(SquaredDistance(truth_, evaluation.response))) {
     return absl::FailedPreconditionError(absl::StrFormat(
         "the model estimated is unstable: its step response leaves the range "
         "of numbers within %g",
         options_.response_horizon));
   }
-  MLE_ASSIGN_OR_RETURN(estimate.judgement, Judge(truth_, estimate.response));
-  return estimate;
+  MLE_ASSIGN_OR_RETURN(evaluation.judgement,
+                       Judge(truth_, evaluation.response));
+  return evaluation;
 }
 
 double Experiment::ComputeLimit() const {

@@ -5,7 +5,7 @@
 //   MLE_ASSIGN_OR_RETURN(
 //       const std::unique_ptr<Experiment> experiment,
 //       Experiment::Create(campaign, scenario, seed, initial, conversion));
-//   MLE_ASSIGN_OR_RETURN(const Estimate estimate, experiment->Run(method));
+//   MLE_ASSIGN_OR_RETURN(const Evaluation evaluation, experiment->Run(method));
 
 #ifndef APPS_EXPERIMENT_EXPERIMENT_H_
 #define APPS_EXPERIMENT_EXPERIMENT_H_
@@ -26,37 +26,12 @@
 #include "mle/correction/correction.h"
 #include "mle/correction/judgement.h"
 #include "mle/data/record.h"
+#include "mle/maintain/estimation.h"
+#include "mle/maintain/shared_fits.h"
 #include "mle/model/process_model.h"
 #include "mle/model/step_response.h"
-#include "mle/nonlinear/model_adequacy.h"
-#include "mle/nonlinear/structured_correction.h"
 
 namespace mle::experiment {
-
-// Seconds of processor time of this thread.
-double ThreadSeconds();
-
-// A result that is made when first asked for, and how long that took.
-template <typename T>
-class Shared {
- public:
-  // Adds the time to `seconds`, whoever asked first.
-  template <typename Make>
-  absl::StatusOr<T*> Get(const Make& make, double& seconds) {
-    if (!result_.has_value()) {
-      const double start = ThreadSeconds();
-      result_ = make();
-      seconds_ = ThreadSeconds() - start;
-    }
-    seconds += seconds_;
-    if (!result_->ok()) return result_->status();
-    return &**result_;
-  }
-
- private:
-  std::optional<absl::StatusOr<T>> result_;
-  double seconds_ = 0.0;
-};
 
 // R of the initial model, for all scenarios of a unit (grid.h): not every
 // estimator needs it.
@@ -74,36 +49,27 @@ class SharedConversion {
   Shared<ConversionSummary> conversion_;
 };
 
-// ΔR for every λ by one solver, with λ chosen by every rule asked for.
-struct Path {
-  double conversion_gap = 0.0;
-  Correction correction;
-  double correction_seconds = 0.0;
-  Eigen::VectorXd lambdas;                     // the grid
-  std::map<int, SelectionSummary> selections;  // by rule
-  // In hindsight, one λ for all outputs: the best of the grid, and the
-  // smallest.
+// What only a simulation can know of ΔR of the whole model, one λ for all
+// outputs: at the best λ of the grid, and at the smallest.
+struct Hindsight {
   double best_lambda = 0.0;
   double best_E = 0.0;
   double zero_E = 0.0;
 };
 
 // What a method made of the records. Pointers belong to the experiment.
-struct Estimate {
+struct Evaluation {
   StepResponse response;  // of the model estimated
   Judgement judgement;    // against the plant's
-  // Of the test that guards the estimator; without one the model is changed.
+  // None where the model stays as it is.
+  std::optional<Estimate> estimate;
+  // Without a test the model is changed.
   bool change_proposed = true;
   std::optional<double> p_value;  // of the initial model being right
-  // Of ΔR, where the method has one, whether or not it is proposed.
-  const Path* path = nullptr;
-  Eigen::VectorXd lambda;  // chosen, p
+  Eigen::VectorXd lambda;         // of ΔR where there is one, p
   double max_relative_gap = std::numeric_limits<double>::quiet_NaN();
-  // Of the estimators structured and combined.
-  const StructuredCorrection* structured = nullptr;
-  // Of processor time, tests included; the conversion of the initial model is
-  // not.
-  double seconds = 0.0;
+  const Hindsight* hindsight = nullptr;  // of ΔR of the whole model
+  double seconds = 0.0;                  // EstimateFit::seconds
 
   double E() const { return judgement.squared_distance; }
 };
@@ -115,7 +81,7 @@ class Experiment {
       const Campaign& campaign, const Scenario& scenario, std::uint64_t seed,
       const ProcessModel& initial, SharedConversion& conversion);
 
-  absl::StatusOr<Estimate> Run(const Method& method);
+  absl::StatusOr<Evaluation> Run(const Method& method);
 
   std::uint64_t seed() const { return seed_; }
   const ProcessModel& initial() const { return initial_; }
@@ -142,17 +108,9 @@ class Experiment {
         initial_(initial),
         conversion_(conversion) {}
 
-  absl::Status Arx(const Method& method, Estimate& estimate);
-  absl::Status Guard(Estimate& estimate);
-  absl::Status Ceres(const Method& method, Estimate& estimate);
-  absl::Status Structured(bool all_free, Estimate& estimate);
-  absl::Status Combined(const Method& method, Estimate& estimate);
-  absl::Status Dispatch(const Method& method, Estimate& estimate);
-  absl::StatusOr<StructuredCorrection*> StructuredFitOf(double& seconds);
-  absl::StatusOr<std::vector<Record>> WindowsOfArx();
-  absl::StatusOr<Path> SolvePath(const Method& method);
-  absl::StatusOr<Path*> PathOf(const Method& method);
-  CorrectionOptions CorrectionOf(const Method& method) const;
+  absl::Status RunEstimator(const Method& method, Evaluation& evaluation);
+  EstimationOptions EstimationOf(const Method& method);
+  const Hindsight& HindsightOf(int solver, const Correction& correction);
   double ComputeLimit() const;
 
   const Campaign& campaign_;
@@ -166,9 +124,9 @@ class Experiment {
   StepResponse truth_;
   Judgement truth_judged_;
   std::vector<Record> windows_;
-  std::map<int, Shared<Path>> paths_;  // by solver
-  Shared<ModelAdequacy> adequacy_;
-  Shared<StructuredCorrection> structured_;
+  // By solver.
+  std::map<int, SharedFits> fits_;
+  std::map<int, Hindsight> hindsights_;
   std::optional<double> limit_;
 };
 

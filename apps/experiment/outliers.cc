@@ -3,16 +3,11 @@
 #include <cmath>
 #include <random>
 
-#include "mle/base/status.h"
-#include "mle/nonlinear/output_reconstruction.h"
-
 namespace mle::experiment {
 namespace {
 
 constexpr double kSmallest = 10.0;  // standard deviations
 constexpr double kLargest = 50.0;
-// Longest gap that is filled: two bursts, one at the other.
-constexpr int kMaxGap = 30;
 
 }  // namespace
 
@@ -51,13 +46,6 @@ StructuredOptions StructuredOptionsFor(OutlierTreatment treatment) {
     options.robust_loss = RobustLoss::kCauchy;
   }
   return options;
-}
-
-absl::StatusOr<std::vector<Record>> FillMarked(const StructuredFit& fit,
-                                               std::vector<Record> windows) {
-  MLE_RETURN_IF_ERROR(
-      FillOutputs(fit.model, fit.noise, kMaxGap, windows).status());
-  return windows;
 }
 
 }  // namespace mle::experiment

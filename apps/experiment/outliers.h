@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "absl/status/statusor.h"
 #include "apps/experiment/options.h"
 #include "mle/data/record.h"
 #include "mle/nonlinear/structured_correction.h"
@@ -21,10 +20,6 @@ void AddOutliers(const WindowSpec& spec, double noise_variance,
 
 // The loss of the structured correction.
 StructuredOptions StructuredOptionsFor(OutlierTreatment treatment);
-
-// Outputs marked as outliers replaced by what the fitted model expects.
-absl::StatusOr<std::vector<Record>> FillMarked(const StructuredFit& fit,
-                                               std::vector<Record> windows);
 
 }  // namespace mle::experiment
 

@@ -104,7 +104,7 @@ std::vector<std::string> CoordinateTexts(const Campaign& campaign,
       mismatch.name,
       NumberText(mismatch.size),
       ablation == nullptr ? "" : ablation->name,
-      NameOf(method.estimator),
+      method.name(),
       method.selection < 0 ? "" : campaign.selections[method.selection].name,
       method.solver < 0 ? "" : campaign.solvers[method.solver].name,
       absl::StrCat(campaign.seeds[at.seed])};

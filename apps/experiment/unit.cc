@@ -110,30 +110,32 @@ Row RowOf(const Outcome& outcome) {
     return row;
   }
   Experiment& experiment = *outcome.experiment;
-  const Estimate& estimate = *outcome.estimate;
+  const Evaluation& evaluation = *outcome.evaluation;
   row[Metric::kInitialE] =
       DistanceOrInfinity(experiment.truth(), experiment.InitialResponse());
-  row[Metric::kE] = estimate.E();
-  AddElementErrors(experiment, estimate.judgement, row);
-  if (estimate.p_value.has_value()) {
-    row[Metric::kProposed] = estimate.change_proposed ? 1.0 : 0.0;
-    row[Metric::kPValue] = *estimate.p_value;
+  row[Metric::kE] = evaluation.E();
+  AddElementErrors(experiment, evaluation.judgement, row);
+  if (evaluation.p_value.has_value()) {
+    row[Metric::kProposed] = evaluation.change_proposed ? 1.0 : 0.0;
+    row[Metric::kPValue] = *evaluation.p_value;
   }
-  if (estimate.lambda.size() > 0) {
-    row[Metric::kLambdaMin] = estimate.lambda.minCoeff();
-    row[Metric::kLambdaMax] = estimate.lambda.maxCoeff();
+  if (evaluation.lambda.size() > 0) {
+    row[Metric::kLambdaMin] = evaluation.lambda.minCoeff();
+    row[Metric::kLambdaMax] = evaluation.lambda.maxCoeff();
   }
-  row[Metric::kGap] = estimate.max_relative_gap;
-  if (estimate.path != nullptr) {
-    row[Metric::kBestE] = estimate.path->best_E;
-    row[Metric::kBestLambda] = estimate.path->best_lambda;
-    row[Metric::kZeroE] = estimate.path->zero_E;
-    if (estimate.path->best_E > 0.0) {
-      row[Metric::kRatio] = row[Metric::kE] / estimate.path->best_E;
+  row[Metric::kGap] = evaluation.max_relative_gap;
+  if (const Hindsight* const hindsight = evaluation.hindsight) {
+    row[Metric::kBestE] = hindsight->best_E;
+    row[Metric::kBestLambda] = hindsight->best_lambda;
+    row[Metric::kZeroE] = hindsight->zero_E;
+    if (hindsight->best_E > 0.0) {
+      row[Metric::kRatio] = row[Metric::kE] / hindsight->best_E;
     }
   }
-  if (estimate.structured != nullptr) {
-    AddParameters(experiment, *estimate.structured, row);
+  const std::optional<Estimate>& estimate = evaluation.estimate;
+  if (estimate.has_value() &&
+      estimate->setting.options.estimator != Estimator::kArx) {
+    AddParameters(experiment, estimate->fit.structured, row);
     const double limit = experiment.Limit();
     if (limit > 0.0) row[Metric::kLimitE] = limit;
   }
@@ -166,7 +168,7 @@ void RunUnit(const Campaign& campaign, const Grid& grid,
       experiment =
           Experiment::Create(campaign, *current, seed, *initial, *conversion);
     }
-    std::optional<Estimate> estimate;
+    std::optional<Evaluation> evaluation;
     if (!initial.ok()) {
       outcome.status =
           absl::Status(initial.status().code(),
@@ -175,11 +177,11 @@ void RunUnit(const Campaign& campaign, const Grid& grid,
       outcome.status = experiment.status();
     } else {
       outcome.experiment = experiment->get();
-      absl::StatusOr<Estimate> made =
+      absl::StatusOr<Evaluation> made =
           (*experiment)->Run(campaign.methods[outcome.at.method]);
       outcome.status = made.status();
-      if (made.ok()) estimate = *std::move(made);
-      outcome.estimate = estimate.has_value() ? &*estimate : nullptr;
+      if (made.ok()) evaluation = *std::move(made);
+      outcome.evaluation = evaluation.has_value() ? &*evaluation : nullptr;
     }
     const double now = ThreadSeconds();
     outcome.seconds = now - start;

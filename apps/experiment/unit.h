@@ -23,8 +23,8 @@ struct Outcome {
   std::int64_t run = 0;
   Coordinates at;
   absl::Status status;
-  Experiment* experiment = nullptr;    // null where there were no records
-  const Estimate* estimate = nullptr;  // null unless `status` is good
+  Experiment* experiment = nullptr;        // null where there were no records
+  const Evaluation* evaluation = nullptr;  // null unless `status` is good
   // Of processor time; what runs share counts for the first that needs it.
   double seconds = 0.0;
 };

@@ -70,8 +70,11 @@ DEFINE_string(solver, "homotopy",
 DEFINE_string(estimators, "arx,ceres,structured,combined",
               "Estimators to compare on the same records, of arx (ΔR, exact), "
               "ceres (ΔR by smoothed L1; first seed only), structured (gains, "
-              "time constants, dead times) and combined (structured, then ΔR); "
-              "empty for none.");
+              "time constants, dead times), combined (structured, then ΔR) and "
+              "none (the initial model), each as in mle_correct or with "
+              "another test of no change behind a colon, such as "
+              "arx:adequacy: calibrated, chi_square, adequacy (arx and ceres "
+              "only) or none; empty for no comparison.");
 DEFINE_string(
     ablations, "",
     "Decisions to be taken differently, one at a time, to measure their "
@@ -171,24 +174,21 @@ absl::StatusOr<SelectionOptions> SelectionFromFlags() {
   return selection;
 }
 
-absl::StatusOr<std::vector<NamedEstimator>> EstimatorsFromFlags() {
-  std::vector<NamedEstimator> estimators;
+absl::StatusOr<std::vector<experiment::Method>> EstimatorsFromFlags() {
+  std::vector<experiment::Method> estimators;
   std::set<std::string> names;
   for (const std::string& name : ParseList(FLAGS_estimators)) {
-    const auto& known = NamedEstimators();
-    const auto found = std::find_if(
-        known.begin(), known.end(),
-        [&](const NamedEstimator& one) { return name == one.name; });
-    if (found == known.end()) {
+    const absl::StatusOr<experiment::Method> method =
+        experiment::ParseMethod(name);
+    if (!method.ok()) {
       return absl::InvalidArgumentError(
-          absl::StrCat("--estimators: there is no estimator '", name,
-                       "'; known are arx, ceres, structured and combined"));
+          absl::StrCat("--estimators: ", method.status().message()));
     }
-    if (!names.insert(name).second) {
+    if (!names.insert(method->name()).second) {
       return absl::InvalidArgumentError(
           absl::StrCat("--estimators: '", name, "' is named twice"));
     }
-    estimators.push_back(*found);
+    estimators.push_back(*method);
   }
   return estimators;
 }

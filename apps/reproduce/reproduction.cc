@@ -18,8 +18,8 @@ namespace {
 
 using experiment::Campaign;
 using experiment::Coordinates;
-using experiment::Estimator;
 using experiment::Grid;
+using experiment::Method;
 using experiment::Outcome;
 
 // The campaign's methods: the paper's, the other rule for λ if there is one,
@@ -28,7 +28,9 @@ class Methods {
  public:
   Methods(const Reproduction& reproduction, Campaign& campaign)
       : reproduction_(reproduction) {
-    campaign.methods = {{Estimator::kArx, 0, 0}};
+    Method method = experiment::PaperMethod();
+    method.selection = method.solver = 0;
+    campaign.methods = {method};
     const int outputs = campaign.models.front().model.num_outputs();
     if (campaign.windows.front().num_changes(outputs) > 1) {
       const bool paper = campaign.selections.front().name == "paper";
@@ -36,17 +38,19 @@ class Methods {
       campaign.selections.resize(1);
       campaign.selections.push_back(
           {other_rule_, *experiment::NamedSelection(other_rule_)});
-      campaign.methods.push_back({Estimator::kArx, 1, 0});
+      method.selection = 1;
+      campaign.methods.push_back(method);
     }
     first_estimator_ = static_cast<int>(campaign.methods.size());
-    for (const NamedEstimator& one : reproduction.estimators) {
-      campaign.methods.push_back({one.estimator, 0, 0});
+    for (Method one : reproduction.estimators) {
+      if (one.UsesLambda()) one.selection = one.solver = 0;
+      campaign.methods.push_back(one);
     }
   }
 
   const std::string& other_rule() const { return other_rule_; }
   // Null for the paper's method and the other rule.
-  const NamedEstimator* EstimatorOf(int method) const {
+  const Method* EstimatorOf(int method) const {
     return method < first_estimator_
                ? nullptr
                : &reproduction_.estimators[method - first_estimator_];
@@ -58,10 +62,9 @@ class Methods {
     if (at.scenario.ablation > 0) {
       return at.method == 0 && at.seed < reproduction_.ablation_seeds;
     }
-    const NamedEstimator* const estimator = EstimatorOf(at.method);
-    const bool once = estimator == nullptr
-                          ? at.method > 0
-                          : estimator->estimator == Estimator::kCeres;
+    const Method* const estimator = EstimatorOf(at.method);
+    const bool once =
+        estimator == nullptr ? at.method > 0 : estimator->solve_by_ceres;
     return at.seed == 0 || !once;
   }
 
@@ -98,21 +101,22 @@ AblationRun MakeAblationRun(const Outcome& outcome) {
   AblationRun run;
   run.status = outcome.status;
   if (!run.status.ok()) return run;
-  run.lambda_star = outcome.estimate->lambda(0);
-  run.E = outcome.estimate->E();
-  run.max_relative_gap = outcome.estimate->max_relative_gap;
+  run.lambda_star = outcome.evaluation->lambda(0);
+  run.E = outcome.evaluation->E();
+  run.max_relative_gap = outcome.evaluation->max_relative_gap;
   return run;
 }
 
-EstimatorResult MakeEstimatorResult(const char* name, const Outcome& outcome) {
+EstimatorResult MakeEstimatorResult(const Method& method,
+                                    const Outcome& outcome) {
   EstimatorResult result;
-  result.name = name;
+  result.name = method.name();
   result.status = outcome.status;
   if (!result.status.ok()) return result;
-  result.E = outcome.estimate->E();
-  result.change_proposed = outcome.estimate->change_proposed;
-  result.p_value = outcome.estimate->p_value.value_or(1.0);
-  result.seconds = outcome.estimate->seconds;
+  result.E = outcome.evaluation->E();
+  result.change_proposed = outcome.evaluation->change_proposed;
+  result.p_value = outcome.evaluation->p_value.value_or(1.0);
+  result.seconds = outcome.evaluation->seconds;
   return result;
 }
 
@@ -128,8 +132,8 @@ void Keep(const Reproduction& reproduction, const Methods& methods,
     return;
   }
   RunResult& run = result.runs[at.seed];
-  if (const NamedEstimator* const one = methods.EstimatorOf(at.method)) {
-    run.estimators.push_back(MakeEstimatorResult(one->name, outcome));
+  if (const Method* const one = methods.EstimatorOf(at.method)) {
+    run.estimators.push_back(MakeEstimatorResult(*one, outcome));
     if (outcome.experiment != nullptr) {
       run.E_limit = outcome.experiment->Limit();
     }
@@ -140,10 +144,10 @@ void Keep(const Reproduction& reproduction, const Methods& methods,
     other.name = methods.other_rule();
     other.status = outcome.status;
     if (outcome.status.ok()) {
-      other.lambda = outcome.estimate->lambda(0);
-      other.E = outcome.estimate->E();
+      other.lambda = outcome.evaluation->lambda(0);
+      other.E = outcome.evaluation->E();
       run.max_relative_gap =
-          std::max(run.max_relative_gap, outcome.estimate->max_relative_gap);
+          std::max(run.max_relative_gap, outcome.evaluation->max_relative_gap);
     }
     run.other_rule = std::move(other);
     return;
@@ -151,7 +155,7 @@ void Keep(const Reproduction& reproduction, const Methods& methods,
   run.seed = reproduction.campaign.seeds[at.seed];
   run.status = outcome.status;
   if (outcome.status.ok()) {
-    run.status = FillRun(*outcome.experiment, *outcome.estimate,
+    run.status = FillRun(*outcome.experiment, *outcome.evaluation,
                          /*in_full=*/at.seed == 0, run);
   }
 }
@@ -186,15 +190,6 @@ std::vector<std::vector<std::int64_t>> UnitsOf(const Grid& grid,
 }
 
 }  // namespace
-
-const std::vector<NamedEstimator>& NamedEstimators() {
-  static const auto* const kAll =
-      new std::vector<NamedEstimator>{{"arx", Estimator::kArxTested},
-                                      {"ceres", Estimator::kCeres},
-                                      {"structured", Estimator::kStructured},
-                                      {"combined", Estimator::kCombined}};
-  return *kAll;
-}
 
 absl::StatusOr<experiment::ExperimentOptions> Reproduction::Options() const {
   const ProcessModel& initial = campaign.models.front().model;

@@ -13,23 +13,15 @@
 
 namespace mle::reproduce {
 
-// An estimator that --estimators can name.
-struct NamedEstimator {
-  const char* name;
-  experiment::Estimator estimator;
-};
-// In the order of the tables.
-const std::vector<NamedEstimator>& NamedEstimators();
-
 struct Reproduction {
   // One model, noise, controller, solver and windows; a plant for each
   // mismatch; no methods, which RunReproduction() adds. The first selection is
   // the rule for λ.
   experiment::Campaign campaign;
   bool from_paper = false;  // the paper's figures belong beside the results
-  std::vector<NamedEstimator> estimators;  // to be compared
-  int ablation_seeds = 5;                  // the first of the seeds, ≥ 1
-  int threads = 0;                         // 0: one for each processor
+  std::vector<experiment::Method> estimators;  // to be compared
+  int ablation_seeds = 5;                      // the first of the seeds, ≥ 1
+  int threads = 0;                             // 0: one for each processor
 
   // Of every run, but for ablations.
   absl::StatusOr<experiment::ExperimentOptions> Options() const;

@@ -8,7 +8,7 @@
 namespace mle::reproduce {
 namespace {
 
-using experiment::Estimate;
+using experiment::Evaluation;
 using experiment::Experiment;
 using experiment::ExperimentOptions;
 
@@ -41,21 +41,22 @@ std::vector<std::string> AdviseOnTuning(const ProcessModel& initial,
 
 }  // namespace
 
-absl::Status FillRun(const Experiment& experiment, const Estimate& estimate,
+absl::Status FillRun(const Experiment& experiment, const Evaluation& evaluation,
                      bool in_full, RunResult& run) {
-  const experiment::Path& path = *estimate.path;
+  const Correction& correction = *evaluation.estimate->fit.arx;
+  const experiment::Hindsight& hindsight = *evaluation.hindsight;
   const StepResponse& truth = experiment.truth();
-  run.selection = path.selections.begin()->second;
-  run.lambda_star = estimate.lambda(0);
-  run.max_relative_gap = estimate.max_relative_gap;
-  run.lambda_oracle = path.best_lambda;
-  run.E_oracle = path.best_E;
-  run.judgement = estimate.judgement;
-  run.E_star = estimate.E();
+  run.selection = correction.selection();
+  run.lambda_star = evaluation.lambda(0);
+  run.max_relative_gap = evaluation.max_relative_gap;
+  run.lambda_oracle = hindsight.best_lambda;
+  run.E_oracle = hindsight.best_E;
+  run.judgement = evaluation.judgement;
+  run.E_star = evaluation.E();
   const StepResponse unregularised =
-      path.correction.Model(0.0).ComputeStepResponse(truth.samples());
+      correction.Model(0.0).ComputeStepResponse(truth.samples());
   run.E_zero = experiment::DistanceOrInfinity(truth, unregularised);
-  const ArxModel corrected = path.correction.Model(estimate.lambda);
+  const ArxModel corrected = correction.Model();
   MLE_ASSIGN_OR_RETURN(
       run.closed_loop,
       CompareClosedLoops(experiment.initial(), corrected, experiment.plant(),
@@ -67,8 +68,10 @@ absl::Status FillRun(const Experiment& experiment, const Estimate& estimate,
     return absl::OkStatus();
   }
   run.squared_distance =
-      experiment::DistanceCurve(path.correction, path.lambdas, truth).Whole();
-  run.corrected = estimate.response;
+      experiment::DistanceCurve(correction, correction.fits().front().lambdas,
+                                truth)
+          .Whole();
+  run.corrected = evaluation.response;
   run.unregularised = unregularised;
   run.retuning =
       AdviseOnTuning(experiment.initial(), corrected, experiment.options());

@@ -27,7 +27,7 @@ struct EstimatorResult {
   // E is that of the initial model.
   bool change_proposed = false;
   double p_value = 1.0;  // of the initial model being right
-  double seconds = 0.0;  // Estimate::seconds
+  double seconds = 0.0;  // Evaluation::seconds
 };
 
 struct RunResult {
@@ -76,7 +76,7 @@ struct AblationRun {
 // Fills in everything but the other rule and the estimators from what ΔR, the
 // paper's method, made of a run; `in_full` also what only the first seed has.
 absl::Status FillRun(const experiment::Experiment& experiment,
-                     const experiment::Estimate& estimate, bool in_full,
+                     const experiment::Evaluation& evaluation, bool in_full,
                      RunResult& run);
 
 }  // namespace mle::reproduce

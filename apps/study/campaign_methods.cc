@@ -18,8 +18,7 @@ namespace {
 using experiment::Ablation;
 using experiment::AddMethods;
 using experiment::Campaign;
-using experiment::Estimator;
-using experiment::NameOf;
+using experiment::Method;
 using experiment::SelectionSpec;
 using experiment::SolverSpec;
 
@@ -86,14 +85,11 @@ absl::StatusOr<SolverSpec> ParseSolver(const JsonNode& node,
                               ", and {\"name\": …, \"elastic_net\": RATIO}"));
 }
 
-absl::StatusOr<Estimator> ParseEstimator(const JsonNode& node) {
+absl::StatusOr<Method> ParseEstimator(const JsonNode& node) {
   MLE_ASSIGN_OR_RETURN(const std::string name, node.Text());
-  std::vector<std::string> known;
-  for (const Estimator estimator : experiment::AllEstimators()) {
-    if (name == NameOf(estimator)) return estimator;
-    known.emplace_back(NameOf(estimator));
-  }
-  return Unknown(node, absl::StrCat("known are ", absl::StrJoin(known, ", ")));
+  absl::StatusOr<Method> method = experiment::ParseMethod(name);
+  if (method.ok()) return method;
+  return Unknown(node, method.status().message());
 }
 
 absl::Status ParseSelections(const JsonNode& node, Campaign& campaign) {
@@ -181,16 +177,16 @@ absl::Status ParseMethods(const JsonNode& node, Campaign& campaign) {
   MLE_RETURN_IF_ERROR(ParseSolvers(node, campaign));
   MLE_RETURN_IF_ERROR(ParseAblations(node, campaign));
   if (!node.Has("estimators")) {
-    AddMethods(Estimator::kArx, campaign);
+    AddMethods(experiment::PaperMethod(), campaign);
     return absl::OkStatus();
   }
   MLE_ASSIGN_OR_RETURN(const std::vector<JsonNode> elements,
                        node.At("estimators").Elements());
   std::set<std::string> names;
   for (const JsonNode& element : elements) {
-    MLE_ASSIGN_OR_RETURN(const Estimator estimator, ParseEstimator(element));
-    MLE_RETURN_IF_ERROR(CheckNewName(element, NameOf(estimator), names));
-    AddMethods(estimator, campaign);
+    MLE_ASSIGN_OR_RETURN(const Method method, ParseEstimator(element));
+    MLE_RETURN_IF_ERROR(CheckNewName(element, method.name(), names));
+    AddMethods(method, campaign);
   }
   return absl::OkStatus();
 }

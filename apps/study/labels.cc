@@ -10,7 +10,6 @@ namespace mle::study {
 using experiment::Campaign;
 using experiment::Method;
 using experiment::Mismatch;
-using experiment::NameOf;
 using experiment::Scenario;
 
 std::string ScenarioLabel(const Campaign& campaign, const Scenario& scenario) {
@@ -56,7 +55,7 @@ std::string ScenarioLabel(const Campaign& campaign, const Scenario& scenario,
 }
 
 std::string MethodLabel(const Campaign& campaign, const Method& method) {
-  std::vector<std::string> parts = {NameOf(method.estimator)};
+  std::vector<std::string> parts = {method.name()};
   if (method.selection >= 0 && campaign.selections.size() > 1) {
     parts.push_back(campaign.selections[method.selection].name);
   }

@@ -19,7 +19,6 @@ namespace {
 
 using experiment::Campaign;
 using experiment::Distribution;
-using experiment::Estimator;
 using experiment::Metric;
 
 using report::FormatInteger;
@@ -156,7 +155,7 @@ std::vector<std::string> Findings(const Campaign& campaign,
     if (sentences.size() > kMost) break;
     const Distribution& E = cell[Metric::kE];
     if (E.count == 0 ||
-        campaign.methods[cell.at.method].estimator == Estimator::kNone) {
+        !campaign.methods[cell.at.method].estimator.has_value()) {
       continue;
     }
     sentences.push_back(absl::StrCat(

@@ -79,11 +79,8 @@ absl::StatusOr<CombinedCorrection> CompleteStructured(
   }
   CombinedCorrection combined;
   combined.structured = std::move(structured);
-  AdequacyOptions adequacy;
+  AdequacyOptions adequacy = AdequacyOptionsFor(options.structured);
   adequacy.false_alarm_probability = options.false_alarm_probability;
-  adequacy.estimate_drift = options.structured.estimate_drift;
-  adequacy.structure = options.structured;
-  adequacy.threads = options.structured.threads;
   const ProcessModel& corrected = combined.structured.corrected.model;
   MLE_ASSIGN_OR_RETURN(
       combined.adequacy,

@@ -83,10 +83,12 @@ void Correction::Model(const Eigen::VectorXd& lambdas, ArxModel& model) const {
   }
 }
 
-absl::StatusOr<SelectionSummary> Correction::Select(
-    const SelectionOptions& options) const {
-  return SelectLambda(data_, scaling_, penalty_weights_, moments_, problem_,
-                      fits_, options, solver_);
+absl::Status Correction::Select(const SelectionOptions& options) {
+  MLE_ASSIGN_OR_RETURN(
+      selection_, SelectLambda(*data_, scaling_, penalty_weights_, moments_,
+                               problem_, fits_, options, solver_));
+  selection_options_ = options;
+  return absl::OkStatus();
 }
 
 absl::StatusOr<Correction> CorrectModel(const ArxModel& initial,
@@ -107,16 +109,17 @@ absl::StatusOr<Correction> CorrectModel(const ArxModel& initial,
         options.penalty_weights.rows(), options.penalty_weights.cols(),
         initial.num_outputs, initial.num_regressors()));
   }
-  MLE_ASSIGN_OR_RETURN(correction.data_,
+  MLE_ASSIGN_OR_RETURN(RegressionData data,
                        RegressionData::Create(windows, initial, options.scaling,
                                               options.window_intercepts));
+  correction.data_ = std::make_shared<RegressionData>(std::move(data));
   std::vector<RegressionRows> all;
-  for (int i = 0; i < correction.data_.num_windows(); ++i) {
-    const std::vector<RegressionRows>& rows = correction.data_.window(i);
+  for (int i = 0; i < correction.data_->num_windows(); ++i) {
+    const std::vector<RegressionRows>& rows = correction.data_->window(i);
     all.insert(all.end(), rows.begin(), rows.end());
   }
   correction.moments_ =
-      ComputeLaggedMoments(all, correction.data_.num_groups());
+      ComputeLaggedMoments(all, correction.data_->num_groups());
   correction.problem_ = MakeLassoProblem(correction.moments_, options.scaling);
   for (int i = 0; i < correction.problem_.num_responses(); ++i) {
     MLE_ASSIGN_OR_RETURN(
@@ -126,8 +129,7 @@ absl::StatusOr<Correction> CorrectModel(const ArxModel& initial,
                    options.lambdas, options.solver));
     correction.fits_.push_back(std::move(fit));
   }
-  MLE_ASSIGN_OR_RETURN(correction.selection_,
-                       correction.Select(options.selection));
+  MLE_RETURN_IF_ERROR(correction.Select(options.selection));
   return correction;
 }
 

@@ -13,6 +13,7 @@
 #ifndef MLE_CORRECTION_CORRECTION_H_
 #define MLE_CORRECTION_CORRECTION_H_
 
+#include <memory>
 #include <vector>
 
 #include "Eigen/Core"
@@ -50,6 +51,9 @@ absl::StatusOr<Eigen::VectorXd> MakeLambdaGrid(double max, double step);
 class Correction {
  public:
   const SelectionSummary& selection() const { return selection_; }
+  const SelectionOptions& selection_options() const {
+    return selection_options_;
+  }
   // The fit of each output to all windows.
   const std::vector<LassoSolution>& fits() const { return fits_; }
   // The problems of these fits, and the weights of their penalties (p × n, or
@@ -58,7 +62,7 @@ class Correction {
   const Eigen::MatrixXd& penalty_weights() const { return penalty_weights_; }
   const ArxModel& initial() const { return initial_; }
   // The rows, their moments, and how the problem was made from these.
-  const RegressionData& data() const { return data_; }
+  const RegressionData& data() const { return *data_; }
   const LaggedMoments& moments() const { return moments_; }
   Scaling scaling() const { return scaling_; }
   // Worst relative duality gap of all fits, at every λ of the grid.
@@ -72,8 +76,7 @@ class Correction {
   void Model(const Eigen::VectorXd& lambdas, ArxModel& model) const;
 
   // λ* by another rule, on the same fits.
-  absl::StatusOr<SelectionSummary> Select(
-      const SelectionOptions& options) const;
+  absl::Status Select(const SelectionOptions& options);
 
  private:
   friend absl::StatusOr<Correction> CorrectModel(
@@ -83,11 +86,12 @@ class Correction {
   ArxModel initial_;
   Scaling scaling_ = Scaling::kStandardise;
   LassoSolverOptions solver_;
-  RegressionData data_;
+  std::shared_ptr<const RegressionData> data_;
   LaggedMoments moments_;
   LassoProblem problem_;
   Eigen::MatrixXd penalty_weights_;
   SelectionSummary selection_;
+  SelectionOptions selection_options_;
   std::vector<LassoSolution> fits_;
 };
 

@@ -57,6 +57,7 @@ struct SelectionOptions {
   bool on_grid = false;
 
   absl::Status Validate() const;
+  bool operator==(const SelectionOptions&) const = default;
 
   // Block length and horizon for a model of order `order`.
   int BlockLength(int order) const;

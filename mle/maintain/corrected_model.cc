@@ -53,8 +53,7 @@ absl::StatusOr<CorrectedModel> MakeCorrectedModel(const Estimate& estimate,
   if (!make_arx) return corrected;
   MLE_ASSIGN_OR_RETURN(
       const ConversionSummary conversion,
-      ConvertUnderNoise(*corrected.process, setting.noise, setting.scales,
-                        sample_time, setting.options.conversion));
+      ConvertModel(setting, *corrected.process, setting.scales, sample_time));
   corrected.max_relative_gap = conversion.max_relative_gap;
   corrected.arx = Unscaled(conversion.model, setting.scales);
   return corrected;

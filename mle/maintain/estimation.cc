@@ -9,6 +9,7 @@
 #include "mle/correction/robust_correction.h"
 #include "mle/correction/smoothed_correction.h"
 #include "mle/data/lagged_series.h"
+#include "mle/maintain/fit_structure.h"
 #include "mle/maintain/select_output.h"
 #include "mle/model/process_simulator.h"
 #include "mle/nonlinear/output_reconstruction.h"
@@ -27,6 +28,7 @@ absl::StatusOr<std::vector<Record>> ScaledWindows(
       FillOutputs(setting.filler, setting.noise, kLongestFill, windows)
           .status());
   const bool offsets =
+      !setting.options.converter &&
       std::any_of(setting.noise.begin(), setting.noise.end(),
                   [](const NoiseEstimate& noise) { return noise.offset; });
   std::vector<Record> scaled;
@@ -38,6 +40,11 @@ absl::StatusOr<std::vector<Record>> ScaledWindows(
     record.inputs.colwise() -= means.tail(record.num_inputs());
   }
   return scaled;
+}
+
+ChannelScales UnitScales(const ProcessModel& model) {
+  return {Eigen::VectorXd::Ones(model.num_outputs()),
+          Eigen::VectorXd::Ones(model.num_inputs())};
 }
 
 // The rows that are ΔR's from `arx`, the others from `process`.
@@ -173,34 +180,46 @@ absl::StatusOr<ProcessModel> FitAgedElements(
   return model;
 }
 
-// ΔR for the whole model, or for the outputs that structure does not explain.
-absl::Status AddArx(const std::vector<Record>& windows, Estimate& estimate) {
+// ΔR for the whole model.
+absl::Status AddArx(const std::vector<Record>& windows, SharedFits& shared,
+                    Estimate& estimate) {
+  EstimateSetting& setting = estimate.setting;
+  EstimateFit& fit = estimate.fit;
+  const EstimationOptions& options = setting.options;
+  setting.arx_outputs.assign(setting.arx_outputs.size(), true);
+  const double start = ThreadSeconds();
+  MLE_ASSIGN_OR_RETURN(setting.conversion,
+                       ConvertModel(setting, setting.initial, setting.scales,
+                                    windows.front().sample_time));
+  fit.seconds -= ThreadSeconds() - start;
+  if (!fit.change_proposed) return absl::OkStatus();
+  const auto correct = [&]() -> absl::StatusOr<Correction> {
+    MLE_ASSIGN_OR_RETURN(const std::vector<Record> scaled,
+                         ScaledWindows(setting, windows));
+    return CorrectModel(setting.conversion->model, scaled, options.correction);
+  };
+  MLE_ASSIGN_OR_RETURN(const Correction* const made,
+                       shared.arx.Get(correct, fit.seconds));
+  fit.arx = *made;
+  if (!(made->selection_options() == options.correction.selection)) {
+    MLE_RETURN_IF_ERROR(fit.arx->Select(options.correction.selection));
+  }
+  return SolveArx(options, fit);
+}
+
+// ΔR for the outputs that structure does not explain.
+absl::Status CompleteWithArx(const std::vector<Record>& windows,
+                             Estimate& estimate) {
   EstimateSetting& setting = estimate.setting;
   EstimateFit& fit = estimate.fit;
   const EstimationOptions& options = setting.options;
   const double sample_time = windows.front().sample_time;
-  const auto p = static_cast<std::size_t>(setting.initial.num_outputs());
-  if (options.estimator == Estimator::kArx) {
-    setting.arx_outputs.assign(p, true);
-    MLE_ASSIGN_OR_RETURN(
-        setting.conversion,
-        ConvertUnderNoise(setting.initial, setting.noise, setting.scales,
-                          sample_time, options.conversion));
-    if (!fit.change_proposed) return absl::OkStatus();
-    MLE_ASSIGN_OR_RETURN(const std::vector<Record> scaled,
-                         ScaledWindows(setting, windows));
-    MLE_ASSIGN_OR_RETURN(fit.arx, CorrectModel(setting.conversion->model,
-                                               scaled, options.correction));
-    return SolveArx(options, fit);
-  }
   CombinedOptions combined;
   combined.structured = options.structured;
   combined.false_alarm_probability = options.structured.false_alarm_probability;
   combined.correction = options.correction;
   // All in scaled units; back again, a model is converted as it is.
-  const ChannelScales unit = {
-      Eigen::VectorXd::Ones(setting.initial.num_outputs()),
-      Eigen::VectorXd::Ones(setting.initial.num_inputs())};
+  const ChannelScales unit = UnitScales(setting.initial);
   StructuredCorrection scaled = fit.structured;
   scaled.corrected.model = Scaled(scaled.corrected.model, setting.scales);
   MLE_ASSIGN_OR_RETURN(const std::vector<Record> scaled_windows,
@@ -210,9 +229,8 @@ absl::Status AddArx(const std::vector<Record>& windows, Estimate& estimate) {
                            Scaled(setting.initial, setting.scales),
                            std::move(scaled), scaled_windows,
                            [&](const ProcessModel& model) {
-                             return ConvertUnderNoise(model, setting.noise,
-                                                      unit, sample_time,
-                                                      options.conversion);
+                             return ConvertModel(setting, model, unit,
+                                                 sample_time);
                            },
                            combined));
   fit.adequacy = std::move(result.adequacy);
@@ -222,20 +240,6 @@ absl::Status AddArx(const std::vector<Record>& windows, Estimate& estimate) {
   setting.conversion = std::move(result.conversion);
   setting.arx_outputs = std::move(result.outputs_corrected);
   return SolveArx(options, fit);
-}
-
-// The test that options.change_test asks for.
-absl::StatusOr<NullCalibration> TestNoChange(
-    const ProcessModel& initial, const std::vector<Record>& windows,
-    const StructuredCorrection& structured, const EstimationOptions& options,
-    const ProgressCallback& progress) {
-  if (options.change_test == ChangeTest::kCalibrated) {
-    return CalibrateTest(initial, windows, structured, options.structured,
-                         options.calibration, progress);
-  }
-  NullCalibration test;
-  test.p_value = structured.p_value;
-  return test;
 }
 
 }  // namespace
@@ -281,11 +285,11 @@ double EstimateFit::PValue() const {
 }
 
 absl::Status EstimationOptions::Validate() const {
-  if (change_test == ChangeTest::kNone && estimator != Estimator::kArx) {
+  if (change_test == ChangeTest::kAdequacy && estimator != Estimator::kArx) {
     return absl::InvalidArgumentError(
-        absl::StrCat("change_test is none, but estimator is ",
+        absl::StrCat("change_test is adequacy, but estimator is ",
                      std::string(NameOf(estimator)),
-                     ": only arx can do without a test of no change"));
+                     ": that test is one of arx, as it has no structure"));
   }
   MLE_RETURN_IF_ERROR(structured.Validate());
   MLE_RETURN_IF_ERROR(calibration.Validate());
@@ -293,45 +297,47 @@ absl::Status EstimationOptions::Validate() const {
   return correction.Validate();
 }
 
+absl::StatusOr<ConversionSummary> ConvertModel(const EstimateSetting& setting,
+                                               const ProcessModel& model,
+                                               const ChannelScales& scales,
+                                               double sample_time) {
+  if (setting.options.converter) return setting.options.converter(model);
+  return ConvertUnderNoise(model, setting.noise, scales, sample_time,
+                           setting.options.conversion);
+}
+
 absl::StatusOr<Estimate> EstimateModel(const ProcessModel& initial,
                                        const std::vector<Record>& windows,
                                        const EstimationOptions& options,
-                                       const ProgressCallback& progress) {
+                                       const ProgressCallback& progress,
+                                       SharedFits* shared) {
+  const double start = ThreadSeconds();
   MLE_RETURN_IF_ERROR(options.Validate());
-  Stage fitting(progress,
-                absl::StrCat("fitting ", windows.size(),
-                             windows.size() == 1 ? " window" : " windows"));
-  MLE_ASSIGN_OR_RETURN(StructuredCorrection structured,
-                       CorrectStructure(initial, windows, options.structured));
-  MLE_RETURN_IF_ERROR(fitting.status());
+  SharedFits own;
+  SharedFits& fits = shared == nullptr ? own : *shared;
   Estimate estimate;
   EstimateFit& fit = estimate.fit;
-  MLE_ASSIGN_OR_RETURN(
-      fit.test, TestNoChange(initial, windows, structured, options, progress));
-  if (structured.change_proposed &&
-      fit.test.p_value >= options.structured.false_alarm_probability) {
-    StructuredOptions without = options.structured;
-    without.false_alarm_probability = kNever;
-    MLE_ASSIGN_OR_RETURN(structured,
-                         CorrectStructure(initial, windows, without));
-  }
+  MLE_RETURN_IF_ERROR(
+      FitStructure(initial, windows, options, progress, fits, fit));
   EstimateSetting& setting = estimate.setting;
   setting.initial = initial;
   setting.options = options;
-  setting.noise = structured.full.noise;
-  setting.filler = structured.full.model;
-  setting.scales = ChooseScales(initial, setting.noise, windows);
-  fit.structured = std::move(structured);
-  fit.change_proposed = options.change_test == ChangeTest::kNone ||
-                        fit.structured.change_proposed;
+  setting.noise = fit.structured.full.noise;
+  setting.filler = fit.structured.full.model;
+  setting.scales = options.converter
+                       ? UnitScales(initial)
+                       : ChooseScales(initial, setting.noise, windows);
   setting.arx_outputs.assign(static_cast<std::size_t>(initial.num_outputs()),
                              false);
   if (options.estimator != Estimator::kStructured) {
     Stage correcting(progress, "correcting the ARX model");
     MLE_RETURN_IF_ERROR(correcting.status());
-    MLE_RETURN_IF_ERROR(AddArx(windows, estimate));
+    MLE_RETURN_IF_ERROR(options.estimator == Estimator::kArx
+                            ? AddArx(windows, fits, estimate)
+                            : CompleteWithArx(windows, estimate));
   }
   MLE_RETURN_IF_ERROR(AddPredictors(setting, windows.front().sample_time, fit));
+  fit.seconds += ThreadSeconds() - start;
   return estimate;
 }
 

@@ -1,9 +1,11 @@
 // The corrected model from windows of records.
 //
-// The structured correction always runs: its test of no change guards every
-// estimator, and its noise is what the ARX conversion is made under. Where the
-// test finds no change the initial model stays, whatever the estimator
-// (estimator.h).
+// The structured correction runs for every estimator: its test of no change
+// guards them all, and its noise is what the ARX conversion is made under.
+// Where the test finds no change the initial model stays, whatever the
+// estimator (estimator.h). Only ΔR of complete records around a given
+// conversion (EstimationOptions::converter) does without it, if no test or
+// another one guards it.
 //
 //   MLE_ASSIGN_OR_RETURN(const Estimate estimate,
 //                        EstimateModel(model, windows, EstimationOptions()));
@@ -29,6 +31,7 @@
 #include "mle/maintain/no_change_test.h"
 #include "mle/maintain/prediction.h"
 #include "mle/maintain/progress.h"
+#include "mle/maintain/shared_fits.h"
 #include "mle/model/arx_model.h"
 #include "mle/model/process_model.h"
 #include "mle/nonlinear/structured_correction.h"
@@ -42,17 +45,6 @@ inline constexpr double kNoCorrectionLambda = 1e6;
 // scaled units (channel_scales.h) every λ that matters lies between.
 Eigen::VectorXd DefaultLambdaGrid();
 
-// What decides that a change is proposed at all.
-enum class ChangeTest {
-  // The likelihood-ratio test of the structured correction, calibrated on
-  // simulated records where χ² leaves doubt (no_change_test.h).
-  kCalibrated,
-  // The same test by χ² alone.
-  kChiSquare,
-  // Nothing: ΔR is proposed as it is, for studies of the estimator kArx.
-  kNone,
-};
-
 struct EstimationOptions {
   Estimator estimator = Estimator::kCombined;
   ChangeTest change_test = ChangeTest::kCalibrated;
@@ -62,6 +54,11 @@ struct EstimationOptions {
   StructuredOptions structured;
   NullCalibrationOptions calibration;
   ConversionSettings conversion;
+  // R of a model in the units of the records, in place of the conversion that
+  // `conversion` describes, for experiments in which the noise is known. The
+  // records are then neither scaled nor centred, and λ is in their units: the
+  // paper's setting. Empty: ConvertUnderNoise().
+  ArxConverter converter;
   CorrectionOptions correction = {.lambdas = DefaultLambdaGrid()};
 
   // Names the field, its value and the constraint broken.
@@ -82,6 +79,9 @@ struct EstimateFit {
   // R + ΔR at its λ*, scaled, and the relative duality gap.
   ArxModel arx_model;
   double arx_gap = 0.0;
+  // Of processor time of this thread, fits shared with other estimates
+  // included, the conversion of the initial model not.
+  double seconds = 0.0;
   // Predictions of the initial and of the corrected model; equal without a
   // proposal.
   Predictor initial;
@@ -115,11 +115,20 @@ struct Estimate {
   EstimateFit fit;
 };
 
-// InvalidArgument as of CorrectStructure(), Cancelled by `progress`.
+// InvalidArgument as of CorrectStructure(), Cancelled by `progress`. What
+// `shared` (shared_fits.h) already has is not made again.
 absl::StatusOr<Estimate> EstimateModel(const ProcessModel& initial,
                                        const std::vector<Record>& windows,
                                        const EstimationOptions& options,
-                                       const ProgressCallback& progress = {});
+                                       const ProgressCallback& progress = {},
+                                       SharedFits* shared = nullptr);
+
+// R of a model in units of these scales, by the converter or under the noise of
+// `setting`.
+absl::StatusOr<ConversionSummary> ConvertModel(const EstimateSetting& setting,
+                                               const ProcessModel& model,
+                                               const ChannelScales& scales,
+                                               double sample_time);
 
 // The two models that a fit to `windows` leaves to compare, where `full` is the
 // fit to all windows and proposes a change. The structured estimator fits the

@@ -1,5 +1,5 @@
-// The estimators of a corrected model, the same under the same name in every
-// command, study and benchmark.
+// The estimators of a corrected model and the tests that guard them, the same
+// under the same name in every command, study and benchmark.
 
 #ifndef MLE_MAINTAIN_ESTIMATOR_H_
 #define MLE_MAINTAIN_ESTIMATOR_H_
@@ -24,14 +24,31 @@ enum class Estimator {
   kCombined,
 };
 
+// What decides that a change is proposed at all.
+enum class ChangeTest {
+  // The likelihood-ratio test of the structured correction, calibrated on
+  // simulated records where χ² leaves doubt (no_change_test.h).
+  kCalibrated,
+  // The same test by χ² alone.
+  kChiSquare,
+  // Whether the inputs explain part of the initial model's residuals
+  // (model_adequacy.h), without any structure: for kArx alone.
+  kAdequacy,
+  // Nothing: ΔR, or the fit with every element free, is proposed as it is.
+  kNone,
+};
+
 // In the order of the enum.
 const std::vector<Estimator>& AllEstimators();
 
 // "structured", "arx", "combined".
 std::string_view NameOf(Estimator estimator);
+// "calibrated", "chi_square", "adequacy", "none".
+std::string_view NameOf(ChangeTest test);
 
 // The reverse; InvalidArgument lists the names.
 absl::StatusOr<Estimator> ParseEstimator(std::string_view name);
+absl::StatusOr<ChangeTest> ParseChangeTest(std::string_view name);
 
 }  // namespace mle
 

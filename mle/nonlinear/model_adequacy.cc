@@ -42,6 +42,15 @@ std::vector<int> FirstLags(const std::vector<OutputSetup>& setups,
 
 }  // namespace
 
+AdequacyOptions AdequacyOptionsFor(const StructuredOptions& structure) {
+  AdequacyOptions options;
+  options.false_alarm_probability = structure.false_alarm_probability;
+  options.estimate_drift = structure.estimate_drift;
+  options.structure = structure;
+  options.threads = structure.threads;
+  return options;
+}
+
 absl::Status AdequacyOptions::Validate() const {
   if (!(false_alarm_probability > 0.0 && false_alarm_probability < 1.0)) {
     return absl::InvalidArgumentError(

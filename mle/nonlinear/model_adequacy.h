@@ -51,6 +51,10 @@ struct AdequacyOptions {
   absl::Status Validate() const;
 };
 
+// The test with the options, and the false-alarm probability, of a structured
+// correction.
+AdequacyOptions AdequacyOptionsFor(const StructuredOptions& structure);
+
 struct ModelAdequacy {
   bool adequate = true;
   double p_value = 1.0;    // of all outputs together

@@ -151,7 +151,10 @@ TEST(MleReproduceBadInput, ChoiceOfThePenalty) {
        {"--selection_block=-1", "at least 1"}},
       {{"--solver=simplex"}, {"--solver=simplex", "known are homotopy, ceres"}},
       {{"--estimators=arx,magic"},
-       {"--estimators", "'magic'", "known are arx, ceres"}},
+       {"--estimators", "'magic'", "known are structured, arx"}},
+      {{"--estimators=arx:magic"}, {"--estimators", "'magic'", "chi_square"}},
+      {{"--estimators=combined:adequacy"},
+       {"--estimators", "change_test", "combined"}},
       {{"--estimators=arx,arx"}, {"--estimators", "'arx' is named twice"}},
       {{"--scaling=none"}, {"--scaling=none", "known are standardise"}},
   });

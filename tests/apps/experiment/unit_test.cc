@@ -41,12 +41,13 @@ std::map<std::int64_t, std::string> Rows(const Campaign& campaign,
 // What runs share must not show in them.
 TEST(RunUnitTest, ARowDependsOnItsNumberAlone) {
   nlohmann::json json = SmallCampaign(2);
-  json["estimators"] = {"arx", "arx_tested", "structured", "combined"};
+  json["estimators"] = {"arx:none", "arx:adequacy", "arx", "structured",
+                        "combined"};
   json["selections"] = {"paper", "bic"};
   json["ablations"] = {"none", "half_windows"};
   const Campaign campaign = Parse(json);
   const auto together = Rows(campaign, Grid::kUnitScenarios, false);
-  EXPECT_EQ(together.size(), 2U * 2U * 2U * 7U);
+  EXPECT_EQ(together.size(), 2U * 2U * 2U * 9U);
   EXPECT_EQ(together, Rows(campaign, 1, true));
 }
 
@@ -66,7 +67,7 @@ TEST(RunUnitTest, AblationsDiffer) {
     RunUnit(campaign, grid, grid.RunsOf(unit), stop,
             [&](const Outcome& outcome) {
               ASSERT_TRUE(outcome.status.ok()) << outcome.status;
-              E[outcome.at.scenario.ablation] = outcome.estimate->E();
+              E[outcome.at.scenario.ablation] = outcome.evaluation->E();
             });
   }
   ASSERT_EQ(E.size(), campaign.ablations.size());
@@ -85,7 +86,7 @@ TEST(RunUnitTest, NoEstimatorLeavesTheModel) {
   RunUnit(campaign, grid, grid.RunsOf(0), stop, [&](const Outcome& outcome) {
     const Row row = RowOf(outcome);
     ASSERT_TRUE(row.ok()) << row.status;
-    if (campaign.methods[outcome.at.method].estimator == Estimator::kNone) {
+    if (!campaign.methods[outcome.at.method].estimator.has_value()) {
       EXPECT_EQ(row[Metric::kE], row[Metric::kInitialE]);
       EXPECT_TRUE(std::isnan(row[Metric::kPValue]));
       EXPECT_TRUE(std::isnan(row[Metric::kLimitE]));
@@ -105,7 +106,7 @@ TEST(RunUnitTest, NoEstimatorLeavesTheModel) {
 TEST(RunUnitTest, OutliersAreFoundByTheModel) {
   nlohmann::json json = SmallCampaign(1);
   json["mismatches"].erase(1);
-  json["estimators"] = {"arx", "structured_free"};
+  json["estimators"] = {"arx:none", "structured:none"};
   nlohmann::json window = json["windows"][0];
   window["name"] = "outliers";
   window["outlier_share"] = 0.01;
@@ -120,7 +121,8 @@ TEST(RunUnitTest, OutliersAreFoundByTheModel) {
   std::map<std::pair<int, int>, double> E;  // by method and windows
   RunUnit(campaign, grid, grid.RunsOf(0), stop, [&](const Outcome& outcome) {
     ASSERT_TRUE(outcome.status.ok()) << outcome.status;
-    E[{outcome.at.method, outcome.at.scenario.windows}] = outcome.estimate->E();
+    E[{outcome.at.method, outcome.at.scenario.windows}] =
+        outcome.evaluation->E();
   });
   ASSERT_EQ(E.size(), 6U);
   for (const int method : {0, 1}) {

@@ -13,7 +13,6 @@ namespace mle::study {
 namespace {
 
 using experiment::Campaign;
-using experiment::Estimator;
 using experiment::SmallCampaign;
 
 using ::testing::HasSubstr;
@@ -64,7 +63,7 @@ TEST(CampaignTest, DefaultsAreThePapers) {
   ASSERT_EQ(campaign->windows.size(), 1U);
   EXPECT_EQ(campaign->windows[0].step_time, 500.0);
   ASSERT_EQ(campaign->methods.size(), 1U);
-  EXPECT_EQ(campaign->methods[0].estimator, Estimator::kArx);
+  EXPECT_EQ(campaign->methods[0].name(), "arx:none");
 }
 
 TEST(CampaignTest, MethodsAreTheProductOfWhatTheyUse) {
@@ -227,6 +226,14 @@ TEST(CampaignTest, ControllersWindowsAndMethods) {
          j["estimators"] = {"arx", "arx"};
        },
        {"estimators[1]", "stands twice"}},
+      {[](Json& j) {
+         j["estimators"] = {"structured", "structured:calibrated"};
+       },
+       {"estimators[1]", "stands twice"}},
+      {[](Json& j) {
+         j["estimators"] = {"arx:", "structured"};
+       },
+       {"estimators[0]", "chi_square"}},
       {[](Json& j) {
          j["ablations"] = {"none", "no_conversion"};
        },

@@ -32,11 +32,11 @@ Correction TwoWindows(const SelectionOptions& selection = {},
   return *std::move(correction);
 }
 
-SelectionSummary Select(const Correction& correction,
+SelectionSummary Select(Correction correction,
                         const SelectionOptions& options) {
-  const auto summary = correction.Select(options);
-  EXPECT_TRUE(summary.ok()) << summary.status();
-  return *summary;
+  const absl::Status selected = correction.Select(options);
+  EXPECT_TRUE(selected.ok()) << selected;
+  return correction.selection();
 }
 
 TEST(SelectLambdaTest, TakesTheLeastLoss) {

@@ -155,7 +155,7 @@ TEST(CorrectFromRecordsTest, WrongArgumentsAreNamed) {
   options.threads = -1;
   EXPECT_TRUE(Mentions(message(Tank(1.0), {record}, options), "threads"));
   options = Fast();
-  options.estimation.change_test = ChangeTest::kNone;
+  options.estimation.change_test = ChangeTest::kAdequacy;
   EXPECT_TRUE(Mentions(message(Tank(1.0), {record}, options), "change_test"));
   options = Fast();
   options.estimation.structured.confidence = 2.0;

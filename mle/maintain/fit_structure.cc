@@ -1,0 +1,135 @@
+#include "mle/maintain/fit_structure.h"
+
+#include <algorithm>
+
+#include "absl/strings/str_cat.h"
+#include "mle/base/status.h"
+
+namespace mle {
+namespace {
+
+// A probability that counts as none.
+constexpr double kNever = 1e-300;
+
+// Every element at its initial values, in noise that nothing is known of.
+StructuredCorrection Unfitted(const ProcessModel& initial) {
+  const int p = initial.num_outputs();
+  const int m = initial.num_inputs();
+  StructuredCorrection none;
+  none.full.model = initial;
+  none.full.elements.resize(static_cast<std::size_t>(p * m));
+  none.full.covariances.assign(p, Eigen::MatrixXd::Zero(3 * m, 3 * m));
+  none.full.noise.assign(p, {.offset = false});
+  none.full.certificates.resize(p);
+  none.full.offset_weight = 0.0;
+  none.full.spared_samples.assign(p, 0);
+  none.full.deviances.assign(p, 0.0);
+  none.corrected = none.full;
+  none.element_p_values.setOnes(p, m);
+  none.aged.setConstant(p, m, false);
+  return none;
+}
+
+// Whether the structured correction is needed (estimation.h)
+bool NeedsStructure(const EstimationOptions& options,
+                    const std::vector<Record>& windows) {
+  const bool guards = options.change_test == ChangeTest::kCalibrated ||
+                      options.change_test == ChangeTest::kChiSquare;
+  return guards || options.estimator != Estimator::kArx || !options.converter ||
+         std::any_of(windows.begin(), windows.end(), [](const Record& window) {
+           return !window.outputs.allFinite();
+         });
+}
+
+// The test that options.change_test asks for.
+absl::StatusOr<NullCalibration> TestNoChange(
+    const ProcessModel& initial, const std::vector<Record>& windows,
+    const StructuredCorrection& structured, const EstimationOptions& options,
+    const ProgressCallback& progress, SharedFits& shared, double& seconds) {
+  NullCalibration test;
+  test.p_value = structured.p_value;
+  if (options.change_test == ChangeTest::kCalibrated) {
+    MLE_ASSIGN_OR_RETURN(const NullCalibration* const calibrated,
+                         shared.calibration.Get(
+                             [&] {
+                               return CalibrateTest(
+                                   initial, windows, structured,
+                                   options.structured, options.calibration,
+                                   progress);
+                             },
+                             seconds));
+    test = *calibrated;
+  } else if (options.change_test == ChangeTest::kAdequacy) {
+    MLE_ASSIGN_OR_RETURN(const ModelAdequacy* const adequacy,
+                         shared.adequacy.Get(
+                             [&] {
+                               return TestAdequacy(
+                                   initial, windows, {},
+                                   AdequacyOptionsFor(options.structured));
+                             },
+                             seconds));
+    test.p_value = adequacy->p_value;
+  }
+  return test;
+}
+
+}  // namespace
+
+absl::Status FitStructure(const ProcessModel& initial,
+                          const std::vector<Record>& windows,
+                          const EstimationOptions& options,
+                          const ProgressCallback& progress, SharedFits& shared,
+                          EstimateFit& fit) {
+  Stage fitting(progress,
+                absl::StrCat("fitting ", windows.size(),
+                             windows.size() == 1 ? " window" : " windows"));
+  if (NeedsStructure(options, windows)) {
+    MLE_ASSIGN_OR_RETURN(const StructuredCorrection* const made,
+                         shared.structured.Get(
+                             [&] {
+                               return CorrectStructure(initial, windows,
+                                                       options.structured);
+                             },
+                             fit.seconds));
+    fit.structured = *made;
+  } else {
+    fit.structured = Unfitted(initial);
+  }
+  MLE_RETURN_IF_ERROR(fitting.status());
+  MLE_ASSIGN_OR_RETURN(fit.test,
+                       TestNoChange(initial, windows, fit.structured, options,
+                                    progress, shared, fit.seconds));
+  const bool rejected =
+      fit.test.p_value < options.structured.false_alarm_probability;
+  StructuredCorrection& structured = fit.structured;
+  switch (options.change_test) {
+    case ChangeTest::kCalibrated:
+    case ChangeTest::kChiSquare:
+      if (structured.change_proposed && !rejected) {
+        StructuredOptions without = options.structured;
+        without.false_alarm_probability = kNever;
+        MLE_ASSIGN_OR_RETURN(structured,
+                             CorrectStructure(initial, windows, without));
+      }
+      fit.change_proposed = structured.change_proposed;
+      break;
+    case ChangeTest::kAdequacy:
+      fit.change_proposed = rejected;
+      break;
+    case ChangeTest::kNone:
+      fit.change_proposed = true;
+      if (options.estimator == Estimator::kArx) break;
+      structured.change_proposed = true;
+      structured.corrected = structured.full;
+      for (int i = 0; i < initial.num_outputs(); ++i) {
+        for (int j = 0; j < initial.num_inputs(); ++j) {
+          structured.aged(i, j) =
+              structured.full.element(i, j).state == ElementState::kFitted;
+        }
+      }
+      break;
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace mle

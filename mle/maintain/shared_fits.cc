@@ -1,0 +1,14 @@
+#include "mle/maintain/shared_fits.h"
+
+#include <ctime>
+
+namespace mle {
+
+double ThreadSeconds() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) +
+         1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+}  // namespace mle
