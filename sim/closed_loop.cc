@@ -38,8 +38,27 @@ struct Surroundings {
   MatrixXd set_points;           // p × N
   MatrixXd output_disturbances;  // p × N, with the measurement noise
   MatrixXd input_disturbances;   // m × N
+  MatrixXd loads;                // m × N
   VectorXd output_sizes;         // p, of what is to be expected
 };
+
+// The sizes (p) of what set points, disturbances and loads do to the outputs.
+VectorXd ExpectedSizes(const Surroundings& all, const ProcessModel& channels) {
+  const auto largest = [](const MatrixXd& signals) -> VectorXd {
+    return signals.cwiseAbs().rowwise().maxCoeff();
+  };
+  VectorXd sizes =
+      largest(all.set_points).cwiseMax(largest(all.output_disturbances));
+  const VectorXd inputs =
+      largest(all.input_disturbances).cwiseMax(largest(all.loads));
+  for (int i = 0; i < channels.num_outputs(); ++i) {
+    for (int j = 0; j < channels.num_inputs(); ++j) {
+      sizes[i] = std::max(
+          sizes[i], std::abs(channels.element(i, j).StaticGain()) * inputs[j]);
+    }
+  }
+  return sizes;
+}
 
 Surroundings MakeSurroundings(const ProcessModel& channels,
                               const SetPointProfile& set_points,
@@ -56,23 +75,22 @@ Surroundings MakeSurroundings(const ProcessModel& channels,
   all.input_disturbances = DrawInputDisturbances(
       conditions.input_disturbance, channels, options.sample_time, samples,
       options.seed, options.stream);
+  all.loads = DrawInputLoads(conditions.loads, channels.num_inputs(),
+                             options.sample_time, samples, options.seed,
+                             options.stream);
 
-  const auto largest = [](const MatrixXd& signals) -> VectorXd {
-    return signals.cwiseAbs().rowwise().maxCoeff();
-  };
-  all.output_sizes = largest(all.set_points)
-                         .cwiseMax(largest(all.output_disturbances))
-                         .cwiseMax(noise_deviation);
-  const VectorXd inputs = largest(all.input_disturbances);
-  for (int i = 0; i < p; ++i) {
-    for (int j = 0; j < channels.num_inputs(); ++j) {
-      all.output_sizes[i] =
-          std::max(all.output_sizes[i],
-                   std::abs(channels.element(i, j).StaticGain()) * inputs[j]);
-    }
-  }
+  all.output_sizes = ExpectedSizes(all, channels).cwiseMax(noise_deviation);
+
+  Sensors(conditions.sensors, options.sample_time)
+      .FollowAll(all.output_disturbances);
   all.output_disturbances += GaussianNoise(options.seed, options.stream)
                                  .DrawMatrix(p, samples, noise_deviation);
+  for (const SensorOptions& sensor : conditions.sensors) {
+    GaussianNoise noise(options.seed, options.stream,
+                        kSensorNoise + sensor.output);
+    all.output_disturbances.row(sensor.output) +=
+        noise.DrawMatrix(1, samples, std::sqrt(sensor.noise_variance));
+  }
   return all;
 }
 
@@ -86,17 +104,76 @@ std::vector<int> DisturbanceInputs(const ProcessModel& channels) {
   return inputs;
 }
 
-// Spoils the outputs of sample k for the record, and takes over what the
-// controller is to see of them.
-void Measure(int k, bool only_in_record, MeasurementFaults& faults,
-             Eigen::Ref<VectorXd> outputs, VectorXd& seen) {
-  if (only_in_record) seen = outputs;
-  faults.SpoilOutputs(k, outputs);
-  if (only_in_record) return;
-  for (Eigen::Index i = 0; i < outputs.size(); ++i) {
-    if (!std::isnan(outputs[i])) seen[i] = outputs[i];
+// What stands between the plant and those who watch it.
+class Instruments {
+ public:
+  Instruments(const PlantConditions& conditions,
+              const ClosedLoopOptions& options, int p, int m, int samples)
+      : only_in_record_(conditions.faults.only_in_record),
+        sensors_(conditions.sensors, options.sample_time),
+        faults_(conditions.faults, p, m, options.sample_time, samples,
+                options.seed, options.stream),
+        seen_(VectorXd::Zero(p)) {}
+
+  // Adds the plant's outputs at sample k to their disturbances, `recorded`, and
+  // makes of them what the record holds.
+  void Measure(int k, double time, const VectorXd& plant_outputs,
+               Eigen::Ref<VectorXd> recorded) {
+    VectorXd outputs = plant_outputs;
+    sensors_.Follow(outputs);
+    recorded += outputs;
+    if (only_in_record_) seen_ = recorded;
+    sensors_.Show(time, recorded);
+    faults_.SpoilOutputs(k, recorded);
+    if (only_in_record_) return;
+    for (Eigen::Index i = 0; i < recorded.size(); ++i) {
+      if (!std::isnan(recorded[i])) seen_[i] = recorded[i];
+    }
   }
-}
+
+  // What the controller is to see of the outputs (p).
+  const VectorXd& seen() const { return seen_; }
+
+  void SpoilInputs(int k, Eigen::Ref<VectorXd> inputs) const {
+    faults_.SpoilInputs(k, inputs);
+  }
+
+ private:
+  bool only_in_record_;
+  Sensors sensors_;
+  MeasurementFaults faults_;
+  VectorXd seen_;
+};
+
+// What acts on the plant of the inputs that its valves are asked for.
+class Actuators {
+ public:
+  Actuators(const std::vector<ActuatorOptions>& options, int m)
+      : actuators_(options.begin(), options.end()),
+        positions_(options.size(), 0.0),
+        acting_(VectorXd::Zero(m)) {}
+
+  void Move(const VectorXd& inputs) {
+    for (std::size_t a = 0; a < actuators_.size(); ++a) {
+      positions_[a] = actuators_[a].Move(inputs[actuators_[a].input()]);
+    }
+  }
+
+  const VectorXd& Acting(const VectorXd& inputs,
+                         const Eigen::Ref<const VectorXd>& loads) {
+    acting_ = inputs;
+    for (std::size_t a = 0; a < actuators_.size(); ++a) {
+      acting_[actuators_[a].input()] = positions_[a];
+    }
+    acting_ += loads;
+    return acting_;
+  }
+
+ private:
+  std::vector<Actuator> actuators_;
+  std::vector<double> positions_;  // since the last control instant
+  VectorXd acting_;                // m
+};
 
 }  // namespace
 
@@ -132,39 +209,39 @@ absl::StatusOr<Record> SimulateClosedLoop(PlantModel& plant,
   const int samples_per_period = SamplesPerControlPeriod(options);
   const RunawayGuard guard(channels, all.output_sizes);
   const std::vector<int> disturbances = DisturbanceInputs(channels);
-  MeasurementFaults faults(conditions.faults, p, m, options.sample_time,
-                           samples, options.seed, options.stream);
+  Instruments instruments(conditions, options, p, m, samples);
+  Actuators actuators(conditions.actuators, m);
   Record record;
   record.sample_time = options.sample_time;
   record.set_points = std::move(all.set_points);
   record.outputs = std::move(all.output_disturbances);
   record.inputs.resize(m, samples);
 
-  VectorXd measured = VectorXd::Zero(p);
   VectorXd input = VectorXd::Zero(m);
   VectorXd next_input = VectorXd::Zero(m);
   for (int k = 0; k < samples; ++k) {
     MLE_RETURN_IF_ERROR(guard.CheckOutputs(plant.outputs(), record.time(k)));
-    record.outputs.col(k) += plant.outputs();
-    Measure(k, conditions.faults.only_in_record, faults, record.outputs.col(k),
-            measured);
+    instruments.Measure(k, record.time(k), plant.outputs(),
+                        record.outputs.col(k));
     const bool is_control_instant = k % samples_per_period == 0;
     if (is_control_instant) {
       for (int j = 0; j < m; ++j) {
         input[j] = conditions.valves.Limit(j, next_input[j]);
       }
+      actuators.Move(input);
     }
     for (const int j : disturbances) {
       input[j] = next_input[j] = all.input_disturbances(j, k);
     }
     if (is_control_instant) {
       MLE_RETURN_IF_ERROR(guard.CheckInputs(input, record.time(k)));
-      controller(measured, record.set_points.col(k), next_input);
+      controller(instruments.seen(), record.set_points.col(k), next_input);
     }
     record.inputs.col(k) = input;
-    faults.SpoilInputs(k, record.inputs.col(k));
-    plant.Advance(input);
+    instruments.SpoilInputs(k, record.inputs.col(k));
+    plant.Advance(actuators.Acting(input, all.loads.col(k)));
   }
+  ExportFromArchive(conditions.archive, record);
   return record;
 }
 

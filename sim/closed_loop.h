@@ -57,8 +57,9 @@ struct ClosedLoopOptions {
 
 // The record of any plant from its present state on, at every Δt: the outputs
 // as measured (NaN where a sample was lost), the inputs as the valves let them
-// through, and the set points. The plant's sample time must be that of the
-// options.
+// through (what an actuator or a load makes of them the record does not know),
+// and the set points, as the archive exports them. The plant's sample time must
+// be that of the options.
 //
 // `channels` is a process model of the plant's inputs and outputs: it gives
 // their names and roles, and with its static gains the size of what is to be

@@ -1,7 +1,9 @@
 #include "sim/output_disturbance.h"
 
 #include <cmath>
+#include <numbers>
 
+#include "absl/strings/str_cat.h"
 #include "mle/base/random.h"
 #include "mle/base/status.h"
 #include "sim/check_options.h"
@@ -41,6 +43,49 @@ MatrixXd DrawSteps(std::mt19937_64 when, GaussianNoise how_large,
   return deviation.asDiagonal() * level;
 }
 
+void AddSines(std::mt19937_64 phases, const std::vector<SineDisturbance>& sines,
+              double sample_time, MatrixXd& disturbance) {
+  constexpr double kTurn = 2.0 * std::numbers::pi;
+  for (const SineDisturbance& sine : sines) {
+    const double drawn = kTurn * DrawUniform(phases);
+    const double phase = sine.phase.value_or(drawn);
+    for (Eigen::Index k = 0; k < disturbance.cols(); ++k) {
+      disturbance(sine.output, k) +=
+          sine.amplitude *
+          std::sin(kTurn * static_cast<double>(k) * sample_time / sine.period +
+                   phase);
+    }
+  }
+}
+
+absl::Status CheckOutput(int output, int num_outputs) {
+  if (output >= 0 && output < num_outputs) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrCat("disturbance: output = ", output,
+                   ", but it must be one of 0 … ", num_outputs - 1));
+}
+
+absl::Status CheckSingleOnes(const OutputDisturbanceOptions& options,
+                             int num_outputs) {
+  for (const ArmaDisturbance& arma : options.arma) {
+    MLE_RETURN_IF_ERROR(CheckOutput(arma.output, num_outputs));
+    MLE_RETURN_IF_ERROR(arma.noise.Validate());
+  }
+  for (const SineDisturbance& sine : options.sines) {
+    MLE_RETURN_IF_ERROR(CheckOutput(sine.output, num_outputs));
+    MLE_RETURN_IF_ERROR(CheckNotNegative("amplitude", sine.amplitude));
+    MLE_RETURN_IF_ERROR(CheckPositive("period", sine.period));
+    if (!std::isfinite(sine.phase.value_or(0.0))) {
+      return absl::InvalidArgumentError("the phase of a sine is not finite");
+    }
+  }
+  for (const OutputStep& one : options.steps) {
+    MLE_RETURN_IF_ERROR(CheckOutput(one.output, num_outputs));
+    MLE_RETURN_IF_ERROR(one.step.Validate());
+  }
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 absl::Status OutputDisturbanceOptions::Validate(int num_outputs) const {
@@ -52,7 +97,8 @@ absl::Status OutputDisturbanceOptions::Validate(int num_outputs) const {
       CheckNoneOrNotNegative("drift_variance", drift_variance, num_outputs));
   MLE_RETURN_IF_ERROR(
       CheckNoneOrNotNegative("step_deviation", step_deviation, num_outputs));
-  return CheckNotNegative("step_rate", step_rate);
+  MLE_RETURN_IF_ERROR(CheckNotNegative("step_rate", step_rate));
+  return CheckSingleOnes(*this, num_outputs);
 }
 
 MatrixXd DrawOutputDisturbance(const OutputDisturbanceOptions& options,
@@ -74,6 +120,15 @@ MatrixXd DrawOutputDisturbance(const OutputDisturbanceOptions& options,
         SeededEngine(seed, stream, kStepTimes),
         GaussianNoise(seed, stream, kStepSizes), options.step_deviation,
         -std::expm1(-options.step_rate * sample_time), samples);
+  }
+  for (const ArmaDisturbance& arma : options.arma) {
+    GaussianNoise source(seed, stream, kArmaNoise + arma.output);
+    disturbance.row(arma.output) += DrawArmaNoise(source, arma.noise, samples);
+  }
+  AddSines(SeededEngine(seed, stream, kSinePhases), options.sines, sample_time,
+           disturbance);
+  for (const OutputStep& one : options.steps) {
+    AddStep(one.step, sample_time, disturbance.row(one.output));
   }
   return disturbance;
 }

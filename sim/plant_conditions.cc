@@ -44,8 +44,18 @@ double ValveLimits::Limit(int input, double value) const {
 absl::Status PlantConditions::Validate(const ProcessModel& channels) const {
   MLE_RETURN_IF_ERROR(output_disturbance.Validate(channels.num_outputs()));
   MLE_RETURN_IF_ERROR(input_disturbance.Validate(channels));
+  for (const InputLoad& load : loads) {
+    MLE_RETURN_IF_ERROR(load.Validate(channels.num_inputs()));
+  }
   MLE_RETURN_IF_ERROR(valves.Validate(channels.num_inputs()));
-  return faults.Validate(channels.num_outputs());
+  for (const ActuatorOptions& actuator : actuators) {
+    MLE_RETURN_IF_ERROR(actuator.Validate(channels));
+  }
+  for (const SensorOptions& sensor : sensors) {
+    MLE_RETURN_IF_ERROR(sensor.Validate(channels.num_outputs()));
+  }
+  MLE_RETURN_IF_ERROR(faults.Validate(channels.num_outputs()));
+  return archive.Validate(channels.num_outputs(), channels.num_inputs());
 }
 
 }  // namespace mle::sim

@@ -1,15 +1,21 @@
-// Under which conditions a plant runs: what disturbs it, what its valves can do
-// and what becomes of its measurements. By default none of it.
+// Under which conditions a plant runs: what disturbs it, what its valves do and
+// what becomes of its measurements. By default none of it.
 
 #ifndef SIM_PLANT_CONDITIONS_H_
 #define SIM_PLANT_CONDITIONS_H_
 
+#include <vector>
+
 #include "Eigen/Core"
 #include "absl/status/status.h"
 #include "mle/model/process_model.h"
+#include "sim/actuator.h"
+#include "sim/archive.h"
 #include "sim/input_disturbance.h"
+#include "sim/input_load.h"
 #include "sim/measurement_faults.h"
 #include "sim/output_disturbance.h"
+#include "sim/sensor.h"
 
 namespace mle::sim {
 
@@ -27,8 +33,12 @@ struct ValveLimits {
 struct PlantConditions {
   OutputDisturbanceOptions output_disturbance;
   InputDisturbanceOptions input_disturbance;
+  std::vector<InputLoad> loads;
   ValveLimits valves;
+  std::vector<ActuatorOptions> actuators;  // at most one for each input
+  std::vector<SensorOptions> sensors;      // at most one for each output
   MeasurementFaultOptions faults;
+  ArchiveOptions archive;
 
   absl::Status Validate(const ProcessModel& channels) const;
 };

@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "absl/strings/str_cat.h"
+#include "mle/base/random.h"
+#include "mle/base/status.h"
 
 namespace mle::sim {
 
@@ -20,6 +22,14 @@ absl::Status SetPointProfile::Validate(int num_outputs) const {
           absl::StrCat("set-point step ", i + 1, ": time = ", step.time,
                        ", value = ", step.value, ", but both must be finite"));
     }
+  }
+  for (const SetPointMove& move : moves) {
+    if (move.output < 0 || move.output >= num_outputs) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("set-point move: output = ", move.output,
+                       ", but it must be one of 0 … ", num_outputs - 1));
+    }
+    MLE_RETURN_IF_ERROR(move.change.Validate());
   }
   return absl::OkStatus();
 }
@@ -38,7 +48,25 @@ Eigen::MatrixXd SetPointProfile::Sample(int num_outputs, double sample_time,
     const int k = static_cast<int>(std::max(0.0, first));
     values.row(step.output).tail(samples - k).setConstant(step.value);
   }
+  for (const SetPointMove& move : moves) {
+    AddStep(move.change, sample_time, values.row(move.output));
+  }
   return values;
+}
+
+std::vector<SetPointMove> DrawOptimiserMoves(int output, double interval,
+                                             double deviation, double duration,
+                                             std::uint64_t seed,
+                                             std::uint64_t stream) {
+  GaussianNoise source(seed, stream, kOptimiserMoves + output);
+  std::vector<SetPointMove> moves;
+  double distance = 0.0;
+  for (int i = 1; i * interval < duration; ++i) {
+    const double next = source.Draw(deviation);
+    moves.push_back({output, {.time = i * interval, .size = next - distance}});
+    distance = next;
+  }
+  return moves;
 }
 
 }  // namespace mle::sim

@@ -1,12 +1,15 @@
-// Set points as piecewise constant functions of time.
+// Set points as functions of time: steps, ramps and the small moves of an
+// optimiser.
 
 #ifndef SIM_SET_POINT_PROFILE_H_
 #define SIM_SET_POINT_PROFILE_H_
 
+#include <cstdint>
 #include <vector>
 
 #include "Eigen/Core"
 #include "absl/status/status.h"
+#include "sim/signal_step.h"
 
 namespace mle::sim {
 
@@ -17,10 +20,17 @@ struct SetPointStep {
   double value = 0.0;
 };
 
+// A change that is added to what the steps say.
+struct SetPointMove {
+  int output = 0;
+  SignalStep change;
+};
+
 // All set points are 0 before their first step. Steps may come in any order;
 // of two at the same time for one output the later in the list holds.
 struct SetPointProfile {
   std::vector<SetPointStep> steps;
+  std::vector<SetPointMove> moves = {};
 
   absl::Status Validate(int num_outputs) const;
   // p × N: the set points at 0, Δt, …, (N−1) Δt. A step within 1e-9 Δt after a
@@ -28,6 +38,14 @@ struct SetPointProfile {
   Eigen::MatrixXd Sample(int num_outputs, double sample_time,
                          int samples) const;
 };
+
+// The moves of an optimiser until `duration`: every `interval` > 0, the first
+// after one, the set point goes to another distance from the profile, Gaussian
+// with the standard deviation `deviation` ≥ 0.
+std::vector<SetPointMove> DrawOptimiserMoves(int output, double interval,
+                                             double deviation, double duration,
+                                             std::uint64_t seed,
+                                             std::uint64_t stream);
 
 }  // namespace mle::sim
 

@@ -13,6 +13,7 @@
 #include "sim/ageing_json.h"
 #include "sim/ageing_plant.h"
 #include "sim/continuous_plant.h"
+#include "sim/effects_json.h"
 #include "sim/van_de_vusse.h"
 
 namespace mle::simulate {
@@ -137,6 +138,17 @@ absl::Status ReadSteps(const Request& request, Simulation& simulation) {
   return absl::OkStatus();
 }
 
+absl::Status ReadEffects(const Request& request, Simulation& simulation) {
+  if (request.effects_path.empty()) return absl::OkStatus();
+  const absl::StatusOr<sim::Effects> effects =
+      sim::ReadEffects(request.effects_path, simulation.model);
+  if (!effects.ok()) return AboutOption("effects", effects.status());
+  effects->AddTo(simulation.conditions);
+  const sim::ClosedLoopOptions& loop = simulation.loop;
+  effects->AddTo(simulation.set_points, loop.duration, loop.seed, loop.stream);
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 void AddOptions(Request& request, OptionTable& table) {
@@ -144,6 +156,11 @@ void AddOptions(Request& request, OptionTable& table) {
   sim::PlantConditions& conditions = simulation.conditions;
   table.Add("Model and plant", PlantOptions(request));
   table.Add("Run", RunOptions(request));
+  table.Add("Run",
+            {{"effects", &request.effects_path,
+              "Effects (JSON) of the plant and its historian, channel by "
+              "channel: disturbances, loads, sticking valves, sensors, ramps "
+              "and moves of set points, compression of the archive."}});
   table.Add("Controller", mle::OptionsOf(simulation.controller));
   table.Add("Controller",
             {{"feed_forward", &simulation.feed_forward,
@@ -181,6 +198,7 @@ absl::Status Complete(Request& request, OptionTable& table) {
     limits.output_limit_cost.resize(0);
   }
   MLE_RETURN_IF_ERROR(ReadSteps(request, simulation));
+  MLE_RETURN_IF_ERROR(ReadEffects(request, simulation));
   return simulation.conditions.Validate(simulation.model);
 }
 

@@ -21,6 +21,7 @@ struct Request {
   double age = 0.0;
   std::string set_points;
   std::string disturbances;
+  std::string effects_path;
   std::string out;
 
   // Where all others are; its model and plant are what the paths name.

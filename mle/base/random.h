@@ -50,6 +50,7 @@ enum Substream : std::uint32_t {
   kDriftDisturbance = 11,
   kStepTimes = 12,
   kStepSizes = 13,
+  kSinePhases = 14,
   kInputDisturbance = 20,
   kOutliers = 30,
   kFrozenChannels = 31,
@@ -58,6 +59,10 @@ enum Substream : std::uint32_t {
   kSetPointTimes = 100,
   kSetPointSizes = 101,
   kSlowDisturbance = 102,
+  kArmaNoise = 1000,       // + the output
+  kSensorNoise = 1500,     // + the output
+  kInputLoad = 2000,       // + the input
+  kOptimiserMoves = 3000,  // + the output
 };
 
 std::mt19937_64 SeededEngine(std::uint64_t seed, std::uint64_t stream,

@@ -129,6 +129,7 @@ for path in sorted((source / "configs").glob("campaign_*.json")):
 for path in sorted((source / "configs").glob("*_ageing.json")):
     check("ageing", path)
 check("ageing", source / "tests/fuzz/corpus/ageing/steps.json")
+check("effects", source / "configs/effects_example.json")
 check("arx", source / "tests/fuzz/corpus/arx_model/small.json")
 with tempfile.TemporaryDirectory() as folder:
     check_commands(pathlib.Path(folder))

@@ -1,5 +1,6 @@
 #include "sim/set_point_profile.h"
 
+#include <cmath>
 #include <limits>
 
 #include "gmock/gmock.h"
@@ -71,6 +72,41 @@ TEST(SetPointProfileTest, ValidateNamesTheStepAndWhatIsWrong) {
   EXPECT_FALSE(profile.Validate(3).ok());
   profile.steps[0] = {.output = -1};
   EXPECT_FALSE(profile.Validate(3).ok());
+}
+
+// A ramp of 3 over [1, 4], upon steps, at two rates of sampling.
+TEST(SetPointProfileTest, MovesAreAddedAndRampsAreLinear) {
+  const SetPointProfile profile{
+      .steps = {{.time = 2.0, .value = 10.0}},
+      .moves = {{0, {.time = 1.0, .size = 3.0, .duration = 3.0}},
+                {0, {.time = 5.0, .size = -1.0}}}};
+  const Eigen::MatrixXd coarse = profile.Sample(1, 1.0, 7);
+  const Eigen::RowVectorXd expected{{0, 0, 11, 12, 13, 12, 12}};
+  EXPECT_LE((coarse - expected).cwiseAbs().maxCoeff(), 1e-8);
+  const Eigen::MatrixXd fine = profile.Sample(1, 0.25, 25);
+  for (int k = 0; k < 7; ++k) EXPECT_NEAR(fine(0, 4 * k), coarse(0, k), 1e-8);
+  EXPECT_NEAR(fine(0, 6), 0.5, 1e-8);  // at 1.5
+  EXPECT_FALSE((SetPointProfile{.steps = {}, .moves = {{0, {.duration = -1.0}}}}
+                    .Validate(1)
+                    .ok()));
+  EXPECT_FALSE(
+      (SetPointProfile{.steps = {}, .moves = {{1, {}}}}.Validate(1).ok()));
+}
+
+TEST(SetPointProfileTest, AnOptimiserMovesAboutTheProfile) {
+  const SetPointProfile profile{
+      .steps = {{.output = 1, .time = 0.0, .value = 5.0}},
+      .moves = DrawOptimiserMoves(1, 2.0, 0.1, 20000.0, 3, 0)};
+  const Eigen::MatrixXd r = profile.Sample(2, 1.0, 20000);
+  EXPECT_EQ(r.row(0).norm(), 0.0);
+  EXPECT_EQ(r(1, 1), 5.0);
+  const Eigen::RowVectorXd distance = r.row(1).array() - 5.0;
+  // 10,000 levels: a standard error of 0.7 % of the deviation.
+  EXPECT_NEAR(std::sqrt(distance.squaredNorm() / 20000.0), 0.1, 0.004);
+  for (int k = 2; k < 100; k += 2) {
+    EXPECT_EQ(r(1, k), r(1, k + 1));
+    EXPECT_NE(r(1, k), r(1, k - 1));
+  }
 }
 
 }  // namespace

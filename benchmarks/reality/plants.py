@@ -1,0 +1,136 @@
+"""The plants of the benchmark, and arithmetic on process models as JSON has them."""
+
+import copy
+import dataclasses
+import json
+import math
+import pathlib
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+
+
+@dataclasses.dataclass(frozen=True)
+class Plant:
+    """A model and the loop that its records come from."""
+
+    model: str
+    steps: tuple  # change of each output's set point
+    settling: float  # time between changes of set points
+    sample_time: float
+    control_period: float
+    horizon: int  # control periods
+    move_weight: float = 1.0
+    noise: float = 0.03  # standard deviation, in steps of the set points
+
+    def read(self):
+        return json.loads((ROOT / self.model).read_text())
+
+    def flags(self):
+        return {
+            "sample_time": self.sample_time,
+            "control_period": self.control_period,
+            "prediction_horizon": self.horizon,
+            # Weights in units of the steps, and of the inputs that make them.
+            "output_weight": ",".join(f"{1.0 / step**2:.6g}" for step in self.steps),
+            "move_weight": ",".join(f"{self.move_weight / size**2:.6g}"
+                                    for size in input_sizes(self.read(), self.steps)),
+        }
+
+
+PLANTS = {
+    "wood_berry": Plant("configs/wood_berry.json", (1, 1), 150, 0.5, 1, 30),
+    "two_by_two": Plant("benchmarks/plants/two_by_two.json", (1, 1), 120, 0.4, 1.2, 30),
+    "three_by_three": Plant("benchmarks/plants/three_by_three.json", (1, 1, 1), 400, 2, 6, 30),
+    "vinante_luyben": Plant("benchmarks/plants/vinante_luyben.json", (1, 1), 100, 0.2, 0.6, 40),
+    "splitter": Plant("configs/splitter.json", (-0.5, 0.5, 2), 250, 1, 2, 40),
+    "wardle_wood": Plant("benchmarks/plants/wardle_wood.json", (0.1, 0.1), 400, 2, 6, 30),
+    "ogunnaike_ray": Plant("benchmarks/plants/ogunnaike_ray.json", (0.5, 0.5, 10), 150, 0.5, 1, 40),
+}
+
+# Thresholds may be chosen on the first; the second is for reports.
+SETS = {
+    "tuning": (("wood_berry", "two_by_two", "three_by_three"), 1),
+    "reporting": (("vinante_luyben", "splitter", "wardle_wood", "ogunnaike_ray"), 1001),
+}
+
+
+def static_gain(element):
+    if "gain" in element:
+        return element["gain"]
+    return element["numerator"][-1] / element["denominator"][-1]
+
+
+def gain_matrix(model):
+    rows = [channel["name"] for channel in model["outputs"]]
+    columns = [channel["name"] for channel in model["inputs"]]
+    matrix = [[0.0] * len(columns) for _ in rows]
+    for element in model["elements"]:
+        matrix[rows.index(element["output"])][columns.index(element["input"])] = static_gain(element)
+    return matrix
+
+
+def solve(matrix, right):
+    """Gaussian elimination with partial pivoting."""
+    n = len(matrix)
+    rows = [list(row) + [value] for row, value in zip(matrix, right)]
+    for i in range(n):
+        pivot = max(range(i, n), key=lambda r: abs(rows[r][i]))
+        rows[i], rows[pivot] = rows[pivot], rows[i]
+        for r in range(i + 1, n):
+            factor = rows[r][i] / rows[i][i]
+            rows[r] = [a - factor * b for a, b in zip(rows[r], rows[i])]
+    result = [0.0] * n
+    for i in reversed(range(n)):
+        rest = sum(rows[i][j] * result[j] for j in range(i + 1, n))
+        result[i] = (rows[i][n] - rest) / rows[i][i]
+    return result
+
+
+def input_sizes(model, steps):
+    """How far each input goes at most when one output steps alone."""
+    matrix = gain_matrix(model)
+    sizes = [0.0] * len(matrix[0])
+    for i, step in enumerate(steps):
+        right = [step if r == i else 0.0 for r in range(len(steps))]
+        sizes = [max(size, abs(u)) for size, u in zip(sizes, solve(matrix, right))]
+    return sizes
+
+
+def times_of(element):
+    """The sum of the time constants of an element."""
+    if "time_constant" in element:
+        return element["time_constant"]
+    return element["denominator"][-2] / element["denominator"][-1]
+
+
+def product(a, b):
+    result = [0.0] * (len(a) + len(b) - 1)
+    for i, x in enumerate(a):
+        for j, y in enumerate(b):
+            result[i + j] += x * y
+    return result
+
+
+def with_factor(element, numerator, denominator):
+    """The element times a rational function of s."""
+    result = {key: element[key] for key in ("output", "input", "delay")}
+    result["numerator"] = product(
+        element.get("numerator", [element.get("gain")]), numerator)
+    result["denominator"] = product(
+        element.get("denominator", [element.get("time_constant"), 1.0]), denominator)
+    return result
+
+
+def aged(element, gain=1.0, time_constant=1.0, delay=0.0):
+    """The element with its gain and time constants times factors and a longer dead time."""
+    result = copy.deepcopy(element)
+    result["delay"] = max(0.0, result["delay"] + delay)
+    if "gain" in result:
+        result["gain"] *= gain
+        result["time_constant"] *= time_constant
+        return result
+    for key, factor in (("numerator", gain), ("denominator", 1.0)):
+        order = len(result[key]) - 1
+        result[key] = [factor * value * math.pow(time_constant, order - i)
+                       for i, value in enumerate(result[key])]
+    return result

@@ -1,0 +1,127 @@
+"""One run of the benchmark: the record, the correction, and what became of it."""
+
+import json
+import os
+import pathlib
+import subprocess
+import tempfile
+import time
+
+import hardware
+import mistakes
+import scenarios
+
+COLUMNS = ["kind", "scenario", "plant", "seed", "decision", "exit_code", "E_before", "E_after",
+           "largest_change", "inside", "intervals", "worst_fall", "seconds", "reason"]
+
+
+class Failed(RuntimeError):
+    pass
+
+
+def call(accepted, *command):
+    """Runs a command, one thread, and insists on one of the accepted exit codes."""
+    done = subprocess.run([str(part) for part in command], capture_output=True, text=True,
+                          env={**os.environ, "OMP_NUM_THREADS": "1"})
+    if done.returncode not in accepted:
+        raise Failed(f"{' '.join(map(str, command))}\nexit code {done.returncode}: "
+                     f"{done.stderr[-2000:]}")
+    return done
+
+
+def flags_of(flags):
+    for name, value in flags.items():
+        yield f"--{name}" if value is True else f"--{name}={value}"
+
+
+def simulate(apps, trial, seed, scratch):
+    """Writes model.json, truth.json and record.csv; False if the loop is unstable."""
+    files = {"model": trial.model, "plant": trial.truth, "truth": trial.true_model(),
+             "effects": trial.effects_file(), "ageing": {"elements": trial.schedule}}
+    for name, content in files.items():
+        (scratch / f"{name}.json").write_text(json.dumps(content))
+    done = call((0, 1), apps / "mle_simulate", f"--model={scratch}/model.json",
+                f"--plant={scratch}/plant.json", f"--effects={scratch}/effects.json",
+                f"--ageing={scratch}/ageing.json", *flags_of(trial.record_flags()),
+                f"--seed={seed}", f"--out={scratch}/record.csv")
+    return done.returncode == 0
+
+
+def correct(arguments, scratch, model, record, truth=None, flags=()):
+    """The decision with its figures, as columns of a row."""
+    out = scratch / "out"
+    started = time.monotonic()
+    given = [f"--truth={truth}"] if truth else []
+    done = call((0, 1, 2), arguments.apps / "mle_correct", f"--model={model}",
+                f"--data={record}", *given, f"--out={out}", "--figures=false", "--threads=1",
+                *flags, *arguments.correct.split())
+    row = {"exit_code": done.returncode, "seconds": round(time.monotonic() - started, 2)}
+    result_file = out / "result.json"
+    if not result_file.exists():
+        # What a command with bad input says; a record that cannot be used is an answer too.
+        row.update(decision="no_answer", reason=done.stderr.strip().splitlines()[-1][:200])
+        return row, None
+    result = json.loads(result_file.read_text())
+    decision = result["decision"]
+    row.update(decision="cannot_tell" if decision == "refused" else decision,
+               reason=(result["verdict"] or [""])[0][:200])
+    changes = [value for line in result["distance"]["elements"] for value in line]
+    row["largest_change"] = max((value for value in changes if value is not None), default=0.0)
+    if truth:
+        row["E_before"] = result["truth"]["E_initial"]
+        row["E_after"] = result["truth"]["E_corrected"]
+        row["inside"], row["intervals"] = coverage(result, json.loads(truth.read_text()))
+    return row, result
+
+
+def coverage(result, truth):
+    """How many of the 95 % intervals of the written parameters hold the true value."""
+    true = {(e["output"], e["input"]): e for e in truth["elements"]}
+    inside = total = 0
+    for element in result["elements"]:
+        known = true.get((element["output"], element["input"]), {})
+        for key in ("gain", "time_constant", "delay"):
+            interval = element.get(key, {}).get("corrected")
+            if "gain" not in known or not interval or interval["lower"] is None:
+                continue
+            total += 1
+            inside += interval["lower"] <= known[key] <= interval["upper"]
+    return inside, total
+
+
+def run(arguments, kind, name, plant, seed):
+    """A row: the figures of one run."""
+    row = {"run": [kind, name, plant, seed], "kind": kind, "scenario": name, "plant": plant,
+           "seed": seed}
+    with tempfile.TemporaryDirectory() as folder:
+        scratch = pathlib.Path(folder)
+        if kind == "hardware":
+            figures = hardware.run(arguments, correct, name, plant, scratch)
+        elif kind == "mistakes":
+            figures = run_mistake(arguments, name, plant, seed, scratch)
+        else:
+            figures = run_scenario(arguments, kind, name, plant, seed, scratch)
+    row.update(figures)
+    return row
+
+
+def run_scenario(arguments, kind, name, plant, seed, scratch):
+    # A loop that is unstable makes no record: the ageing or the effect is drawn again.
+    for attempt in range(10):
+        trial = scenarios.make(plant, kind, name, seed + 100000 * attempt)
+        if simulate(arguments.apps, trial, seed, scratch):
+            break
+    else:
+        return {"decision": "unstable"}
+    figures, _ = correct(arguments, scratch, scratch / "model.json", scratch / "record.csv",
+                         scratch / "truth.json", list(flags_of(trial.correct)))
+    return figures
+
+
+def run_mistake(arguments, name, plant, seed, scratch):
+    trial = scenarios.make(plant, "none", "white noise", seed)
+    if not simulate(arguments.apps, trial, seed, scratch):
+        return {"decision": "unstable"}
+    mistakes.make(name, trial, scratch / "model.json", scratch / "record.csv")
+    figures, _ = correct(arguments, scratch, scratch / "model.json", scratch / "record.csv")
+    return figures
