@@ -1,0 +1,46 @@
+// Samples that a historian made up: between the values that it archived it
+// interpolates, and only the archived values are evidence.
+//
+//   linear   swinging door, or an export denser than the archive: samples lie
+//            on straight lines between archived ones, to the last digit
+//   held     exception reporting, or an analyser: a value is repeated until the
+//            next one is archived
+//
+// Linear: |y_{k−1} − 2y_k + y_{k+1}| is no more than rounding in at least 30 %
+// of the samples of a signal that moves, and is far more at single samples, the
+// archived ones. A smooth signal bends a little everywhere; where the digits
+// printed could hide that, the slopes must also alternate, as noise has it.
+//
+// Held: at least 40 % of the samples repeat the one before, in many short runs
+// between steps of many sizes. The steps of a rounded signal have few sizes.
+
+#ifndef MLE_DATA_COMPRESSION_H_
+#define MLE_DATA_COMPRESSION_H_
+
+#include <vector>
+
+#include "mle/data/robust_statistics.h"
+
+namespace mle {
+
+struct Compression {
+  enum class Kind { kNone, kLinear, kHeld };
+  Kind kind = Kind::kNone;
+  int samples = 0;   // that are good
+  int archived = 0;  // of these
+  // For each row and sample: interpolated; empty for kNone.
+  std::vector<std::vector<bool>> interpolated;
+
+  double ArchivedShare() const;
+};
+
+// Whether a channel holds its values by itself, as inputs and set points do;
+// only lines are looked for then.
+enum class Holding { kNever, kByItself };
+
+// Of one channel: its rows in all records.
+Compression FindCompression(const std::vector<SampleRow>& rows, Holding own);
+
+}  // namespace mle
+
+#endif  // MLE_DATA_COMPRESSION_H_
