@@ -1,0 +1,141 @@
+#include "mle/maintain/common_factor.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace mle {
+namespace {
+
+// Of its size: the standard error of a gain that the records determine.
+constexpr double kDetermined = 0.2;
+constexpr double kSignRange = 2.0;
+constexpr double kNotAgeing = 20.0;
+constexpr double kLargeRange = 2.0;
+constexpr double kLeastFactor = 4.0;
+constexpr double kFactorTolerance = 0.1;
+constexpr double kTellingTolerance = 0.05;
+constexpr std::array<double, 8> kTelling = {
+    1.8, 1.0 / 1.8, 60.0, 1.0 / 60.0, 100., 1.0 / 100., 1000.0, 1e-3};
+constexpr double kNearTelling = 1.3;  // for factors beyond kNotAgeing
+
+// The telling factor next to `factor`, if that is within `range` of it.
+std::optional<double> Telling(double factor, double range) {
+  for (const double telling : kTelling) {
+    if (std::abs(std::log(factor / telling)) <= std::log(range)) return telling;
+  }
+  return std::nullopt;
+}
+
+// Gains, over the model's, of the elements of a row or column.
+struct Common {
+  int elements = 0;
+  int determined = 0;
+  double factor = 0.0;  // geometric mean, negative if all are
+  double spread = 1.0;  // largest ratio to it
+  double error = 0.0;   // largest relative one
+  bool one_sign = true;
+};
+
+Common CommonOf(const GainEstimates& fit, bool row, int channel) {
+  Common common;
+  double logs = 0.0;
+  int negative = 0;
+  std::vector<double> sizes;
+  const Eigen::Index n = row ? fit.values.cols() : fit.values.rows();
+  for (Eigen::Index e = 0; e < n; ++e) {
+    const double gain = row ? fit.values(channel, e) : fit.values(e, channel);
+    const double error = row ? fit.errors(channel, e) : fit.errors(e, channel);
+    if (!std::isfinite(error)) continue;
+    ++common.elements;
+    if (!(error <= kDetermined * std::abs(gain))) continue;
+    ++common.determined;
+    negative += gain < 0.0 ? 1 : 0;
+    sizes.push_back(std::log(std::abs(gain)));
+    logs += sizes.back();
+    common.error = std::max(common.error, error / std::abs(gain));
+  }
+  if (common.determined == 0) return common;
+  logs /= common.determined;
+  common.factor = (negative > 0 ? -1.0 : 1.0) * std::exp(logs);
+  common.one_sign = negative == 0 || negative == common.determined;
+  for (const double size : sizes) {
+    common.spread = std::max(common.spread, std::exp(std::abs(size - logs)));
+  }
+  return common;
+}
+
+// The mistake that the gains of a row or column make likely, at one length of
+// blocks; `exact`: it has to be so at all of them.
+struct Suspicion {
+  double factor = 1.0;
+  bool exact = false;
+};
+
+std::optional<Suspicion> Suspect(const Common& common) {
+  if (common.determined == 0 || !common.one_sign) return std::nullopt;
+  const double size = std::abs(common.factor);
+  const double tolerance = 1.0 + kTellingTolerance + 2.0 * common.error;
+  if (common.elements == 1) {
+    if (common.error > kTellingTolerance) return std::nullopt;
+    if (common.factor < 0.0) {
+      if (std::abs(std::log(size)) > std::log(tolerance)) return std::nullopt;
+      return Suspicion{-1.0, true};
+    }
+    const std::optional<double> telling = Telling(size, tolerance);
+    if (!telling.has_value()) return std::nullopt;
+    return Suspicion{*telling, true};
+  }
+  if (size >= kNotAgeing || size <= 1.0 / kNotAgeing) {
+    if (common.spread > kLargeRange || common.factor < 0.0) return std::nullopt;
+    return Suspicion{Telling(size, kNearTelling).value_or(size), false};
+  }
+  if (common.determined < 2) return std::nullopt;
+  if (common.factor < 0.0) {
+    const bool near = size * common.spread <= kSignRange &&
+                      common.spread / size <= kSignRange;
+    if (!near) return std::nullopt;
+    return Suspicion{-1.0, false};
+  }
+  if (common.error > kTellingTolerance) return std::nullopt;
+  const std::optional<double> telling = Telling(size, tolerance);
+  if (telling.has_value() && common.spread <= tolerance) {
+    return Suspicion{*telling, true};
+  }
+  if ((size >= kLeastFactor || size <= 1.0 / kLeastFactor) &&
+      common.spread <= 1.0 + kFactorTolerance) {
+    return Suspicion{size, true};
+  }
+  return std::nullopt;
+}
+
+bool AreClose(double a, double b) {
+  return std::abs(std::log(std::abs(a / b))) <=
+         std::log(1.0 + kFactorTolerance);
+}
+
+}  // namespace
+
+std::optional<CommonFactor> FindCommonFactor(
+    const std::vector<GainEstimates>& estimates, bool row, int channel) {
+  std::optional<CommonFactor> found;
+  std::optional<Suspicion> first;
+  bool agree = true;
+  for (const GainEstimates& estimate : estimates) {
+    const Common common = CommonOf(estimate, row, channel);
+    const std::optional<Suspicion> suspicion = Suspect(common);
+    if (&estimate == &estimates.front()) first = suspicion;
+    agree = agree && suspicion.has_value() && first.has_value() &&
+            AreClose(suspicion->factor, first->factor);
+    // One that ageing cannot make: as the longest blocks have it, which forgive
+    // most.
+    if (suspicion.has_value() && !suspicion->exact) {
+      found = {suspicion->factor, common.elements, false};
+    }
+  }
+  if (found.has_value() || !first.has_value()) return found;
+  const int elements = CommonOf(estimates.front(), row, channel).elements;
+  return CommonFactor{first->factor, elements, !agree};
+}
+
+}  // namespace mle

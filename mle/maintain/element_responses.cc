@@ -1,0 +1,142 @@
+#include "mle/maintain/element_responses.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "mle/base/status.h"
+#include "mle/model/process_simulator.h"
+
+namespace mle {
+namespace {
+
+constexpr int kOnEachSide = 1000;
+constexpr int kMostSamples = 8000;
+constexpr int kLeastSamples = 50;
+
+using Row = Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>>;
+
+// Straight lines, or held values, between good samples; the nearest one at the
+// ends; zero without any.
+void FillGaps(bool hold, Row row) {
+  const Eigen::Index n = row.size();
+  Eigen::Index last = -1;
+  for (Eigen::Index next = 0; next <= n; ++next) {
+    if (next < n && !std::isfinite(row(next))) continue;
+    for (Eigen::Index k = last + 1; k < next; ++k) {
+      if (last < 0) {
+        row(k) = next < n ? row(next) : 0.0;
+      } else if (next == n || hold) {
+        row(k) = row(last);
+      } else {
+        row(k) = row(last) + (row(next) - row(last)) *
+                                 static_cast<double>(k - last) /
+                                 static_cast<double>(next - last);
+      }
+    }
+    last = next;
+  }
+}
+
+Record Part(const Record& record, int first, int samples) {
+  Record part;
+  part.start_time = record.time(first);
+  part.sample_time = record.sample_time;
+  part.outputs = record.outputs.middleCols(first, samples);
+  part.inputs = record.inputs.middleCols(first, samples);
+  if (record.set_points.size() > 0) {
+    part.set_points = record.set_points.middleCols(first, samples);
+  }
+  for (int i = 0; i < record.num_outputs(); ++i) {
+    FillGaps(false, part.outputs.row(i));
+  }
+  for (int j = 0; j < record.num_inputs(); ++j) {
+    FillGaps(true, part.inputs.row(j));
+  }
+  return part;
+}
+
+}  // namespace
+
+std::vector<Record> AroundSetPointChanges(const std::vector<Record>& records) {
+  std::vector<Record> parts;
+  int left = kMostSamples;
+  for (const Record& record : records) {
+    std::vector<std::pair<int, int>> ranges;  // first sample, end
+    for (const SetPointChange& change : FindSetPointChanges(record)) {
+      const int first = std::max(0, change.sample - kOnEachSide);
+      const int end = std::min(record.samples(), change.sample + kOnEachSide);
+      if (!ranges.empty() && first <= ranges.back().second) {
+        ranges.back().second = end;
+      } else {
+        ranges.emplace_back(first, end);
+      }
+    }
+    if (record.set_points.size() == 0) ranges = {{0, record.samples()}};
+    for (const auto& [first, end] : ranges) {
+      const int samples = std::min(end - first, left);
+      if (samples < kLeastSamples) continue;
+      parts.push_back(Part(record, first, samples));
+      left -= samples;
+    }
+  }
+  return parts;
+}
+
+Assignment Assignment::AsRecorded(const ProcessModel& model) {
+  Assignment assignment;
+  assignment.outputs.resize(model.num_outputs());
+  assignment.inputs.resize(model.num_inputs());
+  std::iota(assignment.outputs.begin(), assignment.outputs.end(), 0);
+  std::iota(assignment.inputs.begin(), assignment.inputs.end(), 0);
+  return assignment;
+}
+
+absl::StatusOr<ElementResponses> ElementResponses::Create(
+    const ProcessModel& model, const std::vector<Record>& parts,
+    double time_scale) {
+  const int p = model.num_outputs();
+  const int m = model.num_inputs();
+  std::vector<OutputChannel> elements;
+  for (int e = 0; e < p * m; ++e) {
+    elements.push_back({absl::StrCat("element ", e), ""});
+  }
+  ProcessModel all("elements", model.time_unit(), {{"input", ""}}, elements);
+  for (int e = 0; e < p * m; ++e) {
+    all.element(e, 0) = model.element(e / m, e % m);
+  }
+  ElementResponses responses;
+  responses.parts_ = &parts;
+  responses.num_inputs_ = m;
+  for (const Record& part : parts) {
+    auto& of_part = responses.responses_.emplace_back();
+    for (int j = 0; j < m; ++j) {
+      MLE_ASSIGN_OR_RETURN(const Eigen::MatrixXd outputs,
+                           SimulateResponse(all, part.sample_time / time_scale,
+                                            part.inputs.row(j)));
+      of_part.emplace_back(outputs.transpose());
+    }
+  }
+  return responses;
+}
+
+WhitenedData ElementResponses::Row(const Assignment& assignment,
+                                   int output) const {
+  WhitenedData data;
+  for (std::size_t w = 0; w < parts_->size(); ++w) {
+    const Record& part = (*parts_)[w];
+    data.outputs.emplace_back(
+        part.outputs.row(assignment.outputs[output]).transpose());
+    Eigen::MatrixXd& row =
+        data.responses.emplace_back(part.samples(), num_inputs_);
+    for (int j = 0; j < num_inputs_; ++j) {
+      row.col(j) =
+          responses_[w][assignment.inputs[j]].col(output * num_inputs_ + j);
+    }
+  }
+  return data;
+}
+
+}  // namespace mle

@@ -1,0 +1,54 @@
+// What each element of a model makes of each input, in the parts of records
+// around changes of set points: the material of tests that ask whether another
+// assignment of tags, other units or another clock explain the records better.
+
+#ifndef MLE_MAINTAIN_ELEMENT_RESPONSES_H_
+#define MLE_MAINTAIN_ELEMENT_RESPONSES_H_
+
+#include <vector>
+
+#include "Eigen/Core"
+#include "absl/status/statusor.h"
+#include "mle/data/record.h"
+#include "mle/maintain/whitened_fit.h"
+#include "mle/model/process_model.h"
+
+namespace mle {
+
+// Up to 1,000 samples on each side of every change, 8,000 in all (the first
+// ones), whatever the model's time constants: these may be in another unit.
+// Records without changes are taken as they are. Gaps of outputs are bridged by
+// straight lines, those of inputs by holding.
+std::vector<Record> AroundSetPointChanges(const std::vector<Record>& records);
+
+// Which tag of the records is taken for each channel of the model, and by what
+// all of the model's times are multiplied.
+struct Assignment {
+  std::vector<int> outputs;  // p
+  std::vector<int> inputs;   // m
+  double time_scale = 1.0;
+
+  static Assignment AsRecorded(const ProcessModel& model);
+};
+
+class ElementResponses {
+ public:
+  // `parts` must outlive this. Errors as of SimulateResponse().
+  static absl::StatusOr<ElementResponses> Create(
+      const ProcessModel& model, const std::vector<Record>& parts,
+      double time_scale);
+
+  // Output `output` of the model and what its elements, zero ones included,
+  // make of the inputs.
+  WhitenedData Row(const Assignment& assignment, int output) const;
+
+ private:
+  const std::vector<Record>* parts_ = nullptr;
+  int num_inputs_ = 0;
+  // Of each part and recorded input: N × pm, column i m + j for element (i, j).
+  std::vector<std::vector<Eigen::MatrixXd>> responses_;
+};
+
+}  // namespace mle
+
+#endif  // MLE_MAINTAIN_ELEMENT_RESPONSES_H_

@@ -1,0 +1,61 @@
+// Mistakes that look like ageing: tags exchanged, a sign reversed, a channel or
+// all times in another unit.
+//
+// Every mistake is a model without free parameters: the same elements with
+// other tags, signs, units or times. It is compared, by the likelihood of the
+// innovations (whitened_fit.h) at every sample and in means of 5 and 20, with
+// the model as it is and with one in which the channels concerned do nothing.
+// Other than the plant, a mistake moves a whole row or column at once: signs
+// and factors are looked for only where all elements of the row or column that
+// the records determine agree.
+//
+//   exchange   10 nats better than as recorded and than no response, in one of
+//              the three comparisons, and worse in none
+//   sign       the same, and gains of −2 to −1/2 of the model's in two elements
+//   factor     beyond 20: the same, gains that agree to a factor of 2; 1.8, or
+//              beyond 4: gains that agree to 5 and 10 % in all three
+//              comparisons
+//   time unit  the same, and 10 nats better than as recorded with free gains
+//
+// Where a row or column has one element only, nothing distinguishes a mistake
+// from ageing but the number: −1, 1.8, 60, 100, 1000 and their inverses, to 5
+// %.
+
+#ifndef MLE_MAINTAIN_OPERATOR_MISTAKES_H_
+#define MLE_MAINTAIN_OPERATOR_MISTAKES_H_
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "mle/data/record.h"
+#include "mle/model/process_model.h"
+
+namespace mle {
+
+struct OperatorMistake {
+  enum class Kind { kExchanged, kSign, kFactor, kTimeUnit };
+  Kind kind = Kind::kExchanged;
+  bool outputs = false;       // the channels are outputs, not inputs
+  std::vector<int> channels;  // the two exchanged; none for kTimeUnit
+  // kFactor: gains of the records over those of the model; kTimeUnit: of times.
+  double factor = 1.0;
+  // Better than the model as it is, in nats; the least of the comparisons.
+  double log_likelihood = 0.0;
+  // One element alone tells: it may as well have aged.
+  bool ambiguous = false;
+
+  // "The tags of reflux and steam seem to be exchanged: …"
+  std::string Describe(const ProcessModel& model) const;
+};
+
+// The likeliest mistake, if there is one. Needs some hundred samples; models
+// whose outputs × inputs² × samples exceed 2·10⁷ are not examined. Errors as of
+// SimulateResponse().
+absl::StatusOr<std::optional<OperatorMistake>> FindOperatorMistake(
+    const ProcessModel& model, const std::vector<Record>& records);
+
+}  // namespace mle
+
+#endif  // MLE_MAINTAIN_OPERATOR_MISTAKES_H_

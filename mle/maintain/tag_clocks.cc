@@ -1,0 +1,268 @@
+#include "mle/maintain/tag_clocks.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <utility>
+
+#include "Eigen/Core"
+#include "absl/strings/str_format.h"
+#include "mle/base/status.h"
+#include "mle/maintain/element_responses.h"
+#include "mle/maintain/whitened_fit.h"
+
+namespace mle {
+namespace {
+
+constexpr double kMostProducts = 2e7;
+constexpr double kLeastSamples = 100.0;
+constexpr double kLeastNats = 10.0;
+constexpr double kCompleteNats = 6.0;
+constexpr double kDeviations = 3.0;
+// Samples, tried on both sides; between the best and its neighbours it is
+// searched.
+constexpr std::array<double, 10> kDelays = {0.5, 1, 2, 3, 5, 8, 12, 18, 27, 40};
+constexpr double kPrecision = 0.02;  // samples
+constexpr double kCurvatureStep = 0.5;
+
+// Column `column` of the responses `delay` samples later, between samples on
+// straight lines.
+Eigen::VectorXd Delayed(const Eigen::MatrixXd& responses, Eigen::Index column,
+                        double delay) {
+  const auto whole = static_cast<Eigen::Index>(std::floor(delay));
+  const double fraction = delay - static_cast<double>(whole);
+  const Eigen::Index n = responses.rows();
+  Eigen::VectorXd result(n);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const Eigen::Index newer = std::clamp<Eigen::Index>(k - whole, 0, n - 1);
+    const Eigen::Index older = std::max<Eigen::Index>(newer - 1, 0);
+    result(k) = (1.0 - fraction) * responses(newer, column) +
+                fraction * responses(older, column);
+  }
+  return result;
+}
+
+// `delays` (m), in samples.
+WhitenedData Delay(const WhitenedData& row, const Eigen::VectorXd& delays) {
+  WhitenedData delayed = row;
+  for (Eigen::MatrixXd& responses : delayed.responses) {
+    const Eigen::MatrixXd before = responses;
+    for (Eigen::Index j = 0; j < delays.size(); ++j) {
+      if (delays(j) != 0.0) responses.col(j) = Delayed(before, j, delays(j));
+    }
+  }
+  return delayed;
+}
+
+// With the model's gains.
+double LogLikelihood(const WhitenedData& row) {
+  return WhitenedLogLikelihood(
+      row, Eigen::VectorXd::Ones(row.responses.front().cols()));
+}
+
+// With free gains and, to first order, delays.
+double FreeLogLikelihood(const WhitenedData& row) {
+  const Eigen::Index m = row.responses.front().cols();
+  WhitenedData more = row;
+  for (Eigen::MatrixXd& responses : more.responses) {
+    responses.conservativeResize(Eigen::NoChange, 2 * m);
+    for (Eigen::Index j = 0; j < m; ++j) {
+      responses.col(m + j) =
+          Delayed(responses, j, 1.0) - Delayed(responses, j, -1.0);
+    }
+  }
+  Eigen::VectorXd start = Eigen::VectorXd::Zero(2 * m);
+  start.head(m).setOnes();
+  return FitWhitenedGains(more, start).log_likelihood;
+}
+
+struct BestDelay {
+  double delay = 0.0;  // samples
+  double error = 0.0;
+  double log_likelihood = 0.0;
+};
+
+// Of elements `which` (p × m, 1 where delayed) of all rows together.
+class DelaySearch {
+ public:
+  DelaySearch(const std::vector<WhitenedData>& rows, Eigen::MatrixXd which)
+      : rows_(rows), which_(std::move(which)) {}
+
+  double At(double delay) const {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+      const auto row = static_cast<Eigen::Index>(i);
+      if (which_.row(row).isZero()) continue;
+      sum +=
+          LogLikelihood(Delay(rows_[i], delay * which_.row(row).transpose()));
+    }
+    return sum;
+  }
+
+  double FreeAt(double delay) const {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+      const auto row = static_cast<Eigen::Index>(i);
+      if (which_.row(row).isZero()) continue;
+      sum += FreeLogLikelihood(
+          Delay(rows_[i], delay * which_.row(row).transpose()));
+    }
+    return sum;
+  }
+
+  BestDelay Find() const {
+    BestDelay best{.delay = 0.0, .log_likelihood = At(0.0)};
+    double low = -kDelays[0];
+    double high = kDelays[0];
+    for (const double sign : {-1.0, 1.0}) {
+      for (std::size_t d = 0; d < kDelays.size(); ++d) {
+        const double likelihood = At(sign * kDelays[d]);
+        if (likelihood <= best.log_likelihood) continue;
+        best = {.delay = sign * kDelays[d], .log_likelihood = likelihood};
+        const double less = d > 0 ? kDelays[d - 1] : 0.0;
+        const double more = kDelays[std::min(d + 1, kDelays.size() - 1)];
+        low = std::min(sign * less, sign * more);
+        high = std::max(sign * less, sign * more);
+      }
+    }
+    Refine(low, high, best);
+    const double curvature =
+        (2.0 * best.log_likelihood - At(best.delay - kCurvatureStep) -
+         At(best.delay + kCurvatureStep)) /
+        (kCurvatureStep * kCurvatureStep);
+    best.error = 1.0 / std::sqrt(std::max(curvature, 1e-12));
+    return best;
+  }
+
+ private:
+  // Golden section.
+  void Refine(double low, double high, BestDelay& best) const {
+    constexpr double kGolden = 0.381966;
+    while (high - low > kPrecision) {
+      const bool upper = high - best.delay > best.delay - low;
+      const double at = upper ? best.delay + kGolden * (high - best.delay)
+                              : best.delay - kGolden * (best.delay - low);
+      const double likelihood = At(at);
+      if (likelihood > best.log_likelihood) {
+        (upper ? low : high) = best.delay;
+        best.delay = at;
+        best.log_likelihood = likelihood;
+      } else {
+        (upper ? high : low) = at;
+      }
+    }
+  }
+
+  const std::vector<WhitenedData>& rows_;
+  Eigen::MatrixXd which_;
+};
+
+// The delay of a row or column if it explains everything.
+std::optional<BestDelay> ExplainByDelay(const std::vector<WhitenedData>& rows,
+                                        const Eigen::MatrixXd& which) {
+  const DelaySearch search(rows, which);
+  const double before = search.At(0.0);
+  // What no delay can explain, or need not.
+  if (search.FreeAt(0.0) < before + kLeastNats / 2.0) return std::nullopt;
+  BestDelay best = search.Find();
+  if (best.log_likelihood < before + kLeastNats ||
+      std::abs(best.delay) < kDeviations * best.error ||
+      search.FreeAt(best.delay) > best.log_likelihood + kCompleteNats) {
+    return std::nullopt;
+  }
+  for (Eigen::Index i = 0; i < which.rows(); ++i) {
+    for (Eigen::Index j = 0; j < which.cols(); ++j) {
+      if (which(i, j) == 0.0) continue;
+      Eigen::MatrixXd one = Eigen::MatrixXd::Zero(which.rows(), which.cols());
+      one(i, j) = 1.0;
+      const DelaySearch alone(rows, one);
+      const double gain = alone.Find().log_likelihood - alone.At(0.0);
+      if (before + gain > best.log_likelihood - kLeastNats) return std::nullopt;
+    }
+  }
+  best.log_likelihood -= before;
+  return best;
+}
+
+// A dead time of the elements `which` becomes negative by the delay.
+bool IsImpossible(const ProcessModel& model, const Eigen::MatrixXd& which,
+                  double delay, double error) {
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    for (int j = 0; j < model.num_inputs(); ++j) {
+      if (which(i, j) == 0.0) continue;
+      if (model.element(i, j).delay() + delay < -kDeviations * error) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
+std::string TagClock::Describe(const ProcessModel& model) const {
+  const std::string& name =
+      is_output ? model.outputs()[channel].name : model.inputs()[channel].name;
+  const std::string& unit = model.time_unit();
+  std::string text = absl::StrFormat(
+      "The time stamps of %s seem to be %.3g %s %s (standard error %.2g %s)",
+      name, std::abs(late), unit, late > 0.0 ? "late" : "early", error, unit);
+  text += impossible ? ": without that a dead time would have to be negative."
+                     : absl::StrFormat(
+                           ", or all dead times %s it have changed by as much.",
+                           is_output ? "to" : "from");
+  return text;
+}
+
+absl::StatusOr<std::vector<TagClock>> FindTagClocks(
+    const ProcessModel& model, const std::vector<Record>& records) {
+  const int p = model.num_outputs();
+  const int m = model.num_inputs();
+  const std::vector<Record> parts = AroundSetPointChanges(records);
+  double samples = 0.0;
+  for (const Record& part : parts) samples += part.samples();
+  std::vector<TagClock> clocks;
+  if (samples < kLeastSamples || samples * p * m * m > kMostProducts) {
+    return clocks;
+  }
+  MLE_ASSIGN_OR_RETURN(const ElementResponses responses,
+                       ElementResponses::Create(model, parts, 1.0));
+  std::vector<WhitenedData> rows;
+  Eigen::MatrixXd elements = Eigen::MatrixXd::Zero(p, m);
+  for (int i = 0; i < p; ++i) {
+    rows.push_back(responses.Row(Assignment::AsRecorded(model), i));
+    for (int j = 0; j < m; ++j) {
+      elements(i, j) = model.element(i, j).IsZero() ? 0.0 : 1.0;
+    }
+  }
+  const double sample_time = parts.front().sample_time;
+  const auto examine = [&](bool output, int channel) {
+    Eigen::MatrixXd which = Eigen::MatrixXd::Zero(p, m);
+    if (output) {
+      which.row(channel) = elements.row(channel);
+    } else {
+      which.col(channel) = elements.col(channel);
+    }
+    if (which.sum() < 2.0) return;
+    const std::optional<BestDelay> best = ExplainByDelay(rows, which);
+    if (!best.has_value()) return;
+    const double delay = best->delay * sample_time;
+    const double error = best->error * sample_time;
+    clocks.push_back({output, channel, output ? delay : -delay, error,
+                      best->log_likelihood,
+                      IsImpossible(model, which, delay, error)});
+  };
+  for (int i = 0; i < p; ++i) examine(true, i);
+  if (!clocks.empty()) return clocks;
+  for (int j = 0; j < m; ++j) examine(false, j);
+  const auto likeliest = std::max_element(
+      clocks.begin(), clocks.end(), [](const TagClock& a, const TagClock& b) {
+        return a.log_likelihood < b.log_likelihood;
+      });
+  if (clocks.size() > 1) clocks = {*likeliest};
+  return clocks;
+}
+
+}  // namespace mle

@@ -1,0 +1,164 @@
+#include "mle/maintain/whitened_fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <utility>
+
+#include "Eigen/Cholesky"
+
+namespace mle {
+namespace {
+
+constexpr int kOrder = 12;
+constexpr int kMostRounds = 10;
+constexpr double kConverged = 1e-3;  // of a standard error
+constexpr double kLeastVariance = 1e-8;
+constexpr double kRidge = 1e-10;
+// Of a response's variance, what is left of it beside the others.
+constexpr double kCollinear = 1e-9;
+
+using Hankel = Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>>;
+
+struct Noise {
+  Eigen::VectorXd filter;  // 1, −φ_1 … −φ_n, latest last
+  double variance = 0.0;
+  double rows = 0.0;
+};
+
+Eigen::VectorXd Centred(const Eigen::VectorXd& values) {
+  return values.array() - values.mean();
+}
+
+// Sum of squares of the outputs about their means.
+double SquaresOf(const WhitenedData& data) {
+  double squares = 0.0;
+  for (const Eigen::VectorXd& output : data.outputs) {
+    squares += Centred(output).squaredNorm();
+  }
+  return squares;
+}
+
+// Autoregression of what the responses leave of the outputs.
+Noise FitNoise(const WhitenedData& data, const Eigen::VectorXd& gains) {
+  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(kOrder + 1, kOrder + 1);
+  Noise noise;
+  double samples = 0.0;
+  for (std::size_t w = 0; w < data.outputs.size(); ++w) {
+    const auto n = data.outputs[w].size();
+    samples += static_cast<double>(n);
+    if (n <= 2 * kOrder) continue;
+    const Eigen::VectorXd rest =
+        Centred(data.outputs[w] - data.responses[w] * gains);
+    const Hankel lags(rest.data(), kOrder + 1, n - kOrder,
+                      Eigen::OuterStride<>(1));
+    gram.selfadjointView<Eigen::Lower>().rankUpdate(lags);
+    noise.rows += static_cast<double>(n - kOrder);
+  }
+  gram.triangularView<Eigen::StrictlyUpper>() = gram.transpose();
+  const double ridge = kRidge * gram.trace() + 1e-300;
+  const Eigen::MatrixXd past =
+      gram.topLeftCorner(kOrder, kOrder) +
+      ridge * Eigen::MatrixXd::Identity(kOrder, kOrder);
+  const Eigen::VectorXd present = gram.col(kOrder).head(kOrder);
+  const Eigen::VectorXd phi = past.ldlt().solve(present);
+  noise.filter.resize(kOrder + 1);
+  noise.filter << -phi, 1.0;
+  const double least = kLeastVariance * SquaresOf(data) / samples;
+  noise.variance =
+      noise.rows > 0.0
+          ? std::max(noise.filter.dot(gram * noise.filter) / noise.rows, least)
+          : std::max(least, 1e-300);
+  return noise;
+}
+
+double LogLikelihood(const Noise& noise) {
+  return -0.5 * noise.rows * std::log(noise.variance);
+}
+
+Eigen::VectorXd Filter(const Eigen::VectorXd& filter,
+                       const Eigen::VectorXd& values) {
+  const Hankel lags(values.data(), kOrder + 1, values.size() - kOrder,
+                    Eigen::OuterStride<>(1));
+  return Centred(lags.transpose() * filter);
+}
+
+// Least squares of whitened outputs on whitened responses.
+void FitGains(const WhitenedData& data, const Noise& noise, WhitenedFit& fit) {
+  const Eigen::Index m = fit.gains.size();
+  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(m, m);
+  Eigen::VectorXd products = Eigen::VectorXd::Zero(m);
+  for (std::size_t w = 0; w < data.outputs.size(); ++w) {
+    if (data.outputs[w].size() <= 2 * kOrder) continue;
+    const Eigen::VectorXd rest =
+        Filter(noise.filter, data.outputs[w] - data.responses[w] * fit.gains);
+    Eigen::MatrixXd responses(rest.size(), m);
+    for (Eigen::Index j = 0; j < m; ++j) {
+      responses.col(j) = Filter(noise.filter, data.responses[w].col(j));
+    }
+    gram += responses.transpose() * responses;
+    products += responses.transpose() * rest;
+  }
+  const Eigen::VectorXd sizes = gram.diagonal().cwiseSqrt().cwiseMax(1e-150);
+  const Eigen::MatrixXd scaled = sizes.cwiseInverse().asDiagonal() * gram *
+                                     sizes.cwiseInverse().asDiagonal() +
+                                 kCollinear * Eigen::MatrixXd::Identity(m, m);
+  const Eigen::MatrixXd inverse =
+      scaled.ldlt().solve(Eigen::MatrixXd::Identity(m, m));
+  const Eigen::VectorXd step =
+      (inverse * products.cwiseQuotient(sizes)).cwiseQuotient(sizes);
+  for (Eigen::Index j = 0; j < m; ++j) {
+    if (!(gram(j, j) > 0.0)) {
+      fit.errors(j) = std::numeric_limits<double>::infinity();
+      continue;
+    }
+    fit.gains(j) += step(j);
+    fit.errors(j) =
+        std::sqrt(noise.variance * std::max(inverse(j, j), 0.0)) / sizes(j);
+  }
+}
+
+}  // namespace
+
+WhitenedData BlockMeans(const WhitenedData& data, int length) {
+  if (length <= 1) return data;
+  WhitenedData means;
+  for (std::size_t w = 0; w < data.outputs.size(); ++w) {
+    const Eigen::Index n = data.outputs[w].size() / length;
+    Eigen::VectorXd& output = means.outputs.emplace_back(n);
+    Eigen::MatrixXd& responses =
+        means.responses.emplace_back(n, data.responses[w].cols());
+    for (Eigen::Index k = 0; k < n; ++k) {
+      output(k) = data.outputs[w].segment(k * length, length).mean();
+      responses.row(k) =
+          data.responses[w].middleRows(k * length, length).colwise().mean();
+    }
+  }
+  return means;
+}
+
+double WhitenedLogLikelihood(const WhitenedData& data,
+                             const Eigen::VectorXd& gains) {
+  return LogLikelihood(FitNoise(data, gains));
+}
+
+WhitenedFit FitWhitenedGains(const WhitenedData& data, Eigen::VectorXd start) {
+  WhitenedFit fit;
+  fit.gains = std::move(start);
+  fit.errors = Eigen::VectorXd::Zero(fit.gains.size());
+  Noise noise = FitNoise(data, fit.gains);
+  for (int round = 0; round < kMostRounds; ++round) {
+    const Eigen::VectorXd before = fit.gains;
+    FitGains(data, noise, fit);
+    noise = FitNoise(data, fit.gains);
+    const bool converged =
+        ((fit.gains - before).array().abs() <= kConverged * fit.errors.array())
+            .all();
+    if (converged) break;
+  }
+  fit.log_likelihood = LogLikelihood(noise);
+  return fit;
+}
+
+}  // namespace mle

@@ -1,0 +1,44 @@
+// Gains of known responses in an output that is disturbed in an unknown way:
+//
+//   y_k = Σ_j a_j c_jk + w_k,   w_k = b + Σ_{l=1..n} φ_l w_{k−l} + e_k,
+//
+// with an autoregression of order n = 12 for drifts, coloured noise and
+// periods. The likelihood is that of the innovations e, in which feedback does
+// no harm: a controller that answers w moves the inputs later than e. By
+// generalised least squares, φ and a in turn; the offset b is each window's
+// own.
+
+#ifndef MLE_MAINTAIN_WHITENED_FIT_H_
+#define MLE_MAINTAIN_WHITENED_FIT_H_
+
+#include <vector>
+
+#include "Eigen/Core"
+
+namespace mle {
+
+// One output in all windows; without gaps.
+struct WhitenedData {
+  std::vector<Eigen::VectorXd> outputs;    // N
+  std::vector<Eigen::MatrixXd> responses;  // N × m
+};
+
+// The means of blocks of `length` samples. Long blocks forgive a model whose
+// shape is a little wrong, which costs likelihood at every sample.
+WhitenedData BlockMeans(const WhitenedData& data, int length);
+
+struct WhitenedFit {
+  Eigen::VectorXd gains;   // a (m); as at the start where a response is zero
+  Eigen::VectorXd errors;  // their standard errors, infinite there
+  double log_likelihood = 0.0;
+};
+
+// −N/2 ln σ_e² at gains a; σ_e at least 10⁻⁴ of the outputs' deviation.
+double WhitenedLogLikelihood(const WhitenedData& data,
+                             const Eigen::VectorXd& gains);
+
+WhitenedFit FitWhitenedGains(const WhitenedData& data, Eigen::VectorXd start);
+
+}  // namespace mle
+
+#endif  // MLE_MAINTAIN_WHITENED_FIT_H_
