@@ -31,6 +31,24 @@ std::string_view NameOf(MessageCode code) {
       return "window_not_at_rest";
     case MessageCode::kUnmeasured:
       return "unmeasured_disturbance";
+    case MessageCode::kCompressed:
+      return "compressed";
+    case MessageCode::kInputSpikes:
+      return "input_spikes";
+    case MessageCode::kStuckOutput:
+      return "stuck_output";
+    case MessageCode::kInputLimits:
+      return "input_limits";
+    case MessageCode::kSplitMoves:
+      return "split_moves";
+    case MessageCode::kSampling:
+      return "sampling";
+    case MessageCode::kManyMoves:
+      return "many_set_point_moves";
+    case MessageCode::kClock:
+      return "clock";
+    case MessageCode::kMistake:
+      return "mistake";
     case MessageCode::kOptimumLoose:
       return "optimum_loose";
     case MessageCode::kAtBound:

@@ -23,6 +23,16 @@ enum class MessageCode {
   kWindowCut,        // to its longest part without missing inputs
   kWindowNotAtRest,  // a drift or a step where there should be none
   kUnmeasured,       // a burst too long to be outliers
+  // Records, examined before a fit (examine_records.h).
+  kCompressed,   // interpolated or held by the historian
+  kInputSpikes,  // single samples that no controller asked for
+  kStuckOutput,  // a dead, clipped or frozen sensor
+  kInputLimits,  // time at the limits of an input
+  kSplitMoves,   // moves of an input between samples
+  kSampling,     // samples per time constant
+  kManyMoves,    // of a set point, by an optimiser
+  kClock,        // time stamps of a tag that are early or late
+  kMistake,      // of an operator: tags, signs, units
   // Fits.
   kOptimumLoose,    // the gradient at the optimum is not small
   kAtBound,         // a parameter lies at the bound of what is searched

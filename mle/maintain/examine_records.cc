@@ -1,0 +1,301 @@
+#include "mle/maintain/examine_records.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "mle/base/status.h"
+#include "mle/data/compression.h"
+#include "mle/data/input_spikes.h"
+#include "mle/data/operation.h"
+#include "mle/data/stuck_outputs.h"
+#include "mle/maintain/operator_mistakes.h"
+#include "mle/maintain/tag_clocks.h"
+
+namespace mle {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+class Examiner {
+ public:
+  Examiner(const ProcessModel& model, const ExamineOptions& options,
+           std::vector<Record>& records)
+      : model_(model), options_(options), records_(records) {}
+
+  absl::StatusOr<std::vector<Finding>> Run();
+
+ private:
+  void FindCompressed();
+  void FindCompressedInputs(bool outputs_too);
+  void FindSpikes();
+  absl::Status FindStuck();
+  void FindOperation();
+  absl::Status FindMistakes();
+
+  std::vector<SampleRow> Rows(bool outputs, int channel) const;
+  Finding& Add(MessageCode code, std::string tag, Consequence consequence,
+               double value, std::string text);
+  double Begin() const { return records_.front().time(0); }
+  double End() const {
+    return records_.back().time(records_.back().samples() - 1);
+  }
+
+  const ProcessModel& model_;
+  const ExamineOptions& options_;
+  std::vector<Record>& records_;
+  std::vector<Finding> findings_;
+};
+
+std::vector<SampleRow> Examiner::Rows(bool outputs, int channel) const {
+  std::vector<SampleRow> rows;
+  for (const Record& record : records_) {
+    rows.emplace_back((outputs ? record.outputs : record.inputs).row(channel));
+  }
+  return rows;
+}
+
+Finding& Examiner::Add(MessageCode code, std::string tag,
+                       Consequence consequence, double value,
+                       std::string text) {
+  return findings_.emplace_back(
+      Finding{.message = {code, std::move(tag), std::move(text), {}},
+              .consequence = consequence,
+              .from = Begin(),
+              .to = End(),
+              .value = value});
+}
+
+void Examiner::FindCompressed() {
+  bool found_any = false;
+  for (int i = 0; i < model_.num_outputs(); ++i) {
+    const Compression found = FindCompression(Rows(true, i), Holding::kNever);
+    if (found.kind == Compression::Kind::kNone) continue;
+    found_any = true;
+    const std::string& name = model_.outputs()[i].name;
+    const double per_settling = found.ArchivedShare() * SettlingTime(model_) /
+                                records_.front().sample_time;
+    const bool enough = per_settling >= options_.least_archived;
+    Add(MessageCode::kCompressed, name,
+        enough ? Consequence::kRepair : Consequence::kBlocks,
+        found.ArchivedShare(),
+        absl::StrFormat(
+            "%s: %.0f %% of the samples are %s by the historian; %s.", name,
+            100.0 * (1.0 - found.ArchivedShare()),
+            found.kind == Compression::Kind::kLinear ? "interpolated" : "held",
+            enough ? "only the archived ones are used"
+                   : absl::StrFormat("the archived ones, %.2g in a settling "
+                                     "time, are too few",
+                                     per_settling)));
+    if (!options_.repair || !enough) continue;
+    for (std::size_t r = 0; r < records_.size(); ++r) {
+      for (int k = 0; k < records_[r].samples(); ++k) {
+        if (found.interpolated[r][k]) records_[r].outputs(i, k) = kNaN;
+      }
+    }
+  }
+  FindCompressedInputs(found_any);
+}
+
+// An input that is interpolated was moved in another way than the records say;
+// but it may have been moved along ramps, if outputs are as measured.
+void Examiner::FindCompressedInputs(bool outputs_too) {
+  for (int j = 0; j < model_.num_inputs(); ++j) {
+    const Compression found =
+        FindCompression(Rows(false, j), Holding::kByItself);
+    if (found.kind == Compression::Kind::kNone) continue;
+    const std::string& name = model_.inputs()[j].name;
+    Add(MessageCode::kCompressed, name,
+        outputs_too ? Consequence::kBlocks : Consequence::kNote,
+        found.ArchivedShare(),
+        absl::StrFormat("%s: %.0f %% of the samples lie on straight lines: %s.",
+                        name, 100.0 * (1.0 - found.ArchivedShare()),
+                        outputs_too
+                            ? "the historian interpolated them, and what the "
+                              "input did is not known"
+                            : "ramps, or interpolated by the historian"));
+  }
+}
+
+void Examiner::FindSpikes() {
+  for (int j = 0; j < model_.num_inputs(); ++j) {
+    int count = 0;
+    double from = 0.0;
+    double to = 0.0;
+    double largest = 0.0;
+    for (Record& record : records_) {
+      for (const InputSpike& spike : FindInputSpikes(record, j)) {
+        to = record.time(spike.sample);
+        if (count++ == 0) from = to;
+        largest = std::max(largest, std::abs(spike.value - spike.usual));
+        if (options_.repair) record.inputs(j, spike.sample) = spike.usual;
+      }
+    }
+    if (count == 0) continue;
+    const std::string& name = model_.inputs()[j].name;
+    Finding& finding =
+        Add(MessageCode::kInputSpikes, name, Consequence::kRepair, count,
+            absl::StrFormat("%s: %d single sample%s up to %.3g beyond both "
+                            "neighbours, first at %.7g %s, replaced.",
+                            name, count, count == 1 ? "" : "s", largest, from,
+                            model_.time_unit()));
+    finding.from = from;
+    finding.to = to;
+  }
+}
+
+absl::Status Examiner::FindStuck() {
+  MLE_ASSIGN_OR_RETURN(const std::vector<StuckOutput> all,
+                       FindStuckOutputs(records_, model_));
+  for (const StuckOutput& stuck : all) {
+    const std::string& name = model_.outputs()[stuck.output].name;
+    const bool dead = stuck.kind == StuckOutput::Kind::kDead;
+    const bool clipped = stuck.kind == StuckOutput::Kind::kClipped;
+    Finding& finding =
+        Add(MessageCode::kStuckOutput, name,
+            dead ? Consequence::kBlocks : Consequence::kRepair, stuck.samples(),
+            absl::StrFormat(
+                "%s stands at %.6g for %d samples, %s: the sensor seems to be "
+                "%s.",
+                name, stuck.value, stuck.samples(),
+                absl::StrFormat("while the model expects changes of %.3g",
+                                stuck.expected),
+                dead      ? "dead"
+                : clipped ? "clipped; these samples are not used"
+                          : "frozen; these samples are not used"));
+    finding.from =
+        records_[stuck.runs.front().record].time(stuck.runs.front().first);
+    const SampleRun& last = stuck.runs.back();
+    finding.to = records_[last.record].time(last.first + last.samples - 1);
+    if (dead || !options_.repair) continue;
+    for (const SampleRun& run : stuck.runs) {
+      records_[run.record]
+          .outputs.row(stuck.output)
+          .segment(run.first, run.samples)
+          .setConstant(kNaN);
+    }
+  }
+  return absl::OkStatus();
+}
+
+void Examiner::FindOperation() {
+  for (const TimeAtLimits& limits : FindTimeAtLimits(records_)) {
+    const std::string& name = model_.inputs()[limits.input].name;
+    Add(MessageCode::kInputLimits, name, Consequence::kNote,
+        limits.share_low + limits.share_high,
+        absl::StrFormat("%s is at its limits for %.0f %% of the time: %.0f %% "
+                        "at %.6g, %.0f %% at %.6g.",
+                        name, 100.0 * (limits.share_low + limits.share_high),
+                        100.0 * limits.share_low, limits.low,
+                        100.0 * limits.share_high, limits.high));
+  }
+  for (const SplitMoves& moves : FindSplitMoves(records_)) {
+    const std::string& name = model_.inputs()[moves.input].name;
+    Add(MessageCode::kSplitMoves, name, Consequence::kNote,
+        static_cast<double>(moves.split) / moves.moves,
+        absl::StrFormat("%s: %d of %d moves happened between two samples; dead "
+                        "times are uncertain by up to a sample.",
+                        name, moves.split, moves.moves));
+  }
+  for (const SamplingRate& rate :
+       FindUnusualSampling(model_, records_.front().sample_time)) {
+    const std::string pair = PairName(model_, rate.output, rate.input);
+    Add(MessageCode::kSampling, pair, Consequence::kNote, rate.samples,
+        absl::StrFormat("%s: %.3g samples in a time constant; from 3 to 500 "
+                        "are sensible.",
+                        pair, rate.samples))
+        .message.options = {"sample_time"};
+  }
+  for (const ManyMoves& moves : FindManySetPointMoves(records_, model_)) {
+    const std::string& name = model_.outputs()[moves.output].name;
+    Add(MessageCode::kManyMoves, name, Consequence::kNote, moves.moves,
+        absl::StrFormat("%s: the set point moves %d times, by %.3g in the "
+                        "median, as an optimiser moves it.",
+                        name, moves.moves, moves.median_size))
+        .message.options = {"min_change"};
+  }
+}
+
+absl::Status Examiner::FindMistakes() {
+  MLE_ASSIGN_OR_RETURN(const std::optional<OperatorMistake> mistake,
+                       FindOperatorMistake(model_, records_));
+  if (mistake.has_value()) {
+    Add(MessageCode::kMistake, "", Consequence::kBlocks, mistake->factor,
+        mistake->Describe(model_));
+    return absl::OkStatus();
+  }
+  MLE_ASSIGN_OR_RETURN(const std::vector<TagClock> clocks,
+                       FindTagClocks(model_, records_));
+  for (const TagClock& clock : clocks) {
+    Add(MessageCode::kClock,
+        clock.is_output ? model_.outputs()[clock.channel].name
+                        : model_.inputs()[clock.channel].name,
+        clock.impossible ? Consequence::kBlocks : Consequence::kNote,
+        clock.late, clock.Describe(model_));
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::vector<Finding>> Examiner::Run() {
+  FindCompressed();
+  FindSpikes();
+  MLE_RETURN_IF_ERROR(FindStuck());
+  FindOperation();
+  MLE_RETURN_IF_ERROR(FindMistakes());
+  const auto rank = [](const Finding& finding) {
+    if (finding.message.code == MessageCode::kMistake) return 0;
+    return finding.consequence == Consequence::kBlocks   ? 1
+           : finding.consequence == Consequence::kRepair ? 2
+                                                         : 3;
+  };
+  std::stable_sort(
+      findings_.begin(), findings_.end(),
+      [&](const Finding& a, const Finding& b) { return rank(a) < rank(b); });
+  return std::move(findings_);
+}
+
+}  // namespace
+
+std::string_view NameOf(Consequence consequence) {
+  switch (consequence) {
+    case Consequence::kNote:
+      return "note";
+    case Consequence::kRepair:
+      return "repair";
+    case Consequence::kBlocks:
+      return "blocks";
+  }
+  return "";
+}
+
+absl::Status ExamineOptions::Validate() const {
+  if (least_archived >= 1.0 && std::isfinite(least_archived)) {
+    return absl::OkStatus();
+  }
+  return OptionError("least_archived",
+                     absl::StrCat("least_archived = ", least_archived,
+                                  ": it must be at least 1"));
+}
+
+absl::StatusOr<std::vector<Finding>> ExamineRecords(
+    const ProcessModel& model, const ExamineOptions& options,
+    std::vector<Record>& records) {
+  MLE_RETURN_IF_ERROR(options.Validate());
+  if (records.empty()) return std::vector<Finding>();
+  return Examiner(model, options, records).Run();
+}
+
+const Finding* FirstBlocking(const std::vector<Finding>& findings) {
+  const auto found = std::find_if(
+      findings.begin(), findings.end(), [](const Finding& finding) {
+        return finding.consequence == Consequence::kBlocks;
+      });
+  return found == findings.end() ? nullptr : &*found;
+}
+
+}  // namespace mle

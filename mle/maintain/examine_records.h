@@ -1,0 +1,66 @@
+// What is wrong with records before anything is fitted: what the data are
+// (compression.h, input_spikes.h, stuck_outputs.h, operation.h), clocks that
+// differ (tag_clocks.h), and operators' mistakes (operator_mistakes.h).
+//
+//   MLE_ASSIGN_OR_RETURN(const std::vector<Finding> findings,
+//                        ExamineRecords(model, ExamineOptions(), records));
+//   if (const Finding* reason = FirstBlocking(findings)) …  // cannot tell
+//
+// docs/records.md has the thresholds and their reasons.
+
+#ifndef MLE_MAINTAIN_EXAMINE_RECORDS_H_
+#define MLE_MAINTAIN_EXAMINE_RECORDS_H_
+
+#include <string_view>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "mle/data/record.h"
+#include "mle/maintain/message.h"
+#include "mle/model/process_model.h"
+
+namespace mle {
+
+enum class Consequence {
+  kNote,    // of none
+  kRepair,  // the samples concerned are marked as bad, or replaced
+  kBlocks,  // nothing can be said of the plant from these records
+};
+
+// "note", "repair", "blocks".
+std::string_view NameOf(Consequence consequence);
+
+struct Finding {
+  Message message;  // place: the tag, or empty
+  Consequence consequence = Consequence::kNote;
+  // Times of the first and the last sample concerned.
+  double from = 0.0;
+  double to = 0.0;
+  // What it is about: a share, a factor, a time, a number of samples.
+  double value = 0.0;
+};
+
+struct ExamineOptions {
+  // Whether samples are marked and replaced; if not, what could be repaired
+  // stays as it is.
+  bool repair = true;
+  // Archived samples of a compressed output in a settling time of the model
+  // with which it can be used, ≥ 1.
+  double least_archived = 10.0;
+
+  absl::Status Validate() const;
+};
+
+// Blocking findings first, mistakes before others. Records are of the model's
+// channels, as imported, nothing marked yet. Errors as of SimulateResponse().
+absl::StatusOr<std::vector<Finding>> ExamineRecords(
+    const ProcessModel& model, const ExamineOptions& options,
+    std::vector<Record>& records);
+
+// Null if none blocks.
+const Finding* FirstBlocking(const std::vector<Finding>& findings);
+
+}  // namespace mle
+
+#endif  // MLE_MAINTAIN_EXAMINE_RECORDS_H_

@@ -1,0 +1,167 @@
+#include "mle/maintain/examine_records.h"
+
+#include <cmath>
+#include <vector>
+
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "tests/mle/data/loop_records.h"
+
+namespace mle {
+namespace {
+
+using testing::LoopModel;
+using testing::LoopRecord;
+
+std::vector<Finding> Examine(Record& record,
+                             const ExamineOptions& options = {}) {
+  std::vector<Record> records = {record};
+  std::vector<Finding> findings =
+      *ExamineRecords(LoopModel(), options, records);
+  record = records.front();
+  return findings;
+}
+
+int Bad(const Eigen::MatrixXd& rows, int row) {
+  return static_cast<int>(rows.row(row).array().isNaN().count());
+}
+
+TEST(ExamineRecordsTest, FindsNothingInRightRecords) {
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    for (const double walk : {0.0, 0.003}) {
+      for (const double quantum : {0.0, 0.05}) {
+        Record record = LoopRecord({.walk = walk, .seed = seed});
+        if (quantum > 0.0) testing::Quantise(quantum, record.outputs);
+        const Record before = record;
+        EXPECT_TRUE(Examine(record).empty());
+        EXPECT_EQ(record.outputs, before.outputs);
+        EXPECT_EQ(record.inputs, before.inputs);
+      }
+    }
+  }
+}
+
+TEST(ExamineRecordsTest, UsesArchivedSamplesOnly) {
+  Record record = LoopRecord();
+  Eigen::RowVectorXd row = record.outputs.row(0);
+  const int kept = testing::Compress(0.04, row);
+  record.outputs.row(0) = row;
+  const std::vector<Finding> findings = Examine(record);
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].message.code, MessageCode::kCompressed);
+  EXPECT_EQ(findings[0].message.place, "y1");
+  EXPECT_EQ(findings[0].consequence, Consequence::kRepair);
+  EXPECT_NEAR(findings[0].value, kept / 4000.0, 0.01);
+  EXPECT_NEAR(Bad(record.outputs, 0), 4000 - kept, 80);
+  EXPECT_EQ(Bad(record.outputs, 1), 0);
+  EXPECT_EQ(FirstBlocking(findings), nullptr);
+}
+
+TEST(ExamineRecordsTest, TooFewArchivedSamplesBlock) {
+  Record record = LoopRecord();
+  Eigen::RowVectorXd row = record.outputs.row(0);
+  testing::Compress(0.04, row);
+  record.outputs.row(0) = row;
+  const std::vector<Finding> findings =
+      Examine(record, {.least_archived = 200.0});
+  ASSERT_NE(FirstBlocking(findings), nullptr);
+  EXPECT_EQ(Bad(record.outputs, 0), 0);
+}
+
+// Where outputs are compressed, straight lines of an input are no ramps.
+TEST(ExamineRecordsTest, CompressedInputsBlock) {
+  Record record = LoopRecord({.period = 1});
+  Eigen::RowVectorXd input = record.inputs.row(1);
+  testing::Compress(0.01, input);
+  record.inputs.row(1) = input;
+  std::vector<Finding> findings = Examine(record);
+  ASSERT_FALSE(findings.empty());
+  EXPECT_EQ(findings[0].consequence, Consequence::kNote);
+
+  Eigen::RowVectorXd output = record.outputs.row(0);
+  testing::Compress(0.04, output);
+  record.outputs.row(0) = output;
+  findings = Examine(record);
+  ASSERT_NE(FirstBlocking(findings), nullptr);
+  EXPECT_EQ(FirstBlocking(findings)->message.place, "u2");
+}
+
+TEST(ExamineRecordsTest, ReplacesSpikes) {
+  for (const bool repair : {true, false}) {
+    Record record = LoopRecord();
+    const double usual = record.inputs(0, 1230);
+    record.inputs(0, 1230) = 9.0;
+    const std::vector<Finding> findings = Examine(record, {.repair = repair});
+    ASSERT_EQ(findings.size(), 1u);
+    EXPECT_EQ(findings[0].message.code, MessageCode::kInputSpikes);
+    EXPECT_EQ(findings[0].from, record.time(1230));
+    EXPECT_EQ(record.inputs(0, 1230), repair ? usual : 9.0);
+  }
+}
+
+TEST(ExamineRecordsTest, ADeadSensorBlocks) {
+  Record record = LoopRecord();
+  record.outputs.row(1).setConstant(3.0);
+  const std::vector<Finding> findings = Examine(record);
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].message.code, MessageCode::kStuckOutput);
+  EXPECT_EQ(findings[0].consequence, Consequence::kBlocks);
+}
+
+TEST(ExamineRecordsTest, AClippedSensorIsRepaired) {
+  Record record = LoopRecord();
+  record.outputs.row(0) = record.outputs.row(0).cwiseMin(0.6);
+  const std::vector<Finding> findings = Examine(record);
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].consequence, Consequence::kRepair);
+  EXPECT_EQ(Bad(record.outputs, 0), findings[0].value);
+}
+
+// The mistake comes first, whatever else there is.
+TEST(ExamineRecordsTest, AMistakeBlocksFirst) {
+  Record record = LoopRecord();
+  record.inputs(0, 1230) = 9.0;
+  record.inputs.row(0).swap(record.inputs.row(1));
+  const std::vector<Finding> findings = Examine(record);
+  ASSERT_EQ(findings.size(), 2u);
+  EXPECT_EQ(findings[0].message.code, MessageCode::kMistake);
+  EXPECT_EQ(FirstBlocking(findings), &findings[0]);
+  EXPECT_EQ(findings[1].message.code, MessageCode::kInputSpikes);
+}
+
+TEST(ExamineRecordsTest, ClocksAreNotedUnlessImpossible) {
+  for (const int early : {3, 12}) {
+    Record record = LoopRecord();
+    const Eigen::RowVectorXd row = record.outputs.row(0);
+    record.outputs.row(0).head(4000 - early) = row.tail(4000 - early);
+    const std::vector<Finding> findings = Examine(record);
+    ASSERT_EQ(findings.size(), 1u);
+    EXPECT_EQ(findings[0].message.code, MessageCode::kClock);
+    EXPECT_EQ(findings[0].consequence,
+              early > 4 ? Consequence::kBlocks : Consequence::kNote);
+    EXPECT_NEAR(findings[0].value, -0.25 * early, 0.15);
+  }
+}
+
+TEST(ExamineRecordsTest, NotesHowThePlantIsOperated) {
+  Record record = LoopRecord({.noise = 0.2});
+  record.inputs.row(0) = record.inputs.row(0).cwiseMin(0.5);
+  for (int k = 0; k < record.samples(); ++k) {
+    record.set_points(1, k) = 0.01 * (k / 10 * 7 % 11);
+  }
+  record.outputs = *SimulateResponse(LoopModel(), 0.25, record.inputs) +
+                   0.02 * Eigen::MatrixXd::Random(2, record.samples());
+  const std::vector<Finding> findings = Examine(record);
+  ASSERT_EQ(findings.size(), 2u);
+  EXPECT_EQ(findings[0].message.code, MessageCode::kInputLimits);
+  EXPECT_EQ(findings[1].message.code, MessageCode::kManyMoves);
+  EXPECT_EQ(FirstBlocking(findings), nullptr);
+}
+
+TEST(ExamineRecordsTest, ValidatesOptions) {
+  EXPECT_TRUE(ExamineOptions().Validate().ok());
+  EXPECT_FALSE(ExamineOptions{.least_archived = 0.0}.Validate().ok());
+}
+
+}  // namespace
+}  // namespace mle

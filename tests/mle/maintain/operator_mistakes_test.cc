@@ -1,0 +1,241 @@
+#include "mle/maintain/operator_mistakes.h"
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "tests/mle/data/loop_records.h"
+
+namespace mle {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using testing::LoopModel;
+using testing::LoopOptions;
+using testing::LoopRecord;
+using Kind = OperatorMistake::Kind;
+
+std::optional<OperatorMistake> Find(const Record& record,
+                                    const ProcessModel& model = LoopModel()) {
+  return *FindOperatorMistake(model, {record});
+}
+
+// Clean, with a drift, rounded.
+std::vector<Record> Records() {
+  std::vector<Record> records = {LoopRecord({.seed = 1}),
+                                 LoopRecord({.walk = 0.003, .seed = 2}),
+                                 LoopRecord({.seed = 3})};
+  testing::Quantise(0.05, records.back().outputs);
+  return records;
+}
+
+ProcessModel WithTimes(double factor) {
+  ProcessModel model = LoopModel();
+  for (int i = 0; i < 2; ++i) {
+    for (int j = 0; j < 2; ++j) {
+      const TransferFunction& g = model.element(i, j);
+      model.element(i, j) = TransferFunction::FirstOrder(
+          g.StaticGain(), factor * g.TimeConstant(), factor * g.delay());
+    }
+  }
+  return model;
+}
+
+TEST(OperatorMistakesTest, FindsExchangedTags) {
+  for (Record record : Records()) {
+    Record inputs = record;
+    inputs.inputs.row(0).swap(inputs.inputs.row(1));
+    auto mistake = Find(inputs);
+    ASSERT_TRUE(mistake.has_value());
+    EXPECT_EQ(mistake->kind, Kind::kExchanged);
+    EXPECT_FALSE(mistake->outputs);
+    EXPECT_THAT(mistake->channels, ElementsAre(0, 1));
+    EXPECT_GT(mistake->log_likelihood, 50.0);
+    EXPECT_THAT(mistake->Describe(LoopModel()), HasSubstr("u1 and u2"));
+
+    record.outputs.row(0).swap(record.outputs.row(1));
+    mistake = Find(record);
+    ASSERT_TRUE(mistake.has_value());
+    EXPECT_EQ(mistake->kind, Kind::kExchanged);
+    EXPECT_TRUE(mistake->outputs);
+  }
+}
+
+TEST(OperatorMistakesTest, FindsAReversedSign) {
+  for (const Record& record : Records()) {
+    for (int channel = 0; channel < 2; ++channel) {
+      for (const bool output : {false, true}) {
+        Record reversed = record;
+        (output ? reversed.outputs : reversed.inputs).row(channel) *= -1.0;
+        const auto mistake = Find(reversed);
+        ASSERT_TRUE(mistake.has_value());
+        EXPECT_EQ(mistake->kind, Kind::kSign);
+        EXPECT_EQ(mistake->outputs, output);
+        EXPECT_THAT(mistake->channels, ElementsAre(channel));
+      }
+    }
+  }
+}
+
+TEST(OperatorMistakesTest, FindsAnotherUnit) {
+  for (const Record& record : Records()) {
+    for (const double factor : {100.0, 0.01, 60.0, 1.0 / 60.0, 1000.0, 1e-3}) {
+      Record input = record;
+      input.inputs.row(1) /= factor;
+      auto mistake = Find(input);
+      ASSERT_TRUE(mistake.has_value()) << factor;
+      EXPECT_EQ(mistake->kind, Kind::kFactor);
+      EXPECT_NEAR(mistake->factor / factor, 1.0, 1e-12);
+      EXPECT_FALSE(mistake->outputs);
+      EXPECT_THAT(mistake->channels, ElementsAre(1));
+
+      Record output = record;
+      output.outputs.row(0) *= factor;
+      mistake = Find(output);
+      ASSERT_TRUE(mistake.has_value()) << factor;
+      EXPECT_NEAR(mistake->factor / factor, 1.0, 1e-12);
+      EXPECT_TRUE(mistake->outputs);
+      EXPECT_FALSE(mistake->ambiguous);
+    }
+  }
+}
+
+TEST(OperatorMistakesTest, FindsFahrenheit) {
+  Record record = LoopRecord();
+  record.outputs.row(1) = record.outputs.row(1).array() * 1.8 + 32.0;
+  const auto mistake = Find(record);
+  ASSERT_TRUE(mistake.has_value());
+  EXPECT_EQ(mistake->factor, 1.8);
+  EXPECT_THAT(mistake->Describe(LoopModel()), HasSubstr("Fahrenheit"));
+}
+
+// All inputs in fractions are one mistake.
+TEST(OperatorMistakesTest, JoinsChannels) {
+  Record record = LoopRecord();
+  record.inputs /= 100.0;
+  const auto mistake = Find(record);
+  ASSERT_TRUE(mistake.has_value());
+  EXPECT_EQ(mistake->channels.size(), 2u);
+}
+
+TEST(OperatorMistakesTest, FindsAnotherTimeUnit) {
+  for (const Record& record : Records()) {
+    for (const double factor : {60.0, 1.0 / 60.0}) {
+      const auto mistake = Find(record, WithTimes(factor));
+      ASSERT_TRUE(mistake.has_value()) << factor;
+      EXPECT_EQ(mistake->kind, Kind::kTimeUnit);
+      EXPECT_NEAR(mistake->factor * factor, 1.0, 1e-12);
+    }
+  }
+}
+
+TEST(OperatorMistakesTest, LeavesRightModels) {
+  for (unsigned seed = 1; seed <= 8; ++seed) {
+    for (const double noise : {0.0, 0.02, 0.3}) {
+      for (const double walk : {0.0, 0.003, 0.05}) {
+        for (const double quantum : {0.0, 0.05}) {
+          Record record =
+              LoopRecord({.noise = noise, .walk = walk, .seed = seed});
+          if (quantum > 0.0) testing::Quantise(quantum, record.outputs);
+          EXPECT_FALSE(Find(record).has_value()) << noise << " " << walk;
+        }
+      }
+    }
+  }
+}
+
+struct Ageing {
+  std::string name;
+  std::function<void(int i, int j, double& gain, double& time, double& delay)>
+      change;
+};
+
+TEST(OperatorMistakesTest, LeavesAgedPlants) {
+  const std::vector<Ageing> all = {
+      {"gain halved",
+       [](int i, int j, double& K, double&, double&) {
+         if (i == 0 && j == 0) K *= 0.5;
+       }},
+      {"column doubled",
+       [](int, int j, double& K, double&, double&) {
+         if (j == 1) K *= 2.0;
+       }},
+      {"column halved",
+       [](int, int j, double& K, double&, double&) {
+         if (j == 0) K *= 0.5;
+       }},
+      {"all halved", [](int, int, double& K, double&, double&) { K *= 0.5; }},
+      {"dead times", [](int, int, double&, double&, double& L) { L *= 1.5; }},
+      {"slower", [](int, int, double&, double& T, double&) { T *= 2.0; }},
+      {"a sign",
+       [](int i, int j, double& K, double&, double&) {
+         if (i == 1 && j == 0) K *= -1.0;
+       }},
+      {"all of it", [](int i, int j, double& K, double& T, double& L) {
+         if (i == 0) K *= 0.6;
+         if (j == 0) T *= 1.5;
+         if (i == j) L *= 2.0;
+       }}};
+  for (const Ageing& ageing : all) {
+    ProcessModel aged = LoopModel();
+    for (int i = 0; i < 2; ++i) {
+      for (int j = 0; j < 2; ++j) {
+        double gain = aged.element(i, j).StaticGain();
+        double time = aged.element(i, j).TimeConstant();
+        double delay = aged.element(i, j).delay();
+        ageing.change(i, j, gain, time, delay);
+        aged.element(i, j) = TransferFunction::FirstOrder(gain, time, delay);
+      }
+    }
+    for (unsigned seed = 1; seed <= 4; ++seed) {
+      for (const double walk : {0.0, 0.01}) {
+        const Record record = LoopRecord(aged, {.walk = walk, .seed = seed},
+                                         StaticGains(LoopModel()));
+        EXPECT_FALSE(Find(record).has_value()) << ageing.name;
+      }
+    }
+  }
+}
+
+// One element: the number decides.
+TEST(OperatorMistakesTest, OfOneElementOnlyTheNumberTells) {
+  ProcessModel model("one", "min", {{"u", ""}}, {{"y", ""}});
+  model.element(0, 0) = TransferFunction::FirstOrder(2.0, 15.0, 1.0);
+  Record record = LoopRecord({.noise = 0.005});
+  record.outputs = *SimulateResponse(model, 0.25, record.inputs.row(0)) +
+                   0.005 * Eigen::MatrixXd::Random(1, record.samples());
+  record.inputs = record.inputs.row(0).eval();
+  record.set_points = record.set_points.row(0).eval();
+  for (const double factor : {-1.0, 1.8, 60.0, 0.01}) {
+    Record other = record;
+    other.inputs /= factor;
+    const auto mistake = Find(other, model);
+    ASSERT_TRUE(mistake.has_value()) << factor;
+    EXPECT_NEAR(mistake->factor, factor, 1e-12);
+    EXPECT_TRUE(mistake->ambiguous);
+  }
+  for (const double factor : {1.0, -0.5, 0.5, 2.0, 5.0, 30.0}) {
+    Record other = record;
+    other.inputs /= factor;
+    EXPECT_FALSE(Find(other, model).has_value()) << factor;
+  }
+}
+
+TEST(OperatorMistakesTest, ADeadSensorIsNoMistake) {
+  Record record = LoopRecord();
+  record.outputs.row(0).setConstant(3.0);
+  EXPECT_FALSE(Find(record).has_value());
+  record.outputs.row(1).setConstant(3.0);
+  EXPECT_FALSE(Find(record).has_value());
+}
+
+TEST(OperatorMistakesTest, ShortRecordsAreNotExamined) {
+  EXPECT_FALSE(Find(LoopRecord({.samples = 80})).has_value());
+}
+
+}  // namespace
+}  // namespace mle

@@ -1,0 +1,98 @@
+#include "mle/maintain/tag_clocks.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "tests/mle/data/loop_records.h"
+
+namespace mle {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::LoopModel;
+using testing::LoopRecord;
+
+std::vector<TagClock> Find(const Record& record) {
+  return *FindTagClocks(LoopModel(), {record});
+}
+
+void MakeLate(int samples,
+              Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>> row) {
+  const Eigen::RowVectorXd before = row;
+  const auto n = static_cast<int>(row.size());
+  for (int k = 0; k < n; ++k) {
+    row(k) = before(std::clamp(k - samples, 0, n - 1));
+  }
+}
+
+TEST(TagClocksTest, FindsALateOutput) {
+  for (const double walk : {0.0, 0.003}) {
+    for (const int late : {-3, 3, 6}) {
+      for (int i = 0; i < 2; ++i) {
+        Record record = LoopRecord({.walk = walk});
+        MakeLate(late, record.outputs.row(i));
+        const std::vector<TagClock> clocks = Find(record);
+        ASSERT_EQ(clocks.size(), 1u) << late << " " << i;
+        EXPECT_TRUE(clocks[0].is_output);
+        EXPECT_EQ(clocks[0].channel, i);
+        EXPECT_NEAR(clocks[0].late, 0.25 * late, 4.0 * clocks[0].error);
+        EXPECT_LT(clocks[0].error, 0.1);
+        EXPECT_FALSE(clocks[0].impossible);
+      }
+    }
+  }
+}
+
+TEST(TagClocksTest, FindsALateInput) {
+  for (const int late : {-6, 3}) {
+    Record record = LoopRecord();
+    MakeLate(late, record.inputs.row(0));
+    const std::vector<TagClock> clocks = Find(record);
+    ASSERT_EQ(clocks.size(), 1u);
+    EXPECT_FALSE(clocks[0].is_output);
+    EXPECT_EQ(clocks[0].channel, 0);
+    EXPECT_NEAR(clocks[0].late, 0.25 * late, 4.0 * clocks[0].error);
+  }
+}
+
+// The output moves two minutes before its input, whose dead time is one.
+TEST(TagClocksTest, KnowsWhatIsImpossible) {
+  Record record = LoopRecord();
+  MakeLate(-12, record.outputs.row(0));
+  const std::vector<TagClock> clocks = Find(record);
+  ASSERT_EQ(clocks.size(), 1u);
+  EXPECT_TRUE(clocks[0].impossible);
+  EXPECT_THAT(clocks[0].Describe(LoopModel()), HasSubstr("early"));
+}
+
+TEST(TagClocksTest, LeavesRightModels) {
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    for (const double walk : {0.0, 0.003, 0.03}) {
+      Record record = LoopRecord({.walk = walk, .seed = seed});
+      EXPECT_TRUE(Find(record).empty());
+      testing::Quantise(0.05, record.outputs);
+      EXPECT_TRUE(Find(record).empty());
+    }
+  }
+}
+
+// One element, gains, time constants: not what a clock does.
+TEST(TagClocksTest, LeavesAgedElements) {
+  for (int element = 0; element < 4; ++element) {
+    for (int what = 0; what < 3; ++what) {
+      ProcessModel aged = LoopModel();
+      TransferFunction& g = aged.element(element / 2, element % 2);
+      g = TransferFunction::FirstOrder(
+          (what == 0 ? 0.5 : 1.0) * g.StaticGain(),
+          (what == 1 ? 1.5 : 1.0) * g.TimeConstant(),
+          g.delay() + (what == 2 ? 1.5 : 0.0));
+      EXPECT_TRUE(Find(LoopRecord(aged, {}, StaticGains(LoopModel()))).empty())
+          << element << " " << what;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace mle

@@ -1,0 +1,106 @@
+#include "mle/maintain/whitened_fit.h"
+
+#include <cmath>
+#include <limits>
+
+#include "gtest/gtest.h"
+#include "mle/base/random.h"
+
+namespace mle {
+namespace {
+
+// Two responses in a random walk and white noise.
+WhitenedData Data(double walk, double noise, std::uint64_t seed) {
+  constexpr int kSamples = 2000;
+  WhitenedData data;
+  GaussianNoise random(seed, 0, kMeasurementNoise);
+  for (int w = 0; w < 2; ++w) {
+    const Eigen::MatrixXd white = random.DrawMatrix(2, kSamples, 1.0);
+    Eigen::VectorXd& output = data.outputs.emplace_back(kSamples);
+    Eigen::MatrixXd& responses = data.responses.emplace_back(kSamples, 2);
+    double level = 10.0 * w;
+    for (int k = 0; k < kSamples; ++k) {
+      level += walk * white(0, k);
+      responses(k, 0) = std::sin(0.01 * k * (w + 1));
+      responses(k, 1) = k / 300 % 2;
+      output(k) = level + noise * white(1, k) + 2.0 * responses(k, 0) -
+                  0.5 * responses(k, 1);
+    }
+  }
+  return data;
+}
+
+// At every seed within 4 standard errors, which are about the deviation of the
+// estimates.
+TEST(WhitenedFitTest, FindsGainsAndTheirErrors) {
+  for (const double walk : {0.0, 0.02}) {
+    double squares = 0.0;
+    for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+      const WhitenedFit fit =
+          FitWhitenedGains(Data(walk, 0.05, seed), Eigen::Vector2d::Ones());
+      EXPECT_LT(std::abs(fit.gains(0) - 2.0), 4.0 * fit.errors(0));
+      const double deviation = (fit.gains(1) + 0.5) / fit.errors(1);
+      EXPECT_LT(std::abs(deviation), 4.0);
+      squares += deviation * deviation;
+    }
+    EXPECT_NEAR(squares / 40.0, 1.0, 0.6) << walk;
+  }
+}
+
+TEST(WhitenedFitTest, TheFitHasTheLargestLikelihood) {
+  const WhitenedData data = Data(0.02, 0.05, 1);
+  const WhitenedFit fit = FitWhitenedGains(data, Eigen::Vector2d::Ones());
+  EXPECT_NEAR(WhitenedLogLikelihood(data, fit.gains), fit.log_likelihood, 1e-6);
+  for (const double step : {-0.1, 0.1}) {
+    for (int j = 0; j < 2; ++j) {
+      Eigen::VectorXd gains = fit.gains;
+      gains(j) += step;
+      EXPECT_LT(WhitenedLogLikelihood(data, gains), fit.log_likelihood);
+    }
+  }
+}
+
+// In other units the same gains, errors and differences of likelihoods.
+TEST(WhitenedFitTest, UnitsDoNotMatter) {
+  const WhitenedData data = Data(0.02, 0.05, 2);
+  WhitenedData scaled = data;
+  for (auto& output : scaled.outputs) output *= 1e-3;
+  for (auto& responses : scaled.responses) responses *= 1e-3;
+  const Eigen::Vector2d start = Eigen::Vector2d::Ones();
+  const WhitenedFit a = FitWhitenedGains(data, start);
+  const WhitenedFit b = FitWhitenedGains(scaled, start);
+  EXPECT_LT((a.gains - b.gains).norm(), 1e-6);
+  EXPECT_LT((a.errors - b.errors).norm(), 1e-6);
+  EXPECT_NEAR(a.log_likelihood - WhitenedLogLikelihood(data, start),
+              b.log_likelihood - WhitenedLogLikelihood(scaled, start), 1e-4);
+}
+
+TEST(WhitenedFitTest, AResponseOfZeroKeepsItsGain) {
+  WhitenedData data = Data(0.0, 0.05, 3);
+  for (auto& responses : data.responses) responses.col(1).setZero();
+  const WhitenedFit fit = FitWhitenedGains(data, Eigen::Vector2d::Ones());
+  EXPECT_EQ(fit.gains(1), 1.0);
+  EXPECT_EQ(fit.errors(1), std::numeric_limits<double>::infinity());
+  EXPECT_TRUE(std::isfinite(fit.errors(0)));
+}
+
+TEST(WhitenedFitTest, MeansOfBlocks) {
+  const WhitenedData means = BlockMeans(Data(0.0, 0.05, 4), 7);
+  const WhitenedData data = Data(0.0, 0.05, 4);
+  ASSERT_EQ(means.outputs[1].size(), 285);
+  EXPECT_NEAR(means.outputs[1](3), data.outputs[1].segment(21, 7).mean(),
+              1e-12);
+  EXPECT_NEAR(means.responses[0](284, 0),
+              data.responses[0].col(0).segment(284 * 7, 7).mean(), 1e-12);
+}
+
+// An exact fit has a likelihood that is large, not infinite.
+TEST(WhitenedFitTest, NothingLeftIsFinite) {
+  const WhitenedData data = Data(0.0, 0.0, 5);
+  const WhitenedFit fit = FitWhitenedGains(data, Eigen::Vector2d::Ones());
+  EXPECT_TRUE(std::isfinite(fit.log_likelihood));
+  EXPECT_NEAR(fit.gains(0), 2.0, 1e-6);
+}
+
+}  // namespace
+}  // namespace mle
