@@ -29,7 +29,7 @@ void MakeLate(int samples,
 
 TEST(TagClocksTest, FindsALateOutput) {
   for (const double walk : {0.0, 0.003}) {
-    for (const int late : {-3, 3, 6}) {
+    for (const int late : {-6, 6}) {
       for (int i = 0; i < 2; ++i) {
         Record record = LoopRecord({.walk = walk});
         MakeLate(late, record.outputs.row(i));
