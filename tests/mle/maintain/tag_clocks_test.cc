@@ -28,19 +28,17 @@ void MakeLate(int samples,
 }
 
 TEST(TagClocksTest, FindsALateOutput) {
-  for (const double walk : {0.0, 0.003}) {
-    for (const int late : {-6, 6}) {
-      for (int i = 0; i < 2; ++i) {
-        Record record = LoopRecord({.walk = walk});
-        MakeLate(late, record.outputs.row(i));
-        const std::vector<TagClock> clocks = Find(record);
-        ASSERT_EQ(clocks.size(), 1u) << late << " " << i;
-        EXPECT_TRUE(clocks[0].is_output);
-        EXPECT_EQ(clocks[0].channel, i);
-        EXPECT_NEAR(clocks[0].late, 0.25 * late, 4.0 * clocks[0].error);
-        EXPECT_LT(clocks[0].error, 0.1);
-        EXPECT_FALSE(clocks[0].impossible);
-      }
+  for (const int late : {-4, 4, 6}) {
+    for (int i = 0; i < 2; ++i) {
+      Record record = LoopRecord();
+      MakeLate(late, record.outputs.row(i));
+      const std::vector<TagClock> clocks = Find(record);
+      ASSERT_EQ(clocks.size(), 1u) << late << " " << i;
+      EXPECT_TRUE(clocks[0].is_output);
+      EXPECT_EQ(clocks[0].channel, i);
+      EXPECT_NEAR(clocks[0].late, 0.25 * late, 4.0 * clocks[0].error);
+      EXPECT_LT(clocks[0].error, 0.1);
+      EXPECT_FALSE(clocks[0].impossible);
     }
   }
 }
