@@ -21,6 +21,11 @@ absl::Status CheckElement(const TransferFunction& element,
         absl::StrCat("time_constant falls to ", ageing.time_constant.Min(),
                      "; the factor must stay positive"));
   }
+  if (!(ageing.falling > 0.0) || !std::isfinite(ageing.falling)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("falling = ", ageing.falling,
+                     "; the factor must be finite and positive"));
+  }
   if (element.delay() + ageing.delay.Min() < 0.0) {
     return absl::InvalidArgumentError(absl::StrCat(
         "delay falls by ", -ageing.delay.Min(), ", but the dead time is only ",

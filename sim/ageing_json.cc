@@ -52,8 +52,8 @@ absl::StatusOr<Schedule> ParseSchedule(const JsonNode& node,
 absl::StatusOr<ElementAgeing> ParseElement(const JsonNode& node,
                                            const ProcessModel& model,
                                            double time_factor) {
-  MLE_RETURN_IF_ERROR(
-      node.CheckKeys({"output", "input"}, {"gain", "time_constant", "delay"}));
+  MLE_RETURN_IF_ERROR(node.CheckKeys(
+      {"output", "input"}, {"gain", "time_constant", "delay", "falling"}));
   ElementAgeing element;
   MLE_ASSIGN_OR_RETURN(element.output,
                        FindChannel(node, "output", model.outputs()));
@@ -67,6 +67,7 @@ absl::StatusOr<ElementAgeing> ParseElement(const JsonNode& node,
     if (!node.Has(key)) continue;
     MLE_ASSIGN_OR_RETURN(*schedule, ParseSchedule(node.At(key), time_factor));
   }
+  MLE_RETURN_IF_ERROR(ReadNumber(node, "falling", kPositive, element.falling));
   return element;
 }
 
@@ -89,6 +90,25 @@ absl::StatusOr<AgeingSchedule> ParseAgeing(const JsonNode& top,
   return ageing;
 }
 
+absl::StatusOr<ReactorAgeing> ParseReactor(const JsonNode& top) {
+  MLE_RETURN_IF_ERROR(
+      top.CheckKeys({}, {"time_factor", "activity", "heat_transfer"}));
+  double time_factor = 1.0;
+  MLE_RETURN_IF_ERROR(ReadNumber(top, "time_factor", kPositive, time_factor));
+  ReactorAgeing ageing;
+  for (const auto& [key, schedule] :
+       {std::pair("activity", &ageing.activity),
+        std::pair("heat_transfer", &ageing.heat_transfer)}) {
+    if (!top.Has(key)) continue;
+    MLE_ASSIGN_OR_RETURN(*schedule, ParseSchedule(top.At(key), time_factor));
+    if (!(schedule->Min() > 0.0)) {
+      return top.At(key).Fault(absl::StrCat("falls to ", schedule->Min(),
+                                            "; the factor must stay positive"));
+    }
+  }
+  return ageing;
+}
+
 }  // namespace
 
 absl::StatusOr<AgeingSchedule> ParseAgeingSchedule(std::string_view json,
@@ -102,6 +122,12 @@ absl::StatusOr<AgeingSchedule> ReadAgeingSchedule(const std::string& path,
                                                   const ProcessModel& model) {
   MLE_ASSIGN_OR_RETURN(const std::string json, ReadFile(path));
   return ParseAgeingSchedule(json, path, model);
+}
+
+absl::StatusOr<ReactorAgeing> ReadReactorAgeing(const std::string& path) {
+  MLE_ASSIGN_OR_RETURN(const std::string json, ReadFile(path));
+  MLE_ASSIGN_OR_RETURN(const nlohmann::json top, ParseStrictJson(json, path));
+  return ParseReactor(JsonNode(top, path));
 }
 
 }  // namespace mle::sim

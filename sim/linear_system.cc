@@ -63,7 +63,9 @@ double FastestOf(const Block& block) {
     return std::numeric_limits<double>::infinity();
   }
   const double fastest = FastestTimeConstant(block.system.A);
-  return block.ageing ? fastest * block.ageing->time_constant.Min() : fastest;
+  return block.ageing ? fastest * block.ageing->time_constant.Min() *
+                            std::min(1.0, block.ageing->falling)
+                      : fastest;
 }
 
 void WriteBlock(const Block& block, double time,
@@ -80,6 +82,26 @@ void WriteBlock(const Block& block, double time,
       rate * block.system.B;
   coefficients.C.block(block.output, block.first_state, 1, r) =
       gain * block.system.C;
+}
+
+// Slows the derivatives of blocks whose output falls.
+void AddDirections(std::vector<Block> blocks, ContinuousSystem& system) {
+  std::erase_if(blocks, [](const Block& block) {
+    return !block.ageing || block.ageing->falling == 1.0 ||
+           block.system.A.rows() == 0;
+  });
+  if (blocks.empty()) return;
+  system.derivative =
+      [blocks = std::move(blocks), rising = std::move(system.derivative)](
+          double time, const VectorXd& x, const VectorXd& w, VectorXd& dx) {
+        rising(time, x, w, dx);
+        for (const Block& block : blocks) {
+          auto part = dx.segment(block.first_state, block.system.A.rows());
+          const double slope =
+              block.ageing->gain.At(time) * block.system.C.row(0).dot(part);
+          if (slope < 0.0) part /= block.ageing->falling;
+        }
+      };
 }
 
 void AddBreaks(const Schedule& schedule, std::vector<double>& breaks) {
@@ -165,6 +187,7 @@ absl::StatusOr<ContinuousSystem> ToLinearSystem(const ProcessModel& model,
   LinearCoefficients coefficients{MatrixXd::Zero(n, n), MatrixXd::Zero(n, q),
                                   MatrixXd::Zero(p, n), MatrixXd::Zero(p, q)};
   for (const Block& block : blocks) WriteBlock(block, 0.0, coefficients);
+  const std::vector<Block> all = blocks;
   CoefficientUpdate update;
   std::erase_if(blocks, [](const Block& block) { return !block.ageing; });
   if (!blocks.empty()) {
@@ -178,6 +201,7 @@ absl::StatusOr<ContinuousSystem> ToLinearSystem(const ProcessModel& model,
                        std::move(paths), std::move(update), relative_step));
   system.largest_step = largest_step;
   system.breaks = std::move(breaks);
+  AddDirections(all, system);
   return system;
 }
 

@@ -40,7 +40,8 @@ std::vector<Option> PlantOptions(Request& request) {
        "starts; the record has deviations from that state."},
       {"ageing", &request.ageing_path,
        "Ageing schedule (JSON) of the plant's elements: gains, time constants "
-       "and dead times over time."},
+       "and dead times over time; of van_de_vusse its activity and heat "
+       "transfer."},
       {"age", &request.age, "Time of --ageing at which the run begins.", "min"},
   };
 }
@@ -64,11 +65,6 @@ std::vector<Option> RunOptions(Request& request) {
 
 absl::StatusOr<std::unique_ptr<sim::PlantModel>> MakeReactor(
     const Request& request) {
-  if (!request.ageing_path.empty()) {
-    return absl::InvalidArgumentError(
-        "--ageing is for plants that are process models, not for "
-        "--plant=van_de_vusse");
-  }
   const ProcessModel channels("reactor", "h", {{"feed", ""}, {"heat", ""}},
                               {{"product", ""}, {"temperature", ""}});
   MLE_RETURN_IF_ERROR(CheckSameChannels(
@@ -78,14 +74,22 @@ absl::StatusOr<std::unique_ptr<sim::PlantModel>> MakeReactor(
     return RefuseOption("operating_inputs", absl::StrJoin(operating, ","),
                         "the feed and the heat are needed");
   }
+  sim::VanDeVusseOptions reactor{.feed = operating[0], .heat = operating[1]};
+  if (!request.ageing_path.empty()) {
+    absl::StatusOr<sim::ReactorAgeing> ageing =
+        sim::ReadReactorAgeing(request.ageing_path);
+    if (!ageing.ok()) return AboutOption("ageing", ageing.status());
+    reactor.activity = std::move(ageing->activity);
+    reactor.heat_transfer = std::move(ageing->heat_transfer);
+  }
   absl::StatusOr<sim::ContinuousSystem> system =
-      sim::MakeVanDeVusseReactor({.feed = operating[0], .heat = operating[1]});
+      sim::MakeVanDeVusseReactor(reactor, request.age);
   if (!system.ok()) return AboutOption("operating_inputs", system.status());
-  MLE_ASSIGN_OR_RETURN(
-      sim::ContinuousPlant plant,
-      sim::ContinuousPlant::Create(
-          *std::move(system),
-          {.sample_time = request.simulation.loop.sample_time}));
+  MLE_ASSIGN_OR_RETURN(sim::ContinuousPlant plant,
+                       sim::ContinuousPlant::Create(
+                           *std::move(system),
+                           {.sample_time = request.simulation.loop.sample_time,
+                            .start_time = request.age}));
   return std::make_unique<sim::ContinuousPlant>(std::move(plant));
 }
 

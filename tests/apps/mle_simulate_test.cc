@@ -165,6 +165,55 @@ TEST(MleSimulateTest, TheReactorFollowsTheLinearControllerOfItsModel) {
   EXPECT_NEAR(MeanOfLast(record.outputs, 1, 10), 1.0, 1e-2);
 }
 
+// Spent catalyst makes less product of the same feed: at rest, and once the
+// loop asks for the old product, with another feed.
+TEST(MleSimulateTest, TheReactorAges) {
+  const ScratchFolder scratch;
+  const std::string ageing =
+      scratch.Write("ageing.json",
+                    R"({"time_factor": 100, "activity": [[0, 1.0], [1, 0.7]],
+          "heat_transfer": 0.9})");
+  const auto feed = [&](const std::string& age) {
+    return Simulate(
+               scratch, kReactor,
+               {"--plant=van_de_vusse", "--ageing=" + ageing, "--age=" + age,
+                "--sample_time=0.005", "--control_period=0.02", "--duration=4",
+                "--setpoints=product:0.5:0.02", "--noise_variance=0",
+                "--output_weight=100,1", "--move_weight=0.001,0.000001"})
+        .inputs(0, 750);
+  };
+  const double before = feed("-10");
+  EXPECT_GT(std::abs(before), 0.05);
+  EXPECT_GT(std::abs(feed("200") / before - 1.0), 0.05);
+}
+
+// Effects of one channel by name; the same seed gives the same bytes.
+TEST(MleSimulateTest, EffectsComeFromAFile) {
+  const ScratchFolder scratch;
+  const std::string model = scratch.Write("tank.json", kTank);
+  const std::string effects = scratch.Write("effects.json", R"({
+    "outputs": [{"name": "level", "arma": {"poles": [0.9], "variance": 0.01},
+                 "set_point": {"optimiser": {"interval": 20, "deviation": 1}},
+                 "archive": {"compression": 0.05}}],
+    "inputs": [{"name": "steam", "load": {"variance": 0.01},
+                "actuator": {"stiction": 0.05}}]})");
+  std::vector<std::string> contents;
+  for (const char* seed : {"7", "7", "8"}) {
+    const std::string out = scratch / "run.csv";
+    EXPECT_EQ(
+        RunTested({"--model=" + model, "--effects=" + effects, "--duration=200",
+                   "--seed=" + std::string(seed), "--out=" + out})
+            .exit_code,
+        0);
+    contents.push_back(Content(out));
+  }
+  EXPECT_EQ(contents[0], contents[1]);
+  EXPECT_NE(contents[0], contents[2]);
+  const Record record =
+      Simulate(scratch, model, {"--effects=" + effects, "--duration=200"});
+  EXPECT_EQ(FindSetPointChanges(record).size(), 9u);  // at 20, 40, … 180
+}
+
 TEST(MleSimulateTest, AnUnstableLoopIsReported) {
   const ScratchFolder scratch;
   const std::string model = scratch.Write("tank.json", kTank);
@@ -199,6 +248,7 @@ TEST(MleSimulateTest, BadInputIsRefusedInOneLine) {
       {"--plant=" + std::string(kColumn), "inputs[0] is \"steam\""},
       {"--plant=van_de_vusse", "van_de_vusse"},
       {"--ageing=" + ageing, "elements[0]: unknown key \"gian\""},
+      {"--effects=" + ageing, "ageing.json: unknown key \"elements\""},
       {"--disturbances=steam:1:1", "'steam' is moved by the controller"},
       {"--max_input=1,2,3", "--max_input=1,2,3: 3 values"},
       {"--max_input=a", "--max_input=a: 'a' is not a number, or none"},

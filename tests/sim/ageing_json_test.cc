@@ -20,7 +20,7 @@ TEST(AgeingJsonTest, ReadsSchedulesInTheirOwnUnitOfTime) {
     "time_factor": 100,
     "elements": [
       {"output": "y2", "input": "u1", "gain": [[0, 1.0], [10, 0.5]]},
-      {"output": "y1", "input": "u2", "time_constant": 1.5,
+      {"output": "y1", "input": "u2", "time_constant": 1.5, "falling": 2,
        "delay": [[2, 0], [2, 4]]}
     ]})");
   ASSERT_TRUE(ageing.ok()) << ageing.status();
@@ -32,6 +32,7 @@ TEST(AgeingJsonTest, ReadsSchedulesInTheirOwnUnitOfTime) {
   EXPECT_EQ(first.time_constant.At(500.0), 1.0);
   const ElementAgeing& second = ageing->elements[1];
   EXPECT_EQ(second.time_constant.At(0.0), 1.5);
+  EXPECT_EQ(second.falling, 2.0);
   EXPECT_EQ(second.delay.At(199.0), 0.0);
   EXPECT_EQ(second.delay.At(200.0), 4.0);
 }

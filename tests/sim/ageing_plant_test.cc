@@ -214,6 +214,47 @@ TEST(AgeingPlantTest, AnEventIsAStep) {
   }
 }
 
+// Upwards with T, downwards with 3 T, whatever the sign of the gain.
+TEST(AgeingPlantTest, AnElementMayFallMoreSlowly) {
+  const double T = 5.0;
+  for (const double K : {2.0, -2.0}) {
+    AgeingSchedule ageing;
+    ageing.elements.push_back({.falling = 3.0});
+    AgeingPlant plant =
+        Make(SingleLoop(TransferFunction::FirstOrder(K, T, 1.0)), ageing);
+    MatrixXd inputs = MatrixXd::Ones(1, 500);
+    inputs.rightCols(500 - 145).setZero();  // from t = 29 on
+    const MatrixXd y = Simulate(plant, inputs);
+    const double on = K > 0.0 ? T : 3.0 * T;
+    const double off = K > 0.0 ? 3.0 * T : T;
+    for (int k = 0; k < 500; ++k) {
+      const double t = 0.2 * k;
+      double expected = 0.0;
+      if (t > 30.0) {
+        expected = -K * std::expm1(-29.0 / on) * std::exp(-(t - 30.0) / off);
+      } else if (t > 1.0) {
+        expected = -K * std::expm1(-(t - 1.0) / on);
+      }
+      ASSERT_NEAR(y(0, k), expected, 1e-8 * std::abs(K)) << t;
+    }
+  }
+}
+
+// Of two elements only the one that is named; a second-order one turns where
+// its own output does.
+TEST(AgeingPlantTest, DirectionsAreThoseOfTheElement) {
+  const ProcessModel model = MixedModel();
+  AgeingSchedule ageing;
+  ageing.elements.push_back({.output = 1, .input = 0, .falling = 2.0});
+  AgeingPlant slower = Make(model, ageing);
+  AgeingPlant plain = Make(model, {});
+  const MatrixXd inputs = RandomInputs(3, 400);
+  const MatrixXd with = Simulate(slower, inputs);
+  const MatrixXd without = Simulate(plain, inputs);
+  EXPECT_EQ(with.row(0), without.row(0));
+  EXPECT_GT((with.row(1) - without.row(1)).norm(), 0.05 * without.norm());
+}
+
 // Elements integrated one by one, and the whole as one block-diagonal system.
 TEST(AgeingPlantTest, EqualsTheGeneralLinearSystem) {
   for (const ProcessModel& model : {MixedModel(), ThreeByThree()}) {
@@ -275,6 +316,7 @@ TEST(AgeingTest, SchedulesAreChecked) {
               HasSubstr("element (y2, u3): is zero"));
   EXPECT_THAT(message({.time_constant = Schedule(0.0)}),
               HasSubstr("time_constant falls to 0"));
+  EXPECT_THAT(message({.falling = 0.0}), HasSubstr("falling = 0"));
   EXPECT_THAT(message({.delay = Schedule(-0.7)}),
               HasSubstr("the dead time is only 0.6"));
   EXPECT_THAT(message({.delay = Points({{0.0, 0.0}, {1.0, 2.0}})}),
