@@ -21,6 +21,7 @@ class Plant:
     horizon: int  # control periods
     move_weight: float = 1.0
     noise: float = 0.03  # standard deviation, in steps of the set points
+    simulated: str = None  # --plant, where it is no process model
 
     def read(self):
         return json.loads((ROOT / self.model).read_text())
@@ -45,6 +46,8 @@ PLANTS = {
     "splitter": Plant("configs/splitter.json", (-0.5, 0.5, 2), 250, 1, 2, 40),
     "wardle_wood": Plant("benchmarks/plants/wardle_wood.json", (0.1, 0.1), 400, 2, 6, 30),
     "ogunnaike_ray": Plant("benchmarks/plants/ogunnaike_ray.json", (0.5, 0.5, 10), 150, 0.5, 1, 40),
+    "reactor": Plant("configs/van_de_vusse.json", (0.02, 1), 1, 0.01, 0.02, 40,
+                     simulated="van_de_vusse"),
 }
 
 # Thresholds may be chosen on the first; the second is for reports.
@@ -65,7 +68,8 @@ def gain_matrix(model):
     columns = [channel["name"] for channel in model["inputs"]]
     matrix = [[0.0] * len(columns) for _ in rows]
     for element in model["elements"]:
-        matrix[rows.index(element["output"])][columns.index(element["input"])] = static_gain(element)
+        row = matrix[rows.index(element["output"])]
+        row[columns.index(element["input"])] = static_gain(element)
     return matrix
 
 
@@ -134,3 +138,8 @@ def aged(element, gain=1.0, time_constant=1.0, delay=0.0):
         result[key] = [factor * value * math.pow(time_constant, order - i)
                        for i, value in enumerate(result[key])]
     return result
+
+
+def lagged(elements, output, lag):
+    return [with_factor(element, [1.0], [lag, 1.0]) if element["output"] == output
+            else element for element in elements]

@@ -96,7 +96,7 @@ TITLES = {
 
 def markdown(arguments, rows):
     seconds = [row["seconds"] for row in rows if "seconds" in row]
-    parts = [f"Set `{arguments.set}`, {arguments.seeds} seeds; a decision takes "
+    parts = [f"Set `{arguments.set}`, {arguments.seeds} seeds; a decision takes, of one core, "
              f"{statistics.median(seconds):.2g} s (median), {max(seconds):.2g} s at most.\n"]
     for kind, title in TITLES.items():
         of_kind = [row for row in rows if row["kind"] == kind]

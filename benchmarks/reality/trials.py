@@ -1,11 +1,11 @@
 """One run of the benchmark: the record, the correction, and what became of it."""
 
+import dataclasses
 import json
 import os
 import pathlib
 import subprocess
 import tempfile
-import time
 
 import hardware
 import mistakes
@@ -19,13 +19,25 @@ class Failed(RuntimeError):
     pass
 
 
+@dataclasses.dataclass
+class Done:
+    exit_code: int
+    seconds: float  # of the processor
+    err: str
+
+
 def call(accepted, *command):
     """Runs a command, one thread, and insists on one of the accepted exit codes."""
-    done = subprocess.run([str(part) for part in command], capture_output=True, text=True,
-                          env={**os.environ, "OMP_NUM_THREADS": "1"})
-    if done.returncode not in accepted:
-        raise Failed(f"{' '.join(map(str, command))}\nexit code {done.returncode}: "
-                     f"{done.stderr[-2000:]}")
+    with tempfile.TemporaryFile("w+") as err:
+        process = subprocess.Popen([str(part) for part in command], stdout=subprocess.DEVNULL,
+                                   stderr=err, env={**os.environ, "OMP_NUM_THREADS": "1"})
+        _, status, usage = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+        err.seek(0)
+        done = Done(process.returncode, usage.ru_utime + usage.ru_stime, err.read())
+    if done.exit_code not in accepted:
+        raise Failed(f"{' '.join(map(str, command))}\nexit code {done.exit_code}: "
+                     f"{done.err[-2000:]}")
     return done
 
 
@@ -37,29 +49,29 @@ def flags_of(flags):
 def simulate(apps, trial, seed, scratch):
     """Writes model.json, truth.json and record.csv; False if the loop is unstable."""
     files = {"model": trial.model, "plant": trial.truth, "truth": trial.true_model(),
-             "effects": trial.effects_file(), "ageing": {"elements": trial.schedule}}
+             "effects": trial.effects_file(), "ageing": trial.ageing_file()}
     for name, content in files.items():
         (scratch / f"{name}.json").write_text(json.dumps(content))
+    plant = trial.plant.simulated or scratch / "plant.json"
     done = call((0, 1), apps / "mle_simulate", f"--model={scratch}/model.json",
-                f"--plant={scratch}/plant.json", f"--effects={scratch}/effects.json",
+                f"--plant={plant}", f"--effects={scratch}/effects.json",
                 f"--ageing={scratch}/ageing.json", *flags_of(trial.record_flags()),
                 f"--seed={seed}", f"--out={scratch}/record.csv")
-    return done.returncode == 0
+    return done.exit_code == 0
 
 
 def correct(arguments, scratch, model, record, truth=None, flags=()):
     """The decision with its figures, as columns of a row."""
     out = scratch / "out"
-    started = time.monotonic()
     given = [f"--truth={truth}"] if truth else []
     done = call((0, 1, 2), arguments.apps / "mle_correct", f"--model={model}",
                 f"--data={record}", *given, f"--out={out}", "--figures=false", "--threads=1",
                 *flags, *arguments.correct.split())
-    row = {"exit_code": done.returncode, "seconds": round(time.monotonic() - started, 2)}
+    row = {"exit_code": done.exit_code, "seconds": round(done.seconds, 2)}
     result_file = out / "result.json"
     if not result_file.exists():
         # What a command with bad input says; a record that cannot be used is an answer too.
-        row.update(decision="no_answer", reason=done.stderr.strip().splitlines()[-1][:200])
+        row.update(decision="no_answer", reason=done.err.strip().splitlines()[-1][:200])
         return row, None
     result = json.loads(result_file.read_text())
     decision = result["decision"]

@@ -1,0 +1,395 @@
+"""What happens to a plant and to its record, whether something has aged or not, one at a time.
+
+Each is a function that changes a Trial. Sizes are drawn from the trial's own random numbers, in
+steps of the set points, inputs that make such steps, and the plant's time constant, so that
+no scenario is ever the same twice and all plants are treated alike.
+"""
+
+import cmath
+
+import plants
+
+
+def each_output(trial, size):
+    """A list of sizes in steps of the outputs, as a flag has them."""
+    return ",".join(f"{size * trial.steps[name]:.6g}" for name in trial.outputs)
+
+
+def archive(trial, names, **options):
+    """Historian's options of some tags; deviations in standard deviations of the noise."""
+    for name in names:
+        is_output = name in trial.outputs
+        size = trial.deviations[name] if is_output else trial.plant.noise * trial.sizes[name]
+        tag = (trial.output if is_output else trial.input)(name).setdefault("archive", {})
+        for key, value in options.items():
+            tag[key] = value * size if key in ("exception", "compression") else value
+
+
+def white(trial):
+    pass
+
+
+def white_small(trial):
+    trial.noise = trial.about(0.1)
+
+
+def white_large(trial):
+    trial.noise = trial.about(3.0)
+
+
+def one_window(trial):
+    trial.rounds = 0
+
+
+def two_rounds(trial):
+    trial.rounds = 2
+
+
+def drift(trial):
+    variance = trial.about(1e-6, 3)
+    trial.flags["drift_variance"] = ",".join(
+        f"{variance * trial.steps[name] ** 2:.6g}" for name in trial.outputs)
+
+
+def quantised(trial):
+    trial.flags["quantum"] = each_output(trial, trial.about(0.04))
+    trial.flags["faults_only_in_record"] = True
+
+
+def lost(trial):
+    trial.flags["lost_probability"] = trial.about(0.05)
+    trial.flags["lost_input_probability"] = trial.about(0.02)
+    trial.flags["faults_only_in_record"] = True
+
+
+def outliers(trial):
+    trial.flags["outlier_probability"] = trial.about(0.01)
+    trial.flags["outlier_size"] = each_output(trial, trial.about(1.5))
+    trial.flags["faults_only_in_record"] = True
+
+
+def frozen(trial):
+    trial.flags["freeze_rate"] = trial.about(1.0) / trial.plant.settling
+    trial.flags["freeze_duration"] = trial.about(5) * trial.plant.sample_time
+    trial.flags["faults_only_in_record"] = True
+
+
+def historian(trial):
+    quantised(trial)
+    lost(trial)
+    outliers(trial)
+
+
+def swinging_door(trial):
+    archive(trial, trial.outputs, compression=trial.about(2))
+
+
+def swinging_door_two_rounds(trial):
+    two_rounds(trial)
+    swinging_door(trial)
+
+
+def swinging_door_fine(trial):
+    archive(trial, trial.outputs, compression=trial.about(0.7))
+
+
+def swinging_door_inputs(trial):
+    swinging_door(trial)
+    archive(trial, trial.inputs, compression=trial.about(1))
+
+
+def exception(trial):
+    archive(trial, trial.outputs, exception=trial.about(2))
+
+
+def exception_and_door(trial):
+    archive(trial, trial.outputs + trial.inputs, exception=trial.about(0.5),
+            compression=trial.about(1))
+
+
+def sines(trial, amplitude):
+    for name in trial.outputs:
+        trial.output(name)["sines"] = [{
+            "amplitude": trial.about(amplitude) * trial.steps[name],
+            "period": trial.about(2.5, 2) * trial.time_constant}]
+
+
+def sine(trial):
+    sines(trial, 0.2)
+
+
+def sine_two_rounds(trial):
+    two_rounds(trial)
+    sines(trial, 0.1)
+
+
+def sine_slow(trial):
+    name = trial.any_output()
+    trial.output(name)["sines"] = [{"amplitude": trial.about(0.3) * trial.steps[name],
+                                    "period": trial.about(15) * trial.time_constant}]
+
+
+def loads(trial, deviation):
+    memory = trial.about(5, 2) * trial.time_constant
+    for name in trial.inputs:
+        trial.input(name)["load"] = {
+            "variance": (trial.about(deviation) * trial.sizes[name]) ** 2,
+            "time_constant": memory}
+
+
+def load(trial):
+    loads(trial, 0.15)
+
+
+def load_two_rounds(trial):
+    two_rounds(trial)
+    loads(trial, 0.15)
+
+
+def load_small(trial):
+    loads(trial, 0.04)
+
+
+def load_steps(trial):
+    name = trial.any_input()
+    at = trial.random.uniform(0.2, 0.9) * trial.duration()
+    trial.input(name)["load"] = {"steps": [[at, trial.about(0.3) * trial.sizes[name]]]}
+
+
+def coloured(trial):
+    variance = trial.about(0.1, 1.3) ** 2
+    trial.flags["coloured_variance"] = ",".join(
+        f"{variance * trial.steps[name] ** 2:.6g}" for name in trial.outputs)
+    trial.flags["coloured_time_constant"] = trial.about(1.3, 2) * trial.time_constant
+
+
+def coloured_two_rounds(trial):
+    two_rounds(trial)
+    coloured(trial)
+
+
+def coloured_one_window(trial):
+    one_window(trial)
+    coloured(trial)
+
+
+def resonant(trial):
+    """A pair of poles with a period of some time constants."""
+    period = trial.about(2) * trial.time_constant / trial.plant.sample_time
+    pole = 0.98 * cmath.exp(2j * cmath.pi / period)
+    for name in trial.outputs:
+        trial.output(name)["arma"] = {"poles": [[pole.real, pole.imag]],
+                                      "variance": (trial.about(0.06) * trial.steps[name]) ** 2}
+
+
+def random_steps(trial):
+    trial.flags["disturbance_step_rate"] = trial.about(0.7) / trial.plant.settling
+    trial.flags["disturbance_step_deviation"] = each_output(trial, trial.about(0.25))
+
+
+def one_step(trial):
+    name = trial.any_output()
+    at = trial.random.uniform(0.2, 0.95) * trial.duration()
+    trial.output(name)["steps"] = [[at, trial.about(0.3) * trial.steps[name]]]
+
+
+def backlash(trial):
+    for name in trial.inputs:
+        trial.input(name)["actuator"] = {"stiction": trial.about(0.07) * trial.sizes[name]}
+
+
+def stiction(trial):
+    name = trial.any_input()
+    size = trial.about(0.08) * trial.sizes[name]
+    trial.input(name)["actuator"] = {"stiction": size, "jump": trial.about(0.5) * size}
+
+
+def equal_percentage(trial):
+    """The gain changes by some tens of per cent over the range of the record."""
+    name = trial.any_input()
+    trial.input(name)["actuator"] = {"rangeability": trial.about(30),
+                                     "span": trial.about(10) * trial.sizes[name]}
+
+
+def sensor_lag(trial):
+    """The lag has always been there: model and plant have it, which the sensor adds."""
+    name = trial.any_output()
+    lag = trial.about(0.2) * trial.time_constant
+    trial.output(name)["sensor"] = {"lag": lag}
+    trial.model["elements"] = plants.lagged(trial.model["elements"], name, lag)
+    trial.sensor_lag = (name, lag)
+
+
+def clock_output(trial):
+    archive(trial, [trial.any_output()],
+            clock_offset=trial.random.choice((-1, 1)) * trial.about(3) * trial.plant.sample_time)
+
+
+def clock_input(trial):
+    archive(trial, [trial.any_input()], step=True,
+            clock_offset=trial.random.choice((-1, 1)) * round(trial.about(3)) *
+            trial.plant.sample_time)
+
+
+def input_spike(trial):
+    """One sample of an input is wrong, where the controller moves."""
+    name = trial.any_input()
+    _, at, _ = trial.random.choice(trial.changes())
+    at += trial.plant.control_period
+    archive(trial, [name], step=True,
+            spikes=[[at, trial.random.choice((-1, 1)) * trial.about(5) * trial.sizes[name]]])
+
+
+def output_spike(trial):
+    name = trial.any_output()
+    at = trial.random.uniform(0.1, 0.9) * trial.duration()
+    archive(trial, [name], spikes=[[at, trial.about(10) * trial.steps[name]]])
+
+
+def dead_sensor(trial):
+    at = trial.random.choice((0.0, trial.random.uniform(0.2, 0.7) * trial.duration()))
+    trial.output(trial.any_output())["sensor"] = {"dead_from": at}
+    trial.flags["faults_only_in_record"] = True
+
+
+def clipped_sensor(trial):
+    name = trial.any_output()
+    sign = 1 if trial.plant.steps[trial.outputs.index(name)] > 0 else -1
+    limit = sign * trial.random.uniform(0.5, 0.9) * trial.steps[name]
+    trial.output(name)["sensor"] = {"max" if sign > 0 else "min": limit}
+    trial.flags["faults_only_in_record"] = True
+
+
+def limited_inputs(trial):
+    part = trial.random.uniform(0.4, 0.8)
+    limits = [part * trial.sizes[name] for name in trial.inputs]
+    trial.flags["max_input"] = ",".join(f"{limit:.6g}" for limit in limits)
+    trial.flags["min_input"] = ",".join(f"{-limit:.6g}" for limit in limits)
+
+
+def ramps(trial):
+    length = trial.about(0.25) * trial.plant.settling
+    for name, at, value in trial.changes():
+        change = trial.steps[name] * (1 if value else -1)
+        trial.output(name).setdefault("set_point", {}).setdefault("ramps", []).append(
+            [at, length, change])
+    trial.length = trial.duration()
+    trial.set_points = []
+
+
+def optimiser(trial):
+    """Small moves of all set points beside the large ones."""
+    for name in trial.outputs:
+        trial.output(name)["set_point"] = {"optimiser": {
+            "interval": trial.about(0.1) * trial.plant.settling,
+            "deviation": trial.about(0.1) * trial.steps[name]}}
+
+
+def optimiser_only(trial):
+    optimiser(trial)
+    trial.length = 4 * trial.plant.settling
+    trial.set_points = []
+
+
+def slower_downwards(trial):
+    """An element is heated and cools by itself."""
+    element = trial.random.choice(trial.truth["elements"])
+    trial.schedule.append({"output": element["output"], "input": element["input"],
+                           "falling": trial.about(1.4, 1.2)})
+
+
+def small_steps(trial):
+    two_rounds(trial)
+
+
+def tour(trial):
+    """Set points over the range in which a linear controller holds the reactor."""
+    trial.set_points = [
+        (trial.outputs[i % 2], trial.plant.settling * (i + 0.6),
+         trial.random.uniform(-0.1, 0.05) if i % 2 == 0 else trial.random.uniform(-4, 4))
+        for i in range(8)]
+
+
+def far_steps(trial):
+    """Two windows, far from the operating point and from each other."""
+    settling = trial.plant.settling
+    trial.set_points = [("product", 0.2 * settling, trial.random.uniform(-0.12, -0.06)),
+                        ("temperature", 1.6 * settling, trial.random.uniform(2, 4)),
+                        ("product", 2.8 * settling, trial.random.uniform(-0.02, 0.03))]
+
+
+def fast_sampling(trial):
+    trial.flags["sample_time"] = trial.plant.sample_time / 4
+
+
+def slow_sampling(trial):
+    trial.flags["sample_time"] = trial.plant.control_period * 2
+    trial.flags["control_period"] = trial.plant.control_period * 2
+    trial.flags["prediction_horizon"] = trial.plant.horizon // 2
+
+
+def white_and_walk(trial):
+    white_large(trial)
+    drift(trial)
+
+
+def everything(trial):
+    """A little of many things, as an ordinary plant has it."""
+    coloured(trial)
+    quantised(trial)
+    lost(trial)
+    backlash(trial)
+    two_rounds(trial)
+
+
+EFFECTS = {
+    "white noise": white,
+    "white noise, small": white_small,
+    "white noise, large": white_large,
+    "white noise, one window": one_window,
+    "white noise, two rounds": two_rounds,
+    "random walk": drift,
+    "large noise and random walk": white_and_walk,
+    "quantised": quantised,
+    "lost samples": lost,
+    "outliers": outliers,
+    "frozen": frozen,
+    "quantised, losses, outliers": historian,
+    "swinging door, 2σ": swinging_door,
+    "swinging door, 2σ, two rounds": swinging_door_two_rounds,
+    "swinging door, 0.7σ": swinging_door_fine,
+    "swinging door, inputs too": swinging_door_inputs,
+    "exception reporting, 2σ": exception,
+    "exceptions and door, all tags": exception_and_door,
+    "sine, 0.2": sine,
+    "sine, 0.1, two rounds": sine_two_rounds,
+    "slow sine, one output": sine_slow,
+    "AR(1) loads": load,
+    "AR(1) loads, two rounds": load_two_rounds,
+    "AR(1) loads, small": load_small,
+    "step of a load": load_steps,
+    "coloured": coloured,
+    "coloured, two rounds": coloured_two_rounds,
+    "coloured, one window": coloured_one_window,
+    "resonant ARMA": resonant,
+    "unmeasured steps": random_steps,
+    "one unmeasured step": one_step,
+    "backlash": backlash,
+    "stiction": stiction,
+    "equal-percentage valve": equal_percentage,
+    "sensor lag": sensor_lag,
+    "slower downwards": slower_downwards,
+    "clock of an output": clock_output,
+    "clock of an input": clock_input,
+    "spike in an input at a move": input_spike,
+    "spike in an output": output_spike,
+    "dead sensor": dead_sensor,
+    "clipped sensor": clipped_sensor,
+    "inputs at limits": limited_inputs,
+    "ramps": ramps,
+    "optimiser and steps": optimiser,
+    "optimiser alone": optimiser_only,
+    "fast sampling": fast_sampling,
+    "slow sampling": slow_sampling,
+    "many things": everything,
+}
