@@ -1,0 +1,148 @@
+"""check_reality.py SOURCE BUILD: the arithmetic of benchmarks/reality, and two runs of it."""
+
+import csv
+import json
+import math
+import pathlib
+import random
+import subprocess
+import sys
+import tempfile
+
+source, build = (pathlib.Path(argument).resolve() for argument in sys.argv[1:3])
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(source / "benchmarks/reality"))
+import hardware  # noqa: E402
+import mistakes  # noqa: E402
+import plants  # noqa: E402
+import reactor  # noqa: E402
+import scenarios  # noqa: E402
+import tables  # noqa: E402
+from trial import Trial  # noqa: E402
+
+
+def close(a, b, tolerance):
+    assert len(a) == len(b), (a, b)
+    for x, y in zip(a, b):
+        assert abs(x - y) <= tolerance * max(abs(value) for value in b), (a, b)
+
+
+def value_at(element, s):
+    """The element without its dead time, at s."""
+    def polynomial(coefficients):
+        result = 0.0
+        for coefficient in coefficients:
+            result = result * s + coefficient
+        return result
+    if "gain" in element:
+        return element["gain"] / (element["time_constant"] * s + 1.0)
+    return polynomial(element["numerator"]) / polynomial(element["denominator"])
+
+
+def the_reactor_is_that_of_its_file():
+    for ours, given in zip(reactor.model()["elements"],
+                           plants.PLANTS["reactor"].read()["elements"]):
+        for key in ("numerator", "denominator"):
+            padded = [0.0] * (len(ours[key]) - len(given[key])) + given[key]
+            close(ours[key], padded, 1e-6)
+
+
+def elements_age_as_said():
+    first = {"output": "y", "input": "u", "gain": 2.0, "time_constant": 5.0, "delay": 1.0}
+    third = {"output": "y", "input": "u", "numerator": [3.0, 2.0],
+             "denominator": [7.0, 4.0, 1.0], "delay": 1.0}
+    for element in (first, third):
+        old = plants.aged(element, gain=0.5, time_constant=3.0, delay=2.0)
+        assert old["delay"] == 3.0
+        for s in (0.1, 0.3 + 0.4j):
+            assert abs(value_at(old, s) - 0.5 * value_at(element, 3.0 * s)) < 1e-12
+            lag = plants.lagged([element], "y", 4.0)[0]
+            assert abs(value_at(lag, s) - value_at(element, s) / (4.0 * s + 1.0)) < 1e-12
+
+
+def inputs_of_a_diagonal_plant():
+    model = {"inputs": [{"name": "u"}, {"name": "v"}], "outputs": [{"name": "y"}, {"name": "z"}],
+             "elements": [{"output": "y", "input": "v", "gain": 4.0},
+                          {"output": "z", "input": "u", "gain": -0.5}]}
+    close(plants.input_sizes(model, (1.0, 2.0)), [4.0, 0.25], 1e-12)
+
+
+def a_first_order_response_is_simulated():
+    """u steps to 2 at 10, through a gain of 3 and a pole of 0.9."""
+    weights = [3.0 * 0.1 * 0.9 ** i for i in range(200)]
+    inputs = {"u": [5.0] * 10 + [7.0] * 90}
+    response = hardware.simulate({"u": weights}, inputs, 100)
+    for i, value in enumerate(response):
+        k = i * hardware.STRIDE
+        assert abs(value - 6.0 * (1.0 - 0.9 ** max(0, k - 10))) < 1e-9
+    assert abs(hardware.fit(response, [value + 8.0 for value in response]) - 100.0) < 1e-9
+    assert abs(hardware.fit(response, [0.0] * len(response))) < 1e-9
+
+
+def harm_is_counted():
+    def row(kind, decision, change, before, after):
+        return {"kind": kind, "decision": decision, "largest_change": change,
+                "E_before": before, "E_after": after}
+    assert tables.is_harmful(row("none", "corrected", 0.021, 0.0, 1.0))
+    assert not tables.is_harmful(row("none", "corrected", 0.019, 0.0, 1.0))
+    assert not tables.is_harmful(row("none", "cannot_tell", 9.0, 0.0, 1.0))
+    assert tables.is_harmful(row("aged", "corrected", 0.5, 1.0, 1.1))
+    assert not tables.is_harmful(row("aged", "corrected", 0.5, 1.0, 0.9))
+
+
+def scenarios_are_those_of_their_seed():
+    for kind in ("none", "aged"):
+        for name in scenarios.names(kind):
+            plant = scenarios.plant_of(name, "three_by_three")
+            first, again, other = (scenarios.make(plant, kind, name, seed) for seed in (1, 1, 2))
+            assert first.effects_file() == again.effects_file(), name
+            assert first.true_model() == again.true_model(), name
+            assert first.record_flags() == again.record_flags(), name
+            aged = first.true_model()["elements"] != first.model["elements"]
+            assert aged == (kind == "aged"), (kind, name)
+            if kind == "aged":
+                assert first.true_model() != other.true_model(), name
+
+
+def mistakes_change_the_files(folder):
+    header = ["time", "y1", "y2", "y1_setpoint", "y2_setpoint", "u1", "u2"]
+    rows = [[str(k), "1.0", "2.0", "3.0", "4.0", "5.0", "6.0"] for k in range(3)]
+    for name in mistakes.MISTAKES:
+        trial = Trial(plants.PLANTS["two_by_two"], random.Random(name))
+        model, record = folder / "model.json", folder / "record.csv"
+        model.write_text(json.dumps(trial.model))
+        with record.open("w", newline="") as file:
+            csv.writer(file).writerows([header, *rows])
+        mistakes.make(name, trial, model, record)
+        same_model = json.loads(model.read_text()) == trial.model
+        with record.open(newline="") as file:
+            same_record = list(csv.reader(file)) == [header, *rows]
+        assert same_model != same_record, name
+
+
+def a_study_goes_on_where_it_stopped(folder):
+    def run():
+        done = subprocess.run(
+            [source / "benchmarks/reality/run", f"--apps={build / 'apps'}", f"--out={folder}",
+             "--seeds=1", "--kinds=none,aged,hardware", "--scenarios=^white noise$"],
+            capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr[-2000:]
+        return done.stderr, (folder / "runs.csv").read_text()
+    first, second = run(), run()
+    assert "2 of 2 runs" in first[0] and "runs" not in second[0], (first[0], second[0])
+    assert first[1] == second[1]
+    rows = list(csv.DictReader(first[1].splitlines()))
+    assert [row["decision"] for row in rows] == ["no_change", "corrected"], rows
+    assert float(rows[1]["E_after"]) < 0.2 * float(rows[1]["E_before"])
+    assert math.isclose(float(rows[0]["E_before"]), 0.0, abs_tol=1e-12)
+
+
+the_reactor_is_that_of_its_file()
+elements_age_as_said()
+inputs_of_a_diagonal_plant()
+a_first_order_response_is_simulated()
+harm_is_counted()
+scenarios_are_those_of_their_seed()
+with tempfile.TemporaryDirectory() as scratch:
+    mistakes_change_the_files(pathlib.Path(scratch))
+    a_study_goes_on_where_it_stopped(pathlib.Path(scratch))
