@@ -15,7 +15,9 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kLargestPole = 1.0 - 1e-6;
+constexpr double kLargestPole = 1.0 - 1e-4;
+constexpr double kLargestZero = 1000.0;
+constexpr std::size_t kMostRoots = 8;
 
 // The coefficients of Π (1 − r q⁻¹), the first of them 1.
 VectorXd Polynomial(const std::vector<std::complex<double>>& roots) {
@@ -50,15 +52,22 @@ MatrixXd StationaryCovariance(MatrixXd transition, const VectorXd& entry) {
 }  // namespace
 
 absl::Status ArmaOptions::Validate() const {
+  if (poles.size() > kMostRoots || zeros.size() > kMostRoots) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("there are ", poles.size(), " poles and ", zeros.size(),
+                     " zeros, but at most ", kMostRoots, " of each may be"));
+  }
   for (const std::complex<double>& pole : poles) {
     if (std::abs(pole) <= kLargestPole) continue;
     return absl::InvalidArgumentError(
         absl::StrCat("the pole ", pole.real(), " + ", pole.imag(),
-                     "i is not inside the unit circle"));
+                     "i is not inside a circle of radius ", kLargestPole));
   }
   for (const std::complex<double>& zero : zeros) {
-    if (std::isfinite(std::abs(zero))) continue;
-    return absl::InvalidArgumentError("a zero is not finite");
+    if (std::abs(zero) <= kLargestZero) continue;
+    return absl::InvalidArgumentError(
+        absl::StrCat("the zero ", zero.real(), " + ", zero.imag(),
+                     "i is not inside a circle of radius ", kLargestZero));
   }
   return CheckNotNegative("variance", variance);
 }

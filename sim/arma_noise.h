@@ -5,7 +5,8 @@
 //
 // q⁻¹ the delay of a sample, e_k white and Gaussian, of the variance that gives
 // ξ the one asked for. Poles lie inside the unit circle; poles and zeros that
-// are not real stand for themselves and their conjugates. No poles and no
+// are not real stand for themselves and their conjugates, and there are at most
+// eight of each, so that no coefficient overflows. No poles and no
 // zeros: white noise. Stationary from the first sample on.
 //
 // Computed in the form x_{k+1} = T x_k + R e_{k+1}, ξ_k = x_k[0], with x_0
@@ -25,9 +26,9 @@
 namespace mle::sim {
 
 struct ArmaOptions {
-  std::vector<std::complex<double>> poles = {};  // |p| ≤ 1 − 1e-6
-  std::vector<std::complex<double>> zeros = {};
-  double variance = 0.0;  // of ξ, ≥ 0
+  std::vector<std::complex<double>> poles = {};  // |p| ≤ 1 − 1e-4
+  std::vector<std::complex<double>> zeros = {};  // |z| ≤ 1000
+  double variance = 0.0;                         // of ξ, ≥ 0
 
   absl::Status Validate() const;
 };

@@ -281,14 +281,21 @@ void Effects::AddTo(PlantConditions& conditions) const {
   Append(archive.inputs, conditions.archive.inputs);
 }
 
-void Effects::AddTo(SetPointProfile& profile, double duration,
-                    std::uint64_t seed, std::uint64_t stream) const {
+absl::Status Effects::AddTo(SetPointProfile& profile, double duration,
+                            std::uint64_t seed, std::uint64_t stream) const {
+  constexpr double kMostMoves = 10000.0;
   Append(ramps, profile.moves);
   for (const OptimiserOptions& optimiser : optimisers) {
+    if (duration / optimiser.interval > kMostMoves) {
+      return absl::InvalidArgumentError(absl::StrCat(
+          "optimiser: interval = ", optimiser.interval, ", but a run of ",
+          duration, " may have at most ", kMostMoves, " moves"));
+    }
     Append(DrawOptimiserMoves(optimiser.output, optimiser.interval,
                               optimiser.deviation, duration, seed, stream),
            profile.moves);
   }
+  return absl::OkStatus();
 }
 
 absl::StatusOr<Effects> ParseEffects(std::string_view json,

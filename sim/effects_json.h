@@ -24,10 +24,12 @@
 #ifndef SIM_EFFECTS_JSON_H_
 #define SIM_EFFECTS_JSON_H_
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "mle/model/process_model.h"
 #include "sim/actuator.h"
@@ -60,9 +62,9 @@ struct Effects {
   // Adds those of the plant and its instruments to `conditions`.
   void AddTo(PlantConditions& conditions) const;
   // Adds those of the set points to `profile`; the moves of optimisers end
-  // with the run.
-  void AddTo(SetPointProfile& profile, double duration, std::uint64_t seed,
-             std::uint64_t stream) const;
+  // with the run. InvalidArgument for more than 10,000 moves of one output.
+  absl::Status AddTo(SetPointProfile& profile, double duration,
+                     std::uint64_t seed, std::uint64_t stream) const;
 };
 
 // `source` (a file's name) opens every message; unknown or missing keys, wrong

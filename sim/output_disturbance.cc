@@ -52,8 +52,11 @@ void AddSines(std::mt19937_64 phases, const std::vector<SineDisturbance>& sines,
     for (Eigen::Index k = 0; k < disturbance.cols(); ++k) {
       disturbance(sine.output, k) +=
           sine.amplitude *
-          std::sin(kTurn * static_cast<double>(k) * sample_time / sine.period +
-                   phase);
+          std::sin(
+              kTurn *
+                  std::fmod(static_cast<double>(k) * sample_time, sine.period) /
+                  sine.period +
+              phase);
     }
   }
 }

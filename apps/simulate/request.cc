@@ -149,8 +149,9 @@ absl::Status ReadEffects(const Request& request, Simulation& simulation) {
   if (!effects.ok()) return AboutOption("effects", effects.status());
   effects->AddTo(simulation.conditions);
   const sim::ClosedLoopOptions& loop = simulation.loop;
-  effects->AddTo(simulation.set_points, loop.duration, loop.seed, loop.stream);
-  return absl::OkStatus();
+  const absl::Status added = effects->AddTo(
+      simulation.set_points, loop.duration, loop.seed, loop.stream);
+  return added.ok() ? added : AboutOption("effects", added);
 }
 
 }  // namespace

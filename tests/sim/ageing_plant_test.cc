@@ -214,14 +214,16 @@ TEST(AgeingPlantTest, AnEventIsAStep) {
   }
 }
 
-// Upwards with T, downwards with 3 T, whatever the sign of the gain.
+// Upwards with T, downwards with 3 T, whatever the signs of gain and factor.
 TEST(AgeingPlantTest, AnElementMayFallMoreSlowly) {
   const double T = 5.0;
-  for (const double K : {2.0, -2.0}) {
+  for (const auto& [gain, factor] :
+       {std::pair(2.0, 1.0), std::pair(-2.0, 1.0), std::pair(2.0, -1.0)}) {
+    const double K = factor * gain;
     AgeingSchedule ageing;
-    ageing.elements.push_back({.falling = 3.0});
+    ageing.elements.push_back({.gain = Schedule(factor), .falling = 3.0});
     AgeingPlant plant =
-        Make(SingleLoop(TransferFunction::FirstOrder(K, T, 1.0)), ageing);
+        Make(SingleLoop(TransferFunction::FirstOrder(gain, T, 1.0)), ageing);
     MatrixXd inputs = MatrixXd::Ones(1, 500);
     inputs.rightCols(500 - 145).setZero();  // from t = 29 on
     const MatrixXd y = Simulate(plant, inputs);

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <complex>
+#include <vector>
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
@@ -93,9 +94,13 @@ TEST(ArmaNoiseTest, TheVarianceScalesTheSamePath) {
 
 TEST(ArmaNoiseTest, PolesOutsideTheUnitCircleAreRefused) {
   EXPECT_THAT(std::string(ArmaOptions{.poles = {1.0}}.Validate().message()),
-              HasSubstr("1 + 0i is not inside the unit circle"));
+              HasSubstr("1 + 0i is not inside a circle of radius 0.9999"));
   EXPECT_FALSE((ArmaOptions{.poles = {{0.8, 0.7}}}.Validate().ok()));
   EXPECT_FALSE(ArmaOptions{.poles = {NAN}}.Validate().ok());
+  EXPECT_FALSE((ArmaOptions{.poles = {}, .zeros = {1001.0}}.Validate().ok()));
+  EXPECT_FALSE((ArmaOptions{.poles = std::vector<std::complex<double>>(9)}
+                    .Validate()
+                    .ok()));
   EXPECT_FALSE(ArmaOptions{.variance = -1.0}.Validate().ok());
   EXPECT_TRUE((ArmaOptions{.poles = {0.999}, .zeros = {3.0}}.Validate().ok()));
 }

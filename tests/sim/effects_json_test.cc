@@ -90,13 +90,14 @@ TEST(EffectsJsonTest, EveryEffectComesToItsChannel) {
   EXPECT_EQ(conditions.archive.inputs.at(0).compression, 0.3);
 
   SetPointProfile profile;
-  effects->AddTo(profile, 51.0, 1, 0);
+  EXPECT_TRUE(effects->AddTo(profile, 51.0, 1, 0).ok());
   ASSERT_EQ(profile.moves.size(), 1u + 10u);  // at 5, 10, … 50
   EXPECT_EQ(profile.moves[0].output, 1);
   EXPECT_EQ(profile.moves[0].change.time, 100.0);
   EXPECT_EQ(profile.moves[0].change.duration, 60.0);
   EXPECT_EQ(profile.moves[0].change.size, 1.5);
   EXPECT_EQ(profile.moves[10].change.time, 50.0);
+  EXPECT_FALSE(effects->AddTo(profile, 51000.0, 1, 0).ok());
 }
 
 TEST(EffectsJsonTest, AnEmptyFileHasNoEffects) {
