@@ -393,3 +393,7 @@ EFFECTS = {
     "slow sampling": slow_sampling,
     "many things": everything,
 }
+
+# Where nothing stands between the method and its own world.
+CLEAN = {"white noise", "white noise, small", "white noise, two rounds", "random walk",
+         "quantised", "lost samples", "outliers", "quantised, losses, outliers"}

@@ -2,6 +2,8 @@
 
 import statistics
 
+import effects
+
 HARM = 0.02  # of a step response's norm, where nothing has aged
 GAIN = 5.0  # how far E is to fall where something has
 
@@ -32,9 +34,7 @@ def scenario_cells(kind, rows):
     judged = [row for row in rows if row.get("E_after") is not None]
     corrected = [row for row in judged if row["decision"] == "corrected"]
     before = statistics.median(row["E_before"] for row in judged) if judged else 0.0
-    # Without a corrected model the controller keeps its own.
-    after = [row["E_after"] if row["decision"] == "corrected" else row["E_before"]
-             for row in judged]
+    after = [left(row) for row in judged]
     cells = [str(counts["no_change"]), str(counts["corrected"]),
              str(counts["cannot_tell"] + counts["no_answer"]),
              f"{number(before)} → {number(statistics.median(after))} ({number(max(after))})"
@@ -43,8 +43,7 @@ def scenario_cells(kind, rows):
                    sum(row["intervals"] for row in corrected)),
              str(sum(map(is_harmful, rows)))]
     if kind == "aged":
-        cells.append(str(sum(GAIN * left <= row["E_before"]
-                             for left, row in zip(after, judged))))
+        cells.append(str(sum(GAIN * left(row) <= row["E_before"] for row in judged)))
     return cells
 
 
@@ -86,6 +85,50 @@ def hardware_table(rows):
     return lines
 
 
+def left(row):
+    """E of what the controller has in the end: without a corrected model its own."""
+    return row["E_after"] if row["decision"] == "corrected" else row["E_before"]
+
+
+def worst_row(rows, count):
+    """The scenario with the largest share of runs that count, and that share."""
+    shares = {}
+    for name in dict.fromkeys(row["scenario"] for row in rows):
+        of_name = [row for row in rows if row["scenario"] == name]
+        shares[name] = sum(map(count, of_name)) / len(of_name)
+    name = max(shares, key=shares.get)
+    return f"{100.0 * shares[name]:.3g} % ({name})"
+
+
+def goals(rows):
+    """What is asked for, in one table."""
+    lines = ["| | found | asked for |", "|---|--:|--:|"]
+    none = [row for row in rows if row["kind"] == "none"]
+    aged = [row for row in rows if row["kind"] == "aged"]
+    if none:
+        harm = share(sum(map(is_harmful, none)), len(none))
+        quiet = share(sum(row["decision"] == "no_change" for row in none), len(none))
+        lines += [f"| nothing aged: responses changed by more than 2 % | {harm} | ≤ 1 % |",
+                  f"| the same, worst row | {worst_row(none, is_harmful)} | ≤ 4 % |",
+                  f"| nothing aged: no change | {quiet} | ≥ 60 % |"]
+    if aged:
+        judged = [row for row in aged if row.get("E_before")]
+        down = [row for row in judged if GAIN * left(row) <= row["E_before"]]
+        clean = [row for row in judged if row["scenario"] in effects.CLEAN]
+        fell = sum(row["scenario"] in effects.CLEAN for row in down)
+        lines += [f"| aged: E larger than before | {share(sum(map(is_harmful, aged)), len(aged))} "
+                  "| ≤ 0.3 % |",
+                  f"| aged: E down {GAIN:.0f}-fold | {share(len(down), len(aged))} | ≥ 70 % |",
+                  f"| the same, noise, drift, quantisation, losses, outliers | "
+                  f"{share(fell, len(clean))} | ≥ 95 % |"]
+    corrected = [row for row in rows if row["decision"] == "corrected" and "inside" in row]
+    if corrected:
+        covered = share(sum(row["inside"] for row in corrected),
+                        sum(row["intervals"] for row in corrected))
+        lines.append(f"| coverage of 95 % intervals | {covered} | 92–98 % |")
+    return lines
+
+
 TITLES = {
     "none": "Nothing aged",
     "aged": "Something aged",
@@ -98,6 +141,8 @@ def markdown(arguments, rows):
     seconds = [row["seconds"] for row in rows if "seconds" in row]
     parts = [f"Set `{arguments.set}`, {arguments.seeds} seeds; a decision takes, of one core, "
              f"{statistics.median(seconds):.2g} s (median), {max(seconds):.2g} s at most.\n"]
+    if any(row["kind"] in ("none", "aged") for row in rows):
+        parts.append("\n".join(goals(rows)) + "\n")
     for kind, title in TITLES.items():
         of_kind = [row for row in rows if row["kind"] == kind]
         if not of_kind:
