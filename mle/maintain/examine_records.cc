@@ -78,20 +78,17 @@ void Examiner::FindCompressed() {
     if (found.kind == Compression::Kind::kNone) continue;
     found_any = true;
     const std::string& name = model_.outputs()[i].name;
-    const double per_settling = found.ArchivedShare() * SettlingTime(model_) /
-                                records_.front().sample_time;
-    const bool enough = per_settling >= options_.least_archived;
+    const bool enough = found.ArchivedShare() >= options_.least_archived;
     Add(MessageCode::kCompressed, name,
         enough ? Consequence::kRepair : Consequence::kBlocks,
         found.ArchivedShare(),
         absl::StrFormat(
-            "%s: %.0f %% of the samples are %s by the historian; %s.", name,
+            "%s: %.0f %% of the samples are %s by the historian%s.", name,
             100.0 * (1.0 - found.ArchivedShare()),
             found.kind == Compression::Kind::kLinear ? "interpolated" : "held",
-            enough ? "only the archived ones are used"
-                   : absl::StrFormat("the archived ones, %.2g in a settling "
-                                     "time, are too few",
-                                     per_settling)));
+            enough ? ", and only the others are used"
+                   : ": what is left says too little. Export archived values, "
+                     "or have the tag archived with a smaller deviation"));
     if (!options_.repair || !enough) continue;
     for (std::size_t r = 0; r < records_.size(); ++r) {
       for (int k = 0; k < records_[r].samples(); ++k) {
@@ -274,12 +271,10 @@ std::string_view NameOf(Consequence consequence) {
 }
 
 absl::Status ExamineOptions::Validate() const {
-  if (least_archived >= 1.0 && std::isfinite(least_archived)) {
-    return absl::OkStatus();
-  }
+  if (least_archived >= 0.0 && least_archived <= 1.0) return absl::OkStatus();
   return OptionError("least_archived",
                      absl::StrCat("least_archived = ", least_archived,
-                                  ": it must be at least 1"));
+                                  ": it must be in [0, 1]"));
 }
 
 absl::StatusOr<std::vector<Finding>> ExamineRecords(

@@ -45,9 +45,9 @@ struct ExamineOptions {
   // Whether samples are marked and replaced; if not, what could be repaired
   // stays as it is.
   bool repair = true;
-  // Archived samples of a compressed output in a settling time of the model
-  // with which it can be used, ≥ 1.
-  double least_archived = 10.0;
+  // Share of the samples of a compressed output that must be archived for it to
+  // be used, in [0, 1].
+  double least_archived = 0.25;
 
   absl::Status Validate() const;
 };

@@ -33,6 +33,27 @@ void AddImportWarnings(RecordData& data) {
   }
 }
 
+// Looks at the records as they were imported, and repairs what can be.
+absl::Status Examine(const ProcessModel& model, const ExamineOptions& options,
+                     RecordData& data) {
+  MLE_ASSIGN_OR_RETURN(data.findings,
+                       ExamineRecords(model, options, data.records));
+  for (const Finding& finding : data.findings) {
+    switch (finding.consequence) {
+      case Consequence::kBlocks:
+        data.obstacles.push_back(finding.message);
+        break;
+      case Consequence::kRepair:
+        data.warnings.push_back(finding.message);
+        break;
+      case Consequence::kNote:
+        data.notes.push_back(finding.message);
+        break;
+    }
+  }
+  return absl::OkStatus();
+}
+
 // Finds what is wrong with the channels, and marks what is not to be used.
 void MarkUnhealthy(const ProcessModel& model, const MarkOptions& mark,
                    RecordData& data) {
@@ -160,7 +181,9 @@ absl::Status NoWindows(const RecordData& data) {
   std::vector<std::string> files;
   for (const FileReport& file : data.report.files) files.push_back(file.name);
   std::vector<std::string> warnings;
-  for (const Message& warning : data.warnings) warnings.push_back(warning.text);
+  for (const auto* messages : {&data.obstacles, &data.warnings}) {
+    for (const Message& message : *messages) warnings.push_back(message.text);
+  }
   return OptionError(
       "change_times",
       absl::StrCat(
@@ -208,6 +231,7 @@ absl::Status CheckRecords(const std::vector<Record>& records,
 absl::Status FindWhatIsUsed(const ProcessModel& model,
                             const RecordOptions& options, RecordData& data) {
   AddImportWarnings(data);
+  MLE_RETURN_IF_ERROR(Examine(model, options.examination, data));
   MarkUnhealthy(model, options.mark, data);
   MLE_ASSIGN_OR_RETURN(WindowSet set,
                        FindWindows(data.records, model, options.windows));
@@ -257,7 +281,10 @@ std::vector<std::string> UnrestIn(const SetPointWindow& window,
   return unrest;
 }
 
-absl::Status RecordOptions::Validate() const { return windows.Validate(); }
+absl::Status RecordOptions::Validate() const {
+  MLE_RETURN_IF_ERROR(examination.Validate());
+  return windows.Validate();
+}
 
 absl::StatusOr<RecordData> PrepareRecords(std::vector<Record> records,
                                           const ProcessModel& model,

@@ -18,6 +18,7 @@
 #include "mle/data/historian.h"
 #include "mle/data/record.h"
 #include "mle/data/set_point_windows.h"
+#include "mle/maintain/examine_records.h"
 #include "mle/maintain/message.h"
 #include "mle/model/process_model.h"
 #include "mle/nonlinear/structured_correction.h"
@@ -25,6 +26,8 @@
 namespace mle {
 
 struct RecordOptions {
+  // What is looked for before anything else.
+  ExamineOptions examination;
   WindowOptions windows;
   // What is taken as bad: frozen stretches and single samples far from their
   // neighbours.
@@ -40,6 +43,10 @@ struct RecordData {
   // Records as they are, no operating point taken off.
   std::vector<SetPointWindow> windows;
   HealthReport health;
+  // Of the examination; those that block are obstacles, the others are among
+  // the warnings (repairs) and notes.
+  std::vector<Finding> findings;
+  std::vector<Message> obstacles;  // what forbids a correction
   // p: outliers that the model found besides (MarkOutliersByModel()).
   std::vector<int> outliers_by_model;
   std::vector<Message> notes;     // what was found
