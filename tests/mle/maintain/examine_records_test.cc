@@ -80,7 +80,7 @@ TEST(ExamineRecordsTest, CompressedInputsBlock) {
   EXPECT_EQ(findings[0].consequence, Consequence::kNote);
 
   Eigen::RowVectorXd output = record.outputs.row(0);
-  testing::Compress(0.04, output);
+  testing::Compress(0.02, output);
   record.outputs.row(0) = output;
   findings = Examine(record);
   ASSERT_NE(FirstBlocking(findings), nullptr);
