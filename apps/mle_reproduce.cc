@@ -10,10 +10,10 @@
 #include "apps/report/drawing.h"
 #include "apps/report/number.h"
 #include "apps/reproduce/figures.h"
-#include "apps/reproduce/flags.h"
 #include "apps/reproduce/outputs.h"
 #include "apps/reproduce/page.h"
 #include "apps/reproduce/reproduction.h"
+#include "apps/reproduce/request.h"
 #include "apps/reproduce/summary.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"
@@ -34,14 +34,14 @@ Times are in the model's time unit: min by default. Exit codes: 0 done, 1 ran bu
 the result is not usable, 2 bad input or flags.)";
 
 absl::Status WriteAll(const std::vector<CaseResult>& results,
-                      const reproduce::Reproduction& reproduction,
-                      const reproduce::Destination& destination) {
+                      const reproduce::Request& request) {
+  const reproduce::Reproduction& reproduction = request.reproduction;
   const Eigen::VectorXd& lambdas =
       reproduction.campaign.settings.correction.lambdas;
   std::vector<std::pair<std::string, std::string>> files =
       reproduce::FormatCurves(results, lambdas);
   std::vector<report::DrawnFigure> figures;
-  if (destination.figures) {
+  if (request.figures) {
     figures = report::DrawFigures(reproduce::MakeFigures(results, lambdas),
                                   reproduction.threads);
   }
@@ -51,7 +51,7 @@ absl::Status WriteAll(const std::vector<CaseResult>& results,
       "report.html",
       reproduce::FormatPage(results, figures,
                             HowToRunAgain(reproduction.campaign.seeds)));
-  return WriteFilesTogether(destination.folder, files);
+  return WriteFilesTogether(request.folder, files);
 }
 
 void PrintTables(const CaseResult& result) {
@@ -76,15 +76,13 @@ void PrintTables(const CaseResult& result) {
             << report::FormatScientific(result.max_relative_gap, 2) << "\n\n";
 }
 
-int Main() {
-  const absl::StatusOr<reproduce::Reproduction> reproduction =
-      reproduce::ReproductionFromFlags();
-  if (!reproduction.ok()) return Fail(reproduction.status());
-  const reproduce::Destination destination = reproduce::DestinationFromFlags();
-  const absl::StatusOr<FolderLock> lock = ClaimOutputFolder(destination.folder);
+int Main(reproduce::Request& request, OptionTable& table) {
+  const absl::Status complete = reproduce::Complete(request, table);
+  if (!complete.ok()) return Fail(complete);
+  const absl::StatusOr<FolderLock> lock = ClaimOutputFolder(request.folder);
   if (!lock.ok()) return Fail(lock.status());
   const absl::StatusOr<std::vector<CaseResult>> results =
-      reproduce::RunReproduction(*reproduction);
+      reproduce::RunReproduction(request.reproduction);
   if (!results.ok()) return Fail(results.status());
 
   int exit_code = kExitDone;
@@ -98,12 +96,10 @@ int Main() {
       exit_code = kExitNotUsable;
     }
   }
-  if (const absl::Status status =
-          WriteAll(*results, *reproduction, destination);
-      !status.ok()) {
+  if (const absl::Status status = WriteAll(*results, request); !status.ok()) {
     return Fail(absl::InternalError(status.message()));
   }
-  std::cout << "Report and results: " << destination.folder << "/report.html\n";
+  std::cout << "Report and results: " << request.folder << "/report.html\n";
   return exit_code;
 }
 
@@ -111,6 +107,9 @@ int Main() {
 }  // namespace mle
 
 int main(int argc, char** argv) {
-  mle::StartCommand(mle::kUsage, argc, argv);
-  return mle::Main();
+  mle::reproduce::Request request;
+  mle::OptionTable table;
+  mle::reproduce::AddOptions(request, table);
+  mle::StartCommand(mle::kUsage, table, argc, argv);
+  return mle::Main(request, table);
 }

@@ -19,11 +19,11 @@
 #include "apps/experiment/row.h"
 #include "apps/study/campaign.h"
 #include "apps/study/coordinator.h"
-#include "apps/study/flags.h"
 #include "apps/study/journal.h"
 #include "apps/study/merge.h"
 #include "apps/study/outputs.h"
 #include "apps/study/processes.h"
+#include "apps/study/request.h"
 #include "apps/study/summary.h"
 #include "apps/study/worker_pool.h"
 #include "mle/base/file.h"
@@ -215,16 +215,16 @@ int Follow(const study::Request& request, Processes& processes) {
   return kExitDone;
 }
 
-int Main(int* argc, char*** argv) {
+int Main(const study::Request& request, int* argc, char*** argv) {
   const absl::StatusOr<std::unique_ptr<Processes>> processes =
       Processes::Start(argc, argv);
   if (!processes.ok()) return Fail(processes.status());
   CatchStopSignals();
-  const absl::StatusOr<study::Request> request = study::RequestFromFlags();
+  const absl::Status valid = request.Validate();
   const bool leads = (*processes)->rank() == 0;
-  if (!request.ok()) return leads ? Fail(request.status()) : kExitBadInput;
-  if (!leads) return Follow(*request, **processes);
-  const absl::StatusOr<int> code = Lead(*request, **processes);
+  if (!valid.ok()) return leads ? Fail(valid) : kExitBadInput;
+  if (!leads) return Follow(request, **processes);
+  const absl::StatusOr<int> code = Lead(request, **processes);
   return code.ok() ? *code : Fail(code.status());
 }
 
@@ -232,11 +232,14 @@ int Main(int* argc, char*** argv) {
 }  // namespace mle
 
 int main(int argc, char** argv) {
+  mle::study::Request request;
+  mle::OptionTable table;
+  mle::study::AddOptions(request, table);
   mle::StartCommand(
       absl::StrCat(
           mle::kUsage,
           mle::study::Processes::HaveMpi() ? mle::kUsageMpi : mle::kUsageNoMpi,
           mle::kUsageEnd),
-      argc, argv);
-  return mle::Main(&argc, &argv);
+      table, argc, argv);
+  return mle::Main(request, &argc, &argv);
 }

@@ -1,15 +1,11 @@
 #include "apps/common/command_line.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdlib>
 #include <iostream>
 #include <thread>
 
-#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_format.h"
-#include "absl/strings/str_split.h"
 #include "apps/common/flag_parser.h"
 #include "apps/common/process_faults.h"
 #include "apps/report/text.h"
@@ -25,12 +21,7 @@ std::string& StoredCommandLine() {
   return *kLine;
 }
 
-// Null where flags are defined by macros.
 const OptionTable* stored_table = nullptr;
-
-absl::string_view Absl(std::string_view text) {
-  return {text.data(), text.size()};
-}
 
 std::string NameOf(const char* program) {
   const std::string path = program;
@@ -42,14 +33,6 @@ void PrintHelp(const std::string& usage, const std::string& flags) {
             << flags
             << "\nFlag files\n  --flagfile\n      Reads flags from a file, one "
                "a line; later ones win.\n";
-}
-
-std::string HelpOfMacros() {
-  std::string help;
-  for (const FlagText& flag : CommandFlags()) {
-    help += HelpOf(flag.name, flag.default_value, "", flag.description);
-  }
-  return help;
 }
 
 // `help` describes the flags.
@@ -87,19 +70,10 @@ void StartCommand(const std::string& usage, OptionTable& table, int argc,
   }
 }
 
-void StartCommand(const std::string& usage, int argc, char** argv) {
-  ParseCommandLine(usage, HelpOfMacros(), argc, argv);
-}
-
 std::string CommandLine() { return StoredCommandLine(); }
 
 std::vector<std::pair<std::string, std::string>> GivenOptions() {
-  if (stored_table != nullptr) return stored_table->Values();
-  std::vector<std::pair<std::string, std::string>> values;
-  for (const FlagText& flag : CommandFlags()) {
-    values.emplace_back(flag.name, flag.value);
-  }
-  return values;
+  return stored_table->Values();
 }
 
 std::string_view Version() { return LibraryVersion(); }
@@ -127,31 +101,6 @@ absl::StatusOr<FolderLock> ClaimOutputFolder(const std::string& folder) {
   absl::StatusOr<FolderLock> lock = FolderLock::Take(folder);
   if (!lock.ok()) return wrong(lock.status());
   return lock;
-}
-
-absl::StatusOr<Eigen::VectorXd> ParseNumbers(std::string_view flag,
-                                             std::string_view value,
-                                             int count) {
-  // Empty parts stay: they are typing errors.
-  const std::vector<std::string> parts = absl::StrSplit(Absl(value), ',');
-  Eigen::VectorXd numbers(parts.size());
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    double number = 0.0;
-    if (!absl::SimpleAtod(parts[i], &number) || !std::isfinite(number)) {
-      return absl::InvalidArgumentError(absl::StrFormat(
-          "--%s=%s: '%s' is not a number", Absl(flag), Absl(value), parts[i]));
-    }
-    numbers(i) = number;
-  }
-  if (numbers.size() == 1) {
-    return Eigen::VectorXd::Constant(count, numbers(0)).eval();
-  }
-  if (numbers.size() != count) {
-    return absl::InvalidArgumentError(absl::StrFormat(
-        "--%s=%s has %d values; one is needed, or one for each of %d channels",
-        Absl(flag), Absl(value), numbers.size(), count));
-  }
-  return numbers;
 }
 
 int UsableThreads(int asked) {

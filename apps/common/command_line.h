@@ -11,7 +11,6 @@
 #include <utility>
 #include <vector>
 
-#include "Eigen/Core"
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "apps/common/option_table.h"
@@ -24,11 +23,9 @@ inline constexpr int kExitNotUsable = 1;
 inline constexpr int kExitBadInput = 2;
 
 // Parses the flags; answers --help and --version (exit code 0) and unknown
-// flags, stray arguments, values that cannot be read (exit code 2) itself,
+// flags, stray arguments, values that cannot be read (exit code 2) itself.
 void StartCommand(const std::string& usage, OptionTable& table, int argc,
                   char** argv);
-// The same for a command whose flags are defined by gflags' macros.
-void StartCommand(const std::string& usage, int argc, char** argv);
 
 // The command line as it was given, for a shell.
 std::string CommandLine();
@@ -45,11 +42,6 @@ int Fail(const absl::Status& status);
 // Makes the folder that --out names, and locks it against other commands as
 // long as the lock lasts. InvalidArgument, naming --out, if that fails.
 absl::StatusOr<FolderLock> ClaimOutputFolder(const std::string& folder);
-
-// "0.2" or "0.2,0.3": one number for all `count` channels, or one each. Errors
-// name the flag.
-absl::StatusOr<Eigen::VectorXd> ParseNumbers(std::string_view flag,
-                                             std::string_view value, int count);
 
 // Threads that gain something: `asked`, but no more than there are processors.
 int UsableThreads(int asked);

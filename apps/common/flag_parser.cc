@@ -1,14 +1,10 @@
 #include "apps/common/flag_parser.h"
 
-#include <algorithm>
 #include <cstddef>
-#include <string_view>
 
 #include "absl/strings/ascii.h"
-#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
-#include "apps/common/option_table.h"
 #include "gflags/gflags.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"
@@ -143,38 +139,11 @@ absl::Status ParseAll(const std::vector<std::string>& arguments, int depth,
   return absl::OkStatus();
 }
 
-std::string ReadableValue(const std::string& text, const std::string& type) {
-  double number = 0.0;
-  if (type != "double" || !absl::SimpleAtod(text, &number)) return text;
-  return ReadableNumber(number);
-}
-
 }  // namespace
 
 absl::Status ParseFlags(const std::vector<std::string>& arguments,
                         ParsedFlags& parsed) {
   return ParseAll(arguments, 0, parsed);
-}
-
-std::vector<FlagText> CommandFlags() {
-  // This file lies in apps/common.
-  const std::string_view here = __FILE__;
-  const std::string_view apps = here.substr(0, here.rfind("common/"));
-  std::vector<gflags::CommandLineFlagInfo> all;
-  gflags::GetAllFlags(&all);
-  // Those that commands share come after a command's own.
-  const std::string shared = absl::StrCat(std::string(apps), "common/");
-  std::stable_partition(all.begin(), all.end(), [&](const auto& flag) {
-    return !flag.filename.starts_with(shared);
-  });
-  std::vector<FlagText> flags;
-  for (const gflags::CommandLineFlagInfo& flag : all) {
-    if (!flag.filename.starts_with(apps)) continue;
-    flags.push_back({flag.name, ReadableValue(flag.current_value, flag.type),
-                     ReadableValue(flag.default_value, flag.type),
-                     flag.description});
-  }
-  return flags;
 }
 
 }  // namespace mle

@@ -30,18 +30,6 @@ struct ParsedFlags {
 absl::Status ParseFlags(const std::vector<std::string>& arguments,
                         ParsedFlags& parsed);
 
-// A flag as text.
-struct FlagText {
-  std::string name;
-  std::string value;
-  std::string default_value;
-  std::string description;
-};
-
-// The flags of this command, by name: those defined under apps/, not those of
-// the libraries it uses; its own before those that commands share.
-std::vector<FlagText> CommandFlags();
-
 }  // namespace mle
 
 #endif  // APPS_COMMON_FLAG_PARSER_H_

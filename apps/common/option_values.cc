@@ -135,6 +135,17 @@ TextValue Numbers(std::vector<double>* numbers) {
   return value;
 }
 
+TextValue OptionalNumber(std::optional<double>* number) {
+  TextValue value;
+  value.read = [number](const std::string& given, const NumberRange& range) {
+    number->reset();
+    if (ParseList(given).empty()) return absl::OkStatus();
+    MLE_ASSIGN_OR_RETURN(*number, ParseNumber(given, range));
+    return absl::OkStatus();
+  };
+  return value;
+}
+
 TextValue ZeroForInfinity(double* number) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   TextValue value;

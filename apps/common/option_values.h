@@ -70,6 +70,8 @@ TextValue OneOf(Value* field, std::vector<Choice<Value>> choices) {
 TextValue Words(std::vector<std::string>* words);
 // "1,2.5"; blank: none.
 TextValue Numbers(std::vector<double>* numbers);
+// Blank: none.
+TextValue OptionalNumber(std::optional<double>* number);
 // 0 stands for an infinite value, which is the default where the field has it.
 TextValue ZeroForInfinity(double* number);
 

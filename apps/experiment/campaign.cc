@@ -3,37 +3,23 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_format.h"
-#include "absl/strings/str_join.h"
+#include "apps/common/option_values.h"
 #include "mle/base/status.h"
 #include "mle/nonlinear/smoothed_lasso.h"
 
 namespace mle::experiment {
 namespace {
 
-using Rule = SelectionOptions::Rule;
-
-struct NamedRule {
-  const char* name;
-  Rule rule;
-};
-constexpr NamedRule kRules[] = {{"paper", Rule::kLeaveChangeOut},
-                                {"leave_change_out", Rule::kLeaveChangeOut},
-                                {"blocks", Rule::kBlocks},
-                                {"aic", Rule::kAic},
-                                {"bic", Rule::kBic},
-                                {"gcv", Rule::kGcv}};
-
-// The matrix of a weight that is given for every channel, or for each.
+// The diagonal matrix of a weight that is given for every channel, or for each.
 absl::Status ExpandWeight(const char* name, int channels,
                           Eigen::MatrixXd& weight) {
-  if (weight.rows() == 1) {
-    weight = Eigen::VectorXd::Constant(channels, weight(0, 0)).asDiagonal();
+  const auto expanded = FitToChannels(weight.diagonal(), channels);
+  if (!expanded.ok()) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(name, ": ", expanded.status().message()));
   }
-  if (weight.rows() == channels) return absl::OkStatus();
-  return absl::InvalidArgumentError(absl::StrFormat(
-      "%s has %d values; one is needed, or one for each of %d channels", name,
-      weight.rows(), channels));
+  weight = expanded->asDiagonal();
+  return absl::OkStatus();
 }
 
 // A model of so many channels that is easy to control, to check options with.
@@ -95,8 +81,8 @@ Campaign::Campaign() {
   controllers[0].name = "default";
   windows.resize(1);
   windows[0].name = "default";
-  selections = {{"blocks", SelectionOptions()}};
-  solvers = {{"homotopy", LassoSolverOptions(), true}};
+  selections = {NamedSelections().front()};
+  solvers = {NamedSolvers().front()};
 }
 
 void AddMethods(Method method, Campaign& campaign) {
@@ -114,35 +100,28 @@ void AddMethods(Method method, Campaign& campaign) {
   }
 }
 
-absl::StatusOr<SelectionOptions> NamedSelection(const std::string& name) {
-  std::vector<std::string> known;
-  for (const NamedRule& one : kRules) {
-    if (name == one.name) {
-      SelectionOptions options;
-      options.rule = one.rule;
-      options.on_grid = name == "paper";
-      if (name == "paper") options.horizon = 1;
-      return options;
-    }
-    known.emplace_back(one.name);
-  }
-  return absl::InvalidArgumentError(
-      absl::StrCat("known are ", absl::StrJoin(known, ", ")));
+const std::vector<SelectionSpec>& NamedSelections() {
+  using Rule = SelectionOptions::Rule;
+  static const auto* const kAll = new std::vector<SelectionSpec>{
+      {"blocks", {.rule = Rule::kBlocks}},
+      {"paper", {.rule = Rule::kLeaveChangeOut, .horizon = 1, .on_grid = true}},
+      {"leave_change_out", {.rule = Rule::kLeaveChangeOut}},
+      {"aic", {.rule = Rule::kAic}},
+      {"bic", {.rule = Rule::kBic}},
+      {"gcv", {.rule = Rule::kGcv}}};
+  return *kAll;
 }
 
-absl::StatusOr<SolverSpec> NamedSolver(const std::string& name) {
-  SolverSpec spec;
-  spec.name = name;
-  spec.exact = name == "homotopy";
-  if (name == "coordinate_descent") {
-    spec.options.solver = LassoSolver::kCoordinateDescent;
-  } else if (name == "ceres") {
-    spec.options = SmoothedLassoSolver({});
-  } else if (!spec.exact) {
-    return absl::InvalidArgumentError(
-        "known are homotopy, ceres and coordinate_descent");
-  }
-  return spec;
+const std::vector<SolverSpec>& NamedSolvers() {
+  static const auto* const kAll = [] {
+    auto* const all = new std::vector<SolverSpec>{
+        {"homotopy", LassoSolverOptions(), true},
+        {"ceres", SmoothedLassoSolver({}), false},
+        {"coordinate_descent", LassoSolverOptions(), false}};
+    all->back().options.solver = LassoSolver::kCoordinateDescent;
+    return all;
+  }();
+  return *kAll;
 }
 
 absl::StatusOr<ExperimentOptions> OptionsOf(const Campaign& campaign,

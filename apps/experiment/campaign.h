@@ -126,12 +126,10 @@ struct Campaign {
 // uses them.
 void AddMethods(Method method, Campaign& campaign);
 
-// The rule for λ that campaigns and mle_reproduce call `name`: paper,
-// leave_change_out, blocks, aic, bic, gcv. InvalidArgument lists them.
-absl::StatusOr<SelectionOptions> NamedSelection(const std::string& name);
-
-// homotopy, ceres or coordinate_descent. InvalidArgument lists them.
-absl::StatusOr<SolverSpec> NamedSolver(const std::string& name);
+// The rules for λ, blocks and paper first, and the solvers, by the names that
+// campaigns and mle_reproduce have for them.
+const std::vector<SelectionSpec>& NamedSelections();
+const std::vector<SolverSpec>& NamedSolvers();
 
 // One scenario of the grid; indices into the campaign's lists.
 struct Scenario {

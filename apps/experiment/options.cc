@@ -15,29 +15,15 @@ namespace {
 constexpr double kMaxSamples = 1e7;
 constexpr double kMaxHorizonProduct = 1e7;  // values of the dynamic matrix
 
-absl::Status CheckPositive(const char* flag, double value) {
-  if (value > 0.0 && std::isfinite(value)) return absl::OkStatus();
-  return absl::InvalidArgumentError(absl::StrFormat(
-      "--%s=%g: it must be a positive, finite number", flag, value));
-}
-
-absl::Status CheckNotNegative(const char* flag, double value) {
-  if (value >= 0.0 && std::isfinite(value)) return absl::OkStatus();
-  return absl::InvalidArgumentError(absl::StrFormat(
-      "--%s=%g: it must be a finite number and not negative", flag, value));
-}
-
 // A time that will be cut into samples.
 absl::Status CheckDuration(const char* flag, double value, double sample_time) {
-  MLE_RETURN_IF_ERROR(CheckPositive(flag, value));
   if (value / sample_time <= kMaxSamples) return absl::OkStatus();
   return absl::InvalidArgumentError(absl::StrFormat(
       "--%s=%g has %.3g samples of --sample_time=%g; at most %g", flag, value,
       value / sample_time, sample_time, kMaxSamples));
 }
 
-absl::Status CheckNumbers(const ExperimentOptions& options) {
-  MLE_RETURN_IF_ERROR(CheckPositive("sample_time", options.sample_time));
+absl::Status CheckTimes(const ExperimentOptions& options) {
   for (const auto& [flag, value] :
        {std::pair{"control_period", options.controller.control_period},
         std::pair{"duration", options.windows.run_duration()},
@@ -46,47 +32,9 @@ absl::Status CheckNumbers(const ExperimentOptions& options) {
         std::pair{"response_horizon", options.response_horizon}}) {
     MLE_RETURN_IF_ERROR(CheckDuration(flag, value, options.sample_time));
   }
-  for (const auto& [flag, value] :
-       {std::pair{"step_time", options.windows.first_change()},
-        std::pair{"noise_variance", options.noise_variance},
-        std::pair{"conversion_noise_variance",
-                  options.conversion_noise_variance.value_or(0.0)},
-        std::pair{"conversion_penalty", options.conversion.penalty},
-        std::pair{"disturbance_variance_ratio",
-                  options.controller.disturbance_variance_ratio}}) {
-    MLE_RETURN_IF_ERROR(CheckNotNegative(flag, value));
-  }
-  if (options.windows.setpoint_step == 0.0 ||
-      !std::isfinite(options.windows.setpoint_step)) {
-    return absl::InvalidArgumentError(absl::StrFormat(
-        "--setpoint_step=%g: it must be a finite number other than 0",
-        options.windows.setpoint_step));
-  }
-  if (options.conversion.order < 1) {
-    return absl::InvalidArgumentError(absl::StrFormat(
-        "--order=%d: it must be at least 1", options.conversion.order));
-  }
-  return absl::OkStatus();
-}
-
-absl::Status CheckWeight(const char* flag, const char* symbol,
-                         const Eigen::MatrixXd& matrix, int channels,
-                         const char* kind) {
-  const Eigen::VectorXd weight = matrix.diagonal();
-  if (weight.size() != channels) {
-    return absl::InvalidArgumentError(absl::StrFormat(
-        "--%s has %d values for %d %s", flag, weight.size(), channels, kind));
-  }
-  if (!weight.allFinite()) {
-    return absl::InvalidArgumentError(
-        absl::StrFormat("--%s has values that are not finite", flag));
-  }
-  if (weight.minCoeff() < 0.0) {
-    return absl::InvalidArgumentError(absl::StrFormat(
-        "--%s: %g is negative; the weight %s must be positive semi-definite",
-        flag, weight.minCoeff(), symbol));
-  }
-  return absl::OkStatus();
+  if (options.windows.setpoint_step != 0.0) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      "--setpoint_step=0: it must be other than 0");
 }
 
 absl::Status CheckLoop(const ExperimentOptions& options,
@@ -98,11 +46,6 @@ absl::Status CheckLoop(const ExperimentOptions& options,
     return absl::InvalidArgumentError(absl::StrFormat(
         "--control_period=%g is not a whole multiple of --sample_time=%g",
         controller.control_period, options.sample_time));
-  }
-  if (controller.control_horizon < 1) {
-    return absl::InvalidArgumentError(
-        absl::StrFormat("--control_horizon=%d: it must be at least 1",
-                        controller.control_horizon));
   }
   if (controller.prediction_horizon < controller.control_horizon) {
     return absl::InvalidArgumentError(absl::StrFormat(
@@ -120,10 +63,6 @@ absl::Status CheckLoop(const ExperimentOptions& options,
         controller.prediction_horizon, controller.control_horizon, p, m,
         kMaxHorizonProduct));
   }
-  MLE_RETURN_IF_ERROR(CheckWeight("output_weight", "Q_y",
-                                  controller.output_weight, p, "outputs"));
-  MLE_RETURN_IF_ERROR(
-      CheckWeight("move_weight", "Q_u", controller.move_weight, m, "inputs"));
   for (const InputChannel& input : initial.inputs()) {
     if (input.role == InputRole::kDisturbance) {
       return absl::InvalidArgumentError(absl::StrFormat(
@@ -192,10 +131,6 @@ absl::Status CheckSelection(const ExperimentOptions& options,
   }
   if (selection.rule != SelectionOptions::Rule::kBlocks)
     return absl::OkStatus();
-  if (selection.folds < 2) {
-    return absl::InvalidArgumentError(absl::StrFormat(
-        "--selection_folds=%d: it must be at least 2", selection.folds));
-  }
   const int length = selection.BlockLength(options.conversion.order);
   const int blocks = std::max(options.window_rows() / length, 1) * windows;
   if (blocks < 2) {
@@ -210,7 +145,7 @@ absl::Status CheckSelection(const ExperimentOptions& options,
 }  // namespace
 
 absl::Status ExperimentOptions::Validate(const ProcessModel& initial) const {
-  MLE_RETURN_IF_ERROR(CheckNumbers(*this));
+  MLE_RETURN_IF_ERROR(CheckTimes(*this));
   MLE_RETURN_IF_ERROR(CheckLoop(*this, initial));
   MLE_RETURN_IF_ERROR(CheckRows(*this, initial));
   MLE_RETURN_IF_ERROR(CheckSelection(*this, initial));

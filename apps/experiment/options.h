@@ -76,9 +76,9 @@ struct ExperimentOptions {
 
   double response_horizon = 100.0;  // N Δt
 
-  // What must hold before anything is run; the rest is checked on the way.
-  // Errors name the flags of mle_reproduce; a campaign's keys are called the
-  // same.
+  // What must hold between values that are in their ranges
+  // (experiment_options.h); the rest is checked on the way. Errors name the
+  // flags of mle_reproduce; a campaign's keys are called the same.
   absl::Status Validate(const ProcessModel& initial) const;
 
   int response_samples() const;  // N + 1

@@ -28,7 +28,7 @@ struct EstimatorRuns {
 EstimatorRuns RunsOf(const CaseResult& result, const std::string& name) {
   EstimatorRuns runs;
   for (const RunResult& run : result.runs) {
-    for (const EstimatorResult& one : run.estimators) {
+    for (const MethodRun& one : run.estimators) {
       if (one.name != name) continue;
       if (!one.status.ok()) {
         runs.failure = std::string(one.status.message());
@@ -47,13 +47,13 @@ std::vector<std::string> AblationRow(const AblationResult& result) {
   std::vector<double> lambda;
   double gap = 0.0;
   std::string failure;
-  for (const AblationRun& run : result.runs) {
+  for (const MethodRun& run : result.runs) {
     if (!run.status.ok()) {
       failure = std::string(run.status.message());
       continue;
     }
     E.push_back(run.E);
-    lambda.push_back(run.lambda_star);
+    lambda.push_back(run.lambda);
     gap = std::max(gap, run.max_relative_gap);
   }
   const char* const what = result.ablation->what;
@@ -81,7 +81,7 @@ report::Table EstimatorTable(const CaseResult& result) {
                    {"change proposed"},
                    {"s a run"}};
   // In the order of the first run, which has them all.
-  for (const EstimatorResult& one : result.runs.front().estimators) {
+  for (const MethodRun& one : result.runs.front().estimators) {
     const EstimatorRuns runs = RunsOf(result, one.name);
     if (runs.E.empty()) {
       table.AddRow({one.name, "0", runs.failure});

@@ -217,7 +217,7 @@ std::vector<double> OfEstimator(const CaseResult& result,
                                 const std::string& name) {
   std::vector<double> values;
   for (const RunResult& run : result.runs) {
-    for (const EstimatorResult& one : run.estimators) {
+    for (const MethodRun& one : run.estimators) {
       if (one.name == name && one.status.ok()) values.push_back(one.E);
     }
   }

@@ -34,9 +34,9 @@ Json FailureJson(const absl::Status& status) {
   return {{"failure", std::string(status.message())}};
 }
 
-Json EstimatorsJson(const std::vector<EstimatorResult>& estimators) {
+Json EstimatorsJson(const std::vector<MethodRun>& estimators) {
   Json json = Json::object();
-  for (const EstimatorResult& one : estimators) {
+  for (const MethodRun& one : estimators) {
     json[one.name] = one.status.ok()
                          ? Json{{"E", one.E},
                                 {"change_proposed", one.change_proposed},
@@ -50,8 +50,8 @@ Json AblationsJson(const std::vector<AblationResult>& results) {
   Json json = Json::object();
   for (const AblationResult& result : results) {
     Json runs = Json::array();
-    for (const AblationRun& run : result.runs) {
-      runs.push_back(run.status.ok() ? Json{{"lambda_star", run.lambda_star},
+    for (const MethodRun& run : result.runs) {
+      runs.push_back(run.status.ok() ? Json{{"lambda_star", run.lambda},
                                             {"E", run.E},
                                             {"max_relative_duality_gap",
                                              run.max_relative_gap}}

@@ -34,10 +34,9 @@ class Methods {
     const int outputs = campaign.models.front().model.num_outputs();
     if (campaign.windows.front().num_changes(outputs) > 1) {
       const bool paper = campaign.selections.front().name == "paper";
-      other_rule_ = paper ? "blocks" : "paper";
-      campaign.selections.resize(1);
-      campaign.selections.push_back(
-          {other_rule_, *experiment::NamedSelection(other_rule_)});
+      const auto& rules = experiment::NamedSelections();
+      campaign.selections = {campaign.selections.front(), rules[paper ? 0 : 1]};
+      other_rule_ = campaign.selections.back().name;
       method.selection = 1;
       campaign.methods.push_back(method);
     }
@@ -92,32 +91,24 @@ CaseResult Describe(const Reproduction& reproduction, int number,
                campaign.seeds.size());
   for (const experiment::Ablation* ablation : campaign.ablations) {
     if (ablation == nullptr) continue;
-    result.ablations.push_back({ablation, std::vector<AblationRun>(seeds)});
+    result.ablations.push_back({ablation, std::vector<MethodRun>(seeds)});
   }
   return result;
 }
 
-AblationRun MakeAblationRun(const Outcome& outcome) {
-  AblationRun run;
+MethodRun MakeMethodRun(std::string name, const Outcome& outcome) {
+  MethodRun run;
+  run.name = std::move(name);
   run.status = outcome.status;
   if (!run.status.ok()) return run;
-  run.lambda_star = outcome.evaluation->lambda(0);
-  run.E = outcome.evaluation->E();
-  run.max_relative_gap = outcome.evaluation->max_relative_gap;
+  const experiment::Evaluation& evaluation = *outcome.evaluation;
+  run.E = evaluation.E();
+  if (evaluation.lambda.size() > 0) run.lambda = evaluation.lambda(0);
+  run.max_relative_gap = evaluation.max_relative_gap;
+  run.change_proposed = evaluation.change_proposed;
+  run.p_value = evaluation.p_value.value_or(1.0);
+  run.seconds = evaluation.seconds;
   return run;
-}
-
-EstimatorResult MakeEstimatorResult(const Method& method,
-                                    const Outcome& outcome) {
-  EstimatorResult result;
-  result.name = method.name();
-  result.status = outcome.status;
-  if (!result.status.ok()) return result;
-  result.E = outcome.evaluation->E();
-  result.change_proposed = outcome.evaluation->change_proposed;
-  result.p_value = outcome.evaluation->p_value.value_or(1.0);
-  result.seconds = outcome.evaluation->seconds;
-  return result;
 }
 
 // Puts an outcome where it belongs. The runs of a case and seed come one after
@@ -127,29 +118,22 @@ void Keep(const Reproduction& reproduction, const Methods& methods,
   const Coordinates& at = outcome.at;
   CaseResult& result = results[at.scenario.mismatch];
   if (at.scenario.ablation > 0) {
-    result.ablations[at.scenario.ablation - 1].runs[at.seed] =
-        MakeAblationRun(outcome);
+    AblationResult& ablation = result.ablations[at.scenario.ablation - 1];
+    ablation.runs[at.seed] = MakeMethodRun(ablation.ablation->name, outcome);
     return;
   }
   RunResult& run = result.runs[at.seed];
   if (const Method* const one = methods.EstimatorOf(at.method)) {
-    run.estimators.push_back(MakeEstimatorResult(*one, outcome));
+    run.estimators.push_back(MakeMethodRun(one->name(), outcome));
     if (outcome.experiment != nullptr) {
       run.E_limit = outcome.experiment->Limit();
     }
     return;
   }
   if (at.method > 0) {
-    RunResult::OtherRule other;
-    other.name = methods.other_rule();
-    other.status = outcome.status;
-    if (outcome.status.ok()) {
-      other.lambda = outcome.evaluation->lambda(0);
-      other.E = outcome.evaluation->E();
-      run.max_relative_gap =
-          std::max(run.max_relative_gap, outcome.evaluation->max_relative_gap);
-    }
-    run.other_rule = std::move(other);
+    run.other_rule = MakeMethodRun(methods.other_rule(), outcome);
+    run.max_relative_gap =
+        std::max(run.max_relative_gap, run.other_rule->max_relative_gap);
     return;
   }
   run.seed = reproduction.campaign.seeds[at.seed];

@@ -19,10 +19,14 @@
 
 namespace mle::reproduce {
 
-struct EstimatorResult {
-  std::string name;     // as --estimators has it
+// What a method made of the same records as the paper's, or the paper's of
+// records that an ablation changed.
+struct MethodRun {
+  std::string name;     // as --estimators, --selection or --ablations has it
   absl::Status status;  // why there is no result
   double E = 0.0;
+  double lambda = 0.0;            // of the first output, where there is ΔR
+  double max_relative_gap = 0.0;  // of every lasso fit
   // Whether the records proved a change. If not, the model stays as it is, and
   // E is that of the initial model.
   bool change_proposed = false;
@@ -38,13 +42,7 @@ struct RunResult {
   double E_star = 0.0;
   // The paper's rule for λ beside another one, and the default beside the
   // paper's. Of the first seed, where there are two set-point changes or more.
-  struct OtherRule {
-    std::string name;  // as --selection has it
-    absl::Status status;
-    double lambda = 0.0;
-    double E = 0.0;
-  };
-  std::optional<OtherRule> other_rule;
+  std::optional<MethodRun> other_rule;
   double E_zero = 0.0;         // infinite for a model that is very unstable
   double lambda_oracle = 0.0;  // best λ of the grid, in hindsight
   double E_oracle = 0.0;
@@ -52,7 +50,7 @@ struct RunResult {
   Judgement judgement;            // at λ*
   ClosedLoopComparison closed_loop;
   // Side by side on the same records, as asked for and in that order.
-  std::vector<EstimatorResult> estimators;
+  std::vector<MethodRun> estimators;
   double E_limit = 0.0;  // Experiment::Limit(), where there are estimators
   // How to tune the controller for the corrected model, and why; of the first
   // seed. A single line says why there is no advice.
@@ -63,14 +61,6 @@ struct RunResult {
   Eigen::VectorXd squared_distance;
   StepResponse corrected;      // at λ*
   StepResponse unregularised;  // at λ = 0
-};
-
-// What an ablation makes of E.
-struct AblationRun {
-  absl::Status status;  // why there is no result
-  double lambda_star = 0.0;
-  double E = 0.0;
-  double max_relative_gap = 0.0;  // of every lasso fit
 };
 
 // Fills in everything but the other rule and the estimators from what ΔR, the

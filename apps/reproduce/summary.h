@@ -22,7 +22,7 @@ inline constexpr double kAcceptedGap = 1e-9;
 // An ablation with the first of the seeds.
 struct AblationResult {
   const experiment::Ablation* ablation = nullptr;
-  std::vector<AblationRun> runs;  // seed by seed
+  std::vector<MethodRun> runs;  // seed by seed
 };
 
 // The corrected model's errors at one input–output pair, over all runs.

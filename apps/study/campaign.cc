@@ -4,7 +4,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
+#include "apps/common/option_json.h"
 #include "apps/experiment/campaign.h"
+#include "apps/experiment/experiment_options.h"
 #include "apps/experiment/grid.h"
 #include "apps/study/campaign_methods.h"
 #include "apps/study/campaign_scenarios.h"
@@ -64,33 +66,6 @@ absl::Status ReadInList(const JsonNode& campaign, const std::string& list,
   return absl::OkStatus();
 }
 
-absl::Status ParseConversion(const JsonNode& node,
-                             ExperimentOptions& settings) {
-  MLE_RETURN_IF_ERROR(
-      node.CheckKeys({}, {"duration", "penalty", "noise_variance"}));
-  MLE_RETURN_IF_ERROR(
-      ReadNumber(node, "duration", kPositive, settings.conversion_duration));
-  MLE_RETURN_IF_ERROR(
-      ReadNumber(node, "penalty", kNotNegative, settings.conversion.penalty));
-  if (node.Has("noise_variance")) {
-    MLE_ASSIGN_OR_RETURN(settings.conversion_noise_variance,
-                         node.At("noise_variance").Number(kNotNegative));
-  }
-  return absl::OkStatus();
-}
-
-absl::Status ParseScaling(const JsonNode& node, ExperimentOptions& settings) {
-  MLE_ASSIGN_OR_RETURN(const std::string name, node.Text());
-  if (name != "standardise" && name != "raw") {
-    return node.Fault(
-        absl::StrCat("must be standardise or raw, is ", node.Found()));
-  }
-  settings.conversion.scaling =
-      name == "raw" ? Scaling::kRaw : Scaling::kStandardise;
-  settings.correction.scaling = settings.conversion.scaling;
-  return absl::OkStatus();
-}
-
 absl::Status ParseAxes(const JsonNode& node, Campaign& campaign) {
   MLE_ASSIGN_OR_RETURN(campaign.seeds, ParseSeeds(node.At("seeds")));
   MLE_ASSIGN_OR_RETURN(campaign.models, ParseModels(node.At("models")));
@@ -118,17 +93,10 @@ absl::Status ParseAxes(const JsonNode& node, Campaign& campaign) {
 
 absl::Status ParseSettings(const JsonNode& node, Campaign& campaign) {
   ExperimentOptions& settings = campaign.settings;
-  MLE_RETURN_IF_ERROR(
-      ReadNumber(node, "sample_time", kPositive, settings.sample_time));
-  MLE_RETURN_IF_ERROR(
-      ReadInteger(node, "order", 1, 100'000, settings.conversion.order));
-  MLE_RETURN_IF_ERROR(ReadNumber(node, "response_horizon", kPositive,
-                                 settings.response_horizon));
+  MLE_RETURN_IF_ERROR(ReadOptions(node, OptionsOf(settings)));
   if (node.Has("conversion")) {
-    MLE_RETURN_IF_ERROR(ParseConversion(node.At("conversion"), settings));
-  }
-  if (node.Has("scaling")) {
-    MLE_RETURN_IF_ERROR(ParseScaling(node.At("scaling"), settings));
+    MLE_RETURN_IF_ERROR(ReadOptionsOnly(node.At("conversion"), {},
+                                        ConversionOptionsOf(settings)));
   }
   const Json paper_grid = {{"max", 1e-2}, {"step", 1e-6}};
   MLE_ASSIGN_OR_RETURN(

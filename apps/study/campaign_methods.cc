@@ -6,8 +6,9 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_join.h"
 #include "absl/strings/string_view.h"
+#include "apps/common/option_json.h"
+#include "apps/experiment/experiment_options.h"
 #include "apps/study/campaign_scenarios.h"
 #include "mle/base/status.h"
 #include "mle/correction/correction.h"
@@ -26,63 +27,40 @@ absl::Status Unknown(const JsonNode& node, absl::string_view known) {
   return node.Fault(absl::StrCat("is ", node.Found(), "; ", known));
 }
 
-absl::StatusOr<SelectionOptions> ParseRule(const JsonNode& node) {
+// A name from a table, into the field that `value` binds.
+absl::Status Choose(const JsonNode& node, const TextValue& value,
+                    absl::string_view others = "") {
   MLE_ASSIGN_OR_RETURN(const std::string name, node.Text());
-  absl::StatusOr<SelectionOptions> rule = experiment::NamedSelection(name);
-  if (rule.ok()) return rule;
-  return Unknown(node, rule.status().message());
+  const absl::Status status = value.read(name, kAnyNumber);
+  if (status.ok()) return status;
+  return Unknown(node, absl::StrCat(status.message(), others));
 }
 
-absl::StatusOr<SelectionSpec> ParseSelection(const JsonNode& node) {
-  SelectionSpec spec;
-  if (node.json().is_string()) {
-    MLE_ASSIGN_OR_RETURN(spec.options, ParseRule(node));
-    spec.name = node.json().get<std::string>();
-    return spec;
+absl::Status ParseSelection(const JsonNode& node, SelectionSpec& spec) {
+  if (node.json().is_string()) return Choose(node, RuleOf(&spec));
+  std::vector<Option> options = OptionsOf(spec);
+  options.push_back({"name", &spec.name, ""});
+  MLE_RETURN_IF_ERROR(
+      ReadOptionsOnly(node, {"name", "rule"}, std::move(options)));
+  return node.At("name").Name().status();
+}
+
+absl::Status ParseSolver(const JsonNode& node, const Campaign& campaign,
+                         SolverSpec& spec) {
+  if (!node.json().is_object()) {
+    return Choose(node, SolverOf(&spec),
+                  ", and {\"name\": …, \"elastic_net\": RATIO}");
   }
-  MLE_RETURN_IF_ERROR(node.CheckKeys(
-      {"name", "rule"}, {"folds", "block", "phases", "horizon", "per_output",
-                         "one_standard_error", "on_grid"}));
+  MLE_RETURN_IF_ERROR(node.CheckKeys({"name", "elastic_net"}, {}));
   MLE_ASSIGN_OR_RETURN(spec.name, node.At("name").Name());
-  MLE_ASSIGN_OR_RETURN(spec.options, ParseRule(node.At("rule")));
-  constexpr int kMany = 1'000'000;
-  SelectionOptions& options = spec.options;
-  MLE_RETURN_IF_ERROR(ReadInteger(node, "folds", 2, kMany, options.folds));
-  MLE_RETURN_IF_ERROR(
-      ReadInteger(node, "block", 1, kMany, options.block_length));
-  MLE_RETURN_IF_ERROR(ReadInteger(node, "phases", 1, kMany, options.phases));
-  MLE_RETURN_IF_ERROR(ReadInteger(node, "horizon", -1, kMany, options.horizon));
-  MLE_RETURN_IF_ERROR(ReadBoolean(node, "per_output", options.per_output));
-  MLE_RETURN_IF_ERROR(
-      ReadBoolean(node, "one_standard_error", options.one_standard_error));
-  MLE_RETURN_IF_ERROR(ReadBoolean(node, "on_grid", options.on_grid));
-  return spec;
-}
-
-absl::StatusOr<SolverSpec> ParseSolver(const JsonNode& node,
-                                       const Campaign& campaign) {
-  SolverSpec spec;
-  if (node.json().is_object()) {
-    MLE_RETURN_IF_ERROR(node.CheckKeys({"name", "elastic_net"}, {}));
-    MLE_ASSIGN_OR_RETURN(spec.name, node.At("name").Name());
-    MLE_ASSIGN_OR_RETURN(
-        spec.options.elastic_net_ratio,
-        node.At("elastic_net")
-            .Number({.min = 0.0, .max = 1.0, .open_min = true}));
-    spec.options.solver = LassoSolver::kElasticNet;
-    if (!(campaign.settings.correction.lambdas(0) > 0.0)) {
-      return node.Fault(
-          "the elastic net needs λ above 0, but the first value of lambda_grid "
-          "is 0: give min, max and count");
-    }
-    return spec;
-  }
-  MLE_ASSIGN_OR_RETURN(const std::string name, node.Text());
-  absl::StatusOr<SolverSpec> named = experiment::NamedSolver(name);
-  if (named.ok()) return named;
-  return Unknown(node,
-                 absl::StrCat(named.status().message(),
-                              ", and {\"name\": …, \"elastic_net\": RATIO}"));
+  MLE_ASSIGN_OR_RETURN(spec.options.elastic_net_ratio,
+                       node.At("elastic_net")
+                           .Number({.min = 0.0, .max = 1.0, .open_min = true}));
+  spec.options.solver = LassoSolver::kElasticNet;
+  if (campaign.settings.correction.lambdas(0) > 0.0) return absl::OkStatus();
+  return node.Fault(
+      "the elastic net needs λ above 0, but the first value of lambda_grid "
+      "is 0: give min, max and count");
 }
 
 absl::StatusOr<Method> ParseEstimator(const JsonNode& node) {
@@ -101,7 +79,8 @@ absl::Status ParseSelections(const JsonNode& node, Campaign& campaign) {
                        node.At("selections").Elements());
   std::set<std::string> names;
   for (const JsonNode& element : elements) {
-    MLE_ASSIGN_OR_RETURN(SelectionSpec spec, ParseSelection(element));
+    SelectionSpec spec;
+    MLE_RETURN_IF_ERROR(ParseSelection(element, spec));
     MLE_RETURN_IF_ERROR(CheckNewName(element, spec.name, names));
     campaign.selections.push_back(std::move(spec));
   }
@@ -117,7 +96,8 @@ absl::Status ParseSolvers(const JsonNode& node, Campaign& campaign) {
                        node.At("solvers").Elements());
   std::set<std::string> names;
   for (const JsonNode& element : elements) {
-    MLE_ASSIGN_OR_RETURN(SolverSpec spec, ParseSolver(element, campaign));
+    SolverSpec spec;
+    MLE_RETURN_IF_ERROR(ParseSolver(element, campaign, spec));
     MLE_RETURN_IF_ERROR(CheckNewName(element, spec.name, names));
     campaign.solvers.push_back(std::move(spec));
   }

@@ -4,6 +4,9 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "apps/common/controller_options.h"
+#include "apps/common/option_json.h"
+#include "apps/experiment/experiment_options.h"
 #include "apps/experiment/plants.h"
 #include "mle/base/status.h"
 
@@ -13,67 +16,13 @@ namespace {
 using experiment::Change;
 using experiment::CheckAgeing;
 using experiment::ControllerSpec;
-using experiment::Interval;
 using experiment::Mismatch;
 using experiment::ModelSpec;
-using experiment::RandomPlants;
 using experiment::WindowSpec;
 
 constexpr std::int64_t kMaxSeeds = 1'000'000;
 // The largest whole number that every JSON reader keeps exactly.
 constexpr std::int64_t kMaxSeed = 9'007'199'254'740'991;
-constexpr int kMaxChannels = 50;
-constexpr int kMaxChanges = 1000;
-
-absl::Status ReadInterval(const JsonNode& object, const std::string& key,
-                          const NumberRange& range, bool one_number,
-                          Interval& interval) {
-  if (!object.Has(key)) return absl::OkStatus();
-  const JsonNode node = object.At(key);
-  if (one_number && node.json().is_number()) {
-    MLE_ASSIGN_OR_RETURN(interval.from, node.Number(range));
-    interval.to = interval.from;
-    return absl::OkStatus();
-  }
-  if (!node.json().is_array() || node.json().size() != 2) {
-    return node.Fault(
-        absl::StrCat("must be ", one_number ? "a number or " : "",
-                     "a list of two numbers, the smallest and the largest, is ",
-                     node.Found()));
-  }
-  MLE_ASSIGN_OR_RETURN(const std::vector<JsonNode> ends, node.Elements());
-  MLE_ASSIGN_OR_RETURN(interval.from, ends[0].Number(range));
-  MLE_ASSIGN_OR_RETURN(interval.to, ends[1].Number(range));
-  if (interval.from > interval.to) {
-    return node.Fault(
-        absl::StrFormat("the smallest value comes first, but %g is above %g",
-                        interval.from, interval.to));
-  }
-  return absl::OkStatus();
-}
-
-absl::StatusOr<RandomPlants> ParseRandomPlants(const JsonNode& node) {
-  MLE_RETURN_IF_ERROR(
-      node.CheckKeys({}, {"outputs", "inputs", "gain", "time_constant", "delay",
-                          "max_condition_number", "max_sensitivity"}));
-  RandomPlants plants;
-  MLE_RETURN_IF_ERROR(
-      ReadInteger(node, "outputs", 1, kMaxChannels, plants.outputs));
-  MLE_RETURN_IF_ERROR(
-      ReadInteger(node, "inputs", 1, kMaxChannels, plants.inputs));
-  MLE_RETURN_IF_ERROR(
-      ReadInterval(node, "gain", kPositive, false, plants.gain));
-  MLE_RETURN_IF_ERROR(ReadInterval(node, "time_constant", kPositive, false,
-                                   plants.time_constant));
-  MLE_RETURN_IF_ERROR(
-      ReadInterval(node, "delay", kNotNegative, false, plants.delay));
-  MLE_RETURN_IF_ERROR(ReadNumber(node, "max_condition_number", {.min = 1.0},
-                                 plants.max_condition_number));
-  MLE_RETURN_IF_ERROR(ReadNumber(node, "max_sensitivity",
-                                 {.min = 1.0, .open_min = true},
-                                 plants.max_sensitivity));
-  return plants;
-}
 
 // A process model that ResolveCampaign() read in.
 absl::StatusOr<ProcessModel> ParseModel(const JsonNode& node) {
@@ -84,24 +33,8 @@ absl::StatusOr<ProcessModel> ParseModel(const JsonNode& node) {
 }
 
 absl::StatusOr<Change> ParseChange(const JsonNode& node) {
-  MLE_RETURN_IF_ERROR(
-      node.CheckKeys({}, {"output", "input", "elements", "gain_factor",
-                          "time_constant_factor", "delay_shift"}));
   Change change;
-  if (node.Has("output")) {
-    MLE_ASSIGN_OR_RETURN(change.output, node.At("output").Text());
-  }
-  if (node.Has("input")) {
-    MLE_ASSIGN_OR_RETURN(change.input, node.At("input").Text());
-  }
-  MLE_RETURN_IF_ERROR(ReadInteger(
-      node, "elements", 1, kMaxChannels * kMaxChannels, change.elements));
-  MLE_RETURN_IF_ERROR(
-      ReadInterval(node, "gain_factor", kPositive, true, change.gain_factor));
-  MLE_RETURN_IF_ERROR(ReadInterval(node, "time_constant_factor", kPositive,
-                                   true, change.time_constant_factor));
-  MLE_RETURN_IF_ERROR(
-      ReadInterval(node, "delay_shift", kAnyNumber, true, change.delay_shift));
+  MLE_RETURN_IF_ERROR(ReadOptionsOnly(node, {}, OptionsOf(change)));
   if (!node.Has("gain_factor") && !node.Has("time_constant_factor") &&
       !node.Has("delay_shift")) {
     return node.Fault(
@@ -173,24 +106,12 @@ absl::StatusOr<std::vector<Mismatch>> ParseMismatch(
   return mismatches;
 }
 
-// Diagonal; of 1 × 1 for one number, that of every channel.
-absl::Status ReadWeight(const JsonNode& object, const std::string& key,
-                        Eigen::MatrixXd& weight) {
-  if (!object.Has(key)) return absl::OkStatus();
-  const JsonNode node = object.At(key);
-  if (node.json().is_number()) {
-    MLE_ASSIGN_OR_RETURN(const double every, node.Number(kNotNegative));
-    weight = Eigen::MatrixXd::Constant(1, 1, every);
-    return absl::OkStatus();
-  }
-  MLE_ASSIGN_OR_RETURN(const std::vector<JsonNode> elements, node.Elements());
-  Eigen::VectorXd weights(static_cast<Eigen::Index>(elements.size()));
-  for (std::size_t i = 0; i < elements.size(); ++i) {
-    MLE_ASSIGN_OR_RETURN(weights(static_cast<Eigen::Index>(i)),
-                         elements[i].Number(kNotNegative));
-  }
-  weight = weights.asDiagonal();
-  return absl::OkStatus();
+// An object with a name and options, one of several.
+absl::Status ReadNamed(const JsonNode& node, std::vector<Option> options,
+                       std::string& name, std::set<std::string>& names) {
+  MLE_RETURN_IF_ERROR(ReadOptionsOnly(node, {"name"}, std::move(options)));
+  MLE_ASSIGN_OR_RETURN(name, node.At("name").Name());
+  return CheckNewName(node, name, names);
 }
 
 }  // namespace
@@ -264,8 +185,8 @@ absl::StatusOr<std::vector<ModelSpec>> ParseModels(const JsonNode& node) {
     if (element.Has("model")) {
       MLE_ASSIGN_OR_RETURN(spec.model, ParseModel(element.At("model")));
     } else {
-      MLE_ASSIGN_OR_RETURN(spec.random,
-                           ParseRandomPlants(element.At("random")));
+      MLE_RETURN_IF_ERROR(ReadOptionsOnly(element.At("random"), {},
+                                          OptionsOf(spec.random.emplace())));
     }
     models.push_back(std::move(spec));
   }
@@ -291,60 +212,38 @@ absl::StatusOr<std::vector<ControllerSpec>> ParseControllers(
   MLE_ASSIGN_OR_RETURN(const std::vector<JsonNode> elements, node.Elements());
   std::vector<ControllerSpec> controllers;
   std::set<std::string> names;
-  constexpr int kMaxHorizon = 100'000;
   for (const JsonNode& element : elements) {
-    MLE_RETURN_IF_ERROR(element.CheckKeys(
-        {"name"},
-        {"control_period", "prediction_horizon", "control_horizon",
-         "output_weight", "move_weight", "disturbance_variance_ratio"}));
     ControllerSpec spec;
-    MLE_ASSIGN_OR_RETURN(spec.name, element.At("name").Name());
-    MLE_RETURN_IF_ERROR(CheckNewName(element, spec.name, names));
-    MLE_RETURN_IF_ERROR(ReadNumber(element, "control_period", kPositive,
-                                   spec.mpc.control_period));
-    MLE_RETURN_IF_ERROR(ReadInteger(element, "prediction_horizon", 1,
-                                    kMaxHorizon, spec.mpc.prediction_horizon));
-    MLE_RETURN_IF_ERROR(ReadInteger(element, "control_horizon", 1, kMaxHorizon,
-                                    spec.mpc.control_horizon));
-    MLE_RETURN_IF_ERROR(ReadNumber(element, "disturbance_variance_ratio",
-                                   kNotNegative,
-                                   spec.mpc.disturbance_variance_ratio));
     MLE_RETURN_IF_ERROR(
-        ReadWeight(element, "output_weight", spec.mpc.output_weight));
-    MLE_RETURN_IF_ERROR(
-        ReadWeight(element, "move_weight", spec.mpc.move_weight));
+        ReadNamed(element, mle::OptionsOf(spec.mpc), spec.name, names));
     controllers.push_back(std::move(spec));
   }
   return controllers;
 }
 
-absl::Status ReadOutliers(const JsonNode& node, WindowSpec& spec) {
-  MLE_RETURN_IF_ERROR(ReadNumber(node, "outlier_share",
-                                 {.min = 0.0, .max = 0.5}, spec.outlier_share));
-  MLE_RETURN_IF_ERROR(
-      ReadInteger(node, "longest_outlier", 1, 100, spec.longest_outlier));
+// What belongs together in a window.
+absl::Status CheckWindow(const JsonNode& node, WindowSpec& spec) {
   if (spec.longest_outlier > 1 &&
       spec.longest_outlier < WindowSpec::kShortestBurst) {
     return node.At("longest_outlier")
         .Fault(absl::StrCat("must be 1, or at least ",
                             WindowSpec::kShortestBurst, " for bursts"));
   }
-  if (!node.Has("robust")) return absl::OkStatus();
-  using Treatment = experiment::OutlierTreatment;
-  constexpr std::pair<const char*, Treatment> kKnown[] = {
-      {"none", Treatment::kNone},
-      {"model", Treatment::kModel},
-      {"huber", Treatment::kHuber},
-      {"cauchy", Treatment::kCauchy}};
-  MLE_ASSIGN_OR_RETURN(const std::string name, node.At("robust").Text());
-  for (const auto& [known, treatment] : kKnown) {
-    if (name != known) continue;
-    spec.robust = treatment;
-    return absl::OkStatus();
+  if (spec.changes == 0) {
+    if (!node.Has("spacing")) return absl::OkStatus();
+    return node.At("spacing").Fault("needs changes, their number");
   }
-  return node.At("robust").Fault(
-      absl::StrCat("is ", node.At("robust").Found(),
-                   "; known are none, model, huber and cauchy"));
+  for (const char* key : {"duration", "step_time"}) {
+    if (!node.Has(key)) continue;
+    return node.At(key).Fault(
+        "has no place beside changes, which come at window, window + spacing, "
+        "…");
+  }
+  const double least = 2.0 * spec.window;
+  if (!node.Has("spacing")) spec.spacing = least;
+  return spec.spacing >= least
+             ? absl::OkStatus()
+             : node.At("spacing").Number(AtLeast(least)).status();
 }
 
 absl::StatusOr<std::vector<WindowSpec>> ParseWindows(const JsonNode& node) {
@@ -352,37 +251,9 @@ absl::StatusOr<std::vector<WindowSpec>> ParseWindows(const JsonNode& node) {
   std::vector<WindowSpec> windows;
   std::set<std::string> names;
   for (const JsonNode& element : elements) {
-    MLE_RETURN_IF_ERROR(element.CheckKeys(
-        {"name"},
-        {"duration", "step_time", "setpoint_step", "window", "changes",
-         "spacing", "outlier_share", "longest_outlier", "robust"}));
     WindowSpec spec;
-    MLE_ASSIGN_OR_RETURN(spec.name, element.At("name").Name());
-    MLE_RETURN_IF_ERROR(CheckNewName(element, spec.name, names));
-    MLE_RETURN_IF_ERROR(
-        ReadNumber(element, "duration", kPositive, spec.duration));
-    MLE_RETURN_IF_ERROR(
-        ReadNumber(element, "step_time", kNotNegative, spec.step_time));
-    MLE_RETURN_IF_ERROR(
-        ReadNumber(element, "setpoint_step", kAnyNumber, spec.setpoint_step));
-    MLE_RETURN_IF_ERROR(ReadNumber(element, "window", kPositive, spec.window));
-    MLE_RETURN_IF_ERROR(
-        ReadInteger(element, "changes", 1, kMaxChanges, spec.changes));
-    spec.spacing = 2.0 * spec.window;
-    MLE_RETURN_IF_ERROR(ReadNumber(element, "spacing",
-                                   {.min = 2.0 * spec.window}, spec.spacing));
-    MLE_RETURN_IF_ERROR(ReadOutliers(element, spec));
-    const bool sequence = spec.changes > 0;
-    for (const char* key : {"duration", "step_time"}) {
-      if (sequence && element.Has(key)) {
-        return element.At(key).Fault(
-            "has no place beside changes, which come at window, window + "
-            "spacing, …");
-      }
-    }
-    if (!sequence && element.Has("spacing")) {
-      return element.At("spacing").Fault("needs changes, their number");
-    }
+    MLE_RETURN_IF_ERROR(ReadNamed(element, OptionsOf(spec), spec.name, names));
+    MLE_RETURN_IF_ERROR(CheckWindow(element, spec));
     windows.push_back(std::move(spec));
   }
   return windows;

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "apps/common/flag_parser.h"
 #include "apps/report/drawing.h"
 #include "apps/report/number.h"
 #include "apps/study/figures.h"

@@ -180,20 +180,4 @@ absl::Status ReadNumber(const JsonNode& object, const std::string& key,
   return absl::OkStatus();
 }
 
-absl::Status ReadInteger(const JsonNode& object, const std::string& key,
-                         int min, int max, int& value) {
-  if (!object.Has(key)) return absl::OkStatus();
-  MLE_ASSIGN_OR_RETURN(const std::int64_t wide,
-                       object.At(key).Integer(min, max));
-  value = static_cast<int>(wide);
-  return absl::OkStatus();
-}
-
-absl::Status ReadBoolean(const JsonNode& object, const std::string& key,
-                         bool& value) {
-  if (!object.Has(key)) return absl::OkStatus();
-  MLE_ASSIGN_OR_RETURN(value, object.At(key).Boolean());
-  return absl::OkStatus();
-}
-
 }  // namespace mle

@@ -74,13 +74,9 @@ class JsonNode {
   std::string path_;
 };
 
-// Fields of an object that keep their default where the key is absent.
+// A field of an object that keeps its default where the key is absent.
 absl::Status ReadNumber(const JsonNode& object, const std::string& key,
                         const NumberRange& range, double& value);
-absl::Status ReadInteger(const JsonNode& object, const std::string& key,
-                         int min, int max, int& value);
-absl::Status ReadBoolean(const JsonNode& object, const std::string& key,
-                         bool& value);
 
 }  // namespace mle
 

@@ -85,22 +85,22 @@ TEST(MleReproduceBadInput, ValuesOfTheWrongKind) {
 
 TEST(MleReproduceBadInput, ValuesOutOfRange) {
   ExpectRefused({
-      {{"--seeds=0"}, {"--seeds=0", "from 1"}},
-      {{"--seeds=-3"}, {"--seeds=-3", "from 1"}},
-      {{"--seeds=2147483647"}, {"--seeds=2147483647", "to 10000"}},
+      {{"--seeds=0"}, {"--seeds=0", "[1, 10000]"}},
+      {{"--seeds=-3"}, {"--seeds=-3", "[1, 10000]"}},
+      {{"--seeds=2147483647"}, {"--seeds=2147483647", "[1, 10000]"}},
       {{"--seeds=2", "--first_seed=18446744073709551615"},
        {"--first_seed=18446744073709551615", "--seeds=2"}},
       {{"--threads=-1"}, {"--threads=-1"}},
-      {{"--sample_time=0"}, {"--sample_time=0", "positive"}},
-      {{"--sample_time=nan"}, {"--sample_time=nan", "positive"}},
+      {{"--sample_time=0"}, {"--sample_time=0", "> 0"}},
+      {{"--sample_time=nan"}, {"--sample_time=nan", "> 0"}},
       {{"--sample_time=1e-300"}, {"--sample_time=1e-300", "samples"}},
-      {{"--noise_variance=-1"}, {"--noise_variance=-1", "not negative"}},
+      {{"--noise_variance=-1"}, {"--noise_variance=-1", "≥ 0"}},
       {{"--noise_variance=inf"}, {"--noise_variance=inf", "finite"}},
       {{"--conversion_noise_variance=-1"},
-       {"--conversion_noise_variance=-1", "not negative"}},
+       {"--conversion_noise_variance=-1", "≥ 0"}},
       {{"--conversion_penalty=nan"}, {"--conversion_penalty=nan", "finite"}},
       {{"--disturbance_variance_ratio=-1"},
-       {"--disturbance_variance_ratio=-1", "not negative"}},
+       {"--disturbance_variance_ratio=-1", "≥ 0"}},
       {{"--setpoint_step=0"}, {"--setpoint_step=0", "other than 0"}},
       {{"--step_time=nan"}, {"--step_time=nan", "finite"}},
   });
@@ -110,15 +110,15 @@ TEST(MleReproduceBadInput, AControllerThatCannotBe) {
   ExpectRefused({
       {{"--control_horizon=31"},
        {"--control_horizon=31", "--prediction_horizon=30"}},
-      {{"--control_horizon=0"}, {"--control_horizon=0", "at least 1"}},
+      {{"--control_horizon=0"}, {"--control_horizon=0", "≥ 1"}},
       {{"--prediction_horizon=2147483647"},
        {"--prediction_horizon=2147483647", "too long"}},
       {{"--control_period=0.3"},
        {"--control_period=0.3", "--sample_time=0.2", "multiple"}},
       {{"--control_period=1e300"}, {"--control_period=1e+300"}},
-      {{"--output_weight=-1"}, {"--output_weight", "-1", "semi-definite"}},
+      {{"--output_weight=-1"}, {"--output_weight", "-1", "≥ 0"}},
       {{"--output_weight=1,2,3"}, {"--output_weight=1,2,3", "3", "2"}},
-      {{"--move_weight=0.1,-2"}, {"--move_weight", "-2", "semi-definite"}},
+      {{"--move_weight=0.1,-2"}, {"--move_weight", "-2", "≥ 0"}},
       {{"--output_weight=0", "--move_weight=0"}, {"weight", "move_weight"}},
   });
 }
@@ -130,7 +130,7 @@ TEST(MleReproduceBadInput, RecordsThatAreTooShort) {
       {{"--duration=1e-9"}, {"--window=200", "--duration=1e-09"}},
       {{"--order=3000"}, {"--order=3000", "2001 samples"}},
       {{"--order=2147483647"}, {"--order=2147483647"}},
-      {{"--order=0"}, {"--order=0", "at least 1"}},
+      {{"--order=0"}, {"--order=0", "≥ 1"}},
       {{"--conversion_duration=31"},
        {"--conversion_duration=31", "--order=150", "600", "at least 150"}},
       {{"--response_horizon=0.2"}, {"--response_horizon=0.2", "at least 0.8"}},
@@ -140,15 +140,15 @@ TEST(MleReproduceBadInput, RecordsThatAreTooShort) {
 
 TEST(MleReproduceBadInput, ChoiceOfThePenalty) {
   ExpectRefused({
-      {{"--lambda_grid_step=0"}, {"--lambda_grid_step", "positive"}},
+      {{"--lambda_grid_step=0"}, {"--lambda_grid_step", "> 0"}},
       {{"--lambda_grid_step=1"}, {"--lambda_grid_step", "not above"}},
       {{"--lambda_grid_step=1e-300"}, {"--lambda_grid_step", "at most"}},
       {{"--lambda_grid_max=nan"}, {"--lambda_grid_max", "nan"}},
       {{"--selection=best"}, {"--selection=best", "known are", "blocks"}},
       {{"--selection=blocks", "--selection_folds=1"},
-       {"--selection_folds=1", "at least 2"}},
+       {"--selection_folds=1", "≥ 2"}},
       {{"--selection=blocks", "--selection_block=-1"},
-       {"--selection_block=-1", "at least 1"}},
+       {"--selection_block=-1", "≥ 0"}},
       {{"--solver=simplex"}, {"--solver=simplex", "known are homotopy, ceres"}},
       {{"--estimators=arx,magic"},
        {"--estimators", "'magic'", "known are structured, arx"}},
@@ -164,7 +164,7 @@ TEST(MleReproduceBadInput, ChoiceOfTheAblations) {
   ExpectRefused({
       {{"--ablations=speed"}, {"--ablations", "'speed'", "raw_scaling"}},
       {{"--ablations=all,raw_scaling"}, {"--ablations", "named twice"}},
-      {{"--ablation_seeds=0"}, {"--ablation_seeds=0", "at least 1"}},
+      {{"--ablation_seeds=0"}, {"--ablation_seeds=0", "≥ 1"}},
   });
 }
 

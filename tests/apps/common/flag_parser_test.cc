@@ -149,13 +149,5 @@ TEST_F(FlagFile, ErrorsNameItsLine) {
   ExpectError({"--flagfile=" + folder_}, {"--flagfile", "folder"});
 }
 
-// The flags of this test lie outside apps/, like those of a library.
-TEST(CommandFlags, AreThoseOfTheCommandAlone) {
-  for (const FlagText& flag : CommandFlags()) {
-    EXPECT_THAT(flag.name, ::testing::Not(HasSubstr("test_")));
-    EXPECT_NE(flag.name, "logtostderr");
-  }
-}
-
 }  // namespace
 }  // namespace mle

@@ -1,4 +1,4 @@
-#include "apps/reproduce/case_flags.h"
+#include "apps/reproduce/cases.h"
 
 #include <cstddef>
 #include <set>
@@ -8,30 +8,13 @@
 
 #include "absl/strings/str_cat.h"
 #include "apps/common/built_in_models.h"
-#include "apps/common/command_line.h"
-#include "gflags/gflags.h"
+#include "apps/common/model_files.h"
 #include "mle/base/status.h"
-
-DEFINE_string(cases, "gain,delay",
-              "Cases to run, of the Wood-Berry column: gain (both reflux gains "
-              "halved), delay (both steam dead times 4 min longer).");
-DEFINE_string(model, "",
-              "Process model (JSON) of the controller; with --plants instead "
-              "of --cases.");
-DEFINE_string(plants, "",
-              "NAME:FILE,… process models (JSON) of aged plants, one for each "
-              "case, with the inputs and outputs of --model.");
 
 namespace mle::reproduce {
 namespace {
 
 using experiment::Mismatch;
-
-// A failure of what a flag asks for, as bad input.
-absl::Status Of(const char* flag, const absl::Status& status) {
-  return absl::InvalidArgumentError(
-      absl::StrCat("--", flag, ": ", status.message()));
-}
 
 // Names go into names of files.
 absl::Status CheckName(const std::string& name) {
@@ -45,27 +28,21 @@ absl::Status CheckName(const std::string& name) {
       "' must be made of letters, digits, '_' and '-', at most 100"));
 }
 
-absl::StatusOr<std::vector<Mismatch>> ReadPlants(const ProcessModel& initial) {
+absl::StatusOr<std::vector<Mismatch>> ReadPlants(const Request& request,
+                                                 const ProcessModel& initial) {
   std::vector<Mismatch> cases;
-  for (const std::string& part : ParseList(FLAGS_plants)) {
+  for (const std::string& part : ParseList(request.plants)) {
     const std::size_t colon = part.find(':');
     if (colon == std::string::npos) {
       return absl::InvalidArgumentError(
           absl::StrCat("--plants: '", part, "' is not of the form NAME:FILE"));
     }
-    const std::string name = part.substr(0, colon);
-    const std::string file = part.substr(colon + 1);
-    MLE_RETURN_IF_ERROR(CheckName(name));
-    absl::StatusOr<ProcessModel> plant = ReadProcessModel(file);
-    if (!plant.ok()) return Of("plants", plant.status());
-    if (const absl::Status same =
-            CheckSameChannels(initial, FLAGS_model, *plant, file);
-        !same.ok()) {
-      return Of("plants", same);
-    }
     Mismatch& one = cases.emplace_back();
-    one.name = name;
-    one.plant = *std::move(plant);
+    one.name = part.substr(0, colon);
+    MLE_RETURN_IF_ERROR(CheckName(one.name));
+    MLE_ASSIGN_OR_RETURN(one.plant,
+                         ReadModelLike(initial, request.model_path, "plants",
+                                       part.substr(colon + 1)));
   }
   if (cases.empty()) {
     return absl::InvalidArgumentError("--plants names no plant");
@@ -73,9 +50,9 @@ absl::StatusOr<std::vector<Mismatch>> ReadPlants(const ProcessModel& initial) {
   return cases;
 }
 
-absl::StatusOr<std::vector<Mismatch>> BuiltInCases() {
+absl::StatusOr<std::vector<Mismatch>> BuiltInCases(const Request& request) {
   std::vector<Mismatch> cases;
-  for (const std::string& name : ParseList(FLAGS_cases)) {
+  for (const std::string& name : ParseList(request.cases)) {
     const BuiltInModel* found = nullptr;
     for (const BuiltInModel& model : kWoodBerryAged) {
       if (model.name == name) found = &model;
@@ -99,31 +76,30 @@ absl::StatusOr<std::vector<Mismatch>> BuiltInCases() {
 
 }  // namespace
 
-absl::Status ReadCases(Reproduction& reproduction) {
+absl::Status ReadCases(Request& request) {
+  Reproduction& reproduction = request.reproduction;
   experiment::Campaign& campaign = reproduction.campaign;
   campaign.models.resize(1);
   campaign.models.front().name = "initial";
   ProcessModel& initial = campaign.models.front().model;
-  const bool own = !FLAGS_model.empty() || !FLAGS_plants.empty();
-  if (own && (FLAGS_model.empty() || FLAGS_plants.empty())) {
+  const bool own = !request.model_path.empty() || !request.plants.empty();
+  if (own && (request.model_path.empty() || request.plants.empty())) {
     return absl::InvalidArgumentError(
         "--model and --plants must be given together: the controller's model, "
         "and the plants");
   }
-  if (own && !gflags::GetCommandLineFlagInfoOrDie("cases").is_default) {
+  if (own && request.cases != kPaperCases) {
     return absl::InvalidArgumentError(
         "--cases stands for plants of the Wood-Berry column; give either "
         "--cases or --model with --plants");
   }
   if (own) {
-    absl::StatusOr<ProcessModel> model = ReadProcessModel(FLAGS_model);
-    if (!model.ok()) return Of("model", model.status());
-    initial = *std::move(model);
-    MLE_ASSIGN_OR_RETURN(campaign.mismatches, ReadPlants(initial));
+    MLE_ASSIGN_OR_RETURN(initial, ReadModel("model", request.model_path));
+    MLE_ASSIGN_OR_RETURN(campaign.mismatches, ReadPlants(request, initial));
   } else {
     MLE_ASSIGN_OR_RETURN(initial,
                          ParseProcessModel(kWoodBerry.json, kWoodBerry.source));
-    MLE_ASSIGN_OR_RETURN(campaign.mismatches, BuiltInCases());
+    MLE_ASSIGN_OR_RETURN(campaign.mismatches, BuiltInCases(request));
     reproduction.from_paper = true;
   }
   std::set<std::string> names;

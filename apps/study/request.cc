@@ -1,0 +1,40 @@
+#include "apps/study/request.h"
+
+namespace mle::study {
+
+absl::Status Request::Validate() const {
+  if (campaign.empty()) {
+    return absl::InvalidArgumentError(
+        "--campaign: the campaign's file is needed, as in "
+        "--campaign=configs/campaign_reproduction.json");
+  }
+  if (out.empty()) {
+    return absl::InvalidArgumentError("--out: a folder is needed");
+  }
+  return absl::OkStatus();
+}
+
+void AddOptions(Request& request, OptionTable& table) {
+  table.Add(
+      "Campaign",
+      {{"campaign", &request.campaign,
+        "The campaign (JSON): a grid of seeds, plants, mismatches, noise, "
+        "controllers, set-point changes and estimators; "
+        "configs/campaign_*.json are examples."},
+       {"out", &request.out,
+        "Folder for journal.csv, runs.csv, timings.csv, summary.csv, "
+        "summary.json and report.html."},
+       {"resume", &request.resume,
+        "Resume the campaign in --out, if there is one. It must be the same "
+        "campaign and version."},
+       {"dry_run", &request.dry_run,
+        "Only print how many runs there are, and the first few."},
+       {"figures", &request.figures,
+        "Draw the figures of the report (PNG and PDF need rsvg-convert)."},
+       {"threads", &request.threads,
+        "Threads of each process; 0: a share of the processors. The results "
+        "do not depend on the number.",
+        "", Between(0, 4096)}});
+}
+
+}  // namespace mle::study
