@@ -65,7 +65,7 @@ std::vector<std::string> DescribeMismatch(const Result& result, int output,
   }
   if (by_structure && full.state == ElementState::kFitted) {
     const std::string p =
-        ShortProbability(structured.element_p_values(output, input));
+        report::ShortProbability(structured.element_p_values(output, input));
     lines.push_back(p.front() == '<' ? absl::StrCat("p ", p)
                                      : absl::StrCat("p = ", p));
   }

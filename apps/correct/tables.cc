@@ -15,8 +15,10 @@ namespace {
 using report::Align;
 using report::FormatFixed;
 using report::FormatInteger;
+using report::FormatProbability;
 using report::FormatScientific;
 using report::FormatSignificant;
+using report::ShortProbability;
 using report::Table;
 
 std::string Percent(double value) {

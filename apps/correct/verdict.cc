@@ -14,6 +14,7 @@ namespace mle::correct {
 namespace {
 
 using report::FormatFixed;
+using report::FormatProbability;
 using report::FormatSignificant;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -289,14 +290,6 @@ void AddFits(const Result& result, std::vector<Finding>& findings) {
 }
 
 }  // namespace
-
-std::string FormatProbability(double p) {
-  return p < 1e-300 ? "less than 10⁻³⁰⁰" : FormatSignificant(p, 2);
-}
-
-std::string ShortProbability(double p) {
-  return p < 1e-9 ? "< 10⁻⁹" : FormatProbability(p);
-}
 
 bool HasMoved(const ParameterEstimate& estimate) {
   return estimate.initial < estimate.lower || estimate.initial > estimate.upper;

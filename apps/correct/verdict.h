@@ -10,11 +10,6 @@
 
 namespace mle::correct {
 
-// "3.1×10⁻⁹"; what is too small for a double is below its smallest.
-std::string FormatProbability(double p);
-// The same, but what is far below any level is not told apart: "< 10⁻⁹".
-std::string ShortProbability(double p);
-
 // Whether the initial value lies outside the estimate's interval.
 bool HasMoved(const ParameterEstimate& estimate);
 

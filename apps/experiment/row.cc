@@ -2,6 +2,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <sstream>
 #include <utility>
 
 #include "absl/strings/numbers.h"
@@ -30,29 +31,12 @@ namespace {
 int FirstMetric() { return 1 + static_cast<int>(CoordinateNames().size()); }
 
 absl::StatusOr<std::vector<std::string>> SplitCsv(std::string_view line) {
-  std::vector<std::string> fields(1);
-  bool quoted = false;
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    const char c = line[i];
-    if (quoted) {
-      if (c != '"') {
-        fields.back() += c;
-      } else if (i + 1 < line.size() && line[i + 1] == '"') {
-        fields.back() += '"';
-        ++i;
-      } else {
-        quoted = false;
-      }
-    } else if (c == '"') {
-      quoted = true;
-    } else if (c == ',') {
-      fields.emplace_back();
-    } else {
-      fields.back() += c;
-    }
-  }
-  if (quoted) return absl::InvalidArgumentError("a quote is not closed");
-  return fields;
+  std::istringstream text{std::string(line)};
+  CsvRows rows(text, "row");
+  std::vector<std::string_view> fields;
+  rows.Next(fields);
+  MLE_RETURN_IF_ERROR(rows.status());
+  return std::vector<std::string>(fields.begin(), fields.end());
 }
 
 absl::StatusOr<double> ParseNumber(const std::string& field,

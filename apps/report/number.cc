@@ -93,6 +93,14 @@ std::string FormatSignificant(double value, int digits) {
   return FormatFixed(value, std::max(0, digits - 1 - exponent));
 }
 
+std::string FormatProbability(double p) {
+  return p < 1e-300 ? "less than 10⁻³⁰⁰" : FormatSignificant(p, 2);
+}
+
+std::string ShortProbability(double p) {
+  return p < 1e-9 ? "< 10⁻⁹" : FormatProbability(p);
+}
+
 std::string FormatInteger(std::int64_t value) {
   std::string digits = std::to_string(value);
   if (value >= 0) return Grouped(digits);

@@ -24,6 +24,12 @@ std::string FormatScientific(double value, int digits = 3);
 // FormatFixed(-3.14159, 2) = "−3.14".
 std::string FormatFixed(double value, int decimals);
 
+// FormatProbability(3.14e-9) = "3.1×10⁻⁹"; what is too small for a double is
+// below its smallest.
+std::string FormatProbability(double p);
+// The same, but what is far below any level is not told apart: "< 10⁻⁹".
+std::string ShortProbability(double p);
+
 // FormatInteger(10001) = "10,001".
 std::string FormatInteger(std::int64_t value);
 

@@ -17,7 +17,7 @@ StructuredCorrection Unfitted(const ProcessModel& initial) {
   const int m = initial.num_inputs();
   StructuredCorrection none;
   none.full.model = initial;
-  none.full.elements.resize(static_cast<std::size_t>(p * m));
+  none.full.elements.resize(p * m);
   none.full.covariances.assign(p, Eigen::MatrixXd::Zero(3 * m, 3 * m));
   none.full.noise.assign(p, {.offset = false});
   none.full.certificates.resize(p);

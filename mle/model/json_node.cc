@@ -180,4 +180,11 @@ absl::Status ReadNumber(const JsonNode& object, const std::string& key,
   return absl::OkStatus();
 }
 
+absl::Status ReadBoolean(const JsonNode& object, const std::string& key,
+                         bool& value) {
+  if (!object.Has(key)) return absl::OkStatus();
+  MLE_ASSIGN_OR_RETURN(value, object.At(key).Boolean());
+  return absl::OkStatus();
+}
+
 }  // namespace mle

@@ -74,9 +74,11 @@ class JsonNode {
   std::string path_;
 };
 
-// A field of an object that keeps its default where the key is absent.
+// Fields of an object that keep their default where the key is absent.
 absl::Status ReadNumber(const JsonNode& object, const std::string& key,
                         const NumberRange& range, double& value);
+absl::Status ReadBoolean(const JsonNode& object, const std::string& key,
+                         bool& value);
 
 }  // namespace mle
 
