@@ -103,7 +103,7 @@ TEST(MleReproduceOutputs, HelpListsEveryFlagWithItsDefault) {
                              "--solver [homotopy]",
                              "--threads [0]",
                              "--setpoint_step [1]",
-                             "(min)",
+                             "] min, > 0",
                              "Exit codes"}) {
       EXPECT_THAT(result.out, HasSubstr(part)) << flag;
     }
