@@ -64,6 +64,11 @@ absl::Status Validate(const std::vector<Record>& windows, int order,
              options.decision);
   result.decision = verdict.decision;
   result.reasons = std::move(verdict.reasons);
+  // What forbids a correction comes before what speaks for one.
+  if (!result.data.obstacles.empty()) {
+    result.decision = Decision::kRefused;
+    result.reasons = result.data.obstacles;
+  }
   return absl::OkStatus();
 }
 

@@ -60,6 +60,15 @@ TEST(CompressionTest, FindsLinesOfASmoothSignal) {
   EXPECT_EQ(Find(row).kind, Kind::kLinear);
 }
 
+// A long rest, in which samples are equal, is not held against it.
+TEST(CompressionTest, FindsLinesBesideALongRest) {
+  Eigen::RowVectorXd row = LoopRecord().outputs.row(0);
+  testing::Compress(0.04, row);
+  Eigen::RowVectorXd both(5 * row.size());
+  both << Eigen::RowVectorXd::Constant(4 * row.size(), row(0)), row;
+  EXPECT_EQ(Find(both).kind, Kind::kLinear);
+}
+
 TEST(CompressionTest, FindsHeldValues) {
   for (unsigned seed = 1; seed <= 10; ++seed) {
     Eigen::RowVectorXd row = LoopRecord({.seed = seed}).outputs.row(0);
@@ -118,6 +127,15 @@ TEST(CompressionTest, LeavesSmoothSignals) {
       }
     }
   }
+}
+
+// The response of a very slow plant to a staircase: straight to within the
+// digits printed, with a bend at every step, but never back.
+TEST(CompressionTest, LeavesSlowResponsesAsPrinted) {
+  Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(2000);
+  for (int k = 1; k < 2000; ++k) row(k) = row(k - 1) + 0.002 * (k / 20);
+  testing::Quantise(1e-4, row);
+  EXPECT_EQ(Find(row).kind, Kind::kNone);
 }
 
 TEST(CompressionTest, LeavesRoundedSignals) {

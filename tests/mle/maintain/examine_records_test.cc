@@ -5,6 +5,7 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "mle/maintain/correct.h"
 #include "tests/mle/data/loop_records.h"
 
 namespace mle {
@@ -157,6 +158,22 @@ TEST(ExamineRecordsTest, NotesHowThePlantIsOperated) {
   EXPECT_EQ(findings[0].message.code, MessageCode::kInputLimits);
   EXPECT_EQ(findings[1].message.code, MessageCode::kManyMoves);
   EXPECT_EQ(FirstBlocking(findings), nullptr);
+}
+
+// What blocks decides, and is the first reason.
+TEST(ExamineRecordsTest, AMistakeForbidsACorrection) {
+  Record record = LoopRecord();
+  record.inputs.row(0).swap(record.inputs.row(1));
+  CorrectOptions options;
+  options.estimation.estimator = Estimator::kStructured;
+  options.make_arx = false;
+  const absl::StatusOr<CorrectionResult> result =
+      CorrectFromRecords(LoopModel(), {record}, options);
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_FALSE(result->accepted());
+  EXPECT_NE(result->decision, Decision::kNoChange);
+  ASSERT_FALSE(result->reasons.empty());
+  EXPECT_EQ(result->reasons.front().code, MessageCode::kMistake);
 }
 
 TEST(ExamineRecordsTest, ValidatesOptions) {
