@@ -140,7 +140,7 @@ absl::Status ConversionSettings::Validate() const {
   return absl::OkStatus();
 }
 
-int ChooseOrder(const ProcessModel& model, double sample_time) {
+double LongestMemory(const ProcessModel& model) {
   double longest = 0.0;
   for (int i = 0; i < model.num_outputs(); ++i) {
     for (int j = 0; j < model.num_inputs(); ++j) {
@@ -150,9 +150,13 @@ int ChooseOrder(const ProcessModel& model, double sample_time) {
           std::max(longest, element.delay() + element.SlowestTimeConstant());
     }
   }
+  return longest;
+}
+
+int ChooseOrder(const ProcessModel& model, double sample_time) {
   const int most =
       std::max(kMostRegressors / (model.num_outputs() + model.num_inputs()), 1);
-  const double wanted = std::ceil(1.25 * longest / sample_time);
+  const double wanted = std::ceil(1.25 * LongestMemory(model) / sample_time);
   return static_cast<int>(
       std::min<double>(std::max<double>(wanted, kShortestOrder), most));
 }

@@ -54,9 +54,12 @@ struct ConversionSettings {
   absl::Status Validate() const;
 };
 
-// 1.25 times the longest dead time and time constant together, as the paper's
-// order is to its plant, in samples; at least 10, and at most what leaves 1500
-// regressors.
+// The longest dead time and slowest time constant of an element together: how
+// far back the inputs reach.
+double LongestMemory(const ProcessModel& model);
+
+// 1.25 times LongestMemory(), as the paper's order is to its plant, in samples;
+// at least 10, and at most what leaves 1500 regressors.
 int ChooseOrder(const ProcessModel& model, double sample_time);
 
 // R of the model in scaled units, under noise of the plant's shape: white, with

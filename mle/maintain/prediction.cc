@@ -9,6 +9,7 @@
 #include "mle/base/status.h"
 #include "mle/correction/prediction_residuals.h"
 #include "mle/data/lagged_series.h"
+#include "mle/maintain/channel_scales.h"
 #include "mle/model/process_simulator.h"
 #include "mle/nonlinear/output_reconstruction.h"
 
@@ -19,20 +20,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
-// Samples after which the inputs before a record are forgotten.
-int ForgettingSamples(const ProcessModel& model, double sample_time) {
-  double longest = 0.0;
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      const TransferFunction& element = model.element(i, j);
-      if (element.IsZero()) continue;
-      longest =
-          std::max(longest, element.delay() + element.SlowestTimeConstant());
-    }
-  }
-  return static_cast<int>(std::min(std::ceil(longest / sample_time), 1e9));
-}
 
 // Removes the mean of the finite values.
 void Centre(Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>> values) {
@@ -86,7 +73,8 @@ absl::StatusOr<Predictor> PredictWithProcess(
   MLE_RETURN_IF_ERROR(ProcessSimulator::Create(model, sample_time).status());
   VectorXd ratios(model.num_outputs());
   for (int i = 0; i < model.num_outputs(); ++i) ratios(i) = noise[i].ratio;
-  const int forgetting = ForgettingSamples(model, sample_time);
+  const int forgetting = static_cast<int>(
+      std::min(std::ceil(LongestMemory(model) / sample_time), 1e9));
   return Predictor([=](const Record& record, int horizon) {
     const absl::StatusOr<MatrixXd> response =
         SimulateResponse(model, record.sample_time, record.inputs);

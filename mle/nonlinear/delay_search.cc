@@ -60,39 +60,44 @@ bool ImprovePair(const Combinations& combinations,
   return improved;
 }
 
-}  // namespace
+// The dead times that are tried, in samples, and where they begin.
+struct Candidates {
+  std::vector<std::vector<int>> delays;  // of each element
+  std::vector<int> elements;             // the free ones
+  std::vector<int> begins = {0};         // of their columns
+  std::vector<int> all_delays;           // of the columns
+  std::vector<int> nearest;  // of each free element: the column of the start
+};
 
-DelaySearchResult SearchDelays(const OutputErrorProblem& problem,
-                               const OutputPoint& start, NoiseShape shape,
-                               const std::vector<bool>& free,
-                               const std::vector<double>& max_delays,
-                               int max_points) {
-  const double sample_time = problem.sample_time();
-  std::vector<std::vector<int>> delays(problem.num_elements());
-  std::vector<int> elements;      // the free ones
-  std::vector<int> begins = {0};  // of their columns
-  std::vector<int> chosen;
-  std::vector<int> all_delays;
+Candidates MakeCandidates(const OutputErrorProblem& problem,
+                          const OutputPoint& start,
+                          const std::vector<bool>& free,
+                          const std::vector<double>& max_delays,
+                          int max_points) {
+  Candidates candidates;
+  candidates.delays.resize(problem.num_elements());
   for (int j = 0; j < problem.num_elements(); ++j) {
     if (!free[j]) continue;
-    const int last = static_cast<int>(max_delays[j] / sample_time);
+    const int last = static_cast<int>(max_delays[j] / problem.sample_time());
     const int stride = std::max(1, (last + max_points - 1) / max_points);
-    const int offset =
-        static_cast<int>(std::lround(start.values[j].delay / sample_time)) %
-        stride;
-    for (int d = offset; d <= last; d += stride) delays[j].push_back(d);
-    if (delays[j].empty()) delays[j].push_back(0);
-    elements.push_back(j);
-    all_delays.insert(all_delays.end(), delays[j].begin(), delays[j].end());
-    const int nearest = std::clamp(
-        static_cast<int>(std::lround(start.values[j].delay / sample_time)) /
-            stride,
-        0, static_cast<int>(delays[j].size()) - 1);
-    chosen.push_back(begins.back() + nearest);
-    begins.push_back(static_cast<int>(all_delays.size()));
+    const int at = static_cast<int>(
+        std::lround(start.values[j].delay / problem.sample_time()));
+    std::vector<int>& delays = candidates.delays[j];
+    for (int d = at % stride; d <= last; d += stride) delays.push_back(d);
+    if (delays.empty()) delays.push_back(0);
+    candidates.elements.push_back(j);
+    candidates.all_delays.insert(candidates.all_delays.end(), delays.begin(),
+                                 delays.end());
+    candidates.nearest.push_back(
+        candidates.begins.back() +
+        std::clamp(at / stride, 0, static_cast<int>(delays.size()) - 1));
+    candidates.begins.push_back(static_cast<int>(candidates.all_delays.size()));
   }
+  return candidates;
+}
 
-  const MatrixXd dictionary = problem.Dictionary(start, shape, delays);
+// `dictionary`: the responses, then y.
+Combinations MakeCombinations(const MatrixXd& dictionary) {
   const Eigen::Index width = dictionary.cols() - 1;
   Combinations combinations;
   combinations.norms =
@@ -105,9 +110,14 @@ DelaySearchResult SearchDelays(const OutputErrorProblem& problem,
   combinations.gram =
       MatrixXd(combinations.gram.selfadjointView<Eigen::Lower>());
   combinations.products = unit.transpose() * dictionary.col(width);
+  return combinations;
+}
 
+// Pair by pair until no pair improves; returns the squares explained.
+double Improve(const Combinations& combinations, const std::vector<int>& begins,
+               std::vector<int>& chosen) {
   double explained = combinations.Explained(chosen);
-  const int count = static_cast<int>(elements.size());
+  const int count = static_cast<int>(chosen.size());
   for (bool improved = true; improved;) {
     improved = false;
     for (int a = 0; a < std::max(1, count - 1); ++a) {
@@ -117,17 +127,35 @@ DelaySearchResult SearchDelays(const OutputErrorProblem& problem,
     }
     if (count <= 2) break;
   }
+  return explained;
+}
+
+}  // namespace
+
+DelaySearchResult SearchDelays(const OutputErrorProblem& problem,
+                               const OutputPoint& start, NoiseShape shape,
+                               const std::vector<bool>& free,
+                               const std::vector<double>& max_delays,
+                               int max_points) {
+  const Candidates candidates =
+      MakeCandidates(problem, start, free, max_delays, max_points);
+  const MatrixXd dictionary =
+      problem.Dictionary(start, shape, candidates.delays);
+  const Combinations combinations = MakeCombinations(dictionary);
+  std::vector<int> chosen = candidates.nearest;
+  const double explained = Improve(combinations, candidates.begins, chosen);
 
   DelaySearchResult result;
   result.point = start;
   const VectorXd gains = combinations.ScaledGains(chosen);
-  for (int a = 0; a < count; ++a) {
-    ElementValues& values = result.point.values[elements[a]];
-    values.gain = gains(a) / combinations.norms(chosen[a]);
-    values.delay = all_delays[chosen[a]] * sample_time;
+  for (std::size_t a = 0; a < chosen.size(); ++a) {
+    ElementValues& values = result.point.values[candidates.elements[a]];
+    values.gain =
+        gains(static_cast<Eigen::Index>(a)) / combinations.norms(chosen[a]);
+    values.delay = candidates.all_delays[chosen[a]] * problem.sample_time();
   }
-  result.point.SetCells(sample_time);
-  const double squares = dictionary.col(width).squaredNorm();
+  result.point.SetCells(problem.sample_time());
+  const double squares = dictionary.col(dictionary.cols() - 1).squaredNorm();
   result.cost = 0.5 * (squares - explained);
   result.cost_accuracy = kRidge * squares;
   return result;

@@ -38,6 +38,58 @@ Eigen::VectorXd PseudoSolve(const Eigen::MatrixXd& gram,
   return eigen.eigenvectors() * coordinates;
 }
 
+bool UsesExcluded(const LassoObjective& objective,
+                  const Eigen::VectorXd& beta) {
+  for (int j = 0; j < beta.size(); ++j) {
+    if (beta(j) != 0.0 && !std::isfinite(objective.weights(j))) return true;
+  }
+  return false;
+}
+
+// The best step of the unpenalised coefficients: adds what it gains to
+// `result`, and takes it off `gradient` and `residual_square`.
+void StepUnpenalised(const LassoObjective& objective, Eigen::VectorXd& gradient,
+                     double& residual_square, DualityGap& result) {
+  UpdatableCholesky factor(/*capacity=*/1);
+  const std::vector<int> free = IndependentUnpenalised(objective, factor);
+  if (free.empty()) return;
+  const Eigen::VectorXd own = gradient(free);
+  result.kkt_violation = own.lpNorm<Eigen::Infinity>();
+  Eigen::VectorXd step = own;
+  factor.SolveInPlace(step);
+  const double explained = step.dot(own);
+  residual_square = std::max(residual_square - explained, 0.0);
+  result.gap += 0.5 * explained;
+  for (std::size_t i = 0; i < free.size(); ++i) {
+    gradient -=
+        step(static_cast<Eigen::Index>(i)) * objective.gram->col(free[i]);
+  }
+}
+
+// With the residual scaled by α ≤ 1, which makes it feasible for the dual.
+void AddPenalised(const LassoObjective& objective, double lambda,
+                  const Eigen::VectorXd& beta, const Eigen::VectorXd& gradient,
+                  double residual_square, DualityGap& result) {
+  double ratio = 1.0;
+  for (int j = 0; j < beta.size(); ++j) {
+    const double w = objective.weights(j);
+    if (w == 0.0 || !std::isfinite(w)) continue;
+    ratio = std::max(ratio, std::abs(gradient(j)) / (lambda * w));
+  }
+  const double alpha = 1.0 / ratio;
+  result.gap += 0.5 * (1.0 - alpha) * (1.0 - alpha) * residual_square;
+  result.kkt_violation = std::max(result.kkt_violation, (ratio - 1.0) * lambda);
+  for (int j = 0; j < beta.size(); ++j) {
+    const double w = objective.weights(j);
+    if (beta(j) == 0.0 || w == 0.0) continue;
+    const double signed_gradient = std::copysign(1.0, beta(j)) * gradient(j);
+    result.primal += lambda * w * std::abs(beta(j));
+    result.gap += std::abs(beta(j)) * (lambda * w - alpha * signed_gradient);
+    result.kkt_violation = std::max(result.kkt_violation,
+                                    std::abs(signed_gradient - lambda * w) / w);
+  }
+}
+
 }  // namespace
 
 double DualityGap::Relative() const {
@@ -79,17 +131,12 @@ DualityGap ComputeDualityGap(const LassoObjective& objective, double lambda,
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const DualityGap nothing_known = {kInfinity, kInfinity, kInfinity,
                                     objective.response_square, kInfinity};
-  for (int j = 0; j < beta.size(); ++j) {
-    if (beta(j) != 0.0 && !std::isfinite(objective.weights(j))) {
-      return nothing_known;
-    }
-  }
-  const Eigen::MatrixXd& gram = *objective.gram;
+  if (UsesExcluded(objective, beta)) return nothing_known;
   Eigen::VectorXd c = objective.correlation;
   PrimalRounding rounding(objective);
   for (int j = 0; j < beta.size(); ++j) {
     if (beta(j) == 0.0) continue;
-    c -= beta(j) * gram.col(j);
+    c -= beta(j) * objective.gram->col(j);
     rounding.Add(j, beta(j));
   }
   DualityGap result;
@@ -105,40 +152,8 @@ DualityGap ComputeDualityGap(const LassoObjective& objective, double lambda,
     }
     return std::isfinite(result.gap) ? result : nothing_known;
   }
-
-  UpdatableCholesky factor(/*capacity=*/1);
-  if (const std::vector<int> free = IndependentUnpenalised(objective, factor);
-      !free.empty()) {
-    const Eigen::VectorXd gradient = c(free);
-    result.kkt_violation = gradient.lpNorm<Eigen::Infinity>();
-    Eigen::VectorXd step = gradient;
-    factor.SolveInPlace(step);
-    const double explained = step.dot(gradient);
-    residual_square = std::max(residual_square - explained, 0.0);
-    result.gap += 0.5 * explained;
-    for (std::size_t i = 0; i < free.size(); ++i) {
-      c -= step(static_cast<Eigen::Index>(i)) * gram.col(free[i]);
-    }
-  }
-
-  double ratio = 1.0;
-  for (int j = 0; j < beta.size(); ++j) {
-    const double w = objective.weights(j);
-    if (w == 0.0 || !std::isfinite(w)) continue;
-    ratio = std::max(ratio, std::abs(c(j)) / (lambda * w));
-  }
-  const double alpha = 1.0 / ratio;
-  result.gap += 0.5 * (1.0 - alpha) * (1.0 - alpha) * residual_square;
-  result.kkt_violation = std::max(result.kkt_violation, (ratio - 1.0) * lambda);
-  for (int j = 0; j < beta.size(); ++j) {
-    const double w = objective.weights(j);
-    if (beta(j) == 0.0 || w == 0.0) continue;
-    const double signed_gradient = std::copysign(1.0, beta(j)) * c(j);
-    result.primal += lambda * w * std::abs(beta(j));
-    result.gap += std::abs(beta(j)) * (lambda * w - alpha * signed_gradient);
-    result.kkt_violation = std::max(result.kkt_violation,
-                                    std::abs(signed_gradient - lambda * w) / w);
-  }
+  StepUnpenalised(objective, c, residual_square, result);
+  AddPenalised(objective, lambda, beta, c, residual_square, result);
   if (!std::isfinite(result.gap) || !std::isfinite(result.primal)) {
     return nothing_known;
   }

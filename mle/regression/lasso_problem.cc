@@ -17,6 +17,19 @@ double ConstantTolerance(double rows) {
   return (256.0 + 2.0 * rows) * std::numeric_limits<double>::epsilon();
 }
 
+// Of each group; zero where nothing is centred.
+void SetMeans(const LaggedMoments& moments, Scaling scaling,
+              LassoProblem& problem) {
+  problem.regressor_mean.setZero(problem.gram.cols(), moments.num_groups());
+  problem.response_mean.setZero(moments.num_responses(), moments.num_groups());
+  if (scaling != Scaling::kStandardise) return;
+  const Eigen::ArrayXd divisor = moments.group_rows.array().max(1.0);
+  problem.regressor_mean =
+      moments.regressor_sum * divisor.inverse().matrix().asDiagonal();
+  problem.response_mean =
+      moments.response_sum * divisor.inverse().matrix().asDiagonal();
+}
+
 }  // namespace
 
 Eigen::VectorXd LassoProblem::Unscale(const Eigen::VectorXd& beta) const {
@@ -37,15 +50,7 @@ LassoProblem MakeLassoProblem(LaggedMoments moments, Scaling scaling) {
   problem.response_square = moments.response_squares / rows;
 
   problem.group_rows = moments.group_rows;
-  problem.regressor_mean.setZero(n, moments.num_groups());
-  problem.response_mean.setZero(moments.num_responses(), moments.num_groups());
-  if (scaling == Scaling::kStandardise) {
-    const Eigen::ArrayXd divisor = moments.group_rows.array().max(1.0);
-    problem.regressor_mean =
-        moments.regressor_sum * divisor.inverse().matrix().asDiagonal();
-    problem.response_mean =
-        moments.response_sum * divisor.inverse().matrix().asDiagonal();
-  }
+  SetMeans(moments, scaling, problem);
   // Means by the root of their group's part of the rows: what centring takes
   // off is Σ_g m_g m_gᵀ.
   const Eigen::VectorXd root_part = (moments.group_rows / rows).cwiseSqrt();
