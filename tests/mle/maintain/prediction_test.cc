@@ -80,6 +80,18 @@ TEST(PredictionTest, OneStepAheadIsTheStationaryKalmanFilter) {
             MeanSquare(predictor(record, 1)));
 }
 
+// ρ = 1/2: P = 1 before each measurement, so that the stationary gain is 1/2
+// and the error after a jump of the output halves from sample to sample.
+TEST(PredictionTest, TheLevelFollowsAJumpWithTheStationaryGain) {
+  Record record = Step(0.0, 0.0);
+  record.outputs.rightCols(200).array() += 1.0;
+  const Predictor predictor = *PredictWithProcess(Tank(), Noise(0.5), 0.5);
+  const Eigen::MatrixXd errors = predictor(record, 1);
+  for (int k = 0; k < 10; ++k) {
+    EXPECT_NEAR(errors(0, 200 + k), std::pow(0.5, k), 1e-9) << k;
+  }
+}
+
 TEST(PredictionTest, AWrongModelPredictsWorse) {
   ProcessModel wrong = Tank();
   wrong.element(0, 0) = TransferFunction::FirstOrder(1.4, 5.0, 1.3);
