@@ -53,21 +53,6 @@ StepResponse CombinedCorrection::ComputeStepResponse(double sample_time,
   return response;
 }
 
-std::string CombinedCorrection::BriefReport() const {
-  return absl::StrCat(structured.BriefReport(), "; ", adequacy.BriefReport(),
-                      correction.has_value() ? "; ARX model corrected" : "");
-}
-
-absl::StatusOr<CombinedCorrection> CorrectCombined(
-    const ProcessModel& initial, const std::vector<Record>& windows,
-    const ArxConverter& convert, const CombinedOptions& options) {
-  MLE_RETURN_IF_ERROR(options.Validate());
-  MLE_ASSIGN_OR_RETURN(StructuredCorrection structured,
-                       CorrectStructure(initial, windows, options.structured));
-  return CompleteStructured(initial, std::move(structured), windows, convert,
-                            options);
-}
-
 absl::StatusOr<CombinedCorrection> CompleteStructured(
     const ProcessModel& initial, StructuredCorrection structured,
     const std::vector<Record>& windows, const ArxConverter& convert,

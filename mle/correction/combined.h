@@ -14,7 +14,7 @@
 //
 //   MLE_ASSIGN_OR_RETURN(
 //       const CombinedCorrection correction,
-//       CorrectCombined(model, windows, convert, options));
+//       CompleteStructured(model, structured, windows, convert, options));
 //   correction.ComputeStepResponse(0.2, 501);
 //
 // The conversion needs a record of the excited model, which only a simulation
@@ -25,7 +25,6 @@
 
 #include <functional>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -68,16 +67,10 @@ struct CombinedCorrection {
   // Of Model() in the outputs that ΔR is for (`sample_time` must be its own),
   // of the structured model in the others.
   StepResponse ComputeStepResponse(double sample_time, int samples) const;
-  std::string BriefReport() const;  // One line.
 };
 
-// The windows and their errors are those of CorrectStructure() and
-// CorrectModel().
-absl::StatusOr<CombinedCorrection> CorrectCombined(
-    const ProcessModel& initial, const std::vector<Record>& windows,
-    const ArxConverter& convert, const CombinedOptions& options);
-
-// Steps 2 and 3 for an existing structured correction.
+// Steps 2 and 3 for what CorrectStructure() made of the same windows. Errors
+// are those of TestAdequacy(), the conversion and CorrectModel().
 absl::StatusOr<CombinedCorrection> CompleteStructured(
     const ProcessModel& initial, StructuredCorrection structured,
     const std::vector<Record>& windows, const ArxConverter& convert,

@@ -173,44 +173,4 @@ std::vector<int> PairInformation::inputs_to_test() const {
   return inputs_found;
 }
 
-std::string PairInformation::Report(const ProcessModel& model) const {
-  std::string text;
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      const PairErrors& errors = pair(i, j);
-      absl::StrAppend(&text, model.outputs()[i].name, " from ",
-                      model.inputs()[j].name, ": ");
-      if (errors.state == PairState::kAbsent) {
-        text += "zero in the model\n";
-        continue;
-      }
-      text += errors.state == PairState::kInformed ? "informed"
-              : errors.state == PairState::kWeak   ? "weakly informed"
-                                                   : "not informed";
-      if (std::isfinite(errors.gain)) {
-        absl::StrAppend(&text, ": gain to ", 100.0 * errors.gain,
-                        " %, dead time to ", errors.delay, " ",
-                        model.time_unit(), " (one standard error)");
-      }
-      if (errors.inflation > 3.0) {
-        absl::StrAppend(&text, "; ", errors.inflation,
-                        " times what it would be if the inputs did not move "
-                        "together");
-      }
-      text += '\n';
-    }
-  }
-  for (int j = 0; j < model.num_inputs(); ++j) {
-    const InputExcitation& input = inputs[j];
-    absl::StrAppend(&text, model.inputs()[j].name, ": ");
-    if (input.moves == 0) {
-      text += "does not move in the windows\n";
-      continue;
-    }
-    absl::StrAppend(&text, "moves ", input.moves, " times, by ",
-                    input.deviation, " (standard deviation)\n");
-  }
-  return text;
-}
-
 }  // namespace mle

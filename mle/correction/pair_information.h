@@ -11,14 +11,13 @@
 //   MLE_ASSIGN_OR_RETURN(
 //       const PairInformation information,
 //       AssessInformation(model, windows.Records(), noise, {}));
-//   std::cout << information.Report(model);
+//   information.pair(0, 0).state;
 //   if (information.pair(0, 1).state == PairState::kNotInformed) …
 
 #ifndef MLE_CORRECTION_PAIR_INFORMATION_H_
 #define MLE_CORRECTION_PAIR_INFORMATION_H_
 
 #include <limits>
-#include <string>
 #include <vector>
 
 #include "Eigen/Core"
@@ -82,7 +81,6 @@ struct PairInformation {
   // step test would have to move.
   std::vector<int> inputs_to_test() const;
   // A line for each pair and input.
-  std::string Report(const ProcessModel& model) const;
 };
 
 // InvalidArgument as of ComputeStructuredLimit().

@@ -166,15 +166,6 @@ absl::Status RobustCorrectionOptions::Validate() const {
   return lasso.Validate();
 }
 
-std::string RobustFit::BriefReport() const {
-  return absl::StrFormat(
-      "robust loss: %s after %d rounds, scale %.3g, %d rows down-weighted, "
-      "weights "
-      "moved by %.1e, relative gap %.1e",
-      converged ? "converged" : "not converged", rounds, scale, spared_rows,
-      weight_change, relative_gap);
-}
-
 double RobustCorrection::MaxRelativeGap() const {
   double worst = 0.0;
   for (const RobustFit& fit : fits) worst = std::max(worst, fit.relative_gap);

@@ -25,7 +25,6 @@
 #ifndef MLE_CORRECTION_ROBUST_CORRECTION_H_
 #define MLE_CORRECTION_ROBUST_CORRECTION_H_
 
-#include <string>
 #include <vector>
 
 #include "Eigen/Core"
@@ -58,7 +57,6 @@ struct RobustFit {
   int rounds = 0;
   SmoothedLassoSummary lasso;  // the last
 
-  std::string BriefReport() const;  // One line.
 };
 
 struct RobustCorrection {

@@ -257,13 +257,6 @@ absl::Status FopdtOptions::Validate() const {
   return absl::OkStatus();
 }
 
-TransferFunction FopdtFit::ToTransferFunction() const {
-  if (shape == FopdtShape::kNoResponse || gain == 0.0) {
-    return TransferFunction();
-  }
-  return TransferFunction::FirstOrder(gain, time_constant, delay);
-}
-
 absl::StatusOr<FopdtFit> FitFopdt(const Response& step_response,
                                   double sample_time,
                                   const FopdtOptions& options) {

@@ -22,12 +22,10 @@
 #define MLE_NONLINEAR_FOPDT_FIT_H_
 
 #include <limits>
-#include <string>
 
 #include "Eigen/Core"
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "mle/model/transfer_function.h"
 
 namespace mle {
 
@@ -91,12 +89,6 @@ struct FopdtFit {
   FopdtShape shape = FopdtShape::kPoorFit;
   FopdtTermination termination = FopdtTermination::kNotRun;
   int iterations = 0;  // Of the three solves together.
-
-  // The zero element where there is no response.
-  TransferFunction ToTransferFunction() const;
-
-  std::string BriefReport() const;  // One line.
-  std::string FullReport() const;   // One line for each value.
 };
 
 // InvalidArgument if an option is out of range, Δt is not positive, or the

@@ -64,15 +64,6 @@ absl::Status AdequacyOptions::Validate() const {
   return structure.Validate();
 }
 
-std::string ModelAdequacy::BriefReport() const {
-  return absl::StrFormat(
-      "model adequacy: %s, χ² = %.4g with %d degrees of freedom, "
-      "p = %.2g",
-      adequate ? "the inputs explain no more than the model does"
-               : "the inputs explain more than the model does",
-      statistic, degrees_of_freedom, p_value);
-}
-
 absl::StatusOr<ModelAdequacy> TestAdequacy(
     const ProcessModel& model, const std::vector<Record>& records,
     const Eigen::Matrix<bool, Eigen::Dynamic, Eigen::Dynamic>& fitted,

@@ -25,7 +25,6 @@
 #ifndef MLE_NONLINEAR_MODEL_ADEQUACY_H_
 #define MLE_NONLINEAR_MODEL_ADEQUACY_H_
 
-#include <string>
 #include <vector>
 
 #include "Eigen/Core"
@@ -62,7 +61,6 @@ struct ModelAdequacy {
   int degrees_of_freedom = 0;
   Eigen::VectorXd output_p_values;  // p
 
-  std::string BriefReport() const;  // One line.
 };
 
 // `fitted` is p × m, or empty for none. Errors are those of CorrectStructure().

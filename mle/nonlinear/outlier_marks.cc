@@ -1,12 +1,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
-#include <string>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_join.h"
 #include "mle/base/status.h"
 #include "mle/data/robust_statistics.h"
 #include "mle/nonlinear/output_reconstruction.h"
@@ -108,23 +105,6 @@ absl::Status OutlierMarkOptions::Validate() const {
         "outliers: longest_burst is ", longest_burst, ", must be at least 1"));
   }
   return absl::OkStatus();
-}
-
-int OutlierReport::total() const {
-  return std::accumulate(marked.begin(), marked.end(), 0);
-}
-
-std::string OutlierReport::BriefReport(const ProcessModel& model) const {
-  std::vector<std::string> parts;
-  for (std::size_t i = 0; i < marked.size(); ++i) {
-    parts.push_back(absl::StrCat(
-        model.outputs()[i].name, " ", marked[i], " (at most ", longest[i],
-        " in a row)",
-        left[i] > 0
-            ? absl::StrCat(", ", left[i], " in longer rows left as they are")
-            : ""));
-  }
-  return absl::StrCat("outliers by the model: ", absl::StrJoin(parts, "; "));
 }
 
 absl::StatusOr<OutlierReport> MarkOutliers(const ProcessModel& initial,

@@ -26,7 +26,6 @@
 #ifndef MLE_NONLINEAR_OUTPUT_RECONSTRUCTION_H_
 #define MLE_NONLINEAR_OUTPUT_RECONSTRUCTION_H_
 
-#include <string>
 #include <vector>
 
 #include "Eigen/Core"
@@ -61,9 +60,6 @@ struct OutlierReport {
   std::vector<int> longest;  // p: most in a row
   // p: samples as far off that are kept, as part of a disturbance.
   std::vector<int> left;
-
-  int total() const;
-  std::string BriefReport(const ProcessModel& model) const;  // One line.
 };
 
 // Marks the outliers of the records' outputs as bad (NaN): outliers under the

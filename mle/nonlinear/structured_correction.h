@@ -184,8 +184,7 @@ struct StructuredCorrection {
   // p × m: whether the element has aged.
   Eigen::Matrix<bool, Eigen::Dynamic, Eigen::Dynamic> aged;
 
-  std::string BriefReport() const;  // One line.
-  std::string FullReport() const;   // A line for each element and output.
+  std::string FullReport() const;  // Lines for each output and element.
 };
 
 // InvalidArgument if an option, the model or a record is invalid, an element

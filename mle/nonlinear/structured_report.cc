@@ -95,24 +95,6 @@ double StructuredFit::ExpectedSquaredDistance(double sample_time,
   return StepResponseErrors(sample_time, samples).values.squaredNorm();
 }
 
-std::string StructuredCorrection::BriefReport() const {
-  if (!change_proposed) {
-    return absl::StrFormat(
-        "structured correction: no change proposed (p = %.3g)", p_value);
-  }
-  std::string names;
-  for (Eigen::Index i = 0; i < aged.rows(); ++i) {
-    for (Eigen::Index j = 0; j < aged.cols(); ++j) {
-      if (!aged(i, j)) continue;
-      absl::StrAppend(&names, names.empty() ? "" : ", ",
-                      corrected.model.outputs()[i].name, "/",
-                      corrected.model.inputs()[j].name);
-    }
-  }
-  return absl::StrFormat("structured correction: aged %s (p = %.3g)", names,
-                         p_value);
-}
-
 std::string StructuredCorrection::FullReport() const {
   std::string report = absl::StrFormat(
       "Structured correction\n"

@@ -89,12 +89,6 @@ absl::Status CoordinateDescentOptions::Validate() const {
   return absl::OkStatus();
 }
 
-std::string CoordinateDescentSummary::BriefReport() const {
-  return absl::StrFormat(
-      "coordinate descent: %s after %d sweeps, relative gap %.2g",
-      converged ? "converged" : "not converged", sweeps, gap.Relative());
-}
-
 absl::StatusOr<CoordinateDescentSummary> SolveCoordinateDescent(
     const LassoObjective& objective, double lambda,
     const Eigen::VectorXd& start, const CoordinateDescentOptions& options) {

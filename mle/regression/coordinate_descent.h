@@ -12,8 +12,6 @@
 #ifndef MLE_REGRESSION_COORDINATE_DESCENT_H_
 #define MLE_REGRESSION_COORDINATE_DESCENT_H_
 
-#include <string>
-
 #include "Eigen/Core"
 #include "absl/status/statusor.h"
 #include "mle/regression/duality_gap.h"
@@ -40,8 +38,6 @@ struct CoordinateDescentSummary {
   int sweeps = 0;
   Eigen::VectorXd beta;  // n
   DualityGap gap;        // of beta, whatever the stop
-
-  std::string BriefReport() const;
 };
 
 // From `start` (n, or empty for zero), without what is excluded. λ ≥ 0. Where G

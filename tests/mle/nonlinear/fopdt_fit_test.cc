@@ -79,10 +79,10 @@ TEST(FopdtFitTest, RecoversExactResponses) {
     const FopdtFit fit = Fit(truth.Response());
     // The worst conditioned of these (T five horizons, K/T all but alone
     // visible) loses four of sixteen digits.
-    EXPECT_NEAR(fit.gain / truth.gain, 1.0, 1e-8) << fit.FullReport();
+    EXPECT_NEAR(fit.gain / truth.gain, 1.0, 1e-8);
     EXPECT_NEAR(fit.time_constant / truth.time_constant, 1.0, 1e-8);
     EXPECT_NEAR(fit.delay, truth.delay, 1e-8);
-    EXPECT_EQ(fit.shape, FopdtShape::kFits) << fit.FullReport();
+    EXPECT_EQ(fit.shape, FopdtShape::kFits);
     EXPECT_EQ(fit.termination, FopdtTermination::kConverged);
     EXPECT_LT(fit.relative_rms, 1e-10);
   }
@@ -111,9 +111,7 @@ TEST(FopdtFitTest, NoiseDoesNotTrapItInALocalMinimum) {
       const FopdtFit fit = Fit(noisy);
       // The truth is a candidate, so that the minimum cannot lie above it.
       EXPECT_LE(Cost(Of(fit), noisy), Cost(truth, noisy) * (1.0 + 1e-9))
-          << truth.gain << " " << truth.time_constant << " " << truth.delay
-          << "\n"
-          << fit.FullReport();
+          << truth.gain << " " << truth.time_constant << " " << truth.delay;
     }
   }
 }
@@ -221,9 +219,6 @@ TEST(FopdtFitTest, NoResponseIsSaidSo) {
     EXPECT_EQ(fit.gain, 0.0);
     EXPECT_EQ(fit.time_constant, 0.0);
     EXPECT_EQ(fit.delay, 0.0);
-    EXPECT_TRUE(fit.ToTransferFunction().IsZero());
-    EXPECT_THAT(fit.BriefReport(), HasSubstr("no response"));
-    EXPECT_THAT(fit.FullReport(), ::testing::Not(HasSubstr("nan")));
   }
 }
 
@@ -252,18 +247,17 @@ TEST(FopdtFitTest, OtherShapesArePoorFits) {
   };
   for (const auto& c : cases) {
     const FopdtFit fit = Fit(c.response);
-    EXPECT_EQ(fit.shape, FopdtShape::kPoorFit) << c.name << fit.FullReport();
+    EXPECT_EQ(fit.shape, FopdtShape::kPoorFit) << c.name;
     EXPECT_TRUE(std::isfinite(fit.gain)) << c.name;
     EXPECT_TRUE(std::isfinite(fit.relative_rms)) << c.name;
     EXPECT_GE(fit.delay, 0.0) << c.name;
-    EXPECT_TRUE(fit.ToTransferFunction().Validate().ok()) << c.name;
   }
 }
 
 TEST(FopdtFitTest, SecondOrderLagFits) {
   const FopdtFit fit = Fit(TransferFunction({2.0}, {48.0, 16.0, 1.0}, 1.0)
                                .StepResponse(kSampleTime, kSamples));
-  EXPECT_EQ(fit.shape, FopdtShape::kFits) << fit.FullReport();
+  EXPECT_EQ(fit.shape, FopdtShape::kFits);
   EXPECT_NEAR(fit.gain, 2.0, 0.02);
   // The area above the response is 4 + 12 + 1; the fit weighs squares, not
   // areas, and so comes within 5 % of it only.
@@ -274,7 +268,7 @@ TEST(FopdtFitTest, JumpHasItsGainAndNoTimeConstant) {
   Eigen::VectorXd jump = Eigen::VectorXd::Zero(kSamples);
   jump.tail(kSamples - 50).setConstant(-4.0);
   const FopdtFit fit = Fit(jump);
-  EXPECT_EQ(fit.shape, FopdtShape::kFits) << fit.FullReport();
+  EXPECT_EQ(fit.shape, FopdtShape::kFits);
   EXPECT_NEAR(fit.gain, -4.0, 1e-6);
   EXPECT_LT(fit.time_constant, kSampleTime);
   EXPECT_GE(fit.delay, 49 * kSampleTime - 1e-9);
@@ -352,15 +346,9 @@ TEST(FopdtOptionsTest, ValidateNamesTheField) {
               HasSubstr("max_iterations is 0"));
 }
 
-TEST(FopdtFitReportTest, StartsPessimisticAndNamesItsValues) {
+TEST(FopdtFitTest, StartsPessimistic) {
   EXPECT_EQ(FopdtFit().shape, FopdtShape::kPoorFit);
   EXPECT_EQ(FopdtFit().termination, FopdtTermination::kNotRun);
-  EXPECT_THAT(FopdtFit().BriefReport(), HasSubstr("not run"));
-  const FopdtFit fit = Fit(Element{12.8, 16.7, 1.0}.Response());
-  EXPECT_THAT(fit.BriefReport(), HasSubstr("K 12.8, T 16.7, L 1"));
-  EXPECT_THAT(fit.BriefReport(), HasSubstr("fits, converged"));
-  EXPECT_EQ(fit.BriefReport().find('\n'), std::string::npos);
-  EXPECT_THAT(fit.FullReport(), HasSubstr("time constant       16.7 ± "));
 }
 
 }  // namespace

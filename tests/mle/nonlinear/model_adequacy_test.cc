@@ -57,7 +57,6 @@ TEST(ModelAdequacyTest, FindsWhatIsWrong) {
     const ModelAdequacy adequacy = Check(TwoElements(), records);
     EXPECT_FALSE(adequacy.adequate) << "plant " << i;
     EXPECT_LT(adequacy.p_value, 1e-6);
-    EXPECT_THAT(adequacy.BriefReport(), HasSubstr("explain more"));
   }
 }
 
@@ -89,7 +88,7 @@ TEST(ModelAdequacyTest, JudgesTheStructureOfAFit) {
     ASSERT_TRUE(fit->change_proposed);
     const ModelAdequacy adequacy =
         Check(fit->corrected.model, records, fit->aged);
-    EXPECT_EQ(adequacy.adequate, expected) << adequacy.BriefReport();
+    EXPECT_EQ(adequacy.adequate, expected) << adequacy.p_value;
   };
   check(TransferFunction::FirstOrder(1.2, 5.0, 1.8), true);
   check(TransferFunction({-4.0, 2.0}, {12.0, 7.0, 1.0}, 1.0), false);

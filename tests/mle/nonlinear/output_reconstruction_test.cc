@@ -79,7 +79,7 @@ TEST_P(MarkOutliersTest, FindsBurstsAndNothingElse) {
     }
     EXPECT_EQ(missed, 0) << "seed " << seed;
     EXPECT_LE(wrong, 1) << "seed " << seed;
-    EXPECT_EQ(report->total(), found);
+    EXPECT_EQ(report->marked[0], found);
     EXPECT_EQ(report->left[0], 0);
     EXPECT_LE(report->longest[0], 10 + wrong);
   }
@@ -103,7 +103,7 @@ TEST(MarkOutliersInRecordsTest, LeavesCleanRecordsAlone) {
     std::vector<Record> marked = clean;
     const auto report = MarkOutliers(TwoElements(), {}, {}, marked);
     ASSERT_TRUE(report.ok()) << report.status();
-    EXPECT_EQ(report->total(), 0);
+    EXPECT_EQ(report->marked[0], 0);
     EXPECT_EQ(marked[0].outputs, clean[0].outputs);
     EXPECT_EQ(marked[1].outputs, clean[1].outputs);
   }
@@ -144,11 +144,9 @@ TEST(MarkOutliersInRecordsTest, LongRowsAreLeft) {
   const auto report = MarkOutliers(
       TwoElements(), {}, {.threshold = 5.0, .longest_burst = 5}, records);
   ASSERT_TRUE(report.ok()) << report.status();
-  EXPECT_EQ(report->total(), 0);
+  EXPECT_EQ(report->marked[0], 0);
   EXPECT_EQ(report->left[0], 6);
   EXPECT_EQ(records[0].outputs, spoilt[0].outputs);
-  EXPECT_THAT(report->BriefReport(TwoElements()),
-              HasSubstr("6 in longer rows left"));
   const auto as_long = MarkOutliers(
       TwoElements(), {}, {.threshold = 5.0, .longest_burst = 6}, records);
   ASSERT_TRUE(as_long.ok()) << as_long.status();

@@ -62,7 +62,6 @@ TEST(CoordinateDescentTest, ConvergesToTheGapAskedFor) {
         EXPECT_EQ(
             summary.gap.gap,
             ComputeDualityGap(problem.objective, lambda, summary.beta).gap);
-        EXPECT_THAT(summary.BriefReport(), HasSubstr("converged after"));
       }
     }
   }
@@ -127,7 +126,6 @@ TEST(CoordinateDescentTest, SaysWhenItDoesNotConverge) {
   EXPECT_FALSE(summary.converged);
   EXPECT_EQ(summary.sweeps, 10);
   EXPECT_GT(summary.gap.Relative(), 1e-9);
-  EXPECT_THAT(summary.BriefReport(), HasSubstr("not converged after 10"));
 }
 
 // The last sweep allowed counts like any other.
