@@ -56,7 +56,6 @@ struct RobustFit {
   int spared_rows = 0;         // of weight below 0.5
   int rounds = 0;
   SmoothedLassoSummary lasso;  // the last
-
 };
 
 struct RobustCorrection {
