@@ -60,7 +60,6 @@ struct ModelAdequacy {
   double statistic = 0.0;  // sum over the outputs
   int degrees_of_freedom = 0;
   Eigen::VectorXd output_p_values;  // p
-
 };
 
 // `fitted` is p × m, or empty for none. Errors are those of CorrectStructure().
