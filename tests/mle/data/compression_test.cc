@@ -133,7 +133,7 @@ TEST(CompressionTest, LeavesSmoothSignals) {
 // digits printed, with a bend at every step, but never back.
 TEST(CompressionTest, LeavesSlowResponsesAsPrinted) {
   Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(2000);
-  for (int k = 1; k < 2000; ++k) row(k) = row(k - 1) + 0.002 * (k / 20);
+  for (int k = 1; k < 2000; ++k) row(k) = row(k - 1) + 0.00234567 * (k / 20);
   testing::Quantise(1e-4, row);
   EXPECT_EQ(Find(row).kind, Kind::kNone);
 }
