@@ -94,10 +94,7 @@ void PrintResult(const correct::Result& result) {
   std::cout << "\n"
             << report::RenderText(correct::MismatchTable(result)) << "\n"
             << report::RenderText(correct::ParameterTable(result)) << "\n";
-  if (result.validation.shown() != nullptr ||
-      !result.validation.initial.empty()) {
-    std::cout << report::RenderText(correct::ValidationTable(result)) << "\n";
-  }
+  std::cout << report::RenderText(correct::ValidationTable(result)) << "\n";
   std::cout << report::RenderText(correct::ResidualTable(result))
             << "\nWhat to do\n";
   for (const std::string& item : result.advice) {

@@ -3,6 +3,11 @@
 namespace mle {
 namespace {
 
+constexpr NumberRange kFraction{.min = 0.0, .max = 1.0, .open_max = true};
+
+}  // namespace
+namespace {
+
 TextValue RuleForLambda(SelectionOptions& selection) {
   using Rule = SelectionOptions::Rule;
   return OneOf<Rule>(&selection.rule,
@@ -89,9 +94,12 @@ std::vector<Option> OptionsOf(EstimationOptions& options) {
 
 std::vector<Option> OptionsOf(HoldOutOptions& options) {
   return {
-      {"validation_folds", &options.max_folds,
-       "Maximum number of folds of the hold-out validation over windows.", "",
-       AtLeast(2)},
+      {"validation_folds", &options.folds,
+       "Number of folds of the hold-out validation.", "", AtLeast(2)},
+      {"fewest_changes", &options.fewest_changes,
+       "Set-point changes that a window must have for parts of it to be held "
+       "out if it is the only one.",
+       "", AtLeast(2)},
       {"prediction_samples", &options.horizon,
        "Prediction horizon of the compared fits; 0: a fifth of --order.",
        "samples", kNotNegative},
@@ -100,10 +108,13 @@ std::vector<Option> OptionsOf(HoldOutOptions& options) {
 
 std::vector<Option> OptionsOf(DecisionOptions& options) {
   return {
-      {"least_gain", &options.least_gain,
-       "A correction is refused unless it raises the held-out log-likelihood "
-       "by more than this value.",
-       "", kNotNegative},
+      {"least_change", &options.least_change,
+       "A change of an element's step response, relative to its norm, up to "
+       "which it is not worth making.",
+       "", kFraction},
+      {"deviations", &options.deviations,
+       "Standard errors by which a held-out score must gain, and may not fall.",
+       "", kPositive},
   };
 }
 

@@ -137,34 +137,13 @@ void AddMissingInformation(const Result& result,
       InputNames(model, result.information.inputs_to_test()), "."));
 }
 
-// A correction may have been refused on a window that shows what no other does.
-void AddWindowsWanted(const Result& result, std::vector<std::string>& advice) {
-  const Validation& validation = result.validation;
-  if (validation.blocks.has_value() && validation.blocks->available() &&
-      !(validation.blocks->gain > result.options.decision.least_gain)) {
-    return;
+// What each output's doubt is.
+void AddDoubts(const Result& result, std::vector<std::string>& advice) {
+  for (const Message& reason : result.reasons) {
+    if (!reason.place.empty() && reason.code != MessageCode::kPredictsBetter) {
+      advice.push_back(reason.text);
+    }
   }
-  const ProcessModel& model = result.initial;
-  std::vector<std::string> changed_once;
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    const auto changed = std::count_if(
-        result.data.windows.begin(), result.data.windows.end(),
-        [i](const SetPointWindow& window) {
-          return std::any_of(
-              window.changes.begin(), window.changes.end(),
-              [i](const SetPointChange& c) { return c.output == i; });
-        });
-    if (changed == 1) changed_once.push_back(model.outputs()[i].name);
-  }
-  if (changed_once.empty()) return;
-  advice.push_back(
-      absl::StrCat("Each window was predicted by a correction made from the "
-                   "other windows, in which this change is missing: ",
-                   changed_once.size() > 1 ? "each of the set points of "
-                                           : "the set point of ",
-                   absl::StrJoin(changed_once, ", "),
-                   " changed in one window only. Records with another change "
-                   "are needed for a decision."));
 }
 
 void AddWhatTheModelLacks(const Result& result,
@@ -231,18 +210,18 @@ std::vector<std::string> Advise(const Result& result) {
     case Decision::kNoChange:
       advice.push_back("Keep the controller's model.");
       break;
-    case Decision::kRefused:
+    case Decision::kCannotTell:
       advice.push_back(
-          "Keep the controller's model for now. The records contradict it, but "
-          "this estimator does not explain how: check the residuals and the "
-          "windows for a disturbance, and try another --estimator.");
-      AddWindowsWanted(result, advice);
+          "Keep the controller's model for now; the estimate is shown, but it "
+          "is not validated.");
+      AddDoubts(result, advice);
       break;
     case Decision::kCorrected:
       advice.push_back(
           "Use the corrected model in the controller: fopdt.json has its "
           "transfer functions, arx.json its ARX form for prediction, "
           "step_response.csv its step responses.");
+      AddDoubts(result, advice);
       break;
   }
   AddMissingInformation(result, advice);

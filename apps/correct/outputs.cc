@@ -75,7 +75,7 @@ double BandFactor(const Result& result) {
 absl::StatusOr<std::string> FormatResult(
     const Result& result, const std::string& command,
     const std::vector<std::pair<std::string, std::string>>& flags) {
-  Json json = {{"version", 2},
+  Json json = {{"version", 3},
                {"program", "mle_correct"},
                {"program_version", std::string(Version())},
                {"command", command}};

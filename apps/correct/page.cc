@@ -46,22 +46,14 @@ void AddRecords(const Result& result, const Figures& figures, HtmlPage& page) {
 
 void AddTrust(const Result& result, const Figures& figures, HtmlPage& page) {
   page.AddHeading("Validation");
-  const Validation& validation = result.validation;
-  if (validation.shown() != nullptr || !validation.initial.empty()) {
-    page.AddTable(ValidationTable(result));
-  }
-  if (validation.windows.has_value() && validation.windows->available()) {
+  page.AddTable(ValidationTable(result));
+  if (result.validation.held_out) {
     page.AddParagraph(
-        "Each window in turn was held out: the elements found to have aged "
-        "were fitted to the other windows, and the fit predicts the held-out "
-        "window.");
-  }
-  if (validation.blocks.has_value() && validation.blocks->available()) {
-    page.AddParagraph(absl::StrCat(
-        "Ten blocks of every window were also held out, two at a time: there "
-        "the correction changes the held-out log-likelihood by ",
-        report::FormatSignificant(validation.blocks->gain),
-        ". A negative change refuses the correction."));
+        "Each part in turn was held out: a correction estimated anew from the "
+        "others, with its own choice of elements, noise and penalty, predicts "
+        "it. The gain is the share of the squared error that the correction "
+        "removes, with its standard error. A correction is used where no score "
+        "falls and at least one gains by more than chance.");
   }
   AddFigure(figures, "predictions", page);
   AddFigure(figures, "loss_over_lambda", page);

@@ -27,7 +27,7 @@ void CompareWithTruth(Result& result) {
 }  // namespace
 
 int Result::exit_code() const {
-  return usable() && decision != Decision::kRefused ? 0 : 1;
+  return usable() && decision != Decision::kCannotTell ? 0 : 1;
 }
 
 absl::StatusOr<std::vector<DataFile>> ReadChecksums(

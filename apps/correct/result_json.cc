@@ -108,41 +108,38 @@ Json DistanceJson(const ResponseDistance& distance) {
           {"elements", MatrixJson(distance.elements)}};
 }
 
-Json FitJson(const FitPercent& fit) {
-  return {{"one_step", fit.one_step},
-          {"several_steps", fit.several_steps},
-          {"simulated", fit.simulated}};
+Json ScoreJson(const HorizonScore& score) {
+  return {{"initial", score.initial},
+          {"corrected", score.corrected},
+          {"gain", score.gain},
+          {"standard_error", score.error}};
 }
 
-Json HeldOutJson(const HeldOut& held_out, const ProcessModel& model) {
-  if (!held_out.available()) return {{"missing", held_out.missing}};
-  Json outputs = Json::array();
-  for (std::size_t i = 0; i < held_out.outputs.size(); ++i) {
-    outputs.push_back({{"output", model.outputs()[i].name},
-                       {"initial", FitJson(held_out.outputs[i].initial)},
-                       {"corrected", FitJson(held_out.outputs[i].corrected)}});
+Json ScoresJson(const std::vector<OutputScores>& outputs,
+                const ProcessModel& model) {
+  Json json = Json::array();
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    json.push_back({{"output", model.outputs()[i].name},
+                    {"one_step", ScoreJson(outputs[i].one_step)},
+                    {"several_steps", ScoreJson(outputs[i].several_steps)},
+                    {"simulated", ScoreJson(outputs[i].simulated)}});
   }
-  return {{"folds", held_out.folds},
-          {"fit_percent", std::move(outputs)},
-          {"log_likelihood_gain", held_out.gain}};
+  return json;
 }
 
 Json ValidationJson(const Result& result) {
   const Validation& validation = result.validation;
-  Json json = {{"several_steps_samples", validation.horizon}};
-  if (validation.windows.has_value()) {
-    json["windows"] = HeldOutJson(*validation.windows, result.initial);
+  const ProcessModel& model = result.initial;
+  Json json = {{"held_out", validation.folds},
+               {"several_steps_samples", validation.horizon},
+               {"outputs", ScoresJson(validation.outputs, model)}};
+  if (!validation.missing.empty()) json["missing"] = validation.missing;
+  if (!validation.parametric.empty()) {
+    json["parametric"] = ScoresJson(validation.parametric, model);
   }
-  if (validation.blocks.has_value()) {
-    json["blocks"] = HeldOutJson(*validation.blocks, result.initial);
-  }
-  if (!validation.initial.empty()) {
-    Json outputs = Json::array();
-    for (int i = 0; i < result.initial.num_outputs(); ++i) {
-      outputs.push_back({{"output", result.initial.outputs()[i].name},
-                         {"initial", FitJson(validation.initial[i])}});
-    }
-    json["initial"] = std::move(outputs);
+  json["windows"] = Json::array();
+  for (const std::vector<OutputScores>& window : validation.windows) {
+    json["windows"].push_back(ScoresJson(window, model));
   }
   return json;
 }

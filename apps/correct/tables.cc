@@ -131,31 +131,33 @@ Table FopdtTable(const Result& result) {
 
 Table ValidationTable(const Result& result) {
   const Validation& validation = result.validation;
-  const HeldOut* const shown = validation.shown();
-  const bool proposed = shown != nullptr;
+  const bool held_out = validation.held_out;
   Table table;
-  table.caption = absl::StrCat(
-      !proposed ? "Fit of the initial model on all windows"
-      : validation.blocks.has_value() && shown == &*validation.blocks
-          ? "Fit on parts of the windows held out"
-          : "Fit on windows held out",
-      ": 100 % is a perfect prediction, 0 % as good as the mean");
+  table.caption =
+      absl::StrCat(held_out ? "Fit on parts of windows held out"
+                            : "Fit of the initial model on all windows",
+                   ": 100 % is a perfect prediction, 0 % as good as the mean");
   table.columns = {{"output, model", Align::kLeft},
                    {"one step ahead"},
                    {absl::StrCat(validation.horizon, " samples ahead")},
                    {"simulated"}};
-  const auto add = [&](int i, const char* model, const FitPercent& fit) {
-    table.AddRow({absl::StrCat(result.initial.outputs()[i].name, ", ", model),
-                  Percent(fit.one_step), Percent(fit.several_steps),
-                  Percent(fit.simulated)});
+  const auto add = [&](int i, const char* row, const auto& cell) {
+    const OutputScores& scores = validation.outputs[i];
+    table.AddRow({absl::StrCat(result.initial.outputs()[i].name, ", ", row),
+                  cell(scores.one_step), cell(scores.several_steps),
+                  cell(scores.simulated)});
   };
   for (int i = 0; i < result.initial.num_outputs(); ++i) {
-    if (!proposed) {
-      add(i, "initial", validation.initial[i]);
-      continue;
-    }
-    add(i, "initial", shown->outputs[i].initial);
-    add(i, "corrected", shown->outputs[i].corrected);
+    add(i, "initial", [](const auto& score) { return Percent(score.initial); });
+    if (!held_out) continue;
+    add(i, "corrected",
+        [](const auto& score) { return Percent(score.corrected); });
+    add(i, "gain", [](const HorizonScore& score) {
+      return std::isfinite(score.gain)
+                 ? absl::StrCat(
+                       WithError(100.0 * score.gain, 100.0 * score.error), " %")
+                 : std::string("–");
+    });
   }
   return table;
 }

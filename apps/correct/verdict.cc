@@ -109,31 +109,41 @@ std::string WhereMost(const Result& result) {
                       " % of its step response)");
 }
 
-std::string AgedOrNot(const Result& result) {
+// The reason to read first.
+std::string MainReason(const Result& result) {
+  for (const Message& reason : result.reasons) {
+    if (reason.code != MessageCode::kChangeProved) return reason.text;
+  }
+  return "";
+}
+
+std::string WhatToDo(const Result& result) {
   const std::string p = FormatProbability(result.estimate.fit.PValue());
   switch (result.decision) {
     case Decision::kNoChange:
-      return absl::StrCat("The records do not contradict the model (p = ", p,
-                          " for no change): the model is kept.");
+      return absl::StrCat("Keep the controller's model. ", MainReason(result));
     case Decision::kCorrected:
-      return absl::StrCat("The model has aged (p = ", p, " for no change)",
-                          WhereMost(result), ".");
-    case Decision::kRefused:
-      return absl::StrCat("The records contradict the model (p = ", p,
-                          " for no change), but the correction is refused and "
-                          "the initial model is kept.");
+      return absl::StrCat(
+          "Use the corrected model in the controller: the model has aged (p = ",
+          p, " for no change)", WhereMost(result), ".");
+    case Decision::kCannotTell:
+      return absl::StrCat(
+          "Keep the controller's model for now: whether it has aged cannot be "
+          "told. ",
+          MainReason(result));
   }
   return "";
 }
 
 // "11 to 84 %", of what `fit_of` gives for each output.
 template <typename Function>
-std::string RangeOfFits(const HeldOut& held_out, const Function& fit_of) {
+std::string RangeOfFits(const std::vector<OutputScores>& outputs,
+                        const Function& fit_of) {
   double low = std::numeric_limits<double>::infinity();
   double high = -low;
-  for (const OutputValidation& output : held_out.outputs) {
-    low = std::min(low, fit_of(output).several_steps);
-    high = std::max(high, fit_of(output).several_steps);
+  for (const OutputScores& output : outputs) {
+    low = std::min(low, fit_of(output.several_steps));
+    high = std::max(high, fit_of(output.several_steps));
   }
   if (!std::isfinite(low) || !std::isfinite(high)) return "unknown";
   const std::string from = FormatFixed(low, 0);
@@ -148,22 +158,13 @@ std::string WhatItIsWorth(const Result& result) {
            "warnings.";
   }
   if (result.decision == Decision::kNoChange) return Confirmation(result);
-  const HeldOut* const shown = result.validation.shown();
-  if (shown == nullptr) {
-    return "The models could not be validated on held-out data.";
-  }
-  const std::string fits = absl::StrCat(
-      "a fit of ",
-      RangeOfFits(*shown, [](const auto& o) { return o.corrected; }), ", ",
+  if (!result.validation.held_out) return "";
+  const std::vector<OutputScores>& outputs = result.validation.outputs;
+  return absl::StrCat(
+      "On held-out data the correction has a fit of ",
+      RangeOfFits(outputs, [](const auto& o) { return o.corrected; }), ", ",
       result.validation.horizon, " samples ahead, the initial model ",
-      RangeOfFits(*shown, [](const auto& o) { return o.initial; }));
-  if (result.decision == Decision::kRefused) {
-    return absl::StrCat(
-        "On held-out data the corrected model predicts worse: it has ", fits,
-        ".");
-  }
-  return absl::StrCat("On held-out data the corrected model has ", fits,
-                      ": use the corrected model in the controller.");
+      RangeOfFits(outputs, [](const auto& o) { return o.initial; }), ".");
 }
 
 // "gain 12.8 → 6.40 ± 0.02 (× 0.50), dead time + 0.1 ± 0.2 min".
@@ -249,43 +250,44 @@ void AddChangedElements(const Result& result, std::vector<Finding>& findings) {
 void AddInadequacy(const Result& result, std::vector<Finding>& findings) {
   const EstimateFit& fit = result.estimate.fit;
   if (!fit.adequacy.has_value() || fit.adequacy->adequate) return;
+  const Eigen::VectorXd& p_values = fit.adequacy->output_p_values;
   std::vector<std::string> names;
   for (int i = 0; i < result.initial.num_outputs(); ++i) {
-    if (result.estimate.setting.arx_outputs[i]) {
+    if (p_values(i) == p_values.minCoeff() ||
+        p_values(i) * static_cast<double>(p_values.size()) <
+            result.options.estimation.structured.false_alarm_probability) {
       names.push_back(result.initial.outputs()[i].name);
     }
   }
   findings.push_back(
       {"structure_adequate", absl::StrJoin(names, ", "), fit.adequacy->p_value,
        "", kNaN, kNaN,
-       absl::StrCat("Gains, time constants and dead times do not explain the "
-                    "records (p = ",
+       absl::StrCat("Gains, time constants and dead times do not explain all "
+                    "of the records (p = ",
                     FormatProbability(fit.adequacy->p_value),
-                    "): the responses of ", absl::StrJoin(names, ", "),
-                    " have changed their shape, or more.")});
+                    "): responses of ", absl::StrJoin(names, ", "),
+                    " have another shape, or a disturbance remains.")});
 }
 
 void AddFits(const Result& result, std::vector<Finding>& findings) {
   const Validation& validation = result.validation;
-  const HeldOut* const shown = validation.shown();
   const std::size_t first = findings.size();
   std::vector<std::string> parts;
   for (int i = 0; i < result.initial.num_outputs(); ++i) {
-    const OutputValidation& output = shown->outputs[i];
+    const OutputScores& output = validation.outputs[i];
     const std::string& name = result.initial.outputs()[i].name;
     parts.push_back(
-        absl::StrCat(name, " ", Percent(output.corrected.several_steps), " (",
-                     Percent(output.initial.several_steps), "), simulated ",
-                     Percent(output.corrected.simulated), " (",
-                     Percent(output.initial.simulated), ")"));
+        absl::StrCat(name, " ", Percent(output.several_steps.corrected), " (",
+                     Percent(output.several_steps.initial), "), simulated ",
+                     Percent(output.simulated.corrected), " (",
+                     Percent(output.simulated.initial), ")"));
     findings.push_back({"fit_several_steps", name,
-                        output.corrected.several_steps, "%", kNaN, kNaN, ""});
-    findings.push_back({"fit_simulated", name, output.corrected.simulated, "%",
+                        output.several_steps.corrected, "%", kNaN, kNaN, ""});
+    findings.push_back({"fit_simulated", name, output.simulated.corrected, "%",
                         kNaN, kNaN, ""});
   }
   findings[first].text = absl::StrCat(
-      "Fit on ", shown == &*validation.blocks ? "parts of windows" : "windows",
-      " held out, ", validation.horizon,
+      "Fit on parts of windows held out, ", validation.horizon,
       " samples ahead, corrected (initial): ", absl::StrJoin(parts, "; "), ".");
 }
 
@@ -296,7 +298,7 @@ bool HasMoved(const ParameterEstimate& estimate) {
 }
 
 std::vector<std::string> DescribeVerdict(const Result& result) {
-  std::vector<std::string> sentences = {AgedOrNot(result)};
+  std::vector<std::string> sentences = {WhatToDo(result)};
   if (std::string worth = WhatItIsWorth(result); !worth.empty()) {
     sentences.push_back(std::move(worth));
   }
@@ -323,8 +325,7 @@ std::vector<Finding> Findings(const Result& result) {
                       " of their norm (E = ",
                       FormatSignificant(result.change.total), ").")});
   }
-  if (result.decision != Decision::kNoChange &&
-      result.validation.shown() != nullptr) {
+  if (result.validation.held_out) {
     AddFits(result, findings);
   }
   if (result.initial_to_truth.has_value()) {

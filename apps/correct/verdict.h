@@ -13,8 +13,8 @@ namespace mle::correct {
 // Whether the initial value lies outside the estimate's interval.
 bool HasMoved(const ParameterEstimate& estimate);
 
-// Two sentences: aged or not, how sure and where; what that is worth on records
-// that the fit had not seen, and so what to do.
+// What to do and why: how sure and where; then what that is worth on records
+// that the fit had not seen.
 std::vector<std::string> DescribeVerdict(const Result& result);
 
 // What it rests on: every change of an element, fits of every output, the

@@ -31,6 +31,16 @@ UpdateResult Refuse(std::string reason, double gain) {
   return result;
 }
 
+// One step ahead, of the outputs that a change is proposed for.
+double LeastGain(const CorrectionResult& result) {
+  double least = kNaN;
+  for (std::size_t i = 0; i < result.validation.outputs.size(); ++i) {
+    const double gain = result.validation.outputs[i].one_step.gain;
+    if (std::isfinite(gain) && !(gain >= least)) least = gain;
+  }
+  return least;
+}
+
 // The model that was handed over, for the controller.
 absl::StatusOr<ModelInUse> MakeModel(const CorrectionResult& result,
                                      const UpdateOptions& options) {
@@ -78,7 +88,7 @@ absl::StatusOr<Outcome> ParseOutcome(std::string_view name) {
 CorrectOptions UpdateOptions::SimulatedRecords() {
   CorrectOptions options;
   options.records.mark = {.frozen = false, .outliers = false};
-  options.hold_out.max_folds = 4;
+  options.hold_out.folds = 4;
   options.make_arx = false;
   options.examine = false;
   options.threads = 1;
@@ -104,12 +114,12 @@ absl::StatusOr<UpdateResult> UpdateModel(const ModelInUse& in_use,
                   kNaN);
   }
   UpdateResult update;
-  update.held_out_gain = result->validation.WorstGain().value_or(kNaN);
+  update.held_out_gain = LeastGain(*result);
   switch (result->decision) {
     case Decision::kNoChange:
       update.outcome = Outcome::kNoChange;
       return update;
-    case Decision::kRefused:
+    case Decision::kCannotTell:
       return Refuse(result->reasons.back().text, update.held_out_gain);
     case Decision::kCorrected:
       break;

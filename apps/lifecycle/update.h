@@ -32,7 +32,7 @@ enum class Outcome {
   kNone,      // nothing was tried
   kNoChange,  // the test found no change
   kUpdated,
-  kRefused,   // by hold-out validation, or because the controller cannot use it
+  kRefused,   // not validated, or because the controller cannot use it
   kReverted,  // used for some hours, then reverted: the squared error grew
 };
 
@@ -43,8 +43,9 @@ absl::StatusOr<Outcome> ParseOutcome(std::string_view name);
 struct UpdateResult {
   Outcome outcome = Outcome::kNone;
   std::string reason;  // of a refusal
-  // What the correction gains in log-likelihood where it was held out: the
-  // worse of both ways; NaN where it was not tried.
+  // The share of the squared one-step error that the correction removes where
+  // it was held out, of the output that gains least; NaN where it was not
+  // tried.
   double held_out_gain = 0.0;
   std::optional<ModelInUse> model;  // if updated
 };

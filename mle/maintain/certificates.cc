@@ -59,17 +59,6 @@ void CheckOutput(const std::string& output, const FitCertificate& certificate,
   }
 }
 
-void CheckHoldOut(const std::optional<HeldOut>& held_out, const char* way,
-                  CorrectionResult& result) {
-  if (!held_out.has_value() || held_out->available()) return;
-  result.warnings.push_back(
-      {MessageCode::kHoldOutMissing,
-       way,
-       absl::StrCat("The correction could not be validated by holding out ",
-                    way, ": ", held_out->missing, "."),
-       {}});
-}
-
 void CheckShapes(CorrectionResult& result) {
   const ProcessModel& model = result.initial;
   for (int i = 0; i < model.num_outputs(); ++i) {
@@ -118,8 +107,6 @@ void CheckCertificates(CorrectionResult& result) {
                          gap, result.options.accepted_gap),
          {}});
   }
-  CheckHoldOut(result.validation.windows, "windows", result);
-  CheckHoldOut(result.validation.blocks, "parts of windows", result);
   CheckShapes(result);
 }
 

@@ -13,8 +13,8 @@ struct CorrectionResult;
 // FailedPrecondition where the corrected model is unstable.
 absl::Status CheckResponse(const StepResponse& response);
 
-// Adds warnings and failures of the fits, of hold-out validation and of the
-// first-order elements with dead time to `result`.
+// Adds warnings and failures of the fits and of the first-order elements with
+// dead time to `result`.
 void CheckCertificates(CorrectionResult& result);
 
 }  // namespace mle

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <set>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -47,38 +49,190 @@ int OrderOf(const CorrectOptions& options, const ProcessModel& model,
              : ChooseOrder(model, sample_time);
 }
 
-// What was measured and by which models it is predicted.
-absl::Status Validate(const std::vector<Record>& windows, int order,
-                      CorrectionResult& result) {
-  const CorrectOptions& options = result.options;
-  // The rival is what the controller runs on.
-  if (options.in_use) result.estimate.fit.initial = options.in_use;
+// Proposals that change no element's step response by more than
+// decision.least_change are taken back: one by one where they are parametric,
+// output by output where they are ΔR's. An absent pair counts by the largest
+// response of its output.
+absl::Status DropSmallChanges(int samples, CorrectionResult& result) {
+  Estimate& estimate = result.estimate;
   MLE_ASSIGN_OR_RETURN(
-      result.validation,
-      ValidateByHoldOut(result.estimate, windows, order, options.hold_out,
-                        options.threads, options.progress));
-  Verdict verdict =
-      Decide({.change_proposed = result.estimate.fit.change_proposed,
-              .p_value = result.estimate.fit.PValue(),
-              .held_out_gain = result.validation.WorstGain()},
-             options.decision);
-  result.decision = verdict.decision;
-  result.reasons = std::move(verdict.reasons);
-  // What forbids a correction comes before what speaks for one.
-  if (!result.data.obstacles.empty()) {
-    result.decision = Decision::kRefused;
-    result.reasons = result.data.obstacles;
+      const CorrectedModel proposed,
+      MakeCorrectedModel(estimate, true, result.data.sample_time(), samples,
+                         /*make_arx=*/false));
+  const StepResponse& before = result.initial_response;
+  const StepResponse& after = proposed.response;
+  for (int i = 0; i < result.initial.num_outputs(); ++i) {
+    double largest = 0.0;
+    for (int j = 0; j < result.initial.num_inputs(); ++j) {
+      largest = std::max(largest, before.element(i, j).norm());
+    }
+    bool any = false;
+    for (int j = 0; j < result.initial.num_inputs(); ++j) {
+      const double norm = before.element(i, j).norm();
+      const double change = (after.element(i, j) - before.element(i, j)).norm();
+      const bool small = change <= result.options.decision.least_change *
+                                       (norm > 0.0 ? norm : largest);
+      any = any || !small;
+      if (small && estimate.fit.structured.aged(i, j) &&
+          !ProposesByArx(estimate, i)) {
+        KeepInitialElement(i, j, estimate);
+      }
+    }
+    if (!any) KeepInitialOutput(i, estimate);
   }
   return absl::OkStatus();
 }
 
-absl::Status MakeModels(CorrectionResult& result) {
-  const double sample_time = result.data.sample_time();
+// "A gain 2.1 % (top/reflux) to 9 % (…) off would have been seen."
+std::string Detectable(const CorrectionResult& result) {
+  // Standard errors of a change that a test at 1 % finds nine times of ten.
+  constexpr double kSeen = 3.9;
+  const ProcessModel& model = result.initial;
+  double low = std::numeric_limits<double>::infinity();
+  double high = 0.0;
+  std::string lowest;
+  std::string highest;
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    for (int j = 0; j < model.num_inputs(); ++j) {
+      const PairErrors& pair = result.information.pair(i, j);
+      if (pair.state == PairState::kAbsent ||
+          pair.state == PairState::kNotInformed) {
+        continue;
+      }
+      if (pair.gain < low) {
+        low = pair.gain;
+        lowest = PairName(model, i, j);
+      }
+      if (pair.gain > high) {
+        high = pair.gain;
+        highest = PairName(model, i, j);
+      }
+    }
+  }
+  if (lowest.empty()) return "";
+  return lowest == highest
+             ? absl::StrFormat(
+                   "A change of the gain of %s by %.2g %% would have been "
+                   "seen.",
+                   lowest, 100.0 * kSeen * low)
+             : absl::StrFormat(
+                   "A change of a gain by %.2g %% (%s) to %.2g %% (%s) would "
+                   "have been seen.",
+                   100.0 * kSeen * low, lowest, 100.0 * kSeen * high, highest);
+}
+
+bool AnyInformed(const PairInformation& information) {
+  return information.pairs.empty() ||
+         std::any_of(information.pairs.begin(), information.pairs.end(),
+                     [](const PairErrors& pair) {
+                       return pair.state == PairState::kInformed ||
+                              pair.state == PairState::kWeak;
+                     });
+}
+
+// The first pair of an output that a structure which does not explain the
+// records cannot be trusted with: its gain would change its sign, or its input
+// moves so much together with others that what the structure lacks goes into
+// the difference of their gains.
+std::string DoubtfulPair(const CorrectionResult& result, int i) {
+  constexpr double kTogether = 10.0;  // PairErrors::inflation
+  const EstimateFit& fit = result.estimate.fit;
+  if (!fit.adequacy.has_value() || fit.adequacy->adequate ||
+      ProposesByArx(result.estimate, i)) {
+    return "";
+  }
+  for (int j = 0; j < result.initial.num_inputs(); ++j) {
+    if (!fit.structured.aged(i, j)) continue;
+    const ParameterEstimate& gain = fit.structured.corrected.element(i, j).gain;
+    const bool together = !result.information.pairs.empty() &&
+                          result.information.pair(i, j).inflation > kTogether;
+    if (together || gain.value * gain.initial < 0.0) {
+      return PairName(result.initial, i, j);
+    }
+  }
+  return "";
+}
+
+OutputEvidence EvidenceOf(const CorrectionResult& result, int i) {
+  const Validation& validation = result.validation;
+  OutputEvidence evidence;
+  evidence.name = result.initial.outputs()[i].name;
+  evidence.proposed = ProposesChange(result.estimate, i);
+  if (evidence.proposed) evidence.doubtful_pair = DoubtfulPair(result, i);
+  if (!validation.held_out) return evidence;
+  evidence.scores = validation.outputs[i];
+  if (result.options.estimation.estimator != Estimator::kArx &&
+      ProposesByArx(result.estimate, i)) {
+    evidence.parametric = validation.parametric[i];
+  }
+  for (const std::vector<OutputScores>& window : validation.windows) {
+    evidence.windows.push_back(window[i]);
+  }
+  return evidence;
+}
+
+// Set-point changes in the first window, at different times; in a step test,
+// where set points do not change and inputs hardly ever, moves of inputs.
+int ChangesOf(const RecordData& data) {
+  constexpr double kAtRest = 0.9;  // share of the samples
+  const SetPointWindow& window = data.windows.front();
+  std::set<int> samples;
+  for (const SetPointChange& change : window.changes) {
+    samples.insert(change.sample);
+  }
+  if (!samples.empty()) return static_cast<int>(samples.size());
+  const Eigen::MatrixXd& inputs = window.record.inputs;
+  int moves = 0;
+  for (Eigen::Index k = 1; k < inputs.cols(); ++k) {
+    if (inputs.col(k) != inputs.col(k - 1)) ++moves;
+  }
+  const double still =
+      1.0 - static_cast<double>(moves) / static_cast<double>(inputs.cols());
+  return still >= kAtRest ? moves : 0;
+}
+
+absl::Status DecideByEvidence(const std::vector<Record>& windows, int order,
+                              CorrectionResult& result) {
+  const CorrectOptions& options = result.options;
   MLE_ASSIGN_OR_RETURN(
-      const int samples,
-      ResponseSamples(result.initial, sample_time, result.options));
-  result.initial_response =
-      result.initial.ComputeStepResponse(sample_time, samples);
+      result.validation,
+      ValidateByHoldOut(result.estimate, windows, ChangesOf(result.data), order,
+                        options.hold_out, options.in_use, options.threads,
+                        options.progress));
+  Evidence evidence;
+  evidence.change_proved = result.estimate.fit.change_proposed;
+  evidence.p_value = result.estimate.fit.PValue();
+  evidence.nothing_held_out = result.validation.missing;
+  evidence.obstacles = result.data.obstacles;
+  evidence.informed = AnyInformed(result.information);
+  if (options.examine) evidence.detectable = Detectable(result);
+  for (int i = 0; i < result.initial.num_outputs(); ++i) {
+    evidence.outputs.push_back(EvidenceOf(result, i));
+  }
+  Verdict verdict = Decide(evidence, options.decision);
+  result.decision = verdict.decision;
+  result.reasons = std::move(verdict.reasons);
+  result.accepted_outputs = std::move(verdict.outputs);
+  return absl::OkStatus();
+}
+
+// Leaves of the proposal what is accepted; of a proposal that is not accepted
+// at all, the whole, to be shown.
+absl::Status TakeAccepted(const std::vector<Record>& windows,
+                          CorrectionResult& result) {
+  if (!result.accepted()) return absl::OkStatus();
+  for (int i = 0; i < result.initial.num_outputs(); ++i) {
+    if (result.accepted_outputs[i] == Acceptance::kNothing) {
+      KeepInitialOutput(i, result.estimate);
+    } else if (result.accepted_outputs[i] == Acceptance::kParametric) {
+      KeepParametricOutput(i, result.estimate);
+    }
+  }
+  return MakePredictors(windows, result.estimate);
+}
+
+absl::Status MakeModels(int samples, CorrectionResult& result) {
+  const double sample_time = result.data.sample_time();
   MLE_ASSIGN_OR_RETURN(
       result.corrected,
       MakeCorrectedModel(result.estimate, result.accepted(), sample_time,
@@ -102,7 +256,9 @@ absl::Status Examine(const std::vector<Record>& windows, int order,
   MLE_RETURN_IF_ERROR(stage.status());
   const EstimateFit& fit = result.estimate.fit;
   result.max_lag = order;
-  result.initial_residuals = ExamineResiduals(fit.initial, windows, order);
+  result.initial_residuals = ExamineResiduals(
+      result.options.in_use ? result.options.in_use : fit.initial, windows,
+      order);
   result.corrected_residuals =
       result.accepted() ? ExamineResiduals(fit.corrected, windows, order)
                         : result.initial_residuals;
@@ -176,7 +332,9 @@ absl::StatusOr<CorrectionResult> CorrectFromData(
   }
   const EstimationOptions& estimation = result.options.estimation;
   const double sample_time = result.data.sample_time();
-  MLE_RETURN_IF_ERROR(ResponseSamples(model, sample_time, options).status());
+  MLE_ASSIGN_OR_RETURN(const int samples,
+                       ResponseSamples(model, sample_time, options));
+  result.initial_response = model.ComputeStepResponse(sample_time, samples);
   if (ShouldLookForOutliers(options.records, estimation.structured,
                             result.data)) {
     const Stage stage(options.progress, "looking for outliers");
@@ -196,11 +354,13 @@ absl::StatusOr<CorrectionResult> CorrectFromData(
         AssessInformation(model, windows, result.estimate.setting.noise,
                           {.structured = estimation.structured}));
   }
+  MLE_RETURN_IF_ERROR(DropSmallChanges(samples, result));
   const int order = OrderOf(result.options, model, sample_time);
-  MLE_RETURN_IF_ERROR(Validate(windows, order, result));
+  MLE_RETURN_IF_ERROR(DecideByEvidence(windows, order, result));
+  MLE_RETURN_IF_ERROR(TakeAccepted(windows, result));
   const Stage making(options.progress, "making the corrected model");
   MLE_RETURN_IF_ERROR(making.status());
-  MLE_RETURN_IF_ERROR(MakeModels(result));
+  MLE_RETURN_IF_ERROR(MakeModels(samples, result));
   MLE_RETURN_IF_ERROR(Examine(windows, order, result));
   return result;
 }

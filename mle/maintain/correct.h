@@ -86,7 +86,9 @@ struct CorrectionResult {
 
   Decision decision = Decision::kNoChange;
   std::vector<Message> reasons;
-  // Test of no change, estimates with covariances, noise, certificates.
+  std::vector<Acceptance> accepted_outputs;  // p
+  // Test of no change, estimates with covariances, noise, certificates; of what
+  // was proposed, what is taken.
   Estimate estimate;
   // What the windows can tell about each pair, by the model's own values and
   // the noise found.

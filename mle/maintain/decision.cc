@@ -1,11 +1,182 @@
 #include "mle/maintain/decision.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
+#include "mle/nonlinear/distributions.h"
 
 namespace mle {
+namespace {
+
+struct Horizon {
+  HorizonScore OutputScores::*score;
+  const char* name;
+};
+constexpr std::array<Horizon, 3> kHorizons = {
+    {{&OutputScores::one_step, "one step ahead"},
+     {&OutputScores::several_steps, "several steps ahead"},
+     {&OutputScores::simulated, "simulated"}}};
+
+// Scores that are not numbers are as bad as a fall.
+bool Falls(const HorizonScore& score, double deviations) {
+  return !(score.gain >= -deviations * score.error);
+}
+
+bool Gains(const HorizonScore& score, double deviations) {
+  return score.gain > 0.0 && score.gain >= deviations * score.error;
+}
+
+const Horizon* FirstFall(const OutputScores& scores, double deviations) {
+  for (const Horizon& horizon : kHorizons) {
+    if (Falls(scores.*horizon.score, deviations)) return &horizon;
+  }
+  return nullptr;
+}
+
+const Horizon* FirstGain(const OutputScores& scores, double deviations) {
+  for (const Horizon& horizon : kHorizons) {
+    if (Gains(scores.*horizon.score, deviations)) return &horizon;
+  }
+  return nullptr;
+}
+
+bool Holds(const OutputScores& scores, double deviations) {
+  return FirstFall(scores, deviations) == nullptr &&
+         FirstGain(scores, deviations) != nullptr;
+}
+
+// "window 2", those in which a score falls.
+std::vector<std::string> WorseWindows(const OutputEvidence& output,
+                                      double deviations) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const auto count = static_cast<double>(output.windows.size());
+  std::vector<std::string> names;
+  if (count < 2.0) return names;
+  const double of_any = StudentTwoSidedQuantile(
+      2.0 * StudentTail(deviations, kInfinity) / count, kInfinity);
+  for (std::size_t w = 0; w < output.windows.size(); ++w) {
+    const auto falls = [&](const Horizon& horizon) {
+      const HorizonScore& score = output.windows[w].*horizon.score;
+      return score.gain < -of_any * score.error;
+    };
+    if (std::any_of(kHorizons.begin(), kHorizons.end(), falls)) {
+      names.push_back(absl::StrCat("window ", w + 1));
+    }
+  }
+  return names;
+}
+
+std::string Describe(const HorizonScore& score, const char* horizon) {
+  return absl::StrFormat("%s, where its fit is %.1f %% after %.1f %%", horizon,
+                         score.corrected, score.initial);
+}
+
+Message Doubt(const OutputEvidence& output, MessageCode code,
+              std::string text) {
+  return {code, output.name, std::move(text), {}};
+}
+
+struct OutputVerdict {
+  Acceptance acceptance = Acceptance::kNothing;
+  std::optional<Message> reason;
+};
+
+OutputVerdict DecideOutput(const OutputEvidence& output,
+                           const std::string& nothing_held_out,
+                           const DecisionOptions& options) {
+  OutputVerdict verdict;
+  if (!output.proposed) return verdict;
+  if (!output.scores.has_value()) {
+    if (!options.require_hold_out) verdict.acceptance = Acceptance::kProposal;
+    verdict.reason = Doubt(
+        output, MessageCode::kNothingHeldOut,
+        absl::StrCat("The correction of ", output.name,
+                     " could not be validated on data that it had not seen: ",
+                     nothing_held_out, "."));
+    return verdict;
+  }
+  if (!output.doubtful_pair.empty()) {
+    verdict.reason = Doubt(
+        output, MessageCode::kStructureDoubtful,
+        absl::StrCat("Gains, time constants and dead times do not explain the "
+                     "records of ",
+                     output.name,
+                     ": another shape of a response, or a disturbance, would "
+                     "be put into ",
+                     output.doubtful_pair,
+                     ", whose input moves together with others or whose gain "
+                     "would change its sign. Set-point changes that move the "
+                     "inputs independently would settle it."));
+    return verdict;
+  }
+  const double deviations = options.deviations;
+  const bool holds = Holds(*output.scores, deviations);
+  if (const std::vector<std::string> worse = WorseWindows(output, deviations);
+      holds && !worse.empty()) {
+    verdict.reason = Doubt(
+        output, MessageCode::kWindowsDisagree,
+        absl::StrCat("The correction of ", output.name, " predicts ",
+                     absl::StrJoin(worse, ", "),
+                     " worse, the other windows better: the plant changed "
+                     "during the records, is not linear over their operating "
+                     "points, or was disturbed. Records of one operating point "
+                     "after the change would settle it."));
+    return verdict;
+  }
+  if (holds) {
+    const Horizon& gain = *FirstGain(*output.scores, deviations);
+    verdict.acceptance = Acceptance::kProposal;
+    verdict.reason = Doubt(
+        output, MessageCode::kPredictsBetter,
+        absl::StrCat("On held-out data the correction of ", output.name,
+                     " predicts better ",
+                     Describe((*output.scores).*gain.score, gain.name), "."));
+    return verdict;
+  }
+  if (output.parametric.has_value() && Holds(*output.parametric, deviations)) {
+    verdict.acceptance = Acceptance::kParametric;
+    verdict.reason = Doubt(
+        output, MessageCode::kPredictsBetter,
+        absl::StrCat("For ", output.name,
+                     " gains, time constants and dead times are corrected; a "
+                     "free shape of the responses does not hold on data held "
+                     "out."));
+    return verdict;
+  }
+  const Horizon* const fall = FirstFall(*output.scores, deviations);
+  verdict.reason =
+      fall != nullptr
+          ? Doubt(output, MessageCode::kPredictsWorse,
+                  absl::StrCat(
+                      "On held-out data the correction of ", output.name,
+                      " predicts worse ",
+                      Describe((*output.scores).*fall->score, fall->name),
+                      ": a disturbance looks like a change of the model, or "
+                      "its structure does not fit the plant."))
+          : Doubt(
+                output, MessageCode::kNotBetter,
+                absl::StrCat("On held-out data the correction of ", output.name,
+                             " predicts no better than chance: more "
+                             "set-point changes would settle it."));
+  return verdict;
+}
+
+absl::Status CheckField(const char* field, double value, double low,
+                        double high, const char* range) {
+  if (value >= low && value < high && std::isfinite(value)) {
+    return absl::OkStatus();
+  }
+  return absl::InvalidArgumentError(
+      absl::StrCat("decision.", field, " = ", value, ": it must be ", range));
+}
+
+}  // namespace
 
 std::string_view NameOf(Decision decision) {
   switch (decision) {
@@ -13,61 +184,79 @@ std::string_view NameOf(Decision decision) {
       return "no_change";
     case Decision::kCorrected:
       return "corrected";
-    case Decision::kRefused:
-      return "refused";
+    case Decision::kCannotTell:
+      return "cannot_tell";
   }
   return "";
 }
 
 absl::Status DecisionOptions::Validate() const {
-  if (!(least_gain >= 0.0) || !std::isfinite(least_gain)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("decision.least_gain = ", least_gain,
-                     ": it must be finite and not negative"));
+  constexpr double kLeast = 1e-300;
+  constexpr double kMost = 1e300;
+  for (const absl::Status& status :
+       {CheckField("deviations", deviations, kLeast, kMost,
+                   "finite and greater than 0"),
+        CheckField("least_change", least_change, 0.0, 1.0, "in [0, 1)")}) {
+    if (!status.ok()) return status;
   }
   return absl::OkStatus();
 }
 
 Verdict Decide(const Evidence& evidence, const DecisionOptions& options) {
   Verdict verdict;
+  verdict.outputs.assign(evidence.outputs.size(), Acceptance::kNothing);
+  if (!evidence.obstacles.empty()) {
+    verdict.decision = Decision::kCannotTell;
+    verdict.reasons = evidence.obstacles;
+    return verdict;
+  }
   const std::string p =
-      absl::StrFormat("p = %.2g for no change", evidence.p_value);
-  if (!evidence.change_proposed) {
-    verdict.reasons.push_back({MessageCode::kNoChangeFound,
-                               "",
-                               absl::StrCat("The records do not contradict the "
-                                            "model (",
-                                            p, ")."),
-                               {}});
-    return verdict;
+      absl::StrFormat("p = %#.2g for no change", evidence.p_value);
+  std::vector<Message> taken;
+  std::vector<Message> doubts;
+  for (std::size_t i = 0; i < evidence.outputs.size(); ++i) {
+    OutputVerdict output =
+        DecideOutput(evidence.outputs[i], evidence.nothing_held_out, options);
+    verdict.outputs[i] = output.acceptance;
+    if (!output.reason.has_value()) continue;
+    (output.acceptance == Acceptance::kNothing ? doubts : taken)
+        .push_back(*std::move(output.reason));
   }
-  verdict.reasons.push_back(
-      {MessageCode::kChangeProved,
-       "",
-       absl::StrCat("The records contradict the model (", p, ")."),
-       {}});
-  if (!evidence.held_out_gain.has_value()) {
+  if (!taken.empty() || !doubts.empty()) {
     verdict.decision =
-        options.require_hold_out ? Decision::kRefused : Decision::kCorrected;
+        taken.empty() ? Decision::kCannotTell : Decision::kCorrected;
     verdict.reasons.push_back(
-        {MessageCode::kNothingHeldOut,
+        {MessageCode::kChangeProved,
          "",
-         "No data could be held out to validate the correction.",
+         absl::StrCat("The records differ from the model (", p, ")."),
          {}});
-    return verdict;
+  } else if (evidence.change_proved) {
+    verdict.reasons.push_back(
+        {MessageCode::kChangeTooSmall,
+         "",
+         absl::StrFormat("The records differ from the model (%s), but no step "
+                         "response changes by more than %.3g %%.",
+                         p, 100.0 * options.least_change),
+         {"least_change"}});
+  } else if (!evidence.informed) {
+    verdict.decision = Decision::kCannotTell;
+    verdict.reasons.push_back(
+        {MessageCode::kNotExcited,
+         "",
+         "The inputs move too little to determine any gain: records with "
+         "set-point changes, or a step test, would settle it.",
+         {}});
+  } else {
+    verdict.reasons.push_back(
+        {MessageCode::kNoChangeFound,
+         "",
+         absl::StrCat("The records agree with the model (", p, ").",
+                      evidence.detectable.empty() ? "" : " ",
+                      evidence.detectable),
+         {}});
   }
-  const double gain = *evidence.held_out_gain;
-  const bool better = gain > options.least_gain;
-  verdict.decision = better ? Decision::kCorrected : Decision::kRefused;
-  verdict.reasons.push_back(
-      {better ? MessageCode::kPredictsBetter : MessageCode::kPredictsWorse,
-       "",
-       absl::StrFormat(
-           "Where records were held out the corrected model changes "
-           "the log-likelihood by %.4g; more than %.4g is asked "
-           "for.",
-           gain, options.least_gain),
-       {}});
+  std::move(taken.begin(), taken.end(), std::back_inserter(verdict.reasons));
+  std::move(doubts.begin(), doubts.end(), std::back_inserter(verdict.reasons));
   return verdict;
 }
 

@@ -1,56 +1,101 @@
-// The decision: whether the model in the controller is to be replaced.
+// The decision: whether the model in the controller is to be replaced, output
+// by output.
 //
-//   evidence                                              decision
-//   no change proposed                                    kNoChange
-//   a change, no data could be held out                   kRefused
-//   a change, log-likelihood gain ≤ least_gain somewhere  kRefused
-//   a change, a larger gain in every way of holding out   kCorrected
+//   evidence about an output                            what is taken of it
+//   nothing proposed                                    kNothing
+//   proposed, nothing held out                          kNothing, doubtful
+//   a score falls by more than chance                   kNothing, doubtful
+//   a score of one window does                          kNothing, doubtful
+//   structure not enough, and not to be trusted         kNothing, doubtful
+//   no score gains by more than chance                  kNothing, doubtful
+//   one gains, none falls, without ΔR only              kParametric
+//   one gains, none falls                               kProposal
 //
+//   evidence about the plant                            decision
+//   the data forbid it (`obstacles`)                    kCannotTell
+//   something is taken of some output                   kCorrected
+//   some output is doubtful                             kCannotTell
+//   the change proved is below `least_change`           kNoChange
+//   nothing proposed, no pair informed                  kCannotTell
+//   nothing proposed                                    kNoChange
+//
+// "By more than chance" is `deviations` standard errors (hold_out.h); of single
+// windows it is what has the same probability in any of them (Bonferroni).
 // One function decides, for every estimator, command and study.
 
 #ifndef MLE_MAINTAIN_DECISION_H_
 #define MLE_MAINTAIN_DECISION_H_
 
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
 #include "absl/status/status.h"
+#include "mle/maintain/hold_out.h"
 #include "mle/maintain/message.h"
 
 namespace mle {
 
 enum class Decision {
-  kNoChange,   // the records do not contradict the model
-  kCorrected,  // they do, and the correction is what was written
-  kRefused,    // they do, but the correction is not validated: initial model
+  kNoChange,    // the records agree with the model
+  kCorrected,   // they do not, and the correction is validated
+  kCannotTell,  // a disturbance, the data or too little excitation: see reasons
 };
 
-// "no_change", "corrected", "refused".
+// "no_change", "corrected", "cannot_tell".
 std::string_view NameOf(Decision decision);
 
 struct DecisionOptions {
-  // A correction must raise the log-likelihood of what is held out by more
-  // than this, in every way of holding out that is possible; ≥ 0.
-  double least_gain = 0.0;
-  // A correction that no data could be held out from is refused. If not, it is
+  // Standard errors that a score must gain, and may not fall, > 0.
+  double deviations = 2.0;
+  // A change of an element's step response, relative to its norm, up to which
+  // it is not worth making, in [0, 1).
+  double least_change = 0.02;
+  // A correction that no data could be held out from is doubtful. If not, it is
   // taken as it is.
   bool require_hold_out = true;
 
   absl::Status Validate() const;
 };
 
+enum class Acceptance {
+  kNothing,
+  kParametric,  // gains, time constants and dead times, not ΔR
+  kProposal,
+};
+
+struct OutputEvidence {
+  std::string name;
+  bool proposed = false;
+  // Nothing where nothing was held out.
+  std::optional<OutputScores> scores;
+  std::optional<OutputScores> parametric;  // where ΔR is proposed
+  std::vector<OutputScores> windows;       // the same of each window
+  // Where gains, time constants and dead times do not explain the records
+  // (model_adequacy.h): a pair whose gain would change its sign, or whose input
+  // moves together with others; or empty.
+  std::string doubtful_pair;
+};
+
 struct Evidence {
-  bool change_proposed = false;
-  double p_value = 1.0;  // of no change
-  // The least gain in log-likelihood of all ways of holding out; nothing where
-  // none was possible (hold_out.h).
-  std::optional<double> held_out_gain;
+  bool change_proved = false;  // by the test of no change
+  double p_value = 1.0;        // of it
+  // Whether the records determine any gain.
+  bool informed = true;
+  // The smallest change that they would have shown, in words; or empty.
+  std::string detectable;
+  std::string nothing_held_out;  // why
+  std::vector<OutputEvidence> outputs;
+  // What in the data forbids a correction.
+  std::vector<Message> obstacles;
 };
 
 struct Verdict {
   Decision decision = Decision::kNoChange;
-  std::vector<Message> reasons;  // the one that decided last
+  std::vector<Acceptance> outputs;  // as of the evidence
+  // The one that decided first; then those about single outputs.
+  std::vector<Message> reasons;
 };
 
 Verdict Decide(const Evidence& evidence, const DecisionOptions& options);

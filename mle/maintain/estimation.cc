@@ -10,15 +10,15 @@
 #include "mle/correction/smoothed_correction.h"
 #include "mle/data/lagged_series.h"
 #include "mle/maintain/fit_structure.h"
-#include "mle/maintain/select_output.h"
-#include "mle/model/process_simulator.h"
 #include "mle/nonlinear/output_reconstruction.h"
 
 namespace mle {
 namespace {
 
-// A probability that counts as none.
-constexpr double kNever = 1e-300;
+// Outputs lost for up to this many samples in a row have what a model expects
+// of them in their place (output_reconstruction.h) where a regression on lagged
+// data needs them: it loses as many rows as it has lags for each that is lost.
+constexpr int kLongestFill = 30;
 
 // Missing outputs filled in. Each window has an operating point of its own
 // where the noise has one.
@@ -61,21 +61,6 @@ Predictor Mix(const std::vector<bool>& arx_outputs, const Predictor& process,
   };
 }
 
-// Of `process` in all outputs but those of `arx` (scaled), if there is one.
-absl::StatusOr<Predictor> MakePredictor(const EstimateSetting& setting,
-                                        const ProcessModel& process,
-                                        const ArxModel* arx,
-                                        double sample_time) {
-  MLE_ASSIGN_OR_RETURN(Predictor predictor,
-                       PredictWithProcess(process, setting.noise, sample_time));
-  if (arx == nullptr) return predictor;
-  MLE_ASSIGN_OR_RETURN(
-      Predictor lagged,
-      PredictFilled(setting.filler, setting.noise, sample_time,
-                    PredictWithArx(Unscaled(*arx, setting.scales))));
-  return Mix(setting.arx_outputs, predictor, lagged);
-}
-
 // R + ΔR at λ (one for each output) by the solver and the loss asked for.
 absl::StatusOr<ArxModel> SolveArx(const EstimationOptions& options,
                                   const Correction& correction,
@@ -105,81 +90,6 @@ absl::Status SolveArx(const EstimationOptions& options, EstimateFit& fit) {
   return absl::OkStatus();
 }
 
-absl::Status AddPredictors(const EstimateSetting& setting, double sample_time,
-                           EstimateFit& fit) {
-  const ArxModel* const before =
-      setting.conversion.has_value() ? &setting.conversion->model : nullptr;
-  MLE_ASSIGN_OR_RETURN(fit.initial, MakePredictor(setting, setting.initial,
-                                                  before, sample_time));
-  if (!fit.arx.has_value()) {
-    MLE_ASSIGN_OR_RETURN(fit.corrected,
-                         MakePredictor(setting, fit.structured.corrected.model,
-                                       before, sample_time));
-    return absl::OkStatus();
-  }
-  MLE_ASSIGN_OR_RETURN(fit.corrected,
-                       MakePredictor(setting, fit.structured.corrected.model,
-                                     &fit.arx_model, sample_time));
-  return absl::OkStatus();
-}
-
-// The model's elements that have aged, and the others.
-struct Split {
-  ProcessModel aged;
-  ProcessModel held;
-};
-
-Split SplitElements(const ProcessModel& model,
-                    const StructuredCorrection& full) {
-  Split split = {model, model};
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      (full.aged(i, j) ? split.held : split.aged).element(i, j) =
-          TransferFunction();
-    }
-  }
-  return split;
-}
-
-// One output of a record, less what the held elements make of it.
-absl::StatusOr<Record> Remainder(const ProcessModel& held, const Record& record,
-                                 int output) {
-  MLE_ASSIGN_OR_RETURN(
-      const Eigen::MatrixXd response,
-      SimulateResponse(held, record.sample_time, record.inputs));
-  Record remainder = SelectOutput(record, output);
-  remainder.outputs -= response.row(output);
-  return remainder;
-}
-
-// The initial model with its aged elements fitted to `windows`.
-absl::StatusOr<ProcessModel> FitAgedElements(
-    const EstimateSetting& setting, const StructuredCorrection& full,
-    const std::vector<Record>& windows) {
-  const Split split = SplitElements(setting.initial, full);
-  ProcessModel model = setting.initial;
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    if (!full.aged.row(i).any()) continue;
-    std::vector<Record> remainders;
-    for (const Record& window : windows) {
-      MLE_ASSIGN_OR_RETURN(Record remainder, Remainder(split.held, window, i));
-      remainders.push_back(std::move(remainder));
-    }
-    StructuredOptions options = setting.options.structured;
-    // Offsets as in the full fit, and no selection.
-    options.offsets = setting.noise[i].offset ? WindowOffsets::kAlways
-                                              : WindowOffsets::kNever;
-    options.false_alarm_probability = kNever;
-    MLE_ASSIGN_OR_RETURN(
-        const StructuredCorrection fit,
-        CorrectStructure(SelectOutput(split.aged, i), remainders, options));
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      if (full.aged(i, j)) model.element(i, j) = fit.full.model.element(0, j);
-    }
-  }
-  return model;
-}
-
 // ΔR for the whole model.
 absl::Status AddArx(const std::vector<Record>& windows, SharedFits& shared,
                     Estimate& estimate) {
@@ -205,6 +115,21 @@ absl::Status AddArx(const std::vector<Record>& windows, SharedFits& shared,
     MLE_RETURN_IF_ERROR(fit.arx->Select(options.correction.selection));
   }
   return SolveArx(options, fit);
+}
+
+bool HasSamplesForArx(const std::vector<Record>& windows,
+                      const EstimateSetting& setting) {
+  const ConversionSettings& conversion = setting.options.conversion;
+  const int order =
+      conversion.order > 0
+          ? conversion.order
+          : ChooseOrder(setting.initial, windows.front().sample_time);
+  double samples = 0.0;
+  for (const Record& window : windows) samples += window.samples();
+  const int channels =
+      setting.initial.num_outputs() + setting.initial.num_inputs();
+  return samples >=
+         setting.options.least_samples_per_coefficient * order * channels;
 }
 
 // ΔR for the outputs that structure does not explain.
@@ -252,30 +177,92 @@ Eigen::VectorXd DefaultLambdaGrid() {
       lambdas.data(), static_cast<Eigen::Index>(lambdas.size()));
 }
 
-absl::StatusOr<Predictor> PredictFromPart(const EstimateSetting& setting,
-                                          const EstimateFit& full,
-                                          const std::vector<Record>& windows) {
+bool ProposesByArx(const Estimate& estimate, int output) {
+  return estimate.fit.arx.has_value() && estimate.setting.arx_outputs[output];
+}
+
+bool ProposesChange(const Estimate& estimate, int output) {
+  if (ProposesByArx(estimate, output)) return true;
+  return estimate.setting.options.estimator != Estimator::kArx &&
+         estimate.fit.structured.aged.row(output).any();
+}
+
+void KeepInitialElement(int output, int input, Estimate& estimate) {
+  StructuredCorrection& structured = estimate.fit.structured;
+  StructuredFit& fit = structured.corrected;
+  structured.aged(output, input) = false;
+  fit.model.element(output, input) =
+      estimate.setting.initial.element(output, input);
+  ElementEstimate& element =
+      fit.elements[output * fit.model.num_inputs() + input];
+  if (element.state == ElementState::kFitted) {
+    element.state = ElementState::kHeld;
+  }
+  for (ParameterEstimate* parameter :
+       {&element.gain, &element.time_scale, &element.delay}) {
+    *parameter = {.initial = parameter->initial,
+                  .value = parameter->initial,
+                  .lower = parameter->initial,
+                  .upper = parameter->initial};
+  }
+  Eigen::MatrixXd& covariance = fit.covariances[output];
+  if (covariance.rows() >= 3 * (input + 1)) {
+    covariance.middleRows(3 * input, 3).setZero();
+    covariance.middleCols(3 * input, 3).setZero();
+  }
+}
+
+void KeepParametricOutput(int output, Estimate& estimate) {
+  if (!ProposesByArx(estimate, output)) return;
+  EstimateSetting& setting = estimate.setting;
+  if (setting.options.estimator == Estimator::kArx) {
+    estimate.fit.arx_model.R.row(output) =
+        setting.conversion->model.R.row(output);
+    return;
+  }
+  setting.arx_outputs[output] = false;
+  const std::vector<bool>& left = setting.arx_outputs;
+  if (std::find(left.begin(), left.end(), true) == left.end()) {
+    estimate.fit.arx.reset();
+    setting.conversion.reset();
+  }
+}
+
+void KeepInitialOutput(int output, Estimate& estimate) {
+  KeepParametricOutput(output, estimate);
+  for (int j = 0; j < estimate.setting.initial.num_inputs(); ++j) {
+    if (estimate.fit.structured.aged(output, j)) {
+      KeepInitialElement(output, j, estimate);
+    }
+  }
+}
+
+absl::Status MakePredictors(const std::vector<Record>& windows,
+                            Estimate& estimate) {
+  const EstimateSetting& setting = estimate.setting;
+  EstimateFit& fit = estimate.fit;
   const double sample_time = windows.front().sample_time;
-  ProcessModel process = setting.initial;
-  if (setting.options.estimator != Estimator::kArx) {
-    MLE_ASSIGN_OR_RETURN(process,
-                         FitAgedElements(setting, full.structured, windows));
+  const auto predict =
+      [&](const ProcessModel& model) -> absl::StatusOr<Predictor> {
+    MLE_ASSIGN_OR_RETURN(const InputResponse response,
+                         ResponseOf(model, sample_time));
+    return PredictAsIn(windows, response);
+  };
+  MLE_ASSIGN_OR_RETURN(fit.initial, predict(setting.initial));
+  fit.parametric = fit.initial;
+  if (setting.options.estimator != Estimator::kArx &&
+      fit.structured.aged.any()) {
+    MLE_ASSIGN_OR_RETURN(fit.parametric,
+                         predict(fit.structured.corrected.model));
   }
-  if (!full.arx.has_value()) {
-    return MakePredictor(setting, process, nullptr, sample_time);
-  }
-  CorrectionOptions options = setting.options.correction;
-  options.selection.rule = SelectionOptions::Rule::kAic;  // the cheapest
-  MLE_ASSIGN_OR_RETURN(const std::vector<Record> scaled,
-                       ScaledWindows(setting, windows));
+  fit.corrected = fit.parametric;
+  if (!fit.arx.has_value()) return absl::OkStatus();
   MLE_ASSIGN_OR_RETURN(
-      const Correction correction,
-      CorrectModel(setting.conversion->model, scaled, options));
-  double gap = 0.0;
-  MLE_ASSIGN_OR_RETURN(const ArxModel arx,
-                       SolveArx(setting.options, correction,
-                                full.arx->selection().lambda_star, gap));
-  return MakePredictor(setting, process, &arx, sample_time);
+      const Predictor lagged,
+      PredictAsIn(windows,
+                  ResponseOf(Unscaled(fit.arx_model, setting.scales))));
+  fit.corrected = Mix(setting.arx_outputs, fit.parametric, lagged);
+  return absl::OkStatus();
 }
 
 double EstimateFit::PValue() const {
@@ -329,14 +316,22 @@ absl::StatusOr<Estimate> EstimateModel(const ProcessModel& initial,
                        : ChooseScales(initial, setting.noise, windows);
   setting.arx_outputs.assign(static_cast<std::size_t>(initial.num_outputs()),
                              false);
-  if (options.estimator != Estimator::kStructured) {
+  if (options.estimator == Estimator::kCombined &&
+      !HasSamplesForArx(windows, setting)) {
+    AdequacyOptions adequacy = AdequacyOptionsFor(options.structured);
+    adequacy.false_alarm_probability =
+        options.structured.false_alarm_probability;
+    MLE_ASSIGN_OR_RETURN(fit.adequacy,
+                         TestAdequacy(fit.structured.corrected.model, windows,
+                                      fit.structured.aged, adequacy));
+  } else if (options.estimator != Estimator::kStructured) {
     Stage correcting(progress, "correcting the ARX model");
     MLE_RETURN_IF_ERROR(correcting.status());
     MLE_RETURN_IF_ERROR(options.estimator == Estimator::kArx
                             ? AddArx(windows, fits, estimate)
                             : CompleteWithArx(windows, estimate));
   }
-  MLE_RETURN_IF_ERROR(AddPredictors(setting, windows.front().sample_time, fit));
+  MLE_RETURN_IF_ERROR(MakePredictors(windows, estimate));
   fit.seconds += ThreadSeconds() - start;
   return estimate;
 }

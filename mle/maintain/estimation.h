@@ -54,6 +54,10 @@ struct EstimationOptions {
   StructuredOptions structured;
   NullCalibrationOptions calibration;
   ConversionSettings conversion;
+  // Of kCombined: with fewer samples for each coefficient of a row of ΔR it is
+  // not tried, ≥ 0. Below, it invents gains where records say little, and its
+  // path takes minutes.
+  double least_samples_per_coefficient = 5.0;
   // R of a model in the units of the records, in place of the conversion that
   // `conversion` describes, for experiments in which the noise is known. The
   // records are then neither scaled nor centred, and λ is in their units: the
@@ -82,10 +86,13 @@ struct EstimateFit {
   // Of processor time of this thread, fits shared with other estimates
   // included, the conversion of the initial model not.
   double seconds = 0.0;
-  // Predictions of the initial and of the corrected model; equal without a
-  // proposal.
+  // Predictions of the initial model, of the corrected one, and of the
+  // corrected one without ΔR, each with the noise that it finds in these
+  // windows; equal without a proposal. The initial model predicts as it is, not
+  // as R.
   Predictor initial;
   Predictor corrected;
+  Predictor parametric;
 
   // Of the test that decided: where it found no change and there is one all the
   // same, that of whether the structure is enough.
@@ -130,14 +137,19 @@ absl::StatusOr<ConversionSummary> ConvertModel(const EstimateSetting& setting,
                                                const ChannelScales& scales,
                                                double sample_time);
 
-// The two models that a fit to `windows` leaves to compare, where `full` is the
-// fit to all windows and proposes a change. The structured estimator fits the
-// elements that have aged according to `full`, all others at their initial
-// values: a part of the records would not always name the same ones. arx keeps
-// λ. Noise and conversion are those of `setting`.
-absl::StatusOr<Predictor> PredictFromPart(const EstimateSetting& setting,
-                                          const EstimateFit& full,
-                                          const std::vector<Record>& windows);
+// Whether anything is proposed for an output, and by ΔR.
+bool ProposesChange(const Estimate& estimate, int output);
+bool ProposesByArx(const Estimate& estimate, int output);
+
+// Takes the proposal for an output back, or what ΔR adds to it (where the rest
+// of it is parametric), or that for an element of the parametric part.
+void KeepInitialOutput(int output, Estimate& estimate);
+void KeepParametricOutput(int output, Estimate& estimate);
+void KeepInitialElement(int output, int input, Estimate& estimate);
+
+// Makes the predictors again, after a proposal was taken back.
+absl::Status MakePredictors(const std::vector<Record>& windows,
+                            Estimate& estimate);
 
 }  // namespace mle
 

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_join.h"
 #include "mle/base/parallel.h"
 #include "mle/base/status.h"
 
@@ -15,46 +14,24 @@ namespace mle {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr int kBlockFolds = 5;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+// Parts of a window over which the products of a standard error are summed.
+constexpr std::array<int, 3> kBlockCounts = {10, 3, 1};
 constexpr int kBlocksPerFold = 2;
-
 // What one fold holds out.
 struct Fold {
   std::string name;
-  // For each window: whether each of its samples is held out; empty: none is.
+  // For each window: whether each of its samples is held out.
   std::vector<std::vector<bool>> held;
 };
 
-bool HoldsAll(const std::vector<bool>& held) {
-  return !held.empty() &&
-         std::all_of(held.begin(), held.end(), [](bool h) { return h; });
-}
-
-std::vector<Fold> FoldsOfWindows(const std::vector<Record>& windows,
-                                 int max_folds) {
-  const int size = static_cast<int>(windows.size());
-  const int count = std::min(size, max_folds);
+// Of every window, blocks of equal length go to the folds in turn.
+std::vector<Fold> FoldsOfBlocks(const std::vector<Record>& windows, int count) {
+  const int blocks = count * kBlocksPerFold;
   std::vector<Fold> folds(count);
   for (int f = 0; f < count; ++f) {
-    folds[f].held.resize(size);
-    std::vector<std::string> numbers;
-    for (int w = f; w < size; w += count) {
-      folds[f].held[w].assign(windows[w].samples(), true);
-      numbers.push_back(absl::StrCat(w + 1));
-    }
-    folds[f].name = absl::StrCat(numbers.size() > 1 ? "windows " : "window ",
-                                 absl::StrJoin(numbers, ", "));
-  }
-  return folds;
-}
-
-// Of every window, blocks of equal length go to the folds in turn.
-std::vector<Fold> FoldsOfBlocks(const std::vector<Record>& windows) {
-  const int blocks = kBlockFolds * kBlocksPerFold;
-  std::vector<Fold> folds(kBlockFolds);
-  for (int f = 0; f < kBlockFolds; ++f) {
-    folds[f].name = absl::StrCat("blocks ", f + 1, " and ", f + 1 + kBlockFolds,
-                                 " of ", blocks);
+    folds[f].name =
+        absl::StrCat("parts ", f + 1, " and ", f + 1 + count, " of ", blocks);
   }
   for (const Record& window : windows) {
     const int n = window.samples();
@@ -62,189 +39,221 @@ std::vector<Fold> FoldsOfBlocks(const std::vector<Record>& windows) {
     for (int k = 0; k < n; ++k) {
       const auto block =
           static_cast<int>(static_cast<std::int64_t>(k) * blocks / n);
-      folds[block % kBlockFolds].held.back()[k] = true;
+      folds[block % count].held.back()[k] = true;
     }
   }
   return folds;
 }
 
-// What remains for the fit: windows held out whole are gone, in others the
-// outputs held out are lost.
-std::vector<Record> Remaining(const std::vector<Record>& windows,
-                              const Fold& fold) {
-  std::vector<Record> records;
+// What remains for the fit: the outputs held out are lost.
+std::vector<Record> Remaining(std::vector<Record> windows, const Fold& fold) {
   for (std::size_t w = 0; w < windows.size(); ++w) {
-    const std::vector<bool>& held = fold.held[w];
-    if (HoldsAll(held)) continue;
-    Record& record = records.emplace_back(windows[w]);
-    for (std::size_t k = 0; k < held.size(); ++k) {
-      if (held[k])
-        record.outputs.col(static_cast<Eigen::Index>(k)).setConstant(kNaN);
+    for (Eigen::Index k = 0; k < windows[w].samples(); ++k) {
+      if (fold.held[w][k]) windows[w].outputs.col(k).setConstant(kNaN);
     }
   }
-  return records;
+  return windows;
 }
 
+// Of one output at one horizon.
 struct Sums {
-  double initial = 0.0;    // Σ ε² of the initial model
-  double corrected = 0.0;  // of the corrected one
+  double initial = 0.0;    // Σ ε₀²
+  double corrected = 0.0;  // Σ ε_c²
   double total = 0.0;      // Σ (y − ȳ)²
   double count = 0.0;
+  // Σ_b (Σ_{k∈b} x_k ε_k)² with either model's errors, for each size of blocks.
+  std::array<double, kBlockCounts.size()> by_initial = {};
+  std::array<double, kBlockCounts.size()> by_corrected = {};
 
   void Add(const Sums& other) {
     initial += other.initial;
     corrected += other.corrected;
     total += other.total;
     count += other.count;
+    for (std::size_t b = 0; b < kBlockCounts.size(); ++b) {
+      by_initial[b] += other.by_initial[b];
+      by_corrected[b] += other.by_corrected[b];
+    }
+  }
+
+  HorizonScore Score() const {
+    HorizonScore score;
+    if (!(count > 0.0) || !(total > 0.0)) return score;
+    score.initial = 100.0 * (1.0 - std::sqrt(initial / total));
+    score.corrected = 100.0 * (1.0 - std::sqrt(corrected / total));
+    // Predictions that are exact have nothing to gain.
+    if (!(initial > 0.0)) {
+      score.gain = corrected > 0.0 ? -kInfinity : 0.0;
+      score.error = 0.0;
+      return score;
+    }
+    const auto& products = corrected < initial ? by_corrected : by_initial;
+    score.gain = 1.0 - corrected / initial;
+    score.error =
+        2.0 * std::sqrt(*std::max_element(products.begin(), products.end())) /
+        initial;
+    return score;
   }
 };
 
 // Over the samples of a window that are held out and that both models predict.
-Sums Score(const Eigen::RowVectorXd& measured, const std::vector<bool>& held,
-           const Eigen::RowVectorXd& initial,
-           const Eigen::RowVectorXd& corrected) {
+Sums Compare(const Eigen::RowVectorXd& measured, const std::vector<bool>& held,
+             const Eigen::RowVectorXd& initial,
+             const Eigen::RowVectorXd& corrected) {
   std::vector<int> scored;
-  double sum = 0.0;
   for (int k = 0; k < measured.size(); ++k) {
-    if (!held[k] || !std::isfinite(initial(k)) ||
-        !std::isfinite(corrected(k))) {
-      continue;
+    if (held[k] && std::isfinite(initial(k)) && std::isfinite(corrected(k))) {
+      scored.push_back(k);
     }
-    scored.push_back(k);
-    sum += measured(k);
   }
   Sums sums;
-  const double mean =
-      scored.empty() ? 0.0 : sum / static_cast<double>(scored.size());
-  for (const int k : scored) {
-    sums.initial += initial(k) * initial(k);
-    sums.corrected += corrected(k) * corrected(k);
-    sums.total += (measured(k) - mean) * (measured(k) - mean);
-    sums.count += 1.0;
+  if (scored.empty()) return sums;
+  const Eigen::ArrayXd y = measured(scored).transpose();
+  const Eigen::ArrayXd before = initial(scored).transpose();
+  const Eigen::ArrayXd after = corrected(scored).transpose();
+  const auto n = y.size();
+  sums.initial = before.square().sum();
+  sums.corrected = after.square().sum();
+  sums.total = (y - y.mean()).square().sum();
+  sums.count = static_cast<double>(n);
+  const Eigen::ArrayXd by_initial = (before - after) * before;
+  const Eigen::ArrayXd by_corrected = (before - after) * after;
+  for (std::size_t b = 0; b < kBlockCounts.size(); ++b) {
+    for (Eigen::Index i = 0; i < kBlockCounts[b]; ++i) {
+      const Eigen::Index first = n * i / kBlockCounts[b];
+      const Eigen::Index size = n * (i + 1) / kBlockCounts[b] - first;
+      const double one = by_initial.segment(first, size).sum();
+      const double other = by_corrected.segment(first, size).sum();
+      sums.by_initial[b] += one * one;
+      sums.by_corrected[b] += other * other;
+    }
   }
   return sums;
 }
 
-// By output and horizon.
-using Scores = std::vector<std::array<Sums, 3>>;
+// By window, output and horizon.
+using Scores = std::vector<std::vector<std::array<Sums, 3>>>;
 
 Scores ScoreFold(const std::vector<Record>& windows, const Fold& fold,
                  const Predictor& before, const Predictor& after,
                  const std::array<int, 3>& horizons) {
   const int p = windows.front().num_outputs();
-  Scores scores(p);
+  Scores scores(windows.size(), std::vector<std::array<Sums, 3>>(p));
   for (std::size_t w = 0; w < windows.size(); ++w) {
-    const std::vector<bool>& held = fold.held[w];
-    if (held.empty()) continue;
     const Record& record = windows[w];
     for (std::size_t h = 0; h < horizons.size(); ++h) {
       const Eigen::MatrixXd initial = before(record, horizons[h]);
       const Eigen::MatrixXd corrected = after(record, horizons[h]);
       for (int i = 0; i < p; ++i) {
-        scores[i][h].Add(Score(record.outputs.row(i), held, initial.row(i),
-                               corrected.row(i)));
+        scores[w][i][h] = Compare(record.outputs.row(i), fold.held[w],
+                                  initial.row(i), corrected.row(i));
       }
     }
   }
   return scores;
 }
 
-double Percent(double squares, const Sums& sums) {
-  return sums.count > 0.0 && sums.total > 0.0
-             ? 100.0 * (1.0 - std::sqrt(squares / sums.total))
-             : kNaN;
-}
-
-FitPercent InitialPercent(const std::array<Sums, 3>& sums) {
-  return {Percent(sums[0].initial, sums[0]), Percent(sums[1].initial, sums[1]),
-          Percent(sums[2].initial, sums[2])};
-}
-
-FitPercent CorrectedPercent(const std::array<Sums, 3>& sums) {
-  return {Percent(sums[0].corrected, sums[0]),
-          Percent(sums[1].corrected, sums[1]),
-          Percent(sums[2].corrected, sums[2])};
-}
-
-absl::StatusOr<HeldOut> HoldOut(const Estimate& estimate,
-                                const std::vector<Record>& windows,
-                                const std::vector<Fold>& folds, int horizon,
-                                int threads, const ProgressCallback& progress) {
-  const int count = static_cast<int>(folds.size());
-  const std::array<int, 3> horizons = {1, horizon, 0};
-  std::vector<absl::Status> status(count);
-  std::vector<Scores> scores(count);
-  Stage stage(progress, "predicting held-out data", count);
-  ParallelFor(count, threads, [&](int f) {
-    if (stage.cancelled()) return;
-    const absl::StatusOr<Predictor> corrected = PredictFromPart(
-        estimate.setting, estimate.fit, Remaining(windows, folds[f]));
-    status[f] = corrected.status();
-    if (!corrected.ok()) return;
-    scores[f] = ScoreFold(windows, folds[f], estimate.fit.initial, *corrected,
-                          horizons);
-    stage.Done();
-  });
-  MLE_RETURN_IF_ERROR(stage.status());
-  HeldOut held_out;
-  Scores all(windows.front().num_outputs());
-  for (int f = 0; f < count; ++f) {
-    if (!status[f].ok()) {
-      // What remains may be too short, or move too little, to be fitted.
-      held_out.missing =
-          absl::StrCat("without ", folds[f].name, ": ", status[f].message());
-      return held_out;
-    }
-    held_out.folds.push_back(folds[f].name);
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      for (std::size_t h = 0; h < horizons.size(); ++h) {
-        all[i][h].Add(scores[f][i][h]);
+void Add(const Scores& scores, Scores& all) {
+  if (all.empty()) {
+    all = scores;
+    return;
+  }
+  for (std::size_t w = 0; w < scores.size(); ++w) {
+    for (std::size_t i = 0; i < scores[w].size(); ++i) {
+      for (std::size_t h = 0; h < scores[w][i].size(); ++h) {
+        all[w][i][h].Add(scores[w][i][h]);
       }
     }
   }
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    const std::array<Sums, 3>& sums = all[i];
-    held_out.outputs.push_back({InitialPercent(sums), CorrectedPercent(sums)});
-    const Sums& decisive = sums[estimate.setting.arx_outputs[i] ? 2 : 0];
-    if (decisive.initial > 0.0 && decisive.corrected > 0.0) {
-      held_out.gain -= 0.5 * decisive.count *
-                       std::log(decisive.corrected / decisive.initial);
-    }
-  }
-  return held_out;
 }
 
-// What the rule for λ has held out already: its loss at λ* against that of the
-// largest λ, which corrects nothing.
-HeldOut BlocksOfTheRule(const Correction& correction,
-                        const std::vector<Record>& windows) {
-  HeldOut held_out;
-  const SelectionSummary& selection = correction.selection();
-  const Eigen::VectorXd& loss = selection.loss;
-  if (loss.size() < 2 || !(loss.minCoeff() > 0.0)) {
-    held_out.missing = "the rule for λ holds nothing out";
-    return held_out;
+std::vector<OutputScores> ScoresOf(
+    const std::vector<std::array<Sums, 3>>& outputs) {
+  std::vector<OutputScores> scores;
+  for (const std::array<Sums, 3>& sums : outputs) {
+    scores.push_back({sums[0].Score(), sums[1].Score(), sums[2].Score()});
   }
-  Eigen::Index chosen = 0;
-  (selection.lambdas.array() - selection.lambda_star(0))
-      .abs()
-      .minCoeff(&chosen);
-  double samples = 0.0;
+  return scores;
+}
+
+std::vector<OutputScores> ScoresOfAll(const Scores& windows) {
+  if (windows.empty()) return {};
+  Scores total(1, windows.front());
+  for (std::size_t w = 1; w < windows.size(); ++w) {
+    Add(Scores(1, windows[w]), total);
+  }
+  return ScoresOf(total.front());
+}
+
+// How the correction without a fold predicts the fold.
+struct FoldResult {
+  absl::Status status;
+  Scores corrected;
+  Scores parametric;  // where the estimate proposes ΔR
+};
+
+FoldResult HoldOut(const Estimate& estimate, const std::vector<Record>& windows,
+                   const Fold& fold, const Predictor& in_use,
+                   const std::array<int, 3>& horizons) {
+  FoldResult result;
+  EstimationOptions options = estimate.setting.options;
+  options.structured.threads = 1;  // folds run side by side
+  // Whether a change is proposed at all is decided.
+  if (options.change_test == ChangeTest::kCalibrated) {
+    options.change_test = ChangeTest::kChiSquare;
+  }
+  const absl::StatusOr<Estimate> part = EstimateModel(
+      estimate.setting.initial, Remaining(windows, fold), options);
+  result.status = part.status();
+  if (!part.ok()) return result;
+  const Predictor& before = in_use ? in_use : part->fit.initial;
+  result.corrected =
+      ScoreFold(windows, fold, before, part->fit.corrected, horizons);
+  if (estimate.fit.arx.has_value()) {
+    result.parametric =
+        ScoreFold(windows, fold, before, part->fit.parametric, horizons);
+  }
+  return result;
+}
+
+bool ProposesAny(const Estimate& estimate) {
+  for (int i = 0; i < estimate.setting.initial.num_outputs(); ++i) {
+    if (ProposesChange(estimate, i)) return true;
+  }
+  return false;
+}
+
+// All windows by the initial model.
+void ScoreInitial(const Estimate& estimate, const std::vector<Record>& windows,
+                  const Predictor& in_use, Validation& validation) {
+  Fold all;
   for (const Record& window : windows) {
-    samples += window.samples();
+    all.held.emplace_back(window.samples(), true);
   }
-  held_out.folds = {"the blocks held out by the rule for λ"};
-  held_out.gain =
-      -0.5 * samples * std::log(loss(chosen) / loss(loss.size() - 1));
-  return held_out;
+  const Predictor& initial = in_use ? in_use : estimate.fit.initial;
+  validation.outputs = ScoresOfAll(
+      ScoreFold(windows, all, initial, initial, {1, validation.horizon, 0}));
+  for (OutputScores& output : validation.outputs) {
+    for (HorizonScore* score :
+         {&output.one_step, &output.several_steps, &output.simulated}) {
+      score->corrected = kNaN;
+      score->gain = kNaN;
+      score->error = kNaN;
+    }
+  }
 }
 
 }  // namespace
 
 absl::Status HoldOutOptions::Validate() const {
-  if (max_folds < 2) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "hold_out.max_folds = ", max_folds, ": it must be at least 2"));
+  if (folds < 2) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("hold_out.folds = ", folds, ": it must be at least 2"));
+  }
+  if (fewest_changes < 2) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("hold_out.fewest_changes = ", fewest_changes,
+                     ": it must be at least 2"));
   }
   if (horizon < 0) {
     return absl::InvalidArgumentError(absl::StrCat(
@@ -253,57 +262,54 @@ absl::Status HoldOutOptions::Validate() const {
   return absl::OkStatus();
 }
 
-std::optional<double> Validation::WorstGain() const {
-  std::optional<double> worst;
-  for (const auto* way : {&windows, &blocks}) {
-    if (!way->has_value() || !(*way)->available()) continue;
-    worst = std::min(worst.value_or((*way)->gain), (*way)->gain);
-  }
-  return worst;
-}
-
-const HeldOut* Validation::shown() const {
-  if (windows.has_value() && !windows->outputs.empty()) return &*windows;
-  if (blocks.has_value() && !blocks->outputs.empty()) return &*blocks;
-  return nullptr;
-}
-
-absl::StatusOr<Validation> ValidateByHoldOut(const Estimate& estimate,
-                                             const std::vector<Record>& windows,
-                                             int order,
-                                             const HoldOutOptions& options,
-                                             int threads,
-                                             const ProgressCallback& progress) {
+absl::StatusOr<Validation> ValidateByHoldOut(
+    const Estimate& estimate, const std::vector<Record>& windows, int changes,
+    int order, const HoldOutOptions& options, const Predictor& in_use,
+    int threads, const ProgressCallback& progress) {
   MLE_RETURN_IF_ERROR(options.Validate());
   Validation validation;
   validation.horizon =
       options.horizon > 0 ? options.horizon : std::max(order / 5, 1);
-  if (!estimate.fit.change_proposed) {
-    Fold all;
-    for (const Record& window : windows) {
-      all.held.emplace_back(window.samples(), true);
-    }
-    const Scores scores =
-        ScoreFold(windows, all, estimate.fit.initial, estimate.fit.initial,
-                  {1, validation.horizon, 0});
-    for (const std::array<Sums, 3>& sums : scores) {
-      validation.initial.push_back(InitialPercent(sums));
-    }
+  ScoreInitial(estimate, windows, in_use, validation);
+  if (!ProposesAny(estimate)) return validation;
+  if (windows.size() == 1 && changes < options.fewest_changes) {
+    validation.missing =
+        absl::StrCat("there is one window, with ", changes,
+                     changes == 1 ? " set-point change" : " set-point changes",
+                     "; another window is needed, or ", options.fewest_changes,
+                     " changes in this one");
     return validation;
   }
-  if (windows.size() > 1) {
-    MLE_ASSIGN_OR_RETURN(
-        validation.windows,
-        HoldOut(estimate, windows, FoldsOfWindows(windows, options.max_folds),
-                validation.horizon, threads, progress));
+  const std::vector<Fold> folds = FoldsOfBlocks(windows, options.folds);
+  const int count = static_cast<int>(folds.size());
+  const std::array<int, 3> horizons = {1, validation.horizon, 0};
+  std::vector<FoldResult> results(count);
+  Stage stage(progress, "predicting held-out data", count);
+  ParallelFor(count, threads, [&](int f) {
+    if (stage.cancelled()) return;
+    results[f] = HoldOut(estimate, windows, folds[f], in_use, horizons);
+    stage.Done();
+  });
+  MLE_RETURN_IF_ERROR(stage.status());
+  Scores corrected;
+  Scores parametric;
+  for (int f = 0; f < count; ++f) {
+    if (!results[f].status.ok()) {
+      // What remains may be too short, or move too little, to be fitted.
+      validation.missing = absl::StrCat("without ", folds[f].name, ": ",
+                                        results[f].status.message());
+      return validation;
+    }
+    validation.folds.push_back(folds[f].name);
+    Add(results[f].corrected, corrected);
+    Add(results[f].parametric, parametric);
   }
-  if (estimate.fit.arx.has_value()) {
-    validation.blocks = BlocksOfTheRule(*estimate.fit.arx, windows);
-    return validation;
+  validation.held_out = true;
+  validation.outputs = ScoresOfAll(corrected);
+  validation.parametric = ScoresOfAll(parametric);
+  for (const auto& outputs : corrected) {
+    validation.windows.push_back(ScoresOf(outputs));
   }
-  MLE_ASSIGN_OR_RETURN(validation.blocks,
-                       HoldOut(estimate, windows, FoldsOfBlocks(windows),
-                               validation.horizon, threads, progress));
   return validation;
 }
 

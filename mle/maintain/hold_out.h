@@ -1,29 +1,33 @@
 // How well the initial and the corrected model predict what the correction has
 // not seen.
 //
-// Two ways of holding out, both only where a change is proposed:
+// Nested: of every window two of ten blocks are hidden at a time, and what
+// predicts them is estimated from the rest alone, with its own noise, penalty
+// and choice of elements. Nothing of what is scored had a part in anything that
+// predicts it, but every set-point change had: where each window moves the
+// plant in one direction, the others determine nothing of it. One window of few
+// set-point changes is not held out: its blocks have one disturbance.
 //
-//   windows  each is held out in turn (at most `max_folds` groups of them): a
-//            correction made from some set-point changes predicts the others.
-//   blocks   ten blocks of each window, two at a time, are hidden from the fit:
-//            a correction that has seen parts of every change predicts the
-//            rest. For arx the rule for λ has held blocks out already: its
-//            loss at λ* and without correction is compared.
+// A correction that helps in one window and harms in another is of a plant that
+// changed in between, or is not linear: each window has scores of its own.
 //
-// A correction that predicts worse in either way is refused (decision.h).
+// Of each output and horizon h (one step, a fifth of the ARX order, and free
+// simulation, its mean error taken off) with the errors ε₀ and ε_c of the two
+// models and S = Σ ε²,
 //
-// The fit of a model in percent is
+//   fit = 100 (1 − ‖ε‖ / ‖y − ȳ‖) percent,    gain = 1 − S_c / S₀,
 //
-//   100 (1 − ‖y − ŷ‖ / ‖y − ȳ‖)
-//
-// over the samples held out, ȳ the mean of each window. Both models start from
-// measured outputs every h samples: one, a fifth of the ARX order, or never
-// (simulation, its mean error taken off).
+// ȳ the mean of each window. S₀ − S_c = Σ x (ε₀ + ε_c), x = ε₀ − ε_c the
+// difference of the two predictions, of which only ε is random, so that the
+// standard error of S₀ − S_c is 2 √(Σ_b (Σ_{k∈b} x_k ε_k)²) with ε of the
+// better model; blocks b are a tenth, a third and the whole of a window, and
+// the largest of the three counts: errors that last longer than a block would
+// let it look too small. (Diebold and Mariano, J. Bus. Econ. Stat. 13, 1995.)
 
 #ifndef MLE_MAINTAIN_HOLD_OUT_H_
 #define MLE_MAINTAIN_HOLD_OUT_H_
 
-#include <optional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -31,64 +35,56 @@
 #include "absl/status/statusor.h"
 #include "mle/data/record.h"
 #include "mle/maintain/estimation.h"
+#include "mle/maintain/prediction.h"
 #include "mle/maintain/progress.h"
 
 namespace mle {
 
 struct HoldOutOptions {
-  int max_folds = 5;  // ≥ 2
-  int horizon = 0;    // samples, of the k-step fit; 0: a fifth of the ARX order
+  int folds = 5;    // ≥ 2
+  int horizon = 0;  // samples, of the k-step fit; 0: a fifth of the ARX order
+  // Set-point changes that a window must have if it is the only one, ≥ 2.
+  int fewest_changes = 4;
 
   absl::Status Validate() const;
 };
 
-// In percent; NaN where nothing could be scored.
-struct FitPercent {
-  double one_step = 0.0;
-  double several_steps = 0.0;
-  double simulated = 0.0;
+// Of one output at one horizon. NaN where nothing was scored.
+struct HorizonScore {
+  double initial = std::numeric_limits<double>::quiet_NaN();    // fit, percent
+  double corrected = std::numeric_limits<double>::quiet_NaN();  // fit, percent
+  double gain = std::numeric_limits<double>::quiet_NaN();
+  double error = std::numeric_limits<double>::quiet_NaN();  // of the gain
 };
 
-struct OutputValidation {
-  FitPercent initial;
-  FitPercent corrected;
-};
-
-// One way of holding out.
-struct HeldOut {
-  std::vector<std::string> folds;         // what each held out, in words
-  std::vector<OutputValidation> outputs;  // p, or empty: no figures
-  // Σ_i −½ N_i ln(S_i corrected / S_i initial), S_i the sum of squared errors
-  // of output i: what the corrected model gains in log-likelihood. One step
-  // ahead where the model is structured, whose predictor is made for its noise;
-  // simulated for outputs that are ΔR's, which predicts well a few samples
-  // ahead even where its step responses are wrong.
-  double gain = 0.0;
-  std::string missing;  // why no data could be held out
-
-  bool available() const { return missing.empty(); }
+struct OutputScores {
+  HorizonScore one_step;
+  HorizonScore several_steps;
+  HorizonScore simulated;
 };
 
 struct Validation {
+  bool held_out = false;
   int horizon = 0;                 // of several_steps, in samples
-  std::optional<HeldOut> windows;  // where there are two or more
-  std::optional<HeldOut> blocks;   // where a change is proposed
-  // The initial model on all windows, where no change is proposed.
-  std::vector<FitPercent> initial;  // p
-
-  // The least log-likelihood gain of the ways that were possible; nothing where
-  // none was.
-  std::optional<double> WorstGain() const;
-  // What is shown: windows where there are such figures, else blocks.
-  const HeldOut* shown() const;
+  std::vector<std::string> folds;  // what each held out, in words
+  std::string missing;             // why nothing was held out
+  // p: what was held out or, where nothing was, all windows by the initial
+  // model, without a gain.
+  std::vector<OutputScores> outputs;
+  // p: of the corrected model without ΔR; empty where nothing is ΔR's.
+  std::vector<OutputScores> parametric;
+  // Those of each window, as of `outputs`; empty where nothing was held out.
+  std::vector<std::vector<OutputScores>> windows;
 };
 
-// `windows` are those of the estimate, `order` (> 0) is that of the ARX model.
+// `windows` are those of the estimate, `changes` the set-point changes in the
+// first of them, `order` (> 0) that of the ARX model. `in_use` are the errors
+// of the controller's own model where this is not the process model, or empty.
 // Cancelled by `progress`.
 absl::StatusOr<Validation> ValidateByHoldOut(
-    const Estimate& estimate, const std::vector<Record>& windows, int order,
-    const HoldOutOptions& options, int threads = 1,
-    const ProgressCallback& progress = {});
+    const Estimate& estimate, const std::vector<Record>& windows, int changes,
+    int order, const HoldOutOptions& options, const Predictor& in_use = {},
+    int threads = 1, const ProgressCallback& progress = {});
 
 }  // namespace mle
 

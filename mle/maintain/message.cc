@@ -57,8 +57,6 @@ std::string_view NameOf(MessageCode code) {
       return "rank_deficient";
     case MessageCode::kPoorFopdt:
       return "poor_fopdt";
-    case MessageCode::kHoldOutMissing:
-      return "hold_out_missing";
     case MessageCode::kFitFailed:
       return "fit_failed";
     case MessageCode::kNotExact:
@@ -73,8 +71,18 @@ std::string_view NameOf(MessageCode code) {
       return "predicts_better";
     case MessageCode::kPredictsWorse:
       return "predicts_worse";
+    case MessageCode::kNotBetter:
+      return "not_better";
     case MessageCode::kNothingHeldOut:
       return "nothing_held_out";
+    case MessageCode::kWindowsDisagree:
+      return "windows_disagree";
+    case MessageCode::kStructureDoubtful:
+      return "structure_doubtful";
+    case MessageCode::kChangeTooSmall:
+      return "change_too_small";
+    case MessageCode::kNotExcited:
+      return "not_excited";
   }
   return "";
 }

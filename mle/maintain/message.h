@@ -34,21 +34,26 @@ enum class MessageCode {
   kClock,        // time stamps of a tag that are early or late
   kMistake,      // of an operator: tags, signs, units
   // Fits.
-  kOptimumLoose,    // the gradient at the optimum is not small
-  kAtBound,         // a parameter lies at the bound of what is searched
-  kRankDeficient,   // the records do not determine every parameter
-  kPoorFopdt,       // a first-order element with dead time describes it badly
-  kHoldOutMissing,  // no data could be held out in this way
+  kOptimumLoose,   // the gradient at the optimum is not small
+  kAtBound,        // a parameter lies at the bound of what is searched
+  kRankDeficient,  // the records do not determine every parameter
+  kPoorFopdt,      // a first-order element with dead time describes it badly
   // The result is not usable.
   kFitFailed,
   kNotExact,  // a duality gap above the accepted one
   kUnstable,
   // Reasons of a decision.
-  kNoChangeFound,   // the records do not contradict the model
-  kChangeProved,    // they do
-  kPredictsBetter,  // the corrected model, where records were held out
-  kPredictsWorse,   // the same
-  kNothingHeldOut,  // the correction could not be validated
+  kNoChangeFound,      // the records do not contradict the model
+  kChangeProved,       // they do
+  kPredictsBetter,     // the corrected model, where records were held out
+  kPredictsWorse,      // the same
+  kNotBetter,          // neither by more than chance
+  kNothingHeldOut,     // the correction could not be validated
+  kWindowsDisagree,    // parts of the records want different gains
+  kStructureDoubtful,  // it does not explain the records, and turns a gain
+                       // round
+  kChangeTooSmall,     // a change is proved, but not worth making
+  kNotExcited,         // the records determine no gain
 };
 
 // "at_bound", as in result.json.

@@ -16,7 +16,6 @@
 #include "mle/data/record.h"
 #include "mle/model/arx_model.h"
 #include "mle/model/process_model.h"
-#include "mle/nonlinear/structured_correction.h"
 
 namespace mle {
 
@@ -24,29 +23,37 @@ namespace mle {
 using Predictor =
     std::function<Eigen::MatrixXd(const Record& record, int horizon)>;
 
-// The process model plus a level that is followed in white noise by a Kalman
-// filter, diffuse at first (`noise`: p, its ratio q/r; 0 takes the mean of all
-// errors so far): ŷ_k = x_k + ŵ_{k−h|k−h}. The first samples, as long as the
-// model's largest dead time and time constant, but at most a quarter of the
-// record, serve to forget the inputs before and are not predicted.
-absl::StatusOr<Predictor> PredictWithProcess(
-    const ProcessModel& model, const std::vector<NoiseEstimate>& noise,
-    double sample_time);
+// What a model makes of the inputs of a record (p × samples), settled at the
+// first inputs.
+struct InputResponse {
+  std::function<absl::StatusOr<Eigen::MatrixXd>(const Record& record)> response;
+  // Samples after which the inputs before a record are forgotten: the largest
+  // dead time and time constant, or the order.
+  int forgetting = 0;
+};
 
-// y_{k+1} = R x_k, on its own outputs within the horizon. The first d samples,
-// and d samples after each that is lost, are not predicted.
-Predictor PredictWithArx(const ArxModel& model);
+// InvalidArgument where the model cannot be simulated.
+absl::StatusOr<InputResponse> ResponseOf(const ProcessModel& model,
+                                         double sample_time);
+// In free run: y_{k+1} = R x_k on its own outputs.
+InputResponse ResponseOf(const ArxModel& model);
 
-// Outputs lost for up to this many samples in a row have what a model expects
-// of them in their place (output_reconstruction.h) where a regression on lagged
-// data needs them: it loses as many rows as it has lags for each that is lost.
-inline constexpr int kLongestFill = 30;
+// For each output (p) the ratio q/r, from 1e-8 to 1e6, of a random walk to
+// white noise under which what the model leaves of `windows` is most likely
+// (innovations_filter.h).
+absl::StatusOr<Eigen::VectorXd> FitLevelRatios(
+    const InputResponse& model, const std::vector<Record>& windows);
 
-// `predictor` on records so filled; what was not measured has no error.
-absl::StatusOr<Predictor> PredictFilled(const ProcessModel& model,
-                                        const std::vector<NoiseEstimate>& noise,
-                                        double sample_time,
-                                        const Predictor& predictor);
+// The response x plus a level that is followed in white noise by a Kalman
+// filter, diffuse at first (`ratios`: p, its q/r; 0 takes the mean of all
+// errors so far): ŷ_k = x_k + ŵ_{k−h|k−h}. The samples that the model needs to
+// forget, but at most a quarter of the record, are not predicted.
+Predictor PredictWithLevel(const InputResponse& model,
+                           const Eigen::VectorXd& ratios);
+
+// The same with the ratios of these windows.
+absl::StatusOr<Predictor> PredictAsIn(const std::vector<Record>& windows,
+                                      const InputResponse& model);
 
 }  // namespace mle
 

@@ -79,17 +79,16 @@ TEST_F(MleCorrectPage, TablesShowTheValuesOfTheResult) {
       }
     }
   }
-  const PageTable fits = TableOf(html_, "Fit on windows held out");
-  const nlohmann::json& held_out =
-      result_["validation"]["windows"]["fit_percent"];
-  ASSERT_EQ(fits.rows.size(), 1u + 2u * held_out.size());
+  const PageTable fits = TableOf(html_, "Fit on parts of windows held out");
+  const nlohmann::json& held_out = result_["validation"]["outputs"];
+  ASSERT_EQ(fits.rows.size(), 1u + 3u * held_out.size());
   for (std::size_t i = 0; i < held_out.size(); ++i) {
     int line = 0;
     for (const char* const model : {"initial", "corrected"}) {
-      const auto& cells = fits.rows[1 + 2 * i + line++];
-      ExpectShows(cells[1], held_out[i][model]["one_step"]);
-      ExpectShows(cells[2], held_out[i][model]["several_steps"]);
-      ExpectShows(cells[3], held_out[i][model]["simulated"]);
+      const auto& cells = fits.rows[1 + 3 * i + line++];
+      ExpectShows(cells[1], held_out[i]["one_step"][model]);
+      ExpectShows(cells[2], held_out[i]["several_steps"][model]);
+      ExpectShows(cells[3], held_out[i]["simulated"][model]);
     }
   }
 }
@@ -98,8 +97,9 @@ TEST_F(MleCorrectPage, OpensWithTheVerdictInTwoSentences) {
   ASSERT_EQ(result_["verdict"].size(), 2u);
   const std::string aged = result_["verdict"][0];
   const std::string worth = result_["verdict"][1];
+  EXPECT_THAT(aged, HasSubstr("Use the corrected model"));
   EXPECT_THAT(aged, HasSubstr("1 of 4 elements have changed, y1 ← u1"));
-  EXPECT_THAT(worth, HasSubstr("use the corrected model"));
+  EXPECT_THAT(worth, HasSubstr("On held-out data"));
   const std::size_t summary = html_.find("class=\"summary\"");
   ASSERT_NE(summary, std::string::npos);
   EXPECT_LT(summary, html_.find(aged));

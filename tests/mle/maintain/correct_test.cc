@@ -57,15 +57,32 @@ TEST(CorrectFromRecordsTest, ARightModelIsKeptToTheLastDigit) {
   EXPECT_EQ(result->reasons[0].code, MessageCode::kNoChangeFound);
 }
 
-TEST(CorrectFromRecordsTest, WindowsThatDisagreeAreRefused) {
+TEST(CorrectFromRecordsTest, WindowsThatDisagreeCannotTell) {
   const auto result = CorrectFromRecords(
       Tank(1.5),
-      {TankRecord(Tank(3.0), 0.02, 1), TankRecord(Tank(-1.0), 0.02, 2)},
-      Fast());
+      {TankRecord(Tank(3.0), 0.02, 1), TankRecord(Tank(1.3), 0.02, 2)}, Fast());
   ASSERT_TRUE(result.ok()) << result.status();
-  EXPECT_EQ(result->decision, Decision::kRefused);
-  EXPECT_EQ(result->reasons.back().code, MessageCode::kPredictsWorse);
+  EXPECT_EQ(result->decision, Decision::kCannotTell);
   EXPECT_EQ(result->change.total, 0.0);
+  // The estimate is there to be looked at.
+  EXPECT_TRUE(result->estimate.fit.structured.aged(0, 0));
+}
+
+TEST(CorrectFromRecordsTest, AChangeBelowTheThresholdIsNoChange) {
+  CorrectOptions options = Fast();
+  const std::vector<Record> records = {TankRecord(Tank(1.03), 0.002, 1),
+                                       TankRecord(Tank(1.03), 0.002, 2)};
+  options.decision.least_change = 0.05;
+  const auto small = CorrectFromRecords(Tank(1.0), records, options);
+  ASSERT_TRUE(small.ok()) << small.status();
+  EXPECT_EQ(small->decision, Decision::kNoChange);
+  EXPECT_EQ(small->reasons.front().code, MessageCode::kChangeTooSmall);
+  EXPECT_EQ(small->change.total, 0.0);
+  options.decision.least_change = 0.01;
+  const auto large = CorrectFromRecords(Tank(1.0), records, options);
+  ASSERT_TRUE(large.ok()) << large.status();
+  EXPECT_EQ(large->decision, Decision::kCorrected);
+  EXPECT_NEAR(large->change.elements(0, 0), 0.03, 0.005);
 }
 
 TEST(CorrectFromRecordsTest, FilesGiveTheSameAsMemory) {
@@ -132,7 +149,7 @@ TEST(CorrectFromRecordsTest, TheModelInUseIsTheRival) {
   const auto result =
       CorrectFromRecords(Tank(1.0), {TankRecord(Tank(1.6), 0.02, 1)}, options);
   ASSERT_TRUE(result.ok()) << result.status();
-  EXPECT_EQ(result->decision, Decision::kRefused);
+  EXPECT_EQ(result->decision, Decision::kCannotTell);
 }
 
 TEST(CorrectFromRecordsTest, WrongArgumentsAreNamed) {

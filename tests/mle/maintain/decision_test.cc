@@ -11,69 +11,189 @@
 namespace mle {
 namespace {
 
-struct Row {
-  const char* name;
-  bool change_proposed;
-  std::optional<double> gain;
-  double least_gain;
-  bool require_hold_out;
-  Decision decision;
-  MessageCode last_reason;
-};
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-// Every row of the table in decision.h.
-const Row kTable[] = {
-    {"nothing proposed", false, std::nullopt, 0.0, true, Decision::kNoChange,
-     MessageCode::kNoChangeFound},
-    {"nothing proposed, whatever was held out", false, 100.0, 0.0, true,
-     Decision::kNoChange, MessageCode::kNoChangeFound},
-    {"nothing held out", true, std::nullopt, 0.0, true, Decision::kRefused,
-     MessageCode::kNothingHeldOut},
-    {"nothing held out, nothing asked for", true, std::nullopt, 0.0, false,
-     Decision::kCorrected, MessageCode::kNothingHeldOut},
-    {"predicts worse", true, -1e-9, 0.0, true, Decision::kRefused,
-     MessageCode::kPredictsWorse},
-    {"predicts as well", true, 0.0, 0.0, true, Decision::kRefused,
-     MessageCode::kPredictsWorse},
-    {"predicts worse, though holding out was not asked for", true, -1.0, 0.0,
-     false, Decision::kRefused, MessageCode::kPredictsWorse},
-    {"predicts better", true, 1e-9, 0.0, true, Decision::kCorrected,
-     MessageCode::kPredictsBetter},
-    {"predicts better by less than asked for", true, 3.0, 3.0, true,
-     Decision::kRefused, MessageCode::kPredictsWorse},
-    {"predicts better by more than asked for", true, 3.1, 3.0, true,
-     Decision::kCorrected, MessageCode::kPredictsBetter},
-    {"a gain that is not a number", true,
-     std::numeric_limits<double>::quiet_NaN(), 0.0, true, Decision::kRefused,
-     MessageCode::kPredictsWorse},
-};
+HorizonScore Score(double gain, double error) {
+  return {.initial = 80.0, .corrected = 85.0, .gain = gain, .error = error};
+}
 
-TEST(DecisionTest, EveryRowOfTheTable) {
-  for (const Row& row : kTable) {
-    const Verdict verdict = Decide({.change_proposed = row.change_proposed,
-                                    .p_value = 0.5,
-                                    .held_out_gain = row.gain},
-                                   {.least_gain = row.least_gain,
-                                    .require_hold_out = row.require_hold_out});
+OutputScores Scores(double one_step, double several, double simulated,
+                    double error = 0.1) {
+  return {Score(one_step, error), Score(several, error),
+          Score(simulated, error)};
+}
+
+const OutputScores kGood = Scores(0.3, 0.5, 0.9);
+const OutputScores kSame = Scores(0.05, -0.05, 0.1);
+const OutputScores kFalls = Scores(0.3, 0.5, -0.3);
+
+OutputEvidence Output(std::optional<OutputScores> scores,
+                      std::optional<OutputScores> parametric = {}) {
+  OutputEvidence output;
+  output.name = "T";
+  output.proposed = true;
+  output.scores = scores;
+  output.parametric = parametric;
+  return output;
+}
+
+Evidence Of(std::vector<OutputEvidence> outputs) {
+  Evidence evidence;
+  evidence.change_proved = true;
+  evidence.outputs = std::move(outputs);
+  return evidence;
+}
+
+// Whether a reason of this code stands somewhere.
+bool Says(const Verdict& verdict, MessageCode code) {
+  for (const Message& reason : verdict.reasons) {
+    if (reason.code == code) return true;
+  }
+  return false;
+}
+
+TEST(DecisionTest, EveryRowOfTheTableOfOutputs) {
+  struct Row {
+    const char* name;
+    OutputEvidence output;
+    Acceptance acceptance;
+    Decision decision;
+    MessageCode reason;
+  };
+  const Row rows[] = {
+      {"nothing held out", Output({}), Acceptance::kNothing,
+       Decision::kCannotTell, MessageCode::kNothingHeldOut},
+      {"gains everywhere", Output(kGood), Acceptance::kProposal,
+       Decision::kCorrected, MessageCode::kPredictsBetter},
+      {"gains somewhere", Output(Scores(0.0, 0.0, 0.3)), Acceptance::kProposal,
+       Decision::kCorrected, MessageCode::kPredictsBetter},
+      {"gains by two standard errors", Output(Scores(0.0, 0.2, 0.0)),
+       Acceptance::kProposal, Decision::kCorrected,
+       MessageCode::kPredictsBetter},
+      {"gains by less", Output(Scores(0.0, 0.19, 0.0)), Acceptance::kNothing,
+       Decision::kCannotTell, MessageCode::kNotBetter},
+      {"no better than chance", Output(kSame), Acceptance::kNothing,
+       Decision::kCannotTell, MessageCode::kNotBetter},
+      {"falls one step ahead", Output(Scores(-0.3, 0.5, 0.9)),
+       Acceptance::kNothing, Decision::kCannotTell,
+       MessageCode::kPredictsWorse},
+      {"falls several steps ahead", Output(Scores(0.3, -0.3, 0.9)),
+       Acceptance::kNothing, Decision::kCannotTell,
+       MessageCode::kPredictsWorse},
+      {"falls when simulated", Output(kFalls), Acceptance::kNothing,
+       Decision::kCannotTell, MessageCode::kPredictsWorse},
+      {"not a number", Output(Scores(0.3, kNaN, 0.9)), Acceptance::kNothing,
+       Decision::kCannotTell, MessageCode::kPredictsWorse},
+      {"without ΔR only", Output(kFalls, kGood), Acceptance::kParametric,
+       Decision::kCorrected, MessageCode::kPredictsBetter},
+      {"neither with nor without", Output(kFalls, kSame), Acceptance::kNothing,
+       Decision::kCannotTell, MessageCode::kPredictsWorse},
+      {"with and without", Output(kGood, kGood), Acceptance::kProposal,
+       Decision::kCorrected, MessageCode::kPredictsBetter},
+  };
+  for (const Row& row : rows) {
+    const Verdict verdict = Decide(Of({row.output}), {});
     EXPECT_EQ(verdict.decision, row.decision) << row.name;
-    ASSERT_FALSE(verdict.reasons.empty()) << row.name;
-    EXPECT_EQ(verdict.reasons.back().code, row.last_reason) << row.name;
+    ASSERT_EQ(verdict.outputs.size(), 1) << row.name;
+    EXPECT_EQ(verdict.outputs[0], row.acceptance) << row.name;
+    EXPECT_EQ(verdict.reasons.front().code, MessageCode::kChangeProved)
+        << row.name;
+    EXPECT_EQ(verdict.reasons.back().code, row.reason) << row.name;
   }
 }
 
-TEST(DecisionTest, AChangeIsTheFirstReason) {
-  const Verdict verdict = Decide(
-      {.change_proposed = true, .p_value = 1.0, .held_out_gain = {}}, {});
-  ASSERT_EQ(verdict.reasons.size(), 2);
-  EXPECT_EQ(verdict.reasons.front().code, MessageCode::kChangeProved);
+TEST(DecisionTest, AWindowThatIsPredictedWorseIsDoubt) {
+  OutputEvidence output = Output(kGood);
+  output.windows = {kGood, kGood, kGood};
+  EXPECT_EQ(Decide(Of({output}), {}).decision, Decision::kCorrected);
+  output.windows[1] = Scores(0.3, 0.5, -0.3);
+  const Verdict verdict = Decide(Of({output}), {});
+  EXPECT_EQ(verdict.decision, Decision::kCannotTell);
+  EXPECT_EQ(verdict.reasons.back().code, MessageCode::kWindowsDisagree);
+  EXPECT_NE(verdict.reasons.back().text.find("window 2"), std::string::npos);
+}
+
+TEST(DecisionTest, AStructureThatIsNotEnoughIsNotTrustedWithEveryPair) {
+  OutputEvidence output = Output(kGood);
+  output.doubtful_pair = "T ← valve";
+  const Verdict verdict = Decide(Of({output}), {});
+  EXPECT_EQ(verdict.decision, Decision::kCannotTell);
+  EXPECT_EQ(verdict.reasons.back().code, MessageCode::kStructureDoubtful);
+}
+
+TEST(DecisionTest, OneOfManyWindowsMayFallALittle) {
+  // 2.2 standard errors: beyond two, but one of twelve windows falls so far by
+  // chance in one of six records.
+  OutputEvidence output = Output(kGood);
+  output.windows.assign(12, kGood);
+  output.windows[5] = Scores(0.3, 0.5, -0.22);
+  EXPECT_EQ(Decide(Of({output}), {}).decision, Decision::kCorrected);
+}
+
+TEST(DecisionTest, AnOutputThatIsSureIsDeliveredBesideOneThatIsNot) {
+  const Verdict verdict = Decide(Of({Output(kFalls), Output(kGood)}), {});
+  EXPECT_EQ(verdict.decision, Decision::kCorrected);
+  EXPECT_EQ(verdict.outputs, (std::vector<Acceptance>{Acceptance::kNothing,
+                                                      Acceptance::kProposal}));
+  EXPECT_TRUE(Says(verdict, MessageCode::kPredictsWorse));
+  EXPECT_TRUE(Says(verdict, MessageCode::kPredictsBetter));
+}
+
+TEST(DecisionTest, EveryRowOfTheTableOfPlants) {
+  OutputEvidence quiet;
+  quiet.name = "T";
+  Evidence evidence;
+  evidence.outputs = {quiet};
+  evidence.detectable = "A change by 3 % would have been seen.";
+  Verdict verdict = Decide(evidence, {});
+  EXPECT_EQ(verdict.decision, Decision::kNoChange);
+  EXPECT_EQ(verdict.reasons.front().code, MessageCode::kNoChangeFound);
+  EXPECT_NE(verdict.reasons.front().text.find(evidence.detectable),
+            std::string::npos);
+
+  evidence.informed = false;
+  verdict = Decide(evidence, {});
+  EXPECT_EQ(verdict.decision, Decision::kCannotTell);
+  EXPECT_EQ(verdict.reasons.front().code, MessageCode::kNotExcited);
+
+  evidence.change_proved = true;  // and taken back: too small
+  verdict = Decide(evidence, {});
+  EXPECT_EQ(verdict.decision, Decision::kNoChange);
+  EXPECT_EQ(verdict.reasons.front().code, MessageCode::kChangeTooSmall);
+
+  evidence.outputs = {Output(kGood)};
+  evidence.obstacles = {{MessageCode::kChannel, "T", "T is dead.", {}}};
+  verdict = Decide(evidence, {});
+  EXPECT_EQ(verdict.decision, Decision::kCannotTell);
+  EXPECT_EQ(verdict.reasons.front().code, MessageCode::kChannel);
+  EXPECT_EQ(verdict.outputs[0], Acceptance::kNothing);
+}
+
+TEST(DecisionTest, WithoutHoldOutOnlyWhereItIsNotRequired) {
+  const Verdict verdict = Decide(Of({Output({})}), {.require_hold_out = false});
+  EXPECT_EQ(verdict.decision, Decision::kCorrected);
+  EXPECT_EQ(verdict.outputs[0], Acceptance::kProposal);
+}
+
+TEST(DecisionTest, DeviationsMoveTheLimit) {
+  const Evidence evidence = Of({Output(Scores(0.0, 0.0, 0.25))});
+  EXPECT_EQ(Decide(evidence, {.deviations = 2.4}).decision,
+            Decision::kCorrected);
+  EXPECT_EQ(Decide(evidence, {.deviations = 2.6}).decision,
+            Decision::kCannotTell);
 }
 
 TEST(DecisionTest, OptionsNameTheFieldThatIsWrong) {
-  for (const double wrong : {-1.0, std::numeric_limits<double>::infinity(),
-                             std::numeric_limits<double>::quiet_NaN()}) {
-    const absl::Status status = DecisionOptions{.least_gain = wrong}.Validate();
-    EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
-    EXPECT_NE(status.message().find("least_gain"), std::string::npos);
+  const auto expect = [](const DecisionOptions& options, const char* field) {
+    const absl::Status status = options.Validate();
+    EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << field;
+    EXPECT_NE(status.message().find(field), std::string::npos) << field;
+  };
+  for (const double wrong : {-1.0, 0.0, kNaN}) {
+    expect({.deviations = wrong}, "deviations");
+  }
+  for (const double wrong : {-0.1, 1.0, kNaN}) {
+    expect({.least_change = wrong}, "least_change");
   }
   EXPECT_TRUE(DecisionOptions().Validate().ok());
 }
@@ -81,7 +201,7 @@ TEST(DecisionTest, OptionsNameTheFieldThatIsWrong) {
 TEST(DecisionTest, NamesAreThoseOfTheFile) {
   EXPECT_EQ(NameOf(Decision::kNoChange), "no_change");
   EXPECT_EQ(NameOf(Decision::kCorrected), "corrected");
-  EXPECT_EQ(NameOf(Decision::kRefused), "refused");
+  EXPECT_EQ(NameOf(Decision::kCannotTell), "cannot_tell");
 }
 
 }  // namespace

@@ -33,11 +33,8 @@ Record Step(double noise, double drift) {
   return record;
 }
 
-std::vector<NoiseEstimate> Noise(double ratio) {
-  NoiseEstimate noise;
-  noise.variance = 1.0;
-  noise.ratio = ratio;
-  return {noise};
+Eigen::VectorXd Ratio(double ratio) {
+  return Eigen::VectorXd::Constant(1, ratio);
 }
 
 double MeanSquare(const Eigen::MatrixXd& errors) {
@@ -62,7 +59,8 @@ TEST(PredictionTest, TheResponseStartsSettledAndIsThatOfTheElement) {
 
 TEST(PredictionTest, WithoutNoiseNothingIsLeft) {
   const Record record = Step(0.0, 0.0);
-  const Predictor predictor = *PredictWithProcess(Tank(), Noise(0.0), 0.5);
+  const Predictor predictor =
+      PredictWithLevel(*ResponseOf(Tank(), 0.5), Ratio(0.0));
   for (const int horizon : {1, 7, 0}) {
     EXPECT_LT(MeanSquare(predictor(record, horizon)), 1e-12) << horizon;
   }
@@ -71,7 +69,8 @@ TEST(PredictionTest, WithoutNoiseNothingIsLeft) {
 TEST(PredictionTest, OneStepAheadIsTheStationaryKalmanFilter) {
   const double ratio = 0.04;
   const Record record = Step(0.1, 0.1 * std::sqrt(ratio));
-  const Predictor predictor = *PredictWithProcess(Tank(), Noise(ratio), 0.5);
+  const Predictor predictor =
+      PredictWithLevel(*ResponseOf(Tank(), 0.5), Ratio(ratio));
   // Innovation variance r (1 + P), P = (ρ + √(ρ² + 4ρ))/2.
   const double P = 0.5 * (ratio + std::sqrt(ratio * ratio + 4.0 * ratio));
   // Standard error of a variance of 380 samples: 7 %.
@@ -85,19 +84,30 @@ TEST(PredictionTest, OneStepAheadIsTheStationaryKalmanFilter) {
 TEST(PredictionTest, TheLevelFollowsAJumpWithTheStationaryGain) {
   Record record = Step(0.0, 0.0);
   record.outputs.rightCols(200).array() += 1.0;
-  const Predictor predictor = *PredictWithProcess(Tank(), Noise(0.5), 0.5);
+  const Predictor predictor =
+      PredictWithLevel(*ResponseOf(Tank(), 0.5), Ratio(0.5));
   const Eigen::MatrixXd errors = predictor(record, 1);
   for (int k = 0; k < 10; ++k) {
     EXPECT_NEAR(errors(0, 200 + k), std::pow(0.5, k), 1e-9) << k;
   }
 }
 
+TEST(PredictionTest, TheLevelRatioIsThatOfTheDrift) {
+  const auto ratio_of = [](double drift) {
+    return (*FitLevelRatios(*ResponseOf(Tank(), 0.5), {Step(0.1, drift)}))(0);
+  };
+  // 380 samples know ln q/r within about 0.4.
+  EXPECT_NEAR(std::log(ratio_of(0.02)), std::log(0.04), 1.2);
+  EXPECT_NEAR(std::log(ratio_of(0.1)), 0.0, 1.2);
+  EXPECT_LT(ratio_of(0.0), 1e-3);
+}
+
 TEST(PredictionTest, AWrongModelPredictsWorse) {
   ProcessModel wrong = Tank();
   wrong.element(0, 0) = TransferFunction::FirstOrder(1.4, 5.0, 1.3);
   const Record record = Step(0.05, 0.0);
-  const Predictor good = *PredictWithProcess(Tank(), Noise(0.0), 0.5);
-  const Predictor bad = *PredictWithProcess(wrong, Noise(0.0), 0.5);
+  const Predictor good = PredictWithLevel(*ResponseOf(Tank(), 0.5), Ratio(0.0));
+  const Predictor bad = PredictWithLevel(*ResponseOf(wrong, 0.5), Ratio(0.0));
   for (const int horizon : {1, 20, 0}) {
     EXPECT_LT(MeanSquare(good(record, horizon)),
               0.5 * MeanSquare(bad(record, horizon)));
@@ -108,7 +118,8 @@ TEST(PredictionTest, ConstantsDoNotMatter) {
   const Record record = Step(0.05, 0.01);
   Record lifted = record;
   lifted.outputs.array() += 350.0;
-  const Predictor predictor = *PredictWithProcess(Tank(), Noise(0.01), 0.5);
+  const Predictor predictor =
+      PredictWithLevel(*ResponseOf(Tank(), 0.5), Ratio(0.01));
   for (const int horizon : {1, 20, 0}) {
     EXPECT_NEAR(MeanSquare(predictor(record, horizon)),
                 MeanSquare(predictor(lifted, horizon)), 1e-9);
@@ -118,56 +129,29 @@ TEST(PredictionTest, ConstantsDoNotMatter) {
 TEST(PredictionTest, LostSamplesHaveNoError) {
   Record record = Step(0.05, 0.0);
   record.outputs(0, 200) = std::nan("");
-  const Predictor process = *PredictWithProcess(Tank(), Noise(0.0), 0.5);
+  const Predictor process =
+      PredictWithLevel(*ResponseOf(Tank(), 0.5), Ratio(0.0));
   const Eigen::MatrixXd errors = process(record, 1);
   EXPECT_TRUE(std::isnan(errors(0, 200)));
   EXPECT_TRUE(std::isfinite(errors(0, 201)));
-  ArxModel arx;
-  arx.sample_time = 0.5;
-  arx.order = 3;
-  arx.num_outputs = arx.num_inputs = 1;
-  arx.R = Eigen::MatrixXd::Zero(1, 6);
-  arx.R(0, 0) = 0.9;
-  const Predictor filled =
-      *PredictFilled(Tank(), Noise(0.0), 0.5, PredictWithArx(arx));
-  const Eigen::MatrixXd left = filled(record, 1);
-  EXPECT_TRUE(std::isnan(left(0, 2)));
-  EXPECT_TRUE(std::isfinite(left(0, 3)));
-  EXPECT_TRUE(std::isnan(left(0, 200)));
-  EXPECT_TRUE(std::isfinite(left(0, 201)));
-  // Left alone, or of a longer loss: d samples after it have no regressor.
-  const Eigen::MatrixXd lost = PredictWithArx(arx)(record, 1);
-  EXPECT_TRUE(std::isnan(lost(0, 203)));
-  EXPECT_TRUE(std::isfinite(lost(0, 204)));
-  record.outputs.middleCols(200, kLongestFill + 1).setConstant(std::nan(""));
-  const Eigen::MatrixXd longer = filled(record, 1);
-  EXPECT_TRUE(std::isnan(longer(0, 200 + kLongestFill + 3)));
-  EXPECT_TRUE(std::isfinite(longer(0, 200 + kLongestFill + 4)));
 }
 
-TEST(PredictionTest, AnArxModelPredictsItsOwnRecordExactly) {
-  Record record;
-  record.sample_time = 1.0;
-  record.inputs = GaussianNoise(2, 0).DrawMatrix(1, 200, 1.0);
-  record.outputs = Eigen::MatrixXd::Zero(1, 200);
+// First order: φ_{k+1} = a φ_k + b, of which a process model has the same.
+TEST(PredictionTest, AnArxModelRunsFreely) {
   ArxModel arx;
-  arx.sample_time = 1.0;
+  arx.sample_time = 0.5;
   arx.order = 2;
   arx.num_outputs = arx.num_inputs = 1;
-  arx.R.resize(1, 4);
-  arx.R << 0.7, 0.5, -0.1, 0.2;  // y₋₁, u₋₁, y₋₂, u₋₂
-  for (int k = 2; k < 200; ++k) {
-    record.outputs(0, k) =
-        0.7 * record.outputs(0, k - 1) + 0.5 * record.inputs(0, k - 1) -
-        0.1 * record.outputs(0, k - 2) + 0.2 * record.inputs(0, k - 2);
+  arx.R = Eigen::MatrixXd::Zero(1, 4);
+  arx.R(0, 0) = 0.9;
+  arx.R(0, 3) = 0.2;  // of the input two samples ago
+  const Record record = Step(0.0, 0.0);
+  const Eigen::MatrixXd response = *ResponseOf(arx).response(record);
+  const StepResponse step = arx.ComputeStepResponse(360);
+  for (int k = 0; k < 40; ++k) EXPECT_EQ(response(0, k), 0.0);
+  for (int k = 0; k < 360; ++k) {
+    EXPECT_NEAR(response(0, 40 + k), step.element(0, 0)(k), 1e-9);
   }
-  const Predictor predictor = PredictWithArx(arx);
-  EXPECT_LT(MeanSquare(predictor(record, 1)), 1e-20);
-  // Further ahead the means taken off, not exactly a steady state of the model,
-  // leave a little.
-  const double variance = record.outputs.squaredNorm() / 200.0;
-  EXPECT_LT(MeanSquare(predictor(record, 10)), 1e-4 * variance);
-  EXPECT_LT(MeanSquare(predictor(record, 0)), 1e-4 * variance);
 }
 
 }  // namespace
