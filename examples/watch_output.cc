@@ -1,4 +1,5 @@
-// Says whether the model of one output still holds, from records in memory:
+// Says whether the model of one output still holds, by windows around the set-
+// point changes of all outputs:
 // watch_output MODEL.json RECORD.csv OUTPUT
 
 #include <cstdio>
@@ -11,18 +12,18 @@ int main(int argc, char** argv) {
   if (argc != 4) return 2;
   const auto model = mle::ReadProcessModel(argv[1]);
   if (!model.ok()) return 2;
-  const auto import = mle::ImportHistorian({argv[2]}, *model, {});
-  if (!import.ok()) return 2;
+  const auto data = mle::LoadRecords({argv[2]}, *model, {}, {});
+  if (!data.ok()) return 2;
   for (int i = 0; i < model->num_outputs(); ++i) {
     if (model->outputs()[i].name != argv[3]) continue;
-    std::vector<mle::Record> records;
-    for (const mle::Record& record : import->records) {
-      records.push_back(mle::SelectOutput(record, i));
+    std::vector<mle::Record> windows;
+    for (const mle::Record& window : data->Records()) {
+      windows.push_back(mle::SelectOutput(window, i));
     }
     mle::CorrectOptions options;
     options.estimation.estimator = mle::Estimator::kStructured;
-    const auto result =
-        mle::CorrectFromRecords(mle::SelectOutput(*model, i), records, options);
+    const auto result = mle::CorrectFromData(
+        mle::SelectOutput(*model, i), mle::UseAsWindows(windows), options);
     if (!result.ok()) {
       std::fprintf(stderr, "%s\n", result.status().ToString().c_str());
       return 2;

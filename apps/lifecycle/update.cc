@@ -89,6 +89,8 @@ CorrectOptions UpdateOptions::SimulatedRecords() {
   CorrectOptions options;
   options.records.mark = {.frozen = false, .outliers = false};
   options.hold_out.folds = 4;
+  // A step test moves its only input, or the last one, up and back.
+  options.hold_out.fewest_changes = 2;
   options.make_arx = false;
   options.examine = false;
   options.threads = 1;

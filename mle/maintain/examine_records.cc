@@ -21,6 +21,7 @@ namespace mle {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kMostlyAtLimits = 0.5;
 
 class Examiner {
  public:
@@ -183,13 +184,15 @@ absl::Status Examiner::FindStuck() {
 void Examiner::FindOperation() {
   for (const TimeAtLimits& limits : FindTimeAtLimits(records_)) {
     const std::string& name = model_.inputs()[limits.input].name;
-    Add(MessageCode::kInputLimits, name, Consequence::kNote,
-        limits.share_low + limits.share_high,
+    const double share = limits.share_low + limits.share_high;
+    // A loop that is open for most of the time is not routine operation.
+    Add(MessageCode::kInputLimits, name,
+        share > kMostlyAtLimits ? Consequence::kBlocks : Consequence::kNote,
+        share,
         absl::StrFormat("%s is at its limits for %.0f %% of the time: %.0f %% "
                         "at %.6g, %.0f %% at %.6g.",
-                        name, 100.0 * (limits.share_low + limits.share_high),
-                        100.0 * limits.share_low, limits.low,
-                        100.0 * limits.share_high, limits.high));
+                        name, 100.0 * share, 100.0 * limits.share_low,
+                        limits.low, 100.0 * limits.share_high, limits.high));
   }
   for (const SplitMoves& moves : FindSplitMoves(records_)) {
     const std::string& name = model_.inputs()[moves.input].name;
