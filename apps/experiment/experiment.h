@@ -63,8 +63,8 @@ struct Evaluation {
   Judgement judgement;    // against the plant's
   // None where the model stays as it is.
   std::optional<Estimate> estimate;
-  // Without a test the model is changed.
-  bool change_proposed = true;
+  // By the method's test; always without one.
+  bool change_proposed = false;
   std::optional<double> p_value;  // of the initial model being right
   Eigen::VectorXd lambda;         // of ΔR where there is one, p
   double max_relative_gap = std::numeric_limits<double>::quiet_NaN();
