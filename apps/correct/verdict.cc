@@ -250,14 +250,12 @@ void AddChangedElements(const Result& result, std::vector<Finding>& findings) {
 void AddInadequacy(const Result& result, std::vector<Finding>& findings) {
   const EstimateFit& fit = result.estimate.fit;
   if (!fit.adequacy.has_value() || fit.adequacy->adequate) return;
-  const Eigen::VectorXd& p_values = fit.adequacy->output_p_values;
+  const std::vector<bool> wrong = WrongOutputs(
+      *fit.adequacy,
+      result.options.estimation.structured.false_alarm_probability);
   std::vector<std::string> names;
   for (int i = 0; i < result.initial.num_outputs(); ++i) {
-    if (p_values(i) == p_values.minCoeff() ||
-        p_values(i) * static_cast<double>(p_values.size()) <
-            result.options.estimation.structured.false_alarm_probability) {
-      names.push_back(result.initial.outputs()[i].name);
-    }
+    if (wrong[i]) names.push_back(result.initial.outputs()[i].name);
   }
   findings.push_back(
       {"structure_adequate", absl::StrJoin(names, ", "), fit.adequacy->p_value,

@@ -10,13 +10,11 @@
 
 namespace mle {
 
-namespace {
-
-// Bonferroni's share for each output, and in any case the most suspicious.
 std::vector<bool> WrongOutputs(const ModelAdequacy& adequacy,
                                double false_alarm_probability) {
   const Eigen::VectorXd& p_values = adequacy.output_p_values;
   std::vector<bool> wrong(p_values.size());
+  if (adequacy.adequate) return wrong;
   for (Eigen::Index i = 0; i < p_values.size(); ++i) {
     wrong[i] = p_values(i) < false_alarm_probability /
                                  static_cast<double>(p_values.size()) ||
@@ -24,8 +22,6 @@ std::vector<bool> WrongOutputs(const ModelAdequacy& adequacy,
   }
   return wrong;
 }
-
-}  // namespace
 
 absl::Status CombinedOptions::Validate() const {
   if (!(false_alarm_probability > 0.0 && false_alarm_probability < 1.0)) {

@@ -51,6 +51,12 @@ struct CombinedOptions {
   absl::Status Validate() const;
 };
 
+// p: the outputs that the test finds wrong, by Bonferroni's share of the
+// false-alarm probability for each of them, and the most suspicious one. None
+// where the model is adequate.
+std::vector<bool> WrongOutputs(const ModelAdequacy& adequacy,
+                               double false_alarm_probability);
+
 struct CombinedCorrection {
   StructuredCorrection structured;
   ModelAdequacy adequacy;  // of structured.corrected.model

@@ -140,6 +140,11 @@ absl::Status ConversionSettings::Validate() const {
   return absl::OkStatus();
 }
 
+int ConversionSettings::OrderFor(const ProcessModel& model,
+                                 double sample_time) const {
+  return order > 0 ? order : ChooseOrder(model, sample_time);
+}
+
 double LongestMemory(const ProcessModel& model) {
   double longest = 0.0;
   for (int i = 0; i < model.num_outputs(); ++i) {
@@ -183,8 +188,7 @@ absl::StatusOr<ConversionSummary> ConvertUnderNoise(
     }
   }
   ConversionOptions options;
-  options.order =
-      settings.order > 0 ? settings.order : ChooseOrder(model, sample_time);
+  options.order = settings.OrderFor(model, sample_time);
   options.penalty = settings.penalty;
   options.solver = settings.solver;
   return ConvertToArx(record, options);

@@ -52,6 +52,8 @@ struct ConversionSettings {
   LassoSolverOptions solver;
 
   absl::Status Validate() const;
+  // d of this model: `order`, or ChooseOrder().
+  int OrderFor(const ProcessModel& model, double sample_time) const;
 };
 
 // The longest dead time and slowest time constant of an element together: how

@@ -42,13 +42,6 @@ absl::StatusOr<int> ResponseSamples(const ProcessModel& model,
   return static_cast<int>(samples);
 }
 
-int OrderOf(const CorrectOptions& options, const ProcessModel& model,
-            double sample_time) {
-  return options.estimation.conversion.order > 0
-             ? options.estimation.conversion.order
-             : ChooseOrder(model, sample_time);
-}
-
 // Proposals that change no element's step response by more than
 // decision.least_change are taken back: one by one where they are parametric,
 // output by output where they are ΔR's. An absent pair counts by the largest
@@ -83,7 +76,8 @@ absl::Status DropSmallChanges(int samples, CorrectionResult& result) {
   return absl::OkStatus();
 }
 
-// "A gain 2.1 % (top/reflux) to 9 % (…) off would have been seen."
+// "A change of a gain by 2.1 % (top ← reflux) to 9 % (…) would have been seen.",
+// of the pairs that the records tell something about; empty if there are none.
 std::string Detectable(const CorrectionResult& result) {
   // Standard errors of a change that a test at 1 % finds nine times of ten.
   constexpr double kSeen = 3.9;
@@ -153,6 +147,22 @@ std::string DoubtfulPair(const CorrectionResult& result, int i) {
   return "";
 }
 
+// p: outputs of whose residuals the inputs explain a part, for which no shape
+// was estimated.
+std::vector<bool> UnexplainedOutputs(const Estimate& estimate) {
+  std::vector<bool> outputs(estimate.setting.arx_outputs.size());
+  const EstimateFit& fit = estimate.fit;
+  if (!fit.adequacy.has_value()) return outputs;
+  outputs = WrongOutputs(
+      *fit.adequacy,
+      estimate.setting.options.structured.false_alarm_probability);
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    outputs[i] =
+        outputs[i] && !ProposesByArx(estimate, static_cast<int>(i));
+  }
+  return outputs;
+}
+
 OutputEvidence EvidenceOf(const CorrectionResult& result, int i) {
   const Validation& validation = result.validation;
   OutputEvidence evidence;
@@ -192,6 +202,7 @@ int ChangesOf(const RecordData& data) {
 }
 
 absl::Status DecideByEvidence(const std::vector<Record>& windows, int order,
+                              const std::vector<bool>& unexplained,
                               CorrectionResult& result) {
   const CorrectOptions& options = result.options;
   MLE_ASSIGN_OR_RETURN(
@@ -208,6 +219,7 @@ absl::Status DecideByEvidence(const std::vector<Record>& windows, int order,
   if (options.examine) evidence.detectable = Detectable(result);
   for (int i = 0; i < result.initial.num_outputs(); ++i) {
     evidence.outputs.push_back(EvidenceOf(result, i));
+    evidence.outputs.back().unexplained = unexplained[i];
   }
   Verdict verdict = Decide(evidence, options.decision);
   result.decision = verdict.decision;
@@ -354,9 +366,10 @@ absl::StatusOr<CorrectionResult> CorrectFromData(
         AssessInformation(model, windows, result.estimate.setting.noise,
                           {.structured = estimation.structured}));
   }
+  const std::vector<bool> unexplained = UnexplainedOutputs(result.estimate);
   MLE_RETURN_IF_ERROR(DropSmallChanges(samples, result));
-  const int order = OrderOf(result.options, model, sample_time);
-  MLE_RETURN_IF_ERROR(DecideByEvidence(windows, order, result));
+  const int order = estimation.conversion.OrderFor(model, sample_time);
+  MLE_RETURN_IF_ERROR(DecideByEvidence(windows, order, unexplained, result));
   MLE_RETURN_IF_ERROR(TakeAccepted(windows, result));
   const Stage making(options.progress, "making the corrected model");
   MLE_RETURN_IF_ERROR(making.status());

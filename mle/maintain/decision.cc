@@ -82,6 +82,16 @@ Message Doubt(const OutputEvidence& output, MessageCode code,
   return {code, output.name, std::move(text), {}};
 }
 
+Message Unexplained(const OutputEvidence& output) {
+  return Doubt(
+      output, MessageCode::kStructureDoubtful,
+      absl::StrCat("Gains, time constants and dead times have hardly changed, "
+                   "but the inputs explain a part of the residuals of ",
+                   output.name,
+                   ": another shape of a response, or a disturbance. More "
+                   "set-point changes would settle it."));
+}
+
 struct OutputVerdict {
   Acceptance acceptance = Acceptance::kNothing;
   std::optional<Message> reason;
@@ -91,7 +101,10 @@ OutputVerdict DecideOutput(const OutputEvidence& output,
                            const std::string& nothing_held_out,
                            const DecisionOptions& options) {
   OutputVerdict verdict;
-  if (!output.proposed) return verdict;
+  if (!output.proposed) {
+    if (output.unexplained) verdict.reason = Unexplained(output);
+    return verdict;
+  }
   if (!output.scores.has_value()) {
     if (!options.require_hold_out) verdict.acceptance = Acceptance::kProposal;
     verdict.reason = Doubt(

@@ -3,6 +3,7 @@
 //
 //   evidence about an output                            what is taken of it
 //   nothing proposed                                    kNothing
+//   nothing proposed, but inputs explain residuals      kNothing, doubtful
 //   proposed, nothing held out                          kNothing, doubtful
 //   a score falls by more than chance                   kNothing, doubtful
 //   a score of one window does                          kNothing, doubtful
@@ -68,6 +69,9 @@ enum class Acceptance {
 struct OutputEvidence {
   std::string name;
   bool proposed = false;
+  // Inputs explain a part of the residuals (model_adequacy.h), and nothing was
+  // estimated to take it up.
+  bool unexplained = false;
   // Nothing where nothing was held out.
   std::optional<OutputScores> scores;
   std::optional<OutputScores> parametric;  // where ΔR is proposed

@@ -119,11 +119,8 @@ absl::Status AddArx(const std::vector<Record>& windows, SharedFits& shared,
 
 bool HasSamplesForArx(const std::vector<Record>& windows,
                       const EstimateSetting& setting) {
-  const ConversionSettings& conversion = setting.options.conversion;
-  const int order =
-      conversion.order > 0
-          ? conversion.order
-          : ChooseOrder(setting.initial, windows.front().sample_time);
+  const int order = setting.options.conversion.OrderFor(
+      setting.initial, windows.front().sample_time);
   double samples = 0.0;
   for (const Record& window : windows) samples += window.samples();
   const int channels =
@@ -215,17 +212,12 @@ void KeepInitialElement(int output, int input, Estimate& estimate) {
 void KeepParametricOutput(int output, Estimate& estimate) {
   if (!ProposesByArx(estimate, output)) return;
   EstimateSetting& setting = estimate.setting;
-  if (setting.options.estimator == Estimator::kArx) {
-    estimate.fit.arx_model.R.row(output) =
-        setting.conversion->model.R.row(output);
-    return;
-  }
   setting.arx_outputs[output] = false;
   const std::vector<bool>& left = setting.arx_outputs;
-  if (std::find(left.begin(), left.end(), true) == left.end()) {
-    estimate.fit.arx.reset();
-    setting.conversion.reset();
-  }
+  if (std::find(left.begin(), left.end(), true) != left.end()) return;
+  estimate.fit.arx.reset();
+  // The model of the estimator arx is R where nothing is corrected.
+  if (setting.options.estimator != Estimator::kArx) setting.conversion.reset();
 }
 
 void KeepInitialOutput(int output, Estimate& estimate) {
@@ -266,8 +258,8 @@ absl::Status MakePredictors(const std::vector<Record>& windows,
 }
 
 double EstimateFit::PValue() const {
-  const bool by_structure =
-      change_proposed && adequacy.has_value() && !structured.change_proposed;
+  const bool by_structure = adequacy.has_value() && !adequacy->adequate &&
+                            !structured.change_proposed;
   return by_structure ? adequacy->p_value : test.p_value;
 }
 
@@ -277,6 +269,12 @@ absl::Status EstimationOptions::Validate() const {
         absl::StrCat("change_test is adequacy, but estimator is ",
                      std::string(NameOf(estimator)),
                      ": that test is one of arx, as it has no structure"));
+  }
+  if (!(least_samples_per_coefficient >= 0.0) ||
+      !std::isfinite(least_samples_per_coefficient)) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "least_samples_per_coefficient = ", least_samples_per_coefficient,
+        ": it must be finite and not negative"));
   }
   MLE_RETURN_IF_ERROR(structured.Validate());
   MLE_RETURN_IF_ERROR(calibration.Validate());

@@ -94,8 +94,8 @@ struct EstimateFit {
   Predictor corrected;
   Predictor parametric;
 
-  // Of the test that decided: where it found no change and there is one all the
-  // same, that of whether the structure is enough.
+  // Of the test that decided: where it found no change, but the structure is
+  // not enough, that of the latter.
   double PValue() const;
 };
 

@@ -50,8 +50,7 @@ enum class MessageCode {
   kNotBetter,          // neither by more than chance
   kNothingHeldOut,     // the correction could not be validated
   kWindowsDisagree,    // parts of the records want different gains
-  kStructureDoubtful,  // it does not explain the records, and turns a gain
-                       // round
+  kStructureDoubtful,  // it does not explain the records
   kChangeTooSmall,     // a change is proved, but not worth making
   kNotExcited,         // the records determine no gain
 };

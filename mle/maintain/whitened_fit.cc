@@ -16,7 +16,8 @@ constexpr int kMostRounds = 10;
 constexpr double kConverged = 1e-3;  // of a standard error
 constexpr double kLeastVariance = 1e-8;
 constexpr double kRidge = 1e-10;
-// Of a response's variance, what is left of it beside the others.
+// Share of a response's variance that other responses do not explain; far below
+// it a gain stays as it is.
 constexpr double kCollinear = 1e-9;
 
 using Hankel = Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>>;

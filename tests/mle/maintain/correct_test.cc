@@ -1,6 +1,7 @@
 #include "mle/maintain/correct.h"
 
 #include <cmath>
+#include <cstdint>
 #include <fstream>
 #include <string>
 #include <vector>
@@ -83,6 +84,52 @@ TEST(CorrectFromRecordsTest, AChangeBelowTheThresholdIsNoChange) {
   ASSERT_TRUE(large.ok()) << large.status();
   EXPECT_EQ(large->decision, Decision::kCorrected);
   EXPECT_NEAR(large->change.elements(0, 0), 0.03, 0.005);
+}
+
+TEST(CorrectFromRecordsTest, AChangeOfArxBelowTheThresholdIsNoChangeToo) {
+  CorrectOptions options = Fast();
+  options.estimation.estimator = Estimator::kArx;
+  options.estimation.conversion.samples = 20000;
+  options.decision.least_change = 0.5;
+  const auto result = CorrectFromRecords(
+      Tank(1.0),
+      {TankRecord(Tank(1.2), 0.01, 1), TankRecord(Tank(1.2), 0.01, 2)},
+      options);
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_EQ(result->decision, Decision::kNoChange);
+  EXPECT_EQ(result->reasons.front().code, MessageCode::kChangeTooSmall);
+  EXPECT_FALSE(ProposesChange(result->estimate, 0));
+  EXPECT_GT(result->corrected.arx.R.size(), 0);
+}
+
+// A pair that the model has not: nothing structured can take it up, and the
+// samples are too few for a free shape.
+TEST(CorrectFromRecordsTest, WhatNoParameterExplainsIsNotNoChange) {
+  ProcessModel model("tank", "min", {{"valve", "%"}, {"heat", "%"}},
+                     {{"level", "m"}});
+  model.element(0, 0) = TransferFunction::FirstOrder(1.0, 5.0, 1.5);
+  ProcessModel plant = model;
+  plant.element(0, 1) = TransferFunction::FirstOrder(0.5, 5.0, 1.5);
+  std::vector<Record> records;
+  for (const std::uint64_t seed : {1, 2}) {
+    Record record = TankRecord(Tank(1.0), 0.02, seed);
+    const Eigen::MatrixXd noise =
+        record.outputs - *SimulateResponse(Tank(1.0), 0.5, record.inputs);
+    record.inputs.conservativeResize(2, Eigen::NoChange);
+    record.inputs.row(1).setZero();
+    record.inputs.row(1).segment(300, 100).setOnes();
+    record.inputs.row(1).segment(650, 30).setConstant(-1.0);
+    record.outputs = *SimulateResponse(plant, 0.5, record.inputs) + noise;
+    records.push_back(record);
+  }
+  CorrectOptions options = Fast();
+  options.estimation.estimator = Estimator::kCombined;
+  options.estimation.least_samples_per_coefficient = 1e6;
+  const auto result = CorrectFromRecords(model, records, options);
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_EQ(result->decision, Decision::kCannotTell);
+  EXPECT_EQ(result->reasons.back().code, MessageCode::kStructureDoubtful);
+  EXPECT_LT(result->estimate.fit.PValue(), 0.01);
 }
 
 TEST(CorrectFromRecordsTest, FilesGiveTheSameAsMemory) {
@@ -177,6 +224,11 @@ TEST(CorrectFromRecordsTest, WrongArgumentsAreNamed) {
   options = Fast();
   options.estimation.structured.confidence = 2.0;
   EXPECT_TRUE(Mentions(message(Tank(1.0), {record}, options), "confidence"));
+
+  options = Fast();
+  options.estimation.least_samples_per_coefficient = std::nan("");
+  EXPECT_TRUE(Mentions(message(Tank(1.0), {record}, options),
+                       "least_samples_per_coefficient"));
 
   EXPECT_TRUE(Mentions(message(Tank(1.0), {}, Fast()), "records"));
   Record quiet = record;

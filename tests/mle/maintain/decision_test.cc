@@ -121,6 +121,23 @@ TEST(DecisionTest, AStructureThatIsNotEnoughIsNotTrustedWithEveryPair) {
   EXPECT_EQ(verdict.reasons.back().code, MessageCode::kStructureDoubtful);
 }
 
+TEST(DecisionTest, ResidualsThatInputsExplainAreNotNoChange) {
+  OutputEvidence quiet;
+  quiet.name = "T";
+  OutputEvidence unexplained = quiet;
+  unexplained.unexplained = true;
+  Evidence evidence;
+  evidence.outputs = {quiet, unexplained};
+  const Verdict verdict = Decide(evidence, {});
+  EXPECT_EQ(verdict.decision, Decision::kCannotTell);
+  EXPECT_EQ(verdict.outputs[1], Acceptance::kNothing);
+  EXPECT_EQ(verdict.reasons.back().code, MessageCode::kStructureDoubtful);
+  // Beside an output that is sure it is a doubt, no more.
+  evidence.outputs[0] = Output(kGood);
+  EXPECT_EQ(Decide(evidence, {}).decision, Decision::kCorrected);
+  EXPECT_TRUE(Says(Decide(evidence, {}), MessageCode::kStructureDoubtful));
+}
+
 TEST(DecisionTest, OneOfManyWindowsMayFallALittle) {
   // 2.2 standard errors: beyond two, but one of twelve windows falls so far by
   // chance in one of six records.
