@@ -96,6 +96,7 @@ std::string InputNames(const ProcessModel& model,
 // Pairs that the records say little or nothing about.
 void AddMissingInformation(const Result& result,
                            std::vector<std::string>& advice) {
+  if (!result.data.obstacles.empty()) return;
   const ProcessModel& model = result.initial;
   std::vector<std::string> weak;
   std::vector<std::string> unknown;

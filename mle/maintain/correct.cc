@@ -2,20 +2,22 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <set>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_format.h"
 #include "mle/base/status.h"
 #include "mle/maintain/certificates.h"
+#include "mle/maintain/evidence.h"
+#include "mle/maintain/unfitted.h"
 
 namespace mle {
 namespace {
 
 constexpr double kFewestResponseSamples = 5.0;
 constexpr double kMostResponseSamples = 1e6;
+// Where records cannot be used, whatever the model's settling time.
+constexpr double kMostShownSamples = 1e4;
 // Of Δt: the smallest time constant of fopdt_model, that of a jump.
 constexpr double kTimeFloor = 1e-3;
 
@@ -25,12 +27,17 @@ absl::Status NotPositive(const char* field, double value) {
 }
 
 absl::StatusOr<int> ResponseSamples(const ProcessModel& model,
-                                    double sample_time,
+                                    double sample_time, bool obstacles,
                                     const CorrectOptions& options) {
   const double horizon = options.response_horizon > 0.0
                              ? options.response_horizon
                              : SettlingTime(model);
   const double samples = std::round(horizon / sample_time) + 1.0;
+  // The model may be in another unit of time, which is then the answer.
+  if (obstacles && options.response_horizon == 0.0) {
+    return static_cast<int>(
+        std::clamp(samples, kFewestResponseSamples, kMostShownSamples));
+  }
   if (!(samples >= kFewestResponseSamples) ||
       !(samples <= kMostResponseSamples)) {
     return OptionError(
@@ -76,111 +83,6 @@ absl::Status DropSmallChanges(int samples, CorrectionResult& result) {
   return absl::OkStatus();
 }
 
-// "A change of a gain by 2.1 % (top ← reflux) to 9 % (…) would have been seen.",
-// of the pairs that the records tell something about; empty if there are none.
-std::string Detectable(const CorrectionResult& result) {
-  // Standard errors of a change that a test at 1 % finds nine times of ten.
-  constexpr double kSeen = 3.9;
-  const ProcessModel& model = result.initial;
-  double low = std::numeric_limits<double>::infinity();
-  double high = 0.0;
-  std::string lowest;
-  std::string highest;
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      const PairErrors& pair = result.information.pair(i, j);
-      if (pair.state == PairState::kAbsent ||
-          pair.state == PairState::kNotInformed) {
-        continue;
-      }
-      if (pair.gain < low) {
-        low = pair.gain;
-        lowest = PairName(model, i, j);
-      }
-      if (pair.gain > high) {
-        high = pair.gain;
-        highest = PairName(model, i, j);
-      }
-    }
-  }
-  if (lowest.empty()) return "";
-  return lowest == highest
-             ? absl::StrFormat(
-                   "A change of the gain of %s by %.2g %% would have been "
-                   "seen.",
-                   lowest, 100.0 * kSeen * low)
-             : absl::StrFormat(
-                   "A change of a gain by %.2g %% (%s) to %.2g %% (%s) would "
-                   "have been seen.",
-                   100.0 * kSeen * low, lowest, 100.0 * kSeen * high, highest);
-}
-
-bool AnyInformed(const PairInformation& information) {
-  return information.pairs.empty() ||
-         std::any_of(information.pairs.begin(), information.pairs.end(),
-                     [](const PairErrors& pair) {
-                       return pair.state == PairState::kInformed ||
-                              pair.state == PairState::kWeak;
-                     });
-}
-
-// The first pair of an output that a structure which does not explain the
-// records cannot be trusted with: its gain would change its sign, or its input
-// moves so much together with others that what the structure lacks goes into
-// the difference of their gains.
-std::string DoubtfulPair(const CorrectionResult& result, int i) {
-  constexpr double kTogether = 10.0;  // PairErrors::inflation
-  const EstimateFit& fit = result.estimate.fit;
-  if (!fit.adequacy.has_value() || fit.adequacy->adequate ||
-      ProposesByArx(result.estimate, i)) {
-    return "";
-  }
-  for (int j = 0; j < result.initial.num_inputs(); ++j) {
-    if (!fit.structured.aged(i, j)) continue;
-    const ParameterEstimate& gain = fit.structured.corrected.element(i, j).gain;
-    const bool together = !result.information.pairs.empty() &&
-                          result.information.pair(i, j).inflation > kTogether;
-    if (together || gain.value * gain.initial < 0.0) {
-      return PairName(result.initial, i, j);
-    }
-  }
-  return "";
-}
-
-// p: outputs of whose residuals the inputs explain a part, for which no shape
-// was estimated.
-std::vector<bool> UnexplainedOutputs(const Estimate& estimate) {
-  std::vector<bool> outputs(estimate.setting.arx_outputs.size());
-  const EstimateFit& fit = estimate.fit;
-  if (!fit.adequacy.has_value()) return outputs;
-  outputs = WrongOutputs(
-      *fit.adequacy,
-      estimate.setting.options.structured.false_alarm_probability);
-  for (std::size_t i = 0; i < outputs.size(); ++i) {
-    outputs[i] =
-        outputs[i] && !ProposesByArx(estimate, static_cast<int>(i));
-  }
-  return outputs;
-}
-
-OutputEvidence EvidenceOf(const CorrectionResult& result, int i) {
-  const Validation& validation = result.validation;
-  OutputEvidence evidence;
-  evidence.name = result.initial.outputs()[i].name;
-  evidence.proposed = ProposesChange(result.estimate, i);
-  if (evidence.proposed) evidence.doubtful_pair = DoubtfulPair(result, i);
-  if (!validation.held_out) return evidence;
-  evidence.scores = validation.outputs[i];
-  if (result.options.estimation.estimator != Estimator::kArx &&
-      ProposesByArx(result.estimate, i)) {
-    evidence.parametric = validation.parametric[i];
-  }
-  for (const std::vector<OutputScores>& window : validation.windows) {
-    evidence.windows.push_back(window[i]);
-  }
-  return evidence;
-}
-
 // Set-point changes in the first window, at different times; in a step test,
 // where set points do not change and inputs hardly ever, moves of inputs.
 int ChangesOf(const RecordData& data) {
@@ -210,17 +112,7 @@ absl::Status DecideByEvidence(const std::vector<Record>& windows, int order,
       ValidateByHoldOut(result.estimate, windows, ChangesOf(result.data), order,
                         options.hold_out, options.in_use, options.threads,
                         options.progress));
-  Evidence evidence;
-  evidence.change_proved = result.estimate.fit.change_proposed;
-  evidence.p_value = result.estimate.fit.PValue();
-  evidence.nothing_held_out = result.validation.missing;
-  evidence.obstacles = result.data.obstacles;
-  evidence.informed = AnyInformed(result.information);
-  if (options.examine) evidence.detectable = Detectable(result);
-  for (int i = 0; i < result.initial.num_outputs(); ++i) {
-    evidence.outputs.push_back(EvidenceOf(result, i));
-    evidence.outputs.back().unexplained = unexplained[i];
-  }
+  const Evidence evidence = GatherEvidence(result, unexplained);
   Verdict verdict = Decide(evidence, options.decision);
   result.decision = verdict.decision;
   result.reasons = std::move(verdict.reasons);
@@ -274,6 +166,37 @@ absl::Status Examine(const std::vector<Record>& windows, int order,
   result.corrected_residuals =
       result.accepted() ? ExamineResiduals(fit.corrected, windows, order)
                         : result.initial_residuals;
+  return absl::OkStatus();
+}
+
+// What needs fits to the windows, whose outliers are marked first.
+absl::Status EstimateFromWindows(CorrectionResult& result) {
+  for (const Message& obstacle : result.data.obstacles) {
+    // The model is not of these channels, units or times.
+    if (obstacle.code == MessageCode::kMistake) {
+      return absl::FailedPreconditionError(obstacle.text);
+    }
+  }
+  const CorrectOptions& options = result.options;
+  const EstimationOptions& estimation = options.estimation;
+  if (ShouldLookForOutliers(options.records, estimation.structured,
+                            result.data)) {
+    const Stage stage(options.progress, "looking for outliers");
+    MLE_RETURN_IF_ERROR(stage.status());
+    MLE_RETURN_IF_ERROR(MarkOutliersByModel(
+        result.initial, estimation.structured, result.data));
+  }
+  const std::vector<Record> windows = result.data.Records();
+  MLE_ASSIGN_OR_RETURN(
+      result.estimate,
+      EstimateModel(result.initial, windows, estimation, options.progress));
+  if (options.examine) {
+    MLE_ASSIGN_OR_RETURN(
+        result.information,
+        AssessInformation(result.initial, windows,
+                          result.estimate.setting.noise,
+                          {.structured = estimation.structured}));
+  }
   return absl::OkStatus();
 }
 
@@ -344,28 +267,20 @@ absl::StatusOr<CorrectionResult> CorrectFromData(
   }
   const EstimationOptions& estimation = result.options.estimation;
   const double sample_time = result.data.sample_time();
+  const bool obstacles = !result.data.obstacles.empty();
   MLE_ASSIGN_OR_RETURN(const int samples,
-                       ResponseSamples(model, sample_time, options));
+                       ResponseSamples(model, sample_time, obstacles, options));
   result.initial_response = model.ComputeStepResponse(sample_time, samples);
-  if (ShouldLookForOutliers(options.records, estimation.structured,
-                            result.data)) {
-    const Stage stage(options.progress, "looking for outliers");
-    MLE_RETURN_IF_ERROR(stage.status());
-    MLE_RETURN_IF_ERROR(
-        MarkOutliersByModel(model, estimation.structured, result.data));
+  const absl::Status estimated = EstimateFromWindows(result);
+  const std::vector<Record> windows = result.data.Records();
+  if (!estimated.ok()) {
+    // What says nothing of the plant may defeat any fit.
+    if (!obstacles || absl::IsCancelled(estimated)) return estimated;
+    result.estimate = UnfittedEstimate(model, windows, estimation);
+    if (options.examine) result.information = NoInformation(model);
   }
   result.notes = result.data.notes;
   result.warnings = result.data.warnings;
-  const std::vector<Record> windows = result.data.Records();
-  MLE_ASSIGN_OR_RETURN(
-      result.estimate,
-      EstimateModel(model, windows, estimation, options.progress));
-  if (options.examine) {
-    MLE_ASSIGN_OR_RETURN(
-        result.information,
-        AssessInformation(model, windows, result.estimate.setting.noise,
-                          {.structured = estimation.structured}));
-  }
   const std::vector<bool> unexplained = UnexplainedOutputs(result.estimate);
   MLE_RETURN_IF_ERROR(DropSmallChanges(samples, result));
   const int order = estimation.conversion.OrderFor(model, sample_time);

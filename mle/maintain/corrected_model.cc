@@ -15,7 +15,9 @@ absl::StatusOr<CorrectedModel> MakeCorrectedModel(const Estimate& estimate,
   const EstimateSetting& setting = estimate.setting;
   const EstimateFit& fit = estimate.fit;
   CorrectedModel corrected;
-  const bool pure_arx = setting.options.estimator == Estimator::kArx;
+  // Without a conversion nothing was estimated (unfitted.h).
+  const bool pure_arx = setting.options.estimator == Estimator::kArx &&
+                        setting.conversion.has_value();
   if (pure_arx || (accepted && fit.arx.has_value())) {
     corrected.max_relative_gap = setting.conversion->max_relative_gap;
     ArxModel scaled = setting.conversion->model;

@@ -4,31 +4,13 @@
 
 #include "absl/strings/str_cat.h"
 #include "mle/base/status.h"
+#include "mle/maintain/unfitted.h"
 
 namespace mle {
 namespace {
 
 // A probability that counts as none.
 constexpr double kNever = 1e-300;
-
-// Every element at its initial values, in noise that nothing is known of.
-StructuredCorrection Unfitted(const ProcessModel& initial) {
-  const int p = initial.num_outputs();
-  const int m = initial.num_inputs();
-  StructuredCorrection none;
-  none.full.model = initial;
-  none.full.elements.resize(p * m);
-  none.full.covariances.assign(p, Eigen::MatrixXd::Zero(3 * m, 3 * m));
-  none.full.noise.assign(p, {.offset = false});
-  none.full.certificates.resize(p);
-  none.full.offset_weight = 0.0;
-  none.full.spared_samples.assign(p, 0);
-  none.full.deviances.assign(p, 0.0);
-  none.corrected = none.full;
-  none.element_p_values.setOnes(p, m);
-  none.aged.setConstant(p, m, false);
-  return none;
-}
 
 // Whether the structured correction is needed (estimation.h)
 bool NeedsStructure(const EstimationOptions& options,
@@ -93,7 +75,7 @@ absl::Status FitStructure(const ProcessModel& initial,
                              fit.seconds));
     fit.structured = *made;
   } else {
-    fit.structured = Unfitted(initial);
+    fit.structured = UnfittedStructure(initial);
   }
   MLE_RETURN_IF_ERROR(fitting.status());
   MLE_ASSIGN_OR_RETURN(fit.test,

@@ -12,6 +12,7 @@
 #include "absl/strings/str_split.h"
 #include "mle/base/status.h"
 #include "mle/data/outliers.h"
+#include "mle/maintain/whole_windows.h"
 #include "mle/nonlinear/output_reconstruction.h"
 
 namespace mle {
@@ -77,50 +78,6 @@ void MarkUnhealthy(const ProcessModel& model, const MarkOptions& mark,
   }
 }
 
-// Samples first … last of a window.
-struct Range {
-  int first = 0;
-  int last = -1;
-
-  int samples() const { return last - first + 1; }
-};
-
-// The longest part in which every input is known.
-Range WholeInputs(const Record& record) {
-  Range best;
-  int first = 0;
-  for (int k = 0; k <= record.samples(); ++k) {
-    if (k < record.samples() && record.inputs.col(k).array().isFinite().all()) {
-      continue;
-    }
-    if (k - first > best.samples()) best = {first, k - 1};
-    first = k + 1;
-  }
-  return best;
-}
-
-void Cut(Range range, SetPointWindow& window) {
-  Record part;
-  part.start_time = window.record.time(range.first);
-  part.sample_time = window.record.sample_time;
-  part.outputs = window.record.outputs.middleCols(range.first, range.samples());
-  part.inputs = window.record.inputs.middleCols(range.first, range.samples());
-  if (window.record.set_points.size() > 0) {
-    part.set_points =
-        window.record.set_points.middleCols(range.first, range.samples());
-  }
-  window.record = std::move(part);
-  window.first_sample += range.first;
-  std::vector<SetPointChange> changes;
-  for (SetPointChange change : window.changes) {
-    change.sample -= range.first;
-    if (change.sample >= 0 && change.sample < range.samples()) {
-      changes.push_back(change);
-    }
-  }
-  window.changes = std::move(changes);
-}
-
 // Leaves out, or cuts, windows in which inputs are missing.
 void MakeInputsWhole(const ProcessModel& model, RecordData& data) {
   std::vector<SetPointWindow> whole;
@@ -128,7 +85,7 @@ void MakeInputsWhole(const ProcessModel& model, RecordData& data) {
     const std::string name =
         absl::StrFormat("The window from %.7g to %.7g %s", BeginOf(window),
                         EndOf(window), model.time_unit());
-    const Range range = WholeInputs(window.record);
+    const SampleRange range = WholeInputs(window.record);
     if (range.samples() == window.record.samples()) {
       whole.push_back(std::move(window));
       continue;
@@ -153,6 +110,16 @@ void MakeInputsWhole(const ProcessModel& model, RecordData& data) {
     whole.push_back(std::move(window));
   }
   data.windows = std::move(whole);
+}
+
+// Nothing is corrected from records with obstacles, but they are shown.
+void TakeWholeRecords(RecordData& data) {
+  for (std::size_t r = 0; r < data.records.size(); ++r) {
+    const SampleRange range = WholeInputs(data.records[r]);
+    if (range.samples() < 2) continue;
+    data.windows.push_back(WholeWindow(data.records[r], r));
+    Cut(range, data.windows.back());
+  }
 }
 
 // Beyond what a controller makes of noise: it moves inputs in quiet parts too.
@@ -241,6 +208,7 @@ absl::Status FindWhatIsUsed(const ProcessModel& model,
         {MessageCode::kWindows, "", std::move(warning), {}});
   }
   MakeInputsWhole(model, data);
+  if (data.windows.empty() && !data.obstacles.empty()) TakeWholeRecords(data);
   if (data.windows.empty()) return NoWindows(data);
   WarnOfUnrest(model, data);
   return absl::OkStatus();
@@ -320,10 +288,7 @@ RecordData UseAsWindows(std::vector<Record> windows) {
   if (!windows.empty()) data.report.sample_time = windows.front().sample_time;
   data.records = std::move(windows);
   for (std::size_t r = 0; r < data.records.size(); ++r) {
-    SetPointWindow& window = data.windows.emplace_back();
-    window.record = data.records[r];
-    window.source = static_cast<int>(r);
-    window.changes = FindSetPointChanges(window.record);
+    data.windows.push_back(WholeWindow(data.records[r], r));
   }
   return data;
 }

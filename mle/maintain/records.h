@@ -65,7 +65,8 @@ std::vector<std::string> UnrestIn(const SetPointWindow& window,
 
 // Records in memory: of the model's channels, not empty, all with one sample
 // time. Windows are whole in their inputs: one with a gap there is cut to its
-// longest part. No window at all is an error: nothing there can be learnt from.
+// longest part. No window at all is an error: nothing there can be learnt from;
+// with obstacles the records are then windows as a whole.
 absl::StatusOr<RecordData> PrepareRecords(std::vector<Record> records,
                                           const ProcessModel& model,
                                           const RecordOptions& options);

@@ -89,8 +89,10 @@ TEST(ConversionScalesTest, TheOrderIsThatOfThePaperForItsPlant) {
   EXPECT_EQ(ChooseOrder(column, 1e-4), 750);
   EXPECT_EQ(ChooseOrder(column, 100.0), 10);
   // Unless an order is given.
-  EXPECT_EQ(ConversionSettings().OrderFor(column, 0.2), 150);
-  EXPECT_EQ(ConversionSettings{.order = 40}.OrderFor(column, 0.2), 40);
+  ConversionSettings settings;
+  EXPECT_EQ(settings.OrderFor(column, 0.2), 150);
+  settings.order = 40;
+  EXPECT_EQ(settings.OrderFor(column, 0.2), 40);
 }
 
 }  // namespace

@@ -164,6 +164,45 @@ TEST(CorrectFromRecordsTest, ArxModelsComeOutInTheUnitsOfTheRecords) {
   EXPECT_LT(result->corrected.max_relative_gap, options.accepted_gap);
 }
 
+// Seconds for minutes: windows of the model's settling time are longer than the
+// record, or its dead times and time constants shorter than a sample.
+TEST(CorrectFromRecordsTest, AWrongTimeUnitIsAnAnswerNotAnError) {
+  const Record record = TankRecord(Tank(1.0), 0.02, 1);
+  for (const double factor : {60.0, 1.0 / 60.0}) {
+    ProcessModel model = Tank(1.0);
+    model.element(0, 0) =
+        TransferFunction::FirstOrder(1.0, 5.0 * factor, 1.5 * factor);
+    for (const Estimator estimator : AllEstimators()) {
+      CorrectOptions options = Fast();
+      options.estimation.estimator = estimator;
+      const auto result = CorrectFromRecords(model, {record}, options);
+      ASSERT_TRUE(result.ok()) << factor << ": " << result.status();
+      EXPECT_EQ(result->decision, Decision::kCannotTell);
+      EXPECT_EQ(result->reasons.front().code, MessageCode::kMistake);
+      EXPECT_NE(result->reasons.front().text.find("time unit"),
+                std::string::npos);
+      EXPECT_EQ(result->change.total, 0.0);
+    }
+  }
+}
+
+// An element with feedthrough cannot be fitted: an error, unless the records
+// could not be used anyway.
+TEST(CorrectFromRecordsTest, AFitThatFailsBesideAnObstacleIsAnAnswer) {
+  ProcessModel model = Tank(1.0);
+  model.element(0, 0) = TransferFunction({1.0, 1.0}, {5.0, 1.0}, 1.5);
+  auto data = PrepareRecords({TankRecord(model, 0.02, 1)}, model, {});
+  ASSERT_TRUE(data.ok()) << data.status();
+  const auto failed = CorrectFromData(model, *data, Fast());
+  EXPECT_EQ(failed.status().code(), absl::StatusCode::kInvalidArgument);
+  data->obstacles = {{MessageCode::kInputLimits, "valve", "At its limit.", {}}};
+  const auto result = CorrectFromData(model, *data, Fast());
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_EQ(result->decision, Decision::kCannotTell);
+  EXPECT_EQ(result->reasons.front().code, MessageCode::kInputLimits);
+  EXPECT_EQ(result->change.total, 0.0);
+}
+
 TEST(CorrectFromRecordsTest, ProgressNamesEveryStageAndCanStop) {
   CorrectOptions options = Fast();
   std::vector<std::string> stages;

@@ -1,0 +1,135 @@
+#include "mle/maintain/evidence.h"
+
+#include <algorithm>
+#include <limits>
+#include <string>
+
+#include "absl/strings/str_format.h"
+#include "mle/correction/combined.h"
+#include "mle/maintain/correct.h"
+
+namespace mle {
+namespace {
+
+// "A change of a gain by 2.1 % (top ← reflux) to 9 % (…) would have been
+// seen.", of the pairs that the records tell something about; empty if there
+// are none.
+std::string Detectable(const CorrectionResult& result) {
+  // Standard errors of a change that a test at 1 % finds nine times of ten.
+  constexpr double kSeen = 3.9;
+  const ProcessModel& model = result.initial;
+  double low = std::numeric_limits<double>::infinity();
+  double high = 0.0;
+  std::string lowest;
+  std::string highest;
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    for (int j = 0; j < model.num_inputs(); ++j) {
+      const PairErrors& pair = result.information.pair(i, j);
+      if (pair.state == PairState::kAbsent ||
+          pair.state == PairState::kNotInformed) {
+        continue;
+      }
+      if (pair.gain < low) {
+        low = pair.gain;
+        lowest = PairName(model, i, j);
+      }
+      if (pair.gain > high) {
+        high = pair.gain;
+        highest = PairName(model, i, j);
+      }
+    }
+  }
+  if (lowest.empty()) return "";
+  return lowest == highest
+             ? absl::StrFormat(
+                   "A change of the gain of %s by %.2g %% would have been "
+                   "seen.",
+                   lowest, 100.0 * kSeen * low)
+             : absl::StrFormat(
+                   "A change of a gain by %.2g %% (%s) to %.2g %% (%s) would "
+                   "have been seen.",
+                   100.0 * kSeen * low, lowest, 100.0 * kSeen * high, highest);
+}
+
+bool AnyInformed(const PairInformation& information) {
+  return information.pairs.empty() ||
+         std::any_of(information.pairs.begin(), information.pairs.end(),
+                     [](const PairErrors& pair) {
+                       return pair.state == PairState::kInformed ||
+                              pair.state == PairState::kWeak;
+                     });
+}
+
+// The first pair of an output that a structure which does not explain the
+// records cannot be trusted with: its gain would change its sign, or its input
+// moves so much together with others that what the structure lacks goes into
+// the difference of their gains.
+std::string DoubtfulPair(const CorrectionResult& result, int i) {
+  constexpr double kTogether = 10.0;  // PairErrors::inflation
+  const EstimateFit& fit = result.estimate.fit;
+  if (!fit.adequacy.has_value() || fit.adequacy->adequate ||
+      ProposesByArx(result.estimate, i)) {
+    return "";
+  }
+  for (int j = 0; j < result.initial.num_inputs(); ++j) {
+    if (!fit.structured.aged(i, j)) continue;
+    const ParameterEstimate& gain = fit.structured.corrected.element(i, j).gain;
+    const bool together = !result.information.pairs.empty() &&
+                          result.information.pair(i, j).inflation > kTogether;
+    if (together || gain.value * gain.initial < 0.0) {
+      return PairName(result.initial, i, j);
+    }
+  }
+  return "";
+}
+
+OutputEvidence EvidenceOf(const CorrectionResult& result, int i) {
+  const Validation& validation = result.validation;
+  OutputEvidence evidence;
+  evidence.name = result.initial.outputs()[i].name;
+  evidence.proposed = ProposesChange(result.estimate, i);
+  if (evidence.proposed) evidence.doubtful_pair = DoubtfulPair(result, i);
+  if (!validation.held_out) return evidence;
+  evidence.scores = validation.outputs[i];
+  if (result.options.estimation.estimator != Estimator::kArx &&
+      ProposesByArx(result.estimate, i)) {
+    evidence.parametric = validation.parametric[i];
+  }
+  for (const std::vector<OutputScores>& window : validation.windows) {
+    evidence.windows.push_back(window[i]);
+  }
+  return evidence;
+}
+
+}  // namespace
+
+std::vector<bool> UnexplainedOutputs(const Estimate& estimate) {
+  std::vector<bool> outputs(estimate.setting.arx_outputs.size());
+  const EstimateFit& fit = estimate.fit;
+  if (!fit.adequacy.has_value()) return outputs;
+  outputs =
+      WrongOutputs(*fit.adequacy,
+                   estimate.setting.options.structured.false_alarm_probability);
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    outputs[i] = outputs[i] && !ProposesByArx(estimate, static_cast<int>(i));
+  }
+  return outputs;
+}
+
+Evidence GatherEvidence(const CorrectionResult& result,
+                        const std::vector<bool>& unexplained) {
+  Evidence evidence;
+  evidence.change_proved = result.estimate.fit.change_proposed;
+  evidence.p_value = result.estimate.fit.PValue();
+  evidence.nothing_held_out = result.validation.missing;
+  evidence.obstacles = result.data.obstacles;
+  evidence.informed = AnyInformed(result.information);
+  if (result.options.examine) evidence.detectable = Detectable(result);
+  for (int i = 0; i < result.initial.num_outputs(); ++i) {
+    evidence.outputs.push_back(EvidenceOf(result, i));
+    evidence.outputs.back().unexplained = unexplained[i];
+  }
+  return evidence;
+}
+
+}  // namespace mle

@@ -1,0 +1,51 @@
+#include "mle/maintain/whole_windows.h"
+
+#include <utility>
+#include <vector>
+
+namespace mle {
+
+SampleRange WholeInputs(const Record& record) {
+  SampleRange best;
+  int first = 0;
+  for (int k = 0; k <= record.samples(); ++k) {
+    if (k < record.samples() && record.inputs.col(k).array().isFinite().all()) {
+      continue;
+    }
+    if (k - first > best.samples()) best = {first, k - 1};
+    first = k + 1;
+  }
+  return best;
+}
+
+void Cut(SampleRange range, SetPointWindow& window) {
+  Record part;
+  part.start_time = window.record.time(range.first);
+  part.sample_time = window.record.sample_time;
+  part.outputs = window.record.outputs.middleCols(range.first, range.samples());
+  part.inputs = window.record.inputs.middleCols(range.first, range.samples());
+  if (window.record.set_points.size() > 0) {
+    part.set_points =
+        window.record.set_points.middleCols(range.first, range.samples());
+  }
+  window.record = std::move(part);
+  window.first_sample += range.first;
+  std::vector<SetPointChange> changes;
+  for (SetPointChange change : window.changes) {
+    change.sample -= range.first;
+    if (change.sample >= 0 && change.sample < range.samples()) {
+      changes.push_back(change);
+    }
+  }
+  window.changes = std::move(changes);
+}
+
+SetPointWindow WholeWindow(const Record& record, std::size_t source) {
+  SetPointWindow window;
+  window.record = record;
+  window.source = static_cast<int>(source);
+  window.changes = FindSetPointChanges(record);
+  return window;
+}
+
+}  // namespace mle
