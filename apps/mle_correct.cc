@@ -1,7 +1,9 @@
 // mle_correct: a process model corrected from a user's own records.
 
+#include <filesystem>
 #include <iostream>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -57,13 +59,24 @@ absl::Status WriteAll(const correct::Result& result) {
                                          HowToRunAgain({}, Checksums(result)));
   const ProcessModel& initial = result.initial;
   std::vector<std::pair<std::string, std::string>> files = {
-      {"arx.json", correct::FormatArx(result.corrected.arx, initial)},
       {"fopdt.json", FormatProcessModel(result.fopdt_model)},
       {"step_response.csv", correct::FormatStepResponses(result)},
       {"report.html", std::move(page)},
       {"result.json", std::move(json)}};
+  const bool arx = result.corrected.has_arx();
+  if (arx) {
+    files.emplace_back("arx.json",
+                       correct::FormatArx(result.corrected.arx, initial));
+  }
   report::AddPictures(figures, files);
-  return WriteFilesTogether(result.request.out, files);
+  MLE_RETURN_IF_ERROR(WriteFilesTogether(result.request.out, files));
+  // That of a former run would be of another model.
+  std::error_code ignored;
+  if (!arx) {
+    std::filesystem::remove(
+        std::filesystem::path(result.request.out) / "arx.json", ignored);
+  }
+  return absl::OkStatus();
 }
 
 void PrintData(const RecordData& data,

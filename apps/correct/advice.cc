@@ -218,10 +218,12 @@ std::vector<std::string> Advise(const Result& result) {
       AddDoubts(result, advice);
       break;
     case Decision::kCorrected:
-      advice.push_back(
+      advice.push_back(absl::StrCat(
           "Use the corrected model in the controller: fopdt.json has its "
-          "transfer functions, arx.json its ARX form for prediction, "
-          "step_response.csv its step responses.");
+          "transfer functions, ",
+          result.corrected.has_arx() ? "arx.json its ARX form for prediction, "
+                                     : "",
+          "step_response.csv its step responses."));
       AddDoubts(result, advice);
       break;
   }

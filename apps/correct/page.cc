@@ -96,10 +96,12 @@ std::string FormatPage(const Result& result, const Figures& figures,
       "Relative duality gap of every lasso fit used: at most ",
       report::FormatScientific(result.corrected.max_relative_gap, 2), "."));
   page.AddHeading("Files");
-  page.AddFiles({{"result.json", "result.json"},
-                 {"fopdt.json", "fopdt.json"},
-                 {"arx.json", "arx.json"},
-                 {"step_response.csv", "step_response.csv"}});
+  std::vector<std::pair<std::string, std::string>> files = {
+      {"result.json", "result.json"},
+      {"fopdt.json", "fopdt.json"},
+      {"step_response.csv", "step_response.csv"}};
+  if (result.corrected.has_arx()) files.emplace_back("arx.json", "arx.json");
+  page.AddFiles(files);
   page.AddRunAgain(run_again);
   return page.Render();
 }

@@ -317,6 +317,9 @@ void AddFindings(const Result& result, Json& json) {
                      {"initial", DistanceJson(*result.initial_to_truth)},
                      {"corrected", DistanceJson(*result.corrected_to_truth)}};
   }
+  json["arx"] = {{"written", result.corrected.has_arx()},
+                 {"order", result.corrected.arx.order},
+                 {"largest_difference", result.corrected.arx_error}};
   Json noise = Json::array();
   for (int i = 0; i < model.num_outputs(); ++i) {
     const NoiseEstimate& estimate = result.estimate.setting.noise[i];

@@ -79,6 +79,20 @@ void CheckShapes(CorrectionResult& result) {
   }
 }
 
+void CheckArx(CorrectionResult& result) {
+  const CorrectedModel& corrected = result.corrected;
+  if (corrected.arx.R.size() == 0 || corrected.has_arx()) return;
+  result.warnings.push_back(
+      {MessageCode::kArxInexact,
+       "",
+       absl::StrFormat("No ARX model is written: of order %d it differs from "
+                       "the process model by %.2g %% of a step response, more "
+                       "than %.2g %%; another order may do.",
+                       corrected.arx.order, 100.0 * corrected.arx_error,
+                       100.0 * kAcceptedArxError),
+       {"order"}});
+}
+
 }  // namespace
 
 absl::Status CheckResponse(const StepResponse& response) {
@@ -108,6 +122,7 @@ void CheckCertificates(CorrectionResult& result) {
          {}});
   }
   CheckShapes(result);
+  CheckArx(result);
 }
 
 }  // namespace mle

@@ -51,9 +51,8 @@ struct CorrectOptions {
   // Largest step to the optimum, in standard deviations of the noise, that
   // goes without a warning, > 0 (FitCertificate::gradient).
   double accepted_gradient = 1e-2;
-  // Whether the model is handed over as an ARX model too (estimators other than
-  // kArx: its conversion takes half a second for a plant of 2 × 2), and whether
-  // residuals are examined and pairs assessed.
+  // Whether the model is handed over as an ARX model too, and whether residuals
+  // are examined and pairs assessed.
   bool make_arx = true;
   bool examine = true;
   // What the controller predicts, where its model is not the process model

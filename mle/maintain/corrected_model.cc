@@ -3,9 +3,51 @@
 #include <algorithm>
 #include <utility>
 
-#include "mle/base/status.h"
+#include "mle/maintain/exact_arx.h"
 
 namespace mle {
+namespace {
+
+// R + ΔR for the outputs that it is for; the others have the process model's
+// own responses, and rows that run as these.
+CorrectedModel WithArx(const Estimate& estimate, double sample_time,
+                       int response_samples) {
+  const EstimateSetting& setting = estimate.setting;
+  const EstimateFit& fit = estimate.fit;
+  CorrectedModel corrected;
+  corrected.max_relative_gap =
+      std::max(setting.conversion->max_relative_gap, fit.arx_gap);
+  corrected.arx = Unscaled(fit.arx_model, setting.scales);
+  const std::vector<bool>& own = setting.arx_outputs;
+  const bool all = std::find(own.begin(), own.end(), false) == own.end();
+  if (all) {
+    corrected.response = corrected.arx.ComputeStepResponse(response_samples);
+    return corrected;
+  }
+  const ProcessModel& process = setting.options.estimator == Estimator::kArx
+                                    ? setting.initial
+                                    : fit.structured.corrected.model;
+  ConversionSettings conversion = setting.options.conversion;
+  conversion.order = corrected.arx.order;
+  const ExactArx exact = ArxOfModel(process, sample_time, conversion);
+  for (std::size_t i = 0; i < own.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    if (own[i]) continue;
+    corrected.arx.R.row(row) = exact.model.R.row(row);
+    corrected.arx_error = std::max(corrected.arx_error, exact.errors(row));
+  }
+  corrected.response = corrected.arx.ComputeStepResponse(response_samples);
+  const StepResponse responses =
+      process.ComputeStepResponse(sample_time, response_samples);
+  for (int i = 0; i < responses.num_outputs; ++i) {
+    for (int j = 0; !own[i] && j < responses.num_inputs; ++j) {
+      corrected.response.element(i, j) = responses.element(i, j);
+    }
+  }
+  return corrected;
+}
+
+}  // namespace
 
 absl::StatusOr<CorrectedModel> MakeCorrectedModel(const Estimate& estimate,
                                                   bool accepted,
@@ -13,51 +55,25 @@ absl::StatusOr<CorrectedModel> MakeCorrectedModel(const Estimate& estimate,
                                                   int response_samples,
                                                   bool make_arx) {
   const EstimateSetting& setting = estimate.setting;
-  const EstimateFit& fit = estimate.fit;
-  CorrectedModel corrected;
-  // Without a conversion nothing was estimated (unfitted.h).
-  const bool pure_arx = setting.options.estimator == Estimator::kArx &&
-                        setting.conversion.has_value();
-  if (pure_arx || (accepted && fit.arx.has_value())) {
-    corrected.max_relative_gap = setting.conversion->max_relative_gap;
-    ArxModel scaled = setting.conversion->model;
-    if (accepted && fit.arx.has_value()) {
-      for (std::size_t i = 0; i < setting.arx_outputs.size(); ++i) {
-        const auto row = static_cast<Eigen::Index>(i);
-        if (setting.arx_outputs[i])
-          scaled.R.row(row) = fit.arx_model.R.row(row);
-      }
-      corrected.max_relative_gap =
-          std::max(corrected.max_relative_gap, fit.arx_gap);
-    }
-    corrected.arx = Unscaled(scaled, setting.scales);
-    corrected.response = corrected.arx.ComputeStepResponse(response_samples);
-    if (pure_arx) return corrected;
-    // The outputs that are not ΔR's have the process model's own responses.
-    const StepResponse process =
-        fit.structured.corrected.model.ComputeStepResponse(sample_time,
-                                                           response_samples);
-    for (int i = 0; i < process.num_outputs; ++i) {
-      for (int j = 0; !setting.arx_outputs[i] && j < process.num_inputs; ++j) {
-        corrected.response.element(i, j) = process.element(i, j);
-      }
-    }
-    return corrected;
+  if (accepted && estimate.fit.arx.has_value()) {
+    return WithArx(estimate, sample_time, response_samples);
   }
-  const StructuredFit& structured = fit.structured.corrected;
-  corrected.process = accepted ? structured.model : setting.initial;
+  CorrectedModel corrected;
+  const StructuredFit& structured = estimate.fit.structured.corrected;
+  // What the estimator arx proposes is ΔR alone.
+  const bool changed = accepted && setting.options.estimator != Estimator::kArx;
+  corrected.process = changed ? structured.model : setting.initial;
   corrected.response =
       corrected.process->ComputeStepResponse(sample_time, response_samples);
   corrected.errors =
-      accepted ? structured.StepResponseErrors(sample_time, response_samples)
-               : StepResponse(sample_time, setting.initial.num_outputs(),
-                              setting.initial.num_inputs(), response_samples);
+      changed ? structured.StepResponseErrors(sample_time, response_samples)
+              : StepResponse(sample_time, setting.initial.num_outputs(),
+                             setting.initial.num_inputs(), response_samples);
   if (!make_arx) return corrected;
-  MLE_ASSIGN_OR_RETURN(
-      const ConversionSummary conversion,
-      ConvertModel(setting, *corrected.process, setting.scales, sample_time));
-  corrected.max_relative_gap = conversion.max_relative_gap;
-  corrected.arx = Unscaled(conversion.model, setting.scales);
+  ExactArx exact =
+      ArxOfModel(*corrected.process, sample_time, setting.options.conversion);
+  corrected.arx = std::move(exact.model);
+  corrected.arx_error = exact.errors.maxCoeff();
   return corrected;
 }
 

@@ -13,16 +13,28 @@
 
 namespace mle {
 
+// Of an ARX model from the process model beside it.
+inline constexpr double kAcceptedArxError = 0.01;
+
 struct CorrectedModel {
   // Where no output is ΔR's: the process model with the initial one's
   // shapes.
   std::optional<ProcessModel> process;
   // In the units of the records; without coefficients where it is not made.
+  // Outputs that are not ΔR's run as the process model (exact_arx.h).
   ArxModel arx;
+  // Their largest difference from it in free run, static gains included,
+  // relative to the response.
+  double arx_error = 0.0;
   StepResponse response;  // at 0, Δt, … (response_samples)
   // Standard errors of `response`; where there is a process model.
   std::optional<StepResponse> errors;
   double max_relative_gap = 0.0;  // of all lasso fits
+
+  // Whether the ARX model may stand beside the process model.
+  bool has_arx() const {
+    return arx.R.size() > 0 && arx_error <= kAcceptedArxError;
+  }
 };
 
 // The initial model where `accepted` is false. Without `make_arx` a process

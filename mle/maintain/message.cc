@@ -57,6 +57,8 @@ std::string_view NameOf(MessageCode code) {
       return "rank_deficient";
     case MessageCode::kPoorFopdt:
       return "poor_fopdt";
+    case MessageCode::kArxInexact:
+      return "arx_inexact";
     case MessageCode::kFitFailed:
       return "fit_failed";
     case MessageCode::kNotExact:

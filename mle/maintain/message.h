@@ -38,6 +38,7 @@ enum class MessageCode {
   kAtBound,        // a parameter lies at the bound of what is searched
   kRankDeficient,  // the records do not determine every parameter
   kPoorFopdt,      // a first-order element with dead time describes it badly
+  kArxInexact,     // the ARX model is not what the process model is
   // The result is not usable.
   kFitFailed,
   kNotExact,  // a duality gap above the accepted one

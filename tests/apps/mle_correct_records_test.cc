@@ -93,7 +93,7 @@ TEST(MleCorrectRecords, TagsAreMappedWithTheirUnits) {
 TEST(MleCorrectRecords, WindowsWithoutInputsAreCutOrLeftOut) {
   const HeaterExample example(WithHalvedGain());
   const std::string text = *ReadFile(example.data);
-  const auto run = [&](double from, double to) {
+  const auto run = [&](double from, double to, int exit_code = 0) {
     std::vector<std::string> lines =
         absl::StrSplit(text, '\n', absl::SkipEmpty());
     const std::vector<std::string> names = absl::StrSplit(lines[0], ',');
@@ -111,7 +111,7 @@ TEST(MleCorrectRecords, WindowsWithoutInputsAreCutOrLeftOut) {
         "missing.csv", absl::StrCat(absl::StrJoin(lines, "\n"), "\n"));
     return Correct(CorrectionFlags(example.model, data, example.out,
                                    {"--max_gap=1", "--truth=" + example.plant}),
-                   example.out);
+                   example.out, exit_code);
   };
   const nlohmann::json whole = example.Run();
   ASSERT_EQ(whole["windows"].size(), 2U);
@@ -124,7 +124,9 @@ TEST(MleCorrectRecords, WindowsWithoutInputsAreCutOrLeftOut) {
   EXPECT_LT(cut["truth"]["E_corrected"],
             0.05 * cut["truth"]["E_initial"].get<double>());
 
-  const nlohmann::json left_out = run(59.0, 62.0);
+  // One window alone proves no change of y1, which it contradicts.
+  const nlohmann::json left_out = run(59.0, 62.0, 1);
+  EXPECT_EQ(left_out["decision"], "cannot_tell");
   EXPECT_THAT(left_out["warnings"].dump(),
               HasSubstr("inputs are missing around its set-point change"));
   EXPECT_EQ(left_out["windows"].size(), 1U);

@@ -138,10 +138,9 @@ TEST(MleCorrectTest, TheArxModelHasTheStepResponsesOfTheProcessModel) {
   const StepResponse response = arx.ComputeStepResponse(140);
   const StepResponse wanted = ReadProcessModel(example.out + "/fopdt.json")
                                   ->ComputeStepResponse(0.25, 140);
-  // The conversion is itself an estimate under noise.
   EXPECT_LT(std::sqrt(SquaredDistance(response, wanted) /
                       wanted.values.squaredNorm()),
-            0.02);
+            1e-6);
 }
 
 TEST(MleCorrectTest, AnInputThatDoesNotMoveKeepsItsElements) {
