@@ -69,6 +69,24 @@ Json FopdtJson(const FopdtElement& element, bool errors_from_records) {
   return json;
 }
 
+Json NoiseJson(const NoiseEstimate& estimate, const std::string& output,
+               double sample_time) {
+  Json json = {{"output", output},
+               {"variance", estimate.variance},
+               {"increment_variance", estimate.increment_variance()},
+               {"window_offsets", estimate.offset}};
+  if (estimate.colour_ratio > 0.0) {
+    json["coloured_variance"] = estimate.colour_variance();
+    json["coloured_time_constant"] = estimate.colour_memory() * sample_time;
+  }
+  Json lines = Json::array();
+  for (const PeriodicLine& line : estimate.lines) {
+    lines.push_back({{"period", line.period}, {"amplitude", line.amplitude}});
+  }
+  if (!lines.empty()) json["lines"] = std::move(lines);
+  return json;
+}
+
 Json ElementJson(const Result& result, int i, int j) {
   const ProcessModel& model = result.initial;
   const StructuredCorrection& structured = result.estimate.fit.structured;
@@ -323,10 +341,8 @@ void AddFindings(const Result& result, Json& json) {
   Json noise = Json::array();
   for (int i = 0; i < model.num_outputs(); ++i) {
     const NoiseEstimate& estimate = result.estimate.setting.noise[i];
-    noise.push_back({{"output", model.outputs()[i].name},
-                     {"variance", estimate.variance},
-                     {"increment_variance", estimate.increment_variance()},
-                     {"window_offsets", estimate.offset}});
+    noise.push_back(NoiseJson(estimate, model.outputs()[i].name,
+                              result.initial_response.sample_time));
   }
   json["noise"] = std::move(noise);
   const EstimateFit& fit = result.estimate.fit;

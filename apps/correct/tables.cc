@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "apps/correct/advice.h"
 #include "apps/correct/verdict.h"
 #include "apps/report/number.h"
@@ -196,12 +199,27 @@ Table NoiseTable(const Result& result) {
   table.columns = {{"output", Align::kLeft},
                    {"white: standard deviation"},
                    {"drift: standard deviation after 100 samples"},
+                   {"coloured: standard deviation"},
+                   {"coloured: correlation time"},
+                   {"periods"},
                    {"offset of each window", Align::kLeft}};
   for (int i = 0; i < model.num_outputs(); ++i) {
     const NoiseEstimate& noise = result.estimate.setting.noise[i];
+    const bool coloured = noise.colour_ratio > 0.0;
+    std::vector<std::string> periods;
+    for (const PeriodicLine& line : noise.lines) {
+      periods.push_back(absl::StrCat(FormatSignificant(line.period),
+                                     " (amplitude ",
+                                     FormatSignificant(line.amplitude), ")"));
+    }
     table.AddRow(
         {model.outputs()[i].name, FormatSignificant(std::sqrt(noise.variance)),
          FormatSignificant(std::sqrt(100.0 * noise.increment_variance())),
+         coloured ? FormatSignificant(std::sqrt(noise.colour_variance())) : "–",
+         coloured ? FormatSignificant(noise.colour_memory() *
+                                      result.initial_response.sample_time)
+                  : "–",
+         periods.empty() ? "–" : absl::StrJoin(periods, ", "),
          noise.offset ? "yes" : "no"});
   }
   return table;

@@ -179,12 +179,17 @@ absl::StatusOr<ConversionSummary> ConvertUnderNoise(
   MLE_ASSIGN_OR_RETURN(Record record,
                        SimulateExcitation(Scaled(model, scales), excitation));
   GaussianNoise walk(settings.seed, kConversionStream, kDriftDisturbance);
+  GaussianNoise colour(settings.seed, kConversionStream, kColouredDisturbance);
   for (int i = 0; i < record.num_outputs(); ++i) {
     const double step = std::sqrt(noise[i].ratio * kPaperNoiseVariance);
+    const double pole = noise[i].colour_pole;
+    const double shock = std::sqrt(noise[i].colour_ratio * kPaperNoiseVariance);
     double level = 0.0;
+    double coloured = colour.Draw(shock / std::sqrt(1.0 - pole * pole));
     for (int k = 0; k < record.samples(); ++k) {
-      record.outputs(i, k) += level;
+      record.outputs(i, k) += level + coloured;
       level += walk.Draw(step);
+      coloured = pole * coloured + colour.Draw(shock);
     }
   }
   ConversionOptions options;

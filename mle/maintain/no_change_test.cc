@@ -25,16 +25,22 @@ std::vector<Record> DrawRecords(const std::vector<Record>& windows,
       kCalibrationStream + static_cast<std::uint64_t>(replicate);
   GaussianNoise white(seed, stream, kMeasurementNoise);
   GaussianNoise walk(seed, stream, kDriftDisturbance);
+  GaussianNoise colour(seed, stream, kColouredDisturbance);
   std::vector<Record> drawn = windows;
   for (std::size_t w = 0; w < drawn.size(); ++w) {
     Record& record = drawn[w];
     for (int i = 0; i < record.num_outputs(); ++i) {
       const double deviation = std::sqrt(noise[i].variance);
       const double step = std::sqrt(noise[i].increment_variance());
+      const double pole = noise[i].colour_pole;
+      const double shock = std::sqrt(noise[i].colour_ratio * noise[i].variance);
       double level = 0.0;
+      double coloured = colour.Draw(std::sqrt(noise[i].colour_variance()));
       for (int k = 0; k < record.samples(); ++k) {
-        const double value = responses[w](i, k) + level + white.Draw(deviation);
+        const double value =
+            responses[w](i, k) + level + coloured + white.Draw(deviation);
         level += walk.Draw(step);
+        coloured = pole * coloured + colour.Draw(shock);
         if (std::isfinite(record.outputs(i, k))) record.outputs(i, k) = value;
       }
     }

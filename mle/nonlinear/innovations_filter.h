@@ -1,18 +1,22 @@
-// Whitening of a sampled disturbance that is white noise plus a random walk,
+// Whitening of a sampled disturbance that is a random walk, a coloured
+// component and white noise,
 //
-//   n_k = w_k + e_k,   w_{k+1} = w_k + ξ_k,   Var e = r,  Var ξ = q = ρ r,
+//   n_k = w_k + a_k + e_k,   w_{k+1} = w_k + ξ_k,   a_{k+1} = φ a_k + η_k,
+//   Var e = r,   Var ξ = q = ρ r,   Var η = s = σ r,
 //
-// by its time-varying Kalman filter with a diffuse start (nothing is known of
-// w_0, so that the first sample sets it: one free offset):
+// by its time-varying Kalman filter. The walk has a diffuse start (nothing is
+// known of w_0, so that the first sample sets it: one free offset); a starts
+// stationary, Var a_0 = s/(1 − φ²). Without colour, in units of r,
 //
 //   ν_k = n_k − ŵ_k,   F_k = P_k + 1,   ŵ_{k+1} = ŵ_k + (P_k/F_k) ν_k,
 //   P_{k+1} = P_k/F_k + ρ,
 //
-// in units of r. ν_k/√F_k is white with variance r and
+// and with it the same for the state (w, a) and its 2 × 2 covariance P; gaps of
+// d samples are bridged by dρ and φ^d. ν_k/√F_k is white with variance r and
 // −2 ln p(n) = Σ (ln(2π r F_k) + ν_k²/(r F_k)), k ≥ 1. The filter is linear in
 // n, so that a model's residuals and its Jacobian pass through it alike.
 // Samples may have weights ω_k: Var e_k = r/ω_k, F_k = P_k + 1/ω_k. (Durbin and
-// Koopman, Time Series Analysis by State Space Methods, 2nd ed. 2012, ch. 2
+// Koopman, Time Series Analysis by State Space Methods, 2nd ed. 2012, ch. 2, 4
 // and 5.)
 //
 //   const InnovationsFilter filter(times, {.ratio = 1e-3});
@@ -31,12 +35,16 @@ struct NoiseShape {
   double ratio = 0.0;  // ρ ≥ 0, finite
   // Without an offset w is zero and ρ is 0: white noise passes unchanged.
   bool offset = true;
+  double colour_ratio = 0.0;  // σ ≥ 0, finite; 0: no coloured component
+  double colour_pole = 0.0;   // φ, a sample, in [0, 1)
+
+  bool coloured() const { return colour_ratio > 0.0; }
 };
 
 class InnovationsFilter {
  public:
   // `times` are the numbers of the samples present, increasing; between them
-  // the random walk continues.
+  // the random walk and the colour continue.
   // `weights`, of each sample, are > 0; empty for ones.
   InnovationsFilter(const std::vector<int>& times, NoiseShape shape,
                     const Eigen::VectorXd& weights = {});
@@ -49,17 +57,29 @@ class InnovationsFilter {
   void Apply(Eigen::Ref<Eigen::MatrixXd> columns) const;
 
   // The expected e_k given all of n (as many as samples): n less the smoothed
-  // random walk.
+  // random walk and colour.
   Eigen::VectorXd WhitePart(const Eigen::VectorXd& disturbance) const;
 
  private:
+  void SetUpWhite(const Eigen::VectorXd& weights);
+  void SetUpWalk(const std::vector<int>& times, double ratio,
+                 const Eigen::VectorXd& weights);
+  void SetUpColour(const std::vector<int>& times, NoiseShape shape,
+                   const Eigen::VectorXd& weights);
   template <int kColumns, typename Columns>
   void ApplyTo(Columns&& columns) const;
+  template <int kColumns, typename Columns>
+  void ApplyColour(Columns&& columns) const;
+  Eigen::VectorXd ColourlessPart(const Eigen::VectorXd& disturbance) const;
 
-  std::vector<double> gains_;          // P_k/F_k
+  std::vector<double> gains_;          // of w: P_k/F_k
   std::vector<double> inverse_roots_;  // 1/√F_k
   // Of the error of ŵ_k to that of ŵ_{k+1} before its sample (P_k r/P_{k+1}).
   std::vector<double> smoothing_;
+  // With colour: of a, its gain times φ^d, and φ^d, d samples to the next one.
+  std::vector<double> colour_gains_;
+  std::vector<double> decays_;
+  std::vector<double> white_;  // with colour: 1/ω_k
   bool offset_ = true;
   double log_determinant_ = 0.0;
 };

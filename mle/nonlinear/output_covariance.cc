@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "Eigen/Eigenvalues"
+#include "mle/nonlinear/noise_search.h"
 #include "mle/nonlinear/output_fit.h"
 
 namespace mle {
@@ -14,8 +15,9 @@ using Eigen::VectorXd;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Satterthwaite's approximation does not reach below.
 constexpr double kMinDegrees = 4.0;
-// In ln ρ, of the differences that tell how a variance moves with it.
-constexpr double kRatioStep = 0.2;
+// In a logarithm of the shape, of the differences that tell how a variance
+// moves with it.
+constexpr double kShapeStep = 0.2;
 
 }  // namespace
 
@@ -82,25 +84,26 @@ VectorXd ComputeDegreesOfFreedom(const OutputErrorProblem& problem,
   const double n = problem.num_innovations(ShapeOf(noise));
   VectorXd relative_variance =
       VectorXd::Constant(3 * problem.num_elements(), 2.0 / n);
-  if (noise.log_ratio_deviation > 0.0) {
+  for (int parameter = 0; parameter < kShapeParameters; ++parameter) {
+    const double deviation = noise.log_deviations[parameter];
+    if (!(deviation > 0.0)) continue;
     VectorXd logs[2];
     for (int side = 0; side < 2; ++side) {
-      NoiseEstimate shifted = noise;
-      shifted.ratio =
-          noise.ratio * std::exp(side == 0 ? -kRatioStep : kRatioStep);
-      const WhitenedColumns whitened = problem.Whiten(
-          problem.Linearise(point, ShapeOf(shifted), false), ShapeOf(shifted));
-      shifted.variance = whitened.residuals.squaredNorm() / n;
-      logs[side] = ComputeCovariance(problem, point, free, shifted)
+      const NoiseShape shape = Moved(ShapeOf(noise), parameter,
+                                     side == 0 ? -kShapeStep : kShapeStep);
+      const WhitenedColumns whitened =
+          problem.Whiten(problem.Linearise(point, shape, true), shape);
+      const double variance = whitened.residuals.squaredNorm() / n;
+      logs[side] = CovarianceOf(whitened, point, free, variance)
                        .covariance.diagonal()
                        .array()
                        .max(1e-300)
                        .log();
     }
     for (Eigen::Index i = 0; i < relative_variance.size(); ++i) {
-      const double slope = (logs[1](i) - logs[0](i)) / (2.0 * kRatioStep);
+      const double slope = (logs[1](i) - logs[0](i)) / (2.0 * kShapeStep);
       if (std::isfinite(slope)) {
-        relative_variance(i) += std::pow(slope * noise.log_ratio_deviation, 2);
+        relative_variance(i) += std::pow(slope * deviation, 2);
       }
     }
   }

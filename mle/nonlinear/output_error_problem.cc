@@ -99,6 +99,14 @@ OutputErrorProblem::OutputErrorProblem(Elements elements,
   }
 }
 
+int OutputErrorProblem::shortest_segment() const {
+  int shortest = segments_.empty() ? 0 : num_samples_;
+  for (const Segment& segment : segments_) {
+    shortest = std::min(shortest, static_cast<int>(segment.times.size()));
+  }
+  return shortest;
+}
+
 bool OutputErrorProblem::IsExcited(int input) const {
   for (const Segment& segment : segments_) {
     const auto column = segment.inputs.col(input);

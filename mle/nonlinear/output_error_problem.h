@@ -71,6 +71,7 @@ class OutputErrorProblem {
   int num_segments() const { return static_cast<int>(segments_.size()); }
   double sample_time() const { return sample_time_; }
   int num_samples() const { return num_samples_; }
+  int shortest_segment() const;  // its samples that count; 0 without segments
 
   // Weights ω_k > 0 of the samples of all segments in turn: the variance of
   // their white noise is r/ω_k. `variance_factor` is what makes the variances

@@ -23,8 +23,9 @@ constexpr int kMaxCellMoves = 100;
 // Weights of a robust loss are done where none moves by more than this.
 constexpr int kMaxRobustRounds = 30;
 constexpr double kWeightTolerance = 1e-3;
-// ρ stays where ln ρ moves less, or where both ratios are below any effect.
-constexpr double kRatioTolerance = 0.02;
+// A shape stays where logarithms of ρ, σ and 1 − φ move less, or where ratios
+// are below any effect.
+constexpr double kShapeTolerance = 0.02;
 // A dead time this close to the end of its sample (in samples) is at it.
 constexpr double kCellTolerance = 1e-7;
 
@@ -230,10 +231,13 @@ class Fitter {
 };
 
 bool SameShape(const NoiseEstimate& a, const NoiseEstimate& b) {
-  const double floor = 1e-10;
-  return a.offset == b.offset &&
-         std::abs(std::log((a.ratio + floor) / (b.ratio + floor))) <
-             kRatioTolerance;
+  const auto same = [](double x, double y) {
+    const double floor = 1e-10;
+    return std::abs(std::log((x + floor) / (y + floor))) < kShapeTolerance;
+  };
+  return a.offset == b.offset && same(a.ratio, b.ratio) &&
+         same(a.colour_ratio, b.colour_ratio) &&
+         same(1.0 - a.colour_pole, 1.0 - b.colour_pole);
 }
 
 // Steps 2 to 4 and what is reported, from `fit`'s values and noise.
@@ -245,7 +249,8 @@ void Finish(const OutputErrorProblem& problem, const StructuredOptions& options,
     for (int again = 0; again < kMaxNoiseRounds; ++again) {
       const NoiseEstimate former = fit.noise;
       fit.noise = EstimateNoise(problem, fit.point, fit.free, former,
-                                options.estimate_drift);
+                                options.estimate_drift,
+                                /*search_colour=*/again == 1);
       cost = fitter.Refine(fit.point, ShapeOf(fit.noise));
       if (again > 0 && SameShape(former, fit.noise)) break;
     }
@@ -257,7 +262,7 @@ void Finish(const OutputErrorProblem& problem, const StructuredOptions& options,
     fit.point = search.point;
   }
   fit.noise = EstimateNoise(problem, fit.point, fit.free, fit.noise,
-                            options.estimate_drift);
+                            options.estimate_drift, /*search_colour=*/false);
   fitter.CertifyGradient(fit.point, fit.noise);
 }
 
@@ -299,10 +304,12 @@ OutputFit FitOutput(const OutputErrorProblem& problem, const OutputPoint& start,
   fit.free = free;
   fit.point = start;
   fit.point.SetCells(problem.sample_time());
+  // At the start the model's error would be taken for colour.
+  const bool any = std::find(free.begin(), free.end(), true) != free.end();
   fit.noise = EstimateNoise(problem, fit.point, free, NoiseEstimate(),
-                            options.estimate_drift);
+                            options.estimate_drift, /*search_colour=*/!any);
   Fitter fitter(problem, fit.free, bounds, options);
-  if (std::find(free.begin(), free.end(), true) == free.end()) {
+  if (!any) {
     FitCertificate certificate;
     certificate.termination = FitTermination::kConverged;
     certificate.message = "no parameter is free";
@@ -328,7 +335,7 @@ OutputFit Refit(const OutputErrorProblem& problem, const OutputFit& fit,
     certificate = fitter.certificate();
   } else {
     again.noise = EstimateNoise(problem, again.point, again.free, again.noise,
-                                options.estimate_drift);
+                                options.estimate_drift, /*search_colour=*/true);
   }
   certificate.weight_change = fit.certificate.weight_change;
   FillIn(problem, options, certificate, again);
@@ -339,7 +346,7 @@ OutputFit FitWithoutOffsets(const OutputErrorProblem& problem,
                             const OutputFit& fit, const OutputFitBounds& bounds,
                             const StructuredOptions& options) {
   OutputFit plain = fit;
-  plain.noise.ratio = 0.0;
+  plain.noise = NoiseEstimate();
   plain.noise.offset = false;
   return Refit(problem, plain, bounds, options);
 }
@@ -358,7 +365,8 @@ void FitRobustly(const OutputFitBounds& bounds,
       change = Reweight(options.robust_loss, fit, problem);
       if (change <= kWeightTolerance) break;
       fit.noise = EstimateNoise(problem, fit.point, fit.free, fit.noise,
-                                options.estimate_drift);
+                                options.estimate_drift,
+                                /*search_colour=*/false);
       if (parameters) fitter.Refine(fit.point, ShapeOf(fit.noise));
     }
     fit = Refit(problem, fit, bounds, options);

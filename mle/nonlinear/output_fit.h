@@ -2,18 +2,19 @@
 // mle/nonlinear; the public interface is StructuredCorrection.
 //
 // Parameters are K, T and L of the free elements, the noise variance r and the
-// ratio ρ = q/r (output_error_problem.h). For a given ρ the whitened residuals
-// are minimised:
+// noise shape: the ratio ρ = q/r and, where it pays, a colour
+// (noise_search.h). For a given shape the whitened residuals are minimised:
 //
 //   1. The dead times are searched on a grid (delay_search.h), with the time
 //      scales half, as large and twice as large as at the start.
 //   2. Ceres refines the best of each, first with the dead times free, then
 //      within the sample that each lies in, until no neighbouring sample is
 //      better: a minimum may lie in a kink.
-//   3. ρ is estimated anew (restricted likelihood: variation explained by the
-//      parameters to first order is not noise) and 2 repeated until ρ stays.
-//   4. The grid is searched again around the end, with its time scales and ρ;
-//      a better combination of dead times starts 2 anew.
+//   3. The shape is estimated anew (restricted likelihood: variation explained
+//      by the parameters to first order is not noise) and 2 repeated until it
+//      stays.
+//   4. The grid is searched again around the end, with its time scales and
+//      shape; a better combination of dead times starts 2 anew.
 
 #ifndef MLE_NONLINEAR_OUTPUT_FIT_H_
 #define MLE_NONLINEAR_OUTPUT_FIT_H_
@@ -42,7 +43,7 @@ struct OutputFit {
   Eigen::MatrixXd covariance;
   // Of each variance on the diagonal (Satterthwaite): ∞ for known noise.
   Eigen::VectorXd degrees_of_freedom;
-  // −2 ln likelihood less constants, maximised over r and ρ.
+  // −2 ln likelihood less constants, maximised over r and the shape.
   double deviance = 0.0;
   FitCertificate certificate;
 };
@@ -85,13 +86,9 @@ struct RatioEstimate {
 
 // ρ is uncertain, and where drift is too weak to be detected its best estimate
 // is 0. Estimates are therefore taken to first order about
-// `fit` (an offset for each segment) under every ρ that is possible, weighted
-// by restricted likelihood: ρ = 0 and e-folds from 1/N² on, N samples of a
-// segment, below which drift changes no estimate. The prior is
-// uniform in √ρ (Gelman, Bayesian Analysis 1, 2006); a prior uniform in ln ρ
-// would concentrate on negligible drift.
-// Weights add up to one. One estimate where ρ is not estimated, or nothing is
-// free.
+// `fit` (an offset for each segment, its colour) under every possible ρ,
+// weighted by restricted likelihood and the prior of noise_search.h. Weights
+// add up to one. One estimate where ρ is not estimated, or nothing is free.
 std::vector<RatioEstimate> IntegrateRatio(const OutputErrorProblem& problem,
                                           const OutputFit& fit,
                                           bool estimate_drift);
@@ -102,23 +99,27 @@ OutputFit FitWithoutOffsets(const OutputErrorProblem& problem,
                             const StructuredOptions& options);
 
 inline NoiseShape ShapeOf(const NoiseEstimate& noise) {
-  return {.ratio = noise.ratio, .offset = noise.offset};
+  return {.ratio = noise.ratio,
+          .offset = noise.offset,
+          .colour_ratio = noise.colour_ratio,
+          .colour_pole = noise.colour_pole};
 }
 
 // Noise of the output at `point`, by restricted likelihood, with the elements
-// that are `free` taken to be estimated. There are no offsets, and ρ is 0,
-// where neither the likelihood ratio of ρ nor that of the offsets speaks for
-// them.
+// that are `free` taken to be estimated. Offsets are as in `start`; without
+// them the shape is. A colour is sought from that of `start`, or, if it has
+// none and `search_colour`, everywhere (noise_search.h).
 NoiseEstimate EstimateNoise(const OutputErrorProblem& problem,
                             const OutputPoint& point,
                             const std::vector<bool>& free,
-                            const NoiseEstimate& start, bool estimate_drift);
+                            const NoiseEstimate& start, bool estimate_drift,
+                            bool search_colour);
 
 // The evidence against "the noise is white, without offsets" in one output.
 struct OffsetEvidence {
   double offsets = 0.0;    // χ² of the offsets for ρ = 0
-  double drift = 0.0;      // likelihood ratio of ρ, offsets given
-  int num_parameters = 0;  // offsets, and ρ where it is estimated
+  double drift = 0.0;      // likelihood ratio of ρ and colour, offsets given
+  int num_parameters = 0;  // offsets, and those of drift that are estimated
 };
 
 // At the fit of an output with offsets.
@@ -132,17 +133,19 @@ OffsetEvidence FindOffsetEvidence(const OutputErrorProblem& problem,
 // 1/(1 + exp(−ΔAIC/2)).
 double OffsetWeight(const std::vector<OffsetEvidence>& evidence);
 
-// −2 ln likelihood less constants at `point`, maximised over r and ρ, and, in
-// first order, over the elements that are `free`; with an offset as in `start`.
+// −2 ln likelihood less constants at `point`, maximised over r, ρ and the
+// colour that `start` has, and, in first order, over the elements that are
+// `free`; with an offset as in `start`.
 double Deviance(const OutputErrorProblem& problem, const OutputPoint& point,
                 const std::vector<bool>& free, const NoiseEstimate& start,
                 bool estimate_drift);
 
 // Two explanations of an output, the second with more parameters, under the
-// same noise: an offset for each segment and one ρ.
+// same noise: an offset for each segment, one ρ and one colour.
 struct Contrast {
-  // The reduction of the squares by the second, over r; ≥ 0. χ² where the first
-  // is right.
+  // S(ρ), the reduction of the squares by the second over r, integrated over
+  // the possible ρ: −2 ln Σ w(ρ) exp(−S(ρ)/2), with the weights w of
+  // IntegrateRatio() for the second. ≥ 0; χ² where the first is right.
   double statistic = 0.0;
   int degrees = 0;  // of freedom: what the second has more in rank
 };
@@ -154,10 +157,12 @@ Contrast ContrastWithColumns(const OutputErrorProblem& problem,
                              const std::vector<bool>& free, bool estimate_drift,
                              const std::vector<Eigen::MatrixXd>& columns);
 
-// At `null` with nothing fitted; and at the fit `point` of what is `free`.
+// At `null` with nothing fitted; and at the fit `point` of what is `free`, with
+// the noise found there.
 Contrast ContrastWithFit(const OutputErrorProblem& problem,
                          const OutputPoint& null, const OutputPoint& point,
-                         const std::vector<bool>& free, bool estimate_drift);
+                         const std::vector<bool>& free,
+                         const NoiseEstimate& noise, bool estimate_drift);
 
 struct OutputCovariance {
   Eigen::MatrixXd covariance;  // as above
@@ -177,7 +182,7 @@ OutputCovariance ComputeCovariance(const OutputErrorProblem& problem,
                                    const NoiseEstimate& noise);
 
 // Of the variances on the diagonal of the covariance (3m), which move with the
-// ratio and with r, both estimated: Satterthwaite's approximation.
+// shape's parameters and with r, all estimated: Satterthwaite's approximation.
 Eigen::VectorXd ComputeDegreesOfFreedom(const OutputErrorProblem& problem,
                                         const OutputPoint& point,
                                         const std::vector<bool>& free,

@@ -5,8 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "Eigen/QR"
-#include "mle/nonlinear/distributions.h"
+#include "mle/nonlinear/noise_search.h"
 #include "mle/nonlinear/output_fit.h"
 
 namespace mle {
@@ -15,168 +14,20 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// The ratio's range, as ln ρ. Below it drift is less than a sample's noise in
-// 10⁵ samples, above it white noise is none.
-const double kMinLogRatio = std::log(1e-10);
-const double kMaxLogRatio = std::log(1e6);
-constexpr double kGridStep = 1.0;
-constexpr double kTolerance = 1e-3;
 constexpr double kCurvatureStep = 0.3;
-constexpr double kMaxLogRatioDeviation = 3.0;
+constexpr double kMaxLogDeviation = 3.0;
 
-// At one noise shape, maximised over r.
-struct Profile {
-  NoiseShape shape;
-  double value = std::numeric_limits<double>::infinity();  // −2 ln likelihood
-  double squares = 0.0;  // of the whitened residuals
-  double degrees = 0.0;  // of freedom that they have
-  int rank = 0;          // of what is fitted to first order
-  double factor = 1.0;   // of OutputErrorProblem::variance_factor()
-  double variance() const { return factor * squares / std::max(degrees, 1.0); }
-};
-
-// The likelihood (or restricted likelihood) of a noise shape.
-class ShapeLikelihood {
- public:
-  ShapeLikelihood(const OutputErrorProblem& problem, const OutputPoint& point,
-                  const std::vector<bool>& free, NoiseShape start,
-                  bool restricted, const std::vector<MatrixXd>& more = {})
-      : ShapeLikelihood(problem, problem.Linearise(point, start, true), free,
-                        restricted, more) {}
-
-  ShapeLikelihood(const OutputErrorProblem& problem,
-                  std::vector<SegmentColumns> columns,
-                  const std::vector<bool>& free, bool restricted,
-                  const std::vector<MatrixXd>& more = {})
-      : problem_(problem),
-        columns_(std::move(columns)),
-        restricted_(restricted) {
-    std::vector<int> kept;
-    for (std::size_t j = 0; j < free.size(); ++j) {
-      for (int i = 0; free[j] && i < 3; ++i) {
-        kept.push_back(3 * static_cast<int>(j) + i);
-      }
-    }
-    for (std::size_t s = 0; s < columns_.size(); ++s) {
-      MatrixXd jacobian = columns_[s].jacobian(Eigen::all, kept);
-      const Eigen::Index width = jacobian.cols();
-      if (!more.empty()) {
-        jacobian.conservativeResize(Eigen::NoChange, width + more[s].cols());
-        jacobian.rightCols(more[s].cols()) = more[s];
-      }
-      columns_[s].jacobian = std::move(jacobian);
-    }
-  }
-
-  Profile At(NoiseShape shape) const {
-    const WhitenedColumns whitened = problem_.Whiten(columns_, shape);
-    Profile profile;
-    profile.shape = shape;
-    profile.factor = problem_.variance_factor();
-    profile.squares = whitened.residuals.squaredNorm();
-    double log_jacobian = 0.0;
-    Eigen::Index rank = 0;
-    if (whitened.jacobian.cols() > 0) {
-      // By normal equations: fast, and good enough for a first-order term.
-      const VectorXd inverse_norms =
-          whitened.jacobian.colwise().norm().cwiseMax(1e-300).cwiseInverse();
-      const MatrixXd jacobian = whitened.jacobian * inverse_norms.asDiagonal();
-      const VectorXd gradient = jacobian.transpose() * whitened.residuals;
-      Eigen::ColPivHouseholderQR<MatrixXd> qr;
-      qr.setThreshold(1e-12);
-      qr.compute(jacobian.transpose() * jacobian);
-      rank = qr.rank();
-      profile.rank = static_cast<int>(rank);
-      for (Eigen::Index i = 0; i < rank; ++i) {
-        log_jacobian += std::log(std::abs(qr.matrixQR()(i, i)));
-      }
-      log_jacobian -= 2.0 * inverse_norms.array().log().sum();
-      // By rank: a solve by pivots would take rounding for a direction.
-      Eigen::CompleteOrthogonalDecomposition<MatrixXd> decomposition;
-      decomposition.setThreshold(1e-12);
-      decomposition.compute(jacobian.transpose() * jacobian);
-      profile.squares -= std::min(profile.squares,
-                                  gradient.dot(decomposition.solve(gradient)));
-    }
-    // Exact data leave rounding, which has no likelihood.
-    profile.squares =
-        std::max({profile.squares, 1e-26 * problem_.total_squares(), 1e-300});
-    const double n = problem_.num_innovations(shape);
-    profile.degrees = n - whitened.num_amplitudes - static_cast<double>(rank);
-    profile.value = whitened.log_determinant;
-    if (restricted_) {
-      profile.value += profile.degrees * std::log(profile.variance()) +
-                       whitened.log_amplitudes + log_jacobian;
-    } else {
-      profile.value += n * std::log(profile.squares / n);
-    }
-    return profile;
-  }
-  Profile AtLog(double log_ratio) const {
-    return At({.ratio = std::exp(log_ratio)});
-  }
-
- private:
-  const OutputErrorProblem& problem_;
-  std::vector<SegmentColumns> columns_;
-  bool restricted_;
-};
-
-// Golden-section search between two values of ln ρ.
-Profile SearchBetween(const ShapeLikelihood& likelihood, double low,
-                      double high) {
-  const double golden = 0.5 * (std::sqrt(5.0) - 1.0);
-  double left = high - golden * (high - low);
-  double right = low + golden * (high - low);
-  Profile at_left = likelihood.AtLog(left);
-  Profile at_right = likelihood.AtLog(right);
-  while (high - low > kTolerance) {
-    if (at_left.value < at_right.value) {
-      high = right;
-      right = left;
-      at_right = at_left;
-      left = high - golden * (high - low);
-      at_left = likelihood.AtLog(left);
-    } else {
-      low = left;
-      left = right;
-      at_left = at_right;
-      right = low + golden * (high - low);
-      at_right = likelihood.AtLog(right);
-    }
-  }
-  return at_left.value < at_right.value ? at_left : at_right;
-}
-
-// With offsets, over all ρ.
-Profile FindBest(const ShapeLikelihood& likelihood, bool estimate_drift) {
-  Profile best = likelihood.At(NoiseShape());
-  if (!estimate_drift) return best;
-  double best_log = kMinLogRatio;
-  for (double log_ratio = kMinLogRatio; log_ratio <= kMaxLogRatio;
-       log_ratio += kGridStep) {
-    const Profile profile = likelihood.AtLog(log_ratio);
-    if (profile.value < best.value) {
-      best = profile;
-      best_log = log_ratio;
-    }
-  }
-  const Profile inner =
-      SearchBetween(likelihood, best_log - kGridStep, best_log + kGridStep);
-  return inner.value < best.value ? inner : best;
-}
-
-// Of the likelihood at its maximum, in ln ρ.
-double LogRatioDeviation(const ShapeLikelihood& likelihood,
-                         const Profile& best) {
-  const double log_ratio = std::log(best.shape.ratio);
+// Of the likelihood at its maximum `best`, in one logarithm of the shape, of
+// which `shifted` gives the shape moved.
+template <typename Shifted>
+double LogDeviation(const ShapeLikelihood& likelihood, const Profile& best,
+                    Shifted shifted) {
   const double curvature =
-      (likelihood.AtLog(log_ratio + kCurvatureStep).value +
-       likelihood.AtLog(log_ratio - kCurvatureStep).value - 2.0 * best.value) /
+      (likelihood.At(shifted(kCurvatureStep)).value +
+       likelihood.At(shifted(-kCurvatureStep)).value - 2.0 * best.value) /
       (kCurvatureStep * kCurvatureStep);
   // A flat likelihood says little, but not nothing: the range is finite.
-  return std::min(std::sqrt(2.0 / std::max(curvature, 1e-3)),
-                  kMaxLogRatioDeviation);
+  return std::min(std::sqrt(2.0 / std::max(curvature, 1e-3)), kMaxLogDeviation);
 }
 
 }  // namespace
@@ -184,17 +35,24 @@ double LogRatioDeviation(const ShapeLikelihood& likelihood,
 NoiseEstimate EstimateNoise(const OutputErrorProblem& problem,
                             const OutputPoint& point,
                             const std::vector<bool>& free,
-                            const NoiseEstimate& start, bool estimate_drift) {
+                            const NoiseEstimate& start, bool estimate_drift,
+                            bool search_colour) {
   const ShapeLikelihood likelihood(problem, point, free, ShapeOf(start),
                                    /*restricted=*/true);
-  const Profile best = start.offset ? FindBest(likelihood, estimate_drift)
-                                    : likelihood.At(ShapeOf(start));
+  const Profile best = start.offset
+                           ? FindBestShape(likelihood, ShapeOf(start),
+                                           estimate_drift, search_colour)
+                           : likelihood.At(ShapeOf(start));
   NoiseEstimate noise;
   noise.variance = best.variance();
   noise.ratio = best.shape.ratio;
   noise.offset = best.shape.offset;
-  if (noise.ratio > 0.0) {
-    noise.log_ratio_deviation = LogRatioDeviation(likelihood, best);
+  noise.colour_ratio = best.shape.colour_ratio;
+  noise.colour_pole = best.shape.colour_pole;
+  for (int i = 0; i < kShapeParameters; ++i) {
+    if (!HasParameter(best.shape, i)) continue;
+    noise.log_deviations[i] = LogDeviation(
+        likelihood, best, [&](double by) { return Moved(best.shape, i, by); });
   }
   return noise;
 }
@@ -222,7 +80,8 @@ OffsetEvidence FindOffsetEvidence(const OutputErrorProblem& problem,
   if (problem.num_segments() > 0) {
     evidence.num_parameters = problem.num_segments() + (estimate_drift ? 1 : 0);
   }
-  if (noise.ratio > 0.0) {
+  if (noise.colour_ratio > 0.0) evidence.num_parameters += 2;
+  if (noise.ratio > 0.0 || noise.colour_ratio > 0.0) {
     evidence.drift = with.value - likelihood.At(ShapeOf(noise)).value;
   }
   return evidence;
@@ -243,25 +102,60 @@ double Deviance(const OutputErrorProblem& problem, const OutputPoint& point,
   const ShapeLikelihood likelihood(problem, point, free, ShapeOf(start),
                                    /*restricted=*/false);
   if (!start.offset) return likelihood.At(ShapeOf(start)).value;
-  return FindBest(likelihood, estimate_drift).value;
+  return FindBestShape(likelihood, ShapeOf(start), estimate_drift,
+                       /*search_colour=*/false)
+      .value;
 }
 
 namespace {
 
-// Both at the larger of the two ratios that restricted likelihood finds.
-// Likelihood that takes a ratio for each would let the alternative explain slow
-// drift and then call the noise white: with weak drift every fourth test would
-// raise a false alarm of one in a hundred.
-Contrast AtOneRatio(const ShapeLikelihood& null,
-                    const ShapeLikelihood& alternative, bool estimate_drift) {
-  const NoiseShape shape = {
-      .ratio = std::max(FindBest(null, estimate_drift).shape.ratio,
-                        FindBest(alternative, estimate_drift).shape.ratio)};
-  const Profile without = null.At(shape);
-  const Profile with = alternative.At(shape);
-  return {.statistic =
-              std::max(without.squares - with.squares, 0.0) / with.variance(),
-          .degrees = with.rank - without.rank};
+// Both under the colour of the alternative, and under every ρ that is possible
+// for it: the null's own shape would hold the error of its model, and excuse
+// it. The sum is the ratio of likelihoods integrated over ρ on both sides, with
+// the weights of the intervals (IntegrateRatio), so that test and intervals
+// agree. At the best ρ alone weak drift, of which the best estimate is often 0,
+// would raise false alarms.
+Contrast OverRatios(const ShapeLikelihood& null,
+                    const ShapeLikelihood& alternative, NoiseShape start,
+                    bool estimate_drift, bool search_colour) {
+  const OutputErrorProblem& problem = alternative.problem();
+  NoiseShape shape =
+      FindBestShape(alternative, start, estimate_drift, search_colour).shape;
+  std::vector<PossibleRatio> ratios = {{shape.ratio, 1.0}};
+  if (estimate_drift && problem.num_segments() > 0) {
+    ratios = PossibleRatios(problem);
+  }
+  std::vector<Profile> profiles;
+  double best = -std::numeric_limits<double>::infinity();
+  for (const PossibleRatio& possible : ratios) {
+    shape.ratio = possible.ratio;
+    profiles.push_back(alternative.At(shape));
+    best =
+        std::max(best, std::log(possible.prior) - 0.5 * profiles.back().value);
+  }
+  Contrast contrast;
+  double total = 0.0;
+  double excused = 0.0;
+  double least = std::numeric_limits<double>::infinity();
+  std::vector<std::pair<double, double>> parts;  // weight and S
+  for (std::size_t i = 0; i < ratios.size(); ++i) {
+    const Profile& with = profiles[i];
+    const double weight =
+        std::exp(std::log(ratios[i].prior) - 0.5 * with.value - best);
+    if (!(weight > kSmallWeight)) continue;
+    const Profile without = null.At(with.shape);
+    const double reduction =
+        std::max(without.squares - with.squares, 0.0) / with.variance();
+    contrast.degrees = with.rank - without.rank;
+    parts.emplace_back(weight, reduction);
+    least = std::min(least, reduction);
+    total += weight;
+  }
+  for (const auto& [weight, reduction] : parts) {
+    excused += weight / total * std::exp(-0.5 * (reduction - least));
+  }
+  contrast.statistic = least - 2.0 * std::log(excused);
+  return contrast;
 }
 
 }  // namespace
@@ -270,21 +164,23 @@ Contrast ContrastWithColumns(const OutputErrorProblem& problem,
                              const OutputPoint& point,
                              const std::vector<bool>& free, bool estimate_drift,
                              const std::vector<MatrixXd>& columns) {
-  return AtOneRatio(ShapeLikelihood(problem, point, free, NoiseShape(),
+  return OverRatios(ShapeLikelihood(problem, point, free, NoiseShape(),
                                     /*restricted=*/true),
                     ShapeLikelihood(problem, point, free, NoiseShape(),
                                     /*restricted=*/true, columns),
-                    estimate_drift);
+                    NoiseShape(), estimate_drift, /*search_colour=*/true);
 }
 
 Contrast ContrastWithFit(const OutputErrorProblem& problem,
                          const OutputPoint& null, const OutputPoint& point,
-                         const std::vector<bool>& free, bool estimate_drift) {
-  return AtOneRatio(
+                         const std::vector<bool>& free,
+                         const NoiseEstimate& noise, bool estimate_drift) {
+  const NoiseShape shape = ShapeOf(noise);
+  return OverRatios(
       ShapeLikelihood(problem, null, std::vector<bool>(free.size(), false),
-                      NoiseShape(), /*restricted=*/true),
-      ShapeLikelihood(problem, point, free, NoiseShape(), /*restricted=*/true),
-      estimate_drift);
+                      shape, /*restricted=*/true),
+      ShapeLikelihood(problem, point, free, shape, /*restricted=*/true), shape,
+      estimate_drift, /*search_colour=*/false);
 }
 
 }  // namespace mle

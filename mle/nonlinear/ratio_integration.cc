@@ -3,6 +3,7 @@
 #include <limits>
 #include <vector>
 
+#include "mle/nonlinear/noise_search.h"
 #include "mle/nonlinear/output_fit.h"
 
 namespace mle {
@@ -10,16 +11,6 @@ namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-constexpr double kGridStep = 1.0;  // of ln ρ
-// Beforehand every √ρ is as likely as any other: what of it is nearest to a
-// value of the grid, as a share of √ρ there; and below the smallest, of that.
-const double kShareOfValue =
-    std::exp(0.25 * kGridStep) - std::exp(-0.25 * kGridStep);
-const double kShareBelow = std::exp(-0.25 * kGridStep);
-// Of the largest weight; less is left out.
-constexpr double kSmallWeight = 1e-3;
-const double kMaxLogRatio = std::log(1e6);
 
 // The probability of a ratio but for a factor, and the estimates under it.
 struct Candidate {
@@ -30,7 +21,8 @@ struct Candidate {
 Candidate AtRatio(const OutputErrorProblem& problem, const OutputFit& fit,
                   const std::vector<SegmentColumns>& columns, double ratio,
                   double prior) {
-  const NoiseShape shape = {.ratio = ratio};
+  NoiseShape shape = ShapeOf(fit.noise);
+  shape.ratio = ratio;
   const RatioLikelihood likelihood =
       RestrictedLikelihood(problem, fit.free, columns, shape);
   const WhitenedColumns whitened = problem.Whiten(columns, shape);
@@ -73,14 +65,10 @@ std::vector<RatioEstimate> IntegrateRatio(const OutputErrorProblem& problem,
       problem.Linearise(fit.point, ShapeOf(fit.noise), /*with_jacobian=*/true);
   const VectorXd at_fit =
       AtRatio(problem, fit, columns, fit.noise.ratio, 1.0).estimate.change;
-  const double length = static_cast<double>(problem.num_samples()) /
-                        static_cast<double>(problem.num_segments());
-  std::vector<Candidate> candidates = {
-      AtRatio(problem, fit, columns, 0.0, kShareBelow / length)};
-  for (double log_ratio = -2.0 * std::log(length); log_ratio <= kMaxLogRatio;
-       log_ratio += kGridStep) {
-    candidates.push_back(AtRatio(problem, fit, columns, std::exp(log_ratio),
-                                 kShareOfValue * std::exp(0.5 * log_ratio)));
+  std::vector<Candidate> candidates;
+  for (const PossibleRatio& possible : PossibleRatios(problem)) {
+    candidates.push_back(
+        AtRatio(problem, fit, columns, possible.ratio, possible.prior));
   }
   double best = -std::numeric_limits<double>::infinity();
   for (const Candidate& c : candidates)

@@ -182,7 +182,7 @@ void Judge(const std::vector<OutputSetup>& setups,
   ParallelFor(p, options.threads, [&](int i) {
     contrasts[i] =
         ContrastWithFit(*setups[i].problem, setups[i].start, fits[i].point,
-                        fits[i].free, options.estimate_drift);
+                        fits[i].free, fits[i].noise, options.estimate_drift);
   });
   for (int i = 0; i < p; ++i) {
     const int free = static_cast<int>(

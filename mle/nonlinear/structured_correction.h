@@ -27,6 +27,7 @@
 #ifndef MLE_NONLINEAR_STRUCTURED_CORRECTION_H_
 #define MLE_NONLINEAR_STRUCTURED_CORRECTION_H_
 
+#include <array>
 #include <limits>
 #include <string>
 #include <vector>
@@ -82,17 +83,34 @@ struct StructuredOptions {
   absl::Status Validate() const;
 };
 
-// White noise plus a random walk.
+// A periodic disturbance: a sine of one frequency, whose amplitude and phase
+// each window has for itself.
+struct PeriodicLine {
+  double period = 0.0;     // in the time unit of the model
+  double amplitude = 0.0;  // root mean square over the windows
+};
+
+// White noise plus a random walk and, where the records show one, a coloured
+// component a_{k+1} = φ a_k + η_k, Var η = s.
 struct NoiseEstimate {
   double variance = 0.0;  // r, of the white part
   double ratio = 0.0;     // q/r
   // Each window has an offset of its own. If not, records are deviations from
   // the model's operating point, and free of drift.
   bool offset = true;
-  // Standard deviation of ln(q/r); 0 where the ratio is at 0 or given.
-  double log_ratio_deviation = 0.0;
+  double colour_ratio = 0.0;  // s/r; 0: no coloured component
+  double colour_pole = 0.0;   // φ, of one sample
+  // Standard deviations of ln(q/r), ln(s/r) and ln(−1/ln φ); 0 of what is 0 or
+  // given.
+  std::array<double, 3> log_deviations = {};
+  std::vector<PeriodicLine> lines = {};  // beside it
 
   double increment_variance() const { return ratio * variance; }  // q
+  // Of the stationary coloured component, s/(1 − φ²).
+  double colour_variance() const {
+    return colour_ratio * variance / (1.0 - colour_pole * colour_pole);
+  }
+  double colour_memory() const;  // −1/ln φ, in samples; 0 without colour
 };
 
 enum class FitTermination { kNotRun, kConverged, kIterationLimit, kFailed };

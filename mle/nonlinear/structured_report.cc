@@ -46,6 +46,19 @@ std::string Describe(const ParameterEstimate& estimate) {
                          estimate.lower, estimate.upper);
 }
 
+void AppendColour(const NoiseEstimate& noise, std::string& report) {
+  if (noise.colour_ratio > 0.0) {
+    absl::StrAppendFormat(
+        &report, "    coloured          variance %.4g, memory %.3g samples\n",
+        noise.colour_variance(), noise.colour_memory());
+  }
+  for (const PeriodicLine& line : noise.lines) {
+    absl::StrAppendFormat(&report,
+                          "    periodic          period %.4g, amplitude %.3g\n",
+                          line.period, line.amplitude);
+  }
+}
+
 // (N+1) × 3: a step response's derivatives by K, T and L.
 MatrixXd StepDerivatives(const ElementResponse& element,
                          const ElementValues& values, double sample_time,
@@ -62,6 +75,10 @@ MatrixXd StepDerivatives(const ElementResponse& element,
 }
 
 }  // namespace
+
+double NoiseEstimate::colour_memory() const {
+  return colour_ratio > 0.0 ? -1.0 / std::log(colour_pole) : 0.0;
+}
 
 StepResponse StructuredFit::StepResponseErrors(double sample_time,
                                                int samples) const {
@@ -121,6 +138,7 @@ std::string StructuredCorrection::FullReport() const {
         certificate.condition,
         certificate.at_bound ? ", a parameter at its bound" : "",
         certificate.message);
+    AppendColour(full.noise[i], report);
     for (int j = 0; j < m; ++j) {
       const ElementEstimate& proposed = corrected.element(i, j);
       absl::StrAppendFormat(&report, "    input %s: %s (p = %.3g)\n",

@@ -25,25 +25,29 @@ MatrixXd RandomMatrix(int rows, int cols) {
 
 // Covariance of noise of unit white part at `times`, random walk from the
 // first.
-MatrixXd Covariance(const std::vector<int>& times, double ratio) {
+MatrixXd Covariance(const std::vector<int>& times, const NoiseShape& shape) {
   const int n = static_cast<int>(times.size());
   MatrixXd covariance = MatrixXd::Identity(n, n);
+  const double pole = shape.colour_pole;
   for (int i = 0; i < n; ++i) {
     for (int k = 0; k < n; ++k) {
-      covariance(i, k) += ratio * (std::min(times[i], times[k]) - times[0]);
+      covariance(i, k) +=
+          shape.ratio * (std::min(times[i], times[k]) - times[0]) +
+          shape.colour_ratio / (1.0 - pole * pole) *
+              std::pow(pole, std::abs(times[i] - times[k]));
     }
   }
   return covariance;
 }
 
-class InnovationsFilterTest : public ::testing::TestWithParam<double> {};
+class InnovationsFilterTest : public ::testing::TestWithParam<NoiseShape> {};
 
 TEST_P(InnovationsFilterTest, IsGeneralisedLeastSquaresWithAFreeOffset) {
   const std::vector<int> times = {0, 1, 2, 3, 7, 8, 10, 11, 12, 30, 31, 32};
   const int n = static_cast<int>(times.size());
   const MatrixXd columns = RandomMatrix(n, 3);
   MatrixXd whitened = columns;
-  const InnovationsFilter filter(times, {.ratio = GetParam()});
+  const InnovationsFilter filter(times, GetParam());
   filter.Apply(whitened);
   EXPECT_EQ(whitened.row(0).norm(), 0.0);
 
@@ -66,8 +70,15 @@ TEST_P(InnovationsFilterTest, IsGeneralisedLeastSquaresWithAFreeOffset) {
               log_determinant + std::log(static_cast<double>(n)), 1e-9);
 }
 
-INSTANTIATE_TEST_SUITE_P(Ratios, InnovationsFilterTest,
-                         ::testing::Values(0.0, 1e-4, 0.1, 1.0, 1e4));
+INSTANTIATE_TEST_SUITE_P(
+    Ratios, InnovationsFilterTest,
+    ::testing::Values(
+        NoiseShape(), NoiseShape{.ratio = 1e-4}, NoiseShape{.ratio = 0.1},
+        NoiseShape{.ratio = 1.0}, NoiseShape{.ratio = 1e4},
+        NoiseShape{.colour_ratio = 0.3, .colour_pole = 0.0},
+        NoiseShape{.colour_ratio = 2.0, .colour_pole = 0.9},
+        NoiseShape{.ratio = 0.05, .colour_ratio = 0.5, .colour_pole = 0.7},
+        NoiseShape{.ratio = 1e-6, .colour_ratio = 40.0, .colour_pole = 0.99}));
 
 // Weighted samples: the same identity with variances 1/ω on the diagonal.
 TEST_P(InnovationsFilterTest, WeightsAreInverseVariances) {
@@ -79,7 +90,7 @@ TEST_P(InnovationsFilterTest, WeightsAreInverseVariances) {
   weights(9) = 0.5;
   const MatrixXd columns = RandomMatrix(n, 3);
   MatrixXd whitened = columns;
-  const InnovationsFilter filter(times, {.ratio = GetParam()}, weights);
+  const InnovationsFilter filter(times, GetParam(), weights);
   filter.Apply(whitened);
   MatrixXd V = Covariance(times, GetParam());
   V.diagonal().array() += weights.array().inverse() - 1.0;
@@ -130,6 +141,27 @@ TEST(InnovationsFilterTest, WhitensWhatItIsMeantFor) {
         noise.squaredNorm();
     EXPECT_LT(std::abs(correlation), 5.0 / std::sqrt(n)) << lag;
   }
+}
+
+// Without an offset nothing is free: products and determinant are those of the
+// whole covariance.
+TEST(InnovationsFilterTest, ColourWithoutOffset) {
+  const std::vector<int> times = {0, 1, 2, 5, 6, 9, 10};
+  const NoiseShape shape = {
+      .offset = false, .colour_ratio = 0.4, .colour_pole = 0.8};
+  const InnovationsFilter filter(times, shape);
+  const MatrixXd columns = RandomMatrix(7, 5);
+  MatrixXd whitened = columns;
+  filter.Apply(whitened);
+  const Eigen::LLT<MatrixXd> factor(Covariance(times, shape));
+  const MatrixXd expected = columns.transpose() * factor.solve(columns);
+  EXPECT_LT((whitened.transpose() * whitened - expected).norm(),
+            1e-12 * expected.norm());
+  EXPECT_NEAR(filter.log_determinant(),
+              2.0 * factor.matrixLLT().diagonal().array().log().sum(), 1e-12);
+  EXPECT_LT(
+      (filter.WhitePart(columns.col(0)) - factor.solve(columns.col(0))).norm(),
+      1e-12 * columns.col(0).norm());
 }
 
 TEST(InnovationsFilterTest, WithoutOffsetWhiteNoisePassesAsItIs) {

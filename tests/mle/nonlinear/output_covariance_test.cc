@@ -96,7 +96,7 @@ TEST(OutputCovarianceTest, DegreesOfFreedomAreSatterthwaites) {
   ASSERT_GT(noise.ratio, 0.0);
   const std::vector<bool> free = {true, true};
   const auto degrees = [&](double deviation) {
-    noise.log_ratio_deviation = deviation;
+    noise.log_deviations[0] = deviation;
     return ComputeDegreesOfFreedom(f.problem(), f.fit.point, free, noise);
   };
   EXPECT_TRUE(degrees(0.0).isApproxToConstant(n, 1e-12));

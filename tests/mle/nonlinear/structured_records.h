@@ -38,6 +38,10 @@ struct RecordNoise {
   double variance = 0.0;   // r, white
   double increment = 0.0;  // q, of a random walk
   double offset = 0.0;     // of the outputs
+  double shock = 0.0;      // s, of an autoregression of first order
+  double pole = 0.0;       // φ
+  double amplitude = 0.0;  // of a sine
+  double period = 1.0;     // in samples
 };
 
 // Open loop: each input moves to a new random level now and then. Sampled every
@@ -58,6 +62,9 @@ inline Record MakeRecord(const ProcessModel& plant, int samples, unsigned seed,
   record.inputs.resize(m, samples);
   Eigen::VectorXd level = Eigen::VectorXd::Zero(p);
   Eigen::VectorXd input = Eigen::VectorXd::Zero(m);
+  // Random numbers of its own: other noise is the same with and without.
+  std::mt19937_64 colour_engine(seed + 1000);
+  Eigen::VectorXd colour = Eigen::VectorXd::Zero(p);
   for (int k = -before; k < samples; ++k) {
     for (int j = 0; j < m; ++j) {
       if (uniform(engine) < 0.02) input(j) = normal(engine);
@@ -65,8 +72,14 @@ inline Record MakeRecord(const ProcessModel& plant, int samples, unsigned seed,
     for (int i = 0; i < p; ++i) {
       const double white = std::sqrt(noise.variance) * normal(engine);
       if (k >= 0) {
-        record.outputs(i, k) =
-            simulated->outputs()(i) + level(i) + noise.offset + white;
+        const double sine = noise.amplitude *
+                            std::sin(2.0 * M_PI * k / noise.period + seed + i);
+        record.outputs(i, k) = simulated->outputs()(i) + level(i) +
+                               noise.offset + white + colour(i) + sine;
+      }
+      if (noise.shock > 0.0) {
+        colour(i) = noise.pole * colour(i) +
+                    std::sqrt(noise.shock) * normal(colour_engine);
       }
       level(i) += std::sqrt(noise.increment) * normal(engine);
     }

@@ -1,0 +1,97 @@
+// The likelihood of a noise shape (innovations_filter.h) at a point of one
+// output's parameters, and the shape that maximises it. Internal to
+// mle/nonlinear.
+//
+// Residuals and their derivatives are linearised once; at every shape the
+// parameters that are free are eliminated to first order, the amplitudes
+// exactly, and r by its maximum. Restricted likelihood (Patterson and Thompson,
+// Biometrika 58, 1971) counts what they take up:
+//
+//   −2 ln L = (n − k) ln r̂ + Σ ln F + ln det(JᵀV⁻¹J).
+//
+// A shape is white noise with a random walk unless a coloured component beside
+// it lowers −2 ln L by more than twice the logarithm of the number of samples:
+// the price of its two parameters by Schwarz's criterion (Annals of Statistics
+// 6, 1978).
+
+#ifndef MLE_NONLINEAR_NOISE_SEARCH_H_
+#define MLE_NONLINEAR_NOISE_SEARCH_H_
+
+#include <limits>
+#include <vector>
+
+#include "Eigen/Core"
+#include "mle/nonlinear/output_error_problem.h"
+
+namespace mle {
+
+// At one noise shape, maximised over r.
+struct Profile {
+  NoiseShape shape;
+  double value = std::numeric_limits<double>::infinity();  // −2 ln likelihood
+  double squares = 0.0;  // of the whitened residuals
+  double degrees = 0.0;  // of freedom that they have
+  int rank = 0;          // of what is fitted to first order
+  double factor = 1.0;   // of OutputErrorProblem::variance_factor()
+
+  double variance() const;  // r
+};
+
+// The likelihood (or restricted likelihood) of noise shapes.
+class ShapeLikelihood {
+ public:
+  // `more`: columns of each segment (rows × k), fitted besides.
+  ShapeLikelihood(const OutputErrorProblem& problem, const OutputPoint& point,
+                  const std::vector<bool>& free, NoiseShape start,
+                  bool restricted,
+                  const std::vector<Eigen::MatrixXd>& more = {});
+  ShapeLikelihood(const OutputErrorProblem& problem,
+                  std::vector<SegmentColumns> columns,
+                  const std::vector<bool>& free, bool restricted,
+                  const std::vector<Eigen::MatrixXd>& more = {});
+
+  Profile At(NoiseShape shape) const;
+  const OutputErrorProblem& problem() const { return problem_; }
+
+ private:
+  const OutputErrorProblem& problem_;
+  std::vector<SegmentColumns> columns_;
+  bool restricted_;
+};
+
+// −1/ln φ of the slowest colour that is told from a random walk: a third of the
+// shortest segment.
+double LongestColour(const OutputErrorProblem& problem);
+
+// Values of ρ that stand for all: 0 and e-folds from 1/N² on (N samples of a
+// segment), below which drift changes no estimate, with their probabilities
+// beforehand, but for a factor. The prior is uniform in √ρ (Gelman, Bayesian
+// Analysis 1, 2006); one uniform in ln ρ would concentrate on negligible drift.
+struct PossibleRatio {
+  double ratio = 0.0;
+  double prior = 0.0;
+};
+std::vector<PossibleRatio> PossibleRatios(const OutputErrorProblem& problem);
+// Of the largest probability; ratios of less are left out.
+inline constexpr double kSmallWeight = 1e-3;
+
+// −1/ln φ and back.
+double MemoryOf(double pole);
+double PoleOf(double memory);
+
+// Shapes move in ln ρ, ln σ and ln(−1/ln φ): whether `shape` has the parameter
+// (0 to 2), and the shape with its logarithm moved by `by`.
+inline constexpr int kShapeParameters = 3;
+bool HasParameter(NoiseShape shape, int parameter);
+NoiseShape Moved(NoiseShape shape, int parameter, double by);
+
+// With an offset, over all ρ (0 unless `estimate_drift`) and, where it pays,
+// colours: from that of `start` if it has one, else, if `search_colour`, of a
+// grid. A colour found before stays as it is where that is as good as the best
+// to a hundredth of −2 ln L, and is given up only if `search_colour`.
+Profile FindBestShape(const ShapeLikelihood& likelihood, NoiseShape start,
+                      bool estimate_drift, bool search_colour);
+
+}  // namespace mle
+
+#endif  // MLE_NONLINEAR_NOISE_SEARCH_H_

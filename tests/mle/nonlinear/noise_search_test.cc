@@ -1,0 +1,94 @@
+#include "mle/nonlinear/noise_search.h"
+
+#include <cmath>
+#include <vector>
+
+#include "gtest/gtest.h"
+#include "mle/nonlinear/output_fit.h"
+#include "mle/nonlinear/structured_setup.h"
+#include "tests/mle/nonlinear/structured_records.h"
+
+namespace mle {
+namespace {
+
+// Two records of 1,500 samples.
+OutputSetup Prepare(const RecordNoise& noise, unsigned seed) {
+  const ProcessModel model = TwoElements();
+  auto setups = SetUpOutputs(model, MakeRecords(model, 1500, seed, noise), {});
+  EXPECT_TRUE(setups.ok()) << setups.status();
+  return std::move(setups->front());
+}
+
+NoiseEstimate Estimate(const OutputSetup& setup, const NoiseEstimate& start,
+                       bool search_colour) {
+  return EstimateNoise(*setup.problem, setup.start, {true, true}, start,
+                       /*estimate_drift=*/true, search_colour);
+}
+
+// At the true parameters; with 2,900 samples r and s are known to about 10 %
+// and 15 %, 1 − φ to 20 %. Four such deviations.
+TEST(NoiseSearchTest, FindsAColour) {
+  for (const double pole : {0.8, 0.95}) {
+    const OutputSetup setup =
+        Prepare({.variance = 0.01, .shock = 0.01, .pole = pole}, 1);
+    const NoiseEstimate noise = Estimate(setup, NoiseEstimate(), true);
+    EXPECT_NEAR(noise.variance, 0.01, 0.004);
+    EXPECT_NEAR(noise.colour_ratio * noise.variance, 0.01, 0.006);
+    EXPECT_NEAR((1.0 - noise.colour_pole) / (1.0 - pole), 1.0, 0.6);
+    // The walk that is left: less than the colour's deviation over a record.
+    EXPECT_LT(1500.0 * noise.increment_variance(), noise.colour_variance());
+    EXPECT_NEAR(noise.colour_memory(), -1.0 / std::log(noise.colour_pole),
+                1e-9);
+    for (const int i : {1, 2}) {
+      EXPECT_GT(noise.log_deviations[i], 0.02);
+      EXPECT_LT(noise.log_deviations[i], 0.5);
+    }
+  }
+}
+
+// Twice the logarithm of the number of samples has to be gained: of twenty
+// records without colour not one is given it.
+TEST(NoiseSearchTest, WhiteNoiseAndDriftStayWhatTheyAre) {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    const double increment = seed % 2 == 0 ? 0.0 : 1e-4;
+    const OutputSetup setup =
+        Prepare({.variance = 0.01, .increment = increment}, seed);
+    const NoiseEstimate noise = Estimate(setup, NoiseEstimate(), true);
+    EXPECT_EQ(noise.colour_ratio, 0.0) << seed;
+    EXPECT_EQ(noise.log_deviations[1], 0.0);
+    EXPECT_NEAR(noise.variance, 0.01, 0.0015);
+  }
+}
+
+// The search ends at a maximum: the shape moved in any of its logarithms is
+// less likely; from there it stays.
+TEST(NoiseSearchTest, EndsAtAMaximumAndStays) {
+  const OutputSetup setup = Prepare(
+      {.variance = 0.01, .increment = 1e-4, .shock = 0.02, .pole = 0.7}, 3);
+  const NoiseEstimate noise = Estimate(setup, NoiseEstimate(), true);
+  ASSERT_GT(noise.colour_ratio, 0.0);
+  const NoiseShape shape = ShapeOf(noise);
+  const ShapeLikelihood likelihood(*setup.problem, setup.start, {true, true},
+                                   shape, /*restricted=*/true);
+  const double best = likelihood.At(shape).value;
+  for (int i = 0; i < kShapeParameters; ++i) {
+    if (!HasParameter(shape, i)) continue;
+    for (const double by : {-0.3, 0.3}) {
+      EXPECT_GT(likelihood.At(Moved(shape, i, by)).value, best + 0.01)
+          << i << " by " << by;
+    }
+  }
+  const NoiseEstimate again = Estimate(setup, noise, false);
+  EXPECT_EQ(again.colour_ratio, noise.colour_ratio);
+  EXPECT_EQ(again.colour_pole, noise.colour_pole);
+  EXPECT_EQ(again.ratio, noise.ratio);
+}
+
+TEST(NoiseSearchTest, ColourIsNotSoughtUnasked) {
+  const OutputSetup setup =
+      Prepare({.variance = 0.01, .shock = 0.01, .pole = 0.9}, 4);
+  EXPECT_EQ(Estimate(setup, NoiseEstimate(), false).colour_ratio, 0.0);
+}
+
+}  // namespace
+}  // namespace mle
