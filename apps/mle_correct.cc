@@ -59,6 +59,7 @@ absl::Status WriteAll(const correct::Result& result) {
                                          HowToRunAgain({}, Checksums(result)));
   const ProcessModel& initial = result.initial;
   std::vector<std::pair<std::string, std::string>> files = {
+      {"model.json", FormatProcessModel(result.model)},
       {"fopdt.json", FormatProcessModel(result.fopdt_model)},
       {"step_response.csv", correct::FormatStepResponses(result)},
       {"report.html", std::move(page)},

@@ -45,8 +45,8 @@ std::vector<Option> OptionsOf(EstimationOptions& options) {
                          {"arx", Estimator::kArx,
                           "any shape of response, by regularised regression"},
                          {"combined", Estimator::kCombined,
-                          "structured, then arx for the outputs whose "
-                          "structure a test rejects"}}),
+                          "structured, and what shapes of responses the "
+                          "structure lacks where the records speak for it"}}),
        "Estimator of the corrected model."},
       {"false_alarm_probability", &structured.false_alarm_probability,
        "Probability of a false alarm of the test of no change, and of naming "

@@ -219,8 +219,9 @@ std::vector<std::string> Advise(const Result& result) {
       break;
     case Decision::kCorrected:
       advice.push_back(absl::StrCat(
-          "Use the corrected model in the controller: fopdt.json has its "
-          "transfer functions, ",
+          "Use the corrected model in the controller: model.json has its "
+          "transfer functions, fopdt.json those of first order nearest to "
+          "them, ",
           result.corrected.has_arx() ? "arx.json its ARX form for prediction, "
                                      : "",
           "step_response.csv its step responses."));

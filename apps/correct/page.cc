@@ -98,6 +98,7 @@ std::string FormatPage(const Result& result, const Figures& figures,
   page.AddHeading("Files");
   std::vector<std::pair<std::string, std::string>> files = {
       {"result.json", "result.json"},
+      {"model.json", "model.json"},
       {"fopdt.json", "fopdt.json"},
       {"step_response.csv", "step_response.csv"}};
   if (result.corrected.has_arx()) files.emplace_back("arx.json", "arx.json");

@@ -23,7 +23,8 @@ std::vector<Option> FileOptions(Request& request) {
        "Records (CSV) of routine operation with set-point changes, separated "
        "by commas. Must be given."},
       {"out", &request.out,
-       "Folder for report.html, result.json, arx.json, fopdt.json and "
+       "Folder for report.html, result.json, model.json, fopdt.json, arx.json "
+       "and "
        "step_response.csv."},
       {"truth", &request.truth_path,
        "Process model (JSON) of a simulated plant: its step responses are "

@@ -103,6 +103,14 @@ Json ElementJson(const Result& result, int i, int j) {
     json["p_value"] = structured.element_p_values(i, j);
     json["aged"] = static_cast<bool>(structured.aged(i, j));
   }
+  if (ProposesShape(result.estimate, i)) {
+    const ElementPosterior& shape =
+        result.estimate.fit.posterior->outputs[i].elements[j];
+    json["reshaped"] = shape.reshaped;
+    json["change_probability"] = shape.change_probability;
+    json["shape_probability"] = shape.shape_probability;
+    json["reduction_error"] = shape.reduction_error;
+  }
   if (full.state != ElementState::kAbsent) {
     const bool shown = structural && result.accepted();
     json["gain"] = ParameterJson(full.gain, corrected.gain, shown);

@@ -267,6 +267,25 @@ void AddInadequacy(const Result& result, std::vector<Finding>& findings) {
                     " have another shape, or a disturbance remains.")});
 }
 
+// Where the correction has taken another shape.
+void AddShapes(const Result& result, std::vector<Finding>& findings) {
+  for (int i = 0; result.accepted() && i < result.initial.num_outputs(); ++i) {
+    if (!ProposesShape(result.estimate, i)) continue;
+    for (int j = 0; j < result.initial.num_inputs(); ++j) {
+      const ElementPosterior& element =
+          result.estimate.fit.posterior->outputs[i].elements[j];
+      if (!element.reshaped || !HasChanged(result, i, j)) continue;
+      const std::string pair = PairName(result.initial, i, j);
+      findings.push_back(
+          {"shape_probability", pair, element.shape_probability, "", kNaN, kNaN,
+           absl::StrCat(pair, ": the response has another shape (probability ",
+                        FormatSignificant(element.shape_probability, 3),
+                        "); gain, time constant and dead time are those of "
+                        "the nearest element of the model's own shape.")});
+    }
+  }
+}
+
 void AddFits(const Result& result, std::vector<Finding>& findings) {
   const Validation& validation = result.validation;
   const std::size_t first = findings.size();
@@ -314,6 +333,7 @@ std::vector<std::string> Sentences(const std::vector<Finding>& findings) {
 std::vector<Finding> Findings(const Result& result) {
   std::vector<Finding> findings;
   AddInadequacy(result, findings);
+  AddShapes(result, findings);
   if (result.decision == Decision::kCorrected) {
     AddChangedElements(result, findings);
     const double relative = 100.0 * result.change.relative;

@@ -93,7 +93,7 @@ class Experiment {
   StepResponse InitialResponse() const;
   // Of the plant's own responses.
   const Judgement& truth_judged() const { return truth_judged_; }
-  // The Cramér–Rao limit of E: what no unbiased estimate can beat on average
+  // The information bound of E: what no unbiased estimate can beat on average
   // that knows the structure and the noise. 0 where there is no noise, or the
   // plant cannot be fitted.
   double Limit();

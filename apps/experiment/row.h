@@ -35,7 +35,7 @@ enum class Metric {
   kPValue,    // of the initial model being right
   kGap,       // largest relative duality gap of the conversion and all fits
   // Of the estimators with structure:
-  kLimitE,   // Cramér–Rao limit of E, every element free
+  kLimitE,   // information bound of E, every element free
   kNamed,    // 1: the elements named as aged are those that differ, 0: not
   kCovered,  // share of the intervals of all parameters that hold the plant's
 };

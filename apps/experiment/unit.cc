@@ -66,6 +66,12 @@ std::optional<std::array<double, 3>> ParametersOf(
                                element.delay()};
 }
 
+// By gain, time constant, dead time or shape.
+bool Differs(const TransferFunction& a, const TransferFunction& b) {
+  return a.numerator() != b.numerator() || a.denominator() != b.denominator() ||
+         a.delay() != b.delay();
+}
+
 // Whether the elements named as aged are those that differ, and the share of
 // the intervals of all fitted parameters that hold the plant's.
 void AddParameters(const Experiment& experiment,
@@ -77,9 +83,9 @@ void AddParameters(const Experiment& experiment,
   double count = 0.0;
   for (int i = 0; i < plant.num_outputs(); ++i) {
     for (int j = 0; j < plant.num_inputs(); ++j) {
-      const auto before = ParametersOf(initial.element(i, j));
       const auto truth = ParametersOf(plant.element(i, j));
-      named = named && structured.aged(i, j) == (before != truth);
+      named = named && structured.aged(i, j) ==
+                           Differs(initial.element(i, j), plant.element(i, j));
       const ElementEstimate& element = structured.full.element(i, j);
       if (element.state != ElementState::kFitted || !truth.has_value()) {
         continue;

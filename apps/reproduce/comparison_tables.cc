@@ -98,7 +98,7 @@ report::Table EstimatorTable(const CaseResult& result) {
     if (run.E_limit > 0.0) limits.push_back(run.E_limit);
   }
   if (!limits.empty()) {
-    table.AddRow({"Cramér–Rao limit, all elements free",
+    table.AddRow({"information bound, all elements free",
                   absl::StrCat(limits.size()),
                   FormatSignificant(Describe(limits, 0).mean)});
   }

@@ -258,7 +258,7 @@ NamedFigure DistributionFigure(const std::vector<CaseResult>& cases) {
     }
     if (limit > 0.0) {
       panel.lines.push_back(
-          VerticalLine(Role::kReference, "Cramér–Rao limit", limit));
+          VerticalLine(Role::kReference, "information bound", limit));
     }
   }
   return named;

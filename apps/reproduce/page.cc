@@ -51,8 +51,9 @@ void AddEstimators(const std::vector<CaseResult>& cases,
       "On the same records. arx: ΔR by the exact engine, unless a test finds "
       "that the initial model explains the records; ceres: the same by "
       "smoothed L1, first seed only; structured: gains, time constants and "
-      "dead times; combined: structured, then ΔR where its structure does "
-      "not explain the records. The Cramér–Rao limit is the E that no "
+      "dead times; combined: structured, and shapes that the structure lacks "
+      "where the records speak for them. The information bound is the E that "
+      "no "
       "unbiased estimate of the plant's parameters can beat on average; an "
       "estimate that knows which elements have aged can.");
   for (const CaseResult& result : cases) {

@@ -67,7 +67,8 @@ std::vector<Option> MethodOptions(Request& request) {
       {"estimators", Words(&request.estimators),
        "Estimators to compare on the same records, of arx (ΔR, exact), ceres "
        "(ΔR by smoothed L1; first seed only), structured (gains, time "
-       "constants, dead times), combined (structured, then ΔR) and none (the "
+       "constants, dead times), combined (structured, and shapes that it "
+       "lacks) and none (the "
        "initial model), each as in mle_correct or with another test of no "
        "change behind a colon, such as arx:adequacy: calibrated, chi_square, "
        "adequacy (arx and ceres only) or none; empty for no comparison."},

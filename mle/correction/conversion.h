@@ -10,9 +10,12 @@
 #ifndef MLE_CORRECTION_CONVERSION_H_
 #define MLE_CORRECTION_CONVERSION_H_
 
+#include <functional>
+
 #include "absl/status/statusor.h"
 #include "mle/data/record.h"
 #include "mle/model/arx_model.h"
+#include "mle/model/process_model.h"
 #include "mle/regression/lasso_problem.h"
 #include "mle/regression/lasso_solver.h"
 
@@ -33,6 +36,10 @@ struct ConversionSummary {
   // p: mean square of the one-step prediction error on the record.
   Eigen::VectorXd residual_variance;
 };
+
+// Brings the record of the excited model and converts it.
+using ArxConverter =
+    std::function<absl::StatusOr<ConversionSummary>(const ProcessModel& model)>;
 
 absl::StatusOr<ConversionSummary> ConvertToArx(
     const Record& excitation, const ConversionOptions& options);

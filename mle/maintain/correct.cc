@@ -73,7 +73,7 @@ absl::Status DropSmallChanges(int samples, CorrectionResult& result) {
       const bool small = change <= result.options.decision.least_change *
                                        (norm > 0.0 ? norm : largest);
       any = any || !small;
-      if (small && estimate.fit.structured.aged(i, j) &&
+      if (small && ProposesElement(estimate, i, j) &&
           !ProposesByArx(estimate, i)) {
         KeepInitialElement(i, j, estimate);
       }
@@ -149,6 +149,8 @@ absl::Status MakeModels(int samples, CorrectionResult& result) {
       DescribeAsFopdt(result.estimate, result.accepted(), result.corrected));
   result.fopdt_model =
       FopdtModel(result.initial, result.fopdt, kTimeFloor * sample_time);
+  MLE_ASSIGN_OR_RETURN(result.model,
+                       TransferFunctionsOf(result.initial, result.corrected));
   return absl::OkStatus();
 }
 

@@ -102,6 +102,9 @@ struct CorrectionResult {
   CorrectedModel corrected;
   std::vector<FopdtElement> fopdt;  // p × m, row by row
   ProcessModel fopdt_model;         // the same as a process model
+  // The corrected model by transfer functions: `corrected.process`, or elements
+  // of low order nearest to an ARX model.
+  ProcessModel model;
   StepResponse initial_response;
   ResponseDistance change;  // from the initial to the corrected response
 

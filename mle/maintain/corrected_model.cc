@@ -3,10 +3,35 @@
 #include <algorithm>
 #include <utility>
 
+#include "mle/base/status.h"
 #include "mle/maintain/exact_arx.h"
+#include "mle/nonlinear/rational_fit.h"
 
 namespace mle {
 namespace {
+
+// By which a dead time of an ARX model may grow beyond its double.
+constexpr double kDelaySamples = 10.0;
+
+StepResponse ResponseErrors(const Estimate& estimate, double sample_time,
+                            int samples) {
+  const ProcessModel& initial = estimate.setting.initial;
+  const EstimateFit& fit = estimate.fit;
+  StepResponse errors =
+      fit.structured.corrected.StepResponseErrors(sample_time, samples);
+  for (int i = 0; i < initial.num_outputs(); ++i) {
+    if (!ProposesShape(estimate, i)) continue;
+    for (int j = 0; j < initial.num_inputs(); ++j) {
+      if (ProposesElement(estimate, i, j)) {
+        errors.element(i, j) =
+            fit.posterior->StepErrors(initial, i, j, samples);
+      } else {
+        errors.element(i, j).setZero();
+      }
+    }
+  }
+  return errors;
+}
 
 // R + ΔR for the outputs that it is for; the others have the process model's
 // own responses, and rows that run as these.
@@ -24,9 +49,7 @@ CorrectedModel WithArx(const Estimate& estimate, double sample_time,
     corrected.response = corrected.arx.ComputeStepResponse(response_samples);
     return corrected;
   }
-  const ProcessModel& process = setting.options.estimator == Estimator::kArx
-                                    ? setting.initial
-                                    : fit.structured.corrected.model;
+  const ProcessModel& process = setting.initial;
   ConversionSettings conversion = setting.options.conversion;
   conversion.order = corrected.arx.order;
   const ExactArx exact = ArxOfModel(process, sample_time, conversion);
@@ -59,14 +82,14 @@ absl::StatusOr<CorrectedModel> MakeCorrectedModel(const Estimate& estimate,
     return WithArx(estimate, sample_time, response_samples);
   }
   CorrectedModel corrected;
-  const StructuredFit& structured = estimate.fit.structured.corrected;
   // What the estimator arx proposes is ΔR alone.
   const bool changed = accepted && setting.options.estimator != Estimator::kArx;
-  corrected.process = changed ? structured.model : setting.initial;
+  corrected.process =
+      changed ? estimate.fit.structured.corrected.model : setting.initial;
   corrected.response =
       corrected.process->ComputeStepResponse(sample_time, response_samples);
   corrected.errors =
-      changed ? structured.StepResponseErrors(sample_time, response_samples)
+      changed ? ResponseErrors(estimate, sample_time, response_samples)
               : StepResponse(sample_time, setting.initial.num_outputs(),
                              setting.initial.num_inputs(), response_samples);
   if (!make_arx) return corrected;
@@ -75,6 +98,26 @@ absl::StatusOr<CorrectedModel> MakeCorrectedModel(const Estimate& estimate,
   corrected.arx = std::move(exact.model);
   corrected.arx_error = exact.errors.maxCoeff();
   return corrected;
+}
+
+absl::StatusOr<ProcessModel> TransferFunctionsOf(
+    const ProcessModel& initial, const CorrectedModel& corrected) {
+  if (corrected.process.has_value()) return *corrected.process;
+  ProcessModel model(initial.name(), initial.time_unit(), initial.inputs(),
+                     initial.outputs());
+  const StepResponse& response = corrected.response;
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    for (int j = 0; j < model.num_inputs(); ++j) {
+      RationalOptions options;
+      options.max_delay = 2.0 * initial.element(i, j).delay() +
+                          kDelaySamples * response.sample_time;
+      MLE_ASSIGN_OR_RETURN(
+          RationalFit fit,
+          FitRational(response.element(i, j), response.sample_time, options));
+      model.element(i, j) = std::move(fit.element);
+    }
+  }
+  return model;
 }
 
 }  // namespace mle

@@ -17,8 +17,8 @@ namespace mle {
 inline constexpr double kAcceptedArxError = 0.01;
 
 struct CorrectedModel {
-  // Where no output is ΔR's: the process model with the initial one's
-  // shapes.
+  // Of every estimator but arx: elements of the initial model's shapes, or of
+  // low order where these do not explain the records.
   std::optional<ProcessModel> process;
   // In the units of the records; without coefficients where it is not made.
   // Outputs that are not ΔR's run as the process model (exact_arx.h).
@@ -45,6 +45,11 @@ absl::StatusOr<CorrectedModel> MakeCorrectedModel(const Estimate& estimate,
                                                   double sample_time,
                                                   int response_samples,
                                                   bool make_arx = true);
+
+// The process model, or elements of low order nearest to the step responses of
+// the ARX model (rational_fit.h), with the channels of `initial`.
+absl::StatusOr<ProcessModel> TransferFunctionsOf(
+    const ProcessModel& initial, const CorrectedModel& corrected);
 
 }  // namespace mle
 

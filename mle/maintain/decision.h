@@ -9,7 +9,7 @@
 //   a score of one window does                          kNothing, doubtful
 //   structure not enough, and not to be trusted         kNothing, doubtful
 //   no score gains by more than chance                  kNothing, doubtful
-//   one gains, none falls, without ΔR only              kParametric
+//   one gains, none falls, with the structure only      kParametric
 //   one gains, none falls                               kProposal
 //
 //   evidence about the plant                            decision
@@ -62,7 +62,7 @@ struct DecisionOptions {
 
 enum class Acceptance {
   kNothing,
-  kParametric,  // gains, time constants and dead times, not ΔR
+  kParametric,  // gains, time constants and dead times, no other shape
   kProposal,
 };
 
@@ -74,7 +74,7 @@ struct OutputEvidence {
   bool unexplained = false;
   // Nothing where nothing was held out.
   std::optional<OutputScores> scores;
-  std::optional<OutputScores> parametric;  // where ΔR is proposed
+  std::optional<OutputScores> parametric;  // where a shape is proposed
   std::vector<OutputScores> windows;       // the same of each window
   // Where gains, time constants and dead times do not explain the records
   // (model_adequacy.h): a pair whose gain would change its sign, or whose input

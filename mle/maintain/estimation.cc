@@ -47,20 +47,6 @@ ChannelScales UnitScales(const ProcessModel& model) {
           Eigen::VectorXd::Ones(model.num_inputs())};
 }
 
-// The rows that are ΔR's from `arx`, the others from `process`.
-Predictor Mix(const std::vector<bool>& arx_outputs, const Predictor& process,
-              const Predictor& arx) {
-  return [=](const Record& record, int horizon) {
-    Eigen::MatrixXd errors = process(record, horizon);
-    const Eigen::MatrixXd own = arx(record, horizon);
-    for (std::size_t i = 0; i < arx_outputs.size(); ++i) {
-      const auto row = static_cast<Eigen::Index>(i);
-      if (arx_outputs[i]) errors.row(row) = own.row(row);
-    }
-    return errors;
-  };
-}
-
 // R + ΔR at λ (one for each output) by the solver and the loss asked for.
 absl::StatusOr<ArxModel> SolveArx(const EstimationOptions& options,
                                   const Correction& correction,
@@ -117,51 +103,24 @@ absl::Status AddArx(const std::vector<Record>& windows, SharedFits& shared,
   return SolveArx(options, fit);
 }
 
-bool HasSamplesForArx(const std::vector<Record>& windows,
-                      const EstimateSetting& setting) {
-  const int order = setting.options.conversion.OrderFor(
-      setting.initial, windows.front().sample_time);
-  double samples = 0.0;
-  for (const Record& window : windows) samples += window.samples();
-  const int channels =
-      setting.initial.num_outputs() + setting.initial.num_inputs();
-  return samples >=
-         setting.options.least_samples_per_coefficient * order * channels;
-}
-
-// ΔR for the outputs that structure does not explain.
-absl::Status CompleteWithArx(const std::vector<Record>& windows,
-                             Estimate& estimate) {
-  EstimateSetting& setting = estimate.setting;
+// What the structure of the model lacks, and whether its test says so too.
+absl::Status CompleteShapes(const std::vector<Record>& windows,
+                            Estimate& estimate) {
   EstimateFit& fit = estimate.fit;
-  const EstimationOptions& options = setting.options;
-  const double sample_time = windows.front().sample_time;
-  CombinedOptions combined;
-  combined.structured = options.structured;
-  combined.false_alarm_probability = options.structured.false_alarm_probability;
-  combined.correction = options.correction;
-  // All in scaled units; back again, a model is converted as it is.
-  const ChannelScales unit = UnitScales(setting.initial);
-  StructuredCorrection scaled = fit.structured;
-  scaled.corrected.model = Scaled(scaled.corrected.model, setting.scales);
-  MLE_ASSIGN_OR_RETURN(const std::vector<Record> scaled_windows,
-                       ScaledWindows(setting, windows));
-  MLE_ASSIGN_OR_RETURN(CombinedCorrection result,
-                       CompleteStructured(
-                           Scaled(setting.initial, setting.scales),
-                           std::move(scaled), scaled_windows,
-                           [&](const ProcessModel& model) {
-                             return ConvertModel(setting, model, unit,
-                                                 sample_time);
-                           },
-                           combined));
-  fit.adequacy = std::move(result.adequacy);
-  if (!result.correction.has_value()) return absl::OkStatus();
+  const StructuredOptions& options = estimate.setting.options.structured;
+  MLE_ASSIGN_OR_RETURN(
+      fit.adequacy,
+      TestAdequacy(fit.structured.corrected.model, windows, fit.structured.aged,
+                   AdequacyOptionsFor(options)));
+  MLE_ASSIGN_OR_RETURN(fit.posterior,
+                       CompleteByPosterior(estimate.setting.initial, windows,
+                                           fit.structured.corrected, options));
+  if (!fit.posterior->any()) return absl::OkStatus();
   fit.change_proposed = true;
-  fit.arx = std::move(result.correction);
-  setting.conversion = std::move(result.conversion);
-  setting.arx_outputs = std::move(result.outputs_corrected);
-  return SolveArx(options, fit);
+  fit.without_shapes = fit.structured;
+  fit.posterior->Describe(estimate.setting.initial, options.confidence,
+                          fit.structured);
+  return absl::OkStatus();
 }
 
 }  // namespace
@@ -178,10 +137,22 @@ bool ProposesByArx(const Estimate& estimate, int output) {
   return estimate.fit.arx.has_value() && estimate.setting.arx_outputs[output];
 }
 
-bool ProposesChange(const Estimate& estimate, int output) {
+bool ProposesShape(const Estimate& estimate, int output) {
+  const std::optional<PosteriorCorrection>& posterior = estimate.fit.posterior;
+  return posterior.has_value() && posterior->outputs[output].needed;
+}
+
+bool ProposesElement(const Estimate& estimate, int output, int input) {
   if (ProposesByArx(estimate, output)) return true;
   return estimate.setting.options.estimator != Estimator::kArx &&
-         estimate.fit.structured.aged.row(output).any();
+         estimate.fit.structured.aged(output, input);
+}
+
+bool ProposesChange(const Estimate& estimate, int output) {
+  for (int j = 0; j < estimate.setting.initial.num_inputs(); ++j) {
+    if (ProposesElement(estimate, output, j)) return true;
+  }
+  return false;
 }
 
 void KeepInitialElement(int output, int input, Estimate& estimate) {
@@ -210,14 +181,22 @@ void KeepInitialElement(int output, int input, Estimate& estimate) {
 }
 
 void KeepParametricOutput(int output, Estimate& estimate) {
+  EstimateFit& fit = estimate.fit;
+  if (ProposesShape(estimate, output)) {
+    const StructuredCorrection& without = *fit.without_shapes;
+    fit.posterior->outputs[output].needed = false;
+    fit.structured.corrected.TakeOutput(without.corrected, output);
+    fit.structured.aged.row(output) = without.aged.row(output);
+  }
   if (!ProposesByArx(estimate, output)) return;
   EstimateSetting& setting = estimate.setting;
+  estimate.fit.arx_model.R.row(output) =
+      setting.conversion->model.R.row(output);
   setting.arx_outputs[output] = false;
   const std::vector<bool>& left = setting.arx_outputs;
-  if (std::find(left.begin(), left.end(), true) != left.end()) return;
-  estimate.fit.arx.reset();
-  // The model of the estimator arx is R where nothing is corrected.
-  if (setting.options.estimator != Estimator::kArx) setting.conversion.reset();
+  if (std::find(left.begin(), left.end(), true) == left.end()) {
+    estimate.fit.arx.reset();
+  }
 }
 
 void KeepInitialOutput(int output, Estimate& estimate) {
@@ -242,18 +221,21 @@ absl::Status MakePredictors(const std::vector<Record>& windows,
   };
   MLE_ASSIGN_OR_RETURN(fit.initial, predict(setting.initial));
   fit.parametric = fit.initial;
-  if (setting.options.estimator != Estimator::kArx &&
-      fit.structured.aged.any()) {
-    MLE_ASSIGN_OR_RETURN(fit.parametric,
-                         predict(fit.structured.corrected.model));
+  const StructuredCorrection& parametric =
+      fit.without_shapes.has_value() ? *fit.without_shapes : fit.structured;
+  if (setting.options.estimator != Estimator::kArx && parametric.aged.any()) {
+    MLE_ASSIGN_OR_RETURN(fit.parametric, predict(parametric.corrected.model));
   }
   fit.corrected = fit.parametric;
-  if (!fit.arx.has_value()) return absl::OkStatus();
-  MLE_ASSIGN_OR_RETURN(
-      const Predictor lagged,
-      PredictAsIn(windows,
-                  ResponseOf(Unscaled(fit.arx_model, setting.scales))));
-  fit.corrected = Mix(setting.arx_outputs, fit.parametric, lagged);
+  if (fit.arx.has_value()) {
+    MLE_ASSIGN_OR_RETURN(
+        fit.corrected,
+        PredictAsIn(windows,
+                    ResponseOf(Unscaled(fit.arx_model, setting.scales))));
+  } else if (fit.posterior.has_value() && fit.posterior->any()) {
+    MLE_ASSIGN_OR_RETURN(fit.corrected,
+                         predict(fit.structured.corrected.model));
+  }
   return absl::OkStatus();
 }
 
@@ -269,12 +251,6 @@ absl::Status EstimationOptions::Validate() const {
         absl::StrCat("change_test is adequacy, but estimator is ",
                      std::string(NameOf(estimator)),
                      ": that test is one of arx, as it has no structure"));
-  }
-  if (!(least_samples_per_coefficient >= 0.0) ||
-      !std::isfinite(least_samples_per_coefficient)) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "least_samples_per_coefficient = ", least_samples_per_coefficient,
-        ": it must be finite and not negative"));
   }
   MLE_RETURN_IF_ERROR(structured.Validate());
   MLE_RETURN_IF_ERROR(calibration.Validate());
@@ -314,20 +290,14 @@ absl::StatusOr<Estimate> EstimateModel(const ProcessModel& initial,
                        : ChooseScales(initial, setting.noise, windows);
   setting.arx_outputs.assign(static_cast<std::size_t>(initial.num_outputs()),
                              false);
-  if (options.estimator == Estimator::kCombined &&
-      !HasSamplesForArx(windows, setting)) {
-    AdequacyOptions adequacy = AdequacyOptionsFor(options.structured);
-    adequacy.false_alarm_probability =
-        options.structured.false_alarm_probability;
-    MLE_ASSIGN_OR_RETURN(fit.adequacy,
-                         TestAdequacy(fit.structured.corrected.model, windows,
-                                      fit.structured.aged, adequacy));
-  } else if (options.estimator != Estimator::kStructured) {
-    Stage correcting(progress, "correcting the ARX model");
+  if (options.estimator == Estimator::kCombined) {
+    const Stage completing(progress, "looking for what the structure lacks");
+    MLE_RETURN_IF_ERROR(completing.status());
+    MLE_RETURN_IF_ERROR(CompleteShapes(windows, estimate));
+  } else if (options.estimator == Estimator::kArx) {
+    const Stage correcting(progress, "correcting the ARX model");
     MLE_RETURN_IF_ERROR(correcting.status());
-    MLE_RETURN_IF_ERROR(options.estimator == Estimator::kArx
-                            ? AddArx(windows, fits, estimate)
-                            : CompleteWithArx(windows, estimate));
+    MLE_RETURN_IF_ERROR(AddArx(windows, fits, estimate));
   }
   MLE_RETURN_IF_ERROR(MakePredictors(windows, estimate));
   fit.seconds += ThreadSeconds() - start;

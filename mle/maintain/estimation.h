@@ -23,7 +23,7 @@
 #include "Eigen/Core"
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "mle/correction/combined.h"
+#include "mle/correction/conversion.h"
 #include "mle/correction/correction.h"
 #include "mle/data/record.h"
 #include "mle/maintain/channel_scales.h"
@@ -34,6 +34,8 @@
 #include "mle/maintain/shared_fits.h"
 #include "mle/model/arx_model.h"
 #include "mle/model/process_model.h"
+#include "mle/nonlinear/model_adequacy.h"
+#include "mle/nonlinear/posterior_correction.h"
 #include "mle/nonlinear/structured_correction.h"
 
 namespace mle {
@@ -54,10 +56,6 @@ struct EstimationOptions {
   StructuredOptions structured;
   NullCalibrationOptions calibration;
   ConversionSettings conversion;
-  // Of kCombined: with fewer samples for each coefficient of a row of ΔR it is
-  // not tried, ≥ 0. Below, it invents gains where records say little, and its
-  // path takes minutes.
-  double least_samples_per_coefficient = 5.0;
   // R of a model in the units of the records, in place of the conversion that
   // `conversion` describes, for experiments in which the noise is known. The
   // records are then neither scaled nor centred, and λ is in their units: the
@@ -75,10 +73,13 @@ struct EstimateFit {
   bool change_proposed = false;
   NullCalibration test;
   StructuredCorrection structured;
-  // The test whether structure is enough, of the estimator combined.
+  // Of the estimator combined: the test whether structure is enough, and what
+  // it lacks.
   std::optional<ModelAdequacy> adequacy;
-  // ΔR: of the estimator arx where a change is proposed, of combined where
-  // structure is not enough.
+  // `structured` has the posterior's elements, this one those without it.
+  std::optional<PosteriorCorrection> posterior;
+  std::optional<StructuredCorrection> without_shapes;
+  // Of the estimator arx where a change is proposed.
   std::optional<Correction> arx;
   // R + ΔR at its λ*, scaled, and the relative duality gap.
   ArxModel arx_model;
@@ -87,9 +88,9 @@ struct EstimateFit {
   // included, the conversion of the initial model not.
   double seconds = 0.0;
   // Predictions of the initial model, of the corrected one, and of the
-  // corrected one without ΔR, each with the noise that it finds in these
-  // windows; equal without a proposal. The initial model predicts as it is, not
-  // as R.
+  // corrected one without what its structure lacks, each with the noise that it
+  // finds in these windows; equal without a proposal. The initial model
+  // predicts as it is, not as R.
   Predictor initial;
   Predictor corrected;
   Predictor parametric;
@@ -108,9 +109,7 @@ struct EstimateSetting {
   // The full fit, which stands in for outputs that are missing.
   ProcessModel filler;
   ChannelScales scales;
-  // R around which ΔR is sought, in scaled units: of the initial model for arx;
-  // of combined, where structure is not enough, of the structured model but for
-  // the outputs that ΔR is for.
+  // Of the estimator arx: R around which ΔR is sought, in scaled units.
   std::optional<ConversionSummary> conversion;
   // p: outputs that R + ΔR is for.
   std::vector<bool> arx_outputs;
@@ -137,12 +136,16 @@ absl::StatusOr<ConversionSummary> ConvertModel(const EstimateSetting& setting,
                                                const ChannelScales& scales,
                                                double sample_time);
 
-// Whether anything is proposed for an output, and by ΔR.
+// Whether anything is proposed for an output, by ΔR, and of a shape that the
+// structure lacks.
 bool ProposesChange(const Estimate& estimate, int output);
 bool ProposesByArx(const Estimate& estimate, int output);
+bool ProposesShape(const Estimate& estimate, int output);
+// Whether one is for an element, by its parameters or its shape.
+bool ProposesElement(const Estimate& estimate, int output, int input);
 
-// Takes the proposal for an output back, or what ΔR adds to it (where the rest
-// of it is parametric), or that for an element of the parametric part.
+// Takes the proposal for an output back, or what is not parametric in it, or
+// that for an element.
 void KeepInitialOutput(int output, Estimate& estimate);
 void KeepParametricOutput(int output, Estimate& estimate);
 void KeepInitialElement(int output, int input, Estimate& estimate);

@@ -19,8 +19,9 @@ enum class Estimator {
   // ΔR of the ARX model by lasso, any shape of response: the paper's method
   // (correction.h).
   kArx,
-  // kStructured, and ΔR for the outputs in which that leaves something that the
-  // inputs explain (combined.h).
+  // kStructured, and what the structure lacks in outputs whose records speak
+  // for
+  // it (posterior_correction.h).
   kCombined,
 };
 

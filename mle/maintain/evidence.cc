@@ -5,7 +5,6 @@
 #include <string>
 
 #include "absl/strings/str_format.h"
-#include "mle/correction/combined.h"
 #include "mle/maintain/correct.h"
 
 namespace mle {
@@ -68,7 +67,7 @@ std::string DoubtfulPair(const CorrectionResult& result, int i) {
   constexpr double kTogether = 10.0;  // PairErrors::inflation
   const EstimateFit& fit = result.estimate.fit;
   if (!fit.adequacy.has_value() || fit.adequacy->adequate ||
-      ProposesByArx(result.estimate, i)) {
+      ProposesShape(result.estimate, i)) {
     return "";
   }
   for (int j = 0; j < result.initial.num_inputs(); ++j) {
@@ -91,8 +90,7 @@ OutputEvidence EvidenceOf(const CorrectionResult& result, int i) {
   if (evidence.proposed) evidence.doubtful_pair = DoubtfulPair(result, i);
   if (!validation.held_out) return evidence;
   evidence.scores = validation.outputs[i];
-  if (result.options.estimation.estimator != Estimator::kArx &&
-      ProposesByArx(result.estimate, i)) {
+  if (ProposesShape(result.estimate, i)) {
     evidence.parametric = validation.parametric[i];
   }
   for (const std::vector<OutputScores>& window : validation.windows) {
@@ -111,7 +109,7 @@ std::vector<bool> UnexplainedOutputs(const Estimate& estimate) {
       WrongOutputs(*fit.adequacy,
                    estimate.setting.options.structured.false_alarm_probability);
   for (std::size_t i = 0; i < outputs.size(); ++i) {
-    outputs[i] = outputs[i] && !ProposesByArx(estimate, static_cast<int>(i));
+    outputs[i] = outputs[i] && !ProposesShape(estimate, static_cast<int>(i));
   }
   return outputs;
 }

@@ -191,7 +191,7 @@ std::vector<OutputScores> ScoresOfAll(const Scores& windows) {
 struct FoldResult {
   absl::Status status;
   Scores corrected;
-  Scores parametric;  // where the estimate proposes ΔR
+  Scores parametric;  // where a shape is proposed
 };
 
 FoldResult HoldOut(const Estimate& estimate, const std::vector<Record>& windows,
@@ -211,7 +211,7 @@ FoldResult HoldOut(const Estimate& estimate, const std::vector<Record>& windows,
   const Predictor& before = in_use ? in_use : part->fit.initial;
   result.corrected =
       ScoreFold(windows, fold, before, part->fit.corrected, horizons);
-  if (estimate.fit.arx.has_value()) {
+  if (estimate.fit.posterior.has_value() && estimate.fit.posterior->any()) {
     result.parametric =
         ScoreFold(windows, fold, before, part->fit.parametric, horizons);
   }

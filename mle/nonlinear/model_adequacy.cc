@@ -64,6 +64,19 @@ absl::Status AdequacyOptions::Validate() const {
   return structure.Validate();
 }
 
+std::vector<bool> WrongOutputs(const ModelAdequacy& adequacy,
+                               double false_alarm_probability) {
+  const Eigen::VectorXd& p_values = adequacy.output_p_values;
+  std::vector<bool> wrong(p_values.size());
+  if (adequacy.adequate) return wrong;
+  for (Eigen::Index i = 0; i < p_values.size(); ++i) {
+    wrong[i] = p_values(i) < false_alarm_probability /
+                                 static_cast<double>(p_values.size()) ||
+               p_values(i) == p_values.minCoeff();
+  }
+  return wrong;
+}
+
 absl::StatusOr<ModelAdequacy> TestAdequacy(
     const ProcessModel& model, const std::vector<Record>& records,
     const Eigen::Matrix<bool, Eigen::Dynamic, Eigen::Dynamic>& fitted,

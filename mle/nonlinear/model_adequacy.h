@@ -62,6 +62,12 @@ struct ModelAdequacy {
   Eigen::VectorXd output_p_values;  // p
 };
 
+// p: the outputs that the test finds wrong, by Bonferroni's share of the
+// false-alarm probability for each of them, and the most suspicious one. None
+// where the model is adequate.
+std::vector<bool> WrongOutputs(const ModelAdequacy& adequacy,
+                               double false_alarm_probability);
+
 // `fitted` is p × m, or empty for none. Errors are those of CorrectStructure().
 absl::StatusOr<ModelAdequacy> TestAdequacy(
     const ProcessModel& model, const std::vector<Record>& records,

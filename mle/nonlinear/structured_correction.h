@@ -177,6 +177,8 @@ struct StructuredFit {
   const ElementEstimate& element(int output, int input) const {
     return elements[output * model.num_inputs() + input];
   }
+  // Takes over what `other`, a fit of the same model, has for an output.
+  void TakeOutput(const StructuredFit& other, int output);
   // Standard errors of the step responses at 0, Δt, … (delta method): a band
   // about the model's responses is ± 1.96 of it.
   StepResponse StepResponseErrors(double sample_time, int samples) const;
@@ -213,10 +215,12 @@ absl::StatusOr<StructuredCorrection> CorrectStructure(
     const ProcessModel& initial, const std::vector<Record>& records,
     const StructuredOptions& options);
 
-// The Cramér–Rao limit: what no unbiased estimate from these records can beat
-// if the plant is `truth` and its outputs have this noise (one for each). Its
-// standard errors and ExpectedSquaredDistance() are the limit's; the records'
-// outputs do not matter, except where they are missing.
+// The information bound (of Cramér and Rao) of the full parametric model with
+// known noise and free offsets, given these samples: what no unbiased estimate
+// of all its parameters can beat if the plant is `truth` and its outputs have
+// this noise (one for each). An estimate that knows which parameters have not
+// changed can. Its standard errors and ExpectedSquaredDistance() are the
+// bound's; the records' outputs do not matter, except where they are missing.
 absl::StatusOr<StructuredFit> ComputeStructuredLimit(
     const ProcessModel& truth, const std::vector<Record>& records,
     const std::vector<NoiseEstimate>& noise, const StructuredOptions& options);

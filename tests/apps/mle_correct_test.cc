@@ -422,8 +422,8 @@ TEST(MleCorrectTest, ChecksumsAndFlagsTieTheResultToItsInputs) {
 TEST(MleCorrectTest, NothingThatIsWrittenIsNotANumber) {
   const HeaterExample example(WithHalvedGain(), {"--lost_probability=0.3"});
   example.Run();
-  for (const char* const file :
-       {"result.json", "arx.json", "fopdt.json", "step_response.csv"}) {
+  for (const char* const file : {"result.json", "arx.json", "model.json",
+                                 "fopdt.json", "step_response.csv"}) {
     const std::string content = Content(example.out + "/" + file);
     EXPECT_THAT(content, Not(HasSubstr("nan"))) << file;
     EXPECT_THAT(content, Not(HasSubstr("inf,"))) << file;

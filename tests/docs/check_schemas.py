@@ -87,6 +87,7 @@ def check_commands(folder):
         check_version("mle_correct", out / "result.json")
         check("arx", out / "arx.json")
         check("process_model", out / "fopdt.json")
+        check("process_model", out / "model.json")
     out = folder / "reproduction"
     run("mle_reproduce", f"--out={out}", "--cases=gain", "--figures=false", "--sample_time=0.5",
         "--order=30", "--conversion_duration=2000", "--duration=400", "--step_time=200",

@@ -102,9 +102,8 @@ TEST(CorrectFromRecordsTest, AChangeOfArxBelowTheThresholdIsNoChangeToo) {
   EXPECT_EQ(result->change.total, 0.0);
 }
 
-// A pair that the model has not: nothing structured can take it up, and the
-// samples are too few for a free shape.
-TEST(CorrectFromRecordsTest, WhatNoParameterExplainsIsNotNoChange) {
+// A pair that the model has not becomes present.
+TEST(CorrectFromRecordsTest, WhatNoParameterExplainsIsAShape) {
   ProcessModel model("tank", "min", {{"valve", "%"}, {"heat", "%"}},
                      {{"level", "m"}});
   model.element(0, 0) = TransferFunction::FirstOrder(1.0, 5.0, 1.5);
@@ -124,12 +123,17 @@ TEST(CorrectFromRecordsTest, WhatNoParameterExplainsIsNotNoChange) {
   }
   CorrectOptions options = Fast();
   options.estimation.estimator = Estimator::kCombined;
-  options.estimation.least_samples_per_coefficient = 1e6;
   const auto result = CorrectFromRecords(model, records, options);
   ASSERT_TRUE(result.ok()) << result.status();
-  EXPECT_EQ(result->decision, Decision::kCannotTell);
-  EXPECT_EQ(result->reasons.back().code, MessageCode::kStructureDoubtful);
+  EXPECT_EQ(result->decision, Decision::kCorrected);
   EXPECT_LT(result->estimate.fit.PValue(), 0.01);
+  EXPECT_NEAR(result->model.element(0, 1).StaticGain(), 0.5, 0.05);
+  EXPECT_EQ(result->model.element(0, 0).StaticGain(), 1.0);
+  EXPECT_LT(CompareResponses(result->corrected.response,
+                             plant.ComputeStepResponse(
+                                 0.5, result->corrected.response.samples()))
+                .total,
+            0.2);
 }
 
 TEST(CorrectFromRecordsTest, FilesGiveTheSameAsMemory) {
@@ -265,11 +269,6 @@ TEST(CorrectFromRecordsTest, WrongArgumentsAreNamed) {
   options = Fast();
   options.estimation.structured.confidence = 2.0;
   EXPECT_TRUE(Mentions(message(Tank(1.0), {record}, options), "confidence"));
-
-  options = Fast();
-  options.estimation.least_samples_per_coefficient = std::nan("");
-  EXPECT_TRUE(Mentions(message(Tank(1.0), {record}, options),
-                       "least_samples_per_coefficient"));
 
   EXPECT_TRUE(Mentions(message(Tank(1.0), {}, Fast()), "records"));
   Record quiet = record;

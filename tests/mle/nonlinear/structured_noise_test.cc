@@ -1,5 +1,5 @@
 // What structured correction promises over many records: intervals that cover,
-// errors at the Cramér–Rao limit, alarms at the stated rate.
+// errors at the information bound, alarms at the stated rate.
 
 #include <cmath>
 #include <string>

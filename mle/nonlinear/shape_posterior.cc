@@ -1,0 +1,372 @@
+#include "mle/nonlinear/shape_posterior.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "mle/nonlinear/linear_evidence.h"
+
+namespace mle {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// σ: the standard deviation of the gain that h adds, in gains.
+constexpr std::array<double, 7> kShapes = {0.01, 0.03, 0.1, 0.3,
+                                           1.0,  3.0,  10.0};
+// τ in time scales; the standard deviation of h falls e-fold in 2τ.
+constexpr std::array<double, 4> kDecays = {0.25, 0.5, 1.0, 2.0};
+// Standard deviations of K (in gains), ln T and L (in T + L) of an element
+// that has changed.
+constexpr double kGainDeviation = 1.0;
+constexpr double kLogTimeDeviation = 0.7;
+constexpr double kDelayDeviation = 0.5;
+// −2 ln prior odds of a change of K, T, L; of a shape, each scale alike; and of
+// a pair that is not in the model.
+const double kParameterCost = 2.0 * std::log(4.0);
+const double kShapeCost =
+    2.0 * std::log(19.0) + 2.0 * std::log(static_cast<double>(kShapes.size()));
+const double kPairCost =
+    2.0 * std::log(99.0) + 2.0 * std::log(static_cast<double>(kShapes.size()));
+
+constexpr int kMaxRounds = 6;
+constexpr int kMaxSweeps = 6;
+constexpr int kNoiseSteps = 3;
+constexpr double kLogRatioStep = 1.0;
+constexpr double kLeastRatio = 1e-10;
+constexpr double kMostRatio = 1e6;
+constexpr double kTolerance = 1e-3;  // of deviances and of steps in deviations
+// Largest step of ln T, and of L in samples or shares of T, in a round.
+constexpr double kMaxLogStep = 0.5;
+
+struct State {
+  std::vector<ElementChoice> choices;
+  double decay = 1.0;
+};
+
+class Search {
+ public:
+  Search(const OutputErrorProblem& problem,
+         const std::vector<ElementPrior>& priors,
+         const std::vector<int>& first_lags, const OutputFitBounds& bounds)
+      : problem_(problem),
+        priors_(priors),
+        first_lags_(first_lags),
+        bounds_(bounds),
+        sums_(problem.LagSums(first_lags)) {
+    Accumulate();
+  }
+
+  OutputPosterior Run(OutputPoint point, NoiseEstimate noise, State state,
+                      bool shapes, bool estimate_drift) {
+    OutputPosterior best;
+    best.deviance = std::numeric_limits<double>::infinity();
+    for (int round = 0; round < kMaxRounds; ++round) {
+      const std::vector<SegmentColumns> columns =
+          Columns(point, ShapeOf(noise));
+      LinearEvidence evidence = Evidence(columns, ShapeOf(noise));
+      Improve(evidence, point, noise.variance, shapes, state);
+      if (estimate_drift && noise.offset) {
+        EstimateRatio(columns, point, state, noise);
+        evidence = Evidence(columns, ShapeOf(noise));
+      }
+      noise.variance = Variance(evidence, point, state, noise.variance);
+      Improve(evidence, point, noise.variance, shapes, state);
+      const LinearPosterior posterior =
+          evidence.Posterior(PriorOf(point, state), noise.variance);
+      const double deviance = posterior.deviance + Cost(state);
+      // Rounding in place of data, or columns that are one.
+      if (!std::isfinite(deviance) || !posterior.means.allFinite()) break;
+      const bool better = deviance < best.deviance - kTolerance;
+      if (deviance < best.deviance) {
+        best.point = point;
+        best.noise = noise;
+        best.choices = state.choices;
+        best.decay = state.decay;
+        best.first_lags = first_lags_;
+        best.means = posterior.means;
+        best.covariance = posterior.covariance;
+        best.deviance = deviance;
+        Weigh(evidence, point, state, best);
+      }
+      if (!better && round > 0) break;
+      point = Moved(point, posterior.means);
+    }
+    return best;
+  }
+
+ private:
+  Eigen::Index num_ranges() const {
+    return static_cast<Eigen::Index>(first_lags_.size()) - 1;
+  }
+  Eigen::Index num_elements() const {
+    return static_cast<Eigen::Index>(priors_.size());
+  }
+
+  // Sums over ranges become those from the first lag of their element on.
+  void Accumulate() {
+    const Eigen::Index ranges = num_ranges();
+    for (MatrixXd& sums : sums_) {
+      for (Eigen::Index j = 0; j < num_elements(); ++j) {
+        for (Eigen::Index b = 0; b < ranges; ++b) {
+          auto column = sums.col(j * ranges + b);
+          if (first_lags_[b] < priors_[j].first_lag) {
+            column.setZero();
+          } else if (b > 0) {
+            column += sums.col(j * ranges + b - 1);
+          }
+        }
+      }
+    }
+  }
+
+  std::vector<SegmentColumns> Columns(const OutputPoint& point,
+                                      NoiseShape shape) const {
+    std::vector<SegmentColumns> columns =
+        problem_.Linearise(point, shape, /*with_jacobian=*/true);
+    for (std::size_t s = 0; s < columns.size(); ++s) {
+      MatrixXd& jacobian = columns[s].jacobian;
+      const Eigen::Index width = jacobian.cols();
+      jacobian.conservativeResize(Eigen::NoChange, width + sums_[s].cols());
+      jacobian.leftCols(width) *= -1.0;  // of the response
+      jacobian.rightCols(sums_[s].cols()) = sums_[s];
+    }
+    return columns;
+  }
+
+  LinearEvidence Evidence(const std::vector<SegmentColumns>& columns,
+                          NoiseShape shape) const {
+    const WhitenedColumns whitened = problem_.Whiten(columns, shape);
+    return LinearEvidence(
+        whitened.jacobian, whitened.residuals,
+        problem_.num_innovations(shape) - whitened.num_amplitudes,
+        whitened.log_determinant + whitened.log_amplitudes);
+  }
+
+  LinearPrior PriorOf(const OutputPoint& point, const State& state) const {
+    const Eigen::Index m = num_elements();
+    const Eigen::Index ranges = num_ranges();
+    LinearPrior prior = {VectorXd::Zero((3 + ranges) * m),
+                         VectorXd::Zero((3 + ranges) * m)};
+    for (Eigen::Index j = 0; j < m; ++j) {
+      const ElementPrior& element = priors_[j];
+      const ElementChoice& choice = state.choices[j];
+      if (element.present) {
+        const ElementValues& now = point.values[j];
+        prior.means.segment(3 * j, 3) << element.values.gain - now.gain,
+            std::log(element.values.time_scale / now.time_scale),
+            element.values.delay - now.delay;
+        if (choice.parameters) {
+          prior.variances.segment(3 * j, 3)
+              << std::pow(kGainDeviation * element.gain_scale, 2),
+              std::pow(kLogTimeDeviation, 2),
+              std::pow(kDelayDeviation *
+                           (element.values.time_scale + element.values.delay),
+                       2);
+        }
+      }
+      if (choice.shape > 0.0) {
+        prior.variances.segment(3 * m + j * ranges, ranges) =
+            Increments(element, choice.shape, state.decay);
+      }
+    }
+    return prior;
+  }
+
+  // Var of h(l) is v β^l, that of its gain then 2 v τ²: the increments of h
+  // between the first lags of two ranges have the difference.
+  VectorXd Increments(const ElementPrior& element, double shape,
+                      double decay) const {
+    const double tau = decay * element.time_scale / problem_.sample_time();
+    const double variance =
+        std::pow(shape * element.gain_scale, 2) / (2.0 * tau * tau);
+    VectorXd variances = VectorXd::Zero(num_ranges());
+    for (Eigen::Index b = 0; b < num_ranges(); ++b) {
+      const auto from = [&](int lag) {
+        return std::exp(-(lag - element.first_lag) / tau);
+      };
+      if (first_lags_[b] < element.first_lag) continue;
+      const double end = b + 1 < num_ranges() ? from(first_lags_[b + 1]) : 0.0;
+      variances(b) = variance * (from(first_lags_[b]) - end);
+    }
+    return variances;
+  }
+
+  double Cost(const State& state) const {
+    double cost = 0.0;
+    for (std::size_t j = 0; j < priors_.size(); ++j) {
+      if (state.choices[j].parameters) cost += kParameterCost;
+      if (state.choices[j].shape > 0.0) {
+        cost += priors_[j].present ? kShapeCost : kPairCost;
+      }
+    }
+    return cost;
+  }
+
+  double Deviance(const LinearEvidence& evidence, const OutputPoint& point,
+                  const State& state, double variance) const {
+    return evidence.Deviance(PriorOf(point, state), variance) + Cost(state);
+  }
+
+  // Coordinate search over the choices and the decay.
+  void Improve(const LinearEvidence& evidence, const OutputPoint& point,
+               double variance, bool shapes, State& state) const {
+    double best = Deviance(evidence, point, state, variance);
+    const auto try_state = [&](State other) {
+      const double deviance = Deviance(evidence, point, other, variance);
+      if (deviance >= best - kTolerance) return;
+      best = deviance;
+      state = std::move(other);
+    };
+    for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
+      const double before = best;
+      for (std::size_t j = 0; j < priors_.size(); ++j) {
+        if (!priors_[j].informed) continue;
+        const State base = state;
+        for (const bool parameters : {false, true}) {
+          if (parameters && !priors_[j].present) continue;
+          State other = base;
+          other.choices[j] = {parameters, 0.0};
+          try_state(other);
+          for (std::size_t i = 0; shapes && i < kShapes.size(); ++i) {
+            other.choices[j].shape = kShapes[i];
+            try_state(other);
+          }
+        }
+      }
+      for (std::size_t i = 0; shapes && i < kDecays.size(); ++i) {
+        State other = state;
+        other.decay = kDecays[i];
+        try_state(other);
+      }
+      if (best > before - kTolerance) break;
+    }
+  }
+
+  double Variance(const LinearEvidence& evidence, const OutputPoint& point,
+                  const State& state, double variance) const {
+    const LinearPrior prior = PriorOf(point, state);
+    for (int step = 0; step < kNoiseSteps; ++step) {
+      variance = evidence.Posterior(prior, variance).next_noise_variance;
+    }
+    return variance;
+  }
+
+  // The best ratio of drift, in steps from the present one.
+  void EstimateRatio(const std::vector<SegmentColumns>& columns,
+                     const OutputPoint& point, const State& state,
+                     NoiseEstimate& noise) const {
+    const auto at = [&](double ratio, double& variance) {
+      NoiseShape shape = ShapeOf(noise);
+      shape.ratio = ratio;
+      const LinearEvidence evidence = Evidence(columns, shape);
+      variance = Variance(evidence, point, state, variance);
+      return Deviance(evidence, point, state, variance);
+    };
+    double variance = noise.variance;
+    double best = at(noise.ratio, variance);
+    noise.variance = variance;
+    for (const double direction : {-kLogRatioStep, kLogRatioStep}) {
+      double ratio = std::max(noise.ratio, kLeastRatio);
+      while (true) {
+        ratio *= std::exp(direction);
+        if (ratio < kLeastRatio || ratio > kMostRatio) break;
+        double moved = noise.variance;
+        const double deviance = at(ratio, moved);
+        if (deviance >= best) break;
+        best = deviance;
+        noise.ratio = ratio;
+        noise.variance = moved;
+      }
+    }
+  }
+
+  OutputPoint Moved(const OutputPoint& point, const VectorXd& means) const {
+    OutputPoint moved = point;
+    for (std::size_t j = 0; j < priors_.size(); ++j) {
+      if (!priors_[j].present) continue;
+      const auto change = means.segment(3 * static_cast<Eigen::Index>(j), 3);
+      ElementValues& values = moved.values[j];
+      values.gain += change(0);
+      values.time_scale = std::clamp(
+          values.time_scale *
+              std::exp(std::clamp(change(1), -kMaxLogStep, kMaxLogStep)),
+          bounds_.min_time_scales[j], bounds_.max_time_scales[j]);
+      values.delay =
+          std::clamp(values.delay + change(2), 0.0, bounds_.max_delays[j]);
+    }
+    moved.SetCells(problem_.sample_time());
+    return moved;
+  }
+
+  // What each choice is worth, the others as they are.
+  void Weigh(const LinearEvidence& evidence, const OutputPoint& point,
+             const State& state, OutputPosterior& posterior) const {
+    const double now =
+        Deviance(evidence, point, state, posterior.noise.variance);
+    posterior.change_evidence.assign(priors_.size(), 0.0);
+    posterior.shape_evidence.assign(priors_.size(), 0.0);
+    for (std::size_t j = 0; j < priors_.size(); ++j) {
+      const auto without = [&](ElementChoice choice) {
+        State other = state;
+        other.choices[j] = choice;
+        return Deviance(evidence, point, other, posterior.noise.variance) - now;
+      };
+      posterior.change_evidence[j] = without({});
+      posterior.shape_evidence[j] = without({state.choices[j].parameters, 0.0});
+    }
+  }
+
+  const OutputErrorProblem& problem_;
+  const std::vector<ElementPrior>& priors_;
+  const std::vector<int>& first_lags_;
+  const OutputFitBounds& bounds_;
+  std::vector<MatrixXd> sums_;  // of each segment, rows × (m · ranges)
+};
+
+}  // namespace
+
+bool OutputPosterior::HasShape() const {
+  return std::any_of(choices.begin(), choices.end(),
+                     [](const ElementChoice& c) { return c.shape > 0.0; });
+}
+
+std::vector<int> LagRanges(int longest, int per_octave) {
+  std::vector<int> first_lags = {1};
+  const double factor = std::exp2(1.0 / per_octave);
+  while (first_lags.back() <= longest) {
+    const int last = first_lags.back();
+    first_lags.push_back(
+        std::max(last + 1, static_cast<int>(std::lround(last * factor))));
+  }
+  return first_lags;
+}
+
+OutputPosterior FindPosterior(const OutputErrorProblem& problem,
+                              const std::vector<ElementPrior>& priors,
+                              const std::vector<int>& first_lags,
+                              const OutputFitBounds& bounds,
+                              const OutputFit& start, bool estimate_drift) {
+  Search search(problem, priors, first_lags, bounds);
+  State fitted;
+  State none;
+  OutputPoint initial = start.point;
+  for (std::size_t j = 0; j < priors.size(); ++j) {
+    fitted.choices.push_back({start.free[j], 0.0});
+    none.choices.push_back({false, 0.0});
+    if (priors[j].present) initial.values[j] = priors[j].values;
+  }
+  initial.SetCells(problem.sample_time());
+  const OutputPosterior from_fit = search.Run(start.point, start.noise, fitted,
+                                              /*shapes=*/true, estimate_drift);
+  // Where the structure suffices, the fit is where the initial values lead to.
+  if (!from_fit.HasShape()) return from_fit;
+  OutputPosterior from_initial =
+      search.Run(initial, start.noise, none, /*shapes=*/true, estimate_drift);
+  return from_fit.deviance <= from_initial.deviance ? from_fit : from_initial;
+}
+
+}  // namespace mle
