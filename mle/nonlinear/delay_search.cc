@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "Eigen/Cholesky"
+#include "mle/regression/lagged_products.h"
 
 namespace mle {
 namespace {
@@ -104,11 +105,7 @@ Combinations MakeCombinations(const MatrixXd& dictionary) {
       dictionary.leftCols(width).colwise().norm().cwiseMax(1e-300);
   const MatrixXd unit = dictionary.leftCols(width) *
                         combinations.norms.cwiseInverse().asDiagonal();
-  combinations.gram = MatrixXd::Zero(width, width);
-  combinations.gram.selfadjointView<Eigen::Lower>().rankUpdate(
-      unit.transpose());
-  combinations.gram =
-      MatrixXd(combinations.gram.selfadjointView<Eigen::Lower>());
+  combinations.gram = GramMatrix(unit);
   combinations.products = unit.transpose() * dictionary.col(width);
   return combinations;
 }

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "Eigen/Cholesky"
-#include "mle/data/lagged_series.h"
 #include "mle/regression/lagged_products.h"
 
 namespace mle {
@@ -53,18 +52,11 @@ double LogDeterminant(const Eigen::LLT<MatrixXd>& factor) {
 
 LinearEvidence::LinearEvidence(const MatrixXd& X, const VectorXd& e,
                                double rows, double constant)
-    : gram_(MatrixXd::Zero(X.cols(), X.cols())),
+    : gram_(GramMatrix(X)),
       products_(X.transpose() * e),
       squares_(e.squaredNorm()),
       rows_(rows),
-      constant_(constant) {
-  // By rows, as the kernels read them.
-  const MatrixXd rows_of_X = X.transpose();
-  AddLaggedProducts(
-      LaggedSeries::View(rows_of_X.data(), rows_of_X.rows(), rows_of_X.cols(),
-                         Eigen::OuterStride<>(rows_of_X.rows())),
-      rows_of_X, gram_);
-}
+      constant_(constant) {}
 
 double LinearEvidence::Deviance(const LinearPrior& prior,
                                 double noise_variance) const {

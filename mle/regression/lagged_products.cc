@@ -17,4 +17,15 @@ void AddLaggedProducts(
                                sums.data(), sums.outerStride());
 }
 
+Eigen::MatrixXd GramMatrix(const Eigen::Ref<const Eigen::MatrixXd>& X) {
+  // The kernels read samples one after the other.
+  const Eigen::MatrixXd samples = X.transpose();
+  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(X.cols(), X.cols());
+  AddLaggedProducts(
+      LaggedSeries::View(samples.data(), samples.rows(), samples.cols(),
+                         Eigen::OuterStride<>(samples.rows())),
+      samples, gram);
+  return gram;
+}
+
 }  // namespace mle

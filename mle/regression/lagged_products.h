@@ -23,6 +23,9 @@ void AddLaggedProducts(
     const Eigen::Ref<const Eigen::MatrixXd, 0, Eigen::OuterStride<>>& w,
     Eigen::Ref<Eigen::MatrixXd> sums);
 
+// XᵀX of N × n numbers by columns, by the same kernels: 2n²N operations.
+Eigen::MatrixXd GramMatrix(const Eigen::Ref<const Eigen::MatrixXd>& X);
+
 }  // namespace mle
 
 #endif  // MLE_REGRESSION_LAGGED_PRODUCTS_H_

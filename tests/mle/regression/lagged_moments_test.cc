@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "gtest/gtest.h"
+#include "mle/regression/lagged_products.h"
 #include "tests/mle/regression/explicit_lasso.h"
 
 namespace mle {
@@ -141,6 +142,16 @@ TEST_P(LaggedMomentsTest, AreAdditive) {
     sum += ComputeLaggedMoments({&part, 1});
   }
   ExpectSame(sum, ComputeLaggedMoments(rows.rows()));
+}
+
+TEST(GramMatrixTest, IsTheProduct) {
+  for (const int columns : {1, 3, 17, 40}) {
+    const Eigen::MatrixXd X = Eigen::MatrixXd::Random(333, columns);
+    const Eigen::MatrixXd gram = GramMatrix(X);
+    EXPECT_LT((gram - X.transpose() * X).cwiseAbs().maxCoeff(), 1e-12 * 333);
+    EXPECT_EQ(gram, gram.transpose());
+  }
+  EXPECT_EQ(GramMatrix(Eigen::MatrixXd(5, 0)).size(), 0);
 }
 
 INSTANTIATE_TEST_SUITE_P(Shapes, LaggedMomentsTest,
