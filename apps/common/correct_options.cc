@@ -88,6 +88,12 @@ std::vector<Option> OptionsOf(EstimationOptions& options) {
        "records of the initial model that calibrate the test of no change."},
       {"selection", RuleForLambda(options.correction.selection),
        "Rule for λ with --estimator=arx."},
+      {"selection_response_deviations",
+       &options.correction.selection.response_deviations,
+       "With --selection=blocks: standard deviations by which the estimated "
+       "error of the step responses may exceed its least value before another "
+       "λ is taken; 0: not checked.",
+       "", kNotNegative},
       {"solver", Solver(options), "Solver of ΔR."},
   };
 }

@@ -154,6 +154,11 @@ std::vector<Option> OptionsOf(SelectionSpec& selection) {
       {"one_standard_error", &options.one_standard_error,
        "Select the largest λ whose loss is within one standard error of the "
        "smallest."},
+      {"response_deviations", &options.response_deviations,
+       "With --selection=blocks: standard deviations by which the estimated "
+       "error of the step responses may exceed its least value before another "
+       "λ is taken; 0: not checked.",
+       "", kNotNegative},
       {"on_grid", &options.on_grid, "λ among the values of the grid."},
   };
 }

@@ -86,10 +86,10 @@ std::vector<Option> SelectionOptionsOf(experiment::SelectionSpec& selection) {
   std::vector<Option> options =
       experiment::Prefixed("selection_", OptionsOf(selection));
   Find(options, "selection_rule").name = "selection";
-  return Only(options,
-              {"selection", "selection_folds", "selection_block",
-               "selection_phases", "selection_horizon", "selection_per_output",
-               "selection_one_standard_error"});
+  return Only(options, {"selection", "selection_folds", "selection_block",
+                        "selection_phases", "selection_horizon",
+                        "selection_per_output", "selection_one_standard_error",
+                        "selection_response_deviations"});
 }
 
 absl::Status ReadSeeds(const Request& request,

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "absl/strings/str_format.h"
 #include "mle/base/status.h"
 #include "mle/correction/cross_validation.h"
 #include "mle/correction/folds.h"
+#include "mle/correction/response_risk.h"
 #include "mle/regression/validation_loss.h"
 
 namespace mle {
@@ -18,8 +20,11 @@ using Rule = SelectionOptions::Rule;
 
 constexpr int kBlockOrders = 2;
 constexpr int kOrdersOverHorizon = 5;
-// Of two neighbouring λ at which a loss is found by simulation.
+// Of two neighbouring λ at which a loss is found by simulation, or Ê.
 constexpr double kThinning = 1.25;
+constexpr double kResponseThinning = 1.4;
+// Length of the step responses whose error is estimated.
+constexpr int kOrdersOfResponse = 3;
 
 // Index of the smallest entry, the last of several: the larger λ.
 Eigen::Index LastArgMin(const Eigen::VectorXd& values) {
@@ -30,13 +35,13 @@ Eigen::Index LastArgMin(const Eigen::VectorXd& values) {
   return best;
 }
 
-// Every λ whose ratio to the last one taken is at least kThinning; the first
-// and the last are among them.
-Eigen::VectorXd Thin(const Eigen::VectorXd& lambdas) {
+// Every λ whose ratio to the last one taken is at least `ratio`; the first and
+// the last are among them.
+Eigen::VectorXd Thin(const Eigen::VectorXd& lambdas, double ratio) {
   std::vector<double> taken;
   for (Eigen::Index i = 0; i < lambdas.size(); ++i) {
     if (taken.empty() || i + 1 == lambdas.size() ||
-        lambdas(i) >= kThinning * taken.back()) {
+        lambdas(i) >= ratio * taken.back()) {
       taken.push_back(lambdas(i));
     }
   }
@@ -175,7 +180,7 @@ absl::StatusOr<SelectionSummary> ChooseByFolds(
     const SelectionOptions& options, CrossValidationOptions cross_validation) {
   cross_validation.lambdas = cross_validation.horizon == 1
                                  ? cross_validation.grid
-                                 : Thin(cross_validation.grid);
+                                 : Thin(cross_validation.grid, kThinning);
   FoldLosses losses;
   for (const std::vector<Fold>& folds : partitions) {
     MLE_ASSIGN_OR_RETURN(FoldLosses more,
@@ -183,6 +188,79 @@ absl::StatusOr<SelectionSummary> ChooseByFolds(
     losses.Append(std::move(more));
   }
   return Choose(losses, cross_validation.lambdas, options);
+}
+
+// The λ of least loss along the grid of `cross_validation`.
+absl::StatusOr<SelectionSummary> CrossValidatePath(
+    const RegressionData& data, const SelectionOptions& options,
+    CrossValidationOptions cross_validation) {
+  MLE_ASSIGN_OR_RETURN(const std::vector<std::vector<Fold>> partitions,
+                       Partitions(data, options));
+  const Eigen::VectorXd grid = cross_validation.grid;
+  if (cross_validation.horizon != 1 && grid.size() > 2 && grid(0) == 0.0) {
+    // A third of a path's work lies below the smallest λ > 0.
+    cross_validation.grid = grid.tail(grid.size() - 1);
+    MLE_ASSIGN_OR_RETURN(
+        SelectionSummary summary,
+        ChooseByFolds(data, partitions, options, cross_validation));
+    if (summary.lambda_star.minCoeff() > grid(1)) return summary;
+  }
+  cross_validation.grid = grid;
+  return ChooseByFolds(data, partitions, options, cross_validation);
+}
+
+// The smallest λ that corrects nothing that is penalised.
+double NoCorrection(const LassoProblem& problem,
+                    const Eigen::MatrixXd& penalty_weights) {
+  double lambda = 0.0;
+  for (int q = 0; q < problem.num_responses(); ++q) {
+    const LassoObjective objective(problem, q,
+                                   PenaltyWeights(penalty_weights, q));
+    lambda = std::max(lambda, objective.LambdaMax());
+  }
+  return lambda;
+}
+
+// Replaces λ* of least loss where the step responses speak against it.
+void CheckResponses(const RegressionData& data,
+                    const Eigen::MatrixXd& penalty_weights,
+                    const LassoProblem& problem,
+                    absl::Span<const LassoSolution> fits,
+                    const SelectionOptions& options,
+                    SelectionSummary& summary) {
+  ArxModel initial;
+  initial.R = data.model_R();
+  initial.order = data.order();
+  initial.num_outputs = problem.num_responses();
+  initial.num_inputs =
+      problem.num_regressors() / data.order() - initial.num_outputs;
+  const std::optional<ResponseRisk> risk = ResponseRisk::Create(
+      initial, problem, penalty_weights, kOrdersOfResponse * data.order() + 1);
+  if (!risk.has_value()) return;
+  summary.response_lambdas = Thin(fits.front().lambdas, kResponseThinning);
+  summary.response_risk.resize(summary.response_lambdas.size());
+  for (Eigen::Index i = 0; i < summary.response_risk.size(); ++i) {
+    summary.response_risk(i) = (*risk)(fits, summary.response_lambdas(i));
+  }
+  summary.response_deviation = risk->deviation();
+  const Eigen::Index best = LastArgMin(summary.response_risk);
+  const double limit = summary.response_risk(best) +
+                       options.response_deviations * risk->deviation();
+  const double proposed = summary.lambda_star(0);
+  double none = NoCorrection(problem, penalty_weights);
+  if (proposed >= none) return;
+  if (options.on_grid) {
+    const Eigen::VectorXd& grid = fits.front().lambdas;
+    none = *std::lower_bound(grid.begin(), grid.end() - 1, none);
+  }
+  double chosen = summary.response_lambdas(best);
+  for (const double lambda : {none, proposed}) {
+    if ((*risk)(fits, lambda) <= limit) {
+      chosen = lambda;
+      break;
+    }
+  }
+  summary.lambda_star.setConstant(chosen);
 }
 
 }  // namespace
@@ -201,6 +279,11 @@ absl::Status SelectionOptions::Validate() const {
   if (phases < 1) {
     return absl::InvalidArgumentError(
         absl::StrFormat("phases is %d; it must be at least 1", phases));
+  }
+  if (!(response_deviations >= 0.0)) {
+    return absl::InvalidArgumentError(
+        absl::StrFormat("response_deviations is %g; it must be at least 0",
+                        response_deviations));
   }
   if (horizon < -1) {
     return absl::InvalidArgumentError(absl::StrFormat(
@@ -234,19 +317,13 @@ absl::StatusOr<SelectionSummary> SelectLambda(
   cross_validation.horizon = options.Horizon(data.order());
   cross_validation.grid = fits.front().lambdas;
   cross_validation.solver = solver;
-  MLE_ASSIGN_OR_RETURN(const std::vector<std::vector<Fold>> partitions,
-                       Partitions(data, options));
-  const Eigen::VectorXd grid = fits.front().lambdas;
-  if (cross_validation.horizon != 1 && grid.size() > 2 && grid(0) == 0.0) {
-    // A third of a path's work lies below the smallest λ > 0.
-    cross_validation.grid = grid.tail(grid.size() - 1);
-    MLE_ASSIGN_OR_RETURN(
-        SelectionSummary summary,
-        ChooseByFolds(data, partitions, options, cross_validation));
-    if (summary.lambda_star.minCoeff() > grid(1)) return summary;
+  MLE_ASSIGN_OR_RETURN(SelectionSummary summary,
+                       CrossValidatePath(data, options, cross_validation));
+  if (options.rule == Rule::kBlocks && options.response_deviations > 0.0 &&
+      !options.per_output) {
+    CheckResponses(data, penalty_weights, problem, fits, options, summary);
   }
-  cross_validation.grid = grid;
-  return ChooseByFolds(data, partitions, options, cross_validation);
+  return summary;
 }
 
 }  // namespace mle

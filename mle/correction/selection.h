@@ -10,7 +10,8 @@
 //   blocks             windows are cut into blocks, assigned to the folds
 //                      in turn, so that every fit has seen every change, and
 //                      cut once more half a block later, since it matters where
-//                      the cuts lie against the change. Default.
+//                      the cuts lie against the change. Default, with a check
+//                      of the step responses.
 //   AIC, BIC, GCV      from the fit to all rows and its degrees of freedom, the
 //                      number of coefficients that are not zero (Zou, Hastie
 //                      and Tibshirani, Ann. Stat. 35, 2007).
@@ -18,6 +19,15 @@
 // One step ahead the loss of a path is a piecewise quadratic in λ, known
 // exactly for all λ. Further ahead it is computed on a thinned grid, with λ = 0
 // among it only where the smallest λ > 0 is the best of the others.
+//
+// Prediction losses hardly see errors of gains. So with blocks the λ of least
+// loss is a proposal, which the estimated error of the step responses, Ê
+// (response_risk.h), may refuse: of
+//
+//   no correction, the λ of least loss, the λ of least Ê
+//
+// λ* is the first whose Ê exceeds the least one by no more than
+// `response_deviations` of its standard deviations.
 
 #ifndef MLE_CORRECTION_SELECTION_H_
 #define MLE_CORRECTION_SELECTION_H_
@@ -52,6 +62,9 @@ struct SelectionOptions {
   bool one_standard_error = false;
   // A λ for each output rather than one for all.
   bool per_output = false;
+  // Of kBlocks, ≥ 0; 0 takes the λ of least loss in any case. Not with
+  // per_output.
+  double response_deviations = 2.0;
   // λ* among the values of the grid; else, where the loss is known exactly,
   // among all λ ≥ 0.
   bool on_grid = false;
@@ -73,6 +86,12 @@ struct SelectionSummary {
   Eigen::VectorXd loss;
   Eigen::VectorXd penalised_loss;
   double lambda_star_penalised = 0.0;  // minimises penalised_loss
+  // Where Ê was computed, ascending, and Ê there with its standard deviation.
+  // Empty without a check, and where least squares does not determine a stable
+  // model.
+  Eigen::VectorXd response_lambdas;
+  Eigen::VectorXd response_risk;
+  double response_deviation = 0.0;
   // Relative duality gap, the worst of the folds' fits at every λ of the grid.
   double max_relative_gap = 0.0;
 };

@@ -7,6 +7,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "mle/correction/correction.h"
+#include "mle/correction/response_risk.h"
 #include "tests/mle/correction/arx_data.h"
 
 namespace mle {
@@ -57,6 +58,52 @@ TEST(SelectLambdaTest, TakesTheLeastLoss) {
     EXPECT_NEAR(exact.lambda_star(0), grid.lambda_star(0), 1e-3);
     EXPECT_EQ(exact.loss, grid.loss);
   }
+}
+
+// The first of no correction, least loss and least Ê whose Ê is within the
+// deviations of the least.
+TEST(SelectLambdaTest, TheStepResponsesCheckTheProposal) {
+  const Correction correction = TwoWindows();
+  const auto chosen = [&](double deviations) {
+    return Select(correction, {.response_deviations = deviations});
+  };
+  const SelectionSummary checked = chosen(2.0);
+  const double proposed = chosen(0.0).lambda_star(0);
+  EXPECT_EQ(chosen(0.0).response_risk.size(), 0);
+  ASSERT_GT(checked.response_risk.size(), 5);
+  Eigen::Index best = 0;
+  const double least = checked.response_risk.minCoeff(&best);
+  const double best_lambda = checked.response_lambdas(best);
+  ASSERT_LT(best_lambda, proposed);
+  const auto risk =
+      ResponseRisk::Create(correction.initial(), correction.problem(), {}, 13);
+  ASSERT_TRUE(risk.has_value());
+  EXPECT_EQ(checked.response_deviation, risk->deviation());
+  EXPECT_DOUBLE_EQ((*risk)(correction.fits(), best_lambda), least);
+  // The proposal is refused just below the deviations that it needs.
+  const double needed =
+      ((*risk)(correction.fits(), proposed) - least) / risk->deviation();
+  ASSERT_GT(needed, 0.0);
+  EXPECT_EQ(chosen(0.999 * needed).lambda_star(0), best_lambda);
+  EXPECT_EQ(chosen(1.001 * needed).lambda_star(0), proposed);
+  // The gain that has changed is far beyond the noise; anything goes if enough
+  // deviations may.
+  const double none = correction.fits()[0].path.lambda_begin();
+  EXPECT_EQ(chosen(1e9).lambda_star(0), none);
+  EXPECT_TRUE(correction.Model(none).R == correction.initial().R);
+}
+
+TEST(SelectLambdaTest, ARightModelIsLeftAlone) {
+  int corrected = 0;
+  for (int seed = 1; seed <= 20; ++seed) {
+    CorrectionOptions options;
+    options.lambdas = *MakeLambdaGrid(0.4, 0.001);
+    const auto correction = CorrectModel(
+        SparseArx(), {SimulateArx(SparseArx(), 300, 0.3, seed)}, options);
+    ASSERT_TRUE(correction.ok()) << correction.status();
+    corrected += correction->Model().R != SparseArx().R ? 1 : 0;
+  }
+  EXPECT_LE(corrected, 1);
 }
 
 TEST(SelectLambdaTest, OneStandardErrorIsLarger) {
