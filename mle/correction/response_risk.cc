@@ -20,7 +20,7 @@ constexpr int kSamples = 45;
 // A pivot below this part of a column's square is rounding.
 constexpr double kDependent = 1e-12;
 // A step response that grows by this factor when followed so many times as long
-// does not settle.
+// does not settle; one that is larger by it than that of R is out of bounds.
 constexpr int kFollowed = 4;
 constexpr double kGrowth = 10.0;
 
@@ -156,9 +156,15 @@ std::optional<ResponseRisk> ResponseRisk::Create(
           fits[q].beta(static_cast<Index>(a)) / problem.scale(j);
     }
   }
-  std::optional<StepResponse> response = SettlingResponse(model, samples);
-  if (!response.has_value()) return std::nullopt;
-  risk.least_squares_ = *std::move(response);
+  // It may be unstable, as under drift, but not within these samples.
+  risk.least_squares_ = model.ComputeStepResponse(samples);
+  const auto size = [](const StepResponse& response) {
+    return response.values.cwiseAbs().maxCoeff();
+  };
+  if (!(size(risk.least_squares_) <=
+        kGrowth * size(initial.ComputeStepResponse(samples)))) {
+    return std::nullopt;
+  }
 
   std::vector<int> kept;
   const int stride = std::max(samples / kSamples, 1);
@@ -176,9 +182,11 @@ std::optional<ResponseRisk> ResponseRisk::Create(
         risk.noise_(static_cast<Index>(q)) * half.transpose() * half;
     risk.sensitivity_.push_back(std::move(J));
   }
-  if (!covariance.allFinite()) return std::nullopt;
   risk.variance_ = covariance.trace();
   risk.deviation_ = std::sqrt(2.0) * covariance.norm();
+  if (!(risk.deviation_ < risk.least_squares_.values.squaredNorm())) {
+    return std::nullopt;
+  }
   return risk;
 }
 

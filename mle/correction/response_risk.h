@@ -47,8 +47,9 @@ class ResponseRisk {
   // `initial` is R, `problem` that of all rows with a response for each output;
   // both must outlive the object. `penalty_weights` p × n or empty: columns
   // with an infinite weight stay at zero. `samples` ≥ 1 is N + 1. None where
-  // least squares does not determine a stable model: no more rows than columns,
-  // dependent columns, step responses that do not settle.
+  // least squares does not determine the model: no more rows than columns,
+  // dependent columns, step responses ten times as large as those of R, or with
+  // squares that the standard deviation exceeds.
   static std::optional<ResponseRisk> Create(
       const ArxModel& initial, const LassoProblem& problem,
       const Eigen::MatrixXd& penalty_weights, int samples);

@@ -125,7 +125,7 @@ TEST(ResponseRiskTest, DeviationIsThatOfTheLeastSquaresError) {
   EXPECT_NEAR(deviation, actual, 0.25 * actual);
 }
 
-TEST(ResponseRiskTest, NeedsAStableLeastSquaresFit) {
+TEST(ResponseRiskTest, NeedsADeterminedLeastSquaresFit) {
   EXPECT_TRUE(RiskOf(Corrected(1, 40)).has_value());
   // 18 samples have 14 rows, for 16 coefficients.
   EXPECT_FALSE(RiskOf(Corrected(1, 18)).has_value());
@@ -140,8 +140,15 @@ TEST(ResponseRiskTest, NeedsAStableLeastSquaresFit) {
   EXPECT_FALSE(RiskOf(*dependent).has_value());
   EXPECT_EQ(dependent->selection().response_risk.size(), 0);
 
+  // An input that nearly copies another one: their sum alone is determined.
+  twin.inputs.row(1) +=
+      1e-4 * SimulateArx(SparseArx(), 200, 0.3, 2).inputs.row(0);
+  const auto vague = CorrectModel(Believed(), {twin}, options);
+  ASSERT_TRUE(vague.ok()) << vague.status();
+  EXPECT_FALSE(RiskOf(*vague).has_value());
+
   ArxModel unstable = SparseArx();
-  unstable.R(0, 0) = 1.1;
+  unstable.R(0, 0) = 1.3;
   const auto growing =
       CorrectModel(Believed(), {SimulateArx(unstable, 60, 0.3, 1)}, options);
   ASSERT_TRUE(growing.ok()) << growing.status();
