@@ -103,6 +103,21 @@ int ChangesOf(const RecordData& data) {
   return still >= kAtRest ? moves : 0;
 }
 
+absl::StatusOr<std::vector<WindowAgreement>> AgreementOf(
+    const CorrectionResult& result, const std::vector<Record>& windows) {
+  const Estimate& estimate = result.estimate;
+  MLE_ASSIGN_OR_RETURN(
+      std::vector<WindowAgreement> agreement,
+      TestWindowAgreement(result.options.estimation.estimator == Estimator::kArx
+                              ? result.initial
+                              : estimate.fit.structured.corrected.model,
+                          windows));
+  for (int i = 0; i < result.initial.num_outputs(); ++i) {
+    if (ProposesByArx(estimate, i)) agreement[i] = {};
+  }
+  return agreement;
+}
+
 absl::Status DecideByEvidence(const std::vector<Record>& windows, int order,
                               const std::vector<bool>& unexplained,
                               CorrectionResult& result) {
@@ -112,6 +127,9 @@ absl::Status DecideByEvidence(const std::vector<Record>& windows, int order,
       ValidateByHoldOut(result.estimate, windows, ChangesOf(result.data), order,
                         options.hold_out, options.in_use, options.threads,
                         options.progress));
+  if (options.examine && result.data.obstacles.empty()) {
+    MLE_ASSIGN_OR_RETURN(result.agreement, AgreementOf(result, windows));
+  }
   const Evidence evidence = GatherEvidence(result, unexplained);
   Verdict verdict = Decide(evidence, options.decision);
   result.decision = verdict.decision;

@@ -33,6 +33,7 @@
 #include "mle/maintain/progress.h"
 #include "mle/maintain/records.h"
 #include "mle/maintain/residual_diagnostics.h"
+#include "mle/maintain/window_agreement.h"
 #include "mle/model/process_model.h"
 #include "mle/model/step_response.h"
 
@@ -92,6 +93,9 @@ struct CorrectionResult {
   // What the windows can tell about each pair, by the model's own values and
   // the noise found.
   PairInformation information;
+  // p: whether windows want the same gains of the elements of what is proposed;
+  // of ΔR nothing is said. Empty without CorrectOptions::examine.
+  std::vector<WindowAgreement> agreement;
   // Scores of each output at each horizon, where records were held out.
   Validation validation;
   int max_lag = 0;                                  // of the diagnostics

@@ -101,6 +101,11 @@ OutputVerdict DecideOutput(const OutputEvidence& output,
                            const std::string& nothing_held_out,
                            const DecisionOptions& options) {
   OutputVerdict verdict;
+  if (!output.disagreement.empty()) {
+    verdict.reason =
+        Doubt(output, MessageCode::kWindowsDisagree, output.disagreement);
+    return verdict;
+  }
   if (!output.proposed) {
     if (output.unexplained) verdict.reason = Unexplained(output);
     return verdict;

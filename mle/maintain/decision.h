@@ -4,6 +4,7 @@
 //   evidence about an output                            what is taken of it
 //   nothing proposed                                    kNothing
 //   nothing proposed, but inputs explain residuals      kNothing, doubtful
+//   windows want different gains                        kNothing, doubtful
 //   proposed, nothing held out                          kNothing, doubtful
 //   a score falls by more than chance                   kNothing, doubtful
 //   a score of one window does                          kNothing, doubtful
@@ -72,6 +73,9 @@ struct OutputEvidence {
   // Inputs explain a part of the residuals (model_adequacy.h), and nothing was
   // estimated to take it up.
   bool unexplained = false;
+  // That the windows want different gains, and what these follow
+  // (window_agreement.h); or empty.
+  std::string disagreement;
   // Nothing where nothing was held out.
   std::optional<OutputScores> scores;
   std::optional<OutputScores> parametric;  // where a shape is proposed

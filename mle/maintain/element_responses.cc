@@ -60,6 +60,10 @@ Record Part(const Record& record, int first, int samples) {
 
 }  // namespace
 
+Record WithoutGaps(const Record& record) {
+  return Part(record, 0, record.samples());
+}
+
 std::vector<Record> AroundSetPointChanges(const std::vector<Record>& records) {
   std::vector<Record> parts;
   int left = kMostSamples;

@@ -21,6 +21,9 @@ namespace mle {
 // straight lines, those of inputs by holding.
 std::vector<Record> AroundSetPointChanges(const std::vector<Record>& records);
 
+// The record with its gaps bridged so.
+Record WithoutGaps(const Record& record);
+
 // Which tag of the records is taken for each channel of the model, and by what
 // all of the model's times are multiplied.
 struct Assignment {

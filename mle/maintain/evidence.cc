@@ -125,7 +125,11 @@ Evidence GatherEvidence(const CorrectionResult& result,
   if (result.options.examine) evidence.detectable = Detectable(result);
   for (int i = 0; i < result.initial.num_outputs(); ++i) {
     evidence.outputs.push_back(EvidenceOf(result, i));
-    evidence.outputs.back().unexplained = unexplained[i];
+    OutputEvidence& output = evidence.outputs.back();
+    output.unexplained = unexplained[i];
+    if (!result.agreement.empty() && !result.agreement[i].agree()) {
+      output.disagreement = result.agreement[i].Describe(output.name);
+    }
   }
   return evidence;
 }

@@ -14,6 +14,7 @@
 #include "mle/data/input_spikes.h"
 #include "mle/data/operation.h"
 #include "mle/data/stuck_outputs.h"
+#include "mle/maintain/exchanged_set_points.h"
 #include "mle/maintain/operator_mistakes.h"
 #include "mle/maintain/tag_clocks.h"
 
@@ -37,6 +38,7 @@ class Examiner {
   void FindSpikes();
   absl::Status FindStuck();
   void FindOperation();
+  void FindSetPoints();
   absl::Status FindMistakes();
 
   std::vector<SampleRow> Rows(bool outputs, int channel) const;
@@ -221,6 +223,25 @@ void Examiner::FindOperation() {
   }
 }
 
+// They decide where windows are, and nothing else.
+void Examiner::FindSetPoints() {
+  for (const ExchangedSetPoints& found : FindExchangedSetPoints(records_)) {
+    const std::string& first = model_.outputs()[found.first].name;
+    const std::string& second = model_.outputs()[found.second].name;
+    Add(MessageCode::kMistake, first, Consequence::kRepair, found.ratio,
+        absl::StrFormat("The set points of %s and %s seem to be exchanged: "
+                        "%s settles where the set point of %s is, and never at "
+                        "its own%s.",
+                        first, second, first, second,
+                        options_.repair ? "; they are taken so" : ""));
+    if (!options_.repair) continue;
+    for (Record& record : records_) {
+      record.set_points.row(found.first)
+          .swap(record.set_points.row(found.second));
+    }
+  }
+}
+
 absl::Status Examiner::FindMistakes() {
   MLE_ASSIGN_OR_RETURN(const std::optional<OperatorMistake> mistake,
                        FindOperatorMistake(model_, records_));
@@ -229,14 +250,23 @@ absl::Status Examiner::FindMistakes() {
         mistake->Describe(model_));
     return absl::OkStatus();
   }
+  FindSetPoints();
   MLE_ASSIGN_OR_RETURN(const std::vector<TagClock> clocks,
                        FindTagClocks(model_, records_));
   for (const TagClock& clock : clocks) {
+    const bool correct = options_.correct_clocks && options_.repair;
     Add(MessageCode::kClock,
         clock.is_output ? model_.outputs()[clock.channel].name
                         : model_.inputs()[clock.channel].name,
-        clock.impossible ? Consequence::kBlocks : Consequence::kNote,
-        clock.late, clock.Describe(model_));
+        correct            ? Consequence::kRepair
+        : clock.impossible ? Consequence::kBlocks
+                           : Consequence::kNote,
+        clock.late,
+        absl::StrCat(clock.Describe(model_),
+                     correct ? " Its samples are shifted by that."
+                             : " If it is the clock, it can be corrected."))
+        .message.options = {"correct_clocks"};
+    if (correct) CorrectClock(clock, records_);
   }
   return absl::OkStatus();
 }

@@ -49,6 +49,11 @@ struct ExamineOptions {
   // be used, in [0, 1].
   double least_archived = 0.25;
 
+  // Whether the samples of tags whose clocks differ are shifted by the estimate
+  // (tag_clocks.h). A late tag looks like longer dead times, which may be what
+  // they seem: someone has to know.
+  bool correct_clocks = false;
+
   absl::Status Validate() const;
 };
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -214,6 +215,30 @@ std::string TagClock::Describe(const ProcessModel& model) const {
                            ", or all dead times %s it have changed by as much.",
                            is_output ? "to" : "from");
   return text;
+}
+
+void CorrectClock(const TagClock& clock, std::vector<Record>& records) {
+  for (Record& record : records) {
+    const double late = clock.late / record.sample_time;
+    // Of what was read at k + whole and the sample after it.
+    const auto whole = static_cast<Eigen::Index>(
+        clock.is_output ? std::floor(late) : std::round(late));
+    const double fraction =
+        clock.is_output ? late - static_cast<double>(whole) : 0.0;
+    Eigen::MatrixXd& rows = clock.is_output ? record.outputs : record.inputs;
+    const Eigen::RowVectorXd read = rows.row(clock.channel);
+    const auto at = [&](Eigen::Index k) {
+      return k >= 0 && k < read.size()
+                 ? read(k)
+                 : std::numeric_limits<double>::quiet_NaN();
+    };
+    for (Eigen::Index k = 0; k < read.size(); ++k) {
+      rows(clock.channel, k) =
+          fraction > 0.0
+              ? (1.0 - fraction) * at(k + whole) + fraction * at(k + whole + 1)
+              : at(k + whole);
+    }
+  }
 }
 
 absl::StatusOr<std::vector<TagClock>> FindTagClocks(

@@ -41,6 +41,11 @@ struct TagClock {
 absl::StatusOr<std::vector<TagClock>> FindTagClocks(
     const ProcessModel& model, const std::vector<Record>& records);
 
+// Shifts the tag's samples to when they were measured: an output by straight
+// lines between samples, an input, which is held, by whole samples. What no
+// sample is known of at an end becomes NaN.
+void CorrectClock(const TagClock& clock, std::vector<Record>& records);
+
 }  // namespace mle
 
 #endif  // MLE_MAINTAIN_TAG_CLOCKS_H_

@@ -144,6 +144,25 @@ double WhitenedLogLikelihood(const WhitenedData& data,
   return LogLikelihood(FitNoise(data, gains));
 }
 
+WhitenedData Whiten(const WhitenedData& data, const Eigen::VectorXd& gains) {
+  const Noise noise = FitNoise(data, gains);
+  WhitenedData whitened;
+  for (std::size_t w = 0; w < data.outputs.size(); ++w) {
+    const Eigen::Index n = data.outputs[w].size() > 2 * kOrder
+                               ? data.outputs[w].size() - kOrder
+                               : 0;
+    Eigen::VectorXd& output = whitened.outputs.emplace_back(n);
+    Eigen::MatrixXd& responses =
+        whitened.responses.emplace_back(n, data.responses[w].cols());
+    if (n == 0) continue;
+    output = Filter(noise.filter, data.outputs[w]);
+    for (Eigen::Index j = 0; j < responses.cols(); ++j) {
+      responses.col(j) = Filter(noise.filter, data.responses[w].col(j));
+    }
+  }
+  return whitened;
+}
+
 WhitenedFit FitWhitenedGains(const WhitenedData& data, Eigen::VectorXd start) {
   WhitenedFit fit;
   fit.gains = std::move(start);

@@ -37,6 +37,11 @@ struct WhitenedFit {
 double WhitenedLogLikelihood(const WhitenedData& data,
                              const Eigen::VectorXd& gains);
 
+// Outputs and responses through the filter 1 − Σ φ_l q^−l that
+// FitWhitenedGains() ends with at these gains, less their means; windows of up
+// to 2n samples are empty.
+WhitenedData Whiten(const WhitenedData& data, const Eigen::VectorXd& gains);
+
 WhitenedFit FitWhitenedGains(const WhitenedData& data, Eigen::VectorXd start);
 
 }  // namespace mle

@@ -138,6 +138,20 @@ TEST(DecisionTest, ResidualsThatInputsExplainAreNotNoChange) {
   EXPECT_TRUE(Says(Decide(evidence, {}), MessageCode::kStructureDoubtful));
 }
 
+TEST(DecisionTest, WindowsThatWantDifferentGainsAreDoubt) {
+  OutputEvidence output = Output(kGood);
+  output.disagreement = "The responses of T follow time.";
+  const Verdict verdict = Decide(Of({output}), {});
+  EXPECT_EQ(verdict.decision, Decision::kCannotTell);
+  EXPECT_EQ(verdict.reasons.back().code, MessageCode::kWindowsDisagree);
+  EXPECT_EQ(verdict.reasons.back().text, output.disagreement);
+  // Nor is there no change where nothing is proposed.
+  output.proposed = false;
+  Evidence evidence;
+  evidence.outputs = {output};
+  EXPECT_EQ(Decide(evidence, {}).decision, Decision::kCannotTell);
+}
+
 TEST(DecisionTest, OneOfManyWindowsMayFallALittle) {
   // 2.2 standard errors: beyond two, but one of twelve windows falls so far by
   // chance in one of six records.

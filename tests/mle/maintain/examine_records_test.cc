@@ -6,6 +6,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "mle/maintain/correct.h"
+#include "mle/maintain/exchanged_set_points.h"
 #include "tests/mle/data/loop_records.h"
 
 namespace mle {
@@ -40,6 +41,50 @@ TEST(ExamineRecordsTest, FindsNothingInRightRecords) {
       }
     }
   }
+}
+
+TEST(ExamineRecordsTest, ClocksAreCorrectedWhereAsked) {
+  Record late = LoopRecord();
+  const Eigen::RowVectorXd before = late.outputs.row(0);
+  late.outputs.row(0).tail(3995) = before.head(3995);
+  Record record = late;
+  std::vector<Finding> findings = Examine(record);
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].message.code, MessageCode::kClock);
+  EXPECT_EQ(findings[0].consequence, Consequence::kNote);
+  EXPECT_EQ(record.outputs, late.outputs);
+  ExamineOptions options;
+  options.correct_clocks = true;
+  findings = Examine(record, options);
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].consequence, Consequence::kRepair);
+  EXPECT_NEAR(findings[0].value, 1.25, 0.1);
+  EXPECT_TRUE(Examine(record).empty());
+}
+
+TEST(ExamineRecordsTest, SetPointsUnderEachOthersTagsAreTakenSo) {
+  for (unsigned seed = 1; seed <= 3; ++seed) {
+    const Record right = LoopRecord({.walk = 0.002, .seed = seed});
+    Record record = right;
+    record.set_points.row(0).swap(record.set_points.row(1));
+    const std::vector<Finding> findings = Examine(record);
+    ASSERT_EQ(findings.size(), 1u);
+    EXPECT_EQ(findings[0].message.code, MessageCode::kMistake);
+    EXPECT_EQ(findings[0].consequence, Consequence::kRepair);
+    EXPECT_GT(findings[0].value, 10.0);
+    EXPECT_EQ(record.set_points, right.set_points);
+  }
+  // Not where outputs do not settle, nor where one set point moves.
+  Record open = LoopRecord();
+  open.set_points.row(0).swap(open.set_points.row(1));
+  open.outputs = Eigen::MatrixXd::Random(2, 4000);
+  EXPECT_TRUE(FindExchangedSetPoints({open}).empty());
+  Record one = LoopRecord();
+  one.set_points.row(1).setZero();
+  EXPECT_TRUE(FindExchangedSetPoints({one}).empty());
+  // An output that follows another's set point, as in a cascade.
+  one.outputs.row(1) = one.outputs.row(0);
+  EXPECT_TRUE(FindExchangedSetPoints({one}).empty());
 }
 
 TEST(ExamineRecordsTest, UsesArchivedSamplesOnly) {

@@ -1,6 +1,7 @@
 #include "mle/maintain/tag_clocks.h"
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "gmock/gmock.h"
@@ -39,6 +40,29 @@ TEST(TagClocksTest, FindsALateOutput) {
       EXPECT_NEAR(clocks[0].late, 0.25 * late, 4.0 * clocks[0].error);
       EXPECT_LT(clocks[0].error, 0.1);
       EXPECT_FALSE(clocks[0].impossible);
+    }
+  }
+}
+
+TEST(TagClocksTest, ACorrectedClockIsRight) {
+  const Record right = LoopRecord();
+  for (const bool output : {true, false}) {
+    for (const int late : {-6, 5}) {
+      Record record = right;
+      MakeLate(late, output ? record.outputs.row(0) : record.inputs.row(0));
+      const std::vector<TagClock> clocks = Find(record);
+      ASSERT_EQ(clocks.size(), 1u);
+      std::vector<Record> records = {record};
+      CorrectClock(clocks[0], records);
+      EXPECT_TRUE(FindTagClocks(LoopModel(), records)->empty());
+      // Between samples on straight lines; noise of 0.02.
+      const auto& before = output ? right.outputs : right.inputs;
+      const auto& after = output ? records[0].outputs : records[0].inputs;
+      EXPECT_LT(
+          (after - before).row(0).segment(20, 3960).norm() / std::sqrt(3960.0),
+          output ? 0.04 : 1e-12);
+      // What was not read is not known.
+      EXPECT_EQ(after.row(0).array().isNaN().count() > 0, true);
     }
   }
 }
