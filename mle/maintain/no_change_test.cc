@@ -15,6 +15,22 @@ namespace {
 
 constexpr double kNever = 1e-300;
 
+// Sines of the lines' size with amplitudes and phases of their own.
+Eigen::RowVectorXd DrawLines(const std::vector<PeriodicLine>& lines,
+                             double sample_time, int samples,
+                             GaussianNoise& random) {
+  Eigen::RowVectorXd sum = Eigen::RowVectorXd::Zero(samples);
+  for (const PeriodicLine& line : lines) {
+    const double cosine = random.Draw(line.amplitude / std::sqrt(2.0));
+    const double sine = random.Draw(line.amplitude / std::sqrt(2.0));
+    for (int k = 0; k < samples; ++k) {
+      const double angle = 2.0 * M_PI * k * sample_time / line.period;
+      sum(k) += cosine * std::cos(angle) + sine * std::sin(angle);
+    }
+  }
+  return sum;
+}
+
 // `responses` of the initial model under noise of the plant's size, bad where
 // `windows` are.
 std::vector<Record> DrawRecords(const std::vector<Record>& windows,
@@ -36,9 +52,11 @@ std::vector<Record> DrawRecords(const std::vector<Record>& windows,
       const double shock = std::sqrt(noise[i].colour_ratio * noise[i].variance);
       double level = 0.0;
       double coloured = colour.Draw(std::sqrt(noise[i].colour_variance()));
+      const Eigen::RowVectorXd periodic = DrawLines(
+          noise[i].lines, record.sample_time, record.samples(), colour);
       for (int k = 0; k < record.samples(); ++k) {
-        const double value =
-            responses[w](i, k) + level + coloured + white.Draw(deviation);
+        const double value = responses[w](i, k) + level + coloured +
+                             periodic(k) + white.Draw(deviation);
         level += walk.Draw(step);
         coloured = pole * coloured + colour.Draw(shock);
         if (std::isfinite(record.outputs(i, k))) record.outputs(i, k) = value;

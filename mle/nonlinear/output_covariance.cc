@@ -15,6 +15,11 @@ using Eigen::VectorXd;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Satterthwaite's approximation does not reach below.
 constexpr double kMinDegrees = 4.0;
+// Secants reach so many standard errors to each side, at most this share of
+// the time scale; errors and secants in turn.
+constexpr double kSecantErrors = 3.0;
+constexpr double kLongestSecant = 0.5;
+constexpr int kSecantRounds = 3;
 // In a logarithm of the shape, of the differences that tell how a variance
 // moves with it.
 constexpr double kShapeStep = 0.2;
@@ -65,6 +70,30 @@ OutputCovariance CovarianceOf(const WhitenedColumns& whitened,
     }
   }
   return result;
+}
+
+std::vector<SegmentColumns> LineariseWidely(const OutputErrorProblem& problem,
+                                            const OutputPoint& point,
+                                            const std::vector<bool>& free,
+                                            const NoiseEstimate& noise) {
+  const NoiseShape shape = ShapeOf(noise);
+  std::vector<SegmentColumns> columns =
+      problem.Linearise(point, shape, /*with_jacobian=*/true);
+  for (int round = 0; round < kSecantRounds; ++round) {
+    const OutputCovariance covariance = CovarianceOf(
+        problem.Whiten(columns, shape), point, free, noise.variance);
+    std::vector<double> steps(free.size(), 0.0);
+    for (std::size_t j = 0; j < free.size(); ++j) {
+      const auto delay = 3 * static_cast<Eigen::Index>(j) + 2;
+      const double variance = covariance.covariance(delay, delay);
+      if (free[j] && std::isfinite(variance)) {
+        steps[j] = std::min(kSecantErrors * std::sqrt(variance),
+                            kLongestSecant * point.values[j].time_scale);
+      }
+    }
+    problem.TakeSecants(point, steps, columns);
+  }
+  return columns;
 }
 
 OutputCovariance ComputeCovariance(const OutputErrorProblem& problem,

@@ -47,6 +47,18 @@ void ProjectOut(const AmplitudeQr& qr, Eigen::Ref<MatrixXd> columns) {
 
 }  // namespace
 
+void AppendLine(const std::vector<int>& times, double period,
+                MatrixXd& columns) {
+  const Eigen::Index width = columns.cols();
+  const auto rows = static_cast<Eigen::Index>(times.size());
+  columns.conservativeResize(rows, width + 2);
+  for (Eigen::Index row = 0; row < rows; ++row) {
+    const double angle = 2.0 * M_PI * times[row] / period;
+    columns(row, width) = std::cos(angle);
+    columns(row, width + 1) = std::sin(angle);
+  }
+}
+
 void OutputPoint::SetCells(double sample_time) {
   cells.resize(values.size());
   for (std::size_t j = 0; j < values.size(); ++j) {
@@ -139,6 +151,9 @@ void OutputErrorProblem::Amplitudes(const Segment& segment,
     }
     column += r;
   }
+  for (const double period : lines_) {
+    AppendLine(segment.times, period, columns);
+  }
 }
 
 void OutputErrorProblem::Respond(const Segment& segment,
@@ -181,12 +196,11 @@ std::vector<SegmentColumns> OutputErrorProblem::Linearise(
 
     // The modes' part of the derivative by ln T takes their amplitudes.
     const InnovationsFilter filter(segment.times, shape, segment.weights);
-    MatrixXd whitened(rows, 1 + num_modes_);
-    whitened.col(0) = columns.residuals;
-    whitened.rightCols(num_modes_) = columns.amplitudes;
+    MatrixXd whitened(rows, 1 + columns.amplitudes.cols());
+    whitened << columns.residuals, columns.amplitudes;
     filter.Apply(whitened);
-    const VectorXd amplitudes =
-        FitAmplitudes(whitened.rightCols(num_modes_), whitened.col(0));
+    const VectorXd amplitudes = FitAmplitudes(
+        whitened.rightCols(columns.amplitudes.cols()), whitened.col(0));
     Eigen::Index mode = 0;
     for (int j = 0; j < num_elements(); ++j) {
       if (!elements_[j].has_value()) continue;
@@ -210,19 +224,20 @@ WhitenedColumns OutputErrorProblem::Whiten(
   Eigen::Index begin = 0;
   for (std::size_t s = 0; s < segments_.size(); ++s) {
     const Eigen::Index rows = columns[s].residuals.size();
-    MatrixXd whitened(rows, 1 + width + num_modes_);
+    const Eigen::Index free = columns[s].amplitudes.cols();
+    MatrixXd whitened(rows, 1 + width + free);
     whitened.col(0) = columns[s].residuals;
     if (width > 0) whitened.middleCols(1, width) = columns[s].jacobian;
-    whitened.rightCols(num_modes_) = columns[s].amplitudes;
+    whitened.rightCols(free) = columns[s].amplitudes;
     const InnovationsFilter filter(segments_[s].times, shape,
                                    segments_[s].weights);
     filter.Apply(whitened);
-    if (num_modes_ > 0) {
-      const AmplitudeQr qr = Factorise(whitened.rightCols(num_modes_));
+    if (free > 0) {
+      const AmplitudeQr qr = Factorise(whitened.rightCols(free));
       ProjectOut(qr, whitened.leftCols(1 + width));
       // The modes' own sizes count: they depend on the ratio.
       const VectorXd norms =
-          whitened.rightCols(num_modes_).colwise().norm().cwiseMax(1e-300);
+          whitened.rightCols(free).colwise().norm().cwiseMax(1e-300);
       for (Eigen::Index i = 0; i < qr.rank(); ++i) {
         result.log_amplitudes +=
             2.0 * std::log(std::abs(qr.matrixQR()(i, i)) *
@@ -263,18 +278,39 @@ VectorXd OutputErrorProblem::WhiteResiduals(const OutputPoint& point,
     const Segment& segment = segments_[s];
     const InnovationsFilter filter(segment.times, shape, segment.weights);
     VectorXd residuals = columns[s].residuals;
-    if (num_modes_ > 0) {
-      MatrixXd whitened(residuals.size(), 1 + num_modes_);
+    const Eigen::Index free = columns[s].amplitudes.cols();
+    if (free > 0) {
+      MatrixXd whitened(residuals.size(), 1 + free);
       whitened << residuals, columns[s].amplitudes;
       filter.Apply(whitened);
-      residuals -=
-          columns[s].amplitudes *
-          FitAmplitudes(whitened.rightCols(num_modes_), whitened.col(0));
+      residuals -= columns[s].amplitudes *
+                   FitAmplitudes(whitened.rightCols(free), whitened.col(0));
     }
     all.segment(begin, residuals.size()) = filter.WhitePart(residuals);
     begin += residuals.size();
   }
   return all;
+}
+
+VectorXd OutputErrorProblem::LineAmplitudes(const OutputPoint& point,
+                                            NoiseShape shape) const {
+  VectorXd squares = VectorXd::Zero(static_cast<Eigen::Index>(lines_.size()));
+  const std::vector<SegmentColumns> columns =
+      Linearise(point, shape, /*with_jacobian=*/false);
+  for (std::size_t s = 0; s < segments_.size() && !lines_.empty(); ++s) {
+    const Eigen::Index free = columns[s].amplitudes.cols();
+    MatrixXd whitened(columns[s].residuals.size(), 1 + free);
+    whitened << columns[s].residuals, columns[s].amplitudes;
+    InnovationsFilter(segments_[s].times, shape, segments_[s].weights)
+        .Apply(whitened);
+    const VectorXd amplitudes =
+        FitAmplitudes(whitened.rightCols(free), whitened.col(0));
+    for (Eigen::Index line = 0; line < squares.size(); ++line) {
+      squares(line) +=
+          amplitudes.segment(num_modes_ + 2 * line, 2).squaredNorm();
+    }
+  }
+  return (squares / std::max(num_segments(), 1)).cwiseSqrt();
 }
 
 std::vector<MatrixXd> OutputErrorProblem::LagSums(
@@ -347,7 +383,7 @@ MatrixXd OutputErrorProblem::Dictionary(
     MatrixXd derivatives;
     Amplitudes(segment, point, amplitudes, derivatives);
     filter.Apply(amplitudes);
-    if (num_modes_ > 0) ProjectOut(Factorise(amplitudes), columns);
+    if (amplitudes.cols() > 0) ProjectOut(Factorise(amplitudes), columns);
     dictionary.middleRows(begin, rows) = columns;
     begin += rows;
   }

@@ -22,6 +22,7 @@
 #define MLE_NONLINEAR_OUTPUT_ERROR_PROBLEM_H_
 
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "Eigen/Core"
@@ -30,6 +31,10 @@
 #include "mle/nonlinear/innovations_filter.h"
 
 namespace mle {
+
+// Appends the cosine and the sine of `period` (in samples) at `times`.
+void AppendLine(const std::vector<int>& times, double period,
+                Eigen::MatrixXd& columns);
 
 // Values of all elements of the output, and the sample that each dead time is
 // taken to lie in (whole); an absent element's are unused.
@@ -45,7 +50,7 @@ struct OutputPoint {
 struct SegmentColumns {
   Eigen::VectorXd residuals;   // rows
   Eigen::MatrixXd jacobian;    // rows × 3m: by K, ln T, L of each element
-  Eigen::MatrixXd amplitudes;  // rows × Σ r_j
+  Eigen::MatrixXd amplitudes;  // rows × (Σ r_j + 2 lines)
 };
 
 // Whitened, without what the amplitudes explain; all segments.
@@ -71,6 +76,9 @@ class OutputErrorProblem {
   int num_segments() const { return static_cast<int>(segments_.size()); }
   double sample_time() const { return sample_time_; }
   int num_samples() const { return num_samples_; }
+  const std::vector<int>& times(int segment) const {
+    return segments_[segment].times;
+  }
   int shortest_segment() const;  // its samples that count; 0 without segments
 
   // Weights ω_k > 0 of the samples of all segments in turn: the variance of
@@ -79,6 +87,14 @@ class OutputErrorProblem {
   void SetWeights(const Eigen::VectorXd& weights, double variance_factor);
   const Eigen::VectorXd& weights() const { return weights_; }  // empty: ones
   double variance_factor() const { return variance_factor_; }
+
+  // Periodic disturbances with these periods, in samples, whose amplitude and
+  // phase are each segment's own: two more free amplitudes of each.
+  void SetLines(std::vector<double> periods) { lines_ = std::move(periods); }
+  const std::vector<double>& lines() const { return lines_; }
+  // Their amplitudes at `point`: root mean square over the segments.
+  Eigen::VectorXd LineAmplitudes(const OutputPoint& point,
+                                 NoiseShape shape) const;
 
   // Without one of each segment where that sets its offset.
   int num_innovations(NoiseShape shape) const {
@@ -93,6 +109,10 @@ class OutputErrorProblem {
   std::vector<SegmentColumns> Linearise(const OutputPoint& point,
                                         NoiseShape shape,
                                         bool with_jacobian) const;
+  // In place of the derivative by each dead time L, the secant over L ± steps
+  // (of every element; 0: unchanged).
+  void TakeSecants(const OutputPoint& point, const std::vector<double>& steps,
+                   std::vector<SegmentColumns>& columns) const;
   WhitenedColumns Whiten(const std::vector<SegmentColumns>& columns,
                          NoiseShape shape) const;
 
@@ -127,7 +147,8 @@ class OutputErrorProblem {
   // 3).
   void Respond(const Segment& segment, const OutputPoint& point, int j,
                Eigen::MatrixXd& response) const;
-  // rows × Σ r_j, and their derivatives by the ln T of their element.
+  // rows × (Σ r_j + 2 lines), and the derivatives of the first Σ r_j by the
+  // ln T of their element.
   void Amplitudes(const Segment& segment, const OutputPoint& point,
                   Eigen::MatrixXd& columns, Eigen::MatrixXd& derivatives) const;
 
@@ -137,6 +158,7 @@ class OutputErrorProblem {
   int num_samples_ = 0;
   int num_modes_ = 0;  // Σ r_j
   double total_squares_ = 0.0;
+  std::vector<double> lines_;
   Eigen::VectorXd weights_;
   double variance_factor_ = 1.0;
 };

@@ -268,8 +268,10 @@ void Finish(const OutputErrorProblem& problem, const StructuredOptions& options,
 
 void FillIn(const OutputErrorProblem& problem, const StructuredOptions& options,
             FitCertificate certificate, OutputFit& fit) {
-  const OutputCovariance covariance =
-      ComputeCovariance(problem, fit.point, fit.free, fit.noise);
+  const OutputCovariance covariance = CovarianceOf(
+      problem.Whiten(LineariseWidely(problem, fit.point, fit.free, fit.noise),
+                     ShapeOf(fit.noise)),
+      fit.point, fit.free, fit.noise.variance);
   fit.covariance = covariance.covariance;
   fit.degrees_of_freedom =
       ComputeDegreesOfFreedom(problem, fit.point, fit.free, fit.noise);

@@ -181,6 +181,16 @@ OutputCovariance ComputeCovariance(const OutputErrorProblem& problem,
                                    const std::vector<bool>& free,
                                    const NoiseEstimate& noise);
 
+// Columns at `point` for errors of the size that they have: by each dead time
+// the secant over ± 3 standard errors. Under coloured noise the whitened
+// derivative is all in the sample in which a response begins, and −2 ln L grows
+// with |ΔL| beyond that sample, not with its square: the curvature within the
+// sample would make intervals too short.
+std::vector<SegmentColumns> LineariseWidely(const OutputErrorProblem& problem,
+                                            const OutputPoint& point,
+                                            const std::vector<bool>& free,
+                                            const NoiseEstimate& noise);
+
 // Of the variances on the diagonal of the covariance (3m), which move with the
 // shape's parameters and with r, all estimated: Satterthwaite's approximation.
 Eigen::VectorXd ComputeDegreesOfFreedom(const OutputErrorProblem& problem,

@@ -62,7 +62,7 @@ std::vector<RatioEstimate> IntegrateRatio(const OutputErrorProblem& problem,
              .degrees_of_freedom = fit.degrees_of_freedom}};
   }
   const std::vector<SegmentColumns> columns =
-      problem.Linearise(fit.point, ShapeOf(fit.noise), /*with_jacobian=*/true);
+      LineariseWidely(problem, fit.point, fit.free, fit.noise);
   const VectorXd at_fit =
       AtRatio(problem, fit, columns, fit.noise.ratio, 1.0).estimate.change;
   std::vector<Candidate> candidates;

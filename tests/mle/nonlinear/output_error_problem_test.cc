@@ -51,6 +51,37 @@ TEST(OutputErrorProblemTest, TheTrueParametersLeaveNothing) {
   }
 }
 
+// Over a short step the secant is the derivative; over a long one it is the
+// difference of the residuals at its ends.
+TEST(OutputErrorProblemTest, SecantsOfDeadTimes) {
+  const ProcessModel plant = TwoElements();
+  const OutputErrorProblem problem =
+      MakeProblem(plant, MakeRecords(plant, 400, 5, {.variance = 0.01}));
+  const OutputPoint point = PointOf(problem);
+  const NoiseShape shape = {.ratio = 0.01};
+  const auto exact = problem.Linearise(point, shape, true);
+  auto columns = exact;
+  problem.TakeSecants(point, {0.0, 1e-4}, columns);
+  for (std::size_t s = 0; s < exact.size(); ++s) {
+    EXPECT_EQ(columns[s].jacobian.leftCols(5), exact[s].jacobian.leftCols(5));
+    EXPECT_LT((columns[s].jacobian - exact[s].jacobian).norm(),
+              1e-3 * exact[s].jacobian.col(5).norm());
+  }
+  problem.TakeSecants(point, {0.0, 1.7}, columns);
+  OutputPoint ends[2] = {point, point};
+  ends[0].values[1].delay -= 1.7;
+  ends[1].values[1].delay += 1.7;
+  for (OutputPoint& end : ends) end.SetCells(problem.sample_time());
+  const auto low = problem.Linearise(ends[0], shape, false);
+  const auto high = problem.Linearise(ends[1], shape, false);
+  for (std::size_t s = 0; s < exact.size(); ++s) {
+    const VectorXd expected =
+        (high[s].residuals - low[s].residuals) / (2.0 * 1.7);
+    EXPECT_LT((columns[s].jacobian.col(5) - expected).norm(),
+              1e-9 * expected.norm());
+  }
+}
+
 TEST(OutputErrorProblemTest, GradientIsThatOfDifferences) {
   ProcessModel plant = TwoElements();
   plant.element(0, 0) = TransferFunction({2.0}, {8.0, 6.0, 1.0}, 1.2);

@@ -95,7 +95,7 @@ TEST(RatioIntegrationTest, EverySquareRootIsAsLikelyBeforehand) {
   const FittedOutput f = FitRecords({.variance = 0.01}, 9);
   const OutputErrorProblem& problem = f.problem();
   const auto columns =
-      problem.Linearise(f.fit.point, ShapeOf(f.fit.noise), true);
+      LineariseWidely(problem, f.fit.point, f.fit.free, f.fit.noise);
   const double length =
       static_cast<double>(problem.num_samples()) / problem.num_segments();
   std::vector<double> ratios = {0.0};

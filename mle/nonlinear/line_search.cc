@@ -1,0 +1,247 @@
+#include "mle/nonlinear/line_search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <utility>
+
+#include "mle/nonlinear/distributions.h"
+#include "mle/nonlinear/noise_search.h"
+
+namespace mle {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr int kMostLines = 3;
+constexpr double kFewestCycles = 4.0;  // in the shortest segment
+constexpr double kFewestSamplesOfCycle = 4.0;
+constexpr double kFalseAlarm = 1e-4;       // of a peak
+constexpr double kStepOfResolution = 0.5;  // of the frequencies, times 1/N
+constexpr int kRefinements = 3;            // of frequency and shape in turn
+constexpr int kGoldenSteps = 12;
+constexpr int kLongestLag = 512;  // samples, of responses to the inputs
+
+// Σ_s 2 |Σ_k e_k exp(2πi f k)|² / (N_s v).
+double Power(const OutputErrorProblem& problem, const VectorXd& residuals,
+             double frequency) {
+  const double angle = 2.0 * M_PI * frequency;
+  const std::complex<double> turn = std::polar(1.0, angle);
+  double power = 0.0;
+  Eigen::Index begin = 0;
+  for (int s = 0; s < problem.num_segments(); ++s) {
+    const std::vector<int>& times = problem.times(s);
+    const auto rows = static_cast<Eigen::Index>(times.size());
+    std::complex<double> phase = 1.0;
+    std::complex<double> sum = 0.0;
+    for (Eigen::Index k = 0; k < rows; ++k) {
+      const int steps = k == 0 ? 0 : times[k] - times[k - 1];
+      phase *= steps == 1 ? turn : std::polar(1.0, angle * steps);
+      sum += residuals(begin + k) * phase;
+    }
+    power += 2.0 * std::norm(sum) / static_cast<double>(rows);
+    begin += rows;
+  }
+  return power / (residuals.squaredNorm() / problem.num_samples());
+}
+
+// The frequency of the highest peak, if it is one.
+std::optional<double> HighestPeak(const OutputErrorProblem& problem,
+                                  const VectorXd& residuals) {
+  const double shortest = problem.shortest_segment();
+  const double step = kStepOfResolution / shortest;
+  double best = 0.0;
+  double highest = 0.0;
+  double count = 0.0;
+  for (double frequency = kFewestCycles / shortest;
+       frequency <= 1.0 / kFewestSamplesOfCycle; frequency += step) {
+    const double power = Power(problem, residuals, frequency);
+    count += 1.0;
+    if (power > highest) {
+      highest = power;
+      best = frequency;
+    }
+  }
+  if (!(count > 0.0) ||
+      count * ChiSquareTail(highest, 2 * problem.num_segments()) >
+          kFalseAlarm) {
+    return std::nullopt;
+  }
+  return best;
+}
+
+// Columns of a line in each segment.
+std::vector<MatrixXd> LineColumns(const OutputErrorProblem& problem,
+                                  double frequency) {
+  std::vector<MatrixXd> columns;
+  for (int s = 0; s < problem.num_segments(); ++s) {
+    MatrixXd& line = columns.emplace_back();
+    AppendLine(problem.times(s), 1.0 / frequency, line);
+  }
+  return columns;
+}
+
+// Of a line's amplitudes and frequency, in −2 ln L.
+double Price(const OutputErrorProblem& problem) {
+  return (2.0 * problem.num_segments() + 1.0) *
+         std::log(problem.num_innovations(NoiseShape()));
+}
+
+// −2 ln L at the fit with a line of each segment's own amplitude. Columns that
+// are zero in all segments but one have their own coefficients.
+class LineLikelihood {
+ public:
+  LineLikelihood(const OutputErrorProblem& problem, const OutputFit& fit)
+      : problem_(problem),
+        fit_(fit),
+        columns_(problem.Linearise(fit.point, ShapeOf(fit.noise), true)) {}
+
+  ShapeLikelihood With(const std::vector<MatrixXd>& own) const {
+    std::vector<MatrixXd> more;
+    for (std::size_t s = 0; s < own.size(); ++s) {
+      const Eigen::Index width = own[s].cols();
+      MatrixXd& wide = more.emplace_back(MatrixXd::Zero(
+          own[s].rows(), width * static_cast<Eigen::Index>(own.size())));
+      wide.middleCols(width * static_cast<Eigen::Index>(s), width) = own[s];
+    }
+    return Shared(more);
+  }
+  // The same coefficients in all segments.
+  ShapeLikelihood Shared(const std::vector<MatrixXd>& more) const {
+    return {problem_, columns_, fit_.free, /*restricted=*/false, more};
+  }
+
+  // The frequency within `width` of `frequency` that is likeliest at `shape`.
+  double Refine(double frequency, double width, NoiseShape shape) const {
+    const double golden = 0.5 * (std::sqrt(5.0) - 1.0);
+    double low = frequency - width;
+    double high = frequency + width;
+    const auto value = [&](double at) {
+      return With(LineColumns(problem_, at)).At(shape).value;
+    };
+    double left = high - golden * (high - low);
+    double right = low + golden * (high - low);
+    double at_left = value(left);
+    double at_right = value(right);
+    for (int i = 0; i < kGoldenSteps; ++i) {
+      const bool go_left = at_left < at_right;
+      (go_left ? high : low) = go_left ? right : left;
+      (go_left ? right : left) = go_left ? left : right;
+      (go_left ? at_right : at_left) = go_left ? at_left : at_right;
+      double& moved = go_left ? left : right;
+      moved =
+          go_left ? high - golden * (high - low) : low + golden * (high - low);
+      (go_left ? at_left : at_right) = value(moved);
+    }
+    return 0.5 * (low + high);
+  }
+
+ private:
+  const OutputErrorProblem& problem_;
+  const OutputFit& fit_;
+  std::vector<SegmentColumns> columns_;
+};
+
+std::vector<int> LagRanges(const OutputErrorProblem& problem) {
+  std::vector<int> first_lags = {1, 2};
+  const int longest = std::min(kLongestLag, problem.shortest_segment() / 4);
+  while (first_lags.back() < longest) {
+    first_lags.push_back(2 * first_lags.back());
+  }
+  return first_lags;
+}
+
+}  // namespace
+
+std::optional<double> FindPeriod(const OutputErrorProblem& problem,
+                                 const OutputFit& fit, bool estimate_drift) {
+  if (problem.num_segments() == 0) return std::nullopt;
+  const NoiseShape shape = ShapeOf(fit.noise);
+  const VectorXd residuals =
+      problem.Whiten(problem.Linearise(fit.point, shape, false), shape)
+          .residuals;
+  const std::optional<double> peak = HighestPeak(problem, residuals);
+  if (!peak.has_value()) return std::nullopt;
+  const LineLikelihood likelihood(problem, fit);
+  double frequency = *peak;
+  double width = kStepOfResolution / problem.shortest_segment();
+  Profile with;
+  NoiseShape now = shape;
+  for (int round = 0; round < kRefinements; ++round) {
+    frequency = likelihood.Refine(frequency, width, now);
+    with = FindBestShape(likelihood.With(LineColumns(problem, frequency)),
+                         NoiseShape(), estimate_drift,
+                         /*search_colour=*/true);
+    now = with.shape;
+    width *= 0.5;
+  }
+  const auto best = [&](const ShapeLikelihood& of) {
+    return FindBestShape(of, shape, estimate_drift, /*search_colour=*/true);
+  };
+  const Profile without = best(likelihood.Shared({}));
+  const Profile by_inputs =
+      best(likelihood.Shared(problem.LagSums(LagRanges(problem))));
+  const double gain = without.value - with.value - Price(problem);
+  const double of_inputs = without.value - by_inputs.value -
+                           (by_inputs.rank - without.rank) *
+                               std::log(problem.num_innovations(shape));
+  if (!(gain > 0.0) || !(gain > of_inputs)) return std::nullopt;
+  return 1.0 / frequency;
+}
+
+namespace {
+
+// A model may be bent until it explains a sine that the inputs answer. So the
+// initial values are asked too, and the fit with their line is taken if it
+// beats the one without. False if nothing was found.
+bool FitLineOfStart(const OutputPoint& start, const OutputFitBounds& bounds,
+                    const StructuredOptions& options,
+                    OutputErrorProblem& problem, OutputFit& fit) {
+  OutputFit at_start = fit;
+  at_start.point = start;
+  at_start.noise =
+      EstimateNoise(problem, start, fit.free, NoiseEstimate(),
+                    options.estimate_drift, /*search_colour=*/false);
+  const std::optional<double> period =
+      FindPeriod(problem, at_start, options.estimate_drift);
+  if (!period.has_value()) return false;
+  const std::vector<double> former = problem.lines();
+  std::vector<double> periods = former;
+  periods.push_back(*period);
+  problem.SetLines(periods);
+  OutputFit with = FitOutput(problem, start, fit.free, bounds, options);
+  if (!(with.deviance + Price(problem) < fit.deviance)) {
+    problem.SetLines(former);
+    return false;
+  }
+  fit = std::move(with);
+  return true;
+}
+
+}  // namespace
+
+void FitLines(const OutputPoint& start, const OutputFitBounds& bounds,
+              const StructuredOptions& options, OutputErrorProblem& problem,
+              OutputFit& fit) {
+  if (!options.estimate_drift || problem.num_segments() == 0) return;
+  while (static_cast<int>(problem.lines().size()) < kMostLines) {
+    const std::optional<double> period =
+        FindPeriod(problem, fit, options.estimate_drift);
+    if (!period.has_value()) {
+      if (FitLineOfStart(start, bounds, options, problem, fit)) continue;
+      return;
+    }
+    std::vector<double> periods = problem.lines();
+    periods.push_back(*period);
+    problem.SetLines(periods);
+    // What the sine was taken for is sought anew.
+    OutputFit again = fit;
+    again.noise = EstimateNoise(problem, fit.point, fit.free, NoiseEstimate(),
+                                options.estimate_drift,
+                                /*search_colour=*/true);
+    fit = Refit(problem, again, bounds, options);
+  }
+}
+
+}  // namespace mle

@@ -1,0 +1,46 @@
+// Periodic disturbances of one output: sines of one frequency each, whose
+// amplitude and phase every segment has for itself. Internal to mle/nonlinear.
+//
+//   1. The periodogram of the whitened residuals of a fit,
+//
+//        I(f) = Σ_s 2 |Σ_k e_k exp(2πi f k)|² / (N_s v),
+//
+//      χ² with two degrees of freedom for each segment s (N_s samples, v their
+//      variance) where there is no period; f from four cycles in the shortest
+//      segment to four samples a cycle. The highest peak counts where its
+//      probability, times the number of frequencies, is below 1e-4 (Fisher,
+//      Proc. R. Soc. A 125, 1929, by Bonferroni's bound).
+//   2. The frequency is refined by likelihood, with the noise shape estimated
+//      beside it: a filter that follows the sine must not hide it.
+//   3. The line is kept where −2 ln L falls by more than ln N for each of its
+//      parameters (Schwarz), and by more than the inputs explain: a response to
+//      them that the model lacks, expanded in sums over ranges of lags, must
+//      not be taken for a period (each with Schwarz's price).
+
+#ifndef MLE_NONLINEAR_LINE_SEARCH_H_
+#define MLE_NONLINEAR_LINE_SEARCH_H_
+
+#include <optional>
+#include <vector>
+
+#include "mle/nonlinear/output_error_problem.h"
+#include "mle/nonlinear/output_fit.h"
+
+namespace mle {
+
+// The period, in samples, of the line that the residuals of `fit` show; lines
+// that `problem` has already are fitted beside it.
+std::optional<double> FindPeriod(const OutputErrorProblem& problem,
+                                 const OutputFit& fit, bool estimate_drift);
+
+// Lines added to `problem` one by one (at most three), and `fit` made again
+// with each; where its residuals show none, those of the initial values `start`
+// are asked, and the fit from there with their line is compared by likelihood.
+// None without options.estimate_drift.
+void FitLines(const OutputPoint& start, const OutputFitBounds& bounds,
+              const StructuredOptions& options, OutputErrorProblem& problem,
+              OutputFit& fit);
+
+}  // namespace mle
+
+#endif  // MLE_NONLINEAR_LINE_SEARCH_H_
