@@ -19,7 +19,7 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kFalseAlarms = 1e-4;
+constexpr double kFalseAlarms = 1e-6;
 constexpr double kLeastDifference = 0.05;
 constexpr int kLeastWindows = 4;  // to say what differences follow
 constexpr double kExplained = 0.5;

@@ -11,7 +11,7 @@
 //
 // τ_w the time of the window, x_ow the mean of output o in it (all outputs with
 // p + 3 windows, else the output itself). The windows disagree where free gains
-// are better than common ones by an F test at 1e-4 and differ by 5 % of a
+// are better than common ones by an F test at 1e-6 and differ by 5 % of a
 // response. What the differences follow is told from four windows on, where it
 // explains half of them and is better than the other by 10 nats less half the
 // logarithm of the samples for each of its parameters (BIC).
