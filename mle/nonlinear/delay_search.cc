@@ -130,7 +130,8 @@ double Improve(const Combinations& combinations, const std::vector<int>& begins,
 }  // namespace
 
 DelaySearchResult SearchDelays(const OutputErrorProblem& problem,
-                               const OutputPoint& start, NoiseShape shape,
+                               const OutputPoint& start,
+                               const NoiseShape& shape,
                                const std::vector<bool>& free,
                                const std::vector<double>& max_delays,
                                int max_points) {

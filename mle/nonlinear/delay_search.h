@@ -28,7 +28,8 @@ struct DelaySearchResult {
 
 // Dead times from 0 to `max_delays`[j], on at most `max_points` points each.
 DelaySearchResult SearchDelays(const OutputErrorProblem& problem,
-                               const OutputPoint& start, NoiseShape shape,
+                               const OutputPoint& start,
+                               const NoiseShape& shape,
                                const std::vector<bool>& free,
                                const std::vector<double>& max_delays,
                                int max_points);

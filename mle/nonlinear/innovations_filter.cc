@@ -40,7 +40,7 @@ double WhiteVariance(const Eigen::VectorXd& weights, std::size_t k) {
 }  // namespace
 
 InnovationsFilter::InnovationsFilter(const std::vector<int>& times,
-                                     NoiseShape shape,
+                                     const NoiseShape& shape,
                                      const Eigen::VectorXd& weights)
     : gains_(times.size()),
       inverse_roots_(times.size()),
@@ -89,7 +89,7 @@ void InnovationsFilter::SetUpWalk(const std::vector<int>& times, double ratio,
 }
 
 void InnovationsFilter::SetUpColour(const std::vector<int>& times,
-                                    NoiseShape shape,
+                                    const NoiseShape& shape,
                                     const Eigen::VectorXd& weights) {
   const std::size_t n = times.size();
   colour_gains_.resize(n);

@@ -46,7 +46,7 @@ class InnovationsFilter {
   // `times` are the numbers of the samples present, increasing; between them
   // the random walk and the colour continue.
   // `weights`, of each sample, are > 0; empty for ones.
-  InnovationsFilter(const std::vector<int>& times, NoiseShape shape,
+  InnovationsFilter(const std::vector<int>& times, const NoiseShape& shape,
                     const Eigen::VectorXd& weights = {});
 
   // Σ ln F_k over the innovations: one fewer than the samples with an offset.
@@ -64,7 +64,7 @@ class InnovationsFilter {
   void SetUpWhite(const Eigen::VectorXd& weights);
   void SetUpWalk(const std::vector<int>& times, double ratio,
                  const Eigen::VectorXd& weights);
-  void SetUpColour(const std::vector<int>& times, NoiseShape shape,
+  void SetUpColour(const std::vector<int>& times, const NoiseShape& shape,
                    const Eigen::VectorXd& weights);
   template <int kColumns, typename Columns>
   void ApplyTo(Columns&& columns) const;

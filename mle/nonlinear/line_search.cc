@@ -113,7 +113,7 @@ class LineLikelihood {
   }
 
   // The frequency within `width` of `frequency` that is likeliest at `shape`.
-  double Refine(double frequency, double width, NoiseShape shape) const {
+  double Refine(double frequency, double width, const NoiseShape& shape) const {
     const double golden = 0.5 * (std::sqrt(5.0) - 1.0);
     double low = frequency - width;
     double high = frequency + width;

@@ -52,7 +52,7 @@ double Profile::variance() const {
 ShapeLikelihood::ShapeLikelihood(const OutputErrorProblem& problem,
                                  const OutputPoint& point,
                                  const std::vector<bool>& free,
-                                 NoiseShape start, bool restricted,
+                                 const NoiseShape& start, bool restricted,
                                  const std::vector<MatrixXd>& more)
     : ShapeLikelihood(problem, problem.Linearise(point, start, true), free,
                       restricted, more) {}
@@ -79,7 +79,7 @@ ShapeLikelihood::ShapeLikelihood(const OutputErrorProblem& problem,
   }
 }
 
-Profile ShapeLikelihood::At(NoiseShape shape) const {
+Profile ShapeLikelihood::At(const NoiseShape& shape) const {
   const WhitenedColumns whitened = problem_.Whiten(columns_, shape);
   Profile profile;
   profile.shape = shape;
@@ -140,11 +140,11 @@ std::vector<PossibleRatio> PossibleRatios(const OutputErrorProblem& problem) {
   return ratios;
 }
 
-bool HasParameter(NoiseShape shape, int parameter) {
+bool HasParameter(const NoiseShape& shape, int parameter) {
   return parameter == 0 ? shape.ratio > 0.0 : shape.coloured();
 }
 
-NoiseShape Moved(NoiseShape shape, int parameter, double by) {
+NoiseShape Moved(const NoiseShape& shape, int parameter, double by) {
   const double factor = std::exp(by);
   if (parameter == 0) shape.ratio *= factor;
   if (parameter == 1) shape.colour_ratio *= factor;
@@ -215,7 +215,7 @@ class ColourSearch {
         longest_(LongestColour(likelihood.problem())) {}
 
   // The best of a coarse grid: without a walk, and with one as in `walk`.
-  Profile OfGrid(NoiseShape walk) const {
+  Profile OfGrid(const NoiseShape& walk) const {
     std::vector<double> ratios = {0.0};
     if (walk.ratio > 0.0) ratios.push_back(walk.ratio);
     Profile best;
@@ -325,8 +325,9 @@ Profile ColourSearch::From(const Profile& start, double step) const {
 
 }  // namespace
 
-Profile FindBestShape(const ShapeLikelihood& likelihood, NoiseShape start,
-                      bool estimate_drift, bool search_colour) {
+Profile FindBestShape(const ShapeLikelihood& likelihood,
+                      const NoiseShape& start, bool estimate_drift,
+                      bool search_colour) {
   if (!estimate_drift) return likelihood.At(NoiseShape());
   Profile plain;
   if (!start.coloured() || search_colour) plain = FindBestRatio(likelihood);

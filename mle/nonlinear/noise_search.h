@@ -42,7 +42,7 @@ class ShapeLikelihood {
  public:
   // `more`: columns of each segment (rows × k), fitted besides.
   ShapeLikelihood(const OutputErrorProblem& problem, const OutputPoint& point,
-                  const std::vector<bool>& free, NoiseShape start,
+                  const std::vector<bool>& free, const NoiseShape& start,
                   bool restricted,
                   const std::vector<Eigen::MatrixXd>& more = {});
   ShapeLikelihood(const OutputErrorProblem& problem,
@@ -50,7 +50,7 @@ class ShapeLikelihood {
                   const std::vector<bool>& free, bool restricted,
                   const std::vector<Eigen::MatrixXd>& more = {});
 
-  Profile At(NoiseShape shape) const;
+  Profile At(const NoiseShape& shape) const;
   const OutputErrorProblem& problem() const { return problem_; }
 
  private:
@@ -82,15 +82,16 @@ double PoleOf(double memory);
 // Shapes move in ln ρ, ln σ and ln(−1/ln φ): whether `shape` has the parameter
 // (0 to 2), and the shape with its logarithm moved by `by`.
 inline constexpr int kShapeParameters = 3;
-bool HasParameter(NoiseShape shape, int parameter);
-NoiseShape Moved(NoiseShape shape, int parameter, double by);
+bool HasParameter(const NoiseShape& shape, int parameter);
+NoiseShape Moved(const NoiseShape& shape, int parameter, double by);
 
 // With an offset, over all ρ (0 unless `estimate_drift`) and, where it pays,
 // colours: from that of `start` if it has one, else, if `search_colour`, of a
 // grid. A colour found before stays as it is where that is as good as the best
 // to a hundredth of −2 ln L, and is given up only if `search_colour`.
-Profile FindBestShape(const ShapeLikelihood& likelihood, NoiseShape start,
-                      bool estimate_drift, bool search_colour);
+Profile FindBestShape(const ShapeLikelihood& likelihood,
+                      const NoiseShape& start, bool estimate_drift,
+                      bool search_colour);
 
 }  // namespace mle
 

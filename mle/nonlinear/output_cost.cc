@@ -15,7 +15,7 @@ using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 class OutputCost : public ceres::CostFunction {
  public:
   OutputCost(const OutputErrorProblem& problem, const OutputPoint& point,
-             NoiseShape shape, bool fixed_cells)
+             const NoiseShape& shape, bool fixed_cells)
       : problem_(problem),
         point_(point),
         shape_(shape),
@@ -59,7 +59,7 @@ class OutputCost : public ceres::CostFunction {
 
 std::unique_ptr<ceres::CostFunction> MakeOutputCost(
     const OutputErrorProblem& problem, const OutputPoint& point,
-    NoiseShape shape, bool fixed_cells) {
+    const NoiseShape& shape, bool fixed_cells) {
   return std::make_unique<OutputCost>(problem, point, shape, fixed_cells);
 }
 

@@ -18,7 +18,7 @@ namespace mle {
 // `problem` must outlive it.
 std::unique_ptr<ceres::CostFunction> MakeOutputCost(
     const OutputErrorProblem& problem, const OutputPoint& point,
-    NoiseShape shape, bool fixed_cells);
+    const NoiseShape& shape, bool fixed_cells);
 
 }  // namespace mle
 

@@ -168,7 +168,8 @@ void OutputErrorProblem::Respond(const Segment& segment,
 }
 
 std::vector<SegmentColumns> OutputErrorProblem::Linearise(
-    const OutputPoint& point, NoiseShape shape, bool with_jacobian) const {
+    const OutputPoint& point, const NoiseShape& shape,
+    bool with_jacobian) const {
   std::vector<SegmentColumns> all(segments_.size());
   for (std::size_t s = 0; s < segments_.size(); ++s) {
     const Segment& segment = segments_[s];
@@ -214,7 +215,7 @@ std::vector<SegmentColumns> OutputErrorProblem::Linearise(
 }
 
 WhitenedColumns OutputErrorProblem::Whiten(
-    const std::vector<SegmentColumns>& columns, NoiseShape shape) const {
+    const std::vector<SegmentColumns>& columns, const NoiseShape& shape) const {
   const Eigen::Index total = num_samples_;
   const Eigen::Index width =
       columns.empty() ? 0 : columns.front().jacobian.cols();
@@ -269,7 +270,7 @@ void OutputErrorProblem::SetWeights(const VectorXd& weights,
 }
 
 VectorXd OutputErrorProblem::WhiteResiduals(const OutputPoint& point,
-                                            NoiseShape shape) const {
+                                            const NoiseShape& shape) const {
   const std::vector<SegmentColumns> columns =
       Linearise(point, shape, /*with_jacobian=*/false);
   VectorXd all(num_samples_);
@@ -293,7 +294,7 @@ VectorXd OutputErrorProblem::WhiteResiduals(const OutputPoint& point,
 }
 
 VectorXd OutputErrorProblem::LineAmplitudes(const OutputPoint& point,
-                                            NoiseShape shape) const {
+                                            const NoiseShape& shape) const {
   VectorXd squares = VectorXd::Zero(static_cast<Eigen::Index>(lines_.size()));
   const std::vector<SegmentColumns> columns =
       Linearise(point, shape, /*with_jacobian=*/false);
@@ -344,7 +345,7 @@ std::vector<MatrixXd> OutputErrorProblem::LagSums(
 }
 
 MatrixXd OutputErrorProblem::Dictionary(
-    const OutputPoint& point, NoiseShape shape,
+    const OutputPoint& point, const NoiseShape& shape,
     const std::vector<std::vector<int>>& delays) const {
   Eigen::Index width = 1;
   for (const std::vector<int>& of_element : delays) width += of_element.size();

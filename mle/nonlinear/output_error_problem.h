@@ -94,10 +94,10 @@ class OutputErrorProblem {
   const std::vector<double>& lines() const { return lines_; }
   // Their amplitudes at `point`: root mean square over the segments.
   Eigen::VectorXd LineAmplitudes(const OutputPoint& point,
-                                 NoiseShape shape) const;
+                                 const NoiseShape& shape) const;
 
   // Without one of each segment where that sets its offset.
-  int num_innovations(NoiseShape shape) const {
+  int num_innovations(const NoiseShape& shape) const {
     return num_samples_ - (shape.offset ? num_segments() : 0);
   }
   // Σ (y − mean)², the mean of each segment.
@@ -107,19 +107,19 @@ class OutputErrorProblem {
 
   // At `point`; amplitudes are those of least squares under noise of `shape`.
   std::vector<SegmentColumns> Linearise(const OutputPoint& point,
-                                        NoiseShape shape,
+                                        const NoiseShape& shape,
                                         bool with_jacobian) const;
   // In place of the derivative by each dead time L, the secant over L ± steps
   // (of every element; 0: unchanged).
   void TakeSecants(const OutputPoint& point, const std::vector<double>& steps,
                    std::vector<SegmentColumns>& columns) const;
   WhitenedColumns Whiten(const std::vector<SegmentColumns>& columns,
-                         NoiseShape shape) const;
+                         const NoiseShape& shape) const;
 
   // The residuals of the whole model at `point`, sample by sample: less the
   // amplitudes' part, the offset and the smoothed random walk.
   Eigen::VectorXd WhiteResiduals(const OutputPoint& point,
-                                 NoiseShape shape) const;
+                                 const NoiseShape& shape) const;
 
   // For each segment rows × (m · ranges): sums of each input over the lags
   // first_lags[b] … first_lags[b + 1] − 1 (in samples, ≥ 0, ascending), by
@@ -132,7 +132,7 @@ class OutputErrorProblem {
   // at each of `delays`[j] (in samples); the last column is y less the
   // responses at `point` of the elements without such delays. Without what the
   // amplitudes explain.
-  Eigen::MatrixXd Dictionary(const OutputPoint& point, NoiseShape shape,
+  Eigen::MatrixXd Dictionary(const OutputPoint& point, const NoiseShape& shape,
                              const std::vector<std::vector<int>>& delays) const;
 
  private:

@@ -38,7 +38,7 @@ class Fitter {
   FitCertificate& certificate() { return certificate_; }
 
   // Steps 1 and 2: from the best of several searches.
-  OutputPoint Start(const OutputPoint& start, NoiseShape shape) {
+  OutputPoint Start(const OutputPoint& start, const NoiseShape& shape) {
     OutputPoint best = start;
     double best_cost = kInfinity;
     for (const double factor : {1.0, 0.5, 2.0}) {
@@ -59,14 +59,14 @@ class Fitter {
     return best;
   }
 
-  DelaySearchResult Search(const OutputPoint& point, NoiseShape shape) {
+  DelaySearchResult Search(const OutputPoint& point, const NoiseShape& shape) {
     ++certificate_.grid_searches;
     return SearchDelays(problem_, point, shape, free_, bounds_.max_delays,
                         kMaxGridPoints);
   }
 
   // Step 2: all dead times, then sample by sample. Returns the cost.
-  double Refine(OutputPoint& point, NoiseShape shape) {
+  double Refine(OutputPoint& point, const NoiseShape& shape) {
     Solve(point, shape, /*within_cells=*/false);
     point.SetCells(problem_.sample_time());
     double cost = Solve(point, shape, /*within_cells=*/true);
@@ -116,7 +116,7 @@ class Fitter {
 
  private:
   // Levenberg–Marquardt from and to `point`; returns the cost.
-  double Solve(OutputPoint& point, NoiseShape shape, bool within_cells) {
+  double Solve(OutputPoint& point, const NoiseShape& shape, bool within_cells) {
     std::vector<int> present;
     for (int j = 0; j < problem_.num_elements(); ++j) {
       if (problem_.elements()[j].has_value()) present.push_back(j);
@@ -195,7 +195,7 @@ class Fitter {
 
   // Takes each dead time at an end of its sample into the next one if the cost
   // falls there; false if none does.
-  bool MoveCells(OutputPoint& point, NoiseShape shape) const {
+  bool MoveCells(OutputPoint& point, const NoiseShape& shape) const {
     bool moved = false;
     for (int j = 0; j < problem_.num_elements(); ++j) {
       if (!free_[j]) continue;

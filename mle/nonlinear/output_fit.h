@@ -74,7 +74,7 @@ struct RatioLikelihood {
 RatioLikelihood RestrictedLikelihood(const OutputErrorProblem& problem,
                                      const std::vector<bool>& free,
                                      const std::vector<SegmentColumns>& columns,
-                                     NoiseShape shape);
+                                     const NoiseShape& shape);
 
 // Estimates under one ρ.
 struct RatioEstimate {

@@ -60,7 +60,7 @@ NoiseEstimate EstimateNoise(const OutputErrorProblem& problem,
 RatioLikelihood RestrictedLikelihood(const OutputErrorProblem& problem,
                                      const std::vector<bool>& free,
                                      const std::vector<SegmentColumns>& columns,
-                                     NoiseShape shape) {
+                                     const NoiseShape& shape) {
   const Profile profile =
       ShapeLikelihood(problem, columns, free, /*restricted=*/true).At(shape);
   return {.deviance = profile.value, .variance = profile.variance()};
@@ -116,7 +116,7 @@ namespace {
 // agree. At the best ρ alone weak drift, of which the best estimate is often 0,
 // would raise false alarms.
 Contrast OverRatios(const ShapeLikelihood& null,
-                    const ShapeLikelihood& alternative, NoiseShape start,
+                    const ShapeLikelihood& alternative, const NoiseShape& start,
                     bool estimate_drift, bool search_colour) {
   const OutputErrorProblem& problem = alternative.problem();
   NoiseShape shape =

@@ -124,7 +124,7 @@ class Search {
   }
 
   std::vector<SegmentColumns> Columns(const OutputPoint& point,
-                                      NoiseShape shape) const {
+                                      const NoiseShape& shape) const {
     std::vector<SegmentColumns> columns =
         problem_.Linearise(point, shape, /*with_jacobian=*/true);
     for (std::size_t s = 0; s < columns.size(); ++s) {
@@ -138,7 +138,7 @@ class Search {
   }
 
   LinearEvidence Evidence(const std::vector<SegmentColumns>& columns,
-                          NoiseShape shape) const {
+                          const NoiseShape& shape) const {
     const WhitenedColumns whitened = problem_.Whiten(columns, shape);
     return LinearEvidence(
         whitened.jacobian, whitened.residuals,

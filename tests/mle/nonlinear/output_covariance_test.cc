@@ -24,7 +24,7 @@ FittedOutput FitRecords(unsigned seed,
 }
 
 VectorXd Residuals(const OutputErrorProblem& problem, OutputPoint point,
-                   NoiseShape shape) {
+                   const NoiseShape& shape) {
   point.SetCells(problem.sample_time());
   return problem.Whiten(problem.Linearise(point, shape, false), shape)
       .residuals;

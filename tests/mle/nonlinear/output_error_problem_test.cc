@@ -92,7 +92,7 @@ TEST(OutputErrorProblemTest, GradientIsThatOfDifferences) {
   point.values[0].time_scale *= 0.9;
   point.values[1].delay += 0.13;
   point.SetCells(problem.sample_time());
-  const auto cost = [&](const OutputPoint& at, NoiseShape shape) {
+  const auto cost = [&](const OutputPoint& at, const NoiseShape& shape) {
     return 0.5 * problem.Whiten(problem.Linearise(at, shape, false), shape)
                      .residuals.squaredNorm();
   };
