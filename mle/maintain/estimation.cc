@@ -111,7 +111,7 @@ absl::Status CompleteShapes(const std::vector<Record>& windows,
   MLE_ASSIGN_OR_RETURN(
       fit.adequacy,
       TestAdequacy(fit.structured.corrected.model, windows, fit.structured.aged,
-                   AdequacyOptionsFor(options)));
+                   AdequacyOptionsFor(options), fit.structured.full.noise));
   MLE_ASSIGN_OR_RETURN(fit.posterior,
                        CompleteByPosterior(estimate.setting.initial, windows,
                                            fit.structured.corrected, options));

@@ -80,7 +80,7 @@ std::vector<bool> WrongOutputs(const ModelAdequacy& adequacy,
 absl::StatusOr<ModelAdequacy> TestAdequacy(
     const ProcessModel& model, const std::vector<Record>& records,
     const Eigen::Matrix<bool, Eigen::Dynamic, Eigen::Dynamic>& fitted,
-    const AdequacyOptions& options) {
+    const AdequacyOptions& options, const std::vector<NoiseEstimate>& noise) {
   MLE_RETURN_IF_ERROR(options.Validate());
   MLE_ASSIGN_OR_RETURN(const std::vector<OutputSetup> setups,
                        SetUpOutputs(model, records, options.structure));
@@ -97,6 +97,9 @@ absl::StatusOr<ModelAdequacy> TestAdequacy(
   ParallelFor(p, options.threads, [&](int i) {
     const OutputSetup& setup = setups[i];
     if (setup.problem->num_segments() == 0) return;
+    if (!noise.empty()) {
+      setup.problem->SetLines(PeriodsOf(noise[i], records[0].sample_time));
+    }
     std::vector<bool> free(m, false);
     for (int j = 0; j < m && fitted.size() > 0; ++j) {
       free[j] = fitted(i, j) && setup.informed[j];

@@ -68,11 +68,13 @@ struct ModelAdequacy {
 std::vector<bool> WrongOutputs(const ModelAdequacy& adequacy,
                                double false_alarm_probability);
 
-// `fitted` is p × m, or empty for none. Errors are those of CorrectStructure().
+// `fitted` is p × m, or empty for none; the periodic lines of `noise` (p, or
+// empty) are projected out. Errors are those of CorrectStructure().
 absl::StatusOr<ModelAdequacy> TestAdequacy(
     const ProcessModel& model, const std::vector<Record>& records,
     const Eigen::Matrix<bool, Eigen::Dynamic, Eigen::Dynamic>& fitted,
-    const AdequacyOptions& options);
+    const AdequacyOptions& options,
+    const std::vector<NoiseEstimate>& noise = {});
 
 }  // namespace mle
 

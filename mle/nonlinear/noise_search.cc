@@ -146,12 +146,13 @@ bool HasParameter(const NoiseShape& shape, int parameter) {
 
 NoiseShape Moved(const NoiseShape& shape, int parameter, double by) {
   const double factor = std::exp(by);
-  if (parameter == 0) shape.ratio *= factor;
-  if (parameter == 1) shape.colour_ratio *= factor;
+  NoiseShape moved = shape;
+  if (parameter == 0) moved.ratio *= factor;
+  if (parameter == 1) moved.colour_ratio *= factor;
   if (parameter == 2) {
-    shape.colour_pole = PoleOf(MemoryOf(shape.colour_pole) * factor);
+    moved.colour_pole = PoleOf(MemoryOf(shape.colour_pole) * factor);
   }
-  return shape;
+  return moved;
 }
 
 double LongestColour(const OutputErrorProblem& problem) {

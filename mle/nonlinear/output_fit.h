@@ -98,6 +98,9 @@ OutputFit FitWithoutOffsets(const OutputErrorProblem& problem,
                             const OutputFit& fit, const OutputFitBounds& bounds,
                             const StructuredOptions& options);
 
+// Of its lines, in samples.
+std::vector<double> PeriodsOf(const NoiseEstimate& noise, double sample_time);
+
 inline NoiseShape ShapeOf(const NoiseEstimate& noise) {
   return {.ratio = noise.ratio,
           .offset = noise.offset,

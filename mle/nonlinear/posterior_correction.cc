@@ -188,6 +188,8 @@ absl::StatusOr<PosteriorCorrection> CompleteByPosterior(
           least)) {
       return;
     }
+    setups[i].problem->SetLines(
+        PeriodsOf(structured.noise[i], posterior.sample_time));
     const OutputFit start = StartOf(setups[i], structured, i);
     const std::vector<ElementPrior> priors =
         PriorsOf(setups[i], start.point, deviations, posterior.sample_time);
