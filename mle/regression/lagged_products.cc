@@ -18,6 +18,7 @@ void AddLaggedProducts(
 }
 
 Eigen::MatrixXd GramMatrix(const Eigen::Ref<const Eigen::MatrixXd>& X) {
+  if (X.cols() == 0) return Eigen::MatrixXd();
   // The kernels read samples one after the other.
   const Eigen::MatrixXd samples = X.transpose();
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(X.cols(), X.cols());
