@@ -172,20 +172,33 @@ absl::Status MakeModels(int samples, CorrectionResult& result) {
   return absl::OkStatus();
 }
 
+// What the model in the controller misses, which the decision about shapes
+// needs.
+absl::Status ExamineInitial(const std::vector<Record>& windows, int order,
+                            CorrectionResult& result) {
+  bool needed = result.options.examine;
+  for (int i = 0; i < result.initial.num_outputs(); ++i) {
+    needed = needed || ProposesShape(result.estimate, i);
+  }
+  if (!needed) return absl::OkStatus();
+  const Stage stage(result.options.progress, "examining the residuals");
+  MLE_RETURN_IF_ERROR(stage.status());
+  result.max_lag = order;
+  result.initial_residuals =
+      ExamineResiduals(result.options.in_use ? result.options.in_use
+                                             : result.estimate.fit.initial,
+                       windows, order);
+  return absl::OkStatus();
+}
+
 absl::Status Examine(const std::vector<Record>& windows, int order,
                      CorrectionResult& result) {
   CheckCertificates(result);
   if (!result.options.examine) return absl::OkStatus();
-  const Stage stage(result.options.progress, "examining the residuals");
-  MLE_RETURN_IF_ERROR(stage.status());
-  const EstimateFit& fit = result.estimate.fit;
-  result.max_lag = order;
-  result.initial_residuals = ExamineResiduals(
-      result.options.in_use ? result.options.in_use : fit.initial, windows,
-      order);
   result.corrected_residuals =
-      result.accepted() ? ExamineResiduals(fit.corrected, windows, order)
-                        : result.initial_residuals;
+      result.accepted()
+          ? ExamineResiduals(result.estimate.fit.corrected, windows, order)
+          : result.initial_residuals;
   return absl::OkStatus();
 }
 
@@ -304,6 +317,7 @@ absl::StatusOr<CorrectionResult> CorrectFromData(
   const std::vector<bool> unexplained = UnexplainedOutputs(result.estimate);
   MLE_RETURN_IF_ERROR(DropSmallChanges(samples, result));
   const int order = estimation.conversion.OrderFor(model, sample_time);
+  MLE_RETURN_IF_ERROR(ExamineInitial(windows, order, result));
   MLE_RETURN_IF_ERROR(DecideByEvidence(windows, order, unexplained, result));
   MLE_RETURN_IF_ERROR(TakeAccepted(windows, result));
   const Stage making(options.progress, "making the corrected model");

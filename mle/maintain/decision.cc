@@ -134,7 +134,7 @@ OutputVerdict DecideOutput(const OutputEvidence& output,
     return verdict;
   }
   const double deviations = options.deviations;
-  const bool holds = Holds(*output.scores, deviations);
+  const bool holds = !output.shape_unseen && Holds(*output.scores, deviations);
   if (const std::vector<std::string> worse = WorseWindows(output, deviations);
       holds && !worse.empty()) {
     verdict.reason = Doubt(
@@ -165,6 +165,17 @@ OutputVerdict DecideOutput(const OutputEvidence& output,
                      " gains, time constants and dead times are corrected; a "
                      "free shape of the responses does not hold on data held "
                      "out."));
+    return verdict;
+  }
+  if (output.shape_unseen) {
+    verdict.reason = Doubt(
+        output, MessageCode::kStructureDoubtful,
+        absl::StrCat("The records speak for other shapes of the responses of ",
+                     output.name,
+                     ", but what the model in the controller misses does not "
+                     "depend on past inputs: a disturbance, such as a load at "
+                     "an input, is as likely. Records with other set-point "
+                     "changes would settle it."));
     return verdict;
   }
   const Horizon* const fall = FirstFall(*output.scores, deviations);

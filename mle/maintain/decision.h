@@ -84,6 +84,9 @@ struct OutputEvidence {
   // (model_adequacy.h): a pair whose gain would change its sign, or whose input
   // moves together with others; or empty.
   std::string doubtful_pair;
+  // A shape is proposed, but what the model in the controller misses one step
+  // ahead does not depend on past inputs (residual_diagnostics.h).
+  bool shape_unseen = false;
 };
 
 struct Evidence {

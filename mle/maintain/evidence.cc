@@ -82,12 +82,24 @@ std::string DoubtfulPair(const CorrectionResult& result, int i) {
   return "";
 }
 
+// By Bonferroni's share of the level for each input.
+bool DependsOnInputs(const ResidualReport& residuals) {
+  return std::any_of(residuals.inputs.begin(), residuals.inputs.end(),
+                     [&](const InputCorrelation& input) {
+                       return input.p_value *
+                                  static_cast<double>(residuals.inputs.size()) <
+                              kDiagnosticLevel;
+                     });
+}
+
 OutputEvidence EvidenceOf(const CorrectionResult& result, int i) {
   const Validation& validation = result.validation;
   OutputEvidence evidence;
   evidence.name = result.initial.outputs()[i].name;
   evidence.proposed = ProposesChange(result.estimate, i);
   if (evidence.proposed) evidence.doubtful_pair = DoubtfulPair(result, i);
+  evidence.shape_unseen = ProposesShape(result.estimate, i) &&
+                          !DependsOnInputs(result.initial_residuals[i]);
   if (!validation.held_out) return evidence;
   evidence.scores = validation.outputs[i];
   if (ProposesShape(result.estimate, i)) {

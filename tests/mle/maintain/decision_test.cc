@@ -121,6 +121,17 @@ TEST(DecisionTest, AStructureThatIsNotEnoughIsNotTrustedWithEveryPair) {
   EXPECT_EQ(verdict.reasons.back().code, MessageCode::kStructureDoubtful);
 }
 
+TEST(DecisionTest, AShapeThatResidualsDoNotShowIsDoubt) {
+  OutputEvidence output = Output(kGood, kFalls);
+  output.shape_unseen = true;
+  const Verdict verdict = Decide(Of({output}), {});
+  EXPECT_EQ(verdict.decision, Decision::kCannotTell);
+  EXPECT_EQ(verdict.reasons.back().code, MessageCode::kStructureDoubtful);
+  // What is parametric is decided by its own scores.
+  output.parametric = kGood;
+  EXPECT_EQ(Decide(Of({output}), {}).outputs[0], Acceptance::kParametric);
+}
+
 TEST(DecisionTest, ResidualsThatInputsExplainAreNotNoChange) {
   OutputEvidence quiet;
   quiet.name = "T";
