@@ -97,103 +97,119 @@ struct OutputVerdict {
   std::optional<Message> reason;
 };
 
+Message NotValidated(const OutputEvidence& output,
+                     const std::string& nothing_held_out) {
+  return Doubt(
+      output, MessageCode::kNothingHeldOut,
+      absl::StrCat("The correction of ", output.name,
+                   " could not be validated on data that it had not seen: ",
+                   nothing_held_out, "."));
+}
+
+Message Untrusted(const OutputEvidence& output) {
+  return Doubt(
+      output, MessageCode::kStructureDoubtful,
+      absl::StrCat("Gains, time constants and dead times do not explain the "
+                   "records of ",
+                   output.name,
+                   ": another shape of a response, or a disturbance, would be "
+                   "put into ",
+                   output.doubtful_pair,
+                   ", whose input moves together with others or whose gain "
+                   "would change its sign. Set-point changes that move the "
+                   "inputs independently would settle it."));
+}
+
+Message WorseIn(const OutputEvidence& output,
+                const std::vector<std::string>& windows) {
+  return Doubt(
+      output, MessageCode::kWindowsDisagree,
+      absl::StrCat("The correction of ", output.name, " predicts ",
+                   absl::StrJoin(windows, ", "),
+                   " worse, the other windows better: the plant changed "
+                   "during the records, is not linear over their operating "
+                   "points, or was disturbed. Records of one operating point "
+                   "after the change would settle it."));
+}
+
+Message Better(const OutputEvidence& output, double deviations) {
+  const Horizon& gain = *FirstGain(*output.scores, deviations);
+  return Doubt(
+      output, MessageCode::kPredictsBetter,
+      absl::StrCat("On held-out data the correction of ", output.name,
+                   " predicts better ",
+                   Describe((*output.scores).*gain.score, gain.name), "."));
+}
+
+Message BetterByParameters(const OutputEvidence& output) {
+  return Doubt(
+      output, MessageCode::kPredictsBetter,
+      absl::StrCat("For ", output.name,
+                   " gains, time constants and dead times are corrected; a "
+                   "free shape of the responses does not hold on data held "
+                   "out."));
+}
+
+Message NotShown(const OutputEvidence& output) {
+  return Doubt(
+      output, MessageCode::kStructureDoubtful,
+      absl::StrCat("The records speak for other shapes of the responses of ",
+                   output.name,
+                   ", but what the model in the controller misses does not "
+                   "depend on past inputs: a disturbance, such as a load at "
+                   "an input, is as likely. Records with other set-point "
+                   "changes would settle it."));
+}
+
+Message NotBetter(const OutputEvidence& output, double deviations) {
+  const Horizon* const fall = FirstFall(*output.scores, deviations);
+  if (fall == nullptr) {
+    return Doubt(
+        output, MessageCode::kNotBetter,
+        absl::StrCat("On held-out data the correction of ", output.name,
+                     " predicts no better than chance: more "
+                     "set-point changes would settle it."));
+  }
+  return Doubt(
+      output, MessageCode::kPredictsWorse,
+      absl::StrCat("On held-out data the correction of ", output.name,
+                   " predicts worse ",
+                   Describe((*output.scores).*fall->score, fall->name),
+                   ": a disturbance looks like a change of the model, or "
+                   "its structure does not fit the plant."));
+}
+
 OutputVerdict DecideOutput(const OutputEvidence& output,
                            const std::string& nothing_held_out,
                            const DecisionOptions& options) {
-  OutputVerdict verdict;
+  const auto doubt = [](Message reason) {
+    return OutputVerdict{Acceptance::kNothing, std::move(reason)};
+  };
   if (!output.disagreement.empty()) {
-    verdict.reason =
-        Doubt(output, MessageCode::kWindowsDisagree, output.disagreement);
-    return verdict;
+    return doubt(
+        Doubt(output, MessageCode::kWindowsDisagree, output.disagreement));
   }
   if (!output.proposed) {
-    if (output.unexplained) verdict.reason = Unexplained(output);
-    return verdict;
+    return output.unexplained ? doubt(Unexplained(output)) : OutputVerdict();
   }
   if (!output.scores.has_value()) {
-    if (!options.require_hold_out) verdict.acceptance = Acceptance::kProposal;
-    verdict.reason = Doubt(
-        output, MessageCode::kNothingHeldOut,
-        absl::StrCat("The correction of ", output.name,
-                     " could not be validated on data that it had not seen: ",
-                     nothing_held_out, "."));
-    return verdict;
+    return {
+        options.require_hold_out ? Acceptance::kNothing : Acceptance::kProposal,
+        NotValidated(output, nothing_held_out)};
   }
-  if (!output.doubtful_pair.empty()) {
-    verdict.reason = Doubt(
-        output, MessageCode::kStructureDoubtful,
-        absl::StrCat("Gains, time constants and dead times do not explain the "
-                     "records of ",
-                     output.name,
-                     ": another shape of a response, or a disturbance, would "
-                     "be put into ",
-                     output.doubtful_pair,
-                     ", whose input moves together with others or whose gain "
-                     "would change its sign. Set-point changes that move the "
-                     "inputs independently would settle it."));
-    return verdict;
-  }
+  if (!output.doubtful_pair.empty()) return doubt(Untrusted(output));
   const double deviations = options.deviations;
   const bool holds = !output.shape_unseen && Holds(*output.scores, deviations);
   if (const std::vector<std::string> worse = WorseWindows(output, deviations);
       holds && !worse.empty()) {
-    verdict.reason = Doubt(
-        output, MessageCode::kWindowsDisagree,
-        absl::StrCat("The correction of ", output.name, " predicts ",
-                     absl::StrJoin(worse, ", "),
-                     " worse, the other windows better: the plant changed "
-                     "during the records, is not linear over their operating "
-                     "points, or was disturbed. Records of one operating point "
-                     "after the change would settle it."));
-    return verdict;
+    return doubt(WorseIn(output, worse));
   }
-  if (holds) {
-    const Horizon& gain = *FirstGain(*output.scores, deviations);
-    verdict.acceptance = Acceptance::kProposal;
-    verdict.reason = Doubt(
-        output, MessageCode::kPredictsBetter,
-        absl::StrCat("On held-out data the correction of ", output.name,
-                     " predicts better ",
-                     Describe((*output.scores).*gain.score, gain.name), "."));
-    return verdict;
-  }
+  if (holds) return {Acceptance::kProposal, Better(output, deviations)};
   if (output.parametric.has_value() && Holds(*output.parametric, deviations)) {
-    verdict.acceptance = Acceptance::kParametric;
-    verdict.reason = Doubt(
-        output, MessageCode::kPredictsBetter,
-        absl::StrCat("For ", output.name,
-                     " gains, time constants and dead times are corrected; a "
-                     "free shape of the responses does not hold on data held "
-                     "out."));
-    return verdict;
+    return {Acceptance::kParametric, BetterByParameters(output)};
   }
-  if (output.shape_unseen) {
-    verdict.reason = Doubt(
-        output, MessageCode::kStructureDoubtful,
-        absl::StrCat("The records speak for other shapes of the responses of ",
-                     output.name,
-                     ", but what the model in the controller misses does not "
-                     "depend on past inputs: a disturbance, such as a load at "
-                     "an input, is as likely. Records with other set-point "
-                     "changes would settle it."));
-    return verdict;
-  }
-  const Horizon* const fall = FirstFall(*output.scores, deviations);
-  verdict.reason =
-      fall != nullptr
-          ? Doubt(output, MessageCode::kPredictsWorse,
-                  absl::StrCat(
-                      "On held-out data the correction of ", output.name,
-                      " predicts worse ",
-                      Describe((*output.scores).*fall->score, fall->name),
-                      ": a disturbance looks like a change of the model, or "
-                      "its structure does not fit the plant."))
-          : Doubt(
-                output, MessageCode::kNotBetter,
-                absl::StrCat("On held-out data the correction of ", output.name,
-                             " predicts no better than chance: more "
-                             "set-point changes would settle it."));
-  return verdict;
+  return doubt(output.shape_unseen ? NotShown(output)
+                                   : NotBetter(output, deviations));
 }
 
 absl::Status CheckField(const char* field, double value, double low,

@@ -123,7 +123,7 @@ namespace {
 // with weak drift every fourth test would raise a false alarm of one in a
 // hundred. The null's ratio holds the error of its model, too, and excuses some
 // of it; a test that is integrated over the ratios of the alternative does not,
-// but takes loads at the inputs for a change (docs/structured.md).
+// but takes a resonant disturbance for a change (docs/structured.md).
 Contrast AtOneRatio(const ShapeLikelihood& null,
                     const ShapeLikelihood& alternative, const NoiseShape& start,
                     bool estimate_drift, bool search_colour) {
