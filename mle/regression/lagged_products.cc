@@ -26,7 +26,8 @@ Eigen::MatrixXd GramMatrix(const Eigen::Ref<const Eigen::MatrixXd>& X) {
       LaggedSeries::View(samples.data(), samples.rows(), samples.cols(),
                          Eigen::OuterStride<>(samples.rows())),
       samples, gram);
-  return gram;
+  // The kernels may sum the two halves in different orders.
+  return gram.selfadjointView<Eigen::Lower>();
 }
 
 }  // namespace mle
