@@ -103,7 +103,9 @@ absl::Status AddArx(const std::vector<Record>& windows, SharedFits& shared,
   return SolveArx(options, fit);
 }
 
-// What the structure of the model lacks, and whether its test says so too.
+// What the structure of the model lacks, in the outputs that its test rejects:
+// a plant that ages within the records looks like another shape, too, though
+// its structure suffices.
 absl::Status CompleteShapes(const std::vector<Record>& windows,
                             Estimate& estimate) {
   EstimateFit& fit = estimate.fit;
@@ -112,9 +114,11 @@ absl::Status CompleteShapes(const std::vector<Record>& windows,
       fit.adequacy,
       TestAdequacy(fit.structured.corrected.model, windows, fit.structured.aged,
                    AdequacyOptionsFor(options), fit.structured.full.noise));
-  MLE_ASSIGN_OR_RETURN(fit.posterior,
-                       CompleteByPosterior(estimate.setting.initial, windows,
-                                           fit.structured.corrected, options));
+  MLE_ASSIGN_OR_RETURN(
+      fit.posterior,
+      CompleteByPosterior(
+          estimate.setting.initial, windows, fit.structured.corrected, options,
+          WrongOutputs(*fit.adequacy, options.false_alarm_probability)));
   if (!fit.posterior->any()) return absl::OkStatus();
   fit.change_proposed = true;
   fit.without_shapes = fit.structured;

@@ -14,9 +14,6 @@
 namespace mle {
 namespace {
 
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
-
 // Share of the squares of an output that its noise must have.
 constexpr double kLeastNoise = 1e-14;
 // h lasts for dead time + this many time scales.
@@ -87,23 +84,6 @@ std::vector<ElementPrior> PriorsOf(const OutputSetup& setup,
   return priors;
 }
 
-std::vector<int> LagsOf(const std::vector<OutputSetup>& setups,
-                        const std::vector<Record>& records) {
-  double longest = 0.0;
-  for (const OutputSetup& setup : setups) {
-    for (const ElementValues& element : setup.start.values) {
-      longest = std::max(
-          longest, element.delay + kMemoryTimeScales * element.time_scale);
-    }
-  }
-  double lags = longest / records[0].sample_time;
-  for (const Record& record : records) {
-    lags = std::min(lags, kMaxLagShare * record.samples());
-  }
-  const bool few = records[0].num_inputs() <= kFewInputs;
-  return LagRanges(static_cast<int>(lags), few ? kFineRanges : kCoarseRanges);
-}
-
 OutputFit StartOf(const OutputSetup& setup, const StructuredFit& fit, int i) {
   const int m = fit.model.num_inputs();
   OutputFit start;
@@ -169,7 +149,8 @@ bool PosteriorCorrection::any() const {
 
 absl::StatusOr<PosteriorCorrection> CompleteByPosterior(
     const ProcessModel& initial, const std::vector<Record>& windows,
-    const StructuredFit& structured, const StructuredOptions& options) {
+    const StructuredFit& structured, const StructuredOptions& options,
+    const std::vector<bool>& outputs) {
   MLE_ASSIGN_OR_RETURN(const std::vector<OutputSetup> setups,
                        SetUpOutputs(initial, windows, options));
   const int p = initial.num_outputs();
@@ -178,10 +159,13 @@ absl::StatusOr<PosteriorCorrection> CompleteByPosterior(
   posterior.model = structured.model;
   posterior.sample_time = windows[0].sample_time;
   posterior.outputs.resize(p);
-  const std::vector<int> first_lags = LagsOf(setups, windows);
+  const std::vector<int> first_lags =
+      LagRanges(LongestLag(setups, windows, kMemoryTimeScales, kMaxLagShare),
+                m <= kFewInputs ? kFineRanges : kCoarseRanges);
   std::vector<double> deviations;
   for (int j = 0; j < m; ++j) deviations.push_back(Deviation(windows, j));
   ParallelFor(p, options.threads, [&](int i) {
+    if (!outputs.empty() && !outputs[i]) return;
     // Exact data leave rounding, whose likelihood says nothing.
     const double least = kLeastNoise * setups[i].problem->total_squares();
     if (!(setups[i].problem->num_samples() * structured.noise[i].variance >

@@ -95,11 +95,13 @@ struct PosteriorCorrection {
                              int samples) const;
 };
 
-// `structured` is that of the same model and windows. Errors are those of
-// CorrectStructure().
+// `structured` is that of the same model and windows; `outputs`, p or empty for
+// all, are those whose structure may lack something (WrongOutputs() of
+// model_adequacy.h). Errors are those of CorrectStructure().
 absl::StatusOr<PosteriorCorrection> CompleteByPosterior(
     const ProcessModel& initial, const std::vector<Record>& windows,
-    const StructuredFit& structured, const StructuredOptions& options);
+    const StructuredFit& structured, const StructuredOptions& options,
+    const std::vector<bool>& outputs = {});
 
 }  // namespace mle
 

@@ -1,7 +1,6 @@
 #include "apps/lifecycle/life.h"
 
 #include <cmath>
-#include <utility>
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
@@ -62,18 +61,12 @@ TEST(LifeTest, CorrectionsFollowAPlantThatAges) {
   const Scenario scenario = TankScenario(12, Fouling(0.4, 24000.0));
   const LifeOptions options = TankLife(NoisyTank());
   const Life never = LiveBy("never", scenario, options);
-  // What a policy's error may be of that without corrections at the end, where
-  // a gain of 0.4 has been reached. The last of few step tests may tell
-  // nothing.
-  const std::pair<const char*, double> policies[] = {{"structured:1", 0.4},
-                                                     {"combined:1", 0.4},
-                                                     {"arx:1", 0.4},
-                                                     {"test:0.2", 0.7},
-                                                     {"on_demand:0.8", 0.4}};
-  for (const auto& [policy, share] : policies) {
+  for (const char* policy :
+       {"structured:1", "combined:1", "arx:1", "test:0.2", "on_demand:0.8"}) {
     const Life life = LiveBy(policy, scenario, options);
     EXPECT_GT(Count(life, Outcome::kUpdated), 0) << policy;
-    EXPECT_LT(life.rows.back().error.gain, share * never.rows.back().error.gain)
+    // At the end, where a gain of 0.4 has been reached.
+    EXPECT_LT(life.rows.back().error.gain, 0.3 * never.rows.back().error.gain)
         << policy;
   }
 }
