@@ -11,8 +11,8 @@ namespace mle {
 namespace {
 
 // "A change of a gain by 2.1 % (top ← reflux) to 9 % (…) would have been
-// seen.", of the pairs that the records tell something about; empty if there
-// are none.
+// seen.", of the pairs that the records tell something about; empty where they
+// tell nothing about any.
 std::string Detectable(const CorrectionResult& result) {
   // Standard errors of a change that a test at 1 % finds nine times of ten.
   constexpr double kSeen = 3.9;

@@ -143,15 +143,6 @@ class LineLikelihood {
   std::vector<SegmentColumns> columns_;
 };
 
-std::vector<int> LagRanges(const OutputErrorProblem& problem) {
-  std::vector<int> first_lags = {1, 2};
-  const int longest = std::min(kLongestLag, problem.shortest_segment() / 4);
-  while (first_lags.back() < longest) {
-    first_lags.push_back(2 * first_lags.back());
-  }
-  return first_lags;
-}
-
 }  // namespace
 
 std::optional<double> FindPeriod(const OutputErrorProblem& problem,
@@ -179,9 +170,11 @@ std::optional<double> FindPeriod(const OutputErrorProblem& problem,
   const auto best = [&](const ShapeLikelihood& of) {
     return FindBestShape(of, shape, estimate_drift, /*search_colour=*/true);
   };
+  const int longest =
+      std::max(std::min(kLongestLag, problem.shortest_segment() / 4) - 1, 1);
   const Profile without = best(likelihood.Shared({}));
   const Profile by_inputs =
-      best(likelihood.Shared(problem.LagSums(LagRanges(problem))));
+      best(likelihood.Shared(problem.LagSums(LagRanges(longest, 1))));
   const double gain = without.value - with.value - Price(problem);
   const double of_inputs = without.value - by_inputs.value -
                            (by_inputs.rank - without.rank) *

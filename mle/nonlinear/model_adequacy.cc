@@ -19,27 +19,6 @@ constexpr double kSettlingTimeScales = 4.0;
 // No lag is longer than this share of the shortest record.
 constexpr double kMaxLagShare = 0.25;
 
-// 1, 2, 4, … and the end of the last range.
-std::vector<int> FirstLags(const std::vector<OutputSetup>& setups,
-                           const std::vector<Record>& records) {
-  double settling = 0.0;
-  for (const OutputSetup& setup : setups) {
-    for (const ElementValues& element : setup.start.values) {
-      settling = std::max(
-          settling, element.delay + kSettlingTimeScales * element.time_scale);
-    }
-  }
-  double lags = settling / records[0].sample_time;
-  for (const Record& record : records) {
-    lags = std::min(lags, kMaxLagShare * record.samples());
-  }
-  std::vector<int> first_lags = {1, 2};
-  while (first_lags.back() < lags) {
-    first_lags.push_back(2 * first_lags.back());
-  }
-  return first_lags;
-}
-
 }  // namespace
 
 AdequacyOptions AdequacyOptionsFor(const StructuredOptions& structure) {
@@ -92,7 +71,8 @@ absl::StatusOr<ModelAdequacy> TestAdequacy(
         "has %d × %d",
         fitted.rows(), fitted.cols(), p, m));
   }
-  const std::vector<int> first_lags = FirstLags(setups, records);
+  const std::vector<int> first_lags = LagRanges(
+      LongestLag(setups, records, kSettlingTimeScales, kMaxLagShare), 1);
   std::vector<Contrast> evidence(p);
   ParallelFor(p, options.threads, [&](int i) {
     const OutputSetup& setup = setups[i];

@@ -37,7 +37,7 @@ constexpr double kColourStep = 2.5;  // of ln σ
 constexpr double kLeastColour = 0.02;
 // From where it was before.
 constexpr double kLocalStep = 0.25;
-// Differences of −2 ln L below are none.
+// A smaller difference of −2 ln L does not count.
 constexpr double kNoGain = 0.01;
 
 // ln ρ, ln σ and ln(−1/ln φ).
@@ -92,10 +92,11 @@ Profile ShapeLikelihood::At(const NoiseShape& shape) const {
     const VectorXd inverse_norms =
         whitened.jacobian.colwise().norm().cwiseMax(1e-300).cwiseInverse();
     const MatrixXd jacobian = whitened.jacobian * inverse_norms.asDiagonal();
+    const MatrixXd normal = jacobian.transpose() * jacobian;
     const VectorXd gradient = jacobian.transpose() * whitened.residuals;
     Eigen::ColPivHouseholderQR<MatrixXd> qr;
     qr.setThreshold(1e-12);
-    qr.compute(jacobian.transpose() * jacobian);
+    qr.compute(normal);
     rank = qr.rank();
     profile.rank = static_cast<int>(rank);
     for (Eigen::Index i = 0; i < rank; ++i) {
@@ -105,7 +106,7 @@ Profile ShapeLikelihood::At(const NoiseShape& shape) const {
     // By rank: a solve by pivots would take rounding for a direction.
     Eigen::CompleteOrthogonalDecomposition<MatrixXd> decomposition;
     decomposition.setThreshold(1e-12);
-    decomposition.compute(jacobian.transpose() * jacobian);
+    decomposition.compute(normal);
     profile.squares -=
         std::min(profile.squares, gradient.dot(decomposition.solve(gradient)));
   }
@@ -256,6 +257,17 @@ class ColourSearch {
                                .colour_pole = PoleOf(std::exp(x[2]))})};
   }
 
+  std::vector<Vertex> SimplexAt(const LogShape& x, double step) const {
+    std::vector<Vertex> simplex = {AtLog(x)};
+    for (int i = 0; i < 3; ++i) {
+      LogShape moved = x;
+      // Away from the longest memory, and towards less of a walk.
+      moved[i] += i == 1 ? step : -step;
+      simplex.push_back(AtLog(moved));
+    }
+    return simplex;
+  }
+
   const ShapeLikelihood& likelihood_;
   double longest_;
 };
@@ -266,15 +278,9 @@ Profile ColourSearch::From(const Profile& start, double step) const {
   // A walk too small to matter still has a slope.
   const double log_ratio =
       std::log(std::max(start.shape.ratio, 1e-3 * start.shape.colour_ratio));
-  const LogShape x = {log_ratio, log_colour,
-                      std::log(MemoryOf(start.shape.colour_pole))};
-  std::vector<Vertex> simplex = {AtLog(x)};
-  for (int i = 0; i < 3; ++i) {
-    LogShape moved = x;
-    // Away from the longest memory, and towards less of a walk.
-    moved[i] += i == 1 ? step : -step;
-    simplex.push_back(AtLog(moved));
-  }
+  std::vector<Vertex> simplex = SimplexAt(
+      {log_ratio, log_colour, std::log(MemoryOf(start.shape.colour_pole))},
+      step);
   const auto better = [](const Vertex& a, const Vertex& b) {
     return a.profile.value < b.profile.value;
   };

@@ -66,6 +66,17 @@ void OutputPoint::SetCells(double sample_time) {
   }
 }
 
+std::vector<int> LagRanges(int longest, int per_octave) {
+  std::vector<int> first_lags = {1};
+  const double factor = std::exp2(1.0 / per_octave);
+  while (first_lags.back() <= longest) {
+    const int last = first_lags.back();
+    first_lags.push_back(
+        std::max(last + 1, static_cast<int>(std::lround(last * factor))));
+  }
+  return first_lags;
+}
+
 OutputErrorProblem::OutputErrorProblem(Elements elements,
                                        const std::vector<Record>& records,
                                        int output, int skip, int min_rows)

@@ -62,6 +62,10 @@ struct WhitenedColumns {
   int num_amplitudes = 0;        // its rank
 };
 
+// First lags of ranges for LagSums(), and the end of the last: each sample at
+// first, then `per_octave` ranges an octave, until `longest` is in one.
+std::vector<int> LagRanges(int longest, int per_octave);
+
 class OutputErrorProblem {
  public:
   using Elements = std::vector<std::optional<ElementResponse>>;  // m

@@ -12,7 +12,6 @@ namespace mle {
 namespace {
 
 using Eigen::MatrixXd;
-using Eigen::VectorXd;
 
 constexpr double kCurvatureStep = 0.3;
 constexpr double kMaxLogDeviation = 3.0;

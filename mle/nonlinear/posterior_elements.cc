@@ -112,6 +112,15 @@ ParameterEstimate Between(double initial, double value, double variance,
           .upper = value + quantile * error};
 }
 
+// Of an element that the posterior has.
+MatrixXd BasisOf(const PosteriorCorrection& posterior,
+                 const ProcessModel& initial, int i, int j, int samples) {
+  const OutputShapes& shapes = posterior.outputs[i];
+  return StepBasis(initial.element(i, j), shapes.elements[j].values,
+                   shapes.first_lags, shapes.starts[j], posterior.sample_time,
+                   samples);
+}
+
 // Static gain, time scale and dead time of the posterior mean, and their
 // covariance.
 struct NearestElement {
@@ -133,9 +142,7 @@ NearestElement Nearest(const PosteriorCorrection& posterior,
   const NearestStep nearest = FindNearest(
       shape, present ? element.values : ElementValues{gain, element.time_unit},
       mean, posterior.sample_time);
-  const MatrixXd all =
-      StepBasis(initial.element(i, j), element.values, shapes.first_lags,
-                shapes.starts[j], posterior.sample_time, samples);
+  const MatrixXd all = BasisOf(posterior, initial, i, j, samples);
   // What an error of the response does to the nearest K, ln T and L.
   MatrixXd errors = nearest.basis.colPivHouseholderQr().solve(all);
   errors.row(0) = all.row(samples - 1);
@@ -187,22 +194,16 @@ void PosteriorCorrection::Describe(const ProcessModel& initial,
 
 VectorXd PosteriorCorrection::MeanStep(const ProcessModel& initial, int output,
                                        int input, int samples) const {
-  const OutputShapes& shapes = outputs[output];
-  const ElementPosterior& element = shapes.elements[input];
-  const MatrixXd basis =
-      StepBasis(initial.element(output, input), element.values,
-                shapes.first_lags, shapes.starts[input], sample_time, samples);
+  const ElementPosterior& element = outputs[output].elements[input];
+  const MatrixXd basis = BasisOf(*this, initial, output, input, samples);
   return basis.col(0) * element.values.gain + basis * element.means;
 }
 
 VectorXd PosteriorCorrection::StepErrors(const ProcessModel& initial,
                                          int output, int input,
                                          int samples) const {
-  const OutputShapes& shapes = outputs[output];
-  const ElementPosterior& element = shapes.elements[input];
-  const MatrixXd basis =
-      StepBasis(initial.element(output, input), element.values,
-                shapes.first_lags, shapes.starts[input], sample_time, samples);
+  const ElementPosterior& element = outputs[output].elements[input];
+  const MatrixXd basis = BasisOf(*this, initial, output, input, samples);
   return (basis * element.covariance)
       .cwiseProduct(basis)
       .rowwise()

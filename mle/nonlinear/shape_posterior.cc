@@ -61,20 +61,20 @@ class Search {
   }
 
   OutputPosterior Run(OutputPoint point, NoiseEstimate noise, State state,
-                      bool shapes, bool estimate_drift) {
+                      bool estimate_drift) {
     OutputPosterior best;
     best.deviance = std::numeric_limits<double>::infinity();
     for (int round = 0; round < kMaxRounds; ++round) {
       const std::vector<SegmentColumns> columns =
           Columns(point, ShapeOf(noise));
       LinearEvidence evidence = Evidence(columns, ShapeOf(noise));
-      Improve(evidence, point, noise.variance, shapes, state);
+      Improve(evidence, point, noise.variance, state);
       if (estimate_drift && noise.offset) {
         EstimateRatio(columns, point, state, noise);
         evidence = Evidence(columns, ShapeOf(noise));
       }
       noise.variance = Variance(evidence, point, state, noise.variance);
-      Improve(evidence, point, noise.variance, shapes, state);
+      Improve(evidence, point, noise.variance, state);
       const LinearPosterior posterior =
           evidence.Posterior(PriorOf(point, state), noise.variance);
       const double deviance = posterior.deviance + Cost(state);
@@ -213,7 +213,7 @@ class Search {
 
   // Coordinate search over the choices and the decay.
   void Improve(const LinearEvidence& evidence, const OutputPoint& point,
-               double variance, bool shapes, State& state) const {
+               double variance, State& state) const {
     double best = Deviance(evidence, point, state, variance);
     const auto try_state = [&](State other) {
       const double deviance = Deviance(evidence, point, other, variance);
@@ -225,21 +225,20 @@ class Search {
       const double before = best;
       for (std::size_t j = 0; j < priors_.size(); ++j) {
         if (!priors_[j].informed) continue;
-        const State base = state;
+        State other = state;
         for (const bool parameters : {false, true}) {
           if (parameters && !priors_[j].present) continue;
-          State other = base;
           other.choices[j] = {parameters, 0.0};
           try_state(other);
-          for (std::size_t i = 0; shapes && i < kShapes.size(); ++i) {
-            other.choices[j].shape = kShapes[i];
+          for (const double shape : kShapes) {
+            other.choices[j].shape = shape;
             try_state(other);
           }
         }
       }
-      for (std::size_t i = 0; shapes && i < kDecays.size(); ++i) {
+      for (const double decay : kDecays) {
         State other = state;
-        other.decay = kDecays[i];
+        other.decay = decay;
         try_state(other);
       }
       if (best > before - kTolerance) break;
@@ -334,17 +333,6 @@ bool OutputPosterior::HasShape() const {
                      [](const ElementChoice& c) { return c.shape > 0.0; });
 }
 
-std::vector<int> LagRanges(int longest, int per_octave) {
-  std::vector<int> first_lags = {1};
-  const double factor = std::exp2(1.0 / per_octave);
-  while (first_lags.back() <= longest) {
-    const int last = first_lags.back();
-    first_lags.push_back(
-        std::max(last + 1, static_cast<int>(std::lround(last * factor))));
-  }
-  return first_lags;
-}
-
 OutputPosterior FindPosterior(const OutputErrorProblem& problem,
                               const std::vector<ElementPrior>& priors,
                               const std::vector<int>& first_lags,
@@ -360,12 +348,12 @@ OutputPosterior FindPosterior(const OutputErrorProblem& problem,
     if (priors[j].present) initial.values[j] = priors[j].values;
   }
   initial.SetCells(problem.sample_time());
-  const OutputPosterior from_fit = search.Run(start.point, start.noise, fitted,
-                                              /*shapes=*/true, estimate_drift);
+  const OutputPosterior from_fit =
+      search.Run(start.point, start.noise, fitted, estimate_drift);
   // Where the structure suffices, the fit is where the initial values lead to.
   if (!from_fit.HasShape()) return from_fit;
   OutputPosterior from_initial =
-      search.Run(initial, start.noise, none, /*shapes=*/true, estimate_drift);
+      search.Run(initial, start.noise, none, estimate_drift);
   return from_fit.deviance <= from_initial.deviance ? from_fit : from_initial;
 }
 

@@ -58,10 +58,6 @@ struct OutputPosterior {
   bool HasShape() const;
 };
 
-// Ranges of lags: each sample at first, then `per_octave` an octave, up to
-// `longest` at least.
-std::vector<int> LagRanges(int longest, int per_octave);
-
 // From the structured fit `start` (its point and noise) and from the initial
 // values, whichever ends better.
 OutputPosterior FindPosterior(const OutputErrorProblem& problem,

@@ -182,4 +182,21 @@ absl::StatusOr<std::vector<OutputSetup>> SetUpOutputs(
   return setups;
 }
 
+int LongestLag(const std::vector<OutputSetup>& setups,
+               const std::vector<Record>& records, double time_scales,
+               double share) {
+  double longest = 0.0;
+  for (const OutputSetup& setup : setups) {
+    for (const ElementValues& element : setup.start.values) {
+      longest =
+          std::max(longest, element.delay + time_scales * element.time_scale);
+    }
+  }
+  double lags = longest / records[0].sample_time;
+  for (const Record& record : records) {
+    lags = std::min(lags, share * record.samples());
+  }
+  return std::max(static_cast<int>(std::ceil(lags)) - 1, 1);
+}
+
 }  // namespace mle

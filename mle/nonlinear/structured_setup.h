@@ -26,6 +26,12 @@ absl::StatusOr<std::vector<OutputSetup>> SetUpOutputs(
     const ProcessModel& model, const std::vector<Record>& records,
     const StructuredOptions& options);
 
+// The longest of dead time + `time_scales` time scales of an element, in
+// samples, but no more than this share of the shortest record; ≥ 1.
+int LongestLag(const std::vector<OutputSetup>& setups,
+               const std::vector<Record>& records, double time_scales,
+               double share);
+
 }  // namespace mle
 
 #endif  // MLE_NONLINEAR_STRUCTURED_SETUP_H_
