@@ -78,6 +78,9 @@ Json NoiseJson(const NoiseEstimate& estimate, const std::string& output,
   if (estimate.colour_ratio > 0.0) {
     json["coloured_variance"] = estimate.colour_variance();
     json["coloured_time_constant"] = estimate.colour_memory() * sample_time;
+    if (estimate.colour_damping > 0.0) {
+      json["coloured_damping"] = estimate.colour_damping;
+    }
   }
   Json lines = Json::array();
   for (const PeriodicLine& line : estimate.lines) {

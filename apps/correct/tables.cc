@@ -200,7 +200,8 @@ Table NoiseTable(const Result& result) {
                    {"white: standard deviation"},
                    {"drift: standard deviation after 100 samples"},
                    {"coloured: standard deviation"},
-                   {"coloured: correlation time"},
+                   {"coloured: time constant"},
+                   {"coloured: damping"},
                    {"periods"},
                    {"offset of each window", Align::kLeft}};
   for (int i = 0; i < model.num_outputs(); ++i) {
@@ -219,6 +220,8 @@ Table NoiseTable(const Result& result) {
          coloured ? FormatSignificant(noise.colour_memory() *
                                       result.initial_response.sample_time)
                   : "–",
+         noise.colour_damping > 0.0 ? FormatSignificant(noise.colour_damping)
+                                    : "–",
          periods.empty() ? "–" : absl::StrJoin(periods, ", "),
          noise.offset ? "yes" : "no"});
   }

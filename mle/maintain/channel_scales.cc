@@ -9,6 +9,7 @@
 #include "mle/base/random.h"
 #include "mle/base/status.h"
 #include "mle/correction/excitation.h"
+#include "mle/nonlinear/colour.h"
 
 namespace mle {
 namespace {
@@ -182,14 +183,13 @@ absl::StatusOr<ConversionSummary> ConvertUnderNoise(
   GaussianNoise colour(settings.seed, kConversionStream, kColouredDisturbance);
   for (int i = 0; i < record.num_outputs(); ++i) {
     const double step = std::sqrt(noise[i].ratio * kPaperNoiseVariance);
-    const double pole = noise[i].colour_pole;
-    const double shock = std::sqrt(noise[i].colour_ratio * kPaperNoiseVariance);
     double level = 0.0;
-    double coloured = colour.Draw(shock / std::sqrt(1.0 - pole * pole));
+    ColourSignal coloured(Colour(noise[i].colour_pole, noise[i].colour_damping),
+                          noise[i].colour_ratio * kPaperNoiseVariance, colour);
     for (int k = 0; k < record.samples(); ++k) {
-      record.outputs(i, k) += level + coloured;
+      record.outputs(i, k) += level + coloured.value();
       level += walk.Draw(step);
-      coloured = pole * coloured + colour.Draw(shock);
+      coloured.Advance();
     }
   }
   ConversionOptions options;

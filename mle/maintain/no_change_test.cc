@@ -8,6 +8,7 @@
 #include "mle/base/random.h"
 #include "mle/base/status.h"
 #include "mle/model/process_simulator.h"
+#include "mle/nonlinear/colour.h"
 #include "mle/nonlinear/distributions.h"
 
 namespace mle {
@@ -48,17 +49,17 @@ std::vector<Record> DrawRecords(const std::vector<Record>& windows,
     for (int i = 0; i < record.num_outputs(); ++i) {
       const double deviation = std::sqrt(noise[i].variance);
       const double step = std::sqrt(noise[i].increment_variance());
-      const double pole = noise[i].colour_pole;
-      const double shock = std::sqrt(noise[i].colour_ratio * noise[i].variance);
       double level = 0.0;
-      double coloured = colour.Draw(std::sqrt(noise[i].colour_variance()));
+      ColourSignal coloured(
+          Colour(noise[i].colour_pole, noise[i].colour_damping),
+          noise[i].colour_ratio * noise[i].variance, colour);
       const Eigen::RowVectorXd periodic = DrawLines(
           noise[i].lines, record.sample_time, record.samples(), colour);
       for (int k = 0; k < record.samples(); ++k) {
-        const double value = responses[w](i, k) + level + coloured +
+        const double value = responses[w](i, k) + level + coloured.value() +
                              periodic(k) + white.Draw(deviation);
         level += walk.Draw(step);
-        coloured = pole * coloured + colour.Draw(shock);
+        coloured.Advance();
         if (std::isfinite(record.outputs(i, k))) record.outputs(i, k) = value;
       }
     }

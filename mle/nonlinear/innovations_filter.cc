@@ -48,13 +48,14 @@ InnovationsFilter::InnovationsFilter(const std::vector<int>& times,
       offset_(shape.offset) {
   CHECK_GE(shape.ratio, 0.0);
   CHECK_GE(shape.colour_ratio, 0.0);
-  CHECK(shape.colour_pole >= 0.0 && shape.colour_pole < 1.0);
   CHECK(shape.offset || shape.ratio == 0.0);
   CHECK(weights.size() == 0 ||
         weights.size() == static_cast<Eigen::Index>(times.size()));
   if (times.empty()) return;
-  if (shape.coloured()) {
-    SetUpColour(times, shape, weights);
+  if (shape.coloured() && shape.colour_damping > 0.0) {
+    SetUpColour<2>(times, shape, weights);
+  } else if (shape.coloured()) {
+    SetUpColour<1>(times, shape, weights);
   } else if (shape.offset) {
     SetUpWalk(times, shape.ratio, weights);
   } else {
@@ -88,47 +89,93 @@ void InnovationsFilter::SetUpWalk(const std::vector<int>& times, double ratio,
   log_determinant_ = product.log();
 }
 
+namespace {
+
+// Of the errors of the state (w, a, b); b and its entries are 0 of first order.
+struct StateCovariance {
+  double ww = 0.0, wa = 0.0, wb = 0.0, aa = 0.0, ab = 0.0, bb = 0.0;
+};
+
+// P becomes T P Tᵀ + Q. Of (a, b) this is Π + F (P − Π) Fᵀ with the stationary
+// Π, whatever the number of samples.
+template <int kOrder>
+void Predict(const Colour::Power& power, double spread, double walk,
+             const Colour::Covariance& stationary, StateCovariance& P) {
+  const double m = power.own;
+  P.ww += walk;
+  if constexpr (kOrder == 1) {
+    P.wa *= m;
+    P.aa = stationary.aa + m * m * (P.aa - stationary.aa);
+    return;
+  }
+  const double c = power.cross;
+  const double d = spread * c;
+  const double wa = m * P.wa + c * P.wb;
+  P.wb = d * P.wa + m * P.wb;
+  P.wa = wa;
+  const double aa = P.aa - stationary.aa;
+  const double ab = P.ab - stationary.ab;
+  const double bb = P.bb - stationary.bb;
+  P.aa = stationary.aa + m * m * aa + 2.0 * m * c * ab + c * c * bb;
+  P.ab = stationary.ab + m * d * aa + (m * m + c * d) * ab + m * c * bb;
+  P.bb = stationary.bb + d * d * aa + 2.0 * m * d * ab + m * m * bb;
+}
+
+}  // namespace
+
+// A diffuse w takes the first sample whole: w = n_0 − a_0 − e_0.
+template <int kOrder>
 void InnovationsFilter::SetUpColour(const std::vector<int>& times,
                                     const NoiseShape& shape,
                                     const Eigen::VectorXd& weights) {
   const std::size_t n = times.size();
-  colour_gains_.resize(n);
-  decays_.assign(n, shape.colour_pole);
+  const Colour colour = shape.colour();
+  order_ = kOrder;
+  spread_ = colour.spread();
+  colour_.resize(n);
   white_.resize(n);
-  for (std::size_t k = 0; k + 1 < n; ++k) {
-    const int steps = times[k + 1] - times[k];
-    if (steps > 1) decays_[k] = std::pow(shape.colour_pole, steps);
-  }
-  const double stationary =
-      shape.colour_ratio / (1.0 - shape.colour_pole * shape.colour_pole);
-  // Covariance of (w, a) before sample k. A diffuse w takes the first sample
-  // whole: w = n_0 − a_0 − e_0.
-  double ww = 0.0;
-  double wa = 0.0;
-  double aa = stationary;
+  Colour::Covariance stationary = colour.Stationary();
+  stationary.aa *= shape.colour_ratio;
+  stationary.ab *= shape.colour_ratio;
+  stationary.bb *= shape.colour_ratio;
+  const Colour::Power one = colour.After(1);
+  StateCovariance P = {
+      .aa = stationary.aa, .ab = stationary.ab, .bb = stationary.bb};
   LogProduct product;
   for (std::size_t k = 0; k < n; ++k) {
     const double white = white_[k] = WhiteVariance(weights, k);
+    double gain_a = 0.0;
+    double gain_b = 0.0;
     if (k == 0 && shape.offset) {
       gains_[0] = 1.0;
-      ww = stationary + white;
-      wa = -stationary;
+      P.ww = stationary.aa + white;
+      P.wa = -stationary.aa;
+      P.wb = -stationary.ab;
     } else {
-      const double of_w = ww + wa;
-      const double of_a = wa + aa;
+      const double of_w = P.ww + P.wa;
+      const double of_a = P.wa + P.aa;
+      const double of_b = P.wb + P.ab;
       const double total = of_w + of_a + white;
       gains_[k] = of_w / total;
-      colour_gains_[k] = decays_[k] * (of_a / total);
+      gain_a = of_a / total;
+      gain_b = of_b / total;
       inverse_roots_[k] = 1.0 / std::sqrt(total);
-      ww = std::max(ww - of_w * gains_[k], 0.0);
-      wa -= of_w * (of_a / total);
-      aa = std::max(aa - of_a * (of_a / total), 0.0);
       product.Multiply(total);
+      P.ww = std::max(P.ww - of_w * gains_[k], 0.0);
+      P.wa -= of_w * gain_a;
+      P.wb -= of_w * gain_b;
+      P.aa = std::max(P.aa - of_a * gain_a, 0.0);
+      P.ab -= of_a * gain_b;
+      P.bb = std::max(P.bb - of_b * gain_b, 0.0);
     }
     if (k + 1 == n) break;
-    ww += shape.ratio * (times[k + 1] - times[k]);
-    wa *= decays_[k];
-    aa = stationary + decays_[k] * decays_[k] * (aa - stationary);
+    const int steps = times[k + 1] - times[k];
+    const Colour::Power power = steps == 1 ? one : colour.After(steps);
+    colour_[k] = {
+        .power = power,
+        .gain_a = power.own * gain_a + power.cross * gain_b,
+        .gain_b = spread_ * power.cross * gain_a + power.own * gain_b};
+    Predict<kOrder>(power, spread_, shape.ratio * steps, stationary, P);
   }
   log_determinant_ = product.log();
 }
@@ -136,15 +183,21 @@ void InnovationsFilter::SetUpColour(const std::vector<int>& times,
 void InnovationsFilter::Apply(Eigen::Ref<Eigen::MatrixXd> columns) const {
   CHECK_EQ(columns.rows(), static_cast<Eigen::Index>(gains_.size()));
   if (gains_.empty()) return;
-  const bool coloured = !decays_.empty();
   Eigen::Index c = 0;
   for (; c + kTogether <= columns.cols(); c += kTogether) {
-    auto block = columns.middleCols<kTogether>(c);
-    coloured ? ApplyColour<kTogether>(block) : ApplyTo<kTogether>(block);
+    ApplyAny<kTogether>(columns.middleCols<kTogether>(c));
   }
-  for (; c < columns.cols(); ++c) {
-    auto column = columns.middleCols<1>(c);
-    coloured ? ApplyColour<1>(column) : ApplyTo<1>(column);
+  for (; c < columns.cols(); ++c) ApplyAny<1>(columns.middleCols<1>(c));
+}
+
+template <int kColumns, typename Columns>
+void InnovationsFilter::ApplyAny(Columns&& columns) const {
+  if (order_ == 2) {
+    ApplyColour<2, kColumns>(columns);
+  } else if (order_ == 1) {
+    ApplyColour<1, kColumns>(columns);
+  } else {
+    ApplyTo<kColumns>(columns);
   }
 }
 
@@ -162,33 +215,46 @@ void InnovationsFilter::ApplyTo(Columns&& columns) const {
   }
 }
 
-template <int kColumns, typename Columns>
+template <int kOrder, int kColumns, typename Columns>
 void InnovationsFilter::ApplyColour(Columns&& columns) const {
   double level[kColumns] = {};
-  double colour[kColumns] = {};
+  double a[kColumns] = {};
+  double b[kColumns] = {};
   for (std::size_t k = 0; k < gains_.size(); ++k) {
+    const ColourStep& step = colour_[k];
     for (int c = 0; c < kColumns; ++c) {
-      const double innovation = columns(k, c) - (level[c] + colour[c]);
+      const double innovation = columns(k, c) - (level[c] + a[c]);
       level[c] += gains_[k] * innovation;
-      colour[c] = decays_[k] * colour[c] + colour_gains_[k] * innovation;
+      double next = step.power.own * a[c] + step.gain_a * innovation;
+      if constexpr (kOrder == 2) {
+        next += step.power.cross * b[c];
+        b[c] = spread_ * step.power.cross * a[c] + step.power.own * b[c] +
+               step.gain_b * innovation;
+      }
+      a[c] = next;
       columns(k, c) = innovation * inverse_roots_[k];
     }
   }
 }
 
 // Disturbance smoother: e_k = (ν_k/F_k − Kᵀ_k r_k)/ω_k, backwards with
-// r_{k−1} = (1, 1)ᵀ ω_k e_k + Tᵀ_k r_k (Durbin and Koopman, section 4.5).
+// r_{k−1} = (1, 1, 0)ᵀ ω_k e_k + Tᵀ_k r_k (Durbin and Koopman, section 4.5).
 Eigen::VectorXd InnovationsFilter::ColourlessPart(
     const Eigen::VectorXd& disturbance) const {
   Eigen::VectorXd white = disturbance;
-  ApplyColour<1>(white);
+  ApplyAny<1>(white);
   double of_w = 0.0;  // r_k
   double of_a = 0.0;
+  double of_b = 0.0;
   for (Eigen::Index k = white.size() - 1; k >= 0; --k) {
+    const ColourStep& step = colour_[k];
     const double smoothed = white(k) * inverse_roots_[k] - gains_[k] * of_w -
-                            colour_gains_[k] * of_a;
+                            step.gain_a * of_a - step.gain_b * of_b;
+    const double next =
+        step.power.own * of_a + spread_ * step.power.cross * of_b;
+    of_b = step.power.cross * of_a + step.power.own * of_b;
+    of_a = next + smoothed;
     of_w += smoothed;
-    of_a = decays_[k] * of_a + smoothed;
     white(k) = white_[k] * smoothed;
   }
   return white;
@@ -198,7 +264,7 @@ Eigen::VectorXd InnovationsFilter::WhitePart(
     const Eigen::VectorXd& disturbance) const {
   CHECK_EQ(disturbance.size(), static_cast<Eigen::Index>(gains_.size()));
   if (disturbance.size() == 0) return disturbance;
-  if (!decays_.empty()) return ColourlessPart(disturbance);
+  if (order_ > 0) return ColourlessPart(disturbance);
   if (!offset_) return disturbance;
   Eigen::VectorXd level(disturbance.size());
   level(0) = disturbance(0);

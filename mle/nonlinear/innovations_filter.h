@@ -1,18 +1,20 @@
 // Whitening of a sampled disturbance that is a random walk, a coloured
 // component and white noise,
 //
-//   n_k = w_k + a_k + e_k,   w_{k+1} = w_k + ξ_k,   a_{k+1} = φ a_k + η_k,
-//   Var e = r,   Var ξ = q = ρ r,   Var η = s = σ r,
+//   n_k = w_k + a_k + e_k,   w_{k+1} = w_k + ξ_k,
+//   Var e = r,   Var ξ = q = ρ r,
 //
-// by its time-varying Kalman filter. The walk has a diffuse start (nothing is
+// with a of first or second order and shocks of variance s = σ r (colour.h), by
+// its time-varying Kalman filter. The walk has a diffuse start (nothing is
 // known of w_0, so that the first sample sets it: one free offset); a starts
-// stationary, Var a_0 = s/(1 − φ²). Without colour, in units of r,
+// stationary. Without colour, in units of r,
 //
 //   ν_k = n_k − ŵ_k,   F_k = P_k + 1,   ŵ_{k+1} = ŵ_k + (P_k/F_k) ν_k,
 //   P_{k+1} = P_k/F_k + ρ,
 //
-// and with it the same for the state (w, a) and its 2 × 2 covariance P; gaps of
-// d samples are bridged by dρ and φ^d. ν_k/√F_k is white with variance r and
+// and with it the same for the state (w, a) or (w, a, b) and its covariance P,
+// Π − P in place of P being what the stationary Π loses by what is known; gaps
+// of d samples are bridged by dρ and F^d. ν_k/√F_k is white with variance r and
 // −2 ln p(n) = Σ (ln(2π r F_k) + ν_k²/(r F_k)), k ≥ 1. The filter is linear in
 // n, so that a model's residuals and its Jacobian pass through it alike.
 // Samples may have weights ω_k: Var e_k = r/ω_k, F_k = P_k + 1/ω_k. (Durbin and
@@ -28,6 +30,7 @@
 #include <vector>
 
 #include "Eigen/Core"
+#include "mle/nonlinear/colour.h"
 
 namespace mle {
 
@@ -35,9 +38,11 @@ struct NoiseShape {
   double ratio = 0.0;  // ρ ≥ 0, finite
   // Without an offset w is zero and ρ is 0: white noise passes unchanged.
   bool offset = true;
-  double colour_ratio = 0.0;  // σ ≥ 0, finite; 0: no coloured component
-  double colour_pole = 0.0;   // φ, a sample, in [0, 1)
+  double colour_ratio = 0.0;    // σ ≥ 0, finite; 0: no coloured component
+  double colour_pole = 0.0;     // φ, a sample, in [0, 1)
+  double colour_damping = 0.0;  // ζ ≥ 0, finite; 0: first order
 
+  Colour colour() const { return Colour(colour_pole, colour_damping); }
   bool coloured() const { return colour_ratio > 0.0; }
 };
 
@@ -64,21 +69,30 @@ class InnovationsFilter {
   void SetUpWhite(const Eigen::VectorXd& weights);
   void SetUpWalk(const std::vector<int>& times, double ratio,
                  const Eigen::VectorXd& weights);
+  template <int kOrder>
   void SetUpColour(const std::vector<int>& times, const NoiseShape& shape,
                    const Eigen::VectorXd& weights);
   template <int kColumns, typename Columns>
   void ApplyTo(Columns&& columns) const;
-  template <int kColumns, typename Columns>
+  template <int kOrder, int kColumns, typename Columns>
   void ApplyColour(Columns&& columns) const;
+  template <int kColumns, typename Columns>
+  void ApplyAny(Columns&& columns) const;
   Eigen::VectorXd ColourlessPart(const Eigen::VectorXd& disturbance) const;
 
   std::vector<double> gains_;          // of w: P_k/F_k
   std::vector<double> inverse_roots_;  // 1/√F_k
   // Of the error of ŵ_k to that of ŵ_{k+1} before its sample (P_k r/P_{k+1}).
   std::vector<double> smoothing_;
-  // With colour: of a, its gain times φ^d, and φ^d, d samples to the next one.
-  std::vector<double> colour_gains_;
-  std::vector<double> decays_;
+  // With colour, d samples to the next one: F^d and F^d times the gain.
+  struct ColourStep {
+    Colour::Power power;
+    double gain_a = 0.0;
+    double gain_b = 0.0;
+  };
+  std::vector<ColourStep> colour_;
+  double spread_ = 0.0;
+  int order_ = 0;              // of the colour; 0: none
   std::vector<double> white_;  // with colour: 1/ω_k
   bool offset_ = true;
   double log_determinant_ = 0.0;

@@ -149,22 +149,30 @@ std::optional<double> FindPeriod(const OutputErrorProblem& problem,
                                  const OutputFit& fit, bool estimate_drift) {
   if (problem.num_segments() == 0) return std::nullopt;
   const NoiseShape shape = ShapeOf(fit.noise);
+  const LineLikelihood likelihood(problem, fit);
+  // A resonance would follow the sine: without it.
+  const bool resonant =
+      shape.colour_damping > 0.0 && shape.colour_damping < 1.0;
+  const NoiseShape plain =
+      resonant ? FindBestShape(likelihood.Shared({}), NoiseShape(),
+                               estimate_drift, /*search_colour=*/false)
+                     .shape
+               : shape;
   const VectorXd residuals =
-      problem.Whiten(problem.Linearise(fit.point, shape, false), shape)
+      problem.Whiten(problem.Linearise(fit.point, plain, false), plain)
           .residuals;
   const std::optional<double> peak = HighestPeak(problem, residuals);
   if (!peak.has_value()) return std::nullopt;
-  const LineLikelihood likelihood(problem, fit);
   double frequency = *peak;
   double width = kStepOfResolution / problem.shortest_segment();
   Profile with;
-  NoiseShape now = shape;
+  with.shape = plain;
   for (int round = 0; round < kRefinements; ++round) {
-    frequency = likelihood.Refine(frequency, width, now);
+    frequency = likelihood.Refine(frequency, width, with.shape);
+    // A filter that follows the sine must not hide it.
     with = FindBestShape(likelihood.With(LineColumns(problem, frequency)),
-                         NoiseShape(), estimate_drift,
-                         /*search_colour=*/true);
-    now = with.shape;
+                         round == 0 ? NoiseShape() : with.shape, estimate_drift,
+                         /*search_colour=*/round == 0);
     width *= 0.5;
   }
   const auto best = [&](const ShapeLikelihood& of) {
@@ -173,13 +181,14 @@ std::optional<double> FindPeriod(const OutputErrorProblem& problem,
   const int longest =
       std::max(std::min(kLongestLag, problem.shortest_segment() / 4) - 1, 1);
   const Profile without = best(likelihood.Shared({}));
+  const double gain = without.value - with.value - Price(problem);
+  if (!(gain > 0.0)) return std::nullopt;
   const Profile by_inputs =
       best(likelihood.Shared(problem.LagSums(LagRanges(longest, 1))));
-  const double gain = without.value - with.value - Price(problem);
   const double of_inputs = without.value - by_inputs.value -
                            (by_inputs.rank - without.rank) *
                                std::log(problem.num_innovations(shape));
-  if (!(gain > 0.0) || !(gain > of_inputs)) return std::nullopt;
+  if (!(gain > of_inputs)) return std::nullopt;
   return 1.0 / frequency;
 }
 
@@ -232,7 +241,7 @@ void FitLines(const OutputPoint& start, const OutputFitBounds& bounds,
     OutputFit again = fit;
     again.noise = EstimateNoise(problem, fit.point, fit.free, NoiseEstimate(),
                                 options.estimate_drift,
-                                /*search_colour=*/true);
+                                options.robust_loss == RobustLoss::kNone);
     fit = Refit(problem, again, bounds, options);
   }
 }

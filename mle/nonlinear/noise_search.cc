@@ -1,12 +1,12 @@
 #include "mle/nonlinear/noise_search.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
 #include <vector>
 
 #include "Eigen/QR"
+#include "mle/nonlinear/colour_search.h"
 
 namespace mle {
 namespace {
@@ -27,21 +27,14 @@ const double kShareOfValue =
     std::exp(0.25 * kGridStep) - std::exp(-0.25 * kGridStep);
 const double kShareBelow = std::exp(-0.25 * kGridStep);
 
-// −1/ln φ of the fastest colour, in samples: below, it is white.
-constexpr double kShortestMemory = 0.8;
-constexpr double kLongestShare = 1.0 / 3.0;  // of the shortest segment
-// The coarse grid of colours.
-constexpr double kMemoryStep = 4.0;  // factor of −1/ln φ
-constexpr double kColourStep = 2.5;  // of ln σ
-// Of the stationary variance over that of the white part, the least.
-constexpr double kLeastColour = 0.02;
-// From where it was before.
-constexpr double kLocalStep = 0.25;
-// A smaller difference of −2 ln L does not count.
-constexpr double kNoGain = 0.01;
+constexpr double kRankTolerance = 1e-12;
 
-// ln ρ, ln σ and ln(−1/ln φ).
-using LogShape = std::array<double, 3>;
+VectorXd ShortestSolution(const MatrixXd& normal, const VectorXd& gradient) {
+  Eigen::CompleteOrthogonalDecomposition<MatrixXd> decomposition;
+  decomposition.setThreshold(kRankTolerance);
+  decomposition.compute(normal);
+  return decomposition.solve(gradient);
+}
 
 }  // namespace
 
@@ -89,13 +82,19 @@ Profile ShapeLikelihood::At(const NoiseShape& shape) const {
   Eigen::Index rank = 0;
   if (whitened.jacobian.cols() > 0) {
     // By normal equations: fast, and good enough for a first-order term.
+    MatrixXd normal =
+        MatrixXd::Zero(whitened.jacobian.cols(), whitened.jacobian.cols());
+    normal.selfadjointView<Eigen::Lower>().rankUpdate(
+        whitened.jacobian.transpose());
     const VectorXd inverse_norms =
-        whitened.jacobian.colwise().norm().cwiseMax(1e-300).cwiseInverse();
-    const MatrixXd jacobian = whitened.jacobian * inverse_norms.asDiagonal();
-    const MatrixXd normal = jacobian.transpose() * jacobian;
-    const VectorXd gradient = jacobian.transpose() * whitened.residuals;
+        normal.diagonal().cwiseSqrt().cwiseMax(1e-300).cwiseInverse();
+    normal = inverse_norms.asDiagonal() *
+             MatrixXd(normal.selfadjointView<Eigen::Lower>()) *
+             inverse_norms.asDiagonal();
+    const VectorXd gradient = inverse_norms.cwiseProduct(
+        whitened.jacobian.transpose() * whitened.residuals);
     Eigen::ColPivHouseholderQR<MatrixXd> qr;
-    qr.setThreshold(1e-12);
+    qr.setThreshold(kRankTolerance);
     qr.compute(normal);
     rank = qr.rank();
     profile.rank = static_cast<int>(rank);
@@ -104,11 +103,10 @@ Profile ShapeLikelihood::At(const NoiseShape& shape) const {
     }
     log_jacobian -= 2.0 * inverse_norms.array().log().sum();
     // By rank: a solve by pivots would take rounding for a direction.
-    Eigen::CompleteOrthogonalDecomposition<MatrixXd> decomposition;
-    decomposition.setThreshold(1e-12);
-    decomposition.compute(normal);
-    profile.squares -=
-        std::min(profile.squares, gradient.dot(decomposition.solve(gradient)));
+    const VectorXd step = rank == normal.cols()
+                              ? VectorXd(qr.solve(gradient))
+                              : ShortestSolution(normal, gradient);
+    profile.squares -= std::min(profile.squares, gradient.dot(step));
   }
   // Exact data leave rounding, which has no likelihood.
   profile.squares =
@@ -142,7 +140,8 @@ std::vector<PossibleRatio> PossibleRatios(const OutputErrorProblem& problem) {
 }
 
 bool HasParameter(const NoiseShape& shape, int parameter) {
-  return parameter == 0 ? shape.ratio > 0.0 : shape.coloured();
+  if (parameter == 0) return shape.ratio > 0.0;
+  return shape.coloured() && (parameter < 3 || shape.colour_damping > 0.0);
 }
 
 NoiseShape Moved(const NoiseShape& shape, int parameter, double by) {
@@ -153,11 +152,8 @@ NoiseShape Moved(const NoiseShape& shape, int parameter, double by) {
   if (parameter == 2) {
     moved.colour_pole = PoleOf(MemoryOf(shape.colour_pole) * factor);
   }
+  if (parameter == 3) moved.colour_damping *= factor;
   return moved;
-}
-
-double LongestColour(const OutputErrorProblem& problem) {
-  return std::max(kLongestShare * problem.shortest_segment(), kShortestMemory);
 }
 
 namespace {
@@ -209,148 +205,31 @@ Profile FindBestRatio(const ShapeLikelihood& likelihood) {
   return inner.value < best.value ? inner : best;
 }
 
-// Shapes with colour about a point of (ln ρ, ln σ, ln(−1/ln φ)).
-class ColourSearch {
- public:
-  explicit ColourSearch(const ShapeLikelihood& likelihood)
-      : likelihood_(likelihood),
-        longest_(LongestColour(likelihood.problem())) {}
-
-  // The best of a coarse grid: without a walk, and with one as in `walk`.
-  Profile OfGrid(const NoiseShape& walk) const {
-    std::vector<double> ratios = {0.0};
-    if (walk.ratio > 0.0) ratios.push_back(walk.ratio);
-    Profile best;
-    for (double memory = kShortestMemory; memory <= longest_ * (1.0 + 1e-9);
-         memory *= kMemoryStep) {
-      const double pole = PoleOf(memory);
-      for (double log = std::log(kLeastColour * (1.0 - pole * pole));
-           log < kMaxLogRatio; log += kColourStep) {
-        for (const double ratio : ratios) {
-          const Profile profile = likelihood_.At({.ratio = ratio,
-                                                  .colour_ratio = std::exp(log),
-                                                  .colour_pole = pole});
-          if (profile.value < best.value) best = profile;
-        }
-      }
-    }
-    return best;
-  }
-
-  // Nelder and Mead's simplex (Computer Journal 7, 1965) from `start`, whose
-  // colour is positive, and the same without a walk.
-  Profile From(const Profile& start, double step) const;
-
- private:
-  struct Vertex {
-    LogShape x;
-    Profile profile;
-  };
-
-  Vertex AtLog(LogShape x) const {
-    for (int i = 0; i < 2; ++i) {
-      x[i] = std::clamp(x[i], kMinLogRatio, kMaxLogRatio);
-    }
-    x[2] = std::clamp(x[2], std::log(kShortestMemory), std::log(longest_));
-    return {x, likelihood_.At({.ratio = std::exp(x[0]),
-                               .colour_ratio = std::exp(x[1]),
-                               .colour_pole = PoleOf(std::exp(x[2]))})};
-  }
-
-  std::vector<Vertex> SimplexAt(const LogShape& x, double step) const {
-    std::vector<Vertex> simplex = {AtLog(x)};
-    for (int i = 0; i < 3; ++i) {
-      LogShape moved = x;
-      // Away from the longest memory, and towards less of a walk.
-      moved[i] += i == 1 ? step : -step;
-      simplex.push_back(AtLog(moved));
-    }
-    return simplex;
-  }
-
-  const ShapeLikelihood& likelihood_;
-  double longest_;
-};
-
-Profile ColourSearch::From(const Profile& start, double step) const {
-  constexpr int kMostEvaluations = 150;
-  const double log_colour = std::log(start.shape.colour_ratio);
-  // A walk too small to matter still has a slope.
-  const double log_ratio =
-      std::log(std::max(start.shape.ratio, 1e-3 * start.shape.colour_ratio));
-  std::vector<Vertex> simplex = SimplexAt(
-      {log_ratio, log_colour, std::log(MemoryOf(start.shape.colour_pole))},
-      step);
-  const auto better = [](const Vertex& a, const Vertex& b) {
-    return a.profile.value < b.profile.value;
-  };
-  for (int evaluations = 4; evaluations < kMostEvaluations;) {
-    std::sort(simplex.begin(), simplex.end(), better);
-    if (simplex[3].profile.value - simplex[0].profile.value < 0.1 * kNoGain) {
-      break;
-    }
-    const auto along = [&](double factor) {
-      LogShape at;
-      for (int i = 0; i < 3; ++i) {
-        const double centre =
-            (simplex[0].x[i] + simplex[1].x[i] + simplex[2].x[i]) / 3.0;
-        at[i] = centre + factor * (simplex[3].x[i] - centre);
-      }
-      ++evaluations;
-      return AtLog(at);
-    };
-    const Vertex reflected = along(-1.0);
-    if (better(reflected, simplex[0])) {
-      const Vertex expanded = along(-2.0);
-      simplex[3] = better(expanded, reflected) ? expanded : reflected;
-      continue;
-    }
-    if (better(reflected, simplex[2])) {
-      simplex[3] = reflected;
-      continue;
-    }
-    const Vertex contracted = along(better(reflected, simplex[3]) ? -0.5 : 0.5);
-    if (better(contracted, simplex[3]) && better(contracted, reflected)) {
-      simplex[3] = contracted;
-      continue;
-    }
-    for (int v = 1; v < 4; ++v) {
-      for (int i = 0; i < 3; ++i) {
-        simplex[v].x[i] = 0.5 * (simplex[v].x[i] + simplex[0].x[i]);
-      }
-      simplex[v] = AtLog(simplex[v].x);
-      ++evaluations;
-    }
-  }
-  Profile best =
-      std::min_element(simplex.begin(), simplex.end(), better)->profile;
-  NoiseShape still = best.shape;
-  still.ratio = 0.0;
-  const Profile without_walk = likelihood_.At(still);
-  return without_walk.value < best.value + kNoGain ? without_walk : best;
-}
-
 }  // namespace
 
 Profile FindBestShape(const ShapeLikelihood& likelihood,
                       const NoiseShape& start, bool estimate_drift,
                       bool search_colour) {
   if (!estimate_drift) return likelihood.At(NoiseShape());
-  Profile plain;
-  if (!start.coloured() || search_colour) plain = FindBestRatio(likelihood);
-  if (!start.coloured() && !search_colour) return plain;
-  const ColourSearch search(likelihood);
-  Profile coloured;
-  if (start.coloured()) {
-    const Profile former = likelihood.At(start);
-    coloured = search.From(former, kLocalStep);
-    if (!(coloured.value < former.value - kNoGain)) coloured = former;
-  } else {
-    coloured = search.From(search.OfGrid(plain.shape), kGridStep);
-  }
+  Profile best;
+  if (!start.coloured() || search_colour) best = FindBestRatio(likelihood);
+  if (!start.coloured() && !search_colour) return best;
   const double price =
-      2.0 * std::log(likelihood.problem().num_innovations(plain.shape));
-  return coloured.value + price < plain.value ? coloured : plain;
+      std::log(likelihood.problem().num_innovations(NoiseShape()));
+  const Profile walk = best;
+  double least = walk.value;
+  for (const int order : {1, 2}) {
+    const bool known = start.coloured() && start.colour().order() == order;
+    if (!known && !search_colour) continue;
+    const Profile coloured = known ? ContinueColour(likelihood, start)
+                                   : FindBestColour(likelihood, order, walk);
+    const double value = coloured.value + (1.0 + order) * price;
+    if (value < least) {
+      least = value;
+      best = coloured;
+    }
+  }
+  return best;
 }
 
 }  // namespace mle

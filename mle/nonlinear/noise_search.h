@@ -10,9 +10,9 @@
 //   −2 ln L = (n − k) ln r̂ + Σ ln F + ln det(JᵀV⁻¹J).
 //
 // A shape is white noise with a random walk unless a coloured component beside
-// it lowers −2 ln L by more than twice the logarithm of the number of samples:
-// the price of its two parameters by Schwarz's criterion (Annals of Statistics
-// 6, 1978).
+// it lowers −2 ln L by more than the logarithm of the number of samples for
+// each of its parameters, two of first and three of second order: Schwarz's
+// criterion (Annals of Statistics 6, 1978).
 
 #ifndef MLE_NONLINEAR_NOISE_SEARCH_H_
 #define MLE_NONLINEAR_NOISE_SEARCH_H_
@@ -59,10 +59,6 @@ class ShapeLikelihood {
   bool restricted_;
 };
 
-// −1/ln φ of the slowest colour that is told from a random walk: a third of the
-// shortest segment.
-double LongestColour(const OutputErrorProblem& problem);
-
 // Values of ρ that stand for all: 0 and e-folds from 1/N² on (N samples of a
 // segment), below which drift changes no estimate, with their probabilities
 // beforehand, but for a factor. The prior is uniform in √ρ (Gelman, Bayesian
@@ -79,16 +75,17 @@ inline constexpr double kSmallWeight = 1e-3;
 double MemoryOf(double pole);
 double PoleOf(double memory);
 
-// Shapes move in ln ρ, ln σ and ln(−1/ln φ): whether `shape` has the parameter
-// (0 to 2), and the shape with its logarithm moved by `by`.
-inline constexpr int kShapeParameters = 3;
+// Shapes move in ln ρ, ln σ, ln(−1/ln φ) and ln ζ: whether `shape` has the
+// parameter (0 to 3), and the shape with its logarithm moved by `by`.
+inline constexpr int kShapeParameters = 4;
 bool HasParameter(const NoiseShape& shape, int parameter);
 NoiseShape Moved(const NoiseShape& shape, int parameter, double by);
 
 // With an offset, over all ρ (0 unless `estimate_drift`) and, where it pays,
-// colours: from that of `start` if it has one, else, if `search_colour`, of a
-// grid. A colour found before stays as it is where that is as good as the best
-// to a hundredth of −2 ln L, and is given up only if `search_colour`.
+// colours: from that of `start` if it has one, and, if `search_colour`, of a
+// grid of each order that `start` does not have. A colour found before stays as
+// it is where that is as good as the best to a hundredth of −2 ln L, and is
+// given up only if `search_colour`.
 Profile FindBestShape(const ShapeLikelihood& likelihood,
                       const NoiseShape& start, bool estimate_drift,
                       bool search_colour);

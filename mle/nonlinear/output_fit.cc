@@ -230,6 +230,14 @@ class Fitter {
   FitCertificate certificate_;
 };
 
+// Bursts of outliers look like a colour, and what is taken for colour is not
+// down-weighted: a robust loss finds its weights first.
+bool MayHaveColour(const OutputErrorProblem& problem,
+                   const StructuredOptions& options) {
+  return options.robust_loss == RobustLoss::kNone ||
+         problem.weights().size() > 0;
+}
+
 bool SameShape(const NoiseEstimate& a, const NoiseEstimate& b) {
   const auto same = [](double x, double y) {
     const double floor = 1e-10;
@@ -237,7 +245,8 @@ bool SameShape(const NoiseEstimate& a, const NoiseEstimate& b) {
   };
   return a.offset == b.offset && same(a.ratio, b.ratio) &&
          same(a.colour_ratio, b.colour_ratio) &&
-         same(1.0 - a.colour_pole, 1.0 - b.colour_pole);
+         same(1.0 - a.colour_pole, 1.0 - b.colour_pole) &&
+         same(a.colour_damping, b.colour_damping);
 }
 
 // Steps 2 to 4 and what is reported, from `fit`'s values and noise.
@@ -250,7 +259,7 @@ void Finish(const OutputErrorProblem& problem, const StructuredOptions& options,
       const NoiseEstimate former = fit.noise;
       fit.noise = EstimateNoise(problem, fit.point, fit.free, former,
                                 options.estimate_drift,
-                                /*search_colour=*/again == 1);
+                                again == 1 && MayHaveColour(problem, options));
       cost = fitter.Refine(fit.point, ShapeOf(fit.noise));
       if (again > 0 && SameShape(former, fit.noise)) break;
     }
@@ -309,7 +318,8 @@ OutputFit FitOutput(const OutputErrorProblem& problem, const OutputPoint& start,
   // At the start the model's error would be taken for colour.
   const bool any = std::find(free.begin(), free.end(), true) != free.end();
   fit.noise = EstimateNoise(problem, fit.point, free, NoiseEstimate(),
-                            options.estimate_drift, /*search_colour=*/!any);
+                            options.estimate_drift,
+                            !any && MayHaveColour(problem, options));
   Fitter fitter(problem, fit.free, bounds, options);
   if (!any) {
     FitCertificate certificate;
@@ -336,8 +346,9 @@ OutputFit Refit(const OutputErrorProblem& problem, const OutputFit& fit,
     Finish(problem, options, fitter, again);
     certificate = fitter.certificate();
   } else {
-    again.noise = EstimateNoise(problem, again.point, again.free, again.noise,
-                                options.estimate_drift, /*search_colour=*/true);
+    again.noise =
+        EstimateNoise(problem, again.point, again.free, again.noise,
+                      options.estimate_drift, MayHaveColour(problem, options));
   }
   certificate.weight_change = fit.certificate.weight_change;
   FillIn(problem, options, certificate, again);

@@ -105,7 +105,8 @@ inline NoiseShape ShapeOf(const NoiseEstimate& noise) {
   return {.ratio = noise.ratio,
           .offset = noise.offset,
           .colour_ratio = noise.colour_ratio,
-          .colour_pole = noise.colour_pole};
+          .colour_pole = noise.colour_pole,
+          .colour_damping = noise.colour_damping};
 }
 
 // Noise of the output at `point`, by restricted likelihood, with the elements

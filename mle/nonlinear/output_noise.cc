@@ -56,6 +56,7 @@ NoiseEstimate EstimateNoise(const OutputErrorProblem& problem,
   noise.offset = best.shape.offset;
   noise.colour_ratio = best.shape.colour_ratio;
   noise.colour_pole = best.shape.colour_pole;
+  noise.colour_damping = best.shape.colour_damping;
   for (int i = 0; i < kShapeParameters; ++i) {
     if (!HasParameter(best.shape, i)) continue;
     noise.log_deviations[i] = LogDeviation(
@@ -87,7 +88,9 @@ OffsetEvidence FindOffsetEvidence(const OutputErrorProblem& problem,
   if (problem.num_segments() > 0) {
     evidence.num_parameters = problem.num_segments() + (estimate_drift ? 1 : 0);
   }
-  if (noise.colour_ratio > 0.0) evidence.num_parameters += 2;
+  for (int i = 1; i < kShapeParameters; ++i) {
+    evidence.num_parameters += HasParameter(ShapeOf(noise), i) ? 1 : 0;
+  }
   if (noise.ratio > 0.0 || noise.colour_ratio > 0.0) {
     evidence.drift = with.value - likelihood.At(ShapeOf(noise)).value;
   }

@@ -91,26 +91,30 @@ struct PeriodicLine {
 };
 
 // White noise plus a random walk and, where the records show one, a coloured
-// component a_{k+1} = φ a_k + η_k, Var η = s.
+// component a of first or second order with shocks η, Var η = s a sample:
+//
+//   (1 − φB) a = η   or   (1 − p₁B)(1 − p₂B) a = η,
+//   p = exp(−ω (ζ ± √(ζ² − 1))),   ω = −ln φ.
+//
+// ζ ≥ 1: coloured noise of first order behind a lag, as of a load at an input;
+// ζ < 1: a resonance.
 struct NoiseEstimate {
   double variance = 0.0;  // r, of the white part
   double ratio = 0.0;     // q/r
   // Each window has an offset of its own. If not, records are deviations from
   // the model's operating point, and free of drift.
   bool offset = true;
-  double colour_ratio = 0.0;  // s/r; 0: no coloured component
-  double colour_pole = 0.0;   // φ, of one sample
-  // Standard deviations of ln(q/r), ln(s/r) and ln(−1/ln φ); 0 of what is 0 or
-  // given.
-  std::array<double, 3> log_deviations = {};
+  double colour_ratio = 0.0;    // s/r; 0: no coloured component
+  double colour_pole = 0.0;     // φ, of one sample
+  double colour_damping = 0.0;  // ζ; 0: of first order
+  // Standard deviations of ln(q/r), ln(s/r), ln(1/ω) and ln ζ; 0 of what is 0
+  // or given.
+  std::array<double, 4> log_deviations = {};
   std::vector<PeriodicLine> lines = {};  // beside it
 
   double increment_variance() const { return ratio * variance; }  // q
-  // Of the stationary coloured component, s/(1 − φ²).
-  double colour_variance() const {
-    return colour_ratio * variance / (1.0 - colour_pole * colour_pole);
-  }
-  double colour_memory() const;  // −1/ln φ, in samples; 0 without colour
+  double colour_variance() const;  // of the coloured component, stationary
+  double colour_memory() const;    // 1/ω, in samples; 0 without colour
 };
 
 enum class FitTermination { kNotRun, kConverged, kIterationLimit, kFailed };

@@ -5,6 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "mle/model/element_response.h"
+#include "mle/nonlinear/colour.h"
 #include "mle/nonlinear/structured_correction.h"
 
 namespace mle {
@@ -49,8 +50,12 @@ std::string Describe(const ParameterEstimate& estimate) {
 void AppendColour(const NoiseEstimate& noise, std::string& report) {
   if (noise.colour_ratio > 0.0) {
     absl::StrAppendFormat(
-        &report, "    coloured          variance %.4g, memory %.3g samples\n",
+        &report, "    coloured          variance %.4g, memory %.3g samples",
         noise.colour_variance(), noise.colour_memory());
+    if (noise.colour_damping > 0.0) {
+      absl::StrAppendFormat(&report, ", damping %.3g", noise.colour_damping);
+    }
+    report += "\n";
   }
   for (const PeriodicLine& line : noise.lines) {
     absl::StrAppendFormat(&report,
@@ -75,6 +80,11 @@ MatrixXd StepDerivatives(const ElementResponse& element,
 }
 
 }  // namespace
+
+double NoiseEstimate::colour_variance() const {
+  return colour_ratio * variance *
+         Colour(colour_pole, colour_damping).Stationary().aa;
+}
 
 double NoiseEstimate::colour_memory() const {
   return colour_ratio > 0.0 ? -1.0 / std::log(colour_pole) : 0.0;

@@ -1,6 +1,7 @@
 #include "mle/nonlinear/innovations_filter.h"
 
 #include <cmath>
+#include <complex>
 #include <numeric>
 #include <random>
 #include <vector>
@@ -23,18 +24,46 @@ MatrixXd RandomMatrix(int rows, int cols) {
   return matrix;
 }
 
+// Autocovariances of the colour of `shape` from its impulse response, the
+// products of powers of the poles.
+std::vector<double> Autocovariances(const NoiseShape& shape, int lags) {
+  constexpr int kTerms = 20000;
+  std::complex<double> poles[2] = {shape.colour_pole, 0.0};
+  if (shape.colour_damping > 0.0) {
+    const std::complex<double> zeta = shape.colour_damping;
+    const double omega = -std::log(shape.colour_pole);
+    poles[0] = std::exp(-omega * (zeta + std::sqrt(zeta * zeta - 1.0)));
+    poles[1] = std::exp(-omega * (zeta - std::sqrt(zeta * zeta - 1.0)));
+  }
+  std::vector<double> response(kTerms + lags);
+  std::complex<double> first = 1.0;
+  std::complex<double> second = 1.0;
+  for (double& value : response) {
+    value = second.real();
+    first *= poles[0];
+    second = poles[1] * second + first;
+  }
+  std::vector<double> covariances(lags);
+  for (int lag = 0; lag < lags; ++lag) {
+    for (int k = 0; k < kTerms; ++k) {
+      covariances[lag] += shape.colour_ratio * response[k] * response[k + lag];
+    }
+  }
+  return covariances;
+}
+
 // Covariance of noise of unit white part at `times`, random walk from the
 // first.
 MatrixXd Covariance(const std::vector<int>& times, const NoiseShape& shape) {
   const int n = static_cast<int>(times.size());
   MatrixXd covariance = MatrixXd::Identity(n, n);
-  const double pole = shape.colour_pole;
+  const std::vector<double> colour =
+      Autocovariances(shape, times.back() - times.front() + 1);
   for (int i = 0; i < n; ++i) {
     for (int k = 0; k < n; ++k) {
       covariance(i, k) +=
           shape.ratio * (std::min(times[i], times[k]) - times[0]) +
-          shape.colour_ratio / (1.0 - pole * pole) *
-              std::pow(pole, std::abs(times[i] - times[k]));
+          colour[std::abs(times[i] - times[k])];
     }
   }
   return covariance;
@@ -78,7 +107,18 @@ INSTANTIATE_TEST_SUITE_P(
         NoiseShape{.colour_ratio = 0.3, .colour_pole = 0.0},
         NoiseShape{.colour_ratio = 2.0, .colour_pole = 0.9},
         NoiseShape{.ratio = 0.05, .colour_ratio = 0.5, .colour_pole = 0.7},
-        NoiseShape{.ratio = 1e-6, .colour_ratio = 40.0, .colour_pole = 0.99}));
+        NoiseShape{.ratio = 1e-6, .colour_ratio = 40.0, .colour_pole = 0.99},
+        // Two real poles, poles that are one, and a resonance.
+        NoiseShape{
+            .colour_ratio = 0.1, .colour_pole = 0.9, .colour_damping = 2.0},
+        NoiseShape{.ratio = 0.02,
+                   .colour_ratio = 0.1,
+                   .colour_pole = 0.8,
+                   .colour_damping = 1.0},
+        NoiseShape{.ratio = 0.02,
+                   .colour_ratio = 0.3,
+                   .colour_pole = 0.7,
+                   .colour_damping = 0.1}));
 
 // Weighted samples: the same identity with variances 1/ω on the diagonal.
 TEST_P(InnovationsFilterTest, WeightsAreInverseVariances) {
@@ -145,10 +185,14 @@ TEST(InnovationsFilterTest, WhitensWhatItIsMeantFor) {
 
 // Without an offset nothing is free: products and determinant are those of the
 // whole covariance.
-TEST(InnovationsFilterTest, ColourWithoutOffset) {
+class ColourWithoutOffsetTest : public ::testing::TestWithParam<double> {};
+
+TEST_P(ColourWithoutOffsetTest, IsGeneralisedLeastSquares) {
   const std::vector<int> times = {0, 1, 2, 5, 6, 9, 10};
-  const NoiseShape shape = {
-      .offset = false, .colour_ratio = 0.4, .colour_pole = 0.8};
+  const NoiseShape shape = {.offset = false,
+                            .colour_ratio = 0.4,
+                            .colour_pole = 0.8,
+                            .colour_damping = GetParam()};
   const InnovationsFilter filter(times, shape);
   const MatrixXd columns = RandomMatrix(7, 5);
   MatrixXd whitened = columns;
@@ -163,6 +207,9 @@ TEST(InnovationsFilterTest, ColourWithoutOffset) {
       (filter.WhitePart(columns.col(0)) - factor.solve(columns.col(0))).norm(),
       1e-12 * columns.col(0).norm());
 }
+
+INSTANTIATE_TEST_SUITE_P(Dampings, ColourWithoutOffsetTest,
+                         ::testing::Values(0.0, 0.3, 1.0, 3.0));
 
 TEST(InnovationsFilterTest, WithoutOffsetWhiteNoisePassesAsItIs) {
   const MatrixXd columns = RandomMatrix(5, 2);

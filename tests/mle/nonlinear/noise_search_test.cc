@@ -35,6 +35,7 @@ TEST(NoiseSearchTest, FindsAColour) {
     EXPECT_NEAR(noise.variance, 0.01, 0.004);
     EXPECT_NEAR(noise.colour_ratio * noise.variance, 0.01, 0.006);
     EXPECT_NEAR((1.0 - noise.colour_pole) / (1.0 - pole), 1.0, 0.6);
+    EXPECT_EQ(noise.colour_damping, 0.0);
     // The walk that is left: less than the colour's deviation over a record.
     EXPECT_LT(1500.0 * noise.increment_variance(), noise.colour_variance());
     EXPECT_NEAR(noise.colour_memory(), -1.0 / std::log(noise.colour_pole),
@@ -60,13 +61,44 @@ TEST(NoiseSearchTest, WhiteNoiseAndDriftStayWhatTheyAre) {
   }
 }
 
+// An autoregression behind a lag, as from an input; the time constants of both
+// poles are known to some 20 %, the natural one is their geometric mean.
+TEST(NoiseSearchTest, FindsALoad) {
+  for (unsigned seed = 1; seed <= 4; ++seed) {
+    const double lag = std::exp(-0.5 / 4.0);
+    const OutputSetup setup = Prepare(
+        {.variance = 0.0025, .shock = 0.01, .pole = 0.97, .lag = lag}, seed);
+    const NoiseEstimate noise = Estimate(setup, NoiseEstimate(), true);
+    ASSERT_GT(noise.colour_damping, 0.0) << seed;
+    EXPECT_NEAR(noise.variance, 0.0025, 0.0005);
+    EXPECT_NEAR(noise.colour_memory() / std::sqrt(8.0 / -std::log(0.97)), 1.0,
+                0.5);
+    EXPECT_GT(noise.colour_damping, 0.6);
+    // Of (1 − ψ) η behind the lag.
+    EXPECT_NEAR(noise.colour_ratio * noise.variance /
+                    (0.01 * (1.0 - lag) * (1.0 - lag)),
+                1.0, 0.7);
+    for (const int i : {1, 2, 3}) {
+      EXPECT_GT(noise.log_deviations[i], 0.01);
+      EXPECT_LT(noise.log_deviations[i], 1.0);
+    }
+  }
+}
+
 // The search ends at a maximum: the shape moved in any of its logarithms is
 // less likely; from there it stays.
-TEST(NoiseSearchTest, EndsAtAMaximumAndStays) {
-  const OutputSetup setup = Prepare(
-      {.variance = 0.01, .increment = 1e-4, .shock = 0.02, .pole = 0.7}, 3);
+class NoiseSearchEndTest : public ::testing::TestWithParam<double> {};
+
+TEST_P(NoiseSearchEndTest, IsAMaximumAndStays) {
+  const OutputSetup setup = Prepare({.variance = 0.01,
+                                     .increment = 1e-4,
+                                     .shock = 0.02,
+                                     .pole = 0.7 + 0.2 * GetParam(),
+                                     .lag = GetParam()},
+                                    3);
   const NoiseEstimate noise = Estimate(setup, NoiseEstimate(), true);
   ASSERT_GT(noise.colour_ratio, 0.0);
+  EXPECT_EQ(noise.colour_damping > 0.0, GetParam() > 0.0);
   const NoiseShape shape = ShapeOf(noise);
   const ShapeLikelihood likelihood(*setup.problem, setup.start, {true, true},
                                    shape, /*restricted=*/true);
@@ -81,8 +113,11 @@ TEST(NoiseSearchTest, EndsAtAMaximumAndStays) {
   const NoiseEstimate again = Estimate(setup, noise, false);
   EXPECT_EQ(again.colour_ratio, noise.colour_ratio);
   EXPECT_EQ(again.colour_pole, noise.colour_pole);
+  EXPECT_EQ(again.colour_damping, noise.colour_damping);
   EXPECT_EQ(again.ratio, noise.ratio);
 }
+
+INSTANTIATE_TEST_SUITE_P(Lags, NoiseSearchEndTest, ::testing::Values(0.0, 0.8));
 
 TEST(NoiseSearchTest, ColourIsNotSoughtUnasked) {
   const OutputSetup setup =

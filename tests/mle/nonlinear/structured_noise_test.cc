@@ -36,9 +36,29 @@ std::vector<double> Values(const TransferFunction& element) {
   return {element.StaticGain(), element.TimeConstant(), element.delay()};
 }
 
+// What it is, to the limit.
+NoiseEstimate NoiseOf(const RecordNoise& of) {
+  NoiseEstimate noise = {
+      .variance = of.variance,
+      .ratio = of.increment / of.variance,
+      .offset = of.increment > 0.0 || of.offset != 0.0 || of.shock > 0.0,
+      .colour_ratio = of.shock / of.variance,
+      .colour_pole = of.pole};
+  if (of.lag > 0.0) {
+    const double slow = -1.0 / std::log(of.pole);
+    const double fast = -1.0 / std::log(of.lag);
+    const double natural = std::sqrt(slow * fast);
+    noise.colour_ratio *= (1.0 - of.lag) * (1.0 - of.lag);
+    noise.colour_pole = std::exp(-1.0 / natural);
+    noise.colour_damping = 0.5 * (slow + fast) / natural;
+  }
+  return noise;
+}
+
 struct NoiseCase {
   const char* name;
   RecordNoise noise;
+  int most_alarms = 18;  // of 200 at 5 %
 };
 
 class StructuredNoiseTest : public ::testing::TestWithParam<NoiseCase> {};
@@ -53,11 +73,7 @@ TEST_P(StructuredNoiseTest, IntervalsCoverAndErrorsAreTheLimits) {
     const auto records = MakeRecords(plant, 400, 100 + seed, GetParam().noise);
     const auto correction = Correct(TwoElements(), records);
     named += correction.aged(0, 0) && !correction.aged(0, 1);
-    const NoiseEstimate noise = {
-        .variance = GetParam().noise.variance,
-        .ratio = GetParam().noise.increment / GetParam().noise.variance,
-        .offset =
-            GetParam().noise.increment > 0.0 || GetParam().noise.offset != 0.0};
+    const NoiseEstimate noise = NoiseOf(GetParam().noise);
     const auto limit =
         ComputeStructuredLimit(plant, records, {noise}, StructuredOptions());
     ASSERT_TRUE(limit.ok()) << limit.status();
@@ -102,15 +118,23 @@ TEST_P(StructuredNoiseTest, NoChangeRaisesNoAlarm) {
   }
   // 10 expected; a binomial count of so many lies outside in 1 run of 120.
   EXPECT_GE(alarms, 3);
-  EXPECT_LE(alarms, 18);
+  EXPECT_LE(alarms, GetParam().most_alarms);
 }
 
 INSTANTIATE_TEST_SUITE_P(
     Noise, StructuredNoiseTest,
-    ::testing::Values(NoiseCase{"White", {.variance = 0.01}},
-                      NoiseCase{"Offset", {.variance = 0.01, .offset = 3.0}},
-                      NoiseCase{"Drift",
-                                {.variance = 0.01, .increment = 1e-4}}),
+    ::testing::Values(
+        NoiseCase{"White", {.variance = 0.01}},
+        NoiseCase{"Offset", {.variance = 0.01, .offset = 3.0}},
+        NoiseCase{"Drift", {.variance = 0.01, .increment = 1e-4}},
+        // Of a correlation time of 100 samples, behind the lag of
+        // the first element. In 300 samples that is three times:
+        // not enough to know the shape, and alarms are twice as
+        // frequent as stated (docs/structured.md).
+        NoiseCase{
+            "Load",
+            {.variance = 0.01, .shock = 0.004, .pole = 0.99, .lag = 0.8825},
+            30}),
     [](const auto& test) { return std::string(test.param.name); });
 
 }  // namespace

@@ -40,6 +40,7 @@ struct RecordNoise {
   double offset = 0.0;     // of the outputs
   double shock = 0.0;      // s, of an autoregression of first order
   double pole = 0.0;       // φ
+  double lag = 0.0;        // pole of a lag that it passes; 0: none
   double amplitude = 0.0;  // of a sine
   double period = 1.0;     // in samples
 };
@@ -65,6 +66,7 @@ inline Record MakeRecord(const ProcessModel& plant, int samples, unsigned seed,
   // Random numbers of its own: other noise is the same with and without.
   std::mt19937_64 colour_engine(seed + 1000);
   Eigen::VectorXd colour = Eigen::VectorXd::Zero(p);
+  Eigen::VectorXd lagged = Eigen::VectorXd::Zero(p);
   for (int k = -before; k < samples; ++k) {
     for (int j = 0; j < m; ++j) {
       if (uniform(engine) < 0.02) input(j) = normal(engine);
@@ -75,11 +77,12 @@ inline Record MakeRecord(const ProcessModel& plant, int samples, unsigned seed,
         const double sine = noise.amplitude *
                             std::sin(2.0 * M_PI * k / noise.period + seed + i);
         record.outputs(i, k) = simulated->outputs()(i) + level(i) +
-                               noise.offset + white + colour(i) + sine;
+                               noise.offset + white + lagged(i) + sine;
       }
       if (noise.shock > 0.0) {
         colour(i) = noise.pole * colour(i) +
                     std::sqrt(noise.shock) * normal(colour_engine);
+        lagged(i) = noise.lag * lagged(i) + (1.0 - noise.lag) * colour(i);
       }
       level(i) += std::sqrt(noise.increment) * normal(engine);
     }

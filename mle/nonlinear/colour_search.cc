@@ -1,0 +1,251 @@
+#include "mle/nonlinear/colour_search.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+namespace mle {
+namespace {
+
+// The range of ρ and σ, as logarithms.
+const double kMinLogRatio = std::log(1e-10);
+const double kMaxLogRatio = std::log(1e6);
+
+// −1/ln φ of the fastest colour, in samples: below, it is white.
+constexpr double kShortestMemory = 0.8;
+constexpr double kLongestShare = 1.0 / 3.0;  // of the shortest segment
+constexpr double kSlowestPole = 3.0;  // in shortest segments, behind a lag
+// ζ below is a periodic line.
+constexpr double kLeastDamping = 0.03;
+// The coarse grid: factors of time constants, steps of ln σ.
+constexpr double kMemoryStep = 4.0;
+constexpr double kResonanceStep = 2.5;
+constexpr double kResonanceDamping = 0.25;
+constexpr double kColourStep = 2.5;
+// Of the stationary variance over that of the white part, the least; places of
+// the grid above it.
+constexpr double kLeastColour = 0.02;
+constexpr int kFirstPlace = 1;
+constexpr int kLastPlace = 7;
+constexpr double kGridStep = 1.0;
+constexpr double kLocalStep = 0.25;  // from where it was before
+// A smaller difference of −2 ln L does not count.
+constexpr double kNoGain = 0.01;
+// What the best of the grid must gain for the simplex to be worth it.
+constexpr double kPromise = 3.0;
+constexpr int kMostEvaluations = 150;  // for three parameters
+
+// ln ρ, ln σ, ln 1/ω and ln ζ.
+using LogShape = std::array<double, 4>;
+
+struct Vertex {
+  LogShape x;
+  Profile profile;
+};
+
+bool Better(const Vertex& a, const Vertex& b) {
+  return a.profile.value < b.profile.value;
+}
+
+class ColourSearch {
+ public:
+  ColourSearch(const ShapeLikelihood& likelihood, int order)
+      : likelihood_(likelihood),
+        segment_(likelihood.problem().shortest_segment()),
+        longest_(std::max(kLongestShare * segment_, kShortestMemory)),
+        order_(order) {}
+
+  // The best of the grid: without a walk, and with one as in `walk`. For given
+  // poles −2 ln L has one minimum in σ, which is sought from where the poles
+  // before had theirs.
+  Profile OfGrid(const NoiseShape& walk) const {
+    std::vector<double> ratios = {0.0};
+    if (walk.ratio > 0.0) ratios.push_back(walk.ratio);
+    Profile best;
+    for (const double ratio : ratios) {
+      int place = kFirstPlace;
+      for (NoiseShape shape : order_ == 1 ? FirstOrders() : SecondOrders()) {
+        shape.ratio = ratio;
+        const Profile profile = OfPoles(shape, place);
+        if (profile.value < best.value) best = profile;
+      }
+    }
+    return best;
+  }
+
+  // The simplex from `start`, whose colour is positive, and the end without a
+  // walk.
+  Profile From(const Profile& start, double step) const {
+    std::vector<Vertex> simplex = FirstSimplex(start, step);
+    const int n = order_ + 2;
+    const int most = kMostEvaluations * n / 3;
+    for (int evaluations = n + 1; evaluations < most;) {
+      std::stable_sort(simplex.begin(), simplex.end(), Better);
+      if (simplex.back().profile.value - simplex.front().profile.value <
+          0.1 * kNoGain) {
+        break;
+      }
+      evaluations += Step(simplex);
+    }
+    Profile best =
+        std::min_element(simplex.begin(), simplex.end(), Better)->profile;
+    NoiseShape still = best.shape;
+    still.ratio = 0.0;
+    const Profile without_walk = likelihood_.At(still);
+    return without_walk.value < best.value + kNoGain ? without_walk : best;
+  }
+
+ private:
+  std::vector<NoiseShape> FirstOrders() const {
+    std::vector<NoiseShape> shapes;
+    for (double memory = kShortestMemory; memory <= longest_ * (1.0 + 1e-9);
+         memory *= kMemoryStep) {
+      shapes.push_back({.colour_pole = PoleOf(memory)});
+    }
+    return shapes;
+  }
+
+  // Two real poles, and resonances.
+  std::vector<NoiseShape> SecondOrders() const {
+    std::vector<NoiseShape> shapes;
+    const double fastest = kMemoryStep * kShortestMemory;
+    for (double lag = fastest; lag <= longest_; lag *= kMemoryStep) {
+      for (const double t : {kMemoryStep * lag, kSlowestPole * segment_}) {
+        const double memory = std::sqrt(lag * t);
+        if (memory > longest_) continue;
+        shapes.push_back({.colour_pole = PoleOf(memory),
+                          .colour_damping = 0.5 * (lag + t) / memory});
+      }
+    }
+    for (double memory = kResonanceStep * kShortestMemory; memory <= longest_;
+         memory *= kResonanceStep) {
+      shapes.push_back(
+          {.colour_pole = PoleOf(memory), .colour_damping = kResonanceDamping});
+    }
+    return shapes;
+  }
+
+  // Stationary variances are kLeastColour e^(2.5 place) of the white part's.
+  Profile OfPoles(NoiseShape shape, int& place) const {
+    const double unit = shape.colour().Stationary().aa;
+    const auto at = [&](int i) {
+      shape.colour_ratio = kLeastColour / unit * std::exp(kColourStep * i);
+      return likelihood_.At(shape);
+    };
+    Profile best = at(place);
+    bool moved = false;
+    for (const int direction : {1, -1}) {
+      while (!(direction < 0 && moved) && place + direction >= 0 &&
+             place + direction <= kLastPlace) {
+        const Profile next = at(place + direction);
+        if (!(next.value < best.value)) break;
+        best = next;
+        place += direction;
+        moved = moved || direction > 0;
+      }
+    }
+    return best;
+  }
+
+  Vertex AtLog(LogShape x) const {
+    for (int i = 0; i < 2; ++i) {
+      x[i] = std::clamp(x[i], kMinLogRatio, kMaxLogRatio);
+    }
+    x[2] = std::clamp(x[2], std::log(kShortestMemory), std::log(longest_));
+    const double memory = std::exp(x[2]);
+    NoiseShape shape = {.ratio = std::exp(x[0]),
+                        .colour_ratio = std::exp(x[1]),
+                        .colour_pole = PoleOf(memory)};
+    if (order_ == 2) {
+      // The slow pole's time constant over the natural one, above 1.
+      const double slowest =
+          std::min(kSlowestPole * segment_ / memory, memory / kShortestMemory);
+      const double most = slowest > 1.0 ? 0.5 * (slowest + 1.0 / slowest) : 1.0;
+      x[3] = std::clamp(x[3], std::log(kLeastDamping), std::log(most));
+      shape.colour_damping = std::exp(x[3]);
+    }
+    return {x, likelihood_.At(shape)};
+  }
+
+  std::vector<Vertex> FirstSimplex(const Profile& start, double step) const {
+    const NoiseShape& shape = start.shape;
+    // A walk too small to matter still has a slope.
+    const double ratio = std::max(shape.ratio, 1e-3 * shape.colour_ratio);
+    LogShape x = {std::log(ratio), std::log(shape.colour_ratio),
+                  std::log(MemoryOf(shape.colour_pole)), 0.0};
+    if (order_ == 2) x[3] = std::log(shape.colour_damping);
+    std::vector<Vertex> simplex = {AtLog(x)};
+    for (int i = 0; i < order_ + 2; ++i) {
+      LogShape moved = x;
+      // Away from the longest memory, and towards less of a walk.
+      moved[i] += i == 1 ? step : -step;
+      simplex.push_back(AtLog(moved));
+    }
+    return simplex;
+  }
+
+  // One move of the worst vertex; the evaluations that it takes. Sorted.
+  int Step(std::vector<Vertex>& simplex) const {
+    const int n = order_ + 2;
+    Vertex& worst = simplex[n];
+    const auto along = [&](double factor) {
+      LogShape at = worst.x;
+      for (int i = 0; i < n; ++i) {
+        double centre = 0.0;
+        for (int v = 0; v < n; ++v) centre += simplex[v].x[i];
+        centre /= n;
+        at[i] = centre + factor * (worst.x[i] - centre);
+      }
+      return AtLog(at);
+    };
+    const Vertex reflected = along(-1.0);
+    if (Better(reflected, simplex[0])) {
+      const Vertex expanded = along(-2.0);
+      worst = Better(expanded, reflected) ? expanded : reflected;
+      return 2;
+    }
+    if (Better(reflected, simplex[n - 1])) {
+      worst = reflected;
+      return 1;
+    }
+    const Vertex contracted = along(Better(reflected, worst) ? -0.5 : 0.5);
+    if (Better(contracted, worst) && Better(contracted, reflected)) {
+      worst = contracted;
+      return 2;
+    }
+    for (int v = 1; v <= n; ++v) {
+      for (int i = 0; i < n; ++i) {
+        simplex[v].x[i] = 0.5 * (simplex[v].x[i] + simplex[0].x[i]);
+      }
+      simplex[v] = AtLog(simplex[v].x);
+    }
+    return 2 + n;
+  }
+
+  const ShapeLikelihood& likelihood_;
+  double segment_;
+  double longest_;
+  int order_;
+};
+
+}  // namespace
+
+Profile FindBestColour(const ShapeLikelihood& likelihood, int order,
+                       const Profile& walk) {
+  const ColourSearch search(likelihood, order);
+  const Profile start = search.OfGrid(walk.shape);
+  if (!start.shape.coloured()) return start;
+  if (!(start.value < walk.value - kPromise)) return start;
+  return search.From(start, kGridStep);
+}
+
+Profile ContinueColour(const ShapeLikelihood& likelihood,
+                       const NoiseShape& start) {
+  const Profile former = likelihood.At(start);
+  const Profile moved =
+      ColourSearch(likelihood, start.colour().order()).From(former, kLocalStep);
+  return moved.value < former.value - kNoGain ? moved : former;
+}
+
+}  // namespace mle
