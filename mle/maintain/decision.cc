@@ -259,7 +259,9 @@ Verdict Decide(const Evidence& evidence, const DecisionOptions& options) {
       absl::StrFormat("p = %#.2g for no change", evidence.p_value);
   std::vector<Message> taken;
   std::vector<Message> doubts;
+  verdict.reasons = evidence.doubts;
   for (std::size_t i = 0; i < evidence.outputs.size(); ++i) {
+    if (evidence.outputs[i].undecidable) continue;
     OutputVerdict output =
         DecideOutput(evidence.outputs[i], evidence.nothing_held_out, options);
     verdict.outputs[i] = output.acceptance;
@@ -275,6 +277,8 @@ Verdict Decide(const Evidence& evidence, const DecisionOptions& options) {
          "",
          absl::StrCat("The records differ from the model (", p, ")."),
          {}});
+  } else if (!evidence.doubts.empty()) {
+    verdict.decision = Decision::kCannotTell;
   } else if (evidence.change_proved) {
     verdict.reasons.push_back(
         {MessageCode::kChangeTooSmall,

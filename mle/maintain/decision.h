@@ -4,6 +4,7 @@
 //   evidence about an output                            what is taken of it
 //   nothing proposed                                    kNothing
 //   nothing proposed, but inputs explain residuals      kNothing, doubtful
+//   an input that moves it sticks (`doubts`)            kNothing
 //   windows want different gains                        kNothing, doubtful
 //   proposed, nothing held out                          kNothing, doubtful
 //   a score falls by more than chance                   kNothing, doubtful
@@ -16,7 +17,7 @@
 //   evidence about the plant                            decision
 //   the data forbid it (`obstacles`)                    kCannotTell
 //   something is taken of some output                   kCorrected
-//   some output is doubtful                             kCannotTell
+//   some output is doubtful, or there are `doubts`      kCannotTell
 //   the change proved is below `least_change`           kNoChange
 //   nothing proposed, no pair informed                  kCannotTell
 //   nothing proposed                                    kNoChange
@@ -70,6 +71,8 @@ enum class Acceptance {
 struct OutputEvidence {
   std::string name;
   bool proposed = false;
+  // One of Evidence::doubts is about it: nothing else counts.
+  bool undecidable = false;
   // Inputs explain a part of the residuals (model_adequacy.h), and nothing was
   // estimated to take it up.
   bool unexplained = false;
@@ -98,7 +101,9 @@ struct Evidence {
   std::string detectable;
   std::string nothing_held_out;  // why
   std::vector<OutputEvidence> outputs;
-  // What in the data forbids a correction.
+  // What in the data forbids a correction of the outputs that are undecidable.
+  std::vector<Message> doubts;
+  // What in the data forbids any correction.
   std::vector<Message> obstacles;
 };
 

@@ -135,8 +135,15 @@ Evidence GatherEvidence(const CorrectionResult& result,
   evidence.obstacles = result.data.obstacles;
   evidence.informed = AnyInformed(result.information);
   if (result.options.examine) evidence.detectable = Detectable(result);
+  std::vector<bool> undecidable(result.initial.num_outputs());
+  for (const Finding& finding : result.data.findings) {
+    if (finding.consequence != Consequence::kDoubts) continue;
+    evidence.doubts.push_back(finding.message);
+    for (const int i : finding.outputs) undecidable[i] = true;
+  }
   for (int i = 0; i < result.initial.num_outputs(); ++i) {
     evidence.outputs.push_back(EvidenceOf(result, i));
+    evidence.outputs[i].undecidable = undecidable[i];
     OutputEvidence& output = evidence.outputs.back();
     output.unexplained = unexplained[i];
     if (!result.agreement.empty() && !result.agreement[i].agree()) {

@@ -1,6 +1,7 @@
 // What is wrong with records before anything is fitted: what the data are
 // (compression.h, input_spikes.h, stuck_outputs.h, operation.h), clocks that
-// differ (tag_clocks.h), and operators' mistakes (operator_mistakes.h).
+// differ (tag_clocks.h), inputs that stick (sticking_inputs.h), and operators'
+// mistakes (operator_mistakes.h).
 //
 //   MLE_ASSIGN_OR_RETURN(const std::vector<Finding> findings,
 //                        ExamineRecords(model, ExamineOptions(), records));
@@ -25,10 +26,11 @@ namespace mle {
 enum class Consequence {
   kNote,    // of none
   kRepair,  // the samples concerned are marked as bad, or replaced
+  kDoubts,  // nothing can be said of some outputs
   kBlocks,  // nothing can be said of the plant from these records
 };
 
-// "note", "repair", "blocks".
+// "note", "repair", "doubts", "blocks".
 std::string_view NameOf(Consequence consequence);
 
 struct Finding {
@@ -37,8 +39,10 @@ struct Finding {
   // Times of the first and the last sample concerned.
   double from = 0.0;
   double to = 0.0;
-  // What it is about: a share, a factor, a time, a number of samples.
+  // What it is about: a share, a factor, a time, a width, a number of samples.
   double value = 0.0;
+  // kDoubts: of which nothing can be said.
+  std::vector<int> outputs;
 };
 
 struct ExamineOptions {
@@ -53,6 +57,10 @@ struct ExamineOptions {
   // (tag_clocks.h). A late tag looks like longer dead times, which may be what
   // they seem: someone has to know.
   bool correct_clocks = false;
+
+  // Whether inputs that stick are passed through the play that is found
+  // (sticking_inputs.h). If not, outputs that they move are not decided.
+  bool correct_play = false;
 
   absl::Status Validate() const;
 };

@@ -49,6 +49,8 @@ std::string_view NameOf(MessageCode code) {
       return "clock";
     case MessageCode::kMistake:
       return "mistake";
+    case MessageCode::kSticking:
+      return "sticking_input";
     case MessageCode::kOptimumLoose:
       return "optimum_loose";
     case MessageCode::kAtBound:

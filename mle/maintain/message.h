@@ -33,6 +33,7 @@ enum class MessageCode {
   kManyMoves,    // of a set point, by an optimiser
   kClock,        // time stamps of a tag that are early or late
   kMistake,      // of an operator: tags, signs, units
+  kSticking,     // an input that the plant does not follow where it turns back
   // Fits.
   kOptimumLoose,   // the gradient at the optimum is not small
   kAtBound,        // a parameter lies at the bound of what is searched

@@ -44,6 +44,7 @@ absl::Status Examine(const ProcessModel& model, const ExamineOptions& options,
       case Consequence::kBlocks:
         data.obstacles.push_back(finding.message);
         break;
+      case Consequence::kDoubts:
       case Consequence::kRepair:
         data.warnings.push_back(finding.message);
         break;

@@ -44,7 +44,7 @@ struct RecordData {
   std::vector<SetPointWindow> windows;
   HealthReport health;
   // Of the examination; those that block are obstacles, the others are among
-  // the warnings (repairs) and notes.
+  // the warnings (doubts and repairs) and notes.
   std::vector<Finding> findings;
   std::vector<Message> obstacles;  // what forbids a correction
   // p: outliers that the model found besides (MarkOutliersByModel()).

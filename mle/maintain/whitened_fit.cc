@@ -11,7 +11,6 @@
 namespace mle {
 namespace {
 
-constexpr int kOrder = 12;
 constexpr int kMostRounds = 10;
 constexpr double kConverged = 1e-3;  // of a standard error
 constexpr double kLeastVariance = 1e-8;
@@ -23,7 +22,7 @@ constexpr double kCollinear = 1e-9;
 using Hankel = Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>>;
 
 struct Noise {
-  Eigen::VectorXd filter;  // 1, −φ_1 … −φ_n, latest last
+  Eigen::VectorXd filter;  // −φ_n … −φ_1, 1
   double variance = 0.0;
   double rows = 0.0;
 };
@@ -42,29 +41,29 @@ double SquaresOf(const WhitenedData& data) {
 }
 
 // Autoregression of what the responses leave of the outputs.
-Noise FitNoise(const WhitenedData& data, const Eigen::VectorXd& gains) {
-  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(kOrder + 1, kOrder + 1);
+Noise FitNoise(const WhitenedData& data, const Eigen::VectorXd& gains,
+               int order) {
+  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(order + 1, order + 1);
   Noise noise;
   double samples = 0.0;
   for (std::size_t w = 0; w < data.outputs.size(); ++w) {
     const auto n = data.outputs[w].size();
     samples += static_cast<double>(n);
-    if (n <= 2 * kOrder) continue;
+    if (n <= 2 * order) continue;
     const Eigen::VectorXd rest =
         Centred(data.outputs[w] - data.responses[w] * gains);
-    const Hankel lags(rest.data(), kOrder + 1, n - kOrder,
+    const Hankel lags(rest.data(), order + 1, n - order,
                       Eigen::OuterStride<>(1));
     gram.selfadjointView<Eigen::Lower>().rankUpdate(lags);
-    noise.rows += static_cast<double>(n - kOrder);
+    noise.rows += static_cast<double>(n - order);
   }
   gram.triangularView<Eigen::StrictlyUpper>() = gram.transpose();
   const double ridge = kRidge * gram.trace() + 1e-300;
-  const Eigen::MatrixXd past =
-      gram.topLeftCorner(kOrder, kOrder) +
-      ridge * Eigen::MatrixXd::Identity(kOrder, kOrder);
-  const Eigen::VectorXd present = gram.col(kOrder).head(kOrder);
+  const Eigen::MatrixXd past = gram.topLeftCorner(order, order) +
+                               ridge * Eigen::MatrixXd::Identity(order, order);
+  const Eigen::VectorXd present = gram.col(order).head(order);
   const Eigen::VectorXd phi = past.ldlt().solve(present);
-  noise.filter.resize(kOrder + 1);
+  noise.filter.resize(order + 1);
   noise.filter << -phi, 1.0;
   const double least = kLeastVariance * SquaresOf(data) / samples;
   noise.variance =
@@ -74,15 +73,10 @@ Noise FitNoise(const WhitenedData& data, const Eigen::VectorXd& gains) {
   return noise;
 }
 
+Eigen::Index OrderOf(const Noise& noise) { return noise.filter.size() - 1; }
+
 double LogLikelihood(const Noise& noise) {
   return -0.5 * noise.rows * std::log(noise.variance);
-}
-
-Eigen::VectorXd Filter(const Eigen::VectorXd& filter,
-                       const Eigen::VectorXd& values) {
-  const Hankel lags(values.data(), kOrder + 1, values.size() - kOrder,
-                    Eigen::OuterStride<>(1));
-  return Centred(lags.transpose() * filter);
 }
 
 // Least squares of whitened outputs on whitened responses.
@@ -91,12 +85,12 @@ void FitGains(const WhitenedData& data, const Noise& noise, WhitenedFit& fit) {
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(m, m);
   Eigen::VectorXd products = Eigen::VectorXd::Zero(m);
   for (std::size_t w = 0; w < data.outputs.size(); ++w) {
-    if (data.outputs[w].size() <= 2 * kOrder) continue;
-    const Eigen::VectorXd rest =
-        Filter(noise.filter, data.outputs[w] - data.responses[w] * fit.gains);
+    if (data.outputs[w].size() <= 2 * OrderOf(noise)) continue;
+    const Eigen::VectorXd rest = ApplyFilter(
+        noise.filter, data.outputs[w] - data.responses[w] * fit.gains);
     Eigen::MatrixXd responses(rest.size(), m);
     for (Eigen::Index j = 0; j < m; ++j) {
-      responses.col(j) = Filter(noise.filter, data.responses[w].col(j));
+      responses.col(j) = ApplyFilter(noise.filter, data.responses[w].col(j));
     }
     gram += responses.transpose() * responses;
     products += responses.transpose() * rest;
@@ -141,37 +135,51 @@ WhitenedData BlockMeans(const WhitenedData& data, int length) {
 
 double WhitenedLogLikelihood(const WhitenedData& data,
                              const Eigen::VectorXd& gains) {
-  return LogLikelihood(FitNoise(data, gains));
+  return LogLikelihood(FitNoise(data, gains, kWhitenedOrder));
 }
 
 WhitenedData Whiten(const WhitenedData& data, const Eigen::VectorXd& gains) {
-  const Noise noise = FitNoise(data, gains);
+  const Noise noise = FitNoise(data, gains, kWhitenedOrder);
   WhitenedData whitened;
   for (std::size_t w = 0; w < data.outputs.size(); ++w) {
-    const Eigen::Index n = data.outputs[w].size() > 2 * kOrder
-                               ? data.outputs[w].size() - kOrder
+    const Eigen::Index n = data.outputs[w].size() > 2 * OrderOf(noise)
+                               ? data.outputs[w].size() - OrderOf(noise)
                                : 0;
     Eigen::VectorXd& output = whitened.outputs.emplace_back(n);
     Eigen::MatrixXd& responses =
         whitened.responses.emplace_back(n, data.responses[w].cols());
     if (n == 0) continue;
-    output = Filter(noise.filter, data.outputs[w]);
+    output = ApplyFilter(noise.filter, data.outputs[w]);
     for (Eigen::Index j = 0; j < responses.cols(); ++j) {
-      responses.col(j) = Filter(noise.filter, data.responses[w].col(j));
+      responses.col(j) = ApplyFilter(noise.filter, data.responses[w].col(j));
     }
   }
   return whitened;
 }
 
-WhitenedFit FitWhitenedGains(const WhitenedData& data, Eigen::VectorXd start) {
+Eigen::VectorXd WhiteningFilter(const WhitenedData& data,
+                                const Eigen::VectorXd& gains, int order) {
+  return FitNoise(data, gains, order).filter;
+}
+
+Eigen::VectorXd ApplyFilter(const Eigen::VectorXd& filter,
+                            const Eigen::VectorXd& values) {
+  const Eigen::Index order = filter.size() - 1;
+  const Hankel lags(values.data(), order + 1, values.size() - order,
+                    Eigen::OuterStride<>(1));
+  return Centred(lags.transpose() * filter);
+}
+
+WhitenedFit FitWhitenedGains(const WhitenedData& data, Eigen::VectorXd start,
+                             int order) {
   WhitenedFit fit;
   fit.gains = std::move(start);
   fit.errors = Eigen::VectorXd::Zero(fit.gains.size());
-  Noise noise = FitNoise(data, fit.gains);
+  Noise noise = FitNoise(data, fit.gains, order);
   for (int round = 0; round < kMostRounds; ++round) {
     const Eigen::VectorXd before = fit.gains;
     FitGains(data, noise, fit);
-    noise = FitNoise(data, fit.gains);
+    noise = FitNoise(data, fit.gains, order);
     const bool converged =
         ((fit.gains - before).array().abs() <= kConverged * fit.errors.array())
             .all();

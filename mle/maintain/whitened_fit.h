@@ -2,11 +2,11 @@
 //
 //   y_k = Σ_j a_j c_jk + w_k,   w_k = b + Σ_{l=1..n} φ_l w_{k−l} + e_k,
 //
-// with an autoregression of order n = 12 for drifts, coloured noise and
-// periods. The likelihood is that of the innovations e, in which feedback does
-// no harm: a controller that answers w moves the inputs later than e. By
-// generalised least squares, φ and a in turn; the offset b is each window's
-// own.
+// with an autoregression of order n, 12 if nothing else is said, for drifts,
+// coloured noise and periods. The likelihood is that of the innovations e, in
+// which feedback does no harm: a controller that answers w moves the inputs
+// later than e. By generalised least squares, φ and a in turn; the offset b is
+// each window's own.
 
 #ifndef MLE_MAINTAIN_WHITENED_FIT_H_
 #define MLE_MAINTAIN_WHITENED_FIT_H_
@@ -16,6 +16,8 @@
 #include "Eigen/Core"
 
 namespace mle {
+
+constexpr int kWhitenedOrder = 12;
 
 // One output in all windows; without gaps.
 struct WhitenedData {
@@ -42,7 +44,17 @@ double WhitenedLogLikelihood(const WhitenedData& data,
 // to 2n samples are empty.
 WhitenedData Whiten(const WhitenedData& data, const Eigen::VectorXd& gains);
 
-WhitenedFit FitWhitenedGains(const WhitenedData& data, Eigen::VectorXd start);
+// `order` is n ≥ 1.
+WhitenedFit FitWhitenedGains(const WhitenedData& data, Eigen::VectorXd start,
+                             int order = kWhitenedOrder);
+
+// −φ_n … −φ_1, 1 (n + 1) of what the responses leave at gains a.
+Eigen::VectorXd WhiteningFilter(const WhitenedData& data,
+                                const Eigen::VectorXd& gains, int order);
+
+// The series of a window through such a filter, less its mean: N − n samples.
+Eigen::VectorXd ApplyFilter(const Eigen::VectorXd& filter,
+                            const Eigen::VectorXd& values);
 
 }  // namespace mle
 

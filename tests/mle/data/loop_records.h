@@ -32,8 +32,14 @@ struct LoopOptions {
   double noise = 0.02;
   // Standard deviation of an output's random walk, for each sample.
   double walk = 0.0;
+  // Standard deviation of an output's first-order coloured disturbance, and its
+  // factor from sample to sample.
+  double coloured = 0.0;
+  double memory = 0.9;
   int period = 5;  // of the controller, in samples
   unsigned seed = 1;
+  // Between the inputs recorded and those that act on the plant.
+  Eigen::Vector2d play = Eigen::Vector2d::Zero();
 };
 
 // Integral control of the plant by the inverse of its gains, so slow that it is
@@ -45,6 +51,7 @@ inline Record LoopRecord(const ProcessModel& plant, const LoopOptions& options,
   constexpr double kResetTime = 60.0;
   std::mt19937_64 engine(options.seed);
   std::normal_distribution<double> normal;
+  std::mt19937_64 coloured_engine(options.seed + 1000000);
   ProcessSimulator simulator = *ProcessSimulator::Create(plant, kSampleTime);
   const Eigen::Matrix2d inverse = controller_gains.inverse();
   Record record;
@@ -55,6 +62,10 @@ inline Record LoopRecord(const ProcessModel& plant, const LoopOptions& options,
   Eigen::Vector2d integral = Eigen::Vector2d::Zero();
   Eigen::Vector2d input = Eigen::Vector2d::Zero();
   Eigen::Vector2d walk = Eigen::Vector2d::Zero();
+  Eigen::Vector2d coloured = Eigen::Vector2d::Zero();
+  Eigen::Vector2d valve = Eigen::Vector2d::Zero();
+  const double fresh =
+      options.coloured * std::sqrt(1.0 - options.memory * options.memory);
   for (int k = 0; k < options.samples; ++k) {
     const int part = k / 500;
     const Eigen::Vector2d set_point((part + 1) / 2 % 2, part / 2 % 2);
@@ -62,6 +73,11 @@ inline Record LoopRecord(const ProcessModel& plant, const LoopOptions& options,
       walk(i) += options.walk * normal(engine);
       record.outputs(i, k) =
           simulator.outputs()(i) + walk(i) + options.noise * normal(engine);
+      if (options.coloured > 0.0) {
+        coloured(i) =
+            options.memory * coloured(i) + fresh * normal(coloured_engine);
+        record.outputs(i, k) += coloured(i);
+      }
     }
     if (k % options.period == 0) {
       const Eigen::Vector2d error = set_point - record.outputs.col(k);
@@ -70,7 +86,9 @@ inline Record LoopRecord(const ProcessModel& plant, const LoopOptions& options,
     }
     record.set_points.col(k) = set_point;
     record.inputs.col(k) = input;
-    simulator.Advance(input);
+    valve = valve.cwiseMax(input - options.play / 2.0)
+                .cwiseMin(input + options.play / 2.0);
+    simulator.Advance(valve);
   }
   return record;
 }

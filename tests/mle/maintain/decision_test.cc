@@ -149,6 +149,25 @@ TEST(DecisionTest, ResidualsThatInputsExplainAreNotNoChange) {
   EXPECT_TRUE(Says(Decide(evidence, {}), MessageCode::kStructureDoubtful));
 }
 
+TEST(DecisionTest, OutputsOfAnInputThatSticksAreNotDecided) {
+  Evidence evidence = Of({Output(kGood), OutputEvidence()});
+  evidence.outputs[0].undecidable = true;
+  evidence.outputs[1].name = "F";
+  evidence.doubts = {{MessageCode::kSticking, "u", "The valve of u …", {}}};
+  const Verdict verdict = Decide(evidence, {});
+  EXPECT_EQ(verdict.decision, Decision::kCannotTell);
+  EXPECT_EQ(verdict.outputs[0], Acceptance::kNothing);
+  EXPECT_EQ(verdict.reasons.front().code, MessageCode::kSticking);
+  EXPECT_FALSE(Says(verdict, MessageCode::kPredictsBetter));
+  // Others are, and the doubt is still said first.
+  evidence.outputs[1] = Output(kGood);
+  const Verdict other = Decide(evidence, {});
+  EXPECT_EQ(other.decision, Decision::kCorrected);
+  EXPECT_EQ(other.outputs[0], Acceptance::kNothing);
+  EXPECT_EQ(other.outputs[1], Acceptance::kProposal);
+  EXPECT_EQ(other.reasons.front().code, MessageCode::kSticking);
+}
+
 TEST(DecisionTest, WindowsThatWantDifferentGainsAreDoubt) {
   OutputEvidence output = Output(kGood);
   output.disagreement = "The responses of T follow time.";

@@ -62,6 +62,36 @@ TEST(ExamineRecordsTest, ClocksAreCorrectedWhereAsked) {
   EXPECT_TRUE(Examine(record).empty());
 }
 
+TEST(ExamineRecordsTest, InputsThatStickAreDoubtOrPassedThroughTheirPlay) {
+  const Record sticking = LoopRecord({.play = Eigen::Vector2d(0.1, 0.0)});
+  Record record = sticking;
+  std::vector<Finding> findings = Examine(record);
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].message.code, MessageCode::kSticking);
+  EXPECT_EQ(findings[0].message.place, "u1");
+  EXPECT_EQ(findings[0].consequence, Consequence::kDoubts);
+  EXPECT_NEAR(findings[0].value, 0.1, 0.02);
+  EXPECT_EQ(findings[0].outputs, (std::vector<int>{0, 1}));
+  EXPECT_EQ(record.inputs, sticking.inputs);
+  CorrectOptions structured;
+  structured.estimation.estimator = Estimator::kStructured;
+  structured.make_arx = false;
+  const auto result = CorrectFromRecords(LoopModel(), {sticking}, structured);
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_EQ(result->decision, Decision::kCannotTell);
+  EXPECT_EQ(result->reasons.front().code, MessageCode::kSticking);
+  ExamineOptions options;
+  options.correct_play = true;
+  findings = Examine(record, options);
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].consequence, Consequence::kRepair);
+  EXPECT_NE(record.inputs, sticking.inputs);
+  for (const Finding& finding : Examine(record)) {
+    EXPECT_NE(finding.message.code, MessageCode::kSticking)
+        << finding.message.text;
+  }
+}
+
 TEST(ExamineRecordsTest, SetPointsUnderEachOthersTagsAreTakenSo) {
   for (unsigned seed = 1; seed <= 3; ++seed) {
     const Record right = LoopRecord({.walk = 0.002, .seed = seed});

@@ -1,0 +1,386 @@
+#include "mle/maintain/play_regression.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+#include "Eigen/QR"
+#include "mle/base/status.h"
+#include "mle/model/process_simulator.h"
+
+namespace mle {
+namespace {
+
+constexpr int kOrder = 24;
+constexpr int kFilters = 6;
+constexpr double kLeastDegrees = 100.0;
+constexpr double kOutlier = 5.0;  // robust standard deviations
+constexpr std::array<double, 5> kDrifts = {0.0, 0.01, 0.03, 0.1, 0.3};
+constexpr double kCollinear = 1e-7;
+constexpr std::array<double, 13> kWidths = {0.01, 0.015, 0.02, 0.03, 0.04,
+                                            0.06, 0.08,  0.11, 0.15, 0.2,
+                                            0.27, 0.36,  0.5};
+
+// `samples` later, or earlier if negative.
+Eigen::VectorXd Shifted(const Eigen::VectorXd& values, int samples) {
+  const auto n = static_cast<int>(values.size());
+  Eigen::VectorXd shifted(n);
+  for (int k = 0; k < n; ++k) {
+    shifted(k) = values(std::clamp(k - samples, 0, n - 1));
+  }
+  return shifted;
+}
+
+// Through a first-order lag of `time` samples, settled at the first value.
+Eigen::VectorXd Lagged(const Eigen::VectorXd& values, double time) {
+  const double share = -std::expm1(-1.0 / time);
+  Eigen::VectorXd lagged(values.size());
+  double state = values(0);
+  for (Eigen::Index k = 0; k < values.size(); ++k) {
+    state += share * (values(k) - state);
+    lagged(k) = state;
+  }
+  return lagged;
+}
+
+// F_c of what an element makes of its input.
+std::array<Eigen::VectorXd, kFilters> Filtered(const TransferFunction& element,
+                                               double sample_time,
+                                               const Eigen::VectorXd& values) {
+  const auto delay = static_cast<int>(element.delay() / sample_time);
+  const double time =
+      std::max(2.0, element.SlowestTimeConstant() / sample_time);
+  return {values,
+          Shifted(values, -delay),
+          Shifted(values, -(delay / 2)),
+          Lagged(values, time / 8.0 + 1.0),
+          Lagged(values, time / 2.0),
+          Lagged(values, 2.0 * time)};
+}
+
+// The innovations of drift upon white noise.
+Eigen::VectorXd WithoutDrift(const Eigen::VectorXd& values, double share) {
+  Eigen::VectorXd rest(values.size());
+  double level = values(0);
+  for (Eigen::Index k = 0; k < values.size(); ++k) {
+    rest(k) = values(k) - level;
+    level += share * rest(k);
+  }
+  return rest;
+}
+
+WhitenedData WithoutDrift(WhitenedData data, double share) {
+  for (std::size_t w = 0; w < data.outputs.size(); ++w) {
+    data.outputs[w] = WithoutDrift(data.outputs[w], share);
+    for (Eigen::Index c = 0; c < data.responses[w].cols(); ++c) {
+      data.responses[w].col(c) = WithoutDrift(data.responses[w].col(c), share);
+    }
+  }
+  return data;
+}
+
+// A series of all parts, one after the other, through the filter.
+Eigen::VectorXd Whitened(const Eigen::VectorXd& filter,
+                         const std::vector<Eigen::VectorXd>& series) {
+  const Eigen::Index order = filter.size() - 1;
+  Eigen::Index rows = 0;
+  for (const Eigen::VectorXd& part : series) rows += part.size() - order;
+  Eigen::VectorXd whitened(rows);
+  Eigen::Index at = 0;
+  for (const Eigen::VectorXd& part : series) {
+    whitened.segment(at, part.size() - order) = ApplyFilter(filter, part);
+    at += part.size() - order;
+  }
+  return whitened;
+}
+
+std::vector<Eigen::VectorXd> ColumnOf(
+    const std::vector<Eigen::MatrixXd>& matrices, Eigen::Index column) {
+  std::vector<Eigen::VectorXd> series;
+  for (const Eigen::MatrixXd& matrix : matrices) {
+    series.emplace_back(matrix.col(column));
+  }
+  return series;
+}
+
+// Whitened columns of unit length; rows that are not used are zero.
+Eigen::MatrixXd WhitenedColumns(const WhitenedData& data,
+                                const Eigen::VectorXd& filter,
+                                const Eigen::VectorXd& used) {
+  Eigen::MatrixXd columns(used.size(), data.responses.front().cols());
+  for (Eigen::Index c = 0; c < columns.cols(); ++c) {
+    columns.col(c) =
+        Whitened(filter, ColumnOf(data.responses, c)).cwiseProduct(used);
+    const double norm = columns.col(c).norm();
+    if (norm > 0.0) columns.col(c) /= norm;
+  }
+  return columns;
+}
+
+double MedianSize(const Eigen::VectorXd& values) {
+  Eigen::VectorXd sizes = values.cwiseAbs();
+  double* const middle = sizes.data() + sizes.size() / 2;
+  std::nth_element(sizes.data(), middle, sizes.data() + sizes.size());
+  return *middle;
+}
+
+}  // namespace
+
+Eigen::RowVectorXd PassThroughPlay(const Eigen::RowVectorXd& input,
+                                   double width) {
+  Eigen::RowVectorXd valve(input.size());
+  double at = input.size() > 0 ? input(0) : 0.0;
+  for (Eigen::Index k = 0; k < input.size(); ++k) {
+    at = std::clamp(at, input(k) - width / 2.0, input(k) + width / 2.0);
+    valve(k) = at;
+  }
+  return valve;
+}
+
+absl::StatusOr<PlayRegression> PlayRegression::Create(
+    const ProcessModel& model, const std::vector<Record>& parts,
+    const std::vector<Eigen::MatrixXd>& bad) {
+  const int p = model.num_outputs();
+  const int m = model.num_inputs();
+  PlayRegression regression;
+  regression.parts_ = &parts;
+  regression.bad_ = &bad;
+  regression.model_ = model;
+  regression.ranges_.resize(m);
+  for (int j = 0; j < m; ++j) {
+    ProcessModel column("column", model.time_unit(), {model.inputs()[j]},
+                        model.outputs());
+    for (int i = 0; i < p; ++i) column.element(i, 0) = model.element(i, j);
+    regression.columns_.push_back(std::move(column));
+    double low = parts.front().inputs(j, 0);
+    double high = low;
+    for (const Record& part : parts) {
+      low = std::min(low, part.inputs.row(j).minCoeff());
+      high = std::max(high, part.inputs.row(j).maxCoeff());
+    }
+    regression.ranges_(j) = high - low;
+  }
+  regression.widths_ = Eigen::VectorXd::Constant(m, -1.0);
+  regression.responses_.resize(m);
+  regression.outputs_.resize(p);
+  MLE_RETURN_IF_ERROR(regression.SetWidths(Eigen::VectorXd::Zero(m)));
+  return regression;
+}
+
+bool PlayRegression::empty() const {
+  return std::none_of(outputs_.begin(), outputs_.end(),
+                      [](const OutputState& output) {
+                        return output.degrees >= kLeastDegrees;
+                      });
+}
+
+bool PlayRegression::IsUsed(int output, int input) const {
+  return outputs_[output].degrees >= kLeastDegrees &&
+         !model_.element(output, input).IsZero();
+}
+
+absl::StatusOr<std::vector<Eigen::MatrixXd>> PlayRegression::Simulate(
+    int input, const std::vector<Eigen::RowVectorXd>& moves) const {
+  std::vector<Eigen::MatrixXd> responses;
+  for (std::size_t w = 0; w < moves.size(); ++w) {
+    MLE_ASSIGN_OR_RETURN(
+        const Eigen::MatrixXd outputs,
+        SimulateResponse(columns_[input], (*parts_)[w].sample_time, moves[w]));
+    responses.emplace_back(outputs.transpose());
+  }
+  return responses;
+}
+
+absl::StatusOr<PlayRegression::Responses> PlayRegression::RespondTo(
+    int input, double width) const {
+  std::vector<Eigen::RowVectorXd> moves;
+  std::vector<Eigen::RowVectorXd> squares;
+  const double range = ranges_(input) > 0.0 ? ranges_(input) : 1.0;
+  for (const Record& part : *parts_) {
+    moves.push_back(PassThroughPlay(part.inputs.row(input), width));
+    squares.emplace_back((moves.back().array() - moves.back().mean()).square() /
+                         range);
+  }
+  Responses responses;
+  MLE_ASSIGN_OR_RETURN(responses.linear, Simulate(input, moves));
+  MLE_ASSIGN_OR_RETURN(responses.square, Simulate(input, squares));
+  return responses;
+}
+
+WhitenedData PlayRegression::DataOf(
+    int output, const std::vector<Responses>& responses) const {
+  WhitenedData data;
+  const double sample_time = parts_->front().sample_time;
+  for (std::size_t w = 0; w < parts_->size(); ++w) {
+    data.outputs.emplace_back((*parts_)[w].outputs.row(output).transpose());
+    Eigen::MatrixXd& columns = data.responses.emplace_back(
+        (*parts_)[w].samples(), (kFilters + 1) * model_.num_inputs());
+    Eigen::Index at = 0;
+    for (int j = 0; j < model_.num_inputs(); ++j) {
+      for (const Eigen::VectorXd& column :
+           Filtered(model_.element(output, j), sample_time,
+                    responses[j].linear[w].col(output))) {
+        columns.col(at++) = column;
+      }
+      columns.col(at++) = responses[j].square[w].col(output);
+    }
+  }
+  return data;
+}
+
+Eigen::VectorXd PlayRegression::UsedRows(
+    int output, int order, const Eigen::VectorXd& innovations) const {
+  const double limit = kOutlier * 1.4826 * MedianSize(innovations);
+  Eigen::VectorXd used = Eigen::VectorXd::Ones(innovations.size());
+  Eigen::Index at = 0;
+  for (const Eigen::MatrixXd& bad : *bad_) {
+    const Eigen::Index rows = bad.cols() - order;
+    // A row needs its own sample and `order` before.
+    Eigen::Index good_from = 0;
+    for (Eigen::Index k = 0; k < bad.cols(); ++k) {
+      if (bad(output, k) != 0.0) good_from = k + order + 1;
+      if (k < order) continue;
+      if (std::abs(innovations(at + k - order)) > limit) {
+        good_from = k + order + 1;
+      }
+      if (k < good_from) used(at + k - order) = 0.0;
+    }
+    at += rows;
+  }
+  return used;
+}
+
+void PlayRegression::Fit(int output, OutputState& state) const {
+  const WhitenedData with_drift = DataOf(output, responses_);
+  const int m = model_.num_inputs();
+  Eigen::VectorXd start = Eigen::VectorXd::Zero((kFilters + 1) * m);
+  for (int j = 0; j < m; ++j) start((kFilters + 1) * j) = 1.0;
+  WhitenedData data;
+  WhitenedFit fit;
+  for (const double drift : kDrifts) {
+    WhitenedData tried = WithoutDrift(with_drift, drift);
+    WhitenedFit fit_tried = FitWhitenedGains(tried, start, kOrder);
+    if (drift > 0.0 && fit_tried.log_likelihood <= fit.log_likelihood) continue;
+    state.drift = drift;
+    data = std::move(tried);
+    fit = std::move(fit_tried);
+  }
+  state.filter = WhiteningFilter(data, fit.gains, kOrder);
+  state.gains.resize(m);
+  for (int j = 0; j < m; ++j) {
+    state.gains(j) = fit.gains.segment((kFilters + 1) * j, kFilters).sum();
+  }
+  const Eigen::VectorXd whitened = Whitened(state.filter, data.outputs);
+  std::vector<Eigen::VectorXd> rest;
+  for (std::size_t w = 0; w < data.outputs.size(); ++w) {
+    rest.emplace_back(data.outputs[w] - data.responses[w] * fit.gains);
+  }
+  state.used = UsedRows(output, kOrder, Whitened(state.filter, rest));
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr;
+  qr.setThreshold(kCollinear);
+  qr.compute(WhitenedColumns(data, state.filter, state.used));
+  const Eigen::Index rank = qr.rank();
+  state.basis =
+      qr.householderQ() * Eigen::MatrixXd::Identity(whitened.size(), rank);
+  state.residual = whitened.cwiseProduct(state.used);
+  state.residual -= state.basis * (state.basis.transpose() * state.residual);
+  state.degrees = state.used.sum() - static_cast<double>(rank) - kOrder;
+  state.variance = std::max(
+      state.residual.squaredNorm() / std::max(state.degrees, 1.0), 1e-300);
+}
+
+absl::Status PlayRegression::SetWidths(const Eigen::VectorXd& widths) {
+  for (int j = 0; j < model_.num_inputs(); ++j) {
+    if (widths(j) == widths_(j)) continue;
+    MLE_ASSIGN_OR_RETURN(responses_[j], RespondTo(j, widths(j)));
+  }
+  widths_ = widths;
+  for (int i = 0; i < model_.num_outputs(); ++i) Fit(i, outputs_[i]);
+  return absl::OkStatus();
+}
+
+absl::StatusOr<PlayScore> PlayRegression::Score(int input) const {
+  PlayScore best{.width = widths_(input), .nats = 0.0, .factor = 1.0};
+  if (!(ranges_(input) > 0.0)) return best;
+  for (const double share : kWidths) {
+    const double width = share * ranges_(input);
+    std::vector<Eigen::RowVectorXd> moves;
+    for (const Record& part : *parts_) {
+      const Eigen::RowVectorXd asked = part.inputs.row(input);
+      moves.emplace_back(PassThroughPlay(asked, width) -
+                         PassThroughPlay(asked, widths_(input)));
+    }
+    MLE_ASSIGN_OR_RETURN(const std::vector<Eigen::MatrixXd> responses,
+                         Simulate(input, moves));
+    double product = 0.0;
+    double size = 0.0;
+    for (int i = 0; i < model_.num_outputs(); ++i) {
+      if (!IsUsed(i, input)) continue;
+      const OutputState& state = outputs_[i];
+      std::vector<Eigen::VectorXd> series = ColumnOf(responses, i);
+      for (Eigen::VectorXd& part : series) {
+        part = WithoutDrift(part, state.drift);
+      }
+      Eigen::VectorXd difference =
+          Whitened(state.filter, series).cwiseProduct(state.used);
+      difference -= state.basis * (state.basis.transpose() * difference);
+      const double gain = state.gains(input);
+      product += gain * difference.dot(state.residual) / state.variance;
+      size += gain * gain * difference.squaredNorm() / state.variance;
+    }
+    if (size > 0.0 && product - size / 2.0 > best.nats) {
+      best = {width, product - size / 2.0, product / size};
+    }
+  }
+  return best;
+}
+
+absl::StatusOr<double> PlayRegression::LogLikelihood(
+    const Eigen::VectorXd& widths) const {
+  std::vector<Responses> responses = responses_;
+  for (int j = 0; j < model_.num_inputs(); ++j) {
+    if (widths(j) == widths_(j)) continue;
+    MLE_ASSIGN_OR_RETURN(responses[j], RespondTo(j, widths(j)));
+  }
+  double sum = 0.0;
+  for (int i = 0; i < model_.num_outputs(); ++i) {
+    const OutputState& state = outputs_[i];
+    if (state.degrees < kLeastDegrees) continue;
+    sum -= 0.5 * state.degrees * std::log(Squares(i, responses, state.used));
+  }
+  return sum;
+}
+
+double PlayRegression::GainOver(const PlayRegression& other) const {
+  double gain = 0.0;
+  for (int i = 0; i < model_.num_outputs(); ++i) {
+    const Eigen::VectorXd used =
+        outputs_[i].used.cwiseProduct(other.outputs_[i].used);
+    const double degrees =
+        used.sum() - static_cast<double>(outputs_[i].basis.cols()) - kOrder;
+    if (degrees < kLeastDegrees) continue;
+    gain += 0.5 * degrees *
+            std::log(other.Squares(i, other.responses_, used) /
+                     Squares(i, responses_, used));
+  }
+  return gain;
+}
+
+double PlayRegression::Squares(int output,
+                               const std::vector<Responses>& responses,
+                               const Eigen::VectorXd& used) const {
+  const OutputState& state = outputs_[output];
+  const WhitenedData data =
+      WithoutDrift(DataOf(output, responses), state.drift);
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr;
+  qr.setThreshold(kCollinear);
+  qr.compute(WhitenedColumns(data, state.filter, used));
+  Eigen::VectorXd rest =
+      Whitened(state.filter, data.outputs).cwiseProduct(used);
+  rest.applyOnTheLeft(qr.householderQ().adjoint());
+  return rest.tail(rest.size() - qr.rank()).squaredNorm() + 1e-300;
+}
+
+}  // namespace mle
