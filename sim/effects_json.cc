@@ -303,16 +303,21 @@ absl::StatusOr<Effects> ParseEffects(std::string_view json,
                                      const ProcessModel& model) {
   MLE_ASSIGN_OR_RETURN(const nlohmann::json parsed,
                        ParseStrictJson(json, source));
-  const JsonNode top(parsed, std::string(source));
-  MLE_RETURN_IF_ERROR(top.CheckKeys({}, {"outputs", "inputs"}));
+  return ParseEffects(JsonNode(parsed, std::string(source)), model);
+}
+
+absl::StatusOr<Effects> ParseEffects(const JsonNode& node,
+                                     const ProcessModel& model) {
+  MLE_RETURN_IF_ERROR(node.CheckKeys({}, {"outputs", "inputs"}));
   Effects effects;
-  MLE_RETURN_IF_ERROR(ReadChannels(top, "outputs", model.outputs(),
-                                   [&](const JsonNode& node, int output) {
-                                     return ReadOutput(node, output, effects);
+  MLE_RETURN_IF_ERROR(ReadChannels(node, "outputs", model.outputs(),
+                                   [&](const JsonNode& channel, int output) {
+                                     return ReadOutput(channel, output,
+                                                       effects);
                                    }));
   MLE_RETURN_IF_ERROR(ReadChannels(
-      top, "inputs", model.inputs(), [&](const JsonNode& node, int input) {
-        return ReadInput(node, input, model, effects);
+      node, "inputs", model.inputs(), [&](const JsonNode& channel, int input) {
+        return ReadInput(channel, input, model, effects);
       }));
   return effects;
 }

@@ -40,6 +40,10 @@
 #include "sim/sensor.h"
 #include "sim/set_point_profile.h"
 
+namespace mle {
+class JsonNode;
+}
+
 namespace mle::sim {
 
 struct OptimiserOptions {
@@ -72,6 +76,9 @@ struct Effects {
 // place.
 absl::StatusOr<Effects> ParseEffects(std::string_view json,
                                      std::string_view source,
+                                     const ProcessModel& model);
+// What stands somewhere in another file; messages name the place.
+absl::StatusOr<Effects> ParseEffects(const JsonNode& node,
                                      const ProcessModel& model);
 absl::StatusOr<Effects> ReadEffects(const std::string& path,
                                     const ProcessModel& model);

@@ -24,13 +24,7 @@ absl::Status ExpandWeight(const char* name, int channels,
 
 // A model of so many channels that is easy to control, to check options with.
 ProcessModel StandIn(const RandomPlants& plants) {
-  std::vector<InputChannel> inputs(plants.inputs);
-  std::vector<OutputChannel> outputs(plants.outputs);
-  for (int j = 0; j < plants.inputs; ++j) inputs[j].name = absl::StrCat("u", j);
-  for (int i = 0; i < plants.outputs; ++i) {
-    outputs[i].name = absl::StrCat("y", i);
-  }
-  ProcessModel model("stand-in", "min", inputs, outputs);
+  ProcessModel model = ChannelsOf(plants);
   for (int i = 0; i < plants.outputs; ++i) {
     for (int j = 0; j < plants.inputs; ++j) {
       model.element(i, j) = TransferFunction::FirstOrder(
@@ -138,7 +132,23 @@ absl::StatusOr<ExperimentOptions> OptionsOf(const Campaign& campaign,
     options.conditions.output_disturbance.drift_variance =
         Eigen::VectorXd::Constant(outputs, drift);
   }
+  const std::vector<sim::Effects>& effects =
+      campaign.effects[scenario.effects].of_models;
+  if (!effects.empty()) options.effects = effects[scenario.model];
   return options;
+}
+
+ProcessModel ChannelsOf(const RandomPlants& plants) {
+  std::vector<InputChannel> inputs(plants.inputs);
+  std::vector<OutputChannel> outputs(plants.outputs);
+  for (int j = 0; j < plants.inputs; ++j) {
+    inputs[j].name = absl::StrCat("u", j + 1);
+  }
+  for (int i = 0; i < plants.outputs; ++i) {
+    outputs[i].name = absl::StrCat("y", i + 1);
+  }
+  return ProcessModel("drawn at random", "min", std::move(inputs),
+                      std::move(outputs));
 }
 
 absl::Status CheckScenarios(const Campaign& campaign) {

@@ -3,7 +3,8 @@
 // docs/formats.md).
 //
 //   run = (scenario, method, seed),
-//   scenario = (model, noise, ablation, drift, controller, windows, mismatch),
+//   scenario = (model, noise, ablation, drift, effects, controller, windows,
+//               mismatch),
 //   method = (estimator, selection rule, solver).
 //
 // Every axis of the grid is a list; the campaign is their product. All runs of
@@ -26,6 +27,7 @@
 #include "mle/correction/selection.h"
 #include "mle/model/process_model.h"
 #include "mle/regression/lasso_solver.h"
+#include "sim/effects_json.h"
 
 namespace mle::experiment {
 
@@ -90,6 +92,14 @@ struct ControllerSpec {
   control::MpcOptions mpc;
 };
 
+// What a plant and its historian do to records (sim/effects_json.h). Times
+// count from the begin of each run.
+struct EffectsSpec {
+  std::string name = "none";
+  // Of each of the campaign's models, as their channels are; empty: none.
+  std::vector<sim::Effects> of_models;
+};
+
 struct SelectionSpec {
   std::string name;
   SelectionOptions options;
@@ -110,6 +120,7 @@ struct Campaign {
   std::vector<double> noise_variances = {0.001};
   std::vector<double> drift_variances = {0.0};
   std::vector<const Ablation*> ablations = {nullptr};  // null: none
+  std::vector<EffectsSpec> effects = {EffectsSpec()};
   std::vector<ControllerSpec> controllers;
   std::vector<WindowSpec> windows;
   std::vector<Mismatch> mismatches;
@@ -137,6 +148,7 @@ struct Scenario {
   int noise = 0;
   int ablation = 0;
   int drift = 0;
+  int effects = 0;
   int controller = 0;
   int windows = 0;
   int mismatch = 0;
@@ -149,6 +161,9 @@ struct Scenario {
 absl::StatusOr<ExperimentOptions> OptionsOf(const Campaign& campaign,
                                             const Scenario& scenario,
                                             int outputs, int inputs);
+
+// The channels of plants drawn at random.
+ProcessModel ChannelsOf(const RandomPlants& plants);
 
 // What can be known before anything is run: that the options of every model,
 // controller and windows belong together.

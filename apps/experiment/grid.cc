@@ -24,6 +24,7 @@ Grid::Grid(const Campaign& campaign, int unit_scenarios)
       noises_(Count(campaign.noise_variances)),
       ablations_(Count(campaign.ablations)),
       drifts_(Count(campaign.drift_variances)),
+      effects_(Count(campaign.effects)),
       controllers_(Count(campaign.controllers)),
       windows_(Count(campaign.windows)),
       mismatches_(Count(campaign.mismatches)),
@@ -32,14 +33,15 @@ Grid::Grid(const Campaign& campaign, int unit_scenarios)
       unit_scenarios_(unit_scenarios) {
   constexpr double kMostRuns = 1e9;
   double runs = 1.0;
-  for (const int count : {models_, noises_, ablations_, drifts_, controllers_,
-                          windows_, mismatches_, methods_, seeds_}) {
+  for (const int count :
+       {models_, noises_, ablations_, drifts_, effects_, controllers_, windows_,
+        mismatches_, methods_, seeds_}) {
     runs *= count;
   }
   countable_ = runs <= kMostRuns;
   conversions_ = static_cast<std::int64_t>(models_) * noises_ * ablations_;
-  shared_ = countable_ ? static_cast<std::int64_t>(drifts_) * controllers_ *
-                             windows_ * mismatches_
+  shared_ = countable_ ? static_cast<std::int64_t>(drifts_) * effects_ *
+                             controllers_ * windows_ * mismatches_
                        : 1;
   blocks_ = (shared_ + unit_scenarios_ - 1) / unit_scenarios_;
   scenarios_ = countable_ ? conversions_ * shared_ : 1;
@@ -52,6 +54,7 @@ Coordinates Grid::At(std::int64_t run) const {
   at.scenario.mismatch = Digit(run, mismatches_);
   at.scenario.windows = Digit(run, windows_);
   at.scenario.controller = Digit(run, controllers_);
+  at.scenario.effects = Digit(run, effects_);
   at.scenario.drift = Digit(run, drifts_);
   at.scenario.ablation = Digit(run, ablations_);
   at.scenario.noise = Digit(run, noises_);

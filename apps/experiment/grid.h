@@ -1,9 +1,9 @@
 // The runs of a campaign by number, and the units of work they are dealt in.
 //
 // A run's number is (scenario · methods + method) · seeds + seed, the
-// scenario's own digits being model, noise, ablation, drift, controller,
-// windows and mismatch: the runs of a cell of the grid, which differ in nothing
-// but the seed, follow one another.
+// scenario's own digits being model, noise, ablation, drift, effects,
+// controller, windows and mismatch: the runs of a cell of the grid, which
+// differ in nothing but the seed, follow one another.
 //
 // A unit is one seed with a few scenarios that share the
 // conversion of the initial model, and all methods on them: what they have in
@@ -49,7 +49,7 @@ class Grid {
   std::vector<std::int64_t> RunsOf(std::int64_t unit) const;
 
  private:
-  int models_, noises_, ablations_, drifts_, controllers_, windows_;
+  int models_, noises_, ablations_, drifts_, effects_, controllers_, windows_;
   int mismatches_, methods_, seeds_;
   int unit_scenarios_;
   std::int64_t conversions_;  // models × noises × ablations

@@ -18,6 +18,7 @@
 #include "mle/correction/conversion.h"
 #include "mle/correction/correction.h"
 #include "mle/model/process_model.h"
+#include "sim/effects_json.h"
 #include "sim/plant_conditions.h"
 
 namespace mle::experiment {
@@ -67,6 +68,8 @@ struct ExperimentOptions {
   WindowSpec windows;
   // What else the plant has to bear: drift, faults of measurements, …
   sim::PlantConditions conditions;
+  // Beside the conditions and what the windows say of set points.
+  sim::Effects effects;
 
   double conversion_duration = 10000.0;
   // Of the excitation; the noise variance where there is none.

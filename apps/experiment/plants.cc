@@ -39,16 +39,7 @@ double LogUniform(const Interval& interval, std::mt19937_64& engine) {
 }
 
 ProcessModel DrawOnce(const RandomPlants& plants, std::mt19937_64& engine) {
-  std::vector<InputChannel> inputs;
-  std::vector<OutputChannel> outputs;
-  for (int j = 0; j < plants.inputs; ++j) {
-    inputs.push_back({absl::StrCat("u", j + 1), ""});
-  }
-  for (int i = 0; i < plants.outputs; ++i) {
-    outputs.push_back({absl::StrCat("y", i + 1), ""});
-  }
-  ProcessModel model("drawn at random", "min", std::move(inputs),
-                     std::move(outputs));
+  ProcessModel model = ChannelsOf(plants);
   for (int i = 0; i < plants.outputs; ++i) {
     for (int j = 0; j < plants.inputs; ++j) {
       const double size = LogUniform(plants.gain, engine);

@@ -89,12 +89,17 @@ absl::StatusOr<Record> SimulateLoop(control::Mpc mpc, const ProcessModel& plant,
   loop.noise_variance = noise_variance;
   loop.seed = seed;
   loop.stream = stream;
+  sim::PlantConditions all = conditions;
+  options.effects.AddTo(all);
+  sim::SetPointProfile moved = set_points;
+  MLE_RETURN_IF_ERROR(
+      options.effects.AddTo(moved, loop.duration, seed, stream));
   return sim::SimulateClosedLoop(
       plant,
       [&mpc](const auto& measured, const auto& wanted, auto next) {
         mpc.Step(measured, wanted, next);
       },
-      set_points, loop, conditions);
+      moved, loop, all);
 }
 
 absl::StatusOr<std::vector<Record>> SimulateWindows(

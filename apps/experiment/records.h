@@ -26,8 +26,8 @@ absl::StatusOr<ConversionSummary> ConvertInitialModel(
 // `changes`).
 sim::SetPointProfile StepOf(int output, const WindowSpec& windows);
 
-// The plant under `mpc`, for the duration of a run. Noise is that of the seed's
-// `stream`, of this variance.
+// The plant under `mpc`, for the duration of a run, with options.effects beside
+// the conditions. Noise is that of the seed's `stream`, of this variance.
 absl::StatusOr<Record> SimulateLoop(control::Mpc mpc, const ProcessModel& plant,
                                     const sim::SetPointProfile& set_points,
                                     double noise_variance, std::uint64_t seed,

@@ -69,9 +69,10 @@ std::string CsvField(std::string_view text) {
 }
 
 std::vector<std::string> CoordinateNames() {
-  return {"model",     "noise_variance", "drift_variance", "controller",
-          "windows",   "mismatch",       "size",           "ablation",
-          "estimator", "selection",      "solver",         "seed"};
+  return {"model",      "noise_variance", "drift_variance", "effects",
+          "controller", "windows",        "mismatch",       "size",
+          "ablation",   "estimator",      "selection",      "solver",
+          "seed"};
 }
 
 std::vector<std::string> CoordinateTexts(const Campaign& campaign,
@@ -83,6 +84,7 @@ std::vector<std::string> CoordinateTexts(const Campaign& campaign,
       campaign.models[at.scenario.model].name,
       NumberText(campaign.noise_variances[at.scenario.noise]),
       NumberText(campaign.drift_variances[at.scenario.drift]),
+      campaign.effects[at.scenario.effects].name,
       campaign.controllers[at.scenario.controller].name,
       campaign.windows[at.scenario.windows].name,
       mismatch.name,

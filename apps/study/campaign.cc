@@ -1,5 +1,6 @@
 #include "apps/study/campaign.h"
 
+#include <functional>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -10,6 +11,7 @@
 #include "apps/experiment/grid.h"
 #include "apps/study/campaign_methods.h"
 #include "apps/study/campaign_scenarios.h"
+#include "mle/base/file.h"
 #include "mle/base/status.h"
 #include "mle/model/json_node.h"
 #include "mle/model/strict_json.h"
@@ -25,20 +27,40 @@ using experiment::Grid;
 
 using Json = nlohmann::json;
 
-// Replaces the process model file that `key` of `entry` names by what it holds,
-// under `new_key`. A model that stands there itself is left.
+absl::StatusOr<Json> ReadModelFile(const std::string& path) {
+  MLE_ASSIGN_OR_RETURN(const ProcessModel model, ReadProcessModel(path));
+  return Json::parse(FormatProcessModel(model));
+}
+
+// Whose keys and channels must be right for all models of the campaign, if
+// these are.
+absl::StatusOr<Json> ReadEffectsFile(const std::string& path,
+                                     const JsonNode& campaign) {
+  MLE_ASSIGN_OR_RETURN(const std::string text, ReadFile(path));
+  MLE_ASSIGN_OR_RETURN(Json json, ParseStrictJson(text, path));
+  if (!campaign.Has("models")) return json;
+  const auto models = ParseModels(campaign.At("models"));
+  if (!models.ok()) return json;
+  MLE_RETURN_IF_ERROR(ParseEffectsOf(JsonNode(json, path), *models).status());
+  return json;
+}
+
+using FileReader = std::function<absl::StatusOr<Json>(const std::string&)>;
+
+// Replaces the file that `key` of `entry` names by what it holds, under
+// `new_key`. What stands there itself is left.
 absl::Status ReadIn(const JsonNode& node, const std::string& key,
                     const std::string& new_key, const std::string& folder,
-                    Json& entry) {
+                    const FileReader& read, Json& entry) {
   MLE_ASSIGN_OR_RETURN(std::string path, node.At(key).Text());
   const bool relative = path.rfind('/', 0) != 0;
   if (relative && !folder.empty()) path = absl::StrCat(folder, "/", path);
-  const absl::StatusOr<ProcessModel> model = ReadProcessModel(path);
-  if (!model.ok()) {
-    return node.At(key).Fault(std::string(model.status().message()));
+  absl::StatusOr<Json> content = read(path);
+  if (!content.ok()) {
+    return node.At(key).Fault(std::string(content.status().message()));
   }
   entry.erase(key);
-  entry[new_key] = Json::parse(FormatProcessModel(*model));
+  entry[new_key] = *std::move(content);
   return absl::OkStatus();
 }
 
@@ -46,7 +68,8 @@ absl::Status ReadIn(const JsonNode& node, const std::string& key,
 // no list is left for ParseCampaign() to refuse.
 absl::Status ReadInList(const JsonNode& campaign, const std::string& list,
                         const std::string& key, const std::string& new_key,
-                        const std::string& folder, Json& resolved) {
+                        const std::string& folder, const FileReader& read,
+                        Json& resolved) {
   if (!campaign.Has(list) || !campaign.At(list).json().is_array() ||
       campaign.At(list).json().empty()) {
     return absl::OkStatus();
@@ -61,7 +84,7 @@ absl::Status ReadInList(const JsonNode& campaign, const std::string& list,
                                            "; only one is possible"));
     }
     MLE_RETURN_IF_ERROR(
-        ReadIn(entries[i], key, new_key, folder, resolved[list][i]));
+        ReadIn(entries[i], key, new_key, folder, read, resolved[list][i]));
   }
   return absl::OkStatus();
 }
@@ -80,6 +103,10 @@ absl::Status ParseAxes(const JsonNode& node, Campaign& campaign) {
     MLE_ASSIGN_OR_RETURN(
         campaign.drift_variances,
         ParseNumberList(node.At("drift_variances"), kNotNegative));
+  }
+  if (node.Has("effects")) {
+    MLE_ASSIGN_OR_RETURN(campaign.effects,
+                         ParseEffectsAxis(node.At("effects"), campaign.models));
   }
   if (node.Has("controllers")) {
     MLE_ASSIGN_OR_RETURN(campaign.controllers,
@@ -117,10 +144,15 @@ absl::StatusOr<std::string> ResolveCampaign(std::string_view text,
     return node.Fault(absl::StrCat("must be an object, is ", node.Found()));
   }
   Json resolved = json;
-  MLE_RETURN_IF_ERROR(
-      ReadInList(node, "models", "file", "model", folder, resolved));
-  MLE_RETURN_IF_ERROR(
-      ReadInList(node, "mismatches", "plant", "plant", folder, resolved));
+  MLE_RETURN_IF_ERROR(ReadInList(node, "models", "file", "model", folder,
+                                 ReadModelFile, resolved));
+  MLE_RETURN_IF_ERROR(ReadInList(node, "mismatches", "plant", "plant", folder,
+                                 ReadModelFile, resolved));
+  const auto read_effects = [&](const std::string& path) {
+    return ReadEffectsFile(path, JsonNode(resolved, source));
+  };
+  MLE_RETURN_IF_ERROR(ReadInList(node, "effects", "file", "effects", folder,
+                                 read_effects, resolved));
   return absl::StrCat(resolved.dump(2), "\n");
 }
 
@@ -130,9 +162,10 @@ absl::StatusOr<Campaign> ParseCampaign(std::string_view resolved,
   const JsonNode node(json, source);
   MLE_RETURN_IF_ERROR(node.CheckKeys(
       {"version", "name", "seeds", "models", "mismatches"},
-      {"noise_variances", "drift_variances", "controllers", "windows",
-       "ablations", "estimators", "selections", "solvers", "sample_time",
-       "order", "response_horizon", "lambda_grid", "scaling", "conversion"}));
+      {"noise_variances", "drift_variances", "effects", "controllers",
+       "windows", "ablations", "estimators", "selections", "solvers",
+       "sample_time", "order", "response_horizon", "lambda_grid", "scaling",
+       "conversion"}));
   MLE_RETURN_IF_ERROR(node.At("version").Integer(1, 1).status());
   Campaign campaign;
   MLE_ASSIGN_OR_RETURN(campaign.name, node.At("name").Name());

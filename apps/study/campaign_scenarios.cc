@@ -9,6 +9,7 @@
 #include "apps/experiment/experiment_options.h"
 #include "apps/experiment/plants.h"
 #include "mle/base/status.h"
+#include "sim/effects_json.h"
 
 namespace mle::study {
 namespace {
@@ -16,6 +17,7 @@ namespace {
 using experiment::Change;
 using experiment::CheckAgeing;
 using experiment::ControllerSpec;
+using experiment::EffectsSpec;
 using experiment::Mismatch;
 using experiment::ModelSpec;
 using experiment::WindowSpec;
@@ -104,6 +106,11 @@ absl::StatusOr<std::vector<Mismatch>> ParseMismatch(
     mismatches.push_back(mismatch);
   }
   return mismatches;
+}
+
+ProcessModel ChannelsOf(const ModelSpec& spec) {
+  return spec.random.has_value() ? experiment::ChannelsOf(*spec.random)
+                                 : spec.model;
 }
 
 // An object with a name and options, one of several.
@@ -205,6 +212,35 @@ absl::StatusOr<std::vector<Mismatch>> ParseMismatches(
     for (Mismatch& mismatch : sizes) mismatches.push_back(std::move(mismatch));
   }
   return mismatches;
+}
+
+absl::StatusOr<std::vector<sim::Effects>> ParseEffectsOf(
+    const JsonNode& node, const std::vector<ModelSpec>& models) {
+  std::vector<sim::Effects> effects;
+  for (const ModelSpec& model : models) {
+    MLE_ASSIGN_OR_RETURN(effects.emplace_back(),
+                         sim::ParseEffects(node, ChannelsOf(model)));
+  }
+  return effects;
+}
+
+absl::StatusOr<std::vector<EffectsSpec>> ParseEffectsAxis(
+    const JsonNode& node, const std::vector<ModelSpec>& models) {
+  MLE_ASSIGN_OR_RETURN(const std::vector<JsonNode> elements, node.Elements());
+  std::vector<EffectsSpec> axis;
+  std::set<std::string> names;
+  for (const JsonNode& element : elements) {
+    MLE_RETURN_IF_ERROR(element.CheckKeys({"name"}, {"file", "effects"}));
+    EffectsSpec spec;
+    MLE_ASSIGN_OR_RETURN(spec.name, element.At("name").Name());
+    MLE_RETURN_IF_ERROR(CheckNewName(element, spec.name, names));
+    if (element.Has("effects")) {
+      MLE_ASSIGN_OR_RETURN(spec.of_models,
+                           ParseEffectsOf(element.At("effects"), models));
+    }
+    axis.push_back(std::move(spec));
+  }
+  return axis;
 }
 
 absl::StatusOr<std::vector<ControllerSpec>> ParseControllers(

@@ -20,6 +20,11 @@ absl::StatusOr<std::vector<experiment::ModelSpec>> ParseModels(
 // Those that name a plant must have the channels of every model.
 absl::StatusOr<std::vector<experiment::Mismatch>> ParseMismatches(
     const JsonNode& node, const std::vector<experiment::ModelSpec>& models);
+// Effects as in a file of mle_simulate, for the channels of every model.
+absl::StatusOr<std::vector<sim::Effects>> ParseEffectsOf(
+    const JsonNode& node, const std::vector<experiment::ModelSpec>& models);
+absl::StatusOr<std::vector<experiment::EffectsSpec>> ParseEffectsAxis(
+    const JsonNode& node, const std::vector<experiment::ModelSpec>& models);
 absl::StatusOr<std::vector<experiment::ControllerSpec>> ParseControllers(
     const JsonNode& node);
 absl::StatusOr<std::vector<experiment::WindowSpec>> ParseWindows(

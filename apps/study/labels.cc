@@ -45,6 +45,10 @@ std::string ScenarioLabel(const Campaign& campaign, const Scenario& scenario,
     parts.push_back(
         absl::StrCat("q ", campaign.drift_variances[scenario.drift]));
   }
+  if (campaign.effects.size() > 1) {
+    const std::string& name = campaign.effects[scenario.effects].name;
+    parts.push_back(name == "none" ? "no effects" : name);
+  }
   if (campaign.controllers.size() > 1 && without != Axis::kController) {
     parts.push_back(campaign.controllers[scenario.controller].name);
   }

@@ -99,6 +99,7 @@ def check_commands(folder):
         "models": [{"name": "column", "file": f"{source}/configs/wood_berry.json"}],
         "mismatches": [{"name": "gain", "plant": f"{source}/configs/wood_berry_gain.json"}],
         "windows": [{"name": "two", "window": 150, "duration": 400, "step_time": 200}],
+        "effects": [{"name": "none"}, {"name": "ours", "file": f"{source}/configs/effects_compression.json"}],
         "response_horizon": 60, "conversion": {"duration": 2000},
         "lambda_grid": {"max": 1e-2, "step": 1e-4}}
     (folder / "small.json").write_text(json.dumps(campaign))
@@ -130,7 +131,8 @@ for path in sorted((source / "configs").glob("campaign_*.json")):
 for path in sorted((source / "configs").glob("*_ageing.json")):
     check("ageing", path)
 check("ageing", source / "tests/fuzz/corpus/ageing/steps.json")
-check("effects", source / "configs/effects_example.json")
+for path in sorted((source / "configs").glob("effects_*.json")):
+    check("effects", path)
 check("arx", source / "tests/fuzz/corpus/arx_model/small.json")
 with tempfile.TemporaryDirectory() as folder:
     check_commands(pathlib.Path(folder))

@@ -14,6 +14,7 @@ Campaign LargeCampaign() {
   nlohmann::json json = SmallCampaign(5);
   json["noise_variances"] = {1e-4, 1e-3};
   json["drift_variances"] = {0, 1e-7, 1e-6};
+  json["effects"] = {{{"name", "none"}}, {{"name", "also none"}}};
   json["ablations"] = {"none", "raw_scaling"};
   json["selections"] = {"paper", "bic"};
   json["mismatches"].push_back({{"name", "none"}});
@@ -23,7 +24,7 @@ Campaign LargeCampaign() {
 TEST(GridTest, UnitsHoldEveryRunOnce) {
   const Campaign campaign = LargeCampaign();
   const Grid grid(campaign);
-  EXPECT_EQ(grid.num_runs(), 5 * 2 * 2 * 3 * 2 * 3);
+  EXPECT_EQ(grid.num_runs(), 5 * 2 * 2 * 3 * 2 * 2 * 3);
   std::set<std::int64_t> seen;
   for (std::int64_t unit = 0; unit < grid.num_units(); ++unit) {
     const std::vector<std::int64_t> runs = grid.RunsOf(unit);
@@ -56,9 +57,11 @@ TEST(GridTest, CellsDifferInTheSeedAlone) {
     EXPECT_EQ(at.method, first.method);
     EXPECT_EQ(at.scenario.mismatch, first.scenario.mismatch);
     EXPECT_EQ(at.scenario.drift, first.scenario.drift);
+    EXPECT_EQ(at.scenario.effects, first.scenario.effects);
     seen.insert({at.scenario.model, at.scenario.noise, at.scenario.ablation,
-                 at.scenario.drift, at.scenario.controller, at.scenario.windows,
-                 at.scenario.mismatch, at.method, at.seed});
+                 at.scenario.drift, at.scenario.effects, at.scenario.controller,
+                 at.scenario.windows, at.scenario.mismatch, at.method,
+                 at.seed});
   }
   EXPECT_EQ(static_cast<std::int64_t>(seen.size()), grid.num_runs());
 }

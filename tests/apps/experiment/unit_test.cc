@@ -51,6 +51,31 @@ TEST(RunUnitTest, ARowDependsOnItsNumberAlone) {
   EXPECT_EQ(together, Rows(campaign, 1, true));
 }
 
+// Records have the effects; none is what it is without the axis.
+TEST(RunUnitTest, EffectsChangeRecords) {
+  nlohmann::json json = SmallCampaign(1);
+  json["mismatches"].erase(1);
+  const auto before = Rows(Parse(json), Grid::kUnitScenarios, false);
+  json["effects"] = nlohmann::json::parse(R"([
+    {"name": "none"},
+    {"name": "sine", "effects": {"outputs": [
+      {"name": "top", "sines": [{"amplitude": 0.2, "period": 20}]}]}},
+    {"name": "moves", "effects": {"outputs": [
+      {"name": "top", "set_point": {"ramps": [[100, 20, 1.0]]}}]}},
+    {"name": "compression", "effects": {"outputs": [
+      {"name": "top", "archive": {"compression": 0.05}}]}}])");
+  const auto rows = Rows(Parse(json), Grid::kUnitScenarios, false);
+  ASSERT_EQ(rows.size(), 4U);
+  ASSERT_EQ(before.size(), 1U);
+  EXPECT_EQ(rows.at(0), before.at(0));
+  const auto rest = [](const std::string& row) {
+    return row.substr(row.find(",default,"));
+  };
+  for (int a = 0; a < 4; ++a) {
+    for (int b = 0; b < a; ++b) EXPECT_NE(rest(rows.at(a)), rest(rows.at(b)));
+  }
+}
+
 // Every ablation changes what comes of ΔR, and nothing else does.
 TEST(RunUnitTest, AblationsDiffer) {
   nlohmann::json json = SmallCampaign(1);

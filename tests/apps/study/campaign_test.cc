@@ -7,6 +7,7 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "mle/base/file.h"
 #include "tests/apps/experiment/small_campaign.h"
 
 namespace mle::study {
@@ -184,6 +185,68 @@ TEST(CampaignTest, ModelsAndMismatches) {
          j["mismatches"][0] = {{"name", "other"}, {"plant", other}};
        },
        {"mismatches[0]", "feed"}},
+  });
+}
+
+Json Sine(double amplitude) {
+  return {{"outputs",
+           {{{"name", "top"},
+             {"sines", {{{"amplitude", amplitude}, {"period", 20}}}}}}}};
+}
+
+TEST(CampaignTest, EffectsAreOfTheChannelsOfEveryModel) {
+  Json json = SmallCampaign(2);
+  EXPECT_EQ(Parse(json)->effects.size(), 1u);
+  EXPECT_EQ(Parse(json)->effects[0].name, "none");
+  const std::string path = ::testing::TempDir() + "/effects.json";
+  ASSERT_TRUE(WriteFileAtomically(path, Sine(0.3).dump()).ok());
+  json["effects"] = {{{"name", "none"}},
+                     {{"name", "sine"}, {"effects", Sine(0.2)}},
+                     {{"name", "file"}, {"file", path}}};
+  const absl::StatusOr<Campaign> campaign = Parse(json);
+  ASSERT_TRUE(campaign.ok()) << campaign.status();
+  ASSERT_EQ(campaign->effects.size(), 3u);
+  EXPECT_TRUE(campaign->effects[0].of_models.empty());
+  EXPECT_EQ(campaign->effects[1].of_models[0].sines[0].amplitude, 0.2);
+  EXPECT_EQ(campaign->effects[2].of_models[0].sines[0].amplitude, 0.3);
+  EXPECT_EQ(OptionsOf(*campaign, {.effects = 2}, 2, 2)->effects.sines.size(),
+            1u);
+  // Channels of plants drawn at random are u1, …, y1, ….
+  json["models"].push_back({{"name", "r"}, {"random", Json::object()}});
+  EXPECT_THAT(std::string(Parse(json).status().message()),
+              HasSubstr("no channel \"top\""));
+}
+
+TEST(CampaignTest, EffectsThatAreWrong) {
+  const std::string path = ::testing::TempDir() + "/wrong_effects.json";
+  Json wrong = Sine(0.1);
+  wrong["outputs"][0]["sines"][0]["period"] = 0;
+  ASSERT_TRUE(WriteFileAtomically(path, wrong.dump()).ok());
+  ExpectRefused({
+      {[](Json& j) { j["effects"] = Sine(0.1); }, {"effects"}},
+      {[](Json& j) { j["effects"] = {Sine(0.1)}; }, {"effects[0]", "name"}},
+      {[](Json& j) {
+         j["effects"] = {{{"name", "a"}, {"effects", Sine(0.1)}},
+                         {{"name", "a"}}};
+       },
+       {"effects[1]", "'a' stands twice"}},
+      {[](Json& j) {
+         j["effects"] = {{{"name", "a"}, {"effects", {{"valves", 1}}}}};
+       },
+       {"effects[0].effects", "valves"}},
+      {[&](Json& j) {
+         j["effects"] = {{{"name", "a"}, {"file", path}}};
+       },
+       {"effects[0].file", path, "outputs[0].sines[0].period"}},
+      {[&](Json& j) {
+         j["effects"] = {
+             {{"name", "a"}, {"file", path}, {"effects", Sine(0.1)}}};
+       },
+       {"effects[0]", "only one"}},
+      {[](Json& j) {
+         j["effects"] = {{{"name", "a"}, {"file", "no/such.json"}}};
+       },
+       {"effects[0].file", "no/such.json"}},
   });
 }
 
