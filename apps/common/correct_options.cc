@@ -49,8 +49,9 @@ std::vector<Option> OptionsOf(EstimationOptions& options) {
                           "structure lacks where the records speak for it"}}),
        "Estimator of the corrected model."},
       {"false_alarm_probability", &structured.false_alarm_probability,
-       "Probability of a false alarm of the test of no change, and of naming "
-       "an element that has not changed.",
+       "Probability of a false alarm of all tests of no change together, and "
+       "of "
+       "naming an element that has not changed.",
        "", kProbability},
       {"confidence", &structured.confidence,
        "Confidence level of the intervals.", "", kProbability},

@@ -74,7 +74,9 @@ Json NoiseJson(const NoiseEstimate& estimate, const std::string& output,
   Json json = {{"output", output},
                {"variance", estimate.variance},
                {"increment_variance", estimate.increment_variance()},
-               {"window_offsets", estimate.offset}};
+               {"window_offsets", estimate.offset},
+               {"inflation", estimate.inflation},
+               {"samples_at_rest", estimate.samples_at_rest}};
   if (estimate.colour_ratio > 0.0) {
     json["coloured_variance"] = estimate.colour_variance();
     json["coloured_time_constant"] = estimate.colour_memory() * sample_time;

@@ -118,8 +118,7 @@ class Years {
   }
 
   absl::Status Update(const std::vector<Record>& records, ChangeRow& row) {
-    MLE_ASSIGN_OR_RETURN(UpdateResult result,
-                         UpdateModel(model_, records, options_.update));
+    UpdateResult result = UpdateModel(model_, records, options_.update);
     row.outcome = result.outcome;
     row.reason = std::move(result.reason);
     row.held_out_gain = result.held_out_gain;

@@ -14,6 +14,9 @@ namespace mle::lifecycle {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+// Where windows disagree, the plant may have aged in between: the oldest are
+// left out, down to so many.
+constexpr std::size_t kFewestWindows = 2;
 
 constexpr std::array<std::pair<Outcome, std::string_view>, 5> kNames = {{
     {Outcome::kNone, "none"},
@@ -67,6 +70,54 @@ absl::StatusOr<ModelInUse> MakeModel(const CorrectionResult& result,
   return model;
 }
 
+// An update from these windows.
+struct Attempt {
+  UpdateResult update;
+  bool windows_disagree = false;
+};
+
+Attempt TryWindows(const ModelInUse& in_use, const std::vector<Record>& windows,
+                   const UpdateOptions& options) {
+  CorrectOptions correct = options.correct;
+  // Long enough for the controller, which holds the last value.
+  const double sample_time = windows.front().sample_time;
+  const double settled = 3.0 * SettlingTime(in_use.process) / sample_time;
+  correct.response_horizon =
+      sample_time *
+      std::max(std::ceil(settled), options.response_samples - 1.0);
+  // The rival is what the controller runs on.
+  if (in_use.own_response) correct.in_use = in_use.predictor;
+  const absl::StatusOr<CorrectionResult> result =
+      CorrectFromData(in_use.process, UseAsWindows(windows), correct);
+  if (!result.ok()) {
+    return {Refuse(absl::StrCat("not estimated: ", result.status().message()),
+                   kNaN)};
+  }
+  UpdateResult update;
+  update.held_out_gain = LeastGain(*result);
+  switch (result->decision) {
+    case Decision::kNoChange:
+      update.outcome = Outcome::kNoChange;
+      return {std::move(update)};
+    case Decision::kCannotTell:
+      return {Refuse(result->reasons.back().text, update.held_out_gain),
+              std::any_of(result->reasons.begin(), result->reasons.end(),
+                          [](const Message& reason) {
+                            return reason.code == MessageCode::kWindowsDisagree;
+                          })};
+    case Decision::kCorrected:
+      break;
+  }
+  absl::StatusOr<ModelInUse> model = MakeModel(*result, options);
+  if (!model.ok()) {
+    return {Refuse(absl::StrCat("not usable: ", model.status().message()),
+                   update.held_out_gain)};
+  }
+  update.outcome = Outcome::kUpdated;
+  update.model = *std::move(model);
+  return {std::move(update)};
+}
+
 }  // namespace
 
 std::string_view NameOf(Outcome outcome) {
@@ -97,43 +148,17 @@ CorrectOptions UpdateOptions::SimulatedRecords() {
   return options;
 }
 
-absl::StatusOr<UpdateResult> UpdateModel(const ModelInUse& in_use,
-                                         const std::vector<Record>& windows,
-                                         const UpdateOptions& options) {
-  CorrectOptions correct = options.correct;
-  // Long enough for the controller, which holds the last value.
-  const double sample_time = windows.front().sample_time;
-  const double settled = 3.0 * SettlingTime(in_use.process) / sample_time;
-  correct.response_horizon =
-      sample_time *
-      std::max(std::ceil(settled), options.response_samples - 1.0);
-  // The rival is what the controller runs on.
-  if (in_use.own_response) correct.in_use = in_use.predictor;
-  const absl::StatusOr<CorrectionResult> result =
-      CorrectFromData(in_use.process, UseAsWindows(windows), correct);
-  if (!result.ok()) {
-    return Refuse(absl::StrCat("not estimated: ", result.status().message()),
-                  kNaN);
+UpdateResult UpdateModel(const ModelInUse& in_use,
+                         const std::vector<Record>& windows,
+                         const UpdateOptions& options) {
+  std::vector<Record> used = windows;
+  while (true) {
+    Attempt attempt = TryWindows(in_use, used, options);
+    if (!attempt.windows_disagree || used.size() <= kFewestWindows) {
+      return std::move(attempt.update);
+    }
+    used.erase(used.begin());
   }
-  UpdateResult update;
-  update.held_out_gain = LeastGain(*result);
-  switch (result->decision) {
-    case Decision::kNoChange:
-      update.outcome = Outcome::kNoChange;
-      return update;
-    case Decision::kCannotTell:
-      return Refuse(result->reasons.back().text, update.held_out_gain);
-    case Decision::kCorrected:
-      break;
-  }
-  absl::StatusOr<ModelInUse> model = MakeModel(*result, options);
-  if (!model.ok()) {
-    return Refuse(absl::StrCat("not usable: ", model.status().message()),
-                  update.held_out_gain);
-  }
-  update.outcome = Outcome::kUpdated;
-  update.model = *std::move(model);
-  return update;
 }
 
 }  // namespace mle::lifecycle

@@ -52,9 +52,10 @@ struct UpdateResult {
 
 // ΔR, where the estimator has one, is always sought around the process model of
 // `in_use`, which for the estimator arx stays that of the commissioning.
-absl::StatusOr<UpdateResult> UpdateModel(const ModelInUse& in_use,
-                                         const std::vector<Record>& windows,
-                                         const UpdateOptions& options);
+// Windows are in order of time: where they disagree, the oldest are left out.
+UpdateResult UpdateModel(const ModelInUse& in_use,
+                         const std::vector<Record>& windows,
+                         const UpdateOptions& options);
 
 }  // namespace mle::lifecycle
 

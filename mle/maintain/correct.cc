@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <set>
 #include <utility>
 
@@ -220,6 +221,8 @@ absl::Status EstimateFromWindows(CorrectionResult& result) {
         result.initial, estimation.structured, result.data));
   }
   const std::vector<Record> windows = result.data.Records();
+  result.options.estimation.structured.at_rest =
+      std::make_shared<const std::vector<Record>>(result.data.AtRest());
   MLE_ASSIGN_OR_RETURN(
       result.estimate,
       EstimateModel(result.initial, windows, estimation, options.progress));

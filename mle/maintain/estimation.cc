@@ -110,15 +110,17 @@ absl::Status CompleteShapes(const std::vector<Record>& windows,
                             Estimate& estimate) {
   EstimateFit& fit = estimate.fit;
   const StructuredOptions& options = estimate.setting.options.structured;
+  AdequacyOptions adequacy = AdequacyOptionsFor(options);
+  adequacy.false_alarm_probability = estimate.setting.options.TestLevel();
   MLE_ASSIGN_OR_RETURN(
       fit.adequacy,
       TestAdequacy(fit.structured.corrected.model, windows, fit.structured.aged,
-                   AdequacyOptionsFor(options), fit.structured.full.noise));
+                   adequacy, fit.structured.full.noise));
   MLE_ASSIGN_OR_RETURN(
       fit.posterior,
       CompleteByPosterior(
           estimate.setting.initial, windows, fit.structured.corrected, options,
-          WrongOutputs(*fit.adequacy, options.false_alarm_probability)));
+          WrongOutputs(*fit.adequacy, adequacy.false_alarm_probability)));
   if (!fit.posterior->any()) return absl::OkStatus();
   fit.change_proposed = true;
   fit.without_shapes = fit.structured;
@@ -247,6 +249,11 @@ double EstimateFit::PValue() const {
   const bool by_structure = adequacy.has_value() && !adequacy->adequate &&
                             !structured.change_proposed;
   return by_structure ? adequacy->p_value : test.p_value;
+}
+
+double EstimationOptions::TestLevel() const {
+  const double all = structured.false_alarm_probability;
+  return estimator == Estimator::kCombined ? 0.5 * all : all;
 }
 
 absl::Status EstimationOptions::Validate() const {

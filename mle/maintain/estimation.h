@@ -65,6 +65,9 @@ struct EstimationOptions {
 
   // Names the field, its value and the constraint broken.
   absl::Status Validate() const;
+  // Of each test: structured.false_alarm_probability is that of all of them,
+  // and estimator combined makes two, of no change and of the structure.
+  double TestLevel() const;
 };
 
 // What was fitted to one set of windows.

@@ -1,6 +1,7 @@
 #include "mle/maintain/evidence.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <string>
 
@@ -14,8 +15,6 @@ namespace {
 // seen.", of the pairs that the records tell something about; empty where they
 // tell nothing about any.
 std::string Detectable(const CorrectionResult& result) {
-  // Standard errors of a change that a test at 1 % finds nine times of ten.
-  constexpr double kSeen = 3.9;
   const ProcessModel& model = result.initial;
   double low = std::numeric_limits<double>::infinity();
   double high = 0.0;
@@ -23,17 +22,17 @@ std::string Detectable(const CorrectionResult& result) {
   std::string highest;
   for (int i = 0; i < model.num_outputs(); ++i) {
     for (int j = 0; j < model.num_inputs(); ++j) {
-      const PairErrors& pair = result.information.pair(i, j);
-      if (pair.state == PairState::kAbsent ||
-          pair.state == PairState::kNotInformed) {
-        continue;
-      }
-      if (pair.gain < low) {
-        low = pair.gain;
+      const ElementEstimate& element =
+          result.estimate.fit.structured.full.element(i, j);
+      const double change =
+          element.detectable_gain / std::abs(element.gain.initial);
+      if (!std::isfinite(change)) continue;
+      if (change < low) {
+        low = change;
         lowest = PairName(model, i, j);
       }
-      if (pair.gain > high) {
-        high = pair.gain;
+      if (change > high) {
+        high = change;
         highest = PairName(model, i, j);
       }
     }
@@ -43,11 +42,11 @@ std::string Detectable(const CorrectionResult& result) {
              ? absl::StrFormat(
                    "A change of the gain of %s by %.2g %% would have been "
                    "seen.",
-                   lowest, 100.0 * kSeen * low)
+                   lowest, 100.0 * low)
              : absl::StrFormat(
                    "A change of a gain by %.2g %% (%s) to %.2g %% (%s) would "
                    "have been seen.",
-                   100.0 * kSeen * low, lowest, 100.0 * kSeen * high, highest);
+                   100.0 * low, lowest, 100.0 * high, highest);
 }
 
 bool AnyInformed(const PairInformation& information) {
@@ -117,9 +116,7 @@ std::vector<bool> UnexplainedOutputs(const Estimate& estimate) {
   std::vector<bool> outputs(estimate.setting.arx_outputs.size());
   const EstimateFit& fit = estimate.fit;
   if (!fit.adequacy.has_value()) return outputs;
-  outputs =
-      WrongOutputs(*fit.adequacy,
-                   estimate.setting.options.structured.false_alarm_probability);
+  outputs = WrongOutputs(*fit.adequacy, estimate.setting.options.TestLevel());
   for (std::size_t i = 0; i < outputs.size(); ++i) {
     outputs[i] = outputs[i] && !ProposesShape(estimate, static_cast<int>(i));
   }

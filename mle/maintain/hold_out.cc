@@ -27,21 +27,25 @@ struct Fold {
   std::vector<std::vector<bool>> held;
 };
 
-// Of every window, blocks of equal length go to the folds in turn.
+// Of every window, blocks of equal length go to the folds in turn, with another
+// one first in each: set points change at the same place in many windows, and
+// a fold that hid all changes would leave nothing to estimate from.
 std::vector<Fold> FoldsOfBlocks(const std::vector<Record>& windows, int count) {
   const int blocks = count * kBlocksPerFold;
+  // Neighbouring windows differ by more than neighbouring blocks.
+  const int shift = count % 2 == 1 ? 2 : 1;
   std::vector<Fold> folds(count);
   for (int f = 0; f < count; ++f) {
-    folds[f].name =
-        absl::StrCat("parts ", f + 1, " and ", f + 1 + count, " of ", blocks);
+    folds[f].name = absl::StrCat("fold ", f + 1, " of ", count);
   }
-  for (const Record& window : windows) {
-    const int n = window.samples();
+  for (std::size_t w = 0; w < windows.size(); ++w) {
+    const int n = windows[w].samples();
+    const int first = static_cast<int>(w % count) * shift;
     for (Fold& fold : folds) fold.held.emplace_back(n);
     for (int k = 0; k < n; ++k) {
       const auto block =
           static_cast<int>(static_cast<std::int64_t>(k) * blocks / n);
-      folds[block % count].held.back()[k] = true;
+      folds[(block + first) % count].held.back()[k] = true;
     }
   }
   return folds;
@@ -200,7 +204,13 @@ FoldResult HoldOut(const Estimate& estimate, const std::vector<Record>& windows,
   FoldResult result;
   EstimationOptions options = estimate.setting.options;
   options.structured.threads = 1;  // folds run side by side
-  // Whether a change is proposed at all is decided.
+  // Whether a change is proposed at all is decided, by all the data: a fold may
+  // be too short to find it again. What has changed, and how, is its own.
+  const EstimateFit& whole = estimate.fit;
+  options.structured.change_given =
+      (whole.without_shapes.has_value() ? *whole.without_shapes
+                                        : whole.structured)
+          .change_proposed;
   if (options.change_test == ChangeTest::kCalibrated) {
     options.change_test = ChangeTest::kChiSquare;
   }

@@ -1,12 +1,13 @@
 // How well the initial and the corrected model predict what the correction has
 // not seen.
 //
-// Nested: of every window two of ten blocks are hidden at a time, and what
-// predicts them is estimated from the rest alone, with its own noise, penalty
-// and choice of elements. Nothing of what is scored had a part in anything that
-// predicts it, but every set-point change had: where each window moves the
-// plant in one direction, the others determine nothing of it. One window of few
-// set-point changes is not held out: its blocks have one disturbance.
+// Nested: of every window two of ten blocks are hidden at a time, others in the
+// next window, and what predicts them is estimated from the rest alone, with
+// its own noise, penalty and choice of elements. Nothing of what is scored had
+// a part in anything that predicts it, but every set-point change had: where
+// each window moves the plant in one direction, the others determine nothing of
+// it. One window of few set-point changes is not held out: its blocks have one
+// disturbance.
 //
 // A correction that helps in one window and harms in another is of a plant that
 // changed in between, or is not linear: each window has scores of its own.

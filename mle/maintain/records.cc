@@ -21,6 +21,8 @@ namespace {
 // Of missing samples a warning is made only where they are many: the table of
 // the channels has them all.
 constexpr double kManyMissing = 0.05;
+// Samples at rest for each of a window: they cost time, and teach no more.
+constexpr int kMostAtRest = 4;
 
 void AddImportWarnings(RecordData& data) {
   bool many = false;
@@ -224,6 +226,34 @@ std::vector<Record> RecordData::Records() const {
   std::vector<Record> result;
   for (const SetPointWindow& window : windows) result.push_back(window.record);
   return result;
+}
+
+std::vector<Record> RecordData::AtRest() const {
+  int left = 0;
+  std::vector<std::vector<std::pair<int, int>>> taken(records.size());
+  for (const SetPointWindow& window : windows) {
+    left += kMostAtRest * window.record.samples();
+    taken[window.source].emplace_back(
+        window.first_sample, window.first_sample + window.record.samples());
+  }
+  std::vector<Record> rest;
+  for (auto r = static_cast<int>(records.size()) - 1; r >= 0; --r) {
+    // Backwards from the end of the record.
+    std::sort(taken[r].begin(), taken[r].end());
+    taken[r].insert(taken[r].begin(), {0, 0});
+    int end = records[r].samples();
+    for (auto part = taken[r].rbegin(); part != taken[r].rend(); ++part) {
+      const int begin = std::max(part->second, end - left);
+      absl::StatusOr<Record> between =
+          CutWindow(records[r], begin, 0.0, (end - 1 - begin) * sample_time());
+      if (end > begin && between.ok()) {
+        left -= between->samples();
+        rest.push_back(*std::move(between));
+      }
+      end = std::min(end, part->first);
+    }
+  }
+  return rest;
 }
 
 double BeginOf(const SetPointWindow& window) { return window.record.time(0); }

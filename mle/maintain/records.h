@@ -54,6 +54,9 @@ struct RecordData {
 
   double sample_time() const { return report.sample_time; }
   std::vector<Record> Records() const;  // of the windows
+  // What lies outside of the windows, the last of it, up to four times as many
+  // samples as the windows have.
+  std::vector<Record> AtRest() const;
 };
 
 double BeginOf(const SetPointWindow& window);

@@ -6,6 +6,7 @@
 
 #include "boost/math/distributions/chi_squared.hpp"
 #include "boost/math/distributions/fisher_f.hpp"
+#include "boost/math/distributions/non_central_chi_squared.hpp"
 #include "boost/math/distributions/students_t.hpp"
 #include "glog/logging.h"
 
@@ -29,6 +30,8 @@ using Policy = policies::policy<
     policies::indeterminate_result_error<policies::ignore_error>,
     policies::promote_double<false>>;
 using ChiSquare = bm::chi_squared_distribution<double, Policy>;
+using NoncentralChiSquare =
+    bm::non_central_chi_squared_distribution<double, Policy>;
 using Fisher = bm::fisher_f_distribution<double, Policy>;
 using Student = bm::students_t_distribution<double, Policy>;
 
@@ -68,6 +71,22 @@ double ChiSquareTail(double x, double degrees_of_freedom) {
   if (!(x > 0.0)) return 1.0;
   if (std::isinf(x)) return 0.0;
   return bm::cdf(bm::complement(ChiSquare(degrees_of_freedom), x));
+}
+
+double ChiSquareNoncentrality(double probability, double degrees_of_freedom,
+                              double power) {
+  CHECK_GT(probability, 0.0);
+  CHECK_LT(probability, power);
+  CHECK_LT(power, 1.0);
+  const double critical =
+      InvertTail([&](double x) { return ChiSquareTail(x, degrees_of_freedom); },
+                 probability);
+  return InvertTail(
+      [&](double noncentrality) {
+        return bm::cdf(NoncentralChiSquare(degrees_of_freedom, noncentrality),
+                       critical);
+      },
+      1.0 - power);
 }
 
 double FisherTail(double x, double numerator, double denominator) {

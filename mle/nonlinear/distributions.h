@@ -11,6 +11,12 @@ namespace mle {
 // P(X > x) for X chi-square of ν > 0 degrees of freedom; 1 for x ≤ 0.
 double ChiSquareTail(double x, double degrees_of_freedom);
 
+// The noncentrality λ for which noncentral χ² of ν degrees of freedom exceeds
+// with probability `power` what χ² exceeds with `probability` < `power`: of a
+// departure that a test at this level finds so often.
+double ChiSquareNoncentrality(double probability, double degrees_of_freedom,
+                              double power);
+
 // P(X > x) for X of Fisher's F distribution with ν1, ν2 > 0; ν2 may be
 // infinite.
 double FisherTail(double x, double numerator, double denominator);

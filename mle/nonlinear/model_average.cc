@@ -117,4 +117,26 @@ Interval MixtureInterval(const std::vector<WeightedFit>& fits, int index,
           Quantile(components, tail, widest.low, widest.high)};
 }
 
+double DetectableChange(const std::vector<WeightedFit>& fits, int index,
+                        double statistic) {
+  double widest = 0.0;
+  for (const WeightedFit& part : fits) {
+    widest = std::max(widest, part.fit->covariance(index, index));
+  }
+  if (!std::isfinite(widest)) return kInfinity;
+  double low = 0.0;
+  double high = std::sqrt(statistic * widest);  // of the widest part alone
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (low + high);
+    double sum = 0.0;
+    for (const WeightedFit& part : fits) {
+      const double variance =
+          std::max(part.fit->covariance(index, index), 1e-300);
+      sum += part.weight * std::exp(-0.5 * middle * middle / variance);
+    }
+    (sum > std::exp(-0.5 * statistic) ? low : high) = middle;
+  }
+  return high;
+}
+
 }  // namespace mle

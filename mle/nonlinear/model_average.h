@@ -39,6 +39,11 @@ struct Interval {
 Interval MixtureInterval(const std::vector<WeightedFit>& fits, int index,
                          double confidence);
 
+// The change δ of parameter number `index` that makes the likelihood ratio
+// −2 ln Σ w_a exp(−δ²/2V_a) reach `statistic`; infinite where V is not finite.
+double DetectableChange(const std::vector<WeightedFit>& fits, int index,
+                        double statistic);
+
 }  // namespace mle
 
 #endif  // MLE_NONLINEAR_MODEL_AVERAGE_H_

@@ -227,6 +227,17 @@ std::vector<SegmentColumns> OutputErrorProblem::Linearise(
 
 WhitenedColumns OutputErrorProblem::Whiten(
     const std::vector<SegmentColumns>& columns, const NoiseShape& shape) const {
+  return WhitenRows(columns, shape, /*in_time=*/false);
+}
+
+WhitenedColumns OutputErrorProblem::WhitenInTime(
+    const std::vector<SegmentColumns>& columns, const NoiseShape& shape) const {
+  return WhitenRows(columns, shape, /*in_time=*/true);
+}
+
+WhitenedColumns OutputErrorProblem::WhitenRows(
+    const std::vector<SegmentColumns>& columns, const NoiseShape& shape,
+    bool in_time) const {
   const Eigen::Index total = num_samples_;
   const Eigen::Index width =
       columns.empty() ? 0 : columns.front().jacobian.cols();
@@ -247,6 +258,10 @@ WhitenedColumns OutputErrorProblem::Whiten(
     if (free > 0) {
       const AmplitudeQr qr = Factorise(whitened.rightCols(free));
       ProjectOut(qr, whitened.leftCols(1 + width));
+      if (in_time) {
+        whitened.leftCols(1 + width).applyOnTheLeft(
+            qr.householderQ().setLength(qr.rank()));
+      }
       // The modes' own sizes count: they depend on the ratio.
       const VectorXd norms =
           whitened.rightCols(free).colwise().norm().cwiseMax(1e-300);
@@ -265,6 +280,17 @@ WhitenedColumns OutputErrorProblem::Whiten(
     begin += rows;
   }
   return result;
+}
+
+void OutputErrorProblem::SetLines(const std::vector<double>& periods) {
+  lines_ = periods;
+  if (at_rest_ != nullptr) at_rest_->SetLines(periods);
+}
+
+void OutputErrorProblem::SetAtRest(
+    std::unique_ptr<OutputErrorProblem> problem) {
+  at_rest_ = std::move(problem);
+  if (at_rest_ != nullptr) at_rest_->SetLines(lines_);
 }
 
 void OutputErrorProblem::SetWeights(const VectorXd& weights,

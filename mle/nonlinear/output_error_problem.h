@@ -21,6 +21,7 @@
 #ifndef MLE_NONLINEAR_OUTPUT_ERROR_PROBLEM_H_
 #define MLE_NONLINEAR_OUTPUT_ERROR_PROBLEM_H_
 
+#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -94,11 +95,15 @@ class OutputErrorProblem {
 
   // Periodic disturbances with these periods, in samples, whose amplitude and
   // phase are each segment's own: two more free amplitudes of each.
-  void SetLines(std::vector<double> periods) { lines_ = std::move(periods); }
+  void SetLines(const std::vector<double>& periods);
   const std::vector<double>& lines() const { return lines_; }
   // Their amplitudes at `point`: root mean square over the segments.
   Eigen::VectorXd LineAmplitudes(const OutputPoint& point,
                                  const NoiseShape& shape) const;
+
+  // The same output in records at rest, with the same lines; or null.
+  void SetAtRest(std::unique_ptr<OutputErrorProblem> problem);
+  const OutputErrorProblem* at_rest() const { return at_rest_.get(); }
 
   // Without one of each segment where that sets its offset.
   int num_innovations(const NoiseShape& shape) const {
@@ -117,8 +122,12 @@ class OutputErrorProblem {
   // (of every element; 0: unchanged).
   void TakeSecants(const OutputPoint& point, const std::vector<double>& steps,
                    std::vector<SegmentColumns>& columns) const;
+  // The rows are rotated, those that the amplitudes take up are zero.
   WhitenedColumns Whiten(const std::vector<SegmentColumns>& columns,
                          const NoiseShape& shape) const;
+  // The same in the order of time: a row is a sample.
+  WhitenedColumns WhitenInTime(const std::vector<SegmentColumns>& columns,
+                               const NoiseShape& shape) const;
 
   // The residuals of the whole model at `point`, sample by sample: less the
   // amplitudes' part, the offset and the smoothed random walk.
@@ -147,6 +156,8 @@ class OutputErrorProblem {
     Eigen::VectorXd weights;  // empty: ones
   };
 
+  WhitenedColumns WhitenRows(const std::vector<SegmentColumns>& columns,
+                             const NoiseShape& shape, bool in_time) const;
   // The columns of ElementResponse::Simulate() for element j at `point` (N ×
   // 3).
   void Respond(const Segment& segment, const OutputPoint& point, int j,
@@ -163,6 +174,7 @@ class OutputErrorProblem {
   int num_modes_ = 0;  // Σ r_j
   double total_squares_ = 0.0;
   std::vector<double> lines_;
+  std::unique_ptr<OutputErrorProblem> at_rest_;
   Eigen::VectorXd weights_;
   double variance_factor_ = 1.0;
 };

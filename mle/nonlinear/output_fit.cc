@@ -28,6 +28,8 @@ constexpr double kWeightTolerance = 1e-3;
 constexpr double kShapeTolerance = 0.02;
 // A dead time this close to the end of its sample (in samples) is at it.
 constexpr double kCellTolerance = 1e-7;
+// A move of an input has an effect for dead time + this many time scales.
+constexpr double kMemoryTimeScales = 5.0;
 
 class Fitter {
  public:
@@ -275,13 +277,31 @@ void Finish(const OutputErrorProblem& problem, const StructuredOptions& options,
   fitter.CertifyGradient(fit.point, fit.noise);
 }
 
+// The samples for which a move of an input has an effect.
+int LongestMemory(const OutputErrorProblem& problem, const OutputFit& fit) {
+  double longest = 0.0;
+  for (std::size_t j = 0; j < fit.free.size(); ++j) {
+    if (!fit.free[j]) continue;
+    const ElementValues& values = fit.point.values[j];
+    longest =
+        std::max(longest, values.delay + kMemoryTimeScales * values.time_scale);
+  }
+  return static_cast<int>(std::min(longest / problem.sample_time(), 1e9));
+}
+
 void FillIn(const OutputErrorProblem& problem, const StructuredOptions& options,
             FitCertificate certificate, OutputFit& fit) {
-  const OutputCovariance covariance = CovarianceOf(
-      problem.Whiten(LineariseWidely(problem, fit.point, fit.free, fit.noise),
-                     ShapeOf(fit.noise)),
-      fit.point, fit.free, fit.noise.variance);
-  fit.covariance = covariance.covariance;
+  const std::vector<SegmentColumns> columns =
+      LineariseWidely(problem, fit.point, fit.free, fit.noise);
+  const OutputCovariance covariance =
+      CovarianceOf(problem.Whiten(columns, ShapeOf(fit.noise)), fit.point,
+                   fit.free, fit.noise.variance);
+  fit.inflation = InflationOf(problem, fit.point, columns, fit.free,
+                              ShapeOf(fit.noise), LongestMemory(problem, fit));
+  fit.noise.inflation = fit.inflation.statistic;
+  fit.noise.samples_at_rest =
+      problem.at_rest() != nullptr ? problem.at_rest()->num_samples() : 0;
+  fit.covariance = fit.inflation.Scale(covariance.covariance);
   fit.degrees_of_freedom =
       ComputeDegreesOfFreedom(problem, fit.point, fit.free, fit.noise);
   fit.deviance =

@@ -24,6 +24,7 @@
 
 #include "Eigen/Core"
 #include "mle/nonlinear/output_error_problem.h"
+#include "mle/nonlinear/serial_correlation.h"
 #include "mle/nonlinear/structured_correction.h"
 
 namespace mle {
@@ -41,6 +42,9 @@ struct OutputFit {
   // 3m × 3m, by K, T, L of each element; zero for elements that are not free,
   // infinite on the diagonal of what the records do not determine.
   Eigen::MatrixXd covariance;
+  // What correlation that the noise shape leaves does to both tests and
+  // covariance, which has it in it.
+  SerialInflation inflation;
   // Of each variance on the diagonal (Satterthwaite): ∞ for known noise.
   Eigen::VectorXd degrees_of_freedom;
   // −2 ln likelihood less constants, maximised over r and the shape.

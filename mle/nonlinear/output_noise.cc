@@ -123,14 +123,12 @@ namespace {
 // that restricted likelihood finds. Likelihood that takes a ratio for each
 // would let the alternative explain slow drift and then call the noise white:
 // with weak drift every fourth test would raise a false alarm of one in a
-// hundred. The null's ratio holds the error of its model, too, and excuses some
-// of it; a test that is integrated over the ratios of the alternative does not,
-// but takes a resonant disturbance for a change (docs/structured.md).
+// hundred.
 Contrast AtOneRatio(const ShapeLikelihood& null,
-                    const ShapeLikelihood& alternative, const NoiseShape& start,
-                    bool estimate_drift, bool search_colour) {
-  NoiseShape shape =
-      FindBestShape(alternative, start, estimate_drift, search_colour).shape;
+                    const ShapeLikelihood& alternative, bool estimate_drift) {
+  NoiseShape shape = FindBestShape(alternative, NoiseShape(), estimate_drift,
+                                   /*search_colour=*/true)
+                         .shape;
   shape.ratio = std::max(shape.ratio, FindBestShape(null, shape, estimate_drift,
                                                     /*search_colour=*/false)
                                           .shape.ratio);
@@ -139,6 +137,53 @@ Contrast AtOneRatio(const ShapeLikelihood& null,
   return {.statistic =
               std::max(without.squares - with.squares, 0.0) / with.variance(),
           .degrees = with.rank - without.rank};
+}
+
+// Both under `shape`, that of the alternative, and every ρ that is possible for
+// it: the null's own shape would hold the error of its model, and excuse it.
+// The sum is the ratio of likelihoods integrated over ρ on both sides, with
+// the weights of the intervals (IntegrateRatio), so that test and intervals
+// agree. At the best ρ alone weak drift, of which the best estimate is often 0,
+// would raise false alarms.
+Contrast OverRatios(const ShapeLikelihood& null,
+                    const ShapeLikelihood& alternative, NoiseShape shape,
+                    bool estimate_drift) {
+  const OutputErrorProblem& problem = alternative.problem();
+  std::vector<PossibleRatio> ratios = {{shape.ratio, 1.0}};
+  if (estimate_drift && problem.num_segments() > 0) {
+    ratios = PossibleRatios(problem);
+  }
+  std::vector<Profile> profiles;
+  double best = -std::numeric_limits<double>::infinity();
+  for (const PossibleRatio& possible : ratios) {
+    shape.ratio = possible.ratio;
+    profiles.push_back(alternative.At(shape));
+    best =
+        std::max(best, std::log(possible.prior) - 0.5 * profiles.back().value);
+  }
+  Contrast contrast;
+  double total = 0.0;
+  double excused = 0.0;
+  double least = std::numeric_limits<double>::infinity();
+  std::vector<std::pair<double, double>> parts;  // weight and S
+  for (std::size_t i = 0; i < ratios.size(); ++i) {
+    const Profile& with = profiles[i];
+    const double weight =
+        std::exp(std::log(ratios[i].prior) - 0.5 * with.value - best);
+    if (!(weight > kSmallWeight)) continue;
+    const Profile without = null.At(with.shape);
+    const double reduction =
+        std::max(without.squares - with.squares, 0.0) / with.variance();
+    contrast.degrees = with.rank - without.rank;
+    parts.emplace_back(weight, reduction);
+    least = std::min(least, reduction);
+    total += weight;
+  }
+  for (const auto& [weight, reduction] : parts) {
+    excused += weight / total * std::exp(-0.5 * (reduction - least));
+  }
+  contrast.statistic = least - 2.0 * std::log(excused);
+  return contrast;
 }
 
 }  // namespace
@@ -151,7 +196,7 @@ Contrast ContrastWithColumns(const OutputErrorProblem& problem,
                                     /*restricted=*/true),
                     ShapeLikelihood(problem, point, free, NoiseShape(),
                                     /*restricted=*/true, columns),
-                    NoiseShape(), estimate_drift, /*search_colour=*/true);
+                    estimate_drift);
 }
 
 Contrast ContrastWithFit(const OutputErrorProblem& problem,
@@ -159,11 +204,11 @@ Contrast ContrastWithFit(const OutputErrorProblem& problem,
                          const std::vector<bool>& free,
                          const NoiseEstimate& noise, bool estimate_drift) {
   const NoiseShape shape = ShapeOf(noise);
-  return AtOneRatio(
+  return OverRatios(
       ShapeLikelihood(problem, null, std::vector<bool>(free.size(), false),
                       shape, /*restricted=*/true),
       ShapeLikelihood(problem, point, free, shape, /*restricted=*/true), shape,
-      estimate_drift, /*search_colour=*/false);
+      estimate_drift);
 }
 
 }  // namespace mle

@@ -81,6 +81,7 @@ std::vector<RatioEstimate> IntegrateRatio(const OutputErrorProblem& problem,
     total += c.estimate.weight;
     // What is left of the gradient at the fit (kinks and bounds) stays.
     c.estimate.change -= at_fit;
+    c.estimate.covariance = fit.inflation.Scale(c.estimate.covariance);
     estimates.push_back(std::move(c.estimate));
   }
   for (RatioEstimate& estimate : estimates) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -23,6 +24,9 @@ using Eigen::VectorXd;
 
 // Below this weight a part of the average is left out.
 constexpr double kSmallWeight = 1e-3;
+// Of the test of no change, at half the probability of a false alarm (of two
+// tests), for a change that is said to be detectable.
+constexpr double kPower = 0.9;
 // A sample of less weight is said to be spared by a robust loss.
 constexpr double kSpared = 0.5;
 
@@ -38,12 +42,13 @@ std::vector<PeriodicLine> LinesOf(const OutputErrorProblem& problem,
   return lines;
 }
 
-// Writes the average of fits of output i into `fit`.
-void Report(const OutputSetup& setup, const std::vector<WeightedFit>& parts,
-            int i, double confidence, StructuredFit& fit) {
+// Writes the average of fits of output i into `fit`, and returns it.
+OutputFit Report(const OutputSetup& setup,
+                 const std::vector<WeightedFit>& parts, int i,
+                 double confidence, StructuredFit& fit) {
   const int m = fit.model.num_inputs();
   const auto& elements = setup.problem->elements();
-  const OutputFit average = Average(parts, setup.problem->sample_time());
+  OutputFit average = Average(parts, setup.problem->sample_time());
   for (int j = 0; j < m; ++j) {
     ElementEstimate& estimate = fit.elements[i * m + j];
     if (!elements[j].has_value()) continue;
@@ -76,6 +81,7 @@ void Report(const OutputSetup& setup, const std::vector<WeightedFit>& parts,
   fit.deviances[i] = average.deviance;
   fit.spared_samples[i] =
       static_cast<int>((setup.problem->weights().array() < kSpared).count());
+  return average;
 }
 
 StructuredFit EmptyFit(const ProcessModel& model) {
@@ -127,12 +133,39 @@ double WeightOfOffsets(const std::vector<OutputSetup>& setups,
                                        : weight;
 }
 
+int NumFree(const std::vector<OutputFit>& fits) {
+  int count = 0;
+  for (const OutputFit& fit : fits) {
+    count +=
+        static_cast<int>(std::count(fit.free.begin(), fit.free.end(), true));
+  }
+  return count;
+}
+
+// What fits become over all that may be true of offsets and drift.
+struct AveragedFits {
+  double weight = 1.0;             // of offsets and drift
+  std::vector<OutputFit> without;  // p: neither; unused for a weight of 1
+  std::vector<OutputFit> average;  // p
+};
+
 // Writes all fits into `fit`, averaged with those without offsets.
-void ReportAll(const std::vector<OutputSetup>& setups,
-               const std::vector<OutputFit>& fits,
-               const StructuredOptions& options, StructuredFit& fit) {
-  const double weight = WeightOfOffsets(setups, fits, options);
+AveragedFits ReportAll(const std::vector<OutputSetup>& setups,
+                       const std::vector<OutputFit>& fits,
+                       const StructuredOptions& options, StructuredFit& fit) {
+  AveragedFits averaged;
+  averaged.weight = WeightOfOffsets(setups, fits, options);
+  averaged.without.resize(setups.size());
+  averaged.average.resize(setups.size());
+  const double weight = averaged.weight;
   fit.offset_weight = weight;
+  const int m = fit.model.num_inputs();
+  const int num_elements = NumFree(fits);
+  const double noncentrality =
+      num_elements == 0
+          ? 0.0
+          : ChiSquareNoncentrality(0.5 * options.false_alarm_probability,
+                                   3.0 * num_elements, kPower);
   ParallelFor(static_cast<int>(setups.size()), options.threads, [&](int i) {
     std::vector<OutputFit> under;  // each possible ratio of drift
     std::vector<WeightedFit> parts;
@@ -145,13 +178,20 @@ void ReportAll(const std::vector<OutputSetup>& setups,
       }
     }
     if (weight < 1.0) {
-      under.push_back(FitWithoutOffsets(*setups[i].problem, fits[i],
-                                        setups[i].bounds, options));
+      averaged.without[i] = FitWithoutOffsets(*setups[i].problem, fits[i],
+                                              setups[i].bounds, options);
+      under.push_back(averaged.without[i]);
       parts.push_back({1.0 - weight, nullptr});
     }
     for (std::size_t k = 0; k < parts.size(); ++k) parts[k].fit = &under[k];
-    Report(setups[i], parts, i, options.confidence, fit);
+    averaged.average[i] = Report(setups[i], parts, i, options.confidence, fit);
+    for (int j = 0; j < m; ++j) {
+      if (!fits[i].free[j]) continue;
+      fit.elements[i * m + j].detectable_gain =
+          DetectableChange(parts, 3 * j, noncentrality);
+    }
   });
+  return averaged;
 }
 
 // The elements of one output against their initial values.
@@ -185,37 +225,57 @@ ElementSelection Select(const OutputSetup& setup, const OutputFit& fit,
       degrees, false_alarm);
 }
 
+// The likelihood ratio of the full fits against the initial model, integrated
+// over what may be true of offsets and drift: −2 ln Σ w exp(−S/2), with the
+// weights of the averages, so that test and intervals agree.
+double ChangeStatistic(const std::vector<OutputSetup>& setups,
+                       const std::vector<OutputFit>& fits,
+                       const AveragedFits& averaged,
+                       const StructuredOptions& options) {
+  const auto sum = [&](const std::vector<OutputFit>& of, bool drift) {
+    std::vector<double> statistics(setups.size());
+    ParallelFor(static_cast<int>(setups.size()), options.threads, [&](int i) {
+      statistics[i] =
+          ContrastWithFit(*setups[i].problem, setups[i].start, of[i].point,
+                          of[i].free, of[i].noise, drift)
+              .statistic /
+          of[i].inflation.statistic;
+    });
+    return std::accumulate(statistics.begin(), statistics.end(), 0.0);
+  };
+  const double weight = averaged.weight;
+  if (!(weight < 1.0)) return sum(fits, options.estimate_drift);
+  if (!(weight > 0.0)) return sum(averaged.without, false);
+  const double with = sum(fits, options.estimate_drift);
+  const double without = sum(averaged.without, false);
+  const double least = std::min(with, without);
+  return least -
+         2.0 * std::log(weight * std::exp(-0.5 * (with - least)) +
+                        (1.0 - weight) * std::exp(-0.5 * (without - least)));
+}
+
 // Test and selection from the full fits.
 void Judge(const std::vector<OutputSetup>& setups,
-           const std::vector<OutputFit>& fits, const StructuredOptions& options,
-           StructuredCorrection& correction) {
+           const std::vector<OutputFit>& fits, const AveragedFits& averaged,
+           const StructuredOptions& options, StructuredCorrection& correction) {
   const int p = static_cast<int>(setups.size());
   const int m = setups[0].problem->num_elements();
-  int num_elements = 0;
-  std::vector<Contrast> contrasts(p);
-  ParallelFor(p, options.threads, [&](int i) {
-    contrasts[i] =
-        ContrastWithFit(*setups[i].problem, setups[i].start, fits[i].point,
-                        fits[i].free, fits[i].noise, options.estimate_drift);
-  });
-  for (int i = 0; i < p; ++i) {
-    const int free = static_cast<int>(
-        std::count(fits[i].free.begin(), fits[i].free.end(), true));
-    num_elements += free;
-    correction.statistic += contrasts[i].statistic;
-  }
+  const int num_elements = NumFree(fits);
+  correction.statistic = ChangeStatistic(setups, fits, averaged, options);
   correction.degrees_of_freedom = 3 * num_elements;
   if (num_elements == 0) return;
   correction.p_value =
       ChiSquareTail(correction.statistic, correction.degrees_of_freedom);
   correction.change_proposed =
+      options.change_given ||
       correction.p_value < options.false_alarm_probability;
 
   int smallest_i = 0;
   int smallest_j = 0;
   for (int i = 0; i < p; ++i) {
-    const ElementSelection selection = Select(
-        setups[i], fits[i], options.false_alarm_probability / num_elements);
+    const ElementSelection selection =
+        Select(setups[i], averaged.average[i],
+               options.false_alarm_probability / num_elements);
     int g = 0;
     for (int j = 0; j < m; ++j) {
       if (!fits[i].free[j]) continue;
@@ -257,8 +317,8 @@ absl::StatusOr<StructuredCorrection> CorrectStructure(
       FitRobustly(setups[i].bounds, options, *setups[i].problem, fits[i]);
     }
   });
-  ReportAll(setups, fits, options, correction.full);
-  Judge(setups, fits, options, correction);
+  const AveragedFits full = ReportAll(setups, fits, options, correction.full);
+  Judge(setups, fits, full, options, correction);
   ParallelFor(p, options.threads, [&](int i) {
     std::vector<bool> free(m);
     for (int j = 0; j < m; ++j) free[j] = correction.aged(i, j);

@@ -29,6 +29,7 @@
 
 #include <array>
 #include <limits>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -73,10 +74,17 @@ struct StructuredOptions {
   // Probability of a false alarm, in (0, 1), of the test of no change, and of
   // naming any element that has not changed.
   double false_alarm_probability = 0.01;
+  // That something has changed is known: the test of no change is made, but
+  // does not decide.
+  bool change_given = false;
   // Of the intervals, in (0, 1).
   double confidence = 0.95;
   // Of each Ceres solve, ≥ 1.
   int max_iterations = 100;
+  // Records of the same plant in which nothing is asked of it, sampled alike,
+  // or none: correlation that the noise shape leaves is looked for in them, too
+  // (serial_correlation.h). Nothing is fitted to them.
+  std::shared_ptr<const std::vector<Record>> at_rest = nullptr;
   // Outputs are independent; 0: one thread for each processor.
   int threads = 1;
 
@@ -111,6 +119,10 @@ struct NoiseEstimate {
   // or given.
   std::array<double, 4> log_deviations = {};
   std::vector<PeriodicLine> lines = {};  // beside it
+  // By how much correlation that is left raises the likelihood ratio without a
+  // change, ≥ 1, and the samples at rest that it was seen in besides.
+  double inflation = 1.0;
+  int samples_at_rest = 0;
 
   double increment_variance() const { return ratio * variance; }  // q
   double colour_variance() const;  // of the coloured component, stationary
@@ -161,6 +173,9 @@ struct ElementEstimate {
   ParameterEstimate gain;
   ParameterEstimate time_scale;  // the time constant of a first-order element
   ParameterEstimate delay;
+  // The change of the gain that the test of no change finds nine times of ten,
+  // by what the records say of offsets and drift; infinite if not fitted.
+  double detectable_gain = std::numeric_limits<double>::infinity();
 };
 
 // All elements of one model, fitted or held.

@@ -119,8 +119,15 @@ absl::StatusOr<OutputSetup> SetUpOutput(const ProcessModel& model, int i,
   }
   setup.start.SetCells(sample_time);
   const int skip = static_cast<int>(std::ceil(longest / sample_time)) + 1;
-  setup.problem = std::make_unique<OutputErrorProblem>(
-      std::move(elements), records, i, skip, kMinRows);
+  setup.problem = std::make_unique<OutputErrorProblem>(elements, records, i,
+                                                       skip, kMinRows);
+  if (options.at_rest != nullptr) {
+    auto at_rest = std::make_unique<OutputErrorProblem>(
+        std::move(elements), *options.at_rest, i, skip, kMinRows);
+    if (at_rest->num_segments() > 0) {
+      setup.problem->SetAtRest(std::move(at_rest));
+    }
+  }
   const int innovations = setup.problem->num_innovations(NoiseShape());
   if (num_parameters > 0 && innovations < 2 * num_parameters + kMinRows) {
     return absl::InvalidArgumentError(absl::StrCat(
@@ -173,6 +180,11 @@ absl::StatusOr<std::vector<OutputSetup>> SetUpOutputs(
   MLE_RETURN_IF_ERROR(options.Validate());
   MLE_RETURN_IF_ERROR(model.Validate());
   MLE_RETURN_IF_ERROR(CheckRecords(model, records));
+  if (options.at_rest != nullptr && !options.at_rest->empty()) {
+    std::vector<Record> all = {records.front()};
+    all.insert(all.end(), options.at_rest->begin(), options.at_rest->end());
+    MLE_RETURN_IF_ERROR(CheckRecords(model, all));
+  }
   std::vector<OutputSetup> setups;
   for (int i = 0; i < model.num_outputs(); ++i) {
     MLE_ASSIGN_OR_RETURN(OutputSetup setup,

@@ -47,6 +47,47 @@ TEST(CorrectFromRecordsTest, AnAgedGainIsCorrected) {
   EXPECT_FALSE(result->initial_residuals[0].white());
 }
 
+// Windows of 50 min around the changes at 100 and 300 min; between and after
+// them the tank is at rest.
+TEST(CorrectFromRecordsTest, WhatLiesBetweenTheWindowsIsAtRest) {
+  CorrectOptions options = Fast();
+  options.records.windows.before = 20.0;
+  options.records.windows.after = 50.0;
+  const Record record = TankRecord(Tank(1.6), 0.02, 1);
+  const auto result = CorrectFromRecords(Tank(1.0), {record, record}, options);
+  ASSERT_TRUE(result.ok()) << result.status();
+  ASSERT_EQ(result->data.windows.size(), 4);
+  int in_windows = 0;
+  for (const SetPointWindow& window : result->data.windows) {
+    in_windows += window.record.samples();
+  }
+  int at_rest = 0;
+  for (const Record& rest : result->data.AtRest()) {
+    at_rest += rest.samples();
+    EXPECT_EQ(rest.set_points.row(0).minCoeff(),
+              rest.set_points.row(0).maxCoeff());
+    const auto first = static_cast<int>(std::lround(rest.start_time / 0.5));
+    EXPECT_EQ(rest.outputs, record.outputs.middleCols(first, rest.samples()));
+  }
+  EXPECT_EQ(in_windows + at_rest, 2 * record.samples());
+  const NoiseEstimate& noise = result->estimate.setting.noise[0];
+  EXPECT_GT(noise.samples_at_rest, 0.8 * at_rest);
+  EXPECT_LE(noise.samples_at_rest, at_rest);
+  EXPECT_GE(noise.inflation, 1.0);
+  EXPECT_EQ(result->decision, Decision::kCorrected);
+  // No more of them than windows can use.
+  options.records.windows.before = 5.0;
+  options.records.windows.after = 10.0;
+  options.records.windows.change_times = {300.0};
+  const auto little = PrepareRecords({record}, Tank(1.0), options.records);
+  ASSERT_TRUE(little.ok()) << little.status();
+  ASSERT_EQ(little->windows.size(), 1);
+  const std::vector<Record> rest = little->AtRest();
+  ASSERT_EQ(rest.size(), 1);
+  EXPECT_EQ(rest[0].samples(), 4 * little->windows[0].record.samples());
+  EXPECT_EQ(rest[0].outputs, record.outputs.rightCols(rest[0].samples()));
+}
+
 TEST(CorrectFromRecordsTest, ARightModelIsKeptToTheLastDigit) {
   const auto result =
       CorrectFromRecords(Tank(1.6), {TankRecord(Tank(1.6), 0.02, 1)}, Fast());

@@ -93,6 +93,32 @@ TEST(HoldOutTest, TheGainIsTheShareOfTheSquaredErrorRemoved) {
               100.0 * (1.0 - std::sqrt(of_simulation / squares)), 3.0);
 }
 
+// One step of the input in each window, in the same tenth of it: a fold that
+// hid both would know nothing of time constant and dead time.
+TEST(HoldOutTest, NoFoldHidesTheSameMoveOfAllWindows) {
+  std::vector<Record> windows = Windows(Tank(2.0));
+  for (std::size_t w = 0; w < windows.size(); ++w) {
+    Record& window = windows[w];
+    window.inputs.setZero();
+    window.inputs.rightCols(430).setOnes();
+    window.outputs = *SimulateResponse(Tank(2.0), 0.5, window.inputs) +
+                     GaussianNoise(7 + w, 0, kMeasurementNoise)
+                         .DrawMatrix(1, window.samples(), kNoise);
+  }
+  const auto estimate = EstimateModel(Tank(1.9), windows, Options());
+  ASSERT_TRUE(estimate.ok()) << estimate.status();
+  const auto validation = Validate(*estimate, windows);
+  ASSERT_TRUE(validation.ok()) << validation.status();
+  ASSERT_TRUE(validation->held_out);
+  const double expected = PercentOf(kNoise, windows[0], 13);
+  const OutputScores& scores = validation->outputs[0];
+  for (const HorizonScore& score :
+       {scores.one_step, scores.several_steps, scores.simulated}) {
+    EXPECT_NEAR(score.corrected, expected, 0.4);
+  }
+  EXPECT_GT(scores.simulated.gain, 2.0 * scores.simulated.error);
+}
+
 // Errors of a model that knows nothing are the noise; what a fold's correction
 // adds to it is x, and 2 √Σ(xε)² its standard error. In white noise the gain of
 // a correction of nothing is within it.

@@ -136,6 +136,17 @@ TEST(QuantileTest, GoesUpWithTheTailForAnyDegrees) {
   }
 }
 
+// Tables for the power of χ² tests (Haynam, Govindarajulu and Leone, 1970).
+TEST(NoncentralityTest, HasItsTabulatedValues) {
+  EXPECT_NEAR(ChiSquareNoncentrality(0.05, 1.0, 0.9), 10.507, 1e-3);
+  EXPECT_NEAR(ChiSquareNoncentrality(0.05, 2.0, 0.9), 12.654, 1e-3);
+  EXPECT_NEAR(ChiSquareNoncentrality(0.01, 1.0, 0.9), 14.879, 1e-3);
+  // (z_α/2 + z_power)² but for the other tail.
+  const double sum =
+      StudentTwoSidedQuantile(1e-4, 1e12) + StudentTwoSidedQuantile(2e-3, 1e12);
+  EXPECT_NEAR(ChiSquareNoncentrality(1e-4, 1.0, 0.999), sum * sum, 1e-6);
+}
+
 TEST(QuantileTest, StudentHasItsTabulatedValues) {
   // To the digits of the tables.
   EXPECT_NEAR(StudentTwoSidedQuantile(0.05, kInfinity), 1.959964, 1e-6);

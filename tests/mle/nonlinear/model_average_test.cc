@@ -82,6 +82,25 @@ TEST(ModelAverageTest, WhatIsNotDeterminedHasNoBounds) {
 
 // Akaike: two parameters that are not there cost 4 units of AIC less what
 // chance explains.
+TEST(ModelAverageTest, ADetectableChangeReachesTheStatistic) {
+  const OutputFit narrow = Fit(2.0, 0.1, 10.0);
+  const OutputFit wide = Fit(2.0, 0.5, 10.0);
+  EXPECT_NEAR(DetectableChange({{1.0, &narrow}}, 0, 9.0), 0.3, 1e-12);
+  for (const double weight : {0.5, 1e-3, 1e-9}) {
+    const double change =
+        DetectableChange({{1.0 - weight, &narrow}, {weight, &wide}}, 0, 30.0);
+    const double ratio =
+        -2.0 *
+        std::log((1.0 - weight) * std::exp(-0.5 * std::pow(change / 0.1, 2)) +
+                 weight * std::exp(-0.5 * std::pow(change / 0.5, 2)));
+    EXPECT_NEAR(ratio, 30.0, 1e-9) << weight;
+  }
+  OutputFit unknown = Fit(2.0, 0.1, 10.0);
+  unknown.covariance(0, 0) = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(DetectableChange({{0.5, &narrow}, {0.5, &unknown}}, 0, 30.0),
+            std::numeric_limits<double>::infinity());
+}
+
 TEST(ModelAverageTest, OffsetWeightIsAkaikes) {
   EXPECT_NEAR(
       OffsetWeight({{.offsets = 0.0, .drift = 0.0, .num_parameters = 2}}),

@@ -1,0 +1,128 @@
+#include "mle/nonlinear/serial_correlation.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "Eigen/Cholesky"
+#include "Eigen/Eigenvalues"
+
+namespace mle {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// Of the shortest segment, that the lags reach at most.
+constexpr double kMaxLagShare = 0.25;
+// Standard errors, under white noise, that a factor must differ from 1 by.
+constexpr double kSignificant = 2.0;
+// Relative to the largest eigenvalue of JᵀJ, its columns scaled to one.
+constexpr double kRankTolerance = 1e-12;
+
+// Σ_k x_k y_{k+l} within the segments.
+MatrixXd LaggedProduct(const OutputErrorProblem& problem, const MatrixXd& X,
+                       int lag) {
+  MatrixXd product = MatrixXd::Zero(X.cols(), X.cols());
+  Eigen::Index begin = 0;
+  for (int s = 0; s < problem.num_segments(); ++s) {
+    const auto rows = static_cast<Eigen::Index>(problem.times(s).size());
+    if (rows > lag) {
+      product.noalias() += X.middleRows(begin, rows - lag).transpose() *
+                           X.middleRows(begin + lag, rows - lag);
+    }
+    begin += rows;
+  }
+  return product;
+}
+
+// 1 + Σ terms where that is more than white noise makes of it.
+double Factor(double sum, double variance) {
+  return sum > kSignificant * std::sqrt(variance) ? 1.0 + sum : 1.0;
+}
+
+}  // namespace
+
+MatrixXd SerialInflation::Scale(const MatrixXd& covariance) const {
+  const VectorXd roots = variances.cwiseSqrt();
+  return roots.asDiagonal() * covariance * roots.asDiagonal();
+}
+
+SerialInflation InflationOf(const OutputErrorProblem& problem,
+                            const OutputPoint& point,
+                            const std::vector<SegmentColumns>& columns,
+                            const std::vector<bool>& free,
+                            const NoiseShape& shape, int longest) {
+  const auto m = static_cast<Eigen::Index>(free.size());
+  SerialInflation inflation;
+  inflation.variances = VectorXd::Ones(3 * m);
+  std::vector<Eigen::Index> kept;
+  for (Eigen::Index j = 0; j < m; ++j) {
+    for (int i = 0; free[j] && i < 3; ++i) kept.push_back(3 * j + i);
+  }
+  longest = std::min(
+      longest, static_cast<int>(kMaxLagShare * problem.shortest_segment()));
+  if (kept.empty() || longest < 1) return inflation;
+  const WhitenedColumns whitened = problem.WhitenInTime(columns, shape);
+  // X: orthonormal columns that span J, then e less what they explain.
+  MatrixXd J = whitened.jacobian(Eigen::all, kept);
+  const VectorXd norms = J.colwise().norm().cwiseMax(1e-300);
+  J *= norms.cwiseInverse().asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(J.transpose() * J);
+  const VectorXd& values = eigen.eigenvalues();
+  const auto count = static_cast<Eigen::Index>(kept.size());
+  Eigen::Index first = 0;
+  while (first < count && values(first) <= kRankTolerance * values(count - 1)) {
+    ++first;
+  }
+  const Eigen::Index rank = count - first;
+  if (rank == 0) return inflation;
+  // J T is orthonormal; row i of T is what parameter i takes of its columns.
+  const MatrixXd T = eigen.eigenvectors().rightCols(rank) *
+                     values.tail(rank).cwiseSqrt().cwiseInverse().asDiagonal();
+  MatrixXd X(J.rows(), rank + 1);
+  X.leftCols(rank) = J * T;
+  X.col(rank) =
+      whitened.residuals -
+      X.leftCols(rank) * (X.leftCols(rank).transpose() * whitened.residuals);
+  double squares = X.col(rank).squaredNorm();
+  auto n = static_cast<double>(problem.num_innovations(shape));
+  MatrixXd resting;
+  if (problem.at_rest() != nullptr) {
+    const OutputErrorProblem& rest = *problem.at_rest();
+    resting =
+        rest.WhitenInTime(rest.Linearise(point, shape, false), shape).residuals;
+    squares += resting.squaredNorm();
+    n += rest.num_innovations(shape);
+  }
+  if (!(squares > 0.0)) return inflation;
+  double sum = 0.0;
+  double variance = 0.0;
+  VectorXd sums = VectorXd::Zero(count);
+  VectorXd sum_variances = VectorXd::Zero(count);
+  const VectorXd own = T.rowwise().squaredNorm();
+  for (int lag = 1; lag <= longest; ++lag) {
+    const MatrixXd product = LaggedProduct(problem, X, lag);
+    const double weight = 2.0 * (1.0 - lag / (longest + 1.0));
+    double correlation = product(rank, rank) / squares;
+    if (problem.at_rest() != nullptr) {
+      correlation +=
+          LaggedProduct(*problem.at_rest(), resting, lag)(0, 0) / squares;
+    }
+    const auto shifted = product.topLeftCorner(rank, rank);
+    const double mean = weight * shifted.trace() / static_cast<double>(rank);
+    sum += correlation * mean;
+    variance += mean * mean / n;
+    const VectorXd of =
+        weight *
+        (T * shifted).cwiseProduct(T).rowwise().sum().cwiseQuotient(own);
+    sums += correlation * of;
+    sum_variances += of.cwiseAbs2() / n;
+  }
+  inflation.statistic = Factor(sum, variance);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    inflation.variances(kept[k]) = Factor(sums(k), sum_variances(k));
+  }
+  return inflation;
+}
+
+}  // namespace mle
