@@ -118,14 +118,16 @@ std::string MainReason(const Result& result) {
 }
 
 std::string WhatToDo(const Result& result) {
-  const std::string p = FormatProbability(result.estimate.fit.PValue());
+  const double p_value = result.estimate.fit.PValue();
+  const std::string p =
+      p_value < 1e-300 ? "p < 10⁻³⁰⁰" : "p = " + FormatProbability(p_value);
   switch (result.decision) {
     case Decision::kNoChange:
       return absl::StrCat("Keep the controller's model. ", MainReason(result));
     case Decision::kCorrected:
       return absl::StrCat(
-          "Use the corrected model in the controller: the model has aged (p = ",
-          p, " for no change)", WhereMost(result), ".");
+          "Use the corrected model in the controller: the model has aged (", p,
+          " for no change)", WhereMost(result), ".");
     case Decision::kCannotTell:
       return absl::StrCat(
           "Keep the controller's model for now: whether it has aged cannot be "

@@ -81,8 +81,8 @@ absl::Status FitStructure(const ProcessModel& initial,
   MLE_ASSIGN_OR_RETURN(fit.test,
                        TestNoChange(initial, windows, fit.structured, options,
                                     progress, shared, fit.seconds));
-  const bool rejected = options.structured.change_given ||
-                        fit.test.p_value < options.TestLevel();
+  const bool rejected =
+      options.structured.change_given || fit.test.p_value < options.TestLevel();
   StructuredCorrection& structured = fit.structured;
   switch (options.change_test) {
     case ChangeTest::kCalibrated:

@@ -33,7 +33,7 @@ const double kPairCost =
     2.0 * std::log(99.0) + 2.0 * std::log(static_cast<double>(kShapes.size()));
 
 constexpr int kMaxRounds = 6;
-constexpr int kMaxSweeps = 6;
+constexpr int kMaxMoves = 24;
 constexpr int kNoiseSteps = 3;
 constexpr double kLogRatioStep = 1.0;
 constexpr double kLeastRatio = 1e-10;
@@ -211,21 +211,23 @@ class Search {
     return evidence.Deviance(PriorOf(point, state), variance) + Cost(state);
   }
 
-  // Coordinate search over the choices and the decay.
+  // The best of all single moves (another choice of an element, another decay),
+  // as long as one helps: the order of the inputs decides nothing.
   void Improve(const LinearEvidence& evidence, const OutputPoint& point,
                double variance, State& state) const {
     double best = Deviance(evidence, point, state, variance);
-    const auto try_state = [&](State other) {
+    const auto try_state = [&](const State& other) {
       const double deviance = Deviance(evidence, point, other, variance);
       if (deviance >= best - kTolerance) return;
       best = deviance;
-      state = std::move(other);
+      state = other;
     };
-    for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
+    for (int move = 0; move < kMaxMoves; ++move) {
       const double before = best;
+      const State from = state;
       for (std::size_t j = 0; j < priors_.size(); ++j) {
         if (!priors_[j].informed) continue;
-        State other = state;
+        State other = from;
         for (const bool parameters : {false, true}) {
           if (parameters && !priors_[j].present) continue;
           other.choices[j] = {parameters, 0.0};
@@ -236,8 +238,8 @@ class Search {
           }
         }
       }
+      State other = from;
       for (const double decay : kDecays) {
-        State other = state;
         other.decay = decay;
         try_state(other);
       }
@@ -348,12 +350,26 @@ OutputPosterior FindPosterior(const OutputErrorProblem& problem,
     if (priors[j].present) initial.values[j] = priors[j].values;
   }
   initial.SetCells(problem.sample_time());
-  const OutputPosterior from_fit =
+  OutputPosterior from_fit =
       search.Run(start.point, start.noise, fitted, estimate_drift);
+  const NoiseShape shape = ShapeOf(start.noise);
+  if (shape.coloured()) {
+    // What the structure lacks may have been taken for colour, whose price is
+    // that of FindBestShape().
+    NoiseEstimate plain = start.noise;
+    plain.colour_ratio = 0.0;
+    OutputPosterior without =
+        search.Run(start.point, plain, fitted, estimate_drift);
+    const double price = (1.0 + shape.colour().order()) *
+                         std::log(problem.num_innovations(NoiseShape()));
+    if (without.HasShape() && without.deviance < from_fit.deviance + price) {
+      from_fit = std::move(without);
+    }
+  }
   // Where the structure suffices, the fit is where the initial values lead to.
   if (!from_fit.HasShape()) return from_fit;
   OutputPosterior from_initial =
-      search.Run(initial, start.noise, none, estimate_drift);
+      search.Run(initial, from_fit.noise, none, estimate_drift);
   return from_fit.deviance <= from_initial.deviance ? from_fit : from_initial;
 }
 
