@@ -352,17 +352,14 @@ OutputPosterior FindPosterior(const OutputErrorProblem& problem,
   initial.SetCells(problem.sample_time());
   OutputPosterior from_fit =
       search.Run(start.point, start.noise, fitted, estimate_drift);
-  const NoiseShape shape = ShapeOf(start.noise);
-  if (shape.coloured()) {
-    // What the structure lacks may have been taken for colour, whose price is
-    // that of FindBestShape().
+  if (start.noise.colour_ratio > 0.0) {
+    // What the structure lacks may have been taken for colour. That the colour
+    // has parameters of its own does not count: a disturbance is likelier.
     NoiseEstimate plain = start.noise;
     plain.colour_ratio = 0.0;
     OutputPosterior without =
         search.Run(start.point, plain, fitted, estimate_drift);
-    const double price = (1.0 + shape.colour().order()) *
-                         std::log(problem.num_innovations(NoiseShape()));
-    if (without.HasShape() && without.deviance < from_fit.deviance + price) {
+    if (without.HasShape() && without.deviance < from_fit.deviance) {
       from_fit = std::move(without);
     }
   }
