@@ -216,34 +216,35 @@ class Search {
   void Improve(const LinearEvidence& evidence, const OutputPoint& point,
                double variance, State& state) const {
     double best = Deviance(evidence, point, state, variance);
-    const auto try_state = [&](const State& other) {
+    const auto better = [&](const State& other) {
       const double deviance = Deviance(evidence, point, other, variance);
-      if (deviance >= best - kTolerance) return;
+      if (deviance >= best - kTolerance) return false;
       best = deviance;
-      state = other;
+      return true;
     };
     for (int move = 0; move < kMaxMoves; ++move) {
       const double before = best;
-      const State from = state;
+      State next = state;
       for (std::size_t j = 0; j < priors_.size(); ++j) {
         if (!priors_[j].informed) continue;
-        State other = from;
+        State other = state;
         for (const bool parameters : {false, true}) {
           if (parameters && !priors_[j].present) continue;
           other.choices[j] = {parameters, 0.0};
-          try_state(other);
+          if (better(other)) next = other;
           for (const double shape : kShapes) {
             other.choices[j].shape = shape;
-            try_state(other);
+            if (better(other)) next = other;
           }
         }
       }
-      State other = from;
+      State other = state;
       for (const double decay : kDecays) {
         other.decay = decay;
-        try_state(other);
+        if (better(other)) next = other;
       }
       if (best > before - kTolerance) break;
+      state = std::move(next);
     }
   }
 
