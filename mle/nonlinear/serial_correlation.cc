@@ -35,6 +35,20 @@ MatrixXd LaggedProduct(const OutputErrorProblem& problem, const MatrixXd& X,
   return product;
 }
 
+// T, n × rank, with (J T)ᵀ(J T) = I, from J with columns scaled to one.
+MatrixXd Orthonormaliser(const MatrixXd& J) {
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(J.transpose() * J);
+  const VectorXd& values = eigen.eigenvalues();
+  const Eigen::Index count = values.size();
+  Eigen::Index first = 0;
+  while (first < count && values(first) <= kRankTolerance * values(count - 1)) {
+    ++first;
+  }
+  const Eigen::Index rank = count - first;
+  return eigen.eigenvectors().rightCols(rank) *
+         values.tail(rank).cwiseSqrt().cwiseInverse().asDiagonal();
+}
+
 // 1 + Σ terms where that is more than white noise makes of it.
 double Factor(double sum, double variance) {
   return sum > kSignificant * std::sqrt(variance) ? 1.0 + sum : 1.0;
@@ -67,18 +81,11 @@ SerialInflation InflationOf(const OutputErrorProblem& problem,
   MatrixXd J = whitened.jacobian(Eigen::all, kept);
   const VectorXd norms = J.colwise().norm().cwiseMax(1e-300);
   J *= norms.cwiseInverse().asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(J.transpose() * J);
-  const VectorXd& values = eigen.eigenvalues();
-  const auto count = static_cast<Eigen::Index>(kept.size());
-  Eigen::Index first = 0;
-  while (first < count && values(first) <= kRankTolerance * values(count - 1)) {
-    ++first;
-  }
-  const Eigen::Index rank = count - first;
-  if (rank == 0) return inflation;
   // J T is orthonormal; row i of T is what parameter i takes of its columns.
-  const MatrixXd T = eigen.eigenvectors().rightCols(rank) *
-                     values.tail(rank).cwiseSqrt().cwiseInverse().asDiagonal();
+  const MatrixXd T = Orthonormaliser(J);
+  const auto count = T.rows();
+  const Eigen::Index rank = T.cols();
+  if (rank == 0) return inflation;
   MatrixXd X(J.rows(), rank + 1);
   X.leftCols(rank) = J * T;
   X.col(rank) =
