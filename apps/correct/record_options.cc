@@ -1,23 +1,79 @@
 #include "apps/correct/record_options.h"
 
 #include <algorithm>
+#include <functional>
 #include <utility>
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "mle/base/status.h"
 
 namespace mle::correct {
 namespace {
 
-TextValue TimeFormatOf(ClockOptions& clock) {
-  return OneOf<TimeFormat>(
-      &clock.format,
-      {{"recognise", TimeFormat::kRecognise, "numbers or ISO 8601"},
-       {"numbers", TimeFormat::kNumbers, ""},
-       {"iso", TimeFormat::kIso, ""},
-       {"day_first", TimeFormat::kDayFirst, "29.02.2024 12:34"},
-       {"month_first", TimeFormat::kMonthFirst, "2/29/2024 12:34 PM"}});
+// A value for all files, or one for each of them.
+TextValue ForEachFile(
+    std::vector<ClockOptions>* clocks, std::string text,
+    std::function<absl::Status(const std::string&, ClockOptions&)> set) {
+  TextValue value;
+  value.text = std::move(text);
+  value.read = [=](const std::string& given, const NumberRange&) {
+    std::vector<std::string> values = ParseList(given);
+    if (values.empty()) values.emplace_back();
+    if (clocks->empty()) clocks->resize(1);
+    if (clocks->size() == 1) clocks->resize(values.size(), clocks->front());
+    if (values.size() > 1 && values.size() != clocks->size()) {
+      return absl::InvalidArgumentError(absl::StrCat(
+          "there are ", values.size(), " values, where another ",
+          "option has one for each of ", clocks->size(), " files"));
+    }
+    for (std::size_t f = 0; f < clocks->size(); ++f) {
+      MLE_RETURN_IF_ERROR(
+          set(values[std::min(f, values.size() - 1)], (*clocks)[f]));
+    }
+    return absl::OkStatus();
+  };
+  return value;
+}
+
+TextValue ForEachFile(std::vector<ClockOptions>* clocks,
+                      std::string ClockOptions::*field) {
+  return ForEachFile(clocks, "",
+                     [field](const std::string& text, ClockOptions& clock) {
+                       clock.*field = text;
+                       return absl::OkStatus();
+                     });
+}
+
+// The name of a form, or a pattern.
+absl::Status SetTimeFormat(const std::string& text, ClockOptions& clock) {
+  std::vector<std::string> names;
+  for (const TimeForm& form : TimeForms()) {
+    names.push_back(form.name);
+    if (form.name != text) continue;
+    clock.format = form.format;
+    return absl::OkStatus();
+  }
+  if (text.find('%') == std::string::npos) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("known are ", absl::StrJoin(names, ", "),
+                     ", and a form such as '%d.%m.%Y %H:%M'"));
+  }
+  MLE_RETURN_IF_ERROR(TimePattern::Create(text).status());
+  clock.format = TimeFormat::kPattern;
+  clock.pattern = text;
+  return absl::OkStatus();
+}
+
+TextValue TimeFormatOf(std::vector<ClockOptions>* clocks) {
+  TextValue value = ForEachFile(clocks, "recognise", SetTimeFormat);
+  std::vector<std::string> known;
+  for (const TimeForm& form : TimeForms()) {
+    known.push_back(absl::StrCat(form.name, " (", form.example, ")"));
+  }
+  value.known = absl::StrJoin(known, ", ");
+  return value;
 }
 
 bool IsColumnOf(const ProcessModel& model, const std::string& name) {
@@ -80,12 +136,19 @@ std::vector<Option> OptionsOf(HistorianOptions& import,
   ColumnOptions& columns = import.columns;
   return {
       {"time_column", &columns.time_column, "Name of the column of times."},
-      {"time_format", TimeFormatOf(import.clock), "Form of times."},
-      {"number_unit", &import.clock.number_unit,
+      {"time_format", TimeFormatOf(&import.clocks),
+       "Form of times: a name, or a form such as '%d.%m.%Y %H:%M[:%S]' (fields "
+       "%Y %y %m %b %d %H %I %M %S %p %z, what may be missing in brackets). As "
+       "the next two, one value, or one for each file, separated by commas."},
+      {"number_unit", ForEachFile(&import.clocks, &ClockOptions::number_unit),
        "Unit of numerical times: ms, s, min, h or d; empty: the model's."},
-      {"time_zone", &import.clock.time_zone,
+      {"time_zone", ForEachFile(&import.clocks, &ClockOptions::time_zone),
        "Zone of dates without a zone, such as Europe/Berlin; empty: UTC, or a "
        "local time without clock changes."},
+      {"separate_files", &import.separate_files,
+       "Files whose times are numbers are taken one after another, in the "
+       "order "
+       "given, whatever their times: each may begin at 0."},
       {"separator",
        OneOf<char>(&import.separator, {{"recognise", '\0', ""},
                                        {"comma", ',', ""},

@@ -6,6 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_replace.h"
+#include "absl/strings/str_split.h"
 #include "apps/correct/advice.h"
 #include "apps/correct/checksum.h"
 #include "apps/correct/verdict.h"
@@ -67,13 +68,17 @@ absl::StatusOr<Result> RunCorrection(const Request& request, RecordData data,
 }
 
 absl::Status NameFlags(const absl::Status& status) {
-  const std::string option = OptionOf(status);
-  if (option.empty()) return status;
-  const std::string flag = absl::StrCat("--", option);
-  return absl::Status(
-      status.code(),
-      absl::StrReplaceAll(status.message(),
-                          {{option + " = ", flag + "="}, {option, flag}}));
+  const std::string options = OptionOf(status);
+  if (options.empty()) return status;
+  std::vector<std::pair<std::string, std::string>> flags;
+  const std::vector<std::string> names = absl::StrSplit(options, ',');
+  for (const std::string& option : names) {
+    const std::string flag = absl::StrCat("--", option);
+    flags.emplace_back(option + " = ", flag + "=");
+    flags.emplace_back(option, flag);
+  }
+  return absl::Status(status.code(),
+                      absl::StrReplaceAll(status.message(), flags));
 }
 
 std::string Shown(const Message& message) {

@@ -70,7 +70,12 @@ struct HistorianOptions {
   // KnownBadWords(): as text or as a number ("-9999").
   std::vector<std::string> bad_values = {};
 
+  // Of all files; or one for each file, in the order in which they are given.
   ClockOptions clock = {};
+  std::vector<ClockOptions> clocks = {};
+  // Files whose times are numbers are records of their own, one after another
+  // in the order given: each may begin at 0.
+  bool separate_files = false;
   // A row at the time of the one before, or earlier than it: an error, unless
   // such rows are ignored and counted.
   bool skip_repeated_times = false;
@@ -111,6 +116,8 @@ struct FileReport {
   std::string name;
   char separator = ',';
   char decimal = '.';
+  std::string time_form;      // its name (time_format.h)
+  bool newest_first = false;  // it was turned round
   std::int64_t rows = 0;
   double first_time = 0.0;
   double last_time = 0.0;
@@ -135,6 +142,7 @@ struct HistorianReport {
   std::int64_t samples = 0;
   int records = 0;
   std::vector<std::string> warnings;
+  std::vector<std::string> notes;  // what was recognised, and taken so
 
   std::string BriefReport() const;  // one line
   // `time_unit` as in the model.

@@ -9,13 +9,15 @@
 
 #include "absl/strings/str_cat.h"
 #include "mle/base/file.h"
+#include "mle/base/option_error.h"
 #include "mle/base/status.h"
 #include "mle/data/csv_format.h"
+#include "mle/data/usual_step.h"
 
 namespace mle {
 namespace {
 
-constexpr int kProbeRows = 4096;
+constexpr std::size_t kProbeRows = 4096;
 constexpr std::size_t kMaxIgnoredNames = 20;
 
 // Names that a header may have.
@@ -27,6 +29,40 @@ absl::StatusOr<std::vector<std::string>> NamesOf(const ProcessModel& channels,
   for (const RecordColumn& column : columns) names.push_back(column.name);
   for (const TagMapping& tag : options.tags) names.push_back(tag.tag);
   return names;
+}
+
+// Of the rows that are looked at, one in ten may be out of order.
+bool IsNewestFirst(const std::vector<double>& times) {
+  std::size_t earlier = 0;
+  std::size_t later = 0;
+  for (std::size_t k = 1; k < times.size(); ++k) {
+    if (times[k] < times[k - 1]) ++earlier;
+    if (times[k] > times[k - 1]) ++later;
+  }
+  return earlier > 10 * later;
+}
+
+// Numbers of no declared unit may be Excel's: days such as 45355, apart by what
+// is a second or more of a day, but next to nothing in the model's unit.
+absl::Status CheckUnit(const RecordClock& clock, const std::string& source,
+                       double first, const std::vector<double>& steps) {
+  constexpr double kFirstDay = 32874.0;  // 1990
+  constexpr double kLastDay = 54789.0;   // 2050
+  constexpr double kSecondsPerDay = 86400.0;
+  if (!clock.has_assumed_unit() || clock.has_dates() || steps.empty() ||
+      first < kFirstDay || first > kLastDay) {
+    return absl::OkStatus();
+  }
+  const double step = UsualStep(steps);
+  if (step * clock.seconds_per_unit().value_or(1.0) > 0.5 ||
+      step * kSecondsPerDay < 0.9) {
+    return absl::OkStatus();
+  }
+  return OptionError(
+      "time_format",
+      absl::StrCat(source, ": times such as ", first, ", ", step,
+                   " apart, look like the days of Excel; declare time_format = "
+                   "excel, or time_format = numbers if they are none"));
 }
 
 }  // namespace
@@ -91,11 +127,12 @@ absl::Status HistorianFile::Recognise(const ProcessModel& channels,
 
 absl::StatusOr<std::unique_ptr<HistorianFile>> HistorianFile::Open(
     const HistorianSource& source, const ProcessModel& channels,
-    const HistorianOptions& options, std::optional<double> origin) {
+    const HistorianOptions& options, const ClockOptions& clock_options,
+    std::optional<double> origin) {
   MLE_ASSIGN_OR_RETURN(std::unique_ptr<std::istream> in, source.open());
   MLE_ASSIGN_OR_RETURN(
       RecordClock clock,
-      RecordClock::Create(channels.time_unit(), options.clock));
+      RecordClock::Create(channels.time_unit(), clock_options));
   clock.set_origin(origin);
   std::unique_ptr<HistorianFile> file(
       new HistorianFile(std::move(in), std::move(clock)));
@@ -127,33 +164,50 @@ absl::StatusOr<std::unique_ptr<HistorianFile>> HistorianFile::Open(
 
 absl::StatusOr<HistorianProbe> ProbeHistorian(const HistorianSource& source,
                                               const ProcessModel& channels,
-                                              const HistorianOptions& options) {
+                                              const HistorianOptions& options,
+                                              const ClockOptions& clock) {
   MLE_ASSIGN_OR_RETURN(
       const std::unique_ptr<HistorianFile> file,
-      HistorianFile::Open(source, channels, options, std::nullopt));
+      HistorianFile::Open(source, channels, options, clock, std::nullopt));
   HistorianProbe probe;
   probe.source = source;
+  probe.clock = clock;
   for (const RecordColumn& column : file->rows().columns()) {
     probe.has_set_points |= column.kind == RecordColumn::Kind::kSetPoint;
   }
   RecordRow row;
-  double last = 0.0;
-  int count = 0;
-  while (count < kProbeRows && file->rows().Next(row)) {
-    if (count == 0) probe.first_time = row.time;
-    if (count > 0 && row.time > last) probe.steps.push_back(row.time - last);
-    last = row.time;
-    ++count;
+  std::vector<double> times;
+  while (times.size() < kProbeRows && file->rows().Next(row)) {
+    times.push_back(row.time);
+    if (times.size() == 2) file->clock().set_descending(times[1] < times[0]);
   }
   MLE_RETURN_IF_ERROR(file->rows().status());
-  if (count == 0) {
+  if (times.empty()) {
     return absl::InvalidArgumentError(
         absl::StrCat(source.name, ": line ", file->rows().line(),
                      ", column 1: there is no row below the header; a record "
                      "needs samples"));
   }
+  probe.newest_first = IsNewestFirst(times);
+  double first = probe.newest_first ? times.back() : times.front();
+  if (probe.newest_first) {
+    while (file->rows().Next(row)) first = row.time;
+    MLE_RETURN_IF_ERROR(file->rows().status());
+    std::reverse(times.begin(), times.end());
+  }
+  for (std::size_t k = 1; k < times.size(); ++k) {
+    if (times[k] > times[k - 1]) probe.steps.push_back(times[k] - times[k - 1]);
+  }
+  MLE_RETURN_IF_ERROR(
+      CheckUnit(file->clock(), source.name, first, probe.steps));
+  probe.time_form = file->clock().form_name();
   probe.has_dates = file->clock().has_dates();
-  probe.origin = file->clock().origin().value_or(0.0);
+  if (probe.has_dates) {
+    probe.origin = file->clock().origin().value_or(0.0) +
+                   first * file->clock().seconds_per_unit().value_or(1.0);
+  } else {
+    probe.first_time = first;
+  }
   return probe;
 }
 

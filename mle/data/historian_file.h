@@ -21,13 +21,16 @@ namespace mle {
 
 class HistorianFile {
  public:
-  // Dates count from `origin`, or from the first in the file.
+  // Dates count from `origin`, or from the first in the file. `clock` is the
+  // one of this file.
   static absl::StatusOr<std::unique_ptr<HistorianFile>> Open(
       const HistorianSource& source, const ProcessModel& channels,
-      const HistorianOptions& options, std::optional<double> origin);
+      const HistorianOptions& options, const ClockOptions& clock,
+      std::optional<double> origin);
 
   RecordRows& rows() { return *rows_; }
   const RecordClock& clock() const { return clock_; }
+  RecordClock& clock() { return clock_; }
   // Name, separator, decimal mark and ignored columns.
   const FileReport& report() const { return report_; }
 
@@ -50,17 +53,21 @@ class HistorianFile {
 // What a file begins with.
 struct HistorianProbe {
   HistorianSource source;
+  ClockOptions clock;
+  std::string time_form;
+  bool newest_first = false;
   bool has_dates = false;
   bool has_set_points = false;
-  double origin = 0.0;        // seconds since the epoch of its first date
-  double first_time = 0.0;    // in the model's unit; 0 of dates
+  double origin = 0.0;        // seconds since the epoch of its earliest date
+  double first_time = 0.0;    // the earliest, in the model's unit; 0 of dates
   std::vector<double> steps;  // of the first rows, those above 0
 };
 
 // InvalidArgument for a file without rows, and as of Open().
 absl::StatusOr<HistorianProbe> ProbeHistorian(const HistorianSource& source,
                                               const ProcessModel& channels,
-                                              const HistorianOptions& options);
+                                              const HistorianOptions& options,
+                                              const ClockOptions& clock);
 
 }  // namespace mle
 

@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "mle/base/option_error.h"
 #include "mle/base/status.h"
 #include "mle/data/usual_step.h"
 
@@ -31,19 +32,39 @@ absl::Status HistorianImporter::Probe(
     return absl::InvalidArgumentError(
         "historian: there is no file to read, at least 1 is needed");
   }
+  if (options_.clocks.size() > 1 && options_.clocks.size() != sources.size()) {
+    return OptionError(
+        "time_format,number_unit,time_zone",
+        absl::StrCat("time_format, number_unit and time_zone must have one "
+                     "value, or one for each of the ",
+                     sources.size(), " files; there are ",
+                     options_.clocks.size()));
+  }
   std::vector<double> steps;
-  for (const HistorianSource& source : sources) {
-    MLE_ASSIGN_OR_RETURN(HistorianProbe probe,
-                         ProbeHistorian(source, channels_, options_));
+  for (std::size_t s = 0; s < sources.size(); ++s) {
+    const ClockOptions& clock =
+        options_.clocks.empty()
+            ? options_.clock
+            : options_.clocks[std::min(s, options_.clocks.size() - 1)];
+    MLE_ASSIGN_OR_RETURN(
+        HistorianProbe probe,
+        ProbeHistorian(sources[s], channels_, options_, clock));
     steps.insert(steps.end(), probe.steps.begin(), probe.steps.end());
     probes_.push_back(std::move(probe));
   }
   for (const HistorianProbe& probe : probes_) {
     if (probe.has_dates == probes_[0].has_dates) continue;
-    return absl::InvalidArgumentError(absl::StrCat(
-        probe.source.name, ": its times are ",
-        probe.has_dates ? "dates" : "numbers", ", those of ",
-        probes_[0].source.name, " are not; files that are joined must agree"));
+    return OptionError(
+        "time_format",
+        absl::StrCat(probe.source.name, ": its times are ",
+                     probe.has_dates ? "dates" : "numbers", " (",
+                     probe.time_form, "), those of ", probes_[0].source.name,
+                     " are not (", probes_[0].time_form,
+                     "); files that are joined must agree. time_format may "
+                     "have one value for each file"));
+  }
+  if (!probes_[0].has_dates && options_.separate_files) {
+    return ChooseSampleTime(steps);
   }
   std::stable_sort(
       probes_.begin(), probes_.end(), [](const auto& a, const auto& b) {
@@ -79,37 +100,76 @@ absl::Status HistorianImporter::ChooseSampleTime(
 
 // An error for a row that does not follow the last, or `skip`.
 absl::Status HistorianImporter::CheckOrder(const HistorianFile& file,
-                                           const RecordRows& rows, double time,
-                                           bool& skip) {
+                                           const RowStream& rows, double time,
+                                           bool is_first, bool& skip) {
   skip = false;
   if (!has_last_ || time > last_time_) return absl::OkStatus();
   const bool is_repeated = time == last_time_;
-  if (is_repeated ? options_.skip_repeated_times
-                  : options_.skip_backward_times) {
-    ++(is_repeated ? import_.report.repeated_rows
-                   : import_.report.backward_rows);
-    skip = true;
-    return absl::OkStatus();
+  if (!(is_repeated ? options_.skip_repeated_times
+                    : options_.skip_backward_times)) {
+    return OrderError(file, rows, time, is_first);
   }
-  std::string message = absl::StrCat(
+  ++(is_repeated ? import_.report.repeated_rows : import_.report.backward_rows);
+  skip = true;
+  return absl::OkStatus();
+}
+
+absl::Status HistorianImporter::OrderError(const HistorianFile& file,
+                                           const RowStream& rows, double time,
+                                           bool is_first) const {
+  const bool is_repeated = time == last_time_;
+  const std::string message = absl::StrCat(
       rows.TimePlace(), ": time ", time, " ",
       is_repeated ? "stands twice" : absl::StrCat("follows ", last_time_),
       "; times must increase");
-  const std::optional<double> hour = file.clock().hour();
-  const bool is_hour =
-      hour && !is_repeated && file.clock().has_dates() &&
-      std::abs(last_time_ - time + import_.report.step - *hour) <
-          0.5 * import_.report.step + 1e-9 * *hour;
-  if (is_hour) {
-    message +=
-        ". It goes back by an hour, as clocks do in autumn: declare the time "
-        "zone";
-  } else {
-    absl::StrAppend(&message, ", or rows ",
-                    is_repeated ? "at the same time" : "that go back",
-                    " be ignored on request");
+  const std::optional<double> seconds = file.clock().seconds_per_unit();
+  const double hour = 3600.0 / seconds.value_or(1.0);
+  const bool has_dates = file.clock().has_dates();
+  if (seconds && !is_repeated && has_dates &&
+      std::abs(last_time_ - time + import_.report.step - hour) <
+          0.5 * import_.report.step + 1e-9 * hour) {
+    return OptionError(
+        "time_zone",
+        absl::StrCat(message,
+                     ". It goes back by an hour, as clocks do in autumn: "
+                     "declare time_zone, such as time_zone = Europe/Berlin"));
   }
-  return absl::InvalidArgumentError(message);
+  if (is_first && !has_dates) {
+    return OptionError(
+        "separate_files",
+        absl::StrCat(message, ". The files ", probes_[0].source.name, " and ",
+                     file.report().name,
+                     " have the same times: if each has a clock of its own, "
+                     "separate_files = true takes them one after another"));
+  }
+  const char* const option =
+      is_repeated ? "skip_repeated_times" : "skip_backward_times";
+  return OptionError(
+      option, absl::StrCat(message, ", or rows ",
+                           is_repeated ? "at the same time" : "that go back",
+                           " be ignored (", option, " = true)"));
+}
+
+// Beyond the last row so far by more than any gap that is bridged.
+double HistorianImporter::ShiftOf(const HistorianProbe& probe) const {
+  if (!options_.separate_files || probe.has_dates || !has_last_) return 0.0;
+  const double sample_time = import_.report.sample_time;
+  const double gap =
+      max_gap_ + 2.0 * kGapSteps * std::max(import_.report.step, sample_time);
+  return last_time_ + (std::floor(gap / sample_time) + 1.0) * sample_time -
+         probe.first_time;
+}
+
+void HistorianImporter::NoteForm(const HistorianProbe& probe,
+                                 FileReport& report) {
+  report.time_form = probe.time_form;
+  report.newest_first = probe.newest_first;
+  if (probe.newest_first) {
+    import_.report.notes.push_back(
+        absl::StrCat(probe.source.name,
+                     ": the newest rows stand first; it was turned "
+                     "round."));
+  }
 }
 
 // No more samples than allowed, those that the row at `time` brings included.
@@ -138,17 +198,32 @@ void HistorianImporter::NoteGap(double time) {
   }
 }
 
+std::unique_ptr<RowStream> HistorianImporter::StreamOf(
+    HistorianFile& file, const HistorianProbe& probe) const {
+  if (probe.newest_first) {
+    return std::make_unique<LastRowFirst>(file.rows(), options_.max_samples);
+  }
+  return std::make_unique<FileOrder>(file.rows());
+}
+
 absl::Status HistorianImporter::ReadSource(const HistorianProbe& probe,
                                            Resampler& resampler) {
-  MLE_ASSIGN_OR_RETURN(const std::unique_ptr<HistorianFile> file,
-                       HistorianFile::Open(probe.source, channels_, options_,
-                                           import_.report.time_origin));
-  RecordRows& rows = file->rows();
+  MLE_ASSIGN_OR_RETURN(
+      const std::unique_ptr<HistorianFile> file,
+      HistorianFile::Open(probe.source, channels_, options_, probe.clock,
+                          import_.report.time_origin));
+  file->clock().set_descending(probe.newest_first);
   FileReport report = file->report();
+  NoteForm(probe, report);
+  const std::unique_ptr<RowStream> stream = StreamOf(*file, probe);
+  RowStream& rows = *stream;
+  const double shift = ShiftOf(probe);
   RecordRow row;
   while (rows.Next(row)) {
+    row.time += shift;
     bool skip = false;
-    MLE_RETURN_IF_ERROR(CheckOrder(*file, rows, row.time, skip));
+    MLE_RETURN_IF_ERROR(
+        CheckOrder(*file, rows, row.time, report.rows == 0, skip));
     if (report.rows == 0) report.first_time = row.time;
     ++report.rows;
     if (skip) continue;
@@ -175,7 +250,7 @@ absl::Status HistorianImporter::ReadSource(const HistorianProbe& probe,
     last_usable_ = row.time;
   }
   MLE_RETURN_IF_ERROR(rows.status());
-  NoteChannels(rows);
+  NoteChannels(file->rows());
   import_.report.rows += report.rows;
   import_.report.files.push_back(std::move(report));
   return absl::OkStatus();

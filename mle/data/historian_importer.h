@@ -5,6 +5,7 @@
 #define MLE_DATA_HISTORIAN_IMPORTER_H_
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,6 +16,7 @@
 #include "mle/data/historian_file.h"
 #include "mle/data/record_collector.h"
 #include "mle/data/resampler.h"
+#include "mle/data/row_stream.h"
 
 namespace mle {
 
@@ -32,8 +34,15 @@ class HistorianImporter {
   absl::Status Probe(const std::vector<HistorianSource>& sources);
   absl::Status ChooseSampleTime(const std::vector<double>& steps);
   absl::Status ReadSource(const HistorianProbe& probe, Resampler& resampler);
-  absl::Status CheckOrder(const HistorianFile& file, const RecordRows& rows,
-                          double time, bool& skip);
+  absl::Status CheckOrder(const HistorianFile& file, const RowStream& rows,
+                          double time, bool is_first, bool& skip);
+  absl::Status OrderError(const HistorianFile& file, const RowStream& rows,
+                          double time, bool is_first) const;
+  // What is added to times of a file that is a record of its own.
+  double ShiftOf(const HistorianProbe& probe) const;
+  void NoteForm(const HistorianProbe& probe, FileReport& report);
+  std::unique_ptr<RowStream> StreamOf(HistorianFile& file,
+                                      const HistorianProbe& probe) const;
   bool FitsWithin(double time);
   void NoteGap(double time);
   void NoteSamples();

@@ -123,8 +123,9 @@ std::string HistorianReport::FullReport(const std::string& time_unit) const {
   for (const FileReport& file : files) {
     absl::StrAppend(&text, file.name, ": ", file.rows, " rows, ",
                     file.first_time, " … ", file.last_time, " ", time_unit,
-                    ", separated by ", NameOf(file.separator), ", decimal ",
-                    NameOf(file.decimal), "\n");
+                    ", times as ", file.time_form, ", separated by ",
+                    NameOf(file.separator), ", decimal ", NameOf(file.decimal),
+                    "\n");
     if (file.num_ignored_columns > 0) {
       absl::StrAppend(
           &text, "  ", file.num_ignored_columns,
@@ -156,6 +157,7 @@ std::string HistorianReport::FullReport(const std::string& time_unit) const {
   if (num_gaps > static_cast<std::int64_t>(gaps.size())) {
     absl::StrAppend(&text, "and ", num_gaps - gaps.size(), " more gaps\n");
   }
+  for (const std::string& note : notes) absl::StrAppend(&text, note, "\n");
   for (const std::string& warning : warnings) {
     absl::StrAppend(&text, "warning: ", warning, "\n");
   }

@@ -1,4 +1,5 @@
-// Points in time as historians write them.
+// Points in time: calendar and clock, and seconds since 1970. time_pattern.h
+// reads them.
 
 #ifndef MLE_DATA_ISO_TIME_H_
 #define MLE_DATA_ISO_TIME_H_
@@ -9,12 +10,6 @@
 
 namespace mle {
 
-enum class DateOrder {
-  kYearFirst,   // 2024-02-29T12:34:56.5+01:00 (ISO 8601)
-  kDayFirst,    // 29.02.2024 12:34:56, 29/2/2024 12:34
-  kMonthFirst,  // 2/29/2024 12:34:56 PM
-};
-
 // What a clock and a calendar show.
 struct CivilTime {
   int year = 0, month = 0, day = 0, hour = 0, minute = 0;
@@ -22,12 +17,9 @@ struct CivilTime {
   std::optional<int> zone;  // seconds east of UTC, if it was given
 };
 
-// Year first: YYYY-MM-DDThh:mm[:ss[.fraction]][zone], also with a blank for T
-// and a comma before the fraction. Others: day and month of one or two digits
-// with . / or - between, a year of four, then hours (one or two digits) and the
-// rest as above, and optionally AM or PM. Zones: Z, UTC, ±hh, ±hhmm, ±hh:mm.
-// Nothing for any other text, and for dates and times that do not exist.
-std::optional<CivilTime> ParseCivilTime(std::string_view text, DateOrder order);
+// Whether the calendar has that day and the clock that time: years from 1, no
+// 30 February, no hour 24, no second 60.
+bool Exists(const CivilTime& time);
 
 // Since 1970-01-01T00:00:00Z; without a zone it is taken as UTC.
 double SecondsSinceEpoch(const CivilTime& time);

@@ -1,23 +1,28 @@
 #include "mle/data/record_clock.h"
 
 #include <cmath>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "absl/time/civil_time.h"
+#include "mle/base/status.h"
 #include "mle/data/csv_numbers.h"
 #include "mle/data/iso_time.h"
 
 namespace mle {
 namespace {
 
-DateOrder OrderOf(TimeFormat format) {
-  if (format == TimeFormat::kDayFirst) return DateOrder::kDayFirst;
-  if (format == TimeFormat::kMonthFirst) return DateOrder::kMonthFirst;
-  return DateOrder::kYearFirst;
-}
+// 2000 to 2050, in which no clock counts minutes or seconds from elsewhere.
+constexpr double kFirstUnix = 946684800.0;
+constexpr double kLastUnix = 2524608000.0;
 
 double Seconds(absl::Time time) {
   return absl::ToDoubleSeconds(time - absl::UnixEpoch());
+}
+
+bool IsIn(double number, double from, double to) {
+  return number >= from && number < to;
 }
 
 }  // namespace
@@ -25,10 +30,16 @@ double Seconds(absl::Time time) {
 absl::StatusOr<RecordClock> RecordClock::Create(const std::string& model_unit,
                                                 const ClockOptions& options) {
   RecordClock clock;
-  clock.format_ = options.format;
+  if (options.format == TimeFormat::kPattern) {
+    MLE_ASSIGN_OR_RETURN(clock.form_, FormOfPattern(options.pattern));
+  } else {
+    clock.form_ = FormOf(options.format);
+  }
+  clock.has_dates_ = !clock.form_.patterns.empty() || clock.form_.serial;
   clock.model_unit_ = model_unit;
   clock.seconds_per_unit_ = SecondsPerUnit(model_unit);
-  if (!options.number_unit.empty() && options.number_unit != model_unit) {
+  clock.has_number_unit_ = !options.number_unit.empty();
+  if (clock.has_number_unit_ && options.number_unit != model_unit) {
     const std::optional<double> seconds = SecondsPerUnit(options.number_unit);
     if (!seconds || !clock.seconds_per_unit_) {
       return absl::InvalidArgumentError(absl::StrCat(
@@ -51,69 +62,137 @@ absl::StatusOr<RecordClock> RecordClock::Create(const std::string& model_unit,
   return clock;
 }
 
-std::optional<double> RecordClock::hour() const {
-  if (!seconds_per_unit_) return std::nullopt;
-  return 3600.0 / *seconds_per_unit_;
+// The form of the first time, if that is certain.
+void RecordClock::Recognise(std::string_view text, char decimal) {
+  is_recognised_ = true;
+  for (const TimeForm& form : TimeForms()) {
+    if (!form.is_certain) continue;
+    if (!ReadCivilTime(text, form)) continue;
+    form_ = form;
+    has_dates_ = true;
+    return;
+  }
+  double number = 0.0;
+  const bool may_be_date = seconds_per_unit_ && !has_number_unit_ &&
+                           ReadCsvNumber(text, number, decimal);
+  if (may_be_date && IsIn(number, kFirstUnix, kLastUnix)) {
+    form_ = FormOf(TimeFormat::kUnix);
+  } else if (may_be_date && IsIn(1e-3 * number, kFirstUnix, kLastUnix)) {
+    form_ = FormOf(TimeFormat::kUnixMilliseconds);
+  } else {
+    form_ = FormOf(TimeFormat::kNumbers);
+  }
+  has_dates_ = form_.serial.has_value();
 }
 
 bool RecordClock::Read(std::string_view field, char decimal, double& time) {
   const std::string_view text = TrimCsvField(field);
-  if (is_first_ && format_ == TimeFormat::kRecognise) {
-    const bool is_date =
-        ParseCivilTime(text, DateOrder::kYearFirst).has_value();
-    has_dates_ = is_date;
-  } else if (format_ != TimeFormat::kRecognise) {
-    has_dates_ = format_ != TimeFormat::kNumbers;
+  if (is_first_ && (is_recognised_ || form_.format == TimeFormat::kRecognise)) {
+    Recognise(text, decimal);
   }
-  if (has_dates_) return ReadDate(text, time);
+  const bool is_read = form_.patterns.empty() ? ReadNumber(text, decimal, time)
+                                              : ReadDate(text, time);
+  if (is_read) is_first_ = false;
+  return is_read;
+}
+
+bool RecordClock::ReadNumber(std::string_view text, char decimal,
+                             double& time) {
   if (!ReadCsvNumber(text, time, decimal)) return false;
-  time *= number_scale_;
-  if (!std::isfinite(time)) return false;
-  is_first_ = false;
-  return true;
+  if (!form_.serial) {
+    time *= number_scale_;
+    return std::isfinite(time);
+  }
+  // Excel's days have no digits beyond the millisecond.
+  const double seconds =
+      std::round(1e3 * time * form_.serial->seconds_per_unit) / 1e3;
+  return std::isfinite(seconds) &&
+         SetTime(form_.serial->origin + seconds, time);
 }
 
 bool RecordClock::ReadDate(std::string_view text, double& time) {
+  const std::optional<CivilTime> civil = ReadCivil(text);
+  if (!civil) return false;
+  const std::optional<double> seconds = InZone(*civil);
+  return seconds && SetTime(*seconds, time);
+}
+
+// By the pattern that read the last one, mostly.
+std::optional<CivilTime> RecordClock::ReadCivil(std::string_view text) {
+  std::optional<CivilTime> civil = form_.patterns[pattern_].Read(text);
+  if (civil) return civil;
+  for (std::size_t p = 0; p < form_.patterns.size(); ++p) {
+    if (p == pattern_) continue;
+    civil = form_.patterns[p].Read(text);
+    if (!civil) continue;
+    pattern_ = p;
+    return civil;
+  }
+  return std::nullopt;
+}
+
+bool RecordClock::SetTime(double seconds, double& time) {
   if (!seconds_per_unit_) return false;
-  const std::optional<double> seconds = InZone(text);
-  if (!seconds) return false;
-  last_seconds_ = *seconds;
-  is_first_ = false;
+  last_seconds_ = seconds;
   if (!origin_) origin_ = seconds;
-  time = (*seconds - *origin_) / *seconds_per_unit_;
+  time = (seconds - *origin_) / *seconds_per_unit_;
   return true;
 }
 
-std::optional<double> RecordClock::InZone(std::string_view text) {
-  const std::optional<CivilTime> civil = ParseCivilTime(text, OrderOf(format_));
-  if (!civil) return std::nullopt;
-  if (civil->zone.has_value() || !zone_) return SecondsSinceEpoch(*civil);
+std::optional<double> RecordClock::InZone(const CivilTime& civil) {
+  if (civil.zone.has_value() || !zone_) return SecondsSinceEpoch(civil);
 
-  const double whole = std::floor(civil->second);
+  const double whole = std::floor(civil.second);
   const absl::TimeZone::TimeInfo info = zone_->At(
-      absl::CivilSecond(civil->year, civil->month, civil->day, civil->hour,
-                        civil->minute, static_cast<int>(whole)));
+      absl::CivilSecond(civil.year, civil.month, civil.day, civil.hour,
+                        civil.minute, static_cast<int>(whole)));
   if (info.kind == absl::TimeZone::TimeInfo::SKIPPED) return std::nullopt;
-  const double fraction = civil->second - whole;
+  const double fraction = civil.second - whole;
   const double first = Seconds(info.pre) + fraction;
   if (info.kind == absl::TimeZone::TimeInfo::UNIQUE) return first;
   const double second = Seconds(info.post) + fraction;
-  return first >= last_seconds_ || second < last_seconds_ ? first : second;
+  if (is_descending_) {
+    return !last_seconds_ || second <= *last_seconds_ || first > *last_seconds_
+               ? second
+               : first;
+  }
+  return !last_seconds_ || first >= *last_seconds_ || second < *last_seconds_
+             ? first
+             : second;
 }
 
-std::string RecordClock::Wanted() const {
-  if (!has_dates_) return "a finite number";
-  if (!seconds_per_unit_) {
+std::string RecordClock::Wanted(std::string_view field) const {
+  if (has_dates_ && !seconds_per_unit_) {
     return "of use: dates need a time_unit of s, min, h or d in the model";
   }
-  const char* form = format_ == TimeFormat::kDayFirst ? " with the day first"
-                     : format_ == TimeFormat::kMonthFirst
-                         ? " with the month first"
-                         : "";
-  if (is_first_) return absl::StrCat("a date and time", form);
+  if (!is_first_) {
+    if (form_.patterns.empty()) return "a finite number";
+    return absl::StrCat(
+        "a date and time as the first one is",
+        zone_ ? absl::StrCat(", one that exists in ", zone_name_) : "");
+  }
+  if (!is_recognised_) {
+    return absl::StrCat(
+        "a time of the form that time_format = ", form_.name, " declares",
+        form_.example.empty() ? "" : absl::StrCat(" (", form_.example, ")"));
+  }
+  // Forms that must be declared, and what the text is then.
+  std::vector<std::string> possible;
+  for (const TimeForm& form : TimeForms()) {
+    const auto civil = ReadCivilTime(TrimCsvField(field), form);
+    if (!civil || form.is_certain) continue;
+    possible.push_back(absl::StrCat(
+        "time_format = ", form.name, " (",
+        FormatIsoTime(SecondsSinceEpoch(*civil)).substr(0, 10), ")"));
+  }
+  if (possible.empty()) {
+    return "a time: a finite number, or a date and time of a form that is "
+           "known (2024-02-29T12:34:56, 2024/02/29 12:34, 29-Feb-24 12:34); "
+           "declare another one, such as time_format = '%d.%m.%Y %H:%M'";
+  }
   return absl::StrCat(
-      "a date and time as the first one is", form,
-      zone_ ? absl::StrCat(", one that exists in ", zone_name_) : "");
+      "certain: days and months may stand in either order; declare ",
+      absl::StrJoin(possible, " or "));
 }
 
 }  // namespace mle

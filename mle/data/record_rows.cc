@@ -7,6 +7,7 @@
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "mle/base/option_error.h"
 #include "mle/base/status.h"
 #include "mle/data/csv_numbers.h"
 
@@ -106,16 +107,20 @@ absl::StatusOr<RecordRows> RecordRows::Open(CsvRows& csv,
   return rows;
 }
 
-std::string RecordRows::TimePlace() const {
-  return absl::StrCat(csv_->Place(time_column_ + 1), " ('",
+std::string RecordRows::TimePlaceOf(int line) const {
+  return absl::StrCat(csv_->source(), ": line ", line, ", column ",
+                      time_column_ + 1, " ('",
                       ShowCsvText(columns_[time_column_].name), "')");
 }
 
 bool RecordRows::NotReadable(std::size_t c, std::string_view wanted) {
-  status_ = absl::InvalidArgumentError(
-      absl::StrCat(csv_->Place(static_cast<int>(c) + 1), " ('",
-                   ShowCsvText(columns_[c].name), "'): '",
-                   ShowCsvText(fields_[c]), "' is not ", std::string(wanted)));
+  const char* const options =
+      columns_[c].kind == Kind::kTime ? "time_format" : "bad_values";
+  status_ =
+      OptionError(options, absl::StrCat(csv_->Place(static_cast<int>(c) + 1),
+                                        " ('", ShowCsvText(columns_[c].name),
+                                        "'): '", ShowCsvText(fields_[c]),
+                                        "' is not ", std::string(wanted)));
   return false;
 }
 
@@ -188,7 +193,7 @@ bool RecordRows::Next(RecordRow& row) {
     const RecordColumn& column = columns_[c];
     if (column.kind == Kind::kTime) {
       if (!clock_->Read(fields_[c], decimal_, row.time)) {
-        return NotReadable(c, clock_->Wanted());
+        return NotReadable(c, clock_->Wanted(fields_[c]));
       }
       continue;
     }

@@ -74,7 +74,9 @@ class RecordRows {
 
   const std::vector<RecordColumn>& columns() const { return columns_; }
   // "run.csv: line 3, column 1 ('time')", of the last row.
-  std::string TimePlace() const;
+  std::string TimePlace() const { return TimePlaceOf(csv_->line()); }
+  // The same of another row, which began in `line`.
+  std::string TimePlaceOf(int line) const;
   int line() const { return csv_->line(); }
   // By value.
   const std::vector<BadSampleCounts>& bad() const { return bad_; }

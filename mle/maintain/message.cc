@@ -1,17 +1,6 @@
 #include "mle/maintain/message.h"
 
-#include "absl/strings/cord.h"
-
 namespace mle {
-namespace {
-
-constexpr char kOptionUrl[] = "mle/option";
-
-absl::string_view Absl(std::string_view text) {
-  return {text.data(), text.size()};
-}
-
-}  // namespace
 
 std::string_view NameOf(MessageCode code) {
   switch (code) {
@@ -89,17 +78,6 @@ std::string_view NameOf(MessageCode code) {
       return "not_excited";
   }
   return "";
-}
-
-absl::Status OptionError(std::string_view option, std::string_view text) {
-  absl::Status status = absl::InvalidArgumentError(Absl(text));
-  status.SetPayload(kOptionUrl, absl::Cord(Absl(option)));
-  return status;
-}
-
-std::string OptionOf(const absl::Status& status) {
-  const absl::optional<absl::Cord> option = status.GetPayload(kOptionUrl);
-  return option.has_value() ? std::string(*option) : "";
 }
 
 }  // namespace mle

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "absl/status/status.h"
+#include "mle/base/option_error.h"
 
 namespace mle {
 
@@ -66,13 +66,6 @@ struct Message {
   std::string text;                  // a whole sentence
   std::vector<std::string> options;  // names of fields that would change it
 };
-
-// InvalidArgument that is about an option: its name, as it stands in `text`, is
-// kept beside the text, so that a caller can name it in its own way.
-absl::Status OptionError(std::string_view option, std::string_view text);
-
-// The option that an error is about; empty: none.
-std::string OptionOf(const absl::Status& status);
 
 }  // namespace mle
 

@@ -34,6 +34,9 @@ void AddImportWarnings(RecordData& data) {
   for (const std::string& warning : data.report.warnings) {
     to.push_back({MessageCode::kImport, "", warning, {}});
   }
+  for (const std::string& note : data.report.notes) {
+    data.notes.push_back({MessageCode::kImport, "", note, {}});
+  }
 }
 
 // Looks at the records as they were imported, and repairs what can be.

@@ -6,6 +6,7 @@
 #include "apps/common/option_values.h"
 #include "apps/simulate/named_values.h"
 #include "mle/data/iso_time.h"
+#include "mle/data/time_format.h"
 #include "tests/fuzz/fuzz.h"
 
 namespace mle {
@@ -38,22 +39,26 @@ void CheckNumbers(std::string_view text) {
 }
 
 void CheckTimes(std::string_view text) {
-  for (const DateOrder order :
-       {DateOrder::kYearFirst, DateOrder::kDayFirst, DateOrder::kMonthFirst}) {
-    const auto civil = ParseCivilTime(text, order);
+  for (const TimeForm& form : TimeForms()) {
+    const auto civil = ReadCivilTime(text, form);
     if (!civil.has_value()) continue;
     const double seconds = SecondsSinceEpoch(*civil);
     FUZZ_EXPECT(std::isfinite(seconds));
-    if (order != DateOrder::kYearFirst || civil->year < 2 ||
-        civil->year > 9998) {
-      continue;
-    }
+    if (civil->year < 2 || civil->year > 9998) continue;
     // What is written reads back, to the second it shows.
     const auto again =
-        ParseCivilTime(FormatIsoTime(seconds), DateOrder::kYearFirst);
+        ReadCivilTime(FormatIsoTime(seconds), FormOf(TimeFormat::kIso));
     FUZZ_EXPECT(again.has_value(), text);
     FUZZ_EXPECT(std::abs(SecondsSinceEpoch(*again) - seconds) <= 1.0, text);
   }
+}
+
+// Any text is a pattern or an error; a pattern reads any text.
+void CheckPattern(std::string_view text) {
+  const auto pattern = TimePattern::Create(text.substr(0, text.size() / 2));
+  if (!pattern.ok()) return;
+  const auto civil = pattern->Read(text.substr(text.size() / 2));
+  FUZZ_EXPECT(!civil.has_value() || Exists(*civil));
 }
 
 }  // namespace
@@ -65,6 +70,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data,
   mle::CheckSteps(text);
   mle::CheckNumbers(text);
   mle::CheckTimes(text);
+  mle::CheckPattern(text);
   for (const std::string& part : mle::ParseList(text)) {
     FUZZ_EXPECT(part.find(',') == std::string::npos);
   }

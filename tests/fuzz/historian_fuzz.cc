@@ -33,8 +33,10 @@ HistorianOptions OptionsFrom(fuzz::Bytes& bytes) {
   const int text = bytes.Next();
   options.lines_above_header = text % 3;
   options.rows_below_header = text / 3 % 2;
-  options.clock.format = static_cast<TimeFormat>(text / 6 % 5);
+  options.clock.format =
+      static_cast<TimeFormat>(text / 6 % 5 + (flags & 64) / 64 * 5);
   if (text / 30 % 2 == 1) options.clock.time_zone = "Europe/Berlin";
+  options.separate_files = (flags & 128) != 0;
   options.max_samples = kMaxSamples;
   return options;
 }

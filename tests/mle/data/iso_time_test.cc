@@ -4,13 +4,14 @@
 #include <optional>
 
 #include "gtest/gtest.h"
+#include "mle/data/time_format.h"
 
 namespace mle {
 namespace {
 
 std::optional<double> Seconds(const char* text) {
   const std::optional<CivilTime> time =
-      ParseCivilTime(text, DateOrder::kYearFirst);
+      ReadCivilTime(text, FormOf(TimeFormat::kIso));
   if (!time) return std::nullopt;
   return SecondsSinceEpoch(*time);
 }
