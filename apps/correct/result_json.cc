@@ -89,6 +89,14 @@ Json NoiseJson(const NoiseEstimate& estimate, const std::string& output,
     lines.push_back({{"period", line.period}, {"amplitude", line.amplitude}});
   }
   if (!lines.empty()) json["lines"] = std::move(lines);
+  Json steps = Json::array();
+  for (const LevelStep& step : estimate.steps) {
+    steps.push_back({{"window", step.window + 1},
+                     {"time", step.time},
+                     {"size", step.size},
+                     {"time_constant", step.lag}});
+  }
+  if (!steps.empty()) json["steps"] = std::move(steps);
   return json;
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "apps/correct/advice.h"
 #include "apps/correct/verdict.h"
@@ -203,6 +204,7 @@ Table NoiseTable(const Result& result) {
                    {"coloured: time constant"},
                    {"coloured: damping"},
                    {"periods"},
+                   {"steps"},
                    {"offset of each window", Align::kLeft}};
   for (int i = 0; i < model.num_outputs(); ++i) {
     const NoiseEstimate& noise = result.estimate.setting.noise[i];
@@ -212,6 +214,11 @@ Table NoiseTable(const Result& result) {
       periods.push_back(absl::StrCat(FormatSignificant(line.period),
                                      " (amplitude ",
                                      FormatSignificant(line.amplitude), ")"));
+    }
+    std::vector<std::string> steps;
+    for (const LevelStep& step : noise.steps) {
+      steps.push_back(absl::StrCat(FormatSignificant(step.size), " at ",
+                                   absl::StrFormat("%.7g", step.time)));
     }
     table.AddRow(
         {model.outputs()[i].name, FormatSignificant(std::sqrt(noise.variance)),
@@ -223,6 +230,7 @@ Table NoiseTable(const Result& result) {
          noise.colour_damping > 0.0 ? FormatSignificant(noise.colour_damping)
                                     : "–",
          periods.empty() ? "–" : absl::StrJoin(periods, ", "),
+         steps.empty() ? "–" : absl::StrJoin(steps, ", "),
          noise.offset ? "yes" : "no"});
   }
   return table;

@@ -32,6 +32,17 @@ Eigen::RowVectorXd DrawLines(const std::vector<PeriodicLine>& lines,
   return sum;
 }
 
+double StepsAt(const std::vector<LevelStep>& steps, std::size_t window, int k,
+               const Record& record) {
+  double sum = 0.0;
+  for (const LevelStep& step : steps) {
+    if (step.window != static_cast<int>(window)) continue;
+    sum +=
+        step.At(record.start_time + k * record.sample_time, record.sample_time);
+  }
+  return sum;
+}
+
 // `responses` of the initial model under noise of the plant's size, bad where
 // `windows` are.
 std::vector<Record> DrawRecords(const std::vector<Record>& windows,
@@ -56,8 +67,9 @@ std::vector<Record> DrawRecords(const std::vector<Record>& windows,
       const Eigen::RowVectorXd periodic = DrawLines(
           noise[i].lines, record.sample_time, record.samples(), colour);
       for (int k = 0; k < record.samples(); ++k) {
-        const double value = responses[w](i, k) + level + coloured.value() +
-                             periodic(k) + white.Draw(deviation);
+        const double value =
+            responses[w](i, k) + level + coloured.value() + periodic(k) +
+            StepsAt(noise[i].steps, w, k, record) + white.Draw(deviation);
         level += walk.Draw(step);
         coloured.Advance();
         if (std::isfinite(record.outputs(i, k))) record.outputs(i, k) = value;

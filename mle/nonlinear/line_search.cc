@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "mle/nonlinear/distributions.h"
+#include "mle/nonlinear/disturbance_search.h"
 #include "mle/nonlinear/noise_search.h"
 
 namespace mle {
@@ -14,14 +15,12 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr int kMostLines = 3;
 constexpr double kFewestCycles = 4.0;  // in the shortest segment
 constexpr double kFewestSamplesOfCycle = 4.0;
 constexpr double kFalseAlarm = 1e-4;       // of a peak
 constexpr double kStepOfResolution = 0.5;  // of the frequencies, times 1/N
 constexpr int kRefinements = 3;            // of frequency and shape in turn
 constexpr int kGoldenSteps = 12;
-constexpr int kLongestLag = 512;  // samples, of responses to the inputs
 
 // Σ_s 2 |Σ_k e_k exp(2πi f k)|² / (N_s v).
 double Power(const OutputErrorProblem& problem, const VectorXd& residuals,
@@ -82,12 +81,6 @@ std::vector<MatrixXd> LineColumns(const OutputErrorProblem& problem,
   return columns;
 }
 
-// Of a line's amplitudes and frequency, in −2 ln L.
-double Price(const OutputErrorProblem& problem) {
-  return (2.0 * problem.num_segments() + 1.0) *
-         std::log(problem.num_innovations(NoiseShape()));
-}
-
 // −2 ln L at the fit with a line of each segment's own amplitude. Columns that
 // are zero in all segments but one have their own coefficients.
 class LineLikelihood {
@@ -145,8 +138,9 @@ class LineLikelihood {
 
 }  // namespace
 
-std::optional<double> FindPeriod(const OutputErrorProblem& problem,
-                                 const OutputFit& fit, bool estimate_drift) {
+std::optional<FoundPeriod> FindPeriod(const OutputErrorProblem& problem,
+                                      const OutputFit& fit,
+                                      bool estimate_drift) {
   if (problem.num_segments() == 0) return std::nullopt;
   const NoiseShape shape = ShapeOf(fit.noise);
   const LineLikelihood likelihood(problem, fit);
@@ -178,72 +172,16 @@ std::optional<double> FindPeriod(const OutputErrorProblem& problem,
   const auto best = [&](const ShapeLikelihood& of) {
     return FindBestShape(of, shape, estimate_drift, /*search_colour=*/true);
   };
-  const int longest =
-      std::max(std::min(kLongestLag, problem.shortest_segment() / 4) - 1, 1);
   const Profile without = best(likelihood.Shared({}));
-  const double gain = without.value - with.value - Price(problem);
+  const double gain = PricedValue(problem, without) -
+                      PricedValue(problem, with) - LinePrice(problem);
   if (!(gain > 0.0)) return std::nullopt;
-  const Profile by_inputs =
-      best(likelihood.Shared(problem.LagSums(LagRanges(longest, 1))));
-  const double of_inputs = without.value - by_inputs.value -
-                           (by_inputs.rank - without.rank) *
-                               std::log(problem.num_innovations(shape));
+  const double of_inputs =
+      GainOfInputs(problem, without, [&](const std::vector<MatrixXd>& more) {
+        return best(likelihood.Shared(more));
+      });
   if (!(gain > of_inputs)) return std::nullopt;
-  return 1.0 / frequency;
-}
-
-namespace {
-
-// A model may be bent until it explains a sine that the inputs answer. So the
-// initial values are asked too, and the fit with their line is taken if it
-// beats the one without. False if nothing was found.
-bool FitLineOfStart(const OutputPoint& start, const OutputFitBounds& bounds,
-                    const StructuredOptions& options,
-                    OutputErrorProblem& problem, OutputFit& fit) {
-  OutputFit at_start = fit;
-  at_start.point = start;
-  at_start.noise =
-      EstimateNoise(problem, start, fit.free, NoiseEstimate(),
-                    options.estimate_drift, /*search_colour=*/false);
-  const std::optional<double> period =
-      FindPeriod(problem, at_start, options.estimate_drift);
-  if (!period.has_value()) return false;
-  const std::vector<double> former = problem.lines();
-  std::vector<double> periods = former;
-  periods.push_back(*period);
-  problem.SetLines(periods);
-  OutputFit with = FitOutput(problem, start, fit.free, bounds, options);
-  if (!(with.deviance + Price(problem) < fit.deviance)) {
-    problem.SetLines(former);
-    return false;
-  }
-  fit = std::move(with);
-  return true;
-}
-
-}  // namespace
-
-void FitLines(const OutputPoint& start, const OutputFitBounds& bounds,
-              const StructuredOptions& options, OutputErrorProblem& problem,
-              OutputFit& fit) {
-  if (!options.estimate_drift || problem.num_segments() == 0) return;
-  while (static_cast<int>(problem.lines().size()) < kMostLines) {
-    const std::optional<double> period =
-        FindPeriod(problem, fit, options.estimate_drift);
-    if (!period.has_value()) {
-      if (FitLineOfStart(start, bounds, options, problem, fit)) continue;
-      return;
-    }
-    std::vector<double> periods = problem.lines();
-    periods.push_back(*period);
-    problem.SetLines(periods);
-    // What the sine was taken for is sought anew.
-    OutputFit again = fit;
-    again.noise = EstimateNoise(problem, fit.point, fit.free, NoiseEstimate(),
-                                options.estimate_drift,
-                                options.robust_loss == RobustLoss::kNone);
-    fit = Refit(problem, again, bounds, options);
-  }
+  return FoundPeriod{.period = 1.0 / frequency, .gain = gain};
 }
 
 }  // namespace mle

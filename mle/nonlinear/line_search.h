@@ -28,18 +28,16 @@
 
 namespace mle {
 
-// The period, in samples, of the line that the residuals of `fit` show; lines
-// that `problem` has already are fitted beside it.
-std::optional<double> FindPeriod(const OutputErrorProblem& problem,
-                                 const OutputFit& fit, bool estimate_drift);
+struct FoundPeriod {
+  double period = 0.0;  // in samples
+  double gain = 0.0;    // of −2 ln L beyond its price, > 0
+};
 
-// Lines added to `problem` one by one (at most three), and `fit` made again
-// with each; where its residuals show none, those of the initial values `start`
-// are asked, and the fit from there with their line is compared by likelihood.
-// None without options.estimate_drift.
-void FitLines(const OutputPoint& start, const OutputFitBounds& bounds,
-              const StructuredOptions& options, OutputErrorProblem& problem,
-              OutputFit& fit);
+// The line that the residuals of `fit` show; what `problem` has already is
+// fitted beside it.
+std::optional<FoundPeriod> FindPeriod(const OutputErrorProblem& problem,
+                                      const OutputFit& fit,
+                                      bool estimate_drift);
 
 }  // namespace mle
 

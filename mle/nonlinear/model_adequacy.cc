@@ -78,7 +78,7 @@ absl::StatusOr<ModelAdequacy> TestAdequacy(
     const OutputSetup& setup = setups[i];
     if (setup.problem->num_segments() == 0) return;
     if (!noise.empty()) {
-      setup.problem->SetLines(PeriodsOf(noise[i], records[0].sample_time));
+      AdoptDisturbances(noise[i], *setup.problem);
     }
     std::vector<bool> free(m, false);
     for (int j = 0; j < m && fitted.size() > 0; ++j) {

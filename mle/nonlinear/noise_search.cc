@@ -123,6 +123,15 @@ Profile ShapeLikelihood::At(const NoiseShape& shape) const {
   return profile;
 }
 
+double PricedValue(const OutputErrorProblem& problem, const Profile& profile) {
+  int parameters = 0;
+  for (int i = 1; i < kShapeParameters; ++i) {
+    parameters += HasParameter(profile.shape, i) ? 1 : 0;
+  }
+  return profile.value +
+         parameters * std::log(problem.num_innovations(NoiseShape()));
+}
+
 double MemoryOf(double pole) { return -1.0 / std::log(pole); }
 
 double PoleOf(double memory) { return std::exp(-1.0 / memory); }
@@ -214,8 +223,6 @@ Profile FindBestShape(const ShapeLikelihood& likelihood,
   Profile best;
   if (!start.coloured() || search_colour) best = FindBestRatio(likelihood);
   if (!start.coloured() && !search_colour) return best;
-  const double price =
-      std::log(likelihood.problem().num_innovations(NoiseShape()));
   const Profile walk = best;
   double least = walk.value;
   for (const int order : {1, 2}) {
@@ -223,7 +230,7 @@ Profile FindBestShape(const ShapeLikelihood& likelihood,
     if (!known && !search_colour) continue;
     const Profile coloured = known ? ContinueColour(likelihood, start)
                                    : FindBestColour(likelihood, order, walk);
-    const double value = coloured.value + (1.0 + order) * price;
+    const double value = PricedValue(likelihood.problem(), coloured);
     if (value < least) {
       least = value;
       best = coloured;

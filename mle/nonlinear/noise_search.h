@@ -37,6 +37,9 @@ struct Profile {
   double variance() const;  // r
 };
 
+// −2 ln L and Schwarz's price of the colour that the shape has.
+double PricedValue(const OutputErrorProblem& problem, const Profile& profile);
+
 // The likelihood (or restricted likelihood) of noise shapes.
 class ShapeLikelihood {
  public:

@@ -47,18 +47,6 @@ void ProjectOut(const AmplitudeQr& qr, Eigen::Ref<MatrixXd> columns) {
 
 }  // namespace
 
-void AppendLine(const std::vector<int>& times, double period,
-                MatrixXd& columns) {
-  const Eigen::Index width = columns.cols();
-  const auto rows = static_cast<Eigen::Index>(times.size());
-  columns.conservativeResize(rows, width + 2);
-  for (Eigen::Index row = 0; row < rows; ++row) {
-    const double angle = 2.0 * M_PI * times[row] / period;
-    columns(row, width) = std::cos(angle);
-    columns(row, width + 1) = std::sin(angle);
-  }
-}
-
 void OutputPoint::SetCells(double sample_time) {
   cells.resize(values.size());
   for (std::size_t j = 0; j < values.size(); ++j) {
@@ -84,7 +72,8 @@ OutputErrorProblem::OutputErrorProblem(Elements elements,
   for (const auto& element : elements_) {
     if (element.has_value()) num_modes_ += element->order();
   }
-  for (const Record& record : records) {
+  for (std::size_t r = 0; r < records.size(); ++r) {
+    const Record& record = records[r];
     sample_time_ = record.sample_time;
     const auto inputs_known = [&](int k) {
       for (int j = 0; j < num_elements(); ++j) {
@@ -98,6 +87,8 @@ OutputErrorProblem::OutputErrorProblem(Elements elements,
       int end = begin;
       while (end < record.samples() && inputs_known(end)) ++end;
       Segment segment;
+      segment.record = static_cast<int>(r);
+      segment.start_time = record.start_time + begin * record.sample_time;
       for (int k = begin + skip; k < end; ++k) {
         if (std::isfinite(record.outputs(output, k))) {
           segment.times.push_back(k - begin);
@@ -139,9 +130,10 @@ bool OutputErrorProblem::IsExcited(int input) const {
   return false;
 }
 
-void OutputErrorProblem::Amplitudes(const Segment& segment,
-                                    const OutputPoint& point, MatrixXd& columns,
+void OutputErrorProblem::Amplitudes(int s, const OutputPoint& point,
+                                    MatrixXd& columns,
                                     MatrixXd& derivatives) const {
+  const Segment& segment = segments_[s];
   const int first = segment.times.front();
   const int length = segment.times.back() - first + 1;
   const Eigen::Index rows = segment.outputs.size();
@@ -162,9 +154,7 @@ void OutputErrorProblem::Amplitudes(const Segment& segment,
     }
     column += r;
   }
-  for (const double period : lines_) {
-    AppendLine(segment.times, period, columns);
-  }
+  AppendDisturbances(s, columns);
 }
 
 void OutputErrorProblem::Respond(const Segment& segment,
@@ -203,16 +193,12 @@ std::vector<SegmentColumns> OutputErrorProblem::Linearise(
       }
     }
     MatrixXd derivatives;
-    Amplitudes(segment, point, columns.amplitudes, derivatives);
+    Amplitudes(static_cast<int>(s), point, columns.amplitudes, derivatives);
     if (!with_jacobian || num_modes_ == 0) continue;
 
     // The modes' part of the derivative by ln T takes their amplitudes.
-    const InnovationsFilter filter(segment.times, shape, segment.weights);
-    MatrixXd whitened(rows, 1 + columns.amplitudes.cols());
-    whitened << columns.residuals, columns.amplitudes;
-    filter.Apply(whitened);
-    const VectorXd amplitudes = FitAmplitudes(
-        whitened.rightCols(columns.amplitudes.cols()), whitened.col(0));
+    const VectorXd amplitudes =
+        AmplitudesOf(static_cast<int>(s), columns, shape);
     Eigen::Index mode = 0;
     for (int j = 0; j < num_elements(); ++j) {
       if (!elements_[j].has_value()) continue;
@@ -308,21 +294,21 @@ void OutputErrorProblem::SetWeights(const VectorXd& weights,
 
 VectorXd OutputErrorProblem::WhiteResiduals(const OutputPoint& point,
                                             const NoiseShape& shape) const {
-  const std::vector<SegmentColumns> columns =
-      Linearise(point, shape, /*with_jacobian=*/false);
+  return WhiteResiduals(Linearise(point, shape, /*with_jacobian=*/false),
+                        shape);
+}
+
+VectorXd OutputErrorProblem::WhiteResiduals(
+    const std::vector<SegmentColumns>& columns, const NoiseShape& shape) const {
   VectorXd all(num_samples_);
   Eigen::Index begin = 0;
   for (std::size_t s = 0; s < segments_.size(); ++s) {
     const Segment& segment = segments_[s];
     const InnovationsFilter filter(segment.times, shape, segment.weights);
     VectorXd residuals = columns[s].residuals;
-    const Eigen::Index free = columns[s].amplitudes.cols();
-    if (free > 0) {
-      MatrixXd whitened(residuals.size(), 1 + free);
-      whitened << residuals, columns[s].amplitudes;
-      filter.Apply(whitened);
+    if (columns[s].amplitudes.cols() > 0) {
       residuals -= columns[s].amplitudes *
-                   FitAmplitudes(whitened.rightCols(free), whitened.col(0));
+                   AmplitudesOf(static_cast<int>(s), columns[s], shape);
     }
     all.segment(begin, residuals.size()) = filter.WhitePart(residuals);
     begin += residuals.size();
@@ -330,25 +316,15 @@ VectorXd OutputErrorProblem::WhiteResiduals(const OutputPoint& point,
   return all;
 }
 
-VectorXd OutputErrorProblem::LineAmplitudes(const OutputPoint& point,
-                                            const NoiseShape& shape) const {
-  VectorXd squares = VectorXd::Zero(static_cast<Eigen::Index>(lines_.size()));
-  const std::vector<SegmentColumns> columns =
-      Linearise(point, shape, /*with_jacobian=*/false);
-  for (std::size_t s = 0; s < segments_.size() && !lines_.empty(); ++s) {
-    const Eigen::Index free = columns[s].amplitudes.cols();
-    MatrixXd whitened(columns[s].residuals.size(), 1 + free);
-    whitened << columns[s].residuals, columns[s].amplitudes;
-    InnovationsFilter(segments_[s].times, shape, segments_[s].weights)
-        .Apply(whitened);
-    const VectorXd amplitudes =
-        FitAmplitudes(whitened.rightCols(free), whitened.col(0));
-    for (Eigen::Index line = 0; line < squares.size(); ++line) {
-      squares(line) +=
-          amplitudes.segment(num_modes_ + 2 * line, 2).squaredNorm();
-    }
-  }
-  return (squares / std::max(num_segments(), 1)).cwiseSqrt();
+VectorXd OutputErrorProblem::AmplitudesOf(int segment,
+                                          const SegmentColumns& columns,
+                                          const NoiseShape& shape) const {
+  const Eigen::Index free = columns.amplitudes.cols();
+  MatrixXd whitened(columns.residuals.size(), 1 + free);
+  whitened << columns.residuals, columns.amplitudes;
+  InnovationsFilter(segments_[segment].times, shape, segments_[segment].weights)
+      .Apply(whitened);
+  return FitAmplitudes(whitened.rightCols(free), whitened.col(0));
 }
 
 std::vector<MatrixXd> OutputErrorProblem::LagSums(
@@ -388,7 +364,8 @@ MatrixXd OutputErrorProblem::Dictionary(
   for (const std::vector<int>& of_element : delays) width += of_element.size();
   MatrixXd dictionary(num_samples_, width);
   Eigen::Index begin = 0;
-  for (const Segment& segment : segments_) {
+  for (int s = 0; s < num_segments(); ++s) {
+    const Segment& segment = segments_[s];
     const Eigen::Index rows = segment.outputs.size();
     MatrixXd columns(rows, width);
     columns.col(width - 1) = segment.outputs;
@@ -419,7 +396,7 @@ MatrixXd OutputErrorProblem::Dictionary(
     filter.Apply(columns);
     MatrixXd amplitudes;
     MatrixXd derivatives;
-    Amplitudes(segment, point, amplitudes, derivatives);
+    Amplitudes(s, point, amplitudes, derivatives);
     filter.Apply(amplitudes);
     if (amplitudes.cols() > 0) ProjectOut(Factorise(amplitudes), columns);
     dictionary.middleRows(begin, rows) = columns;

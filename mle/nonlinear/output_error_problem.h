@@ -30,11 +30,23 @@
 #include "mle/data/record.h"
 #include "mle/model/element_response.h"
 #include "mle/nonlinear/innovations_filter.h"
+#include "mle/nonlinear/structured_correction.h"
 
 namespace mle {
 
-// Appends the cosine and the sine of `period` (in samples) at `times`.
+// A step of a segment's level, from the sample with this number on; behind a
+// lag with this time constant in samples, or at once (0).
+struct SegmentStep {
+  int segment = 0;
+  int sample = 0;
+  double lag = 0.0;
+};
+
+// Appends the cosine and the sine of `period` (in samples) at `times`, and a
+// step of size one.
 void AppendLine(const std::vector<int>& times, double period,
+                Eigen::MatrixXd& columns);
+void AppendStep(const std::vector<int>& times, const SegmentStep& step,
                 Eigen::MatrixXd& columns);
 
 // Values of all elements of the output, and the sample that each dead time is
@@ -51,7 +63,7 @@ struct OutputPoint {
 struct SegmentColumns {
   Eigen::VectorXd residuals;   // rows
   Eigen::MatrixXd jacobian;    // rows × 3m: by K, ln T, L of each element
-  Eigen::MatrixXd amplitudes;  // rows × (Σ r_j + 2 lines)
+  Eigen::MatrixXd amplitudes;  // rows × (Σ r_j + 2 lines + steps)
 };
 
 // Whitened, without what the amplitudes explain; all segments.
@@ -97,9 +109,20 @@ class OutputErrorProblem {
   // phase are each segment's own: two more free amplitudes of each.
   void SetLines(const std::vector<double>& periods);
   const std::vector<double>& lines() const { return lines_; }
-  // Their amplitudes at `point`: root mean square over the segments.
-  Eigen::VectorXd LineAmplitudes(const OutputPoint& point,
-                                 const NoiseShape& shape) const;
+  // Steps of segments' levels: a free amplitude of its segment for each.
+  void SetSteps(std::vector<SegmentStep> steps) { steps_ = std::move(steps); }
+  const std::vector<SegmentStep>& steps() const { return steps_; }
+  // At `point`: amplitudes of lines, root mean square over the segments, and
+  // sizes of steps.
+  struct Sizes {
+    std::vector<double> lines;
+    std::vector<double> steps;
+  };
+  Sizes DisturbanceSizes(const OutputPoint& point,
+                         const NoiseShape& shape) const;
+  // A step by record and time, and back: none where its segment is not used.
+  LevelStep ToLevelStep(const SegmentStep& step, double size) const;
+  std::optional<SegmentStep> Locate(const LevelStep& step) const;
 
   // The same output in records at rest, with the same lines; or null.
   void SetAtRest(std::unique_ptr<OutputErrorProblem> problem);
@@ -133,6 +156,8 @@ class OutputErrorProblem {
   // amplitudes' part, the offset and the smoothed random walk.
   Eigen::VectorXd WhiteResiduals(const OutputPoint& point,
                                  const NoiseShape& shape) const;
+  Eigen::VectorXd WhiteResiduals(const std::vector<SegmentColumns>& columns,
+                                 const NoiseShape& shape) const;
 
   // For each segment rows × (m · ranges): sums of each input over the lags
   // first_lags[b] … first_lags[b + 1] − 1 (in samples, ≥ 0, ascending), by
@@ -150,6 +175,8 @@ class OutputErrorProblem {
 
  private:
   struct Segment {
+    int record = 0;
+    double start_time = 0.0;
     Eigen::MatrixXd inputs;  // N × m
     std::vector<int> times;  // samples that count
     Eigen::VectorXd outputs;
@@ -162,10 +189,14 @@ class OutputErrorProblem {
   // 3).
   void Respond(const Segment& segment, const OutputPoint& point, int j,
                Eigen::MatrixXd& response) const;
-  // rows × (Σ r_j + 2 lines), and the derivatives of the first Σ r_j by the
-  // ln T of their element.
-  void Amplitudes(const Segment& segment, const OutputPoint& point,
+  // rows × (Σ r_j + 2 lines + steps), and the derivatives of the first Σ r_j by
+  // the ln T of their element.
+  void Amplitudes(int segment, const OutputPoint& point,
                   Eigen::MatrixXd& columns, Eigen::MatrixXd& derivatives) const;
+  void AppendDisturbances(int segment, Eigen::MatrixXd& columns) const;
+  // Of least squares under noise of `shape`.
+  Eigen::VectorXd AmplitudesOf(int segment, const SegmentColumns& columns,
+                               const NoiseShape& shape) const;
 
   Elements elements_;
   std::vector<Segment> segments_;
@@ -175,6 +206,7 @@ class OutputErrorProblem {
   double total_squares_ = 0.0;
   std::vector<double> lines_;
   std::unique_ptr<OutputErrorProblem> at_rest_;
+  std::vector<SegmentStep> steps_;
   Eigen::VectorXd weights_;
   double variance_factor_ = 1.0;
 };

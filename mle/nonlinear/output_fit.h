@@ -102,8 +102,11 @@ OutputFit FitWithoutOffsets(const OutputErrorProblem& problem,
                             const OutputFit& fit, const OutputFitBounds& bounds,
                             const StructuredOptions& options);
 
-// Of its lines, in samples.
-std::vector<double> PeriodsOf(const NoiseEstimate& noise, double sample_time);
+// The lines and steps of `noise` into `problem`, and those of `problem`, as
+// they are at `point`, into `noise`.
+void AdoptDisturbances(const NoiseEstimate& noise, OutputErrorProblem& problem);
+void ReportDisturbances(const OutputErrorProblem& problem,
+                        const OutputPoint& point, NoiseEstimate& noise);
 
 inline NoiseShape ShapeOf(const NoiseEstimate& noise) {
   return {.ratio = noise.ratio,

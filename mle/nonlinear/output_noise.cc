@@ -31,14 +31,6 @@ double LogDeviation(const ShapeLikelihood& likelihood, const Profile& best,
 
 }  // namespace
 
-std::vector<double> PeriodsOf(const NoiseEstimate& noise, double sample_time) {
-  std::vector<double> periods;
-  for (const PeriodicLine& line : noise.lines) {
-    periods.push_back(line.period / sample_time);
-  }
-  return periods;
-}
-
 NoiseEstimate EstimateNoise(const OutputErrorProblem& problem,
                             const OutputPoint& point,
                             const std::vector<bool>& free,

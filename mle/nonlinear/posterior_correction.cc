@@ -172,8 +172,7 @@ absl::StatusOr<PosteriorCorrection> CompleteByPosterior(
           least)) {
       return;
     }
-    setups[i].problem->SetLines(
-        PeriodsOf(structured.noise[i], posterior.sample_time));
+    AdoptDisturbances(structured.noise[i], *setups[i].problem);
     const OutputFit start = StartOf(setups[i], structured, i);
     const std::vector<ElementPrior> priors =
         PriorsOf(setups[i], start.point, deviations, posterior.sample_time);

@@ -10,7 +10,7 @@
 #include "mle/base/parallel.h"
 #include "mle/base/status.h"
 #include "mle/nonlinear/distributions.h"
-#include "mle/nonlinear/line_search.h"
+#include "mle/nonlinear/disturbance_search.h"
 #include "mle/nonlinear/model_average.h"
 #include "mle/nonlinear/output_fit.h"
 #include "mle/nonlinear/structured_selection.h"
@@ -29,18 +29,6 @@ constexpr double kSmallWeight = 1e-3;
 constexpr double kPower = 0.9;
 // A sample of less weight is said to be spared by a robust loss.
 constexpr double kSpared = 0.5;
-
-std::vector<PeriodicLine> LinesOf(const OutputErrorProblem& problem,
-                                  const OutputFit& fit) {
-  const VectorXd amplitudes =
-      problem.LineAmplitudes(fit.point, ShapeOf(fit.noise));
-  std::vector<PeriodicLine> lines;
-  for (std::size_t line = 0; line < problem.lines().size(); ++line) {
-    lines.push_back({.period = problem.lines()[line] * problem.sample_time(),
-                     .amplitude = amplitudes(static_cast<Eigen::Index>(line))});
-  }
-  return lines;
-}
 
 // Writes the average of fits of output i into `fit`, and returns it.
 OutputFit Report(const OutputSetup& setup,
@@ -76,7 +64,7 @@ OutputFit Report(const OutputSetup& setup,
   }
   fit.covariances[i] = average.covariance;
   fit.noise[i] = average.noise;
-  fit.noise[i].lines = LinesOf(*setup.problem, average);
+  ReportDisturbances(*setup.problem, average.point, fit.noise[i]);
   fit.certificates[i] = average.certificate;
   fit.deviances[i] = average.deviance;
   fit.spared_samples[i] =
@@ -311,8 +299,8 @@ absl::StatusOr<StructuredCorrection> CorrectStructure(
   ParallelFor(p, options.threads, [&](int i) {
     fits[i] = FitOutput(*setups[i].problem, setups[i].start, setups[i].informed,
                         setups[i].bounds, options);
-    FitLines(setups[i].start, setups[i].bounds, options, *setups[i].problem,
-             fits[i]);
+    FitDisturbances(setups[i].start, setups[i].bounds, options,
+                    *setups[i].problem, fits[i]);
     if (options.robust_loss != RobustLoss::kNone) {
       FitRobustly(setups[i].bounds, options, *setups[i].problem, fits[i]);
     }

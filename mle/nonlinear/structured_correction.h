@@ -98,6 +98,18 @@ struct PeriodicLine {
   double amplitude = 0.0;  // root mean square over the windows
 };
 
+// A step of an output's level that nothing measured explains, at once or, as of
+// a load at an input, behind a lag.
+struct LevelStep {
+  int window = 0;     // number of the record
+  double time = 0.0;  // of its first sample, as of the record
+  double lag = 0.0;   // time constant, in the time unit of the model; 0: none
+  double size = 0.0;  // at its end
+
+  // At a time; size (1 − exp(−(when − time + Δt)/lag)) from `time` on.
+  double At(double when, double sample_time) const;
+};
+
 // White noise plus a random walk and, where the records show one, a coloured
 // component a of first or second order with shocks η, Var η = s a sample:
 //
@@ -123,6 +135,7 @@ struct NoiseEstimate {
   // change, ≥ 1, and the samples at rest that it was seen in besides.
   double inflation = 1.0;
   int samples_at_rest = 0;
+  std::vector<LevelStep> steps = {};
 
   double increment_variance() const { return ratio * variance; }  // q
   double colour_variance() const;  // of the coloured component, stationary

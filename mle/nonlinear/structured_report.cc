@@ -62,6 +62,12 @@ void AppendColour(const NoiseEstimate& noise, std::string& report) {
                           "    periodic          period %.4g, amplitude %.3g\n",
                           line.period, line.amplitude);
   }
+  for (const LevelStep& step : noise.steps) {
+    absl::StrAppendFormat(
+        &report,
+        "    step              window %d at %.6g, size %.3g, lag %.3g\n",
+        step.window + 1, step.time, step.size, step.lag);
+  }
 }
 
 // (N+1) × 3: a step response's derivatives by K, T and L.

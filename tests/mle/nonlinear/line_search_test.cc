@@ -85,7 +85,7 @@ TEST(LineSearchTest, AResponseToTheInputsIsNoLine) {
   for (Record& record : records) record.inputs.setZero();
   const auto found = period(records);
   ASSERT_TRUE(found.has_value());
-  EXPECT_NEAR(*found, 60.0, 0.5);
+  EXPECT_NEAR(found->period, 60.0, 0.5);
 }
 
 }  // namespace

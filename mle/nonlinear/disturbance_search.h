@@ -1,0 +1,43 @@
+// Disturbances of one output that have a form, beside its noise: periodic lines
+// (line_search.h) and steps of its level (step_search.h), found one by one by
+// likelihood and fitted as free amplitudes with everything else. Internal to
+// mle/nonlinear.
+
+#ifndef MLE_NONLINEAR_DISTURBANCE_SEARCH_H_
+#define MLE_NONLINEAR_DISTURBANCE_SEARCH_H_
+
+#include <functional>
+#include <vector>
+
+#include "Eigen/Core"
+#include "mle/nonlinear/noise_search.h"
+#include "mle/nonlinear/output_error_problem.h"
+#include "mle/nonlinear/output_fit.h"
+
+namespace mle {
+
+// Of a line's amplitudes in each segment and its frequency, and of a step's
+// size and place, in −2 ln L.
+double LinePrice(const OutputErrorProblem& problem);
+double StepPrice(const OutputErrorProblem& problem);
+
+// By how much −2 ln L falls beyond its price where a general response to the
+// inputs (sums over ranges of lags) is added to what `without` has: what the
+// model lacks is no disturbance. `best`: the likeliest shape with columns of
+// each segment besides.
+double GainOfInputs(
+    const OutputErrorProblem& problem, const Profile& without,
+    const std::function<Profile(const std::vector<Eigen::MatrixXd>&)>& best);
+
+// Lines and steps added to `problem` one by one (at most three lines, and three
+// steps of a segment), and `fit` made again with each; where its residuals show
+// none, those of the initial values `start` are asked, and the fit from there
+// with what they show is compared by likelihood. None without
+// options.estimate_drift.
+void FitDisturbances(const OutputPoint& start, const OutputFitBounds& bounds,
+                     const StructuredOptions& options,
+                     OutputErrorProblem& problem, OutputFit& fit);
+
+}  // namespace mle
+
+#endif  // MLE_NONLINEAR_DISTURBANCE_SEARCH_H_

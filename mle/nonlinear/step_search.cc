@@ -1,0 +1,287 @@
+#include "mle/nonlinear/step_search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "Eigen/QR"
+#include "mle/nonlinear/disturbance_search.h"
+#include "mle/nonlinear/noise_search.h"
+
+namespace mle {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// Samples of a segment before and after a step.
+constexpr int kMargin = 8;
+// Places of a segment at which the variance of a score is computed.
+constexpr int kPlaces = 48;
+// Time scales nearer to each other than this factor are one.
+constexpr double kSameLag = 1.5;
+constexpr int kRefinements = 2;  // of place and shape in turn
+constexpr double kRankTolerance = 1e-9;
+
+// 0 and the time scales of the elements, in samples.
+std::vector<double> Lags(const OutputErrorProblem& problem,
+                         const OutputPoint& point) {
+  std::vector<double> scales;
+  for (int j = 0; j < problem.num_elements(); ++j) {
+    if (!problem.elements()[j].has_value()) continue;
+    scales.push_back(point.values[j].time_scale / problem.sample_time());
+  }
+  std::sort(scales.begin(), scales.end());
+  std::vector<double> lags = {0.0};
+  for (const double scale : scales) {
+    if (scale > std::max(1.0, kSameLag * lags.back())) lags.push_back(scale);
+  }
+  return lags;
+}
+
+// Σ_{k ≥ row} u_k x_k of the step that begins at each row.
+VectorXd Scores(const std::vector<int>& times, double lag, const VectorXd& u) {
+  VectorXd scores(u.size());
+  const double decay = lag > 0.0 ? std::exp(-1.0 / lag) : 0.0;
+  double sum = 0.0;
+  double decayed = 0.0;  // Σ u_k exp(−(k − t)/T)
+  for (Eigen::Index row = u.size() - 1; row >= 0; --row) {
+    if (row + 1 < u.size() && lag > 0.0) {
+      const int gap = times[row + 1] - times[row];
+      decayed *= gap == 1 ? decay : std::pow(decay, gap);
+    }
+    sum += u(row);
+    decayed += u(row);
+    scores(row) = lag > 0.0 ? sum - decay * decayed : sum;
+  }
+  return scores;
+}
+
+class StepSearch {
+ public:
+  StepSearch(const OutputErrorProblem& problem, const OutputFit& fit)
+      : problem_(problem),
+        fit_(fit),
+        shape_(ShapeOf(fit.noise)),
+        columns_(problem.Linearise(fit.point, shape_, true)),
+        lags_(Lags(problem, fit.point)) {}
+
+  const std::vector<double>& lags() const { return lags_; }
+
+  // Of the largest score, and its χ².
+  std::pair<SegmentStep, double> Scan() const {
+    const VectorXd white = problem_.WhiteResiduals(Fitted(), shape_);
+    const VectorXd u = problem_.weights().size() > 0
+                           ? VectorXd(problem_.weights().cwiseProduct(white))
+                           : white;
+    std::pair<SegmentStep, double> best = {{}, 0.0};
+    Eigen::Index begin = 0;
+    for (int s = 0; s < problem_.num_segments(); ++s) {
+      const std::vector<int>& times = problem_.times(s);
+      const auto rows = static_cast<Eigen::Index>(times.size());
+      for (const double lag : lags_) {
+        if (rows <= 2 * kMargin) continue;
+        const VectorXd scores = Scores(times, lag, u.segment(begin, rows));
+        const VectorXd squares = Variances(s, lag);
+        for (Eigen::Index row = kMargin; row < rows - kMargin; ++row) {
+          const double chi_square =
+              scores(row) * scores(row) /
+              (std::max(squares(row), 1e-300) * fit_.noise.variance);
+          if (chi_square > best.second) {
+            best = {{.segment = s, .sample = times[row], .lag = lag},
+                    chi_square};
+          }
+        }
+      }
+      begin += rows;
+    }
+    return best;
+  }
+
+  ShapeLikelihood With(const SegmentStep& step) const {
+    std::vector<MatrixXd> more;
+    for (int s = 0; s < problem_.num_segments(); ++s) {
+      MatrixXd& column = more.emplace_back();
+      if (s == step.segment) {
+        AppendStep(problem_.times(s), step, column);
+      } else {
+        column.setZero(static_cast<Eigen::Index>(problem_.times(s).size()), 1);
+      }
+    }
+    return With(more);
+  }
+  ShapeLikelihood With(const std::vector<MatrixXd>& more) const {
+    return {problem_, columns_, fit_.free, /*restricted=*/false, more};
+  }
+
+  // The likeliest step near `step` at `shape`.
+  SegmentStep Refine(SegmentStep step, const NoiseShape& shape) const {
+    const std::vector<int>& times = problem_.times(step.segment);
+    double best = With(step).At(shape).value;
+    const auto try_step = [&](const SegmentStep& other) {
+      if (other.sample < times[kMargin] ||
+          other.sample > times[times.size() - 1 - kMargin]) {
+        return false;
+      }
+      const double value = With(other).At(shape).value;
+      if (!(value < best)) return false;
+      best = value;
+      step = other;
+      return true;
+    };
+    for (int stride = 8; stride > 0; stride /= 2) {
+      for (const int direction : {-1, 1}) {
+        SegmentStep other = step;
+        do {
+          other = step;
+          other.sample += direction * stride;
+        } while (try_step(other));
+      }
+      for (const double lag : lags_) {
+        SegmentStep other = step;
+        other.lag = lag;
+        if (lag != step.lag) try_step(other);
+      }
+    }
+    return step;
+  }
+
+ private:
+  std::vector<int> Free() const {
+    std::vector<int> kept;
+    for (std::size_t j = 0; j < fit_.free.size(); ++j) {
+      for (int i = 0; fit_.free[j] && i < 3; ++i) {
+        kept.push_back(3 * static_cast<int>(j) + i);
+      }
+    }
+    return kept;
+  }
+
+  // The columns with what the free parameters explain taken from the residuals:
+  // at the initial values that is a lot.
+  std::vector<SegmentColumns> Fitted() const {
+    std::vector<SegmentColumns> columns = columns_;
+    const std::vector<int> kept = Free();
+    if (kept.empty()) return columns;
+    const WhitenedColumns whitened = problem_.Whiten(columns_, shape_);
+    const MatrixXd jacobian = whitened.jacobian(Eigen::all, kept);
+    const VectorXd inverse_norms =
+        jacobian.colwise().norm().cwiseMax(1e-300).cwiseInverse();
+    Eigen::CompleteOrthogonalDecomposition<MatrixXd> decomposition;
+    decomposition.setThreshold(kRankTolerance);
+    decomposition.compute(jacobian * inverse_norms.asDiagonal());
+    const VectorXd step =
+        inverse_norms.cwiseProduct(decomposition.solve(whitened.residuals));
+    for (SegmentColumns& of : columns) {
+      of.residuals -= of.jacobian(Eigen::all, kept) * step;
+    }
+    return columns;
+  }
+
+  // Of the scores of a segment, over r: from some places to all.
+  VectorXd Variances(int segment, double lag) const {
+    const std::vector<int>& times = problem_.times(segment);
+    const auto rows = static_cast<Eigen::Index>(times.size());
+    const Eigen::Index last = rows - kMargin;
+    const Eigen::Index stride =
+        std::max<Eigen::Index>((last - kMargin) / kPlaces, 1);
+    std::vector<Eigen::Index> places;
+    for (Eigen::Index row = kMargin; row < last; row += stride) {
+      places.push_back(row);
+    }
+    if (places.back() != last - 1) places.push_back(last - 1);
+    std::vector<SegmentColumns> columns = columns_;
+    const Eigen::Index width = columns_.front().jacobian.cols();
+    const auto count = static_cast<Eigen::Index>(places.size());
+    for (int s = 0; s < problem_.num_segments(); ++s) {
+      MatrixXd& jacobian = columns[s].jacobian;
+      jacobian.conservativeResize(Eigen::NoChange, width + count);
+      jacobian.rightCols(count).setZero();
+    }
+    for (Eigen::Index i = 0; i < count; ++i) {
+      MatrixXd column;
+      AppendStep(times,
+                 {.segment = segment, .sample = times[places[i]], .lag = lag},
+                 column);
+      columns[segment].jacobian.col(width + i) = column;
+    }
+    const VectorXd squares = WithoutFitted(columns, width);
+    VectorXd all = VectorXd::Zero(rows);
+    for (Eigen::Index i = 0; i + 1 < count; ++i) {
+      const Eigen::Index from = places[i];
+      const Eigen::Index to = places[i + 1];
+      for (Eigen::Index row = from; row <= to; ++row) {
+        const double part =
+            static_cast<double>(row - from) / static_cast<double>(to - from);
+        all(row) = (1.0 - part) * squares(i) + part * squares(i + 1);
+      }
+    }
+    return all;
+  }
+
+  // Squares of the whitened columns from `width` on, without what the free
+  // parameters explain.
+  VectorXd WithoutFitted(const std::vector<SegmentColumns>& columns,
+                         Eigen::Index width) const {
+    const MatrixXd whitened = problem_.Whiten(columns, shape_).jacobian;
+    const std::vector<int> kept = Free();
+    const MatrixXd steps = whitened.rightCols(whitened.cols() - width);
+    VectorXd squares = steps.colwise().squaredNorm();
+    if (kept.empty()) return squares;
+    const MatrixXd fitted = whitened(Eigen::all, kept);
+    const VectorXd norms = fitted.colwise().norm().cwiseMax(1e-300);
+    Eigen::ColPivHouseholderQR<MatrixXd> qr;
+    qr.setThreshold(kRankTolerance);
+    qr.compute(fitted * norms.cwiseInverse().asDiagonal());
+    const MatrixXd rotated =
+        qr.householderQ().setLength(qr.rank()).adjoint() * steps;
+    squares -= rotated.topRows(qr.rank()).colwise().squaredNorm().transpose();
+    // What the parameters explain but for rounding is no step.
+    const VectorXd whole = steps.colwise().squaredNorm();
+    for (Eigen::Index i = 0; i < squares.size(); ++i) {
+      if (!(squares(i) > 1e-6 * whole(i))) squares(i) = 1e300;
+    }
+    return squares;
+  }
+
+  const OutputErrorProblem& problem_;
+  const OutputFit& fit_;
+  NoiseShape shape_;
+  std::vector<SegmentColumns> columns_;
+  std::vector<double> lags_;
+};
+
+}  // namespace
+
+std::optional<FoundStep> FindStep(const OutputErrorProblem& problem,
+                                  const OutputFit& fit, bool estimate_drift) {
+  if (problem.num_segments() == 0 || !(fit.noise.variance > 0.0)) {
+    return std::nullopt;
+  }
+  const double log_samples = std::log(problem.num_innovations(NoiseShape()));
+  const StepSearch search(problem, fit);
+  auto [step, chi_square] = search.Scan();
+  if (!(chi_square > 2.0 * log_samples)) return std::nullopt;
+  const NoiseShape shape = ShapeOf(fit.noise);
+  Profile with;
+  with.shape = shape;
+  for (int round = 0; round < kRefinements; ++round) {
+    step = search.Refine(step, with.shape);
+    with = FindBestShape(search.With(step),
+                         round == 0 ? NoiseShape() : with.shape, estimate_drift,
+                         /*search_colour=*/round == 0);
+  }
+  const auto best = [&](const std::vector<MatrixXd>& more) {
+    return FindBestShape(search.With(more), shape, estimate_drift,
+                         /*search_colour=*/true);
+  };
+  const Profile without = best({});
+  const double gain = PricedValue(problem, without) -
+                      PricedValue(problem, with) - StepPrice(problem);
+  if (!(gain > 0.0)) return std::nullopt;
+  if (!(gain > GainOfInputs(problem, without, best))) return std::nullopt;
+  return FoundStep{.step = step, .gain = gain};
+}
+
+}  // namespace mle
