@@ -101,7 +101,11 @@ double LinePrice(const OutputErrorProblem& problem) {
 }
 
 double StepPrice(const OutputErrorProblem& problem) {
-  return 3.0 * LogSamples(problem);
+  const auto lags = std::count_if(
+      problem.elements().begin(), problem.elements().end(),
+      [](const auto& element) { return element.has_value(); });
+  return 3.0 * LogSamples(problem) +
+         2.0 * std::log(1.0 + static_cast<double>(lags));
 }
 
 double GainOfInputs(

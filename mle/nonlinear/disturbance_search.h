@@ -17,7 +17,7 @@
 namespace mle {
 
 // Of a line's amplitudes in each segment and its frequency, and of a step's
-// size and place, in −2 ln L.
+// size, place and lag, in −2 ln L.
 double LinePrice(const OutputErrorProblem& problem);
 double StepPrice(const OutputErrorProblem& problem);
 
