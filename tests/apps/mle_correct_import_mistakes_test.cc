@@ -60,7 +60,7 @@ std::vector<Mistake> Mistakes() {
       {"another form than declared",
        {Rows({"2024-03-04 06:00"})},
        {"--time_format=month_first"},
-       "not a time of the form that --time_format=month_first declares"},
+       "of the form that --time_format=month_first declares"},
       {"a form without a year",
        {minutes},
        {"--time_format=%d.%m. %H:%M"},
