@@ -8,6 +8,7 @@
 #include "Eigen/LU"
 #include "Eigen/QR"
 #include "glog/logging.h"
+#include "mle/model/response_difference.h"
 
 namespace mle {
 namespace {
@@ -174,22 +175,8 @@ VectorXd FreeRunErrors(const ArxModel& model, const StepResponse& response,
   const MatrixXd inner = MatrixXd::Identity(p, p) - SumOverLags(model, 0, p);
   const Eigen::FullPivLU<MatrixXd> solver(inner);
   if (!solver.isInvertible()) return VectorXd::Constant(p, kInfinity);
-  const MatrixXd found = solver.solve(SumOverLags(model, p, m));
-  VectorXd errors = VectorXd::Zero(p);
-  for (int i = 0; i < p; ++i) {
-    for (int j = 0; j < m; ++j) {
-      const double size = std::max(response.element(i, j).cwiseAbs().maxCoeff(),
-                                   std::abs(gains(i, j)));
-      if (!(size > 0.0)) continue;
-      const double difference = std::max(
-          (run.element(i, j) - response.element(i, j)).cwiseAbs().maxCoeff(),
-          std::abs(found(i, j) - gains(i, j)));
-      errors(i) = std::isfinite(difference)
-                      ? std::max(errors(i), difference / size)
-                      : kInfinity;
-    }
-  }
-  return errors;
+  return RelativeDifferences({run, solver.solve(SumOverLags(model, p, m))},
+                             {response, gains});
 }
 
 }  // namespace mle

@@ -1,0 +1,62 @@
+// A discrete state-space model of a p × m process with dead times of inputs and
+// outputs,
+//
+//   x_{k+1} = A x_k + B v_k,   v_j(k) = u_j(k − a_j),
+//   w_k     = C x_k + D v_k,   y_i(k) = w_i(k − c_i),
+//
+// with n states, and dead times a_j of the inputs and c_i of the outputs in
+// whole samples. Inputs are held from sample to sample; outputs are taken just
+// before the inputs change, so that D is 0 in all that is made here of process
+// models (balanced_reduction.h). Deviations from the operating point are
+// modelled. Not to be confused with StateSpace (transfer_function.h), one
+// element in continuous time.
+//
+//   MLE_ASSIGN_OR_RETURN(const NamedStateSpace named,
+//                        ReadStateSpace("correction/state_space.json"));
+//   named.system.ComputeStepResponse(/*samples=*/501);
+
+#ifndef MLE_MODEL_STATE_SPACE_H_
+#define MLE_MODEL_STATE_SPACE_H_
+
+#include <vector>
+
+#include "Eigen/Core"
+#include "absl/status/status.h"
+#include "mle/model/step_response.h"
+
+namespace mle {
+
+// Samples; what is longer is a mistake.
+inline constexpr int kMaxStateSpaceDelay = 10'000'000;
+
+struct DiscreteStateSpace {
+  double sample_time = 0.0;        // Δt, in the process model's unit of time
+  Eigen::MatrixXd A;               // n × n
+  Eigen::MatrixXd B;               // n × m
+  Eigen::MatrixXd C;               // p × n
+  Eigen::MatrixXd D;               // p × m
+  std::vector<int> input_delays;   // m, a_j ≥ 0 in samples
+  std::vector<int> output_delays;  // p, c_i ≥ 0 in samples
+
+  int order() const { return static_cast<int>(A.rows()); }  // n
+  int num_outputs() const { return static_cast<int>(C.rows()); }
+  int num_inputs() const { return static_cast<int>(B.cols()); }
+
+  // Δt > 0; n, m and p at least 1; matrices that fit each other, with finite
+  // entries; every eigenvalue of A inside the unit circle; dead times from 0 to
+  // kMaxStateSpaceDelay.
+  absl::Status Validate() const;
+
+  // C (I − A)⁻¹ B + D, p × m.
+  Eigen::MatrixXd StaticGains() const;
+
+  // From rest, each input stepped to 1 at k = 0: φ_k, k = 0 … samples − 1.
+  StepResponse ComputeStepResponse(int samples) const;
+
+  // y (p × N) to the inputs u (m × N), from rest.
+  Eigen::MatrixXd Simulate(const Eigen::MatrixXd& inputs) const;
+};
+
+}  // namespace mle
+
+#endif  // MLE_MODEL_STATE_SPACE_H_

@@ -1,0 +1,225 @@
+#include "mle/model/state_space.h"
+
+#include <cmath>
+#include <limits>
+#include <random>
+#include <string>
+
+#include "absl/strings/str_replace.h"
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "mle/model/state_space_json.h"
+
+namespace mle {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+// Three states, two inputs, one output; D and dead times of both kinds.
+DiscreteStateSpace Example() {
+  DiscreteStateSpace system;
+  system.sample_time = 0.5;
+  system.A =
+      Eigen::Matrix3d{{0.9, 0.1, 0.0}, {-0.2, 0.7, 0.3}, {0.0, 0.0, 0.4}};
+  system.B = Eigen::MatrixXd{{1.0, 0.0}, {0.0, -2.0}, {0.5, 1.0}};
+  system.C = Eigen::MatrixXd{{1.0, -1.0, 2.0}};
+  system.D = Eigen::MatrixXd{{0.0, 3.0}};
+  system.input_delays = {2, 0};
+  system.output_delays = {1};
+  return system;
+}
+
+TEST(StateSpaceTest, SimulationIsTheConvolutionWithMarkovParameters) {
+  const DiscreteStateSpace system = Example();
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> normal;
+  Eigen::MatrixXd inputs(2, 40);
+  for (double& value : inputs.reshaped()) value = normal(random);
+  const Eigen::MatrixXd outputs = system.Simulate(inputs);
+  for (int k = 0; k < 40; ++k) {
+    double expected = 0.0;
+    for (int j = 0; j < 2; ++j) {
+      Eigen::VectorXd state = system.B.col(j);
+      const int dead = system.input_delays[j] + 1;  // and that of the output
+      for (int lag = 0; lag + dead <= k; ++lag) {
+        double weight = system.D(0, j);
+        if (lag > 0) {
+          weight = (system.C * state)(0);
+          state = (system.A * state).eval();
+        }
+        expected += weight * inputs(j, k - dead - lag);
+      }
+    }
+    EXPECT_NEAR(outputs(0, k), expected, 1e-12) << k;
+  }
+}
+
+TEST(StateSpaceTest, StepResponseIsASimulationAndSettlesAtTheStaticGain) {
+  const DiscreteStateSpace system = Example();
+  const StepResponse response = system.ComputeStepResponse(400);
+  EXPECT_EQ(response.sample_time, 0.5);
+  for (int j = 0; j < 2; ++j) {
+    Eigen::MatrixXd step = Eigen::MatrixXd::Zero(2, 400);
+    step.row(j).setOnes();
+    const Eigen::MatrixXd outputs = system.Simulate(step);
+    EXPECT_LT((outputs.row(0).transpose() - response.element(0, j))
+                  .cwiseAbs()
+                  .maxCoeff(),
+              1e-12);
+    EXPECT_NEAR(response.element(0, j)(399), system.StaticGains()(0, j), 1e-12);
+  }
+  EXPECT_EQ(response.element(0, 0)(3), 0.0);  // dead times 2 and 1
+  EXPECT_NE(response.element(0, 0)(4), 0.0);
+  EXPECT_EQ(response.element(0, 1)(1), 3.0);  // feedthrough after 1
+}
+
+std::string Refusal(DiscreteStateSpace system) {
+  return std::string(system.Validate().message());
+}
+
+TEST(StateSpaceTest, ValidateNamesWhatIsWrong) {
+  EXPECT_TRUE(Example().Validate().ok()) << Example().Validate();
+  DiscreteStateSpace system = Example();
+  system.sample_time = 0.0;
+  EXPECT_THAT(Refusal(system), HasSubstr("sample_time is 0"));
+  system = Example();
+  system.B.conservativeResize(2, 2);
+  EXPECT_THAT(Refusal(system), HasSubstr("B is 2 × 2, must be 3 × 2"));
+  system = Example();
+  system.D(0, 1) = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(Refusal(system), HasSubstr("D holds an entry"));
+  system = Example();
+  system.input_delays = {1};
+  EXPECT_THAT(Refusal(system),
+              HasSubstr("input_delays has 1 entries, must have 2"));
+  system = Example();
+  system.output_delays = {-1};
+  EXPECT_THAT(Refusal(system), HasSubstr("output_delays holds -1"));
+  system = Example();
+  system.A(2, 2) = 1.0;
+  EXPECT_THAT(Refusal(system), HasSubstr("unstable"));
+}
+
+constexpr char kValid[] = R"({
+  "version": 1, "name": "tank", "time_unit": "min",
+  "sample_time": 0.5, "order": 2,
+  "outputs": ["level"], "inputs": ["inflow", "heat"],
+  "accuracy": {"error_bounds": [0.004], "largest_differences": [0.001]},
+  "input_delays": [3, 0], "output_delays": [1],
+  "A": [[0.9, 0.125], [0.0, 0.25]],
+  "B": [[1, 2], [3, 4]],
+  "C": [[0.0625, 7]],
+  "D": [[0, 0]]
+})";
+
+std::string MessageWith(const std::string& from, const std::string& to) {
+  const std::string text = absl::StrReplaceAll(kValid, {{from, to}});
+  EXPECT_NE(text, kValid) << from;
+  const auto named = ParseStateSpace(text, "s.json");
+  EXPECT_FALSE(named.ok()) << text;
+  return std::string(named.status().message());
+}
+
+TEST(StateSpaceJsonTest, ReadsEveryKey) {
+  const auto named = ParseStateSpace(kValid, "s.json");
+  ASSERT_TRUE(named.ok()) << named.status();
+  EXPECT_EQ(named->name, "tank");
+  EXPECT_EQ(named->time_unit, "min");
+  EXPECT_EQ(named->outputs, std::vector<std::string>{"level"});
+  EXPECT_EQ(named->inputs, (std::vector<std::string>{"inflow", "heat"}));
+  const DiscreteStateSpace& system = named->system;
+  EXPECT_EQ(system.sample_time, 0.5);
+  EXPECT_EQ(system.A, (Eigen::Matrix2d{{0.9, 0.125}, {0.0, 0.25}}));
+  EXPECT_EQ(system.B, (Eigen::Matrix2d{{1.0, 2.0}, {3.0, 4.0}}));
+  EXPECT_EQ(system.C, (Eigen::RowVector2d{0.0625, 7.0}));
+  EXPECT_EQ(system.D, Eigen::RowVector2d::Zero());
+  EXPECT_EQ(system.input_delays, (std::vector<int>{3, 0}));
+  EXPECT_EQ(system.output_delays, std::vector<int>{1});
+  ASSERT_TRUE(named->accuracy.has_value());
+  EXPECT_EQ(named->accuracy->error_bounds, std::vector<double>{0.004});
+  EXPECT_EQ(named->accuracy->largest_differences, std::vector<double>{0.001});
+}
+
+TEST(StateSpaceJsonTest, ReadsBackWhatItWritesBitByBit) {
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> normal;
+  NamedStateSpace named = {"a \"b\"\n", "µs", {"y1", "y2"}, {"u"}, {}, {}};
+  const auto fill = [&](int rows, int cols) {
+    Eigen::MatrixXd matrix(rows, cols);
+    for (double& value : matrix.reshaped()) {
+      value =
+          std::ldexp(normal(random), static_cast<int>(random() % 600) - 300);
+    }
+    return matrix;
+  };
+  DiscreteStateSpace& system = named.system;
+  system.sample_time = 0.1;
+  // Triangular, so that its eigenvalues are its diagonal.
+  system.A = fill(5, 5).triangularView<Eigen::StrictlyUpper>();
+  system.A.diagonal() << 0.1, -0.9, 1.0 / 3.0, 0.0, -0.0;
+  system.B = fill(5, 1);
+  system.C = fill(2, 5);
+  system.D = fill(2, 1);
+  system.D(0, 0) = std::numeric_limits<double>::denorm_min();
+  system.input_delays = {7};
+  system.output_delays = {0, 12};
+  named.accuracy = StateSpaceAccuracy{{0.1, 1e-300}, {0.0, 0.3}};
+  const auto again = ParseStateSpace(FormatStateSpace(named), "b");
+  ASSERT_TRUE(again.ok()) << again.status();
+  EXPECT_EQ(again->system.A, system.A);
+  EXPECT_TRUE(std::signbit(again->system.A(4, 4)));
+  EXPECT_EQ(again->system.B, system.B);
+  EXPECT_EQ(again->system.C, system.C);
+  EXPECT_EQ(again->system.D, system.D);
+  EXPECT_EQ(again->system.sample_time, system.sample_time);
+  EXPECT_EQ(again->system.input_delays, system.input_delays);
+  EXPECT_EQ(again->system.output_delays, system.output_delays);
+  EXPECT_EQ(again->name, named.name);
+  EXPECT_EQ(again->outputs, named.outputs);
+  EXPECT_EQ(again->inputs, named.inputs);
+  EXPECT_EQ(again->accuracy->error_bounds, named.accuracy->error_bounds);
+  EXPECT_EQ(again->accuracy->largest_differences,
+            named.accuracy->largest_differences);
+}
+
+TEST(StateSpaceJsonTest, FaultsNameTheKeyAndWhatWouldBeRight) {
+  EXPECT_THAT(MessageWith("\"order\": 2", "\"order\": 3"),
+              AllOf(StartsWith("s.json: A: must be a list of 3 rows, one for "
+                               "each state"),
+                    HasSubstr("is one of 2")));
+  EXPECT_THAT(MessageWith("\"order\": 2", "\"order\": 0"),
+              HasSubstr("order: must be a whole number from 1"));
+  EXPECT_THAT(MessageWith("\"version\": 1", "\"version\": 2"),
+              HasSubstr("version: must be a whole number from 1 to 1"));
+  EXPECT_THAT(MessageWith("\"order\": 2", "\"Order\": 2"),
+              HasSubstr("unknown key \"Order\"; allowed are version"));
+  EXPECT_THAT(MessageWith("\"D\": [[0, 0]]", "\"D\": [[0]]"),
+              HasSubstr("D[0]: must be a list of 2 numbers, one for each "
+                        "input, is one of 1"));
+  EXPECT_THAT(MessageWith("[[1, 2],", "[[1, null],"),
+              HasSubstr("B[0][1]: must be a number"));
+  EXPECT_THAT(MessageWith("[3, 0]", "[3]"),
+              HasSubstr("input_delays: must be a list of 2 whole numbers"));
+  EXPECT_THAT(MessageWith("[3, 0]", "[3, 0.5]"),
+              HasSubstr("input_delays[1]: must be a whole number from 0"));
+  EXPECT_THAT(MessageWith("\"output_delays\": [1]", "\"output_delays\": [-1]"),
+              HasSubstr("output_delays[0]: must be a whole number from 0"));
+  EXPECT_THAT(MessageWith("[0.004]", "[0.004, 1]"),
+              HasSubstr("error_bounds must hold 1 finite numbers"));
+  EXPECT_THAT(MessageWith("[0.001]", "[-0.001]"),
+              HasSubstr("largest_differences must hold"));
+  EXPECT_THAT(MessageWith("[0.9,", "[1.5,"), HasSubstr("unstable"));
+  EXPECT_THAT(MessageWith("\"heat\"", "\"level\""),
+              HasSubstr("the name \"level\" stands twice"));
+  EXPECT_THAT(MessageWith("0.5", "-0.5"), HasSubstr("must be positive"));
+}
+
+TEST(StateSpaceJsonTest, NamesAFileThatIsNotThere) {
+  EXPECT_THAT(std::string(ReadStateSpace("/no/s.json").status().message()),
+              HasSubstr("/no/s.json"));
+}
+
+}  // namespace
+}  // namespace mle
