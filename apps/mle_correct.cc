@@ -19,7 +19,9 @@
 #include "apps/correct/tables.h"
 #include "apps/report/drawing.h"
 #include "mle/base/file.h"
+#include "mle/base/option_error.h"
 #include "mle/base/status.h"
+#include "mle/data/tag_file.h"
 
 namespace mle {
 namespace {
@@ -123,11 +125,36 @@ void PrintResult(const correct::Result& result) {
   std::cout << "\nReport: " << result.request.out << "/report.html\n";
 }
 
+// Writes the file of --propose_tags.
+int Propose(const correct::Request& request) {
+  const absl::StatusOr<std::vector<TagProposal>> proposals =
+      ProposeTags(request.data_paths, request.model, request.import);
+  if (!proposals.ok()) {
+    return Fail(WithPrefix(correct::NameFlags(proposals.status()), "--data: "));
+  }
+  if (const absl::Status status =
+          WriteFileAtomically(request.propose_tags, FormatTagFile(*proposals));
+      !status.ok()) {
+    return Fail(WithPrefix(status, "--propose_tags: "));
+  }
+  int mapped = 0;
+  for (const TagProposal& proposal : *proposals) {
+    if (!proposal.channel.empty()) ++mapped;
+  }
+  std::cout << request.propose_tags << ": a channel is proposed for " << mapped
+            << " of " << proposals->size()
+            << " columns. Check each line, complete channel, scale and offset, "
+               "and use the file with --tag_file="
+            << request.propose_tags << " --ignore_other_columns.\n";
+  return kExitDone;
+}
+
 int Main(correct::Request& request, OptionTable& table) {
   if (const absl::Status status = correct::Complete(request, table);
       !status.ok()) {
     return Fail(status);
   }
+  if (!request.propose_tags.empty()) return Propose(request);
   std::cerr << "reading " << request.data_paths.size()
             << (request.data_paths.size() == 1 ? " file" : " files") << " …\n";
   absl::StatusOr<std::vector<correct::DataFile>> files =

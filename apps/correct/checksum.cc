@@ -8,10 +8,17 @@
 
 #include "absl/strings/str_cat.h"
 #include "apps/common/sha256.h"
+#include "mle/data/historian.h"
 
 namespace mle::correct {
 
 absl::StatusOr<FileChecksum> ChecksumOf(const std::string& path) {
+  if (path == "-") {
+    Sha256 hash;
+    hash.Add(StandardInput());
+    return FileChecksum{hash.HexDigest(),
+                        static_cast<std::int64_t>(StandardInput().size())};
+  }
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(
       std::fopen(path.c_str(), "rb"), &std::fclose);
   if (file == nullptr) {

@@ -16,7 +16,8 @@ struct FileChecksum {
   std::int64_t bytes = 0;
 };
 
-// Reads the file block by block. Errors name the path.
+// Reads the file block by block; of "-" what standard input had. Errors name
+// the path.
 absl::StatusOr<FileChecksum> ChecksumOf(const std::string& path);
 
 }  // namespace mle::correct

@@ -1,6 +1,12 @@
 #include "apps/correct/page.h"
 
+#include <cstdint>
+#include <cstdlib>
+
+#include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
+#include "absl/time/time.h"
 #include "apps/correct/mismatch_map.h"
 #include "apps/correct/record_tables.h"
 #include "apps/correct/tables.h"
@@ -31,6 +37,28 @@ void AddModel(const Result& result, const Figures& figures, HtmlPage& page) {
         "standard errors given are those of the first-order fit to its step "
         "response.");
   }
+}
+
+// The time of the report, or SOURCE_DATE_EPOCH (seconds since 1970) where the
+// same bytes are wanted again (reproducible-builds.org); and what it is about.
+std::string WhenMade(const Result& result) {
+  std::int64_t seconds = absl::ToUnixSeconds(absl::Now());
+  if (const char* const given = std::getenv("SOURCE_DATE_EPOCH");
+      given != nullptr && !absl::SimpleAtoi(given, &seconds)) {
+    seconds = 0;
+  }
+  std::string text =
+      absl::FormatTime("Made on %Y-%m-%d at %H:%M UTC",
+                       absl::FromUnixSeconds(seconds), absl::UTCTimeZone());
+  const TimeNames times = result.data.Times(result.initial);
+  if (times.has_dates() && !result.data.records.empty()) {
+    const Record& last = result.data.records.back();
+    absl::StrAppend(&text, " from records of ",
+                    times.Span(result.data.records.front().start_time,
+                               last.time(last.samples() - 1)),
+                    " (", TimeUnit(result.data, result.initial), ")");
+  }
+  return text + ".";
 }
 
 void AddRecords(const Result& result, const Figures& figures, HtmlPage& page) {
@@ -75,6 +103,7 @@ std::string FormatPage(const Result& result, const Figures& figures,
                        const report::RunAgain& run_again) {
   HtmlPage page(absl::StrCat("Model correction: ", result.initial.name()));
   page.AddSummary(result.verdict);
+  page.AddParagraph(WhenMade(result));
   for (const Message& failure : result.failures) {
     page.AddWarning(absl::StrCat("The result is not usable: ", Shown(failure)));
   }

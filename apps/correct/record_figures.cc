@@ -10,6 +10,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "apps/correct/figure_parts.h"
+#include "apps/correct/record_tables.h"
 
 namespace mle::correct {
 namespace {
@@ -97,6 +98,17 @@ void MarkWindows(const RecordData& data, const Strip& strip, Panel& panel) {
   }
 }
 
+// " They reach from … to ….", where there are dates.
+std::string DatesOf(const RecordData& data, const ProcessModel& model) {
+  const TimeNames times = data.Times(model);
+  if (!times.has_dates() || data.records.empty()) return "";
+  const Record& last = data.records.back();
+  return absl::StrCat(" They reach from ",
+                      times.Span(data.records.front().start_time,
+                                 last.time(last.samples() - 1)),
+                      " (", TimeUnit(data, model), ").");
+}
+
 std::string UnitOr(const std::string& unit, const char* otherwise) {
   return unit.empty() ? otherwise : unit;
 }
@@ -117,10 +129,15 @@ report::NamedFigure RecordFigure(const Result& result) {
                    "cross at the last good value.",
                    strip.pieces.size() > 1
                        ? " Records are joined without the time between them."
-                       : ""),
+                       : "",
+                   DatesOf(data, model)),
       (channels + 1) / 2, 2, 4.0);
-  const std::string x_label = TimeLabel(
-      result, strip.pieces.size() > 1 ? "time from the first start" : "time");
+  const TimeNames times = data.Times(model);
+  const std::string x_label =
+      strip.pieces.size() > 1 ? TimeLabel(result, "time from the first start")
+      : times.has_dates()
+          ? TimeLabel(result, absl::StrCat("time since ", times.At(0.0)))
+          : TimeLabel(result, "time");
   for (int c = 0; c < channels; ++c) {
     const bool output = c < model.num_outputs();
     const int j = c - model.num_outputs();

@@ -1,6 +1,7 @@
 #include "apps/correct/record_options.h"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <utility>
 
@@ -8,6 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "mle/base/status.h"
+#include "mle/data/tag_file.h"
 
 namespace mle::correct {
 namespace {
@@ -76,6 +78,31 @@ TextValue TimeFormatOf(std::vector<ClockOptions>* clocks) {
   return value;
 }
 
+// Numbers, and other texts that have a digit and a colon, as dates have.
+TextValue TimesOrDates(std::vector<double>* times,
+                       std::vector<std::string>* dates) {
+  TextValue value;
+  value.read = [=](const std::string& given, const NumberRange&) {
+    times->clear();
+    dates->clear();
+    for (const std::string& part : ParseList(given)) {
+      double number = 0.0;
+      if (absl::SimpleAtod(part, &number) && std::isfinite(number)) {
+        times->push_back(number);
+      } else if (part.find(':') != std::string::npos) {
+        dates->push_back(part);
+      } else {
+        return absl::InvalidArgumentError(
+            absl::StrCat("'", part,
+                         "' is not a number, nor a date such as 2024-02-29 "
+                         "12:34"));
+      }
+    }
+    return absl::OkStatus();
+  };
+  return value;
+}
+
 bool IsColumnOf(const ProcessModel& model, const std::string& name) {
   for (const OutputChannel& output : model.outputs()) {
     if (name == output.name || name == output.name + "_setpoint") return true;
@@ -132,7 +159,8 @@ absl::StatusOr<TagMapping> ParseTag(const std::string& text,
 }  // namespace
 
 std::vector<Option> OptionsOf(HistorianOptions& import,
-                              std::vector<std::string>& tags) {
+                              std::vector<std::string>& tags,
+                              std::string* tag_file) {
   ColumnOptions& columns = import.columns;
   return {
       {"time_column", &columns.time_column, "Name of the column of times."},
@@ -161,14 +189,33 @@ std::vector<Option> OptionsOf(HistorianOptions& import,
            {{"recognise", '\0', ""}, {"point", '.', ""}, {"comma", ',', ""}}),
        "Decimal mark."},
       {"lines_above_header", &import.lines_above_header,
-       "Lines above the header.", "", kNotNegative},
+       "Lines above the header; 0: recognised.", "", kNotNegative},
       {"rows_below_header", &import.rows_below_header,
-       "Rows between the header and the samples, such as of units.", "",
-       kNotNegative},
+       "Rows between the header and the samples, such as of units; 0: "
+       "recognised.",
+       "", kNotNegative},
+      {"tag_column", &columns.tag_column,
+       "Name of the column of tags in a long table, which has a row for each "
+       "sample; empty: recognised by usual names such as tag and TagName."},
+      {"value_column", &columns.value_column,
+       "Name of its column of values; empty: as above."},
+      {"quality_column", &columns.quality_column,
+       "Name of its column of qualities; empty: as above, or none."},
+      {"empty_fields",
+       OneOf<EmptyFields>(
+           &import.empty_fields,
+           {{"recognise", EmptyFields::kRecognise,
+             "unchanged in tables that look as if reported by exception"},
+            {"bad", EmptyFields::kBad, ""},
+            {"unchanged", EmptyFields::kUnchanged, "as in the row above"}}),
+       "What an empty field means."},
       {"tags", Words(&tags),
        "TAG=CHANNEL,… for columns that are not named as in the model: CHANNEL "
        "is an input, output or <output>_setpoint; TAG=CHANNEL*SCALE+OFFSET "
        "converts units, channel = scale × column + offset."},
+      {"tag_file", tag_file,
+       "File (CSV) of tags with the columns tag, channel and, where units "
+       "differ, scale, offset and unit; in addition to --tags."},
       {"ignore_other_columns", &columns.ignore_other_columns,
        "Unknown columns are ignored; if false, they are errors."},
       {"quality_suffixes", Words(&columns.quality_suffixes),
@@ -178,6 +225,9 @@ std::vector<Option> OptionsOf(HistorianOptions& import,
       {"bad_values", Words(&import.bad_values),
        "Values that mark a bad sample, in addition to an empty field, NaN and "
        "words such as Bad and No Data, separated by commas: -9999."},
+      {"any_word_is_bad", &import.any_word_is_bad,
+       "All text in place of a number marks a bad sample; if false, text that "
+       "is not known is an error."},
       {"skip_repeated_times", &import.skip_repeated_times,
        "Rows with the time of the row before are ignored; if false, they are "
        "errors."},
@@ -217,15 +267,27 @@ std::vector<Option> OptionsOf(RecordOptions& options) {
        "min", kNotNegative},
       {"min_setpoint_change", &windows.min_change,
        "Largest change of a set point that is ignored.", "", kNotNegative},
-      {"change_times", Numbers(&windows.change_times),
+      {"change_times",
+       TimesOrDates(&windows.change_times, &options.change_dates),
        "Times of set-point changes, for records without set points, ascending "
-       "and separated by commas.",
+       "and separated by commas; dates such as 2024-02-29 12:34 where the "
+       "records have dates.",
        "min"},
   };
 }
 
 absl::Status ParseTags(const std::vector<std::string>& tags,
-                       const ProcessModel& model, ColumnOptions& columns) {
+                       const std::string& tag_file, const ProcessModel& model,
+                       ColumnOptions& columns) {
+  if (!tag_file.empty()) {
+    absl::StatusOr<std::vector<TagMapping>> mapped =
+        ReadTagFile(tag_file, model);
+    if (!mapped.ok()) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("--tag_file: ", mapped.status().message()));
+    }
+    columns.tags = *std::move(mapped);
+  }
   for (const std::string& text : tags) {
     MLE_ASSIGN_OR_RETURN(TagMapping mapping, ParseTag(text, model));
     columns.tags.push_back(std::move(mapping));

@@ -12,15 +12,18 @@
 
 namespace mle::correct {
 
-// `tags` are the texts TAG=CHANNEL….
+// `tags` are the texts TAG=CHANNEL…, `tag_file` the path of a file of tags.
 std::vector<Option> OptionsOf(HistorianOptions& import,
-                              std::vector<std::string>& tags);
+                              std::vector<std::string>& tags,
+                              std::string* tag_file);
 
 std::vector<Option> OptionsOf(RecordOptions& options);
 
-// Adds the tags' columns. InvalidArgument names --tags and what it expects.
+// The tags' columns, of both. InvalidArgument names the flag and what it
+// expects.
 absl::Status ParseTags(const std::vector<std::string>& tags,
-                       const ProcessModel& model, ColumnOptions& columns);
+                       const std::string& tag_file, const ProcessModel& model,
+                       ColumnOptions& columns);
 
 }  // namespace mle::correct
 

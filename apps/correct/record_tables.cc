@@ -24,9 +24,9 @@ using report::Table;
 // Without trailing zeros.
 std::string FormatTime(double time) { return absl::StrFormat("%.7g", time); }
 
-std::string Describe(const SetPointChange& change, double time,
+std::string Describe(const SetPointChange& change, const std::string& time,
                      const ProcessModel& model) {
-  if (change.output < 0) return absl::StrCat("at ", FormatTime(time));
+  if (change.output < 0) return absl::StrCat("at ", time);
   return absl::StrCat(model.outputs()[change.output].name, " ",
                       FormatSignificant(change.from, 4), " → ",
                       FormatSignificant(change.to, 4));
@@ -61,24 +61,33 @@ const ChannelReport* FindChannel(const RecordData& data,
 
 }  // namespace
 
+std::string TimeUnit(const RecordData& data, const ProcessModel& model) {
+  const TimeNames times = data.Times(model);
+  return times.has_dates() && data.report.time_zone.empty() ? "as recorded"
+                                                            : times.unit();
+}
+
 Table FileTable(const RecordData& data, const std::vector<DataFile>& files,
                 const ProcessModel& model) {
+  const TimeNames times = data.Times(model);
   Table table;
   table.caption =
       absl::StrCat("Files, sampled every ", FormatTime(data.sample_time()), " ",
                    model.time_unit(), " for the correction");
   table.columns = {{"file", Align::kLeft},
                    {"rows"},
-                   {absl::StrCat("from (", model.time_unit(), ")")},
+                   {absl::StrCat("from (", TimeUnit(data, model), ")")},
                    {"to"},
                    {"SHA-256", Align::kLeft}};
   for (const FileReport& file : data.report.files) {
     std::string sha256;
     for (const DataFile& one : files) {
-      if (one.path == file.name) sha256 = one.sha256.substr(0, 12) + "…";
+      const bool is_input = one.path == "-" && file.name == kStandardInput;
+      if (one.path == file.name || is_input)
+        sha256 = one.sha256.substr(0, 12) + "…";
     }
     table.AddRow({file.name, FormatInteger(file.rows),
-                  FormatTime(file.first_time), FormatTime(file.last_time),
+                  times.Short(file.first_time), times.Short(file.last_time),
                   sha256});
   }
   return table;
@@ -130,10 +139,11 @@ Table ChannelTable(const RecordData& data, const ProcessModel& model) {
 }
 
 Table WindowTable(const RecordData& data, const ProcessModel& model) {
+  const TimeNames times = data.Times(model);
   Table table;
   table.caption = "Windows around set-point changes";
   table.columns = {{"window"},
-                   {absl::StrCat("from (", model.time_unit(), ")")},
+                   {absl::StrCat("from (", TimeUnit(data, model), ")")},
                    {"to"},
                    {"samples"},
                    {"set-point changes", Align::kLeft},
@@ -142,8 +152,8 @@ Table WindowTable(const RecordData& data, const ProcessModel& model) {
     const SetPointWindow& window = data.windows[w];
     std::vector<std::string> changes;
     for (const SetPointChange& change : window.changes) {
-      changes.push_back(
-          Describe(change, window.record.time(change.sample), model));
+      changes.push_back(Describe(
+          change, times.Short(window.record.time(change.sample)), model));
     }
     std::vector<std::string> remarks;
     if (window.clipped_before) remarks.push_back("short before");
@@ -151,8 +161,8 @@ Table WindowTable(const RecordData& data, const ProcessModel& model) {
     for (std::string& unrest : UnrestIn(window, model)) {
       remarks.push_back(std::move(unrest));
     }
-    table.AddRow({absl::StrCat(w + 1), FormatTime(BeginOf(window)),
-                  FormatTime(EndOf(window)),
+    table.AddRow({absl::StrCat(w + 1), times.Short(BeginOf(window)),
+                  times.Short(EndOf(window)),
                   FormatInteger(window.record.samples()),
                   absl::StrJoin(changes, ", "), absl::StrJoin(remarks, ", ")});
   }

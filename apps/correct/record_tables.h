@@ -3,6 +3,8 @@
 #ifndef APPS_CORRECT_RECORD_TABLES_H_
 #define APPS_CORRECT_RECORD_TABLES_H_
 
+#include <string>
+
 #include "apps/correct/result.h"
 #include "apps/report/table.h"
 #include "mle/model/process_model.h"
@@ -15,6 +17,10 @@ report::Table FileTable(const RecordData& data,
 // A row for each channel over all records.
 report::Table ChannelTable(const RecordData& data, const ProcessModel& model);
 report::Table WindowTable(const RecordData& data, const ProcessModel& model);
+
+// What times in tables are in: the model's unit, the zone of dates, or, where
+// dates have no zone, "as recorded".
+std::string TimeUnit(const RecordData& data, const ProcessModel& model);
 
 }  // namespace mle::correct
 

@@ -20,8 +20,9 @@ std::vector<Option> FileOptions(Request& request) {
        "Process model (JSON) of the controller, to be corrected. Must be "
        "given."},
       {"data", Words(&request.data_paths),
-       "Records (CSV) of routine operation with set-point changes, separated "
-       "by commas. Must be given."},
+       "Records (CSV, also compressed by gzip) of routine operation with "
+       "set-point changes, separated by commas; - is standard input. Must be "
+       "given."},
       {"out", &request.out,
        "Folder for report.html, result.json, model.json, fopdt.json, arx.json "
        "and "
@@ -32,6 +33,10 @@ std::vector<Option> FileOptions(Request& request) {
       {"dry_run", &request.dry_run,
        "Only reads the records and reports on "
        "them."},
+      {"propose_tags", &request.propose_tags,
+       "Only writes this file for --tag_file, with a row for each column of "
+       "the "
+       "records and the channel whose name is nearest, to be checked."},
       {"figures", &request.figures,
        "Draws the figures, for the page and as files (SVG; PNG and PDF need "
        "rsvg-convert)."},
@@ -73,7 +78,8 @@ absl::Status CheckDataPaths(const std::vector<std::string>& paths) {
 void AddOptions(Request& request, OptionTable& table) {
   CorrectOptions& options = request.options;
   table.Add("Files", FileOptions(request));
-  table.Add("Reading the records", OptionsOf(request.import, request.tags));
+  table.Add("Reading the records",
+            OptionsOf(request.import, request.tags, &request.tag_file));
   table.Add("Windows and bad samples", OptionsOf(options.records));
   table.Add("Estimation", OptionsOf(options.estimation));
   table.Add("Hold-out validation", OptionsOf(options.hold_out));
@@ -97,8 +103,8 @@ absl::Status Complete(Request& request, OptionTable& table) {
   MLE_RETURN_IF_ERROR(ReadModels(request));
   MLE_RETURN_IF_ERROR(CheckDataPaths(request.data_paths));
   MLE_RETURN_IF_ERROR(table.FitTo(request.model));
-  MLE_RETURN_IF_ERROR(
-      ParseTags(request.tags, request.model, request.import.columns));
+  MLE_RETURN_IF_ERROR(ParseTags(request.tags, request.tag_file, request.model,
+                                request.import.columns));
   if (const absl::Status status = request.import.Validate(request.model);
       !status.ok()) {
     return absl::InvalidArgumentError(

@@ -23,6 +23,8 @@ struct Request {
   std::string out = "correction";
   std::string truth_path;  // empty: none
   std::vector<std::string> tags;
+  std::string tag_file;      // empty: none
+  std::string propose_tags;  // empty: a correction is wanted
   HistorianOptions import;
   CorrectOptions options;
   // As it is tuned, for the advice.

@@ -1,11 +1,12 @@
 #include "apps/correct/result.h"
 
 #include <iostream>
+#include <string_view>
 #include <utility>
 
+#include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
-#include "absl/strings/str_replace.h"
 #include "absl/strings/str_split.h"
 #include "apps/correct/advice.h"
 #include "apps/correct/checksum.h"
@@ -23,6 +24,38 @@ void CompareWithTruth(Result& result) {
   result.initial_to_truth = CompareResponses(*result.true_response, initial);
   result.corrected_to_truth =
       CompareResponses(*result.true_response, result.corrected.response);
+}
+
+// Parts of names and paths: "tags" is no option in "my_tags" and "tags.csv".
+bool IsPartOfName(std::string_view text, std::size_t at) {
+  if (at >= text.size()) return false;
+  const char c = text[at];
+  const bool before_more = at + 1 < text.size() && text[at + 1] != ' ';
+  return absl::ascii_isalnum(static_cast<unsigned char>(c)) || c == '_' ||
+         c == '-' || c == '/' || c == '\'' || (c == '.' && before_more);
+}
+
+// "name = value" and "name" become "--name=value" and "--name".
+std::string NameFlag(std::string_view text, const std::string& name) {
+  constexpr std::string_view kEquals = " = ";
+  std::string result;
+  std::size_t done = 0;
+  for (std::size_t at = text.find(name); at != std::string_view::npos;
+       at = text.find(name, at + 1)) {
+    const std::size_t end = at + name.size();
+    const bool is_part =
+        (at > 0 && IsPartOfName(text, at - 1)) || IsPartOfName(text, end);
+    if (is_part || at < done) continue;
+    result.append(text.substr(done, at - done));
+    absl::StrAppend(&result, "--", name);
+    done = end;
+    if (text.substr(end).starts_with(kEquals)) {
+      result += '=';
+      done += kEquals.size();
+    }
+  }
+  result.append(text.substr(done));
+  return result;
 }
 
 }  // namespace
@@ -70,15 +103,10 @@ absl::StatusOr<Result> RunCorrection(const Request& request, RecordData data,
 absl::Status NameFlags(const absl::Status& status) {
   const std::string options = OptionOf(status);
   if (options.empty()) return status;
-  std::vector<std::pair<std::string, std::string>> flags;
+  std::string text(status.message());
   const std::vector<std::string> names = absl::StrSplit(options, ',');
-  for (const std::string& option : names) {
-    const std::string flag = absl::StrCat("--", option);
-    flags.emplace_back(option + " = ", flag + "=");
-    flags.emplace_back(option, flag);
-  }
-  return absl::Status(status.code(),
-                      absl::StrReplaceAll(status.message(), flags));
+  for (const std::string& name : names) text = NameFlag(text, name);
+  return absl::Status(status.code(), text);
 }
 
 std::string Shown(const Message& message) {

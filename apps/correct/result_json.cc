@@ -225,48 +225,6 @@ Json ResidualsJson(const std::vector<ResidualReport>& reports,
   return json;
 }
 
-Json WindowsJson(const Result& result) {
-  Json windows = Json::array();
-  for (const SetPointWindow& window : result.data.windows) {
-    Json changes = Json::array();
-    for (const SetPointChange& change : window.changes) {
-      Json one = {{"time", window.record.time(change.sample)}};
-      if (change.output >= 0) {
-        one["output"] = result.initial.outputs()[change.output].name;
-        one["from"] = change.from;
-        one["to"] = change.to;
-      }
-      changes.push_back(std::move(one));
-    }
-    windows.push_back({{"from", BeginOf(window)},
-                       {"to", EndOf(window)},
-                       {"non_stationary", UnrestIn(window, result.initial)},
-                       {"samples", window.record.samples()},
-                       {"set_point_changes", std::move(changes)}});
-  }
-  return windows;
-}
-
-Json ChannelsJson(const Result& result) {
-  Json channels = Json::array();
-  for (const ChannelHealth& channel : result.data.health.channels) {
-    channels.push_back({{"channel", channel.name},
-                        {"samples", channel.samples},
-                        {"bad", channel.bad},
-                        {"constant", channel.is_constant},
-                        {"frozen_samples", channel.frozen_samples()},
-                        {"saturated_samples", channel.saturated_samples()},
-                        {"outliers", channel.outliers.size()},
-                        {"quantum", channel.quantum},
-                        {"noise_deviation", channel.noise}});
-    if (channel.is_output && !result.data.outliers_by_model.empty()) {
-      channels.back()["outliers_by_model"] =
-          result.data.outliers_by_model[channel.channel];
-    }
-  }
-  return channels;
-}
-
 Json MessagesJson(const std::vector<Message>& messages) {
   Json json = Json::array();
   for (const Message& message : messages) {

@@ -8,6 +8,10 @@
 
 namespace mle::correct {
 
+// Parts of the diagnostics (record_json.cc).
+nlohmann::ordered_json WindowsJson(const Result& result);
+nlohmann::ordered_json ChannelsJson(const Result& result);
+
 // Decision, test, elements, distances, noise.
 void AddFindings(const Result& result, nlohmann::ordered_json& json);
 // Windows, validation, residuals, certificate, advice, warnings.

@@ -26,6 +26,7 @@
 #include "Eigen/Core"
 #include "mle/data/outliers.h"
 #include "mle/data/record.h"
+#include "mle/data/time_names.h"
 #include "mle/model/process_model.h"
 
 namespace mle {
@@ -64,7 +65,8 @@ struct ChannelHealth {
   int saturated_samples() const;
   bool is_healthy() const;
   // A line for each finding; times are those of `records`.
-  std::string Report(const std::vector<Record>& records) const;
+  std::string Report(const std::vector<Record>& records,
+                     const TimeNames& times = TimeNames()) const;
 };
 
 struct HealthReport {

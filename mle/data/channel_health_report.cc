@@ -16,14 +16,17 @@ int Count(const std::vector<SampleRun>& runs) {
 }
 
 std::string ShowRuns(const std::vector<SampleRun>& runs,
-                     const std::vector<Record>& records) {
+                     const std::vector<Record>& records,
+                     const TimeNames& times) {
   std::string text;
   for (std::size_t r = 0; r < std::min(runs.size(), kShownRuns); ++r) {
     const SampleRun& run = runs[r];
     const Record& record = records[run.record];
-    absl::StrAppend(&text, r > 0 ? ", " : "", record.time(run.first));
+    absl::StrAppend(&text, r > 0 ? ", " : "",
+                    times.Short(record.time(run.first)));
     if (run.samples > 1) {
-      absl::StrAppend(&text, " … ", record.time(run.first + run.samples - 1));
+      absl::StrAppend(&text, " … ",
+                      times.Short(record.time(run.first + run.samples - 1)));
     }
   }
   if (runs.size() > kShownRuns) text += ", …";
@@ -41,7 +44,8 @@ bool ChannelHealth::is_healthy() const {
          quantum == 0.0 && outliers.empty();
 }
 
-std::string ChannelHealth::Report(const std::vector<Record>& records) const {
+std::string ChannelHealth::Report(const std::vector<Record>& records,
+                                  const TimeNames& times) const {
   std::string text;
   const auto line = [&](const auto&... parts) {
     absl::StrAppend(&text, name, ": ", parts..., "\n");
@@ -50,18 +54,18 @@ std::string ChannelHealth::Report(const std::vector<Record>& records) const {
   if (is_constant) line("does not move at all");
   if (!frozen.empty()) {
     line("frozen for ", frozen_samples(), " samples in ", frozen.size(),
-         " places: ", ShowRuns(frozen, records));
+         " places: ", ShowRuns(frozen, records, times));
   }
   if (!saturated.empty()) {
     line("at a limit, or not under control, for ", saturated_samples(),
          " samples in ", saturated.size(),
-         " places: ", ShowRuns(saturated, records));
+         " places: ", ShowRuns(saturated, records, times));
   }
   if (quantum > 0.0) {
     line("rounded to multiples of ", quantum, "; its noise is ", noise);
   }
   if (!outliers.empty()) {
-    line(outliers.size(), " outliers: ", ShowRuns(outliers, records));
+    line(outliers.size(), " outliers: ", ShowRuns(outliers, records, times));
   }
   return text;
 }

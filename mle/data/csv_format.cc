@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "absl/strings/str_cat.h"
+#include "mle/base/option_error.h"
 #include "mle/data/csv_numbers.h"
 #include "mle/data/csv_rows.h"
 
@@ -96,9 +97,9 @@ void Take(std::string_view text, int line, int column, Evidence& evidence) {
 
 absl::Status Fault(const CsvHead& head, const Sighting& at,
                    const std::string& what) {
-  return absl::InvalidArgumentError(
-      absl::StrCat(head.source, ": line ", at.line, ", column ", at.column,
-                   ": '", ShowCsvText(at.text), "' ", what));
+  return OptionError("decimal", absl::StrCat(head.source, ": line ", at.line,
+                                             ", column ", at.column, ": '",
+                                             ShowCsvText(at.text), "' ", what));
 }
 
 }  // namespace
@@ -119,10 +120,14 @@ absl::StatusOr<char> RecogniseSeparator(const CsvHead& head,
     }
   }
   if (!is_tie) return best;
-  return absl::InvalidArgumentError(absl::StrCat(
-      head.source, ": line ", head.line, ", column 1: the header has a ",
-      NameOf(found[0]), " and a ", NameOf(found[1]),
-      ", and either may separate its columns; declare the separator"));
+  return OptionError(
+      "separator",
+      absl::StrCat(head.source, ": line ", head.line,
+                   ", column 1: the header has a ", NameOf(found[0]), " and a ",
+                   NameOf(found[1]),
+                   ", and either may stand between its columns; declare "
+                   "separator = ",
+                   NameOf(found[0]), " or separator = ", NameOf(found[1])));
 }
 
 absl::StatusOr<char> RecogniseDecimal(
@@ -154,20 +159,21 @@ absl::StatusOr<char> RecogniseDecimal(
 
   if (evidence.grouped) {
     return Fault(head, *evidence.grouped,
-                 "has marks between its thousands, or two decimal marks; "
+                 "has marks between its thousands, or two marks for decimals; "
                  "export numbers without thousands separators");
   }
   const auto& comma = evidence.comma ? evidence.comma : evidence.thousands;
   if (comma && evidence.point) {
-    return Fault(head, *comma,
-                 absl::StrCat("has a comma, but '", evidence.point->text,
-                              "' in line ", evidence.point->line,
-                              " a point; declare the decimal mark"));
+    return Fault(
+        head, *comma,
+        absl::StrCat("has a comma, but '", evidence.point->text, "' in line ",
+                     evidence.point->line,
+                     " a point; declare which it is, such as decimal = comma"));
   }
   if (comma && !evidence.comma) {
     return Fault(head, *comma,
                  "may have a decimal comma or one between thousands; declare "
-                 "the decimal mark");
+                 "decimal = comma or decimal = point");
   }
   return comma ? ',' : '.';
 }

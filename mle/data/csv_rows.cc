@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cstring>
+#include <tuple>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "mle/data/file_kind.h"
 
 namespace mle {
 namespace {
@@ -68,7 +70,8 @@ bool CsvRows::Fill() {
   end_ += static_cast<std::size_t>(in_.gcount());
   if (in_.bad()) {
     status_ = absl::DataLossError(
-        absl::StrCat(source_, ": cannot be read after line ", line_ - 1));
+        absl::StrCat(source_, ": cannot be read after line ", line_ - 1,
+                     "; a compressed file may be damaged or cut"));
     return false;
   }
   at_end_ = in_.eof();
@@ -77,6 +80,10 @@ bool CsvRows::Fill() {
   const std::string_view start(buffer_.data(), end_);
   if (start.starts_with("\xFF\xFE") || start.starts_with("\xFE\xFF")) {
     Fault("the file is in UTF-16; save it as UTF-8");
+    return false;
+  }
+  if (const std::string_view kind = NotText(start); !kind.empty()) {
+    Fault(absl::StrCat("the file is ", std::string(kind)));
     return false;
   }
   if (start.starts_with(kByteOrderMark)) begin_ = kByteOrderMark.size();
@@ -238,8 +245,14 @@ CsvRows::Scan CsvRows::Fault(std::string_view what) {
   return Scan::kFault;
 }
 
-std::string CsvRows::Place(int field) const {
-  return absl::StrCat(source_, ": line ", row_line_, ", column ", field);
+std::string CsvRows::LinePlace() const {
+  const int line = origin_ ? origin_(row_line_, 1).first : row_line_;
+  return absl::StrCat(source_, ": line ", line);
+}
+
+std::string CsvRows::PlaceIn(int line, int field) const {
+  if (origin_) std::tie(line, field) = origin_(line, field);
+  return absl::StrCat(source_, ": line ", line, ", column ", field);
 }
 
 std::string QuoteCsvField(std::string_view field) {

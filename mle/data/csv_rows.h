@@ -18,9 +18,11 @@
 
 #include <array>
 #include <cstddef>
+#include <functional>
 #include <istream>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -39,6 +41,7 @@ class CsvRows {
 
   // A comma until this is called.
   void set_separator(char separator);
+  char separator() const { return separator_; }
 
   // The fields of the next row; false at the end or at an error. They last
   // until the next call of a member that is not const.
@@ -65,8 +68,18 @@ class CsvRows {
   // Nothing is left to be read from the file but what Peek() shows.
   bool at_end() const { return at_end_; }
 
-  // "run.csv: line 3, column 2", the place of a field of the last row.
-  std::string Place(int field) const;
+  // "run.csv: line 3, column 2", the place of a field of the last row, or of
+  // that which began in `line`.
+  std::string Place(int field) const { return PlaceIn(row_line_, field); }
+  std::string PlaceIn(int line, int field) const;
+
+  // "run.csv: line 3".
+  std::string LinePlace() const;
+
+  // For text that was made from another file: where a field of a line came
+  // from, as line and column of that file.
+  using Origin = std::function<std::pair<int, int>(int line, int field)>;
+  void set_origin(Origin origin) { origin_ = std::move(origin); }
 
  private:
   enum class Scan { kRow, kEmptyLine, kMore, kFault };
@@ -98,6 +111,8 @@ class CsvRows {
   std::vector<Field> fields_;
   std::size_t next_ = 0;  // where the next row begins
   int lines_ = 0;         // that the row takes
+
+  Origin origin_;
 
   int line_ = 1;  // at begin_
   int row_line_ = 0;

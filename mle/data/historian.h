@@ -39,6 +39,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -48,17 +49,26 @@
 #include "mle/data/record_clock.h"
 #include "mle/data/record_columns.h"
 #include "mle/data/record_rows.h"
+#include "mle/data/time_names.h"
 #include "mle/model/process_model.h"
 
 namespace mle {
+
+// What an empty field of a table means.
+enum class EmptyFields {
+  kRecognise,  // unchanged, if the table looks as if reported by exception
+  kBad,        // a bad sample
+  kUnchanged,  // the value of the row above
+};
 
 // Times are in the model's unit.
 struct HistorianOptions {
   // The text. 0: recognised.
   char separator = 0;  // ',', ';' or a tab
   char decimal = 0;    // '.' or ','
+  // Titles, and rows of units. 0: recognised.
   int lines_above_header = 0;
-  int rows_below_header = 0;  // of units, say
+  int rows_below_header = 0;
   CsvLimits limits = {};
 
   // Time, tags and their units, quality columns, others.
@@ -69,6 +79,10 @@ struct HistorianOptions {
   // Values that mark a bad sample, besides an empty field, NaN and the words in
   // KnownBadWords(): as text or as a number ("-9999").
   std::vector<std::string> bad_values = {};
+  // All other text in place of a number is a bad sample too; if false, it is an
+  // error that counts such words.
+  bool any_word_is_bad = false;
+  EmptyFields empty_fields = EmptyFields::kRecognise;
 
   // Of all files; or one for each file, in the order in which they are given.
   ClockOptions clock = {};
@@ -101,8 +115,15 @@ struct ChannelReport {
   std::string name;    // of the channel
   std::string column;  // that it was read from
   BadSampleCounts bad;
-  std::int64_t bridged = 0;  // samples
-  std::int64_t missing = 0;  // samples that stay bad (NaN)
+  std::int64_t unchanged = 0;  // empty, as nothing has changed
+  std::int64_t bridged = 0;    // samples
+  std::int64_t missing = 0;    // samples that stay bad (NaN)
+};
+
+// What was recognised and taken so, with the option that says otherwise.
+struct ImportNote {
+  std::string text;    // a whole sentence
+  std::string option;  // may be empty
 };
 
 // Time without a usable row.
@@ -137,12 +158,18 @@ struct HistorianReport {
   bool averaged = false;     // the files are finer than Δt
   // Seconds since 1970-01-01T00:00:00Z at time 0, where times are dates.
   std::optional<double> time_origin;
+  std::string time_zone;        // declared for dates; empty: none
   std::vector<GapReport> gaps;  // the first 100
   std::int64_t num_gaps = 0;
   std::int64_t samples = 0;
   int records = 0;
   std::vector<std::string> warnings;
-  std::vector<std::string> notes;  // what was recognised, and taken so
+  std::vector<ImportNote> notes;
+
+  // How its times are written. `time_unit` as in the model.
+  TimeNames Times(const std::string& time_unit) const {
+    return {time_unit, time_origin, time_zone};
+  }
 
   std::string BriefReport() const;  // one line
   // `time_unit` as in the model.
@@ -159,7 +186,14 @@ struct HistorianSource {
   std::string name;
   std::function<absl::StatusOr<std::unique_ptr<std::istream>>()> open;
 };
+// The name of standard input in messages and reports.
+inline constexpr char kStandardInput[] = "standard input";
+
+// A file, also one compressed by gzip; "-" is standard input.
 HistorianSource FileSource(const std::string& path);
+// Standard input, read to its end on the first call and kept, so that it can be
+// read again. Not for several threads at once.
+std::string_view StandardInput();
 HistorianSource TextSource(std::string name, std::string text);
 
 // Files may be given in any order. InvalidArgument, naming file, line and

@@ -1,24 +1,23 @@
 #include "mle/data/historian_file.h"
 
 #include <algorithm>
-#include <filesystem>
-#include <fstream>
+#include <set>
 #include <sstream>
-#include <system_error>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "mle/base/file.h"
 #include "mle/base/option_error.h"
 #include "mle/base/status.h"
 #include "mle/data/csv_format.h"
-#include "mle/data/usual_step.h"
+#include "mle/data/csv_numbers.h"
+#include "mle/data/long_table.h"
+#include "mle/data/nearest_names.h"
 
 namespace mle {
 namespace {
 
-constexpr std::size_t kProbeRows = 4096;
 constexpr std::size_t kMaxIgnoredNames = 20;
+constexpr std::size_t kMostHeaderBytes = 1 << 16;
 
 // Names that a header may have.
 absl::StatusOr<std::vector<std::string>> NamesOf(const ProcessModel& channels,
@@ -31,87 +30,176 @@ absl::StatusOr<std::vector<std::string>> NamesOf(const ProcessModel& channels,
   return names;
 }
 
-// Of the rows that are looked at, one in ten may be out of order.
-bool IsNewestFirst(const std::vector<double>& times) {
-  std::size_t earlier = 0;
-  std::size_t later = 0;
-  for (std::size_t k = 1; k < times.size(); ++k) {
-    if (times[k] < times[k - 1]) ++earlier;
-    if (times[k] > times[k - 1]) ++later;
+constexpr int kMostTitles = 50;
+constexpr int kMostUnitRows = 3;
+
+// Lines before the one that has most of the names, where that has two or more.
+int TitleLines(std::string_view head, const std::vector<std::string>& names) {
+  std::set<std::string> wanted;
+  for (const std::string& name : names) wanted.insert(FoldedName(name));
+  int best = 0;
+  int most = 1;
+  for (int line = 0; line < kMostTitles && !head.empty(); ++line) {
+    const std::size_t end = std::min(head.find('\n'), head.size());
+    const std::string_view text = head.substr(0, end);
+    for (const char separator : {',', ';', '\t'}) {
+      std::set<std::string> found;
+      std::size_t begin = 0;
+      while (begin <= text.size() && begin < kMostHeaderBytes) {
+        const std::size_t next =
+            std::min(text.find(separator, begin), text.size());
+        std::string name = FoldedName(text.substr(begin, next - begin));
+        std::erase_if(name, [](char c) { return c == '"' || c == '\r'; });
+        if (wanted.contains(name)) found.insert(std::move(name));
+        begin = next + 1;
+      }
+      if (static_cast<int>(found.size()) <= most) continue;
+      most = static_cast<int>(found.size());
+      best = line;
+    }
+    head.remove_prefix(std::min(end + 1, head.size()));
   }
-  return earlier > 10 * later;
+  return best;
 }
 
-// Numbers of no declared unit may be Excel's: days such as 45355, apart by what
-// is a second or more of a day, but next to nothing in the model's unit.
-absl::Status CheckUnit(const RecordClock& clock, const std::string& source,
-                       double first, const std::vector<double>& steps) {
-  constexpr double kFirstDay = 32874.0;  // 1990
-  constexpr double kLastDay = 54789.0;   // 2050
-  constexpr double kSecondsPerDay = 86400.0;
-  if (!clock.has_assumed_unit() || clock.has_dates() || steps.empty() ||
-      first < kFirstDay || first > kLastDay) {
-    return absl::OkStatus();
+// Rows that have neither a time nor a number: units, descriptions.
+int UnitRows(CsvRows& rows, const std::vector<RecordColumn>& columns,
+             const RecordClock& clock) {
+  using Kind = RecordColumn::Kind;
+  std::vector<std::string_view> fields;
+  for (int count = 0; count < kMostUnitRows; ++count) {
+    if (!rows.Next(fields) || fields.size() != columns.size()) return count;
+    bool has_text = false;
+    for (std::size_t c = 0; c < columns.size(); ++c) {
+      const std::string_view text = TrimCsvField(fields[c]);
+      RecordClock copy = clock;
+      double number = 0.0;
+      if (ReadCsvNumber(text, number) || ReadCsvNumber(text, number, ',')) {
+        return count;
+      }
+      if (columns[c].kind == Kind::kTime && copy.Read(text, '.', number)) {
+        return count;
+      }
+      const bool is_sample =
+          columns[c].kind != Kind::kTime && columns[c].kind != Kind::kOther;
+      has_text = has_text || (is_sample && !text.empty());
+    }
+    // A time of another form, with bad samples, is none.
+    const auto time = std::find_if(
+        columns.begin(), columns.end(),
+        [](const RecordColumn& column) { return column.kind == Kind::kTime; });
+    const std::string_view text =
+        TrimCsvField(fields[static_cast<std::size_t>(time - columns.begin())]);
+    if (!has_text ||
+        text.find_first_of("0123456789") != std::string_view::npos) {
+      return count;
+    }
   }
-  const double step = UsualStep(steps);
-  if (step * clock.seconds_per_unit().value_or(1.0) > 0.5 ||
-      step * kSecondsPerDay < 0.9) {
-    return absl::OkStatus();
-  }
-  return OptionError(
-      "time_format",
-      absl::StrCat(source, ": times such as ", first, ", ", step,
-                   " apart, look like the days of Excel; declare time_format = "
-                   "excel, or time_format = numbers if they are none"));
+  return kMostUnitRows;
 }
 
 }  // namespace
 
-absl::Status HistorianFile::SkipToHeader(const HistorianOptions& options) {
-  for (int line = 0; line < options.lines_above_header; ++line) {
-    if (csv_->SkipLine()) continue;
-    MLE_RETURN_IF_ERROR(csv_->status());
-    return absl::InvalidArgumentError(absl::StrCat(
-        report_.name, ": line ", line + 1, ", column 1: the file ends, with ",
-        options.lines_above_header, " lines declared above its header"));
-  }
-  header_line_ = options.lines_above_header + 1;
+absl::Status HistorianFile::SkipToHeader(
+    const HistorianOptions& options, const std::vector<std::string>& names) {
+  const auto skip = [&](int lines) {
+    for (int line = 0; line < lines; ++line, ++header_line_) {
+      if (csv_->SkipLine()) continue;
+      MLE_RETURN_IF_ERROR(csv_->status());
+      return OptionError(
+          "lines_above_header",
+          absl::StrCat(
+              report_.name, ": line ", line + 1,
+              ", column 1: the file ends, with lines_above_header = ", lines));
+    }
+    return absl::OkStatus();
+  };
+  MLE_RETURN_IF_ERROR(skip(options.lines_above_header));
   // Spreadsheets name the separator in a line of its own: "sep=;".
   const std::string_view head = csv_->Peek();
   if (head.size() >= 6 &&
       (head.starts_with("sep=") || head.starts_with("SEP=")) &&
       (head[5] == '\n' || head[5] == '\r')) {
     report_.separator = head[4];
-    csv_->SkipLine();
-    ++header_line_;
+    MLE_RETURN_IF_ERROR(skip(1));
   }
-  return csv_->status();
+  MLE_RETURN_IF_ERROR(csv_->status());
+  if (options.lines_above_header > 0) return absl::OkStatus();
+  const int titles = TitleLines(csv_->Peek(), names);
+  if (titles > 0) {
+    notes_.push_back({absl::StrCat(report_.name, ": ", titles,
+                                   titles == 1 ? " line" : " lines",
+                                   " above the header passed over."),
+                      "lines_above_header"});
+  }
+  return skip(titles);
 }
 
-absl::Status HistorianFile::Recognise(const ProcessModel& channels,
-                                      const HistorianOptions& options) {
-  report_.separator = 0;
-  MLE_RETURN_IF_ERROR(SkipToHeader(options));
+CsvHead HistorianFile::Head() {
   CsvHead head;
   head.text = std::string(csv_->Peek());
   head.is_whole = csv_->at_end();
   head.source = report_.name;
   head.line = header_line_;
+  return head;
+}
+
+absl::Status HistorianFile::RecogniseTable(const ProcessModel& channels,
+                                           const HistorianOptions& options) {
+  report_.separator = 0;
+  MLE_ASSIGN_OR_RETURN(const std::vector<std::string> names,
+                       NamesOf(channels, options.columns));
+  std::vector<std::string> all = LongColumnNames(options.columns);
+  all.insert(all.end(), names.begin(), names.end());
+  MLE_RETURN_IF_ERROR(SkipToHeader(options, all));
+  const CsvHead head = Head();
   MLE_RETURN_IF_ERROR(csv_->status());
   if (options.separator != 0) report_.separator = options.separator;
   if (report_.separator == 0) {
-    MLE_ASSIGN_OR_RETURN(const std::vector<std::string> names,
-                         NamesOf(channels, options.columns));
-    MLE_ASSIGN_OR_RETURN(report_.separator, RecogniseSeparator(head, names));
+    MLE_ASSIGN_OR_RETURN(report_.separator, RecogniseSeparator(head, all));
   }
   csv_->set_separator(report_.separator);
-  report_.decimal = options.decimal;
-  if (report_.decimal != 0) return absl::OkStatus();
-  report_.decimal = '.';
+  return WidenLongTable(head, names, options);
+}
+
+// A long table is read whole and put in the place of the file.
+absl::Status HistorianFile::WidenLongTable(
+    const CsvHead& head, const std::vector<std::string>& names,
+    const HistorianOptions& options) {
+  std::istringstream start(head.text);
+  CsvRows first(start, report_.name, options.limits);
+  first.set_separator(report_.separator);
+  std::vector<std::string_view> header;
+  if (!first.Next(header)) return absl::OkStatus();
+  const std::optional<LongColumns> columns =
+      FindLongColumns(header, names, options.columns);
+  if (!columns) return absl::OkStatus();
+  csv_->Next(header);
+  MLE_ASSIGN_OR_RETURN(WideTable table,
+                       WidenTable(*csv_, *columns, names, options, clock_));
+  notes_.push_back({absl::StrCat(report_.name,
+                                 ": a long table, with a row for "
+                                 "each sample, of ",
+                                 table.tags.size(), " tags."),
+                    ""});
+  is_sparse_ = !table.is_complete;
+  in_ = std::make_unique<std::istringstream>(std::move(table.text));
+  csv_ = std::make_unique<CsvRows>(*in_, report_.name, options.limits);
+  csv_->set_origin(std::move(table.origin));
+  header_line_ = 1;
+  return absl::OkStatus();
+}
+
+// The decimal mark, and rows of units below the header.
+absl::Status HistorianFile::RecogniseRows(const ProcessModel& channels,
+                                          const HistorianOptions& options) {
+  rows_below_header_ = options.rows_below_header;
+  report_.decimal = options.decimal == 0 ? '.' : options.decimal;
   // Errors in the header are those of RecordRows::Open().
+  const CsvHead head = Head();
   std::istringstream in(head.text);
   CsvRows rows(in, report_.name, options.limits);
-  rows.set_separator(report_.separator);
+  rows.set_separator(csv_->separator());
   std::vector<std::string_view> header;
   if (!rows.Next(header)) return absl::OkStatus();
   ColumnOptions lenient = options.columns;
@@ -119,13 +207,23 @@ absl::Status HistorianFile::Recognise(const ProcessModel& channels,
   const absl::StatusOr<std::vector<RecordColumn>> columns =
       MatchHeader(header, channels, lenient);
   if (!columns.ok()) return absl::OkStatus();
-  for (int row = 0; row < options.rows_below_header; ++row) rows.SkipLine();
+  if (options.rows_below_header == 0) {
+    rows_below_header_ = UnitRows(rows, *columns, clock_);
+    if (rows_below_header_ > 0) {
+      notes_.push_back({absl::StrCat(report_.name, ": ", rows_below_header_,
+                                     rows_below_header_ == 1 ? " row" : " rows",
+                                     " below the header passed over, as ",
+                                     "without time and numbers."),
+                        "rows_below_header"});
+    }
+  }
+  if (options.decimal != 0) return absl::OkStatus();
   MLE_ASSIGN_OR_RETURN(report_.decimal,
-                       RecogniseDecimal(head, report_.separator, *columns));
+                       RecogniseDecimal(head, csv_->separator(), *columns));
   return absl::OkStatus();
 }
 
-absl::StatusOr<std::unique_ptr<HistorianFile>> HistorianFile::Open(
+absl::StatusOr<std::unique_ptr<HistorianFile>> HistorianFile::Start(
     const HistorianSource& source, const ProcessModel& channels,
     const HistorianOptions& options, const ClockOptions& clock_options,
     std::optional<double> origin) {
@@ -139,15 +237,72 @@ absl::StatusOr<std::unique_ptr<HistorianFile>> HistorianFile::Open(
   file->report_.name = source.name;
   file->csv_ =
       std::make_unique<CsvRows>(*file->in_, source.name, options.limits);
-  MLE_RETURN_IF_ERROR(file->Recognise(channels, options));
+  MLE_RETURN_IF_ERROR(file->RecogniseTable(channels, options));
+  return file;
+}
+
+absl::StatusOr<HistorianColumns> HistorianFile::Columns(
+    const HistorianSource& source, const ProcessModel& channels,
+    const HistorianOptions& options) {
+  MLE_ASSIGN_OR_RETURN(
+      const std::unique_ptr<HistorianFile> file,
+      Start(source, channels, options,
+            options.clocks.empty() ? options.clock : options.clocks[0],
+            std::nullopt));
+  // The first row that is as long as the one below it, for titles above a
+  // header of which no name is known.
+  std::vector<std::string> header;
+  std::vector<std::string> below;
+  std::vector<std::string_view> fields;
+  while (header.size() < 2 || header.size() != below.size()) {
+    if (!file->csv_->Next(fields)) break;
+    header = std::move(below);
+    below.assign(fields.begin(), fields.end());
+  }
+  MLE_RETURN_IF_ERROR(file->csv_->status());
+  if (header.empty()) header.swap(below);
+  below.resize(header.size());
+  const bool has_units =
+      std::none_of(below.begin(), below.end(), [](std::string_view text) {
+        return text.find_first_of("0123456789") != std::string_view::npos;
+      });
+  const std::vector<std::string> times =
+      LongColumnNames({.time_column = options.columns.time_column});
+  HistorianColumns columns;
+  for (std::size_t c = 0; c < header.size(); ++c) {
+    const std::string name(TrimCsvField(header[c]));
+    const std::string folded = FoldedName(name);
+    const auto& suffixes = options.columns.quality_suffixes;
+    const bool is_other =
+        folded.empty() || folded == FoldedName(options.columns.time_column) ||
+        std::find(times.begin(), times.end(), folded) != times.end() ||
+        std::any_of(suffixes.begin(), suffixes.end(),
+                    [&](const std::string& suffix) {
+                      return !suffix.empty() && name.ends_with(suffix);
+                    });
+    if (is_other) continue;
+    columns.names.push_back(name);
+    columns.units.emplace_back(has_units ? TrimCsvField(below[c]) : "");
+  }
+  return columns;
+}
+
+absl::StatusOr<std::unique_ptr<HistorianFile>> HistorianFile::Open(
+    const HistorianSource& source, const ProcessModel& channels,
+    const HistorianOptions& options, const ClockOptions& clock,
+    std::optional<double> origin) {
+  MLE_ASSIGN_OR_RETURN(std::unique_ptr<HistorianFile> file,
+                       Start(source, channels, options, clock, origin));
+  MLE_RETURN_IF_ERROR(file->RecogniseRows(channels, options));
 
   RecordRowsOptions row_options;
   row_options.columns = options.columns;
   row_options.decimal = file->report_.decimal;
   row_options.bad_values = options.bad_values;
   row_options.bad_words = KnownBadWords();
+  row_options.any_word_is_bad = options.any_word_is_bad;
   row_options.good_qualities = options.good_qualities;
-  row_options.rows_below_header = options.rows_below_header;
+  row_options.rows_below_header = file->rows_below_header_;
   MLE_ASSIGN_OR_RETURN(
       RecordRows rows,
       RecordRows::Open(*file->csv_, channels, row_options, file->clock_));
@@ -160,88 +315,6 @@ absl::StatusOr<std::unique_ptr<HistorianFile>> HistorianFile::Open(
   }
   file->rows_ = std::move(rows);
   return file;
-}
-
-absl::StatusOr<HistorianProbe> ProbeHistorian(const HistorianSource& source,
-                                              const ProcessModel& channels,
-                                              const HistorianOptions& options,
-                                              const ClockOptions& clock) {
-  MLE_ASSIGN_OR_RETURN(
-      const std::unique_ptr<HistorianFile> file,
-      HistorianFile::Open(source, channels, options, clock, std::nullopt));
-  HistorianProbe probe;
-  probe.source = source;
-  probe.clock = clock;
-  for (const RecordColumn& column : file->rows().columns()) {
-    probe.has_set_points |= column.kind == RecordColumn::Kind::kSetPoint;
-  }
-  RecordRow row;
-  std::vector<double> times;
-  while (times.size() < kProbeRows && file->rows().Next(row)) {
-    times.push_back(row.time);
-    if (times.size() == 2) file->clock().set_descending(times[1] < times[0]);
-  }
-  MLE_RETURN_IF_ERROR(file->rows().status());
-  if (times.empty()) {
-    return absl::InvalidArgumentError(
-        absl::StrCat(source.name, ": line ", file->rows().line(),
-                     ", column 1: there is no row below the header; a record "
-                     "needs samples"));
-  }
-  probe.newest_first = IsNewestFirst(times);
-  double first = probe.newest_first ? times.back() : times.front();
-  if (probe.newest_first) {
-    while (file->rows().Next(row)) first = row.time;
-    MLE_RETURN_IF_ERROR(file->rows().status());
-    std::reverse(times.begin(), times.end());
-  }
-  for (std::size_t k = 1; k < times.size(); ++k) {
-    if (times[k] > times[k - 1]) probe.steps.push_back(times[k] - times[k - 1]);
-  }
-  MLE_RETURN_IF_ERROR(
-      CheckUnit(file->clock(), source.name, first, probe.steps));
-  probe.time_form = file->clock().form_name();
-  probe.has_dates = file->clock().has_dates();
-  if (probe.has_dates) {
-    probe.origin = file->clock().origin().value_or(0.0) +
-                   first * file->clock().seconds_per_unit().value_or(1.0);
-  } else {
-    probe.first_time = first;
-  }
-  return probe;
-}
-
-HistorianSource FileSource(const std::string& path) {
-  return {
-      path, [path]() -> absl::StatusOr<std::unique_ptr<std::istream>> {
-        std::error_code error;
-        using std::filesystem::file_type;
-        const file_type type = std::filesystem::status(path, error).type();
-        if (type != file_type::regular) {
-          // Why, if it is not there or is a folder.
-          if (type == file_type::not_found || type == file_type::directory) {
-            MLE_RETURN_IF_ERROR(ReadFile(path).status());
-          }
-          return absl::FailedPreconditionError(absl::StrCat(
-              "cannot read '", path,
-              "': it must be a regular file, as it is read twice"));
-        }
-        auto in = std::make_unique<std::ifstream>(path, std::ios::binary);
-        if (!*in) {
-          MLE_RETURN_IF_ERROR(ReadFile(path).status());
-          return absl::UnavailableError(
-              absl::StrCat("cannot read '", path, "'"));
-        }
-        return in;
-      }};
-}
-
-HistorianSource TextSource(std::string name, std::string text) {
-  return {std::move(name),
-          [text = std::move(
-               text)]() -> absl::StatusOr<std::unique_ptr<std::istream>> {
-            return std::make_unique<std::istringstream>(text);
-          }};
 }
 
 }  // namespace mle

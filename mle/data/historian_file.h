@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "mle/data/csv_format.h"
 #include "mle/data/csv_rows.h"
 #include "mle/data/historian.h"
 #include "mle/data/record_clock.h"
@@ -18,6 +19,13 @@
 #include "mle/model/process_model.h"
 
 namespace mle {
+
+// Columns of samples: those that are neither times nor qualities. Of a long
+// table its tags.
+struct HistorianColumns {
+  std::vector<std::string> names;
+  std::vector<std::string> units;  // in a row below the header; empty: none
+};
 
 class HistorianFile {
  public:
@@ -28,26 +36,49 @@ class HistorianFile {
       const HistorianOptions& options, const ClockOptions& clock,
       std::optional<double> origin);
 
+  // Columns of samples, whatever their names.
+  static absl::StatusOr<HistorianColumns> Columns(
+      const HistorianSource& source, const ProcessModel& channels,
+      const HistorianOptions& options);
+
   RecordRows& rows() { return *rows_; }
   const RecordClock& clock() const { return clock_; }
   RecordClock& clock() { return clock_; }
   // Name, separator, decimal mark and ignored columns.
   const FileReport& report() const { return report_; }
+  // What was recognised.
+  const std::vector<ImportNote>& notes() const { return notes_; }
+  // A long table whose tags have samples at times of their own.
+  bool is_sparse() const { return is_sparse_; }
 
  private:
   HistorianFile(std::unique_ptr<std::istream> in, RecordClock clock)
       : in_(std::move(in)), clock_(std::move(clock)) {}
 
-  absl::Status SkipToHeader(const HistorianOptions& options);
-  absl::Status Recognise(const ProcessModel& channels,
-                         const HistorianOptions& options);
+  static absl::StatusOr<std::unique_ptr<HistorianFile>> Start(
+      const HistorianSource& source, const ProcessModel& channels,
+      const HistorianOptions& options, const ClockOptions& clock,
+      std::optional<double> origin);
+  absl::Status SkipToHeader(const HistorianOptions& options,
+                            const std::vector<std::string>& names);
+  CsvHead Head();
+  absl::Status WidenLongTable(const CsvHead& head,
+                              const std::vector<std::string>& names,
+                              const HistorianOptions& options);
+  absl::Status RecogniseRows(const ProcessModel& channels,
+                             const HistorianOptions& options);
+  absl::Status RecogniseTable(const ProcessModel& channels,
+                              const HistorianOptions& options);
 
   std::unique_ptr<std::istream> in_;
   RecordClock clock_;
   std::unique_ptr<CsvRows> csv_;
   std::optional<RecordRows> rows_;
   FileReport report_;
+  std::vector<ImportNote> notes_;
   int header_line_ = 1;
+  int rows_below_header_ = 0;
+  bool is_sparse_ = false;
 };
 
 // What a file begins with.
@@ -56,6 +87,9 @@ struct HistorianProbe {
   ClockOptions clock;
   std::string time_form;
   bool newest_first = false;
+  std::vector<ImportNote> notes;
+  bool is_unchanged = false;  // an empty field is the value above it
+  double empty_share = 0.0;   // of the fields that are looked at
   bool has_dates = false;
   bool has_set_points = false;
   double origin = 0.0;        // seconds since the epoch of its earliest date

@@ -13,16 +13,14 @@
 namespace mle {
 namespace {
 
-using Kind = RecordColumn::Kind;
-
 constexpr std::size_t kMaxGaps = 100;
 constexpr double kDefaultGapSteps = 5.0;
 // A Δt finer than this share of the files' step invents its samples.
 constexpr double kMaxRefinement = 50.0;
 // Rows this much farther apart than usual leave a gap.
 constexpr double kGapSteps = 1.9;
-// Samples this much finer than rows are mostly interpolated.
-constexpr double kCoarse = 1.5;
+// Of rows that are multiples of a step apart.
+constexpr double kMostlyEven = 0.9;
 
 }  // namespace
 
@@ -70,7 +68,10 @@ absl::Status HistorianImporter::Probe(
       probes_.begin(), probes_.end(), [](const auto& a, const auto& b) {
         return a.has_dates ? a.origin < b.origin : a.first_time < b.first_time;
       });
-  if (probes_[0].has_dates) import_.report.time_origin = probes_[0].origin;
+  if (probes_[0].has_dates) {
+    import_.report.time_origin = probes_[0].origin;
+    import_.report.time_zone = probes_[0].clock.time_zone;
+  }
   return ChooseSampleTime(steps);
 }
 
@@ -86,6 +87,7 @@ absl::Status HistorianImporter::ChooseSampleTime(
   report.step = UsualStep(steps);
   report.sample_time =
       options_.sample_time > 0.0 ? options_.sample_time : report.step;
+  MLE_RETURN_IF_ERROR(ChooseStepOfExceptions(steps));
   if (report.step > kMaxRefinement * report.sample_time) {
     return absl::InvalidArgumentError(absl::StrCat(
         probes_[0].source.name, ": sample_time is ", report.sample_time,
@@ -95,6 +97,39 @@ absl::Status HistorianImporter::ChooseSampleTime(
   max_gap_ = options_.max_gap >= 0.0
                  ? options_.max_gap
                  : kDefaultGapSteps * std::max(report.step, report.sample_time);
+  return absl::OkStatus();
+}
+
+// Rows that come when something changes have no usual spacing: nothing has
+// changed between them, so that any step will do, but it must be said.
+absl::Status HistorianImporter::ChooseStepOfExceptions(
+    const std::vector<double>& steps) {
+  HistorianReport& report = import_.report;
+  const bool is_unchanged = std::any_of(
+      probes_.begin(), probes_.end(),
+      [](const HistorianProbe& probe) { return probe.is_unchanged; });
+  if (!is_unchanged) return absl::OkStatus();
+  const auto even = std::count_if(steps.begin(), steps.end(), [&](double step) {
+    const double multiple = std::round(step / report.step);
+    return multiple >= 1.0 &&
+           std::abs(step - multiple * report.step) <= 0.01 * report.step;
+  });
+  if (static_cast<double>(even) >=
+      kMostlyEven * static_cast<double>(steps.size())) {
+    return absl::OkStatus();
+  }
+  if (!(options_.sample_time > 0.0)) {
+    return OptionError(
+        "sample_time",
+        absl::StrCat(probes_[0].source.name,
+                     ": rows come when something changes, from ",
+                     *std::min_element(steps.begin(), steps.end()), " to ",
+                     *std::max_element(steps.begin(), steps.end()),
+                     " apart; declare the sample time of the records, such as "
+                     "sample_time = ",
+                     report.step));
+  }
+  report.step = options_.sample_time;
   return absl::OkStatus();
 }
 
@@ -118,9 +153,11 @@ absl::Status HistorianImporter::OrderError(const HistorianFile& file,
                                            const RowStream& rows, double time,
                                            bool is_first) const {
   const bool is_repeated = time == last_time_;
+  const TimeNames times = import_.report.Times(channels_.time_unit());
   const std::string message = absl::StrCat(
-      rows.TimePlace(), ": time ", time, " ",
-      is_repeated ? "stands twice" : absl::StrCat("follows ", last_time_),
+      rows.TimePlace(), ": time ", times.Short(time), " ",
+      is_repeated ? "stands twice"
+                  : absl::StrCat("follows ", times.Short(last_time_)),
       "; times must increase");
   const std::optional<double> seconds = file.clock().seconds_per_unit();
   const double hour = 3600.0 / seconds.value_or(1.0);
@@ -160,18 +197,6 @@ double HistorianImporter::ShiftOf(const HistorianProbe& probe) const {
          probe.first_time;
 }
 
-void HistorianImporter::NoteForm(const HistorianProbe& probe,
-                                 FileReport& report) {
-  report.time_form = probe.time_form;
-  report.newest_first = probe.newest_first;
-  if (probe.newest_first) {
-    import_.report.notes.push_back(
-        absl::StrCat(probe.source.name,
-                     ": the newest rows stand first; it was turned "
-                     "round."));
-  }
-}
-
 // No more samples than allowed, those that the row at `time` brings included.
 bool HistorianImporter::FitsWithin(double time) {
   const HistorianReport& report = import_.report;
@@ -200,10 +225,14 @@ void HistorianImporter::NoteGap(double time) {
 
 std::unique_ptr<RowStream> HistorianImporter::StreamOf(
     HistorianFile& file, const HistorianProbe& probe) const {
+  std::unique_ptr<RowStream> rows;
   if (probe.newest_first) {
-    return std::make_unique<LastRowFirst>(file.rows(), options_.max_samples);
+    rows = std::make_unique<LastRowFirst>(file.rows(), options_.max_samples);
+  } else {
+    rows = std::make_unique<FileOrder>(file.rows());
   }
-  return std::make_unique<FileOrder>(file.rows());
+  if (!probe.is_unchanged) return rows;
+  return std::make_unique<HeldRows>(std::move(rows), import_.report.step);
 }
 
 absl::Status HistorianImporter::ReadSource(const HistorianProbe& probe,
@@ -250,44 +279,10 @@ absl::Status HistorianImporter::ReadSource(const HistorianProbe& probe,
     last_usable_ = row.time;
   }
   MLE_RETURN_IF_ERROR(rows.status());
-  NoteChannels(file->rows());
+  NoteChannels(file->rows(), probe.is_unchanged);
   import_.report.rows += report.rows;
   import_.report.files.push_back(std::move(report));
   return absl::OkStatus();
-}
-
-void HistorianImporter::NoteChannels(const RecordRows& rows) {
-  const int p = channels_.num_outputs();
-  for (const RecordColumn& column : rows.columns()) {
-    int value = column.channel;
-    std::string name;
-    if (column.kind == Kind::kOutput) {
-      name = channels_.outputs()[column.channel].name;
-    } else if (column.kind == Kind::kSetPoint) {
-      name = channels_.outputs()[column.channel].name + "_setpoint";
-      value += p;
-    } else if (column.kind == Kind::kInput) {
-      name = channels_.inputs()[column.channel].name;
-      value += 2 * p;
-    } else {
-      continue;
-    }
-    is_there_[value] = true;
-    ChannelReport& report = values_[value];
-    report.name = name;
-    report.column = column.name;
-    const BadSampleCounts& bad = rows.bad()[value];
-    report.bad.empty += bad.empty;
-    report.bad.not_a_number += bad.not_a_number;
-    report.bad.declared += bad.declared;
-    report.bad.quality += bad.quality;
-  }
-  for (const std::string& quality : rows.bad_qualities()) {
-    if (std::find(bad_qualities_.begin(), bad_qualities_.end(), quality) ==
-        bad_qualities_.end()) {
-      bad_qualities_.push_back(quality);
-    }
-  }
 }
 
 CollectorOptions HistorianImporter::MakeCollectorOptions() const {
@@ -304,65 +299,6 @@ CollectorOptions HistorianImporter::MakeCollectorOptions() const {
   options.max_bridged = static_cast<int>(
       std::min(std::floor(longest / report.sample_time + 0.5), 1e9));
   return options;
-}
-
-void HistorianImporter::NoteSamples() {
-  HistorianReport& report = import_.report;
-  import_.records = collector_->TakeRecords();
-  for (int v = 0; v < num_values(); ++v) {
-    if (!is_there_[v]) continue;
-    values_[v].bridged = collector_->bridged()[v];
-    values_[v].missing = collector_->missing()[v];
-    report.channels.push_back(values_[v]);
-  }
-  report.records = static_cast<int>(import_.records.size());
-  for (const Record& record : import_.records) {
-    report.samples += record.samples();
-  }
-}
-
-absl::Status HistorianImporter::CheckChannels() {
-  for (int v = 0; v < num_values(); ++v) {
-    if (!is_there_[v] || good_[v] > 0) continue;
-    const ChannelReport& channel = values_[v];
-    if (channel.bad.quality == 0) {
-      return absl::InvalidArgumentError(absl::StrCat(
-          probes_[0].source.name, ": column '", ShowCsvText(channel.column),
-          "' has no good sample in any row (", channel.bad.empty, " empty, ",
-          channel.bad.not_a_number, " NaN, ", channel.bad.declared,
-          " bad values); the channel '", channel.name, "' needs samples"));
-    }
-    return absl::InvalidArgumentError(absl::StrCat(
-        probes_[0].source.name, ": column '", ShowCsvText(channel.column),
-        "' has no good sample, as its quality says; the qualities found are '",
-        absl::StrJoin(bad_qualities_, "', '"),
-        "'; declare which of them mean good"));
-  }
-  return absl::OkStatus();
-}
-
-void HistorianImporter::Warn() {
-  HistorianReport& report = import_.report;
-  if (report.step > kCoarse * report.sample_time) {
-    report.warnings.push_back(absl::StrCat(
-        "rows are ", report.step, " apart, more than the sample time ",
-        report.sample_time,
-        ": most outputs are interpolated, and their noise is not white; choose "
-        "a sample time not below the step"));
-  }
-  if (collector_->short_pieces() > 0) {
-    report.warnings.push_back(
-        absl::StrCat(collector_->short_pieces(),
-                     " single samples between long gaps are "
-                     "left out"));
-  }
-  for (const ChannelReport& channel : report.channels) {
-    if (channel.missing > 0) {
-      report.warnings.push_back(absl::StrCat("'", channel.name, "' has ",
-                                             channel.missing,
-                                             " samples that stay bad"));
-    }
-  }
 }
 
 absl::StatusOr<HistorianImport> HistorianImporter::Run(

@@ -33,6 +33,7 @@ class HistorianImporter {
  private:
   absl::Status Probe(const std::vector<HistorianSource>& sources);
   absl::Status ChooseSampleTime(const std::vector<double>& steps);
+  absl::Status ChooseStepOfExceptions(const std::vector<double>& steps);
   absl::Status ReadSource(const HistorianProbe& probe, Resampler& resampler);
   absl::Status CheckOrder(const HistorianFile& file, const RowStream& rows,
                           double time, bool is_first, bool& skip);
@@ -47,7 +48,7 @@ class HistorianImporter {
   void NoteGap(double time);
   void NoteSamples();
   CollectorOptions MakeCollectorOptions() const;
-  void NoteChannels(const RecordRows& rows);
+  void NoteChannels(const RecordRows& rows, bool is_unchanged);
   absl::Status CheckChannels();
   void Warn();
 

@@ -39,6 +39,9 @@ void AppendBad(const ChannelReport& channel, std::string& text) {
   part(bad.not_a_number, "NaN");
   part(bad.declared, "bad values");
   part(bad.quality, "of bad quality");
+  if (channel.unchanged > 0) {
+    absl::StrAppend(&text, "; ", channel.unchanged, " unchanged");
+  }
   absl::StrAppend(&text, "; ", channel.bridged, " samples bridged, ",
                   channel.missing, " stay bad\n");
 }
@@ -84,24 +87,104 @@ absl::Status HistorianOptions::Validate(const ProcessModel& channels) const {
 
 const std::vector<std::string>& KnownBadWords() {
   static const std::vector<std::string>& words =
-      *new std::vector<std::string>{"bad",         "bad input",
-                                    "bad data",    "bad quality",
-                                    "i/o timeout", "io timeout",
-                                    "timeout",     "no data",
-                                    "no value",    "no result",
-                                    "no sample",   "not connected",
-                                    "comm fail",   "comm failure",
-                                    "pt created",  "point created",
-                                    "shutdown",    "scan off",
-                                    "out of serv", "out of service",
-                                    "configure",   "calc failed",
-                                    "error",       "null",
-                                    "none",        "na",
-                                    "n/a",         "#n/a",
-                                    "#value!",     "#div/0!",
-                                    "-",           "--",
-                                    "---",         "?",
-                                    "missing",     "invalid"};
+      *new std::vector<std::string>{"bad",
+                                    "bad input",
+                                    "bad data",
+                                    "bad quality",
+                                    "i/o timeout",
+                                    "io timeout",
+                                    "timeout",
+                                    "time out",
+                                    "no data",
+                                    "no value",
+                                    "no result",
+                                    "no sample",
+                                    "no status",
+                                    "not connected",
+                                    "not connect",
+                                    "comm fail",
+                                    "comm failure",
+                                    "pt created",
+                                    "point created",
+                                    "shutdown",
+                                    "intf shut",
+                                    "scan off",
+                                    "scan timeout",
+                                    "out of serv",
+                                    "out of service",
+                                    "configure",
+                                    "calc failed",
+                                    "calc fail",
+                                    "calc timeout",
+                                    "calc off",
+                                    "calc crash",
+                                    "not converge",
+                                    "set to bad",
+                                    "arc off-line",
+                                    "arc offline",
+                                    "over range",
+                                    "under range",
+                                    "over rngcheck",
+                                    "under rngcheck",
+                                    "inp outrange",
+                                    "unit down",
+                                    "equip fail",
+                                    "dcs failed",
+                                    "no lab data",
+                                    "trace off",
+                                    "wave off",
+                                    "nonumeric",
+                                    "filter error",
+                                    "invalid data",
+                                    "invalid float",
+                                    "doubtful",
+                                    "initial",
+                                    "suspect",
+                                    "inaccessible",
+                                    "unusable",
+                                    "failed",
+                                    "fail",
+                                    "badpv",
+                                    "badval",
+                                    "unknown",
+                                    "uncertain",
+                                    "not available",
+                                    "unavailable",
+                                    "inactive",
+                                    "disabled",
+                                    "off-scan",
+                                    "offscan",
+                                    "off scan",
+                                    "comm error",
+                                    "no comm",
+                                    "error",
+                                    "null",
+                                    "none",
+                                    "nil",
+                                    "na",
+                                    "n/a",
+                                    "#n/a",
+                                    "#value!",
+                                    "#div/0!",
+                                    "#ref!",
+                                    "#num!",
+                                    "#name?",
+                                    "-",
+                                    "--",
+                                    "---",
+                                    "----",
+                                    "-----",
+                                    "?",
+                                    "?\?",
+                                    "?\??",
+                                    "?\??\?",
+                                    "*",
+                                    "**",
+                                    "***",
+                                    "****",
+                                    "*****",
+                                    "missing",
+                                    "invalid"};
   return words;
 }
 
@@ -120,12 +203,12 @@ std::string HistorianReport::BriefReport() const {
 
 std::string HistorianReport::FullReport(const std::string& time_unit) const {
   std::string text = BriefReport() + "\n";
+  const TimeNames times = Times(time_unit);
   for (const FileReport& file : files) {
     absl::StrAppend(&text, file.name, ": ", file.rows, " rows, ",
-                    file.first_time, " … ", file.last_time, " ", time_unit,
-                    ", times as ", file.time_form, ", separated by ",
-                    NameOf(file.separator), ", decimal ", NameOf(file.decimal),
-                    "\n");
+                    times.Span(file.first_time, file.last_time), ", times as ",
+                    file.time_form, ", separated by ", NameOf(file.separator),
+                    ", decimal ", NameOf(file.decimal), "\n");
     if (file.num_ignored_columns > 0) {
       absl::StrAppend(
           &text, "  ", file.num_ignored_columns,
@@ -151,13 +234,13 @@ std::string HistorianReport::FullReport(const std::string& time_unit) const {
   text += "channels:\n";
   for (const ChannelReport& channel : channels) AppendBad(channel, text);
   for (const GapReport& gap : gaps) {
-    absl::StrAppend(&text, "gap: ", gap.from, " … ", gap.to, " ", time_unit,
+    absl::StrAppend(&text, "gap: ", times.Span(gap.from, gap.to),
                     gap.splits ? ", a new record after it\n" : "\n");
   }
   if (num_gaps > static_cast<std::int64_t>(gaps.size())) {
     absl::StrAppend(&text, "and ", num_gaps - gaps.size(), " more gaps\n");
   }
-  for (const std::string& note : notes) absl::StrAppend(&text, note, "\n");
+  for (const ImportNote& note : notes) absl::StrAppend(&text, note.text, "\n");
   for (const std::string& warning : warnings) {
     absl::StrAppend(&text, "warning: ", warning, "\n");
   }

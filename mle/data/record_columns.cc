@@ -7,9 +7,11 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "mle/base/option_error.h"
 #include "mle/base/status.h"
 #include "mle/data/csv_numbers.h"
 #include "mle/data/csv_rows.h"
+#include "mle/data/nearest_names.h"
 
 namespace mle {
 namespace {
@@ -41,6 +43,7 @@ absl::StatusOr<ColumnsByName> NameColumns(const ProcessModel& channels,
       column.name = options.time_column;
     } else if (found != mapped.end()) {
       column.name = found->second->tag;
+      column.is_mapped = true;
       column.scale = found->second->scale;
       column.offset = found->second->offset;
     }
@@ -76,23 +79,161 @@ void MatchQuality(const ColumnOptions& options,
   }
 }
 
-absl::Status CheckOthers(const std::vector<RecordColumn>& columns,
-                         const ColumnOptions& options) {
-  for (std::size_t c = 0; c < columns.size(); ++c) {
-    const std::string& name = columns[c].name;
-    if (columns[c].kind != Kind::kOther) continue;
-    const bool is_set_point = name.ends_with(kSetPointSuffix);
-    if (options.ignore_other_columns && !is_set_point) continue;
-    return absl::InvalidArgumentError(absl::StrCat(
-        "column ", c + 1, ": ", Quoted(name),
-        is_set_point
-            ? " is a set point of an output that the process model does not "
-              "have"
-            : " is neither time nor an input, output or set point of the "
-              "process model; other columns are errors unless they are to be "
-              "ignored"));
+// Of names that a message lists.
+constexpr std::size_t kShownNames = 12;
+constexpr std::size_t kShownFaults = 5;
+
+std::string ListOf(const std::vector<std::string>& names) {
+  std::vector<std::string> shown;
+  for (const std::string& name : names) {
+    if (shown.size() == kShownNames) break;
+    shown.push_back(Quoted(name));
   }
-  return absl::OkStatus();
+  return absl::StrCat(
+      absl::StrJoin(shown, ", "),
+      names.size() > shown.size()
+          ? absl::StrCat(" and ", names.size() - shown.size(), " more")
+          : "");
+}
+
+// A header as it is matched.
+class Matching {
+ public:
+  Matching(ColumnsByName wanted, const ColumnOptions& options)
+      : wanted_(std::move(wanted)), options_(options) {}
+
+  void Match(const std::vector<std::string_view>& header);
+  absl::Status Check() const;
+  std::vector<RecordColumn>& columns() { return columns_; }
+
+ private:
+  void Take(ColumnsByName::iterator found, std::size_t column);
+  void MatchFolded();
+  std::string Missing() const;
+  void FindOthers(std::vector<std::string>& faults) const;
+
+  ColumnsByName wanted_;  // those not found yet
+  const ColumnOptions& options_;
+  std::vector<RecordColumn> columns_;
+  std::vector<std::string> repeated_;
+  std::vector<std::string> names_;  // as they stand
+};
+
+void Matching::Take(ColumnsByName::iterator found, std::size_t column) {
+  const std::string name = columns_[column].name;
+  columns_[column] = std::move(found->second);
+  columns_[column].name = name;
+  wanted_.erase(found);
+}
+
+void Matching::Match(const std::vector<std::string_view>& header) {
+  std::set<std::string> seen;
+  for (std::size_t c = 0; c < header.size(); ++c) {
+    const bool is_exact = wanted_.find(header[c]) != wanted_.end();
+    const std::string name(is_exact ? header[c] : TrimCsvField(header[c]));
+    columns_.emplace_back().name = name;
+    names_.push_back(name);
+    if (!seen.insert(name).second &&
+        !(name.empty() && options_.ignore_other_columns)) {
+      repeated_.push_back(
+          absl::StrCat("column ", c + 1, ": ", Quoted(name), " stands twice"));
+      continue;
+    }
+    const auto found = wanted_.find(name);
+    if (found != wanted_.end()) Take(found, c);
+  }
+  MatchFolded();
+  MatchQuality(options_, columns_);
+}
+
+// Names that differ in case and blanks, of which there is one on each side.
+void Matching::MatchFolded() {
+  std::map<std::string, std::vector<std::size_t>> columns;
+  for (std::size_t c = 0; c < columns_.size(); ++c) {
+    if (columns_[c].kind != Kind::kOther) continue;
+    columns[FoldedName(columns_[c].name)].push_back(c);
+  }
+  std::map<std::string, std::vector<std::string>> wanted;
+  for (const auto& [name, column] : wanted_) {
+    wanted[FoldedName(name)].push_back(name);
+  }
+  for (const auto& [folded, names] : wanted) {
+    const auto found = columns.find(folded);
+    if (found == columns.end() || names.size() > 1 ||
+        found->second.size() > 1) {
+      continue;
+    }
+    Take(wanted_.find(names[0]), found->second[0]);
+  }
+}
+
+std::string Matching::Missing() const {
+  std::vector<std::string> missing;
+  std::vector<std::string> free;
+  for (std::size_t c = 0; c < columns_.size(); ++c) {
+    if (columns_[c].kind == Kind::kOther) free.push_back(columns_[c].name);
+  }
+  for (const auto& [name, column] : wanted_) {
+    if (column.kind == Kind::kSetPoint && !column.is_mapped) continue;
+    const std::vector<std::string> near = NearestNames(name, free);
+    missing.push_back(
+        near.empty()
+            ? Quoted(name)
+            : absl::StrCat(Quoted(name), " (nearest: ", ListOf(near), ")"));
+  }
+  if (missing.empty()) return "";
+  if (missing.size() > kShownNames) {
+    missing.resize(kShownNames);
+    missing.emplace_back("…");
+  }
+  return absl::StrCat(
+      "there is no column ", absl::StrJoin(missing, ", "),
+      "; the header must name time and every input and output (time_column, "
+      "tags), and has ",
+      ListOf(names_));
+}
+
+void Matching::FindOthers(std::vector<std::string>& faults) const {
+  std::vector<std::string> others;
+  std::size_t first = 0;
+  for (std::size_t c = 0; c < columns_.size(); ++c) {
+    const std::string& name = columns_[c].name;
+    if (columns_[c].kind != Kind::kOther) continue;
+    if (name.ends_with(kSetPointSuffix)) {
+      faults.push_back(absl::StrCat(
+          "column ", c + 1, ": ", Quoted(name),
+          " is a set point of an output that the process model does not have"));
+    } else if (!options_.ignore_other_columns) {
+      if (others.empty()) first = c + 1;
+      others.push_back(name);
+    }
+  }
+  if (others.empty()) return;
+  const std::string rest =
+      others.size() == 1
+          ? ""
+          : absl::StrCat(", nor are ",
+                         ListOf({others.begin() + 1, others.end()}));
+  faults.push_back(absl::StrCat(
+      "column ", first, ": ", Quoted(others[0]),
+      " is neither time nor an input, output or set point of the process "
+      "model",
+      rest, "; other columns are ignored with ignore_other_columns = true"));
+}
+
+absl::Status Matching::Check() const {
+  std::vector<std::string> faults = repeated_;
+  if (std::string missing = Missing(); !missing.empty()) {
+    faults.push_back(std::move(missing));
+  }
+  FindOthers(faults);
+  if (faults.empty()) return absl::OkStatus();
+  if (faults.size() > kShownFaults) {
+    faults.resize(kShownFaults);
+    faults.emplace_back("…");
+  }
+  return OptionError("time_column,tags,ignore_other_columns",
+                     absl::StrJoin(faults, ". "));
 }
 
 }  // namespace
@@ -160,37 +301,11 @@ absl::StatusOr<std::vector<RecordColumn>> ColumnsOf(
 absl::StatusOr<std::vector<RecordColumn>> MatchHeader(
     const std::vector<std::string_view>& header, const ProcessModel& channels,
     const ColumnOptions& options) {
-  MLE_ASSIGN_OR_RETURN(ColumnsByName missing, NameColumns(channels, options));
-  std::vector<RecordColumn> columns;
-  std::set<std::string> seen;
-  for (std::size_t c = 0; c < header.size(); ++c) {
-    const bool is_exact = missing.find(header[c]) != missing.end();
-    const std::string name(is_exact ? header[c] : TrimCsvField(header[c]));
-    const auto found = missing.find(name);
-    if (!seen.insert(name).second &&
-        !(name.empty() && options.ignore_other_columns)) {
-      return absl::InvalidArgumentError(
-          absl::StrCat("column ", c + 1, ": ", Quoted(name), " stands twice"));
-    }
-    if (found != missing.end()) {
-      columns.push_back(std::move(found->second));
-      missing.erase(found);
-    } else {
-      columns.emplace_back().name = name;
-    }
-  }
-  std::vector<std::string> needed;
-  for (const auto& [name, column] : missing) {
-    if (column.kind != Kind::kSetPoint) needed.push_back(Quoted(name));
-  }
-  if (!needed.empty()) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("there is no column ", absl::StrJoin(needed, ", "),
-                     "; the header must name time and every input and output"));
-  }
-  MatchQuality(options, columns);
-  MLE_RETURN_IF_ERROR(CheckOthers(columns, options));
-  return columns;
+  MLE_ASSIGN_OR_RETURN(ColumnsByName wanted, NameColumns(channels, options));
+  Matching matching(std::move(wanted), options);
+  matching.Match(header);
+  MLE_RETURN_IF_ERROR(matching.Check());
+  return std::move(matching.columns());
 }
 
 }  // namespace mle

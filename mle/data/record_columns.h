@@ -16,8 +16,9 @@ namespace mle {
 struct RecordColumn {
   enum class Kind { kTime, kOutput, kSetPoint, kInput, kQuality, kOther };
   Kind kind = Kind::kOther;
-  int channel = 0;   // of outputs or inputs
-  std::string name;  // in the file
+  int channel = 0;         // of outputs or inputs
+  std::string name;        // in the file
+  bool is_mapped = false;  // by a tag
   // Of a sample: channel = scale × column + offset.
   double scale = 1.0;
   double offset = 0.0;
@@ -34,6 +35,11 @@ struct TagMapping {
 
 struct ColumnOptions {
   std::string time_column = "time";
+  // Of long tables, with a row for each sample; empty: recognised by usual
+  // names (tag, value, quality, …).
+  std::string tag_column = {};
+  std::string value_column = {};
+  std::string quality_column = {};
   std::vector<TagMapping> tags = {};
   // Unknown columns are ignored. If false, they are errors.
   bool ignore_other_columns = false;
@@ -50,9 +56,10 @@ struct ColumnOptions {
 absl::StatusOr<std::vector<RecordColumn>> ColumnsOf(
     const ProcessModel& channels);
 
-// The columns of a header; blanks around names are ignored. InvalidArgument for
-// a repeated column, the set point of an unknown output, a missing time, input
-// or output, or an unknown column; the message names the column.
+// The columns of a header. Names that differ in case and blanks only are taken
+// for each other where that is not ambiguous. InvalidArgument for repeated
+// columns, set points of unknown outputs, a missing time, input, output or tag,
+// and unknown columns: all that is wrong, with the names that may be meant.
 absl::StatusOr<std::vector<RecordColumn>> MatchHeader(
     const std::vector<std::string_view>& header, const ProcessModel& channels,
     const ColumnOptions& options);

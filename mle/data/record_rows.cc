@@ -1,12 +1,16 @@
 #include "mle/data/record_rows.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <map>
 #include <utility>
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "mle/base/option_error.h"
 #include "mle/base/status.h"
 #include "mle/data/csv_numbers.h"
@@ -18,6 +22,19 @@ using Kind = RecordColumn::Kind;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kMaxBadQualities = 5;
+// Of words that are counted for a message, and shown in it.
+constexpr std::size_t kMaxWords = 1000;
+constexpr std::size_t kShownWords = 3;
+// A quiet NaN whose payload is not that of the processor's own.
+constexpr std::uint64_t kNoSample = 0x7FF8'0000'0000'4E53;
+
+// Words of historians and control systems that begin so are bad whatever
+// follows: BadNoComm, Bad - Out of Service, [-11059] No Good Data …
+bool BeginsAsBad(std::string_view text) {
+  return absl::StartsWithIgnoreCase(absl::string_view(text.data(), text.size()),
+                                    "bad") ||
+         text.starts_with("[-");
+}
 
 bool EqualsIgnoreCase(std::string_view a, std::string_view b) {
   return absl::EqualsIgnoreCase(absl::string_view(a.data(), a.size()),
@@ -39,6 +56,12 @@ int ValueOf(const RecordColumn& column, const ProcessModel& channels) {
 }
 
 }  // namespace
+
+double NoSample() { return std::bit_cast<double>(kNoSample); }
+
+bool IsNoSample(double value) {
+  return std::bit_cast<std::uint64_t>(value) == kNoSample;
+}
 
 RecordRows::Vocabulary::Vocabulary(const std::vector<std::string>& list,
                                    bool case_ignored)
@@ -70,6 +93,7 @@ RecordRows::RecordRows(CsvRows& csv, const RecordRowsOptions& options,
       decimal_(options.decimal),
       bad_values_(options.bad_values, false),
       bad_words_(options.bad_words, true),
+      any_word_is_bad_(options.any_word_is_bad),
       good_qualities_(options.good_qualities, true) {}
 
 absl::StatusOr<RecordRows> RecordRows::Open(CsvRows& csv,
@@ -87,10 +111,10 @@ absl::StatusOr<RecordRows> RecordRows::Open(CsvRows& csv,
   absl::StatusOr<std::vector<RecordColumn>> columns =
       MatchHeader(rows.fields_, channels, options.columns);
   if (!columns.ok()) {
-    const std::string message(columns.status().message());
-    return absl::InvalidArgumentError(absl::StrCat(
-        csv.source(), ": line ", csv.line(),
-        absl::StartsWith(message, "column") ? ", " : ": ", message));
+    const bool has_column =
+        absl::StartsWith(columns.status().message(), "column");
+    return WithPrefix(columns.status(), has_column ? csv.LinePlace() + ", "
+                                                   : csv.LinePlace() + ": ");
   }
   rows.columns_ = *std::move(columns);
   rows.num_values_ = 2 * channels.num_outputs() + channels.num_inputs();
@@ -108,8 +132,7 @@ absl::StatusOr<RecordRows> RecordRows::Open(CsvRows& csv,
 }
 
 std::string RecordRows::TimePlaceOf(int line) const {
-  return absl::StrCat(csv_->source(), ": line ", line, ", column ",
-                      time_column_ + 1, " ('",
+  return absl::StrCat(csv_->PlaceIn(line, time_column_ + 1), " ('",
                       ShowCsvText(columns_[time_column_].name), "')");
 }
 
@@ -144,10 +167,14 @@ bool RecordRows::ReadSample(std::string_view field, double& sample,
   }
   sample = kNaN;
   if (text.empty()) {
+    sample = NoSample();
     ++bad.empty;
     return true;
   }
-  if (!bad_values_.Contains(text) && !bad_words_.Contains(text)) return false;
+  if (!bad_values_.Contains(text) && !bad_words_.Contains(text) &&
+      !BeginsAsBad(text) && !any_word_is_bad_) {
+    return false;
+  }
   ++bad.declared;
   return true;
 }
@@ -176,6 +203,55 @@ void RecordRows::TakeQuality(RecordRow& row) {
   }
 }
 
+// Words that are not known, from the present row to the end of the file: how
+// many there are and the most frequent.
+std::string RecordRows::UnknownWords() {
+  std::map<std::string, std::int64_t> counts;
+  std::int64_t total = 0;
+  BadSampleCounts ignored;
+  do {
+    for (std::size_t c = 0; c < std::min(fields_.size(), columns_.size());
+         ++c) {
+      double sample = 0.0;
+      if (value_of_[c] < 0 || ReadSample(fields_[c], sample, ignored)) continue;
+      ++total;
+      std::string word = ShowCsvText(TrimCsvField(fields_[c]));
+      if (counts.size() < kMaxWords || counts.contains(word)) {
+        ++counts[std::move(word)];
+      }
+    }
+  } while (csv_->Next(fields_));
+  std::vector<std::pair<std::string, std::int64_t>> words(counts.begin(),
+                                                          counts.end());
+  std::stable_sort(
+      words.begin(), words.end(),
+      [](const auto& a, const auto& b) { return a.second > b.second; });
+  words.resize(std::min(words.size(), kShownWords));
+  return absl::StrCat(
+      total, total == 1 ? " sample is" : " samples are", " like this, ",
+      counts.size() > words.size() ? "most often " : "",
+      absl::StrJoin(words, ", ", [](std::string* out, const auto& word) {
+        absl::StrAppend(out, "'", word.first, "' (", word.second, ")");
+      }));
+}
+
+bool RecordRows::NotASample(std::size_t c) {
+  const std::string place =
+      absl::StrCat(csv_->Place(static_cast<int>(c) + 1), " ('",
+                   ShowCsvText(columns_[c].name), "'): '",
+                   ShowCsvText(fields_[c]), "' is not ");
+  const char* const wanted =
+      decimal_ == '.' ? "a finite number, or empty or NaN for a bad sample"
+                      : "a finite number with a decimal comma, or empty "
+                        "or NaN for a bad sample";
+  status_ = OptionError(
+      "bad_values,any_word_is_bad",
+      absl::StrCat(place, wanted, "; ", UnknownWords(),
+                   ". Name those that mean bad in bad_values, or take all for "
+                   "bad with any_word_is_bad = true"));
+  return false;
+}
+
 bool RecordRows::Next(RecordRow& row) {
   if (!status_.ok()) return false;
   if (!csv_->Next(fields_)) {
@@ -183,12 +259,20 @@ bool RecordRows::Next(RecordRow& row) {
     return false;
   }
   if (fields_.size() != columns_.size()) {
-    status_ = absl::InvalidArgumentError(absl::StrCat(
-        csv_->Place(static_cast<int>(fields_.size())), ": the row ends after ",
-        fields_.size(), " fields, the header has ", columns_.size()));
+    status_ = OptionError(
+        "separator",
+        absl::StrCat(csv_->Place(static_cast<int>(fields_.size())),
+                     ": the row ends after ", fields_.size(),
+                     " fields, the header has ", columns_.size(),
+                     "; fields that hold a separator must be quoted, or "
+                     "another one be declared (separator)"));
     return false;
   }
-  row.values.assign(num_values_, kNaN);
+  return ReadSamples(row);
+}
+
+bool RecordRows::ReadSamples(RecordRow& row) {
+  row.values.assign(num_values_, NoSample());
   for (std::size_t c = 0; c < columns_.size(); ++c) {
     const RecordColumn& column = columns_[c];
     if (column.kind == Kind::kTime) {
@@ -200,14 +284,9 @@ bool RecordRows::Next(RecordRow& row) {
     const int value = value_of_[c];
     if (value < 0) continue;
     double sample = kNaN;
-    if (!ReadSample(fields_[c], sample, bad_[value])) {
-      return NotReadable(
-          c, decimal_ == '.'
-                 ? "a finite number, or empty or NaN for a bad sample"
-                 : "a finite number with a decimal comma, or empty "
-                   "or NaN for a bad sample");
-    }
-    if (column.scale != 1.0 || column.offset != 0.0) {
+    if (!ReadSample(fields_[c], sample, bad_[value])) return NotASample(c);
+    const bool has_unit = column.scale != 1.0 || column.offset != 0.0;
+    if (has_unit && !std::isnan(sample)) {
       sample = column.scale * sample + column.offset;
       if (std::isinf(sample)) {
         return NotReadable(c, "a finite number once its unit is converted");

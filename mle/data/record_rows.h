@@ -46,12 +46,20 @@ struct RecordRowsOptions {
   std::vector<std::string> bad_values;
   // Words for bad samples, whatever their case.
   std::vector<std::string> bad_words;
+  // Any other text that is not a number is a bad sample too. If false it is an
+  // error, which counts the words.
+  bool any_word_is_bad = false;
   // Values of quality columns that mean good, whatever their case; numbers by
   // value. All others mean bad.
   std::vector<std::string> good_qualities;
   // Rows to skip below the header (of units, say).
   int rows_below_header = 0;
 };
+
+// A NaN that stands for an empty field, which may mean that nothing has changed
+// (row_stream.h). All others are bad samples.
+double NoSample();
+bool IsNoSample(double value);
 
 struct RecordRow {
   double time = 0.0;
@@ -102,6 +110,9 @@ class RecordRows {
 
   bool ReadSample(std::string_view field, double& sample,
                   BadSampleCounts& bad) const;
+  bool ReadSamples(RecordRow& row);
+  bool NotASample(std::size_t c);
+  std::string UnknownWords();
   void TakeQuality(RecordRow& row);
   bool NotReadable(std::size_t c, std::string_view wanted);
 
@@ -110,6 +121,7 @@ class RecordRows {
   char decimal_;
   Vocabulary bad_values_;
   Vocabulary bad_words_;
+  bool any_word_is_bad_;
   Vocabulary good_qualities_;
   std::vector<RecordColumn> columns_;
   std::vector<int> value_of_;  // of each column: where its sample goes, or −1

@@ -1,5 +1,8 @@
 #include "mle/data/row_stream.h"
 
+#include <cmath>
+#include <utility>
+
 #include "absl/strings/str_cat.h"
 
 namespace mle {
@@ -35,6 +38,47 @@ bool LastRowFirst::Next(RecordRow& row) {
   times_.pop_back();
   lines_.pop_back();
   values_.resize(values_.size() - num_values_);
+  return true;
+}
+
+namespace {
+
+constexpr double kLongestHold = 1000.0;  // steps
+constexpr double kSnap = 1e-6;           // of a step
+
+}  // namespace
+
+HeldRows::HeldRows(std::unique_ptr<RowStream> rows, double step)
+    : rows_(std::move(rows)), step_(step) {}
+
+// The next row of the file, its empty fields filled.
+bool HeldRows::Read() {
+  if (!rows_->Next(next_)) return false;
+  for (std::size_t v = 0; v < next_.values.size(); ++v) {
+    if (has_last_ && IsNoSample(next_.values[v])) {
+      next_.values[v] = last_.values[v];
+    }
+  }
+  if (!has_last_) first_time_ = next_.time;
+  index_ = std::floor((last_.time - first_time_) / step_ + kSnap) + 1.0;
+  has_next_ = true;
+  return true;
+}
+
+bool HeldRows::Next(RecordRow& row) {
+  if (!has_next_ && !Read()) return false;
+  const double held = first_time_ + index_ * step_;
+  if (has_last_ && held < next_.time - kSnap * step_ &&
+      next_.time - last_.time <= kLongestHold * step_) {
+    row.time = held;
+    row.values = last_.values;
+    index_ += 1.0;
+    return true;
+  }
+  row = next_;
+  last_ = next_;
+  has_last_ = true;
+  has_next_ = false;
   return true;
 }
 

@@ -5,6 +5,7 @@
 #define MLE_DATA_ROW_STREAM_H_
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -56,6 +57,30 @@ class LastRowFirst : public RowStream {
   std::size_t num_values_ = 0;
   int line_ = 0;  // of the last row
   absl::Status status_;
+};
+
+// Empty fields are values that have not changed since the row above, and
+// between two rows nothing has changed either: rows are put there at each step
+// after the first row. Rows more than 1000 steps apart leave a gap.
+class HeldRows : public RowStream {
+ public:
+  HeldRows(std::unique_ptr<RowStream> rows, double step);
+
+  bool Next(RecordRow& row) override;
+  const absl::Status& status() const override { return rows_->status(); }
+  std::string TimePlace() const override { return rows_->TimePlace(); }
+
+ private:
+  bool Read();
+
+  std::unique_ptr<RowStream> rows_;
+  double step_;
+  bool has_last_ = false;
+  bool has_next_ = false;
+  double first_time_ = 0.0;
+  double index_ = 0.0;  // of the step that was put there last
+  RecordRow last_;
+  RecordRow next_;
 };
 
 }  // namespace mle

@@ -259,7 +259,8 @@ absl::StatusOr<WindowSet> FindWindows(const std::vector<Record>& records,
       const int usable = group.end - group.last_change();
       if (usable < kMinSamples) {
         set.warnings.push_back(
-            absl::StrCat("the change at ", record.time(group.first_change()),
+            absl::StrCat("the change at ",
+                         options.times.At(record.time(group.first_change())),
                          " has ", usable, " samples after it, at least ",
                          kMinSamples, " are needed; it is left out"));
       } else {

@@ -19,6 +19,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "mle/data/record.h"
+#include "mle/data/time_names.h"
 #include "mle/model/process_model.h"
 
 namespace mle {
@@ -43,6 +44,8 @@ struct WindowOptions {
   double report_threshold = 5.0;
   // And standard deviations of the noise that its size must have, ≥ 0.
   double report_size = 1.0;
+  // How warnings write times.
+  TimeNames times = {};
 
   absl::Status Validate() const;
 };

@@ -37,6 +37,7 @@ class Examiner {
   void FindCompressed();
   void FindCompressedInputs(bool outputs_too);
   void FindSpikes();
+  TimeNames Times() const;
   absl::Status FindStuck();
   void FindOperation();
   void FindSetPoints();
@@ -125,6 +126,11 @@ void Examiner::FindCompressedInputs(bool outputs_too) {
   }
 }
 
+TimeNames Examiner::Times() const {
+  return options_.times.has_dates() ? options_.times
+                                    : TimeNames(model_.time_unit(), {});
+}
+
 void Examiner::FindSpikes() {
   for (int j = 0; j < model_.num_inputs(); ++j) {
     int count = 0;
@@ -144,9 +150,9 @@ void Examiner::FindSpikes() {
     Finding& finding =
         Add(MessageCode::kInputSpikes, name, Consequence::kRepair, count,
             absl::StrFormat("%s: %d single sample%s up to %.3g beyond both "
-                            "neighbours, first at %.7g %s, replaced.",
-                            name, count, count == 1 ? "" : "s", largest, from,
-                            model_.time_unit()));
+                            "neighbours, first at %s, replaced.",
+                            name, count, count == 1 ? "" : "s", largest,
+                            Times().At(from)));
     finding.from = from;
     finding.to = to;
   }

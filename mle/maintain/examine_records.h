@@ -18,6 +18,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "mle/data/record.h"
+#include "mle/data/time_names.h"
 #include "mle/maintain/message.h"
 #include "mle/model/process_model.h"
 
@@ -57,6 +58,9 @@ struct ExamineOptions {
   // (tag_clocks.h). A late tag looks like longer dead times, which may be what
   // they seem: someone has to know.
   bool correct_clocks = false;
+
+  // How messages write times; without a unit, in the model's.
+  TimeNames times = {};
 
   // Whether inputs that stick are passed through the play that is found
   // (sticking_inputs.h). If not, outputs that they move are not decided.

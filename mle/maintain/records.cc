@@ -7,11 +7,11 @@
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
 #include "mle/base/status.h"
 #include "mle/data/outliers.h"
+#include "mle/maintain/change_dates.h"
 #include "mle/maintain/whole_windows.h"
 #include "mle/nonlinear/output_reconstruction.h"
 
@@ -34,8 +34,9 @@ void AddImportWarnings(RecordData& data) {
   for (const std::string& warning : data.report.warnings) {
     to.push_back({MessageCode::kImport, "", warning, {}});
   }
-  for (const std::string& note : data.report.notes) {
-    data.notes.push_back({MessageCode::kImport, "", note, {}});
+  for (const ImportNote& note : data.report.notes) {
+    data.notes.push_back({MessageCode::kImport, "", note.text, {}});
+    if (!note.option.empty()) data.notes.back().options = {note.option};
   }
 }
 
@@ -67,8 +68,9 @@ void MarkUnhealthy(const ProcessModel& model, const MarkOptions& mark,
   data.health = CheckHealth(data.records, model, HealthOptions());
   for (const ChannelHealth& channel : data.health.channels) {
     if (channel.is_healthy()) continue;
-    for (const absl::string_view line : absl::StrSplit(
-             channel.Report(data.records), '\n', absl::SkipWhitespace())) {
+    for (const absl::string_view line :
+         absl::StrSplit(channel.Report(data.records, data.Times(model)), '\n',
+                        absl::SkipWhitespace())) {
       data.notes.push_back({MessageCode::kChannel,
                             channel.name,
                             std::string(absl::StripAsciiWhitespace(line)),
@@ -89,8 +91,8 @@ void MakeInputsWhole(const ProcessModel& model, RecordData& data) {
   std::vector<SetPointWindow> whole;
   for (SetPointWindow& window : data.windows) {
     const std::string name =
-        absl::StrFormat("The window from %.7g to %.7g %s", BeginOf(window),
-                        EndOf(window), model.time_unit());
+        absl::StrCat("The window from ",
+                     data.Times(model).Span(BeginOf(window), EndOf(window)));
     const SampleRange range = WholeInputs(window.record);
     if (range.samples() == window.record.samples()) {
       whole.push_back(std::move(window));
@@ -313,7 +315,10 @@ absl::StatusOr<RecordData> LoadRecords(const std::vector<std::string>& paths,
   RecordData data;
   data.records = std::move(imported.records);
   data.report = std::move(imported.report);
-  MLE_RETURN_IF_ERROR(FindWhatIsUsed(model, options, data));
+  RecordOptions dated = options;
+  dated.windows.times = dated.examination.times = data.Times(model);
+  MLE_RETURN_IF_ERROR(AddChangeDates(data.report, model, dated));
+  MLE_RETURN_IF_ERROR(FindWhatIsUsed(model, dated, data));
   return data;
 }
 

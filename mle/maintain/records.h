@@ -29,6 +29,10 @@ struct RecordOptions {
   // What is looked for before anything else.
   ExamineOptions examination;
   WindowOptions windows;
+  // Times of set-point changes as dates (2024-02-29 12:34, 29-Feb-24 12:34, …),
+  // in addition to windows.change_times; of records that have dates. Without a
+  // zone they are in that of the records.
+  std::vector<std::string> change_dates = {};
   // What is taken as bad: frozen stretches and single samples far from their
   // neighbours.
   MarkOptions mark;
@@ -53,6 +57,10 @@ struct RecordData {
   std::vector<Message> warnings;  // what weakens the result
 
   double sample_time() const { return report.sample_time; }
+  // How times are written.
+  TimeNames Times(const ProcessModel& model) const {
+    return report.Times(model.time_unit());
+  }
   std::vector<Record> Records() const;  // of the windows
   // What lies outside of the windows, the last of it, up to four times as many
   // samples as the windows have.

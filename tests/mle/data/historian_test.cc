@@ -218,9 +218,10 @@ TEST(HistorianTest, ClocksThatAreSetBackNeedTheirZone) {
                            "02:30", "03:00", "03:30"}) {
     absl::StrAppend(&text, "2024-10-27 ", time, ":00,1,2\n");
   }
-  EXPECT_THAT(Error(text), HasSubstr("line 7, column 1 ('time'): time 90 "
-                                     "follows 120; times must increase. It "
-                                     "goes back by an hour"));
+  EXPECT_THAT(Error(text),
+              HasSubstr("line 7, column 1 ('time'): time 2024-10-27 02:00 "
+                        "follows 2024-10-27 02:30; times must increase. It "
+                        "goes back by an hour"));
   HistorianOptions options;
   options.clock.time_zone = "Europe/Berlin";
   const HistorianImport import = ImportOk(text, options);

@@ -150,7 +150,8 @@ void AddHeaders(std::vector<Hostile>& files) {
   add("time,level, level ,steam,inflow", "column 3: 'level' stands twice");
   add("time,time,temperature,steam,inflow", "column 2: 'time' stands twice");
   add("time,levle,temperature,steam,inflow", "there is no column 'level'");
-  add("Time,level,temperature,steam,inflow", "there is no column 'time'");
+  add("Tiem,level,temperature,steam,inflow", "there is no column 'time'");
+  add("Time,TIME,level,temperature,steam,inflow", "there is no column 'time'");
   add("time,level,temperature,steam", "there is no column 'inflow'");
   add("0,1,2,3,4", "there is no column 'inflow', 'level'");
   add("time,level,temperature,steam,inflow,foo",

@@ -16,7 +16,6 @@ namespace mle {
 namespace {
 
 using ::testing::AllOf;
-using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -216,7 +215,8 @@ TEST(RecordTimesTest, NewestRowsFirstAreTurnedRound) {
   EXPECT_EQ(record.inputs, (Eigen::RowVector3d(1, 2, 3)));
   EXPECT_TRUE(import->report.files[0].newest_first);
   EXPECT_EQ(import->report.files[0].first_time, 0.0);
-  EXPECT_THAT(import->report.notes, ElementsAre(HasSubstr("turned round")));
+  ASSERT_EQ(import->report.notes.size(), 1u);
+  EXPECT_THAT(import->report.notes[0].text, HasSubstr("turned round"));
 
   // Dates count from the oldest, also beyond the rows that are looked at; of
   // two files the order does not matter.

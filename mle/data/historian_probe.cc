@@ -1,0 +1,113 @@
+// What a file begins with, seen before any is read.
+
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "mle/base/option_error.h"
+#include "mle/base/status.h"
+#include "mle/data/empty_cells.h"
+#include "mle/data/historian_file.h"
+#include "mle/data/usual_step.h"
+
+namespace mle {
+namespace {
+
+constexpr std::size_t kProbeRows = 4096;
+
+// Of the rows that are looked at, one in ten may be out of order.
+bool IsNewestFirst(const std::vector<double>& times) {
+  std::size_t earlier = 0;
+  std::size_t later = 0;
+  for (std::size_t k = 1; k < times.size(); ++k) {
+    if (times[k] < times[k - 1]) ++earlier;
+    if (times[k] > times[k - 1]) ++later;
+  }
+  return earlier > 10 * later;
+}
+
+// Numbers of no declared unit may be Excel's: days such as 45355, apart by what
+// is a second or more of a day, but next to nothing in the model's unit.
+absl::Status CheckUnit(const RecordClock& clock, const std::string& source,
+                       double first, const std::vector<double>& steps) {
+  constexpr double kFirstDay = 32874.0;  // 1990
+  constexpr double kLastDay = 54789.0;   // 2050
+  constexpr double kSecondsPerDay = 86400.0;
+  if (!clock.has_assumed_unit() || clock.has_dates() || steps.empty() ||
+      first < kFirstDay || first > kLastDay) {
+    return absl::OkStatus();
+  }
+  const double step = UsualStep(steps);
+  if (step * clock.seconds_per_unit().value_or(1.0) > 0.5 ||
+      step * kSecondsPerDay < 0.9) {
+    return absl::OkStatus();
+  }
+  return OptionError(
+      "time_format",
+      absl::StrCat(source, ": times such as ", first, ", ", step,
+                   " apart, look like the days of Excel; declare time_format = "
+                   "excel, or time_format = numbers if they are none"));
+}
+
+}  // namespace
+
+absl::StatusOr<HistorianProbe> ProbeHistorian(const HistorianSource& source,
+                                              const ProcessModel& channels,
+                                              const HistorianOptions& options,
+                                              const ClockOptions& clock) {
+  MLE_ASSIGN_OR_RETURN(
+      const std::unique_ptr<HistorianFile> file,
+      HistorianFile::Open(source, channels, options, clock, std::nullopt));
+  HistorianProbe probe;
+  probe.source = source;
+  probe.clock = clock;
+  for (const RecordColumn& column : file->rows().columns()) {
+    probe.has_set_points |= column.kind == RecordColumn::Kind::kSetPoint;
+  }
+  RecordRow row;
+  std::vector<double> times;
+  EmptyCells empty;
+  while (times.size() < kProbeRows && file->rows().Next(row)) {
+    times.push_back(row.time);
+    empty.Add(row.values);
+    if (times.size() == 2) file->clock().set_descending(times[1] < times[0]);
+  }
+  MLE_RETURN_IF_ERROR(file->rows().status());
+  if (times.empty()) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(source.name, ": line ", file->rows().line(),
+                     ", column 1: there is no row below the header; a record "
+                     "needs samples"));
+  }
+  probe.newest_first = IsNewestFirst(times);
+  double first = probe.newest_first ? times.back() : times.front();
+  if (probe.newest_first) {
+    while (file->rows().Next(row)) first = row.time;
+    MLE_RETURN_IF_ERROR(file->rows().status());
+    std::reverse(times.begin(), times.end());
+  }
+  for (std::size_t k = 1; k < times.size(); ++k) {
+    if (times[k] > times[k - 1]) probe.steps.push_back(times[k] - times[k - 1]);
+  }
+  MLE_RETURN_IF_ERROR(
+      CheckUnit(file->clock(), source.name, first, probe.steps));
+  probe.time_form = file->clock().form_name();
+  probe.notes = file->notes();
+  probe.empty_share = empty.share();
+  probe.is_unchanged = options.empty_fields == EmptyFields::kUnchanged ||
+                       (options.empty_fields == EmptyFields::kRecognise &&
+                        (file->is_sparse() || empty.MeanUnchanged()));
+  probe.has_dates = file->clock().has_dates();
+  if (probe.has_dates) {
+    probe.origin = file->clock().origin().value_or(0.0) +
+                   first * file->clock().seconds_per_unit().value_or(1.0);
+  } else {
+    probe.first_time = first;
+  }
+  return probe;
+}
+
+}  // namespace mle

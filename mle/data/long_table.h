@@ -1,0 +1,63 @@
+// Long tables, with a row for each sample (tag, time, value and perhaps its
+// quality), turned into wide ones, with a row for each time. Internal to
+// mle/data.
+//
+//   tag;time;value                       time,TI101,FC7
+//   TI101;2024-03-04 06:00;71.3   →      2024-03-04 06:00,71.3,12
+//   FC7;2024-03-04 06:00;12              2024-03-04 06:01,71.4,
+//   TI101;2024-03-04 06:01;71.4
+//
+// Fields keep their text, so that everything else is that of wide tables.
+
+#ifndef MLE_DATA_LONG_TABLE_H_
+#define MLE_DATA_LONG_TABLE_H_
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "mle/data/csv_rows.h"
+#include "mle/data/historian.h"
+#include "mle/data/record_clock.h"
+
+namespace mle {
+
+// Which column of a long table holds what; quality −1: none.
+struct LongColumns {
+  int time = 0;
+  int tag = 0;
+  int value = 0;
+  int quality = -1;
+};
+
+// Names of such columns, for the header to be found by.
+std::vector<std::string> LongColumnNames(const ColumnOptions& options);
+
+// Those of a header that names time, tag and value, as declared or by usual
+// names; nothing for any other, and for a header that names a channel.
+std::optional<LongColumns> FindLongColumns(
+    const std::vector<std::string_view>& header,
+    const std::vector<std::string>& channels, const ColumnOptions& options);
+
+struct WideTable {
+  std::string text;        // separated by commas
+  CsvRows::Origin origin;  // of its fields, in the long table
+  std::vector<std::string> tags;
+  // Every tag has a sample at every time.
+  bool is_complete = true;
+};
+
+// Reads all rows below the header. Tags that are not among `channels` are left
+// out if other columns are to be ignored. InvalidArgument for a time that
+// `clock` does not read, two samples of a tag at one time, and more than
+// 4 · options.max_samples rows.
+absl::StatusOr<WideTable> WidenTable(CsvRows& rows, const LongColumns& columns,
+                                     const std::vector<std::string>& channels,
+                                     const HistorianOptions& options,
+                                     RecordClock clock);
+
+}  // namespace mle
+
+#endif  // MLE_DATA_LONG_TABLE_H_

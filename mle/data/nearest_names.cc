@@ -1,0 +1,80 @@
+#include "mle/data/nearest_names.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace mle {
+namespace {
+
+// Longer names are compared by their beginnings.
+constexpr std::size_t kMaxLength = 64;
+constexpr std::size_t kMinPart = 2;
+
+int DistanceOf(std::string_view a, std::string_view b) {
+  a = a.substr(0, kMaxLength);
+  b = b.substr(0, kMaxLength);
+  // Three rows of the table: of the letters before the last, the last, this.
+  std::vector<int> before(b.size() + 1);
+  std::vector<int> last(b.size() + 1);
+  std::vector<int> row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = static_cast<int>(j);
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    before.swap(last);
+    last.swap(row);
+    row[0] = static_cast<int>(i);
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const int change = a[i - 1] == b[j - 1] ? 0 : 1;
+      row[j] = std::min({last[j] + 1, row[j - 1] + 1, last[j - 1] + change});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) {
+        row[j] = std::min(row[j], before[j - 2] + 1);
+      }
+    }
+  }
+  return row[b.size()];
+}
+
+}  // namespace
+
+std::string FoldedName(std::string_view name) {
+  std::string folded;
+  for (const char c : name) {
+    if (c == ' ' || c == '\t') continue;
+    folded += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  }
+  return folded;
+}
+
+int NameDistance(std::string_view a, std::string_view b) {
+  return DistanceOf(FoldedName(a), FoldedName(b));
+}
+
+std::vector<std::string> NearestNames(std::string_view name,
+                                      const std::vector<std::string>& names,
+                                      std::size_t most) {
+  const std::string wanted = FoldedName(name);
+  std::vector<std::pair<int, std::string>> near;
+  for (const std::string& candidate : names) {
+    const std::string folded = FoldedName(candidate);
+    const std::size_t shorter = std::min(folded.size(), wanted.size());
+    const bool is_part =
+        shorter >= kMinPart && (folded.find(wanted) != std::string::npos ||
+                                wanted.find(folded) != std::string::npos);
+    const int distance = DistanceOf(wanted, folded);
+    const int allowed =
+        static_cast<int>(
+            std::min(std::max(wanted.size(), folded.size()), kMaxLength)) /
+        3;
+    if (is_part || distance <= allowed) near.emplace_back(distance, candidate);
+  }
+  std::stable_sort(near.begin(), near.end(), [](const auto& a, const auto& b) {
+    return a.first < b.first;
+  });
+  std::vector<std::string> nearest;
+  for (const auto& [distance, candidate] : near) {
+    if (nearest.size() == most) break;
+    nearest.push_back(candidate);
+  }
+  return nearest;
+}
+
+}  // namespace mle

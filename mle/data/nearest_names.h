@@ -1,0 +1,29 @@
+// Names that may have been meant: for messages, and for what is forgiven.
+// Internal to mle/data.
+
+#ifndef MLE_DATA_NEAREST_NAMES_H_
+#define MLE_DATA_NEAREST_NAMES_H_
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace mle {
+
+// In lower case (of ASCII) and without blanks: names that differ in these only
+// are taken for each other where that is not ambiguous.
+std::string FoldedName(std::string_view name);
+
+// Insertions, deletions, replacements and exchanges of neighbours that make one
+// folded name of the other (Damerau and Levenshtein, optimal string alignment).
+int NameDistance(std::string_view a, std::string_view b);
+
+// Those of `names`, at most `most`, that are within a third of the length of
+// `name`, or contain it or are contained in it; the nearest first.
+std::vector<std::string> NearestNames(std::string_view name,
+                                      const std::vector<std::string>& names,
+                                      std::size_t most = 3);
+
+}  // namespace mle
+
+#endif  // MLE_DATA_NEAREST_NAMES_H_

@@ -1,0 +1,284 @@
+#include "mle/data/tag_file.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <set>
+#include <sstream>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "mle/base/file.h"
+#include "mle/base/status.h"
+#include "mle/data/csv_format.h"
+#include "mle/data/csv_numbers.h"
+#include "mle/data/csv_rows.h"
+#include "mle/data/historian_file.h"
+#include "mle/data/nearest_names.h"
+
+namespace mle {
+namespace {
+
+constexpr std::size_t kShownFaults = 20;
+enum Field { kTag, kChannel, kScale, kOffset, kUnit, kFoundUnit, kNumFields };
+constexpr std::array<std::string_view, kNumFields> kFieldNames = {
+    "tag", "channel", "scale", "offset", "unit", "unitinthefile"};
+
+std::string Quoted(std::string_view text) {
+  return absl::StrCat("'", ShowCsvText(text), "'");
+}
+
+// Channels by name, with their units.
+std::map<std::string, std::string> UnitsOf(const ProcessModel& channels) {
+  std::map<std::string, std::string> units;
+  for (const OutputChannel& output : channels.outputs()) {
+    units[output.name] = output.unit;
+    units[output.name + "_setpoint"] = output.unit;
+  }
+  for (const InputChannel& input : channels.inputs()) {
+    units[input.name] = input.unit;
+  }
+  return units;
+}
+
+class TagFile {
+ public:
+  TagFile(const std::string& source, const ProcessModel& channels)
+      : source_(source), units_(UnitsOf(channels)) {
+    for (const auto& [name, unit] : units_) names_.push_back(name);
+  }
+
+  absl::StatusOr<std::vector<TagMapping>> Parse(const std::string& text);
+
+ private:
+  absl::Status ParseHeader(CsvRows& rows);
+  void ParseRow(const CsvRows& rows);
+  std::string_view At(Field field) const;
+  double Number(Field field, double otherwise);
+  void Fault(std::string what) {
+    faults_.push_back(absl::StrCat("line ", line_, ": ", what));
+  }
+
+  const std::string& source_;
+  std::map<std::string, std::string> units_;
+  std::vector<std::string> names_;
+  std::array<int, kNumFields> columns_ = {-1, -1, -1, -1, -1, -1};
+  std::vector<std::string_view> fields_;
+  int line_ = 0;
+  std::map<std::string, int> tags_;  // and the line of each
+  std::map<std::string, int> mapped_;
+  std::vector<TagMapping> mappings_;
+  std::vector<std::string> faults_;
+};
+
+std::string_view TagFile::At(Field field) const {
+  const int column = columns_[field];
+  if (column < 0 || column >= static_cast<int>(fields_.size())) return {};
+  return TrimCsvField(fields_[column]);
+}
+
+double TagFile::Number(Field field, double otherwise) {
+  const std::string_view text = At(field);
+  double number = otherwise;
+  if (text.empty()) return number;
+  if (!ReadCsvNumber(text, number) || !std::isfinite(number)) {
+    Fault(absl::StrCat(std::string(kFieldNames[field]), " is ", Quoted(text),
+                       ", must be a number with a decimal point, or empty"));
+    return otherwise;
+  }
+  return number;
+}
+
+absl::Status TagFile::ParseHeader(CsvRows& rows) {
+  if (!rows.Next(fields_)) {
+    MLE_RETURN_IF_ERROR(rows.status());
+    return absl::InvalidArgumentError(
+        absl::StrCat(source_,
+                     ": the file is empty; it begins with "
+                     "tag,channel,scale,offset,unit"));
+  }
+  for (std::size_t c = 0; c < fields_.size(); ++c) {
+    for (int f = 0; f < kNumFields; ++f) {
+      if (FoldedName(fields_[c]) == kFieldNames[f]) {
+        columns_[f] = static_cast<int>(c);
+      }
+    }
+  }
+  if (columns_[kTag] >= 0 && columns_[kChannel] >= 0) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrCat(
+      source_, ": line ", rows.line(),
+      ": the header must name tag and channel, and may name scale, offset and "
+      "unit, separated by commas"));
+}
+
+void TagFile::ParseRow(const CsvRows& rows) {
+  line_ = rows.line();
+  TagMapping mapping;
+  mapping.tag = std::string(At(kTag));
+  mapping.channel = std::string(At(kChannel));
+  mapping.scale = Number(kScale, 1.0);
+  mapping.offset = Number(kOffset, 0.0);
+  if (mapping.channel.empty()) return;
+  if (mapping.tag.empty()) Fault("a channel without a tag");
+  if (mapping.scale == 0.0) Fault("scale is 0");
+  if (!tags_.emplace(mapping.tag, line_).second) {
+    Fault(absl::StrCat("the tag ", Quoted(mapping.tag), " stands in line ",
+                       tags_[mapping.tag], " too"));
+  }
+  const auto found = units_.find(mapping.channel);
+  if (found == units_.end()) {
+    const std::vector<std::string> near = NearestNames(mapping.channel, names_);
+    Fault(absl::StrCat(
+        Quoted(mapping.channel),
+        " is not an input, output or <output>_setpoint of the model",
+        near.empty() ? "" : "; nearest: ", absl::StrJoin(near, ", ")));
+    return;
+  }
+  if (!mapped_.emplace(mapping.channel, line_).second) {
+    Fault(absl::StrCat("the channel ", Quoted(mapping.channel),
+                       " stands in line ", mapped_[mapping.channel], " too"));
+  }
+  const std::string_view unit = At(kUnit);
+  if (!unit.empty() && FoldedName(unit) != FoldedName(found->second)) {
+    Fault(absl::StrCat("the unit of ", Quoted(mapping.tag),
+                       " after its conversion is ", Quoted(unit),
+                       ", the model's of ", Quoted(mapping.channel), " ",
+                       Quoted(found->second), "; scale and offset convert it"));
+  }
+  const std::string_view other = At(kFoundUnit);
+  if (mapping.scale == 1.0 && mapping.offset == 0.0 && !other.empty() &&
+      !unit.empty() && FoldedName(other) != FoldedName(unit)) {
+    Fault(absl::StrCat(Quoted(mapping.tag), " is in ", Quoted(other),
+                       " in the file and wanted in ", Quoted(unit),
+                       ", but scale is 1 and offset 0"));
+  }
+  mappings_.push_back(std::move(mapping));
+}
+
+absl::StatusOr<std::vector<TagMapping>> TagFile::Parse(
+    const std::string& text) {
+  std::istringstream in(text);
+  CsvRows rows(in, source_);
+  const std::string_view first =
+      std::string_view(text).substr(0, text.find('\n'));
+  if (first.find(',') == std::string_view::npos &&
+      first.find(';') != std::string_view::npos) {
+    rows.set_separator(';');
+  }
+  MLE_RETURN_IF_ERROR(ParseHeader(rows));
+  while (rows.Next(fields_)) ParseRow(rows);
+  MLE_RETURN_IF_ERROR(rows.status());
+  if (faults_.empty()) return mappings_;
+  if (faults_.size() > kShownFaults) {
+    faults_.resize(kShownFaults);
+    faults_.emplace_back("…");
+  }
+  return absl::InvalidArgumentError(
+      absl::StrCat(source_, ": ", absl::StrJoin(faults_, ". ")));
+}
+
+// Words of a tag that say what kind of value it has.
+bool IsSetPointTag(std::string_view tag) {
+  const std::string folded = FoldedName(tag);
+  return folded.ends_with("sp") || folded.ends_with("setpoint") ||
+         folded.ends_with("_sv") || folded.ends_with(".sv");
+}
+
+// A tag without its last part: TIC101 of TIC101.SP.
+std::string Loop(const std::string& tag) {
+  const std::size_t end = tag.find_last_of("._");
+  return end == std::string::npos ? tag : tag.substr(0, end);
+}
+
+// The nearest channel that is free, if any is near.
+std::string NearestChannel(const std::string& tag,
+                           const std::set<std::string>& free) {
+  std::vector<std::string> names;
+  for (const std::string& name : free) {
+    if (FoldedName(name) == FoldedName(tag)) return name;
+    if (name.ends_with("_setpoint") == IsSetPointTag(tag)) {
+      names.push_back(name);
+    }
+  }
+  const std::vector<std::string> near = NearestNames(tag, names, 1);
+  return near.empty() ? "" : near[0];
+}
+
+}  // namespace
+
+absl::StatusOr<std::vector<TagMapping>> ParseTagFile(
+    const std::string& source, const std::string& text,
+    const ProcessModel& channels) {
+  return TagFile(source, channels).Parse(text);
+}
+
+absl::StatusOr<std::vector<TagMapping>> ReadTagFile(
+    const std::string& path, const ProcessModel& channels) {
+  MLE_ASSIGN_OR_RETURN(const std::string text, ReadFile(path));
+  return ParseTagFile(path, text, channels);
+}
+
+absl::StatusOr<std::vector<TagProposal>> ProposeTags(
+    const std::vector<std::string>& paths, const ProcessModel& channels,
+    const HistorianOptions& options) {
+  std::vector<TagProposal> proposals;
+  std::set<std::string> seen;
+  const std::map<std::string, std::string> units = UnitsOf(channels);
+  std::set<std::string> free;
+  for (const auto& [name, unit] : units) free.insert(name);
+  for (const std::string& path : paths) {
+    MLE_ASSIGN_OR_RETURN(
+        const HistorianColumns columns,
+        HistorianFile::Columns(FileSource(path), channels, options));
+    for (std::size_t c = 0; c < columns.names.size(); ++c) {
+      if (!seen.insert(columns.names[c]).second) continue;
+      proposals.push_back({columns.names[c], "", "", columns.units[c]});
+    }
+  }
+  // Names that agree first, so that no other tag takes their channel.
+  for (const bool is_exact : {true, false}) {
+    for (TagProposal& proposal : proposals) {
+      if (!proposal.channel.empty()) continue;
+      const std::string channel = NearestChannel(proposal.tag, free);
+      if (channel.empty() ||
+          (is_exact && FoldedName(channel) != FoldedName(proposal.tag))) {
+        continue;
+      }
+      proposal.channel = channel;
+      proposal.unit = units.at(channel);
+      free.erase(channel);
+    }
+  }
+  // The set point of a loop whose output was found.
+  for (TagProposal& proposal : proposals) {
+    if (!proposal.channel.empty() || !IsSetPointTag(proposal.tag)) continue;
+    for (const TagProposal& other : proposals) {
+      const std::string channel = other.channel + "_setpoint";
+      if (other.tag == proposal.tag || !free.contains(channel) ||
+          Loop(other.tag) != Loop(proposal.tag)) {
+        continue;
+      }
+      proposal.channel = channel;
+      proposal.unit = units.at(channel);
+      free.erase(channel);
+      break;
+    }
+  }
+  return proposals;
+}
+
+std::string FormatTagFile(const std::vector<TagProposal>& proposals) {
+  std::string text = "tag,channel,scale,offset,unit,unit in the file\n";
+  for (const TagProposal& proposal : proposals) {
+    absl::StrAppend(&text, QuoteCsvField(proposal.tag), ",",
+                    QuoteCsvField(proposal.channel), ",",
+                    proposal.channel.empty() ? ",," : "1,0,",
+                    QuoteCsvField(proposal.unit), ",",
+                    QuoteCsvField(proposal.found_unit), "\n");
+  }
+  return text;
+}
+
+}  // namespace mle

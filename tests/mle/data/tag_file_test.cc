@@ -1,0 +1,225 @@
+#include "mle/data/tag_file.h"
+
+#include <filesystem>
+#include <string>
+
+#include "absl/strings/str_cat.h"
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "mle/base/file.h"
+#include "mle/data/nearest_names.h"
+
+namespace mle {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+ProcessModel Tank() {
+  return ProcessModel("tank", "min", {{"steam", "t/h"}}, {{"level", "%"}});
+}
+
+std::vector<TagMapping> Parse(const std::string& text) {
+  const auto tags = ParseTagFile("tags.csv", text, Tank());
+  EXPECT_TRUE(tags.ok()) << tags.status();
+  return tags.ok() ? *tags : std::vector<TagMapping>();
+}
+
+std::string Error(const std::string& text) {
+  const absl::Status status = ParseTagFile("tags.csv", text, Tank()).status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << status;
+  return std::string(status.message());
+}
+
+TEST(TagFileTest, MapsTagsWithTheirUnits) {
+  const std::vector<TagMapping> tags = Parse(
+      "Tag;Channel;Scale;Offset;Unit\nLI1.PV;level;0.01;-5;%\n"
+      "FC2.OP;steam;;;t/h\nXI3;;;;\n");
+  ASSERT_EQ(tags.size(), 2u);
+  EXPECT_EQ(tags[0].tag, "LI1.PV");
+  EXPECT_EQ(tags[0].channel, "level");
+  EXPECT_EQ(tags[0].scale, 0.01);
+  EXPECT_EQ(tags[0].offset, -5.0);
+  EXPECT_EQ(tags[1].scale, 1.0);
+  EXPECT_EQ(tags[1].offset, 0.0);
+  EXPECT_THAT(Parse("channel,tag\nsteam,\"A, B\"\n")[0].tag, "A, B");
+}
+
+TEST(TagFileTest, AllFaultsAreListedWithTheirLines) {
+  EXPECT_THAT(
+      Error("tag,channel,scale,offset,unit,unit in the file\n"
+            "A,levle,1,0,,\n"
+            "A,level,x,0,,\n"
+            "B,level,0,inf,kg,\n"
+            ",steam,1,0,,\n"
+            "C,steam,1,0,t/h,kg/h\n"),
+      AllOf(HasSubstr("tags.csv: line 2: 'levle' is not an input"),
+            HasSubstr("nearest: level"), HasSubstr("line 3: scale is 'x'"),
+            HasSubstr("line 3: the tag 'A' stands in line 2"),
+            HasSubstr("line 4: offset is 'inf'"),
+            HasSubstr("line 4: scale is 0"),
+            HasSubstr("line 4: the channel 'level' stands in line 3"),
+            HasSubstr("line 4: the unit of 'B' after its conversion is 'kg', "
+                      "the model's of 'level' '%'"),
+            HasSubstr("line 5: a channel without a tag"),
+            HasSubstr("line 6: the channel 'steam' stands in line 5"),
+            HasSubstr("line 6: 'C' is in 'kg/h' in the file and wanted in "
+                      "'t/h', but scale is 1")));
+  EXPECT_THAT(Error("tag,scale\nA,1\n"),
+              HasSubstr("must name tag and channel"));
+  EXPECT_THAT(Error(""), HasSubstr("the file is empty"));
+  EXPECT_FALSE(ReadTagFile("/no/such/tags.csv", Tank()).ok());
+}
+
+TEST(NearestNamesTest, CountsWhatMakesOneOfTheOther) {
+  EXPECT_EQ(NameDistance("", "abc"), 3);
+  EXPECT_EQ(NameDistance("level", "LE vel"), 0);
+  EXPECT_EQ(NameDistance("level", "levle"), 1);  // neighbours exchanged
+  EXPECT_EQ(NameDistance("level", "lebel"), 1);
+  EXPECT_EQ(NameDistance("level", "lvel"), 1);
+  EXPECT_EQ(NameDistance("kitten", "sitting"), 3);
+  EXPECT_EQ(NameDistance("kitten", "sitting"),
+            NameDistance("sitting", "kitten"));
+  EXPECT_THAT(NearestNames("TI101", {"FC7.OP", "TI101.PV", "TI102", "XX"}),
+              ElementsAre("TI102", "TI101.PV"));
+  EXPECT_THAT(NearestNames("pressure", {"level", "steam"}), IsEmpty());
+}
+
+class ProposalTest : public ::testing::Test {
+ protected:
+  std::string Write(const std::string& text) {
+    EXPECT_TRUE(WriteFileAtomically(path_, text).ok());
+    return path_;
+  }
+  ~ProposalTest() override { std::filesystem::remove(path_); }
+  const std::string path_ = ::testing::TempDir() + "/proposal.csv";
+};
+
+TEST_F(ProposalTest, NamesTheNearestChannelOfEachColumn) {
+  const auto proposals = ProposeTags(
+      {Write("Plant 7\n\nTimestamp,Tank Level.PV,Tank Level.SP,STEAM,XI9,"
+             "XI9_quality\n,cm,cm,t/h,,\n2024-03-04 06:00,1,2,3,4,Good\n")},
+      Tank(), HistorianOptions());
+  ASSERT_TRUE(proposals.ok()) << proposals.status();
+  ASSERT_EQ(proposals->size(), 4u);
+  EXPECT_EQ((*proposals)[0].tag, "Tank Level.PV");
+  EXPECT_EQ((*proposals)[0].channel, "level");
+  EXPECT_EQ((*proposals)[0].found_unit, "cm");
+  EXPECT_EQ((*proposals)[1].channel, "level_setpoint");
+  EXPECT_EQ((*proposals)[2].channel, "steam");
+  EXPECT_EQ((*proposals)[3].channel, "");
+  const std::string text = FormatTagFile(*proposals);
+  EXPECT_THAT(text, HasSubstr("Tank Level.PV,level,1,0,%,cm\n"));
+  EXPECT_THAT(text, HasSubstr("XI9,,,,,\n"));
+  // The other unit has to be looked at before the file is taken.
+  EXPECT_THAT(
+      std::string(ParseTagFile("p.csv", text, Tank()).status().message()),
+      AllOf(HasSubstr("line 2"), HasSubstr("'cm'"), Not(HasSubstr("steam"))));
+}
+
+TEST_F(ProposalTest, LongTablesHaveTagsToo) {
+  const auto proposals = ProposeTags(
+      {Write("tag,time,value\nLEVEL,0,1\nsteam_op,0,2\nLEVEL,1,1\n")}, Tank(),
+      HistorianOptions());
+  ASSERT_TRUE(proposals.ok()) << proposals.status();
+  ASSERT_EQ(proposals->size(), 2u);
+  EXPECT_EQ((*proposals)[0].channel, "level");
+  EXPECT_EQ((*proposals)[1].channel, "steam");
+}
+
+// Names that differ in case and blanks are forgiven, unless two are alike.
+TEST(HeaderTest, CaseAndBlanksAreForgivenIfThatIsCertain) {
+  const auto import = [](const std::string& header) {
+    return ImportHistorianSources(
+        {TextSource("a.csv", header + "\n0,1,2,3\n1,4,5,6\n")}, Tank(), {});
+  };
+  const auto good = import("TIME,Level ,Level_SetPoint, S team");
+  ASSERT_TRUE(good.ok()) << good.status();
+  EXPECT_EQ(good->records[0].set_points(0, 1), 5.0);
+  EXPECT_EQ(good->report.channels[0].column, "Level");
+  EXPECT_THAT(std::string(import("time,Level,LEVEL,steam").status().message()),
+              HasSubstr("there is no column 'level' (nearest: 'Level', "
+                        "'LEVEL')"));
+}
+
+TEST(HeaderTest, AllFaultsAreListedAtOnce) {
+  const std::string message(
+      ImportHistorianSources(
+          {TextSource("a.csv",
+                      "Timestamp,levle,levle,steam.OP,x_setpoint,foo\n")},
+          Tank(), {})
+          .status()
+          .message());
+  EXPECT_THAT(
+      message,
+      AllOf(HasSubstr("a.csv: line 1, column 3: 'levle' stands twice"),
+            HasSubstr("there is no column 'level' (nearest: 'levle'"),
+            HasSubstr("'steam' (nearest: 'steam.OP')"),
+            HasSubstr("'time' (nearest: 'Timestamp')"),
+            HasSubstr("and has 'Timestamp', 'levle'"),
+            HasSubstr("column 5: 'x_setpoint' is a set point of an output"),
+            HasSubstr("'foo'"), HasSubstr("ignore_other_columns = true")));
+}
+
+TEST(HeaderTest, ATagThatTheFileDoesNotHaveIsNamed) {
+  HistorianOptions options;
+  options.columns.tags = {{"TIC101.SP", "level_setpoint"}};
+  EXPECT_THAT(
+      std::string(ImportHistorianSources(
+                      {TextSource("a.csv", "time,level,steam,TIC110.SP\n")},
+                      Tank(), options)
+                      .status()
+                      .message()),
+      HasSubstr("there is no column 'TIC101.SP' (nearest: 'TIC110.SP')"));
+}
+
+// Words are counted, and forgiven on request.
+TEST(BadWordsTest, UnknownWordsAreCounted) {
+  std::string text = "time,level,steam\n0,1,2\n1,bude,3\n";
+  for (int k = 2; k < 40; ++k) {
+    absl::StrAppend(&text, k, k % 2 == 0 ? ",Stoerung," : ",Bad,",
+                    k % 5 == 0 ? "aus" : "3", "\n");
+  }
+  const auto import = [&](const HistorianOptions& options) {
+    return ImportHistorianSources({TextSource("a.csv", text)}, Tank(), options);
+  };
+  EXPECT_THAT(
+      std::string(import({}).status().message()),
+      AllOf(HasSubstr("a.csv: line 3, column 2 ('level'): 'bude' is not a "
+                      "finite number"),
+            HasSubstr("27 samples are like this, 'Stoerung' (19), 'aus' (7), "
+                      "'bude' (1)"),
+            HasSubstr("any_word_is_bad = true")));
+  HistorianOptions options;
+  options.any_word_is_bad = true;
+  const auto all = import(options);
+  ASSERT_TRUE(all.ok()) << all.status();
+  EXPECT_EQ(all->report.channels[0].bad.declared, 39);
+  options.any_word_is_bad = false;
+  options.bad_values = {"bude", "Stoerung", "aus"};
+  EXPECT_TRUE(import(options).ok());
+}
+
+// Of PI, IP.21, Honeywell and DeltaV, in any case.
+TEST(BadWordsTest, WordsOfHistoriansAreKnown) {
+  std::string text = "time,level,steam\n0,1,2\n";
+  int row = 0;
+  for (const char* const word :
+       {"Pt Created", "I/O Timeout", "Intf Shut", "Arc Off-line", "Set to Bad",
+        "Calc Failed", "SCAN OFF", "[-11059] No Good Data For Calculation",
+        "BadNoComm", "Bad - Out of Service", "BADPV", "No Status", "????",
+        "#REF!", "Comm Fail", "Not Available", "bad, not connected"}) {
+    absl::StrAppend(&text, ++row, ",\"", word, "\",2\n");
+  }
+  absl::StrAppend(&text, ++row, ",1,2\n");
+  const auto import =
+      ImportHistorianSources({TextSource("a.csv", text)}, Tank(), {});
+  ASSERT_TRUE(import.ok()) << import.status();
+  EXPECT_EQ(import->report.channels[0].bad.declared, row - 1);
+}
+
+}  // namespace
+}  // namespace mle
