@@ -33,10 +33,49 @@ absl::StatusOr<std::vector<std::string>> NamesOf(const ProcessModel& channels,
 constexpr int kMostTitles = 50;
 constexpr int kMostUnitRows = 3;
 
+// Separators in the line that `head` begins with; −1 where it has a digit at
+// the beginning of a field, as samples have and names do not.
+int CountSeparators(std::string_view head, char separator) {
+  int count = 0;
+  bool begins = true;
+  for (const char c : head) {
+    if (c == '\n') break;
+    if (begins && c >= '0' && c <= '9') return -1;
+    begins = c == separator;
+    if (begins) ++count;
+  }
+  return count;
+}
+
+// Where no line has names that are known: those before the first line of most
+// columns whose fields do not begin with digits, so that a message can say what
+// the header has.
+int LinesAboveColumns(std::string_view head) {
+  // A name in quotes may reach over lines.
+  if (head.substr(0, head.find('\n')).find('"') != std::string_view::npos) {
+    return 0;
+  }
+  int best = 0;
+  int most = 0;
+  for (const char separator : {',', ';', '\t'}) {
+    std::string_view rest = head;
+    for (int line = 0; line < kMostTitles && !rest.empty(); ++line) {
+      const int count = CountSeparators(rest, separator);
+      if (count > most) {
+        most = count;
+        best = line;
+      }
+      rest.remove_prefix(std::min(rest.find('\n'), rest.size() - 1) + 1);
+    }
+  }
+  return best;
+}
+
 // Lines before the one that has most of the names, where that has two or more.
 int TitleLines(std::string_view head, const std::vector<std::string>& names) {
   std::set<std::string> wanted;
   for (const std::string& name : names) wanted.insert(FoldedName(name));
+  const std::string_view whole = head;
   int best = 0;
   int most = 1;
   for (int line = 0; line < kMostTitles && !head.empty(); ++line) {
@@ -59,7 +98,7 @@ int TitleLines(std::string_view head, const std::vector<std::string>& names) {
     }
     head.remove_prefix(std::min(end + 1, head.size()));
   }
-  return best;
+  return most > 1 ? best : LinesAboveColumns(whole);
 }
 
 // Rows that have neither a time nor a number: units, descriptions.

@@ -102,6 +102,7 @@ const std::vector<std::string>& KnownBadWords() {
                                     "no status",
                                     "not connected",
                                     "not connect",
+                                    "inst fail",
                                     "comm fail",
                                     "comm failure",
                                     "pt created",

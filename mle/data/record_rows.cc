@@ -158,7 +158,8 @@ bool RecordRows::ReadSample(std::string_view field, double& sample,
       return true;
     }
     const bool is_bad =
-        bad_values_.Contains(sample) || bad_values_.Contains(text);
+        (!bad_values_.numbers.empty() && bad_values_.Contains(sample)) ||
+        (!bad_values_.texts.empty() && bad_values_.Contains(text));
     if (is_bad) {
       ++bad.declared;
       sample = kNaN;

@@ -57,7 +57,7 @@ class TagFile {
   void ParseRow(const CsvRows& rows);
   std::string_view At(Field field) const;
   double Number(Field field, double otherwise);
-  void Fault(std::string what) {
+  void Fault(const std::string& what) {
     faults_.push_back(absl::StrCat("line ", line_, ": ", what));
   }
 

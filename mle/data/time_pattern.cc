@@ -147,7 +147,10 @@ bool TimePattern::Take(const Step& step, Reading& reading) {
   CivilTime& time = reading.time;
   switch (step.field) {
     case Field::kLetter:
-      if (text.empty() || Lower(text[0]) != step.letter) return false;
+      if (text.empty() ||
+          (text[0] != step.letter && Lower(text[0]) != step.letter)) {
+        return false;
+      }
       text.remove_prefix(1);
       return true;
     case Field::kBlank:
@@ -192,6 +195,10 @@ bool TimePattern::Match(std::size_t begin, std::size_t end,
       continue;
     }
     const std::size_t after = at + 1 + step.size;
+    if (reading.text.empty()) {
+      at = after - 1;
+      continue;
+    }
     const Reading before = reading;
     if (!Match(at + 1, after, reading)) reading = before;
     at = after - 1;

@@ -164,6 +164,20 @@ TEST(HeaderTest, AllFaultsAreListedAtOnce) {
             HasSubstr("'foo'"), HasSubstr("ignore_other_columns = true")));
 }
 
+// The header is told from titles also where none of its names is known.
+TEST(HeaderTest, NamesBelowTitlesAreThoseOfTheHeader) {
+  EXPECT_THAT(
+      std::string(ImportHistorianSources(
+                      {TextSource("a.csv",
+                                  "Export, unit 7\n\nTimestamp,TI101,FC7\n"
+                                  "04-Mar-24 06:00:00,1,2\n")},
+                      Tank(), {})
+                      .status()
+                      .message()),
+      AllOf(HasSubstr("a.csv: line 3: there is no column"),
+            HasSubstr("and has 'Timestamp', 'TI101', 'FC7'")));
+}
+
 TEST(HeaderTest, ATagThatTheFileDoesNotHaveIsNamed) {
   HistorianOptions options;
   options.columns.tags = {{"TIC101.SP", "level_setpoint"}};
