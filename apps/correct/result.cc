@@ -35,9 +35,14 @@ bool IsPartOfName(std::string_view text, std::size_t at) {
          c == '-' || c == '/' || c == '\'' || (c == '.' && before_more);
 }
 
-// "name = value" and "name" become "--name=value" and "--name".
+// "name = value" and "name" become "--name=value" and "--name". Where a value
+// is given, a name without an underline, such as decimal, may be a word
+// elsewhere.
 std::string NameFlag(std::string_view text, const std::string& name) {
   constexpr std::string_view kEquals = " = ";
+  const bool may_be_word =
+      name.find('_') == std::string::npos &&
+      text.find(name + std::string(kEquals)) != std::string_view::npos;
   std::string result;
   std::size_t done = 0;
   for (std::size_t at = text.find(name); at != std::string_view::npos;
@@ -45,7 +50,8 @@ std::string NameFlag(std::string_view text, const std::string& name) {
     const std::size_t end = at + name.size();
     const bool is_part =
         (at > 0 && IsPartOfName(text, at - 1)) || IsPartOfName(text, end);
-    if (is_part || at < done) continue;
+    const bool is_word = may_be_word && !text.substr(end).starts_with(kEquals);
+    if (is_part || is_word || at < done) continue;
     result.append(text.substr(done, at - done));
     absl::StrAppend(&result, "--", name);
     done = end;

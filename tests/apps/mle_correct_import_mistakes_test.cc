@@ -148,7 +148,7 @@ std::vector<Mistake> Mistakes() {
       {"numbers that may be thousands",
        {"time;y1;y2;u1;u2\n0;1,234;1;1;1\n1;2,345;1;1;1\n"},
        {},
-       "declare --decimal=comma or --decimal=point"},
+       "may have a decimal comma or one between thousands; declare --decimal="},
       {"points and commas",
        {"time;y1;y2;u1;u2\n0;1,5;1.5;1;1\n1;2,5;1;1;1\n"},
        {},

@@ -37,6 +37,8 @@ HistorianOptions OptionsFrom(fuzz::Bytes& bytes) {
       static_cast<TimeFormat>(text / 6 % 5 + (flags & 64) / 64 * 5);
   if (text / 30 % 2 == 1) options.clock.time_zone = "Europe/Berlin";
   options.separate_files = (flags & 128) != 0;
+  options.empty_fields = static_cast<EmptyFields>(more / 20 % 3);
+  options.any_word_is_bad = more / 60 % 2 == 1;
   options.max_samples = kMaxSamples;
   return options;
 }
