@@ -66,6 +66,11 @@ absl::Status WriteAll(const correct::Result& result) {
       {"step_response.csv", correct::FormatStepResponses(result)},
       {"report.html", std::move(page)},
       {"result.json", std::move(json)}};
+  const bool state_space = result.state_space.model.has_value();
+  if (state_space) {
+    files.emplace_back("state_space.json",
+                       FormatStateSpace(*result.state_space.model));
+  }
   const bool arx = result.corrected.has_arx();
   if (arx) {
     files.emplace_back("arx.json",
@@ -73,11 +78,12 @@ absl::Status WriteAll(const correct::Result& result) {
   }
   report::AddPictures(figures, files);
   MLE_RETURN_IF_ERROR(WriteFilesTogether(result.request.out, files));
-  // That of a former run would be of another model.
+  // Those of a former run would be of another model.
+  const std::filesystem::path folder = result.request.out;
   std::error_code ignored;
-  if (!arx) {
-    std::filesystem::remove(
-        std::filesystem::path(result.request.out) / "arx.json", ignored);
+  if (!arx) std::filesystem::remove(folder / "arx.json", ignored);
+  if (!state_space) {
+    std::filesystem::remove(folder / "state_space.json", ignored);
   }
   return absl::OkStatus();
 }

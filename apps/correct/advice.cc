@@ -224,6 +224,9 @@ std::vector<std::string> Advise(const Result& result) {
           "them, ",
           result.corrected.has_arx() ? "arx.json its ARX form for prediction, "
                                      : "",
+          result.state_space.model.has_value()
+              ? "state_space.json its discrete state-space form, "
+              : "",
           "step_response.csv its step responses."));
       AddDoubts(result, advice);
       break;

@@ -37,6 +37,19 @@ void AddModel(const Result& result, const Figures& figures, HtmlPage& page) {
         "standard errors given are those of the first-order fit to its step "
         "response.");
   }
+  if (result.state_space.model.has_value()) {
+    const StateSpaceForm& form = result.state_space;
+    page.AddParagraph(absl::StrCat(
+        "As a discrete state-space model (state_space.json) it has ",
+        form.model->system.order(),
+        " states beside dead times of inputs and outputs. No element is off by "
+        "more than ",
+        report::FormatSignificant(100.0 * form.error_bound(), 2),
+        " % of its largest step response at any frequency; the step responses "
+        "differ by at most ",
+        report::FormatSignificant(100.0 * form.largest_difference(), 2),
+        " %."));
+  }
 }
 
 // The time of the report, or SOURCE_DATE_EPOCH (seconds since 1970) where the
@@ -131,6 +144,9 @@ std::string FormatPage(const Result& result, const Figures& figures,
       {"fopdt.json", "fopdt.json"},
       {"step_response.csv", "step_response.csv"}};
   if (result.corrected.has_arx()) files.emplace_back("arx.json", "arx.json");
+  if (result.state_space.model.has_value()) {
+    files.emplace_back("state_space.json", "state_space.json");
+  }
   page.AddFiles(files);
   page.AddRunAgain(run_again);
   return page.Render();

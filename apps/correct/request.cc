@@ -24,9 +24,8 @@ std::vector<Option> FileOptions(Request& request) {
        "set-point changes, separated by commas; - is standard input. Must be "
        "given."},
       {"out", &request.out,
-       "Folder for report.html, result.json, model.json, fopdt.json, arx.json "
-       "and "
-       "step_response.csv."},
+       "Folder for report.html, result.json, model.json, fopdt.json, arx.json, "
+       "state_space.json and step_response.csv."},
       {"truth", &request.truth_path,
        "Process model (JSON) of a simulated plant: its step responses are "
        "shown as the truth."},

@@ -65,7 +65,28 @@ Json FopdtJson(const FopdtElement& element, bool errors_from_records) {
       {"standard_errors_from", errors_from_records ? "records" : "fit"},
       {"exact", element.exact},
       {"shape", ShapeName(element.shape)},
-      {"relative_rms", element.relative_rms}};
+      {"relative_rms", element.relative_rms},
+      {"largest_difference", element.largest_difference}};
+  return json;
+}
+
+Json SopdtJson(const SopdtFit& fit) {
+  return {{"gain", fit.gain},
+          {"time_constant", fit.time_constant},
+          {"damping", fit.damping},
+          {"delay", fit.delay},
+          {"largest_difference", fit.largest_difference}};
+}
+
+Json StateSpaceJson(const StateSpaceForm& form) {
+  Json json = {{"written", form.model.has_value()}};
+  if (!form.model.has_value()) {
+    json["reason"] = form.reason;
+    return json;
+  }
+  json["order"] = form.model->system.order();
+  json["error_bound"] = form.error_bound();
+  json["largest_difference"] = form.largest_difference();
   return json;
 }
 
@@ -138,6 +159,8 @@ Json ElementJson(const Result& result, int i, int j) {
   json["response_change"] = result.change.elements(i, j);
   json["fopdt"] =
       FopdtJson(result.fopdt[i * model.num_inputs() + j], structural);
+  const auto& second = result.fopdt[i * model.num_inputs() + j].second_order;
+  if (second.has_value()) json["sopdt"] = SopdtJson(*second);
   return json;
 }
 
@@ -324,6 +347,7 @@ void AddFindings(const Result& result, Json& json) {
   json["arx"] = {{"written", result.corrected.has_arx()},
                  {"order", result.corrected.arx.order},
                  {"largest_difference", result.corrected.arx_error}};
+  json["state_space"] = StateSpaceJson(result.state_space);
   Json noise = Json::array();
   for (int i = 0; i < model.num_outputs(); ++i) {
     const NoiseEstimate& estimate = result.estimate.setting.noise[i];

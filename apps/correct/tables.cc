@@ -108,7 +108,8 @@ Table FopdtTable(const Result& result) {
   Table table;
   table.caption = absl::StrCat(
       "The model written as first-order elements with dead time (± one "
-      "standard error); times in ",
+      "standard error), and of second order where these are not near; times "
+      "in ",
       model.time_unit());
   table.columns = {{"element", Align::kLeft},
                    {"gain"},
@@ -127,7 +128,18 @@ Table FopdtTable(const Result& result) {
                ? "exact"
                : absl::StrCat(
                      element.shape == FopdtShape::kPoorFit ? "poor, " : "",
-                     "residual ", Percent(100.0 * element.relative_rms))});
+                     "residual ", Percent(100.0 * element.relative_rms),
+                     ", at most ",
+                     Percent(100.0 * element.largest_difference))});
+      if (!element.second_order.has_value()) continue;
+      const SopdtFit& second = *element.second_order;
+      table.AddRow(
+          {"… of second order", FormatSignificant(second.gain, 4),
+           absl::StrCat(FormatSignificant(second.time_constant, 4),
+                        ", damping ", FormatSignificant(second.damping, 3)),
+           FormatSignificant(second.delay, 4),
+           absl::StrCat("at most ",
+                        Percent(100.0 * second.largest_difference))});
     }
   }
   return table;

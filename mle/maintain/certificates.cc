@@ -93,6 +93,16 @@ void CheckArx(CorrectionResult& result) {
        {"order"}});
 }
 
+void CheckStateSpace(CorrectionResult& result) {
+  const StateSpaceForm& form = result.state_space;
+  if (form.model.has_value() || form.reason.empty()) return;
+  result.warnings.push_back(
+      {MessageCode::kNoStateSpace,
+       "",
+       absl::StrCat("No state-space model is written: ", form.reason, "."),
+       {}});
+}
+
 }  // namespace
 
 absl::Status CheckResponse(const StepResponse& response) {
@@ -123,6 +133,7 @@ void CheckCertificates(CorrectionResult& result) {
   }
   CheckShapes(result);
   CheckArx(result);
+  CheckStateSpace(result);
 }
 
 }  // namespace mle

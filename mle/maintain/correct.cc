@@ -170,6 +170,9 @@ absl::Status MakeModels(int samples, CorrectionResult& result) {
       FopdtModel(result.initial, result.fopdt, kTimeFloor * sample_time);
   MLE_ASSIGN_OR_RETURN(result.model,
                        TransferFunctionsOf(result.initial, result.corrected));
+  if (result.options.make_arx) {
+    result.state_space = MakeStateSpaceForm(result.model, result.corrected);
+  }
   return absl::OkStatus();
 }
 

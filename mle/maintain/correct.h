@@ -33,6 +33,7 @@
 #include "mle/maintain/progress.h"
 #include "mle/maintain/records.h"
 #include "mle/maintain/residual_diagnostics.h"
+#include "mle/maintain/state_space_form.h"
 #include "mle/maintain/window_agreement.h"
 #include "mle/model/process_model.h"
 #include "mle/model/step_response.h"
@@ -52,8 +53,8 @@ struct CorrectOptions {
   // Largest step to the optimum, in standard deviations of the noise, that
   // goes without a warning, > 0 (FitCertificate::gradient).
   double accepted_gradient = 1e-2;
-  // Whether the model is handed over as an ARX model too, and whether residuals
-  // are examined and pairs assessed.
+  // Whether the model is handed over as an ARX and as a state-space model too,
+  // and whether residuals are examined and pairs assessed.
   bool make_arx = true;
   bool examine = true;
   // What the controller predicts, where its model is not the process model
@@ -109,6 +110,7 @@ struct CorrectionResult {
   // The corrected model by transfer functions: `corrected.process`, or elements
   // of low order nearest to an ARX model.
   ProcessModel model;
+  StateSpaceForm state_space;  // of `corrected`; CorrectOptions::make_arx
   StepResponse initial_response;
   ResponseDistance change;  // from the initial to the corrected response
 

@@ -12,6 +12,12 @@ namespace {
 constexpr int kResponseSamples = 600;
 constexpr double kHorizons = 6.0;     // of the slowest time constant
 constexpr double kNegligible = 1e-9;  // of the largest response
+// Of the difference from first order; else one more parameter says little.
+constexpr double kWorthSecondOrder = 0.5;
+constexpr int kFewestSamples = 10;  // of a fit of second order
+// The dead time of second order is shorter than that of first order, whose lag
+// begins at once; oscillations aside.
+constexpr double kDelays = 2.0;
 
 FopdtElement FromFit(const FopdtFit& fit) {
   FopdtElement element;
@@ -23,11 +29,43 @@ FopdtElement FromFit(const FopdtFit& fit) {
   element.delay_error = fit.delay_standard_error;
   element.shape = fit.shape;
   element.relative_rms = fit.relative_rms;
+  element.largest_difference = fit.relative_max_residual;
   if (fit.shape == FopdtShape::kNoResponse) {
     element.gain_error = 0.0;
     element.time_constant_error = 0.0;
     element.delay_error = 0.0;
     element.relative_rms = 0.0;
+    element.largest_difference = 0.0;
+  }
+  return element;
+}
+
+// The nearest element of first order, and where that is not near, of second.
+absl::StatusOr<FopdtElement> Described(
+    const Eigen::Ref<const Eigen::VectorXd>& response, double sample_time,
+    const FopdtOptions& options) {
+  MLE_ASSIGN_OR_RETURN(const FopdtFit fit,
+                       FitFopdt(response, sample_time, options));
+  FopdtElement element = FromFit(fit);
+  if (fit.shape == FopdtShape::kNoResponse ||
+      element.largest_difference <= kNearFopdt ||
+      response.size() < kFewestSamples) {
+    return element;
+  }
+  // Long responses are thinned out: the fit takes as long as they are.
+  const Eigen::Index stride =
+      std::max<Eigen::Index>(1, response.size() / kResponseSamples);
+  const double step = sample_time * static_cast<double>(stride);
+  const Eigen::VectorXd samples =
+      response(Eigen::seq(0, response.size() - 1, stride));
+  const double horizon = step * static_cast<double>(samples.size() - 1);
+  MLE_ASSIGN_OR_RETURN(
+      const SopdtFit second,
+      FitSopdt(samples, step,
+               std::min(kDelays * (fit.delay + sample_time), horizon)));
+  if (second.largest_difference <=
+      kWorthSecondOrder * element.largest_difference) {
+    element.second_order = second;
   }
   return element;
 }
@@ -49,11 +87,8 @@ absl::StatusOr<FopdtElement> FromTransfer(const TransferFunction& transfer) {
   const double sample_time =
       (transfer.delay() + kHorizons * transfer.SlowestTimeConstant()) /
       (kResponseSamples - 1);
-  MLE_ASSIGN_OR_RETURN(
-      const FopdtFit fit,
-      FitFopdt(transfer.StepResponse(sample_time, kResponseSamples),
-               sample_time, {}));
-  return FromFit(fit);
+  return Described(transfer.StepResponse(sample_time, kResponseSamples),
+                   sample_time, {});
 }
 
 // The errors of (K, T, L) carried over to the fit.
@@ -93,9 +128,9 @@ absl::StatusOr<std::vector<FopdtElement>> DescribeAsFopdt(
         options.negligible_response =
             kNegligible * response.values.cwiseAbs().maxCoeff();
         MLE_ASSIGN_OR_RETURN(
-            const FopdtFit fit,
-            FitFopdt(response.element(i, j), response.sample_time, options));
-        elements.push_back(FromFit(fit));
+            const FopdtElement element,
+            Described(response.element(i, j), response.sample_time, options));
+        elements.push_back(element);
         continue;
       }
       MLE_ASSIGN_OR_RETURN(FopdtElement element,

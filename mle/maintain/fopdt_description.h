@@ -11,10 +11,15 @@
 // and the errors of K, T and L carry over. An ARX model's step responses are
 // fitted; its coefficients give no errors, those of the fit say how well a
 // first-order element describes the response, and no more.
+//
+// Where the nearest first-order element is not near, the nearest one of second
+// order is given too (sopdt_fit.h), with how near it is. It has no standard
+// errors: the corrected model's own elements carry those.
 
 #ifndef MLE_MAINTAIN_FOPDT_DESCRIPTION_H_
 #define MLE_MAINTAIN_FOPDT_DESCRIPTION_H_
 
+#include <optional>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -22,6 +27,7 @@
 #include "mle/maintain/estimation.h"
 #include "mle/model/process_model.h"
 #include "mle/nonlinear/fopdt_fit.h"
+#include "mle/nonlinear/sopdt_fit.h"
 
 namespace mle {
 
@@ -37,7 +43,16 @@ struct FopdtElement {
   bool exact = false;  // of first order as it is
   FopdtShape shape = FopdtShape::kFits;
   double relative_rms = 0.0;  // of the response about the fit
+  // Of the step response from the fit, relative to the range of the response:
+  // to its gain, where it does not overshoot.
+  double largest_difference = 0.0;
+  // The nearest element of second order, where the difference is above
+  // kNearFopdt and that of second order at most half of it.
+  std::optional<SopdtFit> second_order;
 };
+
+// As decision.least_change: what differs by less is no other response.
+inline constexpr double kNearFopdt = 0.02;
 
 // Row by row (p·m). `accepted` as for MakeCorrectedModel().
 absl::StatusOr<std::vector<FopdtElement>> DescribeAsFopdt(

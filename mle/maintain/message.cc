@@ -50,6 +50,8 @@ std::string_view NameOf(MessageCode code) {
       return "poor_fopdt";
     case MessageCode::kArxInexact:
       return "arx_inexact";
+    case MessageCode::kNoStateSpace:
+      return "no_state_space";
     case MessageCode::kFitFailed:
       return "fit_failed";
     case MessageCode::kNotExact:

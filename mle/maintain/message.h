@@ -40,6 +40,7 @@ enum class MessageCode {
   kRankDeficient,  // the records do not determine every parameter
   kPoorFopdt,      // a first-order element with dead time describes it badly
   kArxInexact,     // the ARX model is not what the process model is
+  kNoStateSpace,   // no state-space model is near enough
   // The result is not usable.
   kFitFailed,
   kNotExact,  // a duality gap above the accepted one

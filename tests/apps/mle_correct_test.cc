@@ -13,6 +13,7 @@
 #include "mle/base/file.h"
 #include "mle/model/arx_model.h"
 #include "mle/model/process_model.h"
+#include "mle/model/state_space_json.h"
 #include "mle/model/step_response.h"
 #include "tests/apps/correct_runs.h"
 
@@ -121,6 +122,36 @@ TEST(MleCorrectTest, TheFilesAgreeWithEachOther) {
   // The corrected model is a plant for mle_simulate.
   SimulateHeater(example.scratch, "again.csv", example.out + "/fopdt.json",
                  example.plant);
+}
+
+TEST(MleCorrectTest, TheStateSpaceModelHasTheStepResponsesOfTheProcessModel) {
+  const HeaterExample example(WithHalvedGain());
+  const nlohmann::json result = example.Run({"--conversion_samples=30000"});
+  const auto named = ReadStateSpace(example.out + "/state_space.json");
+  ASSERT_TRUE(named.ok()) << named.status();
+  const auto model = ReadProcessModel(example.out + "/model.json");
+  ASSERT_TRUE(model.ok()) << model.status();
+  const DiscreteStateSpace& system = named->system;
+  EXPECT_EQ(result["state_space"]["written"], true);
+  EXPECT_EQ(result["state_space"]["order"], system.order());
+  const StepResponse found = system.ComputeStepResponse(400);
+  const StepResponse wanted =
+      model->ComputeStepResponse(system.sample_time, 400);
+  double largest = 0.0;
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_EQ(named->outputs[i], model->outputs()[i].name);
+    for (int j = 0; j < 2; ++j) {
+      const double size = wanted.element(i, j).cwiseAbs().maxCoeff();
+      const double off =
+          (found.element(i, j) - wanted.element(i, j)).cwiseAbs().maxCoeff();
+      if (size > 0.0) largest = std::max(largest, off / size);
+      EXPECT_LE(off, size * (named->accuracy->largest_differences[i] + 1e-9));
+    }
+  }
+  EXPECT_NEAR(result["state_space"]["largest_difference"], largest, 1e-6);
+  EXPECT_LE(result["state_space"]["error_bound"].get<double>(), 0.01);
+  EXPECT_THAT(Content(example.out + "/report.html"),
+              HasSubstr("discrete state-space model"));
 }
 
 TEST(MleCorrectTest, TheArxModelHasTheStepResponsesOfTheProcessModel) {
@@ -422,8 +453,9 @@ TEST(MleCorrectTest, ChecksumsAndFlagsTieTheResultToItsInputs) {
 TEST(MleCorrectTest, NothingThatIsWrittenIsNotANumber) {
   const HeaterExample example(WithHalvedGain(), {"--lost_probability=0.3"});
   example.Run();
-  for (const char* const file : {"result.json", "arx.json", "model.json",
-                                 "fopdt.json", "step_response.csv"}) {
+  for (const char* const file :
+       {"result.json", "arx.json", "state_space.json", "model.json",
+        "fopdt.json", "step_response.csv"}) {
     const std::string content = Content(example.out + "/" + file);
     EXPECT_THAT(content, Not(HasSubstr("nan"))) << file;
     EXPECT_THAT(content, Not(HasSubstr("inf,"))) << file;

@@ -86,6 +86,10 @@ def check_commands(folder):
         check("result", out / "result.json")
         check_version("mle_correct", out / "result.json")
         check("arx", out / "arx.json")
+        if read(out / "result.json")["state_space"]["written"]:
+            check("state_space", out / "state_space.json")
+        elif estimator == "structured":
+            faults.append(f"{out}: no state_space.json")
         check("process_model", out / "fopdt.json")
         check("process_model", out / "model.json")
     out = folder / "reproduction"
