@@ -48,8 +48,12 @@ class MatrixPolynomial {
     coefficients_.conservativeResize(Eigen::NoChange, n);
   }
   MatrixXcd operator()(const VectorXcd& powers) const {
-    const VectorXcd value =
-        coefficients_.cast<Complex>().lazyProduct(powers.head(degree()));
+    Eigen::Matrix<double, Eigen::Dynamic, 2> parts(degree(), 2);
+    parts << powers.head(degree()).real(), powers.head(degree()).imag();
+    const Eigen::Matrix<double, Eigen::Dynamic, 2> sums = coefficients_ * parts;
+    VectorXcd value(sums.rows());
+    value.real() = sums.col(0);
+    value.imag() = sums.col(1);
     return value.reshaped(rows_, value.size() / rows_);
   }
 

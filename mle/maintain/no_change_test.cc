@@ -14,6 +14,8 @@
 namespace mle {
 namespace {
 
+constexpr int kDegreesOfReplicates = 12;
+constexpr int kFewestReplicates = 3;
 constexpr double kNever = 1e-300;
 
 // Sines of the lines' size with amplitudes and phases of their own.
@@ -79,6 +81,12 @@ std::vector<Record> DrawRecords(const std::vector<Record>& windows,
   return drawn;
 }
 
+int ReplicatesFor(const NullCalibrationOptions& calibration, int degrees) {
+  const int enough =
+      (calibration.replicates * kDegreesOfReplicates + degrees - 1) / degrees;
+  return std::min(calibration.replicates, std::max(enough, kFewestReplicates));
+}
+
 }  // namespace
 
 absl::Status NullCalibrationOptions::Validate() const {
@@ -106,6 +114,7 @@ absl::StatusOr<NullCalibration> CalibrateTest(
           options.false_alarm_probability) {
     return result;
   }
+  const int replicates = ReplicatesFor(calibration, degrees);
   std::vector<Eigen::MatrixXd> responses;
   for (const Record& window : windows) {
     MLE_ASSIGN_OR_RETURN(
@@ -116,11 +125,10 @@ absl::StatusOr<NullCalibration> CalibrateTest(
   StructuredOptions one = options;
   one.threads = 1;
   one.false_alarm_probability = kNever;  // the statistic alone is wanted
-  Stage simulating(progress, "calibrating the test of no change",
-                   calibration.replicates);
-  std::vector<absl::Status> status(calibration.replicates);
-  std::vector<double> statistics(calibration.replicates);
-  ParallelFor(calibration.replicates, options.threads, [&](int b) {
+  Stage simulating(progress, "calibrating the test of no change", replicates);
+  std::vector<absl::Status> status(replicates);
+  std::vector<double> statistics(replicates);
+  ParallelFor(replicates, options.threads, [&](int b) {
     if (simulating.cancelled()) return;
     const absl::StatusOr<StructuredCorrection> fit = CorrectStructure(
         initial,
@@ -132,12 +140,12 @@ absl::StatusOr<NullCalibration> CalibrateTest(
   });
   MLE_RETURN_IF_ERROR(simulating.status());
   double sum = 0.0;
-  for (int b = 0; b < calibration.replicates; ++b) {
+  for (int b = 0; b < replicates; ++b) {
     MLE_RETURN_IF_ERROR(status[b]);
     sum += statistics[b];
   }
-  result.replicates = calibration.replicates;
-  result.factor = std::max(1.0, sum / calibration.replicates / degrees);
+  result.replicates = replicates;
+  result.factor = std::max(1.0, sum / replicates / degrees);
   result.p_value = ChiSquareTail(test.statistic / result.factor, degrees);
   return result;
 }

@@ -35,8 +35,10 @@ struct NullCalibration {
 };
 
 struct NullCalibrationOptions {
-  int replicates = 12;  // ≥ 1
-  double doubt = 4.0;   // c up to it is thought possible, ≥ 1
+  // ≥ 1; of a plant with more than 12 degrees of freedom fewer, at least 3, so
+  // that the mean is of as many degrees.
+  int replicates = 12;
+  double doubt = 4.0;  // c up to it is thought possible, ≥ 1
   std::uint64_t seed = 1;
 
   absl::Status Validate() const;

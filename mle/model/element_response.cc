@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 #include <vector>
 
 #include "Eigen/LU"
@@ -63,6 +64,81 @@ TransferFunction ElementResponse::ToTransferFunction(
                           stretched(initial_.denominator()), values.delay);
 }
 
+namespace {
+
+// Free responses are 0 once they are below this share of their first values.
+constexpr double kForgotten = 1e-100;
+
+// Calls `with` with the order as a constant where it is small: the recursions
+// then have no sizes to look up.
+template <typename With>
+void WithOrder(Eigen::Index order, const With& with) {
+  if (order == 1) return with(std::integral_constant<int, 1>());
+  if (order == 2) return with(std::integral_constant<int, 2>());
+  if (order == 3) return with(std::integral_constant<int, 3>());
+  with(std::integral_constant<int, Eigen::Dynamic>());
+}
+
+// `state` (x, T ∂x/∂T) runs over the inputs.
+template <int kStates, int kOrder>
+void RunOver(const SampleMap& map, const Eigen::RowVectorXd& C,
+             const Eigen::RowVectorXd& slope, double slope_by_input,
+             const VectorXd& start, int whole, double past_input,
+             const Eigen::Ref<const VectorXd>& inputs,
+             Eigen::Ref<MatrixXd> columns) {
+  using State = Eigen::Matrix<double, kStates, 1>;
+  using Row = Eigen::Matrix<double, 1, kOrder>;
+  const Eigen::Index r = C.size();
+  const Eigen::Matrix<double, kStates, kStates> E = map.E;
+  const State by_older = map.older;
+  const State by_newer = map.newer;
+  const Row output = C;
+  const Row slope_by_state = slope;
+  State state = start;
+  State move = start;
+  double older = past_input;  // u_{k−q−1}
+  for (Eigen::Index k = 0; k < inputs.size(); ++k) {
+    const auto x = state.head(Eigen::fix<kOrder>(static_cast<int>(r)));
+    columns(k, 0) = output.dot(x);
+    columns(k, 1) =
+        output.dot(state.tail(Eigen::fix<kOrder>(static_cast<int>(r))));
+    columns(k, 2) = slope_by_state.dot(x) + slope_by_input * older;
+    const double newer = k >= whole ? inputs(k - whole) : past_input;
+    move.setZero();
+    move.noalias() += E * state;
+    move += by_older * older + by_newer * newer;
+    state += move;
+    older = newer;
+  }
+}
+
+template <int kOrder>
+void RunFree(const MatrixXd& A, const MatrixXd& E, const Eigen::RowVectorXd& C,
+             double duration, Eigen::Ref<MatrixXd> columns,
+             Eigen::Ref<MatrixXd> derivatives) {
+  using Row = Eigen::Matrix<double, 1, kOrder>;
+  const Eigen::Matrix<double, kOrder, kOrder> rate = A;
+  const Eigen::Matrix<double, kOrder, kOrder> change = E;
+  const double forgotten = kForgotten * C.norm();
+  Row output = C;
+  Row next = C;
+  for (Eigen::Index k = 0; k < columns.rows(); ++k) {
+    if (output.cwiseAbs().maxCoeff() < forgotten) {
+      const Eigen::Index rest = columns.rows() - k;
+      columns.bottomRows(rest).setZero();
+      derivatives.bottomRows(rest).setZero();
+      return;
+    }
+    columns.row(k) = output;
+    next.noalias() = output * rate;
+    derivatives.row(k) = -static_cast<double>(k) * duration * next;
+    next.noalias() = output * change;
+    output += next;
+  }
+}
+
+}  // namespace
+
 void ElementResponse::Simulate(double time_scale, double sample_time,
                                SampledDelay delay,
                                const Eigen::Ref<const VectorXd>& inputs,
@@ -80,25 +156,15 @@ void ElementResponse::Simulate(double time_scale, double sample_time,
   n << B_, -B_;
   const double duration = sample_time / time_scale;
   const SampleMap map = SampleMap::Over(duration, delay.fraction, M, n);
-  const Eigen::RowVectorXd slope_by_state = -C_ * A_ / time_scale;
-  const double slope_by_input = -C_.dot(B_) / time_scale;
-
-  VectorXd state = VectorXd::Zero(2 * r);
-  state.head(r) = -A_.partialPivLu().solve(B_) * past_input;
-  VectorXd move(2 * r);
-  double older = past_input;  // u_{k−q−1}
-  for (Eigen::Index k = 0; k < inputs.size(); ++k) {
-    columns(k, 0) = C_.dot(state.head(r));
-    columns(k, 1) = C_.dot(state.tail(r));
-    columns(k, 2) = slope_by_state.dot(state.head(r)) + slope_by_input * older;
-    const double newer =
-        k >= delay.whole ? inputs(k - delay.whole) : past_input;
-    move.setZero();
-    move.noalias() += map.E * state;
-    move += map.older * older + map.newer * newer;
-    state += move;
-    older = newer;
-  }
+  VectorXd start = VectorXd::Zero(2 * r);
+  start.head(r) = -A_.partialPivLu().solve(B_) * past_input;
+  WithOrder(r, [&](auto order) {
+    constexpr int kOrder = decltype(order)::value;
+    constexpr int kStates = kOrder == Eigen::Dynamic ? kOrder : 2 * kOrder;
+    RunOver<kStates, kOrder>(map, C_, -C_ * A_ / time_scale,
+                             -C_.dot(B_) / time_scale, start, delay.whole,
+                             past_input, inputs, columns);
+  });
 }
 
 void ElementResponse::FreeResponses(double time_scale, double sample_time,
@@ -107,12 +173,9 @@ void ElementResponse::FreeResponses(double time_scale, double sample_time,
   CHECK_EQ(columns.cols(), order());
   const double duration = sample_time / time_scale;
   const MatrixXd E = HeldInputMap::Over(duration, A_, B_).E;
-  Eigen::RowVectorXd output = C_;
-  for (Eigen::Index k = 0; k < columns.rows(); ++k) {
-    columns.row(k) = output;
-    derivatives.row(k) = -static_cast<double>(k) * duration * (output * A_);
-    output += (output * E).eval();
-  }
+  WithOrder(order(), [&](auto order) {
+    RunFree<decltype(order)::value>(A_, E, C_, duration, columns, derivatives);
+  });
 }
 
 }  // namespace mle

@@ -21,12 +21,14 @@ namespace mle {
 double LinePrice(const OutputErrorProblem& problem);
 double StepPrice(const OutputErrorProblem& problem);
 
-// By how much −2 ln L falls beyond its price where a general response to the
-// inputs (sums over ranges of lags) is added to what `without` has: what the
-// model lacks is no disturbance. `best`: the likeliest shape with columns of
-// each segment besides.
+// By how much −2 ln L falls beyond its price where responses to the inputs are
+// added to what `without` has: sums over ranges of lags, or for each element
+// those with other time scales at `point`, which is what its shape may lack;
+// the larger. What the model lacks is no disturbance. `best`: the likeliest
+// shape with columns of each segment besides.
 double GainOfInputs(
-    const OutputErrorProblem& problem, const Profile& without,
+    const OutputErrorProblem& problem, const OutputPoint& point,
+    const Profile& without,
     const std::function<Profile(const std::vector<Eigen::MatrixXd>&)>& best);
 
 // Lines and steps added to `problem` one by one (at most three lines, and three

@@ -176,10 +176,10 @@ std::optional<FoundPeriod> FindPeriod(const OutputErrorProblem& problem,
   const double gain = PricedValue(problem, without) -
                       PricedValue(problem, with) - LinePrice(problem);
   if (!(gain > 0.0)) return std::nullopt;
-  const double of_inputs =
-      GainOfInputs(problem, without, [&](const std::vector<MatrixXd>& more) {
-        return best(likelihood.Shared(more));
-      });
+  const double of_inputs = GainOfInputs(problem, fit.point, without,
+                                        [&](const std::vector<MatrixXd>& more) {
+                                          return best(likelihood.Shared(more));
+                                        });
   if (!(gain > of_inputs)) return std::nullopt;
   return FoundPeriod{.period = 1.0 / frequency, .gain = gain};
 }

@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <utility>
 #include <vector>
 
 #include "Eigen/QR"
+#include "boost/math/tools/minima.hpp"
 #include "mle/nonlinear/colour_search.h"
 
 namespace mle {
@@ -18,8 +21,11 @@ using Eigen::VectorXd;
 // 10⁵ samples, above it white noise is none. σ has the same.
 const double kMinLogRatio = std::log(1e-10);
 const double kMaxLogRatio = std::log(1e6);
-constexpr double kGridStep = 1.0;
-constexpr double kTolerance = 1e-3;
+constexpr double kGridStep = 1.0;    // of possible ratios
+constexpr double kSearchStep = 2.0;  // of the search for the best
+// Of ln ρ in its interval, about 1e-3; the search's steps.
+constexpr int kSearchBits = 10;
+constexpr std::uintmax_t kMaxSearchSteps = 32;
 
 // Beforehand every √ρ is as likely as any other: what of it is nearest to a
 // value of the grid, as a share of √ρ there; and below the smallest, of that.
@@ -171,30 +177,20 @@ Profile AtLogRatio(const ShapeLikelihood& likelihood, double log_ratio) {
   return likelihood.At({.ratio = std::exp(log_ratio)});
 }
 
-// Golden-section search between two values of ln ρ.
+// Brent's search between two values of ln ρ.
 Profile SearchBetween(const ShapeLikelihood& likelihood, double low,
                       double high) {
-  const double golden = 0.5 * (std::sqrt(5.0) - 1.0);
-  double left = high - golden * (high - low);
-  double right = low + golden * (high - low);
-  Profile at_left = AtLogRatio(likelihood, left);
-  Profile at_right = AtLogRatio(likelihood, right);
-  while (high - low > kTolerance) {
-    if (at_left.value < at_right.value) {
-      high = right;
-      right = left;
-      at_right = at_left;
-      left = high - golden * (high - low);
-      at_left = AtLogRatio(likelihood, left);
-    } else {
-      low = left;
-      left = right;
-      at_left = at_right;
-      right = low + golden * (high - low);
-      at_right = AtLogRatio(likelihood, right);
-    }
-  }
-  return at_left.value < at_right.value ? at_left : at_right;
+  Profile best;
+  best.value = std::numeric_limits<double>::infinity();
+  std::uintmax_t evaluations = kMaxSearchSteps;
+  boost::math::tools::brent_find_minima(
+      [&](double log_ratio) {
+        const Profile profile = AtLogRatio(likelihood, log_ratio);
+        if (profile.value < best.value) best = profile;
+        return profile.value;
+      },
+      low, high, kSearchBits, evaluations);
+  return best;
 }
 
 // Over all ρ, without colour.
@@ -202,7 +198,7 @@ Profile FindBestRatio(const ShapeLikelihood& likelihood) {
   Profile best = likelihood.At(NoiseShape());
   double best_log = kMinLogRatio;
   for (double log_ratio = kMinLogRatio; log_ratio <= kMaxLogRatio;
-       log_ratio += kGridStep) {
+       log_ratio += kSearchStep) {
     const Profile profile = AtLogRatio(likelihood, log_ratio);
     if (profile.value < best.value) {
       best = profile;
@@ -210,7 +206,7 @@ Profile FindBestRatio(const ShapeLikelihood& likelihood) {
     }
   }
   const Profile inner =
-      SearchBetween(likelihood, best_log - kGridStep, best_log + kGridStep);
+      SearchBetween(likelihood, best_log - kSearchStep, best_log + kSearchStep);
   return inner.value < best.value ? inner : best;
 }
 

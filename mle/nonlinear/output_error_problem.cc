@@ -4,46 +4,14 @@
 #include <cmath>
 #include <utility>
 
-#include "Eigen/QR"
 #include "glog/logging.h"
+#include "mle/nonlinear/amplitude_fit.h"
 
 namespace mle {
 namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-// Amplitudes whose modes are closer to each other than this are one.
-constexpr double kRankTolerance = 1e-9;
-
-using AmplitudeQr = Eigen::ColPivHouseholderQR<MatrixXd>;
-
-AmplitudeQr Factorise(const MatrixXd& amplitudes) {
-  const VectorXd norms = amplitudes.colwise().norm().cwiseMax(1e-300);
-  AmplitudeQr qr;
-  qr.setThreshold(kRankTolerance);
-  qr.compute(amplitudes * norms.cwiseInverse().asDiagonal());
-  return qr;
-}
-
-// The shortest amplitudes that fit best: modes that are one (equal time
-// constants) share, where a solve by pivots would blow them up against each
-// other.
-VectorXd FitAmplitudes(const MatrixXd& amplitudes, const VectorXd& residuals) {
-  const VectorXd inverse_norms =
-      amplitudes.colwise().norm().cwiseMax(1e-300).cwiseInverse();
-  Eigen::CompleteOrthogonalDecomposition<MatrixXd> decomposition;
-  decomposition.setThreshold(kRankTolerance);
-  decomposition.compute(amplitudes * inverse_norms.asDiagonal());
-  return inverse_norms.cwiseProduct(decomposition.solve(residuals));
-}
-
-// Rotated so that the amplitudes span the first rows, which become 0.
-void ProjectOut(const AmplitudeQr& qr, Eigen::Ref<MatrixXd> columns) {
-  const Eigen::Index rank = qr.rank();
-  columns.applyOnTheLeft(qr.householderQ().setLength(rank).adjoint());
-  columns.topRows(rank).setZero();
-}
 
 }  // namespace
 
@@ -130,29 +98,36 @@ bool OutputErrorProblem::IsExcited(int input) const {
   return false;
 }
 
-void OutputErrorProblem::Amplitudes(int s, const OutputPoint& point,
-                                    MatrixXd& columns,
-                                    MatrixXd& derivatives) const {
-  const Segment& segment = segments_[s];
+void OutputErrorProblem::AppendModes(const Segment& segment,
+                                     const OutputPoint& point, int j,
+                                     MatrixXd& columns,
+                                     MatrixXd& derivatives) const {
   const int first = segment.times.front();
   const int length = segment.times.back() - first + 1;
   const Eigen::Index rows = segment.outputs.size();
-  columns.resize(rows, num_modes_);
-  derivatives.resize(rows, num_modes_);
-  Eigen::Index column = 0;
+  const int r = elements_[j]->order();
+  MatrixXd modes(length, r);
+  MatrixXd by_time_scale(length, r);
+  elements_[j]->FreeResponses(point.values[j].time_scale, sample_time_, modes,
+                              by_time_scale);
+  const Eigen::Index before = columns.cols();
+  columns.conservativeResize(rows, before + r);
+  derivatives.conservativeResize(rows, before + r);
+  for (Eigen::Index row = 0; row < rows; ++row) {
+    const int k = segment.times[row] - first;
+    columns.row(row).tail(r) = modes.row(k);
+    derivatives.row(row).tail(r) = by_time_scale.row(k);
+  }
+}
+
+void OutputErrorProblem::Amplitudes(int s, const OutputPoint& point,
+                                    MatrixXd& columns,
+                                    MatrixXd& derivatives) const {
+  columns.resize(segments_[s].outputs.size(), 0);
+  derivatives.resize(segments_[s].outputs.size(), 0);
   for (int j = 0; j < num_elements(); ++j) {
     if (!elements_[j].has_value()) continue;
-    const int r = elements_[j]->order();
-    MatrixXd modes(length, r);
-    MatrixXd by_time_scale(length, r);
-    elements_[j]->FreeResponses(point.values[j].time_scale, sample_time_, modes,
-                                by_time_scale);
-    for (Eigen::Index row = 0; row < rows; ++row) {
-      const int k = segment.times[row] - first;
-      columns.block(row, column, 1, r) = modes.row(k);
-      derivatives.block(row, column, 1, r) = by_time_scale.row(k);
-    }
-    column += r;
+    AppendModes(segments_[s], point, j, columns, derivatives);
   }
   AppendDisturbances(s, columns);
 }
@@ -163,6 +138,7 @@ void OutputErrorProblem::Respond(const Segment& segment,
   const ElementValues& values = point.values[j];
   const double fraction =
       std::clamp(values.delay / sample_time_ - point.cells[j], 0.0, 1.0);
+  response.resize(segment.inputs.rows(), 3);
   elements_[j]->Simulate(values.time_scale, sample_time_,
                          {point.cells[j], fraction}, segment.inputs.col(j),
                          segment.inputs(0, j), response);
@@ -178,7 +154,7 @@ std::vector<SegmentColumns> OutputErrorProblem::Linearise(
     const Eigen::Index rows = segment.outputs.size();
     columns.residuals = segment.outputs;
     if (with_jacobian) columns.jacobian.setZero(rows, 3 * num_elements());
-    MatrixXd response(segment.inputs.rows(), 3);
+    MatrixXd response;
     for (int j = 0; j < num_elements(); ++j) {
       if (!elements_[j].has_value()) continue;
       const ElementValues& values = point.values[j];
@@ -211,58 +187,46 @@ std::vector<SegmentColumns> OutputErrorProblem::Linearise(
   return all;
 }
 
+WhitenedColumns OutputErrorProblem::WhitenSegment(
+    int s, const SegmentColumns& columns, const NoiseShape& shape) const {
+  const Eigen::Index width = columns.jacobian.cols();
+  const Eigen::Index free = columns.amplitudes.cols();
+  MatrixXd whitened(columns.residuals.size(), 1 + width + free);
+  whitened.col(0) = columns.residuals;
+  if (width > 0) whitened.middleCols(1, width) = columns.jacobian;
+  whitened.rightCols(free) = columns.amplitudes;
+  const InnovationsFilter filter(segments_[s].times, shape,
+                                 segments_[s].weights);
+  filter.Apply(whitened);
+  WhitenedColumns result;
+  result.log_determinant = filter.log_determinant();
+  if (free > 0) {
+    const AmplitudeFit amplitudes(whitened.rightCols(free));
+    amplitudes.TakeOut(whitened.leftCols(1 + width));
+    // The modes' own sizes count: they depend on the ratio.
+    result.log_amplitudes = amplitudes.LogDeterminant();
+    result.num_amplitudes = static_cast<int>(amplitudes.rank());
+  }
+  result.residuals = whitened.col(0);
+  result.jacobian = whitened.middleCols(1, width);
+  return result;
+}
+
 WhitenedColumns OutputErrorProblem::Whiten(
     const std::vector<SegmentColumns>& columns, const NoiseShape& shape) const {
-  return WhitenRows(columns, shape, /*in_time=*/false);
-}
-
-WhitenedColumns OutputErrorProblem::WhitenInTime(
-    const std::vector<SegmentColumns>& columns, const NoiseShape& shape) const {
-  return WhitenRows(columns, shape, /*in_time=*/true);
-}
-
-WhitenedColumns OutputErrorProblem::WhitenRows(
-    const std::vector<SegmentColumns>& columns, const NoiseShape& shape,
-    bool in_time) const {
-  const Eigen::Index total = num_samples_;
-  const Eigen::Index width =
-      columns.empty() ? 0 : columns.front().jacobian.cols();
   WhitenedColumns result;
-  result.residuals.resize(total);
-  result.jacobian.resize(total, width);
+  result.residuals.resize(num_samples_);
+  result.jacobian.resize(num_samples_,
+                         columns.empty() ? 0 : columns.front().jacobian.cols());
   Eigen::Index begin = 0;
-  for (std::size_t s = 0; s < segments_.size(); ++s) {
-    const Eigen::Index rows = columns[s].residuals.size();
-    const Eigen::Index free = columns[s].amplitudes.cols();
-    MatrixXd whitened(rows, 1 + width + free);
-    whitened.col(0) = columns[s].residuals;
-    if (width > 0) whitened.middleCols(1, width) = columns[s].jacobian;
-    whitened.rightCols(free) = columns[s].amplitudes;
-    const InnovationsFilter filter(segments_[s].times, shape,
-                                   segments_[s].weights);
-    filter.Apply(whitened);
-    if (free > 0) {
-      const AmplitudeQr qr = Factorise(whitened.rightCols(free));
-      ProjectOut(qr, whitened.leftCols(1 + width));
-      if (in_time) {
-        whitened.leftCols(1 + width).applyOnTheLeft(
-            qr.householderQ().setLength(qr.rank()));
-      }
-      // The modes' own sizes count: they depend on the ratio.
-      const VectorXd norms =
-          whitened.rightCols(free).colwise().norm().cwiseMax(1e-300);
-      for (Eigen::Index i = 0; i < qr.rank(); ++i) {
-        result.log_amplitudes +=
-            2.0 * std::log(std::abs(qr.matrixQR()(i, i)) *
-                           norms(qr.colsPermutation().indices()(i)));
-      }
-      result.num_amplitudes += static_cast<int>(qr.rank());
-    }
-    result.residuals.segment(begin, rows) = whitened.col(0);
-    if (width > 0) {
-      result.jacobian.middleRows(begin, rows) = whitened.middleCols(1, width);
-    }
-    result.log_determinant += filter.log_determinant();
+  for (int s = 0; s < num_segments(); ++s) {
+    const WhitenedColumns of = WhitenSegment(s, columns[s], shape);
+    const Eigen::Index rows = of.residuals.size();
+    result.residuals.segment(begin, rows) = of.residuals;
+    result.jacobian.middleRows(begin, rows) = of.jacobian;
+    result.log_determinant += of.log_determinant;
+    result.log_amplitudes += of.log_amplitudes;
+    result.num_amplitudes += of.num_amplitudes;
     begin += rows;
   }
   return result;
@@ -324,7 +288,7 @@ VectorXd OutputErrorProblem::AmplitudesOf(int segment,
   whitened << columns.residuals, columns.amplitudes;
   InnovationsFilter(segments_[segment].times, shape, segments_[segment].weights)
       .Apply(whitened);
-  return FitAmplitudes(whitened.rightCols(free), whitened.col(0));
+  return AmplitudeFit(whitened.rightCols(free)).Solve(whitened.col(0));
 }
 
 std::vector<MatrixXd> OutputErrorProblem::LagSums(
@@ -398,7 +362,7 @@ MatrixXd OutputErrorProblem::Dictionary(
     MatrixXd derivatives;
     Amplitudes(s, point, amplitudes, derivatives);
     filter.Apply(amplitudes);
-    if (amplitudes.cols() > 0) ProjectOut(Factorise(amplitudes), columns);
+    if (amplitudes.cols() > 0) AmplitudeFit(amplitudes).TakeOut(columns);
     dictionary.middleRows(begin, rows) = columns;
     begin += rows;
   }

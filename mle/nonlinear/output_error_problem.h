@@ -21,6 +21,7 @@
 #ifndef MLE_NONLINEAR_OUTPUT_ERROR_PROBLEM_H_
 #define MLE_NONLINEAR_OUTPUT_ERROR_PROBLEM_H_
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -83,6 +84,15 @@ class OutputErrorProblem {
  public:
   using Elements = std::vector<std::optional<ElementResponse>>;  // m
 
+  struct Segment {
+    int record = 0;
+    double start_time = 0.0;
+    Eigen::MatrixXd inputs;  // N × m
+    std::vector<int> times;  // samples that count
+    Eigen::VectorXd outputs;
+    Eigen::VectorXd weights;  // empty: ones
+  };
+
   // `skip`: samples left out at the begin of a segment. Segments of fewer than
   // `min_rows` usable samples are not used.
   OutputErrorProblem(Elements elements, const std::vector<Record>& records,
@@ -90,12 +100,18 @@ class OutputErrorProblem {
 
   const Elements& elements() const { return elements_; }
   int num_elements() const { return static_cast<int>(elements_.size()); }  // m
+  int num_elements_present() const {
+    return static_cast<int>(
+        std::count_if(elements_.begin(), elements_.end(),
+                      [](const auto& element) { return element.has_value(); }));
+  }
   int num_segments() const { return static_cast<int>(segments_.size()); }
   double sample_time() const { return sample_time_; }
   int num_samples() const { return num_samples_; }
   const std::vector<int>& times(int segment) const {
     return segments_[segment].times;
   }
+  const Segment& segment(int s) const { return segments_[s]; }
   int shortest_segment() const;  // its samples that count; 0 without segments
 
   // Weights ω_k > 0 of the samples of all segments in turn: the variance of
@@ -141,16 +157,25 @@ class OutputErrorProblem {
   std::vector<SegmentColumns> Linearise(const OutputPoint& point,
                                         const NoiseShape& shape,
                                         bool with_jacobian) const;
+  // The columns of ElementResponse::Simulate() for element j at `point`, a row
+  // for each sample of the segment's inputs.
+  void Respond(const Segment& segment, const OutputPoint& point, int j,
+               Eigen::MatrixXd& response) const;
+  // Appends the free responses of element j (rows × r_j) and their derivatives
+  // by its ln T; the columns of lines and steps.
+  void AppendModes(const Segment& segment, const OutputPoint& point, int j,
+                   Eigen::MatrixXd& columns,
+                   Eigen::MatrixXd& derivatives) const;
+  void AppendDisturbances(int segment, Eigen::MatrixXd& columns) const;
   // In place of the derivative by each dead time L, the secant over L ± steps
   // (of every element; 0: unchanged).
   void TakeSecants(const OutputPoint& point, const std::vector<double>& steps,
                    std::vector<SegmentColumns>& columns) const;
-  // The rows are rotated, those that the amplitudes take up are zero.
+  // Rows are samples.
   WhitenedColumns Whiten(const std::vector<SegmentColumns>& columns,
                          const NoiseShape& shape) const;
-  // The same in the order of time: a row is a sample.
-  WhitenedColumns WhitenInTime(const std::vector<SegmentColumns>& columns,
-                               const NoiseShape& shape) const;
+  WhitenedColumns WhitenSegment(int s, const SegmentColumns& columns,
+                                const NoiseShape& shape) const;
 
   // The residuals of the whole model at `point`, sample by sample: less the
   // amplitudes' part, the offset and the smoothed random walk.
@@ -174,26 +199,10 @@ class OutputErrorProblem {
                              const std::vector<std::vector<int>>& delays) const;
 
  private:
-  struct Segment {
-    int record = 0;
-    double start_time = 0.0;
-    Eigen::MatrixXd inputs;  // N × m
-    std::vector<int> times;  // samples that count
-    Eigen::VectorXd outputs;
-    Eigen::VectorXd weights;  // empty: ones
-  };
-
-  WhitenedColumns WhitenRows(const std::vector<SegmentColumns>& columns,
-                             const NoiseShape& shape, bool in_time) const;
-  // The columns of ElementResponse::Simulate() for element j at `point` (N ×
-  // 3).
-  void Respond(const Segment& segment, const OutputPoint& point, int j,
-               Eigen::MatrixXd& response) const;
   // rows × (Σ r_j + 2 lines + steps), and the derivatives of the first Σ r_j by
   // the ln T of their element.
   void Amplitudes(int segment, const OutputPoint& point,
                   Eigen::MatrixXd& columns, Eigen::MatrixXd& derivatives) const;
-  void AppendDisturbances(int segment, Eigen::MatrixXd& columns) const;
   // Of least squares under noise of `shape`.
   Eigen::VectorXd AmplitudesOf(int segment, const SegmentColumns& columns,
                                const NoiseShape& shape) const;

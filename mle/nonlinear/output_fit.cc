@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "ceres/ceres.h"
 #include "glog/logging.h"
@@ -20,6 +21,7 @@ constexpr int kMaxGridPoints = 64;
 constexpr int kMaxNoiseRounds = 8;
 constexpr int kMaxSearchRounds = 5;
 constexpr int kMaxCellMoves = 100;
+constexpr int kMaxHoldRounds = 8;
 // Weights of a robust loss are done where none moves by more than this.
 constexpr int kMaxRobustRounds = 30;
 constexpr double kWeightTolerance = 1e-3;
@@ -30,6 +32,13 @@ constexpr double kShapeTolerance = 0.02;
 constexpr double kCellTolerance = 1e-7;
 // A move of an input has an effect for dead time + this many time scales.
 constexpr double kMemoryTimeScales = 5.0;
+
+// What a search may move.
+struct Search {
+  bool within_cells = false;  // dead times within their samples
+  bool exact = false;
+  std::vector<bool> held = {};  // dead times that stay; empty: none
+};
 
 class Fitter {
  public:
@@ -51,8 +60,8 @@ class Fitter {
             std::clamp(factor * point.values[j].time_scale,
                        bounds_.min_time_scales[j], bounds_.max_time_scales[j]);
       }
-      point = Search(point, shape).point;
-      const double cost = Solve(point, shape, /*within_cells=*/false);
+      point = SearchDelaysFrom(point, shape).point;
+      const double cost = Solve(point, shape);
       if (cost < best_cost) {
         best_cost = cost;
         best = point;
@@ -61,7 +70,8 @@ class Fitter {
     return best;
   }
 
-  DelaySearchResult Search(const OutputPoint& point, const NoiseShape& shape) {
+  DelaySearchResult SearchDelaysFrom(const OutputPoint& point,
+                                     const NoiseShape& shape) {
     ++certificate_.grid_searches;
     return SearchDelays(problem_, point, shape, free_, bounds_.max_delays,
                         kMaxGridPoints);
@@ -69,13 +79,12 @@ class Fitter {
 
   // Step 2: all dead times, then sample by sample. Returns the cost.
   double Refine(OutputPoint& point, const NoiseShape& shape) {
-    Solve(point, shape, /*within_cells=*/false);
-    point.SetCells(problem_.sample_time());
-    double cost = Solve(point, shape, /*within_cells=*/true);
+    Solve(point, shape);
+    double cost = SolveWithinCells(point, shape);
     for (int move = 0; move < kMaxCellMoves; ++move) {
       OutputPoint moved = point;
       if (!MoveCells(moved, shape)) break;
-      const double moved_cost = Solve(moved, shape, /*within_cells=*/true);
+      const double moved_cost = SolveWithinCells(moved, shape);
       if (!(moved_cost < cost * (1.0 - 1e-12))) break;
       cost = moved_cost;
       point = moved;
@@ -117,15 +126,58 @@ class Fitter {
   }
 
  private:
-  // Levenberg–Marquardt from and to `point`; returns the cost.
-  double Solve(OutputPoint& point, const NoiseShape& shape, bool within_cells) {
-    std::vector<int> present;
+  // Within the samples that the dead times lie in. Those whose cost falls
+  // beyond an end of their sample stay there: steps projected on bounds would
+  // only creep towards the optimum of the others.
+  double SolveWithinCells(OutputPoint& point, const NoiseShape& shape) {
+    std::vector<bool> held(free_.size(), false);
+    double cost = Solve(point, shape, {.within_cells = true});
+    for (int round = 0; round < kMaxHoldRounds; ++round) {
+      const std::vector<bool> former = held;
+      held = AtEnds(point, shape);
+      if (round > 0 && held == former) break;
+      cost = Solve(point, shape,
+                   {.within_cells = true, .exact = true, .held = held});
+    }
+    return cost;
+  }
+
+  // The dead times at an end of their sample beyond which the cost falls.
+  std::vector<bool> AtEnds(const OutputPoint& point,
+                           const NoiseShape& shape) const {
+    const WhitenedColumns whitened =
+        problem_.Whiten(problem_.Linearise(point, shape, true), shape);
+    std::vector<bool> ends(free_.size(), false);
     for (int j = 0; j < problem_.num_elements(); ++j) {
-      if (problem_.elements()[j].has_value()) present.push_back(j);
+      if (!free_[j]) continue;
+      const auto [low, high] = DelaysOf(point, j);
+      const double near = kCellTolerance * problem_.sample_time();
+      const double slope =
+          whitened.jacobian.col(3 * j + 2).dot(whitened.residuals);
+      ends[j] = (point.values[j].delay < low + near && slope >= 0.0) ||
+                (point.values[j].delay > high - near && slope <= 0.0);
+    }
+    return ends;
+  }
+
+  // Of the sample that the dead time lies in, within its bounds.
+  std::pair<double, double> DelaysOf(const OutputPoint& point, int j) const {
+    const double sample_time = problem_.sample_time();
+    return {
+        point.cells[j] * sample_time,
+        std::min(bounds_.max_delays[j], (point.cells[j] + 1) * sample_time)};
+  }
+
+  // Levenberg–Marquardt from and to `point`; returns the cost.
+  double Solve(OutputPoint& point, const NoiseShape& shape,
+               const Search& search = {}) {
+    std::vector<int> moved;
+    for (int j = 0; j < problem_.num_elements(); ++j) {
+      if (problem_.elements()[j].has_value() && free_[j]) moved.push_back(j);
     }
     std::vector<std::array<double, 3>> x;
-    x.reserve(present.size());
-    for (const int j : present) {
+    x.reserve(moved.size());
+    for (const int j : moved) {
       const ElementValues& v = point.values[j];
       x.push_back({v.gain, std::log(v.time_scale), v.delay});
     }
@@ -133,17 +185,21 @@ class Fitter {
     for (auto& block : x) blocks.push_back(block.data());
     ceres::Problem problem;
     problem.AddResidualBlock(
-        MakeOutputCost(problem_, point, shape, within_cells).release(), nullptr,
-        blocks);
-    for (std::size_t b = 0; b < present.size(); ++b) {
-      SetBounds(point, present[b], within_cells, blocks[b], problem);
+        MakeOutputCost(problem_, point, free_, shape, search.within_cells)
+            .release(),
+        nullptr, blocks);
+    for (std::size_t b = 0; b < moved.size(); ++b) {
+      SetBounds(point, moved[b], search, blocks[b], problem);
     }
     ceres::Solver::Options options;
     options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
     options.max_num_iterations = options_.max_iterations;
-    options.function_tolerance = within_cells ? 1e-13 : 1e-8;
-    options.parameter_tolerance = within_cells ? 1e-11 : 1e-8;
+    options.function_tolerance = search.exact ? 1e-13 : 1e-8;
+    options.parameter_tolerance = search.exact ? 1e-11 : 1e-8;
     options.gradient_tolerance = 0.0;
+    // Steps are projected on the bounds; a search along each, which Ceres makes
+    // besides where there are bounds, takes more evaluations than it saves.
+    options.max_num_line_search_step_size_iterations = 0;
     options.logging_type = ceres::SILENT;
     ceres::Solver::Summary summary;
     ceres::Solve(options, &problem, &summary);
@@ -162,37 +218,32 @@ class Fitter {
         certificate_.termination = FitTermination::kFailed;
         return kInfinity;
     }
-    for (std::size_t b = 0; b < present.size(); ++b) {
-      if (!free_[present[b]]) continue;
-      point.values[present[b]] = {x[b][0], std::exp(x[b][1]), x[b][2]};
+    for (std::size_t b = 0; b < moved.size(); ++b) {
+      point.values[moved[b]] = {x[b][0], std::exp(x[b][1]), x[b][2]};
     }
-    if (!within_cells) point.SetCells(problem_.sample_time());
+    if (!search.within_cells) point.SetCells(problem_.sample_time());
     return summary.final_cost;
   }
 
-  void SetBounds(const OutputPoint& point, int j, bool within_cells,
+  void SetBounds(const OutputPoint& point, int j, const Search& search,
                  double* block, ceres::Problem& problem) const {
-    if (!free_[j]) {
-      problem.SetParameterBlockConstant(block);
-      return;
-    }
     const double sample_time = problem_.sample_time();
-    double low = 0.0;
-    double high = bounds_.max_delays[j];
-    if (within_cells) {
-      low = point.cells[j] * sample_time;
-      high = std::min(high, (point.cells[j] + 1) * sample_time);
-    }
+    const auto [low, high] = search.within_cells
+                                 ? DelaysOf(point, j)
+                                 : std::pair(0.0, bounds_.max_delays[j]);
     // Ceres wants an interval, and a start inside it.
-    high = std::max(high, low + 1e-9 * sample_time);
+    const double end = std::max(high, low + 1e-9 * sample_time);
     const double min_log = std::log(bounds_.min_time_scales[j]);
     const double max_log = std::log(bounds_.max_time_scales[j]);
     block[1] = std::clamp(block[1], min_log, max_log);
-    block[2] = std::clamp(block[2], low, high);
+    block[2] = std::clamp(block[2], low, end);
     problem.SetParameterLowerBound(block, 1, min_log);
     problem.SetParameterUpperBound(block, 1, max_log);
     problem.SetParameterLowerBound(block, 2, low);
-    problem.SetParameterUpperBound(block, 2, high);
+    problem.SetParameterUpperBound(block, 2, end);
+    if (!search.held.empty() && search.held[j]) {
+      problem.SetManifold(block, new ceres::SubsetManifold(3, {2}));
+    }
   }
 
   // Takes each dead time at an end of its sample into the next one if the cost
@@ -266,7 +317,7 @@ void Finish(const OutputErrorProblem& problem, const StructuredOptions& options,
       if (again > 0 && SameShape(former, fit.noise)) break;
     }
     const DelaySearchResult search =
-        fitter.Search(fit.point, ShapeOf(fit.noise));
+        fitter.SearchDelaysFrom(fit.point, ShapeOf(fit.noise));
     certificate.search_confirmed =
         !(search.cost < cost * (1.0 - 1e-9) - search.cost_accuracy);
     if (certificate.search_confirmed) break;

@@ -76,7 +76,7 @@ SerialInflation InflationOf(const OutputErrorProblem& problem,
   longest = std::min(
       longest, static_cast<int>(kMaxLagShare * problem.shortest_segment()));
   if (kept.empty() || longest < 1) return inflation;
-  const WhitenedColumns whitened = problem.WhitenInTime(columns, shape);
+  const WhitenedColumns whitened = problem.Whiten(columns, shape);
   // X: orthonormal columns that span J, then e less what they explain.
   MatrixXd J = whitened.jacobian(Eigen::all, kept);
   const VectorXd norms = J.colwise().norm().cwiseMax(1e-300);
@@ -96,8 +96,7 @@ SerialInflation InflationOf(const OutputErrorProblem& problem,
   MatrixXd resting;
   if (problem.at_rest() != nullptr) {
     const OutputErrorProblem& rest = *problem.at_rest();
-    resting =
-        rest.WhitenInTime(rest.Linearise(point, shape, false), shape).residuals;
+    resting = rest.Whiten(rest.Linearise(point, shape, false), shape).residuals;
     squares += resting.squaredNorm();
     n += rest.num_innovations(shape);
   }

@@ -65,6 +65,7 @@ class StepSearch {
         fit_(fit),
         shape_(ShapeOf(fit.noise)),
         columns_(problem.Linearise(fit.point, shape_, true)),
+        basis_(Basis()),
         lags_(Lags(problem, fit.point)) {}
 
   const std::vector<double>& lags() const { return lags_; }
@@ -83,7 +84,7 @@ class StepSearch {
       for (const double lag : lags_) {
         if (rows <= 2 * kMargin) continue;
         const VectorXd scores = Scores(times, lag, u.segment(begin, rows));
-        const VectorXd squares = Variances(s, lag);
+        const VectorXd squares = Variances(s, begin, lag);
         for (Eigen::Index row = kMargin; row < rows - kMargin; ++row) {
           const double chi_square =
               scores(row) * scores(row) /
@@ -179,8 +180,21 @@ class StepSearch {
     return columns;
   }
 
-  // Of the scores of a segment, over r: from some places to all.
-  VectorXd Variances(int segment, double lag) const {
+  // Of the whitened columns of the free parameters (N × rank).
+  MatrixXd Basis() const {
+    const MatrixXd fitted =
+        problem_.Whiten(columns_, shape_).jacobian(Eigen::all, Free());
+    if (fitted.cols() == 0) return fitted;
+    const VectorXd norms = fitted.colwise().norm().cwiseMax(1e-300);
+    Eigen::ColPivHouseholderQR<MatrixXd> qr;
+    qr.setThreshold(kRankTolerance);
+    qr.compute(fitted * norms.cwiseInverse().asDiagonal());
+    return qr.householderQ() * MatrixXd::Identity(fitted.rows(), qr.rank());
+  }
+
+  // Of the scores of a segment whose rows begin at `begin`, over r: from some
+  // places to all.
+  VectorXd Variances(int segment, Eigen::Index begin, double lag) const {
     const std::vector<int>& times = problem_.times(segment);
     const auto rows = static_cast<Eigen::Index>(times.size());
     const Eigen::Index last = rows - kMargin;
@@ -191,54 +205,44 @@ class StepSearch {
       places.push_back(row);
     }
     if (places.back() != last - 1) places.push_back(last - 1);
-    std::vector<SegmentColumns> columns = columns_;
-    const Eigen::Index width = columns_.front().jacobian.cols();
-    const auto count = static_cast<Eigen::Index>(places.size());
-    for (int s = 0; s < problem_.num_segments(); ++s) {
-      MatrixXd& jacobian = columns[s].jacobian;
-      jacobian.conservativeResize(Eigen::NoChange, width + count);
-      jacobian.rightCols(count).setZero();
-    }
-    for (Eigen::Index i = 0; i < count; ++i) {
-      MatrixXd column;
+    SegmentColumns columns = {.residuals = columns_[segment].residuals,
+                              .jacobian = MatrixXd(rows, 0),
+                              .amplitudes = columns_[segment].amplitudes};
+    for (const Eigen::Index place : places) {
       AppendStep(times,
-                 {.segment = segment, .sample = times[places[i]], .lag = lag},
-                 column);
-      columns[segment].jacobian.col(width + i) = column;
+                 {.segment = segment, .sample = times[place], .lag = lag},
+                 columns.jacobian);
     }
-    const VectorXd squares = WithoutFitted(columns, width);
+    const VectorXd squares = WithoutFitted(segment, begin, columns);
     VectorXd all = VectorXd::Zero(rows);
-    for (Eigen::Index i = 0; i + 1 < count; ++i) {
+    for (std::size_t i = 0; i + 1 < places.size(); ++i) {
       const Eigen::Index from = places[i];
       const Eigen::Index to = places[i + 1];
+      const auto at = static_cast<Eigen::Index>(i);
       for (Eigen::Index row = from; row <= to; ++row) {
         const double part =
             static_cast<double>(row - from) / static_cast<double>(to - from);
-        all(row) = (1.0 - part) * squares(i) + part * squares(i + 1);
+        all(row) = (1.0 - part) * squares(at) + part * squares(at + 1);
       }
     }
     return all;
   }
 
-  // Squares of the whitened columns from `width` on, without what the free
+  // Squares of the whitened columns of a segment without what the free
   // parameters explain.
-  VectorXd WithoutFitted(const std::vector<SegmentColumns>& columns,
-                         Eigen::Index width) const {
-    const MatrixXd whitened = problem_.Whiten(columns, shape_).jacobian;
-    const std::vector<int> kept = Free();
-    const MatrixXd steps = whitened.rightCols(whitened.cols() - width);
-    VectorXd squares = steps.colwise().squaredNorm();
-    if (kept.empty()) return squares;
-    const MatrixXd fitted = whitened(Eigen::all, kept);
-    const VectorXd norms = fitted.colwise().norm().cwiseMax(1e-300);
-    Eigen::ColPivHouseholderQR<MatrixXd> qr;
-    qr.setThreshold(kRankTolerance);
-    qr.compute(fitted * norms.cwiseInverse().asDiagonal());
-    const MatrixXd rotated =
-        qr.householderQ().setLength(qr.rank()).adjoint() * steps;
-    squares -= rotated.topRows(qr.rank()).colwise().squaredNorm().transpose();
-    // What the parameters explain but for rounding is no step.
+  VectorXd WithoutFitted(int segment, Eigen::Index begin,
+                         const SegmentColumns& columns) const {
+    const MatrixXd steps =
+        problem_.WhitenSegment(segment, columns, shape_).jacobian;
     const VectorXd whole = steps.colwise().squaredNorm();
+    VectorXd squares = whole;
+    if (basis_.cols() > 0) {
+      squares -= (basis_.middleRows(begin, steps.rows()).transpose() * steps)
+                     .colwise()
+                     .squaredNorm()
+                     .transpose();
+    }
+    // What the parameters explain but for rounding is no step.
     for (Eigen::Index i = 0; i < squares.size(); ++i) {
       if (!(squares(i) > 1e-6 * whole(i))) squares(i) = 1e300;
     }
@@ -249,6 +253,7 @@ class StepSearch {
   const OutputFit& fit_;
   NoiseShape shape_;
   std::vector<SegmentColumns> columns_;
+  MatrixXd basis_;
   std::vector<double> lags_;
 };
 
@@ -280,7 +285,8 @@ std::optional<FoundStep> FindStep(const OutputErrorProblem& problem,
   const double gain = PricedValue(problem, without) -
                       PricedValue(problem, with) - StepPrice(problem);
   if (!(gain > 0.0)) return std::nullopt;
-  if (!(gain > GainOfInputs(problem, without, best))) return std::nullopt;
+  if (!(gain > GainOfInputs(problem, fit.point, without, best)))
+    return std::nullopt;
   return FoundStep{.step = step, .gain = gain};
 }
 

@@ -129,18 +129,19 @@ absl::StatusOr<OutputSetup> SetUpOutput(const ProcessModel& model, int i,
     }
   }
   const int innovations = setup.problem->num_innovations(NoiseShape());
-  if (num_parameters > 0 && innovations < 2 * num_parameters + kMinRows) {
-    return absl::InvalidArgumentError(absl::StrCat(
+  const int needed = 2 * num_parameters + kMinRows;
+  if (num_parameters > 0 && innovations < needed) {
+    setup.samples = absl::InvalidArgumentError(absl::StrCat(
         "structured correction: output \"", model.outputs()[i].name, "\" has ",
         innovations, " usable samples after the first ", skip,
         " of each record (the longest dead time allowed), too few for ",
-        num_parameters, " parameters; at least ", 2 * num_parameters + kMinRows,
-        " are needed"));
+        num_parameters, " parameters; at least ", needed, " are needed"));
   }
   setup.informed.resize(m);
   for (int j = 0; j < m; ++j) {
-    setup.informed[j] =
-        setup.problem->elements()[j].has_value() && setup.problem->IsExcited(j);
+    setup.informed[j] = setup.samples.ok() &&
+                        setup.problem->elements()[j].has_value() &&
+                        setup.problem->IsExcited(j);
   }
   return setup;
 }
@@ -191,6 +192,14 @@ absl::StatusOr<std::vector<OutputSetup>> SetUpOutputs(
                          SetUpOutput(model, i, records, options));
     setups.push_back(std::move(setup));
   }
+  // What one output lacks does not keep the others from an answer.
+  absl::Status lacking;
+  for (const OutputSetup& setup : setups) {
+    if (setup.problem->num_elements_present() == 0) continue;
+    if (setup.samples.ok()) return setups;
+    if (lacking.ok()) lacking = setup.samples;
+  }
+  MLE_RETURN_IF_ERROR(lacking);
   return setups;
 }
 

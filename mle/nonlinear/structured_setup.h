@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "mle/nonlinear/output_error_problem.h"
 #include "mle/nonlinear/output_fit.h"
@@ -18,10 +19,13 @@ struct OutputSetup {
   std::unique_ptr<OutputErrorProblem> problem;
   OutputPoint start;  // the model's values
   OutputFitBounds bounds;
-  std::vector<bool> informed;  // m: the element is present and its input moves
+  // m: the element is present, its input moves, and `samples` is OK.
+  std::vector<bool> informed;
+  absl::Status samples;  // whether they are enough for the elements
 };
 
-// One for each output; errors as of CorrectStructure().
+// One for each output; errors as of CorrectStructure(). Too few samples are an
+// error where no output has enough.
 absl::StatusOr<std::vector<OutputSetup>> SetUpOutputs(
     const ProcessModel& model, const std::vector<Record>& records,
     const StructuredOptions& options);

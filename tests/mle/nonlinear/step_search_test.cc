@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <random>
 #include <vector>
 
 #include "gtest/gtest.h"
@@ -139,6 +140,32 @@ TEST(StepSearchTest, AResponseToTheInputsIsNoStep) {
   ASSERT_TRUE(found.has_value());
   // The dead time is two samples.
   EXPECT_NEAR(found->step.sample, 402, 6);
+}
+
+// What a fit of first order leaves of an element of second order is a step
+// behind a lag, not far from where the input moved; few moves show that it is
+// none.
+TEST(StepSearchTest, AnElementOfSecondOrderHasNoSteps) {
+  ProcessModel plant = TwoElements();
+  plant.element(0, 0) =
+      TransferFunction({2.0}, {2.0 * 3.0, 2.0 + 3.0, 1.0}, 1.0);
+  for (unsigned seed = 1; seed <= 4; ++seed) {
+    auto records = Records({.variance = 1e-4}, seed);
+    for (std::size_t r = 0; r < records.size(); ++r) {
+      Record& record = records[r];
+      auto second = sim::Plant::Create(plant, {.sample_time = 0.5});
+      ASSERT_TRUE(second.ok());
+      std::mt19937_64 engine(seed + 10 * r);
+      std::normal_distribution<double> normal;
+      for (int k = 0; k < 800; ++k) {
+        record.inputs.col(k) << (r == 0 && k >= 200 ? 1.0 : 0.0),
+            (r == 1 && k >= 300 ? 1.0 : 0.0);
+        record.outputs(0, k) = second->outputs()(0) + 0.01 * normal(engine);
+        second->Advance(record.inputs.col(k));
+      }
+    }
+    EXPECT_TRUE(Correct(records).full.noise[0].steps.empty()) << seed;
+  }
 }
 
 }  // namespace

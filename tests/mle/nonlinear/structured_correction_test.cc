@@ -185,7 +185,7 @@ TEST(StructuredCorrectionTest, EqualTimeConstantsAreDetermined) {
 // A solve that Ceres does not end at an optimum says so in Ceres' own words.
 TEST(StructuredCorrectionTest, CeresWordsArePassedOn) {
   const auto correction = Correct(
-      TwoElements(), MakeRecords(AgedPlant(), 300, 6, {.variance = 0.01}),
+      TwoElements(), MakeRecords(AgedPlant(), 300, 6, {.variance = 1e-12}),
       {.max_iterations = 1});
   const FitCertificate& certificate = correction.full.certificates[0];
   EXPECT_EQ(certificate.termination, FitTermination::kIterationLimit);
@@ -221,6 +221,32 @@ TEST(StructuredCorrectionTest, SaysWhatIsWrong) {
       std::string(
           ComputeStructuredLimit(model, records, {}, {}).status().message()),
       HasSubstr("noise is given for 0 outputs"));
+}
+
+TEST(StructuredCorrectionTest, AnOutputWithFewSamplesDoesNotStopTheOthers) {
+  ProcessModel model = MakeModel(2, 2);
+  for (int j = 0; j < 2; ++j) {
+    model.element(0, j) = TwoElements().element(0, j);
+    model.element(1, j) = TwoElements().element(0, j);
+  }
+  ProcessModel plant = model;
+  plant.element(0, 0) = AgedPlant().element(0, 0);
+  plant.element(1, 0) = AgedPlant().element(0, 0);
+  auto records = MakeRecords(plant, 300, 6, {.variance = 0.01});
+  for (Record& record : records) {
+    record.outputs.row(1).tail(270).setConstant(
+        std::numeric_limits<double>::quiet_NaN());
+  }
+  const auto correction = Correct(model, records, {});
+  EXPECT_NEAR(correction.full.element(0, 0).gain.value,
+              plant.element(0, 0).StaticGain(), 0.05);
+  EXPECT_EQ(correction.full.element(1, 0).state, ElementState::kNotInformed);
+  for (Record& record : records) {
+    record.outputs.row(0).tail(270).setConstant(
+        std::numeric_limits<double>::quiet_NaN());
+  }
+  EXPECT_THAT(CorrectStructure(model, records, {}).status().message(),
+              HasSubstr("\"y0\" has 0 usable samples"));
 }
 
 TEST(StructuredOptionsTest, ValidateNamesTheField) {
