@@ -17,7 +17,7 @@ namespace {
 // A value for all files, or one for each of them.
 TextValue ForEachFile(
     std::vector<ClockOptions>* clocks, std::string text,
-    std::function<absl::Status(const std::string&, ClockOptions&)> set) {
+    const std::function<absl::Status(const std::string&, ClockOptions&)>& set) {
   TextValue value;
   value.text = std::move(text);
   value.read = [=](const std::string& given, const NumberRange&) {
