@@ -33,7 +33,7 @@ records, step tests, and the perfect model. Same plant, set points and noise for
   mle_lifecycle --model=configs/wood_berry.json --ageing=configs/wood_berry_ageing.json \
       --years=5 --change_every=30d --out=lifecycle
   mle_lifecycle … --ageing_rates=0.25,0.5,1,2 \
-      --policies=never,structured:1,structured:6,test:6,test:24,perfect
+      --policies=never,output_error:1,output_error:6,test:6,test:24,perfect
 
 An interrupted run resumes when it is started again with the same flags. Other
 prices need no new simulation. Exit codes: 0 done, 1 stopped, or ran

@@ -21,7 +21,7 @@ int main(int argc, char** argv) {
       windows.push_back(mle::SelectOutput(window, i));
     }
     mle::CorrectOptions options;
-    options.estimation.estimator = mle::Estimator::kStructured;
+    options.estimation.estimator = mle::Estimator::kOutputError;
     const auto result = mle::CorrectFromData(
         mle::SelectOutput(*model, i), mle::UseAsWindows(windows), options);
     if (!result.ok()) {

@@ -34,41 +34,41 @@ TextValue Solver(EstimationOptions& options) {
 }  // namespace
 
 std::vector<Option> OptionsOf(EstimationOptions& options) {
-  StructuredOptions& structured = options.structured;
+  OutputErrorOptions& output_error = options.output_error;
   ConversionSettings& conversion = options.conversion;
   return {
       {"estimator",
        OneOf<Estimator>(&options.estimator,
-                        {{"structured", Estimator::kStructured,
+                        {{"output_error", Estimator::kOutputError,
                           "gains, time constants and dead times of the model's "
                           "elements"},
                          {"arx", Estimator::kArx,
                           "any shape of response, by regularised regression"},
                          {"combined", Estimator::kCombined,
-                          "structured, and what shapes of responses the "
+                          "output_error, and what shapes of responses the "
                           "structure lacks where the records speak for it"}}),
        "Estimator of the corrected model."},
-      {"false_alarm_probability", &structured.false_alarm_probability,
+      {"false_alarm_probability", &output_error.false_alarm_probability,
        "Probability of a false alarm of all tests of no change together, and "
        "of "
        "naming an element that has not changed.",
        "", kProbability},
-      {"confidence", &structured.confidence,
+      {"confidence", &output_error.confidence,
        "Confidence level of the intervals.", "", kProbability},
-      {"drift", &structured.estimate_drift,
+      {"drift", &output_error.estimate_drift,
        "The noise may drift (a random walk in the outputs); the size of the "
        "drift is estimated."},
       {"max_time_constant_factor",
-       &structured.max_time_scale_factor,
+       &output_error.max_time_scale_factor,
        "Largest factor by which a time constant may differ from the model's.",
        "",
        {.min = 1.0, .open_min = true}},
-      {"max_delay", ZeroForInfinity(&structured.max_delay),
+      {"max_delay", ZeroForInfinity(&output_error.max_delay),
        "Largest dead time of the search; 0: twice the model's dead time plus "
        "its time constant.",
        "min", kNotNegative},
       {"robust",
-       OneOf<RobustLoss>(&structured.robust_loss,
+       OneOf<RobustLoss>(&output_error.robust_loss,
                          {{"none", RobustLoss::kNone, "squares"},
                           {"huber", RobustLoss::kHuber, ""},
                           {"cauchy", RobustLoss::kCauchy, ""}}),

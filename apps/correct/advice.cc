@@ -163,7 +163,7 @@ void AddWhatTheModelLacks(const Result& result,
   advice.push_back(absl::StrCat(
       "The residuals still depend on inputs (", absl::StrJoin(pairs, ", "),
       "): dynamics, a disturbance or a valve limit is missing in the model.",
-      result.options.estimation.estimator == Estimator::kStructured
+      result.options.estimation.estimator == Estimator::kOutputError
           ? " --estimator=arx can fit any shape of response; compare the fits "
             "on held-out data."
           : ""));

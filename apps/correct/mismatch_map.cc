@@ -45,17 +45,18 @@ std::vector<std::string> Changes(const ElementEstimate& element,
 
 std::vector<std::string> DescribeMismatch(const Result& result, int output,
                                           int input) {
-  const StructuredCorrection& structured = result.estimate.fit.structured;
-  const ElementEstimate& full = structured.full.element(output, input);
+  const OutputErrorCorrection& output_error = result.estimate.fit.output_error;
+  const ElementEstimate& full = output_error.full.element(output, input);
   const PairState state = result.information.pair(output, input).state;
   if (state == PairState::kAbsent) return {"–"};
   if (full.state == ElementState::kNotInformed) return {"kept", "not informed"};
   const bool by_structure = result.corrected.process.has_value();
   std::vector<std::string> lines;
-  if (!result.accepted() || (by_structure && !structured.aged(output, input))) {
+  if (!result.accepted() ||
+      (by_structure && !output_error.aged(output, input))) {
     lines.emplace_back("kept");
   } else if (by_structure) {
-    lines = Changes(structured.corrected.element(output, input),
+    lines = Changes(output_error.corrected.element(output, input),
                     result.initial.time_unit());
   } else {
     lines.push_back(absl::StrCat(
@@ -65,7 +66,7 @@ std::vector<std::string> DescribeMismatch(const Result& result, int output,
   }
   if (by_structure && full.state == ElementState::kFitted) {
     const std::string p =
-        report::ShortProbability(structured.element_p_values(output, input));
+        report::ShortProbability(output_error.element_p_values(output, input));
     lines.push_back(p.front() == '<' ? absl::StrCat("p ", p)
                                      : absl::StrCat("p = ", p));
   }

@@ -68,7 +68,7 @@ std::vector<Curve> CurvesOf(const Result& result) {
 
 double BandFactor(const Result& result) {
   return StudentTwoSidedQuantile(
-      1.0 - result.options.estimation.structured.confidence,
+      1.0 - result.options.estimation.output_error.confidence,
       std::numeric_limits<double>::infinity());
 }
 

@@ -123,9 +123,9 @@ Json NoiseJson(const NoiseEstimate& estimate, const std::string& output,
 
 Json ElementJson(const Result& result, int i, int j) {
   const ProcessModel& model = result.initial;
-  const StructuredCorrection& structured = result.estimate.fit.structured;
-  const ElementEstimate& full = structured.full.element(i, j);
-  const ElementEstimate& corrected = structured.corrected.element(i, j);
+  const OutputErrorCorrection& output_error = result.estimate.fit.output_error;
+  const ElementEstimate& full = output_error.full.element(i, j);
+  const ElementEstimate& corrected = output_error.corrected.element(i, j);
   const bool structural = result.corrected.process.has_value();
   Json json = {{"output", model.outputs()[i].name},
                {"input", model.inputs()[j].name},
@@ -134,8 +134,8 @@ Json ElementJson(const Result& result, int i, int j) {
                 std::string(NameOf(result.information.pair(i, j).state))}};
   if (full.state == ElementState::kFitted) {
     json["expected_relative_gain_error"] = result.information.pair(i, j).gain;
-    json["p_value"] = structured.element_p_values(i, j);
-    json["aged"] = static_cast<bool>(structured.aged(i, j));
+    json["p_value"] = output_error.element_p_values(i, j);
+    json["aged"] = static_cast<bool>(output_error.aged(i, j));
   }
   if (ProposesShape(result.estimate, i)) {
     const ElementPosterior& shape =
@@ -289,7 +289,7 @@ const char* TerminationName(FitTermination termination) {
 
 Json CertificateJson(const Result& result) {
   Json fits = Json::array();
-  const StructuredFit& fit = result.estimate.fit.structured.corrected;
+  const OutputErrorFit& fit = result.estimate.fit.output_error.corrected;
   for (std::size_t i = 0; i < fit.certificates.size(); ++i) {
     const FitCertificate& certificate = fit.certificates[i];
     fits.push_back({{"output", result.initial.outputs()[i].name},
@@ -303,7 +303,7 @@ Json CertificateJson(const Result& result) {
                     {"search_confirmed", certificate.search_confirmed},
                     {"at_bound", certificate.at_bound}});
   }
-  return {{"structured", std::move(fits)},
+  return {{"output_error", std::move(fits)},
           {"max_relative_duality_gap", result.corrected.max_relative_gap}};
 }
 
@@ -311,7 +311,7 @@ Json CertificateJson(const Result& result) {
 
 void AddFindings(const Result& result, Json& json) {
   const NullCalibration& calibrated = result.estimate.fit.test;
-  const StructuredCorrection& test = result.estimate.fit.structured;
+  const OutputErrorCorrection& test = result.estimate.fit.output_error;
   const ProcessModel& model = result.initial;
   json["estimator"] = std::string(NameOf(result.options.estimation.estimator));
   json["decision"] = std::string(NameOf(result.decision));
@@ -326,7 +326,7 @@ void AddFindings(const Result& result, Json& json) {
       {"statistic", test.statistic},
       {"degrees_of_freedom", test.degrees_of_freedom},
       {"false_alarm_probability",
-       result.options.estimation.structured.false_alarm_probability},
+       result.options.estimation.output_error.false_alarm_probability},
       {"change_proposed", result.estimate.fit.change_proposed}};
   Json elements = Json::array();
   for (int i = 0; i < model.num_outputs(); ++i) {

@@ -52,13 +52,13 @@ std::string WithError(double value, double error) {
 
 Table ParameterTable(const Result& result) {
   const ProcessModel& model = result.initial;
-  const StructuredCorrection& structured = result.estimate.fit.structured;
+  const OutputErrorCorrection& output_error = result.estimate.fit.output_error;
   const bool shown = result.accepted() && result.corrected.process.has_value();
   Table table;
   table.caption = absl::StrCat(
       "Elements, with ",
-      FormatSignificant(100.0 * result.options.estimation.structured.confidence,
-                        3),
+      FormatSignificant(
+          100.0 * result.options.estimation.output_error.confidence, 3),
       " % intervals; times in ", model.time_unit());
   table.columns = {{"element", Align::kLeft},
                    {"value", Align::kLeft},
@@ -69,11 +69,11 @@ Table ParameterTable(const Result& result) {
                    {"records", Align::kLeft}};
   for (int i = 0; i < model.num_outputs(); ++i) {
     for (int j = 0; j < model.num_inputs(); ++j) {
-      const ElementEstimate& full = structured.full.element(i, j);
-      const ElementEstimate& written = structured.corrected.element(i, j);
+      const ElementEstimate& full = output_error.full.element(i, j);
+      const ElementEstimate& written = output_error.corrected.element(i, j);
       if (full.state == ElementState::kAbsent) continue;
       const bool fitted = full.state == ElementState::kFitted;
-      const bool changed = shown && structured.aged(i, j);
+      const bool changed = shown && output_error.aged(i, j);
       const struct {
         const char* name;
         const ParameterEstimate& full;
@@ -92,7 +92,7 @@ Table ParameterTable(const Result& result) {
                  ? FormatSignificant(row.full.initial, 4)
                  : "–",
              first && fitted
-                 ? FormatProbability(structured.element_p_values(i, j))
+                 ? FormatProbability(output_error.element_p_values(i, j))
                  : "",
              first ? std::string(NameOf(result.information.pair(i, j).state))
                    : ""});
@@ -249,9 +249,9 @@ Table NoiseTable(const Result& result) {
 }
 
 Table CertificateTable(const Result& result) {
-  const StructuredFit& fit = result.estimate.fit.structured.corrected;
+  const OutputErrorFit& fit = result.estimate.fit.output_error.corrected;
   Table table;
-  table.caption = "Certificate of the structured fits";
+  table.caption = "Certificate of the output-error fits";
   table.columns = {{"output", Align::kLeft},
                    {"step to the optimum (standard deviations)"},
                    {"rank"},

@@ -38,7 +38,7 @@ std::string WithInterval(const ParameterEstimate& estimate) {
 
 // How closely the records confirm the gains, and which they do not.
 std::string Confirmation(const Result& result) {
-  const StructuredFit& full = result.estimate.fit.structured.full;
+  const OutputErrorFit& full = result.estimate.fit.output_error.full;
   const ProcessModel& model = result.initial;
   double largest = 0.0;
   int confirmed = 0;
@@ -66,7 +66,7 @@ std::string Confirmation(const Result& result) {
             : absl::StrCat("They determine ", confirmed, " gains within ± "),
         FormatSignificant(100.0 * largest, 2), " % (",
         FormatSignificant(
-            100.0 * result.options.estimation.structured.confidence, 3),
+            100.0 * result.options.estimation.output_error.confidence, 3),
         " % intervals)");
   }
   if (!unknown.empty()) {
@@ -79,7 +79,7 @@ std::string Confirmation(const Result& result) {
 
 bool HasChanged(const Result& result, int output, int input) {
   return result.corrected.process.has_value()
-             ? result.estimate.fit.structured.aged(output, input)
+             ? result.estimate.fit.output_error.aged(output, input)
              : result.change.elements(output, input) > kNoticedChange;
 }
 
@@ -230,14 +230,14 @@ void AddElement(const ElementEstimate& element, const std::string& pair,
 
 void AddChangedElements(const Result& result, std::vector<Finding>& findings) {
   const ProcessModel& model = result.initial;
-  const StructuredCorrection& structured = result.estimate.fit.structured;
+  const OutputErrorCorrection& output_error = result.estimate.fit.output_error;
   for (int i = 0; i < model.num_outputs(); ++i) {
     for (int j = 0; j < model.num_inputs(); ++j) {
       if (!HasChanged(result, i, j)) continue;
       const std::string pair = PairName(model, i, j);
       if (result.corrected.process.has_value()) {
-        AddElement(structured.corrected.element(i, j), pair, model.time_unit(),
-                   findings);
+        AddElement(output_error.corrected.element(i, j), pair,
+                   model.time_unit(), findings);
         continue;
       }
       const double change = 100.0 * result.change.elements(i, j);
@@ -254,7 +254,7 @@ void AddInadequacy(const Result& result, std::vector<Finding>& findings) {
   if (!fit.adequacy.has_value() || fit.adequacy->adequate) return;
   const std::vector<bool> wrong = WrongOutputs(
       *fit.adequacy,
-      result.options.estimation.structured.false_alarm_probability);
+      result.options.estimation.output_error.false_alarm_probability);
   std::vector<std::string> names;
   for (int i = 0; i < result.initial.num_outputs(); ++i) {
     if (wrong[i]) names.push_back(result.initial.outputs()[i].name);

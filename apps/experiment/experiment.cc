@@ -63,7 +63,7 @@ EstimationOptions Experiment::EstimationOf(const Method& method) {
   estimation.estimator = *method.estimator;
   estimation.change_test = method.change_test;
   estimation.solve_by_ceres = method.solve_by_ceres;
-  estimation.structured = StructuredOptionsFor(options_.windows.robust);
+  estimation.output_error = OutputErrorOptionsFor(options_.windows.robust);
   estimation.calibration.seed = seed_;
   // The noise is known, the initial model converted once.
   estimation.converter =
@@ -158,7 +158,7 @@ double Experiment::ComputeLimit() const {
     noise[i].offset = noise[i].ratio > 0.0;
   }
   const auto limit =
-      ComputeStructuredLimit(plant_, windows_, noise, StructuredOptions());
+      ComputeOutputErrorLimit(plant_, windows_, noise, OutputErrorOptions());
   if (!limit.ok()) return 0.0;
   const double E =
       limit->ExpectedSquaredDistance(options_.sample_time, truth_.samples());

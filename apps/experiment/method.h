@@ -7,7 +7,7 @@
 //
 //   arx:none           the paper's method
 //   arx:adequacy       the same, if the inputs explain part of the residuals
-//   structured:none    every element free
+//   output_error:none    every element free
 //   combined           as of mle_correct
 
 #ifndef APPS_EXPERIMENT_METHOD_H_
@@ -33,7 +33,7 @@ struct Method {
 
   // Whether selection rules and solvers make a difference.
   bool UsesLambda() const {
-    return estimator.has_value() && *estimator != Estimator::kStructured;
+    return estimator.has_value() && *estimator != Estimator::kOutputError;
   }
   std::string name() const;
 };

@@ -27,7 +27,7 @@ namespace mle::experiment {
 enum class OutlierTreatment {
   kNone,
   kModel,   // marked by a model; for ΔR replaced (output_reconstruction.h)
-  kHuber,   // Huber's loss in the structured correction
+  kHuber,   // Huber's loss in the output-error correction
   kCauchy,  // Cauchy's
 };
 

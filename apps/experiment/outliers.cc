@@ -38,8 +38,8 @@ void AddOutliers(const WindowSpec& spec, double noise_variance,
   }
 }
 
-StructuredOptions StructuredOptionsFor(OutlierTreatment treatment) {
-  StructuredOptions options;
+OutputErrorOptions OutputErrorOptionsFor(OutlierTreatment treatment) {
+  OutputErrorOptions options;
   if (treatment == OutlierTreatment::kHuber) {
     options.robust_loss = RobustLoss::kHuber;
   } else if (treatment == OutlierTreatment::kCauchy) {

@@ -8,7 +8,7 @@
 
 #include "apps/experiment/options.h"
 #include "mle/data/record.h"
-#include "mle/nonlinear/structured_correction.h"
+#include "mle/nonlinear/output_error_correction.h"
 
 namespace mle::experiment {
 
@@ -18,8 +18,8 @@ namespace mle::experiment {
 void AddOutliers(const WindowSpec& spec, double noise_variance,
                  std::uint64_t seed, std::vector<Record>& windows);
 
-// The loss of the structured correction.
-StructuredOptions StructuredOptionsFor(OutlierTreatment treatment);
+// The loss of the output-error correction.
+OutputErrorOptions OutputErrorOptionsFor(OutlierTreatment treatment);
 
 }  // namespace mle::experiment
 

@@ -75,7 +75,7 @@ bool Differs(const TransferFunction& a, const TransferFunction& b) {
 // Whether the elements named as aged are those that differ, and the share of
 // the intervals of all fitted parameters that hold the plant's.
 void AddParameters(const Experiment& experiment,
-                   const StructuredCorrection& structured, Row& row) {
+                   const OutputErrorCorrection& output_error, Row& row) {
   const ProcessModel& initial = experiment.initial();
   const ProcessModel& plant = experiment.plant();
   bool named = true;
@@ -84,9 +84,9 @@ void AddParameters(const Experiment& experiment,
   for (int i = 0; i < plant.num_outputs(); ++i) {
     for (int j = 0; j < plant.num_inputs(); ++j) {
       const auto truth = ParametersOf(plant.element(i, j));
-      named = named && structured.aged(i, j) ==
+      named = named && output_error.aged(i, j) ==
                            Differs(initial.element(i, j), plant.element(i, j));
-      const ElementEstimate& element = structured.full.element(i, j);
+      const ElementEstimate& element = output_error.full.element(i, j);
       if (element.state != ElementState::kFitted || !truth.has_value()) {
         continue;
       }
@@ -141,7 +141,7 @@ Row RowOf(const Outcome& outcome) {
   const std::optional<Estimate>& estimate = evaluation.estimate;
   if (estimate.has_value() &&
       estimate->setting.options.estimator != Estimator::kArx) {
-    AddParameters(experiment, estimate->fit.structured, row);
+    AddParameters(experiment, estimate->fit.output_error, row);
     const double limit = experiment.Limit();
     if (limit > 0.0) row[Metric::kLimitE] = limit;
   }

@@ -29,9 +29,9 @@ constexpr double kDaysPerYear = kHoursPerYear / 24.0;
 Style StyleOfPolicy(const Policy& policy, int member) {
   static const std::map<std::string, Role>* const kColours =
       new std::map<std::string, Role>{
-          {"never", Role::kInitial},        {"perfect", Role::kTrue},
-          {"structured", Role::kCorrected}, {"combined", Role::kFitted},
-          {"arx", Role::kAlternative},      {"test", Role::kUnregularised},
+          {"never", Role::kInitial},          {"perfect", Role::kTrue},
+          {"output_error", Role::kCorrected}, {"combined", Role::kFitted},
+          {"arx", Role::kAlternative},        {"test", Role::kUnregularised},
           {"on_demand", Role::kMeasured}};
   constexpr LineStyle kLines[] = {LineStyle::kSolid, LineStyle::kDashed,
                                   LineStyle::kDotted, LineStyle::kDashDotted};
@@ -65,7 +65,7 @@ double MonthsBetween(const Policy& policy, double change_months) {
 }
 
 MarkerShape MarkerOf(const std::string& family) {
-  if (family == "structured") return MarkerShape::kDisc;
+  if (family == "output_error") return MarkerShape::kDisc;
   if (family == "combined") return MarkerShape::kSquare;
   if (family == "arx") return MarkerShape::kTriangle;
   return MarkerShape::kDiamond;

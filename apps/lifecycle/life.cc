@@ -105,7 +105,7 @@ class Years {
   std::vector<Record> RecordsForCorrection() const {
     std::vector<Record> records;
     const bool thin = options_.forgetting < 1.0 &&
-                      policy_.estimator == Estimator::kStructured;
+                      policy_.estimator == Estimator::kOutputError;
     double share = 1.0;
     for (const Record& window : windows_) {
       if (operation_.now() - window.start_time > options_.window_age) break;

@@ -17,7 +17,7 @@ constexpr NumberRange kThousand = Between(1, 1000);
 TextValue PoliciesOf(Campaign& campaign) {
   TextValue value;
   value.text =
-      "never,structured:1,combined:1,arx:1,test:12,on_demand:0.7,perfect";
+      "never,output_error:1,combined:1,arx:1,test:12,on_demand:0.7,perfect";
   value.read = [&campaign](const std::string& text, const NumberRange&) {
     absl::StatusOr<std::vector<Policy>> policies = ParsePolicies(text);
     if (policies.ok()) campaign.policies = *std::move(policies);
@@ -60,7 +60,8 @@ std::vector<Option> LifeOptionsOf(Request& request) {
        "output.",
        "", kPositive},
       {"policies", PoliciesOf(campaign),
-       "Policies to compare: never; structured:N, combined:N, arx:N (corrected "
+       "Policies to compare: never; output_error:N, combined:N, arx:N "
+       "(corrected "
        "after every N-th set-point change); test:M (a step test every M "
        "months); on_demand:T (a step test when the performance index of a "
        "change falls below T); perfect."},
@@ -139,7 +140,7 @@ std::vector<Option> OptionsOf(LifeOptions& life, Request& request) {
       {"forgetting",
        &life.forgetting,
        "Weight w of the record before the last, w² of that before, …; "
-       "estimator structured only.",
+       "estimator output-error only.",
        "",
        {.min = 0.0, .max = 1.0, .open_min = true}},
       {"calibrate_test", &request.calibrate_test,

@@ -50,7 +50,7 @@ absl::StatusOr<Policy> ParseCorrection(const std::string& part,
 absl::StatusOr<Policy> ParsePolicy(const std::string& part) {
   const std::string kind = part.substr(0, part.find(':'));
   for (const auto estimator :
-       {Estimator::kStructured, Estimator::kCombined, Estimator::kArx}) {
+       {Estimator::kOutputError, Estimator::kCombined, Estimator::kArx}) {
     if (kind == NameOf(estimator)) {
       return ParseCorrection(part, estimator);
     }
@@ -80,7 +80,7 @@ absl::StatusOr<Policy> ParsePolicy(const std::string& part) {
                  "between 0 and 1 is needed: on_demand:0.7");
   }
   return Wrong(part,
-               "known are never, perfect, structured:N, combined:N, "
+               "known are never, perfect, output_error:N, combined:N, "
                "arx:N, test:MONTHS and on_demand:THRESHOLD");
 }
 

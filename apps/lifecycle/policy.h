@@ -3,7 +3,7 @@
 //   never          the model of the commissioning for ever
 //   perfect        the plant's own model at every change, a bound for this
 //                  controller
-//   structured:N, combined:N, arx:N
+//   output_error:N, combined:N, arx:N
 //                  corrected from routine records after every N-th set-point
 //                  change (1 if not given) by that estimator
 //   test:M         a step test every M months (a twelfth of a year)
@@ -25,14 +25,14 @@ namespace mle::lifecycle {
 struct Policy {
   enum class Kind { kNever, kPerfect, kCorrection, kTest, kOnDemand };
   Kind kind = Kind::kNever;
-  Estimator estimator = Estimator::kStructured;
+  Estimator estimator = Estimator::kOutputError;
   int every = 1;           // kCorrection: changes, ≥ 1
   double months = 0.0;     // kTest, > 0
   double threshold = 0.0;  // kOnDemand, in (0, 1)
-  std::string name;        // as it is shown: "structured:3"
+  std::string name;        // as it is shown: "output_error:3"
 
   bool tests() const { return kind == Kind::kTest || kind == Kind::kOnDemand; }
-  // "structured", "test", …
+  // "output_error", "test", …
   std::string family() const { return name.substr(0, name.find(':')); }
 };
 

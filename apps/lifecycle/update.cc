@@ -56,7 +56,7 @@ absl::StatusOr<ModelInUse> MakeModel(const CorrectionResult& result,
   const bool arx = result.options.estimation.estimator == Estimator::kArx;
   ModelInUse model;
   model.process =
-      arx ? result.initial : result.estimate.fit.structured.corrected.model;
+      arx ? result.initial : result.estimate.fit.output_error.corrected.model;
   model.own_response = true;
   model.response = result.corrected.response;
   model.predictor = result.estimate.fit.corrected;

@@ -250,8 +250,8 @@ NamedFigure DistributionFigure(const std::vector<CaseResult>& cases) {
                     OfRuns(result, &RunResult::E_star), panel);
     AddDistribution(Role::kBest, "best λ in hindsight",
                     OfRuns(result, &RunResult::E_oracle), panel);
-    AddDistribution(Role::kFitted, "structured",
-                    OfEstimator(result, "structured"), panel);
+    AddDistribution(Role::kFitted, "output_error",
+                    OfEstimator(result, "output_error"), panel);
     double limit = 0.0;
     for (const RunResult& run : result.runs) {
       limit += run.E_limit / static_cast<double>(result.runs.size());

@@ -50,8 +50,8 @@ void AddEstimators(const std::vector<CaseResult>& cases,
   page.AddParagraph(
       "On the same records. arx: ΔR by the exact engine, unless a test finds "
       "that the initial model explains the records; ceres: the same by "
-      "smoothed L1, first seed only; structured: gains, time constants and "
-      "dead times; combined: structured, and shapes that the structure lacks "
+      "smoothed L1, first seed only; output_error: gains, time constants and "
+      "dead times; combined: output_error, and shapes that the structure lacks "
       "where the records speak for them. The information bound is the E that "
       "no "
       "unbiased estimate of the plant's parameters can beat on average; an "

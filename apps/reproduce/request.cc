@@ -66,8 +66,8 @@ std::vector<Option> MethodOptions(Request& request) {
        "grid."},
       {"estimators", Words(&request.estimators),
        "Estimators to compare on the same records, of arx (ΔR, exact), ceres "
-       "(ΔR by smoothed L1; first seed only), structured (gains, time "
-       "constants, dead times), combined (structured, and shapes that it "
+       "(ΔR by smoothed L1; first seed only), output_error (gains, time "
+       "constants, dead times), combined (output_error, and shapes that it "
        "lacks) and none (the "
        "initial model), each as in mle_correct or with another test of no "
        "change behind a colon, such as arx:adequacy: calibrated, chi_square, "

@@ -27,7 +27,7 @@ struct Request {
   std::uint64_t first_seed = 1;
   double lambda_grid_max = 1e-2;
   double lambda_grid_step = 1e-6;
-  std::vector<std::string> estimators = {"arx", "ceres", "structured",
+  std::vector<std::string> estimators = {"arx", "ceres", "output_error",
                                          "combined"};
   std::vector<std::string> ablations;
   std::string folder = "results";

@@ -133,7 +133,7 @@ absl::Status InformationOptions::Validate() const {
         "information: informed is ", informed, " and weak ", weak,
         "; they must be positive, and the second not below the first"));
   }
-  return structured.Validate();
+  return output_error.Validate();
 }
 
 absl::StatusOr<PairInformation> AssessInformation(
@@ -142,8 +142,8 @@ absl::StatusOr<PairInformation> AssessInformation(
     const InformationOptions& options) {
   MLE_RETURN_IF_ERROR(options.Validate());
   MLE_ASSIGN_OR_RETURN(
-      const StructuredFit limit,
-      ComputeStructuredLimit(model, windows, noise, options.structured));
+      const OutputErrorFit limit,
+      ComputeOutputErrorLimit(model, windows, noise, options.output_error));
   PairInformation information;
   information.num_inputs = model.num_inputs();
   for (int i = 0; i < model.num_outputs(); ++i) {

@@ -1,6 +1,6 @@
 // What records can determine about each pair of output and input, before a
 // correction: the standard error that the best estimate of its gain would have,
-// relative to the gain, by Fisher's information (ComputeStructuredLimit()) at
+// relative to the gain, by Fisher's information (ComputeOutputErrorLimit()) at
 // the model's values, under the outputs' noise and drift, with gain, time scale
 // and dead time of every element free and an offset for each window.
 //
@@ -25,7 +25,7 @@
 #include "absl/status/statusor.h"
 #include "mle/data/record.h"
 #include "mle/model/process_model.h"
-#include "mle/nonlinear/structured_correction.h"
+#include "mle/nonlinear/output_error_correction.h"
 
 namespace mle {
 
@@ -36,7 +36,7 @@ struct InformationOptions {
   double informed = 0.1;
   double weak = 0.5;
   // Bounds of dead times and scales are as in the correction.
-  StructuredOptions structured = {};
+  OutputErrorOptions output_error = {};
 
   absl::Status Validate() const;
 };
@@ -83,7 +83,7 @@ struct PairInformation {
   // A line for each pair and input.
 };
 
-// InvalidArgument as of ComputeStructuredLimit().
+// InvalidArgument as of ComputeOutputErrorLimit().
 absl::StatusOr<PairInformation> AssessInformation(
     const ProcessModel& model, const std::vector<Record>& windows,
     const std::vector<NoiseEstimate>& noise, const InformationOptions& options);

@@ -8,7 +8,7 @@
 //
 //   MLE_ASSIGN_OR_RETURN(const WindowSet set,
 //                        FindWindows(import.records, model, WindowOptions()));
-//   CorrectStructure(model, set.Records(), …);
+//   CorrectByOutputError(model, set.Records(), …);
 
 #ifndef MLE_DATA_SET_POINT_WINDOWS_H_
 #define MLE_DATA_SET_POINT_WINDOWS_H_

@@ -13,7 +13,7 @@ namespace {
 // A step response beyond it has no bound.
 constexpr double kUnbounded = 1e50;
 
-bool AnyFitted(const StructuredFit& fit, int output) {
+bool AnyFitted(const OutputErrorFit& fit, int output) {
   for (int j = 0; j < fit.model.num_inputs(); ++j) {
     if (fit.element(output, j).state == ElementState::kFitted) return true;
   }
@@ -114,7 +114,7 @@ absl::Status CheckResponse(const StepResponse& response) {
 }
 
 void CheckCertificates(CorrectionResult& result) {
-  const StructuredFit& fit = result.estimate.fit.structured.corrected;
+  const OutputErrorFit& fit = result.estimate.fit.output_error.corrected;
   for (int i = 0; i < result.initial.num_outputs(); ++i) {
     if (AnyFitted(fit, i)) {
       CheckOutput(result.initial.outputs()[i].name, fit.certificates[i],

@@ -24,7 +24,7 @@
 #include "mle/data/record.h"
 #include "mle/model/arx_model.h"
 #include "mle/model/process_model.h"
-#include "mle/nonlinear/structured_correction.h"
+#include "mle/nonlinear/output_error_correction.h"
 
 namespace mle {
 

@@ -111,7 +111,7 @@ absl::StatusOr<std::vector<WindowAgreement>> AgreementOf(
       std::vector<WindowAgreement> agreement,
       TestWindowAgreement(result.options.estimation.estimator == Estimator::kArx
                               ? result.initial
-                              : estimate.fit.structured.corrected.model,
+                              : estimate.fit.output_error.corrected.model,
                           windows));
   for (int i = 0; i < result.initial.num_outputs(); ++i) {
     if (ProposesByArx(estimate, i)) agreement[i] = {};
@@ -216,15 +216,15 @@ absl::Status EstimateFromWindows(CorrectionResult& result) {
   }
   const CorrectOptions& options = result.options;
   const EstimationOptions& estimation = options.estimation;
-  if (ShouldLookForOutliers(options.records, estimation.structured,
+  if (ShouldLookForOutliers(options.records, estimation.output_error,
                             result.data)) {
     const Stage stage(options.progress, "looking for outliers");
     MLE_RETURN_IF_ERROR(stage.status());
     MLE_RETURN_IF_ERROR(MarkOutliersByModel(
-        result.initial, estimation.structured, result.data));
+        result.initial, estimation.output_error, result.data));
   }
   const std::vector<Record> windows = result.data.Records();
-  result.options.estimation.structured.at_rest =
+  result.options.estimation.output_error.at_rest =
       std::make_shared<const std::vector<Record>>(result.data.AtRest());
   MLE_ASSIGN_OR_RETURN(
       result.estimate,
@@ -234,7 +234,7 @@ absl::Status EstimateFromWindows(CorrectionResult& result) {
         result.information,
         AssessInformation(result.initial, windows,
                           result.estimate.setting.noise,
-                          {.structured = estimation.structured}));
+                          {.output_error = estimation.output_error}));
   }
   return absl::OkStatus();
 }
@@ -299,7 +299,7 @@ absl::StatusOr<CorrectionResult> CorrectFromData(
   CorrectionResult result;
   result.initial = model;
   result.options = options;
-  result.options.estimation.structured.threads = options.threads;
+  result.options.estimation.output_error.threads = options.threads;
   result.data = std::move(data);
   if (result.data.windows.empty()) {
     return absl::InvalidArgumentError("there are no windows");

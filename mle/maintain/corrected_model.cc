@@ -18,7 +18,7 @@ StepResponse ResponseErrors(const Estimate& estimate, double sample_time,
   const ProcessModel& initial = estimate.setting.initial;
   const EstimateFit& fit = estimate.fit;
   StepResponse errors =
-      fit.structured.corrected.StepResponseErrors(sample_time, samples);
+      fit.output_error.corrected.StepResponseErrors(sample_time, samples);
   for (int i = 0; i < initial.num_outputs(); ++i) {
     if (!ProposesShape(estimate, i)) continue;
     for (int j = 0; j < initial.num_inputs(); ++j) {
@@ -85,7 +85,7 @@ absl::StatusOr<CorrectedModel> MakeCorrectedModel(const Estimate& estimate,
   // What the estimator arx proposes is ΔR alone.
   const bool changed = accepted && setting.options.estimator != Estimator::kArx;
   corrected.process =
-      changed ? estimate.fit.structured.corrected.model : setting.initial;
+      changed ? estimate.fit.output_error.corrected.model : setting.initial;
   corrected.response =
       corrected.process->ComputeStepResponse(sample_time, response_samples);
   corrected.errors =

@@ -9,7 +9,7 @@
 #include "mle/correction/robust_correction.h"
 #include "mle/correction/smoothed_correction.h"
 #include "mle/data/lagged_series.h"
-#include "mle/maintain/fit_structure.h"
+#include "mle/maintain/fit_by_output_error.h"
 #include "mle/nonlinear/output_reconstruction.h"
 
 namespace mle {
@@ -52,9 +52,9 @@ absl::StatusOr<ArxModel> SolveArx(const EstimationOptions& options,
                                   const Correction& correction,
                                   const Eigen::VectorXd& lambdas, double& gap) {
   gap = correction.MaxRelativeGap();
-  if (options.structured.robust_loss != RobustLoss::kNone) {
+  if (options.output_error.robust_loss != RobustLoss::kNone) {
     RobustCorrectionOptions robust_options;
-    robust_options.loss = options.structured.robust_loss;
+    robust_options.loss = options.output_error.robust_loss;
     MLE_ASSIGN_OR_RETURN(RobustCorrection robust,
                          CorrectRobustly(correction, lambdas, robust_options));
     gap = std::max(gap, robust.MaxRelativeGap());
@@ -109,23 +109,24 @@ absl::Status AddArx(const std::vector<Record>& windows, SharedFits& shared,
 absl::Status CompleteShapes(const std::vector<Record>& windows,
                             Estimate& estimate) {
   EstimateFit& fit = estimate.fit;
-  const StructuredOptions& options = estimate.setting.options.structured;
+  const OutputErrorOptions& options = estimate.setting.options.output_error;
   AdequacyOptions adequacy = AdequacyOptionsFor(options);
   adequacy.false_alarm_probability = estimate.setting.options.TestLevel();
-  MLE_ASSIGN_OR_RETURN(
-      fit.adequacy,
-      TestAdequacy(fit.structured.corrected.model, windows, fit.structured.aged,
-                   adequacy, fit.structured.full.noise));
+  MLE_ASSIGN_OR_RETURN(fit.adequacy,
+                       TestAdequacy(fit.output_error.corrected.model, windows,
+                                    fit.output_error.aged, adequacy,
+                                    fit.output_error.full.noise));
   MLE_ASSIGN_OR_RETURN(
       fit.posterior,
       CompleteByPosterior(
-          estimate.setting.initial, windows, fit.structured.corrected, options,
+          estimate.setting.initial, windows, fit.output_error.corrected,
+          options,
           WrongOutputs(*fit.adequacy, adequacy.false_alarm_probability)));
   if (!fit.posterior->any()) return absl::OkStatus();
   fit.change_proposed = true;
-  fit.without_shapes = fit.structured;
+  fit.without_shapes = fit.output_error;
   fit.posterior->Describe(estimate.setting.initial, options.confidence,
-                          fit.structured);
+                          fit.output_error);
   return absl::OkStatus();
 }
 
@@ -151,7 +152,7 @@ bool ProposesShape(const Estimate& estimate, int output) {
 bool ProposesElement(const Estimate& estimate, int output, int input) {
   if (ProposesByArx(estimate, output)) return true;
   return estimate.setting.options.estimator != Estimator::kArx &&
-         estimate.fit.structured.aged(output, input);
+         estimate.fit.output_error.aged(output, input);
 }
 
 bool ProposesChange(const Estimate& estimate, int output) {
@@ -162,9 +163,9 @@ bool ProposesChange(const Estimate& estimate, int output) {
 }
 
 void KeepInitialElement(int output, int input, Estimate& estimate) {
-  StructuredCorrection& structured = estimate.fit.structured;
-  StructuredFit& fit = structured.corrected;
-  structured.aged(output, input) = false;
+  OutputErrorCorrection& output_error = estimate.fit.output_error;
+  OutputErrorFit& fit = output_error.corrected;
+  output_error.aged(output, input) = false;
   fit.model.element(output, input) =
       estimate.setting.initial.element(output, input);
   ElementEstimate& element =
@@ -189,10 +190,10 @@ void KeepInitialElement(int output, int input, Estimate& estimate) {
 void KeepParametricOutput(int output, Estimate& estimate) {
   EstimateFit& fit = estimate.fit;
   if (ProposesShape(estimate, output)) {
-    const StructuredCorrection& without = *fit.without_shapes;
+    const OutputErrorCorrection& without = *fit.without_shapes;
     fit.posterior->outputs[output].needed = false;
-    fit.structured.corrected.TakeOutput(without.corrected, output);
-    fit.structured.aged.row(output) = without.aged.row(output);
+    fit.output_error.corrected.TakeOutput(without.corrected, output);
+    fit.output_error.aged.row(output) = without.aged.row(output);
   }
   if (!ProposesByArx(estimate, output)) return;
   EstimateSetting& setting = estimate.setting;
@@ -208,7 +209,7 @@ void KeepParametricOutput(int output, Estimate& estimate) {
 void KeepInitialOutput(int output, Estimate& estimate) {
   KeepParametricOutput(output, estimate);
   for (int j = 0; j < estimate.setting.initial.num_inputs(); ++j) {
-    if (estimate.fit.structured.aged(output, j)) {
+    if (estimate.fit.output_error.aged(output, j)) {
       KeepInitialElement(output, j, estimate);
     }
   }
@@ -227,8 +228,8 @@ absl::Status MakePredictors(const std::vector<Record>& windows,
   };
   MLE_ASSIGN_OR_RETURN(fit.initial, predict(setting.initial));
   fit.parametric = fit.initial;
-  const StructuredCorrection& parametric =
-      fit.without_shapes.has_value() ? *fit.without_shapes : fit.structured;
+  const OutputErrorCorrection& parametric =
+      fit.without_shapes.has_value() ? *fit.without_shapes : fit.output_error;
   if (setting.options.estimator != Estimator::kArx && parametric.aged.any()) {
     MLE_ASSIGN_OR_RETURN(fit.parametric, predict(parametric.corrected.model));
   }
@@ -240,19 +241,19 @@ absl::Status MakePredictors(const std::vector<Record>& windows,
                     ResponseOf(Unscaled(fit.arx_model, setting.scales))));
   } else if (fit.posterior.has_value() && fit.posterior->any()) {
     MLE_ASSIGN_OR_RETURN(fit.corrected,
-                         predict(fit.structured.corrected.model));
+                         predict(fit.output_error.corrected.model));
   }
   return absl::OkStatus();
 }
 
 double EstimateFit::PValue() const {
   const bool by_structure = adequacy.has_value() && !adequacy->adequate &&
-                            !structured.change_proposed;
+                            !output_error.change_proposed;
   return by_structure ? adequacy->p_value : test.p_value;
 }
 
 double EstimationOptions::TestLevel() const {
-  const double all = structured.false_alarm_probability;
+  const double all = output_error.false_alarm_probability;
   return estimator == Estimator::kCombined ? 0.5 * all : all;
 }
 
@@ -263,7 +264,7 @@ absl::Status EstimationOptions::Validate() const {
                      std::string(NameOf(estimator)),
                      ": that test is one of arx, as it has no structure"));
   }
-  MLE_RETURN_IF_ERROR(structured.Validate());
+  MLE_RETURN_IF_ERROR(output_error.Validate());
   MLE_RETURN_IF_ERROR(calibration.Validate());
   MLE_RETURN_IF_ERROR(conversion.Validate());
   return correction.Validate();
@@ -290,12 +291,12 @@ absl::StatusOr<Estimate> EstimateModel(const ProcessModel& initial,
   Estimate estimate;
   EstimateFit& fit = estimate.fit;
   MLE_RETURN_IF_ERROR(
-      FitStructure(initial, windows, options, progress, fits, fit));
+      FitByOutputError(initial, windows, options, progress, fits, fit));
   EstimateSetting& setting = estimate.setting;
   setting.initial = initial;
   setting.options = options;
-  setting.noise = fit.structured.full.noise;
-  setting.filler = fit.structured.full.model;
+  setting.noise = fit.output_error.full.noise;
+  setting.filler = fit.output_error.full.model;
   setting.scales = options.converter
                        ? UnitScales(initial)
                        : ChooseScales(initial, setting.noise, windows);

@@ -1,6 +1,6 @@
 // The corrected model from windows of records.
 //
-// The structured correction runs for every estimator: its test of no change
+// The output-error correction runs for every estimator: its test of no change
 // guards them all, and its noise is what the ARX conversion is made under.
 // Where the test finds no change the initial model stays, whatever the
 // estimator (estimator.h). Only ΔR of complete records around a given
@@ -35,8 +35,8 @@
 #include "mle/model/arx_model.h"
 #include "mle/model/process_model.h"
 #include "mle/nonlinear/model_adequacy.h"
+#include "mle/nonlinear/output_error_correction.h"
 #include "mle/nonlinear/posterior_correction.h"
-#include "mle/nonlinear/structured_correction.h"
 
 namespace mle {
 
@@ -51,9 +51,9 @@ struct EstimationOptions {
   Estimator estimator = Estimator::kCombined;
   ChangeTest change_test = ChangeTest::kCalibrated;
   // ΔR at λ*, which is chosen on the exact path, solved as a smooth problem by
-  // Ceres. With structured.robust_loss it is solved with that loss, by Ceres.
+  // Ceres. With output_error.robust_loss it is solved with that loss, by Ceres.
   bool solve_by_ceres = false;
-  StructuredOptions structured;
+  OutputErrorOptions output_error;
   NullCalibrationOptions calibration;
   ConversionSettings conversion;
   // R of a model in the units of the records, in place of the conversion that
@@ -65,23 +65,23 @@ struct EstimationOptions {
 
   // Names the field, its value and the constraint broken.
   absl::Status Validate() const;
-  // Of each test: structured.false_alarm_probability is that of all of them,
+  // Of each test: output_error.false_alarm_probability is that of all of them,
   // and estimator combined makes two, of no change and of the structure.
   double TestLevel() const;
 };
 
 // What was fitted to one set of windows.
 struct EstimateFit {
-  // By the calibrated test; `structured` says so too.
+  // By the calibrated test; `output_error` says so too.
   bool change_proposed = false;
   NullCalibration test;
-  StructuredCorrection structured;
+  OutputErrorCorrection output_error;
   // Of the estimator combined: the test whether structure is enough, and what
   // it lacks.
   std::optional<ModelAdequacy> adequacy;
-  // `structured` has the posterior's elements, this one those without it.
+  // `output_error` has the posterior's elements, this one those without it.
   std::optional<PosteriorCorrection> posterior;
-  std::optional<StructuredCorrection> without_shapes;
+  std::optional<OutputErrorCorrection> without_shapes;
   // Of the estimator arx where a change is proposed.
   std::optional<Correction> arx;
   // R + ΔR at its λ*, scaled, and the relative duality gap.
@@ -124,7 +124,7 @@ struct Estimate {
   EstimateFit fit;
 };
 
-// InvalidArgument as of CorrectStructure(), Cancelled by `progress`. What
+// InvalidArgument as of CorrectByOutputError(), Cancelled by `progress`. What
 // `shared` (shared_fits.h) already has is not made again.
 absl::StatusOr<Estimate> EstimateModel(const ProcessModel& initial,
                                        const std::vector<Record>& windows,

@@ -30,14 +30,14 @@ absl::StatusOr<Named> Find(const std::vector<Named>& all, const char* what,
 
 const std::vector<Estimator>& AllEstimators() {
   static const auto* const kAll = new std::vector<Estimator>{
-      Estimator::kStructured, Estimator::kArx, Estimator::kCombined};
+      Estimator::kOutputError, Estimator::kArx, Estimator::kCombined};
   return *kAll;
 }
 
 std::string_view NameOf(Estimator estimator) {
   switch (estimator) {
-    case Estimator::kStructured:
-      return "structured";
+    case Estimator::kOutputError:
+      return "output_error";
     case Estimator::kArx:
       return "arx";
     case Estimator::kCombined:

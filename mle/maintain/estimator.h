@@ -14,12 +14,12 @@ namespace mle {
 
 enum class Estimator {
   // Gains, time constants and dead times of the model's elements
-  // (structured_correction.h).
-  kStructured,
+  // (output_error_correction.h).
+  kOutputError,
   // ΔR of the ARX model by lasso, any shape of response: the paper's method
   // (correction.h).
   kArx,
-  // kStructured, and what the structure lacks in outputs whose records speak
+  // kOutputError, and what the structure lacks in outputs whose records speak
   // for
   // it (posterior_correction.h).
   kCombined,
@@ -27,7 +27,7 @@ enum class Estimator {
 
 // What decides that a change is proposed at all.
 enum class ChangeTest {
-  // The likelihood-ratio test of the structured correction, calibrated on
+  // The likelihood-ratio test of the output-error correction, calibrated on
   // simulated records where χ² leaves doubt (no_change_test.h).
   kCalibrated,
   // The same test by χ² alone.
@@ -42,7 +42,7 @@ enum class ChangeTest {
 // In the order of the enum.
 const std::vector<Estimator>& AllEstimators();
 
-// "structured", "arx", "combined".
+// "output_error", "arx", "combined".
 std::string_view NameOf(Estimator estimator);
 // "calibrated", "chi_square", "adequacy", "none".
 std::string_view NameOf(ChangeTest test);

@@ -23,7 +23,7 @@ std::string Detectable(const CorrectionResult& result) {
   for (int i = 0; i < model.num_outputs(); ++i) {
     for (int j = 0; j < model.num_inputs(); ++j) {
       const ElementEstimate& element =
-          result.estimate.fit.structured.full.element(i, j);
+          result.estimate.fit.output_error.full.element(i, j);
       const double change =
           element.detectable_gain / std::abs(element.gain.initial);
       if (!std::isfinite(change)) continue;
@@ -70,8 +70,9 @@ std::string DoubtfulPair(const CorrectionResult& result, int i) {
     return "";
   }
   for (int j = 0; j < result.initial.num_inputs(); ++j) {
-    if (!fit.structured.aged(i, j)) continue;
-    const ParameterEstimate& gain = fit.structured.corrected.element(i, j).gain;
+    if (!fit.output_error.aged(i, j)) continue;
+    const ParameterEstimate& gain =
+        fit.output_error.corrected.element(i, j).gain;
     const bool together = !result.information.pairs.empty() &&
                           result.information.pair(i, j).inflation > kTogether;
     if (together || gain.value * gain.initial < 0.0) {

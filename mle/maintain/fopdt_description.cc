@@ -92,7 +92,7 @@ absl::StatusOr<FopdtElement> FromTransfer(const TransferFunction& transfer) {
 }
 
 // The errors of (K, T, L) carried over to the fit.
-void CarryErrors(const StructuredFit& fit, int i, int j,
+void CarryErrors(const OutputErrorFit& fit, int i, int j,
                  FopdtElement& element) {
   const ElementEstimate& estimate = fit.element(i, j);
   element.gain_error = 0.0;
@@ -136,7 +136,7 @@ absl::StatusOr<std::vector<FopdtElement>> DescribeAsFopdt(
       MLE_ASSIGN_OR_RETURN(FopdtElement element,
                            FromTransfer(corrected.process->element(i, j)));
       if (accepted) {
-        CarryErrors(estimate.fit.structured.corrected, i, j, element);
+        CarryErrors(estimate.fit.output_error.corrected, i, j, element);
       } else {
         element.gain_error = 0.0;
         element.time_constant_error = 0.0;

@@ -2,7 +2,7 @@
 // errors where the records give them.
 //
 // An element that is of first order is itself. Of another shape g₀(Ts) of the
-// structured correction the best first-order fit K, T_f, L_f to its step
+// output-error correction the best first-order fit K, T_f, L_f to its step
 // response is taken; stretching the time scale T stretches that fit alike, so
 // that with l₀ = (L_f − L)/T
 //

@@ -203,13 +203,13 @@ FoldResult HoldOut(const Estimate& estimate, const std::vector<Record>& windows,
                    const std::array<int, 3>& horizons) {
   FoldResult result;
   EstimationOptions options = estimate.setting.options;
-  options.structured.threads = 1;  // folds run side by side
+  options.output_error.threads = 1;  // folds run side by side
   // Whether a change is proposed at all is decided, by all the data: a fold may
   // be too short to find it again. What has changed, and how, is its own.
   const EstimateFit& whole = estimate.fit;
-  options.structured.change_given =
+  options.output_error.change_given =
       (whole.without_shapes.has_value() ? *whole.without_shapes
-                                        : whole.structured)
+                                        : whole.output_error)
           .change_proposed;
   if (options.change_test == ChangeTest::kCalibrated) {
     options.change_test = ChangeTest::kChiSquare;

@@ -103,7 +103,7 @@ absl::Status NullCalibrationOptions::Validate() const {
 
 absl::StatusOr<NullCalibration> CalibrateTest(
     const ProcessModel& initial, const std::vector<Record>& windows,
-    const StructuredCorrection& test, const StructuredOptions& options,
+    const OutputErrorCorrection& test, const OutputErrorOptions& options,
     const NullCalibrationOptions& calibration,
     const ProgressCallback& progress) {
   NullCalibration result;
@@ -122,7 +122,7 @@ absl::StatusOr<NullCalibration> CalibrateTest(
         SimulateResponse(initial, window.sample_time, window.inputs));
     responses.push_back(std::move(response));
   }
-  StructuredOptions one = options;
+  OutputErrorOptions one = options;
   one.threads = 1;
   one.false_alarm_probability = kNever;  // the statistic alone is wanted
   Stage simulating(progress, "calibrating the test of no change", replicates);
@@ -130,7 +130,7 @@ absl::StatusOr<NullCalibration> CalibrateTest(
   std::vector<double> statistics(replicates);
   ParallelFor(replicates, options.threads, [&](int b) {
     if (simulating.cancelled()) return;
-    const absl::StatusOr<StructuredCorrection> fit = CorrectStructure(
+    const absl::StatusOr<OutputErrorCorrection> fit = CorrectByOutputError(
         initial,
         DrawRecords(windows, responses, test.full.noise, calibration.seed, b),
         one);

@@ -1,6 +1,6 @@
 // The test of no change, calibrated.
 //
-// The likelihood ratio of the structured correction is χ² with ν degrees of
+// The likelihood ratio of the output-error correction is χ² with ν degrees of
 // freedom in long records. Where outputs drift, or inputs hardly move, it is
 // larger: dead times are searched among many local minima, and the drift's size
 // is estimated along with the model. So, where χ² rejects the initial model but
@@ -24,7 +24,7 @@
 #include "mle/data/record.h"
 #include "mle/maintain/progress.h"
 #include "mle/model/process_model.h"
-#include "mle/nonlinear/structured_correction.h"
+#include "mle/nonlinear/output_error_correction.h"
 
 namespace mle {
 
@@ -44,11 +44,11 @@ struct NullCalibrationOptions {
   absl::Status Validate() const;
 };
 
-// `test` is what CorrectStructure() said of `windows` with `options`. The
+// `test` is what CorrectByOutputError() said of `windows` with `options`. The
 // result does not depend on options.threads.
 absl::StatusOr<NullCalibration> CalibrateTest(
     const ProcessModel& initial, const std::vector<Record>& windows,
-    const StructuredCorrection& test, const StructuredOptions& options,
+    const OutputErrorCorrection& test, const OutputErrorOptions& options,
     const NullCalibrationOptions& calibration,
     const ProgressCallback& progress = {});
 

@@ -333,10 +333,10 @@ RecordData UseAsWindows(std::vector<Record> windows) {
 }
 
 bool ShouldLookForOutliers(const RecordOptions& options,
-                           const StructuredOptions& structured,
+                           const OutputErrorOptions& output_error,
                            const RecordData& data) {
   if (!options.mark.outliers) return false;
-  if (structured.robust_loss != RobustLoss::kNone) return true;
+  if (output_error.robust_loss != RobustLoss::kNone) return true;
   for (const ChannelHealth& channel : data.health.channels) {
     if (channel.is_output && !channel.outliers.empty()) return true;
   }
@@ -353,12 +353,12 @@ bool ShouldLookForOutliers(const RecordOptions& options,
 }
 
 absl::Status MarkOutliersByModel(const ProcessModel& model,
-                                 const StructuredOptions& structured,
+                                 const OutputErrorOptions& output_error,
                                  RecordData& data) {
   std::vector<Record> records = data.Records();
   const OutlierMarkOptions options;
   MLE_ASSIGN_OR_RETURN(const OutlierReport report,
-                       MarkOutliers(model, structured, options, records));
+                       MarkOutliers(model, output_error, options, records));
   for (std::size_t w = 0; w < records.size(); ++w) {
     data.windows[w].record = std::move(records[w]);
   }

@@ -21,7 +21,7 @@
 #include "mle/maintain/examine_records.h"
 #include "mle/maintain/message.h"
 #include "mle/model/process_model.h"
-#include "mle/nonlinear/structured_correction.h"
+#include "mle/nonlinear/output_error_correction.h"
 
 namespace mle {
 
@@ -96,13 +96,13 @@ RecordData UseAsWindows(std::vector<Record> windows);
 // (output_reconstruction.h): marks as bad what it finds in the windows, and
 // says how many there are.
 absl::Status MarkOutliersByModel(const ProcessModel& model,
-                                 const StructuredOptions& structured,
+                                 const OutputErrorOptions& output_error,
                                  RecordData& data);
 
 // Where neighbours find an outlier there may be more of them that only the
 // model finds; likewise where a robust loss is asked for.
 bool ShouldLookForOutliers(const RecordOptions& options,
-                           const StructuredOptions& structured,
+                           const OutputErrorOptions& output_error,
                            const RecordData& data);
 
 }  // namespace mle

@@ -20,7 +20,7 @@
 #include "mle/correction/correction.h"
 #include "mle/maintain/no_change_test.h"
 #include "mle/nonlinear/model_adequacy.h"
-#include "mle/nonlinear/structured_correction.h"
+#include "mle/nonlinear/output_error_correction.h"
 
 namespace mle {
 
@@ -51,7 +51,7 @@ class Shared {
 };
 
 struct SharedFits {
-  Shared<StructuredCorrection> structured;  // before the calibration
+  Shared<OutputErrorCorrection> output_error;  // before the calibration
   Shared<NullCalibration> calibration;
   Shared<ModelAdequacy> adequacy;  // of the initial model
   Shared<Correction> arx;          // around R of the initial model

@@ -30,10 +30,10 @@ ElementEstimate Held(const TransferFunction& element) {
 
 }  // namespace
 
-StructuredCorrection UnfittedStructure(const ProcessModel& initial) {
+OutputErrorCorrection UnfittedStructure(const ProcessModel& initial) {
   const int p = initial.num_outputs();
   const int m = initial.num_inputs();
-  StructuredCorrection none;
+  OutputErrorCorrection none;
   none.full.model = initial;
   for (int i = 0; i < p; ++i) {
     for (int j = 0; j < m; ++j) {
@@ -56,11 +56,11 @@ Estimate UnfittedEstimate(const ProcessModel& initial,
                           const std::vector<Record>& windows,
                           const EstimationOptions& options) {
   Estimate estimate;
-  estimate.fit.structured = UnfittedStructure(initial);
+  estimate.fit.output_error = UnfittedStructure(initial);
   EstimateSetting& setting = estimate.setting;
   setting.initial = initial;
   setting.options = options;
-  setting.noise = estimate.fit.structured.full.noise;
+  setting.noise = estimate.fit.output_error.full.noise;
   setting.filler = initial;
   setting.scales = ChooseScales(initial, setting.noise, windows);
   setting.arx_outputs.assign(initial.num_outputs(), false);

@@ -10,12 +10,12 @@
 #include "mle/data/record.h"
 #include "mle/maintain/estimation.h"
 #include "mle/model/process_model.h"
-#include "mle/nonlinear/structured_correction.h"
+#include "mle/nonlinear/output_error_correction.h"
 
 namespace mle {
 
 // Every element held, in noise that nothing is known of.
-StructuredCorrection UnfittedStructure(const ProcessModel& initial);
+OutputErrorCorrection UnfittedStructure(const ProcessModel& initial);
 
 // Of windows that cannot be used: no change is proposed, and the model predicts
 // as it is, or nothing where it cannot.

@@ -35,7 +35,7 @@ struct Disturbance {
 // look like steps: with a robust loss none is sought.
 std::optional<Disturbance> Find(const OutputErrorProblem& problem,
                                 const OutputFit& fit,
-                                const StructuredOptions& options) {
+                                const OutputErrorOptions& options) {
   std::optional<FoundPeriod> line;
   if (static_cast<int>(problem.lines().size()) < kMostLines) {
     line = FindPeriod(problem, fit, options.estimate_drift);
@@ -76,7 +76,7 @@ void Add(const Disturbance& found, OutputErrorProblem& problem) {
 // answer. So the initial values are asked too, and the fit with what they show
 // is taken if it beats the one without. False if nothing was found.
 bool FitThoseOfStart(const OutputPoint& start, const OutputFitBounds& bounds,
-                     const StructuredOptions& options,
+                     const OutputErrorOptions& options,
                      OutputErrorProblem& problem, OutputFit& fit) {
   OutputFit at_start = fit;
   at_start.point = start;
@@ -157,7 +157,7 @@ double GainOfInputs(
 }
 
 void FitDisturbances(const OutputPoint& start, const OutputFitBounds& bounds,
-                     const StructuredOptions& options,
+                     const OutputErrorOptions& options,
                      OutputErrorProblem& problem, OutputFit& fit) {
   if (!options.estimate_drift || problem.num_segments() == 0) return;
   const int most = kMostLines + kMostSteps * problem.num_segments();

@@ -37,7 +37,7 @@ double GainOfInputs(
 // with what they show is compared by likelihood. None without
 // options.estimate_drift.
 void FitDisturbances(const OutputPoint& start, const OutputFitBounds& bounds,
-                     const StructuredOptions& options,
+                     const OutputErrorOptions& options,
                      OutputErrorProblem& problem, OutputFit& fit);
 
 }  // namespace mle

@@ -8,8 +8,8 @@
 #include "mle/base/parallel.h"
 #include "mle/base/status.h"
 #include "mle/nonlinear/distributions.h"
+#include "mle/nonlinear/output_error_setup.h"
 #include "mle/nonlinear/output_fit.h"
-#include "mle/nonlinear/structured_setup.h"
 
 namespace mle {
 namespace {
@@ -21,7 +21,7 @@ constexpr double kMaxLagShare = 0.25;
 
 }  // namespace
 
-AdequacyOptions AdequacyOptionsFor(const StructuredOptions& structure) {
+AdequacyOptions AdequacyOptionsFor(const OutputErrorOptions& structure) {
   AdequacyOptions options;
   options.false_alarm_probability = structure.false_alarm_probability;
   options.estimate_drift = structure.estimate_drift;

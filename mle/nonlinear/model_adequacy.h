@@ -7,7 +7,7 @@
 //
 //   y_i − ŷ_i = Σ_j Σ_b h_ijb Σ_{l in range b} u_j(k − l) + noise,
 //
-// with the noise of structured_correction.h, white upon a random walk, and an
+// with the noise of output_error_correction.h, white upon a random walk, and an
 // offset for each window. The statistic is the reduction by the h of the
 // squares of the whitened residuals, χ² under "the model is right" with a
 // degree of freedom for each h that the records determine; the ratio of drift
@@ -32,7 +32,7 @@
 #include "absl/status/statusor.h"
 #include "mle/data/record.h"
 #include "mle/model/process_model.h"
-#include "mle/nonlinear/structured_correction.h"
+#include "mle/nonlinear/output_error_correction.h"
 
 namespace mle {
 
@@ -41,18 +41,18 @@ struct AdequacyOptions {
   double false_alarm_probability = 0.01;
   // Whether the noise may have a random walk in it; if not, it is white.
   bool estimate_drift = true;
-  // Of the model's elements; as of StructuredOptions, whose bounds decide how
+  // Of the model's elements; as of OutputErrorOptions, whose bounds decide how
   // many samples at the begin of each window are left out.
-  StructuredOptions structure;
+  OutputErrorOptions structure;
   // Outputs are independent; 0: one thread for each processor.
   int threads = 1;
 
   absl::Status Validate() const;
 };
 
-// The test with the options, and the false-alarm probability, of a structured
-// correction.
-AdequacyOptions AdequacyOptionsFor(const StructuredOptions& structure);
+// The test with the options, and the false-alarm probability, of an
+// output_error correction.
+AdequacyOptions AdequacyOptionsFor(const OutputErrorOptions& structure);
 
 struct ModelAdequacy {
   bool adequate = true;
@@ -69,7 +69,7 @@ std::vector<bool> WrongOutputs(const ModelAdequacy& adequacy,
                                double false_alarm_probability);
 
 // `fitted` is p × m, or empty for none; the periodic lines of `noise` (p, or
-// empty) are projected out. Errors are those of CorrectStructure().
+// empty) are projected out. Errors are those of CorrectByOutputError().
 absl::StatusOr<ModelAdequacy> TestAdequacy(
     const ProcessModel& model, const std::vector<Record>& records,
     const Eigen::Matrix<bool, Eigen::Dynamic, Eigen::Dynamic>& fitted,

@@ -107,12 +107,11 @@ absl::Status OutlierMarkOptions::Validate() const {
   return absl::OkStatus();
 }
 
-absl::StatusOr<OutlierReport> MarkOutliers(const ProcessModel& initial,
-                                           const StructuredOptions& structured,
-                                           const OutlierMarkOptions& options,
-                                           std::vector<Record>& records) {
+absl::StatusOr<OutlierReport> MarkOutliers(
+    const ProcessModel& initial, const OutputErrorOptions& output_error,
+    const OutlierMarkOptions& options, std::vector<Record>& records) {
   MLE_RETURN_IF_ERROR(options.Validate());
-  StructuredOptions robust = structured;
+  OutputErrorOptions robust = output_error;
   robust.robust_loss = RobustLoss::kCauchy;
   robust.offsets = WindowOffsets::kAlways;
   // A loss does not always keep a fit from bending to a burst in the middle of
@@ -121,8 +120,8 @@ absl::StatusOr<OutlierReport> MarkOutliers(const ProcessModel& initial,
   const std::vector<NoiseEstimate> unknown(initial.num_outputs());
   MLE_RETURN_IF_ERROR(robust.Validate());
   MLE_RETURN_IF_ERROR(Judge(initial, unknown, options, to_fit).status());
-  MLE_ASSIGN_OR_RETURN(const StructuredCorrection fit,
-                       CorrectStructure(initial, to_fit, robust));
+  MLE_ASSIGN_OR_RETURN(const OutputErrorCorrection fit,
+                       CorrectByOutputError(initial, to_fit, robust));
   return Judge(fit.full.model, fit.full.noise, options, records);
 }
 

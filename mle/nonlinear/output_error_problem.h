@@ -31,7 +31,7 @@
 #include "mle/data/record.h"
 #include "mle/model/element_response.h"
 #include "mle/nonlinear/innovations_filter.h"
-#include "mle/nonlinear/structured_correction.h"
+#include "mle/nonlinear/output_error_correction.h"
 
 namespace mle {
 

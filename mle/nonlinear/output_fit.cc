@@ -43,7 +43,7 @@ struct Search {
 class Fitter {
  public:
   Fitter(const OutputErrorProblem& problem, const std::vector<bool>& free,
-         const OutputFitBounds& bounds, const StructuredOptions& options)
+         const OutputFitBounds& bounds, const OutputErrorOptions& options)
       : problem_(problem), free_(free), bounds_(bounds), options_(options) {}
 
   FitCertificate& certificate() { return certificate_; }
@@ -279,14 +279,14 @@ class Fitter {
   const OutputErrorProblem& problem_;
   const std::vector<bool>& free_;
   const OutputFitBounds& bounds_;
-  const StructuredOptions& options_;
+  const OutputErrorOptions& options_;
   FitCertificate certificate_;
 };
 
 // Bursts of outliers look like a colour, and what is taken for colour is not
 // down-weighted: a robust loss finds its weights first.
 bool MayHaveColour(const OutputErrorProblem& problem,
-                   const StructuredOptions& options) {
+                   const OutputErrorOptions& options) {
   return options.robust_loss == RobustLoss::kNone ||
          problem.weights().size() > 0;
 }
@@ -303,8 +303,8 @@ bool SameShape(const NoiseEstimate& a, const NoiseEstimate& b) {
 }
 
 // Steps 2 to 4 and what is reported, from `fit`'s values and noise.
-void Finish(const OutputErrorProblem& problem, const StructuredOptions& options,
-            Fitter& fitter, OutputFit& fit) {
+void Finish(const OutputErrorProblem& problem,
+            const OutputErrorOptions& options, Fitter& fitter, OutputFit& fit) {
   FitCertificate& certificate = fitter.certificate();
   for (int round = 0; round < kMaxSearchRounds; ++round) {
     double cost = 0.0;
@@ -340,8 +340,9 @@ int LongestMemory(const OutputErrorProblem& problem, const OutputFit& fit) {
   return static_cast<int>(std::min(longest / problem.sample_time(), 1e9));
 }
 
-void FillIn(const OutputErrorProblem& problem, const StructuredOptions& options,
-            FitCertificate certificate, OutputFit& fit) {
+void FillIn(const OutputErrorProblem& problem,
+            const OutputErrorOptions& options, FitCertificate certificate,
+            OutputFit& fit) {
   const std::vector<SegmentColumns> columns =
       LineariseWidely(problem, fit.point, fit.free, fit.noise);
   const OutputCovariance covariance =
@@ -381,7 +382,7 @@ double Reweight(RobustLoss loss, const OutputFit& fit,
 OutputFit FitOutput(const OutputErrorProblem& problem, const OutputPoint& start,
                     const std::vector<bool>& free,
                     const OutputFitBounds& bounds,
-                    const StructuredOptions& options) {
+                    const OutputErrorOptions& options) {
   OutputFit fit;
   fit.free = free;
   fit.point = start;
@@ -409,7 +410,7 @@ OutputFit FitOutput(const OutputErrorProblem& problem, const OutputPoint& start,
 
 OutputFit Refit(const OutputErrorProblem& problem, const OutputFit& fit,
                 const OutputFitBounds& bounds,
-                const StructuredOptions& options) {
+                const OutputErrorOptions& options) {
   OutputFit again = fit;
   FitCertificate certificate = fit.certificate;
   if (fit.certificate.num_parameters > 0) {
@@ -428,7 +429,7 @@ OutputFit Refit(const OutputErrorProblem& problem, const OutputFit& fit,
 
 OutputFit FitWithoutOffsets(const OutputErrorProblem& problem,
                             const OutputFit& fit, const OutputFitBounds& bounds,
-                            const StructuredOptions& options) {
+                            const OutputErrorOptions& options) {
   OutputFit plain = fit;
   plain.noise = NoiseEstimate();
   plain.noise.offset = false;
@@ -436,7 +437,7 @@ OutputFit FitWithoutOffsets(const OutputErrorProblem& problem,
 }
 
 void FitRobustly(const OutputFitBounds& bounds,
-                 const StructuredOptions& options, OutputErrorProblem& problem,
+                 const OutputErrorOptions& options, OutputErrorProblem& problem,
                  OutputFit& fit) {
   if (problem.num_segments() == 0) return;
   Fitter fitter(problem, fit.free, bounds, options);

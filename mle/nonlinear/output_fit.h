@@ -1,5 +1,5 @@
 // The maximum-likelihood fit of one output's elements. Internal to
-// mle/nonlinear; the public interface is StructuredCorrection.
+// mle/nonlinear; the public interface is OutputErrorCorrection.
 //
 // Parameters are K, T and L of the free elements, the noise variance r and the
 // noise shape: the ratio ρ = q/r and, where it pays, a colour
@@ -23,9 +23,9 @@
 #include <vector>
 
 #include "Eigen/Core"
+#include "mle/nonlinear/output_error_correction.h"
 #include "mle/nonlinear/output_error_problem.h"
 #include "mle/nonlinear/serial_correlation.h"
-#include "mle/nonlinear/structured_correction.h"
 
 namespace mle {
 
@@ -56,17 +56,17 @@ struct OutputFit {
 OutputFit FitOutput(const OutputErrorProblem& problem, const OutputPoint& start,
                     const std::vector<bool>& free,
                     const OutputFitBounds& bounds,
-                    const StructuredOptions& options);
+                    const OutputErrorOptions& options);
 
 // The fit continued from `fit`, under the weights that `problem` has now.
 OutputFit Refit(const OutputErrorProblem& problem, const OutputFit& fit,
                 const OutputFitBounds& bounds,
-                const StructuredOptions& options);
+                const OutputErrorOptions& options);
 
 // Weights of a robust loss and the fit under them, in turn from `fit` until
 // neither moves; left in `problem` and `fit`.
 void FitRobustly(const OutputFitBounds& bounds,
-                 const StructuredOptions& options, OutputErrorProblem& problem,
+                 const OutputErrorOptions& options, OutputErrorProblem& problem,
                  OutputFit& fit);
 
 struct RatioLikelihood {
@@ -100,7 +100,7 @@ std::vector<RatioEstimate> IntegrateRatio(const OutputErrorProblem& problem,
 // The elements of `fit` fitted under white noise without offsets, from there.
 OutputFit FitWithoutOffsets(const OutputErrorProblem& problem,
                             const OutputFit& fit, const OutputFitBounds& bounds,
-                            const StructuredOptions& options);
+                            const OutputErrorOptions& options);
 
 // The lines and steps of `noise` into `problem`, and those of `problem`, as
 // they are at `point`, into `noise`.

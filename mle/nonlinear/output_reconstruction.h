@@ -15,8 +15,8 @@
 //
 //   MLE_ASSIGN_OR_RETURN(const OutlierReport report,
 //                        MarkOutliers(model, {}, {}, windows));  // → NaN
-//   MLE_ASSIGN_OR_RETURN(const StructuredCorrection fit,
-//                        CorrectStructure(model, windows, {}));
+//   MLE_ASSIGN_OR_RETURN(const OutputErrorCorrection fit,
+//                        CorrectByOutputError(model, windows, {}));
 //   MLE_ASSIGN_OR_RETURN(const int filled,       // for a regression on lags
 //                        FillOutputs(fit.full.model, fit.full.noise, 30,
 //                                    windows));
@@ -33,7 +33,7 @@
 #include "absl/status/statusor.h"
 #include "mle/data/record.h"
 #include "mle/model/process_model.h"
-#include "mle/nonlinear/structured_correction.h"
+#include "mle/nonlinear/output_error_correction.h"
 
 namespace mle {
 
@@ -63,13 +63,12 @@ struct OutlierReport {
 };
 
 // Marks the outliers of the records' outputs as bad (NaN): outliers under the
-// structured correction of `initial` with Cauchy's loss, fitted without the
-// outliers under `initial` itself. Errors as of CorrectStructure() and
+// output-error correction of `initial` with Cauchy's loss, fitted without the
+// outliers under `initial` itself. Errors as of CorrectByOutputError() and
 // ExpectedOutputs().
-absl::StatusOr<OutlierReport> MarkOutliers(const ProcessModel& initial,
-                                           const StructuredOptions& structured,
-                                           const OutlierMarkOptions& options,
-                                           std::vector<Record>& records);
+absl::StatusOr<OutlierReport> MarkOutliers(
+    const ProcessModel& initial, const OutputErrorOptions& output_error,
+    const OutlierMarkOptions& options, std::vector<Record>& records);
 
 // Replaces missing outputs by their expected values, up to `max_gap` of them in
 // a row (≥ 0), between good samples; returns how many. Errors as of

@@ -6,10 +6,10 @@
 
 #include "mle/base/parallel.h"
 #include "mle/base/status.h"
+#include "mle/nonlinear/output_error_setup.h"
 #include "mle/nonlinear/output_fit.h"
 #include "mle/nonlinear/rational_fit.h"
 #include "mle/nonlinear/shape_posterior.h"
-#include "mle/nonlinear/structured_setup.h"
 
 namespace mle {
 namespace {
@@ -84,7 +84,7 @@ std::vector<ElementPrior> PriorsOf(const OutputSetup& setup,
   return priors;
 }
 
-OutputFit StartOf(const OutputSetup& setup, const StructuredFit& fit, int i) {
+OutputFit StartOf(const OutputSetup& setup, const OutputErrorFit& fit, int i) {
   const int m = fit.model.num_inputs();
   OutputFit start;
   start.point = setup.start;
@@ -149,14 +149,14 @@ bool PosteriorCorrection::any() const {
 
 absl::StatusOr<PosteriorCorrection> CompleteByPosterior(
     const ProcessModel& initial, const std::vector<Record>& windows,
-    const StructuredFit& structured, const StructuredOptions& options,
+    const OutputErrorFit& output_error, const OutputErrorOptions& options,
     const std::vector<bool>& outputs) {
   MLE_ASSIGN_OR_RETURN(const std::vector<OutputSetup> setups,
                        SetUpOutputs(initial, windows, options));
   const int p = initial.num_outputs();
   const int m = initial.num_inputs();
   PosteriorCorrection posterior;
-  posterior.model = structured.model;
+  posterior.model = output_error.model;
   posterior.sample_time = windows[0].sample_time;
   posterior.outputs.resize(p);
   const std::vector<int> first_lags =
@@ -168,12 +168,12 @@ absl::StatusOr<PosteriorCorrection> CompleteByPosterior(
     if (!outputs.empty() && !outputs[i]) return;
     // Exact data leave rounding, whose likelihood says nothing.
     const double least = kLeastNoise * setups[i].problem->total_squares();
-    if (!(setups[i].problem->num_samples() * structured.noise[i].variance >
+    if (!(setups[i].problem->num_samples() * output_error.noise[i].variance >
           least)) {
       return;
     }
-    AdoptDisturbances(structured.noise[i], *setups[i].problem);
-    const OutputFit start = StartOf(setups[i], structured, i);
+    AdoptDisturbances(output_error.noise[i], *setups[i].problem);
+    const OutputFit start = StartOf(setups[i], output_error, i);
     const std::vector<ElementPrior> priors =
         PriorsOf(setups[i], start.point, deviations, posterior.sample_time);
     posterior.outputs[i] =

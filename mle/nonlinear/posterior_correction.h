@@ -19,13 +19,13 @@
 // response; here it is of the mismatch.)
 //
 // Which parts are there, σ, τ and the noise maximise the evidence, output by
-// output. Where no output's evidence speaks for an h, the structured correction
-// stands as it is. In directions in which records are silent the posterior is
-// the prior model, and its band says so.
+// output. Where no output's evidence speaks for an h, the output-error
+// correction stands as it is. In directions in which records are silent the
+// posterior is the prior model, and its band says so.
 //
 //   MLE_ASSIGN_OR_RETURN(const PosteriorCorrection posterior,
-//                        CompleteByPosterior(model, windows, structured,
-//                                            StructuredOptions()));
+//                        CompleteByPosterior(model, windows, output_error,
+//                                            OutputErrorOptions()));
 //   if (posterior.any()) use(posterior.model);
 //
 // docs/posterior.md has how it is computed and measured figures.
@@ -41,7 +41,7 @@
 #include "mle/model/element_response.h"
 #include "mle/model/process_model.h"
 #include "mle/model/step_response.h"
-#include "mle/nonlinear/structured_correction.h"
+#include "mle/nonlinear/output_error_correction.h"
 
 namespace mle {
 
@@ -65,7 +65,7 @@ struct ElementPosterior {
 };
 
 struct OutputShapes {
-  bool needed = false;  // if not, the structured correction's row stands
+  bool needed = false;  // if not, the output-error correction's row stands
   NoiseEstimate noise;
   double decay = 0.0;           // τ in units of each element's T₀
   std::vector<int> first_lags;  // of h's ranges, and the end of the last
@@ -74,19 +74,19 @@ struct OutputShapes {
 };
 
 struct PosteriorCorrection {
-  // The structured correction's model, and in outputs that need an h the
+  // The output-error correction's model, and in outputs that need an h the
   // posterior mean by elements of low order (rational_fit.h).
   ProcessModel model;
   std::vector<OutputShapes> outputs;  // p
   double sample_time = 0.0;
 
   bool any() const;
-  // Puts the posterior's elements into the rows of `structured` that need an h:
-  // model, `aged` and, of each element, the static gain of its posterior mean
-  // and K, T and L of the element of the model's own shape nearest to that
+  // Puts the posterior's elements into the rows of `output_error` that need an
+  // h: model, `aged` and, of each element, the static gain of its posterior
+  // mean and K, T and L of the element of the model's own shape nearest to that
   // (least squares of the step responses), with the posterior's errors.
   void Describe(const ProcessModel& initial, double confidence,
-                StructuredCorrection& structured) const;
+                OutputErrorCorrection& output_error) const;
   // Posterior mean and standard deviation of the step response of an element
   // of an output that needs an h, at 0, Δt, …
   Eigen::VectorXd MeanStep(const ProcessModel& initial, int output, int input,
@@ -95,12 +95,12 @@ struct PosteriorCorrection {
                              int samples) const;
 };
 
-// `structured` is that of the same model and windows; `outputs`, p or empty for
-// all, are those whose structure may lack something (WrongOutputs() of
-// model_adequacy.h). Errors are those of CorrectStructure().
+// `output_error` is that of the same model and windows; `outputs`, p or empty
+// for all, are those whose structure may lack something (WrongOutputs() of
+// model_adequacy.h). Errors are those of CorrectByOutputError().
 absl::StatusOr<PosteriorCorrection> CompleteByPosterior(
     const ProcessModel& initial, const std::vector<Record>& windows,
-    const StructuredFit& structured, const StructuredOptions& options,
+    const OutputErrorFit& output_error, const OutputErrorOptions& options,
     const std::vector<bool>& outputs = {});
 
 }  // namespace mle

@@ -155,11 +155,11 @@ NearestElement Nearest(const PosteriorCorrection& posterior,
 
 void PosteriorCorrection::Describe(const ProcessModel& initial,
                                    double confidence,
-                                   StructuredCorrection& structured) const {
+                                   OutputErrorCorrection& output_error) const {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const double quantile = StudentTwoSidedQuantile(1.0 - confidence, kInfinity);
   const int m = initial.num_inputs();
-  StructuredFit& fit = structured.corrected;
+  OutputErrorFit& fit = output_error.corrected;
   for (int i = 0; i < initial.num_outputs(); ++i) {
     if (!outputs[i].needed) continue;
     fit.noise[i] = outputs[i].noise;
@@ -169,7 +169,7 @@ void PosteriorCorrection::Describe(const ProcessModel& initial,
       const ElementValues& before = element.initial;
       ElementEstimate& estimate = fit.elements[i * m + j];
       fit.model.element(i, j) = model.element(i, j);
-      structured.aged(i, j) = element.changed;
+      output_error.aged(i, j) = element.changed;
       if (!element.changed) {
         if (estimate.state == ElementState::kFitted) {
           estimate.state = ElementState::kHeld;

@@ -17,9 +17,9 @@
 #include <vector>
 
 #include "Eigen/Core"
+#include "mle/nonlinear/output_error_correction.h"
 #include "mle/nonlinear/output_error_problem.h"
 #include "mle/nonlinear/output_fit.h"
-#include "mle/nonlinear/structured_correction.h"
 
 namespace mle {
 
@@ -58,7 +58,7 @@ struct OutputPosterior {
   bool HasShape() const;
 };
 
-// From the structured fit `start` (its point and noise) and from the initial
+// From the output-error fit `start` (its point and noise) and from the initial
 // values, whichever ends better.
 OutputPosterior FindPosterior(const OutputErrorProblem& problem,
                               const std::vector<ElementPrior>& priors,

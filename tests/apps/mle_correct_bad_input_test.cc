@@ -53,7 +53,7 @@ TEST_F(MleCorrectBadInput, Flags) {
   ExpectRefused({"--data=,"}, {"--data"});
   ExpectRefused({"--data=" + data_ + "," + data_}, {"--data", "twice"});
   ExpectRefused({"--estimator=best"},
-                {"--estimator=best", "known are structured"});
+                {"--estimator=best", "known are output_error"});
   ExpectRefused({"--solver=best"},
                 {"--solver=best", "known are homotopy, coordinate_descent"});
   ExpectRefused({"--robust=best"},

@@ -156,7 +156,7 @@ TEST(MleCorrectRecords, BurstsOfOutliersAreFoundByTheModel) {
     }
   }
   for (const char* const estimator :
-       {"--estimator=structured", "--estimator=arx"}) {
+       {"--estimator=output_error", "--estimator=arx"}) {
     SCOPED_TRACE(estimator);
     const std::vector<std::string> flags = {estimator,
                                             "--conversion_samples=20000"};

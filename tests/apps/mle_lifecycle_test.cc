@@ -46,7 +46,7 @@ class MleLifecycleTest : public ::testing::Test {
         "--change_every=5d",
         "--sample_time=1",
         "--move_weight=2",
-        "--policies=never,structured:2,test:1,perfect",
+        "--policies=never,output_error:2,test:1,perfect",
         "--seeds=2",
         "--out=" + (scratch_ / out),
         "--nofigures"};
@@ -95,7 +95,7 @@ class MleLifecycleTest : public ::testing::Test {
 TEST_F(MleLifecycleTest, WritesWhatItFound) {
   const report::ProcessResult run = Run("out", {"--ageing_rates=0,1"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_THAT(run.out, HasSubstr("structured:2"));
+  EXPECT_THAT(run.out, HasSubstr("output_error:2"));
   const nlohmann::json result = ParsedJson(scratch_ / "out/result.json");
   EXPECT_EQ(result.at("version"), 1);
   const nlohmann::json& rates = result.at("rates");
@@ -123,9 +123,9 @@ TEST_F(MleLifecycleTest, WritesWhatItFound) {
 
 // As vector graphics, as a document's pictures, and in the page.
 TEST_F(MleLifecycleTest, DrawsCostsAndTheirCourse) {
-  const report::ProcessResult run =
-      Run("out", {"--ageing_rates=0.5,1", "--seeds=1", "--figures=true",
-                  "--policies=never,structured:1,structured:2,test:2,perfect"});
+  const report::ProcessResult run = Run(
+      "out", {"--ageing_rates=0.5,1", "--seeds=1", "--figures=true",
+              "--policies=never,output_error:1,output_error:2,test:2,perfect"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_EQ(run.err.find("warning"), std::string::npos) << run.err;
   const std::string page = Content(scratch_ / "out/report.html");
@@ -162,7 +162,8 @@ TEST_F(MleLifecycleTest, ThreadsAndInterruptionsChangeNoByte) {
   std::filesystem::copy(scratch_ / "one", scratch_ / "rest",
                         std::filesystem::copy_options::recursive);
   std::filesystem::remove(scratch_ / "rest/lifecycle.csv");
-  std::filesystem::remove(scratch_ / "rest/runs/structured-2_rate1_seed1.json");
+  std::filesystem::remove(scratch_ /
+                          "rest/runs/output_error-2_rate1_seed1.json");
   std::filesystem::remove(scratch_ / "rest/runs/never_rate1_seed2.json");
   const report::ProcessResult rest = Run("rest");
   ASSERT_EQ(rest.exit_code, 0) << rest.err;
@@ -243,9 +244,9 @@ TEST_F(MleLifecycleTest, ThePlantMayDifferFromTheModelFromTheBeginning) {
   std::string other = kTank;
   other.replace(other.find("\"gain\": 2"), 9, "\"gain\": 3");
   const std::string plant = scratch_.Write("plant.json", other);
-  const report::ProcessResult run =
-      Run("out", {"--plant=" + plant, "--ageing_rates=0", "--window_age=12d",
-                  "--test_move=0.7", "--policies=never,structured:1,perfect"});
+  const report::ProcessResult run = Run(
+      "out", {"--plant=" + plant, "--ageing_rates=0", "--window_age=12d",
+              "--test_move=0.7", "--policies=never,output_error:1,perfect"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const nlohmann::json result = ParsedJson(scratch_ / "out/result.json");
   const nlohmann::json& policies = result.at("rates").at(0).at("policies");

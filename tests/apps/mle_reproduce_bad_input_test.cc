@@ -151,7 +151,7 @@ TEST(MleReproduceBadInput, ChoiceOfThePenalty) {
        {"--selection_block=-1", "≥ 0"}},
       {{"--solver=simplex"}, {"--solver=simplex", "known are homotopy, ceres"}},
       {{"--estimators=arx,magic"},
-       {"--estimators", "'magic'", "known are structured, arx"}},
+       {"--estimators", "'magic'", "known are output_error, arx"}},
       {{"--estimators=arx:magic"}, {"--estimators", "'magic'", "chi_square"}},
       {{"--estimators=combined:adequacy"},
        {"--estimators", "change_test", "combined"}},

@@ -226,7 +226,7 @@ TEST(MleReproduceOutputs, CompareEstimators) {
       EXPECT_LT(values["p_value"], 0.01) << name;
     }
     EXPECT_EQ(estimators["arx"]["E"], run["E_star"]);
-    EXPECT_LT(estimators["structured"]["E"], estimators["arx"]["E"]);
+    EXPECT_LT(estimators["output_error"]["E"], estimators["arx"]["E"]);
     ExpectNumber(run, "E_limit");
   }
   const nlohmann::json& first = one["runs"][0];
@@ -246,7 +246,7 @@ TEST(MleReproduceOutputs, ThePageShowsTheValuesOfTheResults) {
   const ScratchFolder scratch;
   const report::ProcessResult run = RunTested(
       SmallRun(scratch / "out", {"--cases=gain", "--seeds=2", "--ablations=all",
-                                 "--estimators=arx,structured"}));
+                                 "--estimators=arx,output_error"}));
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const nlohmann::json result =
       ParsedJson(scratch / "out/results.json")["cases"][0];

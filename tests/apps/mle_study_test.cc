@@ -37,7 +37,7 @@ class MleStudyTest : public ::testing::Test {
 
 TEST_F(MleStudyTest, TheSameBytesForAnyNumberOfThreads) {
   nlohmann::json campaign = SmallCampaign(2);
-  campaign["estimators"] = {"none", "arx:none", "arx", "structured:none",
+  campaign["estimators"] = {"none", "arx:none", "arx", "output_error:none",
                             "combined"};
   campaign["selections"] = {"paper", "bic"};
   campaign["noise_variances"] = {1e-3, 1e-2};

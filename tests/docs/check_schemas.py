@@ -77,7 +77,7 @@ def check_commands(folder):
     run("mle_simulate", model, f"--plant={source}/configs/wood_berry_gain.json",
         "--setpoints=overhead:150:1,bottoms:450:1", "--duration=700", "--sample_time=0.5",
         f"--out={folder}/run.csv")
-    for estimator in ("structured", "arx", "combined"):
+    for estimator in ("output_error", "arx", "combined"):
         out = folder / estimator
         run("mle_correct", model, f"--data={folder}/run.csv", f"--out={out}", "--figures=false",
             "--conversion_samples=5000", f"--estimator={estimator}",
@@ -88,7 +88,7 @@ def check_commands(folder):
         check("arx", out / "arx.json")
         if read(out / "result.json")["state_space"]["written"]:
             check("state_space", out / "state_space.json")
-        elif estimator == "structured":
+        elif estimator == "output_error":
             faults.append(f"{out}: no state_space.json")
         check("process_model", out / "fopdt.json")
         check("process_model", out / "model.json")
@@ -116,7 +116,7 @@ def check_commands(folder):
     out = folder / "lifecycle"
     run("mle_lifecycle", model, f"--ageing={source}/configs/wood_berry_ageing.json", f"--out={out}",
         "--figures=false", "--years=0.2", "--change_every=20d", "--sample_time=1", "--seeds=1",
-        "--policies=never,structured:2,test:1,perfect")
+        "--policies=never,output_error:2,test:1,perfect")
     check("lifecycle", out / "result.json")
     check_version("mle_lifecycle", out / "result.json")
     lives = list((out / "runs").glob("*.json"))

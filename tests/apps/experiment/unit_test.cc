@@ -41,7 +41,7 @@ std::map<std::int64_t, std::string> Rows(const Campaign& campaign,
 // What runs share must not show in them.
 TEST(RunUnitTest, ARowDependsOnItsNumberAlone) {
   nlohmann::json json = SmallCampaign(2);
-  json["estimators"] = {"arx:none", "arx:adequacy", "arx", "structured",
+  json["estimators"] = {"arx:none", "arx:adequacy", "arx", "output_error",
                         "combined"};
   json["selections"] = {"paper", "bic"};
   json["ablations"] = {"none", "half_windows"};
@@ -104,7 +104,7 @@ TEST(RunUnitTest, AblationsDiffer) {
 // The model left alone has E(M, G₀), and no test or λ.
 TEST(RunUnitTest, NoEstimatorLeavesTheModel) {
   nlohmann::json json = SmallCampaign(1);
-  json["estimators"] = {"none", "structured"};
+  json["estimators"] = {"none", "output_error"};
   const Campaign campaign = Parse(json);
   const Grid grid(campaign);
   const std::atomic<bool> stop{false};
@@ -131,7 +131,7 @@ TEST(RunUnitTest, NoEstimatorLeavesTheModel) {
 TEST(RunUnitTest, OutliersAreFoundByTheModel) {
   nlohmann::json json = SmallCampaign(1);
   json["mismatches"].erase(1);
-  json["estimators"] = {"arx:none", "structured:none"};
+  json["estimators"] = {"arx:none", "output_error:none"};
   nlohmann::json window = json["windows"][0];
   window["name"] = "outliers";
   window["outlier_share"] = 0.01;

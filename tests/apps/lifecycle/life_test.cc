@@ -62,7 +62,7 @@ TEST(LifeTest, CorrectionsFollowAPlantThatAges) {
   const LifeOptions options = TankLife(NoisyTank());
   const Life never = LiveBy("never", scenario, options);
   for (const char* policy :
-       {"structured:1", "combined:1", "arx:1", "test:0.2", "on_demand:0.8"}) {
+       {"output_error:1", "combined:1", "arx:1", "test:0.2", "on_demand:0.8"}) {
     const Life life = LiveBy(policy, scenario, options);
     EXPECT_GT(Count(life, Outcome::kUpdated), 0) << policy;
     // At the end, where a gain of 0.4 has been reached.
@@ -73,7 +73,7 @@ TEST(LifeTest, CorrectionsFollowAPlantThatAges) {
 
 TEST(LifeTest, CorrectionsComeAsOftenAsThePolicySays) {
   const Scenario scenario = TankScenario(12, Fouling(0.4, 24000.0));
-  const Life life = LiveBy("structured:3", scenario, TankLife(NoisyTank()));
+  const Life life = LiveBy("output_error:3", scenario, TankLife(NoisyTank()));
   for (std::size_t k = 0; k + 1 < life.rows.size(); ++k) {
     EXPECT_EQ(life.rows[k].outcome != Outcome::kNone, k % 3 == 2) << k;
     EXPECT_FALSE(life.rows[k].tested());
@@ -117,15 +117,15 @@ TEST(LifeTest, APerformanceIndexIsAboutOneWhileTheModelIsRight) {
 TEST(LifeTest, FewerWindowsOfOlderChangesAreUsed) {
   const Scenario scenario = TankScenario(12, Fouling(0.4, 24000.0));
   LifeOptions options = TankLife(NoisyTank());
-  const Life all = LiveBy("structured:1", scenario, options);
+  const Life all = LiveBy("output_error:1", scenario, options);
   options.windows = 1;
-  const Life last = LiveBy("structured:1", scenario, options);
+  const Life last = LiveBy("output_error:1", scenario, options);
   options.windows = 4;
   options.window_age = 500.0;  // the record of the last change alone
-  const Life young = LiveBy("structured:1", scenario, options);
+  const Life young = LiveBy("output_error:1", scenario, options);
   options.window_age = std::numeric_limits<double>::infinity();
   options.forgetting = 0.3;
-  const Life forgetful = LiveBy("structured:1", scenario, options);
+  const Life forgetful = LiveBy("output_error:1", scenario, options);
   ASSERT_EQ(last.rows.size(), young.rows.size());
   for (std::size_t k = 0; k < last.rows.size(); ++k) {
     EXPECT_EQ(last.rows[k].error.distance, young.rows[k].error.distance);
@@ -142,7 +142,7 @@ TEST(LifeTest, AModelWithWhichTheLoopRunsWorseIsTakenBack) {
   const Scenario scenario = TankScenario(12, Fouling(0.4, 24000.0));
   LifeOptions options = TankLife(NoisyTank());
   options.watch_limit = 1.000001;
-  const Life watched = LiveBy("structured:1", scenario, options);
+  const Life watched = LiveBy("output_error:1", scenario, options);
   ASSERT_GT(Count(watched, Outcome::kReverted), 0);
   for (std::size_t k = 0; k + 1 < watched.rows.size(); ++k) {
     const ChangeRow& row = watched.rows[k];
@@ -155,7 +155,7 @@ TEST(LifeTest, AModelWithWhichTheLoopRunsWorseIsTakenBack) {
     }
   }
   options.watch_limit = std::numeric_limits<double>::infinity();
-  const Life unwatched = LiveBy("structured:1", scenario, options);
+  const Life unwatched = LiveBy("output_error:1", scenario, options);
   EXPECT_EQ(Count(unwatched, Outcome::kReverted), 0);
 }
 

@@ -114,12 +114,12 @@ TEST(StepTestTest, CyclesRepeatEachInput) {
 
 TEST(PolicyTest, ListsAreRead) {
   const absl::StatusOr<std::vector<Policy>> policies = ParsePolicies(
-      "never, structured:3,combined,arx:2,test:6,on_demand:0.5,"
+      "never, output_error:3,combined,arx:2,test:6,on_demand:0.5,"
       "perfect");
   ASSERT_TRUE(policies.ok()) << policies.status();
   ASSERT_EQ(policies->size(), 7u);
   EXPECT_EQ((*policies)[1].every, 3);
-  EXPECT_EQ((*policies)[1].estimator, Estimator::kStructured);
+  EXPECT_EQ((*policies)[1].estimator, Estimator::kOutputError);
   EXPECT_EQ((*policies)[2].name, "combined:1");
   EXPECT_EQ((*policies)[3].family(), "arx");
   EXPECT_EQ((*policies)[4].months, 6.0);
@@ -132,9 +132,10 @@ TEST(PolicyTest, MistakesAreNamed) {
     return std::string(ParsePolicies(text).status().message());
   };
   EXPECT_THAT(message("never,yearly"), HasSubstr("'yearly': known are never"));
-  EXPECT_THAT(message("structured:0"), HasSubstr("'structured:0'"));
-  EXPECT_THAT(message("structured:1.5"), HasSubstr("whole number"));
-  EXPECT_THAT(message("structured,structured:1"), HasSubstr("stands twice"));
+  EXPECT_THAT(message("output_error:0"), HasSubstr("'output_error:0'"));
+  EXPECT_THAT(message("output_error:1.5"), HasSubstr("whole number"));
+  EXPECT_THAT(message("output_error,output_error:1"),
+              HasSubstr("stands twice"));
   EXPECT_THAT(message("test"), HasSubstr("test:12"));
   EXPECT_THAT(message("test:x"), HasSubstr("'x' is not a number"));
   EXPECT_THAT(message("on_demand:1.2"), HasSubstr("between 0 and 1"));

@@ -28,18 +28,18 @@ RateSummary Rate(double rate, std::vector<PolicySummary> policies) {
 }
 
 TEST(SavingMapTest, ShadesWhatPaysAndSaysWhatEachSaves) {
-  const RateSummary slow = Rate(0.5, {Policy("structured:3", 49.4, 143.0),
+  const RateSummary slow = Rate(0.5, {Policy("output_error:3", 49.4, 143.0),
                                       Policy("test:12", -24736.0, 2924.0)});
-  const RateSummary fast = Rate(1.0, {Policy("structured:3", 8416.0, 1130.0),
+  const RateSummary fast = Rate(1.0, {Policy("output_error:3", 8416.0, 1130.0),
                                       Policy("test:12", 4208.0, 100.0)});
-  const RateSummary faster = Rate(2.0, {Policy("structured:3", 90000.0, 10.0),
+  const RateSummary faster = Rate(2.0, {Policy("output_error:3", 90000.0, 10.0),
                                         Policy("test:12", 22500.0, 10.0)});
   const report::NamedFigure map = SavingMap({&slow, &fast, &faster});
   ASSERT_TRUE(map.figure.Validate().ok());
   EXPECT_FALSE(map.alt.empty());
   const report::Panel& panel = map.figure.panels.front();
   EXPECT_THAT(panel.x.names, ElementsAre("0.5", "1", "2"));
-  EXPECT_THAT(panel.y.names, ElementsAre("test:12", "structured:3"));
+  EXPECT_THAT(panel.y.names, ElementsAre("test:12", "output_error:3"));
   ASSERT_EQ(panel.cells.size(), 6u);
   // From the bottom: tests at all rates, then corrections.
   EXPECT_EQ(panel.cells[0].shade, 0.0);
@@ -52,7 +52,7 @@ TEST(SavingMapTest, ShadesWhatPaysAndSaysWhatEachSaves) {
 }
 
 TEST(SavingMapTest, OneSeedHasNoIntervals) {
-  const RateSummary rate = Rate(1.0, {Policy("structured", 500.0, kNone),
+  const RateSummary rate = Rate(1.0, {Policy("output_error", 500.0, kNone),
                                       Policy("on_demand:0.7", kNone, kNone, 1),
                                       Policy("perfect", kNone, kNone)});
   const report::NamedFigure map = SavingMap({&rate});
@@ -66,7 +66,7 @@ TEST(SavingMapTest, OneSeedHasNoIntervals) {
 }
 
 TEST(SavingMapTest, NothingSavedLeavesTheMapWhite) {
-  const RateSummary rate = Rate(0.0, {Policy("structured", 0.0, 0.0)});
+  const RateSummary rate = Rate(0.0, {Policy("output_error", 0.0, 0.0)});
   const report::NamedFigure map = SavingMap({&rate});
   EXPECT_EQ(map.figure.panels.front().cells.front().shade, 0.0);
 }

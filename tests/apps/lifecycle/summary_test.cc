@@ -81,7 +81,7 @@ TEST(SummaryTest, IntervalsAreStudents) {
 class SummaryOfThreeTest : public ::testing::Test {
  protected:
   SummaryOfThreeTest() {
-    campaign_.policies = *ParsePolicies("never,structured:1,test:12,perfect");
+    campaign_.policies = *ParsePolicies("never,output_error:1,test:12,perfect");
     campaign_.rates = {1.0};
     campaign_.seeds = {1, 2, 3};
     // The seeds differ by far more than the policies.
@@ -105,22 +105,22 @@ class SummaryOfThreeTest : public ::testing::Test {
 
 TEST_F(SummaryOfThreeTest, SavingsAreComparedSeedBySeed) {
   const RateSummary rate = Summaries(10.0).front();
-  const PolicySummary& structured = rate.policies[1];
+  const PolicySummary& output_error = rate.policies[1];
   // 150 of squared error at 60 an hour, less 50 for an engineer, in two years.
-  EXPECT_NEAR(structured.saving.mean, 0.5 * (150.0 - 50.0), 1e-9);
-  EXPECT_NEAR(structured.saving.half_width, 0.0, 1e-9);
-  EXPECT_GT(structured.cost.half_width, 100.0);
-  EXPECT_NEAR(structured.share_saved, 100.0 / 200.0, 1e-12);
+  EXPECT_NEAR(output_error.saving.mean, 0.5 * (150.0 - 50.0), 1e-9);
+  EXPECT_NEAR(output_error.saving.half_width, 0.0, 1e-9);
+  EXPECT_GT(output_error.cost.half_width, 100.0);
+  EXPECT_NEAR(output_error.share_saved, 100.0 / 200.0, 1e-12);
   EXPECT_NEAR(rate.policies[3].share_saved, 1.0, 1e-12);
-  EXPECT_EQ(structured.updates, 1.0);
+  EXPECT_EQ(output_error.updates, 1.0);
   EXPECT_EQ(rate.policies[2].tests, 1.0);
-  EXPECT_EQ(rate.Cheapest()->policy.name, "structured:1");
+  EXPECT_EQ(rate.Cheapest()->policy.name, "output_error:1");
 }
 
 TEST_F(SummaryOfThreeTest, AtTheBreakEvenPriceBothWaysCostTheSame) {
   const BreakEven found = Summaries(10.0).front().break_even;
   EXPECT_EQ(found.test, "test:12");
-  EXPECT_EQ(found.correction, "structured:1");
+  EXPECT_EQ(found.correction, "output_error:1");
   // It does not depend on the price that was assumed.
   EXPECT_NEAR(Summaries(77.0).front().break_even.price, found.price, 1e-9);
   const RateSummary there = Summaries(found.price).front();
@@ -133,7 +133,7 @@ TEST_F(SummaryOfThreeTest, ALoopThatRanAwayHasNoCost) {
   EXPECT_TRUE(std::isnan(rate.policies[0].cost.mean));
   EXPECT_EQ(rate.policies[0].ran_away, 1);
   EXPECT_TRUE(std::isnan(rate.policies[1].saving.mean));
-  EXPECT_EQ(rate.Cheapest()->policy.name, "structured:1");
+  EXPECT_EQ(rate.Cheapest()->policy.name, "output_error:1");
 }
 
 }  // namespace

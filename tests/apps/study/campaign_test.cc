@@ -69,7 +69,7 @@ TEST(CampaignTest, DefaultsAreThePapers) {
 
 TEST(CampaignTest, MethodsAreTheProductOfWhatTheyUse) {
   Json json = SmallCampaign(1);
-  json["estimators"] = {"none", "arx", "structured"};
+  json["estimators"] = {"none", "arx", "output_error"};
   json["selections"] = {"paper", "bic"};
   json["solvers"] = {"homotopy", "coordinate_descent"};
   const absl::StatusOr<Campaign> campaign = Parse(json);
@@ -284,17 +284,17 @@ TEST(CampaignTest, ControllersWindowsAndMethods) {
       {[](Json& j) {
          j["estimators"] = {"arx", "magic"};
        },
-       {"estimators[1]", "magic", "structured"}},
+       {"estimators[1]", "magic", "output_error"}},
       {[](Json& j) {
          j["estimators"] = {"arx", "arx"};
        },
        {"estimators[1]", "stands twice"}},
       {[](Json& j) {
-         j["estimators"] = {"structured", "structured:calibrated"};
+         j["estimators"] = {"output_error", "output_error:calibrated"};
        },
        {"estimators[1]", "stands twice"}},
       {[](Json& j) {
-         j["estimators"] = {"arx:", "structured"};
+         j["estimators"] = {"arx:", "output_error"};
        },
        {"estimators[0]", "chi_square"}},
       {[](Json& j) {

@@ -11,9 +11,9 @@
 #include "glog/logging.h"
 #include "gtest/gtest.h"
 #include "mle/correction/correction.h"
-#include "mle/nonlinear/structured_correction.h"
+#include "mle/nonlinear/output_error_correction.h"
 #include "tests/mle/correction/arx_data.h"
-#include "tests/mle/nonlinear/structured_records.h"
+#include "tests/mle/nonlinear/output_error_records.h"
 
 namespace mle {
 namespace {
@@ -212,7 +212,7 @@ TEST(MetamorphicCorrectionTest, AnUnrelatedChannelStaysOut) {
             kRounding);
 }
 
-// The structured correction: gain and dead time of one element have changed.
+// The output-error correction: gain and dead time of one element have changed.
 
 ProcessModel Aged() {
   ProcessModel plant = TwoElements();
@@ -224,9 +224,9 @@ std::vector<Record> AgedRecords() {
   return MakeRecords(Aged(), 500, 3, {.variance = 1e-2, .offset = 2.0});
 }
 
-StructuredCorrection Structured(const ProcessModel& model,
-                                const std::vector<Record>& records) {
-  auto correction = CorrectStructure(model, records, StructuredOptions());
+OutputErrorCorrection ByOutputError(const ProcessModel& model,
+                                    const std::vector<Record>& records) {
+  auto correction = CorrectByOutputError(model, records, OutputErrorOptions());
   CHECK(correction.ok()) << correction.status();
   return *std::move(correction);
 }
@@ -242,8 +242,9 @@ void ExpectSame(const ParameterEstimate& a, const ParameterEstimate& b,
               1e-2 * std::abs(factor) * a.standard_error);
 }
 
-TEST(MetamorphicStructuredTest, UnitsScaleTheGainsAlone) {
-  const StructuredCorrection before = Structured(TwoElements(), AgedRecords());
+TEST(MetamorphicOutputErrorTest, UnitsScaleTheGainsAlone) {
+  const OutputErrorCorrection before =
+      ByOutputError(TwoElements(), AgedRecords());
   ASSERT_TRUE(before.aged(0, 0));
   const double output = 250.0;
   const Eigen::Vector2d input(0.1, -30.0);
@@ -258,7 +259,7 @@ TEST(MetamorphicStructuredTest, UnitsScaleTheGainsAlone) {
     record.outputs *= output;
     record.inputs = input.asDiagonal() * record.inputs;
   }
-  const StructuredCorrection after = Structured(model, records);
+  const OutputErrorCorrection after = ByOutputError(model, records);
   EXPECT_EQ(after.aged, before.aged);
   for (int j = 0; j < 2; ++j) {
     const ElementEstimate& a = before.corrected.element(0, j);
@@ -269,8 +270,9 @@ TEST(MetamorphicStructuredTest, UnitsScaleTheGainsAlone) {
   }
 }
 
-TEST(MetamorphicStructuredTest, TheUnitOfTimeScalesTimesAlone) {
-  const StructuredCorrection before = Structured(TwoElements(), AgedRecords());
+TEST(MetamorphicOutputErrorTest, TheUnitOfTimeScalesTimesAlone) {
+  const OutputErrorCorrection before =
+      ByOutputError(TwoElements(), AgedRecords());
   const double unit = 60.0;
   ProcessModel model = TwoElements();
   for (int j = 0; j < 2; ++j) {
@@ -283,7 +285,7 @@ TEST(MetamorphicStructuredTest, TheUnitOfTimeScalesTimesAlone) {
     record.sample_time *= unit;
     record.start_time = unit * record.start_time - 1e6;
   }
-  const StructuredCorrection after = Structured(model, records);
+  const OutputErrorCorrection after = ByOutputError(model, records);
   EXPECT_EQ(after.aged, before.aged);
   for (int j = 0; j < 2; ++j) {
     const ElementEstimate& a = before.corrected.element(0, j);
@@ -294,8 +296,9 @@ TEST(MetamorphicStructuredTest, TheUnitOfTimeScalesTimesAlone) {
   }
 }
 
-TEST(MetamorphicStructuredTest, TheOrderOfInputsAndRecordsDoesNotMatter) {
-  const StructuredCorrection before = Structured(TwoElements(), AgedRecords());
+TEST(MetamorphicOutputErrorTest, TheOrderOfInputsAndRecordsDoesNotMatter) {
+  const OutputErrorCorrection before =
+      ByOutputError(TwoElements(), AgedRecords());
   ProcessModel model = MakeModel(1, 2);
   model.element(0, 0) = TwoElements().element(0, 1);
   model.element(0, 1) = TwoElements().element(0, 0);
@@ -304,7 +307,7 @@ TEST(MetamorphicStructuredTest, TheOrderOfInputsAndRecordsDoesNotMatter) {
   for (Record& record : records) {
     record.inputs = record.inputs.colwise().reverse().eval();
   }
-  const StructuredCorrection after = Structured(model, records);
+  const OutputErrorCorrection after = ByOutputError(model, records);
   EXPECT_NEAR(after.statistic, before.statistic, 1e-3);
   for (int j = 0; j < 2; ++j) {
     EXPECT_EQ(after.aged(0, 1 - j), before.aged(0, j));
@@ -316,14 +319,15 @@ TEST(MetamorphicStructuredTest, TheOrderOfInputsAndRecordsDoesNotMatter) {
   }
 }
 
-TEST(MetamorphicStructuredTest, AChannelWithoutAnElementChangesNothing) {
-  const StructuredCorrection before = Structured(TwoElements(), AgedRecords());
+TEST(MetamorphicOutputErrorTest, AChannelWithoutAnElementChangesNothing) {
+  const OutputErrorCorrection before =
+      ByOutputError(TwoElements(), AgedRecords());
   ProcessModel model = MakeModel(1, 3);
   for (int j = 0; j < 2; ++j) {
     model.element(0, j) = TwoElements().element(0, j);
   }
-  const StructuredCorrection after =
-      Structured(model, WithAnotherInput(AgedRecords(), /*constant=*/false));
+  const OutputErrorCorrection after =
+      ByOutputError(model, WithAnotherInput(AgedRecords(), /*constant=*/false));
   EXPECT_EQ(after.corrected.element(0, 2).state, ElementState::kAbsent);
   EXPECT_NEAR(after.statistic, before.statistic, 1e-6);
   for (int j = 0; j < 2; ++j) {
@@ -336,8 +340,9 @@ TEST(MetamorphicStructuredTest, AChannelWithoutAnElementChangesNothing) {
 
 // Each part brings an offset and a beginning of its own, so that something is
 // lost: the answer moves within its error, and the error grows.
-TEST(MetamorphicStructuredTest, ASplitRecordSaysTheSameWithinItsError) {
-  const StructuredCorrection before = Structured(TwoElements(), AgedRecords());
+TEST(MetamorphicOutputErrorTest, ASplitRecordSaysTheSameWithinItsError) {
+  const OutputErrorCorrection before =
+      ByOutputError(TwoElements(), AgedRecords());
   std::vector<Record> parts;
   for (const Record& record : AgedRecords()) {
     for (const int first : {0, 250}) {
@@ -348,7 +353,7 @@ TEST(MetamorphicStructuredTest, ASplitRecordSaysTheSameWithinItsError) {
       parts.push_back(part);
     }
   }
-  const StructuredCorrection after = Structured(TwoElements(), parts);
+  const OutputErrorCorrection after = ByOutputError(TwoElements(), parts);
   EXPECT_EQ(after.aged, before.aged);
   const ElementEstimate& a = before.corrected.element(0, 0);
   const ElementEstimate& b = after.corrected.element(0, 0);

@@ -5,7 +5,7 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "tests/mle/nonlinear/structured_records.h"
+#include "tests/mle/nonlinear/output_error_records.h"
 
 namespace mle {
 namespace {
@@ -49,8 +49,8 @@ TEST(PairInformationTest, InputsThatMoveInform) {
 
 // The limit of the errors is what a fit reaches.
 TEST(PairInformationTest, ErrorsAreThoseOfTheFit) {
-  const auto correction = CorrectStructure(TwoElements(), Windows(),
-                                           {.offsets = WindowOffsets::kAlways});
+  const auto correction = CorrectByOutputError(
+      TwoElements(), Windows(), {.offsets = WindowOffsets::kAlways});
   ASSERT_TRUE(correction.ok());
   const PairInformation information =
       Assess(Windows(), correction->full.noise[0].variance,

@@ -19,7 +19,7 @@ using testing::TankRecord;
 
 CorrectOptions Fast() {
   CorrectOptions options;
-  options.estimation.estimator = Estimator::kStructured;
+  options.estimation.estimator = Estimator::kOutputError;
   options.make_arx = false;
   options.threads = 1;
   return options;
@@ -107,7 +107,7 @@ TEST(CorrectFromRecordsTest, WindowsThatDisagreeCannotTell) {
   EXPECT_EQ(result->decision, Decision::kCannotTell);
   EXPECT_EQ(result->change.total, 0.0);
   // The estimate is there to be looked at.
-  EXPECT_TRUE(result->estimate.fit.structured.aged(0, 0));
+  EXPECT_TRUE(result->estimate.fit.output_error.aged(0, 0));
 }
 
 TEST(CorrectFromRecordsTest, AChangeBelowTheThresholdIsNoChange) {
@@ -308,7 +308,7 @@ TEST(CorrectFromRecordsTest, WrongArgumentsAreNamed) {
   options.estimation.change_test = ChangeTest::kAdequacy;
   EXPECT_TRUE(Mentions(message(Tank(1.0), {record}, options), "change_test"));
   options = Fast();
-  options.estimation.structured.confidence = 2.0;
+  options.estimation.output_error.confidence = 2.0;
   EXPECT_TRUE(Mentions(message(Tank(1.0), {record}, options), "confidence"));
 
   EXPECT_TRUE(Mentions(message(Tank(1.0), {}, Fast()), "records"));

@@ -30,8 +30,8 @@ std::vector<Record> HardlyMovingWindows() {
 
 EstimationOptions Options(double false_alarm_probability, ChangeTest test) {
   EstimationOptions options;
-  options.estimator = Estimator::kStructured;
-  options.structured.false_alarm_probability = false_alarm_probability;
+  options.estimator = Estimator::kOutputError;
+  options.output_error.false_alarm_probability = false_alarm_probability;
   options.change_test = test;
   options.calibration.doubt = 1e9;  // always simulated
   return options;
@@ -48,18 +48,18 @@ TEST(EstimationTest, TheCalibratedTestDecidesWhereChiSquareWouldPropose) {
   const Estimate lenient = estimate(0.99, ChangeTest::kCalibrated);
   ASSERT_TRUE(lenient.fit.change_proposed);
   ASSERT_GT(lenient.fit.test.factor, 1.1);
-  const double by_chi_square = lenient.fit.structured.p_value;
+  const double by_chi_square = lenient.fit.output_error.p_value;
   ASSERT_LT(by_chi_square, lenient.fit.test.p_value);
   const double between = std::sqrt(by_chi_square * lenient.fit.test.p_value);
 
   const Estimate naive = estimate(between, ChangeTest::kChiSquare);
   EXPECT_TRUE(naive.fit.change_proposed);
-  EXPECT_NE(naive.fit.structured.corrected.model.element(0, 0).StaticGain(),
+  EXPECT_NE(naive.fit.output_error.corrected.model.element(0, 0).StaticGain(),
             2.0);
   const Estimate calibrated = estimate(between, ChangeTest::kCalibrated);
   EXPECT_FALSE(calibrated.fit.change_proposed);
   EXPECT_EQ(
-      calibrated.fit.structured.corrected.model.element(0, 0).StaticGain(),
+      calibrated.fit.output_error.corrected.model.element(0, 0).StaticGain(),
       2.0);
 }
 

@@ -73,10 +73,10 @@ TEST(ExamineRecordsTest, InputsThatStickAreDoubtOrPassedThroughTheirPlay) {
   EXPECT_NEAR(findings[0].value, 0.1, 0.02);
   EXPECT_EQ(findings[0].outputs, (std::vector<int>{0, 1}));
   EXPECT_EQ(record.inputs, sticking.inputs);
-  CorrectOptions structured;
-  structured.estimation.estimator = Estimator::kStructured;
-  structured.make_arx = false;
-  const auto result = CorrectFromRecords(LoopModel(), {sticking}, structured);
+  CorrectOptions output_error;
+  output_error.estimation.estimator = Estimator::kOutputError;
+  output_error.make_arx = false;
+  const auto result = CorrectFromRecords(LoopModel(), {sticking}, output_error);
   ASSERT_TRUE(result.ok()) << result.status();
   EXPECT_EQ(result->decision, Decision::kCannotTell);
   EXPECT_EQ(result->reasons.front().code, MessageCode::kSticking);
@@ -240,7 +240,7 @@ TEST(ExamineRecordsTest, AMistakeForbidsACorrection) {
   Record record = LoopRecord();
   record.inputs.row(0).swap(record.inputs.row(1));
   CorrectOptions options;
-  options.estimation.estimator = Estimator::kStructured;
+  options.estimation.estimator = Estimator::kOutputError;
   options.make_arx = false;
   const absl::StatusOr<CorrectionResult> result =
       CorrectFromRecords(LoopModel(), {record}, options);

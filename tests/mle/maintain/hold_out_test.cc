@@ -17,9 +17,9 @@ constexpr double kNoise = 0.05;
 
 EstimationOptions Options() {
   EstimationOptions options;
-  options.estimator = Estimator::kStructured;
-  options.structured.estimate_drift = false;
-  options.structured.offsets = WindowOffsets::kNever;
+  options.estimator = Estimator::kOutputError;
+  options.output_error.estimate_drift = false;
+  options.output_error.offsets = WindowOffsets::kNever;
   return options;
 }
 
@@ -132,7 +132,7 @@ TEST(HoldOutTest, TheStandardErrorCoversWhatChanceDoes) {
     // Tested at a level at which it always finds something.
     EstimationOptions options = Options();
     options.change_test = ChangeTest::kChiSquare;
-    options.structured.false_alarm_probability = 0.999;
+    options.output_error.false_alarm_probability = 0.999;
     const auto estimate = EstimateModel(Tank(2.0), windows, options);
     ASSERT_TRUE(estimate.ok()) << estimate.status();
     if (!ProposesChange(*estimate, 0)) continue;

@@ -32,7 +32,7 @@ std::vector<Record> Windows(double gain) {
 
 TEST(NullCalibrationTest, WhatIsBeyondDoubtIsNotSimulated) {
   const std::vector<Record> windows = Windows(1.0);
-  const auto test = CorrectStructure(Tank(2.0), windows, {});
+  const auto test = CorrectByOutputError(Tank(2.0), windows, {});
   ASSERT_TRUE(test.ok()) << test.status();
   const auto calibration = CalibrateTest(Tank(2.0), windows, *test, {}, {});
   ASSERT_TRUE(calibration.ok()) << calibration.status();
@@ -43,13 +43,13 @@ TEST(NullCalibrationTest, WhatIsBeyondDoubtIsNotSimulated) {
 
 TEST(NullCalibrationTest, ADoubtfulTestIsMeasuredAgainstItsOwnMean) {
   const std::vector<Record> windows = Windows(2.0);
-  auto test = CorrectStructure(Tank(2.0), windows, {});
+  auto test = CorrectByOutputError(Tank(2.0), windows, {});
   ASSERT_TRUE(test.ok()) << test.status();
   // A statistic that χ² rejects by a little.
   test->change_proposed = true;
   test->statistic = 14.0;
   test->p_value = ChiSquareTail(14.0, test->degrees_of_freedom);
-  StructuredOptions threads;
+  OutputErrorOptions threads;
   const auto one = CalibrateTest(Tank(2.0), windows, *test, threads, {});
   threads.threads = 3;
   const auto three = CalibrateTest(Tank(2.0), windows, *test, threads, {});
@@ -88,9 +88,9 @@ double MeanStatistic(const std::vector<Record>& windows, int count) {
       drawn[0].outputs(0, k) += level + 0.05 * normal(engine);
       level += 0.005 * normal(engine);
     }
-    StructuredOptions options;
+    OutputErrorOptions options;
     options.false_alarm_probability = 1e-300;
-    const auto test = CorrectStructure(Tank(2.0), drawn, options);
+    const auto test = CorrectByOutputError(Tank(2.0), drawn, options);
     EXPECT_TRUE(test.ok()) << test.status();
     if (test.ok()) sum += test->statistic;
   }
@@ -99,7 +99,7 @@ double MeanStatistic(const std::vector<Record>& windows, int count) {
 
 TEST(NullCalibrationTest, TheFactorIsThatOfRecordsSimulatedElsewhere) {
   const std::vector<Record> windows = HardlyMovingWindows();
-  auto test = CorrectStructure(Tank(2.0), windows, {});
+  auto test = CorrectByOutputError(Tank(2.0), windows, {});
   ASSERT_TRUE(test.ok()) << test.status();
   ASSERT_EQ(test->degrees_of_freedom, 3);
   test->change_proposed = true;

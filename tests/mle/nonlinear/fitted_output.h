@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "gtest/gtest.h"
+#include "mle/nonlinear/output_error_setup.h"
 #include "mle/nonlinear/output_fit.h"
-#include "mle/nonlinear/structured_setup.h"
-#include "tests/mle/nonlinear/structured_records.h"
+#include "tests/mle/nonlinear/output_error_records.h"
 
 namespace mle {
 

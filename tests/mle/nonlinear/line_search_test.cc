@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "gtest/gtest.h"
-#include "mle/nonlinear/structured_correction.h"
-#include "mle/nonlinear/structured_setup.h"
-#include "tests/mle/nonlinear/structured_records.h"
+#include "mle/nonlinear/output_error_correction.h"
+#include "mle/nonlinear/output_error_setup.h"
+#include "tests/mle/nonlinear/output_error_records.h"
 
 namespace mle {
 namespace {
@@ -25,8 +25,8 @@ std::vector<Record> Records(const RecordNoise& noise, unsigned seed) {
 TEST(LineSearchTest, FindsASine) {
   const RecordNoise noise = {
       .variance = 0.01, .amplitude = 0.15, .period = 25.3};
-  const auto correction =
-      CorrectStructure(TwoElements(), Records(noise, 1), StructuredOptions());
+  const auto correction = CorrectByOutputError(TwoElements(), Records(noise, 1),
+                                               OutputErrorOptions());
   ASSERT_TRUE(correction.ok()) << correction.status();
   const NoiseEstimate& found = correction->full.noise[0];
   ASSERT_EQ(found.lines.size(), 1U);
@@ -45,8 +45,8 @@ TEST(LineSearchTest, OtherNoiseHasNoLines) {
     if (seed % 3 == 1) noise.increment = 1e-4;
     if (seed % 3 == 2) noise.shock = 0.01;
     noise.pole = 0.9;
-    const auto correction = CorrectStructure(
-        TwoElements(), Records(noise, seed), StructuredOptions());
+    const auto correction = CorrectByOutputError(
+        TwoElements(), Records(noise, seed), OutputErrorOptions());
     ASSERT_TRUE(correction.ok()) << correction.status();
     EXPECT_TRUE(correction->full.noise[0].lines.empty()) << seed;
   }

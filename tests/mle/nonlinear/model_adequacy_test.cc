@@ -8,7 +8,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "mle/nonlinear/output_error_problem.h"
-#include "tests/mle/nonlinear/structured_records.h"
+#include "tests/mle/nonlinear/output_error_records.h"
 
 namespace mle {
 namespace {
@@ -83,7 +83,7 @@ TEST(ModelAdequacyTest, JudgesTheStructureOfAFit) {
     ProcessModel plant = TwoElements();
     plant.element(0, 0) = element;
     const auto records = MakeRecords(plant, 400, 5, {.variance = 1e-3});
-    const auto fit = CorrectStructure(TwoElements(), records, {});
+    const auto fit = CorrectByOutputError(TwoElements(), records, {});
     ASSERT_TRUE(fit.ok()) << fit.status();
     ASSERT_TRUE(fit->change_proposed);
     const ModelAdequacy adequacy =

@@ -5,7 +5,7 @@
 #include "gtest/gtest.h"
 #include "mle/nonlinear/output_fit.h"
 #include "tests/mle/nonlinear/fitted_output.h"
-#include "tests/mle/nonlinear/structured_records.h"
+#include "tests/mle/nonlinear/output_error_records.h"
 
 namespace mle {
 namespace {

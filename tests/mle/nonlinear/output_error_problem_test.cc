@@ -6,7 +6,7 @@
 
 #include "gtest/gtest.h"
 #include "mle/nonlinear/delay_search.h"
-#include "tests/mle/nonlinear/structured_records.h"
+#include "tests/mle/nonlinear/output_error_records.h"
 
 namespace mle {
 namespace {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "gtest/gtest.h"
-#include "mle/nonlinear/structured_correction.h"
-#include "tests/mle/nonlinear/structured_records.h"
+#include "mle/nonlinear/output_error_correction.h"
+#include "tests/mle/nonlinear/output_error_records.h"
 
 namespace mle {
 namespace {
@@ -24,18 +24,18 @@ ProcessModel WithLead() {
 }
 
 struct Case {
-  StructuredCorrection structured;
+  OutputErrorCorrection output_error;
   PosteriorCorrection posterior;
 };
 
 Case Complete(const ProcessModel& model, const std::vector<Record>& records,
-              const StructuredOptions& options = {}) {
-  const auto structured = CorrectStructure(model, records, options);
-  EXPECT_TRUE(structured.ok()) << structured.status();
+              const OutputErrorOptions& options = {}) {
+  const auto output_error = CorrectByOutputError(model, records, options);
+  EXPECT_TRUE(output_error.ok()) << output_error.status();
   const auto posterior =
-      CompleteByPosterior(model, records, structured->corrected, options);
+      CompleteByPosterior(model, records, output_error->corrected, options);
   EXPECT_TRUE(posterior.ok()) << posterior.status();
-  return {*structured, *posterior};
+  return {*output_error, *posterior};
 }
 
 double Distance(const ProcessModel& model, const ProcessModel& plant) {
@@ -49,17 +49,17 @@ TEST(PosteriorCorrectionTest, LeavesTheStructureWhereItSuffices) {
   aged.element(0, 1) = TransferFunction::FirstOrder(-4.5, 8.0, 3.0);
   for (const ProcessModel& plant : {TwoElements(), aged}) {
     for (unsigned seed = 1; seed <= 10; ++seed) {
-      const auto [structured, posterior] =
+      const auto [output_error, posterior] =
           Complete(TwoElements(), MakeRecords(plant, 500, seed, kNoise));
       EXPECT_FALSE(posterior.any()) << "seed " << seed;
-      EXPECT_EQ(Distance(posterior.model, structured.corrected.model), 0.0);
+      EXPECT_EQ(Distance(posterior.model, output_error.corrected.model), 0.0);
     }
   }
 }
 
 TEST(PosteriorCorrectionTest, FindsTheElementOfAnotherShape) {
   for (unsigned seed = 1; seed <= 5; ++seed) {
-    const auto [structured, posterior] =
+    const auto [output_error, posterior] =
         Complete(TwoElements(), MakeRecords(WithLead(), 500, seed, kNoise));
     ASSERT_TRUE(posterior.outputs[0].needed) << "seed " << seed;
     const auto& elements = posterior.outputs[0].elements;
@@ -70,7 +70,7 @@ TEST(PosteriorCorrectionTest, FindsTheElementOfAnotherShape) {
               TwoElements().element(0, 1).numerator());
     // Of the structure alone 1.5 are left on average, of the model 2.0.
     EXPECT_LT(Distance(posterior.model, WithLead()), 0.05);
-    EXPECT_GT(Distance(structured.corrected.model, WithLead()), 0.05);
+    EXPECT_GT(Distance(output_error.corrected.model, WithLead()), 0.05);
     EXPECT_LT(elements[0].reduction_error, 0.01);
   }
 }
@@ -82,7 +82,7 @@ TEST(PosteriorCorrectionTest, BandsHoldTheTruth) {
   double held = 0.0;
   double points = 0.0;
   for (unsigned seed = 1; seed <= 20; ++seed) {
-    const auto [structured, posterior] =
+    const auto [output_error, posterior] =
         Complete(TwoElements(), MakeRecords(WithLead(), 500, seed, kNoise));
     if (!posterior.any()) continue;
     const VectorXd mean = posterior.MeanStep(TwoElements(), 0, 0, kSamples);
@@ -104,7 +104,7 @@ TEST(PosteriorCorrectionTest, AddsAPairThatIsAbsent) {
   model.element(0, 1) = TransferFunction();
   ProcessModel plant = model;
   plant.element(0, 1) = TransferFunction::FirstOrder(-0.5, 3.0, 2.0);
-  auto [structured, posterior] =
+  auto [output_error, posterior] =
       Complete(model, MakeRecords(plant, 500, 5, kNoise));
   ASSERT_TRUE(posterior.any());
   const auto& elements = posterior.outputs[0].elements;
@@ -112,9 +112,9 @@ TEST(PosteriorCorrectionTest, AddsAPairThatIsAbsent) {
   EXPECT_TRUE(elements[1].reshaped);
   EXPECT_GT(elements[1].shape_probability, 0.99);
   EXPECT_LT(Distance(posterior.model, plant), 0.1 * Distance(model, plant));
-  posterior.Describe(model, 0.95, structured);
-  EXPECT_TRUE(structured.aged(0, 1));
-  const ParameterEstimate& gain = structured.corrected.element(0, 1).gain;
+  posterior.Describe(model, 0.95, output_error);
+  EXPECT_TRUE(output_error.aged(0, 1));
+  const ParameterEstimate& gain = output_error.corrected.element(0, 1).gain;
   EXPECT_EQ(gain.initial, 0.0);
   EXPECT_LT(gain.lower, -0.5);
   EXPECT_GT(gain.upper, -0.5);
@@ -130,24 +130,24 @@ TEST(PosteriorCorrectionTest, KeepsWhatRecordsAreSilentAbout) {
     ASSERT_EQ(quiet.samples(), record.samples());
     record.inputs.row(1).setConstant(still);
   }
-  const auto [structured, posterior] = Complete(TwoElements(), records);
+  const auto [output_error, posterior] = Complete(TwoElements(), records);
   if (!posterior.any()) return;
   EXPECT_FALSE(posterior.outputs[0].elements[1].changed);
 }
 
 TEST(PosteriorCorrectionTest, DescribesTheNearestElement) {
-  auto [structured, posterior] =
+  auto [output_error, posterior] =
       Complete(TwoElements(), MakeRecords(WithLead(), 500, 1, kNoise));
   ASSERT_TRUE(posterior.any());
-  posterior.Describe(TwoElements(), 0.95, structured);
-  EXPECT_TRUE(structured.aged(0, 0));
-  EXPECT_FALSE(structured.aged(0, 1));
-  const ElementEstimate& element = structured.corrected.element(0, 0);
+  posterior.Describe(TwoElements(), 0.95, output_error);
+  EXPECT_TRUE(output_error.aged(0, 0));
+  EXPECT_FALSE(output_error.aged(0, 1));
+  const ElementEstimate& element = output_error.corrected.element(0, 0);
   EXPECT_EQ(element.state, ElementState::kFitted);
   EXPECT_EQ(element.gain.initial, 2.0);
   EXPECT_NEAR(element.gain.value, 2.0, 5.0 * element.gain.standard_error);
   EXPECT_GT(element.time_scale.standard_error, 0.0);
-  EXPECT_EQ(structured.corrected.element(0, 1).gain.value, -3.0);
+  EXPECT_EQ(output_error.corrected.element(0, 1).gain.value, -3.0);
 }
 
 TEST(PosteriorCorrectionTest, ThreadsDoNotMatter) {
@@ -160,7 +160,7 @@ TEST(PosteriorCorrectionTest, ThreadsDoNotMatter) {
     }
   }
   const auto records = MakeRecords(plant, 400, 3, kNoise);
-  StructuredOptions options;
+  OutputErrorOptions options;
   const PosteriorCorrection one = Complete(two, records, options).posterior;
   options.threads = 2;
   const PosteriorCorrection more = Complete(two, records, options).posterior;

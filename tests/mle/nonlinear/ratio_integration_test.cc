@@ -4,7 +4,7 @@
 #include "gtest/gtest.h"
 #include "mle/nonlinear/output_fit.h"
 #include "tests/mle/nonlinear/fitted_output.h"
-#include "tests/mle/nonlinear/structured_records.h"
+#include "tests/mle/nonlinear/output_error_records.h"
 
 namespace mle {
 namespace {
@@ -45,7 +45,7 @@ TEST(RatioIntegrationTest, WeightsAreAProbability) {
 TEST(RatioIntegrationTest, ChangesAreThoseOfRefits) {
   const FittedOutput f = FitRecords({.variance = 0.01, .increment = 1e-4}, 4);
   const OutputErrorProblem& problem = f.problem();
-  StructuredOptions white;
+  OutputErrorOptions white;
   white.estimate_drift = false;  // ρ = 0
   const OutputFit refit =
       FitOutput(problem, f.fit.point, {true, true}, f.setups[0].bounds, white);

@@ -6,9 +6,9 @@
 
 #include "Eigen/LU"
 #include "gtest/gtest.h"
+#include "mle/nonlinear/output_error_setup.h"
 #include "mle/nonlinear/output_fit.h"
-#include "mle/nonlinear/structured_setup.h"
-#include "tests/mle/nonlinear/structured_records.h"
+#include "tests/mle/nonlinear/output_error_records.h"
 
 namespace mle {
 namespace {
@@ -28,7 +28,7 @@ struct LinearFit {
 };
 
 LinearFit FitAbout(const RecordNoise& noise, unsigned seed, int samples = 1500,
-                   const StructuredOptions& options = {}) {
+                   const OutputErrorOptions& options = {}) {
   auto setups = SetUpOutputs(
       TwoElements(), MakeRecords(TwoElements(), samples, seed, noise), options);
   EXPECT_TRUE(setups.ok()) << setups.status();
@@ -109,7 +109,7 @@ TEST(SerialCorrelationTest, RecordsAtRestTellWhatTheNoiseDoes) {
   double with_rest = 0.0;
   for (unsigned seed = 1; seed <= kRecords; ++seed) {
     const LinearFit fit = FitAbout(noise, seed, 250);
-    StructuredOptions options;
+    OutputErrorOptions options;
     options.at_rest = std::make_shared<const std::vector<Record>>(
         std::vector<Record>{AtRest(4000, 5000 + seed, noise)});
     const LinearFit with = FitAbout(noise, seed, 250, options);

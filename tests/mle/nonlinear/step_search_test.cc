@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "gtest/gtest.h"
-#include "mle/nonlinear/structured_correction.h"
-#include "mle/nonlinear/structured_setup.h"
-#include "tests/mle/nonlinear/structured_records.h"
+#include "mle/nonlinear/output_error_correction.h"
+#include "mle/nonlinear/output_error_setup.h"
+#include "tests/mle/nonlinear/output_error_records.h"
 
 namespace mle {
 namespace {
@@ -31,9 +31,9 @@ void AddStep(const LevelStep& step, std::vector<Record>& records) {
   }
 }
 
-StructuredCorrection Correct(const std::vector<Record>& records) {
+OutputErrorCorrection Correct(const std::vector<Record>& records) {
   auto correction =
-      CorrectStructure(TwoElements(), records, StructuredOptions());
+      CorrectByOutputError(TwoElements(), records, OutputErrorOptions());
   EXPECT_TRUE(correction.ok()) << correction.status();
   return *std::move(correction);
 }
@@ -56,7 +56,7 @@ TEST(StepSearchTest, FindsStepsOfTheLevel) {
   for (const double increment : {0.0, 1e-5}) {
     auto records = Records({.variance = 0.01, .increment = increment}, 2);
     for (const LevelStep& step : steps) AddStep(step, records);
-    const StructuredCorrection correction = Correct(records);
+    const OutputErrorCorrection correction = Correct(records);
     const NoiseEstimate& noise = correction.full.noise[0];
     ASSERT_EQ(noise.steps.size(), 2U);
     for (const LevelStep& found : noise.steps) {
@@ -74,7 +74,7 @@ TEST(StepSearchTest, FindsStepsOfTheLevel) {
 TEST(StepSearchTest, FindsTheStepOfALoad) {
   auto records = Records({.variance = 0.01}, 3);
   AddStep({.window = 0, .time = 300.0, .lag = 6.0, .size = 0.8}, records);
-  const StructuredCorrection correction = Correct(records);
+  const OutputErrorCorrection correction = Correct(records);
   const NoiseEstimate& noise = correction.full.noise[0];
   ASSERT_EQ(noise.steps.size(), 1U);
   EXPECT_EQ(noise.steps[0].window, 0);

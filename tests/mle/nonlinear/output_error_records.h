@@ -1,7 +1,7 @@
-// Records of simulated plants for the tests of structured fits.
+// Records of simulated plants for the tests of output-error fits.
 
-#ifndef TESTS_MLE_NONLINEAR_STRUCTURED_RECORDS_H_
-#define TESTS_MLE_NONLINEAR_STRUCTURED_RECORDS_H_
+#ifndef TESTS_MLE_NONLINEAR_OUTPUT_ERROR_RECORDS_H_
+#define TESTS_MLE_NONLINEAR_OUTPUT_ERROR_RECORDS_H_
 
 #include <cmath>
 #include <random>
@@ -101,4 +101,4 @@ inline std::vector<Record> MakeRecords(const ProcessModel& plant, int samples,
 
 }  // namespace mle
 
-#endif  // TESTS_MLE_NONLINEAR_STRUCTURED_RECORDS_H_
+#endif  // TESTS_MLE_NONLINEAR_OUTPUT_ERROR_RECORDS_H_

@@ -1,17 +1,17 @@
-// Checks the arguments of a structured correction and sets up its outputs.
+// Checks the arguments of an output-error correction and sets up its outputs.
 // Internal to mle/nonlinear.
 
-#ifndef MLE_NONLINEAR_STRUCTURED_SETUP_H_
-#define MLE_NONLINEAR_STRUCTURED_SETUP_H_
+#ifndef MLE_NONLINEAR_OUTPUT_ERROR_SETUP_H_
+#define MLE_NONLINEAR_OUTPUT_ERROR_SETUP_H_
 
 #include <memory>
 #include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "mle/nonlinear/output_error_correction.h"
 #include "mle/nonlinear/output_error_problem.h"
 #include "mle/nonlinear/output_fit.h"
-#include "mle/nonlinear/structured_correction.h"
 
 namespace mle {
 
@@ -24,11 +24,11 @@ struct OutputSetup {
   absl::Status samples;  // whether they are enough for the elements
 };
 
-// One for each output; errors as of CorrectStructure(). Too few samples are an
-// error where no output has enough.
+// One for each output; errors as of CorrectByOutputError(). Too few samples are
+// an error where no output has enough.
 absl::StatusOr<std::vector<OutputSetup>> SetUpOutputs(
     const ProcessModel& model, const std::vector<Record>& records,
-    const StructuredOptions& options);
+    const OutputErrorOptions& options);
 
 // The longest of dead time + `time_scales` time scales of an element, in
 // samples, but no more than this share of the shortest record; ≥ 1.
@@ -38,4 +38,4 @@ int LongestLag(const std::vector<OutputSetup>& setups,
 
 }  // namespace mle
 
-#endif  // MLE_NONLINEAR_STRUCTURED_SETUP_H_
+#endif  // MLE_NONLINEAR_OUTPUT_ERROR_SETUP_H_

@@ -1,4 +1,4 @@
-#include "mle/nonlinear/structured_selection.h"
+#include "mle/nonlinear/output_error_selection.h"
 
 #include <cmath>
 #include <limits>
@@ -23,7 +23,7 @@ MatrixXd RandomCovariance(int size, std::mt19937& engine) {
   return root * root.transpose();
 }
 
-TEST(StructuredSelectionTest, IndependentGroupsAreWaldTests) {
+TEST(OutputErrorSelectionTest, IndependentGroupsAreWaldTests) {
   std::mt19937 engine(1);
   std::normal_distribution<double> normal;
   const double critical =
@@ -52,7 +52,7 @@ TEST(StructuredSelectionTest, IndependentGroupsAreWaldTests) {
   EXPECT_LT(changed, 360);
 }
 
-TEST(StructuredSelectionTest, NoisePassesAtTheStatedRate) {
+TEST(OutputErrorSelectionTest, NoisePassesAtTheStatedRate) {
   std::mt19937 engine(2);
   std::normal_distribution<double> normal;
   const MatrixXd covariance = RandomCovariance(9, engine);
@@ -72,7 +72,7 @@ TEST(StructuredSelectionTest, NoisePassesAtTheStatedRate) {
   EXPECT_GT(alarms, 20);
 }
 
-TEST(StructuredSelectionTest, OneChangeIsNotSpreadOverTwo) {
+TEST(OutputErrorSelectionTest, OneChangeIsNotSpreadOverTwo) {
   // Two groups that the data can hardly tell apart; one has changed a lot.
   MatrixXd covariance = MatrixXd::Identity(6, 6);
   covariance.topRightCorner(3, 3) = -0.95 * MatrixXd::Identity(3, 3);
@@ -85,7 +85,7 @@ TEST(StructuredSelectionTest, OneChangeIsNotSpreadOverTwo) {
   EXPECT_FALSE(selection.changed[1]);
 }
 
-TEST(StructuredSelectionTest, UncertainVariancesAskForMore) {
+TEST(OutputErrorSelectionTest, UncertainVariancesAskForMore) {
   const MatrixXd covariance = MatrixXd::Identity(3, 3);
   const VectorXd changes = VectorXd::Constant(3, 2.2);
   EXPECT_TRUE(SelectChanged(changes, covariance, {kInfinity}, 0.01).changed[0]);

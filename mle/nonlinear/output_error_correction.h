@@ -14,18 +14,18 @@
 // Then two questions are answered with a stated probability of a false alarm:
 // has anything changed (χ² of the fit against the initial model), and which
 // elements have (an L1 penalty on each element's change in units of its own
-// uncertainty: structured_selection.h). Elements that have not keep their
+// uncertainty: output_error_selection.h). Elements that have not keep their
 // initial values, and the others are fitted once more.
 //
 //   MLE_ASSIGN_OR_RETURN(
-//       const StructuredCorrection correction,
-//       CorrectStructure(model, windows, StructuredOptions()));
+//       const OutputErrorCorrection correction,
+//       CorrectByOutputError(model, windows, OutputErrorOptions()));
 //   if (correction.change_proposed) use(correction.corrected.model);
 //
-// docs/structured.md has the equations, the decisions and measured figures.
+// docs/output_error.md has the equations, the decisions and measured figures.
 
-#ifndef MLE_NONLINEAR_STRUCTURED_CORRECTION_H_
-#define MLE_NONLINEAR_STRUCTURED_CORRECTION_H_
+#ifndef MLE_NONLINEAR_OUTPUT_ERROR_CORRECTION_H_
+#define MLE_NONLINEAR_OUTPUT_ERROR_CORRECTION_H_
 
 #include <array>
 #include <limits>
@@ -55,7 +55,7 @@ enum class WindowOffsets {
   kNever,  // Neither offsets nor drift.
 };
 
-struct StructuredOptions {
+struct OutputErrorOptions {
   // T stays within this factor of its initial value, > 1.
   double max_time_scale_factor = 10.0;
   // L stays within [0, this], ≥ every initial dead time, in the time unit of
@@ -192,7 +192,7 @@ struct ElementEstimate {
 };
 
 // All elements of one model, fitted or held.
-struct StructuredFit {
+struct OutputErrorFit {
   ProcessModel model;
   std::vector<ElementEstimate> elements;  // row by row: p × m
   // Each output's 3m × 3m covariance of (K, T, L) of its elements in turn.
@@ -210,7 +210,7 @@ struct StructuredFit {
     return elements[output * model.num_inputs() + input];
   }
   // Takes over what `other`, a fit of the same model, has for an output.
-  void TakeOutput(const StructuredFit& other, int output);
+  void TakeOutput(const OutputErrorFit& other, int output);
   // Standard errors of the step responses at 0, Δt, … (delta method): a band
   // about the model's responses is ± 1.96 of it.
   StepResponse StepResponseErrors(double sample_time, int samples) const;
@@ -218,12 +218,12 @@ struct StructuredFit {
   double ExpectedSquaredDistance(double sample_time, int samples) const;
 };
 
-struct StructuredCorrection {
+struct OutputErrorCorrection {
   // Every element free that the records inform about.
-  StructuredFit full;
+  OutputErrorFit full;
   // What is proposed: the elements that have aged free, all others at their
   // initial values; the initial model where no change is proposed.
-  StructuredFit corrected;
+  OutputErrorFit corrected;
 
   // The test of no change.
   bool change_proposed = false;
@@ -243,9 +243,9 @@ struct StructuredCorrection {
 // cannot be fitted (feedthrough), the records do not match the model or each
 // other, the bounds exclude the start, or the samples are too few for the
 // parameters; the message names output and element.
-absl::StatusOr<StructuredCorrection> CorrectStructure(
+absl::StatusOr<OutputErrorCorrection> CorrectByOutputError(
     const ProcessModel& initial, const std::vector<Record>& records,
-    const StructuredOptions& options);
+    const OutputErrorOptions& options);
 
 // The information bound (of Cramér and Rao) of the full parametric model with
 // known noise and free offsets, given these samples: what no unbiased estimate
@@ -253,10 +253,10 @@ absl::StatusOr<StructuredCorrection> CorrectStructure(
 // this noise (one for each). An estimate that knows which parameters have not
 // changed can. Its standard errors and ExpectedSquaredDistance() are the
 // bound's; the records' outputs do not matter, except where they are missing.
-absl::StatusOr<StructuredFit> ComputeStructuredLimit(
+absl::StatusOr<OutputErrorFit> ComputeOutputErrorLimit(
     const ProcessModel& truth, const std::vector<Record>& records,
-    const std::vector<NoiseEstimate>& noise, const StructuredOptions& options);
+    const std::vector<NoiseEstimate>& noise, const OutputErrorOptions& options);
 
 }  // namespace mle
 
-#endif  // MLE_NONLINEAR_STRUCTURED_CORRECTION_H_
+#endif  // MLE_NONLINEAR_OUTPUT_ERROR_CORRECTION_H_

@@ -1,4 +1,4 @@
-#include "mle/nonlinear/structured_setup.h"
+#include "mle/nonlinear/output_error_setup.h"
 
 #include <algorithm>
 #include <cmath>
@@ -19,7 +19,7 @@ constexpr double kMaxSkippedShare = 0.25;
 constexpr double kMinTimeScaleSamples = 0.05;
 
 std::string Name(const ProcessModel& model, int i, int j) {
-  return absl::StrCat("structured correction: element of output \"",
+  return absl::StrCat("output-error correction: element of output \"",
                       model.outputs()[i].name, "\", input \"",
                       model.inputs()[j].name, "\"");
 }
@@ -28,26 +28,26 @@ absl::Status CheckRecords(const ProcessModel& model,
                           const std::vector<Record>& records) {
   if (records.empty()) {
     return absl::InvalidArgumentError(
-        "structured correction: there is no record, at least 1 is needed");
+        "output-error correction: there is no record, at least 1 is needed");
   }
   for (std::size_t r = 0; r < records.size(); ++r) {
     const Record& record = records[r];
     const absl::Status status = record.Validate();
     if (!status.ok()) {
       return absl::InvalidArgumentError(absl::StrCat(
-          "structured correction: records[", r, "]: ", status.message()));
+          "output-error correction: records[", r, "]: ", status.message()));
     }
     if (record.num_outputs() != model.num_outputs() ||
         record.num_inputs() != model.num_inputs()) {
       return absl::InvalidArgumentError(absl::StrCat(
-          "structured correction: records[", r, "] has ", record.num_outputs(),
-          " outputs and ", record.num_inputs(), " inputs, the model ",
-          model.num_outputs(), " and ", model.num_inputs(),
-          "; they must be the same"));
+          "output-error correction: records[", r, "] has ",
+          record.num_outputs(), " outputs and ", record.num_inputs(),
+          " inputs, the model ", model.num_outputs(), " and ",
+          model.num_inputs(), "; they must be the same"));
     }
     if (record.sample_time != records[0].sample_time) {
       return absl::InvalidArgumentError(absl::StrCat(
-          "structured correction: records[", r, "] is sampled every ",
+          "output-error correction: records[", r, "] is sampled every ",
           record.sample_time, ", records[0] every ", records[0].sample_time,
           "; the sample times must be the same"));
     }
@@ -58,7 +58,7 @@ absl::Status CheckRecords(const ProcessModel& model,
 absl::StatusOr<double> MaxDelay(const ProcessModel& model, int i, int j,
                                 const ElementValues& initial,
                                 const std::vector<Record>& records,
-                                const StructuredOptions& options) {
+                                const OutputErrorOptions& options) {
   if (std::isfinite(options.max_delay)) {
     if (options.max_delay < initial.delay) {
       return absl::InvalidArgumentError(
@@ -84,7 +84,7 @@ absl::StatusOr<double> MaxDelay(const ProcessModel& model, int i, int j,
 
 absl::StatusOr<OutputSetup> SetUpOutput(const ProcessModel& model, int i,
                                         const std::vector<Record>& records,
-                                        const StructuredOptions& options) {
+                                        const OutputErrorOptions& options) {
   const int m = model.num_inputs();
   const double sample_time = records[0].sample_time;
   OutputErrorProblem::Elements elements(m);
@@ -132,8 +132,8 @@ absl::StatusOr<OutputSetup> SetUpOutput(const ProcessModel& model, int i,
   const int needed = 2 * num_parameters + kMinRows;
   if (num_parameters > 0 && innovations < needed) {
     setup.samples = absl::InvalidArgumentError(absl::StrCat(
-        "structured correction: output \"", model.outputs()[i].name, "\" has ",
-        innovations, " usable samples after the first ", skip,
+        "output-error correction: output \"", model.outputs()[i].name,
+        "\" has ", innovations, " usable samples after the first ", skip,
         " of each record (the longest dead time allowed), too few for ",
         num_parameters, " parameters; at least ", needed, " are needed"));
   }
@@ -148,10 +148,10 @@ absl::StatusOr<OutputSetup> SetUpOutput(const ProcessModel& model, int i,
 
 }  // namespace
 
-absl::Status StructuredOptions::Validate() const {
+absl::Status OutputErrorOptions::Validate() const {
   const auto fault = [](const char* field, auto value, const char* constraint) {
     return absl::InvalidArgumentError(
-        absl::StrCat("structured correction: ", field, " is ", value,
+        absl::StrCat("output-error correction: ", field, " is ", value,
                      ", must be ", constraint));
   };
   if (!(max_time_scale_factor > 1.0) || !std::isfinite(max_time_scale_factor)) {
@@ -177,7 +177,7 @@ absl::Status StructuredOptions::Validate() const {
 
 absl::StatusOr<std::vector<OutputSetup>> SetUpOutputs(
     const ProcessModel& model, const std::vector<Record>& records,
-    const StructuredOptions& options) {
+    const OutputErrorOptions& options) {
   MLE_RETURN_IF_ERROR(options.Validate());
   MLE_RETURN_IF_ERROR(model.Validate());
   MLE_RETURN_IF_ERROR(CheckRecords(model, records));

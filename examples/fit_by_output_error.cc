@@ -1,11 +1,11 @@
 // Gains, time scales and dead times fitted to a record, without hold-out and
-// decision: fit_structure MODEL.json RECORD.csv
+// decision: fit_by_output_error MODEL.json RECORD.csv
 
 #include <iostream>
 
 #include "mle/data/set_point_windows.h"
 #include "mle/mle.h"
-#include "mle/nonlinear/structured_correction.h"
+#include "mle/nonlinear/output_error_correction.h"
 
 int main(int argc, char** argv) {
   if (argc != 3) return 2;
@@ -15,7 +15,8 @@ int main(int argc, char** argv) {
   if (!import.ok()) return 2;
   const auto windows = mle::FindWindows(import->records, *model, {});
   if (!windows.ok()) return 2;
-  const auto correction = mle::CorrectStructure(*model, windows->Records(), {});
+  const auto correction =
+      mle::CorrectByOutputError(*model, windows->Records(), {});
   if (!correction.ok()) {
     std::cerr << correction.status() << "\n";
     return 2;

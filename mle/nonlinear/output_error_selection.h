@@ -17,8 +17,8 @@
 // well, g may have to answer for them: a group is taken to have changed only if
 // Wald's own test says so too, which keeps the probability.
 
-#ifndef MLE_NONLINEAR_STRUCTURED_SELECTION_H_
-#define MLE_NONLINEAR_STRUCTURED_SELECTION_H_
+#ifndef MLE_NONLINEAR_OUTPUT_ERROR_SELECTION_H_
+#define MLE_NONLINEAR_OUTPUT_ERROR_SELECTION_H_
 
 #include <vector>
 
@@ -42,4 +42,4 @@ ElementSelection SelectChanged(const Eigen::VectorXd& changes,
 
 }  // namespace mle
 
-#endif  // MLE_NONLINEAR_STRUCTURED_SELECTION_H_
+#endif  // MLE_NONLINEAR_OUTPUT_ERROR_SELECTION_H_

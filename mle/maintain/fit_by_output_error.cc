@@ -1,4 +1,4 @@
-#include "mle/maintain/fit_structure.h"
+#include "mle/maintain/fit_by_output_error.h"
 
 #include <algorithm>
 
@@ -12,7 +12,7 @@ namespace {
 // A probability that counts as none.
 constexpr double kNever = 1e-300;
 
-// Whether the structured correction is needed (estimation.h)
+// Whether the output-error correction is needed (estimation.h)
 bool NeedsStructure(const EstimationOptions& options,
                     const std::vector<Record>& windows) {
   const bool guards = options.change_test == ChangeTest::kCalibrated ||
@@ -26,17 +26,17 @@ bool NeedsStructure(const EstimationOptions& options,
 // The test that options.change_test asks for.
 absl::StatusOr<NullCalibration> TestNoChange(
     const ProcessModel& initial, const std::vector<Record>& windows,
-    const StructuredCorrection& structured, const EstimationOptions& options,
+    const OutputErrorCorrection& output_error, const EstimationOptions& options,
     const ProgressCallback& progress, SharedFits& shared, double& seconds) {
   NullCalibration test;
-  test.p_value = structured.p_value;
+  test.p_value = output_error.p_value;
   if (options.change_test == ChangeTest::kCalibrated) {
     MLE_ASSIGN_OR_RETURN(const NullCalibration* const calibrated,
                          shared.calibration.Get(
                              [&] {
                                return CalibrateTest(
-                                   initial, windows, structured,
-                                   options.structured, options.calibration,
+                                   initial, windows, output_error,
+                                   options.output_error, options.calibration,
                                    progress);
                              },
                              seconds));
@@ -47,7 +47,7 @@ absl::StatusOr<NullCalibration> TestNoChange(
                              [&] {
                                return TestAdequacy(
                                    initial, windows, {},
-                                   AdequacyOptionsFor(options.structured));
+                                   AdequacyOptionsFor(options.output_error));
                              },
                              seconds));
     test.p_value = adequacy->p_value;
@@ -57,43 +57,43 @@ absl::StatusOr<NullCalibration> TestNoChange(
 
 }  // namespace
 
-absl::Status FitStructure(const ProcessModel& initial,
-                          const std::vector<Record>& windows,
-                          const EstimationOptions& options,
-                          const ProgressCallback& progress, SharedFits& shared,
-                          EstimateFit& fit) {
+absl::Status FitByOutputError(const ProcessModel& initial,
+                              const std::vector<Record>& windows,
+                              const EstimationOptions& options,
+                              const ProgressCallback& progress,
+                              SharedFits& shared, EstimateFit& fit) {
   Stage fitting(progress,
                 absl::StrCat("fitting ", windows.size(),
                              windows.size() == 1 ? " window" : " windows"));
   if (NeedsStructure(options, windows)) {
-    MLE_ASSIGN_OR_RETURN(const StructuredCorrection* const made,
-                         shared.structured.Get(
+    MLE_ASSIGN_OR_RETURN(const OutputErrorCorrection* const made,
+                         shared.output_error.Get(
                              [&] {
-                               return CorrectStructure(initial, windows,
-                                                       options.structured);
+                               return CorrectByOutputError(
+                                   initial, windows, options.output_error);
                              },
                              fit.seconds));
-    fit.structured = *made;
+    fit.output_error = *made;
   } else {
-    fit.structured = UnfittedStructure(initial);
+    fit.output_error = UnfittedStructure(initial);
   }
   MLE_RETURN_IF_ERROR(fitting.status());
   MLE_ASSIGN_OR_RETURN(fit.test,
-                       TestNoChange(initial, windows, fit.structured, options,
+                       TestNoChange(initial, windows, fit.output_error, options,
                                     progress, shared, fit.seconds));
-  const bool rejected =
-      options.structured.change_given || fit.test.p_value < options.TestLevel();
-  StructuredCorrection& structured = fit.structured;
+  const bool rejected = options.output_error.change_given ||
+                        fit.test.p_value < options.TestLevel();
+  OutputErrorCorrection& output_error = fit.output_error;
   switch (options.change_test) {
     case ChangeTest::kCalibrated:
     case ChangeTest::kChiSquare:
-      if (structured.change_proposed && !rejected) {
-        StructuredOptions without = options.structured;
+      if (output_error.change_proposed && !rejected) {
+        OutputErrorOptions without = options.output_error;
         without.false_alarm_probability = kNever;
-        MLE_ASSIGN_OR_RETURN(structured,
-                             CorrectStructure(initial, windows, without));
+        MLE_ASSIGN_OR_RETURN(output_error,
+                             CorrectByOutputError(initial, windows, without));
       }
-      fit.change_proposed = structured.change_proposed;
+      fit.change_proposed = output_error.change_proposed;
       break;
     case ChangeTest::kAdequacy:
       fit.change_proposed = rejected;
@@ -101,12 +101,12 @@ absl::Status FitStructure(const ProcessModel& initial,
     case ChangeTest::kNone:
       fit.change_proposed = true;
       if (options.estimator == Estimator::kArx) break;
-      structured.change_proposed = true;
-      structured.corrected = structured.full;
+      output_error.change_proposed = true;
+      output_error.corrected = output_error.full;
       for (int i = 0; i < initial.num_outputs(); ++i) {
         for (int j = 0; j < initial.num_inputs(); ++j) {
-          structured.aged(i, j) =
-              structured.full.element(i, j).state == ElementState::kFitted;
+          output_error.aged(i, j) =
+              output_error.full.element(i, j).state == ElementState::kFitted;
         }
       }
       break;

@@ -1,12 +1,12 @@
-// The structured correction of records with outliers.
+// The output-error correction of records with outliers.
 
 #include <cmath>
 #include <random>
 #include <vector>
 
 #include "gtest/gtest.h"
-#include "mle/nonlinear/structured_correction.h"
-#include "tests/mle/nonlinear/structured_records.h"
+#include "mle/nonlinear/output_error_correction.h"
+#include "tests/mle/nonlinear/output_error_records.h"
 
 namespace mle {
 namespace {
@@ -48,7 +48,7 @@ std::vector<Record> Spoil(std::vector<Record> records, const Spoiling& how,
   return records;
 }
 
-std::vector<ParameterEstimate> Parameters(const StructuredFit& fit) {
+std::vector<ParameterEstimate> Parameters(const OutputErrorFit& fit) {
   std::vector<ParameterEstimate> all;
   for (const ElementEstimate& e : fit.elements) {
     all.insert(all.end(), {e.gain, e.time_scale, e.delay});
@@ -67,7 +67,7 @@ Outcome FitAll(const std::vector<std::vector<Record>>& runs, RobustLoss loss) {
   Outcome outcome;
   for (const auto& records : runs) {
     const auto fit =
-        CorrectStructure(TwoElements(), records, {.robust_loss = loss});
+        CorrectByOutputError(TwoElements(), records, {.robust_loss = loss});
     EXPECT_TRUE(fit.ok()) << fit.status();
     outcome.E +=
         SquaredDistance(truth, fit->full.model.ComputeStepResponse(0.5, 100));
@@ -91,9 +91,9 @@ Outcome FitAll(const std::vector<std::vector<Record>>& runs, RobustLoss loss) {
   return outcome;
 }
 
-class StructuredRobustTest : public ::testing::TestWithParam<Spoiling> {};
+class OutputErrorRobustTest : public ::testing::TestWithParam<Spoiling> {};
 
-TEST_P(StructuredRobustTest, OutliersCostLittle) {
+TEST_P(OutputErrorRobustTest, OutliersCostLittle) {
   std::vector<std::vector<Record>> clean;
   std::vector<std::vector<Record>> spoilt;
   for (unsigned seed = 0; seed < 8; ++seed) {
@@ -115,7 +115,7 @@ TEST_P(StructuredRobustTest, OutliersCostLittle) {
 }
 
 INSTANTIATE_TEST_SUITE_P(
-    Outliers, StructuredRobustTest,
+    Outliers, OutputErrorRobustTest,
     ::testing::Values(Spoiling{"Single", 1, 1, 0.0},
                       Spoiling{"Bursts", 3, 10, 0.0},
                       Spoiling{"SingleWithDrift", 1, 1, 1e-4}),
@@ -123,11 +123,11 @@ INSTANTIATE_TEST_SUITE_P(
 
 // On clean records robust estimates are those of least squares, but for their
 // efficiency, and without noise they are exact.
-TEST(StructuredRobustTest, AnExactPlantIsRecoveredThroughOutliers) {
+TEST(OutputErrorRobustTest, AnExactPlantIsRecoveredThroughOutliers) {
   const auto records =
       Spoil(MakeRecords(AgedPlant(), 400, 1, {}), {"", 1, 1, 0.0}, 5);
-  const auto fit = CorrectStructure(TwoElements(), records,
-                                    {.robust_loss = RobustLoss::kCauchy});
+  const auto fit = CorrectByOutputError(TwoElements(), records,
+                                        {.robust_loss = RobustLoss::kCauchy});
   ASSERT_TRUE(fit.ok()) << fit.status();
   EXPECT_NEAR(fit->full.element(0, 0).gain.value, 1.2, 1e-4);
   EXPECT_NEAR(fit->full.element(0, 0).delay.value, 4.21, 1e-3);

@@ -1,4 +1,4 @@
-#include "mle/nonlinear/structured_selection.h"
+#include "mle/nonlinear/output_error_selection.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,21 +1,21 @@
-// What structured correction promises over many records: intervals that cover,
-// errors at the information bound, alarms at the stated rate.
+// What output-error correction promises over many records: intervals that
+// cover, errors at the information bound, alarms at the stated rate.
 
 #include <cmath>
 #include <string>
 #include <vector>
 
 #include "gtest/gtest.h"
-#include "mle/nonlinear/structured_correction.h"
-#include "tests/mle/nonlinear/structured_records.h"
+#include "mle/nonlinear/output_error_correction.h"
+#include "tests/mle/nonlinear/output_error_records.h"
 
 namespace mle {
 namespace {
 
-StructuredCorrection Correct(const ProcessModel& model,
-                             const std::vector<Record>& records,
-                             const StructuredOptions& options = {}) {
-  auto correction = CorrectStructure(model, records, options);
+OutputErrorCorrection Correct(const ProcessModel& model,
+                              const std::vector<Record>& records,
+                              const OutputErrorOptions& options = {}) {
+  auto correction = CorrectByOutputError(model, records, options);
   EXPECT_TRUE(correction.ok()) << correction.status();
   return *std::move(correction);
 }
@@ -27,7 +27,8 @@ ProcessModel AgedPlant() {
   return plant;
 }
 
-std::vector<ParameterEstimate> Parameters(const StructuredFit& fit, int input) {
+std::vector<ParameterEstimate> Parameters(const OutputErrorFit& fit,
+                                          int input) {
   const ElementEstimate& e = fit.element(0, input);
   return {e.gain, e.time_scale, e.delay};
 }
@@ -57,7 +58,7 @@ NoiseEstimate NoiseOf(const RecordNoise& of) {
 
 // A change of the gain as large as is said to be detectable is found nine times
 // of ten (of 60: P(fewer than 46) is 0.1 %), one of a third of it seldom.
-TEST(StructuredPowerTest, ADetectableChangeIsDetected) {
+TEST(OutputErrorPowerTest, ADetectableChangeIsDetected) {
   for (const RecordNoise& noise :
        {RecordNoise{.variance = 0.02},
         RecordNoise{.variance = 0.02, .increment = 2e-5, .offset = 0.3}}) {
@@ -98,9 +99,9 @@ struct NoiseCase {
   int most_alarms = 18;  // of 200 at 5 %
 };
 
-class StructuredNoiseTest : public ::testing::TestWithParam<NoiseCase> {};
+class OutputErrorNoiseTest : public ::testing::TestWithParam<NoiseCase> {};
 
-TEST_P(StructuredNoiseTest, IntervalsCoverAndErrorsAreTheLimits) {
+TEST_P(OutputErrorNoiseTest, IntervalsCoverAndErrorsAreTheLimits) {
   const ProcessModel plant = AgedPlant();
   const int seeds = 60;
   int covered = 0;
@@ -112,7 +113,7 @@ TEST_P(StructuredNoiseTest, IntervalsCoverAndErrorsAreTheLimits) {
     named += correction.aged(0, 0) && !correction.aged(0, 1);
     const NoiseEstimate noise = NoiseOf(GetParam().noise);
     const auto limit =
-        ComputeStructuredLimit(plant, records, {noise}, StructuredOptions());
+        ComputeOutputErrorLimit(plant, records, {noise}, OutputErrorOptions());
     ASSERT_TRUE(limit.ok()) << limit.status();
     for (int j = 0; j < 2; ++j) {
       const auto truth = Values(plant.element(0, j));
@@ -136,7 +137,7 @@ TEST_P(StructuredNoiseTest, IntervalsCoverAndErrorsAreTheLimits) {
   EXPECT_GE(named, seeds - 4);
 }
 
-TEST_P(StructuredNoiseTest, NoChangeRaisesNoAlarm) {
+TEST_P(OutputErrorNoiseTest, NoChangeRaisesNoAlarm) {
   const ProcessModel plant = TwoElements();
   const int seeds = 200;
   int alarms = 0;
@@ -159,7 +160,7 @@ TEST_P(StructuredNoiseTest, NoChangeRaisesNoAlarm) {
 }
 
 INSTANTIATE_TEST_SUITE_P(
-    Noise, StructuredNoiseTest,
+    Noise, OutputErrorNoiseTest,
     ::testing::Values(
         NoiseCase{"White", {.variance = 0.01}},
         NoiseCase{"Offset", {.variance = 0.01, .offset = 3.0}},
@@ -167,7 +168,7 @@ INSTANTIATE_TEST_SUITE_P(
         // Of a correlation time of 100 samples, behind the lag of
         // the first element. In 300 samples that is three times:
         // not enough to know the shape, and alarms are twice as
-        // frequent as stated (docs/structured.md).
+        // frequent as stated (docs/output_error.md).
         NoiseCase{
             "Load",
             {.variance = 0.01, .shock = 0.004, .pole = 0.99, .lag = 0.8825},

@@ -1,4 +1,4 @@
-#include "mle/nonlinear/structured_correction.h"
+#include "mle/nonlinear/output_error_correction.h"
 
 #include <cmath>
 #include <limits>
@@ -7,17 +7,17 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "tests/mle/nonlinear/structured_records.h"
+#include "tests/mle/nonlinear/output_error_records.h"
 
 namespace mle {
 namespace {
 
 using ::testing::HasSubstr;
 
-StructuredCorrection Correct(const ProcessModel& model,
-                             const std::vector<Record>& records,
-                             const StructuredOptions& options = {}) {
-  auto correction = CorrectStructure(model, records, options);
+OutputErrorCorrection Correct(const ProcessModel& model,
+                              const std::vector<Record>& records,
+                              const OutputErrorOptions& options = {}) {
+  auto correction = CorrectByOutputError(model, records, options);
   EXPECT_TRUE(correction.ok()) << correction.status();
   return *std::move(correction);
 }
@@ -29,7 +29,8 @@ ProcessModel AgedPlant() {
   return plant;
 }
 
-std::vector<ParameterEstimate> Parameters(const StructuredFit& fit, int input) {
+std::vector<ParameterEstimate> Parameters(const OutputErrorFit& fit,
+                                          int input) {
   const ElementEstimate& e = fit.element(0, input);
   return {e.gain, e.time_scale, e.delay};
 }
@@ -38,7 +39,7 @@ std::vector<double> Values(const TransferFunction& element) {
   return {element.StaticGain(), element.TimeConstant(), element.delay()};
 }
 
-TEST(StructuredCorrectionTest, RecoversAnExactPlant) {
+TEST(OutputErrorCorrectionTest, RecoversAnExactPlant) {
   ProcessModel plant = TwoElements();
   plant.element(0, 0) = TransferFunction::FirstOrder(-0.8, 9.0, 5.13);
   plant.element(0, 1) = TransferFunction::FirstOrder(-5.0, 3.0, 0.27);
@@ -59,7 +60,7 @@ TEST(StructuredCorrectionTest, RecoversAnExactPlant) {
   }
 }
 
-TEST(StructuredCorrectionTest, FitsOtherShapesByGainScaleAndDelay) {
+TEST(OutputErrorCorrectionTest, FitsOtherShapesByGainScaleAndDelay) {
   ProcessModel model = MakeModel(1, 1);
   model.element(0, 0) = TransferFunction({2.0}, {12.0, 8.0, 1.0}, 1.0);
   ProcessModel plant = model;
@@ -76,7 +77,7 @@ TEST(StructuredCorrectionTest, FitsOtherShapesByGainScaleAndDelay) {
       1e-9);
 }
 
-TEST(StructuredCorrectionTest, OutputsAreSeparate) {
+TEST(OutputErrorCorrectionTest, OutputsAreSeparate) {
   ProcessModel model = MakeModel(2, 2);
   for (int i = 0; i < 2; ++i) {
     for (int j = 0; j < 2; ++j) {
@@ -101,7 +102,7 @@ TEST(StructuredCorrectionTest, OutputsAreSeparate) {
             correction.full.element(1, 1).delay.value);
 }
 
-TEST(StructuredCorrectionTest, AnInputAtRestInformsAboutNothing) {
+TEST(OutputErrorCorrectionTest, AnInputAtRestInformsAboutNothing) {
   ProcessModel model = TwoElements();
   auto records = MakeRecords(AgedPlant(), 400, 4, {.variance = 1e-3});
   // The second input of another plant rests; its element is the offset's.
@@ -118,11 +119,11 @@ TEST(StructuredCorrectionTest, AnInputAtRestInformsAboutNothing) {
   EXPECT_THAT(correction.FullReport(), HasSubstr("does not move"));
 }
 
-TEST(StructuredFitTest, BandsAreTheDeltaMethods) {
+TEST(OutputErrorFitTest, BandsAreTheDeltaMethods) {
   const ProcessModel plant = TwoElements();
   const auto records = MakeRecords(plant, 400, 5, {.variance = 0.01});
-  const auto limit = ComputeStructuredLimit(
-      plant, records, {{.variance = 0.01}}, StructuredOptions());
+  const auto limit = ComputeOutputErrorLimit(
+      plant, records, {{.variance = 0.01}}, OutputErrorOptions());
   ASSERT_TRUE(limit.ok());
   const StepResponse errors = limit->StepResponseErrors(0.5, 80);
   const auto values = Values(plant.element(0, 1));
@@ -153,7 +154,7 @@ TEST(StructuredFitTest, BandsAreTheDeltaMethods) {
 
 // Free responses of elements with one time constant are one and the same: they
 // must not blow up against each other.
-TEST(StructuredCorrectionTest, EqualTimeConstantsAreDetermined) {
+TEST(OutputErrorCorrectionTest, EqualTimeConstantsAreDetermined) {
   ProcessModel model = MakeModel(1, 2);
   model.element(0, 0) = TransferFunction::FirstOrder(-2.2, 7.0, 1.0);
   model.element(0, 1) = TransferFunction::FirstOrder(1.3, 7.0, 0.3);
@@ -161,7 +162,7 @@ TEST(StructuredCorrectionTest, EqualTimeConstantsAreDetermined) {
   plant.element(0, 1) = TransferFunction::FirstOrder(1.3, 7.0, 2.3);
   const auto records = MakeRecords(plant, 500, 9, {.variance = 1e-3});
   for (const bool offset : {false, true}) {
-    const auto limit = ComputeStructuredLimit(
+    const auto limit = ComputeOutputErrorLimit(
         plant, records, {{.variance = 1e-3, .ratio = 0.0, .offset = offset}},
         {});
     ASSERT_TRUE(limit.ok()) << limit.status();
@@ -183,7 +184,7 @@ TEST(StructuredCorrectionTest, EqualTimeConstantsAreDetermined) {
 }
 
 // A solve that Ceres does not end at an optimum says so in Ceres' own words.
-TEST(StructuredCorrectionTest, CeresWordsArePassedOn) {
+TEST(OutputErrorCorrectionTest, CeresWordsArePassedOn) {
   const auto correction = Correct(
       TwoElements(), MakeRecords(AgedPlant(), 300, 6, {.variance = 1e-12}),
       {.max_iterations = 1});
@@ -194,12 +195,12 @@ TEST(StructuredCorrectionTest, CeresWordsArePassedOn) {
               HasSubstr("Maximum number of iterations"));
 }
 
-TEST(StructuredCorrectionTest, SaysWhatIsWrong) {
+TEST(OutputErrorCorrectionTest, SaysWhatIsWrong) {
   const ProcessModel model = TwoElements();
   const auto records = MakeRecords(model, 300, 6, {.variance = 0.01});
   const auto message = [](const ProcessModel& m, const std::vector<Record>& r,
-                          const StructuredOptions& o = {}) {
-    return std::string(CorrectStructure(m, r, o).status().message());
+                          const OutputErrorOptions& o = {}) {
+    return std::string(CorrectByOutputError(m, r, o).status().message());
   };
   EXPECT_THAT(message(model, {}), HasSubstr("no record"));
   EXPECT_THAT(message(MakeModel(2, 2), records),
@@ -219,11 +220,11 @@ TEST(StructuredCorrectionTest, SaysWhatIsWrong) {
   EXPECT_THAT(message(direct, records), HasSubstr("feedthrough"));
   EXPECT_THAT(
       std::string(
-          ComputeStructuredLimit(model, records, {}, {}).status().message()),
+          ComputeOutputErrorLimit(model, records, {}, {}).status().message()),
       HasSubstr("noise is given for 0 outputs"));
 }
 
-TEST(StructuredCorrectionTest, AnOutputWithFewSamplesDoesNotStopTheOthers) {
+TEST(OutputErrorCorrectionTest, AnOutputWithFewSamplesDoesNotStopTheOthers) {
   ProcessModel model = MakeModel(2, 2);
   for (int j = 0; j < 2; ++j) {
     model.element(0, j) = TwoElements().element(0, j);
@@ -245,18 +246,18 @@ TEST(StructuredCorrectionTest, AnOutputWithFewSamplesDoesNotStopTheOthers) {
     record.outputs.row(0).tail(270).setConstant(
         std::numeric_limits<double>::quiet_NaN());
   }
-  EXPECT_THAT(CorrectStructure(model, records, {}).status().message(),
+  EXPECT_THAT(CorrectByOutputError(model, records, {}).status().message(),
               HasSubstr("\"y0\" has 0 usable samples"));
 }
 
-TEST(StructuredOptionsTest, ValidateNamesTheField) {
+TEST(OutputErrorOptionsTest, ValidateNamesTheField) {
   const auto message = [](auto change) {
-    StructuredOptions options;
+    OutputErrorOptions options;
     EXPECT_TRUE(options.Validate().ok());
     change(options);
     return std::string(options.Validate().message());
   };
-  using O = StructuredOptions;
+  using O = OutputErrorOptions;
   EXPECT_THAT(message([](O& o) { o.max_time_scale_factor = 1.0; }),
               HasSubstr("max_time_scale_factor is 1"));
   EXPECT_THAT(message([](O& o) { o.max_delay = -1.0; }),

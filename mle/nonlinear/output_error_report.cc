@@ -6,7 +6,7 @@
 #include "absl/strings/str_format.h"
 #include "mle/model/element_response.h"
 #include "mle/nonlinear/colour.h"
-#include "mle/nonlinear/structured_correction.h"
+#include "mle/nonlinear/output_error_correction.h"
 
 namespace mle {
 namespace {
@@ -96,7 +96,7 @@ double NoiseEstimate::colour_memory() const {
   return colour_ratio > 0.0 ? -1.0 / std::log(colour_pole) : 0.0;
 }
 
-void StructuredFit::TakeOutput(const StructuredFit& other, int output) {
+void OutputErrorFit::TakeOutput(const OutputErrorFit& other, int output) {
   const int m = model.num_inputs();
   for (int j = 0; j < m; ++j) {
     model.element(output, j) = other.model.element(output, j);
@@ -109,8 +109,8 @@ void StructuredFit::TakeOutput(const StructuredFit& other, int output) {
   deviances[output] = other.deviances[output];
 }
 
-StepResponse StructuredFit::StepResponseErrors(double sample_time,
-                                               int samples) const {
+StepResponse OutputErrorFit::StepResponseErrors(double sample_time,
+                                                int samples) const {
   const int m = model.num_inputs();
   StepResponse errors(sample_time, model.num_outputs(), m, samples);
   for (int i = 0; i < model.num_outputs(); ++i) {
@@ -136,14 +136,14 @@ StepResponse StructuredFit::StepResponseErrors(double sample_time,
   return errors;
 }
 
-double StructuredFit::ExpectedSquaredDistance(double sample_time,
-                                              int samples) const {
+double OutputErrorFit::ExpectedSquaredDistance(double sample_time,
+                                               int samples) const {
   return StepResponseErrors(sample_time, samples).values.squaredNorm();
 }
 
-std::string StructuredCorrection::FullReport() const {
+std::string OutputErrorCorrection::FullReport() const {
   std::string report = absl::StrFormat(
-      "Structured correction\n"
+      "Output-error correction\n"
       "  change              %s\n"
       "  against no change   %.6g, chi-square of %d: p = %.3g\n",
       change_proposed ? "proposed" : "none proposed", statistic,

@@ -1,4 +1,4 @@
-#include "mle/nonlinear/structured_correction.h"
+#include "mle/nonlinear/output_error_correction.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,9 +12,9 @@
 #include "mle/nonlinear/distributions.h"
 #include "mle/nonlinear/disturbance_search.h"
 #include "mle/nonlinear/model_average.h"
+#include "mle/nonlinear/output_error_selection.h"
+#include "mle/nonlinear/output_error_setup.h"
 #include "mle/nonlinear/output_fit.h"
-#include "mle/nonlinear/structured_selection.h"
-#include "mle/nonlinear/structured_setup.h"
 
 namespace mle {
 namespace {
@@ -33,7 +33,7 @@ constexpr double kSpared = 0.5;
 // Writes the average of fits of output i into `fit`, and returns it.
 OutputFit Report(const OutputSetup& setup,
                  const std::vector<WeightedFit>& parts, int i,
-                 double confidence, StructuredFit& fit) {
+                 double confidence, OutputErrorFit& fit) {
   const int m = fit.model.num_inputs();
   const auto& elements = setup.problem->elements();
   OutputFit average = Average(parts, setup.problem->sample_time());
@@ -72,9 +72,9 @@ OutputFit Report(const OutputSetup& setup,
   return average;
 }
 
-StructuredFit EmptyFit(const ProcessModel& model) {
+OutputErrorFit EmptyFit(const ProcessModel& model) {
   const int p = model.num_outputs();
-  StructuredFit fit;
+  OutputErrorFit fit;
   fit.model = model;
   fit.elements.resize(p * model.num_inputs());
   fit.covariances.resize(p);
@@ -106,7 +106,7 @@ OutputFit Shifted(OutputFit fit, RatioEstimate estimate,
 
 double WeightOfOffsets(const std::vector<OutputSetup>& setups,
                        const std::vector<OutputFit>& fits,
-                       const StructuredOptions& options) {
+                       const OutputErrorOptions& options) {
   if (options.offsets == WindowOffsets::kAlways) return 1.0;
   if (options.offsets == WindowOffsets::kNever) return 0.0;
   std::vector<OffsetEvidence> evidence(setups.size());
@@ -140,7 +140,7 @@ struct AveragedFits {
 // Writes all fits into `fit`, averaged with those without offsets.
 AveragedFits ReportAll(const std::vector<OutputSetup>& setups,
                        const std::vector<OutputFit>& fits,
-                       const StructuredOptions& options, StructuredFit& fit) {
+                       const OutputErrorOptions& options, OutputErrorFit& fit) {
   AveragedFits averaged;
   averaged.weight = WeightOfOffsets(setups, fits, options);
   averaged.without.resize(setups.size());
@@ -219,7 +219,7 @@ ElementSelection Select(const OutputSetup& setup, const OutputFit& fit,
 double ChangeStatistic(const std::vector<OutputSetup>& setups,
                        const std::vector<OutputFit>& fits,
                        const AveragedFits& averaged,
-                       const StructuredOptions& options) {
+                       const OutputErrorOptions& options) {
   const auto sum = [&](const std::vector<OutputFit>& of, bool drift) {
     std::vector<double> statistics(setups.size());
     ParallelFor(static_cast<int>(setups.size()), options.threads, [&](int i) {
@@ -245,7 +245,8 @@ double ChangeStatistic(const std::vector<OutputSetup>& setups,
 // Test and selection from the full fits.
 void Judge(const std::vector<OutputSetup>& setups,
            const std::vector<OutputFit>& fits, const AveragedFits& averaged,
-           const StructuredOptions& options, StructuredCorrection& correction) {
+           const OutputErrorOptions& options,
+           OutputErrorCorrection& correction) {
   const int p = static_cast<int>(setups.size());
   const int m = setups[0].problem->num_elements();
   const int num_elements = NumFree(fits);
@@ -282,14 +283,14 @@ void Judge(const std::vector<OutputSetup>& setups,
 
 }  // namespace
 
-absl::StatusOr<StructuredCorrection> CorrectStructure(
+absl::StatusOr<OutputErrorCorrection> CorrectByOutputError(
     const ProcessModel& initial, const std::vector<Record>& records,
-    const StructuredOptions& options) {
+    const OutputErrorOptions& options) {
   MLE_ASSIGN_OR_RETURN(const std::vector<OutputSetup> setups,
                        SetUpOutputs(initial, records, options));
   const int p = initial.num_outputs();
   const int m = initial.num_inputs();
-  StructuredCorrection correction;
+  OutputErrorCorrection correction;
   correction.full = EmptyFit(initial);
   correction.corrected = EmptyFit(initial);
   correction.element_p_values = MatrixXd::Ones(p, m);
@@ -323,18 +324,19 @@ absl::StatusOr<StructuredCorrection> CorrectStructure(
   return correction;
 }
 
-absl::StatusOr<StructuredFit> ComputeStructuredLimit(
+absl::StatusOr<OutputErrorFit> ComputeOutputErrorLimit(
     const ProcessModel& truth, const std::vector<Record>& records,
-    const std::vector<NoiseEstimate>& noise, const StructuredOptions& options) {
+    const std::vector<NoiseEstimate>& noise,
+    const OutputErrorOptions& options) {
   MLE_ASSIGN_OR_RETURN(const std::vector<OutputSetup> setups,
                        SetUpOutputs(truth, records, options));
   const int p = truth.num_outputs();
   if (static_cast<int>(noise.size()) != p) {
     return absl::InvalidArgumentError(
-        absl::StrCat("structured limit: noise is given for ", noise.size(),
+        absl::StrCat("output-error limit: noise is given for ", noise.size(),
                      " outputs, the model has ", p));
   }
-  StructuredFit limit = EmptyFit(truth);
+  OutputErrorFit limit = EmptyFit(truth);
   for (int i = 0; i < p; ++i) {
     OutputFit fit;
     fit.point = setups[i].start;
