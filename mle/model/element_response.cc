@@ -92,8 +92,10 @@ void RunOver(const SampleMap& map, const Eigen::RowVectorXd& C,
   const Eigen::Matrix<double, kStates, kStates> E = map.E;
   const State by_older = map.older;
   const State by_newer = map.newer;
-  const Row output = C;
-  const Row slope_by_state = slope;
+  Row output;
+  output = C;
+  Row slope_by_state;
+  slope_by_state = slope;
   State state = start;
   State move = start;
   double older = past_input;  // u_{k−q−1}
@@ -117,8 +119,10 @@ void RunFree(const MatrixXd& A, const MatrixXd& E, const Eigen::RowVectorXd& C,
              double duration, Eigen::Ref<MatrixXd> columns,
              Eigen::Ref<MatrixXd> derivatives) {
   using Row = Eigen::Matrix<double, 1, kOrder>;
-  const Eigen::Matrix<double, kOrder, kOrder> rate = A;
-  const Eigen::Matrix<double, kOrder, kOrder> change = E;
+  Eigen::Matrix<double, kOrder, kOrder> rate;
+  rate = A;
+  Eigen::Matrix<double, kOrder, kOrder> change;
+  change = E;
   const double forgotten = kForgotten * C.norm();
   Row output = C;
   Row next = C;

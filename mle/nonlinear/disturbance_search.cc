@@ -64,7 +64,7 @@ void Add(const Disturbance& found, OutputErrorProblem& problem) {
   if (found.period.has_value()) {
     std::vector<double> periods = problem.lines();
     periods.push_back(*found.period);
-    problem.SetLines(std::move(periods));
+    problem.SetLines(periods);
   } else {
     std::vector<SegmentStep> steps = problem.steps();
     steps.push_back(*found.step);

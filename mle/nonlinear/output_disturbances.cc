@@ -111,7 +111,7 @@ void AdoptDisturbances(const NoiseEstimate& noise,
   for (const PeriodicLine& line : noise.lines) {
     periods.push_back(line.period / problem.sample_time());
   }
-  problem.SetLines(std::move(periods));
+  problem.SetLines(periods);
   std::vector<SegmentStep> steps;
   for (const LevelStep& step : noise.steps) {
     const std::optional<SegmentStep> place = problem.Locate(step);
