@@ -223,7 +223,9 @@ WhitenedColumns OutputErrorProblem::Whiten(
     const WhitenedColumns of = WhitenSegment(s, columns[s], shape);
     const Eigen::Index rows = of.residuals.size();
     result.residuals.segment(begin, rows) = of.residuals;
-    result.jacobian.middleRows(begin, rows) = of.jacobian;
+    if (of.jacobian.cols() > 0) {
+      result.jacobian.middleRows(begin, rows) = of.jacobian;
+    }
     result.log_determinant += of.log_determinant;
     result.log_amplitudes += of.log_amplitudes;
     result.num_amplitudes += of.num_amplitudes;
