@@ -5,14 +5,15 @@
 #include <limits>
 
 #include "glog/logging.h"
+#include "mle/nonlinear/brent_search.h"
 
 namespace mle {
 namespace {
 
 // Neighbours on the grid differ by at most this factor.
 constexpr double kGridRatio = 1.3;
-// Relative accuracy of the time constant that the search ends with.
-constexpr double kTimeTolerance = 1e-5;
+// Of half the interval of ln T that a search ends in: some 1e-5.
+constexpr int kTimeBits = 16;
 
 struct Candidate {
   FopdtParameters parameters;
@@ -108,35 +109,18 @@ std::vector<Candidate> SearchGrid(
   return grid;
 }
 
-// Golden-section search between two time constants.
+// The best between two time constants.
 Candidate SearchBetween(const Eigen::Ref<const Eigen::VectorXd>& response,
                         double low_time, double high_time, double max_delay) {
-  const double golden = 0.5 * (std::sqrt(5.0) - 1.0);
-  const auto at = [&](double log_time) {
-    return BestAtTimeConstant(response, std::exp(log_time), max_delay);
-  };
-  double low = std::log(low_time);
-  double high = std::log(high_time);
-  double left = high - golden * (high - low);
-  double right = low + golden * (high - low);
-  Candidate at_left = at(left);
-  Candidate at_right = at(right);
-  while (high - low > kTimeTolerance) {
-    if (at_left.explained > at_right.explained) {
-      high = right;
-      right = left;
-      at_right = at_left;
-      left = high - golden * (high - low);
-      at_left = at(left);
-    } else {
-      low = left;
-      left = right;
-      at_left = at_right;
-      right = low + golden * (high - low);
-      at_right = at(right);
-    }
-  }
-  return at_left.explained > at_right.explained ? at_left : at_right;
+  Candidate best;
+  SearchLeast(std::log(low_time), std::log(high_time), kTimeBits,
+              [&](double log_time) {
+                const Candidate candidate =
+                    BestAtTimeConstant(response, std::exp(log_time), max_delay);
+                if (candidate.explained > best.explained) best = candidate;
+                return -candidate.explained;
+              });
+  return best;
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <complex>
 #include <utility>
 
+#include "mle/nonlinear/brent_search.h"
 #include "mle/nonlinear/distributions.h"
 #include "mle/nonlinear/disturbance_search.h"
 #include "mle/nonlinear/noise_search.h"
@@ -20,7 +21,7 @@ constexpr double kFewestSamplesOfCycle = 4.0;
 constexpr double kFalseAlarm = 1e-4;       // of a peak
 constexpr double kStepOfResolution = 0.5;  // of the frequencies, times 1/N
 constexpr int kRefinements = 3;            // of frequency and shape in turn
-constexpr int kGoldenSteps = 12;
+constexpr int kRefinementBits = 8;         // a hundredth of the width
 
 // Σ_s 2 |Σ_k e_k exp(2πi f k)|² / (N_s v).
 double Power(const OutputErrorProblem& problem, const VectorXd& residuals,
@@ -107,27 +108,10 @@ class LineLikelihood {
 
   // The frequency within `width` of `frequency` that is likeliest at `shape`.
   double Refine(double frequency, double width, const NoiseShape& shape) const {
-    const double golden = 0.5 * (std::sqrt(5.0) - 1.0);
-    double low = frequency - width;
-    double high = frequency + width;
-    const auto value = [&](double at) {
-      return With(LineColumns(problem_, at)).At(shape).value;
-    };
-    double left = high - golden * (high - low);
-    double right = low + golden * (high - low);
-    double at_left = value(left);
-    double at_right = value(right);
-    for (int i = 0; i < kGoldenSteps; ++i) {
-      const bool go_left = at_left < at_right;
-      (go_left ? high : low) = go_left ? right : left;
-      (go_left ? right : left) = go_left ? left : right;
-      (go_left ? at_right : at_left) = go_left ? at_left : at_right;
-      double& moved = go_left ? left : right;
-      moved =
-          go_left ? high - golden * (high - low) : low + golden * (high - low);
-      (go_left ? at_left : at_right) = value(moved);
-    }
-    return 0.5 * (low + high);
+    return SearchLeast(frequency - width, frequency + width, kRefinementBits,
+                       [&](double at) {
+                         return With(LineColumns(problem_, at)).At(shape).value;
+                       });
   }
 
  private:

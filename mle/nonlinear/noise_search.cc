@@ -2,13 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <limits>
 #include <utility>
 #include <vector>
 
 #include "Eigen/QR"
-#include "boost/math/tools/minima.hpp"
+#include "mle/nonlinear/brent_search.h"
 #include "mle/nonlinear/colour_search.h"
 
 namespace mle {
@@ -23,9 +21,7 @@ const double kMinLogRatio = std::log(1e-10);
 const double kMaxLogRatio = std::log(1e6);
 constexpr double kGridStep = 1.0;    // of possible ratios
 constexpr double kSearchStep = 2.0;  // of the search for the best
-// Of ln ρ in its interval, about 1e-3; the search's steps.
-constexpr int kSearchBits = 10;
-constexpr std::uintmax_t kMaxSearchSteps = 32;
+constexpr int kSearchBits = 10;      // of ln ρ: 4e-3 at most
 
 // Beforehand every √ρ is as likely as any other: what of it is nearest to a
 // value of the grid, as a share of √ρ there; and below the smallest, of that.
@@ -177,19 +173,14 @@ Profile AtLogRatio(const ShapeLikelihood& likelihood, double log_ratio) {
   return likelihood.At({.ratio = std::exp(log_ratio)});
 }
 
-// Brent's search between two values of ln ρ.
 Profile SearchBetween(const ShapeLikelihood& likelihood, double low,
                       double high) {
   Profile best;
-  best.value = std::numeric_limits<double>::infinity();
-  std::uintmax_t evaluations = kMaxSearchSteps;
-  boost::math::tools::brent_find_minima(
-      [&](double log_ratio) {
-        const Profile profile = AtLogRatio(likelihood, log_ratio);
-        if (profile.value < best.value) best = profile;
-        return profile.value;
-      },
-      low, high, kSearchBits, evaluations);
+  SearchLeast(low, high, kSearchBits, [&](double log_ratio) {
+    const Profile profile = AtLogRatio(likelihood, log_ratio);
+    if (profile.value < best.value) best = profile;
+    return profile.value;
+  });
   return best;
 }
 

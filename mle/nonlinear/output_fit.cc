@@ -33,8 +33,8 @@ constexpr double kCellTolerance = 1e-7;
 // A move of an input has an effect for dead time + this many time scales.
 constexpr double kMemoryTimeScales = 5.0;
 
-// What a search may move.
-struct Search {
+// What Fitter::Solve() may move, and how far it goes.
+struct SolveOptions {
   bool within_cells = false;  // dead times within their samples
   bool exact = false;
   std::vector<bool> held = {};  // dead times that stay; empty: none
@@ -60,7 +60,7 @@ class Fitter {
             std::clamp(factor * point.values[j].time_scale,
                        bounds_.min_time_scales[j], bounds_.max_time_scales[j]);
       }
-      point = SearchDelaysFrom(point, shape).point;
+      point = Search(point, shape).point;
       const double cost = Solve(point, shape);
       if (cost < best_cost) {
         best_cost = cost;
@@ -70,8 +70,7 @@ class Fitter {
     return best;
   }
 
-  DelaySearchResult SearchDelaysFrom(const OutputPoint& point,
-                                     const NoiseShape& shape) {
+  DelaySearchResult Search(const OutputPoint& point, const NoiseShape& shape) {
     ++certificate_.grid_searches;
     return SearchDelays(problem_, point, shape, free_, bounds_.max_delays,
                         kMaxGridPoints);
@@ -105,11 +104,7 @@ class Fitter {
       const bool at_time_bound =
           log_scale < std::log(bounds_.min_time_scales[j]) + 1e-6 ||
           log_scale > std::log(bounds_.max_time_scales[j]) - 1e-6;
-      const double position =
-          point.values[j].delay / problem_.sample_time() - point.cells[j];
-      const bool at_kink = position < kCellTolerance ||
-                           position > 1.0 - kCellTolerance ||
-                           point.values[j].delay > bounds_.max_delays[j] - 1e-9;
+      const bool at_kink = EndOf(point, j) != 0;
       certificate_.at_bound |=
           at_time_bound || point.values[j].delay <= 0.0 ||
           point.values[j].delay > bounds_.max_delays[j] - 1e-9;
@@ -150,12 +145,10 @@ class Fitter {
     std::vector<bool> ends(free_.size(), false);
     for (int j = 0; j < problem_.num_elements(); ++j) {
       if (!free_[j]) continue;
-      const auto [low, high] = DelaysOf(point, j);
-      const double near = kCellTolerance * problem_.sample_time();
+      const int end = EndOf(point, j);
       const double slope =
           whitened.jacobian.col(3 * j + 2).dot(whitened.residuals);
-      ends[j] = (point.values[j].delay < low + near && slope >= 0.0) ||
-                (point.values[j].delay > high - near && slope <= 0.0);
+      ends[j] = end != 0 && end * slope <= 0.0;
     }
     return ends;
   }
@@ -168,9 +161,17 @@ class Fitter {
         std::min(bounds_.max_delays[j], (point.cells[j] + 1) * sample_time)};
   }
 
+  // The end of that sample which the dead time is at: −1 or 1; 0: none.
+  int EndOf(const OutputPoint& point, int j) const {
+    const auto [low, high] = DelaysOf(point, j);
+    const double near = kCellTolerance * problem_.sample_time();
+    if (point.values[j].delay < low + near) return -1;
+    return point.values[j].delay > high - near ? 1 : 0;
+  }
+
   // Levenberg–Marquardt from and to `point`; returns the cost.
   double Solve(OutputPoint& point, const NoiseShape& shape,
-               const Search& search = {}) {
+               const SolveOptions& options = {}) {
     std::vector<int> moved;
     for (int j = 0; j < problem_.num_elements(); ++j) {
       if (problem_.elements()[j].has_value() && free_[j]) moved.push_back(j);
@@ -185,24 +186,24 @@ class Fitter {
     for (auto& block : x) blocks.push_back(block.data());
     ceres::Problem problem;
     problem.AddResidualBlock(
-        MakeOutputCost(problem_, point, free_, shape, search.within_cells)
+        MakeOutputCost(problem_, point, free_, shape, options.within_cells)
             .release(),
         nullptr, blocks);
     for (std::size_t b = 0; b < moved.size(); ++b) {
-      SetBounds(point, moved[b], search, blocks[b], problem);
+      SetBounds(point, moved[b], options, blocks[b], problem);
     }
-    ceres::Solver::Options options;
-    options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
-    options.max_num_iterations = options_.max_iterations;
-    options.function_tolerance = search.exact ? 1e-13 : 1e-8;
-    options.parameter_tolerance = search.exact ? 1e-11 : 1e-8;
-    options.gradient_tolerance = 0.0;
+    ceres::Solver::Options ceres_options;
+    ceres_options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
+    ceres_options.max_num_iterations = options_.max_iterations;
+    ceres_options.function_tolerance = options.exact ? 1e-13 : 1e-8;
+    ceres_options.parameter_tolerance = options.exact ? 1e-11 : 1e-8;
+    ceres_options.gradient_tolerance = 0.0;
     // Steps are projected on the bounds; a search along each, which Ceres makes
     // besides where there are bounds, takes more evaluations than it saves.
-    options.max_num_line_search_step_size_iterations = 0;
-    options.logging_type = ceres::SILENT;
+    ceres_options.max_num_line_search_step_size_iterations = 0;
+    ceres_options.logging_type = ceres::SILENT;
     ceres::Solver::Summary summary;
-    ceres::Solve(options, &problem, &summary);
+    ceres::Solve(ceres_options, &problem, &summary);
 
     certificate_.iterations += static_cast<int>(summary.iterations.size());
     certificate_.message = summary.message;
@@ -221,14 +222,14 @@ class Fitter {
     for (std::size_t b = 0; b < moved.size(); ++b) {
       point.values[moved[b]] = {x[b][0], std::exp(x[b][1]), x[b][2]};
     }
-    if (!search.within_cells) point.SetCells(problem_.sample_time());
+    if (!options.within_cells) point.SetCells(problem_.sample_time());
     return summary.final_cost;
   }
 
-  void SetBounds(const OutputPoint& point, int j, const Search& search,
+  void SetBounds(const OutputPoint& point, int j, const SolveOptions& options,
                  double* block, ceres::Problem& problem) const {
     const double sample_time = problem_.sample_time();
-    const auto [low, high] = search.within_cells
+    const auto [low, high] = options.within_cells
                                  ? DelaysOf(point, j)
                                  : std::pair(0.0, bounds_.max_delays[j]);
     // Ceres wants an interval, and a start inside it.
@@ -241,7 +242,7 @@ class Fitter {
     problem.SetParameterUpperBound(block, 1, max_log);
     problem.SetParameterLowerBound(block, 2, low);
     problem.SetParameterUpperBound(block, 2, end);
-    if (!search.held.empty() && search.held[j]) {
+    if (!options.held.empty() && options.held[j]) {
       problem.SetManifold(block, new ceres::SubsetManifold(3, {2}));
     }
   }
@@ -252,16 +253,12 @@ class Fitter {
     bool moved = false;
     for (int j = 0; j < problem_.num_elements(); ++j) {
       if (!free_[j]) continue;
-      const double position =
-          point.values[j].delay / problem_.sample_time() - point.cells[j];
-      int direction = 0;
-      if (position < kCellTolerance && point.cells[j] > 0) direction = -1;
-      if (position > 1.0 - kCellTolerance &&
-          (point.cells[j] + 1) * problem_.sample_time() <
-              bounds_.max_delays[j]) {
-        direction = 1;
-      }
-      if (direction == 0) continue;
+      const int direction = EndOf(point, j);
+      const bool has_next =
+          direction < 0 ? point.cells[j] > 0
+                        : (point.cells[j] + 1) * problem_.sample_time() <
+                              bounds_.max_delays[j];
+      if (direction == 0 || !has_next) continue;
       OutputPoint trial = point;
       trial.cells[j] += direction;
       const WhitenedColumns whitened =
@@ -317,7 +314,7 @@ void Finish(const OutputErrorProblem& problem,
       if (again > 0 && SameShape(former, fit.noise)) break;
     }
     const DelaySearchResult search =
-        fitter.SearchDelaysFrom(fit.point, ShapeOf(fit.noise));
+        fitter.Search(fit.point, ShapeOf(fit.noise));
     certificate.search_confirmed =
         !(search.cost < cost * (1.0 - 1e-9) - search.cost_accuracy);
     if (certificate.search_confirmed) break;

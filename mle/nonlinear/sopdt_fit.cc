@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "ceres/ceres.h"
+#include "mle/base/status.h"
 
 namespace mle {
 namespace {
@@ -192,11 +193,7 @@ absl::Status CheckArguments(const Response& response, double sample_time,
 
 absl::StatusOr<SopdtFit> FitSopdt(const Response& step_response,
                                   double sample_time, double max_delay) {
-  if (const absl::Status status =
-          CheckArguments(step_response, sample_time, max_delay);
-      !status.ok()) {
-    return status;
-  }
+  MLE_RETURN_IF_ERROR(CheckArguments(step_response, sample_time, max_delay));
   // In units of the largest value, and of samples; three see the response.
   const double scale = step_response.cwiseAbs().maxCoeff();
   const VectorXd response = step_response / scale;
