@@ -105,7 +105,7 @@ TextValue TimesOrDates(std::vector<double>* times,
 
 bool IsColumnOf(const ProcessModel& model, const std::string& name) {
   for (const OutputChannel& output : model.outputs()) {
-    if (name == output.name || name == output.name + "_setpoint") return true;
+    if (name == output.name || name == SetPointName(output.name)) return true;
   }
   for (const InputChannel& input : model.inputs()) {
     if (name == input.name) return true;

@@ -50,7 +50,7 @@ void HistorianImporter::NoteChannels(const RecordRows& rows,
     if (column.kind == Kind::kOutput) {
       name = channels_.outputs()[column.channel].name;
     } else if (column.kind == Kind::kSetPoint) {
-      name = channels_.outputs()[column.channel].name + "_setpoint";
+      name = SetPointName(channels_.outputs()[column.channel].name);
       value += p;
     } else if (column.kind == Kind::kInput) {
       name = channels_.inputs()[column.channel].name;

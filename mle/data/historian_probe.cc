@@ -49,7 +49,7 @@ absl::Status CheckUnit(const RecordClock& clock, const std::string& source,
       "time_format",
       absl::StrCat(source, ": times such as ", first, ", ", step,
                    " apart, look like the days of Excel; declare time_format = "
-                   "excel, or time_format = numbers if they are none"));
+                   "excel, or time_format = numbers if they are not"));
 }
 
 }  // namespace

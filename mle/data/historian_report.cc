@@ -5,8 +5,8 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "mle/base/status.h"
+#include "mle/data/civil_time.h"
 #include "mle/data/historian.h"
-#include "mle/data/iso_time.h"
 
 namespace mle {
 namespace {

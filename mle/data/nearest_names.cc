@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "absl/strings/ascii.h"
+
 namespace mle {
 namespace {
 
@@ -10,9 +12,21 @@ namespace {
 constexpr std::size_t kMaxLength = 64;
 constexpr std::size_t kMinPart = 2;
 
-int DistanceOf(std::string_view a, std::string_view b) {
-  a = a.substr(0, kMaxLength);
-  b = b.substr(0, kMaxLength);
+}  // namespace
+
+std::string FoldedName(std::string_view name) {
+  std::string folded;
+  for (const char c : name) {
+    if (c == ' ' || c == '\t') continue;
+    folded +=
+        static_cast<char>(absl::ascii_tolower(static_cast<unsigned char>(c)));
+  }
+  return folded;
+}
+
+int NameDistance(std::string_view left, std::string_view right) {
+  const std::string a = FoldedName(left).substr(0, kMaxLength);
+  const std::string b = FoldedName(right).substr(0, kMaxLength);
   // Three rows of the table: of the letters before the last, the last, this.
   std::vector<int> before(b.size() + 1);
   std::vector<int> last(b.size() + 1);
@@ -33,21 +47,6 @@ int DistanceOf(std::string_view a, std::string_view b) {
   return row[b.size()];
 }
 
-}  // namespace
-
-std::string FoldedName(std::string_view name) {
-  std::string folded;
-  for (const char c : name) {
-    if (c == ' ' || c == '\t') continue;
-    folded += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  }
-  return folded;
-}
-
-int NameDistance(std::string_view a, std::string_view b) {
-  return DistanceOf(FoldedName(a), FoldedName(b));
-}
-
 std::vector<std::string> NearestNames(std::string_view name,
                                       const std::vector<std::string>& names,
                                       std::size_t most) {
@@ -59,7 +58,7 @@ std::vector<std::string> NearestNames(std::string_view name,
     const bool is_part =
         shorter >= kMinPart && (folded.find(wanted) != std::string::npos ||
                                 wanted.find(folded) != std::string::npos);
-    const int distance = DistanceOf(wanted, folded);
+    const int distance = NameDistance(name, candidate);
     const int allowed =
         static_cast<int>(
             std::min(std::max(wanted.size(), folded.size()), kMaxLength)) /

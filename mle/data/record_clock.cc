@@ -7,8 +7,8 @@
 #include "absl/strings/str_join.h"
 #include "absl/time/civil_time.h"
 #include "mle/base/status.h"
+#include "mle/data/civil_time.h"
 #include "mle/data/csv_numbers.h"
-#include "mle/data/iso_time.h"
 
 namespace mle {
 namespace {

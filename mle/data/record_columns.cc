@@ -21,10 +21,6 @@ using ColumnsByName = std::map<std::string, RecordColumn, std::less<>>;
 
 constexpr std::string_view kSetPointSuffix = "_setpoint";
 
-std::string SetPointName(const std::string& output) {
-  return output + std::string(kSetPointSuffix);
-}
-
 std::string Quoted(std::string_view name) {
   return absl::StrCat("'", ShowCsvText(name), "'");
 }
@@ -199,7 +195,7 @@ void Matching::FindOthers(std::vector<std::string>& faults) const {
   for (std::size_t c = 0; c < columns_.size(); ++c) {
     const std::string& name = columns_[c].name;
     if (columns_[c].kind != Kind::kOther) continue;
-    if (name.ends_with(kSetPointSuffix)) {
+    if (IsSetPointName(name)) {
       faults.push_back(absl::StrCat(
           "column ", c + 1, ": ", Quoted(name),
           " is a set point of an output that the process model does not have"));
@@ -237,6 +233,14 @@ absl::Status Matching::Check() const {
 }
 
 }  // namespace
+
+std::string SetPointName(std::string_view output) {
+  return std::string(output).append(kSetPointSuffix);
+}
+
+bool IsSetPointName(std::string_view name) {
+  return name.ends_with(kSetPointSuffix);
+}
 
 absl::Status ColumnOptions::Validate(const ProcessModel& channels) const {
   MLE_ASSIGN_OR_RETURN(const std::vector<RecordColumn> known,

@@ -13,6 +13,11 @@
 
 namespace mle {
 
+// The channel of an output's set point, <output>_setpoint, and whether a name
+// is one of such.
+std::string SetPointName(std::string_view output);
+bool IsSetPointName(std::string_view name);
+
 struct RecordColumn {
   enum class Kind { kTime, kOutput, kSetPoint, kInput, kQuality, kOther };
   Kind kind = Kind::kOther;

@@ -35,7 +35,7 @@ std::map<std::string, std::string> UnitsOf(const ProcessModel& channels) {
   std::map<std::string, std::string> units;
   for (const OutputChannel& output : channels.outputs()) {
     units[output.name] = output.unit;
-    units[output.name + "_setpoint"] = output.unit;
+    units[SetPointName(output.name)] = output.unit;
   }
   for (const InputChannel& input : channels.inputs()) {
     units[input.name] = input.unit;
@@ -198,7 +198,7 @@ std::string NearestChannel(const std::string& tag,
   std::vector<std::string> names;
   for (const std::string& name : free) {
     if (FoldedName(name) == FoldedName(tag)) return name;
-    if (name.ends_with("_setpoint") == IsSetPointTag(tag)) {
+    if (IsSetPointName(name) == IsSetPointTag(tag)) {
       names.push_back(name);
     }
   }
@@ -255,7 +255,7 @@ absl::StatusOr<std::vector<TagProposal>> ProposeTags(
   for (TagProposal& proposal : proposals) {
     if (!proposal.channel.empty() || !IsSetPointTag(proposal.tag)) continue;
     for (const TagProposal& other : proposals) {
-      const std::string channel = other.channel + "_setpoint";
+      const std::string channel = SetPointName(other.channel);
       if (other.tag == proposal.tag || !free.contains(channel) ||
           Loop(other.tag) != Loop(proposal.tag)) {
         continue;

@@ -28,7 +28,7 @@ namespace mle {
 
 // The rows with a channel. InvalidArgument lists all that is wrong, with the
 // lines: unknown channels (with the nearest names), channels and tags that
-// stand twice, numbers that are none, scales of 0, other units.
+// stand twice, numbers that cannot be read, scales of 0, other units.
 absl::StatusOr<std::vector<TagMapping>> ParseTagFile(
     const std::string& source, const std::string& text,
     const ProcessModel& channels);

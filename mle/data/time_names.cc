@@ -4,7 +4,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "mle/data/iso_time.h"
+#include "mle/data/civil_time.h"
 
 namespace mle {
 

@@ -1,9 +1,8 @@
 #include "mle/data/time_pattern.h"
 
 #include <array>
-#include <cctype>
-#include <cmath>
 
+#include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "mle/base/status.h"
 
@@ -28,10 +27,12 @@ constexpr std::array<std::array<std::string_view, 2>, 12> kMonths = {
      {"december", "dezember"}}};
 
 char Lower(char c) {
-  return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c;
+  return static_cast<char>(absl::ascii_tolower(static_cast<unsigned char>(c)));
 }
 
-bool IsDigit(char c) { return c >= '0' && c <= '9'; }
+bool IsDigit(char c) {
+  return absl::ascii_isdigit(static_cast<unsigned char>(c));
+}
 
 bool TakeOneOf(std::string_view& text, std::string_view characters) {
   if (text.empty() || characters.find(text[0]) == std::string_view::npos) {
@@ -103,7 +104,7 @@ bool TakeMonthName(std::string_view& text, int& month) {
   std::size_t length = 0;
   std::array<char, 12> name;
   while (length < text.size() && length < name.size() &&
-         std::isalpha(static_cast<unsigned char>(text[length])) != 0) {
+         absl::ascii_isalpha(static_cast<unsigned char>(text[length]))) {
     name[length] = Lower(text[length]);
     ++length;
   }
@@ -137,7 +138,7 @@ bool TakeHalfDay(std::string_view& text, std::optional<int>& half) {
 }  // namespace
 
 struct TimePattern::Reading {
-  std::string_view text;  // what is left of it
+  std::string_view text;  // not read yet
   CivilTime time;
   std::optional<int> half_day;
 };

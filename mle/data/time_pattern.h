@@ -26,7 +26,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "mle/data/iso_time.h"
+#include "mle/data/civil_time.h"
 
 namespace mle {
 

@@ -5,7 +5,7 @@
 
 #include "apps/common/option_values.h"
 #include "apps/simulate/named_values.h"
-#include "mle/data/iso_time.h"
+#include "mle/data/civil_time.h"
 #include "mle/data/time_format.h"
 #include "tests/fuzz/fuzz.h"
 

@@ -11,6 +11,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "mle/base/file.h"
+#include "tests/mle/data/historian_texts.h"
 
 namespace mle {
 namespace {
@@ -18,37 +19,6 @@ namespace {
 using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-
-ProcessModel Tank() {
-  return ProcessModel("tank", "min", {{"steam", ""}}, {{"level", ""}});
-}
-
-absl::StatusOr<HistorianImport> Import(const std::string& text,
-                                       const HistorianOptions& options = {},
-                                       const ProcessModel& model = Tank()) {
-  return ImportHistorianSources({TextSource("a.csv", text)}, model, options);
-}
-
-HistorianImport ImportOk(const std::string& text,
-                         const HistorianOptions& options = {}) {
-  absl::StatusOr<HistorianImport> import = Import(text, options);
-  EXPECT_TRUE(import.ok()) << import.status();
-  return import.ok() ? *std::move(import) : HistorianImport();
-}
-
-std::string Error(const std::string& text,
-                  const HistorianOptions& options = {}) {
-  const absl::Status status = Import(text, options).status();
-  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << status;
-  return std::string(status.message());
-}
-
-std::vector<double> RowOf(const Eigen::MatrixXd& matrix, int row = 0) {
-  const Eigen::RowVectorXd values = matrix.row(row);
-  return {values.data(), values.data() + values.size()};
-}
-
-MATCHER(IsNan, "") { return std::isnan(arg); }
 
 // An even record is read as it stands, to the last bit.
 TEST(HistorianTest, EvenRecordsComeThroughUnchanged) {

@@ -13,6 +13,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "mle/data/historian.h"
+#include "tests/mle/data/historian_texts.h"
 
 namespace mle {
 namespace {
@@ -21,36 +22,6 @@ using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-
-ProcessModel Tank() {
-  return ProcessModel("tank", "min", {{"steam", ""}}, {{"level", ""}});
-}
-
-absl::StatusOr<HistorianImport> Import(const std::string& text,
-                                       const HistorianOptions& options = {}) {
-  return ImportHistorianSources({TextSource("a.csv", text)}, Tank(), options);
-}
-
-HistorianImport ImportOk(const std::string& text,
-                         const HistorianOptions& options = {}) {
-  absl::StatusOr<HistorianImport> import = Import(text, options);
-  EXPECT_TRUE(import.ok()) << import.status();
-  return import.ok() ? *std::move(import) : HistorianImport();
-}
-
-std::string Error(const std::string& text,
-                  const HistorianOptions& options = {}) {
-  const absl::Status status = Import(text, options).status();
-  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << status;
-  return std::string(status.message());
-}
-
-std::vector<double> RowOf(const Eigen::MatrixXd& matrix, int row = 0) {
-  const Eigen::RowVectorXd values = matrix.row(row);
-  return {values.data(), values.data() + values.size()};
-}
-
-MATCHER(IsNan, "") { return std::isnan(arg); }
 
 // One long table by tag, by time, with decimal commas, by other names.
 TEST(LongTableTest, IsTurnedIntoAWideOne) {

@@ -11,6 +11,7 @@
 #include "gtest/gtest.h"
 #include "mle/data/historian.h"
 #include "mle/data/time_format.h"
+#include "tests/mle/data/historian_texts.h"
 
 namespace mle {
 namespace {
@@ -96,10 +97,6 @@ TEST(TimeFormatTest, CertainFormsAreDistinct) {
   }
 }
 
-ProcessModel Tank() {
-  return ProcessModel("tank", "min", {{"steam", ""}}, {{"level", ""}});
-}
-
 // Three rows at these times.
 std::string RowsAt(const std::vector<std::string>& times) {
   std::string text = "time;level;steam\n";
@@ -109,17 +106,10 @@ std::string RowsAt(const std::vector<std::string>& times) {
   return text;
 }
 
-absl::StatusOr<HistorianImport> Import(const std::string& text,
-                                       const ClockOptions& clock = {}) {
+HistorianOptions By(const ClockOptions& clock) {
   HistorianOptions options;
   options.clock = clock;
-  return ImportHistorianSources({TextSource("a.csv", text)}, Tank(), options);
-}
-
-std::string Error(const std::string& text, const ClockOptions& clock = {}) {
-  const absl::Status status = Import(text, clock).status();
-  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << text;
-  return std::string(status.message());
+  return options;
 }
 
 struct Stamps {
@@ -157,7 +147,7 @@ TEST(RecordTimesTest, FormsAreRecognisedIfCertain) {
 TEST(RecordTimesTest, OthersAreReadAsDeclared) {
   const auto origin = [](const std::vector<std::string>& times,
                          const ClockOptions& clock) {
-    const auto import = Import(RowsAt(times), clock);
+    const auto import = Import(RowsAt(times), By(clock));
     EXPECT_TRUE(import.ok()) << import.status();
     if (!import.ok()) return 0.0;
     EXPECT_NEAR(import->records[0].sample_time, 1.0, 1e-9);
@@ -191,16 +181,16 @@ TEST(RecordTimesTest, WhatIsNotCertainIsAsked) {
   EXPECT_THAT(Error(RowsAt({"noon"})),
               AllOf(HasSubstr("'noon' is not a time"),
                     HasSubstr("time_format = '%d.%m.%Y %H:%M'")));
-  EXPECT_THAT(
-      Error(RowsAt({"2024-03-04 06:00"}), {.format = TimeFormat::kDayFirst}),
-      HasSubstr("the form that time_format = day_first declares "
-                "(29.02.2024 12:34)"));
+  EXPECT_THAT(Error(RowsAt({"2024-03-04 06:00"}),
+                    By({.format = TimeFormat::kDayFirst})),
+              HasSubstr("the form that time_format = day_first declares "
+                        "(29.02.2024 12:34)"));
   EXPECT_THAT(
       Error(RowsAt({"45355.25", "45355.2506944", "45355.2513889"})),
       AllOf(HasSubstr("days of Excel"), HasSubstr("time_format = excel"),
             HasSubstr("time_format = numbers")));
   EXPECT_TRUE(Import(RowsAt({"45355.25", "45355.2506944", "45355.2513889"}),
-                     {.format = TimeFormat::kNumbers})
+                     By({.format = TimeFormat::kNumbers}))
                   .ok());
   // Minutes of no special meaning stay minutes.
   EXPECT_TRUE(Import(RowsAt({"45355", "45356", "45357"})).ok());
@@ -253,7 +243,7 @@ TEST(RecordTimesTest, NewestFirstWithAnHourTwice) {
                                  "02:00", "01:30", "01:00"}) {
     absl::StrAppend(&text, "2024-10-27 ", time, ":00;1;2\n");
   }
-  const auto import = Import(text, {.time_zone = "Europe/Berlin"});
+  const auto import = Import(text, By({.time_zone = "Europe/Berlin"}));
   ASSERT_TRUE(import.ok()) << import.status();
   EXPECT_EQ(import->records[0].samples(), 8);
   EXPECT_EQ(import->report.num_gaps, 0);

@@ -1,4 +1,4 @@
-#include "mle/data/iso_time.h"
+#include "mle/data/civil_time.h"
 
 #include <array>
 #include <chrono>

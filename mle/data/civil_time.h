@@ -1,8 +1,8 @@
 // Points in time: calendar and clock, and seconds since 1970. time_pattern.h
 // reads them.
 
-#ifndef MLE_DATA_ISO_TIME_H_
-#define MLE_DATA_ISO_TIME_H_
+#ifndef MLE_DATA_CIVIL_TIME_H_
+#define MLE_DATA_CIVIL_TIME_H_
 
 #include <optional>
 #include <string>
@@ -33,4 +33,4 @@ std::optional<double> SecondsPerUnit(std::string_view time_unit);
 
 }  // namespace mle
 
-#endif  // MLE_DATA_ISO_TIME_H_
+#endif  // MLE_DATA_CIVIL_TIME_H_

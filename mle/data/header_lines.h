@@ -1,0 +1,29 @@
+// Where the header of a file stands: titles above it, rows of units or
+// descriptions below. Internal to mle/data.
+
+#ifndef MLE_DATA_HEADER_LINES_H_
+#define MLE_DATA_HEADER_LINES_H_
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "mle/data/csv_rows.h"
+#include "mle/data/record_clock.h"
+#include "mle/data/record_columns.h"
+
+namespace mle {
+
+// Lines of `head`, what a file begins with, before the one that has most of
+// `names`, where that has two or more; otherwise before the first line of most
+// columns.
+int TitleLines(std::string_view head, const std::vector<std::string>& names);
+
+// Rows that have neither a time nor a number, three at most; `rows` stands
+// below the header, whose `columns` are known.
+int UnitRows(CsvRows& rows, const std::vector<RecordColumn>& columns,
+             const RecordClock& clock);
+
+}  // namespace mle
+
+#endif  // MLE_DATA_HEADER_LINES_H_
