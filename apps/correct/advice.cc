@@ -24,6 +24,8 @@ constexpr double kSettlingTimes = 3.0;
 constexpr double kMostWindows = 1000.0;
 // Of the tests of what is left, over all pairs together.
 constexpr double kResidualLevel = 0.01;
+// With fewer of its samples than this share an output lacks those first.
+constexpr double kFewSamples = 0.5;
 
 std::vector<InputRole> RolesOf(const ProcessModel& model) {
   std::vector<InputRole> roles;
@@ -93,6 +95,18 @@ std::string InputNames(const ProcessModel& model,
   return absl::StrJoin(names, ", ");
 }
 
+// Of the samples in the windows those that are there and good.
+double KnownShare(const Result& result, int output) {
+  double known = 0.0;
+  double all = 0.0;
+  for (const SetPointWindow& window : result.data.windows) {
+    const auto samples = window.record.outputs.row(output);
+    known += static_cast<double>(samples.array().isFinite().count());
+    all += static_cast<double>(samples.size());
+  }
+  return all > 0.0 ? known / all : 0.0;
+}
+
 // Pairs that the records say little or nothing about.
 void AddMissingInformation(const Result& result,
                            std::vector<std::string>& advice) {
@@ -102,14 +116,25 @@ void AddMissingInformation(const Result& result,
   std::vector<std::string> unknown;
   double worst = 0.0;
   for (int i = 0; i < model.num_outputs(); ++i) {
+    const double known = KnownShare(result, i);
+    bool lacks_samples = false;
     for (int j = 0; j < model.num_inputs(); ++j) {
       const PairErrors& pair = result.information.pair(i, j);
-      if (pair.state == PairState::kNotInformed) {
+      if (pair.state == PairState::kNotInformed && known < kFewSamples) {
+        lacks_samples = true;
+      } else if (pair.state == PairState::kNotInformed) {
         unknown.push_back(PairName(model, i, j));
       } else if (pair.state == PairState::kWeak) {
         weak.push_back(PairName(model, i, j));
         worst = std::max(worst, pair.gain);
       }
+    }
+    if (lacks_samples) {
+      advice.push_back(absl::StrCat(
+          "Of ", model.outputs()[i].name, " only ",
+          FormatSignificant(100.0 * known, 2),
+          " % of the samples in the windows are there and good: its elements "
+          "are kept, and its sensor or archive is to be mended first."));
     }
   }
   if (unknown.empty() && weak.empty()) return;

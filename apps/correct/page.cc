@@ -55,10 +55,10 @@ void AddModel(const Result& result, const Figures& figures, HtmlPage& page) {
 // The time of the report, or SOURCE_DATE_EPOCH (seconds since 1970) where the
 // same bytes are wanted again (reproducible-builds.org); and what it is about.
 std::string WhenMade(const Result& result) {
-  std::int64_t seconds = absl::ToUnixSeconds(absl::Now());
-  if (const char* const given = std::getenv("SOURCE_DATE_EPOCH");
-      given != nullptr && !absl::SimpleAtoi(given, &seconds)) {
-    seconds = 0;
+  std::int64_t seconds = 0;
+  const char* const given = std::getenv("SOURCE_DATE_EPOCH");
+  if (given == nullptr || !absl::SimpleAtoi(given, &seconds)) {
+    seconds = absl::ToUnixSeconds(absl::Now());
   }
   std::string text =
       absl::FormatTime("Made on %Y-%m-%d at %H:%M UTC",

@@ -9,12 +9,11 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Where the records have dates.
+}  // namespace
+
 void AddDate(const TimeNames& times, const char* key, double time, Json& json) {
   if (const auto date = times.Iso(time)) json[key] = *date;
 }
-
-}  // namespace
 
 Json WindowsJson(const Result& result) {
   const TimeNames times = result.data.Times(result.initial);

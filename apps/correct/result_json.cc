@@ -90,9 +90,11 @@ Json StateSpaceJson(const StateSpaceForm& form) {
   return json;
 }
 
-Json NoiseJson(const NoiseEstimate& estimate, const std::string& output,
-               double sample_time) {
-  Json json = {{"output", output},
+Json NoiseJson(const Result& result, int i) {
+  const NoiseEstimate& estimate = result.estimate.setting.noise[i];
+  const double sample_time = result.initial_response.sample_time;
+  const TimeNames times = result.data.Times(result.initial);
+  Json json = {{"output", result.initial.outputs()[i].name},
                {"variance", estimate.variance},
                {"increment_variance", estimate.increment_variance()},
                {"window_offsets", estimate.offset},
@@ -112,10 +114,12 @@ Json NoiseJson(const NoiseEstimate& estimate, const std::string& output,
   if (!lines.empty()) json["lines"] = std::move(lines);
   Json steps = Json::array();
   for (const LevelStep& step : estimate.steps) {
-    steps.push_back({{"window", step.window + 1},
-                     {"time", step.time},
-                     {"size", step.size},
-                     {"time_constant", step.lag}});
+    Json one = {{"window", step.window + 1},
+                {"time", step.time},
+                {"size", step.size},
+                {"time_constant", step.lag}};
+    AddDate(times, "date", step.time, one);
+    steps.push_back(std::move(one));
   }
   if (!steps.empty()) json["steps"] = std::move(steps);
   return json;
@@ -350,9 +354,7 @@ void AddFindings(const Result& result, Json& json) {
   json["state_space"] = StateSpaceJson(result.state_space);
   Json noise = Json::array();
   for (int i = 0; i < model.num_outputs(); ++i) {
-    const NoiseEstimate& estimate = result.estimate.setting.noise[i];
-    noise.push_back(NoiseJson(estimate, model.outputs()[i].name,
-                              result.initial_response.sample_time));
+    noise.push_back(NoiseJson(result, i));
   }
   json["noise"] = std::move(noise);
   const EstimateFit& fit = result.estimate.fit;

@@ -8,6 +8,10 @@
 
 namespace mle::correct {
 
+// The date of `time`, where the records have dates.
+void AddDate(const TimeNames& times, const char* key, double time,
+             nlohmann::ordered_json& json);
+
 // Parts of the diagnostics (record_json.cc).
 nlohmann::ordered_json WindowsJson(const Result& result);
 nlohmann::ordered_json ChannelsJson(const Result& result);

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "apps/correct/advice.h"
 #include "apps/correct/verdict.h"
@@ -218,6 +217,7 @@ Table NoiseTable(const Result& result) {
                    {"periods"},
                    {"steps"},
                    {"offset of each window", Align::kLeft}};
+  const TimeNames times = result.data.Times(model);
   for (int i = 0; i < model.num_outputs(); ++i) {
     const NoiseEstimate& noise = result.estimate.setting.noise[i];
     const bool coloured = noise.colour_ratio > 0.0;
@@ -230,7 +230,7 @@ Table NoiseTable(const Result& result) {
     std::vector<std::string> steps;
     for (const LevelStep& step : noise.steps) {
       steps.push_back(absl::StrCat(FormatSignificant(step.size), " at ",
-                                   absl::StrFormat("%.7g", step.time)));
+                                   times.Short(step.time)));
     }
     table.AddRow(
         {model.outputs()[i].name, FormatSignificant(std::sqrt(noise.variance)),
