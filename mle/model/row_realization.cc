@@ -13,7 +13,8 @@ using Eigen::MatrixXd;
 using Eigen::RowVectorXd;
 using Eigen::VectorXd;
 
-// Of a norm of A^T beside 1: what is left of the sum is rounding.
+// Once a power of A is smaller than this, further terms of the sum are below
+// rounding.
 constexpr double kForgotten = 1e-18;
 constexpr int kMostDoublings = 60;
 

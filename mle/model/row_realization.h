@@ -7,9 +7,11 @@
 // where a dead time is not a whole number of samples or the element has
 // feedthrough). One line of D = max_j d_j samples delays the outputs of all:
 //
-//   s_i(k+1) = s_{i+1}(k) + Σ_{j: d_j = i} c_j x_j(k),   i = 1 … D, s_{D+1} =
-//   0, y(k)     = s_1(k) + Σ_{j: d_j = 0} c_j x_j(k).
+//   s_i(k+1) = s_{i+1}(k) + Σ_{j: d_j = i} c_j x_j(k),   i = 1 … D,
 //
+//   y(k) = s_1(k) + Σ_{j: d_j = 0} c_j x_j(k),
+//
+// with s_{D+1} = 0.
 // States are s_1 … s_D, then the x_j: n in all. With W = Σ_t (C A^t)ᵀ(C A^t)
 // and P = Σ_t (A^t B)(A^t B)ᵀ,
 //
