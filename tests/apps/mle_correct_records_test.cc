@@ -1,6 +1,7 @@
 // mle_correct on records with what a historian does to them: lost and rounded
 // values, outliers, other names and units, inputs that are missing.
 
+#include <algorithm>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,6 +21,7 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 TEST(MleCorrectRecords, GapsOutliersAndRoundingAreSaidAndSurvived) {
   const HeaterExample clean(WithHalvedGain());
@@ -37,6 +39,33 @@ TEST(MleCorrectRecords, GapsOutliersAndRoundingAreSaidAndSurvived) {
   EXPECT_LT(result["truth"]["E_corrected"],
             3.0 * before["truth"]["E_corrected"].get<double>() +
                 1e-3 * before["truth"]["E_initial"].get<double>());
+}
+
+// An output of which four samples of five are lost keeps its elements, and that
+// is why: its inputs do move.
+TEST(MleCorrectRecords, AnOutputThatLacksSamplesIsSaidToLackThem) {
+  const HeaterExample example(WithHalvedGain());
+  std::vector<std::string> lines =
+      absl::StrSplit(*ReadFile(example.data), '\n', absl::SkipEmpty());
+  const std::vector<std::string> names = absl::StrSplit(lines[0], ',');
+  const auto column = std::find(names.begin(), names.end(), "y2");
+  ASSERT_NE(column, names.end());
+  for (std::size_t k = 1; k < lines.size(); ++k) {
+    if (k % 50 < 2) continue;
+    std::vector<std::string> fields = absl::StrSplit(lines[k], ',');
+    fields[column - names.begin()] = "Bad";
+    lines[k] = absl::StrJoin(fields, ",");
+  }
+  const std::string data =
+      example.scratch.Write("lost.csv", absl::StrJoin(lines, "\n") + "\n");
+  const nlohmann::json result =
+      Correct(CorrectionFlags(example.model, data, example.out), example.out);
+  EXPECT_EQ(result["decision"], "corrected");
+  EXPECT_EQ(ElementOf(result, "y1", "u1")["aged"], true);
+  EXPECT_FALSE(ElementOf(result, "y2", "u1").value("aged", false));
+  const std::string advice = result["advice"].dump();
+  EXPECT_THAT(advice, HasSubstr("Of y2 only 3.7 % of the samples"));
+  EXPECT_THAT(advice, Not(HasSubstr("hardly")));
 }
 
 // Columns of other names and units, of a scale with an exponent and of one that
