@@ -9,14 +9,13 @@
 
 #include "absl/strings/str_cat.h"
 #include "apps/common/command_line.h"
+#include "apps/common/progress.h"
 #include "apps/common/run_again.h"
+#include "apps/correct/console.h"
 #include "apps/correct/figures.h"
-#include "apps/correct/mismatch_map.h"
 #include "apps/correct/outputs.h"
 #include "apps/correct/page.h"
-#include "apps/correct/record_tables.h"
 #include "apps/correct/result.h"
-#include "apps/correct/tables.h"
 #include "apps/report/drawing.h"
 #include "mle/base/file.h"
 #include "mle/base/option_error.h"
@@ -31,11 +30,11 @@ constexpr char kUsage[] =
 set-point changes, and says whether it has aged, where, by how much, and how far
 the correction can be trusted.
 
-  mle_correct --model=column.json --data=march.csv,april.csv --out=correction
   mle_correct --model=column.json --data=march.csv --dry_run
+  mle_correct --model=column.json --data=march.csv,april.csv --out=correction
 
-Times are in the model's time unit: min below. Exit codes: 0 done, 1 ran but the
-result is not usable, 2 bad input or flags.)";
+Times are in the model's time unit: min below. Exit codes: 0 done, 1 the result
+is not usable or no decision was possible, 2 bad input or flags.)";
 
 std::vector<std::pair<std::string, std::string>> Checksums(
     const correct::Result& result) {
@@ -47,13 +46,10 @@ std::vector<std::pair<std::string, std::string>> Checksums(
 }
 
 // All contents are made before the first file is written.
-absl::Status WriteAll(const correct::Result& result) {
-  MLE_ASSIGN_OR_RETURN(
-      std::string json,
-      correct::FormatResult(result, CommandLine(), ResultFlags()));
+absl::Status WriteAll(const correct::Result& result, const std::string& json) {
   std::vector<report::DrawnFigure> figures;
   if (result.request.figures) {
-    std::cerr << "drawing the figures …\n";
+    ShowStatus("drawing the figures");
     figures = report::DrawFigures(correct::MakeFigures(result),
                                   result.options.threads);
   }
@@ -65,7 +61,7 @@ absl::Status WriteAll(const correct::Result& result) {
       {"fopdt.json", FormatProcessModel(result.fopdt_model)},
       {"step_response.csv", correct::FormatStepResponses(result)},
       {"report.html", std::move(page)},
-      {"result.json", std::move(json)}};
+      {"result.json", json}};
   const bool state_space = result.state_space.model.has_value();
   if (state_space) {
     files.emplace_back("state_space.json",
@@ -86,49 +82,6 @@ absl::Status WriteAll(const correct::Result& result) {
     std::filesystem::remove(folder / "state_space.json", ignored);
   }
   return absl::OkStatus();
-}
-
-void PrintData(const RecordData& data,
-               const std::vector<correct::DataFile>& files,
-               const ProcessModel& model) {
-  std::cout << report::RenderText(correct::FileTable(data, files, model))
-            << "\n"
-            << report::RenderText(correct::ChannelTable(data, model)) << "\n"
-            << report::RenderText(correct::WindowTable(data, model)) << "\n";
-  for (const Message& note : data.notes) {
-    std::cout << correct::Shown(note) << "\n";
-  }
-}
-
-void PrintMessages(const char* kind, const std::vector<Message>& messages) {
-  for (const Message& message : messages) {
-    std::cerr << kind << ": " << correct::Shown(message) << "\n";
-  }
-}
-
-void PrintResult(const correct::Result& result) {
-  for (const std::string& sentence : result.verdict) {
-    std::cout << sentence << "\n";
-  }
-  for (const std::string& sentence : correct::Sentences(result.findings)) {
-    std::cout << "  " << sentence << "\n";
-  }
-  std::cout << "\n"
-            << report::RenderText(correct::MismatchTable(result)) << "\n"
-            << report::RenderText(correct::ParameterTable(result)) << "\n";
-  std::cout << report::RenderText(correct::ValidationTable(result)) << "\n";
-  std::cout << report::RenderText(correct::ResidualTable(result))
-            << "\nWhat to do\n";
-  for (const std::string& item : result.advice) {
-    std::cout << "  " << item << "\n";
-  }
-  if (!result.tuning.heading.empty()) {
-    std::cout << "\n" << result.tuning.heading << "\n";
-    for (const std::string& reason : result.tuning.reasons) {
-      std::cout << "  " << reason << "\n";
-    }
-  }
-  std::cout << "\nReport: " << result.request.out << "/report.html\n";
 }
 
 // Writes the file of --propose_tags.
@@ -161,8 +114,8 @@ int Main(correct::Request& request, OptionTable& table) {
     return Fail(status);
   }
   if (!request.propose_tags.empty()) return Propose(request);
-  std::cerr << "reading " << request.data_paths.size()
-            << (request.data_paths.size() == 1 ? " file" : " files") << " …\n";
+  ShowStatus(absl::StrCat("reading ", request.data_paths.size(),
+                          request.data_paths.size() == 1 ? " file" : " files"));
   absl::StatusOr<std::vector<correct::DataFile>> files =
       correct::ReadChecksums(request.data_paths);
   if (!files.ok()) return Fail(files.status());
@@ -175,8 +128,9 @@ int Main(correct::Request& request, OptionTable& table) {
         absl::StrCat("--data: ", correct::NameFlags(data.status()).message())));
   }
   if (request.dry_run) {
-    PrintData(*data, *files, request.model);
-    PrintMessages("warning", data->warnings);
+    EndStatus();
+    correct::PrintData(*data, *files, request.model);
+    correct::PrintMessages("warning", data->warnings);
     return kExitDone;
   }
   const absl::StatusOr<FolderLock> lock = ClaimOutputFolder(request.out);
@@ -184,12 +138,18 @@ int Main(correct::Request& request, OptionTable& table) {
   const absl::StatusOr<correct::Result> result =
       correct::RunCorrection(request, *std::move(data), *std::move(files));
   if (!result.ok()) return Fail(correct::NameFlags(result.status()));
-  PrintMessages("warning", result->warnings);
-  PrintMessages("error", result->failures);
-  if (const absl::Status status = WriteAll(*result); !status.ok()) {
-    return Fail(absl::InternalError(status.message()));
+  absl::StatusOr<std::string> json =
+      correct::FormatResult(*result, CommandLine(), ResultFlags());
+  absl::Status status = json.status();
+  if (status.ok()) status = WriteAll(*result, *json);
+  if (!status.ok()) return Fail(absl::InternalError(status.message()));
+  EndStatus();
+  correct::PrintMessages("error", result->failures);
+  if (request.json) {
+    std::cout << *json;
+  } else {
+    correct::PrintResult(*result);
   }
-  PrintResult(*result);
   return result->exit_code();
 }
 

@@ -26,12 +26,13 @@ namespace mle {
 namespace {
 
 constexpr char kUsage[] =
-    R"(Lets a plant age over years under predictive control, and holds policies of keeping
-the controller's model up to date against each other: never, corrections from routine
-records, step tests, and the perfect model. Same plant, set points and noise for all.
+    R"(Lets a plant age over years under predictive control, and compares policies of
+keeping the controller's model up to date: never, corrections from routine
+records, step tests, and the perfect model. Same plant, set points and noise for
+all.
 
-  mle_lifecycle --model=configs/wood_berry.json --ageing=configs/wood_berry_ageing.json \
-      --years=5 --change_every=30d --out=lifecycle
+  mle_lifecycle --model=configs/wood_berry.json --out=lifecycle \
+      --ageing=configs/wood_berry_ageing.json --years=5 --change_every=30d
   mle_lifecycle … --ageing_rates=0.25,0.5,1,2 \
       --policies=never,output_error:1,output_error:6,test:6,test:24,perfect
 

@@ -24,6 +24,12 @@ endforeach()
 get_property(mle_commands GLOBAL PROPERTY MLE_COMMANDS)
 if(mle_commands)
   install(TARGETS ${mle_commands} RUNTIME COMPONENT tools)
+  foreach(command IN LISTS mle_commands)
+    set(manual ${PROJECT_BINARY_DIR}/apps/manuals/${command})
+    install(FILES ${manual}.1.gz DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT tools)
+    install(FILES ${manual}.bash RENAME ${command}
+      DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT tools)
+  endforeach()
 endif()
 
 install(EXPORT mle-targets NAMESPACE mle:: DESTINATION ${mle_package_dir}

@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "apps/common/flag_parser.h"
+#include "apps/common/help_text.h"
 #include "apps/common/process_faults.h"
 #include "apps/report/text.h"
 #include "glog/logging.h"
@@ -28,15 +29,27 @@ std::string NameOf(const char* program) {
   return path.substr(path.find_last_of('/') + 1);
 }
 
-void PrintHelp(const std::string& usage, const std::string& flags) {
-  std::cout << usage << "\n\nFlags (value in brackets: the default):\n"
-            << flags
-            << "\nFlag files\n  --flagfile\n      Reads flags from a file, one "
-               "a line; later ones win.\n";
+// Answers --help, --help=all, --help=man, --help=bash and --help=WORD; gives
+// the exit code.
+int PrintHelp(const std::string& command, const std::string& topic,
+              const std::string& usage, const OptionTable& table) {
+  if (topic.empty()) {
+    std::cout << ShortHelp(usage, table);
+  } else if (topic == "all") {
+    std::cout << FullHelp(usage, table);
+  } else if (topic == "man") {
+    std::cout << ManualPage(command, Version(), usage, table);
+  } else if (topic == "bash") {
+    std::cout << BashCompletion(command, table);
+  } else {
+    const absl::StatusOr<std::string> found = HelpOn(topic, table);
+    if (!found.ok()) return Fail(found.status());
+    std::cout << *found;
+  }
+  return kExitDone;
 }
 
-// `help` describes the flags.
-void ParseCommandLine(const std::string& usage, const std::string& help,
+void ParseCommandLine(const std::string& usage, const OptionTable& table,
                       int argc, char** argv) {
   PrepareForFaults();
   google::InitGoogleLogging(argv[0]);
@@ -48,8 +61,7 @@ void ParseCommandLine(const std::string& usage, const std::string& help,
   ParsedFlags parsed;
   const absl::Status status = ParseFlags(arguments, parsed);
   if (parsed.help) {
-    PrintHelp(usage, help);
-    std::exit(kExitDone);
+    std::exit(PrintHelp(NameOf(argv[0]), parsed.help_topic, usage, table));
   }
   if (parsed.version) {
     std::cout << NameOf(argv[0]) << " " << Version() << "\n";
@@ -64,7 +76,7 @@ void StartCommand(const std::string& usage, OptionTable& table, int argc,
                   char** argv) {
   stored_table = &table;
   table.RegisterFlags();
-  ParseCommandLine(usage, table.Help(), argc, argv);
+  ParseCommandLine(usage, table, argc, argv);
   if (const absl::Status status = table.Read(); !status.ok()) {
     std::exit(Fail(status));
   }

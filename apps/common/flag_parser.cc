@@ -5,6 +5,7 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
+#include "apps/common/did_you_mean.h"
 #include "gflags/gflags.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"
@@ -90,6 +91,21 @@ absl::StatusOr<Argument> Split(const std::string& text) {
   return argument;
 }
 
+// Names of the flags of the command, without those of the libraries it uses.
+std::vector<std::string> OwnFlags() {
+  std::vector<gflags::CommandLineFlagInfo> all;
+  gflags::GetAllFlags(&all);
+  std::vector<std::string> names;
+  for (const gflags::CommandLineFlagInfo& flag : all) {
+    const bool of_library = flag.filename.find("gflags") != std::string::npos ||
+                            flag.filename.find("glog") != std::string::npos ||
+                            flag.filename.find("src/") == 0 ||
+                            flag.filename.find("./src/") == 0;
+    if (!of_library) names.push_back(flag.name);
+  }
+  return names;
+}
+
 // The flag of that name; for "noname", the switch "name", turned off.
 absl::StatusOr<gflags::CommandLineFlagInfo> FindFlag(Argument& argument) {
   gflags::CommandLineFlagInfo flag;
@@ -103,8 +119,9 @@ absl::StatusOr<gflags::CommandLineFlagInfo> FindFlag(Argument& argument) {
     argument.has_value = true;
     return flag;
   }
-  return absl::InvalidArgumentError(absl::StrCat(
-      "--", argument.name, ": there is no such flag (see --help)"));
+  return absl::InvalidArgumentError(
+      absl::StrCat("--", argument.name, ": there is no such flag; ",
+                   DidYouMean(argument.name, OwnFlags()), "(see --help=all)"));
 }
 
 absl::Status ParseAll(const std::vector<std::string>& arguments, int depth,
@@ -113,6 +130,8 @@ absl::Status ParseAll(const std::vector<std::string>& arguments, int depth,
     MLE_ASSIGN_OR_RETURN(Argument argument, Split(arguments[i]));
     if (argument.name == "h" || argument.name.starts_with("help")) {
       parsed.help = true;
+      if (argument.has_value) parsed.help_topic = argument.value;
+      if (argument.name == "helpfull") parsed.help_topic = "all";
       continue;
     }
     if (argument.name == "version") {

@@ -7,6 +7,8 @@
 // gflags' own parser ignores unknown flags in a flag file, so that a misspelled
 // flag would silently keep its default, and its messages do not say what would
 // be right.
+//
+//   --help, -h, --help=TOPIC, --version   are noted, and not answered here
 
 #ifndef APPS_COMMON_FLAG_PARSER_H_
 #define APPS_COMMON_FLAG_PARSER_H_
@@ -21,6 +23,7 @@ namespace mle {
 // What the command line holds besides flags that were set.
 struct ParsedFlags {
   bool help = false;
+  std::string help_topic;  // of --help=all or --help=window; empty: none
   bool version = false;
 };
 

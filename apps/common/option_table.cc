@@ -7,15 +7,12 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
-#include "absl/strings/str_split.h"
 #include "gflags/gflags.h"
 #include "glog/logging.h"
 #include "mle/base/status.h"
 
 namespace mle {
 namespace {
-
-constexpr std::size_t kLineWidth = 78;
 
 template <typename Value>
 constexpr bool kIsNumber =
@@ -166,42 +163,38 @@ std::vector<std::pair<std::string, std::string>> OptionTable::Values() const {
   return values;
 }
 
-std::string OptionTable::Help() const {
-  std::string help;
-  std::string group;
+void OptionTable::PutFirst(std::vector<std::string> names) {
+  first_ = std::move(names);
+}
+
+std::vector<OptionText> OptionTable::Texts(bool only_first) const {
+  std::vector<OptionText> texts;
   for (const Row& row : rows_) {
-    if (row.group != group) {
-      group = row.group;
-      absl::StrAppend(&help, "\n", group, "\n");
-    }
-    absl::StrAppend(&help, HelpOf(row.option.name, row.default_text,
-                                  KindOf(row.option), HelpText(row.option)));
+    const Option& option = row.option;
+    const TextValue* const text = std::get_if<TextValue>(&option.value);
+    texts.push_back(
+        {row.group, option.name, row.default_text, KindOf(option),
+         HelpText(option),
+         text == nullptr ? std::vector<std::string>() : text->names,
+         std::holds_alternative<bool*>(option.value),
+         std::count(first_.begin(), first_.end(), option.name) > 0});
   }
-  return help;
+  if (!only_first) return texts;
+  std::vector<OptionText> first;
+  for (const std::string& name : first_) {
+    const auto found =
+        std::find_if(texts.begin(), texts.end(),
+                     [&](const OptionText& text) { return text.name == name; });
+    CHECK(found != texts.end()) << "no option " << name;
+    first.push_back(*found);
+  }
+  return first;
 }
 
 absl::Status RefuseOption(std::string_view name, std::string_view value,
                           std::string_view message) {
   return absl::InvalidArgumentError(
       absl::StrCat("--", Absl(name), "=", Absl(value), ": ", Absl(message)));
-}
-
-std::string HelpOf(std::string_view name, std::string_view default_text,
-                   std::string_view kind, std::string_view help) {
-  std::string text =
-      absl::StrCat("  --", Absl(name), " [", Absl(default_text), "]",
-                   kind.empty() ? "" : " ", Absl(kind), "\n");
-  std::string line = "     ";
-  for (const absl::string_view word :
-       absl::StrSplit(Absl(help), ' ', absl::SkipEmpty())) {
-    if (line.size() + word.size() > kLineWidth) {
-      absl::StrAppend(&text, line, "\n");
-      line = "     ";
-    }
-    absl::StrAppend(&line, " ", word);
-  }
-  absl::StrAppend(&text, line, "\n");
-  return text;
 }
 
 std::string ReadableNumber(double number) {

@@ -1,6 +1,7 @@
 // The options of a command: one table that binds each option's name, field,
-// unit, range and help text. From it come the flags, --help, the checks with
-// their messages, and the list of values in results.
+// unit, range and help text. From it come the flags, --help, the manual page
+// and the completion of shells (help_text.h), the checks with their messages,
+// and the list of values in results.
 //
 //   Request request;
 //   OptionTable table;
@@ -9,6 +10,7 @@
 //        kProbability},
 //       {"order", &request.order, "Order of the model; 0: chosen.", "samples",
 //        kNotNegative}});
+//   table.PutFirst({"order"});                  // what --help shows
 //   StartCommand(usage, table, argc, argv);     // values are in the fields
 //   MLE_RETURN_IF_ERROR(table.FitTo(model));    // a value for each channel
 //
@@ -55,10 +57,25 @@ std::vector<Option> Only(const std::vector<Option>& options,
 // The option of that name, to be changed before it is added.
 Option& Find(std::vector<Option>& options, std::string_view name);
 
+// What users read of an option.
+struct OptionText {
+  std::string group;
+  std::string name;
+  std::string default_text;
+  std::string kind;  // unit and range: "min, > 0"
+  std::string help;
+  std::vector<std::string> values;  // the names that are possible, if few are
+  bool is_switch = false;           // true or false
+  bool first = false;               // among those most needed
+};
+
 class OptionTable {
  public:
-  // Options of one group, which --help shows under its heading.
+  // Options of one group, which --help=all shows under its heading.
   void Add(const std::string& group, std::vector<Option> options);
+
+  // Those that most users need, which are all that --help shows, in this order.
+  void PutFirst(std::vector<std::string> names);
 
   // Makes a flag (gflags) of each option. Fields and table must then live as
   // long as the program.
@@ -74,9 +91,8 @@ class OptionTable {
   // Names and values, in the order of the table.
   std::vector<std::pair<std::string, std::string>> Values() const;
 
-  // Groups, options, defaults, units, ranges and texts, in lines of at most 78
-  // characters.
-  std::string Help() const;
+  // In the order of the table; Texts(true): those put first, in their order.
+  std::vector<OptionText> Texts(bool only_first = false) const;
 
  private:
   struct Row {
@@ -87,16 +103,12 @@ class OptionTable {
   };
 
   std::deque<Row> rows_;  // which do not move
+  std::vector<std::string> first_;
 };
 
 // "--name=value: message" as an InvalidArgument error.
 absl::Status RefuseOption(std::string_view name, std::string_view value,
                           std::string_view message);
-
-// A part of --help: an option with its default, what kind of value it has and
-// its text.
-std::string HelpOf(std::string_view name, std::string_view default_text,
-                   std::string_view kind, std::string_view help);
 
 // The shortest text that reads as `number`: gflags writes 1e-6 as
 // 9.9999999999999995e-07.

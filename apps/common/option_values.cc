@@ -10,6 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
+#include "apps/common/did_you_mean.h"
 #include "mle/base/status.h"
 
 namespace mle {
@@ -98,6 +99,7 @@ TextValue OneOfNames(std::string text, std::vector<ChoiceText> choices,
   TextValue value;
   value.text = std::move(text);
   value.known = absl::StrJoin(described, ", ");
+  value.names = names;
   value.read = [names, set = std::move(set)](const std::string& given,
                                              const NumberRange&) {
     for (std::size_t i = 0; i < names.size(); ++i) {
@@ -105,8 +107,8 @@ TextValue OneOfNames(std::string text, std::vector<ChoiceText> choices,
       set(i);
       return absl::OkStatus();
     }
-    return absl::InvalidArgumentError(
-        absl::StrCat("known are ", Enumerated(names)));
+    return absl::InvalidArgumentError(absl::StrCat(
+        DidYouMean(given, names), "known are ", Enumerated(names)));
   };
   return value;
 }

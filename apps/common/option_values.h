@@ -33,6 +33,7 @@ struct TextValue {
   // For a value for each channel: once their number is known.
   std::function<absl::Status(int outputs, int inputs)> fit;
   std::string known;  // the names that are possible, for the help text
+  std::vector<std::string> names;  // the same without what they mean
 };
 
 struct ChoiceText {

@@ -1,28 +1,116 @@
 #include "apps/common/progress.h"
 
+#include <unistd.h>
+
+#include <cstdlib>
 #include <iostream>
+#include <string_view>
 #include <utility>
 
+#include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 
 namespace mle {
+namespace {
 
-Progress::Progress(std::string what, int total)
+constexpr double kFirst = 2.0;            // s
+constexpr double kBetweenLines = 10.0;    // s, in a log
+constexpr double kBetweenRewrites = 0.1;  // s, on a terminal
+
+double Now() {
+  return std::chrono::duration<double>(
+             std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+bool ErrorsGoToTerminal() {
+  const char* const kind = std::getenv("TERM");
+  return isatty(STDERR_FILENO) == 1 && kind != nullptr &&
+         std::string_view(kind) != "dumb";
+}
+
+std::mutex& LineMutex() {
+  static auto* const kMutex = new std::mutex;
+  return *kMutex;
+}
+
+StatusLine& TheLine() {
+  static auto* const kLine =
+      new StatusLine(std::cerr, ErrorsGoToTerminal(), Now());
+  return *kLine;
+}
+
+}  // namespace
+
+StatusLine::StatusLine(std::ostream& out, bool terminal, double now)
+    : out_(out),
+      terminal_(terminal),
+      due_(now + (terminal ? kFirst : kBetweenLines)) {}
+
+void StatusLine::Show(const std::string& text, double now) {
+  if (now < due_) return;
+  due_ = now + (terminal_ ? kBetweenRewrites : kBetweenLines);
+  if (!terminal_) {
+    out_ << text << "\n";
+    return;
+  }
+  // To the line's begin; what is right of the text is erased.
+  out_ << "\r" << text << "\x1b[K" << std::flush;
+  shown_ = true;
+}
+
+void StatusLine::End() {
+  if (shown_) out_ << "\r\x1b[K" << std::flush;
+  shown_ = false;
+}
+
+void ShowStatus(const std::string& text) {
+  const std::lock_guard<std::mutex> lock(LineMutex());
+  TheLine().Show(text, Now());
+}
+
+void EndStatus() {
+  const std::lock_guard<std::mutex> lock(LineMutex());
+  TheLine().End();
+}
+
+std::string SpelledDuration(double seconds) {
+  if (seconds < 100.0) return absl::StrFormat("%.0f s", seconds);
+  if (seconds < 6000.0) return absl::StrFormat("%.0f min", seconds / 60.0);
+  return absl::StrFormat("%.1f h", seconds / 3600.0);
+}
+
+Progress::Progress(std::string what, std::int64_t total, std::int64_t before)
     : what_(std::move(what)),
       total_(total),
+      before_(before),
       start_(Clock::now()),
-      last_print_(start_ + std::chrono::seconds(1)) {}
+      done_(before) {
+  ShowStatus(absl::StrCat(what_, ": ", done_, " of ", total_));
+}
 
 void Progress::Done() {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  ++done_;
-  const Clock::time_point now = Clock::now();
-  if (now - last_print_ < std::chrono::seconds(1) || done_ == total_) return;
-  last_print_ = now;
-  const double seconds = std::chrono::duration<double>(now - start_).count();
-  std::cerr << absl::StrFormat("%s: %d of %d, about %.0f s left\n", what_,
-                               done_, total_,
-                               seconds / done_ * (total_ - done_));
+  std::int64_t done = 0;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    done = ++done_;
+  }
+  Show(done);
+}
+
+void Progress::Show(std::int64_t done) {
+  if (done >= total_) return EndStatus();
+  std::string text = absl::StrCat(what_, ": ", done, " of ", total_);
+  const double seconds =
+      std::chrono::duration<double>(Clock::now() - start_).count();
+  const auto fresh = static_cast<double>(done - before_);
+  if (fresh > 0.0) {
+    absl::StrAppend(
+        &text, ", about ",
+        SpelledDuration(seconds / fresh * static_cast<double>(total_ - done)),
+        " left");
+  }
+  ShowStatus(text);
 }
 
 }  // namespace mle

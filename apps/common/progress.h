@@ -1,31 +1,72 @@
-// Progress of a run of many parts, on standard error: nothing for the first two
-// seconds, then at most one line a second.
+// What a long run is doing, on standard error: on a terminal one line that is
+// rewritten, in a log a line every ten seconds. Runs that are done within two
+// seconds say nothing.
+//
+//   Progress progress("runs", 40);
+//   … progress.Done();                   // from any thread
+//
+//   ShowStatus("fitting 4 windows");     // for what has no parts
+//   EndStatus();                         // before anything else is printed
 
 #ifndef APPS_COMMON_PROGRESS_H_
 #define APPS_COMMON_PROGRESS_H_
 
 #include <chrono>
+#include <cstdint>
 #include <mutex>
+#include <ostream>
 #include <string>
 
 namespace mle {
 
-class Progress {
+// Where a status is written, and how often. Times are seconds since any moment.
+class StatusLine {
  public:
-  Progress(std::string what, int total);
+  // `terminal`: the line is rewritten.
+  StatusLine(std::ostream& out, bool terminal, double now);
 
-  // One more part is done; may be called from any thread.
-  void Done();
+  void Show(const std::string& text, double now);
+  // Leaves an empty line, for other messages.
+  void End();
 
  private:
-  const std::string what_;
-  const int total_;
+  std::ostream& out_;
+  const bool terminal_;
+  double due_;          // before which nothing is written
+  bool shown_ = false;  // something stands in the line
+};
+
+// The one line of the program, on standard error; may be called from any
+// thread.
+void ShowStatus(const std::string& text);
+void EndStatus();
+
+// "40 s", "7 min", "3.5 h".
+std::string SpelledDuration(double seconds);
+
+// A run of many parts: how many are done and how long the others may take.
+class Progress {
+ public:
+  // `before` parts were done by a former run.
+  Progress(std::string what, std::int64_t total, std::int64_t before = 0);
+  ~Progress() { EndStatus(); }
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  // One more part is done, or `done` of them are; may be called from any
+  // thread.
+  void Done();
+  void Show(std::int64_t done);
+
+ private:
   // Steady, because the system clock may be set while the command runs.
   using Clock = std::chrono::steady_clock;
+  const std::string what_;
+  const std::int64_t total_;
+  const std::int64_t before_;
   const Clock::time_point start_;
   std::mutex mutex_;
-  int done_ = 0;
-  Clock::time_point last_print_;
+  std::int64_t done_;
 };
 
 }  // namespace mle

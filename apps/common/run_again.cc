@@ -8,7 +8,8 @@ namespace mle {
 std::vector<std::pair<std::string, std::string>> ResultFlags() {
   std::vector<std::pair<std::string, std::string>> values = GivenOptions();
   std::erase_if(values, [](const auto& option) {
-    return option.first == "out" || option.first == "threads";
+    return option.first == "out" || option.first == "threads" ||
+           option.first == "verbose" || option.first == "json";
   });
   return values;
 }

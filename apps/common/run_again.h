@@ -12,8 +12,8 @@
 
 namespace mle {
 
-// Names and values of the flags that shape results: all but --out and
-// --threads.
+// Names and values of the flags that shape results: not --out, --threads,
+// --verbose and --json.
 std::vector<std::pair<std::string, std::string>> ResultFlags();
 
 // Command line, version, seeds (the first and the last, if there are any) and

@@ -3,8 +3,10 @@
 #include <array>
 #include <cerrno>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <string_view>
+#include <system_error>
 
 #include "absl/strings/str_cat.h"
 #include "apps/common/sha256.h"
@@ -18,6 +20,11 @@ absl::StatusOr<FileChecksum> ChecksumOf(const std::string& path) {
     hash.Add(StandardInput());
     return FileChecksum{hash.HexDigest(),
                         static_cast<std::int64_t>(StandardInput().size())};
+  }
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("cannot read '", path, "': it is a folder, not a file"));
   }
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(
       std::fopen(path.c_str(), "rb"), &std::fclose);

@@ -8,6 +8,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "apps/common/did_you_mean.h"
 #include "mle/base/status.h"
 #include "mle/data/tag_file.h"
 
@@ -103,14 +104,21 @@ TextValue TimesOrDates(std::vector<double>* times,
   return value;
 }
 
-bool IsColumnOf(const ProcessModel& model, const std::string& name) {
+std::vector<std::string> KnownColumns(const ProcessModel& model) {
+  std::vector<std::string> names;
   for (const OutputChannel& output : model.outputs()) {
-    if (name == output.name || name == SetPointName(output.name)) return true;
+    names.push_back(output.name);
+    names.push_back(SetPointName(output.name));
   }
   for (const InputChannel& input : model.inputs()) {
-    if (name == input.name) return true;
+    names.push_back(input.name);
   }
-  return false;
+  return names;
+}
+
+bool IsColumnOf(const ProcessModel& model, const std::string& name) {
+  const std::vector<std::string> names = KnownColumns(model);
+  return std::count(names.begin(), names.end(), name) > 0;
 }
 
 // "SCALE", "SCALE+OFFSET" or "SCALE-OFFSET".
@@ -144,7 +152,8 @@ absl::StatusOr<TagMapping> ParseTag(const std::string& text,
   if (!IsColumnOf(model, mapping.channel)) {
     return RefuseOption(
         "tags", text,
-        absl::StrCat("'", mapping.channel,
+        absl::StrCat(DidYouMean(mapping.channel, KnownColumns(model)), "'",
+                     mapping.channel,
                      "' is not an input, output or <output>_setpoint of the "
                      "model"));
   }

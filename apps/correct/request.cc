@@ -17,7 +17,7 @@ namespace {
 std::vector<Option> FileOptions(Request& request) {
   return {
       {"model", &request.model_path,
-       "Process model (JSON) of the controller, to be corrected. Must be "
+       "Process model (JSON) of the controller, to be corrected; must be "
        "given."},
       {"data", Words(&request.data_paths),
        "Records (CSV, also compressed by gzip) of routine operation with "
@@ -30,8 +30,12 @@ std::vector<Option> FileOptions(Request& request) {
        "Process model (JSON) of a simulated plant: its step responses are "
        "shown as the truth."},
       {"dry_run", &request.dry_run,
-       "Only reads the records and reports on "
-       "them."},
+       "Only reads the records and reports on them."},
+      {"verbose", &request.verbose,
+       "Prints warnings, tables and advice below the verdict."},
+      {"json", &request.json,
+       "Writes the content of result.json, and nothing else, to standard "
+       "output; the files are written as well."},
       {"propose_tags", &request.propose_tags,
        "Only writes this file for --tag_file, with a row for each column of "
        "the "
@@ -59,6 +63,15 @@ absl::Status ReadModels(Request& request) {
                        ReadModelLike(request.model, request.model_path, "truth",
                                      request.truth_path));
   return absl::OkStatus();
+}
+
+absl::Status CheckOutput(const Request& request) {
+  if (!request.json || (!request.dry_run && request.propose_tags.empty())) {
+    return absl::OkStatus();
+  }
+  return absl::InvalidArgumentError(
+      absl::StrCat("--json: there is no result.json with ",
+                   request.dry_run ? "--dry_run" : "--propose_tags"));
 }
 
 absl::Status CheckDataPaths(const std::vector<std::string>& paths) {
@@ -96,11 +109,14 @@ void AddOptions(Request& request, OptionTable& table) {
   period.range = kNotNegative;
   table.Add("The controller as it is tuned, for the advice",
             std::move(controller));
+  table.PutFirst({"model", "data", "out", "tags", "propose_tags", "dry_run",
+                  "change_times", "control_period", "verbose", "json"});
 }
 
 absl::Status Complete(Request& request, OptionTable& table) {
   MLE_RETURN_IF_ERROR(ReadModels(request));
   MLE_RETURN_IF_ERROR(CheckDataPaths(request.data_paths));
+  MLE_RETURN_IF_ERROR(CheckOutput(request));
   MLE_RETURN_IF_ERROR(table.FitTo(request.model));
   MLE_RETURN_IF_ERROR(ParseTags(request.tags, request.tag_file, request.model,
                                 request.import.columns));

@@ -30,6 +30,8 @@ struct Request {
   // As it is tuned, for the advice.
   control::MpcOptions controller;
   bool dry_run = false;
+  bool verbose = false;
+  bool json = false;  // result.json on standard output, in place of the verdict
   bool figures = true;
 
   // What they name.

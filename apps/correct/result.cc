@@ -1,13 +1,14 @@
 #include "apps/correct/result.h"
 
-#include <iostream>
 #include <string_view>
 #include <utility>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
+#include "apps/common/progress.h"
 #include "apps/correct/advice.h"
 #include "apps/correct/checksum.h"
 #include "apps/correct/verdict.h"
@@ -92,7 +93,10 @@ absl::StatusOr<Result> RunCorrection(const Request& request, RecordData data,
   result.files = std::move(files);
   CorrectOptions options = request.options;
   options.progress = [](const RunProgress& progress) {
-    if (progress.fraction == 0.0) std::cerr << progress.stage << " …\n";
+    ShowStatus(progress.fraction == 0.0
+                   ? progress.stage
+                   : absl::StrFormat("%s: %.0f %%", progress.stage,
+                                     100.0 * progress.fraction));
     return true;
   };
   MLE_ASSIGN_OR_RETURN(

@@ -77,12 +77,6 @@ std::string Confirmation(const Result& result) {
   return text.empty() ? text : text + ".";
 }
 
-bool HasChanged(const Result& result, int output, int input) {
-  return result.corrected.process.has_value()
-             ? result.estimate.fit.output_error.aged(output, input)
-             : result.change.elements(output, input) > kNoticedChange;
-}
-
 // "; 3 of 7 elements have changed, overhead ← reflux most (36 % of its
 // response)".
 std::string WhereMost(const Result& result) {
@@ -107,14 +101,6 @@ std::string WhereMost(const Result& result) {
                       " changed, ", most, changed > 1 ? " most (" : " (",
                       FormatSignificant(100.0 * largest, 2),
                       " % of its step response)");
-}
-
-// The reason to read first.
-std::string MainReason(const Result& result) {
-  for (const Message& reason : result.reasons) {
-    if (reason.code != MessageCode::kChangeProved) return reason.text;
-  }
-  return "";
 }
 
 std::string WhatToDo(const Result& result) {
@@ -152,21 +138,6 @@ std::string RangeOfFits(const std::vector<OutputScores>& outputs,
   const std::string to = FormatFixed(high, 0);
   return from == to ? absl::StrCat(to, " %")
                     : absl::StrCat(from, " to ", to, " %");
-}
-
-std::string WhatItIsWorth(const Result& result) {
-  if (!result.failures.empty()) {
-    return "The result is not usable because a fit is not certified; see the "
-           "warnings.";
-  }
-  if (result.decision == Decision::kNoChange) return Confirmation(result);
-  if (!result.validation.held_out) return "";
-  const std::vector<OutputScores>& outputs = result.validation.outputs;
-  return absl::StrCat(
-      "On held-out data the correction has a fit of ",
-      RangeOfFits(outputs, [](const auto& o) { return o.corrected; }), ", ",
-      result.validation.horizon, " samples ahead, the initial model ",
-      RangeOfFits(outputs, [](const auto& o) { return o.initial; }), ".");
 }
 
 // "gain 12.8 → 6.40 ± 0.02 (× 0.50), dead time + 0.1 ± 0.2 min".
@@ -311,6 +282,34 @@ void AddFits(const Result& result, std::vector<Finding>& findings) {
 }
 
 }  // namespace
+
+bool HasChanged(const Result& result, int output, int input) {
+  return result.corrected.process.has_value()
+             ? result.estimate.fit.output_error.aged(output, input)
+             : result.change.elements(output, input) > kNoticedChange;
+}
+
+std::string MainReason(const Result& result) {
+  for (const Message& reason : result.reasons) {
+    if (reason.code != MessageCode::kChangeProved) return reason.text;
+  }
+  return "";
+}
+
+std::string WhatItIsWorth(const Result& result) {
+  if (!result.failures.empty()) {
+    return "The result is not usable because a fit is not certified; see the "
+           "warnings.";
+  }
+  if (result.decision == Decision::kNoChange) return Confirmation(result);
+  if (!result.validation.held_out) return "";
+  const std::vector<OutputScores>& outputs = result.validation.outputs;
+  return absl::StrCat(
+      "On held-out data the correction has a fit of ",
+      RangeOfFits(outputs, [](const auto& o) { return o.corrected; }), ", ",
+      result.validation.horizon, " samples ahead, the initial model ",
+      RangeOfFits(outputs, [](const auto& o) { return o.initial; }), ".");
+}
 
 bool HasMoved(const ParameterEstimate& estimate) {
   return estimate.initial < estimate.lower || estimate.initial > estimate.upper;

@@ -13,6 +13,17 @@ namespace mle::correct {
 // Whether the initial value lies outside the estimate's interval.
 bool HasMoved(const ParameterEstimate& estimate);
 
+// Whether the proposed model has another element there than the initial one.
+bool HasChanged(const Result& result, int output, int input);
+
+// The reason of the decision to read first.
+std::string MainReason(const Result& result);
+
+// What the result is worth: how well records that the fit had not seen are
+// predicted or, without a correction, how small a change would have been seen.
+// May be empty.
+std::string WhatItIsWorth(const Result& result);
+
 // What to do and why: how sure and where; then what that is worth on records
 // that the fit had not seen.
 std::vector<std::string> DescribeVerdict(const Result& result);

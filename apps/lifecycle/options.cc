@@ -199,6 +199,8 @@ void AddOptions(Request& request, OptionTable& table) {
   table.Add("Corrections", mle::OptionsOf(correct.decision));
   table.Add("Step tests", OptionsOf(life.test, request));
   table.Add("Prices", OptionsOf(request.prices));
+  table.PutFirst({"model", "ageing", "years", "change_every", "policies",
+                  "seeds", "out", "price_squared_error"});
 }
 
 }  // namespace mle::lifecycle

@@ -7,6 +7,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "apps/common/command_line.h"
+#include "apps/common/did_you_mean.h"
 #include "mle/base/status.h"
 
 namespace mle::lifecycle {
@@ -79,9 +80,12 @@ absl::StatusOr<Policy> ParsePolicy(const std::string& part) {
                  "after a colon a threshold of the performance index "
                  "between 0 and 1 is needed: on_demand:0.7");
   }
-  return Wrong(part,
-               "known are never, perfect, output_error:N, combined:N, "
-               "arx:N, test:MONTHS and on_demand:THRESHOLD");
+  return Wrong(
+      part, absl::StrCat(
+                DidYouMean(kind, {"never", "perfect", "output_error",
+                                  "combined", "arx", "test", "on_demand"}),
+                "known are never, perfect, output_error:N, combined:N, arx:N, "
+                "test:MONTHS and on_demand:THRESHOLD"));
 }
 
 }  // namespace

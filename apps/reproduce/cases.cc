@@ -8,6 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "apps/common/built_in_models.h"
+#include "apps/common/did_you_mean.h"
 #include "apps/common/model_files.h"
 #include "mle/base/status.h"
 
@@ -59,8 +60,9 @@ absl::StatusOr<std::vector<Mismatch>> BuiltInCases(const Request& request) {
     }
     if (found == nullptr) {
       return absl::InvalidArgumentError(absl::StrCat(
-          "--cases: there is no case '", name,
-          "'; known are gain and delay, others run with --model and --plants"));
+          "--cases: there is no case '", name, "'; ",
+          DidYouMean(name, {"gain", "delay"}),
+          "known are gain and delay, others run with --model and --plants"));
     }
     MLE_ASSIGN_OR_RETURN(ProcessModel plant,
                          ParseProcessModel(found->json, found->source));

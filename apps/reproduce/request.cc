@@ -7,6 +7,7 @@
 #include "absl/strings/str_join.h"
 #include "apps/common/command_line.h"
 #include "apps/common/controller_options.h"
+#include "apps/common/did_you_mean.h"
 #include "apps/experiment/experiment_options.h"
 #include "apps/reproduce/cases.h"
 #include "mle/base/status.h"
@@ -129,17 +130,18 @@ absl::Status ReadEstimators(const Request& request,
 absl::Status ReadAblations(const Request& request,
                            std::vector<const Ablation*>& ablations) {
   for (const std::string& name : request.ablations) {
-    std::string known = "all";
+    std::vector<std::string> known = {"all"};
     bool found = false;
     for (const Ablation& one : experiment::Ablations()) {
-      absl::StrAppend(&known, ", ", one.name);
+      known.emplace_back(one.name);
       if (name != "all" && name != one.name) continue;
       ablations.push_back(&one);
       found = true;
     }
     if (found) continue;
     return absl::InvalidArgumentError(absl::StrCat(
-        "--ablations: there is no ablation '", name, "'; known are ", known));
+        "--ablations: there is no ablation '", name, "'; ",
+        DidYouMean(name, known), "known are ", absl::StrJoin(known, ", ")));
   }
   const std::set<const Ablation*> different(ablations.begin(), ablations.end());
   if (different.size() == ablations.size()) return absl::OkStatus();
@@ -171,6 +173,8 @@ void AddOptions(Request& request, OptionTable& table) {
   table.Add("Method", MethodOptions(request));
   table.Add("Method", Only(OptionsOf(settings), {"response_horizon"}));
   table.Add("Choice of λ", SelectionOptionsOf(campaign.selections.front()));
+  table.PutFirst({"cases", "model", "plants", "seeds", "out", "figures",
+                  "noise_variance", "estimators", "ablations", "selection"});
 }
 
 absl::Status Complete(Request& request, OptionTable& table) {

@@ -6,6 +6,7 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "apps/common/did_you_mean.h"
 #include "apps/common/option_values.h"
 #include "mle/base/status.h"
 
@@ -40,8 +41,9 @@ absl::StatusOr<std::vector<NamedStep>> ParseNamedSteps(
     const auto found = std::find(names.begin(), names.end(), name);
     if (found == names.end()) {
       return Wrong(flag,
-                   absl::StrCat("'", part, "': there is no '", name,
-                                "'; known are ", absl::StrJoin(names, ", ")));
+                   absl::StrCat("'", part, "': there is no '", name, "'; ",
+                                DidYouMean(name, names), "known are ",
+                                absl::StrJoin(names, ", ")));
     }
     NamedStep step{static_cast<int>(found - names.begin())};
     const std::string time = part.substr(first + 1, second - first - 1);

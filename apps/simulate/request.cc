@@ -184,6 +184,9 @@ void AddOptions(Request& request, OptionTable& table) {
   table.Add("Measured disturbances", OptionsOf(conditions.input_disturbance));
   table.Add("Valves", OptionsOf(conditions.valves));
   table.Add("Faults of measurements", OptionsOf(conditions.faults));
+  table.PutFirst({"model", "plant", "setpoints", "duration", "sample_time",
+                  "noise_variance", "drift_variance", "control_period", "seed",
+                  "out", "effects"});
 }
 
 absl::Status Complete(Request& request, OptionTable& table) {

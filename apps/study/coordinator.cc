@@ -1,12 +1,11 @@
 #include "apps/study/coordinator.h"
 
 #include <algorithm>
-#include <iostream>
 #include <utility>
 #include <vector>
 
-#include "absl/strings/str_format.h"
 #include "absl/time/time.h"
+#include "apps/common/progress.h"
 #include "mle/base/status.h"
 
 namespace mle::study {
@@ -50,7 +49,7 @@ class Coordinator {
         pool_(pool),
         journal_(journal),
         remaining_(grid, journal),
-        progress_(journal.num_done(), grid.num_runs()),
+        progress_("runs", grid.num_runs(), journal.num_done()),
         others_(static_cast<std::size_t>(processes.count())) {
     next_ = remaining_.Next();
   }
@@ -139,40 +138,12 @@ class Coordinator {
   Journal& journal_;
   Remaining remaining_;
   Assignment next_;
-  StudyProgress progress_;
+  Progress progress_;
   std::vector<Other> others_;
   bool stopping_ = false;
 };
 
-std::string Spelled(double seconds) {
-  if (seconds < 100.0) return absl::StrFormat("%.0f s", seconds);
-  if (seconds < 6000.0) return absl::StrFormat("%.0f min", seconds / 60.0);
-  return absl::StrFormat("%.1f h", seconds / 3600.0);
-}
-
 }  // namespace
-
-StudyProgress::StudyProgress(std::int64_t done, std::int64_t total)
-    : before_(done),
-      total_(total),
-      start_(std::chrono::steady_clock::now()),
-      last_(start_) {}
-
-void StudyProgress::Show(std::int64_t done) {
-  const auto now = std::chrono::steady_clock::now();
-  if (now - last_ < std::chrono::seconds(2) || done == total_) return;
-  last_ = now;
-  const double seconds = std::chrono::duration<double>(now - start_).count();
-  const double fresh = static_cast<double>(done - before_);
-  if (fresh == 0.0) {
-    std::cerr << absl::StrFormat("runs: %d of %d\n", done, total_);
-    return;
-  }
-  std::cerr << absl::StrFormat(
-      "runs: %d of %d, %.3g a second, about %s left\n", done, total_,
-      fresh / seconds,
-      Spelled(seconds / fresh * static_cast<double>(total_ - done)));
-}
 
 absl::Status Coordinate(const Grid& grid, Processes& processes,
                         WorkerPool& pool, Journal& journal,

@@ -5,8 +5,6 @@
 #ifndef APPS_STUDY_COORDINATOR_H_
 #define APPS_STUDY_COORDINATOR_H_
 
-#include <chrono>
-#include <cstdint>
 #include <functional>
 
 #include "absl/status/status.h"
@@ -17,21 +15,6 @@
 #include "apps/study/worker_pool.h"
 
 namespace mle::study {
-
-// Runs done, rate and time left on standard error: at most a line every two
-// seconds, the first after two.
-class StudyProgress {
- public:
-  // `done` runs are there from before.
-  StudyProgress(std::int64_t done, std::int64_t total);
-  void Show(std::int64_t done);
-
- private:
-  const std::int64_t before_;
-  const std::int64_t total_;
-  const std::chrono::steady_clock::time_point start_;
-  std::chrono::steady_clock::time_point last_;
-};
 
 // Process 0: until every run is in the journal, or `stopped` says so (then the
 // runs under way are still waited for).

@@ -35,6 +35,8 @@ void AddOptions(Request& request, OptionTable& table) {
         "Threads of each process; 0: a share of the processors. The results "
         "do not depend on the number.",
         "", Between(0, 4096)}});
+  table.PutFirst(
+      {"campaign", "out", "resume", "dry_run", "figures", "threads"});
 }
 
 }  // namespace mle::study

@@ -1,5 +1,5 @@
 // Names that may have been meant: for messages, and for what is forgiven.
-// Internal to mle/data.
+// Internal to this project: not installed.
 
 #ifndef MLE_DATA_NEAREST_NAMES_H_
 #define MLE_DATA_NEAREST_NAMES_H_

@@ -47,6 +47,11 @@ class MleCorrectBadInput : public ::testing::Test {
 
 TEST_F(MleCorrectBadInput, Flags) {
   ExpectRefused({"--nosuch"}, {"--nosuch", "--help"});
+  ExpectRefused({"--windw_after=3"}, {"did you mean 'window_after'?"});
+  ExpectRefused({"--estimator=outputerror"}, {"did you mean 'output_error'?"});
+  ExpectRefused({"--tags=a=y1_setpiont"}, {"did you mean 'y1_setpoint'"});
+  ExpectRefused({"--tag_file=" + scratch_ / ""}, {"it is a folder"});
+  ExpectRefused({"--json", "--dry_run"}, {"--json", "--dry_run"});
   ExpectRefused({"stray"}, {"'stray'"});
   ExpectRefused({"--model="}, {"--model=FILE.json", "--data"});
   ExpectRefused({"--data="}, {"--data=A.csv,B.csv"});
@@ -91,6 +96,8 @@ TEST_F(MleCorrectBadInput, Flags) {
 }
 
 TEST_F(MleCorrectBadInput, Models) {
+  ExpectRefused({"--model=" + scratch_ / ""}, {"--model", "it is a folder"});
+  ExpectRefused({"--truth=" + scratch_ / ""}, {"--truth", "it is a folder"});
   ExpectRefused({"--model=" + scratch_ / "none.json"},
                 {"--model", "none.json"});
   const std::string torn = scratch_.Write("torn.json", "{\"name\": ");
@@ -109,6 +116,7 @@ TEST_F(MleCorrectBadInput, Models) {
 
 TEST_F(MleCorrectBadInput, Records) {
   ExpectRefused({"--data=" + scratch_ / "none.csv"}, {"--data", "none.csv"});
+  ExpectRefused({"--data=" + scratch_ / ""}, {"--data", "it is a folder"});
   const std::string empty = scratch_.Write("empty.csv", "");
   ExpectRefused({"--data=" + empty}, {"--data", empty});
   const std::string text = Content(data_);

@@ -1,5 +1,6 @@
 // mle_correct as its users call it.
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <string>
@@ -463,7 +464,7 @@ TEST(MleCorrectTest, NothingThatIsWrittenIsNotANumber) {
 }
 
 TEST(MleCorrectTest, HelpNamesFlagsWithTheirDefaults) {
-  const report::ProcessResult run = RunTested({"--help"});
+  const report::ProcessResult run = RunTested({"--help=all"});
   EXPECT_EQ(run.exit_code, 0);
   for (const char* const flag :
        {"--model []", "--data []", "--out [correction]",
@@ -471,6 +472,41 @@ TEST(MleCorrectTest, HelpNamesFlagsWithTheirDefaults) {
         "--window_before [0] min, ≥ 0", "--confidence [0.95] in (0, 1)"}) {
     EXPECT_THAT(run.out, HasSubstr(flag));
   }
+}
+
+TEST(MleCorrectTest, TheVerdictHasAtMostSixLinesAndSaysWhatToDoFirst) {
+  const HeaterExample example(WithHalvedGain());
+  const std::vector<std::string> flags =
+      CorrectionFlags(example.model, example.data, example.out);
+  const report::ProcessResult run = RunTested(flags);
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(run.err, "");
+  EXPECT_EQ(run.out.find("Use the corrected model in the controller.\n"), 0u);
+  EXPECT_THAT(run.out, HasSubstr("Gain of y1 ← u1 fell by "));
+  EXPECT_LE(std::count(run.out.begin(), run.out.end(), '\n'), 6);
+  std::vector<std::string> verbose = flags;
+  verbose.emplace_back("--verbose");
+  const report::ProcessResult all = RunTested(verbose);
+  EXPECT_EQ(all.out.find(run.out), 0u);
+  EXPECT_THAT(all.out, HasSubstr("Residual tests"));
+  EXPECT_THAT(all.out, HasSubstr("What to do"));
+}
+
+TEST(MleCorrectTest, TheVerdictSaysThatNothingHasChanged) {
+  const HeaterExample example((Heater()));
+  const report::ProcessResult run =
+      RunTested(CorrectionFlags(example.model, example.data, example.out));
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(run.out.find("Keep the controller's model.\n"), 0u);
+  EXPECT_LE(std::count(run.out.begin(), run.out.end(), '\n'), 6);
+}
+
+TEST(MleCorrectTest, JsonOnStandardOutputIsTheFileAndNothingElse) {
+  const HeaterExample example(WithHalvedGain());
+  const report::ProcessResult run = RunTested(CorrectionFlags(
+      example.model, example.data, example.out, {"--json", "--verbose"}));
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(run.out, Content(example.out + "/result.json"));
 }
 
 }  // namespace

@@ -22,6 +22,7 @@ namespace {
 
 using ::testing::HasSubstr;
 using ::testing::IsSupersetOf;
+using ::testing::Not;
 using ::testing::UnorderedElementsAre;
 
 namespace fs = std::filesystem;
@@ -71,8 +72,17 @@ void ExpectRun(const nlohmann::json& run) {
   });
 }
 
+TEST(MleReproduceOutputs, HelpShowsTheFlagsMostNeeded) {
+  const std::string help = RunTested({"--help"}).out;
+  EXPECT_THAT(help, HasSubstr("  --seeds "));
+  EXPECT_THAT(help, Not(HasSubstr("--lambda_grid_max")));
+  for (const char* const flag : {"-h", "-help", "--helpshort"}) {
+    EXPECT_EQ(RunTested({flag}).out, help) << flag;
+  }
+}
+
 TEST(MleReproduceOutputs, HelpListsEveryFlagWithItsDefault) {
-  for (const char* flag : {"--help", "-h", "-help", "--helpfull"}) {
+  for (const char* flag : {"--help=all", "-h=all", "--helpfull"}) {
     const report::ProcessResult result = RunTested({flag});
     EXPECT_EQ(result.exit_code, 0) << flag;
     EXPECT_EQ(result.err, "") << flag;

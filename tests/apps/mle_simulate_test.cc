@@ -288,7 +288,7 @@ TEST(MleSimulateTest, ModelAndOutMustBeGiven) {
 }
 
 TEST(MleSimulateTest, HelpListsTheFlags) {
-  const report::ProcessResult result = RunTested({"--help"});
+  const report::ProcessResult result = RunTested({"--help=all"});
   EXPECT_EQ(result.exit_code, 0);
   for (const char* flag : {"--plant", "--setpoints", "--ageing", "--quantum"}) {
     EXPECT_THAT(result.out, HasSubstr(flag));

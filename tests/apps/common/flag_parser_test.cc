@@ -83,11 +83,15 @@ TEST_F(FlagParser, KnowsHelpAndVersion) {
     parsed_.help = false;
     ASSERT_TRUE(Parse({help}).ok());
     EXPECT_TRUE(parsed_.help) << help;
+    EXPECT_EQ(parsed_.help_topic, "");
   }
+  ASSERT_TRUE(Parse({"--help=all"}).ok());
+  EXPECT_EQ(parsed_.help_topic, "all");
 }
 
 TEST_F(FlagParser, ErrorsNameTheFlagAndWhatIsRight) {
   ExpectError({"--test_cont=1"}, {"--test_cont", "no such flag"});
+  ExpectError({"--test_cont=1"}, {"did you mean 'test_count'?"});
   ExpectError({"--notest_count"}, {"--notest_count", "no such flag"});
   ExpectError({"stray"}, {"'stray'", "--"});
   ExpectError({"---test_count=1"}, {"---test_count"});

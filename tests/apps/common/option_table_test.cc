@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "apps/common/flag_parser.h"
+#include "apps/common/help_text.h"
 #include "gflags/gflags.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
@@ -15,6 +16,7 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 enum class Rule { kFirst, kSecond };
 
@@ -58,6 +60,7 @@ struct Bound {
          {"move_weight", ForEachInput(&settings.move_weight, "1"), "Weight."},
          {"max_input", LimitOfEachInput(&settings.max_input, kInfinity),
           "Limits."}});
+    table.PutFirst({"rule", "order"});
     table.RegisterFlags();
   }
 
@@ -138,6 +141,7 @@ TEST_F(OptionTableTest, RefusalsNameOptionValueAndWhatIsRight) {
   ExpectRefused("--level=1", "in (0, 1)");
   ExpectRefused("--level=nan", "finite number in (0, 1)");
   ExpectRefused("--rule=third", "known are first and second");
+  ExpectRefused("--rule=secnod", "did you mean 'second'?");
   ExpectRefused("--times=1,x", "'x' is not a number");
   ExpectRefused("--limit=few", "'few' is not a number");
   ExpectRefused("--output_weight=1,-2", "'-2' must be ≥ 0");
@@ -146,13 +150,52 @@ TEST_F(OptionTableTest, RefusalsNameOptionValueAndWhatIsRight) {
   ExpectRefused("--move_weight=none", "'none' is not a number");
 }
 
-TEST_F(OptionTableTest, HelpHasGroupsDefaultsUnitsAndRanges) {
-  const std::string help = bound_.table.Help();
+TEST_F(OptionTableTest, FullHelpHasGroupsDefaultsUnitsAndRanges) {
+  const std::string help = FullHelp("Draws.", bound_.table);
   EXPECT_THAT(help, HasSubstr("\nShape\n  --draw [true]\n      Draws.\n"));
   EXPECT_THAT(help, HasSubstr("  --order [3] samples, ≥ 1\n"));
   EXPECT_THAT(help, HasSubstr("  --level [0.1] in (0, 1)\n"));
   EXPECT_THAT(help, HasSubstr("Rule. One of first (the one), second.\n"));
   EXPECT_THAT(help, HasSubstr("  --limit [0]\n"));
+  EXPECT_THAT(help, HasSubstr("\nEvery command\n  --flagfile []\n"));
+}
+
+TEST_F(OptionTableTest, ShortHelpHasWhatWasPutFirstInThatOrder) {
+  const std::string help = ShortHelp("Draws.", bound_.table);
+  EXPECT_THAT(help, HasSubstr("  --rule   Rule."));
+  EXPECT_THAT(help, HasSubstr("  --order  Order. [3]\n"));
+  EXPECT_LT(help.find("--rule"), help.find("--order"));
+  EXPECT_THAT(help, Not(HasSubstr("--level")));
+  EXPECT_THAT(help, HasSubstr("--help=all: all 15 flags"));
+}
+
+TEST_F(OptionTableTest, HelpOnAWordHasTheFlagsWithIt) {
+  const auto help = HelpOn("weight", bound_.table);
+  ASSERT_TRUE(help.ok());
+  EXPECT_THAT(*help, HasSubstr("--output_weight"));
+  EXPECT_THAT(*help, HasSubstr("--move_weight"));
+  EXPECT_THAT(*help, Not(HasSubstr("--order")));
+  const auto none = HelpOn("ordre", bound_.table);
+  EXPECT_EQ(none.status().code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(none.status().message()),
+              HasSubstr("did you mean 'order'?"));
+}
+
+TEST_F(OptionTableTest, TheManualPageEscapesWhatTroffWouldRead) {
+  const std::string page = ManualPage(
+      "draw", "1.2", "Draws a line: well.\n\n  draw --order=3", bound_.table);
+  EXPECT_THAT(page, HasSubstr(".SH NAME\ndraw \\- draws a line\n"));
+  EXPECT_THAT(page, HasSubstr(".EX\n  draw \\-\\-order=3\n.EE\n"));
+  EXPECT_THAT(page, HasSubstr(".SS Channels\n"));
+  EXPECT_THAT(page, HasSubstr("\\fB\\-\\-order\\fR (default 3; samples, ≥ 1)"));
+}
+
+TEST_F(OptionTableTest, CompletionKnowsFlagsSwitchesAndValues) {
+  const std::string script = BashCompletion("draw", bound_.table);
+  EXPECT_THAT(script, HasSubstr(" --nodraw "));
+  EXPECT_THAT(script, HasSubstr(" --order= "));
+  EXPECT_THAT(script, HasSubstr("--rule) words=\"first second\" ;;"));
+  EXPECT_THAT(script, HasSubstr("complete -F _draw draw"));
 }
 
 TEST(ReadableNumberTest, IsTheShortestTextThatReadsAlike) {

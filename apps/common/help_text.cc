@@ -1,0 +1,271 @@
+#include "apps/common/help_text.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "absl/strings/str_replace.h"
+#include "absl/strings/str_split.h"
+#include "apps/common/did_you_mean.h"
+#include "apps/report/text.h"
+
+namespace mle {
+namespace {
+
+constexpr int kLineWidth = 78;
+constexpr std::size_t kLongestShown = 30;  // of a default in the short help
+
+absl::string_view Absl(std::string_view text) {
+  return {text.data(), text.size()};
+}
+
+// The flags that the parser itself answers.
+const std::vector<OptionText>& EveryCommandsOptions() {
+  static const auto* const kOptions = new std::vector<OptionText>{
+      {"Every command",
+       "flagfile",
+       "",
+       "",
+       "Reads flags from a file, one a line; later ones win.",
+       {},
+       false,
+       false},
+      {"Every command",
+       "help",
+       "",
+       "",
+       "The flags most needed; --help=all: all of them; --help=WORD: those "
+       "whose names contain the word; --help=man: the manual page; "
+       "--help=bash: the completion of bash.",
+       {"all", "man", "bash"},
+       true,
+       false},
+      {"Every command",
+       "version",
+       "",
+       "",
+       "The version of the program.",
+       {},
+       true,
+       false}};
+  return *kOptions;
+}
+
+std::vector<OptionText> AllOptions(const OptionTable& table) {
+  std::vector<OptionText> all = table.Texts();
+  const std::vector<OptionText>& every = EveryCommandsOptions();
+  all.insert(all.end(), every.begin(), every.end());
+  return all;
+}
+
+// `text` in lines of at most kLineWidth columns, each behind `indent` blanks;
+// the first behind `lead` instead, which must not be wider.
+std::string Wrapped(std::string_view text, int indent, std::string lead) {
+  std::string wrapped;
+  std::string line = std::move(lead);
+  line.resize(line.size() + static_cast<std::size_t>(std::max(
+                                0, indent - report::DisplayWidth(line))),
+              ' ');
+  bool empty = true;
+  for (const absl::string_view word :
+       absl::StrSplit(Absl(text), ' ', absl::SkipEmpty())) {
+    const std::string_view added(word.data(), word.size());
+    if (!empty && report::DisplayWidth(line) + 1 + report::DisplayWidth(added) >
+                      kLineWidth) {
+      absl::StrAppend(&wrapped, line, "\n");
+      line = std::string(static_cast<std::size_t>(indent), ' ');
+      empty = true;
+    }
+    absl::StrAppend(&line, empty ? "" : " ", word);
+    empty = false;
+  }
+  return absl::StrCat(wrapped, line, "\n");
+}
+
+// Up to the first full stop that ends a word.
+std::string FirstSentence(const std::string& text) {
+  const std::size_t end = text.find(". ");
+  return end == std::string::npos ? text : text.substr(0, end + 1);
+}
+
+std::string InFull(const OptionText& option) {
+  return absl::StrCat("  --", option.name, " [", option.default_text, "]",
+                      option.kind.empty() ? "" : " ", option.kind, "\n",
+                      Wrapped(option.help, 6, ""));
+}
+
+// With a heading where the group changes.
+std::string InGroups(const std::vector<OptionText>& options) {
+  std::string text;
+  std::string group;
+  for (const OptionText& option : options) {
+    if (option.group != group) {
+      group = option.group;
+      absl::StrAppend(&text, "\n", group, "\n");
+    }
+    absl::StrAppend(&text, InFull(option));
+  }
+  return text;
+}
+
+// Text of a manual page: nothing that troff takes for a request.
+std::string Troff(std::string_view text) {
+  std::string safe =
+      absl::StrReplaceAll(Absl(text), {{"\\", "\\e"}, {"-", "\\-"}});
+  return safe.starts_with('.') || safe.starts_with('\'')
+             ? absl::StrCat("\\&", safe)
+             : safe;
+}
+
+// "--name (default x; min, > 0)" and its text.
+std::string ManualEntry(const OptionText& option) {
+  std::vector<std::string> about;
+  if (!option.default_text.empty()) {
+    about.push_back(absl::StrCat("default ", option.default_text));
+  }
+  if (!option.kind.empty()) about.push_back(option.kind);
+  const std::string value =
+      about.empty() ? "" : absl::StrCat(" (", absl::StrJoin(about, "; "), ")");
+  return absl::StrCat(".TP\n\\fB\\-\\-", Troff(option.name), "\\fR",
+                      Troff(value), "\n", Troff(option.help), "\n");
+}
+
+// What the first paragraph of a usage says before its first colon or full stop.
+std::string FirstStatement(std::string_view usage) {
+  const std::string text = absl::StrReplaceAll(
+      Absl(usage.substr(0, usage.find("\n\n"))), {{"\n", " "}});
+  const std::size_t end = text.find_first_of(".:");
+  return absl::StrCat(absl::AsciiStrToLower(text.substr(0, 1)),
+                      text.substr(1, end == std::string::npos ? end : end - 1));
+}
+
+// A word for the shell, without quotes of its own.
+std::string Quoted(const std::vector<std::string>& words) {
+  return absl::StrCat("\"", absl::StrJoin(words, " "), "\"");
+}
+
+}  // namespace
+
+std::string ShortHelp(std::string_view usage, const OptionTable& table) {
+  const std::vector<OptionText> first = table.Texts(true);
+  std::size_t longest = 0;
+  for (const OptionText& option : first) {
+    longest = std::max(longest, option.name.size());
+  }
+  const auto indent = static_cast<int>(longest) + 6;
+  std::string text = absl::StrCat(
+      Absl(usage), "\n\nFlags most needed (value in brackets: the default):\n");
+  for (const OptionText& option : first) {
+    const bool shows = !option.default_text.empty() && !option.is_switch &&
+                       option.default_text.size() <= kLongestShown;
+    absl::StrAppend(
+        &text, Wrapped(absl::StrCat(
+                           FirstSentence(option.help), shows ? " [" : "",
+                           shows ? option.default_text : "", shows ? "]" : ""),
+                       indent, absl::StrCat("  --", option.name)));
+  }
+  return absl::StrCat(text, "\n--help=all: all ", AllOptions(table).size(),
+                      " flags, in groups; --help=", first.front().name,
+                      ": those with this word.\n");
+}
+
+std::string FullHelp(std::string_view usage, const OptionTable& table) {
+  return absl::StrCat(Absl(usage),
+                      "\n\nFlags (value in brackets: the default):\n",
+                      InGroups(AllOptions(table)));
+}
+
+absl::StatusOr<std::string> HelpOn(const std::string& topic,
+                                   const OptionTable& table) {
+  std::vector<OptionText> found;
+  std::vector<std::string> names;
+  for (OptionText& option : AllOptions(table)) {
+    names.push_back(option.name);
+    if (option.name.find(topic) != std::string::npos) {
+      found.push_back(std::move(option));
+    }
+  }
+  if (!found.empty()) return InGroups(found).substr(1);
+  return absl::InvalidArgumentError(
+      absl::StrCat("--help=", topic, ": ", DidYouMean(topic, names),
+                   "no flag has this in its name (see --help=all)"));
+}
+
+std::string ManualPage(std::string_view command, std::string_view version,
+                       std::string_view usage, const OptionTable& table) {
+  std::string page = absl::StrCat(
+      ".TH ", absl::AsciiStrToUpper(Absl(command)), " 1 \"\" \"mle ",
+      Absl(version), "\" \"User Commands\"\n.SH NAME\n", Troff(command),
+      " \\- ", Troff(FirstStatement(usage)), "\n.SH SYNOPSIS\n.B ",
+      Troff(command), "\n.RI [ \\-\\-name=value \\ ...]\n.SH DESCRIPTION\n");
+  bool in_example = false;
+  for (const absl::string_view line : absl::StrSplit(Absl(usage), '\n')) {
+    const bool example = line.substr(0, 2) == "  ";
+    if (example != in_example) page += example ? ".EX\n" : ".EE\n";
+    in_example = example;
+    absl::StrAppend(
+        &page, line.empty() ? ".PP" : Troff({line.data(), line.size()}), "\n");
+  }
+  if (in_example) page += ".EE\n";
+  page += ".SH OPTIONS\n";
+  std::string group;
+  for (const OptionText& option : AllOptions(table)) {
+    if (option.group != group) {
+      group = option.group;
+      absl::StrAppend(&page, ".SS ", Troff(group), "\n");
+    }
+    page += ManualEntry(option);
+  }
+  return page;
+}
+
+std::string BashCompletion(std::string_view command, const OptionTable& table) {
+  std::vector<std::string> flags;
+  std::string cases;
+  for (const OptionText& option : AllOptions(table)) {
+    flags.push_back(
+        absl::StrCat("--", option.name, option.is_switch ? "" : "="));
+    if (option.is_switch && option.values.empty()) {
+      if (option.group != EveryCommandsOptions().front().group) {
+        flags.push_back(absl::StrCat("--no", option.name));
+      }
+      continue;
+    }
+    if (option.values.empty()) continue;
+    absl::StrAppend(&cases, "    --", option.name,
+                    ") words=", Quoted(option.values), " ;;\n");
+  }
+  const std::string function = absl::StrCat("_", Absl(command));
+  // The name and the value may be three words (=  splits them) or one.
+  return absl::StrCat(
+      "# bash completion for ", Absl(command), "\n", function, "() {\n",
+      R"sh(  local current=${COMP_WORDS[COMP_CWORD]} flag='' words='' before=''
+  if [[ $current == --*=* ]]; then
+    flag=${current%%=*} before=$flag= current=${current#*=}
+  elif [[ $current == = ]]; then
+    flag=${COMP_WORDS[COMP_CWORD-1]} current=''
+  elif ((COMP_CWORD > 1)) && [[ ${COMP_WORDS[COMP_CWORD-1]} == = ]]; then
+    flag=${COMP_WORDS[COMP_CWORD-2]}
+  fi
+  compopt +o nospace 2>/dev/null
+  case $flag in
+)sh",
+      "    '') words=", Quoted(flags), " ;;\n", cases, R"sh(  esac
+  if [[ -n $words ]]; then
+    mapfile -t COMPREPLY < <(compgen -P "$before" -W "$words" -- "$current")
+    [[ ${COMPREPLY[0]:-} == *= ]] && compopt -o nospace 2>/dev/null
+  else
+    if [[ $current == *,* ]]; then
+      before+=${current%,*}, current=${current##*,}
+    fi
+    mapfile -t COMPREPLY < <(compgen -P "$before" -f -- "$current")
+    compopt -o filenames 2>/dev/null
+  fi
+}
+)sh",
+      "complete -F ", function, " ", Absl(command), "\n");
+}
+
+}  // namespace mle

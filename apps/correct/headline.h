@@ -1,0 +1,39 @@
+// The result in a line for those who only read one: on the terminal, and at the
+// top of the page.
+
+#ifndef APPS_CORRECT_HEADLINE_H_
+#define APPS_CORRECT_HEADLINE_H_
+
+#include <string>
+#include <vector>
+
+#include "apps/correct/result.h"
+
+namespace mle::correct {
+
+// "Gain of TIC101 ← FC201 fell by 36 %": an element that is corrected.
+struct ElementChange {
+  int output = 0;
+  int input = 0;
+  double size = 0.0;  // of its step response, relative
+  std::string text;
+};
+
+// Of the model that is proposed, the largest first; none where nothing was
+// corrected.
+std::vector<ElementChange> ElementChanges(const Result& result);
+
+// What happened to the model: the largest change and how many others there are,
+// that it is unchanged, or that this cannot be told.
+std::string Headline(const Result& result);
+
+// What to do with the controller's model.
+std::string Instruction(const Result& result);
+
+// Headline, instruction, the main reason, and where the rest is: at most six
+// lines, the first of which says what to do.
+std::vector<std::string> ShortVerdict(const Result& result);
+
+}  // namespace mle::correct
+
+#endif  // APPS_CORRECT_HEADLINE_H_
