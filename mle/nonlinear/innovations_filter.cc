@@ -4,13 +4,23 @@
 #include <cmath>
 
 #include "glog/logging.h"
+#include "mle/regression/kernels/kernels.h"
 
 namespace mle {
 namespace {
 
-// Columns filtered at once: each sample waits for the one before, and
-// recurrences that do not need each other fill the time.
-constexpr Eigen::Index kTogether = 4;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// Numbers of a block of rows: 32 KiB.
+constexpr Eigen::Index kBlock = 4096;
+constexpr Eigen::Index kFewestRows = 16;
+// Columns of products made at once.
+constexpr Eigen::Index kPanel = 8;
+
+Eigen::Index RowsOfBlock(Eigen::Index width) {
+  return std::max(kBlock / std::max<Eigen::Index>(width, 1), kFewestRows);
+}
 
 // A product of F_k beyond this is exchanged for its logarithm: far from
 // overflow, and one logarithm serves many samples.
@@ -33,7 +43,7 @@ class LogProduct {
   double sum_ = 0.0;
 };
 
-double WhiteVariance(const Eigen::VectorXd& weights, std::size_t k) {
+double WhiteVariance(const VectorXd& weights, std::size_t k) {
   return weights.size() > 0 ? 1.0 / weights(static_cast<Eigen::Index>(k)) : 1.0;
 }
 
@@ -41,7 +51,7 @@ double WhiteVariance(const Eigen::VectorXd& weights, std::size_t k) {
 
 InnovationsFilter::InnovationsFilter(const std::vector<int>& times,
                                      const NoiseShape& shape,
-                                     const Eigen::VectorXd& weights)
+                                     const VectorXd& weights)
     : gains_(times.size()),
       inverse_roots_(times.size()),
       smoothing_(shape.coloured() ? 0 : times.size(), 1.0),
@@ -52,6 +62,8 @@ InnovationsFilter::InnovationsFilter(const std::vector<int>& times,
   CHECK(weights.size() == 0 ||
         weights.size() == static_cast<Eigen::Index>(times.size()));
   if (times.empty()) return;
+  // The first sample sets the level.
+  if (shape.offset) gains_[0] = 1.0;
   if (shape.coloured() && shape.colour_damping > 0.0) {
     SetUpColour<2>(times, shape, weights);
   } else if (shape.coloured()) {
@@ -63,7 +75,7 @@ InnovationsFilter::InnovationsFilter(const std::vector<int>& times,
   }
 }
 
-void InnovationsFilter::SetUpWhite(const Eigen::VectorXd& weights) {
+void InnovationsFilter::SetUpWhite(const VectorXd& weights) {
   for (std::size_t k = 0; k < gains_.size(); ++k) {
     const double white = WhiteVariance(weights, k);
     inverse_roots_[k] = 1.0 / std::sqrt(white);
@@ -72,7 +84,7 @@ void InnovationsFilter::SetUpWhite(const Eigen::VectorXd& weights) {
 }
 
 void InnovationsFilter::SetUpWalk(const std::vector<int>& times, double ratio,
-                                  const Eigen::VectorXd& weights) {
+                                  const VectorXd& weights) {
   // Variance of ŵ once the first sample has set it.
   double filtered = WhiteVariance(weights, 0);
   LogProduct product;
@@ -127,10 +139,9 @@ void Predict(const Colour::Power& power, double spread, double walk,
 template <int kOrder>
 void InnovationsFilter::SetUpColour(const std::vector<int>& times,
                                     const NoiseShape& shape,
-                                    const Eigen::VectorXd& weights) {
+                                    const VectorXd& weights) {
   const std::size_t n = times.size();
   const Colour colour = shape.colour();
-  order_ = kOrder;
   spread_ = colour.spread();
   colour_.resize(n);
   white_.resize(n);
@@ -147,7 +158,6 @@ void InnovationsFilter::SetUpColour(const std::vector<int>& times,
     double gain_a = 0.0;
     double gain_b = 0.0;
     if (k == 0 && shape.offset) {
-      gains_[0] = 1.0;
       P.ww = stationary.aa + white;
       P.wa = -stationary.aa;
       P.wb = -stationary.ab;
@@ -180,69 +190,62 @@ void InnovationsFilter::SetUpColour(const std::vector<int>& times,
   log_determinant_ = product.log();
 }
 
-void InnovationsFilter::Apply(Eigen::Ref<Eigen::MatrixXd> columns) const {
+void InnovationsFilter::FilterBlock(Eigen::Index first, RowMajorMatrix& block,
+                                    VectorXd& state) const {
+  const FilterSteps steps = {
+      .gains = gains_.data() + first,
+      .inverse_roots = inverse_roots_.data() + first,
+      .colour = colour_.empty() ? nullptr : &colour_[first].power.own,
+      .spread = spread_};
+  VectorKernels().filter_rows(steps, block.rows(), block.data(), block.cols(),
+                              block.cols(), state.data());
+}
+
+void InnovationsFilter::Apply(Eigen::Ref<MatrixXd> columns) const {
   CHECK_EQ(columns.rows(), static_cast<Eigen::Index>(gains_.size()));
-  if (gains_.empty()) return;
-  Eigen::Index c = 0;
-  for (; c + kTogether <= columns.cols(); c += kTogether) {
-    ApplyAny<kTogether>(columns.middleCols<kTogether>(c));
-  }
-  for (; c < columns.cols(); ++c) ApplyAny<1>(columns.middleCols<1>(c));
-}
-
-template <int kColumns, typename Columns>
-void InnovationsFilter::ApplyAny(Columns&& columns) const {
-  if (order_ == 2) {
-    ApplyColour<2, kColumns>(columns);
-  } else if (order_ == 1) {
-    ApplyColour<1, kColumns>(columns);
-  } else {
-    ApplyTo<kColumns>(columns);
+  const Eigen::Index width = columns.cols();
+  const Eigen::Index most = RowsOfBlock(width);
+  VectorXd state = VectorXd::Zero(3 * width);
+  RowMajorMatrix block;
+  for (Eigen::Index first = 0; first < columns.rows(); first += most) {
+    const Eigen::Index rows = std::min(most, columns.rows() - first);
+    block = columns.middleRows(first, rows);
+    FilterBlock(first, block, state);
+    columns.middleRows(first, rows) = block;
   }
 }
 
-template <int kColumns, typename Columns>
-void InnovationsFilter::ApplyTo(Columns&& columns) const {
-  // With an offset the first sample sets the level.
-  double level[kColumns];
-  for (int c = 0; c < kColumns; ++c) level[c] = offset_ ? columns(0, c) : 0.0;
-  for (std::size_t k = 0; k < gains_.size(); ++k) {
-    for (int c = 0; c < kColumns; ++c) {
-      const double innovation = columns(k, c) - level[c];
-      level[c] += gains_[k] * innovation;
-      columns(k, c) = innovation * inverse_roots_[k];
+MatrixXd InnovationsFilter::WhitenedProducts(
+    const RowMajorMatrix& columns) const {
+  CHECK_EQ(columns.rows(), static_cast<Eigen::Index>(gains_.size()));
+  const Eigen::Index width = columns.cols();
+  const Eigen::Index most = RowsOfBlock(width);
+  MatrixXd products = MatrixXd::Zero(width, width);
+  VectorXd state = VectorXd::Zero(3 * width);
+  RowMajorMatrix block;
+  for (Eigen::Index first = 0; first < columns.rows(); first += most) {
+    block = columns.middleRows(first, std::min(most, columns.rows() - first));
+    FilterBlock(first, block, state);
+    // The lower triangle, and what of the upper its panels hold.
+    for (Eigen::Index c = 0; c < width; c += kPanel) {
+      VectorKernels().add_products({.x = block.data() + c,
+                                    .x_stride = width,
+                                    .rows = width - c,
+                                    .w = block.data() + c,
+                                    .w_stride = width,
+                                    .columns = std::min(kPanel, width - c),
+                                    .count = block.rows()},
+                                   &products(c, c), width);
     }
   }
-}
-
-template <int kOrder, int kColumns, typename Columns>
-void InnovationsFilter::ApplyColour(Columns&& columns) const {
-  double level[kColumns] = {};
-  double a[kColumns] = {};
-  double b[kColumns] = {};
-  for (std::size_t k = 0; k < gains_.size(); ++k) {
-    const ColourStep& step = colour_[k];
-    for (int c = 0; c < kColumns; ++c) {
-      const double innovation = columns(k, c) - (level[c] + a[c]);
-      level[c] += gains_[k] * innovation;
-      double next = step.power.own * a[c] + step.gain_a * innovation;
-      if constexpr (kOrder == 2) {
-        next += step.power.cross * b[c];
-        b[c] = spread_ * step.power.cross * a[c] + step.power.own * b[c] +
-               step.gain_b * innovation;
-      }
-      a[c] = next;
-      columns(k, c) = innovation * inverse_roots_[k];
-    }
-  }
+  return products.selfadjointView<Eigen::Lower>();
 }
 
 // Disturbance smoother: e_k = (ν_k/F_k − Kᵀ_k r_k)/ω_k, backwards with
 // r_{k−1} = (1, 1, 0)ᵀ ω_k e_k + Tᵀ_k r_k (Durbin and Koopman, section 4.5).
-Eigen::VectorXd InnovationsFilter::ColourlessPart(
-    const Eigen::VectorXd& disturbance) const {
-  Eigen::VectorXd white = disturbance;
-  ApplyAny<1>(white);
+VectorXd InnovationsFilter::ColourlessPart(const VectorXd& disturbance) const {
+  VectorXd white = disturbance;
+  Apply(white);
   double of_w = 0.0;  // r_k
   double of_a = 0.0;
   double of_b = 0.0;
@@ -260,13 +263,12 @@ Eigen::VectorXd InnovationsFilter::ColourlessPart(
   return white;
 }
 
-Eigen::VectorXd InnovationsFilter::WhitePart(
-    const Eigen::VectorXd& disturbance) const {
+VectorXd InnovationsFilter::WhitePart(const VectorXd& disturbance) const {
   CHECK_EQ(disturbance.size(), static_cast<Eigen::Index>(gains_.size()));
   if (disturbance.size() == 0) return disturbance;
-  if (order_ > 0) return ColourlessPart(disturbance);
+  if (!colour_.empty()) return ColourlessPart(disturbance);
   if (!offset_) return disturbance;
-  Eigen::VectorXd level(disturbance.size());
+  VectorXd level(disturbance.size());
   level(0) = disturbance(0);
   for (Eigen::Index k = 1; k < level.size(); ++k) {
     level(k) = level(k - 1) + gains_[k] * (disturbance(k) - level(k - 1));

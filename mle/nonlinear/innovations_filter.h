@@ -46,6 +46,9 @@ struct NoiseShape {
   bool coloured() const { return colour_ratio > 0.0; }
 };
 
+using RowMajorMatrix =
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
 class InnovationsFilter {
  public:
   // `times` are the numbers of the samples present, increasing; between them
@@ -61,6 +64,11 @@ class InnovationsFilter {
   // becomes 0 where there is one. As many rows as samples.
   void Apply(Eigen::Ref<Eigen::MatrixXd> columns) const;
 
+  // CᵀC of the columns C that Apply() would make of `columns`, for N samples
+  // and w columns N w (w + 9) operations in blocks that stay in the cache. All
+  // of the symmetric matrix.
+  Eigen::MatrixXd WhitenedProducts(const RowMajorMatrix& columns) const;
+
   // The expected e_k given all of n (as many as samples): n less the smoothed
   // random walk and colour.
   Eigen::VectorXd WhitePart(const Eigen::VectorXd& disturbance) const;
@@ -72,12 +80,9 @@ class InnovationsFilter {
   template <int kOrder>
   void SetUpColour(const std::vector<int>& times, const NoiseShape& shape,
                    const Eigen::VectorXd& weights);
-  template <int kColumns, typename Columns>
-  void ApplyTo(Columns&& columns) const;
-  template <int kOrder, int kColumns, typename Columns>
-  void ApplyColour(Columns&& columns) const;
-  template <int kColumns, typename Columns>
-  void ApplyAny(Columns&& columns) const;
+  // Passes rows [first, first + rows of `block`) from `state` (3 w) on.
+  void FilterBlock(Eigen::Index first, RowMajorMatrix& block,
+                   Eigen::VectorXd& state) const;
   Eigen::VectorXd ColourlessPart(const Eigen::VectorXd& disturbance) const;
 
   std::vector<double> gains_;          // of w: P_k/F_k
@@ -85,14 +90,15 @@ class InnovationsFilter {
   // Of the error of ŵ_k to that of ŵ_{k+1} before its sample (P_k r/P_{k+1}).
   std::vector<double> smoothing_;
   // With colour, d samples to the next one: F^d and F^d times the gain.
+  // FilterSteps (kernels) reads it as numbers in turn.
   struct ColourStep {
     Colour::Power power;
     double gain_a = 0.0;
     double gain_b = 0.0;
   };
+  static_assert(sizeof(ColourStep) == 4 * sizeof(double));
   std::vector<ColourStep> colour_;
   double spread_ = 0.0;
-  int order_ = 0;              // of the colour; 0: none
   std::vector<double> white_;  // with colour: 1/ω_k
   bool offset_ = true;
   double log_determinant_ = 0.0;

@@ -8,6 +8,7 @@
 #include "Eigen/QR"
 #include "mle/nonlinear/brent_search.h"
 #include "mle/nonlinear/colour_search.h"
+#include "mle/nonlinear/elimination.h"
 
 namespace mle {
 namespace {
@@ -29,14 +30,8 @@ const double kShareOfValue =
     std::exp(0.25 * kGridStep) - std::exp(-0.25 * kGridStep);
 const double kShareBelow = std::exp(-0.25 * kGridStep);
 
-constexpr double kRankTolerance = 1e-12;
-
-VectorXd ShortestSolution(const MatrixXd& normal, const VectorXd& gradient) {
-  Eigen::CompleteOrthogonalDecomposition<MatrixXd> decomposition;
-  decomposition.setThreshold(kRankTolerance);
-  decomposition.compute(normal);
-  return decomposition.solve(gradient);
-}
+constexpr double kAmplitudeTolerance = 1e-9;
+constexpr Eigen::Index kLanes = 8;  // of the widest vectors
 
 }  // namespace
 
@@ -53,72 +48,95 @@ ShapeLikelihood::ShapeLikelihood(const OutputErrorProblem& problem,
                       restricted, more) {}
 
 ShapeLikelihood::ShapeLikelihood(const OutputErrorProblem& problem,
-                                 std::vector<SegmentColumns> columns,
+                                 const std::vector<SegmentColumns>& columns,
                                  const std::vector<bool>& free, bool restricted,
                                  const std::vector<MatrixXd>& more)
-    : problem_(problem), columns_(std::move(columns)), restricted_(restricted) {
+    : problem_(problem), restricted_(restricted) {
   std::vector<int> kept;
   for (std::size_t j = 0; j < free.size(); ++j) {
     for (int i = 0; free[j] && i < 3; ++i) {
       kept.push_back(3 * static_cast<int>(j) + i);
     }
   }
-  for (std::size_t s = 0; s < columns_.size(); ++s) {
-    MatrixXd jacobian = columns_[s].jacobian(Eigen::all, kept);
-    const Eigen::Index width = jacobian.cols();
-    if (!more.empty()) {
-      jacobian.conservativeResize(Eigen::NoChange, width + more[s].cols());
-      jacobian.rightCols(more[s].cols()) = more[s];
-    }
-    columns_[s].jacobian = std::move(jacobian);
+  const auto num_kept = static_cast<Eigen::Index>(kept.size());
+  width_ = num_kept + (more.empty() ? 0 : more.front().cols());
+  for (std::size_t s = 0; s < columns.size(); ++s) {
+    MatrixXd others(columns[s].residuals.size(), width_ + 1);
+    others.leftCols(num_kept) = columns[s].jacobian(Eigen::all, kept);
+    if (!more.empty()) others.middleCols(num_kept, more[s].cols()) = more[s];
+    others.col(width_) = columns[s].residuals;
+    parts_.push_back(MakePart(columns[s].amplitudes, std::move(others)));
   }
 }
 
+// Under white noise with an offset: about the means.
+ShapeLikelihood::Part ShapeLikelihood::MakePart(const MatrixXd& amplitudes,
+                                                MatrixXd others) {
+  Part part;
+  MatrixXd basis(others.rows(), 0);
+  if (amplitudes.cols() > 0) {
+    const MatrixXd centred = amplitudes.rowwise() - amplitudes.colwise().mean();
+    const VectorXd inverse_norms =
+        centred.colwise().norm().cwiseMax(1e-300).cwiseInverse();
+    Eigen::ColPivHouseholderQR<MatrixXd> qr;
+    qr.setThreshold(kAmplitudeTolerance);
+    qr.compute(centred * inverse_norms.asDiagonal());
+    const Eigen::Index rank = qr.rank();
+    const auto kept = qr.colsPermutation().indices().head(rank);
+    const auto triangle =
+        qr.matrixQR().topLeftCorner(rank, rank).triangularView<Eigen::Upper>();
+    basis = amplitudes(Eigen::all, kept) * inverse_norms(kept).asDiagonal();
+    triangle.solveInPlace<Eigen::OnTheRight>(basis);
+    const MatrixXd orthonormal = basis.rowwise() - basis.colwise().mean();
+    others -= basis * (orthonormal.transpose() * others);
+    for (Eigen::Index i = 0; i < rank; ++i) {
+      part.log_scale += 2.0 * std::log(std::abs(qr.matrixQR()(i, i)) /
+                                       inverse_norms(kept(i)));
+    }
+  }
+  part.amplitudes = basis.cols();
+  const Eigen::Index width = basis.cols() + others.cols();
+  // Whole vectors are filtered faster than single columns.
+  part.columns.setZero(others.rows(), (width + kLanes - 1) / kLanes * kLanes);
+  part.columns.leftCols(basis.cols()) = basis;
+  part.columns.middleCols(basis.cols(), others.cols()) = others;
+  return part;
+}
+
 Profile ShapeLikelihood::At(const NoiseShape& shape) const {
-  const WhitenedColumns whitened = problem_.Whiten(columns_, shape);
   Profile profile;
   profile.shape = shape;
   profile.factor = problem_.variance_factor();
-  profile.squares = whitened.residuals.squaredNorm();
-  double log_jacobian = 0.0;
-  Eigen::Index rank = 0;
-  if (whitened.jacobian.cols() > 0) {
-    // By normal equations: fast, and good enough for a first-order term.
-    MatrixXd normal =
-        MatrixXd::Zero(whitened.jacobian.cols(), whitened.jacobian.cols());
-    normal.selfadjointView<Eigen::Lower>().rankUpdate(
-        whitened.jacobian.transpose());
-    const VectorXd inverse_norms =
-        normal.diagonal().cwiseSqrt().cwiseMax(1e-300).cwiseInverse();
-    normal = inverse_norms.asDiagonal() *
-             MatrixXd(normal.selfadjointView<Eigen::Lower>()) *
-             inverse_norms.asDiagonal();
-    const VectorXd gradient = inverse_norms.cwiseProduct(
-        whitened.jacobian.transpose() * whitened.residuals);
-    Eigen::ColPivHouseholderQR<MatrixXd> qr;
-    qr.setThreshold(kRankTolerance);
-    qr.compute(normal);
-    rank = qr.rank();
-    profile.rank = static_cast<int>(rank);
-    for (Eigen::Index i = 0; i < rank; ++i) {
-      log_jacobian += std::log(std::abs(qr.matrixQR()(i, i)));
-    }
-    log_jacobian -= 2.0 * inverse_norms.array().log().sum();
-    // By rank: a solve by pivots would take rounding for a direction.
-    const VectorXd step = rank == normal.cols()
-                              ? VectorXd(qr.solve(gradient))
-                              : ShortestSolution(normal, gradient);
-    profile.squares -= std::min(profile.squares, gradient.dot(step));
+  const Eigen::Index size = width_ + 1;
+  MatrixXd products = MatrixXd::Zero(size, size);
+  double log_determinant = 0.0;
+  double log_amplitudes = 0.0;
+  int num_amplitudes = 0;
+  for (std::size_t s = 0; s < parts_.size(); ++s) {
+    const Part& part = parts_[s];
+    const OutputErrorProblem::Segment& segment =
+        problem_.segment(static_cast<int>(s));
+    const InnovationsFilter filter(segment.times, shape, segment.weights);
+    const Eigen::Index all = part.amplitudes + size;
+    const Elimination amplitudes = EliminateFirst(
+        part.amplitudes,
+        filter.WhitenedProducts(part.columns).topLeftCorner(all, all));
+    products += amplitudes.rest;
+    log_amplitudes += amplitudes.log_determinant + part.log_scale;
+    num_amplitudes += amplitudes.rank;
+    log_determinant += filter.log_determinant();
   }
+  const Elimination linearised = EliminateFirst(width_, std::move(products));
+  profile.rank = linearised.rank;
   // Exact data leave rounding, which has no likelihood.
-  profile.squares =
-      std::max({profile.squares, 1e-26 * problem_.total_squares(), 1e-300});
+  profile.squares = std::max(
+      {linearised.rest(0, 0), 1e-26 * problem_.total_squares(), 1e-300});
   const double n = problem_.num_innovations(shape);
-  profile.degrees = n - whitened.num_amplitudes - static_cast<double>(rank);
-  profile.value = whitened.log_determinant;
+  profile.degrees = n - num_amplitudes - linearised.rank;
+  profile.value = log_determinant;
   if (restricted_) {
     profile.value += profile.degrees * std::log(profile.variance()) +
-                     whitened.log_amplitudes + log_jacobian;
+                     log_amplitudes + linearised.log_determinant;
   } else {
     profile.value += n * std::log(profile.squares / n);
   }

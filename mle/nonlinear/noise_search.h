@@ -4,8 +4,11 @@
 //
 // Residuals and their derivatives are linearised once; at every shape the
 // parameters that are free are eliminated to first order, the amplitudes
-// exactly, and r by its maximum. Restricted likelihood (Patterson and Thompson,
-// Biometrika 58, 1971) counts what they take up:
+// exactly, and r by its maximum, from the products of the whitened columns
+// (InnovationsFilter::WhitenedProducts). So that their accuracy suffices,
+// amplitudes are first made orthonormal under white noise, and taken out of all
+// else: that changes no likelihood. Restricted likelihood (Patterson and
+// Thompson, Biometrika 58, 1971) counts what they take up:
 //
 //   −2 ln L = (n − k) ln r̂ + Σ ln F + ln det(JᵀV⁻¹J).
 //
@@ -49,7 +52,7 @@ class ShapeLikelihood {
                   bool restricted,
                   const std::vector<Eigen::MatrixXd>& more = {});
   ShapeLikelihood(const OutputErrorProblem& problem,
-                  std::vector<SegmentColumns> columns,
+                  const std::vector<SegmentColumns>& columns,
                   const std::vector<bool>& free, bool restricted,
                   const std::vector<Eigen::MatrixXd>& more = {});
 
@@ -57,8 +60,20 @@ class ShapeLikelihood {
   const OutputErrorProblem& problem() const { return problem_; }
 
  private:
+  // Columns of a segment: amplitudes, what is linearised, residuals, zeros.
+  struct Part {
+    RowMajorMatrix columns;
+    Eigen::Index amplitudes = 0;
+    // What the determinant of the products of the amplitudes as they were is
+    // larger by, as a logarithm.
+    double log_scale = 0.0;
+  };
+  static Part MakePart(const Eigen::MatrixXd& amplitudes,
+                       Eigen::MatrixXd others);
+
   const OutputErrorProblem& problem_;
-  std::vector<SegmentColumns> columns_;
+  std::vector<Part> parts_;  // of each segment
+  Eigen::Index width_ = 0;   // columns that are linearised
   bool restricted_;
 };
 

@@ -27,6 +27,16 @@ struct ProductSeries {
   std::ptrdiff_t count = 0;  // of k
 };
 
+// A filter of innovations, sample by sample (nonlinear/innovations_filter.h):
+// gain of the level w, 1/√F, and of each sample with colour four numbers: own,
+// cross, and the gains of a and b.
+struct FilterSteps {
+  const double* gains = nullptr;
+  const double* inverse_roots = nullptr;
+  const double* colour = nullptr;  // nullptr: none
+  double spread = 0.0;
+};
+
 }  // namespace mle
 
 #endif  // MLE_REGRESSION_KERNELS_ARGUMENTS_H_

@@ -1,7 +1,8 @@
 // What the files that are compiled once for each instruction set share.
 //
-// They include no header with inline functions: the linker keeps one copy of
-// each, and it might be one that not every processor can run.
+// They include no header with inline functions but of their own namespace
+// (vectors.h): the linker keeps one copy of each, and it might be one that not
+// every processor can run.
 
 #ifndef MLE_REGRESSION_KERNELS_INSTRUCTION_SETS_H_
 #define MLE_REGRESSION_KERNELS_INSTRUCTION_SETS_H_
@@ -26,6 +27,9 @@ namespace mle {
                        std::ptrdiff_t n, double* x);                         \
   void Solve(const double* u, std::ptrdiff_t stride, std::ptrdiff_t n,       \
              double* x);                                                     \
+  void FilterRows(const FilterSteps& steps, std::ptrdiff_t count,            \
+                  double* rows, std::ptrdiff_t stride, std::ptrdiff_t width, \
+                  double* state);                                            \
   }
 
 MLE_DECLARE_KERNELS(baseline)

@@ -12,7 +12,7 @@ namespace {
 #define MLE_KERNELS(set)                                                     \
   Kernels {                                                                  \
 #set, set::AddProducts, set::MultiplyColumns, set::SubtractColumnsTwice, \
-        set::SolveTransposed, set::Solve                                     \
+        set::SolveTransposed, set::Solve, set::FilterRows                    \
   }
 
 Kernels ChooseKernels() {

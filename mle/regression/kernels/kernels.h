@@ -1,6 +1,7 @@
-// The inner loops of the lasso engine, compiled once for each set of vector
-// instructions and chosen when the program runs. So one program is fast on
-// every processor, and none of Eigen's types depends on the processor.
+// The inner loops of the lasso engine and of likelihoods, compiled once for
+// each set of vector instructions and chosen when the program runs. So one
+// program is fast on every processor, and none of Eigen's types depends on the
+// processor.
 //
 // Loops run over raw arrays, in an order that depends on sizes and instruction
 // set alone, not on addresses: the same input gives the same bytes with any
@@ -40,6 +41,16 @@ struct Kernels {
                            std::ptrdiff_t n, double* x);
   void (*solve)(const double* u, std::ptrdiff_t stride, std::ptrdiff_t n,
                 double* x);
+
+  // Each of `count` rows of `width` numbers becomes its innovations over √F:
+  //
+  //   ν = x − w − a,   w += g_w ν,   a ← m a + c b + g_a ν,
+  //   b ← d c a + m b + g_b ν.
+  //
+  // `state` (3 × width: w, a, b) is where the rows before left it.
+  void (*filter_rows)(const FilterSteps& steps, std::ptrdiff_t count,
+                      double* rows, std::ptrdiff_t stride, std::ptrdiff_t width,
+                      double* state);
 };
 
 // Those this processor can run, the slowest ("baseline": what the compiler

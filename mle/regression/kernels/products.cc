@@ -2,25 +2,18 @@
 // Compiled once for each instruction set, as namespace MLE_INSTRUCTION_SET.
 
 #include "mle/regression/kernels/instruction_sets.h"
+#include "mle/regression/kernels/vectors.h"
 
 namespace mle::MLE_INSTRUCTION_SET {
 namespace {
 
-using Index = std::ptrdiff_t;
-
-// A vector of the widest registers, and how many such vectors of a tile's
-// column fit beside each other: kDepth × 4 sums take most registers.
+// How many vectors of a tile's column fit beside each other: kDepth × 4 sums
+// take most registers.
 #if defined(__AVX512F__)
-constexpr int kWidth = 8;
 constexpr int kDepth = 6;
-#elif defined(__AVX__)
-constexpr int kWidth = 4;
-constexpr int kDepth = 3;
 #else
-constexpr int kWidth = 2;
 constexpr int kDepth = 3;
 #endif
-using Vector __attribute__((vector_size(kWidth * sizeof(double)))) = double;
 
 // Numbers of one stretch of samples: 32 KiB.
 constexpr Index kStretch = 4096;
@@ -29,18 +22,6 @@ constexpr Index kStretch = 4096;
 // read and written less.
 constexpr int kColumns = 8;
 constexpr int kPanel = 4;
-
-template <typename T>
-T Load(const double* from) {
-  T value;
-  __builtin_memcpy(&value, from, sizeof(T));
-  return value;
-}
-
-template <typename T>
-void Store(const T& value, double* to) {
-  __builtin_memcpy(to, &value, sizeof(T));
-}
 
 Index Min(Index a, Index b) { return a < b ? a : b; }
 
