@@ -214,6 +214,11 @@ FoldResult HoldOut(const Estimate& estimate, const std::vector<Record>& windows,
   if (options.change_test == ChangeTest::kCalibrated) {
     options.change_test = ChangeTest::kChiSquare;
   }
+  // So is whether shapes are proposed that the structure lacks.
+  const bool shapes = whole.posterior.has_value() && whole.posterior->any();
+  if (options.estimator == Estimator::kCombined && !shapes) {
+    options.estimator = Estimator::kOutputError;
+  }
   const absl::StatusOr<Estimate> part = EstimateModel(
       estimate.setting.initial, Remaining(windows, fold), options);
   result.status = part.status();
@@ -221,7 +226,7 @@ FoldResult HoldOut(const Estimate& estimate, const std::vector<Record>& windows,
   const Predictor& before = in_use ? in_use : part->fit.initial;
   result.corrected =
       ScoreFold(windows, fold, before, part->fit.corrected, horizons);
-  if (estimate.fit.posterior.has_value() && estimate.fit.posterior->any()) {
+  if (shapes) {
     result.parametric =
         ScoreFold(windows, fold, before, part->fit.parametric, horizons);
   }

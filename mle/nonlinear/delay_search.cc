@@ -28,37 +28,91 @@ struct Combinations {
     return normal.llt().solve(VectorXd(products(chosen)));
   }
   double Explained(const std::vector<int>& chosen) const {
-    if (chosen.size() == 2) {
-      const double cross = gram(chosen[0], chosen[1]) / (1.0 + kRidge);
-      const double a = products(chosen[0]);
-      const double b = products(chosen[1]);
-      return (a * a - 2.0 * cross * a * b + b * b) / (1.0 + kRidge) /
-             (1.0 - cross * cross);
-    }
     return ScaledGains(chosen).dot(VectorXd(products(chosen)));
   }
 };
 
-// Elements a and b (columns begins[a] … begins[a+1]−1) over all combinations;
-// true if that improves.
+// Columns without what those of other elements explain of them and of y.
+class Conditional {
+ public:
+  Conditional(const Combinations& combinations, const std::vector<int>& others,
+              int first, int count)
+      : gram_(combinations.gram.middleCols(first, count)),
+        products_(combinations.products.segment(first, count)),
+        squares_(VectorXd::Constant(count, 1.0 + kRidge)),
+        shares_(others.size(), count) {
+    if (others.empty()) return;
+    const Eigen::LLT<MatrixXd> llt(
+        combinations.gram(others, others) +
+        kRidge * MatrixXd::Identity(shares_.rows(), shares_.rows()));
+    shares_ = llt.matrixL().solve(MatrixXd(gram_(others, Eigen::all)));
+    const VectorXd explained =
+        llt.matrixL().solve(VectorXd(combinations.products(others)));
+    products_ -= shares_.transpose() * explained;
+    squares_ -= shares_.colwise().squaredNorm();
+    explained_ = explained.squaredNorm();
+  }
+
+  double explained() const { return explained_; }  // by the others
+  double product(int i) const { return products_(i); }
+  double square(int i) const { return squares_(i); }
+  // With all columns of `other`, which begin at `first`.
+  MatrixXd Products(const Conditional& other, int first) const {
+    return gram_.middleRows(first, other.products_.size()).transpose() -
+           shares_.transpose() * other.shares_;
+  }
+
+ private:
+  MatrixXd gram_;
+  VectorXd products_;  // with y
+  VectorXd squares_;
+  MatrixXd shares_;
+  double explained_ = 0.0;
+};
+
+// Elements a and b (columns begins[a] … begins[a+1]−1) over all combinations,
+// the others held; true if that improves.
 bool ImprovePair(const Combinations& combinations,
                  const std::vector<int>& begins, int a, int b,
                  std::vector<int>& chosen, double& explained) {
-  std::vector<int> trial = chosen;
-  bool improved = false;
-  for (int i = begins[a]; i < begins[a + 1]; ++i) {
-    for (int k = begins[b]; k < begins[b + 1]; ++k) {
-      trial[a] = i;
-      trial[b] = k;
-      const double value = combinations.Explained(trial);
-      if (value > explained * (1.0 + 1e-12)) {
-        explained = value;
-        chosen = trial;
-        improved = true;
-      }
+  std::vector<int> others;
+  for (int c = 0; c < static_cast<int>(chosen.size()); ++c) {
+    if (c != a && c != b) others.push_back(chosen[c]);
+  }
+  const int count_a = begins[a + 1] - begins[a];
+  const int count_b = begins[b + 1] - begins[b];
+  const Conditional left(combinations, others, begins[a], count_a);
+  const Conditional right(combinations, others, begins[b], count_b);
+  const MatrixXd cross = left.Products(right, begins[b]);
+  const double least = explained * (1.0 + 1e-12);
+  double best = least;
+  for (int i = 0; i < count_a; ++i) {
+    const double p = left.product(i);
+    for (int k = 0; k < count_b; ++k) {
+      const double q = right.product(k);
+      const double c = cross(i, k);
+      const double determinant = left.square(i) * right.square(k) - c * c;
+      const double value =
+          left.explained() +
+          (p * p * right.square(k) - 2.0 * c * p * q + q * q * left.square(i)) /
+              determinant;
+      if (!(determinant > 0.0) || !(value > best)) continue;
+      best = value;
+      chosen[a] = begins[a] + i;
+      chosen[b] = begins[b] + k;
     }
   }
-  return improved;
+  if (!(best > least)) return false;
+  explained = best;
+  return true;
+}
+
+// The same of a single element.
+double ChooseBest(const Combinations& combinations, std::vector<int>& chosen) {
+  Eigen::Index best = 0;
+  const double product = combinations.products.cwiseAbs().maxCoeff(&best);
+  chosen[0] = static_cast<int>(best);
+  return product * product / (1.0 + kRidge);
 }
 
 // The dead times that are tried, in samples, and where they begin.
@@ -113,16 +167,17 @@ Combinations MakeCombinations(const MatrixXd& dictionary) {
 // Pair by pair until no pair improves; returns the squares explained.
 double Improve(const Combinations& combinations, const std::vector<int>& begins,
                std::vector<int>& chosen) {
-  double explained = combinations.Explained(chosen);
   const int count = static_cast<int>(chosen.size());
-  for (bool improved = true; improved;) {
+  if (count == 1) return ChooseBest(combinations, chosen);
+  double explained = combinations.Explained(chosen);
+  for (bool improved = count > 1; improved;) {
     improved = false;
-    for (int a = 0; a < std::max(1, count - 1); ++a) {
-      for (int b = std::min(a + 1, count - 1); b < count; ++b) {
+    for (int a = 0; a + 1 < count; ++a) {
+      for (int b = a + 1; b < count; ++b) {
         improved |= ImprovePair(combinations, begins, a, b, chosen, explained);
       }
     }
-    if (count <= 2) break;
+    if (count == 2) break;
   }
   return explained;
 }

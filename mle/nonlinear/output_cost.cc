@@ -123,15 +123,12 @@ class OutputCost : public ceres::CostFunction {
         columns_.col(first + 1) = -gain * response_(segment.times, 1);
         columns_.col(first + 2) = -gain * response_(segment.times, 2);
       }
-      modes_.resize(columns_.rows(), 0);
-      mode_derivatives_.resize(columns_.rows(), 0);
-      problem_.AppendModes(segment, point_, j, modes_, mode_derivatives_);
-      columns_.middleCols(mode, modes_.cols()) = modes_;
-      if (width > 1) {
-        columns_.middleCols(mode + num_modes_, modes_.cols()) =
-            mode_derivatives_;
-      }
-      mode += modes_.cols();
+      const Eigen::Index r = problem_.elements()[j]->order();
+      unused_.resize(columns_.rows(), r);
+      problem_.Modes(segment, point_, j, columns_.middleCols(mode, r),
+                     width > 1 ? columns_.middleCols(mode + num_modes_, r)
+                               : unused_.leftCols(r));
+      mode += r;
     }
   }
 
@@ -156,8 +153,7 @@ class OutputCost : public ceres::CostFunction {
   mutable OutputPoint point_;
   mutable MatrixXd columns_;
   mutable MatrixXd response_;
-  mutable MatrixXd modes_;
-  mutable MatrixXd mode_derivatives_;
+  mutable MatrixXd unused_;  // derivatives that nobody asked for
 };
 
 }  // namespace

@@ -98,26 +98,36 @@ bool OutputErrorProblem::IsExcited(int input) const {
   return false;
 }
 
+void OutputErrorProblem::Modes(const Segment& segment, const OutputPoint& point,
+                               int j, Eigen::Ref<MatrixXd> columns,
+                               Eigen::Ref<MatrixXd> derivatives) const {
+  const int first = segment.times.front();
+  const int length = segment.times.back() - first + 1;
+  const double time_scale = point.values[j].time_scale;
+  if (length == columns.rows()) {
+    elements_[j]->FreeResponses(time_scale, sample_time_, columns, derivatives);
+    return;
+  }
+  MatrixXd modes(length, columns.cols());
+  MatrixXd by_time_scale(length, columns.cols());
+  elements_[j]->FreeResponses(time_scale, sample_time_, modes, by_time_scale);
+  for (Eigen::Index row = 0; row < columns.rows(); ++row) {
+    const int k = segment.times[row] - first;
+    columns.row(row) = modes.row(k);
+    derivatives.row(row) = by_time_scale.row(k);
+  }
+}
+
 void OutputErrorProblem::AppendModes(const Segment& segment,
                                      const OutputPoint& point, int j,
                                      MatrixXd& columns,
                                      MatrixXd& derivatives) const {
-  const int first = segment.times.front();
-  const int length = segment.times.back() - first + 1;
   const Eigen::Index rows = segment.outputs.size();
-  const int r = elements_[j]->order();
-  MatrixXd modes(length, r);
-  MatrixXd by_time_scale(length, r);
-  elements_[j]->FreeResponses(point.values[j].time_scale, sample_time_, modes,
-                              by_time_scale);
   const Eigen::Index before = columns.cols();
+  const int r = elements_[j]->order();
   columns.conservativeResize(rows, before + r);
   derivatives.conservativeResize(rows, before + r);
-  for (Eigen::Index row = 0; row < rows; ++row) {
-    const int k = segment.times[row] - first;
-    columns.row(row).tail(r) = modes.row(k);
-    derivatives.row(row).tail(r) = by_time_scale.row(k);
-  }
+  Modes(segment, point, j, columns.rightCols(r), derivatives.rightCols(r));
 }
 
 void OutputErrorProblem::Amplitudes(int s, const OutputPoint& point,

@@ -161,8 +161,11 @@ class OutputErrorProblem {
   // for each sample of the segment's inputs.
   void Respond(const Segment& segment, const OutputPoint& point, int j,
                Eigen::MatrixXd& response) const;
-  // Appends the free responses of element j (rows × r_j) and their derivatives
-  // by its ln T; the columns of lines and steps.
+  // The free responses of element j (rows × r_j) and their derivatives by its
+  // ln T; the same appended; the columns of lines and steps.
+  void Modes(const Segment& segment, const OutputPoint& point, int j,
+             Eigen::Ref<Eigen::MatrixXd> columns,
+             Eigen::Ref<Eigen::MatrixXd> derivatives) const;
   void AppendModes(const Segment& segment, const OutputPoint& point, int j,
                    Eigen::MatrixXd& columns,
                    Eigen::MatrixXd& derivatives) const;
