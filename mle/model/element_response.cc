@@ -79,8 +79,8 @@ void WithOrder(Eigen::Index order, const With& with) {
   with(std::integral_constant<int, Eigen::Dynamic>());
 }
 
-// `state` (x, T ∂x/∂T) runs over the inputs.
-template <int kStates, int kOrder>
+// `state`, x or (x, T ∂x/∂T), runs over the inputs.
+template <int kStates, int kOrder, bool kDerivatives>
 void RunOver(const SampleMap& map, const Eigen::RowVectorXd& C,
              const Eigen::RowVectorXd& slope, double slope_by_input,
              const VectorXd& start, int whole, double past_input,
@@ -102,9 +102,11 @@ void RunOver(const SampleMap& map, const Eigen::RowVectorXd& C,
   for (Eigen::Index k = 0; k < inputs.size(); ++k) {
     const auto x = state.head(Eigen::fix<kOrder>(static_cast<int>(r)));
     columns(k, 0) = output.dot(x);
-    columns(k, 1) =
-        output.dot(state.tail(Eigen::fix<kOrder>(static_cast<int>(r))));
-    columns(k, 2) = slope_by_state.dot(x) + slope_by_input * older;
+    if constexpr (kDerivatives) {
+      columns(k, 1) =
+          output.dot(state.tail(Eigen::fix<kOrder>(static_cast<int>(r))));
+      columns(k, 2) = slope_by_state.dot(x) + slope_by_input * older;
+    }
     const double newer = k >= whole ? inputs(k - whole) : past_input;
     move.setZero();
     move.noalias() += E * state;
@@ -149,7 +151,8 @@ void ElementResponse::Simulate(double time_scale, double sample_time,
                                double past_input,
                                Eigen::Ref<MatrixXd> columns) const {
   CHECK_EQ(columns.rows(), inputs.size());
-  CHECK_EQ(columns.cols(), 3);
+  const bool derivatives = columns.cols() > 1;
+  CHECK_EQ(columns.cols(), derivatives ? 3 : 1);
   const int r = order();
   // States x and T ∂x/∂T, time in units of T.
   MatrixXd M = MatrixXd::Zero(2 * r, 2 * r);
@@ -158,16 +161,19 @@ void ElementResponse::Simulate(double time_scale, double sample_time,
   M.bottomRightCorner(r, r) = A_;
   VectorXd n(2 * r);
   n << B_, -B_;
-  const double duration = sample_time / time_scale;
-  const SampleMap map = SampleMap::Over(duration, delay.fraction, M, n);
-  VectorXd start = VectorXd::Zero(2 * r);
+  const int states = derivatives ? 2 * r : r;
+  const SampleMap map =
+      SampleMap::Over(sample_time / time_scale, delay.fraction,
+                      M.topLeftCorner(states, states), n.head(states));
+  VectorXd start = VectorXd::Zero(states);
   start.head(r) = -A_.partialPivLu().solve(B_) * past_input;
   WithOrder(r, [&](auto order) {
     constexpr int kOrder = decltype(order)::value;
     constexpr int kStates = kOrder == Eigen::Dynamic ? kOrder : 2 * kOrder;
-    RunOver<kStates, kOrder>(map, C_, -C_ * A_ / time_scale,
-                             -C_.dot(B_) / time_scale, start, delay.whole,
-                             past_input, inputs, columns);
+    const auto run = derivatives ? RunOver<kStates, kOrder, true>
+                                 : RunOver<kOrder, kOrder, false>;
+    run(map, C_, -C_ * A_ / time_scale, -C_.dot(B_) / time_scale, start,
+        delay.whole, past_input, inputs, columns);
   });
 }
 

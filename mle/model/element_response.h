@@ -57,6 +57,7 @@ class ElementResponse {
 
   // columns (N × 3): the response for K = 1, its derivative by ln T and by L,
   // k = 0 … N−1, to `inputs` (N), held at `past_input` before and settled.
+  // Of one column (N × 1) the response alone, in half the time.
   void Simulate(double time_scale, double sample_time, SampledDelay delay,
                 const Eigen::Ref<const Eigen::VectorXd>& inputs,
                 double past_input, Eigen::Ref<Eigen::MatrixXd> columns) const;

@@ -15,8 +15,8 @@ using Eigen::VectorXd;
 // Numbers of a block of rows: 32 KiB.
 constexpr Eigen::Index kBlock = 4096;
 constexpr Eigen::Index kFewestRows = 16;
-// Columns of products made at once.
-constexpr Eigen::Index kPanel = 8;
+// Of the widest vectors; columns of products made at once.
+constexpr Eigen::Index kMostLanes = 8;
 
 Eigen::Index RowsOfBlock(Eigen::Index width) {
   return std::max(kBlock / std::max<Eigen::Index>(width, 1), kFewestRows);
@@ -218,27 +218,32 @@ void InnovationsFilter::Apply(Eigen::Ref<MatrixXd> columns) const {
 MatrixXd InnovationsFilter::WhitenedProducts(
     const RowMajorMatrix& columns) const {
   CHECK_EQ(columns.rows(), static_cast<Eigen::Index>(gains_.size()));
-  const Eigen::Index width = columns.cols();
+  // Whole vectors are filtered faster than single columns: the rest are zeros.
+  const Eigen::Index width =
+      (columns.cols() + kMostLanes - 1) / kMostLanes * kMostLanes;
   const Eigen::Index most = RowsOfBlock(width);
   MatrixXd products = MatrixXd::Zero(width, width);
   VectorXd state = VectorXd::Zero(3 * width);
   RowMajorMatrix block;
   for (Eigen::Index first = 0; first < columns.rows(); first += most) {
-    block = columns.middleRows(first, std::min(most, columns.rows() - first));
+    const Eigen::Index rows = std::min(most, columns.rows() - first);
+    if (block.rows() != rows) block.setZero(rows, width);
+    block.leftCols(columns.cols()) = columns.middleRows(first, rows);
     FilterBlock(first, block, state);
     // The lower triangle, and what of the upper its panels hold.
-    for (Eigen::Index c = 0; c < width; c += kPanel) {
+    for (Eigen::Index c = 0; c < width; c += kMostLanes) {
       VectorKernels().add_products({.x = block.data() + c,
                                     .x_stride = width,
                                     .rows = width - c,
                                     .w = block.data() + c,
                                     .w_stride = width,
-                                    .columns = std::min(kPanel, width - c),
-                                    .count = block.rows()},
+                                    .columns = kMostLanes,
+                                    .count = rows},
                                    &products(c, c), width);
     }
   }
-  return products.selfadjointView<Eigen::Lower>();
+  return products.topLeftCorner(columns.cols(), columns.cols())
+      .selfadjointView<Eigen::Lower>();
 }
 
 // Disturbance smoother: e_k = (ν_k/F_k − Kᵀ_k r_k)/ω_k, backwards with

@@ -31,7 +31,6 @@ const double kShareOfValue =
 const double kShareBelow = std::exp(-0.25 * kGridStep);
 
 constexpr double kAmplitudeTolerance = 1e-9;
-constexpr Eigen::Index kLanes = 8;  // of the widest vectors
 
 }  // namespace
 
@@ -95,11 +94,8 @@ ShapeLikelihood::Part ShapeLikelihood::MakePart(const MatrixXd& amplitudes,
     }
   }
   part.amplitudes = basis.cols();
-  const Eigen::Index width = basis.cols() + others.cols();
-  // Whole vectors are filtered faster than single columns.
-  part.columns.setZero(others.rows(), (width + kLanes - 1) / kLanes * kLanes);
-  part.columns.leftCols(basis.cols()) = basis;
-  part.columns.middleCols(basis.cols(), others.cols()) = others;
+  part.columns.resize(others.rows(), basis.cols() + others.cols());
+  part.columns << basis, others;
   return part;
 }
 
@@ -117,22 +113,21 @@ Profile ShapeLikelihood::At(const NoiseShape& shape) const {
     const OutputErrorProblem::Segment& segment =
         problem_.segment(static_cast<int>(s));
     const InnovationsFilter filter(segment.times, shape, segment.weights);
-    const Eigen::Index all = part.amplitudes + size;
-    const Elimination amplitudes = EliminateFirst(
-        part.amplitudes,
-        filter.WhitenedProducts(part.columns).topLeftCorner(all, all));
+    const Elimination amplitudes =
+        EliminateFirst(part.amplitudes, filter.WhitenedProducts(part.columns));
     products += amplitudes.rest;
     log_amplitudes += amplitudes.log_determinant + part.log_scale;
-    num_amplitudes += amplitudes.rank;
+    num_amplitudes += amplitudes.rank();
     log_determinant += filter.log_determinant();
   }
   const Elimination linearised = EliminateFirst(width_, std::move(products));
-  profile.rank = linearised.rank;
+  profile.rank = linearised.rank();
+  profile.coefficients = linearised.Coefficients(width_);
   // Exact data leave rounding, which has no likelihood.
   profile.squares = std::max(
       {linearised.rest(0, 0), 1e-26 * problem_.total_squares(), 1e-300});
   const double n = problem_.num_innovations(shape);
-  profile.degrees = n - num_amplitudes - linearised.rank;
+  profile.degrees = n - num_amplitudes - linearised.rank();
   profile.value = log_determinant;
   if (restricted_) {
     profile.value += profile.degrees * std::log(profile.variance()) +

@@ -36,6 +36,9 @@ struct Profile {
   double degrees = 0.0;  // of freedom that they have
   int rank = 0;          // of what is fitted to first order
   double factor = 1.0;   // of OutputErrorProblem::variance_factor()
+  // Of what is fitted to first order: steps from the linearisation (as of the
+  // residuals' derivatives, with their sign), then of the columns besides.
+  Eigen::VectorXd coefficients;
 
   double variance() const;  // r
 };
@@ -60,7 +63,7 @@ class ShapeLikelihood {
   const OutputErrorProblem& problem() const { return problem_; }
 
  private:
-  // Columns of a segment: amplitudes, what is linearised, residuals, zeros.
+  // Columns of a segment: amplitudes, what is linearised, residuals.
   struct Part {
     RowMajorMatrix columns;
     Eigen::Index amplitudes = 0;

@@ -2,40 +2,40 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
+#include <utility>
 #include <vector>
 
 #include "Eigen/Core"
 #include "ceres/cost_function.h"
-#include "mle/nonlinear/amplitude_fit.h"
+#include "mle/nonlinear/elimination.h"
 
 namespace mle {
 namespace {
 
+using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
-// Columns of a segment, from the left: residuals, the derivatives of each free
-// element by K, ln T and L, its free responses, their derivatives by ln T.
+// Columns of a segment, from the left: amplitudes of the elements held, of
+// lines and steps; free responses of the free elements; where there are
+// derivatives those of the free responses by ln T, and those of each free
+// element by K, ln T and L; residuals.
 class OutputCost : public ceres::CostFunction {
  public:
   OutputCost(const OutputErrorProblem& problem, const OutputPoint& point,
              const std::vector<bool>& free, const NoiseShape& shape,
              bool fixed_cells)
       : problem_(problem), fixed_cells_(fixed_cells), point_(point) {
-    set_num_residuals(problem.num_samples());
     for (int j = 0; j < problem.num_elements(); ++j) {
       if (!problem.elements()[j].has_value() || !free[j]) continue;
       free_.push_back(j);
       num_modes_ += problem.elements()[j]->order();
       mutable_parameter_block_sizes()->push_back(3);
     }
-    Eigen::Index begin = 0;
+    num_parameters_ = 3 * static_cast<Index>(free_.size());
+    set_num_residuals(static_cast<int>(num_parameters_) + 1);
     for (int s = 0; s < problem.num_segments(); ++s) {
       parts_.push_back(Hold(s, free, shape));
-      parts_.back().begin = begin;
-      begin += problem.segment(s).outputs.size();
     }
   }
 
@@ -45,19 +45,39 @@ class OutputCost : public ceres::CostFunction {
       point_.values[free_[f]] = {x[f][0], std::exp(x[f][1]), x[f][2]};
     }
     if (!fixed_cells_) point_.SetCells(problem_.sample_time());
+    const Index width = jacobians != nullptr ? num_parameters_ : 0;
+    MatrixXd products = MatrixXd::Zero(width + 1, width + 1);
     for (int s = 0; s < problem_.num_segments(); ++s) {
-      EvaluateSegment(s, residuals, jacobians);
+      products += ProductsOf(s, width);
+    }
+    const Elimination compressed = EliminateFirst(width, std::move(products));
+    Eigen::Map<VectorXd> values(residuals, num_residuals());
+    values.setZero();
+    const Index rank = compressed.rank();
+    values.head(rank) = compressed.rows.col(width);
+    values(num_parameters_) = std::sqrt(std::max(compressed.rest(0, 0), 0.0));
+    for (std::size_t f = 0; jacobians != nullptr && f < free_.size(); ++f) {
+      if (jacobians[f] == nullptr) continue;
+      Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>>
+          jacobian(jacobians[f], num_residuals(), 3);
+      jacobian.setZero();
+      jacobian.topRows(rank) =
+          compressed.rows.middleCols<3>(3 * static_cast<Index>(f));
     }
     return true;
   }
 
  private:
-  // What does not change with the free elements.
   struct Part {
     InnovationsFilter filter;
-    VectorXd outputs;     // less the responses of the elements held
-    MatrixXd amplitudes;  // whitened, of these elements, lines and steps
-    Eigen::Index begin = 0;
+    VectorXd outputs;  // less the responses of the elements held
+    Index held = 0;    // amplitudes that do not change
+    // Columns with derivatives and without; the amplitudes held stay in them.
+    mutable RowMajorMatrix columns = {};
+    mutable RowMajorMatrix without = {};
+    // As they were in the last evaluation: taken off before products are made,
+    // so that little is left for them to explain.
+    mutable VectorXd amplitudes = {};
   };
 
   Part Hold(int s, const std::vector<bool>& free,
@@ -65,95 +85,106 @@ class OutputCost : public ceres::CostFunction {
     const OutputErrorProblem::Segment& segment = problem_.segment(s);
     Part part = {
         .filter = InnovationsFilter(segment.times, shape, segment.weights),
-        .outputs = segment.outputs,
-        .amplitudes = MatrixXd(segment.outputs.size(), 0)};
+        .outputs = segment.outputs};
+    const Index rows = segment.outputs.size();
+    MatrixXd held(rows, 0);
     MatrixXd response;
     MatrixXd derivatives;
     for (int j = 0; j < problem_.num_elements(); ++j) {
       if (!problem_.elements()[j].has_value() || free[j]) continue;
-      problem_.Respond(segment, point_, j, response);
+      problem_.Respond(segment, point_, j, response, /*derivatives=*/false);
       part.outputs -=
           point_.values[j].gain * response(segment.times, Eigen::all).col(0);
-      problem_.AppendModes(segment, point_, j, part.amplitudes, derivatives);
+      problem_.AppendModes(segment, point_, j, held, derivatives);
     }
-    problem_.AppendDisturbances(s, part.amplitudes);
-    part.filter.Apply(part.amplitudes);
+    problem_.AppendDisturbances(s, held);
+    part.held = held.cols();
+    const Index amplitudes = part.held + num_modes_;
+    part.amplitudes = VectorXd::Zero(amplitudes);
+    part.columns.resize(rows, amplitudes + num_modes_ + num_parameters_ + 1);
+    part.without.resize(rows, amplitudes + 1);
+    part.columns.leftCols(part.held) = held;
+    part.without.leftCols(part.held) = held;
     return part;
   }
 
-  void EvaluateSegment(int s, double* residuals, double** jacobians) const {
+  // Of the derivatives (`width`, or 0) and the residuals of a segment,
+  // whitened, without what the amplitudes explain.
+  MatrixXd ProductsOf(int s, Index width) const {
     const Part& part = parts_[s];
-    const Eigen::Index width =
-        jacobians != nullptr ? 1 + 3 * static_cast<Eigen::Index>(free_.size())
-                             : 1;
-    const Eigen::Index derivatives = jacobians != nullptr ? num_modes_ : 0;
-    columns_.resize(part.outputs.size(), width + num_modes_ + derivatives);
-    Fill(problem_.segment(s), part, width);
-    part.filter.Apply(columns_);
-    const Eigen::Index held = part.amplitudes.cols();
-    if (num_modes_ + held > 0) {
-      MatrixXd amplitudes(columns_.rows(), num_modes_ + held);
-      amplitudes << columns_.middleCols(width, num_modes_), part.amplitudes;
-      const AmplitudeFit fit(std::move(amplitudes));
-      if (jacobians != nullptr) AddModes(fit.Solve(columns_.col(0)), width);
-      fit.TakeOut(columns_.leftCols(width));
-    }
-    Eigen::Map<VectorXd>(residuals + part.begin, columns_.rows()) =
-        columns_.col(0);
-    for (std::size_t f = 0; jacobians != nullptr && f < free_.size(); ++f) {
-      if (jacobians[f] == nullptr) continue;
-      Eigen::Map<RowMajor>(jacobians[f] + 3 * part.begin, columns_.rows(), 3) =
-          columns_.middleCols<3>(1 + 3 * static_cast<Eigen::Index>(f));
-    }
+    const bool derivatives = width > 0;
+    RowMajorMatrix& columns = derivatives ? part.columns : part.without;
+    Fill(problem_.segment(s), part, derivatives, columns);
+    const Index amplitudes = part.amplitudes.size();
+    columns.rightCols<1>() -= columns.leftCols(amplitudes) * part.amplitudes;
+    MatrixXd products = part.filter.WhitenedProducts(columns);
+    Elimination result = EliminateFirst(amplitudes, products);
+    if (amplitudes == 0) return result.rest;
+    part.amplitudes += result.Coefficients(columns.cols() - 1);
+    if (!derivatives) return result.rest;
+    AddModes(part, products);
+    result = EliminateFirst(amplitudes, std::move(products));
+    return result.rest.bottomRightCorner(width + 1, width + 1);
   }
 
-  // `width`: without derivatives 1.
   void Fill(const OutputErrorProblem::Segment& segment, const Part& part,
-            Eigen::Index width) const {
-    columns_.col(0) = part.outputs;
-    Eigen::Index mode = width;
-    for (std::size_t f = 0; f < free_.size(); ++f) {
-      const int j = free_[f];
+            bool derivatives, RowMajorMatrix& columns) const {
+    const Index last = columns.cols() - 1;
+    columns.col(last) = part.outputs;
+    Index mode = part.held;
+    Index parameter = part.held + 2 * num_modes_;
+    for (const int j : free_) {
       const double gain = point_.values[j].gain;
-      problem_.Respond(segment, point_, j, response_);
-      columns_.col(0) -= gain * response_(segment.times, 0);
-      if (width > 1) {
-        const Eigen::Index first = 1 + 3 * static_cast<Eigen::Index>(f);
-        columns_.col(first) = -response_(segment.times, 0);
-        columns_.col(first + 1) = -gain * response_(segment.times, 1);
-        columns_.col(first + 2) = -gain * response_(segment.times, 2);
+      problem_.Respond(segment, point_, j, response_, derivatives);
+      const Index r = problem_.elements()[j]->order();
+      modes_.resize(columns.rows(), r);
+      mode_derivatives_.resize(columns.rows(), r);
+      problem_.Modes(segment, point_, j, modes_, mode_derivatives_);
+      columns.middleCols(mode, r) = modes_;
+      if (derivatives) {
+        columns.middleCols(mode + num_modes_, r) = mode_derivatives_;
       }
-      const Eigen::Index r = problem_.elements()[j]->order();
-      unused_.resize(columns_.rows(), r);
-      problem_.Modes(segment, point_, j, columns_.middleCols(mode, r),
-                     width > 1 ? columns_.middleCols(mode + num_modes_, r)
-                               : unused_.leftCols(r));
+      for (Index row = 0; row < columns.rows(); ++row) {
+        const auto at = response_.row(segment.times[row]);
+        columns(row, last) -= gain * at(0);
+        if (!derivatives) continue;
+        columns(row, parameter) = -at(0);
+        columns(row, parameter + 1) = -gain * at(1);
+        columns(row, parameter + 2) = -gain * at(2);
+      }
       mode += r;
+      parameter += 3;
     }
   }
 
-  // The modes' part of the derivative by ln T takes their amplitudes.
-  void AddModes(const VectorXd& amplitudes, Eigen::Index width) const {
-    Eigen::Index mode = 0;
-    for (std::size_t f = 0; f < free_.size(); ++f) {
-      const Eigen::Index r = problem_.elements()[free_[f]]->order();
-      columns_.col(2 + 3 * static_cast<Eigen::Index>(f)).noalias() -=
-          columns_.middleCols(width + num_modes_ + mode, r) *
-          amplitudes.segment(mode, r);
+  // The modes' part of the derivative by ln T takes their amplitudes: the
+  // products become those of the columns so changed.
+  void AddModes(const Part& part, MatrixXd& products) const {
+    Index mode = part.held;
+    Index by_time_scale = part.held + 2 * num_modes_ + 1;
+    for (const int j : free_) {
+      const Index r = problem_.elements()[j]->order();
+      const VectorXd amplitudes = part.amplitudes.segment(mode, r);
+      products.col(by_time_scale) -=
+          products.middleCols(mode + num_modes_, r) * amplitudes;
+      products.row(by_time_scale) -=
+          amplitudes.transpose() * products.middleRows(mode + num_modes_, r);
       mode += r;
+      by_time_scale += 3;
     }
   }
 
   const OutputErrorProblem& problem_;
   bool fixed_cells_;
   std::vector<int> free_;
-  Eigen::Index num_modes_ = 0;  // of the free elements
+  Index num_modes_ = 0;  // of the free elements
+  Index num_parameters_ = 0;
   std::vector<Part> parts_;
   // Of one evaluation; Ceres makes one at a time.
   mutable OutputPoint point_;
-  mutable MatrixXd columns_;
   mutable MatrixXd response_;
-  mutable MatrixXd unused_;  // derivatives that nobody asked for
+  mutable MatrixXd modes_;
+  mutable MatrixXd mode_derivatives_;
 };
 
 }  // namespace

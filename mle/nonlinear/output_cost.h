@@ -1,8 +1,10 @@
-// The cost of one output's fit for Ceres: whitened residuals, with one
-// parameter block (K, ln T, L) for each free element. An evaluation takes
-// O(N f²) operations for N samples and f free elements: f simulations and
-// filters of N, and what the f modes explain of 3f + 1 columns. What the
-// elements held contribute is computed once. Internal to mle/nonlinear.
+// The cost of one output's fit for Ceres, with one parameter block (K, ln T, L)
+// for each of f free elements. In place of the N whitened residuals e and their
+// Jacobian J without what the amplitudes explain, Ceres gets the rows of
+// Cholesky's factor of (J e)ᵀ(J e), 3f + 1 of them: cost, gradient and normal
+// matrix are the same. An evaluation takes O(N f²) operations, with f
+// simulations and filters; what the elements held contribute is computed once.
+// Internal to mle/nonlinear.
 
 #ifndef MLE_NONLINEAR_OUTPUT_COST_H_
 #define MLE_NONLINEAR_OUTPUT_COST_H_

@@ -144,11 +144,11 @@ void OutputErrorProblem::Amplitudes(int s, const OutputPoint& point,
 
 void OutputErrorProblem::Respond(const Segment& segment,
                                  const OutputPoint& point, int j,
-                                 MatrixXd& response) const {
+                                 MatrixXd& response, bool derivatives) const {
   const ElementValues& values = point.values[j];
   const double fraction =
       std::clamp(values.delay / sample_time_ - point.cells[j], 0.0, 1.0);
-  response.resize(segment.inputs.rows(), 3);
+  response.resize(segment.inputs.rows(), derivatives ? 3 : 1);
   elements_[j]->Simulate(values.time_scale, sample_time_,
                          {point.cells[j], fraction}, segment.inputs.col(j),
                          segment.inputs(0, j), response);

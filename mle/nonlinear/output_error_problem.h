@@ -160,7 +160,7 @@ class OutputErrorProblem {
   // The columns of ElementResponse::Simulate() for element j at `point`, a row
   // for each sample of the segment's inputs.
   void Respond(const Segment& segment, const OutputPoint& point, int j,
-               Eigen::MatrixXd& response) const;
+               Eigen::MatrixXd& response, bool derivatives = true) const;
   // The free responses of element j (rows × r_j) and their derivatives by its
   // ln T; the same appended; the columns of lines and steps.
   void Modes(const Segment& segment, const OutputPoint& point, int j,

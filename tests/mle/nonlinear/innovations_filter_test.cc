@@ -120,6 +120,24 @@ INSTANTIATE_TEST_SUITE_P(
                    .colour_pole = 0.7,
                    .colour_damping = 0.1}));
 
+// Whatever the number of columns, over more than one block of rows.
+TEST_P(InnovationsFilterTest, ProductsAreThoseOfWhitenedColumns) {
+  std::vector<int> times(3000);
+  std::iota(times.begin(), times.end(), 0);
+  for (std::size_t k = 1000; k < times.size(); ++k) times[k] += 7;
+  const InnovationsFilter filter(times, GetParam());
+  for (const int width : {1, 3, 8, 33}) {
+    const MatrixXd columns =
+        RandomMatrix(static_cast<int>(times.size()), width);
+    MatrixXd whitened = columns;
+    filter.Apply(whitened);
+    const MatrixXd expected = whitened.transpose() * whitened;
+    const MatrixXd products = filter.WhitenedProducts(columns);
+    EXPECT_LT((products - expected).norm(), 1e-12 * expected.norm()) << width;
+    EXPECT_EQ(products, products.transpose());
+  }
+}
+
 // Weighted samples: the same identity with variances 1/ω on the diagonal.
 TEST_P(InnovationsFilterTest, WeightsAreInverseVariances) {
   const std::vector<int> times = {0, 1, 2, 3, 7, 8, 10, 11, 12, 30, 31, 32};

@@ -1,9 +1,12 @@
 #include "mle/nonlinear/output_error_problem.h"
 
+#include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <vector>
 
+#include "Eigen/QR"
 #include "gtest/gtest.h"
 #include "mle/nonlinear/delay_search.h"
 #include "tests/mle/nonlinear/output_error_records.h"
@@ -155,6 +158,51 @@ TEST(DelaySearchTest, FindsDeadTimesFarAway) {
         problem.Whiten(problem.Linearise(found.point, shape, false), shape)
             .residuals.squaredNorm();
     EXPECT_NEAR(found.cost, cost, 1e-6 * cost + found.cost_accuracy);
+  }
+}
+
+// Of three elements no pair has better dead times, given the third, and the
+// cost is that of the fit.
+TEST(DelaySearchTest, NoPairOfThreeIsBetter) {
+  ProcessModel model = MakeModel(1, 3);
+  model.element(0, 0) = TransferFunction::FirstOrder(2.0, 4.0, 1.0);
+  model.element(0, 1) = TransferFunction::FirstOrder(-3.0, 6.0, 2.5);
+  model.element(0, 2) = TransferFunction::FirstOrder(1.0, 9.0, 0.5);
+  ProcessModel plant = model;
+  plant.element(0, 0).set_delay(3.5);
+  plant.element(0, 1).set_delay(1.0);
+  plant.element(0, 2).set_delay(4.0);
+  const OutputErrorProblem problem =
+      MakeProblem(model, MakeRecords(plant, 400, 6, {.variance = 0.3}));
+  const NoiseShape shape = {.ratio = 0.01};
+  const DelaySearchResult found =
+      SearchDelays(problem, PointOf(problem), shape, {true, true, true},
+                   {6.0, 6.0, 6.0}, 64);
+  std::vector<int> delays(13);
+  std::iota(delays.begin(), delays.end(), 0);
+  const MatrixXd dictionary =
+      problem.Dictionary(PointOf(problem), shape, {delays, delays, delays});
+  const VectorXd y = dictionary.col(39);
+  const auto cost = [&](const std::array<int, 3>& at) {
+    MatrixXd chosen(y.size(), 3);
+    for (int j = 0; j < 3; ++j) chosen.col(j) = dictionary.col(13 * j + at[j]);
+    const VectorXd gains = chosen.householderQr().solve(y);
+    return 0.5 * (y - chosen * gains).squaredNorm();
+  };
+  std::array<int, 3> at;
+  for (int j = 0; j < 3; ++j) {
+    at[j] = static_cast<int>(std::lround(found.point.values[j].delay / 0.5));
+  }
+  EXPECT_NEAR(found.cost, cost(at), 1e-8 * found.cost + found.cost_accuracy);
+  for (int held = 0; held < 3; ++held) {
+    for (int i = 0; i < 13; ++i) {
+      for (int k = 0; k < 13; ++k) {
+        std::array<int, 3> other = at;
+        other[(held + 1) % 3] = i;
+        other[(held + 2) % 3] = k;
+        EXPECT_GE(cost(other), found.cost * (1.0 - 1e-8)) << i << " " << k;
+      }
+    }
   }
 }
 
