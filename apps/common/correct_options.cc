@@ -119,6 +119,11 @@ std::vector<Option> OptionsOf(DecisionOptions& options) {
        "A change of an element's step response, relative to its norm, up to "
        "which it is not worth making.",
        "", kFraction},
+      {"clock_error", &options.clock_error,
+       "By how much the time stamps of a tag may be late or early: a change of "
+       "dead time that a whole row or column of the model shares is not told "
+       "from it. 0: clocks are right.",
+       "s", kNotNegative},
       {"deviations", &options.deviations,
        "Standard errors by which a held-out score must gain, and may not fall.",
        "", kPositive},

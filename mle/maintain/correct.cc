@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <set>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "mle/base/status.h"
+#include "mle/data/civil_time.h"
 #include "mle/maintain/certificates.h"
 #include "mle/maintain/evidence.h"
 #include "mle/maintain/unfitted.h"
@@ -84,6 +86,56 @@ absl::Status DropSmallChanges(int samples, CorrectionResult& result) {
   return absl::OkStatus();
 }
 
+// Proposals that are nothing but a change of dead time that a clock may have
+// made are taken back.
+absl::Status HoldSharedDelays(int samples, CorrectionResult& result) {
+  Estimate& estimate = result.estimate;
+  const double sample_time = result.data.sample_time();
+  const DecisionOptions& decision = result.options.decision;
+  const ProcessModel& initial = result.initial;
+  result.taken_for_clocks.resize(initial.num_outputs());
+  const double most = decision.clock_error /
+                      SecondsPerUnit(initial.time_unit())
+                          .value_or(std::numeric_limits<double>::infinity());
+  if (!ProposesAny(estimate) || !(most > 0.0)) return absl::OkStatus();
+  MLE_ASSIGN_OR_RETURN(const CorrectedModel proposed,
+                       MakeCorrectedModel(estimate, true, sample_time, samples,
+                                          /*make_arx=*/false));
+  for (const SharedDelay& shared :
+       FindSharedDelays(estimate.fit.output_error.full, sample_time)) {
+    if (std::abs(shared.change) > most) continue;
+    result.shared_delays.push_back(shared);
+    ProcessModel late = initial;
+    for (int i = 0; i < initial.num_outputs(); ++i) {
+      for (int j = 0; j < initial.num_inputs(); ++j) {
+        TransferFunction& element = late.element(i, j);
+        if (!shared.contains(i, j) || element.IsZero()) continue;
+        element.set_delay(std::max(0.0, element.delay() + shared.change));
+      }
+    }
+    const StepResponse delayed = late.ComputeStepResponse(sample_time, samples);
+    for (int i = 0; i < initial.num_outputs(); ++i) {
+      for (int j = 0; j < initial.num_inputs(); ++j) {
+        if (!shared.contains(i, j) || !ProposesElement(estimate, i, j) ||
+            ProposesByArx(estimate, i) || ProposesShape(estimate, i)) {
+          continue;
+        }
+        const double rest =
+            (proposed.response.element(i, j) - delayed.element(i, j)).norm();
+        if (rest > decision.least_change * delayed.element(i, j).norm()) {
+          continue;
+        }
+        KeepInitialElement(i, j, estimate);
+        result.taken_for_clocks[i] =
+            absl::StrCat(shared.Describe(initial),
+                         ", and nothing else has. What a clock is known to be "
+                         "wrong by, or that it is right, would settle it.");
+      }
+    }
+  }
+  return absl::OkStatus();
+}
+
 // Set-point changes in the first window, at different times; in a step test,
 // where set points do not change and inputs hardly ever, moves of inputs.
 int ChangesOf(const RecordData& data) {
@@ -119,6 +171,19 @@ absl::StatusOr<std::vector<WindowAgreement>> AgreementOf(
   return agreement;
 }
 
+// Of inputs that some change is proposed of, by what is proposed.
+absl::StatusOr<std::vector<LevelDependence>> LevelDependenceOf(
+    const CorrectionResult& result, const std::vector<Record>& windows) {
+  const Estimate& estimate = result.estimate;
+  if (!ProposesAny(estimate) || estimate.fit.arx.has_value()) {
+    return std::vector<LevelDependence>(result.initial.num_inputs());
+  }
+  return TestLevelDependence(estimate.fit.output_error.corrected.model, windows,
+                             estimate.fit.output_error.aged,
+                             estimate.setting.options.output_error,
+                             estimate.fit.output_error.corrected.noise);
+}
+
 absl::Status DecideByEvidence(const std::vector<Record>& windows, int order,
                               const std::vector<bool>& unexplained,
                               CorrectionResult& result) {
@@ -130,6 +195,8 @@ absl::Status DecideByEvidence(const std::vector<Record>& windows, int order,
                         options.progress));
   if (options.examine && result.data.obstacles.empty()) {
     MLE_ASSIGN_OR_RETURN(result.agreement, AgreementOf(result, windows));
+    MLE_ASSIGN_OR_RETURN(result.level_dependence,
+                         LevelDependenceOf(result, windows));
   }
   const Evidence evidence = GatherEvidence(result, unexplained);
   Verdict verdict = Decide(evidence, options.decision);
@@ -322,6 +389,7 @@ absl::StatusOr<CorrectionResult> CorrectFromData(
   result.warnings = result.data.warnings;
   const std::vector<bool> unexplained = UnexplainedOutputs(result.estimate);
   MLE_RETURN_IF_ERROR(DropSmallChanges(samples, result));
+  MLE_RETURN_IF_ERROR(HoldSharedDelays(samples, result));
   const int order = estimation.conversion.OrderFor(model, sample_time);
   MLE_RETURN_IF_ERROR(ExamineInitial(windows, order, result));
   MLE_RETURN_IF_ERROR(DecideByEvidence(windows, order, unexplained, result));

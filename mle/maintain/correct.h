@@ -33,10 +33,12 @@
 #include "mle/maintain/progress.h"
 #include "mle/maintain/records.h"
 #include "mle/maintain/residual_diagnostics.h"
+#include "mle/maintain/shared_delays.h"
 #include "mle/maintain/state_space_form.h"
 #include "mle/maintain/window_agreement.h"
 #include "mle/model/process_model.h"
 #include "mle/model/step_response.h"
+#include "mle/nonlinear/level_dependence.h"
 
 namespace mle {
 
@@ -97,6 +99,14 @@ struct CorrectionResult {
   // p: whether windows want the same gains of the elements of what is proposed;
   // of ΔR nothing is said. Empty without CorrectOptions::examine.
   std::vector<WindowAgreement> agreement;
+  // Changes of dead time that a clock may have made (shared_delays.h), no
+  // longer than decision.clock_error; p: what of an output was taken back for
+  // it, in words, or empty.
+  std::vector<SharedDelay> shared_delays;
+  std::vector<std::string> taken_for_clocks;
+  // m: whether gains follow the level of an input that a change is proposed of.
+  // Empty without CorrectOptions::examine.
+  std::vector<LevelDependence> level_dependence;
   // Scores of each output at each horizon, where records were held out.
   Validation validation;
   int max_lag = 0;                                  // of the diagnostics

@@ -189,6 +189,15 @@ OutputVerdict DecideOutput(const OutputEvidence& output,
     return doubt(
         Doubt(output, MessageCode::kWindowsDisagree, output.disagreement));
   }
+  if (!output.level_dependence.empty()) {
+    return doubt(
+        Doubt(output, MessageCode::kFollowsLevel, output.level_dependence));
+  }
+  if (!output.proposed && !output.shared_delay.empty()) {
+    Message clock = Doubt(output, MessageCode::kClock, output.shared_delay);
+    clock.options = {"clock_error"};
+    return doubt(std::move(clock));
+  }
   if (!output.proposed) {
     return output.unexplained ? doubt(Unexplained(output)) : OutputVerdict();
   }
@@ -241,7 +250,9 @@ absl::Status DecisionOptions::Validate() const {
   for (const absl::Status& status :
        {CheckField("deviations", deviations, kLeast, kMost,
                    "finite and greater than 0"),
-        CheckField("least_change", least_change, 0.0, 1.0, "in [0, 1)")}) {
+        CheckField("least_change", least_change, 0.0, 1.0, "in [0, 1)"),
+        CheckField("clock_error", clock_error, 0.0, kMost,
+                   "finite and not negative")}) {
     if (!status.ok()) return status;
   }
   return absl::OkStatus();

@@ -6,6 +6,8 @@
 //   nothing proposed, but inputs explain residuals      kNothing, doubtful
 //   an input that moves it sticks (`doubts`)            kNothing
 //   windows want different gains                        kNothing, doubtful
+//   gains follow the level of an input                  kNothing, doubtful
+//   dead times may be a clock, nothing else proposed    kNothing, doubtful
 //   proposed, nothing held out                          kNothing, doubtful
 //   a score falls by more than chance                   kNothing, doubtful
 //   a score of one window does                          kNothing, doubtful
@@ -58,6 +60,10 @@ struct DecisionOptions {
   // A correction that no data could be held out from is doubtful. If not, it is
   // taken as it is.
   bool require_hold_out = true;
+  // By how much the time stamps of a tag may be late or early, in s, ≥ 0. A
+  // change of dead time that all elements of a row or column share is not told
+  // from it up to this (shared_delays.h). 0: clocks are right.
+  double clock_error = 120.0;
 
   absl::Status Validate() const;
 };
@@ -79,6 +85,12 @@ struct OutputEvidence {
   // That the windows want different gains, and what these follow
   // (window_agreement.h); or empty.
   std::string disagreement;
+  // That gains follow the level of an input, and the change proposed is no
+  // larger than they vary (level_dependence.h); or empty.
+  std::string level_dependence;
+  // That elements were taken back whose dead times may be those of a clock
+  // (shared_delays.h); or empty.
+  std::string shared_delay;
   // Nothing where nothing was held out.
   std::optional<OutputScores> scores;
   std::optional<OutputScores> parametric;  // where a shape is proposed

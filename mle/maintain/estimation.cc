@@ -162,6 +162,13 @@ bool ProposesChange(const Estimate& estimate, int output) {
   return false;
 }
 
+bool ProposesAny(const Estimate& estimate) {
+  for (int i = 0; i < estimate.setting.initial.num_outputs(); ++i) {
+    if (ProposesChange(estimate, i)) return true;
+  }
+  return false;
+}
+
 void KeepInitialElement(int output, int input, Estimate& estimate) {
   OutputErrorCorrection& output_error = estimate.fit.output_error;
   OutputErrorFit& fit = output_error.corrected;

@@ -139,9 +139,10 @@ absl::StatusOr<ConversionSummary> ConvertModel(const EstimateSetting& setting,
                                                const ChannelScales& scales,
                                                double sample_time);
 
-// Whether anything is proposed for an output, by ΔR, and of a shape that the
-// structure lacks.
+// Whether anything is proposed for an output, for any, by ΔR, and of a shape
+// that the structure lacks.
 bool ProposesChange(const Estimate& estimate, int output);
+bool ProposesAny(const Estimate& estimate);
 bool ProposesByArx(const Estimate& estimate, int output);
 bool ProposesShape(const Estimate& estimate, int output);
 // Whether one is for an element, by its parameters or its shape.

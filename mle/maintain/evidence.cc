@@ -92,12 +92,47 @@ bool DependsOnInputs(const ResidualReport& residuals) {
                      });
 }
 
+// Of the inputs whose levels gains follow, and whose proposed changes are no
+// larger than that.
+std::string FollowedLevels(const CorrectionResult& result, int i) {
+  constexpr double kFalseAlarms = 0.01;
+  constexpr double kLeastVariation = 0.05;
+  const OutputErrorCorrection& fit = result.estimate.fit.output_error;
+  for (std::size_t k = 0; k < result.level_dependence.size(); ++k) {
+    const auto j = static_cast<int>(k);
+    const LevelDependence& level = result.level_dependence[k];
+    if (!fit.aged(i, j) || level.p_value > kFalseAlarms ||
+        level.variation() < kLeastVariation) {
+      continue;
+    }
+    const ParameterEstimate& gain = fit.corrected.element(i, j).gain;
+    const double change = std::abs(gain.value / gain.initial - 1.0);
+    if (!(change <= level.variation() + result.options.decision.least_change)) {
+      continue;
+    }
+    return absl::StrFormat(
+        "The gain of %s follows the level of %s: over the records by %.2g %% "
+        "to both sides (p = %.1g for none), and the change found is no larger "
+        "(%.2g %%). The plant, or a valve, is not linear over these levels: "
+        "records near the level that the model is of would settle it.",
+        PairName(result.initial, i, j), result.initial.inputs()[k].name,
+        100.0 * level.variation(), level.p_value, 100.0 * change);
+  }
+  return "";
+}
+
 OutputEvidence EvidenceOf(const CorrectionResult& result, int i) {
   const Validation& validation = result.validation;
   OutputEvidence evidence;
   evidence.name = result.initial.outputs()[i].name;
   evidence.proposed = ProposesChange(result.estimate, i);
-  if (evidence.proposed) evidence.doubtful_pair = DoubtfulPair(result, i);
+  if (evidence.proposed) {
+    evidence.doubtful_pair = DoubtfulPair(result, i);
+    evidence.level_dependence = FollowedLevels(result, i);
+  }
+  if (!result.taken_for_clocks.empty()) {
+    evidence.shared_delay = result.taken_for_clocks[i];
+  }
   evidence.shape_unseen = ProposesShape(result.estimate, i) &&
                           !DependsOnInputs(result.initial_residuals[i]);
   if (!validation.held_out) return evidence;

@@ -233,13 +233,6 @@ FoldResult HoldOut(const Estimate& estimate, const std::vector<Record>& windows,
   return result;
 }
 
-bool ProposesAny(const Estimate& estimate) {
-  for (int i = 0; i < estimate.setting.initial.num_outputs(); ++i) {
-    if (ProposesChange(estimate, i)) return true;
-  }
-  return false;
-}
-
 // All windows by the initial model.
 void ScoreInitial(const Estimate& estimate, const std::vector<Record>& windows,
                   const Predictor& in_use, Validation& validation) {

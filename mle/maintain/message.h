@@ -53,6 +53,7 @@ enum class MessageCode {
   kNotBetter,          // neither by more than chance
   kNothingHeldOut,     // the correction could not be validated
   kWindowsDisagree,    // parts of the records want different gains
+  kFollowsLevel,       // gains that follow the level of an input
   kStructureDoubtful,  // it does not explain the records
   kChangeTooSmall,     // a change is proved, but not worth making
   kNotExcited,         // the records determine no gain

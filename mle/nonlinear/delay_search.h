@@ -6,8 +6,8 @@
 // shifted responses gives the least sum of squares of every combination of dead
 // times. Two elements are searched together over all their combinations, the
 // others held, in turns until no pair improves: with two elements that is the
-// whole grid. What the others explain is taken out once, so that a combination of
-// two costs ten operations.
+// whole grid. What the others explain is taken out once, so that a combination
+// of two costs ten operations.
 
 #ifndef MLE_NONLINEAR_DELAY_SEARCH_H_
 #define MLE_NONLINEAR_DELAY_SEARCH_H_

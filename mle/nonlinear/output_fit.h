@@ -158,7 +158,9 @@ struct Contrast {
   // the possible ρ: −2 ln Σ w(ρ) exp(−S(ρ)/2), with the weights w of
   // IntegrateRatio() for the second. ≥ 0; χ² where the first is right.
   double statistic = 0.0;
-  int degrees = 0;  // of freedom: what the second has more in rank
+  // Of freedom: what the second has more in rank.
+  int degrees = 0;
+  Eigen::VectorXd coefficients;  // of the columns that it has besides
 };
 
 // At `point` with the elements that are `free`; and with the columns (of each

@@ -128,7 +128,9 @@ Contrast AtOneRatio(const ShapeLikelihood& null,
   const Profile with = alternative.At(shape);
   return {.statistic =
               std::max(without.squares - with.squares, 0.0) / with.variance(),
-          .degrees = with.rank - without.rank};
+          .degrees = with.rank - without.rank,
+          .coefficients = with.coefficients.tail(with.coefficients.size() -
+                                                 without.coefficients.size())};
 }
 
 // Both under `shape`, that of the alternative, and every ρ that is possible for

@@ -113,6 +113,26 @@ TEST(DecisionTest, AWindowThatIsPredictedWorseIsDoubt) {
   EXPECT_NE(verdict.reasons.back().text.find("window 2"), std::string::npos);
 }
 
+TEST(DecisionTest, AGainThatFollowsALevelIsDoubt) {
+  OutputEvidence output = Output(kGood);
+  output.level_dependence = "The gain of T follows the valve.";
+  const Verdict verdict = Decide(Of({output}), {});
+  EXPECT_EQ(verdict.decision, Decision::kCannotTell);
+  EXPECT_EQ(verdict.reasons.back().code, MessageCode::kFollowsLevel);
+}
+
+TEST(DecisionTest, DeadTimesOfAClockAreDoubtWhereNothingElseIsProposed) {
+  OutputEvidence output = Output(kGood);
+  output.shared_delay = "All dead times to T are longer.";
+  EXPECT_EQ(Decide(Of({output}), {}).decision, Decision::kCorrected);
+  output.proposed = false;
+  const Verdict verdict = Decide(Of({output}), {});
+  EXPECT_EQ(verdict.decision, Decision::kCannotTell);
+  EXPECT_EQ(verdict.reasons.back().code, MessageCode::kClock);
+  EXPECT_EQ(verdict.reasons.back().options,
+            std::vector<std::string>{"clock_error"});
+}
+
 TEST(DecisionTest, AStructureThatIsNotEnoughIsNotTrustedWithEveryPair) {
   OutputEvidence output = Output(kGood);
   output.doubtful_pair = "T ← valve";

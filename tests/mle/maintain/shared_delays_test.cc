@@ -1,0 +1,77 @@
+#include "mle/maintain/shared_delays.h"
+
+#include <vector>
+
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+
+namespace mle {
+namespace {
+
+using ::testing::HasSubstr;
+
+// Two outputs, two inputs; dead times of 3 min, sampled every 0.5 min.
+OutputErrorFit Fit(const std::vector<double>& delays, double error) {
+  OutputErrorFit fit;
+  fit.model = ProcessModel("column", "min", {{"reflux", ""}, {"steam", ""}},
+                           {{"top", ""}, {"bottom", ""}});
+  for (const double delay : delays) {
+    ElementEstimate& element = fit.elements.emplace_back();
+    element.state = ElementState::kFitted;
+    element.delay = {.initial = 3.0, .value = delay, .standard_error = error};
+  }
+  return fit;
+}
+
+TEST(SharedDelays, OfARow) {
+  const auto found = FindSharedDelays(Fit({3.9, 4.1, 3.0, 3.05}, 0.1), 0.5);
+  ASSERT_EQ(found.size(), 1);
+  EXPECT_TRUE(found[0].is_output);
+  EXPECT_EQ(found[0].channel, 0);
+  EXPECT_NEAR(found[0].change, 1.0, 1e-12);
+  // Of two, each known to within √(0.1² + (0.5/4)²).
+  EXPECT_NEAR(found[0].error, 0.1601 / 1.41421, 1e-4);
+  EXPECT_TRUE(found[0].contains(0, 1));
+  EXPECT_FALSE(found[0].contains(1, 0));
+  EXPECT_THAT(found[0].Describe(Fit({3, 3, 3, 3}, 0.1).model),
+              HasSubstr("All dead times to top seem to be 1 min longer"));
+  EXPECT_THAT(found[0].Describe(Fit({3, 3, 3, 3}, 0.1).model),
+              HasSubstr("time stamps of top are late"));
+}
+
+// A late input looks like shorter dead times.
+TEST(SharedDelays, OfAColumn) {
+  const auto found = FindSharedDelays(Fit({3.0, 2.0, 3.05, 2.1}, 0.1), 0.5);
+  ASSERT_EQ(found.size(), 1);
+  EXPECT_FALSE(found[0].is_output);
+  EXPECT_EQ(found[0].channel, 1);
+  EXPECT_LT(found[0].change, -0.9);
+  EXPECT_THAT(
+      found[0].Describe(Fit({3, 3, 3, 3}, 0.1).model),
+      HasSubstr("All dead times from steam seem to be 0.95 min shorter"));
+  EXPECT_THAT(found[0].Describe(Fit({3, 3, 3, 3}, 0.1).model),
+              HasSubstr("time stamps of steam are late"));
+}
+
+TEST(SharedDelays, NotOfOneElement) {
+  EXPECT_TRUE(FindSharedDelays(Fit({4.0, 3.0, 3.0, 3.0}, 0.1), 0.5).empty());
+  // One that is not fitted says nothing, and one alone is not shared.
+  OutputErrorFit fit = Fit({4.0, 3.0, 3.0, 3.0}, 0.1);
+  fit.elements[1].state = ElementState::kNotInformed;
+  fit.elements[2].state = ElementState::kAbsent;
+  EXPECT_TRUE(FindSharedDelays(fit, 0.5).empty());
+}
+
+TEST(SharedDelays, NotOfDifferentChanges) {
+  EXPECT_TRUE(FindSharedDelays(Fit({4.0, 5.0, 3.0, 3.0}, 0.1), 0.5).empty());
+  // Within their errors they are alike.
+  EXPECT_EQ(FindSharedDelays(Fit({4.0, 5.0, 3.0, 3.0}, 0.3), 0.5).size(), 1);
+}
+
+TEST(SharedDelays, NotWithinTheErrors) {
+  EXPECT_TRUE(FindSharedDelays(Fit({3.3, 3.3, 3.0, 3.0}, 0.2), 0.5).empty());
+  EXPECT_TRUE(FindSharedDelays(Fit({3.1, 3.1, 3.0, 3.0}, 0.0), 0.5).empty());
+}
+
+}  // namespace
+}  // namespace mle

@@ -1,0 +1,73 @@
+#include "mle/nonlinear/level_dependence.h"
+
+#include <cmath>
+#include <vector>
+
+#include "gtest/gtest.h"
+#include "tests/mle/nonlinear/output_error_records.h"
+
+namespace mle {
+namespace {
+
+using Fitted = Eigen::Matrix<bool, Eigen::Dynamic, Eigen::Dynamic>;
+
+constexpr double kRange = 3.0;
+
+// The first input is a valve: v = u + c u²/3 moves the plant, u is recorded.
+std::vector<Record> ValveRecords(double curvature, unsigned seed) {
+  std::vector<Record> records =
+      MakeRecords(TwoElements(), 400, seed, {.variance = 0.01});
+  for (Record& record : records) {
+    if (curvature == 0.0) continue;
+    for (double& u : record.inputs.row(0)) {
+      const double c = curvature / kRange;
+      u = (std::sqrt(1.0 + 4.0 * c * u) - 1.0) / (2.0 * c);
+    }
+  }
+  return records;
+}
+
+std::vector<LevelDependence> Tested(const std::vector<Record>& records) {
+  Fitted fitted = Fitted::Constant(1, 2, true);
+  auto tested = TestLevelDependence(TwoElements(), records, fitted, {},
+                                    std::vector<NoiseEstimate>(1));
+  EXPECT_TRUE(tested.ok()) << tested.status();
+  return *std::move(tested);
+}
+
+TEST(LevelDependence, OfAValveIsFoundWithItsCurvature) {
+  const std::vector<LevelDependence> inputs = Tested(ValveRecords(0.2, 1));
+  ASSERT_EQ(inputs.size(), 2);
+  EXPECT_LT(inputs[0].p_value, 1e-6);
+  // c for the records' own mean and range: about 0.05 of u² all the same.
+  EXPECT_GT(inputs[0].curvature, 0.05);
+  EXPECT_LT(inputs[0].curvature, 0.3);
+  EXPECT_EQ(inputs[0].variation(), 2.0 * inputs[0].curvature);
+  EXPECT_GT(inputs[1].p_value, 1e-4);
+}
+
+TEST(LevelDependence, OfNothingIsRare) {
+  int alarms = 0;
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    for (const LevelDependence& input : Tested(ValveRecords(0.0, seed))) {
+      alarms += input.p_value < 0.05 ? 1 : 0;
+    }
+  }
+  // Of 40 tests; more than 6 have a probability of 1.4 %.
+  EXPECT_LE(alarms, 6);
+}
+
+TEST(LevelDependence, IsAskedOfInputsWithAChangeOnly) {
+  Fitted fitted = Fitted::Constant(1, 2, false);
+  fitted(0, 1) = true;
+  const auto tested =
+      TestLevelDependence(TwoElements(), ValveRecords(0.15, 1), fitted, {},
+                          std::vector<NoiseEstimate>(1));
+  ASSERT_TRUE(tested.ok()) << tested.status();
+  EXPECT_EQ((*tested)[0].p_value, 1.0);
+  EXPECT_EQ((*tested)[0].curvature, 0.0);
+  EXPECT_NE((*tested)[1].p_value, 1.0);
+}
+
+}  // namespace
+}  // namespace mle
