@@ -16,7 +16,7 @@ std::string FoldedName(std::string_view name);
 
 // Insertions, deletions, replacements and exchanges of neighbours that make one
 // folded name of the other (Damerau and Levenshtein, optimal string alignment).
-int NameDistance(std::string_view a, std::string_view b);
+int NameDistance(std::string_view left, std::string_view right);
 
 // Those of `names`, at most `most`, that are within a third of the length of
 // `name`, or contain it or are contained in it; the nearest first.

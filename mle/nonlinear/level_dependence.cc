@@ -14,7 +14,6 @@ namespace mle {
 namespace {
 
 using Eigen::MatrixXd;
-using Eigen::VectorXd;
 
 // Mean of an input over the segments, and its largest distance from it.
 struct Level {
