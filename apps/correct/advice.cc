@@ -33,22 +33,16 @@ std::vector<InputRole> RolesOf(const ProcessModel& model) {
   return roles;
 }
 
-// The tuning that is running or, where it was not told, what the rules give for
-// the initial model.
-absl::StatusOr<control::MpcOptions> OldTuning(
-    const Result& result, const control::RetuningOptions& options) {
-  const control::MpcOptions& told = result.request.controller;
-  if (result.request.controller_known()) return told;
-  control::MpcOptions tuning;
-  tuning.output_weight = told.output_weight;
-  tuning.move_weight = told.move_weight;
-  tuning.disturbance_variance_ratio = told.disturbance_variance_ratio;
-  MLE_ASSIGN_OR_RETURN(const std::vector<control::FirstOrder> elements,
-                       control::DescribeAsFirstOrder(result.initial_response));
-  std::vector<std::string> unused;
-  return control::TuneByRules(elements, RolesOf(result.initial),
-                              result.data.sample_time(), tuning, options,
-                              unused);
+control::RetuningOptions NamesOf(const Result& result) {
+  control::RetuningOptions options;
+  options.time_unit = result.initial.time_unit();
+  for (const OutputChannel& output : result.initial.outputs()) {
+    options.output_names.push_back(output.name);
+  }
+  for (const InputChannel& input : result.initial.inputs()) {
+    options.input_names.push_back(input.name);
+  }
+  return options;
 }
 
 StepResponse SettledResponse(const Result& result) {
@@ -67,16 +61,9 @@ StepResponse SettledResponse(const Result& result) {
 }
 
 absl::StatusOr<std::vector<std::string>> Retune(const Result& result) {
-  control::RetuningOptions options;
-  options.time_unit = result.initial.time_unit();
-  for (const OutputChannel& output : result.initial.outputs()) {
-    options.output_names.push_back(output.name);
-  }
-  for (const InputChannel& input : result.initial.inputs()) {
-    options.input_names.push_back(input.name);
-  }
+  const control::RetuningOptions options = NamesOf(result);
   MLE_ASSIGN_OR_RETURN(const control::MpcOptions old_tuning,
-                       OldTuning(result, options));
+                       TuningInUse(result));
   MLE_ASSIGN_OR_RETURN(
       const control::PredictionModel old_model,
       control::PredictFromProcess(result.initial, old_tuning.control_period));
@@ -195,6 +182,21 @@ void AddWhatTheModelLacks(const Result& result,
 }
 
 }  // namespace
+
+absl::StatusOr<control::MpcOptions> TuningInUse(const Result& result) {
+  const control::MpcOptions& told = result.request.controller;
+  if (result.request.controller_known()) return told;
+  control::MpcOptions tuning;
+  tuning.output_weight = told.output_weight;
+  tuning.move_weight = told.move_weight;
+  tuning.disturbance_variance_ratio = told.disturbance_variance_ratio;
+  MLE_ASSIGN_OR_RETURN(const std::vector<control::FirstOrder> elements,
+                       control::DescribeAsFirstOrder(result.initial_response));
+  std::vector<std::string> unused;
+  return control::TuneByRules(elements, RolesOf(result.initial),
+                              result.data.sample_time(), tuning,
+                              NamesOf(result), unused);
+}
 
 std::string_view NameOf(PairState state) {
   switch (state) {

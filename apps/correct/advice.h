@@ -8,11 +8,17 @@
 #include <string_view>
 #include <vector>
 
+#include "absl/status/statusor.h"
 #include "apps/correct/result.h"
+#include "control/mpc_options.h"
 
 namespace mle::correct {
 
 std::string_view NameOf(PairState state);
+
+// The tuning that is running or, where it was not told, what published rules
+// give for the initial model.
+absl::StatusOr<control::MpcOptions> TuningInUse(const Result& result);
 
 // The controller's horizons, weights and stability; empty where nothing was
 // corrected.

@@ -22,6 +22,7 @@ void PrintDetails(const Result& result) {
     std::cout << "  " << sentence << "\n";
   }
   std::cout << "\n"
+            << IntervalNote(result) << "\n\n"
             << report::RenderText(MismatchTable(result)) << "\n"
             << report::RenderText(ParameterTable(result)) << "\n"
             << report::RenderText(ValidationTable(result)) << "\n"

@@ -50,6 +50,14 @@ void AddPairPanels(
   }
 }
 
+std::vector<double> Times(double first, double step, Eigen::Index count) {
+  std::vector<double> times;
+  for (Eigen::Index k = 0; k < count; ++k) {
+    times.push_back(first + static_cast<double>(k) * step);
+  }
+  return times;
+}
+
 report::Series& AddCurve(report::Role role, const std::string& label,
                          std::vector<double> x, std::vector<double> y,
                          report::Panel& panel) {

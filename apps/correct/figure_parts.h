@@ -4,6 +4,7 @@
 #define APPS_CORRECT_FIGURE_PARTS_H_
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,6 +37,14 @@ void AddPairPanels(
 report::Series& AddCurve(report::Role role, const std::string& label,
                          std::vector<double> x, std::vector<double> y,
                          report::Panel& panel);
+
+// first, first + step, …
+std::vector<double> Times(double first, double step, Eigen::Index count);
+
+// Responses of pairs, and of the loop (response_figures.cc).
+report::NamedFigure StepResponseFigure(const Result& result);
+std::optional<report::NamedFigure> ChangedResponseFigure(const Result& result);
+std::optional<report::NamedFigure> ControlFigure(const Result& result);
 
 // Records, and predictions in their windows (record_figures.cc).
 report::NamedFigure RecordFigure(const Result& result);

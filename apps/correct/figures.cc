@@ -21,59 +21,6 @@ using report::Role;
 using report::Series;
 using report::VerticalLine;
 
-std::vector<double> Times(double first, double step, Eigen::Index count) {
-  std::vector<double> times;
-  for (Eigen::Index k = 0; k < count; ++k) {
-    times.push_back(first + static_cast<double>(k) * step);
-  }
-  return times;
-}
-
-// "% per t/h": of a step response.
-std::string ResponseUnit(const ProcessModel& model, int output, int input) {
-  const std::string& y = model.outputs()[output].unit;
-  const std::string& u = model.inputs()[input].unit;
-  if (y.empty() || u.empty()) return "step response";
-  return absl::StrCat(y, " per ", u);
-}
-
-NamedFigure StepResponseFigure(const Result& result) {
-  const ProcessModel& model = result.initial;
-  NamedFigure named =
-      NewFigure("step_responses",
-                "Response of each output (row) to a unit step of each input "
-                "(column): the initial model and the model written, with a "
-                "confidence band where available.",
-                model.num_outputs(), model.num_inputs(), 5.0);
-  const std::vector<double> time =
-      Times(0.0, result.initial_response.sample_time,
-            result.initial_response.samples());
-  const auto fill = [&](int i, int j, Panel& panel) {
-    panel.y.label = ResponseUnit(model, i, j);
-    const auto add = [&](Role role, const char* label,
-                         const StepResponse& response) -> Series& {
-      return AddCurve(role, label, time, ToVector(response.element(i, j)),
-                      panel);
-    };
-    if (result.true_response.has_value()) {
-      add(Role::kTrue, "true plant", *result.true_response);
-    }
-    add(Role::kInitial, "initial model", result.initial_response);
-    Series& corrected =
-        add(Role::kCorrected, result.accepted() ? "corrected" : "written",
-            result.corrected.response);
-    if (!result.corrected.errors.has_value()) return;
-    const Eigen::VectorXd half =
-        BandFactor(result) * result.corrected.errors->element(i, j);
-    if (!half.allFinite() || !(half.maxCoeff() > 0.0)) return;
-    const Eigen::VectorXd middle = result.corrected.response.element(i, j);
-    corrected.lower = ToVector(middle - half);
-    corrected.upper = ToVector(middle + half);
-  };
-  AddPairPanels(result, TimeLabel(result, "time"), named.figure, fill);
-  return named;
-}
-
 // From 0, kept, to 1.
 double Shade(const Result& result, int output, int input) {
   constexpr double kLeast = 0.2;
@@ -216,6 +163,12 @@ std::vector<report::NamedFigure> MakeFigures(const Result& result) {
   std::vector<NamedFigure> figures = {
       StepResponseFigure(result), MismatchFigure(result), RecordFigure(result),
       PredictionFigure(result)};
+  if (auto changed = ChangedResponseFigure(result)) {
+    figures.push_back(*std::move(changed));
+  }
+  if (auto control = ControlFigure(result)) {
+    figures.push_back(*std::move(control));
+  }
   if (HasLossFigure(result)) figures.push_back(LossFigure(result));
   figures.push_back(AutocorrelationFigure(result));
   figures.push_back(CrossCorrelationFigure(result));

@@ -12,8 +12,12 @@ namespace mle::correct {
 
 // By their names:
 //
-//   step_responses     a panel for each pair: initial, corrected with its band,
-//                      true where it is known
+//   step_responses     a panel for each pair that is not zero: initial,
+//                      corrected with its band, true where it is known
+//   changed_responses  the same of the pairs that have changed most; only where
+//                      something was corrected
+//   control            a panel for each output: its set point followed with the
+//                      initial and the corrected model in the controller
 //   mismatch_map       what has changed of each pair, and how surely
 //   records            a panel for each channel: samples, bad ones, set points,
 //                      the windows used

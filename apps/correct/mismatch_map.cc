@@ -41,7 +41,63 @@ std::vector<std::string> Changes(const ElementEstimate& element,
   return lines;
 }
 
+// 0: kept; from 5 %, 15 % and 40 % of the response on a level more.
+int LevelOfChange(const Result& result, int output, int input) {
+  constexpr double kFrom[] = {0.0, 0.05, 0.15, 0.4};
+  if (!result.accepted() || !HasChanged(result, output, input)) return 0;
+  const double change = result.change.elements(output, input);
+  if (!std::isfinite(change)) return report::kTableLevels;
+  int level = 1;
+  for (int k = 1; k < report::kTableLevels; ++k) {
+    if (change >= kFrom[k]) level = k + 1;
+  }
+  return level;
+}
+
+std::string DescribePair(const Result& result, int output, int input) {
+  switch (result.information.pair(output, input).state) {
+    case PairState::kAbsent:
+      return "–";
+    case PairState::kNotInformed:
+      return "not known: the input hardly moves by itself";
+    case PairState::kWeak:
+    case PairState::kInformed:
+      break;
+  }
+  if (result.accepted() && HasChanged(result, output, input)) {
+    if (!result.corrected.process.has_value()) return "changed";
+    return absl::StrJoin(
+        Changes(
+            result.estimate.fit.output_error.corrected.element(output, input),
+            result.initial.time_unit()),
+        ", ");
+  }
+  const bool weak =
+      result.information.pair(output, input).state == PairState::kWeak;
+  return weak ? "no change seen (weak)" : "no change seen";
+}
+
 }  // namespace
+
+report::Table ChangeMap(const Result& result) {
+  const ProcessModel& model = result.initial;
+  report::Table table;
+  table.columns = {{"output ← input", report::Align::kLeft}};
+  for (const InputChannel& input : model.inputs()) {
+    table.columns.push_back({input.name, report::Align::kCenter});
+  }
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    std::vector<std::string> row = {model.outputs()[i].name};
+    std::vector<int> levels = {0};
+    for (int j = 0; j < model.num_inputs(); ++j) {
+      row.push_back(DescribePair(result, i, j));
+      levels.push_back(LevelOfChange(result, i, j));
+    }
+    table.AddRow(std::move(row));
+    table.levels.push_back(std::move(levels));
+  }
+  return table;
+}
 
 std::vector<std::string> DescribeMismatch(const Result& result, int output,
                                           int input) {

@@ -19,6 +19,10 @@ std::vector<std::string> DescribeMismatch(const Result& result, int output,
 // The same, a cell for each pair, with how much of the step response changes.
 report::Table MismatchTable(const Result& result);
 
+// The same for readers who want no statistics: what has changed of each pair,
+// the ground the darker the larger the change of the step response.
+report::Table ChangeMap(const Result& result);
+
 }  // namespace mle::correct
 
 #endif  // APPS_CORRECT_MISMATCH_MAP_H_

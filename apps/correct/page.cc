@@ -1,16 +1,23 @@
 #include "apps/correct/page.h"
 
+#include <cmath>
 #include <cstdint>
 #include <cstdlib>
+#include <utility>
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "absl/time/clock.h"
 #include "absl/time/time.h"
+#include "apps/correct/headline.h"
 #include "apps/correct/mismatch_map.h"
 #include "apps/correct/record_tables.h"
+#include "apps/correct/since_last_run.h"
 #include "apps/correct/tables.h"
+#include "apps/correct/verdict.h"
 #include "apps/report/number.h"
+#include "apps/report/text.h"
 
 namespace mle::correct {
 namespace {
@@ -20,37 +27,9 @@ using report::HtmlPage;
 
 using Figures = std::vector<DrawnFigure>;
 
-void AddModel(const Result& result, const Figures& figures, HtmlPage& page) {
-  page.AddHeading("The model");
-  AddFigure(figures, "step_responses", page);
-  AddFigure(figures, "mismatch_map", page);
-  if (figures.empty()) page.AddTable(MismatchTable(result));
-  page.AddParagraph(
-      "“Weak”: the expected standard error of the gain is above 10 %, “not "
-      "informed”: above 50 %. Such elements keep the initial model unless a "
-      "change is significant.");
-  page.AddTable(ParameterTable(result));
-  page.AddTable(FopdtTable(result));
-  if (!result.corrected.process.has_value()) {
-    page.AddParagraph(
-        "The model is an ARX model; its standard errors are not known. The "
-        "standard errors given are those of the first-order fit to its step "
-        "response.");
-  }
-  if (result.state_space.model.has_value()) {
-    const StateSpaceForm& form = result.state_space;
-    page.AddParagraph(absl::StrCat(
-        "As a discrete state-space model (state_space.json) it has ",
-        form.model->system.order(),
-        " states beside dead times of inputs and outputs. No element is off by "
-        "more than ",
-        report::FormatSignificant(100.0 * form.error_bound(), 2),
-        " % of its largest step response at any frequency; the step responses "
-        "differ by at most ",
-        report::FormatSignificant(100.0 * form.largest_difference(), 2),
-        " %."));
-  }
-}
+// Tables with more rows are folded.
+constexpr std::size_t kMostWindows = 8;
+constexpr std::size_t kMostWarnings = 3;
 
 // The time of the report, or SOURCE_DATE_EPOCH (seconds since 1970) where the
 // same bytes are wanted again (reproducible-builds.org); and what it is about.
@@ -74,31 +53,214 @@ std::string WhenMade(const Result& result) {
   return text + ".";
 }
 
+report::Badge BadgeOf(const Result& result) {
+  if (!result.usable()) return report::Badge::kUnknown;
+  switch (result.decision) {
+    case Decision::kNoChange:
+      return report::Badge::kGood;
+    case Decision::kCorrected:
+      return report::Badge::kChanged;
+    case Decision::kCannotTell:
+      break;
+  }
+  return report::Badge::kUnknown;
+}
+
+std::string LabelOf(const Result& result) {
+  if (!result.usable()) return "not usable";
+  switch (result.decision) {
+    case Decision::kNoChange:
+      return "unchanged";
+    case Decision::kCorrected:
+      return "corrected";
+    case Decision::kCannotTell:
+      break;
+  }
+  return "cannot tell";
+}
+
+void SetVerdict(const Result& result, HtmlPage& page) {
+  report::Verdict verdict = {
+      BadgeOf(result), LabelOf(result), Headline(result), {}};
+  verdict.sentences.push_back(Instruction(result));
+  if (result.decision != Decision::kCorrected) {
+    verdict.sentences.push_back(MainReason(result));
+  }
+  verdict.sentences.push_back(WhatItIsWorth(result));
+  verdict.sentences.push_back(
+      absl::StrCat(WhenMade(result), " ", IntervalNote(result)));
+  std::erase(verdict.sentences, "");
+  page.SetVerdict(std::move(verdict));
+}
+
+void AddWarnings(const Result& result, HtmlPage& page) {
+  for (const Message& failure : result.failures) {
+    page.AddWarning(absl::StrCat("The result is not usable: ", Shown(failure)));
+  }
+  const bool many = result.warnings.size() > kMostWarnings;
+  if (many) {
+    page.OpenFold(absl::StrCat(result.warnings.size(), " warnings"));
+  }
+  for (const Message& warning : result.warnings) {
+    page.AddWarning(Shown(warning));
+  }
+  if (many) page.CloseFold();
+}
+
+void AddChanges(const Result& result, const Figures& figures, HtmlPage& page) {
+  page.AddHeading("What has changed");
+  page.AddTable(ChangeMap(result));
+  if (result.request.last.has_value()) AddSinceLastRun(result, page);
+  AddFigure(figures, "changed_responses", page);
+  if (HasFigure(figures, "step_responses")) {
+    page.OpenFold("Step responses of all pairs");
+    AddFigure(figures, "step_responses", page);
+    page.CloseFold();
+  }
+}
+
+std::vector<std::pair<std::string, std::string>> FilesOf(const Result& result) {
+  std::vector<std::pair<std::string, std::string>> files = {
+      {"model.json: the transfer functions", "model.json"},
+      {"fopdt.json: first-order elements with dead time", "fopdt.json"},
+      {"step_response.csv: step responses", "step_response.csv"},
+      {"result.json: every number of this page", "result.json"}};
+  if (result.corrected.has_arx()) {
+    files.emplace_back("arx.json: the ARX model", "arx.json");
+  }
+  if (result.state_space.model.has_value()) {
+    files.emplace_back("state_space.json: the discrete state-space model",
+                       "state_space.json");
+  }
+  return files;
+}
+
+void AddForTheController(const Result& result, HtmlPage& page) {
+  if (!result.accepted()) {
+    page.OpenFold("The model as first-order elements, and files");
+  } else {
+    page.AddHeading("What to type into the controller");
+  }
+  page.AddTableToCopy(ControllerTable(result));
+  if (result.accepted()) page.OpenFold("The same as files");
+  page.AddFiles(FilesOf(result));
+  page.CloseFold();
+}
+
+void AddControl(const Result& result, const Figures& figures, HtmlPage& page) {
+  if (!result.accepted()) return;
+  page.AddHeading("What it means for control");
+  if (result.loops.has_value()) {
+    std::vector<std::string> changes;
+    for (const LoopStep& step : result.loops->steps) {
+      const double percent = 100.0 * (step.error_ratio - 1.0);
+      changes.push_back(
+          absl::StrCat(result.initial.outputs()[step.output].name, " ",
+                       percent < 0.0 ? "−" : "+",
+                       report::FormatSignificant(std::abs(percent), 2), " %"));
+    }
+    page.AddParagraph(absl::StrCat(
+        "Squared control error of a set-point step with the corrected model in "
+        "the controller instead of the present one, on a plant that is as the "
+        "corrected model says: ",
+        absl::StrJoin(changes, ", "), "."));
+  } else {
+    page.AddParagraph(
+        "Set points followed before and after cannot be compared: a loop is "
+        "not stable in the simulation.");
+  }
+  AddFigure(figures, "control", page);
+  if (result.tuning.heading.empty()) return;
+  page.OpenFold("Tuning of the controller");
+  page.AddParagraph(result.tuning.heading);
+  page.AddList(result.tuning.reasons);
+  page.CloseFold();
+}
+
+// "--leave_out='2024-03-04 09:20' leaves out window 1."
+std::string HowToLeaveOut(const Result& result) {
+  const std::vector<SetPointWindow>& windows = result.data.windows;
+  if (windows.size() < 2) return "";
+  const SetPointWindow& first = windows.front();
+  const double time = first.changes.empty()
+                          ? BeginOf(first)
+                          : first.record.time(first.changes.front().sample);
+  return absl::StrCat(
+      "To leave a window out, add --leave_out with a time in it to the "
+      "command; several are separated by commas. ",
+      report::QuoteCommandLine({absl::StrCat(
+          "--leave_out=", result.data.Times(result.initial).Short(time))}),
+      " leaves out window 1.");
+}
+
 void AddRecords(const Result& result, const Figures& figures, HtmlPage& page) {
-  page.AddHeading("The records");
+  page.AddHeading("Which records were used");
+  const bool many = result.data.windows.size() > kMostWindows;
+  if (many) {
+    page.OpenFold(absl::StrCat(result.data.windows.size(),
+                               " windows around set-point changes"));
+  }
+  page.AddTable(WindowTable(result.data, result.initial));
+  if (many) page.CloseFold();
+  if (const std::string how = HowToLeaveOut(result); !how.empty()) {
+    page.AddParagraph(how);
+  }
+  page.OpenFold("Files, channels and what was found in them");
   page.AddTable(FileTable(result.data, result.files, result.initial));
   page.AddTable(ChannelTable(result.data, result.initial));
-  page.AddTable(WindowTable(result.data, result.initial));
   std::vector<std::string> notes;
   for (const Message& note : result.notes) notes.push_back(Shown(note));
   if (!notes.empty()) page.AddList(notes);
   AddFigure(figures, "records", page);
+  page.CloseFold();
 }
 
-void AddTrust(const Result& result, const Figures& figures, HtmlPage& page) {
-  page.AddHeading("Validation");
+void AddElements(const Result& result, HtmlPage& page) {
+  page.OpenFold("Every element with its interval");
+  page.AddTable(ParameterTable(result));
+  page.AddParagraph(
+      "“Weak”: the expected standard error of the gain is above 10 %, “not "
+      "informed”: above 50 %. Such elements keep the initial model unless a "
+      "change is significant.");
+  page.AddTable(FopdtTable(result));
+  if (!result.corrected.process.has_value()) {
+    page.AddParagraph(
+        "The model is an ARX model; its standard errors are not known. The "
+        "intervals given are those of the first-order fit to its step "
+        "response.");
+  }
+  if (result.state_space.model.has_value()) {
+    const StateSpaceForm& form = result.state_space;
+    page.AddParagraph(absl::StrCat(
+        "As a discrete state-space model (state_space.json) it has ",
+        form.model->system.order(),
+        " states beside dead times of inputs and outputs. No element is off by "
+        "more than ",
+        report::FormatSignificant(100.0 * form.error_bound(), 2),
+        " % of its largest step response at any frequency; the step responses "
+        "differ by at most ",
+        report::FormatSignificant(100.0 * form.largest_difference(), 2),
+        " %."));
+  }
+  page.CloseFold();
+}
+
+void AddValidation(const Result& result, const Figures& figures,
+                   HtmlPage& page) {
+  page.OpenFold("Validation in full");
   page.AddTable(ValidationTable(result));
   if (result.validation.held_out) {
     page.AddParagraph(
         "Each part in turn was held out: a correction estimated anew from the "
         "others, with its own choice of elements, noise and penalty, predicts "
         "it. The gain is the share of the squared error that the correction "
-        "removes, with its standard error. A correction is used where no score "
-        "falls and at least one gains by more than chance.");
+        "removes. A correction is used where no score falls and at least one "
+        "gains by more than chance.");
   }
   AddFigure(figures, "predictions", page);
   AddFigure(figures, "loss_over_lambda", page);
-  page.AddSubheading("Residuals");
+  page.CloseFold();
+  page.OpenFold("Residuals and disturbances");
   page.AddTable(ResidualTable(result));
   page.AddParagraph(
       "A p-value below 0.01 is significant; one test in a hundred is so by "
@@ -108,6 +270,28 @@ void AddTrust(const Result& result, const Figures& figures, HtmlPage& page) {
   AddFigure(figures, "autocorrelation", page);
   AddFigure(figures, "cross_correlation", page);
   page.AddTable(NoiseTable(result));
+  page.CloseFold();
+}
+
+void AddTrust(const Result& result, const Figures& figures, HtmlPage& page) {
+  page.AddHeading("How far it can be trusted");
+  page.AddTable(FitTable(result));
+  // The first says what to do, which the page has said.
+  if (result.advice.size() > 1) {
+    page.AddList({result.advice.begin() + 1, result.advice.end()});
+  }
+  page.OpenFold("What the verdict rests on");
+  page.AddList(result.verdict);
+  page.AddList(Sentences(result.findings));
+  page.CloseFold();
+  AddElements(result, page);
+  AddValidation(result, figures, page);
+  page.OpenFold("Certificate of the fits");
+  page.AddTable(CertificateTable(result));
+  page.AddParagraph(absl::StrCat(
+      "Relative duality gap of every lasso fit used: at most ",
+      report::FormatScientific(result.corrected.max_relative_gap, 2), "."));
+  page.CloseFold();
 }
 
 }  // namespace
@@ -115,40 +299,17 @@ void AddTrust(const Result& result, const Figures& figures, HtmlPage& page) {
 std::string FormatPage(const Result& result, const Figures& figures,
                        const report::RunAgain& run_again) {
   HtmlPage page(absl::StrCat("Model correction: ", result.initial.name()));
-  page.AddSummary(result.verdict);
-  page.AddParagraph(WhenMade(result));
-  for (const Message& failure : result.failures) {
-    page.AddWarning(absl::StrCat("The result is not usable: ", Shown(failure)));
-  }
-  for (const Message& warning : result.warnings)
-    page.AddWarning(Shown(warning));
-  page.AddList(Sentences(result.findings));
-  page.AddHeading("What to do");
-  page.AddList(result.advice);
-  if (!result.tuning.heading.empty()) {
-    page.AddParagraph(result.tuning.heading);
-    page.AddList(result.tuning.reasons);
-  }
-  AddModel(result, figures, page);
+  SetVerdict(result, page);
+  AddWarnings(result, page);
+  AddChanges(result, figures, page);
+  if (result.accepted()) AddForTheController(result, page);
+  AddControl(result, figures, page);
   AddRecords(result, figures, page);
   AddTrust(result, figures, page);
-  page.AddHeading("Certificate");
-  page.AddTable(CertificateTable(result));
-  page.AddParagraph(absl::StrCat(
-      "Relative duality gap of every lasso fit used: at most ",
-      report::FormatScientific(result.corrected.max_relative_gap, 2), "."));
-  page.AddHeading("Files");
-  std::vector<std::pair<std::string, std::string>> files = {
-      {"result.json", "result.json"},
-      {"model.json", "model.json"},
-      {"fopdt.json", "fopdt.json"},
-      {"step_response.csv", "step_response.csv"}};
-  if (result.corrected.has_arx()) files.emplace_back("arx.json", "arx.json");
-  if (result.state_space.model.has_value()) {
-    files.emplace_back("state_space.json", "state_space.json");
-  }
-  page.AddFiles(files);
+  if (!result.accepted()) AddForTheController(result, page);
+  page.OpenFold("Run it again");
   page.AddRunAgain(run_again);
+  page.CloseFold();
   return page.Render();
 }
 

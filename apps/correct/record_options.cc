@@ -282,6 +282,10 @@ std::vector<Option> OptionsOf(RecordOptions& options) {
        "and separated by commas; dates such as 2024-02-29 12:34 where the "
        "records have dates.",
        "min"},
+      {"leave_out", TimesOrDates(&options.leave_out, &options.leave_out_dates),
+       "Windows that are not used: each that contains one of these times, "
+       "separated by commas; dates as in --change_times.",
+       "min"},
   };
 }
 

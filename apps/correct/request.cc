@@ -40,6 +40,8 @@ std::vector<Option> FileOptions(Request& request) {
        "Only writes this file for --tag_file, with a row for each column of "
        "the "
        "records and the channel whose name is nearest, to be checked."},
+      {"previous", &request.previous,
+       "Folder of the last run (its --out): the page compares the results."},
       {"figures", &request.figures,
        "Draws the figures, for the page and as files (SVG; PNG and PDF need "
        "rsvg-convert)."},
@@ -109,8 +111,9 @@ void AddOptions(Request& request, OptionTable& table) {
   period.range = kNotNegative;
   table.Add("The controller as it is tuned, for the advice",
             std::move(controller));
-  table.PutFirst({"model", "data", "out", "tags", "propose_tags", "dry_run",
-                  "change_times", "control_period", "verbose", "json"});
+  table.PutFirst({"model", "data", "out", "tags", "dry_run",
+                  "change_times", "leave_out", "control_period", "previous",
+                  "verbose", "json"});
 }
 
 absl::Status Complete(Request& request, OptionTable& table) {
@@ -118,6 +121,10 @@ absl::Status Complete(Request& request, OptionTable& table) {
   MLE_RETURN_IF_ERROR(CheckDataPaths(request.data_paths));
   MLE_RETURN_IF_ERROR(CheckOutput(request));
   MLE_RETURN_IF_ERROR(table.FitTo(request.model));
+  if (!request.previous.empty()) {
+    MLE_ASSIGN_OR_RETURN(request.last,
+                         ReadPreviousRun(request.previous, request.model));
+  }
   MLE_RETURN_IF_ERROR(ParseTags(request.tags, request.tag_file, request.model,
                                 request.import.columns));
   if (const absl::Status status = request.import.Validate(request.model);

@@ -9,6 +9,7 @@
 
 #include "absl/status/status.h"
 #include "apps/common/option_table.h"
+#include "apps/correct/previous_run.h"
 #include "control/mpc_options.h"
 #include "mle/data/historian.h"
 #include "mle/maintain/correct.h"
@@ -29,6 +30,7 @@ struct Request {
   CorrectOptions options;
   // As it is tuned, for the advice.
   control::MpcOptions controller;
+  std::string previous;  // folder of the last run; empty: none
   bool dry_run = false;
   bool verbose = false;
   bool json = false;  // result.json on standard output, in place of the verdict
@@ -37,6 +39,7 @@ struct Request {
   // What they name.
   ProcessModel model;
   std::optional<ProcessModel> truth;
+  std::optional<PreviousRun> last;
 
   // A control period of 0 stands for a controller that was not told.
   bool controller_known() const { return controller.control_period > 0.0; }

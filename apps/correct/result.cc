@@ -107,6 +107,9 @@ absl::StatusOr<Result> RunCorrection(const Request& request, RecordData data,
   result.findings = Findings(result);
   result.advice = Advise(result);
   result.tuning = AdviseTuning(result);
+  if (absl::StatusOr<LoopComparison> loops = CompareLoops(result); loops.ok()) {
+    result.loops = *std::move(loops);
+  }
   return result;
 }
 

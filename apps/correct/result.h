@@ -11,6 +11,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "apps/correct/finding.h"
+#include "apps/correct/loop_comparison.h"
 #include "apps/correct/request.h"
 #include "mle/maintain/correct.h"
 #include "mle/model/step_response.h"
@@ -41,6 +42,8 @@ struct Result : CorrectionResult {
   std::vector<Finding> findings;     // what it rests on
   std::vector<std::string> advice;   // items
   Tuning tuning;
+  // Set points followed before and after; nothing where it cannot be said.
+  std::optional<LoopComparison> loops;
 
   int exit_code() const;
 };

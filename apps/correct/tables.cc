@@ -7,8 +7,10 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "apps/correct/advice.h"
+#include "apps/correct/outputs.h"
 #include "apps/correct/verdict.h"
 #include "apps/report/number.h"
 
@@ -38,13 +40,15 @@ std::string WithInterval(const ParameterEstimate& estimate) {
                       FormatSignificant(half, 2));
 }
 
-std::string WithError(double value, double error) {
+// `error` is a standard error.
+std::string WithError(const Result& result, double value, double error) {
   if (!std::isfinite(error)) {
     return absl::StrCat(FormatSignificant(value, 4), " (not determined)");
   }
-  return error > 0.0 ? absl::StrCat(FormatSignificant(value, 4), " ± ",
-                                    FormatSignificant(error, 2))
-                     : FormatSignificant(value, 4);
+  return error > 0.0
+             ? absl::StrCat(FormatSignificant(value, 4), " ± ",
+                            FormatSignificant(BandFactor(result) * error, 2))
+             : FormatSignificant(value, 4);
 }
 
 }  // namespace
@@ -54,11 +58,7 @@ Table ParameterTable(const Result& result) {
   const OutputErrorCorrection& output_error = result.estimate.fit.output_error;
   const bool shown = result.accepted() && result.corrected.process.has_value();
   Table table;
-  table.caption = absl::StrCat(
-      "Elements, with ",
-      FormatSignificant(
-          100.0 * result.options.estimation.output_error.confidence, 3),
-      " % intervals; times in ", model.time_unit());
+  table.caption = absl::StrCat("Elements; times in ", model.time_unit());
   table.columns = {{"element", Align::kLeft},
                    {"value", Align::kLeft},
                    {"initial"},
@@ -106,9 +106,8 @@ Table FopdtTable(const Result& result) {
   const ProcessModel& model = result.initial;
   Table table;
   table.caption = absl::StrCat(
-      "The model written as first-order elements with dead time (± one "
-      "standard error), and of second order where these are not near; times "
-      "in ",
+      "The model written as first-order elements with dead time, and of second "
+      "order where these are not near; times in ",
       model.time_unit());
   table.columns = {{"element", Align::kLeft},
                    {"gain"},
@@ -120,9 +119,11 @@ Table FopdtTable(const Result& result) {
       const FopdtElement& element = result.fopdt[i * model.num_inputs() + j];
       if (element.shape == FopdtShape::kNoResponse) continue;
       table.AddRow(
-          {PairName(model, i, j), WithError(element.gain, element.gain_error),
-           WithError(element.time_constant, element.time_constant_error),
-           WithError(element.delay, element.delay_error),
+          {PairName(model, i, j),
+           WithError(result, element.gain, element.gain_error),
+           WithError(result, element.time_constant,
+                     element.time_constant_error),
+           WithError(result, element.delay, element.delay_error),
            element.exact
                ? "exact"
                : absl::StrCat(
@@ -167,10 +168,11 @@ Table ValidationTable(const Result& result) {
     if (!held_out) continue;
     add(i, "corrected",
         [](const auto& score) { return Percent(score.corrected); });
-    add(i, "gain", [](const HorizonScore& score) {
+    add(i, "gain", [&](const HorizonScore& score) {
       return std::isfinite(score.gain)
-                 ? absl::StrCat(
-                       WithError(100.0 * score.gain, 100.0 * score.error), " %")
+                 ? absl::StrCat(WithError(result, 100.0 * score.gain,
+                                          100.0 * score.error),
+                                " %")
                  : std::string("–");
     });
   }
@@ -244,6 +246,74 @@ Table NoiseTable(const Result& result) {
          periods.empty() ? "–" : absl::StrJoin(periods, ", "),
          steps.empty() ? "–" : absl::StrJoin(steps, ", "),
          noise.offset ? "yes" : "no"});
+  }
+  return table;
+}
+
+std::string IntervalNote(const Result& result) {
+  return absl::StrCat(
+      "± is half a ",
+      absl::StrFormat(
+          "%.4g", 100.0 * result.options.estimation.output_error.confidence),
+      " % confidence interval.");
+}
+
+Table ControllerTable(const Result& result) {
+  const ProcessModel& model = result.initial;
+  const OutputErrorFit& fit = result.estimate.fit.output_error.corrected;
+  const std::string time = absl::StrCat(" (", model.time_unit(), ")");
+  Table table;
+  table.caption =
+      "The model as first-order elements with dead time, changed ones coloured";
+  table.columns = {{"output", Align::kLeft},
+                   {"input", Align::kLeft},
+                   {"gain"},
+                   {"time constant" + time},
+                   {"dead time" + time},
+                   {"before", Align::kLeft}};
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    for (int j = 0; j < model.num_inputs(); ++j) {
+      const FopdtElement& element = result.fopdt[i * model.num_inputs() + j];
+      if (element.shape == FopdtShape::kNoResponse) continue;
+      const bool changed = HasChanged(result, i, j);
+      std::vector<std::string> before;
+      const ElementEstimate& estimate = fit.element(i, j);
+      const auto add = [&](const char* name, const ParameterEstimate& value) {
+        if (!changed || !HasMoved(value)) return;
+        before.push_back(
+            absl::StrCat(name, " ", FormatSignificant(value.initial, 4)));
+      };
+      add("gain", estimate.gain);
+      add("time constant", estimate.time_scale);
+      add("dead time", estimate.delay);
+      if (changed && before.empty()) before.emplace_back("another response");
+      table.AddRow({model.outputs()[i].name, model.inputs()[j].name,
+                    FormatSignificant(element.gain, 4),
+                    FormatSignificant(element.time_constant, 4),
+                    FormatSignificant(element.delay, 4),
+                    absl::StrJoin(before, ", ")});
+      table.levels.emplace_back(6, changed ? 2 : 0);
+    }
+  }
+  return table;
+}
+
+Table FitTable(const Result& result) {
+  const Validation& validation = result.validation;
+  Table table;
+  table.caption =
+      absl::StrCat("How well each output is predicted, ", validation.horizon,
+                   validation.held_out ? " samples ahead, in data held out"
+                                       : " samples ahead, in all windows",
+                   " (100 %: perfectly, 0 %: as by the mean)");
+  table.columns = {{"output", Align::kLeft}, {"model in use"}};
+  if (validation.held_out) table.columns.push_back({"corrected model"});
+  for (int i = 0; i < result.initial.num_outputs(); ++i) {
+    const HorizonScore& score = validation.outputs[i].several_steps;
+    std::vector<std::string> row = {result.initial.outputs()[i].name,
+                                    Percent(score.initial)};
+    if (validation.held_out) row.push_back(Percent(score.corrected));
+    table.AddRow(std::move(row));
   }
   return table;
 }

@@ -3,6 +3,8 @@
 #ifndef APPS_CORRECT_TABLES_H_
 #define APPS_CORRECT_TABLES_H_
 
+#include <string>
+
 #include "apps/correct/result.h"
 #include "apps/report/table.h"
 
@@ -17,6 +19,15 @@ report::Table ValidationTable(const Result& result);
 report::Table ResidualTable(const Result& result);
 report::Table NoiseTable(const Result& result);
 report::Table CertificateTable(const Result& result);
+
+// What an engineer types into a controller: first-order elements of the model
+// written, and what they were before.
+report::Table ControllerTable(const Result& result);
+// Fits of both models, several steps ahead.
+report::Table FitTable(const Result& result);
+
+// What ± means, in all tables and sentences.
+std::string IntervalNote(const Result& result);
 
 }  // namespace mle::correct
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "apps/correct/advice.h"
 #include "apps/report/number.h"
@@ -65,8 +66,8 @@ std::string Confirmation(const Result& result) {
             ? "They determine every gain within ± "
             : absl::StrCat("They determine ", confirmed, " gains within ± "),
         FormatSignificant(100.0 * largest, 2), " % (",
-        FormatSignificant(
-            100.0 * result.options.estimation.output_error.confidence, 3),
+        absl::StrFormat(
+            "%.4g", 100.0 * result.options.estimation.output_error.confidence),
         " % intervals)");
   }
   if (!unknown.empty()) {

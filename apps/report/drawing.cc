@@ -63,6 +63,12 @@ void AddPictures(const std::vector<DrawnFigure>& drawn,
   if (!failure.ok()) std::cerr << "warning: " << failure.message() << "\n";
 }
 
+bool HasFigure(const std::vector<DrawnFigure>& drawn, std::string_view name) {
+  return std::any_of(drawn.begin(), drawn.end(), [&](const DrawnFigure& one) {
+    return one.named.name == name;
+  });
+}
+
 void AddFigure(const std::vector<DrawnFigure>& drawn, std::string_view name,
                HtmlPage& page) {
   for (const DrawnFigure& one : drawn) {

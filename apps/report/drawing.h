@@ -46,6 +46,8 @@ std::vector<DrawnFigure> DrawFigures(std::vector<NamedFigure> figures,
 void AddPictures(const std::vector<DrawnFigure>& drawn,
                  std::vector<std::pair<std::string, std::string>>& files);
 
+bool HasFigure(const std::vector<DrawnFigure>& drawn, std::string_view name);
+
 // The figure of that name; nothing if there is none.
 void AddFigure(const std::vector<DrawnFigure>& drawn, std::string_view name,
                HtmlPage& page);

@@ -42,6 +42,39 @@ std::string Scrolling(std::string_view css_class, std::string_view name,
   return out + "</div>\n";
 }
 
+// Copies data-text; where a browser does not let it, the table is selected for
+// the reader to copy.
+constexpr std::string_view kCopy =
+    "const b=this,say=t=>{b.textContent=t};(navigator.clipboard?"
+    "navigator.clipboard.writeText(b.dataset.text):Promise.reject()).then("
+    "()=>say('Copied'),()=>{getSelection().selectAllChildren("
+    "b.parentElement.querySelector('table'));"
+    "say(document.execCommand('copy')?'Copied':'Selected: press Ctrl+C')})";
+
+std::string_view NameOf(Badge badge) {
+  switch (badge) {
+    case Badge::kGood:
+      return "good";
+    case Badge::kChanged:
+      return "changed";
+    case Badge::kUnknown:
+      break;
+  }
+  return "unknown";
+}
+
+std::string RenderVerdict(const Verdict& verdict, const std::string& title) {
+  std::string out = "<header class=\"verdict ";
+  out += NameOf(verdict.badge);
+  out += "\">\n<p class=\"title\">" + title +
+         "</p>\n<h1><span class=\"badge\">" + EscapeHtml(verdict.label) +
+         "</span> " + EscapeHtml(verdict.headline) + "</h1>\n";
+  for (const std::string& sentence : verdict.sentences) {
+    out += "<p>" + EscapeHtml(sentence) + "</p>\n";
+  }
+  return out + "</header>\n";
+}
+
 }  // namespace
 
 HtmlPage::HtmlPage(std::string title) : title_(std::move(title)) {}
@@ -80,11 +113,32 @@ void HtmlPage::AddWarning(std::string_view text) {
       EscapeHtml(text) + "</p>\n</div>\n";
 }
 
+void HtmlPage::OpenFold(std::string_view title) {
+  ++open_folds_;
+  body_ += "<details>\n<summary>" + EscapeHtml(title) + "</summary>\n";
+}
+
+void HtmlPage::CloseFold() {
+  --open_folds_;
+  body_ += "</details>\n";
+}
+
 void HtmlPage::AddTable(const Table& table) {
   const std::string name = table.caption.empty()
                                ? "Table " + std::to_string(++tables_)
                                : table.caption;
   body_ += Scrolling("table", name, RenderHtml(table));
+}
+
+void HtmlPage::AddTableToCopy(const Table& table) {
+  body_ +=
+      "<div class=\"copied\">\n<button type=\"button\" class=\"copy\" "
+      "data-text=\"";
+  body_ += EscapeHtmlLines(RenderTabbed(table)) + "\" onclick=\"";
+  body_ += kCopy;
+  body_ += "\">Copy the table</button>\n";
+  AddTable(table);
+  body_ += "</div>\n";
 }
 
 void HtmlPage::AddFigure(const Figure& figure, std::string_view caption,
@@ -116,7 +170,7 @@ void HtmlPage::AddFiles(
 }
 
 void HtmlPage::AddRunAgain(const RunAgain& run) {
-  AddHeading("Run it again");
+  if (open_folds_ == 0) AddHeading("Run it again");
   if (!run.command.empty()) AddCode(run.command);
   std::string rows;
   const auto add = [&rows](const std::string& name, const std::string& value) {
@@ -140,7 +194,9 @@ std::string HtmlPage::Render() const {
   out += title + "</title>\n<style>";
   out += PageStyle();
   if (figures_ > 0) out += FigureStyle();
-  out += "</style>\n</head>\n<body>\n<main>\n<h1>" + title + "</h1>\n";
+  out += "</style>\n</head>\n<body>\n<main>\n";
+  out += verdict_.has_value() ? RenderVerdict(*verdict_, title)
+                              : "<h1>" + title + "</h1>\n";
   if (headings_.size() >= 3) {
     out += "<nav aria-label=\"Contents\">\n<ul>\n";
     for (std::size_t i = 0; i < headings_.size(); ++i) {

@@ -1,11 +1,13 @@
 // A report as one HTML page that needs nothing but itself: no network, no other
 // files. Without scripts it is whole; one script shows the values of a figure's
-// curves under the pointer (readout.h).
+// curves under the pointer (readout.h), a button copies a table.
 //
 // It reads well from telephone to wide screen, in light and dark mode, and on
 // A4. All text is escaped; there is no way to put markup in.
 //
 //   HtmlPage page("Model correction");
+//   page.SetVerdict({Badge::kGood, "unchanged", "The model still holds",
+//                    {"Keep it."}});
 //   page.AddSummary({"The error fell from 19,363 to 8.1."});
 //   page.AddHeading("Choice of λ");
 //   page.AddFigure(figure, "Error over λ.",
@@ -17,6 +19,7 @@
 #ifndef APPS_REPORT_HTML_H_
 #define APPS_REPORT_HTML_H_
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -35,9 +38,23 @@ struct RunAgain {
   std::vector<std::pair<std::string, std::string>> more = {};  // name, value
 };
 
+// The colour of a badge; its words say the same.
+enum class Badge { kGood, kChanged, kUnknown };
+
+// What a page says first.
+struct Verdict {
+  Badge badge = Badge::kUnknown;
+  std::string label = {};  // in the badge: "corrected"
+  std::string headline = {};
+  std::vector<std::string> sentences = {};
+};
+
 class HtmlPage {
  public:
   explicit HtmlPage(std::string title);
+
+  // In place of the title as the heading of the page.
+  void SetVerdict(Verdict verdict) { verdict_ = std::move(verdict); }
 
   // The findings in a few sentences, set apart from the rest.
   void AddSummary(const std::vector<std::string>& sentences);
@@ -47,7 +64,12 @@ class HtmlPage {
   void AddParagraph(std::string_view text);
   void AddList(const std::vector<std::string>& items);
   void AddWarning(std::string_view text);
+  // What follows, until the fold is closed, is shown when a reader opens it.
+  void OpenFold(std::string_view title);
+  void CloseFold();
   void AddTable(const Table& table);
+  // With a button that copies header and cells, separated by tabs.
+  void AddTableToCopy(const Table& table);
   // `alt` says in words what is to be seen. A figure that cannot be drawn
   // leaves a warning with the reason.
   void AddFigure(const Figure& figure, std::string_view caption,
@@ -55,14 +77,17 @@ class HtmlPage {
   void AddCode(std::string_view code);
   // Links to files beside the page: name shown, path relative to the page.
   void AddFiles(const std::vector<std::pair<std::string, std::string>>& files);
+  // With a heading, unless a fold is open.
   void AddRunAgain(const RunAgain& run);
 
   std::string Render() const;
 
  private:
   std::string title_;
+  std::optional<Verdict> verdict_;
   std::string body_;
   std::vector<std::string> headings_;
+  int open_folds_ = 0;
   int figures_ = 0;
   int tables_ = 0;
 };

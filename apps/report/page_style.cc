@@ -10,11 +10,17 @@ constexpr std::string_view kStyle = R"css(
   color-scheme: light dark;
   --ground: #ffffff; --card: #f5f7f9; --text: #1c2126; --soft: #55606b;
   --rule: #d5dbe1; --accent: #00578a; --warn: #8a3c00; --warn-ground: #fdf1e7;
+  --good: #1a6b3c; --changed: #9a4a00; --unknown: #55606b; --on-badge: #ffffff; --picture: #ffffff;
+  --edge: #9aa5b0;
+  --level-1: #e6f1f8; --level-2: #cbe2f1; --level-3: #a9cfe8; --level-4: #86bade;
 }
 @media (prefers-color-scheme: dark) {
   :root {
     --ground: #14181c; --card: #1e242a; --text: #e4e8ec; --soft: #a4afba;
     --rule: #39424b; --accent: #6cbcf0; --warn: #f5b27a; --warn-ground: #33261b;
+    --good: #7fd6a2; --changed: #f5b27a; --unknown: #a4afba; --on-badge: #14181c; --picture: #1a1f24;
+    --edge: #5d6a76;
+    --level-1: #1c2f3e; --level-2: #1f3f57; --level-3: #244f70; --level-4: #2b5f88;
   }
 }
 * { box-sizing: border-box; }
@@ -23,14 +29,33 @@ body {
   margin: 0; background: var(--ground); color: var(--text);
   font: 1rem/1.55 system-ui, "Helvetica Neue", Helvetica, Arial, "DejaVu Sans", sans-serif;
 }
-main { max-width: 64rem; margin: 0 auto; padding: 1.5rem clamp(1rem, 4vw, 2.5rem) 4rem; }
+main { max-width: 76rem; margin: 0 auto; padding: 1.5rem clamp(1rem, 4vw, 2.5rem) 4rem; }
 h1, h2, h3 { line-height: 1.25; text-wrap: balance; overflow-wrap: anywhere; }
 h1 { font-size: clamp(1.5rem, 1.2rem + 1.5vw, 2.1rem); margin: .5rem 0 1.25rem; }
-h2 { font-size: 1.35rem; margin: 2.75rem 0 .75rem; padding-top: .9rem; border-top: 1px solid var(--rule); }
+h2 { font-size: 1.35rem; margin: 2rem 0 .6rem; padding-top: .8rem; border-top: 1px solid var(--rule); }
 h3 { font-size: 1.1rem; margin: 2rem 0 .5rem; }
 p, ul { max-width: 44rem; margin: .75rem 0; overflow-wrap: anywhere; }
 a { color: var(--accent); }
 a:focus-visible, [tabindex]:focus-visible { outline: 2px solid var(--accent); outline-offset: 2px; }
+.verdict { background: var(--card); border-left: 6px solid var(--unknown); border-radius: 4px; padding: .8rem 1.2rem; margin: 0 0 1.25rem; }
+.verdict.good { border-color: var(--good); } .verdict.changed { border-color: var(--changed); }
+.verdict .title { color: var(--soft); margin: 0; font-size: .95rem; }
+.verdict h1 { text-wrap: wrap; margin: .35rem 0 .6rem; font-size: clamp(1.3rem, 1.1rem + 1vw, 1.8rem); }
+.verdict p { margin: .35rem 0; max-width: 60rem; }
+.badge { display: inline-block; background: var(--unknown); color: var(--on-badge); border-radius: 1em; padding: .1em .75em; margin-right: .3em; font-size: .62em; font-weight: 600; letter-spacing: .02em; vertical-align: .16em; white-space: nowrap; }
+.good .badge { background: var(--good); } .changed .badge { background: var(--changed); }
+details { border-top: 1px solid var(--rule); }
+details + h2, details + p { margin-top: 1.5rem; }
+summary { cursor: pointer; padding: .55rem 0; color: var(--accent); font-weight: 600; }
+summary:focus-visible { outline: 2px solid var(--accent); outline-offset: 2px; }
+details[open] { padding-bottom: 1rem; }
+.copied { position: relative; }
+.copy { font: inherit; font-size: .9rem; color: var(--accent); background: var(--card); border: 1px solid var(--rule); border-radius: 4px; padding: .25rem .8rem; cursor: pointer; }
+.copy:focus-visible { outline: 2px solid var(--accent); outline-offset: 2px; }
+.copied .table { margin-top: .6rem; }
+@media (scripting: none) { .copy { display: none; } }
+.level-1 { background: var(--level-1); } .level-2 { background: var(--level-2); }
+.level-3 { background: var(--level-3); } .level-4 { background: var(--level-4); }
 .summary { background: var(--card); border-left: 4px solid var(--accent); border-radius: 4px; padding: .6rem 1.1rem; margin: 1.25rem 0; }
 .summary p { font-size: 1.06rem; margin: .45rem 0; max-width: none; }
 .warning { background: var(--warn-ground); border-left: 4px solid var(--warn); border-radius: 4px; padding: .6rem 1.1rem; margin: 1rem 0; }
@@ -40,7 +65,20 @@ nav { margin: 1.25rem 0; font-size: .95rem; }
 nav ul { list-style: none; padding: 0; display: flex; flex-wrap: wrap; gap: .35rem 1.4rem; max-width: none; }
 nav a { display: inline-block; padding: .2rem 0; }
 .scroll { overflow-x: auto; max-width: 100%; }
-.table { margin: 1.25rem 0; }
+.table { margin: 1rem 0; }
+/* A shadow at each side where a table or a picture goes on: the ground hides it at the ends. */
+@media screen {
+  .scroll {
+    --under: var(--ground);
+    background:
+      linear-gradient(to right, var(--under) 40%, transparent) 0 0 / 2.5rem 100% no-repeat local,
+      linear-gradient(to left, var(--under) 40%, transparent) 100% 0 / 2.5rem 100% no-repeat local,
+      linear-gradient(to right, var(--edge), transparent) 0 0 / .6rem 100% no-repeat scroll,
+      linear-gradient(to left, var(--edge), transparent) 100% 0 / .6rem 100% no-repeat scroll;
+  }
+  .picture { --under: var(--picture); background-color: var(--picture); }
+  .picture .ground { fill-opacity: 0; }
+}
 table { border-collapse: collapse; font-size: .95rem; font-variant-numeric: tabular-nums; }
 caption { text-align: left; color: var(--soft); padding: 0 0 .5rem; max-width: 44rem; }
 th, td { padding: .35rem .8rem; border-bottom: 1px solid var(--rule); vertical-align: baseline; }
@@ -50,9 +88,8 @@ tbody th { font-weight: 600; }
 .left { text-align: left; } .center { text-align: center; } .right { text-align: right; }
 td.right { white-space: nowrap; } th.right { min-width: 5.8em; }
 figure { margin: 1.75rem 0; position: relative; }
-.picture { border: 1px solid var(--rule); border-radius: 4px; padding: .6rem; background: #ffffff; }
+.picture { border: 1px solid var(--rule); border-radius: 4px; padding: .6rem; }
 .picture > svg { display: block; width: 100%; height: auto; margin: 0 auto; }
-@media screen and (prefers-color-scheme: dark) { .picture { background: #1a1f24; } }
 .readout { position: absolute; bottom: 100%; left: 0; right: 0; background: var(--ground); font-size: .85rem; color: var(--soft); overflow-wrap: anywhere; font-variant-numeric: tabular-nums; }
 figcaption { color: var(--soft); font-size: .95rem; margin-top: .5rem; max-width: 44rem; overflow-wrap: anywhere; }
 pre, code { font-family: ui-monospace, "DejaVu Sans Mono", Menlo, Consolas, monospace; font-size: .88rem; }
@@ -73,6 +110,9 @@ dt { color: var(--soft); } dd { margin: 0; overflow-wrap: anywhere; }
   body { font-size: 10pt; }
   main { max-width: none; padding: 0; }
   nav { display: none; }
+  .copy { display: none; }
+  .verdict { border: 1px solid var(--rule); border-left-width: 6px; }
+  .badge { color: #000000; background: none !important; border: 1px solid #000000; }
   h1, h2, h3, caption { break-after: avoid; }
   figure, tr, .table, .summary, .warning { break-inside: avoid; }
   thead { display: table-header-group; }

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <string>
 #include <string_view>
 #include <utility>
 
+#include "absl/strings/str_replace.h"
 #include "apps/report/text.h"
 
 namespace mle::report {
@@ -45,7 +47,7 @@ std::string_view ClassOf(Align align) {
 }
 
 void AddHtmlCell(std::string_view tag, std::string_view scope, Align align,
-                 std::string_view text, std::string& out) {
+                 int level, std::string_view text, std::string& out) {
   out += "<";
   out += tag;
   if (!scope.empty()) {
@@ -55,9 +57,25 @@ void AddHtmlCell(std::string_view tag, std::string_view scope, Align align,
   }
   out += " class=\"";
   out += ClassOf(align);
+  if (level > 0) out += " level-" + std::to_string(level);
   out += "\">" + EscapeHtml(text) + "</";
   out += tag;
   out += ">";
+}
+
+int LevelOf(const Table& table, std::size_t row, std::size_t column) {
+  if (row >= table.levels.size() || column >= table.levels[row].size()) {
+    return 0;
+  }
+  return std::clamp(table.levels[row][column], 0, kTableLevels);
+}
+
+void AddTabbedLine(const std::vector<std::string>& cells, std::string& out) {
+  for (std::size_t j = 0; j < cells.size(); ++j) {
+    if (j > 0) out += '\t';
+    out += absl::StrReplaceAll(CleanText(cells[j]), {{"−", "-"}});
+  }
+  out += '\n';
 }
 
 }  // namespace
@@ -104,6 +122,16 @@ std::string RenderText(const Table& table) {
   return out;
 }
 
+std::string RenderTabbed(const Table& table) {
+  const Table square = Squared(table);
+  std::vector<std::string> header;
+  for (const Column& column : square.columns) header.push_back(column.header);
+  std::string out;
+  AddTabbedLine(header, out);
+  for (const auto& row : square.rows) AddTabbedLine(row, out);
+  return out;
+}
+
 std::string RenderHtml(const Table& table) {
   const Table square = Squared(table);
   std::string out = "<table>\n";
@@ -113,16 +141,17 @@ std::string RenderHtml(const Table& table) {
   out += "<thead>\n<tr>";
   for (const Column& column : square.columns) {
     AddHtmlCell(column.header.empty() ? "td" : "th",
-                column.header.empty() ? "" : "col", column.align, column.header,
-                out);
+                column.header.empty() ? "" : "col", column.align, 0,
+                column.header, out);
   }
   out += "</tr>\n</thead>\n<tbody>\n";
-  for (const auto& row : square.rows) {
+  for (std::size_t i = 0; i < square.rows.size(); ++i) {
+    const auto& row = square.rows[i];
     out += "<tr>";
     for (std::size_t j = 0; j < row.size(); ++j) {
       const bool names_row = j == 0 && square.row_headers;
       AddHtmlCell(names_row ? "th" : "td", names_row ? "row" : "",
-                  square.columns[j].align, row[j], out);
+                  square.columns[j].align, LevelOf(square, i, j), row[j], out);
     }
     out += "</tr>\n";
   }

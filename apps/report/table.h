@@ -13,6 +13,8 @@
 
 namespace mle::report {
 
+inline constexpr int kTableLevels = 4;
+
 enum class Align { kLeft, kCenter, kRight };
 
 struct Column {
@@ -28,6 +30,9 @@ struct Table {
   std::vector<std::vector<std::string>> rows = {};
   // The first cell of a row names the row (in HTML: <th scope="row">).
   bool row_headers = true;
+  // In HTML, how strongly the ground of each cell is coloured: from 0, not at
+  // all, to kTableLevels. Missing ones are 0.
+  std::vector<std::vector<int>> levels = {};
 
   void AddRow(std::vector<std::string> cells);
 };
@@ -36,8 +41,13 @@ struct Table {
 // without trailing blanks; columns are two blanks apart.
 std::string RenderText(const Table& table);
 
+// Header and rows without the caption, cells separated by tabs, for a
+// spreadsheet. Minus signs are hyphens there.
+std::string RenderTabbed(const Table& table);
+
 // A <table> with <caption>, <thead> and <tbody>, scope attributes and
-// everything escaped. Alignment is by the classes left, center and right.
+// everything escaped. Alignment is by the classes left, center and right,
+// levels by level-1 to level-4.
 std::string RenderHtml(const Table& table);
 
 }  // namespace mle::report

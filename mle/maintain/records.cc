@@ -11,7 +11,8 @@
 #include "absl/strings/str_split.h"
 #include "mle/base/status.h"
 #include "mle/data/outliers.h"
-#include "mle/maintain/change_dates.h"
+#include "mle/maintain/dates.h"
+#include "mle/maintain/leave_out.h"
 #include "mle/maintain/whole_windows.h"
 #include "mle/nonlinear/output_reconstruction.h"
 
@@ -216,6 +217,7 @@ absl::Status FindWhatIsUsed(const ProcessModel& model,
         {MessageCode::kWindows, "", std::move(warning), {}});
   }
   MakeInputsWhole(model, data);
+  MLE_RETURN_IF_ERROR(LeaveOutWindows(model, options.leave_out, data));
   if (data.windows.empty() && !data.obstacles.empty()) TakeWholeRecords(data);
   if (data.windows.empty()) return NoWindows(data);
   WarnOfUnrest(model, data);
@@ -317,7 +319,10 @@ absl::StatusOr<RecordData> LoadRecords(const std::vector<std::string>& paths,
   data.report = std::move(imported.report);
   RecordOptions dated = options;
   dated.windows.times = dated.examination.times = data.Times(model);
-  MLE_RETURN_IF_ERROR(AddChangeDates(data.report, model, dated));
+  MLE_RETURN_IF_ERROR(AddDates("change_times", options.change_dates,
+                               data.report, model, dated.windows.change_times));
+  MLE_RETURN_IF_ERROR(AddDates("leave_out", options.leave_out_dates,
+                               data.report, model, dated.leave_out));
   MLE_RETURN_IF_ERROR(FindWhatIsUsed(model, dated, data));
   return data;
 }

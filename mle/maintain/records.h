@@ -33,6 +33,10 @@ struct RecordOptions {
   // in addition to windows.change_times; of records that have dates. Without a
   // zone they are in that of the records.
   std::vector<std::string> change_dates = {};
+  // A window that contains one of these times is not used: in the model's time
+  // unit, or dates as above.
+  std::vector<double> leave_out = {};
+  std::vector<std::string> leave_out_dates = {};
   // What is taken as bad: frozen stretches and single samples far from their
   // neighbours.
   MarkOptions mark;

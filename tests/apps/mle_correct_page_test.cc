@@ -53,7 +53,7 @@ void ExpectInterval(const std::string& cell, const nlohmann::json& estimate) {
 }
 
 TEST_F(MleCorrectPage, TablesShowTheValuesOfTheResult) {
-  const PageTable table = TableOf(html_, "Elements, with 95");
+  const PageTable table = TableOf(html_, "Elements; times in");
   ASSERT_EQ(table.rows.size(), 1u + 3u * 4u);
   std::size_t row = 1;
   for (const char* const output : {"y1", "y2"}) {
@@ -93,17 +93,52 @@ TEST_F(MleCorrectPage, TablesShowTheValuesOfTheResult) {
   }
 }
 
-TEST_F(MleCorrectPage, OpensWithTheVerdictInTwoSentences) {
+TEST_F(MleCorrectPage, OpensWithBadgeHeadlineAndWhatToDo) {
+  const std::size_t verdict = html_.find("class=\"verdict changed\"");
+  ASSERT_NE(verdict, std::string::npos);
+  const std::string opening =
+      html_.substr(verdict, html_.find("</header>") - verdict);
+  EXPECT_THAT(opening, HasSubstr("<span class=\"badge\">corrected</span>"));
+  EXPECT_THAT(opening, HasSubstr("Gain of y1 ← u1 fell by "));
+  EXPECT_THAT(opening, HasSubstr("Use the corrected model"));
+  EXPECT_THAT(opening, HasSubstr("On held-out data"));
+  EXPECT_THAT(opening, HasSubstr("95 % confidence interval"));
+  // A p-value is for those who open a fold.
+  EXPECT_EQ(opening.find("(p "), std::string::npos);
   ASSERT_EQ(result_["verdict"].size(), 2u);
   const std::string aged = result_["verdict"][0];
-  const std::string worth = result_["verdict"][1];
-  EXPECT_THAT(aged, HasSubstr("Use the corrected model"));
   EXPECT_THAT(aged, HasSubstr("1 of 4 elements have changed, y1 ← u1"));
-  EXPECT_THAT(worth, HasSubstr("On held-out data"));
-  const std::size_t summary = html_.find("class=\"summary\"");
-  ASSERT_NE(summary, std::string::npos);
-  EXPECT_LT(summary, html_.find(aged));
-  EXPECT_LT(html_.find(worth), html_.find("<h2"));
+  EXPECT_LT(html_.find("What the verdict rests on"), html_.find(aged));
+}
+
+// ± is explained once; no other quantity has the sign.
+TEST_F(MleCorrectPage, SaysOnceWhatTheIntervalsAre) {
+  const std::string note = "± is half a";
+  const std::size_t first = html_.find(note);
+  ASSERT_NE(first, std::string::npos);
+  EXPECT_EQ(html_.find(note, first + 1), std::string::npos);
+  EXPECT_EQ(html_.find("± one standard error"), std::string::npos);
+}
+
+TEST_F(MleCorrectPage, TheTableForTheControllerIsTheWrittenModel) {
+  const PageTable table = TableOf(html_, "The model as first-order elements");
+  ASSERT_EQ(table.rows.size(), 1u + 4u);
+  for (std::size_t row = 1; row < table.rows.size(); ++row) {
+    const nlohmann::json element =
+        ElementOf(result_, table.rows[row][0], table.rows[row][1]);
+    ExpectShows(table.rows[row][2], element["fopdt"]["gain"]);
+    ExpectShows(table.rows[row][3], element["fopdt"]["time_constant"]);
+    ExpectShows(table.rows[row][4], element["fopdt"]["delay"]);
+    EXPECT_EQ(table.rows[row][5].empty(), !element["aged"].get<bool>());
+  }
+  // What the button copies.
+  EXPECT_THAT(html_, HasSubstr("data-text=\"output\tinput\tgain\t"));
+}
+
+TEST_F(MleCorrectPage, TheLoopFollowsSetPointsBetterOnThePlantAsCorrected) {
+  EXPECT_THAT(html_, HasSubstr("What it means for control"));
+  EXPECT_THAT(Content(out_ + "/control.svg"),
+              HasSubstr("with the corrected model"));
 }
 
 TEST_F(MleCorrectPage, FiguresShowTheResponsesOfTheFile) {
@@ -148,8 +183,8 @@ TEST_F(MleCorrectPage, RecordsAreDrawnWithTheirWindowsAndBadSamples) {
 
 TEST_F(MleCorrectPage, EveryFigureIsAFileToo) {
   for (const char* const name :
-       {"step_responses", "mismatch_map", "records", "predictions",
-        "autocorrelation", "cross_correlation"}) {
+       {"step_responses", "changed_responses", "control", "mismatch_map",
+        "records", "predictions", "autocorrelation", "cross_correlation"}) {
     const std::string base = out_ + "/" + name;
     EXPECT_EQ(Content(base + ".svg").find("<?xml"), 0u) << name;
     EXPECT_EQ(Content(base + ".png").find("\x89PNG"), 0u) << name;

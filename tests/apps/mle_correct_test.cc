@@ -501,6 +501,54 @@ TEST(MleCorrectTest, TheVerdictSaysThatNothingHasChanged) {
   EXPECT_LE(std::count(run.out.begin(), run.out.end(), '\n'), 6);
 }
 
+TEST(MleCorrectTest, AWindowIsLeftOutByATimeInIt) {
+  const HeaterExample example(WithHalvedGain());
+  const nlohmann::json all = example.Run();
+  ASSERT_EQ(all["windows"].size(), 2u);
+  const nlohmann::json& change = all["windows"][1]["set_point_changes"][0];
+  const std::string flag =
+      absl::StrFormat("--leave_out=%g", change["time"].get<double>());
+  const report::ProcessResult run = RunTested(
+      CorrectionFlags(example.model, example.data, example.out, {flag}));
+  EXPECT_NE(run.exit_code, 2) << run.err;
+  const nlohmann::json one = ParsedJson(example.out + "/result.json");
+  ASSERT_EQ(one["windows"].size(), 1u);
+  EXPECT_EQ(one["windows"][0], all["windows"][0]);
+  EXPECT_THAT(one["notes"].dump(), HasSubstr("is left out, as asked for"));
+  // A time in no window is a mistake.
+  const report::ProcessResult none =
+      RunTested(CorrectionFlags(example.model, example.data, example.out,
+                                {"--leave_out=1e6"}));
+  EXPECT_EQ(none.exit_code, 2);
+  EXPECT_THAT(none.err, HasSubstr("--leave_out: no window contains"));
+}
+
+TEST(MleCorrectTest, ARunIsComparedWithTheLast) {
+  const HeaterExample example(WithHalvedGain());
+  example.Run();
+  const std::string now = example.scratch / "now";
+  const auto page_of = [&](const std::string& data) {
+    Correct(CorrectionFlags(example.model, data, now,
+                            {"--previous=" + example.out}),
+            now);
+    return Content(now + "/report.html");
+  };
+  EXPECT_THAT(page_of(example.data),
+              HasSubstr("said “corrected”. No estimate differs"));
+  // The gain that had halved is back, the other has not changed.
+  const std::string back =
+      SimulateHeater(example.scratch, "back.csv", example.model, example.model);
+  const std::string page = page_of(back);
+  const std::size_t table = page.find("Estimates that differ");
+  ASSERT_NE(table, std::string::npos);
+  EXPECT_LT(page.find("y1 ← u1", table), page.find("</table>", table));
+  const report::ProcessResult none =
+      RunTested(CorrectionFlags(example.model, example.data, now,
+                                {"--previous=" + example.scratch / "none"}));
+  EXPECT_EQ(none.exit_code, 2);
+  EXPECT_THAT(none.err, HasSubstr("--previous"));
+}
+
 TEST(MleCorrectTest, JsonOnStandardOutputIsTheFileAndNothingElse) {
   const HeaterExample example(WithHalvedGain());
   const report::ProcessResult run = RunTested(CorrectionFlags(

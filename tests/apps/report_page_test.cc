@@ -13,15 +13,46 @@
 namespace mle {
 namespace {
 
+using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
+// Screens of 900 and 844 pixels before a fold is opened, where a page promises
+// how many it takes; and what its badge says.
+struct Promise {
+  std::string badge;
+  double screens_at_1440 = 1e9;
+  double screens_at_390 = 1e9;
+};
+
+void ExpectPromise(const Promise& promise, int width,
+                   const nlohmann::json& found) {
+  if (promise.badge.empty()) return;
+  EXPECT_EQ(found["badge"], promise.badge);
+  EXPECT_GT(found["folds"], 5);
+  EXPECT_EQ(found["open"], 0);
+  EXPECT_LE(found["overflow_folded"], 0) << "at " << width;
+  EXPECT_EQ(found["faint_folded"], nlohmann::json::array());
+  if (width >= 1440) {
+    EXPECT_EQ(found["cut"], 0) << "at " << width;
+    EXPECT_EQ(found["cut_open"], 0) << "at " << width;
+    EXPECT_LE(found["height"].get<double>() / 900.0, promise.screens_at_1440);
+  }
+  if (width <= 390) {
+    EXPECT_LE(found["height"].get<double>() / 844.0, promise.screens_at_390);
+  }
+  EXPECT_THAT(found["copied"]["text"].get<std::string>(),
+              HasSubstr("output\tinput\tgain\t"));
+  EXPECT_NE(found["copied"]["says"], "Copy the table");
+}
+
 void ExpectReadable(const std::string& path, const std::string& name,
-                    int panels) {
+                    int panels, const Promise& promise = {}) {
   const std::string html = Content(path);
   EXPECT_LE(html.size(), 1'000'000U);
-  for (const auto& [width, mode] : {std::pair(375, report::Mode::kLight),
-                                    {1024, report::Mode::kLight},
-                                    {1024, report::Mode::kDark},
+  for (const auto& [width, mode] : {std::pair(390, report::Mode::kLight),
+                                    {768, report::Mode::kLight},
+                                    {1440, report::Mode::kLight},
+                                    {1440, report::Mode::kDark},
                                     {1920, report::Mode::kLight}}) {
     const report::BrowserVisit visit =
         report::VisitPage(html, width, name, mode);
@@ -34,6 +65,7 @@ void ExpectReadable(const std::string& path, const std::string& name,
     EXPECT_LE(visit.found["overflow"], 0) << "at " << width;
     EXPECT_EQ(visit.found["faint"], nlohmann::json::array());
     EXPECT_EQ(visit.found["overlapping"], nlohmann::json::array());
+    ExpectPromise(promise, width, visit.found);
   }
 }
 
@@ -49,10 +81,11 @@ TEST(ReportPageTest, OfACorrection) {
   Correct(CorrectionFlags(model, data, scratch / "out",
                           {"--figures=true", "--truth=" + plant}),
           scratch / "out");
-  // Step responses of four pairs, their map, records of four channels,
-  // predictions of two outputs, two autocorrelations and four
-  // cross-correlations.
-  ExpectReadable(scratch / "out/report.html", "correction", 17);
+  // The response that has changed, two set points followed, step responses of
+  // four pairs, records of four channels, predictions of two outputs, two
+  // autocorrelations and four cross-correlations.
+  ExpectReadable(scratch / "out/report.html", "correction", 19,
+                 {"corrected", 5.0, 10.0});
 }
 #else
 TEST(ReportPageTest, OfAReproduction) {

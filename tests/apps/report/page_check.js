@@ -101,7 +101,33 @@ function readout() {
   return panel.closest('figure').querySelector('.readout').textContent;
 }
 
+// What is cut: tables wider than their box, which then scrolls.
+const cut = () => Array.from(document.querySelectorAll('.scroll.table')).filter(
+    box => box.scrollWidth > box.clientWidth + 1).length;
+
+// What the first button that copies says and offers, after a click.
+async function copied() {
+  const button = document.querySelector('button.copy');
+  if (!button) return null;
+  const before = button.textContent;
+  button.click();
+  for (let i = 0; i < 20 && button.textContent === before; ++i) await pause();
+  return {text: button.dataset.text, says: button.textContent};
+}
+
 await pause();
+found.height = document.querySelector('main').getBoundingClientRect().height;
+found.folds = document.querySelectorAll('details').length;
+found.open = document.querySelectorAll('details[open]').length;
+found.badge = (document.querySelector('.badge') || {}).textContent;
+found.cut = cut();
+found.overflow_folded = document.documentElement.scrollWidth - window.innerWidth;
+found.faint_folded = faint();
+found.copied = await copied();
+// Everything else is looked at with all folds open.
+document.querySelectorAll('details').forEach(fold => { fold.open = true; });
+await pause();
+found.cut_open = cut();
 found.figures = document.querySelectorAll('svg.drawing').length;
 found.panels = document.querySelectorAll('.panel').length;
 found.texts = Array.from(document.querySelectorAll('svg.drawing text'),

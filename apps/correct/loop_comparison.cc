@@ -1,0 +1,90 @@
+#include "apps/correct/loop_comparison.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "apps/correct/advice.h"
+#include "apps/correct/result.h"
+#include "control/mpc.h"
+#include "control/prediction_model.h"
+#include "mle/base/status.h"
+#include "mle/model/process_model.h"
+#include "sim/closed_loop.h"
+
+namespace mle::correct {
+namespace {
+
+// Until the plant has settled twice; a tenth of that before the step.
+constexpr double kSettlingTimes = 2.0;
+constexpr double kBefore = 0.1;
+
+// The largest step of the output's set point in the records; 1 where there is
+// none.
+double StepOf(const RecordData& data, int output) {
+  double step = 0.0;
+  for (const SetPointWindow& window : data.windows) {
+    for (const SetPointChange& change : window.changes) {
+      if (change.output != output) continue;
+      const double one = change.to - change.from;
+      if (std::abs(one) > std::abs(step)) step = one;
+    }
+  }
+  return step == 0.0 || !std::isfinite(step) ? 1.0 : step;
+}
+
+absl::StatusOr<Record> Follow(const ProcessModel& plant,
+                              const ProcessModel& believed,
+                              const control::MpcOptions& tuning,
+                              const sim::SetPointProfile& set_points,
+                              const sim::ClosedLoopOptions& options) {
+  MLE_ASSIGN_OR_RETURN(control::Mpc mpc,
+                       control::Mpc::Create(believed, tuning));
+  return sim::SimulateClosedLoop(
+      plant,
+      [&mpc](const auto& measured, const auto& wanted, auto next_inputs) {
+        mpc.Step(measured, wanted, next_inputs);
+      },
+      set_points, options);
+}
+
+double SquaredError(const Record& record) {
+  return (record.outputs - record.set_points).squaredNorm();
+}
+
+}  // namespace
+
+absl::StatusOr<LoopComparison> CompareLoops(const Result& result) {
+  if (!result.accepted()) {
+    return absl::FailedPreconditionError("nothing was corrected");
+  }
+  MLE_ASSIGN_OR_RETURN(const control::MpcOptions tuning, TuningInUse(result));
+  LoopComparison comparison;
+  comparison.told = result.request.controller_known();
+  const double settled =
+      kSettlingTimes *
+      std::max(SettlingTime(result.model), SettlingTime(result.initial));
+  sim::ClosedLoopOptions options;
+  options.sample_time = result.data.sample_time();
+  options.control_period = tuning.control_period;
+  options.noise_variance = 0.0;
+  const double period = tuning.control_period;
+  const double at = period * std::ceil(kBefore * settled / period);
+  options.duration = at + period * std::ceil(settled / period);
+  for (int i = 0; i < result.initial.num_outputs(); ++i) {
+    const sim::SetPointProfile set_points{
+        .steps = {{i, at, StepOf(result.data, i)}}};
+    LoopStep step;
+    step.output = i;
+    MLE_ASSIGN_OR_RETURN(step.before, Follow(result.model, result.initial,
+                                             tuning, set_points, options));
+    MLE_ASSIGN_OR_RETURN(step.after, Follow(result.model, result.model, tuning,
+                                            set_points, options));
+    const double before = SquaredError(step.before);
+    if (before > 0.0) step.error_ratio = SquaredError(step.after) / before;
+    comparison.steps.push_back(std::move(step));
+  }
+  return comparison;
+}
+
+}  // namespace mle::correct

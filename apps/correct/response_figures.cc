@@ -1,0 +1,177 @@
+// Step responses of the models, and what a controller makes of them.
+
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "apps/correct/figure_parts.h"
+#include "apps/correct/headline.h"
+#include "apps/correct/outputs.h"
+
+namespace mle::correct {
+namespace {
+
+using report::NamedFigure;
+using report::Panel;
+using report::Role;
+using report::Series;
+
+constexpr int kColumns = 3;
+// Of the pairs that have changed, and of the outputs of a loop.
+constexpr std::size_t kMostChanged = 6;
+constexpr std::size_t kMostLoops = 6;
+
+struct Pair {
+  int output = 0;
+  int input = 0;
+};
+
+// "% per t/h": of a step response.
+std::string ResponseUnit(const ProcessModel& model, const Pair& pair) {
+  const std::string& y = model.outputs()[pair.output].unit;
+  const std::string& u = model.inputs()[pair.input].unit;
+  if (y.empty() || u.empty()) return "step response";
+  return absl::StrCat(y, " per ", u);
+}
+
+int RowsFor(std::size_t panels, int columns) {
+  return (static_cast<int>(panels) + columns - 1) / columns;
+}
+
+int ColumnsFor(std::size_t panels) {
+  return std::min(static_cast<int>(panels), kColumns);
+}
+
+void AddResponses(const Result& result, const Pair& pair, Panel& panel) {
+  const std::vector<double> time =
+      Times(0.0, result.initial_response.sample_time,
+            result.initial_response.samples());
+  const auto add = [&](Role role, const char* label,
+                       const StepResponse& response) -> Series& {
+    return AddCurve(role, label, time,
+                    ToVector(response.element(pair.output, pair.input)), panel);
+  };
+  if (result.true_response.has_value()) {
+    add(Role::kTrue, "true plant", *result.true_response);
+  }
+  // The dashes of the initial model lie on top: of curves that coincide both
+  // are seen.
+  Series& corrected =
+      add(Role::kCorrected, result.accepted() ? "corrected" : "written",
+          result.corrected.response);
+  if (result.corrected.errors.has_value()) {
+    const Eigen::VectorXd half =
+        BandFactor(result) *
+        result.corrected.errors->element(pair.output, pair.input);
+    if (half.allFinite() && half.maxCoeff() > 0.0) {
+      const Eigen::VectorXd middle =
+          result.corrected.response.element(pair.output, pair.input);
+      corrected.lower = ToVector(middle - half);
+      corrected.upper = ToVector(middle + half);
+    }
+  }
+  add(Role::kInitial, "initial model", result.initial_response);
+}
+
+NamedFigure ResponsesOf(const Result& result, const std::string& name,
+                        const std::string& caption,
+                        const std::vector<Pair>& pairs) {
+  const int columns = ColumnsFor(pairs.size());
+  const int rows = RowsFor(pairs.size(), columns);
+  NamedFigure named = NewFigure(name, caption, rows, columns, 4.6);
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    Panel& panel = named.figure.AddPanel(
+        PairName(result.initial, pairs[k].output, pairs[k].input));
+    if (k + static_cast<std::size_t>(columns) >= pairs.size()) {
+      panel.x.label = TimeLabel(result, "time");
+    }
+    panel.y.label = ResponseUnit(result.initial, pairs[k]);
+    AddResponses(result, pairs[k], panel);
+  }
+  return named;
+}
+
+bool IsZero(const Result& result, const Pair& pair) {
+  const auto none = [&](const StepResponse& response) {
+    return response.element(pair.output, pair.input).isZero(0.0);
+  };
+  return none(result.initial_response) && none(result.corrected.response) &&
+         (!result.true_response.has_value() || none(*result.true_response));
+}
+
+}  // namespace
+
+NamedFigure StepResponseFigure(const Result& result) {
+  std::vector<Pair> pairs;
+  for (int i = 0; i < result.initial.num_outputs(); ++i) {
+    for (int j = 0; j < result.initial.num_inputs(); ++j) {
+      if (!IsZero(result, {i, j})) pairs.push_back({i, j});
+    }
+  }
+  return ResponsesOf(result, "step_responses",
+                     "Response of each output to a unit step of each input: "
+                     "the initial model and the model written, with a "
+                     "confidence band where available. Pairs without a "
+                     "response are left out.",
+                     pairs);
+}
+
+std::optional<NamedFigure> ChangedResponseFigure(const Result& result) {
+  std::vector<ElementChange> changes = ElementChanges(result);
+  if (changes.empty()) return std::nullopt;
+  const bool all = changes.size() <= kMostChanged;
+  if (!all) changes.resize(kMostChanged);
+  std::vector<Pair> pairs;
+  for (const ElementChange& change : changes) {
+    pairs.push_back({change.output, change.input});
+  }
+  return ResponsesOf(
+      result, "changed_responses",
+      absl::StrCat("Response to a unit step before and after, with a "
+                   "confidence band, of the pairs that have changed",
+                   all ? "." : " most."),
+      pairs);
+}
+
+std::optional<NamedFigure> ControlFigure(const Result& result) {
+  if (!result.loops.has_value() || result.loops->steps.empty()) {
+    return std::nullopt;
+  }
+  const std::vector<LoopStep>& steps = result.loops->steps;
+  const std::size_t shown = std::min(steps.size(), kMostLoops);
+  const int columns = ColumnsFor(shown);
+  NamedFigure named = NewFigure(
+      "control",
+      absl::StrCat("A step of each set point, with the initial and the "
+                   "corrected model in the controller, ",
+                   result.loops->told
+                       ? "tuned as told."
+                       : "tuned by published rules, because its own tuning "
+                         "was not told (--control_period and others).",
+                   " Deviations from the operating point, without noise."),
+      RowsFor(shown, columns), columns, 4.6);
+  for (std::size_t k = 0; k < shown; ++k) {
+    const LoopStep& step = steps[k];
+    const OutputChannel& output = result.initial.outputs()[step.output];
+    Panel& panel = named.figure.AddPanel(output.name);
+    panel.y.label = output.unit.empty() ? "output" : output.unit;
+    if (k + static_cast<std::size_t>(columns) >= shown) {
+      panel.x.label = TimeLabel(result, "time");
+    }
+    const std::vector<double> time =
+        Times(0.0, step.before.sample_time, step.before.samples());
+    AddCurve(Role::kSetPoint, "set point", time,
+             ToVector(step.before.set_points.row(step.output)), panel)
+        .steps = true;
+    AddCurve(Role::kCorrected, "with the corrected model", time,
+             ToVector(step.after.outputs.row(step.output)), panel);
+    AddCurve(Role::kInitial, "with the initial model", time,
+             ToVector(step.before.outputs.row(step.output)), panel);
+  }
+  return named;
+}
+
+}  // namespace mle::correct
