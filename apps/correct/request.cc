@@ -111,9 +111,9 @@ void AddOptions(Request& request, OptionTable& table) {
   period.range = kNotNegative;
   table.Add("The controller as it is tuned, for the advice",
             std::move(controller));
-  table.PutFirst({"model", "data", "out", "tags", "dry_run",
-                  "change_times", "leave_out", "control_period", "previous",
-                  "verbose", "json"});
+  table.PutFirst({"model", "data", "out", "tags", "dry_run", "change_times",
+                  "leave_out", "control_period", "previous", "verbose",
+                  "json"});
 }
 
 absl::Status Complete(Request& request, OptionTable& table) {

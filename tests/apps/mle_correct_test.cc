@@ -516,9 +516,8 @@ TEST(MleCorrectTest, AWindowIsLeftOutByATimeInIt) {
   EXPECT_EQ(one["windows"][0], all["windows"][0]);
   EXPECT_THAT(one["notes"].dump(), HasSubstr("is left out, as asked for"));
   // A time in no window is a mistake.
-  const report::ProcessResult none =
-      RunTested(CorrectionFlags(example.model, example.data, example.out,
-                                {"--leave_out=1e6"}));
+  const report::ProcessResult none = RunTested(CorrectionFlags(
+      example.model, example.data, example.out, {"--leave_out=1e6"}));
   EXPECT_EQ(none.exit_code, 2);
   EXPECT_THAT(none.err, HasSubstr("--leave_out: no window contains"));
 }
