@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "apps/common/command_line.h"
 #include "apps/common/progress.h"
 #include "apps/common/run_again.h"
@@ -36,15 +37,6 @@ the correction can be trusted.
 Times are in the model's time unit: min below. Exit codes: 0 done, 1 the result
 is not usable or no decision was possible, 2 bad input or flags.)";
 
-std::vector<std::pair<std::string, std::string>> Checksums(
-    const correct::Result& result) {
-  std::vector<std::pair<std::string, std::string>> checksums;
-  for (const correct::DataFile& file : result.files) {
-    checksums.emplace_back(absl::StrCat("SHA-256 of ", file.path), file.sha256);
-  }
-  return checksums;
-}
-
 // All contents are made before the first file is written.
 absl::Status WriteAll(const correct::Result& result, const std::string& json) {
   std::vector<report::DrawnFigure> figures;
@@ -53,8 +45,8 @@ absl::Status WriteAll(const correct::Result& result, const std::string& json) {
     figures = report::DrawFigures(correct::MakeFigures(result),
                                   result.options.threads);
   }
-  std::string page = correct::FormatPage(result, figures,
-                                         HowToRunAgain({}, Checksums(result)));
+  std::string page = correct::FormatPage(
+      result, figures, HowToRunAgain({}, correct::Checksums(result)));
   const ProcessModel& initial = result.initial;
   std::vector<std::pair<std::string, std::string>> files = {
       {"model.json", FormatProcessModel(result.model)},
@@ -108,6 +100,14 @@ int Propose(const correct::Request& request) {
   return kExitDone;
 }
 
+bool ShowStage(const RunProgress& progress) {
+  ShowStatus(progress.fraction == 0.0
+                 ? progress.stage
+                 : absl::StrFormat("%s: %.0f %%", progress.stage,
+                                   100.0 * progress.fraction));
+  return true;
+}
+
 int Main(correct::Request& request, OptionTable& table) {
   if (const absl::Status status = correct::Complete(request, table);
       !status.ok()) {
@@ -135,6 +135,7 @@ int Main(correct::Request& request, OptionTable& table) {
   }
   const absl::StatusOr<FolderLock> lock = ClaimOutputFolder(request.out);
   if (!lock.ok()) return Fail(lock.status());
+  request.options.progress = ShowStage;
   const absl::StatusOr<correct::Result> result =
       correct::RunCorrection(request, *std::move(data), *std::move(files));
   if (!result.ok()) return Fail(correct::NameFlags(result.status()));

@@ -1,5 +1,6 @@
 # Debian packages, by cpack: libmle0 (the libraries), libmle-dev (headers and
-# CMake package), mle-tools (the commands). scripts/package makes them.
+# CMake package), mle-tools (the commands), python3-mle (the Python package).
+# scripts/package makes them.
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME mle)
@@ -45,5 +46,20 @@ set(CPACK_DEBIAN_TOOLS_PACKAGE_DEPENDS
   "libmle${PROJECT_VERSION_MAJOR} ${mle_package_version}, tzdata")
 set(CPACK_DEBIAN_TOOLS_PACKAGE_RECOMMENDS librsvg2-bin)
 set(CPACK_COMPONENT_TOOLS_DESCRIPTION "${PROJECT_DESCRIPTION} (commands)")
+
+if(mle_build_python)
+  list(APPEND CPACK_COMPONENTS_ALL python)
+  # The module is for one version of Python.
+  math(EXPR mle_next_python_minor "${Python_VERSION_MINOR} + 1")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-mle)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
+    "libmle${PROJECT_VERSION_MAJOR} ${mle_package_version}, \
+python3 (>= ${Python_VERSION_MAJOR}.${Python_VERSION_MINOR}), \
+python3 (<< ${Python_VERSION_MAJOR}.${mle_next_python_minor}~), python3-numpy, tzdata")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS python3-pandas)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-matplotlib, python3-scipy")
+  set(CPACK_COMPONENT_PYTHON_DESCRIPTION "${PROJECT_DESCRIPTION} (Python package)")
+endif()
 
 include(CPack)

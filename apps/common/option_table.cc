@@ -77,6 +77,46 @@ absl::string_view Absl(std::string_view text) {
   return {text.data(), text.size()};
 }
 
+// What a flag of the field's type takes.
+bool Parse(const std::string& text, bool* field) {
+  return absl::SimpleAtob(text, field);
+}
+bool Parse(const std::string& text, int* field) {
+  return absl::SimpleAtoi(text, field);
+}
+bool Parse(const std::string& text, std::uint64_t* field) {
+  return absl::SimpleAtoi(text, field);
+}
+bool Parse(const std::string& text, double* field) {
+  return absl::SimpleAtod(text, field);
+}
+
+const char* KindOfField(const bool* /*field*/) { return "true or false"; }
+const char* KindOfField(const int* /*field*/) {
+  return "a whole number from -2147483648 to 2147483647";
+}
+const char* KindOfField(const std::uint64_t* /*field*/) {
+  return "a whole number from 0 to 18446744073709551615";
+}
+const char* KindOfField(const double* /*field*/) { return "a number"; }
+
+absl::Status SetOption(const std::string& text, Option& option) {
+  return std::visit(
+      [&](auto& value) -> absl::Status {
+        using Value = std::decay_t<decltype(value)>;
+        if constexpr (std::is_same_v<Value, TextValue>) {
+          value.text = text;
+        } else if constexpr (std::is_same_v<Value, std::string*>) {
+          *value = text;
+        } else if (!Parse(text, value)) {
+          return RefuseOption(option.name, text,
+                              absl::StrCat("it must be ", KindOfField(value)));
+        }
+        return absl::OkStatus();
+      },
+      option.value);
+}
+
 }  // namespace
 
 std::vector<Option> Only(const std::vector<Option>& options,
@@ -128,6 +168,14 @@ void OptionTable::RegisterFlags() {
         },
         row.option.value);
   }
+}
+
+absl::Status OptionTable::Set(std::string_view name, const std::string& text) {
+  for (Row& row : rows_) {
+    if (row.option.name == name) return SetOption(text, row.option);
+  }
+  return absl::NotFoundError(
+      absl::StrCat("there is no option '", Absl(name), "'"));
 }
 
 absl::Status OptionTable::Read() {

@@ -81,6 +81,11 @@ class OptionTable {
   // long as the program.
   void RegisterFlags();
 
+  // Gives the option `name` the value that `text` stands for, as its flag
+  // would. InvalidArgument for a text that is none, NotFound for a name that is
+  // not in the table. Read() checks ranges.
+  absl::Status Set(std::string_view name, const std::string& text);
+
   // Checks values against their ranges, and reads those that are texts.
   // InvalidArgument: "--name=value: what is wrong, what would be right".
   absl::Status Read();

@@ -12,15 +12,24 @@
 
 namespace mle {
 
-// Names and values of the flags that shape results: not --out, --threads,
-// --verbose and --json.
-std::vector<std::pair<std::string, std::string>> ResultFlags();
+using NamesAndValues = std::vector<std::pair<std::string, std::string>>;
+
+// Of options those that shape results: not out, threads,
+// verbose and json.
+NamesAndValues ShapingResults(NamesAndValues options);
+
+// The same of the flags of the command that was started.
+NamesAndValues ResultFlags();
 
 // Command line, version, seeds (the first and the last, if there are any) and
 // flags. `checksums`: names and values that come before the flags.
-report::RunAgain HowToRunAgain(
-    const std::vector<std::uint64_t>& seeds,
-    std::vector<std::pair<std::string, std::string>> checksums = {});
+report::RunAgain HowToRunAgain(const std::vector<std::uint64_t>& seeds,
+                               NamesAndValues checksums = {});
+
+// Of a run that was not started as a command: what was called, and its options.
+report::RunAgain HowToCallAgain(const std::string& call,
+                                const NamesAndValues& options,
+                                NamesAndValues checksums);
 
 }  // namespace mle
 

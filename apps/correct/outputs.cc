@@ -6,6 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "apps/common/command_line.h"
+#include "apps/common/sha256.h"
 #include "apps/correct/advice.h"
 #include "apps/correct/checksum.h"
 #include "apps/correct/result_json.h"
@@ -27,9 +28,17 @@ absl::StatusOr<Json> FileJson(const std::string& path) {
       {"path", path}, {"sha256", checksum.sha256}, {"bytes", checksum.bytes}};
 }
 
+// A model in memory is hashed as the file it would be.
+absl::StatusOr<Json> ModelJson(const Result& result) {
+  const std::string& path = result.request.model_path;
+  if (!path.empty()) return FileJson(path);
+  const std::string text = FormatProcessModel(result.initial);
+  return Json{{"path", ""}, {"sha256", Sha256Of(text)}, {"bytes", text.size()}};
+}
+
 absl::StatusOr<Json> InputsJson(const Result& result) {
   Json inputs;
-  MLE_ASSIGN_OR_RETURN(inputs["model"], FileJson(result.request.model_path));
+  MLE_ASSIGN_OR_RETURN(inputs["model"], ModelJson(result));
   if (!result.request.truth_path.empty()) {
     MLE_ASSIGN_OR_RETURN(inputs["truth"], FileJson(result.request.truth_path));
   }

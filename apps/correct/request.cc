@@ -118,6 +118,10 @@ void AddOptions(Request& request, OptionTable& table) {
 
 absl::Status Complete(Request& request, OptionTable& table) {
   MLE_RETURN_IF_ERROR(ReadModels(request));
+  return CompleteForModel(request, table);
+}
+
+absl::Status CompleteForModel(Request& request, OptionTable& table) {
   MLE_RETURN_IF_ERROR(CheckDataPaths(request.data_paths));
   MLE_RETURN_IF_ERROR(CheckOutput(request));
   MLE_RETURN_IF_ERROR(table.FitTo(request.model));

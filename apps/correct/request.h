@@ -19,7 +19,7 @@ namespace mle::correct {
 
 struct Request {
   // Options as they are given.
-  std::string model_path;
+  std::string model_path;  // empty: a model in memory
   std::vector<std::string> data_paths;
   std::string out = "correction";
   std::string truth_path;  // empty: none
@@ -52,6 +52,9 @@ void AddOptions(Request& request, OptionTable& table);
 // Reads the models that the options name, and what depends on them. Errors name
 // the option, what was found and what would be right.
 absl::Status Complete(Request& request, OptionTable& table);
+
+// The same where the models are in the request already.
+absl::Status CompleteForModel(Request& request, OptionTable& table);
 
 }  // namespace mle::correct
 

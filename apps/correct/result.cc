@@ -5,10 +5,8 @@
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
-#include "apps/common/progress.h"
 #include "apps/correct/advice.h"
 #include "apps/correct/checksum.h"
 #include "apps/correct/verdict.h"
@@ -86,22 +84,23 @@ absl::StatusOr<std::vector<DataFile>> ReadChecksums(
   return files;
 }
 
+std::vector<std::pair<std::string, std::string>> Checksums(
+    const Result& result) {
+  std::vector<std::pair<std::string, std::string>> checksums;
+  for (const DataFile& file : result.files) {
+    checksums.emplace_back(absl::StrCat("SHA-256 of ", file.path), file.sha256);
+  }
+  return checksums;
+}
+
 absl::StatusOr<Result> RunCorrection(const Request& request, RecordData data,
                                      std::vector<DataFile> files) {
   Result result;
   result.request = request;
   result.files = std::move(files);
-  CorrectOptions options = request.options;
-  options.progress = [](const RunProgress& progress) {
-    ShowStatus(progress.fraction == 0.0
-                   ? progress.stage
-                   : absl::StrFormat("%s: %.0f %%", progress.stage,
-                                     100.0 * progress.fraction));
-    return true;
-  };
   MLE_ASSIGN_OR_RETURN(
       static_cast<CorrectionResult&>(result),
-      CorrectFromData(request.model, std::move(data), options));
+      CorrectFromData(request.model, std::move(data), request.options));
   CompareWithTruth(result);
   result.verdict = DescribeVerdict(result);
   result.findings = Findings(result);

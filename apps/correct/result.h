@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -52,8 +53,12 @@ struct Result : CorrectionResult {
 absl::StatusOr<std::vector<DataFile>> ReadChecksums(
     const std::vector<std::string>& paths);
 
-// Everything after the records were read. Says on standard error what it is
-// doing.
+// Names and SHA-256 of the files, for the page.
+std::vector<std::pair<std::string, std::string>> Checksums(
+    const Result& result);
+
+// Everything after the records were read. Tells request.options.progress what
+// it is doing, which may stop it.
 absl::StatusOr<Result> RunCorrection(const Request& request, RecordData data,
                                      std::vector<DataFile> files);
 

@@ -97,7 +97,11 @@ absl::StatusOr<std::unique_ptr<sim::PlantModel>> MakePlant(
     const Request& request) {
   if (request.plant == kReactor) return MakeReactor(request);
   ProcessModel plant = request.simulation.model;
-  if (!request.plant.empty()) {
+  if (request.plant_model.has_value()) {
+    MLE_RETURN_IF_ERROR(
+        CheckSameChannels(plant, "model", *request.plant_model, "plant"));
+    plant = *request.plant_model;
+  } else if (!request.plant.empty()) {
     MLE_ASSIGN_OR_RETURN(
         plant, ReadModelLike(request.simulation.model, request.model_path,
                              "plant", request.plant));
@@ -194,10 +198,14 @@ absl::Status Complete(Request& request, OptionTable& table) {
     return absl::InvalidArgumentError(
         "--model=FILE.json and --out=FILE.csv must be given (see --help)");
   }
+  MLE_ASSIGN_OR_RETURN(request.simulation.model,
+                       ReadModel("model", request.model_path));
+  return CompleteForModel(request, table);
+}
+
+absl::Status CompleteForModel(Request& request, OptionTable& table) {
   Simulation& simulation = request.simulation;
   simulation.loop.control_period = simulation.controller.control_period;
-  MLE_ASSIGN_OR_RETURN(simulation.model,
-                       ReadModel("model", request.model_path));
   MLE_RETURN_IF_ERROR(simulation.loop.Validate());
   MLE_ASSIGN_OR_RETURN(simulation.plant, MakePlant(request));
   MLE_RETURN_IF_ERROR(table.FitTo(simulation.model));

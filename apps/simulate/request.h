@@ -3,6 +3,7 @@
 #ifndef APPS_SIMULATE_REQUEST_H_
 #define APPS_SIMULATE_REQUEST_H_
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,9 @@ struct Request {
   std::string effects_path;
   std::string out;
 
+  // A plant in memory, in place of the one that a path names.
+  std::optional<ProcessModel> plant_model;
+
   // Where all others are; its model and plant are what the paths name.
   Simulation simulation;
 };
@@ -34,6 +38,9 @@ void AddOptions(Request& request, OptionTable& table);
 // Reads the files and checks everything that can be checked before something is
 // run; errors name the option or the file.
 absl::Status Complete(Request& request, OptionTable& table);
+
+// The same where simulation.model is there already, and no file is written.
+absl::Status CompleteForModel(Request& request, OptionTable& table);
 
 }  // namespace mle::simulate
 

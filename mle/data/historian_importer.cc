@@ -235,6 +235,29 @@ std::unique_ptr<RowStream> HistorianImporter::StreamOf(
   return std::make_unique<HeldRows>(std::move(rows), import_.report.step);
 }
 
+bool HistorianImporter::TakeRow(const RecordRow& row, Resampler& resampler) {
+  bool is_usable = false;
+  for (int v = 0; v < num_values(); ++v) {
+    if (std::isnan(row.values[v])) continue;
+    ++good_[v];
+    is_usable = true;
+  }
+  // A row without a good sample is none.
+  if (!is_usable) return true;
+  NoteGap(row.time);
+  if (!FitsWithin(row.time)) return false;
+  resampler.Add(row.time, row.values);
+  has_usable_ = true;
+  last_usable_ = row.time;
+  return true;
+}
+
+std::string HistorianImporter::TooManySamples() const {
+  return absl::StrCat(": up to here there are more than ", options_.max_samples,
+                      " samples, one every ", import_.report.sample_time,
+                      "; choose a longer sample_time, or read less at once");
+}
+
 absl::Status HistorianImporter::ReadSource(const HistorianProbe& probe,
                                            Resampler& resampler) {
   MLE_ASSIGN_OR_RETURN(
@@ -258,25 +281,10 @@ absl::Status HistorianImporter::ReadSource(const HistorianProbe& probe,
     if (skip) continue;
     has_last_ = true;
     last_time_ = report.last_time = row.time;
-    bool is_usable = false;
-    for (int v = 0; v < num_values(); ++v) {
-      if (std::isnan(row.values[v])) continue;
-      ++good_[v];
-      is_usable = true;
-    }
-    // A row without a good sample is none.
-    if (!is_usable) continue;
-    NoteGap(row.time);
-    if (!FitsWithin(row.time)) {
+    if (!TakeRow(row, resampler)) {
       return absl::InvalidArgumentError(
-          absl::StrCat(rows.TimePlace(), ": up to here there are more than ",
-                       options_.max_samples, " samples, one every ",
-                       import_.report.sample_time,
-                       "; choose a longer sample_time, or read less at once"));
+          absl::StrCat(rows.TimePlace(), TooManySamples()));
     }
-    resampler.Add(row.time, row.values);
-    has_usable_ = true;
-    last_usable_ = row.time;
   }
   MLE_RETURN_IF_ERROR(rows.status());
   NoteChannels(file->rows(), probe.is_unchanged);
@@ -301,9 +309,7 @@ CollectorOptions HistorianImporter::MakeCollectorOptions() const {
   return options;
 }
 
-absl::StatusOr<HistorianImport> HistorianImporter::Run(
-    const std::vector<HistorianSource>& sources) {
-  MLE_RETURN_IF_ERROR(Probe(sources));
+Resampler HistorianImporter::Begin() {
   values_.resize(num_values());
   is_there_.resize(num_values());
   good_.resize(num_values());
@@ -318,15 +324,26 @@ absl::StatusOr<HistorianImport> HistorianImporter::Run(
         collector_->Add(begins, time, values);
       });
   import_.report.averaged = resampler.averages();
-  for (const HistorianProbe& probe : probes_) {
-    MLE_RETURN_IF_ERROR(ReadSource(probe, resampler));
-  }
+  return resampler;
+}
+
+absl::StatusOr<HistorianImport> HistorianImporter::End(Resampler& resampler) {
   resampler.Finish();
   collector_->Finish();
   MLE_RETURN_IF_ERROR(CheckChannels());
   NoteSamples();
   Warn();
   return std::move(import_);
+}
+
+absl::StatusOr<HistorianImport> HistorianImporter::Run(
+    const std::vector<HistorianSource>& sources) {
+  MLE_RETURN_IF_ERROR(Probe(sources));
+  Resampler resampler = Begin();
+  for (const HistorianProbe& probe : probes_) {
+    MLE_RETURN_IF_ERROR(ReadSource(probe, resampler));
+  }
+  return End(resampler);
 }
 
 }  // namespace mle

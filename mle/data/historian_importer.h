@@ -17,6 +17,7 @@
 #include "mle/data/record_collector.h"
 #include "mle/data/resampler.h"
 #include "mle/data/row_stream.h"
+#include "mle/data/table_import.h"
 
 namespace mle {
 
@@ -29,12 +30,35 @@ class HistorianImporter {
 
   absl::StatusOr<HistorianImport> Run(
       const std::vector<HistorianSource>& sources);
+  // The same of tables in memory (historian_importer_tables.cc).
+  absl::StatusOr<HistorianImport> Run(const std::vector<Table>& tables);
 
  private:
+  // A table whose columns are matched.
+  struct MatchedTable;
+
   absl::Status Probe(const std::vector<HistorianSource>& sources);
   absl::Status ChooseSampleTime(const std::vector<double>& steps);
   absl::Status ChooseStepOfExceptions(const std::vector<double>& steps);
+  Resampler Begin();
+  absl::StatusOr<HistorianImport> End(Resampler& resampler);
   absl::Status ReadSource(const HistorianProbe& probe, Resampler& resampler);
+  absl::StatusOr<std::vector<MatchedTable>> MatchTables(
+      const std::vector<Table>& tables);
+  absl::Status ProbeTables(const std::vector<MatchedTable>& tables);
+  absl::Status ReadTable(const MatchedTable& matched, Resampler& resampler);
+  absl::Status ReadSample(const MatchedTable& matched, std::size_t source,
+                          std::size_t k, double& value);
+  absl::Status CheckOrder(const MatchedTable& matched, std::size_t k,
+                          double time, bool& skip);
+  void NoteTable(const MatchedTable& matched);
+  bool IsEven(const MatchedTable& matched) const;
+  absl::Status CopyTable(const MatchedTable& matched, Record& record,
+                         bool& usable);
+  absl::StatusOr<bool> TakeEvenTable(const MatchedTable& matched);
+  // A row in order. False where there would be more samples than allowed.
+  bool TakeRow(const RecordRow& row, Resampler& resampler);
+  std::string TooManySamples() const;
   absl::Status CheckOrder(const HistorianFile& file, const RowStream& rows,
                           double time, bool is_first, bool& skip);
   absl::Status OrderError(const HistorianFile& file, const RowStream& rows,
@@ -49,6 +73,8 @@ class HistorianImporter {
   void NoteSamples();
   CollectorOptions MakeCollectorOptions() const;
   void NoteChannels(const RecordRows& rows, bool is_unchanged);
+  // The report of the channel that a column is; null for other columns.
+  ChannelReport* NoteColumn(const RecordColumn& column);
   absl::Status CheckChannels();
   void Warn();
 

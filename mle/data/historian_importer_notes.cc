@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "mle/base/option_error.h"
+#include "mle/data/column_value.h"
 #include "mle/data/historian_importer.h"
 
 namespace mle {
@@ -41,32 +42,29 @@ void HistorianImporter::NoteForm(const HistorianProbe& probe,
   }
 }
 
+ChannelReport* HistorianImporter::NoteColumn(const RecordColumn& column) {
+  const int value = ValueOf(column, channels_);
+  if (value < 0) return nullptr;
+  is_there_[value] = true;
+  ChannelReport& report = values_[value];
+  report.name = column.kind == Kind::kInput
+                    ? channels_.inputs()[column.channel].name
+                    : channels_.outputs()[column.channel].name;
+  if (column.kind == Kind::kSetPoint) report.name = SetPointName(report.name);
+  report.column = column.name;
+  return &report;
+}
+
 void HistorianImporter::NoteChannels(const RecordRows& rows,
                                      bool is_unchanged) {
-  const int p = channels_.num_outputs();
   for (const RecordColumn& column : rows.columns()) {
-    int value = column.channel;
-    std::string name;
-    if (column.kind == Kind::kOutput) {
-      name = channels_.outputs()[column.channel].name;
-    } else if (column.kind == Kind::kSetPoint) {
-      name = SetPointName(channels_.outputs()[column.channel].name);
-      value += p;
-    } else if (column.kind == Kind::kInput) {
-      name = channels_.inputs()[column.channel].name;
-      value += 2 * p;
-    } else {
-      continue;
-    }
-    is_there_[value] = true;
-    ChannelReport& report = values_[value];
-    report.name = name;
-    report.column = column.name;
-    const BadSampleCounts& bad = rows.bad()[value];
-    (is_unchanged ? report.unchanged : report.bad.empty) += bad.empty;
-    report.bad.not_a_number += bad.not_a_number;
-    report.bad.declared += bad.declared;
-    report.bad.quality += bad.quality;
+    ChannelReport* const report = NoteColumn(column);
+    if (report == nullptr) continue;
+    const BadSampleCounts& bad = rows.bad()[ValueOf(column, channels_)];
+    (is_unchanged ? report->unchanged : report->bad.empty) += bad.empty;
+    report->bad.not_a_number += bad.not_a_number;
+    report->bad.declared += bad.declared;
+    report->bad.quality += bad.quality;
   }
   for (const std::string& quality : rows.bad_qualities()) {
     if (std::find(bad_qualities_.begin(), bad_qualities_.end(), quality) ==

@@ -30,6 +30,15 @@ void RecordCollector::EndRecord() {
     ++short_pieces_;
     return;
   }
+  TakeWhole(std::move(record));
+}
+
+void RecordCollector::Take(Record record) {
+  samples_ += record.samples();
+  TakeWhole(std::move(record));
+}
+
+void RecordCollector::TakeWhole(Record record) {
   const std::vector<int> bridged = BridgeGaps(options_.max_bridged, record);
   const auto count = [&](const Eigen::MatrixXd& rows, int first) {
     for (Eigen::Index i = 0; i < rows.rows(); ++i) {

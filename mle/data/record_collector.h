@@ -28,6 +28,8 @@ class RecordCollector {
 
   // `begins`: a record begins with this sample.
   void Add(bool begins, double time, const std::vector<double>& values);
+  // A whole record at once.
+  void Take(Record record);
   // To be called after the last sample.
   void Finish();
 
@@ -42,6 +44,7 @@ class RecordCollector {
 
  private:
   void EndRecord();
+  void TakeWhole(Record record);
 
   CollectorOptions options_;
   RecordBuilder builder_;

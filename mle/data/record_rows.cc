@@ -13,6 +13,7 @@
 #include "absl/strings/str_join.h"
 #include "mle/base/option_error.h"
 #include "mle/base/status.h"
+#include "mle/data/column_value.h"
 #include "mle/data/csv_numbers.h"
 
 namespace mle {
@@ -39,20 +40,6 @@ bool BeginsAsBad(std::string_view text) {
 bool EqualsIgnoreCase(std::string_view a, std::string_view b) {
   return absl::EqualsIgnoreCase(absl::string_view(a.data(), a.size()),
                                 absl::string_view(b.data(), b.size()));
-}
-
-int ValueOf(const RecordColumn& column, const ProcessModel& channels) {
-  const int p = channels.num_outputs();
-  switch (column.kind) {
-    case Kind::kOutput:
-      return column.channel;
-    case Kind::kSetPoint:
-      return p + column.channel;
-    case Kind::kInput:
-      return 2 * p + column.channel;
-    default:
-      return -1;
-  }
 }
 
 }  // namespace

@@ -314,6 +314,13 @@ absl::StatusOr<RecordData> LoadRecords(const std::vector<std::string>& paths,
                                        const RecordOptions& options) {
   MLE_ASSIGN_OR_RETURN(HistorianImport imported,
                        ImportHistorian(paths, model, import));
+  return PrepareRecords(std::move(imported), model, options);
+}
+
+absl::StatusOr<RecordData> PrepareRecords(HistorianImport imported,
+                                          const ProcessModel& model,
+                                          const RecordOptions& options) {
+  MLE_RETURN_IF_ERROR(CheckRecords(imported.records, model));
   RecordData data;
   data.records = std::move(imported.records);
   data.report = std::move(imported.report);

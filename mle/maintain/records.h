@@ -86,6 +86,11 @@ absl::StatusOr<RecordData> PrepareRecords(std::vector<Record> records,
                                           const ProcessModel& model,
                                           const RecordOptions& options);
 
+// The same of imported records, whose report gives times and channels.
+absl::StatusOr<RecordData> PrepareRecords(HistorianImport imported,
+                                          const ProcessModel& model,
+                                          const RecordOptions& options);
+
 // The same of a historian's files. Errors name the file.
 absl::StatusOr<RecordData> LoadRecords(const std::vector<std::string>& paths,
                                        const ProcessModel& model,

@@ -31,6 +31,7 @@ BEGIN {
   allowed["benchmarks"] = all_of_mle " sim control benchmarks"
   allowed["examples"] = all_of_mle " sim control"
   allowed["apps"] = all_of_mle " sim control apps"
+  allowed["python"] = allowed["apps"] " python"
   allowed["tests"] = allowed["apps"] " tests"
 }
 

@@ -8,7 +8,7 @@ here=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd)
 cd -- "${1:?the root of the project is missing}"
 
 folders=()
-for folder in mle sim control apps benchmarks examples tests; do
+for folder in mle sim control apps benchmarks examples python tests; do
   if [[ -d $folder ]]; then folders+=("$folder"); fi
 done
 sources=()

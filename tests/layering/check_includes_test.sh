@@ -47,7 +47,7 @@ for ((i = 0; i < ${#layers[@]}; ++i)); do
       forbidden "$file" "$line" "mle/${layers[i]} may include only mle/base"
     fi
   done
-  for folder in sim control apps tests benchmarks; do
+  for folder in sim control apps python tests benchmarks; do
     forbidden "mle/${layers[i]}/a.h" "#include \"$folder/b.h\"" \
       "mle/${layers[i]} may include only mle/base"
   done
@@ -67,6 +67,9 @@ forbidden control/a.cc '#include "apps/b.h"' 'control may include only'
 permitted apps/report/a.cc '#include "mle/correction/b.h"'
 permitted apps/a.cc '#include "sim/plant.h"'
 permitted tests/sim/a.cc '#include "control/mpc.h"'
+permitted python/src/a.cc '#include "apps/correct/b.h"'
+forbidden apps/a.cc '#include "python/src/b.h"' 'apps may include only'
+forbidden python/src/a.cc '#include "tests/b.h"' 'python may include only'
 
 permitted apps/a.cc '#include <gflags/gflags.h>'
 permitted apps/report/a.cc '#include "gflags/gflags.h"'

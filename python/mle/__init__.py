@@ -1,0 +1,67 @@
+"""Model Life Extension: correct a process model from routine closed-loop records.
+
+    import mle
+    result = mle.correct("column.json", frame)      # a pandas data frame, or files
+    print(result.decision, result.verdict)
+    result.corrected                                # the model for use
+    result.report("page.html")
+
+docs/python.md has a tutorial and the list of what there is.
+"""
+
+import atexit as _atexit
+
+from . import _mle
+from ._mle import Plant, ProcessModel, Record, StateSpaceModel, __version__
+from .correction import (
+    CorrectionResult,
+    Message,
+    StepResponse,
+    correct,
+    correct_options,
+)
+from .errors import (
+    CancelledError,
+    Error,
+    FileAccessError,
+    InvalidInputError,
+    MissingFileError,
+    NotUsableError,
+)
+from .interop import from_systems, to_control, to_scipy
+from .model import from_fopdt, from_transfer_functions
+from .mpc import Mpc
+from .records import read_records, to_dataframe
+from .simulation import simulate, simulate_options
+
+# Work that an interrupt left behind ends before the interpreter does.
+_atexit.register(_mle._join_left_behind)
+
+__all__ = [
+    "CancelledError",
+    "CorrectionResult",
+    "Error",
+    "FileAccessError",
+    "InvalidInputError",
+    "Message",
+    "MissingFileError",
+    "Mpc",
+    "NotUsableError",
+    "Plant",
+    "ProcessModel",
+    "Record",
+    "StateSpaceModel",
+    "StepResponse",
+    "__version__",
+    "correct",
+    "correct_options",
+    "from_fopdt",
+    "from_systems",
+    "from_transfer_functions",
+    "read_records",
+    "simulate",
+    "simulate_options",
+    "to_control",
+    "to_dataframe",
+    "to_scipy",
+]

@@ -1,0 +1,279 @@
+"""Corrections of process models from records."""
+
+from __future__ import annotations
+
+import html
+import json
+import os
+from typing import Any, Callable, Dict, List, NamedTuple, Optional, Union
+
+from . import _mle
+from ._mle import ProcessModel, StateSpaceModel
+from .options import option_texts
+from .records import source_of
+
+Progress = Callable[[str, float], Optional[bool]]
+
+
+class Message(NamedTuple):
+    """A finding in words: ``text`` is a whole sentence about ``place`` (empty: the
+    whole run), ``code`` tells its kind, ``options`` what would change it."""
+
+    code: str
+    place: str
+    text: str
+    options: List[str]
+
+    def __str__(self) -> str:
+        return self.text
+
+
+class StepResponse(NamedTuple):
+    """Responses of the p outputs to unit steps of the m inputs at time 0.
+
+    ``time`` is (N,), in the model's unit; the others are (N, p, m). ``lower`` and
+    ``upper`` enclose the corrected response with the level ``confidence``, time by
+    time; they are None where there is no process model behind it
+    (``estimator="arx"``), and NaN or infinite where the records do not determine
+    it.
+    """
+
+    time: Any
+    initial: Any
+    corrected: Any
+    lower: Any
+    upper: Any
+
+
+def _messages(parts: Any) -> List[Message]:
+    return [Message(*part) for part in parts]
+
+
+class CorrectionResult:
+    """What :func:`correct` found out.
+
+    ``decision`` is "corrected", "no_change" or "cannot_tell"; ``corrected`` is the
+    model for use, the initial one unless the decision is "corrected". In a notebook
+    the result shows itself; :meth:`report` writes the whole page.
+    """
+
+    _ATTRIBUTES = (
+        "initial _json _files _responses reasons notes warnings failures usable"
+    ).split()
+
+    initial: ProcessModel
+    reasons: List[Message]
+    notes: List[Message]
+    warnings: List[Message]
+    failures: List[Message]
+    usable: bool
+
+    def __init__(self, correction: Any) -> None:
+        self._correction = correction
+        self._page: Optional[str] = None
+        self.initial = correction.initial
+        self._json = correction.json()
+        self._files = correction.model_files()
+        self._responses = StepResponse(*correction.responses())
+        self.reasons = _messages(correction.reasons)
+        self.notes = _messages(correction.notes)
+        self.warnings = _messages(correction.warnings)
+        self.failures = _messages(correction.failures)
+        self.usable = correction.usable
+        self._parsed: Optional[Dict[str, Any]] = None
+
+    def to_json(self) -> str:
+        """The text of result.json, as the command writes it (docs/formats.md)."""
+        return self._json
+
+    def to_dict(self) -> Dict[str, Any]:
+        """result.json as Python's objects."""
+        if self._parsed is None:
+            self._parsed = json.loads(self._json)
+        return self._parsed
+
+    @property
+    def decision(self) -> str:
+        return self.to_dict()["decision"]
+
+    @property
+    def verdict(self) -> List[str]:
+        """What to do and why, in sentences."""
+        return self.to_dict()["verdict"]
+
+    @property
+    def advice(self) -> List[str]:
+        """What to do next, the most urgent first."""
+        return self.to_dict()["advice"]
+
+    @property
+    def p_value(self) -> float:
+        """Of the test that nothing has changed."""
+        return self.to_dict()["test_of_no_change"]["p_value"]
+
+    @property
+    def corrected(self) -> ProcessModel:
+        """The model for use: transfer functions of any order."""
+        return ProcessModel.from_json(self._files["model.json"])
+
+    @property
+    def fopdt(self) -> ProcessModel:
+        """The same by first-order elements with dead time."""
+        return ProcessModel.from_json(self._files["fopdt.json"])
+
+    @property
+    def state_space(self) -> Optional[StateSpaceModel]:
+        """The same in discrete state space; None where no such model of low order
+        is near enough."""
+        text = self._files.get("state_space.json")
+        return None if text is None else StateSpaceModel.from_json(text)
+
+    @property
+    def step_response(self) -> StepResponse:
+        """Responses of the initial and the corrected model, with the latter's band."""
+        return self._responses
+
+    @property
+    def elements(self) -> Any:
+        """A data frame with a row for each element, indexed by output and input.
+
+        ``state``, ``information``, ``p_value`` (of no change) and ``aged``; of each
+        of ``gain``, ``time_constant`` and ``delay`` the value ``*_initial``, the
+        estimate ``*_estimate`` with its interval ``*_lower`` to ``*_upper``, and
+        ``*_corrected``, which is NaN where nothing was corrected; and
+        ``response_change``, how much of the step response changes.
+        """
+        import pandas as pd
+
+        rows = [_row(element) for element in self.to_dict()["elements"]]
+        return pd.DataFrame(rows).set_index(["output", "input"])
+
+    def report_html(self) -> str:
+        """The text of the page report.html, with its figures."""
+        if self._page is None:
+            self._page = self._correction.page()
+        return self._page
+
+    def report(self, path: Union[str, "os.PathLike[str]"]) -> None:
+        """Writes the page that the command writes to ``path``."""
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(self.report_html())
+
+    def write(self, folder: Union[str, "os.PathLike[str]"]) -> None:
+        """Writes the files of the command to ``folder``: result.json, report.html,
+        model.json, fopdt.json, state_space.json, arx.json and step_response.csv,
+        those that the result has."""
+        os.makedirs(folder, exist_ok=True)
+        texts = {**self._files, "result.json": self._json, "report.html": self.report_html()}
+        for name, text in texts.items():
+            with open(os.path.join(folder, name), "w", encoding="utf-8") as file:
+                file.write(text)
+
+    def __getstate__(self) -> Dict[str, Any]:
+        state = {name: getattr(self, name) for name in self._ATTRIBUTES}
+        state["_page"] = self.report_html()  # cannot be made afterwards
+        return state
+
+    def __setstate__(self, state: Dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._correction = None
+        self._parsed = None
+
+    def __repr__(self) -> str:
+        return f"<mle.CorrectionResult '{self.initial.name}': {self.decision}>"
+
+    def _repr_html_(self) -> str:
+        sentences = "".join(f"<p>{html.escape(text)}</p>" for text in self.verdict)
+        table = self.elements[
+            [
+                "aged",
+                "p_value",
+                "gain_initial",
+                "gain_estimate",
+                "time_constant_initial",
+                "time_constant_estimate",
+                "delay_initial",
+                "delay_estimate",
+                "response_change",
+            ]
+        ]
+        return (
+            f"<p><b>{html.escape(self.initial.name)}: {self.decision}</b></p>{sentences}"
+            + table.to_html(float_format="{:.4g}".format, na_rep="")
+        )
+
+
+def _row(element: Dict[str, Any]) -> Dict[str, Any]:
+    nan = float("nan")
+
+    def number(value: Any) -> float:
+        return nan if value is None else value
+
+    row = {name: element[name] for name in ("output", "input", "state", "information")}
+    row["p_value"] = number(element.get("p_value"))
+    row["aged"] = element.get("aged", False)
+    for name in ("gain", "time_constant", "delay"):
+        parameter = element.get(name, {})
+        estimate = parameter.get("all_free", {})
+        row[name + "_initial"] = number(parameter.get("initial"))
+        row[name + "_estimate"] = number(estimate.get("value"))
+        row[name + "_lower"] = number(estimate.get("lower"))
+        row[name + "_upper"] = number(estimate.get("upper"))
+        row[name + "_corrected"] = number(parameter.get("corrected", {}).get("value"))
+    row["response_change"] = number(element.get("response_change"))
+    return row
+
+
+def _call_text(model: Any, source: tuple, options: Dict[str, Any]) -> str:
+    """The call, as it may be typed again."""
+    shown = [repr(model) if isinstance(model, str) else "model"]
+    kind, records = source
+    if kind == "files":
+        shown.append(repr(records[0]) if len(records) == 1 else repr(records))
+    else:
+        shown.append("records")
+    shown += [f"{name}={value!r}" for name, value in options.items()]
+    return f"mle.correct({', '.join(shown)})"
+
+
+def correct(
+    model: Union[ProcessModel, str, "os.PathLike[str]"],
+    records: Any,
+    *,
+    truth: Union[ProcessModel, str, "os.PathLike[str]", None] = None,
+    progress: Optional[Progress] = None,
+    **options: Any,
+) -> CorrectionResult:
+    """Corrects a process model from records of routine closed-loop operation with
+    set-point changes, and says whether it has aged, where, by how much, and how far
+    the correction can be trusted.
+
+    ``model`` is the controller's, or the path of its file. ``records`` are paths of
+    files that the command mle_correct reads, data frames with a DatetimeIndex (or
+    times as numbers in the model's unit) and a column for each input and output,
+    by name, and each set point (``<output>_setpoint``), or :class:`Record`: one or a
+    list. ``options`` are the command's, with the same names, meaning and defaults:
+    :func:`correct_options` prints them. ``truth`` is the model of a simulated plant,
+    to be compared with.
+
+    ``progress(stage, fraction)`` is called on the calling thread; if it returns
+    False, CancelledError is raised. Other threads of Python run meanwhile, and
+    Ctrl-C stops the call within a second.
+
+    Raises InvalidInputError (a ValueError) for what is wrong with model, records and
+    options, NotUsableError where a fit behind the model for use failed, OSError for
+    files, and TypeError for an unknown option.
+    """
+    texts = option_texts("correct", _mle._correct_option_names(), options)
+    source = source_of(records, options)
+    if not isinstance(model, ProcessModel):
+        model = os.fspath(model)
+    if truth is not None and not isinstance(truth, ProcessModel):
+        truth = os.fspath(truth)
+    text = _call_text(model, source, options)
+    return CorrectionResult(_mle._correct(model, source, texts, truth, text, progress))
+
+
+def correct_options() -> str:
+    """The options of :func:`correct`: names, defaults, units, ranges and meaning."""
+    return _mle._correct_option_help()

@@ -1,0 +1,172 @@
+"""Process models from arrays."""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import Any, Optional, Sequence
+
+from ._mle import ProcessModel
+
+
+def _table(values: Any, name: str, outputs: int, inputs: int) -> list:
+    """p x m numbers of a scalar, which stands for all elements, or an array."""
+    import numpy as np
+
+    array = np.asarray(values, dtype=float)
+    if array.ndim == 0:
+        array = np.full((outputs, inputs), float(array))
+    if array.shape != (outputs, inputs):
+        raise ValueError(
+            f"{name} has the shape {array.shape}; it must be ({outputs}, {inputs}): "
+            "outputs x inputs"
+        )
+    if not np.isfinite(array).all():
+        raise ValueError(f"{name} must be finite; 0 stands for no gain")
+    return array.tolist()
+
+
+def _names(names: Optional[Sequence[str]], count: int, what: str) -> list:
+    if names is None:
+        return [f"{what}{k + 1}" for k in range(count)]
+    if isinstance(names, str) or len(names) != count:
+        raise ValueError(f"{what} names: {count} are needed, {names!r} is given")
+    return list(names)
+
+
+def _channels(names: Sequence[str], units: Optional[Sequence[str]], what: str) -> list:
+    units = [""] * len(names) if units is None else _names(units, len(names), what + " unit")
+    return [{"name": name, "unit": unit} for name, unit in zip(names, units)]
+
+
+def _document(elements, inputs, outputs, time_unit, name, input_units, output_units, disturbances):
+    channels = _channels(inputs, input_units, "input")
+    unknown = set(disturbances) - set(inputs)
+    if unknown:
+        raise ValueError(f"disturbances: {sorted(unknown)} are not inputs")
+    for channel in channels:
+        if channel["name"] in disturbances:
+            channel["role"] = "disturbance"
+    return json.dumps(
+        {
+            "name": name,
+            "time_unit": time_unit,
+            "inputs": channels,
+            "outputs": _channels(outputs, output_units, "output"),
+            "elements": elements,
+        }
+    )
+
+
+def from_fopdt(
+    gain: Any,
+    time_constant: Any,
+    delay: Any = 0.0,
+    *,
+    inputs: Optional[Sequence[str]] = None,
+    outputs: Optional[Sequence[str]] = None,
+    time_unit: str = "min",
+    name: str = "model",
+    input_units: Optional[Sequence[str]] = None,
+    output_units: Optional[Sequence[str]] = None,
+    disturbances: Sequence[str] = (),
+) -> ProcessModel:
+    """A model of first-order elements with dead time, K e^(-L s) / (T s + 1).
+
+    ``gain`` K is (p, m), outputs x inputs, 0 where an input does not reach an
+    output; ``time_constant`` T > 0 and ``delay`` L >= 0 are (p, m) or one number
+    for all, in ``time_unit`` (ms, s, min, h or d). Names are y1, y2, ... and
+    u1, u2, ... unless given; ``disturbances`` are the names of inputs that are
+    measured but not manipulated. Raises ValueError.
+    """
+    import numpy as np
+
+    shape = np.shape(gain)
+    if len(shape) != 2:
+        raise ValueError(f"gain has the shape {shape}; it must be (outputs, inputs)")
+    p, m = shape
+    inputs = _names(inputs, m, "u")
+    outputs = _names(outputs, p, "y")
+    gains = _table(gain, "gain", p, m)
+    times = _table(time_constant, "time_constant", p, m)
+    delays = _table(delay, "delay", p, m)
+    elements = [
+        {
+            "output": outputs[i],
+            "input": inputs[j],
+            "gain": gains[i][j],
+            "time_constant": times[i][j],
+            "delay": delays[i][j],
+        }
+        for i in range(p)
+        for j in range(m)
+        if gains[i][j] != 0.0
+    ]
+    return ProcessModel.from_json(
+        _document(
+            elements, inputs, outputs, time_unit, name, input_units, output_units, disturbances
+        ),
+        "from_fopdt",
+    )
+
+
+def from_transfer_functions(
+    numerators: Any,
+    denominators: Any,
+    delays: Any = 0.0,
+    *,
+    inputs: Optional[Sequence[str]] = None,
+    outputs: Optional[Sequence[str]] = None,
+    time_unit: str = "min",
+    name: str = "model",
+    input_units: Optional[Sequence[str]] = None,
+    output_units: Optional[Sequence[str]] = None,
+    disturbances: Sequence[str] = (),
+) -> ProcessModel:
+    """A model of transfer functions with dead times.
+
+    ``numerators[i][j]`` and ``denominators[i][j]`` are the coefficients in s of
+    element (i, j), highest power first: proper and stable. ``delays`` are (p, m)
+    or one number for all, in ``time_unit``. Other arguments as of
+    :func:`from_fopdt`. Raises ValueError.
+    """
+    p = len(numerators)
+    m = len(numerators[0]) if p else 0
+    for table, what in ((numerators, "numerators"), (denominators, "denominators")):
+        if len(table) != p or any(len(row) != m for row in table):
+            raise ValueError(f"{what} must have {p} rows of {m} lists of coefficients")
+    inputs = _names(inputs, m, "u")
+    outputs = _names(outputs, p, "y")
+    dead_times = _table(delays, "delays", p, m)
+    elements = []
+    for i in range(p):
+        for j in range(m):
+            numerator = [float(b) for b in _coefficients(numerators[i][j])]
+            denominator = [float(a) for a in _coefficients(denominators[i][j])]
+            if not all(map(math.isfinite, numerator + denominator)):
+                raise ValueError(f"element ({i}, {j}): coefficients must be finite")
+            while len(numerator) > 1 and numerator[0] == 0.0:
+                del numerator[0]
+            if numerator == [0.0]:
+                continue
+            elements.append(
+                {
+                    "output": outputs[i],
+                    "input": inputs[j],
+                    "numerator": numerator,
+                    "denominator": denominator,
+                    "delay": dead_times[i][j],
+                }
+            )
+    return ProcessModel.from_json(
+        _document(
+            elements, inputs, outputs, time_unit, name, input_units, output_units, disturbances
+        ),
+        "from_transfer_functions",
+    )
+
+
+def _coefficients(values: Any) -> list:
+    import numpy as np
+
+    return np.atleast_1d(np.asarray(values, dtype=float)).ravel().tolist()

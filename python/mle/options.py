@@ -1,0 +1,53 @@
+"""Keywords as the texts of the commands' flags, which have the same names."""
+
+from __future__ import annotations
+
+import difflib
+import operator
+from collections.abc import Iterable, Mapping
+from typing import Any, List, Sequence, Tuple
+
+
+def _number(value: Any) -> str:
+    """The shortest text that reads as the same number, a whole one without a point."""
+    try:
+        return str(operator.index(value))
+    except TypeError:
+        number = float(value)
+    return str(int(number)) if number.is_integer() and abs(number) < 1e15 else repr(number)
+
+
+def text_of(value: Any) -> str:
+    """``value`` as it stands after ``--name=``: True as ``true``, a list with
+    commas, a mapping of tags as ``TAG=CHANNEL,...``, a tuple in a list with
+    colons (``("overhead", 300, 1)``)."""
+    if isinstance(value, str):
+        return value
+    if value is None:
+        return "none"
+    if isinstance(value, bool) or type(value).__name__ == "bool_":
+        return "true" if value else "false"
+    if isinstance(value, Mapping):
+        return ",".join(f"{tag}={text_of(channel)}" for tag, channel in value.items())
+    if isinstance(value, Iterable):
+        return ",".join(_part(part) for part in value)
+    return _number(value)
+
+
+def _part(part: Any) -> str:
+    if isinstance(part, tuple):
+        return ":".join(text_of(field) for field in part)
+    return text_of(part)
+
+
+def option_texts(
+    function: str, known: Sequence[str], options: Mapping[str, Any]
+) -> List[Tuple[str, str]]:
+    """Names and texts. Raises TypeError for a name that is not known, as Python
+    does for keywords, with the nearest one."""
+    for name in options:
+        if name not in known:
+            near = difflib.get_close_matches(name, known, n=1)
+            hint = f"; did you mean '{near[0]}'?" if near else ""
+            raise TypeError(f"{function}() got an unexpected keyword argument '{name}'{hint}")
+    return [(name, text_of(value)) for name, value in options.items()]

@@ -1,0 +1,169 @@
+"""Records from data frames, arrays and files."""
+
+from __future__ import annotations
+
+import os
+from typing import Any, List, Mapping, Sequence, Tuple
+
+from . import _mle
+from ._mle import ProcessModel, Record
+from .options import option_texts
+
+# Options that say how a text is read, and mean nothing for a table.
+_OF_TEXT = (
+    "time_format number_unit separate_files separator decimal lines_above_header "
+    "rows_below_header tag_column value_column quality_column empty_fields quality_suffixes "
+    "good_qualities any_word_is_bad"
+).split()
+
+
+def _is_frame(value: Any) -> bool:
+    return hasattr(value, "columns") and hasattr(value, "index") and hasattr(value, "iloc")
+
+
+def _dates(index: Any, name: str, zone: str) -> Tuple[Any, str]:
+    """Seconds since 1970 (UTC), NaN for NaT, and the zone of dates."""
+    import numpy as np
+
+    if index.tz is None and zone:
+        index = index.tz_localize(zone, ambiguous="infer")
+    if index.tz is not None:
+        zone = str(index.tz)
+        index = index.tz_convert("UTC").tz_localize(None)
+    nanoseconds = index.values.astype("datetime64[ns]").view("int64")
+    seconds = nanoseconds / 1e9
+    if index.hasnans:
+        seconds[np.asarray(index.isna())] = np.nan
+    return np.ascontiguousarray(seconds), zone
+
+
+def _times(frame: Any, name: str, time_column: str, zone: str):
+    """(times, whether they are dates, zone, names of columns that are samples)."""
+    import numpy as np
+    import pandas as pd
+
+    index = frame.index
+    columns = list(range(len(frame.columns)))
+    at = [k for k in columns if frame.columns[k] == time_column]
+    if not isinstance(index, pd.DatetimeIndex) and len(at) == 1:
+        columns.remove(at[0])
+        index = pd.Index(frame.iloc[:, at[0]])
+    elif getattr(index.dtype, "kind", "O") in "iu" and index.name != time_column:
+        raise _mle_error(
+            f"{name} has no times: its index counts rows, and it has no column '{time_column}'; "
+            "its index must be a DatetimeIndex, or times in the model's unit with the name "
+            f"'{time_column}'"
+        )
+    if isinstance(index, pd.DatetimeIndex):
+        seconds, zone = _dates(index, name, zone)
+        return seconds, True, zone, columns
+    if getattr(index.dtype, "kind", "O") not in "fiu":
+        raise _mle_error(
+            f"{name}: its times are of the type {index.dtype}; they must be dates "
+            "(pandas.to_datetime) or numbers in the model's time unit"
+        )
+    return np.ascontiguousarray(index.to_numpy(dtype=float)), False, zone, columns
+
+
+def _mle_error(text: str) -> Exception:
+    from .errors import _error
+
+    return _error("INVALID_ARGUMENT", text, "")
+
+
+def _samples(column: Any) -> Any:
+    """float64, without a copy where the column is that; its dtype where it has
+    no numbers."""
+    import numpy as np
+
+    kind = getattr(column.dtype, "kind", "O")
+    if str(column.dtype) == "float64":
+        return column.to_numpy()
+    if kind in "fiub":
+        return np.asarray(column.to_numpy(dtype=float, na_value=np.nan))
+    return str(column.dtype)
+
+
+def _table(frame: Any, name: str, time_column: str, zone: str) -> tuple:
+    times, dates, zone, columns = _times(frame, name, time_column, zone)
+    samples = [(str(frame.columns[k]), _samples(frame.iloc[:, k])) for k in columns]
+    return (name, times, dates, zone, samples)
+
+
+def _tables(frames: Sequence[Any], options: Mapping[str, Any]) -> tuple:
+    for option in _OF_TEXT:
+        if option in options:
+            raise _mle_error(f"{option}: this option is for files, not for data frames")
+    zoned = [getattr(frame.index, "tz", None) is not None for frame in frames]
+    if len(set(zoned)) > 1:
+        raise _mle_error(
+            "some of the data frames have a time zone and others have none; localize all "
+            "(tz_localize) or none"
+        )
+    names = ["data frame"]
+    if len(frames) > 1:
+        names = [f"data frame {k + 1}" for k in range(len(frames))]
+    time_column = str(options.get("time_column", "time"))
+    zone = str(options.get("time_zone", ""))
+    return (
+        "tables",
+        [_table(frame, name, time_column, zone) for frame, name in zip(frames, names)],
+    )
+
+
+def source_of(records: Any, options: Mapping[str, Any]) -> tuple:
+    """What the compiled module takes: ("files", paths), ("tables", tables) or
+    ("records", records)."""
+    if isinstance(records, (str, os.PathLike, Record)) or _is_frame(records):
+        records = [records]
+    records = list(records)
+    if not records:
+        raise _mle_error("there are no records")
+    if all(isinstance(one, (str, os.PathLike)) for one in records):
+        return ("files", [os.fspath(one) for one in records])
+    if all(isinstance(one, Record) for one in records):
+        if options_for_reading := [o for o in options if o in _mle._read_option_names()]:
+            raise _mle_error(f"{options_for_reading[0]}: this option is not for mle.Record")
+        return ("records", records)
+    if all(_is_frame(one) for one in records):
+        return _tables(records, options)
+    kinds = sorted({type(one).__name__ for one in records})
+    raise TypeError(
+        "records must be paths, pandas data frames or mle.Record, one or several of a kind; "
+        f"these are {', '.join(kinds)}"
+    )
+
+
+def read_records(records: Any, model: ProcessModel, **options: Any) -> List[Record]:
+    """The records of files or data frames, as :func:`correct` uses them: columns
+    matched with the channels of ``model``, resampled to one sample time, short
+    gaps of inputs bridged. ``options`` are those of the command under "Reading
+    the records" (docs/commands.md), as ``sample_time``, ``tags`` or
+    ``max_gap``."""
+    texts = option_texts("read_records", _mle._read_option_names(), options)
+    return _mle._read_records(source_of(records, options), model, texts)
+
+
+def to_dataframe(record: Record, model: ProcessModel, start: Any = None) -> Any:
+    """A data frame of a record with the columns that the command reads: outputs,
+    ``<output>_setpoint``, inputs. Its index is the time in the model's unit, or,
+    with ``start`` (a date), a DatetimeIndex from there."""
+    import numpy as np
+    import pandas as pd
+
+    columns = {}
+    for i, name in enumerate(model.outputs):
+        columns[name] = record.outputs[:, i]
+        if record.set_points is not None:
+            columns[name + "_setpoint"] = record.set_points[:, i]
+    for j, name in enumerate(model.inputs):
+        columns[name] = record.inputs[:, j]
+    times = record.start_time + record.sample_time * np.arange(len(record))
+    if start is None:
+        index = pd.Index(times, name="time")
+    else:
+        unit = {"min": "m", "d": "D"}.get(model.time_unit, model.time_unit)
+        index = pd.DatetimeIndex(
+            pd.Timestamp(start) + pd.to_timedelta(times, unit=unit), name="time"
+        )
+    return pd.DataFrame(columns, index=index)

@@ -1,0 +1,42 @@
+"""Simulation of a plant under a controller."""
+
+from __future__ import annotations
+
+from typing import Any, Callable, Optional, Union
+
+from . import _mle
+from ._mle import ProcessModel, Record
+from .options import option_texts
+
+
+def simulate(
+    model: ProcessModel,
+    plant: Union[ProcessModel, str, None] = None,
+    *,
+    controller: Optional[Callable[[Any, Any, Any], Any]] = None,
+    **options: Any,
+) -> Record:
+    """The record that a historian would have of a plant under predictive control.
+
+    ``model`` is what the controller believes, ``plant`` what is true: a process
+    model with the same channels, or "van_de_vusse", the non-linear reactor; None:
+    ``model`` itself. ``options`` are those of the command mle_simulate, with the same
+    names, meaning and defaults (:func:`simulate_options` prints them), as
+    ``setpoints=[("overhead", 300, 1)]``, ``duration``, ``sample_time``, ``seed`` and
+    those of :class:`Mpc`.
+
+    ``controller(measured, set_points, last_inputs)`` replaces the predictive
+    controller: at each control instant it is given arrays (p,), (p,) and (m,) and
+    returns the inputs (m,) that act from the next instant on.
+
+    Raises InvalidInputError, and NotUsableError where the loop diverges.
+    """
+    texts = option_texts("simulate", _mle._simulate_option_names(), options)
+    if controller is None:
+        return _mle._simulate(model, plant, texts)
+    return _mle._simulate_with(model, plant, texts, controller)
+
+
+def simulate_options() -> str:
+    """The options of :func:`simulate`: names, defaults, units, ranges and meaning."""
+    return _mle._simulate_option_help()

@@ -1,0 +1,288 @@
+// mle.correct: mle_correct's request, run and results, from Python's arguments.
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "apps/common/help_text.h"
+#include "apps/common/run_again.h"
+#include "apps/common/sha256.h"
+#include "apps/correct/figures.h"
+#include "apps/correct/outputs.h"
+#include "apps/correct/page.h"
+#include "apps/correct/request.h"
+#include "apps/correct/result.h"
+#include "apps/report/drawing.h"
+#include "mle/base/status.h"
+#include "mle/maintain/correct.h"
+#include "mle/model/state_space_json.h"
+#include "pybind11/stl.h"
+#include "python/src/arrays.h"
+#include "python/src/bindings.h"
+#include "python/src/long_call.h"
+#include "python/src/options.h"
+#include "python/src/records.h"
+#include "python/src/status.h"
+
+namespace mle::python {
+namespace {
+
+namespace py = pybind11;
+
+// What of the command is given in another way, or has no meaning here.
+const std::vector<std::string>& NotKeywords() {
+  static const std::vector<std::string>& names = *new std::vector<std::string>{
+      "model",        "data",    "out",  "truth",  "dry_run",
+      "propose_tags", "figures", "json", "verbose"};
+  return names;
+}
+
+// One call. The table points into the request, so that neither moves.
+struct CorrectCall {
+  correct::Request request;
+  OptionTable table;
+  RecordSource source;
+  std::string text;  // as it may be typed again
+
+  CorrectCall() { correct::AddOptions(request, table); }
+};
+
+// A result and how it was asked for.
+struct Correction {
+  correct::Result result;
+  std::string call;
+  std::vector<std::pair<std::string, std::string>> options;
+};
+
+// A model, and its path where it came from a file.
+struct ModelArgument {
+  ProcessModel model;
+  std::string path;
+};
+
+ModelArgument ModelOf(const py::object& argument) {
+  if (py::isinstance<ProcessModel>(argument)) {
+    return {argument.cast<const ProcessModel&>(), ""};
+  }
+  const auto path = argument.cast<std::string>();
+  return {ValueOrThrow(ReadProcessModel(path)), path};
+}
+
+// Records without a file are told by the SHA-256 of their samples, time after
+// time, as 64-bit numbers: outputs, set points, inputs.
+correct::DataFile DescribeMemory(const std::string& name,
+                                 const std::vector<Record>& records) {
+  Sha256 hash;
+  correct::DataFile file;
+  file.path = name;
+  for (const Record& record : records) {
+    for (const Eigen::MatrixXd* const matrix :
+         {&record.outputs, &record.set_points, &record.inputs}) {
+      const auto bytes =
+          static_cast<std::size_t>(matrix->size()) * sizeof(double);
+      hash.Add({reinterpret_cast<const char*>(matrix->data()), bytes});
+      file.bytes += static_cast<std::int64_t>(bytes);
+    }
+  }
+  file.sha256 = hash.HexDigest();
+  return file;
+}
+
+std::string NameOfTables(const std::vector<Table>& tables) {
+  std::vector<std::string> names;
+  for (const Table& table : tables) names.push_back(table.name);
+  return absl::StrJoin(names, ", ");
+}
+
+absl::StatusOr<RecordData> Load(const CorrectCall& call,
+                                std::vector<correct::DataFile>& files) {
+  const correct::Request& request = call.request;
+  const RecordSource& source = call.source;
+  const RecordOptions& options = request.options.records;
+  if (!source.paths.empty()) {
+    MLE_ASSIGN_OR_RETURN(files, correct::ReadChecksums(source.paths));
+    return LoadRecords(source.paths, request.model, request.import, options);
+  }
+  if (source.tables.empty()) {
+    files = {DescribeMemory("memory", source.records)};
+    return PrepareRecords(source.records, request.model, options);
+  }
+  MLE_ASSIGN_OR_RETURN(HistorianImport imported,
+                       Import(source, request.model, request.import));
+  files = {DescribeMemory(NameOfTables(source.tables), imported.records)};
+  return PrepareRecords(std::move(imported), request.model, options);
+}
+
+absl::StatusOr<std::shared_ptr<const Correction>> Run(
+    CorrectCall& call, const ProgressCallback& report) {
+  call.request.options.progress = report;
+  auto correction = std::make_shared<Correction>();
+  correction->call = call.text;
+  correction->options = ShapingResults(call.table.Values());
+  {
+    const Stage reading(report, "reading the records");
+    MLE_RETURN_IF_ERROR(reading.status());
+  }
+  std::vector<correct::DataFile> files;
+  MLE_ASSIGN_OR_RETURN(RecordData data, Load(call, files));
+  call.source = {};
+  MLE_ASSIGN_OR_RETURN(
+      correction->result,
+      correct::RunCorrection(call.request, std::move(data), std::move(files)));
+  // They refer to what lives as long as the call.
+  correction->result.request.options.progress = nullptr;
+  correction->result.options.progress = nullptr;
+  return correction;
+}
+
+void Prepare(const py::object& model, const py::object& truth,
+             const OptionTexts& options, CorrectCall& call) {
+  correct::Request& request = call.request;
+  ModelArgument controller = ModelOf(model);
+  OptionTexts texts = options;
+  texts.emplace_back("model", controller.path);
+  texts.emplace_back("data", absl::StrJoin(call.source.paths, ","));
+  if (!truth.is_none()) {
+    ModelArgument plant = ModelOf(truth);
+    texts.emplace_back("truth", plant.path);
+    ThrowUnlessOk(
+        CheckSameChannels(controller.model, "model", plant.model, "truth"));
+    request.truth = std::move(plant.model);
+  }
+  request.model = std::move(controller.model);
+  SetOptions(texts, call.table);
+  // Paths with commas in them too.
+  request.data_paths = call.source.paths;
+  ThrowUnlessOk(correct::CompleteForModel(request, call.table));
+}
+
+std::shared_ptr<const Correction> Correct(const py::object& model,
+                                          const py::tuple& source,
+                                          const OptionTexts& options,
+                                          const py::object& truth,
+                                          const std::string& text,
+                                          const py::object& progress) {
+  const auto call = std::make_shared<CorrectCall>();
+  call->text = text;
+  call->source = SourceOf(source);
+  Prepare(model, truth, options, *call);
+  return ValueOrThrow(RunLongFor<std::shared_ptr<const Correction>>(
+      [call](const ProgressCallback& report) { return Run(*call, report); },
+      progress));
+}
+
+std::string JsonOf(const Correction& correction) {
+  return ValueOrThrow(correct::FormatResult(correction.result, correction.call,
+                                            correction.options));
+}
+
+std::string PageOf(const Correction& correction) {
+  const correct::Result& result = correction.result;
+  return correct::FormatPage(
+      result,
+      report::DrawFigures(correct::MakeFigures(result), result.options.threads),
+      HowToCallAgain(correction.call, correction.options,
+                     correct::Checksums(result)));
+}
+
+// (time (N,), initial, corrected, lower or None, upper or None: (N, p, m)).
+py::tuple ResponsesOf(const py::object& self) {
+  const correct::Result& result = self.cast<const Correction&>().result;
+  const StepResponse& initial = result.initial_response;
+  const StepResponse& corrected = result.corrected.response;
+  const Eigen::VectorXd times =
+      Eigen::VectorXd::LinSpaced(initial.samples(), 0.0,
+                                 initial.samples() - 1.0) *
+      initial.sample_time;
+  py::object lower = py::none();
+  py::object upper = py::none();
+  if (result.corrected.errors.has_value()) {
+    const auto band = [&](double factor) {
+      auto* const response = new StepResponse(corrected);
+      response->values += factor * correct::BandFactor(result) *
+                          result.corrected.errors->values;
+      const py::capsule owner(response, [](void* pointer) {
+        delete static_cast<StepResponse*>(pointer);
+      });
+      return ViewOf(*response, owner);
+    };
+    lower = band(-1.0);
+    upper = band(1.0);
+  }
+  return py::make_tuple(CopyOf(times), ViewOf(initial, self),
+                        ViewOf(corrected, self), lower, upper);
+}
+
+py::list MessagesOf(const std::vector<Message>& messages) {
+  py::list list;
+  for (const Message& message : messages) {
+    list.append(py::make_tuple(std::string(NameOf(message.code)), message.place,
+                               message.text, message.options));
+  }
+  return list;
+}
+
+// Names and texts of the models that a result may have.
+py::dict ModelFilesOf(const Correction& correction) {
+  const correct::Result& result = correction.result;
+  py::dict files;
+  files["model.json"] = FormatProcessModel(result.model);
+  files["fopdt.json"] = FormatProcessModel(result.fopdt_model);
+  if (result.state_space.model.has_value()) {
+    files["state_space.json"] = FormatStateSpace(*result.state_space.model);
+  }
+  if (result.corrected.has_arx()) {
+    files["arx.json"] =
+        correct::FormatArx(result.corrected.arx, result.initial);
+  }
+  files["step_response.csv"] = correct::FormatStepResponses(result);
+  return files;
+}
+
+std::vector<std::string> CorrectOptionNames() {
+  CorrectCall call;
+  return NamesIn(call.table, NotKeywords());
+}
+
+std::string CorrectOptionHelp() {
+  CorrectCall call;
+  return WithoutDashes(FullHelp("The keywords of mle.correct().", call.table));
+}
+
+}  // namespace
+
+void AddCorrection(py::module_& module) {
+  py::class_<Correction, std::shared_ptr<Correction>>(module, "_Correction")
+      .def("json", &JsonOf)
+      .def("page", &PageOf, py::call_guard<py::gil_scoped_release>())
+      .def("responses", &ResponsesOf)
+      .def("model_files", &ModelFilesOf)
+      .def_property_readonly(
+          "initial", [](const Correction& c) { return c.result.initial; })
+      .def_property_readonly(
+          "usable", [](const Correction& c) { return c.result.usable(); })
+      .def_property_readonly(
+          "reasons",
+          [](const Correction& c) { return MessagesOf(c.result.reasons); })
+      .def_property_readonly(
+          "notes",
+          [](const Correction& c) { return MessagesOf(c.result.notes); })
+      .def_property_readonly(
+          "warnings",
+          [](const Correction& c) { return MessagesOf(c.result.warnings); })
+      .def_property_readonly("failures", [](const Correction& c) {
+        return MessagesOf(c.result.failures);
+      });
+  module.def("_correct", &Correct, py::arg("model"), py::arg("source"),
+             py::arg("options"), py::arg("truth"), py::arg("text"),
+             py::arg("progress"));
+  module.def("_correct_option_names", &CorrectOptionNames);
+  module.def("_correct_option_help", &CorrectOptionHelp);
+}
+
+}  // namespace mle::python

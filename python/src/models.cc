@@ -1,0 +1,201 @@
+// Process models and state-space models.
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "mle/data/sampling.h"
+#include "mle/model/process_model.h"
+#include "mle/model/state_space_json.h"
+#include "pybind11/stl.h"
+#include "pybind11/stl/filesystem.h"
+#include "python/src/arrays.h"
+#include "python/src/bindings.h"
+#include "python/src/status.h"
+
+namespace mle::python {
+namespace {
+
+namespace py = pybind11;
+
+// More than anybody wants to have in memory.
+constexpr double kMostSamples = 1e8;
+
+template <typename Channel>
+std::vector<std::string> NamesOf(const std::vector<Channel>& channels) {
+  std::vector<std::string> names;
+  for (const Channel& channel : channels) names.push_back(channel.name);
+  return names;
+}
+
+template <typename Channel>
+std::vector<std::string> UnitsOf(const std::vector<Channel>& channels) {
+  std::vector<std::string> units;
+  for (const Channel& channel : channels) units.push_back(channel.unit);
+  return units;
+}
+
+std::vector<std::string> RolesOf(const ProcessModel& model) {
+  std::vector<std::string> roles;
+  for (const InputChannel& input : model.inputs()) {
+    roles.emplace_back(input.role == InputRole::kDisturbance ? "disturbance"
+                                                             : "manipulated");
+  }
+  return roles;
+}
+
+py::array StepResponseOf(const ProcessModel& model, double sample_time,
+                         int samples) {
+  ThrowUnlessOk(ValidateSampling(sample_time, sample_time * samples));
+  if (samples < 1 ||
+      samples * model.num_outputs() * model.num_inputs() > kMostSamples) {
+    throw py::value_error(
+        absl::StrCat("samples = ", samples,
+                     ": it must be at least 1, and all "
+                     "responses together at most 1e8 values"));
+  }
+  auto* const response =
+      new StepResponse(model.ComputeStepResponse(sample_time, samples));
+  const py::capsule owner(response, [](void* pointer) {
+    delete static_cast<StepResponse*>(pointer);
+  });
+  return ViewOf(*response, owner);
+}
+
+py::tuple ElementOf(const ProcessModel& model, int output, int input) {
+  if (output < 0 || output >= model.num_outputs() || input < 0 ||
+      input >= model.num_inputs()) {
+    throw py::index_error(absl::StrCat(
+        "element (", output, ", ", input, ") of a model of ",
+        model.num_outputs(), " outputs and ", model.num_inputs(), " inputs"));
+  }
+  const TransferFunction& element = model.element(output, input);
+  return py::make_tuple(element.numerator(), element.denominator(),
+                        element.delay());
+}
+
+ProcessModel Parse(const std::string& json, const std::string& source) {
+  return ValueOrThrow(ParseProcessModel(json, source));
+}
+
+std::string Representation(const ProcessModel& model) {
+  return absl::StrCat("<mle.ProcessModel '", model.name(),
+                      "': ", model.num_outputs(), " outputs, ",
+                      model.num_inputs(), " inputs, time in ",
+                      model.time_unit(), ">");
+}
+
+void AddStateSpace(py::module_& module) {
+  py::class_<NamedStateSpace>(
+      module, "StateSpaceModel",
+      "A discrete state-space model with dead times in samples:\n\n"
+      "    x[k+1] = A x[k] + B v[k],  v_j[k] = u_j[k - input_delays[j]],\n"
+      "    w[k] = C x[k] + D v[k],    y_i[k] = w_i[k - output_delays[i]].")
+      .def_readonly("name", &NamedStateSpace::name)
+      .def_readonly("time_unit", &NamedStateSpace::time_unit)
+      .def_readonly("outputs", &NamedStateSpace::outputs)
+      .def_readonly("inputs", &NamedStateSpace::inputs)
+      .def_property_readonly(
+          "dt", [](const NamedStateSpace& m) { return m.system.sample_time; })
+      .def_property_readonly(
+          "A", [](const NamedStateSpace& m) { return CopyOf(m.system.A); })
+      .def_property_readonly(
+          "B", [](const NamedStateSpace& m) { return CopyOf(m.system.B); })
+      .def_property_readonly(
+          "C", [](const NamedStateSpace& m) { return CopyOf(m.system.C); })
+      .def_property_readonly(
+          "D", [](const NamedStateSpace& m) { return CopyOf(m.system.D); })
+      .def_property_readonly(
+          "input_delays",
+          [](const NamedStateSpace& m) { return m.system.input_delays; })
+      .def_property_readonly(
+          "output_delays",
+          [](const NamedStateSpace& m) { return m.system.output_delays; })
+      .def("to_json", &FormatStateSpace,
+           "The text of state_space.json (docs/formats.md).")
+      .def_static("from_json",
+                  [](const std::string& json) {
+                    return ValueOrThrow(ParseStateSpace(json, "json"));
+                  })
+      .def(py::pickle(
+          [](const NamedStateSpace& m) { return FormatStateSpace(m); },
+          [](const std::string& json) {
+            return ValueOrThrow(ParseStateSpace(json, "pickle"));
+          }));
+}
+
+}  // namespace
+
+void AddModels(py::module_& module) {
+  py::class_<ProcessModel>(
+      module, "ProcessModel",
+      "A p x m matrix of transfer functions with dead times, with named inputs "
+      "and outputs:\n\n    y_i(s) = sum_j g_ij(s) u_j(s),\n"
+      "    g_ij(s) = e^(-L s) (b_0 s^q + ... + b_q) / (a_0 s^r + ... + "
+      "a_r).\n\n"
+      "Every element is stable and proper; times are in `time_unit`. Models do "
+      "not change.")
+      .def_static("from_json", &Parse, py::arg("json"),
+                  py::arg("source") = "json",
+                  "A model of the text of a process model file "
+                  "(docs/formats.md). Raises InvalidInputError naming key and "
+                  "element; `source` opens the message.")
+      .def_static(
+          "read",
+          [](const std::filesystem::path& path) {
+            return ValueOrThrow(ReadProcessModel(path.string()));
+          },
+          py::arg("path"), "A model of a process model file (JSON).")
+      .def("to_json", &FormatProcessModel,
+           "The text of the process model file.")
+      .def_property_readonly("name", &ProcessModel::name)
+      .def_property_readonly("time_unit", &ProcessModel::time_unit)
+      .def_property_readonly(
+          "inputs", [](const ProcessModel& m) { return NamesOf(m.inputs()); },
+          "Names of the m inputs.")
+      .def_property_readonly(
+          "outputs", [](const ProcessModel& m) { return NamesOf(m.outputs()); },
+          "Names of the p outputs.")
+      .def_property_readonly(
+          "input_units",
+          [](const ProcessModel& m) { return UnitsOf(m.inputs()); })
+      .def_property_readonly(
+          "output_units",
+          [](const ProcessModel& m) { return UnitsOf(m.outputs()); })
+      .def_property_readonly("input_roles", &RolesOf,
+                             "\"manipulated\" or \"disturbance\", m of them.")
+      .def_property_readonly(
+          "static_gains",
+          [](const ProcessModel& m) { return CopyOf(StaticGains(m)); },
+          "g_ij(0): (p, m).")
+      .def_property_readonly(
+          "settling_time",
+          [](const ProcessModel& m) { return SettlingTime(m); },
+          "Dead time plus five times the slowest time constant of the slowest "
+          "element.")
+      .def("element", &ElementOf, py::arg("output"), py::arg("input"),
+           "(numerator, denominator, delay) of an element by its numbers from "
+           "0: coefficients in s, highest power first.")
+      .def("step_response", &StepResponseOf, py::arg("sample_time"),
+           py::arg("samples"),
+           "Responses to unit steps at 0: (samples, p, m), at 0, dt, ..., "
+           "exact to rounding.")
+      .def("__eq__",
+           [](const ProcessModel& a, const py::object& b) {
+             return py::isinstance<ProcessModel>(b) &&
+                    FormatProcessModel(a) ==
+                        FormatProcessModel(b.cast<const ProcessModel&>());
+           })
+      .def("__hash__",
+           [](const ProcessModel& m) {
+             return py::hash(py::str(FormatProcessModel(m)));
+           })
+      .def("__repr__", &Representation)
+      .def(py::pickle(
+          [](const ProcessModel& m) { return FormatProcessModel(m); },
+          [](const std::string& json) { return Parse(json, "pickle"); }));
+  AddStateSpace(module);
+}
+
+}  // namespace mle::python

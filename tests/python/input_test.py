@@ -1,0 +1,170 @@
+"""What is wrong with the input is an exception that says what, and where."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import mle
+
+FAST = {"estimator": "output_error"}
+
+
+def refused(match, kind=mle.InvalidInputError):
+    return pytest.raises(kind, match=match)
+
+
+def test_names_the_missing_and_the_unknown_column(loop, frame):
+    with refused(r"no column 'level' \(nearest: 'levle'\)"):
+        mle.correct(loop[0], frame.rename(columns={"level": "levle"}))
+    frame["other"] = 1.0
+    with refused("'other' is neither") as caught:
+        mle.correct(loop[0], frame)
+    assert "ignore_other_columns" in caught.value.options
+    assert mle.correct(loop[0], frame, ignore_other_columns=True, **FAST).decision == "corrected"
+
+
+def test_shapes_that_do_not_agree():
+    with refused("outputs has the shape", ValueError):
+        mle.Record(np.zeros(10), np.zeros((10, 1)), sample_time=1.0)
+    with refused("samples"):
+        mle.Record(np.zeros((10, 1)), np.zeros((9, 1)), sample_time=1.0)
+    with refused("sample_time|Δt"):
+        mle.Record(np.zeros((10, 1)), np.zeros((10, 1)), sample_time=0.0)
+
+
+def test_record_of_another_model(loop):
+    record = mle.Record(np.zeros((50, 2)), np.zeros((50, 1)), np.zeros((50, 2)), sample_time=1.0)
+    with refused("2 outputs and 1 inputs; the model has 1 and 1"):
+        mle.correct(loop[0], record)
+
+
+def test_column_of_nothing_but_nan(loop, frame):
+    frame["valve"] = np.nan
+    with refused("'valve' has no good sample in any row .0 empty, 301 NaN"):
+        mle.correct(loop[0], frame)
+
+
+def test_infinite_sample(loop, frame):
+    frame.iloc[6, frame.columns.get_loc("level")] = np.inf
+    with refused("data frame: row 7, column 'level': inf is not a finite number"):
+        mle.correct(loop[0], frame)
+
+
+def test_object_column(loop, frame):
+    frame["level"] = frame["level"].astype(object)
+    with refused("column 'level' holds object; it must hold numbers"):
+        mle.correct(loop[0], frame)
+
+
+def test_index_without_times(loop, frame):
+    with refused("its index counts rows, and it has no column 'time'"):
+        mle.correct(loop[0], frame.reset_index(drop=True))
+    frame.index = [f"row {k}" for k in range(len(frame))]
+    with refused("its times are of the type object"):
+        mle.correct(loop[0], frame)
+
+
+def test_index_that_does_not_increase(loop, frame):
+    swapped = frame.iloc[[0, 1, 3, 2, *range(4, len(frame))]]
+    with refused("data frame: row 4: time 2024-03-04 06:02 follows 2024-03-04 06:03") as caught:
+        mle.correct(loop[0], swapped)
+    assert caught.value.options == ("skip_backward_times",)
+    with refused("follows"):
+        mle.correct(loop[0], frame.iloc[::-1])
+    with refused("row 3: time 2024-03-04 06:01 stands twice"):
+        mle.correct(loop[0], frame.iloc[[0, 1, 1, *range(2, len(frame))]])
+    with refused("a time is missing"):
+        index = frame.index.to_series()
+        index.iloc[3] = pd.NaT
+        mle.correct(loop[0], frame.set_index(pd.DatetimeIndex(index)))
+
+
+def test_one_row(loop, frame):
+    with refused("data frame has 1 rows; a record needs at least 2"):
+        mle.correct(loop[0], frame.iloc[:1])
+    with refused("data frame has 0 rows"):
+        mle.correct(loop[0], frame.iloc[:0])
+    with refused("no records"):
+        mle.correct(loop[0], [])
+
+
+def test_zones(loop, frame):
+    """Aware and naive frames are the same record; a mixture is refused."""
+    naive = mle.correct(loop[0], frame, **FAST)
+    aware = mle.correct(loop[0], frame.tz_localize("Europe/Berlin"), **FAST)
+    declared = mle.correct(loop[0], frame, time_zone="Europe/Berlin", **FAST)
+    assert naive.p_value == aware.p_value == declared.p_value
+    begin = [r.to_dict()["windows"][0]["from_date"] for r in (naive, aware, declared)]
+    assert begin[0].endswith("+00:00") and begin[1].endswith("+01:00")
+    assert begin[1] == begin[2]
+    assert begin[0][:19] == begin[1][:19]
+    with refused("some of the data frames have a time zone"):
+        mle.correct(loop[0], [frame, frame.tz_localize("UTC")])
+
+
+def test_hour_that_clocks_show_twice(loop, frame):
+    """An aware index goes on where the clocks go back."""
+    index = pd.date_range("2024-10-27 00:30", periods=len(frame), freq="min", tz="Europe/Berlin")
+    result = mle.correct(loop[0], frame.set_index(index), **FAST)
+    assert result.p_value == mle.correct(loop[0], frame, **FAST).p_value
+
+
+def test_several_frames_are_one_record(loop, frame):
+    whole = mle.read_records(frame, loop[0])
+    parts = mle.read_records([frame.iloc[:90], frame.iloc[90:]], loop[0])
+    assert len(parts) == 1
+    assert parts[0].outputs.tobytes() == whole[0].outputs.tobytes()
+
+
+def test_frames_of_other_layouts(loop, frame):
+    """Float32, integers, nullable numbers, single blocks and slices are read."""
+    expected = mle.read_records(frame, loop[0])[0]
+    for other in (
+        frame.copy().astype({"level_setpoint": "Float64"}),
+        frame[["valve", "level_setpoint", "level"]],
+        pd.concat([frame[[c]] for c in frame], axis=1),
+        pd.DataFrame(np.asfortranarray(frame.values), frame.index, frame.columns),
+        pd.DataFrame(np.repeat(frame.values, 2, axis=0), columns=frame.columns)
+        .iloc[::2]
+        .set_index(frame.index),
+    ):
+        record = mle.read_records(other, loop[0])[0]
+        assert record.outputs.tobytes() == expected.outputs.tobytes()
+        assert record.inputs.tobytes() == expected.inputs.tobytes()
+    single = mle.read_records(frame.astype("float32"), loop[0])[0]
+    np.testing.assert_allclose(single.outputs, expected.outputs, rtol=1e-6, atol=1e-6)
+
+
+def test_options(loop, frame):
+    with pytest.raises(TypeError, match="keyword argument 'estimatr'; did you mean 'estimator'"):
+        mle.correct(loop[0], frame, estimatr="arx")
+    with refused("^estimator=other: known are"):
+        mle.correct(loop[0], frame, estimator="other")
+    with refused("^confidence=2: it must be"):
+        mle.correct(loop[0], frame, confidence=2)
+    with refused("^validation_folds=many: it must be a whole number"):
+        mle.correct(loop[0], frame, validation_folds="many")
+    with refused("separator: this option is for files"):
+        mle.correct(loop[0], frame, separator="tab")
+    with refused("max_gap: this option is not for mle.Record"):
+        mle.correct(loop[0], loop[2], max_gap=3)
+    assert "confidence" in mle.correct_options()
+
+
+def test_files(loop, tmp_path):
+    with pytest.raises(FileNotFoundError, match="nowhere.csv"):
+        mle.correct(loop[0], tmp_path / "nowhere.csv")
+    with pytest.raises(FileNotFoundError, match="nowhere.json"):
+        mle.correct(tmp_path / "nowhere.json", tmp_path / "nowhere.csv")
+    (tmp_path / "bad.csv").write_text("time,level,valve\n0,1,2\n1,one,2\n")
+    with refused("bad.csv: line 3, column 2"):
+        mle.correct(loop[0], tmp_path / "bad.csv")
+    with pytest.raises(TypeError, match="these are int"):
+        mle.correct(loop[0], [1])
+
+
+def test_nothing_to_learn(loop, frame):
+    with refused("no set point changes") as caught:
+        mle.correct(loop[0], frame.assign(level_setpoint=0.0))
+    assert caught.value.code == "INVALID_ARGUMENT"
+    assert caught.value.options == ("change_times",)

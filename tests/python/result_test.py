@@ -1,0 +1,195 @@
+"""What a result offers; threads, signals, memory."""
+
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import threading
+
+import numpy as np
+import pytest
+
+import mle
+
+FAST = {"estimator": "output_error", "threads": 1}
+
+
+@pytest.fixture(scope="module")
+def result(loop):
+    model, plant, record = loop
+    return mle.correct(model, record, truth=plant, **FAST)
+
+
+def test_what_it_found(result, loop):
+    model, plant, _ = loop
+    assert result.decision == "corrected" and result.usable
+    assert result.p_value < 1e-3
+    assert result.initial == model
+    row = result.elements.loc[("level", "valve")]
+    assert row.gain_lower < 2.6 < row.gain_upper
+    assert row.gain_initial == 2.0 and row.aged
+    gain = result.corrected.static_gains[0, 0]
+    assert gain == row.gain_corrected
+    assert result.fopdt.static_gains[0, 0] == pytest.approx(gain)
+    assert result.reasons and all(str(reason) == reason.text for reason in result.reasons)
+    assert result.to_dict()["truth"]["E_corrected"] < result.to_dict()["truth"]["E_initial"]
+    assert result.verdict and result.advice
+
+
+def test_step_responses_and_their_band(result, loop):
+    model, plant, _ = loop
+    response = result.step_response
+    samples = len(response.time)
+    assert response.initial.shape == response.corrected.shape == (samples, 1, 1)
+    np.testing.assert_array_equal(
+        response.initial, model.step_response(response.time[1], samples)
+    )
+    np.testing.assert_allclose(
+        response.corrected, result.corrected.step_response(response.time[1], samples), atol=1e-12
+    )
+    assert (response.lower <= response.corrected).all()
+    assert (response.corrected <= response.upper).all()
+    assert not response.corrected.flags.writeable
+
+
+def test_state_space_is_as_near_as_it_says(result):
+    system = result.state_space
+    order = len(system.A)
+    gain = system.C @ np.linalg.solve(np.eye(order) - system.A, system.B) + system.D
+    allowed = result.to_dict()["state_space"]["largest_difference"]
+    largest = abs(result.corrected.static_gains).max()  # it does not overshoot
+    assert abs(gain - result.corrected.static_gains).max() <= 1.01 * allowed * largest
+    assert 0.0 < allowed < 0.05
+    assert system.outputs == ["level"]
+
+
+def test_page_and_files(result, tmp_path):
+    result.report(tmp_path / "page.html")
+    page = (tmp_path / "page.html").read_text()
+    assert page.startswith("<!DOCTYPE html>") and "<svg" in page
+    assert "mle.correct(model, records" in page
+    assert "corrected" in result._repr_html_()
+    result.write(tmp_path / "all")
+    assert (tmp_path / "all" / "result.json").read_text() == result.to_json()
+    assert mle.ProcessModel.read(tmp_path / "all" / "model.json") == result.corrected
+
+
+def test_pickled_results_are_the_same(result):
+    again = pickle.loads(pickle.dumps(result))
+    assert again.to_json() == result.to_json()
+    assert again.report_html() == result.report_html()
+    assert again.corrected == result.corrected
+    assert again.reasons == result.reasons
+    np.testing.assert_array_equal(again.step_response.upper, result.step_response.upper)
+    assert again.elements.equals(result.elements)
+
+
+def test_pickled_records_are_the_same(loop):
+    record = loop[2]
+    again = pickle.loads(pickle.dumps(record))
+    assert again.outputs.tobytes() == record.outputs.tobytes()
+    assert again.set_points.tobytes() == record.set_points.tobytes()
+    assert (again.sample_time, again.start_time) == (record.sample_time, record.start_time)
+
+
+def test_progress_is_told_and_may_stop(loop):
+    model, _, record = loop
+    told = []
+    mle.correct(model, record, progress=lambda *report: told.append(report), **FAST)
+    assert told[0] == ("reading the records", 0.0)
+    assert any("fitting" in stage for stage, _ in told)
+    assert all(0.0 <= fraction <= 1.0 for _, fraction in told)
+    with pytest.raises(mle.CancelledError):
+        mle.correct(model, record, progress=lambda *report: False, **FAST)
+    with pytest.raises(ZeroDivisionError):
+        mle.correct(model, record, progress=lambda *report: 1 / 0, **FAST)
+
+
+def test_two_threads_at_once(loop):
+    model, _, record = loop
+    expected = mle.correct(model, record, **FAST).to_json()
+    found = [None] * 4
+
+    def work(k):
+        for _ in range(3):
+            found[k] = mle.correct(model, record, **FAST).to_json()
+
+    threads = [threading.Thread(target=work, args=(k,)) for k in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert found == [expected] * 4
+
+
+def test_other_threads_run_meanwhile(loop):
+    """The lock is free during a correction: another thread of Python goes on."""
+    model, _, record = loop
+    stop = threading.Event()
+    counts = []
+
+    def count():
+        n = 0
+        while not stop.wait(0.001):
+            n += 1
+        counts.append(n)
+
+    thread = threading.Thread(target=count)
+    thread.start()
+    mle.correct(model, record, estimator="arx", conversion_samples=1_000_000)
+    stop.set()
+    thread.join()
+    assert counts[0] > 0
+
+
+INTERRUPTED = """
+import os, signal, threading
+import mle
+model = mle.from_fopdt([[2.0]], 10.0, 2.0, inputs=["u"], outputs=["y"])
+record = mle.simulate(model, setpoints=[("y", 400, 1.0)], duration=4000, sample_time=0.2,
+                      control_period=2)
+told = []
+def progress(stage, fraction):
+    if not told:
+        threading.Timer(0.05, os.kill, (os.getpid(), signal.SIGINT)).start()
+    told.append(stage)
+try:
+    mle.correct(model, record, progress=progress, conversion_samples=10000000, estimator="arx")
+    print("not interrupted")
+except KeyboardInterrupt:
+    print("interrupted")
+"""
+
+
+def test_keyboard_interrupt_stops_and_the_process_ends_in_order():
+    done = subprocess.run(
+        [sys.executable, "-c", INTERRUPTED], capture_output=True, text=True, check=False
+    )
+    assert (done.stdout, done.returncode) == ("interrupted\n", 0), done.stderr
+
+
+def resident_megabytes():
+    with open("/proc/self/statm", encoding="ascii") as file:
+        return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
+def test_corrections_leave_no_memory_behind(loop):
+    """A result is 0.2 MB and more: 60 that were kept would be seen."""
+    model, _, record = loop
+
+    def correct_often(times):
+        for _ in range(times):
+            mle.correct(model, record, **FAST)
+            with pytest.raises(mle.InvalidInputError):
+                mle.correct(model, record, confidence=2)
+
+    correct_often(15)
+    before = resident_megabytes()
+    correct_often(60)
+    assert resident_megabytes() - before < 8.0
+
+
+def test_signals_are_python_s_own_afterwards(result):
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
