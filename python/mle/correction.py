@@ -9,7 +9,7 @@ from typing import Any, Callable, Dict, List, NamedTuple, Optional, Union
 
 from . import _mle
 from ._mle import ProcessModel, StateSpaceModel
-from .options import option_texts
+from .options import help_on, option_texts
 from .records import source_of
 
 Progress = Callable[[str, float], Optional[bool]]
@@ -264,7 +264,7 @@ def correct(
     options, NotUsableError where a fit behind the model for use failed, OSError for
     files, and TypeError for an unknown option.
     """
-    texts = option_texts("correct", _mle._correct_option_names(), options)
+    texts = option_texts("correct", _mle._correct_options(), options)
     source = source_of(records, options)
     if not isinstance(model, ProcessModel):
         model = os.fspath(model)
@@ -276,4 +276,4 @@ def correct(
 
 def correct_options() -> str:
     """The options of :func:`correct`: names, defaults, units, ranges and meaning."""
-    return _mle._correct_option_help()
+    return help_on(_mle._correct_options())

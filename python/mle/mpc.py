@@ -26,7 +26,7 @@ class Mpc:
 
     @staticmethod
     def _texts(options: Dict[str, Any]) -> list:
-        return option_texts("Mpc", _mle._mpc_option_names(), options)
+        return option_texts("Mpc", _mle._mpc_options(), options)
 
     def step(self, measured: Any, set_points: Any) -> Any:
         """One control instant: of measured outputs (p,) and set points (p,) the inputs

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import operator
+import textwrap
 from collections.abc import Iterable, Mapping
 from typing import Any, List, Sequence, Tuple
 
@@ -40,11 +41,33 @@ def _part(part: Any) -> str:
     return text_of(part)
 
 
+# (group, name, default, unit and range, meaning) of an option.
+Table = Sequence[Tuple[str, str, str, str, str]]
+
+
+def names_of(table: Table) -> List[str]:
+    return [name for _, name, _, _, _ in table]
+
+
+def help_on(table: Table) -> str:
+    """The options of a table, a group after the other."""
+    lines: List[str] = []
+    last = None
+    for group, name, default, kind, meaning in table:
+        if group != last:
+            lines += ["", group]
+            last = group
+        lines.append(f"  {name} [{default}] {kind}".rstrip())
+        lines += textwrap.wrap(meaning, 78, initial_indent=" " * 6, subsequent_indent=" " * 6)
+    return "\n".join(lines[1:]) + "\n"
+
+
 def option_texts(
-    function: str, known: Sequence[str], options: Mapping[str, Any]
+    function: str, table: Table, options: Mapping[str, Any]
 ) -> List[Tuple[str, str]]:
-    """Names and texts. Raises TypeError for a name that is not known, as Python
-    does for keywords, with the nearest one."""
+    """Names and texts. Raises TypeError for a name that is not in the table, as
+    Python does for keywords, with the nearest one."""
+    known = names_of(table)
     for name in options:
         if name not in known:
             near = difflib.get_close_matches(name, known, n=1)

@@ -7,7 +7,7 @@ from typing import Any, List, Mapping, Sequence, Tuple
 
 from . import _mle
 from ._mle import ProcessModel, Record
-from .options import option_texts
+from .options import names_of, option_texts
 
 # Options that say how a text is read, and mean nothing for a table.
 _OF_TEXT = (
@@ -122,8 +122,9 @@ def source_of(records: Any, options: Mapping[str, Any]) -> tuple:
     if all(isinstance(one, (str, os.PathLike)) for one in records):
         return ("files", [os.fspath(one) for one in records])
     if all(isinstance(one, Record) for one in records):
-        if options_for_reading := [o for o in options if o in _mle._read_option_names()]:
-            raise _mle_error(f"{options_for_reading[0]}: this option is not for mle.Record")
+        for option in options:
+            if option in names_of(_mle._read_options()):
+                raise _mle_error(f"{option}: this option is not for mle.Record")
         return ("records", records)
     if all(_is_frame(one) for one in records):
         return _tables(records, options)
@@ -140,7 +141,7 @@ def read_records(records: Any, model: ProcessModel, **options: Any) -> List[Reco
     gaps of inputs bridged. ``options`` are those of the command under "Reading
     the records" (docs/commands.md), as ``sample_time``, ``tags`` or
     ``max_gap``."""
-    texts = option_texts("read_records", _mle._read_option_names(), options)
+    texts = option_texts("read_records", _mle._read_options(), options)
     return _mle._read_records(source_of(records, options), model, texts)
 
 

@@ -6,7 +6,7 @@ from typing import Any, Callable, Optional, Union
 
 from . import _mle
 from ._mle import ProcessModel, Record
-from .options import option_texts
+from .options import help_on, option_texts
 
 
 def simulate(
@@ -31,7 +31,7 @@ def simulate(
 
     Raises InvalidInputError, and NotUsableError where the loop diverges.
     """
-    texts = option_texts("simulate", _mle._simulate_option_names(), options)
+    texts = option_texts("simulate", _mle._simulate_options(), options)
     if controller is None:
         return _mle._simulate(model, plant, texts)
     return _mle._simulate_with(model, plant, texts, controller)
@@ -39,4 +39,4 @@ def simulate(
 
 def simulate_options() -> str:
     """The options of :func:`simulate`: names, defaults, units, ranges and meaning."""
-    return _mle._simulate_option_help()
+    return help_on(_mle._simulate_options())

@@ -85,11 +85,11 @@ void MeasureDisturbances(control::Mpc& mpc, const Array& disturbances) {
   mpc.MeasureDisturbances(VectorOf(disturbances, count, "disturbances"));
 }
 
-std::vector<std::string> OptionNames() {
+py::list OptionsOfMpc() {
   control::MpcOptions options;
   OptionTable table;
   AddOptions(options, table);
-  return NamesIn(table, {});
+  return TextsOf(table);
 }
 
 }  // namespace
@@ -110,7 +110,7 @@ void AddController(py::module_& module) {
                              })
       .def_property_readonly(
           "gain", [](const control::Mpc& mpc) { return CopyOf(mpc.gain()); });
-  module.def("_mpc_option_names", &OptionNames);
+  module.def("_mpc_options", &OptionsOfMpc);
 }
 
 }  // namespace mle::python

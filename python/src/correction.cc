@@ -9,7 +9,6 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
-#include "apps/common/help_text.h"
 #include "apps/common/run_again.h"
 #include "apps/common/sha256.h"
 #include "apps/correct/figures.h"
@@ -244,14 +243,9 @@ py::dict ModelFilesOf(const Correction& correction) {
   return files;
 }
 
-std::vector<std::string> CorrectOptionNames() {
+py::list OptionsOfCorrect() {
   CorrectCall call;
-  return NamesIn(call.table, NotKeywords());
-}
-
-std::string CorrectOptionHelp() {
-  CorrectCall call;
-  return WithoutDashes(FullHelp("The keywords of mle.correct().", call.table));
+  return TextsOf(call.table, NotKeywords());
 }
 
 }  // namespace
@@ -281,8 +275,7 @@ void AddCorrection(py::module_& module) {
   module.def("_correct", &Correct, py::arg("model"), py::arg("source"),
              py::arg("options"), py::arg("truth"), py::arg("text"),
              py::arg("progress"));
-  module.def("_correct_option_names", &CorrectOptionNames);
-  module.def("_correct_option_help", &CorrectOptionHelp);
+  module.def("_correct_options", &OptionsOfCorrect);
 }
 
 }  // namespace mle::python

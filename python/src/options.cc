@@ -13,15 +13,15 @@ void SetOptions(const OptionTexts& options, OptionTable& table) {
   ThrowUnlessOk(table.Read());
 }
 
-std::vector<std::string> NamesIn(const OptionTable& table,
-                                 const std::vector<std::string>& without) {
-  std::vector<std::string> names;
-  for (const auto& [name, value] : table.Values()) {
-    if (std::count(without.begin(), without.end(), name) == 0) {
-      names.push_back(name);
-    }
+pybind11::list TextsOf(const OptionTable& table,
+                       const std::vector<std::string>& without) {
+  pybind11::list texts;
+  for (const OptionText& text : table.Texts()) {
+    if (std::count(without.begin(), without.end(), text.name) > 0) continue;
+    texts.append(pybind11::make_tuple(text.group, text.name, text.default_text,
+                                      text.kind, WithoutDashes(text.help)));
   }
-  return names;
+  return texts;
 }
 
 }  // namespace mle::python

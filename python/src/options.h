@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "apps/common/option_table.h"
+#include "pybind11/pybind11.h"
 
 namespace mle::python {
 
@@ -17,9 +18,9 @@ using OptionTexts = std::vector<std::pair<std::string, std::string>>;
 // Sets and checks them. Throws StatusError.
 void SetOptions(const OptionTexts& options, OptionTable& table);
 
-// Their names, but for those in `without`.
-std::vector<std::string> NamesIn(const OptionTable& table,
-                                 const std::vector<std::string>& without);
+// (group, name, default, kind, help) of each, but for those in `without`.
+pybind11::list TextsOf(const OptionTable& table,
+                       const std::vector<std::string>& without = {});
 
 }  // namespace mle::python
 

@@ -102,13 +102,13 @@ std::vector<Record> ReadRecords(const py::tuple& from,
   return ValueOrThrow(std::move(imported)).records;
 }
 
-std::vector<std::string> ReadOptionNames() {
+py::list OptionsOfReading() {
   HistorianOptions import;
   std::vector<std::string> tags;
   std::string tag_file;
   OptionTable table;
   table.Add("", correct::OptionsOf(import, tags, &tag_file));
-  return NamesIn(table, {});
+  return TextsOf(table);
 }
 
 }  // namespace
@@ -171,7 +171,7 @@ void AddRecords(py::module_& module) {
       .def("__len__", &Record::samples)
       .def(py::pickle(&Pickled, &Unpickled));
   module.def("_read_records", &ReadRecords);
-  module.def("_read_option_names", &ReadOptionNames);
+  module.def("_read_options", &OptionsOfReading);
 }
 
 }  // namespace mle::python

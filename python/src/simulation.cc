@@ -6,7 +6,6 @@
 #include <string>
 #include <utility>
 
-#include "apps/common/help_text.h"
 #include "apps/simulate/request.h"
 #include "mle/data/sampling.h"
 #include "pybind11/stl.h"
@@ -85,14 +84,9 @@ Record SimulateWith(const ProcessModel& model, const py::object& plant,
       simulation.loop, simulation.conditions));
 }
 
-std::vector<std::string> SimulateOptionNames() {
+py::list OptionsOfSimulate() {
   SimulateCall call;
-  return NamesIn(call.table, NotKeywords());
-}
-
-std::string SimulateOptionHelp() {
-  SimulateCall call;
-  return WithoutDashes(FullHelp("The keywords of mle.simulate().", call.table));
+  return TextsOf(call.table, NotKeywords());
 }
 
 sim::Plant MakePlant(const ProcessModel& model, double sample_time) {
@@ -124,8 +118,7 @@ void AddSimulation(py::module_& module) {
           "there.");
   module.def("_simulate", &Simulate);
   module.def("_simulate_with", &SimulateWith);
-  module.def("_simulate_option_names", &SimulateOptionNames);
-  module.def("_simulate_option_help", &SimulateOptionHelp);
+  module.def("_simulate_options", &OptionsOfSimulate);
 }
 
 }  // namespace mle::python

@@ -148,7 +148,8 @@ def test_options(loop, frame):
         mle.correct(loop[0], frame, separator="tab")
     with refused("max_gap: this option is not for mle.Record"):
         mle.correct(loop[0], loop[2], max_gap=3)
-    assert "confidence" in mle.correct_options()
+    listed = mle.correct_options()
+    assert "  confidence [0.95] in (0, 1)\n" in listed and "dry_run" not in listed
 
 
 def test_files(loop, tmp_path):

@@ -176,7 +176,7 @@ def resident_megabytes():
 
 @pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
 def test_corrections_leave_no_memory_behind(loop):
-    """A result is 0.2 MB and more: 60 that were kept would be seen."""
+    """A result is 0.2 MB and more: 40 that were kept would be seen."""
     model, _, record = loop
 
     def correct_often(times):
@@ -185,10 +185,10 @@ def test_corrections_leave_no_memory_behind(loop):
             with pytest.raises(mle.InvalidInputError):
                 mle.correct(model, record, confidence=2)
 
-    correct_often(15)
+    correct_often(10)
     before = resident_megabytes()
-    correct_often(60)
-    assert resident_megabytes() - before < 8.0
+    correct_often(40)
+    assert resident_megabytes() - before < 6.0
 
 
 def test_signals_are_python_s_own_afterwards(result):
