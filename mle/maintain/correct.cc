@@ -2,17 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <set>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "mle/base/status.h"
-#include "mle/data/civil_time.h"
 #include "mle/maintain/certificates.h"
 #include "mle/maintain/evidence.h"
 #include "mle/maintain/unfitted.h"
+#include "mle/maintain/withdrawal.h"
 
 namespace mle {
 namespace {
@@ -50,90 +49,6 @@ absl::StatusOr<int> ResponseSamples(const ProcessModel& model,
                      "; from 5 to 1,000,000 are possible"));
   }
   return static_cast<int>(samples);
-}
-
-// Proposals that change no element's step response by more than
-// decision.least_change are taken back: one by one where they are parametric,
-// output by output where they are ΔR's. An absent pair counts by the largest
-// response of its output.
-absl::Status DropSmallChanges(int samples, CorrectionResult& result) {
-  Estimate& estimate = result.estimate;
-  MLE_ASSIGN_OR_RETURN(
-      const CorrectedModel proposed,
-      MakeCorrectedModel(estimate, true, result.data.sample_time(), samples,
-                         /*make_arx=*/false));
-  const StepResponse& before = result.initial_response;
-  const StepResponse& after = proposed.response;
-  for (int i = 0; i < result.initial.num_outputs(); ++i) {
-    double largest = 0.0;
-    for (int j = 0; j < result.initial.num_inputs(); ++j) {
-      largest = std::max(largest, before.element(i, j).norm());
-    }
-    bool any = false;
-    for (int j = 0; j < result.initial.num_inputs(); ++j) {
-      const double norm = before.element(i, j).norm();
-      const double change = (after.element(i, j) - before.element(i, j)).norm();
-      const bool small = change <= result.options.decision.least_change *
-                                       (norm > 0.0 ? norm : largest);
-      any = any || !small;
-      if (small && ProposesElement(estimate, i, j) &&
-          !ProposesByArx(estimate, i)) {
-        KeepInitialElement(i, j, estimate);
-      }
-    }
-    if (!any) KeepInitialOutput(i, estimate);
-  }
-  return absl::OkStatus();
-}
-
-// Proposals that are nothing but a change of dead time that a clock may have
-// made are taken back.
-absl::Status HoldSharedDelays(int samples, CorrectionResult& result) {
-  Estimate& estimate = result.estimate;
-  const double sample_time = result.data.sample_time();
-  const DecisionOptions& decision = result.options.decision;
-  const ProcessModel& initial = result.initial;
-  result.taken_for_clocks.resize(initial.num_outputs());
-  const double most = decision.clock_error /
-                      SecondsPerUnit(initial.time_unit())
-                          .value_or(std::numeric_limits<double>::infinity());
-  if (!ProposesAny(estimate) || !(most > 0.0)) return absl::OkStatus();
-  MLE_ASSIGN_OR_RETURN(const CorrectedModel proposed,
-                       MakeCorrectedModel(estimate, true, sample_time, samples,
-                                          /*make_arx=*/false));
-  for (const SharedDelay& shared :
-       FindSharedDelays(estimate.fit.output_error.full, sample_time)) {
-    if (std::abs(shared.change) > most) continue;
-    result.shared_delays.push_back(shared);
-    ProcessModel late = initial;
-    for (int i = 0; i < initial.num_outputs(); ++i) {
-      for (int j = 0; j < initial.num_inputs(); ++j) {
-        TransferFunction& element = late.element(i, j);
-        if (!shared.contains(i, j) || element.IsZero()) continue;
-        element.set_delay(std::max(0.0, element.delay() + shared.change));
-      }
-    }
-    const StepResponse delayed = late.ComputeStepResponse(sample_time, samples);
-    for (int i = 0; i < initial.num_outputs(); ++i) {
-      for (int j = 0; j < initial.num_inputs(); ++j) {
-        if (!shared.contains(i, j) || !ProposesElement(estimate, i, j) ||
-            ProposesByArx(estimate, i) || ProposesShape(estimate, i)) {
-          continue;
-        }
-        const double rest =
-            (proposed.response.element(i, j) - delayed.element(i, j)).norm();
-        if (rest > decision.least_change * delayed.element(i, j).norm()) {
-          continue;
-        }
-        KeepInitialElement(i, j, estimate);
-        result.taken_for_clocks[i] =
-            absl::StrCat(shared.Describe(initial),
-                         ", and nothing else has. What a clock is known to be "
-                         "wrong by, or that it is right, would settle it.");
-      }
-    }
-  }
-  return absl::OkStatus();
 }
 
 // Set-point changes in the first window, at different times; in a step test,
@@ -388,8 +303,7 @@ absl::StatusOr<CorrectionResult> CorrectFromData(
   result.notes = result.data.notes;
   result.warnings = result.data.warnings;
   const std::vector<bool> unexplained = UnexplainedOutputs(result.estimate);
-  MLE_RETURN_IF_ERROR(DropSmallChanges(samples, result));
-  MLE_RETURN_IF_ERROR(HoldSharedDelays(samples, result));
+  MLE_RETURN_IF_ERROR(WithdrawProposals(samples, result));
   const int order = estimation.conversion.OrderFor(model, sample_time);
   MLE_RETURN_IF_ERROR(ExamineInitial(windows, order, result));
   MLE_RETURN_IF_ERROR(DecideByEvidence(windows, order, unexplained, result));

@@ -121,6 +121,31 @@ std::string FollowedLevels(const CorrectionResult& result, int i) {
   return "";
 }
 
+// Of windows of the output that differ; or, where a change is proposed, of
+// another's that follow the operating point, if its own may differ as much.
+std::string Disagreement(const CorrectionResult& result, int i) {
+  if (result.agreement.empty()) return "";
+  const WindowAgreement& own = result.agreement[i];
+  const std::string& name = result.initial.outputs()[i].name;
+  if (!own.agree()) return own.Describe(name);
+  if (!ProposesChange(result.estimate, i)) return "";
+  for (std::size_t o = 0; o < result.agreement.size(); ++o) {
+    const WindowAgreement& other = result.agreement[o];
+    if (other.agree() || other.difference > own.difference ||
+        other.cause != WindowAgreement::Cause::kOperatingPoint) {
+      continue;
+    }
+    return absl::StrFormat(
+        "The plant is not linear over the records: the responses of %s follow "
+        "the operating point, by up to %.2g %%, and those of %s may differ as "
+        "much from window to window (by %.2g %%, p = %.1g for none). Records "
+        "at one operating point would settle it.",
+        result.initial.outputs()[o].name, 100.0 * other.difference, name,
+        100.0 * own.difference, own.p_value);
+  }
+  return "";
+}
+
 OutputEvidence EvidenceOf(const CorrectionResult& result, int i) {
   const Validation& validation = result.validation;
   OutputEvidence evidence;
@@ -179,9 +204,7 @@ Evidence GatherEvidence(const CorrectionResult& result,
     evidence.outputs[i].undecidable = undecidable[i];
     OutputEvidence& output = evidence.outputs.back();
     output.unexplained = unexplained[i];
-    if (!result.agreement.empty() && !result.agreement[i].agree()) {
-      output.disagreement = result.agreement[i].Describe(output.name);
-    }
+    output.disagreement = Disagreement(result, i);
   }
   return evidence;
 }

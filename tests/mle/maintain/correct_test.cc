@@ -143,13 +143,13 @@ TEST(CorrectFromRecordsTest, AChangeOfArxBelowTheThresholdIsNoChangeToo) {
   EXPECT_EQ(result->change.total, 0.0);
 }
 
-// A pair that the model has not becomes present.
-TEST(CorrectFromRecordsTest, WhatNoParameterExplainsIsAShape) {
-  ProcessModel model("tank", "min", {{"valve", "%"}, {"heat", "%"}},
-                     {{"level", "m"}});
-  model.element(0, 0) = TransferFunction::FirstOrder(1.0, 5.0, 1.5);
-  ProcessModel plant = model;
-  plant.element(0, 1) = TransferFunction::FirstOrder(0.5, 5.0, 1.5);
+ProcessModel TwoInputs() {
+  return ProcessModel("tank", "min", {{"valve", "%"}, {"heat", "%"}},
+                      {{"level", "m"}});
+}
+
+// Two records of a plant like Tank with a second input, in white noise.
+std::vector<Record> RecordsOfTwoInputs(const ProcessModel& plant) {
   std::vector<Record> records;
   for (const std::uint64_t seed : {1, 2}) {
     Record record = TankRecord(Tank(1.0), 0.02, seed);
@@ -162,6 +162,16 @@ TEST(CorrectFromRecordsTest, WhatNoParameterExplainsIsAShape) {
     record.outputs = *SimulateResponse(plant, 0.5, record.inputs) + noise;
     records.push_back(record);
   }
+  return records;
+}
+
+// A pair that the model has not becomes present.
+TEST(CorrectFromRecordsTest, WhatNoParameterExplainsIsAShape) {
+  ProcessModel model = TwoInputs();
+  model.element(0, 0) = TransferFunction::FirstOrder(1.0, 5.0, 1.5);
+  ProcessModel plant = model;
+  plant.element(0, 1) = TransferFunction::FirstOrder(0.5, 5.0, 1.5);
+  const std::vector<Record> records = RecordsOfTwoInputs(plant);
   CorrectOptions options = Fast();
   options.estimation.estimator = Estimator::kCombined;
   const auto result = CorrectFromRecords(model, records, options);
@@ -179,8 +189,7 @@ TEST(CorrectFromRecordsTest, WhatNoParameterExplainsIsAShape) {
 
 // Dead times of a whole row that are 1 min longer: a clock, or the plant.
 TEST(CorrectFromRecordsTest, WhatAClockMayHaveDoneCannotTell) {
-  ProcessModel model("tank", "min", {{"valve", "%"}, {"heat", "%"}},
-                     {{"level", "m"}});
+  ProcessModel model = TwoInputs();
   model.element(0, 0) = TransferFunction::FirstOrder(1.0, 5.0, 1.5);
   model.element(0, 1) = TransferFunction::FirstOrder(0.8, 8.0, 2.5);
   ProcessModel late = model;
@@ -188,23 +197,9 @@ TEST(CorrectFromRecordsTest, WhatAClockMayHaveDoneCannotTell) {
   late.element(0, 1).set_delay(3.5);
   ProcessModel aged = late;
   aged.element(0, 1) = TransferFunction::FirstOrder(0.5, 8.0, 3.5);
-  const auto records_of = [&](const ProcessModel& plant) {
-    std::vector<Record> records;
-    for (const std::uint64_t seed : {1, 2}) {
-      Record record = TankRecord(Tank(1.0), 0.02, seed);
-      const Eigen::MatrixXd noise =
-          record.outputs - *SimulateResponse(Tank(1.0), 0.5, record.inputs);
-      record.inputs.conservativeResize(2, Eigen::NoChange);
-      record.inputs.row(1).setZero();
-      record.inputs.row(1).segment(300, 100).setOnes();
-      record.inputs.row(1).segment(650, 30).setConstant(-1.0);
-      record.outputs = *SimulateResponse(plant, 0.5, record.inputs) + noise;
-      records.push_back(record);
-    }
-    return records;
-  };
   CorrectOptions options = Fast();
-  const auto clock = CorrectFromRecords(model, records_of(late), options);
+  const auto clock =
+      CorrectFromRecords(model, RecordsOfTwoInputs(late), options);
   ASSERT_TRUE(clock.ok()) << clock.status();
   EXPECT_EQ(clock->decision, Decision::kCannotTell);
   EXPECT_EQ(clock->reasons.back().code, MessageCode::kClock);
@@ -213,14 +208,16 @@ TEST(CorrectFromRecordsTest, WhatAClockMayHaveDoneCannotTell) {
   EXPECT_EQ(clock->change.total, 0.0);
   // Where clocks are known to be right by half a minute, they have changed.
   options.decision.clock_error = 30.0;
-  const auto right = CorrectFromRecords(model, records_of(late), options);
+  const auto right =
+      CorrectFromRecords(model, RecordsOfTwoInputs(late), options);
   ASSERT_TRUE(right.ok()) << right.status();
   EXPECT_EQ(right->decision, Decision::kCorrected);
   EXPECT_NEAR(right->model.element(0, 0).delay(), 2.5, 0.1);
   EXPECT_NEAR(right->model.element(0, 1).delay(), 3.5, 0.1);
   // What has aged besides is delivered.
   options.decision.clock_error = 120.0;
-  const auto both = CorrectFromRecords(model, records_of(aged), options);
+  const auto both =
+      CorrectFromRecords(model, RecordsOfTwoInputs(aged), options);
   ASSERT_TRUE(both.ok()) << both.status();
   EXPECT_EQ(both->decision, Decision::kCorrected);
   EXPECT_NEAR(both->model.element(0, 1).StaticGain(), 0.5, 0.02);
