@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "apps/correct/advice.h"
+#include "mle/data/stretches.h"
 #include "mle/model/json_text.h"
 
 namespace mle::correct {
@@ -113,8 +114,11 @@ Json NoiseJson(const Result& result, int i) {
   }
   if (!lines.empty()) json["lines"] = std::move(lines);
   Json steps = Json::array();
+  const Stretches stretches = estimate.steps.empty()
+                                  ? Stretches()
+                                  : JoinAdjoining(result.data.Records());
   for (const LevelStep& step : estimate.steps) {
-    Json one = {{"window", step.window + 1},
+    Json one = {{"window", stretches.WindowAt(step.record, step.time) + 1},
                 {"time", step.time},
                 {"size", step.size},
                 {"time_constant", step.lag}};

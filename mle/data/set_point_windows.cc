@@ -15,6 +15,8 @@ namespace {
 
 // A window with fewer tells nothing.
 constexpr int kMinSamples = 20;
+// Share of the samples at which inputs that are moved by hand rest.
+constexpr double kAtRest = 0.9;
 
 // Times as numbers of samples.
 struct Extent {
@@ -141,6 +143,23 @@ absl::StatusOr<SetPointWindow> MakeWindow(const Record& record,
   return window;
 }
 
+// Where inputs move that rest nearly always: steps made by hand. None where a
+// controller moves them all the time, in answer to what nobody knows.
+std::vector<SetPointChange> FindMovesByHand(const Record& record) {
+  std::vector<SetPointChange> moves;
+  for (int k = 1; k < record.samples(); ++k) {
+    const auto before = record.inputs.col(k - 1).array();
+    const auto now = record.inputs.col(k).array();
+    if (((now - before).isFinite() && now != before).any()) {
+      moves.push_back({k, -1, 0.0, 0.0});
+    }
+  }
+  const double most = (1.0 - kAtRest) * record.samples();
+  return static_cast<double>(moves.size()) > most
+             ? std::vector<SetPointChange>()
+             : moves;
+}
+
 absl::Status CheckRecords(const std::vector<Record>& records,
                           const ProcessModel& model) {
   for (std::size_t r = 0; r < records.size(); ++r) {
@@ -163,8 +182,8 @@ absl::Status CheckRecords(const std::vector<Record>& records,
 void WarnOfFew(WindowSet& set) {
   if (set.windows.empty()) {
     set.warnings.push_back(
-        "there is no change of set point: nothing excites the process, and its "
-        "model cannot be tested");
+        "there is no change of set point, nor of inputs that otherwise rest: "
+        "what moves the process is not known, and its model cannot be tested");
   } else if (set.windows.size() == 1) {
     set.warnings.push_back(
         "there is one window only: a correction cannot be validated on a "
@@ -234,6 +253,13 @@ std::vector<std::vector<SetPointChange>> FindChanges(
       from = change.to;
     }
   }
+  const bool any =
+      std::any_of(changes.begin(), changes.end(),
+                  [](const auto& found) { return !found.empty(); });
+  if (any || !options.change_times.empty()) return changes;
+  for (std::size_t r = 0; r < records.size(); ++r) {
+    changes[r] = FindMovesByHand(records[r]);
+  }
   return changes;
 }
 
@@ -256,7 +282,7 @@ absl::StatusOr<WindowSet> FindWindows(const std::vector<Record>& records,
     PlaceWindows(extent, record.samples(), groups);
     double settled = 0.0;
     for (const Group& group : groups) {
-      const int usable = group.end - group.last_change();
+      const int usable = group.end - group.first_change();
       if (usable < kMinSamples) {
         set.warnings.push_back(
             absl::StrCat("the change at ",
@@ -274,6 +300,13 @@ absl::StatusOr<WindowSet> FindWindows(const std::vector<Record>& records,
       }
       settled = group.last_change() + extent.settling;
     }
+  }
+  const bool by_hand = options.change_times.empty() && !set.windows.empty() &&
+                       set.windows.front().changes.front().output < 0;
+  if (by_hand) {
+    set.warnings.push_back(
+        "no set point changes: windows are made around moves of inputs that "
+        "rest otherwise");
   }
   int given = 0;
   for (const auto& found : changes) given += static_cast<int>(found.size());

@@ -94,6 +94,8 @@ struct WindowSet {
 
 // The changes of set points of each record, those up to `min_change` left out;
 // or those at given times (each in the record that holds it; `output` −1).
+// Where no set point changes in any record, the moves of inputs (`output` −1)
+// of each record whose inputs rest at nine samples of ten: steps by hand.
 std::vector<std::vector<SetPointChange>> FindChanges(
     const std::vector<Record>& records, const WindowOptions& options);
 

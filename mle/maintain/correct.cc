@@ -8,6 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "mle/base/status.h"
+#include "mle/data/stretches.h"
 #include "mle/maintain/certificates.h"
 #include "mle/maintain/evidence.h"
 #include "mle/maintain/unfitted.h"
@@ -51,24 +52,13 @@ absl::StatusOr<int> ResponseSamples(const ProcessModel& model,
   return static_cast<int>(samples);
 }
 
-// Set-point changes in the first window, at different times; in a step test,
-// where set points do not change and inputs hardly ever, moves of inputs.
+// Changes in the first window, at different times.
 int ChangesOf(const RecordData& data) {
-  constexpr double kAtRest = 0.9;  // share of the samples
-  const SetPointWindow& window = data.windows.front();
   std::set<int> samples;
-  for (const SetPointChange& change : window.changes) {
+  for (const SetPointChange& change : data.windows.front().changes) {
     samples.insert(change.sample);
   }
-  if (!samples.empty()) return static_cast<int>(samples.size());
-  const Eigen::MatrixXd& inputs = window.record.inputs;
-  int moves = 0;
-  for (Eigen::Index k = 1; k < inputs.cols(); ++k) {
-    if (inputs.col(k) != inputs.col(k - 1)) ++moves;
-  }
-  const double still =
-      1.0 - static_cast<double>(moves) / static_cast<double>(inputs.cols());
-  return still >= kAtRest ? moves : 0;
+  return static_cast<int>(samples.size());
 }
 
 absl::StatusOr<std::vector<WindowAgreement>> AgreementOf(
@@ -93,10 +83,10 @@ absl::StatusOr<std::vector<LevelDependence>> LevelDependenceOf(
   if (!ProposesAny(estimate) || estimate.fit.arx.has_value()) {
     return std::vector<LevelDependence>(result.initial.num_inputs());
   }
-  return TestLevelDependence(estimate.fit.output_error.corrected.model, windows,
-                             estimate.fit.output_error.aged,
-                             estimate.setting.options.output_error,
-                             estimate.fit.output_error.corrected.noise);
+  return TestLevelDependence(
+      estimate.fit.output_error.corrected.model, JoinAdjoining(windows).records,
+      estimate.fit.output_error.aged, estimate.setting.options.output_error,
+      estimate.fit.output_error.corrected.noise);
 }
 
 absl::Status DecideByEvidence(const std::vector<Record>& windows, int order,
@@ -173,7 +163,7 @@ absl::Status ExamineInitial(const std::vector<Record>& windows, int order,
   result.initial_residuals =
       ExamineResiduals(result.options.in_use ? result.options.in_use
                                              : result.estimate.fit.initial,
-                       windows, order);
+                       JoinAdjoining(windows).records, order);
   return absl::OkStatus();
 }
 
@@ -183,7 +173,8 @@ absl::Status Examine(const std::vector<Record>& windows, int order,
   if (!result.options.examine) return absl::OkStatus();
   result.corrected_residuals =
       result.accepted()
-          ? ExamineResiduals(result.estimate.fit.corrected, windows, order)
+          ? ExamineResiduals(result.estimate.fit.corrected,
+                             JoinAdjoining(windows).records, order)
           : result.initial_residuals;
   return absl::OkStatus();
 }
@@ -214,7 +205,7 @@ absl::Status EstimateFromWindows(CorrectionResult& result) {
   if (options.examine) {
     MLE_ASSIGN_OR_RETURN(
         result.information,
-        AssessInformation(result.initial, windows,
+        AssessInformation(result.initial, JoinAdjoining(windows).records,
                           result.estimate.setting.noise,
                           {.output_error = estimation.output_error}));
   }

@@ -9,6 +9,7 @@
 #include "mle/correction/robust_correction.h"
 #include "mle/correction/smoothed_correction.h"
 #include "mle/data/lagged_series.h"
+#include "mle/data/stretches.h"
 #include "mle/maintain/fit_by_output_error.h"
 #include "mle/nonlinear/output_reconstruction.h"
 
@@ -224,6 +225,7 @@ void KeepInitialOutput(int output, Estimate& estimate) {
 
 absl::Status MakePredictors(const std::vector<Record>& windows,
                             Estimate& estimate) {
+  const std::vector<Record> stretches = JoinAdjoining(windows).records;
   const EstimateSetting& setting = estimate.setting;
   EstimateFit& fit = estimate.fit;
   const double sample_time = windows.front().sample_time;
@@ -231,7 +233,7 @@ absl::Status MakePredictors(const std::vector<Record>& windows,
       [&](const ProcessModel& model) -> absl::StatusOr<Predictor> {
     MLE_ASSIGN_OR_RETURN(const InputResponse response,
                          ResponseOf(model, sample_time));
-    return PredictAsIn(windows, response);
+    return PredictAsIn(stretches, response);
   };
   MLE_ASSIGN_OR_RETURN(fit.initial, predict(setting.initial));
   fit.parametric = fit.initial;
@@ -244,7 +246,7 @@ absl::Status MakePredictors(const std::vector<Record>& windows,
   if (fit.arx.has_value()) {
     MLE_ASSIGN_OR_RETURN(
         fit.corrected,
-        PredictAsIn(windows,
+        PredictAsIn(stretches,
                     ResponseOf(Unscaled(fit.arx_model, setting.scales))));
   } else if (fit.posterior.has_value() && fit.posterior->any()) {
     MLE_ASSIGN_OR_RETURN(fit.corrected,
@@ -293,12 +295,13 @@ absl::StatusOr<Estimate> EstimateModel(const ProcessModel& initial,
                                        SharedFits* shared) {
   const double start = ThreadSeconds();
   MLE_RETURN_IF_ERROR(options.Validate());
+  const std::vector<Record> stretches = JoinAdjoining(windows).records;
   SharedFits own;
   SharedFits& fits = shared == nullptr ? own : *shared;
   Estimate estimate;
   EstimateFit& fit = estimate.fit;
   MLE_RETURN_IF_ERROR(
-      FitByOutputError(initial, windows, options, progress, fits, fit));
+      FitByOutputError(initial, stretches, options, progress, fits, fit));
   EstimateSetting& setting = estimate.setting;
   setting.initial = initial;
   setting.options = options;
@@ -306,13 +309,13 @@ absl::StatusOr<Estimate> EstimateModel(const ProcessModel& initial,
   setting.filler = fit.output_error.full.model;
   setting.scales = options.converter
                        ? UnitScales(initial)
-                       : ChooseScales(initial, setting.noise, windows);
+                       : ChooseScales(initial, setting.noise, stretches);
   setting.arx_outputs.assign(static_cast<std::size_t>(initial.num_outputs()),
                              false);
   if (options.estimator == Estimator::kCombined) {
     const Stage completing(progress, "looking for what the structure lacks");
     MLE_RETURN_IF_ERROR(completing.status());
-    MLE_RETURN_IF_ERROR(CompleteShapes(windows, estimate));
+    MLE_RETURN_IF_ERROR(CompleteShapes(stretches, estimate));
   } else if (options.estimator == Estimator::kArx) {
     const Stage correcting(progress, "correcting the ARX model");
     MLE_RETURN_IF_ERROR(correcting.status());

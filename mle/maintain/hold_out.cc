@@ -11,6 +11,7 @@
 #include "absl/strings/str_cat.h"
 #include "mle/base/parallel.h"
 #include "mle/base/status.h"
+#include "mle/data/stretches.h"
 
 namespace mle {
 namespace {
@@ -140,19 +141,44 @@ Sums Compare(const Eigen::RowVectorXd& measured, const std::vector<bool>& held,
 // By window, output and horizon.
 using Scores = std::vector<std::vector<std::array<Sums, 3>>>;
 
+// What the model misses of each window. A free simulation's mean error is taken
+// off each.
+Eigen::MatrixXd PartOf(const Eigen::MatrixXd& errors, const StretchPart& window,
+                       int horizon) {
+  Eigen::MatrixXd part = errors.middleCols(window.first, window.samples);
+  if (horizon > 0) return part;
+  for (auto row : part.rowwise()) {
+    const Eigen::Array<bool, 1, Eigen::Dynamic> known = row.array().isFinite();
+    const auto count = static_cast<double>(known.count());
+    if (count > 0.0) {
+      row.array() -= known.select(row.array(), 0.0).sum() / count;
+    }
+  }
+  return part;
+}
+
 Scores ScoreFold(const std::vector<Record>& windows, const Fold& fold,
                  const Predictor& before, const Predictor& after,
                  const std::array<int, 3>& horizons) {
   const int p = windows.front().num_outputs();
+  const Stretches stretches = JoinAdjoining(windows);
   Scores scores(windows.size(), std::vector<std::array<Sums, 3>>(p));
-  for (std::size_t w = 0; w < windows.size(); ++w) {
-    const Record& record = windows[w];
-    for (std::size_t h = 0; h < horizons.size(); ++h) {
-      const Eigen::MatrixXd initial = before(record, horizons[h]);
-      const Eigen::MatrixXd corrected = after(record, horizons[h]);
+  for (std::size_t h = 0; h < horizons.size(); ++h) {
+    std::vector<Eigen::MatrixXd> initial;
+    std::vector<Eigen::MatrixXd> corrected;
+    for (const Record& record : stretches.records) {
+      initial.push_back(before(record, horizons[h]));
+      corrected.push_back(after(record, horizons[h]));
+    }
+    for (std::size_t w = 0; w < windows.size(); ++w) {
+      const StretchPart& part = stretches.windows[w];
+      const Eigen::MatrixXd one =
+          PartOf(initial[part.stretch], part, horizons[h]);
+      const Eigen::MatrixXd other =
+          PartOf(corrected[part.stretch], part, horizons[h]);
       for (int i = 0; i < p; ++i) {
-        scores[w][i][h] = Compare(record.outputs.row(i), fold.held[w],
-                                  initial.row(i), corrected.row(i));
+        scores[w][i][h] = Compare(windows[w].outputs.row(i), fold.held[w],
+                                  one.row(i), other.row(i));
       }
     }
   }

@@ -38,7 +38,7 @@ double StepsAt(const std::vector<LevelStep>& steps, std::size_t window, int k,
                const Record& record) {
   double sum = 0.0;
   for (const LevelStep& step : steps) {
-    if (step.window != static_cast<int>(window)) continue;
+    if (step.record != static_cast<int>(window)) continue;
     sum +=
         step.At(record.start_time + k * record.sample_time, record.sample_time);
   }

@@ -165,8 +165,9 @@ absl::Status NoWindows(const RecordData& data) {
       absl::StrCat(
           "there is nothing to learn from in ",
           files.empty() ? "the records" : absl::StrJoin(files, ", "),
-          ": no set point changes. Set points (columns <output>_setpoint) must "
-          "change, or change_times must name the times",
+          ": no set point changes, nor do inputs move that rest otherwise. Set "
+          "points (columns <output>_setpoint) must change, or change_times "
+          "must name the times",
           warnings.empty()
               ? ""
               : absl::StrCat(" (", absl::StrJoin(warnings, " "), ")")));

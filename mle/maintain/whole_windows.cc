@@ -44,7 +44,7 @@ SetPointWindow WholeWindow(const Record& record, std::size_t source) {
   SetPointWindow window;
   window.record = record;
   window.source = static_cast<int>(source);
-  window.changes = FindSetPointChanges(record);
+  window.changes = FindChanges({record}, WindowOptions()).front();
   return window;
 }
 

@@ -8,6 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "mle/base/status.h"
+#include "mle/data/stretches.h"
 #include "mle/maintain/channel_scales.h"
 #include "mle/maintain/element_responses.h"
 #include "mle/maintain/whitened_fit.h"
@@ -86,14 +87,18 @@ WhitenedData Separate(const WhitenedData& row) {
   return separate;
 }
 
-// Without the first samples of each window, which former moves disturb.
-WhitenedData Later(const WhitenedData& row, int forgetting) {
+// The windows of stretches, without the first samples of a stretch, which moves
+// before it disturb.
+WhitenedData Later(const WhitenedData& row,
+                   const std::vector<StretchPart>& windows, int forgetting) {
   WhitenedData later;
-  for (std::size_t w = 0; w < row.outputs.size(); ++w) {
-    const Eigen::Index n = row.outputs[w].size();
-    const Eigen::Index left = n - std::min<Eigen::Index>(forgetting, n / 4);
-    later.outputs.emplace_back(row.outputs[w].tail(left));
-    later.responses.emplace_back(row.responses[w].bottomRows(left));
+  for (const StretchPart& window : windows) {
+    const int n = window.samples;
+    const int lost = std::min(std::max(forgetting - window.first, 0), n / 4);
+    later.outputs.emplace_back(
+        row.outputs[window.stretch].segment(window.first + lost, n - lost));
+    later.responses.emplace_back(row.responses[window.stretch].middleRows(
+        window.first + lost, n - lost));
   }
   return later;
 }
@@ -244,18 +249,25 @@ absl::StatusOr<std::vector<WindowAgreement>> TestWindowAgreement(
     const ProcessModel& model, const std::vector<Record>& windows) {
   std::vector<WindowAgreement> agreements(model.num_outputs());
   if (windows.size() < 2) return agreements;
+  const Stretches stretches = JoinAdjoining(windows);
   std::vector<Record> parts;
+  for (const Record& stretch : stretches.records) {
+    parts.push_back(WithoutGaps(stretch));
+  }
   Circumstances of;
   const auto count = static_cast<Eigen::Index>(windows.size());
   of.times.resize(count);
   of.levels.assign(model.num_outputs(), VectorXd::Zero(count));
   double samples = 0.0;
   for (Eigen::Index w = 0; w < count; ++w) {
-    const Record& part = parts.emplace_back(WithoutGaps(windows[w]));
-    samples += part.samples();
-    of.times(w) = 0.5 * (part.time(0) + part.time(part.samples() - 1));
+    const StretchPart& window = stretches.windows[w];
+    const Record& part = parts[window.stretch];
+    samples += window.samples;
+    of.times(w) = 0.5 * (part.time(window.first) +
+                         part.time(window.first + window.samples - 1));
     for (int i = 0; i < model.num_outputs(); ++i) {
-      of.levels[i](w) = part.outputs.row(i).mean();
+      of.levels[i](w) =
+          part.outputs.row(i).segment(window.first, window.samples).mean();
     }
   }
   if (samples < kLeastSamples) return agreements;
@@ -268,7 +280,8 @@ absl::StatusOr<std::vector<WindowAgreement>> TestWindowAgreement(
       std::ceil(LongestMemory(model) / parts.front().sample_time), 1e9));
   for (int i = 0; i < model.num_outputs(); ++i) {
     const WhitenedData row =
-        Later(responses.Row(Assignment::AsRecorded(model), i), forgetting);
+        Later(responses.Row(Assignment::AsRecorded(model), i),
+              stretches.windows, forgetting);
     agreements[i] = TestOutput(BlockMeans(row, length), of, i);
   }
   return agreements;

@@ -84,7 +84,7 @@ OutputErrorProblem::Sizes OutputErrorProblem::DisturbanceSizes(
 LevelStep OutputErrorProblem::ToLevelStep(const SegmentStep& step,
                                           double size) const {
   const Segment& segment = segments_[step.segment];
-  return {.window = segment.record,
+  return {.record = segment.record,
           .time = segment.start_time + step.sample * sample_time_,
           .lag = step.lag * sample_time_,
           .size = size};
@@ -96,7 +96,7 @@ std::optional<SegmentStep> OutputErrorProblem::Locate(
     const Segment& segment = segments_[s];
     const int sample = static_cast<int>(
         std::lround((step.time - segment.start_time) / sample_time_));
-    if (segment.record == step.window && sample > segment.times.front() &&
+    if (segment.record == step.record && sample > segment.times.front() &&
         sample <= segment.times.back()) {
       return SegmentStep{
           .segment = s, .sample = sample, .lag = step.lag / sample_time_};

@@ -101,7 +101,7 @@ struct PeriodicLine {
 // A step of an output's level that nothing measured explains, at once or, as of
 // a load at an input, behind a lag.
 struct LevelStep {
-  int window = 0;     // number of the record
+  int record = 0;     // its number
   double time = 0.0;  // of its first sample, as of the record
   double lag = 0.0;   // time constant, in the time unit of the model; 0: none
   double size = 0.0;  // at its end

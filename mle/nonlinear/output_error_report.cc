@@ -65,8 +65,8 @@ void AppendColour(const NoiseEstimate& noise, std::string& report) {
   for (const LevelStep& step : noise.steps) {
     absl::StrAppendFormat(
         &report,
-        "    step              window %d at %.6g, size %.3g, lag %.3g\n",
-        step.window + 1, step.time, step.size, step.lag);
+        "    step              record %d at %.6g, size %.3g, lag %.3g\n",
+        step.record + 1, step.time, step.size, step.lag);
   }
 }
 

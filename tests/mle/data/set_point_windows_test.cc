@@ -11,7 +11,9 @@
 namespace mle {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 using Verdict = QuietPart::Verdict;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -145,14 +147,45 @@ TEST(FindWindowsTest, AnyChangesGiveDisjointWindows) {
 }
 
 TEST(FindWindowsTest, AreClippedWhereTheRecordEnds) {
-  const WindowSet set =
-      Find({Noise(700, 5, {{30, 0, 7, 9}, {600, 1, 8, 6}, {690, 0, 9, 7}})});
+  const WindowSet set = Find({Noise(700, 5, {{30, 0, 7, 9}, {690, 0, 9, 7}})});
   ASSERT_EQ(set.windows.size(), 1u);
   EXPECT_TRUE(set.windows[0].clipped_before);
-  // The last two share a window that ends too soon after.
+  // The last ends too soon after its change.
   ASSERT_EQ(set.warnings.size(), 2u);
   EXPECT_THAT(set.warnings[0], HasSubstr("has 9 samples after it"));
   EXPECT_THAT(set.warnings[1], HasSubstr("one window only"));
+}
+
+TEST(FindWindowsTest, OfChangesThatShareAWindowTheLastMayComeLate) {
+  const WindowSet set =
+      Find({Noise(700, 5, {{30, 0, 7, 9}, {600, 1, 8, 6}, {690, 0, 9, 7}})});
+  ASSERT_EQ(set.windows.size(), 2u);
+  EXPECT_EQ(set.windows[1].changes.size(), 2u);
+  EXPECT_THAT(set.warnings, IsEmpty());
+}
+
+TEST(FindWindowsTest, WithoutSetPointsAreAroundMovesOfInputsByHand) {
+  Record record = Noise(2000, 7, {});
+  record.inputs.row(1).tail(1400).setConstant(31.0);
+  record.inputs.row(0).segment(1300, 300).setConstant(19.0);
+  const WindowSet set = Find({record});
+  ASSERT_EQ(set.windows.size(), 3u);
+  EXPECT_EQ(set.changes, 3);
+  for (const SetPointWindow& window : set.windows) {
+    EXPECT_EQ(window.changes.front().output, -1);
+  }
+  EXPECT_EQ(set.windows[0].first_sample + set.windows[0].changes[0].sample,
+            600);
+  EXPECT_THAT(set.warnings, ElementsAre(HasSubstr("no set point changes")));
+  // Set points say more.
+  record.set_points.row(0).tail(1000).setConstant(7.5);
+  EXPECT_EQ(Find({record}).changes, 1);
+  // And what a controller moves all the time says nothing.
+  record.set_points.row(0).setConstant(7.0);
+  for (int k = 0; k < record.samples(); k += 9) {
+    record.inputs(0, k) += 0.1 * (k % 7);
+  }
+  EXPECT_THAT(Find({record}).windows, IsEmpty());
 }
 
 TEST(FindWindowsTest, TimesMayBeGiven) {

@@ -88,6 +88,34 @@ TEST(CorrectFromRecordsTest, WhatLiesBetweenTheWindowsIsAtRest) {
   EXPECT_EQ(rest[0].outputs, record.outputs.rightCols(rest[0].samples()));
 }
 
+// Two windows that meet say as much as one that holds both changes.
+TEST(CorrectFromRecordsTest, WindowsThatMeetAreFittedAsOne) {
+  CorrectOptions options = Fast();
+  options.records.windows.before = 150.0;
+  options.records.windows.after = 150.0;
+  const Record record = TankRecord(Tank(1.2), 0.1, 1);
+  const auto two = CorrectFromRecords(Tank(1.0), {record}, options);
+  ASSERT_TRUE(two.ok()) << two.status();
+  ASSERT_EQ(two->data.windows.size(), 2);
+  options.records.windows.join_within = 1000.0;
+  const auto one = CorrectFromRecords(Tank(1.0), {record}, options);
+  ASSERT_TRUE(one.ok()) << one.status();
+  ASSERT_EQ(one->data.windows.size(), 1);
+  ASSERT_EQ(two->data.windows[0].record.samples() +
+                two->data.windows[1].record.samples(),
+            one->data.windows[0].record.samples());
+  const auto gain = [](const CorrectionResult& result) {
+    return result.estimate.fit.output_error.full.element(0, 0).gain;
+  };
+  EXPECT_EQ(gain(*two).value, gain(*one).value);
+  EXPECT_EQ(gain(*two).standard_error, gain(*one).standard_error);
+  EXPECT_EQ(two->initial_residuals[0].variance,
+            one->initial_residuals[0].variance);
+  // They are held out, and reported, as two.
+  EXPECT_EQ(two->validation.windows.size(), 2);
+  EXPECT_EQ(two->decision, Decision::kCorrected);
+}
+
 TEST(CorrectFromRecordsTest, ARightModelIsKeptToTheLastDigit) {
   const auto result =
       CorrectFromRecords(Tank(1.6), {TankRecord(Tank(1.6), 0.02, 1)}, Fast());
@@ -361,6 +389,7 @@ TEST(CorrectFromRecordsTest, WrongArgumentsAreNamed) {
   EXPECT_TRUE(Mentions(message(Tank(1.0), {}, Fast()), "records"));
   Record quiet = record;
   quiet.set_points.setZero();
+  quiet.inputs.setZero();
   EXPECT_TRUE(Mentions(message(Tank(1.0), {quiet}, Fast()), "change_times"));
   Record slower = record;
   slower.sample_time = 1.0;

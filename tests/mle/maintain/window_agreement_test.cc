@@ -15,12 +15,12 @@ using Cause = WindowAgreement::Cause;
 using testing::Tank;
 using testing::TankRecord;
 
-// A window at an operating point, one after the other.
+// A window at an operating point, one after the other with some time between.
 Record Window(double gain, double level, int place, double noise = 0.02) {
   Record window =
       TankRecord(Tank(gain), noise, static_cast<std::uint64_t>(place) + 1);
   window.outputs.array() += level;
-  window.start_time = 500.0 * place;
+  window.start_time = 600.0 * place;
   return window;
 }
 

@@ -24,7 +24,7 @@ std::vector<Record> Records(const RecordNoise& noise, unsigned seed) {
 }
 
 void AddStep(const LevelStep& step, std::vector<Record>& records) {
-  Record& record = records[step.window];
+  Record& record = records[step.record];
   for (int k = 0; k < record.samples(); ++k) {
     record.outputs(0, k) +=
         step.At(record.start_time + k * record.sample_time, record.sample_time);
@@ -39,7 +39,7 @@ OutputErrorCorrection Correct(const std::vector<Record>& records) {
 }
 
 TEST(StepSearchTest, ALevelStep) {
-  const LevelStep level = {.window = 1, .time = 200.0, .size = 2.0};
+  const LevelStep level = {.record = 1, .time = 200.0, .size = 2.0};
   EXPECT_EQ(level.At(199.5, 0.5), 0.0);
   EXPECT_EQ(level.At(200.0, 0.5), 2.0);
   const LevelStep lagged = {.time = 200.0, .lag = 4.0, .size = 2.0};
@@ -51,8 +51,8 @@ TEST(StepSearchTest, ALevelStep) {
 // to σ√(4/800), its place to a few samples.
 TEST(StepSearchTest, FindsStepsOfTheLevel) {
   const std::vector<LevelStep> steps = {
-      {.window = 0, .time = 250.0, .size = 0.3},
-      {.window = 1, .time = 310.5, .size = -0.3}};
+      {.record = 0, .time = 250.0, .size = 0.3},
+      {.record = 1, .time = 310.5, .size = -0.3}};
   for (const double increment : {0.0, 1e-5}) {
     auto records = Records({.variance = 0.01, .increment = increment}, 2);
     for (const LevelStep& step : steps) AddStep(step, records);
@@ -60,7 +60,7 @@ TEST(StepSearchTest, FindsStepsOfTheLevel) {
     const NoiseEstimate& noise = correction.full.noise[0];
     ASSERT_EQ(noise.steps.size(), 2U);
     for (const LevelStep& found : noise.steps) {
-      const LevelStep& step = steps[found.window];
+      const LevelStep& step = steps[found.record];
       EXPECT_NEAR(found.time, step.time, 4.0);
       EXPECT_NEAR(found.size, step.size, increment > 0.0 ? 0.15 : 0.05);
     }
@@ -73,11 +73,11 @@ TEST(StepSearchTest, FindsStepsOfTheLevel) {
 
 TEST(StepSearchTest, FindsTheStepOfALoad) {
   auto records = Records({.variance = 0.01}, 3);
-  AddStep({.window = 0, .time = 300.0, .lag = 6.0, .size = 0.8}, records);
+  AddStep({.record = 0, .time = 300.0, .lag = 6.0, .size = 0.8}, records);
   const OutputErrorCorrection correction = Correct(records);
   const NoiseEstimate& noise = correction.full.noise[0];
   ASSERT_EQ(noise.steps.size(), 1U);
-  EXPECT_EQ(noise.steps[0].window, 0);
+  EXPECT_EQ(noise.steps[0].record, 0);
   EXPECT_NEAR(noise.steps[0].time, 300.0, 2.0);
   EXPECT_NEAR(noise.steps[0].lag, 6.0, 3.0);
   EXPECT_NEAR(noise.steps[0].size, 0.8, 0.1);

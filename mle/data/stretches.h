@@ -1,0 +1,37 @@
+// Windows that follow each other without a gap, as one.
+//
+// A window alone does not say what the inputs did before it. Where the window
+// before ends a sample earlier, they are known: a model's response goes on from
+// one to the next, and nothing has to be estimated, or left out, at its begin.
+
+#ifndef MLE_DATA_STRETCHES_H_
+#define MLE_DATA_STRETCHES_H_
+
+#include <vector>
+
+#include "mle/data/record.h"
+
+namespace mle {
+
+// Where a window lies in the stretches.
+struct StretchPart {
+  int stretch = 0;
+  int first = 0;  // sample
+  int samples = 0;
+};
+
+struct Stretches {
+  std::vector<Record> records;
+  std::vector<StretchPart> windows;  // one for each window
+
+  // The window of a stretch that holds `time`.
+  int WindowAt(int stretch, double time) const;
+};
+
+// In order of the windows. Windows are joined where the next one begins one
+// sample after the last ends and both have set points or neither has.
+Stretches JoinAdjoining(const std::vector<Record>& windows);
+
+}  // namespace mle
+
+#endif  // MLE_DATA_STRETCHES_H_

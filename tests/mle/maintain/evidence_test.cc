@@ -1,0 +1,67 @@
+#include "mle/maintain/evidence.h"
+
+#include <string>
+#include <vector>
+
+#include "gtest/gtest.h"
+#include "mle/mle.h"
+#include "tests/mle/maintain/tank_records.h"
+
+namespace mle {
+namespace {
+
+using testing::Tank;
+using testing::TankRecord;
+using Cause = WindowAgreement::Cause;
+
+// Two tanks side by side, of which only the second one's gain has aged.
+CorrectionResult Corrected() {
+  ProcessModel model("tanks", "min", {{"valve", "%"}},
+                     {{"first", "m"}, {"second", "m"}});
+  model.element(0, 0) = model.element(1, 0) = Tank(1.0).element(0, 0);
+  std::vector<Record> records;
+  for (const int place : {0, 2}) {
+    const Record first = TankRecord(Tank(1.0), 0.02, place);
+    const Record second = TankRecord(Tank(1.4), 0.02, place + 1);
+    Record& both = records.emplace_back(first);
+    both.outputs.resize(2, first.samples());
+    both.outputs << first.outputs, second.outputs;
+    both.set_points.resize(2, first.samples());
+    both.set_points << first.set_points, second.set_points;
+  }
+  CorrectOptions options;
+  options.estimation.estimator = Estimator::kOutputError;
+  options.make_arx = false;
+  options.threads = 1;
+  auto result = CorrectFromRecords(model, records, options);
+  EXPECT_TRUE(result.ok()) << result.status();
+  return *std::move(result);
+}
+
+TEST(GatherEvidenceTest, APlantThatIsNotLinearInOneOutputIsDoubtedInOthers) {
+  CorrectionResult result = Corrected();
+  ASSERT_EQ(result.decision, Decision::kCorrected);
+  ASSERT_FALSE(ProposesChange(result.estimate, 0));
+  const auto doubts = [&](Cause cause, double first, double second) {
+    result.agreement = {
+        {.windows = 4, .p_value = 1e-9, .difference = first, .cause = cause},
+        {.windows = 4, .p_value = 0.3, .difference = second}};
+    const Evidence evidence = GatherEvidence(result, {false, false});
+    EXPECT_EQ(evidence.outputs[0].disagreement.empty(),
+              result.agreement[0].agree());
+    return evidence.outputs[1].disagreement;
+  };
+  EXPECT_NE(doubts(Cause::kOperatingPoint, 0.3, 0.4)
+                .find("of first follow the operating point, by up to 30 %, and "
+                      "those of second may differ as much"),
+            std::string::npos);
+  // Its own windows tell that it is not so.
+  EXPECT_EQ(doubts(Cause::kOperatingPoint, 0.3, 0.2), "");
+  // Another output may age during the records.
+  EXPECT_EQ(doubts(Cause::kTime, 0.3, 0.4), "");
+  // The windows of both agree.
+  EXPECT_EQ(doubts(Cause::kOperatingPoint, 0.04, 0.05), "");
+}
+
+}  // namespace
+}  // namespace mle
