@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
+#include "boost/math/tools/toms748_solve.hpp"
 #include "glog/logging.h"
 #include "mle/nonlinear/distributions.h"
 
@@ -33,12 +35,18 @@ double Tail(const std::vector<Component>& components, double x) {
 // The x above which it lies with `probability`, between bounds.
 double Quantile(const std::vector<Component>& components, double probability,
                 double low, double high) {
-  for (int i = 0;
-       i < 200 && high - low > 1e-13 * (std::abs(low) + std::abs(high)); ++i) {
-    const double middle = 0.5 * (low + high);
-    (Tail(components, middle) > probability ? low : high) = middle;
-  }
-  return 0.5 * (low + high);
+  const auto excess = [&](double x) {
+    return Tail(components, x) - probability;
+  };
+  const double at_low = excess(low);
+  const double at_high = excess(high);
+  if (!(at_low > 0.0)) return low;
+  if (!(at_high < 0.0)) return high;
+  std::uintmax_t evaluations = 200;
+  const auto [below, above] = boost::math::tools::toms748_solve(
+      excess, low, high, at_low, at_high,
+      boost::math::tools::eps_tolerance<double>(44), evaluations);
+  return 0.5 * (below + above);
 }
 
 }  // namespace

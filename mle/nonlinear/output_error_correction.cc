@@ -9,6 +9,7 @@
 #include "glog/logging.h"
 #include "mle/base/parallel.h"
 #include "mle/base/status.h"
+#include "mle/nonlinear/change_prior.h"
 #include "mle/nonlinear/distributions.h"
 #include "mle/nonlinear/disturbance_search.h"
 #include "mle/nonlinear/model_average.h"
@@ -85,23 +86,48 @@ OutputErrorFit EmptyFit(const ProcessModel& model) {
   return fit;
 }
 
-// `fit` with the estimates under another ratio.
-OutputFit Shifted(OutputFit fit, RatioEstimate estimate,
-                  const OutputFitBounds& bounds) {
-  for (std::size_t j = 0; j < fit.free.size(); ++j) {
-    if (!fit.free[j]) continue;
-    const auto k = 3 * static_cast<Eigen::Index>(j);
-    ElementValues& v = fit.point.values[j];
-    v.gain += estimate.change(k);
-    v.time_scale =
-        std::clamp(v.time_scale + estimate.change(k + 1),
-                   bounds.min_time_scales[j], bounds.max_time_scales[j]);
-    v.delay = std::clamp(v.delay + estimate.change(k + 2), 0.0,
-                         std::max(bounds.max_delays[j], v.delay));
+// Fits of an output with weights that add up to one.
+struct Mixture {
+  std::vector<double> weights;
+  std::vector<OutputFit> fits;
+
+  void Add(double weight, OutputFit fit) {
+    weights.push_back(weight);
+    fits.push_back(std::move(fit));
   }
-  fit.covariance = std::move(estimate.covariance);
-  fit.degrees_of_freedom = std::move(estimate.degrees_of_freedom);
-  return fit;
+  // `fit` as it is under each of `estimates`, with `weight` in all.
+  void AddShifted(double weight, const OutputFit& fit,
+                  std::vector<LinearEstimate> estimates,
+                  const OutputFitBounds& bounds);
+  std::vector<WeightedFit> parts() const {
+    std::vector<WeightedFit> parts;
+    for (std::size_t k = 0; k < fits.size(); ++k) {
+      parts.push_back({weights[k], &fits[k]});
+    }
+    return parts;
+  }
+};
+
+void Mixture::AddShifted(double weight, const OutputFit& fit,
+                         std::vector<LinearEstimate> estimates,
+                         const OutputFitBounds& bounds) {
+  for (LinearEstimate& estimate : estimates) {
+    OutputFit shifted = fit;
+    for (std::size_t j = 0; j < fit.free.size(); ++j) {
+      if (!fit.free[j]) continue;
+      const auto k = 3 * static_cast<Eigen::Index>(j);
+      ElementValues& v = shifted.point.values[j];
+      v.gain += estimate.change(k);
+      v.time_scale =
+          std::clamp(v.time_scale + estimate.change(k + 1),
+                     bounds.min_time_scales[j], bounds.max_time_scales[j]);
+      v.delay = std::clamp(v.delay + estimate.change(k + 2), 0.0,
+                           std::max(bounds.max_delays[j], v.delay));
+    }
+    shifted.covariance = std::move(estimate.covariance);
+    shifted.degrees_of_freedom = std::move(estimate.degrees_of_freedom);
+    Add(weight * estimate.weight, std::move(shifted));
+  }
 }
 
 double WeightOfOffsets(const std::vector<OutputSetup>& setups,
@@ -116,9 +142,9 @@ double WeightOfOffsets(const std::vector<OutputSetup>& setups,
                            fits[i].noise, options.estimate_drift);
   });
   const double weight = OffsetWeight(evidence);
-  return weight < kSmallWeight         ? 0.0
-         : weight > 1.0 - kSmallWeight ? 1.0
-                                       : weight;
+  if (weight < kSmallWeight) return 0.0;
+  // Without evidence that is a number, offsets are the safe side.
+  return weight <= 1.0 - kSmallWeight ? weight : 1.0;
 }
 
 int NumFree(const std::vector<OutputFit>& fits) {
@@ -137,10 +163,17 @@ struct AveragedFits {
   std::vector<OutputFit> average;  // p
 };
 
+// What is taken for known of the changes of free elements before the records.
+enum class ChangePrior {
+  kNone,        // for what is compared with no change
+  kFewOrSmall,  // change_prior.h
+};
+
 // Writes all fits into `fit`, averaged with those without offsets.
 AveragedFits ReportAll(const std::vector<OutputSetup>& setups,
                        const std::vector<OutputFit>& fits,
-                       const OutputErrorOptions& options, OutputErrorFit& fit) {
+                       const OutputErrorOptions& options, ChangePrior prior,
+                       OutputErrorFit& fit) {
   AveragedFits averaged;
   averaged.weight = WeightOfOffsets(setups, fits, options);
   averaged.without.resize(setups.size());
@@ -155,29 +188,33 @@ AveragedFits ReportAll(const std::vector<OutputSetup>& setups,
           : ChiSquareNoncentrality(0.5 * options.false_alarm_probability,
                                    3.0 * num_elements, kPower);
   ParallelFor(static_cast<int>(setups.size()), options.threads, [&](int i) {
-    std::vector<OutputFit> under;  // each possible ratio of drift
-    std::vector<WeightedFit> parts;
+    const OutputSetup& setup = setups[i];
+    Mixture mixture;  // of the possible ratios of drift
     if (weight > 0.0) {
-      for (RatioEstimate& estimate : IntegrateRatio(*setups[i].problem, fits[i],
-                                                    options.estimate_drift)) {
-        parts.push_back({weight * estimate.weight, nullptr});
-        under.push_back(
-            Shifted(fits[i], std::move(estimate), setups[i].bounds));
-      }
+      mixture.AddShifted(
+          weight, fits[i],
+          IntegrateRatio(*setup.problem, fits[i], options.estimate_drift),
+          setup.bounds);
     }
     if (weight < 1.0) {
-      averaged.without[i] = FitWithoutOffsets(*setups[i].problem, fits[i],
-                                              setups[i].bounds, options);
-      under.push_back(averaged.without[i]);
-      parts.push_back({1.0 - weight, nullptr});
+      averaged.without[i] =
+          FitWithoutOffsets(*setup.problem, fits[i], setup.bounds, options);
+      mixture.Add(1.0 - weight, averaged.without[i]);
     }
-    for (std::size_t k = 0; k < parts.size(); ++k) parts[k].fit = &under[k];
-    averaged.average[i] = Report(setups[i], parts, i, options.confidence, fit);
     for (int j = 0; j < m; ++j) {
       if (!fits[i].free[j]) continue;
       fit.elements[i * m + j].detectable_gain =
-          DetectableChange(parts, 3 * j, noncentrality);
+          DetectableChange(mixture.parts(), 3 * j, noncentrality);
     }
+    if (prior == ChangePrior::kFewOrSmall) {
+      const OutputFit average =
+          Average(mixture.parts(), setup.problem->sample_time());
+      mixture = {};
+      mixture.AddShifted(1.0, average, IntegrateChanges(average, setup.start),
+                         setup.bounds);
+    }
+    averaged.average[i] =
+        Report(setup, mixture.parts(), i, options.confidence, fit);
   });
   return averaged;
 }
@@ -306,7 +343,8 @@ absl::StatusOr<OutputErrorCorrection> CorrectByOutputError(
       FitRobustly(setups[i].bounds, options, *setups[i].problem, fits[i]);
     }
   });
-  const AveragedFits full = ReportAll(setups, fits, options, correction.full);
+  const AveragedFits full =
+      ReportAll(setups, fits, options, ChangePrior::kNone, correction.full);
   Judge(setups, fits, full, options, correction);
   ParallelFor(p, options.threads, [&](int i) {
     std::vector<bool> free(m);
@@ -320,7 +358,8 @@ absl::StatusOr<OutputErrorCorrection> CorrectByOutputError(
     fits[i] =
         FitOutput(*setups[i].problem, start, free, setups[i].bounds, options);
   });
-  ReportAll(setups, fits, options, correction.corrected);
+  ReportAll(setups, fits, options, ChangePrior::kFewOrSmall,
+            correction.corrected);
   return correction;
 }
 

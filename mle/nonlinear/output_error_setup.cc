@@ -82,6 +82,35 @@ absl::StatusOr<double> MaxDelay(const ProcessModel& model, int i, int j,
   return std::min(2.0 * initial.delay + initial.time_scale, share);
 }
 
+// What is fitted is squared and summed, and compared as variances.
+absl::Status CheckMagnitudes(const ProcessModel& model, int i,
+                             const std::vector<Record>& records,
+                             const std::vector<ElementValues>& initial) {
+  constexpr double kLargest = 1e60;
+  const auto largest = [](const auto& row) {
+    return row.array().isFinite().select(row.array().abs(), 0.0).maxCoeff();
+  };
+  for (const Record& record : records) {
+    const double output = largest(record.outputs.row(i));
+    if (output > kLargest) {
+      return absl::InvalidArgumentError(absl::StrCat(
+          "output \"", model.outputs()[i].name, "\" has values up to ", output,
+          "; they may not exceed ", kLargest, ": check units and columns"));
+    }
+    for (int j = 0; j < model.num_inputs(); ++j) {
+      const double response =
+          std::abs(initial[j].gain) * largest(record.inputs.row(j));
+      if (response > kLargest) {
+        return absl::InvalidArgumentError(absl::StrCat(
+            Name(model, i, j), ": a gain of ", initial[j].gain,
+            " makes responses up to ", response, "; they may not exceed ",
+            kLargest, ": check gain and units"));
+      }
+    }
+  }
+  return absl::OkStatus();
+}
+
 absl::StatusOr<OutputSetup> SetUpOutput(const ProcessModel& model, int i,
                                         const std::vector<Record>& records,
                                         const OutputErrorOptions& options) {
@@ -117,6 +146,7 @@ absl::StatusOr<OutputSetup> SetUpOutput(const ProcessModel& model, int i,
     num_parameters += 3;
     elements[j] = *std::move(element);
   }
+  MLE_RETURN_IF_ERROR(CheckMagnitudes(model, i, records, setup.start.values));
   setup.start.SetCells(sample_time);
   const int skip = static_cast<int>(std::ceil(longest / sample_time)) + 1;
   setup.problem = std::make_unique<OutputErrorProblem>(elements, records, i,

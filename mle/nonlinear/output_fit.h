@@ -80,8 +80,8 @@ RatioLikelihood RestrictedLikelihood(const OutputErrorProblem& problem,
                                      const std::vector<SegmentColumns>& columns,
                                      const NoiseShape& shape);
 
-// Estimates under one ρ.
-struct RatioEstimate {
+// Estimates under one of several assumptions, to first order about a fit.
+struct LinearEstimate {
   double weight = 1.0;
   Eigen::VectorXd change;              // 3m, of K, T, L from the fit's
   Eigen::MatrixXd covariance;          // 3m × 3m
@@ -93,9 +93,9 @@ struct RatioEstimate {
 // `fit` (an offset for each segment, its colour) under every possible ρ,
 // weighted by restricted likelihood and the prior of noise_search.h. Weights
 // add up to one. One estimate where ρ is not estimated, or nothing is free.
-std::vector<RatioEstimate> IntegrateRatio(const OutputErrorProblem& problem,
-                                          const OutputFit& fit,
-                                          bool estimate_drift);
+std::vector<LinearEstimate> IntegrateRatio(const OutputErrorProblem& problem,
+                                           const OutputFit& fit,
+                                           bool estimate_drift);
 
 // The elements of `fit` fitted under white noise without offsets, from there.
 OutputFit FitWithoutOffsets(const OutputErrorProblem& problem,

@@ -58,6 +58,9 @@ NearestStep FindNearest(const TransferFunction& shape, ElementValues values,
   constexpr int kMaxSteps = 50;
   constexpr double kMaxLogStep = 0.3;
   const int samples = static_cast<int>(mean.size());
+  // Steps may be of any size where the response hardly shows a parameter.
+  const double latest = sample_time * (samples - 1);
+  values.delay = std::min(values.delay, latest);
   const auto at = [&](const ElementValues& v) {
     return StepBasis(shape, v, {1}, 1, sample_time, samples);
   };
@@ -79,7 +82,7 @@ NearestStep FindNearest(const TransferFunction& shape, ElementValues values,
         nearest.values.gain + change(0),
         nearest.values.time_scale *
             std::exp(std::clamp(change(1), -kMaxLogStep, kMaxLogStep)),
-        std::max(nearest.values.delay + change(2), 0.0)};
+        std::clamp(nearest.values.delay + change(2), 0.0, latest)};
     next.basis = at(next.values);
     const double value = squares(next);
     const bool better = value < best;

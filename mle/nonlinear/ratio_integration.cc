@@ -15,7 +15,7 @@ using Eigen::VectorXd;
 // The probability of a ratio but for a factor, and the estimates under it.
 struct Candidate {
   double log_probability = 0.0;
-  RatioEstimate estimate;
+  LinearEstimate estimate;
 };
 
 Candidate AtRatio(const OutputErrorProblem& problem, const OutputFit& fit,
@@ -50,9 +50,9 @@ Candidate AtRatio(const OutputErrorProblem& problem, const OutputFit& fit,
 
 }  // namespace
 
-std::vector<RatioEstimate> IntegrateRatio(const OutputErrorProblem& problem,
-                                          const OutputFit& fit,
-                                          bool estimate_drift) {
+std::vector<LinearEstimate> IntegrateRatio(const OutputErrorProblem& problem,
+                                           const OutputFit& fit,
+                                           bool estimate_drift) {
   const bool any =
       std::find(fit.free.begin(), fit.free.end(), true) != fit.free.end();
   if (!estimate_drift || !any || problem.num_segments() == 0) {
@@ -74,7 +74,7 @@ std::vector<RatioEstimate> IntegrateRatio(const OutputErrorProblem& problem,
   for (const Candidate& c : candidates)
     best = std::max(best, c.log_probability);
   double total = 0.0;
-  std::vector<RatioEstimate> estimates;
+  std::vector<LinearEstimate> estimates;
   for (Candidate& c : candidates) {
     c.estimate.weight = std::exp(c.log_probability - best);
     if (!(c.estimate.weight > kSmallWeight)) continue;
@@ -84,7 +84,7 @@ std::vector<RatioEstimate> IntegrateRatio(const OutputErrorProblem& problem,
     c.estimate.covariance = fit.inflation.Scale(c.estimate.covariance);
     estimates.push_back(std::move(c.estimate));
   }
-  for (RatioEstimate& estimate : estimates) {
+  for (LinearEstimate& estimate : estimates) {
     estimate.weight /= total;
     // Of r: what is not known of ρ is in the weights.
     estimate.degrees_of_freedom = VectorXd::Constant(

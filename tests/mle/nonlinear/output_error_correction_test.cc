@@ -60,6 +60,32 @@ TEST(OutputErrorCorrectionTest, RecoversAnExactPlant) {
   }
 }
 
+// Noise hides what the time constant is; the full fit moves it all the same,
+// what is proposed hardly does.
+TEST(OutputErrorCorrectionTest, ParametersThatHaveNotChangedStayNearby) {
+  ProcessModel plant = TwoElements();
+  plant.element(0, 0) = TransferFunction::FirstOrder(1.0, 4.0, 1.0);
+  double full = 0.0;
+  double corrected = 0.0;
+  int changed = 0;
+  for (unsigned seed = 1; seed <= 8; ++seed) {
+    const auto correction = Correct(
+        TwoElements(), MakeRecords(plant, 300, seed, {.variance = 0.2}));
+    if (!correction.aged(0, 0)) continue;
+    ++changed;
+    const ElementEstimate& free = correction.full.element(0, 0);
+    const ElementEstimate& proposed = correction.corrected.element(0, 0);
+    full += std::pow(free.time_scale.value - 4.0, 2);
+    corrected += std::pow(proposed.time_scale.value - 4.0, 2);
+    EXPECT_LT(proposed.time_scale.standard_error,
+              free.time_scale.standard_error);
+    EXPECT_LE(proposed.time_scale.lower, 4.0);
+    EXPECT_GE(proposed.time_scale.upper, 4.0);
+  }
+  EXPECT_GE(changed, 6);
+  EXPECT_LT(corrected, 0.5 * full);
+}
+
 TEST(OutputErrorCorrectionTest, FitsOtherShapesByGainScaleAndDelay) {
   ProcessModel model = MakeModel(1, 1);
   model.element(0, 0) = TransferFunction({2.0}, {12.0, 8.0, 1.0}, 1.0);
@@ -218,6 +244,16 @@ TEST(OutputErrorCorrectionTest, SaysWhatIsWrong) {
   ProcessModel direct = model;
   direct.element(0, 0) = TransferFunction({1.0, 1.0}, {2.0, 1.0}, 0.0);
   EXPECT_THAT(message(direct, records), HasSubstr("feedthrough"));
+  // Squares of these overflow.
+  ProcessModel large = model;
+  large.element(0, 1) = TransferFunction::FirstOrder(1e155, 5.0, 1.0);
+  EXPECT_THAT(
+      message(large, records),
+      HasSubstr("input \"u1\": a gain of 1e+155 makes responses up to"));
+  other = records;
+  other[1].outputs(0, 7) = -1e300;
+  EXPECT_THAT(message(model, other),
+              HasSubstr("output \"y0\" has values up to 1e+300"));
   EXPECT_THAT(
       std::string(
           ComputeOutputErrorLimit(model, records, {}, {}).status().message()),

@@ -150,6 +150,33 @@ TEST(PosteriorCorrectionTest, DescribesTheNearestElement) {
   EXPECT_EQ(output_error.corrected.element(0, 1).gain.value, -3.0);
 }
 
+// The search for the nearest element may begin at one of which the response
+// shows hardly anything; steps towards it are then of any size.
+TEST(PosteriorCorrectionTest, TheNearestElementBeginsWithinTheResponse) {
+  auto [output_error, posterior] =
+      Complete(TwoElements(), MakeRecords(WithLead(), 500, 1, kNoise));
+  ASSERT_TRUE(posterior.any());
+  OutputShapes& shapes = posterior.outputs[0];
+  const double span = posterior.sample_time * shapes.first_lags.back();
+  ElementPosterior& element = shapes.elements[0];
+  const VectorXd means = element.means;
+  for (const double gain : {1e-9, 2.0}) {
+    for (const double time_scale : {0.05, 4.0, 1e3}) {
+      for (const double delay : {1.0, 0.9 * span, span - 0.01}) {
+        element.values = {gain, time_scale, delay};
+        element.means = means;
+        element.means(0) -= gain;
+        posterior.Describe(TwoElements(), 0.95, output_error);
+        const ElementEstimate& e = output_error.corrected.element(0, 0);
+        EXPECT_TRUE(std::isfinite(e.gain.value));
+        EXPECT_TRUE(std::isfinite(e.time_scale.value));
+        EXPECT_GE(e.delay.value, 0.0);
+        EXPECT_LE(e.delay.value, span);
+      }
+    }
+  }
+}
+
 TEST(PosteriorCorrectionTest, ThreadsDoNotMatter) {
   ProcessModel two = MakeModel(2, 2);
   ProcessModel plant = two;

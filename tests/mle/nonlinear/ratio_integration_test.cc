@@ -15,9 +15,9 @@ FittedOutput FitRecords(const RecordNoise& noise, unsigned seed) {
   return FitRecords(TwoElements(), noise, seed);
 }
 
-VectorXd Mean(const std::vector<RatioEstimate>& estimates) {
+VectorXd Mean(const std::vector<LinearEstimate>& estimates) {
   VectorXd mean = VectorXd::Zero(estimates[0].change.size());
-  for (const RatioEstimate& e : estimates) mean += e.weight * e.change;
+  for (const LinearEstimate& e : estimates) mean += e.weight * e.change;
   return mean;
 }
 
@@ -27,7 +27,7 @@ TEST(RatioIntegrationTest, WeightsAreAProbability) {
         FitRecords({.variance = 0.01, .increment = increment}, 3);
     const auto estimates = IntegrateRatio(f.problem(), f.fit, true);
     double total = 0.0;
-    for (const RatioEstimate& e : estimates) {
+    for (const LinearEstimate& e : estimates) {
       EXPECT_GT(e.weight, 0.0);
       EXPECT_TRUE(e.change.allFinite());
       total += e.weight;
@@ -71,7 +71,7 @@ TEST(RatioIntegrationTest, PlainDriftIsFound) {
   const auto estimates = IntegrateRatio(f.problem(), f.fit, true);
   EXPECT_LE(estimates.size(), 6U);
   double variance = 0.0;
-  for (const RatioEstimate& e : estimates) {
+  for (const LinearEstimate& e : estimates) {
     variance += e.weight * e.covariance(0, 0);
   }
   EXPECT_NEAR(variance / f.fit.covariance(0, 0), 1.0, 0.3);
@@ -83,7 +83,7 @@ TEST(RatioIntegrationTest, DriftThatCannotBeExcludedCounts) {
   const auto estimates = IntegrateRatio(f.problem(), f.fit, true);
   EXPECT_GT(estimates.size(), 5U);
   double variance = 0.0;
-  for (const RatioEstimate& e : estimates) {
+  for (const LinearEstimate& e : estimates) {
     variance += e.weight * e.covariance(0, 0);
     EXPECT_GE(e.covariance(0, 0), 0.9 * estimates[0].covariance(0, 0));
   }
