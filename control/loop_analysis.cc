@@ -12,6 +12,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "mle/base/status.h"
+#include "unsupported/Eigen/FFT"
 
 namespace mle::control {
 namespace {
@@ -31,53 +32,81 @@ constexpr double kNegligible = 1e-10;  // of the largest coefficient
 class MatrixPolynomial {
  public:
   MatrixPolynomial(Eigen::Index rows, Eigen::Index cols, Eigen::Index degree)
-      : rows_(rows), coefficients_(MatrixXd::Zero(rows * cols, degree)) {}
+      : rows_(rows), coefficients_(MatrixXd::Zero(degree, rows * cols)) {}
 
-  Eigen::Index degree() const { return coefficients_.cols(); }
-  auto coefficient(Eigen::Index a) {
-    return coefficients_.col(a - 1).reshaped(rows_,
-                                             coefficients_.rows() / rows_);
+  Eigen::Index degree() const { return coefficients_.rows(); }
+  void SetCoefficient(Eigen::Index a, const MatrixXd& value) {
+    coefficients_.row(a - 1) = value.reshaped().transpose();
   }
   // Cuts off the negligible end.
   void Trim() {
     const double least = kNegligible * coefficients_.cwiseAbs().maxCoeff();
     Eigen::Index n = degree();
-    while (n > 1 && coefficients_.col(n - 1).cwiseAbs().maxCoeff() <= least) {
+    while (n > 1 && coefficients_.row(n - 1).cwiseAbs().maxCoeff() <= least) {
       --n;
     }
-    coefficients_.conservativeResize(Eigen::NoChange, n);
+    coefficients_.conservativeResize(n, Eigen::NoChange);
   }
+  // At w, of which the powers are given.
   MatrixXcd operator()(const VectorXcd& powers) const {
-    Eigen::Matrix<double, Eigen::Dynamic, 2> parts(degree(), 2);
-    parts << powers.head(degree()).real(), powers.head(degree()).imag();
-    const Eigen::Matrix<double, Eigen::Dynamic, 2> sums = coefficients_ * parts;
-    VectorXcd value(sums.rows());
-    value.real() = sums.col(0);
-    value.imag() = sums.col(1);
+    const VectorXd real = powers.head(degree()).real();
+    const VectorXd imaginary = powers.head(degree()).imag();
+    VectorXcd value(coefficients_.cols());
+    value.real() = coefficients_.transpose() * real;
+    value.imag() = coefficients_.transpose() * imaginary;
     return value.reshaped(rows_, value.size() / rows_);
+  }
+  // At r e^{iπk/n}, k = 0 … n, column by column of each matrix: roots of unity
+  // but for r, so that a transform of 2n numbers does for any degree.
+  MatrixXcd OnHalfCircle(double radius, int n) const {
+    MatrixXcd values(coefficients_.cols(), n + 1);
+    Eigen::FFT<double> transform;
+    VectorXd folded(2 * n);
+    VectorXcd spectrum;
+    for (Eigen::Index entry = 0; entry < coefficients_.cols(); ++entry) {
+      folded.setZero();
+      double power = 1.0;
+      for (Eigen::Index a = 1; a <= degree(); ++a) {
+        power *= radius;
+        folded(a % (2 * n)) += power * coefficients_(a - 1, entry);
+      }
+      transform.fwd(spectrum, folded);
+      values.row(entry) = spectrum.head(n + 1).adjoint();
+    }
+    return values;
+  }
+  MatrixXcd Column(const MatrixXcd& values, Eigen::Index k) const {
+    return values.col(k).reshaped(rows_, values.rows() / rows_);
   }
 
  private:
   Eigen::Index rows_;
-  MatrixXd coefficients_;  // C_a in column a − 1
+  MatrixXd coefficients_;  // the entries of C_a in row a − 1
 };
 
-MatrixXd ResponseAt(const PredictionModel& model,
-                    const std::vector<int>& inputs, int k) {
+// p(n + 1 + ahead) × inputs: S_0, S_1, …, the last repeated `ahead` times.
+MatrixXd Responses(const PredictionModel& model, const std::vector<int>& inputs,
+                   int ahead) {
   const int p = model.num_outputs;
-  return model.responses(Eigen::seqN(p * std::min(k, model.periods()), p),
-                         inputs);
+  const Eigen::Index known = Eigen::Index{p} * (model.periods() + 1);
+  MatrixXd responses(known + Eigen::Index{p} * ahead, inputs.size());
+  responses.topRows(known) = model.responses(Eigen::seqN(0, known), inputs);
+  for (Eigen::Index row = known; row < responses.rows(); row += p) {
+    responses.middleRows(row, p) = responses.middleRows(known - p, p);
+  }
+  return responses;
 }
 
 // (1 − w) Σ_{a≥1} S_{a−1} w^a = Σ (S_{a−1} − S_{a−2}) w^a.
 MatrixPolynomial Differences(const PredictionModel& model,
                              const std::vector<int>& inputs) {
+  const int p = model.num_outputs;
   const int n = model.periods();
-  MatrixPolynomial result(model.num_outputs,
-                          static_cast<Eigen::Index>(inputs.size()), n + 1);
-  for (int a = 2; a <= n + 1; ++a) {
-    result.coefficient(a) =
-        ResponseAt(model, inputs, a - 1) - ResponseAt(model, inputs, a - 2);
+  const MatrixXd responses = Responses(model, inputs, 0);
+  MatrixPolynomial result(p, responses.cols(), n + 1);
+  for (Eigen::Index a = 2; a <= n + 1; ++a) {
+    result.SetCoefficient(a, responses.middleRows(p * (a - 1), p) -
+                                 responses.middleRows(p * (a - 2), p));
   }
   result.Trim();
   return result;
@@ -111,17 +140,32 @@ class Loop {
         0, static_cast<int>(sum_.rows()) - static_cast<int>(sum_.cols()));
   }
 
+  // Of which the zeros are the loop's modes.
   Complex Determinant(Complex w) const {
     const VectorXcd powers = Powers(w);
-    return (Controller(w, powers) + Feedback(w) * plant_(powers)).determinant();
+    return Determinant(w, predictor_(powers), model_(powers), plant_(powers));
+  }
+  // At r e^{iπk/n}, k = 0 … n.
+  VectorXcd DeterminantsOnHalfCircle(double radius, int n) const {
+    const MatrixXcd predictor = predictor_.OnHalfCircle(radius, n);
+    const MatrixXcd model = model_.OnHalfCircle(radius, n);
+    const MatrixXcd plant = plant_.OnHalfCircle(radius, n);
+    VectorXcd values(n + 1);
+    for (int k = 0; k <= n; ++k) {
+      values(k) = Determinant(std::polar(radius, kPi * k / n),
+                              predictor_.Column(predictor, k),
+                              model_.Column(model, k), plant_.Column(plant, k));
+    }
+    return values;
   }
 
   // S at w on the unit circle, w ≠ 1, in scaled outputs.
   MatrixXcd Sensitivity(Complex w) const {
     const VectorXcd powers = Powers(w);
     const MatrixXcd PC =
-        plant_(powers) *
-        Controller(w, powers).partialPivLu().solve(Feedback(w));
+        plant_(powers) * Controller(w, predictor_(powers), model_(powers))
+                             .partialPivLu()
+                             .solve(Feedback(w));
     const Eigen::Index p = PC.rows();
     const MatrixXcd S = (MatrixXcd::Identity(p, p) + PC).inverse();
     return scale_.asDiagonal() * S * scale_.cwiseInverse().asDiagonal();
@@ -134,17 +178,16 @@ class Loop {
     const int p = model.num_outputs;
     const int n = model.periods();
     const Eigen::Index m = mpc.gain().rows();
-    const int horizon = static_cast<int>(mpc.gain().cols()) / p;
+    const Eigen::Index rows = mpc.gain().cols();
+    const MatrixXd responses =
+        Responses(model, manipulated_, static_cast<int>(rows) / p);
     MatrixPolynomial result(m, m, n);
+    MatrixXd sum(m, m);
     MatrixXd previous = MatrixXd::Zero(m, m);
-    for (int a = 1; a <= n; ++a) {
-      MatrixXd sum = MatrixXd::Zero(m, m);
-      for (int i = 1; i <= horizon; ++i) {
-        sum += mpc.gain().middleCols(Eigen::Index{p} * (i - 1), p) *
-               ResponseAt(model, manipulated_, a + i - 1);
-      }
-      result.coefficient(a) = sum - previous;
-      previous = sum;
+    for (Eigen::Index a = 1; a <= n; ++a) {
+      sum.noalias() = mpc.gain() * responses.middleRows(p * a, rows);
+      result.SetCoefficient(a, sum - previous);
+      previous.swap(sum);
     }
     result.Trim();
     return result;
@@ -165,10 +208,16 @@ class Loop {
   }
 
   // (1 − w)(I + Σ K_i F_i − K̄ W F_0).
-  MatrixXcd Controller(Complex w, const VectorXcd& powers) const {
-    MatrixXcd result = predictor_(powers) - Feedback(w) * model_(powers);
+  MatrixXcd Controller(Complex w, const MatrixXcd& predictor,
+                       const MatrixXcd& model) const {
+    MatrixXcd result = predictor - Feedback(w) * model;
     result.diagonal().array() += 1.0 - w;
     return result;
+  }
+  Complex Determinant(Complex w, const MatrixXcd& predictor,
+                      const MatrixXcd& model, const MatrixXcd& plant) const {
+    return (Controller(w, predictor, model) + Feedback(w) * plant)
+        .determinant();
   }
 
   VectorXd gains_;
@@ -201,15 +250,13 @@ double PhaseChange(const Loop& loop, double radius, double from, Complex D_from,
 // circle tells all.
 int CountZeros(const Loop& loop, double radius) {
   const int intervals =
-      static_cast<int>(std::clamp<Eigen::Index>(2 * loop.degree(), 64, 2048));
+      static_cast<int>(std::max<Eigen::Index>(2 * loop.degree(), 64));
+  const VectorXcd on_circle = loop.DeterminantsOnHalfCircle(radius, intervals);
   double change = 0.0;
-  Complex previous = loop.Determinant(radius);
   for (int i = 1; i <= intervals; ++i) {
-    const double angle = kPi * i / intervals;
-    const Complex next = loop.Determinant(std::polar(radius, angle));
-    change += PhaseChange(loop, radius, kPi * (i - 1) / intervals, previous,
-                          angle, next, 30);
-    previous = next;
+    change +=
+        PhaseChange(loop, radius, kPi * (i - 1) / intervals, on_circle(i - 1),
+                    kPi * i / intervals, on_circle(i), 30);
   }
   return static_cast<int>(std::lround(change / kPi));
 }
@@ -285,6 +332,15 @@ absl::StatusOr<LoopAnalysis> AnalyseLoop(const Mpc& mpc,
         ", the controller ", model.num_outputs, ", ", model.num_inputs(),
         " and ", model.control_period,
         "; these and the inputs' roles must be the same"));
+  }
+  const int periods = std::max(plant.periods(), model.periods());
+  if (periods > kMostAnalysedPeriods) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "responses settle only after ", periods,
+        " control periods, and loops of up to ", kMostAnalysedPeriods,
+        " are analysed; a pair that hardly settles (a small damping, a time "
+        "constant far beyond the others) or a short control period makes them "
+        "long"));
   }
   const Loop loop(mpc, plant);
   LoopAnalysis analysis;

@@ -33,6 +33,10 @@
 
 namespace mle::control {
 
+// Responses that settle later are not analysed, in control periods n. A count
+// of zeros costs O(pm n log n + n p³): one Fourier transform for each pair.
+inline constexpr int kMostAnalysedPeriods = 50'000;
+
 struct LoopAnalysis {
   // No mode grows. Inputs that are more than the outputs leave as many modes
   // that neither grow nor decay; they count as stable.
@@ -53,7 +57,8 @@ struct LoopAnalysis {
 };
 
 // InvalidArgument if the plant has another control period, or other numbers or
-// roles of inputs and outputs, than the controller.
+// roles of inputs and outputs, than the controller, or a response settles too
+// late.
 absl::StatusOr<LoopAnalysis> AnalyseLoop(const Mpc& mpc,
                                          const PredictionModel& plant);
 

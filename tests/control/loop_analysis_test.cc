@@ -215,6 +215,36 @@ TEST(LoopAnalysisTest, SurplusInputsAreNoInstability) {
   EXPECT_EQ(analysis.spectral_radius, 1.0);
 }
 
+// Many periods, and a mode that hardly decays: the grid of the transform has to
+// be fine enough, and between its points the phase is followed.
+TEST(LoopAnalysisTest, CountsTheModesOfLongResponses) {
+  const PredictionModel model =
+      Predict(SingleLoop(TransferFunction::FirstOrder(1.0, 400.0, 3.0)));
+  ASSERT_GT(model.periods(), 1000);
+  const Mpc mpc = MakeMpc(model, Options(1, 1, 1.0));
+  EXPECT_TRUE(Analyse(mpc, model).stable);
+  // A plant of forty times the gain: the loop's dead time cannot bear it.
+  const LoopAnalysis wild = Analyse(
+      mpc, Predict(SingleLoop(TransferFunction::FirstOrder(40.0, 400.0, 3.0))));
+  EXPECT_FALSE(wild.stable);
+  EXPECT_GE(wild.growing_modes, 1);
+}
+
+TEST(LoopAnalysisTest, RefusesResponsesThatHardlySettle) {
+  const PredictionModel model =
+      Predict(SingleLoop(TransferFunction::FirstOrder(1.0, 10.0, 3.0)));
+  const Mpc mpc = MakeMpc(model, Options(1, 1, 1.0));
+  const auto status =
+      AnalyseLoop(
+          mpc,
+          Predict(SingleLoop(TransferFunction::FirstOrder(1.0, 20'000.0, 3.0))))
+          .status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_NE(status.message().find("control periods, and loops of up to 50000"),
+            std::string::npos)
+      << status;
+}
+
 TEST(LoopAnalysisTest, RefusesAnotherShape) {
   const PredictionModel model = Predict(FastTwoByTwo());
   const Mpc mpc = MakeMpc(model, Options(2, 2, 0.1));
