@@ -22,6 +22,7 @@
 #include "mle/base/option_error.h"
 #include "mle/base/status.h"
 #include "mle/data/tag_file.h"
+#include "mle/exchange/mat_file.h"
 
 namespace mle {
 namespace {
@@ -64,6 +65,16 @@ absl::Status WriteAll(const correct::Result& result, const std::string& json) {
     files.emplace_back("arx.json",
                        correct::FormatArx(result.corrected.arx, initial));
   }
+  MLE_ASSIGN_OR_RETURN(std::string mat,
+                       FormatMat(result.model, &result.corrected.response));
+  files.emplace_back("model.mat", std::move(mat));
+  const std::string given_name = CorrectedName(result.request.model_file);
+  if (!given_name.empty()) {
+    MLE_ASSIGN_OR_RETURN(
+        FormattedModel as_given,
+        FormatCorrected(result.request.model_file, result.model));
+    files.emplace_back(given_name, std::move(as_given.text));
+  }
   report::AddPictures(figures, files);
   MLE_RETURN_IF_ERROR(WriteFilesTogether(result.request.out, files));
   // Those of a former run would be of another model.
@@ -72,6 +83,11 @@ absl::Status WriteAll(const correct::Result& result, const std::string& json) {
   if (!arx) std::filesystem::remove(folder / "arx.json", ignored);
   if (!state_space) {
     std::filesystem::remove(folder / "state_space.json", ignored);
+  }
+  for (const char* name :
+       {"model_corrected.csv", "model_corrected.json", "model_corrected.mat"}) {
+    if (given_name == name) continue;
+    std::filesystem::remove(folder / name, ignored);
   }
   return absl::OkStatus();
 }
@@ -131,6 +147,8 @@ int Main(correct::Request& request, OptionTable& table) {
     EndStatus();
     correct::PrintData(*data, *files, request.model);
     correct::PrintMessages("warning", data->warnings);
+    correct::PrintMessages("warning",
+                           correct::DescriptionWarnings(request.model_file));
     return kExitDone;
   }
   const absl::StatusOr<FolderLock> lock = ClaimOutputFolder(request.out);

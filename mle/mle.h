@@ -16,6 +16,7 @@
 #include "mle/base/version.h"            // IWYU pragma: export
 #include "mle/data/historian.h"          // IWYU pragma: export
 #include "mle/data/record.h"             // IWYU pragma: export
+#include "mle/exchange/model_file.h"     // IWYU pragma: export
 #include "mle/maintain/correct.h"        // IWYU pragma: export
 #include "mle/maintain/select_output.h"  // IWYU pragma: export
 #include "mle/model/process_model.h"     // IWYU pragma: export

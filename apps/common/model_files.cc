@@ -1,7 +1,11 @@
 #include "apps/common/model_files.h"
 
+#include <iostream>
+#include <utility>
+
 #include "absl/strings/str_cat.h"
 #include "mle/base/status.h"
+#include "mle/exchange/model_file.h"
 
 namespace mle {
 
@@ -13,9 +17,12 @@ absl::Status AboutOption(const std::string& option,
 
 absl::StatusOr<ProcessModel> ReadModel(const std::string& option,
                                        const std::string& path) {
-  absl::StatusOr<ProcessModel> model = ReadProcessModel(path);
-  if (!model.ok()) return AboutOption(option, model.status());
-  return model;
+  absl::StatusOr<ModelFile> file = ReadModelFile(path);
+  if (!file.ok()) return AboutOption(option, file.status());
+  for (const std::string& difference : NotableDifferences(*file)) {
+    std::cerr << "warning: --" << option << ": " << difference << "\n";
+  }
+  return std::move(file->process);
 }
 
 absl::StatusOr<ProcessModel> ReadModelLike(const ProcessModel& model,

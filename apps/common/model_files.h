@@ -14,7 +14,8 @@ namespace mle {
 // "--option: message", as an InvalidArgument error.
 absl::Status AboutOption(const std::string& option, const absl::Status& status);
 
-// Errors name the option and the file.
+// From any file that model_file.h reads. Errors name the option and the file;
+// what is described with notable differences is told to standard error.
 absl::StatusOr<ProcessModel> ReadModel(const std::string& option,
                                        const std::string& path);
 

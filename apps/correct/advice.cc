@@ -181,6 +181,13 @@ void AddWhatTheModelLacks(const Result& result,
           : ""));
 }
 
+// "model_corrected.csv has it in the form of the model given, ".
+std::string ModelCorrectedText(const Result& result) {
+  const std::string name = CorrectedName(result.request.model_file);
+  if (name.empty()) return "";
+  return absl::StrCat(name, " has it in the form of the model given, ");
+}
+
 }  // namespace
 
 absl::StatusOr<control::MpcOptions> TuningInUse(const Result& result) {
@@ -246,7 +253,9 @@ std::vector<std::string> Advise(const Result& result) {
       break;
     case Decision::kCorrected:
       advice.push_back(absl::StrCat(
-          "Use the corrected model in the controller: model.json has its "
+          "Use the corrected model in the controller: ",
+          ModelCorrectedText(result),
+          "model.json has its "
           "transfer functions, fopdt.json those of first order nearest to "
           "them, ",
           result.corrected.has_arx() ? "arx.json its ARX form for prediction, "

@@ -18,6 +18,8 @@ namespace {
 // Until the plant has settled twice; a tenth of that before the step.
 constexpr double kSettlingTimes = 2.0;
 constexpr double kBefore = 0.1;
+// Of the controller; each of them costs as many operations as there are.
+constexpr double kMostPeriods = 10'000;
 
 // The largest step of the output's set point in the records; 1 where there is
 // none.
@@ -64,6 +66,10 @@ absl::StatusOr<LoopComparison> CompareLoops(const Result& result) {
   const double settled =
       kSettlingTimes *
       std::max(SettlingTime(result.model), SettlingTime(result.initial));
+  if (!(settled <= kMostPeriods * tuning.control_period)) {
+    return absl::FailedPreconditionError(
+        "responses settle too late for a comparison of loops");
+  }
   sim::ClosedLoopOptions options;
   options.sample_time = result.data.sample_time();
   options.control_period = tuning.control_period;

@@ -123,8 +123,15 @@ std::vector<std::pair<std::string, std::string>> FilesOf(const Result& result) {
   std::vector<std::pair<std::string, std::string>> files = {
       {"model.json: the transfer functions", "model.json"},
       {"fopdt.json: first-order elements with dead time", "fopdt.json"},
+      {"model.mat: the transfer functions for MATLAB and Octave", "model.mat"},
       {"step_response.csv: step responses", "step_response.csv"},
       {"result.json: every number of this page", "result.json"}};
+  if (const std::string name = CorrectedName(result.request.model_file);
+      !name.empty()) {
+    files.emplace(files.begin(),
+                  absl::StrCat(name, ": the model as it was given, corrected"),
+                  name);
+  }
   if (result.corrected.has_arx()) {
     files.emplace_back("arx.json: the ARX model", "arx.json");
   }
@@ -147,17 +154,23 @@ void AddForTheController(const Result& result, HtmlPage& page) {
   page.CloseFold();
 }
 
+// "−12 %"; what nobody would notice is "unchanged".
+std::string ErrorChange(double percent) {
+  constexpr double kNoticed = 0.1;
+  if (std::abs(percent) < kNoticed) return "unchanged";
+  return absl::StrCat(percent < 0.0 ? "−" : "+",
+                      report::FormatSignificant(std::abs(percent), 2), " %");
+}
+
 void AddControl(const Result& result, const Figures& figures, HtmlPage& page) {
   if (!result.accepted()) return;
   page.AddHeading("What it means for control");
   if (result.loops.has_value()) {
     std::vector<std::string> changes;
     for (const LoopStep& step : result.loops->steps) {
-      const double percent = 100.0 * (step.error_ratio - 1.0);
       changes.push_back(
           absl::StrCat(result.initial.outputs()[step.output].name, " ",
-                       percent < 0.0 ? "−" : "+",
-                       report::FormatSignificant(std::abs(percent), 2), " %"));
+                       ErrorChange(100.0 * (step.error_ratio - 1.0))));
     }
     page.AddParagraph(absl::StrCat(
         "Squared control error of a set-point step with the corrected model in "

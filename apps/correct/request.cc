@@ -17,15 +17,17 @@ namespace {
 std::vector<Option> FileOptions(Request& request) {
   return {
       {"model", &request.model_path,
-       "Process model (JSON) of the controller, to be corrected; must be "
-       "given."},
+       "Model of the controller (JSON, CSV or MAT: docs/formats.md), to be "
+       "corrected; must be given."},
       {"data", Words(&request.data_paths),
        "Records (CSV, also compressed by gzip) of routine operation with "
        "set-point changes, separated by commas; - is standard input. Must be "
        "given."},
       {"out", &request.out,
-       "Folder for report.html, result.json, model.json, fopdt.json, arx.json, "
-       "state_space.json and step_response.csv."},
+       "Folder for report.html, result.json, model.json, model.mat, "
+       "fopdt.json, "
+       "arx.json, state_space.json, step_response.csv and, of a --model in "
+       "another form, model_corrected."},
       {"truth", &request.truth_path,
        "Process model (JSON) of a simulated plant: its step responses are "
        "shown as the truth."},
@@ -55,9 +57,13 @@ std::vector<Option> FileOptions(Request& request) {
 absl::Status ReadModels(Request& request) {
   if (request.model_path.empty() || request.data_paths.empty()) {
     return absl::InvalidArgumentError(
-        "--model=FILE.json and --data=A.csv,B.csv must be given (see --help)");
+        "--model=FILE.json (or .csv) and --data=A.csv,B.csv must be given (see "
+        "--help)");
   }
-  MLE_ASSIGN_OR_RETURN(request.model, ReadModel("model", request.model_path));
+  absl::StatusOr<ModelFile> file = ReadModelFile(request.model_path);
+  if (!file.ok()) return AboutOption("model", file.status());
+  request.model_file = *std::move(file);
+  request.model = request.model_file.process;
   MLE_RETURN_IF_ERROR(
       CheckMoves(request.model, request.model_path, "nothing to correct"));
   if (request.truth_path.empty()) return absl::OkStatus();

@@ -12,6 +12,7 @@
 #include "apps/correct/previous_run.h"
 #include "control/mpc_options.h"
 #include "mle/data/historian.h"
+#include "mle/exchange/model_file.h"
 #include "mle/maintain/correct.h"
 #include "mle/model/process_model.h"
 
@@ -37,6 +38,7 @@ struct Request {
   bool figures = true;
 
   // What they name.
+  ModelFile model_file;  // its process model is `model`
   ProcessModel model;
   std::optional<ProcessModel> truth;
   std::optional<PreviousRun> last;

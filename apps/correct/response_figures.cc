@@ -1,6 +1,7 @@
 // Step responses of the models, and what a controller makes of them.
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <utility>
@@ -102,6 +103,23 @@ bool IsZero(const Result& result, const Pair& pair) {
          (!result.true_response.has_value() || none(*result.true_response));
 }
 
+// As many as a figure shows, in the order of the outputs.
+std::vector<const LoopStep*> MostChanged(const std::vector<LoopStep>& steps) {
+  std::vector<const LoopStep*> chosen;
+  for (const LoopStep& step : steps) chosen.push_back(&step);
+  if (chosen.size() <= kMostLoops) return chosen;
+  const auto change = [](const LoopStep* step) {
+    return std::abs(step->error_ratio - 1.0);
+  };
+  std::stable_sort(chosen.begin(), chosen.end(),
+                   [&](const LoopStep* a, const LoopStep* b) {
+                     return change(a) > change(b);
+                   });
+  chosen.resize(kMostLoops);
+  std::sort(chosen.begin(), chosen.end());
+  return chosen;
+}
+
 }  // namespace
 
 NamedFigure StepResponseFigure(const Result& result) {
@@ -140,13 +158,19 @@ std::optional<NamedFigure> ControlFigure(const Result& result) {
   if (!result.loops.has_value() || result.loops->steps.empty()) {
     return std::nullopt;
   }
-  const std::vector<LoopStep>& steps = result.loops->steps;
-  const std::size_t shown = std::min(steps.size(), kMostLoops);
+  const std::vector<const LoopStep*> steps = MostChanged(result.loops->steps);
+  const std::size_t shown = steps.size();
+  const bool all = shown == result.loops->steps.size();
   const int columns = ColumnsFor(shown);
   NamedFigure named = NewFigure(
       "control",
-      absl::StrCat("A step of each set point, with the initial and the "
-                   "corrected model in the controller, ",
+      absl::StrCat("A step of ",
+                   all ? std::string("each set point")
+                       : absl::StrCat("the ", shown,
+                                      " set points whose control error changes "
+                                      "most"),
+                   ", with the initial and the corrected model in the "
+                   "controller, ",
                    result.loops->told
                        ? "tuned as told."
                        : "tuned by published rules, because its own tuning "
@@ -154,7 +178,7 @@ std::optional<NamedFigure> ControlFigure(const Result& result) {
                    " Deviations from the operating point, without noise."),
       RowsFor(shown, columns), columns, 4.6);
   for (std::size_t k = 0; k < shown; ++k) {
-    const LoopStep& step = steps[k];
+    const LoopStep& step = *steps[k];
     const OutputChannel& output = result.initial.outputs()[step.output];
     Panel& panel = named.figure.AddPanel(output.name);
     panel.y.label = output.unit.empty() ? "output" : output.unit;

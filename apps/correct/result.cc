@@ -5,6 +5,7 @@
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
 #include "apps/correct/advice.h"
@@ -63,6 +64,27 @@ std::string NameFlag(std::string_view text, const std::string& name) {
   return result;
 }
 
+// Of the model in the form of the one given from the corrected model.
+absl::Status WarnOfDifferences(Result& result) {
+  const ModelFile& file = result.request.model_file;
+  if (CorrectedName(file).empty()) return absl::OkStatus();
+  MLE_ASSIGN_OR_RETURN(const FormattedModel as_given,
+                       FormatCorrected(file, result.model));
+  for (const PairDescription& pair : as_given.differences) {
+    const std::string name = PairName(result.model, pair.output, pair.input);
+    result.warnings.push_back(
+        {MessageCode::kImport,
+         name,
+         absl::StrFormat(
+             "In %s the element of %s is the nearest of second order, and its "
+             "step response differs by %.3g %% of its range; model.json has "
+             "the element itself.",
+             as_given.name, name, 100.0 * pair.largest_difference),
+         {}});
+  }
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 int Result::exit_code() const {
@@ -93,6 +115,14 @@ std::vector<std::pair<std::string, std::string>> Checksums(
   return checksums;
 }
 
+std::vector<Message> DescriptionWarnings(const ModelFile& file) {
+  std::vector<Message> warnings;
+  for (const std::string& difference : NotableDifferences(file)) {
+    warnings.push_back({MessageCode::kImport, "", difference, {}});
+  }
+  return warnings;
+}
+
 absl::StatusOr<Result> RunCorrection(const Request& request, RecordData data,
                                      std::vector<DataFile> files) {
   Result result;
@@ -101,6 +131,10 @@ absl::StatusOr<Result> RunCorrection(const Request& request, RecordData data,
   MLE_ASSIGN_OR_RETURN(
       static_cast<CorrectionResult&>(result),
       CorrectFromData(request.model, std::move(data), request.options));
+  MLE_RETURN_IF_ERROR(WarnOfDifferences(result));
+  for (Message& warning : DescriptionWarnings(request.model_file)) {
+    result.warnings.push_back(std::move(warning));
+  }
   CompareWithTruth(result);
   result.verdict = DescribeVerdict(result);
   result.findings = Findings(result);

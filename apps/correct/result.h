@@ -57,6 +57,9 @@ absl::StatusOr<std::vector<DataFile>> ReadChecksums(
 std::vector<std::pair<std::string, std::string>> Checksums(
     const Result& result);
 
+// Of pairs whose step responses are described with notable differences.
+std::vector<Message> DescriptionWarnings(const ModelFile& file);
+
 // Everything after the records were read. Tells request.options.progress what
 // it is doing, which may stop it.
 absl::StatusOr<Result> RunCorrection(const Request& request, RecordData data,

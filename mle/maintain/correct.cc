@@ -9,6 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "mle/base/status.h"
 #include "mle/data/stretches.h"
+#include "mle/exchange/model_file.h"
 #include "mle/maintain/certificates.h"
 #include "mle/maintain/evidence.h"
 #include "mle/maintain/unfitted.h"
@@ -320,7 +321,8 @@ absl::StatusOr<CorrectionResult> CorrectFromRecords(
     const std::string& model_path, const std::vector<std::string>& record_paths,
     const HistorianOptions& import, const CorrectOptions& options) {
   MLE_RETURN_IF_ERROR(options.Validate());
-  MLE_ASSIGN_OR_RETURN(const ProcessModel model, ReadProcessModel(model_path));
+  MLE_ASSIGN_OR_RETURN(const ModelFile file, ReadModelFile(model_path));
+  const ProcessModel& model = file.process;
   MLE_RETURN_IF_ERROR(CheckModel(model));
   MLE_ASSIGN_OR_RETURN(RecordData data, LoadRecords(record_paths, model, import,
                                                     options.records));

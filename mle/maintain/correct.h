@@ -141,7 +141,7 @@ absl::StatusOr<CorrectionResult> CorrectFromRecords(
     const ProcessModel& model, std::vector<Record> records,
     const CorrectOptions& options);
 
-// From files: a process model (JSON) and exports of a historian (CSV),
+// From files: a model (model_file.h) and exports of a historian (CSV),
 // imported as `import` says.
 absl::StatusOr<CorrectionResult> CorrectFromRecords(
     const std::string& model_path, const std::vector<std::string>& record_paths,

@@ -106,8 +106,14 @@ absl::StatusOr<ProcessModel> TransferFunctionsOf(
   ProcessModel model(initial.name(), initial.time_unit(), initial.inputs(),
                      initial.outputs());
   const StepResponse& response = corrected.response;
+  const StepResponse before =
+      initial.ComputeStepResponse(response.sample_time, response.samples());
   for (int i = 0; i < model.num_outputs(); ++i) {
     for (int j = 0; j < model.num_inputs(); ++j) {
+      if (response.element(i, j) == before.element(i, j)) {
+        model.element(i, j) = initial.element(i, j);
+        continue;
+      }
       RationalOptions options;
       options.max_delay = 2.0 * initial.element(i, j).delay() +
                           kDelaySamples * response.sample_time;

@@ -47,7 +47,7 @@ absl::StatusOr<CorrectedModel> MakeCorrectedModel(const Estimate& estimate,
                                                   bool make_arx = true);
 
 // The process model, or elements of low order nearest to the step responses of
-// the ARX model (rational_fit.h), with the channels of `initial`.
+// the ARX model (rational_fit.h), those of `initial` where it responds alike.
 absl::StatusOr<ProcessModel> TransferFunctionsOf(
     const ProcessModel& initial, const CorrectedModel& corrected);
 

@@ -161,13 +161,13 @@ class CorrectionResult:
 
     def write(self, folder: Union[str, "os.PathLike[str]"]) -> None:
         """Writes the files of the command to ``folder``: result.json, report.html,
-        model.json, fopdt.json, state_space.json, arx.json and step_response.csv,
-        those that the result has."""
+        model.json, model.mat, model_corrected (in the form of the model given), fopdt.json,
+        state_space.json, arx.json and step_response.csv, those that the result has."""
         os.makedirs(folder, exist_ok=True)
         texts = {**self._files, "result.json": self._json, "report.html": self.report_html()}
         for name, text in texts.items():
-            with open(os.path.join(folder, name), "w", encoding="utf-8") as file:
-                file.write(text)
+            with open(os.path.join(folder, name), "wb") as file:
+                file.write(text if isinstance(text, bytes) else text.encode("utf-8"))
 
     def __getstate__(self) -> Dict[str, Any]:
         state = {name: getattr(self, name) for name in self._ATTRIBUTES}

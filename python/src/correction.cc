@@ -18,6 +18,8 @@
 #include "apps/correct/result.h"
 #include "apps/report/drawing.h"
 #include "mle/base/status.h"
+#include "mle/exchange/mat_file.h"
+#include "mle/exchange/model_file.h"
 #include "mle/maintain/correct.h"
 #include "mle/model/state_space_json.h"
 #include "pybind11/stl.h"
@@ -60,16 +62,18 @@ struct Correction {
 
 // A model, and its path where it came from a file.
 struct ModelArgument {
-  ProcessModel model;
+  ModelFile file;
   std::string path;
 };
 
 ModelArgument ModelOf(const py::object& argument) {
   if (py::isinstance<ProcessModel>(argument)) {
-    return {argument.cast<const ProcessModel&>(), ""};
+    ModelFile file;
+    file.process = argument.cast<const ProcessModel&>();
+    return {std::move(file), ""};
   }
   const auto path = argument.cast<std::string>();
-  return {ValueOrThrow(ReadProcessModel(path)), path};
+  return {ValueOrThrow(ReadModelFile(path)), path};
 }
 
 // Records without a file are told by the SHA-256 of their samples, time after
@@ -149,11 +153,12 @@ void Prepare(const py::object& model, const py::object& truth,
   if (!truth.is_none()) {
     ModelArgument plant = ModelOf(truth);
     texts.emplace_back("truth", plant.path);
-    ThrowUnlessOk(
-        CheckSameChannels(controller.model, "model", plant.model, "truth"));
-    request.truth = std::move(plant.model);
+    ThrowUnlessOk(CheckSameChannels(controller.file.process, "model",
+                                    plant.file.process, "truth"));
+    request.truth = std::move(plant.file.process);
   }
-  request.model = std::move(controller.model);
+  request.model_file = std::move(controller.file);
+  request.model = request.model_file.process;
   SetOptions(texts, call.table);
   // Paths with commas in them too.
   request.data_paths = call.source.paths;
@@ -232,6 +237,18 @@ py::dict ModelFilesOf(const Correction& correction) {
   py::dict files;
   files["model.json"] = FormatProcessModel(result.model);
   files["fopdt.json"] = FormatProcessModel(result.fopdt_model);
+  files["model.mat"] = py::bytes(
+      ValueOrThrow(FormatMat(result.model, &result.corrected.response)));
+  const ModelFile& given = result.request.model_file;
+  if (const std::string name = CorrectedName(given); !name.empty()) {
+    const std::string text =
+        ValueOrThrow(FormatCorrected(given, result.model)).text;
+    if (given.type == ModelFileType::kMat) {
+      files[py::str(name)] = py::bytes(text);
+    } else {
+      files[py::str(name)] = text;
+    }
+  }
   if (result.state_space.model.has_value()) {
     files["state_space.json"] = FormatStateSpace(*result.state_space.model);
   }

@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "mle/data/sampling.h"
+#include "mle/exchange/model_file.h"
 #include "mle/model/process_model.h"
 #include "mle/model/state_space_json.h"
 #include "pybind11/stl.h"
@@ -144,9 +145,11 @@ void AddModels(py::module_& module) {
       .def_static(
           "read",
           [](const std::filesystem::path& path) {
-            return ValueOrThrow(ReadProcessModel(path.string()));
+            return ValueOrThrow(ReadModelFile(path.string())).process;
           },
-          py::arg("path"), "A model of a process model file (JSON).")
+          py::arg("path"),
+          "A model of a file: transfer functions (JSON), or step responses "
+          "(CSV, JSON), which transfer functions then describe.")
       .def("to_json", &FormatProcessModel,
            "The text of the process model file.")
       .def_property_readonly("name", &ProcessModel::name)

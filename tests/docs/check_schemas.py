@@ -92,6 +92,14 @@ def check_commands(folder):
             faults.append(f"{out}: no state_space.json")
         check("process_model", out / "fopdt.json")
         check("process_model", out / "model.json")
+    tank = source / "tests/fuzz/corpus/step_response_model/tank.json"
+    run("mle_simulate", f"--model={tank}", f"--plant={tank}", "--setpoints=temperature:50:1",
+        "--duration=250", "--noise_variance=1e-3", f"--out={folder}/tank.csv")
+    out = folder / "step_responses"
+    run("mle_correct", f"--model={tank}", f"--data={folder}/tank.csv", f"--out={out}",
+        "--figures=false", accepted=(0, 1))
+    check("result", out / "result.json")
+    check("step_response_model", out / "model_corrected.json")
     out = folder / "reproduction"
     run("mle_reproduce", f"--out={out}", "--cases=gain", "--figures=false", "--sample_time=0.5",
         "--order=30", "--conversion_duration=2000", "--duration=400", "--step_time=200",
@@ -138,6 +146,7 @@ check("ageing", source / "tests/fuzz/corpus/ageing/steps.json")
 for path in sorted((source / "configs").glob("effects_*.json")):
     check("effects", path)
 check("arx", source / "tests/fuzz/corpus/arx_model/small.json")
+check("step_response_model", source / "tests/fuzz/corpus/step_response_model/tank.json")
 with tempfile.TemporaryDirectory() as folder:
     check_commands(pathlib.Path(folder))
 for fault in faults:

@@ -13,7 +13,8 @@ BEGIN {
   data = model " mle/data"
   regression = data " mle/regression"
   nonlinear = regression " mle/nonlinear"
-  correction = nonlinear " mle/correction"
+  exchange = nonlinear " mle/exchange"
+  correction = exchange " mle/correction"
   all_of_mle = correction " mle/maintain"
 
   allowed["mle/base"] = base
@@ -21,6 +22,7 @@ BEGIN {
   allowed["mle/data"] = data
   allowed["mle/regression"] = regression
   allowed["mle/nonlinear"] = nonlinear
+  allowed["mle/exchange"] = exchange
   allowed["mle/correction"] = correction
   allowed["mle/maintain"] = all_of_mle
   # The front door.

@@ -1,0 +1,203 @@
+#include "mle/exchange/description.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
+#include "mle/base/parallel.h"
+#include "mle/base/status.h"
+#include "mle/nonlinear/fopdt_fit.h"
+#include "mle/nonlinear/rational_fit.h"
+#include "mle/nonlinear/sopdt_fit.h"
+
+namespace mle {
+namespace {
+
+// Of the range: with which no further shape is tried.
+constexpr double kNear = 2e-3;
+// Of the root mean square of a simpler shape: what a further shape may leave.
+// Five lags fitted to noise leave nine tenths.
+constexpr double kMaterial = 0.75;
+// Of the range: what a response has passed after its dead time.
+constexpr double kOnset = 0.05;
+constexpr double kRationalTolerance = 1e-3;
+
+double RangeOf(const Eigen::VectorXd& response) {
+  return std::max(response.maxCoeff(), 0.0) -
+         std::min(response.minCoeff(), 0.0);
+}
+
+struct Candidate {
+  TransferFunction element;
+  PairDescription found;
+};
+
+class PairFit {
+ public:
+  // `response` is h(0) = 0, c_1, … c_N.
+  PairFit(Eigen::VectorXd response, double interval)
+      : response_(std::move(response)), interval_(interval) {
+    const double range = RangeOf(response_);
+    if (range > 0.0) exponent_ = std::ilogb(range);
+    for (double& value : response_) value = std::ldexp(value, -exponent_);
+    range_ = RangeOf(response_);
+    best_.found.relative_rms = std::numeric_limits<double>::infinity();
+    best_.found.largest_difference = std::numeric_limits<double>::infinity();
+  }
+
+  absl::StatusOr<Candidate> Fit() {
+    MLE_RETURN_IF_ERROR(FitScaled());
+    std::vector<double> numerator = best_.element.numerator();
+    for (double& value : numerator) value = std::ldexp(value, exponent_);
+    best_.element =
+        TransferFunction(std::move(numerator), best_.element.denominator(),
+                         best_.element.delay());
+    return best_;
+  }
+
+ private:
+  absl::Status FitScaled();
+  bool Try(TransferFunction element);
+  // The first sample whose size is more than `share` of the range.
+  int FirstAbove(double share) const;
+
+  Eigen::VectorXd response_;
+  double interval_;
+  double range_ = 0.0;
+  int exponent_ = 0;  // of the scale, a power of two: fits are to values near 1
+  Candidate best_;
+};
+
+// Whether the best is near enough to stop.
+bool PairFit::Try(TransferFunction element) {
+  if (!element.Validate().ok()) return false;
+  const Eigen::VectorXd difference =
+      element.StepResponse(interval_, static_cast<int>(response_.size())) -
+      response_;
+  Eigen::Index at = 0;
+  PairDescription found;
+  found.largest_difference = difference.cwiseAbs().maxCoeff(&at) / range_;
+  found.relative_rms = difference.norm() / std::sqrt(response_.size()) / range_;
+  found.time = static_cast<double>(at) * interval_;
+  if (found.relative_rms < kMaterial * best_.found.relative_rms) {
+    best_ = {std::move(element), found};
+  }
+  return best_.found.largest_difference <= kNear;
+}
+
+int PairFit::FirstAbove(double share) const {
+  int k = 0;
+  while (!(std::abs(response_(k)) > share * range_)) ++k;
+  return k;
+}
+
+absl::Status PairFit::FitScaled() {
+  if (!(range_ > 0.0)) {
+    best_ = Candidate();
+    return absl::OkStatus();
+  }
+  // h(L) = 0, so that a response that is first seen at kΔ has L ≥ (k − 1) Δ.
+  const double least_delay = (FirstAbove(0.0) - 1) * interval_;
+  const double most_delay =
+      std::max(FirstAbove(kOnset) * interval_, least_delay);
+  if (Try(TransferFunction({response_(response_.size() - 1)}, {1.0},
+                           least_delay))) {
+    return absl::OkStatus();
+  }
+  FopdtOptions first_order;
+  first_order.negligible_response = 0.0;
+  MLE_ASSIGN_OR_RETURN(const FopdtFit fopdt,
+                       FitFopdt(response_, interval_, first_order));
+  if (fopdt.time_constant > 0.0 &&
+      Try(TransferFunction::FirstOrder(fopdt.gain, fopdt.time_constant,
+                                       fopdt.delay))) {
+    return absl::OkStatus();
+  }
+  MLE_ASSIGN_OR_RETURN(const SopdtFit sopdt,
+                       FitSopdt(response_, interval_, most_delay));
+  const double t = sopdt.time_constant;
+  if (Try(TransferFunction({sopdt.gain}, {t * t, 2.0 * sopdt.damping * t, 1.0},
+                           sopdt.delay))) {
+    return absl::OkStatus();
+  }
+  RationalOptions rational;
+  rational.min_delay = least_delay;
+  rational.max_delay = most_delay;
+  rational.tolerance = kRationalTolerance;
+  MLE_ASSIGN_OR_RETURN(const RationalFit lags,
+                       FitRational(response_, interval_, rational));
+  Try(lags.element);
+  return absl::OkStatus();
+}
+
+absl::Status CheckRamps(const StepResponseModel& model) {
+  std::vector<std::string> ramps;
+  for (const PairResponse& pair : model.pairs) {
+    if (!pair.is_ramp) continue;
+    ramps.push_back(PairName(model.channels, pair.output, pair.input));
+  }
+  if (ramps.empty()) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrCat(
+      absl::StrJoin(ramps, ", "), ramps.size() == 1 ? " ends" : " end",
+      " in a ramp: a model with integrators cannot be corrected; leave such "
+      "outputs out"));
+}
+
+absl::Status CheckDifferences(const Description& description,
+                              const StepResponseModel& model) {
+  std::vector<std::string> poor;
+  for (const PairDescription& pair : description.pairs) {
+    if (pair.largest_difference <= kAcceptedDifference) continue;
+    poor.push_back(DifferenceText(model.channels, pair));
+  }
+  if (poor.empty()) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrFormat(
+      "no transfer function of low order is near enough to these step "
+      "responses (at most %.3g %% of the range): %s; smooth them, or leave the "
+      "pairs out",
+      100.0 * kAcceptedDifference, absl::StrJoin(poor, "; ")));
+}
+
+}  // namespace
+
+absl::StatusOr<Description> Describe(const StepResponseModel& model) {
+  MLE_RETURN_IF_ERROR(CheckRamps(model));
+  const auto pairs = static_cast<int>(model.pairs.size());
+  std::vector<absl::StatusOr<Candidate>> fits(pairs, Candidate());
+  ParallelFor(pairs, 0, [&](int p) {
+    Eigen::VectorXd response(model.length() + 1);
+    response << 0.0, model.pairs[p].coefficients;
+    fits[p] = PairFit(std::move(response), model.interval).Fit();
+  });
+  Description description;
+  description.process = model.channels;
+  for (int p = 0; p < pairs; ++p) {
+    const PairResponse& pair = model.pairs[p];
+    if (!fits[p].ok()) {
+      return absl::InvalidArgumentError(
+          absl::StrCat(PairName(model.channels, pair.output, pair.input), ": ",
+                       fits[p].status().message()));
+    }
+    PairDescription found = fits[p]->found;
+    found.output = pair.output;
+    found.input = pair.input;
+    description.process.element(pair.output, pair.input) = fits[p]->element;
+    description.pairs.push_back(found);
+  }
+  MLE_RETURN_IF_ERROR(CheckDifferences(description, model));
+  return description;
+}
+
+std::string DifferenceText(const ProcessModel& channels,
+                           const PairDescription& pair) {
+  return absl::StrFormat("%s: %.3g %% of its range at %.6g %s",
+                         PairName(channels, pair.output, pair.input),
+                         100.0 * pair.largest_difference, pair.time,
+                         channels.time_unit());
+}
+
+}  // namespace mle

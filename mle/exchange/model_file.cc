@@ -1,0 +1,161 @@
+#include "mle/exchange/model_file.h"
+
+#include <utility>
+#include <variant>
+
+#include "absl/strings/str_cat.h"
+#include "mle/base/file.h"
+#include "mle/base/status.h"
+#include "mle/exchange/element_csv.h"
+#include "mle/exchange/file_text.h"
+#include "mle/exchange/mat_file.h"
+#include "mle/exchange/model_table.h"
+#include "mle/exchange/step_response_csv.h"
+#include "mle/exchange/step_response_json.h"
+#include "mle/model/strict_json.h"
+#include "nlohmann/json.hpp"
+
+namespace mle {
+namespace {
+
+absl::StatusOr<ModelFile> WithStepResponses(StepResponseModel model,
+                                            std::string_view source) {
+  absl::StatusOr<Description> description = Describe(model);
+  if (!description.ok()) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        std::string(source), ": ", description.status().message()));
+  }
+  ModelFile file;
+  file.form = ModelForm::kStepResponses;
+  file.process = std::move(description->process);
+  file.descriptions = std::move(description->pairs);
+  file.step_responses = std::move(model);
+  return file;
+}
+
+absl::StatusOr<ModelFile> ParseJson(std::string_view text,
+                                    std::string_view source) {
+  MLE_ASSIGN_OR_RETURN(const nlohmann::json json,
+                       ParseStrictJson(text, source));
+  if (json.contains("step_responses")) {
+    MLE_ASSIGN_OR_RETURN(StepResponseModel model,
+                         ParseStepResponseJson(text, source));
+    return WithStepResponses(std::move(model), source);
+  }
+  ModelFile file;
+  MLE_ASSIGN_OR_RETURN(file.process, ParseProcessModel(text, source));
+  return file;
+}
+
+absl::StatusOr<ModelFile> ParseCsv(std::string_view text,
+                                   std::string_view source) {
+  MLE_ASSIGN_OR_RETURN(const ModelTable table, ReadModelTable(text, source));
+  ModelFile file;
+  if (HoldsStepResponses(table)) {
+    MLE_ASSIGN_OR_RETURN(StepResponseModel model, StepResponsesOf(table));
+    MLE_ASSIGN_OR_RETURN(file, WithStepResponses(std::move(model), source));
+  } else {
+    file.form = ModelForm::kElementTable;
+    MLE_ASSIGN_OR_RETURN(file.elements, ElementsOf(table));
+    file.process = file.elements.Process();
+  }
+  file.type = ModelFileType::kCsv;
+  return file;
+}
+
+absl::StatusOr<ModelFile> FromMat(const std::string& path) {
+  MLE_ASSIGN_OR_RETURN(MatModel model, ReadMatModel(path));
+  ModelFile file;
+  if (auto* steps = std::get_if<StepResponseModel>(&model)) {
+    MLE_ASSIGN_OR_RETURN(file, WithStepResponses(std::move(*steps), path));
+  } else {
+    file.process = std::get<ProcessModel>(std::move(model));
+  }
+  file.type = ModelFileType::kMat;
+  return file;
+}
+
+}  // namespace
+
+std::string_view NameOf(ModelForm form) {
+  switch (form) {
+    case ModelForm::kTransferFunctions:
+      return "transfer_functions";
+    case ModelForm::kElementTable:
+      return "element_table";
+    case ModelForm::kStepResponses:
+      return "step_responses";
+  }
+  return "";
+}
+
+absl::StatusOr<ModelFile> ParseModelFile(std::string_view text,
+                                         std::string_view source) {
+  // A file named as JSON is judged as JSON, whatever it holds.
+  return IsJsonText(text) || source.ends_with(".json") ? ParseJson(text, source)
+                                                       : ParseCsv(text, source);
+}
+
+absl::StatusOr<ModelFile> ReadModelFile(const std::string& path) {
+  MLE_ASSIGN_OR_RETURN(const std::string text, ReadFile(path));
+  if (IsMatFile(text)) return FromMat(path);
+  return ParseModelFile(text, path);
+}
+
+std::vector<std::string> NotableDifferences(const ModelFile& file) {
+  std::vector<std::string> differences;
+  for (const PairDescription& pair : file.descriptions) {
+    if (pair.largest_difference <= kUnremarkableDifference) continue;
+    differences.push_back(absl::StrCat(
+        "The transfer function that describes the step response differs from "
+        "it: ",
+        DifferenceText(file.process, pair), "."));
+  }
+  return differences;
+}
+
+std::string CorrectedName(const ModelFile& file) {
+  if (file.form == ModelForm::kTransferFunctions) return "";
+  switch (file.type) {
+    case ModelFileType::kJson:
+      return "model_corrected.json";
+    case ModelFileType::kCsv:
+      return "model_corrected.csv";
+    case ModelFileType::kMat:
+      return "model_corrected.mat";
+  }
+  return "";
+}
+
+absl::StatusOr<FormattedModel> FormatCorrected(const ModelFile& file,
+                                               const ProcessModel& corrected) {
+  FormattedModel formatted;
+  formatted.name = CorrectedName(file);
+  if (file.form == ModelForm::kElementTable) {
+    const ElementTable changed = WithElements(file.elements, corrected);
+    formatted.text = FormatElementTable(changed);
+    for (const ElementRow& row : changed.rows) {
+      if (row.largest_difference == 0.0) continue;
+      formatted.differences.push_back(
+          {.output = row.output,
+           .input = row.input,
+           .largest_difference = row.largest_difference});
+    }
+    return formatted;
+  }
+  const StepResponseModel& given = file.step_responses;
+  const int samples = given.length() + 1;
+  const StepResponseModel changed = WithChange(
+      given, file.process.ComputeStepResponse(given.interval, samples),
+      corrected.ComputeStepResponse(given.interval, samples));
+  if (file.type == ModelFileType::kMat) {
+    MLE_ASSIGN_OR_RETURN(formatted.text, FormatMat(changed));
+  } else if (file.type == ModelFileType::kCsv) {
+    formatted.text = FormatStepResponseCsv(changed);
+  } else {
+    formatted.text = FormatStepResponseJson(changed);
+  }
+  return formatted;
+}
+
+}  // namespace mle

@@ -1,0 +1,293 @@
+#include "mle/exchange/model_table.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <sstream>
+#include <utility>
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_replace.h"
+#include "mle/base/status.h"
+#include "mle/data/csv_numbers.h"
+#include "mle/data/csv_rows.h"
+
+namespace mle {
+namespace {
+
+constexpr char kKeys[] =
+    "name, time unit, input, output, interval, time to steady state, ramp";
+
+char SeparatorOf(std::string_view text) {
+  const std::size_t at = text.find_first_of(",;\t\n");
+  return at == std::string_view::npos || text[at] == '\n' ? ',' : text[at];
+}
+
+bool Has(const std::vector<std::string>& fields, const char* key) {
+  return std::any_of(
+      fields.begin(), fields.end(),
+      [key](const std::string& field) { return FoldedKey(field) == key; });
+}
+
+bool IsHeader(const std::vector<std::string>& fields) {
+  return FoldedKey(fields.front()) == "time" ||
+         (Has(fields, "output") && Has(fields, "input") && Has(fields, "gain"));
+}
+
+class Reader {
+ public:
+  explicit Reader(ModelTable& table) : table_(table) {}
+
+  absl::Status Read(std::string_view text);
+
+ private:
+  absl::Status ReadHeadLine(TableLine line);
+  absl::Status ReadChannel(const TableLine& line, bool is_input);
+  absl::Status ReadRow(TableLine line);
+  absl::Status Finish() const;
+
+  ModelTable& table_;
+  std::map<std::string, int> names_;  // of channels, and the line of each
+  std::map<std::string, int> keys_;   // that may stand once, likewise
+};
+
+absl::Status Reader::ReadChannel(const TableLine& line, bool is_input) {
+  const std::vector<std::string>& fields = line.fields;
+  if (fields.size() < 2 || fields[1].empty()) {
+    return table_.Fault(line.line,
+                        absl::StrCat("the ", fields.front(), " has no name"));
+  }
+  const auto [found, is_new] = names_.emplace(fields[1], line.line);
+  if (!is_new) {
+    return table_.Fault(
+        line.line, absl::StrCat("the name '", ShowCsvText(fields[1]),
+                                "' stands in line ", found->second,
+                                " already; names of inputs and outputs must "
+                                "differ"));
+  }
+  const std::string unit = fields.size() > 2 ? fields[2] : "";
+  const std::string role = fields.size() > 3 ? FoldedKey(fields[3]) : "";
+  const bool role_fits =
+      role.empty() ||
+      (is_input && (role == "manipulated" || role == "disturbance"));
+  if (!role_fits || fields.size() > 4) {
+    return table_.Fault(line.line,
+                        is_input ? "after name and unit an input may have "
+                                   "'manipulated' or 'disturbance' alone"
+                                 : "an output has a name and a unit alone");
+  }
+  if (is_input) {
+    table_.inputs.push_back({fields[1], unit,
+                             role == "disturbance" ? InputRole::kDisturbance
+                                                   : InputRole::kManipulated});
+  } else {
+    table_.outputs.push_back({fields[1], unit});
+  }
+  return absl::OkStatus();
+}
+
+absl::Status Reader::ReadHeadLine(TableLine line) {
+  line.fields.front() = FoldedKey(line.fields.front());
+  const std::string& key = line.fields.front();
+  if (key == "input" || key == "output") {
+    return ReadChannel(line, key == "input");
+  }
+  if (key == "ramp") {
+    table_.others.push_back(std::move(line));
+    return absl::OkStatus();
+  }
+  if (key != "name" && key != "time unit" && key != "interval" &&
+      key != "time to steady state") {
+    return table_.Fault(
+        line.line,
+        absl::StrCat("'", ShowCsvText(key),
+                     "' is not known; a line above the "
+                     "table begins with one of ",
+                     kKeys,
+                     ", and the table with a header whose first field is "
+                     "'time' (step responses) or that has the fields output, "
+                     "input and gain"));
+  }
+  const auto [found, is_new] = keys_.emplace(key, line.line);
+  if (!is_new) {
+    return table_.Fault(line.line, absl::StrCat("'", key, "' stands in line ",
+                                                found->second, " already"));
+  }
+  if (key == "name")
+    line.fields.resize(std::max<std::size_t>(line.fields.size(), 2));
+  if (line.fields.size() != 2) {
+    return table_.Fault(line.line,
+                        absl::StrCat("'", key, "' has ", line.fields.size() - 1,
+                                     " values, must have one"));
+  }
+  if (key == "name") {
+    table_.name = line.fields[1];
+  } else if (key == "time unit") {
+    table_.time_unit = line.fields[1];
+  } else {
+    table_.others.push_back(std::move(line));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status Reader::ReadRow(TableLine line) {
+  const std::size_t width = table_.header.fields.size();
+  if (line.fields.size() > width) {
+    return table_.Fault(line.line,
+                        absl::StrCat("the row has ", line.fields.size(),
+                                     " fields, the header in line ",
+                                     table_.header.line, " has ", width));
+  }
+  line.fields.resize(width);
+  table_.rows.push_back(std::move(line));
+  return absl::OkStatus();
+}
+
+absl::Status Reader::Finish() const {
+  if (table_.header.fields.empty()) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        table_.source,
+        ": there is no table: a header whose first field is 'time' (step "
+        "responses) or that has the fields output, input and gain, and rows "
+        "below it"));
+  }
+  if (table_.time_unit.empty()) {
+    return table_.Fault(table_.header.line,
+                        "the table begins, but no line above it has the unit "
+                        "of time, such as 'time unit,min'");
+  }
+  if (table_.inputs.empty() != table_.outputs.empty()) {
+    return table_.Fault(
+        table_.header.line,
+        absl::StrCat("the lines above the table name no ",
+                     table_.inputs.empty() ? "input" : "output",
+                     "; name all inputs and outputs there, or none"));
+  }
+  if (table_.rows.empty()) {
+    return table_.Fault(table_.header.line, "no row follows the header");
+  }
+  return absl::OkStatus();
+}
+
+absl::Status Reader::Read(std::string_view text) {
+  table_.separator = SeparatorOf(text);
+  std::istringstream in{std::string(text)};
+  CsvRows rows(in, table_.source);
+  rows.set_separator(table_.separator);
+  std::vector<std::string_view> fields;
+  while (rows.Next(fields)) {
+    TableLine line{rows.line(), {}};
+    for (const std::string_view field : fields) {
+      line.fields.emplace_back(TrimCsvField(field));
+    }
+    while (!line.fields.empty() && line.fields.back().empty()) {
+      line.fields.pop_back();
+    }
+    if (line.fields.empty()) continue;
+    if (!table_.header.fields.empty()) {
+      MLE_RETURN_IF_ERROR(ReadRow(std::move(line)));
+    } else if (IsHeader(line.fields)) {
+      table_.header = std::move(line);
+    } else {
+      MLE_RETURN_IF_ERROR(ReadHeadLine(std::move(line)));
+    }
+  }
+  MLE_RETURN_IF_ERROR(rows.status());
+  return Finish();
+}
+
+}  // namespace
+
+absl::Status ModelTable::Fault(int line, std::string_view what) const {
+  return absl::InvalidArgumentError(
+      absl::StrCat(source, ": line ", line, ": ", std::string(what)));
+}
+
+absl::Status ModelTable::Fault(const TableLine& row, int column,
+                               std::string_view what) const {
+  return absl::InvalidArgumentError(absl::StrCat(source, ": line ", row.line,
+                                                 ", column ", column + 1, ": ",
+                                                 std::string(what)));
+}
+
+absl::StatusOr<double> ModelTable::Number(const TableLine& row,
+                                          int column) const {
+  const std::string& field = row.fields[column];
+  if (field.empty()) {
+    return Fault(row, column, "the field is empty, must be a number");
+  }
+  const bool comma = separator != ',' && field.find(',') != std::string::npos;
+  double number = 0.0;
+  if (!ReadCsvNumber(field, number, comma ? ',' : '.') ||
+      !std::isfinite(number)) {
+    return Fault(row, column,
+                 absl::StrCat("'", ShowCsvText(field),
+                              "' is not a number, or is out of range"));
+  }
+  return number;
+}
+
+absl::StatusOr<ProcessModel> ModelTable::Channels(
+    const std::vector<PairOfNames>& pairs) const {
+  std::vector<InputChannel> its_inputs = inputs;
+  std::vector<OutputChannel> its_outputs = outputs;
+  const bool named = !inputs.empty();
+  const auto has = [](const auto& channels, const std::string& channel) {
+    return std::any_of(channels.begin(), channels.end(),
+                       [&](const auto& one) { return one.name == channel; });
+  };
+  for (const PairOfNames& pair : pairs) {
+    if (named) break;
+    if (!has(its_inputs, pair.input)) its_inputs.push_back({pair.input, ""});
+    if (!has(its_outputs, pair.output)) {
+      its_outputs.push_back({pair.output, ""});
+    }
+  }
+  ProcessModel model(name, time_unit, std::move(its_inputs),
+                     std::move(its_outputs));
+  if (const absl::Status status = model.Validate(); !status.ok()) {
+    return Fault(header.line, std::string(status.message()));
+  }
+  return model;
+}
+
+absl::StatusOr<ModelTable> ReadModelTable(std::string_view text,
+                                          std::string_view source) {
+  ModelTable table;
+  table.source = std::string(source);
+  table.name = std::filesystem::path(table.source).stem().string();
+  MLE_RETURN_IF_ERROR(Reader(table).Read(text));
+  return table;
+}
+
+std::string FoldedKey(std::string_view text) {
+  return absl::StrReplaceAll(absl::AsciiStrToLower(std::string(text)),
+                             {{"_", " "}});
+}
+
+std::string FormatTableHead(const ProcessModel& channels) {
+  std::string text =
+      absl::StrCat("name,", QuoteCsvField(channels.name()), "\ntime unit,",
+                   QuoteCsvField(channels.time_unit()), "\n");
+  for (const InputChannel& input : channels.inputs()) {
+    absl::StrAppend(
+        &text, "input,", QuoteCsvField(input.name), ",",
+        QuoteCsvField(input.unit),
+        input.role == InputRole::kDisturbance ? ",disturbance\n" : "\n");
+  }
+  for (const OutputChannel& output : channels.outputs()) {
+    absl::StrAppend(&text, "output,", QuoteCsvField(output.name), ",",
+                    QuoteCsvField(output.unit), "\n");
+  }
+  return text;
+}
+
+std::string TableNumber(double number) {
+  std::string text;
+  AppendCsvNumber(number, text);
+  return text;
+}
+
+}  // namespace mle

@@ -1,0 +1,255 @@
+#include "mle/exchange/step_response_csv.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
+#include "mle/base/status.h"
+#include "mle/data/csv_rows.h"
+
+namespace mle {
+namespace {
+
+// Of Δ: by which a stated time may be off.
+constexpr double kTimeTolerance = 0.01;
+
+using Pair = std::pair<int, int>;            // output, input
+using Labels = std::map<std::string, Pair>;  // by "<output>/<input>"
+
+std::string Label(const ProcessModel& channels, int output, int input) {
+  return absl::StrCat(channels.outputs()[output].name, "/",
+                      channels.inputs()[input].name);
+}
+
+// The pairs that the header names, where the head names no channel.
+absl::StatusOr<std::vector<ModelTable::PairOfNames>> NamesInHeader(
+    const ModelTable& table) {
+  std::vector<ModelTable::PairOfNames> pairs;
+  for (std::size_t c = 1; c < table.header.fields.size(); ++c) {
+    const std::string& field = table.header.fields[c];
+    const std::size_t slash = field.find('/');
+    const bool one = slash != std::string::npos &&
+                     field.find('/', slash + 1) == std::string::npos;
+    if (!one || slash == 0 || slash + 1 == field.size()) {
+      return table.Fault(
+          table.header, static_cast<int>(c),
+          absl::StrCat("'", ShowCsvText(field),
+                       "' is not a pair, written output/input; names with a "
+                       "slash need lines 'input,…' and 'output,…' above the "
+                       "table"));
+    }
+    pairs.push_back({field.substr(0, slash), field.substr(slash + 1)});
+  }
+  return pairs;
+}
+
+absl::StatusOr<Labels> LabelsOf(const ModelTable& table,
+                                const ProcessModel& channels) {
+  Labels labels;
+  for (int i = 0; i < channels.num_outputs(); ++i) {
+    for (int j = 0; j < channels.num_inputs(); ++j) {
+      const std::string label = Label(channels, i, j);
+      if (labels.emplace(label, Pair(i, j)).second) continue;
+      return table.Fault(table.header.line,
+                         absl::StrCat("'", ShowCsvText(label),
+                                      "' may be two pairs: rename a channel"));
+    }
+  }
+  return labels;
+}
+
+absl::StatusOr<Pair> FindPair(const ModelTable& table, const TableLine& line,
+                              int column, const Labels& labels) {
+  const std::string& field = line.fields[column];
+  if (const auto found = labels.find(field); found != labels.end()) {
+    return found->second;
+  }
+  return table.Fault(
+      line, column,
+      absl::StrCat(
+          "'", ShowCsvText(field),
+          "' is not a pair of the model; the pairs are ",
+          absl::StrJoin(labels, ", ", [](std::string* out, const auto& label) {
+            absl::StrAppend(out, label.first);
+          })));
+}
+
+// A pair for each column but the first.
+absl::Status ReadHeader(const ModelTable& table, const Labels& labels,
+                        StepResponseModel& model) {
+  for (std::size_t c = 1; c < table.header.fields.size(); ++c) {
+    const auto column = static_cast<int>(c);
+    MLE_ASSIGN_OR_RETURN(const Pair pair,
+                         FindPair(table, table.header, column, labels));
+    for (std::size_t before = 0; before < model.pairs.size(); ++before) {
+      const PairResponse& other = model.pairs[before];
+      if (Pair(other.output, other.input) != pair) continue;
+      return table.Fault(
+          table.header, column,
+          absl::StrCat("the pair '", ShowCsvText(table.header.fields[c]),
+                       "' stands in column ", before + 2,
+                       " already; each pair may stand once"));
+    }
+    model.pairs.push_back({pair.first, pair.second, {}, false});
+  }
+  if (!model.pairs.empty()) return absl::OkStatus();
+  return table.Fault(table.header.line,
+                     "no pair, written output/input, follows 'time'");
+}
+
+absl::StatusOr<double> ReadInterval(const ModelTable& table) {
+  for (const TableLine& line : table.others) {
+    if (line.fields.front() != "interval") continue;
+    MLE_ASSIGN_OR_RETURN(const double interval, table.Number(line, 1));
+    if (interval > 0.0) return interval;
+    return table.Fault(
+        line, 1,
+        absl::StrCat("the interval is ", interval, ", must be positive"));
+  }
+  return table.Fault(table.header.line,
+                     "the table begins, but no line above it has the interval "
+                     "of the coefficients, such as 'interval,1'");
+}
+
+absl::Status CheckTime(const ModelTable& table, const TableLine& row,
+                       double wanted, double interval) {
+  MLE_ASSIGN_OR_RETURN(const double time, table.Number(row, 0));
+  if (std::abs(time - wanted) <= kTimeTolerance * interval) {
+    return absl::OkStatus();
+  }
+  return table.Fault(row, 0,
+                     absl::StrCat("the time is ", time, ", must be ", wanted,
+                                  " with an interval of ", interval,
+                                  "; the first time is 0 or one interval"));
+}
+
+absl::Status ReadCoefficients(const ModelTable& table,
+                              StepResponseModel& model) {
+  MLE_ASSIGN_OR_RETURN(const double first, table.Number(table.rows[0], 0));
+  // A row of time 0 may stand first; it has zeros.
+  const int before = std::abs(first) < 0.5 * model.interval ? 1 : 0;
+  const auto rows = static_cast<int>(table.rows.size());
+  for (PairResponse& pair : model.pairs)
+    pair.coefficients.resize(rows - before);
+  for (int r = 0; r < rows; ++r) {
+    const TableLine& row = table.rows[r];
+    MLE_RETURN_IF_ERROR(CheckTime(table, row, (r + 1 - before) * model.interval,
+                                  model.interval));
+    for (std::size_t c = 0; c < model.pairs.size(); ++c) {
+      const auto column = static_cast<int>(c) + 1;
+      MLE_ASSIGN_OR_RETURN(const double value, table.Number(row, column));
+      if (r >= before) {
+        model.pairs[c].coefficients(r - before) = value;
+      } else if (value != 0.0) {
+        return table.Fault(
+            row, column,
+            absl::StrCat("the response at time 0 is ", value, ", must be 0"));
+      }
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::Status ReadRamps(const ModelTable& table, const TableLine& line,
+                       const Labels& labels, StepResponseModel& model) {
+  for (std::size_t c = 1; c < line.fields.size(); ++c) {
+    const auto column = static_cast<int>(c);
+    MLE_ASSIGN_OR_RETURN(const Pair pair,
+                         FindPair(table, line, column, labels));
+    const auto found = std::find_if(
+        model.pairs.begin(), model.pairs.end(), [&](const PairResponse& one) {
+          return Pair(one.output, one.input) == pair;
+        });
+    if (found == model.pairs.end()) {
+      return table.Fault(line, column, "the table has no column of this pair");
+    }
+    found->is_ramp = true;
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CheckSteadyState(const ModelTable& table, const TableLine& line,
+                              const StepResponseModel& model) {
+  MLE_ASSIGN_OR_RETURN(const double stated, table.Number(line, 1));
+  if (std::abs(stated - model.time_to_steady_state()) <=
+      kTimeTolerance * model.interval) {
+    return absl::OkStatus();
+  }
+  return table.Fault(
+      line, 1,
+      absl::StrCat("the time to steady state is ", stated, ", but ",
+                   model.length(), " coefficients at an interval of ",
+                   model.interval, " end at ", model.time_to_steady_state()));
+}
+
+}  // namespace
+
+bool HoldsStepResponses(const ModelTable& table) {
+  return FoldedKey(table.header.fields.front()) == "time";
+}
+
+absl::StatusOr<StepResponseModel> StepResponsesOf(const ModelTable& table) {
+  std::vector<ModelTable::PairOfNames> names;
+  if (table.inputs.empty()) {
+    MLE_ASSIGN_OR_RETURN(names, NamesInHeader(table));
+  }
+  StepResponseModel model;
+  MLE_ASSIGN_OR_RETURN(model.channels, table.Channels(names));
+  MLE_ASSIGN_OR_RETURN(const Labels labels, LabelsOf(table, model.channels));
+  MLE_RETURN_IF_ERROR(ReadHeader(table, labels, model));
+  MLE_ASSIGN_OR_RETURN(model.interval, ReadInterval(table));
+  MLE_RETURN_IF_ERROR(ReadCoefficients(table, model));
+  for (const TableLine& line : table.others) {
+    if (line.fields.front() == "ramp") {
+      MLE_RETURN_IF_ERROR(ReadRamps(table, line, labels, model));
+    } else if (line.fields.front() == "time to steady state") {
+      MLE_RETURN_IF_ERROR(CheckSteadyState(table, line, model));
+    }
+  }
+  if (const absl::Status status = model.Validate(); !status.ok()) {
+    return table.Fault(table.rows.back().line, std::string(status.message()));
+  }
+  return model;
+}
+
+absl::StatusOr<StepResponseModel> ParseStepResponseCsv(
+    std::string_view csv, std::string_view source) {
+  MLE_ASSIGN_OR_RETURN(const ModelTable table, ReadModelTable(csv, source));
+  if (HoldsStepResponses(table)) return StepResponsesOf(table);
+  return table.Fault(table.header.line,
+                     "the first field is not 'time': these are not step "
+                     "responses");
+}
+
+std::string FormatStepResponseCsv(const StepResponseModel& model) {
+  std::string text = FormatTableHead(model.channels);
+  absl::StrAppend(&text, "interval,", TableNumber(model.interval),
+                  "\ntime to steady state,",
+                  TableNumber(model.time_to_steady_state()), "\n");
+  std::string header = "time";
+  std::string ramps;
+  for (const PairResponse& pair : model.pairs) {
+    const std::string label =
+        QuoteCsvField(Label(model.channels, pair.output, pair.input));
+    absl::StrAppend(&header, ",", label);
+    if (pair.is_ramp) absl::StrAppend(&ramps, ",", label);
+  }
+  if (!ramps.empty()) absl::StrAppend(&text, "ramp", ramps, "\n");
+  absl::StrAppend(&text, header, "\n");
+  for (int k = 0; k < model.length(); ++k) {
+    absl::StrAppendFormat(&text, "%.12g", (k + 1) * model.interval);
+    for (const PairResponse& pair : model.pairs) {
+      absl::StrAppend(&text, ",", TableNumber(pair.coefficients(k)));
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+}  // namespace mle

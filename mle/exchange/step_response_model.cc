@@ -1,0 +1,93 @@
+#include "mle/exchange/step_response_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "glog/logging.h"
+#include "mle/base/file.h"
+#include "mle/base/status.h"
+#include "mle/exchange/file_text.h"
+#include "mle/exchange/step_response_csv.h"
+#include "mle/exchange/step_response_json.h"
+
+namespace mle {
+namespace {
+
+// Beyond, a fit would overflow.
+constexpr double kLargestCoefficient = 1e100;
+
+}  // namespace
+
+absl::Status StepResponseModel::Validate() const {
+  MLE_RETURN_IF_ERROR(channels.Validate());
+  if (!(interval > 0.0) || !std::isfinite(interval)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("interval is ", interval, ", must be positive"));
+  }
+  if (length() < kFewestCoefficients) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("there are ", length(), " coefficients, at least ",
+                     kFewestCoefficients, " are needed"));
+  }
+  std::set<std::pair<int, int>> seen;
+  for (const PairResponse& pair : pairs) {
+    const bool known = pair.output >= 0 && pair.input >= 0 &&
+                       pair.output < channels.num_outputs() &&
+                       pair.input < channels.num_inputs();
+    if (!known || !seen.insert({pair.output, pair.input}).second) {
+      return absl::InvalidArgumentError(absl::StrCat(
+          "output ", pair.output, ", input ", pair.input,
+          known ? ": the pair stands twice" : ": there is no such channel"));
+    }
+    if (pair.coefficients.size() != length() ||
+        !(pair.coefficients.cwiseAbs().maxCoeff() <= kLargestCoefficient)) {
+      return absl::InvalidArgumentError(absl::StrCat(
+          PairName(channels, pair.output, pair.input), ": there must be ",
+          length(), " coefficients of at most ", kLargestCoefficient,
+          " in magnitude"));
+    }
+  }
+  return absl::OkStatus();
+}
+
+StepResponseModel WithChange(const StepResponseModel& model,
+                             const StepResponse& before,
+                             const StepResponse& after) {
+  const int length = model.length();
+  CHECK_EQ(before.samples(), length + 1);
+  CHECK_EQ(after.samples(), length + 1);
+  StepResponseModel changed = model;
+  for (int i = 0; i < model.channels.num_outputs(); ++i) {
+    for (int j = 0; j < model.channels.num_inputs(); ++j) {
+      const Eigen::VectorXd difference =
+          (after.element(i, j) - before.element(i, j)).tail(length);
+      if (difference.isZero(0.0)) continue;
+      const auto found = std::find_if(
+          changed.pairs.begin(), changed.pairs.end(),
+          [&](const PairResponse& p) { return p.output == i && p.input == j; });
+      if (found != changed.pairs.end()) {
+        found->coefficients += difference;
+      } else {
+        changed.pairs.push_back({i, j, difference, false});
+      }
+    }
+  }
+  return changed;
+}
+
+absl::StatusOr<StepResponseModel> ParseStepResponseModel(
+    std::string_view text, std::string_view source) {
+  return IsJsonText(text) ? ParseStepResponseJson(text, source)
+                          : ParseStepResponseCsv(text, source);
+}
+
+absl::StatusOr<StepResponseModel> ReadStepResponseModel(
+    const std::string& path) {
+  MLE_ASSIGN_OR_RETURN(const std::string text, ReadFile(path));
+  return ParseStepResponseModel(text, path);
+}
+
+}  // namespace mle

@@ -1,0 +1,143 @@
+#include "mle/model/channels_json.h"
+
+#include <charconv>
+#include <cstddef>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "mle/base/status.h"
+
+namespace mle {
+namespace {
+
+// More pairs than any plant has; a file that asks for more is broken.
+constexpr std::size_t kMaxPairs = 250'000;
+
+absl::StatusOr<InputChannel> ParseInput(const JsonNode& node) {
+  MLE_RETURN_IF_ERROR(node.CheckKeys({"name", "unit"}, {"role"}));
+  InputChannel input;
+  MLE_ASSIGN_OR_RETURN(input.name, node.At("name").String());
+  MLE_ASSIGN_OR_RETURN(input.unit, node.At("unit").String());
+  if (node.Has("role")) {
+    MLE_ASSIGN_OR_RETURN(const std::string role, node.At("role").String());
+    if (role != "manipulated" && role != "disturbance") {
+      return node.At("role").Fault(
+          absl::StrCat("is ", QuotedJson(role),
+                       ", must be \"manipulated\" or \"disturbance\""));
+    }
+    if (role == "disturbance") input.role = InputRole::kDisturbance;
+  }
+  return input;
+}
+
+absl::StatusOr<OutputChannel> ParseOutput(const JsonNode& node) {
+  MLE_RETURN_IF_ERROR(node.CheckKeys({"name", "unit"}, {}));
+  OutputChannel output;
+  MLE_ASSIGN_OR_RETURN(output.name, node.At("name").String());
+  MLE_ASSIGN_OR_RETURN(output.unit, node.At("unit").String());
+  return output;
+}
+
+// The index of the channel that `key` names.
+template <typename Channel>
+absl::StatusOr<int> FindChannel(const JsonNode& node, const std::string& key,
+                                const std::vector<Channel>& channels) {
+  MLE_ASSIGN_OR_RETURN(const std::string name, node.At(key).String());
+  for (std::size_t i = 0; i < channels.size(); ++i) {
+    if (channels[i].name == name) return static_cast<int>(i);
+  }
+  return node.At(key).Fault(absl::StrCat(
+      QuotedJson(name), " is unknown; the ", key, "s are ",
+      absl::StrJoin(channels, ", ",
+                    [](std::string* out, const Channel& channel) {
+                      absl::StrAppend(out, QuotedJson(channel.name));
+                    })));
+}
+
+}  // namespace
+
+absl::StatusOr<ProcessModel> ReadChannels(const JsonNode& top) {
+  MLE_ASSIGN_OR_RETURN(std::string name, top.At("name").String());
+  MLE_ASSIGN_OR_RETURN(std::string time_unit, top.At("time_unit").String());
+  std::vector<InputChannel> inputs;
+  MLE_ASSIGN_OR_RETURN(const std::vector<JsonNode> input_nodes,
+                       top.At("inputs").ElementsOrNone());
+  for (const JsonNode& node : input_nodes) {
+    MLE_ASSIGN_OR_RETURN(InputChannel input, ParseInput(node));
+    inputs.push_back(std::move(input));
+  }
+  std::vector<OutputChannel> outputs;
+  MLE_ASSIGN_OR_RETURN(const std::vector<JsonNode> output_nodes,
+                       top.At("outputs").ElementsOrNone());
+  for (const JsonNode& node : output_nodes) {
+    MLE_ASSIGN_OR_RETURN(OutputChannel output, ParseOutput(node));
+    outputs.push_back(std::move(output));
+  }
+  if (!inputs.empty() && outputs.size() > kMaxPairs / inputs.size()) {
+    return top.Fault(absl::StrCat(inputs.size(), " inputs and ", outputs.size(),
+                                  " outputs make more than ", kMaxPairs,
+                                  " pairs"));
+  }
+  ProcessModel model(std::move(name), std::move(time_unit), std::move(inputs),
+                     std::move(outputs));
+  if (const absl::Status names = model.Validate(); !names.ok()) {
+    return top.Fault(std::string(names.message()));
+  }
+  return model;
+}
+
+absl::StatusOr<int> FindOutput(const JsonNode& node,
+                               const ProcessModel& channels) {
+  return FindChannel(node, "output", channels.outputs());
+}
+
+absl::StatusOr<int> FindInput(const JsonNode& node,
+                              const ProcessModel& channels) {
+  return FindChannel(node, "input", channels.inputs());
+}
+
+std::string ShortestNumber(double value) {
+  if (value == 0.0) return "0";
+  char buffer[32];
+  const auto end = std::to_chars(buffer, buffer + sizeof(buffer), value).ptr;
+  return std::string(buffer, end);
+}
+
+std::string FormatNumbers(const std::vector<double>& values) {
+  return absl::StrCat("[",
+                      absl::StrJoin(values, ", ",
+                                    [](std::string* out, double value) {
+                                      absl::StrAppend(out,
+                                                      ShortestNumber(value));
+                                    }),
+                      "]");
+}
+
+std::string FormatJsonObjects(const std::vector<std::string>& objects) {
+  if (objects.empty()) return "[]";
+  return absl::StrCat("[\n    {", absl::StrJoin(objects, "},\n    {"),
+                      "}\n  ]");
+}
+
+std::string FormatChannels(const ProcessModel& model) {
+  std::vector<std::string> inputs;
+  for (const InputChannel& input : model.inputs()) {
+    inputs.push_back(absl::StrCat("\"name\": ", QuotedJson(input.name),
+                                  ", \"unit\": ", QuotedJson(input.unit),
+                                  input.role == InputRole::kDisturbance
+                                      ? ", \"role\": \"disturbance\""
+                                      : ""));
+  }
+  std::vector<std::string> outputs;
+  for (const OutputChannel& output : model.outputs()) {
+    outputs.push_back(absl::StrCat("\"name\": ", QuotedJson(output.name),
+                                   ", \"unit\": ", QuotedJson(output.unit)));
+  }
+  return absl::StrCat("  \"name\": ", QuotedJson(model.name()),
+                      ",\n  \"time_unit\": ", QuotedJson(model.time_unit()),
+                      ",\n  \"inputs\": ", FormatJsonObjects(inputs),
+                      ",\n  \"outputs\": ", FormatJsonObjects(outputs));
+}
+
+}  // namespace mle

@@ -1,0 +1,149 @@
+#include "mle/exchange/element_table.h"
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_replace.h"
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+
+namespace mle {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr char kTable[] =
+    "name,Heated tank\n"
+    "time unit,min\n"
+    "input,steam,t/h\n"
+    "input,inflow,m3/h,disturbance\n"
+    "output,temperature,degC\n"
+    "output,pressure,bar\n"
+    "output,input,gain,time constant,second time constant,lead,dead time\n"
+    "temperature,steam,8,12,,,1.5\n"
+    "pressure,inflow,0.37,3,7,-2.5,0.25\n"
+    "temperature,inflow,-0.5,9.1,,,0\n"
+    "pressure,steam,0.1,0,,,2\n";
+
+ElementTable Parsed(const std::string& text) {
+  const absl::StatusOr<ElementTable> table =
+      ParseElementTable(text, "tank.csv");
+  EXPECT_TRUE(table.ok()) << table.status();
+  return table.ok() ? *table : ElementTable();
+}
+
+TEST(ElementTable, ReadsElements) {
+  const ProcessModel process = Parsed(kTable).Process();
+  EXPECT_EQ(process.name(), "Heated tank");
+  EXPECT_EQ(process.inputs()[1].role, InputRole::kDisturbance);
+  const TransferFunction& first = process.element(0, 0);
+  EXPECT_TRUE(first.IsFirstOrder());
+  EXPECT_EQ(first.StaticGain(), 8.0);
+  EXPECT_EQ(first.TimeConstant(), 12.0);
+  EXPECT_EQ(first.delay(), 1.5);
+  const TransferFunction& second = process.element(1, 1);
+  EXPECT_EQ(second.denominator(), (std::vector<double>{21.0, 10.0, 1.0}));
+  EXPECT_EQ(second.numerator(), (std::vector<double>{-2.5 * 0.37, 0.37}));
+  EXPECT_EQ(process.element(1, 0).denominator(), std::vector<double>{1.0});
+}
+
+// The shortest table that a person would type; columns in any order.
+TEST(ElementTable, ReadsShortTables) {
+  const ElementTable table = Parsed(
+      "Time unit;s\nGain;Input;Output;Delay;Time_Constant\n1,5;u;y;0;3\n");
+  EXPECT_EQ(table.channels.name(), "tank");
+  EXPECT_EQ(table.channels.time_unit(), "s");
+  EXPECT_EQ(table.rows[0].gain, 1.5);
+  EXPECT_EQ(table.rows[0].time_constant, 3.0);
+  EXPECT_FALSE(table.has_lead);
+}
+
+TEST(ElementTable, ComesBackAsItWas) {
+  const ElementTable table = Parsed(kTable);
+  EXPECT_EQ(FormatElementTable(table), kTable);
+  EXPECT_EQ(FormatElementTable(WithElements(table, table.Process())), kTable);
+}
+
+// Changed elements of the table's form are written exactly, in their rows.
+TEST(ElementTable, TakesChangedElements) {
+  const ElementTable table = Parsed(kTable);
+  ProcessModel corrected = table.Process();
+  corrected.element(0, 1) = TransferFunction::FirstOrder(-0.7, 9.1, 0.5);
+  // Lags 3 and 7 are 1.5 times as long, and the gain doubles.
+  corrected.element(1, 1) = TransferFunction(
+      {2.0 * -2.5 * 0.37 * 1.5, 2.0 * 0.37}, {21.0 * 2.25, 15.0, 1.0}, 0.25);
+  const ElementTable changed = WithElements(table, corrected);
+  ASSERT_EQ(changed.rows.size(), 4U);
+  EXPECT_EQ(changed.rows[0].gain, 8.0);
+  EXPECT_EQ(changed.rows[2].gain, -0.7);
+  EXPECT_EQ(changed.rows[2].delay, 0.5);
+  EXPECT_NEAR(changed.rows[1].gain, 0.74, 1e-14);
+  EXPECT_NEAR(changed.rows[1].time_constant, 4.5, 1e-13);
+  EXPECT_NEAR(changed.rows[1].second_time_constant, 10.5, 1e-13);
+  EXPECT_NEAR(changed.rows[1].lead, -3.75, 1e-14);
+  for (const ElementRow& row : changed.rows) {
+    EXPECT_EQ(row.largest_difference, 0.0);
+  }
+}
+
+// What the form cannot hold is the nearest that it can, with its difference.
+TEST(ElementTable, StatesTheDifferenceOfOtherShapes) {
+  const ElementTable table = Parsed(kTable);
+  ProcessModel corrected = table.Process();
+  corrected.element(0, 0) =
+      TransferFunction({4.0}, {60.0, 107.0, 52.0, 1.0}, 1.0);
+  const ElementTable changed = WithElements(table, corrected);
+  const ElementRow& row = changed.rows[0];
+  EXPECT_GT(row.largest_difference, 0.0);
+  EXPECT_LT(row.largest_difference, 0.05);
+  const Eigen::VectorXd wanted = corrected.element(0, 0).StepResponse(0.5, 600);
+  const Eigen::VectorXd found = row.Element().StepResponse(0.5, 600);
+  EXPECT_NEAR((found - wanted).cwiseAbs().maxCoeff() / 4.0,
+              row.largest_difference, 0.01);
+  const std::string text = FormatElementTable(changed);
+  EXPECT_THAT(text, HasSubstr("dead time,largest difference\n"));
+  // The column is no part of the model.
+  EXPECT_EQ(Parsed(text).rows[0].gain, row.gain);
+}
+
+TEST(ElementTable, SaysWhatIsWrong) {
+  const std::vector<std::pair<std::vector<std::pair<std::string, std::string>>,
+                              std::vector<std::string>>>
+      mistakes = {
+          {{{"9.1,,,0\n", "9.1,,,0,3\n"}}, {"line 10", "8 fields", "has 7"}},
+          {{{"9.1,,,0\n", "9.1\n"}}, {"line 10, column 7", "empty"}},
+          {{{"-0.5,9.1", "half,9.1"}}, {"line 10, column 3", "'half'"}},
+          {{{"-0.5,9.1", "-0.5,-9.1"}},
+           {"line 10, column 4", "time constant is -9.1"}},
+          {{{"9.1,,,0\n", "9.1,,,-1\n"}}, {"line 10, column 7", "dead time"}},
+          {{{"temperature,inflow,", "level,inflow,"}},
+           {"line 10, column 1", "'level'", "temperature, pressure"}},
+          {{{"temperature,inflow,", "temperature,outflow,"}},
+           {"line 10, column 2", "'outflow'"}},
+          {{{"temperature,inflow,", "temperature,steam,"}},
+           {"line 10", "line 8 already"}},
+          {{{"pressure,steam,0.1,0,,", "pressure,steam,0.1,0,,3"}},
+           {"line 11", "proper"}},
+          {{{"lead", "lag"}}, {"line 7, column 6", "'lag'"}},
+          {{{"lead", "gain"}}, {"line 7, column 6", "column 3 already"}},
+          {{{"dead time", "largest difference"}}, {"line 7", "'dead time'"}},
+          {{{"time unit,min", "interval,1"}}, {"time unit,min"}},
+          {{{"time unit,min", "time unit,min\ninterval,1"}},
+           {"line 3", "'interval'"}}};
+  for (const auto& [replaced, named] : mistakes) {
+    const std::string bad = absl::StrReplaceAll(kTable, replaced);
+    SCOPED_TRACE(bad);
+    ASSERT_NE(bad, kTable);
+    const absl::StatusOr<ElementTable> table =
+        ParseElementTable(bad, "tank.csv");
+    ASSERT_FALSE(table.ok());
+    EXPECT_THAT(std::string(table.status().message()), HasSubstr("tank.csv: "));
+    for (const std::string& name : named) {
+      EXPECT_THAT(std::string(table.status().message()), HasSubstr(name));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace mle
