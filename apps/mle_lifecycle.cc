@@ -12,10 +12,12 @@
 #include "apps/common/stop_signal.h"
 #include "apps/lifecycle/campaign.h"
 #include "apps/lifecycle/figures.h"
+#include "apps/lifecycle/headline.h"
 #include "apps/lifecycle/outputs.h"
 #include "apps/lifecycle/page.h"
 #include "apps/lifecycle/request.h"
 #include "apps/lifecycle/summary.h"
+#include "apps/lifecycle/tables.h"
 #include "apps/report/drawing.h"
 #include "apps/report/html.h"
 #include "apps/report/table.h"
@@ -56,10 +58,27 @@ absl::Status WriteAll(const lifecycle::Request& request,
         campaign.threads);
   }
   report::AddPictures(figures, files);
-  files.emplace_back("report.html",
-                     lifecycle::FormatPage(campaign, summaries, figures,
-                                           HowToRunAgain(campaign.seeds)));
+  files.emplace_back("report.html", lifecycle::FormatPage(
+                                        campaign, summaries, valuation, figures,
+                                        HowToRunAgain(campaign.seeds)));
   return WriteFilesTogether(campaign.folder, files);
+}
+
+void PrintFindings(const lifecycle::Campaign& campaign,
+                   const std::vector<lifecycle::RateSummary>& summaries,
+                   const lifecycle::Valuation& valuation) {
+  for (const lifecycle::RateSummary& rate : summaries) {
+    std::cout << report::RenderText(lifecycle::ComparisonTable(
+                     rate, campaign.seeds.size(), valuation.currency))
+              << "\n"
+              << report::RenderText(lifecycle::ActivityTable(rate)) << "\n";
+  }
+  const report::Verdict verdict =
+      lifecycle::VerdictOf(campaign, summaries, valuation);
+  std::cout << verdict.headline << ".\n";
+  for (const std::string& sentence : verdict.sentences) {
+    std::cout << sentence << "\n";
+  }
 }
 
 int Main(lifecycle::Request& request, OptionTable& table) {
@@ -80,15 +99,10 @@ int Main(lifecycle::Request& request, OptionTable& table) {
   }
   if (!lives.ok()) return Fail(lives.status());
   const lifecycle::Valuation valuation = {
-      request.prices, request.hours_per_unit, request.years};
+      request.prices, request.hours_per_unit, request.years, request.currency};
   const std::vector<lifecycle::RateSummary> summaries =
       lifecycle::Summarise(campaign, *lives, valuation);
-  for (const lifecycle::RateSummary& rate : summaries) {
-    std::cout << report::RenderText(lifecycle::PolicyTable(rate)) << "\n";
-  }
-  for (const std::string& sentence : lifecycle::Findings(campaign, summaries)) {
-    std::cout << sentence << "\n";
-  }
+  PrintFindings(campaign, summaries, valuation);
   if (const absl::Status status =
           WriteAll(request, *lives, summaries, valuation);
       !status.ok()) {

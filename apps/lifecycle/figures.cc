@@ -8,6 +8,10 @@
 
 #include "absl/strings/str_cat.h"
 #include "apps/lifecycle/durations.h"
+#include "apps/lifecycle/figure_parts.h"
+#include "apps/lifecycle/headline.h"
+#include "apps/lifecycle/money.h"
+#include "apps/lifecycle/policy_words.h"
 #include "apps/lifecycle/saving_map.h"
 
 namespace mle::lifecycle {
@@ -25,33 +29,6 @@ using report::Style;
 constexpr double kColumnWidthCm = 8.5;
 constexpr double kDaysPerYear = kHoursPerYear / 24.0;
 
-// Colour by family; its members differ in their lines.
-Style StyleOfPolicy(const Policy& policy, int member) {
-  static const std::map<std::string, Role>* const kColours =
-      new std::map<std::string, Role>{
-          {"never", Role::kInitial},          {"perfect", Role::kTrue},
-          {"output_error", Role::kCorrected}, {"combined", Role::kFitted},
-          {"arx", Role::kAlternative},        {"test", Role::kUnregularised},
-          {"on_demand", Role::kMeasured}};
-  constexpr LineStyle kLines[] = {LineStyle::kSolid, LineStyle::kDashed,
-                                  LineStyle::kDotted, LineStyle::kDashDotted};
-  Style style;
-  const auto colour = kColours->find(policy.family());
-  if (colour != kColours->end()) style.colour = colour->second;
-  style.line = kLines[member % 4];
-  style.width_pt = 1.4;
-  return style;
-}
-
-// By its place among the policies.
-Style StyleAt(const std::vector<Policy>& policies, std::size_t place) {
-  int member = 0;
-  for (std::size_t i = 0; i < place; ++i) {
-    if (policies[i].family() == policies[place].family()) ++member;
-  }
-  return StyleOfPolicy(policies[place], member);
-}
-
 // Mean months between updates or tests; NaN for those without an interval.
 double MonthsBetween(const Policy& policy, double change_months) {
   switch (policy.kind) {
@@ -64,49 +41,17 @@ double MonthsBetween(const Policy& policy, double change_months) {
   }
 }
 
-MarkerShape MarkerOf(const std::string& family) {
-  if (family == "output_error") return MarkerShape::kDisc;
-  if (family == "combined") return MarkerShape::kSquare;
-  if (family == "arx") return MarkerShape::kTriangle;
-  return MarkerShape::kDiamond;
+std::string FamilyName(const std::string& family) {
+  if (family == "test") return "step test";
+  if (family == "output_error") return "corrected";
+  return family == "arx" ? "ΔR" : family;
 }
-
-// What is drawn of a policy: what it costs beyond the perfect model, where that
-// is known.
-MeanOfSeeds Drawn(const PolicySummary& policy) {
-  return std::isfinite(policy.excess.mean) ? policy.excess : policy.cost;
-}
-
-// The highest cost that a picture has to show. Step tests may cost many times
-// what all others do, and would press those flat.
-class UpperEdge {
- public:
-  void Add(const Policy& policy, double cost) {
-    if (!std::isfinite(cost)) return;
-    if (policy.tests()) {
-      tests_ = std::min(tests_, cost);
-    } else {
-      others_ = std::max(others_, cost);
-    }
-  }
-  double value() const {
-    const double tests = tests_ <= kMostTimes * others_ ? tests_ : others_;
-    return 1.15 * std::max(others_, tests);
-  }
-
- private:
-  static constexpr double kMostTimes = 4.0;
-  double others_ = 0.0;
-  double tests_ = std::numeric_limits<double>::infinity();
-};
 
 // One line for each family that has an interval.
 void FillIntervalPanel(const RateSummary& rate, double change_months,
-                       Panel& panel) {
+                       const std::string& currency, Panel& panel) {
   panel.x = {.label = "months between updates", .log = true};
-  panel.y = {.label = rate.Find(Policy::Kind::kPerfect) != nullptr
-                          ? "excess cost per year over perfect"
-                          : "cost per year"};
+  panel.y = {.label = CostLabel(rate, currency)};
   UpperEdge upper;
   double lower = 0.0;
   for (const PolicySummary& policy : rate.policies) {
@@ -132,7 +77,7 @@ void FillIntervalPanel(const RateSummary& rate, double change_months,
                        MonthsBetween(b->policy, change_months);
               });
     Series series;
-    series.label = family == "test" ? "step test" : family;
+    series.label = FamilyName(family);
     series.style = StyleOfPolicy(members.front()->policy, 0);
     series.style.marker = MarkerOf(family);
     series.style.marker_size_pt = 6.0;
@@ -152,23 +97,24 @@ void FillIntervalPanel(const RateSummary& rate, double change_months,
     if (family != "never" && family != "perfect" && family != "on_demand") {
       continue;
     }
-    panel.lines.push_back(
-        {.label = family == "on_demand" ? "step test on demand" : family,
-         .value = Drawn(policy).mean,
-         .style = StyleOfPolicy(policy.policy, 1)});
+    panel.lines.push_back({.label = family == "perfect"
+                                        ? std::string(kFloorLabel)
+                                        : ShortName(policy.policy),
+                           .value = Drawn(policy).mean,
+                           .style = StyleOfPolicy(policy.policy, 1)});
   }
 }
 
 NamedFigure IntervalFigure(const std::vector<RateSummary>& summaries,
-                           double change_months) {
+                           double change_months, const std::string& currency) {
   NamedFigure named;
   named.name = "cost_over_interval";
   named.caption =
-      "Cost per year in excess of the perfect model (total cost where that "
-      "policy is not run) against the time between updates, a panel "
-      "for each rate of ageing; mean of the seeds, 95 % bands, compared seed "
-      "by seed. Step tests that cost several times as much as all others are "
-      "beyond the upper edge.";
+      "Cost of a year above the perfect model, the floor (whole cost where "
+      "that policy is not run), against the time between updates, a panel "
+      "for each rate of ageing; means and 95 % bands over the same lives. "
+      "Step tests that cost several times as much as all others are beyond "
+      "the upper edge.";
   Figure& figure = named.figure;
   figure.columns = std::min(static_cast<int>(summaries.size()), 2);
   const int rows = (static_cast<int>(summaries.size()) + figure.columns - 1) /
@@ -176,7 +122,7 @@ NamedFigure IntervalFigure(const std::vector<RateSummary>& summaries,
   figure.width_cm = figure.columns == 1 ? 13.0 : 2.0 * kColumnWidthCm;
   figure.height_cm = 2.0 + 6.0 * rows;
   for (const RateSummary& rate : summaries) {
-    FillIntervalPanel(rate, change_months,
+    FillIntervalPanel(rate, change_months, currency,
                       figure.AddPanel(absl::StrCat("ageing rate ", rate.rate)));
   }
   return named;
@@ -193,27 +139,26 @@ std::vector<const RateSummary*> ByRate(
 
 // `summaries`: by rising rate.
 NamedFigure RateFigure(const Campaign& campaign,
-                       const std::vector<const RateSummary*>& summaries) {
+                       const std::vector<const RateSummary*>& summaries,
+                       const std::string& currency) {
   NamedFigure named;
   named.name = "cost_over_rate";
   named.caption =
-      "Cost per year in excess of the perfect model (total cost where that "
-      "policy is not run) against the rate of ageing, a line for "
-      "each policy; mean of the seeds. Step tests that cost several times as "
+      "Cost of a year above the perfect model, the floor (whole cost where "
+      "that policy is not run), against the rate of ageing, a line for each "
+      "policy; means over the lives. Step tests that cost several times as "
       "much as all others are beyond the upper edge.";
   Figure& figure = named.figure;
   figure.width_cm = 15.0;
   figure.height_cm = 9.5;
   Panel& panel = figure.AddPanel("");
   panel.x = {.label = "rate of ageing"};
-  panel.y = {.label = summaries.front()->Find(Policy::Kind::kPerfect) != nullptr
-                          ? "excess cost per year over perfect"
-                          : "cost per year"};
+  panel.y = {.label = CostLabel(*summaries.front(), currency)};
   UpperEdge upper;
   double lower = 0.0;
   for (std::size_t p = 0; p < campaign.policies.size(); ++p) {
     Series series;
-    series.label = campaign.policies[p].name;
+    series.label = ShortName(campaign.policies[p]);
     series.style = StyleAt(campaign.policies, p);
     series.style.marker = MarkerOf(campaign.policies[p].family());
     for (const RateSummary* rate : summaries) {
@@ -251,8 +196,8 @@ NamedFigure TimeFigure(const Campaign& campaign,
   named.name = "over_time";
   named.caption = absl::StrCat(
       "Over the years, seed ", campaign.seeds.front(), ", ageing rate ", rate,
-      ": cost so far in excess of the perfect model (total cost where that "
-      "policy is not run), and the squared distance E of "
+      ": cost so far above the perfect model, the floor (whole cost where "
+      "that policy is not run), and the squared distance E of "
       "the model in use from the plant. Step tests may exceed the range "
       "shown.");
   Figure& figure = named.figure;
@@ -269,14 +214,18 @@ NamedFigure TimeFigure(const Campaign& campaign,
   distance_panel.y = {.label = "squared distance E", .log = true};
   const std::vector<double> perfect =
       PerfectCosts(campaign, lives.front(), valuation);
-  if (!perfect.empty()) cost.y.label = "excess over perfect";
+  if (!perfect.empty()) {
+    cost.y.label = "cost so far above the floor";
+    cost.lines.push_back(report::HorizontalLine(Role::kTrue, kFloorLabel, 0.0));
+  }
+  cost.y.label += InCurrency(valuation.currency);
   UpperEdge upper;
   double lower = 0.0;
   for (std::size_t p = 0; p < campaign.policies.size(); ++p) {
     const bool is_perfect = campaign.policies[p].kind == Policy::Kind::kPerfect;
     if (is_perfect) continue;
     Series spent;
-    spent.label = campaign.policies[p].name;
+    spent.label = ShortName(campaign.policies[p]);
     spent.style = StyleAt(campaign.policies, p);
     Series distance = spent;
     double total = 0.0;
@@ -322,22 +271,20 @@ std::vector<NamedFigure> MakeFigures(const Campaign& campaign,
   const bool several =
       std::any_of(members.begin(), members.end(),
                   [](const auto& family) { return family.second > 1; });
-  if (several) figures.push_back(IntervalFigure(summaries, change_months));
+  figures.push_back(CostFigure(NominalRate(summaries), valuation.currency));
+  if (several) {
+    figures.push_back(
+        IntervalFigure(summaries, change_months, valuation.currency));
+  }
   const std::vector<const RateSummary*> by_rate = ByRate(summaries);
   if (summaries.size() > 1) {
     if (summaries.front().Find(Policy::Kind::kNever) != nullptr &&
         campaign.policies.size() > 1) {
-      figures.push_back(SavingMap(by_rate));
+      figures.push_back(SavingMap(by_rate, valuation.currency));
     }
-    figures.push_back(RateFigure(campaign, by_rate));
+    figures.push_back(RateFigure(campaign, by_rate, valuation.currency));
   }
-  std::size_t nearest = 0;
-  for (std::size_t r = 1; r < summaries.size(); ++r) {
-    if (std::abs(summaries[r].rate - 1.0) <
-        std::abs(summaries[nearest].rate - 1.0)) {
-      nearest = r;
-    }
-  }
+  const std::size_t nearest = &NominalRate(summaries) - summaries.data();
   figures.push_back(
       TimeFigure(campaign, lives[nearest], summaries[nearest].rate, valuation));
   for (NamedFigure& figure : figures) {

@@ -2,10 +2,12 @@
 
 #include <utility>
 
+#include "absl/strings/str_cat.h"
 #include "apps/common/controller_options.h"
 #include "apps/common/correct_options.h"
 #include "apps/lifecycle/durations.h"
 #include "apps/lifecycle/request.h"
+#include "apps/report/text.h"
 
 namespace mle::lifecycle {
 namespace {
@@ -22,6 +24,24 @@ TextValue PoliciesOf(Campaign& campaign) {
     absl::StatusOr<std::vector<Policy>> policies = ParsePolicies(text);
     if (policies.ok()) campaign.policies = *std::move(policies);
     return policies.status();
+  };
+  return value;
+}
+
+// Longer names have no place in tables and on axes.
+constexpr int kLongestCurrency = 12;
+
+TextValue CurrencyOf(Request& request) {
+  TextValue value;
+  value.read = [&request](const std::string& text, const NumberRange&) {
+    const int width = report::DisplayWidth(report::CleanText(text));
+    if (width > kLongestCurrency) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("is ", width, " characters long; at most ",
+                       kLongestCurrency, " are shown: EUR"));
+    }
+    request.currency = text;
+    return absl::OkStatus();
   };
   return value;
 }
@@ -199,6 +219,10 @@ void AddOptions(Request& request, OptionTable& table) {
   table.Add("Corrections", mle::OptionsOf(correct.decision));
   table.Add("Step tests", OptionsOf(life.test, request));
   table.Add("Prices", OptionsOf(request.prices));
+  table.Add("Prices",
+            {{"currency", CurrencyOf(request),
+              "Name of the money that prices are in, shown with every amount: "
+              "EUR. Empty: none. No life is simulated anew for it."}});
   table.PutFirst({"model", "ageing", "years", "change_every", "policies",
                   "seeds", "out", "price_squared_error"});
 }

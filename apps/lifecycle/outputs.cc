@@ -29,6 +29,8 @@ Json ToJson(const PolicySummary& policy) {
             {"engineering", policy.parts.engineering}}},
           {"saving_per_year", ToJson(policy.saving)},
           {"excess_over_perfect_per_year", ToJson(policy.excess)},
+          {"over_cheapest_per_year", ToJson(policy.over_cheapest)},
+          {"told_apart_from_cheapest", ToldApart(policy.over_cheapest)},
           {"share_saved", policy.share_saved},
           {"updates", policy.updates},
           {"refusals", policy.refusals},
@@ -100,6 +102,7 @@ std::string FormatResult(
   for (const auto& [name, value] : flags) flag_values[name] = value;
   json["flags"] = std::move(flag_values);
   json["years"] = valuation.years;
+  json["currency"] = valuation.currency;
   json["seeds"] = campaign.seeds;
   Json rates = Json::array();
   for (const RateSummary& rate : summaries) {

@@ -28,7 +28,8 @@ constexpr double kOutputMargin = 1.5;
 const std::set<std::string> kNotOfALife = {
     "model",    "plant",   "ageing",           "ageing_rates",
     "policies", "seeds",   "first_seed",       "out",
-    "figures",  "threads", "hours_per_update", "hours_per_test"};
+    "figures",  "threads", "hours_per_update", "hours_per_test",
+    "currency"};
 
 absl::Status Wrong(const char* option, const std::string& message) {
   return AboutOption(option, absl::InvalidArgumentError(message));

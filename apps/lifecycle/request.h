@@ -41,6 +41,7 @@ struct Request {
   // Where all others are.
   Campaign campaign;
   Prices prices;
+  std::string currency;
   double hours_per_unit = 1.0;  // of the model's time unit
 };
 

@@ -5,7 +5,8 @@
 #include <string>
 
 #include "absl/strings/str_cat.h"
-#include "apps/report/number.h"
+#include "apps/lifecycle/money.h"
+#include "apps/lifecycle/policy_words.h"
 
 namespace mle::lifecycle {
 namespace {
@@ -26,34 +27,29 @@ double LargestSaving(const RateSummary& rate) {
   return largest;
 }
 
-std::string Amount(double money) {
-  return std::abs(money) < 100.0 ? report::FormatSignificant(money)
-                                 : report::FormatInteger(std::llround(money));
-}
-
 std::vector<std::string> Words(const PolicySummary& policy) {
   if (policy.ran_away > 0) return {"the loop diverged"};
   const MeanOfSeeds& saving = policy.saving;
   if (!std::isfinite(saving.mean)) return {"–"};
   std::vector<std::string> lines = {
-      absl::StrCat(saving.mean > 0.0 ? "+" : "", Amount(saving.mean))};
+      absl::StrCat(saving.mean > 0.0 ? "+" : "", Money(saving.mean))};
   if (std::isfinite(saving.half_width)) {
-    lines.push_back(absl::StrCat("± ", Amount(saving.half_width)));
+    lines.push_back(absl::StrCat("± ", Money(saving.half_width)));
   }
   return lines;
 }
 
 }  // namespace
 
-report::NamedFigure SavingMap(
-    const std::vector<const RateSummary*>& summaries) {
+report::NamedFigure SavingMap(const std::vector<const RateSummary*>& summaries,
+                              const std::string& currency) {
   report::NamedFigure named;
   named.name = "saving_map";
-  named.caption =
-      "Saving a year against never updating, by policy and rate of ageing, "
-      "with the half-width of its 95 % interval. The darker, the larger the "
-      "share of the largest saving at that rate. White: not significantly "
-      "above zero.";
+  named.caption = absl::StrCat(
+      "Saving a year against never updating", InCurrency(currency),
+      ", by policy and rate of ageing, with the half-width of its 95 % "
+      "interval. The darker, the larger the share of the largest saving at "
+      "that rate. White: not significantly above zero.");
   named.alt = absl::StrCat(named.caption, " The tables have the same numbers.");
   report::Panel& panel = named.figure.AddPanel("");
   panel.x.label = "rate of ageing";
@@ -65,7 +61,7 @@ report::NamedFigure SavingMap(
     const Policy& policy = summaries.front()->policies[p].policy;
     if (policy.kind == Policy::Kind::kNever) continue;
     const auto y = static_cast<double>(panel.y.names.size());
-    panel.y.names.push_back(policy.name);
+    panel.y.names.push_back(ShortName(policy));
     for (std::size_t r = 0; r < summaries.size(); ++r) {
       const PolicySummary& at = summaries[r]->policies[p];
       const double shade =

@@ -3,6 +3,7 @@
 #ifndef APPS_LIFECYCLE_SAVING_MAP_H_
 #define APPS_LIFECYCLE_SAVING_MAP_H_
 
+#include <string>
 #include <vector>
 
 #include "apps/lifecycle/summary.h"
@@ -15,7 +16,8 @@ namespace mle::lifecycle {
 // saving at that rate, the darker; a saving within its interval of zero is
 // white. `summaries`: by rising rate, all of the same policies, `never` among
 // them and others too.
-report::NamedFigure SavingMap(const std::vector<const RateSummary*>& summaries);
+report::NamedFigure SavingMap(const std::vector<const RateSummary*>& summaries,
+                              const std::string& currency);
 
 }  // namespace mle::lifecycle
 

@@ -104,10 +104,14 @@ void AddDifferences(const Campaign& campaign,
   const std::size_t perfect =
       PlaceOf(campaign.policies, Policy::Kind::kPerfect);
   const double possible = Difference(lives, never, perfect, valuation).mean;
+  const PolicySummary* best = rate.Cheapest();
+  const std::size_t cheapest =
+      best == nullptr ? rate.policies.size() : best - rate.policies.data();
   for (std::size_t p = 0; p < campaign.policies.size(); ++p) {
     PolicySummary& policy = rate.policies[p];
     policy.saving = Difference(lives, never, p, valuation);
     policy.excess = Difference(lives, p, perfect, valuation);
+    policy.over_cheapest = Difference(lives, p, cheapest, valuation);
     policy.share_saved = possible > 0.0 ? policy.saving.mean / possible : kNaN;
   }
 }
@@ -153,6 +157,11 @@ MeanOfSeeds MeanWithInterval(const std::vector<double>& values) {
   result.half_width = StudentTwoSidedQuantile(kLevel, n - 1.0) *
                       std::sqrt(squares / (n - 1.0) / n);
   return result;
+}
+
+bool ToldApart(const MeanOfSeeds& difference) {
+  return std::isfinite(difference.half_width) &&
+         std::abs(difference.mean) > difference.half_width;
 }
 
 const PolicySummary* RateSummary::Find(Policy::Kind kind) const {

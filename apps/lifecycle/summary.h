@@ -24,6 +24,9 @@ struct MeanOfSeeds {
 
 MeanOfSeeds MeanWithInterval(const std::vector<double>& values);
 
+// Whether the interval of a difference is known and does not hold zero.
+bool ToldApart(const MeanOfSeeds& difference);
+
 struct PolicySummary {
   Policy policy;
   // A year's, in money; NaN where the loop diverged in a seed.
@@ -31,6 +34,9 @@ struct PolicySummary {
   Cost parts;          // mean of each part
   MeanOfSeeds saving;  // never less this policy; NaN without never
   MeanOfSeeds excess;  // this policy less perfect; NaN without perfect
+  // This policy less the cheapest one (RateSummary::Cheapest); NaN where the
+  // loop diverged in a life of one of them.
+  MeanOfSeeds over_cheapest;
   // Of what never costs more than perfect, the part that this policy saves;
   // NaN without both, or where they do not differ.
   double share_saved = 0.0;
@@ -71,6 +77,7 @@ struct Valuation {
   Prices prices;
   double hours_per_unit = 1.0;
   double years = 1.0;
+  std::string currency = {};  // of the prices, as it is shown; may be empty
 };
 
 std::vector<RateSummary> Summarise(const Campaign& campaign, const Lives& lives,

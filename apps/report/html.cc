@@ -1,6 +1,7 @@
 #include "apps/report/html.h"
 
 #include "absl/status/statusor.h"
+#include "absl/strings/ascii.h"
 #include "apps/report/page_style.h"
 #include "apps/report/readout.h"
 #include "apps/report/svg.h"
@@ -28,6 +29,29 @@ std::string RelativeUrl(std::string_view path) {
     url += kHex[byte % 16];
   }
   return url;
+}
+
+bool IsOfFlag(char c) {
+  return absl::ascii_islower(static_cast<unsigned char>(c)) ||
+         absl::ascii_isdigit(static_cast<unsigned char>(c)) || c == '_';
+}
+
+// Text of sentences, escaped, in which the name of a flag ("--data") is not
+// broken after its hyphens at the end of a line.
+std::string Prose(std::string_view text) {
+  const std::string escaped = EscapeHtml(text);
+  std::string out;
+  std::size_t at = 0;
+  for (std::size_t begin = escaped.find("--"); begin != std::string::npos;
+       begin = escaped.find("--", at)) {
+    std::size_t end = begin + 2;
+    while (end < escaped.size() && IsOfFlag(escaped[end])) ++end;
+    out += escaped.substr(at, begin - at);
+    const std::string name = escaped.substr(begin, end - begin);
+    out += name.size() > 2 ? "<span class=\"flag\">" + name + "</span>" : name;
+    at = end;
+  }
+  return out + escaped.substr(at);
 }
 
 // A box that scrolls sideways by itself where it is wider than the page; it
@@ -70,7 +94,7 @@ std::string RenderVerdict(const Verdict& verdict, const std::string& title) {
          "</p>\n<h1><span class=\"badge\">" + EscapeHtml(verdict.label) +
          "</span> " + EscapeHtml(verdict.headline) + "</h1>\n";
   for (const std::string& sentence : verdict.sentences) {
-    out += "<p>" + EscapeHtml(sentence) + "</p>\n";
+    out += "<p>" + Prose(sentence) + "</p>\n";
   }
   return out + "</header>\n";
 }
@@ -96,21 +120,32 @@ void HtmlPage::AddSubheading(std::string_view text) {
 }
 
 void HtmlPage::AddParagraph(std::string_view text) {
-  body_ += "<p>" + EscapeHtml(text) + "</p>\n";
+  body_ += "<p>" + Prose(text) + "</p>\n";
 }
 
 void HtmlPage::AddList(const std::vector<std::string>& items) {
   body_ += "<ul>\n";
   for (const std::string& item : items) {
-    body_ += "<li>" + EscapeHtml(item) + "</li>\n";
+    body_ += "<li>" + Prose(item) + "</li>\n";
   }
   body_ += "</ul>\n";
+}
+
+void HtmlPage::AddTerms(
+    const std::vector<std::pair<std::string, std::string>>& terms) {
+  if (terms.empty()) return;
+  body_ += "<dl>\n";
+  for (const auto& [term, meaning] : terms) {
+    body_ +=
+        "<dt>" + EscapeHtml(term) + "</dt><dd>" + Prose(meaning) + "</dd>\n";
+  }
+  body_ += "</dl>\n";
 }
 
 void HtmlPage::AddWarning(std::string_view text) {
   body_ +=
       "<div class=\"warning\" role=\"note\">\n<p><strong>Warning:</strong> " +
-      EscapeHtml(text) + "</p>\n</div>\n";
+      Prose(text) + "</p>\n</div>\n";
 }
 
 void HtmlPage::OpenFold(std::string_view title) {
@@ -151,7 +186,7 @@ void HtmlPage::AddFigure(const Figure& figure, std::string_view caption,
     return;
   }
   body_ += "<figure>\n" + Scrolling("picture", "Figure " + number, *picture) +
-           "<figcaption>Figure " + number + ". " + EscapeHtml(caption) +
+           "<figcaption>Figure " + number + ". " + Prose(caption) +
            "</figcaption>\n</figure>\n";
 }
 
@@ -172,16 +207,11 @@ void HtmlPage::AddFiles(
 void HtmlPage::AddRunAgain(const RunAgain& run) {
   if (open_folds_ == 0) AddHeading("Run it again");
   if (!run.command.empty()) AddCode(run.command);
-  std::string rows;
-  const auto add = [&rows](const std::string& name, const std::string& value) {
-    if (value.empty()) return;
-    rows +=
-        "<dt>" + EscapeHtml(name) + "</dt><dd>" + EscapeHtml(value) + "</dd>\n";
-  };
-  add("Version", run.version);
-  add("Seeds", run.seeds);
-  for (const auto& [name, value] : run.more) add(name, value);
-  if (!rows.empty()) body_ += "<dl>\n" + rows + "</dl>\n";
+  std::vector<std::pair<std::string, std::string>> terms = {
+      {"Version", run.version}, {"Seeds", run.seeds}};
+  terms.insert(terms.end(), run.more.begin(), run.more.end());
+  std::erase_if(terms, [](const auto& term) { return term.second.empty(); });
+  AddTerms(terms);
 }
 
 std::string HtmlPage::Render() const {

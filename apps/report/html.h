@@ -63,6 +63,8 @@ class HtmlPage {
   void AddSubheading(std::string_view text);
   void AddParagraph(std::string_view text);
   void AddList(const std::vector<std::string>& items);
+  // Terms with what they mean, side by side where there is room.
+  void AddTerms(const std::vector<std::pair<std::string, std::string>>& terms);
   void AddWarning(std::string_view text);
   // What follows, until the fold is closed, is shown when a reader opens it.
   void OpenFold(std::string_view title);

@@ -29,7 +29,7 @@ constexpr double kSampleGap = 0.5;     // from sample to its text
 constexpr double kEntryGap = 1.6;      // between entries of the legend
 constexpr double kLegendGap = 0.35;    // from legend to panels
 constexpr double kLegendLine = 1.5;    // from line to line of the legend
-constexpr double kLongestName = 14.0;  // of a place on an axis
+constexpr double kLongestName = 16.0;  // of a place on an axis
 
 // Room around a frame, in points.
 struct Margins {

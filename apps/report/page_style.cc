@@ -49,6 +49,7 @@ details + h2, details + p { margin-top: 1.5rem; }
 summary { cursor: pointer; padding: .55rem 0; color: var(--accent); font-weight: 600; }
 summary:focus-visible { outline: 2px solid var(--accent); outline-offset: 2px; }
 details[open] { padding-bottom: 1rem; }
+.flag { white-space: nowrap; }
 .copied { position: relative; }
 .copy { font: inherit; font-size: .9rem; color: var(--accent); background: var(--card); border: 1px solid var(--rule); border-radius: 4px; padding: .25rem .8rem; cursor: pointer; }
 .copy:focus-visible { outline: 2px solid var(--accent); outline-offset: 2px; }
@@ -80,7 +81,7 @@ nav a { display: inline-block; padding: .2rem 0; }
   .picture .ground { fill-opacity: 0; }
 }
 table { border-collapse: collapse; font-size: .95rem; font-variant-numeric: tabular-nums; }
-caption { text-align: left; color: var(--soft); padding: 0 0 .5rem; max-width: 44rem; }
+caption { text-align: left; color: var(--soft); padding: 0 0 .5rem; min-width: min(24rem, 80vw); max-width: min(44rem, 88vw); }
 th, td { padding: .35rem .8rem; border-bottom: 1px solid var(--rule); vertical-align: baseline; }
 th:first-child, td:first-child { padding-left: .1rem; }
 thead th, thead td { border-bottom: 2px solid var(--soft); vertical-align: bottom; }
@@ -99,6 +100,7 @@ dt { color: var(--soft); } dd { margin: 0; overflow-wrap: anywhere; }
 @media (max-width: 30rem) {
   dl { grid-template-columns: 1fr; gap: 0; } dd { margin-bottom: .5rem; }
   th, td { padding: .35rem .5rem; }
+  tbody th.left { min-width: 7rem; }
 }
 @page { size: A4; margin: 18mm 16mm; }
 @media print {
@@ -117,9 +119,15 @@ dt { color: var(--soft); } dd { margin: 0; overflow-wrap: anywhere; }
   figure, tr, .table, .summary, .warning { break-inside: avoid; }
   thead { display: table-header-group; }
   .scroll { overflow: visible; }
+  table { font-size: 8.5pt; }
+  th, td { padding: .2rem .4rem; }
+  th.right { min-width: 0; }
+  thead th { overflow-wrap: anywhere; }
+  td.right { white-space: normal; }
   .picture { border: 0; padding: 0; }
   .picture > svg { min-width: 0 !important; max-height: 240mm; }
   .readout { display: none; }
+  caption { min-width: 0; }
   p, ul, caption, figcaption { max-width: none; orphans: 3; widows: 3; }
 }
 )css";

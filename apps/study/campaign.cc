@@ -13,6 +13,7 @@
 #include "apps/study/campaign_scenarios.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"
+#include "mle/exchange/model_file.h"
 #include "mle/model/json_node.h"
 #include "mle/model/strict_json.h"
 #include "nlohmann/json.hpp"
@@ -27,9 +28,9 @@ using experiment::Grid;
 
 using Json = nlohmann::json;
 
-absl::StatusOr<Json> ReadModelFile(const std::string& path) {
-  MLE_ASSIGN_OR_RETURN(const ProcessModel model, ReadProcessModel(path));
-  return Json::parse(FormatProcessModel(model));
+absl::StatusOr<Json> ReadModelJson(const std::string& path) {
+  MLE_ASSIGN_OR_RETURN(const ModelFile file, ReadModelFile(path));
+  return Json::parse(FormatProcessModel(file.process));
 }
 
 // Whose keys and channels must be right for all models of the campaign, if
@@ -145,9 +146,9 @@ absl::StatusOr<std::string> ResolveCampaign(std::string_view text,
   }
   Json resolved = json;
   MLE_RETURN_IF_ERROR(ReadInList(node, "models", "file", "model", folder,
-                                 ReadModelFile, resolved));
+                                 ReadModelJson, resolved));
   MLE_RETURN_IF_ERROR(ReadInList(node, "mismatches", "plant", "plant", folder,
-                                 ReadModelFile, resolved));
+                                 ReadModelJson, resolved));
   const auto read_effects = [&](const std::string& path) {
     return ReadEffectsFile(path, JsonNode(resolved, source));
   };

@@ -12,6 +12,9 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "tests/apps/command_runner.h"
+#include "tests/apps/page_tables.h"
+#include "tests/apps/readable_page.h"
+#include "tests/apps/report/browser.h"
 #include "tests/apps/started_command.h"
 
 namespace mle {
@@ -118,7 +121,75 @@ TEST_F(MleLifecycleTest, WritesWhatItFound) {
   for (const auto& row : rows) EXPECT_EQ(row.size(), rows[0].size());
   // The report stands without figures as well.
   EXPECT_THAT(Content(scratch_ / "out/report.html"),
-              HasSubstr("what each policy costs"));
+              HasSubstr("What each policy costs"));
+}
+
+// Differences over the same lives, in the file as on the page.
+TEST_F(MleLifecycleTest, PoliciesAreComparedWithTheCheapest) {
+  const report::ProcessResult run =
+      Run("out", {"--seeds=3", "--price_test_hour=0", "--currency=EUR"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const nlohmann::json result = ParsedJson(scratch_ / "out/result.json");
+  EXPECT_EQ(result.at("currency"), "EUR");
+  const nlohmann::json& rate = result.at("rates").at(0);
+  double least = 0.0;
+  for (const nlohmann::json& policy : rate.at("policies")) {
+    if (policy.at("policy") == rate.at("cheapest")) {
+      least = policy.at("cost_per_year").at("mean");
+    }
+  }
+  for (const nlohmann::json& policy : rate.at("policies")) {
+    SCOPED_TRACE(policy.at("policy").get<std::string>());
+    const nlohmann::json& over = policy.at("over_cheapest_per_year");
+    const double cost = policy.at("cost_per_year").at("mean");
+    EXPECT_NEAR(over.at("mean"), cost - least, 1e-9 * (1.0 + cost));
+    EXPECT_EQ(policy.at("told_apart_from_cheapest"),
+              std::abs(over.at("mean").get<double>()) >
+                  over.at("half_width_95").get<double>());
+  }
+  const std::string html = Content(scratch_ / "out/report.html");
+  const PageTable table = TableOf(html, "What a year costs under each policy");
+  ASSERT_EQ(table.rows.size(), 1u + 4u);
+  EXPECT_EQ(table.rows[1][3], "cheapest");
+  EXPECT_EQ(table.rows[4][3], "the floor");
+  EXPECT_EQ(table.rows[4][0], "perfect model (the floor)");
+  ExpectShows(table.rows[1][1], least);
+  const nlohmann::json& perfect = rate.at("policies").at(3);
+  ExpectShows(table.rows[4][2],
+              perfect.at("over_cheapest_per_year").at("mean"));
+  EXPECT_THAT(html, HasSubstr("--policies</span>=output_error:2"));
+  EXPECT_THAT(html, HasSubstr(" EUR a year against never"));
+}
+
+TEST_F(MleLifecycleTest, ThePageOpensWithWhatToDo) {
+  const report::ProcessResult run = Run("out", {"--seeds=3"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const std::string html = Content(scratch_ / "out/report.html");
+  const std::size_t verdict = html.find("class=\"verdict changed\"");
+  ASSERT_NE(verdict, std::string::npos);
+  const std::string opening =
+      html.substr(verdict, html.find("</header>") - verdict);
+  EXPECT_THAT(opening, HasSubstr("<span class=\"badge\">update</span> Correct "
+                                 "the model after every 2nd set-point change"));
+  EXPECT_THAT(opening, HasSubstr("± is half a 95 % interval"));
+  // The same on the terminal.
+  EXPECT_THAT(run.out,
+              HasSubstr("Correct the model after every 2nd set-point change."));
+}
+
+TEST_F(MleLifecycleTest, ThePageIsReadable) {
+  if (!report::HasBrowser()) GTEST_SKIP() << "chromium is not installed";
+  const report::ProcessResult run =
+      Run("out", {"--ageing_rates=0.5,1", "--seeds=3", "--figures=true",
+                  "--currency=EUR",
+                  "--policies=never,output_error:1,output_error:2,test:1,"
+                  "test:2,on_demand:0.7,perfect"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  // Costs, the map of savings, cost over the rate, two over the years, and
+  // two over the interval.
+  ExpectReadable(scratch_ / "out/report.html", "lifecycle", 7,
+                 {.badge = "update"});
+  ExpectFitsPaper(scratch_ / "out/report.html", "lifecycle_paper");
 }
 
 // As vector graphics, as a document's pictures, and in the page.
@@ -129,8 +200,8 @@ TEST_F(MleLifecycleTest, DrawsCostsAndTheirCourse) {
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_EQ(run.err.find("warning"), std::string::npos) << run.err;
   const std::string page = Content(scratch_ / "out/report.html");
-  for (const char* const name :
-       {"cost_over_interval", "saving_map", "cost_over_rate", "over_time"}) {
+  for (const char* const name : {"policy_costs", "cost_over_interval",
+                                 "saving_map", "cost_over_rate", "over_time"}) {
     SCOPED_TRACE(name);
     const std::string stem = scratch_ / "out/" + name;
     EXPECT_THAT(Content(stem + ".svg"), HasSubstr("</svg>"));
@@ -138,7 +209,7 @@ TEST_F(MleLifecycleTest, DrawsCostsAndTheirCourse) {
   }
   const std::vector<std::string> parts =
       absl::StrSplit(page, "class=\"drawing\"");
-  EXPECT_EQ(parts.size(), 5u);
+  EXPECT_EQ(parts.size(), 6u);
 }
 
 TEST_F(MleLifecycleTest, SetPointsChangeAtControlInstants) {
@@ -228,6 +299,18 @@ TEST_F(MleLifecycleTest, OtherPricesNeedNoNewSimulation) {
   }
 }
 
+TEST_F(MleLifecycleTest, ACurrencyNeedsNoNewSimulation) {
+  const std::vector<std::string> never = {"--policies=never", "--seeds=1"};
+  ASSERT_EQ(Run("out", never).exit_code, 0);
+  EXPECT_EQ(ParsedJson(scratch_ / "out/result.json").at("currency"), "");
+  std::vector<std::string> euros = never;
+  euros.emplace_back("--currency=€");
+  const report::ProcessResult again = Run("out", euros);
+  ASSERT_EQ(again.exit_code, 0);
+  EXPECT_THAT(again.err, HasSubstr("1 of 1 lives are there already"));
+  EXPECT_THAT(again.out, HasSubstr("ageing rate 1, €"));
+}
+
 TEST_F(MleLifecycleTest, OtherSettingsAreSimulatedAnew) {
   ASSERT_EQ(Run("out", {"--policies=never"}).exit_code, 0);
   const std::string before = Content(scratch_ / "out/lifecycle.csv");
@@ -273,6 +356,8 @@ TEST_F(MleLifecycleTest, MistakesNameTheFlagAndWhatWouldBeRight) {
   EXPECT_THAT(Message({"--forgetting=2"}), HasSubstr("--forgetting=2"));
   EXPECT_THAT(Message({"--setpoint_range=0"}), HasSubstr("--setpoint_range=0"));
   EXPECT_THAT(Message({"--price_movement=-1"}), HasSubstr("--price_movement"));
+  EXPECT_THAT(Message({"--currency=pounds sterling"}),
+              HasSubstr("--currency=pounds sterling: is 15 characters long"));
   EXPECT_THAT(Message({"--sample_time=0.3"}), HasSubstr("--control_period=1"));
   EXPECT_THAT(Message({"--solver=simplex"}),
               HasSubstr("--solver=simplex: known are homotopy"));

@@ -10,6 +10,7 @@ namespace mle::lifecycle {
 namespace {
 
 using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
@@ -34,12 +35,14 @@ TEST(SavingMapTest, ShadesWhatPaysAndSaysWhatEachSaves) {
                                       Policy("test:12", 4208.0, 100.0)});
   const RateSummary faster = Rate(2.0, {Policy("output_error:3", 90000.0, 10.0),
                                         Policy("test:12", 22500.0, 10.0)});
-  const report::NamedFigure map = SavingMap({&slow, &fast, &faster});
+  const report::NamedFigure map = SavingMap({&slow, &fast, &faster}, "EUR");
   ASSERT_TRUE(map.figure.Validate().ok());
+  EXPECT_THAT(map.caption, HasSubstr(", EUR"));
   EXPECT_FALSE(map.alt.empty());
   const report::Panel& panel = map.figure.panels.front();
   EXPECT_THAT(panel.x.names, ElementsAre("0.5", "1", "2"));
-  EXPECT_THAT(panel.y.names, ElementsAre("test:12", "output_error:3"));
+  EXPECT_THAT(panel.y.names, ElementsAre("step test every 12 months",
+                                         "corrected every 3rd change"));
   ASSERT_EQ(panel.cells.size(), 6u);
   // From the bottom: tests at all rates, then corrections.
   EXPECT_EQ(panel.cells[0].shade, 0.0);
@@ -55,7 +58,7 @@ TEST(SavingMapTest, OneSeedHasNoIntervals) {
   const RateSummary rate = Rate(1.0, {Policy("output_error", 500.0, kNone),
                                       Policy("on_demand:0.7", kNone, kNone, 1),
                                       Policy("perfect", kNone, kNone)});
-  const report::NamedFigure map = SavingMap({&rate});
+  const report::NamedFigure map = SavingMap({&rate}, "");
   ASSERT_TRUE(map.figure.Validate().ok());
   const auto& cells = map.figure.panels.front().cells;
   ASSERT_EQ(cells.size(), 3u);
@@ -67,7 +70,7 @@ TEST(SavingMapTest, OneSeedHasNoIntervals) {
 
 TEST(SavingMapTest, NothingSavedLeavesTheMapWhite) {
   const RateSummary rate = Rate(0.0, {Policy("output_error", 0.0, 0.0)});
-  const report::NamedFigure map = SavingMap({&rate});
+  const report::NamedFigure map = SavingMap({&rate}, "");
   EXPECT_EQ(map.figure.panels.front().cells.front().shade, 0.0);
 }
 

@@ -117,6 +117,40 @@ TEST_F(SummaryOfThreeTest, SavingsAreComparedSeedBySeed) {
   EXPECT_EQ(rate.Cheapest()->policy.name, "output_error:1");
 }
 
+// The differences have intervals of their own, although the seeds differ by far
+// more than the policies.
+TEST_F(SummaryOfThreeTest, PoliciesAreToldApartFromTheCheapestByPairs) {
+  // Seed by seed never costs 50, 54 and 46 a year more.
+  lives_[0][1][0] = LifeOf(500.0 + 408.0);
+  lives_[0][2][0] = LifeOf(1000.0 + 392.0);
+  RateSummary rate = Summaries(10.0).front();
+  ASSERT_EQ(rate.Cheapest()->policy.name, "output_error:1");
+  EXPECT_NEAR(rate.policies[0].over_cheapest.mean, 50.0, 1e-9);
+  // Deviation 4, t₂(0.975) = 4.3027.
+  EXPECT_NEAR(rate.policies[0].over_cheapest.half_width,
+              4.302653 * 4.0 / std::sqrt(3.0), 1e-4);
+  EXPECT_TRUE(ToldApart(rate.policies[0].over_cheapest));
+  EXPECT_GT(rate.policies[0].cost.half_width, 100.0);
+  EXPECT_EQ(rate.policies[1].over_cheapest.mean, 0.0);
+  EXPECT_EQ(rate.policies[1].over_cheapest.half_width, 0.0);
+  EXPECT_LT(rate.policies[3].over_cheapest.mean, 0.0);
+  // The same mean, of 50, 100 and 0.
+  lives_[0][1][0] = LifeOf(500.0 + 500.0);
+  lives_[0][2][0] = LifeOf(1000.0 + 300.0);
+  rate = Summaries(10.0).front();
+  EXPECT_NEAR(rate.policies[0].over_cheapest.mean, 50.0, 1e-9);
+  EXPECT_FALSE(ToldApart(rate.policies[0].over_cheapest));
+}
+
+TEST(SummaryTest, DifferencesWithoutIntervalAreNotToldApart) {
+  EXPECT_TRUE(ToldApart({3.0, 2.9}));
+  EXPECT_TRUE(ToldApart({-3.0, 2.9}));
+  EXPECT_FALSE(ToldApart({3.0, 3.0}));
+  EXPECT_FALSE(ToldApart({0.0, 0.0}));
+  EXPECT_FALSE(ToldApart({3.0, std::nan("")}));
+  EXPECT_FALSE(ToldApart({std::nan(""), std::nan("")}));
+}
+
 TEST_F(SummaryOfThreeTest, AtTheBreakEvenPriceBothWaysCostTheSame) {
   const BreakEven found = Summaries(10.0).front().break_even;
   EXPECT_EQ(found.test, "test:12");

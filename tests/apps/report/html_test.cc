@@ -55,6 +55,15 @@ HtmlPage FullPage(const std::string& text) {
   return page;
 }
 
+TEST(HtmlPage, NamesOfFlagsAreNotBroken) {
+  HtmlPage page("Flags");
+  page.AddParagraph("Give --leave_out=12 or -- (--max_delay), not a--.");
+  EXPECT_THAT(page.Render(),
+              HasSubstr("<p>Give <span class=\"flag\">--leave_out</span>=12 or "
+                        "-- (<span class=\"flag\">--max_delay</span>), not "
+                        "a--.</p>"));
+}
+
 TEST(HtmlPage, IsWellFormed) {
   const Markup markup = ParseMarkup(FullPage("E < 10 & λ > 0").Render(), true);
   EXPECT_EQ(markup.error, "");

@@ -111,7 +111,7 @@ async function copied() {
   if (!button) return null;
   const before = button.textContent;
   button.click();
-  for (let i = 0; i < 20 && button.textContent === before; ++i) await pause();
+  for (let i = 0; i < 80 && button.textContent === before; ++i) await pause();
   return {text: button.dataset.text, says: button.textContent};
 }
 

@@ -1,0 +1,154 @@
+#include "apps/lifecycle/policy_words.h"
+
+#include <cmath>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/strings/string_view.h"
+#include "apps/lifecycle/durations.h"
+#include "apps/lifecycle/step_test.h"
+
+namespace mle::lifecycle {
+namespace {
+
+// Two digits, or all of a whole number, without zeros behind the point.
+std::string Rounded(double value) {
+  if (value < 1.0) return absl::StrFormat("%.2g", value);
+  const double unit = value < 10.0 ? 0.1 : 1.0;
+  return absl::StrFormat("%.15g", std::round(value / unit) * unit);
+}
+
+// "2nd", "3rd", "12th".
+std::string Ordinal(int n) {
+  absl::string_view ending = "th";
+  if (n / 10 % 10 != 1) {
+    if (n % 10 == 1) ending = "st";
+    if (n % 10 == 2) ending = "nd";
+    if (n % 10 == 3) ending = "rd";
+  }
+  return absl::StrCat(n, ending);
+}
+
+// "every change", "every 3rd change".
+std::string Every(int n, absl::string_view what) {
+  return n == 1 ? absl::StrCat("every ", what)
+                : absl::StrCat("every ", Ordinal(n), " ", what);
+}
+
+std::string Months(const std::string& months) {
+  return months == "1" ? "every month"
+                       : absl::StrCat("every ", months, " months");
+}
+
+// What a correction estimates.
+absl::string_view Estimated(Estimator estimator) {
+  switch (estimator) {
+    case Estimator::kOutputError:
+      break;
+    case Estimator::kCombined:
+      return "Gains, time constants and dead times, and the shape of responses "
+             "where these do not describe it, are";
+    case Estimator::kArx:
+      return "Whole step responses (ΔR, around the model of the commissioning) "
+             "are";
+  }
+  return "Gains, time constants and dead times are";
+}
+
+std::string DescribeCorrection(const Policy& policy, const Campaign& campaign) {
+  const int windows = campaign.life.windows;
+  const double months =
+      policy.every * campaign.set_points.change_every / campaign.life.month;
+  return absl::StrCat(
+      Estimated(policy.estimator), " corrected from routine records of the ",
+      windows == 1 ? std::string("last set-point change")
+                   : absl::StrCat("last ", windows, " set-point changes"),
+      ", without a test. When: after ", Every(policy.every, "set-point change"),
+      ", about ", Months(std::abs(months - 1.0) < 0.05 ? "1" : Rounded(months)),
+      ", if the records show that the plant has changed.");
+}
+
+std::string DescribeTest(const Campaign& campaign, double hours_per_unit) {
+  const double hours =
+      hours_per_unit *
+      PlanStepTest(campaign.model, campaign.life.test).duration();
+  return absl::StrCat(
+      "The controller is off for ", Rounded(hours),
+      Rounded(hours) == "1" ? " hour" : " hours",
+      ", each input goes up and back, and the model is corrected from "
+      "that record.");
+}
+
+}  // namespace
+
+std::string ShortName(const Policy& policy) {
+  switch (policy.kind) {
+    case Policy::Kind::kNever:
+      return "never updated";
+    case Policy::Kind::kPerfect:
+      return "perfect model (the floor)";
+    case Policy::Kind::kTest:
+      return absl::StrCat("step test ", Months(absl::StrCat(policy.months)));
+    case Policy::Kind::kOnDemand:
+      return absl::StrCat("step test on demand, ", policy.threshold);
+    case Policy::Kind::kCorrection:
+      break;
+  }
+  const absl::string_view how =
+      policy.estimator == Estimator::kOutputError ? "corrected "
+      : policy.estimator == Estimator::kCombined  ? "combined, "
+                                                  : "ΔR, ";
+  return absl::StrCat(how, Every(policy.every, "change"));
+}
+
+std::string Instruction(const Policy& policy) {
+  switch (policy.kind) {
+    case Policy::Kind::kNever:
+      return "Leave the model as it is";
+    case Policy::Kind::kPerfect:
+      return "Have a perfect model";
+    case Policy::Kind::kTest:
+      return absl::StrCat("Make a step test ",
+                          Months(absl::StrCat(policy.months)));
+    case Policy::Kind::kOnDemand:
+      return absl::StrCat(
+          "Make a step test when the performance index of a set-point change "
+          "falls below ",
+          policy.threshold);
+    case Policy::Kind::kCorrection:
+      break;
+  }
+  const absl::string_view how = policy.estimator == Estimator::kOutputError ? ""
+                                : policy.estimator == Estimator::kCombined
+                                    ? " by the combined estimator"
+                                    : " by ΔR";
+  return absl::StrCat("Correct the model", how, " after ",
+                      Every(policy.every, "set-point change"));
+}
+
+std::string Description(const Policy& policy, const Campaign& campaign,
+                        double hours_per_unit) {
+  switch (policy.kind) {
+    case Policy::Kind::kNever:
+      return "The controller keeps the model of its commissioning. When: "
+             "never.";
+    case Policy::Kind::kPerfect:
+      return "The controller always has the plant's own model, at no cost: not "
+             "a way to work but the floor by which the others are judged.";
+    case Policy::Kind::kTest:
+      return absl::StrCat(DescribeTest(campaign, hours_per_unit),
+                          " When: ", Months(absl::StrCat(policy.months)), ".");
+    case Policy::Kind::kOnDemand:
+      return absl::StrCat(
+          DescribeTest(campaign, hours_per_unit),
+          " When: after a set-point change whose squared error is more than ",
+          Rounded(1.0 / policy.threshold),
+          " times what the controller was designed for (index below ",
+          policy.threshold, ").");
+    case Policy::Kind::kCorrection:
+      break;
+  }
+  return DescribeCorrection(policy, campaign);
+}
+
+}  // namespace mle::lifecycle

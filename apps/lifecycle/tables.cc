@@ -1,0 +1,168 @@
+#include "apps/lifecycle/tables.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "absl/strings/str_cat.h"
+#include "apps/lifecycle/money.h"
+#include "apps/lifecycle/policy_words.h"
+#include "apps/report/number.h"
+
+namespace mle::lifecycle {
+namespace {
+
+using report::Align;
+using report::FormatFixed;
+using report::FormatSignificant;
+using report::Table;
+
+// Of the ground of a cell.
+constexpr int kCheapestLevel = 3;
+constexpr int kAsGoodLevel = 1;
+
+std::string Percent(double share) {
+  return std::isfinite(share) ? FormatFixed(100.0 * share, 0) + " %" : "–";
+}
+
+std::string RateTitle(const RateSummary& rate) {
+  return absl::StrCat("Ageing rate ", rate.rate);
+}
+
+bool IsPerfect(const PolicySummary& policy) {
+  return policy.policy.kind == Policy::Kind::kPerfect;
+}
+
+// The cheapest first; then those whose loop diverged; then the floor.
+std::vector<const PolicySummary*> ByCost(const RateSummary& rate) {
+  std::vector<const PolicySummary*> sorted;
+  for (const PolicySummary& policy : rate.policies) sorted.push_back(&policy);
+  const auto place = [](const PolicySummary& policy) {
+    return IsPerfect(policy) ? 2 : std::isnan(policy.cost.mean) ? 1 : 0;
+  };
+  std::stable_sort(sorted.begin(), sorted.end(),
+                   [&](const auto* a, const auto* b) {
+                     if (place(*a) != place(*b)) return place(*a) < place(*b);
+                     return place(*a) == 0 && a->cost.mean < b->cost.mean;
+                   });
+  return sorted;
+}
+
+// How a policy compares with the cheapest one, and the level of that cell.
+struct Comparison {
+  std::string words;
+  int level = 0;
+};
+
+Comparison Compare(const PolicySummary& policy, const PolicySummary* cheapest,
+                   std::size_t lives) {
+  if (policy.ran_away > 0) {
+    return {absl::StrCat("diverged in ", policy.ran_away, " of ", lives)};
+  }
+  if (IsPerfect(policy)) return {"the floor"};
+  if (&policy == cheapest) return {"cheapest", kCheapestLevel};
+  if (!ToldApart(policy.over_cheapest)) {
+    return {"cannot be told apart", kAsGoodLevel};
+  }
+  return {"costs more"};
+}
+
+}  // namespace
+
+Table ComparisonTable(const RateSummary& rate, std::size_t lives,
+                      const std::string& currency) {
+  Table table{.caption = absl::StrCat(
+                  "What a year costs under each policy, ageing rate ",
+                  rate.rate, InCurrency(currency)),
+              .columns = {{"policy", Align::kLeft},
+                          {"cost a year"},
+                          {"more than the cheapest"},
+                          {"that is", Align::kLeft},
+                          {"saved against never"},
+                          {"of what is possible"}}};
+  const PolicySummary* cheapest = rate.Cheapest();
+  for (const PolicySummary* policy : ByCost(rate)) {
+    const bool is_never = policy->policy.kind == Policy::Kind::kNever;
+    const Comparison comparison = Compare(*policy, cheapest, lives);
+    table.AddRow({ShortName(policy->policy), Money(policy->cost),
+                  policy == cheapest ? "–" : Money(policy->over_cheapest),
+                  comparison.words, is_never ? "–" : Money(policy->saving),
+                  is_never ? "–" : Percent(policy->share_saved)});
+    table.levels.push_back({0, 0, 0, comparison.level, 0, 0});
+  }
+  return table;
+}
+
+Table ActivityTable(const RateSummary& rate) {
+  Table table{.caption = absl::StrCat(
+                  RateTitle(rate),
+                  ": what each policy does in a life, and the errors of its "
+                  "model at the set-point changes"),
+              .columns = {{"policy", Align::kLeft},
+                          {"updates"},
+                          {"refused"},
+                          {"reverted"},
+                          {"no change found"},
+                          {"step tests"},
+                          {"mean E"},
+                          {"mean gain error"},
+                          {"mean dead-time error"}}};
+  for (const PolicySummary& policy : rate.policies) {
+    std::vector<std::string> cells = {policy.policy.name};
+    for (const double count : {policy.updates, policy.refusals, policy.reverted,
+                               policy.unchanged, policy.tests}) {
+      cells.push_back(FormatFixed(count, 1));
+    }
+    cells.push_back(FormatSignificant(policy.distance));
+    cells.push_back(Percent(policy.gain_error));
+    cells.push_back(FormatSignificant(policy.delay_error));
+    table.AddRow(std::move(cells));
+  }
+  return table;
+}
+
+Table CostTable(const RateSummary& rate, const std::string& currency) {
+  Table table{
+      .caption = absl::StrCat(RateTitle(rate), ": parts of the cost of a year",
+                              InCurrency(currency)),
+      .columns = {{"policy", Align::kLeft},
+                  {"off set point"},
+                  {"beyond limits"},
+                  {"input moves"},
+                  {"hours of step test"},
+                  {"engineers"},
+                  {"all"}}};
+  for (const PolicySummary* policy : ByCost(rate)) {
+    const Cost& parts = policy->parts;
+    table.AddRow({ShortName(policy->policy), Money(parts.product),
+                  Money(parts.violation), Money(parts.movement),
+                  Money(parts.test_hours), Money(parts.engineering),
+                  Money(parts.total())});
+  }
+  return table;
+}
+
+Table SavingTable(const std::vector<RateSummary>& summaries) {
+  Table table{.caption =
+                  "Share of the avoidable cost (never less perfect) that each "
+                  "policy saves, by rate of ageing; negative: the policy costs "
+                  "more than never",
+              .columns = {{"policy", Align::kLeft}}};
+  for (const RateSummary& rate : summaries) {
+    table.columns.push_back({absl::StrCat("rate ", rate.rate)});
+  }
+  for (std::size_t p = 0; p < summaries.front().policies.size(); ++p) {
+    const Policy& policy = summaries.front().policies[p].policy;
+    if (policy.kind == Policy::Kind::kNever ||
+        policy.kind == Policy::Kind::kPerfect) {
+      continue;
+    }
+    std::vector<std::string> cells = {ShortName(policy)};
+    for (const RateSummary& rate : summaries) {
+      cells.push_back(Percent(rate.policies[p].share_saved));
+    }
+    table.AddRow(std::move(cells));
+  }
+  return table;
+}
+
+}  // namespace mle::lifecycle

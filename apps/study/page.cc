@@ -1,0 +1,125 @@
+#include "apps/study/page.h"
+
+#include <algorithm>
+#include <cstdint>
+
+#include "absl/strings/str_cat.h"
+#include "apps/report/number.h"
+#include "apps/study/headline.h"
+#include "apps/study/tables.h"
+
+namespace mle::study {
+namespace {
+
+using experiment::Campaign;
+using report::FormatInteger;
+using report::HtmlPage;
+
+using Figures = std::vector<report::DrawnFigure>;
+
+// Rows of a table before a fold is opened, and behind it.
+constexpr std::size_t kRowsOpen = 20;
+constexpr std::size_t kRowsFolded = 300;
+
+std::string Counted(std::size_t cells) {
+  return FormatInteger(static_cast<std::int64_t>(cells));
+}
+
+std::string MostFrequentFailure(const StudySummary& summary) {
+  const auto most = std::max_element(
+      summary.failures.begin(), summary.failures.end(),
+      [](const auto& a, const auto& b) { return a.second < b.second; });
+  return most == summary.failures.end() ? "" : most->first;
+}
+
+void AddDistances(const Campaign& campaign, const StudySummary& summary,
+                  HtmlPage& page) {
+  page.AddHeading("Distance from the plant");
+  if (TallyMethods(campaign, summary).size() > 1) {
+    page.AddTable(MethodTable(campaign, summary));
+  }
+  const std::size_t cells = summary.cells.size();
+  page.AddTable(ErrorTable(campaign, summary, {0, kRowsOpen}));
+  if (cells <= kRowsOpen) return;
+  page.OpenFold(absl::StrCat("The other ", Counted(cells - kRowsOpen), " of ",
+                             Counted(cells), " cells"));
+  page.AddTable(ErrorTable(campaign, summary, {kRowsOpen, kRowsFolded}));
+  if (cells > kRowsOpen + kRowsFolded) {
+    page.AddWarning(absl::StrCat(
+        "The tables show the first ", kRowsOpen + kRowsFolded, " of ",
+        Counted(cells), " cells; all are in summary.csv."));
+  }
+  page.CloseFold();
+}
+
+// The first of them open: how E depends on what was varied, or its
+// distribution.
+void AddFigures(const Figures& figures, HtmlPage& page) {
+  if (figures.empty()) return;
+  page.AddHeading("Over the seeds");
+  AddFigure(figures, figures.front().named.name, page);
+  if (figures.size() == 1) return;
+  page.OpenFold("More figures: distributions, and λ where it is chosen");
+  for (std::size_t i = 1; i < figures.size(); ++i) {
+    AddFigure(figures, figures[i].named.name, page);
+  }
+  page.CloseFold();
+}
+
+void AddDetails(const Campaign& campaign, const StudySummary& summary,
+                HtmlPage& page) {
+  const Rows rows = {0, kRowsFolded};
+  page.OpenFold("Means and extremes of E");
+  page.AddTable(MeanTable(campaign, summary, rows));
+  page.CloseFold();
+  page.OpenFold("Gains and dead times");
+  page.AddTable(ElementTable(campaign, summary, rows));
+  page.CloseFold();
+  page.OpenFold("λ chosen, and the best in hindsight");
+  page.AddTable(LambdaTable(campaign, summary, rows));
+  page.CloseFold();
+  page.OpenFold("Failures and certificate");
+  if (summary.failures.empty()) {
+    page.AddParagraph("No run failed.");
+  } else {
+    page.AddTable(FailureTable(summary));
+  }
+  page.AddParagraph(absl::StrCat(
+      "Relative duality gap of every fit of the exact solvers, at every λ of "
+      "the grid, over all runs: at most ",
+      report::FormatScientific(summary.max_gap, 2), "."));
+  page.CloseFold();
+}
+
+}  // namespace
+
+std::string FormatPage(const Campaign& campaign, const StudySummary& summary,
+                       const Figures& figures,
+                       const report::RunAgain& run_again) {
+  HtmlPage page(absl::StrCat("Campaign: ", campaign.name));
+  page.SetVerdict(VerdictOf(campaign, summary));
+  if (summary.failed > 0) {
+    page.AddWarning(absl::StrCat(
+        FormatInteger(summary.failed), " of ", FormatInteger(summary.runs),
+        summary.runs == 1 ? " run" : " runs",
+        " failed and is in no other number. Most often: ",
+        MostFrequentFailure(summary), "."));
+  }
+  AddDistances(campaign, summary, page);
+  AddFigures(figures, page);
+  page.AddHeading("In detail");
+  AddDetails(campaign, summary, page);
+  page.OpenFold("Files");
+  page.AddFiles({{"runs.csv: every run", "runs.csv"},
+                 {"summary.csv: every cell and metric", "summary.csv"},
+                 {"summary.json: the same", "summary.json"},
+                 {"timings.csv: times of the runs", "timings.csv"},
+                 {"campaign.json: the campaign", "campaign.json"}});
+  page.CloseFold();
+  page.OpenFold("Run it again");
+  page.AddRunAgain(run_again);
+  page.CloseFold();
+  return page.Render();
+}
+
+}  // namespace mle::study
