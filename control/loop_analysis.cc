@@ -27,6 +27,8 @@ constexpr double kPi = std::numbers::pi;
 // A mode this much larger than 1 per period grows.
 constexpr double kMargin = 1e-6;
 constexpr double kNegligible = 1e-10;  // of the largest coefficient
+// Complex numbers that the transforms of one circle may hold (256 MiB).
+constexpr Eigen::Index kMostNumbers = Eigen::Index{1} << 24;
 
 // Σ_{a=1}^{n} C_a w^a with real matrices C_a.
 class MatrixPolynomial {
@@ -35,6 +37,7 @@ class MatrixPolynomial {
       : rows_(rows), coefficients_(MatrixXd::Zero(degree, rows * cols)) {}
 
   Eigen::Index degree() const { return coefficients_.rows(); }
+  Eigen::Index entries() const { return coefficients_.cols(); }
   void SetCoefficient(Eigen::Index a, const MatrixXd& value) {
     coefficients_.row(a - 1) = value.reshaped().transpose();
   }
@@ -135,6 +138,9 @@ class Loop {
   }
 
   Eigen::Index degree() const { return degree_; }
+  Eigen::Index entries() const {
+    return predictor_.entries() + model_.entries() + plant_.entries();
+  }
   int surplus_inputs() const {
     return std::max(
         0, static_cast<int>(sum_.rows()) - static_cast<int>(sum_.cols()));
@@ -249,8 +255,10 @@ double PhaseChange(const Loop& loop, double radius, double from, Complex D_from,
 // Zeros of D in |w| < radius. D is real on the real axis, so that half the
 // circle tells all.
 int CountZeros(const Loop& loop, double radius) {
-  const int intervals =
-      static_cast<int>(std::max<Eigen::Index>(2 * loop.degree(), 64));
+  constexpr Eigen::Index kFewest = 64;
+  const auto intervals = static_cast<int>(
+      std::clamp(2 * loop.degree(), kFewest,
+                 std::max(kMostNumbers / loop.entries(), kFewest)));
   const VectorXcd on_circle = loop.DeterminantsOnHalfCircle(radius, intervals);
   double change = 0.0;
   for (int i = 1; i <= intervals; ++i) {

@@ -20,6 +20,13 @@ run_logged() {
   return "$code"
 }
 
+# The fuzz targets of the libraries: all but that of campaigns, which is slow to
+# build.
+library_fuzzers() {
+  find "$root/tests/fuzz/corpus" -mindepth 1 -maxdepth 1 -type d \
+    -not -name campaign -printf '%f\n' | sort
+}
+
 # How many compilers at once: one for each processor, as far as the memory goes
 # (the largest sources take about 1 GB each).
 build_jobs() {

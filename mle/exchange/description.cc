@@ -26,11 +26,6 @@ constexpr double kMaterial = 0.75;
 constexpr double kOnset = 0.05;
 constexpr double kRationalTolerance = 1e-3;
 
-double RangeOf(const Eigen::VectorXd& response) {
-  return std::max(response.maxCoeff(), 0.0) -
-         std::min(response.minCoeff(), 0.0);
-}
-
 struct Candidate {
   TransferFunction element;
   PairDescription found;
@@ -163,6 +158,11 @@ absl::Status CheckDifferences(const Description& description,
 }
 
 }  // namespace
+
+double RangeOf(const Eigen::VectorXd& response) {
+  return std::max(response.maxCoeff(), 0.0) -
+         std::min(response.minCoeff(), 0.0);
+}
 
 absl::StatusOr<Description> Describe(const StepResponseModel& model) {
   MLE_RETURN_IF_ERROR(CheckRamps(model));

@@ -20,6 +20,7 @@
 #include <string>
 #include <vector>
 
+#include "Eigen/Core"
 #include "absl/status/statusor.h"
 #include "mle/exchange/step_response_model.h"
 #include "mle/model/process_model.h"
@@ -44,6 +45,9 @@ struct Description {
   ProcessModel process;
   std::vector<PairDescription> pairs;  // in the order of the model's
 };
+
+// max(h, 0) − min(h, 0) of a response h, in its unit.
+double RangeOf(const Eigen::VectorXd& response);
 
 // Of a valid model. InvalidArgument names the pairs that end in a ramp, which
 // no stable transfer function describes, and those whose difference is larger

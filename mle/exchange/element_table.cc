@@ -11,6 +11,7 @@
 #include "absl/strings/str_join.h"
 #include "mle/base/status.h"
 #include "mle/data/csv_rows.h"
+#include "mle/exchange/description.h"
 #include "mle/exchange/element_csv.h"
 #include "mle/exchange/model_table.h"
 #include "mle/exchange/step_response_csv.h"
@@ -93,14 +94,12 @@ std::optional<ElementRow> ExactRow(const TransferFunction& g) {
 
 double DifferenceOf(const ElementRow& row, const Eigen::VectorXd& response,
                     double sample_time) {
-  const double range =
-      std::max(response.maxCoeff(), 0.0) - std::min(response.minCoeff(), 0.0);
   return (row.Element().StepResponse(sample_time,
                                      static_cast<int>(response.size())) -
           response)
              .cwiseAbs()
              .maxCoeff() /
-         range;
+         RangeOf(response);
 }
 
 // The nearer of first and second order without lead; of second order only

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "absl/strings/str_cat.h"
 #include "mle/base/file.h"
 #include "mle/exchange/mat_variables.h"
 
@@ -20,13 +21,17 @@ namespace {
 
 constexpr char kHeader[] = "MATLAB 5.0 MAT-file, Model Life Extension";
 
+// Empty if there is none.
+std::string ScratchFolder() {
+  std::error_code ignored;
+  return std::filesystem::temp_directory_path(ignored).string();
+}
+
 // A file that is removed at the end.
 class ScratchFile {
  public:
   ScratchFile() {
-    std::error_code ignored;
-    std::string name =
-        (std::filesystem::temp_directory_path(ignored) / "mle_XXXXXX").string();
+    std::string name = ScratchFolder() + "/mle_XXXXXX";
     const int file = mkstemp(name.data());
     if (file < 0) return;
     close(file);
@@ -146,7 +151,9 @@ absl::StatusOr<std::string> Written(const std::vector<Variable>& variables) {
   }
   mat.reset();
   if (!done) {
-    return absl::InternalError("MAT file: a temporary file cannot be written");
+    return absl::InternalError(absl::StrCat(
+        "MAT file: no temporary file can be written to '", ScratchFolder(),
+        "'; TMPDIR must name a folder where it can"));
   }
   return ReadFile(file.path());
 }

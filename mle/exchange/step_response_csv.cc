@@ -16,9 +16,6 @@
 namespace mle {
 namespace {
 
-// Of Δ: by which a stated time may be off.
-constexpr double kTimeTolerance = 0.01;
-
 using Pair = std::pair<int, int>;            // output, input
 using Labels = std::map<std::string, Pair>;  // by "<output>/<input>"
 
@@ -177,15 +174,10 @@ absl::Status ReadRamps(const ModelTable& table, const TableLine& line,
 absl::Status CheckSteadyState(const ModelTable& table, const TableLine& line,
                               const StepResponseModel& model) {
   MLE_ASSIGN_OR_RETURN(const double stated, table.Number(line, 1));
-  if (std::abs(stated - model.time_to_steady_state()) <=
-      kTimeTolerance * model.interval) {
-    return absl::OkStatus();
-  }
+  const absl::Status status = model.CheckSteadyState(stated);
+  if (status.ok()) return status;
   return table.Fault(
-      line, 1,
-      absl::StrCat("the time to steady state is ", stated, ", but ",
-                   model.length(), " coefficients at an interval of ",
-                   model.interval, " end at ", model.time_to_steady_state()));
+      line, 1, absl::StrCat("the time to steady state ", status.message()));
 }
 
 }  // namespace

@@ -15,9 +15,6 @@
 namespace mle {
 namespace {
 
-// Of Δ: by which a stated time to steady state may be off.
-constexpr double kTimeTolerance = 0.01;
-
 absl::StatusOr<bool> ReadIsRamp(const JsonNode& node) {
   if (!node.Has("end")) return false;
   MLE_ASSIGN_OR_RETURN(const std::string end, node.At("end").String());
@@ -59,14 +56,8 @@ absl::Status CheckSteadyState(const JsonNode& top,
   if (!top.Has("time_to_steady_state")) return absl::OkStatus();
   const JsonNode node = top.At("time_to_steady_state");
   MLE_ASSIGN_OR_RETURN(const double stated, node.Number(kPositive));
-  if (std::abs(stated - model.time_to_steady_state()) <=
-      kTimeTolerance * model.interval) {
-    return absl::OkStatus();
-  }
-  return node.Fault(absl::StrCat("is ", stated, ", but ", model.length(),
-                                 " coefficients at an interval of ",
-                                 model.interval, " end at ",
-                                 model.time_to_steady_state()));
+  const absl::Status status = model.CheckSteadyState(stated);
+  return status.ok() ? status : node.Fault(std::string(status.message()));
 }
 
 }  // namespace

@@ -53,6 +53,16 @@ absl::Status StepResponseModel::Validate() const {
   return absl::OkStatus();
 }
 
+absl::Status StepResponseModel::CheckSteadyState(double stated) const {
+  const double end = time_to_steady_state();
+  if (std::abs(stated - end) <= kTimeTolerance * interval) {
+    return absl::OkStatus();
+  }
+  return absl::InvalidArgumentError(absl::StrCat(
+      "is ", stated, ", but ", length(), " coefficients at an interval of ",
+      interval, " end at ", end));
+}
+
 StepResponseModel WithChange(const StepResponseModel& model,
                              const StepResponse& before,
                              const StepResponse& after) {

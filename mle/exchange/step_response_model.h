@@ -29,6 +29,8 @@
 namespace mle {
 
 inline constexpr int kFewestCoefficients = 10;
+// Of Δ: what times in a file may be off by, as they are rounded.
+inline constexpr double kTimeTolerance = 0.01;
 
 struct PairResponse {
   int output = 0;
@@ -54,6 +56,8 @@ struct StepResponseModel {
   // Valid channels, Δ > 0, at least one pair, each once, and of each N ≥
   // kFewestCoefficients finite coefficients.
   absl::Status Validate() const;
+  // That NΔ is the time that a file states: "is 30, but 12 coefficients …".
+  absl::Status CheckSteadyState(double stated) const;
 };
 
 // `model` with c_k + ψ_k − φ_k in place of c_k: φ are the step responses of

@@ -239,10 +239,11 @@ struct OutputErrorCorrection {
   std::string FullReport() const;  // Lines for each output and element.
 };
 
-// InvalidArgument if an option, the model or a record is invalid, an element
-// cannot be fitted (feedthrough), the records do not match the model or each
-// other, the bounds exclude the start, or the samples are too few for the
-// parameters; the message names output and element.
+// InvalidArgument if an option, the model or a record is invalid, values are
+// too large to be squared (beyond 1e60), an element cannot be fitted
+// (feedthrough), the records do not match the model or each other, the bounds
+// exclude the start, or the samples are too few for the parameters; the message
+// names output and element.
 absl::StatusOr<OutputErrorCorrection> CorrectByOutputError(
     const ProcessModel& initial, const std::vector<Record>& records,
     const OutputErrorOptions& options);
