@@ -120,9 +120,9 @@ std::vector<Option> OptionsOf(DecisionOptions& options) {
        "which it is not worth making.",
        "", kFraction},
       {"clock_error", &options.clock_error,
-       "By how much the time stamps of a tag may be late or early: a change of "
-       "dead time that a whole row or column of the model shares is not told "
-       "from it. 0: clocks are right.",
+       "By how much the time stamps of a tag may be late or early, three "
+       "samples at least: a change of dead time that a whole row or column of "
+       "the model shares is not told from it. 0: clocks are right.",
        "s", kNotNegative},
       {"deviations", &options.deviations,
        "Standard errors by which a held-out score must gain, and may not fall.",

@@ -103,6 +103,7 @@ struct CorrectionResult {
   // longer than decision.clock_error; p: what of an output was taken back for
   // it, in words, or empty.
   std::vector<SharedDelay> shared_delays;
+  ProcessModel fitted;  // what is proposed, with them
   std::vector<std::string> taken_for_clocks;
   // m: whether gains follow the level of an input that a change is proposed of.
   // Empty without CorrectOptions::examine.

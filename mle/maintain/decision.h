@@ -62,7 +62,8 @@ struct DecisionOptions {
   bool require_hold_out = true;
   // By how much the time stamps of a tag may be late or early, in s, ≥ 0. A
   // change of dead time that all elements of a row or column share is not told
-  // from it up to this (shared_delays.h). 0: clocks are right.
+  // from it up to this, or up to three samples, as scans and averages make them
+  // late (shared_delays.h). 0: clocks are right.
   double clock_error = 120.0;
 
   absl::Status Validate() const;

@@ -117,12 +117,15 @@ absl::Status CompleteShapes(const std::vector<Record>& windows,
                        TestAdequacy(fit.output_error.corrected.model, windows,
                                     fit.output_error.aged, adequacy,
                                     fit.output_error.full.noise));
+  std::vector<bool> wrong =
+      WrongOutputs(*fit.adequacy, adequacy.false_alarm_probability);
+  for (std::size_t i = 0; i < options.outputs.size(); ++i) {
+    wrong[i] = wrong[i] && options.outputs[i];
+  }
   MLE_ASSIGN_OR_RETURN(
       fit.posterior,
-      CompleteByPosterior(
-          estimate.setting.initial, windows, fit.output_error.corrected,
-          options,
-          WrongOutputs(*fit.adequacy, adequacy.false_alarm_probability)));
+      CompleteByPosterior(estimate.setting.initial, windows,
+                          fit.output_error.corrected, options, wrong));
   if (!fit.posterior->any()) return absl::OkStatus();
   fit.change_proposed = true;
   fit.without_shapes = fit.output_error;

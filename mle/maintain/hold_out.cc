@@ -230,13 +230,17 @@ FoldResult HoldOut(const Estimate& estimate, const std::vector<Record>& windows,
   FoldResult result;
   EstimationOptions options = estimate.setting.options;
   options.output_error.threads = 1;  // folds run side by side
-  // Whether a change is proposed at all is decided, by all the data: a fold may
-  // be too short to find it again. What has changed, and how, is its own.
+  // Whether a change is proposed at all, and of which outputs, is decided, by
+  // all the data: a fold may be too short to find it again. What has changed,
+  // and how, is its own.
   const EstimateFit& whole = estimate.fit;
   options.output_error.change_given =
       (whole.without_shapes.has_value() ? *whole.without_shapes
                                         : whole.output_error)
           .change_proposed;
+  for (int i = 0; i < estimate.setting.initial.num_outputs(); ++i) {
+    options.output_error.outputs.push_back(ProposesChange(estimate, i));
+  }
   if (options.change_test == ChangeTest::kCalibrated) {
     options.change_test = ChangeTest::kChiSquare;
   }

@@ -43,9 +43,13 @@ std::optional<SharedDelay> Share(
 
 }  // namespace
 
+const std::string& SharedDelay::Channel(const ProcessModel& model) const {
+  return is_output ? model.outputs()[channel].name
+                   : model.inputs()[channel].name;
+}
+
 std::string SharedDelay::Describe(const ProcessModel& model) const {
-  const std::string& name =
-      is_output ? model.outputs()[channel].name : model.inputs()[channel].name;
+  const std::string& name = Channel(model);
   return absl::StrFormat(
       "All dead times %s %s seem to be %.3g %s %s (standard error %.2g): "
       "either "

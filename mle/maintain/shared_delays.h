@@ -31,6 +31,7 @@ struct SharedDelay {
   bool contains(int output, int input) const {
     return channel == (is_output ? output : input);
   }
+  const std::string& Channel(const ProcessModel& model) const;  // its name
   // "All dead times to top are 0.6 min longer: …"
   std::string Describe(const ProcessModel& model) const;
 };

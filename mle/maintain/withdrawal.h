@@ -15,8 +15,9 @@ namespace mle {
 //   decision.least_change: one by one where they are parametric, output by
 //   output where they are ΔR's; an absent pair counts by the largest response
 //   of its output;
-// - those that are nothing but a change of dead time that a clock may have made
-//   (shared_delays.h): result.shared_delays and .taken_for_clocks say which.
+// - changes of dead time that a clock may have made (shared_delays.h): result
+//   has them as .shared_delays, outputs of which nothing else is proposed as
+//   .taken_for_clocks, and a warning where something is.
 absl::Status WithdrawProposals(int samples, CorrectionResult& result);
 
 }  // namespace mle

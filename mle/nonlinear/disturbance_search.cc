@@ -1,13 +1,12 @@
 #include "mle/nonlinear/disturbance_search.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <optional>
-#include <span>
 #include <utility>
 #include <vector>
 
+#include "mle/nonlinear/extended_fit.h"
 #include "mle/nonlinear/line_search.h"
 #include "mle/nonlinear/step_search.h"
 
@@ -15,11 +14,7 @@ namespace mle {
 namespace {
 
 constexpr int kMostLines = 3;
-constexpr int kMostSteps = 3;     // of a segment
-constexpr int kLongestLag = 512;  // samples, of responses to the inputs
-// Times an element's own: with it, lags in series, and a slow part besides.
-constexpr std::array<double, 2> kFasterScales = {0.3, 0.6};
-constexpr std::array<double, 1> kSlowerScales = {2.5};
+constexpr int kMostSteps = 3;  // of a segment
 
 double LogSamples(const OutputErrorProblem& problem) {
   return std::log(problem.num_innovations(NoiseShape()));
@@ -36,13 +31,14 @@ struct Disturbance {
 std::optional<Disturbance> Find(const OutputErrorProblem& problem,
                                 const OutputFit& fit,
                                 const OutputErrorOptions& options) {
+  const ExtendedFit extended(problem, fit, options.estimate_drift);
   std::optional<FoundPeriod> line;
   if (static_cast<int>(problem.lines().size()) < kMostLines) {
-    line = FindPeriod(problem, fit, options.estimate_drift);
+    line = FindPeriod(extended);
   }
   std::optional<FoundStep> step;
   if (options.robust_loss == RobustLoss::kNone) {
-    step = FindStep(problem, fit, options.estimate_drift);
+    step = FindStep(extended);
   }
   if (step.has_value() &&
       std::count_if(problem.steps().begin(), problem.steps().end(),
@@ -100,32 +96,6 @@ bool FitThoseOfStart(const OutputPoint& start, const OutputFitBounds& bounds,
   return true;
 }
 
-// Of each segment, each element's responses with `factors` times its time scale
-// at `point`.
-std::vector<Eigen::MatrixXd> OtherShapes(const OutputErrorProblem& problem,
-                                         const OutputPoint& point,
-                                         std::span<const double> factors) {
-  std::vector<Eigen::MatrixXd> all;
-  Eigen::MatrixXd response;
-  for (int s = 0; s < problem.num_segments(); ++s) {
-    const OutputErrorProblem::Segment& segment = problem.segment(s);
-    Eigen::MatrixXd& columns = all.emplace_back(
-        segment.outputs.size(), static_cast<Eigen::Index>(factors.size()) *
-                                    problem.num_elements_present());
-    Eigen::Index column = 0;
-    for (int j = 0; j < problem.num_elements(); ++j) {
-      if (!problem.elements()[j].has_value()) continue;
-      for (const double factor : factors) {
-        OutputPoint other = point;
-        other.values[j].time_scale *= factor;
-        problem.Respond(segment, other, j, response);
-        columns.col(column++) = response(segment.times, 0);
-      }
-    }
-  }
-  return all;
-}
-
 }  // namespace
 
 double LinePrice(const OutputErrorProblem& problem) {
@@ -135,25 +105,6 @@ double LinePrice(const OutputErrorProblem& problem) {
 double StepPrice(const OutputErrorProblem& problem) {
   return 3.0 * LogSamples(problem) +
          2.0 * std::log(1.0 + problem.num_elements_present());
-}
-
-double GainOfInputs(
-    const OutputErrorProblem& problem, const OutputPoint& point,
-    const Profile& without,
-    const std::function<Profile(const std::vector<Eigen::MatrixXd>&)>& best) {
-  const int longest =
-      std::max(std::min(kLongestLag, problem.shortest_segment() / 4) - 1, 1);
-  double largest = 0.0;
-  for (const std::vector<Eigen::MatrixXd>& columns :
-       {problem.LagSums(LagRanges(longest, 1)),
-        OtherShapes(problem, point, kFasterScales),
-        OtherShapes(problem, point, kSlowerScales)}) {
-    const Profile with = best(columns);
-    largest =
-        std::max(largest, without.value - with.value -
-                              (with.rank - without.rank) * LogSamples(problem));
-  }
-  return largest;
 }
 
 void FitDisturbances(const OutputPoint& start, const OutputFitBounds& bounds,

@@ -6,11 +6,6 @@
 #ifndef MLE_NONLINEAR_DISTURBANCE_SEARCH_H_
 #define MLE_NONLINEAR_DISTURBANCE_SEARCH_H_
 
-#include <functional>
-#include <vector>
-
-#include "Eigen/Core"
-#include "mle/nonlinear/noise_search.h"
 #include "mle/nonlinear/output_error_problem.h"
 #include "mle/nonlinear/output_fit.h"
 
@@ -20,16 +15,6 @@ namespace mle {
 // size, place and lag, in −2 ln L.
 double LinePrice(const OutputErrorProblem& problem);
 double StepPrice(const OutputErrorProblem& problem);
-
-// By how much −2 ln L falls beyond its price where responses to the inputs are
-// added to what `without` has: sums over ranges of lags, or for each element
-// those with other time scales at `point`, which is what its shape may lack;
-// the larger. What the model lacks is no disturbance. `best`: the likeliest
-// shape with columns of each segment besides.
-double GainOfInputs(
-    const OutputErrorProblem& problem, const OutputPoint& point,
-    const Profile& without,
-    const std::function<Profile(const std::vector<Eigen::MatrixXd>&)>& best);
 
 // Lines and steps added to `problem` one by one (at most three lines, and three
 // steps of a segment), and `fit` made again with each; where its residuals show

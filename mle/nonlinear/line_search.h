@@ -23,8 +23,7 @@
 #include <optional>
 #include <vector>
 
-#include "mle/nonlinear/output_error_problem.h"
-#include "mle/nonlinear/output_fit.h"
+#include "mle/nonlinear/extended_fit.h"
 
 namespace mle {
 
@@ -33,11 +32,9 @@ struct FoundPeriod {
   double gain = 0.0;    // of −2 ln L beyond its price, > 0
 };
 
-// The line that the residuals of `fit` show; what `problem` has already is
+// The line that the residuals of the fit show; what its problem has already is
 // fitted beside it.
-std::optional<FoundPeriod> FindPeriod(const OutputErrorProblem& problem,
-                                      const OutputFit& fit,
-                                      bool estimate_drift);
+std::optional<FoundPeriod> FindPeriod(const ExtendedFit& extended);
 
 }  // namespace mle
 

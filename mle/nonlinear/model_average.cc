@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <utility>
 
 #include "boost/math/tools/toms748_solve.hpp"
 #include "glog/logging.h"
@@ -145,6 +146,41 @@ double DetectableChange(const std::vector<WeightedFit>& fits, int index,
     (sum > std::exp(-0.5 * statistic) ? low : high) = middle;
   }
   return high;
+}
+
+void Mixture::Add(double weight, OutputFit fit) {
+  weights.push_back(weight);
+  fits.push_back(std::move(fit));
+}
+
+void Mixture::AddShifted(double weight, const OutputFit& fit,
+                         std::vector<LinearEstimate> estimates,
+                         const OutputFitBounds& bounds) {
+  for (LinearEstimate& estimate : estimates) {
+    OutputFit shifted = fit;
+    for (std::size_t j = 0; j < fit.free.size(); ++j) {
+      if (!fit.free[j]) continue;
+      const auto k = 3 * static_cast<Eigen::Index>(j);
+      ElementValues& v = shifted.point.values[j];
+      v.gain += estimate.change(k);
+      v.time_scale =
+          std::clamp(v.time_scale + estimate.change(k + 1),
+                     bounds.min_time_scales[j], bounds.max_time_scales[j]);
+      v.delay = std::clamp(v.delay + estimate.change(k + 2), 0.0,
+                           std::max(bounds.max_delays[j], v.delay));
+    }
+    shifted.covariance = std::move(estimate.covariance);
+    shifted.degrees_of_freedom = std::move(estimate.degrees_of_freedom);
+    Add(weight * estimate.weight, std::move(shifted));
+  }
+}
+
+std::vector<WeightedFit> Mixture::parts() const {
+  std::vector<WeightedFit> parts;
+  for (std::size_t k = 0; k < fits.size(); ++k) {
+    parts.push_back({weights[k], &fits[k]});
+  }
+  return parts;
 }
 
 }  // namespace mle

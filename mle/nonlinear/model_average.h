@@ -21,6 +21,20 @@ struct WeightedFit {
   const OutputFit* fit = nullptr;
 };
 
+// Fits of an output and their weights, which add up to one.
+struct Mixture {
+  std::vector<double> weights;
+  std::vector<OutputFit> fits;
+
+  void Add(double weight, OutputFit fit);
+  // `fit` as it is under each of `estimates`, with `weight` in all; within
+  // `bounds`.
+  void AddShifted(double weight, const OutputFit& fit,
+                  std::vector<LinearEstimate> estimates,
+                  const OutputFitBounds& bounds);
+  std::vector<WeightedFit> parts() const;
+};
+
 // K, T, L of each element in turn (3m); 0 for absent ones.
 Eigen::VectorXd ParametersOf(const OutputPoint& point);
 

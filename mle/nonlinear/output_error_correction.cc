@@ -86,50 +86,6 @@ OutputErrorFit EmptyFit(const ProcessModel& model) {
   return fit;
 }
 
-// Fits of an output with weights that add up to one.
-struct Mixture {
-  std::vector<double> weights;
-  std::vector<OutputFit> fits;
-
-  void Add(double weight, OutputFit fit) {
-    weights.push_back(weight);
-    fits.push_back(std::move(fit));
-  }
-  // `fit` as it is under each of `estimates`, with `weight` in all.
-  void AddShifted(double weight, const OutputFit& fit,
-                  std::vector<LinearEstimate> estimates,
-                  const OutputFitBounds& bounds);
-  std::vector<WeightedFit> parts() const {
-    std::vector<WeightedFit> parts;
-    for (std::size_t k = 0; k < fits.size(); ++k) {
-      parts.push_back({weights[k], &fits[k]});
-    }
-    return parts;
-  }
-};
-
-void Mixture::AddShifted(double weight, const OutputFit& fit,
-                         std::vector<LinearEstimate> estimates,
-                         const OutputFitBounds& bounds) {
-  for (LinearEstimate& estimate : estimates) {
-    OutputFit shifted = fit;
-    for (std::size_t j = 0; j < fit.free.size(); ++j) {
-      if (!fit.free[j]) continue;
-      const auto k = 3 * static_cast<Eigen::Index>(j);
-      ElementValues& v = shifted.point.values[j];
-      v.gain += estimate.change(k);
-      v.time_scale =
-          std::clamp(v.time_scale + estimate.change(k + 1),
-                     bounds.min_time_scales[j], bounds.max_time_scales[j]);
-      v.delay = std::clamp(v.delay + estimate.change(k + 2), 0.0,
-                           std::max(bounds.max_delays[j], v.delay));
-    }
-    shifted.covariance = std::move(estimate.covariance);
-    shifted.degrees_of_freedom = std::move(estimate.degrees_of_freedom);
-    Add(weight * estimate.weight, std::move(shifted));
-  }
-}
-
 double WeightOfOffsets(const std::vector<OutputSetup>& setups,
                        const std::vector<OutputFit>& fits,
                        const OutputErrorOptions& options) {
@@ -145,6 +101,19 @@ double WeightOfOffsets(const std::vector<OutputSetup>& setups,
   if (weight < kSmallWeight) return 0.0;
   // Without evidence that is a number, offsets are the safe side.
   return weight <= 1.0 - kSmallWeight ? weight : 1.0;
+}
+
+bool MayChange(const OutputErrorOptions& options, int i) {
+  return options.outputs.empty() || options.outputs[i];
+}
+
+int NumInformed(const std::vector<OutputSetup>& setups) {
+  int count = 0;
+  for (const OutputSetup& setup : setups) {
+    count += static_cast<int>(
+        std::count(setup.informed.begin(), setup.informed.end(), true));
+  }
+  return count;
 }
 
 int NumFree(const std::vector<OutputFit>& fits) {
@@ -301,7 +270,7 @@ void Judge(const std::vector<OutputSetup>& setups,
   for (int i = 0; i < p; ++i) {
     const ElementSelection selection =
         Select(setups[i], averaged.average[i],
-               options.false_alarm_probability / num_elements);
+               options.false_alarm_probability / NumInformed(setups));
     int g = 0;
     for (int j = 0; j < m; ++j) {
       if (!fits[i].free[j]) continue;
@@ -318,6 +287,26 @@ void Judge(const std::vector<OutputSetup>& setups,
   }
 }
 
+// `fit` continued with the elements that are `free` alone, the others at their
+// initial values.
+OutputFit FitAged(const OutputSetup& setup, const OutputFit& fit,
+                  const std::vector<bool>& free,
+                  const OutputErrorOptions& options) {
+  OutputPoint start = setup.start;
+  bool any = false;
+  for (std::size_t j = 0; j < free.size(); ++j) {
+    if (free[j]) start.values[j] = fit.point.values[j];
+    any = any || free[j];
+  }
+  if (!any)
+    return FitOutput(*setup.problem, start, free, setup.bounds, options);
+  OutputFit aged = fit;
+  aged.free = free;
+  aged.point = std::move(start);
+  aged.point.SetCells(setup.problem->sample_time());
+  return Refit(*setup.problem, aged, setup.bounds, options);
+}
+
 }  // namespace
 
 absl::StatusOr<OutputErrorCorrection> CorrectByOutputError(
@@ -327,6 +316,11 @@ absl::StatusOr<OutputErrorCorrection> CorrectByOutputError(
                        SetUpOutputs(initial, records, options));
   const int p = initial.num_outputs();
   const int m = initial.num_inputs();
+  if (!options.outputs.empty() && std::ssize(options.outputs) != p) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("output-error correction: outputs has ",
+                     options.outputs.size(), " entries, the model has ", p));
+  }
   OutputErrorCorrection correction;
   correction.full = EmptyFit(initial);
   correction.corrected = EmptyFit(initial);
@@ -335,8 +329,12 @@ absl::StatusOr<OutputErrorCorrection> CorrectByOutputError(
 
   std::vector<OutputFit> fits(p);
   ParallelFor(p, options.threads, [&](int i) {
-    fits[i] = FitOutput(*setups[i].problem, setups[i].start, setups[i].informed,
-                        setups[i].bounds, options);
+    const bool may_change = MayChange(options, i);
+    fits[i] =
+        FitOutput(*setups[i].problem, setups[i].start,
+                  may_change ? setups[i].informed : std::vector<bool>(m, false),
+                  setups[i].bounds, options);
+    if (!may_change) return;
     FitDisturbances(setups[i].start, setups[i].bounds, options,
                     *setups[i].problem, fits[i]);
     if (options.robust_loss != RobustLoss::kNone) {
@@ -350,13 +348,7 @@ absl::StatusOr<OutputErrorCorrection> CorrectByOutputError(
     std::vector<bool> free(m);
     for (int j = 0; j < m; ++j) free[j] = correction.aged(i, j);
     if (free == fits[i].free) return;
-    // Those that have aged start from where they were found.
-    OutputPoint start = setups[i].start;
-    for (int j = 0; j < m; ++j) {
-      if (free[j]) start.values[j] = fits[i].point.values[j];
-    }
-    fits[i] =
-        FitOutput(*setups[i].problem, start, free, setups[i].bounds, options);
+    fits[i] = FitAged(setups[i], fits[i], free, options);
   });
   ReportAll(setups, fits, options, ChangePrior::kFewOrSmall,
             correction.corrected);

@@ -77,6 +77,9 @@ struct OutputErrorOptions {
   // That something has changed is known: the test of no change is made, but
   // does not decide.
   bool change_given = false;
+  // p: the outputs that may have changed; the others keep the model, and only
+  // their noise is estimated. Empty: all.
+  std::vector<bool> outputs = {};
   // Of the intervals, in (0, 1).
   double confidence = 0.95;
   // Of each Ceres solve, ≥ 1.

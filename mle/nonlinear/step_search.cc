@@ -60,13 +60,14 @@ VectorXd Scores(const std::vector<int>& times, double lag, const VectorXd& u) {
 
 class StepSearch {
  public:
-  StepSearch(const OutputErrorProblem& problem, const OutputFit& fit)
-      : problem_(problem),
-        fit_(fit),
-        shape_(ShapeOf(fit.noise)),
-        columns_(problem.Linearise(fit.point, shape_, true)),
+  explicit StepSearch(const ExtendedFit& extended)
+      : extended_(extended),
+        problem_(extended.problem()),
+        fit_(extended.fit()),
+        shape_(ShapeOf(fit_.noise)),
+        columns_(extended.columns()),
         basis_(Basis()),
-        lags_(Lags(problem, fit.point)) {}
+        lags_(Lags(problem_, fit_.point)) {}
 
   const std::vector<double>& lags() const { return lags_; }
 
@@ -100,7 +101,8 @@ class StepSearch {
     return best;
   }
 
-  ShapeLikelihood With(const SegmentStep& step) const {
+  // Of each segment.
+  std::vector<MatrixXd> Columns(const SegmentStep& step) const {
     std::vector<MatrixXd> more;
     for (int s = 0; s < problem_.num_segments(); ++s) {
       MatrixXd& column = more.emplace_back();
@@ -110,22 +112,19 @@ class StepSearch {
         column.setZero(static_cast<Eigen::Index>(problem_.times(s).size()), 1);
       }
     }
-    return With(more);
-  }
-  ShapeLikelihood With(const std::vector<MatrixXd>& more) const {
-    return {problem_, columns_, fit_.free, /*restricted=*/false, more};
+    return more;
   }
 
   // The likeliest step near `step` at `shape`.
   SegmentStep Refine(SegmentStep step, const NoiseShape& shape) const {
     const std::vector<int>& times = problem_.times(step.segment);
-    double best = With(step).At(shape).value;
+    double best = extended_.With(Columns(step)).At(shape).value;
     const auto try_step = [&](const SegmentStep& other) {
       if (other.sample < times[kMargin] ||
           other.sample > times[times.size() - 1 - kMargin]) {
         return false;
       }
-      const double value = With(other).At(shape).value;
+      const double value = extended_.With(Columns(other)).At(shape).value;
       if (!(value < best)) return false;
       best = value;
       step = other;
@@ -249,44 +248,38 @@ class StepSearch {
     return squares;
   }
 
+  const ExtendedFit& extended_;
   const OutputErrorProblem& problem_;
   const OutputFit& fit_;
   NoiseShape shape_;
-  std::vector<SegmentColumns> columns_;
+  const std::vector<SegmentColumns>& columns_;
   MatrixXd basis_;
   std::vector<double> lags_;
 };
 
 }  // namespace
 
-std::optional<FoundStep> FindStep(const OutputErrorProblem& problem,
-                                  const OutputFit& fit, bool estimate_drift) {
+std::optional<FoundStep> FindStep(const ExtendedFit& extended) {
+  const OutputErrorProblem& problem = extended.problem();
+  const OutputFit& fit = extended.fit();
   if (problem.num_segments() == 0 || !(fit.noise.variance > 0.0)) {
     return std::nullopt;
   }
   const double log_samples = std::log(problem.num_innovations(NoiseShape()));
-  const StepSearch search(problem, fit);
+  const StepSearch search(extended);
   auto [step, chi_square] = search.Scan();
   if (!(chi_square > 2.0 * log_samples)) return std::nullopt;
-  const NoiseShape shape = ShapeOf(fit.noise);
   Profile with;
-  with.shape = shape;
+  with.shape = ShapeOf(fit.noise);
   for (int round = 0; round < kRefinements; ++round) {
     step = search.Refine(step, with.shape);
-    with = FindBestShape(search.With(step),
-                         round == 0 ? NoiseShape() : with.shape, estimate_drift,
+    with = extended.Best(search.Columns(step),
+                         round == 0 ? NoiseShape() : with.shape,
                          /*search_colour=*/round == 0);
   }
-  const auto best = [&](const std::vector<MatrixXd>& more) {
-    return FindBestShape(search.With(more), shape, estimate_drift,
-                         /*search_colour=*/true);
-  };
-  const Profile without = best({});
-  const double gain = PricedValue(problem, without) -
+  const double gain = PricedValue(problem, extended.Without()) -
                       PricedValue(problem, with) - StepPrice(problem);
-  if (!(gain > 0.0)) return std::nullopt;
-  if (!(gain > GainOfInputs(problem, fit.point, without, best)))
-    return std::nullopt;
+  if (!(gain > 0.0) || extended.InputsGain(gain)) return std::nullopt;
   return FoundStep{.step = step, .gain = gain};
 }
 

@@ -22,8 +22,8 @@
 
 #include <optional>
 
+#include "mle/nonlinear/extended_fit.h"
 #include "mle/nonlinear/output_error_problem.h"
-#include "mle/nonlinear/output_fit.h"
 
 namespace mle {
 
@@ -32,10 +32,9 @@ struct FoundStep {
   double gain = 0.0;  // of −2 ln L beyond its price, > 0
 };
 
-// The step that the residuals of `fit` show; what `problem` has already is
+// The step that the residuals of the fit show; what its problem has already is
 // fitted beside it.
-std::optional<FoundStep> FindStep(const OutputErrorProblem& problem,
-                                  const OutputFit& fit, bool estimate_drift);
+std::optional<FoundStep> FindStep(const ExtendedFit& extended);
 
 }  // namespace mle
 

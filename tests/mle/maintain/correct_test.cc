@@ -234,8 +234,21 @@ TEST(CorrectFromRecordsTest, WhatAClockMayHaveDoneCannotTell) {
   EXPECT_NE(clock->reasons.back().text.find("1 min"), std::string::npos)
       << clock->reasons.back().text;
   EXPECT_EQ(clock->change.total, 0.0);
-  // Where clocks are known to be right by half a minute, they have changed.
-  options.decision.clock_error = 30.0;
+  // Tags may wait for a scan: three samples of half a minute.
+  options.decision.clock_error = 1.0;
+  const auto scan =
+      CorrectFromRecords(model, RecordsOfTwoInputs(late), options);
+  ASSERT_TRUE(scan.ok()) << scan.status();
+  EXPECT_EQ(scan->reasons.back().code, MessageCode::kClock);
+  // What differs from it by no more than the errors is nothing besides.
+  options.decision.least_change = 0.0;
+  const auto errors =
+      CorrectFromRecords(model, RecordsOfTwoInputs(late), options);
+  ASSERT_TRUE(errors.ok()) << errors.status();
+  EXPECT_EQ(errors->reasons.back().code, MessageCode::kClock);
+  options.decision.least_change = DecisionOptions().least_change;
+  // Where clocks are known to be right, they have changed.
+  options.decision.clock_error = 0.0;
   const auto right =
       CorrectFromRecords(model, RecordsOfTwoInputs(late), options);
   ASSERT_TRUE(right.ok()) << right.status();
@@ -243,13 +256,22 @@ TEST(CorrectFromRecordsTest, WhatAClockMayHaveDoneCannotTell) {
   EXPECT_NEAR(right->model.element(0, 0).delay(), 2.5, 0.1);
   EXPECT_NEAR(right->model.element(0, 1).delay(), 3.5, 0.1);
   // What has aged besides is delivered.
-  options.decision.clock_error = 120.0;
+  options.decision.clock_error = DecisionOptions().clock_error;
   const auto both =
       CorrectFromRecords(model, RecordsOfTwoInputs(aged), options);
   ASSERT_TRUE(both.ok()) << both.status();
   EXPECT_EQ(both->decision, Decision::kCorrected);
   EXPECT_NEAR(both->model.element(0, 1).StaticGain(), 0.5, 0.02);
   EXPECT_EQ(both->model.element(0, 0).delay(), 1.5);
+  EXPECT_NEAR(both->model.element(0, 1).delay(), 2.5, 0.1);
+  const ParameterEstimate& delay =
+      both->estimate.fit.output_error.corrected.element(0, 1).delay;
+  EXPECT_LT(delay.lower, 2.5);
+  EXPECT_GT(delay.upper, 2.5);
+  EXPECT_TRUE(std::any_of(both->warnings.begin(), both->warnings.end(),
+                          [](const Message& warning) {
+                            return warning.code == MessageCode::kClock;
+                          }));
 }
 
 TEST(CorrectFromRecordsTest, FilesGiveTheSameAsMemory) {

@@ -79,7 +79,8 @@ TEST(LineSearchTest, AResponseToTheInputsIsNoLine) {
     const OutputSetup& setup = setups->front();
     const OutputFit fit = FitOutput(*setup.problem, setup.start, {false, false},
                                     setup.bounds, {});
-    return FindPeriod(*setup.problem, fit, /*estimate_drift=*/true);
+    return FindPeriod(
+        ExtendedFit(*setup.problem, fit, /*estimate_drift=*/true));
   };
   EXPECT_FALSE(period(records).has_value());
   for (Record& record : records) record.inputs.setZero();

@@ -126,6 +126,15 @@ TEST(OutputErrorCorrectionTest, OutputsAreSeparate) {
   const auto again = Correct(model, records, {.threads = 2});
   EXPECT_EQ(again.full.element(1, 1).delay.value,
             correction.full.element(1, 1).delay.value);
+  // The other output may not change: nothing is different for this one ...
+  const auto one = Correct(model, records, {.outputs = {false, true}});
+  EXPECT_EQ(one.full.element(0, 0).state, ElementState::kHeld);
+  EXPECT_GT(one.full.noise[0].variance, 0.0);
+  // ... but the weight of offsets, to which all outputs contribute.
+  const ParameterEstimate& delay = correction.full.element(1, 1).delay;
+  EXPECT_NEAR(one.full.element(1, 1).delay.value, delay.value,
+              0.01 * delay.standard_error);
+  EXPECT_EQ(one.aged, correction.aged);
 }
 
 TEST(OutputErrorCorrectionTest, AnInputAtRestInformsAboutNothing) {
@@ -229,6 +238,8 @@ TEST(OutputErrorCorrectionTest, SaysWhatIsWrong) {
     return std::string(CorrectByOutputError(m, r, o).status().message());
   };
   EXPECT_THAT(message(model, {}), HasSubstr("no record"));
+  EXPECT_THAT(message(model, records, {.outputs = {true, true}}),
+              HasSubstr("outputs has 2 entries, the model has 1"));
   EXPECT_THAT(message(MakeModel(2, 2), records),
               HasSubstr("records[0] has 1 outputs and 2 inputs"));
   auto other = records;

@@ -125,7 +125,7 @@ TEST(StepSearchTest, AResponseToTheInputsIsNoStep) {
     const OutputSetup& setup = setups->front();
     const OutputFit fit = FitOutput(*setup.problem, setup.start, {false, false},
                                     setup.bounds, {});
-    return FindStep(*setup.problem, fit, /*estimate_drift=*/true);
+    return FindStep(ExtendedFit(*setup.problem, fit, /*estimate_drift=*/true));
   };
   EXPECT_FALSE(step(records).has_value());
   for (Record& record : records) {
