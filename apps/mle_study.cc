@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
@@ -137,28 +138,49 @@ absl::Status ReadCampaign(const study::Request& request, Prepared& prepared) {
   return absl::OkStatus();
 }
 
-absl::Status OpenFolder(const study::Request& request, Prepared& prepared) {
-  MLE_ASSIGN_OR_RETURN(prepared.lock, ClaimOutputFolder(request.out));
-  const std::int64_t runs = Grid(prepared.campaign).num_runs();
-  const std::string checksum = Sha256Of(prepared.resolved);
-  if (checksum.empty()) {
-    return absl::InternalError("the campaign's checksum cannot be computed");
-  }
-  MLE_ASSIGN_OR_RETURN(prepared.journal,
-                       Journal::Open(absl::StrCat(request.out, "/journal.csv"),
-                                     {.checksum = checksum,
-                                      .version = std::string(Version()),
-                                      .runs = runs},
-                                     request.resume));
-  const Journal& journal = *prepared.journal;
+// What was found in a journal that is resumed.
+void PrintFound(const Journal& journal, std::int64_t runs) {
+  constexpr std::size_t kShown = 5;
   if (journal.dropped_bytes() > 0) {
     std::cerr << "journal.csv: an incomplete last line is dropped ("
               << journal.dropped_bytes() << " bytes)\n";
+  }
+  const std::vector<std::int64_t>& damaged = journal.damaged_lines();
+  for (std::size_t i = 0; i < std::min(damaged.size(), kShown); ++i) {
+    std::cerr << "warning: journal.csv:" << damaged[i]
+              << ": the line is damaged (its checksum or its coordinates are "
+                 "wrong); its run is done again\n";
+  }
+  if (damaged.size() > kShown) {
+    std::cerr << "warning: journal.csv: " << damaged.size() - kShown
+              << " more lines are damaged\n";
   }
   if (journal.num_done() > 0) {
     std::cerr << "Going on: " << journal.num_done() << " of " << runs
               << " runs are done.\n";
   }
+}
+
+absl::Status OpenFolder(const study::Request& request, Prepared& prepared) {
+  MLE_ASSIGN_OR_RETURN(prepared.lock, ClaimOutputFolder(request.out));
+  const Grid grid(prepared.campaign);
+  const std::int64_t runs = grid.num_runs();
+  const std::string checksum = Sha256Of(prepared.resolved);
+  if (checksum.empty()) {
+    return absl::InternalError("the campaign's checksum cannot be computed");
+  }
+  MLE_ASSIGN_OR_RETURN(prepared.journal,
+                       Journal::Open(
+                           absl::StrCat(request.out, "/journal.csv"),
+                           {.checksum = checksum,
+                            .version = std::string(Version()),
+                            .runs = runs},
+                           [&](std::int64_t run) {
+                             return experiment::RowStart(prepared.campaign,
+                                                         grid, run);
+                           },
+                           request.resume));
+  PrintFound(*prepared.journal, runs);
   return WriteFileAtomically(absl::StrCat(request.out, "/campaign.json"),
                              prepared.resolved);
 }

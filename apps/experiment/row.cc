@@ -102,12 +102,18 @@ std::string RowHeader(bool with_seconds) {
                       with_seconds ? ",seconds" : "");
 }
 
+std::string RowStart(const Campaign& campaign, const Grid& grid,
+                     std::int64_t run) {
+  std::string start = absl::StrCat(run);
+  for (const std::string& text : CoordinateTexts(campaign, grid.At(run))) {
+    absl::StrAppend(&start, ",", CsvField(text));
+  }
+  return start;
+}
+
 std::string RowText(const Campaign& campaign, const Grid& grid,
                     const Row& row) {
-  std::string line = absl::StrCat(row.run);
-  for (const std::string& text : CoordinateTexts(campaign, grid.At(row.run))) {
-    absl::StrAppend(&line, ",", CsvField(text));
-  }
+  std::string line = RowStart(campaign, grid, row.run);
   for (const double value : row.values) {
     absl::StrAppend(&line, ",", NumberText(value));
   }

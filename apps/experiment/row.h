@@ -72,6 +72,10 @@ std::string CsvField(std::string_view text);
 std::string RowHeader(bool with_seconds);
 std::string RowText(const Campaign& campaign, const Grid& grid, const Row& row);
 
+// What the line of a run begins with: its number and its coordinates.
+std::string RowStart(const Campaign& campaign, const Grid& grid,
+                     std::int64_t run);
+
 // The line of runs.csv for one of the journal: the same without seconds.
 std::string WithoutSeconds(std::string_view line);
 

@@ -54,11 +54,16 @@ absl::StatusOr<std::vector<Task>> TakeWhatIsThere(const Campaign& campaign,
     for (std::size_t s = 0; s < campaign.seeds.size(); ++s) {
       for (std::size_t p = 0; p < campaign.policies.size(); ++p) {
         const Task task = {r, s, p};
-        MLE_ASSIGN_OR_RETURN(std::optional<Life> life,
-                             LoadLife(campaign.folder, KeyOf(campaign, task),
-                                      campaign.settings));
-        if (life.has_value()) {
-          lives[r][s][p] = *std::move(life);
+        absl::StatusOr<std::optional<Life>> life =
+            LoadLife(campaign.folder, KeyOf(campaign, task), campaign.settings);
+        if (absl::IsDataLoss(life.status())) {
+          std::cerr << "warning: " << life.status().message()
+                    << "; this life is simulated again\n";
+          life = std::nullopt;
+        }
+        MLE_RETURN_IF_ERROR(life.status());
+        if (life->has_value()) {
+          lives[r][s][p] = **std::move(life);
           ++found;
         } else {
           tasks.push_back(task);

@@ -2,11 +2,13 @@
 
 #include <cmath>
 #include <limits>
+#include <string_view>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_replace.h"
+#include "apps/common/sha256.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"
 #include "mle/model/json_text.h"
@@ -17,7 +19,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kVersion = 1;
+constexpr int kVersion = 2;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 Json ToJson(const Eigen::VectorXd& values) {
@@ -103,6 +105,19 @@ Json KeyJson(const LifeKey& key, const Settings& settings) {
           {"settings", settings}};
 }
 
+constexpr std::string_view kSumKey = "\n \"sha256\": \"";
+constexpr std::size_t kSumLength = 64;
+
+// `text` with its checksum in place of the 64 characters there; unchanged
+// where it has no place for one.
+std::string WithChecksum(std::string text) {
+  const std::size_t found = text.rfind(kSumKey);
+  if (found == std::string::npos) return text;
+  const std::size_t at = found + kSumKey.size();
+  text.replace(at, kSumLength, kSumLength, '0');
+  return text.replace(at, kSumLength, Sha256Of(text));
+}
+
 }  // namespace
 
 std::string LifeKey::FileName() const {
@@ -118,7 +133,8 @@ std::string FormatLife(const LifeKey& key, const Settings& settings,
   Json rows = Json::array();
   for (const ChangeRow& row : life.rows) rows.push_back(ToJson(row));
   json["rows"] = std::move(rows);
-  return FormatJson(json);
+  json["sha256"] = std::string(kSumLength, '0');
+  return WithChecksum(FormatJson(json));
 }
 
 absl::StatusOr<std::optional<Life>> ParseLife(const std::string& json,
@@ -126,9 +142,14 @@ absl::StatusOr<std::optional<Life>> ParseLife(const std::string& json,
                                               const LifeKey& key,
                                               const Settings& settings) {
   // The only file format here that we write and read ourselves: whatever else
-  // is found is said to be no such file, and why.
+  // is found is said to be damaged, and why.
   try {
     const Json parsed = Json::parse(json);
+    if (!parsed.is_object() || !parsed.contains("sha256")) return std::nullopt;
+    if (WithChecksum(json) != json) {
+      return absl::DataLossError(
+          absl::StrCat(source, ": the checksum is not that of the content"));
+    }
     // Compared as they are written.
     const Json wanted = Json::parse(FormatJson(KeyJson(key, settings)));
     for (const auto& item : wanted.items()) {
@@ -142,7 +163,7 @@ absl::StatusOr<std::optional<Life>> ParseLife(const std::string& json,
     }
     return life;
   } catch (const Json::exception& error) {
-    return absl::InvalidArgumentError(absl::StrCat(
+    return absl::DataLossError(absl::StrCat(
         source, ": is not a stored life of a policy: ", error.what()));
   }
 }

@@ -3,7 +3,9 @@
 // DIR/runs/POLICY_rateR_seedS.json holds the whole life of one policy, with the
 // settings it was made under: what it was worth in physical terms, no prices,
 // so that other prices need no new simulation. A file is written whole or not
-// at all, and used only where its settings are those asked for.
+// at all, and used only where its settings are those asked for and its content
+// has the SHA-256 that stands in it ("sha256": of the file with 64 zeros in the
+// place of the sum).
 
 #ifndef APPS_LIFECYCLE_STORE_H_
 #define APPS_LIFECYCLE_STORE_H_
@@ -33,8 +35,9 @@ struct LifeKey {
 std::string FormatLife(const LifeKey& key, const Settings& settings,
                        const Life& life);
 
-// The life in `json`; nothing if it was made under other settings or for
-// another key. InvalidArgument, with `source`, for another kind of file.
+// The life in `json`; nothing if it was made under other settings, for another
+// key or by a version without checksums. DataLoss, with `source`, for a file
+// that is not as it was written.
 absl::StatusOr<std::optional<Life>> ParseLife(const std::string& json,
                                               const std::string& source,
                                               const LifeKey& key,

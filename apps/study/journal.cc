@@ -8,10 +8,12 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <optional>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "apps/common/sha256.h"
 #include "apps/experiment/row.h"
 #include "mle/base/status.h"
 
@@ -37,11 +39,28 @@ absl::Status BadLine(const std::string& path, std::int64_t number,
       absl::StrCat(path, ":", number, ": ", std::string(what)));
 }
 
+std::string JournalHeader() {
+  return absl::StrCat(RowHeader(/*with_seconds=*/true), ",checksum");
+}
+
+std::string ChecksumOf(std::string_view text) {
+  return Sha256Of(text).substr(0, 16);
+}
+
+// The line up to its checksum; nothing if that is another's.
+std::optional<std::string_view> WithoutChecksum(std::string_view line) {
+  const std::size_t comma = line.rfind(',');
+  if (comma == std::string_view::npos) return std::nullopt;
+  const std::string_view text = line.substr(0, comma);
+  if (line.substr(comma + 1) != ChecksumOf(text)) return std::nullopt;
+  return text;
+}
+
 }  // namespace
 
 std::string JournalHead::Line() const {
   return absl::StrFormat(
-      "# mle_study journal 1, campaign SHA-256 %s, mle %s, "
+      "# mle_study journal 2, campaign SHA-256 %s, mle %s, "
       "%d runs",
       checksum, version, runs);
 }
@@ -57,9 +76,9 @@ Journal::~Journal() {
   close(file_);
 }
 
-absl::StatusOr<std::unique_ptr<Journal>> Journal::Open(const std::string& path,
-                                                       const JournalHead& head,
-                                                       bool resume) {
+absl::StatusOr<std::unique_ptr<Journal>> Journal::Open(
+    const std::string& path, const JournalHead& head,
+    const LineStart& line_start, bool resume) {
   struct stat there = {};
   const bool exists = stat(path.c_str(), &there) == 0 && there.st_size > 0;
   if (exists && !resume) {
@@ -72,7 +91,7 @@ absl::StatusOr<std::unique_ptr<Journal>> Journal::Open(const std::string& path,
   if (file < 0) return FileError(path, "cannot be opened");
   std::unique_ptr<Journal> journal(new Journal(path, file, head.runs));
   if (exists) {
-    MLE_RETURN_IF_ERROR(journal->ReadBack(head));
+    MLE_RETURN_IF_ERROR(journal->ReadBack(head, line_start));
   }
   if (journal->size_ == 0) {
     MLE_RETURN_IF_ERROR(journal->WriteHead(head));
@@ -82,30 +101,50 @@ absl::StatusOr<std::unique_ptr<Journal>> Journal::Open(const std::string& path,
 
 absl::Status Journal::WriteHead(const JournalHead& head) {
   MLE_RETURN_IF_ERROR(
-      Write(absl::StrCat(head.Line(), "\n", RowHeader(true), "\n")));
+      Write(absl::StrCat(head.Line(), "\n", JournalHeader(), "\n")));
   return Sync();
 }
 
-// Reads what is there line by line. A file that breaks off, or ends in bytes
-// that are no line, as after a power cut, ends where the last whole line does.
-absl::Status Journal::ReadBack(const JournalHead& head) {
+// Counts the run of a line as done, if the line is what was written.
+absl::Status Journal::TakeLine(std::string_view line, std::int64_t number,
+                               std::int64_t begin,
+                               const LineStart& line_start) {
+  const std::optional<std::string_view> text = WithoutChecksum(line);
+  const absl::StatusOr<Row> row = text.has_value()
+                                      ? ParseRow(*text, /*with_seconds=*/true)
+                                      : absl::DataLossError("checksum");
+  const auto runs = static_cast<std::int64_t>(offsets_.size());
+  if (!row.ok() || row->run >= runs ||
+      !text->starts_with(absl::StrCat(line_start(row->run), ","))) {
+    damaged_lines_.push_back(number);
+    return absl::OkStatus();
+  }
+  if (IsDone(row->run)) {
+    return BadLine(path_, number,
+                   absl::StrCat("run ", row->run, " stands twice"));
+  }
+  offsets_[row->run] = begin;
+  ++num_done_;
+  return absl::OkStatus();
+}
+
+// Reads what is there line by line. A file that breaks off ends where its last
+// whole line does.
+absl::Status Journal::ReadBack(const JournalHead& head,
+                               const LineStart& line_start) {
   std::ifstream input(path_, std::ios::binary);
   if (!input) return FileError(path_, "cannot be read");
   std::string line;
   std::int64_t number = 0;
-  int head_lines = 0;
-  std::int64_t offset = 0;
-  absl::Status bad;
-  std::int64_t end = 0;
+  std::int64_t end = 0;  // of the last whole line
+  std::int64_t size = 0;
   while (std::getline(input, line)) {
-    const bool whole = !input.eof();
-    const std::int64_t begin = offset;
-    offset += static_cast<std::int64_t>(line.size()) + (whole ? 1 : 0);
+    size += static_cast<std::int64_t>(line.size());
+    if (input.eof()) break;
+    ++size;
     ++number;
-    if (!whole) break;
-    if (!bad.ok()) return bad;  // Not the last line: the file is damaged.
     if (number <= 2) {
-      const std::string wanted = number == 1 ? head.Line() : RowHeader(true);
+      const std::string wanted = number == 1 ? head.Line() : JournalHeader();
       if (line != wanted) {
         return BadLine(path_, number,
                        absl::StrCat("belongs to another campaign, version or "
@@ -113,32 +152,14 @@ absl::Status Journal::ReadBack(const JournalHead& head) {
                                     line.substr(0, 200), "', where '", wanted,
                                     "' is needed; take another folder"));
       }
-      end = offset;
-      ++head_lines;
-      continue;
+    } else {
+      MLE_RETURN_IF_ERROR(TakeLine(line, number, end, line_start));
     }
-    const absl::StatusOr<Row> row = ParseRow(line, /*with_seconds=*/true);
-    if (!row.ok()) {
-      bad = BadLine(path_, number, std::string(row.status().message()));
-      continue;
-    }
-    if (row->run >= head.runs || IsDone(row->run)) {
-      return BadLine(
-          path_, number,
-          absl::StrCat("run ", row->run,
-                       row->run >= head.runs ? " is beyond the campaign's last"
-                                             : " stands twice"));
-    }
-    offsets_[row->run] = begin;
-    ++num_done_;
-    end = offset;
+    end = size;
   }
-  dropped_bytes_ = offset - end;
   // The two lines of the head are not whole: begin anew.
-  if (head_lines < 2) {
-    dropped_bytes_ = offset;
-    end = 0;
-  }
+  if (number < 2) end = 0;
+  dropped_bytes_ = size - end;
   if (ftruncate(file_, end) != 0) return FileError(path_, "cannot be cut");
   size_ = end;
   return absl::OkStatus();
@@ -167,7 +188,8 @@ absl::Status Journal::Append(std::int64_t run, std::string_view line) {
         absl::StrCat(path_, ": run ", run, " ended twice, or is none"));
   }
   const std::int64_t begin = size_;
-  MLE_RETURN_IF_ERROR(Write(absl::StrCat(std::string(line), "\n")));
+  MLE_RETURN_IF_ERROR(
+      Write(absl::StrCat(std::string(line), ",", ChecksumOf(line), "\n")));
   offsets_[run] = begin;
   ++num_done_;
   ++unsynced_;
@@ -196,9 +218,17 @@ absl::StatusOr<std::string> Journal::Line(std::int64_t run) const {
     const std::string_view text(block.data(), static_cast<std::size_t>(count));
     const std::size_t end = text.find('\n');
     line += text.substr(0, end);
-    if (end != std::string_view::npos) return line;
+    if (end != std::string_view::npos) break;
     offset += count;
   }
+  const std::optional<std::string_view> text = WithoutChecksum(line);
+  if (!text.has_value()) {
+    return absl::InternalError(
+        absl::StrCat(path_, ": the line of run ", run,
+                     " has changed since it was written; give the same command "
+                     "with --resume to do this run again"));
+  }
+  return std::string(*text);
 }
 
 }  // namespace mle::study

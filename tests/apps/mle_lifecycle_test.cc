@@ -394,13 +394,25 @@ TEST_F(MleLifecycleTest, MistakesNameTheFlagAndWhatWouldBeRight) {
   EXPECT_THAT(Message({"--out=" + file}), HasSubstr(file));
 }
 
-TEST_F(MleLifecycleTest, AFileThatIsNoLifeIsNamed) {
+TEST_F(MleLifecycleTest, ALifeWithAChangedDigitIsSimulatedAgain) {
   ASSERT_EQ(Run("out", {"--policies=never"}).exit_code, 0);
-  const std::string life =
-      scratch_.Write("out/runs/never_rate1_seed2.json", "{\"version\": 1}");
-  const report::ProcessResult run = Run("out", {"--policies=never"});
-  EXPECT_EQ(run.exit_code, 2);
-  EXPECT_THAT(run.err, HasSubstr(life));
+  const std::string before = Content(scratch_ / "out/lifecycle.csv");
+  const std::string name = "out/runs/never_rate1_seed2.json";
+  const std::string whole = Content(scratch_ / name);
+  std::string changed = whole;
+  const std::size_t at = changed.find("\"squared_error\"");
+  const std::size_t digit = changed.find_first_of("123456789", at);
+  changed[digit] = changed[digit] == '1' ? '2' : '1';
+  for (const std::string& damaged : {changed, whole.substr(0, 300)}) {
+    const std::string life = scratch_.Write(name, damaged);
+    const report::ProcessResult run = Run("out", {"--policies=never"});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    EXPECT_THAT(run.err, HasSubstr("warning: " + life));
+    EXPECT_THAT(run.err, HasSubstr("this life is simulated again"));
+    EXPECT_THAT(run.err, HasSubstr("1 of 2 lives are there already"));
+    EXPECT_EQ(Content(scratch_ / name), whole);
+    EXPECT_EQ(Content(scratch_ / "out/lifecycle.csv"), before);
+  }
 }
 
 }  // namespace

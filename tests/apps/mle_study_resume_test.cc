@@ -135,6 +135,22 @@ TEST_F(MleStudyResumeTest, RefusesWithoutResumeAndWithAnotherCampaign) {
   EXPECT_EQ(Content(scratch_ / "out/runs.csv"), before);
 }
 
+TEST_F(MleStudyResumeTest, AChangedDigitIsFoundAndItsRunDoneAgain) {
+  const report::ProcessResult first = RunTested(Arguments("out"));
+  ASSERT_EQ(first.exit_code, 0) << first.err;
+  const std::string before = Content(scratch_ / "out/runs.csv");
+  std::string journal = Content(scratch_ / "out/journal.csv");
+  // A digit of the first line's status or metrics.
+  const std::size_t at = journal.find(",ok,") - 3;
+  journal[at] = journal[at] == '5' ? '6' : '5';
+  scratch_.Write("out/journal.csv", journal);
+  const report::ProcessResult again = RunTested(Arguments("out"));
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_THAT(again.err, HasSubstr("journal.csv:3: the line is damaged"));
+  EXPECT_THAT(again.err, HasSubstr("39 of 40 runs are done"));
+  EXPECT_EQ(Content(scratch_ / "out/runs.csv"), before);
+}
+
 TEST_F(MleStudyResumeTest, BadInput) {
   const auto refused = [&](const std::vector<std::string>& arguments,
                            const std::string& named) {

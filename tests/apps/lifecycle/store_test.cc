@@ -65,14 +65,31 @@ TEST(StoreTest, OtherSettingsAreNotTakenForTheSame) {
   EXPECT_FALSE(ParseLife(text, "life.json", key, SomeSettings())->has_value());
 }
 
-TEST(StoreTest, WhatIsNoLifeIsNamed) {
+TEST(StoreTest, ADamagedLifeIsNamed) {
   const std::string text = FormatLife(Key(), SomeSettings(), SomeLife());
-  for (const std::string& wrong :
-       {std::string("{"), std::string("[]"), std::string("{\"version\": 1}"),
-        text.substr(0, text.size() / 2)}) {
+  std::vector<std::string> damaged = {"{", "{\"sha256\": 1}",
+                                      text.substr(0, text.size() / 2)};
+  // Every digit is guarded, those of the settings too.
+  for (std::size_t at = text.find("\"seed\"");
+       (at = text.find_first_of("0123456789", at + 97)) != std::string::npos;) {
+    damaged.push_back(text);
+    damaged.back()[at] = text[at] == '3' ? '4' : '3';
+  }
+  ASSERT_GT(damaged.size(), 50u);
+  for (const std::string& wrong : damaged) {
     const auto read = ParseLife(wrong, "life.json", Key(), SomeSettings());
-    ASSERT_FALSE(read.ok()) << wrong.substr(0, 20);
+    ASSERT_TRUE(absl::IsDataLoss(read.status())) << read.status();
     EXPECT_THAT(std::string(read.status().message()), HasSubstr("life.json"));
+  }
+}
+
+TEST(StoreTest, ALifeWithoutAChecksumIsMadeAnew) {
+  std::string text = FormatLife(Key(), SomeSettings(), SomeLife());
+  text.erase(text.rfind(",\n \"sha256\""));
+  for (const std::string& old : {text + "\n}\n", std::string("[]")}) {
+    const auto read = ParseLife(old, "life.json", Key(), SomeSettings());
+    ASSERT_TRUE(read.ok()) << read.status();
+    EXPECT_FALSE(read->has_value());
   }
 }
 
