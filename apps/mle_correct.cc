@@ -1,9 +1,7 @@
 // mle_correct: a process model corrected from a user's own records.
 
-#include <filesystem>
 #include <iostream>
 #include <string>
-#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -76,20 +74,15 @@ absl::Status WriteAll(const correct::Result& result, const std::string& json) {
     files.emplace_back(given_name, std::move(as_given.text));
   }
   report::AddPictures(figures, files);
-  MLE_RETURN_IF_ERROR(WriteFilesTogether(result.request.out, files));
   // Those of a former run would be of another model.
-  const std::filesystem::path folder = result.request.out;
-  std::error_code ignored;
-  if (!arx) std::filesystem::remove(folder / "arx.json", ignored);
-  if (!state_space) {
-    std::filesystem::remove(folder / "state_space.json", ignored);
-  }
+  std::vector<std::string> obsolete;
+  if (!arx) obsolete.emplace_back("arx.json");
+  if (!state_space) obsolete.emplace_back("state_space.json");
   for (const char* name :
        {"model_corrected.csv", "model_corrected.json", "model_corrected.mat"}) {
-    if (given_name == name) continue;
-    std::filesystem::remove(folder / name, ignored);
+    if (given_name != name) obsolete.emplace_back(name);
   }
-  return absl::OkStatus();
+  return WriteFilesTogether(result.request.out, files, obsolete);
 }
 
 // Writes the file of --propose_tags.

@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <cstdio>
@@ -84,10 +85,14 @@ class StagedFile {
   StagedFile(StagedFile&& other) noexcept
       : path_(std::move(other.path_)),
         temporary_(std::exchange(other.temporary_, "")),
-        unnamed_(std::move(other.unnamed_)) {}
+        unnamed_(std::move(other.unnamed_)),
+        old_(std::exchange(other.old_, "")),
+        existed_(other.existed_),
+        changed_(other.changed_) {}
   StagedFile& operator=(StagedFile&&) = delete;
   ~StagedFile() {
     if (!temporary_.empty()) ::unlink(temporary_.c_str());
+    if (!old_.empty()) ::unlink(old_.c_str());
   }
 
   absl::Status Write(std::string_view content) {
@@ -107,6 +112,32 @@ class StagedFile {
     return absl::OkStatus();
   }
 
+  // Keeps what has the name now under another, for TakeBack(). Where it
+  // cannot (no hard links), what is replaced is lost.
+  void KeepOld() {
+    existed_ = ::access(path_.c_str(), F_OK) == 0;
+    const std::string old = TemporaryName(path_);
+    if (existed_ && ::link(path_.c_str(), old.c_str()) == 0) old_ = old;
+  }
+
+  // Undoes Commit() or Remove().
+  void TakeBack() {
+    if (!changed_) return;
+    if (!old_.empty()) {
+      if (std::rename(old_.c_str(), path_.c_str()) == 0) old_.clear();
+    } else if (!existed_) {
+      ::unlink(path_.c_str());
+    }
+  }
+
+  absl::Status Remove() {
+    if (::unlink(path_.c_str()) != 0 && errno != ENOENT) {
+      return ErrnoStatus("cannot remove", path_);
+    }
+    changed_ = true;
+    return absl::OkStatus();
+  }
+
   // Takes the place of what has the name now.
   absl::Status Commit() {
     if (unnamed_ != nullptr) {
@@ -120,6 +151,7 @@ class StagedFile {
       return ErrnoStatus("cannot replace", path_);
     }
     temporary_.clear();
+    changed_ = true;
     return absl::OkStatus();
   }
 
@@ -135,6 +167,9 @@ class StagedFile {
   std::string path_;
   std::string temporary_;
   std::unique_ptr<Descriptor> unnamed_;
+  std::string old_;       // another name of what is replaced
+  bool existed_ = false;  // before it was replaced
+  bool changed_ = false;
 };
 
 // Renaming would replace a device or a pipe by a file.
@@ -225,20 +260,42 @@ absl::Status WriteFileAtomically(const std::string& path,
 
 absl::Status WriteFilesTogether(
     const std::string& folder,
-    const std::vector<std::pair<std::string, std::string>>& files) {
+    const std::vector<std::pair<std::string, std::string>>& files,
+    const std::vector<std::string>& obsolete) {
   std::vector<StagedFile> staged;
-  staged.reserve(files.size());
+  staged.reserve(files.size() + obsolete.size());
   for (const auto& [name, content] : files) {
     const std::string path = absl::StrCat(folder, "/", name);
     MLE_RETURN_IF_ERROR(CheckReplaceable(path));
     const absl::Status status = staged.emplace_back(path).Write(content);
     if (!status.ok()) return CannotWrite(path, status);
   }
-  for (StagedFile& file : staged) {
-    const absl::Status status = file.Commit();
-    if (!status.ok()) return CannotWrite(file.path(), status);
+  for (const std::string& name : obsolete) {
+    staged.emplace_back(absl::StrCat(folder, "/", name));
+  }
+  for (StagedFile& file : staged) file.KeepOld();
+  absl::Status status;
+  for (std::size_t i = 0; i < staged.size() && status.ok(); ++i) {
+    status = i < files.size() ? staged[i].Commit() : staged[i].Remove();
+    if (!status.ok()) status = CannotWrite(staged[i].path(), status);
+  }
+  if (!status.ok()) {
+    for (StagedFile& file : staged) file.TakeBack();
   }
   SyncFolder(folder);
+  return status;
+}
+
+absl::Status CheckNothingInTheWay(const std::string& folder,
+                                  const std::vector<std::string>& extensions) {
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    const std::string extension = entry.path().extension().string();
+    if (std::find(extensions.begin(), extensions.end(), extension) !=
+        extensions.end()) {
+      MLE_RETURN_IF_ERROR(CheckReplaceable(entry.path().string()));
+    }
+  }
   return absl::OkStatus();
 }
 

@@ -3,8 +3,9 @@
 // WriteFileAtomically writes to a temporary file in the same folder, flushes it
 // to the disk and renames it, so that a reader sees the old content or the new,
 // never a part. WriteFilesTogether does so for all files of a result: the first
-// takes its name once the last is on the disk, so that a full disk or a kill
-// leaves the old result.
+// takes its name once the last is on the disk, and a file that cannot be
+// replaced gives those before it their old content back, so that a full disk,
+// a kill or a protected file leaves the old result.
 //
 //   MLE_RETURN_IF_ERROR(WriteFilesTogether(
 //       "correction", {{"result.json", json}, {"report.html", page}}));
@@ -29,12 +30,20 @@ absl::StatusOr<std::string> ReadFile(const std::string& path);
 absl::Status WriteFileAtomically(const std::string& path,
                                  std::string_view content);
 
-// Replaces the files of these names in `folder` by these contents. Nothing is
-// replaced unless all files could be written; only a failure between the final
-// renames, which need no disk space, can leave some old and some new.
+// Replaces the files of these names in `folder` by these contents, and removes
+// those named `obsolete`, where there are any. All or nothing: only a kill
+// between the final renames, which need no disk space, or a file system without
+// hard links can leave some old and some new.
 absl::Status WriteFilesTogether(
     const std::string& folder,
-    const std::vector<std::pair<std::string, std::string>>& files);
+    const std::vector<std::pair<std::string, std::string>>& files,
+    const std::vector<std::string>& obsolete = {});
+
+// An error that names what in `folder` has a name ending in one of these
+// extensions (".json") but is not a regular file: a folder, a pipe, a device,
+// which no file can replace.
+absl::Status CheckNothingInTheWay(const std::string& folder,
+                                  const std::vector<std::string>& extensions);
 
 // Makes `path` and its parents; fails if `path` exists and is not a
 // folder, or if files cannot be created in it.

@@ -125,6 +125,22 @@ TEST(FaultsTest, AFolderInUseIsRefused) {
   EXPECT_EQ(RunTested(Flags(out)).exit_code, 0);
 }
 
+TEST(FaultsTest, AFolderInTheWayOfAFileIsFoundBeforeComputing) {
+  const ScratchFolder scratch;
+  const std::string out = scratch / "out";
+  ASSERT_TRUE(MakeWritableFolder(out + "/results.json").ok());
+  // A run that would take minutes.
+  std::vector<std::string> flags = Flags(out);
+  flags.insert(flags.end(), {"--seeds=100000"});
+  std::vector<std::string> line = {"60", MLE_TESTED_COMMAND};
+  line.insert(line.end(), flags.begin(), flags.end());
+  const report::ProcessResult run = RunProgram("timeout", line);
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_THAT(run.err,
+              AllOf(HasSubstr("--out"), HasSubstr(out + "/results.json"),
+                    HasSubstr("it is a folder")));
+}
+
 TEST(FaultsTest, AFolderThatTakesNoFilesIsNamed) {
   for (const char* folder : {"/proc/mle", "/dev/null/mle", "/proc"}) {
     const report::ProcessResult run = RunTested(Flags(folder));

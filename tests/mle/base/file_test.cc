@@ -1,7 +1,10 @@
 #include "mle/base/file.h"
 
+#include <sched.h>
+#include <sys/mount.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <csignal>
@@ -126,6 +129,54 @@ TEST_F(FileTest, FilesAreWrittenTogetherOrNotAtAll) {
   EXPECT_THAT(Message(status), HasSubstr("is a folder"));
   EXPECT_EQ(*ReadFile(Path("a")), "1");
   EXPECT_THAT(Names(), ::testing::UnorderedElementsAre("a", "b", "c"));
+}
+
+// In a name space of its own, where a file system can be mounted upon a file,
+// so that it cannot be replaced or removed. Tells by its exit code how it went.
+[[noreturn]] void WriteBesideAProtectedFile(const std::string& folder) {
+  const std::string b = folder + "b";
+  if (::unshare(CLONE_NEWNS) != 0 ||
+      ::mount("", "/", "", MS_REC | MS_PRIVATE, nullptr) != 0 ||
+      ::mount(b.c_str(), b.c_str(), "", MS_BIND, nullptr) != 0) {
+    std::_Exit(2);
+  }
+  const bool written =
+      WriteFilesTogether(folder, {{"a", "3"}, {"new", "4"}, {"b", "5"}}).ok();
+  const bool removed =
+      WriteFilesTogether(folder, {{"a", "3"}, {"new", "4"}}, {"c", "b"}).ok();
+  std::_Exit(written || removed ? 1 : 0);
+}
+
+TEST_F(FileTest, OneFileThatCannotBeReplacedKeepsAllOldOnes) {
+  ASSERT_TRUE(
+      WriteFilesTogether(Path(""), {{"a", "1"}, {"b", "2"}, {"c", "0"}}).ok());
+  const pid_t child = ::fork();
+  if (child == 0) WriteBesideAProtectedFile(Path(""));
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  if (WEXITSTATUS(status) == 2) GTEST_SKIP() << "nothing can be mounted here";
+  EXPECT_EQ(WEXITSTATUS(status), 0);
+  EXPECT_EQ(*ReadFile(Path("a")), "1");
+  EXPECT_EQ(*ReadFile(Path("b")), "2");
+  EXPECT_EQ(*ReadFile(Path("c")), "0");
+  EXPECT_THAT(Names(), ::testing::UnorderedElementsAre("a", "b", "c"));
+}
+
+TEST_F(FileTest, ObsoleteFilesGoWithTheOldResult) {
+  ASSERT_TRUE(WriteFilesTogether(Path(""), {{"a", "1"}, {"b", "2"}}).ok());
+  ASSERT_TRUE(WriteFilesTogether(Path(""), {{"a", "3"}}, {"b", "never"}).ok());
+  EXPECT_EQ(*ReadFile(Path("a")), "3");
+  EXPECT_THAT(Names(), ::testing::ElementsAre("a"));
+}
+
+TEST_F(FileTest, WhatIsInTheWayIsNamed) {
+  ASSERT_TRUE(WriteFileAtomically(Path("a.json"), "1").ok());
+  ASSERT_TRUE(fs::create_directory(Path("runs")));
+  EXPECT_TRUE(CheckNothingInTheWay(Path(""), {".json", ".csv"}).ok());
+  ASSERT_TRUE(fs::create_directory(Path("b.csv")));
+  EXPECT_TRUE(CheckNothingInTheWay(Path(""), {".json"}).ok());
+  EXPECT_THAT(Message(CheckNothingInTheWay(Path(""), {".json", ".csv"})),
+              HasSubstr("b.csv': it is a folder"));
 }
 
 [[noreturn]] void WriteTogetherBeyondALimit(const std::string& folder) {
