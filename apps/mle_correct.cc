@@ -73,9 +73,8 @@ absl::Status WriteAll(const correct::Result& result, const std::string& json) {
         FormatCorrected(result.request.model_file, result.model));
     files.emplace_back(given_name, std::move(as_given.text));
   }
-  report::AddPictures(figures, files);
+  std::vector<std::string> obsolete = report::AddPictures(figures, files);
   // Those of a former run would be of another model.
-  std::vector<std::string> obsolete;
   if (!arx) obsolete.emplace_back("arx.json");
   if (!state_space) obsolete.emplace_back("state_space.json");
   for (const char* name :

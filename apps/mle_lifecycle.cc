@@ -57,11 +57,11 @@ absl::Status WriteAll(const lifecycle::Request& request,
         lifecycle::MakeFigures(campaign, lives, summaries, valuation),
         campaign.threads);
   }
-  report::AddPictures(figures, files);
+  const std::vector<std::string> missing = report::AddPictures(figures, files);
   files.emplace_back("report.html", lifecycle::FormatPage(
                                         campaign, summaries, valuation, figures,
                                         HowToRunAgain(campaign.seeds)));
-  return WriteFilesTogether(campaign.folder, files);
+  return WriteFilesTogether(campaign.folder, files, missing);
 }
 
 void PrintFindings(const lifecycle::Campaign& campaign,

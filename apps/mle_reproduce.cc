@@ -45,13 +45,13 @@ absl::Status WriteAll(const std::vector<CaseResult>& results,
     figures = report::DrawFigures(reproduce::MakeFigures(results, lambdas),
                                   reproduction.threads);
   }
-  report::AddPictures(figures, files);
+  const std::vector<std::string> missing = report::AddPictures(figures, files);
   files.emplace_back("results.json", reproduce::FormatResults(results));
   files.emplace_back(
       "report.html",
       reproduce::FormatPage(results, figures,
                             HowToRunAgain(reproduction.campaign.seeds)));
-  return WriteFilesTogether(request.folder, files);
+  return WriteFilesTogether(request.folder, files, missing);
 }
 
 void PrintTables(const CaseResult& result) {
@@ -59,7 +59,9 @@ void PrintTables(const CaseResult& result) {
             << report::RenderText(reproduce::GainTable(result)) << "\n"
             << report::RenderText(reproduce::DelayTable(result)) << "\n";
   if (!result.runs.front().estimators.empty()) {
-    std::cout << report::RenderText(reproduce::EstimatorTable(result)) << "\n";
+    std::cout << report::RenderText(
+                     reproduce::EstimatorTable(result, /*with_times=*/true))
+              << "\n";
   }
   if (!result.ablations.empty()) {
     std::cout << report::RenderText(reproduce::AblationTable(result)) << "\n";

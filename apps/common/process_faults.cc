@@ -1,5 +1,6 @@
 #include "apps/common/process_faults.h"
 
+#include <poll.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -43,8 +44,14 @@ std::terminate_handler usual_handler = nullptr;
   std::abort();
 }
 
+// Where standard output is a pipe: whether nobody reads it any more.
+bool ReaderIsGone() {
+  pollfd out = {STDOUT_FILENO, POLLOUT, 0};
+  return ::poll(&out, 1, 0) == 1 && (out.revents & POLLERR) != 0;
+}
+
 void AtExit(int exit_code, void*) {
-  if (!std::cout.flush()) {
+  if (!std::cout.flush() && !ReaderIsGone()) {
     Say("error: cannot write to standard output\n");
     ::_exit(kExitNotUsable);
   }
@@ -63,6 +70,9 @@ void AtExit(int exit_code, void*) {
 
 void PrepareForFaults() {
   std::signal(SIGXFSZ, SIG_IGN);
+  // Who stops reading (head, a pager) does not end the command: files are
+  // written all the same.
+  std::signal(SIGPIPE, SIG_IGN);
   usual_handler = std::set_terminate(Terminate);
   ::on_exit(AtExit, nullptr);
 }

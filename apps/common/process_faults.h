@@ -1,5 +1,5 @@
-// Handling of system failures in a command: exhausted memory, a full disk, a
-// broken pipe. The command reports the failure and ends with exit code 1.
+// Handling of system failures in a command: exhausted memory, a full disk. The
+// command reports the failure and ends with exit code 1.
 
 #ifndef APPS_COMMON_PROCESS_FAULTS_H_
 #define APPS_COMMON_PROCESS_FAULTS_H_
@@ -9,7 +9,8 @@ namespace mle {
 // - Out of memory ends the program with a message instead of a core dump.
 // - A file beyond its limit of size (ulimit -f) is an error of that write, not
 //   the end of the program.
-// - Text on standard output that could not be written is an error.
+// - Text on standard output that could not be written is an error, unless a
+//   pipe's reader has gone: the command goes on and writes its files.
 void PrepareForFaults();
 
 }  // namespace mle

@@ -52,6 +52,12 @@ absl::StatusOr<std::string> ConvertSvg(std::string_view svg, Format format,
                      " is not installed (apt-get install librsvg2-bin): the "
                      "figures were written as SVG, not as PNG and PDF"));
   }
+  if (absl::IsDeadlineExceeded(run.status())) {
+    return absl::DeadlineExceededError(
+        absl::StrCat(run.status().message(),
+                     ": the figures were written as SVG, not all as PNG and "
+                     "PDF"));
+  }
   MLE_RETURN_IF_ERROR(run.status());
   if (run->exit_code != 0 || !IsWhole(format, run->out)) {
     return absl::InternalError(

@@ -47,20 +47,26 @@ std::vector<DrawnFigure> DrawFigures(std::vector<NamedFigure> figures,
   return drawn;
 }
 
-void AddPictures(const std::vector<DrawnFigure>& drawn,
-                 std::vector<std::pair<std::string, std::string>>& files) {
+std::vector<std::string> AddPictures(
+    const std::vector<DrawnFigure>& drawn,
+    std::vector<std::pair<std::string, std::string>>& files) {
   absl::Status failure;
+  std::vector<std::string> missing;
   for (const DrawnFigure& one : drawn) {
     for (const auto& [picture, extension] :
          {std::pair{&one.svg, ".svg"}, std::pair{&one.png, ".png"},
           std::pair{&one.pdf, ".pdf"}}) {
       failure.Update(picture->status());
+      const std::string name = one.named.name + extension;
       if (picture->ok()) {
-        files.emplace_back(one.named.name + extension, **picture);
+        files.emplace_back(name, **picture);
+      } else {
+        missing.push_back(name);
       }
     }
   }
   if (!failure.ok()) std::cerr << "warning: " << failure.message() << "\n";
+  return missing;
 }
 
 bool HasFigure(const std::vector<DrawnFigure>& drawn, std::string_view name) {

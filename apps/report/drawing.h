@@ -1,7 +1,7 @@
 // The figures of a page, and the files of them beside it.
 //
 //   const std::vector<DrawnFigure> drawn = DrawFigures(MakeFigures(result), 0);
-//   AddPictures(drawn, files);  // records.svg, records.png, …
+//   const auto missing = AddPictures(drawn, files);  // records.svg, …
 //   AddFigure(drawn, "records", page);
 
 #ifndef APPS_REPORT_DRAWING_H_
@@ -42,9 +42,11 @@ std::vector<DrawnFigure> DrawFigures(std::vector<NamedFigure> figures,
 
 // Adds name and content of every picture there is to `files`. The first reason
 // why one is missing becomes a warning on standard error: what could not be
-// drawn leaves the results as good as they are.
-void AddPictures(const std::vector<DrawnFigure>& drawn,
-                 std::vector<std::pair<std::string, std::string>>& files);
+// drawn leaves the results as good as they are. Returns the names of those
+// missing: files of that name are of a former run.
+std::vector<std::string> AddPictures(
+    const std::vector<DrawnFigure>& drawn,
+    std::vector<std::pair<std::string, std::string>>& files);
 
 bool HasFigure(const std::vector<DrawnFigure>& drawn, std::string_view name);
 

@@ -70,7 +70,7 @@ std::vector<std::string> AblationRow(const AblationResult& result) {
 
 }  // namespace
 
-report::Table EstimatorTable(const CaseResult& result) {
+report::Table EstimatorTable(const CaseResult& result, bool with_times) {
   report::Table table;
   table.caption =
       absl::StrCat("Case ", result.name, ": estimators side by side");
@@ -78,8 +78,8 @@ report::Table EstimatorTable(const CaseResult& result) {
                    {"runs"},
                    {"E mean"},
                    {"E worst"},
-                   {"change proposed"},
-                   {"s a run"}};
+                   {"change proposed"}};
+  if (with_times) table.columns.push_back({"s a run"});
   // In the order of the first run, which has them all.
   for (const MethodRun& one : result.runs.front().estimators) {
     const EstimatorRuns runs = RunsOf(result, one.name);
@@ -88,10 +88,13 @@ report::Table EstimatorTable(const CaseResult& result) {
       continue;
     }
     const Distribution E = Describe(runs.E, 0);
-    table.AddRow({one.name, absl::StrCat(E.count), FormatSignificant(E.mean),
-                  FormatSignificant(E.max),
-                  absl::StrCat(runs.proposed, " of ", E.count),
-                  FormatSignificant(runs.seconds / E.count, 2)});
+    std::vector<std::string> row = {
+        one.name, absl::StrCat(E.count), FormatSignificant(E.mean),
+        FormatSignificant(E.max), absl::StrCat(runs.proposed, " of ", E.count)};
+    if (with_times) {
+      row.push_back(FormatSignificant(runs.seconds / E.count, 2));
+    }
+    table.AddRow(std::move(row));
   }
   std::vector<double> limits;
   for (const RunResult& run : result.runs) {

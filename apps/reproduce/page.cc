@@ -57,7 +57,7 @@ void AddEstimators(const std::vector<CaseResult>& cases,
       "unbiased estimate of the plant's parameters can beat on average; an "
       "estimate that knows which elements have aged can.");
   for (const CaseResult& result : cases) {
-    page.AddTable(EstimatorTable(result));
+    page.AddTable(EstimatorTable(result, /*with_times=*/false));
   }
 }
 

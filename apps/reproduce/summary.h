@@ -70,8 +70,9 @@ report::Table DistanceTable(const CaseResult& result);
 report::Table GainTable(const CaseResult& result);
 report::Table DelayTable(const CaseResult& result);
 
-// A row for each estimator over the runs, and one for the limit.
-report::Table EstimatorTable(const CaseResult& result);
+// A row for each estimator over the runs, and one for the limit. With times
+// only where the same input need not give the same bytes.
+report::Table EstimatorTable(const CaseResult& result, bool with_times);
 
 // A row for each ablation, beside the paper's method with the same seeds.
 report::Table AblationTable(const CaseResult& result);

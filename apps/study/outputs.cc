@@ -27,12 +27,12 @@ absl::Status WriteOutputs(const std::string& folder, bool figures,
   std::vector<report::DrawnFigure> drawn;
   if (figures) drawn = report::DrawFigures(MakeFigures(campaign, summary), 0);
   std::vector<std::pair<std::string, std::string>> files;
-  report::AddPictures(drawn, files);
+  const std::vector<std::string> missing = report::AddPictures(drawn, files);
   files.emplace_back("summary.csv", SummaryCsv(summary, campaign));
   files.emplace_back("summary.json", SummaryJson(summary, campaign));
   files.emplace_back("report.html",
                      FormatPage(campaign, summary, drawn, run_again));
-  return WriteFilesTogether(folder, files);
+  return WriteFilesTogether(folder, files, missing);
 }
 
 void PrintSummary(const Campaign& campaign, const StudySummary& summary) {

@@ -190,6 +190,17 @@ TEST(FaultsTest, OutputThatNobodyTakesIsAnError) {
   EXPECT_THAT(run.err, HasSubstr("cannot write to standard output"));
 }
 
+TEST(FaultsTest, WhoStopsReadingDoesNotEndTheCommand) {
+  const ScratchFolder scratch;
+  const std::string out = scratch / "out";
+  std::string line = absl::StrCat("{ ", MLE_TESTED_COMMAND);
+  for (const std::string& flag : Flags(out)) absl::StrAppend(&line, " ", flag);
+  absl::StrAppend(&line, "; echo code $? >&2; } | true");
+  const report::ProcessResult run = RunProgram("sh", {"-c", line});
+  EXPECT_EQ(run.err, "code 0\n");
+  EXPECT_THAT(Content(out + "/results.json"), HasSubstr("\"cases\""));
+}
+
 TEST(FaultsTest, AKilledCommandLeavesWholeFilesOfOneRun) {
   const ScratchFolder scratch;
   const std::string old_out = scratch / "old";

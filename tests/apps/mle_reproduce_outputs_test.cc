@@ -324,6 +324,12 @@ TEST(MleReproduceOutputs, DoNotDependOnThreadsOrTheRun) {
     EXPECT_EQ(one, Content(scratch / ("2/" + name))) << name;
     EXPECT_EQ(one, Content(scratch / ("0/" + name))) << name;
   }
+  // The same command makes the same page.
+  const std::string page = Content(scratch / "1/report.html");
+  const report::ProcessResult again =
+      RunTested(SmallRun(scratch / "1", {"--seeds=3", "--threads=1"}));
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_EQ(Content(scratch / "1/report.html"), page);
   // Nor on the company of other cases.
   const report::ProcessResult alone =
       RunTested(SmallRun(scratch / "alone", {"--seeds=3", "--cases=delay"}));
@@ -349,6 +355,9 @@ TEST(MleReproduceOutputs, WithoutRsvgConvertOnlyPngAndPdfAreMissing) {
   const ScratchFolder scratch;
   std::vector<std::string> arguments =
       SmallRun(scratch / "out", {"--cases=gain", "--figures=true"});
+  // A picture of a former run goes with it.
+  ASSERT_TRUE(MakeWritableFolder(scratch / "out").ok());
+  scratch.Write("out/overview.pdf", "of a former run");
   const report::ProcessResult result =
       RunTested(arguments, {"PATH=" + scratch / "no_programs"});
   EXPECT_EQ(result.exit_code, 0);

@@ -23,6 +23,7 @@ namespace mle::report {
 namespace {
 
 namespace fs = std::filesystem;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 // A folder of its own for a test, gone afterwards.
@@ -155,8 +156,10 @@ TEST(DrawFigures, AsksAProgramThatHangsOnlyOnce) {
   }
   EXPECT_EQ(*ReadFile(folder / "calls"), "x\n");
   std::vector<std::pair<std::string, std::string>> files;
-  AddPictures(drawn, files);
+  const std::vector<std::string> missing = AddPictures(drawn, files);
   EXPECT_EQ(files.size(), 3u);  // the three SVG
+  EXPECT_THAT(missing, ElementsAre("n.png", "n.pdf", "n.png", "n.pdf", "n.png",
+                                   "n.pdf"));
 }
 
 TEST(ConvertSvg, PassesOnWhyTheProgramFailed) {
