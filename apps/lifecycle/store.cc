@@ -145,8 +145,10 @@ absl::StatusOr<std::optional<Life>> ParseLife(const std::string& json,
   // is found is said to be damaged, and why.
   try {
     const Json parsed = Json::parse(json);
-    if (!parsed.is_object() || !parsed.contains("sha256")) return std::nullopt;
-    if (WithChecksum(json) != json) {
+    if (!parsed.is_object() || parsed.value("version", Json()) != kVersion) {
+      return std::nullopt;
+    }
+    if (!parsed.contains("sha256") || WithChecksum(json) != json) {
       return absl::DataLossError(
           absl::StrCat(source, ": the checksum is not that of the content"));
     }

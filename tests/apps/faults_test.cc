@@ -131,7 +131,7 @@ TEST(FaultsTest, AFolderInTheWayOfAFileIsFoundBeforeComputing) {
   ASSERT_TRUE(MakeWritableFolder(out + "/results.json").ok());
   // A run that would take minutes.
   std::vector<std::string> flags = Flags(out);
-  flags.insert(flags.end(), {"--seeds=100000"});
+  flags.insert(flags.end(), {"--seeds=10000"});
   std::vector<std::string> line = {"60", MLE_TESTED_COMMAND};
   line.insert(line.end(), flags.begin(), flags.end());
   const report::ProcessResult run = RunProgram("timeout", line);

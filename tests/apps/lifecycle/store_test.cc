@@ -67,7 +67,7 @@ TEST(StoreTest, OtherSettingsAreNotTakenForTheSame) {
 
 TEST(StoreTest, ADamagedLifeIsNamed) {
   const std::string text = FormatLife(Key(), SomeSettings(), SomeLife());
-  std::vector<std::string> damaged = {"{", "{\"sha256\": 1}",
+  std::vector<std::string> damaged = {"{", "{\"version\": 2}",
                                       text.substr(0, text.size() / 2)};
   // Every digit is guarded, those of the settings too.
   for (std::size_t at = text.find("\"seed\"");
@@ -86,7 +86,13 @@ TEST(StoreTest, ADamagedLifeIsNamed) {
 TEST(StoreTest, ALifeWithoutAChecksumIsMadeAnew) {
   std::string text = FormatLife(Key(), SomeSettings(), SomeLife());
   text.erase(text.rfind(",\n \"sha256\""));
-  for (const std::string& old : {text + "\n}\n", std::string("[]")}) {
+  text += "\n}\n";
+  EXPECT_TRUE(absl::IsDataLoss(
+      ParseLife(text, "life.json", Key(), SomeSettings()).status()));
+  const std::size_t version = text.find("\"version\": 2");
+  ASSERT_NE(version, std::string::npos);
+  text[version + 11] = '1';
+  for (const std::string& old : {text, std::string("[]")}) {
     const auto read = ParseLife(old, "life.json", Key(), SomeSettings());
     ASSERT_TRUE(read.ok()) << read.status();
     EXPECT_FALSE(read->has_value());
