@@ -189,10 +189,7 @@ OutputVerdict DecideOutput(const OutputEvidence& output,
     return doubt(
         Doubt(output, MessageCode::kWindowsDisagree, output.disagreement));
   }
-  if (!output.level_dependence.empty()) {
-    return doubt(
-        Doubt(output, MessageCode::kFollowsLevel, output.level_dependence));
-  }
+  if (output.not_linear.has_value()) return doubt(*output.not_linear);
   if (!output.proposed && !output.shared_delay.empty()) {
     Message clock = Doubt(output, MessageCode::kClock, output.shared_delay);
     clock.options = {"clock_error"};

@@ -86,9 +86,11 @@ struct OutputEvidence {
   // That the windows want different gains, and what these follow
   // (window_agreement.h); or empty.
   std::string disagreement;
-  // That gains follow the level of an input, and the change proposed is no
-  // larger than they vary (level_dependence.h); or empty.
-  std::string level_dependence;
+  // What is not linear between an input and the output, where the change
+  // proposed is no larger than what that makes of it: gains that follow the
+  // input's level (level_dependence.h), or a play that it was passed through
+  // (sticking_inputs.h).
+  std::optional<Message> not_linear;
   // That elements were taken back whose dead times may be those of a clock
   // (shared_delays.h); or empty.
   std::string shared_delay;

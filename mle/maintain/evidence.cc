@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include "absl/strings/str_format.h"
 #include "mle/maintain/correct.h"
@@ -92,33 +94,73 @@ bool DependsOnInputs(const ResidualReport& residuals) {
                      });
 }
 
-// Of the inputs whose levels gains follow, and whose proposed changes are no
-// larger than that.
-std::string FollowedLevels(const CorrectionResult& result, int i) {
+// Of an input whose level gains follow, and whose proposed change is no larger
+// than that; empty for others.
+std::string FollowedLevel(const CorrectionResult& result, int i, int j) {
   constexpr double kFalseAlarms = 0.01;
   constexpr double kLeastVariation = 0.05;
-  const OutputErrorCorrection& fit = result.estimate.fit.output_error;
-  for (std::size_t k = 0; k < result.level_dependence.size(); ++k) {
-    const auto j = static_cast<int>(k);
-    const LevelDependence& level = result.level_dependence[k];
-    if (!fit.aged(i, j) || level.p_value > kFalseAlarms ||
-        level.variation() < kLeastVariation) {
-      continue;
-    }
-    const ParameterEstimate& gain = fit.corrected.element(i, j).gain;
-    const double change = std::abs(gain.value / gain.initial - 1.0);
-    if (!(change <= level.variation() + result.options.decision.least_change)) {
-      continue;
-    }
-    return absl::StrFormat(
-        "The gain of %s follows the level of %s: over the records by %.2g %% "
-        "to both sides (p = %.1g for none), and the change found is no larger "
-        "(%.2g %%). The plant, or a valve, is not linear over these levels: "
-        "records near the level that the model is of would settle it.",
-        PairName(result.initial, i, j), result.initial.inputs()[k].name,
-        100.0 * level.variation(), level.p_value, 100.0 * change);
+  if (result.level_dependence.empty()) return "";
+  const LevelDependence& level = result.level_dependence[j];
+  if (level.p_value > kFalseAlarms || level.variation() < kLeastVariation) {
+    return "";
   }
-  return "";
+  const ParameterEstimate& gain =
+      result.estimate.fit.output_error.corrected.element(i, j).gain;
+  const double change = std::abs(gain.value / gain.initial - 1.0);
+  if (change > level.variation() + result.options.decision.least_change) {
+    return "";
+  }
+  return absl::StrFormat(
+      "The gain of %s follows the level of %s: over the records by %.2g %% "
+      "to both sides (p = %.1g for none), and the change found is no larger "
+      "(%.2g %%). The plant, or a valve, is not linear over these levels: "
+      "records near the level that the model is of would settle it.",
+      PairName(result.initial, i, j), result.initial.inputs()[j].name,
+      100.0 * level.variation(), level.p_value, 100.0 * change);
+}
+
+// Of an input that was passed through a play, and whose proposed change is no
+// larger than the play: what a valve that sticks does in another way than the
+// play is of this size. Empty for others.
+std::string PlayAsLarge(const CorrectionResult& result, int i, int j) {
+  const std::string& input = result.initial.inputs()[j].name;
+  const auto play =
+      std::find_if(result.data.findings.begin(), result.data.findings.end(),
+                   [&](const Finding& finding) {
+                     return finding.message.code == MessageCode::kSticking &&
+                            finding.message.place == input &&
+                            finding.consequence == Consequence::kRepair;
+                   });
+  if (play == result.data.findings.end()) return "";
+  const StepResponse& before = result.initial_response;
+  const StepResponse after = result.fitted.ComputeStepResponse(
+      result.data.sample_time(), before.samples());
+  const double change = (after.element(i, j) - before.element(i, j)).norm() /
+                        before.element(i, j).norm();
+  if (!(change <= play->share + result.options.decision.least_change)) {
+    return "";
+  }
+  return absl::StrFormat(
+      "The valve of %s sticks by %.2g %% of its range in the records, and the "
+      "change found of %s is no larger (%.2g %%). The valve's measured "
+      "position as the input, or moves far beyond the play, would settle it.",
+      input, 100.0 * play->share, PairName(result.initial, i, j),
+      100.0 * change);
+}
+
+// Of the first element proposed that this concerns.
+std::optional<Message> NotLinear(const CorrectionResult& result, int i) {
+  for (int j = 0; j < result.initial.num_inputs(); ++j) {
+    if (!result.estimate.fit.output_error.aged(i, j)) continue;
+    const std::string& name = result.initial.outputs()[i].name;
+    if (std::string text = FollowedLevel(result, i, j); !text.empty()) {
+      return Message{MessageCode::kFollowsLevel, name, std::move(text), {}};
+    }
+    if (std::string text = PlayAsLarge(result, i, j); !text.empty()) {
+      return Message{MessageCode::kSticking, name, std::move(text), {}};
+    }
+  }
+  return std::nullopt;
 }
 
 // Of windows of the output that differ; or, where a change is proposed, of
@@ -153,7 +195,7 @@ OutputEvidence EvidenceOf(const CorrectionResult& result, int i) {
   evidence.proposed = ProposesChange(result.estimate, i);
   if (evidence.proposed) {
     evidence.doubtful_pair = DoubtfulPair(result, i);
-    evidence.level_dependence = FollowedLevels(result, i);
+    evidence.not_linear = NotLinear(result, i);
   }
   if (!result.taken_for_clocks.empty()) {
     evidence.shared_delay = result.taken_for_clocks[i];

@@ -75,6 +75,7 @@ Finding& Examiner::Add(MessageCode code, std::string tag,
               .from = Begin(),
               .to = End(),
               .value = value,
+              .share = 0.0,
               .outputs = {}});
 }
 
@@ -307,6 +308,7 @@ absl::Status Examiner::FindSticking() {
                                "input, or moves far beyond the play, would "
                                "settle it."));
     finding.message.options = {"correct_play"};
+    finding.share = sticking.share;
     if (correct) {
       CorrectPlay(sticking, records_);
     } else {

@@ -42,6 +42,7 @@ struct Finding {
   double to = 0.0;
   // What it is about: a share, a factor, a time, a width, a number of samples.
   double value = 0.0;
+  double share = 0.0;  // kSticking: of the input's range that the play takes
   // kDoubts: of which nothing can be said.
   std::vector<int> outputs;
 };
@@ -52,7 +53,7 @@ struct ExamineOptions {
   bool repair = true;
   // Share of the samples of a compressed output that must be archived for it to
   // be used, in [0, 1].
-  double least_archived = 0.25;
+  double least_archived = 0.1;
 
   // Whether the samples of tags whose clocks differ are shifted by the estimate
   // (tag_clocks.h). A late tag looks like longer dead times, which may be what
@@ -64,7 +65,7 @@ struct ExamineOptions {
 
   // Whether inputs that stick are passed through the play that is found
   // (sticking_inputs.h). If not, outputs that they move are not decided.
-  bool correct_play = false;
+  bool correct_play = true;
 
   absl::Status Validate() const;
 };

@@ -115,7 +115,8 @@ TEST(DecisionTest, AWindowThatIsPredictedWorseIsDoubt) {
 
 TEST(DecisionTest, AGainThatFollowsALevelIsDoubt) {
   OutputEvidence output = Output(kGood);
-  output.level_dependence = "The gain of T follows the valve.";
+  output.not_linear = {
+      MessageCode::kFollowsLevel, "T", "The gain of T follows the valve.", {}};
   const Verdict verdict = Decide(Of({output}), {});
   EXPECT_EQ(verdict.decision, Decision::kCannotTell);
   EXPECT_EQ(verdict.reasons.back().code, MessageCode::kFollowsLevel);

@@ -65,7 +65,9 @@ TEST(ExamineRecordsTest, ClocksAreCorrectedWhereAsked) {
 TEST(ExamineRecordsTest, InputsThatStickAreDoubtOrPassedThroughTheirPlay) {
   const Record sticking = LoopRecord({.play = Eigen::Vector2d(0.1, 0.0)});
   Record record = sticking;
-  std::vector<Finding> findings = Examine(record);
+  ExamineOptions options;
+  options.correct_play = false;
+  std::vector<Finding> findings = Examine(record, options);
   ASSERT_EQ(findings.size(), 1u);
   EXPECT_EQ(findings[0].message.code, MessageCode::kSticking);
   EXPECT_EQ(findings[0].message.place, "u1");
@@ -76,20 +78,40 @@ TEST(ExamineRecordsTest, InputsThatStickAreDoubtOrPassedThroughTheirPlay) {
   CorrectOptions output_error;
   output_error.estimation.estimator = Estimator::kOutputError;
   output_error.make_arx = false;
-  const auto result = CorrectFromRecords(LoopModel(), {sticking}, output_error);
+  output_error.records.examination = options;
+  auto result = CorrectFromRecords(LoopModel(), {sticking}, output_error);
   ASSERT_TRUE(result.ok()) << result.status();
   EXPECT_EQ(result->decision, Decision::kCannotTell);
   EXPECT_EQ(result->reasons.front().code, MessageCode::kSticking);
-  ExamineOptions options;
-  options.correct_play = true;
-  findings = Examine(record, options);
+  findings = Examine(record);
   ASSERT_EQ(findings.size(), 1u);
   EXPECT_EQ(findings[0].consequence, Consequence::kRepair);
   EXPECT_NE(record.inputs, sticking.inputs);
+  EXPECT_GT(findings[0].share, 0.01);
   for (const Finding& finding : Examine(record)) {
     EXPECT_NE(finding.message.code, MessageCode::kSticking)
         << finding.message.text;
   }
+}
+
+TEST(ExamineRecordsTest, AChangeNoLargerThanAPlayIsDoubt) {
+  const Record sticking = LoopRecord({.play = Eigen::Vector2d(0.1, 0.0)});
+  CorrectOptions options;
+  options.estimation.estimator = Estimator::kOutputError;
+  options.make_arx = false;
+  // The play is a ninth of the range.
+  ProcessModel model = LoopModel();
+  model.element(0, 0) = TransferFunction::FirstOrder(2.0 / 1.08, 15.0, 1.0);
+  auto result = CorrectFromRecords(model, {sticking}, options);
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_EQ(result->decision, Decision::kCannotTell);
+  EXPECT_EQ(result->reasons.back().code, MessageCode::kSticking);
+  EXPECT_EQ(result->reasons.back().place, "y1");
+  model.element(0, 0) = TransferFunction::FirstOrder(2.0 / 1.4, 15.0, 1.0);
+  result = CorrectFromRecords(model, {sticking}, options);
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_EQ(result->decision, Decision::kCorrected);
+  EXPECT_NEAR(result->fopdt_model.element(0, 0).StaticGain(), 2.0, 0.1);
 }
 
 TEST(ExamineRecordsTest, SetPointsUnderEachOthersTagsAreTakenSo) {
@@ -132,6 +154,12 @@ TEST(ExamineRecordsTest, UsesArchivedSamplesOnly) {
   EXPECT_NEAR(Bad(record.outputs, 0), 4000 - kept, 80);
   EXPECT_EQ(Bad(record.outputs, 1), 0);
   EXPECT_EQ(FirstBlocking(findings), nullptr);
+  // An eighth is enough.
+  record = LoopRecord();
+  row = record.outputs.row(0);
+  EXPECT_NEAR(testing::Compress(0.034, row) / 4000.0, 0.12, 0.01);
+  record.outputs.row(0) = row;
+  EXPECT_EQ(Examine(record)[0].consequence, Consequence::kRepair);
 }
 
 TEST(ExamineRecordsTest, TooFewArchivedSamplesBlock) {
