@@ -27,7 +27,7 @@ def plant_of(name, plant):
 
 
 def age_reactor(trial):
-    trial.reactor = {"activity": trial.random.uniform(0.6, 0.85),
+    trial.reactor = {"activity": trial.random.uniform(0.8, 0.95),
                      "heat_transfer": trial.random.uniform(0.6, 1.0)}
     trial.truth = reactor.model(**trial.reactor)
 

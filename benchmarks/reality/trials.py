@@ -1,5 +1,6 @@
 """One run of the benchmark: the record, the correction, and what became of it."""
 
+import csv
 import dataclasses
 import json
 import os
@@ -46,8 +47,23 @@ def flags_of(flags):
         yield f"--{name}" if value is True else f"--{name}={value}"
 
 
+def follows(record, outputs):
+    """Whether outputs are at their set points, to half the range of these, at the end of it."""
+    with open(record, newline="", encoding="utf-8") as file:
+        rows = [row for row in csv.DictReader(file) if row[outputs[0]]]
+    for name in outputs:
+        points = [float(row[f"{name}_setpoint"]) for row in rows]
+        end = rows[-max(1, len(rows) // 10):]
+        apart = [abs(float(row[name]) - float(row[f"{name}_setpoint"])) for row in end]
+        if sum(apart) / len(apart) > 0.5 * (max(points) - min(points)):
+            return False
+    return True
+
+
 def simulate(apps, trial, seed, scratch):
-    """Writes model.json, truth.json and record.csv; False if the loop is unstable."""
+    """Writes model.json, truth.json and record.csv; False if the loop is unstable, or if the plant
+    has aged so far that it cannot be held at its set points: no routine, and not at the operating
+    point that the truth is of."""
     files = {"model": trial.model, "plant": trial.truth, "truth": trial.true_model(),
              "effects": trial.effects_file(), "ageing": trial.ageing_file()}
     for name, content in files.items():
@@ -57,7 +73,9 @@ def simulate(apps, trial, seed, scratch):
                 f"--plant={plant}", f"--effects={scratch}/effects.json",
                 f"--ageing={scratch}/ageing.json", *flags_of(trial.record_flags()),
                 f"--seed={seed}", f"--out={scratch}/record.csv")
-    return done.exit_code == 0
+    if done.exit_code != 0:
+        return False
+    return trial.reactor is None or follows(scratch / "record.csv", trial.outputs)
 
 
 def correct(arguments, scratch, model, record, truth=None, flags=()):
