@@ -33,7 +33,7 @@
 #include "mle/maintain/progress.h"
 #include "mle/maintain/records.h"
 #include "mle/maintain/residual_diagnostics.h"
-#include "mle/maintain/shared_delays.h"
+#include "mle/maintain/shared_changes.h"
 #include "mle/maintain/state_space_form.h"
 #include "mle/maintain/window_agreement.h"
 #include "mle/model/process_model.h"
@@ -99,7 +99,7 @@ struct CorrectionResult {
   // p: whether windows want the same gains of the elements of what is proposed;
   // of ΔR nothing is said. Empty without CorrectOptions::examine.
   std::vector<WindowAgreement> agreement;
-  // Changes of dead time that a clock may have made (shared_delays.h), no
+  // Changes of dead time that a clock may have made (shared_changes.h), no
   // longer than decision.clock_error; p: what of an output was taken back for
   // it, in words, or empty.
   std::vector<SharedDelay> shared_delays;

@@ -63,7 +63,7 @@ struct DecisionOptions {
   // By how much the time stamps of a tag may be late or early, in s, ≥ 0. A
   // change of dead time that all elements of a row or column share is not told
   // from it up to this, or up to three samples, as scans and averages make them
-  // late (shared_delays.h). 0: clocks are right.
+  // late (shared_changes.h). 0: clocks are right.
   double clock_error = 120.0;
 
   absl::Status Validate() const;
@@ -92,7 +92,7 @@ struct OutputEvidence {
   // (sticking_inputs.h).
   std::optional<Message> not_linear;
   // That elements were taken back whose dead times may be those of a clock
-  // (shared_delays.h); or empty.
+  // (shared_changes.h); or empty.
   std::string shared_delay;
   // Nothing where nothing was held out.
   std::optional<OutputScores> scores;

@@ -9,6 +9,7 @@
 
 #include "absl/strings/str_format.h"
 #include "mle/maintain/correct.h"
+#include "mle/maintain/shared_changes.h"
 
 namespace mle {
 namespace {
@@ -94,6 +95,29 @@ bool DependsOnInputs(const ResidualReport& residuals) {
                      });
 }
 
+// Of an input all gains of which have changed by one factor, no more than a
+// level that they may follow would make of them; empty for others.
+std::string FactorOfLevels(const CorrectionResult& result, int j) {
+  constexpr double kMostOfValves = 0.5;  // within a record of routine
+  if (result.level_dependence.empty()) return "";
+  const double largest =
+      std::min(result.level_dependence[j].LargestVariation(), kMostOfValves);
+  const std::optional<double> factor =
+      FindSharedGain(result.estimate.fit.output_error.full, j);
+  if (!factor.has_value() ||
+      std::abs(*factor) > largest + result.options.decision.least_change) {
+    return "";
+  }
+  const std::string& input = result.initial.inputs()[j].name;
+  return absl::StrFormat(
+      "All gains of %s are %.2g %% %s, and they may follow its level, over the "
+      "records by up to %.2g %% to both sides: a valve that is not linear does "
+      "both. Records at the level that the model is of, or at more levels, "
+      "would settle it.",
+      input, 100.0 * std::abs(*factor), *factor > 0.0 ? "larger" : "smaller",
+      100.0 * largest);
+}
+
 // Of an input whose level gains follow, and whose proposed change is no larger
 // than that; empty for others.
 std::string FollowedLevel(const CorrectionResult& result, int i, int j) {
@@ -154,6 +178,9 @@ std::optional<Message> NotLinear(const CorrectionResult& result, int i) {
     if (!result.estimate.fit.output_error.aged(i, j)) continue;
     const std::string& name = result.initial.outputs()[i].name;
     if (std::string text = FollowedLevel(result, i, j); !text.empty()) {
+      return Message{MessageCode::kFollowsLevel, name, std::move(text), {}};
+    }
+    if (std::string text = FactorOfLevels(result, j); !text.empty()) {
       return Message{MessageCode::kFollowsLevel, name, std::move(text), {}};
     }
     if (std::string text = PlayAsLarge(result, i, j); !text.empty()) {

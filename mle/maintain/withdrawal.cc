@@ -11,7 +11,7 @@
 #include "mle/base/status.h"
 #include "mle/data/civil_time.h"
 #include "mle/maintain/corrected_model.h"
-#include "mle/maintain/shared_delays.h"
+#include "mle/maintain/shared_changes.h"
 #include "mle/nonlinear/distributions.h"
 
 namespace mle {

@@ -15,7 +15,7 @@ namespace mle {
 //   decision.least_change: one by one where they are parametric, output by
 //   output where they are ΔR's; an absent pair counts by the largest response
 //   of its output;
-// - changes of dead time that a clock may have made (shared_delays.h): result
+// - changes of dead time that a clock may have made (shared_changes.h): result
 //   has them as .shared_delays, outputs of which nothing else is proposed as
 //   .taken_for_clocks, and a warning where something is.
 absl::Status WithdrawProposals(int samples, CorrectionResult& result);

@@ -78,6 +78,10 @@ Evidence TestElement(const OutputSetup& setup, const std::vector<bool>& free,
 
 double LevelDependence::variation() const { return 2.0 * std::abs(curvature); }
 
+double LevelDependence::LargestVariation() const {
+  return 2.0 * (std::abs(curvature) + 2.0 * error);
+}
+
 absl::StatusOr<std::vector<LevelDependence>> TestLevelDependence(
     const ProcessModel& model, const std::vector<Record>& records,
     const Eigen::Matrix<bool, Eigen::Dynamic, Eigen::Dynamic>& fitted,
@@ -116,6 +120,7 @@ absl::StatusOr<std::vector<LevelDependence>> TestLevelDependence(
     }
     if (degrees == 0 || !(precision > 0.0)) continue;
     inputs[j].curvature /= precision;
+    inputs[j].error = 1.0 / std::sqrt(precision);
     inputs[j].p_value = ChiSquareTail(statistic, degrees);
   }
   return inputs;

@@ -27,10 +27,13 @@ namespace mle {
 struct LevelDependence {
   double p_value = 1.0;    // that gains do not follow the level
   double curvature = 0.0;  // c
+  double error = 0.0;      // its standard error
 
   // By how much gains differ from those at the mean level, relative to them,
   // at the ends of what the records contain.
   double variation() const;
+  // The same, with c two standard errors further from 0.
+  double LargestVariation() const;
 };
 
 // m: of each input; 1 and 0 for those of which no element was `fitted` (p × m)

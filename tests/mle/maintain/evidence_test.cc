@@ -63,5 +63,26 @@ TEST(GatherEvidenceTest, APlantThatIsNotLinearInOneOutputIsDoubtedInOthers) {
   EXPECT_EQ(doubts(Cause::kOperatingPoint, 0.04, 0.05), "");
 }
 
+TEST(GatherEvidenceTest, GainsOfAColumnThatShareAFactorMayBeAValve) {
+  CorrectionResult result = Corrected();
+  const auto doubt = [&](double error) {
+    result.level_dependence = {
+        {.p_value = 0.5, .curvature = 0.01, .error = error}};
+    return GatherEvidence(result, {false, false}).outputs[1].not_linear;
+  };
+  // The first gain has not changed.
+  EXPECT_FALSE(doubt(0.1).has_value());
+  ParameterEstimate& gain =
+      result.estimate.fit.output_error.full.elements[0].gain;
+  gain.value = 1.4 * gain.initial;
+  ASSERT_TRUE(doubt(0.1).has_value());
+  EXPECT_EQ(doubt(0.1)->code, MessageCode::kFollowsLevel);
+  EXPECT_NE(doubt(0.1)->text.find("All gains of valve are 40 % larger"),
+            std::string::npos)
+      << doubt(0.1)->text;
+  // At most by 2 (0.01 + 2 · 0.05), which is less than 40 %.
+  EXPECT_FALSE(doubt(0.05).has_value());
+}
+
 }  // namespace
 }  // namespace mle

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "gtest/gtest.h"
+#include "mle/nonlinear/distributions.h"
 #include "tests/mle/nonlinear/output_error_records.h"
 
 namespace mle {
@@ -43,6 +44,12 @@ TEST(LevelDependence, OfAValveIsFoundWithItsCurvature) {
   EXPECT_GT(inputs[0].curvature, 0.05);
   EXPECT_LT(inputs[0].curvature, 0.3);
   EXPECT_EQ(inputs[0].variation(), 2.0 * inputs[0].curvature);
+  // χ² of one parameter, for one output.
+  EXPECT_NEAR(
+      ChiSquareTail(std::pow(inputs[1].curvature / inputs[1].error, 2), 1),
+      inputs[1].p_value, 1e-6);
+  EXPECT_NEAR(inputs[1].LargestVariation() - inputs[1].variation(),
+              4.0 * inputs[1].error, 1e-12);
   EXPECT_GT(inputs[1].p_value, 1e-4);
 }
 

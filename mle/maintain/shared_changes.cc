@@ -1,4 +1,4 @@
-#include "mle/maintain/shared_delays.h"
+#include "mle/maintain/shared_changes.h"
 
 #include <cmath>
 #include <optional>
@@ -10,29 +10,32 @@ namespace {
 
 constexpr double kDeviations = 3.0;
 constexpr double kOfSample = 0.25;  // below it a dead time is not known anyway
+constexpr double kOfGain = 0.01;
 
-// Of the elements of a row or a column.
-std::optional<SharedDelay> Share(
-    const std::vector<const ParameterEstimate*>& delays, double sample_time) {
-  if (delays.size() < 2) return std::nullopt;
-  const double least = kOfSample * sample_time;
+struct Change {
+  double value = 0.0;
+  double error = 0.0;  // standard error
+};
+
+// Of the elements of a row or a column; ε is `least`.
+std::optional<Change> Share(const std::vector<Change>& changes, double least) {
+  if (changes.size() < 2) return std::nullopt;
   double weights = 0.0;
   double sum = 0.0;
   std::vector<double> variances;
-  for (const ParameterEstimate* delay : delays) {
-    variances.push_back(std::pow(delay->standard_error, 2) + least * least);
+  for (const Change& change : changes) {
+    variances.push_back(change.error * change.error + least * least);
     if (!std::isfinite(variances.back())) return std::nullopt;
     weights += 1.0 / variances.back();
-    sum += (delay->value - delay->initial) / variances.back();
+    sum += change.value / variances.back();
   }
-  const SharedDelay shared = {.change = sum / weights,
-                              .error = 1.0 / std::sqrt(weights)};
-  if (!(std::abs(shared.change) > kDeviations * shared.error)) {
+  const Change shared = {sum / weights, 1.0 / std::sqrt(weights)};
+  if (!(std::abs(shared.value) > kDeviations * shared.error)) {
     return std::nullopt;
   }
-  for (std::size_t j = 0; j < delays.size(); ++j) {
-    const double own = delays[j]->value - delays[j]->initial;
-    const double rest = std::abs(own - shared.change);
+  for (std::size_t j = 0; j < changes.size(); ++j) {
+    const double own = changes[j].value;
+    const double rest = std::abs(own - shared.value);
     if (!(rest <= kDeviations * std::sqrt(variances[j])) ||
         rest > std::abs(own)) {
       return std::nullopt;
@@ -59,6 +62,20 @@ std::string SharedDelay::Describe(const ProcessModel& model) const {
       (change > 0.0) == is_output ? "late" : "early");
 }
 
+std::optional<double> FindSharedGain(const OutputErrorFit& fit, int input) {
+  std::vector<Change> gains;
+  for (int i = 0; i < fit.model.num_outputs(); ++i) {
+    const ElementEstimate& element = fit.element(i, input);
+    if (element.state != ElementState::kFitted) continue;
+    const double initial = element.gain.initial;
+    gains.push_back({element.gain.value / initial - 1.0,
+                     element.gain.standard_error / std::abs(initial)});
+  }
+  const std::optional<Change> shared = Share(gains, kOfGain);
+  if (!shared.has_value()) return std::nullopt;
+  return shared->value;
+}
+
 std::vector<SharedDelay> FindSharedDelays(const OutputErrorFit& fit,
                                           double sample_time) {
   const int p = fit.model.num_outputs();
@@ -66,21 +83,23 @@ std::vector<SharedDelay> FindSharedDelays(const OutputErrorFit& fit,
   std::vector<SharedDelay> found;
   std::vector<bool> taken(p, false);
   const auto add = [&](bool is_output, int channel) {
-    std::vector<const ParameterEstimate*> delays;
+    std::vector<Change> delays;
     for (int other = 0; other < (is_output ? m : p); ++other) {
       const int i = is_output ? channel : other;
       const int j = is_output ? other : channel;
       const ElementEstimate& element = fit.element(i, j);
       if (element.state != ElementState::kFitted) continue;
       if (!is_output && taken[i]) return;
-      delays.push_back(&element.delay);
+      delays.push_back({element.delay.value - element.delay.initial,
+                        element.delay.standard_error});
     }
-    std::optional<SharedDelay> shared = Share(delays, sample_time);
+    const std::optional<Change> shared = Share(delays, kOfSample * sample_time);
     if (!shared.has_value()) return;
-    shared->is_output = is_output;
-    shared->channel = channel;
     if (is_output) taken[channel] = true;
-    found.push_back(*shared);
+    found.push_back({.is_output = is_output,
+                     .channel = channel,
+                     .change = shared->value,
+                     .error = shared->error});
   };
   for (int i = 0; i < p; ++i) add(true, i);
   for (int j = 0; j < m; ++j) add(false, j);

@@ -1,4 +1,4 @@
-#include "mle/maintain/shared_delays.h"
+#include "mle/maintain/shared_changes.h"
 
 #include <vector>
 
@@ -71,6 +71,24 @@ TEST(SharedDelays, NotOfDifferentChanges) {
 TEST(SharedDelays, NotWithinTheErrors) {
   EXPECT_TRUE(FindSharedDelays(Fit({3.3, 3.3, 3.0, 3.0}, 0.2), 0.5).empty());
   EXPECT_TRUE(FindSharedDelays(Fit({3.1, 3.1, 3.0, 3.0}, 0.0), 0.5).empty());
+}
+
+TEST(SharedGain, OfAColumn) {
+  OutputErrorFit fit = Fit({3, 3, 3, 3}, 0.1);
+  const auto set = [&](int place, double initial, double value, double error) {
+    fit.elements[place].gain = {
+        .initial = initial, .value = value, .standard_error = error};
+  };
+  // Steam has 20 % more in both, of different signs; reflux in one.
+  set(0, 2.0, 2.4, 0.02);
+  set(1, -5.0, -6.0, 0.05);
+  set(2, 1.0, 1.0, 0.01);
+  set(3, 0.3, 0.36, 0.01);
+  EXPECT_FALSE(FindSharedGain(fit, 0).has_value());
+  ASSERT_TRUE(FindSharedGain(fit, 1).has_value());
+  EXPECT_NEAR(*FindSharedGain(fit, 1), 0.2, 1e-12);
+  fit.elements[3].state = ElementState::kNotInformed;
+  EXPECT_FALSE(FindSharedGain(fit, 1).has_value());
 }
 
 }  // namespace
