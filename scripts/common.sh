@@ -20,11 +20,14 @@ run_logged() {
   return "$code"
 }
 
-# The fuzz targets of the libraries: all but that of campaigns, which is slow to
-# build.
+# Fuzz targets that need the commands, or the correction as a whole: they double
+# what is to be built.
+large_fuzzers='campaign|correction|flag_values'
+
+# The others, of readers and numerics.
 library_fuzzers() {
-  find "$root/tests/fuzz/corpus" -mindepth 1 -maxdepth 1 -type d \
-    -not -name campaign -printf '%f\n' | sort
+  find "$root/tests/fuzz/corpus" -mindepth 1 -maxdepth 1 -type d -printf '%f\n' |
+    grep -vxE "$large_fuzzers" | sort
 }
 
 # How many compilers at once: one for each processor, as far as the memory goes
