@@ -1,9 +1,11 @@
 #include "apps/common/process_faults.h"
 
 #include <poll.h>
+#include <pthread.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdlib>
 #include <exception>
@@ -66,9 +68,33 @@ void AtExit(int exit_code, void*) {
   }
 }
 
+// Temporaries of 128 kB stand on the stack, some upon others. Raises the limit
+// as far as it may be, also for threads; ends the program with a message where
+// that is not enough.
+void ProvideStack() {
+  constexpr rlim_t kUsual = rlim_t{8} << 20;
+  constexpr rlim_t kLeast = rlim_t{1} << 20;
+  rlimit stack = {};
+  if (::getrlimit(RLIMIT_STACK, &stack) != 0 || stack.rlim_cur >= kUsual) {
+    return;
+  }
+  stack.rlim_cur = std::min(kUsual, stack.rlim_max);
+  if (stack.rlim_cur < kLeast || ::setrlimit(RLIMIT_STACK, &stack) != 0) {
+    Say("error: the stack is limited to less than 1 MB (ulimit -s shows the "
+        "limit in kB); use ulimit -s 8192\n");
+    ::_exit(kExitNotUsable);
+  }
+  pthread_attr_t attributes;
+  if (::pthread_getattr_default_np(&attributes) != 0) return;
+  ::pthread_attr_setstacksize(&attributes, kUsual);
+  ::pthread_setattr_default_np(&attributes);
+  ::pthread_attr_destroy(&attributes);
+}
+
 }  // namespace
 
 void PrepareForFaults() {
+  ProvideStack();
   std::signal(SIGXFSZ, SIG_IGN);
   // Who stops reading (head, a pager) does not end the command: files are
   // written all the same.

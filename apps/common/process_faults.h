@@ -7,6 +7,7 @@
 namespace mle {
 
 // - Out of memory ends the program with a message instead of a core dump.
+// - A stack of less than 1 MB is raised, or ends the program with a message.
 // - A file beyond its limit of size (ulimit -f) is an error of that write, not
 //   the end of the program.
 // - Text on standard output that could not be written is an error, unless a

@@ -183,6 +183,18 @@ TEST(FaultsTest, LittleMemoryDoesNotKeepACommandFromEnding) {
   }
 }
 
+TEST(FaultsTest, ASmallStackIsRaisedOrRefused) {
+  const ScratchFolder scratch;
+  const std::string out = scratch / "out";
+  const report::ProcessResult raised =
+      RunLimited("--stack=262144:8388608", Flags(out));
+  EXPECT_EQ(raised.exit_code, 0) << raised.err;
+  const report::ProcessResult refused =
+      RunLimited("--stack=262144:262144", Flags(out, /*seed=*/2));
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_THAT(refused.err, HasSubstr("ulimit -s"));
+}
+
 TEST(FaultsTest, OutputThatNobodyTakesIsAnError) {
   const report::ProcessResult run = RunProgram(
       "sh", {"-c", absl::StrCat(MLE_TESTED_COMMAND, " --help >/dev/full")});
