@@ -75,9 +75,9 @@ double ChiSquareTail(double x, double degrees_of_freedom) {
 
 double ChiSquareNoncentrality(double probability, double degrees_of_freedom,
                               double power) {
-  CHECK_GT(probability, 0.0);
   CHECK_LT(probability, power);
   CHECK_LT(power, 1.0);
+  if (!(probability > 0.0)) return kInfinity;
   const double critical =
       InvertTail([&](double x) { return ChiSquareTail(x, degrees_of_freedom); },
                  probability);
@@ -102,10 +102,10 @@ double FisherTail(double x, double numerator, double denominator) {
 
 double FisherQuantile(double probability, double numerator,
                       double denominator) {
-  CHECK_GT(probability, 0.0);
-  CHECK_LT(probability, 1.0);
   CHECK_GT(numerator, 0.0);
   CHECK_GT(denominator, 0.0);
+  if (!(probability > 0.0)) return kInfinity;
+  if (probability >= 1.0) return 0.0;
   return InvertTail(
       [&](double x) { return FisherTail(x, numerator, denominator); },
       probability);
@@ -118,9 +118,9 @@ double StudentTail(double x, double degrees_of_freedom) {
 }
 
 double StudentTwoSidedQuantile(double probability, double degrees_of_freedom) {
-  CHECK_GT(probability, 0.0);
-  CHECK_LT(probability, 1.0);
   CHECK_GT(degrees_of_freedom, 0.0);
+  if (!(probability > 0.0)) return kInfinity;
+  if (probability >= 1.0) return 0.0;
   return InvertTail(
       [&](double x) { return 2.0 * StudentTail(x, degrees_of_freedom); },
       probability);

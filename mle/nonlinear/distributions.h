@@ -13,7 +13,8 @@ double ChiSquareTail(double x, double degrees_of_freedom);
 
 // The noncentrality λ for which noncentral χ² of ν degrees of freedom exceeds
 // with probability `power` what χ² exceeds with `probability` < `power`: of a
-// departure that a test at this level finds so often.
+// departure that a test at this level finds so often. Infinite for probability
+// 0, which small levels may round to.
 double ChiSquareNoncentrality(double probability, double degrees_of_freedom,
                               double power);
 
@@ -21,14 +22,14 @@ double ChiSquareNoncentrality(double probability, double degrees_of_freedom,
 // infinite.
 double FisherTail(double x, double numerator, double denominator);
 
-// The x that F exceeds with `probability` in (0, 1); ν2 may be infinite.
+// The x that F exceeds with `probability` in [0, 1]; ν2 may be infinite.
 double FisherQuantile(double probability, double numerator, double denominator);
 
 // P(t > x) for Student's t with ν > 0, which may be infinite.
 double StudentTail(double x, double degrees_of_freedom);
 
 // The x that |t| of Student's distribution exceeds with `probability` in
-// (0, 1): 1.96 for 0.05 and ν = ∞.
+// [0, 1]: 1.96 for 0.05 and ν = ∞.
 double StudentTwoSidedQuantile(double probability, double degrees_of_freedom);
 
 }  // namespace mle

@@ -147,6 +147,15 @@ TEST(NoncentralityTest, HasItsTabulatedValues) {
   EXPECT_NEAR(ChiSquareNoncentrality(1e-4, 1.0, 0.999), sum * sum, 1e-6);
 }
 
+// What levels of options may round to.
+TEST(QuantileTest, OfCertainAndImpossibleEvents) {
+  EXPECT_EQ(StudentTwoSidedQuantile(0.0, 5.0), kInfinity);
+  EXPECT_EQ(StudentTwoSidedQuantile(1.0, 5.0), 0.0);
+  EXPECT_EQ(FisherQuantile(0.0, 3.0, 5.0), kInfinity);
+  EXPECT_EQ(FisherQuantile(1.0, 3.0, 5.0), 0.0);
+  EXPECT_EQ(ChiSquareNoncentrality(0.0, 3.0, 0.9), kInfinity);
+}
+
 TEST(QuantileTest, StudentHasItsTabulatedValues) {
   // To the digits of the tables.
   EXPECT_NEAR(StudentTwoSidedQuantile(0.05, kInfinity), 1.959964, 1e-6);
