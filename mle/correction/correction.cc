@@ -8,6 +8,7 @@
 #include "glog/logging.h"
 #include "mle/base/status.h"
 #include "mle/correction/cross_validation.h"
+#include "mle/regression/row_certificate.h"
 
 namespace mle {
 
@@ -122,11 +123,14 @@ absl::StatusOr<Correction> CorrectModel(const ArxModel& initial,
       ComputeLaggedMoments(all, correction.data_->num_groups());
   correction.problem_ = MakeLassoProblem(correction.moments_, options.scaling);
   for (int i = 0; i < correction.problem_.num_responses(); ++i) {
+    const LassoObjective objective(correction.problem_, i,
+                                   PenaltyWeights(options.penalty_weights, i));
     MLE_ASSIGN_OR_RETURN(
         LassoSolution fit,
-        SolveLasso(LassoObjective(correction.problem_, i,
-                                  PenaltyWeights(options.penalty_weights, i)),
-                   options.lambdas, options.solver));
+        SolveLasso(objective, options.lambdas, options.solver));
+    if (options.solver.solver != LassoSolver::kElasticNet) {
+      CertifyByRows(all, correction.problem_, i, objective, fit);
+    }
     correction.fits_.push_back(std::move(fit));
   }
   MLE_RETURN_IF_ERROR(correction.Select(options.selection));

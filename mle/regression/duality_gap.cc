@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "Eigen/Eigenvalues"
@@ -66,15 +67,21 @@ void StepUnpenalised(const LassoObjective& objective, Eigen::VectorXd& gradient,
   }
 }
 
-// With the residual scaled by α ≤ 1, which makes it feasible for the dual.
+// With the residual scaled by α ≤ 1, which makes it feasible for the dual
+// whatever c_j is within its rounding.
 void AddPenalised(const LassoObjective& objective, double lambda,
                   const Eigen::VectorXd& beta, const Eigen::VectorXd& gradient,
-                  double residual_square, DualityGap& result) {
+                  const Eigen::VectorXd& rounding, double residual_square,
+                  DualityGap& result) {
+  const auto rounding_of = [&](int j) {
+    return rounding.size() == 0 ? 0.0 : rounding(j);
+  };
   double ratio = 1.0;
   for (int j = 0; j < beta.size(); ++j) {
     const double w = objective.weights(j);
     if (w == 0.0 || !std::isfinite(w)) continue;
-    ratio = std::max(ratio, std::abs(gradient(j)) / (lambda * w));
+    ratio = std::max(ratio,
+                     (std::abs(gradient(j)) + rounding_of(j)) / (lambda * w));
   }
   const double alpha = 1.0 / ratio;
   result.gap += 0.5 * (1.0 - alpha) * (1.0 - alpha) * residual_square;
@@ -84,7 +91,8 @@ void AddPenalised(const LassoObjective& objective, double lambda,
     if (beta(j) == 0.0 || w == 0.0) continue;
     const double signed_gradient = std::copysign(1.0, beta(j)) * gradient(j);
     result.primal += lambda * w * std::abs(beta(j));
-    result.gap += std::abs(beta(j)) * (lambda * w - alpha * signed_gradient);
+    result.gap += std::abs(beta(j)) *
+                  (lambda * w - alpha * (signed_gradient - rounding_of(j)));
     result.kkt_violation = std::max(result.kkt_violation,
                                     std::abs(signed_gradient - lambda * w) / w);
   }
@@ -152,10 +160,28 @@ DualityGap ComputeDualityGap(const LassoObjective& objective, double lambda,
     }
     return std::isfinite(result.gap) ? result : nothing_known;
   }
-  StepUnpenalised(objective, c, residual_square, result);
-  AddPenalised(objective, lambda, beta, c, residual_square, result);
+  const DualityGap gap =
+      GapOfGradient(objective, lambda, beta, std::move(c), residual_square);
+  if (!std::isfinite(gap.gap)) return nothing_known;
+  result.primal = gap.primal;
+  result.gap = gap.gap;
+  result.kkt_violation = gap.kkt_violation;
+  return result;
+}
+
+DualityGap GapOfGradient(const LassoObjective& objective, double lambda,
+                         const Eigen::VectorXd& beta, Eigen::VectorXd gradient,
+                         double residual_square,
+                         const Eigen::VectorXd& rounding) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  DualityGap result;
+  result.response_square = objective.response_square;
+  result.primal = 0.5 * residual_square;
+  StepUnpenalised(objective, gradient, residual_square, result);
+  AddPenalised(objective, lambda, beta, gradient, rounding, residual_square,
+               result);
   if (!std::isfinite(result.gap) || !std::isfinite(result.primal)) {
-    return nothing_known;
+    result.gap = kInfinity;
   }
   result.gap = std::max(result.gap, 0.0);
   return result;

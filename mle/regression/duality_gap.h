@@ -66,6 +66,13 @@ class PrimalRounding {
 DualityGap ComputeDualityGap(const LassoObjective& objective, double lambda,
                              const Eigen::VectorXd& beta);
 
+// The same at λ > 0 where c and ‖r‖²/N are known from elsewhere, c_j to within
+// `rounding` (n, or empty for exact).
+DualityGap GapOfGradient(const LassoObjective& objective, double lambda,
+                         const Eigen::VectorXd& beta, Eigen::VectorXd gradient,
+                         double residual_square,
+                         const Eigen::VectorXd& rounding = {});
+
 // The least-squares solution of smallest norm, G⁺C over the regressors that are
 // not excluded; the same directions count as null.
 Eigen::VectorXd MinimumNormLeastSquares(const LassoObjective& objective);

@@ -52,6 +52,8 @@ class Homotopy {
 
  private:
   void Start();
+  // Whether c_j is beyond its bound by more than rounding.
+  bool IsBeyond(int j) const;
   Event NextEvent() const;
   void Consider(Event::Kind kind, int variable, double slack, double rate,
                 double sign, Event& best) const;
@@ -137,6 +139,11 @@ void Homotopy::Consider(Event::Kind kind, int variable, double slack,
   }
 }
 
+bool Homotopy::IsBeyond(int j) const {
+  return std::abs(active_.c()(j)) * active_.inverse_weights()(j) >
+         lambda_ * (1.0 + 1e-11) + kSeveral * active_.Rounding();
+}
+
 Event Homotopy::NextEvent() const {
   Event best;
   const double rounding = kSeveral * active_.Rounding();
@@ -154,7 +161,6 @@ Event Homotopy::NextEvent() const {
   }
   // A waiting column is tried again only if it really is beyond the bound:
   // two of them there by rounding would be tried in turn for ever.
-  const double beyond = lambda_ * (1.0 + 1e-11) + rounding;
   for (int i = 0; i < active_.size(); ++i) {
     const int j = active_.columns()[i];
     if (active_.target(i) == 0.0 || j == last_moved_) continue;
@@ -163,10 +169,8 @@ Event Homotopy::NextEvent() const {
              -sign * active_.slope(i), sign, best);
   }
   for (int j = 0; j < objective_.size(); ++j) {
-    const bool candidate =
-        active_.state(j) == State::kInactive ||
-        (active_.state(j) == State::kWaiting &&
-         std::abs(active_.c()(j)) * active_.inverse_weights()(j) > beyond);
+    const bool candidate = active_.state(j) == State::kInactive ||
+                           (active_.state(j) == State::kWaiting && IsBeyond(j));
     if (!candidate) continue;
     const double w = objective_.weights(j);
     for (const double sign : {1.0, -1.0}) {
@@ -216,8 +220,11 @@ void Homotopy::Handle(const Event& event) {
 void Homotopy::Enter(const Event& event) {
   const int j = event.variable;
   const double rate = 1.0 - event.sign * active_.b()(j) / objective_.weights(j);
+  // A twin that waited and is beyond the bound by more than rounding takes the
+  // other's place: to try it again would be to wait for ever.
   const bool follows =
-      rate < std::max(kFollows, kSeveral * active_.SlopeRounding(j));
+      rate < std::max(kFollows, kSeveral * active_.SlopeRounding(j)) &&
+      !(active_.state(j) == State::kWaiting && IsBeyond(j));
   const double tolerance = follows ? kNearlyDependent : kDependent;
   const double square = (*objective_.gram)(j, j);
   last_moved_ = j;
