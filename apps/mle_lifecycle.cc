@@ -8,21 +8,17 @@
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
 #include "apps/common/command_line.h"
+#include "apps/common/progress.h"
 #include "apps/common/run_again.h"
 #include "apps/common/stop_signal.h"
 #include "apps/lifecycle/campaign.h"
-#include "apps/lifecycle/figures.h"
 #include "apps/lifecycle/headline.h"
-#include "apps/lifecycle/outputs.h"
-#include "apps/lifecycle/page.h"
 #include "apps/lifecycle/request.h"
+#include "apps/lifecycle/results.h"
 #include "apps/lifecycle/summary.h"
 #include "apps/lifecycle/tables.h"
-#include "apps/report/drawing.h"
 #include "apps/report/html.h"
 #include "apps/report/table.h"
-#include "mle/base/file.h"
-#include "mle/base/status.h"
 
 namespace mle {
 namespace {
@@ -41,28 +37,6 @@ all.
 An interrupted run resumes when it is started again with the same flags. Other
 prices need no new simulation. Exit codes: 0 done, 1 stopped, or ran
 but the result is not usable, 2 bad input or flags.)";
-
-absl::Status WriteAll(const lifecycle::Request& request,
-                      const lifecycle::Lives& lives,
-                      const std::vector<lifecycle::RateSummary>& summaries,
-                      const lifecycle::Valuation& valuation) {
-  const lifecycle::Campaign& campaign = request.campaign;
-  std::vector<std::pair<std::string, std::string>> files = {
-      {"result.json", lifecycle::FormatResult(campaign, summaries, valuation,
-                                              CommandLine(), ResultFlags())},
-      {"lifecycle.csv", lifecycle::FormatRows(campaign, lives, valuation)}};
-  std::vector<report::DrawnFigure> figures;
-  if (request.figures) {
-    figures = report::DrawFigures(
-        lifecycle::MakeFigures(campaign, lives, summaries, valuation),
-        campaign.threads);
-  }
-  const std::vector<std::string> missing = report::AddPictures(figures, files);
-  files.emplace_back("report.html", lifecycle::FormatPage(
-                                        campaign, summaries, valuation, figures,
-                                        HowToRunAgain(campaign.seeds)));
-  return WriteFilesTogether(campaign.folder, files, missing);
-}
 
 void PrintFindings(const lifecycle::Campaign& campaign,
                    const std::vector<lifecycle::RateSummary>& summaries,
@@ -90,21 +64,20 @@ int Main(lifecycle::Request& request, OptionTable& table) {
   const absl::StatusOr<FolderLock> lock = ClaimOutputFolder(campaign.folder);
   if (!lock.ok()) return Fail(lock.status());
   CatchStopSignals();
-  const absl::StatusOr<lifecycle::Lives> lives =
-      lifecycle::RunCampaign(campaign, StopRequested);
+  absl::StatusOr<lifecycle::Lives> lives =
+      lifecycle::RunCampaign(campaign, StopRequested, ShowProgress("lives"));
   if (lives.status().code() == absl::StatusCode::kCancelled) {
     std::cerr << "stopped; finished lives are kept in " << campaign.folder
               << "/runs, and the same command resumes from there\n";
     return kExitNotUsable;
   }
   if (!lives.ok()) return Fail(lives.status());
-  const lifecycle::Valuation valuation = {
-      request.prices, request.hours_per_unit, request.years, request.currency};
-  const std::vector<lifecycle::RateSummary> summaries =
-      lifecycle::Summarise(campaign, *lives, valuation);
-  PrintFindings(campaign, summaries, valuation);
-  if (const absl::Status status =
-          WriteAll(request, *lives, summaries, valuation);
+  const lifecycle::Results results =
+      lifecycle::Evaluate(request, *std::move(lives));
+  PrintFindings(campaign, results.summaries, results.valuation);
+  if (const absl::Status status = lifecycle::WriteResults(
+          request, results,
+          {CommandLine(), ResultFlags(), HowToRunAgain(campaign.seeds)});
       !status.ok()) {
     return Fail(absl::IsResourceExhausted(status)
                     ? status

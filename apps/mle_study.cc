@@ -1,30 +1,28 @@
 // mle_study: many runs of the experiment over a grid, on one machine or many.
 
-#include <sched.h>
-
 #include <algorithm>
 #include <iostream>
 #include <memory>
 #include <optional>
 #include <string>
-#include <thread>
+#include <utility>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "apps/common/command_line.h"
+#include "apps/common/progress.h"
 #include "apps/common/run_again.h"
-#include "apps/common/sha256.h"
 #include "apps/common/stop_signal.h"
 #include "apps/experiment/grid.h"
 #include "apps/experiment/row.h"
 #include "apps/study/campaign.h"
 #include "apps/study/coordinator.h"
 #include "apps/study/journal.h"
-#include "apps/study/merge.h"
 #include "apps/study/outputs.h"
 #include "apps/study/processes.h"
 #include "apps/study/request.h"
+#include "apps/study/run.h"
 #include "apps/study/summary.h"
 #include "apps/study/worker_pool.h"
 #include "mle/base/file.h"
@@ -62,18 +60,8 @@ constexpr char kUsageEnd[] = R"(
 Exit codes: 0 done, 1 stopped before the end or no run succeeded, 2 bad input or
 flags.)";
 
-// Those this process may use, or its share of the machine's.
-int Threads(int wanted, const Processes& processes) {
-  if (wanted > 0) return wanted;
-  const int all =
-      std::max(static_cast<int>(std::thread::hardware_concurrency()), 1);
-  cpu_set_t set;
-  CPU_ZERO(&set);
-  const int allowed = sched_getaffinity(0, sizeof(set), &set) == 0
-                          ? std::max(CPU_COUNT(&set), 1)
-                          : all;
-  if (allowed < all) return allowed;
-  return std::max(all / processes.on_this_machine(), 1);
+int Threads(const study::Request& request, const Processes& processes) {
+  return study::StudyThreads(request.threads, processes.on_this_machine());
 }
 
 void PrintPlan(const Campaign& campaign, const Grid& grid) {
@@ -92,17 +80,20 @@ void PrintPlan(const Campaign& campaign, const Grid& grid) {
   if (grid.num_runs() > kShown) std::cout << "…\n";
 }
 
+// What process 0 has open before the others may begin.
+struct Prepared {
+  study::Study work;
+  std::optional<study::StudyFolder> folder;
+};
+
 // Merges, summarises and reports; gives the exit code.
 absl::StatusOr<int> Conclude(const study::Request& request,
-                             const Campaign& campaign, const Grid& grid,
-                             const Journal& journal) {
-  MLE_RETURN_IF_ERROR(MergeRuns(journal, grid.num_runs(), request.out));
+                             const Prepared& prepared) {
+  const Campaign& campaign = prepared.work.campaign;
   MLE_ASSIGN_OR_RETURN(
       const study::StudySummary summary,
-      study::Summarise(absl::StrCat(request.out, "/runs.csv"), campaign, grid));
-  MLE_RETURN_IF_ERROR(study::WriteOutputs(request.out, request.figures,
-                                          campaign, summary,
-                                          HowToRunAgain(campaign.seeds)));
+      study::Conclude(prepared.work, *prepared.folder, request.figures,
+                      HowToRunAgain(campaign.seeds)));
   study::PrintSummary(campaign, summary);
   std::cout << "Report and results: " << request.out << "/report.html\n";
   for (const auto& [kind, count] : summary.failures) {
@@ -112,16 +103,7 @@ absl::StatusOr<int> Conclude(const study::Request& request,
   return summary.failed < summary.runs ? kExitDone : kExitNotUsable;
 }
 
-// What process 0 has open before the others may begin.
-struct Prepared {
-  std::string resolved;
-  Campaign campaign;
-  std::optional<FolderLock> lock;
-  std::unique_ptr<Journal> journal;
-};
-
-// The resolved text and the campaign.
-absl::Status ReadCampaign(const study::Request& request, Prepared& prepared) {
+absl::StatusOr<study::Study> ReadCampaign(const study::Request& request) {
   const absl::StatusOr<std::string> text = ReadFile(request.campaign);
   if (!text.ok()) {
     return absl::InvalidArgumentError(
@@ -130,12 +112,7 @@ absl::Status ReadCampaign(const study::Request& request, Prepared& prepared) {
   const std::size_t slash = request.campaign.rfind('/');
   const std::string folder =
       slash == std::string::npos ? "" : request.campaign.substr(0, slash + 1);
-  MLE_ASSIGN_OR_RETURN(prepared.resolved,
-                       study::ResolveCampaign(*text, request.campaign, folder));
-  MLE_ASSIGN_OR_RETURN(
-      prepared.campaign,
-      study::ParseCampaign(prepared.resolved, request.campaign));
-  return absl::OkStatus();
+  return study::ReadStudy(*text, request.campaign, folder);
 }
 
 // What was found in a journal that is resumed.
@@ -162,38 +139,23 @@ void PrintFound(const Journal& journal, std::int64_t runs) {
 }
 
 absl::Status OpenFolder(const study::Request& request, Prepared& prepared) {
-  MLE_ASSIGN_OR_RETURN(prepared.lock, ClaimOutputFolder(request.out));
-  const Grid grid(prepared.campaign);
-  const std::int64_t runs = grid.num_runs();
-  const std::string checksum = Sha256Of(prepared.resolved);
-  if (checksum.empty()) {
-    return absl::InternalError("the campaign's checksum cannot be computed");
-  }
-  MLE_ASSIGN_OR_RETURN(prepared.journal,
-                       Journal::Open(
-                           absl::StrCat(request.out, "/journal.csv"),
-                           {.checksum = checksum,
-                            .version = std::string(Version()),
-                            .runs = runs},
-                           [&](std::int64_t run) {
-                             return experiment::RowStart(prepared.campaign,
-                                                         grid, run);
-                           },
-                           request.resume));
-  PrintFound(*prepared.journal, runs);
-  return WriteFileAtomically(absl::StrCat(request.out, "/campaign.json"),
-                             prepared.resolved);
+  MLE_ASSIGN_OR_RETURN(
+      prepared.folder,
+      study::OpenFolder(prepared.work, request.out, request.resume));
+  PrintFound(*prepared.folder->journal,
+             Grid(prepared.work.campaign).num_runs());
+  return absl::OkStatus();
 }
 
 absl::StatusOr<int> Run(const study::Request& request, const Prepared& prepared,
                         Processes& processes) {
-  const Campaign& campaign = prepared.campaign;
-  Journal& journal = *prepared.journal;
+  const Campaign& campaign = prepared.work.campaign;
+  Journal& journal = *prepared.folder->journal;
   const Grid grid(campaign);
   {
-    study::WorkerPool pool(campaign, grid, Threads(request.threads, processes));
-    MLE_RETURN_IF_ERROR(
-        Coordinate(grid, processes, pool, journal, StopRequested));
+    study::WorkerPool pool(campaign, grid, Threads(request, processes));
+    MLE_RETURN_IF_ERROR(Coordinate(grid, processes, pool, journal,
+                                   StopRequested, ShowProgress("runs")));
   }
   if (journal.num_done() < grid.num_runs()) {
     std::cerr
@@ -202,17 +164,19 @@ absl::StatusOr<int> Run(const study::Request& request, const Prepared& prepared,
         << "/journal.csv. Give the same command with --resume to resume.\n";
     return kExitNotUsable;
   }
-  return Conclude(request, campaign, grid, journal);
+  return Conclude(request, prepared);
 }
 
 // Process 0. The others wait for the campaign's text; an empty one means that
 // there is nothing to do, none that there is an error.
 absl::StatusOr<int> Lead(const study::Request& request, Processes& processes) {
   Prepared prepared;
-  absl::Status status = ReadCampaign(request, prepared);
+  absl::StatusOr<study::Study> read = ReadCampaign(request);
+  absl::Status status = read.status();
+  if (status.ok()) prepared.work = *std::move(read);
   if (status.ok() && request.dry_run) {
     processes.Broadcast("");
-    PrintPlan(prepared.campaign, Grid(prepared.campaign));
+    PrintPlan(prepared.work.campaign, Grid(prepared.work.campaign));
     return kExitDone;
   }
   if (status.ok()) status = OpenFolder(request, prepared);
@@ -220,7 +184,7 @@ absl::StatusOr<int> Lead(const study::Request& request, Processes& processes) {
     processes.Broadcast(std::nullopt);
     return status;
   }
-  processes.Broadcast(prepared.resolved);
+  processes.Broadcast(prepared.work.resolved);
   return Run(request, prepared, processes);
 }
 
@@ -232,7 +196,7 @@ int Follow(const study::Request& request, Processes& processes) {
       study::ParseCampaign(*resolved, request.campaign);
   if (!campaign.ok()) return Fail(campaign.status());
   const Grid grid(*campaign);
-  study::WorkerPool pool(*campaign, grid, Threads(request.threads, processes));
+  study::WorkerPool pool(*campaign, grid, Threads(request, processes));
   Serve(processes, pool, StopRequested);
   return kExitDone;
 }

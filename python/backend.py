@@ -62,8 +62,8 @@ def _pybind11_folder():
     return [f"-Dpybind11_DIR={pybind11.get_cmake_dir()}"]
 
 
-def _build(folder):
-    """Builds the module and installs the package into `folder`."""
+def _build():
+    """The folder in which the module is built."""
     build = ROOT / "build" / f"wheel-{_tag()}"
     generator = ["-GNinja"] if shutil.which("ninja") else []
     subprocess.run(
@@ -79,6 +79,11 @@ def _build(folder):
         ["cmake", "--build", build, "--target", "mle_python", "--parallel", str(os.cpu_count())],
         check=True,
     )
+    return build
+
+
+def _install(build, folder):
+    """Installs the package of a build folder below `folder`."""
     subprocess.run(
         ["cmake", "--install", build, "--component", "python", "--strip", "--prefix", folder],
         check=True,
@@ -97,21 +102,27 @@ def _files(folder):
     yield f"{info}/LICENSE", (ROOT / "LICENSE").read_bytes()
 
 
-def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
-    """The name of the wheel that is written to `wheel_directory`."""
+def _pack(folder, wheel_directory):
+    """The name of the wheel of what `folder` holds."""
     name = f"{NAME.replace('-', '_')}-{_version()}-{_tag()}.whl"
     record = []
-    with tempfile.TemporaryDirectory() as folder:
-        _build(folder)
-        path = pathlib.Path(wheel_directory) / name
-        with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as wheel:
-            for member, content in _files(folder):
-                wheel.writestr(member, content)
-                digest = base64.urlsafe_b64encode(hashlib.sha256(content).digest())
-                record.append(f"{member},sha256={digest.decode().rstrip('=')},{len(content)}")
-            listed = f"{NAME.replace('-', '_')}-{_version()}.dist-info/RECORD"
-            wheel.writestr(listed, "\n".join([*record, f"{listed},,", ""]))
+    path = pathlib.Path(wheel_directory) / name
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as wheel:
+        for member, content in _files(folder):
+            wheel.writestr(member, content)
+            digest = base64.urlsafe_b64encode(hashlib.sha256(content).digest())
+            record.append(f"{member},sha256={digest.decode().rstrip('=')},{len(content)}")
+        listed = f"{NAME.replace('-', '_')}-{_version()}.dist-info/RECORD"
+        wheel.writestr(listed, "\n".join([*record, f"{listed},,", ""]))
     return name
+
+
+def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
+    """The name of the wheel that is written to `wheel_directory`."""
+    build = _build()
+    with tempfile.TemporaryDirectory() as folder:
+        _install(build, folder)
+        return _pack(folder, wheel_directory)
 
 
 def build_sdist(sdist_directory, config_settings=None):

@@ -4,6 +4,8 @@
 
 #include <cstdlib>
 #include <iostream>
+#include <memory>
+#include <optional>
 #include <string_view>
 #include <utility>
 
@@ -111,6 +113,19 @@ void Progress::Show(std::int64_t done) {
         " left");
   }
   ShowStatus(text);
+}
+
+ProgressFunction ShowProgress(std::string what) {
+  struct Shown {
+    std::once_flag begun;
+    std::optional<Progress> progress;
+  };
+  return [what = std::move(what), shown = std::make_shared<Shown>()](
+             std::int64_t done, std::int64_t total) {
+    std::call_once(shown->begun,
+                   [&] { shown->progress.emplace(what, total, done); });
+    shown->progress->Show(done);
+  };
 }
 
 }  // namespace mle

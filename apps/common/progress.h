@@ -13,6 +13,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <mutex>
 #include <ostream>
 #include <string>
@@ -68,6 +69,14 @@ class Progress {
   std::mutex mutex_;
   std::int64_t done_;
 };
+
+// How work tells that so many of its parts are done; may be called from any
+// thread.
+using ProgressFunction =
+    std::function<void(std::int64_t done, std::int64_t total)>;
+
+// Shows what it is told, from the first call on and as long as it lives.
+ProgressFunction ShowProgress(std::string what);
 
 }  // namespace mle
 

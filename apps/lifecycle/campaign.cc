@@ -1,11 +1,11 @@
 #include "apps/lifecycle/campaign.h"
 
+#include <atomic>
 #include <iostream>
 #include <optional>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "apps/common/progress.h"
 #include "mle/base/file.h"
 #include "mle/base/parallel.h"
 #include "mle/base/status.h"
@@ -81,7 +81,8 @@ absl::StatusOr<std::vector<Task>> TakeWhatIsThere(const Campaign& campaign,
 }  // namespace
 
 absl::StatusOr<Lives> RunCampaign(const Campaign& campaign,
-                                  const std::function<bool()>& stop) {
+                                  const std::function<bool()>& stop,
+                                  const ProgressFunction& told) {
   MLE_RETURN_IF_ERROR(MakeWritableFolder(campaign.folder + "/runs"));
   Lives lives(
       campaign.rates.size(),
@@ -89,7 +90,9 @@ absl::StatusOr<Lives> RunCampaign(const Campaign& campaign,
           campaign.seeds.size(), std::vector<Life>(campaign.policies.size())));
   MLE_ASSIGN_OR_RETURN(const std::vector<Task> tasks,
                        TakeWhatIsThere(campaign, lives));
-  Progress progress("lives", static_cast<int>(tasks.size()));
+  const auto total = static_cast<std::int64_t>(tasks.size());
+  std::atomic<std::int64_t> made = 0;
+  told(0, total);
   std::vector<absl::Status> status(tasks.size());
   ParallelFor(static_cast<int>(tasks.size()), campaign.threads, [&](int i) {
     const Task& task = tasks[i];
@@ -106,7 +109,7 @@ absl::StatusOr<Lives> RunCampaign(const Campaign& campaign,
       lives[task.rate][task.seed][task.policy] = std::move(life);
       return absl::OkStatus();
     }();
-    if (status[i].ok()) progress.Done();
+    if (status[i].ok()) told(++made, total);
   });
   for (std::size_t i = 0; i < tasks.size(); ++i) {
     if (status[i].code() == absl::StatusCode::kCancelled) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "apps/common/progress.h"
 #include "apps/lifecycle/life.h"
 #include "apps/lifecycle/policy.h"
 #include "apps/lifecycle/scenario.h"
@@ -38,9 +39,11 @@ struct Campaign {
 using Lives = std::vector<std::vector<std::vector<Life>>>;
 
 // Uses what the folder holds, and stores each life as soon as it is made.
-// Cancelled where `stop` says so: what is made is stored.
+// Cancelled where `stop` says so: what is made is stored. `told` is called with
+// the lives made and all that are to be made, from any thread.
 absl::StatusOr<Lives> RunCampaign(const Campaign& campaign,
-                                  const std::function<bool()>& stop);
+                                  const std::function<bool()>& stop,
+                                  const ProgressFunction& told);
 
 }  // namespace mle::lifecycle
 

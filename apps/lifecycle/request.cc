@@ -40,7 +40,21 @@ double Or(double given, double by_default) {
   return given > 0.0 ? given : by_default;
 }
 
+absl::Status TakeModels(const GivenModels& given, Campaign& campaign) {
+  campaign.model = given.model;
+  MLE_RETURN_IF_ERROR(
+      CheckMoves(campaign.model, "the model", "nothing that can age"));
+  campaign.plant = given.plant.value_or(given.model);
+  MLE_RETURN_IF_ERROR(
+      CheckSameChannels(campaign.model, "model", campaign.plant, "plant"));
+  MLE_ASSIGN_OR_RETURN(
+      campaign.ageing,
+      sim::ParseAgeingSchedule(given.ageing, "ageing", campaign.plant));
+  return absl::OkStatus();
+}
+
 absl::Status ReadModels(const Request& request, Campaign& campaign) {
+  if (request.given.has_value()) return TakeModels(*request.given, campaign);
   if (request.model_path.empty() || request.ageing_path.empty()) {
     return absl::InvalidArgumentError(
         "--model=FILE.json and --ageing=FILE.json must be given (see --help)");
@@ -211,8 +225,12 @@ absl::Status AddSettings(const Request& request, const OptionTable& table,
     if (kNotOfALife.count(name) > 0 || name.rfind("price_", 0) == 0) continue;
     campaign.settings[name] = value;
   }
-  MLE_ASSIGN_OR_RETURN(campaign.settings["file of ageing"],
-                       ReadFile(request.ageing_path));
+  if (request.given.has_value()) {
+    campaign.settings["file of ageing"] = request.given->ageing;
+  } else {
+    MLE_ASSIGN_OR_RETURN(campaign.settings["file of ageing"],
+                         ReadFile(request.ageing_path));
+  }
   campaign.settings["file of model"] = FormatProcessModel(campaign.model);
   campaign.settings["file of plant"] = FormatProcessModel(campaign.plant);
   campaign.settings["program_version"] = std::string(Version());

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,13 @@
 #include "apps/lifecycle/prices.h"
 
 namespace mle::lifecycle {
+
+// Models in memory, and the text of a schedule of ageing (JSON).
+struct GivenModels {
+  ProcessModel model;
+  std::optional<ProcessModel> plant;
+  std::string ageing;
+};
 
 struct Request {
   // Options that are not fields of the campaign. Times are in the model's unit
@@ -37,6 +45,9 @@ struct Request {
   double warm_up = 0.0;
   double response_horizon = 0.0;
   double test_hold = 0.0;
+
+  // In place of what the paths name.
+  std::optional<GivenModels> given;
 
   // Where all others are.
   Campaign campaign;

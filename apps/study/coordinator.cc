@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "absl/time/time.h"
-#include "apps/common/progress.h"
 #include "mle/base/status.h"
 
 namespace mle::study {
@@ -44,12 +43,13 @@ class Remaining {
 class Coordinator {
  public:
   Coordinator(const Grid& grid, Processes& processes, WorkerPool& pool,
-              Journal& journal)
+              Journal& journal, const ProgressFunction& told)
       : processes_(processes),
         pool_(pool),
         journal_(journal),
         remaining_(grid, journal),
-        progress_("runs", grid.num_runs(), journal.num_done()),
+        num_runs_(grid.num_runs()),
+        told_(told),
         others_(static_cast<std::size_t>(processes.count())) {
     next_ = remaining_.Next();
   }
@@ -57,6 +57,7 @@ class Coordinator {
   absl::Status Run(const std::function<bool()>& stopped) {
     const absl::Duration pause = processes_.count() > 1 ? kPause : kPauseAlone;
     absl::Status status;
+    told_(journal_.num_done(), num_runs_);
     while (true) {
       if (!stopping_ && (stopped() || !status.ok())) {
         stopping_ = true;
@@ -72,7 +73,7 @@ class Coordinator {
         other.known = true;
         status.Update(Keep(report.harvest));
       }
-      progress_.Show(journal_.num_done());
+      told_(journal_.num_done(), num_runs_);
     }
     // What came out between the last look and the end.
     status.Update(Keep(pool_.Collect(absl::ZeroDuration())));
@@ -138,7 +139,8 @@ class Coordinator {
   Journal& journal_;
   Remaining remaining_;
   Assignment next_;
-  Progress progress_;
+  const std::int64_t num_runs_;
+  const ProgressFunction& told_;
   std::vector<Other> others_;
   bool stopping_ = false;
 };
@@ -147,8 +149,9 @@ class Coordinator {
 
 absl::Status Coordinate(const Grid& grid, Processes& processes,
                         WorkerPool& pool, Journal& journal,
-                        const std::function<bool()>& stopped) {
-  return Coordinator(grid, processes, pool, journal).Run(stopped);
+                        const std::function<bool()>& stopped,
+                        const ProgressFunction& told) {
+  return Coordinator(grid, processes, pool, journal, told).Run(stopped);
 }
 
 void Serve(Processes& processes, WorkerPool& pool,

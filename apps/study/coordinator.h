@@ -8,6 +8,7 @@
 #include <functional>
 
 #include "absl/status/status.h"
+#include "apps/common/progress.h"
 #include "apps/experiment/grid.h"
 #include "apps/study/campaign.h"
 #include "apps/study/journal.h"
@@ -17,10 +18,12 @@
 namespace mle::study {
 
 // Process 0: until every run is in the journal, or `stopped` says so (then the
-// runs under way are still waited for).
+// runs under way are still waited for). `told` is called with the runs done and
+// all of them, in the beginning and several times a second.
 absl::Status Coordinate(const experiment::Grid& grid, Processes& processes,
                         WorkerPool& pool, Journal& journal,
-                        const std::function<bool()>& stopped);
+                        const std::function<bool()>& stopped,
+                        const ProgressFunction& told);
 
 // The other processes: until process 0 has nothing more to do, or `stopped`.
 void Serve(Processes& processes, WorkerPool& pool,

@@ -64,6 +64,9 @@ class Processes {
   virtual Order TakeOrder() = 0;
 };
 
+// One alone, whoever started it.
+std::unique_ptr<Processes> OneProcess();
+
 }  // namespace mle::study
 
 #endif  // APPS_STUDY_PROCESSES_H_

@@ -18,21 +18,6 @@
 namespace mle {
 namespace {
 
-absl::StatusOr<ModelFile> WithStepResponses(StepResponseModel model,
-                                            std::string_view source) {
-  absl::StatusOr<Description> description = Describe(model);
-  if (!description.ok()) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        std::string(source), ": ", description.status().message()));
-  }
-  ModelFile file;
-  file.form = ModelForm::kStepResponses;
-  file.process = std::move(description->process);
-  file.descriptions = std::move(description->pairs);
-  file.step_responses = std::move(model);
-  return file;
-}
-
 absl::StatusOr<ModelFile> ParseJson(std::string_view text,
                                     std::string_view source) {
   MLE_ASSIGN_OR_RETURN(const nlohmann::json json,
@@ -40,7 +25,7 @@ absl::StatusOr<ModelFile> ParseJson(std::string_view text,
   if (json.contains("step_responses")) {
     MLE_ASSIGN_OR_RETURN(StepResponseModel model,
                          ParseStepResponseJson(text, source));
-    return WithStepResponses(std::move(model), source);
+    return OfStepResponses(std::move(model), source);
   }
   ModelFile file;
   MLE_ASSIGN_OR_RETURN(file.process, ParseProcessModel(text, source));
@@ -53,7 +38,7 @@ absl::StatusOr<ModelFile> ParseCsv(std::string_view text,
   ModelFile file;
   if (HoldsStepResponses(table)) {
     MLE_ASSIGN_OR_RETURN(StepResponseModel model, StepResponsesOf(table));
-    MLE_ASSIGN_OR_RETURN(file, WithStepResponses(std::move(model), source));
+    MLE_ASSIGN_OR_RETURN(file, OfStepResponses(std::move(model), source));
   } else {
     file.form = ModelForm::kElementTable;
     MLE_ASSIGN_OR_RETURN(file.elements, ElementsOf(table));
@@ -67,7 +52,7 @@ absl::StatusOr<ModelFile> FromMat(const std::string& path) {
   MLE_ASSIGN_OR_RETURN(MatModel model, ReadMatModel(path));
   ModelFile file;
   if (auto* steps = std::get_if<StepResponseModel>(&model)) {
-    MLE_ASSIGN_OR_RETURN(file, WithStepResponses(std::move(*steps), path));
+    MLE_ASSIGN_OR_RETURN(file, OfStepResponses(std::move(*steps), path));
   } else {
     file.process = std::get<ProcessModel>(std::move(model));
   }
@@ -100,6 +85,30 @@ absl::StatusOr<ModelFile> ReadModelFile(const std::string& path) {
   MLE_ASSIGN_OR_RETURN(const std::string text, ReadFile(path));
   if (IsMatFile(text)) return FromMat(path);
   return ParseModelFile(text, path);
+}
+
+absl::StatusOr<ModelFile> OfStepResponses(StepResponseModel model,
+                                          std::string_view source) {
+  absl::StatusOr<Description> description = Describe(model);
+  if (!description.ok()) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        std::string(source), ": ", description.status().message()));
+  }
+  ModelFile file;
+  file.form = ModelForm::kStepResponses;
+  file.process = std::move(description->process);
+  file.descriptions = std::move(description->pairs);
+  file.step_responses = std::move(model);
+  return file;
+}
+
+StepResponseModel CorrectedStepResponses(const ModelFile& file,
+                                         const ProcessModel& corrected) {
+  const StepResponseModel& given = file.step_responses;
+  const int samples = given.length() + 1;
+  return WithChange(given,
+                    file.process.ComputeStepResponse(given.interval, samples),
+                    corrected.ComputeStepResponse(given.interval, samples));
 }
 
 std::vector<std::string> NotableDifferences(const ModelFile& file) {
@@ -143,11 +152,7 @@ absl::StatusOr<FormattedModel> FormatCorrected(const ModelFile& file,
     }
     return formatted;
   }
-  const StepResponseModel& given = file.step_responses;
-  const int samples = given.length() + 1;
-  const StepResponseModel changed = WithChange(
-      given, file.process.ComputeStepResponse(given.interval, samples),
-      corrected.ComputeStepResponse(given.interval, samples));
+  const StepResponseModel changed = CorrectedStepResponses(file, corrected);
   if (file.type == ModelFileType::kMat) {
     MLE_ASSIGN_OR_RETURN(formatted.text, FormatMat(changed));
   } else if (file.type == ModelFileType::kCsv) {

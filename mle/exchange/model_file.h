@@ -51,6 +51,15 @@ absl::StatusOr<ModelFile> ReadModelFile(const std::string& path);
 // kUnremarkableDifference.
 std::vector<std::string> NotableDifferences(const ModelFile& file);
 
+// What the file would hold of step responses, with its description.
+absl::StatusOr<ModelFile> OfStepResponses(StepResponseModel model,
+                                          std::string_view source);
+
+// The step responses of `file`, which holds such, with the correction from
+// `file.process` to `corrected` (the same channels).
+StepResponseModel CorrectedStepResponses(const ModelFile& file,
+                                         const ProcessModel& corrected);
+
 // A file in the form of the one that was read.
 struct FormattedModel {
   std::string name;  // "model_corrected.csv"

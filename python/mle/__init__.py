@@ -12,7 +12,15 @@ docs/python.md has a tutorial and the list of what there is.
 import atexit as _atexit
 
 from . import _mle
-from ._mle import Plant, ProcessModel, Record, StateSpaceModel, __version__
+from ._mle import (
+    Plant,
+    ProcessModel,
+    Record,
+    StateSpaceModel,
+    StepResponseModel,
+    __version__,
+)
+from .campaigns import StudyResult, study
 from .correction import (
     CorrectionResult,
     Message,
@@ -28,8 +36,9 @@ from .errors import (
     MissingFileError,
     NotUsableError,
 )
-from .interop import from_systems, to_control, to_scipy
-from .model import from_fopdt, from_transfer_functions
+from .interop import from_state_space, from_systems, to_control, to_scipy
+from .lifecycles import LifecycleResult, lifecycle, lifecycle_options
+from .model import from_fopdt, from_step_responses, from_transfer_functions
 from .mpc import Mpc
 from .records import read_records, to_dataframe
 from .simulation import simulate, simulate_options
@@ -43,6 +52,7 @@ __all__ = [
     "Error",
     "FileAccessError",
     "InvalidInputError",
+    "LifecycleResult",
     "Message",
     "MissingFileError",
     "Mpc",
@@ -52,15 +62,22 @@ __all__ = [
     "Record",
     "StateSpaceModel",
     "StepResponse",
+    "StepResponseModel",
+    "StudyResult",
     "__version__",
     "correct",
     "correct_options",
     "from_fopdt",
+    "from_state_space",
+    "from_step_responses",
     "from_systems",
     "from_transfer_functions",
+    "lifecycle",
+    "lifecycle_options",
     "read_records",
     "simulate",
     "simulate_options",
+    "study",
     "to_control",
     "to_dataframe",
     "to_scipy",

@@ -8,7 +8,8 @@ import os
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Union
 
 from . import _mle
-from ._mle import ProcessModel, StateSpaceModel
+from ._mle import ProcessModel, StateSpaceModel, StepResponseModel
+from .model import ModelLike
 from .options import help_on, option_texts
 from .records import source_of
 
@@ -53,12 +54,12 @@ class CorrectionResult:
     """What :func:`correct` found out.
 
     ``decision`` is "corrected", "no_change" or "cannot_tell"; ``corrected`` is the
-    model for use, the initial one unless the decision is "corrected". In a notebook
+    model for use, ``initial`` unless the decision is "corrected". In a notebook
     the result shows itself; :meth:`report` writes the whole page.
     """
 
     _ATTRIBUTES = (
-        "initial _json _files _responses reasons notes warnings failures usable"
+        "initial _json _files _steps _responses reasons notes warnings failures usable"
     ).split()
 
     initial: ProcessModel
@@ -74,6 +75,7 @@ class CorrectionResult:
         self.initial = correction.initial
         self._json = correction.json()
         self._files = correction.model_files()
+        self._steps = correction.corrected_steps()
         self._responses = StepResponse(*correction.responses())
         self.reasons = _messages(correction.reasons)
         self.notes = _messages(correction.notes)
@@ -112,8 +114,15 @@ class CorrectionResult:
         return self.to_dict()["test_of_no_change"]["p_value"]
 
     @property
-    def corrected(self) -> ProcessModel:
-        """The model for use: transfer functions of any order."""
+    def corrected(self) -> Union[ProcessModel, StepResponseModel]:
+        """The model for use, of the kind given: step responses where the model given
+        was such, with the coefficients of pairs that have not changed as they were;
+        else transfer functions of any order."""
+        return self.process if self._steps is None else self._steps
+
+    @property
+    def process(self) -> ProcessModel:
+        """The model for use as transfer functions of any order, whatever was given."""
         return ProcessModel.from_json(self._files["model.json"])
 
     @property
@@ -237,10 +246,10 @@ def _call_text(model: Any, source: tuple, options: Dict[str, Any]) -> str:
 
 
 def correct(
-    model: Union[ProcessModel, str, "os.PathLike[str]"],
+    model: ModelLike,
     records: Any,
     *,
-    truth: Union[ProcessModel, str, "os.PathLike[str]", None] = None,
+    truth: Optional[ModelLike] = None,
     progress: Optional[Progress] = None,
     **options: Any,
 ) -> CorrectionResult:
@@ -248,7 +257,8 @@ def correct(
     set-point changes, and says whether it has aged, where, by how much, and how far
     the correction can be trusted.
 
-    ``model`` is the controller's, or the path of its file. ``records`` are paths of
+    ``model`` is the controller's: transfer functions, step responses or a state
+    space, or the path of a file of the first two. ``records`` are paths of
     files that the command mle_correct reads, data frames with a DatetimeIndex (or
     times as numbers in the model's unit) and a column for each input and output,
     by name, and each set point (``<output>_setpoint``), or :class:`Record`: one or a
@@ -266,10 +276,8 @@ def correct(
     """
     texts = option_texts("correct", _mle._correct_options(), options)
     source = source_of(records, options)
-    if not isinstance(model, ProcessModel):
+    if isinstance(model, os.PathLike):
         model = os.fspath(model)
-    if truth is not None and not isinstance(truth, ProcessModel):
-        truth = os.fspath(truth)
     text = _call_text(model, source, options)
     return CorrectionResult(_mle._correct(model, source, texts, truth, text, progress))
 

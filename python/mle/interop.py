@@ -1,17 +1,23 @@
 """Models of scipy.signal and python-control in and out.
 
 Neither package is needed to import this one: what comes in is known by its
-attributes (``num`` and ``den``, as of ``scipy.signal.TransferFunction`` and
-``control.TransferFunction``), what goes out is made where the package is
-installed.
+attributes (``num`` and ``den``, or ``A``, ``B``, ``C`` and ``D``, and ``dt``), what goes
+out is made where the package is installed.
 """
 
 from __future__ import annotations
 
-from typing import Any, Sequence
+from typing import Any, Dict, List, Sequence, Tuple, Union
 
 from . import model as _model
-from ._mle import ProcessModel
+from ._mle import ProcessModel, StateSpaceModel
+
+# Of poles and zeros: those nearer than this, relative to their size, cancel.
+_CANCELS = 1e-7
+
+
+def _is_state_space(system: Any) -> bool:
+    return all(hasattr(system, name) for name in "ABCD")
 
 
 def _is_scalar_system(system: Any) -> bool:
@@ -20,61 +26,199 @@ def _is_scalar_system(system: Any) -> bool:
     return np.ndim(system.num[0]) == 0 if len(system.num) else True
 
 
-def _check_continuous(system: Any) -> None:
+def _sample_time(system: Any) -> float:
+    """0 of a system in continuous time."""
     dt = getattr(system, "dt", None)
-    if dt not in (None, 0):
+    if dt is True:
+        raise ValueError("the system is discrete without a sample time (dt = True); give it one")
+    return 0.0 if dt is None else float(dt)
+
+
+def _labels(system: Any, names: Dict[str, Any]) -> Dict[str, Any]:
+    """``names`` with those that the system has itself."""
+    labels = {"inputs": "input_labels", "outputs": "output_labels"}
+    found = {
+        ours: list(getattr(system, theirs))
+        for ours, theirs in labels.items()
+        if getattr(system, theirs, None)
+    }
+    return {**found, **names}
+
+
+def _without_common_roots(numerator: Any, denominator: Any) -> Tuple[Any, Any]:
+    """The same ratio, without the poles that zeros cancel."""
+    import numpy as np
+
+    numerator = np.trim_zeros(numerator, "f")
+    if not len(numerator):
+        return np.zeros(1), np.ones(1)
+    poles = list(np.roots(denominator))
+    zeros = list(np.roots(numerator))
+    for zero in list(zeros):
+        near = min(poles, key=lambda pole: abs(pole - zero), default=None)
+        if near is not None and abs(near - zero) <= _CANCELS * max(abs(near), abs(zero)):
+            zeros.remove(zero)
+            poles.remove(near)
+    # Of a pair only one may have gone: not to be cancelled at all.
+    left = numerator[0] * np.poly(zeros), denominator[0] * np.poly(poles)
+    if len(poles) + 1 == len(denominator) or any(np.iscomplexobj(part) for part in left):
+        return numerator, denominator
+    return left
+
+
+def from_state_space(
+    A: Any, B: Any, C: Any, D: Any = None, delays: Any = 0.0, **names: Any
+) -> ProcessModel:
+    """A process model of a state-space model in continuous time,
+
+        dx/dt = A x + B u(t - L),  y = C x + D u(t - L).
+
+    ``A`` is (n, n), ``B`` (n, m), ``C`` (p, n), ``D`` (p, m) or None for zeros;
+    ``delays`` L (p, m) or one number. States that do not take part in an element
+    cancel. Other arguments as of :func:`from_fopdt`. Raises ValueError. For models in
+    discrete time there is :class:`StateSpaceModel`.
+    """
+    import numpy as np
+
+    a, b, c = (np.atleast_2d(np.asarray(matrix, dtype=float)) for matrix in (A, B, C))
+    n, m, p = len(a), b.shape[1], len(c)
+    d = np.zeros((p, m)) if D is None else np.atleast_2d(np.asarray(D, dtype=float))
+    wanted = {"A": (a, (n, n)), "B": (b, (n, m)), "C": (c, (p, n)), "D": (d, (p, m))}
+    for name, (matrix, shape) in wanted.items():
+        if matrix.shape != shape:
+            raise ValueError(f"{name} has the shape {matrix.shape}; it must be {shape}")
+        if not np.isfinite(matrix).all():
+            raise ValueError(f"{name} must be finite")
+    denominator = np.real(np.poly(a))
+    numerators: List[list] = []
+    denominators: List[list] = []
+    for i in range(p):
+        rows = []
+        for j in range(m):
+            # det(sI - A + b c) - det(sI - A) = c adj(sI - A) b.
+            outer = np.outer(b[:, j], c[i])
+            numerator = np.real(np.poly(a - outer)) + (d[i, j] - 1.0) * denominator
+            scale = np.abs(np.poly(a - outer)) + np.abs(denominator)
+            numerator[np.abs(numerator) <= 1e-13 * scale] = 0.0
+            rows.append(_without_common_roots(numerator, denominator))
+        numerators.append([row[0] for row in rows])
+        denominators.append([row[1] for row in rows])
+    return _model.from_transfer_functions(numerators, denominators, delays, **names)
+
+
+def _discrete(system: Any, names: Dict[str, Any]) -> ProcessModel:
+    import numpy as np
+
+    unknown = set(names) - {"inputs", "outputs", "time_unit", "name"}
+    if unknown:
+        raise ValueError(f"{sorted(unknown)}: not for a system in discrete time")
+    matrices = (np.atleast_2d(np.asarray(getattr(system, x), dtype=float)) for x in "ABCD")
+    return StateSpaceModel(*matrices, dt=_sample_time(system), **names).process
+
+
+def _of_state_space(system: Any, delays: Any, names: Dict[str, Any]) -> ProcessModel:
+    import numpy as np
+
+    names = _labels(system, names)
+    if _sample_time(system) == 0.0:
+        return from_state_space(system.A, system.B, system.C, system.D, delays, **names)
+    if np.any(np.asarray(delays)):
+        raise ValueError("delays: in discrete time they are arguments of mle.StateSpaceModel")
+    return _discrete(system, names)
+
+
+def _check_continuous(system: Any) -> None:
+    dt = _sample_time(system)
+    if dt != 0.0:
         raise ValueError(
-            f"the system is discrete (dt = {dt}); process models are continuous in time"
+            f"the transfer function is discrete (dt = {dt}); convert it to state space "
+            "(scipy.signal: to_ss(), control: control.ss()), which is taken as it is"
         )
 
 
-def from_systems(systems: Any, delays: Any = 0.0, **names: Any) -> ProcessModel:
-    """A process model of transfer functions of another package.
+def _entry(system: Any) -> Tuple[Any, Any]:
+    """Numerator and denominator of one element of a table."""
+    if system is None or isinstance(system, (int, float)):
+        return [float(system or 0.0)], [1.0]
+    if _is_state_space(system):
+        numerator, denominator, _ = _of_state_space(system, 0.0, {}).element(0, 0)
+        return numerator, denominator
+    if not hasattr(system, "num") and hasattr(system, "to_tf"):
+        system = system.to_tf()
+    _check_continuous(system)
+    if _is_scalar_system(system):
+        return system.num, system.den
+    return system.num[0][0], system.den[0][0]
 
-    ``systems`` is one system with ``num`` and ``den``: of one input and output
-    (``scipy.signal.TransferFunction``, or what ``scipy.signal.StateSpace.to_tf()``
-    gives) or of several (``control.TransferFunction``, whose ``num[i][j]`` are
-    coefficients); or a table of such, ``systems[i][j]`` for output i and input j,
-    where None or 0 stands for no effect. They are continuous in time; dead times,
-    which these packages do not know, are ``delays`` (p, m) or one number. Other
-    arguments as of :func:`from_fopdt`. Raises ValueError.
+
+def from_systems(systems: Any, delays: Any = 0.0, **names: Any) -> ProcessModel:
+    """A process model of systems of another package.
+
+    ``systems`` is one system of scipy.signal or python-control: a transfer function
+    (``num`` and ``den``), zeros and poles (``to_tf()``), or a state space (``A``, ``B``,
+    ``C``, ``D``), of one input and output or of several; or a table of such of one
+    input and output, ``systems[i][j]`` for output i and input j, where None or 0
+    stands for no effect. Dead times, which these packages do not know, are ``delays``
+    (p, m) or one number. A state space in discrete time (``dt``) becomes a
+    :class:`StateSpaceModel`, whose ``process`` this is; discrete transfer functions
+    are refused. Other arguments as of :func:`from_fopdt`. Raises ValueError.
     """
+    if _is_state_space(systems):
+        return _of_state_space(systems, delays, names)
+    if not hasattr(systems, "num") and hasattr(systems, "to_tf"):
+        systems = systems.to_tf()
     if hasattr(systems, "num"):
         _check_continuous(systems)
         if _is_scalar_system(systems):
             numerators, denominators = [[systems.num]], [[systems.den]]
         else:
             numerators, denominators = systems.num, systems.den
-        for ours, theirs in (("inputs", "input_labels"), ("outputs", "output_labels")):
-            if ours not in names and getattr(systems, theirs, None):
-                names[ours] = list(getattr(systems, theirs))
+        names = _labels(systems, names)
         return _model.from_transfer_functions(numerators, denominators, delays, **names)
-    numerators, denominators = [], []
-    for row in systems:
-        numerators.append([])
-        denominators.append([])
-        for system in row:
-            if system is None or isinstance(system, (int, float)):
-                numerators[-1].append([float(system or 0.0)])
-                denominators[-1].append([1.0])
-                continue
-            if not hasattr(system, "num") and hasattr(system, "to_tf"):
-                system = system.to_tf()
-            _check_continuous(system)
-            scalar = _is_scalar_system(system)
-            numerators[-1].append(system.num if scalar else system.num[0][0])
-            denominators[-1].append(system.den if scalar else system.den[0][0])
-    return _model.from_transfer_functions(numerators, denominators, delays, **names)
+    entries = [[_entry(system) for system in row] for row in systems]
+    return _model.from_transfer_functions(
+        [[numerator for numerator, _ in row] for row in entries],
+        [[denominator for _, denominator in row] for row in entries],
+        delays,
+        **names,
+    )
 
 
-def to_scipy(model: ProcessModel) -> Any:
-    """(systems, delays): ``systems[i][j]`` is a
-    ``scipy.signal.TransferFunction``, ``delays`` an array (p, m) of the dead
-    times, which it does not hold."""
+def _delay_states(model: StateSpaceModel) -> Tuple[Any, Any, Any, Any]:
+    """A, B, C and D with a state for each sample of dead time."""
+    import numpy as np
+
+    a, b, c, d = model.A, model.B, model.C, model.D
+    for j, delay in enumerate(model.input_delays):
+        for _ in range(delay):
+            # The state z[k+1] = u_j[k] in place of u_j.
+            n = len(a)
+            a = np.block([[a, b[:, [j]]], [np.zeros((1, n + 1))]])
+            b = np.vstack([b, np.zeros((1, b.shape[1]))])
+            c = np.hstack([c, d[:, [j]]])
+            b[:n, j], d[:, j], b[n, j] = 0.0, 0.0, 1.0
+    for i, delay in enumerate(model.output_delays):
+        for _ in range(delay):
+            # The state z[k+1] = w_i[k], and z in place of w_i.
+            n = len(a)
+            a = np.block([[a, np.zeros((n, 1))], [c[[i]], np.zeros((1, 1))]])
+            b = np.vstack([b, d[[i]]])
+            c = np.hstack([c, np.zeros((len(c), 1))])
+            c[i], d[i], c[i, n] = 0.0, 0.0, 1.0
+    return a, b, c, d
+
+
+def to_scipy(model: Union[ProcessModel, StateSpaceModel]) -> Any:
+    """Of a ProcessModel (systems, delays): ``systems[i][j]`` is a
+    ``scipy.signal.TransferFunction``, ``delays`` an array (p, m) of the dead times,
+    which it does not hold. Of a StateSpaceModel a discrete
+    ``scipy.signal.StateSpace``, dead times as states."""
     import numpy as np
     from scipy import signal
 
-    systems = []
+    if isinstance(model, StateSpaceModel):
+        return signal.StateSpace(*_delay_states(model), dt=model.dt)
+    systems: List[list] = []
     delays = np.zeros((len(model.outputs), len(model.inputs)))
     for i in range(len(model.outputs)):
         systems.append([])
@@ -84,31 +228,30 @@ def to_scipy(model: ProcessModel) -> Any:
     return systems, delays
 
 
-def to_control(model: ProcessModel, pade_order: int = 0) -> Any:
-    """A ``control.TransferFunction`` of the model. Dead times become Padé
-    approximations of ``pade_order``; with 0 a model that has any raises
-    ValueError, as that package does not know them."""
+def to_control(model: Union[ProcessModel, StateSpaceModel], pade_order: int = 0) -> Any:
+    """Of a ProcessModel a ``control.TransferFunction``. Dead times become Padé
+    approximations of ``pade_order``; with 0 a model that has any raises ValueError, as
+    that package does not know them. Of a StateSpaceModel a discrete
+    ``control.StateSpace``, dead times as states. Needs python-control 0.9.2 or later."""
     import control
     import numpy as np
 
-    numerators: Sequence = []
-    denominators: Sequence = []
+    names = {"inputs": list(model.inputs), "outputs": list(model.outputs)}
+    if isinstance(model, StateSpaceModel):
+        return control.StateSpace(*_delay_states(model), model.dt, **names)
+    numerators: List[Sequence] = []
+    denominators: List[Sequence] = []
     for i in range(len(model.outputs)):
-        numerators.append([])
-        denominators.append([])
+        rows = []
         for j in range(len(model.inputs)):
             numerator, denominator, delay = model.element(i, j)
             if delay > 0.0:
                 if pade_order < 1:
                     raise ValueError("the model has dead times: choose a pade_order of 1 or more")
                 num, den = control.pade(delay, pade_order)
-                numerator = np.polymul(numerator, num)
-                denominator = np.polymul(denominator, den)
-            numerators[-1].append(np.asarray(numerator))
-            denominators[-1].append(np.asarray(denominator))
-    return control.TransferFunction(
-        numerators,
-        denominators,
-        input_labels=list(model.inputs),
-        output_labels=list(model.outputs),
-    )
+                numerator = list(np.polymul(numerator, num))
+                denominator = list(np.polymul(denominator, den))
+            rows.append((np.asarray(numerator), np.asarray(denominator)))
+        numerators.append([row[0] for row in rows])
+        denominators.append([row[1] for row in rows])
+    return control.TransferFunction(numerators, denominators, **names)

@@ -1,12 +1,16 @@
-"""Process models from arrays."""
+"""Process models and step-response models from arrays."""
 
 from __future__ import annotations
 
 import json
 import math
-from typing import Any, Optional, Sequence
+import os
+from typing import Any, Optional, Sequence, Union
 
-from ._mle import ProcessModel
+from ._mle import ProcessModel, StateSpaceModel, StepResponseModel
+
+# What functions take as a model: one of these, or the path of a file.
+ModelLike = Union[ProcessModel, StepResponseModel, StateSpaceModel, str, "os.PathLike[str]"]
 
 
 def _table(values: Any, name: str, outputs: int, inputs: int) -> list:
@@ -39,7 +43,10 @@ def _channels(names: Sequence[str], units: Optional[Sequence[str]], what: str) -
     return [{"name": name, "unit": unit} for name, unit in zip(names, units)]
 
 
-def _document(elements, inputs, outputs, time_unit, name, input_units, output_units, disturbances):
+def _document(
+    content, inputs, outputs, time_unit, name, input_units, output_units, disturbances
+):
+    """The text of a model's file: channels and `content`."""
     channels = _channels(inputs, input_units, "input")
     unknown = set(disturbances) - set(inputs)
     if unknown:
@@ -53,7 +60,7 @@ def _document(elements, inputs, outputs, time_unit, name, input_units, output_un
             "time_unit": time_unit,
             "inputs": channels,
             "outputs": _channels(outputs, output_units, "output"),
-            "elements": elements,
+            **content,
         }
     )
 
@@ -104,7 +111,14 @@ def from_fopdt(
     ]
     return ProcessModel.from_json(
         _document(
-            elements, inputs, outputs, time_unit, name, input_units, output_units, disturbances
+            {"elements": elements},
+            inputs,
+            outputs,
+            time_unit,
+            name,
+            input_units,
+            output_units,
+            disturbances,
         ),
         "from_fopdt",
     )
@@ -160,7 +174,14 @@ def from_transfer_functions(
             )
     return ProcessModel.from_json(
         _document(
-            elements, inputs, outputs, time_unit, name, input_units, output_units, disturbances
+            {"elements": elements},
+            inputs,
+            outputs,
+            time_unit,
+            name,
+            input_units,
+            output_units,
+            disturbances,
         ),
         "from_transfer_functions",
     )
@@ -170,3 +191,58 @@ def _coefficients(values: Any) -> list:
     import numpy as np
 
     return np.atleast_1d(np.asarray(values, dtype=float)).ravel().tolist()
+
+
+def from_step_responses(
+    coefficients: Any,
+    dt: float,
+    *,
+    inputs: Optional[Sequence[str]] = None,
+    outputs: Optional[Sequence[str]] = None,
+    time_unit: str = "min",
+    name: str = "model",
+    input_units: Optional[Sequence[str]] = None,
+    output_units: Optional[Sequence[str]] = None,
+    disturbances: Sequence[str] = (),
+) -> StepResponseModel:
+    """A step-response (FIR) model of its coefficients.
+
+    ``coefficients`` is (N, p, m): the responses of the outputs to unit steps of the
+    inputs at 0, at ``dt``, 2 ``dt``, ..., N ``dt`` (in ``time_unit``), at least 10 of
+    them; zeros where an input does not reach an output. Of impulse-response
+    coefficients h it is ``h.cumsum(axis=0)``. Other arguments as of
+    :func:`from_fopdt`. Raises ValueError, also where no transfer functions of low
+    order describe it: where a response does not settle, for one.
+    """
+    import numpy as np
+
+    array = np.asarray(coefficients, dtype=float)
+    if array.ndim != 3:
+        raise ValueError(
+            f"coefficients has the shape {array.shape}; it must be (coefficients, outputs, inputs)"
+        )
+    if not np.isfinite(array).all():
+        k, i, j = np.argwhere(~np.isfinite(array))[0]
+        raise ValueError(f"coefficients[{k}, {i}, {j}] is {array[k, i, j]}; it must be finite")
+    _, p, m = array.shape
+    inputs = _names(inputs, m, "u")
+    outputs = _names(outputs, p, "y")
+    pairs = [
+        {"output": outputs[i], "input": inputs[j], "coefficients": array[:, i, j].tolist()}
+        for i in range(p)
+        for j in range(m)
+        if array[:, i, j].any()
+    ]
+    return StepResponseModel.from_json(
+        _document(
+            {"interval": float(dt), "step_responses": pairs},
+            inputs,
+            outputs,
+            time_unit,
+            name,
+            input_units,
+            output_units,
+            disturbances,
+        ),
+        "from_step_responses",
+    )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, Dict
 
 from . import _mle
-from ._mle import ProcessModel
+from .model import ModelLike
 from .options import option_texts
 
 
@@ -20,7 +20,7 @@ class Mpc:
     ``output_limit_cost``. Raises InvalidInputError.
     """
 
-    def __init__(self, model: ProcessModel, **options: Any) -> None:
+    def __init__(self, model: ModelLike, **options: Any) -> None:
         self._options: Dict[str, Any] = options
         self._mpc = _mle._Mpc(model, self._texts(options))
 
@@ -48,7 +48,7 @@ class Mpc:
         to rest at outputs (p,)."""
         self._mpc.restart(inputs, outputs)
 
-    def exchange_model(self, model: ProcessModel, **options: Any) -> None:
+    def exchange_model(self, model: ModelLike, **options: Any) -> None:
         """Continues with another model, and other options where given, without a
         bump. Raises InvalidInputError, and changes nothing, for other channels or
         another control period."""

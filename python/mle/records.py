@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import os
-from typing import Any, List, Mapping, Sequence, Tuple
+from typing import Any, List, Mapping, Sequence, Tuple, Union
 
 from . import _mle
-from ._mle import ProcessModel, Record
+from ._mle import ProcessModel, Record, StateSpaceModel, StepResponseModel
+from .model import ModelLike
 from .options import names_of, option_texts
 
 # Options that say how a text is read, and mean nothing for a table.
@@ -21,12 +22,30 @@ def _is_frame(value: Any) -> bool:
     return hasattr(value, "columns") and hasattr(value, "index") and hasattr(value, "iloc")
 
 
+def _localized(index: Any, name: str, zone: str) -> Any:
+    try:
+        return index.tz_localize(zone, ambiguous="infer")
+    except LookupError:
+        raise _mle_error(
+            f"there is no time zone '{zone}' on this machine; zones have names such as "
+            "Europe/Berlin or UTC",
+            "time_zone",
+        ) from None
+    except Exception as error:  # pytz's or pandas' own, by the version of pandas
+        raise _mle_error(
+            f"{name}: not all of its times can be times in {zone}: {error} (where clocks are set "
+            "back, an hour is there twice or not told apart; where they are set forward, an hour "
+            "is not there); use an index with a time zone (tz_localize)",
+            "time_zone",
+        ) from error
+
+
 def _dates(index: Any, name: str, zone: str) -> Tuple[Any, str]:
     """Seconds since 1970 (UTC), NaN for NaT, and the zone of dates."""
     import numpy as np
 
     if index.tz is None and zone:
-        index = index.tz_localize(zone, ambiguous="infer")
+        index = _localized(index, name, zone)
     if index.tz is not None:
         zone = str(index.tz)
         index = index.tz_convert("UTC").tz_localize(None)
@@ -65,10 +84,10 @@ def _times(frame: Any, name: str, time_column: str, zone: str):
     return np.ascontiguousarray(index.to_numpy(dtype=float)), False, zone, columns
 
 
-def _mle_error(text: str) -> Exception:
+def _mle_error(text: str, options: str = "") -> Exception:
     from .errors import _error
 
-    return _error("INVALID_ARGUMENT", text, "")
+    return _error("INVALID_ARGUMENT", text, options)
 
 
 def _samples(column: Any) -> Any:
@@ -93,7 +112,7 @@ def _table(frame: Any, name: str, time_column: str, zone: str) -> tuple:
 def _tables(frames: Sequence[Any], options: Mapping[str, Any]) -> tuple:
     for option in _OF_TEXT:
         if option in options:
-            raise _mle_error(f"{option}: this option is for files, not for data frames")
+            raise _mle_error(f"{option}: this option is for files, not for data frames", option)
     zoned = [getattr(frame.index, "tz", None) is not None for frame in frames]
     if len(set(zoned)) > 1:
         raise _mle_error(
@@ -124,7 +143,7 @@ def source_of(records: Any, options: Mapping[str, Any]) -> tuple:
     if all(isinstance(one, Record) for one in records):
         for option in options:
             if option in names_of(_mle._read_options()):
-                raise _mle_error(f"{option}: this option is not for mle.Record")
+                raise _mle_error(f"{option}: this option is not for mle.Record", option)
         return ("records", records)
     if all(_is_frame(one) for one in records):
         return _tables(records, options)
@@ -135,7 +154,7 @@ def source_of(records: Any, options: Mapping[str, Any]) -> tuple:
     )
 
 
-def read_records(records: Any, model: ProcessModel, **options: Any) -> List[Record]:
+def read_records(records: Any, model: ModelLike, **options: Any) -> List[Record]:
     """The records of files or data frames, as :func:`correct` uses them: columns
     matched with the channels of ``model``, resampled to one sample time, short
     gaps of inputs bridged. ``options`` are those of the command under "Reading
@@ -145,7 +164,11 @@ def read_records(records: Any, model: ProcessModel, **options: Any) -> List[Reco
     return _mle._read_records(source_of(records, options), model, texts)
 
 
-def to_dataframe(record: Record, model: ProcessModel, start: Any = None) -> Any:
+def to_dataframe(
+    record: Record,
+    model: Union[ProcessModel, StepResponseModel, StateSpaceModel],
+    start: Any = None,
+) -> Any:
     """A data frame of a record with the columns that the command reads: outputs,
     ``<output>_setpoint``, inputs. Its index is the time in the model's unit, or,
     with ``start`` (a date), a DatetimeIndex from there."""

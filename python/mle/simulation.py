@@ -2,26 +2,28 @@
 
 from __future__ import annotations
 
-from typing import Any, Callable, Optional, Union
+from typing import Any, Callable, Optional
 
 from . import _mle
-from ._mle import ProcessModel, Record
+from ._mle import Record
+from .model import ModelLike
 from .options import help_on, option_texts
 
 
 def simulate(
-    model: ProcessModel,
-    plant: Union[ProcessModel, str, None] = None,
+    model: ModelLike,
+    plant: Optional[ModelLike] = None,
     *,
     controller: Optional[Callable[[Any, Any, Any], Any]] = None,
     **options: Any,
 ) -> Record:
     """The record that a historian would have of a plant under predictive control.
 
-    ``model`` is what the controller believes, ``plant`` what is true: a process
-    model with the same channels, or "van_de_vusse", the non-linear reactor; None:
-    ``model`` itself. ``options`` are those of the command mle_simulate, with the same
-    names, meaning and defaults (:func:`simulate_options` prints them), as
+    ``model`` is what the controller believes, ``plant`` what is true: a model with
+    the same channels, each an object or the path of a file, or as plant
+    "van_de_vusse", the non-linear reactor; None: ``model`` itself. ``options`` are
+    those of the command mle_simulate, with the same names, meaning and defaults
+    (:func:`simulate_options` prints them), as
     ``setpoints=[("overhead", 300, 1)]``, ``duration``, ``sample_time``, ``seed`` and
     those of :class:`Mpc`.
 

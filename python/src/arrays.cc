@@ -35,6 +35,16 @@ Eigen::MatrixXd MatrixOf(const Array& array, const char* name) {
                                            array.shape(0));
 }
 
+Eigen::MatrixXd RowsAndColumnsOf(const Array& array, const char* name) {
+  if (array.ndim() != 2) {
+    throw py::value_error(absl::StrCat(name, " has the shape ", ShapeOf(array),
+                                       "; it must be a matrix"));
+  }
+  return Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic,
+                                        Eigen::RowMajor>>(
+      array.data(), array.shape(0), array.shape(1));
+}
+
 Eigen::VectorXd VectorOf(const Array& array, Eigen::Index size,
                          const char* name) {
   if (array.ndim() != 1 || array.shape(0) != size) {

@@ -19,6 +19,10 @@ using Array = pybind11::array_t<double, pybind11::array::c_style |
 // `name` for another number of dimensions.
 Eigen::MatrixXd MatrixOf(const Array& array, const char* name);
 
+// The same rows and columns. Throws ValueError naming `name` for another number
+// of dimensions.
+Eigen::MatrixXd RowsAndColumnsOf(const Array& array, const char* name);
+
 // Throws ValueError unless it has `size` entries in one dimension.
 Eigen::VectorXd VectorOf(const Array& array, Eigen::Index size,
                          const char* name);

@@ -9,10 +9,14 @@
 namespace mle::python {
 
 void AddModels(pybind11::module_& module);
+void AddStepResponses(pybind11::module_& module);
+void AddStateSpaces(pybind11::module_& module);
 void AddRecords(pybind11::module_& module);
 void AddCorrection(pybind11::module_& module);
 void AddSimulation(pybind11::module_& module);
 void AddController(pybind11::module_& module);
+void AddStudies(pybind11::module_& module);
+void AddLifecycles(pybind11::module_& module);
 
 }  // namespace mle::python
 

@@ -8,6 +8,7 @@
 #include "pybind11/stl.h"
 #include "python/src/arrays.h"
 #include "python/src/bindings.h"
+#include "python/src/models.h"
 #include "python/src/options.h"
 #include "python/src/status.h"
 
@@ -36,7 +37,8 @@ control::MpcOptions TuningFor(const ProcessModel& model,
   return options;
 }
 
-control::Mpc MakeMpc(const ProcessModel& model, const OptionTexts& texts) {
+control::Mpc MakeMpc(const py::object& argument, const OptionTexts& texts) {
+  const ProcessModel model = ProcessOf(argument);
   return ValueOrThrow(control::Mpc::Create(model, TuningFor(model, texts)));
 }
 
@@ -66,8 +68,9 @@ py::array StepWithPreview(control::Mpc& mpc, const Array& measured,
   return CopyOf(next);
 }
 
-void Exchange(control::Mpc& mpc, const ProcessModel& model,
+void Exchange(control::Mpc& mpc, const py::object& argument,
               const OptionTexts& texts) {
+  const ProcessModel model = ProcessOf(argument);
   const control::MpcOptions tuning = TuningFor(model, texts);
   ThrowUnlessOk(mpc.ExchangeModel(
       ValueOrThrow(control::PredictFromProcess(model, tuning.control_period)),

@@ -19,13 +19,13 @@
 #include "apps/report/drawing.h"
 #include "mle/base/status.h"
 #include "mle/exchange/mat_file.h"
-#include "mle/exchange/model_file.h"
 #include "mle/maintain/correct.h"
 #include "mle/model/state_space_json.h"
 #include "pybind11/stl.h"
 #include "python/src/arrays.h"
 #include "python/src/bindings.h"
 #include "python/src/long_call.h"
+#include "python/src/models.h"
 #include "python/src/options.h"
 #include "python/src/records.h"
 #include "python/src/status.h"
@@ -59,22 +59,6 @@ struct Correction {
   std::string call;
   std::vector<std::pair<std::string, std::string>> options;
 };
-
-// A model, and its path where it came from a file.
-struct ModelArgument {
-  ModelFile file;
-  std::string path;
-};
-
-ModelArgument ModelOf(const py::object& argument) {
-  if (py::isinstance<ProcessModel>(argument)) {
-    ModelFile file;
-    file.process = argument.cast<const ProcessModel&>();
-    return {std::move(file), ""};
-  }
-  const auto path = argument.cast<std::string>();
-  return {ValueOrThrow(ReadModelFile(path)), path};
-}
 
 // Records without a file are told by the SHA-256 of their samples, time after
 // time, as 64-bit numbers: outputs, set points, inputs.
@@ -260,6 +244,18 @@ py::dict ModelFilesOf(const Correction& correction) {
   return files;
 }
 
+// Of a model given as step responses, as such; else None.
+py::object CorrectedStepsOf(const Correction& correction) {
+  const correct::Result& result = correction.result;
+  const ModelFile& given = result.request.model_file;
+  if (given.form != ModelForm::kStepResponses) return py::none();
+  ModelFile corrected = given;
+  corrected.step_responses = CorrectedStepResponses(given, result.model);
+  corrected.process = result.model;
+  corrected.type = ModelFileType::kJson;
+  return py::cast(std::move(corrected));
+}
+
 py::list OptionsOfCorrect() {
   CorrectCall call;
   return TextsOf(call.table, NotKeywords());
@@ -273,6 +269,7 @@ void AddCorrection(py::module_& module) {
       .def("page", &PageOf, py::call_guard<py::gil_scoped_release>())
       .def("responses", &ResponsesOf)
       .def("model_files", &ModelFilesOf)
+      .def("corrected_steps", &CorrectedStepsOf)
       .def_property_readonly(
           "initial", [](const Correction& c) { return c.result.initial; })
       .def_property_readonly(

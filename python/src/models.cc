@@ -1,12 +1,16 @@
-// Process models and state-space models.
+// mle.ProcessModel, and what else is taken as a model.
+
+#include "python/src/models.h"
 
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "mle/base/status.h"
 #include "mle/data/sampling.h"
-#include "mle/exchange/model_file.h"
+#include "mle/exchange/state_space_responses.h"
 #include "mle/model/process_model.h"
 #include "mle/model/state_space_json.h"
 #include "pybind11/stl.h"
@@ -87,46 +91,46 @@ std::string Representation(const ProcessModel& model) {
                       model.time_unit(), ">");
 }
 
-void AddStateSpace(py::module_& module) {
-  py::class_<NamedStateSpace>(
-      module, "StateSpaceModel",
-      "A discrete state-space model with dead times in samples:\n\n"
-      "    x[k+1] = A x[k] + B v[k],  v_j[k] = u_j[k - input_delays[j]],\n"
-      "    w[k] = C x[k] + D v[k],    y_i[k] = w_i[k - output_delays[i]].")
-      .def_readonly("name", &NamedStateSpace::name)
-      .def_readonly("time_unit", &NamedStateSpace::time_unit)
-      .def_readonly("outputs", &NamedStateSpace::outputs)
-      .def_readonly("inputs", &NamedStateSpace::inputs)
-      .def_property_readonly(
-          "dt", [](const NamedStateSpace& m) { return m.system.sample_time; })
-      .def_property_readonly(
-          "A", [](const NamedStateSpace& m) { return CopyOf(m.system.A); })
-      .def_property_readonly(
-          "B", [](const NamedStateSpace& m) { return CopyOf(m.system.B); })
-      .def_property_readonly(
-          "C", [](const NamedStateSpace& m) { return CopyOf(m.system.C); })
-      .def_property_readonly(
-          "D", [](const NamedStateSpace& m) { return CopyOf(m.system.D); })
-      .def_property_readonly(
-          "input_delays",
-          [](const NamedStateSpace& m) { return m.system.input_delays; })
-      .def_property_readonly(
-          "output_delays",
-          [](const NamedStateSpace& m) { return m.system.output_delays; })
-      .def("to_json", &FormatStateSpace,
-           "The text of state_space.json (docs/formats.md).")
-      .def_static("from_json",
-                  [](const std::string& json) {
-                    return ValueOrThrow(ParseStateSpace(json, "json"));
-                  })
-      .def(py::pickle(
-          [](const NamedStateSpace& m) { return FormatStateSpace(m); },
-          [](const std::string& json) {
-            return ValueOrThrow(ParseStateSpace(json, "pickle"));
-          }));
+absl::StatusOr<ModelFile> Described(const NamedStateSpace& named) {
+  MLE_ASSIGN_OR_RETURN(StepResponseModel steps, StepResponsesOf(named));
+  MLE_ASSIGN_OR_RETURN(ModelFile file,
+                       OfStepResponses(std::move(steps), named.name));
+  // It is not given as coefficients, and not given back as such.
+  ModelFile process;
+  process.process = std::move(file.process);
+  return process;
 }
 
 }  // namespace
+
+ModelArgument ModelOf(const py::handle& argument) {
+  if (py::isinstance<ProcessModel>(argument)) {
+    ModelFile file;
+    file.process = argument.cast<const ProcessModel&>();
+    return {std::move(file), ""};
+  }
+  if (py::isinstance<ModelFile>(argument)) {
+    return {argument.cast<const ModelFile&>(), ""};
+  }
+  if (py::isinstance<NamedStateSpace>(argument)) {
+    return {ValueOrThrow(Described(argument.cast<const NamedStateSpace&>())),
+            ""};
+  }
+  if (!py::isinstance<py::str>(argument) &&
+      !py::hasattr(argument, "__fspath__")) {
+    throw py::type_error(absl::StrCat(
+        "a model must be mle.ProcessModel, mle.StepResponseModel, "
+        "mle.StateSpaceModel or the path of a file; this is ",
+        py::str(py::type::of(argument).attr("__name__")).cast<std::string>(),
+        " (mle.from_systems takes models of other packages)"));
+  }
+  const std::string path = argument.cast<std::filesystem::path>().string();
+  return {ValueOrThrow(ReadModelFile(path)), path};
+}
+
+ProcessModel ProcessOf(const py::handle& argument) {
+  return ModelOf(argument).file.process;
+}
 
 void AddModels(py::module_& module) {
   py::class_<ProcessModel>(
@@ -198,7 +202,6 @@ void AddModels(py::module_& module) {
       .def(py::pickle(
           [](const ProcessModel& m) { return FormatProcessModel(m); },
           [](const std::string& json) { return Parse(json, "pickle"); }));
-  AddStateSpace(module);
 }
 
 }  // namespace mle::python

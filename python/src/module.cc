@@ -13,9 +13,13 @@ PYBIND11_MODULE(_mle, module) {
   module.attr("__version__") = std::string(mle::LibraryVersion());
   mle::python::TranslateStatusErrors();
   mle::python::AddModels(module);
+  mle::python::AddStepResponses(module);
+  mle::python::AddStateSpaces(module);
   mle::python::AddRecords(module);
   mle::python::AddCorrection(module);
   mle::python::AddSimulation(module);
   mle::python::AddController(module);
+  mle::python::AddStudies(module);
+  mle::python::AddLifecycles(module);
   module.def("_join_left_behind", &mle::python::JoinLeftBehind);
 }

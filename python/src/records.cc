@@ -9,6 +9,7 @@
 #include "pybind11/stl.h"
 #include "python/src/arrays.h"
 #include "python/src/bindings.h"
+#include "python/src/models.h"
 #include "python/src/options.h"
 #include "python/src/status.h"
 
@@ -84,8 +85,9 @@ Record Unpickled(const py::tuple& state) {
 }
 
 std::vector<Record> ReadRecords(const py::tuple& from,
-                                const ProcessModel& model,
+                                const py::object& argument,
                                 const OptionTexts& options) {
+  const ProcessModel model = ProcessOf(argument);
   const RecordSource source = SourceOf(from);
   HistorianOptions import;
   std::vector<std::string> tags;

@@ -12,6 +12,7 @@
 #include "python/src/arrays.h"
 #include "python/src/bindings.h"
 #include "python/src/long_call.h"
+#include "python/src/models.h"
 #include "python/src/options.h"
 #include "python/src/status.h"
 #include "sim/closed_loop.h"
@@ -36,23 +37,23 @@ struct SimulateCall {
 };
 
 // A plant by name is the reactor of mle_simulate.
-std::shared_ptr<SimulateCall> Prepare(const ProcessModel& model,
+std::shared_ptr<SimulateCall> Prepare(const py::object& model,
                                       const py::object& plant,
                                       const OptionTexts& options) {
   auto call = std::make_shared<SimulateCall>();
   simulate::Request& request = call->request;
   SetOptions(options, call->table);
-  request.simulation.model = model;
-  if (py::isinstance<ProcessModel>(plant)) {
-    request.plant_model = plant.cast<ProcessModel>();
-  } else if (!plant.is_none()) {
+  request.simulation.model = ProcessOf(model);
+  if (py::isinstance<py::str>(plant)) {
     request.plant = plant.cast<std::string>();
+  } else if (!plant.is_none()) {
+    request.plant_model = ProcessOf(plant);
   }
   ThrowUnlessOk(simulate::CompleteForModel(request, call->table));
   return call;
 }
 
-Record Simulate(const ProcessModel& model, const py::object& plant,
+Record Simulate(const py::object& model, const py::object& plant,
                 const OptionTexts& options) {
   const auto call = Prepare(model, plant, options);
   return ValueOrThrow(RunLongFor<Record>(
@@ -63,11 +64,11 @@ Record Simulate(const ProcessModel& model, const py::object& plant,
 }
 
 // controller(measured (p,), set_points (p,), last_inputs (m,)) -> inputs (m,).
-Record SimulateWith(const ProcessModel& model, const py::object& plant,
+Record SimulateWith(const py::object& model, const py::object& plant,
                     const OptionTexts& options, const py::object& controller) {
   const auto call = Prepare(model, plant, options);
   simulate::Simulation& simulation = call->request.simulation;
-  ThrowUnlessOk(simulation.set_points.Validate(model.num_outputs()));
+  ThrowUnlessOk(simulation.set_points.Validate(simulation.model.num_outputs()));
   const sim::Controller step =
       [&controller](const Eigen::Ref<const Eigen::VectorXd>& measured,
                     const Eigen::Ref<const Eigen::VectorXd>& set_points,
@@ -89,9 +90,10 @@ py::list OptionsOfSimulate() {
   return TextsOf(call.table, NotKeywords());
 }
 
-sim::Plant MakePlant(const ProcessModel& model, double sample_time) {
+sim::Plant MakePlant(const py::object& model, double sample_time) {
   ThrowUnlessOk(ValidateSampling(sample_time, sample_time));
-  return ValueOrThrow(sim::Plant::Create(model, {.sample_time = sample_time}));
+  return ValueOrThrow(
+      sim::Plant::Create(ProcessOf(model), {.sample_time = sample_time}));
 }
 
 }  // namespace

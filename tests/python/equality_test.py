@@ -30,7 +30,7 @@ def column(configs, tmp_path_factory):
         setpoints=[("overhead", 100, 1), ("bottoms", 250, 1)],
         duration=400,
         sample_time=1,
-        seed=2,
+        seed=1,
     )
     path = tmp_path_factory.mktemp("column") / "run.csv"
     mle.to_dataframe(record, model).to_csv(path)

@@ -1,5 +1,7 @@
 """What is wrong with the input is an exception that says what, and where."""
 
+import sqlite3
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -109,6 +111,17 @@ def test_hour_that_clocks_show_twice(loop, frame):
     assert result.p_value == mle.correct(loop[0], frame, **FAST).p_value
 
 
+def test_times_that_are_not_in_the_zone(loop, frame):
+    local = {"time_zone": "Europe/Berlin"}
+    for begin, time in (("2024-03-31 00:30", "2024-03-31 02:00"), ("2024-10-27 00:30", "02:00")):
+        index = pd.date_range(begin, periods=len(frame), freq="min")
+        with refused(f"not all of its times can be times in Europe/Berlin: .*{time}") as caught:
+            mle.correct(loop[0], frame.set_index(index), **local)
+        assert caught.value.options == ("time_zone",)
+    with refused("there is no time zone 'Europe/Berlim'"):
+        mle.correct(loop[0], frame, time_zone="Europe/Berlim")
+
+
 def test_several_frames_are_one_record(loop, frame):
     whole = mle.read_records(frame, loop[0])
     parts = mle.read_records([frame.iloc[:90], frame.iloc[90:]], loop[0])
@@ -169,3 +182,42 @@ def test_nothing_to_learn(loop, frame):
         mle.correct(loop[0], frame.assign(level_setpoint=0.0))
     assert caught.value.code == "INVALID_ARGUMENT"
     assert caught.value.options == ("change_times",)
+
+
+def test_frames_of_a_database(loop, frame):
+    """pandas reads what a historian's database has, in wide and in long tables."""
+    expected = mle.read_records(frame, loop[0])[0]
+    frame = frame.copy()
+    with sqlite3.connect(":memory:") as database:
+        frame.to_sql("trend", database)
+        frame.melt(ignore_index=False, var_name="tag").to_sql("archive", database)
+        wide = pd.read_sql(
+            "SELECT * FROM trend ORDER BY time DESC",
+            database,
+            index_col="time",
+            parse_dates=["time"],
+        )
+        long = pd.read_sql("SELECT * FROM archive", database, parse_dates=["time"])
+        nothing = pd.read_sql(
+            "SELECT * FROM trend WHERE level > 1e9",
+            database,
+            index_col="time",
+            parse_dates=["time"],
+        )
+    long = long.pivot(index="time", columns="tag", values="value")
+    for other in (wide.sort_index(), long):
+        record = mle.read_records(other, loop[0])[0]
+        assert record.outputs.tobytes() == expected.outputs.tobytes()
+        assert record.inputs.tobytes() == expected.inputs.tobytes()
+    with refused("follows"):
+        mle.read_records(wide, loop[0])
+    with refused("data frame has 0 rows"):
+        mle.correct(loop[0], nothing)
+
+
+def test_nan_that_is_there(loop, frame):
+    """Single bad samples are left out; too many are the record's end."""
+    frame.iloc[40:43, frame.columns.get_loc("level")] = np.nan
+    assert mle.correct(loop[0], frame, **FAST).decision == "corrected"
+    record = mle.read_records(frame, loop[0])[0]
+    assert np.flatnonzero(np.isnan(record.outputs[:, 0])).tolist() == [40, 41, 42]

@@ -1,0 +1,114 @@
+// mle.lifecycle: mle_lifecycle's request, lives and results.
+
+#include <atomic>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "apps/common/command_line.h"
+#include "apps/common/run_again.h"
+#include "apps/lifecycle/campaign.h"
+#include "apps/lifecycle/request.h"
+#include "apps/lifecycle/results.h"
+#include "mle/base/status.h"
+#include "pybind11/stl.h"
+#include "python/src/bindings.h"
+#include "python/src/long_call.h"
+#include "python/src/models.h"
+#include "python/src/options.h"
+#include "python/src/result_files.h"
+#include "python/src/status.h"
+
+namespace mle::python {
+namespace {
+
+namespace py = pybind11;
+
+const std::vector<std::string>& NotKeywords() {
+  static const std::vector<std::string>& names =
+      *new std::vector<std::string>{"model", "plant", "ageing", "out"};
+  return names;
+}
+
+// The table points into the request, so that neither moves.
+struct LifecycleCall {
+  lifecycle::Request request;
+  OptionTable table;
+  std::string out;   // "": a folder that goes with the call
+  std::string text;  // as it may be typed again
+
+  LifecycleCall() { lifecycle::AddOptions(request, table); }
+};
+
+// Lives look several times whether to go on; that is reported, too.
+absl::StatusOr<lifecycle::Lives> Live(const LifecycleCall& call,
+                                      const ProgressCallback& report) {
+  std::atomic<double> fraction = 0.0;
+  return lifecycle::RunCampaign(
+      call.request.campaign,
+      [&] {
+        return !report({"lives", fraction});
+      },
+      [&](std::int64_t done, std::int64_t total) {
+        fraction = total > 0
+                       ? static_cast<double>(done) / static_cast<double>(total)
+                       : 1.0;
+        report({"lives", fraction});
+      });
+}
+
+absl::StatusOr<ResultFiles> Run(LifecycleCall& call,
+                                const ProgressCallback& report) {
+  MLE_ASSIGN_OR_RETURN(const ResultFolder out, ResultFolder::Make(call.out));
+  MLE_ASSIGN_OR_RETURN(const FolderLock lock, ClaimOutputFolder(out.path()));
+  call.request.campaign.folder = out.path();
+  MLE_ASSIGN_OR_RETURN(lifecycle::Lives lives, Live(call, report));
+  const lifecycle::Results results =
+      lifecycle::Evaluate(call.request, std::move(lives));
+  NamesAndValues options = ShapingResults(call.table.Values());
+  std::erase_if(options, [](const auto& option) {
+    return option.first == "model" || option.first == "plant" ||
+           option.first == "ageing";
+  });
+  MLE_RETURN_IF_ERROR(lifecycle::WriteResults(
+      call.request, results,
+      {call.text, options, HowToCallAgain(call.text, options, {})}));
+  return out.Read({"result.json", "lifecycle.csv", "report.html"});
+}
+
+py::dict RunLifecycle(const py::object& model, const std::string& ageing,
+                      const py::object& plant, const std::string& out,
+                      const OptionTexts& options, const std::string& text,
+                      const py::object& progress) {
+  const auto call = std::make_shared<LifecycleCall>();
+  call->out = out;
+  call->text = text;
+  lifecycle::GivenModels given;
+  given.model = ProcessOf(model);
+  if (!plant.is_none()) given.plant = ProcessOf(plant);
+  given.ageing = ageing;
+  call->request.given = std::move(given);
+  SetOptions(options, call->table);
+  ThrowUnlessOk(lifecycle::Complete(call->request, call->table));
+  return TextsOf(ValueOrThrow(RunLongFor<ResultFiles>(
+      [call](const ProgressCallback& report) { return Run(*call, report); },
+      progress)));
+}
+
+py::list OptionsOfLifecycle() {
+  LifecycleCall call;
+  return TextsOf(call.table, NotKeywords());
+}
+
+}  // namespace
+
+void AddLifecycles(py::module_& module) {
+  module.def("_lifecycle", &RunLifecycle, py::arg("model"), py::arg("ageing"),
+             py::arg("plant"), py::arg("out"), py::arg("options"),
+             py::arg("text"), py::arg("progress"));
+  module.def("_lifecycle_options", &OptionsOfLifecycle);
+}
+
+}  // namespace mle::python

@@ -1,0 +1,28 @@
+// What functions take as a model: mle.ProcessModel, mle.StepResponseModel,
+// mle.StateSpaceModel, or the path of a file that holds one.
+
+#ifndef PYTHON_SRC_MODELS_H_
+#define PYTHON_SRC_MODELS_H_
+
+#include <string>
+
+#include "mle/exchange/model_file.h"
+#include "mle/model/process_model.h"
+#include "pybind11/pybind11.h"
+
+namespace mle::python {
+
+struct ModelArgument {
+  ModelFile file;
+  std::string path;  // "": not of a file
+};
+
+// Throws StatusError, and TypeError for what is none of these.
+ModelArgument ModelOf(const pybind11::handle& argument);
+
+// Its transfer functions, or those that describe it.
+ProcessModel ProcessOf(const pybind11::handle& argument);
+
+}  // namespace mle::python
+
+#endif  // PYTHON_SRC_MODELS_H_

@@ -1,0 +1,108 @@
+// mle.study: mle_study's campaign on the threads of this process.
+
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "apps/common/run_again.h"
+#include "apps/experiment/grid.h"
+#include "apps/study/coordinator.h"
+#include "apps/study/processes.h"
+#include "apps/study/run.h"
+#include "apps/study/worker_pool.h"
+#include "mle/base/file.h"
+#include "mle/base/status.h"
+#include "pybind11/stl.h"
+#include "python/src/bindings.h"
+#include "python/src/long_call.h"
+#include "python/src/result_files.h"
+#include "python/src/status.h"
+
+namespace mle::python {
+namespace {
+
+namespace py = pybind11;
+
+struct StudyCall {
+  study::Study work;
+  std::string out;  // "": a folder that goes with the call
+  bool resume = false;
+  bool figures = true;
+  int threads = 0;
+  std::string text;  // as it may be typed again
+};
+
+const std::vector<std::string>& FilesOfStudy() {
+  static const std::vector<std::string>& names = *new std::vector<std::string>{
+      "campaign.json", "runs.csv",     "timings.csv",
+      "summary.csv",   "summary.json", "report.html"};
+  return names;
+}
+
+absl::Status RunAll(const StudyCall& call, study::StudyFolder& folder,
+                    const ProgressCallback& report) {
+  const experiment::Grid grid(call.work.campaign);
+  const std::unique_ptr<study::Processes> alone = study::OneProcess();
+  bool stopped = false;
+  {
+    study::WorkerPool pool(call.work.campaign, grid,
+                           study::StudyThreads(call.threads, 1));
+    MLE_RETURN_IF_ERROR(study::Coordinate(
+        grid, *alone, pool, *folder.journal, [&] { return stopped; },
+        [&](std::int64_t done, std::int64_t total) {
+          const double fraction =
+              static_cast<double>(done) / static_cast<double>(total);
+          if (!report({"runs", fraction})) stopped = true;
+        }));
+  }
+  if (folder.journal->num_done() == grid.num_runs()) return absl::OkStatus();
+  return absl::CancelledError(absl::StrCat(
+      "stopped after ", folder.journal->num_done(), " of ", grid.num_runs(),
+      " runs",
+      call.out.empty() ? std::string()
+                       : absl::StrCat(", which are kept in ", call.out,
+                                      "; resume=True resumes from there")));
+}
+
+absl::StatusOr<ResultFiles> Run(const StudyCall& call,
+                                const ProgressCallback& report) {
+  MLE_ASSIGN_OR_RETURN(const ResultFolder out, ResultFolder::Make(call.out));
+  MLE_ASSIGN_OR_RETURN(study::StudyFolder folder,
+                       study::OpenFolder(call.work, out.path(), call.resume));
+  MLE_RETURN_IF_ERROR(RunAll(call, folder, report));
+  report::RunAgain again = HowToCallAgain(call.text, {}, {});
+  MLE_RETURN_IF_ERROR(
+      Conclude(call.work, folder, call.figures, again).status());
+  return out.Read(FilesOfStudy());
+}
+
+py::dict RunStudy(const std::string& text, const std::string& source,
+                  const std::string& folder, const std::string& out,
+                  bool resume, bool figures, int threads,
+                  const std::string& call_text, const py::object& progress) {
+  const auto call = std::make_shared<StudyCall>();
+  call->work = ValueOrThrow(study::ReadStudy(text, source, folder));
+  call->out = out;
+  call->resume = resume;
+  call->figures = figures;
+  call->threads = threads;
+  call->text = call_text;
+  return TextsOf(ValueOrThrow(RunLongFor<ResultFiles>(
+      [call](const ProgressCallback& report) { return Run(*call, report); },
+      progress)));
+}
+
+}  // namespace
+
+void AddStudies(py::module_& module) {
+  module.def("_study", &RunStudy, py::arg("text"), py::arg("source"),
+             py::arg("folder"), py::arg("out"), py::arg("resume"),
+             py::arg("figures"), py::arg("threads"), py::arg("call"),
+             py::arg("progress"));
+}
+
+}  // namespace mle::python
