@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "Eigen/Cholesky"
 #include "boost/math/tools/toms748_solve.hpp"
 #include "glog/logging.h"
 #include "mle/nonlinear/distributions.h"
@@ -13,6 +14,7 @@
 namespace mle {
 namespace {
 
+using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -48,6 +50,27 @@ double Quantile(const std::vector<Component>& components, double probability,
       excess, low, high, at_low, at_high,
       boost::math::tools::eps_tolerance<double>(44), evaluations);
   return 0.5 * (below + above);
+}
+
+// 1/(C⁻¹)_ii, of what is fitted and determined; C_ii where rounding leaves no
+// inverse.
+double VarianceGivenOthers(const MatrixXd& covariance, int index) {
+  const double variance = covariance(index, index);
+  if (!(variance > 0.0) || !std::isfinite(variance)) return variance;
+  std::vector<Eigen::Index> kept;
+  Eigen::Index place = 0;
+  for (Eigen::Index k = 0; k < covariance.rows(); ++k) {
+    if (k == index) place = static_cast<Eigen::Index>(kept.size());
+    const double own = covariance(k, k);
+    if (own > 0.0 && std::isfinite(own)) kept.push_back(k);
+  }
+  const VectorXd scale = covariance.diagonal()(kept).cwiseSqrt().cwiseInverse();
+  const Eigen::LDLT<MatrixXd> factors(
+      scale.asDiagonal() * covariance(kept, kept) * scale.asDiagonal());
+  const VectorXd unit = VectorXd::Unit(scale.size(), place);
+  const double precision = factors.solve(unit)(place);
+  return factors.isPositive() && precision >= 1.0 ? variance / precision
+                                                  : variance;
 }
 
 }  // namespace
@@ -128,20 +151,20 @@ Interval MixtureInterval(const std::vector<WeightedFit>& fits, int index,
 
 double DetectableChange(const std::vector<WeightedFit>& fits, int index,
                         double statistic) {
-  double widest = 0.0;
+  std::vector<double> variances;
   for (const WeightedFit& part : fits) {
-    widest = std::max(widest, part.fit->covariance(index, index));
+    variances.push_back(VarianceGivenOthers(part.fit->covariance, index));
   }
+  const double widest = *std::max_element(variances.begin(), variances.end());
   if (!std::isfinite(widest)) return kInfinity;
   double low = 0.0;
   double high = std::sqrt(statistic * widest);  // of the widest part alone
   for (int i = 0; i < 60; ++i) {
     const double middle = 0.5 * (low + high);
     double sum = 0.0;
-    for (const WeightedFit& part : fits) {
-      const double variance =
-          std::max(part.fit->covariance(index, index), 1e-300);
-      sum += part.weight * std::exp(-0.5 * middle * middle / variance);
+    for (std::size_t a = 0; a < fits.size(); ++a) {
+      sum += fits[a].weight *
+             std::exp(-0.5 * middle * middle / std::max(variances[a], 1e-300));
     }
     (sum > std::exp(-0.5 * statistic) ? low : high) = middle;
   }

@@ -53,8 +53,11 @@ struct Interval {
 Interval MixtureInterval(const std::vector<WeightedFit>& fits, int index,
                          double confidence);
 
-// The change δ of parameter number `index` that makes the likelihood ratio
-// −2 ln Σ w_a exp(−δ²/2V_a) reach `statistic`; infinite where V is not finite.
+// The change δ of parameter number `index` alone that makes the likelihood
+// ratio −2 ln Σ w_a exp(−δ²/2V_a) reach `statistic`, V = 1/(C⁻¹)_ii its
+// variance where the other parameters are known: the test of all parameters has
+// the statistic δ²/V where one of them has changed. Infinite where C_ii is not
+// finite.
 double DetectableChange(const std::vector<WeightedFit>& fits, int index,
                         double statistic);
 

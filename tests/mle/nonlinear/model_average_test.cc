@@ -95,6 +95,12 @@ TEST(ModelAverageTest, ADetectableChangeReachesTheStatistic) {
                  weight * std::exp(-0.5 * std::pow(change / 0.5, 2)));
     EXPECT_NEAR(ratio, 30.0, 1e-9) << weight;
   }
+  // The change of a gain alone is seen better than the gain is known where
+  // something else that would make up for it has not changed.
+  OutputFit together = narrow;
+  together.covariance(1, 1) = 4.0;
+  together.covariance(0, 1) = together.covariance(1, 0) = 0.8 * 0.1 * 2.0;
+  EXPECT_NEAR(DetectableChange({{1.0, &together}}, 0, 9.0), 0.3 * 0.6, 1e-12);
   OutputFit unknown = Fit(2.0, 0.1, 10.0);
   unknown.covariance(0, 0) = std::numeric_limits<double>::infinity();
   EXPECT_EQ(DetectableChange({{0.5, &narrow}, {0.5, &unknown}}, 0, 30.0),
