@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -120,12 +121,15 @@ absl::StatusOr<std::vector<std::string>> Reader::TextsOf(
       (variable->dims[0] != 1 && variable->dims[1] != 1)) {
     return fault;
   }
-  std::vector<std::string> texts(variable->dims[0] * variable->dims[1]);
-  for (std::size_t c = 0; c < texts.size(); ++c) {
-    if (!TextIn(Mat_VarGetCell(variable.get(), static_cast<int>(c)),
-                texts[c])) {
-      return fault;
-    }
+  // A damaged file may state any number; a cell that is not there is null.
+  const std::size_t count = std::max(variable->dims[0], variable->dims[1]);
+  std::vector<std::string> texts;
+  for (std::size_t c = 0; c < count; ++c) {
+    const matvar_t* cell =
+        variable->data == nullptr
+            ? nullptr
+            : Mat_VarGetCell(variable.get(), static_cast<int>(c));
+    if (cell == nullptr || !TextIn(cell, texts.emplace_back())) return fault;
   }
   return texts;
 }

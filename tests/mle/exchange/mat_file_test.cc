@@ -146,6 +146,14 @@ TEST(MatFile, SaysWhatIsWrong) {
   EXPECT_THAT(std::string(ReadModelFile(text).status().message()),
               HasSubstr("text.mat: cannot be read"));
   EXPECT_FALSE(ReadMatModel("/no/such.mat").ok());
+  // Two texts that are said to be more.
+  std::string many = bytes;
+  const std::size_t place = many.find("output_units");
+  ASSERT_NE(place, std::string::npos);
+  many[place - 14] = 0x02;  // a byte of the number of rows
+  EXPECT_THAT(
+      std::string(ReadModelFile(Written("many.mat", many)).status().message()),
+      AllOf(HasSubstr("many.mat"), HasSubstr("'output_units' must be")));
 }
 
 // Variables of other sizes, or of other kinds.
