@@ -52,7 +52,7 @@ struct Blank {
 };
 
 TextValue ForEach(Channels channels, std::string text, Blank blank,
-                  Setter set) {
+                  const Setter& set) {
   const auto values = std::make_shared<VectorXd>();
   TextValue value;
   value.text = std::move(text);
@@ -85,7 +85,7 @@ Setter SetDiagonal(Eigen::MatrixXd* diagonal) {
 
 }  // namespace
 
-TextValue OneOfNames(std::string text, std::vector<ChoiceText> choices,
+TextValue OneOfNames(std::string text, const std::vector<ChoiceText>& choices,
                      std::function<void(std::size_t)> set) {
   std::vector<std::string> names;
   std::vector<std::string> described;

@@ -42,7 +42,7 @@ struct ChoiceText {
 };
 
 // `set` is called with the number of the name.
-TextValue OneOfNames(std::string text, std::vector<ChoiceText> choices,
+TextValue OneOfNames(std::string text, const std::vector<ChoiceText>& choices,
                      std::function<void(std::size_t)> set);
 
 template <typename Value>
@@ -61,7 +61,7 @@ TextValue OneOf(Value* field, std::vector<Choice<Value>> choices) {
     texts.push_back({choice.name, choice.meaning});
     if (choice.value == *field) text = choice.name;
   }
-  return OneOfNames(std::move(text), std::move(texts),
+  return OneOfNames(std::move(text), texts,
                     [field, choices = std::move(choices)](std::size_t number) {
                       *field = choices[number].value;
                     });

@@ -18,7 +18,6 @@ using report::HorizontalLine;
 using report::NamedFigure;
 using report::Panel;
 using report::Role;
-using report::Series;
 using report::VerticalLine;
 
 // From 0, kept, to 1.

@@ -18,13 +18,10 @@ namespace mle::lifecycle {
 namespace {
 
 using report::Figure;
-using report::LineStyle;
-using report::MarkerShape;
 using report::NamedFigure;
 using report::Panel;
 using report::Role;
 using report::Series;
-using report::Style;
 
 constexpr double kColumnWidthCm = 8.5;
 constexpr double kDaysPerYear = kHoursPerYear / 24.0;

@@ -22,8 +22,9 @@ TextValue PoliciesOf(Campaign& campaign) {
       "never,output_error:1,combined:1,arx:1,test:12,on_demand:0.7,perfect";
   value.read = [&campaign](const std::string& text, const NumberRange&) {
     absl::StatusOr<std::vector<Policy>> policies = ParsePolicies(text);
-    if (policies.ok()) campaign.policies = *std::move(policies);
-    return policies.status();
+    if (!policies.ok()) return policies.status();
+    campaign.policies = *std::move(policies);
+    return absl::OkStatus();
   };
   return value;
 }

@@ -10,7 +10,6 @@ namespace mle::study {
 
 using experiment::Campaign;
 using experiment::Grid;
-using experiment::Row;
 using experiment::RowText;
 using experiment::RunUnit;
 

@@ -19,8 +19,10 @@ constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 constexpr double kSmall = 1e-10;
 // Above this a fit counts as not exact.
 constexpr double kExact = 1e-9;
-// Of the values of λ that are left to be looked at.
+// Of the values of λ that are left to be looked at, at first, and where their
+// neighbours' bounds do not do.
 constexpr std::size_t kMostLookedAt = 12;
+constexpr int kMoreLookedAt = 100;
 // Values of λ that share a bound.
 constexpr Eigen::Index kTogether = 64;
 
@@ -225,16 +227,21 @@ class Certifier {
   void LookAtRows();
 
  private:
-  // Bounds the open values before `at` by c of those looked at on both sides.
-  void BoundBetween(std::size_t at, double difference);
+  // Makes the gap of an open value that of the rows; max |δc_j|/w_j there.
+  double Look(std::size_t at);
+  // Bounds the open values between two that were looked at by the larger of the
+  // differences there, or looks at more of them.
+  void BoundBetween(std::size_t first, double first_difference,
+                    std::size_t last, double last_difference);
+  // What `difference` adds to the relative gap of an open value.
+  double AddedAt(std::size_t at, double difference) const;
 
   RowGaps gaps_;
   const LassoObjective& objective_;
   LassoSolution& solution_;
   double least_square_ = -1.0;  // ‖r‖²/N at the least λ: it grows with λ
   std::vector<Eigen::Index> open_;
-  std::size_t next_ = 0;  // of open_, not settled yet
-  double difference_before_ = std::numeric_limits<double>::infinity();
+  int more_ = kMoreLookedAt;
   double beyond_ = 0.0;
 };
 
@@ -269,20 +276,16 @@ void Certifier::AddBounds() {
 }
 
 void Certifier::LookAtRows() {
+  if (open_.empty()) return;
   const std::size_t stride = open_.size() / kMostLookedAt + 1;
-  for (std::size_t at = 0; at < open_.size(); ++at) {
-    if (at % stride != 0 && at + 1 != open_.size()) continue;
-    const double lambda = solution_.lambdas(open_[at]);
-    const Eigen::VectorXd beta = solution_.path.Coefficients(lambda);
-    const Gradient gradient = gaps_.FromRows(beta);
-    const double difference = gaps_.Largest(gradient.c - gaps_.FromGram(beta));
-    BoundBetween(at, difference);
-    double& stated = solution_.relative_gap(open_[at]);
-    const double gap = gaps_.Gap(lambda, beta, gradient).Relative();
-    if (gap > kExact && stated <= kExact) beyond_ = lambda;
-    stated = gap;
-    next_ = at + 1;
-    difference_before_ = difference;
+  std::size_t at = 0;
+  double difference = Look(at);
+  while (at + 1 < open_.size()) {
+    const std::size_t next = std::min(at + stride, open_.size() - 1);
+    const double next_difference = Look(next);
+    BoundBetween(at, difference, next, next_difference);
+    at = next;
+    difference = next_difference;
   }
   if (beyond_ > 0.0) {
     absl::StrAppendFormat(
@@ -293,16 +296,47 @@ void Certifier::LookAtRows() {
   }
 }
 
-void Certifier::BoundBetween(std::size_t at, double difference) {
-  const double most = 2.0 * std::max(difference, difference_before_);
-  for (; next_ < at; ++next_) {
-    const Eigen::Index i = open_[next_];
-    const double lambda = solution_.lambdas(i);
-    const double penalty =
-        lambda * Norm(objective_, solution_.path.Coefficients(lambda));
-    const double added = Added(most, lambda, penalty, least_square_);
-    solution_.relative_gap(i) += added;
-    if (added > kExact) beyond_ = lambda;
+double Certifier::Look(std::size_t at) {
+  const double lambda = solution_.lambdas(open_[at]);
+  const Eigen::VectorXd beta = solution_.path.Coefficients(lambda);
+  const Gradient gradient = gaps_.FromRows(beta);
+  double& stated = solution_.relative_gap(open_[at]);
+  const double gap = gaps_.Gap(lambda, beta, gradient).Relative();
+  if (gap > kExact && stated <= kExact) beyond_ = std::max(beyond_, lambda);
+  stated = gap;
+  return gaps_.Largest(gradient.c - gaps_.FromGram(beta));
+}
+
+double Certifier::AddedAt(std::size_t at, double difference) const {
+  const double lambda = solution_.lambdas(open_[at]);
+  const double penalty =
+      lambda * Norm(objective_, solution_.path.Coefficients(lambda));
+  return Added(difference, lambda, penalty, least_square_);
+}
+
+void Certifier::BoundBetween(std::size_t first, double first_difference,
+                             std::size_t last, double last_difference) {
+  if (last - first < 2) return;
+  const double most = 2.0 * std::max(first_difference, last_difference);
+  std::vector<double> added;
+  for (std::size_t at = first + 1; at < last; ++at) {
+    added.push_back(AddedAt(at, most));
+  }
+  if (more_ > 0 &&
+      *std::max_element(added.begin(), added.end()) > 0.5 * kExact) {
+    --more_;
+    const std::size_t middle = first + (last - first) / 2;
+    const double difference = Look(middle);
+    BoundBetween(first, first_difference, middle, difference);
+    BoundBetween(middle, difference, last, last_difference);
+    return;
+  }
+  for (std::size_t at = first + 1; at < last; ++at) {
+    const double more = added[at - first - 1];
+    solution_.relative_gap(open_[at]) += more;
+    if (more > kExact) {
+      beyond_ = std::max(beyond_, solution_.lambdas(open_[at]));
+    }
   }
 }
 

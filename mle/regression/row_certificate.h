@@ -18,7 +18,8 @@
 // is not small; m are root mean squares of the rows over the scales and P the
 // primal value. Where it is, it is added. Of a grid with more than 12
 // values of λ to be looked at, some 12 are, and the largest difference of c
-// found at the neighbours, doubled, takes the place of D at those between.
+// found at the neighbours, doubled, takes the place of D at those between;
+// where that is not enough, up to 100 more are looked at.
 
 #ifndef MLE_REGRESSION_ROW_CERTIFICATE_H_
 #define MLE_REGRESSION_ROW_CERTIFICATE_H_
