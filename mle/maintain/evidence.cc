@@ -136,9 +136,9 @@ std::string FollowedLevel(const CorrectionResult& result, int i, int j) {
   }
   return absl::StrFormat(
       "The gain of %s follows the level of %s: over the records by %.2g %% "
-      "to both sides (p = %.1g for none), and the change found is no larger "
-      "(%.2g %%). The plant, or a valve, is not linear over these levels: "
-      "records near the level that the model is of would settle it.",
+      "to both sides (p = %.1g for none), and the change found is hardly "
+      "larger (%.2g %%). The plant, or a valve, is not linear over these "
+      "levels: records near the level that the model is of would settle it.",
       PairName(result.initial, i, j), result.initial.inputs()[j].name,
       100.0 * level.variation(), level.p_value, 100.0 * change);
 }
@@ -166,7 +166,7 @@ std::string PlayAsLarge(const CorrectionResult& result, int i, int j) {
   }
   return absl::StrFormat(
       "The valve of %s sticks by %.2g %% of its range in the records, and the "
-      "change found of %s is no larger (%.2g %%). The valve's measured "
+      "change found of %s is hardly larger (%.2g %%). The valve's measured "
       "position as the input, or moves far beyond the play, would settle it.",
       input, 100.0 * play->share, PairName(result.initial, i, j),
       100.0 * change);
