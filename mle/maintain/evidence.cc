@@ -156,11 +156,10 @@ std::string PlayAsLarge(const CorrectionResult& result, int i, int j) {
                             finding.consequence == Consequence::kRepair;
                    });
   if (play == result.data.findings.end()) return "";
-  const StepResponse& before = result.initial_response;
-  const StepResponse after = result.fitted.ComputeStepResponse(
-      result.data.sample_time(), before.samples());
-  const double change = (after.element(i, j) - before.element(i, j)).norm() /
-                        before.element(i, j).norm();
+  const Eigen::VectorXd before = result.initial_response.element(i, j);
+  const Eigen::VectorXd after = result.fitted.element(i, j).StepResponse(
+      result.data.sample_time(), static_cast<int>(before.size()));
+  const double change = (after - before).norm() / before.norm();
   if (!(change <= play->share + result.options.decision.least_change)) {
     return "";
   }
