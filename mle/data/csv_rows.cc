@@ -17,7 +17,17 @@ constexpr std::size_t kShownBytes = 60;
 
 unsigned char Byte(char c) { return static_cast<unsigned char>(c); }
 
-// Bytes of the UTF-8 character at the front of `text`; 0 if it is none.
+// Whether `second` may follow `lead` in a UTF-8 character: not in a longer form
+// than needed, in a surrogate, or beyond U+10FFFF (Unicode 15.0, table 3-7).
+bool MayFollow(unsigned char lead, unsigned char second) {
+  if (lead == 0xE0) return second >= 0xA0;
+  if (lead == 0xED) return second < 0xA0;
+  if (lead == 0xF0) return second >= 0x90;
+  if (lead == 0xF4) return second < 0x90;
+  return true;
+}
+
+// Bytes of the UTF-8 character at the front of `text`; 0 if there is none.
 std::size_t CharacterLength(std::string_view text) {
   const unsigned char lead = Byte(text[0]);
   const std::size_t length = lead < 0x80                   ? 1
@@ -29,6 +39,7 @@ std::size_t CharacterLength(std::string_view text) {
   for (std::size_t i = 1; i < length; ++i) {
     if ((Byte(text[i]) & 0xC0) != 0x80) return 0;
   }
+  if (length > 1 && !MayFollow(lead, Byte(text[1]))) return 0;
   return length;
 }
 
@@ -267,6 +278,15 @@ std::string QuoteCsvField(std::string_view field) {
     quoted += c;
   }
   return quoted + '"';
+}
+
+bool IsUtf8(std::string_view text) {
+  while (!text.empty()) {
+    const std::size_t length = CharacterLength(text);
+    if (length == 0) return false;
+    text.remove_prefix(length);
+  }
+  return true;
 }
 
 std::string ShowCsvText(std::string_view text) {

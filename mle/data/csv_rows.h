@@ -122,6 +122,9 @@ class CsvRows {
 // A field in double quotes where that is needed.
 std::string QuoteCsvField(std::string_view field);
 
+// Whether `text` is UTF-8 throughout.
+bool IsUtf8(std::string_view text);
+
 // `text` for a message: cut if long, its control characters and what is not
 // UTF-8 as \x01.
 std::string ShowCsvText(std::string_view text);

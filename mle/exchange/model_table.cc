@@ -43,6 +43,7 @@ class Reader {
   absl::Status Read(std::string_view text);
 
  private:
+  absl::Status CheckUtf8(const TableLine& line) const;
   absl::Status ReadHeadLine(TableLine line);
   absl::Status ReadChannel(const TableLine& line, bool is_input);
   absl::Status ReadRow(TableLine line);
@@ -52,6 +53,18 @@ class Reader {
   std::map<std::string, int> names_;  // of channels, and the line of each
   std::map<std::string, int> keys_;   // that may stand once, likewise
 };
+
+// Names are written into JSON, which is UTF-8.
+absl::Status Reader::CheckUtf8(const TableLine& line) const {
+  for (std::size_t c = 0; c < line.fields.size(); ++c) {
+    if (IsUtf8(line.fields[c])) continue;
+    return table_.Fault(
+        line, static_cast<int>(c),
+        absl::StrCat("'", ShowCsvText(line.fields[c]),
+                     "' is not in UTF-8; save the table as CSV UTF-8"));
+  }
+  return absl::OkStatus();
+}
 
 absl::Status Reader::ReadChannel(const TableLine& line, bool is_input) {
   const std::vector<std::string>& fields = line.fields;
@@ -182,6 +195,7 @@ absl::Status Reader::Read(std::string_view text) {
     for (const std::string_view field : fields) {
       line.fields.emplace_back(TrimCsvField(field));
     }
+    MLE_RETURN_IF_ERROR(CheckUtf8(line));
     while (!line.fields.empty() && line.fields.back().empty()) {
       line.fields.pop_back();
     }

@@ -164,7 +164,10 @@ TEST(StepResponseModel, SaysWhatIsWrongInATable) {
           "output,temperature,degC\noutput,level,m\nramp,level/steam\n"}},
         {"line 8, column 2", "no column"}},
        {{{"time,temperature", "Time (min),temperature"}}, {"line 7", "'time'"}},
-       {{{"8,3.25", "\"8\"x,3.25"}}, {"line 11"}}});
+       {{{"8,3.25", "\"8\"x,3.25"}}, {"line 11"}},
+       {{{"Heated tank", "Beh\xE4lter"}},
+        {"line 1, column 2", "'Beh\\xe4lter'", "UTF-8"}},
+       {{{"degC", "\xED\xA0\x80"}}, {"line 6, column 3", "UTF-8"}}});
   ExpectFaults(
       absl::StrReplaceAll(kTankCsv, {{"input,steam,t/h\n", ""},
                                      {"input,inflow,m3/h,disturbance\n", ""},
