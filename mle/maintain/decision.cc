@@ -46,8 +46,14 @@ const Horizon* FirstGain(const OutputScores& scores, double deviations) {
   return nullptr;
 }
 
+// Whether free simulation explains anything of what was held out: is nearer to
+// it than its mean.
+bool Explains(const OutputScores& scores) {
+  return scores.simulated.corrected > 0.0;
+}
+
 bool Holds(const OutputScores& scores, double deviations) {
-  return FirstFall(scores, deviations) == nullptr &&
+  return Explains(scores) && FirstFall(scores, deviations) == nullptr &&
          FirstGain(scores, deviations) != nullptr;
 }
 
@@ -161,8 +167,22 @@ Message NotShown(const OutputEvidence& output) {
                    "changes would settle it."));
 }
 
+Message ExplainsNothing(const OutputEvidence& output) {
+  return Doubt(
+      output, MessageCode::kStructureDoubtful,
+      absl::StrFormat("On held-out data the correction of %s simulates worse "
+                      "than a constant (fit %.1f %%): something moves it that "
+                      "is not an input of the model, or the plant is not "
+                      "linear. Records near one operating point would settle "
+                      "it.",
+                      output.name, output.scores->simulated.corrected));
+}
+
 Message NotBetter(const OutputEvidence& output, double deviations) {
   const Horizon* const fall = FirstFall(*output.scores, deviations);
+  if (fall == nullptr && FirstGain(*output.scores, deviations) != nullptr) {
+    return ExplainsNothing(output);
+  }
   if (fall == nullptr) {
     return Doubt(
         output, MessageCode::kNotBetter,

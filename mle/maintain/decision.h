@@ -13,6 +13,7 @@
 //   a score of one window does                          kNothing, doubtful
 //   structure not enough, and not to be trusted         kNothing, doubtful
 //   no score gains by more than chance                  kNothing, doubtful
+//   simulates worse than a constant                     kNothing, doubtful
 //   one gains, none falls, with the structure only      kParametric
 //   one gains, none falls                               kProposal
 //

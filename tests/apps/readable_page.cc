@@ -50,6 +50,7 @@ void ExpectReadable(const std::string& path, const std::string& name,
     const report::BrowserVisit visit =
         report::VisitPage(html, width, name, mode);
     ASSERT_EQ(visit.error, "");
+    EXPECT_FALSE(visit.other_picture) << name << " at " << width;
     EXPECT_EQ(visit.found["dark"], mode == report::Mode::kDark);
     EXPECT_THAT(visit.console, IsEmpty());
     EXPECT_EQ(visit.found["panels"], panels);

@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <sstream>
 
 #include "absl/strings/str_cat.h"
@@ -35,6 +36,20 @@ int Chromium(const std::string& arguments, const fs::path& out,
           .c_str());
 }
 
+// Takes a picture of the page, and compares it with that of an earlier run.
+// Returns whether that one showed the same page differently.
+bool TakePicture(const fs::path& picture, bool same_page,
+                 const std::function<void()>& take) {
+  const std::string earlier = ReadAll(picture);
+  if (!earlier.empty() && !same_page) {
+    fs::path before = picture;
+    fs::rename(picture, before.replace_filename(picture.stem().string() +
+                                                "_before.png"));
+  }
+  take();
+  return !earlier.empty() && same_page && ReadAll(picture) != earlier;
+}
+
 }  // namespace
 
 bool HasBrowser() {
@@ -65,6 +80,7 @@ BrowserVisit VisitPage(const std::string& html, int width,
         width, "px;height:1500px' srcdoc=\"", EscapeHtmlLines(checked),
         "\"></iframe></body>");
   }
+  const bool same_page = ReadAll(page) == checked;
   std::ofstream(page, std::ios::binary) << checked;
   const std::string view =
       absl::StrCat("--virtual-time-budget=5000 ",
@@ -101,9 +117,12 @@ BrowserVisit VisitPage(const std::string& html, int width,
   }
   visit.found = nlohmann::json::parse(json, nullptr, false);
   if (visit.found.is_discarded()) visit.error = "no JSON: " + json;
-  Chromium(absl::StrCat(view, "1600 --screenshot='",
-                        (folder / (base + ".png")).string(), "' ", url),
-           dom, log, profile);
+  const fs::path picture = folder / (base + ".png");
+  visit.other_picture = TakePicture(picture, same_page, [&] {
+    Chromium(
+        absl::StrCat(view, "1600 --screenshot='", picture.string(), "' ", url),
+        dom, log, profile);
+  });
   fs::remove_all(profile);
   fs::remove(dom);
   return visit;

@@ -14,6 +14,8 @@ struct BrowserVisit {
   std::string error;                 // empty, or why there is nothing more
   nlohmann::json found;              // by page_check.js
   std::vector<std::string> console;  // messages, errors among them
+  // An earlier run of the tests took another picture of the same page.
+  bool other_picture = false;
 };
 
 // Whether there is a Chromium to test with.
@@ -22,7 +24,9 @@ bool HasBrowser();
 enum class Mode { kLight, kDark };
 
 // `html` in a window of `width` pixels. A screenshot is kept as
-// screenshots/NAME_WIDTH.png (or _dark.png) in the folder the test runs in.
+// screenshots/NAME_WIDTH.png (or _dark.png) in the folder the test runs in. That
+// of an earlier run is compared with it where the page is the same; where the
+// page has changed it is kept as …_before.png, to be looked at.
 BrowserVisit VisitPage(const std::string& html, int width,
                        const std::string& name, Mode mode = Mode::kLight);
 

@@ -27,6 +27,14 @@ const OutputScores kGood = Scores(0.3, 0.5, 0.9);
 const OutputScores kSame = Scores(0.05, -0.05, 0.1);
 const OutputScores kFalls = Scores(0.3, 0.5, -0.3);
 
+// Everything gains, but the simulation stays as bad as a constant, or worse.
+OutputScores Simulating(double corrected) {
+  OutputScores scores = kGood;
+  scores.simulated.initial = corrected - 900.0;
+  scores.simulated.corrected = corrected;
+  return scores;
+}
+
 OutputEvidence Output(std::optional<OutputScores> scores,
                       std::optional<OutputScores> parametric = {}) {
   OutputEvidence output;
@@ -84,6 +92,15 @@ TEST(DecisionTest, EveryRowOfTheTableOfOutputs) {
        Decision::kCannotTell, MessageCode::kPredictsWorse},
       {"not a number", Output(Scores(0.3, kNaN, 0.9)), Acceptance::kNothing,
        Decision::kCannotTell, MessageCode::kPredictsWorse},
+      {"simulates worse than a constant", Output(Simulating(0.0)),
+       Acceptance::kNothing, Decision::kCannotTell,
+       MessageCode::kStructureDoubtful},
+      {"simulates a little better than a constant", Output(Simulating(0.1)),
+       Acceptance::kProposal, Decision::kCorrected,
+       MessageCode::kPredictsBetter},
+      {"simulates better without a shape", Output(Simulating(-5.0), kGood),
+       Acceptance::kParametric, Decision::kCorrected,
+       MessageCode::kPredictsBetter},
       {"without ΔR only", Output(kFalls, kGood), Acceptance::kParametric,
        Decision::kCorrected, MessageCode::kPredictsBetter},
       {"neither with nor without", Output(kFalls, kSame), Acceptance::kNothing,
