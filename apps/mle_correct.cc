@@ -8,9 +8,11 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "apps/common/command_line.h"
+#include "apps/common/password_prompt.h"
 #include "apps/common/progress.h"
 #include "apps/common/run_again.h"
 #include "apps/correct/console.h"
+#include "apps/correct/data_sources.h"
 #include "apps/correct/figures.h"
 #include "apps/correct/outputs.h"
 #include "apps/correct/page.h"
@@ -85,9 +87,10 @@ absl::Status WriteAll(const correct::Result& result, const std::string& json) {
 }
 
 // Writes the file of --propose_tags.
-int Propose(const correct::Request& request) {
+int Propose(const correct::Request& request,
+            const std::vector<HistorianSource>& sources) {
   const absl::StatusOr<std::vector<TagProposal>> proposals =
-      ProposeTags(request.data_paths, request.model, request.import);
+      ProposeTags(sources, request.model, request.import);
   if (!proposals.ok()) {
     return Fail(WithPrefix(correct::NameFlags(proposals.status()), "--data: "));
   }
@@ -121,14 +124,21 @@ int Main(correct::Request& request, OptionTable& table) {
       !status.ok()) {
     return Fail(status);
   }
-  if (!request.propose_tags.empty()) return Propose(request);
-  ShowStatus(absl::StrCat("reading ", request.data_paths.size(),
-                          request.data_paths.size() == 1 ? " file" : " files"));
-  absl::StatusOr<std::vector<correct::DataFile>> files =
-      correct::ReadChecksums(request.data_paths);
-  if (!files.ok()) return Fail(files.status());
+  request.database.ask_password = AskPassword;
+  const absl::StatusOr<correct::DataSources> sources =
+      correct::DataSources::Create(request.data_paths, request.database,
+                                   request.import);
+  if (!sources.ok()) {
+    return Fail(WithPrefix(correct::NameFlags(sources.status()), "--data: "));
+  }
+  if (!request.propose_tags.empty()) {
+    return Propose(request, sources->sources());
+  }
+  ShowStatus(
+      absl::StrCat("reading ", request.data_paths.size(),
+                   request.data_paths.size() == 1 ? " source" : " sources"));
   absl::StatusOr<RecordData> data =
-      LoadRecords(request.data_paths, request.model, request.import,
+      LoadSources(sources->sources(), request.model, request.import,
                   request.options.records);
   if (!data.ok()) {
     return Fail(absl::Status(
@@ -137,7 +147,7 @@ int Main(correct::Request& request, OptionTable& table) {
   }
   if (request.dry_run) {
     EndStatus();
-    correct::PrintData(*data, *files, request.model);
+    correct::PrintData(*data, sources->Files(), request.model);
     correct::PrintMessages("warning", data->warnings);
     correct::PrintMessages("warning",
                            correct::DescriptionWarnings(request.model_file));
@@ -147,7 +157,7 @@ int Main(correct::Request& request, OptionTable& table) {
   if (!lock.ok()) return Fail(lock.status());
   request.options.progress = ShowStage;
   const absl::StatusOr<correct::Result> result =
-      correct::RunCorrection(request, *std::move(data), *std::move(files));
+      correct::RunCorrection(request, *std::move(data), sources->Files());
   if (!result.ok()) return Fail(correct::NameFlags(result.status()));
   absl::StatusOr<std::string> json =
       correct::FormatResult(*result, CommandLine(), ResultFlags());

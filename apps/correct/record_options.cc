@@ -167,6 +167,20 @@ absl::StatusOr<TagMapping> ParseTag(const std::string& text,
 
 }  // namespace
 
+std::vector<Option> OptionsOf(DatabaseOptions& database) {
+  return {
+      {"query", &database.query,
+       "SQL whose rows are the records, in order of time, of the database in "
+       "--data."},
+      {"table", &database.table,
+       "Table or view of that database, in place of --query; with its schema "
+       "where one is needed, such as plant.trend."},
+      {"columns", Words(&database.columns),
+       "Columns of the table that are read, besides the time, separated by "
+       "commas; empty: all."},
+  };
+}
+
 std::vector<Option> OptionsOf(HistorianOptions& import,
                               std::vector<std::string>& tags,
                               std::string* tag_file) {
@@ -182,6 +196,11 @@ std::vector<Option> OptionsOf(HistorianOptions& import,
       {"time_zone", ForEachFile(&import.clocks, &ClockOptions::time_zone),
        "Zone of dates without a zone, such as Europe/Berlin; empty: UTC, or a "
        "local time without clock changes."},
+      {"begin", &import.begin,
+       "Records before this time are not read: a date such as 2024-02-29 12:34 "
+       "or 2024-02-29, or a number where times are numbers; empty: no limit."},
+      {"end", &import.end,
+       "Records after this time are not read; a day alone is its midnight."},
       {"separate_files", &import.separate_files,
        "Files whose times are numbers are taken one after another, in the "
        "order "

@@ -8,9 +8,13 @@
 
 #include "absl/status/status.h"
 #include "apps/common/option_table.h"
+#include "mle/database/database_options.h"
 #include "mle/maintain/records.h"
 
 namespace mle::correct {
+
+// Of databases: query, table and columns.
+std::vector<Option> OptionsOf(DatabaseOptions& database);
 
 // `tags` are the texts TAG=CHANNEL…, `tag_file` the path of a file of tags.
 std::vector<Option> OptionsOf(HistorianOptions& import,

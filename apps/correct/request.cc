@@ -21,8 +21,9 @@ std::vector<Option> FileOptions(Request& request) {
        "corrected; must be given."},
       {"data", Words(&request.data_paths),
        "Records (CSV, also compressed by gzip) of routine operation with "
-       "set-point changes, separated by commas; - is standard input. Must be "
-       "given."},
+       "set-point changes, separated by commas; - is standard input. Or a "
+       "database: postgresql://USER@HOST/NAME, sqlite:FILE, odbc:NAME, with "
+       "--table or --query. Must be given."},
       {"out", &request.out,
        "Folder for report.html, result.json, model.json, model.mat, "
        "fopdt.json, "
@@ -100,6 +101,7 @@ void AddOptions(Request& request, OptionTable& table) {
   table.Add("Files", FileOptions(request));
   table.Add("Reading the records",
             OptionsOf(request.import, request.tags, &request.tag_file));
+  table.Add("Reading a database", OptionsOf(request.database));
   table.Add("Windows and bad samples", OptionsOf(options.records));
   table.Add("Estimation", OptionsOf(options.estimation));
   table.Add("Hold-out validation", OptionsOf(options.hold_out));

@@ -12,6 +12,7 @@
 #include "apps/correct/previous_run.h"
 #include "control/mpc_options.h"
 #include "mle/data/historian.h"
+#include "mle/database/database_options.h"
 #include "mle/exchange/model_file.h"
 #include "mle/maintain/correct.h"
 #include "mle/model/process_model.h"
@@ -28,6 +29,7 @@ struct Request {
   std::string tag_file;      // empty: none
   std::string propose_tags;  // empty: a correction is wanted
   HistorianOptions import;
+  DatabaseOptions database;
   CorrectOptions options;
   // As it is tuned, for the advice.
   control::MpcOptions controller;

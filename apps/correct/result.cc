@@ -9,7 +9,6 @@
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
 #include "apps/correct/advice.h"
-#include "apps/correct/checksum.h"
 #include "apps/correct/verdict.h"
 #include "mle/base/status.h"
 
@@ -89,21 +88,6 @@ absl::Status WarnOfDifferences(Result& result) {
 
 int Result::exit_code() const {
   return usable() && decision != Decision::kCannotTell ? 0 : 1;
-}
-
-absl::StatusOr<std::vector<DataFile>> ReadChecksums(
-    const std::vector<std::string>& paths) {
-  std::vector<DataFile> files;
-  for (const std::string& path : paths) {
-    const absl::StatusOr<FileChecksum> checksum = ChecksumOf(path);
-    if (!checksum.ok()) {
-      return absl::Status(
-          checksum.status().code(),
-          absl::StrCat("--data: ", checksum.status().message()));
-    }
-    files.push_back({path, checksum->sha256, checksum->bytes});
-  }
-  return files;
 }
 
 std::vector<std::pair<std::string, std::string>> Checksums(

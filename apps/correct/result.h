@@ -11,6 +11,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "apps/correct/data_sources.h"
 #include "apps/correct/finding.h"
 #include "apps/correct/loop_comparison.h"
 #include "apps/correct/request.h"
@@ -18,13 +19,6 @@
 #include "mle/model/step_response.h"
 
 namespace mle::correct {
-
-// A file as it was read.
-struct DataFile {
-  std::string path;
-  std::string sha256;  // of its bytes, hexadecimal
-  std::int64_t bytes = 0;
-};
 
 // How to tune the controller for the corrected model.
 struct Tuning {
@@ -48,10 +42,6 @@ struct Result : CorrectionResult {
 
   int exit_code() const;
 };
-
-// The files that --data names. Errors name the flag.
-absl::StatusOr<std::vector<DataFile>> ReadChecksums(
-    const std::vector<std::string>& paths);
 
 // Names and SHA-256 of the files, for the page.
 std::vector<std::pair<std::string, std::string>> Checksums(

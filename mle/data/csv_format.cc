@@ -97,9 +97,11 @@ void Take(std::string_view text, int line, int column, Evidence& evidence) {
 
 absl::Status Fault(const CsvHead& head, const Sighting& at,
                    const std::string& what) {
-  return OptionError("decimal", absl::StrCat(head.source, ": line ", at.line,
-                                             ", column ", at.column, ": '",
-                                             ShowCsvText(at.text), "' ", what));
+  return OptionError(
+      "decimal",
+      absl::StrCat(head.source, ": ", CsvLineName(at.line, head.is_table),
+                   ", column ", at.column, ": '", ShowCsvText(at.text), "' ",
+                   what));
 }
 
 }  // namespace
@@ -166,8 +168,8 @@ absl::StatusOr<char> RecogniseDecimal(
   if (comma && evidence.point) {
     return Fault(
         head, *comma,
-        absl::StrCat("has a comma, but '", evidence.point->text, "' in line ",
-                     evidence.point->line,
+        absl::StrCat("has a comma, but '", evidence.point->text, "' in ",
+                     CsvLineName(evidence.point->line, head.is_table),
                      " a point; declare which it is, such as decimal = comma"));
   }
   if (comma && !evidence.comma) {

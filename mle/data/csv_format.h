@@ -19,6 +19,7 @@ struct CsvHead {
   bool is_whole = false;  // the file ends here
   std::string source;     // its name
   int line = 1;           // of the header
+  bool is_table = false;  // as of CsvRows
 };
 
 // The one of comma, semicolon and tab that occurs in the header; if several

@@ -80,6 +80,8 @@ bool CsvRows::Fill() {
            static_cast<std::streamsize>(buffer_.size() - end_));
   end_ += static_cast<std::size_t>(in_.gcount());
   if (in_.bad()) {
+    status_ = fault_ ? fault_() : absl::OkStatus();
+    if (!status_.ok()) return false;
     status_ = absl::DataLossError(
         absl::StrCat(source_, ": cannot be read after line ", line_ - 1,
                      "; a compressed file may be damaged or cut"));
@@ -258,12 +260,18 @@ CsvRows::Scan CsvRows::Fault(std::string_view what) {
 
 std::string CsvRows::LinePlace() const {
   const int line = origin_ ? origin_(row_line_, 1).first : row_line_;
-  return absl::StrCat(source_, ": line ", line);
+  return absl::StrCat(source_, ": ", CsvLineName(line, is_table_));
 }
 
 std::string CsvRows::PlaceIn(int line, int field) const {
   if (origin_) std::tie(line, field) = origin_(line, field);
-  return absl::StrCat(source_, ": line ", line, ", column ", field);
+  return absl::StrCat(source_, ": ", CsvLineName(line, is_table_), ", column ",
+                      field);
+}
+
+std::string CsvLineName(int line, bool is_table) {
+  if (!is_table) return absl::StrCat("line ", line);
+  return line > 1 ? absl::StrCat("row ", line - 1) : "header";
 }
 
 std::string QuoteCsvField(std::string_view field) {

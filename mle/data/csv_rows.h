@@ -34,6 +34,9 @@ struct CsvLimits {
   int max_columns = 10000;
 };
 
+// "line 3"; of a table, whose header is not counted, "row 2" or "header".
+std::string CsvLineName(int line, bool is_table);
+
 class CsvRows {
  public:
   // `source` (the file's name) opens every message.
@@ -69,17 +72,26 @@ class CsvRows {
   bool at_end() const { return at_end_; }
 
   // "run.csv: line 3, column 2", the place of a field of the last row, or of
-  // that which began in `line`.
+  // that which began in `line`. In rows of a table: "trend: row 2, column 2".
   std::string Place(int field) const { return PlaceIn(row_line_, field); }
   std::string PlaceIn(int line, int field) const;
 
-  // "run.csv: line 3".
+  // "run.csv: line 3", of the last row, and "line 3".
   std::string LinePlace() const;
+  std::string LineName(int line) const { return CsvLineName(line, is_table_); }
 
   // For text that was made from another file: where a field of a line came
   // from, as line and column of that file.
   using Origin = std::function<std::pair<int, int>(int line, int field)>;
   void set_origin(Origin origin) { origin_ = std::move(origin); }
+
+  // The text is a table that was not a file (a query of a database): messages
+  // count its rows, one in each line, below the header.
+  void set_is_table(bool is_table) { is_table_ = is_table; }
+  // Why the stream turned bad(), where it can say more than that.
+  void set_fault(std::function<absl::Status()> fault) {
+    fault_ = std::move(fault);
+  }
 
  private:
   enum class Scan { kRow, kEmptyLine, kMore, kFault };
@@ -113,6 +125,8 @@ class CsvRows {
   int lines_ = 0;         // that the row takes
 
   Origin origin_;
+  bool is_table_ = false;
+  std::function<absl::Status()> fault_;
 
   int line_ = 1;  // at begin_
   int row_line_ = 0;

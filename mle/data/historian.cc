@@ -1,5 +1,6 @@
 #include "mle/data/historian.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -16,10 +17,14 @@ absl::StatusOr<HistorianImport> ImportHistorianSources(
                        HistorianImporter(channels, options).Run(sources));
   if (!import.records.empty()) return import;
   const std::string& name = import.report.files[0].name;
-  return absl::InvalidArgumentError(absl::StrCat(
-      name,
-      ": line 2, column 1: no two samples follow each other without a "
-      "gap longer than max_gap"));
+  const bool is_table = std::any_of(
+      sources.begin(), sources.end(), [&](const HistorianSource& source) {
+        return source.name == name && source.is_table;
+      });
+  return absl::InvalidArgumentError(
+      absl::StrCat(name, ": ", CsvLineName(2, is_table),
+                   ", column 1: no two samples follow each other without a "
+                   "gap longer than max_gap"));
 }
 
 absl::StatusOr<HistorianImport> ImportHistorian(

@@ -87,6 +87,10 @@ struct HistorianOptions {
   // Of all files; or one for each file, in the order in which they are given.
   ClockOptions clock = {};
   std::vector<ClockOptions> clocks = {};
+  // The time range that is read (time_range.h): numbers or dates; empty: no
+  // limit. Both are included.
+  std::string begin = {};
+  std::string end = {};
   // Files whose times are numbers are records of their own, one after another
   // in the order given: each may begin at 0.
   bool separate_files = false;
@@ -181,10 +185,16 @@ struct HistorianImport {
   HistorianReport report;
 };
 
-// A file, or what takes its place in a test. Opened more than once.
+// A file, a query of a database (mle/database), or what takes their place in a
+// test. Opened more than once, and always with the same text.
 struct HistorianSource {
   std::string name;
   std::function<absl::StatusOr<std::unique_ptr<std::istream>>()> open;
+  // The text has a header, commas between fields and a row in each line, and
+  // nothing of this is to be recognised; messages name rows, not lines.
+  bool is_table = false;
+  // Why a stream of open() turned bad(), where it can say more than that.
+  std::function<absl::Status()> fault = {};
 };
 // The name of standard input in messages and reports.
 inline constexpr char kStandardInput[] = "standard input";

@@ -72,6 +72,7 @@ CsvHead HistorianFile::Head() {
   head.is_whole = csv_->at_end();
   head.source = report_.name;
   head.line = header_line_;
+  head.is_table = is_table_;
   return head;
 }
 
@@ -82,10 +83,16 @@ absl::Status HistorianFile::RecogniseTable(const ProcessModel& channels,
                        NamesOf(channels, options.columns));
   std::vector<std::string> all = LongColumnNames(options.columns);
   all.insert(all.end(), names.begin(), names.end());
-  MLE_RETURN_IF_ERROR(SkipToHeader(options, all));
+  if (is_table_) {
+    report_.separator = ',';
+  } else {
+    MLE_RETURN_IF_ERROR(SkipToHeader(options, all));
+  }
   const CsvHead head = Head();
   MLE_RETURN_IF_ERROR(csv_->status());
-  if (options.separator != 0) report_.separator = options.separator;
+  if (options.separator != 0 && !is_table_) {
+    report_.separator = options.separator;
+  }
   if (report_.separator == 0) {
     MLE_ASSIGN_OR_RETURN(report_.separator, RecogniseSeparator(head, all));
   }
@@ -117,6 +124,7 @@ absl::Status HistorianFile::WidenLongTable(
   in_ = std::make_unique<std::istringstream>(std::move(table.text));
   csv_ = std::make_unique<CsvRows>(*in_, report_.name, options.limits);
   csv_->set_origin(std::move(table.origin));
+  csv_->set_is_table(is_table_);
   header_line_ = 1;
   return absl::OkStatus();
 }
@@ -124,7 +132,7 @@ absl::Status HistorianFile::WidenLongTable(
 // The decimal mark, and rows of units below the header.
 absl::Status HistorianFile::RecogniseRows(const ProcessModel& channels,
                                           const HistorianOptions& options) {
-  rows_below_header_ = options.rows_below_header;
+  rows_below_header_ = is_table_ ? 0 : options.rows_below_header;
   report_.decimal = options.decimal == 0 ? '.' : options.decimal;
   // Errors in the header are those of RecordRows::Open().
   const CsvHead head = Head();
@@ -138,7 +146,7 @@ absl::Status HistorianFile::RecogniseRows(const ProcessModel& channels,
   const absl::StatusOr<std::vector<RecordColumn>> columns =
       MatchHeader(header, channels, lenient);
   if (!columns.ok()) return absl::OkStatus();
-  if (options.rows_below_header == 0) {
+  if (options.rows_below_header == 0 && !is_table_) {
     rows_below_header_ = UnitRows(rows, *columns, clock_);
     if (rows_below_header_ > 0) {
       notes_.push_back({absl::StrCat(report_.name, ": ", rows_below_header_,
@@ -168,6 +176,9 @@ absl::StatusOr<std::unique_ptr<HistorianFile>> HistorianFile::Start(
   file->report_.name = source.name;
   file->csv_ =
       std::make_unique<CsvRows>(*file->in_, source.name, options.limits);
+  file->is_table_ = source.is_table;
+  file->csv_->set_is_table(source.is_table);
+  file->csv_->set_fault(source.fault);
   MLE_RETURN_IF_ERROR(file->RecogniseTable(channels, options));
   return file;
 }
@@ -194,6 +205,7 @@ absl::StatusOr<HistorianColumns> HistorianFile::Columns(
   if (header.empty()) header.swap(below);
   below.resize(header.size());
   const bool has_units =
+      !file->is_table_ &&
       std::none_of(below.begin(), below.end(), [](std::string_view text) {
         return text.find_first_of("0123456789") != std::string_view::npos;
       });
@@ -234,6 +246,8 @@ absl::StatusOr<std::unique_ptr<HistorianFile>> HistorianFile::Open(
   row_options.any_word_is_bad = options.any_word_is_bad;
   row_options.good_qualities = options.good_qualities;
   row_options.rows_below_header = file->rows_below_header_;
+  MLE_ASSIGN_OR_RETURN(row_options.range,
+                       TimeRange::Create(options.begin, options.end, clock));
   MLE_ASSIGN_OR_RETURN(
       RecordRows rows,
       RecordRows::Open(*file->csv_, channels, row_options, file->clock_));

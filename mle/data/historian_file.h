@@ -76,6 +76,7 @@ class HistorianFile {
   std::optional<RecordRows> rows_;
   FileReport report_;
   std::vector<ImportNote> notes_;
+  bool is_table_ = false;  // as of HistorianSource
   int header_line_ = 1;
   int rows_below_header_ = 0;
   bool is_sparse_ = false;

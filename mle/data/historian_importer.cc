@@ -80,9 +80,10 @@ absl::Status HistorianImporter::ChooseSampleTime(
   HistorianReport& report = import_.report;
   if (steps.empty()) {
     return absl::InvalidArgumentError(absl::StrCat(
-        probes_[0].source.name,
-        ": line 2, column 1: no row is later than the one before it; a record "
-        "needs at least 2 rows at different times"));
+        probes_[0].source.name, ": ",
+        CsvLineName(2, probes_[0].source.is_table),
+        ", column 1: no row is later than the one before it; a record needs at "
+        "least 2 rows at different times"));
   }
   report.step = UsualStep(steps);
   report.sample_time =

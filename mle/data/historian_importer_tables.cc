@@ -334,6 +334,11 @@ absl::StatusOr<HistorianImport> ImportTables(const std::vector<Table>& tables,
   if (tables.empty()) {
     return absl::InvalidArgumentError("there is no table, 1 is needed");
   }
+  if (!options.begin.empty() || !options.end.empty()) {
+    return OptionError("begin,end",
+                       "begin and end are not for tables in memory; cut them "
+                       "before");
+  }
   for (const Table& table : tables) {
     if (table.times.size() < 2) {
       return absl::InvalidArgumentError(

@@ -52,6 +52,23 @@ absl::Status CheckUnit(const RecordClock& clock, const std::string& source,
                    "excel, or time_format = numbers if they are not"));
 }
 
+absl::Status NoRows(const HistorianSource& source,
+                    const HistorianOptions& options, const ClockOptions& clock,
+                    const RecordRows& rows) {
+  if (rows.passed_over() > 0) {
+    MLE_ASSIGN_OR_RETURN(const TimeRange range,
+                         TimeRange::Create(options.begin, options.end, clock));
+    return OptionError(
+        "begin,end", absl::StrCat(source.name, ": none of its ",
+                                  rows.passed_over(), " rows is ", range.Text(),
+                                  "; begin and end leave nothing to read"));
+  }
+  return absl::InvalidArgumentError(
+      absl::StrCat(source.name, ": ", CsvLineName(rows.line(), source.is_table),
+                   ", column 1: there is no row below the header; a record "
+                   "needs samples"));
+}
+
 }  // namespace
 
 absl::StatusOr<HistorianProbe> ProbeHistorian(const HistorianSource& source,
@@ -76,12 +93,7 @@ absl::StatusOr<HistorianProbe> ProbeHistorian(const HistorianSource& source,
     if (times.size() == 2) file->clock().set_descending(times[1] < times[0]);
   }
   MLE_RETURN_IF_ERROR(file->rows().status());
-  if (times.empty()) {
-    return absl::InvalidArgumentError(
-        absl::StrCat(source.name, ": line ", file->rows().line(),
-                     ", column 1: there is no row below the header; a record "
-                     "needs samples"));
-  }
+  if (times.empty()) return NoRows(source, options, clock, file->rows());
   probe.newest_first = IsNewestFirst(times);
   double first = probe.newest_first ? times.back() : times.front();
   if (probe.newest_first) {

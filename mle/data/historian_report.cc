@@ -82,6 +82,7 @@ absl::Status HistorianOptions::Validate(const ProcessModel& channels) const {
                               limits.max_row_bytes, " bytes"),
                  "at least 1 column and 16 bytes");
   }
+  MLE_RETURN_IF_ERROR(TimeRange::Create(begin, end, clock).status());
   return columns.Validate(channels);
 }
 

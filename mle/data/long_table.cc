@@ -183,7 +183,8 @@ absl::Status Samples::AddRow(const CsvRows& rows, std::size_t begin,
           "skip_repeated_times",
           absl::StrCat(rows.PlaceIn(entry.line, columns_.time + 1), ": '",
                        ShowCsvText(tags_[entry.tag]),
-                       "' has a sample at this time in line ", cell->line,
+                       "' has a sample at this time in ",
+                       rows.LineName(cell->line),
                        " already; such rows are ignored with "
                        "skip_repeated_times = true"));
     }
@@ -250,6 +251,8 @@ absl::StatusOr<WideTable> Samples::Widen(CsvRows& rows) {
 }
 
 }  // namespace
+
+const std::vector<std::string>& UsualTimeColumns() { return UsualTimes(); }
 
 std::vector<std::string> LongColumnNames(const ColumnOptions& options) {
   std::vector<std::string> names;

@@ -32,6 +32,9 @@ struct LongColumns {
   int quality = -1;
 };
 
+// Names that columns of times have, folded (nearest_names.h).
+const std::vector<std::string>& UsualTimeColumns();
+
 // Names of such columns, for the header to be found by.
 std::vector<std::string> LongColumnNames(const ColumnOptions& options);
 

@@ -51,6 +51,8 @@ class RecordClock {
   bool has_assumed_unit() const { return is_recognised_ && !has_number_unit_; }
   // Seconds since 1970-01-01T00:00:00Z of the first time, if that is a date.
   std::optional<double> origin() const { return origin_; }
+  // The same of the last time.
+  std::optional<double> last_seconds() const { return last_seconds_; }
   // Dates count from here instead. Before the first Read().
   void set_origin(std::optional<double> origin) { origin_ = origin; }
   // Rows are newest first.

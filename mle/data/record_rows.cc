@@ -81,7 +81,8 @@ RecordRows::RecordRows(CsvRows& csv, const RecordRowsOptions& options,
       bad_values_(options.bad_values, false),
       bad_words_(options.bad_words, true),
       any_word_is_bad_(options.any_word_is_bad),
-      good_qualities_(options.good_qualities, true) {}
+      good_qualities_(options.good_qualities, true),
+      range_(options.range) {}
 
 absl::StatusOr<RecordRows> RecordRows::Open(CsvRows& csv,
                                             const ProcessModel& channels,
@@ -241,34 +242,41 @@ bool RecordRows::NotASample(std::size_t c) {
 }
 
 bool RecordRows::Next(RecordRow& row) {
-  if (!status_.ok()) return false;
-  if (!csv_->Next(fields_)) {
-    status_ = csv_->status();
-    return false;
+  while (status_.ok()) {
+    if (!csv_->Next(fields_)) {
+      status_ = csv_->status();
+      return false;
+    }
+    if (fields_.size() != columns_.size()) {
+      status_ = OptionError(
+          "separator",
+          absl::StrCat(csv_->Place(static_cast<int>(fields_.size())),
+                       ": the row ends after ", fields_.size(),
+                       " fields, the header has ", columns_.size(),
+                       "; fields that hold a separator must be quoted, or "
+                       "another one be declared (separator)"));
+      return false;
+    }
+    if (!ReadTime(row)) return false;
+    if (range_.Contains(row.time, *clock_)) return ReadSamples(row);
+    ++passed_over_;
   }
-  if (fields_.size() != columns_.size()) {
-    status_ = OptionError(
-        "separator",
-        absl::StrCat(csv_->Place(static_cast<int>(fields_.size())),
-                     ": the row ends after ", fields_.size(),
-                     " fields, the header has ", columns_.size(),
-                     "; fields that hold a separator must be quoted, or "
-                     "another one be declared (separator)"));
-    return false;
+  return false;
+}
+
+bool RecordRows::ReadTime(RecordRow& row) {
+  const std::string_view field = fields_[time_column_];
+  if (!clock_->Read(field, decimal_, row.time)) {
+    return NotReadable(time_column_, clock_->Wanted(field));
   }
-  return ReadSamples(row);
+  status_ = range_.Fits(*clock_);
+  return status_.ok();
 }
 
 bool RecordRows::ReadSamples(RecordRow& row) {
   row.values.assign(num_values_, NoSample());
   for (std::size_t c = 0; c < columns_.size(); ++c) {
     const RecordColumn& column = columns_[c];
-    if (column.kind == Kind::kTime) {
-      if (!clock_->Read(fields_[c], decimal_, row.time)) {
-        return NotReadable(c, clock_->Wanted(fields_[c]));
-      }
-      continue;
-    }
     const int value = value_of_[c];
     if (value < 0) continue;
     double sample = kNaN;

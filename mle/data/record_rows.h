@@ -22,6 +22,7 @@
 #include "mle/data/csv_rows.h"
 #include "mle/data/record_clock.h"
 #include "mle/data/record_columns.h"
+#include "mle/data/time_range.h"
 #include "mle/model/process_model.h"
 
 namespace mle {
@@ -54,6 +55,8 @@ struct RecordRowsOptions {
   std::vector<std::string> good_qualities;
   // Rows to skip below the header (of units, say).
   int rows_below_header = 0;
+  // Other rows are passed over.
+  TimeRange range = {};
 };
 
 // A NaN that stands for an empty field, which may mean that nothing has changed
@@ -86,6 +89,8 @@ class RecordRows {
   // The same of another row, which began in `line`.
   std::string TimePlaceOf(int line) const;
   int line() const { return csv_->line(); }
+  // Rows outside of the range.
+  std::int64_t passed_over() const { return passed_over_; }
   // By value.
   const std::vector<BadSampleCounts>& bad() const { return bad_; }
   // The first few values of quality columns that were not good.
@@ -110,6 +115,7 @@ class RecordRows {
 
   bool ReadSample(std::string_view field, double& sample,
                   BadSampleCounts& bad) const;
+  bool ReadTime(RecordRow& row);
   bool ReadSamples(RecordRow& row);
   bool NotASample(std::size_t c);
   std::string UnknownWords();
@@ -123,6 +129,8 @@ class RecordRows {
   Vocabulary bad_words_;
   bool any_word_is_bad_;
   Vocabulary good_qualities_;
+  TimeRange range_;
+  std::int64_t passed_over_ = 0;
   std::vector<RecordColumn> columns_;
   std::vector<int> value_of_;  // of each column: where its sample goes, or −1
   int time_column_ = 0;

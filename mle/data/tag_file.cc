@@ -221,17 +221,16 @@ absl::StatusOr<std::vector<TagMapping>> ReadTagFile(
 }
 
 absl::StatusOr<std::vector<TagProposal>> ProposeTags(
-    const std::vector<std::string>& paths, const ProcessModel& channels,
+    const std::vector<HistorianSource>& sources, const ProcessModel& channels,
     const HistorianOptions& options) {
   std::vector<TagProposal> proposals;
   std::set<std::string> seen;
   const std::map<std::string, std::string> units = UnitsOf(channels);
   std::set<std::string> free;
   for (const auto& [name, unit] : units) free.insert(name);
-  for (const std::string& path : paths) {
-    MLE_ASSIGN_OR_RETURN(
-        const HistorianColumns columns,
-        HistorianFile::Columns(FileSource(path), channels, options));
+  for (const HistorianSource& source : sources) {
+    MLE_ASSIGN_OR_RETURN(const HistorianColumns columns,
+                         HistorianFile::Columns(source, channels, options));
     for (std::size_t c = 0; c < columns.names.size(); ++c) {
       if (!seen.insert(columns.names[c]).second) continue;
       proposals.push_back({columns.names[c], "", "", columns.units[c]});

@@ -45,7 +45,7 @@ struct TagProposal {
 // A proposal for each column of the files but times and qualities: the channel
 // of that name, or the one whose name is nearest. No channel is proposed twice.
 absl::StatusOr<std::vector<TagProposal>> ProposeTags(
-    const std::vector<std::string>& paths, const ProcessModel& channels,
+    const std::vector<HistorianSource>& sources, const ProcessModel& channels,
     const HistorianOptions& options);
 
 // As a file that ReadTagFile() reads.

@@ -309,13 +309,21 @@ absl::StatusOr<RecordData> PrepareRecords(std::vector<Record> records,
   return data;
 }
 
+absl::StatusOr<RecordData> LoadSources(
+    const std::vector<HistorianSource>& sources, const ProcessModel& model,
+    const HistorianOptions& import, const RecordOptions& options) {
+  MLE_ASSIGN_OR_RETURN(HistorianImport imported,
+                       ImportHistorianSources(sources, model, import));
+  return PrepareRecords(std::move(imported), model, options);
+}
+
 absl::StatusOr<RecordData> LoadRecords(const std::vector<std::string>& paths,
                                        const ProcessModel& model,
                                        const HistorianOptions& import,
                                        const RecordOptions& options) {
-  MLE_ASSIGN_OR_RETURN(HistorianImport imported,
-                       ImportHistorian(paths, model, import));
-  return PrepareRecords(std::move(imported), model, options);
+  std::vector<HistorianSource> sources;
+  for (const std::string& path : paths) sources.push_back(FileSource(path));
+  return LoadSources(sources, model, import, options);
 }
 
 absl::StatusOr<RecordData> PrepareRecords(HistorianImport imported,

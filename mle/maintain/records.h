@@ -91,6 +91,12 @@ absl::StatusOr<RecordData> PrepareRecords(HistorianImport imported,
                                           const ProcessModel& model,
                                           const RecordOptions& options);
 
+// The same of sources of records, as RecordSources() (mle/database) makes them
+// of files and databases. Errors name the source.
+absl::StatusOr<RecordData> LoadSources(
+    const std::vector<HistorianSource>& sources, const ProcessModel& model,
+    const HistorianOptions& import, const RecordOptions& options);
+
 // The same of a historian's files. Errors name the file.
 absl::StatusOr<RecordData> LoadRecords(const std::vector<std::string>& paths,
                                        const ProcessModel& model,

@@ -259,7 +259,8 @@ def correct(
 
     ``model`` is the controller's: transfer functions, step responses or a state
     space, or the path of a file of the first two. ``records`` are paths of
-    files that the command mle_correct reads, data frames with a DatetimeIndex (or
+    files that the command mle_correct reads, names of databases (``postgresql://…``,
+    ``sqlite:FILE``, ``odbc:NAME``, with ``table`` or ``query``), data frames with a DatetimeIndex (or
     times as numbers in the model's unit) and a column for each input and output,
     by name, and each set point (``<output>_setpoint``), or :class:`Record`: one or a
     list. ``options`` are the command's, with the same names, meaning and defaults:

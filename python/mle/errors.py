@@ -30,7 +30,7 @@ class MissingFileError(Error, FileNotFoundError):
 
 
 class FileAccessError(Error, OSError):
-    """A file that cannot be read or written."""
+    """A file that cannot be read or written, a database that cannot be reached."""
 
 
 class CancelledError(Error):

@@ -14,7 +14,7 @@ from .options import names_of, option_texts
 _OF_TEXT = (
     "time_format number_unit separate_files separator decimal lines_above_header "
     "rows_below_header tag_column value_column quality_column empty_fields quality_suffixes "
-    "good_qualities any_word_is_bad"
+    "good_qualities any_word_is_bad begin end query table columns"
 ).split()
 
 
@@ -155,7 +155,7 @@ def source_of(records: Any, options: Mapping[str, Any]) -> tuple:
 
 
 def read_records(records: Any, model: ModelLike, **options: Any) -> List[Record]:
-    """The records of files or data frames, as :func:`correct` uses them: columns
+    """The records of files, databases or data frames, as :func:`correct` uses them: columns
     matched with the channels of ``model``, resampled to one sample time, short
     gaps of inputs bridged. ``options`` are those of the command under "Reading
     the records" (docs/commands.md), as ``sample_time``, ``tags`` or

@@ -11,6 +11,7 @@
 #include "absl/strings/str_join.h"
 #include "apps/common/run_again.h"
 #include "apps/common/sha256.h"
+#include "apps/correct/data_sources.h"
 #include "apps/correct/figures.h"
 #include "apps/correct/outputs.h"
 #include "apps/correct/page.h"
@@ -92,15 +93,22 @@ absl::StatusOr<RecordData> Load(const CorrectCall& call,
   const RecordSource& source = call.source;
   const RecordOptions& options = request.options.records;
   if (!source.paths.empty()) {
-    MLE_ASSIGN_OR_RETURN(files, correct::ReadChecksums(source.paths));
-    return LoadRecords(source.paths, request.model, request.import, options);
+    MLE_ASSIGN_OR_RETURN(const correct::DataSources data,
+                         correct::DataSources::Create(
+                             source.paths, request.database, request.import));
+    MLE_ASSIGN_OR_RETURN(
+        RecordData loaded,
+        LoadSources(data.sources(), request.model, request.import, options));
+    files = data.Files();
+    return loaded;
   }
   if (source.tables.empty()) {
     files = {DescribeMemory("memory", source.records)};
     return PrepareRecords(source.records, request.model, options);
   }
-  MLE_ASSIGN_OR_RETURN(HistorianImport imported,
-                       Import(source, request.model, request.import));
+  MLE_ASSIGN_OR_RETURN(
+      HistorianImport imported,
+      ImportTables(source.tables, request.model, request.import));
   files = {DescribeMemory(NameOfTables(source.tables), imported.records)};
   return PrepareRecords(std::move(imported), request.model, options);
 }

@@ -5,6 +5,8 @@
 #include "absl/strings/str_cat.h"
 #include "apps/correct/record_options.h"
 #include "apps/correct/request.h"
+#include "mle/base/status.h"
+#include "mle/database/record_sources.h"
 #include "pybind11/numpy.h"
 #include "pybind11/stl.h"
 #include "python/src/arrays.h"
@@ -84,32 +86,48 @@ Record Unpickled(const py::tuple& state) {
                     state[3].cast<double>(), state[4].cast<double>());
 }
 
+absl::StatusOr<HistorianImport> Import(const RecordSource& source,
+                                       const ProcessModel& model,
+                                       const HistorianOptions& options,
+                                       const DatabaseOptions& database) {
+  if (!source.tables.empty()) {
+    return ImportTables(source.tables, model, options);
+  }
+  MLE_ASSIGN_OR_RETURN(const std::vector<HistorianSource> sources,
+                       RecordSources(source.paths, database, options));
+  return ImportHistorianSources(sources, model, options);
+}
+
 std::vector<Record> ReadRecords(const py::tuple& from,
                                 const py::object& argument,
                                 const OptionTexts& options) {
   const ProcessModel model = ProcessOf(argument);
   const RecordSource source = SourceOf(from);
   HistorianOptions import;
+  DatabaseOptions database;
   std::vector<std::string> tags;
   std::string tag_file;
   OptionTable table;
   table.Add("Reading the records", correct::OptionsOf(import, tags, &tag_file));
+  table.Add("Reading a database", correct::OptionsOf(database));
   SetOptions(options, table);
   ThrowUnlessOk(correct::ParseTags(tags, tag_file, model, import.columns));
   absl::StatusOr<HistorianImport> imported;
   {
     const py::gil_scoped_release release;
-    imported = Import(source, model, import);
+    imported = Import(source, model, import, database);
   }
   return ValueOrThrow(std::move(imported)).records;
 }
 
 py::list OptionsOfReading() {
   HistorianOptions import;
+  DatabaseOptions database;
   std::vector<std::string> tags;
   std::string tag_file;
   OptionTable table;
   table.Add("", correct::OptionsOf(import, tags, &tag_file));
+  table.Add("", correct::OptionsOf(database));
   return TextsOf(table);
 }
 
@@ -133,13 +151,6 @@ RecordSource SourceOf(const py::tuple& source) {
         });
   }
   return result;
-}
-
-absl::StatusOr<HistorianImport> Import(const RecordSource& source,
-                                       const ProcessModel& model,
-                                       const HistorianOptions& options) {
-  return source.tables.empty() ? ImportHistorian(source.paths, model, options)
-                               : ImportTables(source.tables, model, options);
 }
 
 void AddRecords(py::module_& module) {

@@ -7,8 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "absl/status/statusor.h"
-#include "mle/data/historian.h"
 #include "mle/data/record.h"
 #include "mle/data/table_import.h"
 #include "pybind11/pybind11.h"
@@ -27,11 +25,6 @@ struct RecordSource {
 // From a tuple (kind, list): ("files", paths), ("tables", tuples as
 // python/mle/records.py makes them), ("records", records).
 RecordSource SourceOf(const pybind11::tuple& source);
-
-// Those that are not records already.
-absl::StatusOr<HistorianImport> Import(const RecordSource& source,
-                                       const ProcessModel& model,
-                                       const HistorianOptions& options);
 
 }  // namespace mle::python
 

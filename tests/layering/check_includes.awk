@@ -11,15 +11,17 @@ BEGIN {
   base = "mle/base"
   model = base " mle/model"
   data = model " mle/data"
+  database = data " mle/database"
   regression = data " mle/regression"
   nonlinear = regression " mle/nonlinear"
   exchange = nonlinear " mle/exchange"
   correction = exchange " mle/correction"
-  all_of_mle = correction " mle/maintain"
+  all_of_mle = correction " mle/database mle/maintain"
 
   allowed["mle/base"] = base
   allowed["mle/model"] = model
   allowed["mle/data"] = data
+  allowed["mle/database"] = database
   allowed["mle/regression"] = regression
   allowed["mle/nonlinear"] = nonlinear
   allowed["mle/exchange"] = exchange
@@ -76,6 +78,11 @@ function check_ceres() {
     report("ceres is for the .cc files of mle/nonlinear alone")
 }
 
+function check_soci() {
+  if (FILENAME !~ /^mle\/database\/.*\.cc$/)
+    report("soci is for the .cc files of mle/database alone")
+}
+
 function check(target, quoted) {
   if (target ~ /(^|\/)\.\.?\//) {
     report("include by the path from the root of the project")
@@ -85,6 +92,8 @@ function check(target, quoted) {
     check_gflags()
   } else if (target ~ /^ceres\//) {
     check_ceres()
+  } else if (target ~ /^soci\//) {
+    check_soci()
   } else if (quoted && target !~ /\//) {
     report("include by the path from the root of the project")
   }

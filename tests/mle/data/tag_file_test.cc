@@ -100,8 +100,9 @@ class ProposalTest : public ::testing::Test {
 
 TEST_F(ProposalTest, NamesTheNearestChannelOfEachColumn) {
   const auto proposals = ProposeTags(
-      {Write("Plant 7\n\nTimestamp,Tank Level.PV,Tank Level.SP,STEAM,XI9,"
-             "XI9_quality\n,cm,cm,t/h,,\n2024-03-04 06:00,1,2,3,4,Good\n")},
+      {FileSource(
+          Write("Plant 7\n\nTimestamp,Tank Level.PV,Tank Level.SP,STEAM,XI9,"
+                "XI9_quality\n,cm,cm,t/h,,\n2024-03-04 06:00,1,2,3,4,Good\n"))},
       Tank(), HistorianOptions());
   ASSERT_TRUE(proposals.ok()) << proposals.status();
   ASSERT_EQ(proposals->size(), 4u);
@@ -122,8 +123,9 @@ TEST_F(ProposalTest, NamesTheNearestChannelOfEachColumn) {
 
 TEST_F(ProposalTest, LongTablesHaveTagsToo) {
   const auto proposals = ProposeTags(
-      {Write("tag,time,value\nLEVEL,0,1\nsteam_op,0,2\nLEVEL,1,1\n")}, Tank(),
-      HistorianOptions());
+      {FileSource(
+          Write("tag,time,value\nLEVEL,0,1\nsteam_op,0,2\nLEVEL,1,1\n"))},
+      Tank(), HistorianOptions());
   ASSERT_TRUE(proposals.ok()) << proposals.status();
   ASSERT_EQ(proposals->size(), 2u);
   EXPECT_EQ((*proposals)[0].channel, "level");

@@ -1,0 +1,125 @@
+#include "mle/database/database_name.h"
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/match.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
+#include "mle/base/status.h"
+#include "mle/data/csv_rows.h"
+#include "mle/database/postgresql_uri.h"
+#include "mle/database/record_sources.h"
+
+namespace mle {
+namespace {
+
+absl::string_view View(std::string_view text) {
+  return {text.data(), text.size()};
+}
+
+bool IsPostgresql(std::string_view text) {
+  return absl::StartsWithIgnoreCase(View(text), "postgresql://") ||
+         absl::StartsWithIgnoreCase(View(text), "postgres://");
+}
+
+// Of a connection string: DSN=plant;UID=reader;PWD=word.
+bool StringHasPassword(std::string_view text) {
+  for (const absl::string_view part : absl::StrSplit(View(text), ';')) {
+    const std::vector<absl::string_view> pair =
+        absl::StrSplit(part, absl::MaxSplits('=', 1));
+    const std::string key =
+        absl::AsciiStrToLower(absl::StripAsciiWhitespace(pair[0]));
+    if (pair.size() == 2 && (key == "pwd" || key == "password")) return true;
+  }
+  return false;
+}
+
+absl::StatusOr<DatabaseName> ParsePostgresql(std::string_view text) {
+  // libpq wants the scheme in lower case.
+  const std::size_t end = text.find("://");
+  const std::string uri = absl::StrCat(
+      absl::AsciiStrToLower(View(text.substr(0, end))), View(text.substr(end)));
+  MLE_RETURN_IF_ERROR(PostgresqlParameters(uri, "").status());
+  return DatabaseName{DatabaseKind::kPostgresql, std::string(text), uri};
+}
+
+absl::StatusOr<DatabaseName> ParseSqlite(std::string_view text) {
+  std::string_view path = text.substr(text.find(':') + 1);
+  // sqlite:///FILE, as others write it: an absolute path follows the third /.
+  if (path.starts_with("//")) path.remove_prefix(2);
+  if (path.empty()) {
+    return absl::InvalidArgumentError(
+        "'sqlite:' names no file; it must be sqlite:FILE");
+  }
+  if (path.find('"') != std::string_view::npos ||
+      path.find('\0') != std::string_view::npos) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("'", ShowCsvText(text),
+                     "': the path of an SQLite file must not have a double "
+                     "quote in it; rename the file"));
+  }
+  return DatabaseName{DatabaseKind::kSqlite, std::string(text),
+                      std::string(path)};
+}
+
+absl::StatusOr<DatabaseName> ParseOdbc(std::string_view text) {
+  const std::string_view place = text.substr(text.find(':') + 1);
+  if (StringHasPassword(place)) {
+    return PasswordError("ODBC",
+                         "set MLE_ODBC_PASSWORD (and MLE_ODBC_USER) in the "
+                         "environment, or have it in odbc.ini");
+  }
+  if (place.empty()) {
+    return absl::InvalidArgumentError(
+        "'odbc:' names no data source; it must be odbc:NAME with a NAME of "
+        "odbc.ini");
+  }
+  return DatabaseName{DatabaseKind::kOdbc, std::string(text),
+                      std::string(place)};
+}
+
+// "mysql" of mysql://…; empty for text that does not begin so.
+std::string_view SchemeOf(std::string_view text) {
+  const std::size_t end = text.find("://");
+  if (end == std::string_view::npos || end == 0) return {};
+  for (const char c : text.substr(0, end)) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (!absl::ascii_isalnum(byte) && c != '+' && c != '-' && c != '.') {
+      return {};
+    }
+  }
+  return text.substr(0, end);
+}
+
+}  // namespace
+
+absl::Status PasswordError(std::string_view kind, std::string_view remedy) {
+  return absl::InvalidArgumentError(absl::StrCat(
+      "the name of the ", View(kind),
+      " database has a password in it, which others could read in the list of "
+      "processes and in results; take it out, and ",
+      View(remedy)));
+}
+
+bool IsDatabase(std::string_view name) {
+  return absl::StartsWithIgnoreCase(View(name), "sqlite:") ||
+         absl::StartsWithIgnoreCase(View(name), "odbc:") ||
+         absl::StartsWithIgnoreCase(View(name), "jdbc:") ||
+         !SchemeOf(name).empty();
+}
+
+absl::StatusOr<DatabaseName> ParseDatabaseName(std::string_view text) {
+  if (IsPostgresql(text)) return ParsePostgresql(text);
+  if (absl::StartsWithIgnoreCase(View(text), "sqlite:")) {
+    return ParseSqlite(text);
+  }
+  if (absl::StartsWithIgnoreCase(View(text), "odbc:")) return ParseOdbc(text);
+  // What follows may have a password in it.
+  const std::string_view scheme = text.substr(0, text.find(':'));
+  return absl::InvalidArgumentError(absl::StrCat(
+      "'", ShowCsvText(scheme),
+      ":…' is not a database that can be read; those are "
+      "postgresql://USER@HOST/NAME, sqlite:FILE and odbc:NAME, the "
+      "last for all others, by their ODBC drivers"));
+}
+
+}  // namespace mle

@@ -1,0 +1,55 @@
+// What differs between databases. Everything here may throw what SOCI throws;
+// DatabaseSession (database_session.h) is where that ends. Internal to
+// mle/database.
+
+#ifndef MLE_DATABASE_SQL_BACKEND_H_
+#define MLE_DATABASE_SQL_BACKEND_H_
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "mle/database/table_text.h"
+
+namespace mle {
+
+struct SqlColumn {
+  std::string name;
+  bool is_date = false;  // of a type of dates, not text or numbers
+};
+
+class SqlBackend {
+ public:
+  virtual ~SqlBackend() = default;
+
+  // Begins to read the rows of a query; its columns. Ends what was read before.
+  virtual std::vector<SqlColumn> Start(const std::string& query) = 0;
+  // Adds the next rows, `most` or fewer; their number, 0 at the end.
+  virtual int Read(int most, TableText& text) = 0;
+  // Of tables and views, for messages; empty: not known.
+  virtual std::vector<std::string> Tables() { return {}; }
+  // By what rows of a table are put in order of a column of times, both names
+  // quoted; empty: as they stand.
+  virtual std::string Order(const std::string& /*table*/,
+                            const std::string& column) {
+    return column;
+  }
+  // A name as SQL has it, whatever stands in it.
+  virtual std::string Quote(const std::string& name) const;
+  // "YYYY-MM-DD hh:mm:ss" in SQL, to be compared with dates; empty: not to be.
+  virtual std::string DateLiteral(const std::string& /*date*/) const {
+    return {};
+  }
+};
+
+// Sessions that only read, of what database_name.h calls a place.
+std::unique_ptr<SqlBackend> OpenPostgresql(const std::string& uri);
+std::unique_ptr<SqlBackend> OpenSqlite(const std::string& path);
+// `user` and `password` may be empty.
+std::unique_ptr<SqlBackend> OpenOdbc(const std::string& source,
+                                     const std::string& user,
+                                     const std::string& password);
+
+}  // namespace mle
+
+#endif  // MLE_DATABASE_SQL_BACKEND_H_

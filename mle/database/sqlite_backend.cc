@@ -1,0 +1,133 @@
+// SQLite, a file opened for reading only, row by row.
+//
+// SOCI has session, statements and errors. Values are taken from its statements
+// with the type that each of them has: SOCI goes by the declared type of the
+// column, which SQLite does not, and as text numbers have 15 digits.
+
+#include <soci/soci.h>
+#include <soci/sqlite3/soci-sqlite3.h>
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "mle/database/sql_backend.h"
+
+namespace mle {
+namespace {
+
+// Another program may be writing.
+constexpr int kTimeoutSeconds = 10;
+
+class SqliteBackend : public SqlBackend {
+ public:
+  explicit SqliteBackend(const std::string& path)
+      : session_(soci::sqlite3,
+                 absl::StrCat("db=\"", path,
+                              "\" readonly=true timeout=", kTimeoutSeconds)) {}
+
+  std::vector<SqlColumn> Start(const std::string& query) override;
+  int Read(int most, TableText& text) override;
+  std::vector<std::string> Tables() override;
+  std::string Order(const std::string& table,
+                    const std::string& column) override;
+
+ private:
+  void AddValue(int column, TableText& text) const;
+
+  soci::session session_;
+  bool has_begun_ = false;
+  std::optional<soci::statement> statement_;
+  soci::sqlite3_statement_backend* rows_ = nullptr;  // of the statement
+  bool has_row_ = false;
+};
+
+std::vector<SqlColumn> SqliteBackend::Start(const std::string& query) {
+  // All statements see the database as it is now.
+  if (!has_begun_) session_.begin();
+  has_begun_ = true;
+  rows_ = nullptr;
+  statement_.emplace(session_);
+  statement_->alloc();
+  statement_->prepare(query);
+  rows_ =
+      static_cast<soci::sqlite3_statement_backend*>(statement_->get_backend());
+  std::vector<SqlColumn> columns;
+  for (int c = 0; c < sqlite_api::sqlite3_column_count(rows_->stmt_); ++c) {
+    columns.push_back({sqlite_api::sqlite3_column_name(rows_->stmt_, c)});
+  }
+  has_row_ = rows_->execute(1) == soci::details::statement_backend::ef_success;
+  return columns;
+}
+
+void SqliteBackend::AddValue(int column, TableText& text) const {
+  sqlite_api::sqlite3_stmt* const row = rows_->stmt_;
+  switch (sqlite_api::sqlite3_column_type(row, column)) {
+    case SQLITE_NULL:
+      text.AddNull();
+      return;
+    case SQLITE_INTEGER:
+      text.Add(static_cast<std::int64_t>(
+          sqlite_api::sqlite3_column_int64(row, column)));
+      return;
+    case SQLITE_FLOAT:
+      text.Add(sqlite_api::sqlite3_column_double(row, column));
+      return;
+    default: {
+      const void* const bytes = sqlite_api::sqlite3_column_blob(row, column);
+      const int size = sqlite_api::sqlite3_column_bytes(row, column);
+      text.Add(std::string_view(static_cast<const char*>(bytes),
+                                static_cast<std::size_t>(size)));
+    }
+  }
+}
+
+int SqliteBackend::Read(int most, TableText& text) {
+  int count = 0;
+  while (has_row_ && count < most) {
+    const int columns = sqlite_api::sqlite3_column_count(rows_->stmt_);
+    for (int c = 0; c < columns; ++c) AddValue(c, text);
+    text.EndRow();
+    ++count;
+    has_row_ = rows_->fetch(1) == soci::details::statement_backend::ef_success;
+  }
+  return count;
+}
+
+std::vector<std::string> SqliteBackend::Tables() {
+  std::vector<std::string> names(1000);
+  session_ << "SELECT name FROM sqlite_master WHERE type IN ('table', 'view') "
+              "ORDER BY name LIMIT 1000",
+      soci::into(names);
+  return names;
+}
+
+// Numbers are text where a CSV file was imported, and 101 is then before 11; so
+// is the first of April before the fourth of March unless the year stands
+// first.
+std::string SqliteBackend::Order(const std::string& table,
+                                 const std::string& column) {
+  std::string kind;
+  session_ << "SELECT CASE WHEN typeof(" << column
+           << ") <> 'text' THEN 'other' WHEN " << column
+           << " GLOB '[0-9][0-9][0-9][0-9][-/.][0-9]*[0-9]:[0-9]*' THEN "
+              "'other' WHEN "
+           << column << " NOT GLOB '*[^0-9.eE+-]*' AND " << column
+           << " NOT GLOB '*[0-9]-*' THEN 'number' ELSE 'date' END FROM "
+           << table << " LIMIT 1",
+      soci::into(kind);
+  if (kind == "date") return "";
+  return kind == "number" ? absl::StrCat("CAST(", column, " AS REAL)") : column;
+}
+
+}  // namespace
+
+std::unique_ptr<SqlBackend> OpenSqlite(const std::string& path) {
+  return std::make_unique<SqliteBackend>(path);
+}
+
+}  // namespace mle
