@@ -59,6 +59,7 @@ void ExpectReadable(const std::string& path, const std::string& name,
     EXPECT_LE(visit.found["overflow"], 0) << "at " << width;
     EXPECT_EQ(visit.found["faint"], nlohmann::json::array());
     EXPECT_EQ(visit.found["overlapping"], nlohmann::json::array());
+    EXPECT_EQ(visit.found["unreachable"], nlohmann::json::array());
     ExpectPromise(promise, width, visit.found);
   }
 }

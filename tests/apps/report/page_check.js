@@ -105,6 +105,20 @@ function readout() {
 const cut = () => Array.from(document.querySelectorAll('.scroll.table')).filter(
     box => box.scrollWidth > box.clientWidth + 1).length;
 
+// What a keyboard does not reach, or reaches without a visible outline: links,
+// folds, buttons, and boxes that scroll.
+function unreachable() {
+  const targets = document.querySelectorAll(
+      'a[href], summary, button, .scroll');
+  return Array.from(targets).filter(target => {
+    if (getComputedStyle(target).display === 'none') return false;
+    target.focus({focusVisible: true, preventScroll: true});
+    const style = getComputedStyle(target);
+    return document.activeElement !== target || target.tabIndex < 0 ||
+        style.outlineStyle === 'none' || parseFloat(style.outlineWidth) < 1;
+  }).map(target => target.outerHTML.slice(0, 100));
+}
+
 // What the first button that copies says and offers, after a click.
 async function copied() {
   const button = document.querySelector('button.copy');
@@ -141,6 +155,7 @@ found.faint = faint();
 found.overlapping = overlapping();
 found.smallest = smallest();
 found.readout = readout();
+found.unreachable = unreachable();
 const out = document.createElement('pre');
 out.id = 'check';
 out.hidden = true;
