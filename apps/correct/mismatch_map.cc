@@ -41,6 +41,15 @@ std::vector<std::string> Changes(const ElementEstimate& element,
   return lines;
 }
 
+// Whether other values than the initial ones were proposed.
+bool IsProposed(const ElementEstimate& element) {
+  const auto differs = [](const ParameterEstimate& estimate) {
+    return estimate.value != estimate.initial;
+  };
+  return differs(element.gain) || differs(element.time_scale) ||
+         differs(element.delay);
+}
+
 // 0: kept; from 5 %, 15 % and 40 % of the response on a level more.
 int LevelOfChange(const Result& result, int output, int input) {
   constexpr double kFrom[] = {0.0, 0.05, 0.15, 0.4};
@@ -71,6 +80,12 @@ std::string DescribePair(const Result& result, int output, int input) {
             result.estimate.fit.output_error.corrected.element(output, input),
             result.initial.time_unit()),
         ", ");
+  }
+  const ElementEstimate& proposed = result.proposed.element(output, input);
+  if (IsProposed(proposed)) {
+    return absl::StrCat(
+        absl::StrJoin(Changes(proposed, result.initial.time_unit()), ", "),
+        ": not validated");
   }
   const bool weak =
       result.information.pair(output, input).state == PairState::kWeak;

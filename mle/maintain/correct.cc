@@ -69,7 +69,7 @@ absl::StatusOr<std::vector<WindowAgreement>> AgreementOf(
       std::vector<WindowAgreement> agreement,
       TestWindowAgreement(result.options.estimation.estimator == Estimator::kArx
                               ? result.initial
-                              : result.fitted,
+                              : result.proposed.model,
                           windows));
   for (int i = 0; i < result.initial.num_outputs(); ++i) {
     if (ProposesByArx(estimate, i)) agreement[i] = {};
@@ -84,10 +84,10 @@ absl::StatusOr<std::vector<LevelDependence>> LevelDependenceOf(
   if (!ProposesAny(estimate) || estimate.fit.arx.has_value()) {
     return std::vector<LevelDependence>(result.initial.num_inputs());
   }
-  return TestLevelDependence(result.fitted, JoinAdjoining(windows).records,
-                             estimate.fit.output_error.aged,
-                             estimate.setting.options.output_error,
-                             estimate.fit.output_error.corrected.noise);
+  return TestLevelDependence(
+      result.proposed.model, JoinAdjoining(windows).records,
+      estimate.fit.output_error.aged, estimate.setting.options.output_error,
+      estimate.fit.output_error.corrected.noise);
 }
 
 absl::Status DecideByEvidence(const std::vector<Record>& windows, int order,

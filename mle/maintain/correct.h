@@ -103,7 +103,9 @@ struct CorrectionResult {
   // longer than decision.clock_error; p: what of an output was taken back for
   // it, in words, or empty.
   std::vector<SharedDelay> shared_delays;
-  ProcessModel fitted;  // what is proposed, with them
+  // What is proposed by gains, time constants and dead times, with them; it
+  // stays here whatever of it is taken.
+  OutputErrorFit proposed;
   std::vector<std::string> taken_for_clocks;
   // m: whether gains follow the level of an input that a change is proposed of.
   // Empty without CorrectOptions::examine.

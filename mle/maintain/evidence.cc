@@ -157,8 +157,9 @@ std::string PlayAsLarge(const CorrectionResult& result, int i, int j) {
                    });
   if (play == result.data.findings.end()) return "";
   const Eigen::VectorXd before = result.initial_response.element(i, j);
-  const Eigen::VectorXd after = result.fitted.element(i, j).StepResponse(
-      result.data.sample_time(), static_cast<int>(before.size()));
+  const Eigen::VectorXd after =
+      result.proposed.model.element(i, j).StepResponse(
+          result.data.sample_time(), static_cast<int>(before.size()));
   const double change = (after - before).norm() / before.norm();
   if (!(change <= play->share + result.options.decision.least_change)) {
     return "";

@@ -155,7 +155,7 @@ absl::Status WithdrawProposals(int samples, CorrectionResult& result) {
                                           result.data.sample_time(), samples,
                                           /*make_arx=*/false));
   WithdrawSmallChanges(proposed.response, result);
-  result.fitted = result.estimate.fit.output_error.corrected.model;
+  result.proposed = result.estimate.fit.output_error.corrected;
   WithdrawSharedDelays(proposed.response, result);
   return absl::OkStatus();
 }

@@ -81,6 +81,9 @@ TEST(ReportPageTest, OfRecordsThatCannotTell) {
   ExpectReadable(page, "cannot_tell", 16,
                  {.badge = "cannot tell", .least_folds = 6});
   ExpectFitsPaper(page, "cannot_tell_paper");
+  // The estimate is shown, and that nothing is written of it.
+  EXPECT_THAT(Content(page),
+              ::testing::ContainsRegex("gain × 0\\.[45][^<]*: not validated"));
 }
 
 TEST(ReportPageTest, OfACorrection) {
