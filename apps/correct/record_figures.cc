@@ -4,13 +4,16 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "absl/time/time.h"
 #include "apps/correct/figure_parts.h"
 #include "apps/correct/record_tables.h"
+#include "mle/data/civil_time.h"
 
 namespace mle::correct {
 namespace {
@@ -109,6 +112,22 @@ std::string DatesOf(const RecordData& data, const ProcessModel& model) {
                       " (", TimeUnit(data, model), ").");
 }
 
+// Dates on the axis, where the records have them and follow each other in time.
+std::optional<report::DateScale> DateScaleOf(const RecordData& data,
+                                             const ProcessModel& model,
+                                             const Strip& strip) {
+  const std::optional<double> unit = SecondsPerUnit(model.time_unit());
+  if (!data.report.time_origin || !unit || strip.pieces.size() > 1) {
+    return std::nullopt;
+  }
+  report::DateScale dates{.origin = *data.report.time_origin,
+                          .seconds_per_unit = *unit};
+  absl::TimeZone zone;
+  const std::string& name = data.report.time_zone;
+  if (!name.empty() && absl::LoadTimeZone(name, &zone)) dates.zone = zone;
+  return dates;
+}
+
 std::string UnitOr(const std::string& unit, const char* otherwise) {
   return unit.empty() ? otherwise : unit;
 }
@@ -132,12 +151,13 @@ report::NamedFigure RecordFigure(const Result& result) {
                        : "",
                    DatesOf(data, model)),
       (channels + 1) / 2, 2, 4.0);
-  const TimeNames times = data.Times(model);
+  const std::optional<report::DateScale> dates =
+      DateScaleOf(data, model, strip);
   const std::string x_label =
       strip.pieces.size() > 1 ? TimeLabel(result, "time from the first start")
-      : times.has_dates()
-          ? TimeLabel(result, absl::StrCat("time since ", times.At(0.0)))
-          : TimeLabel(result, "time");
+      : dates ? absl::StrCat("time (", TimeUnit(data, model), "), from ",
+                             data.Times(model).Short(strip.starts[0]))
+              : TimeLabel(result, "time");
   for (int c = 0; c < channels; ++c) {
     const bool output = c < model.num_outputs();
     const int j = c - model.num_outputs();
@@ -146,6 +166,7 @@ report::NamedFigure RecordFigure(const Result& result) {
     panel.y.label =
         UnitOr(output ? model.outputs()[c].unit : model.inputs()[j].unit,
                output ? "measured" : "input");
+    panel.x.dates = dates;
     if (c + 2 >= channels) panel.x.label = x_label;
     const std::vector<double> values =
         Join(strip, [&](const Record& piece) -> Eigen::RowVectorXd {

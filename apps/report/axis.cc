@@ -160,7 +160,7 @@ Range XRange(const Panel& panel) {
     extent.Add(span.to);
   }
   const Range exact = extent.ToRange(margin);
-  return panel.x.log ? exact : ToNearTicks(exact);
+  return panel.x.log || panel.x.dates.has_value() ? exact : ToNearTicks(exact);
 }
 
 Range YRange(const Panel& panel) {

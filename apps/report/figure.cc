@@ -22,6 +22,18 @@ absl::Status InvalidIf(bool wrong, absl::string_view where,
 }
 
 absl::Status ValidateAxis(const Axis& axis, const std::string& where) {
+  if (axis.dates.has_value()) {
+    const bool is_scale = std::isfinite(axis.dates->origin) &&
+                          std::isfinite(axis.dates->seconds_per_unit) &&
+                          axis.dates->seconds_per_unit > 0.0;
+    if (const absl::Status status =
+            InvalidIf(axis.log || !axis.names.empty() || !is_scale, where,
+                      "an axis of dates has a finite origin, a positive unit, "
+                      "no names and no logarithm");
+        !status.ok()) {
+      return status;
+    }
+  }
   if (!axis.names.empty()) {
     return InvalidIf(axis.log || axis.range.has_value(), where,
                      "an axis with names has no range and no logarithm");

@@ -25,6 +25,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "absl/time/time.h"
 
 namespace mle::report {
 
@@ -135,12 +136,22 @@ struct Range {
   double max = 1.0;
 };
 
+// Values of an axis that stand for dates: seconds since 1970-01-01T00:00:00Z
+// are origin + value × seconds_per_unit.
+struct DateScale {
+  double origin = 0.0;
+  double seconds_per_unit = 1.0;  // > 0
+  absl::TimeZone zone = absl::UTCTimeZone();
+};
+
 struct Axis {
   std::string label = {};
   bool log = false;
   std::optional<Range> range = {};  // default: what the panel shows, rounded
   // Names of the places 0, 1, 2, … instead of numbers; the range is theirs.
   std::vector<std::string> names = {};
+  // Ticks at dates instead of numbers; of a linear axis without names.
+  std::optional<DateScale> dates = {};
 };
 
 struct Panel {

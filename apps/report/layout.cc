@@ -7,6 +7,7 @@
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
+#include "apps/report/date_ticks.h"
 #include "apps/report/font.h"
 #include "mle/base/status.h"
 
@@ -145,10 +146,14 @@ double WidestLabel(const std::vector<Tick>& ticks) {
 }
 
 // Ticks so many that their labels have room on `length` points.
-std::vector<Tick> FittingTicks(const Range& range, bool log, double em,
+std::vector<Tick> FittingTicks(const Axis& axis, const Range& range, double em,
                                double length, bool horizontal) {
+  const auto some = [&](int wanted) {
+    return axis.dates.has_value() ? DateTicks(range, *axis.dates, wanted)
+                                  : Ticks(range, axis.log, wanted);
+  };
   for (int wanted = 7; wanted > 2; --wanted) {
-    std::vector<Tick> ticks = Ticks(range, log, wanted);
+    std::vector<Tick> ticks = some(wanted);
     double needed = 0.0;
     for (const Tick& tick : ticks) {
       if (tick.label.empty()) continue;
@@ -157,13 +162,13 @@ std::vector<Tick> FittingTicks(const Range& range, bool log, double em,
     }
     if (needed <= length) return ticks;
   }
-  return Ticks(range, log, 2);
+  return some(2);
 }
 
 std::vector<Tick> TicksOf(const Axis& axis, const Range& range, double em,
                           double length, bool horizontal, int places) {
   if (axis.names.empty()) {
-    return FittingTicks(range, axis.log, em, length, horizontal);
+    return FittingTicks(axis, range, em, length, horizontal);
   }
   std::vector<Tick> ticks = NamedTicks(axis.names);
   const double room = horizontal

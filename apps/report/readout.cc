@@ -17,6 +17,11 @@ function axis(text) {
         ).replace(/-/g, '−'),
   };
 }
+function dates(text) {
+  const [origin, unit, zone] = text.split(' ');
+  return value => new Date(1000 * (+origin + value * unit)).toLocaleString(
+      'sv-SE', {timeZone: zone});
+}
 // The points of a path stand behind its capital letters; M starts a line.
 function points(path) {
   let x = 0, y = 0;
@@ -40,10 +45,12 @@ function height(all, x, near) {
 }
 function prepare(panel) {
   const size = panel.querySelector('.plot');
+  const x = axis(panel.dataset.x);
   return {
     panel, width: +size.getAttribute('width'),
     tall: +size.getAttribute('height'),
-    x: axis(panel.dataset.x), y: axis(panel.dataset.y),
+    x, y: axis(panel.dataset.y),
+    date: panel.dataset.dates ? dates(panel.dataset.dates) : x.show,
     curves: Array.from(panel.querySelectorAll('.series'), group => ({
       label: (group.querySelector('title') || group).textContent.trim(),
       all: Array.from(group.querySelectorAll('path:not(.band)')).flatMap(
@@ -51,11 +58,11 @@ function prepare(panel) {
     })),
   };
 }
-function readout({panel, width, tall, x, y, curves}, event) {
+function readout({panel, width, tall, x, y, date, curves}, event) {
   const at = new DOMPoint(event.clientX, event.clientY).matrixTransform(
       panel.getScreenCTM().inverse());
   if (at.x < 0 || at.x > width || at.y < 0 || at.y > tall) return '';
-  return ['at ' + x.show(x.at(at.x / width))].concat(curves.map(curve => {
+  return ['at ' + date(x.at(at.x / width))].concat(curves.map(curve => {
     const py = height(curve.all, at.x, 0.01 * width);
     return py === null ? '' : curve.label + ' ' + y.show(y.at(1 - py / tall));
   })).filter(Boolean).join(' · ');

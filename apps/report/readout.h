@@ -9,7 +9,7 @@ namespace mle::report {
 
 // Shows, below a figure, the values of its curves where the pointer is. It
 // reads them back from the picture (svg.h), so they are as exact as that: three
-// digits.
+// digits. Where an axis has dates, the place is one.
 std::string_view ReadoutScript();
 
 }  // namespace mle::report

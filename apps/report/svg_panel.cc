@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <string>
 #include <vector>
 
+#include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "apps/report/axis.h"
@@ -39,8 +41,8 @@ class PanelWriter {
     std::string out = absl::StrCat(
         "<g class=\"panel\" data-x=\"", RangeOf(placed_.x_range, panel_.x.log),
         "\" data-y=\"", RangeOf(placed_.y_range, panel_.y.log),
-        "\" transform=\"translate(", Coordinate(frame.left), " ",
-        Coordinate(top), ")\">\n");
+        DatesOf(panel_.x), "\" transform=\"translate(", Coordinate(frame.left),
+        " ", Coordinate(top), ")\">\n");
     // A viewport of its own: what is in it ends at the frame.
     absl::StrAppend(&out, "<svg class=\"plot\"", Attribute("width", width_),
                     Attribute("height", height_), ">\n");
@@ -58,6 +60,18 @@ class PanelWriter {
   }
 
  private:
+  // What the values of the axis stand for, for the script of the page.
+  static std::string DatesOf(const Axis& axis) {
+    if (!axis.dates.has_value()) return "";
+    const std::string zone = axis.dates->zone.name();
+    const bool is_plain = std::all_of(zone.begin(), zone.end(), [](char c) {
+      return absl::ascii_isalnum(static_cast<unsigned char>(c)) || c == '/' ||
+             c == '_' || c == '-' || c == '+';
+    });
+    if (!is_plain) return "";
+    return absl::StrFormat("\" data-dates=\"%.17g %.17g %s", axis.dates->origin,
+                           axis.dates->seconds_per_unit, zone);
+  }
   static std::string RangeOf(const Range& range, bool log) {
     return absl::StrFormat("%.10g %.10g%s", range.min, range.max,
                            log ? " log" : "");

@@ -226,6 +226,10 @@ TEST_F(ServerTest, NumbersOfTheFileAndNoPasswordAnywhere) {
             Numbers(ParsedJson(out + "/result.json")).dump());
   EXPECT_THAT(run.out + run.err, Not(HasSubstr(kPassword)));
   EXPECT_THAT(FilesWith(out, kPassword), ::testing::IsEmpty());
+  // The records are drawn over dates.
+  EXPECT_THAT(Content(out + "/records.svg"),
+              AllOf(HasSubstr("data-dates=\"1709532000 60 UTC\""),
+                    HasSubstr(">07:00<"), HasSubstr(">10:00<")));
   // What is searched for would be found.
   EXPECT_THAT(FilesWith(out, "of_server"), Not(::testing::IsEmpty()));
 

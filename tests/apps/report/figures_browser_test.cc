@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "absl/time/time.h"
 #include "apps/report/html.h"
 #include "apps/report/text.h"
 #include "gmock/gmock.h"
@@ -24,10 +25,16 @@ constexpr char kHostile[] =
     "<b data-injected=1>x</b>\"'&</script><script>alert(1)</script> "
     "\u202e\U0001F600";
 
-Figure Curves() {
+// With minutes, or dates from 4 March 2024, 7:00 in Berlin, on its first axis.
+Figure Curves(bool has_dates) {
   Figure figure{.columns = 2};
   Panel& steps = figure.AddPanel("reflux");
   steps.x.label = "time (min)";
+  if (has_dates) {
+    DateScale dates{.origin = 1709532000.0, .seconds_per_unit = 60.0};
+    EXPECT_TRUE(absl::LoadTimeZone("Europe/Berlin", &dates.zone));
+    steps.x.dates = dates;
+  }
   steps.y.label = "step response";
   std::vector<double> time, value, low, high;
   for (int i = 0; i <= 200; ++i) {
@@ -60,11 +67,11 @@ Figure Curves() {
   return figure;
 }
 
-std::string Page() {
+std::string Page(bool has_dates) {
   HtmlPage page("Figures");
   page.AddSummary({"Two figures."});
   page.AddWarning("A warning.");
-  page.AddFigure(Curves(), "Curves.", "Rising.");
+  page.AddFigure(Curves(has_dates), "Curves.", "Rising.");
   Figure map;
   Panel& cells = map.AddPanel("");
   cells.x.names = cells.y.names = {"a", "b"};
@@ -83,7 +90,8 @@ class FiguresBrowserTest
 TEST_P(FiguresBrowserTest, CanBeReadAndAsksForNothing) {
   if (!HasBrowser()) GTEST_SKIP() << "chromium is not installed";
   const auto [width, mode] = GetParam();
-  const BrowserVisit visit = VisitPage(Page(), width, "figures", mode);
+  const bool has_dates = mode == Mode::kDark;
+  const BrowserVisit visit = VisitPage(Page(has_dates), width, "figures", mode);
   ASSERT_EQ(visit.error, "");
   const nlohmann::json& found = visit.found;
   EXPECT_THAT(visit.console, IsEmpty());
@@ -102,7 +110,8 @@ TEST_P(FiguresBrowserTest, CanBeReadAndAsksForNothing) {
               ::testing::Contains(CleanText(kHostile)));
   // The middle of 0 … 100: 6.4·(1 − e⁻³) = 6.08.
   EXPECT_THAT(found["readout"].get<std::string>(),
-              AllOf(HasSubstr("at 50 "), HasSubstr("corrected 6.08"),
+              AllOf(HasSubstr(has_dates ? "at 2024-03-04 07:50:00 " : "at 50 "),
+                    HasSubstr("corrected 6.08"),
                     HasSubstr(CleanText(kHostile) + " 5.00")));
 }
 
