@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <limits>
 #include <numbers>
 #include <utility>
 #include <vector>
 
+#include "Eigen/Eigenvalues"
 #include "Eigen/LU"
-#include "Eigen/SVD"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "mle/base/status.h"
@@ -29,6 +30,18 @@ constexpr double kMargin = 1e-6;
 constexpr double kNegligible = 1e-10;  // of the largest coefficient
 // Complex numbers that the transforms of one circle may hold (256 MiB).
 constexpr Eigen::Index kMostNumbers = Eigen::Index{1} << 24;
+
+// The least 2^a 3^b 5^c that is not below `count`: Fourier transforms of such
+// lengths, and of twice as many, are fast.
+int FastLength(int count) {
+  for (int length = count;; ++length) {
+    int rest = length;
+    for (const int factor : {2, 3, 5}) {
+      while (rest % factor == 0) rest /= factor;
+    }
+    if (rest == 1) return length;
+  }
+}
 
 // Σ_{a=1}^{n} C_a w^a with real matrices C_a.
 class MatrixPolynomial {
@@ -67,6 +80,10 @@ class MatrixPolynomial {
     VectorXd folded(2 * n);
     VectorXcd spectrum;
     for (Eigen::Index entry = 0; entry < coefficients_.cols(); ++entry) {
+      if (coefficients_.col(entry).isZero(0.0)) {
+        values.row(entry).setZero();
+        continue;
+      }
       folded.setZero();
       double power = 1.0;
       for (Eigen::Index a = 1; a <= degree(); ++a) {
@@ -256,9 +273,9 @@ double PhaseChange(const Loop& loop, double radius, double from, Complex D_from,
 // circle tells all.
 int CountZeros(const Loop& loop, double radius) {
   constexpr Eigen::Index kFewest = 64;
-  const auto intervals = static_cast<int>(
+  const int intervals = FastLength(static_cast<int>(
       std::clamp(2 * loop.degree(), kFewest,
-                 std::max(kMostNumbers / loop.entries(), kFewest)));
+                 std::max(kMostNumbers / loop.entries(), kFewest))));
   const VectorXcd on_circle = loop.DeterminantsOnHalfCircle(radius, intervals);
   double change = 0.0;
   for (int i = 1; i <= intervals; ++i) {
@@ -280,8 +297,12 @@ double SmallestZero(const Loop& loop, double low, double high, int spared) {
   return 0.5 * (low + high);
 }
 
+// Of MᴴM: the largest eigenvalue has all digits.
 double LargestSingularValue(const MatrixXcd& matrix) {
-  return Eigen::JacobiSVD<MatrixXcd>(matrix).singularValues()(0);
+  if (!matrix.allFinite()) return std::numeric_limits<double>::quiet_NaN();
+  const Eigen::SelfAdjointEigenSolver<MatrixXcd> eigen(
+      matrix.adjoint() * matrix, Eigen::EigenvaluesOnly);
+  return std::sqrt(std::max(eigen.eigenvalues().maxCoeff(), 0.0));
 }
 
 // The peaks over frequencies up to the Nyquist frequency: on a grid, then finer

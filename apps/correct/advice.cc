@@ -8,6 +8,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "apps/report/number.h"
+#include "control/loop_analysis.h"
 #include "control/prediction_model.h"
 #include "control/retuning.h"
 #include "mle/base/status.h"
@@ -64,6 +65,16 @@ absl::StatusOr<std::vector<std::string>> Retune(const Result& result) {
   const control::RetuningOptions options = NamesOf(result);
   MLE_ASSIGN_OR_RETURN(const control::MpcOptions old_tuning,
                        TuningInUse(result));
+  const double settled =
+      std::max(SettlingTime(result.initial), SettlingTime(result.model));
+  if (!(settled <= control::kMostAnalysedPeriods * old_tuning.control_period)) {
+    return absl::FailedPreconditionError(absl::StrCat(
+        "responses settle only after ", FormatSignificant(settled, 3), " ",
+        result.initial.time_unit(),
+        ", too late for a loop to be analysed; a pair that hardly settles (a "
+        "small damping, a time constant far beyond the others) makes them "
+        "long"));
+  }
   MLE_ASSIGN_OR_RETURN(
       const control::PredictionModel old_model,
       control::PredictFromProcess(result.initial, old_tuning.control_period));

@@ -35,13 +35,10 @@ double StepOf(const RecordData& data, int output) {
   return step == 0.0 || !std::isfinite(step) ? 1.0 : step;
 }
 
-absl::StatusOr<Record> Follow(const ProcessModel& plant,
-                              const ProcessModel& believed,
-                              const control::MpcOptions& tuning,
+// `mpc` begins at rest.
+absl::StatusOr<Record> Follow(const ProcessModel& plant, control::Mpc mpc,
                               const sim::SetPointProfile& set_points,
                               const sim::ClosedLoopOptions& options) {
-  MLE_ASSIGN_OR_RETURN(control::Mpc mpc,
-                       control::Mpc::Create(believed, tuning));
   return sim::SimulateClosedLoop(
       plant,
       [&mpc](const auto& measured, const auto& wanted, auto next_inputs) {
@@ -77,15 +74,19 @@ absl::StatusOr<LoopComparison> CompareLoops(const Result& result) {
   const double period = tuning.control_period;
   const double at = period * std::ceil(kBefore * settled / period);
   options.duration = at + period * std::ceil(settled / period);
+  MLE_ASSIGN_OR_RETURN(const control::Mpc old_mpc,
+                       control::Mpc::Create(result.initial, tuning));
+  MLE_ASSIGN_OR_RETURN(const control::Mpc new_mpc,
+                       control::Mpc::Create(result.model, tuning));
   for (int i = 0; i < result.initial.num_outputs(); ++i) {
     const sim::SetPointProfile set_points{
         .steps = {{i, at, StepOf(result.data, i)}}};
     LoopStep step;
     step.output = i;
-    MLE_ASSIGN_OR_RETURN(step.before, Follow(result.model, result.initial,
-                                             tuning, set_points, options));
-    MLE_ASSIGN_OR_RETURN(step.after, Follow(result.model, result.model, tuning,
-                                            set_points, options));
+    MLE_ASSIGN_OR_RETURN(step.before,
+                         Follow(result.model, old_mpc, set_points, options));
+    MLE_ASSIGN_OR_RETURN(step.after,
+                         Follow(result.model, new_mpc, set_points, options));
     const double before = SquaredError(step.before);
     if (before > 0.0) step.error_ratio = SquaredError(step.after) / before;
     comparison.steps.push_back(std::move(step));

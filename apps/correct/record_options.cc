@@ -305,6 +305,10 @@ std::vector<Option> OptionsOf(RecordOptions& options) {
        "Windows that are not used: each that contains one of these times, "
        "separated by commas; dates as in --change_times.",
        "min"},
+      {"most_samples", &options.most_samples,
+       "Samples of windows that are used: of longer records the windows that "
+       "are expected to inform most; 0: all.",
+       "", kNotNegative},
   };
 }
 

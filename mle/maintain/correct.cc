@@ -7,11 +7,13 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "mle/base/status.h"
 #include "mle/data/stretches.h"
 #include "mle/exchange/model_file.h"
 #include "mle/maintain/certificates.h"
 #include "mle/maintain/evidence.h"
+#include "mle/maintain/outlier_search.h"
 #include "mle/maintain/unfitted.h"
 #include "mle/maintain/withdrawal.h"
 
@@ -20,8 +22,10 @@ namespace {
 
 constexpr double kFewestResponseSamples = 5.0;
 constexpr double kMostResponseSamples = 1e6;
-// Where records cannot be used, whatever the model's settling time.
+// By default, whatever the model's settling time, where records cannot be used
+// or are shorter than half of it.
 constexpr double kMostShownSamples = 1e4;
+constexpr double kMostRecords = 2.0;
 // Of Δt: the smallest time constant of fopdt_model, that of a jump.
 constexpr double kTimeFloor = 1e-3;
 
@@ -31,16 +35,26 @@ absl::Status NotPositive(const char* field, double value) {
 }
 
 absl::StatusOr<int> ResponseSamples(const ProcessModel& model,
-                                    double sample_time, bool obstacles,
+                                    const RecordData& data,
                                     const CorrectOptions& options) {
+  const double sample_time = data.sample_time();
   const double horizon = options.response_horizon > 0.0
                              ? options.response_horizon
                              : SettlingTime(model);
-  const double samples = std::round(horizon / sample_time) + 1.0;
-  // The model may be in another unit of time, which is then the answer.
-  if (obstacles && options.response_horizon == 0.0) {
-    return static_cast<int>(
-        std::clamp(samples, kFewestResponseSamples, kMostShownSamples));
+  double samples = std::round(horizon / sample_time) + 1.0;
+  if (options.response_horizon == 0.0) {
+    double longest = 0.0;
+    for (const Record& record : data.records) {
+      longest = std::max(longest, static_cast<double>(record.samples()));
+    }
+    // The model may be in another unit of time, which is then the answer.
+    samples = std::min(samples,
+                       data.obstacles.empty()
+                           ? std::max(kMostRecords * longest, kMostShownSamples)
+                           : kMostShownSamples);
+    if (!data.obstacles.empty()) {
+      samples = std::max(samples, kFewestResponseSamples);
+    }
   }
   if (!(samples >= kFewestResponseSamples) ||
       !(samples <= kMostResponseSamples)) {
@@ -190,13 +204,9 @@ absl::Status EstimateFromWindows(CorrectionResult& result) {
   }
   const CorrectOptions& options = result.options;
   const EstimationOptions& estimation = options.estimation;
-  if (ShouldLookForOutliers(options.records, estimation.output_error,
-                            result.data)) {
-    const Stage stage(options.progress, "looking for outliers");
-    MLE_RETURN_IF_ERROR(stage.status());
-    MLE_RETURN_IF_ERROR(MarkOutliersByModel(
-        result.initial, estimation.output_error, result.data));
-  }
+  MLE_RETURN_IF_ERROR(SearchOutliers(result.initial, options.records,
+                                     estimation.output_error, options.progress,
+                                     result.data));
   const std::vector<Record> windows = result.data.Records();
   result.options.estimation.output_error.at_rest =
       std::make_shared<const std::vector<Record>>(result.data.AtRest());
@@ -282,7 +292,7 @@ absl::StatusOr<CorrectionResult> CorrectFromData(
   const double sample_time = result.data.sample_time();
   const bool obstacles = !result.data.obstacles.empty();
   MLE_ASSIGN_OR_RETURN(const int samples,
-                       ResponseSamples(model, sample_time, obstacles, options));
+                       ResponseSamples(model, result.data, options));
   result.initial_response = model.ComputeStepResponse(sample_time, samples);
   const absl::Status estimated = EstimateFromWindows(result);
   const std::vector<Record> windows = result.data.Records();
@@ -293,6 +303,18 @@ absl::StatusOr<CorrectionResult> CorrectFromData(
     if (options.examine) result.information = NoInformation(model);
   }
   result.notes = result.data.notes;
+  if (options.response_horizon == 0.0 &&
+      SettlingTime(model) > samples * sample_time) {
+    result.notes.push_back(
+        {MessageCode::kSampling,
+         "",
+         absl::StrFormat("Step responses are computed for %.6g %s: the records "
+                         "are too short to show the %.6g %s in which the "
+                         "model settles.",
+                         (samples - 1) * sample_time, model.time_unit(),
+                         SettlingTime(model), model.time_unit()),
+         {"response_horizon"}});
+  }
   result.warnings = result.data.warnings;
   const std::vector<bool> unexplained = UnexplainedOutputs(result.estimate);
   MLE_RETURN_IF_ERROR(WithdrawProposals(samples, result));

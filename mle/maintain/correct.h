@@ -48,7 +48,7 @@ struct CorrectOptions {
   HoldOutOptions hold_out;
   DecisionOptions decision;
   // NΔt of the step responses, ≥ 0 in the model's time unit; 0: the model's
-  // settling time. From 5 to 1,000,000 samples.
+  // settling time, or twice the records. From 5 to 1,000,000 samples.
   double response_horizon = 0.0;
   // Largest relative duality gap of a lasso fit that is used, > 0.
   double accepted_gap = 1e-6;

@@ -64,16 +64,24 @@ absl::Status FitByOutputError(const ProcessModel& initial,
                               SharedFits& shared, EstimateFit& fit) {
   Stage fitting(progress,
                 absl::StrCat("fitting ", windows.size(),
-                             windows.size() == 1 ? " window" : " windows"));
+                             windows.size() == 1 ? " window" : " windows"),
+                2 * initial.num_outputs());
+  OutputErrorOptions output_error_options = options.output_error;
+  output_error_options.after_fit = [&fitting] {
+    fitting.Done();
+    return !fitting.cancelled();
+  };
   if (NeedsStructure(options, windows)) {
-    MLE_ASSIGN_OR_RETURN(const OutputErrorCorrection* const made,
-                         shared.output_error.Get(
-                             [&] {
-                               return CorrectByOutputError(
-                                   initial, windows, options.output_error);
-                             },
-                             fit.seconds));
-    fit.output_error = *made;
+    const absl::StatusOr<const OutputErrorCorrection*> made =
+        shared.output_error.Get(
+            [&] {
+              return CorrectByOutputError(initial, windows,
+                                          output_error_options);
+            },
+            fit.seconds);
+    MLE_RETURN_IF_ERROR(fitting.status());
+    MLE_RETURN_IF_ERROR(made.status());
+    fit.output_error = **made;
   } else {
     fit.output_error = UnfittedStructure(initial);
   }

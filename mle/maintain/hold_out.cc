@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -234,10 +235,14 @@ FoldResult HoldOut(const Estimate& estimate, const std::vector<Record>& windows,
   // all the data: a fold may be too short to find it again. What has changed,
   // and how, is its own.
   const EstimateFit& whole = estimate.fit;
-  options.output_error.change_given =
-      (whole.without_shapes.has_value() ? *whole.without_shapes
-                                        : whole.output_error)
-          .change_proposed;
+  const OutputErrorCorrection& structure = whole.without_shapes.has_value()
+                                               ? *whole.without_shapes
+                                               : whole.output_error;
+  options.output_error.change_given = structure.change_proposed;
+  if (structure.change_proposed) {
+    options.output_error.start =
+        std::make_shared<const OutputErrorFit>(structure.full);
+  }
   for (int i = 0; i < estimate.setting.initial.num_outputs(); ++i) {
     options.output_error.outputs.push_back(ProposesChange(estimate, i));
   }

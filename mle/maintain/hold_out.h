@@ -3,9 +3,10 @@
 //
 // Nested: of every window two of ten blocks are hidden at a time, others in the
 // next window, and what predicts them is estimated from the rest alone, with
-// its own noise, penalty and choice of elements; that a change is proposed, and
-// of what kind, is given. Nothing of what is scored had a part in anything else
-// that predicts it, but every set-point change had: where
+// its own noise, penalty and choice of elements. That a change is proposed, of
+// what kind, and beside which colour, lines and steps is given, and fits begin
+// where that to all windows ended. Nothing of what is scored had a part in
+// anything else that predicts it, but every set-point change had: where
 // each window moves the plant in one direction, the others determine nothing of
 // it. One window of few set-point changes is not held out: its blocks have one
 // disturbance.

@@ -75,6 +75,7 @@ WhitenedData WithoutDrift(WhitenedData data, double share) {
   for (std::size_t w = 0; w < data.outputs.size(); ++w) {
     data.outputs[w] = WithoutDrift(data.outputs[w], share);
     for (Eigen::Index c = 0; c < data.responses[w].cols(); ++c) {
+      if (data.responses[w].col(c).isZero(0.0)) continue;
       data.responses[w].col(c) = WithoutDrift(data.responses[w].col(c), share);
     }
   }
@@ -105,17 +106,26 @@ std::vector<Eigen::VectorXd> ColumnOf(
   return series;
 }
 
-// Whitened columns of unit length; rows that are not used are zero.
+// Whitened columns of unit length, those that are zero left out; rows that are
+// not used are zero.
 Eigen::MatrixXd WhitenedColumns(const WhitenedData& data,
                                 const Eigen::VectorXd& filter,
                                 const Eigen::VectorXd& used) {
-  Eigen::MatrixXd columns(used.size(), data.responses.front().cols());
-  for (Eigen::Index c = 0; c < columns.cols(); ++c) {
-    columns.col(c) =
-        Whitened(filter, ColumnOf(data.responses, c)).cwiseProduct(used);
-    const double norm = columns.col(c).norm();
-    if (norm > 0.0) columns.col(c) /= norm;
+  const Eigen::Index width = data.responses.front().cols();
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(used.size(), width);
+  Eigen::Index kept = 0;
+  for (Eigen::Index c = 0; c < width; ++c) {
+    const std::vector<Eigen::VectorXd> series = ColumnOf(data.responses, c);
+    if (std::all_of(series.begin(), series.end(),
+                    [](const auto& part) { return part.isZero(0.0); })) {
+      continue;
+    }
+    columns.col(kept) = Whitened(filter, series).cwiseProduct(used);
+    const double norm = columns.col(kept).norm();
+    if (!(norm > 0.0)) continue;
+    columns.col(kept++) /= norm;
   }
+  columns.conservativeResize(Eigen::NoChange, std::max<Eigen::Index>(kept, 1));
   return columns;
 }
 

@@ -10,11 +10,10 @@
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
 #include "mle/base/status.h"
-#include "mle/data/outliers.h"
 #include "mle/maintain/dates.h"
+#include "mle/maintain/informative_windows.h"
 #include "mle/maintain/leave_out.h"
 #include "mle/maintain/whole_windows.h"
-#include "mle/nonlinear/output_reconstruction.h"
 
 namespace mle {
 namespace {
@@ -219,14 +218,13 @@ absl::Status FindWhatIsUsed(const ProcessModel& model,
   }
   MakeInputsWhole(model, data);
   MLE_RETURN_IF_ERROR(LeaveOutWindows(model, options.leave_out, data));
+  MLE_RETURN_IF_ERROR(
+      KeepInformativeWindows(model, options.most_samples, data));
   if (data.windows.empty() && !data.obstacles.empty()) TakeWholeRecords(data);
   if (data.windows.empty()) return NoWindows(data);
   WarnOfUnrest(model, data);
   return absl::OkStatus();
 }
-
-// Of the samples on each side, for bursts of up to ten.
-constexpr int kWideHalfWidth = 12;
 
 }  // namespace
 
@@ -243,6 +241,10 @@ std::vector<Record> RecordData::AtRest() const {
     left += kMostAtRest * window.record.samples();
     taken[window.source].emplace_back(
         window.first_sample, window.first_sample + window.record.samples());
+  }
+  for (const UnusedPart& part : unused) {
+    taken[part.source].emplace_back(part.first_sample,
+                                    part.first_sample + part.samples);
   }
   std::vector<Record> rest;
   for (auto r = static_cast<int>(records.size()) - 1; r >= 0; --r) {
@@ -290,6 +292,11 @@ std::vector<std::string> UnrestIn(const SetPointWindow& window,
 
 absl::Status RecordOptions::Validate() const {
   MLE_RETURN_IF_ERROR(examination.Validate());
+  if (most_samples < 0) {
+    return OptionError("most_samples",
+                       absl::StrCat("most_samples = ", most_samples,
+                                    ": it must not be negative"));
+  }
   return windows.Validate();
 }
 
@@ -351,65 +358,6 @@ RecordData UseAsWindows(std::vector<Record> windows) {
     data.windows.push_back(WholeWindow(data.records[r], r));
   }
   return data;
-}
-
-bool ShouldLookForOutliers(const RecordOptions& options,
-                           const OutputErrorOptions& output_error,
-                           const RecordData& data) {
-  if (!options.mark.outliers) return false;
-  if (output_error.robust_loss != RobustLoss::kNone) return true;
-  for (const ChannelHealth& channel : data.health.channels) {
-    if (channel.is_output && !channel.outliers.empty()) return true;
-  }
-  for (const SetPointWindow& window : data.windows) {
-    for (int i = 0; i < window.record.num_outputs(); ++i) {
-      if (!FindOutliers(window.record.outputs.row(i),
-                        {.half_width = kWideHalfWidth})
-               .empty()) {
-        return true;
-      }
-    }
-  }
-  return false;
-}
-
-absl::Status MarkOutliersByModel(const ProcessModel& model,
-                                 const OutputErrorOptions& output_error,
-                                 RecordData& data) {
-  std::vector<Record> records = data.Records();
-  const OutlierMarkOptions options;
-  MLE_ASSIGN_OR_RETURN(const OutlierReport report,
-                       MarkOutliers(model, output_error, options, records));
-  for (std::size_t w = 0; w < records.size(); ++w) {
-    data.windows[w].record = std::move(records[w]);
-  }
-  data.outliers_by_model = report.marked;
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    const std::string& name = model.outputs()[i].name;
-    if (report.marked[i] > 0) {
-      data.notes.push_back(
-          {MessageCode::kSamplesMarked,
-           name,
-           absl::StrCat(
-               name, ": ", report.marked[i],
-               " samples of the windows are outliers under the model, at most ",
-               report.longest[i], " in a row, and are marked as bad."),
-           {"mark_outliers"}});
-    }
-    if (report.left[i] > 0) {
-      data.warnings.push_back(
-          {MessageCode::kUnmeasured,
-           name,
-           absl::StrCat(
-               name, ": ", report.left[i],
-               " samples are as far from the model's prediction as outliers, "
-               "but more than ",
-               options.longest_burst,
-               " in a row: an unmeasured disturbance. These samples are used."),
-           {}});
-    }
-  }
-  return absl::OkStatus();
 }
 
 }  // namespace mle

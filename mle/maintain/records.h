@@ -37,6 +37,9 @@ struct RecordOptions {
   // unit, or dates as above.
   std::vector<double> leave_out = {};
   std::vector<std::string> leave_out_dates = {};
+  // Samples of windows that are used, ≥ 0: of longer records those windows that
+  // are expected to inform most (informative_windows.h); 0: all.
+  int most_samples = 20'000;
   // What is taken as bad: frozen stretches and single samples far from their
   // neighbours.
   MarkOptions mark;
@@ -50,12 +53,20 @@ struct RecordData {
   HistorianReport report;
   // Records as they are, no operating point taken off.
   std::vector<SetPointWindow> windows;
+  // Parts of records that are windows beyond RecordOptions::most_samples.
+  struct UnusedPart {
+    int source = 0;  // the record
+    int first_sample = 0;
+    int samples = 0;
+  };
+  std::vector<UnusedPart> unused;
   HealthReport health;
   // Of the examination; those that block are obstacles, the others are among
   // the warnings (doubts and repairs) and notes.
   std::vector<Finding> findings;
   std::vector<Message> obstacles;  // what forbids a correction
-  // p: outliers that the model found besides (MarkOutliersByModel()).
+  // p: outliers that the model found besides (outlier_search.h); empty: none
+  // sought.
   std::vector<int> outliers_by_model;
   std::vector<Message> notes;     // what was found
   std::vector<Message> warnings;  // what weakens the result
@@ -106,19 +117,6 @@ absl::StatusOr<RecordData> LoadRecords(const std::vector<std::string>& paths,
 // Records that are windows already, as simulations make them: nothing is
 // checked, marked or cut.
 RecordData UseAsWindows(std::vector<Record> windows);
-
-// Neighbours do not find every outlier of a burst, the model does
-// (output_reconstruction.h): marks as bad what it finds in the windows, and
-// says how many there are.
-absl::Status MarkOutliersByModel(const ProcessModel& model,
-                                 const OutputErrorOptions& output_error,
-                                 RecordData& data);
-
-// Where neighbours find an outlier there may be more of them that only the
-// model finds; likewise where a robust loss is asked for.
-bool ShouldLookForOutliers(const RecordOptions& options,
-                           const OutputErrorOptions& output_error,
-                           const RecordData& data);
 
 }  // namespace mle
 

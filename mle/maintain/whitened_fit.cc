@@ -79,8 +79,23 @@ double LogLikelihood(const Noise& noise) {
   return -0.5 * noise.rows * std::log(noise.variance);
 }
 
+// The columns that are not zero of each window's responses.
+using PresentColumns = std::vector<std::vector<Eigen::Index>>;
+
+PresentColumns FindPresent(const WhitenedData& data) {
+  PresentColumns present;
+  for (const Eigen::MatrixXd& responses : data.responses) {
+    std::vector<Eigen::Index>& columns = present.emplace_back();
+    for (Eigen::Index j = 0; j < responses.cols(); ++j) {
+      if (!responses.col(j).isZero(0.0)) columns.push_back(j);
+    }
+  }
+  return present;
+}
+
 // Least squares of whitened outputs on whitened responses.
-void FitGains(const WhitenedData& data, const Noise& noise, WhitenedFit& fit) {
+void FitGains(const WhitenedData& data, const PresentColumns& present,
+              const Noise& noise, WhitenedFit& fit) {
   const Eigen::Index m = fit.gains.size();
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(m, m);
   Eigen::VectorXd products = Eigen::VectorXd::Zero(m);
@@ -88,12 +103,14 @@ void FitGains(const WhitenedData& data, const Noise& noise, WhitenedFit& fit) {
     if (data.outputs[w].size() <= 2 * OrderOf(noise)) continue;
     const Eigen::VectorXd rest = ApplyFilter(
         noise.filter, data.outputs[w] - data.responses[w] * fit.gains);
-    Eigen::MatrixXd responses(rest.size(), m);
-    for (Eigen::Index j = 0; j < m; ++j) {
-      responses.col(j) = ApplyFilter(noise.filter, data.responses[w].col(j));
+    const std::vector<Eigen::Index>& columns = present[w];
+    Eigen::MatrixXd responses(rest.size(), columns.size());
+    for (std::size_t c = 0; c < columns.size(); ++c) {
+      responses.col(static_cast<Eigen::Index>(c)) =
+          ApplyFilter(noise.filter, data.responses[w].col(columns[c]));
     }
-    gram += responses.transpose() * responses;
-    products += responses.transpose() * rest;
+    gram(columns, columns) += responses.transpose() * responses;
+    products(columns) += responses.transpose() * rest;
   }
   const Eigen::VectorXd sizes = gram.diagonal().cwiseSqrt().cwiseMax(1e-150);
   const Eigen::MatrixXd scaled = sizes.cwiseInverse().asDiagonal() * gram *
@@ -151,7 +168,11 @@ WhitenedData Whiten(const WhitenedData& data, const Eigen::VectorXd& gains) {
     if (n == 0) continue;
     output = ApplyFilter(noise.filter, data.outputs[w]);
     for (Eigen::Index j = 0; j < responses.cols(); ++j) {
-      responses.col(j) = ApplyFilter(noise.filter, data.responses[w].col(j));
+      if (data.responses[w].col(j).isZero(0.0)) {
+        responses.col(j).setZero();
+      } else {
+        responses.col(j) = ApplyFilter(noise.filter, data.responses[w].col(j));
+      }
     }
   }
   return whitened;
@@ -175,10 +196,11 @@ WhitenedFit FitWhitenedGains(const WhitenedData& data, Eigen::VectorXd start,
   WhitenedFit fit;
   fit.gains = std::move(start);
   fit.errors = Eigen::VectorXd::Zero(fit.gains.size());
+  const PresentColumns present = FindPresent(data);
   Noise noise = FitNoise(data, fit.gains, order);
   for (int round = 0; round < kMostRounds; ++round) {
     const Eigen::VectorXd before = fit.gains;
-    FitGains(data, noise, fit);
+    FitGains(data, present, noise, fit);
     noise = FitNoise(data, fit.gains, order);
     const bool converged =
         ((fit.gains - before).array().abs() <= kConverged * fit.errors.array())

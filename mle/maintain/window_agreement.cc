@@ -59,10 +59,18 @@ LeastSquares Fit(const std::vector<MatrixXd>& blocks, const VectorXd& y) {
   Eigen::Index columns = 0;
   for (const MatrixXd& block : blocks) columns += block.cols();
   MatrixXd all(y.size(), columns);
-  Eigen::Index first = 0;
+  // Columns of zeros explain nothing.
+  Eigen::Index kept = 0;
   for (const MatrixXd& block : blocks) {
-    all.middleCols(first, block.cols()) = block;
-    first += block.cols();
+    for (const auto& column : block.colwise()) {
+      if (!column.isZero(0.0)) all.col(kept++) = column;
+    }
+  }
+  all.conservativeResize(Eigen::NoChange, kept);
+  if (kept == 0) {
+    return {.squares = y.squaredNorm(),
+            .parameters = 0.0,
+            .fitted = VectorXd::Zero(y.size())};
   }
   Eigen::ColPivHouseholderQR<MatrixXd> qr;
   qr.setThreshold(kCollinear);

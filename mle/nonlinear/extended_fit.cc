@@ -48,7 +48,7 @@ ExtendedFit::ExtendedFit(const OutputErrorProblem& problem,
     : problem_(problem),
       fit_(fit),
       estimate_drift_(estimate_drift),
-      columns_(problem.Linearise(fit.point, ShapeOf(fit.noise), true)) {}
+      columns_(problem.Linearise(fit.point, ShapeOf(fit.noise), fit.free)) {}
 
 ShapeLikelihood ExtendedFit::With(const std::vector<MatrixXd>& more) const {
   return {problem_, columns_, fit_.free, /*restricted=*/false, more};

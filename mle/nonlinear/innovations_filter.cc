@@ -87,13 +87,25 @@ void InnovationsFilter::SetUpWalk(const std::vector<int>& times, double ratio,
                                   const VectorXd& weights) {
   // Variance of ŵ once the first sample has set it.
   double filtered = WhiteVariance(weights, 0);
+  double variance = 0.0;
+  bool steady = false;  // the step before changed nothing: so will this
   LogProduct product;
   for (std::size_t k = 1; k < times.size(); ++k) {
+    const int steps = times[k] - times[k - 1];
+    if (steady && steps == 1) {
+      smoothing_[k - 1] = smoothing_[k - 2];
+      gains_[k] = gains_[k - 1];
+      inverse_roots_[k] = inverse_roots_[k - 1];
+      product.Multiply(variance);
+      continue;
+    }
     const double white = WhiteVariance(weights, k);
-    const double predicted = filtered + ratio * (times[k] - times[k - 1]);
-    const double variance = predicted + white;
+    const double former = filtered;
+    const double predicted = filtered + ratio * steps;
+    variance = predicted + white;
     smoothing_[k - 1] = filtered / predicted;
     filtered = predicted * white / variance;
+    steady = weights.size() == 0 && steps == 1 && filtered == former;
     gains_[k] = predicted / variance;
     inverse_roots_[k] = 1.0 / std::sqrt(variance);
     product.Multiply(variance);
@@ -106,6 +118,8 @@ namespace {
 // Of the errors of the state (w, a, b); b and its entries are 0 of first order.
 struct StateCovariance {
   double ww = 0.0, wa = 0.0, wb = 0.0, aa = 0.0, ab = 0.0, bb = 0.0;
+
+  bool operator==(const StateCovariance& other) const = default;
 };
 
 // P becomes T P Tᵀ + Q. Of (a, b) this is Π + F (P − Π) Fᵀ with the stationary
@@ -153,7 +167,18 @@ void InnovationsFilter::SetUpColour(const std::vector<int>& times,
   StateCovariance P = {
       .aa = stationary.aa, .ab = stationary.ab, .bb = stationary.bb};
   LogProduct product;
+  double total = 0.0;
+  bool steady = false;  // the step before changed nothing: so will this
   for (std::size_t k = 0; k < n; ++k) {
+    if (steady && k + 1 < n && times[k + 1] - times[k] == 1) {
+      white_[k] = white_[k - 1];
+      gains_[k] = gains_[k - 1];
+      inverse_roots_[k] = inverse_roots_[k - 1];
+      colour_[k] = colour_[k - 1];
+      product.Multiply(total);
+      continue;
+    }
+    const StateCovariance former = P;
     const double white = white_[k] = WhiteVariance(weights, k);
     double gain_a = 0.0;
     double gain_b = 0.0;
@@ -165,7 +190,7 @@ void InnovationsFilter::SetUpColour(const std::vector<int>& times,
       const double of_w = P.ww + P.wa;
       const double of_a = P.wa + P.aa;
       const double of_b = P.wb + P.ab;
-      const double total = of_w + of_a + white;
+      total = of_w + of_a + white;
       gains_[k] = of_w / total;
       gain_a = of_a / total;
       gain_b = of_b / total;
@@ -186,19 +211,22 @@ void InnovationsFilter::SetUpColour(const std::vector<int>& times,
         .gain_a = power.own * gain_a + power.cross * gain_b,
         .gain_b = spread_ * power.cross * gain_a + power.own * gain_b};
     Predict<kOrder>(power, spread_, shape.ratio * steps, stationary, P);
+    steady = weights.size() == 0 && k > 0 && steps == 1 && P == former;
   }
   log_determinant_ = product.log();
 }
 
-void InnovationsFilter::FilterBlock(Eigen::Index first, RowMajorMatrix& block,
-                                    VectorXd& state) const {
+void InnovationsFilter::FilterRows(Eigen::Index first, Eigen::Index count,
+                                   const double* from, Eigen::Index from_stride,
+                                   double* rows, Eigen::Index stride,
+                                   Eigen::Index width, VectorXd& state) const {
   const FilterSteps steps = {
       .gains = gains_.data() + first,
       .inverse_roots = inverse_roots_.data() + first,
       .colour = colour_.empty() ? nullptr : &colour_[first].power.own,
       .spread = spread_};
-  VectorKernels().filter_rows(steps, block.rows(), block.data(), block.cols(),
-                              block.cols(), state.data());
+  VectorKernels().filter_rows(steps, count, from, from_stride, rows, stride,
+                              width, state.data());
 }
 
 void InnovationsFilter::Apply(Eigen::Ref<MatrixXd> columns) const {
@@ -210,7 +238,8 @@ void InnovationsFilter::Apply(Eigen::Ref<MatrixXd> columns) const {
   for (Eigen::Index first = 0; first < columns.rows(); first += most) {
     const Eigen::Index rows = std::min(most, columns.rows() - first);
     block = columns.middleRows(first, rows);
-    FilterBlock(first, block, state);
+    FilterRows(first, rows, block.data(), width, block.data(), width, width,
+               state);
     columns.middleRows(first, rows) = block;
   }
 }
@@ -223,13 +252,22 @@ MatrixXd InnovationsFilter::WhitenedProducts(
       (columns.cols() + kMostLanes - 1) / kMostLanes * kMostLanes;
   const Eigen::Index most = RowsOfBlock(width);
   MatrixXd products = MatrixXd::Zero(width, width);
-  VectorXd state = VectorXd::Zero(3 * width);
+  const Eigen::Index whole = columns.cols() / kMostLanes * kMostLanes;
+  const Eigen::Index rest = columns.cols() - whole;
+  VectorXd state = VectorXd::Zero(3 * whole);
+  VectorXd rest_state = VectorXd::Zero(3 * kMostLanes);
   RowMajorMatrix block;
   for (Eigen::Index first = 0; first < columns.rows(); first += most) {
     const Eigen::Index rows = std::min(most, columns.rows() - first);
     if (block.rows() != rows) block.setZero(rows, width);
-    block.leftCols(columns.cols()) = columns.middleRows(first, rows);
-    FilterBlock(first, block, state);
+    const double* from = columns.data() + first * columns.cols();
+    FilterRows(first, rows, from, columns.cols(), block.data(), width, whole,
+               state);
+    if (rest > 0) {
+      block.middleCols(whole, rest) = columns.block(first, whole, rows, rest);
+      FilterRows(first, rows, block.data() + whole, width, block.data() + whole,
+                 width, kMostLanes, rest_state);
+    }
     // The lower triangle, and what of the upper its panels hold.
     for (Eigen::Index c = 0; c < width; c += kMostLanes) {
       VectorKernels().add_products({.x = block.data() + c,

@@ -44,6 +44,7 @@ struct NoiseShape {
 
   Colour colour() const { return Colour(colour_pole, colour_damping); }
   bool coloured() const { return colour_ratio > 0.0; }
+  bool operator==(const NoiseShape& other) const = default;
 };
 
 using RowMajorMatrix =
@@ -80,9 +81,11 @@ class InnovationsFilter {
   template <int kOrder>
   void SetUpColour(const std::vector<int>& times, const NoiseShape& shape,
                    const Eigen::VectorXd& weights);
-  // Passes rows [first, first + rows of `block`) from `state` (3 w) on.
-  void FilterBlock(Eigen::Index first, RowMajorMatrix& block,
-                   Eigen::VectorXd& state) const;
+  // Passes `count` rows of `width` numbers, the first that of sample `first`,
+  // from `state` (3 w) on.
+  void FilterRows(Eigen::Index first, Eigen::Index count, const double* from,
+                  Eigen::Index from_stride, double* rows, Eigen::Index stride,
+                  Eigen::Index width, Eigen::VectorXd& state) const;
   Eigen::VectorXd ColourlessPart(const Eigen::VectorXd& disturbance) const;
 
   std::vector<double> gains_;          // of w: P_k/F_k

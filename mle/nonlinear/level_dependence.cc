@@ -62,12 +62,12 @@ struct Evidence {
 };
 
 Evidence TestElement(const OutputSetup& setup, const std::vector<bool>& free,
-                     int j, bool estimate_drift) {
+                     int j, bool estimate_drift, const NoiseEstimate& noise) {
   const Level level = LevelOf(*setup.problem, j);
   if (!(level.range > 0.0)) return {};
   const Contrast contrast = ContrastWithColumns(
       *setup.problem, setup.start, free, estimate_drift,
-      CurvedResponses(*setup.problem, setup.start, j, level));
+      CurvedResponses(*setup.problem, setup.start, j, level), &noise);
   if (contrast.degrees < 1) return {};
   return {.statistic = contrast.statistic,
           .degrees = contrast.degrees,
@@ -101,7 +101,8 @@ absl::StatusOr<std::vector<LevelDependence>> TestLevelDependence(
     for (int j = 0; j < m; ++j) {
       // Of every output that the input moves, if it has a change anywhere.
       if (!fitted.col(j).any() || !setup.informed[j]) continue;
-      evidence[i][j] = TestElement(setup, free, j, options.estimate_drift);
+      evidence[i][j] =
+          TestElement(setup, free, j, options.estimate_drift, noise[i]);
     }
   });
   std::vector<LevelDependence> inputs(m);

@@ -129,8 +129,7 @@ std::optional<FoundPeriod> FindPeriod(const ExtendedFit& extended) {
       resonant ? extended.Best({}, NoiseShape(), /*search_colour=*/false).shape
                : shape;
   const VectorXd residuals =
-      problem.Whiten(problem.Linearise(fit.point, plain, false), plain)
-          .residuals;
+      problem.Whiten(problem.Linearise(fit.point, plain, {}), plain).residuals;
   const std::optional<double> peak = HighestPeak(problem, residuals);
   if (!peak.has_value()) return std::nullopt;
   double frequency = *peak;

@@ -86,7 +86,8 @@ absl::StatusOr<ModelAdequacy> TestAdequacy(
     }
     evidence[i] = ContrastWithColumns(*setup.problem, setup.start, free,
                                       options.estimate_drift,
-                                      setup.problem->LagSums(first_lags));
+                                      setup.problem->LagSums(first_lags),
+                                      noise.empty() ? nullptr : &noise[i]);
   });
   ModelAdequacy adequacy;
   adequacy.output_p_values.setOnes(p);

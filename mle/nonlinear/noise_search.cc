@@ -43,7 +43,7 @@ ShapeLikelihood::ShapeLikelihood(const OutputErrorProblem& problem,
                                  const std::vector<bool>& free,
                                  const NoiseShape& start, bool restricted,
                                  const std::vector<MatrixXd>& more)
-    : ShapeLikelihood(problem, problem.Linearise(point, start, true), free,
+    : ShapeLikelihood(problem, problem.Linearise(point, start, free), free,
                       restricted, more) {}
 
 ShapeLikelihood::ShapeLikelihood(const OutputErrorProblem& problem,
@@ -51,17 +51,12 @@ ShapeLikelihood::ShapeLikelihood(const OutputErrorProblem& problem,
                                  const std::vector<bool>& free, bool restricted,
                                  const std::vector<MatrixXd>& more)
     : problem_(problem), restricted_(restricted) {
-  std::vector<int> kept;
-  for (std::size_t j = 0; j < free.size(); ++j) {
-    for (int i = 0; free[j] && i < 3; ++i) {
-      kept.push_back(3 * static_cast<int>(j) + i);
-    }
-  }
-  const auto num_kept = static_cast<Eigen::Index>(kept.size());
+  const auto num_kept =
+      static_cast<Eigen::Index>(3 * std::count(free.begin(), free.end(), true));
   width_ = num_kept + (more.empty() ? 0 : more.front().cols());
   for (std::size_t s = 0; s < columns.size(); ++s) {
     MatrixXd others(columns[s].residuals.size(), width_ + 1);
-    others.leftCols(num_kept) = columns[s].jacobian(Eigen::all, kept);
+    others.leftCols(num_kept) = columns[s].jacobian;
     if (!more.empty()) others.middleCols(num_kept, more[s].cols()) = more[s];
     others.col(width_) = columns[s].residuals;
     parts_.push_back(MakePart(columns[s].amplitudes, std::move(others)));
@@ -197,9 +192,30 @@ Profile SearchBetween(const ShapeLikelihood& likelihood, double low,
   return best;
 }
 
-// Over all ρ, without colour.
-Profile FindBestRatio(const ShapeLikelihood& likelihood) {
+// Over all ρ, without colour: from `near` downhill or, where that is 0, on a
+// grid, then between its neighbours.
+Profile FindBestRatio(const ShapeLikelihood& likelihood, double near) {
   Profile best = likelihood.At(NoiseShape());
+  if (near > 0.0) {
+    double log_near = std::clamp(std::log(near), kMinLogRatio, kMaxLogRatio);
+    Profile inner = AtLogRatio(likelihood, log_near);
+    for (const double step : {kSearchStep, -kSearchStep}) {
+      bool moved = false;
+      for (double next = log_near + step;
+           next >= kMinLogRatio && next <= kMaxLogRatio; next += step) {
+        const Profile profile = AtLogRatio(likelihood, next);
+        if (!(profile.value < inner.value)) break;
+        inner = profile;
+        log_near = next;
+        moved = true;
+      }
+      if (moved) break;
+    }
+    const Profile between = SearchBetween(likelihood, log_near - kSearchStep,
+                                          log_near + kSearchStep);
+    if (between.value < inner.value) inner = between;
+    return inner.value < best.value ? inner : best;
+  }
   double best_log = kMinLogRatio;
   for (double log_ratio = kMinLogRatio; log_ratio <= kMaxLogRatio;
        log_ratio += kSearchStep) {
@@ -221,7 +237,9 @@ Profile FindBestShape(const ShapeLikelihood& likelihood,
                       bool search_colour) {
   if (!estimate_drift) return likelihood.At(NoiseShape());
   Profile best;
-  if (!start.coloured() || search_colour) best = FindBestRatio(likelihood);
+  if (!start.coloured() || search_colour) {
+    best = FindBestRatio(likelihood, start.coloured() ? 0.0 : start.ratio);
+  }
   if (!start.coloured() && !search_colour) return best;
   const Profile walk = best;
   double least = walk.value;

@@ -103,7 +103,7 @@ bool HasParameter(const NoiseShape& shape, int parameter);
 NoiseShape Moved(const NoiseShape& shape, int parameter, double by);
 
 // With an offset, over all ρ (0 unless `estimate_drift`) and, where it pays,
-// colours: from that of `start` if it has one, and, if `search_colour`, of a
+// colours: from those of `start` if it has them, and, if `search_colour`, of a
 // grid of each order that `start` does not have. A colour found before stays as
 // it is where that is as good as the best to a hundredth of −2 ln L, and is
 // given up only if `search_colour`.

@@ -113,16 +113,15 @@ absl::StatusOr<OutlierReport> MarkOutliers(
   MLE_RETURN_IF_ERROR(options.Validate());
   OutputErrorOptions robust = output_error;
   robust.robust_loss = RobustLoss::kCauchy;
-  robust.offsets = WindowOffsets::kAlways;
   // A loss does not always keep a fit from bending to a burst in the middle of
   // a response. So what the initial model does not believe is left out of it.
   std::vector<Record> to_fit = records;
   const std::vector<NoiseEstimate> unknown(initial.num_outputs());
   MLE_RETURN_IF_ERROR(robust.Validate());
   MLE_RETURN_IF_ERROR(Judge(initial, unknown, options, to_fit).status());
-  MLE_ASSIGN_OR_RETURN(const OutputErrorCorrection fit,
-                       CorrectByOutputError(initial, to_fit, robust));
-  return Judge(fit.full.model, fit.full.noise, options, records);
+  MLE_ASSIGN_OR_RETURN(const OutputErrorFit fit,
+                       FitAllElements(initial, to_fit, robust));
+  return Judge(fit.model, fit.noise, options, records);
 }
 
 }  // namespace mle

@@ -18,8 +18,10 @@ using Eigen::VectorXd;
 
 // Columns of a segment, from the left: amplitudes of the elements held, of
 // lines and steps; free responses of the free elements; where there are
-// derivatives those of the free responses by ln T, and those of each free
-// element by K, ln T and L; residuals.
+// derivatives those of each free element by K, ln T and L; residuals. The
+// derivative by ln T takes the amplitudes of the free responses: they are those
+// of an evaluation at the same values without derivatives, which Ceres asks for
+// before it accepts a step.
 class OutputCost : public ceres::CostFunction {
  public:
   OutputCost(const OutputErrorProblem& problem, const OutputPoint& point,
@@ -46,6 +48,10 @@ class OutputCost : public ceres::CostFunction {
     }
     if (!fixed_cells_) point_.SetCells(problem_.sample_time());
     const Index width = jacobians != nullptr ? num_parameters_ : 0;
+    if (width > 0 && num_modes_ > 0 && !IsAt(x)) {
+      for (int s = 0; s < problem_.num_segments(); ++s) ProductsOf(s, 0);
+    }
+    Remember(x);
     MatrixXd products = MatrixXd::Zero(width + 1, width + 1);
     for (int s = 0; s < problem_.num_segments(); ++s) {
       products += ProductsOf(s, width);
@@ -101,7 +107,7 @@ class OutputCost : public ceres::CostFunction {
     part.held = held.cols();
     const Index amplitudes = part.held + num_modes_;
     part.amplitudes = VectorXd::Zero(amplitudes);
-    part.columns.resize(rows, amplitudes + num_modes_ + num_parameters_ + 1);
+    part.columns.resize(rows, amplitudes + num_parameters_ + 1);
     part.without.resize(rows, amplitudes + 1);
     part.columns.leftCols(part.held) = held;
     part.without.leftCols(part.held) = held;
@@ -117,14 +123,23 @@ class OutputCost : public ceres::CostFunction {
     Fill(problem_.segment(s), part, derivatives, columns);
     const Index amplitudes = part.amplitudes.size();
     columns.rightCols<1>() -= columns.leftCols(amplitudes) * part.amplitudes;
-    MatrixXd products = part.filter.WhitenedProducts(columns);
-    Elimination result = EliminateFirst(amplitudes, products);
-    if (amplitudes == 0) return result.rest;
-    part.amplitudes += result.Coefficients(columns.cols() - 1);
-    if (!derivatives) return result.rest;
-    AddModes(part, products);
-    result = EliminateFirst(amplitudes, std::move(products));
-    return result.rest.bottomRightCorner(width + 1, width + 1);
+    Elimination result =
+        EliminateFirst(amplitudes, part.filter.WhitenedProducts(columns));
+    if (amplitudes > 0) {
+      part.amplitudes += result.Coefficients(columns.cols() - 1);
+    }
+    return std::move(result.rest);
+  }
+
+  bool IsAt(double const* const* x) const {
+    for (std::size_t i = 0; i < last_.size(); ++i) {
+      if (last_[i] != x[i / 3][i % 3]) return false;
+    }
+    return !last_.empty();
+  }
+  void Remember(double const* const* x) const {
+    last_.resize(static_cast<std::size_t>(num_parameters_));
+    for (std::size_t i = 0; i < last_.size(); ++i) last_[i] = x[i / 3][i % 3];
   }
 
   void Fill(const OutputErrorProblem::Segment& segment, const Part& part,
@@ -132,7 +147,7 @@ class OutputCost : public ceres::CostFunction {
     const Index last = columns.cols() - 1;
     columns.col(last) = part.outputs;
     Index mode = part.held;
-    Index parameter = part.held + 2 * num_modes_;
+    Index parameter = part.held + num_modes_;
     for (const int j : free_) {
       const double gain = point_.values[j].gain;
       problem_.Respond(segment, point_, j, response_, derivatives);
@@ -142,35 +157,19 @@ class OutputCost : public ceres::CostFunction {
       problem_.Modes(segment, point_, j, modes_, mode_derivatives_);
       columns.middleCols(mode, r) = modes_;
       if (derivatives) {
-        columns.middleCols(mode + num_modes_, r) = mode_derivatives_;
+        by_time_scale_.noalias() =
+            mode_derivatives_ * part.amplitudes.segment(mode, r);
       }
       for (Index row = 0; row < columns.rows(); ++row) {
         const auto at = response_.row(segment.times[row]);
         columns(row, last) -= gain * at(0);
         if (!derivatives) continue;
         columns(row, parameter) = -at(0);
-        columns(row, parameter + 1) = -gain * at(1);
+        columns(row, parameter + 1) = -gain * at(1) - by_time_scale_(row);
         columns(row, parameter + 2) = -gain * at(2);
       }
       mode += r;
       parameter += 3;
-    }
-  }
-
-  // The modes' part of the derivative by ln T takes their amplitudes: the
-  // products become those of the columns so changed.
-  void AddModes(const Part& part, MatrixXd& products) const {
-    Index mode = part.held;
-    Index by_time_scale = part.held + 2 * num_modes_ + 1;
-    for (const int j : free_) {
-      const Index r = problem_.elements()[j]->order();
-      const VectorXd amplitudes = part.amplitudes.segment(mode, r);
-      products.col(by_time_scale) -=
-          products.middleCols(mode + num_modes_, r) * amplitudes;
-      products.row(by_time_scale) -=
-          amplitudes.transpose() * products.middleRows(mode + num_modes_, r);
-      mode += r;
-      by_time_scale += 3;
     }
   }
 
@@ -185,6 +184,8 @@ class OutputCost : public ceres::CostFunction {
   mutable MatrixXd response_;
   mutable MatrixXd modes_;
   mutable MatrixXd mode_derivatives_;
+  mutable VectorXd by_time_scale_;
+  mutable std::vector<double> last_;  // K, ln T and L of the last evaluation
 };
 
 }  // namespace

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -29,17 +30,16 @@ constexpr double kShapeStep = 0.2;
 OutputCovariance CovarianceOf(const WhitenedColumns& whitened,
                               const OutputPoint& point,
                               const std::vector<bool>& free, double variance) {
-  std::vector<int> kept;
+  const std::vector<int> kept = FreeParameters(free);
   const int m = static_cast<int>(free.size());
   VectorXd units = VectorXd::Ones(3 * m);
   for (int j = 0; j < m; ++j) {
-    for (int i = 0; free[j] && i < 3; ++i) kept.push_back(3 * j + i);
     if (free[j]) units(3 * j + 1) = point.values[j].time_scale;  // of ln T
   }
   OutputCovariance result;
   result.covariance = MatrixXd::Zero(units.size(), units.size());
   if (kept.empty()) return result;
-  const MatrixXd jacobian = whitened.jacobian(Eigen::all, kept);
+  const MatrixXd& jacobian = whitened.jacobian;
   const VectorXd norms = jacobian.colwise().norm().cwiseMax(1e-300);
   const MatrixXd scaled = jacobian * norms.cwiseInverse().asDiagonal();
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(scaled.transpose() *
@@ -77,8 +77,8 @@ std::vector<SegmentColumns> LineariseWidely(const OutputErrorProblem& problem,
                                             const std::vector<bool>& free,
                                             const NoiseEstimate& noise) {
   const NoiseShape shape = ShapeOf(noise);
-  std::vector<SegmentColumns> columns =
-      problem.Linearise(point, shape, /*with_jacobian=*/true);
+  std::vector<SegmentColumns> columns = problem.Linearise(point, shape, free);
+  if (std::find(free.begin(), free.end(), true) == free.end()) return columns;
   for (int round = 0; round < kSecantRounds; ++round) {
     const OutputCovariance covariance = CovarianceOf(
         problem.Whiten(columns, shape), point, free, noise.variance);
@@ -91,7 +91,7 @@ std::vector<SegmentColumns> LineariseWidely(const OutputErrorProblem& problem,
                             kLongestSecant * point.values[j].time_scale);
       }
     }
-    problem.TakeSecants(point, steps, columns);
+    problem.TakeSecants(point, free, steps, columns);
   }
   return columns;
 }
@@ -100,10 +100,10 @@ OutputCovariance ComputeCovariance(const OutputErrorProblem& problem,
                                    const OutputPoint& point,
                                    const std::vector<bool>& free,
                                    const NoiseEstimate& noise) {
-  return CovarianceOf(problem.Whiten(problem.Linearise(point, ShapeOf(noise),
-                                                       /*with_jacobian=*/true),
-                                     ShapeOf(noise)),
-                      point, free, noise.variance);
+  return CovarianceOf(
+      problem.Whiten(problem.Linearise(point, ShapeOf(noise), free),
+                     ShapeOf(noise)),
+      point, free, noise.variance);
 }
 
 VectorXd ComputeDegreesOfFreedom(const OutputErrorProblem& problem,
@@ -113,7 +113,8 @@ VectorXd ComputeDegreesOfFreedom(const OutputErrorProblem& problem,
   const double n = problem.num_innovations(ShapeOf(noise));
   VectorXd relative_variance =
       VectorXd::Constant(3 * problem.num_elements(), 2.0 / n);
-  for (int parameter = 0; parameter < kShapeParameters; ++parameter) {
+  const bool any = std::find(free.begin(), free.end(), true) != free.end();
+  for (int parameter = 0; any && parameter < kShapeParameters; ++parameter) {
     const double deviation = noise.log_deviations[parameter];
     if (!(deviation > 0.0)) continue;
     VectorXd logs[2];
@@ -121,7 +122,7 @@ VectorXd ComputeDegreesOfFreedom(const OutputErrorProblem& problem,
       const NoiseShape shape = Moved(ShapeOf(noise), parameter,
                                      side == 0 ? -kShapeStep : kShapeStep);
       const WhitenedColumns whitened =
-          problem.Whiten(problem.Linearise(point, shape, true), shape);
+          problem.Whiten(problem.Linearise(point, shape, free), shape);
       const double variance = whitened.residuals.squaredNorm() / n;
       logs[side] = CovarianceOf(whitened, point, free, variance)
                        .covariance.diagonal()

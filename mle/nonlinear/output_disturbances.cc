@@ -62,8 +62,7 @@ OutputErrorProblem::Sizes OutputErrorProblem::DisturbanceSizes(
   Sizes sizes;
   sizes.steps.assign(steps_.size(), 0.0);
   if (lines_.empty() && steps_.empty()) return sizes;
-  const std::vector<SegmentColumns> columns =
-      Linearise(point, shape, /*with_jacobian=*/false);
+  const std::vector<SegmentColumns> columns = Linearise(point, shape, {});
   for (int s = 0; s < num_segments(); ++s) {
     const VectorXd amplitudes = AmplitudesOf(s, columns[s], shape);
     for (Eigen::Index line = 0; line < num_lines; ++line) {

@@ -11,11 +11,11 @@
 #include "mle/base/status.h"
 #include "mle/nonlinear/change_prior.h"
 #include "mle/nonlinear/distributions.h"
-#include "mle/nonlinear/disturbance_search.h"
 #include "mle/nonlinear/model_average.h"
 #include "mle/nonlinear/output_error_selection.h"
 #include "mle/nonlinear/output_error_setup.h"
 #include "mle/nonlinear/output_fit.h"
+#include "mle/nonlinear/output_fits.h"
 
 namespace mle {
 namespace {
@@ -101,10 +101,6 @@ double WeightOfOffsets(const std::vector<OutputSetup>& setups,
   if (weight < kSmallWeight) return 0.0;
   // Without evidence that is a number, offsets are the safe side.
   return weight <= 1.0 - kSmallWeight ? weight : 1.0;
-}
-
-bool MayChange(const OutputErrorOptions& options, int i) {
-  return options.outputs.empty() || options.outputs[i];
 }
 
 int NumInformed(const std::vector<OutputSetup>& setups) {
@@ -256,14 +252,18 @@ void Judge(const std::vector<OutputSetup>& setups,
   const int p = static_cast<int>(setups.size());
   const int m = setups[0].problem->num_elements();
   const int num_elements = NumFree(fits);
-  correction.statistic = ChangeStatistic(setups, fits, averaged, options);
+  const bool given = options.change_given || options.start != nullptr;
   correction.degrees_of_freedom = 3 * num_elements;
+  if (options.start == nullptr) {
+    correction.statistic = ChangeStatistic(setups, fits, averaged, options);
+  }
   if (num_elements == 0) return;
-  correction.p_value =
-      ChiSquareTail(correction.statistic, correction.degrees_of_freedom);
+  if (options.start == nullptr) {
+    correction.p_value =
+        ChiSquareTail(correction.statistic, correction.degrees_of_freedom);
+  }
   correction.change_proposed =
-      options.change_given ||
-      correction.p_value < options.false_alarm_probability;
+      given || correction.p_value < options.false_alarm_probability;
 
   int smallest_i = 0;
   int smallest_j = 0;
@@ -287,27 +287,22 @@ void Judge(const std::vector<OutputSetup>& setups,
   }
 }
 
-// `fit` continued with the elements that are `free` alone, the others at their
-// initial values.
-OutputFit FitAged(const OutputSetup& setup, const OutputFit& fit,
-                  const std::vector<bool>& free,
-                  const OutputErrorOptions& options) {
-  OutputPoint start = setup.start;
-  bool any = false;
-  for (std::size_t j = 0; j < free.size(); ++j) {
-    if (free[j]) start.values[j] = fit.point.values[j];
-    any = any || free[j];
-  }
-  if (!any)
-    return FitOutput(*setup.problem, start, free, setup.bounds, options);
-  OutputFit aged = fit;
-  aged.free = free;
-  aged.point = std::move(start);
-  aged.point.SetCells(setup.problem->sample_time());
-  return Refit(*setup.problem, aged, setup.bounds, options);
-}
-
 }  // namespace
+
+absl::StatusOr<OutputErrorFit> FitAllElements(
+    const ProcessModel& initial, const std::vector<Record>& records,
+    const OutputErrorOptions& options) {
+  MLE_ASSIGN_OR_RETURN(const std::vector<OutputSetup> setups,
+                       SetUpOutputs(initial, records, options));
+  MLE_ASSIGN_OR_RETURN(const std::vector<OutputFit> fits,
+                       FitOutputs(setups, options));
+  OutputErrorFit fit = EmptyFit(initial);
+  for (int i = 0; i < initial.num_outputs(); ++i) {
+    Report(setups[i], {{.weight = 1.0, .fit = &fits[i]}}, i, options.confidence,
+           fit);
+  }
+  return fit;
+}
 
 absl::StatusOr<OutputErrorCorrection> CorrectByOutputError(
     const ProcessModel& initial, const std::vector<Record>& records,
@@ -327,29 +322,17 @@ absl::StatusOr<OutputErrorCorrection> CorrectByOutputError(
   correction.element_p_values = MatrixXd::Ones(p, m);
   correction.aged.setConstant(p, m, false);
 
-  std::vector<OutputFit> fits(p);
-  ParallelFor(p, options.threads, [&](int i) {
-    const bool may_change = MayChange(options, i);
-    fits[i] =
-        FitOutput(*setups[i].problem, setups[i].start,
-                  may_change ? setups[i].informed : std::vector<bool>(m, false),
-                  setups[i].bounds, options);
-    if (!may_change) return;
-    FitDisturbances(setups[i].start, setups[i].bounds, options,
-                    *setups[i].problem, fits[i]);
-    if (options.robust_loss != RobustLoss::kNone) {
-      FitRobustly(setups[i].bounds, options, *setups[i].problem, fits[i]);
-    }
-  });
+  MLE_ASSIGN_OR_RETURN(std::vector<OutputFit> fits,
+                       FitOutputs(setups, options));
   const AveragedFits full =
       ReportAll(setups, fits, options, ChangePrior::kNone, correction.full);
   Judge(setups, fits, full, options, correction);
-  ParallelFor(p, options.threads, [&](int i) {
+  MLE_RETURN_IF_ERROR(FitEach(p, options, [&](int i) {
     std::vector<bool> free(m);
     for (int j = 0; j < m; ++j) free[j] = correction.aged(i, j);
     if (free == fits[i].free) return;
     fits[i] = FitAged(setups[i], fits[i], free, options);
-  });
+  }));
   ReportAll(setups, fits, options, ChangePrior::kFewOrSmall,
             correction.corrected);
   return correction;

@@ -28,6 +28,7 @@
 #define MLE_NONLINEAR_OUTPUT_ERROR_CORRECTION_H_
 
 #include <array>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <string>
@@ -54,6 +55,8 @@ enum class WindowOffsets {
   kAlways,
   kNever,  // Neither offsets nor drift.
 };
+
+struct OutputErrorFit;
 
 struct OutputErrorOptions {
   // T stays within this factor of its initial value, > 1.
@@ -88,8 +91,16 @@ struct OutputErrorOptions {
   // or none: correlation that the noise shape leaves is looked for in them, too
   // (serial_correlation.h). Nothing is fitted to them.
   std::shared_ptr<const std::vector<Record>> at_rest = nullptr;
+  // A fit of the same model to records of which these are a part, or null. Fits
+  // then begin at its values and noise, and no colour, line or step is sought
+  // besides those that it has; the change is given, and not tested.
+  std::shared_ptr<const OutputErrorFit> start = nullptr;
   // Outputs are independent; 0: one thread for each processor.
   int threads = 1;
+  // Called after each fit of an output, of all elements and of those that have
+  // aged, from any thread, one call at a time; false: no more are begun, and
+  // the answer is Cancelled. May be empty.
+  std::function<bool()> after_fit = {};
 
   absl::Status Validate() const;
 };
@@ -248,6 +259,12 @@ struct OutputErrorCorrection {
 // exclude the start, or the samples are too few for the parameters; the message
 // names output and element.
 absl::StatusOr<OutputErrorCorrection> CorrectByOutputError(
+    const ProcessModel& initial, const std::vector<Record>& records,
+    const OutputErrorOptions& options);
+
+// `full` of CorrectByOutputError() without its averages over offsets and drift,
+// for callers that ask for no test: the fits with an offset for each window.
+absl::StatusOr<OutputErrorFit> FitAllElements(
     const ProcessModel& initial, const std::vector<Record>& records,
     const OutputErrorOptions& options);
 

@@ -22,6 +22,14 @@ void OutputPoint::SetCells(double sample_time) {
   }
 }
 
+std::vector<int> FreeParameters(const std::vector<bool>& free) {
+  std::vector<int> parameters;
+  for (int j = 0; j < std::ssize(free); ++j) {
+    for (int i = 0; free[j] && i < 3; ++i) parameters.push_back(3 * j + i);
+  }
+  return parameters;
+}
+
 std::vector<int> LagRanges(int longest, int per_octave) {
   std::vector<int> first_lags = {1};
   const double factor = std::exp2(1.0 / per_octave);
@@ -156,42 +164,52 @@ void OutputErrorProblem::Respond(const Segment& segment,
 
 std::vector<SegmentColumns> OutputErrorProblem::Linearise(
     const OutputPoint& point, const NoiseShape& shape,
-    bool with_jacobian) const {
+    const std::vector<bool>& free) const {
+  const auto is_free = [&](int j) { return !free.empty() && free[j]; };
+  const auto width = 3 * std::count(free.begin(), free.end(), true);
   std::vector<SegmentColumns> all(segments_.size());
   for (std::size_t s = 0; s < segments_.size(); ++s) {
     const Segment& segment = segments_[s];
     SegmentColumns& columns = all[s];
     const Eigen::Index rows = segment.outputs.size();
     columns.residuals = segment.outputs;
-    if (with_jacobian) columns.jacobian.setZero(rows, 3 * num_elements());
+    columns.jacobian.setZero(rows, width);
     MatrixXd response;
+    Eigen::Index parameter = 0;
     for (int j = 0; j < num_elements(); ++j) {
-      if (!elements_[j].has_value()) continue;
-      const ElementValues& values = point.values[j];
-      Respond(segment, point, j, response);
-      for (Eigen::Index row = 0; row < rows; ++row) {
-        const auto at = response.row(segment.times[row]);
-        columns.residuals(row) -= values.gain * at(0);
-        if (!with_jacobian) continue;
-        columns.jacobian(row, 3 * j) = -at(0);
-        columns.jacobian(row, 3 * j + 1) = -values.gain * at(1);
-        columns.jacobian(row, 3 * j + 2) = -values.gain * at(2);
+      if (elements_[j].has_value()) {
+        const double gain = point.values[j].gain;
+        Respond(segment, point, j, response, is_free(j));
+        for (Eigen::Index row = 0; row < rows; ++row) {
+          const auto at = response.row(segment.times[row]);
+          columns.residuals(row) -= gain * at(0);
+          if (!is_free(j)) continue;
+          columns.jacobian(row, parameter) = -at(0);
+          columns.jacobian(row, parameter + 1) = -gain * at(1);
+          columns.jacobian(row, parameter + 2) = -gain * at(2);
+        }
       }
+      if (is_free(j)) parameter += 3;
     }
     MatrixXd derivatives;
     Amplitudes(static_cast<int>(s), point, columns.amplitudes, derivatives);
-    if (!with_jacobian || num_modes_ == 0) continue;
+    if (width == 0 || num_modes_ == 0) continue;
 
     // The modes' part of the derivative by ln T takes their amplitudes.
     const VectorXd amplitudes =
         AmplitudesOf(static_cast<int>(s), columns, shape);
     Eigen::Index mode = 0;
+    Eigen::Index by_time_scale = 1;
     for (int j = 0; j < num_elements(); ++j) {
-      if (!elements_[j].has_value()) continue;
-      const int r = elements_[j]->order();
-      columns.jacobian.col(3 * j + 1) -=
-          derivatives.middleCols(mode, r) * amplitudes.segment(mode, r);
-      mode += r;
+      if (elements_[j].has_value()) {
+        const int r = elements_[j]->order();
+        if (is_free(j)) {
+          columns.jacobian.col(by_time_scale) -=
+              derivatives.middleCols(mode, r) * amplitudes.segment(mode, r);
+        }
+        mode += r;
+      }
+      if (is_free(j)) by_time_scale += 3;
     }
   }
   return all;
@@ -270,8 +288,7 @@ void OutputErrorProblem::SetWeights(const VectorXd& weights,
 
 VectorXd OutputErrorProblem::WhiteResiduals(const OutputPoint& point,
                                             const NoiseShape& shape) const {
-  return WhiteResiduals(Linearise(point, shape, /*with_jacobian=*/false),
-                        shape);
+  return WhiteResiduals(Linearise(point, shape, {}), shape);
 }
 
 VectorXd OutputErrorProblem::WhiteResiduals(

@@ -62,8 +62,9 @@ struct OutputPoint {
 
 // Unwhitened columns of one segment.
 struct SegmentColumns {
-  Eigen::VectorXd residuals;   // rows
-  Eigen::MatrixXd jacobian;    // rows × 3m: by K, ln T, L of each element
+  Eigen::VectorXd residuals;  // rows
+  // rows × 3f: by K, ln T, L of each of f free elements in turn.
+  Eigen::MatrixXd jacobian;
   Eigen::MatrixXd amplitudes;  // rows × (Σ r_j + 2 lines + steps)
 };
 
@@ -75,6 +76,10 @@ struct WhitenedColumns {
   double log_amplitudes = 0.0;   // ln det of the amplitudes' normal matrix
   int num_amplitudes = 0;        // its rank
 };
+
+// Of each free element in turn, 3j, 3j + 1 and 3j + 2: where its K, T and L are
+// among those of all elements.
+std::vector<int> FreeParameters(const std::vector<bool>& free);
 
 // First lags of ranges for LagSums(), and the end of the last: each sample at
 // first, then `per_octave` ranges an octave, until `longest` is in one.
@@ -153,10 +158,11 @@ class OutputErrorProblem {
   // The input moves in a segment.
   bool IsExcited(int input) const;
 
-  // At `point`; amplitudes are those of least squares under noise of `shape`.
+  // At `point`, with derivatives by the elements that are `free` (m; empty:
+  // none); amplitudes are those of least squares under noise of `shape`.
   std::vector<SegmentColumns> Linearise(const OutputPoint& point,
                                         const NoiseShape& shape,
-                                        bool with_jacobian) const;
+                                        const std::vector<bool>& free) const;
   // The columns of ElementResponse::Simulate() for element j at `point`, a row
   // for each sample of the segment's inputs.
   void Respond(const Segment& segment, const OutputPoint& point, int j,
@@ -170,9 +176,10 @@ class OutputErrorProblem {
                    Eigen::MatrixXd& columns,
                    Eigen::MatrixXd& derivatives) const;
   void AppendDisturbances(int segment, Eigen::MatrixXd& columns) const;
-  // In place of the derivative by each dead time L, the secant over L ± steps
-  // (of every element; 0: unchanged).
-  void TakeSecants(const OutputPoint& point, const std::vector<double>& steps,
+  // In place of the derivative by each free dead time L, the secant over L ±
+  // steps (of every element; 0: unchanged).
+  void TakeSecants(const OutputPoint& point, const std::vector<bool>& free,
+                   const std::vector<double>& steps,
                    std::vector<SegmentColumns>& columns) const;
   // Rows are samples.
   WhitenedColumns Whiten(const std::vector<SegmentColumns>& columns,

@@ -58,6 +58,13 @@ OutputFit FitOutput(const OutputErrorProblem& problem, const OutputPoint& start,
                     const OutputFitBounds& bounds,
                     const OutputErrorOptions& options);
 
+// The same continued from output i of options.start, whose lines and steps
+// `problem` takes.
+OutputFit FitOutputFrom(const OutputPoint& start, const std::vector<bool>& free,
+                        const OutputFitBounds& bounds,
+                        const OutputErrorOptions& options, int i,
+                        OutputErrorProblem& problem);
+
 // The fit continued from `fit`, under the weights that `problem` has now.
 OutputFit Refit(const OutputErrorProblem& problem, const OutputFit& fit,
                 const OutputFitBounds& bounds,
@@ -68,17 +75,6 @@ OutputFit Refit(const OutputErrorProblem& problem, const OutputFit& fit,
 void FitRobustly(const OutputFitBounds& bounds,
                  const OutputErrorOptions& options, OutputErrorProblem& problem,
                  OutputFit& fit);
-
-struct RatioLikelihood {
-  double deviance = 0.0;  // −2 ln restricted likelihood less constants
-  double variance = 0.0;  // r
-};
-
-// Of noise of `shape`, from columns linearised at `point`.
-RatioLikelihood RestrictedLikelihood(const OutputErrorProblem& problem,
-                                     const std::vector<bool>& free,
-                                     const std::vector<SegmentColumns>& columns,
-                                     const NoiseShape& shape);
 
 // Estimates under one of several assumptions, to first order about a fit.
 struct LinearEstimate {
@@ -164,11 +160,14 @@ struct Contrast {
 };
 
 // At `point` with the elements that are `free`; and with the columns (of each
-// segment, rows × k) besides.
+// segment, rows × k) besides. `noise`, of a fit in which nothing was wrong but
+// what the columns show, or null: where that has no colour none is sought, and
+// the search begins there.
 Contrast ContrastWithColumns(const OutputErrorProblem& problem,
                              const OutputPoint& point,
                              const std::vector<bool>& free, bool estimate_drift,
-                             const std::vector<Eigen::MatrixXd>& columns);
+                             const std::vector<Eigen::MatrixXd>& columns,
+                             const NoiseEstimate* noise = nullptr);
 
 // At `null` with nothing fitted; and at the fit `point` of what is `free`, with
 // the noise found there.

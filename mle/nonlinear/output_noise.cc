@@ -57,15 +57,6 @@ NoiseEstimate EstimateNoise(const OutputErrorProblem& problem,
   return noise;
 }
 
-RatioLikelihood RestrictedLikelihood(const OutputErrorProblem& problem,
-                                     const std::vector<bool>& free,
-                                     const std::vector<SegmentColumns>& columns,
-                                     const NoiseShape& shape) {
-  const Profile profile =
-      ShapeLikelihood(problem, columns, free, /*restricted=*/true).At(shape);
-  return {.deviance = profile.value, .variance = profile.variance()};
-}
-
 OffsetEvidence FindOffsetEvidence(const OutputErrorProblem& problem,
                                   const OutputPoint& point,
                                   const std::vector<bool>& free,
@@ -117,10 +108,10 @@ namespace {
 // with weak drift every fourth test would raise a false alarm of one in a
 // hundred.
 Contrast AtOneRatio(const ShapeLikelihood& null,
-                    const ShapeLikelihood& alternative, bool estimate_drift) {
-  NoiseShape shape = FindBestShape(alternative, NoiseShape(), estimate_drift,
-                                   /*search_colour=*/true)
-                         .shape;
+                    const ShapeLikelihood& alternative, const NoiseShape& start,
+                    bool search_colour, bool estimate_drift) {
+  NoiseShape shape =
+      FindBestShape(alternative, start, estimate_drift, search_colour).shape;
   shape.ratio = std::max(shape.ratio, FindBestShape(null, shape, estimate_drift,
                                                     /*search_colour=*/false)
                                           .shape.ratio);
@@ -185,12 +176,16 @@ Contrast OverRatios(const ShapeLikelihood& null,
 Contrast ContrastWithColumns(const OutputErrorProblem& problem,
                              const OutputPoint& point,
                              const std::vector<bool>& free, bool estimate_drift,
-                             const std::vector<MatrixXd>& columns) {
+                             const std::vector<MatrixXd>& columns,
+                             const NoiseEstimate* noise) {
+  const bool plain = noise != nullptr && !(noise->colour_ratio > 0.0);
+  NoiseShape start;
+  if (plain) start.ratio = noise->ratio;
   return AtOneRatio(ShapeLikelihood(problem, point, free, NoiseShape(),
                                     /*restricted=*/true),
                     ShapeLikelihood(problem, point, free, NoiseShape(),
                                     /*restricted=*/true, columns),
-                    estimate_drift);
+                    start, /*search_colour=*/!plain, estimate_drift);
 }
 
 Contrast ContrastWithFit(const OutputErrorProblem& problem,

@@ -12,40 +12,33 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// The probability of a ratio but for a factor, and the estimates under it.
-struct Candidate {
-  double log_probability = 0.0;
-  LinearEstimate estimate;
-};
-
-Candidate AtRatio(const OutputErrorProblem& problem, const OutputFit& fit,
-                  const std::vector<SegmentColumns>& columns, double ratio,
-                  double prior) {
+// Estimates for a ratio of drift, of which r is `variance`.
+LinearEstimate AtRatio(const OutputErrorProblem& problem, const OutputFit& fit,
+                       const std::vector<SegmentColumns>& columns, double ratio,
+                       double variance) {
   NoiseShape shape = ShapeOf(fit.noise);
   shape.ratio = ratio;
-  const RatioLikelihood likelihood =
-      RestrictedLikelihood(problem, fit.free, columns, shape);
   const WhitenedColumns whitened = problem.Whiten(columns, shape);
-  Candidate candidate;
-  candidate.log_probability = std::log(prior) - 0.5 * likelihood.deviance;
-  candidate.estimate.covariance =
-      CovarianceOf(whitened, fit.point, fit.free, likelihood.variance)
-          .covariance;
+  LinearEstimate estimate;
+  estimate.covariance =
+      CovarianceOf(whitened, fit.point, fit.free, variance).covariance;
   // A step of Gauss and Newton, V Jᵀ(−r)/r with V/r in units of K, T and L.
-  VectorXd gradient = whitened.jacobian.transpose() * whitened.residuals;
+  VectorXd gradient = VectorXd::Zero(estimate.covariance.rows());
+  gradient(FreeParameters(fit.free)) =
+      whitened.jacobian.transpose() * whitened.residuals;
   for (std::size_t j = 0; j < fit.free.size(); ++j) {
     const auto t = 3 * static_cast<Eigen::Index>(j) + 1;
     if (fit.free[j]) gradient(t) /= fit.point.values[j].time_scale;
   }
-  MatrixXd finite = candidate.estimate.covariance;
+  MatrixXd finite = estimate.covariance;
   for (Eigen::Index i = 0; i < finite.rows(); ++i) {
     if (!std::isfinite(finite(i, i))) {
       finite.row(i).setZero();
       finite.col(i).setZero();
     }
   }
-  candidate.estimate.change = -finite * gradient / likelihood.variance;
-  return candidate;
+  estimate.change = -finite * gradient / variance;
+  return estimate;
 }
 
 }  // namespace
@@ -63,26 +56,39 @@ std::vector<LinearEstimate> IntegrateRatio(const OutputErrorProblem& problem,
   }
   const std::vector<SegmentColumns> columns =
       LineariseWidely(problem, fit.point, fit.free, fit.noise);
-  const VectorXd at_fit =
-      AtRatio(problem, fit, columns, fit.noise.ratio, 1.0).estimate.change;
-  std::vector<Candidate> candidates;
-  for (const PossibleRatio& possible : PossibleRatios(problem)) {
-    candidates.push_back(
-        AtRatio(problem, fit, columns, possible.ratio, possible.prior));
-  }
+  const ShapeLikelihood likelihood(problem, columns, fit.free,
+                                   /*restricted=*/true);
+  const auto at = [&](double ratio) {
+    NoiseShape shape = ShapeOf(fit.noise);
+    shape.ratio = ratio;
+    return likelihood.At(shape);
+  };
+  const VectorXd at_fit = AtRatio(problem, fit, columns, fit.noise.ratio,
+                                  at(fit.noise.ratio).variance())
+                              .change;
+  // Probabilities but for a factor, as logarithms.
+  const std::vector<PossibleRatio> ratios = PossibleRatios(problem);
+  std::vector<Profile> profiles;
+  std::vector<double> log_probabilities;
   double best = -std::numeric_limits<double>::infinity();
-  for (const Candidate& c : candidates)
-    best = std::max(best, c.log_probability);
+  for (const PossibleRatio& possible : ratios) {
+    profiles.push_back(at(possible.ratio));
+    log_probabilities.push_back(std::log(possible.prior) -
+                                0.5 * profiles.back().value);
+    best = std::max(best, log_probabilities.back());
+  }
   double total = 0.0;
   std::vector<LinearEstimate> estimates;
-  for (Candidate& c : candidates) {
-    c.estimate.weight = std::exp(c.log_probability - best);
-    if (!(c.estimate.weight > kSmallWeight)) continue;
-    total += c.estimate.weight;
+  for (std::size_t i = 0; i < ratios.size(); ++i) {
+    const double weight = std::exp(log_probabilities[i] - best);
+    if (!(weight > kSmallWeight)) continue;
+    LinearEstimate& estimate = estimates.emplace_back(AtRatio(
+        problem, fit, columns, ratios[i].ratio, profiles[i].variance()));
+    estimate.weight = weight;
+    total += weight;
     // What is left of the gradient at the fit (kinks and bounds) stays.
-    c.estimate.change -= at_fit;
-    c.estimate.covariance = fit.inflation.Scale(c.estimate.covariance);
-    estimates.push_back(std::move(c.estimate));
+    estimate.change -= at_fit;
+    estimate.covariance = fit.inflation.Scale(estimate.covariance);
   }
   for (LinearEstimate& estimate : estimates) {
     estimate.weight /= total;

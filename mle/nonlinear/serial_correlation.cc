@@ -5,6 +5,7 @@
 
 #include "Eigen/Cholesky"
 #include "Eigen/Eigenvalues"
+#include "mle/regression/kernels/kernels.h"
 
 namespace mle {
 namespace {
@@ -19,20 +20,29 @@ constexpr double kSignificant = 2.0;
 // Relative to the largest eigenvalue of JᵀJ, its columns scaled to one.
 constexpr double kRankTolerance = 1e-12;
 
-// Σ_k x_k y_{k+l} within the segments.
-MatrixXd LaggedProduct(const OutputErrorProblem& problem, const MatrixXd& X,
-                       int lag) {
-  MatrixXd product = MatrixXd::Zero(X.cols(), X.cols());
+// Σ_k x_k x_{k+l} within the segments, l = 0 … longest, of each column.
+MatrixXd Autocovariances(const OutputErrorProblem& problem, const MatrixXd& X,
+                         int longest) {
+  MatrixXd sums = MatrixXd::Zero(longest + 1, X.cols());
   Eigen::Index begin = 0;
+  VectorXd padded;
   for (int s = 0; s < problem.num_segments(); ++s) {
     const auto rows = static_cast<Eigen::Index>(problem.times(s).size());
-    if (rows > lag) {
-      product.noalias() += X.middleRows(begin, rows - lag).transpose() *
-                           X.middleRows(begin + lag, rows - lag);
+    padded.setZero(rows + longest);
+    for (Eigen::Index c = 0; c < X.cols(); ++c) {
+      padded.head(rows) = X.col(c).segment(begin, rows);
+      VectorKernels().add_products({.x = padded.data(),
+                                    .x_stride = 1,
+                                    .rows = sums.rows(),
+                                    .w = padded.data(),
+                                    .w_stride = 1,
+                                    .columns = 1,
+                                    .count = rows},
+                                   &sums(0, c), sums.rows());
     }
     begin += rows;
   }
-  return product;
+  return sums;
 }
 
 // T, n × rank, with (J T)ᵀ(J T) = I, from J with columns scaled to one.
@@ -69,16 +79,13 @@ SerialInflation InflationOf(const OutputErrorProblem& problem,
   const auto m = static_cast<Eigen::Index>(free.size());
   SerialInflation inflation;
   inflation.variances = VectorXd::Ones(3 * m);
-  std::vector<Eigen::Index> kept;
-  for (Eigen::Index j = 0; j < m; ++j) {
-    for (int i = 0; free[j] && i < 3; ++i) kept.push_back(3 * j + i);
-  }
+  const std::vector<int> kept = FreeParameters(free);
   longest = std::min(
       longest, static_cast<int>(kMaxLagShare * problem.shortest_segment()));
   if (kept.empty() || longest < 1) return inflation;
   const WhitenedColumns whitened = problem.Whiten(columns, shape);
   // X: orthonormal columns that span J, then e less what they explain.
-  MatrixXd J = whitened.jacobian(Eigen::all, kept);
+  MatrixXd J = whitened.jacobian;
   const VectorXd norms = J.colwise().norm().cwiseMax(1e-300);
   J *= norms.cwiseInverse().asDiagonal();
   // J T is orthonormal; row i of T is what parameter i takes of its columns.
@@ -96,32 +103,36 @@ SerialInflation InflationOf(const OutputErrorProblem& problem,
   MatrixXd resting;
   if (problem.at_rest() != nullptr) {
     const OutputErrorProblem& rest = *problem.at_rest();
-    resting = rest.Whiten(rest.Linearise(point, shape, false), shape).residuals;
+    resting = rest.Whiten(rest.Linearise(point, shape, {}), shape).residuals;
     squares += resting.squaredNorm();
     n += rest.num_innovations(shape);
   }
   if (!(squares > 0.0)) return inflation;
+  const VectorXd own = T.rowwise().squaredNorm();
+  const MatrixXd of_columns = Autocovariances(problem, X, longest);
+  // What each parameter takes of the columns, scaled to one.
+  const MatrixXd of_parameters =
+      Autocovariances(problem,
+                      X.leftCols(rank) * T.transpose() *
+                          own.cwiseSqrt().cwiseInverse().asDiagonal(),
+                      longest);
+  VectorXd correlations = of_columns.col(rank);
+  if (problem.at_rest() != nullptr) {
+    correlations += Autocovariances(*problem.at_rest(), resting, longest);
+  }
+  correlations /= squares;
   double sum = 0.0;
   double variance = 0.0;
   VectorXd sums = VectorXd::Zero(count);
   VectorXd sum_variances = VectorXd::Zero(count);
-  const VectorXd own = T.rowwise().squaredNorm();
   for (int lag = 1; lag <= longest; ++lag) {
-    const MatrixXd product = LaggedProduct(problem, X, lag);
     const double weight = 2.0 * (1.0 - lag / (longest + 1.0));
-    double correlation = product(rank, rank) / squares;
-    if (problem.at_rest() != nullptr) {
-      correlation +=
-          LaggedProduct(*problem.at_rest(), resting, lag)(0, 0) / squares;
-    }
-    const auto shifted = product.topLeftCorner(rank, rank);
-    const double mean = weight * shifted.trace() / static_cast<double>(rank);
-    sum += correlation * mean;
+    const double mean = weight * of_columns.row(lag).head(rank).sum() /
+                        static_cast<double>(rank);
+    sum += correlations(lag) * mean;
     variance += mean * mean / n;
-    const VectorXd of =
-        weight *
-        (T * shifted).cwiseProduct(T).rowwise().sum().cwiseQuotient(own);
-    sums += correlation * of;
+    const VectorXd of = weight * of_parameters.row(lag).transpose();
+    sums += correlations(lag) * of;
     sum_variances += of.cwiseAbs2() / n;
   }
   inflation.statistic = Factor(sum, variance);

@@ -125,8 +125,8 @@ class Search {
 
   std::vector<SegmentColumns> Columns(const OutputPoint& point,
                                       const NoiseShape& shape) const {
-    std::vector<SegmentColumns> columns =
-        problem_.Linearise(point, shape, /*with_jacobian=*/true);
+    std::vector<SegmentColumns> columns = problem_.Linearise(
+        point, shape, std::vector<bool>(priors_.size(), true));
     for (std::size_t s = 0; s < columns.size(); ++s) {
       MatrixXd& jacobian = columns[s].jacobian;
       const Eigen::Index width = jacobian.cols();

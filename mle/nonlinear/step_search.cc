@@ -148,24 +148,13 @@ class StepSearch {
   }
 
  private:
-  std::vector<int> Free() const {
-    std::vector<int> kept;
-    for (std::size_t j = 0; j < fit_.free.size(); ++j) {
-      for (int i = 0; fit_.free[j] && i < 3; ++i) {
-        kept.push_back(3 * static_cast<int>(j) + i);
-      }
-    }
-    return kept;
-  }
-
   // The columns with what the free parameters explain taken from the residuals:
   // at the initial values that is a lot.
   std::vector<SegmentColumns> Fitted() const {
     std::vector<SegmentColumns> columns = columns_;
-    const std::vector<int> kept = Free();
-    if (kept.empty()) return columns;
     const WhitenedColumns whitened = problem_.Whiten(columns_, shape_);
-    const MatrixXd jacobian = whitened.jacobian(Eigen::all, kept);
+    const MatrixXd& jacobian = whitened.jacobian;
+    if (jacobian.cols() == 0) return columns;
     const VectorXd inverse_norms =
         jacobian.colwise().norm().cwiseMax(1e-300).cwiseInverse();
     Eigen::CompleteOrthogonalDecomposition<MatrixXd> decomposition;
@@ -174,15 +163,14 @@ class StepSearch {
     const VectorXd step =
         inverse_norms.cwiseProduct(decomposition.solve(whitened.residuals));
     for (SegmentColumns& of : columns) {
-      of.residuals -= of.jacobian(Eigen::all, kept) * step;
+      of.residuals -= of.jacobian * step;
     }
     return columns;
   }
 
   // Of the whitened columns of the free parameters (N × rank).
   MatrixXd Basis() const {
-    const MatrixXd fitted =
-        problem_.Whiten(columns_, shape_).jacobian(Eigen::all, Free());
+    const MatrixXd fitted = problem_.Whiten(columns_, shape_).jacobian;
     if (fitted.cols() == 0) return fitted;
     const VectorXd norms = fitted.colwise().norm().cwiseMax(1e-300);
     Eigen::ColPivHouseholderQR<MatrixXd> qr;

@@ -1,9 +1,19 @@
 #include "mle/regression/lagged_products.h"
 
+#include <algorithm>
+
 #include "glog/logging.h"
 #include "mle/regression/kernels/kernels.h"
 
 namespace mle {
+namespace {
+
+// Numbers and samples of a stretch; columns of products made at once.
+constexpr Eigen::Index kStretch = 4096;
+constexpr Eigen::Index kFewestSamples = 32;
+constexpr Eigen::Index kPanel = 8;
+
+}  // namespace
 
 void AddLaggedProducts(
     const LaggedSeries::View& x,
@@ -18,15 +28,28 @@ void AddLaggedProducts(
 }
 
 Eigen::MatrixXd GramMatrix(const Eigen::Ref<const Eigen::MatrixXd>& X) {
-  if (X.cols() == 0) return Eigen::MatrixXd();
-  // The kernels read samples one after the other.
-  const Eigen::MatrixXd samples = X.transpose();
-  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(X.cols(), X.cols());
-  AddLaggedProducts(
-      LaggedSeries::View(samples.data(), samples.rows(), samples.cols(),
-                         Eigen::OuterStride<>(samples.rows())),
-      samples, gram);
-  // The kernels may sum the two halves in different orders.
+  const Eigen::Index n = X.cols();
+  if (n == 0) return Eigen::MatrixXd();
+  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(n, n);
+  // The kernels read samples one after the other; those of a stretch stay in
+  // the cache while all columns are gone through.
+  const Eigen::Index stretch = std::max(kStretch / n, kFewestSamples);
+  Eigen::MatrixXd samples;
+  for (Eigen::Index first = 0; first < X.rows(); first += stretch) {
+    const Eigen::Index count = std::min(stretch, X.rows() - first);
+    samples = X.middleRows(first, count).transpose();
+    // The lower triangle, and what of the upper its panels hold.
+    for (Eigen::Index c = 0; c < n; c += kPanel) {
+      VectorKernels().add_products({.x = samples.data() + c,
+                                    .x_stride = n,
+                                    .rows = n - c,
+                                    .w = samples.data() + c,
+                                    .w_stride = n,
+                                    .columns = std::min(kPanel, n - c),
+                                    .count = count},
+                                   &gram(c, c), n);
+    }
+  }
   return gram.selfadjointView<Eigen::Lower>();
 }
 

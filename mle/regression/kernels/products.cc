@@ -50,6 +50,20 @@ void AddTile(const ProductSeries& f, double* sums, Index stride) {
   }
 }
 
+// The vectors of rows that are left, fewer than kDepth. Tiles of one vector
+// would wait for each sum; what is summed does not depend on the tile.
+template <int depth, int columns>
+void AddRest(Index vectors, const ProductSeries& f, double* sums,
+             Index stride) {
+  if constexpr (depth > 0) {
+    if (vectors == depth) {
+      AddTile<Vector, depth, columns>(f, sums, stride);
+    } else {
+      AddRest<depth - 1, columns>(vectors, f, sums, stride);
+    }
+  }
+}
+
 // All rows of `columns` columns of the sums.
 template <int columns>
 void AddPanel(ProductSeries f, double* sums, Index stride) {
@@ -63,10 +77,9 @@ void AddPanel(ProductSeries f, double* sums, Index stride) {
     AddTile<Vector, kDepth, columns>(f, sums, stride);
     advance(kDepth * kWidth);
   }
-  while (row + kWidth <= f.rows) {
-    AddTile<Vector, 1, columns>(f, sums, stride);
-    advance(kWidth);
-  }
+  const Index vectors = (f.rows - row) / kWidth;
+  AddRest<kDepth - 1, columns>(vectors, f, sums, stride);
+  advance(vectors * kWidth);
   while (row < f.rows) {
     AddTile<double, 1, columns>(f, sums, stride);
     advance(1);

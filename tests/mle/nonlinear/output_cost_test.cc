@@ -86,8 +86,8 @@ TEST_F(OutputCostTest, HasCostGradientAndNormalMatrixOfTheWhitenedResiduals) {
     }
     for (const NoiseShape& shape : kShapes) {
       const auto cost = MakeOutputCost(problem(), point_, free, shape, true);
-      const WhitenedColumns whitened =
-          problem().Whiten(problem().Linearise(point_, shape, true), shape);
+      const WhitenedColumns whitened = problem().Whiten(
+          problem().Linearise(point_, shape, {true, true}), shape);
       const MatrixXd J = whitened.jacobian(Eigen::all, kept);
       const VectorXd scales = J.colwise().norm().cwiseInverse();
       const double squares = whitened.residuals.squaredNorm();

@@ -26,8 +26,7 @@ FittedOutput FitRecords(unsigned seed,
 VectorXd Residuals(const OutputErrorProblem& problem, OutputPoint point,
                    const NoiseShape& shape) {
   point.SetCells(problem.sample_time());
-  return problem.Whiten(problem.Linearise(point, shape, false), shape)
-      .residuals;
+  return problem.Whiten(problem.Linearise(point, shape, {}), shape).residuals;
 }
 
 // r (JᵀJ)⁻¹ with J from differences in K, T and L themselves. Where the fit is
@@ -77,7 +76,7 @@ TEST(OutputCovarianceTest, HeldElementsAndUnexcitedOnes) {
   EXPECT_EQ(held.rank, 3);
   EXPECT_TRUE(held.covariance.bottomRows(3).isZero(0.0));
   WhitenedColumns blind = f.problem().Whiten(
-      f.problem().Linearise(f.fit.point, ShapeOf(f.fit.noise), true),
+      f.problem().Linearise(f.fit.point, ShapeOf(f.fit.noise), {true, true}),
       ShapeOf(f.fit.noise));
   blind.jacobian.col(4).setZero();
   const OutputCovariance unknown =

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -58,6 +59,57 @@ TEST(OutputErrorCorrectionTest, RecoversAnExactPlant) {
     EXPECT_TRUE(correction.change_proposed);
     EXPECT_TRUE(correction.full.certificates[0].search_confirmed);
   }
+}
+
+// Begun at a fit to more data, the search ends where it ends from the initial
+// values; the change is not tested again.
+TEST(OutputErrorCorrectionTest, BeginsAtAFit) {
+  const auto records = MakeRecords(AgedPlant(), 400, 3, {.variance = 0.01});
+  std::vector<Record> part = records;
+  part[0].outputs.row(0).segment(150, 40).setConstant(
+      std::numeric_limits<double>::quiet_NaN());
+  const auto expected = Correct(TwoElements(), part);
+  OutputErrorOptions options;
+  options.start = std::make_shared<const OutputErrorFit>(
+      Correct(TwoElements(), records).full);
+  const auto found = Correct(TwoElements(), part, options);
+  EXPECT_TRUE(found.change_proposed);
+  EXPECT_EQ(found.aged, expected.aged);
+  EXPECT_EQ(found.statistic, 0.0);
+  for (int j = 0; j < 2; ++j) {
+    for (int k = 0; k < 3; ++k) {
+      const ParameterEstimate& one = Parameters(found.full, j)[k];
+      const ParameterEstimate& other = Parameters(expected.full, j)[k];
+      // To what the noise shapes, each estimated to 0.02, differ by.
+      EXPECT_NEAR(one.value, other.value, 0.02 * other.standard_error);
+    }
+  }
+  EXPECT_TRUE(found.full.certificates[0].search_confirmed);
+
+  options.start = std::make_shared<const OutputErrorFit>();
+  const auto wrong = CorrectByOutputError(TwoElements(), part, options);
+  EXPECT_EQ(wrong.status().code(), absl::StatusCode::kInvalidArgument);
+}
+
+// It is asked after each fit, and a no is the last.
+TEST(OutputErrorCorrectionTest, StopsWhereItIsTold) {
+  const auto records = MakeRecords(AgedPlant(), 300, 4, {.variance = 0.01});
+  OutputErrorOptions options;
+  int calls = 0;
+  options.after_fit = [&] {
+    ++calls;
+    return true;
+  };
+  EXPECT_TRUE(CorrectByOutputError(TwoElements(), records, options).ok());
+  EXPECT_EQ(calls, 2);
+  calls = 0;
+  options.after_fit = [&] {
+    ++calls;
+    return false;
+  };
+  const auto stopped = CorrectByOutputError(TwoElements(), records, options);
+  EXPECT_EQ(stopped.status().code(), absl::StatusCode::kCancelled);
+  EXPECT_EQ(calls, 1);
 }
 
 // Noise hides what the time constant is; the full fit moves it all the same,

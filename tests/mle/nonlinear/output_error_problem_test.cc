@@ -47,8 +47,8 @@ TEST(OutputErrorProblemTest, TheTrueParametersLeaveNothing) {
   const auto records = MakeRecords(plant, 400, 1, {});
   const OutputErrorProblem problem = MakeProblem(plant, records);
   for (const NoiseShape shape : kShapes) {
-    const WhitenedColumns whitened = problem.Whiten(
-        problem.Linearise(PointOf(problem), shape, false), shape);
+    const WhitenedColumns whitened =
+        problem.Whiten(problem.Linearise(PointOf(problem), shape, {}), shape);
     // The simulation is exact to about 1e-9 (Runge–Kutta in fine steps).
     EXPECT_LT(whitened.residuals.cwiseAbs().maxCoeff(), 1e-7);
   }
@@ -62,21 +62,21 @@ TEST(OutputErrorProblemTest, SecantsOfDeadTimes) {
       MakeProblem(plant, MakeRecords(plant, 400, 5, {.variance = 0.01}));
   const OutputPoint point = PointOf(problem);
   const NoiseShape shape = {.ratio = 0.01};
-  const auto exact = problem.Linearise(point, shape, true);
+  const auto exact = problem.Linearise(point, shape, {true, true});
   auto columns = exact;
-  problem.TakeSecants(point, {0.0, 1e-4}, columns);
+  problem.TakeSecants(point, {true, true}, {0.0, 1e-4}, columns);
   for (std::size_t s = 0; s < exact.size(); ++s) {
     EXPECT_EQ(columns[s].jacobian.leftCols(5), exact[s].jacobian.leftCols(5));
     EXPECT_LT((columns[s].jacobian - exact[s].jacobian).norm(),
               1e-3 * exact[s].jacobian.col(5).norm());
   }
-  problem.TakeSecants(point, {0.0, 1.7}, columns);
+  problem.TakeSecants(point, {true, true}, {0.0, 1.7}, columns);
   OutputPoint ends[2] = {point, point};
   ends[0].values[1].delay -= 1.7;
   ends[1].values[1].delay += 1.7;
   for (OutputPoint& end : ends) end.SetCells(problem.sample_time());
-  const auto low = problem.Linearise(ends[0], shape, false);
-  const auto high = problem.Linearise(ends[1], shape, false);
+  const auto low = problem.Linearise(ends[0], shape, {});
+  const auto high = problem.Linearise(ends[1], shape, {});
   for (std::size_t s = 0; s < exact.size(); ++s) {
     const VectorXd expected =
         (high[s].residuals - low[s].residuals) / (2.0 * 1.7);
@@ -96,12 +96,12 @@ TEST(OutputErrorProblemTest, GradientIsThatOfDifferences) {
   point.values[1].delay += 0.13;
   point.SetCells(problem.sample_time());
   const auto cost = [&](const OutputPoint& at, const NoiseShape& shape) {
-    return 0.5 * problem.Whiten(problem.Linearise(at, shape, false), shape)
+    return 0.5 * problem.Whiten(problem.Linearise(at, shape, {}), shape)
                      .residuals.squaredNorm();
   };
   for (const NoiseShape shape : kShapes) {
     const WhitenedColumns whitened =
-        problem.Whiten(problem.Linearise(point, shape, true), shape);
+        problem.Whiten(problem.Linearise(point, shape, {true, true}), shape);
     const VectorXd gradient =
         whitened.jacobian.transpose() * whitened.residuals;
     const double h = 1e-5;
@@ -137,7 +137,7 @@ TEST(OutputErrorProblemTest, BadSamplesAreLeftOut) {
   EXPECT_EQ(problem.num_samples(), 360 - 2 + 160 + 159);
   const NoiseShape shape = {.ratio = 0.01};
   const WhitenedColumns whitened =
-      problem.Whiten(problem.Linearise(PointOf(problem), shape, false), shape);
+      problem.Whiten(problem.Linearise(PointOf(problem), shape, {}), shape);
   EXPECT_LT(whitened.residuals.cwiseAbs().maxCoeff(), 1e-7);
 }
 
@@ -154,9 +154,8 @@ TEST(DelaySearchTest, FindsDeadTimesFarAway) {
     EXPECT_EQ(found.point.values[1].delay, 0.5);
     EXPECT_NEAR(found.point.values[0].gain, 2.0, 0.02);
     const double cost =
-        0.5 *
-        problem.Whiten(problem.Linearise(found.point, shape, false), shape)
-            .residuals.squaredNorm();
+        0.5 * problem.Whiten(problem.Linearise(found.point, shape, {}), shape)
+                  .residuals.squaredNorm();
     EXPECT_NEAR(found.cost, cost, 1e-6 * cost + found.cost_accuracy);
   }
 }

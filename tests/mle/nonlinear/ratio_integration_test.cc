@@ -2,6 +2,7 @@
 #include <vector>
 
 #include "gtest/gtest.h"
+#include "mle/nonlinear/noise_search.h"
 #include "mle/nonlinear/output_fit.h"
 #include "tests/mle/nonlinear/fitted_output.h"
 #include "tests/mle/nonlinear/output_error_records.h"
@@ -106,13 +107,13 @@ TEST(RatioIntegrationTest, EverySquareRootIsAsLikelyBeforehand) {
     edges.push_back(std::exp(0.5 * (log_ratio - 0.5)));
   }
   edges.push_back(std::sqrt(ratios.back()) * std::exp(0.25));
+  const ShapeLikelihood likelihood(problem, columns, f.fit.free,
+                                   /*restricted=*/true);
   VectorXd log_weights(ratios.size());
   for (std::size_t i = 0; i < ratios.size(); ++i) {
     const NoiseShape shape = {.ratio = ratios[i]};
     log_weights(static_cast<Eigen::Index>(i)) =
-        std::log(edges[i + 1] - edges[i]) -
-        0.5 *
-            RestrictedLikelihood(problem, f.fit.free, columns, shape).deviance;
+        std::log(edges[i + 1] - edges[i]) - 0.5 * likelihood.At(shape).value;
   }
   std::vector<double> expected;
   double total = 0.0;

@@ -34,7 +34,7 @@ LinearFit FitAbout(const RecordNoise& noise, unsigned seed, int samples = 1500,
   EXPECT_TRUE(setups.ok()) << setups.status();
   const OutputErrorProblem& problem = *(*setups)[0].problem;
   const std::vector<SegmentColumns> columns =
-      problem.Linearise((*setups)[0].start, kWhite, true);
+      problem.Linearise((*setups)[0].start, kWhite, {true, true});
   const WhitenedColumns whitened = problem.Whiten(columns, kWhite);
   const MatrixXd inverse =
       (whitened.jacobian.transpose() * whitened.jacobian).inverse();
@@ -128,7 +128,8 @@ TEST(SerialCorrelationTest, WithoutEstimatesThereIsNothingToInflate) {
       SetUpOutputs(TwoElements(), MakeRecords(TwoElements(), 400, 1, {}), {});
   ASSERT_TRUE(setups.ok()) << setups.status();
   const OutputErrorProblem& problem = *(*setups)[0].problem;
-  const auto columns = problem.Linearise((*setups)[0].start, kWhite, true);
+  const auto columns =
+      problem.Linearise((*setups)[0].start, kWhite, {true, true});
   const SerialInflation inflation = InflationOf(
       problem, (*setups)[0].start, columns, {false, false}, kWhite, 60);
   EXPECT_EQ(inflation.statistic, 1.0);

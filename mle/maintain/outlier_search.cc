@@ -1,0 +1,120 @@
+#include "mle/maintain/outlier_search.h"
+
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "mle/base/parallel.h"
+#include "mle/base/status.h"
+#include "mle/data/outliers.h"
+#include "mle/maintain/select_output.h"
+#include "mle/nonlinear/output_reconstruction.h"
+
+namespace mle {
+namespace {
+
+// Of the samples on each side, for bursts of up to ten.
+constexpr int kWideHalfWidth = 12;
+
+bool NeighboursFindAny(const RecordData& data, int output) {
+  for (const ChannelHealth& channel : data.health.channels) {
+    if (channel.is_output && channel.channel == output &&
+        !channel.outliers.empty()) {
+      return true;
+    }
+  }
+  for (const SetPointWindow& window : data.windows) {
+    if (!FindOutliers(window.record.outputs.row(output),
+                      {.half_width = kWideHalfWidth})
+             .empty()) {
+      return true;
+    }
+  }
+  return false;
+}
+
+std::vector<int> OutputsToSearch(const OutputErrorOptions& output_error,
+                                 const RecordData& data, int num_outputs) {
+  std::vector<int> outputs;
+  for (int i = 0; i < num_outputs; ++i) {
+    if (output_error.robust_loss != RobustLoss::kNone ||
+        NeighboursFindAny(data, i)) {
+      outputs.push_back(i);
+    }
+  }
+  return outputs;
+}
+
+// What the model found of an output.
+void Report(const std::string& name, const OutlierReport& report,
+            RecordData& data) {
+  if (report.marked[0] > 0) {
+    data.notes.push_back(
+        {MessageCode::kSamplesMarked,
+         name,
+         absl::StrCat(
+             name, ": ", report.marked[0],
+             " samples of the windows are outliers under the model, at most ",
+             report.longest[0], " in a row, and are marked as bad."),
+         {"mark_outliers"}});
+  }
+  if (report.left[0] > 0) {
+    data.warnings.push_back(
+        {MessageCode::kUnmeasured,
+         name,
+         absl::StrCat(
+             name, ": ", report.left[0],
+             " samples are as far from the model's prediction as outliers, "
+             "but more than ",
+             OutlierMarkOptions().longest_burst,
+             " in a row: an unmeasured disturbance. These samples are used."),
+         {}});
+  }
+}
+
+}  // namespace
+
+absl::Status SearchOutliers(const ProcessModel& model,
+                            const RecordOptions& options,
+                            const OutputErrorOptions& output_error,
+                            const ProgressCallback& progress,
+                            RecordData& data) {
+  if (!options.mark.outliers) return absl::OkStatus();
+  const std::vector<int> outputs =
+      OutputsToSearch(output_error, data, model.num_outputs());
+  if (outputs.empty()) return absl::OkStatus();
+  const auto count = static_cast<int>(outputs.size());
+  Stage stage(progress, "looking for outliers", count);
+  MLE_RETURN_IF_ERROR(stage.status());
+  OutputErrorOptions alone = output_error;
+  alone.threads = 1;
+  alone.outputs = {};
+  std::vector<std::vector<Record>> searched(count);
+  std::vector<absl::StatusOr<OutlierReport>> reports(count);
+  ParallelFor(count, output_error.threads, [&](int n) {
+    if (stage.cancelled()) return;
+    for (const SetPointWindow& window : data.windows) {
+      searched[n].push_back(SelectOutput(window.record, outputs[n]));
+    }
+    reports[n] = MarkOutliers(SelectOutput(model, outputs[n]), alone,
+                              OutlierMarkOptions(), searched[n]);
+    stage.Done();
+  });
+  MLE_RETURN_IF_ERROR(stage.status());
+  data.outliers_by_model.assign(model.num_outputs(), 0);
+  for (int n = 0; n < count; ++n) {
+    // What cannot be fitted is told where the model is fitted.
+    if (!reports[n].ok()) continue;
+    const int i = outputs[n];
+    for (std::size_t w = 0; w < data.windows.size(); ++w) {
+      data.windows[w].record.outputs.row(i) = searched[n][w].outputs.row(0);
+    }
+    data.outliers_by_model[i] = reports[n]->marked[0];
+    Report(model.outputs()[i].name, *reports[n], data);
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace mle

@@ -1,0 +1,83 @@
+// Steps 1 and 2 of an output's fit (output_fit.h): the search for dead times on
+// a grid, and Ceres' refinement of its best, under a given noise shape.
+// Internal to mle/nonlinear.
+
+#ifndef MLE_NONLINEAR_OUTPUT_FITTER_H_
+#define MLE_NONLINEAR_OUTPUT_FITTER_H_
+
+#include <utility>
+#include <vector>
+
+#include "ceres/problem.h"
+#include "mle/nonlinear/delay_search.h"
+#include "mle/nonlinear/output_error_correction.h"
+#include "mle/nonlinear/output_error_problem.h"
+#include "mle/nonlinear/output_fit.h"
+
+namespace mle {
+
+// What it is given must outlive it.
+class Fitter {
+ public:
+  Fitter(const OutputErrorProblem& problem, const std::vector<bool>& free,
+         const OutputFitBounds& bounds, const OutputErrorOptions& options)
+      : problem_(problem), free_(free), bounds_(bounds), options_(options) {}
+
+  const FitCertificate& certificate() const { return certificate_; }
+  // Whether the last search found nothing better.
+  void SetConfirmed(bool confirmed) {
+    certificate_.search_confirmed = confirmed;
+  }
+
+  // Steps 1 and 2: from the best of several searches.
+  OutputPoint Start(const OutputPoint& start, const NoiseShape& shape);
+
+  DelaySearchResult Search(const OutputPoint& point, const NoiseShape& shape);
+
+  // Step 2: all dead times, then sample by sample. Returns the cost.
+  double Refine(OutputPoint& point, const NoiseShape& shape);
+
+  // Of the certificate: derivatives at the end, in standard deviations.
+  void CertifyGradient(const OutputPoint& point, const NoiseEstimate& noise);
+
+ private:
+  // What Solve() may move, and how far it goes.
+  struct SolveOptions {
+    bool within_cells = false;  // dead times within their samples
+    bool exact = false;
+    std::vector<bool> held = {};  // dead times that stay; empty: none
+  };
+
+  // Within the samples that the dead times lie in. Those whose cost falls
+  // beyond an end of their sample stay there: steps projected on bounds would
+  // only creep towards the optimum of the others.
+  double SolveWithinCells(OutputPoint& point, const NoiseShape& shape);
+  // The dead times at an end of their sample beyond which the cost falls.
+  std::vector<bool> AtEnds(const OutputPoint& point,
+                           const NoiseShape& shape) const;
+  // Of the sample that the dead time lies in, within its bounds.
+  std::pair<double, double> DelaysOf(const OutputPoint& point, int j) const;
+  // The end of that sample which the dead time is at: −1 or 1; 0: none.
+  int EndOf(const OutputPoint& point, int j) const;
+  // Levenberg–Marquardt from and to `point`; returns the cost.
+  double Solve(OutputPoint& point, const NoiseShape& shape) {
+    return Solve(point, shape, SolveOptions());
+  }
+  double Solve(OutputPoint& point, const NoiseShape& shape,
+               const SolveOptions& options);
+  void SetBounds(const OutputPoint& point, int j, const SolveOptions& options,
+                 double* block, ceres::Problem& problem) const;
+  // Takes each dead time at an end of its sample into the next one if the cost
+  // falls there; false if none does.
+  bool MoveCells(OutputPoint& point, const NoiseShape& shape) const;
+
+  const OutputErrorProblem& problem_;
+  const std::vector<bool>& free_;
+  const OutputFitBounds& bounds_;
+  const OutputErrorOptions& options_;
+  FitCertificate certificate_;
+};
+
+}  // namespace mle
+
+#endif  // MLE_NONLINEAR_OUTPUT_FITTER_H_

@@ -1,0 +1,129 @@
+#include "mle/maintain/informative_windows.h"
+
+#include <random>
+#include <utility>
+#include <vector>
+
+#include "Eigen/Core"
+#include "gtest/gtest.h"
+#include "mle/data/record.h"
+#include "mle/maintain/whole_windows.h"
+#include "mle/model/process_model.h"
+#include "mle/model/transfer_function.h"
+
+namespace mle {
+namespace {
+
+// Five settling times: too short to be divided.
+constexpr int kSamples = 240;
+
+ProcessModel TwoInputs() {
+  ProcessModel model("two inputs", "min", {{"a", ""}, {"b", ""}}, {{"y", ""}});
+  model.element(0, 0) = TransferFunction::FirstOrder(2.0, 6.0, 1.0);
+  model.element(0, 1) = TransferFunction::FirstOrder(-1.0, 9.0, 2.0);
+  return model;
+}
+
+// Windows of one record; in each one input steps by the size given.
+RecordData DataOf(const std::vector<std::pair<int, double>>& steps) {
+  RecordData data;
+  data.report.sample_time = 1.0;
+  Record& record = data.records.emplace_back();
+  record.sample_time = 1.0;
+  const auto count = static_cast<int>(steps.size());
+  record.inputs.setZero(2, kSamples * count);
+  record.outputs.setZero(1, kSamples * count);
+  for (int w = 0; w < count; ++w) {
+    record.inputs.row(steps[w].first)
+        .segment(w * kSamples + kSamples / 3, kSamples / 3)
+        .setConstant(steps[w].second);
+  }
+  const SetPointWindow whole = WholeWindow(record, 0);
+  for (int w = 0; w < count; ++w) {
+    SetPointWindow& window = data.windows.emplace_back(whole);
+    Cut({.first = w * kSamples, .last = (w + 1) * kSamples - 1}, window);
+  }
+  return data;
+}
+
+std::vector<int> FirstSamples(const RecordData& data) {
+  std::vector<int> first;
+  for (const SetPointWindow& window : data.windows) {
+    first.push_back(window.first_sample);
+  }
+  return first;
+}
+
+TEST(InformativeWindowsTest, AShortRecordIsUsedWhole) {
+  for (const int most : {0, 4 * kSamples}) {
+    RecordData data = DataOf({{0, 1.0}, {1, 1.0}, {0, 0.1}, {1, 0.1}});
+    ASSERT_TRUE(KeepInformativeWindows(TwoInputs(), most, data).ok());
+    EXPECT_EQ(data.windows.size(), 4);
+    EXPECT_TRUE(data.unused.empty());
+    EXPECT_TRUE(data.notes.empty());
+  }
+}
+
+// Of two windows: one for each input, the one with the larger moves, though
+// both of the other input have larger ones still.
+TEST(InformativeWindowsTest, EveryElementIsInformedFirst) {
+  RecordData data = DataOf({{0, 5.0}, {1, 0.5}, {0, 4.0}, {1, 1.0}});
+  ASSERT_TRUE(KeepInformativeWindows(TwoInputs(), 2 * kSamples, data).ok());
+  EXPECT_EQ(FirstSamples(data), (std::vector<int>{0, 3 * kSamples}));
+  ASSERT_EQ(data.unused.size(), 2);
+  EXPECT_EQ(data.unused[0].first_sample, kSamples);
+  EXPECT_EQ(data.unused[1].first_sample, 2 * kSamples);
+  ASSERT_EQ(data.notes.size(), 1);
+  EXPECT_EQ(data.notes[0].code, MessageCode::kWindowDropped);
+  // Nothing is at rest where set points moved.
+  EXPECT_TRUE(data.AtRest().empty());
+}
+
+// The choice does not depend on units, and a window that moves nothing is the
+// last to be taken.
+TEST(InformativeWindowsTest, UnitsDoNotMatter) {
+  const std::vector<std::pair<int, double>> steps = {
+      {0, 1.0}, {1, 0.0}, {0, 2.0}, {1, 3.0}, {0, 0.5}};
+  for (const int windows : {2, 3, 4}) {
+    RecordData data = DataOf(steps);
+    RecordData scaled = DataOf(steps);
+    scaled.windows.clear();
+    scaled.records[0].inputs.row(0) *= 1000.0;
+    const SetPointWindow whole = WholeWindow(scaled.records[0], 0);
+    for (int w = 0; w < 5; ++w) {
+      SetPointWindow& window = scaled.windows.emplace_back(whole);
+      Cut({.first = w * kSamples, .last = (w + 1) * kSamples - 1}, window);
+    }
+    ProcessModel model = TwoInputs();
+    ASSERT_TRUE(KeepInformativeWindows(model, windows * kSamples, data).ok());
+    model.element(0, 0) = TransferFunction::FirstOrder(0.002, 6.0, 1.0);
+    ASSERT_TRUE(KeepInformativeWindows(model, windows * kSamples, scaled).ok());
+    EXPECT_EQ(data.windows.size(), windows);
+    EXPECT_EQ(FirstSamples(data), FirstSamples(scaled));
+    for (const int first : FirstSamples(data)) EXPECT_NE(first, kSamples);
+  }
+}
+
+// A window beyond the budget is divided, and parts that adjoin are kept in
+// order of time.
+TEST(InformativeWindowsTest, LongWindowsAreDivided) {
+  RecordData data = DataOf(std::vector<std::pair<int, double>>(40, {0, 1.0}));
+  const SetPointWindow whole = WholeWindow(data.records[0], 0);
+  data.windows = {whole};
+  ASSERT_TRUE(KeepInformativeWindows(TwoInputs(), 3000, data).ok());
+  int samples = 0;
+  int last = -1;
+  for (const SetPointWindow& window : data.windows) {
+    EXPECT_GT(window.first_sample, last);
+    last = window.first_sample + window.record.samples() - 1;
+    samples += window.record.samples();
+    EXPECT_EQ(window.record.inputs,
+              whole.record.inputs.middleCols(window.first_sample,
+                                             window.record.samples()));
+  }
+  EXPECT_LE(samples, 3000);
+  EXPECT_GT(samples, 2000);
+}
+
+}  // namespace
+}  // namespace mle
