@@ -67,7 +67,7 @@ TransferFunction ElementResponse::ToTransferFunction(
 namespace {
 
 // Free responses are 0 once they are below this share of their first values.
-constexpr double kForgotten = 1e-100;
+constexpr double kForgotten = 1e-40;
 
 // Calls `with` with the order as a constant where it is small: the recursions
 // then have no sizes to look up.
@@ -113,6 +113,79 @@ void RunOver(const SampleMap& map, const Eigen::RowVectorXd& C,
     move += by_older * older + by_newer * newer;
     state += move;
     older = newer;
+  }
+}
+
+// s_{k+1} = a s_k + g_k from s_0 = `start`: s in place of g. Four samples at a
+// time, so that a state does not wait for those between:
+//
+//   s_{k+4} = a⁴ s_k + a³ g_k + a² g_{k+1} + a g_{k+2} + g_{k+3}.
+void Scan(double a, double start, VectorXd& g) {
+  const double a2 = a * a;
+  const double a3 = a2 * a;
+  const double a4 = a2 * a2;
+  double state = start;
+  Eigen::Index k = 0;
+  for (; k + 4 <= g.size(); k += 4) {
+    const double g0 = g(k);
+    const double g1 = a * g0 + g(k + 1);
+    const double g2 = a2 * g0 + (a * g(k + 1) + g(k + 2));
+    const double g3 = a2 * g1 + (a * g(k + 2) + g(k + 3));
+    g(k) = state;
+    g(k + 1) = a * state + g0;
+    g(k + 2) = a2 * state + g1;
+    g(k + 3) = a3 * state + g2;
+    state = a4 * state + g3;
+  }
+  for (; k < g.size(); ++k) {
+    const double next = a * state + g(k);
+    g(k) = state;
+    state = next;
+  }
+}
+
+// RunOver() of first order.
+template <bool kDerivatives>
+void RunFirstOrder(const SampleMap& map, double C, double slope,
+                   double slope_by_input, const VectorXd& start, int whole,
+                   double past_input, const Eigen::Ref<const VectorXd>& inputs,
+                   Eigen::Ref<MatrixXd> columns) {
+  const Eigen::Index n = inputs.size();
+  // u_{k−q} and u_{k−q−1}.
+  const Eigen::Index late = std::min<Eigen::Index>(whole, n);
+  VectorXd moved(n + 1);
+  moved.head(late + 1).setConstant(past_input);
+  moved.tail(n - late) = inputs.head(n - late);
+  const auto older = moved.head(n);
+  const auto newer = moved.tail(n);
+  VectorXd x = map.older(0) * older + map.newer(0) * newer;
+  Scan(1.0 + map.E(0, 0), start(0), x);
+  columns.col(0) = C * x;
+  if constexpr (kDerivatives) {
+    VectorXd d = map.E(1, 0) * x + map.older(1) * older + map.newer(1) * newer;
+    Scan(1.0 + map.E(1, 1), start(1), d);
+    columns.col(1) = C * d;
+    columns.col(2) = slope * x + slope_by_input * older;
+  }
+}
+
+// Below this −E = 1 − a a loses digits that the state then lacks.
+constexpr double kLeastDecay = 1e-4;
+
+// RunFree() of first order.
+void RunFreeFirstOrder(double A, double E, double C, double duration,
+                       Eigen::Ref<MatrixXd> columns,
+                       Eigen::Ref<MatrixXd> derivatives) {
+  const double last = std::ceil(std::log(kForgotten) / std::log1p(E));
+  const auto kept = static_cast<Eigen::Index>(
+      std::min(last, static_cast<double>(columns.rows())));
+  VectorXd values = VectorXd::Zero(kept);
+  Scan(1.0 + E, C, values);
+  columns.setZero();
+  derivatives.setZero();
+  columns.col(0).head(kept) = values;
+  for (Eigen::Index k = 0; k < kept; ++k) {
+    derivatives(k, 0) = -static_cast<double>(k) * duration * A * values(k);
   }
 }
 
@@ -167,6 +240,12 @@ void ElementResponse::Simulate(double time_scale, double sample_time,
                       M.topLeftCorner(states, states), n.head(states));
   VectorXd start = VectorXd::Zero(states);
   start.head(r) = -A_.partialPivLu().solve(B_) * past_input;
+  if (r == 1 && map.E(0, 0) < -kLeastDecay) {
+    const auto run = derivatives ? RunFirstOrder<true> : RunFirstOrder<false>;
+    run(map, C_(0), -C_(0) * A_(0, 0) / time_scale, -C_(0) * B_(0) / time_scale,
+        start, delay.whole, past_input, inputs, columns);
+    return;
+  }
   WithOrder(r, [&](auto order) {
     constexpr int kOrder = decltype(order)::value;
     constexpr int kStates = kOrder == Eigen::Dynamic ? kOrder : 2 * kOrder;
@@ -183,6 +262,10 @@ void ElementResponse::FreeResponses(double time_scale, double sample_time,
   CHECK_EQ(columns.cols(), order());
   const double duration = sample_time / time_scale;
   const MatrixXd E = HeldInputMap::Over(duration, A_, B_).E;
+  if (order() == 1 && E(0, 0) < -kLeastDecay && E(0, 0) > -1.0) {
+    RunFreeFirstOrder(A_(0, 0), E(0, 0), C_(0), duration, columns, derivatives);
+    return;
+  }
   WithOrder(order(), [&](auto order) {
     RunFree<decltype(order)::value>(A_, E, C_, duration, columns, derivatives);
   });

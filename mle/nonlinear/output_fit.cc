@@ -258,7 +258,7 @@ void FitRobustly(const OutputFitBounds& bounds,
       fit.noise = EstimateNoise(problem, fit.point, fit.free, fit.noise,
                                 options.estimate_drift,
                                 /*search_colour=*/false);
-      if (parameters) fitter.Refine(fit.point, ShapeOf(fit.noise));
+      if (parameters) fitter.RefineRoughly(fit.point, ShapeOf(fit.noise));
     }
     certificate = Continue(problem, bounds, options, fit);
     certificate.num_parameters = fit.certificate.num_parameters;

@@ -49,12 +49,24 @@ DelaySearchResult Fitter::Search(const OutputPoint& point,
 }
 
 double Fitter::Refine(OutputPoint& point, const NoiseShape& shape) {
+  const double cost = RefineRoughly(point, shape);
+  if (options_.start != nullptr) return cost;
+  return Move(point, shape, /*exact=*/true,
+              SolveWithinCells(point, shape, /*exact=*/true));
+}
+
+double Fitter::RefineRoughly(OutputPoint& point, const NoiseShape& shape) {
   Solve(point, shape);
-  double cost = SolveWithinCells(point, shape);
+  return Move(point, shape, /*exact=*/false,
+              SolveWithinCells(point, shape, /*exact=*/false));
+}
+
+double Fitter::Move(OutputPoint& point, const NoiseShape& shape, bool exact,
+                    double cost) {
   for (int move = 0; move < kMaxCellMoves; ++move) {
     OutputPoint moved = point;
     if (!MoveCells(moved, shape)) break;
-    const double moved_cost = SolveWithinCells(moved, shape);
+    const double moved_cost = SolveWithinCells(moved, shape, exact);
     if (!(moved_cost < cost * (1.0 - 1e-12))) break;
     cost = moved_cost;
     point = moved;
@@ -93,15 +105,16 @@ void Fitter::CertifyGradient(const OutputPoint& point,
   }
 }
 
-double Fitter::SolveWithinCells(OutputPoint& point, const NoiseShape& shape) {
+double Fitter::SolveWithinCells(OutputPoint& point, const NoiseShape& shape,
+                                bool exact) {
   std::vector<bool> held(free_.size(), false);
   double cost = Solve(point, shape, {.within_cells = true});
   for (int round = 0; round < kMaxHoldRounds; ++round) {
     const std::vector<bool> former = held;
     held = AtEnds(point, shape);
-    if (round > 0 && held == former) break;
+    if ((round > 0 || !exact) && held == former) break;
     cost = Solve(point, shape,
-                 {.within_cells = true, .exact = true, .held = held});
+                 {.within_cells = true, .exact = exact, .held = held});
   }
   return cost;
 }

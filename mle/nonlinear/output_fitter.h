@@ -34,8 +34,12 @@ class Fitter {
 
   DelaySearchResult Search(const OutputPoint& point, const NoiseShape& shape);
 
-  // Step 2: all dead times, then sample by sample. Returns the cost.
+  // Step 2: all dead times, then sample by sample; at last, unless fits to
+  // parts of records need no certificate (OutputErrorOptions::start), until
+  // Ceres finds no better point. Returns the cost.
   double Refine(OutputPoint& point, const NoiseShape& shape);
+  // The same to about a hundredth of a standard deviation.
+  double RefineRoughly(OutputPoint& point, const NoiseShape& shape);
 
   // Of the certificate: derivatives at the end, in standard deviations.
   void CertifyGradient(const OutputPoint& point, const NoiseEstimate& noise);
@@ -51,7 +55,11 @@ class Fitter {
   // Within the samples that the dead times lie in. Those whose cost falls
   // beyond an end of their sample stay there: steps projected on bounds would
   // only creep towards the optimum of the others.
-  double SolveWithinCells(OutputPoint& point, const NoiseShape& shape);
+  double SolveWithinCells(OutputPoint& point, const NoiseShape& shape,
+                          bool exact);
+  // From sample to sample as long as the cost falls; returns it.
+  double Move(OutputPoint& point, const NoiseShape& shape, bool exact,
+              double cost);
   // The dead times at an end of their sample beyond which the cost falls.
   std::vector<bool> AtEnds(const OutputPoint& point,
                            const NoiseShape& shape) const;
