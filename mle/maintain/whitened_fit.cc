@@ -85,10 +85,11 @@ using PresentColumns = std::vector<std::vector<Eigen::Index>>;
 PresentColumns FindPresent(const WhitenedData& data) {
   PresentColumns present;
   for (const Eigen::MatrixXd& responses : data.responses) {
-    std::vector<Eigen::Index>& columns = present.emplace_back();
+    std::vector<Eigen::Index> columns;
     for (Eigen::Index j = 0; j < responses.cols(); ++j) {
       if (!responses.col(j).isZero(0.0)) columns.push_back(j);
     }
+    present.push_back(std::move(columns));
   }
   return present;
 }

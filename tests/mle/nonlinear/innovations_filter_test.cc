@@ -240,5 +240,34 @@ TEST(InnovationsFilterTest, WithoutOffsetWhiteNoisePassesAsItIs) {
   EXPECT_EQ(filter.WhitePart(columns.col(0)), columns.col(0));
 }
 
+// Where the gains have settled they are not computed again. Weights, also of
+// one, keep the filter from that: the same bytes, over gaps too.
+TEST(InnovationsFilterTest, SettledGainsAreTheSame) {
+  std::vector<int> times;
+  for (int k = 0; k < 4000; ++k) {
+    if (k % 1100 < 1000) times.push_back(k);
+  }
+  const auto rows = static_cast<int>(times.size());
+  const MatrixXd columns = RandomMatrix(rows, 2);
+  for (const NoiseShape& shape :
+       {NoiseShape{.ratio = 0.3}, NoiseShape{.ratio = 1e-6},
+        NoiseShape{.ratio = 0.1, .colour_ratio = 0.5, .colour_pole = 0.7},
+        NoiseShape{.ratio = 0.1,
+        .colour_ratio = 0.5,
+        .colour_pole = 0.7,
+        .colour_damping = 0.4}}) {
+    const InnovationsFilter filter(times, shape);
+    const InnovationsFilter weighted(times, shape, VectorXd::Ones(rows));
+    MatrixXd one = columns;
+    MatrixXd other = columns;
+    filter.Apply(one);
+    weighted.Apply(other);
+    EXPECT_EQ(one, other);
+    EXPECT_EQ(filter.log_determinant(), weighted.log_determinant());
+    EXPECT_EQ(filter.WhitePart(columns.col(0)),
+              weighted.WhitePart(columns.col(0)));
+  }
+}
+
 }  // namespace
 }  // namespace mle
