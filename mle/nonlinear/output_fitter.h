@@ -8,11 +8,14 @@
 #include <utility>
 #include <vector>
 
-#include "ceres/problem.h"
 #include "mle/nonlinear/delay_search.h"
 #include "mle/nonlinear/output_error_correction.h"
 #include "mle/nonlinear/output_error_problem.h"
 #include "mle/nonlinear/output_fit.h"
+
+namespace ceres {
+class Problem;
+}  // namespace ceres
 
 namespace mle {
 
