@@ -24,9 +24,9 @@ bool HasBrowser();
 enum class Mode { kLight, kDark };
 
 // `html` in a window of `width` pixels. A screenshot is kept as
-// screenshots/NAME_WIDTH.png (or _dark.png) in the folder the test runs in. That
-// of an earlier run is compared with it where the page is the same; where the
-// page has changed it is kept as …_before.png, to be looked at.
+// screenshots/NAME_WIDTH.png (or _dark.png) in the folder the test runs in.
+// That of an earlier run is compared with it where the page is the same; where
+// the page has changed it is kept as …_before.png, to be looked at.
 BrowserVisit VisitPage(const std::string& html, int width,
                        const std::string& name, Mode mode = Mode::kLight);
 
