@@ -2,8 +2,12 @@
 // mistakes in one line with exit code 2, and no password in anything that is
 // written.
 
+#include <pty.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
 #include <algorithm>
-#include <csignal>
+#include <cstdlib>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -242,6 +246,46 @@ TEST_F(ServerTest, NumbersOfTheFileAndNoPasswordAnywhere) {
       RunTested(flags, {"PGPASSFILE=/nonexistent"});
   EXPECT_EQ(none.exit_code, 2);
   EXPECT_THAT(none.err, HasSubstr("PGPASSWORD"));
+}
+
+// On a terminal, which does not show what is typed.
+TEST_F(ServerTest, PasswordIsAskedForOnATerminal) {
+  std::vector<std::string> line =
+      Flags(server_->name("reader"), example_.scratch / "none",
+            {"--table=trend", "--dry_run"});
+  line.insert(line.begin(), MLE_TESTED_COMMAND);
+  std::vector<char*> words;
+  for (std::string& word : line) words.push_back(word.data());
+  words.push_back(nullptr);
+  int terminal = -1;
+  const pid_t command = forkpty(&terminal, nullptr, nullptr, nullptr);
+  ASSERT_GE(command, 0);
+  if (command == 0) {
+    ::unsetenv("PGPASSWORD");
+    ::setenv("PGPASSFILE", "/nonexistent", 1);
+    ::execv(words[0], words.data());
+    ::_exit(127);
+  }
+  std::string shown;
+  bool is_typed = false;
+  char c = 0;
+  while (read(terminal, &c, 1) == 1) {
+    shown += c;
+    if (is_typed || !absl::StrContains(shown, "Password of ") || c != ' ' ||
+        !absl::StrContains(shown, server_->folder() + ": ")) {
+      continue;
+    }
+    const std::string typed = absl::StrCat(kPassword, "\n");
+    EXPECT_EQ(write(terminal, typed.data(), typed.size()),
+              static_cast<ssize_t>(typed.size()));
+    is_typed = true;
+  }
+  int status = -1;
+  EXPECT_EQ(waitpid(command, &status, 0), command);
+  close(terminal);
+  EXPECT_EQ(status, 0) << shown;
+  EXPECT_TRUE(is_typed);
+  EXPECT_THAT(shown, AllOf(HasSubstr("table trend"), Not(HasSubstr("geheim"))));
 }
 
 // Killed while the command waits for more rows.
