@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
+#include <vector>
 
 #include "apps/correct/advice.h"
 #include "apps/correct/result.h"
 #include "control/mpc.h"
 #include "control/prediction_model.h"
+#include "mle/base/parallel.h"
 #include "mle/base/status.h"
 #include "mle/model/process_model.h"
 #include "sim/closed_loop.h"
@@ -78,19 +80,26 @@ absl::StatusOr<LoopComparison> CompareLoops(const Result& result) {
                        control::Mpc::Create(result.initial, tuning));
   MLE_ASSIGN_OR_RETURN(const control::Mpc new_mpc,
                        control::Mpc::Create(result.model, tuning));
-  for (int i = 0; i < result.initial.num_outputs(); ++i) {
+  const int p = result.initial.num_outputs();
+  comparison.steps.resize(p);
+  std::vector<absl::Status> status(p);
+  ParallelFor(p, result.options.threads, [&](int i) {
     const sim::SetPointProfile set_points{
         .steps = {{i, at, StepOf(result.data, i)}}};
-    LoopStep step;
+    const absl::StatusOr<Record> before =
+        Follow(result.model, old_mpc, set_points, options);
+    const absl::StatusOr<Record> after =
+        Follow(result.model, new_mpc, set_points, options);
+    status[i] = before.ok() ? after.status() : before.status();
+    if (!status[i].ok()) return;
+    LoopStep& step = comparison.steps[i];
     step.output = i;
-    MLE_ASSIGN_OR_RETURN(step.before,
-                         Follow(result.model, old_mpc, set_points, options));
-    MLE_ASSIGN_OR_RETURN(step.after,
-                         Follow(result.model, new_mpc, set_points, options));
-    const double before = SquaredError(step.before);
-    if (before > 0.0) step.error_ratio = SquaredError(step.after) / before;
-    comparison.steps.push_back(std::move(step));
-  }
+    step.before = *before;
+    step.after = *after;
+    const double error = SquaredError(step.before);
+    if (error > 0.0) step.error_ratio = SquaredError(step.after) / error;
+  });
+  for (const absl::Status& of_output : status) MLE_RETURN_IF_ERROR(of_output);
   return comparison;
 }
 

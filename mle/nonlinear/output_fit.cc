@@ -55,9 +55,12 @@ void Finish(const OutputErrorProblem& problem,
                                 options.estimate_drift,
                                 again == 1 && MayHaveColour(problem, options));
       if (again > 0 && ShapeOf(fit.noise) == ShapeOf(former)) break;
-      cost = fitter.Refine(fit.point, ShapeOf(fit.noise));
+      cost = fitter.Refine(fit.point, ShapeOf(fit.noise),
+                           /*near=*/again > 0 || options.start != nullptr);
       if (again > 0 && SameShape(former, fit.noise)) break;
     }
+    // What it begins at was confirmed by all the records.
+    if (options.start != nullptr) break;
     const DelaySearchResult search =
         fitter.Search(fit.point, ShapeOf(fit.noise));
     const bool better =
@@ -229,7 +232,7 @@ OutputFit FitWithoutOffsets(const OutputErrorProblem& problem,
   }
   // The dead times lie where they lay: no grid is searched.
   Fitter fitter(problem, plain.free, bounds, options);
-  fitter.Refine(plain.point, ShapeOf(plain.noise));
+  fitter.Refine(plain.point, ShapeOf(plain.noise), /*near=*/false);
   plain.noise = EstimateNoise(problem, plain.point, plain.free, plain.noise,
                               options.estimate_drift,
                               /*search_colour=*/false);
@@ -258,7 +261,9 @@ void FitRobustly(const OutputFitBounds& bounds,
       fit.noise = EstimateNoise(problem, fit.point, fit.free, fit.noise,
                                 options.estimate_drift,
                                 /*search_colour=*/false);
-      if (parameters) fitter.RefineRoughly(fit.point, ShapeOf(fit.noise));
+      if (parameters) {
+        fitter.RefineRoughly(fit.point, ShapeOf(fit.noise), /*near=*/true);
+      }
     }
     certificate = Continue(problem, bounds, options, fit);
     certificate.num_parameters = fit.certificate.num_parameters;

@@ -48,15 +48,16 @@ DelaySearchResult Fitter::Search(const OutputPoint& point,
                       kMaxGridPoints);
 }
 
-double Fitter::Refine(OutputPoint& point, const NoiseShape& shape) {
-  const double cost = RefineRoughly(point, shape);
+double Fitter::Refine(OutputPoint& point, const NoiseShape& shape, bool near) {
+  const double cost = RefineRoughly(point, shape, near);
   if (options_.start != nullptr) return cost;
   return Move(point, shape, /*exact=*/true,
               SolveWithinCells(point, shape, /*exact=*/true));
 }
 
-double Fitter::RefineRoughly(OutputPoint& point, const NoiseShape& shape) {
-  Solve(point, shape);
+double Fitter::RefineRoughly(OutputPoint& point, const NoiseShape& shape,
+                             bool near) {
+  if (!near) Solve(point, shape);
   return Move(point, shape, /*exact=*/false,
               SolveWithinCells(point, shape, /*exact=*/false));
 }

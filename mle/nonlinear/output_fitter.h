@@ -37,12 +37,13 @@ class Fitter {
 
   DelaySearchResult Search(const OutputPoint& point, const NoiseShape& shape);
 
-  // Step 2: all dead times, then sample by sample; at last, unless fits to
-  // parts of records need no certificate (OutputErrorOptions::start), until
-  // Ceres finds no better point. Returns the cost.
-  double Refine(OutputPoint& point, const NoiseShape& shape);
+  // Step 2: all dead times, unless `point` is near the optimum, then sample by
+  // sample; at last, unless fits to parts of records need no certificate
+  // (OutputErrorOptions::start), until Ceres finds no better point. Returns the
+  // cost.
+  double Refine(OutputPoint& point, const NoiseShape& shape, bool near);
   // The same to about a hundredth of a standard deviation.
-  double RefineRoughly(OutputPoint& point, const NoiseShape& shape);
+  double RefineRoughly(OutputPoint& point, const NoiseShape& shape, bool near);
 
   // Of the certificate: derivatives at the end, in standard deviations.
   void CertifyGradient(const OutputPoint& point, const NoiseEstimate& noise);

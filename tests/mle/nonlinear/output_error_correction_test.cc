@@ -84,7 +84,7 @@ TEST(OutputErrorCorrectionTest, BeginsAtAFit) {
       EXPECT_NEAR(one.value, other.value, 0.02 * other.standard_error);
     }
   }
-  EXPECT_TRUE(found.full.certificates[0].search_confirmed);
+  EXPECT_EQ(found.full.certificates[0].grid_searches, 0);
 
   options.start = std::make_shared<const OutputErrorFit>();
   const auto wrong = CorrectByOutputError(TwoElements(), part, options);
