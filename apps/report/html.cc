@@ -10,27 +10,6 @@
 namespace mle::report {
 namespace {
 
-// A path beside the page as the target of a link: "%" before what a URL would
-// read as something else, "./" so that no scheme can be meant.
-std::string RelativeUrl(std::string_view path) {
-  constexpr std::string_view kPlain =
-      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
-      "-_.~/";
-  constexpr std::string_view kHex = "0123456789ABCDEF";
-  std::string url = "./";
-  for (const char c : path) {
-    if (kPlain.find(c) != std::string_view::npos) {
-      url += c;
-      continue;
-    }
-    const auto byte = static_cast<unsigned char>(c);
-    url += '%';
-    url += kHex[byte / 16];
-    url += kHex[byte % 16];
-  }
-  return url;
-}
-
 bool IsOfFlag(char c) {
   return absl::ascii_islower(static_cast<unsigned char>(c)) ||
          absl::ascii_isdigit(static_cast<unsigned char>(c)) || c == '_';

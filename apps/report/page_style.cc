@@ -54,7 +54,10 @@ details[open] { padding-bottom: 1rem; }
 .copy { font: inherit; font-size: .9rem; color: var(--accent); background: var(--card); border: 1px solid var(--rule); border-radius: 4px; padding: .25rem .8rem; cursor: pointer; }
 .copy:focus-visible { outline: 2px solid var(--accent); outline-offset: 2px; }
 .copied .table { margin-top: .6rem; }
-@media (scripting: none) { .copy { display: none; } }
+.sort { font: inherit; color: inherit; background: none; border: 0; padding: 0; cursor: pointer; text-align: inherit; text-decoration: underline dotted; }
+.sort:focus-visible { outline: 2px solid var(--accent); outline-offset: 2px; }
+[aria-sort=ascending] .sort::after { content: " ▲"; } [aria-sort=descending] .sort::after { content: " ▼"; }
+@media (scripting: none) { .copy { display: none; } .sort { text-decoration: none; cursor: auto; } }
 .level-1 { background: var(--level-1); } .level-2 { background: var(--level-2); }
 .level-3 { background: var(--level-3); } .level-4 { background: var(--level-4); }
 .summary { background: var(--card); border-left: 4px solid var(--accent); border-radius: 4px; padding: .6rem 1.1rem; margin: 1.25rem 0; }

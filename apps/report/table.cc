@@ -46,8 +46,9 @@ std::string_view ClassOf(Align align) {
   return "left";
 }
 
+// `content` is markup.
 void AddHtmlCell(std::string_view tag, std::string_view scope, Align align,
-                 int level, std::string_view text, std::string& out) {
+                 int level, std::string_view content, std::string& out) {
   out += "<";
   out += tag;
   if (!scope.empty()) {
@@ -58,7 +59,9 @@ void AddHtmlCell(std::string_view tag, std::string_view scope, Align align,
   out += " class=\"";
   out += ClassOf(align);
   if (level > 0) out += " level-" + std::to_string(level);
-  out += "\">" + EscapeHtml(text) + "</";
+  out += "\">";
+  out += content;
+  out += "</";
   out += tag;
   out += ">";
 }
@@ -68,6 +71,34 @@ int LevelOf(const Table& table, std::size_t row, std::size_t column) {
     return 0;
   }
   return std::clamp(table.levels[row][column], 0, kTableLevels);
+}
+
+// The rows in the order of the column, then the other way round; numbers, with
+// minus signs and signs of percent, before words.
+constexpr std::string_view kSort =
+    "const h=this.closest('th'),t=h.closest('table'),b=t.tBodies[0],i=h."
+    "cellIndex,s=h.getAttribute('aria-sort')==='ascending'?-1:1,v=r=>{const "
+    "x=r.cells[i].textContent.trim().replace(/\u2212/g,'-').replace(/,/g,'');"
+    "return/^-?[\\d.]+( ?%)?$/.test(x)?parseFloat(x):x};t.querySelectorAll("
+    "'th[aria-sort]').forEach(o=>o.removeAttribute('aria-sort'));h."
+    "setAttribute('aria-sort',s>0?'ascending':'descending');[...b.rows].sort(("
+    "p,q)=>{const x=v(p),y=v(q),n=typeof x==='number',m=typeof y==='number';"
+    "return s*(n&&m?x-y:n!==m?(n?-1:1):x<y?-1:x>y?1:0)}).forEach(r=>b.append("
+    "r))";
+
+std::string SortButton(const std::string& header) {
+  std::string out = "<button type=\"button\" class=\"sort\" onclick=\"";
+  out += EscapeHtml(kSort) + "\">" + EscapeHtml(header) + "</button>";
+  return out;
+}
+
+std::string Linked(const Table& table, std::size_t row,
+                   const std::string& text) {
+  if (row >= table.links.size() || table.links[row].empty()) {
+    return EscapeHtml(text);
+  }
+  return "<a href=\"" + RelativeUrl(table.links[row]) + "\">" +
+         EscapeHtml(text) + "</a>";
 }
 
 void AddTabbedLine(const std::vector<std::string>& cells, std::string& out) {
@@ -142,7 +173,10 @@ std::string RenderHtml(const Table& table) {
   for (const Column& column : square.columns) {
     AddHtmlCell(column.header.empty() ? "td" : "th",
                 column.header.empty() ? "" : "col", column.align, 0,
-                column.header, out);
+                square.sortable && !column.header.empty()
+                    ? SortButton(column.header)
+                    : EscapeHtml(column.header),
+                out);
   }
   out += "</tr>\n</thead>\n<tbody>\n";
   for (std::size_t i = 0; i < square.rows.size(); ++i) {
@@ -151,7 +185,8 @@ std::string RenderHtml(const Table& table) {
     for (std::size_t j = 0; j < row.size(); ++j) {
       const bool names_row = j == 0 && square.row_headers;
       AddHtmlCell(names_row ? "th" : "td", names_row ? "row" : "",
-                  square.columns[j].align, LevelOf(square, i, j), row[j], out);
+                  square.columns[j].align, LevelOf(square, i, j),
+                  j == 0 ? Linked(square, i, row[j]) : EscapeHtml(row[j]), out);
     }
     out += "</tr>\n";
   }

@@ -33,6 +33,11 @@ struct Table {
   // In HTML, how strongly the ground of each cell is coloured: from 0, not at
   // all, to kTableLevels. Missing ones are 0.
   std::vector<std::vector<int>> levels = {};
+  // In HTML, where the first cell of each row leads, beside the page; missing
+  // or empty: nowhere.
+  std::vector<std::string> links = {};
+  // In HTML, headers are buttons that sort the rows, numbers by value.
+  bool sortable = false;
 
   void AddRow(std::vector<std::string> cells);
 };

@@ -177,6 +177,25 @@ std::string CleanText(std::string_view text) {
 
 std::string EscapeHtml(std::string_view text) { return Escape(text, false); }
 
+std::string RelativeUrl(std::string_view path) {
+  constexpr std::string_view kPlain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
+      "-_.~/";
+  constexpr std::string_view kHex = "0123456789ABCDEF";
+  std::string url = "./";
+  for (const char c : path) {
+    if (kPlain.find(c) != std::string_view::npos) {
+      url += c;
+      continue;
+    }
+    const auto byte = static_cast<unsigned char>(c);
+    url += '%';
+    url += kHex[byte / 16];
+    url += kHex[byte % 16];
+  }
+  return url;
+}
+
 std::string EscapeHtmlLines(std::string_view text) {
   return Escape(text, true);
 }
