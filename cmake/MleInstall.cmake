@@ -32,6 +32,15 @@ if(mle_commands)
   endforeach()
 endif()
 
+# The watch, every night: enabled by whoever has written /etc/mle/controllers.json.
+if(mle_commands)
+  install(FILES
+    ${PROJECT_SOURCE_DIR}/apps/watch/units/mle-watch.service
+    ${PROJECT_SOURCE_DIR}/apps/watch/units/mle-watch.timer
+    DESTINATION lib/systemd/system
+    COMPONENT tools)
+endif()
+
 install(EXPORT mle-targets NAMESPACE mle:: DESTINATION ${mle_package_dir}
   COMPONENT development)
 

@@ -21,5 +21,7 @@
 #include "mle/maintain/correct.h"         // IWYU pragma: export
 #include "mle/maintain/select_output.h"   // IWYU pragma: export
 #include "mle/model/process_model.h"      // IWYU pragma: export
+#include "mle/monitor/change_evidence.h"  // IWYU pragma: export
+#include "mle/monitor/model_watch.h"      // IWYU pragma: export
 
 #endif  // MLE_MLE_H_

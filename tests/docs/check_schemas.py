@@ -127,6 +127,13 @@ def check_commands(folder):
         "--policies=never,output_error:2,test:1,perfect")
     check("lifecycle", out / "result.json")
     check_version("mle_lifecycle", out / "result.json")
+    controllers = {"version": 1, "controllers": [
+        {"name": "none", "model": f"{source}/configs/wood_berry.json", "records": "nowhere"}]}
+    (folder / "controllers.json").write_text(json.dumps(controllers))
+    run("mle_watch", f"--controllers={folder}/controllers.json", f"--out={folder}/watch",
+        accepted=(1,))  # there are no records
+    check("watch", folder / "watch/watch.json")
+    check_version("mle_watch", folder / "watch/watch.json")
     lives = list((out / "runs").glob("*.json"))
     if not lives:
         faults.append(f"{out}/runs: no life was kept")
@@ -145,6 +152,7 @@ for path in sorted((source / "configs").glob("*_ageing.json")):
 check("ageing", source / "tests/fuzz/corpus/ageing/steps.json")
 for path in sorted((source / "configs").glob("effects_*.json")):
     check("effects", path)
+check("controllers", source / "configs/controllers.json")
 check("arx", source / "tests/fuzz/corpus/arx_model/small.json")
 check("step_response_model", source / "tests/fuzz/corpus/step_response_model/tank.json")
 with tempfile.TemporaryDirectory() as folder:

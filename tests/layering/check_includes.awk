@@ -27,6 +27,8 @@ BEGIN {
   allowed["mle/exchange"] = exchange
   allowed["mle/correction"] = correction
   allowed["mle/maintain"] = all_of_mle
+  all_of_mle = all_of_mle " mle/monitor"
+  allowed["mle/monitor"] = all_of_mle
   # The front door.
   allowed["mle/mle.h"] = all_of_mle
   all_of_mle = all_of_mle " mle/mle.h"

@@ -1,0 +1,136 @@
+#include "apps/watch/health.h"
+
+#include <algorithm>
+
+#include "absl/strings/str_cat.h"
+#include "apps/watch/days.h"
+#include "apps/watch/update.h"
+
+namespace mle::watch {
+namespace {
+
+constexpr int kMonth = 30;
+
+// The latest reason why nothing could be told.
+std::string LastReason(const Watch& watch) {
+  for (auto day = watch.days.rbegin(); day != watch.days.rend(); ++day) {
+    if (day->second.state == BatchState::kCannotTell) {
+      return absl::StrCat(NameOfDay(day->first), ": ", day->second.reason);
+    }
+  }
+  return "";
+}
+
+// Those of outputs tell most: of the change and when it began.
+const Alarm& LastAlarm(const Watch& watch) {
+  const auto last =
+      std::find_if(watch.alarms.rbegin(), watch.alarms.rend(),
+                   [](const Alarm& alarm) { return alarm.element < 0; });
+  return last == watch.alarms.rend() ? watch.alarms.back() : *last;
+}
+
+Status StatusOf(const Watch& watch) {
+  if (watch.failed) return Status::kFailed;
+  if (!watch.alarms.empty()) return Status::kAged;
+  if (!watch.reference.has_value()) return Status::kLearning;
+  bool doubtful = false;
+  for (auto day = watch.days.rbegin();
+       day != watch.days.rend() && day->first > watch.last_day() - kMonth;
+       ++day) {
+    if (day->second.state == BatchState::kUsed) return Status::kHealthy;
+    doubtful = doubtful || day->second.state == BatchState::kCannotTell;
+  }
+  return doubtful ? Status::kCannotTell : Status::kHealthy;
+}
+
+std::string SentenceOf(const Report& report) {
+  const Watch& watch = *report.watch;
+  switch (report.status) {
+    case Status::kFailed:
+    case Status::kLearning:
+      return watch.news;
+    case Status::kAged:
+      return LastAlarm(watch).text;
+    case Status::kCannotTell:
+      return absl::StrCat("Nothing could be told for a month. ",
+                          LastReason(watch));
+    case Status::kHealthy:
+      return report.used_days == 0
+                 ? "Nothing has moved yet: no evidence for or against the "
+                   "model."
+                 : absl::StrCat("No evidence of ageing in ", report.used_days,
+                                " days with changes of set points.");
+  }
+  return "";
+}
+
+}  // namespace
+
+std::string_view NameOf(Status status) {
+  switch (status) {
+    case Status::kFailed:
+      return "failed";
+    case Status::kLearning:
+      return "learning";
+    case Status::kAged:
+      return "aged";
+    case Status::kCannotTell:
+      return "cannot_tell";
+    case Status::kHealthy:
+      return "healthy";
+  }
+  return "";
+}
+
+std::string_view WordsFor(Status status) {
+  switch (status) {
+    case Status::kCannotTell:
+      return "cannot tell";
+    default:
+      return NameOf(status);
+  }
+}
+
+Report MakeReport(const Controller& controller, const ProcessModel& model,
+                  const Watch& watch) {
+  Report report;
+  report.name = controller.name;
+  report.watch = &watch;
+  report.model = model;
+  report.status = StatusOf(watch);
+  if (!watch.days.empty()) report.last_day = watch.last_day();
+  for (const auto& [number, day] : watch.days) {
+    report.used_days += day.state == BatchState::kUsed ? 1 : 0;
+    report.unused_days += day.state == BatchState::kCannotTell ? 1 : 0;
+  }
+  const double of_output = ShareOfOutput(model, controller.options);
+  const double of_element = ShareOfElement(model, controller.options);
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    std::vector<HealthPoint>& trend = report.trends.emplace_back();
+    const ChangeEvidence* last = nullptr;
+    for (const auto& [number, stored] : watch.outputs[i]) {
+      last = &stored.evidence;
+      trend.push_back(
+          {watch.first + last->number, HealthOf(last->log_output, of_output)});
+    }
+    if (!trend.empty()) {
+      report.health = std::min(report.health, trend.back().health);
+    }
+    std::size_t present = 0;
+    for (int j = 0; j < model.num_inputs(); ++j) {
+      if (model.element(i, j).IsZero()) continue;
+      ElementHealth element{.output = i, .input = j};
+      if (last != nullptr && present < last->log_elements.size()) {
+        element.log_evidence = last->log_elements[present];
+      }
+      element.health = HealthOf(element.log_evidence, of_element);
+      report.health = std::min(report.health, element.health);
+      report.elements.push_back(element);
+      ++present;
+    }
+  }
+  report.sentence = SentenceOf(report);
+  return report;
+}
+
+}  // namespace mle::watch

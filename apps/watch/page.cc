@@ -1,0 +1,234 @@
+#include "apps/watch/page.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "apps/report/figure.h"
+#include "apps/report/html.h"
+#include "apps/report/number.h"
+#include "apps/report/table.h"
+#include "apps/watch/days.h"
+#include "apps/watch/proposal.h"
+
+namespace mle::watch {
+namespace {
+
+using report::Align;
+using report::Table;
+
+constexpr int kShownDays = 30;
+// A reader of both.
+constexpr char kMeaning[] =
+    "Health is the probability that nothing has changed, on a scale on which "
+    "an "
+    "alarm is raised at one half; it is near 1 without evidence. The "
+    "probability of ever raising a false alarm on a model that does not change "
+    "is at most the level of its controller (5 % unless the list of "
+    "controllers "
+    "says otherwise), however often it is looked at.";
+
+std::string LastDayOf(const Report& report) {
+  return report.last_day == 0 ? "–" : NameOfDay(report.last_day);
+}
+
+std::string HealthText(const Report& report) {
+  return report.status == Status::kFailed || report.status == Status::kLearning
+             ? "–"
+             : report::FormatFixed(report.health, 3);
+}
+
+int CountOf(const std::vector<Report>& reports, Status status) {
+  return static_cast<int>(std::count_if(
+      reports.begin(), reports.end(),
+      [&](const Report& report) { return report.status == status; }));
+}
+
+report::Badge BadgeOf(Status status) {
+  return status == Status::kHealthy ? report::Badge::kGood
+         : status == Status::kAged  ? report::Badge::kChanged
+                                    : report::Badge::kUnknown;
+}
+
+Table ElementTable(const Report& report) {
+  Table table{.caption = "Health of the elements",
+              .columns = {{"element", Align::kLeft},
+                          {"health"},
+                          {"evidence, ln E"},
+                          {"in words", Align::kLeft}}};
+  for (const ElementHealth& element : report.elements) {
+    table.AddRow({PairName(report.model, element.output, element.input),
+                  report::FormatFixed(element.health, 3),
+                  report::FormatFixed(element.log_evidence, 1),
+                  element.health <= 0.5   ? "has aged, whatever the others did"
+                  : element.health <= 0.9 ? "some evidence of ageing"
+                                          : "no evidence of ageing"});
+  }
+  return table;
+}
+
+report::Figure TrendFigure(const Report& report) {
+  report::Figure figure{.height_cm = 7.0};
+  report::Panel& panel = figure.AddPanel("");
+  const int first = report.watch->first;
+  panel.x = {.label = absl::StrCat("days since ", NameOfDay(first))};
+  panel.y = {.label = "health", .range = report::Range{0.0, 1.0}};
+  constexpr report::Role kRoles[] = {
+      report::Role::kCorrected, report::Role::kAlternative,
+      report::Role::kFitted, report::Role::kTrue};
+  for (std::size_t i = 0; i < report.trends.size(); ++i) {
+    std::vector<double> days;
+    std::vector<double> health;
+    for (const HealthPoint& point : report.trends[i]) {
+      days.push_back(point.day - first);
+      health.push_back(point.health);
+    }
+    panel.series.push_back(report::MakeSeries(
+        kRoles[i % std::size(kRoles)], report.model.outputs()[i].name,
+        std::move(days), std::move(health)));
+  }
+  panel.lines.push_back(
+      report::HorizontalLine(report::Role::kReference, "alarm", 0.5));
+  return figure;
+}
+
+void AddAlarms(const Report& report, report::HtmlPage& page) {
+  page.AddHeading("Alarms");
+  if (report.watch->alarms.empty()) {
+    page.AddParagraph("None was raised.");
+    return;
+  }
+  Table table{.caption = "Alarms",
+              .columns = {{"day", Align::kLeft},
+                          {"what", Align::kLeft},
+                          {"acknowledged", Align::kLeft}}};
+  for (const Alarm& alarm : report.watch->alarms) {
+    table.AddRow({NameOfDay(alarm.day), alarm.text,
+                  alarm.acknowledged.empty() ? "no" : alarm.acknowledged});
+  }
+  page.AddTable(table);
+}
+
+void AddProposals(const Report& report, const std::string& folder,
+                  report::HtmlPage& page) {
+  if (report.watch->proposals.empty()) return;
+  page.AddHeading("Corrections");
+  page.AddParagraph(
+      "Run on the records since the change most likely began, of 60 days at "
+      "most. Nothing is written to a "
+      "controller: whether a correction is taken is for an engineer to say.");
+  for (const Proposal& proposal : report.watch->proposals) {
+    page.AddParagraph(absl::StrCat(NameOfDay(proposal.day), ": ",
+                                   proposal.decision, ". ",
+                                   proposal.conclusion));
+    const std::filesystem::path made =
+        std::filesystem::path(proposal.folder) / "report.html";
+    std::error_code error;
+    if (std::filesystem::exists(made, error)) {
+      page.AddFiles({{absl::StrCat("Report of ", NameOfDay(proposal.day)),
+                      made.lexically_proximate(folder).generic_string()}});
+    }
+  }
+}
+
+void AddUnusedDays(const Report& report, report::HtmlPage& page) {
+  Table table{.caption = "The last days of which it cannot be told",
+              .columns = {{"day", Align::kLeft}, {"because", Align::kLeft}}};
+  for (auto day = report.watch->days.rbegin();
+       day != report.watch->days.rend() &&
+       static_cast<int>(table.rows.size()) < kShownDays;
+       ++day) {
+    if (day->second.state != BatchState::kCannotTell) continue;
+    table.AddRow({NameOfDay(day->first), day->second.reason});
+  }
+  if (table.rows.empty()) return;
+  page.AddHeading("Days that say nothing");
+  page.AddTable(table);
+}
+
+}  // namespace
+
+std::string PageName(const Report& report) {
+  return absl::StrCat("controller-", FileNameOf(report.name), ".html");
+}
+
+std::string FormatOverview(const std::vector<Report>& reports) {
+  report::HtmlPage page("Watched models");
+  const int aged = CountOf(reports, Status::kAged);
+  const int failed = CountOf(reports, Status::kFailed);
+  const int total = static_cast<int>(reports.size());
+  report::Verdict verdict{
+      .badge = aged > 0     ? report::Badge::kChanged
+               : failed > 0 ? report::Badge::kUnknown
+                            : report::Badge::kGood,
+      .label = aged > 0     ? "aged"
+               : failed > 0 ? "incomplete"
+                            : "no alarm",
+      .headline = absl::StrFormat("%d of %d models %s aged", aged, total,
+                                  aged == 1 ? "has" : "have")};
+  if (failed > 0) {
+    verdict.sentences.push_back(absl::StrFormat(
+        "%d of %d controllers could not be looked at.", failed, total));
+  }
+  page.SetVerdict(std::move(verdict));
+  Table table{.caption = "Controllers",
+              .columns = {{"controller", Align::kLeft},
+                          {"health"},
+                          {"state", Align::kLeft},
+                          {"last day"},
+                          {"days used"},
+                          {"cannot tell"},
+                          {"what", Align::kLeft}},
+              .sortable = true};
+  for (const Report& report : reports) {
+    table.AddRow({report.name, HealthText(report),
+                  std::string(WordsFor(report.status)), LastDayOf(report),
+                  absl::StrCat(report.used_days),
+                  absl::StrCat(report.unused_days), report.sentence});
+    table.links.push_back(PageName(report));
+  }
+  page.AddTable(table);
+  page.AddParagraph(kMeaning);
+  return page.Render();
+}
+
+std::string FormatControllerPage(const Report& report,
+                                 const std::string& folder) {
+  report::HtmlPage page(absl::StrCat("Controller ", report.name));
+  page.SetVerdict(
+      {.badge = BadgeOf(report.status),
+       .label = std::string(WordsFor(report.status)),
+       .headline = absl::StrCat(report.name, ": health ", HealthText(report)),
+       .sentences = {report.sentence}});
+  page.AddFiles({{"All controllers", "index.html"}});
+  if (!report.watch->news.empty() && report.sentence != report.watch->news) {
+    page.AddWarning(report.watch->news);
+  }
+  AddAlarms(report, page);
+  AddProposals(report, folder, page);
+  if (!report.elements.empty()) {
+    page.AddHeading("Elements");
+    page.AddParagraph(kMeaning);
+    page.AddTable(ElementTable(report));
+  }
+  const bool trend = std::any_of(
+      report.trends.begin(), report.trends.end(),
+      [](const std::vector<HealthPoint>& points) { return points.size() > 1; });
+  if (trend) {
+    page.AddHeading("Trend");
+    page.AddFigure(TrendFigure(report), "Health of the outputs, day by day.",
+                   "Curves of health between 0 and 1 over days, with a line at "
+                   "one half, where alarms are raised.");
+  }
+  AddUnusedDays(report, page);
+  page.AddHeading("Records");
+  page.AddTerms(
+      {{"Last day", LastDayOf(report)},
+       {"Days with changes that were used", absl::StrCat(report.used_days)},
+       {"Days of which it cannot be told", absl::StrCat(report.unused_days)}});
+  return page.Render();
+}
+
+}  // namespace mle::watch

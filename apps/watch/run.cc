@@ -1,0 +1,150 @@
+#include "apps/watch/run.h"
+
+#include <filesystem>
+#include <mutex>
+#include <optional>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "apps/common/command_line.h"
+#include "apps/watch/alarms.h"
+#include "apps/watch/page.h"
+#include "apps/watch/proposal.h"
+#include "apps/watch/update.h"
+#include "mle/base/file.h"
+#include "mle/base/option_error.h"
+#include "mle/base/parallel.h"
+#include "mle/base/status.h"
+#include "mle/exchange/model_file.h"
+
+namespace mle::watch {
+namespace {
+
+namespace fs = std::filesystem;
+
+// One controller after a run.
+struct Outcome {
+  ProcessModel model;
+  Watch watch;
+  absl::Status status;
+};
+
+class Runner {
+ public:
+  Runner(const Request& request, State& state)
+      : request_(request), state_(state) {}
+
+  Outcome Run(const Controller& controller);
+
+ private:
+  absl::Status Update(const Controller& controller, Outcome& outcome);
+  absl::StatusOr<Watch> Load(const Controller& controller,
+                             const ProcessModel& model) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return state_.Load(controller.name, model.num_outputs());
+  }
+  absl::Status Save(Watch& watch) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return state_.Save(watch);
+  }
+
+  const Request& request_;
+  State& state_;
+  std::mutex mutex_;
+};
+
+absl::Status Runner::Update(const Controller& controller, Outcome& outcome) {
+  absl::StatusOr<ModelFile> file = ReadModelFile(controller.model);
+  if (!file.ok()) return WithPrefix(file.status(), "model: ");
+  outcome.model = file->process;
+  MLE_ASSIGN_OR_RETURN(outcome.watch, Load(controller, outcome.model));
+  outcome.watch.failed = false;
+  MLE_RETURN_IF_ERROR(UpdateWatch(controller, outcome.model, outcome.watch));
+  // Alarms are in the state before the correction, which may take long.
+  MLE_RETURN_IF_ERROR(Save(outcome.watch));
+  if (!request_.propose || !NeedsProposal(outcome.watch)) {
+    return absl::OkStatus();
+  }
+  MakeProposal(controller, absl::StrCat(request_.out, "/proposals"),
+               outcome.watch);
+  return Save(outcome.watch);
+}
+
+Outcome Runner::Run(const Controller& controller) {
+  Outcome outcome;
+  outcome.watch.controller = controller.name;
+  outcome.status = Update(controller, outcome);
+  if (outcome.status.ok()) return outcome;
+  // What was there before stays, with word of what went wrong.
+  absl::StatusOr<Watch> before = Load(controller, outcome.model);
+  if (!before.ok()) return outcome;
+  outcome.watch = *std::move(before);
+  outcome.watch.failed = true;
+  outcome.watch.news = std::string(outcome.status.message());
+  // The failure itself is what is reported.
+  Save(outcome.watch).IgnoreError();
+  return outcome;
+}
+
+absl::Status WritePages(const Request& request,
+                        const std::vector<Report>& reports) {
+  std::vector<std::pair<std::string, std::string>> files = {
+      {"watch.json", FormatReports(reports)},
+      {"index.html", FormatOverview(reports)}};
+  for (const Report& report : reports) {
+    files.emplace_back(PageName(report),
+                       FormatControllerPage(report, request.out));
+  }
+  return WriteFilesTogether(request.out, files);
+}
+
+// Of the state's folder, unless that is locked with the pages'.
+absl::StatusOr<std::optional<FolderLock>> LockState(const Request& request) {
+  fs::path folder = fs::path(request.state).parent_path();
+  if (folder.empty()) folder = ".";
+  MLE_RETURN_IF_ERROR(MakeWritableFolder(folder.string()));
+  std::error_code error;
+  if (fs::equivalent(folder, request.out, error)) return std::nullopt;
+  absl::StatusOr<FolderLock> lock = FolderLock::Take(folder.string());
+  if (!lock.ok()) return WithPrefix(lock.status(), "--state: ");
+  return std::optional<FolderLock>(*std::move(lock));
+}
+
+}  // namespace
+
+absl::StatusOr<RunSummary> RunWatches(const Request& request) {
+  MLE_ASSIGN_OR_RETURN(const FolderLock lock, ClaimOutputFolder(request.out));
+  MLE_ASSIGN_OR_RETURN(const std::optional<FolderLock> state_lock,
+                       LockState(request));
+  MLE_ASSIGN_OR_RETURN(State state, State::Open(request.state));
+  Runner runner(request, state);
+  const auto count = static_cast<int>(request.controllers.size());
+  std::vector<Outcome> outcomes(request.controllers.size());
+  ParallelFor(count, request.threads,
+              [&](int i) { outcomes[i] = runner.Run(request.controllers[i]); });
+  RunSummary summary{.controllers = count};
+  std::vector<Report> reports;
+  for (int i = 0; i < count; ++i) {
+    const Controller& controller = request.controllers[i];
+    reports.push_back(
+        MakeReport(controller, outcomes[i].model, outcomes[i].watch));
+    if (!outcomes[i].status.ok()) {
+      Report& report = reports.back();
+      report.status = Status::kFailed;
+      report.sentence = std::string(outcomes[i].status.message());
+      summary.failures.push_back(
+          absl::StrCat(controller.name, ": ", report.sentence));
+    }
+    summary.aged += reports.back().status == Status::kAged ? 1 : 0;
+  }
+  if (!request.alarm_command.empty()) {
+    if (const absl::Status status = HandOnAlarms(request.alarm_command, state);
+        !status.ok()) {
+      summary.failures.push_back(std::string(status.message()));
+    }
+  }
+  MLE_RETURN_IF_ERROR(WritePages(request, reports));
+  return summary;
+}
+
+}  // namespace mle::watch

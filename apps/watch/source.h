@@ -1,0 +1,75 @@
+// Records of a controller as they lie in a folder, and what of them is new.
+//
+// Files are told by path, size and time of change. Of new and changed files all
+// days that they have rows of are looked at again, with the files that hold the
+// time before. A file that cannot be read is left out, and said so.
+
+#ifndef APPS_WATCH_SOURCE_H_
+#define APPS_WATCH_SOURCE_H_
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "apps/watch/state.h"
+#include "apps/watch/watch_file.h"
+#include "mle/data/historian.h"
+#include "mle/data/record.h"
+#include "mle/model/process_model.h"
+
+namespace mle::watch {
+
+inline constexpr double kSecondsOfDay = 86400.0;
+
+// Records whose times are seconds since 1970-01-01T00:00:00Z; the sample time
+// stays in the model's unit.
+struct DatedRecords {
+  std::vector<Record> records;
+  double seconds_per_unit = 1.0;
+
+  double sample_seconds() const {
+    return records.empty() ? 0.0
+                           : records.front().sample_time * seconds_per_unit;
+  }
+  // Of sample k of a record.
+  double TimeOf(const Record& record, int k) const {
+    return record.start_time + k * sample_seconds();
+  }
+};
+
+struct NewRecords {
+  DatedRecords data;
+  std::map<std::string, SeenFile> files;  // new or changed
+  // Seconds since 1970 that these have rows of.
+  double first = 0.0;
+  double last = 0.0;
+  std::vector<std::string> faults;  // whole sentences
+};
+
+// How the controller's files are read.
+absl::StatusOr<HistorianOptions> ImportOptionsOf(const Controller& controller,
+                                                 const ProcessModel& model);
+
+// Regular files in the folder whose names end in .csv, .txt or either with .gz,
+// in order of their names. InvalidArgument where it cannot be read.
+absl::StatusOr<std::map<std::string, SeenFile>> ListFiles(
+    const std::string& folder);
+
+// What is new since `watch`, with the records before it that act on it (three
+// settling times of the model, and the rest of the day) and after it; nothing
+// where nothing is new. All files count as new while the watch has no
+// reference. Records without dates, and a model whose unit of time is not
+// known, are errors.
+absl::StatusOr<std::optional<NewRecords>> ReadNew(const Controller& controller,
+                                                  const ProcessModel& model,
+                                                  const Watch& watch);
+
+// Paths of the files with rows in these seconds since 1970.
+std::vector<std::string> FilesBetween(const Watch& watch, double from,
+                                      double to);
+
+}  // namespace mle::watch
+
+#endif  // APPS_WATCH_SOURCE_H_

@@ -1,0 +1,226 @@
+#include "apps/watch/state.h"
+
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "apps/watch/codec.h"
+#include "mle/base/status.h"
+
+namespace mle::watch {
+namespace {
+
+constexpr char kTables[] = R"sql(
+CREATE TABLE watch(
+  id INTEGER PRIMARY KEY, controller TEXT NOT NULL, basis TEXT NOT NULL,
+  begin INTEGER NOT NULL, first INTEGER NOT NULL, sample_time REAL NOT NULL,
+  reference TEXT, news TEXT NOT NULL, failed INTEGER NOT NULL);
+CREATE INDEX watch_of_controller ON watch(controller, id);
+CREATE TABLE file(
+  watch INTEGER NOT NULL REFERENCES watch(id), path TEXT NOT NULL,
+  bytes INTEGER NOT NULL, changed INTEGER NOT NULL, first REAL NOT NULL,
+  last REAL NOT NULL, fault TEXT NOT NULL,
+  PRIMARY KEY(watch, path)) WITHOUT ROWID;
+CREATE TABLE day(
+  watch INTEGER NOT NULL REFERENCES watch(id), number INTEGER NOT NULL,
+  checksum BLOB NOT NULL, state INTEGER NOT NULL, reason TEXT NOT NULL,
+  PRIMARY KEY(watch, number)) WITHOUT ROWID;
+CREATE TABLE score(
+  watch INTEGER NOT NULL REFERENCES watch(id), output INTEGER NOT NULL,
+  number INTEGER NOT NULL, length INTEGER NOT NULL, data BLOB NOT NULL,
+  PRIMARY KEY(watch, output, number)) WITHOUT ROWID;
+CREATE TABLE alarm(
+  id TEXT PRIMARY KEY, watch INTEGER NOT NULL REFERENCES watch(id),
+  output INTEGER NOT NULL, element INTEGER NOT NULL, day INTEGER NOT NULL,
+  began INTEGER NOT NULL, text TEXT NOT NULL, delivery INTEGER NOT NULL, acknowledged TEXT NOT NULL);
+CREATE INDEX alarm_of_watch ON alarm(watch, day);
+CREATE TABLE proposal(
+  watch INTEGER NOT NULL REFERENCES watch(id), day INTEGER NOT NULL,
+  folder TEXT NOT NULL, decision TEXT NOT NULL, conclusion TEXT NOT NULL,
+  PRIMARY KEY(watch, day));
+)sql";
+
+}  // namespace
+
+absl::StatusOr<State> State::Open(const std::string& path) {
+  MLE_ASSIGN_OR_RETURN(Database database, Database::Open(path));
+  State state(std::move(database));
+  MLE_RETURN_IF_ERROR(state.Migrate());
+  return state;
+}
+
+absl::Status State::Migrate() {
+  MLE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(database_));
+  MLE_ASSIGN_OR_RETURN(Statement version,
+                       database_.Prepare("PRAGMA user_version"));
+  MLE_RETURN_IF_ERROR(version.Next().status());
+  const std::int64_t found = version.Integer(0);
+  MLE_RETURN_IF_ERROR(version.Run());
+  if (found > kStateVersion) {
+    return absl::FailedPreconditionError(absl::StrCat(
+        "state: it has version ", found, "; this program knows version ",
+        kStateVersion, " and those before it"));
+  }
+  // Later versions add their steps here.
+  if (found == 0) {
+    MLE_RETURN_IF_ERROR(database_.Execute(kTables));
+    MLE_RETURN_IF_ERROR(database_.Execute(
+        absl::StrCat("PRAGMA user_version = ", kStateVersion)));
+  }
+  return transaction.Commit();
+}
+
+absl::StatusOr<Watch> State::Load(const std::string& controller, int outputs) {
+  Watch watch;
+  watch.controller = controller;
+  watch.outputs.resize(static_cast<std::size_t>(outputs));
+  MLE_ASSIGN_OR_RETURN(
+      Statement select,
+      database_.Prepare(
+          "SELECT id, basis, begin, first, sample_time, reference, news, "
+          "failed FROM watch WHERE controller = ? ORDER BY id DESC LIMIT 1"));
+  select.BindText(1, controller);
+  MLE_ASSIGN_OR_RETURN(const bool found, select.Next());
+  if (!found) return watch;
+  watch.id = select.Integer(0);
+  watch.basis = select.Text(1);
+  watch.begin = static_cast<int>(select.Integer(2));
+  watch.first = static_cast<int>(select.Integer(3));
+  watch.sample_time = select.Number(4);
+  if (!select.IsNull(5)) {
+    MLE_ASSIGN_OR_RETURN(watch.reference, DecodeReference(select.Text(5)));
+  }
+  watch.news = select.Text(6);
+  watch.failed = select.Integer(7) != 0;
+  MLE_RETURN_IF_ERROR(LoadFiles(watch));
+  MLE_RETURN_IF_ERROR(LoadDays(watch));
+  MLE_RETURN_IF_ERROR(LoadScores(watch));
+  MLE_RETURN_IF_ERROR(LoadAlarms(watch));
+  MLE_RETURN_IF_ERROR(LoadProposals(watch));
+  return watch;
+}
+
+absl::Status State::LoadFiles(Watch& watch) {
+  MLE_ASSIGN_OR_RETURN(
+      Statement select,
+      database_.Prepare("SELECT path, bytes, changed, first, last, fault FROM "
+                        "file WHERE watch = ?"));
+  select.Bind(1, watch.id);
+  while (true) {
+    MLE_ASSIGN_OR_RETURN(const bool row, select.Next());
+    if (!row) return absl::OkStatus();
+    watch.files[select.Text(0)] = {.bytes = select.Integer(1),
+                                   .changed = select.Integer(2),
+                                   .first = select.Number(3),
+                                   .last = select.Number(4),
+                                   .fault = select.Text(5)};
+  }
+}
+
+absl::Status State::LoadDays(Watch& watch) {
+  MLE_ASSIGN_OR_RETURN(
+      Statement select,
+      database_.Prepare("SELECT number, checksum, state, reason FROM day WHERE "
+                        "watch = ?"));
+  select.Bind(1, watch.id);
+  while (true) {
+    MLE_ASSIGN_OR_RETURN(const bool row, select.Next());
+    if (!row) return absl::OkStatus();
+    watch.days[static_cast<int>(select.Integer(0))] = {
+        .checksum = select.Text(1),
+        .state = static_cast<BatchState>(select.Integer(2)),
+        .reason = select.Text(3)};
+  }
+}
+
+absl::Status State::LoadScores(Watch& watch) {
+  MLE_ASSIGN_OR_RETURN(
+      Statement select,
+      database_.Prepare("SELECT output, number, length, data FROM score WHERE "
+                        "watch = ?"));
+  select.Bind(1, watch.id);
+  while (true) {
+    MLE_ASSIGN_OR_RETURN(const bool row, select.Next());
+    if (!row) return absl::OkStatus();
+    const auto output = static_cast<std::size_t>(select.Integer(0));
+    // The model had more outputs: another watch begins.
+    if (output >= watch.outputs.size()) continue;
+    MLE_ASSIGN_OR_RETURN(StoredBatch stored, DecodeBatch(select.Text(3)));
+    stored.batch.number = static_cast<int>(select.Integer(1));
+    stored.batch.length = static_cast<int>(select.Integer(2));
+    stored.evidence.number = stored.batch.number + stored.batch.length - 1;
+    watch.outputs[output].emplace(stored.batch.number, std::move(stored));
+  }
+}
+
+absl::Status State::LoadAlarms(Watch& watch) {
+  MLE_ASSIGN_OR_RETURN(
+      Statement select,
+      database_.Prepare(
+          "SELECT id, output, element, day, began, text, delivery, "
+          "acknowledged FROM "
+          "alarm WHERE watch = ? ORDER BY day, id"));
+  select.Bind(1, watch.id);
+  while (true) {
+    MLE_ASSIGN_OR_RETURN(const bool row, select.Next());
+    if (!row) return absl::OkStatus();
+    watch.alarms.push_back(
+        {.id = select.Text(0),
+         .output = static_cast<int>(select.Integer(1)),
+         .element = static_cast<int>(select.Integer(2)),
+         .day = static_cast<int>(select.Integer(3)),
+         .began = static_cast<int>(select.Integer(4)),
+         .text = select.Text(5),
+         .delivery = static_cast<Alarm::Delivery>(select.Integer(6)),
+         .acknowledged = select.Text(7)});
+  }
+}
+
+absl::Status State::LoadProposals(Watch& watch) {
+  MLE_ASSIGN_OR_RETURN(
+      Statement select,
+      database_.Prepare(
+          "SELECT day, folder, decision, conclusion FROM proposal "
+          "WHERE watch = ? ORDER BY day"));
+  select.Bind(1, watch.id);
+  while (true) {
+    MLE_ASSIGN_OR_RETURN(const bool row, select.Next());
+    if (!row) return absl::OkStatus();
+    watch.proposals.push_back({.day = static_cast<int>(select.Integer(0)),
+                               .folder = select.Text(1),
+                               .decision = select.Text(2),
+                               .conclusion = select.Text(3)});
+  }
+}
+
+absl::StatusOr<std::vector<std::pair<std::string, Alarm>>>
+State::Undelivered() {
+  MLE_ASSIGN_OR_RETURN(
+      Statement select,
+      database_.Prepare(
+          "SELECT watch.controller, alarm.id, alarm.day, alarm.text, "
+          "alarm.delivery FROM alarm JOIN watch ON watch.id = alarm.watch "
+          "WHERE alarm.delivery < ? ORDER BY alarm.day, alarm.id"));
+  select.Bind(1, static_cast<std::int64_t>(Alarm::Delivery::kSent));
+  std::vector<std::pair<std::string, Alarm>> alarms;
+  while (true) {
+    MLE_ASSIGN_OR_RETURN(const bool row, select.Next());
+    if (!row) return alarms;
+    alarms.emplace_back(
+        select.Text(0),
+        Alarm{.id = select.Text(1),
+              .day = static_cast<int>(select.Integer(2)),
+              .text = select.Text(3),
+              .delivery = static_cast<Alarm::Delivery>(select.Integer(4))});
+  }
+}
+
+absl::Status State::SetDelivery(const std::string& id,
+                                Alarm::Delivery delivery) {
+  MLE_ASSIGN_OR_RETURN(
+      Statement update,
+      database_.Prepare("UPDATE alarm SET delivery = ? WHERE id = ?"));
+  update.Bind(1, static_cast<std::int64_t>(delivery)).BindText(2, id);
+  return update.Run();
+}
+
+}  // namespace mle::watch

@@ -1,0 +1,138 @@
+// What the watch remembers of its controllers, in one SQLite file.
+//
+//   watch     a controller from a day on, with one model and one set of options
+//   file      files of records that were read, as they were
+//   day       the days that were looked at: checksum of their samples, state
+//   score     of an output: scores, information and evidence of a day, or of
+//             several that were merged
+//   alarm     raised; whether it was handed on, acknowledged
+//   proposal  corrections that were run
+//
+// A watch is read whole, changed in memory and written back in one transaction:
+// a kill leaves the state of before or after. The version of the tables is in
+// user_version; older ones are brought up to date, newer ones refused.
+
+#ifndef APPS_WATCH_STATE_H_
+#define APPS_WATCH_STATE_H_
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "apps/watch/database.h"
+#include "mle/monitor/change_evidence.h"
+#include "mle/monitor/model_watch.h"
+
+namespace mle::watch {
+
+inline constexpr int kStateVersion = 1;
+
+struct SeenFile {
+  std::int64_t bytes = 0;
+  std::int64_t changed = 0;  // ns since 1970, as the file system says
+  // Of its rows, s since 1970; nothing where it could not be read.
+  double first = 0.0;
+  double last = 0.0;
+  std::string fault = {};
+
+  bool operator==(const SeenFile&) const = default;
+};
+
+struct SeenDay {
+  std::string checksum;  // of its samples and those before that act on it
+  BatchState state = BatchState::kNothingMoved;
+  std::string reason = {};  // of kCannotTell
+
+  bool operator==(const SeenDay&) const = default;
+};
+
+// Of an output. Numbers are days since the watch's first.
+struct StoredBatch {
+  ScoredBatch batch;
+  ChangeEvidence evidence;  // after it
+};
+
+struct Alarm {
+  std::string id = {};  // the same for the same alarm, whenever it is raised
+  int output = 0;
+  int element =
+      -1;         // of those present in the row; −1: of the output as a whole
+  int day = 0;    // since 1970
+  int began = 0;  // day that the change most likely began on
+  std::string text = {};
+  enum class Delivery { kToSend, kBeingSent, kSent };
+  Delivery delivery = Delivery::kToSend;
+  std::string acknowledged = {};  // by whom and when, or empty
+};
+
+struct Proposal {
+  int day = 0;                  // since 1970: the last of its records
+  std::string folder = {};      // of the files
+  std::string decision = {};    // as in result.json, or "failed"
+  std::string conclusion = {};  // in words
+};
+
+struct Watch {
+  std::int64_t id = 0;  // 0: not in the state
+  std::string controller;
+  std::string basis;  // SHA-256 of model and options
+  // Days since 1970. Days before `begin` belong to an earlier watch; `first` is
+  // the first with records, once the reference is made.
+  int begin = 0;
+  int first = 0;
+  double sample_time = 0.0;
+  std::optional<WatchReference> reference;
+  std::string news;  // what the last run found, in words
+  bool failed = false;
+
+  std::map<std::string, SeenFile> files;            // by path
+  std::map<int, SeenDay> days;                      // since 1970
+  std::vector<std::map<int, StoredBatch>> outputs;  // p, by number
+  std::vector<Alarm> alarms;
+  std::vector<Proposal> proposals;
+
+  int last_day() const {
+    return days.empty() ? begin - 1 : days.rbegin()->first;
+  }
+};
+
+class State {
+ public:
+  // Makes the file and its tables where there are none. FailedPrecondition for
+  // a state that a later version has written.
+  static absl::StatusOr<State> Open(const std::string& path);
+
+  // The last watch of the controller, or a new one with `outputs` outputs.
+  absl::StatusOr<Watch> Load(const std::string& controller, int outputs);
+  // All of it, in one transaction; gives a new watch its id.
+  absl::Status Save(Watch& watch);
+  // Alarms that are not sent, with the names of their controllers.
+  absl::StatusOr<std::vector<std::pair<std::string, Alarm>>> Undelivered();
+  absl::Status SetDelivery(const std::string& id, Alarm::Delivery delivery);
+
+ private:
+  explicit State(Database database) : database_(std::move(database)) {}
+
+  absl::Status Migrate();
+  absl::Status LoadFiles(Watch& watch);
+  absl::Status LoadDays(Watch& watch);
+  absl::Status LoadScores(Watch& watch);
+  absl::Status LoadAlarms(Watch& watch);
+  absl::Status LoadProposals(Watch& watch);
+  absl::Status SaveWatch(Watch& watch);
+  absl::Status SaveFiles(const Watch& now, const Watch& before);
+  absl::Status SaveDays(const Watch& now, const Watch& before);
+  absl::Status SaveScores(const Watch& now, const Watch& before);
+  absl::Status SaveAlarms(const Watch& now);
+
+  Database database_;
+};
+
+}  // namespace mle::watch
+
+#endif  // APPS_WATCH_STATE_H_

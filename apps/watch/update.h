@@ -1,0 +1,40 @@
+// One run of one controller's watch: what is new is scored, the evidence
+// carried on, alarms raised.
+
+#ifndef APPS_WATCH_UPDATE_H_
+#define APPS_WATCH_UPDATE_H_
+
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "apps/watch/state.h"
+#include "apps/watch/watch_file.h"
+#include "mle/model/process_model.h"
+#include "mle/monitor/model_watch.h"
+
+namespace mle::watch {
+
+// ε of an output's and of an element's alarm: the probability of a false one.
+double ShareOfOutput(const ProcessModel& model, const WatchOptions& options);
+double ShareOfElement(const ProcessModel& model, const WatchOptions& options);
+
+// SHA-256 of the model and of the options that scores depend on.
+std::string BasisOf(const Controller& controller, const ProcessModel& model);
+
+// Brings `watch` up to date with the controller's records; it is not changed by
+// records that were seen. A model or options other than before begin a new
+// watch after the last day that was looked at. What was found is in watch.news.
+// Errors name what cannot be read.
+absl::Status UpdateWatch(const Controller& controller,
+                         const ProcessModel& model, Watch& watch);
+
+// "The gain of overhead ← reflux has changed by −12 ± 2 %, since about …"
+std::string Describe(const ProcessModel& model, int output,
+                     const LikelyChange& likely, const std::string& since,
+                     double delay_unit);
+
+}  // namespace mle::watch
+
+#endif  // APPS_WATCH_UPDATE_H_

@@ -1,0 +1,37 @@
+// The file that lists the controllers that are watched (docs/formats.md).
+
+#ifndef APPS_WATCH_WATCH_FILE_H_
+#define APPS_WATCH_WATCH_FILE_H_
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "mle/data/record_columns.h"
+#include "mle/monitor/watch_options.h"
+
+namespace mle::watch {
+
+struct Controller {
+  std::string name;
+  std::string model;         // path
+  std::string records;       // folder of exports (CSV)
+  std::string tag_file;      // or empty
+  std::string time_zone;     // of dates without one; empty: UTC
+  double sample_time = 0.0;  // of the model's time unit; 0: that of the files
+  int reference_days = 14;
+  WatchOptions options;
+};
+
+// Paths that are not absolute are taken from the folder of the file.
+// InvalidArgument names the file, the key, what was found and what would be
+// right; names of controllers are not empty, differ, and may stand in the names
+// of files.
+absl::StatusOr<std::vector<Controller>> ParseWatchFile(std::string_view json,
+                                                       const std::string& path);
+absl::StatusOr<std::vector<Controller>> ReadWatchFile(const std::string& path);
+
+}  // namespace mle::watch
+
+#endif  // APPS_WATCH_WATCH_FILE_H_

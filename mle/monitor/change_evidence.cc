@@ -1,0 +1,303 @@
+#include "mle/monitor/change_evidence.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "Eigen/Cholesky"
+#include "Eigen/QR"
+#include "glog/logging.h"
+
+namespace mle {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr int kScales = 7;
+// Half of the changes expected are so much smaller.
+constexpr double kSmaller = 1.0 / 6.0;
+constexpr double kNever = -std::numeric_limits<double>::infinity();
+
+// Ages from which batches are merged, and into how many.
+constexpr int kOld = 64;
+constexpr int kOldBlock = 8;
+constexpr int kOldest = 512;
+constexpr int kOldestBlock = 64;
+
+int LastOf(const ScoredBatch& batch) { return batch.number + batch.length - 1; }
+
+// ln Σ exp, one term after another.
+class LogSum {
+ public:
+  void Add(double log_term) {
+    if (log_term == kNever) return;
+    if (log_term > largest_) {
+      sum_ = sum_ * std::exp(largest_ - log_term) + 1.0;
+      largest_ = log_term;
+    } else {
+      sum_ += std::exp(log_term - largest_);
+    }
+  }
+  double value() const {
+    return sum_ > 0.0 ? largest_ + std::log(sum_) : kNever;
+  }
+
+ private:
+  double largest_ = kNever;
+  double sum_ = 0.0;
+};
+
+// Scores and informations of a change that begins with a batch.
+struct Contrast {
+  VectorXd score;
+  MatrixXd information;
+};
+
+// ln of the mixture over δ less the best |δ| ≤ least.
+double LogRatio(double score, double information, double least,
+                double deviation) {
+  LogSum mixture;
+  for (const double scale : {deviation, kSmaller * deviation}) {
+    const double variance = scale * scale;
+    const double growth = 1.0 + variance * information;
+    mixture.Add(std::log(0.5) - 0.5 * std::log(growth) +
+                0.5 * variance * score * score / growth);
+  }
+  const double best =
+      information > 0.0 ? std::clamp(score / information, -least, least) : 0.0;
+  return mixture.value() - best * (score - 0.5 * best * information);
+}
+
+// Sums of batches from the first on, and contrasts against all before.
+class Suffixes {
+ public:
+  Suffixes(const std::vector<ScoredBatch>& batches, double model_error)
+      : batches_(batches), prior_(1.0 / (model_error * model_error)) {
+    const Index n = batches.empty() ? 0 : batches.front().score.size();
+    scores_.push_back(VectorXd::Zero(n));
+    informations_.push_back(MatrixXd::Zero(n, n));
+    for (const ScoredBatch& batch : batches) {
+      CHECK_EQ(batch.score.size(), n);
+      scores_.push_back(scores_.back() + batch.score);
+      informations_.push_back(informations_.back() + batch.information);
+    }
+  }
+
+  // Takes batches[0 … last] for all there are.
+  void StopAt(std::size_t last) {
+    last_ = last;
+    const MatrixXd& all = informations_[last + 1];
+    solver_.compute(all + prior_ * MatrixXd::Identity(all.rows(), all.cols()));
+    projected_ = solver_.solve(scores_[last + 1]);
+  }
+  // Of a change that begins with batches[begin].
+  Contrast From(std::size_t begin) const {
+    const MatrixXd after = informations_[last_ + 1] - informations_[begin];
+    return {scores_[last_ + 1] - scores_[begin] - after * projected_,
+            after - after * solver_.solve(after)};
+  }
+  // ln of the weight of all begins that batches[begin] is the first after.
+  double LogWeight(std::size_t begin, int life) const {
+    int from = 0;
+    if (begin > 0) from = LastOf(batches_[begin - 1]) + 1;
+    double weight = 0.0;
+    for (int d = from; d <= std::min(batches_[begin].number, life - 1); ++d) {
+      weight += WeightOfBegin(d, life);
+    }
+    return weight > 0.0 ? std::log(weight) : kNever;
+  }
+
+ private:
+  const std::vector<ScoredBatch>& batches_;
+  double prior_;  // precision of θ
+  std::vector<VectorXd> scores_;
+  std::vector<MatrixXd> informations_;
+  std::size_t last_ = 0;
+  Eigen::LDLT<MatrixXd> solver_;
+  VectorXd projected_;
+};
+
+// Of the parameters first … first + 2, all others eliminated.
+struct OwnContrast {
+  Contrast own;
+  double log_others = 0.0;  // ln of the likelihood ratio of the others alone
+};
+
+OwnContrast WithoutOthers(const Contrast& all, Index first) {
+  const Index n = all.score.size();
+  const Index others = n - 3;
+  if (others == 0) return {all};
+  VectorXd score(others);
+  MatrixXd information(others, others);
+  MatrixXd across(others, 3);
+  const auto index = [first](Index k) { return k < first ? k : k + 3; };
+  for (Index r = 0; r < others; ++r) {
+    score(r) = all.score(index(r));
+    across.row(r) = all.information.row(index(r)).segment(first, 3);
+    for (Index c = 0; c < others; ++c) {
+      information(r, c) = all.information(index(r), index(c));
+    }
+  }
+  // Their changes are of the order of 1 at most.
+  information.diagonal().array() += 1.0;
+  const Eigen::LDLT<MatrixXd> solver(information);
+  const VectorXd best = solver.solve(score);
+  return {.own = {all.score.segment(first, 3) - across.transpose() * best,
+                  all.information.block(first, first, 3, 3) -
+                      across.transpose() * solver.solve(across)},
+          .log_others = 0.5 * score.dot(best)};
+}
+
+// ln E of one element: `contrasts` and `weights` (logarithms) by begin, `none`
+// of changes that are still to begin.
+double ElementEvidence(const std::vector<Contrast>& contrasts,
+                       const std::vector<double>& weights, double none,
+                       Index first, const VectorXd& least, double deviation) {
+  std::vector<OwnContrast> own;
+  double best_others = 0.0;
+  for (const Contrast& contrast : contrasts) {
+    own.push_back(WithoutOthers(contrast, first));
+    best_others = std::max(best_others, own.back().log_others);
+  }
+  LogSum sum;
+  sum.Add(none - best_others);
+  for (std::size_t s = 0; s < own.size(); ++s) {
+    for (Index a = 0; a < 3; ++a) {
+      sum.Add(weights[s] - std::log(3.0) + own[s].log_others - best_others +
+              LogRatio(own[s].own.score(a), own[s].own.information(a, a),
+                       least(first + a), deviation));
+    }
+  }
+  return sum.value();
+}
+
+}  // namespace
+
+double WeightOfBegin(int batch, int life) {
+  if (batch < 0 || batch >= life) return 0.0;
+  double weight = 0.0;
+  for (int scale = 0; scale < kScales; ++scale) {
+    const int step = 1 << scale;
+    if (batch % step != 0) break;
+    weight += 1.0 / (kScales * ((life + step - 1) / step));
+  }
+  return weight;
+}
+
+ChangeEvidence EvidenceOf(const std::vector<ScoredBatch>& batches,
+                          const VectorXd& least, const WatchOptions& options) {
+  ChangeEvidence evidence;
+  if (batches.empty()) return evidence;
+  Suffixes suffixes(batches, options.model_error);
+  suffixes.StopAt(batches.size() - 1);
+  const Index n = batches.front().score.size();
+  const double deviation = options.change_deviation;
+  LogSum output;
+  std::vector<Contrast> contrasts;
+  std::vector<double> weights;
+  for (std::size_t s = 0; s < batches.size(); ++s) {
+    const double weight = suffixes.LogWeight(s, options.life);
+    if (weight == kNever) continue;
+    weights.push_back(weight);
+    contrasts.push_back(suffixes.From(s));
+    const Contrast& contrast = contrasts.back();
+    for (Index a = 0; a < n; ++a) {
+      output.Add(weight - std::log(static_cast<double>(n)) +
+                 LogRatio(contrast.score(a), contrast.information(a, a),
+                          least(a), deviation));
+    }
+  }
+  // Changes that are still to begin.
+  const int last = LastOf(batches.back());
+  double coming = 0.0;
+  for (int d = last + 1; d < options.life; ++d) {
+    coming += WeightOfBegin(d, options.life);
+  }
+  const double none = coming > 0.0 ? std::log(coming) : kNever;
+  output.Add(none);
+  evidence.number = last;
+  evidence.log_output = output.value();
+  for (Index first = 0; first < n; first += 3) {
+    evidence.log_elements.push_back(
+        ElementEvidence(contrasts, weights, none, first, least, deviation));
+  }
+  return evidence;
+}
+
+std::vector<ScoredBatch> MergeOld(const std::vector<ScoredBatch>& batches,
+                                  int now) {
+  std::vector<ScoredBatch> merged;
+  for (const ScoredBatch& batch : batches) {
+    int block = 1;
+    // Whole blocks only.
+    for (const auto& [length, age] :
+         {std::pair(kOldestBlock, kOldest), std::pair(kOldBlock, kOld)}) {
+      const int end = (batch.number / length + 1) * length - 1;
+      if (block == 1 && now - end >= age) block = length;
+    }
+    const int begin = batch.number / block * block;
+    if (block > 1 && !merged.empty() && merged.back().length == block &&
+        merged.back().number == begin) {
+      merged.back().score += batch.score;
+      merged.back().information += batch.information;
+      continue;
+    }
+    merged.push_back(batch);
+    if (block <= batch.length) continue;
+    merged.back().number = begin;
+    merged.back().length = block;
+  }
+  return merged;
+}
+
+LikelyChange ExplainEvidence(const std::vector<ScoredBatch>& batches,
+                             const VectorXd& least,
+                             const WatchOptions& options) {
+  LikelyChange likely;
+  if (batches.empty()) return likely;
+  Suffixes suffixes(batches, options.model_error);
+  suffixes.StopAt(batches.size() - 1);
+  const Index n = batches.front().score.size();
+  const double variance = options.change_deviation * options.change_deviation;
+  LogSum total;
+  std::vector<LogSum> elements(static_cast<std::size_t>(n / 3));
+  std::vector<double> best(elements.size(), kNever);
+  std::vector<LikelyChange> candidates(elements.size());
+  for (std::size_t s = 0; s < batches.size(); ++s) {
+    const double weight = suffixes.LogWeight(s, options.life);
+    if (weight == kNever) continue;
+    const Contrast contrast = suffixes.From(s);
+    for (Index a = 0; a < n; ++a) {
+      const double information = contrast.information(a, a);
+      const double value =
+          weight + LogRatio(contrast.score(a), information, least(a),
+                            options.change_deviation);
+      const auto e = static_cast<std::size_t>(a / 3);
+      total.Add(value);
+      elements[e].Add(value);
+      if (value <= best[e]) continue;
+      best[e] = value;
+      const double precision = information + 1.0 / variance;
+      candidates[e] = {.element = static_cast<int>(e),
+                       .parameter = static_cast<int>(a % 3),
+                       .probability = 0.0,
+                       .change = contrast.score(a) / precision,
+                       .error = 1.0 / std::sqrt(precision),
+                       .begin = batches[s].number};
+    }
+  }
+  for (std::size_t e = 0; e < elements.size(); ++e) {
+    candidates[e].probability = std::exp(elements[e].value() - total.value());
+    if (candidates[e].probability > likely.probability) likely = candidates[e];
+  }
+  return likely;
+}
+
+double HealthOf(double log_evidence, double share_of_level) {
+  return 1.0 / (1.0 + std::exp(std::log(share_of_level) + log_evidence));
+}
+
+}  // namespace mle

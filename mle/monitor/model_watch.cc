@@ -1,0 +1,371 @@
+#include "mle/monitor/model_watch.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "mle/base/status.h"
+#include "mle/data/set_point_windows.h"
+#include "mle/maintain/examine_records.h"
+#include "mle/monitor/output_scores.h"
+#include "mle/monitor/row_response.h"
+
+namespace mle {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr int kLeastReference = 200;
+constexpr int kLeastSamples = 20;
+constexpr double kLeastDeviation = 0.1;  // of innovations, in √r
+// Enough for a noise shape; more cost time.
+constexpr int kMostForNoise = 6000;
+constexpr int kMostLags = 120;
+// Of a dead time, in samples: what clocks and scans make of it.
+constexpr double kLeastDelay = 0.1;
+// What tells less than this of a change of the size expected says nothing.
+constexpr double kLeastInformation = 1e-3;
+// Of the samples of the reference, outside of the usual range.
+constexpr double kUnusual = 0.01;
+
+int InSamples(double time, double sample_time) {
+  return static_cast<int>(std::ceil(time / sample_time - 1e-9));
+}
+
+// Leaves the outputs of samples from `first` on that are `wanted`.
+void Mask(const std::vector<bool>& around, bool wanted, int first,
+          Record& record) {
+  for (int k = 0; k < record.samples(); ++k) {
+    if (k < first || around[k] != wanted)
+      record.outputs.col(k).setConstant(kNaN);
+  }
+}
+
+int UsableSamples(const std::vector<Record>& records, int output) {
+  int count = 0;
+  for (const Record& record : records) {
+    count +=
+        static_cast<int>(record.outputs.row(output).array().isFinite().count());
+  }
+  return count;
+}
+
+// The first of the records, until they have enough samples.
+std::vector<Record> Enough(const std::vector<Record>& records, int output) {
+  std::vector<Record> some;
+  for (const Record& record : records) {
+    some.push_back(record);
+    if (UsableSamples(some, output) >= kMostForNoise) break;
+  }
+  return some;
+}
+
+// The good samples of a batch, of outputs and then inputs.
+std::vector<double> ValuesOf(const WatchBatch& batch, int channel) {
+  const int p = batch.record.num_outputs();
+  std::vector<double> values;
+  for (int k = batch.first; k < batch.record.samples(); ++k) {
+    const double value = channel < p ? batch.record.outputs(channel, k)
+                                     : batch.record.inputs(channel - p, k);
+    if (std::isfinite(value)) values.push_back(value);
+  }
+  return values;
+}
+
+void FindUsualRange(const std::vector<WatchBatch>& batches,
+                    WatchReference& reference) {
+  const Record& any = batches.front().record;
+  const int channels = any.num_outputs() + any.num_inputs();
+  reference.low.setZero(channels);
+  reference.high.setZero(channels);
+  for (int c = 0; c < channels; ++c) {
+    std::vector<double> values;
+    for (const WatchBatch& batch : batches) {
+      const std::vector<double> some = ValuesOf(batch, c);
+      values.insert(values.end(), some.begin(), some.end());
+    }
+    if (values.empty()) continue;
+    std::sort(values.begin(), values.end());
+    const auto last = static_cast<double>(values.size() - 1);
+    reference.low(c) = values[static_cast<std::size_t>(kUnusual * last)];
+    reference.high(c) =
+        values[static_cast<std::size_t>(std::ceil((1.0 - kUnusual) * last))];
+  }
+}
+
+}  // namespace
+
+std::string_view NameOf(BatchState state) {
+  switch (state) {
+    case BatchState::kUsed:
+      return "used";
+    case BatchState::kNothingMoved:
+      return "nothing_moved";
+    case BatchState::kCannotTell:
+      return "cannot_tell";
+  }
+  return "";
+}
+
+std::vector<std::string> BatchScores::Reasons() const {
+  std::vector<std::string> reasons;
+  for (const BatchOutput& output : outputs) {
+    if (!output.reason.empty() && std::find(reasons.begin(), reasons.end(),
+                                            output.reason) == reasons.end()) {
+      reasons.push_back(output.reason);
+    }
+  }
+  return reasons;
+}
+
+absl::StatusOr<ModelWatch> ModelWatch::Create(const ProcessModel& model,
+                                              double sample_time,
+                                              const WatchOptions& options) {
+  MLE_RETURN_IF_ERROR(options.Validate());
+  MLE_RETURN_IF_ERROR(model.Validate());
+  if (!(sample_time > 0.0) || !std::isfinite(sample_time)) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "watch: the sample time is ", sample_time, "; it must be > 0"));
+  }
+  ModelWatch watch;
+  watch.model_ = model;
+  watch.options_ = options;
+  watch.sample_time_ = sample_time;
+  const double settling = SettlingTime(model);
+  watch.skip_ = InSamples(settling, sample_time) + 1;
+  watch.before_ = InSamples(0.5 * settling, sample_time);
+  watch.after_ = InSamples(1.5 * settling, sample_time);
+  std::vector<RowResponse> rows;
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    MLE_ASSIGN_OR_RETURN(
+        RowResponse row,
+        RowResponse::Create(model, i, sample_time, watch.skip_));
+    rows.push_back(std::move(row));
+  }
+  watch.rows_ =
+      std::make_shared<const std::vector<RowResponse>>(std::move(rows));
+  return watch;
+}
+
+const std::vector<int>& ModelWatch::inputs(int output) const {
+  return (*rows_)[output].inputs();
+}
+
+const VectorXd& ModelWatch::units(int output) const {
+  return (*rows_)[output].units();
+}
+
+VectorXd ModelWatch::LeastChanges(int output) const {
+  const RowResponse& row = (*rows_)[output];
+  VectorXd least =
+      VectorXd::Constant(row.num_parameters(), options_.least_change);
+  for (int a = 2; a < row.num_parameters(); a += 3) {
+    least(a) = std::max(least(a), kLeastDelay * sample_time_ / row.units()(a));
+  }
+  return least;
+}
+
+absl::StatusOr<std::vector<bool>> ModelWatch::AroundChanges(
+    const Record& record) const {
+  MLE_RETURN_IF_ERROR(record.Validate());
+  std::vector<bool> around(record.samples(), false);
+  const std::vector<std::vector<SetPointChange>> changes =
+      FindChanges({record}, WindowOptions());
+  for (const SetPointChange& change : changes.front()) {
+    const int from = std::max(change.sample - before_, 0);
+    const int to = std::min(change.sample + after_, record.samples() - 1);
+    std::fill(around.begin() + from, around.begin() + to + 1, true);
+  }
+  return around;
+}
+
+// The batches that are fit for use, repaired.
+absl::StatusOr<std::vector<WatchBatch>> ModelWatch::Examined(
+    const std::vector<WatchBatch>& batches) const {
+  std::vector<WatchBatch> fit;
+  for (const WatchBatch& batch : batches) {
+    std::vector<Record> records = {batch.record};
+    MLE_ASSIGN_OR_RETURN(
+        const std::vector<Finding> findings,
+        ExamineRecords(model_, {.correct_play = false}, records));
+    if (FirstBlocking(findings) != nullptr) continue;
+    fit.push_back({std::move(records.front()), batch.first});
+  }
+  return fit;
+}
+
+absl::StatusOr<std::vector<Record>> ModelWatch::AtRest(
+    const std::vector<WatchBatch>& batches) const {
+  std::vector<Record> rest;
+  for (const WatchBatch& batch : batches) {
+    MLE_ASSIGN_OR_RETURN(const std::vector<bool> around,
+                         AroundChanges(batch.record));
+    rest.push_back(batch.record);
+    Mask(around, /*wanted=*/false, batch.first, rest.back());
+  }
+  return rest;
+}
+
+absl::StatusOr<WatchReference> ModelWatch::MakeReference(
+    const std::vector<WatchBatch>& given) const {
+  MLE_ASSIGN_OR_RETURN(const std::vector<WatchBatch> batches, Examined(given));
+  if (batches.empty()) {
+    return absl::FailedPreconditionError(absl::StrCat(
+        "watch: none of the ", given.size(),
+        " batches of the reference has records that are fit for use"));
+  }
+  MLE_ASSIGN_OR_RETURN(std::vector<Record> rest, AtRest(batches));
+  WatchReference reference;
+  FindUsualRange(batches, reference);
+  for (int i = 0; i < model_.num_outputs(); ++i) {
+    std::vector<Record> records = rest;
+    if (UsableSamples(records, i) < kLeastReference) {
+      // Always on the move: all of it.
+      for (std::size_t b = 0; b < records.size(); ++b) {
+        records[b] = batches[b].record;
+      }
+    }
+    const int usable = UsableSamples(records, i);
+    if (usable < kLeastReference) {
+      return absl::FailedPreconditionError(absl::StrCat(
+          "watch: output \"", model_.outputs()[i].name, "\" has ", usable,
+          " usable samples in the reference period; at least ", kLeastReference,
+          " are needed"));
+    }
+    OutputReference output;
+    output.noise = (*rows_)[i].EstimateNoise(Enough(records, i));
+    const double range = reference.high(i) - reference.low(i);
+    output.noise.variance =
+        std::max(output.noise.variance, 1e-12 * range * range);
+    if (!(output.noise.variance > 0.0)) {
+      return absl::FailedPreconditionError(
+          absl::StrCat("watch: output \"", model_.outputs()[i].name,
+                       "\" stands still in the reference period"));
+    }
+    std::vector<WhitenedRun> runs;
+    for (const Record& record : records) {
+      for (WhitenedRun& run : (*rows_)[i].Whiten(record, output.noise)) {
+        runs.push_back(std::move(run));
+      }
+    }
+    output.deviation = RobustDeviation(runs);
+    // Most samples repeat the last one: the median says nothing.
+    if (output.deviation < kLeastDeviation) output.deviation = 1.0;
+    ClipInnovations(options_.clip * output.deviation, runs);
+    output.covariances = AutocovariancesOf(runs, std::min(skip_, kMostLags));
+    reference.outputs.push_back(std::move(output));
+  }
+  return reference;
+}
+
+// Where a channel is a whole range outside of its usual range for most of the
+// batch.
+std::string ModelWatch::OutOfRange(const WatchReference& reference,
+                                   const WatchBatch& batch) const {
+  const int p = model_.num_outputs();
+  for (int c = 0; c < p + model_.num_inputs(); ++c) {
+    const double range = reference.high(c) - reference.low(c);
+    std::vector<double> values = ValuesOf(batch, c);
+    if (!(range > 0.0) || values.empty()) continue;
+    const auto middle =
+        values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    if (*middle >= reference.low(c) - range &&
+        *middle <= reference.high(c) + range) {
+      continue;
+    }
+    return absl::StrFormat(
+        "The operating point has moved: %s is at %.4g; in the reference it was "
+        "from %.4g to %.4g.",
+        c < p ? model_.outputs()[c].name : model_.inputs()[c - p].name, *middle,
+        reference.low(c), reference.high(c));
+  }
+  return "";
+}
+
+BatchOutput ModelWatch::ScoreOutput(const OutputReference& reference,
+                                    const Record& record, int output) const {
+  const RowResponse& row = (*rows_)[output];
+  BatchOutput scores;
+  if (row.num_parameters() == 0) return scores;
+  std::vector<WhitenedRun> runs = row.Whiten(record, reference.noise);
+  const double deviation =
+      ClipAroundChange(options_.clip, reference.deviation, runs);
+  ScoreSums sums = SumScores(runs, row.num_parameters());
+  const double expected = options_.change_deviation * options_.change_deviation;
+  if (sums.samples < kLeastSamples ||
+      sums.information.diagonal().maxCoeff() * expected < kLeastInformation) {
+    return scores;
+  }
+  const double usual =
+      reference.covariances.front() * static_cast<double>(sums.samples);
+  const double unexplained = UnexplainedSquares(sums);
+  if (unexplained > options_.disturbed * usual &&
+      unexplained - usual > 0.5 * (sums.squares - usual)) {
+    scores.state = BatchState::kCannotTell;
+    scores.reason = absl::StrFormat(
+        "%s is disturbed: its innovations are %.1f times as large as in the "
+        "reference, and no change of the model explains that.",
+        model_.outputs()[output].name, std::sqrt(unexplained / usual));
+    return scores;
+  }
+  const double noise = std::max(deviation / reference.deviation, 1.0);
+  AllowForVariance(
+      noise * noise *
+          ScoreVariance(runs, reference.covariances, row.num_parameters()),
+      sums);
+  scores.state = BatchState::kUsed;
+  scores.score = std::move(sums.score);
+  scores.information = std::move(sums.information);
+  return scores;
+}
+
+absl::StatusOr<BatchScores> ModelWatch::Score(const WatchReference& reference,
+                                              WatchBatch batch) const {
+  BatchScores scores;
+  scores.outputs.resize(model_.num_outputs());
+  MLE_ASSIGN_OR_RETURN(const std::vector<bool> around,
+                       AroundChanges(batch.record));
+  if (std::find(around.begin() + batch.first, around.end(), true) ==
+      around.end()) {
+    return scores;
+  }
+  std::string reason = OutOfRange(reference, batch);
+  std::vector<Record> records = {std::move(batch.record)};
+  MLE_ASSIGN_OR_RETURN(
+      const std::vector<Finding> findings,
+      ExamineRecords(model_, {.correct_play = false}, records));
+  Record& record = records.front();
+  Mask(around, /*wanted=*/true, batch.first, record);
+  if (const Finding* blocking = FirstBlocking(findings); blocking != nullptr) {
+    reason = blocking->message.text;
+  }
+  for (int i = 0; i < model_.num_outputs(); ++i) {
+    BatchOutput& output = scores.outputs[i];
+    output.reason = reason;
+    for (const Finding& finding : findings) {
+      if (finding.consequence == Consequence::kDoubts &&
+          std::find(finding.outputs.begin(), finding.outputs.end(), i) !=
+              finding.outputs.end()) {
+        output.reason = finding.message.text;
+      }
+    }
+    if (output.reason.empty()) {
+      output = ScoreOutput(reference.outputs[i], record, i);
+    } else {
+      output.state = BatchState::kCannotTell;
+    }
+    if (output.state == BatchState::kUsed ||
+        scores.state == BatchState::kNothingMoved) {
+      scores.state = output.state;
+    }
+  }
+  return scores;
+}
+
+}  // namespace mle

@@ -1,0 +1,121 @@
+#include "mle/monitor/row_response.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "mle/nonlinear/innovations_filter.h"
+#include "mle/nonlinear/output_fit.h"
+
+namespace mle {
+namespace {
+
+using Eigen::MatrixXd;
+
+constexpr int kLeastRows = 20;
+
+// Half the width of the secant by a dead time, in units of it.
+constexpr double kSecant = 0.1;
+
+}  // namespace
+
+absl::StatusOr<RowResponse> RowResponse::Create(const ProcessModel& model,
+                                                int output, double sample_time,
+                                                int skip) {
+  RowResponse row;
+  row.output_ = output;
+  row.skip_ = skip;
+  row.sample_time_ = sample_time;
+  row.elements_.resize(model.num_inputs());
+  row.point_.values.resize(model.num_inputs());
+  for (int j = 0; j < model.num_inputs(); ++j) {
+    if (model.element(output, j).IsZero()) continue;
+    absl::StatusOr<ElementResponse> element =
+        ElementResponse::Create(model.element(output, j));
+    if (!element.ok()) {
+      return absl::InvalidArgumentError(
+          absl::StrCat("watch: element of ", PairName(model, output, j), ": ",
+                       element.status().message()));
+    }
+    row.point_.values[j] = element->initial_values();
+    row.elements_[j] = *std::move(element);
+    row.inputs_.push_back(j);
+  }
+  row.point_.SetCells(sample_time);
+  row.units_ = Eigen::VectorXd::Ones(row.num_parameters());
+  for (std::size_t e = 0; e < row.inputs_.size(); ++e) {
+    const ElementValues& values = row.point_.values[row.inputs_[e]];
+    row.units_(static_cast<Eigen::Index>(3 * e + 2)) =
+        std::max({values.delay, values.time_scale / 5.0, 3.0 * sample_time});
+  }
+  return row;
+}
+
+OutputErrorProblem RowResponse::ProblemOf(
+    const std::vector<Record>& records) const {
+  return OutputErrorProblem(elements_, records, output_, skip_, kLeastRows);
+}
+
+NoiseEstimate RowResponse::EstimateNoise(
+    const std::vector<Record>& records) const {
+  const OutputErrorProblem problem = ProblemOf(records);
+  return mle::EstimateNoise(problem, point_,
+                            std::vector<bool>(elements_.size(), false),
+                            NoiseEstimate(), /*estimate_drift=*/true,
+                            /*search_colour=*/true);
+}
+
+// The residual and the sensitivities, at the samples that count.
+MatrixXd RowResponse::Columns(
+    const OutputErrorProblem& problem,
+    const OutputErrorProblem::Segment& segment) const {
+  MatrixXd columns(segment.outputs.size(), 1 + num_parameters());
+  columns.col(0) = segment.outputs;
+  MatrixXd response;
+  MatrixXd later;
+  MatrixXd earlier;
+  for (std::size_t e = 0; e < inputs_.size(); ++e) {
+    const int j = inputs_[e];
+    const auto first = static_cast<Eigen::Index>(1 + 3 * e);
+    const double unit = units_(first + 1);
+    const double width = std::max(kSecant * unit, 0.5 * sample_time_);
+    const double gain = point_.values[j].gain;
+    OutputPoint moved = point_;
+    problem.Respond(segment, point_, j, response);
+    moved.values[j].delay += width;
+    moved.SetCells(sample_time_);
+    problem.Respond(segment, moved, j, later, /*derivatives=*/false);
+    moved.values[j].delay = std::max(point_.values[j].delay - width, 0.0);
+    const double span = point_.values[j].delay + width - moved.values[j].delay;
+    moved.SetCells(sample_time_);
+    problem.Respond(segment, moved, j, earlier, /*derivatives=*/false);
+    for (Eigen::Index row = 0; row < columns.rows(); ++row) {
+      const int k = segment.times[row];
+      columns(row, 0) -= gain * response(k, 0);
+      columns(row, first) = gain * response(k, 0);
+      columns(row, first + 1) = gain * response(k, 1);
+      columns(row, first + 2) =
+          gain * (later(k, 0) - earlier(k, 0)) * unit / span;
+    }
+  }
+  return columns;
+}
+
+std::vector<WhitenedRun> RowResponse::Whiten(const Record& record,
+                                             const NoiseEstimate& noise) const {
+  const OutputErrorProblem problem = ProblemOf({record});
+  std::vector<WhitenedRun> runs;
+  for (int s = 0; s < problem.num_segments(); ++s) {
+    MatrixXd columns = Columns(problem, problem.segment(s));
+    InnovationsFilter(problem.times(s), ShapeOf(noise)).Apply(columns);
+    columns /= std::sqrt(noise.variance);
+    // What the offset takes up.
+    const Eigen::Index first = noise.offset ? 1 : 0;
+    runs.push_back(
+        {columns.col(0).tail(columns.rows() - first),
+         columns.bottomRightCorner(columns.rows() - first, num_parameters())});
+  }
+  return runs;
+}
+
+}  // namespace mle

@@ -1,0 +1,74 @@
+// One output of a model in a record: what the model leaves of it and how that
+// moves with each parameter, whitened. Internal to mle/monitor.
+//
+// The parameters of output i are three for each element (i, j) that is present,
+// in order of the inputs: the relative changes of its gain and of its time
+// constant, and the change of its dead time in units of s,
+//
+//   ΔK/K,   Δ ln T,   ΔL/s,   s = max(L, T/5, 3 Δt).
+//
+// With e_k = y_k − Σ_j g_ij u_j the residual of the model as it is and x its
+// sensitivities (element_response.h; by dead times the secant over ± s/10, at
+// least half a sample), both pass the innovations filter of the noise
+// (innovations_filter.h), whose offset is free in each run of known inputs. A
+// run's first samples, as long as former inputs act, are not used: all columns
+// are then functions of the past, which an anytime-valid test rests on.
+
+#ifndef MLE_MONITOR_ROW_RESPONSE_H_
+#define MLE_MONITOR_ROW_RESPONSE_H_
+
+#include <vector>
+
+#include "Eigen/Core"
+#include "absl/status/statusor.h"
+#include "mle/data/record.h"
+#include "mle/model/process_model.h"
+#include "mle/nonlinear/output_error_problem.h"
+
+namespace mle {
+
+// A run of samples, in units of √r.
+struct WhitenedRun {
+  Eigen::VectorXd innovations;    // N, ν
+  Eigen::MatrixXd sensitivities;  // N × n: ν moves by these times the change
+};
+
+class RowResponse {
+ public:
+  // `skip`: samples at the begin of a run of known inputs in which former
+  // inputs may act. InvalidArgument for elements with feedthrough.
+  static absl::StatusOr<RowResponse> Create(const ProcessModel& model,
+                                            int output, double sample_time,
+                                            int skip);
+
+  // n: three for each element present.
+  int num_parameters() const { return 3 * static_cast<int>(inputs_.size()); }
+  // Of the elements present.
+  const std::vector<int>& inputs() const { return inputs_; }
+  // n: the unit of each parameter, 1, 1, s.
+  const Eigen::VectorXd& units() const { return units_; }
+
+  // Of the outputs that are not NaN, none of which may be too few: 20 at least.
+  NoiseEstimate EstimateNoise(const std::vector<Record>& records) const;
+  std::vector<WhitenedRun> Whiten(const Record& record,
+                                  const NoiseEstimate& noise) const;
+
+ private:
+  RowResponse() = default;
+
+  OutputErrorProblem ProblemOf(const std::vector<Record>& records) const;
+  Eigen::MatrixXd Columns(const OutputErrorProblem& problem,
+                          const OutputErrorProblem::Segment& segment) const;
+
+  int output_ = 0;
+  int skip_ = 0;
+  double sample_time_ = 0.0;
+  OutputErrorProblem::Elements elements_;
+  OutputPoint point_;
+  std::vector<int> inputs_;
+  Eigen::VectorXd units_;
+};
+
+}  // namespace mle
+
+#endif  // MLE_MONITOR_ROW_RESPONSE_H_

@@ -1,0 +1,177 @@
+#include "apps/watch/state.h"
+
+#include <filesystem>
+#include <string>
+
+#include "apps/watch/database.h"
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+
+namespace mle::watch {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::SizeIs;
+
+StoredBatch AnyBatch(int number) {
+  StoredBatch stored;
+  stored.batch.number = number;
+  stored.batch.score = Eigen::VectorXd{{1.0, 2.0, 3.0}};
+  stored.batch.information = Eigen::MatrixXd::Identity(3, 3);
+  stored.evidence.log_elements = {0.5};
+  return stored;
+}
+
+class StateTest : public ::testing::Test {
+ protected:
+  StateTest() : path_(testing::TempDir() + "/state_test.sqlite") { Remove(); }
+  ~StateTest() override { Remove(); }
+
+  void Remove() const {
+    for (const char* end : {"", "-wal", "-shm"}) {
+      std::filesystem::remove(path_ + end);
+    }
+  }
+  State Open() const {
+    absl::StatusOr<State> state = State::Open(path_);
+    EXPECT_TRUE(state.ok()) << state.status();
+    return *std::move(state);
+  }
+  Watch Load(State& state, const std::string& name = "column") const {
+    absl::StatusOr<Watch> watch = state.Load(name, 2);
+    EXPECT_TRUE(watch.ok()) << watch.status();
+    return *std::move(watch);
+  }
+  static Watch FullWatch() {
+    Watch watch;
+    watch.controller = "column";
+    watch.basis = "abc";
+    watch.begin = watch.first = 20000;
+    watch.sample_time = 1.5;
+    watch.reference = WatchReference{};
+    watch.reference->low = watch.reference->high = Eigen::VectorXd::Zero(1);
+    watch.news = "none";
+    watch.files["a.csv"] = {.bytes = 7, .changed = 8, .first = 9, .last = 10};
+    watch.days[20001] = {std::string("\0\1", 2), BatchState::kUsed, ""};
+    watch.days[20002] = {"x", BatchState::kCannotTell, "It is disturbed."};
+    watch.outputs.resize(2);
+    watch.outputs[1][1] = AnyBatch(1);
+    watch.alarms.push_back(
+        {.id = "id", .output = 1, .day = 20002, .text = "aged"});
+    watch.proposals.push_back({.day = 20002,
+                               .folder = "f",
+                               .decision = "corrected",
+                               .conclusion = "better"});
+    return watch;
+  }
+
+  const std::string path_;
+};
+
+TEST_F(StateTest, AWatchIsReadBackAsItWasSaved) {
+  State state = Open();
+  EXPECT_EQ(Load(state).id, 0);
+  Watch watch = FullWatch();
+  ASSERT_TRUE(state.Save(watch).ok());
+  EXPECT_NE(watch.id, 0);
+  State again = Open();
+  const Watch read = Load(again);
+  EXPECT_EQ(read.id, watch.id);
+  EXPECT_EQ(read.basis, "abc");
+  EXPECT_EQ(read.begin, 20000);
+  EXPECT_EQ(read.sample_time, 1.5);
+  EXPECT_TRUE(read.reference.has_value());
+  EXPECT_EQ(read.files, watch.files);
+  EXPECT_EQ(read.days, watch.days);
+  EXPECT_EQ(read.last_day(), 20002);
+  ASSERT_THAT(read.outputs, SizeIs(2));
+  EXPECT_THAT(read.outputs[0], SizeIs(0));
+  EXPECT_EQ(read.outputs[1].at(1).batch.score, AnyBatch(1).batch.score);
+  ASSERT_THAT(read.alarms, SizeIs(1));
+  EXPECT_EQ(read.alarms[0].text, "aged");
+  EXPECT_EQ(read.alarms[0].delivery, Alarm::Delivery::kToSend);
+  ASSERT_THAT(read.proposals, SizeIs(1));
+  EXPECT_EQ(read.proposals[0].decision, "corrected");
+  EXPECT_EQ(Load(again, "another").id, 0);
+}
+
+TEST_F(StateTest, WhatIsGoneIsRemovedAndWhatHasChangedReplaced) {
+  State state = Open();
+  Watch watch = FullWatch();
+  ASSERT_TRUE(state.Save(watch).ok());
+  watch.outputs[1].clear();
+  watch.outputs[1][8] = AnyBatch(8);
+  watch.outputs[1][8].batch.length = 8;
+  watch.days[20002].state = BatchState::kUsed;
+  ASSERT_TRUE(state.Save(watch).ok());
+  const Watch read = Load(state);
+  ASSERT_THAT(read.outputs[1], SizeIs(1));
+  EXPECT_EQ(read.outputs[1].at(8).batch.length, 8);
+  EXPECT_EQ(read.days, watch.days);
+}
+
+TEST_F(StateTest, AnAlarmThatWasSentStaysSent) {
+  State state = Open();
+  Watch watch = FullWatch();
+  ASSERT_TRUE(state.Save(watch).ok());
+  ASSERT_TRUE(state.SetDelivery("id", Alarm::Delivery::kSent).ok());
+  // From memory, where it has not been sent.
+  ASSERT_TRUE(state.Save(watch).ok());
+  EXPECT_EQ(Load(state).alarms[0].delivery, Alarm::Delivery::kSent);
+  const auto pending = state.Undelivered();
+  ASSERT_TRUE(pending.ok());
+  EXPECT_THAT(*pending, SizeIs(0));
+}
+
+TEST_F(StateTest, ANewWatchFollowsTheOldOne) {
+  State state = Open();
+  Watch watch = FullWatch();
+  ASSERT_TRUE(state.Save(watch).ok());
+  Watch next;
+  next.controller = "column";
+  next.basis = "def";
+  next.outputs.resize(2);
+  ASSERT_TRUE(state.Save(next).ok());
+  EXPECT_EQ(Load(state).basis, "def");
+  EXPECT_THAT(Load(state).alarms, SizeIs(0));
+  // The old one's alarm is still to be sent.
+  const auto pending = state.Undelivered();
+  ASSERT_TRUE(pending.ok());
+  ASSERT_THAT(*pending, SizeIs(1));
+  EXPECT_EQ(pending->front().first, "column");
+}
+
+TEST_F(StateTest, ATransactionThatIsNotCommittedLeavesNothing) {
+  absl::StatusOr<Database> database = Database::Open(path_);
+  ASSERT_TRUE(database.ok());
+  ASSERT_TRUE(database->Execute("CREATE TABLE t(x INTEGER)").ok());
+  {
+    const absl::StatusOr<Transaction> transaction =
+        Transaction::Begin(*database);
+    ASSERT_TRUE(transaction.ok());
+    ASSERT_TRUE(database->Execute("INSERT INTO t VALUES (1)").ok());
+  }
+  absl::StatusOr<Statement> count = database->Prepare("SELECT COUNT(*) FROM t");
+  ASSERT_TRUE(count.ok());
+  ASSERT_TRUE(count->Next().ok());
+  EXPECT_EQ(count->Integer(0), 0);
+}
+
+TEST_F(StateTest, AStateOfALaterVersionIsRefused) {
+  Open();
+  absl::StatusOr<Database> database = Database::Open(path_);
+  ASSERT_TRUE(database.ok());
+  ASSERT_TRUE(database->Execute("PRAGMA user_version = 99").ok());
+  const absl::Status status = State::Open(path_).status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_THAT(std::string(status.message()), HasSubstr("version 99"));
+}
+
+TEST_F(StateTest, WhatIsNotADatabaseIsRefused) {
+  std::filesystem::create_directory(path_);
+  EXPECT_THAT(std::string(State::Open(path_).status().message()),
+              HasSubstr(path_));
+}
+
+}  // namespace
+}  // namespace mle::watch

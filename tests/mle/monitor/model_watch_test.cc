@@ -1,0 +1,136 @@
+#include "mle/monitor/model_watch.h"
+
+#include <cmath>
+#include <vector>
+
+#include "Eigen/Cholesky"
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "mle/model/process_model.h"
+#include "tests/mle/monitor/watched_tank.h"
+
+namespace mle {
+namespace {
+
+using ::testing::HasSubstr;
+
+ModelWatch WatchOf(const ProcessModel& model,
+                   const WatchOptions& options = {}) {
+  absl::StatusOr<ModelWatch> watch =
+      ModelWatch::Create(model, kTankSampleTime, options);
+  EXPECT_TRUE(watch.ok()) << watch.status();
+  return *std::move(watch);
+}
+
+class ModelWatchTest : public ::testing::Test {
+ protected:
+  ModelWatchTest() : model_(TankModel()), watch_(WatchOf(model_)) {
+    std::vector<WatchBatch> days;
+    for (std::uint64_t seed = 101; seed <= 110; ++seed) {
+      days.push_back(Day(model_, {.moves = seed % 2 == 0, .seed = seed}));
+    }
+    absl::StatusOr<WatchReference> reference = watch_.MakeReference(days);
+    EXPECT_TRUE(reference.ok()) << reference.status();
+    reference_ = *std::move(reference);
+  }
+
+  WatchBatch Day(const ProcessModel& truth, const TankDay& day) const {
+    return SimulateTankDay(truth, day, watch_.lead());
+  }
+  BatchScores Score(WatchBatch batch) const {
+    absl::StatusOr<BatchScores> scores =
+        watch_.Score(reference_, std::move(batch));
+    EXPECT_TRUE(scores.ok()) << scores.status();
+    return *std::move(scores);
+  }
+
+  const ProcessModel model_;
+  const ModelWatch watch_;
+  WatchReference reference_;
+};
+
+TEST_F(ModelWatchTest, TheReferenceHasTheNoise) {
+  for (const OutputReference& output : reference_.outputs) {
+    // 5 % is three standard deviations of a variance from 2,900 samples.
+    EXPECT_NEAR(output.noise.variance, kTankNoise * kTankNoise,
+                0.1 * kTankNoise * kTankNoise);
+    EXPECT_NEAR(output.deviation, 1.0, 0.1);
+    EXPECT_NEAR(output.covariances.front(), 1.0, 0.15);
+  }
+  EXPECT_EQ(watch_.inputs(0), (std::vector<int>{0, 1}));
+  EXPECT_EQ(watch_.inputs(1), (std::vector<int>{1}));
+}
+
+TEST_F(ModelWatchTest, ADayWithoutChangesSaysNothing) {
+  const BatchScores scores = Score(Day(model_, {.moves = false, .seed = 5}));
+  EXPECT_EQ(scores.state, BatchState::kNothingMoved);
+  EXPECT_TRUE(scores.Reasons().empty());
+}
+
+// S is N(0, V) where nothing has changed, N(Vδ, V) after a change δ.
+TEST_F(ModelWatchTest, ScoresAreNormalAboutTheChange) {
+  ProcessModel aged = model_;
+  aged.element(0, 0) = TransferFunction::FirstOrder(2.0 * 1.05, 20.0, 10.0);
+  for (const bool changed : {false, true}) {
+    Eigen::VectorXd change = Eigen::VectorXd::Zero(6);
+    if (changed) change(0) = 0.05;
+    double squares = 0.0;
+    int count = 0;
+    for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+      const BatchScores scores =
+          Score(Day(changed ? aged : model_, {.seed = seed}));
+      const BatchOutput& output = scores.outputs[0];
+      ASSERT_EQ(output.state, BatchState::kUsed) << output.reason;
+      const Eigen::VectorXd off = output.score - output.information * change;
+      squares += off.dot(output.information.ldlt().solve(off));
+      count += 6;
+    }
+    // χ²/ν of ν = 360 is within 0.22 of 1 by three standard deviations; scores
+    // are allowed for more variance than they have.
+    EXPECT_GT(squares / count, 0.6) << changed;
+    EXPECT_LT(squares / count, 1.22) << changed;
+  }
+}
+
+TEST_F(ModelWatchTest, WhatIsDisturbedCannotBeTold) {
+  WatchBatch day = Day(model_, {.seed = 3});
+  for (int k = 0; k < day.record.samples(); ++k) {
+    day.record.outputs(1, k) += 0.2 * std::sin(0.7 * k);
+  }
+  const BatchScores scores = Score(std::move(day));
+  EXPECT_EQ(scores.outputs[0].state, BatchState::kUsed);
+  EXPECT_EQ(scores.outputs[1].state, BatchState::kCannotTell);
+  EXPECT_THAT(scores.outputs[1].reason, HasSubstr("heat is disturbed"));
+  EXPECT_EQ(scores.state, BatchState::kUsed);
+}
+
+TEST_F(ModelWatchTest, AnotherOperatingPointCannotBeTold) {
+  const BatchScores scores = Score(Day(model_, {.level = 20.0, .seed = 3}));
+  EXPECT_EQ(scores.state, BatchState::kCannotTell);
+  EXPECT_THAT(scores.Reasons().front(), HasSubstr("operating point"));
+}
+
+TEST_F(ModelWatchTest, SingleOutliersSayLittle) {
+  WatchBatch day = Day(model_, {.seed = 3});
+  const BatchScores clean = Score(day);
+  day.record.outputs(1, day.first + 200) += 1.0;
+  const BatchScores spoilt = Score(day);
+  ASSERT_EQ(spoilt.outputs[1].state, BatchState::kUsed);
+  const Eigen::VectorXd moved =
+      spoilt.outputs[1].score - clean.outputs[1].score;
+  // Less than two standard deviations of the score.
+  EXPECT_LT(moved.dot(clean.outputs[1].information.ldlt().solve(moved)), 4.0);
+}
+
+TEST_F(ModelWatchTest, WrongArgumentsAreNamed) {
+  EXPECT_THAT(ModelWatch::Create(model_, 0.0, {}).status().message(),
+              HasSubstr("sample time"));
+  EXPECT_THAT(
+      ModelWatch::Create(model_, 1.0, {.level = 0.0}).status().message(),
+      HasSubstr("level = 0"));
+  EXPECT_THAT(watch_.MakeReference({}).status().message(), HasSubstr("none"));
+  EXPECT_EQ(NameOf(BatchState::kCannotTell), "cannot_tell");
+}
+
+}  // namespace
+}  // namespace mle
