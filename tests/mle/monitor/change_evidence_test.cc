@@ -172,7 +172,7 @@ class ChangedElementTest : public ::testing::Test {
     return batches;
   }
 
-  const WatchOptions options_;
+  const WatchOptions options_ = {};
   const VectorXd least_ = VectorXd::Constant(6, 0.005);
 };
 
