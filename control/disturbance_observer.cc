@@ -13,14 +13,30 @@ double StationaryGain(double variance_ratio) {
   return 2.0 / (1.0 + std::sqrt(1.0 + 4.0 / variance_ratio));
 }
 
-DisturbanceObserver::DisturbanceObserver(const Eigen::VectorXd& variance_ratios)
+DisturbanceObserver::DisturbanceObserver(const Eigen::VectorXd& variance_ratios,
+                                         const std::vector<bool>& integrating)
     : gains_(variance_ratios.unaryExpr(&StationaryGain)),
-      disturbance_(Eigen::VectorXd::Zero(variance_ratios.size())) {}
+      slope_gains_(Eigen::VectorXd::Zero(variance_ratios.size())),
+      disturbance_(slope_gains_),
+      slope_(slope_gains_) {
+  CHECK(integrating.empty() ||
+        std::ssize(integrating) == variance_ratios.size());
+  for (std::size_t i = 0; i < integrating.size(); ++i) {
+    if (!integrating[i]) continue;
+    const auto at = static_cast<Eigen::Index>(i);
+    // 1 − √(1 − g) without cancellation.
+    const double part = gains_[at] / (1.0 + std::sqrt(1.0 - gains_[at]));
+    slope_gains_[at] = part * part;
+  }
+}
 
 void DisturbanceObserver::Restart(
-    const Eigen::Ref<const Eigen::VectorXd>& disturbance) {
+    const Eigen::Ref<const Eigen::VectorXd>& disturbance,
+    const Eigen::Ref<const Eigen::VectorXd>& slope) {
   CHECK_EQ(disturbance.size(), disturbance_.size());
+  CHECK_EQ(slope.size(), slope_.size());
   disturbance_ = disturbance;
+  slope_ = slope;
 }
 
 void DisturbanceObserver::Update(
@@ -28,8 +44,9 @@ void DisturbanceObserver::Update(
     const Eigen::Ref<const Eigen::VectorXd>& predicted) {
   for (Eigen::Index i = 0; i < disturbance_.size(); ++i) {
     if (!std::isfinite(measured[i])) continue;
-    disturbance_[i] +=
-        gains_[i] * (measured[i] - predicted[i] - disturbance_[i]);
+    const double innovation = measured[i] - predicted[i] - disturbance_[i];
+    disturbance_[i] += gains_[i] * innovation;
+    slope_[i] += slope_gains_[i] * innovation;
   }
 }
 

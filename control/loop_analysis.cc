@@ -362,6 +362,10 @@ absl::StatusOr<LoopAnalysis> AnalyseLoop(const Mpc& mpc,
         " and ", model.control_period,
         "; these and the inputs' roles must be the same"));
   }
+  if (plant.IsIntegrating() || model.IsIntegrating()) {
+    return absl::FailedPreconditionError(
+        "plant or model integrates; loops are analysed whose pairs settle");
+  }
   const int periods = std::max(plant.periods(), model.periods());
   if (periods > kMostAnalysedPeriods) {
     return absl::InvalidArgumentError(absl::StrCat(

@@ -54,9 +54,23 @@ struct Solution {
   MatrixXd gain;     // hessian⁻¹ GᵀQ
 };
 
-// Q and R are block-diagonal.
+// Q_y of the slope at the end, of the outputs that integrate.
+MatrixXd SlopeWeight(const PredictionModel& model,
+                     const std::vector<int>& manipulated,
+                     const MpcOptions& options) {
+  const MatrixXd slopes = model.SlopesOf(manipulated);
+  const VectorXd integrates =
+      (slopes.array() != 0.0).rowwise().any().cast<double>();
+  const double horizon = options.prediction_horizon;
+  return horizon * (horizon + 1.0) * (2.0 * horizon + 1.0) / 6.0 *
+         (integrates.asDiagonal() * options.output_weight *
+          integrates.asDiagonal());
+}
+
+// Q is block-diagonal but for the slope at its end, R is block-diagonal.
 absl::StatusOr<Solution> SolveWithoutLimits(const MatrixXd& dynamic,
                                             const MatrixXd& output_weight,
+                                            const MatrixXd& slope_weight,
                                             const MatrixXd& move_weight) {
   const Eigen::Index p = output_weight.rows();
   const Eigen::Index m = move_weight.rows();
@@ -64,6 +78,16 @@ absl::StatusOr<Solution> SolveWithoutLimits(const MatrixXd& dynamic,
   for (Eigen::Index row = 0; row < dynamic.rows(); row += p) {
     weighted.middleCols(row, p).noalias() =
         dynamic.middleRows(row, p).transpose() * output_weight;
+  }
+  if (!slope_weight.isZero(0.0)) {
+    MatrixXd slope = dynamic.bottomRows(p);
+    if (dynamic.rows() > p)
+      slope -= dynamic.middleRows(dynamic.rows() - 2 * p, p);
+    const MatrixXd weighted_slope = slope.transpose() * slope_weight;
+    weighted.rightCols(p) += weighted_slope;
+    if (dynamic.rows() > p) {
+      weighted.middleCols(dynamic.rows() - 2 * p, p) -= weighted_slope;
+    }
   }
   MatrixXd hessian = weighted * dynamic;
   for (Eigen::Index row = 0; row < hessian.rows(); row += m) {
@@ -125,6 +149,7 @@ absl::StatusOr<MovePlanner> MovePlanner::Create(const PredictionModel& model,
   MLE_ASSIGN_OR_RETURN(
       Solution solution,
       SolveWithoutLimits(dynamic, options.output_weight,
+                         SlopeWeight(model, manipulated, options),
                          options.move_weight(manipulated, manipulated)));
   planner.gain_ = solution.gain.topRows(planner.num_inputs_);
   planner.moves_ = VectorXd::Zero(dynamic.cols());

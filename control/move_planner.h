@@ -8,6 +8,13 @@
 // move, acting from l + t_b on. Without limits the first move is a matrix times
 // the errors; with limits a QuadraticProgram in all moves is solved, where that
 // answer breaks a limit.
+//
+// Beyond the horizon an integrating output goes on with the slope that it has
+// at its end, s = ŷ_{l+H_p} − ŷ_{l+H_p−1}: the inputs have to balance it. What
+// this slope makes of the error over another horizon is added for the outputs
+// that integrate,
+//
+//   Σ_{i=1}^{H_p} ‖i s‖²_{Q_y} = H_p (H_p + 1)(2 H_p + 1)/6 ‖s‖²_{Q_y}.
 
 #ifndef CONTROL_MOVE_PLANNER_H_
 #define CONTROL_MOVE_PLANNER_H_
@@ -41,8 +48,9 @@ struct PlanSummary {
 
 class MovePlanner {
  public:
-  // For m_c ≥ 1 manipulated inputs. `model` and `options` are valid for each
-  // other. InvalidArgument if the weights do not determine the moves.
+  // For m_c ≥ 1 manipulated inputs. `model`, which reaches to H_p, and
+  // `options` are valid for each other. InvalidArgument if the weights do not
+  // determine the moves.
   static absl::StatusOr<MovePlanner> Create(const PredictionModel& model,
                                             const MpcOptions& options);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -18,16 +19,18 @@ using Eigen::VectorXd;
 // slower model to come.
 constexpr Eigen::Index kHistoryPerSettling = 2;
 
-// Carries the responses on to instant `periods`, settled.
-void ReachTo(int periods, PredictionModel& model) {
-  const int p = model.num_outputs;
-  const int n = model.periods();
-  if (n >= periods) return;
-  const MatrixXd last = model.responses.bottomRows(p);
-  model.responses.conservativeResize(p * (periods + 1), Eigen::NoChange);
-  for (int k = n + 1; k <= periods; ++k) {
-    model.responses.middleRows(p * k, p) = last;
+std::vector<bool> IntegratingOutputs(const PredictionModel& model) {
+  std::vector<bool> integrating(model.num_outputs, false);
+  for (Eigen::Index i = 0; i < model.slopes.rows(); ++i) {
+    integrating[i] = !model.slopes.row(i).isZero(0.0);
   }
+  return integrating;
+}
+
+std::vector<int> AllInputs(const PredictionModel& model) {
+  std::vector<int> inputs(model.num_inputs());
+  std::iota(inputs.begin(), inputs.end(), 0);
+  return inputs;
 }
 
 }  // namespace
@@ -36,12 +39,16 @@ Mpc::Mpc(PredictionModel model, MpcOptions options, MovePlanner planner)
     : model_(std::move(model)),
       options_(std::move(options)),
       planner_(std::move(planner)),
-      observer_(options_.VarianceRatios(model_.num_outputs)),
+      observer_(options_.VarianceRatios(model_.num_outputs),
+                IntegratingOutputs(model_)),
       manipulated_(model_.InputsOf(InputRole::kManipulated)),
       disturbances_(model_.InputsOf(InputRole::kDisturbance)),
       manipulated_responses_(model_.responses(Eigen::all, manipulated_)),
       disturbance_responses_(model_.responses(Eigen::all, disturbances_)),
+      manipulated_slopes_(model_.SlopesOf(manipulated_)),
+      disturbance_slopes_(model_.SlopesOf(disturbances_)),
       free_response_(VectorXd::Zero(model_.responses.rows())),
+      ramp_(VectorXd::Zero(model_.num_outputs)),
       inputs_(VectorXd::Zero(manipulated_.size())),
       disturbance_inputs_(VectorXd::Zero(disturbances_.size())),
       history_(MatrixXd::Zero(model_.num_inputs(),
@@ -65,7 +72,7 @@ absl::StatusOr<Mpc> Mpc::CreateAtRest(PredictionModel model,
     return absl::InvalidArgumentError(
         "the model has no manipulated input, so nothing can be controlled");
   }
-  ReachTo(options.prediction_horizon, model);
+  model.ReachTo(options.prediction_horizon);
   MLE_ASSIGN_OR_RETURN(MovePlanner planner,
                        MovePlanner::Create(model, options));
   return Mpc(std::move(model), options, std::move(planner));
@@ -100,7 +107,8 @@ void Mpc::Restart(const Eigen::Ref<const VectorXd>& inputs,
   disturbance_inputs_ = inputs(disturbances_);
   history_.colwise() = inputs;
   RebuildFreeResponse();
-  observer_.Restart(outputs - free_response_.head(model_.num_outputs));
+  // The outputs are at rest: what the inputs do not balance, a load does.
+  observer_.Restart(outputs - free_response_.head(model_.num_outputs), -ramp_);
 }
 
 void Mpc::MeasureDisturbances(const Eigen::Ref<const VectorXd>& disturbances) {
@@ -113,6 +121,7 @@ void Mpc::MeasureDisturbances(const Eigen::Ref<const VectorXd>& disturbances) {
     history_(disturbances_[j], newest_) = disturbances[j];
   }
   free_response_.noalias() += disturbance_responses_ * change_;
+  ramp_.noalias() += disturbance_slopes_ * change_;
 }
 
 void Mpc::Step(const Eigen::Ref<const VectorXd>& measured_outputs,
@@ -153,11 +162,13 @@ void Mpc::PlanAndMove(const Eigen::Ref<const VectorXd>& measured_outputs,
   CHECK_EQ(next_inputs.size(), model_.num_inputs());
 
   observer_.Update(measured_outputs, free_response_.head(p));
-  for (Eigen::Index row = 0; row < error_.size(); row += p) {
-    free_outputs_.segment(row, p) =
-        free_response_.segment(row + p, p) + observer_.disturbance();
+  for (int i = 0; i < options_.prediction_horizon; ++i) {
+    free_outputs_.segment(Eigen::Index{p} * i, p) =
+        free_response_.segment(Eigen::Index{p} * (i + 1), p) +
+        observer_.disturbance() + (i + 1) * observer_.slope();
   }
   error_ = set_points_ - free_outputs_;
+  HoldLastSetPoints();
   last_plan_ = planner_.Plan(error_, free_outputs_, inputs_);
   move_ = planner_.planned_inputs().col(0) - inputs_;
   inputs_ = planner_.planned_inputs().col(0);
@@ -171,11 +182,26 @@ void Mpc::PlanAndMove(const Eigen::Ref<const VectorXd>& measured_outputs,
     history_(manipulated_[j], newest_) = inputs_[j];
   }
 
-  // On to the next instant, from which the move acts. The model has settled
-  // beyond the last one.
+  // On to the next instant, from which the move acts. Beyond the last one the
+  // model has settled, or goes on with its ramps.
   std::copy(free_response_.begin() + p, free_response_.end(),
             free_response_.begin());
+  free_response_.tail(p) += ramp_;
   free_response_.noalias() += manipulated_responses_ * move_;
+  ramp_.noalias() += manipulated_slopes_ * move_;
+  observer_.Advance();
+}
+
+// A set point that changes at the end of the horizon is no slope of an
+// integrating output (move_planner.h): there it is as an instant before.
+void Mpc::HoldLastSetPoints() {
+  const Eigen::Index p = model_.num_outputs;
+  const Eigen::Index last = error_.size() - p;
+  if (last == 0) return;
+  for (Eigen::Index i = 0; i < model_.slopes.rows(); ++i) {
+    if (model_.slopes.row(i).isZero(0.0)) continue;
+    error_[last + i] = set_points_[last - p + i] - free_outputs_[last + i];
+  }
 }
 
 absl::Status Mpc::ExchangeModel(const PredictionModel& model,
@@ -212,13 +238,15 @@ absl::Status Mpc::ExchangeModel(const PredictionModel& model,
     next.set_points_.segment(row, p) = set_points_.head(p);
   }
   next.RebuildFreeResponse();
-  next.observer_.Restart(PredictedOutputs() - next.free_response_.head(p));
+  next.observer_.Restart(PredictedOutputs() - next.free_response_.head(p),
+                         observer_.slope() + ramp_ - next.ramp_);
   *this = std::move(next);
   return absl::OkStatus();
 }
 
-// f_{l+i} = S_n v_oldest + Σ_age S_{age+i} (v_age − v_{age+1}), where v_age is
-// what acted from `age` instants before the coming one.
+// f_{l+i} = (S_n + i R) v_oldest + Σ_age S_{age+i} (v_age − v_{age+1}), where
+// v_age is what acted from `age` instants before the coming one. What the
+// oldest has integrated before is not known.
 void Mpc::RebuildFreeResponse() {
   const int p = model_.num_outputs;
   const int n = model_.periods();
@@ -226,15 +254,22 @@ void Mpc::RebuildFreeResponse() {
   const auto past = [&](Eigen::Index age) {
     return history_.col((newest_ + depth - age) % depth);
   };
+  const MatrixXd slopes = model_.SlopesOf(AllInputs(model_));
+  ramp_ = slopes * past(0);
+  const VectorXd oldest_ramp = slopes * past(depth - 1);
   free_response_ =
       (model_.responses.bottomRows(p) * past(depth - 1)).replicate(n + 1, 1);
+  for (Eigen::Index i = 1; i <= n; ++i) {
+    free_response_.segment(p * i, p) += static_cast<double>(i) * oldest_ramp;
+  }
   for (Eigen::Index age = 0; age + 1 < depth; ++age) {
     const VectorXd move = past(age) - past(age + 1);
     if (move.isZero(0.0)) continue;
     for (Eigen::Index i = 0; i <= n; ++i) {
       const Eigen::Index k = std::min<Eigen::Index>(age + i, n);
       free_response_.segment(p * i, p) +=
-          model_.responses.middleRows(p * k, p) * move;
+          model_.responses.middleRows(p * k, p) * move +
+          static_cast<double>(age + i - k) * (slopes * move);
     }
   }
 }

@@ -3,15 +3,19 @@
 // At control instant l the moves Δu_1 … Δu_{H_c} minimise
 //
 //   J = Σ_{i=1}^{H_p} ‖r_l − ŷ_{l+i}‖²_{Q_y} + Σ_{i=1}^{H_c} ‖Δu_i‖²_{Q_u},
-//   ŷ_{l+i} = f_{l+i} + ŵ_l + Σ_{j=1}^{min(i, H_c)} S_{i−j} Δu_j,
+//   ŷ_{l+i} = f_{l+i} + ŵ_l + i d̂_l + Σ_{j=1}^{min(i, H_c)} S_{i−j} Δu_j,
 //
 // within the limits of MpcOptions, where S_i is the model's step response at
 // iΔt_c (S_0 = 0: move j acts from instant l+j on), f its free response to the
-// inputs sent so far and to the measured disturbances, and ŵ the observed
-// disturbance. The set point is assumed constant, unless its future is
-// given. u_l + Δu_1 acts from instant l+1. Without limits the minimiser is
-// linear in the predicted error, so one instant costs one product with a gain
-// made beforehand (move_planner.h).
+// inputs sent so far and to the measured disturbances, ŵ the observed
+// disturbance and d̂ its slope, of integrating outputs alone. The set point is
+// assumed constant, unless its future is given. u_l + Δu_1 acts from instant
+// l+1. Without limits the minimiser is linear in the predicted error, so one
+// instant costs one product with a gain made beforehand (move_planner.h).
+//
+// An integrating output is at rest where its inputs balance it: J has the slope
+// that a plan ends with besides (move_planner.h), and a constant load, which
+// the inputs have to balance, is observed as d̂, so that it leaves no offset.
 //
 //   MLE_ASSIGN_OR_RETURN(Mpc mpc, Mpc::Create(model, options));
 //   mpc.MeasureDisturbances(disturbances);  // if there are any
@@ -54,8 +58,8 @@ class Mpc {
   static absl::StatusOr<Mpc> Create(const ProcessModel& model,
                                     const MpcOptions& options);
 
-  // m_c × p H_p: Δu_1 is its product with the stacked errors r − f_{l+i} − ŵ,
-  // i = 1 … H_p, as long as no limit is met.
+  // m_c × p H_p: Δu_1 is its product with the stacked errors
+  // r − f_{l+i} − ŵ − i d̂, i = 1 … H_p, as long as no limit is met.
   const Eigen::MatrixXd& gain() const { return planner_.gain(); }
   const DisturbanceObserver& observer() const { return observer_; }
   const PredictionModel& model() const { return model_; }
@@ -83,7 +87,7 @@ class Mpc {
             Eigen::Ref<Eigen::VectorXd> next_inputs);
 
   // With set points known ahead: column i − 1 of `set_points` (p × H_p) holds
-  // at instant l+i.
+  // at instant l+i; that of an integrating output at l+H_p is not used.
   void StepWithPreview(
       const Eigen::Ref<const Eigen::VectorXd>& measured_outputs,
       const Eigen::Ref<const Eigen::MatrixXd>& set_points,
@@ -91,9 +95,9 @@ class Mpc {
 
   // Continues with another model and other options between two instants. The
   // inputs stay; the free response is that of the new model to the inputs so
-  // far, and the disturbance estimate absorbs the difference, so that the
-  // predicted outputs of the coming instant stay too: a loop at rest at its set
-  // point remains at rest.
+  // far, and the disturbance estimate absorbs the difference, of integrating
+  // outputs that of slopes too, so that the predicted outputs of the coming
+  // instant stay: a loop at rest at its set point remains at rest.
   //
   // InvalidArgument, and nothing changed, for what Create() refuses and for
   // other numbers or roles of inputs and outputs, or another control period.
@@ -107,6 +111,7 @@ class Mpc {
                                           const MpcOptions& options);
   void PlanAndMove(const Eigen::Ref<const Eigen::VectorXd>& measured_outputs,
                    Eigen::Ref<Eigen::VectorXd> next_inputs);
+  void HoldLastSetPoints();
   void RebuildFreeResponse();
 
   PredictionModel model_;  // reaching at least to H_p
@@ -117,8 +122,11 @@ class Mpc {
   std::vector<int> disturbances_;          // the others
   Eigen::MatrixXd manipulated_responses_;  // p(n+1) × m_c
   Eigen::MatrixXd disturbance_responses_;  // p(n+1) × (m − m_c)
+  Eigen::MatrixXd manipulated_slopes_;     // p × m_c, R
+  Eigen::MatrixXd disturbance_slopes_;     // p × (m − m_c)
 
   Eigen::VectorXd free_response_;       // f_l; …; f_{l+n}: p(n+1)
+  Eigen::VectorXd ramp_;                // f_{l+k+1} − f_{l+k} beyond n: p
   Eigen::VectorXd inputs_;              // sent last (m_c)
   Eigen::VectorXd disturbance_inputs_;  // measured last (m − m_c)
   // m × depth, a ring: column newest_ is what acts from the coming instant on.

@@ -17,13 +17,14 @@ constexpr double kMaxValues = 1e8;
 // Beyond any plant; ARX responses that grow without bound stop at 1e100.
 constexpr double kUnbounded = 1e60;
 
-// The time in which what remains of a step response falls to about `remainder`
-// of the gain. r equal real modes of time constant T leave
-// e^{−x} Σ_{k<r} x^k/k! after xT, and modes further apart leave less.
+// The time in which what remains of a step response, or of its way to a ramp,
+// falls to about `remainder` of the gain. r equal real modes of time constant T
+// leave e^{−x} Σ_{k<r} x^k/k! after xT, and modes further apart leave less.
 double SettlingTime(const TransferFunction& element, double remainder) {
   const double T = element.SlowestTimeConstant();
   if (T == 0.0) return element.delay();
-  const int order = static_cast<int>(element.denominator().size()) - 1;
+  const int order = static_cast<int>(element.denominator().size()) - 1 -
+                    element.IntegrationOrder();
   double x = 0.0;
   for (double left = 1.0; left > remainder;) {
     x += 1.0;
@@ -166,6 +167,14 @@ absl::Status PredictionModel::Validate() const {
     return absl::InvalidArgumentError(
         "the step responses have values that are not finite");
   }
+  if (slopes.size() > 0 &&
+      (slopes.rows() != num_outputs || slopes.cols() != num_inputs() ||
+       !slopes.allFinite())) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("the slopes are ", slopes.rows(), " × ", slopes.cols(),
+                     ", but they must be finite and ", num_outputs, " × ",
+                     num_inputs(), ", or empty"));
+  }
   if (!responses.topRows(num_outputs).isZero(0.0)) {
     return absl::InvalidArgumentError(
         "the step responses must start at zero: a sample is taken just before "
@@ -176,6 +185,27 @@ absl::Status PredictionModel::Validate() const {
 
 int PredictionModel::periods() const {
   return static_cast<int>(responses.rows()) / num_outputs - 1;
+}
+
+Eigen::MatrixXd PredictionModel::SlopesOf(
+    const std::vector<int>& inputs) const {
+  if (slopes.size() == 0) {
+    return Eigen::MatrixXd::Zero(num_outputs,
+                                 static_cast<Eigen::Index>(inputs.size()));
+  }
+  return slopes(Eigen::all, inputs);
+}
+
+void PredictionModel::ReachTo(int instants) {
+  const int p = num_outputs;
+  const int n = periods();
+  if (n >= instants) return;
+  responses.conservativeResize(Eigen::Index{p} * (instants + 1),
+                               Eigen::NoChange);
+  for (int k = n + 1; k <= instants; ++k) {
+    responses.middleRows(p * k, p) = responses.middleRows(p * (k - 1), p);
+    if (slopes.size() > 0) responses.middleRows(p * k, p) += slopes;
+  }
 }
 
 std::vector<int> PredictionModel::InputsOf(InputRole role) const {
@@ -200,9 +230,14 @@ absl::StatusOr<PredictionModel> PredictFromProcess(const ProcessModel& model,
   }
   std::vector<InputRole> roles;
   for (const InputChannel& input : model.inputs()) roles.push_back(input.role);
-  return Stack(
+  PredictionModel prediction = Stack(
       model.ComputeStepResponse(control_period, static_cast<int>(periods) + 1),
       roles, control_period, 1);
+  if (mle::IsIntegrating(model)) {
+    prediction.slopes = (IntegrationOrders(model).array() > 0)
+                            .select(control_period * StaticGains(model), 0.0);
+  }
+  return prediction;
 }
 
 absl::StatusOr<PredictionModel> PredictFromStepResponse(

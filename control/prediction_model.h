@@ -2,7 +2,9 @@
 // instants, for every input,
 //
 //   y_{l+k} = S_k u,  k = 0 … n, for inputs that step from 0 to u at instant l;
-//   S_0 = 0, and S_k = S_n beyond n.
+//   S_0 = 0, and S_k = S_n + (k − n) R beyond n,
+//
+// with the slopes R of pairs that end in a ramp (levels); 0 for the others.
 //
 // It can be made from each kind of model; the ARX model R̂ of a correction is
 // used directly:
@@ -31,12 +33,21 @@ struct PredictionModel {
   std::vector<InputRole> roles;  // of the m inputs
   // S_0; …; S_n, one below the other: p(n+1) × m.
   Eigen::MatrixXd responses;
+  // R: p × m, by control period. Empty: no pair ends in a ramp.
+  Eigen::MatrixXd slopes = {};
 
   // Shapes agree, n ≥ 1, every value is finite, S_0 is zero.
   absl::Status Validate() const;
 
   int num_inputs() const { return static_cast<int>(roles.size()); }  // m
   int periods() const;                                               // n
+  bool IsIntegrating() const {
+    return slopes.size() > 0 && !slopes.isZero(0.0);
+  }
+  // R of these inputs: p × their number.
+  Eigen::MatrixXd SlopesOf(const std::vector<int>& inputs) const;
+  // Carries the responses on to instant `instants`, where n is less.
+  void ReachTo(int instants);
   // The inputs of a role, in order.
   std::vector<int> InputsOf(InputRole role) const;
 };
@@ -46,7 +57,8 @@ struct PredictionModel {
 // within about 2 % of its final value.
 inline constexpr double kSettlingTolerance = 0.01;
 
-// Carried until the model has settled to about 1e-11 of its gains.
+// Carried until the model has settled, or its ramps are straight, to about
+// 1e-11 of its gains.
 //
 // InvalidArgument for an invalid model, and one that settles so slowly that its
 // step responses would hold over 10⁸ values.

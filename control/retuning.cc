@@ -298,6 +298,11 @@ absl::StatusOr<RetuningAdvice> AdviseRetuning(const PredictionModel& old_model,
                                               const StepResponse& corrected,
                                               const RetuningOptions& options) {
   MLE_RETURN_IF_ERROR(old_model.Validate());
+  if (old_model.IsIntegrating()) {
+    return absl::FailedPreconditionError(
+        "the model integrates; the rules of tuning are those of pairs that "
+        "settle");
+  }
   if (corrected.num_outputs != old_model.num_outputs ||
       corrected.num_inputs != old_model.num_inputs()) {
     return absl::InvalidArgumentError(absl::StrCat(

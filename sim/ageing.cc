@@ -26,6 +26,11 @@ absl::Status CheckElement(const TransferFunction& element,
         absl::StrCat("falling = ", ageing.falling,
                      "; the factor must be finite and positive"));
   }
+  if (element.IsIntegrating() && ageing.falling != 1.0) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("falling = ", ageing.falling,
+                     ", but the element integrates: it must be 1"));
+  }
   if (element.delay() + ageing.delay.Min() < 0.0) {
     return absl::InvalidArgumentError(absl::StrCat(
         "delay falls by ", -ageing.delay.Min(), ", but the dead time is only ",
@@ -94,7 +99,8 @@ TransferFunction AgedElement(const TransferFunction& element,
                              const ElementAgeing& ageing, double time) {
   const double gain = ageing.gain.At(time);
   const double stretch = ageing.time_constant.At(time);
-  // The coefficient of s^i, counted from the end, takes the factor τ^i.
+  // The coefficient of s^i, counted from the end, takes the factor τ^i, of an
+  // integrating denominator τ^{i−1}.
   const auto stretched = [stretch](std::vector<double> polynomial,
                                    double factor) {
     for (auto c = polynomial.rbegin(); c != polynomial.rend(); ++c) {
@@ -103,9 +109,11 @@ TransferFunction AgedElement(const TransferFunction& element,
     }
     return polynomial;
   };
-  return TransferFunction(stretched(element.numerator(), gain),
-                          stretched(element.denominator(), 1.0),
-                          element.delay() + ageing.delay.At(time));
+  return TransferFunction(
+      stretched(element.numerator(), gain),
+      stretched(element.denominator(),
+                element.IsIntegrating() ? 1.0 / stretch : 1.0),
+      element.delay() + ageing.delay.At(time));
 }
 
 ProcessModel AgedModel(const ProcessModel& model, const AgeingSchedule& ageing,

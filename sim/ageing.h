@@ -8,7 +8,9 @@
 //   y = γ(t) (C x + D u(t − L − ΔL(t))).
 //
 // So τ stretches all time constants of the element alike and leaves its static
-// gain; for constant γ, τ, ΔL the element is γ g(τ s) with dead time L + ΔL.
+// gain; for constant γ, τ, ΔL the element is γ g(τ s) with dead time L + ΔL. Of
+// an integrating element γ and τ act on the rate of its integral and leave the
+// slope K and what has been integrated: for constant γ, τ it is γ τ g(τ s).
 // Where the element has another speed downwards (it is heated, and cools by
 // itself), τ is longer by a factor while γ C ẋ < 0.
 // Each is a schedule: drift over months is a few points far apart, an event is
@@ -36,8 +38,8 @@ struct ElementAgeing {
   Schedule gain = Schedule(1.0);           // γ, a factor
   Schedule time_constant = Schedule(1.0);  // τ > 0, a factor
   Schedule delay = Schedule(0.0);  // ΔL, added; L + ΔL ≥ 0, slope < 1
-  // Factor > 0 of τ while the element's output falls. It has no part in
-  // AgedElement() and ScaleAgeing().
+  // Factor > 0 of τ while the element's output falls; 1 for an integrating
+  // element. It has no part in AgedElement() and ScaleAgeing().
   double falling = 1.0;
 };
 

@@ -82,6 +82,13 @@ void WriteBlock(const Block& block, double time,
       rate * block.system.B;
   coefficients.C.block(block.output, block.first_state, 1, r) =
       gain * block.system.C;
+  if (!block.element.IsIntegrating()) return;
+  // The first state is the integral (A has nothing in its column): what has
+  // been integrated stays.
+  coefficients.A.row(block.first_state).segment(block.first_state, r) =
+      gain * block.system.A.row(0);
+  coefficients.B(block.first_state, block.column) = gain * block.system.B(0);
+  coefficients.C(block.output, block.first_state) = block.system.C(0);
 }
 
 // Slows the derivatives of blocks whose output falls.

@@ -37,7 +37,9 @@ absl::StatusOr<ProcessModel> ReadModelLike(const ProcessModel& model,
 
 absl::Status CheckMoves(const ProcessModel& model, const std::string& path,
                         const std::string& nothing) {
-  if (SettlingTime(model) > 0.0) return absl::OkStatus();
+  if (SettlingTime(model) > 0.0 || IsIntegrating(model)) {
+    return absl::OkStatus();
+  }
   return absl::InvalidArgumentError(absl::StrCat(
       "--model: ", path,
       " has no element with a time constant or a dead time: there is ",

@@ -65,6 +65,7 @@ Json FopdtJson(const FopdtElement& element, bool errors_from_records) {
       {"shape", ShapeName(element.shape)},
       {"relative_rms", element.relative_rms},
       {"largest_difference", element.largest_difference}};
+  if (element.integrating) json["integrating"] = true;
   return json;
 }
 
@@ -102,6 +103,7 @@ Json ElementJson(const Result& result, int i, int j) {
     json["shape_probability"] = shape.shape_probability;
     json["reduction_error"] = shape.reduction_error;
   }
+  if (model.element(i, j).IsIntegrating()) json["integrating"] = true;
   if (full.state != ElementState::kAbsent) {
     const bool shown = structural && result.accepted();
     json["gain"] = ParameterJson(full.gain, corrected.gain, shown);

@@ -51,6 +51,11 @@ std::string WithError(const Result& result, double value, double error) {
              : FormatSignificant(value, 4);
 }
 
+// Behind the gain of an element that integrates.
+std::string SlopeMark(const FopdtElement& element) {
+  return element.integrating ? " (slope)" : "";
+}
+
 }  // namespace
 
 Table ParameterTable(const Result& result) {
@@ -77,11 +82,15 @@ Table ParameterTable(const Result& result) {
         const char* name;
         const ParameterEstimate& full;
         const ParameterEstimate& written;
-      } rows[] = {{"gain", full.gain, written.gain},
-                  {"time constant", full.time_scale, written.time_scale},
-                  {"dead time", full.delay, written.delay}};
+      } rows[] = {
+          {model.element(i, j).IsIntegrating() ? "gain (slope)" : "gain",
+           full.gain, written.gain},
+          {"time constant", full.time_scale, written.time_scale},
+          {"dead time", full.delay, written.delay}};
       bool first = true;
       for (const auto& row : rows) {
+        // An integrator without lag has no time constant.
+        if (&row.full == &full.time_scale && row.full.initial == 0.0) continue;
         table.AddRow(
             {first ? PairName(model, i, j) : "", row.name,
              FormatSignificant(row.full.initial, 4),
@@ -120,7 +129,8 @@ Table FopdtTable(const Result& result) {
       if (element.shape == FopdtShape::kNoResponse) continue;
       table.AddRow(
           {PairName(model, i, j),
-           WithError(result, element.gain, element.gain_error),
+           WithError(result, element.gain, element.gain_error) +
+               SlopeMark(element),
            WithError(result, element.time_constant,
                      element.time_constant_error),
            WithError(result, element.delay, element.delay_error),
@@ -288,7 +298,7 @@ Table ControllerTable(const Result& result) {
       add("dead time", estimate.delay);
       if (changed && before.empty()) before.emplace_back("another response");
       table.AddRow({model.outputs()[i].name, model.inputs()[j].name,
-                    FormatSignificant(element.gain, 4),
+                    FormatSignificant(element.gain, 4) + SlopeMark(element),
                     FormatSignificant(element.time_constant, 4),
                     FormatSignificant(element.delay, 4),
                     absl::StrJoin(before, ", ")});

@@ -163,18 +163,22 @@ std::string DescribeChange(const ElementEstimate& element,
                 FormatSignificant(element.gain.value / element.gain.initial),
                 ")")
           : "");
-  add(element.time_scale, "time constant",
-      absl::StrCat(" ", time_unit, " (× ",
-                   FormatSignificant(element.time_scale.value /
-                                     element.time_scale.initial),
-                   ")"));
+  const bool has_lag = element.time_scale.initial > 0.0;
+  if (has_lag) {
+    add(element.time_scale, "time constant",
+        absl::StrCat(" ", time_unit, " (× ",
+                     FormatSignificant(element.time_scale.value /
+                                       element.time_scale.initial),
+                     ")"));
+  }
   const double shift = element.delay.value - element.delay.initial;
   add(element.delay, "dead time",
       absl::StrCat(" ", time_unit, " (", shift < 0.0 ? "−" : "+",
                    FormatSignificant(std::abs(shift)), " ", time_unit, ")"));
   if (moved.empty()) {
-    return "gain, time constant and dead time differ jointly, but none "
-           "significantly by itself";
+    return absl::StrCat("gain", has_lag ? ", time constant" : "",
+                        " and dead time differ jointly, but none significantly "
+                        "by itself");
   }
   std::string text = absl::StrJoin(moved, ", ");
   if (!stayed.empty()) {

@@ -40,10 +40,16 @@ double Or(double given, double by_default) {
   return given > 0.0 ? given : by_default;
 }
 
+absl::Status CheckModel(const ProcessModel& model, const std::string& path) {
+  MLE_RETURN_IF_ERROR(CheckMoves(model, path, "nothing that can age"));
+  const absl::Status integrating = CheckNotIntegrating(
+      model, "life cycles are those of elements that settle");
+  return integrating.ok() ? integrating : AboutOption("model", integrating);
+}
+
 absl::Status TakeModels(const GivenModels& given, Campaign& campaign) {
   campaign.model = given.model;
-  MLE_RETURN_IF_ERROR(
-      CheckMoves(campaign.model, "the model", "nothing that can age"));
+  MLE_RETURN_IF_ERROR(CheckModel(campaign.model, "the model"));
   campaign.plant = given.plant.value_or(given.model);
   MLE_RETURN_IF_ERROR(
       CheckSameChannels(campaign.model, "model", campaign.plant, "plant"));
@@ -60,8 +66,7 @@ absl::Status ReadModels(const Request& request, Campaign& campaign) {
         "--model=FILE.json and --ageing=FILE.json must be given (see --help)");
   }
   MLE_ASSIGN_OR_RETURN(campaign.model, ReadModel("model", request.model_path));
-  MLE_RETURN_IF_ERROR(
-      CheckMoves(campaign.model, request.model_path, "nothing that can age"));
+  MLE_RETURN_IF_ERROR(CheckModel(campaign.model, request.model_path));
   campaign.plant = campaign.model;
   if (!request.plant_path.empty()) {
     MLE_ASSIGN_OR_RETURN(campaign.plant,

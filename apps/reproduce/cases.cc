@@ -97,6 +97,9 @@ absl::Status ReadCases(Request& request) {
   }
   if (own) {
     MLE_ASSIGN_OR_RETURN(initial, ReadModel("model", request.model_path));
+    const absl::Status integrating = CheckNotIntegrating(
+        initial, "reproductions are those of elements that settle");
+    if (!integrating.ok()) return AboutOption("model", integrating);
     MLE_ASSIGN_OR_RETURN(campaign.mismatches, ReadPlants(request, initial));
   } else {
     MLE_ASSIGN_OR_RETURN(initial,

@@ -191,6 +191,11 @@ absl::StatusOr<std::vector<ModelSpec>> ParseModels(const JsonNode& node) {
     }
     if (element.Has("model")) {
       MLE_ASSIGN_OR_RETURN(spec.model, ParseModel(element.At("model")));
+      const absl::Status integrating = CheckNotIntegrating(
+          spec.model, "campaigns are those of elements that settle");
+      if (!integrating.ok()) {
+        return element.Fault(std::string(integrating.message()));
+      }
     } else {
       MLE_RETURN_IF_ERROR(ReadOptionsOnly(element.At("random"), {},
                                           OptionsOf(spec.random.emplace())));

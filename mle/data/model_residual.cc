@@ -5,6 +5,8 @@
 #include <limits>
 #include <vector>
 
+#include "mle/data/line.h"
+
 namespace mle {
 namespace {
 
@@ -49,21 +51,34 @@ Eigen::MatrixXd ModelResidual(const Record& record, const ProcessModel& model,
           model.element(i, j).StepResponse(record.sample_time, responses);
       Eigen::VectorXd response = Eigen::VectorXd::Zero(length);
       Eigen::VectorXd settled = Eigen::VectorXd::Zero(length);
+      Eigen::VectorXd sloping = Eigen::VectorXd::Zero(length);
+      const double slope =
+          model.element(i, j).IsIntegrating()
+              ? model.element(i, j).StaticGain() * record.sample_time
+              : 0.0;
       for (const Move& move : moves) {
         const int count = std::min(responses, length - move.sample);
         response.segment(move.sample, count) += move.size * step.head(count);
         if (move.sample + count < length) {
           settled(move.sample + count) += move.size * step(responses - 1);
+          sloping(move.sample + count) += move.size * slope;
         }
       }
       double level = 0.0;
+      double rate = 0.0;
       for (int k = 0; k < length; ++k) {
-        level += settled(k);
+        rate += sloping(k);
+        level += settled(k) + rate;
         residual(i, k) -= response(k) + level;
       }
     }
   }
-  return residual.rightCols(last - first + 1);
+  residual = residual.rightCols(last - first + 1).eval();
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    if (!IsIntegrating(model, i)) continue;
+    residual.row(i) = WithoutLine(residual.row(i).transpose()).transpose();
+  }
+  return residual;
 }
 
 }  // namespace mle

@@ -11,7 +11,9 @@
 
 namespace mle {
 
-// p × (last − first + 1): samples first … last of `record`, up to a constant.
+// p × (last − first + 1): samples first … last of `record`, up to a constant,
+// of outputs that integrate less the line of least squares: what balances them
+// is not known.
 // The inputs count from `settling` samples before, as if they had been steady
 // until then; a bad input keeps its last value. Responses are summed move by
 // move; an element for which that would take very long is left out.

@@ -10,6 +10,7 @@
 #include "absl/strings/str_join.h"
 #include "mle/base/parallel.h"
 #include "mle/base/status.h"
+#include "mle/exchange/integrating_pair.h"
 #include "mle/nonlinear/fopdt_fit.h"
 #include "mle/nonlinear/rational_fit.h"
 #include "mle/nonlinear/sopdt_fit.h"
@@ -33,9 +34,9 @@ struct Candidate {
 
 class PairFit {
  public:
-  // `response` is h(0) = 0, c_1, … c_N.
-  PairFit(Eigen::VectorXd response, double interval)
-      : response_(std::move(response)), interval_(interval) {
+  // `response` is h(0) = 0, c_1, … c_N, and goes on as a ramp or not.
+  PairFit(Eigen::VectorXd response, bool ramp, double interval)
+      : response_(std::move(response)), ramp_(ramp), interval_(interval) {
     const double range = RangeOf(response_);
     if (range > 0.0) exponent_ = std::ilogb(range);
     for (double& value : response_) value = std::ldexp(value, -exponent_);
@@ -45,7 +46,7 @@ class PairFit {
   }
 
   absl::StatusOr<Candidate> Fit() {
-    MLE_RETURN_IF_ERROR(FitScaled());
+    MLE_RETURN_IF_ERROR(ramp_ ? FitRamp() : FitScaled());
     std::vector<double> numerator = best_.element.numerator();
     for (double& value : numerator) value = std::ldexp(value, exponent_);
     best_.element =
@@ -56,11 +57,13 @@ class PairFit {
 
  private:
   absl::Status FitScaled();
+  absl::Status FitRamp();
   bool Try(TransferFunction element);
   // The first sample whose size is more than `share` of the range.
   int FirstAbove(double share) const;
 
   Eigen::VectorXd response_;
+  bool ramp_;
   double interval_;
   double range_ = 0.0;
   int exponent_ = 0;  // of the scale, a power of two: fits are to values near 1
@@ -129,17 +132,30 @@ absl::Status PairFit::FitScaled() {
   return absl::OkStatus();
 }
 
-absl::Status CheckRamps(const StepResponseModel& model) {
-  std::vector<std::string> ramps;
-  for (const PairResponse& pair : model.pairs) {
-    if (!pair.is_ramp) continue;
-    ramps.push_back(PairName(model.channels, pair.output, pair.input));
+absl::Status PairFit::FitRamp() {
+  const double least_delay =
+      range_ > 0.0 ? (FirstAbove(0.0) - 1) * interval_ : 0.0;
+  MLE_ASSIGN_OR_RETURN(const TransferFunction lag,
+                       FitIntegratingPair(response_, interval_, least_delay));
+  // Without the lag the ramp begins later by it.
+  if (Try(TransferFunction::Integrator(lag.StaticGain(), 0.0,
+                                       lag.delay() + lag.TimeConstant())) ||
+      Try(lag)) {
+    return absl::OkStatus();
   }
-  if (ramps.empty()) return absl::OkStatus();
-  return absl::InvalidArgumentError(absl::StrCat(
-      absl::StrJoin(ramps, ", "), ramps.size() == 1 ? " ends" : " end",
-      " in a ramp: a model with integrators cannot be corrected; leave such "
-      "outputs out"));
+  // With the slope of the last tenth, and with that of the fit.
+  const Eigen::Index last = response_.size() - 1;
+  const Eigen::Index tenth = std::max<Eigen::Index>(last / 10, 1);
+  const double slope = (response_(last) - response_(last - tenth)) /
+                       (static_cast<double>(tenth) * interval_);
+  for (const TransferFunction& ramp :
+       {TransferFunction::Integrator(slope, 0.0, std::max(least_delay, 0.0)),
+        lag}) {
+    const auto lags =
+        FitIntegratingLags(response_, interval_, ramp, kRationalTolerance);
+    if (lags.ok() && Try(*lags)) break;
+  }
+  return absl::OkStatus();
 }
 
 absl::Status CheckDifferences(const Description& description,
@@ -165,13 +181,14 @@ double RangeOf(const Eigen::VectorXd& response) {
 }
 
 absl::StatusOr<Description> Describe(const StepResponseModel& model) {
-  MLE_RETURN_IF_ERROR(CheckRamps(model));
   const auto pairs = static_cast<int>(model.pairs.size());
   std::vector<absl::StatusOr<Candidate>> fits(pairs, Candidate());
   ParallelFor(pairs, 0, [&](int p) {
     Eigen::VectorXd response(model.length() + 1);
     response << 0.0, model.pairs[p].coefficients;
-    fits[p] = PairFit(std::move(response), model.interval).Fit();
+    fits[p] =
+        PairFit(std::move(response), model.pairs[p].is_ramp, model.interval)
+            .Fit();
   });
   Description description;
   description.process = model.channels;

@@ -11,6 +11,12 @@
 //   second order   K e^{−Ls} / (T² s² + 2ζT s + 1)     sopdt_fit.h
 //   sum of lags    e^{−Ls} Σ_i c_i / (τ_i s + 1)       rational_fit.h, ≤ 5
 //
+// and a pair that ends in a ramp by the first of
+//
+//   an integrator  K e^{−Ls} / s
+//   with a lag     K e^{−Ls} / (s (T s + 1))           integrating_pair.h
+//   and lags       e^{−Ls} (K/s + Σ_i c_i / (τ_i s + 1))
+//
 //   MLE_ASSIGN_OR_RETURN(const Description description, Describe(model));
 //   use(description.process, description.pairs[0].largest_difference);
 
@@ -49,9 +55,9 @@ struct Description {
 // max(h, 0) − min(h, 0) of a response h, in its unit.
 double RangeOf(const Eigen::VectorXd& response);
 
-// Of a valid model. InvalidArgument names the pairs that end in a ramp, which
-// no stable transfer function describes, and those whose difference is larger
-// than kAcceptedDifference, with its size and time.
+// Of a valid model. InvalidArgument names pairs that end in a ramp without a
+// slope, and those whose difference is larger than kAcceptedDifference, with
+// its size and time.
 absl::StatusOr<Description> Describe(const StepResponseModel& model);
 
 // "overhead ← reflux: 3.2 % of its range at 14 min".

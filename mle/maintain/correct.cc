@@ -225,7 +225,9 @@ absl::Status EstimateFromWindows(CorrectionResult& result) {
 
 absl::Status CheckModel(const ProcessModel& model) {
   MLE_RETURN_IF_ERROR(model.Validate());
-  if (SettlingTime(model) > 0.0) return absl::OkStatus();
+  if (SettlingTime(model) > 0.0 || IsIntegrating(model)) {
+    return absl::OkStatus();
+  }
   return absl::InvalidArgumentError(absl::StrCat(
       "the model '", model.name(),
       "' has no element with a time constant or a dead time: there is nothing "

@@ -114,6 +114,7 @@ absl::StatusOr<ElementResponses> ElementResponses::Create(
   ElementResponses responses;
   responses.parts_ = &parts;
   responses.num_inputs_ = m;
+  responses.integrating_ = IntegratingOutputs(model);
   for (const Record& part : parts) {
     auto& of_part = responses.responses_.emplace_back();
     for (int j = 0; j < m; ++j) {
@@ -140,7 +141,7 @@ WhitenedData ElementResponses::Row(const Assignment& assignment,
           responses_[w][assignment.inputs[j]].col(output * num_inputs_ + j);
     }
   }
-  return data;
+  return integrating_[output] ? Increments(data) : data;
 }
 
 }  // namespace mle

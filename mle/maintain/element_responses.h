@@ -42,12 +42,13 @@ class ElementResponses {
       double time_scale);
 
   // Output `output` of the model and what its elements, zero ones included,
-  // make of the inputs.
+  // make of the inputs; of an output that integrates the increments of both.
   WhitenedData Row(const Assignment& assignment, int output) const;
 
  private:
   const std::vector<Record>* parts_ = nullptr;
   int num_inputs_ = 0;
+  std::vector<bool> integrating_;  // p
   // Of each part and recorded input: N × pm, column i m + j for element (i, j).
   std::vector<std::vector<Eigen::MatrixXd>> responses_;
 };

@@ -122,6 +122,10 @@ absl::Status CompleteShapes(const std::vector<Record>& windows,
   for (std::size_t i = 0; i < options.outputs.size(); ++i) {
     wrong[i] = wrong[i] && options.outputs[i];
   }
+  // An addition to a ramp would be one more slope.
+  for (int i = 0; i < estimate.setting.initial.num_outputs(); ++i) {
+    wrong[i] = wrong[i] && !IsIntegrating(estimate.setting.initial, i);
+  }
   MLE_ASSIGN_OR_RETURN(
       fit.posterior,
       CompleteByPosterior(estimate.setting.initial, windows,
@@ -298,6 +302,12 @@ absl::StatusOr<Estimate> EstimateModel(const ProcessModel& initial,
                                        SharedFits* shared) {
   const double start = ThreadSeconds();
   MLE_RETURN_IF_ERROR(options.Validate());
+  if (options.estimator == Estimator::kArx) {
+    MLE_RETURN_IF_ERROR(CheckNotIntegrating(
+        initial,
+        "the estimator arx is for elements that settle: take combined or "
+        "output_error"));
+  }
   const std::vector<Record> stretches = JoinAdjoining(windows).records;
   SharedFits own;
   SharedFits& fits = shared == nullptr ? own : *shared;

@@ -79,8 +79,21 @@ VectorXd ShortestAnnihilator(const std::vector<VectorXd>& impulses, int order) {
       values.data(), static_cast<Eigen::Index>(values.size())));
 }
 
+// Of an output that integrates a (1 − z⁻¹), exactly, times that of the
+// increments of its impulse responses, which decay.
+VectorXd IntegratingAnnihilator(std::vector<VectorXd> impulses, int order) {
+  for (VectorXd& h : impulses) h = ImpulseOf(h);
+  const VectorXd inner = ShortestAnnihilator(impulses, order - 1);
+  VectorXd a = VectorXd::Zero(inner.size() + 1);
+  a(0) = 1.0;
+  a.head(inner.size()) += inner;
+  a.tail(inner.size()) -= inner;
+  return a;
+}
+
 // Row i of R.
-void SetRow(const StepResponse& response, int i, ArxModel& model) {
+void SetRow(const StepResponse& response, int i, bool integrating,
+            ArxModel& model) {
   std::vector<VectorXd> all;
   std::vector<VectorXd> present;
   for (int j = 0; j < model.num_inputs; ++j) {
@@ -88,7 +101,8 @@ void SetRow(const StepResponse& response, int i, ArxModel& model) {
     if (!all.back().isZero(0.0)) present.push_back(all.back());
   }
   if (present.empty()) return;
-  const VectorXd a = ShortestAnnihilator(present, model.order);
+  const VectorXd a = integrating ? IntegratingAnnihilator(present, model.order)
+                                 : ShortestAnnihilator(present, model.order);
   for (Eigen::Index lag = 1; lag <= model.order; ++lag) {
     const Eigen::Index first = (lag - 1) * model.num_channels();
     if (lag <= a.size()) model.R(i, first + i) = a(lag - 1);
@@ -133,8 +147,8 @@ int OrderOf(const ProcessModel& model, double sample_time,
 }  // namespace
 
 ExactArx ArxOfResponse(const StepResponse& response, const MatrixXd& gains,
-                       int order) {
-  CHECK_GE(order, 1);
+                       int order, const std::vector<bool>& integrating) {
+  CHECK_GE(order, integrating.empty() ? 1 : 2);
   CHECK_GT(response.samples(), order);
   ExactArx exact;
   ArxModel& model = exact.model;
@@ -143,8 +157,10 @@ ExactArx ArxOfResponse(const StepResponse& response, const MatrixXd& gains,
   model.num_outputs = response.num_outputs;
   model.num_inputs = response.num_inputs;
   model.R = MatrixXd::Zero(model.num_outputs, model.num_regressors());
-  for (int i = 0; i < model.num_outputs; ++i) SetRow(response, i, model);
-  exact.errors = FreeRunErrors(model, response, gains);
+  for (int i = 0; i < model.num_outputs; ++i) {
+    SetRow(response, i, !integrating.empty() && integrating[i], model);
+  }
+  exact.errors = FreeRunErrors(model, response, gains, integrating);
   return exact;
 }
 
@@ -155,28 +171,42 @@ ExactArx ArxOfModel(const ProcessModel& model, double sample_time,
       kSettled * std::max(LongestMemory(model), sample_time) / sample_time);
   const int samples =
       order + 2 + static_cast<int>(std::min(settled, kMostSamples));
-  MatrixXd gains = MatrixXd::Zero(model.num_outputs(), model.num_inputs());
+  std::vector<bool> integrating = IntegratingOutputs(model);
+  MatrixXd gains = StaticGains(model);
   for (int i = 0; i < model.num_outputs(); ++i) {
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      if (model.element(i, j).IsZero()) continue;
-      gains(i, j) = model.element(i, j).StaticGain();
+    for (int j = 0; integrating[i] && j < model.num_inputs(); ++j) {
+      // Beside one that integrates, one that settles has no slope.
+      if (!model.element(i, j).IsIntegrating()) gains(i, j) = 0.0;
     }
   }
+  if (!IsIntegrating(model)) integrating.clear();
   return ArxOfResponse(model.ComputeStepResponse(sample_time, samples), gains,
-                       order);
+                       order, integrating);
 }
 
 VectorXd FreeRunErrors(const ArxModel& model, const StepResponse& response,
-                       const MatrixXd& gains) {
+                       const MatrixXd& gains,
+                       const std::vector<bool>& integrating) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const int p = model.num_outputs;
   const int m = model.num_inputs;
   const StepResponse run = model.ComputeStepResponse(response.samples());
-  const MatrixXd inner = MatrixXd::Identity(p, p) - SumOverLags(model, 0, p);
+  MatrixXd inner = MatrixXd::Identity(p, p) - SumOverLags(model, 0, p);
+  MatrixXd by_inputs = SumOverLags(model, p, m);
+  const int last = run.samples() - 1;
+  for (std::size_t i = 0; i < integrating.size(); ++i) {
+    if (!integrating[i]) continue;
+    const auto row = static_cast<Eigen::Index>(i);
+    inner.row(row).setZero();
+    inner(row, row) = 1.0;
+    for (int j = 0; j < m; ++j) {
+      const auto of = run.element(static_cast<int>(i), j);
+      by_inputs(row, j) = (of(last) - of(last - 1)) / run.sample_time;
+    }
+  }
   const Eigen::FullPivLU<MatrixXd> solver(inner);
   if (!solver.isInvertible()) return VectorXd::Constant(p, kInfinity);
-  return RelativeDifferences({run, solver.solve(SumOverLags(model, p, m))},
-                             {response, gains});
+  return RelativeDifferences({run, solver.solve(by_inputs)}, {response, gains});
 }
 
 }  // namespace mle

@@ -13,11 +13,20 @@
 // samples of a model excited under white noise, with no error of estimation and
 // under no other noise.
 //
+// The row of an output that integrates is that of its increments, whose impulse
+// responses h(l) − h(l−1) decay: with ã of these,
+//
+//   1 − Σ a_l z^−l = (1 − z⁻¹)(1 − Σ ã_l z^−l),
+//
+// so that its pole at 1 is exact, and no drift of the level is left.
+//
 //   const ExactArx exact = ArxOfModel(model, /*sample_time=*/0.2, {});
 //   if (exact.errors.maxCoeff() < 0.01) Use(exact.model);
 
 #ifndef MLE_MAINTAIN_EXACT_ARX_H_
 #define MLE_MAINTAIN_EXACT_ARX_H_
+
+#include <vector>
 
 #include "Eigen/Core"
 #include "mle/maintain/channel_scales.h"
@@ -30,16 +39,19 @@ namespace mle {
 struct ExactArx {
   ArxModel model;
   // p: the largest difference of a step response in free run, or of a static
-  // gain, relative to the largest value of that response.
+  // gain (the slope of an output that integrates), relative to the largest
+  // value of that response.
   Eigen::VectorXd errors;
 };
 
 // `response` is longer than `order` (≥ 1) and shows the slowest mode, `gains`
-// (p × m) are what it settles at.
+// (p × m) are what it settles at, or the slopes that it ends in where outputs
+// are `integrating` (p, or empty; then `order` ≥ 2).
 ExactArx ArxOfResponse(const StepResponse& response,
-                       const Eigen::MatrixXd& gains, int order);
+                       const Eigen::MatrixXd& gains, int order,
+                       const std::vector<bool>& integrating = {});
 
-// Of a stable process model. The order is that of `settings`, where it is not
+// Of a process model. The order is that of `settings`, where it is not
 // given at least what the longest dead time and the modes of a row need.
 ExactArx ArxOfModel(const ProcessModel& model, double sample_time,
                     const ConversionSettings& settings);
@@ -47,7 +59,8 @@ ExactArx ArxOfModel(const ProcessModel& model, double sample_time,
 // errors as above; infinite where the model has no static gain.
 Eigen::VectorXd FreeRunErrors(const ArxModel& model,
                               const StepResponse& response,
-                              const Eigen::MatrixXd& gains);
+                              const Eigen::MatrixXd& gains,
+                              const std::vector<bool>& integrating = {});
 
 }  // namespace mle
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "mle/base/status.h"
@@ -18,6 +20,7 @@ constexpr int kFewestSamples = 10;  // of a fit of second order
 // The dead time of second order is shorter than that of first order, whose lag
 // begins at once; oscillations aside.
 constexpr double kDelays = 2.0;
+constexpr int kSplits = 100;  // of L + T of an integrator
 
 FopdtElement FromFit(const FopdtFit& fit) {
   FopdtElement element;
@@ -70,7 +73,56 @@ absl::StatusOr<FopdtElement> Described(
   return element;
 }
 
+double CoefficientOf(const std::vector<double>& polynomial, std::size_t power) {
+  return power < polynomial.size() ? polynomial[polynomial.size() - 1 - power]
+                                   : 0.0;
+}
+
+// K e^{−Ls} / (s (T s + 1)) of the same ramp, which begins at
+// L + T = −d/ds ln(e^{Ls} …) at s = 0; of all T the one of the smallest
+// difference.
+FopdtElement FromIntegrating(const TransferFunction& transfer) {
+  FopdtElement element;
+  element.integrating = true;
+  element.gain = transfer.StaticGain();
+  if (transfer.IsIntegratorWithLag()) {
+    element.exact = true;
+    element.time_constant = transfer.TimeConstant();
+    element.delay = transfer.delay();
+    return element;
+  }
+  const std::vector<double>& b = transfer.numerator();
+  const std::vector<double>& a = transfer.denominator();
+  const double begin = std::max(
+      0.0, transfer.delay() + CoefficientOf(a, 2) / CoefficientOf(a, 1) -
+               CoefficientOf(b, 1) / CoefficientOf(b, 0));
+  const double sample_time =
+      (transfer.delay() + kHorizons * transfer.SlowestTimeConstant()) /
+      (kResponseSamples - 1);
+  const Eigen::VectorXd response =
+      transfer.StepResponse(sample_time, kResponseSamples);
+  const double range = response.maxCoeff() - response.minCoeff();
+  element.largest_difference = std::numeric_limits<double>::infinity();
+  for (int i = 0; i <= kSplits; ++i) {
+    const double time_constant = begin * i / kSplits;
+    const Eigen::VectorXd difference =
+        TransferFunction::Integrator(element.gain, time_constant,
+                                     begin - time_constant)
+            .StepResponse(sample_time, kResponseSamples) -
+        response;
+    const double largest = difference.cwiseAbs().maxCoeff() / range;
+    if (largest >= element.largest_difference) continue;
+    element.largest_difference = largest;
+    element.relative_rms =
+        std::sqrt(difference.squaredNorm() / kResponseSamples) / range;
+    element.time_constant = time_constant;
+    element.delay = begin - time_constant;
+  }
+  return element;
+}
+
 absl::StatusOr<FopdtElement> FromTransfer(const TransferFunction& transfer) {
+  if (transfer.IsIntegrating()) return FromIntegrating(transfer);
   FopdtElement element;
   if (transfer.IsZero()) {
     element.exact = true;
@@ -99,9 +151,12 @@ void CarryErrors(const OutputErrorFit& fit, int i, int j,
   element.time_constant_error = 0.0;
   element.delay_error = 0.0;
   if (estimate.state != ElementState::kFitted) return;
+  // An integrator without lag has none.
   const double scale = estimate.time_scale.value;
-  const double ratio = element.time_constant / scale;
-  const double shift = (element.delay - estimate.delay.value) / scale;
+  const bool has_scale = scale > 0.0;
+  const double ratio = has_scale ? element.time_constant / scale : 0.0;
+  const double shift =
+      has_scale ? (element.delay - estimate.delay.value) / scale : 0.0;
   const double gain = estimate.gain.value;
   const double covariance = fit.covariances[i](3 * j + 1, 3 * j + 2);
   const double t = estimate.time_scale.standard_error;
@@ -159,9 +214,13 @@ ProcessModel FopdtModel(const ProcessModel& initial,
       if (element.shape == FopdtShape::kNoResponse || element.gain == 0.0) {
         continue;
       }
-      model.element(i, j) = TransferFunction::FirstOrder(
-          element.gain, std::max(element.time_constant, time_floor),
-          element.delay);
+      model.element(i, j) =
+          element.integrating
+              ? TransferFunction::Integrator(
+                    element.gain, element.time_constant, element.delay)
+              : TransferFunction::FirstOrder(
+                    element.gain, std::max(element.time_constant, time_floor),
+                    element.delay);
     }
   }
   return model;

@@ -12,6 +12,10 @@
 // fitted; its coefficients give no errors, those of the fit say how well a
 // first-order element describes the response, and no more.
 //
+// An element that integrates is K e^{−Ls} / (s (T s + 1)), with the same ramp
+// in the end and, where it is not of that shape, T and L of the smallest
+// difference. K is a slope.
+//
 // Where the nearest first-order element is not near, the nearest one of second
 // order is given too (sopdt_fit.h), with how near it is. It has no standard
 // errors: the corrected model's own elements carry those.
@@ -40,7 +44,8 @@ struct FopdtElement {
   double gain_error = 0.0;
   double time_constant_error = 0.0;
   double delay_error = 0.0;
-  bool exact = false;  // of first order as it is
+  bool integrating = false;  // the gain is a slope
+  bool exact = false;  // of first order, or that with an integrator, as it is
   FopdtShape shape = FopdtShape::kFits;
   double relative_rms = 0.0;  // of the response about the fit
   // Of the step response from the fit, relative to the range of the response:

@@ -12,6 +12,7 @@
 #include "absl/strings/str_cat.h"
 #include "mle/base/parallel.h"
 #include "mle/base/status.h"
+#include "mle/data/line.h"
 #include "mle/data/stretches.h"
 
 namespace mle {
@@ -143,12 +144,17 @@ Sums Compare(const Eigen::RowVectorXd& measured, const std::vector<bool>& held,
 using Scores = std::vector<std::vector<std::array<Sums, 3>>>;
 
 // What the model misses of each window. A free simulation's mean error is taken
-// off each.
+// off each, of outputs that integrate its line.
 Eigen::MatrixXd PartOf(const Eigen::MatrixXd& errors, const StretchPart& window,
-                       int horizon) {
+                       int horizon, const std::vector<bool>& integrating) {
   Eigen::MatrixXd part = errors.middleCols(window.first, window.samples);
   if (horizon > 0) return part;
-  for (auto row : part.rowwise()) {
+  for (Eigen::Index i = 0; i < part.rows(); ++i) {
+    auto row = part.row(i);
+    if (integrating[i]) {
+      row = WithoutLine(row.transpose()).transpose();
+      continue;
+    }
     const Eigen::Array<bool, 1, Eigen::Dynamic> known = row.array().isFinite();
     const auto count = static_cast<double>(known.count());
     if (count > 0.0) {
@@ -160,7 +166,8 @@ Eigen::MatrixXd PartOf(const Eigen::MatrixXd& errors, const StretchPart& window,
 
 Scores ScoreFold(const std::vector<Record>& windows, const Fold& fold,
                  const Predictor& before, const Predictor& after,
-                 const std::array<int, 3>& horizons) {
+                 const std::array<int, 3>& horizons,
+                 const std::vector<bool>& integrating) {
   const int p = windows.front().num_outputs();
   const Stretches stretches = JoinAdjoining(windows);
   Scores scores(windows.size(), std::vector<std::array<Sums, 3>>(p));
@@ -174,9 +181,9 @@ Scores ScoreFold(const std::vector<Record>& windows, const Fold& fold,
     for (std::size_t w = 0; w < windows.size(); ++w) {
       const StretchPart& part = stretches.windows[w];
       const Eigen::MatrixXd one =
-          PartOf(initial[part.stretch], part, horizons[h]);
+          PartOf(initial[part.stretch], part, horizons[h], integrating);
       const Eigen::MatrixXd other =
-          PartOf(corrected[part.stretch], part, horizons[h]);
+          PartOf(corrected[part.stretch], part, horizons[h], integrating);
       for (int i = 0; i < p; ++i) {
         scores[w][i][h] = Compare(windows[w].outputs.row(i), fold.held[w],
                                   one.row(i), other.row(i));
@@ -259,11 +266,13 @@ FoldResult HoldOut(const Estimate& estimate, const std::vector<Record>& windows,
   result.status = part.status();
   if (!part.ok()) return result;
   const Predictor& before = in_use ? in_use : part->fit.initial;
-  result.corrected =
-      ScoreFold(windows, fold, before, part->fit.corrected, horizons);
+  const std::vector<bool> integrating =
+      IntegratingOutputs(estimate.setting.initial);
+  result.corrected = ScoreFold(windows, fold, before, part->fit.corrected,
+                               horizons, integrating);
   if (shapes) {
-    result.parametric =
-        ScoreFold(windows, fold, before, part->fit.parametric, horizons);
+    result.parametric = ScoreFold(windows, fold, before, part->fit.parametric,
+                                  horizons, integrating);
   }
   return result;
 }
@@ -277,7 +286,8 @@ void ScoreInitial(const Estimate& estimate, const std::vector<Record>& windows,
   }
   const Predictor& initial = in_use ? in_use : estimate.fit.initial;
   validation.outputs = ScoresOfAll(
-      ScoreFold(windows, all, initial, initial, {1, validation.horizon, 0}));
+      ScoreFold(windows, all, initial, initial, {1, validation.horizon, 0},
+                IntegratingOutputs(estimate.setting.initial)));
   for (OutputScores& output : validation.outputs) {
     for (HorizonScore* score :
          {&output.one_step, &output.several_steps, &output.simulated}) {

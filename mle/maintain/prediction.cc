@@ -5,9 +5,11 @@
 #include <limits>
 
 #include "mle/base/status.h"
+#include "mle/data/line.h"
 #include "mle/maintain/channel_scales.h"
 #include "mle/model/process_simulator.h"
 #include "mle/nonlinear/innovations_filter.h"
+#include "mle/nonlinear/output_error_problem.h"
 
 namespace mle {
 namespace {
@@ -31,6 +33,85 @@ void Centre(Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>> values) {
     ++count;
   }
   if (count > 0) values.array() -= sum / count;
+}
+
+// A level with a constant slope, neither of which is known at first, in white
+// noise (variance 1) and with a random walk (variance `ratio` a sample), by its
+// Kalman filter.
+class SlopedLevel {
+ public:
+  explicit SlopedLevel(double ratio) : ratio_(ratio) {}
+
+  bool known() const { return measured_ >= 2; }
+  // At `samples` after the last Advance().
+  double After(double samples) const { return level_ + samples * slope_; }
+  void Advance() {
+    ++since_;
+    if (!known()) return;
+    level_ += slope_;
+    P_ += 2.0 * C_ + S_ + ratio_;
+    C_ += S_;
+  }
+  void Measure(double value) {
+    if (measured_ == 0) {
+      level_ = value;
+      since_ = 0;
+    } else if (measured_ == 1) {
+      // The level is as good as its last value, the slope as both.
+      const auto d = static_cast<double>(since_);
+      slope_ = (value - level_) / d;
+      level_ = value;
+      P_ = 1.0;
+      C_ = 1.0 / d;
+      S_ = (2.0 + ratio_ * d) / (d * d);
+    } else {
+      const double F = P_ + 1.0;
+      const double innovation = value - level_;
+      const double gain = P_ / F;
+      const double slope_gain = C_ / F;
+      level_ += gain * innovation;
+      slope_ += slope_gain * innovation;
+      S_ -= slope_gain * C_;
+      C_ -= slope_gain * P_;
+      P_ = gain;
+    }
+    ++measured_;
+  }
+
+ private:
+  double ratio_;
+  int measured_ = 0;
+  int since_ = 0;
+  double level_ = 0.0;
+  double slope_ = 0.0;
+  double P_ = 0.0;  // Var level
+  double C_ = 0.0;  // Cov
+  double S_ = 0.0;  // Var slope
+};
+
+// LevelErrors() of an integrating output.
+Eigen::RowVectorXd SlopedErrors(const Eigen::RowVectorXd& e, double ratio,
+                                int first, int horizon) {
+  const int n = static_cast<int>(e.size());
+  Eigen::RowVectorXd errors = Eigen::RowVectorXd::Constant(n, kNaN);
+  if (horizon == 0) {
+    errors.tail(n - first) = e.tail(n - first);
+    return WithoutLine(errors.transpose()).transpose();
+    return errors;
+  }
+  SlopedLevel level(ratio);
+  SlopedLevel start(ratio);  // from which predictions run
+  int begin = first;
+  for (int k = first; k < n; ++k) {
+    if ((k - first) % horizon == 0) {
+      start = level;
+      begin = k;
+    }
+    if (start.known()) errors(k) = e(k) - start.After(k - begin + 1.0);
+    level.Advance();
+    if (std::isfinite(e(k))) level.Measure(e(k));
+  }
+  return errors;
 }
 
 // The errors of one output, given e_k = y_k − x_k (NaN where not measured).
@@ -68,10 +149,12 @@ Eigen::RowVectorXd LevelErrors(const Eigen::RowVectorXd& e, double ratio,
 struct Remainder {
   std::vector<int> times;
   VectorXd values;
+  bool ramp = false;  // a free one is part of it
 };
 
-Remainder FiniteFrom(const Eigen::RowVectorXd& errors, int first) {
+Remainder FiniteFrom(const Eigen::RowVectorXd& errors, int first, bool ramp) {
   Remainder remainder;
+  remainder.ramp = ramp;
   for (int k = first; k < errors.size(); ++k) {
     if (std::isfinite(errors(k))) remainder.times.push_back(k);
   }
@@ -86,11 +169,19 @@ double LevelDeviance(const std::vector<Remainder>& remainders, double ratio) {
   double log_determinant = 0.0;
   double innovations = 0.0;
   for (const Remainder& remainder : remainders) {
-    if (remainder.times.size() < 2) continue;
+    if (remainder.times.size() < (remainder.ramp ? 3 : 2)) continue;
     const InnovationsFilter filter(remainder.times, {.ratio = ratio});
     MatrixXd whitened = remainder.values;
+    if (remainder.ramp) AppendRamp(remainder.times, whitened);
     filter.Apply(whitened);
-    squares += whitened.squaredNorm();
+    if (remainder.ramp) {
+      const double size_of_ramp = whitened.col(1).squaredNorm();
+      whitened.col(0) -=
+          whitened.col(1).dot(whitened.col(0)) / size_of_ramp * whitened.col(1);
+      log_determinant += std::log(size_of_ramp);
+      innovations -= 1.0;
+    }
+    squares += whitened.col(0).squaredNorm();
     size += remainder.values.squaredNorm();
     log_determinant += filter.log_determinant();
     innovations += static_cast<double>(remainder.times.size()) - 1.0;
@@ -137,6 +228,10 @@ MatrixXd SimulateArx(const ArxModel& model, const MatrixXd& inputs) {
   return history.topRows(p);
 }
 
+bool Integrates(const InputResponse& model, Eigen::Index output) {
+  return !model.integrating.empty() && model.integrating[output];
+}
+
 int FirstPredicted(const InputResponse& model, const Record& record) {
   return std::min(model.forgetting, record.samples() / 4);
 }
@@ -153,7 +248,8 @@ absl::StatusOr<InputResponse> ResponseOf(const ProcessModel& model,
             return SimulateResponse(model, record.sample_time, record.inputs);
           },
       .forgetting = static_cast<int>(
-          std::min(std::ceil(LongestMemory(model) / sample_time), 1e9))};
+          std::min(std::ceil(LongestMemory(model) / sample_time), 1e9)),
+      .integrating = IntegratingOutputs(model)};
 }
 
 InputResponse ResponseOf(const ArxModel& model) {
@@ -173,7 +269,8 @@ absl::StatusOr<VectorXd> FitLevelRatios(const InputResponse& model,
     const int first = FirstPredicted(model, window);
     for (Eigen::Index i = 0; i < p; ++i) {
       remainders[i].push_back(
-          FiniteFrom(window.outputs.row(i) - response.row(i), first));
+          FiniteFrom(window.outputs.row(i) - response.row(i), first,
+                     Integrates(model, i)));
     }
   }
   VectorXd ratios(p);
@@ -190,9 +287,10 @@ Predictor PredictWithLevel(const InputResponse& model, const VectorXd& ratios) {
         MatrixXd::Constant(record.num_outputs(), record.samples(), kNaN);
     if (!response.ok()) return errors;
     for (int i = 0; i < record.num_outputs(); ++i) {
+      const auto errors_of = Integrates(model, i) ? SlopedErrors : LevelErrors;
       errors.row(i) =
-          LevelErrors(record.outputs.row(i) - response->row(i), ratios(i),
-                      FirstPredicted(model, record), horizon);
+          errors_of(record.outputs.row(i) - response->row(i), ratios(i),
+                    FirstPredicted(model, record), horizon);
     }
     return errors;
   };

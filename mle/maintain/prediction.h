@@ -1,7 +1,9 @@
 // What a model misses when it predicts a record.
 //
 // Horizon h predicts sample k from the outputs up to k − h and the inputs up to
-// k − 1; 1 is one step ahead, 0 free simulation, whose mean error is taken off.
+// k − 1; 1 is one step ahead, 0 free simulation, whose mean error is taken off,
+// of integrating outputs the line nearest to the errors: neither the level at
+// the begin nor what balances the output is known.
 // The error is measured less predicted output: p × samples, NaN where there is
 // no measurement or not yet a prediction.
 
@@ -30,6 +32,7 @@ struct InputResponse {
   // Samples after which the inputs before a record are forgotten: the largest
   // dead time and time constant, or the order.
   int forgetting = 0;
+  std::vector<bool> integrating = {};  // p: outputs; empty: none
 };
 
 // InvalidArgument where the model cannot be simulated.
@@ -46,7 +49,8 @@ absl::StatusOr<Eigen::VectorXd> FitLevelRatios(
 
 // The response x plus a level that is followed in white noise by a Kalman
 // filter, diffuse at first (`ratios`: p, its q/r; 0 takes the mean of all
-// errors so far): ŷ_k = x_k + ŵ_{k−h|k−h}. The samples that the model needs to
+// errors so far): ŷ_k = x_k + ŵ_{k−h|k−h}. The level of an integrating output
+// has a constant slope, unknown at first. The samples that the model needs to
 // forget, but at most a quarter of the record, are not predicted.
 Predictor PredictWithLevel(const InputResponse& model,
                            const Eigen::VectorXd& ratios);

@@ -151,6 +151,22 @@ WhitenedData BlockMeans(const WhitenedData& data, int length) {
   return means;
 }
 
+WhitenedData Increments(const WhitenedData& data) {
+  WhitenedData increments = data;
+  for (std::size_t w = 0; w < data.outputs.size(); ++w) {
+    const Eigen::VectorXd& y = data.outputs[w];
+    const Eigen::MatrixXd& x = data.responses[w];
+    const Eigen::Index later = y.size() - 1;
+    if (later < 0) continue;
+    increments.outputs[w].tail(later) = y.tail(later) - y.head(later);
+    increments.outputs[w](0) = 0.0;
+    increments.responses[w].bottomRows(later) =
+        x.bottomRows(later) - x.topRows(later);
+    increments.responses[w].row(0).setZero();
+  }
+  return increments;
+}
+
 double WhitenedLogLikelihood(const WhitenedData& data,
                              const Eigen::VectorXd& gains) {
   return LogLikelihood(FitNoise(data, gains, kWhitenedOrder));

@@ -29,6 +29,11 @@ struct WhitenedData {
 // shape is a little wrong, which costs likelihood at every sample.
 WhitenedData BlockMeans(const WhitenedData& data, int length);
 
+// The increments of outputs and responses from sample to sample, 0 at the
+// first: of an output that integrates neither level nor balance are known, and
+// the increments have their offset in b.
+WhitenedData Increments(const WhitenedData& data);
+
 struct WhitenedFit {
   Eigen::VectorXd gains;   // a (m); as at the start where a response is zero
   Eigen::VectorXd errors;  // their standard errors, infinite there

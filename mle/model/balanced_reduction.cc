@@ -345,6 +345,10 @@ absl::StatusOr<ReducedModel> ReduceModel(const ProcessModel& model,
                                          const ReductionOptions& options) {
   MLE_RETURN_IF_ERROR(options.Validate());
   MLE_RETURN_IF_ERROR(model.Validate());
+  // What does not forget its inputs has no gramians.
+  MLE_RETURN_IF_ERROR(CheckNotIntegrating(
+      model,
+      "models are reduced to a state space where all their elements settle"));
   MLE_ASSIGN_OR_RETURN(const Responses responses,
                        ResponsesOf(model, sample_time));
   const int p = model.num_outputs();

@@ -29,18 +29,42 @@ absl::StatusOr<ElementResponse> ElementResponse::Create(
   }
   ElementResponse response;
   const double gain = element.StaticGain();
-  const double time_scale = element.SlowestTimeConstant();
   response.initial_ = element;
+  response.integrating_ = element.IsIntegrating();
+  TransferFunction stable = element;
+  double time_scale = element.SlowestTimeConstant();
+  if (response.integrating_) {
+    std::vector<double> denominator = element.denominator();
+    denominator.pop_back();
+    stable = TransferFunction(element.numerator(), std::move(denominator),
+                              element.delay());
+    if (time_scale == 0.0) {
+      time_scale = element.delay() > 0.0 ? element.delay() : 1.0;
+    }
+  }
   response.shape_gain_ = gain != 0.0 ? gain : 1.0;
   response.initial_values_ = {.gain = response.shape_gain_,
                               .time_scale = time_scale,
                               .delay = element.delay()};
   // In the time unit T, with B as it is.
-  const StateSpace system = element.Realize();
+  const StateSpace system = stable.Realize();
   response.A_ = time_scale * system.A;
   response.B_ = system.B;
   response.C_ = time_scale / response.shape_gain_ * system.C;
+  response.D_ = system.D / response.shape_gain_;
   return response;
+}
+
+ElementResponse::System ElementResponse::SystemAt(double time_scale) const {
+  if (!integrating_) return {A_, B_, C_};
+  const int r = order();
+  System system = {MatrixXd::Zero(r + 1, r + 1), VectorXd::Zero(r + 1),
+                   Eigen::RowVectorXd::Zero(r + 1)};
+  system.A.topLeftCorner(r, r) = A_;
+  system.A.bottomLeftCorner(1, r) = C_;
+  system.B << B_, D_;
+  system.C(r) = time_scale;
+  return system;
 }
 
 TransferFunction ElementResponse::ToTransferFunction(
@@ -48,6 +72,10 @@ TransferFunction ElementResponse::ToTransferFunction(
   if (initial_.IsFirstOrder()) {
     return TransferFunction::FirstOrder(values.gain, values.time_scale,
                                         values.delay);
+  }
+  if (initial_.IsIntegratorWithLag()) {
+    return TransferFunction::Integrator(
+        values.gain, has_time_scale() ? values.time_scale : 0.0, values.delay);
   }
   const double stretch = values.time_scale / initial_values_.time_scale;
   const auto stretched = [stretch](std::vector<double> coefficients) {
@@ -59,7 +87,10 @@ TransferFunction ElementResponse::ToTransferFunction(
     return coefficients;
   };
   std::vector<double> numerator = stretched(initial_.numerator());
-  for (double& c : numerator) c *= values.gain / shape_gain_;
+  // s itself is stretched too.
+  const double factor =
+      values.gain / shape_gain_ * (integrating_ ? stretch : 1.0);
+  for (double& c : numerator) c *= factor;
   return TransferFunction(std::move(numerator),
                           stretched(initial_.denominator()), values.delay);
 }
@@ -79,11 +110,11 @@ void WithOrder(Eigen::Index order, const With& with) {
   with(std::integral_constant<int, Eigen::Dynamic>());
 }
 
-// `state`, x or (x, T ∂x/∂T), runs over the inputs.
+// `state`, x or (x, T ∂x/∂T), runs over the inputs less `base`.
 template <int kStates, int kOrder, bool kDerivatives>
 void RunOver(const SampleMap& map, const Eigen::RowVectorXd& C,
              const Eigen::RowVectorXd& slope, double slope_by_input,
-             const VectorXd& start, int whole, double past_input,
+             const VectorXd& start, int whole, double past_input, double base,
              const Eigen::Ref<const VectorXd>& inputs,
              Eigen::Ref<MatrixXd> columns) {
   using State = Eigen::Matrix<double, kStates, 1>;
@@ -98,7 +129,7 @@ void RunOver(const SampleMap& map, const Eigen::RowVectorXd& C,
   slope_by_state = slope;
   State state = start;
   State move = start;
-  double older = past_input;  // u_{k−q−1}
+  double older = past_input - base;  // u_{k−q−1}
   for (Eigen::Index k = 0; k < inputs.size(); ++k) {
     const auto x = state.head(Eigen::fix<kOrder>(static_cast<int>(r)));
     columns(k, 0) = output.dot(x);
@@ -107,7 +138,7 @@ void RunOver(const SampleMap& map, const Eigen::RowVectorXd& C,
           output.dot(state.tail(Eigen::fix<kOrder>(static_cast<int>(r))));
       columns(k, 2) = slope_by_state.dot(x) + slope_by_input * older;
     }
-    const double newer = k >= whole ? inputs(k - whole) : past_input;
+    const double newer = (k >= whole ? inputs(k - whole) : past_input) - base;
     move.setZero();
     move.noalias() += E * state;
     move += by_older * older + by_newer * newer;
@@ -226,40 +257,50 @@ void ElementResponse::Simulate(double time_scale, double sample_time,
   CHECK_EQ(columns.rows(), inputs.size());
   const bool derivatives = columns.cols() > 1;
   CHECK_EQ(columns.cols(), derivatives ? 3 : 1);
-  const int r = order();
+  const System system = SystemAt(time_scale);
+  const auto r = static_cast<int>(system.A.rows());
   // States x and T ∂x/∂T, time in units of T.
   MatrixXd M = MatrixXd::Zero(2 * r, 2 * r);
-  M.topLeftCorner(r, r) = A_;
-  M.bottomLeftCorner(r, r) = -A_;
-  M.bottomRightCorner(r, r) = A_;
+  M.topLeftCorner(r, r) = system.A;
+  M.bottomLeftCorner(r, r) = -system.A;
+  M.bottomRightCorner(r, r) = system.A;
   VectorXd n(2 * r);
-  n << B_, -B_;
+  n << system.B, -system.B;
   const int states = derivatives ? 2 * r : r;
   const SampleMap map =
       SampleMap::Over(sample_time / time_scale, delay.fraction,
                       M.topLeftCorner(states, states), n.head(states));
   VectorXd start = VectorXd::Zero(states);
-  start.head(r) = -A_.partialPivLu().solve(B_) * past_input;
-  if (r == 1 && map.E(0, 0) < -kLeastDecay) {
+  if (!integrating_) {
+    start.head(r) = -A_.partialPivLu().solve(B_) * past_input;
+  }
+  if (!integrating_ && r == 1 && map.E(0, 0) < -kLeastDecay) {
     const auto run = derivatives ? RunFirstOrder<true> : RunFirstOrder<false>;
     run(map, C_(0), -C_(0) * A_(0, 0) / time_scale, -C_(0) * B_(0) / time_scale,
         start, delay.whole, past_input, inputs, columns);
     return;
   }
+  const double base = integrating_ ? past_input : 0.0;
   WithOrder(r, [&](auto order) {
     constexpr int kOrder = decltype(order)::value;
     constexpr int kStates = kOrder == Eigen::Dynamic ? kOrder : 2 * kOrder;
     const auto run = derivatives ? RunOver<kStates, kOrder, true>
                                  : RunOver<kOrder, kOrder, false>;
-    run(map, C_, -C_ * A_ / time_scale, -C_.dot(B_) / time_scale, start,
-        delay.whole, past_input, inputs, columns);
+    run(map, system.C, -system.C * system.A / time_scale,
+        -system.C.dot(system.B) / time_scale, start, delay.whole, past_input,
+        base, inputs, columns);
   });
+  if (!integrating_ || !derivatives) return;
+  // Of T z by ln T; without a lag that is nothing, to the last bit.
+  columns.col(1) += columns.col(0);
+  if (!has_time_scale()) columns.col(1).setZero();
 }
 
 void ElementResponse::FreeResponses(double time_scale, double sample_time,
                                     Eigen::Ref<MatrixXd> columns,
                                     Eigen::Ref<MatrixXd> derivatives) const {
   CHECK_EQ(columns.cols(), order());
+  if (order() == 0) return;
   const double duration = sample_time / time_scale;
   const MatrixXd E = HeldInputMap::Over(duration, A_, B_).E;
   if (order() == 1 && E(0, 0) < -kLeastDecay && E(0, 0) > -1.0) {

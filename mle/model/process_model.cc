@@ -123,14 +123,57 @@ Eigen::MatrixXd StaticGains(const ProcessModel& model) {
   return gains;
 }
 
+Eigen::MatrixXi IntegrationOrders(const ProcessModel& model) {
+  Eigen::MatrixXi orders(model.num_outputs(), model.num_inputs());
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    for (int j = 0; j < model.num_inputs(); ++j) {
+      orders(i, j) = model.element(i, j).IntegrationOrder();
+    }
+  }
+  return orders;
+}
+
+bool IsIntegrating(const ProcessModel& model) {
+  return (IntegrationOrders(model).array() > 0).any();
+}
+
+bool IsIntegrating(const ProcessModel& model, int output) {
+  return (IntegrationOrders(model).row(output).array() > 0).any();
+}
+
+std::vector<bool> IntegratingOutputs(const ProcessModel& model) {
+  std::vector<bool> outputs(model.num_outputs());
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    outputs[i] = IsIntegrating(model, i);
+  }
+  return outputs;
+}
+
+absl::Status CheckNotIntegrating(const ProcessModel& model,
+                                 std::string_view what) {
+  const Eigen::MatrixXi orders = IntegrationOrders(model);
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    for (int j = 0; j < model.num_inputs(); ++j) {
+      if (orders(i, j) == 0) continue;
+      return absl::InvalidArgumentError(absl::StrCat(
+          PairName(model, i, j),
+          " integrates (a pole at s = 0: a level, a pressure, an inventory); ",
+          std::string(what)));
+    }
+  }
+  return absl::OkStatus();
+}
+
 double SettlingTime(const ProcessModel& model) {
   double longest = 0.0;
   for (int i = 0; i < model.num_outputs(); ++i) {
     for (int j = 0; j < model.num_inputs(); ++j) {
       const TransferFunction& element = model.element(i, j);
       if (element.IsZero()) continue;
-      longest = std::max(longest,
-                         element.delay() + 5.0 * element.SlowestTimeConstant());
+      const double T = element.SlowestTimeConstant();
+      longest = std::max(longest, element.IsIntegrating()
+                                      ? 10.0 * (element.delay() + T)
+                                      : element.delay() + 5.0 * T);
     }
   }
   return longest;

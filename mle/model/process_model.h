@@ -79,11 +79,25 @@ class ProcessModel {
 absl::Status CheckSameChannels(const ProcessModel& a, std::string_view a_name,
                                const ProcessModel& b, std::string_view b_name);
 
-// p × m: g_ij(0).
+// p × m: the gains K_ij, of integrating elements slopes (transfer_function.h).
 Eigen::MatrixXd StaticGains(const ProcessModel& model);
 
+// p × m: orders of integration ν_ij, 0 or 1.
+Eigen::MatrixXi IntegrationOrders(const ProcessModel& model);
+// An element integrates: of the model, of an output; p of them.
+bool IsIntegrating(const ProcessModel& model);
+bool IsIntegrating(const ProcessModel& model, int output);
+std::vector<bool> IntegratingOutputs(const ProcessModel& model);
+// InvalidArgument, naming the first pair that integrates and `what` cannot be
+// made of it.
+absl::Status CheckNotIntegrating(const ProcessModel& model,
+                                 std::string_view what);
+
 // Dead time plus five times the slowest time constant of the slowest element:
-// the remainder of a step's response is then 0.7 % of it.
+// the remainder of a step's response is then 0.7 % of it. A level settles in
+// its loop alone: of an integrating element ten times dead time and time
+// constant together, about what a loop tuned on it takes (integral time and
+// dead time of Skogestad's rules, 8 L and L: J. Process Control 13, 2003).
 double SettlingTime(const ProcessModel& model);
 
 // "overhead ← reflux": the pair as reports name it.

@@ -20,17 +20,41 @@ namespace {
 using Json = nlohmann::json;
 using Keys = std::vector<std::string>;
 
+// K e^{-Ls} / (T s + 1), or of an integrating element K e^{-Ls} / (s (T s +
+// 1)), where T may be left out.
+absl::StatusOr<TransferFunction> ParseGainForm(const JsonNode& node,
+                                               bool integrating, double delay) {
+  MLE_ASSIGN_OR_RETURN(const double gain, node.At("gain").Number());
+  double time_constant = 0.0;
+  if (node.Has("time_constant")) {
+    MLE_ASSIGN_OR_RETURN(time_constant,
+                         node.At("time_constant")
+                             .Number(integrating ? kNotNegative : kPositive));
+  }
+  return integrating ? TransferFunction::Integrator(gain, time_constant, delay)
+                     : TransferFunction::FirstOrder(gain, time_constant, delay);
+}
+
 // The transfer function of an element, in either of its two forms.
 absl::StatusOr<TransferFunction> ParseDynamics(const JsonNode& node) {
+  bool integrating = false;
+  if (node.Has("integrating")) {
+    MLE_ASSIGN_OR_RETURN(integrating, node.At("integrating").Boolean());
+    if (!node.Has("gain")) {
+      return node.Fault(
+          "has integrating without gain; with numerator and denominator an "
+          "integrator is a denominator that ends with 0");
+    }
+  }
   const bool has_gain = node.Has("gain");
   const bool has_time_constant = node.Has("time_constant");
   const bool has_numerator = node.Has("numerator");
   const bool has_denominator = node.Has("denominator");
-  const bool first_order =
-      has_gain && has_time_constant && !has_numerator && !has_denominator;
+  const bool gain_form = has_gain && (has_time_constant || integrating) &&
+                         !has_numerator && !has_denominator;
   const bool rational =
       has_numerator && has_denominator && !has_gain && !has_time_constant;
-  if (!first_order && !rational) {
+  if (!gain_form && !rational) {
     Keys found;
     if (has_gain) found.push_back("gain");
     if (has_time_constant) found.push_back("time_constant");
@@ -44,11 +68,8 @@ absl::StatusOr<TransferFunction> ParseDynamics(const JsonNode& node) {
   }
   MLE_ASSIGN_OR_RETURN(const double delay, node.At("delay").Number());
   TransferFunction g;
-  if (first_order) {
-    MLE_ASSIGN_OR_RETURN(const double gain, node.At("gain").Number());
-    MLE_ASSIGN_OR_RETURN(const double time_constant,
-                         node.At("time_constant").Number(kPositive));
-    g = TransferFunction::FirstOrder(gain, time_constant, delay);
+  if (gain_form) {
+    MLE_ASSIGN_OR_RETURN(g, ParseGainForm(node, integrating, delay));
   } else {
     MLE_ASSIGN_OR_RETURN(std::vector<double> numerator,
                          node.At("numerator").Numbers());
@@ -67,9 +88,9 @@ absl::Status ParseElements(const JsonNode& top, ProcessModel& model) {
                        top.At("elements").ElementsOrNone());
   std::set<std::pair<int, int>> seen;
   for (const JsonNode& node : nodes) {
-    MLE_RETURN_IF_ERROR(
-        node.CheckKeys({"output", "input", "delay"},
-                       {"gain", "time_constant", "numerator", "denominator"}));
+    MLE_RETURN_IF_ERROR(node.CheckKeys(
+        {"output", "input", "delay"},
+        {"gain", "time_constant", "integrating", "numerator", "denominator"}));
     MLE_ASSIGN_OR_RETURN(const int output, FindOutput(node, model));
     MLE_ASSIGN_OR_RETURN(const int input, FindInput(node, model));
     if (!seen.insert({output, input}).second) {
@@ -93,11 +114,14 @@ absl::StatusOr<ProcessModel> ParseModel(const JsonNode& top) {
 
 std::string FormatDynamics(const TransferFunction& g) {
   std::string text;
-  // Other first-order elements would not come back to the last bit.
-  if (g.IsFirstOrder() && g.denominator()[1] == 1.0) {
+  // Other elements of these forms would not come back to the last bit.
+  const bool integrator = g.IsIntegratorWithLag();
+  if ((g.IsFirstOrder() || integrator) &&
+      g.denominator()[g.denominator().size() - (integrator ? 2 : 1)] == 1.0) {
     text =
         absl::StrCat("\"gain\": ", ShortestNumber(g.StaticGain()),
-                     ", \"time_constant\": ", ShortestNumber(g.TimeConstant()));
+                     ", \"time_constant\": ", ShortestNumber(g.TimeConstant()),
+                     integrator ? ", \"integrating\": true" : "");
   } else {
     text = absl::StrCat("\"numerator\": ", FormatNumbers(g.numerator()),
                         ", \"denominator\": ", FormatNumbers(g.denominator()));

@@ -79,7 +79,9 @@ absl::StatusOr<Eigen::MatrixXd> SimulateResponse(
   Eigen::MatrixXd outputs(model.num_outputs(), inputs.cols());
   if (inputs.cols() == 0) return outputs;
   const Eigen::VectorXd start = inputs.col(0);
-  const Eigen::VectorXd settled = StaticGains(model) * start;
+  const Eigen::MatrixXd gains =
+      (IntegrationOrders(model).array() > 0).select(0.0, StaticGains(model));
+  const Eigen::VectorXd settled = gains * start;
   for (Eigen::Index k = 0; k < outputs.cols(); ++k) {
     outputs.col(k) = settled + simulator.outputs();
     simulator.Advance(inputs.col(k) - start);

@@ -61,7 +61,8 @@ class ProcessSimulator {
 };
 
 // The outputs (p × N) of the model to the inputs (m × N) held from sample to
-// sample; before the first, the model is settled at the first inputs.
+// sample; before the first, the model is settled at the first inputs: these
+// balance an integrating element, which stands at 0.
 // InvalidArgument as ProcessSimulator::Create(), and where the rows of `inputs`
 // are not the model's inputs.
 absl::StatusOr<Eigen::MatrixXd> SimulateResponse(const ProcessModel& model,

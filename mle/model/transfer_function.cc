@@ -98,12 +98,21 @@ Eigen::VectorXcd Poles(const std::vector<double>& denominator) {
   return solver.eigenvalues() * std::exp(log_scale);
 }
 
+// The coefficients of the poles other than one at s = 0.
+std::vector<double> WithoutIntegrator(std::vector<double> denominator) {
+  if (denominator.size() > 1 && denominator.back() == 0.0) {
+    denominator.pop_back();
+  }
+  return denominator;
+}
+
 // Every pole in the open left half-plane.
 absl::Status CheckStable(const std::vector<double>& denominator) {
   const absl::Status unstable = absl::InvalidArgumentError(absl::StrCat(
       "denominator ", Polynomial(denominator),
-      " has a pole that is not in the open left half-plane (an integrator or "
-      "an unstable mode); every pole must have a negative real part"));
+      " has a pole that is not in the open left half-plane (an unstable mode); "
+      "every pole must have a negative real part, but for at most one at s = "
+      "0"));
   // Necessary for stability, and exact: a missing or turned sign.
   for (const double coefficient : denominator) {
     if (!(coefficient * std::copysign(1.0, denominator[0]) > 0.0)) {
@@ -115,6 +124,27 @@ absl::Status CheckStable(const std::vector<double>& denominator) {
     if (!(pole.real() < -kMinDampingRatio * std::abs(pole))) return unstable;
   }
   return absl::OkStatus();
+}
+
+// At most one pole at s = 0, which the numerator does not cancel; the others
+// stable.
+absl::Status CheckPoles(const std::vector<double>& numerator,
+                        const std::vector<double>& denominator) {
+  const std::vector<double> others = WithoutIntegrator(denominator);
+  if (others.size() > 1 && others.back() == 0.0) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "denominator ", Polynomial(denominator),
+        " has more than one pole at s = 0; an element may integrate once (a "
+        "level, a pressure, an inventory), not twice"));
+  }
+  if (others.size() < denominator.size() && numerator.back() == 0.0 &&
+      numerator[0] != 0.0) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("numerator ", Polynomial(numerator), " and denominator ",
+                     Polynomial(denominator),
+                     " are both zero at s = 0; cancel the common factor s"));
+  }
+  return CheckStable(others);
 }
 
 // The numbers the realisation is made of do not overflow.
@@ -137,6 +167,11 @@ TransferFunction::TransferFunction(std::vector<double> numerator,
 TransferFunction TransferFunction::FirstOrder(double gain, double time_constant,
                                               double delay) {
   return TransferFunction({gain}, {time_constant, 1.0}, delay);
+}
+
+TransferFunction TransferFunction::Integrator(double gain, double time_constant,
+                                              double delay) {
+  return TransferFunction({gain}, {time_constant, 1.0, 0.0}, delay);
 }
 
 absl::Status TransferFunction::Validate() const {
@@ -171,7 +206,7 @@ absl::Status TransferFunction::Validate() const {
     return absl::InvalidArgumentError(
         absl::StrCat("delay is ", delay_, ", must be finite and not negative"));
   }
-  MLE_RETURN_IF_ERROR(CheckStable(denominator_));
+  MLE_RETURN_IF_ERROR(CheckPoles(numerator_, denominator_));
   if (!CanBeRealised(*this)) {
     return absl::InvalidArgumentError(absl::StrCat(
         "numerator ", Polynomial(numerator_), " over denominator ",
@@ -184,24 +219,35 @@ absl::Status TransferFunction::Validate() const {
 
 bool TransferFunction::IsZero() const { return numerator_[0] == 0.0; }
 
+int TransferFunction::IntegrationOrder() const {
+  return denominator_.back() == 0.0 && !IsZero() ? 1 : 0;
+}
+
 bool TransferFunction::IsFirstOrder() const {
-  return numerator_.size() == 1 && denominator_.size() == 2;
+  return numerator_.size() == 1 && denominator_.size() == 2 &&
+         denominator_[1] != 0.0;
+}
+
+bool TransferFunction::IsIntegratorWithLag() const {
+  return IsIntegrating() && numerator_.size() == 1 && denominator_.size() <= 3;
 }
 
 double TransferFunction::StaticGain() const {
-  return numerator_.back() / denominator_.back();
+  return IsZero() ? 0.0
+                  : numerator_.back() / WithoutIntegrator(denominator_).back();
 }
 
 double TransferFunction::TimeConstant() const {
-  CHECK(IsFirstOrder());
-  return denominator_[0] / denominator_[1];
+  CHECK(IsFirstOrder() || IsIntegratorWithLag());
+  return SlowestTimeConstant();
 }
 
 double TransferFunction::SlowestTimeConstant() const {
-  const int r = Degree(denominator_);
+  const std::vector<double> others = WithoutIntegrator(denominator_);
+  const int r = Degree(others);
   if (r == 0) return 0.0;
-  if (r == 1) return denominator_[0] / denominator_[1];
-  return -1.0 / Poles(denominator_).real().maxCoeff();
+  if (r == 1) return others[0] / others[1];
+  return -1.0 / Poles(others).real().maxCoeff();
 }
 
 StateSpace TransferFunction::Realize() const {

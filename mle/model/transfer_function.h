@@ -1,9 +1,17 @@
-// One input–output pair of a process: a proper, stable rational transfer
-// function with a dead time,
+// One input–output pair of a process: a proper rational transfer function with
+// a dead time,
 //
-//   g(s) = e^{-Ls} (b_0 s^q + … + b_q) / (a_0 s^r + … + a_r),   q ≤ r, L ≥ 0.
+//   g(s) = e^{-Ls} (b_0 s^q + … + b_q) / (a_0 s^r + … + a_r),   q ≤ r, L ≥ 0,
 //
-// Time is in the unit of the process model the element belongs to.
+// stable, or integrating: with one pole at s = 0 (a level, a pressure, an
+// inventory) and all others stable. The order of integration ν is 0 or 1, and
+// the gain is
+//
+//   K = lim_{s→0} s^ν g(s):
+//
+// where the response to a unit step settles (ν = 0), or the slope of the ramp
+// that it ends in (ν = 1), per unit of time. Time is in the unit of the process
+// model the element belongs to.
 //
 //   const auto g = TransferFunction::FirstOrder(12.8, 16.7, 1.0);
 //   g.StaticGain();                       // 12.8
@@ -44,25 +52,36 @@ class TransferFunction {
   static TransferFunction FirstOrder(double gain, double time_constant,
                                      double delay);
 
+  // K e^{-Ls} / (s (T s + 1)); T = 0: K e^{-Ls} / s.
+  static TransferFunction Integrator(double gain, double time_constant,
+                                     double delay);
+
   // Finite coefficients, a leading denominator coefficient other than zero,
-  // q ≤ r, every pole in the open left half-plane, L ≥ 0.
+  // q ≤ r, L ≥ 0, every pole in the open left half-plane but for at most one at
+  // s = 0, where the numerator is not zero.
   absl::Status Validate() const;
 
   bool IsZero() const;
-  // A first-order element without zeros, whose gain and time constant are K, T.
+  // ν: a_r is 0, to the last bit. Of the zero element 0.
+  int IntegrationOrder() const;
+  bool IsIntegrating() const { return IntegrationOrder() > 0; }
+  // A stable first-order element without zeros, whose gain and time constant
+  // are K, T.
   bool IsFirstOrder() const;
+  // An integrating element without zeros and with one lag at most.
+  bool IsIntegratorWithLag() const;
 
   const std::vector<double>& numerator() const { return numerator_; }
   const std::vector<double>& denominator() const { return denominator_; }
   double delay() const { return delay_; }
   void set_delay(double delay) { delay_ = delay; }
 
-  // g(0).
+  // K = lim s^ν g(s): of an integrating element a slope.
   double StaticGain() const;
-  // T of a first-order element.
+  // T of a first-order element, or of the lag of an integrator (0: none).
   double TimeConstant() const;
-  // −1 / (largest real part of a pole): the slowest mode's time constant; 0 for
-  // a static element.
+  // −1 / (largest real part of a pole other than s = 0): the slowest mode's
+  // time constant; 0 for a static element and for an integrator without lag.
   double SlowestTimeConstant() const;
 
   StateSpace Realize() const;

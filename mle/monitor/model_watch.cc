@@ -128,6 +128,8 @@ absl::StatusOr<ModelWatch> ModelWatch::Create(const ProcessModel& model,
                                               const WatchOptions& options) {
   MLE_RETURN_IF_ERROR(options.Validate());
   MLE_RETURN_IF_ERROR(model.Validate());
+  MLE_RETURN_IF_ERROR(
+      CheckNotIntegrating(model, "outputs are watched whose elements settle"));
   if (!(sample_time > 0.0) || !std::isfinite(sample_time)) {
     return absl::InvalidArgumentError(absl::StrCat(
         "watch: the sample time is ", sample_time, "; it must be > 0"));

@@ -49,7 +49,8 @@ Changes ChangesOf(const OutputFit& fit, const OutputPoint& initial) {
                                         v.time_scale + v.delay};
     for (Index k = 0; k < 3; ++k) {
       const Index number = 3 * static_cast<Index>(j) + k;
-      if (!std::isfinite(fit.covariance(number, number))) continue;
+      const double variance = fit.covariance(number, number);
+      if (!std::isfinite(variance) || !(variance > 0.0)) continue;
       changes.numbers.push_back(number);
       units.push_back(unit[k]);
     }

@@ -27,10 +27,11 @@ constexpr double kShapeStep = 0.2;
 
 }  // namespace
 
-OutputCovariance CovarianceOf(const WhitenedColumns& whitened,
+OutputCovariance CovarianceOf(const OutputErrorProblem& problem,
+                              const WhitenedColumns& whitened,
                               const OutputPoint& point,
                               const std::vector<bool>& free, double variance) {
-  const std::vector<int> kept = FreeParameters(free);
+  const std::vector<int> kept = problem.FreeParameters(free);
   const int m = static_cast<int>(free.size());
   VectorXd units = VectorXd::Ones(3 * m);
   for (int j = 0; j < m; ++j) {
@@ -39,7 +40,8 @@ OutputCovariance CovarianceOf(const WhitenedColumns& whitened,
   OutputCovariance result;
   result.covariance = MatrixXd::Zero(units.size(), units.size());
   if (kept.empty()) return result;
-  const MatrixXd& jacobian = whitened.jacobian;
+  const MatrixXd jacobian =
+      whitened.jacobian(Eigen::all, problem.FreeColumns(free));
   const VectorXd norms = jacobian.colwise().norm().cwiseMax(1e-300);
   const MatrixXd scaled = jacobian * norms.cwiseInverse().asDiagonal();
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(scaled.transpose() *
@@ -81,7 +83,7 @@ std::vector<SegmentColumns> LineariseWidely(const OutputErrorProblem& problem,
   if (std::find(free.begin(), free.end(), true) == free.end()) return columns;
   for (int round = 0; round < kSecantRounds; ++round) {
     const OutputCovariance covariance = CovarianceOf(
-        problem.Whiten(columns, shape), point, free, noise.variance);
+        problem, problem.Whiten(columns, shape), point, free, noise.variance);
     std::vector<double> steps(free.size(), 0.0);
     for (std::size_t j = 0; j < free.size(); ++j) {
       const auto delay = 3 * static_cast<Eigen::Index>(j) + 2;
@@ -101,6 +103,7 @@ OutputCovariance ComputeCovariance(const OutputErrorProblem& problem,
                                    const std::vector<bool>& free,
                                    const NoiseEstimate& noise) {
   return CovarianceOf(
+      problem,
       problem.Whiten(problem.Linearise(point, ShapeOf(noise), free),
                      ShapeOf(noise)),
       point, free, noise.variance);
@@ -124,7 +127,7 @@ VectorXd ComputeDegreesOfFreedom(const OutputErrorProblem& problem,
       const WhitenedColumns whitened =
           problem.Whiten(problem.Linearise(point, shape, free), shape);
       const double variance = whitened.residuals.squaredNorm() / n;
-      logs[side] = CovarianceOf(whitened, point, free, variance)
+      logs[side] = CovarianceOf(problem, whitened, point, free, variance)
                        .covariance.diagonal()
                        .array()
                        .max(1e-300)

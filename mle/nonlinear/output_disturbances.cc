@@ -43,6 +43,16 @@ void AppendStep(const std::vector<int>& times, const SegmentStep& step,
   }
 }
 
+void AppendRamp(const std::vector<int>& times, MatrixXd& columns) {
+  const Eigen::Index width = columns.cols();
+  const auto rows = static_cast<Eigen::Index>(times.size());
+  columns.conservativeResize(rows, width + 1);
+  const double length = std::max(times.back() - times.front(), 1);
+  for (Eigen::Index row = 0; row < rows; ++row) {
+    columns(row, width) = (times[row] - times.front()) / length;
+  }
+}
+
 void OutputErrorProblem::AppendDisturbances(int segment,
                                             MatrixXd& columns) const {
   for (const double period : lines_) {
@@ -53,6 +63,7 @@ void OutputErrorProblem::AppendDisturbances(int segment,
       AppendStep(segments_[segment].times, step, columns);
     }
   }
+  if (integrating_) AppendRamp(segments_[segment].times, columns);
 }
 
 OutputErrorProblem::Sizes OutputErrorProblem::DisturbanceSizes(

@@ -53,7 +53,9 @@ OutputFit Report(const OutputSetup& setup,
           .upper = interval.high};
     };
     estimate.gain = parameter(0, initial.gain, values.gain);
-    estimate.time_scale = parameter(1, initial.time_scale, values.time_scale);
+    if (elements[j]->has_time_scale()) {
+      estimate.time_scale = parameter(1, initial.time_scale, values.time_scale);
+    }
     estimate.delay = parameter(2, initial.delay, values.delay);
     if (average.free[j]) {
       estimate.state = ElementState::kFitted;
@@ -93,6 +95,7 @@ double WeightOfOffsets(const std::vector<OutputSetup>& setups,
   if (options.offsets == WindowOffsets::kNever) return 0.0;
   std::vector<OffsetEvidence> evidence(setups.size());
   ParallelFor(static_cast<int>(setups.size()), options.threads, [&](int i) {
+    if (setups[i].problem->is_integrating()) return;
     evidence[i] =
         FindOffsetEvidence(*setups[i].problem, fits[i].point, fits[i].free,
                            fits[i].noise, options.estimate_drift);
@@ -112,18 +115,19 @@ int NumInformed(const std::vector<OutputSetup>& setups) {
   return count;
 }
 
-int NumFree(const std::vector<OutputFit>& fits) {
-  int count = 0;
-  for (const OutputFit& fit : fits) {
-    count +=
-        static_cast<int>(std::count(fit.free.begin(), fit.free.end(), true));
+int NumFreeParameters(const std::vector<OutputSetup>& setups,
+                      const std::vector<OutputFit>& fits) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < fits.size(); ++i) {
+    count += setups[i].problem->FreeParameters(fits[i].free).size();
   }
-  return count;
+  return static_cast<int>(count);
 }
 
 // What fits become over all that may be true of offsets and drift.
 struct AveragedFits {
-  double weight = 1.0;             // of offsets and drift
+  // Of offsets and drift; integrating outputs have them in any case.
+  double weight = 1.0;
   std::vector<OutputFit> without;  // p: neither; unused for a weight of 1
   std::vector<OutputFit> average;  // p
 };
@@ -143,17 +147,18 @@ AveragedFits ReportAll(const std::vector<OutputSetup>& setups,
   averaged.weight = WeightOfOffsets(setups, fits, options);
   averaged.without.resize(setups.size());
   averaged.average.resize(setups.size());
-  const double weight = averaged.weight;
-  fit.offset_weight = weight;
+  fit.offset_weight = averaged.weight;
   const int m = fit.model.num_inputs();
-  const int num_elements = NumFree(fits);
+  const int num_parameters = NumFreeParameters(setups, fits);
   const double noncentrality =
-      num_elements == 0
+      num_parameters == 0
           ? 0.0
           : ChiSquareNoncentrality(0.5 * options.false_alarm_probability,
-                                   3.0 * num_elements, kPower);
+                                   num_parameters, kPower);
   ParallelFor(static_cast<int>(setups.size()), options.threads, [&](int i) {
     const OutputSetup& setup = setups[i];
+    const double weight =
+        setup.problem->is_integrating() ? 1.0 : averaged.weight;
     Mixture mixture;  // of the possible ratios of drift
     if (weight > 0.0) {
       mixture.AddShifted(
@@ -190,8 +195,12 @@ ElementSelection Select(const OutputSetup& setup, const OutputFit& fit,
   std::vector<int> kept;
   std::vector<double> degrees;
   std::vector<double> changes;
+  std::vector<Eigen::Index> missing;
   for (int j = 0; j < setup.problem->num_elements(); ++j) {
     if (!fit.free[j]) continue;
+    if (!setup.problem->elements()[j]->has_time_scale()) {
+      missing.push_back(static_cast<Eigen::Index>(kept.size()) + 1);
+    }
     const ElementValues& a = fit.point.values[j];
     const ElementValues& b = setup.start.values[j];
     for (int k = 0; k < 3; ++k) kept.push_back(3 * j + k);
@@ -201,10 +210,13 @@ ElementSelection Select(const OutputSetup& setup, const OutputFit& fit,
     degrees.push_back(fit.degrees_of_freedom.segment(3 * j, 3).minCoeff());
   }
   MatrixXd covariance = fit.covariance(kept, kept);
-  // What is not determined cannot be told to have changed.
+  // What is not determined cannot be told to have changed; nor can the lag that
+  // an integrator does not have, whose change is 0.
   const double large = 1e12;
   for (Eigen::Index k = 0; k < covariance.rows(); ++k) {
-    if (!std::isfinite(covariance(k, k))) {
+    const bool without =
+        std::find(missing.begin(), missing.end(), k) != missing.end();
+    if (without || !std::isfinite(covariance(k, k))) {
       covariance.row(k).setZero();
       covariance.col(k).setZero();
       covariance(k, k) = large * (1.0 + changes[k] * changes[k]);
@@ -225,11 +237,13 @@ double ChangeStatistic(const std::vector<OutputSetup>& setups,
   const auto sum = [&](const std::vector<OutputFit>& of, bool drift) {
     std::vector<double> statistics(setups.size());
     ParallelFor(static_cast<int>(setups.size()), options.threads, [&](int i) {
-      statistics[i] =
-          ContrastWithFit(*setups[i].problem, setups[i].start, of[i].point,
-                          of[i].free, of[i].noise, drift)
-              .statistic /
-          of[i].inflation.statistic;
+      const bool always = setups[i].problem->is_integrating();
+      const OutputFit& fit = always ? fits[i] : of[i];
+      statistics[i] = ContrastWithFit(*setups[i].problem, setups[i].start,
+                                      fit.point, fit.free, fit.noise,
+                                      always ? options.estimate_drift : drift)
+                          .statistic /
+                      fit.inflation.statistic;
     });
     return std::accumulate(statistics.begin(), statistics.end(), 0.0);
   };
@@ -251,13 +265,12 @@ void Judge(const std::vector<OutputSetup>& setups,
            OutputErrorCorrection& correction) {
   const int p = static_cast<int>(setups.size());
   const int m = setups[0].problem->num_elements();
-  const int num_elements = NumFree(fits);
   const bool given = options.change_given || options.start != nullptr;
-  correction.degrees_of_freedom = 3 * num_elements;
+  correction.degrees_of_freedom = NumFreeParameters(setups, fits);
   if (options.start == nullptr) {
     correction.statistic = ChangeStatistic(setups, fits, averaged, options);
   }
-  if (num_elements == 0) return;
+  if (correction.degrees_of_freedom == 0) return;
   if (options.start == nullptr) {
     correction.p_value =
         ChiSquareTail(correction.statistic, correction.degrees_of_freedom);

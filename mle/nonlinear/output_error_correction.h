@@ -7,7 +7,10 @@
 //
 // output by output, where the noise is white (variance r) plus a random walk
 // (increment variance q per sample, the drift of the plant), q/r estimated from
-// the records, with one offset for each window. Given the past outputs the
+// the records, with one offset for each window. Of an integrating element,
+// K e^{−Ls} g₀(Ts)/s, K is a slope and x the response to what the inputs differ
+// from their first values; its output has one ramp for each window besides, of
+// what these values do not balance. Given the past outputs the
 // inputs carry no information of their own about the noise, so that this is the
 // likelihood of closed-loop records too, whatever the controller.
 //
@@ -69,7 +72,8 @@ struct OutputErrorOptions {
   double max_delay = std::numeric_limits<double>::infinity();
   // Whether the noise may have a random walk in it; if not, it is white.
   bool estimate_drift = true;
-  // The tests always have an offset for each window and drift.
+  // The tests always have an offset for each window and drift, and so have
+  // outputs of which an element integrates.
   WindowOffsets offsets = WindowOffsets::kAveraged;
   // Loss of the residuals, for records with outliers. The noise variance, the
   // intervals and the tests then hold in its first order.
@@ -198,7 +202,8 @@ enum class ElementState {
 struct ElementEstimate {
   ElementState state = ElementState::kAbsent;
   ParameterEstimate gain;
-  ParameterEstimate time_scale;  // the time constant of a first-order element
+  // The time constant of a first-order element; zeros where there is no lag.
+  ParameterEstimate time_scale;
   ParameterEstimate delay;
   // The change of the gain that the test of no change finds nine times of ten,
   // by what the records say of offsets and drift; infinite if not fitted.

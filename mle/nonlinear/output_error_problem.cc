@@ -46,7 +46,9 @@ OutputErrorProblem::OutputErrorProblem(Elements elements,
                                        int output, int skip, int min_rows)
     : elements_(std::move(elements)) {
   for (const auto& element : elements_) {
-    if (element.has_value()) num_modes_ += element->order();
+    if (!element.has_value()) continue;
+    num_modes_ += element->order();
+    integrating_ = integrating_ || element->is_integrating();
   }
   for (std::size_t r = 0; r < records.size(); ++r) {
     const Record& record = records[r];
@@ -71,7 +73,7 @@ OutputErrorProblem::OutputErrorProblem(Elements elements,
         }
       }
       const int rows = static_cast<int>(segment.times.size());
-      if (rows >= std::max(min_rows, num_modes_ + 2)) {
+      if (rows >= std::max(min_rows, num_modes_ + 2 + (integrating_ ? 1 : 0))) {
         segment.inputs =
             record.inputs.middleCols(begin, end - begin).transpose();
         segment.outputs.resize(rows);
@@ -95,6 +97,31 @@ int OutputErrorProblem::shortest_segment() const {
     shortest = std::min(shortest, static_cast<int>(segment.times.size()));
   }
   return shortest;
+}
+
+std::vector<int> OutputErrorProblem::FreeParameters(
+    const std::vector<bool>& free) const {
+  std::vector<int> parameters;
+  for (int j = 0; j < num_elements(); ++j) {
+    if (!free[j]) continue;
+    for (int i = 0; i < 3; ++i) {
+      const bool without =
+          i == 1 && elements_[j].has_value() && !elements_[j]->has_time_scale();
+      if (!without) parameters.push_back(3 * j + i);
+    }
+  }
+  return parameters;
+}
+
+std::vector<int> OutputErrorProblem::FreeColumns(
+    const std::vector<bool>& free) const {
+  const std::vector<int> all = mle::FreeParameters(free);
+  std::vector<int> columns;
+  for (const int parameter : FreeParameters(free)) {
+    columns.push_back(static_cast<int>(
+        std::find(all.begin(), all.end(), parameter) - all.begin()));
+  }
+  return columns;
 }
 
 bool OutputErrorProblem::IsExcited(int input) const {

@@ -12,6 +12,11 @@
 // the state of each element: a_j, one free amplitude for each mode φ_j. So the
 // residuals begin there; the inputs from the segment's begin on are used.
 //
+// Of an integrating element x_j is the response to the inputs less their first
+// values, K_j a slope. Those values, and loads, balance the output or they do
+// not: where an element integrates, the segment has one more free amplitude, of
+// a ramp. What it has integrated before is part of the offset.
+//
 // c goes with the diffuse start of the filter (or is zero, if the noise has no
 // offset), and a_j, linear, is projected
 // out of the whitened residuals (variable projection in Kaufman's form, whose
@@ -43,12 +48,13 @@ struct SegmentStep {
   double lag = 0.0;
 };
 
-// Appends the cosine and the sine of `period` (in samples) at `times`, and a
-// step of size one.
+// Appends the cosine and the sine of `period` (in samples) at `times`, a step
+// of size one, and a ramp from 0 to 1.
 void AppendLine(const std::vector<int>& times, double period,
                 Eigen::MatrixXd& columns);
 void AppendStep(const std::vector<int>& times, const SegmentStep& step,
                 Eigen::MatrixXd& columns);
+void AppendRamp(const std::vector<int>& times, Eigen::MatrixXd& columns);
 
 // Values of all elements of the output, and the sample that each dead time is
 // taken to lie in (whole); an absent element's are unused.
@@ -65,7 +71,7 @@ struct SegmentColumns {
   Eigen::VectorXd residuals;  // rows
   // rows × 3f: by K, ln T, L of each of f free elements in turn.
   Eigen::MatrixXd jacobian;
-  Eigen::MatrixXd amplitudes;  // rows × (Σ r_j + 2 lines + steps)
+  Eigen::MatrixXd amplitudes;  // rows × (Σ r_j + 2 lines + steps + ramp)
 };
 
 // Whitened, without what the amplitudes explain; all segments.
@@ -110,6 +116,13 @@ class OutputErrorProblem {
         std::count_if(elements_.begin(), elements_.end(),
                       [](const auto& element) { return element.has_value(); }));
   }
+  // An element that is present integrates.
+  bool is_integrating() const { return integrating_; }
+  // Of K, T and L of each element (0 … 3m − 1) those of the elements that are
+  // `free` (m); not the T of an integrator without lag, which has none.
+  std::vector<int> FreeParameters(const std::vector<bool>& free) const;
+  // Their columns among the 3f of a Jacobian.
+  std::vector<int> FreeColumns(const std::vector<bool>& free) const;
   int num_segments() const { return static_cast<int>(segments_.size()); }
   double sample_time() const { return sample_time_; }
   int num_samples() const { return num_samples_; }
@@ -168,7 +181,7 @@ class OutputErrorProblem {
   void Respond(const Segment& segment, const OutputPoint& point, int j,
                Eigen::MatrixXd& response, bool derivatives = true) const;
   // The free responses of element j (rows × r_j) and their derivatives by its
-  // ln T; the same appended; the columns of lines and steps.
+  // ln T; the same appended; the columns of lines, steps and a ramp.
   void Modes(const Segment& segment, const OutputPoint& point, int j,
              Eigen::Ref<Eigen::MatrixXd> columns,
              Eigen::Ref<Eigen::MatrixXd> derivatives) const;
@@ -209,8 +222,8 @@ class OutputErrorProblem {
                              const std::vector<std::vector<int>>& delays) const;
 
  private:
-  // rows × (Σ r_j + 2 lines + steps), and the derivatives of the first Σ r_j by
-  // the ln T of their element.
+  // rows × (Σ r_j + 2 lines + steps + ramp), and the derivatives of the first
+  // Σ r_j by the ln T of their element.
   void Amplitudes(int segment, const OutputPoint& point,
                   Eigen::MatrixXd& columns, Eigen::MatrixXd& derivatives) const;
   // Of least squares under noise of `shape`.
@@ -222,6 +235,7 @@ class OutputErrorProblem {
   double sample_time_ = 0.0;
   int num_samples_ = 0;
   int num_modes_ = 0;  // Σ r_j
+  bool integrating_ = false;
   double total_squares_ = 0.0;
   std::vector<double> lines_;
   std::unique_ptr<OutputErrorProblem> at_rest_;

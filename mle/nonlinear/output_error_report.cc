@@ -119,11 +119,14 @@ StepResponse OutputErrorFit::StepResponseErrors(double sample_time,
       if (estimate.state != ElementState::kFitted) continue;
       const auto response = ElementResponse::Create(model.element(i, j));
       if (!response.ok()) continue;  // A gain of exactly 0 has no shape.
+      ElementValues values = response->initial_values();
+      values.gain = estimate.gain.value;
+      values.delay = estimate.delay.value;
+      if (response->has_time_scale()) {
+        values.time_scale = estimate.time_scale.value;
+      }
       const MatrixXd columns =
-          StepDerivatives(*response,
-                          {estimate.gain.value, estimate.time_scale.value,
-                           estimate.delay.value},
-                          sample_time, samples);
+          StepDerivatives(*response, values, sample_time, samples);
       const MatrixXd own = covariances[i].block(3 * j, 3 * j, 3, 3);
       errors.element(i, j) = (columns * own)
                                  .cwiseProduct(columns)

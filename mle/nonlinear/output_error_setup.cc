@@ -17,6 +17,8 @@ constexpr int kMinRows = 20;
 constexpr double kMaxSkippedShare = 0.25;
 // T in samples: a faster element cannot be told from a jump.
 constexpr double kMinTimeScaleSamples = 0.05;
+// Of an integrator without lag, at least: what its dead time is searched by.
+constexpr double kTimeScaleSamples = 10.0;
 
 std::string Name(const ProcessModel& model, int i, int j) {
   return absl::StrCat("output-error correction: element of output \"",
@@ -132,7 +134,11 @@ absl::StatusOr<OutputSetup> SetUpOutput(const ProcessModel& model, int i,
       return absl::InvalidArgumentError(
           absl::StrCat(Name(model, i, j), ": ", element.status().message()));
     }
-    const ElementValues& initial = element->initial_values();
+    ElementValues initial = element->initial_values();
+    if (!element->has_time_scale()) {
+      initial.time_scale =
+          std::max(initial.time_scale, kTimeScaleSamples * sample_time);
+    }
     setup.start.values[j] = initial;
     MLE_ASSIGN_OR_RETURN(setup.bounds.max_delays[j],
                          MaxDelay(model, i, j, initial, records, options));
@@ -143,7 +149,7 @@ absl::StatusOr<OutputSetup> SetUpOutput(const ProcessModel& model, int i,
     setup.bounds.max_time_scales[j] =
         initial.time_scale * options.max_time_scale_factor;
     longest = std::max(longest, setup.bounds.max_delays[j]);
-    num_parameters += 3;
+    num_parameters += element->has_time_scale() ? 3 : 2;
     elements[j] = *std::move(element);
   }
   MLE_RETURN_IF_ERROR(CheckMagnitudes(model, i, records, setup.start.values));

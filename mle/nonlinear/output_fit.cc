@@ -92,8 +92,8 @@ void FillIn(const OutputErrorProblem& problem,
   const std::vector<SegmentColumns> columns =
       LineariseWidely(problem, fit.point, fit.free, fit.noise);
   const OutputCovariance covariance =
-      CovarianceOf(problem.Whiten(columns, ShapeOf(fit.noise)), fit.point,
-                   fit.free, fit.noise.variance);
+      CovarianceOf(problem, problem.Whiten(columns, ShapeOf(fit.noise)),
+                   fit.point, fit.free, fit.noise.variance);
   fit.inflation = InflationOf(problem, fit.point, columns, fit.free,
                               ShapeOf(fit.noise), LongestMemory(problem, fit));
   fit.noise.inflation = fit.inflation.statistic;
@@ -110,7 +110,7 @@ void FillIn(const OutputErrorProblem& problem,
   certificate.condition = covariance.condition;
   certificate.rank = covariance.rank;
   certificate.num_parameters =
-      3 * static_cast<int>(std::count(fit.free.begin(), fit.free.end(), true));
+      static_cast<int>(problem.FreeParameters(fit.free).size());
   fit.certificate = certificate;
 }
 
@@ -175,15 +175,17 @@ OutputFit FitOutputFrom(const OutputPoint& start, const std::vector<bool>& free,
     if (!free[j]) continue;
     const ElementEstimate& element = options.start->element(i, j);
     if (element.state != ElementState::kFitted) continue;
-    fit.point.values[j] = {
-        element.gain.value,
+    ElementValues& values = fit.point.values[j];
+    values.gain = element.gain.value;
+    values.delay = std::clamp(element.delay.value, 0.0, bounds.max_delays[j]);
+    if (!problem.elements()[j]->has_time_scale()) continue;
+    values.time_scale =
         std::clamp(element.time_scale.value, bounds.min_time_scales[j],
-                   bounds.max_time_scales[j]),
-        std::clamp(element.delay.value, 0.0, bounds.max_delays[j])};
+                   bounds.max_time_scales[j]);
   }
   fit.point.SetCells(problem.sample_time());
   fit.certificate.num_parameters =
-      static_cast<int>(FreeParameters(free).size());
+      static_cast<int>(problem.FreeParameters(free).size());
   if (fit.certificate.num_parameters == 0) {
     fit.certificate = NothingFree();
   }

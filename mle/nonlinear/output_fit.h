@@ -40,7 +40,8 @@ struct OutputFit {
   std::vector<bool> free;  // m
   NoiseEstimate noise;
   // 3m × 3m, by K, T, L of each element; zero for elements that are not free,
-  // infinite on the diagonal of what the records do not determine.
+  // infinite on the diagonal of what the records do not determine, zero for
+  // the T of an integrator without lag.
   Eigen::MatrixXd covariance;
   // What correlation that the noise shape leaves does to both tests and
   // covariance, which has it in it.
@@ -183,7 +184,8 @@ struct OutputCovariance {
 };
 
 // The same from whitened columns of all parameters, for r = `variance`.
-OutputCovariance CovarianceOf(const WhitenedColumns& whitened,
+OutputCovariance CovarianceOf(const OutputErrorProblem& problem,
+                              const WhitenedColumns& whitened,
                               const OutputPoint& point,
                               const std::vector<bool>& free, double variance);
 

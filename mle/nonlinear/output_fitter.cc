@@ -227,8 +227,11 @@ void Fitter::SetBounds(const OutputPoint& point, int j,
   problem.SetParameterUpperBound(block, 1, max_log);
   problem.SetParameterLowerBound(block, 2, low);
   problem.SetParameterUpperBound(block, 2, end);
-  if (!options.held.empty() && options.held[j]) {
-    problem.SetManifold(block, new ceres::SubsetManifold(3, {2}));
+  std::vector<int> constant;
+  if (!problem_.elements()[j]->has_time_scale()) constant.push_back(1);
+  if (!options.held.empty() && options.held[j]) constant.push_back(2);
+  if (!constant.empty()) {
+    problem.SetManifold(block, new ceres::SubsetManifold(3, constant));
   }
 }
 

@@ -97,14 +97,18 @@ VectorXd RunningMedian(const VectorXd& values) {
   return medians;
 }
 
-// The free responses of all elements over `samples` samples, side by side.
+// The free responses of all elements over `samples` samples, side by side, and
+// of an integrating output a ramp.
 MatrixXd FreeResponses(const Elements& elements, double sample_time,
                        Index samples) {
   Index order = 0;
+  bool integrating = false;
   for (const auto& element : elements) {
-    if (element.has_value()) order += element->order();
+    if (!element.has_value()) continue;
+    order += element->order();
+    integrating = integrating || element->is_integrating();
   }
-  MatrixXd modes(samples, order);
+  MatrixXd modes(samples, order + (integrating ? 1 : 0));
   MatrixXd derivatives(samples, order);
   Index begin = 0;
   for (const auto& element : elements) {
@@ -115,6 +119,7 @@ MatrixXd FreeResponses(const Elements& elements, double sample_time,
                            derivatives.middleCols(begin, own));
     begin += own;
   }
+  if (integrating) modes.col(begin).setLinSpaced(samples, 0.0, 1.0);
   return modes;
 }
 

@@ -94,8 +94,12 @@ OutputFit StartOf(const OutputSetup& setup, const OutputErrorFit& fit, int i) {
     const ElementEstimate& element = fit.element(i, j);
     if (element.state != ElementState::kFitted) continue;
     start.free[j] = true;
-    start.point.values[j] = {element.gain.value, element.time_scale.value,
-                             element.delay.value};
+    ElementValues& values = start.point.values[j];
+    values.gain = element.gain.value;
+    values.delay = element.delay.value;
+    if (setup.problem->elements()[j]->has_time_scale()) {
+      values.time_scale = element.time_scale.value;
+    }
   }
   start.point.SetCells(setup.problem->sample_time());
   return start;

@@ -21,7 +21,7 @@ LinearEstimate AtRatio(const OutputErrorProblem& problem, const OutputFit& fit,
   const WhitenedColumns whitened = problem.Whiten(columns, shape);
   LinearEstimate estimate;
   estimate.covariance =
-      CovarianceOf(whitened, fit.point, fit.free, variance).covariance;
+      CovarianceOf(problem, whitened, fit.point, fit.free, variance).covariance;
   // A step of Gauss and Newton, V Jᵀ(−r)/r with V/r in units of K, T and L.
   VectorXd gradient = VectorXd::Zero(estimate.covariance.rows());
   gradient(FreeParameters(fit.free)) =

@@ -79,13 +79,13 @@ SerialInflation InflationOf(const OutputErrorProblem& problem,
   const auto m = static_cast<Eigen::Index>(free.size());
   SerialInflation inflation;
   inflation.variances = VectorXd::Ones(3 * m);
-  const std::vector<int> kept = FreeParameters(free);
+  const std::vector<int> kept = problem.FreeParameters(free);
   longest = std::min(
       longest, static_cast<int>(kMaxLagShare * problem.shortest_segment()));
   if (kept.empty() || longest < 1) return inflation;
   const WhitenedColumns whitened = problem.Whiten(columns, shape);
   // X: orthonormal columns that span J, then e less what they explain.
-  MatrixXd J = whitened.jacobian;
+  MatrixXd J = whitened.jacobian(Eigen::all, problem.FreeColumns(free));
   const VectorXd norms = J.colwise().norm().cwiseMax(1e-300);
   J *= norms.cwiseInverse().asDiagonal();
   // J T is orthonormal; row i of T is what parameter i takes of its columns.

@@ -128,10 +128,12 @@ TEST_F(MleCorrectModelForms, NamesWhatIsWrongWithStepResponses) {
   const std::string poor =
       example_.scratch.Write("poor.csv", FormatStepResponseCsv(bent));
   ExpectRefused(poor, {"--model", poor, "y2 ← u1", "% of its range at"});
-  const std::string ramp = example_.scratch.Write(
-      "ramp.csv",
-      absl::StrReplaceAll(text, {{"time,y2", "ramp,y1/u2\ntime,y2"}}));
-  ExpectRefused(ramp, {"--model", "y1 ← u2 ends in a ramp"});
+  StepResponseModel flat = StepResponses(ModelOf(Heater()));
+  flat.pairs[1].coefficients.setOnes();
+  flat.pairs[1].is_ramp = true;
+  const std::string ramp =
+      example_.scratch.Write("ramp.csv", FormatStepResponseCsv(flat));
+  ExpectRefused(ramp, {"--model", "y2 ← u1", "ramp without a slope"});
 }
 
 TEST_F(MleCorrectModelForms, TablesOfElementsAreCorrected) {

@@ -288,6 +288,40 @@ TEST(AgeingPlantTest, OldPlantsAreTheAgedModel) {
             1e-8 * expected.norm());
 }
 
+// The slope is γ K; τ stretches the lag alone, and what has been integrated
+// stays.
+TEST(AgeingPlantTest, AnAgeingIntegratorKeepsItsLevel) {
+  const double K = 0.5, T = 2.0;
+  const ProcessModel model =
+      SingleLoop(TransferFunction::Integrator(K, T, 0.0));
+  const AgeingSchedule event = {
+      {{.gain = Points({{40.0, 1.0}, {40.0, 0.6}}),
+        .time_constant = Points({{40.0, 1.0}, {40.0, 3.0}})}}};
+  AgeingPlant plant = Make(model, event, {.sample_time = 1.0});
+  const MatrixXd y = Simulate(plant, MatrixXd::Ones(1, 120));
+  // Long before: K (t − T); long after the lag stands at its new value.
+  EXPECT_NEAR(y(40), K * (40.0 - T), 1e-6);
+  EXPECT_NEAR(y(41) - y(40), 0.6 * K, 1e-6);
+  EXPECT_NEAR(y(110) - y(109), 0.6 * K, 1e-6);
+
+  AgeingSchedule old = {{{.gain = Schedule(0.6),
+                          .time_constant = Schedule(3.0),
+                          .delay = Schedule(0.5)}}};
+  const TransferFunction aged =
+      AgedElement(model.element(0, 0), old.elements[0], 0.0);
+  EXPECT_NEAR(aged.StaticGain(), 0.6 * K, 1e-15);
+  EXPECT_NEAR(aged.SlowestTimeConstant(), 3.0 * T, 1e-14);
+  AgeingPlant aged_plant = Make(model, old, {.sample_time = 1.0});
+  const MatrixXd z = Simulate(aged_plant, MatrixXd::Ones(1, 60));
+  const VectorXd expected = aged.StepResponse(1.0, 60);
+  // Of the integration, relative to a level of 20.
+  EXPECT_LE((z.row(0).transpose() - expected).cwiseAbs().maxCoeff(), 1e-6);
+
+  old.elements[0].falling = 2.0;
+  EXPECT_THAT(std::string(old.Validate(model).message()),
+              HasSubstr("integrates"));
+}
+
 TEST(AgeingPlantTest, WithoutAgeingItIsThePlant) {
   const ProcessModel model = MixedModel();
   AgeingPlant plant = Make(model, {});

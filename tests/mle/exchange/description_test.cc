@@ -109,15 +109,47 @@ TEST(Describe, DoesNotDependOnUnits) {
   }
 }
 
-TEST(Describe, RefusesRamps) {
+// Pairs that end in a ramp, in any unit, beside one that settles.
+TEST(Describe, RampsAreIntegrators) {
+  for (const double scale : {1.0, 1e-9}) {
+    StepResponseModel model = ModelOf(
+        {TransferFunction::Integrator(-0.4 * scale, 0.0, 0.6),
+         TransferFunction::Integrator(0.3 * scale, 4.0, 1.3),
+         // Two lags, and a lag that settles beside an integrator.
+         TransferFunction({0.2 * scale}, {12.0, 7.0, 1.0, 0.0}, 2.0),
+         TransferFunction({3.2 * scale, 0.2 * scale}, {4.0, 1.0, 0.0}, 1.0),
+         TransferFunction::FirstOrder(4.0 * scale, 10.0, 2.0)},
+        1.0, 60);
+    for (int j = 0; j < 4; ++j) model.pairs[j].is_ramp = true;
+    const absl::StatusOr<Description> description = Describe(model);
+    ASSERT_TRUE(description.ok()) << description.status();
+    const ProcessModel& found = description->process;
+    EXPECT_TRUE(found.element(0, 0).IsIntegratorWithLag());
+    EXPECT_EQ(found.element(0, 0).TimeConstant(), 0.0);
+    EXPECT_NEAR(found.element(0, 0).StaticGain() / scale, -0.4, 1e-4);
+    EXPECT_NEAR(found.element(0, 0).delay(), 0.6, 1e-2);
+    EXPECT_NEAR(found.element(0, 1).StaticGain() / scale, 0.3, 1e-6);
+    EXPECT_NEAR(found.element(0, 1).TimeConstant(), 4.0, 1e-4);
+    EXPECT_NEAR(found.element(0, 1).delay(), 1.3, 1e-4);
+    for (int j = 0; j < 4; ++j) {
+      EXPECT_TRUE(found.element(0, j).IsIntegrating());
+      EXPECT_LT(description->pairs[j].largest_difference, 2e-3) << j;
+    }
+    EXPECT_NEAR(found.element(0, 2).StaticGain() / scale, 0.2, 2e-3);
+    EXPECT_NEAR(found.element(0, 3).StaticGain() / scale, 0.2, 2e-3);
+    EXPECT_FALSE(found.element(0, 4).IsIntegrating());
+  }
+}
+
+TEST(Describe, RefusesARampWithoutASlope) {
   StepResponseModel model =
       ModelOf({TransferFunction::FirstOrder(4.0, 10.0, 2.0),
-               TransferFunction::FirstOrder(2.0, 10.0, 2.0)},
+               TransferFunction({0.5}, {1.0}, 4.0)},
               1.0, 60);
   model.pairs[1].is_ramp = true;
   const std::string message(Describe(model).status().message());
-  EXPECT_THAT(message,
-              AllOf(HasSubstr("y ← u2 ends in a ramp"), Not(HasSubstr("u1"))));
+  EXPECT_THAT(message, AllOf(HasSubstr("y ← u2"), HasSubstr("without a slope"),
+                             Not(HasSubstr("u1"))));
 }
 
 }  // namespace

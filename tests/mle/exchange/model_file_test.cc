@@ -31,9 +31,10 @@ TEST(ModelFile, TellsFormsApart) {
   EXPECT_EQ(json->form, ModelForm::kStepResponses);
   EXPECT_EQ(json->type, ModelFileType::kJson);
   EXPECT_EQ(CorrectedName(*json), "model_corrected.json");
-  EXPECT_THAT(
-      std::string(ParseModelFile(kTankJson, "tank.json").status().message()),
-      AllOf(HasSubstr("tank.json"), HasSubstr("ramp")));
+  const absl::StatusOr<ModelFile> ramp = ParseModelFile(kTankJson, "tank.json");
+  ASSERT_TRUE(ramp.ok()) << ramp.status();
+  EXPECT_FALSE(ramp->process.element(0, 0).IsIntegrating());
+  EXPECT_TRUE(ramp->process.element(0, 1).IsIntegrating());
   EXPECT_THAT(std::string(ParseModelFile("x", "a.json").status().message()),
               HasSubstr("a.json: line 1"));
   EXPECT_THAT(std::string(ReadModelFile("/no/a.csv").status().message()),

@@ -49,6 +49,28 @@ TEST(ExactArxTest, FreeRunsAndStaticGainsAreThoseOfTheModel) {
   }
 }
 
+// Levels: an integrator without lag, one with lag, one that settles beside
+// them; and an output that settles.
+TEST(ExactArxTest, LevelsKeepAnExactIntegrator) {
+  ProcessModel model = Column();
+  model.element(0, 0) = TransferFunction::Integrator(-0.4, 0.0, 0.6);
+  model.element(0, 1) = TransferFunction::Integrator(0.3, 4.0, 1.33);
+  model.element(0, 2) = TransferFunction::FirstOrder(2.0, 6.0, 1.0);
+  for (const double sample_time : {0.2, 1.0}) {
+    const ExactArx exact = ArxOfModel(model, sample_time, {});
+    EXPECT_LT(exact.errors.maxCoeff(), 1e-8) << sample_time;
+    // The pole at 1 is exact but for the rounding of the sum.
+    EXPECT_NEAR(PastOutputs(exact.model, 0).sum(), 1.0, 1e-14);
+    EXPECT_LT(PastOutputs(exact.model, 1).sum(), 1.0 - 1e-6);
+    const int samples = 10 * exact.model.order + 2000;
+    const StepResponse run = exact.model.ComputeStepResponse(samples);
+    const StepResponse wanted = model.ComputeStepResponse(sample_time, samples);
+    // Relative to a level of hundreds.
+    EXPECT_LT((run.values - wanted.values).cwiseAbs().maxCoeff(), 1e-6)
+        << sample_time;
+  }
+}
+
 TEST(ExactArxTest, OneModeHasTheShortestCoefficients) {
   ProcessModel tank("tank", "min", {{"u", ""}}, {{"y", ""}});
   tank.element(0, 0) = TransferFunction::FirstOrder(2.0, 5.0, 1.0);

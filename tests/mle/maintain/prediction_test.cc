@@ -3,6 +3,7 @@
 #include <cmath>
 #include <vector>
 
+#include "Eigen/QR"
 #include "gtest/gtest.h"
 #include "mle/base/random.h"
 #include "mle/model/process_simulator.h"
@@ -64,6 +65,66 @@ TEST(PredictionTest, WithoutNoiseNothingIsLeft) {
   for (const int horizon : {1, 7, 0}) {
     EXPECT_LT(MeanSquare(predictor(record, horizon)), 1e-12) << horizon;
   }
+}
+
+ProcessModel Sump() {
+  ProcessModel model = Tank();
+  model.element(0, 0) = TransferFunction::Integrator(0.2, 3.0, 1.3);
+  return model;
+}
+
+Record SumpRecord(double noise) {
+  Record record = Step(0.0, 0.0);
+  record.outputs = *SimulateResponse(Sump(), record.sample_time, record.inputs);
+  GaussianNoise generator(2, 0);
+  for (double& y : record.outputs.row(0)) y += generator.Draw(noise);
+  return record;
+}
+
+// What balances a level is not known, nor where it begins.
+TEST(PredictionTest, RampsOfALevelAreNoErrors) {
+  const InputResponse response = *ResponseOf(Sump(), 0.5);
+  ASSERT_EQ(response.integrating, std::vector<bool>{true});
+  const Predictor predictor = PredictWithLevel(response, Ratio(0.01));
+  const Record record = SumpRecord(0.1);
+  Record ramped = record;
+  for (int k = 0; k < 400; ++k) ramped.outputs(0, k) += 5.0 - 0.3 * k;
+  for (const int horizon : {1, 7, 0}) {
+    const Eigen::MatrixXd errors = predictor(record, horizon);
+    const Eigen::MatrixXd others = predictor(ramped, horizon);
+    int known = 0;
+    for (int k = 0; k < 400; ++k) {
+      ASSERT_EQ(std::isfinite(errors(0, k)), std::isfinite(others(0, k)));
+      if (!std::isfinite(errors(0, k))) continue;
+      // Ramps of hundreds lose digits.
+      EXPECT_NEAR(errors(0, k), others(0, k), 1e-9) << horizon;
+      ++known;
+    }
+    EXPECT_GT(known, 300);
+  }
+  EXPECT_NEAR((*FitLevelRatios(response, {record}))(0),
+              (*FitLevelRatios(response, {ramped}))(0), 1e-9);
+}
+
+// Without a walk the level is the line through all errors so far.
+TEST(PredictionTest, WithoutAWalkALevelFollowsTheLineOfLeastSquares) {
+  const InputResponse response = *ResponseOf(Sump(), 0.5);
+  const Record record = SumpRecord(0.1);
+  const Eigen::RowVectorXd e =
+      record.outputs.row(0) -
+      SimulateResponse(Sump(), 0.5, record.inputs)->row(0);
+  const Eigen::MatrixXd errors =
+      PredictWithLevel(response, Ratio(0.0))(record, 1);
+  const int first = response.forgetting;
+  for (int k = first + 2; k < 60; ++k) {
+    const int n = k - first;
+    Eigen::MatrixXd line(n, 2);
+    line << Eigen::VectorXd::Ones(n), Eigen::VectorXd::LinSpaced(n, 0.0, n - 1);
+    const Eigen::Vector2d fit =
+        line.colPivHouseholderQr().solve(e.segment(first, n).transpose());
+    EXPECT_NEAR(errors(0, k), e(k) - fit(0) - n * fit(1), 1e-10) << k;
+  }
+  EXPECT_TRUE(std::isnan(errors(0, first + 1)));
 }
 
 TEST(PredictionTest, OneStepAheadIsTheStationaryKalmanFilter) {

@@ -30,6 +30,22 @@ WhitenedData Data(double walk, double noise, std::uint64_t seed) {
   return data;
 }
 
+// A ramp and a level of an output become an offset of its increments.
+TEST(WhitenedFitTest, IncrementsTurnRampsIntoOffsets) {
+  WhitenedData data;
+  data.outputs.push_back(Eigen::VectorXd::LinSpaced(5, 7.0, 15.0));
+  data.responses.emplace_back(Eigen::MatrixXd::Random(5, 2));
+  const WhitenedData increments = Increments(data);
+  EXPECT_EQ(increments.outputs[0](0), 0.0);
+  EXPECT_LT((increments.outputs[0].tail(4).array() - 2.0).abs().maxCoeff(),
+            1e-14);
+  for (int k = 1; k < 5; ++k) {
+    EXPECT_EQ(increments.responses[0].row(k),
+              data.responses[0].row(k) - data.responses[0].row(k - 1));
+  }
+  EXPECT_TRUE(increments.responses[0].row(0).isZero(0.0));
+}
+
 // At every seed within 4 standard errors, which are about the deviation of the
 // estimates.
 TEST(WhitenedFitTest, FindsGainsAndTheirErrors) {

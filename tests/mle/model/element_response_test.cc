@@ -55,7 +55,10 @@ const std::vector<TransferFunction>& Elements() {
       TransferFunction::FirstOrder(2.0, 0.05, 0.0),
       TransferFunction({2.0}, {48.0, 16.0, 1.0}, 1.13),
       TransferFunction({-6.0, 3.0}, {6.0, 5.0, 1.0}, 0.4),
-      TransferFunction({1.0}, {4.0, 0.8, 1.0}, 2.5)};
+      TransferFunction({1.0}, {4.0, 0.8, 1.0}, 2.5),
+      TransferFunction::Integrator(-0.4, 0.0, 0.7),
+      TransferFunction::Integrator(0.6, 3.0, 1.13),
+      TransferFunction({4.0, 6.0}, {5.0, 7.0, 2.0, 0.0}, 0.4)};
   return elements;
 }
 
@@ -82,8 +85,8 @@ TEST(ElementResponseTest, AnyInputIsASumOfSteps) {
     const ElementValues& values = response.initial_values();
     const VectorXd step = element.StepResponse(kSampleTime, kSamples);
     const double past = 0.7;
-    VectorXd expected =
-        VectorXd::Constant(kSamples, element.StaticGain() * past);
+    VectorXd expected = VectorXd::Constant(
+        kSamples, element.IsIntegrating() ? 0.0 : element.StaticGain() * past);
     for (int k = 0; k < kSamples; ++k) {
       const double move = inputs(k) - (k == 0 ? past : inputs(k - 1));
       expected.tail(kSamples - k) += move * step.head(kSamples - k);
@@ -179,14 +182,21 @@ TEST(ElementResponseTest, FreeResponsesMakeUpForForgottenInputs) {
     MatrixXd modes(count - skip, response.order());
     MatrixXd derivatives = modes;
     response.FreeResponses(v.time_scale, kSampleTime, modes, derivatives);
-    const VectorXd missing = (whole - part).tail(count - skip);
+    VectorXd missing = (whole - part).tail(count - skip);
+    if (response.is_integrating()) {
+      // A level, and the ramp of what was a balance before.
+      modes.conservativeResize(Eigen::NoChange, response.order() + 2);
+      modes.rightCols<2>() << VectorXd::Ones(count - skip),
+          VectorXd::LinSpaced(count - skip, 0.0, 1.0);
+    }
     const VectorXd amplitudes = modes.colPivHouseholderQr().solve(missing);
     EXPECT_LT((modes * amplitudes - missing).norm(), 1e-9);
 
+    if (response.order() == 0) continue;
     const double h = 1e-5;
-    MatrixXd later = modes;
-    MatrixXd sooner = modes;
-    MatrixXd unused = modes;
+    MatrixXd later = derivatives;
+    MatrixXd sooner = derivatives;
+    MatrixXd unused = derivatives;
     response.FreeResponses(v.time_scale * std::exp(h), kSampleTime, later,
                            unused);
     response.FreeResponses(v.time_scale * std::exp(-h), kSampleTime, sooner,
@@ -224,8 +234,10 @@ TEST(ElementResponseTest, SaysWhatItCannotFit) {
   EXPECT_THAT(message(TransferFunction()), HasSubstr("zero"));
   EXPECT_THAT(message(TransferFunction({2.0, 1.0}, {3.0, 1.0}, 0.0)),
               HasSubstr("feedthrough"));
-  EXPECT_THAT(message(TransferFunction({1.0}, {1.0, 0.0}, 0.0)),
+  EXPECT_THAT(message(TransferFunction({1.0}, {1.0, 0.0, 0.0}, 0.0)),
               HasSubstr("pole"));
+  EXPECT_THAT(message(TransferFunction({1.0, 2.0}, {1.0, 0.0}, 0.0)),
+              HasSubstr("feedthrough"));
 }
 
 }  // namespace

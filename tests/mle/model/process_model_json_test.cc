@@ -75,6 +75,61 @@ TEST(ParseProcessModelTest, ReadsBothForms) {
   EXPECT_EQ(model->element(0, 1).denominator().size(), 3u);
 }
 
+std::string WithIntegrator(const std::string& dynamics) {
+  return absl::StrReplaceAll(
+      kValid, {{"\"gain\": 12.8, \"time_constant\": 16.7", dynamics}});
+}
+
+TEST(ParseProcessModelTest, ReadsIntegrators) {
+  const auto g = [](const std::string& dynamics) {
+    const auto model =
+        ParseProcessModel(WithIntegrator(dynamics), "plant.json");
+    EXPECT_TRUE(model.ok()) << model.status();
+    if (!model.ok()) return TransferFunction();
+    // And back.
+    const auto again = ParseProcessModel(FormatProcessModel(*model), "again");
+    EXPECT_TRUE(again.ok()) << again.status();
+    if (again.ok()) ExpectSame(*model, *again);
+    return model->element(0, 0);
+  };
+  const auto pure = g(R"("gain": -0.4, "integrating": true)");
+  EXPECT_TRUE(pure.IsIntegrating());
+  EXPECT_EQ(pure.StaticGain(), -0.4);
+  EXPECT_EQ(pure.TimeConstant(), 0.0);
+  const auto lag =
+      g(R"("gain": -0.4, "time_constant": 3, "integrating": true)");
+  EXPECT_TRUE(lag.IsIntegrating());
+  EXPECT_EQ(lag.StaticGain(), -0.4);
+  EXPECT_EQ(lag.TimeConstant(), 3.0);
+  const auto rational =
+      g(R"("numerator": [2, 6], "denominator": [5, 7, 2, 0])");
+  EXPECT_TRUE(rational.IsIntegrating());
+  EXPECT_EQ(rational.StaticGain(), 3.0);
+  EXPECT_FALSE(g(R"("gain": 2, "time_constant": 3, "integrating": false)")
+                   .IsIntegrating());
+}
+
+TEST(ParseProcessModelTest, IntegratorsOfNoFormAreErrors) {
+  const auto message = [](const std::string& dynamics) {
+    const auto model =
+        ParseProcessModel(WithIntegrator(dynamics), "plant.json");
+    EXPECT_TRUE(absl::IsInvalidArgument(model.status())) << dynamics;
+    return std::string(model.status().message());
+  };
+  EXPECT_THAT(message(R"("numerator": [1], "denominator": [2, 1, 0],
+                         "integrating": true)"),
+              AllOf(HasSubstr("elements[0]"), HasSubstr("ends with 0")));
+  EXPECT_THAT(message(R"("gain": 2, "integrating": false)"),
+              HasSubstr("has gain"));
+  EXPECT_THAT(message(R"("gain": 2, "integrating": 1)"),
+              HasSubstr("integrating"));
+  EXPECT_THAT(message(R"("gain": 2, "time_constant": -1,
+                         "integrating": true)"),
+              HasSubstr("time_constant"));
+  EXPECT_THAT(message(R"("numerator": [1], "denominator": [1, 0, 0])"),
+              HasSubstr("more than one pole at s = 0"));
+}
+
 TEST(ParseProcessModelTest, AbsentPairIsZero) {
   const auto model = ParseProcessModel(
       R"({"name": "", "time_unit": "s", "inputs": [{"name": "u", "unit": ""}],
@@ -171,7 +226,7 @@ TEST(ParseProcessModelTest, ValuesOutOfRangeAreNamed) {
   EXPECT_THAT(MessageWith("16.7", "-16.7"), HasSubstr("is the number -16.7"));
   EXPECT_THAT(MessageWith("8.1", "-8.1"),
               HasSubstr("elements[1]: delay is -8.1"));
-  EXPECT_THAT(MessageWith("[74.5, 29.9, 1]", "[74.5, 29.9, 0]"),
+  EXPECT_THAT(MessageWith("[74.5, 29.9, 1]", "[74.5, 0, 0]"),
               HasSubstr("elements[1]: denominator"));
   EXPECT_THAT(MessageWith("[-4, 3.8]", "[1, 2, 3, 4]"), HasSubstr("proper"));
   EXPECT_THAT(MessageWith("\"disturbance\"", "\"nuisance\""),

@@ -172,6 +172,23 @@ TEST(SimulateResponseTest, StartsSettledAtTheFirstInputs) {
 }
 
 // Where the past is long enough, it does not matter that it was settled.
+// A level stands still at the inputs that it begins with, whatever these are.
+TEST(SimulateResponseTest, TheFirstInputsBalanceALevel) {
+  const ProcessModel model =
+      SingleLoop(TransferFunction::Integrator(0.5, 2.0, 0.7));
+  MatrixXd inputs = RandomInputs(3, 1, 60);
+  inputs(0) = 0.0;
+  const auto around_zero = SimulateResponse(model, 0.2, inputs);
+  const auto around_nine =
+      SimulateResponse(model, 0.2, (inputs.array() + 9.0).matrix());
+  ASSERT_TRUE(around_zero.ok() && around_nine.ok());
+  // 9 plus an input of size 1 keeps its digits to 9e-16.
+  EXPECT_LE((*around_zero - *around_nine).cwiseAbs().maxCoeff(), 1e-13);
+  EXPECT_EQ((*around_zero)(0), 0.0);
+  EXPECT_TRUE(SimulateResponse(model, 0.2, MatrixXd::Constant(1, 50, 9.0))
+                  ->isZero(0.0));
+}
+
 TEST(SimulateResponseTest, GoesOnFromTheSettledState) {
   MatrixXd inputs = RandomInputs(3, 3, 400);
   inputs.leftCols(300).colwise() = Eigen::Vector3d(0.5, -2.0, 1.0);

@@ -99,9 +99,9 @@ TEST(TransferFunctionTest, ValidateSaysWhatIsWrong) {
 
 TEST(TransferFunctionTest, UnstableIsInvalid) {
   const std::vector<std::vector<double>> unstable = {
-      {1.0, 0.0},                 // Integrator.
-      {0.0, 1.0, 1.0, 0.0},       // Integrator and lag.
       {-5.0, 1.0},                // Pole at 0.2.
+      {-5.0, 1.0, 0.0},           // And an integrator.
+      {1.0, 0.0, 1.0, 0.0},       // Undamped, and an integrator.
       {1.0, -1.0, 1.0},           // Growing oscillation.
       {1.0, 0.0, 1.0},            // Undamped.
       {1.0, 1.0, 1.0, 1.0},       // (s² + 1)(s + 1): all signs agree.
@@ -114,6 +114,56 @@ TEST(TransferFunctionTest, UnstableIsInvalid) {
     EXPECT_THAT(Message(g), HasSubstr("left half-plane"))
         << ::testing::PrintToString(denominator);
   }
+}
+
+TEST(TransferFunctionTest, OnePoleAtZeroIsAnIntegrator) {
+  const TransferFunction g({4.0, 6.0}, {5.0, 7.0, 2.0, 0.0}, 0.5);
+  EXPECT_TRUE(g.Validate().ok()) << g.Validate();
+  EXPECT_EQ(g.IntegrationOrder(), 1);
+  EXPECT_FALSE(g.IsIntegratorWithLag());
+  EXPECT_EQ(g.StaticGain(), 3.0);  // 6/2, a slope.
+  // 5 s² + 7 s + 2 = (5 s + 2)(s + 1).
+  EXPECT_NEAR(g.SlowestTimeConstant(), 2.5, 1e-12);
+  EXPECT_EQ(TransferFunction::FirstOrder(1.0, 2.0, 0.0).IntegrationOrder(), 0);
+
+  const auto pure = TransferFunction::Integrator(-0.4, 0.0, 0.6);
+  EXPECT_TRUE(pure.Validate().ok()) << pure.Validate();
+  EXPECT_TRUE(pure.IsIntegratorWithLag());
+  EXPECT_FALSE(pure.IsFirstOrder());
+  EXPECT_EQ(pure.StaticGain(), -0.4);
+  EXPECT_EQ(pure.SlowestTimeConstant(), 0.0);
+  EXPECT_EQ(pure.Realize().A.size(), 1);
+
+  // Nothing is integrated.
+  const auto zero = TransferFunction::Integrator(0.0, 2.0, 0.6);
+  EXPECT_TRUE(zero.Validate().ok()) << zero.Validate();
+  EXPECT_EQ(zero.IntegrationOrder(), 0);
+  EXPECT_EQ(zero.StaticGain(), 0.0);
+}
+
+TEST(TransferFunctionTest, MoreThanOnePoleAtZeroIsInvalid) {
+  EXPECT_THAT(Message(TransferFunction({1.0}, {1.0, 0.0, 0.0}, 0.0)),
+              HasSubstr("more than one pole at s = 0"));
+  EXPECT_THAT(Message(TransferFunction({1.0}, {2.0, 1.0, 0.0, 0.0}, 0.0)),
+              HasSubstr("more than one pole at s = 0"));
+  EXPECT_THAT(Message(TransferFunction({1.0, 0.0}, {2.0, 1.0, 0.0}, 0.0)),
+              HasSubstr("cancel the common factor"));
+}
+
+// K e^{−Ls}/(s (T s + 1)): K (τ − T (1 − e^{−τ/T})) at τ = t − L.
+TEST(TransferFunctionTest, StepResponseOfAnIntegratorEndsInItsRamp) {
+  const double K = -0.6, T = 3.0, L = 1.3, dt = 0.5;
+  const Eigen::VectorXd with_lag =
+      TransferFunction::Integrator(K, T, L).StepResponse(dt, 400);
+  const Eigen::VectorXd pure =
+      TransferFunction::Integrator(K, 0.0, L).StepResponse(dt, 400);
+  for (int k = 0; k < 400; ++k) {
+    const double t = std::max(0.0, k * dt - L);
+    // Sums of 400 terms, each rounded.
+    EXPECT_NEAR(with_lag(k), K * (t + T * std::expm1(-t / T)), 1e-12) << k;
+    EXPECT_NEAR(pure(k), K * t, 1e-12) << k;
+  }
+  EXPECT_NEAR(with_lag(399) - with_lag(398), K * dt, 1e-12);
 }
 
 TEST(TransferFunctionTest, StableIsValid) {

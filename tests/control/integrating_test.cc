@@ -1,0 +1,206 @@
+// Levels under the controller: step responses that end in a ramp.
+
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "control/loop_analysis.h"
+#include "control/mpc.h"
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "mle/base/random.h"
+#include "mle/model/process_model.h"
+#include "sim/plant.h"
+#include "tests/sim/test_models.h"
+
+namespace mle::control {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using ::testing::HasSubstr;
+using testing::SingleLoop;
+
+ProcessModel ReadConfig(const std::string& name) {
+  absl::StatusOr<ProcessModel> model =
+      ReadProcessModel(MLE_CONFIG_DIR "/" + name);
+  EXPECT_TRUE(model.ok()) << model.status();
+  return *std::move(model);
+}
+
+MpcOptions Options(int num_outputs, int num_inputs) {
+  MpcOptions options;
+  options.output_weight = MatrixXd::Identity(num_outputs, num_outputs);
+  options.move_weight = MatrixXd::Identity(num_inputs, num_inputs) * 0.5;
+  return options;
+}
+
+struct Loop {
+  Mpc mpc;
+  sim::Plant plant;
+  VectorXd next;
+
+  // One control period, with `load` at the inputs.
+  VectorXd Advance(const VectorXd& set_points, const VectorXd& load) {
+    const VectorXd acting = next + load;
+    const VectorXd measured = plant.outputs();
+    mpc.Step(measured, set_points, next);
+    plant.Advance(acting);
+    return measured;
+  }
+};
+
+Loop MakeLoop(const ProcessModel& believed, const ProcessModel& truth) {
+  absl::StatusOr<Mpc> mpc = Mpc::Create(
+      believed, Options(believed.num_outputs(), believed.num_inputs()));
+  EXPECT_TRUE(mpc.ok()) << mpc.status();
+  absl::StatusOr<sim::Plant> plant =
+      sim::Plant::Create(truth, {.sample_time = 1.0});
+  EXPECT_TRUE(plant.ok()) << plant.status();
+  return {*std::move(mpc), *std::move(plant),
+          VectorXd::Zero(believed.num_inputs())};
+}
+
+TEST(IntegratingPredictionTest, GoesOnWithItsSlope) {
+  const ProcessModel model =
+      SingleLoop(TransferFunction::Integrator(0.5, 2.0, 1.4));
+  auto prediction = PredictFromProcess(model, 0.7);
+  ASSERT_TRUE(prediction.ok()) << prediction.status();
+  EXPECT_TRUE(prediction->IsIntegrating());
+  EXPECT_EQ(prediction->slopes(0, 0), 0.35);
+  const int n = prediction->periods();
+  prediction->ReachTo(3 * n);
+  const VectorXd expected = model.element(0, 0).StepResponse(0.7, 3 * n + 1);
+  // 1e-11 of the gain is left at n.
+  EXPECT_LE((prediction->responses.col(0) - expected).cwiseAbs().maxCoeff(),
+            1e-9);
+  EXPECT_FALSE(PredictFromProcess(testing::MixedModel(), 0.7)->IsIntegrating());
+  prediction->slopes.resize(2, 1);
+  EXPECT_FALSE(prediction->Validate().ok());
+}
+
+// One move of a pure integrator, S_k = K k: the minimiser of the cost with the
+// slope at the end, in closed form.
+TEST(IntegratingMpcTest, FirstMoveBalancesTheSlopeAtTheEnd) {
+  const double K = 0.4, R = 3.0;
+  const int H = 12;
+  MpcOptions options = Options(1, 1);
+  options.prediction_horizon = H;
+  options.control_horizon = 1;
+  options.move_weight(0, 0) = R;
+  const auto mpc = Mpc::Create(
+      SingleLoop(TransferFunction::Integrator(K, 0.0, 0.0)), options);
+  ASSERT_TRUE(mpc.ok()) << mpc.status();
+  const VectorXd e = GaussianNoise(1, 0).DrawMatrix(H, 1, 1.0);
+  const double W = H * (H + 1.0) * (2.0 * H + 1.0) / 6.0;
+  double numerator = W * K * (e(H - 1) - e(H - 2));
+  double denominator = R + W * K * K;
+  for (int i = 1; i <= H; ++i) {
+    numerator += e(i - 1) * K * (i - 1);
+    denominator += K * K * (i - 1) * (i - 1);
+  }
+  EXPECT_NEAR((mpc->gain() * e)(0), numerator / denominator, 1e-12);
+}
+
+TEST(IntegratingObserverTest, FollowsARampWithoutError) {
+  DisturbanceObserver observer(VectorXd::Constant(2, 0.1), {true, false});
+  const double theta = std::sqrt(1.0 - observer.gains()(0));
+  VectorXd errors(60);
+  for (int l = 0; l < 60; ++l) {
+    const double w = 2.0 + 0.3 * l;
+    errors(l) = w - observer.disturbance()(0);
+    observer.Update(VectorXd::Constant(2, w), VectorXd::Zero(2));
+    observer.Advance();
+  }
+  EXPECT_NEAR(observer.slope()(0), 0.3, 1e-2);
+  EXPECT_EQ(observer.slope()(1), 0.0);
+  // A double pole at θ: (1 − θB)² e is 0 from the third sample on.
+  for (int l = 2; l < 60; ++l) {
+    EXPECT_NEAR(errors(l),
+                2.0 * theta * errors(l - 1) - theta * theta * errors(l - 2),
+                1e-12);
+  }
+}
+
+TEST(IntegratingLoopTest, ConstantLoadsLeaveNoOffset) {
+  for (const std::string name : {"level", "column_level"}) {
+    const ProcessModel model = ReadConfig(name + ".json");
+    // The controller's model, and a plant that is not its model.
+    for (const ProcessModel& plant : {model, ReadConfig(name + "_aged.json")}) {
+      Loop loop = MakeLoop(model, plant);
+      VectorXd r = VectorXd::Ones(model.num_outputs());
+      const VectorXd load = VectorXd::Constant(model.num_inputs(), 0.7);
+      VectorXd y;
+      for (int l = 0; l < 1500; ++l) {
+        if (l == 700) r *= -2.0;
+        y = loop.Advance(r, load);
+        if (l == 699) {
+          EXPECT_LE((y - r).cwiseAbs().maxCoeff(), 1e-6) << name;
+        }
+      }
+      EXPECT_LE((y - r).cwiseAbs().maxCoeff(), 1e-6) << name;
+    }
+  }
+}
+
+TEST(IntegratingLoopTest, AtRestAnExchangeMovesNothing) {
+  const ProcessModel model = ReadConfig("column_level.json");
+  const ProcessModel other = ReadConfig("column_level_aged.json");
+  Loop loop = MakeLoop(model, other);
+  const VectorXd r = VectorXd::Ones(3);
+  const VectorXd load = VectorXd::Constant(3, 0.7);
+  for (int l = 0; l < 2500; ++l) loop.Advance(r, load);
+  const VectorXd before = loop.next;
+  const auto prediction = PredictFromProcess(other, 1.0);
+  ASSERT_TRUE(prediction.ok());
+  ASSERT_TRUE(loop.mpc.ExchangeModel(*prediction, Options(3, 3)).ok());
+  for (int l = 0; l < 60; ++l) {
+    loop.Advance(r, load);
+    EXPECT_LE((loop.next - before).cwiseAbs().maxCoeff(), 1e-6) << l;
+  }
+}
+
+TEST(IntegratingLoopTest, RestartStandsStill) {
+  const ProcessModel model = ReadConfig("level.json");
+  auto mpc = Mpc::Create(model, Options(1, 2));
+  ASSERT_TRUE(mpc.ok());
+  VectorXd inputs(2);
+  inputs << 5.0, 3.0;
+  const VectorXd level = VectorXd::Constant(1, 40.0);
+  mpc->Restart(inputs, level);
+  VectorXd next(2);
+  for (int l = 0; l < 30; ++l) {
+    mpc->Step(level, level, next);
+    EXPECT_NEAR(next(0), 5.0, 1e-10);
+  }
+}
+
+TEST(IntegratingLoopTest, MeasuredInflowIsFedForward) {
+  const ProcessModel model = ReadConfig("level.json");
+  const auto largest = [&](bool feed_forward) {
+    Loop loop = MakeLoop(model, model);
+    double deviation = 0.0;
+    for (int l = 0; l < 200; ++l) {
+      VectorXd inflow = VectorXd::Zero(2);
+      inflow(1) = l < 20 ? 0.0 : 1.0;
+      if (feed_forward) loop.mpc.MeasureDisturbances(inflow.tail(1));
+      const VectorXd y = loop.Advance(VectorXd::Zero(1), inflow);
+      deviation = std::max(deviation, std::abs(y(0)));
+    }
+    return deviation;
+  };
+  EXPECT_LT(largest(true), 0.5 * largest(false));
+}
+
+TEST(IntegratingLoopTest, LoopsWithLevelsAreNotAnalysed) {
+  const ProcessModel model = ReadConfig("level.json");
+  const auto mpc = Mpc::Create(model, Options(1, 2));
+  ASSERT_TRUE(mpc.ok());
+  const auto analysis = AnalyseLoop(*mpc, *PredictFromProcess(model, 1.0));
+  EXPECT_TRUE(absl::IsFailedPrecondition(analysis.status()));
+  EXPECT_THAT(std::string(analysis.status().message()),
+              HasSubstr("integrates"));
+}
+
+}  // namespace
+}  // namespace mle::control
