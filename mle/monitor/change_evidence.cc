@@ -182,7 +182,8 @@ double WeightOfBegin(int batch, int life) {
   for (int scale = 0; scale < kScales; ++scale) {
     const int step = 1 << scale;
     if (batch % step != 0) break;
-    weight += 1.0 / (kScales * ((life + step - 1) / step));
+    const int begins = (life + step - 1) / step;
+    weight += 1.0 / (kScales * static_cast<double>(begins));
   }
   return weight;
 }

@@ -117,7 +117,7 @@ class ModelWatch {
   // From what the plant does while nothing is asked of it. FailedPrecondition
   // where an output has fewer than 200 usable samples.
   absl::StatusOr<WatchReference> MakeReference(
-      const std::vector<WatchBatch>& batches) const;
+      const std::vector<WatchBatch>& given) const;
 
   // Errors as of ExamineRecords().
   absl::StatusOr<BatchScores> Score(const WatchReference& reference,
