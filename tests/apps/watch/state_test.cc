@@ -24,7 +24,13 @@ StoredBatch AnyBatch(int number) {
 
 class StateTest : public ::testing::Test {
  protected:
-  StateTest() : path_(testing::TempDir() + "/state_test.sqlite") { Remove(); }
+  // Tests run side by side: each has a file of its own.
+  StateTest()
+      : path_(testing::TempDir() + "/state_" +
+              testing::UnitTest::GetInstance()->current_test_info()->name() +
+              ".sqlite") {
+    Remove();
+  }
   ~StateTest() override { Remove(); }
 
   void Remove() const {

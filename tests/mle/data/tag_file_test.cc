@@ -95,7 +95,10 @@ class ProposalTest : public ::testing::Test {
     return path_;
   }
   ~ProposalTest() override { std::filesystem::remove(path_); }
-  const std::string path_ = ::testing::TempDir() + "/proposal.csv";
+  // Tests run side by side: each has a file of its own.
+  const std::string path_ =
+      ::testing::TempDir() + "/proposal_" +
+      ::testing::UnitTest::GetInstance()->current_test_info()->name() + ".csv";
 };
 
 TEST_F(ProposalTest, NamesTheNearestChannelOfEachColumn) {
