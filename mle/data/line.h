@@ -1,4 +1,4 @@
-// Series without a straight line: what is left of an output that integrates,
+// Series without a straight line: the residual of an output that integrates,
 // whose level and balance are not known. Internal to the project.
 
 #ifndef MLE_DATA_LINE_H_
