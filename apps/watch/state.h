@@ -103,7 +103,7 @@ struct Watch {
 
 class State {
  public:
-  // Makes the file and its tables where there are none. FailedPrecondition for
+  // Makes the file and its tables if they do not exist. FailedPrecondition for
   // a state that a later version has written.
   static absl::StatusOr<State> Open(const std::string& path);
 
