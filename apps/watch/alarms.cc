@@ -1,6 +1,6 @@
 #include "apps/watch/alarms.h"
 
-#include <utility>
+#include <vector>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
@@ -17,14 +17,14 @@ namespace {
 constexpr absl::Duration kLongest = absl::Minutes(2);
 
 // OK once the program has ended with exit code 0.
-absl::Status HandOn(const std::string& program, const std::string& controller,
-                    const Alarm& alarm) {
-  const std::string text =
-      FormatJson({{"id", alarm.id},
-                  {"controller", controller},
-                  {"day", NameOfDay(alarm.day)},
-                  {"text", alarm.text},
-                  {"repeated", alarm.delivery == Alarm::Delivery::kBeingSent}});
+absl::Status HandOn(const std::string& program, const PendingAlarm& pending) {
+  const Alarm& alarm = pending.alarm;
+  const std::string text = FormatJson(
+      {{"id", alarm.id},
+       {"controller", pending.controller},
+       {"day", NameOfDay(alarm.day)},
+       {"text", alarm.text},
+       {"repeated", pending.delivery.state == Delivery::State::kBeingSent}});
   MLE_ASSIGN_OR_RETURN(
       const report::ProcessResult run,
       report::RunProcess(program, {alarm.id}, text, {.time_limit = kLongest}));
@@ -36,19 +36,23 @@ absl::Status HandOn(const std::string& program, const std::string& controller,
 }  // namespace
 
 absl::Status HandOnAlarms(const std::string& program, State& state) {
-  MLE_ASSIGN_OR_RETURN(const auto alarms, state.Undelivered());
+  MLE_ASSIGN_OR_RETURN(const std::vector<PendingAlarm> alarms,
+                       state.Undelivered(Channel::kCommand));
   absl::Status first;
-  for (const auto& [controller, alarm] : alarms) {
-    MLE_RETURN_IF_ERROR(
-        state.SetDelivery(alarm.id, Alarm::Delivery::kBeingSent));
-    const absl::Status status = HandOn(program, controller, alarm);
-    MLE_RETURN_IF_ERROR(
-        state.SetDelivery(alarm.id, status.ok() ? Alarm::Delivery::kSent
-                                                : Alarm::Delivery::kToSend));
+  for (const PendingAlarm& pending : alarms) {
+    Delivery delivery = pending.delivery;
+    delivery.state = Delivery::State::kBeingSent;
+    ++delivery.attempts;
+    MLE_RETURN_IF_ERROR(state.SetDelivery(pending.alarm.id, delivery));
+    const absl::Status status = HandOn(program, pending);
+    delivery.state =
+        status.ok() ? Delivery::State::kSent : Delivery::State::kToSend;
+    delivery.fault = std::string(status.message());
+    MLE_RETURN_IF_ERROR(state.SetDelivery(pending.alarm.id, delivery));
     if (first.ok() && !status.ok()) {
-      first = absl::UnavailableError(
-          absl::StrCat("--alarm_command=", program, ": the alarm of ",
-                       controller, " was not taken: ", status.message()));
+      first = absl::UnavailableError(absl::StrCat(
+          "--alarm_command=", program, ": the alarm of ", pending.controller,
+          " was not taken: ", status.message()));
     }
   }
   return first;

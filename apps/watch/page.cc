@@ -12,6 +12,7 @@
 #include "apps/report/table.h"
 #include "apps/watch/days.h"
 #include "apps/watch/proposal.h"
+#include "mle/data/civil_time.h"
 
 namespace mle::watch {
 namespace {
@@ -94,6 +95,14 @@ report::Figure TrendFigure(const Report& report) {
   return figure;
 }
 
+std::string AcknowledgementText(const Alarm& alarm) {
+  if (!alarm.acknowledged.has_value()) return "no";
+  const Acknowledgement& made = *alarm.acknowledged;
+  return absl::StrCat("by ", made.who, " at ",
+                      FormatIsoTime(static_cast<double>(made.at)),
+                      made.note.empty() ? "" : ": ", made.note);
+}
+
 void AddAlarms(const Report& report, report::HtmlPage& page) {
   page.AddHeading("Alarms");
   if (report.watch->alarms.empty()) {
@@ -105,8 +114,8 @@ void AddAlarms(const Report& report, report::HtmlPage& page) {
                           {"what", Align::kLeft},
                           {"acknowledged", Align::kLeft}}};
   for (const Alarm& alarm : report.watch->alarms) {
-    table.AddRow({NameOfDay(alarm.day), alarm.text,
-                  alarm.acknowledged.empty() ? "no" : alarm.acknowledged});
+    table.AddRow(
+        {NameOfDay(alarm.day), alarm.text, AcknowledgementText(alarm)});
   }
   page.AddTable(table);
 }

@@ -1,5 +1,6 @@
 #include "apps/watch/state.h"
 
+#include <iterator>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -39,6 +40,24 @@ CREATE TABLE proposal(
   PRIMARY KEY(watch, day));
 )sql";
 
+constexpr char kDeliveries[] = R"sql(
+CREATE TABLE delivery(
+  alarm TEXT NOT NULL REFERENCES alarm(id), channel TEXT NOT NULL,
+  state INTEGER NOT NULL, attempts INTEGER NOT NULL, fault TEXT NOT NULL,
+  PRIMARY KEY(alarm, channel)) WITHOUT ROWID;
+CREATE TABLE acknowledgement(
+  alarm TEXT NOT NULL PRIMARY KEY REFERENCES alarm(id), who TEXT NOT NULL,
+  at INTEGER NOT NULL, note TEXT NOT NULL) WITHOUT ROWID;
+INSERT INTO delivery
+  SELECT id, 'command', delivery, 1, '' FROM alarm WHERE delivery > 0;
+ALTER TABLE alarm DROP COLUMN delivery;
+ALTER TABLE alarm DROP COLUMN acknowledged;
+)sql";
+
+// Step v leads from version v to v + 1.
+constexpr const char* kSteps[] = {kTables, kDeliveries};
+static_assert(std::size(kSteps) == kStateVersion);
+
 }  // namespace
 
 absl::StatusOr<State> State::Open(const std::string& path) {
@@ -60,9 +79,11 @@ absl::Status State::Migrate() {
         "state: it has version ", found, "; this program knows version ",
         kStateVersion, " and those before it"));
   }
-  // Later versions add their steps here.
-  if (found == 0) {
-    MLE_RETURN_IF_ERROR(database_.Execute(kTables));
+  for (auto step = static_cast<std::size_t>(found); step < std::size(kSteps);
+       ++step) {
+    MLE_RETURN_IF_ERROR(database_.Execute(kSteps[step]));
+  }
+  if (found < kStateVersion) {
     MLE_RETURN_IF_ERROR(database_.Execute(
         absl::StrCat("PRAGMA user_version = ", kStateVersion)));
   }
@@ -152,29 +173,6 @@ absl::Status State::LoadScores(Watch& watch) {
   }
 }
 
-absl::Status State::LoadAlarms(Watch& watch) {
-  MLE_ASSIGN_OR_RETURN(
-      Statement select,
-      database_.Prepare(
-          "SELECT id, output, element, day, began, text, delivery, "
-          "acknowledged FROM "
-          "alarm WHERE watch = ? ORDER BY day, id"));
-  select.Bind(1, watch.id);
-  while (true) {
-    MLE_ASSIGN_OR_RETURN(const bool row, select.Next());
-    if (!row) return absl::OkStatus();
-    watch.alarms.push_back(
-        {.id = select.Text(0),
-         .output = static_cast<int>(select.Integer(1)),
-         .element = static_cast<int>(select.Integer(2)),
-         .day = static_cast<int>(select.Integer(3)),
-         .began = static_cast<int>(select.Integer(4)),
-         .text = select.Text(5),
-         .delivery = static_cast<Alarm::Delivery>(select.Integer(6)),
-         .acknowledged = select.Text(7)});
-  }
-}
-
 absl::Status State::LoadProposals(Watch& watch) {
   MLE_ASSIGN_OR_RETURN(
       Statement select,
@@ -192,35 +190,11 @@ absl::Status State::LoadProposals(Watch& watch) {
   }
 }
 
-absl::StatusOr<std::vector<std::pair<std::string, Alarm>>>
-State::Undelivered() {
-  MLE_ASSIGN_OR_RETURN(
-      Statement select,
-      database_.Prepare(
-          "SELECT watch.controller, alarm.id, alarm.day, alarm.text, "
-          "alarm.delivery FROM alarm JOIN watch ON watch.id = alarm.watch "
-          "WHERE alarm.delivery < ? ORDER BY alarm.day, alarm.id"));
-  select.Bind(1, static_cast<std::int64_t>(Alarm::Delivery::kSent));
-  std::vector<std::pair<std::string, Alarm>> alarms;
-  while (true) {
-    MLE_ASSIGN_OR_RETURN(const bool row, select.Next());
-    if (!row) return alarms;
-    alarms.emplace_back(
-        select.Text(0),
-        Alarm{.id = select.Text(1),
-              .day = static_cast<int>(select.Integer(2)),
-              .text = select.Text(3),
-              .delivery = static_cast<Alarm::Delivery>(select.Integer(4))});
-  }
-}
-
-absl::Status State::SetDelivery(const std::string& id,
-                                Alarm::Delivery delivery) {
-  MLE_ASSIGN_OR_RETURN(
-      Statement update,
-      database_.Prepare("UPDATE alarm SET delivery = ? WHERE id = ?"));
-  update.Bind(1, static_cast<std::int64_t>(delivery)).BindText(2, id);
-  return update.Run();
+absl::StatusOr<std::int64_t> State::Revision() {
+  MLE_ASSIGN_OR_RETURN(Statement select,
+                       database_.Prepare("PRAGMA data_version"));
+  MLE_RETURN_IF_ERROR(select.Next().status());
+  return select.Integer(0);
 }
 
 }  // namespace mle::watch

@@ -5,7 +5,10 @@
 //   day       the days that were looked at: checksum of their samples, state
 //   score     of an output: scores, information and evidence of a day, or of
 //             several that were merged
-//   alarm     raised; whether it was handed on, acknowledged
+//   alarm     raised
+//   delivery  of an alarm through a channel (command, mail, webhook): whether
+//             it has arrived, how often it was tried, what was wrong
+//   acknowledgement  of an alarm: by whom, when, with which note
 //   proposal  corrections that were run
 //
 // A watch is read whole, changed in memory and written back in one transaction:
@@ -19,6 +22,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -30,7 +34,7 @@
 
 namespace mle::watch {
 
-inline constexpr int kStateVersion = 1;
+inline constexpr int kStateVersion = 2;
 
 struct SeenFile {
   std::int64_t bytes = 0;
@@ -57,6 +61,26 @@ struct StoredBatch {
   ChangeEvidence evidence;  // after it
 };
 
+// How alarms leave the machine.
+enum class Channel { kCommand, kMail, kWebhook };
+
+// "command", "mail", "webhook".
+std::string_view NameOf(Channel channel);
+
+struct Delivery {
+  enum class State { kToSend, kBeingSent, kSent };
+  Channel channel = Channel::kCommand;
+  State state = State::kToSend;
+  int attempts = 0;
+  std::string fault = {};  // of the last attempt, in words
+};
+
+struct Acknowledgement {
+  std::string who = {};
+  std::int64_t at = 0;  // s since 1970
+  std::string note = {};
+};
+
 struct Alarm {
   std::string id = {};  // the same for the same alarm, whenever it is raised
   int output = 0;
@@ -65,9 +89,16 @@ struct Alarm {
   int day = 0;    // since 1970
   int began = 0;  // day that the change most likely began on
   std::string text = {};
-  enum class Delivery { kToSend, kBeingSent, kSent };
-  Delivery delivery = Delivery::kToSend;
-  std::string acknowledged = {};  // by whom and when, or empty
+  // As the state has them; saving a watch changes neither.
+  std::vector<Delivery> deliveries = {};  // that were tried
+  std::optional<Acknowledgement> acknowledged = {};
+};
+
+// An alarm on its way.
+struct PendingAlarm {
+  std::string controller;
+  Alarm alarm;
+  Delivery delivery;  // so far
 };
 
 struct Proposal {
@@ -111,9 +142,17 @@ class State {
   absl::StatusOr<Watch> Load(const std::string& controller, int outputs);
   // All of it, in one transaction; gives a new watch its id.
   absl::Status Save(Watch& watch);
-  // Alarms that are not sent, with the names of their controllers.
-  absl::StatusOr<std::vector<std::pair<std::string, Alarm>>> Undelivered();
-  absl::Status SetDelivery(const std::string& id, Alarm::Delivery delivery);
+  // Alarms that have not arrived through the channel and were not acknowledged
+  // either, oldest first.
+  absl::StatusOr<std::vector<PendingAlarm>> Undelivered(Channel channel);
+  absl::Status SetDelivery(const std::string& alarm, const Delivery& delivery);
+  // NotFound where there is no such alarm. An acknowledgement stays as it was
+  // first made: AlreadyExists says by whom and when.
+  absl::Status Acknowledge(const std::string& alarm,
+                           const Acknowledgement& acknowledgement);
+  // Of the state as other connections leave it: another number once one of
+  // them has written.
+  absl::StatusOr<std::int64_t> Revision();
 
  private:
   explicit State(Database database) : database_(std::move(database)) {}
@@ -123,6 +162,7 @@ class State {
   absl::Status LoadDays(Watch& watch);
   absl::Status LoadScores(Watch& watch);
   absl::Status LoadAlarms(Watch& watch);
+  absl::Status LoadDeliveries(Watch& watch);
   absl::Status LoadProposals(Watch& watch);
   absl::Status SaveWatch(Watch& watch);
   absl::Status SaveFiles(const Watch& now, const Watch& before);

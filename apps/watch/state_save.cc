@@ -123,12 +123,13 @@ absl::Status State::SaveScores(const Watch& now, const Watch& before) {
   return absl::OkStatus();
 }
 
-// What is known of an alarm's delivery and acknowledgement stays.
+// What is known of alarms stays.
 absl::Status State::SaveAlarms(const Watch& now) {
   MLE_ASSIGN_OR_RETURN(
       Statement alarm,
       database_.Prepare(
-          "INSERT OR IGNORE INTO alarm VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)"));
+          "INSERT OR IGNORE INTO alarm(id, watch, output, element, day, began, "
+          "text) VALUES (?, ?, ?, ?, ?, ?, ?)"));
   for (const Alarm& raised : now.alarms) {
     alarm.BindText(1, raised.id)
         .Bind(2, now.id)
@@ -136,9 +137,7 @@ absl::Status State::SaveAlarms(const Watch& now) {
         .Bind(4, std::int64_t{raised.element})
         .Bind(5, std::int64_t{raised.day})
         .Bind(6, std::int64_t{raised.began})
-        .BindText(7, raised.text)
-        .Bind(8, static_cast<std::int64_t>(raised.delivery))
-        .BindText(9, raised.acknowledged);
+        .BindText(7, raised.text);
     MLE_RETURN_IF_ERROR(alarm.Run());
   }
   MLE_ASSIGN_OR_RETURN(

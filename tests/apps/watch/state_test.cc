@@ -2,6 +2,8 @@
 
 #include <filesystem>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "apps/watch/database.h"
 #include "gmock/gmock.h"
@@ -21,6 +23,27 @@ StoredBatch AnyBatch(int number) {
   stored.evidence.log_elements = {0.5};
   return stored;
 }
+
+// As far as alarms need it.
+constexpr char kFirstVersion[] = R"sql(
+CREATE TABLE watch(
+  id INTEGER PRIMARY KEY, controller TEXT NOT NULL, basis TEXT NOT NULL,
+  begin INTEGER NOT NULL, first INTEGER NOT NULL, sample_time REAL NOT NULL,
+  reference TEXT, news TEXT NOT NULL, failed INTEGER NOT NULL);
+CREATE TABLE file(watch, path, bytes, changed, first, last, fault);
+CREATE TABLE day(watch, number, checksum, state, reason);
+CREATE TABLE score(watch, output, number, length, data);
+CREATE TABLE proposal(watch, day, folder, decision, conclusion);
+CREATE TABLE alarm(
+  id TEXT PRIMARY KEY, watch INTEGER NOT NULL REFERENCES watch(id),
+  output INTEGER NOT NULL, element INTEGER NOT NULL, day INTEGER NOT NULL,
+  began INTEGER NOT NULL, text TEXT NOT NULL, delivery INTEGER NOT NULL,
+  acknowledged TEXT NOT NULL);
+INSERT INTO watch VALUES(1, 'column', 'b', 1, 1, 1.0, NULL, '', 0);
+INSERT INTO alarm VALUES('a', 1, 0, -1, 5, 4, 'waiting', 0, '');
+INSERT INTO alarm VALUES('b', 1, 0, -1, 6, 4, 'sent', 2, '');
+PRAGMA user_version = 1;
+)sql";
 
 class StateTest : public ::testing::Test {
  protected:
@@ -47,6 +70,12 @@ class StateTest : public ::testing::Test {
     absl::StatusOr<Watch> watch = state.Load(name, 2);
     EXPECT_TRUE(watch.ok()) << watch.status();
     return *std::move(watch);
+  }
+  static std::vector<PendingAlarm> Pending(State& state, Channel channel) {
+    absl::StatusOr<std::vector<PendingAlarm>> pending =
+        state.Undelivered(channel);
+    EXPECT_TRUE(pending.ok()) << pending.status();
+    return *std::move(pending);
   }
   static Watch FullWatch() {
     Watch watch;
@@ -95,7 +124,8 @@ TEST_F(StateTest, AWatchIsReadBackAsItWasSaved) {
   EXPECT_EQ(read.outputs[1].at(1).batch.score, AnyBatch(1).batch.score);
   ASSERT_THAT(read.alarms, SizeIs(1));
   EXPECT_EQ(read.alarms[0].text, "aged");
-  EXPECT_EQ(read.alarms[0].delivery, Alarm::Delivery::kToSend);
+  EXPECT_THAT(read.alarms[0].deliveries, SizeIs(0));
+  EXPECT_FALSE(read.alarms[0].acknowledged.has_value());
   ASSERT_THAT(read.proposals, SizeIs(1));
   EXPECT_EQ(read.proposals[0].decision, "corrected");
   EXPECT_EQ(Load(again, "another").id, 0);
@@ -120,13 +150,88 @@ TEST_F(StateTest, AnAlarmThatWasSentStaysSent) {
   State state = Open();
   Watch watch = FullWatch();
   ASSERT_TRUE(state.Save(watch).ok());
-  ASSERT_TRUE(state.SetDelivery("id", Alarm::Delivery::kSent).ok());
+  ASSERT_TRUE(
+      state.SetDelivery("id", {.state = Delivery::State::kSent, .attempts = 2})
+          .ok());
   // From memory, where it has not been sent.
   ASSERT_TRUE(state.Save(watch).ok());
-  EXPECT_EQ(Load(state).alarms[0].delivery, Alarm::Delivery::kSent);
-  const auto pending = state.Undelivered();
-  ASSERT_TRUE(pending.ok());
-  EXPECT_THAT(*pending, SizeIs(0));
+  const std::vector<Delivery> deliveries = Load(state).alarms[0].deliveries;
+  ASSERT_THAT(deliveries, SizeIs(1));
+  EXPECT_EQ(deliveries[0].channel, Channel::kCommand);
+  EXPECT_EQ(deliveries[0].state, Delivery::State::kSent);
+  EXPECT_EQ(deliveries[0].attempts, 2);
+  EXPECT_THAT(Pending(state, Channel::kCommand), SizeIs(0));
+  // Another channel knows nothing of it.
+  EXPECT_THAT(Pending(state, Channel::kMail), SizeIs(1));
+}
+
+TEST_F(StateTest, ADeliveryThatFailedIsKeptAndPending) {
+  State state = Open();
+  Watch watch = FullWatch();
+  ASSERT_TRUE(state.Save(watch).ok());
+  ASSERT_TRUE(state
+                  .SetDelivery("id", {.channel = Channel::kWebhook,
+                                      .attempts = 1,
+                                      .fault = "no answer"})
+                  .ok());
+  const auto pending = Pending(state, Channel::kWebhook);
+  ASSERT_THAT(pending, SizeIs(1));
+  EXPECT_EQ(pending[0].controller, "column");
+  EXPECT_EQ(pending[0].alarm.text, "aged");
+  EXPECT_EQ(pending[0].delivery.attempts, 1);
+  EXPECT_EQ(pending[0].delivery.fault, "no answer");
+  EXPECT_FALSE(state.SetDelivery("unknown", {}).ok());
+}
+
+TEST_F(StateTest, AnAcknowledgementStaysAsItWasFirstMade) {
+  State state = Open();
+  Watch watch = FullWatch();
+  ASSERT_TRUE(state.Save(watch).ok());
+  ASSERT_TRUE(
+      state.Acknowledge("id", {.who = "Ann", .at = 86400, .note = "seen"})
+          .ok());
+  const absl::Status again = state.Acknowledge("id", {.who = "Bob", .at = 1});
+  EXPECT_EQ(again.code(), absl::StatusCode::kAlreadyExists);
+  EXPECT_THAT(std::string(again.message()), HasSubstr("Ann"));
+  EXPECT_EQ(state.Acknowledge("other", {.who = "Bob"}).code(),
+            absl::StatusCode::kNotFound);
+  // From memory, where it is not acknowledged.
+  ASSERT_TRUE(state.Save(watch).ok());
+  const Watch read = Load(state);
+  ASSERT_TRUE(read.alarms[0].acknowledged.has_value());
+  EXPECT_EQ(read.alarms[0].acknowledged->who, "Ann");
+  EXPECT_EQ(read.alarms[0].acknowledged->at, 86400);
+  EXPECT_EQ(read.alarms[0].acknowledged->note, "seen");
+  // Who has acknowledged an alarm need not be told of it.
+  EXPECT_THAT(Pending(state, Channel::kCommand), SizeIs(0));
+}
+
+TEST_F(StateTest, ARevisionChangesWithAnothersWriting) {
+  State state = Open();
+  const auto before = state.Revision();
+  ASSERT_TRUE(before.ok());
+  EXPECT_EQ(*state.Revision(), *before);
+  State other = Open();
+  Watch watch = FullWatch();
+  ASSERT_TRUE(other.Save(watch).ok());
+  EXPECT_NE(*state.Revision(), *before);
+}
+
+TEST_F(StateTest, AStateOfTheFirstVersionIsBroughtUpToDate) {
+  {
+    absl::StatusOr<Database> database = Database::Open(path_);
+    ASSERT_TRUE(database.ok());
+    ASSERT_TRUE(database->Execute(kFirstVersion).ok());
+  }
+  State state = Open();
+  const Watch watch = Load(state);
+  ASSERT_THAT(watch.alarms, SizeIs(2));
+  EXPECT_EQ(watch.alarms[1].text, "sent");
+  ASSERT_THAT(watch.alarms[1].deliveries, SizeIs(1));
+  EXPECT_EQ(watch.alarms[1].deliveries[0].state, Delivery::State::kSent);
+  const auto pending = Pending(state, Channel::kCommand);
+  ASSERT_THAT(pending, SizeIs(1));
+  EXPECT_EQ(pending[0].alarm.text, "waiting");
 }
 
 TEST_F(StateTest, ANewWatchFollowsTheOldOne) {
@@ -141,10 +246,9 @@ TEST_F(StateTest, ANewWatchFollowsTheOldOne) {
   EXPECT_EQ(Load(state).basis, "def");
   EXPECT_THAT(Load(state).alarms, SizeIs(0));
   // The old one's alarm is still to be sent.
-  const auto pending = state.Undelivered();
-  ASSERT_TRUE(pending.ok());
-  ASSERT_THAT(*pending, SizeIs(1));
-  EXPECT_EQ(pending->front().first, "column");
+  const auto pending = Pending(state, Channel::kCommand);
+  ASSERT_THAT(pending, SizeIs(1));
+  EXPECT_EQ(pending.front().controller, "column");
 }
 
 TEST_F(StateTest, ATransactionThatIsNotCommittedLeavesNothing) {
