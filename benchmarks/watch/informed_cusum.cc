@@ -9,17 +9,6 @@
 namespace mle::benchmarks {
 namespace {
 
-std::vector<WhitenedRun> Whitened(const ProcessModel& model, int output,
-                                  int skip, const OutputReference& reference,
-                                  const Record& record, double clip) {
-  absl::StatusOr<RowResponse> row =
-      RowResponse::Create(model, output, record.sample_time, skip);
-  CHECK(row.ok()) << row.status();
-  std::vector<WhitenedRun> runs = row->Whiten(record, reference.noise);
-  ClipInnovations(clip * reference.deviation, runs);
-  return runs;
-}
-
 double Squares(const std::vector<WhitenedRun>& runs) {
   double sum = 0.0;
   for (const WhitenedRun& run : runs) sum += run.innovations.squaredNorm();
@@ -28,24 +17,36 @@ double Squares(const std::vector<WhitenedRun>& runs) {
 
 }  // namespace
 
+std::vector<WhitenedRun> ClippedInnovations(const ProcessModel& model,
+                                            int output, int skip,
+                                            const OutputReference& reference,
+                                            const Record& record, double clip) {
+  absl::StatusOr<RowResponse> row =
+      RowResponse::Create(model, output, record.sample_time, skip);
+  CHECK(row.ok()) << row.status();
+  std::vector<WhitenedRun> runs = row->Whiten(record, reference.noise);
+  ClipInnovations(clip * reference.deviation, runs);
+  return runs;
+}
+
 InformedCusum::InformedCusum(const PlantLife& life, const ModelWatch& watch,
                              int skip, Ageing ageing, AgeingElement element)
     : ageing_(ageing),
       element_(element),
       skip_(skip),
       clip_(watch.options().clip),
-      before_(watch.model()),
       after_(life.PlantAfter(ageing, element, 1)) {}
 
 void InformedCusum::Add(int day, const WatchReference& reference,
-                        const Record& record) {
+                        const Record& record,
+                        const std::vector<std::vector<WhitenedRun>>& before) {
   const OutputReference& output = reference.outputs[element_.output];
-  const std::vector<WhitenedRun> old =
-      Whitened(before_, element_.output, skip_, output, record, clip_);
+  const std::vector<WhitenedRun>& old = before[element_.output];
   if (ageing_ != Ageing::kGain) {
     const double gained =
-        0.5 * (Squares(old) - Squares(Whitened(after_, element_.output, skip_,
-                                               output, record, clip_)));
+        0.5 * (Squares(old) - Squares(ClippedInnovations(after_, element_.output,
+                                                         skip_, output, record,
+                                                         clip_)));
     value_ = std::max(0.0, value_ + gained);
     return;
   }

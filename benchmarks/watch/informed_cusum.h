@@ -10,8 +10,15 @@
 
 #include "benchmarks/watch/plant_life.h"
 #include "mle/monitor/model_watch.h"
+#include "mle/monitor/row_response.h"
 
 namespace mle::benchmarks {
+
+// What the model leaves of an output, clipped.
+std::vector<WhitenedRun> ClippedInnovations(const ProcessModel& model,
+                                            int output, int skip,
+                                            const OutputReference& reference,
+                                            const Record& record, double clip);
 
 class InformedCusum {
  public:
@@ -19,8 +26,10 @@ class InformedCusum {
   InformedCusum(const PlantLife& life, const ModelWatch& watch, int skip,
                 Ageing ageing, AgeingElement element);
 
-  // Adds a day, in order.
-  void Add(int day, const WatchReference& reference, const Record& record);
+  // Adds a day, in order; `before`: what the model as it is leaves of each
+  // output (ClippedInnovations).
+  void Add(int day, const WatchReference& reference, const Record& record,
+           const std::vector<std::vector<WhitenedRun>>& before);
   // The statistic after the last day: max over the begin of the log-likelihood
   // ratio, at least 0.
   double value() const { return value_; }
@@ -37,7 +46,6 @@ class InformedCusum {
   AgeingElement element_;
   int skip_;
   double clip_;
-  ProcessModel before_;
   ProcessModel after_;
   std::vector<GainDay> days_;
   double value_ = 0.0;

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <random>
 
-#include "control/mpc.h"
 #include "glog/logging.h"
 #include "mle/base/random.h"
 #include "mle/model/element_response.h"
@@ -55,6 +54,21 @@ sim::PlantConditions ConditionsOf(Effect effect) {
           {.channel = i, .compression = 2.0 * std::sqrt(kNoiseVariance)});
     }
   }
+  if (effect == Effect::kSteps) {
+    conditions.output_disturbance.step_deviation =
+        VectorXd::Constant(kOutputs, 0.1);
+    conditions.output_disturbance.step_rate = 1.0 / 800.0;
+  }
+  if (effect == Effect::kStiction) {
+    for (int j = 0; j < 2; ++j) {
+      conditions.actuators.push_back(
+          {.input = j, .stiction = 0.005, .slip_jump = 0.0025});
+    }
+  }
+  if (effect == Effect::kSaturation) {
+    conditions.valves.min = VectorXd::Constant(2, -0.1);
+    conditions.valves.max = VectorXd::Constant(2, 0.1);
+  }
   return conditions;
 }
 
@@ -92,6 +106,14 @@ std::string NameOf(Effect effect) {
       return "compression";
     case Effect::kHeavyTails:
       return "heavy_tails";
+    case Effect::kSteps:
+      return "steps";
+    case Effect::kStiction:
+      return "stiction";
+    case Effect::kSaturation:
+      return "saturation";
+    case Effect::kNoisier:
+      return "noisier";
   }
   return "";
 }
@@ -111,7 +133,7 @@ std::string NameOf(Ageing ageing) {
 }
 
 PlantLife::PlantLife(const ProcessModel& model, const LifeOptions& options)
-    : model_(model), options_(options) {
+    : model_(model), options_(options), controller_(MakeController(model)) {
   std::mt19937_64 engine =
       SeededEngine(options.seed, kAgeingStream, kSetPointTimes);
   ageing_.output = DrawWhole(kOutputs, engine);
@@ -154,12 +176,15 @@ WatchBatch PlantLife::Day(int day, int lead) const {
     profile.steps = {{output, time, size},
                      {output, time + 400.0 + DrawWhole(200, engine), 0.0}};
   }
-  control::Mpc mpc = MakeController(model_);
+  control::Mpc mpc = controller_;
   sim::ClosedLoopOptions loop;
   loop.sample_time = kMinute;
   loop.control_period = kMinute;
   loop.duration = (lead + kMinutesOfDay - 1) * kMinute;
   loop.noise_variance = kNoiseVariance;
+  if (options_.effect == Effect::kNoisier) {
+    loop.noise_variance *= 1.0 + 3.0 * DrawUniform(engine);
+  }
   loop.seed = options_.seed;
   loop.stream = stream;
   absl::StatusOr<Record> record = sim::SimulateClosedLoop(

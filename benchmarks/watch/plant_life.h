@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "control/mpc.h"
 #include "mle/model/process_model.h"
 #include "mle/monitor/model_watch.h"
 
@@ -27,8 +28,12 @@ enum class Effect {
   kOutliers,     // one sample of 500, up to 1
   kCompression,  // swinging door of the historian, two standard deviations
   kHeavyTails,   // kColoured and kOutliers and lost samples
+  kSteps,        // unmeasured, at the outputs: 0.1, one in 800 min
+  kStiction,     // valves that stick over 0.005, about 5 % of their travel
+  kSaturation,   // valves that end at ± 0.1
+  kNoisier,      // noise whose variance is 1 to 4 times as large, by day
 };
-inline constexpr int kNumEffects = 8;
+inline constexpr int kNumEffects = 12;
 std::string NameOf(Effect effect);
 
 enum class Ageing {
@@ -71,6 +76,7 @@ class PlantLife {
  private:
   ProcessModel model_;
   LifeOptions options_;
+  control::Mpc controller_;  // at rest
   AgeingElement ageing_;
   std::vector<bool> moves_;
 };
