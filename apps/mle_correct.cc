@@ -13,16 +13,13 @@
 #include "apps/common/run_again.h"
 #include "apps/correct/console.h"
 #include "apps/correct/data_sources.h"
-#include "apps/correct/figures.h"
 #include "apps/correct/outputs.h"
-#include "apps/correct/page.h"
 #include "apps/correct/result.h"
-#include "apps/report/drawing.h"
+#include "apps/correct/result_files.h"
 #include "mle/base/file.h"
 #include "mle/base/option_error.h"
 #include "mle/base/status.h"
 #include "mle/data/tag_file.h"
-#include "mle/exchange/mat_file.h"
 
 namespace mle {
 namespace {
@@ -37,54 +34,6 @@ the correction can be trusted.
 
 Times are in the model's time unit: min below. Exit codes: 0 done, 1 the result
 is not usable or no decision was possible, 2 bad input or flags.)";
-
-// All contents are made before the first file is written.
-absl::Status WriteAll(const correct::Result& result, const std::string& json) {
-  std::vector<report::DrawnFigure> figures;
-  if (result.request.figures) {
-    ShowStatus("drawing the figures");
-    figures = report::DrawFigures(correct::MakeFigures(result),
-                                  result.options.threads);
-  }
-  std::string page = correct::FormatPage(
-      result, figures, HowToRunAgain({}, correct::Checksums(result)));
-  const ProcessModel& initial = result.initial;
-  std::vector<std::pair<std::string, std::string>> files = {
-      {"model.json", FormatProcessModel(result.model)},
-      {"fopdt.json", FormatProcessModel(result.fopdt_model)},
-      {"step_response.csv", correct::FormatStepResponses(result)},
-      {"report.html", std::move(page)},
-      {"result.json", json}};
-  const bool state_space = result.state_space.model.has_value();
-  if (state_space) {
-    files.emplace_back("state_space.json",
-                       FormatStateSpace(*result.state_space.model));
-  }
-  const bool arx = result.corrected.has_arx();
-  if (arx) {
-    files.emplace_back("arx.json",
-                       correct::FormatArx(result.corrected.arx, initial));
-  }
-  MLE_ASSIGN_OR_RETURN(std::string mat,
-                       FormatMat(result.model, &result.corrected.response));
-  files.emplace_back("model.mat", std::move(mat));
-  const std::string given_name = CorrectedName(result.request.model_file);
-  if (!given_name.empty()) {
-    MLE_ASSIGN_OR_RETURN(
-        FormattedModel as_given,
-        FormatCorrected(result.request.model_file, result.model));
-    files.emplace_back(given_name, std::move(as_given.text));
-  }
-  std::vector<std::string> obsolete = report::AddPictures(figures, files);
-  // Those of a former run would be of another model.
-  if (!arx) obsolete.emplace_back("arx.json");
-  if (!state_space) obsolete.emplace_back("state_space.json");
-  for (const char* name :
-       {"model_corrected.csv", "model_corrected.json", "model_corrected.mat"}) {
-    if (given_name != name) obsolete.emplace_back(name);
-  }
-  return WriteFilesTogether(result.request.out, files, obsolete);
-}
 
 // Writes the file of --propose_tags.
 int Propose(const correct::Request& request,
@@ -162,7 +111,11 @@ int Main(correct::Request& request, OptionTable& table) {
   absl::StatusOr<std::string> json =
       correct::FormatResult(*result, CommandLine(), ResultFlags());
   absl::Status status = json.status();
-  if (status.ok()) status = WriteAll(*result, *json);
+  if (status.ok()) {
+    ShowStatus("writing the results");
+    status = correct::WriteResult(
+        *result, *json, HowToRunAgain({}, correct::Checksums(*result)));
+  }
   if (!status.ok()) return Fail(absl::InternalError(status.message()));
   EndStatus();
   correct::PrintMessages("error", result->failures);

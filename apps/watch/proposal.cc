@@ -1,21 +1,32 @@
 #include "apps/watch/proposal.h"
 
+#include <fcntl.h>
+
 #include <algorithm>
+#include <cerrno>
+#include <cstdio>
 #include <filesystem>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
+#include "absl/time/clock.h"
 #include "absl/time/time.h"
 #include "apps/common/option_table.h"
-#include "apps/report/process.h"
+#include "apps/common/run_again.h"
+#include "apps/correct/outputs.h"
+#include "apps/correct/request.h"
+#include "apps/correct/result.h"
+#include "apps/correct/result_files.h"
+#include "apps/report/text.h"
 #include "apps/watch/days.h"
 #include "apps/watch/source.h"
 #include "mle/base/file.h"
-#include "nlohmann/json.hpp"
+#include "mle/base/status.h"
 
 namespace mle::watch {
 namespace {
@@ -24,56 +35,125 @@ constexpr int kMostDays = 60;
 constexpr int kAgainAfter = 14;
 constexpr absl::Duration kLongest = absl::Hours(1);
 
-std::string CommandBesideThis() {
-  std::error_code error;
-  const std::filesystem::path self =
-      std::filesystem::read_symlink("/proc/self/exe", error);
-  return error ? "mle_correct" : (self.parent_path() / "mle_correct").string();
+// The options of mle_correct, by name.
+using Options = std::vector<std::pair<std::string, std::string>>;
+
+class Correction {
+ public:
+  Correction(const Controller& controller, const ModelFile& model,
+             const Watch& watch, int day)
+      : controller_(controller), model_(model), watch_(watch), day_(day) {
+    correct::AddOptions(request_, table_);
+  }
+
+  // Into `folder`, which is there.
+  absl::Status Run(const std::string& folder, Proposal& proposal);
+
+ private:
+  Options OptionsFor(const std::string& folder);
+  absl::Status Prepare(const Options& options);
+
+  const Controller& controller_;
+  const ModelFile& model_;
+  const Watch& watch_;
+  int day_;
+  std::vector<std::string> sources_;
+  correct::Request request_;
+  OptionTable table_;
+};
+
+Options Correction::OptionsFor(const std::string& folder) {
+  // Not of a time before the change: a plant that changes within the records
+  // has no one model.
+  int from = day_ - kMostDays;
+  for (const Alarm& alarm : watch_.alarms) from = std::max(from, alarm.began);
+  HistorianOptions range;
+  sources_ = SourcesBetween(controller_, watch_, from * kSecondsOfDay,
+                            (day_ + 1) * kSecondsOfDay, range);
+  Options options = {{"model", controller_.model},
+                     {"data", absl::StrJoin(sources_, ",")},
+                     {"begin", range.begin},
+                     {"end", range.end},
+                     {"out", folder}};
+  const auto add = [&options](const char* name, const std::string& value) {
+    if (!value.empty()) options.emplace_back(name, value);
+  };
+  add("query", controller_.database.query);
+  add("table", controller_.database.table);
+  add("columns", absl::StrJoin(controller_.database.columns, ","));
+  add("tag_file", controller_.tag_file);
+  add("time_zone", controller_.time_zone);
+  if (controller_.sample_time > 0.0) {
+    add("sample_time", ReadableNumber(controller_.sample_time));
+  }
+  for (const char* const flag :
+       {"ignore_other_columns", "any_word_is_bad", "skip_repeated_times"}) {
+    options.emplace_back(flag, "true");
+  }
+  return options;
 }
 
-std::vector<std::string> ArgumentsFor(const Controller& controller,
-                                      const std::vector<std::string>& files,
-                                      int from, const std::string& out) {
-  std::vector<std::string> arguments = {
-      absl::StrCat("--model=", controller.model),
-      absl::StrCat("--data=", absl::StrJoin(files, ",")),
-      absl::StrCat("--out=", out),
-      absl::StrCat("--begin=", NameOfDay(from)),
-      "--ignore_other_columns",
-      "--any_word_is_bad",
-      "--skip_repeated_times",
-      "--threads=1"};
-  if (!controller.tag_file.empty()) {
-    arguments.push_back(absl::StrCat("--tag_file=", controller.tag_file));
+absl::Status Correction::Prepare(const Options& options) {
+  for (const auto& [name, value] : options) {
+    MLE_RETURN_IF_ERROR(table_.Set(name, value));
   }
-  if (!controller.time_zone.empty()) {
-    arguments.push_back(absl::StrCat("--time_zone=", controller.time_zone));
-  }
-  if (controller.sample_time > 0.0) {
-    arguments.push_back(
-        absl::StrCat("--sample_time=", ReadableNumber(controller.sample_time)));
-  }
-  return arguments;
+  MLE_RETURN_IF_ERROR(table_.Read());
+  // Those with commas in their names too.
+  request_.data_paths = sources_;
+  request_.database = controller_.database;
+  request_.model_file = model_;
+  request_.model = model_.process;
+  request_.options.threads = 1;
+  const absl::Time until = absl::Now() + kLongest;
+  request_.options.progress = [until](const RunProgress&) {
+    return absl::Now() < until;
+  };
+  return correct::CompleteForModel(request_, table_);
 }
 
-// What result.json says.
-void ReadConclusion(Proposal& proposal) {
-  const absl::StatusOr<std::string> text =
-      ReadFile(absl::StrCat(proposal.folder, "/result.json"));
-  if (!text.ok()) return;
-  const auto json = nlohmann::json::parse(*text, nullptr, false);
-  if (!json.is_object() || !json.contains("decision") ||
-      !json["decision"].is_string()) {
-    return;
+// As typed into a shell.
+std::string CommandFor(const Options& options) {
+  std::vector<std::string> arguments = {"mle_correct"};
+  for (const auto& [name, value] : options) {
+    if (name != "out")
+      arguments.push_back(absl::StrCat("--", name, "=", value));
   }
-  proposal.decision = json["decision"].get<std::string>();
-  proposal.conclusion.clear();
-  if (!json.contains("verdict") || !json["verdict"].is_array()) return;
-  for (const auto& sentence : json["verdict"]) {
-    if (!sentence.is_string()) continue;
-    if (!proposal.conclusion.empty()) proposal.conclusion += " ";
-    proposal.conclusion += sentence.get<std::string>();
+  return report::QuoteCommandLine(arguments);
+}
+
+absl::Status Correction::Run(const std::string& folder, Proposal& proposal) {
+  const Options options = OptionsFor(folder);
+  MLE_RETURN_IF_ERROR(Prepare(options));
+  MLE_ASSIGN_OR_RETURN(
+      const correct::DataSources sources,
+      correct::DataSources::Create(request_.data_paths, request_.database,
+                                   request_.import));
+  MLE_ASSIGN_OR_RETURN(RecordData data,
+                       LoadSources(sources.sources(), request_.model,
+                                   request_.import, request_.options.records));
+  MLE_ASSIGN_OR_RETURN(
+      const correct::Result result,
+      correct::RunCorrection(request_, std::move(data), sources.Files()));
+  const std::string command = CommandFor(options);
+  MLE_ASSIGN_OR_RETURN(
+      const std::string json,
+      correct::FormatResult(result, command, ShapingResults(table_.Values())));
+  MLE_RETURN_IF_ERROR(correct::WriteResult(
+      result, json, HowToCallAgain(command, {}, correct::Checksums(result))));
+  proposal.decision = NameOf(result.decision);
+  proposal.conclusion = absl::StrJoin(result.verdict, " ");
+  return absl::OkStatus();
+}
+
+// `made` in place of `folder`, which is that of a run that was killed before
+// its state was saved, if it is there.
+absl::Status PutInPlace(const std::string& made, const std::string& folder) {
+  const bool there = std::filesystem::exists(folder);
+  if (renameat2(AT_FDCWD, made.c_str(), AT_FDCWD, folder.c_str(),
+                there ? RENAME_EXCHANGE : 0) != 0) {
+    return absl::ErrnoToStatus(errno, absl::StrCat("cannot make ", folder));
   }
+  return absl::OkStatus();
 }
 
 }  // namespace
@@ -86,30 +166,24 @@ bool NeedsProposal(const Watch& watch) {
          watch.last_day() >= last.day + kAgainAfter;
 }
 
-void MakeProposal(const Controller& controller, const std::string& folder,
-                  Watch& watch) {
+void MakeProposal(const Controller& controller, const ModelFile& model,
+                  const std::string& folder, Watch& watch) {
   const int day = watch.last_day();
   Proposal proposal{.day = day, .decision = "failed"};
   proposal.folder = absl::StrCat(folder, "/", FileNameOf(controller.name), "/",
                                  NameOfDay(day));
-  // Not of a time before the change: a plant that changes within the records
-  // has no one model.
-  int from = day - kMostDays;
-  for (const Alarm& alarm : watch.alarms) from = std::max(from, alarm.began);
-  const std::vector<std::string> files =
-      FilesBetween(watch, from * kSecondsOfDay, (day + 1) * kSecondsOfDay);
-  if (const absl::Status status = MakeWritableFolder(proposal.folder);
-      !status.ok()) {
+  const std::string made = absl::StrCat(proposal.folder, ".new");
+  std::error_code error;
+  std::filesystem::remove_all(made, error);
+  absl::Status status = MakeWritableFolder(made);
+  if (status.ok()) {
+    status = Correction(controller, model, watch, day).Run(made, proposal);
+  }
+  if (status.ok()) status = PutInPlace(made, proposal.folder);
+  std::filesystem::remove_all(made, error);
+  if (!status.ok()) {
+    proposal.decision = "failed";
     proposal.conclusion = std::string(status.message());
-  } else {
-    const absl::StatusOr<report::ProcessResult> run = report::RunProcess(
-        CommandBesideThis(),
-        ArgumentsFor(controller, files, from, proposal.folder), "",
-        {.time_limit = kLongest});
-    proposal.conclusion =
-        run.ok() ? std::string(absl::StripAsciiWhitespace(run->err))
-                 : std::string(run.status().message());
-    if (run.ok() && run->exit_code <= 1) ReadConclusion(proposal);
   }
   watch.proposals.push_back(std::move(proposal));
 }

@@ -8,6 +8,7 @@
 
 #include "apps/watch/state.h"
 #include "apps/watch/watch_file.h"
+#include "mle/exchange/model_file.h"
 
 namespace mle::watch {
 
@@ -15,12 +16,13 @@ namespace mle::watch {
 // and is two weeks old.
 bool NeedsProposal(const Watch& watch);
 
-// Runs mle_correct, which stands beside this program, on the records since
-// the change most likely began, of 60 days at most, into FOLDER/<name of the
-// file for the controller>/<day>; adds what came of it to the watch. A
-// correction that fails is a proposal that says so.
-void MakeProposal(const Controller& controller, const std::string& folder,
-                  Watch& watch);
+// Corrects the model by the records since the change most likely began, of 60
+// days at most (CorrectFromData()), writes what mle_correct writes into
+// FOLDER/<name of the file for the controller>/<day>, whole or not at all, and
+// adds what came of it to the watch. A correction that fails, or takes longer
+// than an hour, is a proposal that says so.
+void MakeProposal(const Controller& controller, const ModelFile& model,
+                  const std::string& folder, Watch& watch);
 
 // A name for files of the controller: letters, digits and hyphens stay, all
 // else becomes _ and two hexadecimal digits.

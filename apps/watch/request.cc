@@ -26,8 +26,8 @@ void AddOptions(Request& request, OptionTable& table) {
         "alarm as JSON on its standard input; empty: none. What it ends with "
         "another exit code than 0 for is handed on again by the next run."},
        {"propose", &request.propose,
-        "Runs a correction (mle_correct, beside this program) where a model "
-        "has aged, and keeps its results below --out."},
+        "Runs a correction where a model has aged, as mle_correct does, and "
+        "keeps its results below --out."},
        {"threads", &request.threads,
         "Threads; 0: one for each processor. The results do not depend on the "
         "number.",

@@ -65,7 +65,7 @@ absl::Status Runner::Update(const Controller& controller, Outcome& outcome) {
   if (!request_.propose || !NeedsProposal(outcome.watch)) {
     return absl::OkStatus();
   }
-  MakeProposal(controller, absl::StrCat(request_.out, "/proposals"),
+  MakeProposal(controller, *file, absl::StrCat(request_.out, "/proposals"),
                outcome.watch);
   return Save(outcome.watch);
 }

@@ -2,15 +2,20 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <limits>
+#include <string_view>
 #include <system_error>
+#include <utility>
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "mle/base/option_error.h"
 #include "mle/base/status.h"
 #include "mle/data/civil_time.h"
 #include "mle/data/tag_file.h"
+#include "mle/database/record_sources.h"
 
 namespace mle::watch {
 namespace {
@@ -19,6 +24,8 @@ namespace fs = std::filesystem;
 
 // Longer than ModelWatch::lead().
 constexpr double kSettlingTimes = 3.0;
+// Options that an empty part of a table is about.
+constexpr std::string_view kRange = "begin,end";
 
 bool IsExport(const std::string& name) {
   return absl::EndsWith(name, ".csv") || absl::EndsWith(name, ".txt") ||
@@ -85,12 +92,158 @@ absl::StatusOr<DatedRecords> WithDates(
   return dated;
 }
 
+// With rows in these seconds since 1970.
+std::vector<std::string> FilesBetween(const Watch& watch, double from,
+                                      double to) {
+  std::vector<std::string> paths;
+  for (const auto& [path, file] : watch.files) {
+    if (file.fault.empty() && file.last >= from && file.first <= to &&
+        fs::exists(path)) {
+      paths.push_back(path);
+    }
+  }
+  return paths;
+}
+
+class NewFiles {
+ public:
+  NewFiles(const Controller& controller, const ProcessModel& model,
+           const Watch& watch, HistorianOptions options,
+           double seconds_per_unit)
+      : controller_(controller),
+        model_(model),
+        watch_(watch),
+        options_(std::move(options)),
+        seconds_per_unit_(seconds_per_unit) {}
+
+  absl::StatusOr<std::optional<NewRecords>> Read();
+
+ private:
+  absl::Status List();
+  absl::Status Import();
+  // What was read before and acts on what is new, or fills its days up.
+  absl::Status AddAround();
+
+  const Controller& controller_;
+  const ProcessModel& model_;
+  const Watch& watch_;
+  HistorianOptions options_;
+  double seconds_per_unit_;
+  std::vector<std::string> paths_;  // new or changed
+  NewRecords result_;
+};
+
+absl::Status NewFiles::List() {
+  MLE_ASSIGN_OR_RETURN(const auto listed, ListFiles(controller_.records));
+  for (const auto& [path, file] : listed) {
+    const auto seen = watch_.files.find(path);
+    if (seen != watch_.files.end() && seen->second.bytes == file.bytes &&
+        seen->second.changed == file.changed) {
+      continue;
+    }
+    result_.files[path] = file;
+    paths_.push_back(path);
+  }
+  return absl::OkStatus();
+}
+
+absl::Status NewFiles::Import() {
+  std::map<std::string, std::string> faults;
+  std::map<std::string, std::pair<double, double>> times;
+  const std::size_t count = paths_.size();
+  absl::StatusOr<HistorianImport> import =
+      ImportReadable(paths_, model_, options_, faults);
+  if (import.ok()) {
+    MLE_ASSIGN_OR_RETURN(
+        result_.data, WithDates(*std::move(import), seconds_per_unit_, times));
+  } else if (faults.size() != count) {
+    return import.status();
+  }
+  result_.first = std::numeric_limits<double>::infinity();
+  result_.last = -result_.first;
+  for (auto& [path, file] : result_.files) {
+    if (const auto found = times.find(path); found != times.end()) {
+      file.first = found->second.first;
+      file.last = found->second.second;
+      result_.first = std::min(result_.first, file.first);
+      result_.last = std::max(result_.last, file.last);
+    } else {
+      file.fault = faults[path];
+      result_.faults.push_back(
+          absl::StrCat(path, " cannot be read: ", file.fault));
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::Status NewFiles::AddAround() {
+  std::vector<std::string> all = paths_;
+  const double around =
+      kSecondsOfDay + kSettlingTimes * SettlingTime(model_) * seconds_per_unit_;
+  for (const std::string& path :
+       FilesBetween(watch_, result_.first - around, result_.last + around)) {
+    if (!result_.files.contains(path)) all.push_back(path);
+  }
+  if (all.size() == paths_.size()) return absl::OkStatus();
+  MLE_ASSIGN_OR_RETURN(HistorianImport together,
+                       ImportHistorian(all, model_, options_));
+  std::map<std::string, std::pair<double, double>> times;
+  MLE_ASSIGN_OR_RETURN(
+      result_.data, WithDates(std::move(together), seconds_per_unit_, times));
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::optional<NewRecords>> NewFiles::Read() {
+  MLE_RETURN_IF_ERROR(List());
+  if (paths_.empty()) return std::nullopt;
+  MLE_RETURN_IF_ERROR(Import());
+  if (!result_.data.records.empty()) MLE_RETURN_IF_ERROR(AddAround());
+  return std::move(result_);
+}
+
+// That no row is in the time range is no fault of a database.
+bool IsEmptyRange(const absl::Status& status) {
+  return OptionOf(status) == kRange;
+}
+
+absl::StatusOr<std::optional<NewRecords>> ReadNewRows(
+    const Controller& controller, const ProcessModel& model, const Watch& watch,
+    HistorianOptions options, double seconds_per_unit) {
+  NewRecords result;
+  result.first = -std::numeric_limits<double>::infinity();
+  if (watch.reference.has_value()) {
+    result.first =
+        (watch.last_day() + 1 - controller.overlap_days) * kSecondsOfDay;
+    const double around =
+        kSettlingTimes * SettlingTime(model) * seconds_per_unit / kSecondsOfDay;
+    options.begin =
+        FormatIsoTime(result.first - (1.0 + std::ceil(around)) * kSecondsOfDay);
+  }
+  MLE_ASSIGN_OR_RETURN(
+      const std::vector<HistorianSource> sources,
+      RecordSources({controller.records}, controller.database, options));
+  absl::StatusOr<HistorianImport> import =
+      ImportHistorianSources(sources, model, options);
+  if (!import.ok()) {
+    if (watch.reference.has_value() && IsEmptyRange(import.status())) {
+      return std::nullopt;
+    }
+    return WithPrefix(import.status(), "records: ");
+  }
+  std::map<std::string, std::pair<double, double>> times;
+  MLE_ASSIGN_OR_RETURN(result.data,
+                       WithDates(*std::move(import), seconds_per_unit, times));
+  for (const auto& [name, time] : times) result.last = time.second;
+  return result;
+}
+
 }  // namespace
 
 absl::StatusOr<HistorianOptions> ImportOptionsOf(const Controller& controller,
                                                  const ProcessModel& model) {
   HistorianOptions options;
   options.sample_time = controller.sample_time;
+  options.begin = controller.begin;
   options.clock.time_zone = controller.time_zone;
   options.columns.ignore_other_columns = true;
   options.any_word_is_bad = true;
@@ -130,16 +283,13 @@ absl::StatusOr<std::map<std::string, SeenFile>> ListFiles(
   return files;
 }
 
-std::vector<std::string> FilesBetween(const Watch& watch, double from,
-                                      double to) {
-  std::vector<std::string> paths;
-  for (const auto& [path, file] : watch.files) {
-    if (file.fault.empty() && file.last >= from && file.first <= to &&
-        fs::exists(path)) {
-      paths.push_back(path);
-    }
-  }
-  return paths;
+std::vector<std::string> SourcesBetween(const Controller& controller,
+                                        const Watch& watch, double from,
+                                        double to, HistorianOptions& options) {
+  options.begin = FormatIsoTime(from);
+  options.end = FormatIsoTime(to);
+  if (IsDatabase(controller.records)) return {controller.records};
+  return FilesBetween(watch, from, to);
 }
 
 absl::StatusOr<std::optional<NewRecords>> ReadNew(const Controller& controller,
@@ -149,59 +299,13 @@ absl::StatusOr<std::optional<NewRecords>> ReadNew(const Controller& controller,
   MLE_ASSIGN_OR_RETURN(HistorianOptions options,
                        ImportOptionsOf(controller, model));
   if (watch.sample_time > 0.0) options.sample_time = watch.sample_time;
-  MLE_ASSIGN_OR_RETURN(const auto listed, ListFiles(controller.records));
-  NewRecords result;
-  std::vector<std::string> paths;
-  for (const auto& [path, file] : listed) {
-    const auto seen = watch.files.find(path);
-    if (seen != watch.files.end() && seen->second.bytes == file.bytes &&
-        seen->second.changed == file.changed) {
-      continue;
-    }
-    result.files[path] = file;
-    paths.push_back(path);
+  if (IsDatabase(controller.records)) {
+    return ReadNewRows(controller, model, watch, std::move(options),
+                       seconds_per_unit);
   }
-  if (paths.empty()) return std::nullopt;
-  std::map<std::string, std::string> faults;
-  std::map<std::string, std::pair<double, double>> times;
-  absl::StatusOr<HistorianImport> import =
-      ImportReadable(paths, model, options, faults);
-  if (import.ok()) {
-    MLE_ASSIGN_OR_RETURN(
-        result.data, WithDates(*std::move(import), seconds_per_unit, times));
-  } else if (faults.size() != paths.size()) {
-    return import.status();
-  }
-  result.first = std::numeric_limits<double>::infinity();
-  result.last = -result.first;
-  for (auto& [path, file] : result.files) {
-    if (const auto found = times.find(path); found != times.end()) {
-      file.first = found->second.first;
-      file.last = found->second.second;
-      result.first = std::min(result.first, file.first);
-      result.last = std::max(result.last, file.last);
-    } else {
-      file.fault = faults[path];
-      result.faults.push_back(
-          absl::StrCat(path, " cannot be read: ", file.fault));
-    }
-  }
-  if (result.data.records.empty()) return result;
-  // What was read before and acts on what is new, or fills its days up.
-  std::vector<std::string> all = paths;
-  const double around =
-      kSecondsOfDay + kSettlingTimes * SettlingTime(model) * seconds_per_unit;
-  for (const std::string& path :
-       FilesBetween(watch, result.first - around, result.last + around)) {
-    if (!result.files.contains(path)) all.push_back(path);
-  }
-  if (all.size() > paths.size()) {
-    MLE_ASSIGN_OR_RETURN(HistorianImport together,
-                         ImportHistorian(all, model, options));
-    MLE_ASSIGN_OR_RETURN(
-        result.data, WithDates(std::move(together), seconds_per_unit, times));
-  }
-  return result;
+  return NewFiles(controller, model, watch, std::move(options),
+                  seconds_per_unit)
+      .Read();
 }
 
 }  // namespace mle::watch

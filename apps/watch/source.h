@@ -1,8 +1,13 @@
-// Records of a controller as they lie in a folder, and what of them is new.
+// Records of a controller as they lie in a folder or a database, and what of
+// them is new.
 //
 // Files are told by path, size and time of change. Of new and changed files all
 // days that they have rows of are looked at again, with the files that hold the
 // time before. A file that cannot be read is left out, and said so.
+//
+// Of a database the rows since the last day that was looked at are read, with
+// some days before it for samples that came late or were corrected
+// (Controller::overlap_days), and the time that acts on these.
 
 #ifndef APPS_WATCH_SOURCE_H_
 #define APPS_WATCH_SOURCE_H_
@@ -41,8 +46,8 @@ struct DatedRecords {
 
 struct NewRecords {
   DatedRecords data;
-  std::map<std::string, SeenFile> files;  // new or changed
-  // Seconds since 1970 that these have rows of.
+  std::map<std::string, SeenFile> files;  // new or changed; none of a database
+  // Seconds since 1970 that there are new rows of, or may be.
   double first = 0.0;
   double last = 0.0;
   std::vector<std::string> faults;  // whole sentences
@@ -59,16 +64,18 @@ absl::StatusOr<std::map<std::string, SeenFile>> ListFiles(
 
 // What is new since `watch`, with the records before it that act on it (three
 // settling times of the model, and the rest of the day) and after it; nothing
-// where nothing is new. All files count as new while the watch has no
-// reference. Records without dates, and a model whose unit of time is not
-// known, are errors.
+// where nothing is new. Everything counts as new while the watch has no
+// reference. Records without dates, a model whose unit of time is not known,
+// and a database that cannot be reached are errors.
 absl::StatusOr<std::optional<NewRecords>> ReadNew(const Controller& controller,
                                                   const ProcessModel& model,
                                                   const Watch& watch);
 
-// Paths of the files with rows in these seconds since 1970.
-std::vector<std::string> FilesBetween(const Watch& watch, double from,
-                                      double to);
+// The sources of the records between these seconds since 1970, a range that
+// `options` then has too: files with rows in that time, or the database.
+std::vector<std::string> SourcesBetween(const Controller& controller,
+                                        const Watch& watch, double from,
+                                        double to, HistorianOptions& options);
 
 }  // namespace mle::watch
 

@@ -1,11 +1,13 @@
 #include "apps/watch/watch_file.h"
 
+#include <cstring>
 #include <filesystem>
 #include <set>
 
 #include "absl/strings/str_cat.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"
+#include "mle/database/record_sources.h"
 #include "mle/model/json_node.h"
 #include "mle/model/strict_json.h"
 #include "nlohmann/json.hpp"
@@ -15,6 +17,8 @@ namespace {
 
 constexpr int kVersion = 1;
 constexpr int kMostReferenceDays = 366;
+constexpr int kMostOverlapDays = 60;
+constexpr char kSqlite[] = "sqlite:";
 
 std::string From(const std::filesystem::path& folder, const std::string& path) {
   return (folder / path).lexically_normal().string();
@@ -27,31 +31,74 @@ absl::Status ReadText(const JsonNode& object, const std::string& key,
   return absl::OkStatus();
 }
 
+absl::Status ReadDays(const JsonNode& node, const std::string& key, int least,
+                      int most, int& days) {
+  if (!node.Has(key)) return absl::OkStatus();
+  MLE_ASSIGN_OR_RETURN(const std::int64_t read,
+                       node.At(key).Integer(least, most));
+  days = static_cast<int>(read);
+  return absl::OkStatus();
+}
+
+// Where the records are: a folder, or a database and what of it.
+absl::Status ReadRecords(const JsonNode& node,
+                         const std::filesystem::path& folder,
+                         Controller& controller) {
+  MLE_RETURN_IF_ERROR(ReadText(node, "records", controller.records));
+  DatabaseOptions& database = controller.database;
+  MLE_RETURN_IF_ERROR(ReadText(node, "query", database.query));
+  MLE_RETURN_IF_ERROR(ReadText(node, "table", database.table));
+  if (node.Has("columns")) {
+    MLE_ASSIGN_OR_RETURN(database.columns, node.At("columns").Strings());
+  }
+  MLE_RETURN_IF_ERROR(ReadText(node, "begin", controller.begin));
+  MLE_RETURN_IF_ERROR(ReadDays(node, "overlap_days", 0, kMostOverlapDays,
+                               controller.overlap_days));
+  if (!IsDatabase(controller.records)) {
+    if (node.Has("overlap_days")) {
+      return node.At("overlap_days")
+          .Fault("it is for databases; files that have changed are read again");
+    }
+    controller.records = From(folder, controller.records);
+  } else if (const std::string& name = controller.records;
+             name.starts_with(kSqlite) && !name.starts_with("sqlite://")) {
+    controller.records =
+        absl::StrCat(kSqlite, From(folder, name.substr(std::strlen(kSqlite))));
+  }
+  const absl::Status status =
+      RecordSources({controller.records}, database, HistorianOptions())
+          .status();
+  if (!status.ok()) return node.Fault(std::string(status.message()));
+  if (!database.query.empty() &&
+      database.query.find(kBeginPlace) == std::string::npos) {
+    return node.At("query").Fault(absl::StrCat(
+        "it must have ", kBeginPlace, " in it, as in WHERE time >= '",
+        kBeginPlace, "': a run reads what is new, not the whole table"));
+  }
+  return absl::OkStatus();
+}
+
 absl::StatusOr<Controller> ParseController(
     const JsonNode& node, const std::filesystem::path& folder) {
   MLE_RETURN_IF_ERROR(
       node.CheckKeys({"name", "model", "records"},
-                     {"tag_file", "time_zone", "sample_time", "reference_days",
+                     {"query", "table", "columns", "begin", "overlap_days",
+                      "tag_file", "time_zone", "sample_time", "reference_days",
                       "level", "least_change", "model_error"}));
   Controller controller;
   MLE_ASSIGN_OR_RETURN(controller.name, node.At("name").Name());
   MLE_RETURN_IF_ERROR(ReadText(node, "model", controller.model));
-  MLE_RETURN_IF_ERROR(ReadText(node, "records", controller.records));
+  MLE_RETURN_IF_ERROR(ReadRecords(node, folder, controller));
   MLE_RETURN_IF_ERROR(ReadText(node, "tag_file", controller.tag_file));
   MLE_RETURN_IF_ERROR(ReadText(node, "time_zone", controller.time_zone));
   controller.model = From(folder, controller.model);
-  controller.records = From(folder, controller.records);
   if (!controller.tag_file.empty()) {
     controller.tag_file = From(folder, controller.tag_file);
   }
   MLE_RETURN_IF_ERROR(
       ReadNumber(node, "sample_time", kPositive, controller.sample_time));
-  if (node.Has("reference_days")) {
-    MLE_ASSIGN_OR_RETURN(
-        const std::int64_t days,
-        node.At("reference_days").Integer(2, kMostReferenceDays));
-    controller.reference_days = static_cast<int>(days);
-  }
+  MLE_RETURN_IF_ERROR(ReadDays(node, "reference_days", 2, kMostReferenceDays,
+                               controller.reference_days));
   WatchOptions& options = controller.options;
   MLE_RETURN_IF_ERROR(ReadNumber(node, "level", kAnyNumber, options.level));
   MLE_RETURN_IF_ERROR(

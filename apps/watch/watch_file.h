@@ -9,6 +9,7 @@
 
 #include "absl/status/statusor.h"
 #include "mle/data/record_columns.h"
+#include "mle/database/database_options.h"
 #include "mle/monitor/watch_options.h"
 
 namespace mle::watch {
@@ -16,7 +17,12 @@ namespace mle::watch {
 struct Controller {
   std::string name;
   std::string model;         // path
-  std::string records;       // folder of exports (CSV)
+  std::string records;       // folder of exports (CSV), or a database
+  DatabaseOptions database;  // query, or table and columns
+  std::string begin;         // date of the first record; empty: all
+  // Of a database: days before the last that was looked at that are read again,
+  // for samples that come late or are corrected.
+  int overlap_days = 2;
   std::string tag_file;      // or empty
   std::string time_zone;     // of dates without one; empty: UTC
   double sample_time = 0.0;  // of the model's time unit; 0: that of the files

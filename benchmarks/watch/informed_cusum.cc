@@ -44,9 +44,9 @@ void InformedCusum::Add(int day, const WatchReference& reference,
   const std::vector<WhitenedRun>& old = before[element_.output];
   if (ageing_ != Ageing::kGain) {
     const double gained =
-        0.5 * (Squares(old) - Squares(ClippedInnovations(after_, element_.output,
-                                                         skip_, output, record,
-                                                         clip_)));
+        0.5 * (Squares(old) -
+               Squares(ClippedInnovations(after_, element_.output, skip_,
+                                          output, record, clip_)));
     value_ = std::max(0.0, value_ + gained);
     return;
   }

@@ -16,8 +16,13 @@
 
 namespace mle {
 
+inline constexpr char kBeginPlace[] = "{begin}";
+inline constexpr char kEndPlace[] = "{end}";
+
 struct DatabaseOptions {
-  // In SQL; its rows are taken in the order in which they come.
+  // In SQL; its rows are taken in the order in which they come. {begin} and
+  // {end} are replaced by the limits of the time range, a day before and after,
+  // as in WHERE time BETWEEN '{begin}' AND '{end}'.
   std::string query = {};
   // A table or view instead, with its schema where one is needed; names that
   // have points or quotes in them are quoted: plant."my.table". Rows come in

@@ -164,6 +164,14 @@ absl::StatusOr<std::string> DatabaseSession::Order(const std::string& table,
   return order;
 }
 
+absl::StatusOr<bool> DatabaseSession::HasTextDates(const std::string& table,
+                                                   const std::string& column) {
+  bool has = false;
+  MLE_RETURN_IF_ERROR(
+      Guard([&] { has = backend_->HasTextDates(table, column); }));
+  return has;
+}
+
 absl::StatusOr<std::string> DatabaseSession::Quote(
     const std::string& name) const {
   std::string quoted;

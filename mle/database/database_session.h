@@ -44,6 +44,8 @@ class DatabaseSession {
   absl::StatusOr<std::string> Quote(const std::string& name) const;
   absl::StatusOr<std::string> Order(const std::string& table,
                                     const std::string& column);
+  absl::StatusOr<bool> HasTextDates(const std::string& table,
+                                    const std::string& column);
   std::string DateLiteral(const std::string& date) const {
     return backend_->DateLiteral(date);
   }

@@ -75,7 +75,7 @@ absl::Status Database::Prepare() {
   if (session_ != nullptr) return absl::OkStatus();
   MLE_ASSIGN_OR_RETURN(std::unique_ptr<DatabaseSession> session,
                        DatabaseSession::Connect(name_, options_.ask_password));
-  query_ = Trimmed(options_.query);
+  MLE_ASSIGN_OR_RETURN(query_, WithLimits(Trimmed(options_.query), import_));
   if (!options_.table.empty()) {
     MLE_ASSIGN_OR_RETURN(query_, TableQuery(options_, import_, *session));
   }

@@ -36,6 +36,12 @@ class SqlBackend {
   }
   // A name as SQL has it, whatever stands in it.
   virtual std::string Quote(const std::string& name) const;
+  // Whether a column of another type has dates that are compared as text: the
+  // year first, then month and day. Both names quoted.
+  virtual bool HasTextDates(const std::string& /*table*/,
+                            const std::string& /*column*/) {
+    return false;
+  }
   // "YYYY-MM-DD hh:mm:ss" in SQL, to be compared with dates; empty: not to be.
   virtual std::string DateLiteral(const std::string& /*date*/) const {
     return {};

@@ -35,6 +35,11 @@ class SqliteBackend : public SqlBackend {
   std::vector<std::string> Tables() override;
   std::string Order(const std::string& table,
                     const std::string& column) override;
+  bool HasTextDates(const std::string& table,
+                    const std::string& column) override;
+  std::string DateLiteral(const std::string& date) const override {
+    return absl::StrCat("'", date, "'");
+  }
 
  private:
   void AddValue(int column, TableText& text) const;
@@ -122,6 +127,17 @@ std::string SqliteBackend::Order(const std::string& table,
       soci::into(kind);
   if (kind == "date") return "";
   return kind == "number" ? absl::StrCat("CAST(", column, " AS REAL)") : column;
+}
+
+bool SqliteBackend::HasTextDates(const std::string& table,
+                                 const std::string& column) {
+  int dates = 0;
+  session_ << "SELECT COALESCE((SELECT typeof(" << column << ") = 'text' AND "
+           << column
+           << " GLOB '[0-9][0-9][0-9][0-9]-[0-9][0-9]-[0-9][0-9]*' FROM "
+           << table << " LIMIT 1), 0)",
+      soci::into(dates);
+  return dates != 0;
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "absl/strings/str_replace.h"
 #include "absl/time/time.h"
 #include "mle/base/option_error.h"
 #include "mle/base/status.h"
@@ -21,6 +22,11 @@ namespace {
 constexpr std::size_t kShownNames = 10;
 // More than zones differ.
 constexpr double kDaySeconds = 86400.0;
+// Of dates as text "2024-03-04T…" is after "2024-03-04 …".
+constexpr double kMoreForText = kDaySeconds;
+// What stands for a limit that is not given.
+constexpr char kEarliest[] = "0001-01-01 00:00:00";
+constexpr char kLatest[] = "9999-12-31 23:59:59";
 
 std::string Listed(const std::vector<std::string>& names) {
   std::vector<std::string> shown;
@@ -100,17 +106,26 @@ std::string DateOf(double seconds) {
       absl::UTCTimeZone());
 }
 
+absl::StatusOr<TimeRange> RangeOf(const HistorianOptions& import) {
+  return TimeRange::Create(
+      import.begin, import.end,
+      import.clocks.empty() ? import.clock : import.clocks[0]);
+}
+
 // " WHERE …"; empty where the database cannot compare dates.
-absl::StatusOr<std::string> RangeOf(const HistorianOptions& import,
-                                    const SqlColumn& time,
-                                    const std::string& name,
-                                    const DatabaseSession& session) {
-  if (!time.is_date) return std::string();
-  MLE_ASSIGN_OR_RETURN(
-      const TimeRange range,
-      TimeRange::Create(
-          import.begin, import.end,
-          import.clocks.empty() ? import.clock : import.clocks[0]));
+absl::StatusOr<std::string> ConditionOf(const HistorianOptions& import,
+                                        const SqlColumn& time,
+                                        const std::string& table,
+                                        const std::string& name,
+                                        DatabaseSession& session) {
+  MLE_ASSIGN_OR_RETURN(const TimeRange range, RangeOf(import));
+  if (!range.begin_seconds() && !range.end_seconds()) return std::string();
+  double more = 0.0;
+  if (!time.is_date) {
+    MLE_ASSIGN_OR_RETURN(const bool text, session.HasTextDates(table, name));
+    if (!text) return std::string();
+    more = kMoreForText;
+  }
   std::vector<std::string> limits;
   const auto add = [&](const char* comparison, std::optional<double> seconds) {
     if (!seconds) return;
@@ -120,7 +135,9 @@ absl::StatusOr<std::string> RangeOf(const HistorianOptions& import,
     }
   };
   if (range.begin_seconds()) add(">=", *range.begin_seconds() - kDaySeconds);
-  if (range.end_seconds()) add("<=", *range.end_seconds() + kDaySeconds);
+  if (range.end_seconds()) {
+    add("<=", *range.end_seconds() + kDaySeconds + more);
+  }
   return limits.empty() ? "" : " WHERE " + absl::StrJoin(limits, " AND ");
 }
 
@@ -157,6 +174,18 @@ absl::StatusOr<std::vector<std::string>> PartsOfTable(
       absl::StrCat("table = ", ShowCsvText(table),
                    " is not the name of a table such as trend, plant.trend or "
                    "plant.\"my.table\""));
+}
+
+absl::StatusOr<std::string> WithLimits(const std::string& query,
+                                       const HistorianOptions& import) {
+  MLE_ASSIGN_OR_RETURN(const TimeRange range, RangeOf(import));
+  return absl::StrReplaceAll(
+      query, {{kBeginPlace, range.begin_seconds()
+                                ? DateOf(*range.begin_seconds() - kDaySeconds)
+                                : kEarliest},
+              {kEndPlace, range.end_seconds()
+                              ? DateOf(*range.end_seconds() + kDaySeconds)
+                              : kLatest}});
 }
 
 absl::StatusOr<std::string> TableQuery(const DatabaseOptions& database,
@@ -197,8 +226,9 @@ absl::StatusOr<std::string> TableQuery(const DatabaseOptions& database,
       "SELECT ", database.columns.empty() ? "*" : absl::StrJoin(names, ", "),
       " FROM ", table);
   if (time < 0) return query;
-  MLE_ASSIGN_OR_RETURN(const std::string range,
-                       RangeOf(import, (*columns)[time], names[0], session));
+  MLE_ASSIGN_OR_RETURN(
+      const std::string range,
+      ConditionOf(import, (*columns)[time], table, names[0], session));
   MLE_ASSIGN_OR_RETURN(const std::string order, session.Order(table, names[0]));
   return absl::StrCat(query, range, order.empty() ? "" : " ORDER BY ", order);
 }

@@ -25,6 +25,12 @@ namespace mle {
 // ones, and for quotes that do not close.
 absl::StatusOr<std::vector<std::string>> PartsOfTable(const std::string& table);
 
+// A query with the begin and the end of the time range, a day before and after,
+// in place of {begin} and {end}: "2024-03-03 00:00:00", UTC; the year 1 or 9999
+// where there is no limit.
+absl::StatusOr<std::string> WithLimits(const std::string& query,
+                                       const HistorianOptions& import);
+
 // InvalidArgument, with the nearest names, for a table that the database does
 // not have and columns that the table does not have.
 absl::StatusOr<std::string> TableQuery(const DatabaseOptions& database,

@@ -155,7 +155,7 @@ TEST_F(DatabaseTest, MistakesEndWithOneLine) {
   EXPECT_THAT(refused(file.name(), {"--query=SELECT * FROM trend WHERE 0"}),
               HasSubstr("the query returns no rows"));
   EXPECT_THAT(refused(file.name(), {"--table=trend", "--begin=2025-01-01"}),
-              HasSubstr("; --begin and --end leave nothing to read"));
+              HasSubstr("the table has no rows between --begin and --end"));
   EXPECT_THAT(refused(file.path(), {}), HasSubstr("name it sqlite:FILE"));
   EXPECT_THAT(refused("mysql://h/plant", {"--table=trend"}),
               HasSubstr("postgresql://USER@HOST/NAME"));

@@ -8,136 +8,21 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_format.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "mle/base/file.h"
-#include "mle/base/random.h"
-#include "mle/model/process_model.h"
-#include "mle/model/process_simulator.h"
-#include "tests/apps/command_runner.h"
 #include "tests/apps/started_command.h"
+#include "tests/apps/watch_site.h"
 
 namespace mle {
 namespace {
 
 namespace fs = std::filesystem;
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::SizeIs;
 
-constexpr int kSamplesOfDay = 288;  // every 5 min
-constexpr double kSampleTime = 5.0;
-
-std::string TankJson(double gain) {
-  return absl::StrCat(R"({"name": "tank", "time_unit": "min",
-    "inputs": [{"name": "steam", "unit": ""}],
-    "outputs": [{"name": "level", "unit": ""}],
-    "elements": [{"output": "level", "input": "steam", "gain": )",
-                      gain, R"(, "time_constant": 20, "delay": 10}]})");
-}
-
-// Days of a tank whose operator moves the steam, from 2026-01-01 on; its gain
-// falls by a tenth on day `aged`.
-class TankDays {
- public:
-  TankDays(int days, int aged) {
-    Eigen::MatrixXd inputs = Eigen::MatrixXd::Zero(1, days * kSamplesOfDay);
-    for (int day = 0; day < days; ++day) {
-      const double size = day % 2 == 0 ? 1.0 : -0.8;
-      inputs.row(0)
-          .segment(day * kSamplesOfDay + 60 + 7 * (day % 9), 120)
-          .setConstant(size);
-    }
-    const Eigen::MatrixXd before = Response(2.0, inputs);
-    const Eigen::MatrixXd after = Response(1.8, inputs);
-    GaussianNoise noise(1, kRunStream);
-    outputs_ = before;
-    for (int k = aged * kSamplesOfDay; k < inputs.cols(); ++k) {
-      outputs_(0, k) = after(0, k);
-    }
-    outputs_ += noise.DrawMatrix(1, static_cast<int>(inputs.cols()), 0.05);
-    inputs_ = inputs;
-  }
-
-  // `spoilt`: an output of that many is added to one sample.
-  void Write(int day, const std::string& folder, double spoilt = 0.0) const {
-    std::string text = "time,level,steam\n";
-    for (int k = 0; k < kSamplesOfDay; ++k) {
-      const int at = day * kSamplesOfDay + k;
-      const double level = outputs_(0, at) + (k == 100 ? spoilt : 0.0);
-      // January has 31 days.
-      absl::StrAppendFormat(&text, "2026-%02d-%02d %02d:%02d,%.6f,%.6f\n",
-                            day < 31 ? 1 : 2, day < 31 ? day + 1 : day - 30,
-                            k / 12, 5 * (k % 12), level, inputs_(0, at));
-    }
-    ASSERT_TRUE(WriteFileAtomically(
-                    absl::StrFormat("%s/day%03d.csv", folder, day), text)
-                    .ok());
-  }
-
- private:
-  static Eigen::MatrixXd Response(double gain, const Eigen::MatrixXd& inputs) {
-    const absl::StatusOr<ProcessModel> model =
-        ParseProcessModel(TankJson(gain), "tank");
-    EXPECT_TRUE(model.ok()) << model.status();
-    const absl::StatusOr<Eigen::MatrixXd> response =
-        SimulateResponse(*model, kSampleTime, inputs);
-    EXPECT_TRUE(response.ok()) << response.status();
-    return *response;
-  }
-
-  Eigen::MatrixXd inputs_;
-  Eigen::MatrixXd outputs_;
-};
-
-class MleWatchTest : public ::testing::Test {
- protected:
-  MleWatchTest() : days_(40, 25) {
-    scratch_.Write("tank.json", TankJson(2.0));
-    fs::create_directories(scratch_ / "records");
-    scratch_.Write("controllers.json", R"({"version": 1, "controllers": [
-        {"name": "tank", "model": "tank.json", "records": "records",
-         "reference_days": 8}]})");
-    alarms_ = scratch_ / "alarms.txt";
-    WriteAlarmCommand(absl::StrCat("cat >>", alarms_));
-  }
-
-  void WriteAlarmCommand(const std::string& line) const {
-    scratch_.Write("alarm.sh", absl::StrCat("#!/bin/sh\n", line, "\n"));
-    fs::permissions(scratch_ / "alarm.sh", fs::perms::owner_all);
-  }
-  void WriteDays(int first, int last) const {
-    for (int day = first; day < last; ++day) {
-      days_.Write(day, scratch_ / "records");
-    }
-  }
-  std::vector<std::string> Arguments(const std::string& out) const {
-    return {absl::StrCat("--controllers=", scratch_ / "controllers.json"),
-            absl::StrCat("--out=", scratch_ / out), "--propose=false",
-            absl::StrCat("--alarm_command=", scratch_ / "alarm.sh")};
-  }
-  report::ProcessResult Watch(const std::string& out = "watch") const {
-    return RunTested(Arguments(out));
-  }
-  nlohmann::json Tank(const std::string& out = "watch") const {
-    return ParsedJson(scratch_ / (out + "/watch.json"))["controllers"][0];
-  }
-  int AlarmsHandedOn() const {
-    if (!fs::exists(alarms_)) return 0;
-    int count = 0;
-    const std::string text = Content(alarms_);
-    for (std::size_t at = text.find("\"id\""); at != std::string::npos;
-         at = text.find("\"id\"", at + 1)) {
-      ++count;
-    }
-    return count;
-  }
-
-  const TankDays days_;
-  ScratchFolder scratch_;
-  std::string alarms_;
-};
+using MleWatchTest = WatchSite;
 
 TEST_F(MleWatchTest, LearnsWatchesAndFindsTheChange) {
   WriteDays(0, 5);
@@ -252,6 +137,36 @@ TEST_F(MleWatchTest, AnAlarmThatIsNotTakenIsHandedOnAgain) {
   WriteAlarmCommand(absl::StrCat("cat >>", alarms_));
   EXPECT_EQ(Watch().exit_code, 0);
   EXPECT_EQ(AlarmsHandedOn(), static_cast<int>(Tank()["alarms"].size()));
+}
+
+TEST_F(MleWatchTest, ACorrectionIsRunAndKeptWhole) {
+  WriteDays(0, 40);
+  std::vector<std::string> arguments = Arguments("watch");
+  arguments[2] = "--propose=true";
+  // As a run that was killed before its state was saved leaves it.
+  fs::create_directories(scratch_ / "watch/proposals/tank/2026-02-09.new");
+  fs::create_directories(scratch_ / "watch/proposals/tank/2026-02-09");
+  scratch_.Write("watch/proposals/tank/2026-02-09/result.json", "{}");
+  scratch_.Write("watch/proposals/tank/2026-02-09/old.txt", "of a killed run");
+  const report::ProcessResult run = RunTested(arguments);
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  ASSERT_THAT(Tank()["proposals"], SizeIs(1));
+  const nlohmann::json proposal = Tank()["proposals"][0];
+  EXPECT_EQ(proposal["decision"], "corrected") << proposal.dump();
+  const std::string folder = scratch_ / "watch/proposals/tank/2026-02-09";
+  const nlohmann::json result = ParsedJson(folder + "/result.json");
+  EXPECT_EQ(result["decision"], "corrected");
+  EXPECT_THAT(
+      std::string(result["command"]),
+      AllOf(HasSubstr("mle_correct --model="), HasSubstr("--begin=2026-01-2")));
+  for (const char* const file : {"report.html", "fopdt.json", "model.mat"}) {
+    EXPECT_TRUE(fs::exists(absl::StrCat(folder, "/", file))) << file;
+  }
+  EXPECT_FALSE(fs::exists(folder + "/old.txt"));
+  EXPECT_FALSE(fs::exists(folder + ".new"));
+  // Once is enough.
+  EXPECT_EQ(RunTested(arguments).exit_code, 0);
+  EXPECT_THAT(Tank()["proposals"], SizeIs(1));
 }
 
 TEST_F(MleWatchTest, KilledRunsAreCaughtUp) {

@@ -55,6 +55,39 @@ TEST_F(SqliteTest, TableAndQueryGiveTheRecordsOfTheFile) {
              ImportFrom("sqlite://" + file_.path(), {.table = "main.trend"}));
 }
 
+// Lines of the text that a source has, without the header.
+int RowsOf(const std::string& name, const DatabaseOptions& database,
+           const HistorianOptions& import) {
+  const auto sources = RecordSources({name}, database, import);
+  EXPECT_TRUE(sources.ok()) << sources.status();
+  const auto stream = sources->front().open();
+  EXPECT_TRUE(stream.ok()) << stream.status();
+  int lines = -1;
+  for (std::string line; std::getline(**stream, line);) ++lines;
+  return lines;
+}
+
+TEST_F(SqliteTest, RowsFarFromTheTimeRangeStayInTheDatabase) {
+  file_.Run(
+      "INSERT INTO trend VALUES ('2024-03-01T06:00', 1, 1, 1), "
+      "('2024-03-20 06:00', 1, 1, 1)");
+  HistorianOptions import;
+  EXPECT_EQ(RowsOf(file_.name(), {.table = "trend"}, import), 602);
+  // A day more than asked for, and two at the end: for zones, and for T.
+  import.begin = "2024-03-10 03:00";
+  EXPECT_EQ(RowsOf(file_.name(), {.table = "trend"}, import), 601);
+  import.end = "2024-03-10 04:00";
+  EXPECT_EQ(RowsOf(file_.name(), {.table = "trend"}, import), 600);
+  const std::string query =
+      "SELECT * FROM trend WHERE time BETWEEN '{begin}' AND '{end}'";
+  EXPECT_EQ(RowsOf(file_.name(), {.query = query}, import), 600);
+  EXPECT_EQ(RowsOf(file_.name(), {.query = query}, HistorianOptions()), 602);
+  import.end = "2024-03-08 01:00";
+  import.begin = "2024-03-08";
+  EXPECT_THAT(ErrorFrom(file_.name(), {.table = "trend"}, import),
+              HasSubstr("between begin and end"));
+}
+
 TEST_F(SqliteTest, ReportNamesTheTable) {
   const auto import = ImportFrom(file_.name(), {.table = "trend"});
   ASSERT_TRUE(import.ok()) << import.status();
@@ -144,7 +177,7 @@ TEST_F(SqliteTest, TimeRangeIsThatOfTheFile) {
   EXPECT_EQ(of_file->report.rows, 331);
   EXPECT_THAT(
       ErrorFrom(file_.name(), {.table = "trend"}, {.begin = "2025-01-01"}),
-      HasSubstr("none of its 600 rows is from 2025-01-01 on"));
+      HasSubstr("the table has no rows between begin and end"));
 }
 
 TEST_F(SqliteTest, IsOnlyRead) {
