@@ -1,58 +1,20 @@
 #include "mle/exchange/element_table.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
 #include <utility>
 
-#include "absl/strings/str_cat.h"
-#include "absl/strings/str_join.h"
-#include "mle/base/status.h"
-#include "mle/data/csv_rows.h"
 #include "mle/exchange/description.h"
-#include "mle/exchange/element_csv.h"
-#include "mle/exchange/model_table.h"
-#include "mle/exchange/step_response_csv.h"
 #include "mle/nonlinear/fopdt_fit.h"
 #include "mle/nonlinear/sopdt_fit.h"
 
 namespace mle {
 namespace {
 
-enum Column {
-  kOutput,
-  kInput,
-  kGain,
-  kTimeConstant,
-  kSecond,
-  kLead,
-  kDelay,
-  kDifference,  // what the program writes; it is not read
-  kNumColumns
-};
-
-constexpr std::array<const char*, kNumColumns> kColumnNames = {
-    "output",
-    "input",
-    "gain",
-    "time constant",
-    "second time constant",
-    "lead",
-    "dead time",
-    "largest difference"};
-
-int FindColumn(const std::string& name) {
-  const std::string key = FoldedKey(name);
-  if (key == "delay") return kDelay;
-  const auto found = std::find(kColumnNames.begin(), kColumnNames.end(), key);
-  return found == kColumnNames.end()
-             ? -1
-             : static_cast<int>(found - kColumnNames.begin());
-}
-
 constexpr int kResponseSamples = 400;
+constexpr int kLagsTried = 200;
 // Of the square of the sum of two time constants: their difference, squared,
 // that rounding makes negative.
 constexpr double kRounding = 1e-12;
@@ -63,8 +25,10 @@ bool SameElement(const TransferFunction& a, const TransferFunction& b) {
 }
 
 // T and T₂ of T T₂ s² + (T + T₂) s + 1, the larger first.
+// Of an integrating element they stand beside the pole at 0.
 std::optional<std::pair<double, double>> Lags(const TransferFunction& g) {
-  const std::vector<double>& a = g.denominator();
+  std::vector<double> a = g.denominator();
+  if (g.IsIntegrating()) a.pop_back();
   if (a.size() > 3) return std::nullopt;
   const double one = a.back();
   const double sum = a.size() > 1 ? a[a.size() - 2] / one : 0.0;
@@ -89,6 +53,7 @@ std::optional<ElementRow> ExactRow(const TransferFunction& g) {
   row.second_time_constant = lags->second;
   row.lead = b.size() == 2 ? b.front() / b.back() : 0.0;
   row.delay = g.delay();
+  row.integrating = g.IsIntegrating();
   return row;
 }
 
@@ -102,9 +67,37 @@ double DifferenceOf(const ElementRow& row, const Eigen::VectorXd& response,
          RangeOf(response);
 }
 
+// An integrator with one lag. Its ramp is that of the element: the same slope
+// from the same time L + T on, so that only T is left to be chosen.
+ElementRow NearestRamp(const TransferFunction& g) {
+  const std::vector<double>& a = g.denominator();  // …, a₁, a₀, 0
+  const std::vector<double>& b = g.numerator();    // …, b₁, b₀
+  double begin = g.delay();
+  if (a.size() > 2) begin += a[a.size() - 3] / a[a.size() - 2];
+  if (b.size() > 1) begin -= b[b.size() - 2] / b.back();
+  begin = std::max(begin, 0.0);
+  const double horizon = begin + 10.0 * g.SlowestTimeConstant();
+  const double sample_time = horizon / (kResponseSamples - 1);
+  const Eigen::VectorXd response =
+      g.StepResponse(sample_time, kResponseSamples);
+  ElementRow best;
+  best.largest_difference = std::numeric_limits<double>::infinity();
+  for (int k = 0; k <= kLagsTried; ++k) {
+    ElementRow row;
+    row.integrating = true;
+    row.gain = g.StaticGain();
+    row.time_constant = begin * k / kLagsTried;
+    row.delay = begin - row.time_constant;
+    row.largest_difference = DifferenceOf(row, response, sample_time);
+    if (row.largest_difference < best.largest_difference) best = row;
+  }
+  return best;
+}
+
 // The nearer of first and second order without lead; of second order only
 // where both poles are real.
 ElementRow NearestRow(const TransferFunction& g) {
+  if (g.IsIntegrating()) return NearestRamp(g);
   const double horizon = g.delay() + 5.0 * g.SlowestTimeConstant();
   const double sample_time = horizon / (kResponseSamples - 1);
   const Eigen::VectorXd response =
@@ -116,155 +109,20 @@ ElementRow NearestRow(const TransferFunction& g) {
     if (row.largest_difference < best.largest_difference) best = row;
   };
   if (const auto fit = FitFopdt(response, sample_time, {}); fit.ok()) {
-    take({0, 0, fit->gain, fit->time_constant, 0.0, 0.0, fit->delay});
+    take({.gain = fit->gain,
+          .time_constant = fit->time_constant,
+          .delay = fit->delay});
   }
   if (const auto fit = FitSopdt(response, sample_time, horizon); fit.ok()) {
     const double t = fit->time_constant;
     const double zeta = std::max(fit->damping, 1.0);
     const double root = std::sqrt(zeta * zeta - 1.0);
-    take({0, 0, fit->gain, t * (zeta + root), t * (zeta - root), 0.0,
-          fit->delay});
+    take({.gain = fit->gain,
+          .time_constant = t * (zeta + root),
+          .second_time_constant = t * (zeta - root),
+          .delay = fit->delay});
   }
   return best;
-}
-
-class TableReader {
- public:
-  explicit TableReader(const ModelTable& table) : table_(table) {}
-
-  absl::StatusOr<ElementTable> Read();
-
- private:
-  absl::Status ReadHeader();
-  absl::Status ReadRow(const TableLine& line);
-  bool Has(Column column) const { return columns_[column] >= 0; }
-  const std::string& Field(const TableLine& line, Column column) const {
-    return line.fields[columns_[column]];
-  }
-  // `otherwise` where the column or the field is not there.
-  absl::StatusOr<double> Number(const TableLine& line, Column column,
-                                std::optional<double> otherwise) const;
-  template <typename Channel>
-  absl::StatusOr<int> Find(const TableLine& line, Column column,
-                           const std::vector<Channel>& channels) const;
-
-  const ModelTable& table_;
-  std::array<int, kNumColumns> columns_{};
-  std::vector<int> lines_;  // of the rows
-  ElementTable result_;
-};
-
-absl::Status TableReader::ReadHeader() {
-  columns_.fill(-1);
-  for (std::size_t c = 0; c < table_.header.fields.size(); ++c) {
-    const int column = FindColumn(table_.header.fields[c]);
-    const std::string shown = ShowCsvText(table_.header.fields[c]);
-    if (column < 0) {
-      return table_.Fault(
-          table_.header, static_cast<int>(c),
-          absl::StrCat("'", shown, "' is not a column of the table; known are ",
-                       absl::StrJoin(kColumnNames, ", ")));
-    }
-    if (columns_[column] >= 0) {
-      return table_.Fault(table_.header, static_cast<int>(c),
-                          absl::StrCat("'", shown, "' stands in column ",
-                                       columns_[column] + 1, " already"));
-    }
-    columns_[column] = static_cast<int>(c);
-  }
-  for (const Column needed : {kTimeConstant, kDelay}) {
-    if (Has(needed)) continue;
-    return table_.Fault(
-        table_.header.line,
-        absl::StrCat("the header has no column '", kColumnNames[needed], "'"));
-  }
-  result_.has_second = Has(kSecond);
-  result_.has_lead = Has(kLead);
-  return absl::OkStatus();
-}
-
-absl::StatusOr<double> TableReader::Number(
-    const TableLine& line, Column column,
-    std::optional<double> otherwise) const {
-  if (otherwise.has_value() && (!Has(column) || Field(line, column).empty())) {
-    return *otherwise;
-  }
-  return table_.Number(line, columns_[column]);
-}
-
-template <typename Channel>
-absl::StatusOr<int> TableReader::Find(
-    const TableLine& line, Column column,
-    const std::vector<Channel>& channels) const {
-  const std::string& name = Field(line, column);
-  for (std::size_t i = 0; i < channels.size(); ++i) {
-    if (channels[i].name == name) return static_cast<int>(i);
-  }
-  return table_.Fault(
-      line, columns_[column],
-      absl::StrCat("'", ShowCsvText(name), "' is unknown; the ",
-                   kColumnNames[column], "s are ",
-                   absl::StrJoin(channels, ", ",
-                                 [](std::string* out, const Channel& channel) {
-                                   absl::StrAppend(out, channel.name);
-                                 })));
-}
-
-absl::Status TableReader::ReadRow(const TableLine& line) {
-  ElementRow row;
-  MLE_ASSIGN_OR_RETURN(row.output,
-                       Find(line, kOutput, result_.channels.outputs()));
-  MLE_ASSIGN_OR_RETURN(row.input,
-                       Find(line, kInput, result_.channels.inputs()));
-  for (std::size_t r = 0; r < result_.rows.size(); ++r) {
-    const ElementRow& other = result_.rows[r];
-    if (other.output != row.output || other.input != row.input) continue;
-    return table_.Fault(
-        line.line,
-        absl::StrCat("the pair ",
-                     PairName(result_.channels, row.output, row.input),
-                     " stands in line ", lines_[r],
-                     " already; each pair may stand once"));
-  }
-  MLE_ASSIGN_OR_RETURN(row.gain, Number(line, kGain, std::nullopt));
-  MLE_ASSIGN_OR_RETURN(row.time_constant,
-                       Number(line, kTimeConstant, std::nullopt));
-  MLE_ASSIGN_OR_RETURN(row.second_time_constant, Number(line, kSecond, 0.0));
-  MLE_ASSIGN_OR_RETURN(row.lead, Number(line, kLead, 0.0));
-  MLE_ASSIGN_OR_RETURN(row.delay, Number(line, kDelay, std::nullopt));
-  for (const auto& [column, value] :
-       {std::pair(kTimeConstant, row.time_constant),
-        std::pair(kSecond, row.second_time_constant),
-        std::pair(kDelay, row.delay)}) {
-    if (value >= 0.0) continue;
-    return table_.Fault(line, columns_[column],
-                        absl::StrCat("the ", kColumnNames[column], " is ",
-                                     value, ", must not be negative"));
-  }
-  if (const absl::Status status = row.Element().Validate(); !status.ok()) {
-    return table_.Fault(line.line, std::string(status.message()));
-  }
-  result_.rows.push_back(row);
-  lines_.push_back(line.line);
-  return absl::OkStatus();
-}
-
-absl::StatusOr<ElementTable> TableReader::Read() {
-  MLE_RETURN_IF_ERROR(ReadHeader());
-  for (const TableLine& line : table_.others) {
-    return table_.Fault(line.line,
-                        absl::StrCat("'", line.fields.front(),
-                                     "' belongs to tables of step responses"));
-  }
-  std::vector<ModelTable::PairOfNames> names;
-  for (const TableLine& line : table_.rows) {
-    names.push_back({Field(line, kOutput), Field(line, kInput)});
-  }
-  MLE_ASSIGN_OR_RETURN(result_.channels, table_.Channels(names));
-  for (const TableLine& line : table_.rows) {
-    MLE_RETURN_IF_ERROR(ReadRow(line));
-  }
-  return std::move(result_);
 }
 
 }  // namespace
@@ -280,6 +138,7 @@ TransferFunction ElementRow::Element() const {
     }
     denominator = std::move(product);
   }
+  if (integrating) denominator.push_back(0.0);
   std::vector<double> numerator = {gain};
   if (lead != 0.0) numerator = {gain * lead, gain};
   return TransferFunction(std::move(numerator), std::move(denominator), delay);
@@ -291,49 +150,6 @@ ProcessModel ElementTable::Process() const {
     process.element(row.output, row.input) = row.Element();
   }
   return process;
-}
-
-absl::StatusOr<ElementTable> ElementsOf(const ModelTable& table) {
-  return TableReader(table).Read();
-}
-
-absl::StatusOr<ElementTable> ParseElementTable(std::string_view csv,
-                                               std::string_view source) {
-  MLE_ASSIGN_OR_RETURN(const ModelTable table, ReadModelTable(csv, source));
-  if (!HoldsStepResponses(table)) return ElementsOf(table);
-  return table.Fault(table.header.line,
-                     "the header has no field 'gain': this is not a table of "
-                     "elements");
-}
-
-std::string FormatElementTable(const ElementTable& table) {
-  const bool inexact = std::any_of(
-      table.rows.begin(), table.rows.end(),
-      [](const ElementRow& r) { return r.largest_difference > 0.0; });
-  const auto optional = [](double value) {
-    return value == 0.0 ? std::string() : TableNumber(value);
-  };
-  std::string text = FormatTableHead(table.channels);
-  absl::StrAppend(&text, "output,input,gain,time constant",
-                  table.has_second ? ",second time constant" : "",
-                  table.has_lead ? ",lead" : "", ",dead time",
-                  inexact ? ",largest difference\n" : "\n");
-  for (const ElementRow& row : table.rows) {
-    absl::StrAppend(
-        &text, QuoteCsvField(table.channels.outputs()[row.output].name), ",",
-        QuoteCsvField(table.channels.inputs()[row.input].name), ",",
-        TableNumber(row.gain), ",", TableNumber(row.time_constant));
-    if (table.has_second) {
-      absl::StrAppend(&text, ",", optional(row.second_time_constant));
-    }
-    if (table.has_lead) absl::StrAppend(&text, ",", optional(row.lead));
-    absl::StrAppend(&text, ",", TableNumber(row.delay));
-    if (inexact) {
-      absl::StrAppend(&text, ",", TableNumber(row.largest_difference));
-    }
-    text += '\n';
-  }
-  return text;
 }
 
 ElementTable WithElements(const ElementTable& table,
@@ -358,6 +174,7 @@ ElementTable WithElements(const ElementTable& table,
       row.input = j;
       changed.has_second |= row.second_time_constant > 0.0;
       changed.has_lead |= row.lead != 0.0;
+      changed.has_integrating |= row.integrating;
       if (found == changed.rows.end()) {
         changed.rows.push_back(row);
         continue;

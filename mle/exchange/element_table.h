@@ -1,7 +1,9 @@
 // Elements of first and second order as a table (CSV, docs/formats.md): a row
 // for each pair, with gain K, time constants T and T₂, lead A and dead time L,
 //
-//   g(s) = K (A s + 1) e^{−Ls} / ((T s + 1) (T₂ s + 1)).
+//   g(s) = K (A s + 1) e^{−Ls} / ((T s + 1) (T₂ s + 1)),
+//
+// divided by s where the row says that the element integrates.
 //
 //   time unit,min
 //   output,input,gain,time constant,second time constant,lead,dead time
@@ -27,6 +29,7 @@ struct ElementRow {
   double second_time_constant = 0.0;  // T₂ ≥ 0; 0: first order
   double lead = 0.0;                  // A; 0: none
   double delay = 0.0;                 // L ≥ 0
+  bool integrating = false;           // K is a slope
   // Of the step response from the element that the row stands for, relative to
   // its range; 0 where the row is the element.
   double largest_difference = 0.0;
@@ -39,6 +42,7 @@ struct ElementTable {
   std::vector<ElementRow> rows;  // in the order of the file
   bool has_second = false;       // columns of the file
   bool has_lead = false;
+  bool has_integrating = false;
 
   ProcessModel Process() const;
 };

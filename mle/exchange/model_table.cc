@@ -13,6 +13,7 @@
 #include "mle/base/status.h"
 #include "mle/data/csv_numbers.h"
 #include "mle/data/csv_rows.h"
+#include "mle/exchange/element_columns.h"
 
 namespace mle {
 namespace {
@@ -25,15 +26,8 @@ char SeparatorOf(std::string_view text) {
   return at == std::string_view::npos || text[at] == '\n' ? ',' : text[at];
 }
 
-bool Has(const std::vector<std::string>& fields, const char* key) {
-  return std::any_of(
-      fields.begin(), fields.end(),
-      [key](const std::string& field) { return FoldedKey(field) == key; });
-}
-
 bool IsHeader(const std::vector<std::string>& fields) {
-  return FoldedKey(fields.front()) == "time" ||
-         (Has(fields, "output") && Has(fields, "input") && Has(fields, "gain"));
+  return FoldedKey(fields.front()) == "time" || IsElementHeader(fields);
 }
 
 class Reader {

@@ -65,6 +65,51 @@ TEST(ElementTable, ComesBackAsItWas) {
   EXPECT_EQ(FormatElementTable(WithElements(table, table.Process())), kTable);
 }
 
+// Names and units as spreadsheets have them, and levels.
+TEST(ElementTable, ReadsTheNamesOfSpreadsheets) {
+  const ElementTable table = Parsed(
+      "time unit,min\nCV,MV,K (cm/%),Tau [min],Theta [min],Type\n"
+      "level,valve,-0.4,,0.5,Integrator\nlevel,feed,0.2,3,1,ramp\n"
+      "temperature,valve,2,5,1,FOPDT\ntemperature,feed,1,4,1,\n");
+  const ProcessModel process = table.Process();
+  EXPECT_EQ(process.element(0, 0).denominator(),
+            (std::vector<double>{1.0, 0.0}));
+  EXPECT_EQ(process.element(0, 0).StaticGain(), -0.4);
+  EXPECT_EQ(process.element(0, 1).denominator(),
+            (std::vector<double>{3.0, 1.0, 0.0}));
+  EXPECT_TRUE(process.element(1, 0).IsFirstOrder());
+  const std::string text = FormatElementTable(table);
+  EXPECT_THAT(text, HasSubstr("dead time,integrating\n"
+                              "level,valve,-0.4,0,0.5,yes\n"));
+  EXPECT_THAT(text, HasSubstr("temperature,feed,1,4,1,\n"));
+  EXPECT_EQ(FormatElementTable(Parsed(text)), text);
+}
+
+// An integrator with lags of any number is the nearest with one where the form
+// has none that is it.
+TEST(ElementTable, TakesChangedLevels) {
+  const ElementTable table = Parsed(
+      "time unit,min\noutput,input,gain,time constant,dead time,integrating\n"
+      "level,valve,-0.4,2,0.5,yes\n");
+  ProcessModel corrected = table.Process();
+  corrected.element(0, 0) = TransferFunction::Integrator(-0.2, 2.5, 0.75);
+  ElementRow row = WithElements(table, corrected).rows[0];
+  EXPECT_TRUE(row.integrating);
+  EXPECT_EQ(row.gain, -0.2);
+  EXPECT_EQ(row.time_constant, 2.5);
+  EXPECT_EQ(row.largest_difference, 0.0);
+  // 1/s³ + 3/s² + 3/s + 1, times s.
+  corrected.element(0, 0) =
+      TransferFunction({-0.2}, {1.0, 3.0, 3.0, 1.0, 0.0}, 0.5);
+  row = WithElements(table, corrected).rows[0];
+  EXPECT_TRUE(row.integrating);
+  // The ramp stays: three lags of 1 and the dead time.
+  EXPECT_EQ(row.gain, -0.2);
+  EXPECT_NEAR(row.time_constant + row.delay, 3.5, 1e-12);
+  EXPECT_GT(row.largest_difference, 0.0);
+  EXPECT_LT(row.largest_difference, 0.02);
+}
+
 // Changed elements of the table's form are written exactly, in their rows.
 TEST(ElementTable, TakesChangedElements) {
   const ElementTable table = Parsed(kTable);
@@ -114,6 +159,8 @@ TEST(ElementTable, SaysWhatIsWrong) {
           {{{"9.1,,,0\n", "9.1,,,0,3\n"}}, {"line 10", "8 fields", "has 7"}},
           {{{"9.1,,,0\n", "9.1\n"}}, {"line 10, column 7", "empty"}},
           {{{"-0.5,9.1", "half,9.1"}}, {"line 10, column 3", "'half'"}},
+          {{{"dead time\n", "type\n"}}, {"no column 'dead time'"}},
+          {{{"lead,", "type,"}}, {"line 9, column 6", "'-2.5'", "'yes'"}},
           {{{"-0.5,9.1", "-0.5,-9.1"}},
            {"line 10, column 4", "time constant is -9.1"}},
           {{{"9.1,,,0\n", "9.1,,,-1\n"}}, {"line 10, column 7", "dead time"}},

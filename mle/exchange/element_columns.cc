@@ -1,0 +1,100 @@
+#include "mle/exchange/element_columns.h"
+
+#include <algorithm>
+#include <array>
+
+#include "mle/data/csv_numbers.h"
+#include "mle/exchange/model_table.h"
+
+namespace mle {
+namespace {
+
+// The first name of each is the one that is written.
+const std::array<std::vector<std::string_view>, kNumElementColumns>& Names() {
+  static const auto* const names =
+      new std::array<std::vector<std::string_view>, kNumElementColumns>{{
+          {"output", "cv", "controlled variable"},
+          {"input", "mv", "manipulated variable"},
+          {"gain", "k", "kp", "static gain", "steady state gain"},
+          {"time constant", "t", "t1", "tau", "tau1", "time constant 1",
+           "first time constant", "lag"},
+          {"second time constant", "t2", "tau2", "time constant 2",
+           "second lag"},
+          {"lead", "lead time", "lead time constant"},
+          {"dead time", "delay", "deadtime", "time delay", "theta", "l", "td"},
+          {"integrating", "integrator", "ramp", "type"},
+          {"largest difference"},
+      }};
+  return *names;
+}
+
+// "Dead_time [min]" is "dead time".
+std::string KeyOf(std::string_view field) {
+  const std::string folded = FoldedKey(field);
+  std::string_view key = folded;
+  const bool has_unit = key.ends_with(')') || key.ends_with(']');
+  const std::size_t unit = key.find_first_of("([");
+  if (has_unit && unit != std::string_view::npos && unit > 0) {
+    key = key.substr(0, unit);
+  }
+  return std::string(TrimCsvField(key));
+}
+
+template <std::size_t N>
+bool IsAmong(const std::array<std::string_view, N>& words,
+             std::string_view word) {
+  return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+}  // namespace
+
+const char* NameOf(ElementColumn column) {
+  return Names()[column].front().data();
+}
+
+std::optional<ElementColumn> ElementColumnOf(std::string_view field) {
+  const std::string key = KeyOf(field);
+  for (int c = 0; c < kNumElementColumns; ++c) {
+    const std::vector<std::string_view>& names = Names()[c];
+    if (std::find(names.begin(), names.end(), key) != names.end()) {
+      return static_cast<ElementColumn>(c);
+    }
+  }
+  return std::nullopt;
+}
+
+bool IsElementHeader(const std::vector<std::string>& fields) {
+  const auto has = [&](ElementColumn column) {
+    return std::any_of(fields.begin(), fields.end(),
+                       [column](const std::string& field) {
+                         return ElementColumnOf(field) == column;
+                       });
+  };
+  return has(kOutputColumn) && has(kInputColumn) && has(kGainColumn);
+}
+
+std::optional<bool> IsIntegratingField(std::string_view field) {
+  constexpr std::array<std::string_view, 9> kYes = {
+      "yes",         "y",          "true", "1",    "x",
+      "integrating", "integrator", "ramp", "level"};
+  constexpr std::array<std::string_view, 14> kNo = {"",
+                                                    "no",
+                                                    "n",
+                                                    "false",
+                                                    "0",
+                                                    "-",
+                                                    "stable",
+                                                    "steady",
+                                                    "self-regulating",
+                                                    "self regulating",
+                                                    "first order",
+                                                    "second order",
+                                                    "fopdt",
+                                                    "sopdt"};
+  const std::string key = FoldedKey(field);
+  if (IsAmong(kYes, key)) return true;
+  if (IsAmong(kNo, key)) return false;
+  return std::nullopt;
+}
+
+}  // namespace mle
