@@ -31,7 +31,7 @@ Json GivenModelJson(const Result& result) {
   Json json = {{"form", std::string(NameOf(file.form))}};
   if (file.form == ModelForm::kTransferFunctions) return json;
   json["corrected"] = CorrectedName(file);
-  if (file.form != ModelForm::kStepResponses) return json;
+  if (file.descriptions.empty()) return json;
   json["descriptions"] = Json::array();
   for (const PairDescription& pair : file.descriptions) {
     json["descriptions"].push_back(

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "mle/exchange/description.h"
+#include "mle/exchange/same_element.h"
 #include "mle/nonlinear/fopdt_fit.h"
 #include "mle/nonlinear/sopdt_fit.h"
 
@@ -18,11 +19,6 @@ constexpr int kLagsTried = 200;
 // Of the square of the sum of two time constants: their difference, squared,
 // that rounding makes negative.
 constexpr double kRounding = 1e-12;
-
-bool SameElement(const TransferFunction& a, const TransferFunction& b) {
-  return a.numerator() == b.numerator() && a.denominator() == b.denominator() &&
-         a.delay() == b.delay();
-}
 
 // T and T₂ of T T₂ s² + (T + T₂) s + 1, the larger first.
 // Of an integrating element they stand beside the pole at 0.
@@ -159,7 +155,7 @@ ElementTable WithElements(const ElementTable& table,
   for (int i = 0; i < corrected.num_outputs(); ++i) {
     for (int j = 0; j < corrected.num_inputs(); ++j) {
       const TransferFunction& g = corrected.element(i, j);
-      if (SameElement(g, before.element(i, j))) continue;
+      if (IsSameElement(g, before.element(i, j))) continue;
       const auto found = std::find_if(
           changed.rows.begin(), changed.rows.end(), [&](const ElementRow& row) {
             return row.output == i && row.input == j;

@@ -10,6 +10,8 @@
 #include "mle/exchange/file_text.h"
 #include "mle/exchange/mat_file.h"
 #include "mle/exchange/model_table.h"
+#include "mle/exchange/state_space_correction.h"
+#include "mle/exchange/state_space_responses.h"
 #include "mle/exchange/step_response_csv.h"
 #include "mle/exchange/step_response_json.h"
 #include "mle/model/strict_json.h"
@@ -17,6 +19,31 @@
 
 namespace mle {
 namespace {
+
+absl::StatusOr<ModelFile> OfSteps(absl::StatusOr<StepResponseModel> steps,
+                                  std::string_view source) {
+  if (steps.ok()) return OfStepResponses(*std::move(steps), source);
+  return absl::InvalidArgumentError(
+      absl::StrCat(std::string(source), ": ", steps.status().message()));
+}
+
+absl::StatusOr<ModelFile> OfDiscrete(std::string_view text,
+                                     std::string_view source) {
+  MLE_ASSIGN_OR_RETURN(DiscreteModel model, ParseDiscreteModel(text, source));
+  MLE_ASSIGN_OR_RETURN(ModelFile file, OfSteps(StepResponsesOf(model), source));
+  file.form = ModelForm::kDiscreteTransferFunctions;
+  file.discrete = std::move(model);
+  return file;
+}
+
+absl::StatusOr<ModelFile> OfStateSpace(std::string_view text,
+                                       std::string_view source) {
+  MLE_ASSIGN_OR_RETURN(NamedStateSpace named, ParseStateSpace(text, source));
+  MLE_ASSIGN_OR_RETURN(ModelFile file, OfSteps(StepResponsesOf(named), source));
+  file.form = ModelForm::kStateSpace;
+  file.state_space = std::move(named);
+  return file;
+}
 
 absl::StatusOr<ModelFile> ParseJson(std::string_view text,
                                     std::string_view source) {
@@ -26,6 +53,18 @@ absl::StatusOr<ModelFile> ParseJson(std::string_view text,
     MLE_ASSIGN_OR_RETURN(StepResponseModel model,
                          ParseStepResponseJson(text, source));
     return OfStepResponses(std::move(model), source);
+  }
+  if (json.contains("sample_time") && json.contains("elements")) {
+    return OfDiscrete(text, source);
+  }
+  if (json.contains("A") && json.contains("B")) {
+    return OfStateSpace(text, source);
+  }
+  if (json.contains("R") && json.contains("sample_time")) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        std::string(source),
+        ": is an ARX model, which is not taken as a process model; take the "
+        "model.json beside it"));
   }
   ModelFile file;
   MLE_ASSIGN_OR_RETURN(file.process, ParseProcessModel(text, source));
@@ -70,6 +109,10 @@ std::string_view NameOf(ModelForm form) {
       return "element_table";
     case ModelForm::kStepResponses:
       return "step_responses";
+    case ModelForm::kDiscreteTransferFunctions:
+      return "discrete_transfer_functions";
+    case ModelForm::kStateSpace:
+      return "state_space";
   }
   return "";
 }
@@ -150,6 +193,23 @@ absl::StatusOr<FormattedModel> FormatCorrected(const ModelFile& file,
            .input = row.input,
            .largest_difference = row.largest_difference});
     }
+    return formatted;
+  }
+  if (file.form == ModelForm::kDiscreteTransferFunctions) {
+    MLE_ASSIGN_OR_RETURN(const DiscreteModel changed,
+                         WithChange(file.discrete, file.process, corrected));
+    formatted.text = FormatDiscreteModel(changed);
+    return formatted;
+  }
+  if (file.form == ModelForm::kStateSpace) {
+    NamedStateSpace changed = file.state_space;
+    MLE_ASSIGN_OR_RETURN(changed.system, WithChange(file.state_space.system,
+                                                    file.process, corrected));
+    // What was said of the states given.
+    if (changed.system.order() != file.state_space.system.order()) {
+      changed.accuracy.reset();
+    }
+    formatted.text = FormatStateSpace(changed);
     return formatted;
   }
   const StepResponseModel changed = CorrectedStepResponses(file, corrected);

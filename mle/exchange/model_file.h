@@ -1,6 +1,7 @@
 // A process model from any of the files that plants have: transfer functions
 // (JSON, MAT), elements of first and second order (CSV), or step responses
-// (CSV, JSON, MAT), which transfer functions describe.
+// (CSV, JSON, MAT), discrete transfer functions and state spaces (JSON), which
+// transfer functions describe.
 //
 //   MLE_ASSIGN_OR_RETURN(const ModelFile file, ReadModelFile("column.csv"));
 //   use(file.process);                            // what can be estimated with
@@ -18,13 +19,21 @@
 
 #include "absl/status/statusor.h"
 #include "mle/exchange/description.h"
+#include "mle/exchange/discrete_model.h"
 #include "mle/exchange/element_table.h"
 #include "mle/exchange/step_response_model.h"
 #include "mle/model/process_model.h"
+#include "mle/model/state_space_json.h"
 
 namespace mle {
 
-enum class ModelForm { kTransferFunctions, kElementTable, kStepResponses };
+enum class ModelForm {
+  kTransferFunctions,
+  kElementTable,
+  kStepResponses,
+  kDiscreteTransferFunctions,
+  kStateSpace
+};
 
 // "step_responses", as in result.json.
 std::string_view NameOf(ModelForm form);
@@ -37,7 +46,10 @@ struct ModelFile {
   // The model itself, or what describes it.
   ProcessModel process;
   ElementTable elements;  // of kElementTable: the file's content
-  // Of kStepResponses: the file's content and how near `process` is to it.
+  // Of the other forms: the file's content, and its step responses, which are
+  // it of kStepResponses; how near `process` is to these.
+  DiscreteModel discrete;
+  NamedStateSpace state_space;
   StepResponseModel step_responses;
   std::vector<PairDescription> descriptions;
 };
@@ -55,8 +67,8 @@ std::vector<std::string> NotableDifferences(const ModelFile& file);
 absl::StatusOr<ModelFile> OfStepResponses(StepResponseModel model,
                                           std::string_view source);
 
-// The step responses of `file`, which holds such, with the correction from
-// `file.process` to `corrected` (the same channels).
+// The step responses of `file`, which is of kStepResponses, with the correction
+// from `file.process` to `corrected` (the same channels).
 StepResponseModel CorrectedStepResponses(const ModelFile& file,
                                          const ProcessModel& corrected);
 
@@ -74,8 +86,10 @@ std::string CorrectedName(const ModelFile& file);
 
 // The content of `file`, which has a CorrectedName(), with the correction from
 // `file.process` to `corrected` (the same channels). Pairs whose elements are
-// the same keep their numbers to the last bit. A table of elements gets, of
-// other shapes, the nearest of its own. Internal as FormatMat().
+// the same keep their numbers to the last bit; of a state space, whose pairs
+// share them, the states are kept, and more are added
+// (state_space_correction.h). A table of elements gets, of other shapes, the
+// nearest of its own. Internal as FormatMat(), InvalidArgument as WithChange().
 absl::StatusOr<FormattedModel> FormatCorrected(const ModelFile& file,
                                                const ProcessModel& corrected);
 

@@ -14,11 +14,10 @@
 
 namespace mle {
 
-// Of a valid model: every pair, until its slowest mode has decayed to 1e-4. The
-// interval is Δt, or a multiple of it where that would be more than some 600
-// coefficients. InvalidArgument where an output follows an input at once
-// (D ≠ 0), as no step response at the coefficients' times tells, or where the
-// model is so slow that its responses would take more than 1e7 numbers.
+// Of a valid model, as sampled_responses.h says: every pair, until its slowest
+// mode has decayed to 1e-4; pairs that integrate as ramps. InvalidArgument
+// where an output follows an input at once (D ≠ 0), as no step response at the
+// coefficients' times tells, or where the model is too slow.
 absl::StatusOr<StepResponseModel> StepResponsesOf(const NamedStateSpace& named);
 
 }  // namespace mle

@@ -60,14 +60,7 @@ StateSpaceForm MakeStateSpaceForm(const ProcessModel& transfer_functions,
     return form;
   }
   NamedStateSpace named;
-  named.name = transfer_functions.name();
-  named.time_unit = transfer_functions.time_unit();
-  for (const OutputChannel& output : transfer_functions.outputs()) {
-    named.outputs.push_back(output.name);
-  }
-  for (const InputChannel& input : transfer_functions.inputs()) {
-    named.inputs.push_back(input.name);
-  }
+  named.SetChannels(transfer_functions);
   named.system = std::move(reduced->system);
   const Eigen::VectorXd& bounds = reduced->error_bounds;
   named.accuracy = StateSpaceAccuracy{{bounds.begin(), bounds.end()},

@@ -2,15 +2,75 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 
 #include "Eigen/Eigenvalues"
 #include "Eigen/LU"
+#include "Eigen/SVD"
 #include "absl/strings/str_cat.h"
 #include "glog/logging.h"
 #include "mle/base/status.h"
 
 namespace mle {
 namespace {
+
+// Distance from 1 of an eigenvalue that is 1 to rounding; a mode that is as
+// slow takes 10⁹ samples to settle.
+constexpr double kIntegrates = 1e-9;
+// Of the product of norms: what a slope that is 0 has by rounding.
+constexpr double kNoSlope = 1e-12;
+
+int CountIntegrating(const Eigen::VectorXcd& eigenvalues) {
+  return static_cast<int>(
+      ((eigenvalues.array() - 1.0).abs() <= kIntegrates).count());
+}
+
+// The last `count` singular vectors of A − I: those of the eigenvalue 1, from
+// the right (x) and from the left.
+struct IntegratingVectors {
+  Eigen::MatrixXd right;  // n × count
+  Eigen::MatrixXd left;   // n × count
+  double largest = 0.0;   // their largest singular value, relative to the first
+};
+
+IntegratingVectors IntegratingVectorsOf(const Eigen::MatrixXd& a, int count) {
+  const Eigen::Index n = a.rows();
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(
+      a - Eigen::MatrixXd::Identity(n, n),
+      Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Eigen::VectorXd& values = svd.singularValues();
+  IntegratingVectors vectors = {svd.matrixV().rightCols(count),
+                                svd.matrixU().rightCols(count)};
+  if (values(0) > 0.0) vectors.largest = values(n - count) / values(0);
+  return vectors;
+}
+
+// P, of a valid model with `count` eigenvalues 1.
+Eigen::MatrixXd Projector(const Eigen::MatrixXd& a, int count) {
+  const IntegratingVectors vectors = IntegratingVectorsOf(a, count);
+  const Eigen::MatrixXd inner = vectors.left.transpose() * vectors.right;
+  return vectors.right * inner.partialPivLu().solve(vectors.left.transpose());
+}
+
+absl::Status CheckEigenvalues(const Eigen::MatrixXd& a) {
+  const Eigen::VectorXcd eigenvalues = a.eigenvalues();
+  const int integrating = CountIntegrating(eigenvalues);
+  for (const std::complex<double> value : eigenvalues) {
+    if (std::abs(value) < 1.0 || std::abs(value - 1.0) <= kIntegrates) continue;
+    return absl::InvalidArgumentError(absl::StrCat(
+        "state-space model: A has an eigenvalue of magnitude ", std::abs(value),
+        ", each must be below 1, or 1 where an output "
+        "integrates: the model is unstable"));
+  }
+  if (integrating == 0 ||
+      IntegratingVectorsOf(a, integrating).largest <= kIntegrates) {
+    return absl::OkStatus();
+  }
+  return absl::InvalidArgumentError(
+      "state-space model: A integrates twice, one state that integrates "
+      "another; an output may integrate once (a level, a pressure, an "
+      "inventory)");
+}
 
 absl::Status CheckMatrix(const char* name, const Eigen::MatrixXd& matrix,
                          Eigen::Index rows, Eigen::Index cols) {
@@ -63,18 +123,34 @@ absl::Status DiscreteStateSpace::Validate() const {
   MLE_RETURN_IF_ERROR(CheckDelays("input_delays", input_delays, num_inputs()));
   MLE_RETURN_IF_ERROR(
       CheckDelays("output_delays", output_delays, num_outputs()));
-  const double radius = A.eigenvalues().cwiseAbs().maxCoeff();
-  if (!(radius < 1.0)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("state-space model: A has an eigenvalue of magnitude ",
-                     radius, ", each must be below 1: the model is unstable"));
-  }
-  return absl::OkStatus();
+  return CheckEigenvalues(A);
+}
+
+bool DiscreteStateSpace::IsIntegrating() const {
+  return CountIntegrating(A.eigenvalues()) > 0;
+}
+
+Eigen::MatrixXd DiscreteStateSpace::Slopes() const {
+  const int count = CountIntegrating(A.eigenvalues());
+  if (count == 0) return Eigen::MatrixXd::Zero(num_outputs(), num_inputs());
+  const Eigen::MatrixXd projector = Projector(A, count);
+  Eigen::MatrixXd slopes = C * projector * B / sample_time;
+  const Eigen::MatrixXd rounding = kNoSlope * projector.norm() / sample_time *
+                                   C.rowwise().norm() * B.colwise().norm();
+  return (slopes.cwiseAbs().array() <= rounding.array()).select(0.0, slopes);
 }
 
 Eigen::MatrixXd DiscreteStateSpace::StaticGains() const {
-  const Eigen::MatrixXd inner = Eigen::MatrixXd::Identity(order(), order()) - A;
-  return C * inner.partialPivLu().solve(B) + D;
+  const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(order(), order());
+  const int count = CountIntegrating(A.eigenvalues());
+  if (count == 0) return C * (identity - A).partialPivLu().solve(B) + D;
+  const Eigen::MatrixXd projector = Projector(A, count);
+  const Eigen::MatrixXd settling = C * (identity - A + projector)
+                                           .partialPivLu()
+                                           .solve((identity - projector) * B) +
+                                   D;
+  const Eigen::MatrixXd slopes = Slopes();
+  return (slopes.array() == 0.0).select(settling, slopes);
 }
 
 StepResponse DiscreteStateSpace::ComputeStepResponse(int samples) const {

@@ -8,8 +8,9 @@
 // whole samples. Inputs are held from sample to sample; outputs are taken just
 // before the inputs change, so that D is 0 in all that is made here of process
 // models (balanced_reduction.h). Deviations from the operating point are
-// modelled. Not to be confused with StateSpace (transfer_function.h), one
-// element in continuous time.
+// modelled. Levels integrate: A then has eigenvalues 1, each with a state of
+// its own; the others lie inside the unit circle. Not to be confused with
+// StateSpace (transfer_function.h), one element in continuous time.
 //
 //   MLE_ASSIGN_OR_RETURN(const NamedStateSpace named,
 //                        ReadStateSpace("correction/state_space.json"));
@@ -43,11 +44,20 @@ struct DiscreteStateSpace {
   int num_inputs() const { return static_cast<int>(B.cols()); }
 
   // Δt > 0; n, m and p at least 1; matrices that fit each other, with finite
-  // entries; every eigenvalue of A inside the unit circle; dead times from 0 to
-  // kMaxStateSpaceDelay.
+  // entries; every eigenvalue of A inside the unit circle or 1, and as many
+  // eigenvectors of 1 as there are such eigenvalues (nothing integrates twice);
+  // dead times from 0 to kMaxStateSpaceDelay.
   absl::Status Validate() const;
 
-  // C (I − A)⁻¹ B + D, p × m.
+  // A has an eigenvalue 1, to rounding.
+  bool IsIntegrating() const;
+  // p × m, of a valid model: C P B / Δt, the slopes of the ramps that step
+  // responses end in, per unit of time. P is the projector on the states that
+  // integrate. 0, to the bit, where a response settles.
+  Eigen::MatrixXd Slopes() const;
+
+  // p × m, of a valid model: what step responses settle at, C (I − A)⁻¹ B + D
+  // where nothing integrates. Where Slopes() is not 0, the slope.
   Eigen::MatrixXd StaticGains() const;
 
   // From rest, each input stepped to 1 at k = 0: φ_k, k = 0 … samples − 1.

@@ -1,9 +1,11 @@
 #include "mle/model/state_space_json.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"
 #include "mle/base/version.h"
@@ -59,6 +61,42 @@ absl::StatusOr<StateSpaceAccuracy> ReadAccuracy(const JsonNode& node) {
   return accuracy;
 }
 
+// Dead times are 0 where there is no `key`.
+absl::Status ReadDelays(const JsonNode& top, const char* key, int wanted,
+                        const char* kind, std::vector<int>& delays) {
+  delays.assign(wanted, 0);
+  if (!top.Has(key)) return absl::OkStatus();
+  MLE_ASSIGN_OR_RETURN(delays, ReadDelays(top.At(key), wanted, kind));
+  return absl::OkStatus();
+}
+
+absl::Status ReadWords(const JsonNode& top, const char* key,
+                       std::vector<std::string>& words) {
+  if (!top.Has(key)) return absl::OkStatus();
+  MLE_ASSIGN_OR_RETURN(const std::vector<JsonNode> nodes,
+                       top.At(key).ElementsOrNone());
+  for (const JsonNode& node : nodes) {
+    MLE_ASSIGN_OR_RETURN(std::string word, node.String());
+    words.push_back(std::move(word));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CheckUnits(const char* key, const std::vector<std::string>& units,
+                        std::size_t channels) {
+  if (units.empty() || units.size() == channels) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrCat(key, " has ", units.size(), " units, must have ", channels));
+}
+
+// States that the file counts, or that A has rows.
+absl::StatusOr<std::int64_t> ReadOrder(const JsonNode& top) {
+  if (top.Has("order")) return top.At("order").Integer(1, kMaxOrder);
+  MLE_ASSIGN_OR_RETURN(const std::vector<JsonNode> rows,
+                       top.At("A").Elements());
+  return static_cast<std::int64_t>(rows.size());
+}
+
 absl::Status ReadMatrices(const JsonNode& top, int n, int p, int m,
                           DiscreteStateSpace& system) {
   const std::string states = "one for each state";
@@ -68,6 +106,8 @@ absl::Status ReadMatrices(const JsonNode& top, int n, int p, int m,
   MLE_ASSIGN_OR_RETURN(system.B, ReadMatrix(top.At("B"), n, m, states, inputs));
   MLE_ASSIGN_OR_RETURN(system.C,
                        ReadMatrix(top.At("C"), p, n, outputs, states));
+  system.D = Eigen::MatrixXd::Zero(p, m);
+  if (!top.Has("D")) return absl::OkStatus();
   MLE_ASSIGN_OR_RETURN(system.D,
                        ReadMatrix(top.At("D"), p, m, outputs, inputs));
   return absl::OkStatus();
@@ -75,11 +115,13 @@ absl::Status ReadMatrices(const JsonNode& top, int n, int p, int m,
 
 absl::StatusOr<NamedStateSpace> ParseNamed(const JsonNode& top) {
   MLE_RETURN_IF_ERROR(top.CheckKeys(
-      {"version", "name", "time_unit", "sample_time", "order", "outputs",
-       "inputs", "input_delays", "output_delays", "A", "B", "C", "D"},
-      {"program_version", "accuracy"}));
-  MLE_RETURN_IF_ERROR(
-      top.At("version").Integer(kFormatVersion, kFormatVersion).status());
+      {"name", "time_unit", "sample_time", "outputs", "inputs", "A", "B", "C"},
+      {"version", "program_version", "order", "accuracy", "output_units",
+       "input_units", "disturbances", "input_delays", "output_delays", "D"}));
+  if (top.Has("version")) {
+    MLE_RETURN_IF_ERROR(
+        top.At("version").Integer(kFormatVersion, kFormatVersion).status());
+  }
   NamedStateSpace named;
   MLE_ASSIGN_OR_RETURN(named.name, top.At("name").String());
   MLE_ASSIGN_OR_RETURN(named.time_unit, top.At("time_unit").String());
@@ -87,14 +129,16 @@ absl::StatusOr<NamedStateSpace> ParseNamed(const JsonNode& top) {
   MLE_ASSIGN_OR_RETURN(named.inputs, top.At("inputs").Strings());
   DiscreteStateSpace& system = named.system;
   MLE_ASSIGN_OR_RETURN(system.sample_time, top.At("sample_time").Number());
-  MLE_ASSIGN_OR_RETURN(const std::int64_t order,
-                       top.At("order").Integer(1, kMaxOrder));
+  MLE_ASSIGN_OR_RETURN(const std::int64_t order, ReadOrder(top));
   const int p = static_cast<int>(named.outputs.size());
   const int m = static_cast<int>(named.inputs.size());
-  MLE_ASSIGN_OR_RETURN(system.input_delays,
-                       ReadDelays(top.At("input_delays"), m, "input"));
-  MLE_ASSIGN_OR_RETURN(system.output_delays,
-                       ReadDelays(top.At("output_delays"), p, "output"));
+  MLE_RETURN_IF_ERROR(
+      ReadDelays(top, "input_delays", m, "input", system.input_delays));
+  MLE_RETURN_IF_ERROR(
+      ReadDelays(top, "output_delays", p, "output", system.output_delays));
+  MLE_RETURN_IF_ERROR(ReadWords(top, "output_units", named.output_units));
+  MLE_RETURN_IF_ERROR(ReadWords(top, "input_units", named.input_units));
+  MLE_RETURN_IF_ERROR(ReadWords(top, "disturbances", named.disturbances));
   MLE_RETURN_IF_ERROR(ReadMatrices(top, static_cast<int>(order), p, m, system));
   if (top.Has("accuracy")) {
     MLE_ASSIGN_OR_RETURN(named.accuracy, ReadAccuracy(top.At("accuracy")));
@@ -111,11 +155,57 @@ absl::Status NamedStateSpace::Validate() const {
   MLE_RETURN_IF_ERROR(system.Validate());
   MLE_RETURN_IF_ERROR(CheckChannelNames(outputs, system.num_outputs(), inputs,
                                         system.num_inputs()));
+  MLE_RETURN_IF_ERROR(CheckUnits("output_units", output_units, outputs.size()));
+  MLE_RETURN_IF_ERROR(CheckUnits("input_units", input_units, inputs.size()));
+  for (const std::string& input : disturbances) {
+    if (std::find(inputs.begin(), inputs.end(), input) != inputs.end()) continue;
+    return absl::InvalidArgumentError(absl::StrCat(
+        "disturbances: ", QuotedJson(input), " is not an input; the inputs are ",
+        absl::StrJoin(inputs, ", ")));
+  }
   if (!accuracy.has_value()) return absl::OkStatus();
   MLE_RETURN_IF_ERROR(CheckErrors("error_bounds", accuracy->error_bounds,
                                   system.num_outputs()));
   return CheckErrors("largest_differences", accuracy->largest_differences,
                      system.num_outputs());
+}
+
+ProcessModel NamedStateSpace::Channels() const {
+  std::vector<InputChannel> its_inputs;
+  for (std::size_t j = 0; j < inputs.size(); ++j) {
+    const bool disturbance = std::find(disturbances.begin(), disturbances.end(),
+                                       inputs[j]) != disturbances.end();
+    its_inputs.push_back(
+        {inputs[j], input_units.empty() ? "" : input_units[j],
+         disturbance ? InputRole::kDisturbance : InputRole::kManipulated});
+  }
+  std::vector<OutputChannel> its_outputs;
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    its_outputs.push_back(
+        {outputs[i], output_units.empty() ? "" : output_units[i]});
+  }
+  return {name, time_unit, std::move(its_inputs), std::move(its_outputs)};
+}
+
+void NamedStateSpace::SetChannels(const ProcessModel& channels) {
+  name = channels.name();
+  time_unit = channels.time_unit();
+  outputs.clear();
+  inputs.clear();
+  output_units.clear();
+  input_units.clear();
+  disturbances.clear();
+  for (const OutputChannel& output : channels.outputs()) {
+    outputs.push_back(output.name);
+    output_units.push_back(output.unit);
+  }
+  for (const InputChannel& input : channels.inputs()) {
+    inputs.push_back(input.name);
+    input_units.push_back(input.unit);
+    if (input.role == InputRole::kDisturbance) {
+      disturbances.push_back(input.name);
+    }
+  }
 }
 
 absl::StatusOr<NamedStateSpace> ParseStateSpace(std::string_view json,
@@ -135,6 +225,9 @@ std::string FormatStateSpace(const NamedStateSpace& named) {
                {"order", system.order()},
                {"outputs", named.outputs},
                {"inputs", named.inputs}};
+  if (!named.output_units.empty()) json["output_units"] = named.output_units;
+  if (!named.input_units.empty()) json["input_units"] = named.input_units;
+  if (!named.disturbances.empty()) json["disturbances"] = named.disturbances;
   if (named.accuracy.has_value()) {
     json["accuracy"] = {
         {"error_bounds", named.accuracy->error_bounds},

@@ -16,6 +16,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "mle/model/process_model.h"
 #include "mle/model/state_space.h"
 
 namespace mle {
@@ -35,10 +36,19 @@ struct NamedStateSpace {
   std::vector<std::string> inputs;   // m names
   DiscreteStateSpace system;
   std::optional<StateSpaceAccuracy> accuracy;
+  std::vector<std::string> output_units;  // p, or empty: not known
+  std::vector<std::string> input_units;   // m, or empty
+  std::vector<std::string> disturbances;  // names of inputs that are such
 
   // A valid model with a name for each channel; names are not empty and
-  // distinct over inputs and outputs; an accuracy has p values of each kind.
+  // distinct over inputs and outputs; an accuracy has p values of each kind,
+  // units are one for each channel, disturbances are names of inputs.
   absl::Status Validate() const;
+
+  // The channels as those of a process model, all elements zero.
+  ProcessModel Channels() const;
+  // Takes names, units, roles and unit of time of `channels`.
+  void SetChannels(const ProcessModel& channels);
 };
 
 // `source` (a file's name) opens every message; unknown or missing keys, wrong

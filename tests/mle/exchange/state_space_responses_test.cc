@@ -75,6 +75,21 @@ TEST(StepResponsesOf, NilpotentModelsAreSampledToTheirEnd) {
   EXPECT_EQ(steps->pairs[1].coefficients(4), 1.0);
 }
 
+// A level: 0.1 a sample after the dead time, and a lag beside it.
+TEST(StepResponsesOf, LevelsEndInRamps) {
+  NamedStateSpace named = TwoLags(0.9, 1.0);
+  named.system.B(1, 1) = 0.1;
+  const absl::StatusOr<StepResponseModel> steps = StepResponsesOf(named);
+  ASSERT_TRUE(steps.ok()) << steps.status();
+  ASSERT_EQ(steps->pairs.size(), 2U);
+  EXPECT_FALSE(steps->pairs[0].is_ramp);
+  EXPECT_TRUE(steps->pairs[1].is_ramp);
+  for (int k = 1; k <= steps->length(); ++k) {
+    EXPECT_NEAR(steps->pairs[1].coefficients(k - 1),
+                k <= 3 ? 0.0 : 0.1 * (k - 3), 1e-12);
+  }
+}
+
 TEST(StepResponsesOf, SaysWhatCannotBeSampled) {
   NamedStateSpace through = TwoLags(0.9, 0.8);
   through.system.D(1, 0) = -0.25;

@@ -75,6 +75,30 @@ TEST(StateSpaceTest, StepResponseIsASimulationAndSettlesAtTheStaticGain) {
   EXPECT_EQ(response.element(0, 1)(1), 3.0);  // feedthrough after 1
 }
 
+// The third state integrates both inputs; the output is a lag of it, and of the
+// second input another.
+TEST(StateSpaceTest, StepResponsesOfLevelsEndInTheirSlopes) {
+  DiscreteStateSpace system = Example();
+  EXPECT_FALSE(system.IsIntegrating());
+  EXPECT_EQ(system.Slopes(), Eigen::MatrixXd::Zero(1, 2));
+  system.A(2, 2) = 1.0;
+  ASSERT_TRUE(system.Validate().ok()) << system.Validate();
+  EXPECT_TRUE(system.IsIntegrating());
+  StepResponse response = system.ComputeStepResponse(400);
+  const Eigen::MatrixXd slopes = system.Slopes();
+  for (int j = 0; j < 2; ++j) {
+    const Eigen::VectorXd& h = response.element(0, j);
+    EXPECT_NEAR((h(399) - h(397)) / 1.0, slopes(0, j), 1e-10);
+    EXPECT_EQ(system.StaticGains()(0, j), slopes(0, j));
+  }
+  // An input that the integrator does not see settles.
+  system.B(2, 1) = 0.0;
+  response = system.ComputeStepResponse(400);
+  EXPECT_NE(system.Slopes()(0, 0), 0.0);
+  EXPECT_EQ(system.Slopes()(0, 1), 0.0);
+  EXPECT_NEAR(system.StaticGains()(0, 1), response.element(0, 1)(399), 1e-10);
+}
+
 std::string Refusal(DiscreteStateSpace system) {
   return std::string(system.Validate().message());
 }
@@ -98,8 +122,15 @@ TEST(StateSpaceTest, ValidateNamesWhatIsWrong) {
   system.output_delays = {-1};
   EXPECT_THAT(Refusal(system), HasSubstr("output_delays holds -1"));
   system = Example();
-  system.A(2, 2) = 1.0;
+  system.A(2, 2) = 1.001;
   EXPECT_THAT(Refusal(system), HasSubstr("unstable"));
+  system.A(2, 2) = -1.0;
+  EXPECT_THAT(Refusal(system), HasSubstr("unstable"));
+  system.A(2, 2) = 1.0;
+  EXPECT_EQ(Refusal(system), "");
+  // The third state integrates, and the first integrates it.
+  system.A = Eigen::Matrix3d{{1.0, 0.0, 0.5}, {0.0, 0.7, 0.0}, {0.0, 0.0, 1.0}};
+  EXPECT_THAT(Refusal(system), HasSubstr("integrates twice"));
 }
 
 constexpr char kValid[] = R"({
@@ -142,10 +173,42 @@ TEST(StateSpaceJsonTest, ReadsEveryKey) {
   EXPECT_EQ(named->accuracy->largest_differences, std::vector<double>{0.001});
 }
 
+// What a person has: matrices and names.
+TEST(StateSpaceJsonTest, ReadsTheShortestFile) {
+  const auto named = ParseStateSpace(
+      R"({"name": "tank", "time_unit": "min", "sample_time": 0.5,
+          "outputs": ["level"], "inputs": ["inflow", "heat"],
+          "input_units": ["t/h", "kW"], "output_units": ["m"],
+          "disturbances": ["heat"],
+          "A": [[0.5]], "B": [[1, 2]], "C": [[1]]})",
+      "s.json");
+  ASSERT_TRUE(named.ok()) << named.status();
+  EXPECT_EQ(named->system.D, Eigen::MatrixXd::Zero(1, 2));
+  EXPECT_EQ(named->system.input_delays, std::vector<int>({0, 0}));
+  EXPECT_EQ(named->system.output_delays, std::vector<int>({0}));
+  const ProcessModel channels = named->Channels();
+  EXPECT_EQ(channels.inputs()[0].unit, "t/h");
+  EXPECT_EQ(channels.inputs()[1].role, InputRole::kDisturbance);
+  EXPECT_EQ(channels.outputs()[0].unit, "m");
+  NamedStateSpace copy = *named;
+  copy.SetChannels(channels);
+  EXPECT_EQ(FormatStateSpace(copy), FormatStateSpace(*named));
+  EXPECT_THAT(
+      MessageWith("\"accuracy\"", "\"disturbances\": [\"wind\"], \"accuracy\""),
+      HasSubstr("\"wind\" is not an input; the inputs are inflow, heat"));
+  EXPECT_THAT(
+      MessageWith("\"accuracy\"", "\"input_units\": [\"kW\"], \"accuracy\""),
+      HasSubstr("input_units has 1 units, must have 2"));
+}
+
 TEST(StateSpaceJsonTest, ReadsBackWhatItWritesBitByBit) {
   std::mt19937_64 random(5);
   std::normal_distribution<double> normal;
-  NamedStateSpace named = {"a \"b\"\n", "µs", {"y1", "y2"}, {"u"}, {}, {}};
+  NamedStateSpace named;
+  named.name = "a \"b\"\n";
+  named.time_unit = "µs";
+  named.outputs = {"y1", "y2"};
+  named.inputs = {"u"};
   const auto fill = [&](int rows, int cols) {
     Eigen::MatrixXd matrix(rows, cols);
     for (double& value : matrix.reshaped()) {
@@ -194,7 +257,7 @@ TEST(StateSpaceJsonTest, FaultsNameTheKeyAndWhatWouldBeRight) {
   EXPECT_THAT(MessageWith("\"version\": 1", "\"version\": 2"),
               HasSubstr("version: must be a whole number from 1 to 1"));
   EXPECT_THAT(MessageWith("\"order\": 2", "\"Order\": 2"),
-              HasSubstr("unknown key \"Order\"; allowed are version"));
+              HasSubstr("unknown key \"Order\"; allowed are name"));
   EXPECT_THAT(MessageWith("\"D\": [[0, 0]]", "\"D\": [[0]]"),
               HasSubstr("D[0]: must be a list of 2 numbers, one for each "
                         "input, is one of 1"));
