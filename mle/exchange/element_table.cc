@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "mle/exchange/description.h"
+#include "mle/exchange/nearest_integrator.h"
 #include "mle/exchange/same_element.h"
 #include "mle/nonlinear/fopdt_fit.h"
 #include "mle/nonlinear/sopdt_fit.h"
@@ -15,7 +16,6 @@ namespace mle {
 namespace {
 
 constexpr int kResponseSamples = 400;
-constexpr int kLagsTried = 200;
 // Of the square of the sum of two time constants: their difference, squared,
 // that rounding makes negative.
 constexpr double kRounding = 1e-12;
@@ -63,31 +63,13 @@ double DifferenceOf(const ElementRow& row, const Eigen::VectorXd& response,
          RangeOf(response);
 }
 
-// An integrator with one lag. Its ramp is that of the element: the same slope
-// from the same time L + T on, so that only T is left to be chosen.
 ElementRow NearestRamp(const TransferFunction& g) {
-  const std::vector<double>& a = g.denominator();  // …, a₁, a₀, 0
-  const std::vector<double>& b = g.numerator();    // …, b₁, b₀
-  double begin = g.delay();
-  if (a.size() > 2) begin += a[a.size() - 3] / a[a.size() - 2];
-  if (b.size() > 1) begin -= b[b.size() - 2] / b.back();
-  begin = std::max(begin, 0.0);
-  const double horizon = begin + 10.0 * g.SlowestTimeConstant();
-  const double sample_time = horizon / (kResponseSamples - 1);
-  const Eigen::VectorXd response =
-      g.StepResponse(sample_time, kResponseSamples);
-  ElementRow best;
-  best.largest_difference = std::numeric_limits<double>::infinity();
-  for (int k = 0; k <= kLagsTried; ++k) {
-    ElementRow row;
-    row.integrating = true;
-    row.gain = g.StaticGain();
-    row.time_constant = begin * k / kLagsTried;
-    row.delay = begin - row.time_constant;
-    row.largest_difference = DifferenceOf(row, response, sample_time);
-    if (row.largest_difference < best.largest_difference) best = row;
-  }
-  return best;
+  const NearestIntegrator nearest = NearestIntegrator::Of(g);
+  return {.gain = nearest.gain,
+          .time_constant = nearest.time_constant,
+          .delay = nearest.delay,
+          .integrating = true,
+          .largest_difference = nearest.largest_difference};
 }
 
 // The nearer of first and second order without lead; of second order only

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "mle/base/status.h"
+#include "mle/exchange/nearest_integrator.h"
 
 namespace mle {
 namespace {
@@ -20,7 +20,6 @@ constexpr int kFewestSamples = 10;  // of a fit of second order
 // The dead time of second order is shorter than that of first order, whose lag
 // begins at once; oscillations aside.
 constexpr double kDelays = 2.0;
-constexpr int kSplits = 100;  // of L + T of an integrator
 
 FopdtElement FromFit(const FopdtFit& fit) {
   FopdtElement element;
@@ -73,51 +72,16 @@ absl::StatusOr<FopdtElement> Described(
   return element;
 }
 
-double CoefficientOf(const std::vector<double>& polynomial, std::size_t power) {
-  return power < polynomial.size() ? polynomial[polynomial.size() - 1 - power]
-                                   : 0.0;
-}
-
-// K e^{−Ls} / (s (T s + 1)) of the same ramp, which begins at
-// L + T = −d/ds ln(e^{Ls} …) at s = 0; of all T the one of the smallest
-// difference.
 FopdtElement FromIntegrating(const TransferFunction& transfer) {
+  const NearestIntegrator nearest = NearestIntegrator::Of(transfer);
   FopdtElement element;
   element.integrating = true;
-  element.gain = transfer.StaticGain();
-  if (transfer.IsIntegratorWithLag()) {
-    element.exact = true;
-    element.time_constant = transfer.TimeConstant();
-    element.delay = transfer.delay();
-    return element;
-  }
-  const std::vector<double>& b = transfer.numerator();
-  const std::vector<double>& a = transfer.denominator();
-  const double begin = std::max(
-      0.0, transfer.delay() + CoefficientOf(a, 2) / CoefficientOf(a, 1) -
-               CoefficientOf(b, 1) / CoefficientOf(b, 0));
-  const double sample_time =
-      (transfer.delay() + kHorizons * transfer.SlowestTimeConstant()) /
-      (kResponseSamples - 1);
-  const Eigen::VectorXd response =
-      transfer.StepResponse(sample_time, kResponseSamples);
-  const double range = response.maxCoeff() - response.minCoeff();
-  element.largest_difference = std::numeric_limits<double>::infinity();
-  for (int i = 0; i <= kSplits; ++i) {
-    const double time_constant = begin * i / kSplits;
-    const Eigen::VectorXd difference =
-        TransferFunction::Integrator(element.gain, time_constant,
-                                     begin - time_constant)
-            .StepResponse(sample_time, kResponseSamples) -
-        response;
-    const double largest = difference.cwiseAbs().maxCoeff() / range;
-    if (largest >= element.largest_difference) continue;
-    element.largest_difference = largest;
-    element.relative_rms =
-        std::sqrt(difference.squaredNorm() / kResponseSamples) / range;
-    element.time_constant = time_constant;
-    element.delay = begin - time_constant;
-  }
+  element.gain = nearest.gain;
+  element.time_constant = nearest.time_constant;
+  element.delay = nearest.delay;
+  element.exact = transfer.IsIntegratorWithLag();
+  element.relative_rms = nearest.relative_rms;
+  element.largest_difference = nearest.largest_difference;
   return element;
 }
 

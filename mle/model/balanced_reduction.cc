@@ -10,6 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "mle/base/status.h"
 #include "mle/model/held_response.h"
+#include "mle/model/integrator_split.h"
 #include "mle/model/response_difference.h"
 #include "mle/model/row_realization.h"
 
@@ -24,6 +25,9 @@ using Eigen::VectorXd;
 constexpr double kSettled = 2.0;
 constexpr double kFewestSamples = 10.0;
 constexpr double kMostSamples = 20000.0;
+// Of dead time, slowest lag and a sample: the time in which a ramp reaches what
+// differences of an integrating element are relative to.
+constexpr double kRampOver = 10.0;
 // Of σ_1 and for each state: what is smaller is rounding.
 constexpr double kRounding = 1e-15;
 
@@ -100,24 +104,52 @@ Delays ChooseDelays(const Responses& responses, int p, int m) {
   return outputs.line < inputs.line ? outputs : inputs;
 }
 
-// The step responses and gains that the model is to have, and their sizes.
+// The step responses and gains that the model is to have, and their sizes. Of
+// pairs that integrate: without the ramp that the integrator of the row makes.
 struct Wanted {
   ResponsesOfModel responses;
-  MatrixXd sizes;  // p × m, of pairs that are not zero > 0
+  MatrixXd sizes;   // p × m, of pairs that are not zero > 0
+  MatrixXd slopes;  // p × m, of the ramps; 0 where a pair settles
 };
 
-Wanted WantedOf(const ProcessModel& model, double sample_time) {
+// Takes the ramp off the responses `wanted` of pair (i, j), which integrates.
+absl::Status TakeOffRamp(const TransferFunction& g, int i, int j, int whole,
+                         const Delays& delays, Wanted& wanted) {
+  StepResponse& response = wanted.responses.response;
+  const int taken = delays.inputs[j] + delays.outputs[i];
+  MLE_ASSIGN_OR_RETURN(const IntegratorSplit split,
+                       SplitIntegrator(g, response.sample_time, whole - taken));
+  const double step = split.slope * response.sample_time;
+  auto h = response.element(i, j);
+  for (Index k = taken + 1; k < h.size(); ++k) {
+    h(k) -= step * static_cast<double>(k - taken);
+  }
+  wanted.slopes(i, j) = split.slope;
+  wanted.responses.gains(i, j) = split.rest_gain;
+  return absl::OkStatus();
+}
+
+absl::StatusOr<Wanted> WantedOf(const ProcessModel& model,
+                                const Responses& responses,
+                                const Delays& delays, double sample_time) {
   const double samples =
       std::ceil(kSettled * SettlingTime(model) / sample_time) + kFewestSamples;
   Wanted wanted;
-  const StepResponse& response = wanted.responses.response =
+  StepResponse& response = wanted.responses.response =
       model.ComputeStepResponse(
           sample_time, static_cast<int>(std::min(samples, kMostSamples)));
   wanted.responses.gains = StaticGains(model);
   wanted.sizes = wanted.responses.gains.cwiseAbs();
+  wanted.slopes = MatrixXd::Zero(model.num_outputs(), model.num_inputs());
   for (int i = 0; i < model.num_outputs(); ++i) {
     for (int j = 0; j < model.num_inputs(); ++j) {
       double& size = wanted.sizes(i, j);
+      const TransferFunction& g = model.element(i, j);
+      if (g.IsIntegrating()) {
+        const int whole = responses[i * model.num_inputs() + j]->whole_delay;
+        MLE_RETURN_IF_ERROR(TakeOffRamp(g, i, j, whole, delays, wanted));
+        size *= kRampOver * (g.delay() + g.SlowestTimeConstant() + sample_time);
+      }
       size = std::max(size, response.element(i, j).cwiseAbs().maxCoeff());
       if (!(size > 0.0)) size = 1.0;
     }
@@ -181,9 +213,25 @@ DiscreteStateSpace BalancedRow::Cut(int order, double sample_time,
   return system;
 }
 
+// Of a pair, its dead time without what is taken out; none of an integrator
+// alone.
+absl::StatusOr<std::optional<RowElement>> ElementOf(
+    const ProcessModel& model, const HeldResponse& response, int left,
+    double sample_time, int i, int j) {
+  const TransferFunction& g = model.element(i, j);
+  if (g.IsIntegrating()) {
+    MLE_ASSIGN_OR_RETURN(IntegratorSplit split,
+                         SplitIntegrator(g, sample_time, left));
+    return std::move(split.rest);
+  }
+  RowElement element = RowElement::Of(response);
+  element.delay = left;
+  return element;
+}
+
 absl::StatusOr<BalancedRow> Balance(const ProcessModel& model,
                                     const Responses& responses,
-                                    const Delays& delays, const MatrixXd& sizes,
+                                    const Delays& delays, const Wanted& wanted,
                                     int output,
                                     const ReductionOptions& options) {
   BalancedRow balanced;
@@ -193,13 +241,17 @@ absl::StatusOr<BalancedRow> Balance(const ProcessModel& model,
   for (int j = 0; j < model.num_inputs(); ++j) {
     const auto& response = responses[output * model.num_inputs() + j];
     if (!response.has_value()) continue;
-    RowElement element = RowElement::Of(*response);
-    element.b /= sizes(0, j);
-    element.delay =
+    const int left =
         response->whole_delay - delays.inputs[j] - delays.outputs[output];
-    line = std::max(line, static_cast<double>(element.delay));
-    states += static_cast<double>(element.A.rows());
-    elements.push_back(std::move(element));
+    MLE_ASSIGN_OR_RETURN(
+        std::optional<RowElement> element,
+        ElementOf(model, *response, left, wanted.responses.response.sample_time,
+                  output, j));
+    if (!element.has_value()) continue;
+    element->b /= wanted.sizes(0, j);
+    line = std::max(line, static_cast<double>(left));
+    states += static_cast<double>(element->A.rows());
+    elements.push_back(*std::move(element));
     balanced.inputs.push_back(j);
   }
   if (elements.empty()) return balanced;
@@ -231,6 +283,7 @@ Wanted RowOf(const Wanted& wanted, int output) {
   }
   row.responses.gains = wanted.responses.gains.row(output);
   row.sizes = wanted.sizes.row(output);
+  row.slopes = wanted.slopes.row(output);
   return row;
 }
 
@@ -274,7 +327,9 @@ absl::StatusOr<CutRow> CutWithin(const ProcessModel& model,
     best.system.B.resize(0, model.num_inputs());
     best.system.C.resize(1, 0);
     best.system.D = MatrixXd::Zero(1, model.num_inputs());
-    best.system.output_delays = {0};
+    best.system.sample_time = wanted.responses.response.sample_time;
+    best.system.input_delays = delays.inputs;
+    best.system.output_delays = {delays.outputs[output]};
     best.bound = 0.0;
     return best;
   }
@@ -306,6 +361,18 @@ absl::StatusOr<CutRow> CutWithin(const ProcessModel& model,
     }
   }
   return best;
+}
+
+// The state that the integrating pairs of a row share.
+void AddIntegrator(const MatrixXd& slopes, double sample_time,
+                   DiscreteStateSpace& row) {
+  const Index n = row.A.rows();
+  row.A.conservativeResizeLike(MatrixXd::Zero(n + 1, n + 1));
+  row.A(n, n) = 1.0;
+  row.B.conservativeResize(n + 1, slopes.cols());
+  row.B.row(n) = sample_time * slopes;
+  row.C.conservativeResize(1, n + 1);
+  row.C(n) = 1.0;
 }
 
 // Rows one below the other; the first may be empty.
@@ -345,16 +412,13 @@ absl::StatusOr<ReducedModel> ReduceModel(const ProcessModel& model,
                                          const ReductionOptions& options) {
   MLE_RETURN_IF_ERROR(options.Validate());
   MLE_RETURN_IF_ERROR(model.Validate());
-  // What does not forget its inputs has no gramians.
-  MLE_RETURN_IF_ERROR(CheckNotIntegrating(
-      model,
-      "models are reduced to a state space where all their elements settle"));
   MLE_ASSIGN_OR_RETURN(const Responses responses,
                        ResponsesOf(model, sample_time));
   const int p = model.num_outputs();
   const int m = model.num_inputs();
   const Delays delays = ChooseDelays(responses, p, m);
-  const Wanted wanted = WantedOf(model, sample_time);
+  MLE_ASSIGN_OR_RETURN(const Wanted wanted,
+                       WantedOf(model, responses, delays, sample_time));
   ReducedModel reduced;
   reduced.error_bounds = VectorXd::Zero(p);
   reduced.largest_differences = VectorXd::Zero(p);
@@ -364,18 +428,20 @@ absl::StatusOr<ReducedModel> ReduceModel(const ProcessModel& model,
   reduced.system.B.resize(0, m);
   for (int i = 0; i < p; ++i) {
     const Wanted row = RowOf(wanted, i);
-    MLE_ASSIGN_OR_RETURN(
-        const BalancedRow balanced,
-        Balance(model, responses, delays, row.sizes, i, options));
-    MLE_ASSIGN_OR_RETURN(const CutRow cut,
+    MLE_ASSIGN_OR_RETURN(const BalancedRow balanced,
+                         Balance(model, responses, delays, row, i, options));
+    MLE_ASSIGN_OR_RETURN(CutRow cut,
                          CutWithin(model, balanced, row, delays, i, options));
+    const Index neglected = balanced.values.size() - cut.system.order();
+    reduced.hankel_bounds(i) = 2.0 * balanced.values.tail(neglected).sum();
+    if (!row.slopes.isZero(0.0)) {
+      AddIntegrator(row.slopes, sample_time, cut.system);
+    }
     if (cut.system.order() > 0) MLE_RETURN_IF_ERROR(cut.system.Validate());
     reduced.error_bounds(i) = cut.bound;
     reduced.largest_differences(i) = cut.difference;
     reduced.orders.push_back(cut.system.order());
     reduced.hankel_values.push_back(balanced.values);
-    const Index neglected = balanced.values.size() - reduced.orders.back();
-    reduced.hankel_bounds(i) = 2.0 * balanced.values.tail(neglected).sum();
     Append(cut.system, reduced.system);
     if (reduced.system.order() > options.max_states) {
       return absl::FailedPreconditionError(absl::StrCat(

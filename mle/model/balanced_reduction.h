@@ -22,6 +22,12 @@
 //                        ReduceModel(model, /*sample_time=*/0.2, {}));
 //   reduced.system.order();  reduced.error_bounds.maxCoeff();
 //
+// The integrating elements of a row share one state, an integrator that is
+// exact (integrator_split.h); what they have besides settles, and is reduced
+// with the row. Their s_ij is the larger of its largest magnitude and of the
+// height that the ramp reaches in ten times dead time, slowest lag and sample
+// time together.
+//
 // Square-root method: R and L with observability gramian RᵀR and
 // controllability gramian L Lᵀ (row_realization.h), R L = U Σ Vᵀ, T = L V
 // Σ^{−½} and T⁻¹ = Σ^{−½} Uᵀ R; no gramian is formed, none inverted.
@@ -72,7 +78,8 @@ struct ReducedModel {
   // (response_difference.h).
   Eigen::VectorXd error_bounds;
   Eigen::VectorXd largest_differences;
-  std::vector<int> orders;                     // p: r of each row
+  std::vector<int> orders;                     // p: r of each row, with its
+                                               // integrator
   std::vector<Eigen::VectorXd> hankel_values;  // p: σ of each row
   Eigen::VectorXd hankel_bounds;               // p: 2 Σ of those neglected
 };

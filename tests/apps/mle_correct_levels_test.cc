@@ -8,6 +8,7 @@
 #include "gtest/gtest.h"
 #include "mle/exchange/model_file.h"
 #include "mle/model/arx_model_json.h"
+#include "mle/model/state_space_json.h"
 #include "tests/apps/correct_runs.h"
 
 namespace mle {
@@ -78,11 +79,20 @@ TEST_F(MleCorrectLevels, TheAgedGainIsNamedAndTheRestKept) {
   const StepResponse run = arx->model.ComputeStepResponse(1000);
   EXPECT_LT((run.values - model->ComputeStepResponse(0.2, 1000).values).norm(),
             1e-6);
-  // What there is not, and why.
-  EXPECT_FALSE(std::filesystem::exists(out_ + "/state_space.json"));
-  EXPECT_THAT(result["warnings"].dump(), HasSubstr("no_state_space"));
+  // So are the step responses of the state space, which is a model as well.
+  const std::string states =
+      scratch_.Write("states.json", Content(out_ + "/state_space.json"));
+  const auto named = ReadStateSpace(states);
+  ASSERT_TRUE(named.ok()) << named.status();
+  const StepResponse ramps = named->system.ComputeStepResponse(1000);
+  EXPECT_LT(
+      (ramps.values - model->ComputeStepResponse(0.2, 1000).values).norm(),
+      1e-6);
 
   EXPECT_EQ(Run(out_ + "/model.json")["decision"], "no_change");
+  const nlohmann::json again = Run(states);
+  EXPECT_EQ(again["decision"], "no_change");
+  EXPECT_EQ(again["given_model"]["form"], "state_space");
 }
 
 TEST_F(MleCorrectLevels, StepResponsesThatEndInRampsAreCorrected) {

@@ -8,6 +8,7 @@
 #include "gtest/gtest.h"
 #include "mle/exchange/mat_file.h"
 #include "mle/exchange/model_file.h"
+#include "mle/model/balanced_reduction.h"
 #include "tests/apps/correct_runs.h"
 
 namespace mle {
@@ -164,6 +165,70 @@ TEST_F(MleCorrectModelForms, TablesOfElementsAreCorrected) {
   const std::string twice =
       example_.scratch.Write("twice.csv", head + unchanged + "y1,u2,2,5,1\n");
   ExpectRefused(twice, {"--model", twice, "line 11", "y1 ← u2"});
+}
+
+// Discrete forms: the pairs that have not changed keep their numbers, or, of a
+// state space, their responses.
+TEST_F(MleCorrectModelForms, DiscreteTransferFunctionsAreCorrected) {
+  const ProcessModel heater = ModelOf(Heater());
+  DiscreteModel given;
+  given.channels = ProcessModel(heater.name(), heater.time_unit(),
+                                heater.inputs(), heater.outputs());
+  given.sample_time = 0.5;
+  given.variable = DiscreteVariable::kInverseZ;
+  for (const auto& [i, j] :
+       std::vector<std::pair<int, int>>{{1, 1}, {1, 0}, {0, 1}, {0, 0}}) {
+    given.elements.push_back(
+        *Discretized(heater.element(i, j), 0.5, given.variable));
+    given.elements.back().output = i;
+    given.elements.back().input = j;
+  }
+  const nlohmann::json result =
+      Run(example_.scratch.Write("z.json", FormatDiscreteModel(given)));
+  EXPECT_EQ(result["decision"], "corrected");
+  EXPECT_EQ(result["given_model"]["form"], "discrete_transfer_functions");
+  EXPECT_EQ(result["given_model"]["corrected"], "model_corrected.json");
+  for (const auto& pair : result["given_model"]["descriptions"]) {
+    EXPECT_LT(pair["largest_difference"], 1e-6);
+  }
+  const std::string path = example_.out + "/model_corrected.json";
+  const auto corrected = ParseDiscreteModel(Content(path), path);
+  ASSERT_TRUE(corrected.ok()) << corrected.status();
+  ASSERT_EQ(corrected->elements.size(), 4U);
+  for (int e = 0; e < 3; ++e) {
+    EXPECT_EQ(corrected->elements[e].numerator, given.elements[e].numerator);
+    EXPECT_EQ(corrected->elements[e].denominator,
+              given.elements[e].denominator);
+  }
+  const auto steps = StepResponsesOf(*corrected);
+  ASSERT_TRUE(steps.ok()) << steps.status();
+  // The gain of 1 has a standard error below 0.02 in this record.
+  EXPECT_NEAR(steps->pairs.front().coefficients.tail(1)(0), 1.0, 0.1);
+  const std::string kept = example_.scratch.Write("kept.json", Content(path));
+  EXPECT_EQ(Run(kept)["decision"], "no_change");
+}
+
+TEST_F(MleCorrectModelForms, StateSpacesAreCorrected) {
+  const ProcessModel heater = ModelOf(Heater());
+  NamedStateSpace given;
+  given.SetChannels(heater);
+  given.system = ReduceModel(heater, 0.5, {})->system;
+  const nlohmann::json result =
+      Run(example_.scratch.Write("ss.json", FormatStateSpace(given)));
+  EXPECT_EQ(result["decision"], "corrected");
+  EXPECT_EQ(result["given_model"]["form"], "state_space");
+  const std::string path = example_.out + "/model_corrected.json";
+  const auto corrected = ReadStateSpace(path);
+  ASSERT_TRUE(corrected.ok()) << corrected.status();
+  const StepResponse before = given.system.ComputeStepResponse(200);
+  const StepResponse after = corrected->system.ComputeStepResponse(200);
+  for (const auto& [i, j] :
+       std::vector<std::pair<int, int>>{{1, 1}, {1, 0}, {0, 1}}) {
+    EXPECT_LT((after.element(i, j) - before.element(i, j)).norm(), 1e-9);
+  }
+  EXPECT_NEAR(after.element(0, 0)(199), 1.0, 0.1);
+  const std::string kept = example_.scratch.Write("kept.json", Content(path));
+  EXPECT_EQ(Run(kept)["decision"], "no_change");
 }
 
 // model.mat is model.json, and the next model.

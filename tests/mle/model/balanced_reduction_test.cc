@@ -403,5 +403,59 @@ TEST(BalancedReductionTest, FaultsSayWhatWouldBeRight) {
   EXPECT_THAT(Refusal(model, 1.0, options), HasSubstr("rounding"));
 }
 
+// Levels beside outputs that settle: integrators of one row with dead times
+// that differ, are not whole samples, with lags, a zero and an inverse
+// response, and a pair of the row that settles.
+TEST(BalancedReductionTest, LevelsKeepAnExactIntegrator) {
+  ProcessModel model = EmptyModel(3, 3);
+  model.element(0, 0) = TransferFunction::Integrator(0.3, 0.0, 1.0);
+  model.element(0, 1) = TransferFunction::Integrator(-0.2, 4.0, 6.3);
+  model.element(0, 2) = TransferFunction::FirstOrder(5.0, 9.0, 2.0);
+  model.element(1, 0) = TransferFunction::FirstOrder(1.0, 7.0, 4.0);
+  model.element(1, 1) = TransferFunction::FirstOrder(-2.0, 3.0, 1.5);
+  model.element(2, 1) = TransferFunction::Integrator(2.0, 0.0, 5.0);
+  model.element(2, 2) =
+      TransferFunction({-0.6, 0.2}, {6.0, 5.0, 1.0, 0.0}, 8.1);
+  constexpr double kSampleTime = 0.5;
+  constexpr int kSamples = 2000;
+  for (const double tolerance : {0.01, 1e-9}) {
+    const absl::StatusOr<ReducedModel> reduced =
+        ReduceModel(model, kSampleTime, {.tolerance = tolerance});
+    ASSERT_TRUE(reduced.ok()) << reduced.status();
+    const DiscreteStateSpace& system = reduced->system;
+    EXPECT_TRUE(system.Validate().ok()) << system.Validate();
+    EXPECT_LE(reduced->largest_differences.maxCoeff(), tolerance);
+    EXPECT_LE(reduced->error_bounds.maxCoeff(), tolerance);
+    EXPECT_GT(reduced->error_bounds.maxCoeff(), 0.0);
+    const StepResponse found = system.ComputeStepResponse(kSamples);
+    const StepResponse wanted =
+        model.ComputeStepResponse(kSampleTime, kSamples);
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j) {
+        const TransferFunction& g = model.element(i, j);
+        const double size =
+            std::abs(g.StaticGain()) *
+            (g.IsIntegrating()
+                 ? 10.0 * (g.delay() + g.SlowestTimeConstant() + kSampleTime)
+                 : 1.0);
+        EXPECT_LE(
+            (found.element(i, j) - wanted.element(i, j)).cwiseAbs().maxCoeff(),
+            1.01 * tolerance * size + 1e-9)
+            << i << j;
+        if (!g.IsIntegrating()) continue;
+        EXPECT_NEAR(system.Slopes()(i, j), g.StaticGain(), 1e-9);
+      }
+    }
+  }
+  // A row of aligned integrators takes one state.
+  ProcessModel tank = EmptyModel(1, 2);
+  tank.element(0, 0) = TransferFunction::Integrator(0.3, 0.0, 1.0);
+  tank.element(0, 1) = TransferFunction::Integrator(-0.3, 0.0, 2.0);
+  const absl::StatusOr<ReducedModel> one = ReduceModel(tank, kSampleTime, {});
+  ASSERT_TRUE(one.ok()) << one.status();
+  EXPECT_EQ(one->system.order(), 1);
+  EXPECT_EQ(one->system.input_delays, (std::vector<int>{2, 4}));
+}
+
 }  // namespace
 }  // namespace mle
