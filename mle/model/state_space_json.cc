@@ -158,10 +158,11 @@ absl::Status NamedStateSpace::Validate() const {
   MLE_RETURN_IF_ERROR(CheckUnits("output_units", output_units, outputs.size()));
   MLE_RETURN_IF_ERROR(CheckUnits("input_units", input_units, inputs.size()));
   for (const std::string& input : disturbances) {
-    if (std::find(inputs.begin(), inputs.end(), input) != inputs.end()) continue;
+    if (std::find(inputs.begin(), inputs.end(), input) != inputs.end())
+      continue;
     return absl::InvalidArgumentError(absl::StrCat(
-        "disturbances: ", QuotedJson(input), " is not an input; the inputs are ",
-        absl::StrJoin(inputs, ", ")));
+        "disturbances: ", QuotedJson(input),
+        " is not an input; the inputs are ", absl::StrJoin(inputs, ", ")));
   }
   if (!accuracy.has_value()) return absl::OkStatus();
   MLE_RETURN_IF_ERROR(CheckErrors("error_bounds", accuracy->error_bounds,
