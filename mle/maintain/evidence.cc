@@ -200,7 +200,7 @@ std::string Disagreement(const CorrectionResult& result, int i) {
   if (!ProposesChange(result.estimate, i)) return "";
   for (std::size_t o = 0; o < result.agreement.size(); ++o) {
     const WindowAgreement& other = result.agreement[o];
-    if (other.agree() || other.difference > own.difference ||
+    if (other.agree() || other.difference > own.possible ||
         other.cause != WindowAgreement::Cause::kOperatingPoint) {
       continue;
     }
@@ -210,7 +210,7 @@ std::string Disagreement(const CorrectionResult& result, int i) {
         "much from window to window (by %.2g %%, p = %.1g for none). Records "
         "at one operating point would settle it.",
         result.initial.outputs()[o].name, 100.0 * other.difference, name,
-        100.0 * own.difference, own.p_value);
+        100.0 * own.possible, own.p_value);
   }
   return "";
 }

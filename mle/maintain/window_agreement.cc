@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
+#include <numeric>
 
 #include "Eigen/QR"
 #include "absl/strings/str_cat.h"
@@ -13,6 +15,7 @@
 #include "mle/maintain/element_responses.h"
 #include "mle/maintain/whitened_fit.h"
 #include "mle/nonlinear/distributions.h"
+#include "mle/nonlinear/innovations_filter.h"
 
 namespace mle {
 namespace {
@@ -28,7 +31,11 @@ constexpr double kLeastNats = 10.0;
 constexpr double kMostSamples = 8000.0;
 constexpr double kLeastSamples = 100.0;
 constexpr double kCollinear = 1e-6;
-constexpr double kNoiseParameters = 12.0;  // of whitened_fit.h
+constexpr double kMemories = 5.0;          // that a window is long at least
+constexpr double kNoiseParameters = 13.0;  // of whitened_fit.h, and the drift
+// From none to that of an output that is hardly more than a walk.
+constexpr double kDriftRatios[] = {0.0,  1e-6, 1e-5, 1e-4, 3e-4, 1e-3,
+                                   3e-3, 1e-2, 3e-2, 0.1,  1.0};
 
 // Responses of all windows one below the other, times `factors` (one for each
 // window), columns of unit length.
@@ -95,6 +102,36 @@ WhitenedData Separate(const WhitenedData& row) {
   return separate;
 }
 
+// Windows joined to the next ones of their stretch until they are `least`
+// samples long. In short ones the inputs are mostly what a controller makes of
+// noise that has not been forgotten, and gains of their own are biased by it.
+std::vector<StretchPart> JoinShort(const std::vector<StretchPart>& windows,
+                                   double least) {
+  std::vector<StretchPart> joined;
+  bool open = false;  // the last one takes more
+  for (const StretchPart& window : windows) {
+    const bool same =
+        !joined.empty() && joined.back().stretch == window.stretch;
+    if (same && open) {
+      joined.back().samples += window.samples;
+    } else {
+      joined.push_back(window);
+    }
+    open = joined.back().samples < least;
+  }
+  // What a stretch ends with belongs to what comes before it.
+  std::vector<StretchPart> long_ones;
+  for (const StretchPart& part : joined) {
+    if (part.samples < least && !long_ones.empty() &&
+        long_ones.back().stretch == part.stretch) {
+      long_ones.back().samples += part.samples;
+    } else {
+      long_ones.push_back(part);
+    }
+  }
+  return long_ones;
+}
+
 // The windows of stretches, without the first samples of a stretch, which moves
 // before it disturb.
 WhitenedData Later(const WhitenedData& row,
@@ -157,15 +194,88 @@ WindowAgreement::Cause CauseOf(const WhitenedData& white, const VectorXd& y,
   return Cause::kUnknown;
 }
 
+// The filter of a random walk in white noise for `samples` samples.
+InnovationsFilter DriftFilter(Eigen::Index samples, double ratio) {
+  std::vector<int> times(samples);
+  std::iota(times.begin(), times.end(), 0);
+  return InnovationsFilter(times, {.ratio = ratio});
+}
+
+// Every window through that filter.
+WhitenedData WithoutDrift(const WhitenedData& data, double ratio) {
+  WhitenedData filtered = data;
+  for (std::size_t w = 0; w < data.outputs.size(); ++w) {
+    if (data.outputs[w].size() == 0) continue;
+    const InnovationsFilter filter = DriftFilter(data.outputs[w].size(), ratio);
+    filter.Apply(filtered.outputs[w]);
+    for (Eigen::Index j = 0; j < data.responses[w].cols(); ++j) {
+      if (data.responses[w].col(j).isZero(0.0)) continue;
+      filter.Apply(filtered.responses[w].col(j));
+    }
+  }
+  return filtered;
+}
+
+// The likeliest ratio of a random walk's increments to white noise in what
+// gains of each window leave of the output, an autoregression beside it.
+double LikeliestDrift(const WhitenedData& separate, const VectorXd& gains) {
+  WhitenedData rest;
+  for (std::size_t w = 0; w < separate.outputs.size(); ++w) {
+    rest.outputs.emplace_back(separate.outputs[w] -
+                              separate.responses[w] * gains);
+    rest.responses.emplace_back(rest.outputs.back().size(), 0);
+  }
+  double best_ratio = 0.0;
+  double best = -std::numeric_limits<double>::infinity();
+  for (const double ratio : kDriftRatios) {
+    double likelihood =
+        WhitenedLogLikelihood(WithoutDrift(rest, ratio), VectorXd());
+    for (const VectorXd& output : rest.outputs) {
+      if (output.size() == 0) continue;
+      likelihood -= 0.5 * DriftFilter(output.size(), ratio).log_determinant();
+    }
+    if (likelihood > best) {
+      best = likelihood;
+      best_ratio = ratio;
+    }
+  }
+  return best_ratio;
+}
+
+// Of a window's response by its own gains from that by common ones, less what
+// noise makes of it, relative to the response, or to that of an average window
+// where that is larger.
+double LargestDifference(const WhitenedData& white, const LeastSquares& common,
+                         const LeastSquares& free, double noise) {
+  const double average =
+      common.fitted.squaredNorm() / static_cast<double>(white.outputs.size());
+  double largest = 0.0;
+  Eigen::Index first = 0;
+  for (const VectorXd& window : white.outputs) {
+    const auto part = [&](const LeastSquares& one) {
+      return one.fitted.segment(first, window.size());
+    };
+    const double size = std::max(part(common).squaredNorm(), average);
+    const double squares = (part(free) - part(common)).squaredNorm() - noise;
+    if (size > 0.0 && squares > 0.0) {
+      largest = std::max(largest, std::sqrt(squares / size));
+    }
+    first += window.size();
+  }
+  return largest;
+}
+
 WindowAgreement TestOutput(const WhitenedData& row, const Circumstances& of,
                            int output) {
   WindowAgreement agreement;
   agreement.windows = static_cast<int>(of.times.size());
   const WhitenedData separate = Separate(row);
-  const WhitenedFit fit = FitWhitenedGains(
-      separate, VectorXd::Ones(separate.responses.front().cols()));
-  const WhitenedData whole = Whiten(separate, fit.gains);
   const Eigen::Index m = row.responses.front().cols();
+  const VectorXd alike = VectorXd::Ones(m * agreement.windows);
+  const WhitenedData filtered =
+      WithoutDrift(separate, LikeliestDrift(separate, alike));
+  const VectorXd gains = FitWhitenedGains(filtered, alike).gains;
+  const WhitenedData whole = Whiten(filtered, gains);
   WhitenedData white = whole;
   std::vector<double> values;
   for (std::size_t w = 0; w < whole.outputs.size(); ++w) {
@@ -187,18 +297,9 @@ WindowAgreement TestOutput(const WhitenedData& row, const Circumstances& of,
   agreement.p_value =
       FisherTail(std::max(common.squares - free.squares, 0.0) / more / variance,
                  more, left);
-  Eigen::Index first = 0;
-  for (const VectorXd& window : whole.outputs) {
-    const auto part = [&](const LeastSquares& one) {
-      return one.fitted.segment(first, window.size());
-    };
-    const double size = part(common).norm();
-    if (size > 0.0) {
-      agreement.difference = std::max(
-          agreement.difference, (part(free) - part(common)).norm() / size);
-    }
-    first += window.size();
-  }
+  agreement.difference = LargestDifference(
+      whole, common, free, variance * more / (agreement.windows - 1.0));
+  agreement.possible = LargestDifference(whole, common, free, 0.0);
   if (!agreement.agree()) {
     agreement.cause = CauseOf(white, y, of, output, common, free, variance);
   }
@@ -262,13 +363,18 @@ absl::StatusOr<std::vector<WindowAgreement>> TestWindowAgreement(
   for (const Record& stretch : stretches.records) {
     parts.push_back(WithoutGaps(stretch));
   }
+  const double memory =
+      std::ceil(LongestMemory(model) / parts.front().sample_time);
+  const std::vector<StretchPart> joined =
+      JoinShort(stretches.windows, kMemories * memory);
+  const auto count = static_cast<Eigen::Index>(joined.size());
+  if (count < 2) return agreements;
   Circumstances of;
-  const auto count = static_cast<Eigen::Index>(windows.size());
   of.times.resize(count);
   of.levels.assign(model.num_outputs(), VectorXd::Zero(count));
   double samples = 0.0;
   for (Eigen::Index w = 0; w < count; ++w) {
-    const StretchPart& window = stretches.windows[w];
+    const StretchPart& window = joined[w];
     const Record& part = parts[window.stretch];
     samples += window.samples;
     of.times(w) = 0.5 * (part.time(window.first) +
@@ -284,12 +390,10 @@ absl::StatusOr<std::vector<WindowAgreement>> TestWindowAgreement(
   MLE_ASSIGN_OR_RETURN(const ElementResponses responses,
                        ElementResponses::Create(model, parts, 1.0));
   const auto length = static_cast<int>(std::ceil(samples / kMostSamples));
-  const auto forgetting = static_cast<int>(std::min(
-      std::ceil(LongestMemory(model) / parts.front().sample_time), 1e9));
+  const auto forgetting = static_cast<int>(std::min(memory, 1e9));
   for (int i = 0; i < model.num_outputs(); ++i) {
-    const WhitenedData row =
-        Later(responses.Row(Assignment::AsRecorded(model), i),
-              stretches.windows, forgetting);
+    const WhitenedData row = Later(
+        responses.Row(Assignment::AsRecorded(model), i), joined, forgetting);
     agreements[i] = TestOutput(BlockMeans(row, length), of, i);
   }
   return agreements;

@@ -45,7 +45,7 @@ TEST(GatherEvidenceTest, APlantThatIsNotLinearInOneOutputIsDoubtedInOthers) {
   const auto doubts = [&](Cause cause, double first, double second) {
     result.agreement = {
         {.windows = 4, .p_value = 1e-9, .difference = first, .cause = cause},
-        {.windows = 4, .p_value = 0.3, .difference = second}};
+        {.windows = 4, .p_value = 0.3, .possible = second}};
     const Evidence evidence = GatherEvidence(result, {false, false});
     EXPECT_EQ(evidence.outputs[0].disagreement.empty(),
               result.agreement[0].agree());
