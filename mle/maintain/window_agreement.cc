@@ -271,10 +271,15 @@ WindowAgreement TestOutput(const WhitenedData& row, const Circumstances& of,
   agreement.windows = static_cast<int>(of.times.size());
   const WhitenedData separate = Separate(row);
   const Eigen::Index m = row.responses.front().cols();
-  const VectorXd alike = VectorXd::Ones(m * agreement.windows);
-  const WhitenedData filtered =
-      WithoutDrift(separate, LikeliestDrift(separate, alike));
-  const VectorXd gains = FitWhitenedGains(filtered, alike).gains;
+  // With common gains first: gains of each window take drift for responses, and
+  // from what they leave at first none would be seen. By the gains that they
+  // are with this drift then, for what common gains leave may look like drift.
+  VectorXd gains = VectorXd::Ones(m * agreement.windows);
+  WhitenedData filtered;
+  for (int round = 0; round < 2; ++round) {
+    filtered = WithoutDrift(separate, LikeliestDrift(separate, gains));
+    gains = FitWhitenedGains(filtered, gains).gains;
+  }
   const WhitenedData whole = Whiten(filtered, gains);
   WhitenedData white = whole;
   std::vector<double> values;
