@@ -1,10 +1,14 @@
-// A SQLite database, errors as absl::Status.
+// The database of the state, SQLite or PostgreSQL: the same statements, errors
+// as absl::Status.
 //
 //   MLE_ASSIGN_OR_RETURN(Database database, Database::Open("watch.sqlite"));
 //   MLE_ASSIGN_OR_RETURN(Statement insert,
 //                        database.Prepare("INSERT INTO day VALUES (?, ?)"));
-//   insert.Bind(1, 20780).Bind(2, "used");
+//   insert.Bind(1, 20780).BindText(2, "used");
 //   MLE_RETURN_IF_ERROR(insert.Run());
+//
+// Definitions of tables are in SQLite's words; PostgreSQL gets its own types
+// for them, and keeps all in the schema mle_watch.
 
 #ifndef APPS_WATCH_DATABASE_H_
 #define APPS_WATCH_DATABASE_H_
@@ -17,58 +21,108 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 
-struct sqlite3;
-struct sqlite3_stmt;
-
 namespace mle::watch {
+
+// Parameters count from 1, columns from 0.
+class StatementBackend {
+ public:
+  virtual ~StatementBackend() = default;
+
+  virtual void Bind(int parameter, std::int64_t value) = 0;
+  virtual void Bind(int parameter, double value) = 0;
+  virtual void BindText(int parameter, std::string_view value) = 0;
+  virtual void BindBytes(int parameter, std::string_view value) = 0;
+  virtual absl::StatusOr<bool> Next() = 0;
+  virtual std::int64_t Integer(int column) const = 0;
+  virtual double Number(int column) const = 0;
+  virtual std::string Text(int column) const = 0;
+  virtual bool IsNull(int column) const = 0;
+  virtual void Reset() = 0;
+};
 
 class Statement {
  public:
-  // Parameters count from 1; an error is reported by the next Next() or Run().
-  Statement& Bind(int parameter, std::int64_t value);
-  Statement& Bind(int parameter, double value);
-  Statement& BindText(int parameter, std::string_view value);
-  Statement& BindBytes(int parameter, std::string_view value);
+  explicit Statement(std::unique_ptr<StatementBackend> backend)
+      : backend_(std::move(backend)) {}
 
-  // True with a row; columns count from 0.
-  absl::StatusOr<bool> Next();
-  std::int64_t Integer(int column) const;
-  double Number(int column) const;
-  std::string Text(int column) const;  // also bytes
-  bool IsNull(int column) const;
+  // An error is reported by the next Next() or Run(). What is not bound is
+  // null.
+  Statement& Bind(int parameter, std::int64_t value) {
+    backend_->Bind(parameter, value);
+    return *this;
+  }
+  Statement& Bind(int parameter, double value) {
+    backend_->Bind(parameter, value);
+    return *this;
+  }
+  Statement& BindText(int parameter, std::string_view value) {
+    backend_->BindText(parameter, value);
+    return *this;
+  }
+  Statement& BindBytes(int parameter, std::string_view value) {
+    backend_->BindBytes(parameter, value);
+    return *this;
+  }
+
+  // True with a row.
+  absl::StatusOr<bool> Next() { return backend_->Next(); }
+  // Null is 0, or empty.
+  std::int64_t Integer(int column) const { return backend_->Integer(column); }
+  double Number(int column) const { return backend_->Number(column); }
+  std::string Text(int column) const { return backend_->Text(column); }
+  bool IsNull(int column) const { return backend_->IsNull(column); }
 
   // To its end; can then be bound and run again.
   absl::Status Run();
 
  private:
-  friend class Database;
-  struct Finalise {
-    void operator()(sqlite3_stmt* statement) const;
-  };
-  explicit Statement(sqlite3_stmt* statement) : statement_(statement) {}
+  std::unique_ptr<StatementBackend> backend_;
+};
 
-  std::unique_ptr<sqlite3_stmt, Finalise> statement_;
-  int bound_ = 0;  // the first error of Bind()
+class DatabaseBackend {
+ public:
+  virtual ~DatabaseBackend() = default;
+
+  virtual absl::Status Execute(const std::string& statements) = 0;
+  virtual absl::StatusOr<std::unique_ptr<StatementBackend>> Prepare(
+      std::string_view statement) = 0;
+  // A transaction that no other writer comes between, as BEGIN.
+  virtual const char* Begin() const = 0;
+  // Of the tables; 0: there are none. Within a transaction, which has the
+  // tables to itself.
+  virtual absl::StatusOr<std::int64_t> Version() = 0;
+  virtual absl::Status SetVersion(int version) = 0;
+  // SELECT of a number that is another once another connection has written.
+  virtual const char* Revision() const = 0;
+  // See State::Claim().
+  virtual absl::Status Claim(const std::string& /*part*/) {
+    return absl::OkStatus();
+  }
 };
 
 class Database {
  public:
-  // Makes the file where there is none: write-ahead log, flushed at every
-  // commit, foreign keys on. Errors name the file.
-  static absl::StatusOr<Database> Open(const std::string& path);
+  // postgresql://…, or a file, which is made where there is none: write-ahead
+  // log, flushed at every commit, foreign keys on. Errors name it.
+  static absl::StatusOr<Database> Open(const std::string& name);
 
-  absl::Status Execute(const std::string& statements);
+  absl::Status Execute(const std::string& statements) {
+    return backend_->Execute(statements);
+  }
   absl::StatusOr<Statement> Prepare(std::string_view statement);
-  std::int64_t last_row() const;
+  DatabaseBackend& backend() { return *backend_; }
 
  private:
-  struct Close {
-    void operator()(sqlite3* database) const;
-  };
-  explicit Database(sqlite3* database) : database_(database) {}
+  explicit Database(std::unique_ptr<DatabaseBackend> backend)
+      : backend_(std::move(backend)) {}
 
-  std::unique_ptr<sqlite3, Close> database_;
+  std::unique_ptr<DatabaseBackend> backend_;
 };
+
+absl::StatusOr<std::unique_ptr<DatabaseBackend>> OpenSqliteState(
+    const std::string& path);
+absl::StatusOr<std::unique_ptr<DatabaseBackend>> OpenPostgresqlState(
+    const std::string& uri);
 
 // A transaction that is rolled back unless it was committed.
 class Transaction {

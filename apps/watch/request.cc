@@ -19,8 +19,8 @@ void AddOptions(Request& request, OptionTable& table) {
         "Folder for the pages (index.html and one for each controller), "
         "watch.json and the corrections that are proposed."},
        {"state", &request.state,
-        "SQLite file that remembers what was seen and found; empty: "
-        "state.sqlite in --out."},
+        "What was seen and found is remembered here: an SQLite file, or "
+        "postgresql://USER@HOST/NAME; empty: state.sqlite in --out."},
        {"alarm_command", &request.alarm_command,
         "Program that is run for each alarm, with its id as argument and the "
         "alarm as JSON on its standard input; empty: none. What it ends with "
@@ -28,12 +28,20 @@ void AddOptions(Request& request, OptionTable& table) {
        {"propose", &request.propose,
         "Runs a correction where a model has aged, as mle_correct does, and "
         "keeps its results below --out."},
+       {"shard", &request.shard_text,
+        "Part of the controllers that this run looks at, such as 3/16: the "
+        "third of 16, told by their names. Its pages are in shards/3-of-16 "
+        "below --out. With a state in PostgreSQL a run without --shard makes "
+        "the pages of all and hands on alarms. Empty: all."},
+       {"update", &request.update,
+        "Looks at records; if not, pages and alarms are of what is in the "
+        "state."},
        {"threads", &request.threads,
         "Threads; 0: one for each processor. The results do not depend on the "
         "number.",
         "", kNotNegative}});
-  table.PutFirst(
-      {"controllers", "out", "state", "alarm_command", "propose", "threads"});
+  table.PutFirst({"controllers", "out", "state", "alarm_command", "propose",
+                  "shard", "update", "threads"});
 }
 
 absl::Status Complete(Request& request) {
@@ -46,6 +54,16 @@ absl::Status Complete(Request& request) {
   if (!controllers.ok())
     return AboutOption("controllers", controllers.status());
   request.controllers = *std::move(controllers);
+  absl::StatusOr<Shard> shard = ParseShard(request.shard_text);
+  if (!shard.ok()) return AboutOption("shard", shard.status());
+  request.shard = *std::move(shard);
+  if (!request.shard.is_everything()) {
+    std::erase_if(request.controllers,
+                  [&request](const Controller& controller) {
+                    return !request.shard.Has(controller.name);
+                  });
+    absl::StrAppend(&request.out, "/shards/", request.shard.Name());
+  }
   if (request.state.empty()) {
     request.state = absl::StrCat(request.out, "/state.sqlite");
   }

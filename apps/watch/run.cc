@@ -15,6 +15,7 @@
 #include "mle/base/option_error.h"
 #include "mle/base/parallel.h"
 #include "mle/base/status.h"
+#include "mle/database/record_sources.h"
 #include "mle/exchange/model_file.h"
 
 namespace mle::watch {
@@ -58,6 +59,7 @@ absl::Status Runner::Update(const Controller& controller, Outcome& outcome) {
   if (!file.ok()) return WithPrefix(file.status(), "model: ");
   outcome.model = file->process;
   MLE_ASSIGN_OR_RETURN(outcome.watch, Load(controller, outcome.model));
+  if (!request_.update) return absl::OkStatus();
   outcome.watch.failed = false;
   MLE_RETURN_IF_ERROR(UpdateWatch(controller, outcome.model, outcome.watch));
   // Alarms are in the state before the correction, which may take long.
@@ -98,8 +100,10 @@ absl::Status WritePages(const Request& request,
   return WriteFilesTogether(request.out, files);
 }
 
-// Of the state's folder, unless that is locked with the pages'.
+// Of the state's folder, unless that is locked with the pages'; a database has
+// locks of its own.
 absl::StatusOr<std::optional<FolderLock>> LockState(const Request& request) {
+  if (IsDatabase(request.state)) return std::nullopt;
   fs::path folder = fs::path(request.state).parent_path();
   if (folder.empty()) folder = ".";
   MLE_RETURN_IF_ERROR(MakeWritableFolder(folder.string()));
@@ -117,6 +121,7 @@ absl::StatusOr<RunSummary> RunWatches(const Request& request) {
   MLE_ASSIGN_OR_RETURN(const std::optional<FolderLock> state_lock,
                        LockState(request));
   MLE_ASSIGN_OR_RETURN(State state, State::Open(request.state));
+  MLE_RETURN_IF_ERROR(state.Claim(request.shard.text));
   Runner runner(request, state);
   const auto count = static_cast<int>(request.controllers.size());
   std::vector<Outcome> outcomes(request.controllers.size());
@@ -137,7 +142,11 @@ absl::StatusOr<RunSummary> RunWatches(const Request& request) {
     }
     summary.aged += reports.back().status == Status::kAged ? 1 : 0;
   }
-  if (!request.alarm_command.empty()) {
+  // Of a state that is shared the run over all controllers hands on alarms, or
+  // two parts would.
+  const bool shares =
+      !request.shard.is_everything() && IsDatabase(request.state);
+  if (!request.alarm_command.empty() && !shares) {
     if (const absl::Status status = HandOnAlarms(request.alarm_command, state);
         !status.ok()) {
       summary.failures.push_back(std::string(status.message()));

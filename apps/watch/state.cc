@@ -69,11 +69,7 @@ absl::StatusOr<State> State::Open(const std::string& path) {
 
 absl::Status State::Migrate() {
   MLE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(database_));
-  MLE_ASSIGN_OR_RETURN(Statement version,
-                       database_.Prepare("PRAGMA user_version"));
-  MLE_RETURN_IF_ERROR(version.Next().status());
-  const std::int64_t found = version.Integer(0);
-  MLE_RETURN_IF_ERROR(version.Run());
+  MLE_ASSIGN_OR_RETURN(const std::int64_t found, database_.backend().Version());
   if (found > kStateVersion) {
     return absl::FailedPreconditionError(absl::StrCat(
         "state: it has version ", found, "; this program knows version ",
@@ -84,8 +80,7 @@ absl::Status State::Migrate() {
     MLE_RETURN_IF_ERROR(database_.Execute(kSteps[step]));
   }
   if (found < kStateVersion) {
-    MLE_RETURN_IF_ERROR(database_.Execute(
-        absl::StrCat("PRAGMA user_version = ", kStateVersion)));
+    MLE_RETURN_IF_ERROR(database_.backend().SetVersion(kStateVersion));
   }
   return transaction.Commit();
 }
@@ -120,79 +115,76 @@ absl::StatusOr<Watch> State::Load(const std::string& controller, int outputs) {
   return watch;
 }
 
-absl::Status State::LoadFiles(Watch& watch) {
-  MLE_ASSIGN_OR_RETURN(
-      Statement select,
-      database_.Prepare("SELECT path, bytes, changed, first, last, fault FROM "
-                        "file WHERE watch = ?"));
+absl::Status State::ForEach(
+    std::string_view query, const Watch& watch,
+    const std::function<absl::Status(const Statement&)>& take) {
+  MLE_ASSIGN_OR_RETURN(Statement select, database_.Prepare(query));
   select.Bind(1, watch.id);
   while (true) {
     MLE_ASSIGN_OR_RETURN(const bool row, select.Next());
     if (!row) return absl::OkStatus();
-    watch.files[select.Text(0)] = {.bytes = select.Integer(1),
-                                   .changed = select.Integer(2),
-                                   .first = select.Number(3),
-                                   .last = select.Number(4),
-                                   .fault = select.Text(5)};
+    MLE_RETURN_IF_ERROR(take(select));
   }
+}
+
+absl::Status State::LoadFiles(Watch& watch) {
+  return ForEach(
+      "SELECT path, bytes, changed, first, last, fault FROM file WHERE watch = "
+      "?",
+      watch, [&watch](const Statement& row) {
+        watch.files[row.Text(0)] = {.bytes = row.Integer(1),
+                                    .changed = row.Integer(2),
+                                    .first = row.Number(3),
+                                    .last = row.Number(4),
+                                    .fault = row.Text(5)};
+        return absl::OkStatus();
+      });
 }
 
 absl::Status State::LoadDays(Watch& watch) {
-  MLE_ASSIGN_OR_RETURN(
-      Statement select,
-      database_.Prepare("SELECT number, checksum, state, reason FROM day WHERE "
-                        "watch = ?"));
-  select.Bind(1, watch.id);
-  while (true) {
-    MLE_ASSIGN_OR_RETURN(const bool row, select.Next());
-    if (!row) return absl::OkStatus();
-    watch.days[static_cast<int>(select.Integer(0))] = {
-        .checksum = select.Text(1),
-        .state = static_cast<BatchState>(select.Integer(2)),
-        .reason = select.Text(3)};
-  }
+  return ForEach(
+      "SELECT number, checksum, state, reason FROM day WHERE watch = ?", watch,
+      [&watch](const Statement& row) {
+        watch.days[static_cast<int>(row.Integer(0))] = {
+            .checksum = row.Text(1),
+            .state = static_cast<BatchState>(row.Integer(2)),
+            .reason = row.Text(3)};
+        return absl::OkStatus();
+      });
 }
 
 absl::Status State::LoadScores(Watch& watch) {
-  MLE_ASSIGN_OR_RETURN(
-      Statement select,
-      database_.Prepare("SELECT output, number, length, data FROM score WHERE "
-                        "watch = ?"));
-  select.Bind(1, watch.id);
-  while (true) {
-    MLE_ASSIGN_OR_RETURN(const bool row, select.Next());
-    if (!row) return absl::OkStatus();
-    const auto output = static_cast<std::size_t>(select.Integer(0));
-    // The model had more outputs: another watch begins.
-    if (output >= watch.outputs.size()) continue;
-    MLE_ASSIGN_OR_RETURN(StoredBatch stored, DecodeBatch(select.Text(3)));
-    stored.batch.number = static_cast<int>(select.Integer(1));
-    stored.batch.length = static_cast<int>(select.Integer(2));
-    stored.evidence.number = stored.batch.number + stored.batch.length - 1;
-    watch.outputs[output].emplace(stored.batch.number, std::move(stored));
-  }
+  return ForEach(
+      "SELECT output, number, length, data FROM score WHERE watch = ?", watch,
+      [&watch](const Statement& row) -> absl::Status {
+        const auto output = static_cast<std::size_t>(row.Integer(0));
+        // The model had more outputs: another watch begins.
+        if (output >= watch.outputs.size()) return absl::OkStatus();
+        MLE_ASSIGN_OR_RETURN(StoredBatch stored, DecodeBatch(row.Text(3)));
+        stored.batch.number = static_cast<int>(row.Integer(1));
+        stored.batch.length = static_cast<int>(row.Integer(2));
+        stored.evidence.number = stored.batch.number + stored.batch.length - 1;
+        watch.outputs[output].emplace(stored.batch.number, std::move(stored));
+        return absl::OkStatus();
+      });
 }
 
 absl::Status State::LoadProposals(Watch& watch) {
-  MLE_ASSIGN_OR_RETURN(
-      Statement select,
-      database_.Prepare(
-          "SELECT day, folder, decision, conclusion FROM proposal "
-          "WHERE watch = ? ORDER BY day"));
-  select.Bind(1, watch.id);
-  while (true) {
-    MLE_ASSIGN_OR_RETURN(const bool row, select.Next());
-    if (!row) return absl::OkStatus();
-    watch.proposals.push_back({.day = static_cast<int>(select.Integer(0)),
-                               .folder = select.Text(1),
-                               .decision = select.Text(2),
-                               .conclusion = select.Text(3)});
-  }
+  return ForEach(
+      "SELECT day, folder, decision, conclusion FROM proposal WHERE watch = ? "
+      "ORDER BY day",
+      watch, [&watch](const Statement& row) {
+        watch.proposals.push_back({.day = static_cast<int>(row.Integer(0)),
+                                   .folder = row.Text(1),
+                                   .decision = row.Text(2),
+                                   .conclusion = row.Text(3)});
+        return absl::OkStatus();
+      });
 }
 
 absl::StatusOr<std::int64_t> State::Revision() {
   MLE_ASSIGN_OR_RETURN(Statement select,
-                       database_.Prepare("PRAGMA data_version"));
+                       database_.Prepare(database_.backend().Revision()));
   MLE_RETURN_IF_ERROR(select.Next().status());
   return select.Integer(0);
 }

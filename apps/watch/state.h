@@ -1,4 +1,5 @@
-// What the watch remembers of its controllers, in one SQLite file.
+// What the watch remembers of its controllers, in one SQLite file or in
+// PostgreSQL.
 //
 //   watch     a controller from a day on, with one model and one set of options
 //   file      files of records that were read, as they were
@@ -13,12 +14,14 @@
 //
 // A watch is read whole, changed in memory and written back in one transaction:
 // a kill leaves the state of before or after. The version of the tables is in
-// user_version; older ones are brought up to date, newer ones refused.
+// user_version, or a table `version`; older ones are brought up to date, newer
+// ones refused.
 
 #ifndef APPS_WATCH_STATE_H_
 #define APPS_WATCH_STATE_H_
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -134,9 +137,18 @@ struct Watch {
 
 class State {
  public:
-  // Makes the file and its tables if they do not exist. FailedPrecondition for
-  // a state that a later version has written.
-  static absl::StatusOr<State> Open(const std::string& path);
+  // A file, or postgresql://USER@HOST/NAME. Makes the file and the tables if
+  // they do not exist. FailedPrecondition for a state that a later version has
+  // written, Unavailable for a database that cannot be reached.
+  static absl::StatusOr<State> Open(const std::string& name);
+
+  // In PostgreSQL one run alone may go over all controllers (`part` empty), or
+  // one over each part of them; Unavailable where there is one. Ends with the
+  // state. For files the lock of their folder does that (LockState() in
+  // run.cc).
+  absl::Status Claim(const std::string& part) {
+    return database_.backend().Claim(part);
+  }
 
   // The last watch of the controller, or a new one with `outputs` outputs.
   absl::StatusOr<Watch> Load(const std::string& controller, int outputs);
@@ -158,6 +170,10 @@ class State {
   explicit State(Database database) : database_(std::move(database)) {}
 
   absl::Status Migrate();
+  // Gives every row of a query with the watch's id as its parameter to `take`.
+  absl::Status ForEach(
+      std::string_view query, const Watch& watch,
+      const std::function<absl::Status(const Statement&)>& take);
   absl::Status LoadFiles(Watch& watch);
   absl::Status LoadDays(Watch& watch);
   absl::Status LoadScores(Watch& watch);

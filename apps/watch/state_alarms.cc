@@ -30,58 +30,49 @@ std::string_view NameOf(Channel channel) {
 }
 
 absl::Status State::LoadAlarms(Watch& watch) {
-  MLE_ASSIGN_OR_RETURN(
-      Statement select,
-      database_.Prepare(
-          "SELECT id, output, element, day, began, text, who, at, note FROM "
-          "alarm LEFT JOIN acknowledgement ON acknowledgement.alarm = alarm.id "
-          "WHERE watch = ? ORDER BY day, id"));
-  select.Bind(1, watch.id);
-  while (true) {
-    MLE_ASSIGN_OR_RETURN(const bool row, select.Next());
-    if (!row) return LoadDeliveries(watch);
-    Alarm& alarm = watch.alarms.emplace_back();
-    alarm = {.id = select.Text(0),
-             .output = static_cast<int>(select.Integer(1)),
-             .element = static_cast<int>(select.Integer(2)),
-             .day = static_cast<int>(select.Integer(3)),
-             .began = static_cast<int>(select.Integer(4)),
-             .text = select.Text(5)};
-    if (!select.IsNull(6)) {
-      alarm.acknowledged = {.who = select.Text(6),
-                            .at = select.Integer(7),
-                            .note = select.Text(8)};
-    }
-  }
+  MLE_RETURN_IF_ERROR(ForEach(
+      "SELECT id, output, element, day, began, text, who, at, note FROM alarm "
+      "LEFT JOIN acknowledgement ON acknowledgement.alarm = alarm.id "
+      "WHERE watch = ? ORDER BY day, id",
+      watch, [&watch](const Statement& row) {
+        Alarm& alarm = watch.alarms.emplace_back();
+        alarm = {.id = row.Text(0),
+                 .output = static_cast<int>(row.Integer(1)),
+                 .element = static_cast<int>(row.Integer(2)),
+                 .day = static_cast<int>(row.Integer(3)),
+                 .began = static_cast<int>(row.Integer(4)),
+                 .text = row.Text(5)};
+        if (!row.IsNull(6)) {
+          alarm.acknowledged = {
+              .who = row.Text(6), .at = row.Integer(7), .note = row.Text(8)};
+        }
+        return absl::OkStatus();
+      }));
+  return watch.alarms.empty() ? absl::OkStatus() : LoadDeliveries(watch);
 }
 
 absl::Status State::LoadDeliveries(Watch& watch) {
-  if (watch.alarms.empty()) return absl::OkStatus();
-  MLE_ASSIGN_OR_RETURN(
-      Statement select,
-      database_.Prepare(
-          "SELECT alarm, channel, state, attempts, fault FROM delivery JOIN "
-          "alarm ON alarm.id = delivery.alarm WHERE watch = ? ORDER BY alarm, "
-          "channel"));
-  select.Bind(1, watch.id);
-  while (true) {
-    MLE_ASSIGN_OR_RETURN(const bool row, select.Next());
-    if (!row) return absl::OkStatus();
-    const std::string id = select.Text(0);
-    const std::string name = select.Text(1);
-    const auto alarm =
-        std::find_if(watch.alarms.begin(), watch.alarms.end(),
-                     [&](const Alarm& raised) { return raised.id == id; });
-    const auto* const channel =
-        std::find_if(std::begin(kChannels), std::end(kChannels),
-                     [&](Channel known) { return NameOf(known) == name; });
-    if (alarm == watch.alarms.end() || channel == std::end(kChannels)) continue;
-    alarm->deliveries.push_back(
-        {.channel = *channel,
-         .state = static_cast<Delivery::State>(select.Integer(2)),
-         .attempts = static_cast<int>(select.Integer(3)),
-         .fault = select.Text(4)});
-  }
+  return ForEach(
+      "SELECT alarm, channel, state, attempts, fault FROM delivery JOIN alarm "
+      "ON alarm.id = delivery.alarm WHERE watch = ? ORDER BY alarm, channel",
+      watch, [&watch](const Statement& row) {
+        const std::string id = row.Text(0);
+        const std::string name = row.Text(1);
+        const auto alarm =
+            std::find_if(watch.alarms.begin(), watch.alarms.end(),
+                         [&](const Alarm& raised) { return raised.id == id; });
+        const auto* const channel =
+            std::find_if(std::begin(kChannels), std::end(kChannels),
+                         [&](Channel known) { return NameOf(known) == name; });
+        if (alarm != watch.alarms.end() && channel != std::end(kChannels)) {
+          alarm->deliveries.push_back(
+              {.channel = *channel,
+               .state = static_cast<Delivery::State>(row.Integer(2)),
+               .attempts = static_cast<int>(row.Integer(3)),
+               .fault = row.Text(4)});
+        }
+        return absl::OkStatus();
+      });
 }
 
 absl::StatusOr<std::vector<PendingAlarm>> State::Undelivered(Channel channel) {

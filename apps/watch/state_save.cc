@@ -30,33 +30,42 @@ absl::Status State::Save(Watch& watch) {
 
 absl::Status State::SaveWatch(Watch& watch) {
   MLE_ASSIGN_OR_RETURN(
-      Statement insert,
+      Statement write,
       database_.Prepare(
-          "INSERT OR REPLACE INTO watch(id, controller, basis, begin, first, "
-          "sample_time, reference, news, failed) VALUES (?, ?, ?, ?, ?, ?, ?, "
-          "?, ?)"));
-  // An id that is not bound is made.
-  if (watch.id != 0) insert.Bind(1, watch.id);
-  insert.BindText(2, watch.controller)
-      .BindText(3, watch.basis)
-      .Bind(4, std::int64_t{watch.begin})
-      .Bind(5, std::int64_t{watch.first})
-      .Bind(6, watch.sample_time)
-      .BindText(8, watch.news)
-      .Bind(9, std::int64_t{watch.failed});
+          watch.id == 0
+              ? "INSERT INTO watch(controller, basis, begin, first, "
+                "sample_time, reference, news, failed) "
+                "VALUES (?, ?, ?, ?, ?, ?, ?, ?) RETURNING id"
+              : "UPDATE watch SET controller = ?, basis = ?, begin = ?, "
+                "first = ?, sample_time = ?, reference = ?, news = ?, "
+                "failed = ? WHERE id = ?"));
+  write.BindText(1, watch.controller)
+      .BindText(2, watch.basis)
+      .Bind(3, std::int64_t{watch.begin})
+      .Bind(4, std::int64_t{watch.first})
+      .Bind(5, watch.sample_time)
+      .BindText(7, watch.news)
+      .Bind(8, std::int64_t{watch.failed});
   if (watch.reference.has_value()) {
-    insert.BindText(7, EncodeReference(*watch.reference));
+    write.BindText(6, EncodeReference(*watch.reference));
   }
-  MLE_RETURN_IF_ERROR(insert.Run());
-  if (watch.id == 0) watch.id = database_.last_row();
-  return absl::OkStatus();
+  if (watch.id != 0) {
+    write.Bind(9, watch.id);
+    return write.Run();
+  }
+  MLE_RETURN_IF_ERROR(write.Next().status());
+  watch.id = write.Integer(0);
+  return write.Run();
 }
 
 absl::Status State::SaveFiles(const Watch& now, const Watch& before) {
   MLE_ASSIGN_OR_RETURN(
       Statement insert,
-      database_.Prepare("INSERT OR REPLACE INTO file VALUES (?, ?, ?, ?, ?, ?, "
-                        "?)"));
+      database_.Prepare(
+          "INSERT INTO file VALUES (?, ?, ?, ?, ?, ?, ?) "
+          "ON CONFLICT(watch, path) DO UPDATE SET bytes = excluded.bytes, "
+          "changed = excluded.changed, first = excluded.first, "
+          "last = excluded.last, fault = excluded.fault"));
   for (const auto& [path, file] : now.files) {
     const auto found = before.files.find(path);
     if (found != before.files.end() && found->second == file) continue;
@@ -75,7 +84,10 @@ absl::Status State::SaveFiles(const Watch& now, const Watch& before) {
 absl::Status State::SaveDays(const Watch& now, const Watch& before) {
   MLE_ASSIGN_OR_RETURN(
       Statement insert,
-      database_.Prepare("INSERT OR REPLACE INTO day VALUES (?, ?, ?, ?, ?)"));
+      database_.Prepare(
+          "INSERT INTO day VALUES (?, ?, ?, ?, ?) ON CONFLICT(watch, number) "
+          "DO UPDATE SET checksum = excluded.checksum, "
+          "state = excluded.state, reason = excluded.reason"));
   for (const auto& [number, day] : now.days) {
     const auto found = before.days.find(number);
     if (found != before.days.end() && found->second == day) continue;
@@ -92,7 +104,9 @@ absl::Status State::SaveDays(const Watch& now, const Watch& before) {
 absl::Status State::SaveScores(const Watch& now, const Watch& before) {
   MLE_ASSIGN_OR_RETURN(
       Statement insert,
-      database_.Prepare("INSERT OR REPLACE INTO score VALUES (?, ?, ?, ?, ?)"));
+      database_.Prepare("INSERT INTO score VALUES (?, ?, ?, ?, ?) "
+                        "ON CONFLICT(watch, output, number) DO UPDATE SET "
+                        "length = excluded.length, data = excluded.data"));
   MLE_ASSIGN_OR_RETURN(
       Statement remove,
       database_.Prepare(
@@ -128,8 +142,8 @@ absl::Status State::SaveAlarms(const Watch& now) {
   MLE_ASSIGN_OR_RETURN(
       Statement alarm,
       database_.Prepare(
-          "INSERT OR IGNORE INTO alarm(id, watch, output, element, day, began, "
-          "text) VALUES (?, ?, ?, ?, ?, ?, ?)"));
+          "INSERT INTO alarm(id, watch, output, element, day, began, text) "
+          "VALUES (?, ?, ?, ?, ?, ?, ?) ON CONFLICT DO NOTHING"));
   for (const Alarm& raised : now.alarms) {
     alarm.BindText(1, raised.id)
         .Bind(2, now.id)
@@ -142,8 +156,10 @@ absl::Status State::SaveAlarms(const Watch& now) {
   }
   MLE_ASSIGN_OR_RETURN(
       Statement proposal,
-      database_.Prepare("INSERT OR REPLACE INTO proposal VALUES (?, ?, ?, ?, "
-                        "?)"));
+      database_.Prepare(
+          "INSERT INTO proposal VALUES (?, ?, ?, ?, ?) "
+          "ON CONFLICT(watch, day) DO UPDATE SET folder = excluded.folder, "
+          "decision = excluded.decision, conclusion = excluded.conclusion"));
   for (const Proposal& made : now.proposals) {
     proposal.Bind(1, now.id)
         .Bind(2, std::int64_t{made.day})

@@ -2,6 +2,7 @@
 // with the same rows, and only what is new is read.
 
 #include <string>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "gmock/gmock.h"
@@ -115,6 +116,68 @@ TEST_F(WatchDatabaseTest, AServerThatIsGoneIsCaughtUpWhenItIsBack) {
   List(there);
   EXPECT_EQ(Watch("server").exit_code, 0);
   EXPECT_EQ(Found("server"), of_files);
+}
+
+TEST_F(WatchDatabaseTest, AStateInPostgresqlSaysWhatAFileSays) {
+  if (!PostgresqlServer::IsInstalled()) GTEST_SKIP() << "no PostgreSQL";
+  const nlohmann::json of_files = OfFiles();
+  const PostgresqlServer server;
+  ASSERT_TRUE(server.is_running());
+  std::vector<std::string> arguments = Arguments("server");
+  arguments.push_back("--state=" + server.name("postgres"));
+  EXPECT_EQ(RunTested(arguments).exit_code, 0);
+  EXPECT_EQ(Found("server"), of_files);
+  const int alarms = AlarmsHandedOn();
+  EXPECT_EQ(RunTested(arguments).exit_code, 0);
+  EXPECT_EQ(Found("server"), of_files);
+  EXPECT_EQ(AlarmsHandedOn(), alarms);
+  EXPECT_EQ(server.Value("SELECT COUNT(*) FROM mle_watch.alarm"),
+            std::to_string(of_files["alarms"].size()));
+}
+
+TEST_F(WatchDatabaseTest, PartsShareAStateAndOneRunShowsAll) {
+  if (!PostgresqlServer::IsInstalled()) GTEST_SKIP() << "no PostgreSQL";
+  const PostgresqlServer server;
+  ASSERT_TRUE(server.is_running());
+  WriteDays(0, 40);
+  std::string list = R"({"version": 1, "controllers": [)";
+  constexpr int kControllers = 5;
+  for (int c = 0; c < kControllers; ++c) {
+    absl::StrAppend(&list, c == 0 ? "" : ", ", R"({"name": "tank)", c,
+                    R"(", "model": "tank.json", "records": ")",
+                    c == 2 ? "nowhere" : "records",
+                    R"(", "reference_days": 8})");
+  }
+  scratch_.Write("controllers.json", list + "]}");
+  const auto run = [&](const std::string& out, const std::string& flag) {
+    std::vector<std::string> arguments = Arguments(out);
+    arguments.push_back("--state=" + server.name("postgres"));
+    arguments.push_back(flag);
+    return RunTested(arguments);
+  };
+  int looked_at = 0;
+  int failed = 0;
+  for (const char* const part : {"1", "2", "3"}) {
+    failed += run("site", absl::StrCat("--shard=", part, "/3")).exit_code;
+    looked_at += static_cast<int>(
+        ParsedJson(scratch_ / absl::StrCat("site/shards/", part,
+                                           "-of-3/watch.json"))["controllers"]
+            .size());
+  }
+  EXPECT_EQ(looked_at, kControllers);
+  EXPECT_EQ(failed, 1);  // the part with the broken one
+  EXPECT_EQ(AlarmsHandedOn(), 0);
+  run("site", "--noupdate");
+  const nlohmann::json site =
+      ParsedJson(scratch_ / "site/watch.json")["controllers"];
+  int aged = 0;
+  int alarms = 0;
+  for (const nlohmann::json& controller : site) {
+    aged += controller["status"] == "aged" ? 1 : 0;
+    alarms += static_cast<int>(controller["alarms"].size());
+  }
+  EXPECT_EQ(aged, kControllers - 1);
+  EXPECT_EQ(AlarmsHandedOn(), alarms);
 }
 
 TEST_F(WatchDatabaseTest, MistakesOfTheListAreNamed) {

@@ -1,6 +1,8 @@
 #include "apps/watch/state.h"
 
+#include <algorithm>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -8,11 +10,13 @@
 #include "apps/watch/database.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "tests/mle/database/postgresql_server.h"
 
 namespace mle::watch {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::SizeIs;
 
 StoredBatch AnyBatch(int number) {
@@ -45,24 +49,48 @@ INSERT INTO alarm VALUES('b', 1, 0, -1, 6, 4, 'sent', 2, '');
 PRAGMA user_version = 1;
 )sql";
 
-class StateTest : public ::testing::Test {
- protected:
-  // Tests run side by side: each has a file of its own.
-  StateTest()
-      : path_(testing::TempDir() + "/state_" +
-              testing::UnitTest::GetInstance()->current_test_info()->name() +
-              ".sqlite") {
-    Remove();
-  }
-  ~StateTest() override { Remove(); }
+// A file that is gone after the test. Tests run side by side: each has its own.
+class StateFile {
+ public:
+  StateFile() : file_(NameOfFile()) { Remove(); }
+  ~StateFile() { Remove(); }
+  StateFile(const StateFile&) = delete;
+  StateFile& operator=(const StateFile&) = delete;
 
+  const std::string& file() const { return file_; }
+
+ private:
+  static std::string NameOfFile() {
+    std::string name =
+        testing::UnitTest::GetInstance()->current_test_info()->name();
+    std::replace(name.begin(), name.end(), '/', '_');
+    return testing::TempDir() + "/state_" + name + ".sqlite";
+  }
   void Remove() const {
     for (const char* end : {"", "-wal", "-shm"}) {
-      std::filesystem::remove(path_ + end);
+      std::filesystem::remove(file_ + end);
     }
   }
+
+  std::string file_;
+};
+
+// In SQLite, and in PostgreSQL.
+class StateTest : public ::testing::TestWithParam<bool> {
+ protected:
+  void SetUp() override {
+    if (!GetParam()) {
+      name_ = folder_.file();
+      return;
+    }
+    if (!PostgresqlServer::IsInstalled()) GTEST_SKIP() << "no PostgreSQL";
+    server_.emplace();
+    ASSERT_TRUE(server_->is_running());
+    name_ = server_->name("postgres");
+  }
+
   State Open() const {
-    absl::StatusOr<State> state = State::Open(path_);
+    absl::StatusOr<State> state = State::Open(name_);
     EXPECT_TRUE(state.ok()) << state.status();
     return *std::move(state);
   }
@@ -100,10 +128,12 @@ class StateTest : public ::testing::Test {
     return watch;
   }
 
-  const std::string path_;
+  const StateFile folder_;
+  std::optional<PostgresqlServer> server_;
+  std::string name_;
 };
 
-TEST_F(StateTest, AWatchIsReadBackAsItWasSaved) {
+TEST_P(StateTest, AWatchIsReadBackAsItWasSaved) {
   State state = Open();
   EXPECT_EQ(Load(state).id, 0);
   Watch watch = FullWatch();
@@ -131,7 +161,7 @@ TEST_F(StateTest, AWatchIsReadBackAsItWasSaved) {
   EXPECT_EQ(Load(again, "another").id, 0);
 }
 
-TEST_F(StateTest, WhatIsGoneIsRemovedAndWhatHasChangedReplaced) {
+TEST_P(StateTest, WhatIsGoneIsRemovedAndWhatHasChangedReplaced) {
   State state = Open();
   Watch watch = FullWatch();
   ASSERT_TRUE(state.Save(watch).ok());
@@ -146,7 +176,7 @@ TEST_F(StateTest, WhatIsGoneIsRemovedAndWhatHasChangedReplaced) {
   EXPECT_EQ(read.days, watch.days);
 }
 
-TEST_F(StateTest, AnAlarmThatWasSentStaysSent) {
+TEST_P(StateTest, AnAlarmThatWasSentStaysSent) {
   State state = Open();
   Watch watch = FullWatch();
   ASSERT_TRUE(state.Save(watch).ok());
@@ -165,7 +195,7 @@ TEST_F(StateTest, AnAlarmThatWasSentStaysSent) {
   EXPECT_THAT(Pending(state, Channel::kMail), SizeIs(1));
 }
 
-TEST_F(StateTest, ADeliveryThatFailedIsKeptAndPending) {
+TEST_P(StateTest, ADeliveryThatFailedIsKeptAndPending) {
   State state = Open();
   Watch watch = FullWatch();
   ASSERT_TRUE(state.Save(watch).ok());
@@ -183,7 +213,7 @@ TEST_F(StateTest, ADeliveryThatFailedIsKeptAndPending) {
   EXPECT_FALSE(state.SetDelivery("unknown", {}).ok());
 }
 
-TEST_F(StateTest, AnAcknowledgementStaysAsItWasFirstMade) {
+TEST_P(StateTest, AnAcknowledgementStaysAsItWasFirstMade) {
   State state = Open();
   Watch watch = FullWatch();
   ASSERT_TRUE(state.Save(watch).ok());
@@ -206,7 +236,7 @@ TEST_F(StateTest, AnAcknowledgementStaysAsItWasFirstMade) {
   EXPECT_THAT(Pending(state, Channel::kCommand), SizeIs(0));
 }
 
-TEST_F(StateTest, ARevisionChangesWithAnothersWriting) {
+TEST_P(StateTest, ARevisionChangesWithAnothersWriting) {
   State state = Open();
   const auto before = state.Revision();
   ASSERT_TRUE(before.ok());
@@ -217,9 +247,10 @@ TEST_F(StateTest, ARevisionChangesWithAnothersWriting) {
   EXPECT_NE(*state.Revision(), *before);
 }
 
-TEST_F(StateTest, AStateOfTheFirstVersionIsBroughtUpToDate) {
+TEST_P(StateTest, AStateOfTheFirstVersionIsBroughtUpToDate) {
+  if (GetParam()) GTEST_SKIP() << "the first version was SQLite's alone";
   {
-    absl::StatusOr<Database> database = Database::Open(path_);
+    absl::StatusOr<Database> database = Database::Open(name_);
     ASSERT_TRUE(database.ok());
     ASSERT_TRUE(database->Execute(kFirstVersion).ok());
   }
@@ -234,7 +265,7 @@ TEST_F(StateTest, AStateOfTheFirstVersionIsBroughtUpToDate) {
   EXPECT_EQ(pending[0].alarm.text, "waiting");
 }
 
-TEST_F(StateTest, ANewWatchFollowsTheOldOne) {
+TEST_P(StateTest, ANewWatchFollowsTheOldOne) {
   State state = Open();
   Watch watch = FullWatch();
   ASSERT_TRUE(state.Save(watch).ok());
@@ -251,8 +282,8 @@ TEST_F(StateTest, ANewWatchFollowsTheOldOne) {
   EXPECT_EQ(pending.front().controller, "column");
 }
 
-TEST_F(StateTest, ATransactionThatIsNotCommittedLeavesNothing) {
-  absl::StatusOr<Database> database = Database::Open(path_);
+TEST_P(StateTest, ATransactionThatIsNotCommittedLeavesNothing) {
+  absl::StatusOr<Database> database = Database::Open(name_);
   ASSERT_TRUE(database.ok());
   ASSERT_TRUE(database->Execute("CREATE TABLE t(x INTEGER)").ok());
   {
@@ -267,20 +298,85 @@ TEST_F(StateTest, ATransactionThatIsNotCommittedLeavesNothing) {
   EXPECT_EQ(count->Integer(0), 0);
 }
 
-TEST_F(StateTest, AStateOfALaterVersionIsRefused) {
+TEST_P(StateTest, AStateOfALaterVersionIsRefused) {
   Open();
-  absl::StatusOr<Database> database = Database::Open(path_);
+  absl::StatusOr<Database> database = Database::Open(name_);
   ASSERT_TRUE(database.ok());
-  ASSERT_TRUE(database->Execute("PRAGMA user_version = 99").ok());
-  const absl::Status status = State::Open(path_).status();
+  ASSERT_TRUE(database->backend().SetVersion(99).ok());
+  const absl::Status status = State::Open(name_).status();
   EXPECT_EQ(status.code(), absl::StatusCode::kFailedPrecondition);
   EXPECT_THAT(std::string(status.message()), HasSubstr("version 99"));
 }
 
-TEST_F(StateTest, WhatIsNotADatabaseIsRefused) {
-  std::filesystem::create_directory(path_);
-  EXPECT_THAT(std::string(State::Open(path_).status().message()),
-              HasSubstr(path_));
+TEST_P(StateTest, BytesAndNumbersComeBackToTheBit) {
+  absl::StatusOr<Database> database = Database::Open(name_);
+  ASSERT_TRUE(database.ok());
+  ASSERT_TRUE(
+      database->Execute("CREATE TABLE t(x BLOB , y REAL , z INTEGER )").ok());
+  const std::string bytes("\0\xff'\\x", 5);
+  absl::StatusOr<Statement> insert =
+      database->Prepare("INSERT INTO t VALUES (?, ?, ?)");
+  ASSERT_TRUE(insert.ok());
+  insert->BindBytes(1, bytes).Bind(2, 0.1 + 0.2).Bind(3, std::int64_t{1} << 62);
+  ASSERT_TRUE(insert->Run().ok());
+  ASSERT_TRUE(insert->Run().ok());  // nothing bound: null
+  absl::StatusOr<Statement> select =
+      database->Prepare("SELECT x, y, z FROM t ORDER BY z IS NULL");
+  ASSERT_TRUE(select.ok());
+  ASSERT_TRUE(*select->Next());
+  EXPECT_EQ(select->Text(0), bytes);
+  EXPECT_EQ(select->Number(1), 0.1 + 0.2);
+  EXPECT_EQ(select->Integer(2), std::int64_t{1} << 62);
+  ASSERT_TRUE(*select->Next());
+  EXPECT_TRUE(select->IsNull(0));
+  EXPECT_EQ(select->Integer(2), 0);
+  EXPECT_FALSE(*select->Next());
+}
+
+TEST_P(StateTest, RunsOfPostgresqlExcludeEachOther) {
+  if (!GetParam()) GTEST_SKIP() << "the folder has a lock";
+  State first = Open();
+  State second = Open();
+  ASSERT_TRUE(first.Claim("").ok());
+  EXPECT_EQ(second.Claim("").code(), absl::StatusCode::kUnavailable);
+  EXPECT_EQ(second.Claim("1/2").code(), absl::StatusCode::kUnavailable);
+  { const State ended = std::move(first); }
+  State third = Open();
+  ASSERT_TRUE(second.Claim("1/2").ok());
+  EXPECT_TRUE(third.Claim("2/2").ok());
+  State fourth = Open();
+  EXPECT_EQ(fourth.Claim("1/2").code(), absl::StatusCode::kUnavailable);
+  EXPECT_EQ(fourth.Claim("").code(), absl::StatusCode::kUnavailable);
+}
+
+TEST_P(StateTest, AServerThatHasGoneIsUnavailable) {
+  if (!GetParam()) GTEST_SKIP() << "there is no server";
+  State state = Open();
+  Watch watch = FullWatch();
+  server_->Kill();
+  const absl::Status saved = state.Save(watch);
+  EXPECT_EQ(saved.code(), absl::StatusCode::kUnavailable) << saved;
+  EXPECT_EQ(watch.id, 0);
+  EXPECT_EQ(State::Open(name_).status().code(), absl::StatusCode::kUnavailable);
+}
+
+INSTANTIATE_TEST_SUITE_P(Databases, StateTest, ::testing::Bool(),
+                         [](const auto& kind) {
+                           return kind.param ? "Postgresql" : "Sqlite";
+                         });
+
+TEST(StateNameTest, WhatIsNotADatabaseIsRefused) {
+  const std::string folder = testing::TempDir() + "/state_folder";
+  std::filesystem::create_directory(folder);
+  EXPECT_THAT(std::string(State::Open(folder).status().message()),
+              HasSubstr(folder));
+  std::filesystem::remove(folder);
+  EXPECT_THAT(std::string(State::Open("odbc:site").status().message()),
+              HasSubstr("postgresql://"));
+  const std::string password(
+      State::Open("postgresql://a:geheim@h/n").status().message());
+  EXPECT_THAT(password, HasSubstr("PGPASSWORD"));
+  EXPECT_THAT(password, Not(HasSubstr("geheim")));
 }
 
 }  // namespace
