@@ -20,8 +20,8 @@ using Eigen::VectorXd;
 // lines and steps; free responses of the free elements; where there are
 // derivatives those of each free element by K, ln T and L; residuals. The
 // derivative by ln T takes the amplitudes of the free responses: they are those
-// of an evaluation at the same values without derivatives, which Ceres asks for
-// before it accepts a step.
+// of the evaluation before, which moves them by less and less as a fit ends, or
+// of one at the same values, which Ceres asks for before it accepts a step.
 class OutputCost : public ceres::CostFunction {
  public:
   OutputCost(const OutputErrorProblem& problem, const OutputPoint& point,
@@ -46,16 +46,8 @@ class OutputCost : public ceres::CostFunction {
     for (std::size_t f = 0; f < free_.size(); ++f) {
       point_.values[free_[f]] = {x[f][0], std::exp(x[f][1]), x[f][2]};
     }
-    if (!fixed_cells_) point_.SetCells(problem_.sample_time());
     const Index width = jacobians != nullptr ? num_parameters_ : 0;
-    if (width > 0 && num_modes_ > 0 && !IsAt(x)) {
-      for (int s = 0; s < problem_.num_segments(); ++s) ProductsOf(s, 0);
-    }
-    Remember(x);
-    MatrixXd products = MatrixXd::Zero(width + 1, width + 1);
-    for (int s = 0; s < problem_.num_segments(); ++s) {
-      products += ProductsOf(s, width);
-    }
+    MatrixXd products = Products(width);
     const Elimination compressed = EliminateFirst(width, std::move(products));
     Eigen::Map<VectorXd> values(residuals, num_residuals());
     values.setZero();
@@ -71,6 +63,20 @@ class OutputCost : public ceres::CostFunction {
           compressed.rows.middleCols<3>(3 * static_cast<Index>(f));
     }
     return true;
+  }
+
+  // At K, ln T and L of each free element in turn.
+  QuadraticModel Model(const VectorXd& x) {
+    for (std::size_t f = 0; f < free_.size(); ++f) {
+      const Index first = 3 * static_cast<Index>(f);
+      point_.values[free_[f]] = {x(first), std::exp(x(first + 1)),
+                                 x(first + 2)};
+    }
+    const Index n = num_parameters_;
+    const MatrixXd products = Products(n);
+    return {.cost = 0.5 * std::max(products(n, n), 0.0),
+            .gradient = products.col(n).head(n),
+            .hessian = products.topLeftCorner(n, n)};
   }
 
  private:
@@ -114,6 +120,20 @@ class OutputCost : public ceres::CostFunction {
     return part;
   }
 
+  // Of the derivatives (`width`, or 0) and the residuals at point_.
+  MatrixXd Products(Index width) const {
+    if (!fixed_cells_) point_.SetCells(problem_.sample_time());
+    if (width > 0 && num_modes_ > 0 && !evaluated_) {
+      for (int s = 0; s < problem_.num_segments(); ++s) ProductsOf(s, 0);
+    }
+    evaluated_ = true;
+    MatrixXd products = MatrixXd::Zero(width + 1, width + 1);
+    for (int s = 0; s < problem_.num_segments(); ++s) {
+      products += ProductsOf(s, width);
+    }
+    return products;
+  }
+
   // Of the derivatives (`width`, or 0) and the residuals of a segment,
   // whitened, without what the amplitudes explain.
   MatrixXd ProductsOf(int s, Index width) const {
@@ -129,17 +149,6 @@ class OutputCost : public ceres::CostFunction {
       part.amplitudes += result.Coefficients(columns.cols() - 1);
     }
     return std::move(result.rest);
-  }
-
-  bool IsAt(double const* const* x) const {
-    for (std::size_t i = 0; i < last_.size(); ++i) {
-      if (last_[i] != x[i / 3][i % 3]) return false;
-    }
-    return !last_.empty();
-  }
-  void Remember(double const* const* x) const {
-    last_.resize(static_cast<std::size_t>(num_parameters_));
-    for (std::size_t i = 0; i < last_.size(); ++i) last_[i] = x[i / 3][i % 3];
   }
 
   void Fill(const OutputErrorProblem::Segment& segment, const Part& part,
@@ -185,7 +194,7 @@ class OutputCost : public ceres::CostFunction {
   mutable MatrixXd modes_;
   mutable MatrixXd mode_derivatives_;
   mutable VectorXd by_time_scale_;
-  mutable std::vector<double> last_;  // K, ln T and L of the last evaluation
+  mutable bool evaluated_ = false;  // amplitudes are known
 };
 
 }  // namespace
@@ -194,6 +203,14 @@ std::unique_ptr<ceres::CostFunction> MakeOutputCost(
     const OutputErrorProblem& problem, const OutputPoint& point,
     const std::vector<bool>& free, const NoiseShape& shape, bool fixed_cells) {
   return std::make_unique<OutputCost>(problem, point, free, shape, fixed_cells);
+}
+
+std::function<QuadraticModel(const VectorXd&)> MakeOutputModel(
+    const OutputErrorProblem& problem, const OutputPoint& point,
+    const std::vector<bool>& free, const NoiseShape& shape, bool fixed_cells) {
+  const auto cost =
+      std::make_shared<OutputCost>(problem, point, free, shape, fixed_cells);
+  return [cost](const VectorXd& x) { return cost->Model(x); };
 }
 
 }  // namespace mle

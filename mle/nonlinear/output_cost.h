@@ -9,9 +9,12 @@
 #ifndef MLE_NONLINEAR_OUTPUT_COST_H_
 #define MLE_NONLINEAR_OUTPUT_COST_H_
 
+#include <functional>
 #include <memory>
 #include <vector>
 
+#include "Eigen/Core"
+#include "mle/nonlinear/box_least_squares.h"
 #include "mle/nonlinear/output_error_problem.h"
 
 namespace ceres {
@@ -24,6 +27,11 @@ namespace mle {
 // of `point`, or in any if not `fixed_cells`. `problem` must outlive it. One
 // evaluation at a time.
 std::unique_ptr<ceres::CostFunction> MakeOutputCost(
+    const OutputErrorProblem& problem, const OutputPoint& point,
+    const std::vector<bool>& free, const NoiseShape& shape, bool fixed_cells);
+
+// The same for MinimiseWithinBox(): x is K, ln T and L of each free element.
+std::function<QuadraticModel(const Eigen::VectorXd&)> MakeOutputModel(
     const OutputErrorProblem& problem, const OutputPoint& point,
     const std::vector<bool>& free, const NoiseShape& shape, bool fixed_cells);
 

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "ceres/ceres.h"
+#include "mle/nonlinear/box_least_squares.h"
 #include "mle/nonlinear/output_cost.h"
 
 namespace mle {
@@ -17,6 +18,9 @@ constexpr int kMaxCellMoves = 100;
 constexpr int kMaxHoldRounds = 8;
 // A dead time this close to the end of its sample (in samples) is at it.
 constexpr double kCellTolerance = 1e-7;
+// Rough solves end with the step before which the objective could fall by this
+// share of the squares of one sample.
+constexpr double kRoughDecrease = 4e-3;
 
 }  // namespace
 
@@ -32,7 +36,7 @@ OutputPoint Fitter::Start(const OutputPoint& start, const NoiseShape& shape) {
                      bounds_.min_time_scales[j], bounds_.max_time_scales[j]);
     }
     point = Search(point, shape).point;
-    const double cost = Solve(point, shape);
+    const double cost = SolveRoughly(point, shape, /*within_cells=*/false);
     if (cost < best_cost) {
       best_cost = cost;
       best = point;
@@ -57,7 +61,7 @@ double Fitter::Refine(OutputPoint& point, const NoiseShape& shape, bool near) {
 
 double Fitter::RefineRoughly(OutputPoint& point, const NoiseShape& shape,
                              bool near) {
-  if (!near) Solve(point, shape);
+  if (!near) SolveRoughly(point, shape, /*within_cells=*/false);
   return Move(point, shape, /*exact=*/false,
               SolveWithinCells(point, shape, /*exact=*/false));
 }
@@ -108,14 +112,18 @@ void Fitter::CertifyGradient(const OutputPoint& point,
 
 double Fitter::SolveWithinCells(OutputPoint& point, const NoiseShape& shape,
                                 bool exact) {
+  const double cost = SolveRoughly(point, shape, /*within_cells=*/true);
+  return exact ? SolveExactly(point, shape, cost) : cost;
+}
+
+double Fitter::SolveExactly(OutputPoint& point, const NoiseShape& shape,
+                            double cost) {
   std::vector<bool> held(free_.size(), false);
-  double cost = Solve(point, shape, {.within_cells = true});
   for (int round = 0; round < kMaxHoldRounds; ++round) {
     const std::vector<bool> former = held;
     held = AtEnds(point, shape);
-    if ((round > 0 || !exact) && held == former) break;
-    cost = Solve(point, shape,
-                 {.within_cells = true, .exact = exact, .held = held});
+    if (round > 0 && held == former) break;
+    cost = SolveByCeres(point, shape, held);
   }
   return cost;
 }
@@ -154,33 +162,95 @@ int Fitter::EndOf(const OutputPoint& point, int j) const {
   return point.values[j].delay > high - near ? 1 : 0;
 }
 
-double Fitter::Solve(OutputPoint& point, const NoiseShape& shape,
-                     const SolveOptions& options) {
+std::vector<int> Fitter::Moved() const {
   std::vector<int> moved;
   for (int j = 0; j < problem_.num_elements(); ++j) {
     if (problem_.elements()[j].has_value() && free_[j]) moved.push_back(j);
   }
-  std::vector<std::array<double, 3>> x;
-  x.reserve(moved.size());
-  for (const int j : moved) {
-    const ElementValues& v = point.values[j];
-    x.push_back({v.gain, std::log(v.time_scale), v.delay});
+  return moved;
+}
+
+Fitter::Box Fitter::BoxOf(const OutputPoint& point, int j, bool within_cells,
+                          bool held) const {
+  const double sample_time = problem_.sample_time();
+  const auto [low, high] =
+      within_cells ? DelaysOf(point, j) : std::pair(0.0, bounds_.max_delays[j]);
+  // Ceres wants an interval, and a start inside it.
+  const double end = std::max(high, low + 1e-9 * sample_time);
+  const ElementValues& v = point.values[j];
+  Box box;
+  box.lower = {-kInfinity, std::log(bounds_.min_time_scales[j]), low};
+  box.upper = {kInfinity, std::log(bounds_.max_time_scales[j]), end};
+  box.start = {v.gain,
+               std::clamp(std::log(v.time_scale), box.lower[1], box.upper[1]),
+               std::clamp(v.delay, low, end)};
+  box.constant = {false, !problem_.elements()[j]->has_time_scale(), held};
+  return box;
+}
+
+double Fitter::SolveRoughly(OutputPoint& point, const NoiseShape& shape,
+                            bool within_cells) {
+  const std::vector<int> moved = Moved();
+  const auto size = 3 * static_cast<Eigen::Index>(moved.size());
+  Eigen::VectorXd x(size);
+  Eigen::VectorXd lower(size);
+  Eigen::VectorXd upper(size);
+  for (Eigen::Index i = 0; i < size; ++i) {
+    const Box box = BoxOf(point, moved[i / 3], within_cells, /*held=*/false);
+    x(i) = box.start[i % 3];
+    const bool constant = box.constant[i % 3];
+    lower(i) = constant ? x(i) : box.lower[i % 3];
+    upper(i) = constant ? x(i) : box.upper[i % 3];
   }
-  std::vector<double*> blocks;
-  for (auto& block : x) blocks.push_back(block.data());
+  const BoxLeastSquaresSummary summary = MinimiseWithinBox(
+      MakeOutputModel(problem_, point, free_, shape, within_cells), lower,
+      upper,
+      {.max_iterations = options_.max_iterations,
+       .tolerance = kRoughDecrease / std::max(problem_.num_samples(), 1)},
+      x);
+  certificate_.iterations += summary.iterations;
+  certificate_.message = summary.converged
+                             ? "no step lowers the objective"
+                             : "Maximum number of iterations reached";
+  certificate_.termination = summary.converged
+                                 ? FitTermination::kConverged
+                                 : FitTermination::kIterationLimit;
+  if (!std::isfinite(summary.cost)) {
+    certificate_.termination = FitTermination::kFailed;
+    certificate_.message = "the objective is not a finite number";
+    return kInfinity;
+  }
+  for (std::size_t f = 0; f < moved.size(); ++f) {
+    const Eigen::Index first = 3 * static_cast<Eigen::Index>(f);
+    point.values[moved[f]] = {x(first), std::exp(x(first + 1)), x(first + 2)};
+  }
+  if (!within_cells) point.SetCells(problem_.sample_time());
+  return summary.cost;
+}
+
+double Fitter::SolveByCeres(OutputPoint& point, const NoiseShape& shape,
+                            const std::vector<bool>& held) {
+  const std::vector<int> moved = Moved();
+  std::vector<Box> boxes;
   ceres::Problem problem;
+  std::vector<double*> blocks;
+  boxes.reserve(moved.size());
+  for (const int j : moved) {
+    boxes.push_back(BoxOf(point, j, /*within_cells=*/true, held[j]));
+    blocks.push_back(boxes.back().start.data());
+  }
   problem.AddResidualBlock(
-      MakeOutputCost(problem_, point, free_, shape, options.within_cells)
+      MakeOutputCost(problem_, point, free_, shape, /*fixed_cells=*/true)
           .release(),
       nullptr, blocks);
   for (std::size_t b = 0; b < moved.size(); ++b) {
-    SetBounds(point, moved[b], options, blocks[b], problem);
+    SetBounds(boxes[b], blocks[b], problem);
   }
   ceres::Solver::Options ceres_options;
   ceres_options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
   ceres_options.max_num_iterations = options_.max_iterations;
-  ceres_options.function_tolerance = options.exact ? 1e-13 : 1e-8;
-  ceres_options.parameter_tolerance = options.exact ? 1e-11 : 1e-8;
+  ceres_options.function_tolerance = 1e-13;
+  ceres_options.parameter_tolerance = 1e-11;
   ceres_options.gradient_tolerance = 0.0;
   // Steps are projected on the bounds; a search along each, which Ceres makes
   // besides where there are bounds, takes more evaluations than it saves.
@@ -204,39 +274,29 @@ double Fitter::Solve(OutputPoint& point, const NoiseShape& shape,
       return kInfinity;
   }
   for (std::size_t b = 0; b < moved.size(); ++b) {
-    point.values[moved[b]] = {x[b][0], std::exp(x[b][1]), x[b][2]};
+    const std::array<double, 3>& x = boxes[b].start;
+    point.values[moved[b]] = {x[0], std::exp(x[1]), x[2]};
   }
-  if (!options.within_cells) point.SetCells(problem_.sample_time());
   return summary.final_cost;
 }
 
-void Fitter::SetBounds(const OutputPoint& point, int j,
-                       const SolveOptions& options, double* block,
-                       ceres::Problem& problem) const {
-  const double sample_time = problem_.sample_time();
-  const auto [low, high] = options.within_cells
-                               ? DelaysOf(point, j)
-                               : std::pair(0.0, bounds_.max_delays[j]);
-  // Ceres wants an interval, and a start inside it.
-  const double end = std::max(high, low + 1e-9 * sample_time);
-  const double min_log = std::log(bounds_.min_time_scales[j]);
-  const double max_log = std::log(bounds_.max_time_scales[j]);
-  block[1] = std::clamp(block[1], min_log, max_log);
-  block[2] = std::clamp(block[2], low, end);
-  problem.SetParameterLowerBound(block, 1, min_log);
-  problem.SetParameterUpperBound(block, 1, max_log);
-  problem.SetParameterLowerBound(block, 2, low);
-  problem.SetParameterUpperBound(block, 2, end);
+void Fitter::SetBounds(const Box& box, double* block, ceres::Problem& problem) {
   std::vector<int> constant;
-  if (!problem_.elements()[j]->has_time_scale()) constant.push_back(1);
-  if (!options.held.empty() && options.held[j]) constant.push_back(2);
+  for (int i = 0; i < 3; ++i) {
+    if (std::isfinite(box.lower[i])) {
+      problem.SetParameterLowerBound(block, i, box.lower[i]);
+      problem.SetParameterUpperBound(block, i, box.upper[i]);
+    }
+    if (box.constant[i]) constant.push_back(i);
+  }
   if (!constant.empty()) {
     problem.SetManifold(block, new ceres::SubsetManifold(3, constant));
   }
 }
 
 bool Fitter::MoveCells(OutputPoint& point, const NoiseShape& shape) const {
-  bool moved = false;
+  std::vector<bool> at_end(free_.size(), false);
+  OutputPoint beyond = point;
   for (int j = 0; j < problem_.num_elements(); ++j) {
     if (!free_[j]) continue;
     const int direction = EndOf(point, j);
@@ -245,17 +305,27 @@ bool Fitter::MoveCells(OutputPoint& point, const NoiseShape& shape) const {
                               : (point.cells[j] + 1) * problem_.sample_time() <
                                     bounds_.max_delays[j];
     if (direction == 0 || !has_next) continue;
-    OutputPoint trial = point;
-    trial.cells[j] += direction;
-    std::vector<bool> alone(free_.size(), false);
-    alone[j] = true;
-    const WhitenedColumns whitened =
-        problem_.Whiten(problem_.Linearise(trial, shape, alone), shape);
-    const double slope = whitened.jacobian.col(2).dot(whitened.residuals);
-    if (slope * direction < 0.0) {
-      point = trial;
-      moved = true;
-    }
+    at_end[j] = true;
+    beyond.cells[j] += direction;
+  }
+  if (std::find(at_end.begin(), at_end.end(), true) == at_end.end()) {
+    return false;
+  }
+  // Responses are the same on both sides of an end: so are the residuals, and
+  // one linearisation serves all elements.
+  const WhitenedColumns whitened =
+      problem_.Whiten(problem_.Linearise(beyond, shape, at_end), shape);
+  bool moved = false;
+  Eigen::Index by_delay = 2;
+  for (int j = 0; j < problem_.num_elements(); ++j) {
+    if (!at_end[j]) continue;
+    const int direction = beyond.cells[j] - point.cells[j];
+    const double slope =
+        whitened.jacobian.col(by_delay).dot(whitened.residuals);
+    by_delay += 3;
+    if (!(slope * direction < 0.0)) continue;
+    point.cells[j] = beyond.cells[j];
+    moved = true;
   }
   return moved;
 }

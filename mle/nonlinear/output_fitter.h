@@ -1,10 +1,11 @@
 // Steps 1 and 2 of an output's fit (output_fit.h): the search for dead times on
-// a grid, and Ceres' refinement of its best, under a given noise shape.
+// a grid, and the refinement of its best, under a given noise shape.
 // Internal to mle/nonlinear.
 
 #ifndef MLE_NONLINEAR_OUTPUT_FITTER_H_
 #define MLE_NONLINEAR_OUTPUT_FITTER_H_
 
+#include <array>
 #include <utility>
 #include <vector>
 
@@ -49,18 +50,21 @@ class Fitter {
   void CertifyGradient(const OutputPoint& point, const NoiseEstimate& noise);
 
  private:
-  // What Solve() may move, and how far it goes.
-  struct SolveOptions {
-    bool within_cells = false;  // dead times within their samples
-    bool exact = false;
-    std::vector<bool> held = {};  // dead times that stay; empty: none
+  // Of K, ln T and L of an element.
+  struct Box {
+    std::array<double, 3> lower;
+    std::array<double, 3> upper;
+    std::array<double, 3> start;  // within them
+    std::array<bool, 3> constant;
   };
 
-  // Within the samples that the dead times lie in. Those whose cost falls
-  // beyond an end of their sample stay there: steps projected on bounds would
-  // only creep towards the optimum of the others.
+  // Within the samples that the dead times lie in.
   double SolveWithinCells(OutputPoint& point, const NoiseShape& shape,
                           bool exact);
+  // From a rough solve until Ceres finds no better point. Dead times whose cost
+  // falls beyond an end of their sample stay there: Ceres' steps, projected on
+  // bounds, would only creep towards the optimum of the others.
+  double SolveExactly(OutputPoint& point, const NoiseShape& shape, double cost);
   // From sample to sample as long as the cost falls; returns it.
   double Move(OutputPoint& point, const NoiseShape& shape, bool exact,
               double cost);
@@ -71,14 +75,17 @@ class Fitter {
   std::pair<double, double> DelaysOf(const OutputPoint& point, int j) const;
   // The end of that sample which the dead time is at: −1 or 1; 0: none.
   int EndOf(const OutputPoint& point, int j) const;
-  // Levenberg–Marquardt from and to `point`; returns the cost.
-  double Solve(OutputPoint& point, const NoiseShape& shape) {
-    return Solve(point, shape, SolveOptions());
-  }
-  double Solve(OutputPoint& point, const NoiseShape& shape,
-               const SolveOptions& options);
-  void SetBounds(const OutputPoint& point, int j, const SolveOptions& options,
-                 double* block, ceres::Problem& problem) const;
+  std::vector<int> Moved() const;  // the elements that are free
+  Box BoxOf(const OutputPoint& point, int j, bool within_cells,
+            bool held) const;
+  // Gauss and Newton's steps within bounds (box_least_squares.h), and
+  // Levenberg–Marquardt by Ceres with those dead times held, from and to
+  // `point`; they return the cost.
+  double SolveRoughly(OutputPoint& point, const NoiseShape& shape,
+                      bool within_cells);
+  double SolveByCeres(OutputPoint& point, const NoiseShape& shape,
+                      const std::vector<bool>& held);
+  static void SetBounds(const Box& box, double* block, ceres::Problem& problem);
   // Takes each dead time at an end of its sample into the next one if the cost
   // falls there; false if none does.
   bool MoveCells(OutputPoint& point, const NoiseShape& shape) const;
