@@ -20,6 +20,8 @@ namespace {
 
 // Of the range: with which no further shape is tried.
 constexpr double kNear = 2e-3;
+// Of dead time and lag: the time over which a ramp counts.
+constexpr double kRampOver = 10.0;
 // Of the root mean square of a simpler shape: what a further shape may leave.
 // Five lags fitted to noise leave nine tenths.
 constexpr double kMaterial = 0.75;
@@ -40,7 +42,7 @@ class PairFit {
     const double range = RangeOf(response_);
     if (range > 0.0) exponent_ = std::ilogb(range);
     for (double& value : response_) value = std::ldexp(value, -exponent_);
-    range_ = RangeOf(response_);
+    range_ = near_range_ = RangeOf(response_);
     best_.found.relative_rms = std::numeric_limits<double>::infinity();
     best_.found.largest_difference = std::numeric_limits<double>::infinity();
   }
@@ -66,6 +68,7 @@ class PairFit {
   bool ramp_;
   double interval_;
   double range_ = 0.0;
+  double near_range_ = 0.0;  // what kNear is of
   int exponent_ = 0;  // of the scale, a power of two: fits are to values near 1
   Candidate best_;
 };
@@ -84,7 +87,7 @@ bool PairFit::Try(TransferFunction element) {
   if (found.relative_rms < kMaterial * best_.found.relative_rms) {
     best_ = {std::move(element), found};
   }
-  return best_.found.largest_difference <= kNear;
+  return best_.found.largest_difference * range_ <= kNear * near_range_;
 }
 
 int PairFit::FirstAbove(double share) const {
@@ -137,6 +140,10 @@ absl::Status PairFit::FitRamp() {
       range_ > 0.0 ? (FirstAbove(0.0) - 1) * interval_ : 0.0;
   MLE_ASSIGN_OR_RETURN(const TransferFunction lag,
                        FitIntegratingPair(response_, interval_, least_delay));
+  // However long the ramp is, what begins it is to be told.
+  const double begin = std::max(lag.delay() + lag.TimeConstant(), interval_);
+  near_range_ =
+      std::min(range_, kRampOver * begin * std::abs(lag.StaticGain()));
   // Without the lag the ramp begins later by it.
   if (Try(TransferFunction::Integrator(lag.StaticGain(), 0.0,
                                        lag.delay() + lag.TimeConstant())) ||

@@ -191,6 +191,16 @@ absl::Status DiscreteModel::Validate() const {
   return absl::OkStatus();
 }
 
+StepResponse ComputeStepResponse(const DiscreteModel& model, int samples) {
+  StepResponse response(model.sample_time, model.channels.num_outputs(),
+                        model.channels.num_inputs(), samples);
+  for (const DiscreteElement& element : model.elements) {
+    response.element(element.output, element.input) =
+        Respond(Expand(element, model.variable), samples);
+  }
+  return response;
+}
+
 absl::StatusOr<StepResponseModel> StepResponsesOf(const DiscreteModel& model) {
   MLE_RETURN_IF_ERROR(model.Validate());
   const int p = model.channels.num_outputs();
@@ -209,12 +219,7 @@ absl::StatusOr<StepResponseModel> StepResponsesOf(const DiscreteModel& model) {
         g.shift + std::max(std::ceil(SamplesToDecay(SlowestPole(g))), steps));
   }
   sampled.respond = [&](int samples) {
-    StepResponse response(model.sample_time, p, m, samples);
-    for (const DiscreteElement& element : model.elements) {
-      response.element(element.output, element.input) =
-          Respond(Expand(element, model.variable), samples);
-    }
-    return response;
+    return ComputeStepResponse(model, samples);
   };
   return Sample(sampled);
 }

@@ -27,6 +27,7 @@
 #include "absl/status/statusor.h"
 #include "mle/exchange/step_response_model.h"
 #include "mle/model/process_model.h"
+#include "mle/model/step_response.h"
 
 namespace mle {
 
@@ -53,6 +54,9 @@ struct DiscreteModel {
   // denominator that begins with 0, feedthrough, poles that are unstable.
   absl::Status Validate() const;
 };
+
+// Of a valid model, by its difference equations: h(kΔt), k = 0 … samples − 1.
+StepResponse ComputeStepResponse(const DiscreteModel& model, int samples);
 
 // Of a valid model: every pair until its slowest mode has decayed to 1e-4,
 // pairs with a pole at z = 1 as ramps (sampled_responses.h).

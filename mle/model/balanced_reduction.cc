@@ -25,9 +25,9 @@ using Eigen::VectorXd;
 constexpr double kSettled = 2.0;
 constexpr double kFewestSamples = 10.0;
 constexpr double kMostSamples = 20000.0;
-// Of dead time, slowest lag and a sample: the time in which a ramp reaches what
-// differences of an integrating element are relative to.
-constexpr double kRampOver = 10.0;
+// Of the ramp's rise over a sample: what is left of an integrator alone by
+// rounding of its dead time.
+constexpr double kNothingLeft = 1e-8;
 // Of σ_1 and for each state: what is smaller is rounding.
 constexpr double kRounding = 1e-15;
 
@@ -124,6 +124,10 @@ absl::Status TakeOffRamp(const TransferFunction& g, int i, int j, int whole,
   for (Index k = taken + 1; k < h.size(); ++k) {
     h(k) -= step * static_cast<double>(k - taken);
   }
+  if (!split.rest.has_value() &&
+      h.cwiseAbs().maxCoeff() <= kNothingLeft * std::abs(step)) {
+    h.setZero();
+  }
   wanted.slopes(i, j) = split.slope;
   wanted.responses.gains(i, j) = split.rest_gain;
   return absl::OkStatus();
@@ -139,17 +143,17 @@ absl::StatusOr<Wanted> WantedOf(const ProcessModel& model,
       model.ComputeStepResponse(
           sample_time, static_cast<int>(std::min(samples, kMostSamples)));
   wanted.responses.gains = StaticGains(model);
-  wanted.sizes = wanted.responses.gains.cwiseAbs();
   wanted.slopes = MatrixXd::Zero(model.num_outputs(), model.num_inputs());
+  wanted.sizes = wanted.slopes;
   for (int i = 0; i < model.num_outputs(); ++i) {
     for (int j = 0; j < model.num_inputs(); ++j) {
-      double& size = wanted.sizes(i, j);
       const TransferFunction& g = model.element(i, j);
       if (g.IsIntegrating()) {
         const int whole = responses[i * model.num_inputs() + j]->whole_delay;
         MLE_RETURN_IF_ERROR(TakeOffRamp(g, i, j, whole, delays, wanted));
-        size *= kRampOver * (g.delay() + g.SlowestTimeConstant() + sample_time);
       }
+      double& size = wanted.sizes(i, j);
+      size = std::abs(wanted.responses.gains(i, j));
       size = std::max(size, response.element(i, j).cwiseAbs().maxCoeff());
       if (!(size > 0.0)) size = 1.0;
     }

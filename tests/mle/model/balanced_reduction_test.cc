@@ -447,6 +447,15 @@ TEST(BalancedReductionTest, LevelsKeepAnExactIntegrator) {
       }
     }
   }
+  // Rounding of a dead time is nothing that is left to be reduced.
+  ProcessModel rounded = EmptyModel(1, 2);
+  rounded.element(0, 0) = TransferFunction::Integrator(0.3, 0.0, 1.0 + 1e-12);
+  rounded.element(0, 1) = TransferFunction::Integrator(-0.3, 0.0, 5.4);
+  const absl::StatusOr<ReducedModel> two =
+      ReduceModel(rounded, kSampleTime, {});
+  ASSERT_TRUE(two.ok()) << two.status();
+  EXPECT_NEAR(two->system.ComputeStepResponse(100).element(0, 0)(99),
+              0.3 * (99 * kSampleTime - 1.0), 1e-9);
   // A row of aligned integrators takes one state.
   ProcessModel tank = EmptyModel(1, 2);
   tank.element(0, 0) = TransferFunction::Integrator(0.3, 0.0, 1.0);

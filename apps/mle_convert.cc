@@ -1,0 +1,149 @@
+// mle_convert: a model from one form to another, with the error.
+
+#include <iostream>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "apps/common/command_line.h"
+#include "apps/common/model_files.h"
+#include "mle/base/file.h"
+#include "mle/base/status.h"
+#include "mle/exchange/model_conversion.h"
+
+namespace mle {
+namespace {
+
+constexpr char kUsage[] =
+    R"(Writes a model in another form, and says how far its step responses are from those
+of the model given.
+
+  mle_convert --model=column.csv --form=state_space --out=column.json
+
+Forms: transfer_functions (.json, .mat), element_table (.csv), step_responses (.csv, .json,
+.mat), discrete_transfer_functions (.json), state_space (.json); docs/formats.md has them.
+Exit codes: 0 done, 1 there is no such model within the tolerance, 2 bad input or flags.)";
+
+// Of rounding, which is not worth a line.
+constexpr double kExact = 1e-9;
+
+struct Request {
+  std::string model;
+  std::string out;
+  std::string form;
+  ModelConversion conversion;
+};
+
+void AddOptions(Request& request, OptionTable& table) {
+  ModelConversion& to = request.conversion;
+  table.Add("Files",
+            {{"model", &request.model,
+              "Model in any form (JSON, CSV or MAT: docs/formats.md); must be "
+              "given."},
+             {"out", &request.out,
+              "File to be written; its ending says of which type: .json, .csv, "
+              ".mat. Must be given."}});
+  table.Add(
+      "The form",
+      {{"form", &request.form,
+        "transfer_functions, element_table, step_responses, "
+        "discrete_transfer_functions or state_space; empty: that of --model."},
+       {"interval", &to.interval,
+        "Interval of step responses, sample time of discrete forms; 0: that of "
+        "the model, if it has one, else a sixtieth of the settling time.",
+        "min", kNotNegative},
+       {"coefficients", &to.coefficients,
+        "Of step responses, 10 or more; 0: up to the settling time.", "",
+        kNotNegative},
+       {"tolerance", &to.tolerance,
+        "Of a state space: the largest error of an element, relative to its "
+        "largest response.",
+        "", kProbability}});
+  table.PutFirst({"model", "form", "out", "interval", "coefficients"});
+}
+
+absl::Status Complete(Request& request, const ModelFile& file) {
+  ModelConversion& to = request.conversion;
+  to.form = file.form;
+  if (!request.form.empty()) {
+    const std::optional<ModelForm> form = ModelFormOf(request.form);
+    if (!form.has_value()) {
+      return RefuseOption("form", request.form,
+                          "is not a form; must be transfer_functions, "
+                          "element_table, step_responses, "
+                          "discrete_transfer_functions or state_space");
+    }
+    to.form = *form;
+  }
+  if (request.out.ends_with(".csv")) {
+    to.type = ModelFileType::kCsv;
+  } else if (request.out.ends_with(".mat")) {
+    to.type = ModelFileType::kMat;
+  } else if (!request.out.ends_with(".json")) {
+    return RefuseOption("out", request.out,
+                        "must end with .json, .csv or .mat");
+  }
+  const absl::Status status = to.Validate();
+  if (status.ok()) return status;
+  return absl::InvalidArgumentError(absl::StrCat("--", status.message()));
+}
+
+void Print(const Request& request, const ModelFile& file,
+           const ConvertedModel& converted) {
+  std::cout << request.out << ": " << NameOf(request.conversion.form);
+  if (converted.states > 0) std::cout << ", " << converted.states << " states";
+  if (converted.interval > 0.0) {
+    std::cout << absl::StrFormat(", every %.6g %s", converted.interval,
+                                 file.process.time_unit());
+  }
+  const double largest = converted.differences.maxCoeff();
+  if (largest <= kExact) {
+    std::cout << "; its step responses are those of the model given\n";
+    return;
+  }
+  std::cout << absl::StrFormat(
+      "; its step responses differ by at most %.2g %% of their range:\n",
+      100.0 * largest);
+  for (int i = 0; i < file.process.num_outputs(); ++i) {
+    for (int j = 0; j < file.process.num_inputs(); ++j) {
+      const double difference = converted.differences(i, j);
+      if (difference <= kExact) continue;
+      std::cout << absl::StrFormat(
+          "  %s: %.2g %%\n", PairName(file.process, i, j), 100.0 * difference);
+    }
+  }
+}
+
+int Main(Request& request) {
+  if (request.model.empty() || request.out.empty()) {
+    return Fail(absl::InvalidArgumentError(
+        "--model=FILE and --out=FILE must be given (see --help)"));
+  }
+  const absl::StatusOr<ModelFile> file = ReadModelFile(request.model);
+  if (!file.ok()) return Fail(AboutOption("model", file.status()));
+  if (const absl::Status status = Complete(request, *file); !status.ok()) {
+    return Fail(status);
+  }
+  const absl::StatusOr<ConvertedModel> converted =
+      ConvertModel(*file, request.conversion);
+  if (!converted.ok()) return Fail(converted.status());
+  if (const absl::Status written =
+          WriteFileAtomically(request.out, converted->text);
+      !written.ok()) {
+    return Fail(AboutOption("out", written));
+  }
+  Print(request, *file, *converted);
+  return kExitDone;
+}
+
+}  // namespace
+}  // namespace mle
+
+int main(int argc, char** argv) {
+  mle::Request request;
+  mle::OptionTable table;
+  mle::AddOptions(request, table);
+  mle::StartCommand(mle::kUsage, table, argc, argv);
+  return mle::Main(request);
+}

@@ -1,0 +1,347 @@
+#include "mle/exchange/model_conversion.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "mle/base/status.h"
+#include "mle/exchange/mat_file.h"
+#include "mle/model/balanced_reduction.h"
+
+namespace mle {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr int kCoefficients = 60;
+constexpr int kMostCoefficients = 100'000;
+constexpr double kMostSamples = 1e6;
+constexpr double kSameInterval = 1e-9;
+constexpr std::array<ModelForm, 5> kForms = {
+    ModelForm::kTransferFunctions, ModelForm::kElementTable,
+    ModelForm::kStepResponses, ModelForm::kDiscreteTransferFunctions,
+    ModelForm::kStateSpace};
+
+bool Holds(ModelFileType type, ModelForm form) {
+  switch (type) {
+    case ModelFileType::kJson:
+      return form != ModelForm::kElementTable;
+    case ModelFileType::kCsv:
+      return form == ModelForm::kElementTable ||
+             form == ModelForm::kStepResponses;
+    case ModelFileType::kMat:
+      return form == ModelForm::kTransferFunctions ||
+             form == ModelForm::kStepResponses;
+  }
+  return false;
+}
+
+double IntervalOf(const ModelFile& file) {
+  switch (file.form) {
+    case ModelForm::kStepResponses:
+      return file.step_responses.interval;
+    case ModelForm::kDiscreteTransferFunctions:
+      return file.discrete.sample_time;
+    case ModelForm::kStateSpace:
+      return file.state_space.system.sample_time;
+    default:
+      return 0.0;
+  }
+}
+
+// 1, 2 or 5 times a power of ten, no less than `value` > 0.
+double RoundedUp(double value) {
+  const double power = std::pow(10.0, std::floor(std::log10(value)));
+  for (const double digit : {1.0, 2.0, 5.0}) {
+    if (digit * power >= value) return digit * power;
+  }
+  return 10.0 * power;
+}
+
+double ChooseInterval(const ModelFile& file, const ModelConversion& to) {
+  if (to.interval > 0.0) return to.interval;
+  if (const double interval = IntervalOf(file); interval > 0.0) return interval;
+  const double settling = SettlingTime(file.process);
+  return settling > 0.0 ? RoundedUp(settling / kCoefficients) : 1.0;
+}
+
+// What a response still moves after its last coefficient, relative to its
+// range; of a ramp, the relative difference of its slope.
+double LeftAfter(const TransferFunction& g, const PairResponse& pair,
+                 double interval) {
+  const VectorXd& c = pair.coefficients;
+  const double gain = g.StaticGain();
+  if (pair.is_ramp) {
+    const double slope = (c(c.size() - 1) - c(c.size() - 2)) / interval;
+    return std::abs(slope - gain) / std::abs(gain);
+  }
+  const double range = std::max(RangeOf(c), std::abs(gain));
+  return range > 0.0 ? std::abs(gain - c(c.size() - 1)) / range : 0.0;
+}
+
+class Converter {
+ public:
+  Converter(const ModelFile& file, const ModelConversion& to)
+      : file_(file), to_(to), model_(file.process) {
+    result_.differences =
+        MatrixXd::Zero(model_.num_outputs(), model_.num_inputs());
+    for (const PairDescription& pair : file.descriptions) {
+      result_.differences(pair.output, pair.input) = pair.largest_difference;
+    }
+  }
+
+  absl::StatusOr<ConvertedModel> Convert();
+
+ private:
+  ProcessModel Channels() const {
+    return {model_.name(), model_.time_unit(), model_.inputs(),
+            model_.outputs()};
+  }
+  // The file already holds what is asked for.
+  bool IsSame() const;
+  absl::Status ToTransferFunctions();
+  absl::Status ToElementTable();
+  absl::Status ToStepResponses();
+  absl::Status ToDiscrete();
+  absl::Status ToStateSpace();
+  // The responses of a file that is sampled, or discrete, where `interval` is a
+  // multiple of its own.
+  std::optional<StepResponse> OwnResponse(double interval, int length) const;
+  // Those, or those of what describes the file.
+  StepResponseModel Sampled();
+  absl::Status Write(const StepResponseModel& steps);
+
+  const ModelFile& file_;
+  const ModelConversion& to_;
+  const ProcessModel& model_;
+  ConvertedModel result_;
+};
+
+bool Converter::IsSame() const {
+  if (to_.form != file_.form) return false;
+  const bool same_interval =
+      to_.interval == 0.0 || to_.interval == IntervalOf(file_);
+  return same_interval &&
+         (file_.form != ModelForm::kStepResponses || to_.coefficients == 0 ||
+          to_.coefficients == file_.step_responses.length());
+}
+
+absl::Status Converter::ToTransferFunctions() {
+  if (to_.type == ModelFileType::kMat) {
+    MLE_ASSIGN_OR_RETURN(result_.text, FormatMat(model_));
+  } else {
+    result_.text = FormatProcessModel(model_);
+  }
+  return absl::OkStatus();
+}
+
+absl::Status Converter::ToElementTable() {
+  ElementTable empty;
+  empty.channels = Channels();
+  const ElementTable table = WithElements(empty, model_);
+  for (const ElementRow& row : table.rows) {
+    result_.differences(row.output, row.input) += row.largest_difference;
+  }
+  result_.text = FormatElementTable(table);
+  return absl::OkStatus();
+}
+
+std::optional<StepResponse> Converter::OwnResponse(double interval,
+                                                   int length) const {
+  const double own = IntervalOf(file_);
+  if (!(own > 0.0)) return std::nullopt;
+  const double ratio = std::round(interval / own);
+  if (!(ratio >= 1.0) || ratio * length > kMostSamples ||
+      std::abs(ratio * own - interval) > kSameInterval * interval) {
+    return std::nullopt;
+  }
+  const auto stride = static_cast<int>(ratio);
+  const int samples = stride * length + 1;
+  StepResponse all;
+  if (file_.form == ModelForm::kDiscreteTransferFunctions) {
+    all = ComputeStepResponse(file_.discrete, samples);
+  } else if (file_.form == ModelForm::kStateSpace) {
+    all = file_.state_space.system.ComputeStepResponse(samples);
+  } else if (file_.step_responses.length() >= stride * length) {
+    all = StepResponse(own, model_.num_outputs(), model_.num_inputs(), samples);
+    for (const PairResponse& pair : file_.step_responses.pairs) {
+      all.element(pair.output, pair.input).tail(samples - 1) =
+          pair.coefficients.head(samples - 1);
+    }
+  } else {
+    return std::nullopt;
+  }
+  StepResponse thinned(interval, all.num_outputs, all.num_inputs, length + 1);
+  for (int i = 0; i < all.num_outputs; ++i) {
+    for (int j = 0; j < all.num_inputs; ++j) {
+      thinned.element(i, j) =
+          all.element(i, j)(Eigen::seqN(0, length + 1, stride));
+    }
+  }
+  return thinned;
+}
+
+StepResponseModel Converter::Sampled() {
+  StepResponseModel steps;
+  steps.channels = Channels();
+  steps.interval = ChooseInterval(file_, to_);
+  int length = to_.coefficients;
+  if (length == 0) {
+    const double settling = file_.form == ModelForm::kStepResponses
+                                ? file_.step_responses.time_to_steady_state()
+                                : SettlingTime(model_);
+    length = std::clamp(
+        static_cast<int>(std::min(std::ceil(settling / steps.interval),
+                                  1.0 * kMostCoefficients)),
+        kFewestCoefficients, kMostCoefficients);
+  }
+  const std::optional<StepResponse> own = OwnResponse(steps.interval, length);
+  if (own.has_value()) result_.differences.setZero();
+  const StepResponse response =
+      own.has_value() ? *own
+                      : model_.ComputeStepResponse(steps.interval, length + 1);
+  for (int i = 0; i < model_.num_outputs(); ++i) {
+    for (int j = 0; j < model_.num_inputs(); ++j) {
+      const TransferFunction& g = model_.element(i, j);
+      if (g.IsZero()) continue;
+      steps.pairs.push_back(
+          {i, j, response.element(i, j).tail(length), g.IsIntegrating()});
+    }
+  }
+  return steps;
+}
+
+absl::Status Converter::Write(const StepResponseModel& steps) {
+  if (to_.type == ModelFileType::kMat) {
+    MLE_ASSIGN_OR_RETURN(result_.text, FormatMat(steps));
+  } else if (to_.type == ModelFileType::kCsv) {
+    result_.text = FormatStepResponseCsv(steps);
+  } else {
+    result_.text = FormatStepResponseJson(steps);
+  }
+  return absl::OkStatus();
+}
+
+absl::Status Converter::ToStepResponses() {
+  const StepResponseModel steps = Sampled();
+  MLE_RETURN_IF_ERROR(steps.Validate());
+  result_.interval = steps.interval;
+  for (const PairResponse& pair : steps.pairs) {
+    result_.differences(pair.output, pair.input) += LeftAfter(
+        model_.element(pair.output, pair.input), pair, steps.interval);
+  }
+  return Write(steps);
+}
+
+absl::Status Converter::ToDiscrete() {
+  DiscreteModel discrete;
+  discrete.channels = Channels();
+  discrete.sample_time = result_.interval = ChooseInterval(file_, to_);
+  MLE_ASSIGN_OR_RETURN(discrete,
+                       WithChange(discrete, discrete.channels, model_));
+  MLE_RETURN_IF_ERROR(discrete.Validate());
+  result_.text = FormatDiscreteModel(discrete);
+  return absl::OkStatus();
+}
+
+absl::Status Converter::ToStateSpace() {
+  result_.interval = ChooseInterval(file_, to_);
+  ReductionOptions options;
+  options.tolerance = to_.tolerance;
+  MLE_ASSIGN_OR_RETURN(ReducedModel reduced,
+                       ReduceModel(model_, result_.interval, options));
+  NamedStateSpace named;
+  named.SetChannels(model_);
+  named.system = std::move(reduced.system);
+  const VectorXd& bounds = reduced.error_bounds;
+  const VectorXd& differences = reduced.largest_differences;
+  named.accuracy = StateSpaceAccuracy{{bounds.begin(), bounds.end()},
+                                      {differences.begin(), differences.end()}};
+  for (int i = 0; i < model_.num_outputs(); ++i) {
+    for (int j = 0; j < model_.num_inputs(); ++j) {
+      if (model_.element(i, j).IsZero()) continue;
+      result_.differences(i, j) += differences(i);
+    }
+  }
+  result_.states = named.system.order();
+  result_.text = FormatStateSpace(named);
+  return absl::OkStatus();
+}
+
+absl::StatusOr<ConvertedModel> Converter::Convert() {
+  if (IsSame() && file_.form != ModelForm::kTransferFunctions) {
+    result_.differences.setZero();
+    result_.interval = IntervalOf(file_);
+    if (file_.form == ModelForm::kStateSpace) {
+      result_.states = file_.state_space.system.order();
+    }
+    if (file_.form == ModelForm::kStepResponses) {
+      MLE_RETURN_IF_ERROR(Write(file_.step_responses));
+    } else {
+      MLE_ASSIGN_OR_RETURN(FormattedModel same, FormatCorrected(file_, model_));
+      result_.text = std::move(same.text);
+    }
+    return std::move(result_);
+  }
+  switch (to_.form) {
+    case ModelForm::kTransferFunctions:
+      MLE_RETURN_IF_ERROR(ToTransferFunctions());
+      break;
+    case ModelForm::kElementTable:
+      MLE_RETURN_IF_ERROR(ToElementTable());
+      break;
+    case ModelForm::kStepResponses:
+      MLE_RETURN_IF_ERROR(ToStepResponses());
+      break;
+    case ModelForm::kDiscreteTransferFunctions:
+      MLE_RETURN_IF_ERROR(ToDiscrete());
+      break;
+    case ModelForm::kStateSpace:
+      MLE_RETURN_IF_ERROR(ToStateSpace());
+      break;
+  }
+  return std::move(result_);
+}
+
+}  // namespace
+
+std::optional<ModelForm> ModelFormOf(std::string_view name) {
+  for (const ModelForm form : kForms) {
+    if (NameOf(form) == name) return form;
+  }
+  return std::nullopt;
+}
+
+absl::Status ModelConversion::Validate() const {
+  if (!(interval >= 0.0) || !std::isfinite(interval)) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "interval=", interval, ", must be finite and not negative"));
+  }
+  if (coefficients != 0 && (coefficients < kFewestCoefficients ||
+                            coefficients > kMostCoefficients)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("coefficients=", coefficients, ", must be 0 or from ",
+                     kFewestCoefficients, " to ", kMostCoefficients));
+  }
+  if (!(tolerance > 0.0) || !(tolerance < 1.0)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("tolerance=", tolerance, ", must be between 0 and 1"));
+  }
+  if (Holds(type, form)) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrCat(
+      "form=", std::string(NameOf(form)),
+      ": a file of this type does not "
+      "hold it; .json holds all forms but element_table, .csv element_table "
+      "and step_responses, .mat transfer_functions and step_responses"));
+}
+
+absl::StatusOr<ConvertedModel> ConvertModel(const ModelFile& file,
+                                            const ModelConversion& conversion) {
+  MLE_RETURN_IF_ERROR(conversion.Validate());
+  return Converter(file, conversion).Convert();
+}
+
+}  // namespace mle
