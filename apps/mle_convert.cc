@@ -16,14 +16,15 @@ namespace mle {
 namespace {
 
 constexpr char kUsage[] =
-    R"(Writes a model in another form, and says how far its step responses are from those
-of the model given.
+    R"(Writes a model in another form, and says how far its step responses are from
+those of the model given.
 
   mle_convert --model=column.csv --form=state_space --out=column.json
 
-Forms: transfer_functions (.json, .mat), element_table (.csv), step_responses (.csv, .json,
-.mat), discrete_transfer_functions (.json), state_space (.json); docs/formats.md has them.
-Exit codes: 0 done, 1 there is no such model within the tolerance, 2 bad input or flags.)";
+Forms: transfer_functions (.json, .mat), element_table (.csv), step_responses
+(.csv, .json, .mat), discrete_transfer_functions (.json), state_space (.json);
+docs/formats.md has them. Exit codes: 0 done; 1 there is no such model within
+the tolerance; 2 bad input or flags.)";
 
 // Of rounding, which is not worth a line.
 constexpr double kExact = 1e-9;
