@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -11,6 +12,7 @@
 #include "mle/data/set_point_windows.h"
 #include "mle/maintain/examine_records.h"
 #include "mle/monitor/output_scores.h"
+#include "mle/monitor/record_jump.h"
 #include "mle/monitor/row_response.h"
 
 namespace mle {
@@ -290,6 +292,23 @@ std::string ModelWatch::OutOfRange(const WatchReference& reference,
   return "";
 }
 
+absl::StatusOr<std::string> ModelWatch::RecordChange(
+    const WatchReference& reference, const Record& record) const {
+  VectorXd least(model_.num_outputs());
+  for (int i = 0; i < model_.num_outputs(); ++i) {
+    least(i) = std::sqrt(reference.outputs[i].noise.variance);
+  }
+  MLE_ASSIGN_OR_RETURN(const std::optional<int> jump,
+                       FindRecordJump(model_, record, least));
+  if (!jump.has_value()) return std::string();
+  const double before = (record.samples() - *jump) * sample_time_;
+  return absl::StrFormat(
+      "The records have changed, not the plant: %.4g %s before the end of the "
+      "day the outputs jump from one sample to the next. Have records been "
+      "joined, or a unit, a range or a tag been exchanged?",
+      before, model_.time_unit());
+}
+
 BatchOutput ModelWatch::ScoreOutput(const OutputReference& reference,
                                     const Record& record, int output) const {
   const RowResponse& row = (*rows_)[output];
@@ -337,7 +356,9 @@ absl::StatusOr<BatchScores> ModelWatch::Score(const WatchReference& reference,
       around.end()) {
     return scores;
   }
-  std::string reason = OutOfRange(reference, batch);
+  MLE_ASSIGN_OR_RETURN(std::string reason,
+                       RecordChange(reference, batch.record));
+  if (reason.empty()) reason = OutOfRange(reference, batch);
   std::vector<Record> records = {std::move(batch.record)};
   MLE_ASSIGN_OR_RETURN(
       const std::vector<Finding> findings,

@@ -21,8 +21,9 @@
 // Samples count from before a set-point change until the plant has settled
 // (without set points, moves of inputs that rest otherwise): what inputs answer
 // between changes is the disturbance itself. A batch whose records forbid a
-// correction (examine_records.h), whose operation has left the range of the
-// reference, or that is disturbed says nothing, with the reason.
+// correction (examine_records.h), that have changed themselves (record_jump.h),
+// whose operation has left the range of the reference, or that is disturbed
+// says nothing, with the reason.
 //
 //   MLE_ASSIGN_OR_RETURN(const ModelWatch watch,
 //                        ModelWatch::Create(model, 1.0, WatchOptions()));
@@ -134,6 +135,8 @@ class ModelWatch {
       const std::vector<WatchBatch>& batches) const;
   std::string OutOfRange(const WatchReference& reference,
                          const WatchBatch& batch) const;
+  absl::StatusOr<std::string> RecordChange(const WatchReference& reference,
+                                           const Record& record) const;
   BatchOutput ScoreOutput(const OutputReference& reference,
                           const Record& record, int output) const;
 

@@ -3,11 +3,14 @@
 #include <chrono>
 #include <csignal>
 #include <filesystem>
+#include <set>
+#include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "tests/apps/started_command.h"
@@ -169,14 +172,45 @@ TEST_F(MleWatchTest, ACorrectionIsRunAndKeptWhole) {
   EXPECT_THAT(Tank()["proposals"], SizeIs(1));
 }
 
+// Ids of the alarms as they were handed on, with those that say "repeated".
+struct HandedOn {
+  std::set<std::string> first;
+  int twice = 0;  // handed on again without saying so
+};
+
+HandedOn ReadAlarms(const std::string& path) {
+  HandedOn alarms;
+  if (!fs::exists(path)) return alarms;
+  std::istringstream text(Content(path));
+  std::string id;
+  for (std::string line; std::getline(text, line);) {
+    const std::size_t at = line.find("\"id\": \"");
+    if (at != std::string::npos) id = line.substr(at + 7, 32);
+    if (line.find("\"repeated\": false") != std::string::npos &&
+        !alarms.first.insert(id).second) {
+      ++alarms.twice;
+    }
+    if (line.find("\"repeated\": true") != std::string::npos) {
+      alarms.first.insert(id);
+    }
+  }
+  return alarms;
+}
+
 TEST_F(MleWatchTest, KilledRunsAreCaughtUp) {
   WriteDays(0, 40);
   EXPECT_EQ(Watch("whole").exit_code, 0);
-  const int alarms = AlarmsHandedOn();
-  for (int moment = 0; moment < 10; ++moment) {
+  fs::remove(alarms_);
+  // How long a run takes, for moments that cover it.
+  const auto begin = std::chrono::steady_clock::now();
+  EXPECT_EQ(Watch("timed").exit_code, 0);
+  const auto length = std::chrono::steady_clock::now() - begin;
+  fs::remove(alarms_);
+  constexpr int kMoments = 30;
+  for (int moment = 0; moment < kMoments; ++moment) {
     StartedCommand run(MLE_TESTED_COMMAND, Arguments("killed"),
                        scratch_ / "log.txt");
-    std::this_thread::sleep_for(std::chrono::milliseconds(15 * moment));
+    std::this_thread::sleep_for(length * moment / kMoments);
     run.Send(SIGKILL);
     run.ExitCode();
   }
@@ -185,7 +219,77 @@ TEST_F(MleWatchTest, KilledRunsAreCaughtUp) {
   EXPECT_EQ(Tank("killed")["alarms"], Tank("whole")["alarms"]);
   // Each alarm arrives; one that was being handed on at a kill says that it is
   // repeated.
-  EXPECT_GE(AlarmsHandedOn(), 2 * alarms);
+  const HandedOn alarms = ReadAlarms(alarms_);
+  EXPECT_EQ(alarms.first.size(), Tank("whole")["alarms"].size());
+  EXPECT_EQ(alarms.twice, 0);
+}
+
+// No file may grow beyond that: as on a disk that is full. Signals of the limit
+// are errors then.
+TEST_F(MleWatchTest, AFullDiskLeavesTheStateWhole) {
+  WriteDays(0, 26);
+  EXPECT_EQ(Watch("whole").exit_code, 0);
+  EXPECT_EQ(Watch("full").exit_code, 0);
+  const std::string before = Content(scratch_ / "full/watch.json");
+  WriteDays(26, 40);
+  EXPECT_EQ(Watch("whole").exit_code, 0);
+  for (const int kilobytes : {1, 8, 40, 60}) {
+    const std::string script = scratch_.Write(
+        "full.sh", absl::StrCat("#!/bin/bash\ntrap '' XFSZ\nulimit -f ",
+                                kilobytes, "\nexec \"$@\"\n"));
+    std::vector<std::string> arguments = {script, MLE_TESTED_COMMAND};
+    for (const std::string& argument : Arguments("full")) {
+      arguments.push_back(argument);
+    }
+    const absl::StatusOr<report::ProcessResult> run =
+        report::RunProcess("/bin/bash", arguments, "", {});
+    ASSERT_TRUE(run.ok()) << run.status();
+    if (run->exit_code != 0) {
+      EXPECT_THAT(run->err, HasSubstr("error: "));
+    }
+    if (kilobytes == 1) {
+      EXPECT_NE(run->exit_code, 0);
+      EXPECT_EQ(Content(scratch_ / "full/watch.json"), before);
+    }
+  }
+  EXPECT_EQ(Watch("full").exit_code, 0);
+  EXPECT_EQ(Tank("full")["elements"], Tank("whole")["elements"]);
+  EXPECT_EQ(Tank("full")["alarms"], Tank("whole")["alarms"]);
+}
+
+// The machine's clock, by which files are told, runs backwards.
+TEST_F(MleWatchTest, AClockThatIsSetBackHidesNothing) {
+  WriteDays(0, 40);
+  EXPECT_EQ(Watch("right").exit_code, 0);
+  for (int day = 25; day < 40; ++day) {
+    fs::remove(scratch_ / absl::StrFormat("records/day%03d.csv", day));
+  }
+  EXPECT_EQ(Watch("back").exit_code, 0);
+  WriteDays(25, 40);
+  for (int day = 20; day < 40; ++day) {
+    const std::string file =
+        scratch_ / absl::StrFormat("records/day%03d.csv", day);
+    fs::last_write_time(
+        file, fs::last_write_time(file) - std::chrono::hours(24 * 365));
+  }
+  EXPECT_EQ(Watch("back").exit_code, 0);
+  EXPECT_EQ(Tank("back")["elements"], Tank("right")["elements"]);
+  EXPECT_EQ(Tank("back")["alarms"], Tank("right")["alarms"]);
+}
+
+TEST_F(MleWatchTest, TwoAtOnceExcludeEachOther) {
+  WriteDays(0, 40);
+  WriteAlarmCommand(absl::StrCat("sleep 0.5; cat >>", alarms_));
+  StartedCommand first(MLE_TESTED_COMMAND, Arguments("watch"),
+                       scratch_ / "first.txt");
+  StartedCommand second(MLE_TESTED_COMMAND, Arguments("watch"),
+                        scratch_ / "second.txt");
+  const int codes[] = {first.ExitCode(), second.ExitCode()};
+  EXPECT_EQ(codes[0] + codes[1], 2);  // one is done, one refused
+  EXPECT_EQ(codes[0] * codes[1], 0);
+  const HandedOn alarms = ReadAlarms(alarms_);
+  EXPECT_EQ(alarms.first.size(), Tank()["alarms"].size());
+  EXPECT_EQ(alarms.twice, 0);
 }
 
 TEST_F(MleWatchTest, WrongFlagsAndFilesAreNamed) {

@@ -110,6 +110,16 @@ TEST_F(ModelWatchTest, AnotherOperatingPointCannotBeTold) {
   EXPECT_THAT(scores.Reasons().front(), HasSubstr("operating point"));
 }
 
+// Two records that were joined: elements have not aged by that.
+TEST_F(ModelWatchTest, ARecordThatHasChangedCannotBeTold) {
+  WatchBatch day = Day(model_, {.seed = 3});
+  day.record.outputs.leftCols(day.first + 100).array() += 0.8;
+  day.record.inputs.leftCols(day.first + 100).array() += 0.5;
+  const BatchScores scores = Score(day);
+  EXPECT_EQ(scores.state, BatchState::kCannotTell);
+  EXPECT_THAT(scores.Reasons().front(), HasSubstr("The records have changed"));
+}
+
 TEST_F(ModelWatchTest, SingleOutliersSayLittle) {
   WatchBatch day = Day(model_, {.seed = 3});
   const BatchScores clean = Score(day);
