@@ -35,6 +35,7 @@ endif()
 # The watch, every night: enabled by whoever has written /etc/mle/controllers.json.
 if(mle_commands)
   install(FILES
+    ${PROJECT_SOURCE_DIR}/apps/watch/units/mle-watch-serve.service
     ${PROJECT_SOURCE_DIR}/apps/watch/units/mle-watch.service
     ${PROJECT_SOURCE_DIR}/apps/watch/units/mle-watch.timer
     DESTINATION lib/systemd/system

@@ -141,7 +141,8 @@ void HtmlPage::AddTable(const Table& table) {
   const std::string name = table.caption.empty()
                                ? "Table " + std::to_string(++tables_)
                                : table.caption;
-  body_ += Scrolling("table", name, RenderHtml(table));
+  const std::string shown = Scrolling("table", name, RenderHtml(table));
+  body_ += table.searchable ? RenderFilter(table, shown) : shown;
 }
 
 void HtmlPage::AddTableToCopy(const Table& table) {
@@ -172,6 +173,8 @@ void HtmlPage::AddFigure(const Figure& figure, std::string_view caption,
 void HtmlPage::AddCode(std::string_view code) {
   body_ += "<pre><code>" + EscapeHtmlLines(code) + "</code></pre>\n";
 }
+
+void HtmlPage::AddForm(const Form& form) { body_ += RenderForm(form); }
 
 void HtmlPage::AddFiles(
     const std::vector<std::pair<std::string, std::string>>& files) {
@@ -221,6 +224,10 @@ std::string HtmlPage::Render() const {
     out += "</script>\n";
   }
   return out + "</body>\n</html>\n";
+}
+
+std::vector<std::string_view> PageScripts() {
+  return {kCopy, SortScript(), FilterScript(), ReadoutScript()};
 }
 
 }  // namespace mle::report

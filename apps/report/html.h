@@ -1,6 +1,7 @@
 // A report as one HTML page that needs nothing but itself: no network, no other
 // files. Without scripts it is whole; one script shows the values of a figure's
-// curves under the pointer (readout.h), a button copies a table.
+// curves under the pointer (readout.h), a button copies a table, others sort
+// and filter one (table.h, controls.h).
 //
 // It reads well from telephone to wide screen, in light and dark mode, and on
 // A4. All text is escaped; there is no way to put markup in.
@@ -25,6 +26,7 @@
 #include <utility>
 #include <vector>
 
+#include "apps/report/controls.h"
 #include "apps/report/figure.h"
 #include "apps/report/table.h"
 
@@ -77,6 +79,7 @@ class HtmlPage {
   void AddFigure(const Figure& figure, std::string_view caption,
                  std::string_view alt);
   void AddCode(std::string_view code);
+  void AddForm(const Form& form);
   // Links to files beside the page: name shown, path relative to the page.
   void AddFiles(const std::vector<std::pair<std::string, std::string>>& files);
   // With a heading, unless a fold is open.
@@ -93,6 +96,10 @@ class HtmlPage {
   int figures_ = 0;
   int tables_ = 0;
 };
+
+// All scripts that pages hold, to the byte: a server can allow these and no
+// others.
+std::vector<std::string_view> PageScripts();
 
 }  // namespace mle::report
 

@@ -57,7 +57,13 @@ details[open] { padding-bottom: 1rem; }
 .sort { font: inherit; color: inherit; background: none; border: 0; padding: 0; cursor: pointer; text-align: inherit; text-decoration: underline dotted; }
 .sort:focus-visible { outline: 2px solid var(--accent); outline-offset: 2px; }
 [aria-sort=ascending] .sort::after { content: " ▲"; } [aria-sort=descending] .sort::after { content: " ▼"; }
-@media (scripting: none) { .copy { display: none; } .sort { text-decoration: none; cursor: auto; } }
+.filter, form { display: flex; flex-wrap: wrap; gap: .5rem 1.2rem; align-items: baseline; margin: .75rem 0; }
+.filter label, form label { color: var(--soft); font-size: .95rem; }
+.filter output { color: var(--soft); font-size: .95rem; font-variant-numeric: tabular-nums; }
+input, select, form button { font: inherit; color: var(--text); background: var(--ground); border: 1px solid var(--edge); border-radius: 4px; padding: .3rem .6rem; max-width: 100%; }
+form button { color: var(--accent); background: var(--card); cursor: pointer; }
+input:focus-visible, select:focus-visible, form button:focus-visible { outline: 2px solid var(--accent); outline-offset: 2px; }
+@media (scripting: none) { .copy, .filter { display: none; } .sort { text-decoration: none; cursor: auto; } }
 .level-1 { background: var(--level-1); } .level-2 { background: var(--level-2); }
 .level-3 { background: var(--level-3); } .level-4 { background: var(--level-4); }
 .summary { background: var(--card); border-left: 4px solid var(--accent); border-radius: 4px; padding: .6rem 1.1rem; margin: 1.25rem 0; }
@@ -105,6 +111,21 @@ dt { color: var(--soft); } dd { margin: 0; overflow-wrap: anywhere; }
   th, td { padding: .35rem .5rem; }
   tbody th.left { min-width: 7rem; }
 }
+.filtered tbody th.left { min-width: 9rem; overflow-wrap: anywhere; }
+.filtered td:last-child { min-width: 16rem; }
+@media screen and (max-width: 40rem) {
+  .filtered .scroll { overflow: visible; background: none; }
+  .filtered :is(table, caption, thead, tbody, tr, th) { display: block; }
+  .filtered tr[hidden] { display: none; }
+  .filtered thead tr { display: flex; flex-wrap: wrap; gap: .3rem 1rem; padding: .3rem 0; border-bottom: 2px solid var(--soft); }
+  .filtered thead th { border: 0; padding: 0; min-width: 0; }
+  .filtered tbody tr { padding: .6rem 0; border-bottom: 1px solid var(--rule); }
+  .filtered :is(tbody th, td) { border: 0; padding: 0; text-align: left; min-width: 0; }
+  .filtered td { display: inline-block; margin-right: 1rem; }
+  .filtered td:last-child { display: block; margin: .15rem 0 0; }
+  .filtered td::before { content: attr(data-label) ": "; color: var(--soft); }
+  .filtered td:last-child::before { content: none; }
+}
 @page { size: A4; margin: 18mm 16mm; }
 @media print {
   :root {
@@ -115,7 +136,7 @@ dt { color: var(--soft); } dd { margin: 0; overflow-wrap: anywhere; }
   body { font-size: 10pt; }
   main { max-width: none; padding: 0; }
   nav { display: none; }
-  .copy { display: none; }
+  .copy, .filter, form { display: none; }
   .verdict { border: 1px solid var(--rule); border-left-width: 6px; }
   .badge { color: #000000; background: none !important; border: 1px solid #000000; }
   h1, h2, h3, caption { break-after: avoid; }

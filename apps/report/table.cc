@@ -47,8 +47,10 @@ std::string_view ClassOf(Align align) {
 }
 
 // `content` is markup.
+// `label`: of its column, where a narrow page shows it.
 void AddHtmlCell(std::string_view tag, std::string_view scope, Align align,
-                 int level, std::string_view content, std::string& out) {
+                 int level, std::string_view content, std::string& out,
+                 std::string_view label = "") {
   out += "<";
   out += tag;
   if (!scope.empty()) {
@@ -59,7 +61,9 @@ void AddHtmlCell(std::string_view tag, std::string_view scope, Align align,
   out += " class=\"";
   out += ClassOf(align);
   if (level > 0) out += " level-" + std::to_string(level);
-  out += "\">";
+  out += "\"";
+  if (!label.empty()) out += " data-label=\"" + EscapeHtml(label) + "\"";
+  out += ">";
   out += content;
   out += "</";
   out += tag;
@@ -163,6 +167,8 @@ std::string RenderTabbed(const Table& table) {
   return out;
 }
 
+std::string_view SortScript() { return kSort; }
+
 std::string RenderHtml(const Table& table) {
   const Table square = Squared(table);
   std::string out = "<table>\n";
@@ -186,7 +192,9 @@ std::string RenderHtml(const Table& table) {
       const bool names_row = j == 0 && square.row_headers;
       AddHtmlCell(names_row ? "th" : "td", names_row ? "row" : "",
                   square.columns[j].align, LevelOf(square, i, j),
-                  j == 0 ? Linked(square, i, row[j]) : EscapeHtml(row[j]), out);
+                  j == 0 ? Linked(square, i, row[j]) : EscapeHtml(row[j]), out,
+                  square.searchable && !names_row ? square.columns[j].header
+                                                  : std::string());
     }
     out += "</tr>\n";
   }

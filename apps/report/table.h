@@ -9,6 +9,7 @@
 #define APPS_REPORT_TABLE_H_
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace mle::report {
@@ -38,6 +39,11 @@ struct Table {
   std::vector<std::string> links = {};
   // In HTML, headers are buttons that sort the rows, numbers by value.
   bool sortable = false;
+  // In a page, a field above the table leaves the rows that hold its text, and
+  // a list those with one value of the column `choice` (−1: no list). On a
+  // narrow page the cells of a row stand one below the other.
+  bool searchable = false;
+  int choice = -1;
 
   void AddRow(std::vector<std::string> cells);
 };
@@ -54,6 +60,9 @@ std::string RenderTabbed(const Table& table);
 // everything escaped. Alignment is by the classes left, center and right,
 // levels by level-1 to level-4.
 std::string RenderHtml(const Table& table);
+
+// The handlers in the markup, unescaped.
+std::string_view SortScript();
 
 }  // namespace mle::report
 

@@ -1,11 +1,18 @@
 #include "apps/watch/alarms.h"
 
-#include <vector>
+#include <algorithm>
+#include <string_view>
 
 #include "absl/strings/ascii.h"
+#include "absl/strings/escaping.h"
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "absl/time/clock.h"
 #include "absl/time/time.h"
 #include "apps/report/process.h"
+#include "apps/report/text.h"
+#include "apps/serve/post.h"
 #include "apps/watch/days.h"
 #include "mle/base/status.h"
 #include "mle/model/json_text.h"
@@ -15,47 +22,167 @@ namespace mle::watch {
 namespace {
 
 constexpr absl::Duration kLongest = absl::Minutes(2);
+constexpr int kMostFailures = 3;       // in a row
+constexpr std::size_t kMailLine = 76;  // characters
 
-// OK once the program has ended with exit code 0.
-absl::Status HandOn(const std::string& program, const PendingAlarm& pending) {
-  const Alarm& alarm = pending.alarm;
-  const std::string text = FormatJson(
-      {{"id", alarm.id},
-       {"controller", pending.controller},
-       {"day", NameOfDay(alarm.day)},
-       {"text", alarm.text},
-       {"repeated", pending.delivery.state == Delivery::State::kBeingSent}});
+absl::Status RunHandler(const std::string& program,
+                        const std::vector<std::string>& arguments,
+                        const std::string& text) {
   MLE_ASSIGN_OR_RETURN(
       const report::ProcessResult run,
-      report::RunProcess(program, {alarm.id}, text, {.time_limit = kLongest}));
+      report::RunProcess(program, arguments, text, {.time_limit = kLongest}));
   if (run.exit_code == 0) return absl::OkStatus();
   return absl::UnavailableError(absl::StrCat(
       "exit code ", run.exit_code, ": ", absl::StripAsciiWhitespace(run.err)));
 }
 
-}  // namespace
+absl::Status HandOn(const AlarmTargets& targets, const PendingAlarm& pending) {
+  switch (pending.delivery.channel) {
+    case Channel::kCommand:
+      return RunHandler(targets.command, {pending.alarm.id},
+                        FormatAlarm(pending));
+    case Channel::kMail: {
+      std::vector<std::string> arguments = {"-i", "--"};
+      arguments.insert(arguments.end(), targets.mail_addresses.begin(),
+                       targets.mail_addresses.end());
+      return RunHandler(targets.sendmail, arguments,
+                        FormatMail(targets, pending));
+    }
+    case Channel::kWebhook:
+      return serve::PostJson(targets.webhook, FormatAlarm(pending),
+                             pending.alarm.id);
+  }
+  return absl::InternalError("no such channel");
+}
 
-absl::Status HandOnAlarms(const std::string& program, State& state) {
-  MLE_ASSIGN_OR_RETURN(const std::vector<PendingAlarm> alarms,
-                       state.Undelivered(Channel::kCommand));
-  absl::Status first;
-  for (const PendingAlarm& pending : alarms) {
+bool IsUsed(const AlarmTargets& targets, Channel channel) {
+  switch (channel) {
+    case Channel::kCommand:
+      return !targets.command.empty();
+    case Channel::kMail:
+      return !targets.mail_addresses.empty();
+    case Channel::kWebhook:
+      return !targets.webhook.empty();
+  }
+  return false;
+}
+
+// The flag; a web address may be secret.
+std::string OptionOf(const AlarmTargets& targets, Channel channel) {
+  switch (channel) {
+    case Channel::kCommand:
+      return absl::StrCat("--alarm_command=", targets.command);
+    case Channel::kMail:
+      return absl::StrCat("--alarm_mail=",
+                          absl::StrJoin(targets.mail_addresses, ","));
+    case Channel::kWebhook:
+      return "--alarm_webhook";
+  }
+  return "";
+}
+
+// A sentence about the first failure; empty without one.
+absl::StatusOr<std::string> HandOnThrough(const AlarmTargets& targets,
+                                          Channel channel, State& state) {
+  MLE_ASSIGN_OR_RETURN(std::vector<PendingAlarm> alarms,
+                       state.Undelivered(channel));
+  std::string fault;
+  int failures = 0;
+  for (PendingAlarm& pending : alarms) {
+    if (failures == kMostFailures) break;
     Delivery delivery = pending.delivery;
     delivery.state = Delivery::State::kBeingSent;
     ++delivery.attempts;
     MLE_RETURN_IF_ERROR(state.SetDelivery(pending.alarm.id, delivery));
-    const absl::Status status = HandOn(program, pending);
-    delivery.state =
-        status.ok() ? Delivery::State::kSent : Delivery::State::kToSend;
+    const absl::Status status = HandOn(targets, pending);
+    // Whether what was not answered has arrived is not known.
+    const bool unknown = absl::IsDeadlineExceeded(status);
+    delivery.state = status.ok() ? Delivery::State::kSent
+                     : unknown   ? Delivery::State::kBeingSent
+                                 : Delivery::State::kToSend;
     delivery.fault = std::string(status.message());
     MLE_RETURN_IF_ERROR(state.SetDelivery(pending.alarm.id, delivery));
-    if (first.ok() && !status.ok()) {
-      first = absl::UnavailableError(absl::StrCat(
-          "--alarm_command=", program, ": the alarm of ", pending.controller,
-          " was not taken: ", status.message()));
+    failures = status.ok() ? 0 : failures + 1;
+    if (fault.empty() && !status.ok()) {
+      fault = absl::StrCat(OptionOf(targets, channel), ": the alarm of ",
+                           pending.controller,
+                           " was not taken: ", status.message());
     }
   }
-  return first;
+  return fault;
+}
+
+bool IsMailAddress(std::string_view text) {
+  return !text.empty() && text[0] != '-' &&
+         std::all_of(text.begin(), text.end(), [](char c) {
+           return absl::ascii_isalnum(static_cast<unsigned char>(c)) ||
+                  std::string_view("@._%+-=/").find(c) !=
+                      std::string_view::npos;
+         });
+}
+
+}  // namespace
+
+absl::Status CheckTargets(const AlarmTargets& targets) {
+  for (const std::string& address : targets.mail_addresses) {
+    if (!IsMailAddress(address)) {
+      return absl::InvalidArgumentError(absl::StrCat(
+          "--alarm_mail: '", report::CleanText(address),
+          "' is not an address as engineer@plant.example; several are "
+          "separated by commas"));
+    }
+  }
+  if (targets.webhook.empty()) return absl::OkStatus();
+  const absl::Status status = serve::CheckUrl(targets.webhook);
+  return status.ok() ? status
+                     : absl::InvalidArgumentError(
+                           absl::StrCat("--alarm_webhook ", status.message()));
+}
+
+absl::StatusOr<std::vector<std::string>> HandOnAlarms(
+    const AlarmTargets& targets, State& state) {
+  std::vector<std::string> faults;
+  for (const Channel channel :
+       {Channel::kCommand, Channel::kMail, Channel::kWebhook}) {
+    if (!IsUsed(targets, channel)) continue;
+    MLE_ASSIGN_OR_RETURN(std::string fault,
+                         HandOnThrough(targets, channel, state));
+    if (!fault.empty()) faults.push_back(std::move(fault));
+  }
+  return faults;
+}
+
+std::string FormatAlarm(const PendingAlarm& pending) {
+  return FormatJson(
+      {{"id", pending.alarm.id},
+       {"controller", pending.controller},
+       {"day", NameOfDay(pending.alarm.day)},
+       {"text", pending.alarm.text},
+       {"repeated", pending.delivery.state == Delivery::State::kBeingSent}});
+}
+
+std::string FormatMail(const AlarmTargets& targets,
+                       const PendingAlarm& pending) {
+  const bool repeated = pending.delivery.state == Delivery::State::kBeingSent;
+  const std::string subject = report::CleanText(
+      absl::StrCat("Model of ", pending.controller, " has aged"));
+  const std::string body = absl::Base64Escape(absl::StrCat(
+      report::CleanText(pending.controller), ", ", NameOfDay(pending.alarm.day),
+      "\n\n", report::CleanText(pending.alarm.text), "\n\n",
+      repeated ? "This message may have been sent before.\n" : "", "Alarm ",
+      pending.alarm.id, " of mle_watch.\n"));
+  std::string message = absl::StrCat(
+      "To: ", absl::StrJoin(targets.mail_addresses, ",\n "),
+      "\nSubject: =?UTF-8?B?", absl::Base64Escape(subject), "?=\nDate: ",
+      absl::FormatTime(absl::RFC1123_full, absl::Now(), absl::UTCTimeZone()),
+      "\nMessage-ID: <", pending.alarm.id,
+      "@mle-watch.invalid>\nAuto-Submitted: auto-generated\nMIME-Version: "
+      "1.0\nContent-Type: text/plain; charset=utf-8\n"
+      "Content-Transfer-Encoding: base64\n\n");
+  for (std::size_t at = 0; at < body.size(); at += kMailLine) {
+    absl::StrAppend(&message, body.substr(at, kMailLine), "\n");
+  }
+  return message;
 }
 
 }  // namespace mle::watch

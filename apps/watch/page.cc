@@ -5,14 +5,12 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_format.h"
 #include "apps/report/figure.h"
 #include "apps/report/html.h"
 #include "apps/report/number.h"
 #include "apps/report/table.h"
 #include "apps/watch/days.h"
-#include "apps/watch/proposal.h"
-#include "mle/data/civil_time.h"
+#include "apps/watch/page_text.h"
 
 namespace mle::watch {
 namespace {
@@ -21,32 +19,6 @@ using report::Align;
 using report::Table;
 
 constexpr int kShownDays = 30;
-// A reader of both.
-constexpr char kMeaning[] =
-    "Health is the probability that nothing has changed, on a scale on which "
-    "an "
-    "alarm is raised at one half; it is near 1 without evidence. The "
-    "probability of ever raising a false alarm on a model that does not change "
-    "is at most the level of its controller (5 % unless the list of "
-    "controllers "
-    "says otherwise), however often it is looked at.";
-
-std::string LastDayOf(const Report& report) {
-  return report.last_day == 0 ? "–" : NameOfDay(report.last_day);
-}
-
-std::string HealthText(const Report& report) {
-  return report.status == Status::kFailed || report.status == Status::kLearning
-             ? "–"
-             : report::FormatFixed(report.health, 3);
-}
-
-int CountOf(const std::vector<Report>& reports, Status status) {
-  return static_cast<int>(std::count_if(
-      reports.begin(), reports.end(),
-      [&](const Report& report) { return report.status == status; }));
-}
-
 report::Badge BadgeOf(Status status) {
   return status == Status::kHealthy ? report::Badge::kGood
          : status == Status::kAged  ? report::Badge::kChanged
@@ -95,15 +67,28 @@ report::Figure TrendFigure(const Report& report) {
   return figure;
 }
 
-std::string AcknowledgementText(const Alarm& alarm) {
-  if (!alarm.acknowledged.has_value()) return "no";
-  const Acknowledgement& made = *alarm.acknowledged;
-  return absl::StrCat("by ", made.who, " at ",
-                      FormatIsoTime(static_cast<double>(made.at)),
-                      made.note.empty() ? "" : ": ", made.note);
+void AddAcknowledging(const Alarm& alarm, report::HtmlPage& page) {
+  using Kind = report::Form::Field::Kind;
+  page.OpenFold(absl::StrCat("Acknowledge the alarm of ", NameOfDay(alarm.day),
+                             " (", ShortId(alarm), ")"));
+  page.AddForm(
+      {.action = kAcknowledgePath,
+       .submit = "Acknowledge",
+       .fields = {{.name = "alarm", .kind = Kind::kHidden, .value = alarm.id},
+                  {.name = "who",
+                   .label = "Your name",
+                   .most_characters = 100,
+                   .required = true},
+                  {.name = "note", .label = "Note", .most_characters = 500},
+                  {.name = "token",
+                   .label = "Token",
+                   .kind = Kind::kPassword,
+                   .required = true}}});
+  page.CloseFold();
 }
 
-void AddAlarms(const Report& report, report::HtmlPage& page) {
+void AddAlarms(const Report& report, bool can_acknowledge,
+               report::HtmlPage& page) {
   page.AddHeading("Alarms");
   if (report.watch->alarms.empty()) {
     page.AddParagraph("None was raised.");
@@ -112,12 +97,19 @@ void AddAlarms(const Report& report, report::HtmlPage& page) {
   Table table{.caption = "Alarms",
               .columns = {{"day", Align::kLeft},
                           {"what", Align::kLeft},
-                          {"acknowledged", Align::kLeft}}};
+                          {"acknowledged", Align::kLeft},
+                          {"handed on to", Align::kLeft},
+                          {"id", Align::kLeft}}};
   for (const Alarm& alarm : report.watch->alarms) {
-    table.AddRow(
-        {NameOfDay(alarm.day), alarm.text, AcknowledgementText(alarm)});
+    table.AddRow({NameOfDay(alarm.day), alarm.text, AcknowledgementText(alarm),
+                  DeliveryText(alarm), ShortId(alarm)});
   }
   page.AddTable(table);
+  for (const Alarm& alarm : report.watch->alarms) {
+    if (can_acknowledge && !alarm.acknowledged.has_value()) {
+      AddAcknowledging(alarm, page);
+    }
+  }
 }
 
 void AddProposals(const Report& report, const std::string& folder,
@@ -159,63 +151,21 @@ void AddUnusedDays(const Report& report, report::HtmlPage& page) {
 
 }  // namespace
 
-std::string PageName(const Report& report) {
-  return absl::StrCat("controller-", FileNameOf(report.name), ".html");
-}
-
-std::string FormatOverview(const std::vector<Report>& reports) {
-  report::HtmlPage page("Watched models");
-  const int aged = CountOf(reports, Status::kAged);
-  const int failed = CountOf(reports, Status::kFailed);
-  const int total = static_cast<int>(reports.size());
-  report::Verdict verdict{
-      .badge = aged > 0     ? report::Badge::kChanged
-               : failed > 0 ? report::Badge::kUnknown
-                            : report::Badge::kGood,
-      .label = aged > 0     ? "aged"
-               : failed > 0 ? "incomplete"
-                            : "no alarm",
-      .headline = absl::StrFormat("%d of %d models %s aged", aged, total,
-                                  aged == 1 ? "has" : "have")};
-  if (failed > 0) {
-    verdict.sentences.push_back(absl::StrFormat(
-        "%d of %d controllers could not be looked at.", failed, total));
-  }
-  page.SetVerdict(std::move(verdict));
-  Table table{.caption = "Controllers",
-              .columns = {{"controller", Align::kLeft},
-                          {"health"},
-                          {"state", Align::kLeft},
-                          {"last day"},
-                          {"days used"},
-                          {"cannot tell"},
-                          {"what", Align::kLeft}},
-              .sortable = true};
-  for (const Report& report : reports) {
-    table.AddRow({report.name, HealthText(report),
-                  std::string(WordsFor(report.status)), LastDayOf(report),
-                  absl::StrCat(report.used_days),
-                  absl::StrCat(report.unused_days), report.sentence});
-    table.links.push_back(PageName(report));
-  }
-  page.AddTable(table);
-  page.AddParagraph(kMeaning);
-  return page.Render();
-}
-
 std::string FormatControllerPage(const Report& report,
-                                 const std::string& folder) {
+                                 const std::string& folder,
+                                 bool can_acknowledge) {
   report::HtmlPage page(absl::StrCat("Controller ", report.name));
   page.SetVerdict(
       {.badge = BadgeOf(report.status),
        .label = std::string(WordsFor(report.status)),
        .headline = absl::StrCat(report.name, ": health ", HealthText(report)),
        .sentences = {report.sentence}});
-  page.AddFiles({{"All controllers", "index.html"}});
+  page.AddFiles(
+      {{"All controllers", kOverviewPage}, {"All alarms", kAlarmsPage}});
   if (!report.watch->news.empty() && report.sentence != report.watch->news) {
     page.AddWarning(report.watch->news);
   }
-  AddAlarms(report, page);
+  AddAlarms(report, can_acknowledge, page);
   AddProposals(report, folder, page);
   if (!report.elements.empty()) {
     page.AddHeading("Elements");

@@ -1,5 +1,6 @@
 #include "apps/watch/request.h"
 
+#include <cstdlib>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -8,6 +9,74 @@
 #include "mle/base/status.h"
 
 namespace mle::watch {
+namespace {
+
+void AddAlarmOptions(Request& request, OptionTable& table) {
+  table.Add(
+      "Alarms",
+      {{"alarm_command", &request.alarms.command,
+        "Program that is run for each alarm, with its id as argument and the "
+        "alarm as JSON on its standard input; empty: none. What it ends with "
+        "another exit code than 0 for is handed on again by the next run."},
+       {"alarm_mail", Words(&request.alarms.mail_addresses),
+        "Addresses that each alarm is mailed to, separated by commas; empty: "
+        "none."},
+       {"sendmail", &request.alarms.sendmail,
+        "Program that takes mails, as sendmail does, with the addresses as "
+        "arguments."},
+       {"alarm_webhook", &request.alarms.webhook,
+        "Address (http:// or https://) that each alarm is sent to as JSON, by "
+        "POST; empty: that in the environment variable MLE_WATCH_WEBHOOK, or "
+        "none. A status of 200 to 299 takes the alarm."}});
+}
+
+void AddServerOptions(Request& request, OptionTable& table) {
+  table.Add(
+      "Server",
+      {{"serve", &request.serve,
+        "Serves pages, metrics (/metrics) and JSON (/api/v1) at this address, "
+        "such as 127.0.0.1:8080 or 8080 for it, until it is stopped; in place "
+        "of a run. Empty: no server."},
+       {"host_names", Words(&request.host_names),
+        "Names that the server is known by, besides localhost and addresses in "
+        "numbers, separated by commas: behind a proxy, for example. Requests "
+        "to other names are refused."},
+       {"token_file", &request.token_file,
+        "File with the token that acknowledging alarms takes; empty: that in "
+        "the environment variable MLE_WATCH_TOKEN. Without a token the server "
+        "is read-only."}});
+  table.Add("Acknowledgement",
+            {{"acknowledge", &request.acknowledge,
+              "Id of an alarm, or its beginning, that is acknowledged; in "
+              "place of a run."},
+             {"acknowledged_by", &request.acknowledged_by,
+              "Who acknowledges it; empty: the user."},
+             {"note", &request.note, "What is kept with it."}});
+}
+
+void SetState(Request& request) {
+  if (request.state.empty()) {
+    request.state = absl::StrCat(request.out, "/state.sqlite");
+  }
+}
+
+// Address of the server.
+absl::Status CompleteServer(Request& request) {
+  if (request.serve.empty()) return absl::OkStatus();
+  if (!request.shard.is_everything()) {
+    return absl::InvalidArgumentError("--serve and --shard exclude each other");
+  }
+  absl::StatusOr<serve::ServerOptions> address =
+      serve::ParseAddress(request.serve);
+  if (!address.ok()) {
+    return RefuseOption("serve", request.serve,
+                        std::string(address.status().message()));
+  }
+  request.address = *std::move(address);
+  return absl::OkStatus();
+}
+
+}  // namespace
 
 void AddOptions(Request& request, OptionTable& table) {
   table.Add(
@@ -21,10 +90,6 @@ void AddOptions(Request& request, OptionTable& table) {
        {"state", &request.state,
         "What was seen and found is remembered here: an SQLite file, or "
         "postgresql://USER@HOST/NAME; empty: state.sqlite in --out."},
-       {"alarm_command", &request.alarm_command,
-        "Program that is run for each alarm, with its id as argument and the "
-        "alarm as JSON on its standard input; empty: none. What it ends with "
-        "another exit code than 0 for is handed on again by the next run."},
        {"propose", &request.propose,
         "Runs a correction where a model has aged, as mle_correct does, and "
         "keeps its results below --out."},
@@ -40,11 +105,21 @@ void AddOptions(Request& request, OptionTable& table) {
         "Threads; 0: one for each processor. The results do not depend on the "
         "number.",
         "", kNotNegative}});
-  table.PutFirst({"controllers", "out", "state", "alarm_command", "propose",
-                  "shard", "update", "threads"});
+  AddAlarmOptions(request, table);
+  AddServerOptions(request, table);
+  table.PutFirst({"controllers", "out", "state", "alarm_command", "alarm_mail",
+                  "alarm_webhook", "propose", "shard", "update", "threads",
+                  "serve", "acknowledge"});
 }
 
 absl::Status Complete(Request& request) {
+  if (!request.acknowledge.empty()) {
+    SetState(request);
+    return request.serve.empty()
+               ? absl::OkStatus()
+               : absl::InvalidArgumentError(
+                     "--acknowledge and --serve exclude each other");
+  }
   if (request.watch_path.empty()) {
     return absl::InvalidArgumentError(
         "--controllers=FILE.json must be given (see --help)");
@@ -64,11 +139,14 @@ absl::Status Complete(Request& request) {
                   });
     absl::StrAppend(&request.out, "/shards/", request.shard.Name());
   }
-  if (request.state.empty()) {
-    request.state = absl::StrCat(request.out, "/state.sqlite");
+  SetState(request);
+  MLE_RETURN_IF_ERROR(CompleteServer(request));
+  const char* const webhook = std::getenv(kWebhookVariable);
+  if (request.alarms.webhook.empty() && webhook != nullptr) {
+    request.alarms.webhook = webhook;
   }
   request.threads = UsableThreads(request.threads);
-  return absl::OkStatus();
+  return CheckTargets(request.alarms);
 }
 
 }  // namespace mle::watch

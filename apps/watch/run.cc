@@ -10,6 +10,7 @@
 #include "apps/watch/alarms.h"
 #include "apps/watch/page.h"
 #include "apps/watch/proposal.h"
+#include "apps/watch/report_json.h"
 #include "apps/watch/update.h"
 #include "mle/base/file.h"
 #include "mle/base/option_error.h"
@@ -92,7 +93,8 @@ absl::Status WritePages(const Request& request,
                         const std::vector<Report>& reports) {
   std::vector<std::pair<std::string, std::string>> files = {
       {"watch.json", FormatReports(reports)},
-      {"index.html", FormatOverview(reports)}};
+      {kOverviewPage, FormatOverview(reports)},
+      {kAlarmsPage, FormatAlarmsPage(reports)}};
   for (const Report& report : reports) {
     files.emplace_back(PageName(report),
                        FormatControllerPage(report, request.out));
@@ -128,30 +130,31 @@ absl::StatusOr<RunSummary> RunWatches(const Request& request) {
   ParallelFor(count, request.threads,
               [&](int i) { outcomes[i] = runner.Run(request.controllers[i]); });
   RunSummary summary{.controllers = count};
+  // Of a state that is shared the run over all controllers hands on alarms, or
+  // two parts would.
+  std::vector<std::string> not_taken;
+  if (request.shard.is_everything() || !IsDatabase(request.state)) {
+    MLE_ASSIGN_OR_RETURN(not_taken, HandOnAlarms(request.alarms, state));
+  }
   std::vector<Report> reports;
   for (int i = 0; i < count; ++i) {
     const Controller& controller = request.controllers[i];
-    reports.push_back(
-        MakeReport(controller, outcomes[i].model, outcomes[i].watch));
-    if (!outcomes[i].status.ok()) {
+    Outcome& outcome = outcomes[i];
+    if (!outcome.watch.alarms.empty()) {
+      MLE_RETURN_IF_ERROR(state.ReloadAlarms(outcome.watch));
+    }
+    reports.push_back(MakeReport(controller, outcome.model, outcome.watch));
+    if (!outcome.status.ok()) {
       Report& report = reports.back();
       report.status = Status::kFailed;
-      report.sentence = std::string(outcomes[i].status.message());
+      report.sentence = std::string(outcome.status.message());
       summary.failures.push_back(
           absl::StrCat(controller.name, ": ", report.sentence));
     }
     summary.aged += reports.back().status == Status::kAged ? 1 : 0;
   }
-  // Of a state that is shared the run over all controllers hands on alarms, or
-  // two parts would.
-  const bool shares =
-      !request.shard.is_everything() && IsDatabase(request.state);
-  if (!request.alarm_command.empty() && !shares) {
-    if (const absl::Status status = HandOnAlarms(request.alarm_command, state);
-        !status.ok()) {
-      summary.failures.push_back(std::string(status.message()));
-    }
-  }
+  summary.failures.insert(summary.failures.end(), not_taken.begin(),
+                          not_taken.end());
   MLE_RETURN_IF_ERROR(WritePages(request, reports));
   return summary;
 }

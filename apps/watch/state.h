@@ -97,6 +97,12 @@ struct Alarm {
   std::optional<Acknowledgement> acknowledged = {};
 };
 
+// Those not acknowledged.
+int CountOpen(const std::vector<Alarm>& alarms);
+
+// Whether the channel was tried, and the alarm has not arrived.
+bool IsUndelivered(const Alarm& alarm, Channel channel);
+
 // An alarm on its way.
 struct PendingAlarm {
   std::string controller;
@@ -154,10 +160,14 @@ class State {
   absl::StatusOr<Watch> Load(const std::string& controller, int outputs);
   // All of it, in one transaction; gives a new watch its id.
   absl::Status Save(Watch& watch);
+  // The alarms of the watch as they are now: others may have acknowledged some.
+  absl::Status ReloadAlarms(Watch& watch);
   // Alarms that have not arrived through the channel and were not acknowledged
-  // either, oldest first.
+  // either: those tried least, and of these the oldest, first.
   absl::StatusOr<std::vector<PendingAlarm>> Undelivered(Channel channel);
   absl::Status SetDelivery(const std::string& alarm, const Delivery& delivery);
+  // The id that begins so. NotFound, or InvalidArgument where several do.
+  absl::StatusOr<std::string> FindAlarm(const std::string& beginning);
   // NotFound where there is no such alarm. An acknowledgement stays as it was
   // first made: AlreadyExists says by whom and when.
   absl::Status Acknowledge(const std::string& alarm,

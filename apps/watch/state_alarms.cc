@@ -29,6 +29,21 @@ std::string_view NameOf(Channel channel) {
   return "";
 }
 
+int CountOpen(const std::vector<Alarm>& alarms) {
+  return static_cast<int>(std::count_if(
+      alarms.begin(), alarms.end(),
+      [](const Alarm& alarm) { return !alarm.acknowledged.has_value(); }));
+}
+
+bool IsUndelivered(const Alarm& alarm, Channel channel) {
+  return !alarm.acknowledged.has_value() &&
+         std::any_of(alarm.deliveries.begin(), alarm.deliveries.end(),
+                     [&](const Delivery& delivery) {
+                       return delivery.channel == channel &&
+                              delivery.state != Delivery::State::kSent;
+                     });
+}
+
 absl::Status State::LoadAlarms(Watch& watch) {
   MLE_RETURN_IF_ERROR(ForEach(
       "SELECT id, output, element, day, began, text, who, at, note FROM alarm "
@@ -49,6 +64,11 @@ absl::Status State::LoadAlarms(Watch& watch) {
         return absl::OkStatus();
       }));
   return watch.alarms.empty() ? absl::OkStatus() : LoadDeliveries(watch);
+}
+
+absl::Status State::ReloadAlarms(Watch& watch) {
+  watch.alarms.clear();
+  return LoadAlarms(watch);
 }
 
 absl::Status State::LoadDeliveries(Watch& watch) {
@@ -87,7 +107,7 @@ absl::StatusOr<std::vector<PendingAlarm>> State::Undelivered(Channel channel) {
           "LEFT JOIN acknowledgement ON acknowledgement.alarm = alarm.id "
           "WHERE acknowledgement.alarm IS NULL AND "
           "(delivery.state IS NULL OR delivery.state < ?) "
-          "ORDER BY alarm.day, alarm.id"));
+          "ORDER BY COALESCE(delivery.attempts, 0), alarm.day, alarm.id"));
   select.BindText(1, NameOf(channel))
       .Bind(2, static_cast<std::int64_t>(Delivery::State::kSent));
   std::vector<PendingAlarm> alarms;
@@ -122,6 +142,28 @@ absl::Status State::SetDelivery(const std::string& alarm,
       .Bind(4, std::int64_t{delivery.attempts})
       .BindText(5, delivery.fault);
   return insert.Run();
+}
+
+absl::StatusOr<std::string> State::FindAlarm(const std::string& beginning) {
+  MLE_ASSIGN_OR_RETURN(
+      Statement select,
+      database_.Prepare(
+          "SELECT id FROM alarm WHERE substr(id, 1, length(?)) = ? LIMIT 2"));
+  select.BindText(1, beginning).BindText(2, beginning);
+  MLE_ASSIGN_OR_RETURN(const bool found, select.Next());
+  if (!found || beginning.empty()) {
+    return absl::NotFoundError(
+        absl::StrCat("there is no alarm whose id begins with '", beginning,
+                     "'; the pages and watch.json have the ids"));
+  }
+  std::string id = select.Text(0);
+  MLE_ASSIGN_OR_RETURN(const bool another, select.Next());
+  if (another) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("the ids of several alarms begin with '", beginning,
+                     "'; give more of it"));
+  }
+  return id;
 }
 
 absl::Status State::Acknowledge(const std::string& alarm,

@@ -10,6 +10,7 @@
 #include "absl/strings/str_join.h"
 #include "apps/common/option_table.h"
 #include "apps/common/sha256.h"
+#include "apps/report/number.h"
 #include "apps/watch/codec.h"
 #include "apps/watch/days.h"
 #include "apps/watch/source.h"
@@ -243,6 +244,11 @@ absl::Status Update::Run() {
   return absl::OkStatus();
 }
 
+std::string Signed(double value, int decimals) {
+  return absl::StrCat(value > 0.0 ? "+" : "",
+                      report::FormatFixed(value, decimals));
+}
+
 }  // namespace
 
 double ShareOfOutput(const ProcessModel& model, const WatchOptions& options) {
@@ -273,10 +279,11 @@ std::string Describe(const ProcessModel& model, int output,
   constexpr const char* kNames[] = {"gain", "time constant", "dead time"};
   const std::string size =
       likely.parameter == 2
-          ? absl::StrFormat("%+.3g ± %.2g %s", likely.change * delay_unit,
-                            likely.error * delay_unit, model.time_unit())
-          : absl::StrFormat("%+.1f ± %.1f %%", 100.0 * likely.change,
-                            100.0 * likely.error);
+          ? absl::StrCat(Signed(likely.change * delay_unit, 2), " ± ",
+                         report::FormatFixed(likely.error * delay_unit, 2), " ",
+                         model.time_unit())
+          : absl::StrCat(Signed(100.0 * likely.change, 1), " ± ",
+                         report::FormatFixed(100.0 * likely.error, 1), " %");
   return absl::StrFormat(
       "Most likely (%.0f %%) it is %s: its %s has changed by %s, since about "
       "%s.",

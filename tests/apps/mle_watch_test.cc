@@ -27,6 +27,13 @@ using ::testing::SizeIs;
 
 using MleWatchTest = WatchSite;
 
+// The alarms, but for how often it was tried to hand them on.
+nlohmann::json Raised(const nlohmann::json& tank) {
+  nlohmann::json alarms = tank["alarms"];
+  for (nlohmann::json& alarm : alarms) alarm.erase("deliveries");
+  return alarms;
+}
+
 TEST_F(MleWatchTest, LearnsWatchesAndFindsTheChange) {
   WriteDays(0, 5);
   report::ProcessResult run = Watch();
@@ -47,7 +54,7 @@ TEST_F(MleWatchTest, LearnsWatchesAndFindsTheChange) {
   ASSERT_GE(tank["alarms"].size(), 1U);
   EXPECT_GE(tank["alarms"][0]["day"], "2026-01-26");
   EXPECT_THAT(tank["alarms"][0]["text"],
-              HasSubstr("its gain has changed by -"));
+              HasSubstr("its gain has changed by −"));
   EXPECT_EQ(AlarmsHandedOn(), static_cast<int>(tank["alarms"].size()));
   EXPECT_THAT(Content(scratch_ / "watch/index.html"), HasSubstr("tank"));
   EXPECT_THAT(Content(scratch_ / ("watch/" + tank["page"].get<std::string>())),
@@ -216,7 +223,7 @@ TEST_F(MleWatchTest, KilledRunsAreCaughtUp) {
   }
   EXPECT_EQ(Watch("killed").exit_code, 0);
   EXPECT_EQ(Tank("killed")["elements"], Tank("whole")["elements"]);
-  EXPECT_EQ(Tank("killed")["alarms"], Tank("whole")["alarms"]);
+  EXPECT_EQ(Raised(Tank("killed")), Raised(Tank("whole")));
   // Each alarm arrives; one that was being handed on at a kill says that it is
   // repeated.
   const HandedOn alarms = ReadAlarms(alarms_);
@@ -254,7 +261,7 @@ TEST_F(MleWatchTest, AFullDiskLeavesTheStateWhole) {
   }
   EXPECT_EQ(Watch("full").exit_code, 0);
   EXPECT_EQ(Tank("full")["elements"], Tank("whole")["elements"]);
-  EXPECT_EQ(Tank("full")["alarms"], Tank("whole")["alarms"]);
+  EXPECT_EQ(Raised(Tank("full")), Raised(Tank("whole")));
 }
 
 // The machine's clock, by which files are told, runs backwards.

@@ -36,6 +36,16 @@ int Chromium(const std::string& arguments, const fs::path& out,
           .c_str());
 }
 
+std::vector<std::string> ConsoleOf(const fs::path& log) {
+  std::vector<std::string> console;
+  for (const auto& line : absl::StrSplit(ReadAll(log), '\n')) {
+    if (line.find("CONSOLE") != std::string_view::npos) {
+      console.emplace_back(line);
+    }
+  }
+  return console;
+}
+
 // Takes a picture of the page, and compares it with that of an earlier run.
 // Returns whether that one showed the same page differently.
 bool TakePicture(const fs::path& picture, bool same_page,
@@ -92,11 +102,7 @@ BrowserVisit VisitPage(const std::string& html, int width,
     visit.error = "chromium failed: " + ReadAll(log);
     return visit;
   }
-  for (const auto& line : absl::StrSplit(ReadAll(log), '\n')) {
-    if (line.find("CONSOLE") != std::string_view::npos) {
-      visit.console.emplace_back(line);
-    }
-  }
+  visit.console = ConsoleOf(log);
   const std::string text = ReadAll(dom);
   const std::string open = "<pre id=\"check\" hidden=\"\">";
   const std::size_t start = text.rfind(open);
@@ -125,6 +131,23 @@ BrowserVisit VisitPage(const std::string& html, int width,
   });
   fs::remove_all(profile);
   fs::remove(dom);
+  return visit;
+}
+
+BrowserVisit LoadUrl(const std::string& url, const std::string& name) {
+  BrowserVisit visit;
+  const fs::path folder = fs::current_path() / "screenshots";
+  fs::create_directories(folder);
+  const fs::path dom = folder / (name + ".dom");
+  const fs::path log = folder / (name + ".log");
+  const fs::path profile = folder / (name + ".profile");
+  if (Chromium("--virtual-time-budget=5000 --dump-dom '" + url + "'", dom, log,
+               profile) != 0) {
+    visit.error = "chromium failed: " + ReadAll(log);
+  }
+  visit.console = ConsoleOf(log);
+  visit.found["dom"] = ReadAll(dom);
+  fs::remove_all(profile);
   return visit;
 }
 

@@ -30,6 +30,10 @@ enum class Mode { kLight, kDark };
 BrowserVisit VisitPage(const std::string& html, int width,
                        const std::string& name, Mode mode = Mode::kLight);
 
+// What a server shows, as it comes: "dom" in `found` is the document after its
+// scripts, of which `console` has the complaints.
+BrowserVisit LoadUrl(const std::string& url, const std::string& name);
+
 }  // namespace mle::report
 
 #endif  // TESTS_APPS_REPORT_BROWSER_H_

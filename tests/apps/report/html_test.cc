@@ -167,6 +167,59 @@ TEST(HtmlPage, SaysHowToRunItAgain) {
   EXPECT_THAT(markup.Texts("h2"), Contains("Run it again"));
 }
 
+TEST(HtmlPage, ATableCanBeSearched) {
+  HtmlPage page("p");
+  Table table{.caption = "t",
+              .columns = {{"name", Align::kLeft}, {"state", Align::kLeft}},
+              .searchable = true,
+              .choice = 1};
+  table.AddRow({"a", "b<c"});
+  table.AddRow({"d", "b<c"});
+  table.AddRow({"e", "f"});
+  page.AddTable(table);
+  const Markup markup = ParseMarkup(page.Render(), true);
+  EXPECT_EQ(markup.error, "");
+  EXPECT_THAT(markup.Texts("option"), ElementsAre("all", "b<c", "f"));
+  EXPECT_THAT(markup.Texts("output"), ElementsAre("3 of 3"));
+  EXPECT_THAT(markup.Values("oninput"), ElementsAre(PageScripts()[2]));
+}
+
+TEST(HtmlPage, AFormIsPosted) {
+  HtmlPage page("p");
+  page.AddForm(
+      {.action = "/a",
+       .submit = "Do & go",
+       .fields = {
+           {.name = "x", .kind = Form::Field::Kind::kHidden, .value = "\"><b>"},
+           {.name = "y", .label = "Why", .required = true}}});
+  const Markup markup = ParseMarkup(page.Render(), true);
+  EXPECT_EQ(markup.error, "");
+  EXPECT_THAT(markup.Values("method"), ElementsAre("post"));
+  EXPECT_THAT(markup.Values("name"), ::testing::IsSupersetOf({"x", "y"}));
+  EXPECT_THAT(markup.Values("value"), ElementsAre("\"><b>"));
+  EXPECT_THAT(markup.Texts("button"), ElementsAre("Do & go"));
+}
+
+// A server allows these and no others.
+TEST(HtmlPage, AllScriptsAreListed) {
+  HtmlPage page("p");
+  Table table{.columns = {{"name"}}, .sortable = true, .searchable = true};
+  table.AddRow({"a"});
+  page.AddTableToCopy(table);
+  page.AddFigure(Drawing("true"), "c", "alt");
+  const Markup markup = ParseMarkup(page.Render(), true);
+  const std::vector<std::string_view> known = PageScripts();
+  for (const char* attribute : {"onclick", "oninput"}) {
+    for (const std::string& script : markup.Values(attribute)) {
+      EXPECT_THAT(known, ::testing::Contains(script));
+    }
+  }
+  // The one of figures stands in an element of its own.
+  EXPECT_EQ(markup.Count("script"), 1);
+  EXPECT_THAT(page.Render(),
+              HasSubstr("<script>" + std::string(known[3]) + "</script>"));
+}
+
 TEST(HtmlPage, SamePageSameBytes) {
   EXPECT_EQ(FullPage("text").Render(), FullPage("text").Render());
 }

@@ -139,7 +139,8 @@ class Reader {
     }
     if (open_.empty()) ++roots_;
     const bool closed = text_.substr(at_).starts_with("/>");
-    const bool is_void = html_ && element.name == "meta";
+    const bool is_void =
+        html_ && (element.name == "meta" || element.name == "input");
     const std::string name = element.name;
     const bool is_raw = html_ && (name == "style" || name == "script");
     SkipPast(">");

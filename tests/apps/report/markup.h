@@ -27,7 +27,7 @@ struct Markup {
 
 // Tags balanced, attributes quoted and unique, no bare < or &, no control
 // characters, one root. Prologs and comments are skipped. With `html`, elements
-// such as <meta> need no end, and <style> holds anything.
+// such as <meta> and <input> need no end, and <style> holds anything.
 Markup ParseMarkup(std::string_view text, bool html = false);
 
 }  // namespace mle::report

@@ -109,7 +109,7 @@ const cut = () => Array.from(document.querySelectorAll('.scroll.table')).filter(
 // folds, buttons, and boxes that scroll.
 function unreachable() {
   const targets = document.querySelectorAll(
-      'a[href], summary, button, .scroll');
+      'a[href], summary, button, .scroll, input:not([type=hidden]), select');
   return Array.from(targets).filter(target => {
     if (getComputedStyle(target).display === 'none') return false;
     target.focus({focusVisible: true, preventScroll: true});
@@ -129,6 +129,36 @@ async function copied() {
   return {text: button.dataset.text, says: button.textContent};
 }
 
+// What the fields above a table do, and its first header.
+function filtered() {
+  const box = document.querySelector('.filtered');
+  if (!box) return null;
+  const rows = box.querySelector('table').tBodies[0].rows;
+  const input = box.querySelector('input');
+  const choice = box.querySelector('select');
+  const shown = () => Array.from(rows).filter(
+      row => row.getClientRects().length > 0).length;
+  const change = (field, value) => {
+    field.value = value;
+    field.dispatchEvent(new Event('input', {bubbles: true}));
+    return {shown: shown(), says: box.querySelector('output').textContent};
+  };
+  const first = () => rows[0].cells[0].textContent;
+  const found = {rows: rows.length, shown: shown(), first: first()};
+  found.searched = change(input, first().toUpperCase());
+  found.nothing = change(input, 'not to be found');
+  found.cleared = change(input, '');
+  found.choices = Array.from(choice.options, option => option.textContent);
+  found.chosen = change(choice, choice.options[1].value);
+  found.all = change(choice, '');
+  const button = box.querySelector('button.sort');
+  button.click();
+  found.ascending = first();
+  button.click();
+  found.descending = first();
+  return found;
+}
+
 await pause();
 found.height = document.querySelector('main').getBoundingClientRect().height;
 found.folds = document.querySelectorAll('details').length;
@@ -138,6 +168,7 @@ found.cut = cut();
 found.overflow_folded = document.documentElement.scrollWidth - window.innerWidth;
 found.faint_folded = faint();
 found.copied = await copied();
+found.filtered = filtered();
 // Everything else is looked at with all folds open.
 document.querySelectorAll('details').forEach(fold => { fold.open = true; });
 await pause();

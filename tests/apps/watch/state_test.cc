@@ -213,6 +213,23 @@ TEST_P(StateTest, ADeliveryThatFailedIsKeptAndPending) {
   EXPECT_FALSE(state.SetDelivery("unknown", {}).ok());
 }
 
+TEST_P(StateTest, AnAlarmIsFoundByTheBeginningOfItsId) {
+  State state = Open();
+  Watch watch = FullWatch();
+  watch.alarms[0].id = "abc1";
+  watch.alarms.push_back({.id = "abd1", .day = 20002, .text = "aged"});
+  ASSERT_TRUE(state.Save(watch).ok());
+  EXPECT_EQ(state.FindAlarm("abc").value(), "abc1");
+  EXPECT_EQ(state.FindAlarm("abd1").value(), "abd1");
+  EXPECT_EQ(state.FindAlarm("ab").status().code(),
+            absl::StatusCode::kInvalidArgument);
+  for (const char* none : {"", "b", "%", "abc12"}) {
+    EXPECT_EQ(state.FindAlarm(none).status().code(),
+              absl::StatusCode::kNotFound)
+        << none;
+  }
+}
+
 TEST_P(StateTest, AnAcknowledgementStaysAsItWasFirstMade) {
   State state = Open();
   Watch watch = FullWatch();

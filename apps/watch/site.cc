@@ -1,0 +1,210 @@
+#include "apps/watch/site.h"
+
+#include <algorithm>
+#include <system_error>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
+#include "apps/watch/metrics.h"
+#include "apps/watch/page.h"
+#include "apps/watch/proposal.h"
+#include "apps/watch/report_json.h"
+#include "mle/base/status.h"
+#include "mle/exchange/model_file.h"
+
+namespace mle::watch {
+namespace {
+
+// Bytes of pages that are kept; a page of a controller has some 20 kB.
+constexpr std::size_t kMostKept = 16'000'000;
+// Reading takes at most an eleventh of the time.
+constexpr int kRest = 10;
+
+Snapshot::Text Shared(std::string text) {
+  return std::make_shared<const std::string>(std::move(text));
+}
+
+// What only a controller's own page needs.
+void Trim(Entry& entry) {
+  entry.watch.files.clear();
+  entry.watch.days.clear();
+  entry.watch.outputs.clear();
+  entry.report.trends.clear();
+}
+
+}  // namespace
+
+std::vector<Report> Snapshot::Reports() const {
+  std::vector<Report> reports;
+  reports.reserve(entries.size());
+  for (const auto& entry : entries) reports.push_back(entry->report);
+  return reports;
+}
+
+absl::StatusOr<std::unique_ptr<Site>> Site::Open(Options options) {
+  MLE_ASSIGN_OR_RETURN(State state, State::Open(options.state));
+  std::unique_ptr<Site> site(new Site(std::move(options), std::move(state)));
+  MLE_RETURN_IF_ERROR(site->RefreshAll(nullptr));
+  return site;
+}
+
+std::shared_ptr<const Snapshot> Site::snapshot() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return snapshot_;
+}
+
+absl::StatusOr<std::shared_ptr<Entry>> Site::Load(
+    const Controller& controller) {
+  auto entry = std::make_shared<Entry>();
+  entry->controller = controller;
+  const absl::StatusOr<ModelFile> file = ReadModelFile(controller.model);
+  const ProcessModel model = file.ok() ? file->process : ProcessModel();
+  {
+    const std::lock_guard<std::mutex> lock(state_mutex_);
+    MLE_ASSIGN_OR_RETURN(entry->watch,
+                         state_.Load(controller.name, model.num_outputs()));
+  }
+  Watch& watch = entry->watch;
+  if (!file.ok()) {
+    watch.failed = true;
+    watch.news = absl::StrCat("model: ", file.status().message());
+  } else if (watch.id == 0) {
+    watch.news = "No run has looked at it yet.";
+  }
+  entry->report = MakeReport(entry->controller, model, watch);
+  return entry;
+}
+
+void Site::Publish(std::vector<std::shared_ptr<const Entry>> entries) {
+  auto snapshot = std::make_shared<Snapshot>();
+  snapshot->entries = std::move(entries);
+  for (std::size_t i = 0; i < snapshot->entries.size(); ++i) {
+    snapshot->by_id[FileNameOf(snapshot->entries[i]->controller.name)] = i;
+  }
+  snapshot->read_at = absl::ToUnixSeconds(absl::Now());
+  const std::vector<Report> reports = snapshot->Reports();
+  snapshot->overview = Shared(FormatOverview(reports));
+  snapshot->alarms = Shared(FormatAlarmsPage(reports));
+  snapshot->watch_json = Shared(FormatReports(reports));
+  snapshot->controllers_json = Shared(FormatControllers(reports));
+  snapshot->metrics = Shared(FormatMetrics(reports, snapshot->read_at));
+  const std::lock_guard<std::mutex> lock(mutex_);
+  snapshot_ = std::move(snapshot);
+  kept_.clear();
+  kept_bytes_ = 0;
+}
+
+absl::StatusOr<std::int64_t> Site::Revision() {
+  const std::lock_guard<std::mutex> lock(state_mutex_);
+  absl::StatusOr<std::int64_t> revision = state_.Revision();
+  if (revision.ok()) return revision;
+  // A database that was gone is asked anew; its numbers may begin anew, too.
+  MLE_ASSIGN_OR_RETURN(state_, State::Open(options_.state));
+  revision_.reset();
+  return state_.Revision();
+}
+
+absl::Status Site::RefreshAll(const std::function<bool()>& stop) {
+  std::error_code error;
+  const auto changed = std::filesystem::last_write_time(options_.list, error);
+  MLE_ASSIGN_OR_RETURN(const std::int64_t revision, Revision());
+  const std::shared_ptr<const Snapshot> before = snapshot();
+  if (before != nullptr && before->fault.empty() && revision == revision_ &&
+      changed == list_changed_) {
+    return absl::OkStatus();
+  }
+  MLE_ASSIGN_OR_RETURN(const std::vector<Controller> controllers,
+                       ReadWatchFile(options_.list));
+  const absl::Time begin = absl::Now();
+  std::vector<std::shared_ptr<const Entry>> entries;
+  for (const Controller& controller : controllers) {
+    if (stop != nullptr && stop()) return absl::OkStatus();
+    MLE_ASSIGN_OR_RETURN(std::shared_ptr<Entry> entry, Load(controller));
+    Trim(*entry);
+    entries.push_back(std::move(entry));
+  }
+  Publish(std::move(entries));
+  const absl::Time end = absl::Now();
+  next_refresh_ = end + kRest * (end - begin);
+  revision_ = revision;
+  list_changed_ = changed;
+  return absl::OkStatus();
+}
+
+void Site::Refresh(const std::function<bool()>& stop) {
+  if (absl::Now() < next_refresh_) return;
+  const absl::Status status = RefreshAll(stop);
+  if (status.ok()) return;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (snapshot_->fault == status.message()) return;
+  auto stale = std::make_shared<Snapshot>(*snapshot_);
+  stale->fault = std::string(status.message());
+  stale->metrics =
+      Shared(FormatMetrics(stale->Reports(), stale->read_at, stale->fault));
+  snapshot_ = std::move(stale);
+}
+
+absl::StatusOr<Snapshot::Text> Site::Read(const Entry& entry, Detail detail) {
+  const std::string key = absl::StrCat(
+      detail == Detail::kPage ? "page " : "json ", entry.controller.name);
+  std::shared_ptr<const Snapshot> current;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    current = snapshot_;
+    const auto kept =
+        std::find_if(kept_.begin(), kept_.end(),
+                     [&](const Kept& text) { return text.key == key; });
+    if (kept != kept_.end()) {
+      kept_.splice(kept_.begin(), kept_, kept);
+      return kept_.front().text;
+    }
+  }
+  MLE_ASSIGN_OR_RETURN(const std::shared_ptr<Entry> read,
+                       Load(entry.controller));
+  Snapshot::Text text =
+      Shared(detail == Detail::kPage
+                 ? FormatControllerPage(read->report, options_.folder,
+                                        options_.can_acknowledge)
+                 : FormatController(read->report));
+  const std::lock_guard<std::mutex> lock(mutex_);
+  // What was read before a change is not kept after it.
+  if (snapshot_ != current) return text;
+  kept_.push_front({key, text});
+  kept_bytes_ += text->size();
+  while (kept_bytes_ > kMostKept && !kept_.empty()) {
+    kept_bytes_ -= kept_.back().text->size();
+    kept_.pop_back();
+  }
+  return text;
+}
+
+absl::StatusOr<std::string> Site::ReadHistory(const Entry& entry, int from,
+                                              int to) {
+  MLE_ASSIGN_OR_RETURN(const std::shared_ptr<Entry> read,
+                       Load(entry.controller));
+  return FormatHistory(read->report, from, to);
+}
+
+absl::Status Site::Acknowledge(const std::string& alarm,
+                               const Acknowledgement& acknowledgement) {
+  {
+    const std::lock_guard<std::mutex> lock(state_mutex_);
+    MLE_RETURN_IF_ERROR(state_.Acknowledge(alarm, acknowledgement));
+  }
+  std::vector<std::shared_ptr<const Entry>> entries = snapshot()->entries;
+  for (std::shared_ptr<const Entry>& entry : entries) {
+    const std::vector<Alarm>& alarms = entry->watch.alarms;
+    if (std::none_of(alarms.begin(), alarms.end(),
+                     [&](const Alarm& raised) { return raised.id == alarm; })) {
+      continue;
+    }
+    MLE_ASSIGN_OR_RETURN(std::shared_ptr<Entry> read, Load(entry->controller));
+    Trim(*read);
+    entry = std::move(read);
+  }
+  Publish(std::move(entries));
+  return absl::OkStatus();
+}
+
+}  // namespace mle::watch

@@ -1,0 +1,109 @@
+// What a server shows of the state of all watches.
+//
+// What the overview needs is kept in memory, and read anew once the state or
+// the list of controllers has changed; a controller's own page and history are
+// read when asked for, and kept until then, the last ones of them.
+
+#ifndef APPS_WATCH_SITE_H_
+#define APPS_WATCH_SITE_H_
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <list>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/time/time.h"
+#include "apps/watch/health.h"
+#include "apps/watch/state.h"
+#include "apps/watch/watch_file.h"
+
+namespace mle::watch {
+
+// A controller as the state has it.
+struct Entry {
+  Controller controller;
+  Watch watch;
+  Report report;  // of `watch`
+};
+
+// All controllers at a time. Texts are shared with those who are sent them.
+struct Snapshot {
+  using Text = std::shared_ptr<const std::string>;
+
+  std::vector<std::shared_ptr<const Entry>> entries;  // without days and scores
+  std::map<std::string, std::size_t> by_id;           // IdOf(name) to index
+  std::int64_t read_at = 0;                           // s since 1970
+  std::string fault;  // why it is older than it should be
+  Text overview, alarms, watch_json, controllers_json, metrics;
+
+  std::vector<Report> Reports() const;
+};
+
+class Site {
+ public:
+  struct Options {
+    std::string list;    // of the controllers
+    std::string state;   // file
+    std::string folder;  // of pages and corrections
+    bool can_acknowledge = false;
+  };
+  static absl::StatusOr<std::unique_ptr<Site>> Open(Options options);
+
+  const Options& options() const { return options_; }
+  std::shared_ptr<const Snapshot> snapshot() const;
+
+  // Reads anew what has changed; `stop` is asked between controllers. Where it
+  // cannot be read, the snapshot stays and says why.
+  void Refresh(const std::function<bool()>& stop);
+
+  enum class Detail { kPage, kJson };
+  // Of one controller, by the index in the snapshot.
+  absl::StatusOr<Snapshot::Text> Read(const Entry& entry, Detail detail);
+  // The health of its outputs, day by day, from one day to another (since
+  // 1970).
+  absl::StatusOr<std::string> ReadHistory(const Entry& entry, int from, int to);
+
+  // As State::Acknowledge(); at once in all that is shown.
+  absl::Status Acknowledge(const std::string& alarm,
+                           const Acknowledgement& acknowledgement);
+
+ private:
+  Site(Options options, State state)
+      : options_(std::move(options)), state_(std::move(state)) {}
+
+  absl::StatusOr<std::shared_ptr<Entry>> Load(const Controller& controller);
+  absl::StatusOr<std::int64_t> Revision();
+  absl::Status RefreshAll(const std::function<bool()>& stop);
+  void Publish(std::vector<std::shared_ptr<const Entry>> entries);
+
+  struct Kept {
+    std::string key;
+    Snapshot::Text text;
+  };
+
+  const Options options_;
+  std::mutex state_mutex_;
+  State state_;
+
+  // Of the refreshing thread.
+  std::optional<std::int64_t> revision_;
+  std::filesystem::file_time_type list_changed_ = {};
+  absl::Time next_refresh_ = absl::InfinitePast();
+
+  mutable std::mutex mutex_;  // of what follows
+  std::shared_ptr<const Snapshot> snapshot_;
+  std::list<Kept> kept_;  // the last used first
+  std::size_t kept_bytes_ = 0;
+};
+
+}  // namespace mle::watch
+
+#endif  // APPS_WATCH_SITE_H_
