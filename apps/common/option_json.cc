@@ -79,7 +79,8 @@ absl::Status ReadOption(const JsonNode& node, const Option& option) {
 
 }  // namespace
 
-absl::Status ReadOptions(const JsonNode& object, std::vector<Option> options) {
+absl::Status ReadOptions(const JsonNode& object,
+                         const std::vector<Option>& options) {
   for (const Option& option : options) {
     if (!object.Has(option.name)) continue;
     MLE_RETURN_IF_ERROR(ReadOption(object.At(option.name), option));
@@ -89,7 +90,7 @@ absl::Status ReadOptions(const JsonNode& object, std::vector<Option> options) {
 
 absl::Status ReadOptionsOnly(const JsonNode& object,
                              const std::vector<std::string>& required,
-                             std::vector<Option> options) {
+                             const std::vector<Option>& options) {
   std::vector<std::string> optional;
   for (const Option& option : options) {
     if (std::count(required.begin(), required.end(), option.name) == 0) {
@@ -97,7 +98,7 @@ absl::Status ReadOptionsOnly(const JsonNode& object,
     }
   }
   MLE_RETURN_IF_ERROR(object.CheckKeys(required, optional));
-  return ReadOptions(object, std::move(options));
+  return ReadOptions(object, options);
 }
 
 }  // namespace mle

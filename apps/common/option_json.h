@@ -15,13 +15,14 @@ namespace mle {
 
 // Fields whose key is absent keep their value. Errors name the key, what was
 // found and what would be right.
-absl::Status ReadOptions(const JsonNode& object, std::vector<Option> options);
+absl::Status ReadOptions(const JsonNode& object,
+                         const std::vector<Option>& options);
 
 // The same of an object that has all of `required` and no keys but these and
 // the options.
 absl::Status ReadOptionsOnly(const JsonNode& object,
                              const std::vector<std::string>& required,
-                             std::vector<Option> options);
+                             const std::vector<Option>& options);
 
 }  // namespace mle
 

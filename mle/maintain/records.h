@@ -21,7 +21,6 @@
 #include "mle/maintain/examine_records.h"
 #include "mle/maintain/message.h"
 #include "mle/model/process_model.h"
-#include "mle/nonlinear/output_error_correction.h"
 
 namespace mle {
 
