@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "Eigen/Cholesky"
@@ -52,9 +53,14 @@ double LogDeterminant(const Eigen::LLT<MatrixXd>& factor) {
 
 LinearEvidence::LinearEvidence(const MatrixXd& X, const VectorXd& e,
                                double rows, double constant)
-    : gram_(GramMatrix(X)),
-      products_(X.transpose() * e),
-      squares_(e.squaredNorm()),
+    : LinearEvidence(GramMatrix(X), X.transpose() * e, e.squaredNorm(), rows,
+                     constant) {}
+
+LinearEvidence::LinearEvidence(MatrixXd gram, VectorXd products, double squares,
+                               double rows, double constant)
+    : gram_(std::move(gram)),
+      products_(std::move(products)),
+      squares_(squares),
       rows_(rows),
       constant_(constant) {}
 

@@ -39,6 +39,9 @@ class LinearEvidence {
   // up do not count. `constant` is added to every deviance.
   LinearEvidence(const Eigen::MatrixXd& X, const Eigen::VectorXd& e,
                  double rows, double constant);
+  // `gram` G, `products` b, `squares` eᵀe.
+  LinearEvidence(Eigen::MatrixXd gram, Eigen::VectorXd products, double squares,
+                 double rows, double constant);
 
   double Deviance(const LinearPrior& prior, double noise_variance) const;
   LinearPosterior Posterior(const LinearPrior& prior,

@@ -55,19 +55,17 @@ ShapeLikelihood::ShapeLikelihood(const OutputErrorProblem& problem,
       static_cast<Eigen::Index>(3 * std::count(free.begin(), free.end(), true));
   width_ = num_kept + (more.empty() ? 0 : more.front().cols());
   for (std::size_t s = 0; s < columns.size(); ++s) {
-    MatrixXd others(columns[s].residuals.size(), width_ + 1);
-    others.leftCols(num_kept) = columns[s].jacobian;
-    if (!more.empty()) others.middleCols(num_kept, more[s].cols()) = more[s];
-    others.col(width_) = columns[s].residuals;
-    parts_.push_back(MakePart(columns[s].amplitudes, std::move(others)));
+    parts_.push_back(MakePart(columns[s], more.empty() ? nullptr : &more[s]));
   }
 }
 
 // Under white noise with an offset: about the means.
-ShapeLikelihood::Part ShapeLikelihood::MakePart(const MatrixXd& amplitudes,
-                                                MatrixXd others) {
+ShapeLikelihood::Part ShapeLikelihood::MakePart(const SegmentColumns& columns,
+                                                const MatrixXd* more) {
   Part part;
-  MatrixXd basis(others.rows(), 0);
+  const MatrixXd& amplitudes = columns.amplitudes;
+  MatrixXd basis(amplitudes.rows(), 0);
+  MatrixXd orthonormal;
   if (amplitudes.cols() > 0) {
     const MatrixXd centred = amplitudes.rowwise() - amplitudes.colwise().mean();
     const VectorXd inverse_norms =
@@ -81,28 +79,32 @@ ShapeLikelihood::Part ShapeLikelihood::MakePart(const MatrixXd& amplitudes,
         qr.matrixQR().topLeftCorner(rank, rank).triangularView<Eigen::Upper>();
     basis = amplitudes(Eigen::all, kept) * inverse_norms(kept).asDiagonal();
     triangle.solveInPlace<Eigen::OnTheRight>(basis);
-    const MatrixXd orthonormal = basis.rowwise() - basis.colwise().mean();
-    others -= basis * (orthonormal.transpose() * others);
+    orthonormal = basis.rowwise() - basis.colwise().mean();
     for (Eigen::Index i = 0; i < rank; ++i) {
       part.log_scale += 2.0 * std::log(std::abs(qr.matrixQR()(i, i)) /
                                        inverse_norms(kept(i)));
     }
   }
   part.amplitudes = basis.cols();
-  part.columns.resize(others.rows(), basis.cols() + others.cols());
-  part.columns << basis, others;
+  const Eigen::Index kept = columns.jacobian.cols();
+  const Eigen::Index besides = more == nullptr ? 0 : more->cols();
+  part.columns.resize(columns.residuals.size(),
+                      basis.cols() + kept + besides + 1);
+  part.columns.leftCols(basis.cols()) = basis;
+  auto others = part.columns.rightCols(kept + besides + 1);
+  others.leftCols(kept) = columns.jacobian;
+  if (besides > 0) others.middleCols(kept, besides) = *more;
+  others.rightCols<1>() = columns.residuals;
+  if (basis.cols() > 0) {
+    const MatrixXd shares = orthonormal.transpose() * others;
+    others.noalias() -= basis * shares;
+  }
   return part;
 }
 
-Profile ShapeLikelihood::At(const NoiseShape& shape) const {
-  Profile profile;
-  profile.shape = shape;
-  profile.factor = problem_.variance_factor();
-  const Eigen::Index size = width_ + 1;
-  MatrixXd products = MatrixXd::Zero(size, size);
-  double log_determinant = 0.0;
-  double log_amplitudes = 0.0;
-  int num_amplitudes = 0;
+ShapedProducts ShapeLikelihood::ProductsAt(const NoiseShape& shape) const {
+  ShapedProducts all;
+  all.products = MatrixXd::Zero(width_ + 1, width_ + 1);
   for (std::size_t s = 0; s < parts_.size(); ++s) {
     const Part& part = parts_[s];
     const OutputErrorProblem::Segment& segment =
@@ -110,23 +112,32 @@ Profile ShapeLikelihood::At(const NoiseShape& shape) const {
     const InnovationsFilter filter(segment.times, shape, segment.weights);
     const Elimination amplitudes =
         EliminateFirst(part.amplitudes, filter.WhitenedProducts(part.columns));
-    products += amplitudes.rest;
-    log_amplitudes += amplitudes.log_determinant + part.log_scale;
-    num_amplitudes += amplitudes.rank();
-    log_determinant += filter.log_determinant();
+    all.products += amplitudes.rest;
+    all.log_amplitudes += amplitudes.log_determinant + part.log_scale;
+    all.num_amplitudes += amplitudes.rank();
+    all.log_determinant += filter.log_determinant();
   }
-  const Elimination linearised = EliminateFirst(width_, std::move(products));
+  return all;
+}
+
+Profile ShapeLikelihood::At(const NoiseShape& shape) const {
+  Profile profile;
+  profile.shape = shape;
+  profile.factor = problem_.variance_factor();
+  ShapedProducts shaped = ProductsAt(shape);
+  const Elimination linearised =
+      EliminateFirst(width_, std::move(shaped.products));
   profile.rank = linearised.rank();
   profile.coefficients = linearised.Coefficients(width_);
   // Exact data leave rounding, which has no likelihood.
   profile.squares = std::max(
       {linearised.rest(0, 0), 1e-26 * problem_.total_squares(), 1e-300});
   const double n = problem_.num_innovations(shape);
-  profile.degrees = n - num_amplitudes - linearised.rank();
-  profile.value = log_determinant;
+  profile.degrees = n - shaped.num_amplitudes - linearised.rank();
+  profile.value = shaped.log_determinant;
   if (restricted_) {
     profile.value += profile.degrees * std::log(profile.variance()) +
-                     log_amplitudes + linearised.log_determinant;
+                     shaped.log_amplitudes + linearised.log_determinant;
   } else {
     profile.value += n * std::log(profile.squares / n);
   }

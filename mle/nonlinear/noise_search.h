@@ -46,10 +46,19 @@ struct Profile {
 // −2 ln L and Schwarz's price of the colour that the shape has.
 double PricedValue(const OutputErrorProblem& problem, const Profile& profile);
 
+// CᵀC of columns C whitened by a shape, without what the amplitudes explain.
+struct ShapedProducts {
+  Eigen::MatrixXd products;      // of what is linearised, then the residuals
+  double log_determinant = 0.0;  // Σ ln F
+  double log_amplitudes = 0.0;   // ln det of the amplitudes' normal matrix
+  int num_amplitudes = 0;        // its rank
+};
+
 // The likelihood (or restricted likelihood) of noise shapes.
 class ShapeLikelihood {
  public:
-  // `more`: columns of each segment (rows × k), fitted besides.
+  // `more`: columns of each segment (rows × k), fitted besides. What is kept is
+  // one copy of all columns.
   ShapeLikelihood(const OutputErrorProblem& problem, const OutputPoint& point,
                   const std::vector<bool>& free, const NoiseShape& start,
                   bool restricted,
@@ -60,6 +69,7 @@ class ShapeLikelihood {
                   const std::vector<Eigen::MatrixXd>& more = {});
 
   Profile At(const NoiseShape& shape) const;
+  ShapedProducts ProductsAt(const NoiseShape& shape) const;
   const OutputErrorProblem& problem() const { return problem_; }
 
  private:
@@ -71,8 +81,9 @@ class ShapeLikelihood {
     // larger by, as a logarithm.
     double log_scale = 0.0;
   };
-  static Part MakePart(const Eigen::MatrixXd& amplitudes,
-                       Eigen::MatrixXd others);
+  // `more`: null for none.
+  static Part MakePart(const SegmentColumns& columns,
+                       const Eigen::MatrixXd* more);
 
   const OutputErrorProblem& problem_;
   std::vector<Part> parts_;  // of each segment

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "mle/nonlinear/linear_evidence.h"
+#include "mle/nonlinear/noise_search.h"
 
 namespace mle {
 namespace {
@@ -65,8 +66,7 @@ class Search {
     OutputPosterior best;
     best.deviance = std::numeric_limits<double>::infinity();
     for (int round = 0; round < kMaxRounds; ++round) {
-      const std::vector<SegmentColumns> columns =
-          Columns(point, ShapeOf(noise));
+      const ShapeLikelihood columns = Linearise(point, ShapeOf(noise));
       LinearEvidence evidence = Evidence(columns, ShapeOf(noise));
       Improve(evidence, point, noise.variance, state);
       if (estimate_drift && noise.offset) {
@@ -123,27 +123,32 @@ class Search {
     }
   }
 
-  std::vector<SegmentColumns> Columns(const OutputPoint& point,
-                                      const NoiseShape& shape) const {
-    std::vector<SegmentColumns> columns = problem_.Linearise(
-        point, shape, std::vector<bool>(priors_.size(), true));
-    for (std::size_t s = 0; s < columns.size(); ++s) {
-      MatrixXd& jacobian = columns[s].jacobian;
-      const Eigen::Index width = jacobian.cols();
-      jacobian.conservativeResize(Eigen::NoChange, width + sums_[s].cols());
-      jacobian.leftCols(width) *= -1.0;  // of the response
-      jacobian.rightCols(sums_[s].cols()) = sums_[s];
-    }
-    return columns;
+  ShapeLikelihood Linearise(const OutputPoint& point,
+                            const NoiseShape& shape) const {
+    return {problem_,
+            point,
+            std::vector<bool>(priors_.size(), true),
+            shape,
+            /*restricted=*/true,
+            sums_};
   }
 
-  LinearEvidence Evidence(const std::vector<SegmentColumns>& columns,
+  // Derivatives are those of the response: less those of the residuals.
+  LinearEvidence Evidence(const ShapeLikelihood& columns,
                           const NoiseShape& shape) const {
-    const WhitenedColumns whitened = problem_.Whiten(columns, shape);
+    ShapedProducts shaped = columns.ProductsAt(shape);
+    const Eigen::Index width = shaped.products.cols() - 1;
+    const Eigen::Index derivatives = 3 * num_elements();
+    MatrixXd gram = shaped.products.topLeftCorner(width, width);
+    VectorXd products = shaped.products.col(width).head(width);
+    const Eigen::Index sums = width - derivatives;
+    gram.topRightCorner(derivatives, sums) *= -1.0;
+    gram.bottomLeftCorner(sums, derivatives) *= -1.0;
+    products.head(derivatives) *= -1.0;
     return LinearEvidence(
-        whitened.jacobian, whitened.residuals,
-        problem_.num_innovations(shape) - whitened.num_amplitudes,
-        whitened.log_determinant + whitened.log_amplitudes);
+        std::move(gram), std::move(products), shaped.products(width, width),
+        problem_.num_innovations(shape) - shaped.num_amplitudes,
+        shaped.log_determinant + shaped.log_amplitudes);
   }
 
   LinearPrior PriorOf(const OutputPoint& point, const State& state) const {
@@ -258,9 +263,8 @@ class Search {
   }
 
   // The best ratio of drift, in steps from the present one.
-  void EstimateRatio(const std::vector<SegmentColumns>& columns,
-                     const OutputPoint& point, const State& state,
-                     NoiseEstimate& noise) const {
+  void EstimateRatio(const ShapeLikelihood& columns, const OutputPoint& point,
+                     const State& state, NoiseEstimate& noise) const {
     const auto at = [&](double ratio, double& variance) {
       NoiseShape shape = ShapeOf(noise);
       shape.ratio = ratio;

@@ -25,6 +25,41 @@ NoiseEstimate Estimate(const OutputSetup& setup, const NoiseEstimate& start,
                        /*estimate_drift=*/true, search_colour);
 }
 
+// The products that likelihoods and evidences are made of are those of the
+// whitened columns, with columns besides, whatever the shape.
+TEST(NoiseSearchTest, ProductsAreThoseOfTheWhitenedColumns) {
+  const OutputSetup setup = Prepare({.variance = 0.01, .increment = 1e-4}, 3);
+  const OutputErrorProblem& problem = *setup.problem;
+  const std::vector<bool> free = {true, true};
+  for (const NoiseShape& shape : {NoiseShape{}, NoiseShape{.ratio = 0.02}}) {
+    std::vector<SegmentColumns> columns =
+        problem.Linearise(setup.start, shape, free);
+    const std::vector<Eigen::MatrixXd> more = problem.LagSums({1, 4, 9});
+    const ShapedProducts shaped =
+        ShapeLikelihood(problem, columns, free, /*restricted=*/true, more)
+            .ProductsAt(shape);
+    for (std::size_t s = 0; s < columns.size(); ++s) {
+      Eigen::MatrixXd all(more[s].rows(), 6 + more[s].cols());
+      all << columns[s].jacobian, more[s];
+      columns[s].jacobian = all;
+    }
+    const WhitenedColumns whitened = problem.Whiten(columns, shape);
+    Eigen::MatrixXd rows(whitened.residuals.size(),
+                         whitened.jacobian.cols() + 1);
+    rows << whitened.jacobian, whitened.residuals;
+    const Eigen::MatrixXd products = rows.transpose() * rows;
+    const Eigen::VectorXd roots = products.diagonal().cwiseSqrt();
+    EXPECT_LT((roots.cwiseInverse().asDiagonal() *
+               (shaped.products - products) * roots.cwiseInverse().asDiagonal())
+                  .cwiseAbs()
+                  .maxCoeff(),
+              1e-9);
+    EXPECT_NEAR(shaped.log_determinant, whitened.log_determinant, 1e-8);
+    EXPECT_NEAR(shaped.log_amplitudes, whitened.log_amplitudes, 1e-6);
+    EXPECT_EQ(shaped.num_amplitudes, whitened.num_amplitudes);
+  }
+}
+
 // At the true parameters; with 2,900 samples r and s are known to about 10 %
 // and 15 %, 1 − φ to 20 %. Four such deviations.
 TEST(NoiseSearchTest, FindsAColour) {
