@@ -100,28 +100,37 @@ Assignment Assignment::AsRecorded(const ProcessModel& model) {
 
 absl::StatusOr<ElementResponses> ElementResponses::Create(
     const ProcessModel& model, const std::vector<Record>& parts,
-    double time_scale) {
+    double time_scale, Inputs inputs) {
   const int p = model.num_outputs();
   const int m = model.num_inputs();
-  std::vector<OutputChannel> elements;
-  for (int e = 0; e < p * m; ++e) {
-    elements.push_back({absl::StrCat("element ", e), ""});
-  }
-  ProcessModel all("elements", model.time_unit(), {{"input", ""}}, elements);
-  for (int e = 0; e < p * m; ++e) {
-    all.element(e, 0) = model.element(e / m, e % m);
-  }
   ElementResponses responses;
   responses.parts_ = &parts;
   responses.num_inputs_ = m;
   responses.integrating_ = IntegratingOutputs(model);
-  for (const Record& part : parts) {
-    auto& of_part = responses.responses_.emplace_back();
-    for (int j = 0; j < m; ++j) {
-      MLE_ASSIGN_OR_RETURN(const Eigen::MatrixXd outputs,
-                           SimulateResponse(all, part.sample_time / time_scale,
-                                            part.inputs.row(j)));
-      of_part.emplace_back(outputs.transpose());
+  responses.responses_.resize(parts.size());
+  for (int k = 0; k < m; ++k) {
+    std::vector<int>& columns =
+        responses.columns_.emplace_back(static_cast<std::size_t>(p * m), -1);
+    std::vector<OutputChannel> driven;
+    for (int e = 0; e < p * m; ++e) {
+      if (model.element(e / m, e % m).IsZero()) continue;
+      if (inputs == Inputs::kOwn && e % m != k) continue;
+      columns[e] = static_cast<int>(driven.size());
+      driven.push_back({absl::StrCat("element ", e), ""});
+    }
+    ProcessModel all("elements", model.time_unit(), {{"input", ""}}, driven);
+    for (int e = 0; e < p * m; ++e) {
+      if (columns[e] < 0) continue;
+      all.element(columns[e], 0) = model.element(e / m, e % m);
+    }
+    for (std::size_t w = 0; w < parts.size(); ++w) {
+      Eigen::MatrixXd& of_input = responses.responses_[w].emplace_back();
+      if (driven.empty()) continue;
+      MLE_ASSIGN_OR_RETURN(
+          const Eigen::MatrixXd outputs,
+          SimulateResponse(all, parts[w].sample_time / time_scale,
+                           parts[w].inputs.row(k)));
+      of_input = outputs.transpose();
     }
   }
   return responses;
@@ -137,8 +146,13 @@ WhitenedData ElementResponses::Row(const Assignment& assignment,
     Eigen::MatrixXd& row =
         data.responses.emplace_back(part.samples(), num_inputs_);
     for (int j = 0; j < num_inputs_; ++j) {
-      row.col(j) =
-          responses_[w][assignment.inputs[j]].col(output * num_inputs_ + j);
+      const int input = assignment.inputs[j];
+      const int column = columns_[input][output * num_inputs_ + j];
+      if (column < 0) {
+        row.col(j).setZero();
+      } else {
+        row.col(j) = responses_[w][input].col(column);
+      }
     }
   }
   return integrating_[output] ? Increments(data) : data;

@@ -36,20 +36,29 @@ struct Assignment {
 
 class ElementResponses {
  public:
+  // Which inputs an element is driven by: its own, or every one in turn, for
+  // assignments of other tags to the inputs. For N samples and E elements that
+  // are not zero N E numbers are held of the former and N E m of the latter,
+  // and as many samples simulated.
+  enum class Inputs { kOwn, kAll };
+
   // `parts` must outlive this. Errors as of SimulateResponse().
   static absl::StatusOr<ElementResponses> Create(
       const ProcessModel& model, const std::vector<Record>& parts,
-      double time_scale);
+      double time_scale, Inputs inputs = Inputs::kAll);
 
   // Output `output` of the model and what its elements, zero ones included,
   // make of the inputs; of an output that integrates the increments of both.
+  // Of kOwn the inputs are as recorded.
   WhitenedData Row(const Assignment& assignment, int output) const;
 
  private:
   const std::vector<Record>* parts_ = nullptr;
   int num_inputs_ = 0;
   std::vector<bool> integrating_;  // p
-  // Of each part and recorded input: N × pm, column i m + j for element (i, j).
+  // Of each recorded input the column of element (i, j), at i m + j; -1: none.
+  std::vector<std::vector<int>> columns_;
+  // Of each part and recorded input: N × the elements that it drives.
   std::vector<std::vector<Eigen::MatrixXd>> responses_;
 };
 

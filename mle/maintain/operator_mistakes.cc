@@ -233,8 +233,8 @@ absl::StatusOr<std::optional<OperatorMistake>> MistakeSearch::Run() {
     Judge(hypothesis, *responses_);
   }
   for (const double scale : kTimeUnits) {
-    const absl::StatusOr<ElementResponses> responses =
-        ElementResponses::Create(model_, parts_, scale);
+    const absl::StatusOr<ElementResponses> responses = ElementResponses::Create(
+        model_, parts_, scale, ElementResponses::Inputs::kOwn);
     // Dead times of too many samples, say: then it is not this unit.
     if (!responses.ok()) continue;
     Hypothesis hypothesis = AsIs();

@@ -253,7 +253,8 @@ absl::StatusOr<std::vector<TagClock>> FindTagClocks(
     return clocks;
   }
   MLE_ASSIGN_OR_RETURN(const ElementResponses responses,
-                       ElementResponses::Create(model, parts, 1.0));
+                       ElementResponses::Create(
+                           model, parts, 1.0, ElementResponses::Inputs::kOwn));
   std::vector<WhitenedData> rows;
   Eigen::MatrixXd elements = Eigen::MatrixXd::Zero(p, m);
   for (int i = 0; i < p; ++i) {

@@ -393,7 +393,8 @@ absl::StatusOr<std::vector<WindowAgreement>> TestWindowAgreement(
   of.times = Standardised(of.times);
   for (VectorXd& level : of.levels) level = Standardised(level);
   MLE_ASSIGN_OR_RETURN(const ElementResponses responses,
-                       ElementResponses::Create(model, parts, 1.0));
+                       ElementResponses::Create(
+                           model, parts, 1.0, ElementResponses::Inputs::kOwn));
   const auto length = static_cast<int>(std::ceil(samples / kMostSamples));
   const auto forgetting = static_cast<int>(std::min(memory, 1e9));
   for (int i = 0; i < model.num_outputs(); ++i) {
