@@ -184,8 +184,8 @@ void Update::CarryOn(const ModelWatch& model, int output, int from) {
     batches.push_back(batch.batch);
     if (number < from) continue;
     batches = MergeOld(batches, number);
-    batch.evidence = AsKept(
-        EvidenceOf(batches, model.LeastChanges(output), controller_.options));
+    batch.evidence = AsKept(ConfirmedEvidenceOf(
+        batches, model.LeastChanges(output), controller_.options));
     RaiseAlarms(model, output, number, batch.evidence, batches);
   }
   std::map<int, StoredBatch> merged;

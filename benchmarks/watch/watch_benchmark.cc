@@ -98,8 +98,8 @@ class Judgement {
  private:
   void Look(int output, int day) {
     const WatchOptions& options = watch_.options();
-    const ChangeEvidence evidence =
-        EvidenceOf(batches_[output], watch_.LeastChanges(output), options);
+    const ChangeEvidence evidence = ConfirmedEvidenceOf(
+        batches_[output], watch_.LeastChanges(output), options);
     const double alpha = options.level;
     if (outcome_.output_alarm == kNever &&
         evidence.log_output >= std::log(2.0 * 2.0 / alpha)) {

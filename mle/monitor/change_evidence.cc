@@ -19,6 +19,8 @@ using Eigen::VectorXd;
 constexpr int kScales = 7;
 // Half of the changes expected are so much smaller.
 constexpr double kSmaller = 1.0 / 6.0;
+// Batches that the evidence has to do without, one at a time.
+constexpr std::size_t kDoubted = 3;
 constexpr double kNever = -std::numeric_limits<double>::infinity();
 
 // Ages from which batches are merged, and into how many.
@@ -224,6 +226,33 @@ ChangeEvidence EvidenceOf(const std::vector<ScoredBatch>& batches,
   for (Index first = 0; first < n; first += 3) {
     evidence.log_elements.push_back(
         ElementEvidence(contrasts, weights, none, first, least, deviation));
+  }
+  return evidence;
+}
+
+ChangeEvidence ConfirmedEvidenceOf(const std::vector<ScoredBatch>& batches,
+                                   const VectorXd& least,
+                                   const WatchOptions& options) {
+  ChangeEvidence evidence = EvidenceOf(batches, least, options);
+  std::vector<std::pair<double, std::size_t>> sizes;
+  for (std::size_t b = 0; b < batches.size(); ++b) {
+    const VectorXd change =
+        batches[b].information.completeOrthogonalDecomposition().solve(
+            batches[b].score);
+    sizes.emplace_back(-change.dot(batches[b].score), b);
+  }
+  std::sort(sizes.begin(), sizes.end());
+  sizes.resize(std::min(sizes.size(), kDoubted));
+  for (const auto& [size, b] : sizes) {
+    std::vector<ScoredBatch> others = batches;
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(b));
+    ChangeEvidence without = EvidenceOf(others, least, options);
+    without.log_elements.resize(evidence.log_elements.size(), 0.0);
+    evidence.log_output = std::min(evidence.log_output, without.log_output);
+    for (std::size_t e = 0; e < evidence.log_elements.size(); ++e) {
+      evidence.log_elements[e] =
+          std::min(evidence.log_elements[e], without.log_elements[e]);
+    }
   }
   return evidence;
 }

@@ -72,6 +72,14 @@ ChangeEvidence EvidenceOf(const std::vector<ScoredBatch>& batches,
                           const Eigen::VectorXd& least,
                           const WatchOptions& options);
 
+// The least of EvidenceOf() of all batches and of all but one, for each of the
+// three batches whose scores are largest, by SᵀV⁺S: what a single batch alone
+// says, as one with a disturbance at the wrong time does, is no evidence. Never
+// more than EvidenceOf(), so that the level holds.
+ChangeEvidence ConfirmedEvidenceOf(const std::vector<ScoredBatch>& batches,
+                                   const Eigen::VectorXd& least,
+                                   const WatchOptions& options);
+
 // Merges batches that are old at batch `now`: 64 and more before into blocks of
 // 8 batches, 512 and more before into blocks of 64. A change can then begin
 // with a block only, which loses evidence and never adds any.

@@ -129,6 +129,33 @@ TEST(EvidenceOfTest, IsOneWithoutBatches) {
 
 // Looked at after every batch of a life, E reaches 1/ε with a probability of ε
 // at most.
+// One batch of many that shows a change is no evidence, two are.
+TEST(ConfirmedEvidenceOfTest, ASingleBatchIsNoEvidence) {
+  const WatchOptions options;
+  const VectorXd least = VectorXd::Zero(3);
+  GaussianNoise noise(3, kRunStream);
+  std::vector<ScoredBatch> batches;
+  for (int number = 0; number < 20; ++number) {
+    batches.push_back(DrawBatch(number, 1000.0, VectorXd::Zero(3), noise));
+  }
+  const VectorXd change{{0.0, 1.0, 0.0}};
+  const auto disturbed = [&](int number) {
+    batches[number].score += batches[number].information * change;
+  };
+  disturbed(19);
+  EXPECT_GT(EvidenceOf(batches, least, options).log_output, 8.0);
+  const ChangeEvidence one = ConfirmedEvidenceOf(batches, least, options);
+  EXPECT_LT(one.log_output, 1.0);
+  EXPECT_LT(one.log_elements[0], 1.0);
+  disturbed(18);
+  const ChangeEvidence two = ConfirmedEvidenceOf(batches, least, options);
+  EXPECT_GT(two.log_output, 5.0);
+  EXPECT_GT(two.log_elements[0], 5.0);
+  // Never more than all of it; of nothing nothing.
+  EXPECT_LE(two.log_output, EvidenceOf(batches, least, options).log_output);
+  EXPECT_EQ(ConfirmedEvidenceOf({}, least, options).log_output, 0.0);
+}
+
 TEST(EvidenceOfTest, NeverReachesItsLevelTooOften) {
   WatchOptions options;
   options.life = 64;
