@@ -209,6 +209,7 @@ OutputVerdict DecideOutput(const OutputEvidence& output,
     return doubt(
         Doubt(output, MessageCode::kWindowsDisagree, output.disagreement));
   }
+  if (output.not_ageing.has_value()) return doubt(*output.not_ageing);
   if (output.not_linear.has_value()) return doubt(*output.not_linear);
   if (!output.proposed && !output.shared_delay.empty()) {
     Message clock = Doubt(output, MessageCode::kClock, output.shared_delay);

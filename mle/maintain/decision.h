@@ -87,6 +87,10 @@ struct OutputEvidence {
   // That the windows want different gains, and what these follow
   // (window_agreement.h); or empty.
   std::string disagreement;
+  // The change proposed of an element is not one that ageing makes and these
+  // records could show: its parameters lie where the search ends, its response
+  // takes several times as long or short, or the records do not inform it.
+  std::optional<Message> not_ageing;
   // What is not linear between an input and the output, where the change
   // proposed is no larger than what that makes of it: gains that follow the
   // input's level (level_dependence.h), or a play that it was passed through

@@ -190,6 +190,79 @@ std::optional<Message> NotLinear(const CorrectionResult& result, int i) {
   return std::nullopt;
 }
 
+// Whether a time constant or dead time is as far from the model's as it may be.
+// A dead time of 0 is nature's bound, not the search's.
+bool AtBound(const ElementEstimate& element, const OutputErrorOptions& search) {
+  constexpr double kClose = 1e-3;
+  const ParameterEstimate& lag = element.time_scale;
+  const ParameterEstimate& delay = element.delay;
+  const double factor =
+      lag.initial > 0.0 ? std::abs(std::log(lag.value / lag.initial)) : 0.0;
+  const double longest = std::isfinite(search.max_delay)
+                             ? search.max_delay
+                             : 2.0 * delay.initial + lag.initial;
+  return factor > (1.0 - kClose) * std::log(search.max_time_scale_factor) ||
+         (delay.value > delay.initial &&
+          delay.value > (1.0 - kClose) * longest);
+}
+
+// Of the first element proposed that this concerns; one that the model does not
+// have has nothing to be compared with.
+std::optional<Message> NotAgeing(const CorrectionResult& result, int i) {
+  constexpr double kMostOfTimes = 5.0;  // by which dead time and lag change
+  const std::string& name = result.initial.outputs()[i].name;
+  for (int j = 0; j < result.initial.num_inputs(); ++j) {
+    if (!result.estimate.fit.output_error.aged(i, j) ||
+        result.initial.element(i, j).IsZero()) {
+      continue;
+    }
+    const std::string pair = PairName(result.initial, i, j);
+    const ElementEstimate& element =
+        result.estimate.fit.output_error.corrected.element(i, j);
+    const double sample_time = result.data.sample_time();
+    const double before =
+        element.time_scale.initial + element.delay.initial + sample_time;
+    const double after =
+        element.time_scale.value + element.delay.value + sample_time;
+    if (std::abs(std::log(after / before)) > std::log(kMostOfTimes)) {
+      return Message{
+          MessageCode::kBeyondAgeing,
+          name,
+          absl::StrFormat(
+              "Dead time and time constant of %s would be %.3g together in "
+              "place of %.3g, which no ageing does: compare the numbers and "
+              "units of this element with the model in the controller.",
+              pair, after - sample_time, before - sample_time),
+          {}};
+    }
+    if (AtBound(element, result.estimate.setting.options.output_error)) {
+      return Message{
+          MessageCode::kAtBound,
+          name,
+          absl::StrFormat(
+              "The time constant or dead time of %s comes to the end of what "
+              "is searched: compare the numbers and units of this element with "
+              "the model in the controller, or let the search go further.",
+              pair),
+          {"max_time_constant_factor", "max_delay"}};
+    }
+    if (!result.information.pairs.empty() &&
+        result.information.pair(i, j).state == PairState::kNotInformed) {
+      return Message{
+          MessageCode::kNotExcited,
+          name,
+          absl::StrFormat(
+              "A change of %s is proposed, but by the model in the controller "
+              "these records do not determine it: a wrong number or unit in "
+              "that model, or a disturbance, would look like this. Set-point "
+              "changes that move its input by itself would settle it.",
+              pair),
+          {}};
+    }
+  }
+  return std::nullopt;
+}
+
 // Of windows of the output that differ; or, where a change is proposed, of
 // another's that follow the operating point, if its own may differ as much.
 std::string Disagreement(const CorrectionResult& result, int i) {
@@ -222,6 +295,7 @@ OutputEvidence EvidenceOf(const CorrectionResult& result, int i) {
   evidence.proposed = ProposesChange(result.estimate, i);
   if (evidence.proposed) {
     evidence.doubtful_pair = DoubtfulPair(result, i);
+    evidence.not_ageing = NotAgeing(result, i);
     evidence.not_linear = NotLinear(result, i);
   }
   if (!result.taken_for_clocks.empty()) {

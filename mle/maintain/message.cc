@@ -76,6 +76,8 @@ std::string_view NameOf(MessageCode code) {
       return "follows_level";
     case MessageCode::kStructureDoubtful:
       return "structure_doubtful";
+    case MessageCode::kBeyondAgeing:
+      return "beyond_ageing";
     case MessageCode::kChangeTooSmall:
       return "change_too_small";
     case MessageCode::kNotExcited:

@@ -55,6 +55,7 @@ enum class MessageCode {
   kWindowsDisagree,    // parts of the records want different gains
   kFollowsLevel,       // gains that follow the level of an input
   kStructureDoubtful,  // it does not explain the records
+  kBeyondAgeing,       // a time changes by more than ageing makes of it
   kChangeTooSmall,     // a change is proved, but not worth making
   kNotExcited,         // the records determine no gain
 };

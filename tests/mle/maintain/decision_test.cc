@@ -139,6 +139,15 @@ TEST(DecisionTest, AGainThatFollowsALevelIsDoubt) {
   EXPECT_EQ(verdict.reasons.back().code, MessageCode::kFollowsLevel);
 }
 
+TEST(DecisionTest, WhatNoAgeingDoesIsDoubt) {
+  OutputEvidence output = Output(kGood);
+  output.not_ageing = {
+      MessageCode::kBeyondAgeing, "T", "Times of T ← valve.", {}};
+  const Verdict verdict = Decide(Of({output}), {});
+  EXPECT_EQ(verdict.decision, Decision::kCannotTell);
+  EXPECT_EQ(verdict.reasons.back().code, MessageCode::kBeyondAgeing);
+}
+
 TEST(DecisionTest, DeadTimesOfAClockAreDoubtWhereNothingElseIsProposed) {
   OutputEvidence output = Output(kGood);
   output.shared_delay = "All dead times to T are longer.";

@@ -1,5 +1,6 @@
 #include "mle/maintain/evidence.h"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -61,6 +62,41 @@ TEST(GatherEvidenceTest, APlantThatIsNotLinearInOneOutputIsDoubtedInOthers) {
   EXPECT_EQ(doubts(Cause::kTime, 0.3, 0.4), "");
   // The windows of both agree.
   EXPECT_EQ(doubts(Cause::kOperatingPoint, 0.04, 0.05), "");
+}
+
+// The second tank's gain has changed; its other parameters are set.
+TEST(GatherEvidenceTest, WhatNoAgeingDoesIsDoubted) {
+  CorrectionResult result = Corrected();
+  ASSERT_TRUE(result.estimate.fit.output_error.aged(1, 0));
+  ElementEstimate& element =
+      result.estimate.fit.output_error.corrected.elements[1];
+  const auto code = [&]() -> std::optional<MessageCode> {
+    const auto doubt =
+        GatherEvidence(result, {false, false}).outputs[1].not_ageing;
+    if (!doubt.has_value()) return std::nullopt;
+    return doubt->code;
+  };
+  EXPECT_EQ(code(), std::nullopt);
+  const ParameterEstimate lag = element.time_scale;
+  const ParameterEstimate delay = element.delay;
+  element.time_scale.value = 3.0 * lag.initial;
+  EXPECT_EQ(code(), std::nullopt);
+  // 36.5 min in place of 6.5; and 6.5 of 305, in another unit.
+  element.time_scale.value = 7.0 * lag.initial;
+  EXPECT_EQ(code(), MessageCode::kBeyondAgeing);
+  element.time_scale = lag;
+  element.delay.initial = 300.0;
+  EXPECT_EQ(code(), MessageCode::kBeyondAgeing);
+  // As far as the search goes, though not beyond what ageing does.
+  element.delay = delay;
+  element.delay.value = 2.0 * delay.initial + lag.initial;
+  EXPECT_EQ(code(), MessageCode::kAtBound);
+  element.delay.value = 0.0;
+  EXPECT_EQ(code(), std::nullopt);
+  element.delay = delay;
+  ASSERT_FALSE(result.information.pairs.empty());
+  result.information.pairs[1].state = PairState::kNotInformed;
+  EXPECT_EQ(code(), MessageCode::kNotExcited);
 }
 
 TEST(GatherEvidenceTest, GainsOfAColumnThatShareAFactorMayBeAValve) {
