@@ -1,5 +1,6 @@
 #include "mle/data/record_columns.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>
@@ -11,6 +12,7 @@
 #include "mle/base/status.h"
 #include "mle/data/csv_numbers.h"
 #include "mle/data/csv_rows.h"
+#include "mle/data/long_table.h"
 #include "mle/data/nearest_names.h"
 
 namespace mle {
@@ -105,6 +107,7 @@ class Matching {
  private:
   void Take(ColumnsByName::iterator found, std::size_t column);
   void MatchFolded();
+  void MatchUsualTime();
   std::string Missing() const;
   void FindOthers(std::vector<std::string>& faults) const;
 
@@ -139,6 +142,7 @@ void Matching::Match(const std::vector<std::string_view>& header) {
     if (found != wanted_.end()) Take(found, c);
   }
   MatchFolded();
+  MatchUsualTime();
   MatchQuality(options_, columns_);
 }
 
@@ -161,6 +165,22 @@ void Matching::MatchFolded() {
     }
     Take(wanted_.find(names[0]), found->second[0]);
   }
+}
+
+// Where no name of the column of times is declared, and one is usual.
+void Matching::MatchUsualTime() {
+  const auto time = wanted_.find(ColumnOptions().time_column);
+  if (time == wanted_.end() || time->second.kind != Kind::kTime) return;
+  const std::vector<std::string>& usual = UsualTimeColumns();
+  std::vector<std::size_t> found;
+  for (std::size_t c = 0; c < columns_.size(); ++c) {
+    if (columns_[c].kind == Kind::kOther &&
+        std::find(usual.begin(), usual.end(), FoldedName(columns_[c].name)) !=
+            usual.end()) {
+      found.push_back(c);
+    }
+  }
+  if (found.size() == 1) Take(time, found[0]);
 }
 
 std::string Matching::Missing() const {

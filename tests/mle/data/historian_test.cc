@@ -120,6 +120,20 @@ TEST(HistorianTest, TagsAreMappedWithTheirUnits) {
   EXPECT_THAT(Error("time\n", options), HasSubstr("scale is 0"));
 }
 
+TEST(HistorianTest, AUsualNameOfTheColumnOfTimesIsTaken) {
+  const std::string rows = ",steam,level\n0,5,1\n1,6,2\n";
+  for (const char* name : {"Timestamp", "DateTime", "DATE", "time"}) {
+    EXPECT_EQ(ImportOk(name + rows, {}).records[0].samples(), 2) << name;
+  }
+  // Which one, of two?
+  EXPECT_THAT(Error("Date,Timestamp,steam,level\n0,0,5,1\n1,1,6,2\n", {}),
+              HasSubstr("there is no column 'time'"));
+  HistorianOptions declared;
+  declared.columns.time_column = "Zeit";
+  EXPECT_THAT(Error("Timestamp" + rows, declared),
+              HasSubstr("there is no column 'Zeit'"));
+}
+
 TEST(HistorianTest, BadSamplesAreCountedByCause) {
   HistorianOptions options;
   options.bad_values = {"-9999", "Wartung"};
