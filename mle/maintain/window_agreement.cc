@@ -31,7 +31,9 @@ constexpr double kLeastNats = 10.0;
 constexpr double kMostSamples = 8000.0;
 constexpr double kLeastSamples = 100.0;
 constexpr double kCollinear = 1e-6;
-constexpr double kMemories = 5.0;          // that a window is long at least
+// That a window is long at least, and for each gain of its own.
+constexpr double kMemories = 5.0;
+constexpr double kMemoriesOfAGain = 1.5;
 constexpr double kNoiseParameters = 13.0;  // of whitened_fit.h, and the drift
 // From none to that of an output that is hardly more than a walk.
 constexpr double kDriftRatios[] = {0.0,  1e-6, 1e-5, 1e-4, 3e-4, 1e-3,
@@ -100,6 +102,18 @@ WhitenedData Separate(const WhitenedData& row) {
         row.responses[w];
   }
   return separate;
+}
+
+double LeastMemories(const ProcessModel& model) {
+  int most = 0;
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    int gains = 0;
+    for (int j = 0; j < model.num_inputs(); ++j) {
+      if (!model.element(i, j).IsZero()) ++gains;
+    }
+    most = std::max(most, gains);
+  }
+  return std::max(kMemories, kMemoriesOfAGain * most);
 }
 
 // Windows joined to the next ones of their stretch until they are `least`
@@ -371,7 +385,7 @@ absl::StatusOr<std::vector<WindowAgreement>> TestWindowAgreement(
   const double memory =
       std::ceil(LongestMemory(model) / parts.front().sample_time);
   const std::vector<StretchPart> joined =
-      JoinShort(stretches.windows, kMemories * memory);
+      JoinShort(stretches.windows, LeastMemories(model) * memory);
   const auto count = static_cast<Eigen::Index>(joined.size());
   if (count < 2) return agreements;
   Circumstances of;

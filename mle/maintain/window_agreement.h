@@ -12,16 +12,17 @@
 // τ_w the time of the window, x_ow the mean of output o in it (all outputs with
 // p + 3 windows, else the output itself). Windows are first joined to the next
 // ones of their stretch until they are five times as long as the model's
-// longest dead time and lag: in shorter ones the inputs are mostly what a
-// controller makes of noise that is not forgotten, and gains of their own are
-// biased by it. The noise is a random walk in white noise, of the ratio that is
-// likeliest (innovations_filter.h; beginning with common gains), and an
-// autoregression of what that leaves (whitened_fit.h). The windows disagree
-// where free gains are better than common ones by an F test at 1e-6 and differ
-// by 5 % of a response, less what noise makes of the difference. What the
-// differences follow is told from four windows on, where it explains half of
-// them and is better than the other by 10 nats less half the logarithm of the
-// samples for each of its parameters (BIC).
+// longest dead time and lag, and 1.5 times for each element of its fullest row:
+// in shorter ones the inputs are mostly what a controller makes of noise that
+// is not forgotten, and gains of their own are biased by it. The noise is a
+// random walk in white noise, of the ratio that is likeliest
+// (innovations_filter.h; beginning with common gains), and an autoregression of
+// what that leaves (whitened_fit.h). The windows disagree where free gains are
+// better than common ones by an F test at 1e-6 and differ by 5 % of a response,
+// less what noise makes of the difference. What the differences follow is told
+// from four windows on, where it explains half of them and is better than the
+// other by 10 nats less half the logarithm of the samples for each of its
+// parameters (BIC).
 //
 // A plant that has changed its gains in between follows time; one that is not
 // linear, or a valve, the operating point. One that has moved steadily with

@@ -129,6 +129,17 @@ TEST(WindowAgreementTest, WindowsShorterThanTheResponseAreJoined) {
   EXPECT_GT(agreement.p_value, 1e-4);
   // 13 samples of dead time and lag, five times of these in three windows.
   EXPECT_EQ(agreement.windows, 20);
+  // A row of ten elements asks for 15 times these.
+  ProcessModel wide("tank", "min", std::vector<InputChannel>(10),
+                    {OutputChannel{"level", "m"}});
+  std::vector<Record> many = windows;
+  for (int j = 0; j < 10; ++j) {
+    wide.element(0, j) = Tank(1.0).element(0, 0);
+  }
+  for (Record& window : many) {
+    window.inputs = window.inputs.replicate(10, 1).eval();
+  }
+  EXPECT_EQ(Agreement(many, wide).windows, 7);
 }
 
 TEST(WindowAgreementTest, NoiseIsNoDifference) {
