@@ -107,8 +107,7 @@ void AddOptions(Request& request, OptionTable& table) {
         "", kNotNegative}});
   AddAlarmOptions(request, table);
   AddServerOptions(request, table);
-  table.PutFirst({"controllers", "out", "state", "alarm_command", "alarm_mail",
-                  "alarm_webhook", "propose", "shard", "update", "threads",
+  table.PutFirst({"controllers", "out", "state", "alarm_command", "propose",
                   "serve", "acknowledge"});
 }
 
