@@ -11,8 +11,8 @@
 //   second order   K e^{−Ls} / (T² s² + 2ζT s + 1)     sopdt_fit.h
 //   sum of lags    e^{−Ls} Σ_i c_i / (τ_i s + 1)       rational_fit.h, ≤ 5
 //
-// and a pair that ends in a ramp, whose range counts for ten times dead time and
-// lag only, by the first of
+// and a pair that ends in a ramp, whose range counts for ten times dead time
+// and lag only, by the first of
 //
 //   an integrator  K e^{−Ls} / s
 //   with a lag     K e^{−Ls} / (s (T s + 1))           integrating_pair.h
