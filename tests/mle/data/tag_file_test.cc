@@ -154,7 +154,7 @@ TEST(HeaderTest, AllFaultsAreListedAtOnce) {
   const std::string message(
       ImportHistorianSources(
           {TextSource("a.csv",
-                      "Timestamp,levle,levle,steam.OP,x_setpoint,foo\n")},
+                      "Time_stamp,levle,levle,steam.OP,x_setpoint,foo\n")},
           Tank(), {})
           .status()
           .message());
@@ -163,8 +163,8 @@ TEST(HeaderTest, AllFaultsAreListedAtOnce) {
       AllOf(HasSubstr("a.csv: line 1, column 3: 'levle' stands twice"),
             HasSubstr("there is no column 'level' (nearest: 'levle'"),
             HasSubstr("'steam' (nearest: 'steam.OP')"),
-            HasSubstr("'time' (nearest: 'Timestamp')"),
-            HasSubstr("and has 'Timestamp', 'levle'"),
+            HasSubstr("'time' (nearest: 'Time_stamp')"),
+            HasSubstr("and has 'Time_stamp', 'levle'"),
             HasSubstr("column 5: 'x_setpoint' is a set point of an output"),
             HasSubstr("'foo'"), HasSubstr("ignore_other_columns = true")));
 }
