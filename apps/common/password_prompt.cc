@@ -21,13 +21,18 @@ class SilentTerminal {
     is_open_ = tcsetattr(file_, TCSAFLUSH, &silent) == 0;
   }
   ~SilentTerminal() {
-    if (is_open_) tcsetattr(file_, TCSAFLUSH, &before_);
+    ShowAgain();
     if (file_ >= 0) close(file_);
   }
   SilentTerminal(const SilentTerminal&) = delete;
   SilentTerminal& operator=(const SilentTerminal&) = delete;
 
   bool is_open() const { return is_open_; }
+
+  // The echo as it was; what was typed after the line stays to be read.
+  void ShowAgain() {
+    if (is_open_) tcsetattr(file_, TCSADRAIN, &before_);
+  }
 
   bool Write(std::string_view text) const {
     while (!text.empty()) {
@@ -60,9 +65,10 @@ class SilentTerminal {
 }  // namespace
 
 std::optional<std::string> AskPassword(const std::string& prompt) {
-  const SilentTerminal terminal;
+  SilentTerminal terminal;
   if (!terminal.is_open() || !terminal.Write(prompt)) return std::nullopt;
   std::optional<std::string> password = terminal.ReadLine();
+  terminal.ShowAgain();
   terminal.Write("\n");
   return password;
 }

@@ -128,7 +128,7 @@ def test_what_is_wrong_with_a_state_space():
     with pytest.raises(mle.InvalidInputError, match="B is 2 × 1, must be 3 × 1"):
         mle.StateSpaceModel(0.5 * np.eye(3), b, np.ones((1, 3)), dt=1)
     with pytest.raises(mle.InvalidInputError, match="unit circle|stable"):
-        mle.StateSpaceModel(np.eye(2), b, c, dt=1)
+        mle.StateSpaceModel(1.1 * np.eye(2), b, c, dt=1)
     with pytest.raises(mle.InvalidInputError, match="sample_time"):
         mle.StateSpaceModel(0.5 * np.eye(2), b, c, dt=0)
     with pytest.raises(mle.InvalidInputError, match="D must be zero"):
