@@ -88,8 +88,8 @@ class DatabaseBackend {
       std::string_view statement) = 0;
   // A transaction that no other writer comes between, as BEGIN.
   virtual const char* Begin() const = 0;
-  // Of the tables; 0: there are none. Within a transaction, which has the
-  // tables to itself.
+  // The version of the tables, 0 if there are none; called in a transaction
+  // that no other connection writes in.
   virtual absl::StatusOr<std::int64_t> Version() = 0;
   virtual absl::Status SetVersion(int version) = 0;
   // SELECT of a number that is another once another connection has written.

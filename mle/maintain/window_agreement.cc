@@ -104,6 +104,7 @@ WhitenedData Separate(const WhitenedData& row) {
   return separate;
 }
 
+// How long a window has to be, in the model's longest dead times and lags.
 double LeastMemories(const ProcessModel& model) {
   int most = 0;
   for (int i = 0; i < model.num_outputs(); ++i) {
@@ -208,23 +209,24 @@ WindowAgreement::Cause CauseOf(const WhitenedData& white, const VectorXd& y,
   return Cause::kUnknown;
 }
 
-// The filter of a random walk in white noise for `samples` samples.
-InnovationsFilter DriftFilter(Eigen::Index samples, double ratio) {
-  std::vector<int> times(samples);
-  std::iota(times.begin(), times.end(), 0);
-  return InnovationsFilter(times, {.ratio = ratio});
-}
+struct Filtered {
+  WhitenedData data;
+  double log_determinant = 0.0;  // of the noise of all outputs
+};
 
-// Every window through that filter.
-WhitenedData WithoutDrift(const WhitenedData& data, double ratio) {
-  WhitenedData filtered = data;
+// Every window through the filter of a random walk in white noise.
+Filtered WithoutDrift(const WhitenedData& data, double ratio) {
+  Filtered filtered{.data = data};
   for (std::size_t w = 0; w < data.outputs.size(); ++w) {
     if (data.outputs[w].size() == 0) continue;
-    const InnovationsFilter filter = DriftFilter(data.outputs[w].size(), ratio);
-    filter.Apply(filtered.outputs[w]);
+    std::vector<int> times(data.outputs[w].size());
+    std::iota(times.begin(), times.end(), 0);
+    const InnovationsFilter filter(times, {.ratio = ratio});
+    filtered.log_determinant += filter.log_determinant();
+    filter.Apply(filtered.data.outputs[w]);
     for (Eigen::Index j = 0; j < data.responses[w].cols(); ++j) {
       if (data.responses[w].col(j).isZero(0.0)) continue;
-      filter.Apply(filtered.responses[w].col(j));
+      filter.Apply(filtered.data.responses[w].col(j));
     }
   }
   return filtered;
@@ -242,12 +244,9 @@ double LikeliestDrift(const WhitenedData& separate, const VectorXd& gains) {
   double best_ratio = 0.0;
   double best = -std::numeric_limits<double>::infinity();
   for (const double ratio : kDriftRatios) {
-    double likelihood =
-        WhitenedLogLikelihood(WithoutDrift(rest, ratio), VectorXd());
-    for (const VectorXd& output : rest.outputs) {
-      if (output.size() == 0) continue;
-      likelihood -= 0.5 * DriftFilter(output.size(), ratio).log_determinant();
-    }
+    const Filtered filtered = WithoutDrift(rest, ratio);
+    const double likelihood = WhitenedLogLikelihood(filtered.data, {}) -
+                              0.5 * filtered.log_determinant;
     if (likelihood > best) {
       best = likelihood;
       best_ratio = ratio;
@@ -291,7 +290,7 @@ WindowAgreement TestOutput(const WhitenedData& row, const Circumstances& of,
   VectorXd gains = VectorXd::Ones(m * agreement.windows);
   WhitenedData filtered;
   for (int round = 0; round < 2; ++round) {
-    filtered = WithoutDrift(separate, LikeliestDrift(separate, gains));
+    filtered = WithoutDrift(separate, LikeliestDrift(separate, gains)).data;
     gains = FitWhitenedGains(filtered, gains).gains;
   }
   const WhitenedData whole = Whiten(filtered, gains);

@@ -25,8 +25,8 @@ using Eigen::VectorXd;
 constexpr double kSettled = 2.0;
 constexpr double kFewestSamples = 10.0;
 constexpr double kMostSamples = 20000.0;
-// Of the ramp's rise over a sample: what is left of an integrator alone by
-// rounding of its dead time.
+// What rounding of the dead time leaves of an integrator alone, as a share of
+// the ramp's rise over a sample.
 constexpr double kNothingLeft = 1e-8;
 // Of σ_1 and for each state: what is smaller is rounding.
 constexpr double kRounding = 1e-15;
