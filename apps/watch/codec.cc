@@ -136,9 +136,8 @@ absl::StatusOr<WatchReference> DecodeReference(const std::string& json) {
     reference.low = VectorOf(parsed.at("low"));
     reference.high = VectorOf(parsed.at("high"));
     return reference;
-  } catch (const Json::exception& error) {
-    return absl::DataLossError(
-        absl::StrCat("the reference in the state is damaged: ", error.what()));
+  } catch (const Json::exception&) {
+    return absl::DataLossError("its reference cannot be read");
   }
 }
 

@@ -75,12 +75,14 @@ absl::Status Runner::Update(const Controller& controller, Outcome& outcome) {
 
 Outcome Runner::Run(const Controller& controller) {
   Outcome outcome;
-  outcome.watch.controller = controller.name;
   outcome.status = Update(controller, outcome);
   if (outcome.status.ok()) return outcome;
   // What was there before stays, with word of what went wrong.
   absl::StatusOr<Watch> before = Load(controller, outcome.model);
-  if (!before.ok()) return outcome;
+  if (!before.ok()) {
+    outcome.watch = EmptyWatch(controller.name, outcome.model.num_outputs());
+    return outcome;
+  }
   outcome.watch = *std::move(before);
   outcome.watch.failed = true;
   outcome.watch.news = std::string(outcome.status.message());

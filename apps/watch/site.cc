@@ -60,13 +60,21 @@ absl::StatusOr<std::shared_ptr<Entry>> Site::Load(
   entry->controller = controller;
   const absl::StatusOr<ModelFile> file = ReadModelFile(controller.model);
   const ProcessModel model = file.ok() ? file->process : ProcessModel();
+  absl::StatusOr<Watch> loaded;
   {
     const std::lock_guard<std::mutex> lock(state_mutex_);
-    MLE_ASSIGN_OR_RETURN(entry->watch,
-                         state_.Load(controller.name, model.num_outputs()));
+    loaded = state_.Load(controller.name, model.num_outputs());
   }
+  // One that is damaged is shown as such, beside the others.
+  const bool damaged = absl::IsDataLoss(loaded.status());
+  if (!loaded.ok() && !damaged) return loaded.status();
   Watch& watch = entry->watch;
-  if (!file.ok()) {
+  watch = damaged ? EmptyWatch(controller.name, model.num_outputs())
+                  : *std::move(loaded);
+  if (damaged) {
+    watch.failed = true;
+    watch.news = std::string(loaded.status().message());
+  } else if (!file.ok()) {
     watch.failed = true;
     watch.news = absl::StrCat("model: ", file.status().message());
   } else if (watch.id == 0) {

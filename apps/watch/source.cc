@@ -92,13 +92,17 @@ absl::StatusOr<DatedRecords> WithDates(
   return dated;
 }
 
-// With rows in these seconds since 1970.
-std::vector<std::string> FilesBetween(const Watch& watch, double from,
+// With rows in these seconds since 1970, of the folder as it is named now:
+// under another name the same files have been read before.
+std::vector<std::string> FilesBetween(const std::string& folder,
+                                      const Watch& watch, double from,
                                       double to) {
   std::vector<std::string> paths;
   for (const auto& [path, file] : watch.files) {
-    if (file.fault.empty() && file.last >= from && file.first <= to &&
-        fs::exists(path)) {
+    const bool is_of_folder =
+        (fs::path(folder) / fs::path(path).filename()).string() == path;
+    if (is_of_folder && file.fault.empty() && file.last >= from &&
+        file.first <= to && fs::exists(path)) {
       paths.push_back(path);
     }
   }
@@ -181,7 +185,8 @@ absl::Status NewFiles::AddAround() {
   const double around =
       kSecondsOfDay + kSettlingTimes * SettlingTime(model_) * seconds_per_unit_;
   for (const std::string& path :
-       FilesBetween(watch_, result_.first - around, result_.last + around)) {
+       FilesBetween(controller_.records, watch_, result_.first - around,
+                    result_.last + around)) {
     if (!result_.files.contains(path)) all.push_back(path);
   }
   if (all.size() == paths_.size()) return absl::OkStatus();
@@ -289,7 +294,7 @@ std::vector<std::string> SourcesBetween(const Controller& controller,
   options.begin = FormatIsoTime(from);
   options.end = FormatIsoTime(to);
   if (IsDatabase(controller.records)) return {controller.records};
-  return FilesBetween(watch, from, to);
+  return FilesBetween(controller.records, watch, from, to);
 }
 
 absl::StatusOr<std::optional<NewRecords>> ReadNew(const Controller& controller,

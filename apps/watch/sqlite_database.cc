@@ -121,6 +121,18 @@ class SqliteDatabase : public DatabaseBackend {
     MLE_RETURN_IF_ERROR(select->Next().status());
     return select->Integer(0);
   }
+  // FailedPrecondition where there are tables that are not of a state.
+  absl::Status CheckOwner() {
+    MLE_ASSIGN_OR_RETURN(const std::int64_t version, Version());
+    MLE_ASSIGN_OR_RETURN(const auto tables,
+                         Prepare("SELECT COUNT(*) FROM sqlite_schema"));
+    MLE_RETURN_IF_ERROR(tables->Next().status());
+    if (version != 0 || tables->Integer(0) == 0) return absl::OkStatus();
+    return absl::FailedPreconditionError(absl::StrCat(
+        "state: ", sqlite3_db_filename(database_.get(), "main"),
+        ": it is an SQLite file of another program; name one that is not there "
+        "yet"));
+  }
   absl::Status SetVersion(int version) override {
     return Execute(absl::StrCat("PRAGMA user_version = ", version));
   }
@@ -150,6 +162,10 @@ absl::StatusOr<std::unique_ptr<DatabaseBackend>> OpenSqliteState(
         opened == nullptr ? "out of memory" : sqlite3_errmsg(opened)));
   }
   sqlite3_busy_timeout(opened, kBusyMilliseconds);
+  // What a damaged or an exchanged file says of itself is not trusted.
+  MLE_RETURN_IF_ERROR(database->Execute(
+      "PRAGMA trusted_schema = OFF; PRAGMA cell_size_check = ON"));
+  MLE_RETURN_IF_ERROR(database->CheckOwner());
   MLE_RETURN_IF_ERROR(
       database->Execute("PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL;"
                         "PRAGMA foreign_keys = ON"));

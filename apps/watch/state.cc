@@ -5,6 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "apps/watch/codec.h"
+#include "apps/watch/state_checksum.h"
 #include "mle/base/status.h"
 
 namespace mle::watch {
@@ -54,11 +55,31 @@ ALTER TABLE alarm DROP COLUMN delivery;
 ALTER TABLE alarm DROP COLUMN acknowledged;
 )sql";
 
+constexpr char kChecksums[] =
+    "ALTER TABLE watch ADD COLUMN checksum TEXT NOT NULL DEFAULT ''";
+
 // Step v leads from version v to v + 1.
-constexpr const char* kSteps[] = {kTables, kDeliveries};
+constexpr const char* kSteps[] = {kTables, kDeliveries, kChecksums};
 static_assert(std::size(kSteps) == kStateVersion);
 
+// More are damage.
+constexpr std::int64_t kMostOutputs = 100'000;
+
+absl::Status Damaged(const Watch& watch, absl::string_view what) {
+  return absl::DataLossError(absl::StrCat(
+      "state: what it has of \"", watch.controller, "\" is damaged: ", what,
+      "; put a copy of the state in its place, or move it away: a new watch "
+      "then begins with the records that are there"));
+}
+
 }  // namespace
+
+Watch EmptyWatch(const std::string& controller, int outputs) {
+  Watch watch;
+  watch.controller = controller;
+  watch.outputs.resize(static_cast<std::size_t>(outputs));
+  return watch;
+}
 
 absl::StatusOr<State> State::Open(const std::string& path) {
   MLE_ASSIGN_OR_RETURN(Database database, Database::Open(path));
@@ -70,7 +91,7 @@ absl::StatusOr<State> State::Open(const std::string& path) {
 absl::Status State::Migrate() {
   MLE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(database_));
   MLE_ASSIGN_OR_RETURN(const std::int64_t found, database_.backend().Version());
-  if (found > kStateVersion) {
+  if (found < 0 || found > kStateVersion) {
     return absl::FailedPreconditionError(absl::StrCat(
         "state: it has version ", found, "; this program knows version ",
         kStateVersion, " and those before it"));
@@ -86,14 +107,26 @@ absl::Status State::Migrate() {
 }
 
 absl::StatusOr<Watch> State::Load(const std::string& controller, int outputs) {
+  std::string checksum;
+  MLE_ASSIGN_OR_RETURN(Watch watch, Read(controller, checksum));
+  if (!checksum.empty() && checksum != ChecksumOf(watch)) {
+    return Damaged(watch, "it is not what was saved");
+  }
+  // The model had more outputs: another watch begins.
+  watch.outputs.resize(static_cast<std::size_t>(outputs));
+  return watch;
+}
+
+absl::StatusOr<Watch> State::Read(const std::string& controller,
+                                  std::string& checksum) {
   Watch watch;
   watch.controller = controller;
-  watch.outputs.resize(static_cast<std::size_t>(outputs));
   MLE_ASSIGN_OR_RETURN(
       Statement select,
       database_.Prepare(
           "SELECT id, basis, begin, first, sample_time, reference, news, "
-          "failed FROM watch WHERE controller = ? ORDER BY id DESC LIMIT 1"));
+          "failed, checksum FROM watch WHERE controller = ? "
+          "ORDER BY id DESC LIMIT 1"));
   select.BindText(1, controller);
   MLE_ASSIGN_OR_RETURN(const bool found, select.Next());
   if (!found) return watch;
@@ -103,10 +136,13 @@ absl::StatusOr<Watch> State::Load(const std::string& controller, int outputs) {
   watch.first = static_cast<int>(select.Integer(3));
   watch.sample_time = select.Number(4);
   if (!select.IsNull(5)) {
-    MLE_ASSIGN_OR_RETURN(watch.reference, DecodeReference(select.Text(5)));
+    absl::StatusOr<WatchReference> reference = DecodeReference(select.Text(5));
+    if (!reference.ok()) return Damaged(watch, reference.status().message());
+    watch.reference = *std::move(reference);
   }
   watch.news = select.Text(6);
   watch.failed = select.Integer(7) != 0;
+  checksum = select.Text(8);
   MLE_RETURN_IF_ERROR(LoadFiles(watch));
   MLE_RETURN_IF_ERROR(LoadDays(watch));
   MLE_RETURN_IF_ERROR(LoadScores(watch));
@@ -157,10 +193,15 @@ absl::Status State::LoadScores(Watch& watch) {
   return ForEach(
       "SELECT output, number, length, data FROM score WHERE watch = ?", watch,
       [&watch](const Statement& row) -> absl::Status {
-        const auto output = static_cast<std::size_t>(row.Integer(0));
-        // The model had more outputs: another watch begins.
-        if (output >= watch.outputs.size()) return absl::OkStatus();
-        MLE_ASSIGN_OR_RETURN(StoredBatch stored, DecodeBatch(row.Text(3)));
+        const std::int64_t number = row.Integer(0);
+        absl::StatusOr<StoredBatch> decoded = DecodeBatch(row.Text(3));
+        if (number < 0 || number >= kMostOutputs || !decoded.ok()) {
+          return Damaged(watch, decoded.ok() ? "it has scores of no output"
+                                             : decoded.status().message());
+        }
+        StoredBatch stored = *std::move(decoded);
+        const auto output = static_cast<std::size_t>(number);
+        if (output >= watch.outputs.size()) watch.outputs.resize(output + 1);
         stored.batch.number = static_cast<int>(row.Integer(1));
         stored.batch.length = static_cast<int>(row.Integer(2));
         stored.evidence.number = stored.batch.number + stored.batch.length - 1;

@@ -13,7 +13,9 @@
 //   proposal  corrections that were run
 //
 // A watch is read whole, changed in memory and written back in one transaction:
-// a kill leaves the state of before or after. The version of the tables is in
+// a kill leaves the state of before or after. With it goes a checksum of
+// everything that evidence rests on; a watch that does not fit it is damaged,
+// and neither shown nor carried on. The version of the tables is in
 // user_version, or a table `version`; older ones are brought up to date, newer
 // ones refused.
 
@@ -37,7 +39,7 @@
 
 namespace mle::watch {
 
-inline constexpr int kStateVersion = 2;
+inline constexpr int kStateVersion = 3;
 
 struct SeenFile {
   std::int64_t bytes = 0;
@@ -141,6 +143,9 @@ struct Watch {
   }
 };
 
+// Of a controller that nothing is known of.
+Watch EmptyWatch(const std::string& controller, int outputs);
+
 class State {
  public:
   // A file, or postgresql://USER@HOST/NAME. Makes the file and the tables if
@@ -157,6 +162,7 @@ class State {
   }
 
   // The last watch of the controller, or a new one with `outputs` outputs.
+  // DataLoss where it is damaged.
   absl::StatusOr<Watch> Load(const std::string& controller, int outputs);
   // All of it, in one transaction; gives a new watch its id.
   absl::Status Save(Watch& watch);
@@ -184,6 +190,10 @@ class State {
   absl::Status ForEach(
       std::string_view query, const Watch& watch,
       const std::function<absl::Status(const Statement&)>& take);
+  // With all outputs that there are; `checksum` as it was saved, empty by older
+  // programs.
+  absl::StatusOr<Watch> Read(const std::string& controller,
+                             std::string& checksum);
   absl::Status LoadFiles(Watch& watch);
   absl::Status LoadDays(Watch& watch);
   absl::Status LoadScores(Watch& watch);
@@ -195,6 +205,8 @@ class State {
   absl::Status SaveDays(const Watch& now, const Watch& before);
   absl::Status SaveScores(const Watch& now, const Watch& before);
   absl::Status SaveAlarms(const Watch& now);
+  // Of what the tables have now.
+  absl::Status SaveChecksum(const Watch& now);
 
   Database database_;
 };

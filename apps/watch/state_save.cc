@@ -5,6 +5,7 @@
 
 #include "apps/watch/codec.h"
 #include "apps/watch/state.h"
+#include "apps/watch/state_checksum.h"
 #include "mle/base/status.h"
 
 namespace mle::watch {
@@ -23,6 +24,7 @@ absl::Status State::Save(Watch& watch) {
   if (status.ok()) status = SaveDays(watch, before);
   if (status.ok()) status = SaveScores(watch, before);
   if (status.ok()) status = SaveAlarms(watch);
+  if (status.ok()) status = SaveChecksum(watch);
   if (status.ok()) status = transaction.Commit();
   if (!status.ok()) watch.id = id;
   return status;
@@ -169,6 +171,16 @@ absl::Status State::SaveAlarms(const Watch& now) {
     MLE_RETURN_IF_ERROR(proposal.Run());
   }
   return absl::OkStatus();
+}
+
+absl::Status State::SaveChecksum(const Watch& now) {
+  std::string before;
+  MLE_ASSIGN_OR_RETURN(const Watch saved, Read(now.controller, before));
+  MLE_ASSIGN_OR_RETURN(
+      Statement write,
+      database_.Prepare("UPDATE watch SET checksum = ? WHERE id = ?"));
+  write.BindText(1, ChecksumOf(saved)).Bind(2, now.id);
+  return write.Run();
 }
 
 }  // namespace mle::watch

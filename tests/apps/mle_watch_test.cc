@@ -3,6 +3,7 @@
 #include <chrono>
 #include <csignal>
 #include <filesystem>
+#include <fstream>
 #include <set>
 #include <sstream>
 #include <string>
@@ -126,6 +127,49 @@ TEST_F(MleWatchTest, AFileThatCannotBeReadIsLeftOutAndSaid) {
   EXPECT_EQ(Tank()["status"], "healthy");
   EXPECT_THAT(Content(scratch_ / "watch/controller-tank.html"),
               HasSubstr("broken.csv cannot be read"));
+}
+
+TEST_F(MleWatchTest, AFolderUnderAnotherNameHasTheSameRecords) {
+  WriteDays(0, 40);
+  EXPECT_EQ(Watch().exit_code, 0);
+  const nlohmann::json before = Tank();
+  fs::create_directory_symlink(scratch_ / "records", scratch_ / "link");
+  scratch_.Write("controllers.json", R"({"version": 1, "controllers": [
+      {"name": "tank", "model": "tank.json", "records": "link",
+       "reference_days": 8}]})");
+  const report::ProcessResult run = Watch();
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(Tank()["elements"], before["elements"]);
+  // Of both names one is read for a correction, too.
+  std::vector<std::string> arguments = Arguments("watch");
+  arguments[2] = "--propose=true";
+  EXPECT_EQ(RunTested(arguments).exit_code, 0);
+  EXPECT_EQ(Tank()["proposals"][0]["decision"], "corrected") << Tank().dump();
+}
+
+TEST_F(MleWatchTest, ADamagedStateIsSaidAndStopsNobody) {
+  WriteDays(0, 12);
+  scratch_.Write("controllers.json", R"({"version": 1, "controllers": [
+      {"name": "tank", "model": "tank.json", "records": "records",
+       "reference_days": 8},
+      {"name": "other", "model": "tank.json", "records": "records",
+       "reference_days": 8}]})");
+  EXPECT_EQ(Watch().exit_code, 0);
+  const std::string path = scratch_ / "watch/state.sqlite";
+  std::string state = Content(path);
+  // The reference's JSON of the first.
+  const std::size_t at = state.find("\"variance\":0.");
+  ASSERT_NE(at, std::string::npos);
+  state[at + 16] = state[at + 16] == '5' ? '6' : '5';
+  std::ofstream(path, std::ios::binary) << state;
+  const report::ProcessResult run = Watch();
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_THAT(run.err, HasSubstr("is damaged: it is not what was saved"));
+  const nlohmann::json all =
+      ParsedJson(scratch_ / "watch/watch.json")["controllers"];
+  ASSERT_THAT(all, SizeIs(2));
+  std::set<std::string> statuses = {all[0]["status"], all[1]["status"]};
+  EXPECT_EQ(statuses, (std::set<std::string>{"failed", "healthy"}));
 }
 
 TEST_F(MleWatchTest, AnotherModelBeginsAnotherWatch) {

@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
+#include "apps/watch/database.h"
 #include "apps/watch/metrics.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
@@ -294,6 +295,25 @@ TEST_F(RoutesTest, WhatOthersWriteIsShown) {
     site_->Refresh(nullptr);
   }
   EXPECT_EQ(GetJson("/api/v1/controllers/c")["status"], "healthy");
+}
+
+TEST_F(RoutesTest, ADamagedControllerIsShownBesideTheOthers) {
+  absl::StatusOr<Database> database = Database::Open(files_.StatePath());
+  ASSERT_TRUE(database.ok());
+  ASSERT_TRUE(database
+                  ->Execute("UPDATE day SET state = 1 WHERE watch = "
+                            "(SELECT id FROM watch WHERE controller = 'b')")
+                  .ok());
+  absl::StatusOr<std::unique_ptr<Site>> site = Site::Open(
+      {.list = files_.List(), .state = files_.StatePath(), .folder = "."});
+  ASSERT_TRUE(site.ok()) << site.status();
+  site_ = *std::move(site);
+  const nlohmann::json all = GetJson("/watch.json")["controllers"];
+  ASSERT_THAT(all, SizeIs(3));
+  EXPECT_EQ(all[0]["status"], "failed");
+  EXPECT_THAT(std::string(all[0]["sentence"]), HasSubstr("is damaged"));
+  EXPECT_EQ(all[1]["status"], "aged");
+  EXPECT_THAT(*Get("/controller-b.html").body, HasSubstr("is damaged"));
 }
 
 TEST_F(RoutesTest, AListThatCannotBeReadLeavesWhatWasThere) {

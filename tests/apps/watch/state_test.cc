@@ -10,6 +10,7 @@
 #include "apps/watch/database.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "mle/base/file.h"
 #include "tests/mle/database/postgresql_server.h"
 
 namespace mle::watch {
@@ -325,6 +326,67 @@ TEST_P(StateTest, AStateOfALaterVersionIsRefused) {
   EXPECT_THAT(std::string(status.message()), HasSubstr("version 99"));
 }
 
+TEST_P(StateTest, AStateOfNoVersionIsRefused) {
+  Open();
+  absl::StatusOr<Database> database = Database::Open(name_);
+  ASSERT_TRUE(database.ok());
+  ASSERT_TRUE(database->backend().SetVersion(-1).ok());
+  EXPECT_EQ(State::Open(name_).status().code(),
+            absl::StatusCode::kFailedPrecondition);
+}
+
+TEST_P(StateTest, WhatWasDamagedIsNotTaken) {
+  State state = Open();
+  Watch watch = FullWatch();
+  for (const char* const damage :
+       {"UPDATE watch SET basis = 'abd'", "UPDATE watch SET first = 20002",
+        "UPDATE watch SET sample_time = 1.5000000000000002",
+        "UPDATE watch SET reference = '{\"outputs\":[],\"low\":[1.0],"
+        "\"high\":[0.0]}'",
+        "UPDATE watch SET reference = 'x'", "UPDATE file SET bytes = 9",
+        "UPDATE file SET path = 'b.csv'",
+        "UPDATE day SET state = 1 WHERE number = 20001",
+        "DELETE FROM day WHERE number = 20002", "UPDATE score SET output = 0",
+        "UPDATE score SET output = -1", "UPDATE score SET length = 8",
+        "UPDATE alarm SET output = 7", "UPDATE alarm SET day = 1",
+        "UPDATE proposal SET folder = '/'"}) {
+    ASSERT_TRUE(state.Save(watch).ok()) << damage;
+    absl::StatusOr<Database> database = Database::Open(name_);
+    ASSERT_TRUE(database.ok());
+    ASSERT_TRUE(database->Execute(damage).ok()) << damage;
+    const absl::Status status = state.Load("column", 2).status();
+    EXPECT_EQ(status.code(), absl::StatusCode::kDataLoss) << damage;
+    EXPECT_THAT(std::string(status.message()), HasSubstr("\"column\""));
+    // Nor is it saved over.
+    EXPECT_FALSE(state.Save(watch).ok()) << damage;
+    // The next begins anew.
+    ASSERT_TRUE(database
+                    ->Execute("DELETE FROM proposal; DELETE FROM alarm; "
+                              "DELETE FROM score; DELETE FROM day; "
+                              "DELETE FROM file; DELETE FROM watch")
+                    .ok());
+    watch = FullWatch();
+  }
+}
+
+TEST_P(StateTest, WhatOthersChangeAndOlderProgramsSavedIsNotDamage) {
+  State state = Open();
+  Watch watch = FullWatch();
+  ASSERT_TRUE(state.Save(watch).ok());
+  ASSERT_TRUE(state.SetDelivery("id", {.attempts = 1, .fault = "busy"}).ok());
+  ASSERT_TRUE(state.Acknowledge("id", {.who = "Ann", .at = 1}).ok());
+  EXPECT_TRUE(state.Load("column", 2).ok());
+  // Of a model with fewer outputs.
+  EXPECT_TRUE(state.Load("column", 1).ok());
+  absl::StatusOr<Database> database = Database::Open(name_);
+  ASSERT_TRUE(database.ok());
+  ASSERT_TRUE(database->Execute("UPDATE watch SET checksum = ''").ok());
+  watch = Load(state);
+  ASSERT_TRUE(state.Save(watch).ok());
+  ASSERT_TRUE(database->Execute("UPDATE day SET state = 2").ok());
+  EXPECT_FALSE(state.Load("column", 2).ok());
+}
+
 TEST_P(StateTest, BytesAndNumbersComeBackToTheBit) {
   absl::StatusOr<Database> database = Database::Open(name_);
   ASSERT_TRUE(database.ok());
@@ -381,6 +443,20 @@ INSTANTIATE_TEST_SUITE_P(Databases, StateTest, ::testing::Bool(),
                          [](const auto& kind) {
                            return kind.param ? "Postgresql" : "Sqlite";
                          });
+
+TEST(StateNameTest, AFileOfAnotherProgramIsLeftAlone) {
+  const StateFile file;
+  {
+    absl::StatusOr<Database> other = Database::Open(file.file());
+    ASSERT_TRUE(other.ok());
+    ASSERT_TRUE(other->Execute("CREATE TABLE history(time, level)").ok());
+  }
+  const absl::StatusOr<std::string> before = ReadFile(file.file());
+  const absl::Status status = State::Open(file.file()).status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_THAT(std::string(status.message()), HasSubstr("another program"));
+  EXPECT_TRUE(*ReadFile(file.file()) == *before);
+}
 
 TEST(StateNameTest, WhatIsNotADatabaseIsRefused) {
   const std::string folder = testing::TempDir() + "/state_folder";
