@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "absl/strings/str_cat.h"
+#include "apps/common/clean_output.h"
 #include "apps/common/flag_parser.h"
 #include "apps/common/help_text.h"
 #include "apps/common/process_faults.h"
@@ -52,6 +53,7 @@ int PrintHelp(const std::string& command, const std::string& topic,
 void ParseCommandLine(const std::string& usage, const OptionTable& table,
                       int argc, char** argv) {
   PrepareForFaults();
+  CleanOutput();
   google::InitGoogleLogging(argv[0]);
   FLAGS_logtostderr = true;
   const std::vector<std::string> arguments(argv + 1, argv + argc);

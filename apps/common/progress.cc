@@ -11,6 +11,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "apps/common/clean_output.h"
+#include "apps/report/text.h"
 
 namespace mle {
 namespace {
@@ -37,8 +39,9 @@ std::mutex& LineMutex() {
 }
 
 StatusLine& TheLine() {
+  static auto* const kErrors = new std::ostream(UncleanErrors());
   static auto* const kLine =
-      new StatusLine(std::cerr, ErrorsGoToTerminal(), Now());
+      new StatusLine(*kErrors, ErrorsGoToTerminal(), Now());
   return *kLine;
 }
 
@@ -53,11 +56,11 @@ void StatusLine::Show(const std::string& text, double now) {
   if (now < due_) return;
   due_ = now + (terminal_ ? kBetweenRewrites : kBetweenLines);
   if (!terminal_) {
-    out_ << text << "\n";
+    out_ << report::CleanText(text) << "\n";
     return;
   }
   // To the line's begin; what is right of the text is erased.
-  out_ << "\r" << text << "\x1b[K" << std::flush;
+  out_ << "\r" << report::CleanText(text) << "\x1b[K" << std::flush;
   shown_ = true;
 }
 

@@ -45,6 +45,14 @@ class MleCorrectBadInput : public ::testing::Test {
   std::string data_;
 };
 
+TEST_F(MleCorrectBadInput, NamesDoNotCommandATerminal) {
+  const report::ProcessResult result = RunTested(CorrectionFlags(
+      model_, data_, scratch_ / "out", {"--\x1b[31m", "--window_after=\x07"}));
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_EQ(result.err.find_first_of("\x1b\x07"), std::string::npos);
+  EXPECT_THAT(result.err, HasSubstr("\uFFFD"));
+}
+
 TEST_F(MleCorrectBadInput, Flags) {
   ExpectRefused({"--nosuch"}, {"--nosuch", "--help"});
   ExpectRefused({"--windw_after=3"}, {"did you mean 'window_after'?"});
