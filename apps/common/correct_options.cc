@@ -120,7 +120,7 @@ std::vector<Option> OptionsOf(DecisionOptions& options) {
        "which it is not worth making.",
        "", kFraction},
       {"clock_error", &options.clock_error,
-       "By how much the time stamps of a tag may be late or early, three "
+       "By how much the time stamps of a tag may be late or early, five "
        "samples at least: a change of dead time that a whole row or column of "
        "the model shares is not told from it. 0: clocks are right.",
        "s", kNotNegative},

@@ -105,6 +105,7 @@ void AddOptions(Request& request, OptionTable& table) {
   table.Add("Windows and bad samples", OptionsOf(options.records));
   table.Add("Estimation", OptionsOf(options.estimation));
   table.Add("Hold-out validation", OptionsOf(options.hold_out));
+  table.Add("Decision", OptionsOf(options.decision));
   table.Add("Results",
             {{"response_horizon", &options.response_horizon,
               "Length NΔt of the step responses; 0: the model's settling time.",

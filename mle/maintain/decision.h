@@ -63,7 +63,7 @@ struct DecisionOptions {
   bool require_hold_out = true;
   // By how much the time stamps of a tag may be late or early, in s, ≥ 0. A
   // change of dead time that all elements of a row or column share is not told
-  // from it up to this, or up to three samples, as scans and averages make them
+  // from it up to this, or up to five samples, as scans and averages make them
   // late (shared_changes.h). 0: clocks are right.
   double clock_error = 120.0;
 

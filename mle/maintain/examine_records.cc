@@ -229,7 +229,7 @@ void Examiner::FindOperation() {
         absl::StrFormat("%s: the set point moves %d times, by %.3g in the "
                         "median, as an optimiser moves it.",
                         name, moves.moves, moves.median_size))
-        .message.options = {"min_change"};
+        .message.options = {"min_setpoint_change"};
   }
 }
 

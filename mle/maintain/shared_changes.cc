@@ -9,6 +9,7 @@ namespace mle {
 namespace {
 
 constexpr double kDeviations = 3.0;
+constexpr double kSupport = 4.0;    // twice the difference of log-likelihoods
 constexpr double kOfSample = 0.25;  // below it a dead time is not known anyway
 constexpr double kOfGain = 0.01;
 
@@ -33,14 +34,21 @@ std::optional<Change> Share(const std::vector<Change>& changes, double least) {
   if (!(std::abs(shared.value) > kDeviations * shared.error)) {
     return std::nullopt;
   }
+  int supporting = 0;
+  bool all_nearer = true;
   for (std::size_t j = 0; j < changes.size(); ++j) {
     const double own = changes[j].value;
-    const double rest = std::abs(own - shared.value);
-    if (!(rest <= kDeviations * std::sqrt(variances[j])) ||
-        rest > std::abs(own)) {
+    const double rest = own - shared.value;
+    // Twice the nats by which δ is likelier than no change.
+    const double support = (own * own - rest * rest) / variances[j];
+    if (!(std::abs(rest) <= kDeviations * std::sqrt(variances[j])) ||
+        support < -kSupport) {
       return std::nullopt;
     }
+    if (support > kSupport) ++supporting;
+    all_nearer = all_nearer && support >= 0.0;
   }
+  if (!all_nearer && supporting < 2) return std::nullopt;
   return shared;
 }
 

@@ -13,6 +13,7 @@
 #include "mle/base/status.h"
 #include "mle/maintain/element_responses.h"
 #include "mle/maintain/whitened_fit.h"
+#include "mle/nonlinear/distributions.h"
 
 namespace mle {
 namespace {
@@ -20,7 +21,7 @@ namespace {
 constexpr double kMostProducts = 2e7;
 constexpr double kLeastSamples = 100.0;
 constexpr double kLeastNats = 10.0;
-constexpr double kCompleteNats = 6.0;
+constexpr double kSignificant = 0.01;
 constexpr double kDeviations = 3.0;
 // Samples, tried on both sides; between the best and its neighbours it is
 // searched.
@@ -85,11 +86,13 @@ struct BestDelay {
   double log_likelihood = 0.0;
 };
 
-// Of elements `which` (p × m, 1 where delayed) of all rows together.
+// Of elements `which` (p × m, 1 where delayed) of all rows together, by no less
+// than `least` samples.
 class DelaySearch {
  public:
-  DelaySearch(const std::vector<WhitenedData>& rows, Eigen::MatrixXd which)
-      : rows_(rows), which_(std::move(which)) {}
+  DelaySearch(const std::vector<WhitenedData>& rows, Eigen::MatrixXd which,
+              double least = -std::numeric_limits<double>::infinity())
+      : rows_(rows), which_(std::move(which)), least_(least) {}
 
   double At(double delay) const {
     double sum = 0.0;
@@ -115,16 +118,17 @@ class DelaySearch {
 
   BestDelay Find() const {
     BestDelay best{.delay = 0.0, .log_likelihood = At(0.0)};
-    double low = -kDelays[0];
+    double low = std::max(least_, -kDelays[0]);
     double high = kDelays[0];
     for (const double sign : {-1.0, 1.0}) {
       for (std::size_t d = 0; d < kDelays.size(); ++d) {
-        const double likelihood = At(sign * kDelays[d]);
+        const double delay = std::max(least_, sign * kDelays[d]);
+        const double likelihood = At(delay);
         if (likelihood <= best.log_likelihood) continue;
-        best = {.delay = sign * kDelays[d], .log_likelihood = likelihood};
+        best = {.delay = delay, .log_likelihood = likelihood};
         const double less = d > 0 ? kDelays[d - 1] : 0.0;
         const double more = kDelays[std::min(d + 1, kDelays.size() - 1)];
-        low = std::min(sign * less, sign * more);
+        low = std::max(least_, std::min(sign * less, sign * more));
         high = std::max(sign * less, sign * more);
       }
     }
@@ -158,11 +162,27 @@ class DelaySearch {
 
   const std::vector<WhitenedData>& rows_;
   Eigen::MatrixXd which_;
+  double least_;
 };
 
-// The delay of a row or column if it explains everything.
+// Of the rows of `which`, all that the model has.
+double FreeElements(const Eigen::MatrixXd& dead_times,
+                    const Eigen::MatrixXd& which) {
+  double sum = 0.0;
+  for (Eigen::Index i = 0; i < which.rows(); ++i) {
+    if (!which.row(i).isZero()) {
+      sum += static_cast<double>((dead_times.row(i).array() >= 0.0).count());
+    }
+  }
+  return sum;
+}
+
+// The delay of a row or column if it explains everything. `dead_times` (p × m)
+// are the model's, in samples, −1 where it has no element: that of an element
+// by itself does not fall below 0.
 std::optional<BestDelay> ExplainByDelay(const std::vector<WhitenedData>& rows,
-                                        const Eigen::MatrixXd& which) {
+                                        const Eigen::MatrixXd& which,
+                                        const Eigen::MatrixXd& dead_times) {
   const DelaySearch search(rows, which);
   const double before = search.At(0.0);
   // What no delay can explain, or need not.
@@ -170,7 +190,8 @@ std::optional<BestDelay> ExplainByDelay(const std::vector<WhitenedData>& rows,
   BestDelay best = search.Find();
   if (best.log_likelihood < before + kLeastNats ||
       std::abs(best.delay) < kDeviations * best.error ||
-      search.FreeAt(best.delay) > best.log_likelihood + kCompleteNats) {
+      ChiSquareTail(2.0 * (search.FreeAt(best.delay) - best.log_likelihood),
+                    2.0 * FreeElements(dead_times, which)) < kSignificant) {
     return std::nullopt;
   }
   for (Eigen::Index i = 0; i < which.rows(); ++i) {
@@ -178,7 +199,7 @@ std::optional<BestDelay> ExplainByDelay(const std::vector<WhitenedData>& rows,
       if (which(i, j) == 0.0) continue;
       Eigen::MatrixXd one = Eigen::MatrixXd::Zero(which.rows(), which.cols());
       one(i, j) = 1.0;
-      const DelaySearch alone(rows, one);
+      const DelaySearch alone(rows, one, -dead_times(i, j));
       const double gain = alone.Find().log_likelihood - alone.At(0.0);
       if (before + gain > best.log_likelihood - kLeastNats) return std::nullopt;
     }
@@ -256,14 +277,18 @@ absl::StatusOr<std::vector<TagClock>> FindTagClocks(
                        ElementResponses::Create(
                            model, parts, 1.0, ElementResponses::Inputs::kOwn));
   std::vector<WhitenedData> rows;
+  const double sample_time = parts.front().sample_time;
   Eigen::MatrixXd elements = Eigen::MatrixXd::Zero(p, m);
+  Eigen::MatrixXd dead_times = Eigen::MatrixXd::Zero(p, m);
   for (int i = 0; i < p; ++i) {
     rows.push_back(responses.Row(Assignment::AsRecorded(model), i));
     for (int j = 0; j < m; ++j) {
       elements(i, j) = model.element(i, j).IsZero() ? 0.0 : 1.0;
+      dead_times(i, j) = model.element(i, j).IsZero()
+                             ? -1.0
+                             : model.element(i, j).delay() / sample_time;
     }
   }
-  const double sample_time = parts.front().sample_time;
   const auto examine = [&](bool output, int channel) {
     Eigen::MatrixXd which = Eigen::MatrixXd::Zero(p, m);
     if (output) {
@@ -272,7 +297,8 @@ absl::StatusOr<std::vector<TagClock>> FindTagClocks(
       which.col(channel) = elements.col(channel);
     }
     if (which.sum() < 2.0) return;
-    const std::optional<BestDelay> best = ExplainByDelay(rows, which);
+    const std::optional<BestDelay> best =
+        ExplainByDelay(rows, which, dead_times);
     if (!best.has_value()) return;
     const double delay = best->delay * sample_time;
     const double error = best->error * sample_time;

@@ -5,7 +5,8 @@
 // input its whole column by the negative. The delay is found by maximum
 // likelihood (whitened_fit.h) and reported if it explains the row or column, of
 // two elements or more, completely: it gains 10 nats, 10 more than a delay of
-// any one element, and free gains and delays gain no more than 6 beside it.
+// any one element, whose dead time does not become negative by it, and beside
+// it free gains and delays of its rows are not significant (1 %).
 //
 // Longer dead times in a whole row or column look the same, and may be what
 // they seem: an analyser's sample line, a valve. Only a dead time that becomes

@@ -44,7 +44,7 @@ void WithdrawSmallChanges(const StepResponse& proposed,
 }
 
 // By which a tag may be late since it waits for a scan or an average.
-constexpr double kLateSamples = 3.0;
+constexpr double kLateSamples = 5.0;
 
 // The largest change of dead time that a clock may have made, in the model's
 // time unit. Where that is samples, seconds say nothing.

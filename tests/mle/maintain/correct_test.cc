@@ -234,7 +234,7 @@ TEST(CorrectFromRecordsTest, WhatAClockMayHaveDoneCannotTell) {
   EXPECT_NE(clock->reasons.back().text.find("1 min"), std::string::npos)
       << clock->reasons.back().text;
   EXPECT_EQ(clock->change.total, 0.0);
-  // Tags may wait for a scan: three samples of half a minute.
+  // Tags may wait for a scan: five samples of half a minute.
   options.decision.clock_error = 1.0;
   const auto scan =
       CorrectFromRecords(model, RecordsOfTwoInputs(late), options);

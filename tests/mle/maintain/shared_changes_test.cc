@@ -73,6 +73,32 @@ TEST(SharedDelays, NotWithinTheErrors) {
   EXPECT_TRUE(FindSharedDelays(Fit({3.1, 3.1, 3.0, 3.0}, 0.0), 0.5).empty());
 }
 
+// One that the records hardly determine is near to 0 and to the others alike.
+TEST(SharedDelays, WhereOneElementSaysLittle) {
+  OutputErrorFit fit;
+  fit.model = ProcessModel("column", "min",
+                           {{"reflux", ""}, {"steam", ""}, {"side", ""}},
+                           {{"top", ""}});
+  const auto set = [&](const std::vector<double>& delays,
+                       const std::vector<double>& errors) {
+    fit.elements.assign(3, {});
+    for (int j = 0; j < 3; ++j) {
+      fit.elements[j].state = ElementState::kFitted;
+      fit.elements[j].delay = {
+          .initial = 3.0, .value = delays[j], .standard_error = errors[j]};
+    }
+  };
+  set({4.0, 4.1, 3.2}, {0.1, 0.1, 1.0});
+  ASSERT_EQ(FindSharedDelays(fit, 0.5).size(), 1);
+  EXPECT_NEAR(FindSharedDelays(fit, 0.5)[0].change, 1.05, 0.02);
+  // One alone that says much is its own.
+  set({4.0, 3.2, 3.2}, {0.1, 1.0, 1.0});
+  EXPECT_TRUE(FindSharedDelays(fit, 0.5).empty());
+  // One that says much against it.
+  set({4.0, 4.1, 3.3}, {0.1, 0.1, 0.2});
+  EXPECT_TRUE(FindSharedDelays(fit, 0.5).empty());
+}
+
 TEST(SharedGain, OfAColumn) {
   OutputErrorFit fit = Fit({3, 3, 3, 3}, 0.1);
   const auto set = [&](int place, double initial, double value, double error) {

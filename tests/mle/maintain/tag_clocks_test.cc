@@ -89,6 +89,22 @@ TEST(TagClocksTest, KnowsWhatIsImpossible) {
   EXPECT_THAT(clocks[0].Describe(LoopModel()), HasSubstr("early"));
 }
 
+// A dead time of one element alone would explain as much, if it could be
+// negative.
+TEST(TagClocksTest, OneElementIsNoExplanationBelowZero) {
+  ProcessModel model = LoopModel();
+  TransferFunction& weak = model.element(1, 0);
+  weak = TransferFunction::FirstOrder(0.03 * weak.StaticGain(),
+                                      weak.TimeConstant(), weak.delay());
+  Record record = LoopRecord(model, {}, StaticGains(model));
+  MakeLate(12, record.inputs.row(0));
+  const std::vector<TagClock> clocks = *FindTagClocks(model, {record});
+  ASSERT_EQ(clocks.size(), 1u);
+  EXPECT_FALSE(clocks[0].is_output);
+  EXPECT_TRUE(clocks[0].impossible);
+  EXPECT_NEAR(clocks[0].late, 3.0, 4.0 * clocks[0].error);
+}
+
 TEST(TagClocksTest, LeavesRightModels) {
   for (unsigned seed = 1; seed <= 10; ++seed) {
     for (const double walk : {0.0, 0.003, 0.03}) {
