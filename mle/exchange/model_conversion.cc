@@ -227,6 +227,19 @@ absl::Status Converter::Write(const StepResponseModel& steps) {
 
 absl::Status Converter::ToStepResponses() {
   const StepResponseModel steps = Sampled();
+  if (steps.pairs.empty()) {
+    return absl::InvalidArgumentError(
+        "the model has no elements: there are no step responses");
+  }
+  if (std::all_of(steps.pairs.begin(), steps.pairs.end(),
+                  [](const PairResponse& pair) {
+                    return pair.coefficients.isZero(0.0);
+                  })) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "no output moves within ", steps.length(), " coefficients every ",
+        steps.interval, " ", model_.time_unit(),
+        ": more coefficients or a longer interval must cover the dead times"));
+  }
   MLE_RETURN_IF_ERROR(steps.Validate());
   result_.interval = steps.interval;
   for (const PairResponse& pair : steps.pairs) {

@@ -185,6 +185,21 @@ TEST(ModelConversion, TheSameFormIsTheSameFile) {
             FormatProcessModel(column.process));
 }
 
+TEST(ModelConversion, StepResponsesThatDoNotMoveAreRefused) {
+  ModelFile file;
+  file.process = ProcessModel("tank", "min", {{"steam", ""}}, {{"level", ""}});
+  ModelConversion to = To(ModelForm::kStepResponses);
+  to.coefficients = 20;
+  const auto refusal = [&] {
+    return std::string(ConvertModel(file, to).status().message());
+  };
+  EXPECT_THAT(refusal(), HasSubstr("the model has no elements"));
+  file.process.element(0, 0) = TransferFunction::FirstOrder(2.0, 5.0, 30.0);
+  EXPECT_THAT(refusal(), HasSubstr("no output moves within 20 coefficients"));
+  to.coefficients = 40;
+  EXPECT_TRUE(ConvertModel(file, to).ok());
+}
+
 TEST(ModelConversion, SaysWhatDoesNotFit) {
   ModelConversion to = To(ModelForm::kStateSpace);
   to.type = ModelFileType::kCsv;
