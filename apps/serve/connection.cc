@@ -107,9 +107,8 @@ bool Connection::Write(absl::string_view bytes, absl::Time deadline) const {
         send(socket_, bytes.data(), bytes.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
     if (sent > 0) {
       bytes.remove_prefix(static_cast<std::size_t>(sent));
-    } else if (sent == 0 || (errno != EAGAIN && errno != EINTR)) {
-      return false;
-    } else if (absl::Now() > deadline) {
+    } else if (sent == 0 || (errno != EAGAIN && errno != EINTR) ||
+               absl::Now() > deadline) {
       return false;
     } else {
       IsReady(socket_, POLLOUT, kSlice);

@@ -11,32 +11,11 @@
 #include "mle/base/file.h"
 #include "mle/base/status.h"
 #include "mle/exchange/mat_file.h"
+#include "mle/exchange/mat_structure.h"
 #include "mle/exchange/mat_variables.h"
 
 namespace mle {
 namespace {
-
-// Whether the variables end with the file: a header of 128 bytes, which says in
-// which order bytes stand, and then for each variable a kind and a size in
-// bytes, of 4 bytes each, and as many bytes. libmatio does not look.
-bool IsWhole(std::string_view bytes) {
-  constexpr std::size_t kHeader = 128;
-  if (bytes.size() < kHeader || !IsMatFile(bytes)) return false;
-  const bool little = bytes.substr(126, 2) == "IM";
-  std::size_t at = kHeader;
-  while (at < bytes.size()) {
-    if (bytes.size() - at < 8) return false;
-    std::size_t size = 0;
-    for (std::size_t k = 0; k < 4; ++k) {
-      const auto byte = static_cast<unsigned char>(bytes[at + 4 + k]);
-      size |= static_cast<std::size_t>(byte) << 8 * (little ? k : 3 - k);
-    }
-    at += 8;
-    if (size > bytes.size() - at) return false;
-    at += size;
-  }
-  return true;
-}
 
 class Reader {
  public:
@@ -306,11 +285,11 @@ absl::StatusOr<MatModel> Reader::Read() {
 
 absl::StatusOr<MatModel> ReadMatModel(const std::string& path) {
   MLE_ASSIGN_OR_RETURN(const std::string bytes, ReadFile(path));
-  if (!IsWhole(bytes)) {
+  if (!IsWholeMatFile(bytes)) {
     return absl::InvalidArgumentError(absl::StrCat(
         path,
-        ": cannot be read as a MAT file of version 5: it is cut off, or "
-        "of another version (save -v6 or -v7)"));
+        ": cannot be read as a MAT file of version 5: it is cut off, damaged, "
+        "or of another version (save -v6 or -v7)"));
   }
   const Mat mat(Mat_Open(path.c_str(), MAT_ACC_RDONLY));
   if (mat == nullptr || Mat_GetVersion(mat.get()) != MAT_FT_MAT5) {

@@ -153,7 +153,48 @@ TEST(MatFile, SaysWhatIsWrong) {
   many[place - 14] = 0x02;  // a byte of the number of rows
   EXPECT_THAT(
       std::string(ReadModelFile(Written("many.mat", many)).status().message()),
-      AllOf(HasSubstr("many.mat"), HasSubstr("'output_units' must be")));
+      AllOf(HasSubstr("many.mat"), HasSubstr("damaged")));
+}
+
+// Sizes are looked at before memory is asked for, or entries are gone over.
+TEST(MatFile, SizesThatTheFileDoesNotHaveAreDamage) {
+  const std::string bytes = *FormatMat(TankSteps());
+  for (const char* const name :
+       {"inputs", "output_units", "interval", "disturbances"}) {
+    std::string damaged = bytes;
+    const std::size_t place = damaged.find(name);
+    ASSERT_NE(place, std::string::npos);
+    // The highest byte of the last size.
+    damaged[place - 9] = 0x10;
+    EXPECT_THAT(
+        std::string(
+            ReadModelFile(Written("damaged.mat", damaged)).status().message()),
+        HasSubstr("damaged"))
+        << name;
+  }
+}
+
+TEST(MatFile, CompressedVariablesAreLookedAtToo) {
+  const auto with_interval = [](bool is_damaged) {
+    const std::string path = Written("packed.mat", *FormatMat(TankSteps()));
+    Mat mat(Mat_Open(path.c_str(), MAT_ACC_RDWR));
+    EXPECT_EQ(Mat_VarDelete(mat.get(), "interval"), 0);
+    mat.reset();
+    mat.reset(Mat_Open(path.c_str(), MAT_ACC_RDWR));
+    std::vector<double> values(200, 0.7);
+    Sizes sizes = {1, 1};
+    const Variable variable(Mat_VarCreate("interval", MAT_C_DOUBLE,
+                                          MAT_T_DOUBLE, 2, sizes.data(),
+                                          values.data(), 0));
+    EXPECT_EQ(Mat_VarWrite(mat.get(), variable.get(), MAT_COMPRESSION_ZLIB), 0);
+    mat.reset();
+    std::string bytes = *ReadFile(path);
+    // In the compressed part, which stands last.
+    if (is_damaged) bytes[bytes.size() - 12] ^= 0x55;
+    return ReadModelFile(Written("packed.mat", bytes)).status();
+  };
+  EXPECT_TRUE(with_interval(false).ok()) << with_interval(false);
+  EXPECT_THAT(std::string(with_interval(true).message()), HasSubstr("damaged"));
 }
 
 // Variables of other sizes, or of other kinds.
