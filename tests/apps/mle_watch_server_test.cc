@@ -2,10 +2,7 @@
 
 #include <chrono>
 #include <csignal>
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
@@ -14,7 +11,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "tests/apps/serve/client.h"
-#include "tests/apps/started_command.h"
+#include "tests/apps/served_watch.h"
 #include "tests/apps/watch_site.h"
 
 namespace mle {
@@ -24,35 +21,6 @@ namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 
 using WatchServerTest = WatchSite;
-
-// A server on any port, until it is stopped.
-class ServedWatch {
- public:
-  ServedWatch(const std::vector<std::string>& arguments, const std::string& log)
-      : run_(MLE_TESTED_COMMAND, arguments, log) {
-    run_.Await([&] {
-      std::ostringstream text;
-      text << std::ifstream(log).rdbuf();
-      const std::string said = text.str();
-      const std::size_t at = said.find("http://127.0.0.1:");
-      if (at == std::string::npos || said.back() != '\n') return false;
-      port_ = std::atoi(said.c_str() + at + 17);
-      return true;
-    });
-  }
-  int port() const { return port_; }
-  std::string Get(const std::string& path) const {
-    return serve::Ask(port_, serve::Get(path));
-  }
-  int Stop(int signal) {
-    run_.Send(signal);
-    return run_.ExitCode();
-  }
-
- private:
-  StartedCommand run_;
-  int port_ = 0;
-};
 
 TEST_F(WatchServerTest, ServesWhatRunsFindUntilItIsStopped) {
   scratch_.Write("token", "0123456789abcdef0123");
