@@ -18,8 +18,13 @@ struct Change {
   double error = 0.0;  // standard error
 };
 
+// Whether an element that says little, and is nearer to no change, may share
+// one that others show.
+enum class Undetermined { kMayShare, kMayNot };
+
 // Of the elements of a row or a column; ε is `least`.
-std::optional<Change> Share(const std::vector<Change>& changes, double least) {
+std::optional<Change> Share(const std::vector<Change>& changes, double least,
+                            Undetermined undetermined) {
   if (changes.size() < 2) return std::nullopt;
   double weights = 0.0;
   double sum = 0.0;
@@ -48,7 +53,10 @@ std::optional<Change> Share(const std::vector<Change>& changes, double least) {
     if (support > kSupport) ++supporting;
     all_nearer = all_nearer && support >= 0.0;
   }
-  if (!all_nearer && supporting < 2) return std::nullopt;
+  if (!all_nearer &&
+      (undetermined == Undetermined::kMayNot || supporting < 2)) {
+    return std::nullopt;
+  }
   return shared;
 }
 
@@ -79,7 +87,8 @@ std::optional<double> FindSharedGain(const OutputErrorFit& fit, int input) {
     gains.push_back({element.gain.value / initial - 1.0,
                      element.gain.standard_error / std::abs(initial)});
   }
-  const std::optional<Change> shared = Share(gains, kOfGain);
+  const std::optional<Change> shared =
+      Share(gains, kOfGain, Undetermined::kMayNot);
   if (!shared.has_value()) return std::nullopt;
   return shared->value;
 }
@@ -101,7 +110,8 @@ std::vector<SharedDelay> FindSharedDelays(const OutputErrorFit& fit,
       delays.push_back({element.delay.value - element.delay.initial,
                         element.delay.standard_error});
     }
-    const std::optional<Change> shared = Share(delays, kOfSample * sample_time);
+    const std::optional<Change> shared =
+        Share(delays, kOfSample * sample_time, Undetermined::kMayShare);
     if (!shared.has_value()) return;
     if (is_output) taken[channel] = true;
     found.push_back({.is_output = is_output,

@@ -117,5 +117,22 @@ TEST(SharedGain, OfAColumn) {
   EXPECT_FALSE(FindSharedGain(fit, 1).has_value());
 }
 
+// A column of three, of which the third hardly says anything: it may as well
+// have changed as not, which is no reason to doubt the others.
+TEST(SharedGain, NotWhereOneElementSaysLittle) {
+  OutputErrorFit fit;
+  fit.model = ProcessModel("column", "min", {{"steam", ""}},
+                           {{"top", ""}, {"middle", ""}, {"bottom", ""}});
+  fit.elements.assign(3, {});
+  for (ElementEstimate& element : fit.elements) {
+    element.state = ElementState::kFitted;
+    element.gain = {.initial = 1.0, .value = 1.2, .standard_error = 0.02};
+  }
+  EXPECT_TRUE(FindSharedGain(fit, 0).has_value());
+  fit.elements[2].gain.value = 1.05;
+  fit.elements[2].gain.standard_error = 0.3;
+  EXPECT_FALSE(FindSharedGain(fit, 0).has_value());
+}
+
 }  // namespace
 }  // namespace mle
