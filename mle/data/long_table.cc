@@ -90,6 +90,7 @@ class Samples {
   }
   absl::Status AddRow(const CsvRows& rows, std::size_t begin, std::size_t end,
                       WideTable& table, std::vector<int>& lines) const;
+  int NumberOf(std::string_view tag, const std::set<std::string>& wanted);
 
   const LongColumns& columns_;
   const HistorianOptions& options_;
@@ -97,6 +98,7 @@ class Samples {
   std::string text_;
   std::vector<Entry> entries_;
   std::vector<std::string> tags_;
+  std::vector<bool> is_kept_;  // their samples are
 };
 
 absl::Status Samples::Add(const CsvRows& rows,
@@ -128,6 +130,25 @@ absl::Status Samples::Add(const CsvRows& rows,
   return absl::OkStatus();
 }
 
+// Of a tag that was not met before; −1: its samples are not kept. Where other
+// columns are not to be ignored it is a column without samples, of which the
+// header then speaks.
+int Samples::NumberOf(std::string_view tag,
+                      const std::set<std::string>& wanted) {
+  const auto& suffixes = options_.columns.quality_suffixes;
+  const bool ignored = options_.columns.ignore_other_columns;
+  const bool is_kept =
+      wanted.contains(FoldedName(tag)) ||
+      (!ignored && std::any_of(suffixes.begin(), suffixes.end(),
+                               [tag](const std::string& suffix) {
+                                 return tag.ends_with(suffix);
+                               }));
+  if (!is_kept && ignored) return -1;
+  tags_.emplace_back(tag);
+  is_kept_.push_back(is_kept);
+  return is_kept ? static_cast<int>(tags_.size()) - 1 : -1;
+}
+
 absl::Status Samples::Read(CsvRows& rows,
                            const std::vector<std::string>& channels) {
   std::set<std::string> wanted;
@@ -145,10 +166,7 @@ absl::Status Samples::Read(CsvRows& rows,
     const std::string_view tag = TrimCsvField(fields[columns_.tag]);
     auto number = numbers.find(tag);
     if (number == numbers.end()) {
-      const bool is_wanted = !options_.columns.ignore_other_columns ||
-                             wanted.contains(FoldedName(tag));
-      number = numbers.emplace(tag, is_wanted ? tags_.size() : -1).first;
-      if (is_wanted) tags_.emplace_back(tag);
+      number = numbers.emplace(tag, NumberOf(tag, wanted)).first;
     }
     if (number->second < 0) continue;
     if (static_cast<std::int64_t>(entries_.size()) >=
@@ -193,14 +211,15 @@ absl::Status Samples::AddRow(const CsvRows& rows, std::size_t begin,
   table.text +=
       QuoteCsvField(Part(entries_[begin], 0, entries_[begin].time_size));
   lines.push_back(entries_[begin].line);
-  for (const Entry* cell : cells) {
+  for (std::size_t c = 0; c < cells.size(); ++c) {
+    const Entry* const cell = cells[c];
     table.text += ',';
     lines.push_back(cell == nullptr ? entries_[begin].line : cell->line);
     if (cell != nullptr) {
       table.text +=
           QuoteCsvField(Part(*cell, cell->time_size, cell->value_size));
     }
-    table.is_complete = table.is_complete && cell != nullptr;
+    table.is_complete = table.is_complete && (cell != nullptr || !is_kept_[c]);
     if (!has_quality) continue;
     table.text += ',';
     if (cell == nullptr) continue;

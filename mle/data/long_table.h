@@ -48,14 +48,15 @@ struct WideTable {
   std::string text;        // separated by commas
   CsvRows::Origin origin;  // of its fields, in the long table
   std::vector<std::string> tags;
-  // Every tag has a sample at every time.
+  // Every tag of which samples are kept has one at every time.
   bool is_complete = true;
 };
 
-// Reads all rows below the header. Tags that are not among `channels` are left
-// out if other columns are to be ignored. InvalidArgument for a time that
-// `clock` does not read, two samples of a tag at one time, and more than
-// 4 · options.max_samples rows.
+// Reads all rows below the header. Of tags that are not among `channels` no
+// sample is kept, so that memory is that of the samples asked for; they are
+// left out if other columns are to be ignored, else columns without samples.
+// InvalidArgument for a time that `clock` does not read, two samples of a tag
+// at one time, and more than 4 · options.max_samples samples.
 absl::StatusOr<WideTable> WidenTable(CsvRows& rows, const LongColumns& columns,
                                      const std::vector<std::string>& channels,
                                      const HistorianOptions& options,

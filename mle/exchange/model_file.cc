@@ -27,21 +27,14 @@ absl::StatusOr<ModelFile> OfSteps(absl::StatusOr<StepResponseModel> steps,
       absl::StrCat(std::string(source), ": ", steps.status().message()));
 }
 
-absl::StatusOr<ModelFile> OfDiscrete(std::string_view text,
-                                     std::string_view source) {
-  MLE_ASSIGN_OR_RETURN(DiscreteModel model, ParseDiscreteModel(text, source));
+// A model in discrete time, described by its step responses and kept as
+// `member`.
+template <typename Model>
+absl::StatusOr<ModelFile> OfSampled(Model model, Model ModelFile::* member,
+                                    ModelForm form, std::string_view source) {
   MLE_ASSIGN_OR_RETURN(ModelFile file, OfSteps(StepResponsesOf(model), source));
-  file.form = ModelForm::kDiscreteTransferFunctions;
-  file.discrete = std::move(model);
-  return file;
-}
-
-absl::StatusOr<ModelFile> OfStateSpace(std::string_view text,
-                                       std::string_view source) {
-  MLE_ASSIGN_OR_RETURN(NamedStateSpace named, ParseStateSpace(text, source));
-  MLE_ASSIGN_OR_RETURN(ModelFile file, OfSteps(StepResponsesOf(named), source));
-  file.form = ModelForm::kStateSpace;
-  file.state_space = std::move(named);
+  file.form = form;
+  file.*member = std::move(model);
   return file;
 }
 
@@ -55,10 +48,13 @@ absl::StatusOr<ModelFile> ParseJson(std::string_view text,
     return OfStepResponses(std::move(model), source);
   }
   if (json.contains("sample_time") && json.contains("elements")) {
-    return OfDiscrete(text, source);
+    MLE_ASSIGN_OR_RETURN(DiscreteModel model, ParseDiscreteModel(text, source));
+    return OfSampled(std::move(model), &ModelFile::discrete,
+                     ModelForm::kDiscreteTransferFunctions, source);
   }
   if (json.contains("A") && json.contains("B")) {
-    return OfStateSpace(text, source);
+    MLE_ASSIGN_OR_RETURN(NamedStateSpace named, ParseStateSpace(text, source));
+    return OfStateSpace(std::move(named), source);
   }
   if (json.contains("R") && json.contains("sample_time")) {
     return absl::InvalidArgumentError(absl::StrCat(
@@ -145,6 +141,12 @@ absl::StatusOr<ModelFile> OfStepResponses(StepResponseModel model,
   return file;
 }
 
+absl::StatusOr<ModelFile> OfStateSpace(NamedStateSpace named,
+                                       std::string_view source) {
+  return OfSampled(std::move(named), &ModelFile::state_space,
+                   ModelForm::kStateSpace, source);
+}
+
 StepResponseModel CorrectedStepResponses(const ModelFile& file,
                                          const ProcessModel& corrected) {
   const StepResponseModel& given = file.step_responses;
@@ -152,6 +154,18 @@ StepResponseModel CorrectedStepResponses(const ModelFile& file,
   return WithChange(given,
                     file.process.ComputeStepResponse(given.interval, samples),
                     corrected.ComputeStepResponse(given.interval, samples));
+}
+
+absl::StatusOr<NamedStateSpace> CorrectedStateSpace(
+    const ModelFile& file, const ProcessModel& corrected) {
+  NamedStateSpace changed = file.state_space;
+  MLE_ASSIGN_OR_RETURN(changed.system, WithChange(file.state_space.system,
+                                                  file.process, corrected));
+  // What was said of the states given.
+  if (changed.system.order() != file.state_space.system.order()) {
+    changed.accuracy.reset();
+  }
+  return changed;
 }
 
 std::vector<std::string> NotableDifferences(const ModelFile& file) {
@@ -202,13 +216,8 @@ absl::StatusOr<FormattedModel> FormatCorrected(const ModelFile& file,
     return formatted;
   }
   if (file.form == ModelForm::kStateSpace) {
-    NamedStateSpace changed = file.state_space;
-    MLE_ASSIGN_OR_RETURN(changed.system, WithChange(file.state_space.system,
-                                                    file.process, corrected));
-    // What was said of the states given.
-    if (changed.system.order() != file.state_space.system.order()) {
-      changed.accuracy.reset();
-    }
+    MLE_ASSIGN_OR_RETURN(const NamedStateSpace changed,
+                         CorrectedStateSpace(file, corrected));
     formatted.text = FormatStateSpace(changed);
     return formatted;
   }

@@ -67,10 +67,18 @@ std::vector<std::string> NotableDifferences(const ModelFile& file);
 absl::StatusOr<ModelFile> OfStepResponses(StepResponseModel model,
                                           std::string_view source);
 
+absl::StatusOr<ModelFile> OfStateSpace(NamedStateSpace named,
+                                       std::string_view source);
+
 // The step responses of `file`, which is of kStepResponses, with the correction
 // from `file.process` to `corrected` (the same channels).
 StepResponseModel CorrectedStepResponses(const ModelFile& file,
                                          const ProcessModel& corrected);
+
+// The state space of `file`, which is of kStateSpace, with that correction: its
+// states are kept, and more are added. Errors as of WithChange().
+absl::StatusOr<NamedStateSpace> CorrectedStateSpace(
+    const ModelFile& file, const ProcessModel& corrected);
 
 // A file in the form of the one that was read.
 struct FormattedModel {

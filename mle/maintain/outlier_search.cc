@@ -1,15 +1,19 @@
 #include "mle/maintain/outlier_search.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "Eigen/Core"
+#include "absl/status/statusor.h"
 #include "absl/strings/str_cat.h"
 #include "mle/base/parallel.h"
 #include "mle/base/status.h"
 #include "mle/data/outliers.h"
 #include "mle/maintain/select_output.h"
+#include "mle/model/process_simulator.h"
 #include "mle/nonlinear/output_reconstruction.h"
 
 namespace mle {
@@ -18,29 +22,46 @@ namespace {
 // Of the samples on each side, for bursts of up to ten.
 constexpr int kWideHalfWidth = 12;
 
-bool NeighboursFindAny(const RecordData& data, int output) {
+// Samples of one output that stand out of those around them, in what the model
+// leaves of them too: a response that turns within the half width stands out,
+// and the model has such turns.
+bool StandOut(const ProcessModel& row, const Record& record) {
+  const OutlierOptions options = {.half_width = kWideHalfWidth};
+  const std::vector<int> found = FindOutliers(record.outputs.row(0), options);
+  if (found.empty()) return false;
+  const absl::StatusOr<Eigen::MatrixXd> response =
+      SimulateResponse(row, record.sample_time, record.inputs);
+  if (!response.ok()) return true;
+  const Eigen::MatrixXd residual = record.outputs - *response;
+  const std::vector<int> left = FindOutliers(residual.row(0), options);
+  return std::any_of(found.begin(), found.end(), [&left](int k) {
+    return std::binary_search(left.begin(), left.end(), k);
+  });
+}
+
+bool NeighboursFindAny(const ProcessModel& model, const RecordData& data,
+                       int output) {
   for (const ChannelHealth& channel : data.health.channels) {
     if (channel.is_output && channel.channel == output &&
         !channel.outliers.empty()) {
       return true;
     }
   }
-  for (const SetPointWindow& window : data.windows) {
-    if (!FindOutliers(window.record.outputs.row(output),
-                      {.half_width = kWideHalfWidth})
-             .empty()) {
-      return true;
-    }
-  }
-  return false;
+  const ProcessModel row = SelectOutput(model, output);
+  return std::any_of(data.windows.begin(), data.windows.end(),
+                     [&](const SetPointWindow& window) {
+                       return StandOut(row,
+                                       SelectOutput(window.record, output));
+                     });
 }
 
-std::vector<int> OutputsToSearch(const OutputErrorOptions& output_error,
-                                 const RecordData& data, int num_outputs) {
+std::vector<int> OutputsToSearch(const ProcessModel& model,
+                                 const OutputErrorOptions& output_error,
+                                 const RecordData& data) {
   std::vector<int> outputs;
-  for (int i = 0; i < num_outputs; ++i) {
+  for (int i = 0; i < model.num_outputs(); ++i) {
     if (output_error.robust_loss != RobustLoss::kNone ||
-        NeighboursFindAny(data, i)) {
+        NeighboursFindAny(model, data, i)) {
       outputs.push_back(i);
     }
   }
@@ -82,8 +103,7 @@ absl::Status SearchOutliers(const ProcessModel& model,
                             const ProgressCallback& progress,
                             RecordData& data) {
   if (!options.mark.outliers) return absl::OkStatus();
-  const std::vector<int> outputs =
-      OutputsToSearch(output_error, data, model.num_outputs());
+  const std::vector<int> outputs = OutputsToSearch(model, output_error, data);
   if (outputs.empty()) return absl::OkStatus();
   const auto count = static_cast<int>(outputs.size());
   Stage stage(progress, "looking for outliers", count);

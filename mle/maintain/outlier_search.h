@@ -2,7 +2,8 @@
 //
 // Neighbours do not find every outlier of a burst, the model does
 // (output_reconstruction.h). It is asked about the outputs in which neighbours
-// find at least one; with a robust loss, about all.
+// find at least one, in the output and in what the model leaves of it; with a
+// robust loss, about all.
 
 #ifndef MLE_MAINTAIN_OUTLIER_SEARCH_H_
 #define MLE_MAINTAIN_OUTLIER_SEARCH_H_

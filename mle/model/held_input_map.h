@@ -28,9 +28,6 @@ struct HeldInputMap {
   // Over `duration` τ ≥ 0, for A: r × r, B: r. Not finite where ‖A‖₁ is not.
   static HeldInputMap Over(double duration, const Eigen::MatrixXd& A,
                            const Eigen::VectorXd& B);
-
-  // First this map, then `next`, under the same input.
-  HeldInputMap Then(const HeldInputMap& next) const;
 };
 
 // One sample in which the input before is seen for the first part of the time:

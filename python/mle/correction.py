@@ -59,7 +59,7 @@ class CorrectionResult:
     """
 
     _ATTRIBUTES = (
-        "initial _json _files _steps _responses reasons notes warnings failures usable"
+        "initial _json _files _as_given _responses reasons notes warnings failures usable"
     ).split()
 
     initial: ProcessModel
@@ -75,7 +75,7 @@ class CorrectionResult:
         self.initial = correction.initial
         self._json = correction.json()
         self._files = correction.model_files()
-        self._steps = correction.corrected_steps()
+        self._as_given = correction.corrected_as_given()
         self._responses = StepResponse(*correction.responses())
         self.reasons = _messages(correction.reasons)
         self.notes = _messages(correction.notes)
@@ -114,11 +114,12 @@ class CorrectionResult:
         return self.to_dict()["test_of_no_change"]["p_value"]
 
     @property
-    def corrected(self) -> Union[ProcessModel, StepResponseModel]:
+    def corrected(self) -> Union[ProcessModel, StepResponseModel, StateSpaceModel]:
         """The model for use, of the kind given: step responses where the model given
-        was such, with the coefficients of pairs that have not changed as they were;
-        else transfer functions of any order."""
-        return self.process if self._steps is None else self._steps
+        was such, with the coefficients of pairs that have not changed as they were; a
+        state space where it was such, whose states are kept and followed by those of
+        what has changed; else transfer functions of any order."""
+        return self.process if self._as_given is None else self._as_given
 
     @property
     def process(self) -> ProcessModel:

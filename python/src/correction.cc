@@ -252,10 +252,13 @@ py::dict ModelFilesOf(const Correction& correction) {
   return files;
 }
 
-// Of a model given as step responses, as such; else None.
-py::object CorrectedStepsOf(const Correction& correction) {
+// Of a model given as step responses or a state space, as such; else None.
+py::object CorrectedAsGiven(const Correction& correction) {
   const correct::Result& result = correction.result;
   const ModelFile& given = result.request.model_file;
+  if (given.form == ModelForm::kStateSpace) {
+    return py::cast(ValueOrThrow(CorrectedStateSpace(given, result.model)));
+  }
   if (given.form != ModelForm::kStepResponses) return py::none();
   ModelFile corrected = given;
   corrected.step_responses = CorrectedStepResponses(given, result.model);
@@ -277,7 +280,7 @@ void AddCorrection(py::module_& module) {
       .def("page", &PageOf, py::call_guard<py::gil_scoped_release>())
       .def("responses", &ResponsesOf)
       .def("model_files", &ModelFilesOf)
-      .def("corrected_steps", &CorrectedStepsOf)
+      .def("corrected_as_given", &CorrectedAsGiven)
       .def_property_readonly(
           "initial", [](const Correction& c) { return c.result.initial; })
       .def_property_readonly(

@@ -91,16 +91,6 @@ std::string Representation(const ProcessModel& model) {
                       model.time_unit(), ">");
 }
 
-absl::StatusOr<ModelFile> Described(const NamedStateSpace& named) {
-  MLE_ASSIGN_OR_RETURN(StepResponseModel steps, StepResponsesOf(named));
-  MLE_ASSIGN_OR_RETURN(ModelFile file,
-                       OfStepResponses(std::move(steps), named.name));
-  // It is not given as coefficients, and not given back as such.
-  ModelFile process;
-  process.process = std::move(file.process);
-  return process;
-}
-
 }  // namespace
 
 ModelArgument ModelOf(const py::handle& argument) {
@@ -113,8 +103,8 @@ ModelArgument ModelOf(const py::handle& argument) {
     return {argument.cast<const ModelFile&>(), ""};
   }
   if (py::isinstance<NamedStateSpace>(argument)) {
-    return {ValueOrThrow(Described(argument.cast<const NamedStateSpace&>())),
-            ""};
+    const auto& named = argument.cast<const NamedStateSpace&>();
+    return {ValueOrThrow(OfStateSpace(named, named.name)), ""};
   }
   if (!py::isinstance<py::str>(argument) &&
       !py::hasattr(argument, "__fspath__")) {

@@ -147,7 +147,21 @@ def test_state_spaces_are_models(loop):
     assert (numerator[0], denominator[0], delay) == pytest.approx((2.0, 10.0, 2.0), rel=1e-6)
     result = mle.correct(system, record, estimator="output_error")
     assert result.decision == "corrected"
-    assert isinstance(result.corrected, mle.ProcessModel)
+    # Given back as such: its state stands first, and what has changed below it.
+    corrected = result.corrected
+    assert isinstance(corrected, mle.StateSpaceModel)
+    assert (corrected.dt, corrected.inputs, corrected.outputs) == (1.0, ["valve"], ["level"])
+    assert corrected.A.shape[0] > 1 and corrected.A[0, 0] == system.A[0, 0]
+    np.testing.assert_allclose(
+        corrected.process.step_response(1.0, 81), result.process.step_response(1.0, 81),
+        atol=0.01 * abs(result.process.static_gains).max(),
+    )
+    files = result._files
+    assert mle.StateSpaceModel.from_json(files["model_corrected.json"]) == corrected
+    assert pickle.loads(pickle.dumps(result)).corrected == corrected
+    # Nothing has changed: to the last bit what was given.
+    unchanged = mle.correct(corrected, record, estimator="output_error")
+    assert unchanged.decision == "no_change" and unchanged.corrected == corrected
     with pytest.raises(TypeError, match="a model must be mle.ProcessModel.* this is int"):
         mle.correct(3, record)
 

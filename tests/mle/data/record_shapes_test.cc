@@ -60,6 +60,25 @@ TEST(LongTableTest, QualityUnitsAndOtherTagsAreThoseOfWideTables) {
   EXPECT_EQ(import.report.channels[0].bad.quality, 1);
 }
 
+// Nor held: the limit of samples is one of those that are.
+TEST(LongTableTest, SamplesOfOtherTagsAreNotCounted) {
+  std::string text =
+      "tag,time,value\nlevel,0,1\nlevel,1,2\nlevel,2,4\n"
+      "steam,0,1\nsteam,1,1\nsteam,2,2\n";
+  for (int k = 0; k < 20; ++k) absl::StrAppend(&text, "XY3,", k, ",5\n");
+  HistorianOptions options;
+  options.max_samples = 3;
+  EXPECT_THAT(Error(text, options),
+              HasSubstr("'XY3' is neither time nor an input"));
+  options.columns.ignore_other_columns = true;
+  EXPECT_THAT(RowOf(ImportOk(text, options).records[0].outputs),
+              ElementsAre(1, 2, 4));
+  EXPECT_THAT(Error(text + "level,3,1\nlevel,4,1\nlevel,5,1\nlevel,6,1\n"
+                           "level,7,1\nlevel,8,1\nlevel,9,1\n",
+                    options),
+              HasSubstr("a long table of more than 12 samples"));
+}
+
 TEST(LongTableTest, MistakesAreNamedByTheirLinesInTheFile) {
   EXPECT_THAT(Error("tag,time,value\nlevel,0,1\nlevel,1,2\nsteam,0,3\n"
                     "steam,1,broken\n"),
