@@ -30,7 +30,7 @@ absl::StatusOr<ModelFile> OfSteps(absl::StatusOr<StepResponseModel> steps,
 // A model in discrete time, described by its step responses and kept as
 // `member`.
 template <typename Model>
-absl::StatusOr<ModelFile> OfSampled(Model model, Model ModelFile::* member,
+absl::StatusOr<ModelFile> OfSampled(Model model, Model ModelFile::*member,
                                     ModelForm form, std::string_view source) {
   MLE_ASSIGN_OR_RETURN(ModelFile file, OfSteps(StepResponsesOf(model), source));
   file.form = form;
