@@ -3,6 +3,9 @@
 #include <httplib.h>
 
 #include <algorithm>
+#include <condition_variable>
+#include <mutex>
+#include <thread>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
@@ -12,7 +15,8 @@
 namespace mle::serve {
 namespace {
 
-constexpr int kSeconds = 10;
+constexpr int kSeconds = 10;  // for a connection, and for a single read
+constexpr std::chrono::milliseconds kAgain(100);
 constexpr std::size_t kMostAnswer = 65'536;  // bytes that are read
 constexpr int kMostPort = 65'535;
 
@@ -49,6 +53,38 @@ Url Split(const std::string& url) {
   return {url.substr(0, slash), slash == url.size() ? "/" : url.substr(slash)};
 }
 
+// Ends what the client is at once a time is over: the library's times are
+// those of single reads, which an answer that drips never exceeds.
+class Deadline {
+ public:
+  Deadline(httplib::Client& client, std::chrono::milliseconds time)
+      : thread_([this, &client, time] { Watch(client, time); }) {}
+  ~Deadline() {
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      done_ = true;
+    }
+    changed_.notify_one();
+    thread_.join();
+  }
+  Deadline(const Deadline&) = delete;
+  Deadline& operator=(const Deadline&) = delete;
+
+ private:
+  void Watch(httplib::Client& client, std::chrono::milliseconds time) {
+    std::unique_lock<std::mutex> lock(mutex_);
+    if (changed_.wait_for(lock, time, [this] { return done_; })) return;
+    do {  // a connection may be opened after it
+      client.stop();
+    } while (!changed_.wait_for(lock, kAgain, [this] { return done_; }));
+  }
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool done_ = false;
+  std::thread thread_;
+};
+
 // Whether the request may have arrived.
 bool MayHaveArrived(httplib::Error error) {
   return error == httplib::Error::Read || error == httplib::Error::Unknown;
@@ -63,7 +99,7 @@ absl::Status CheckUrl(const std::string& url) {
 }
 
 absl::Status PostJson(const std::string& url, const std::string& text,
-                      const std::string& id) {
+                      const std::string& id, std::chrono::milliseconds time) {
   const Url parts = Split(url);
   if (parts.origin.empty()) return CheckUrl(url);
   httplib::Client client(parts.origin);
@@ -91,6 +127,7 @@ absl::Status PostJson(const std::string& url, const std::string& text,
   };
   httplib::Response response;
   httplib::Error error = httplib::Error::Success;
+  const Deadline deadline(client, time);
   const bool sent = client.send(request, response, error);
   if (sent && status == 0) status = response.status;
   if (status >= 200 && status < 300) return absl::OkStatus();

@@ -40,7 +40,7 @@ constexpr char kApi[] = "/api/v1/";
 
 // Scripts that are not the pages' own do not run, whatever a name may hold.
 const std::string& PagePolicy() {
-  static const std::string* const policy = [] {
+  static const std::string* const kPolicy = [] {
     std::string text =
         "default-src 'none'; style-src 'unsafe-inline'; img-src data:; "
         "form-action 'self'; base-uri 'none'; frame-ancestors 'none'; "
@@ -52,7 +52,7 @@ const std::string& PagePolicy() {
     }
     return new std::string(std::move(text));
   }();
-  return *policy;
+  return *kPolicy;
 }
 
 void Secure(Response& response) {

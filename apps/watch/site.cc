@@ -66,14 +66,14 @@ absl::StatusOr<std::shared_ptr<Entry>> Site::Load(
     loaded = state_.Load(controller.name, model.num_outputs());
   }
   // One that is damaged is shown as such, beside the others.
-  const bool damaged = absl::IsDataLoss(loaded.status());
-  if (!loaded.ok() && !damaged) return loaded.status();
+  const absl::Status status = loaded.status();
+  if (!status.ok() && !absl::IsDataLoss(status)) return status;
   Watch& watch = entry->watch;
-  watch = damaged ? EmptyWatch(controller.name, model.num_outputs())
-                  : *std::move(loaded);
-  if (damaged) {
+  watch = status.ok() ? *std::move(loaded)
+                      : EmptyWatch(controller.name, model.num_outputs());
+  if (!status.ok()) {
     watch.failed = true;
-    watch.news = std::string(loaded.status().message());
+    watch.news = std::string(status.message());
   } else if (!file.ok()) {
     watch.failed = true;
     watch.news = absl::StrCat("model: ", file.status().message());

@@ -151,7 +151,7 @@ class State {
   // A file, or postgresql://USER@HOST/NAME. Makes the file and the tables if
   // they do not exist. FailedPrecondition for a state that a later version has
   // written, Unavailable for a database that cannot be reached.
-  static absl::StatusOr<State> Open(const std::string& name);
+  static absl::StatusOr<State> Open(const std::string& path);
 
   // In PostgreSQL one run alone may go over all controllers (`part` empty), or
   // one over each part of them; Unavailable where there is one. Ends with the

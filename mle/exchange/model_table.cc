@@ -97,7 +97,7 @@ absl::Status Reader::ReadChannel(const TableLine& line, bool is_input) {
 
 absl::Status Reader::ReadHeadLine(TableLine line) {
   line.fields.front() = FoldedKey(line.fields.front());
-  const std::string& key = line.fields.front();
+  const std::string key = line.fields.front();  // the fields may grow
   if (key == "input" || key == "output") {
     return ReadChannel(line, key == "input");
   }
