@@ -20,6 +20,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_replace.h"
 #include "absl/strings/str_split.h"
+#include "apps/report/text.h"
 #include "apps/watch/database.h"
 #include "mle/base/status.h"
 #include "mle/database/database_name.h"
@@ -99,8 +100,10 @@ class PostgresqlStatement : public StatementBackend {
   void Bind(int parameter, double value) override {
     Set(parameter, absl::StrFormat("%.17g", value));
   }
+  // PostgreSQL refuses what is not UTF-8, and a NUL would end the text: names
+  // of files and tags may have either.
   void BindText(int parameter, std::string_view value) override {
-    Set(parameter, std::string(value));
+    Set(parameter, report::CleanText(value));
   }
   void BindBytes(int parameter, std::string_view value) override {
     Set(parameter,

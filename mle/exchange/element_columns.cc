@@ -11,7 +11,7 @@ namespace {
 
 // The first name of each is the one that is written.
 const std::array<std::vector<std::string_view>, kNumElementColumns>& Names() {
-  static const auto* const names =
+  static const auto* const kNames =
       new std::array<std::vector<std::string_view>, kNumElementColumns>{{
           {"output", "cv", "controlled variable"},
           {"input", "mv", "manipulated variable"},
@@ -25,7 +25,7 @@ const std::array<std::vector<std::string_view>, kNumElementColumns>& Names() {
           {"integrating", "integrator", "ramp", "type"},
           {"largest difference"},
       }};
-  return *names;
+  return *kNames;
 }
 
 // "Dead_time [min]" is "dead time".

@@ -162,6 +162,19 @@ TEST_P(StateTest, AWatchIsReadBackAsItWasSaved) {
   EXPECT_EQ(Load(again, "another").id, 0);
 }
 
+TEST_P(StateTest, TextsThatAreNotUtf8AreKeptToo) {
+  State state = Open();
+  Watch watch = FullWatch();
+  watch.files["t\xe4g\n.csv"] = {.bytes = 1, .fault = "\xff is not read"};
+  watch.days[20002].reason = std::string("a\0b", 3);
+  watch.alarms[0].text = "\xe4 has aged";
+  const absl::Status saved = state.Save(watch);
+  ASSERT_TRUE(saved.ok()) << saved;
+  EXPECT_THAT(Load(state).files, SizeIs(2));
+  EXPECT_THAT(Load(state).alarms[0].text, HasSubstr(" has aged"));
+  ASSERT_TRUE(state.Save(watch).ok());
+}
+
 TEST_P(StateTest, WhatIsGoneIsRemovedAndWhatHasChangedReplaced) {
   State state = Open();
   Watch watch = FullWatch();
