@@ -14,6 +14,7 @@
 #include "mle/data/input_spikes.h"
 #include "mle/data/operation.h"
 #include "mle/data/stuck_outputs.h"
+#include "mle/maintain/answered_moves.h"
 #include "mle/maintain/exchanged_set_points.h"
 #include "mle/maintain/operator_mistakes.h"
 #include "mle/maintain/sticking_inputs.h"
@@ -24,6 +25,23 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kMostlyAtLimits = 0.5;
+
+// Of the model's response to a move, the share that outputs answer at least.
+constexpr double kAnswered = 0.5;
+
+// Spikes of an input, all together.
+struct Spikes {
+  int count = 0;
+  double from = 0.0;
+  double to = 0.0;
+  double largest = 0.0;
+
+  void Add(double time, const InputSpike& spike) {
+    to = time;
+    if (count++ == 0) from = to;
+    largest = std::max(largest, std::abs(spike.value - spike.usual));
+  }
+};
 
 class Examiner {
  public:
@@ -37,6 +55,8 @@ class Examiner {
   void FindCompressed();
   void FindCompressedInputs(bool outputs_too);
   void FindSpikes();
+  void Report(int input, const Spikes& spikes, Consequence consequence,
+              const char* what);
   TimeNames Times() const;
   absl::Status FindStuck();
   void FindOperation();
@@ -132,31 +152,54 @@ TimeNames Examiner::Times() const {
                                     : TimeNames(model_.time_unit(), {});
 }
 
+// Whether the record knows no change of set point, and the outputs answer the
+// move: a controller's kick then.
+bool IsKick(const ProcessModel& model, const Record& record, int input,
+            const InputSpike& spike, std::optional<AnsweredMoves>& answers) {
+  if (record.set_points.size() > 0) return false;
+  if (!answers.has_value()) {
+    absl::StatusOr<AnsweredMoves> made = AnsweredMoves::Create(model, record);
+    if (!made.ok()) return false;
+    answers = *std::move(made);
+  }
+  return answers->Share(input, spike.sample, spike.value - spike.usual) >
+         kAnswered;
+}
+
 void Examiner::FindSpikes() {
+  // Of the inputs as recorded.
+  std::vector<std::optional<AnsweredMoves>> answers(records_.size());
   for (int j = 0; j < model_.num_inputs(); ++j) {
-    int count = 0;
-    double from = 0.0;
-    double to = 0.0;
-    double largest = 0.0;
-    for (Record& record : records_) {
+    Spikes replaced;
+    Spikes kicks;
+    for (std::size_t r = 0; r < records_.size(); ++r) {
+      Record& record = records_[r];
       for (const InputSpike& spike : FindInputSpikes(record, j)) {
-        to = record.time(spike.sample);
-        if (count++ == 0) from = to;
-        largest = std::max(largest, std::abs(spike.value - spike.usual));
-        if (options_.repair) record.inputs(j, spike.sample) = spike.usual;
+        const bool is_kick = IsKick(model_, record, j, spike, answers[r]);
+        (is_kick ? kicks : replaced).Add(record.time(spike.sample), spike);
+        if (options_.repair && !is_kick) {
+          record.inputs(j, spike.sample) = spike.usual;
+        }
       }
     }
-    if (count == 0) continue;
-    const std::string& name = model_.inputs()[j].name;
-    Finding& finding =
-        Add(MessageCode::kInputSpikes, name, Consequence::kRepair, count,
-            absl::StrFormat("%s: %d single sample%s up to %.3g beyond both "
-                            "neighbours, first at %s, replaced.",
-                            name, count, count == 1 ? "" : "s", largest,
-                            Times().At(from)));
-    finding.from = from;
-    finding.to = to;
+    Report(j, replaced, Consequence::kRepair, "replaced");
+    Report(j, kicks, Consequence::kNote,
+           "taken for moves, which the outputs answer");
   }
+}
+
+void Examiner::Report(int input, const Spikes& spikes, Consequence consequence,
+                      const char* what) {
+  if (spikes.count == 0) return;
+  const std::string& name = model_.inputs()[input].name;
+  Finding& finding =
+      Add(MessageCode::kInputSpikes, name, consequence, spikes.count,
+          absl::StrFormat("%s: %d single sample%s up to %.3g beyond both "
+                          "neighbours, first at %s, %s.",
+                          name, spikes.count, spikes.count == 1 ? "" : "s",
+                          spikes.largest, Times().At(spikes.from), what));
+  finding.from = spikes.from;
+  finding.to = spikes.to;
 }
 
 absl::Status Examiner::FindStuck() {

@@ -204,6 +204,37 @@ TEST(ExamineRecordsTest, ReplacesSpikes) {
   }
 }
 
+// Without set points a controller's kick looks like a spike, but the outputs
+// answer it.
+TEST(ExamineRecordsTest, LeavesKicksThatTheOutputsAnswer) {
+  for (const double gain : {1.0, 0.7, 1.5}) {
+    const ProcessModel model = testing::LoopModel();
+    ProcessModel plant = model;
+    plant.element(1, 1) = TransferFunction::FirstOrder(-3.0 * gain, 12.0, 2.0);
+    Record record;
+    record.sample_time = 0.25;
+    record.inputs = LoopRecord().inputs;
+    record.inputs(1, 1230) += 3.0;  // the plant sees it
+    record.outputs = *SimulateResponse(plant, 0.25, record.inputs);
+    for (int k = 0; k < record.samples(); ++k) {
+      record.outputs(0, k) += 0.02 * std::sin(2.39996 * k * k);
+      record.outputs(1, k) += 0.02 * std::sin(1.7 * k * k);
+    }
+    const double kick = record.inputs(1, 1230);
+    const double usual = record.inputs(1, 2230);
+    record.inputs(1, 2230) += 3.0;  // the record alone has it
+    const std::vector<Finding> findings = Examine(record);
+    EXPECT_EQ(record.inputs(1, 1230), kick) << gain;
+    EXPECT_EQ(record.inputs(1, 2230), usual) << gain;
+    ASSERT_EQ(findings.size(), 2u) << gain;
+    EXPECT_EQ(findings[0].message.code, MessageCode::kInputSpikes);
+    EXPECT_EQ(findings[0].consequence, Consequence::kRepair);
+    EXPECT_EQ(findings[0].from, record.time(2230));
+    EXPECT_EQ(findings[1].consequence, Consequence::kNote);
+    EXPECT_EQ(findings[1].from, record.time(1230));
+  }
+}
+
 TEST(ExamineRecordsTest, ADeadSensorBlocks) {
   Record record = LoopRecord();
   record.outputs.row(1).setConstant(3.0);
