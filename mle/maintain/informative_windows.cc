@@ -102,34 +102,83 @@ absl::StatusOr<VectorXd> InformationOf(const ProcessModel& model,
       information.data(), static_cast<Index>(information.size())));
 }
 
-// Column w: the windows taken, until `most_samples` are.
-std::vector<bool> Choose(const MatrixXd& information,
-                         const std::vector<SetPointWindow>& windows,
-                         int most_samples) {
-  const VectorXd all = information.rowwise().sum();
-  VectorXd sum = (kLittle * all).cwiseMax(1e-300);
-  std::vector<bool> taken(windows.size(), false);
-  for (int left = most_samples; left > 0;) {
-    double best = -1.0;
-    std::size_t next = windows.size();
-    for (std::size_t w = 0; w < windows.size(); ++w) {
-      const int samples = windows[w].record.samples();
-      // The first is taken whatever its length.
-      if (taken[w] || (samples > left && left < most_samples)) continue;
-      const double gain =
-          (information.col(static_cast<Index>(w)).array() / sum.array())
-              .log1p()
-              .sum() /
-          samples;
-      if (gain > best) {
-        best = gain;
-        next = w;
+// Windows `first` to `end` − 1, taken or left together.
+struct Run {
+  std::size_t first = 0;
+  std::size_t end = 0;
+  int samples = 0;
+};
+
+bool Adjoin(const SetPointWindow& before, const SetPointWindow& after) {
+  return before.source == after.source &&
+         before.first_sample + before.record.samples() == after.first_sample;
+}
+
+// Windows that adjoin, together until they are `length` samples long; what is
+// left of them at last belongs to what comes before it.
+std::vector<Run> RunsOf(const std::vector<SetPointWindow>& windows,
+                        int length) {
+  std::vector<Run> runs;
+  for (std::size_t w = 0; w < windows.size();) {
+    const std::size_t begin = runs.size();
+    bool adjoins = true;
+    while (adjoins) {
+      Run run{.first = w, .end = w};
+      do {
+        run.samples += windows[run.end].record.samples();
+        ++run.end;
+        adjoins = run.end < windows.size() &&
+                  Adjoin(windows[run.end - 1], windows[run.end]);
+      } while (adjoins && run.samples < length);
+      w = run.end;
+      if (run.samples < length && runs.size() > begin) {
+        runs.back().end = run.end;
+        runs.back().samples += run.samples;
+      } else {
+        runs.push_back(run);
       }
     }
-    if (next == windows.size()) break;
-    taken[next] = true;
-    sum += information.col(static_cast<Index>(next));
-    left -= windows[next].record.samples();
+  }
+  return runs;
+}
+
+// Column w: the windows taken, run by run, until `most_samples` are.
+std::vector<bool> Choose(const MatrixXd& information,
+                         const std::vector<Run>& runs, int most_samples) {
+  const VectorXd all = information.rowwise().sum();
+  VectorXd sum = (kLittle * all).cwiseMax(1e-300);
+  std::vector<VectorXd> of_runs;
+  for (const Run& run : runs) {
+    of_runs.emplace_back(
+        information
+            .middleCols(static_cast<Index>(run.first),
+                        static_cast<Index>(run.end - run.first))
+            .rowwise()
+            .sum());
+  }
+  std::vector<bool> taken(information.cols(), false);
+  for (int left = most_samples; left > 0;) {
+    double best = -1.0;
+    std::size_t next = runs.size();
+    for (std::size_t r = 0; r < runs.size(); ++r) {
+      // The first is taken whatever its length.
+      if (taken[runs[r].first] ||
+          (runs[r].samples > left && left < most_samples)) {
+        continue;
+      }
+      const double gain =
+          (of_runs[r].array() / sum.array()).log1p().sum() / runs[r].samples;
+      if (gain > best) {
+        best = gain;
+        next = r;
+      }
+    }
+    if (next == runs.size()) break;
+    for (std::size_t w = runs[next].first; w < runs[next].end; ++w) {
+      taken[w] = true;
+    }
+    sum += of_runs[next];
+    left -= runs[next].samples;
   }
   return taken;
 }
@@ -159,10 +208,10 @@ absl::Status KeepInformativeWindows(const ProcessModel& model, int most_samples,
   }
   const double settling =
       std::min(kShortestPart * SettlingTime(model) / data.sample_time(), 1e9);
+  const int length = std::max({most_samples / kPartsOfBudget,
+                               static_cast<int>(std::ceil(settling)), 2});
   std::vector<SetPointWindow> windows =
-      Divided(std::move(data.windows),
-              std::max({most_samples / kPartsOfBudget,
-                        static_cast<int>(std::ceil(settling)), 2}));
+      Divided(std::move(data.windows), length);
   const auto count = static_cast<Index>(windows.size());
   MatrixXd information;
   for (Index w = 0; w < count; ++w) {
@@ -171,7 +220,8 @@ absl::Status KeepInformativeWindows(const ProcessModel& model, int most_samples,
     if (w == 0) information.resize(of.size(), count);
     information.col(w) = of;
   }
-  const std::vector<bool> taken = Choose(information, windows, most_samples);
+  const std::vector<bool> taken =
+      Choose(information, RunsOf(windows, length), most_samples);
   const int samples = SamplesOf(windows);
   data.windows.clear();
   for (std::size_t w = 0; w < windows.size(); ++w) {

@@ -11,7 +11,11 @@
 // thousandth of all I_ij) grows most for each of its samples, until the samples
 // are used up: what says something of elements that others do not inform comes
 // first. (The D-criterion with parameters apart: Fedorov, Theory of Optimal
-// Experiments, 1972.) Windows that are long are divided first.
+// Experiments, 1972.) Windows that are long are divided first, and short ones
+// that follow each other without a gap are taken together, a tenth of the
+// samples and four settling times at least: what the inputs did before it is
+// unknown of each piece, and gains of its own, by which windows are compared
+// (window_agreement.h), need its length.
 //
 // Operations: N samples times the elements, and W² times the elements for W
 // windows.

@@ -9,6 +9,7 @@
 #include "glog/logging.h"
 #include "mle/base/parallel.h"
 #include "mle/base/status.h"
+#include "mle/nonlinear/change_confirmation.h"
 #include "mle/nonlinear/change_prior.h"
 #include "mle/nonlinear/distributions.h"
 #include "mle/nonlinear/model_average.h"
@@ -258,13 +259,48 @@ double ChangeStatistic(const std::vector<OutputSetup>& setups,
                         (1.0 - weight) * std::exp(-0.5 * (without - least)));
 }
 
+// The elements of output i that have changed, by Wald's test and then by
+// likelihood, into its rows of `correction`. `fit` takes the values of those
+// that have where a better fit was found than from its own.
+void JudgeElements(const OutputSetup& setup, OutputFit& fit,
+                   const AveragedFits& averaged, int i, double false_alarm,
+                   const OutputErrorOptions& options,
+                   OutputErrorCorrection& correction) {
+  const ElementSelection selection =
+      Select(setup, averaged.average[i], false_alarm);
+  std::vector<bool> named(fit.free.size(), false);
+  int g = 0;
+  for (std::size_t j = 0; j < named.size(); ++j) {
+    if (!fit.free[j]) continue;
+    correction.element_p_values(i, j) = selection.p_values[g];
+    named[j] = correction.change_proposed && selection.changed[g];
+    ++g;
+  }
+  if (std::find(named.begin(), named.end(), true) == named.end()) return;
+  std::vector<AssumedFit> assumed;
+  const double weight = setup.problem->is_integrating() ? 1.0 : averaged.weight;
+  if (weight > 0.0) assumed.push_back({.weight = weight, .fit = &fit});
+  if (weight < 1.0) {
+    assumed.push_back({.weight = 1.0 - weight, .fit = &averaged.without[i]});
+  }
+  const ConfirmedChanges confirmed =
+      ConfirmChanges(setup, assumed, named, false_alarm, options);
+  for (std::size_t j = 0; j < named.size(); ++j) {
+    if (!named[j]) continue;
+    double& p_value = correction.element_p_values(i, j);
+    p_value = std::max(p_value, confirmed.p_values[j]);
+    correction.aged(i, j) = confirmed.changed[j];
+    if (confirmed.changed[j] && confirmed.restarted) {
+      fit.point.values[j] = confirmed.point.values[j];
+    }
+  }
+}
+
 // Test and selection from the full fits.
-void Judge(const std::vector<OutputSetup>& setups,
-           const std::vector<OutputFit>& fits, const AveragedFits& averaged,
-           const OutputErrorOptions& options,
+void Judge(const std::vector<OutputSetup>& setups, std::vector<OutputFit>& fits,
+           const AveragedFits& averaged, const OutputErrorOptions& options,
            OutputErrorCorrection& correction) {
   const int p = static_cast<int>(setups.size());
-  const int m = setups[0].problem->num_elements();
   const bool given = options.change_given || options.start != nullptr;
   correction.degrees_of_freedom = NumFreeParameters(setups, fits);
   if (options.start == nullptr) {
@@ -278,21 +314,14 @@ void Judge(const std::vector<OutputSetup>& setups,
   correction.change_proposed =
       given || correction.p_value < options.false_alarm_probability;
 
+  const double false_alarm =
+      options.false_alarm_probability / NumInformed(setups);
+  ParallelFor(p, options.threads, [&](int i) {
+    JudgeElements(setups[i], fits[i], averaged, i, false_alarm, options,
+                  correction);
+  });
   int smallest_i = 0;
   int smallest_j = 0;
-  for (int i = 0; i < p; ++i) {
-    const ElementSelection selection =
-        Select(setups[i], averaged.average[i],
-               options.false_alarm_probability / NumInformed(setups));
-    int g = 0;
-    for (int j = 0; j < m; ++j) {
-      if (!fits[i].free[j]) continue;
-      correction.element_p_values(i, j) = selection.p_values[g];
-      correction.aged(i, j) =
-          correction.change_proposed && selection.changed[g];
-      ++g;
-    }
-  }
   correction.element_p_values.minCoeff(&smallest_i, &smallest_j);
   // Something has changed: then at least the likeliest element.
   if (correction.change_proposed && !correction.aged.any()) {

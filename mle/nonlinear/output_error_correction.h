@@ -17,7 +17,7 @@
 // Then two questions are answered with a stated probability of a false alarm:
 // has anything changed (χ² of the fit against the initial model), and which
 // elements have (an L1 penalty on each element's change in units of its own
-// uncertainty: output_error_selection.h). Elements that have not keep their
+// uncertainty, then a likelihood ratio). Elements that have not keep their
 // initial values, and the others are fitted once more.
 //
 //   MLE_ASSIGN_OR_RETURN(
@@ -249,8 +249,8 @@ struct OutputErrorCorrection {
   double p_value = 1.0;
   double statistic = 0.0;      // of the fit against the initial model
   int degrees_of_freedom = 0;  // of its χ² distribution
-  // p × m: of each element against its initial values, the others free (Wald's
-  // F test in `full`); 1 where it is not fitted.
+  // p × m: of each element against its initial values, by Wald's F test in
+  // `full` or by likelihood where that p is larger; 1 where it is not fitted.
   Eigen::MatrixXd element_p_values;
   // p × m: whether the element has aged.
   Eigen::Matrix<bool, Eigen::Dynamic, Eigen::Dynamic> aged;

@@ -125,5 +125,39 @@ TEST(InformativeWindowsTest, LongWindowsAreDivided) {
   EXPECT_GT(samples, 2000);
 }
 
+// Short windows are taken together with their neighbours: four of 60 samples
+// make four settling times. The sixth is missing, so that the fifth has only
+// those before it.
+TEST(InformativeWindowsTest, ShortWindowsThatAdjoinAreTakenTogether) {
+  constexpr int kShort = kSamples / 4;
+  RecordData data = DataOf(std::vector<std::pair<int, double>>(10, {0, 1.0}));
+  const SetPointWindow whole = WholeWindow(data.records[0], 0);
+  data.windows.clear();
+  for (int w = 0; w < 40; ++w) {
+    if (w == 5) continue;
+    SetPointWindow& window = data.windows.emplace_back(whole);
+    Cut({.first = w * kShort, .last = (w + 1) * kShort - 1}, window);
+  }
+  ASSERT_TRUE(KeepInformativeWindows(TwoInputs(), 4 * kSamples, data).ok());
+  int samples = 0;
+  int piece = 0;
+  int end = -1;
+  const auto check = [&] {
+    EXPECT_TRUE(piece == 0 || piece >= 4 * kShort) << piece << " to " << end;
+  };
+  for (const SetPointWindow& window : data.windows) {
+    if (window.first_sample != end) {
+      check();
+      piece = 0;
+    }
+    piece += window.record.samples();
+    samples += window.record.samples();
+    end = window.first_sample + window.record.samples();
+  }
+  check();
+  EXPECT_LE(samples, 4 * kSamples);
+  EXPECT_GT(samples, 2 * kSamples);
+}
+
 }  // namespace
 }  // namespace mle

@@ -1,0 +1,65 @@
+// Which of the elements that Wald's test names have changed, by the likelihood
+// of fits in which they have not. Internal to mle/nonlinear.
+//
+// Wald's test measures a change by the curvature at the estimate. Of an element
+// whose lag and dead time the records hardly tell from each other −2 ln L is
+// flat, and far from a quadratic, between the two: where T has come out at a
+// fraction of what it was and L longer by as much, the curvature there calls
+// the same response a change with p = 1e-30. The likelihood ratio compares the
+// responses themselves. With S(A) the squares of the whitened residuals,
+// minimised over K, T and L of the elements in A, all others at their initial
+// values, the element with the smallest
+//
+//   [S(A \ {j}) − S(A)] / r,   χ² with 3 degrees of freedom if j is as it was,
+//
+// leaves A as long as that is below its critical value. Fits begin at the
+// estimate and at the initial values, and the better one counts; the noise is
+// that of the fit with all elements free.
+//
+// Each record has free responses of its own, and as many amplitudes as these
+// are independent: of elements with nearly equal time constants one, where
+// these are moved apart two. What an amplitude more explains of noise is r in
+// each record, so that their difference is added to the degrees of freedom.
+
+#ifndef MLE_NONLINEAR_CHANGE_CONFIRMATION_H_
+#define MLE_NONLINEAR_CHANGE_CONFIRMATION_H_
+
+#include <vector>
+
+#include "mle/nonlinear/output_error_correction.h"
+#include "mle/nonlinear/output_error_problem.h"
+#include "mle/nonlinear/output_error_setup.h"
+#include "mle/nonlinear/output_fit.h"
+
+namespace mle {
+
+// A fit of all elements under one assumption about the noise.
+struct AssumedFit {
+  double weight = 1.0;  // > 0; those of all assumptions add up to 1
+  const OutputFit* fit = nullptr;
+};
+
+struct ConfirmedChanges {
+  std::vector<bool> changed;  // m
+  // m: of each element that was named the likelihood ratio when it left, or the
+  // last; 0 for others.
+  std::vector<double> statistics;
+  std::vector<double> p_values;  // the same, 1 for others
+  // The best fit of what has changed, by the heaviest assumption.
+  OutputPoint point;
+  // Found from the initial values, better than from the estimate by r.
+  bool restarted = false;
+};
+
+// `named` has at least one element. Likelihood ratios under several assumptions
+// are S = −2 ln Σ w exp(−S_w/2), as in the test of no change. An element has
+// changed where p < `false_alarm`.
+ConfirmedChanges ConfirmChanges(const OutputSetup& setup,
+                                const std::vector<AssumedFit>& fits,
+                                const std::vector<bool>& named,
+                                double false_alarm,
+                                const OutputErrorOptions& options);
+
+}  // namespace mle
+
+#endif  // MLE_NONLINEAR_CHANGE_CONFIRMATION_H_

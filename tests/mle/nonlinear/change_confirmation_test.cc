@@ -1,0 +1,179 @@
+#include "mle/nonlinear/change_confirmation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "gtest/gtest.h"
+#include "mle/nonlinear/distributions.h"
+#include "mle/nonlinear/output_error_setup.h"
+#include "mle/nonlinear/output_fit.h"
+#include "tests/mle/nonlinear/output_error_records.h"
+
+namespace mle {
+namespace {
+
+constexpr double kLevel = 1e-3;
+
+// The output of `model` set up for records of `plant`, all elements fitted.
+struct Fitted {
+  std::vector<OutputSetup> setups;
+  OutputFit fit;
+
+  const OutputSetup& setup() const { return setups[0]; }
+  ConfirmedChanges Confirm(const std::vector<bool>& named) const {
+    return ConfirmChanges(setup(), {{.weight = 1.0, .fit = &fit}}, named,
+                          kLevel, {});
+  }
+  double Squares(const OutputPoint& point) const {
+    const OutputErrorProblem& problem = *setup().problem;
+    const NoiseShape shape = ShapeOf(fit.noise);
+    return problem.Whiten(problem.Linearise(point, shape, {}), shape)
+        .residuals.squaredNorm();
+  }
+};
+
+Fitted FitTo(const ProcessModel& model, const std::vector<Record>& records) {
+  auto setups = SetUpOutputs(model, records, {});
+  EXPECT_TRUE(setups.ok()) << setups.status();
+  Fitted fitted{*std::move(setups), {}};
+  const OutputSetup& setup = fitted.setup();
+  fitted.fit =
+      FitOutput(*setup.problem, setup.start, {true, true}, setup.bounds, {});
+  return fitted;
+}
+
+TEST(ChangeConfirmationTest, NoiseConfirmsNothing) {
+  const ProcessModel model = TwoElements();
+  int confirmed = 0;
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    const Fitted fitted =
+        FitTo(model, MakeRecords(model, 400, seed, {.variance = 0.01}));
+    const ConfirmedChanges changes = fitted.Confirm({true, true});
+    for (int j = 0; j < 2; ++j) {
+      confirmed += changes.changed[j] ? 1 : 0;
+      EXPECT_EQ(changes.changed[j], changes.p_values[j] < kLevel);
+      if (changes.changed[j]) continue;
+      EXPECT_EQ(changes.point.values[j].gain,
+                fitted.setup().start.values[j].gain);
+    }
+  }
+  // 20 tests at 0.001.
+  EXPECT_LE(confirmed, 1);
+}
+
+TEST(ChangeConfirmationTest, WhatHasChangedStays) {
+  const ProcessModel model = TwoElements();
+  ProcessModel plant = model;
+  plant.element(0, 0) = TransferFunction::FirstOrder(2.2, 4.0, 1.0);
+  const Fitted fitted =
+      FitTo(model, MakeRecords(plant, 400, 3, {.variance = 0.01}));
+  const ConfirmedChanges changes = fitted.Confirm({true, true});
+  EXPECT_TRUE(changes.changed[0]);
+  EXPECT_FALSE(changes.changed[1]);
+  EXPECT_NEAR(changes.point.values[0].gain, 2.2, 0.05);
+  EXPECT_EQ(changes.point.values[1].gain, -3.0);
+  // The likelihood ratio against the initial model.
+  const double r = fitted.fit.noise.variance * fitted.fit.inflation.statistic;
+  const double ratio =
+      (fitted.Squares(fitted.setup().start) - fitted.Squares(changes.point)) /
+      r;
+  EXPECT_NEAR(changes.statistics[0], ratio, 1e-9 * ratio);
+}
+
+// What is not named is asked nothing.
+TEST(ChangeConfirmationTest, OthersStayAsTheyWere) {
+  const ProcessModel model = TwoElements();
+  ProcessModel plant = model;
+  plant.element(0, 0) = TransferFunction::FirstOrder(2.2, 4.0, 1.0);
+  const Fitted fitted =
+      FitTo(model, MakeRecords(plant, 400, 3, {.variance = 0.01}));
+  const ConfirmedChanges changes = fitted.Confirm({true, false});
+  EXPECT_EQ(changes.changed, (std::vector<bool>{true, false}));
+  EXPECT_EQ(changes.statistics[1], 0.0);
+  EXPECT_EQ(changes.p_values[1], 1.0);
+}
+
+// A fit that has ended beside the minimum, with an error that calls it a
+// change: from the initial values a better one is found, and nothing is gained.
+TEST(ChangeConfirmationTest, AnEstimateBesideTheMinimumIsNoChange) {
+  const ProcessModel model = TwoElements();
+  Fitted fitted = FitTo(model, MakeRecords(model, 400, 5, {.variance = 0.01}));
+  ElementValues& values = fitted.fit.point.values[1];
+  values.delay += 0.9 * values.time_scale;
+  values.time_scale *= 0.1;
+  fitted.fit.point.SetCells(fitted.setup().problem->sample_time());
+  const ConfirmedChanges changes = fitted.Confirm({false, true});
+  EXPECT_FALSE(changes.changed[1]);
+  EXPECT_GT(changes.p_values[1], kLevel);
+}
+
+// The same beside an element that has changed: the better fit is found.
+TEST(ChangeConfirmationTest, ABetterFitIsFoundFromTheInitialValues) {
+  const ProcessModel model = TwoElements();
+  ProcessModel plant = model;
+  plant.element(0, 1) = TransferFunction::FirstOrder(-3.6, 6.0, 2.3);
+  Fitted fitted = FitTo(model, MakeRecords(plant, 400, 5, {.variance = 0.01}));
+  EXPECT_FALSE(fitted.Confirm({false, true}).restarted);
+  const OutputSetup& setup = fitted.setup();
+  ElementValues& values = fitted.fit.point.values[1];
+  values = {.gain = -0.5,
+            .time_scale = setup.bounds.min_time_scales[1],
+            .delay = 0.0};
+  fitted.fit.point.SetCells(setup.problem->sample_time());
+  const ConfirmedChanges changes = fitted.Confirm({false, true});
+  EXPECT_TRUE(changes.changed[1]);
+  EXPECT_NEAR(changes.point.values[1].gain, -3.6, 0.1);
+  EXPECT_NEAR(changes.point.values[1].time_scale, 6.0, 0.5);
+}
+
+// Equal time constants have one free response between them in each record. A
+// fit that moves them apart has one more in each, which explains noise.
+TEST(ChangeConfirmationTest, FreeResponsesOfManyRecordsAreNoChange) {
+  ProcessModel model = MakeModel(1, 2);
+  model.element(0, 0) = TransferFunction::FirstOrder(2.0, 4.0, 1.0);
+  model.element(0, 1) = TransferFunction::FirstOrder(-3.0, 4.0, 1.5);
+  std::vector<Record> records;
+  for (unsigned r = 0; r < 40; ++r) {
+    records.push_back(MakeRecord(model, 120, 700 + r, {.variance = 0.01}));
+  }
+  const Fitted fitted = FitTo(model, records);
+  const ConfirmedChanges changes = fitted.Confirm({true, true});
+  EXPECT_EQ(changes.changed, (std::vector<bool>{false, false}));
+  // The ratio is one that three degrees of freedom would not have explained.
+  double largest = 0.0;
+  for (const double statistic : changes.statistics) {
+    largest = std::max(largest, statistic);
+  }
+  EXPECT_LT(ChiSquareTail(largest, 3.0), kLevel);
+}
+
+// Of two assumptions that are the same the ratio is that of either.
+TEST(ChangeConfirmationTest, AssumptionsAreAveraged) {
+  const ProcessModel model = TwoElements();
+  ProcessModel plant = model;
+  plant.element(0, 1) = TransferFunction::FirstOrder(-3.1, 6.0, 2.3);
+  const Fitted fitted =
+      FitTo(model, MakeRecords(plant, 400, 4, {.variance = 0.01}));
+  const ConfirmedChanges one = fitted.Confirm({false, true});
+  const ConfirmedChanges two =
+      ConfirmChanges(fitted.setup(),
+                     {{.weight = 0.3, .fit = &fitted.fit},
+                      {.weight = 0.7, .fit = &fitted.fit}},
+                     {false, true}, kLevel, {});
+  EXPECT_NEAR(two.statistics[1], one.statistics[1], 1e-9 * one.statistics[1]);
+  // Under ten times the noise a tenth of it is left, which bounds the average.
+  OutputFit noisy = fitted.fit;
+  noisy.noise.variance *= 10.0;
+  const ConfirmedChanges mixed = ConfirmChanges(
+      fitted.setup(),
+      {{.weight = 0.5, .fit = &fitted.fit}, {.weight = 0.5, .fit = &noisy}},
+      {false, true}, kLevel, {});
+  EXPECT_NEAR(mixed.statistics[1],
+              0.1 * one.statistics[1] + 2.0 * std::log(2.0),
+              1e-3 * one.statistics[1]);
+}
+
+}  // namespace
+}  // namespace mle
