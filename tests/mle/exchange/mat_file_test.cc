@@ -168,7 +168,7 @@ TEST(MatFile, SizesThatTheFileDoesNotHaveAreDamage) {
     damaged[place - 9] = 0x10;
     EXPECT_THAT(
         std::string(
-            ReadModelFile(Written("damaged.mat", damaged)).status().message()),
+            ReadModelFile(Written("sizes.mat", damaged)).status().message()),
         HasSubstr("damaged"))
         << name;
   }
