@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "apps/common/command_line.h"
@@ -14,6 +15,7 @@
 #include "apps/correct/console.h"
 #include "apps/correct/data_sources.h"
 #include "apps/correct/outputs.h"
+#include "apps/correct/proposed_tags.h"
 #include "apps/correct/result.h"
 #include "apps/correct/result_files.h"
 #include "mle/base/file.h"
@@ -48,16 +50,24 @@ int Propose(const correct::Request& request,
       !status.ok()) {
     return Fail(WithPrefix(status, "--propose_tags: "));
   }
-  int mapped = 0;
-  for (const TagProposal& proposal : *proposals) {
-    if (!proposal.channel.empty()) ++mapped;
-  }
-  std::cout << request.propose_tags << ": a channel is proposed for " << mapped
-            << " of " << proposals->size()
-            << " columns. Check each line, complete channel, scale and offset, "
-               "and use the file with --tag_file="
-            << request.propose_tags << " --ignore_other_columns.\n";
+  std::cout << correct::DescribeProposals(*proposals, request.model,
+                                          request.propose_tags);
   return kExitDone;
+}
+
+// With what helps where columns have other names than the channels.
+absl::Status OnReading(const absl::Status& status,
+                       const correct::Request& request) {
+  std::string more;
+  if (absl::StrContains(OptionOf(status), "tags") && request.tags.empty() &&
+      request.tag_file.empty()) {
+    more =
+        ". --propose_tags=tags.csv writes a file of the columns, to be "
+        "completed and given as --tag_file";
+  }
+  return absl::Status(
+      status.code(),
+      absl::StrCat("--data: ", correct::NameFlags(status).message(), more));
 }
 
 bool ShowStage(const RunProgress& progress) {
@@ -90,9 +100,7 @@ int Main(correct::Request& request, OptionTable& table) {
       LoadSources(sources->sources(), request.model, request.import,
                   request.options.records);
   if (!data.ok()) {
-    return Fail(absl::Status(
-        data.status().code(),
-        absl::StrCat("--data: ", correct::NameFlags(data.status()).message())));
+    return Fail(OnReading(data.status(), request));
   }
   if (request.dry_run) {
     EndStatus();

@@ -141,7 +141,7 @@ void AddMissingInformation(const Result& result,
         "The records do not determine the gain of ",
         absl::StrJoin(unknown, ", "),
         ": the input hardly moves, or only together with other inputs. The "
-        "initial model is kept there unless a change is significant."));
+        "controller's model is kept there unless a change is significant."));
   }
   if (!weak.empty()) {
     const auto windows = static_cast<double>(result.data.windows.size());
@@ -172,6 +172,8 @@ void AddDoubts(const Result& result, std::vector<std::string>& advice) {
 
 void AddWhatTheModelLacks(const Result& result,
                           std::vector<std::string>& advice) {
+  // Other channels, units or times explain all of them.
+  if (!result.data.obstacles.empty()) return;
   std::vector<std::string> pairs;
   const ProcessModel& model = result.initial;
   for (int i = 0; i < model.num_outputs(); ++i) {
@@ -243,7 +245,8 @@ Tuning AdviseTuning(const Result& result) {
       result.request.controller_known()
           ? "Controller tuning, from the tuning given by the flags to the "
             "tuning for the corrected model:"
-          : "Controller tuning by published rules, from the initial model to "
+          : "Controller tuning by published rules, from the controller's model "
+            "to "
             "the corrected model. The controller's own tuning was not given "
             "(--control_period and others).";
   tuning.reasons = *reasons;

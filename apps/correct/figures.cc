@@ -39,7 +39,7 @@ NamedFigure MismatchFigure(const Result& result) {
   const int m = model.num_inputs();
   NamedFigure named = NewFigure(
       "mismatch_map",
-      "Mismatch by element: changes, and the p-value of the element's initial "
+      "Mismatch by element: changes, and the p-value of the controller's "
       "values. White: kept. The darker, the larger the relative change of the "
       "step response; half or more is darkest.",
       p, 1, kCellHeightCm);
@@ -118,7 +118,7 @@ NamedFigure AutocorrelationFigure(const Result& result) {
                Times(sample_time, sample_time, report.autocorrelation.size()),
                ToVector(report.autocorrelation), panel);
     };
-    add(Role::kInitial, "initial model", result.initial_residuals[i]);
+    add(Role::kInitial, "controller's model", result.initial_residuals[i]);
     if (result.accepted()) {
       add(Role::kCorrected, "corrected", result.corrected_residuals[i]);
     }
@@ -147,7 +147,8 @@ NamedFigure CrossCorrelationFigure(const Result& result) {
           ToVector(input.values), panel);
     };
     const InputCorrelation& corrected = result.corrected_residuals[i].inputs[j];
-    add(Role::kInitial, "initial model", result.initial_residuals[i].inputs[j]);
+    add(Role::kInitial, "controller's model",
+        result.initial_residuals[i].inputs[j]);
     if (result.accepted()) add(Role::kCorrected, "corrected", corrected);
     AddLimits(corrected.limit, panel);
     panel.lines.push_back(VerticalLine(Role::kReference, "", 0.0));

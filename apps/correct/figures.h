@@ -3,6 +3,8 @@
 #ifndef APPS_CORRECT_FIGURES_H_
 #define APPS_CORRECT_FIGURES_H_
 
+#include <array>
+#include <string_view>
 #include <vector>
 
 #include "apps/correct/result.h"
@@ -12,8 +14,9 @@ namespace mle::correct {
 
 // By their names:
 //
-//   step_responses     a panel for each pair that is not zero: initial,
-//                      corrected with its band, true where it is known
+//   step_responses     a panel for each pair that is not zero: the
+//                      controller's model, the corrected one with its band,
+//                      true where it is known
 //   changed_responses  the same of the pairs that have changed most; only where
 //                      something was corrected
 //   control            a panel for each output: its set point followed with the
@@ -28,6 +31,12 @@ namespace mle::correct {
 //   cross_correlation  a panel for each pair: errors against inputs over the
 //   lag
 std::vector<report::NamedFigure> MakeFigures(const Result& result);
+
+// All names that a figure may have.
+inline constexpr std::array<std::string_view, 9> kFigureNames = {
+    "step_responses",   "changed_responses", "control",
+    "mismatch_map",     "records",           "predictions",
+    "loss_over_lambda", "autocorrelation",   "cross_correlation"};
 
 }  // namespace mle::correct
 

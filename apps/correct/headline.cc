@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "apps/correct/verdict.h"
 #include "apps/report/number.h"
 
@@ -33,9 +34,9 @@ std::string DescribeElement(const ElementEstimate& element,
                             const std::string& time_unit) {
   if (HasMoved(element.gain) && element.gain.initial != 0.0) {
     const double ratio = element.gain.value / element.gain.initial;
-    return absl::StrCat(
-        "Gain of ", pair, " ",
-        ratio < 0.0 ? "changed its sign" : DescribeRatio(ratio));
+    return absl::StrCat("Gain of ", pair, " ",
+                        ratio < 0.0 ? "has the other sign in the records"
+                                    : DescribeRatio(ratio));
   }
   if (HasMoved(element.time_scale)) {
     return absl::StrCat(
@@ -64,11 +65,42 @@ std::string DescribeChange(const Result& result, int output, int input) {
       " %");
 }
 
+// "C ← D and E ← F", "C ← D, E ← F and 3 more": those after the first.
+std::string OtherPairs(const Result& result,
+                       const std::vector<ElementChange>& changes) {
+  constexpr std::size_t kNamed = 2;
+  std::vector<std::string> names;
+  for (std::size_t k = 1; k < changes.size() && names.size() < kNamed; ++k) {
+    names.push_back(
+        PairName(result.initial, changes[k].output, changes[k].input));
+  }
+  const std::size_t more = changes.size() - 1 - names.size();
+  if (more > 0) {
+    return absl::StrCat(absl::StrJoin(names, ", "), " and ", more, " more");
+  }
+  return absl::StrJoin(names, " and ");
+}
+
 std::string Counted(std::size_t count, const char* one, const char* many) {
   return absl::StrCat(count, " ", count == 1 ? one : many);
 }
 
+// Without its full stop.
+std::string_view FirstSentence(std::string_view text) {
+  const std::size_t end = text.find(". ");
+  if (end != std::string_view::npos) return text.substr(0, end);
+  if (text.ends_with('.')) text.remove_suffix(1);
+  return text;
+}
+
 }  // namespace
+
+const Message* Mistake(const Result& result) {
+  for (const Message& obstacle : result.data.obstacles) {
+    if (obstacle.code == MessageCode::kMistake) return &obstacle;
+  }
+  return nullptr;
+}
 
 std::vector<ElementChange> ElementChanges(const Result& result) {
   std::vector<ElementChange> changes;
@@ -91,8 +123,11 @@ std::string Headline(const Result& result) {
   if (!result.failures.empty()) return "The result is not usable";
   switch (result.decision) {
     case Decision::kNoChange:
-      return "The model in the controller still describes the plant";
+      return "The controller's model still describes the plant";
     case Decision::kCannotTell:
+      if (const Message* mistake = Mistake(result)) {
+        return std::string(FirstSentence(mistake->text));
+      }
       return "Whether the model has aged cannot be told from these records";
     case Decision::kCorrected:
       break;
@@ -100,10 +135,23 @@ std::string Headline(const Result& result) {
   const std::vector<ElementChange> changes = ElementChanges(result);
   if (changes.empty()) return "The model has changed";
   if (changes.size() == 1) return changes[0].text;
-  return absl::StrCat(
-      changes[0].text, "; ",
-      Counted(changes.size() - 1, "other element has", "other elements have"),
-      " changed");
+  return absl::StrCat(changes[0].text, "; also ", OtherPairs(result, changes),
+                      " changed");
+}
+
+std::string SignNote(const Result& result) {
+  if (!result.accepted() || !result.corrected.process.has_value()) return "";
+  for (const ElementChange& change : ElementChanges(result)) {
+    const ParameterEstimate& gain = result.estimate.fit.output_error.corrected
+                                        .element(change.output, change.input)
+                                        .gain;
+    if (!HasMoved(gain) || !(gain.value * gain.initial < 0.0)) continue;
+    return absl::StrCat(
+        "Ageing hardly turns a sign: check whether that of ",
+        PairName(result.initial, change.output, change.input),
+        " was mistyped in the controller's model, or is turned in a tag.");
+  }
+  return "";
 }
 
 std::string Instruction(const Result& result) {
@@ -114,19 +162,31 @@ std::string Instruction(const Result& result) {
     case Decision::kNoChange:
       return "Keep the controller's model.";
     case Decision::kCannotTell:
-      return "Keep the controller's model for now.";
+      return Mistake(result) != nullptr
+                 ? "Keep the controller's model for now: mend this, and run "
+                   "again."
+                 : "Keep the controller's model for now.";
     case Decision::kCorrected:
       return "Use the corrected model in the controller.";
   }
   return "";
 }
 
+std::string ReasonBesideHeadline(const Result& result) {
+  if (result.decision == Decision::kCorrected) return "";
+  const Message* const mistake = Mistake(result);
+  if (mistake == nullptr) return MainReason(result);
+  std::string_view rest = mistake->text;
+  rest.remove_prefix(FirstSentence(rest).size());
+  rest.remove_prefix(std::min(rest.find_first_not_of(". "), rest.size()));
+  return std::string(rest);
+}
+
 std::vector<std::string> ShortVerdict(const Result& result) {
   std::vector<std::string> lines = {Instruction(result),
                                     absl::StrCat(Headline(result), ".")};
-  if (std::string reason = MainReason(result);
-      result.decision != Decision::kCorrected && !reason.empty()) {
-    lines.push_back(std::move(reason));
+  for (std::string line : {ReasonBesideHeadline(result), SignNote(result)}) {
+    if (!line.empty()) lines.push_back(std::move(line));
   }
   if (std::string worth = WhatItIsWorth(result); !worth.empty()) {
     lines.push_back(std::move(worth));

@@ -23,9 +23,18 @@ struct ElementChange {
 // corrected.
 std::vector<ElementChange> ElementChanges(const Result& result);
 
-// What happened to the model: the largest change and how many others there are,
-// that it is unchanged, or that this cannot be told.
+// The mistake of an operator for which nothing was estimated; null: none.
+const Message* Mistake(const Result& result);
+
+// What happened to the model: the largest change and which others there are,
+// that it is unchanged, that this cannot be told, or the mistake to be mended.
 std::string Headline(const Result& result);
+
+// The main reason where nothing is corrected, without what the headline says.
+std::string ReasonBesideHeadline(const Result& result);
+
+// Where a gain has turned its sign: what that may be. Otherwise empty.
+std::string SignNote(const Result& result);
 
 // What to do with the controller's model.
 std::string Instruction(const Result& result);

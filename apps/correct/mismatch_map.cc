@@ -13,29 +13,41 @@ namespace {
 
 using report::FormatSignificant;
 
-std::string Ratio(const char* name, const ParameterEstimate& estimate) {
-  return absl::StrCat(name, " × ",
-                      FormatSignificant(estimate.value / estimate.initial, 3));
+// " ± 0.012", of the ratio or the value itself.
+std::string HalfInterval(const ParameterEstimate& estimate, double unit) {
+  const double half = std::abs(0.5 * (estimate.upper - estimate.lower) / unit);
+  return std::isfinite(half) && half > 0.0
+             ? absl::StrCat(" ± ", FormatSignificant(half, 2))
+             : "";
 }
 
-std::string Shift(const ParameterEstimate& delay, const std::string& unit) {
+std::string Ratio(const char* name, const ParameterEstimate& estimate,
+                  bool interval) {
+  return absl::StrCat(name, " × ",
+                      FormatSignificant(estimate.value / estimate.initial, 3),
+                      interval ? HalfInterval(estimate, estimate.initial) : "");
+}
+
+std::string Shift(const ParameterEstimate& delay, const std::string& unit,
+                  bool interval) {
   const double shift = delay.value - delay.initial;
   return absl::StrCat("dead time ", shift < 0.0 ? "−" : "+",
-                      FormatSignificant(std::abs(shift), 3), " ", unit);
+                      FormatSignificant(std::abs(shift), 3),
+                      interval ? HalfInterval(delay, 1.0) : "", " ", unit);
 }
 
 // Only what left the interval of the initial value.
 std::vector<std::string> Changes(const ElementEstimate& element,
-                                 const std::string& time_unit) {
+                                 const std::string& time_unit, bool intervals) {
   std::vector<std::string> lines;
   if (HasMoved(element.gain) && element.gain.initial != 0.0) {
-    lines.push_back(Ratio("gain", element.gain));
+    lines.push_back(Ratio("gain", element.gain, intervals));
   }
   if (HasMoved(element.time_scale)) {
-    lines.push_back(Ratio("time const.", element.time_scale));
+    lines.push_back(Ratio("time const.", element.time_scale, intervals));
   }
   if (HasMoved(element.delay)) {
-    lines.push_back(Shift(element.delay, time_unit));
+    lines.push_back(Shift(element.delay, time_unit, intervals));
   }
   if (lines.empty()) lines.emplace_back("changed");
   return lines;
@@ -68,7 +80,9 @@ std::string DescribePair(const Result& result, int output, int input) {
     case PairState::kAbsent:
       return "–";
     case PairState::kNotInformed:
-      return "not known: the input hardly moves by itself";
+      return result.data.obstacles.empty()
+                 ? "not known: the records do not determine it"
+                 : "not estimated";
     case PairState::kWeak:
     case PairState::kInformed:
       break;
@@ -78,13 +92,14 @@ std::string DescribePair(const Result& result, int output, int input) {
     return absl::StrJoin(
         Changes(
             result.estimate.fit.output_error.corrected.element(output, input),
-            result.initial.time_unit()),
+            result.initial.time_unit(), true),
         ", ");
   }
   const ElementEstimate& proposed = result.proposed.element(output, input);
   if (IsProposed(proposed)) {
     return absl::StrCat(
-        absl::StrJoin(Changes(proposed, result.initial.time_unit()), ", "),
+        absl::StrJoin(Changes(proposed, result.initial.time_unit(), true),
+                      ", "),
         ": not validated");
   }
   const bool weak =
@@ -114,6 +129,13 @@ report::Table ChangeMap(const Result& result) {
   return table;
 }
 
+std::string WhyNotEstimated(const Result& result) {
+  if (result.data.obstacles.empty()) return "";
+  const std::string& why = result.data.obstacles.front().text;
+  return absl::StrCat("Not estimated, because: ", why.substr(0, why.find(". ")),
+                      why.find(". ") == std::string::npos ? "" : ".");
+}
+
 std::vector<std::string> DescribeMismatch(const Result& result, int output,
                                           int input) {
   const OutputErrorCorrection& output_error = result.estimate.fit.output_error;
@@ -128,7 +150,7 @@ std::vector<std::string> DescribeMismatch(const Result& result, int output,
     lines.emplace_back("kept");
   } else if (by_structure) {
     lines = Changes(output_error.corrected.element(output, input),
-                    result.initial.time_unit());
+                    result.initial.time_unit(), false);
   } else {
     lines.push_back(absl::StrCat(
         "response by ",
@@ -151,8 +173,7 @@ report::Table MismatchTable(const Result& result) {
   const ProcessModel& model = result.initial;
   report::Table table;
   table.caption =
-      "Mismatch by element: changes, and p-value of the element's initial "
-      "values";
+      "Mismatch by element: changes, and p-value of the controller's values";
   table.columns = {{"output ← input", report::Align::kLeft}};
   for (const InputChannel& input : model.inputs()) {
     table.columns.push_back({input.name, report::Align::kCenter});

@@ -23,6 +23,9 @@ report::Table MismatchTable(const Result& result);
 // the ground the darker the larger the change of the step response.
 report::Table ChangeMap(const Result& result);
 
+// Below the map, why its cells are not estimated; empty where they are.
+std::string WhyNotEstimated(const Result& result);
+
 }  // namespace mle::correct
 
 #endif  // APPS_CORRECT_MISMATCH_MAP_H_

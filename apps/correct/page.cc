@@ -83,9 +83,8 @@ void SetVerdict(const Result& result, HtmlPage& page) {
   report::Verdict verdict = {
       BadgeOf(result), LabelOf(result), Headline(result), {}};
   verdict.sentences.push_back(Instruction(result));
-  if (result.decision != Decision::kCorrected) {
-    verdict.sentences.push_back(MainReason(result));
-  }
+  verdict.sentences.push_back(ReasonBesideHeadline(result));
+  verdict.sentences.push_back(SignNote(result));
   verdict.sentences.push_back(WhatItIsWorth(result));
   verdict.sentences.push_back(
       absl::StrCat(WhenMade(result), " ", IntervalNote(result)));
@@ -110,6 +109,9 @@ void AddWarnings(const Result& result, HtmlPage& page) {
 void AddChanges(const Result& result, const Figures& figures, HtmlPage& page) {
   page.AddHeading("What has changed");
   page.AddTable(ChangeMap(result));
+  if (const std::string why = WhyNotEstimated(result); !why.empty()) {
+    page.AddParagraph(why);
+  }
   if (result.request.last.has_value()) AddSinceLastRun(result, page);
   AddFigure(figures, "changed_responses", page);
   if (HasFigure(figures, "step_responses")) {
@@ -148,7 +150,12 @@ void AddForTheController(const Result& result, HtmlPage& page) {
   } else {
     page.AddHeading("What to type into the controller");
   }
-  page.AddTableToCopy(ControllerTable(result));
+  page.AddTableToCopy(ControllerTable(result, true),
+                      ControllerTable(result, false));
+  if (const std::string where = WhereFirstOrderIsNotNear(result);
+      !where.empty()) {
+    page.AddParagraph(where);
+  }
   if (result.accepted()) page.OpenFold("The same as files");
   page.AddFiles(FilesOf(result));
   page.CloseFold();
@@ -173,8 +180,8 @@ void AddControl(const Result& result, const Figures& figures, HtmlPage& page) {
                        ErrorChange(100.0 * (step.error_ratio - 1.0))));
     }
     page.AddParagraph(absl::StrCat(
-        "Squared control error of a set-point step with the corrected model in "
-        "the controller instead of the present one, on a plant that is as the "
+        "Squared control error of a set-point step with the corrected model "
+        "instead of the controller's model, on a plant that is as the "
         "corrected model says: ",
         absl::StrJoin(changes, ", "), "."));
   } else {
@@ -233,8 +240,8 @@ void AddElements(const Result& result, HtmlPage& page) {
   page.AddTable(ParameterTable(result));
   page.AddParagraph(
       "“Weak”: the expected standard error of the gain is above 10 %, “not "
-      "informed”: above 50 %. Such elements keep the initial model unless a "
-      "change is significant.");
+      "informed”: above 50 %. Such elements keep the controller's model unless "
+      "a change is significant.");
   page.AddTable(FopdtTable(result));
   if (!result.corrected.process.has_value()) {
     page.AddParagraph(
@@ -289,10 +296,11 @@ void AddValidation(const Result& result, const Figures& figures,
 void AddTrust(const Result& result, const Figures& figures, HtmlPage& page) {
   page.AddHeading("How far it can be trusted");
   page.AddTable(FitTable(result));
-  // The first says what to do, which the page has said.
-  if (result.advice.size() > 1) {
-    page.AddList({result.advice.begin() + 1, result.advice.end()});
-  }
+  // The first says what to do, which the page has said, as the main reason.
+  std::vector<std::string> advice = result.advice;
+  if (!advice.empty()) advice.erase(advice.begin());
+  std::erase(advice, MainReason(result));
+  if (!advice.empty()) page.AddList(advice);
   page.OpenFold("What the verdict rests on");
   page.AddList(result.verdict);
   page.AddList(Sentences(result.findings));

@@ -219,7 +219,7 @@ report::NamedFigure PredictionFigure(const Result& result) {
                     }),
                panel);
     };
-    add(Role::kInitial, "initial model", fit.initial);
+    add(Role::kInitial, "controller's model", fit.initial);
     if (result.accepted()) add(Role::kCorrected, "corrected", fit.corrected);
     for (std::size_t n = 1; n < strip.starts.size(); ++n) {
       panel.lines.push_back(

@@ -316,13 +316,13 @@ absl::Status ParseTags(const std::vector<std::string>& tags,
                        const std::string& tag_file, const ProcessModel& model,
                        ColumnOptions& columns) {
   if (!tag_file.empty()) {
-    absl::StatusOr<std::vector<TagMapping>> mapped =
-        ReadTagFile(tag_file, model);
+    absl::StatusOr<TagTable> mapped = ReadTagFile(tag_file, model);
     if (!mapped.ok()) {
       return absl::InvalidArgumentError(
           absl::StrCat("--tag_file: ", mapped.status().message()));
     }
-    columns.tags = *std::move(mapped);
+    columns.tags = std::move(mapped->tags);
+    columns.unused_tags = std::move(mapped->unused);
   }
   for (const std::string& text : tags) {
     MLE_ASSIGN_OR_RETURN(TagMapping mapping, ParseTag(text, model));

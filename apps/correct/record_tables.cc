@@ -142,10 +142,11 @@ Table WindowTable(const RecordData& data, const ProcessModel& model) {
   const TimeNames times = data.Times(model);
   Table table;
   table.caption = "Windows around set-point changes";
+  table.stacked = true;
   table.columns = {{"window"},
                    {absl::StrCat("from (", TimeUnit(data, model), ")")},
                    {"to"},
-                   {"samples"},
+                   {absl::StrCat("length (", model.time_unit(), ")")},
                    {"set-point changes", Align::kLeft},
                    {"remarks", Align::kLeft}};
   for (std::size_t w = 0; w < data.windows.size(); ++w) {
@@ -163,7 +164,7 @@ Table WindowTable(const RecordData& data, const ProcessModel& model) {
     }
     table.AddRow({absl::StrCat(w + 1), times.Short(BeginOf(window)),
                   times.Short(EndOf(window)),
-                  FormatInteger(window.record.samples()),
+                  FormatSignificant(EndOf(window) - BeginOf(window), 4),
                   absl::StrJoin(changes, ", "), absl::StrJoin(remarks, ", ")});
   }
   return table;

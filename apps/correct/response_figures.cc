@@ -74,7 +74,7 @@ void AddResponses(const Result& result, const Pair& pair, Panel& panel) {
       corrected.upper = ToVector(middle + half);
     }
   }
-  add(Role::kInitial, "initial model", result.initial_response);
+  add(Role::kInitial, "controller's model", result.initial_response);
 }
 
 NamedFigure ResponsesOf(const Result& result, const std::string& name,
@@ -131,7 +131,7 @@ NamedFigure StepResponseFigure(const Result& result) {
   }
   return ResponsesOf(result, "step_responses",
                      "Response of each output to a unit step of each input: "
-                     "the initial model and the model written, with a "
+                     "the controller's model and the model written, with a "
                      "confidence band where available. Pairs without a "
                      "response are left out.",
                      pairs);
@@ -169,8 +169,7 @@ std::optional<NamedFigure> ControlFigure(const Result& result) {
                        : absl::StrCat("the ", shown,
                                       " set points whose control error changes "
                                       "most"),
-                   ", with the initial and the corrected model in the "
-                   "controller, ",
+                   ", with the controller's and the corrected model, ",
                    result.loops->told
                        ? "tuned as told."
                        : "tuned by published rules, because its own tuning "
@@ -192,7 +191,7 @@ std::optional<NamedFigure> ControlFigure(const Result& result) {
         .steps = true;
     AddCurve(Role::kCorrected, "with the corrected model", time,
              ToVector(step.after.outputs.row(step.output)), panel);
-    AddCurve(Role::kInitial, "with the initial model", time,
+    AddCurve(Role::kInitial, "with the controller's model", time,
              ToVector(step.before.outputs.row(step.output)), panel);
   }
   return named;

@@ -1,5 +1,7 @@
 #include "apps/correct/result_files.h"
 
+#include <algorithm>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -12,6 +14,26 @@
 #include "mle/exchange/mat_file.h"
 
 namespace mle::correct {
+namespace {
+
+// Names that pictures may have and none of `files` has: there may be some of a
+// former run.
+std::vector<std::string> OtherPictures(
+    const std::vector<std::pair<std::string, std::string>>& files) {
+  std::vector<std::string> others;
+  for (const std::string_view figure : kFigureNames) {
+    for (const char* const extension : {".svg", ".png", ".pdf"}) {
+      std::string name = std::string(figure).append(extension);
+      const bool written =
+          std::any_of(files.begin(), files.end(),
+                      [&](const auto& file) { return file.first == name; });
+      if (!written) others.push_back(std::move(name));
+    }
+  }
+  return others;
+}
+
+}  // namespace
 
 absl::Status WriteResult(const Result& result, const std::string& json,
                          const report::RunAgain& again) {
@@ -46,7 +68,8 @@ absl::Status WriteResult(const Result& result, const std::string& json,
         FormatCorrected(result.request.model_file, result.model));
     files.emplace_back(given_name, std::move(as_given.text));
   }
-  std::vector<std::string> obsolete = report::AddPictures(figures, files);
+  report::AddPictures(figures, files);
+  std::vector<std::string> obsolete = OtherPictures(files);
   // Those of a former run would be of another model.
   if (!arx) obsolete.emplace_back("arx.json");
   if (!state_space) obsolete.emplace_back("state_space.json");

@@ -56,6 +56,36 @@ std::string SlopeMark(const FopdtElement& element) {
   return element.integrating ? " (slope)" : "";
 }
 
+// What has moved of a changed element, as it was. Where first order is only
+// near, it stretches with the element's own time scale.
+std::vector<std::string> Before(const Result& result, int output, int input) {
+  const TransferFunction& given = result.initial.element(output, input);
+  const FopdtElement& now =
+      result.fopdt[output * result.initial.num_inputs() + input];
+  const ElementEstimate& element =
+      result.estimate.fit.output_error.corrected.element(output, input);
+  const double stretch =
+      element.time_scale.value > 0.0
+          ? element.time_scale.initial / element.time_scale.value
+          : 1.0;
+  std::vector<std::string> before;
+  const auto add = [&](const char* name, bool moved, double value) {
+    if (!moved) return;
+    before.push_back(absl::StrCat(name, " ", FormatSignificant(value, 4)));
+  };
+  const bool is_near = !given.IsFirstOrder() && !given.IsIntegrating();
+  add("gain", HasMoved(element.gain), element.gain.initial);
+  add("time constant", HasMoved(element.time_scale),
+      is_near ? now.time_constant * stretch : element.time_scale.initial);
+  add("dead time",
+      HasMoved(element.delay) || (is_near && HasMoved(element.time_scale)),
+      is_near
+          ? element.delay.initial + (now.delay - element.delay.value) * stretch
+          : element.delay.initial);
+  if (before.empty()) before.emplace_back("another response");
+  return before;
+}
+
 }  // namespace
 
 Table ParameterTable(const Result& result) {
@@ -66,7 +96,7 @@ Table ParameterTable(const Result& result) {
   table.caption = absl::StrCat("Elements; times in ", model.time_unit());
   table.columns = {{"element", Align::kLeft},
                    {"value", Align::kLeft},
-                   {"initial"},
+                   {"controller's model"},
                    {"all elements free"},
                    {"written"},
                    {"p, no change"},
@@ -161,11 +191,11 @@ Table ValidationTable(const Result& result) {
   Table table;
   table.caption =
       absl::StrCat(held_out ? "Fit on parts of windows held out"
-                            : "Fit of the initial model on all windows",
+                            : "Fit of the controller's model on all windows",
                    ": 100 % is a perfect prediction, 0 % as good as the mean");
   table.columns = {{"output, model", Align::kLeft},
                    {"one step ahead"},
-                   {absl::StrCat(validation.horizon, " samples ahead")},
+                   {Ahead(result)},
                    {"simulated"}};
   const auto add = [&](int i, const char* row, const auto& cell) {
     const OutputScores& scores = validation.outputs[i];
@@ -174,7 +204,8 @@ Table ValidationTable(const Result& result) {
                   cell(scores.simulated)});
   };
   for (int i = 0; i < result.initial.num_outputs(); ++i) {
-    add(i, "initial", [](const auto& score) { return Percent(score.initial); });
+    add(i, "controller's",
+        [](const auto& score) { return Percent(score.initial); });
     if (!held_out) continue;
     add(i, "corrected",
         [](const auto& score) { return Percent(score.corrected); });
@@ -210,7 +241,7 @@ Table ResidualTable(const Result& result) {
     table.AddRow(std::move(row));
   };
   for (int i = 0; i < model.num_outputs(); ++i) {
-    add("initial", result.initial_residuals[i], i);
+    add("controller's", result.initial_residuals[i], i);
     if (result.accepted()) add("corrected", result.corrected_residuals[i], i);
   }
   return table;
@@ -268,13 +299,44 @@ std::string IntervalNote(const Result& result) {
       " % confidence interval.");
 }
 
-Table ControllerTable(const Result& result) {
+std::string WhereFirstOrderIsNotNear(const Result& result) {
   const ProcessModel& model = result.initial;
-  const OutputErrorFit& fit = result.estimate.fit.output_error.corrected;
+  std::vector<std::string> pairs;
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    for (int j = 0; j < model.num_inputs(); ++j) {
+      const FopdtElement& element = result.fopdt[i * model.num_inputs() + j];
+      if (element.shape == FopdtShape::kNoResponse || element.exact ||
+          !(element.largest_difference > kNearFopdt)) {
+        continue;
+      }
+      pairs.push_back(
+          absl::StrCat(PairName(model, i, j), " (by up to ",
+                       FormatSignificant(100.0 * element.largest_difference, 2),
+                       " % of its response)"));
+    }
+  }
+  if (pairs.empty()) return "";
+  const std::string given = CorrectedName(result.request.model_file);
+  return absl::StrCat(
+      "Not of first order are ", absl::StrJoin(pairs, ", "),
+      "; the table has the nearest first-order elements. If the controller "
+      "takes transfer functions or step responses, use ",
+      given.empty() ? "" : absl::StrCat(given, ", "),
+      "model.json or step_response.csv instead, which have these responses as "
+      "they are",
+      result.request.model_file.form == ModelForm::kElementTable
+          ? " (a table as near as second order allows)"
+          : "",
+      "; if it takes first order only, type the table.");
+}
+
+Table ControllerTable(const Result& result, bool with_intervals) {
+  const ProcessModel& model = result.initial;
   const std::string time = absl::StrCat(" (", model.time_unit(), ")");
   Table table;
   table.caption =
       "The model as first-order elements with dead time, changed ones coloured";
+  table.stacked = true;
   table.columns = {{"output", Align::kLeft},
                    {"input", Align::kLeft},
                    {"gain"},
@@ -286,22 +348,18 @@ Table ControllerTable(const Result& result) {
       const FopdtElement& element = result.fopdt[i * model.num_inputs() + j];
       if (element.shape == FopdtShape::kNoResponse) continue;
       const bool changed = HasChanged(result, i, j);
-      std::vector<std::string> before;
-      const ElementEstimate& estimate = fit.element(i, j);
-      const auto add = [&](const char* name, const ParameterEstimate& value) {
-        if (!changed || !HasMoved(value)) return;
-        before.push_back(
-            absl::StrCat(name, " ", FormatSignificant(value.initial, 4)));
+      const std::vector<std::string> before =
+          changed ? Before(result, i, j) : std::vector<std::string>();
+      const auto shown = [&](double value, double error) {
+        return changed && with_intervals ? WithError(result, value, error)
+                                         : FormatSignificant(value, 4);
       };
-      add("gain", estimate.gain);
-      add("time constant", estimate.time_scale);
-      add("dead time", estimate.delay);
-      if (changed && before.empty()) before.emplace_back("another response");
-      table.AddRow({model.outputs()[i].name, model.inputs()[j].name,
-                    FormatSignificant(element.gain, 4) + SlopeMark(element),
-                    FormatSignificant(element.time_constant, 4),
-                    FormatSignificant(element.delay, 4),
-                    absl::StrJoin(before, ", ")});
+      table.AddRow(
+          {model.outputs()[i].name, model.inputs()[j].name,
+           shown(element.gain, element.gain_error) + SlopeMark(element),
+           shown(element.time_constant, element.time_constant_error),
+           shown(element.delay, element.delay_error),
+           absl::StrJoin(before, ", ")});
       table.levels.emplace_back(6, changed ? 2 : 0);
     }
   }
@@ -311,12 +369,11 @@ Table ControllerTable(const Result& result) {
 Table FitTable(const Result& result) {
   const Validation& validation = result.validation;
   Table table;
-  table.caption =
-      absl::StrCat("How well each output is predicted, ", validation.horizon,
-                   validation.held_out ? " samples ahead, in data held out"
-                                       : " samples ahead, in all windows",
-                   " (100 %: perfectly, 0 %: as by the mean)");
-  table.columns = {{"output", Align::kLeft}, {"model in use"}};
+  table.caption = absl::StrCat(
+      "How well each output is predicted, ", Ahead(result),
+      validation.held_out ? ", in data held out" : ", in all windows",
+      " (100 %: perfectly, 0 %: as by the mean)");
+  table.columns = {{"output", Align::kLeft}, {"controller's model"}};
   if (validation.held_out) table.columns.push_back({"corrected model"});
   for (int i = 0; i < result.initial.num_outputs(); ++i) {
     const HorizonScore& score = validation.outputs[i].several_steps;

@@ -21,8 +21,12 @@ report::Table NoiseTable(const Result& result);
 report::Table CertificateTable(const Result& result);
 
 // What an engineer types into a controller: first-order elements of the model
-// written, and what they were before.
-report::Table ControllerTable(const Result& result);
+// written, those that have changed with intervals if asked for, and what they
+// were before.
+report::Table ControllerTable(const Result& result, bool with_intervals);
+// Where these differ from the responses of the model written by more than 2 %,
+// and what to use then; empty: nowhere.
+std::string WhereFirstOrderIsNotNear(const Result& result);
 // Fits of both models, several steps ahead.
 report::Table FitTable(const Result& result);
 

@@ -282,8 +282,8 @@ void AddFits(const Result& result, std::vector<Finding>& findings) {
                         kNaN, kNaN, ""});
   }
   findings[first].text = absl::StrCat(
-      "Fit on parts of windows held out, ", validation.horizon,
-      " samples ahead, corrected (initial): ", absl::StrJoin(parts, "; "), ".");
+      "Fit on parts of windows held out, ", Ahead(result),
+      ", corrected (controller's model): ", absl::StrJoin(parts, "; "), ".");
 }
 
 }  // namespace
@@ -301,6 +301,12 @@ std::string MainReason(const Result& result) {
   return "";
 }
 
+std::string Ahead(const Result& result) {
+  return absl::StrCat(absl::StrFormat("%.3g", result.validation.horizon *
+                                                  result.data.sample_time()),
+                      " ", result.initial.time_unit(), " ahead");
+}
+
 std::string WhatItIsWorth(const Result& result) {
   if (!result.failures.empty()) {
     return "The result is not usable because a fit is not certified; see the "
@@ -312,7 +318,7 @@ std::string WhatItIsWorth(const Result& result) {
   return absl::StrCat(
       "On held-out data the correction has a fit of ",
       RangeOfFits(outputs, [](const auto& o) { return o.corrected; }), ", ",
-      result.validation.horizon, " samples ahead, the initial model ",
+      Ahead(result), ", the controller's model ",
       RangeOfFits(outputs, [](const auto& o) { return o.initial; }), ".");
 }
 
@@ -358,7 +364,7 @@ std::vector<Finding> Findings(const Result& result) {
          kNaN,
          absl::StrCat("Against the given truth, E is ",
                       FormatSignificant(result.initial_to_truth->total, 4),
-                      " for the initial model and ",
+                      " for the controller's model and ",
                       FormatSignificant(result.corrected_to_truth->total, 4),
                       " for the model written.")});
   }

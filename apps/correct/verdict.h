@@ -19,6 +19,9 @@ bool HasChanged(const Result& result, int output, int input);
 // The reason of the decision to read first.
 std::string MainReason(const Result& result);
 
+// "8.5 min ahead": of the predictions over several samples.
+std::string Ahead(const Result& result);
+
 // What the result is worth: how well records that the fit had not seen are
 // predicted or, without a correction, how small a change would have been seen.
 // May be empty.

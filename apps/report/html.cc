@@ -2,6 +2,8 @@
 
 #include "absl/status/statusor.h"
 #include "absl/strings/ascii.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_replace.h"
 #include "apps/report/page_style.h"
 #include "apps/report/readout.h"
 #include "apps/report/svg.h"
@@ -18,7 +20,7 @@ bool IsOfFlag(char c) {
 // Text of sentences, escaped, in which the name of a flag ("--data") is not
 // broken after its hyphens at the end of a line.
 std::string Prose(std::string_view text) {
-  const std::string escaped = EscapeHtml(text);
+  const std::string escaped = EscapeHtml(WithSignsKept(text));
   std::string out;
   std::size_t at = 0;
   for (std::size_t begin = escaped.find("--"); begin != std::string::npos;
@@ -71,11 +73,44 @@ std::string RenderVerdict(const Verdict& verdict, const std::string& title) {
   out += NameOf(verdict.badge);
   out += "\">\n<p class=\"title\">" + title +
          "</p>\n<h1><span class=\"badge\">" + EscapeHtml(verdict.label) +
-         "</span> " + EscapeHtml(verdict.headline) + "</h1>\n";
+         "</span> " + EscapeHtml(WithSignsKept(verdict.headline)) + "</h1>\n";
   for (const std::string& sentence : verdict.sentences) {
     out += "<p>" + Prose(sentence) + "</p>\n";
   }
   return out + "</header>\n";
+}
+
+// Stands for the number of a figure until all are known: text has no control
+// characters.
+std::string NumberMark(std::size_t figure) {
+  return absl::StrCat("\x1A", figure, "\x1A");
+}
+
+std::string WithNumbers(std::string text, const std::vector<bool>& folded) {
+  int number = 0;
+  for (const bool in_fold : {false, true}) {
+    for (std::size_t f = 0; f < folded.size(); ++f) {
+      if (folded[f] != in_fold) continue;
+      absl::StrReplaceAll({{NumberMark(f), absl::StrCat(++number)}}, &text);
+    }
+  }
+  return text;
+}
+
+// For a telephone.
+Figure InOneColumn(Figure figure) {
+  constexpr double kWidthCm = 9.0;
+  constexpr double kPanelCm = 5.2;
+  constexpr double kAroundCm = 1.5;
+  const auto panels = static_cast<double>(figure.panels.size());
+  figure.columns = 1;
+  figure.width_cm = kWidthCm;
+  figure.height_cm = kAroundCm + kPanelCm * panels;
+  // Only the last row of several columns has one.
+  for (Panel& panel : figure.panels) {
+    if (panel.x.label.empty()) panel.x.label = figure.panels.back().x.label;
+  }
+  return figure;
 }
 
 }  // namespace
@@ -142,31 +177,46 @@ void HtmlPage::AddTable(const Table& table) {
                                ? "Table " + std::to_string(++tables_)
                                : table.caption;
   const std::string shown = Scrolling("table", name, RenderHtml(table));
-  body_ += table.searchable ? RenderFilter(table, shown) : shown;
+  if (table.searchable) {
+    body_ += RenderFilter(table, shown);
+  } else if (table.stacked) {
+    body_ += "<div class=\"stacked\">\n" + shown + "</div>\n";
+  } else {
+    body_ += shown;
+  }
 }
 
-void HtmlPage::AddTableToCopy(const Table& table) {
+void HtmlPage::AddTableToCopy(const Table& shown, const Table& copied) {
   body_ +=
       "<div class=\"copied\">\n<button type=\"button\" class=\"copy\" "
       "data-text=\"";
-  body_ += EscapeHtmlLines(RenderTabbed(table)) + "\" onclick=\"";
+  body_ += EscapeHtmlLines(RenderTabbed(copied)) + "\" onclick=\"";
   body_ += kCopy;
   body_ += "\">Copy the table</button>\n";
-  AddTable(table);
+  AddTable(shown);
   body_ += "</div>\n";
 }
 
 void HtmlPage::AddFigure(const Figure& figure, std::string_view caption,
                          std::string_view alt) {
-  const std::string number = std::to_string(++figures_);
+  const std::string number = NumberMark(folded_.size());
+  folded_.push_back(open_folds_ > 0);
   const absl::StatusOr<std::string> picture = SvgElement(figure, alt);
   if (!picture.ok()) {
     AddWarning("Figure " + number + " (" + std::string(caption) +
                ") is missing: " + std::string(picture.status().message()));
     return;
   }
-  body_ += "<figure>\n" + Scrolling("picture", "Figure " + number, *picture) +
-           "<figcaption>Figure " + number + ". " + Prose(caption) +
+  absl::StatusOr<std::string> narrow = absl::NotFoundError("");
+  if (open_folds_ == 0 && figure.columns > 1) {
+    narrow = SvgElement(InOneColumn(figure), alt);
+  }
+  const std::string label = "Figure " + number;
+  body_ += "<figure>\n";
+  body_ += narrow.ok() ? Scrolling("picture wide", label, *picture) +
+                             Scrolling("picture narrow", label, *narrow)
+                       : Scrolling("picture", label, *picture);
+  body_ += "<figcaption>" + label + ". " + Prose(caption) +
            "</figcaption>\n</figure>\n";
 }
 
@@ -205,7 +255,7 @@ std::string HtmlPage::Render() const {
       "dark\">\n<title>";
   out += title + "</title>\n<style>";
   out += PageStyle();
-  if (figures_ > 0) out += FigureStyle();
+  if (!folded_.empty()) out += FigureStyle();
   out += "</style>\n</head>\n<body>\n<main>\n";
   out += verdict_.has_value() ? RenderVerdict(*verdict_, title)
                               : "<h1>" + title + "</h1>\n";
@@ -217,8 +267,8 @@ std::string HtmlPage::Render() const {
     }
     out += "</ul>\n</nav>\n";
   }
-  out += body_ + "</main>\n";
-  if (figures_ > 0) {
+  out += WithNumbers(body_, folded_) + "</main>\n";
+  if (!folded_.empty()) {
     out += "<script>";
     out += ReadoutScript();
     out += "</script>\n";

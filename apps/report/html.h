@@ -72,10 +72,12 @@ class HtmlPage {
   void OpenFold(std::string_view title);
   void CloseFold();
   void AddTable(const Table& table);
-  // With a button that copies header and cells, separated by tabs.
-  void AddTableToCopy(const Table& table);
+  // With a button that copies header and cells of `copied`, separated by tabs.
+  void AddTableToCopy(const Table& shown, const Table& copied);
   // `alt` says in words what is to be seen. A figure that cannot be drawn
-  // leaves a warning with the reason.
+  // leaves a warning with the reason. One outside folds has its panels below
+  // each other on a narrow page. Figures are numbered from 1, those outside
+  // folds first.
   void AddFigure(const Figure& figure, std::string_view caption,
                  std::string_view alt);
   void AddCode(std::string_view code);
@@ -93,7 +95,7 @@ class HtmlPage {
   std::string body_;
   std::vector<std::string> headings_;
   int open_folds_ = 0;
-  int figures_ = 0;
+  std::vector<bool> folded_;  // of each figure, whether in a fold
   int tables_ = 0;
 };
 

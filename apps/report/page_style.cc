@@ -96,7 +96,7 @@ th:first-child, td:first-child { padding-left: .1rem; }
 thead th, thead td { border-bottom: 2px solid var(--soft); vertical-align: bottom; }
 tbody th { font-weight: 600; }
 .left { text-align: left; } .center { text-align: center; } .right { text-align: right; }
-td.right { white-space: nowrap; } th.right { min-width: 5.8em; }
+td.right, .date { white-space: nowrap; } th.right { min-width: 5.8em; }
 figure { margin: 1.75rem 0; position: relative; }
 .picture { border: 1px solid var(--rule); border-radius: 4px; padding: .6rem; }
 .picture > svg { display: block; width: 100%; height: auto; margin: 0 auto; }
@@ -111,9 +111,19 @@ dt { color: var(--soft); } dd { margin: 0; overflow-wrap: anywhere; }
   th, td { padding: .35rem .5rem; }
   tbody th.left { min-width: 7rem; }
 }
+.narrow { display: none; }
 .filtered tbody th.left { min-width: 9rem; overflow-wrap: anywhere; }
 .filtered td:last-child { min-width: 16rem; }
 @media screen and (max-width: 40rem) {
+  .wide { display: none; } .narrow { display: block; }
+  .stacked .scroll { overflow: visible; background: none; }
+  .stacked :is(table, caption, tbody, tr, th) { display: block; }
+  .stacked thead { display: none; }
+  .stacked tbody tr { padding: .5rem .5rem; border-bottom: 1px solid var(--rule); }
+  .stacked :is(tbody th, td) { border: 0; padding: 0; text-align: left; min-width: 0; }
+  .stacked td { display: inline-block; margin-right: 1rem; background: none; }
+  .stacked td:empty { display: none; }
+  .stacked td::before { content: attr(data-label) ": "; color: var(--soft); }
   .filtered .scroll { overflow: visible; background: none; }
   .filtered :is(table, caption, thead, tbody, tr, th) { display: block; }
   .filtered tr[hidden] { display: none; }

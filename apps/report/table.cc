@@ -46,6 +46,18 @@ std::string_view ClassOf(Align align) {
   return "left";
 }
 
+// "2024-03-04", with a time of day or without; not followed by words.
+bool IsDate(std::string_view text) {
+  constexpr std::string_view kForm = "dddd-dd-dd";
+  constexpr std::size_t kLongest = 26;  // 2024-03-04 06:00:30+00:00
+  if (text.size() < kForm.size() || text.size() > kLongest) return false;
+  for (std::size_t k = 0; k < kForm.size(); ++k) {
+    const bool digit = text[k] >= '0' && text[k] <= '9';
+    if (kForm[k] == 'd' ? !digit : text[k] != '-') return false;
+  }
+  return true;
+}
+
 // `content` is markup.
 // `label`: of its column, where a narrow page shows it.
 void AddHtmlCell(std::string_view tag, std::string_view scope, Align align,
@@ -61,6 +73,7 @@ void AddHtmlCell(std::string_view tag, std::string_view scope, Align align,
   out += " class=\"";
   out += ClassOf(align);
   if (level > 0) out += " level-" + std::to_string(level);
+  if (IsDate(content)) out += " date";
   out += "\"";
   if (!label.empty()) out += " data-label=\"" + EscapeHtml(label) + "\"";
   out += ">";
@@ -75,6 +88,15 @@ int LevelOf(const Table& table, std::size_t row, std::size_t column) {
     return 0;
   }
   return std::clamp(table.levels[row][column], 0, kTableLevels);
+}
+
+// That of all cells of a row; 0 where they differ.
+int CommonLevel(const Table& table, std::size_t row) {
+  const int first = LevelOf(table, row, 0);
+  for (std::size_t j = 1; j < table.columns.size(); ++j) {
+    if (LevelOf(table, row, j) != first) return 0;
+  }
+  return first;
 }
 
 // The rows in the order of the column, then the other way round; numbers, with
@@ -173,7 +195,8 @@ std::string RenderHtml(const Table& table) {
   const Table square = Squared(table);
   std::string out = "<table>\n";
   if (!square.caption.empty()) {
-    out += "<caption>" + EscapeHtml(square.caption) + "</caption>\n";
+    out += "<caption>" + EscapeHtml(WithSignsKept(square.caption)) +
+           "</caption>\n";
   }
   out += "<thead>\n<tr>";
   for (const Column& column : square.columns) {
@@ -187,14 +210,18 @@ std::string RenderHtml(const Table& table) {
   out += "</tr>\n</thead>\n<tbody>\n";
   for (std::size_t i = 0; i < square.rows.size(); ++i) {
     const auto& row = square.rows[i];
-    out += "<tr>";
+    const int level = CommonLevel(square, i);
+    out += level > 0 ? "<tr class=\"level-" + std::to_string(level) + "\">"
+                     : std::string("<tr>");
     for (std::size_t j = 0; j < row.size(); ++j) {
       const bool names_row = j == 0 && square.row_headers;
       AddHtmlCell(names_row ? "th" : "td", names_row ? "row" : "",
-                  square.columns[j].align, LevelOf(square, i, j),
+                  square.columns[j].align,
+                  level > 0 ? 0 : LevelOf(square, i, j),
                   j == 0 ? Linked(square, i, row[j]) : EscapeHtml(row[j]), out,
-                  square.searchable && !names_row ? square.columns[j].header
-                                                  : std::string());
+                  (square.searchable || square.stacked) && !names_row
+                      ? square.columns[j].header
+                      : std::string());
     }
     out += "</tr>\n";
   }

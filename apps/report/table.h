@@ -44,6 +44,9 @@ struct Table {
   // narrow page the cells of a row stand one below the other.
   bool searchable = false;
   int choice = -1;
+  // On a narrow page the cells of a row stand one below the other, each with
+  // its header; of searchable tables always.
+  bool stacked = false;
 
   void AddRow(std::vector<std::string> cells);
 };
@@ -58,7 +61,8 @@ std::string RenderTabbed(const Table& table);
 
 // A <table> with <caption>, <thead> and <tbody>, scope attributes and
 // everything escaped. Alignment is by the classes left, center and right,
-// levels by level-1 to level-4.
+// levels by level-1 to level-4. Cells that are a date are not broken (class
+// date).
 std::string RenderHtml(const Table& table);
 
 // The handlers in the markup, unescaped.

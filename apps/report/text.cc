@@ -3,6 +3,9 @@
 #include <array>
 #include <cstddef>
 
+#include "absl/strings/ascii.h"
+#include "absl/strings/str_replace.h"
+
 namespace mle::report {
 namespace {
 
@@ -176,6 +179,23 @@ std::string CleanText(std::string_view text) {
 }
 
 std::string EscapeHtml(std::string_view text) { return Escape(text, false); }
+
+std::string WithSignsKept(std::string_view text) {
+  constexpr const char* kNoBreak = "\u00A0";
+  std::string out(text);
+  for (std::size_t at = out.find(" %"); at != std::string::npos;
+       at = out.find(" %", at + 1)) {
+    if (at > 0 &&
+        absl::ascii_isdigit(static_cast<unsigned char>(out[at - 1]))) {
+      out.replace(at, 1, kNoBreak);
+    }
+  }
+  for (const char* const sign : {"±", "×", "←"}) {
+    absl::StrReplaceAll(
+        {{std::string(sign) + " ", sign + std::string(kNoBreak)}}, &out);
+  }
+  return out;
+}
 
 std::string RelativeUrl(std::string_view path) {
   constexpr std::string_view kPlain =

@@ -24,6 +24,10 @@ std::string Utf8(char32_t code_point);
 // attributes of HTML and XML.
 std::string EscapeHtml(std::string_view text);
 
+// With blanks that do not break between a number and its sign: "95 %", "± 2",
+// "× 0.5", "← reflux".
+std::string WithSignsKept(std::string_view text);
+
 // A path beside the page as the target of a link: "%" before what a URL would
 // read as something else, "./" so that no scheme can be meant.
 std::string RelativeUrl(std::string_view path);

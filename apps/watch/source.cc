@@ -254,8 +254,9 @@ absl::StatusOr<HistorianOptions> ImportOptionsOf(const Controller& controller,
   options.any_word_is_bad = true;
   options.skip_repeated_times = true;
   if (!controller.tag_file.empty()) {
-    MLE_ASSIGN_OR_RETURN(options.columns.tags,
+    MLE_ASSIGN_OR_RETURN(TagTable table,
                          ReadTagFile(controller.tag_file, model));
+    options.columns.tags = std::move(table.tags);
   }
   MLE_RETURN_IF_ERROR(options.Validate(model));
   return options;

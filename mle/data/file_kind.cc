@@ -128,6 +128,12 @@ std::string_view NotText(std::string_view start) {
       start.starts_with("<?xml")) {
     return "a page of HTML or XML, not a table as text; export CSV";
   }
+  // A tag in braces is not an object.
+  const std::size_t next = start.find_first_not_of(" \t\r\n", 1);
+  if (start.starts_with('{') && next != std::string_view::npos &&
+      start[next] == '"') {
+    return "JSON, not a table as text; export the records as CSV";
+  }
   return {};
 }
 

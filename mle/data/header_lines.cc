@@ -52,35 +52,91 @@ int LinesAboveColumns(std::string_view head) {
   return best;
 }
 
-}  // namespace
+std::set<std::string> FoldedSet(const std::vector<std::string>& names) {
+  std::set<std::string> folded;
+  for (const std::string& name : names) folded.insert(FoldedName(name));
+  return folded;
+}
 
-int TitleLines(std::string_view head, const std::vector<std::string>& names) {
-  std::set<std::string> wanted;
-  for (const std::string& name : names) wanted.insert(FoldedName(name));
-  const std::string_view whole = head;
-  int best = 0;
-  int most = 1;
-  for (int line = 0; line < kMostTitles && !head.empty(); ++line) {
+// Different fields of a line that are among `wanted`.
+int CountNames(std::string_view text, char separator,
+               const std::set<std::string>& wanted) {
+  std::set<std::string> found;
+  std::size_t begin = 0;
+  while (begin <= text.size() && begin < kMostHeaderBytes) {
+    const std::size_t next = std::min(text.find(separator, begin), text.size());
+    std::string name = FoldedName(text.substr(begin, next - begin));
+    std::erase_if(name, [](char c) { return c == '"' || c == '\r'; });
+    if (wanted.contains(name)) found.insert(std::move(name));
+    begin = next + 1;
+  }
+  return static_cast<int>(found.size());
+}
+
+int CountFields(std::string_view line, char separator) {
+  return 1 + static_cast<int>(std::count(line.begin(), line.end(), separator));
+}
+
+bool HasDigit(std::string_view line) {
+  return line.find_first_of("0123456789") != std::string_view::npos;
+}
+
+// The first lines of a text.
+std::vector<std::string_view> FirstLines(std::string_view head, int most) {
+  std::vector<std::string_view> lines;
+  while (!head.empty() && static_cast<int>(lines.size()) < most) {
     const std::size_t end = std::min(head.find('\n'), head.size());
-    const std::string_view text = head.substr(0, end);
-    for (const char separator : {',', ';', '\t'}) {
-      std::set<std::string> found;
-      std::size_t begin = 0;
-      while (begin <= text.size() && begin < kMostHeaderBytes) {
-        const std::size_t next =
-            std::min(text.find(separator, begin), text.size());
-        std::string name = FoldedName(text.substr(begin, next - begin));
-        std::erase_if(name, [](char c) { return c == '"' || c == '\r'; });
-        if (wanted.contains(name)) found.insert(std::move(name));
-        begin = next + 1;
-      }
-      if (static_cast<int>(found.size()) <= most) continue;
-      most = static_cast<int>(found.size());
-      best = line;
-    }
+    lines.push_back(head.substr(0, end));
     head.remove_prefix(std::min(end + 1, head.size()));
   }
-  return most > 1 ? best : LinesAboveColumns(whole);
+  return lines;
+}
+
+}  // namespace
+
+bool LooksLikeTable(std::string_view head,
+                    const std::vector<std::string>& names) {
+  const std::set<std::string> wanted = FoldedSet(names);
+  // In quotes there may be anything, and a line that is too long has an error
+  // of its own.
+  if (head.find('"') != std::string_view::npos ||
+      (head.size() >= kMostHeaderBytes / 2 &&
+       head.find('\n') == std::string_view::npos)) {
+    return true;
+  }
+  const std::vector<std::string_view> lines = FirstLines(head, kMostTitles);
+  for (const char separator : {',', ';', '\t'}) {
+    for (std::size_t k = 0; k < lines.size(); ++k) {
+      const int fields = CountFields(lines[k], separator);
+      if (fields < 2) continue;
+      if (CountNames(lines[k], separator, wanted) > 0) return true;
+      // A header alone, or one above rows, of which the first may be of units.
+      if (lines.size() == 1) return true;
+      for (std::size_t r = k + 1; r <= k + 1 + kMostUnitRows; ++r) {
+        if (r >= lines.size() || CountFields(lines[r], separator) != fields) {
+          break;
+        }
+        if (HasDigit(lines[r])) return true;
+      }
+    }
+  }
+  return false;
+}
+
+int TitleLines(std::string_view head, const std::vector<std::string>& names) {
+  const std::set<std::string> wanted = FoldedSet(names);
+  const std::vector<std::string_view> lines = FirstLines(head, kMostTitles);
+  int best = 0;
+  int most = 1;
+  for (std::size_t line = 0; line < lines.size(); ++line) {
+    for (const char separator : {',', ';', '\t'}) {
+      const int found = CountNames(lines[line], separator, wanted);
+      if (found <= most) continue;
+      most = found;
+      best = static_cast<int>(line);
+    }
+  }
+  return most > 1 ? best : LinesAboveColumns(head);
 }
 
 int UnitRows(CsvRows& rows, const std::vector<RecordColumn>& columns,

@@ -19,6 +19,11 @@ namespace mle {
 // columns.
 int TitleLines(std::string_view head, const std::vector<std::string>& names);
 
+// False for text in which no line has one of `names` and none has rows of as
+// many fields, with a digit, below it: prose, a script, a list.
+bool LooksLikeTable(std::string_view head,
+                    const std::vector<std::string>& names);
+
 // Rows that have neither a time nor a number, three at most; `rows` stands
 // below the header, whose `columns` are known.
 int UnitRows(CsvRows& rows, const std::vector<RecordColumn>& columns,

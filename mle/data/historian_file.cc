@@ -29,6 +29,28 @@ absl::StatusOr<std::vector<std::string>> NamesOf(const ProcessModel& channels,
   return names;
 }
 
+// A text that is not one would be answered by columns that are missing.
+absl::Status CheckIsTable(const std::string& source, int first_line,
+                          std::string_view head,
+                          const std::vector<std::string>& names) {
+  std::vector<std::string> known = names;
+  const std::vector<std::string>& times = UsualTimeColumns();
+  known.insert(known.end(), times.begin(), times.end());
+  const std::size_t text = head.find_first_not_of(" \t\r\n");
+  if (text == std::string_view::npos || LooksLikeTable(head, known)) {
+    return absl::OkStatus();
+  }
+  const auto blank_lines = static_cast<int>(
+      std::count(head.begin(), head.begin() + static_cast<int>(text), '\n'));
+  head.remove_prefix(text);
+  return absl::InvalidArgumentError(absl::StrCat(
+      source, ": line ", first_line + blank_lines,
+      ": this is not a table of records: no line has names of columns, "
+      "separated by commas, semicolons or tabs, with numbers below them. The "
+      "text begins with '",
+      ShowCsvText(head.substr(0, head.find_first_of("\r\n"))), "'"));
+}
+
 }  // namespace
 
 absl::Status HistorianFile::SkipToHeader(
@@ -56,6 +78,8 @@ absl::Status HistorianFile::SkipToHeader(
   }
   MLE_RETURN_IF_ERROR(csv_->status());
   if (options.lines_above_header > 0) return absl::OkStatus();
+  MLE_RETURN_IF_ERROR(
+      CheckIsTable(report_.name, header_line_, csv_->Peek(), names));
   const int titles = TitleLines(csv_->Peek(), names);
   if (titles > 0) {
     notes_.push_back({absl::StrCat(report_.name, ": ", titles,

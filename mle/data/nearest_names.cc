@@ -4,6 +4,9 @@
 #include <utility>
 
 #include "absl/strings/ascii.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "mle/data/csv_rows.h"
 
 namespace mle {
 namespace {
@@ -11,6 +14,7 @@ namespace {
 // Longer names are compared by their beginnings.
 constexpr std::size_t kMaxLength = 64;
 constexpr std::size_t kMinPart = 2;
+constexpr std::size_t kShownNames = 12;
 
 }  // namespace
 
@@ -74,6 +78,19 @@ std::vector<std::string> NearestNames(std::string_view name,
     nearest.push_back(candidate);
   }
   return nearest;
+}
+
+std::string ListOfNames(const std::vector<std::string>& names) {
+  std::vector<std::string> shown;
+  for (const std::string& name : names) {
+    if (shown.size() == kShownNames) break;
+    shown.push_back(absl::StrCat("'", ShowCsvText(name), "'"));
+  }
+  return absl::StrCat(
+      absl::StrJoin(shown, ", "),
+      names.size() > shown.size()
+          ? absl::StrCat(" and ", names.size() - shown.size(), " more")
+          : "");
 }
 
 }  // namespace mle

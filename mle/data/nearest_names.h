@@ -24,6 +24,9 @@ std::vector<std::string> NearestNames(std::string_view name,
                                       const std::vector<std::string>& names,
                                       std::size_t most = 3);
 
+// "'a', 'b' and 3 more": as shown to a user, at most 12.
+std::string ListOfNames(const std::vector<std::string>& names);
+
 }  // namespace mle
 
 #endif  // MLE_DATA_NEAREST_NAMES_H_

@@ -77,22 +77,8 @@ void MatchQuality(const ColumnOptions& options,
   }
 }
 
-// Of names that a message lists.
 constexpr std::size_t kShownNames = 12;
-constexpr std::size_t kShownFaults = 5;
-
-std::string ListOf(const std::vector<std::string>& names) {
-  std::vector<std::string> shown;
-  for (const std::string& name : names) {
-    if (shown.size() == kShownNames) break;
-    shown.push_back(Quoted(name));
-  }
-  return absl::StrCat(
-      absl::StrJoin(shown, ", "),
-      names.size() > shown.size()
-          ? absl::StrCat(" and ", names.size() - shown.size(), " more")
-          : "");
-}
+constexpr std::size_t kShownFaults = 6;
 
 // A header as it is matched.
 class Matching {
@@ -101,14 +87,18 @@ class Matching {
       : wanted_(std::move(wanted)), options_(options) {}
 
   void Match(const std::vector<std::string_view>& header);
-  absl::Status Check() const;
+  absl::Status Check();
   std::vector<RecordColumn>& columns() { return columns_; }
 
  private:
   void Take(ColumnsByName::iterator found, std::size_t column);
   void MatchFolded();
   void MatchUsualTime();
-  std::string Missing() const;
+  std::string Describe(const std::string& wanted,
+                       const std::vector<std::string>& near) const;
+  void FindMissing(std::vector<std::string>& faults);
+  std::string OnSetPoints() const;
+  bool IsIgnored(const std::string& name) const;
   void FindOthers(std::vector<std::string>& faults) const;
 
   ColumnsByName wanted_;  // those not found yet
@@ -116,6 +106,8 @@ class Matching {
   std::vector<RecordColumn> columns_;
   std::vector<std::string> repeated_;
   std::vector<std::string> names_;  // as they stand
+  std::set<std::string> meant_;     // may be what a missing column is
+  bool is_missing_ = false;         // a column that is needed
 };
 
 void Matching::Take(ColumnsByName::iterator found, std::size_t column) {
@@ -183,7 +175,45 @@ void Matching::MatchUsualTime() {
   if (found.size() == 1) Take(time, found[0]);
 }
 
-std::string Matching::Missing() const {
+// A missing column, with where its tag is written and the names that are near.
+std::string Matching::Describe(const std::string& wanted,
+                               const std::vector<std::string>& near) const {
+  std::vector<std::string> remarks;
+  for (const TagMapping& tag : options_.tags) {
+    if (tag.tag != wanted || tag.place.empty()) continue;
+    remarks.push_back(absl::StrCat(ShowCsvText(tag.place), ", for ",
+                                   ShowCsvText(tag.channel)));
+  }
+  if (!near.empty()) {
+    remarks.push_back(absl::StrCat("nearest: ", ListOfNames(near)));
+  }
+  return absl::StrCat(
+      Quoted(wanted),
+      remarks.empty() ? ""
+                      : absl::StrCat(" (", absl::StrJoin(remarks, "; "), ")"));
+}
+
+// What helps where no column is a set point: also those that are not missed.
+std::string Matching::OnSetPoints() const {
+  std::vector<std::string> likely;
+  for (const RecordColumn& column : columns_) {
+    if (column.kind == Kind::kSetPoint) return "";
+    if (column.kind == Kind::kOther && IsSetPointTag(column.name)) {
+      likely.push_back(column.name);
+    }
+  }
+  for (const auto& [name, column] : wanted_) {
+    if (column.kind == Kind::kSetPoint && column.is_mapped) return "";
+  }
+  return absl::StrCat(
+      "No column is named as a set point, <output>_setpoint: ",
+      likely.empty()
+          ? "map one, or give change_times"
+          : absl::StrCat("map those there are (perhaps ", ListOfNames(likely),
+                         "), or give change_times"));
+}
+
+void Matching::FindMissing(std::vector<std::string>& faults) {
   std::vector<std::string> missing;
   std::vector<std::string> free;
   for (std::size_t c = 0; c < columns_.size(); ++c) {
@@ -192,21 +222,34 @@ std::string Matching::Missing() const {
   for (const auto& [name, column] : wanted_) {
     if (column.kind == Kind::kSetPoint && !column.is_mapped) continue;
     const std::vector<std::string> near = NearestNames(name, free);
-    missing.push_back(
-        near.empty()
-            ? Quoted(name)
-            : absl::StrCat(Quoted(name), " (nearest: ", ListOf(near), ")"));
+    meant_.insert(near.begin(), near.end());
+    missing.push_back(Describe(name, near));
   }
-  if (missing.empty()) return "";
+  if (missing.empty()) return;
+  is_missing_ = true;
   if (missing.size() > kShownNames) {
     missing.resize(kShownNames);
     missing.emplace_back("…");
   }
-  return absl::StrCat(
+  faults.push_back(absl::StrCat(
       "there is no column ", absl::StrJoin(missing, ", "),
       "; the header must name time and every input and output (time_column, "
       "tags), and has ",
-      ListOf(names_));
+      ListOfNames(names_)));
+  if (free.size() == columns_.size()) {
+    faults.emplace_back(
+        "None of these is known: this may not be a table of records, or lines "
+        "stand above its header (lines_above_header)");
+  }
+  if (std::string text = OnSetPoints(); !text.empty()) {
+    faults.push_back(std::move(text));
+  }
+}
+
+bool Matching::IsIgnored(const std::string& name) const {
+  return options_.ignore_other_columns || meant_.contains(name) ||
+         std::find(options_.unused_tags.begin(), options_.unused_tags.end(),
+                   name) != options_.unused_tags.end();
 }
 
 void Matching::FindOthers(std::vector<std::string>& faults) const {
@@ -219,17 +262,24 @@ void Matching::FindOthers(std::vector<std::string>& faults) const {
       faults.push_back(absl::StrCat(
           "column ", c + 1, ": ", Quoted(name),
           " is a set point of an output that the process model does not have"));
-    } else if (!options_.ignore_other_columns) {
+    } else if (!IsIgnored(name)) {
       if (others.empty()) first = c + 1;
       others.push_back(name);
     }
   }
   if (others.empty()) return;
+  // Where columns are missing, the message has the whole header.
+  if (is_missing_) {
+    faults.emplace_back(
+        "Columns that are not needed are ignored with ignore_other_columns = "
+        "true");
+    return;
+  }
   const std::string rest =
       others.size() == 1
           ? ""
           : absl::StrCat(", nor are ",
-                         ListOf({others.begin() + 1, others.end()}));
+                         ListOfNames({others.begin() + 1, others.end()}));
   faults.push_back(absl::StrCat(
       "column ", first, ": ", Quoted(others[0]),
       " is neither time nor an input, output or set point of the process "
@@ -237,19 +287,18 @@ void Matching::FindOthers(std::vector<std::string>& faults) const {
       rest, "; other columns are ignored with ignore_other_columns = true"));
 }
 
-absl::Status Matching::Check() const {
+absl::Status Matching::Check() {
   std::vector<std::string> faults = repeated_;
-  if (std::string missing = Missing(); !missing.empty()) {
-    faults.push_back(std::move(missing));
-  }
+  FindMissing(faults);
   FindOthers(faults);
   if (faults.empty()) return absl::OkStatus();
   if (faults.size() > kShownFaults) {
     faults.resize(kShownFaults);
     faults.emplace_back("…");
   }
-  return OptionError("time_column,tags,ignore_other_columns",
-                     absl::StrJoin(faults, ". "));
+  return OptionError(
+      "time_column,tags,lines_above_header,ignore_other_columns,change_times",
+      absl::StrJoin(faults, ". "));
 }
 
 }  // namespace
@@ -260,6 +309,12 @@ std::string SetPointName(std::string_view output) {
 
 bool IsSetPointName(std::string_view name) {
   return name.ends_with(kSetPointSuffix);
+}
+
+bool IsSetPointTag(std::string_view tag) {
+  const std::string folded = FoldedName(tag);
+  return folded.ends_with("sp") || folded.ends_with("setpoint") ||
+         folded.ends_with("_sv") || folded.ends_with(".sv");
 }
 
 absl::Status ColumnOptions::Validate(const ProcessModel& channels) const {

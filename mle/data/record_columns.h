@@ -18,6 +18,9 @@ namespace mle {
 std::string SetPointName(std::string_view output);
 bool IsSetPointName(std::string_view name);
 
+// Whether a tag of a plant has the ending of a set point: SP, SV, setpoint.
+bool IsSetPointTag(std::string_view tag);
+
 struct RecordColumn {
   enum class Kind { kTime, kOutput, kSetPoint, kInput, kQuality, kOther };
   Kind kind = Kind::kOther;
@@ -36,6 +39,7 @@ struct TagMapping {
   std::string channel;  // input, output or <output>_setpoint of the model
   double scale = 1.0;   // not 0: channel = scale × column + offset
   double offset = 0.0;
+  std::string place = {};  // where it is written, for messages: a file, a line
 };
 
 struct ColumnOptions {
@@ -46,6 +50,8 @@ struct ColumnOptions {
   std::string value_column = {};
   std::string quality_column = {};
   std::vector<TagMapping> tags = {};
+  // Columns known not to be needed: ignored without being asked for.
+  std::vector<std::string> unused_tags = {};
   // Unknown columns are ignored. If false, they are errors.
   bool ignore_other_columns = false;
   // <column><suffix> is the quality of <column>.

@@ -180,11 +180,7 @@ absl::Status CheckRecords(const std::vector<Record>& records,
 }
 
 void WarnOfFew(WindowSet& set) {
-  if (set.windows.empty()) {
-    set.warnings.push_back(
-        "there is no change of set point, nor of inputs that otherwise rest: "
-        "what moves the process is not known, and its model cannot be tested");
-  } else if (set.windows.size() == 1) {
+  if (set.windows.size() == 1) {
     set.warnings.push_back(
         "there is one window only: a correction cannot be validated on a "
         "held-out change, folds are blocks of this window, and only what this "

@@ -50,7 +50,7 @@ class TagFile {
     for (const auto& [name, unit] : units_) names_.push_back(name);
   }
 
-  absl::StatusOr<std::vector<TagMapping>> Parse(const std::string& text);
+  absl::StatusOr<TagTable> Parse(const std::string& text);
 
  private:
   absl::Status ParseHeader(CsvRows& rows);
@@ -69,7 +69,7 @@ class TagFile {
   int line_ = 0;
   std::map<std::string, int> tags_;  // and the line of each
   std::map<std::string, int> mapped_;
-  std::vector<TagMapping> mappings_;
+  TagTable table_;
   std::vector<std::string> faults_;
 };
 
@@ -120,7 +120,11 @@ void TagFile::ParseRow(const CsvRows& rows) {
   mapping.channel = std::string(At(kChannel));
   mapping.scale = Number(kScale, 1.0);
   mapping.offset = Number(kOffset, 0.0);
-  if (mapping.channel.empty()) return;
+  mapping.place = absl::StrCat(source_, ", line ", line_);
+  if (mapping.channel.empty()) {
+    if (!mapping.tag.empty()) table_.unused.push_back(mapping.tag);
+    return;
+  }
   if (mapping.tag.empty()) Fault("a channel without a tag");
   if (mapping.scale == 0.0) Fault("scale is 0");
   if (!tags_.emplace(mapping.tag, line_).second) {
@@ -133,7 +137,8 @@ void TagFile::ParseRow(const CsvRows& rows) {
     Fault(absl::StrCat(
         Quoted(mapping.channel),
         " is not an input, output or <output>_setpoint of the model",
-        near.empty() ? "" : "; nearest: ", absl::StrJoin(near, ", ")));
+        near.empty() ? "; the model has " : "; nearest: ",
+        ListOfNames(near.empty() ? names_ : near)));
     return;
   }
   if (!mapped_.emplace(mapping.channel, line_).second) {
@@ -154,11 +159,10 @@ void TagFile::ParseRow(const CsvRows& rows) {
                        " in the file and wanted in ", Quoted(unit),
                        ", but scale is 1 and offset 0"));
   }
-  mappings_.push_back(std::move(mapping));
+  table_.tags.push_back(std::move(mapping));
 }
 
-absl::StatusOr<std::vector<TagMapping>> TagFile::Parse(
-    const std::string& text) {
+absl::StatusOr<TagTable> TagFile::Parse(const std::string& text) {
   std::istringstream in(text);
   CsvRows rows(in, source_);
   const std::string_view first =
@@ -170,20 +174,13 @@ absl::StatusOr<std::vector<TagMapping>> TagFile::Parse(
   MLE_RETURN_IF_ERROR(ParseHeader(rows));
   while (rows.Next(fields_)) ParseRow(rows);
   MLE_RETURN_IF_ERROR(rows.status());
-  if (faults_.empty()) return mappings_;
+  if (faults_.empty()) return std::move(table_);
   if (faults_.size() > kShownFaults) {
     faults_.resize(kShownFaults);
     faults_.emplace_back("…");
   }
   return absl::InvalidArgumentError(
       absl::StrCat(source_, ": ", absl::StrJoin(faults_, ". ")));
-}
-
-// Words of a tag that say what kind of value it has.
-bool IsSetPointTag(std::string_view tag) {
-  const std::string folded = FoldedName(tag);
-  return folded.ends_with("sp") || folded.ends_with("setpoint") ||
-         folded.ends_with("_sv") || folded.ends_with(".sv");
 }
 
 // A tag without its last part: TIC101 of TIC101.SP.
@@ -208,14 +205,14 @@ std::string NearestChannel(const std::string& tag,
 
 }  // namespace
 
-absl::StatusOr<std::vector<TagMapping>> ParseTagFile(
-    const std::string& source, const std::string& text,
-    const ProcessModel& channels) {
+absl::StatusOr<TagTable> ParseTagFile(const std::string& source,
+                                      const std::string& text,
+                                      const ProcessModel& channels) {
   return TagFile(source, channels).Parse(text);
 }
 
-absl::StatusOr<std::vector<TagMapping>> ReadTagFile(
-    const std::string& path, const ProcessModel& channels) {
+absl::StatusOr<TagTable> ReadTagFile(const std::string& path,
+                                     const ProcessModel& channels) {
   MLE_ASSIGN_OR_RETURN(const std::string text, ReadFile(path));
   return ParseTagFile(path, text, channels);
 }

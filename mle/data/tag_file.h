@@ -7,9 +7,9 @@
 //   XI9,,,,,
 //
 // channel = scale × column + offset; empty: 1 and 0. A row without a channel is
-// a tag that is not used. `unit`, if it is not empty, is that of the channel
-// after the conversion, and must be the one of the process model; another unit
-// in the file needs a scale or an offset.
+// a tag that is not used: its column is ignored. `unit`, if it is not empty, is
+// that of the channel after the conversion, and must be the one of the process
+// model; another unit in the file needs a scale or an offset.
 //
 // ProposeTags() makes such a table of the columns of files, to be checked.
 
@@ -26,14 +26,19 @@
 
 namespace mle {
 
-// The rows with a channel. InvalidArgument lists all that is wrong, with the
-// lines: unknown channels (with the nearest names), channels and tags that
-// stand twice, numbers that cannot be read, scales of 0, other units.
-absl::StatusOr<std::vector<TagMapping>> ParseTagFile(
-    const std::string& source, const std::string& text,
-    const ProcessModel& channels);
-absl::StatusOr<std::vector<TagMapping>> ReadTagFile(
-    const std::string& path, const ProcessModel& channels);
+struct TagTable {
+  std::vector<TagMapping> tags;     // the rows with a channel
+  std::vector<std::string> unused;  // the tags of the others
+};
+
+// InvalidArgument lists all that is wrong, with the lines: unknown channels
+// (with the nearest names, or those of the model), channels and tags that stand
+// twice, numbers that cannot be read, scales of 0, other units.
+absl::StatusOr<TagTable> ParseTagFile(const std::string& source,
+                                      const std::string& text,
+                                      const ProcessModel& channels);
+absl::StatusOr<TagTable> ReadTagFile(const std::string& path,
+                                     const ProcessModel& channels);
 
 struct TagProposal {
   std::string tag;

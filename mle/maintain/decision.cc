@@ -161,7 +161,7 @@ Message NotShown(const OutputEvidence& output) {
       output, MessageCode::kStructureDoubtful,
       absl::StrCat("The records speak for other shapes of the responses of ",
                    output.name,
-                   ", but what the model in the controller misses does not "
+                   ", but what the controller's model misses does not "
                    "depend on past inputs: a disturbance, such as a load at "
                    "an input, is as likely. Records with other set-point "
                    "changes would settle it."));

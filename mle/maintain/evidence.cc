@@ -231,7 +231,7 @@ std::optional<Message> NotAgeing(const CorrectionResult& result, int i) {
           absl::StrFormat(
               "Dead time and time constant of %s would be %.3g together in "
               "place of %.3g, which no ageing does: compare the numbers and "
-              "units of this element with the model in the controller.",
+              "units of this element with the controller's model.",
               pair, after - sample_time, before - sample_time),
           {}};
     }
@@ -242,7 +242,7 @@ std::optional<Message> NotAgeing(const CorrectionResult& result, int i) {
           absl::StrFormat(
               "The time constant or dead time of %s comes to the end of what "
               "is searched: compare the numbers and units of this element with "
-              "the model in the controller, or let the search go further.",
+              "the controller's model, or let the search go further.",
               pair),
           {"max_time_constant_factor", "max_delay"}};
     }
@@ -252,7 +252,7 @@ std::optional<Message> NotAgeing(const CorrectionResult& result, int i) {
           MessageCode::kNotExcited,
           name,
           absl::StrFormat(
-              "A change of %s is proposed, but by the model in the controller "
+              "A change of %s is proposed, but by the controller's model "
               "these records do not determine it: a wrong number or unit in "
               "that model, or a disturbance, would look like this. Set-point "
               "changes that move its input by itself would settle it.",

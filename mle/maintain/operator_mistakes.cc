@@ -284,8 +284,8 @@ std::string OperatorMistake::Describe(const ProcessModel& model) const {
       break;
   }
   absl::StrAppend(&text,
-                  absl::StrFormat(". So the model explains the records better "
-                                  "by %.0f nats of log-likelihood.",
+                  absl::StrFormat(". Mended so, the model explains the records "
+                                  "better by %.0f nats of log-likelihood.",
                                   log_likelihood));
   if (ambiguous) {
     absl::StrAppend(&text,

@@ -10,6 +10,8 @@
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
 #include "mle/base/status.h"
+#include "mle/data/nearest_names.h"
+#include "mle/data/record_columns.h"
 #include "mle/maintain/dates.h"
 #include "mle/maintain/informative_windows.h"
 #include "mle/maintain/leave_out.h"
@@ -154,19 +156,30 @@ void WarnOfUnrest(const ProcessModel& model, RecordData& data) {
 
 absl::Status NoWindows(const RecordData& data) {
   std::vector<std::string> files;
-  for (const FileReport& file : data.report.files) files.push_back(file.name);
+  std::vector<std::string> likely;  // set points among what was ignored
+  for (const FileReport& file : data.report.files) {
+    files.push_back(file.name);
+    for (const std::string& column : file.ignored_columns) {
+      if (IsSetPointTag(column)) likely.push_back(column);
+    }
+  }
   std::vector<std::string> warnings;
   for (const auto* messages : {&data.obstacles, &data.warnings}) {
     for (const Message& message : *messages) warnings.push_back(message.text);
   }
   return OptionError(
-      "change_times",
+      "change_times,tags",
       absl::StrCat(
           "there is nothing to learn from in ",
           files.empty() ? "the records" : absl::StrJoin(files, ", "),
           ": no set point changes, nor do inputs move that rest otherwise. Set "
           "points (columns <output>_setpoint) must change, or change_times "
           "must name the times",
+          likely.empty()
+              ? ""
+              : absl::StrCat("; of the columns that are ignored ",
+                             ListOfNames(likely),
+                             " may be set points, to be mapped by tags"),
           warnings.empty()
               ? ""
               : absl::StrCat(" (", absl::StrJoin(warnings, " "), ")")));

@@ -137,6 +137,14 @@ std::vector<Mistake> Mistakes() {
        {"\n"},
        {},
        "the file is empty; a record begins with a header"},
+      {"a text that is not a table",
+       {"Dear colleague,\nthe record is attached.\n"},
+       {},
+       "this is not a table of records: no line has names of columns"},
+      {"a file in JSON",
+       {"{\n \"name\": \"tank\"\n}\n"},
+       {},
+       "the file is JSON, not a table as text; export the records as CSV"},
       {"a header alone",
        {kHeader},
        {},
@@ -270,6 +278,11 @@ TEST(MleCorrectImport, AnExportOfPiIsReadAndDatesAreInTheResult) {
       RunTested(flags({"--propose_tags=" + tags}));
   ASSERT_EQ(proposed.exit_code, 0) << proposed.err;
   EXPECT_THAT(proposed.out, HasSubstr("--tag_file=" + tags));
+  // What is still to be written, and nothing that is not needed.
+  EXPECT_THAT(proposed.out, HasSubstr("Write into the column channel: 'y1', "));
+  EXPECT_THAT(proposed.out, HasSubstr("Set points are probably 'TIC101.SP'; "
+                                      "their channels are 'y1_setpoint'"));
+  EXPECT_EQ(proposed.out.find("--ignore_other_columns"), std::string::npos);
   EXPECT_THAT(Content(tags), HasSubstr("TI101.PV,"));
   // As a user completes it.
   example.scratch.Write(

@@ -99,10 +99,10 @@ TEST_F(MleCorrectPage, OpensWithBadgeHeadlineAndWhatToDo) {
   const std::string opening =
       html_.substr(verdict, html_.find("</header>") - verdict);
   EXPECT_THAT(opening, HasSubstr("<span class=\"badge\">corrected</span>"));
-  EXPECT_THAT(opening, HasSubstr("Gain of y1 ← u1 fell by "));
+  EXPECT_THAT(opening, HasSubstr("Gain of y1 ←\u00A0u1 fell by "));
   EXPECT_THAT(opening, HasSubstr("Use the corrected model"));
   EXPECT_THAT(opening, HasSubstr("On held-out data"));
-  EXPECT_THAT(opening, HasSubstr("95 % confidence interval"));
+  EXPECT_THAT(opening, HasSubstr("95\u00A0% confidence interval"));
   // A p-value is for those who open a fold.
   EXPECT_EQ(opening.find("(p "), std::string::npos);
   ASSERT_EQ(result_["verdict"].size(), 2u);
@@ -113,11 +113,11 @@ TEST_F(MleCorrectPage, OpensWithBadgeHeadlineAndWhatToDo) {
 
 // ± is explained once; no other quantity has the sign.
 TEST_F(MleCorrectPage, SaysOnceWhatTheIntervalsAre) {
-  const std::string note = "± is half a";
+  const std::string note = "±\u00A0is half a";
   const std::size_t first = html_.find(note);
   ASSERT_NE(first, std::string::npos);
   EXPECT_EQ(html_.find(note, first + 1), std::string::npos);
-  EXPECT_EQ(html_.find("± one standard error"), std::string::npos);
+  EXPECT_EQ(html_.find("±\u00A0one standard error"), std::string::npos);
 }
 
 TEST_F(MleCorrectPage, TheTableForTheControllerIsTheWrittenModel) {
@@ -129,10 +129,18 @@ TEST_F(MleCorrectPage, TheTableForTheControllerIsTheWrittenModel) {
     ExpectShows(table.rows[row][2], element["fopdt"]["gain"]);
     ExpectShows(table.rows[row][3], element["fopdt"]["time_constant"]);
     ExpectShows(table.rows[row][4], element["fopdt"]["delay"]);
-    EXPECT_EQ(table.rows[row][5].empty(), !element["aged"].get<bool>());
+    const bool aged = element["aged"];
+    EXPECT_EQ(table.rows[row][5].empty(), !aged);
+    // Intervals of what has changed.
+    EXPECT_EQ(table.rows[row][2].find(" ± ") != std::string::npos, aged);
   }
-  // What the button copies.
-  EXPECT_THAT(html_, HasSubstr("data-text=\"output\tinput\tgain\t"));
+  // What the button copies, without them.
+  const std::string copied = "data-text=\"output\tinput\tgain\t";
+  const std::size_t begin = html_.find(copied);
+  ASSERT_NE(begin, std::string::npos);
+  EXPECT_EQ(html_.substr(begin, html_.find('"', begin + copied.size()) - begin)
+                .find("±"),
+            std::string::npos);
 }
 
 TEST_F(MleCorrectPage, TheLoopFollowsSetPointsBetterOnThePlantAsCorrected) {
@@ -147,9 +155,9 @@ TEST_F(MleCorrectPage, FiguresShowTheResponsesOfTheFile) {
   const auto lines = ParsedCsv(out_ + "/step_response.csv");
   int compared = 0;
   for (const report::ShownSeries& series : panel.series) {
-    const int column = series.label == "initial model" ? 1
-                       : series.label == "corrected"   ? 5
-                                                       : 9;
+    const int column = series.label == "controller's model" ? 1
+                       : series.label == "corrected"        ? 5
+                                                            : 9;
     ASSERT_EQ(series.x.size(), lines.size() - 1);
     for (std::size_t k = 1; k < lines.size(); ++k) {
       EXPECT_NEAR(series.y[k - 1], std::stod(lines[k][column]),
@@ -191,6 +199,90 @@ TEST_F(MleCorrectPage, EveryFigureIsAFileToo) {
     EXPECT_EQ(Content(base + ".pdf").find("%PDF"), 0u) << name;
   }
   EXPECT_THAT(Content(out_ + "/mismatch_map.svg"), HasSubstr("gain × 0."));
+  // Those of another run do not stay beside a page without figures.
+  Correct(CorrectionFlags(scratch_ / "model.json", scratch_ / "run.csv", out_),
+          out_);
+  for (const auto& file : std::filesystem::directory_iterator(out_)) {
+    const std::string extension = file.path().extension().string();
+    EXPECT_TRUE(extension != ".svg" && extension != ".png" &&
+                extension != ".pdf")
+        << file.path();
+  }
+}
+
+// Below the map of pairs, and what the terminal says first.
+struct Shown {
+  std::string out;
+  std::string html;
+};
+
+Shown Show(const HeaterExample& example, const std::vector<std::string>& more) {
+  const report::ProcessResult run = RunTested(
+      CorrectionFlags(example.model, example.data, example.out, more));
+  return {run.out, Content(example.out + "/report.html")};
+}
+
+TEST(MleCorrectMistakes, ExchangedTagsAreTheHeadline) {
+  const HeaterExample example((Heater()));
+  const Shown shown = Show(example, {"--tags=u1=u2,u2=u1"});
+  EXPECT_THAT(shown.out, HasSubstr("Keep the controller's model for now: mend "
+                                   "this, and run again.\nThe tags of u1 and "
+                                   "u2 seem to be exchanged.\n"));
+  EXPECT_THAT(shown.html, HasSubstr("</span> The tags of u1 and u2 seem to be "
+                                    "exchanged</h1>"));
+  EXPECT_THAT(shown.html, HasSubstr(">not estimated</td>"));
+  EXPECT_THAT(shown.html, HasSubstr("Not estimated, because: The tags of u1"));
+  EXPECT_EQ(shown.html.find("hardly moves by itself"), std::string::npos);
+}
+
+TEST(MleCorrectMistakes, ATurnedSignIsSaidToBePerhapsMistyped) {
+  Heater mistyped;
+  mistyped.third.gain = -mistyped.third.gain;
+  const HeaterExample example((Heater()));
+  example.scratch.Write("model.json", HeaterJson(mistyped));
+  const Shown shown = Show(example, {});
+  EXPECT_THAT(shown.out,
+              HasSubstr("Gain of y2 ← u1 has the other sign in the records"));
+  EXPECT_THAT(shown.out, HasSubstr("Ageing hardly turns a sign: check whether "
+                                   "that of y2 ← u1 was mistyped"));
+}
+
+TEST(MleCorrectHeadline, NamesTheOtherElementsThatHaveChanged) {
+  Heater aged;
+  aged.first.gain = 1.0;
+  aged.fourth.gain = 2.4;
+  aged.second.gain = -1.3;
+  const Shown shown = Show(HeaterExample(aged), {});
+  EXPECT_THAT(shown.out, HasSubstr("; also y"));
+  EXPECT_THAT(shown.out, HasSubstr(" changed."));
+  for (const char* const pair : {"y1 ← u1", "y1 ← u2", "y2 ← u2"}) {
+    EXPECT_THAT(shown.out, HasSubstr(pair));
+  }
+}
+
+// Where the table to type in is not the model written, the page says which to
+// use.
+TEST(MleCorrectTable, SaysWhereFirstOrderIsNotTheModel) {
+  const auto with_second_order = [](double gain) {
+    nlohmann::json model = nlohmann::json::parse(HeaterJson(Heater()));
+    nlohmann::json& element = model["elements"][0];
+    element.erase("gain");
+    element.erase("time_constant");
+    element["numerator"] = {gain};
+    element["denominator"] = {12.0, 7.0, 1.0};
+    return model.dump();
+  };
+  const HeaterExample example((Heater()));
+  example.scratch.Write("model.json", with_second_order(2.0));
+  example.scratch.Write("plant.json", with_second_order(1.0));
+  SimulateHeater(example.scratch, "run.csv", example.model, example.plant);
+  const std::string html = Show(example, {}).html;
+  EXPECT_THAT(html,
+              HasSubstr("Not of first order are y1 ←\u00A0u1 (by up to "));
+  EXPECT_THAT(html, HasSubstr("use model.json or step_response.csv instead"));
+  EXPECT_EQ(
+      Show(HeaterExample(WithHalvedGain()), {}).html.find("Not of first order"),
+      std::string::npos);
 }
 
 }  // namespace

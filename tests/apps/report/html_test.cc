@@ -205,7 +205,7 @@ TEST(HtmlPage, AllScriptsAreListed) {
   HtmlPage page("p");
   Table table{.columns = {{"name"}}, .sortable = true, .searchable = true};
   table.AddRow({"a"});
-  page.AddTableToCopy(table);
+  page.AddTableToCopy(table, table);
   page.AddFigure(Drawing("true"), "c", "alt");
   const Markup markup = ParseMarkup(page.Render(), true);
   const std::vector<std::string_view> known = PageScripts();
@@ -218,6 +218,52 @@ TEST(HtmlPage, AllScriptsAreListed) {
   EXPECT_EQ(markup.Count("script"), 1);
   EXPECT_THAT(page.Render(),
               HasSubstr("<script>" + std::string(known[3]) + "</script>"));
+}
+
+// So that a reader who opens no fold finds no number missing.
+TEST(HtmlPage, FiguresOutsideFoldsAreNumberedFirst) {
+  HtmlPage page("p");
+  page.AddFigure(Drawing("true"), "first", "alt");
+  page.OpenFold("more");
+  page.AddFigure(Drawing("true"), "folded", "alt");
+  page.CloseFold();
+  page.AddFigure(Drawing("true"), "second", "alt");
+  const std::string html = page.Render();
+  EXPECT_THAT(html, HasSubstr("Figure 1. first"));
+  EXPECT_THAT(html, HasSubstr("Figure 2. second"));
+  EXPECT_THAT(html, HasSubstr("Figure 3. folded"));
+  EXPECT_EQ(html.find('\x1A'), std::string::npos);
+}
+
+// Panels side by side would be cut on a telephone.
+TEST(HtmlPage, PanelsSideBySideAreShownBelowEachOtherOnANarrowPage) {
+  Figure figure = Drawing("true");
+  figure.AddPanel("other").series.push_back(
+      MakeSeries(Role::kTrue, "true", {0.0, 1.0}, {0.0, 1.0}));
+  figure.columns = 2;
+  HtmlPage page("p");
+  page.AddFigure(figure, "c", "alt");
+  page.OpenFold("more");
+  page.AddFigure(figure, "folded", "alt");
+  page.CloseFold();
+  const Markup markup = ParseMarkup(page.Render(), true);
+  EXPECT_EQ(markup.error, "");
+  int wide = 0;
+  int narrow = 0;
+  for (const std::string& css : markup.Values("class")) {
+    if (css == "scroll picture wide") ++wide;
+    if (css == "scroll picture narrow") ++narrow;
+  }
+  EXPECT_EQ(wide, 1);
+  EXPECT_EQ(narrow, 1);
+  EXPECT_EQ(markup.Count("svg"), 3);
+}
+
+TEST(HtmlPage, NumbersAreNotBrokenFromTheirSigns) {
+  HtmlPage page("p");
+  page.AddParagraph("a 95 % interval, ± 2, and a % alone");
+  EXPECT_THAT(page.Render(),
+              HasSubstr("a 95\u00A0% interval, ±\u00A02, and a % alone"));
 }
 
 TEST(HtmlPage, SamePageSameBytes) {

@@ -83,7 +83,8 @@ function overlapping() {
 
 // The smallest letters of the figures, in pixels.
 function smallest() {
-  return Array.from(document.querySelectorAll('svg.drawing text')).reduce(
+  return Array.from(document.querySelectorAll('svg.drawing text')).filter(
+      text => text.getBoundingClientRect().width > 0).reduce(
       (least, text) => Math.min(
           least, parseFloat(getComputedStyle(text).fontSize) *
               text.getScreenCTM().a || least), Infinity);
@@ -91,7 +92,8 @@ function smallest() {
 
 // What the line above the first figure shows with the pointer in its middle.
 function readout() {
-  const panel = document.querySelector('.panel');
+  const panel = Array.from(document.querySelectorAll('.panel')).find(
+      one => one.getBoundingClientRect().width > 0);
   if (!panel) return '';
   const box = panel.querySelector('.grid').getBoundingClientRect();
   panel.dispatchEvent(new PointerEvent('pointermove', {
@@ -173,8 +175,10 @@ found.filtered = filtered();
 document.querySelectorAll('details').forEach(fold => { fold.open = true; });
 await pause();
 found.cut_open = cut();
-found.figures = document.querySelectorAll('svg.drawing').length;
-found.panels = document.querySelectorAll('.panel').length;
+found.figures = document.querySelectorAll(
+    '.picture:not(.narrow) > svg').length;
+found.panels = document.querySelectorAll(
+    '.picture:not(.narrow) .panel').length;
 found.texts = Array.from(document.querySelectorAll('svg.drawing text'),
                          text => text.textContent);
 found.injected = document.querySelectorAll('[data-injected]').length;

@@ -60,8 +60,11 @@ std::vector<ShownFigure> FiguresOf(std::string_view text, bool html) {
   double width = 0.0;
   double height = 0.0;
   ShownSeries* series = nullptr;
+  bool repeats = false;
   for (const Element& element : markup.elements) {
     const std::string kind = Get(element, "class");
+    if (kind.starts_with("scroll ")) repeats = kind.ends_with(" narrow");
+    if (repeats) continue;
     if (kind == "drawing") figures.emplace_back();
     if (figures.empty()) continue;
     std::vector<ShownPanel>& panels = figures.back().panels;

@@ -31,7 +31,8 @@ struct ShownFigure {
   std::vector<std::string> texts;
 };
 
-// A failure of the test if `markup` is not well formed.
+// A failure of the test if `markup` is not well formed. Pictures of a page that
+// repeat a figure for a narrow screen are left out.
 std::vector<ShownFigure> FiguresOf(std::string_view markup, bool html);
 
 }  // namespace mle::report

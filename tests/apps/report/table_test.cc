@@ -51,6 +51,36 @@ TEST(RenderText, NoCellIsLostInRaggedRows) {
             "x  beyond\n");
 }
 
+TEST(RenderHtml, DatesAreNotBrokenOverLines) {
+  Table table{.columns = {{"a"}, {"when", Align::kLeft}, {"b", Align::kLeft}}};
+  table.AddRow(
+      {"1", "2024-03-04 06:00", "2024-03-04 is the day of the change"});
+  const std::string html = RenderHtml(table);
+  EXPECT_NE(html.find("class=\"left date\">2024-03-04 06:00<"),
+            std::string::npos);
+  EXPECT_NE(html.find("class=\"left\">2024-03-04 is"), std::string::npos);
+  table.rows = {{"1", "2024-3-04", "20240304"}};
+  EXPECT_EQ(RenderHtml(table).find("date\""), std::string::npos);
+}
+
+// A stacked table shows the header of each cell, and a row of one level has it
+// as a whole.
+TEST(RenderHtml, CellsThatAreStackedHaveTheirHeaders) {
+  Table table{.columns = {{"output"}, {"gain"}}};
+  table.AddRow({"y", "2"});
+  table.AddRow({"z", "3"});
+  table.levels = {{2, 2}, {0, 1}};
+  EXPECT_EQ(RenderHtml(table).find("data-label"), std::string::npos);
+  table.stacked = true;
+  const std::string html = RenderHtml(table);
+  EXPECT_NE(html.find("<tr class=\"level-2\">"), std::string::npos);
+  EXPECT_NE(html.find("class=\"right\" data-label=\"gain\">2<"),
+            std::string::npos);
+  EXPECT_NE(html.find("<tr><th"), std::string::npos);
+  EXPECT_NE(html.find("class=\"right level-1\" data-label=\"gain\">3<"),
+            std::string::npos);
+}
+
 TEST(RenderHtml, HasCaptionScopesAndAlignment) {
   EXPECT_EQ(RenderHtml(Example()),
             "<table>\n<caption>Errors</caption>\n<thead>\n"

@@ -25,7 +25,7 @@ ProcessModel Tank() {
 std::vector<TagMapping> Parse(const std::string& text) {
   const auto tags = ParseTagFile("tags.csv", text, Tank());
   EXPECT_TRUE(tags.ok()) << tags.status();
-  return tags.ok() ? *tags : std::vector<TagMapping>();
+  return tags.ok() ? tags->tags : std::vector<TagMapping>();
 }
 
 std::string Error(const std::string& text) {
@@ -48,6 +48,25 @@ TEST(TagFileTest, MapsTagsWithTheirUnits) {
   EXPECT_THAT(Parse("channel,tag\nsteam,\"A, B\"\n")[0].tag, "A, B");
 }
 
+// A tag without a channel is known not to be needed.
+TEST(TagFileTest, ColumnsOfTagsWithoutAChannelAreIgnored) {
+  const auto table = ParseTagFile(
+      "tags.csv", "tag,channel\nLI1,level\nFC2,steam\nXI3,\n", Tank());
+  ASSERT_TRUE(table.ok()) << table.status();
+  EXPECT_THAT(table->unused, ElementsAre("XI3"));
+  HistorianOptions options;
+  options.columns.tags = table->tags;
+  options.columns.unused_tags = table->unused;
+  const auto read = [&](const std::string& header) {
+    return ImportHistorianSources(
+        {TextSource("a.csv", header + "\n0,1,2,3\n1,4,5,6\n")}, Tank(),
+        options);
+  };
+  EXPECT_TRUE(read("time,LI1,XI3,FC2").ok());
+  EXPECT_THAT(std::string(read("time,LI1,XI4,FC2").status().message()),
+              HasSubstr("column 3: 'XI4' is neither"));
+}
+
 TEST(TagFileTest, AllFaultsAreListedWithTheirLines) {
   EXPECT_THAT(
       Error("tag,channel,scale,offset,unit,unit in the file\n"
@@ -57,7 +76,7 @@ TEST(TagFileTest, AllFaultsAreListedWithTheirLines) {
             ",steam,1,0,,\n"
             "C,steam,1,0,t/h,kg/h\n"),
       AllOf(HasSubstr("tags.csv: line 2: 'levle' is not an input"),
-            HasSubstr("nearest: level"), HasSubstr("line 3: scale is 'x'"),
+            HasSubstr("nearest: 'level'"), HasSubstr("line 3: scale is 'x'"),
             HasSubstr("line 3: the tag 'A' stands in line 2"),
             HasSubstr("line 4: offset is 'inf'"),
             HasSubstr("line 4: scale is 0"),
@@ -68,6 +87,8 @@ TEST(TagFileTest, AllFaultsAreListedWithTheirLines) {
             HasSubstr("line 6: the channel 'steam' stands in line 5"),
             HasSubstr("line 6: 'C' is in 'kg/h' in the file and wanted in "
                       "'t/h', but scale is 1")));
+  EXPECT_THAT(Error("tag,channel\nA,pressure\n"),
+              HasSubstr("the model has 'level', 'level_setpoint', 'steam'"));
   EXPECT_THAT(Error("tag,scale\nA,1\n"),
               HasSubstr("must name tag and channel"));
   EXPECT_THAT(Error(""), HasSubstr("the file is empty"));
@@ -193,6 +214,64 @@ TEST(HeaderTest, ATagThatTheFileDoesNotHaveIsNamed) {
                       .status()
                       .message()),
       HasSubstr("there is no column 'TIC101.SP' (nearest: 'TIC110.SP')"));
+}
+
+// Where the tag is written, not only where it was looked for; the name that is
+// near is not another fault.
+TEST(HeaderTest, ATagOfAFileIsNamedWithItsLine) {
+  const auto table = ParseTagFile(
+      "tags.csv", "tag,channel\nLI1.PV,level\nFC20.OP,steam\n", Tank());
+  ASSERT_TRUE(table.ok()) << table.status();
+  HistorianOptions options;
+  options.columns.tags = table->tags;
+  const std::string message(
+      ImportHistorianSources({TextSource("a.csv", "time,LI1.PV,FC2.OP\n")},
+                             Tank(), options)
+          .status()
+          .message());
+  EXPECT_THAT(message, HasSubstr("no column 'FC20.OP' (tags.csv, line 3, for "
+                                 "steam; nearest: 'FC2.OP')"));
+  EXPECT_THAT(message, Not(HasSubstr("is neither time")));
+}
+
+TEST(HeaderTest, WithoutSetPointsItSaysWhatHelps) {
+  const auto error = [](const std::string& header) {
+    return std::string(
+        ImportHistorianSources({TextSource("a.csv", header)}, Tank(), {})
+            .status()
+            .message());
+  };
+  EXPECT_THAT(error("time,LI1,LIC1.SP,steam\n"),
+              HasSubstr("map those there are (perhaps 'LIC1.SP'), or give "
+                        "change_times"));
+  EXPECT_THAT(error("time,LI1,steam\n"),
+              HasSubstr("map one, or give change_times"));
+  EXPECT_THAT(error("time,LI1,level_setpoint,steam\n"),
+              Not(HasSubstr("change_times")));
+}
+
+// Not by the columns that are missing in it.
+TEST(HeaderTest, ATextThatIsNotATableIsAnsweredByItsFirstLine) {
+  const auto error = [](const std::string& text) {
+    return std::string(
+        ImportHistorianSources({TextSource("a.txt", text)}, Tank(), {})
+            .status()
+            .message());
+  };
+  for (const char* const text :
+       {"\nDear colleague,\nplease find the record\nattached, as agreed.\n",
+        "hello\nworld\n", "1\n2\n3\n"}) {
+    EXPECT_THAT(error(text), HasSubstr("this is not a table of records"));
+  }
+  EXPECT_THAT(error("\nDear colleague,\nhello\n"),
+              AllOf(HasSubstr("a.txt: line 2: "),
+                    HasSubstr("begins with 'Dear colleague,'")));
+  EXPECT_THAT(error("{\n  \"name\": 1}\n"), HasSubstr("the file is JSON"));
+  for (const char* const text :
+       {"a,b\n", "a;b\nkg;m\n0;1\n", "Title\n\na,b,c\n1,2,3\n"}) {
+    EXPECT_THAT(error(text), HasSubstr("there is no column")) << text;
+  }
+  EXPECT_THAT(error("a,b\n0,1\n"), HasSubstr("may not be a table"));
 }
 
 // Words are counted, and forgiven on request.
