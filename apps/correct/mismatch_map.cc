@@ -17,7 +17,7 @@ using report::FormatSignificant;
 std::string HalfInterval(const ParameterEstimate& estimate, double unit) {
   const double half = std::abs(0.5 * (estimate.upper - estimate.lower) / unit);
   return std::isfinite(half) && half > 0.0
-             ? absl::StrCat(" ± ", FormatSignificant(half, 2))
+             ? absl::StrCat(" ± ", report::FormatHalfWidth(half))
              : "";
 }
 

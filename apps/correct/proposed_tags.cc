@@ -70,9 +70,10 @@ std::string DescribeProposals(const std::vector<TagProposal>& proposals,
       mapped < proposals.size()
           ? ", and a column without a channel is ignored.\n"
           : ".\n",
-      missing.empty() ? ""
-                      : absl::StrCat("Write into the column channel: ",
-                                     ListOfNames(missing), ".\n"),
+      missing.empty()
+          ? ""
+          : absl::StrCat(
+                "Write into the column channel: ", ListOfNames(missing), ".\n"),
       OnSetPoints(set_points, proposals), "Then use it: --tag_file=", path,
       "\n");
 }

@@ -19,6 +19,7 @@ namespace {
 
 using report::Align;
 using report::FormatFixed;
+using report::FormatHalfWidth;
 using report::FormatInteger;
 using report::FormatProbability;
 using report::FormatScientific;
@@ -37,7 +38,7 @@ std::string WithInterval(const ParameterEstimate& estimate) {
                         " (not determined)");
   }
   return absl::StrCat(FormatSignificant(estimate.value, 4), " ± ",
-                      FormatSignificant(half, 2));
+                      FormatHalfWidth(half));
 }
 
 // `error` is a standard error.
@@ -45,10 +46,9 @@ std::string WithError(const Result& result, double value, double error) {
   if (!std::isfinite(error)) {
     return absl::StrCat(FormatSignificant(value, 4), " (not determined)");
   }
-  return error > 0.0
-             ? absl::StrCat(FormatSignificant(value, 4), " ± ",
-                            FormatSignificant(BandFactor(result) * error, 2))
-             : FormatSignificant(value, 4);
+  return error > 0.0 ? absl::StrCat(FormatSignificant(value, 4), " ± ",
+                                    FormatHalfWidth(BandFactor(result) * error))
+                     : FormatSignificant(value, 4);
 }
 
 // Behind the gain of an element that integrates.

@@ -34,7 +34,7 @@ double HalfWidth(const ParameterEstimate& estimate) {
 
 std::string WithInterval(const ParameterEstimate& estimate) {
   return absl::StrCat(FormatSignificant(estimate.value), " ± ",
-                      FormatSignificant(HalfWidth(estimate), 2));
+                      report::FormatHalfWidth(HalfWidth(estimate)));
 }
 
 // How closely the records confirm the gains, and which they do not.

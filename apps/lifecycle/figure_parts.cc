@@ -27,7 +27,8 @@ Style StyleOfPolicy(const Policy& policy, int member) {
   const auto colour = kColours->find(policy.family());
   if (colour != kColours->end()) style.colour = colour->second;
   style.line = kLines[member % 4];
-  style.width_pt = 1.4;
+  // Drawn first, and where another policy costs the same, on both its sides.
+  style.width_pt = policy.kind == Policy::Kind::kNever ? 3.0 : 1.4;
   return style;
 }
 

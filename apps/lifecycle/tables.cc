@@ -78,7 +78,8 @@ Table ComparisonTable(const RateSummary& rate, std::size_t lives,
                           {"more than the cheapest"},
                           {"that is", Align::kLeft},
                           {"saved against never"},
-                          {"of what is possible"}}};
+                          {"of what is possible"}},
+              .stacked = true};
   const PolicySummary* cheapest = rate.Cheapest();
   for (const PolicySummary* policy : ByCost(rate)) {
     const bool is_never = policy->policy.kind == Policy::Kind::kNever;

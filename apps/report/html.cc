@@ -1,5 +1,7 @@
 #include "apps/report/html.h"
 
+#include <algorithm>
+
 #include "absl/status/statusor.h"
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
@@ -97,14 +99,22 @@ std::string WithNumbers(std::string text, const std::vector<bool>& folded) {
   return text;
 }
 
-// For a telephone.
+// The width of a telephone.
+constexpr double kNarrowCm = 9.0;
+
+// Squares with labels cannot be narrower.
+bool IsTooWide(const Figure& figure) {
+  return figure.width_cm > kNarrowCm &&
+         std::none_of(figure.panels.begin(), figure.panels.end(),
+                      [](const Panel& panel) { return !panel.cells.empty(); });
+}
+
 Figure InOneColumn(Figure figure) {
-  constexpr double kWidthCm = 9.0;
   constexpr double kPanelCm = 5.2;
   constexpr double kAroundCm = 1.5;
   const auto panels = static_cast<double>(figure.panels.size());
   figure.columns = 1;
-  figure.width_cm = kWidthCm;
+  figure.width_cm = kNarrowCm;
   figure.height_cm = kAroundCm + kPanelCm * panels;
   // Only the last row of several columns has one.
   for (Panel& panel : figure.panels) {
@@ -208,7 +218,7 @@ void HtmlPage::AddFigure(const Figure& figure, std::string_view caption,
     return;
   }
   absl::StatusOr<std::string> narrow = absl::NotFoundError("");
-  if (open_folds_ == 0 && figure.columns > 1) {
+  if (open_folds_ == 0 && IsTooWide(figure)) {
     narrow = SvgElement(InOneColumn(figure), alt);
   }
   const std::string label = "Figure " + number;

@@ -93,6 +93,15 @@ std::string FormatSignificant(double value, int digits) {
   return FormatFixed(value, std::max(0, digits - 1 - exponent));
 }
 
+std::string FormatHalfWidth(double half_width) {
+  constexpr double kLeast = 1e-6;
+  constexpr double kPlainFrom = 1e-3;
+  if (!(half_width >= kLeast) || half_width >= kPlainFrom) {
+    return FormatSignificant(half_width, 2);
+  }
+  return FormatFixed(half_width, 1 - Split(half_width, 2).exponent);
+}
+
 std::string FormatProbability(double p) {
   return p < 1e-300 ? "less than 10⁻³⁰⁰" : FormatSignificant(p, 2);
 }

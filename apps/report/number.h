@@ -24,6 +24,10 @@ std::string FormatScientific(double value, int digits = 3);
 // FormatFixed(-3.14159, 2) = "−3.14".
 std::string FormatFixed(double value, int decimals);
 
+// Behind ±, two significant digits, in plain decimals down to 1e-6 so that they
+// stand below those of the value: FormatHalfWidth(3.8e-4) = "0.00038".
+std::string FormatHalfWidth(double half_width);
+
 // FormatProbability(3.14e-9) = "3.1×10⁻⁹"; what is too small for a double is
 // below its smallest.
 std::string FormatProbability(double p);

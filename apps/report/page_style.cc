@@ -121,7 +121,7 @@ dt { color: var(--soft); } dd { margin: 0; overflow-wrap: anywhere; }
   .stacked thead { display: none; }
   .stacked tbody tr { padding: .5rem .5rem; border-bottom: 1px solid var(--rule); }
   .stacked :is(tbody th, td) { border: 0; padding: 0; text-align: left; min-width: 0; }
-  .stacked td { display: inline-block; margin-right: 1rem; background: none; }
+  .stacked td { display: inline-block; margin-right: 1rem; }
   .stacked td:empty { display: none; }
   .stacked td::before { content: attr(data-label) ": "; color: var(--soft); }
   .filtered .scroll { overflow: visible; background: none; }

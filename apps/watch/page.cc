@@ -99,7 +99,8 @@ void AddAlarms(const Report& report, bool can_acknowledge,
                           {"what", Align::kLeft},
                           {"acknowledged", Align::kLeft},
                           {"handed on to", Align::kLeft},
-                          {"id", Align::kLeft}}};
+                          {"id", Align::kLeft}},
+              .stacked = true};
   for (const Alarm& alarm : report.watch->alarms) {
     table.AddRow({NameOfDay(alarm.day), alarm.text, AcknowledgementText(alarm),
                   DeliveryText(alarm), ShortId(alarm)});

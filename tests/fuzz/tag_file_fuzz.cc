@@ -36,8 +36,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data,
   mle::HistorianOptions options;
   options.max_samples = mle::kMaxSamples;
   if (tags.ok()) {
-    mle::CheckTags(*tags);
-    options.columns.tags = *tags;
+    mle::CheckTags(tags->tags);
+    options.columns.tags = tags->tags;
+    options.columns.unused_tags = tags->unused;
   } else {
     FUZZ_EXPECT(tags.status().message().find("tags.csv") != std::string::npos,
                 tags.status().ToString());
@@ -51,6 +52,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data,
   // What is proposed is a file of tags.
   const std::string proposed = mle::FormatTagFile(*proposals);
   const auto again = mle::ParseTagFile("proposed.csv", proposed, tank);
-  if (again.ok()) mle::CheckTags(*again);
+  if (again.ok()) mle::CheckTags(again->tags);
   return 0;
 }

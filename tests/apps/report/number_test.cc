@@ -10,6 +10,15 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
+TEST(FormatHalfWidth, StandsBelowTheDigitsOfItsValue) {
+  EXPECT_EQ(FormatHalfWidth(3.84e-4), "0.00038");
+  EXPECT_EQ(FormatHalfWidth(9.96e-4), "0.0010");
+  EXPECT_EQ(FormatHalfWidth(0.00525), FormatSignificant(0.00525, 2));
+  EXPECT_EQ(FormatHalfWidth(12.3), "12");
+  EXPECT_EQ(FormatHalfWidth(1.23e-8), "1.2×10⁻⁸");
+  EXPECT_EQ(FormatHalfWidth(0.0), "0");
+}
+
 TEST(FormatSignificant, PlainWhereThatIsReadable) {
   EXPECT_EQ(FormatSignificant(0.09334, 3), "0.0933");
   EXPECT_EQ(FormatSignificant(8.1, 3), "8.10");
