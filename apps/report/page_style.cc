@@ -157,7 +157,7 @@ dt { color: var(--soft); } dd { margin: 0; overflow-wrap: anywhere; }
   th, td { padding: .2rem .4rem; }
   th.right { min-width: 0; }
   thead th { overflow-wrap: anywhere; }
-  td.right { white-space: normal; }
+  td.right:not(.date) { white-space: normal; }
   .picture { border: 0; padding: 0; }
   .picture > svg { min-width: 0 !important; max-height: 240mm; }
   .readout { display: none; }

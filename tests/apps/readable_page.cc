@@ -69,7 +69,7 @@ void ExpectFitsPaper(const std::string& path, const std::string& name) {
   constexpr int kPaper = 672;
   const std::string html = absl::StrReplaceAll(
       Content(path),
-      {{"@media print", "@media all"}, {"@media screen", "@media not all"}});
+      {{"@media print", "@media all"}, {"@media screen", "@media tty"}});
   const report::BrowserVisit visit = report::VisitPage(html, kPaper, name);
   ASSERT_EQ(visit.error, "");
   EXPECT_LE(visit.found["overflow_folded"], 0);
