@@ -27,6 +27,8 @@ constexpr double kMostResponseSamples = 1e6;
 constexpr double kMostShownSamples = 1e4;
 constexpr double kMostRecords = 2.0;
 // Of Δt: the smallest time constant of fopdt_model, that of a jump.
+// Beyond, all additions to all elements take longer than the correction.
+constexpr int kMostInputsOfRivals = 6;
 constexpr double kTimeFloor = 1e-3;
 
 absl::Status NotPositive(const char* field, double value) {
@@ -104,6 +106,26 @@ absl::StatusOr<std::vector<LevelDependence>> LevelDependenceOf(
       estimate.fit.output_error.corrected.noise);
 }
 
+// Of the outputs of which gains, time constants and dead times are proposed.
+absl::StatusOr<std::vector<RivalShape>> RivalShapesOf(
+    const CorrectionResult& result, const std::vector<Record>& windows) {
+  const Estimate& estimate = result.estimate;
+  const int p = result.initial.num_outputs();
+  std::vector<bool> outputs(p);
+  for (int i = 0; i < p; ++i) {
+    outputs[i] = ProposesChange(estimate, i) && !ProposesShape(estimate, i) &&
+                 !ProposesByArx(estimate, i) &&
+                 !IsIntegrating(result.initial, i);
+  }
+  if (std::find(outputs.begin(), outputs.end(), true) == outputs.end() ||
+      result.initial.num_inputs() > kMostInputsOfRivals) {
+    return std::vector<RivalShape>(p);
+  }
+  return FindRivalShapes(result.initial, windows,
+                         estimate.fit.output_error.corrected,
+                         estimate.setting.options.output_error, outputs);
+}
+
 absl::Status DecideByEvidence(const std::vector<Record>& windows, int order,
                               const std::vector<bool>& unexplained,
                               CorrectionResult& result) {
@@ -117,6 +139,7 @@ absl::Status DecideByEvidence(const std::vector<Record>& windows, int order,
     MLE_ASSIGN_OR_RETURN(result.agreement, AgreementOf(result, windows));
     MLE_ASSIGN_OR_RETURN(result.level_dependence,
                          LevelDependenceOf(result, windows));
+    MLE_ASSIGN_OR_RETURN(result.rival_shapes, RivalShapesOf(result, windows));
   }
   const Evidence evidence = GatherEvidence(result, unexplained);
   Verdict verdict = Decide(evidence, options.decision);

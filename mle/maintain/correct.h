@@ -39,6 +39,7 @@
 #include "mle/model/process_model.h"
 #include "mle/model/step_response.h"
 #include "mle/nonlinear/level_dependence.h"
+#include "mle/nonlinear/posterior_correction.h"
 
 namespace mle {
 
@@ -110,6 +111,9 @@ struct CorrectionResult {
   // m: whether gains follow the level of an input that a change is proposed of.
   // Empty without CorrectOptions::examine.
   std::vector<LevelDependence> level_dependence;
+  // p: an element of the output that alone, by another shape, explains as much
+  // as changes of several. Empty without CorrectOptions::examine.
+  std::vector<RivalShape> rival_shapes;
   // Scores of each output at each horizon, where records were held out.
   Validation validation;
   int max_lag = 0;                                  // of the diagnostics

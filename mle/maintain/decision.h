@@ -89,7 +89,8 @@ struct OutputEvidence {
   std::string disagreement;
   // The change proposed of an element is not one that ageing makes and these
   // records could show: its parameters lie where the search ends, its response
-  // takes several times as long or short, or the records do not inform it.
+  // takes several times as long or short, the records do not inform it, or
+  // another shape of one element explains as much as changes of several.
   std::optional<Message> not_ageing;
   // What is not linear between an input and the output, where the change
   // proposed is no larger than what that makes of it: gains that follow the

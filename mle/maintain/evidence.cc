@@ -263,6 +263,29 @@ std::optional<Message> NotAgeing(const CorrectionResult& result, int i) {
   return std::nullopt;
 }
 
+// Whether one element alone, by another shape, explains as much as the changes
+// of several.
+std::optional<Message> AnotherExplanation(const CorrectionResult& result,
+                                          int i) {
+  // 20 nats: of right changes of two elements nearly all exceed it, of one
+  // element with another shape nearly none do (docs/posterior.md).
+  constexpr double kAsMuch = 40.0;
+  if (result.rival_shapes.empty()) return std::nullopt;
+  const RivalShape& rival = result.rival_shapes[i];
+  if (rival.input < 0 || rival.deviance > kAsMuch) return std::nullopt;
+  const std::string& name = result.initial.outputs()[i].name;
+  return Message{
+      MessageCode::kStructureDoubtful,
+      name,
+      absl::StrFormat(
+          "Several elements of %s seem to have changed, but another shape of "
+          "the response of %s alone explains the records nearly as well: they "
+          "do not tell which. Set-point changes that move the inputs one by "
+          "one, or more of them, would settle it.",
+          name, PairName(result.initial, i, rival.input)),
+      {}};
+}
+
 // Of windows of the output that differ; or, where a change is proposed, of
 // another's that follow the operating point, if its own may differ as much.
 std::string Disagreement(const CorrectionResult& result, int i) {
@@ -296,6 +319,9 @@ OutputEvidence EvidenceOf(const CorrectionResult& result, int i) {
   if (evidence.proposed) {
     evidence.doubtful_pair = DoubtfulPair(result, i);
     evidence.not_ageing = NotAgeing(result, i);
+    if (!evidence.not_ageing.has_value()) {
+      evidence.not_ageing = AnotherExplanation(result, i);
+    }
     evidence.not_linear = NotLinear(result, i);
   }
   if (!result.taken_for_clocks.empty()) {

@@ -105,6 +105,30 @@ OutputFit StartOf(const OutputSetup& setup, const OutputErrorFit& fit, int i) {
   return start;
 }
 
+// What the priors of all outputs share: ranges of lags of h, and the standard
+// deviations of the inputs.
+struct PriorFrame {
+  std::vector<int> first_lags;
+  std::vector<double> deviations;
+};
+
+PriorFrame FrameOf(const std::vector<OutputSetup>& setups,
+                   const std::vector<Record>& windows) {
+  const auto m = static_cast<int>(setups[0].start.values.size());
+  PriorFrame frame;
+  frame.first_lags =
+      LagRanges(LongestLag(setups, windows, kMemoryTimeScales, kMaxLagShare),
+                m <= kFewInputs ? kFineRanges : kCoarseRanges);
+  for (int j = 0; j < m; ++j) frame.deviations.push_back(Deviation(windows, j));
+  return frame;
+}
+
+// Exact data leave rounding, whose likelihood says nothing.
+bool IsNoisy(const OutputSetup& setup, const NoiseEstimate& noise) {
+  return setup.problem->num_samples() * noise.variance >
+         kLeastNoise * setup.problem->total_squares();
+}
+
 double Probability(double evidence) {
   return 1.0 / (1.0 + std::exp(-0.5 * evidence));
 }
@@ -163,28 +187,20 @@ absl::StatusOr<PosteriorCorrection> CompleteByPosterior(
   posterior.model = output_error.model;
   posterior.sample_time = windows[0].sample_time;
   posterior.outputs.resize(p);
-  const std::vector<int> first_lags =
-      LagRanges(LongestLag(setups, windows, kMemoryTimeScales, kMaxLagShare),
-                m <= kFewInputs ? kFineRanges : kCoarseRanges);
-  std::vector<double> deviations;
-  for (int j = 0; j < m; ++j) deviations.push_back(Deviation(windows, j));
+  const PriorFrame frame = FrameOf(setups, windows);
   ParallelFor(p, options.threads, [&](int i) {
     if (!outputs.empty() && !outputs[i]) return;
-    // Exact data leave rounding, whose likelihood says nothing.
-    const double least = kLeastNoise * setups[i].problem->total_squares();
-    if (!(setups[i].problem->num_samples() * output_error.noise[i].variance >
-          least)) {
-      return;
-    }
+    if (!IsNoisy(setups[i], output_error.noise[i])) return;
     AdoptDisturbances(output_error.noise[i], *setups[i].problem);
     const OutputFit start = StartOf(setups[i], output_error, i);
-    const std::vector<ElementPrior> priors =
-        PriorsOf(setups[i], start.point, deviations, posterior.sample_time);
+    const std::vector<ElementPrior> priors = PriorsOf(
+        setups[i], start.point, frame.deviations, posterior.sample_time);
     posterior.outputs[i] =
-        ShapesOf(FindPosterior(*setups[i].problem, priors, first_lags,
+        ShapesOf(FindPosterior(*setups[i].problem, priors, frame.first_lags,
                                setups[i].bounds, start, options.estimate_drift),
                  priors);
   });
+  const std::vector<int>& first_lags = frame.first_lags;
   // To where the parametric part has settled, too.
   const int samples = kHorizon * first_lags.back() + 1;
   for (int i = 0; i < p; ++i) {
@@ -215,6 +231,32 @@ absl::StatusOr<PosteriorCorrection> CompleteByPosterior(
     }
   }
   return posterior;
+}
+
+absl::StatusOr<std::vector<RivalShape>> FindRivalShapes(
+    const ProcessModel& initial, const std::vector<Record>& windows,
+    const OutputErrorFit& output_error, const OutputErrorOptions& options,
+    const std::vector<bool>& outputs) {
+  MLE_ASSIGN_OR_RETURN(const std::vector<OutputSetup> setups,
+                       SetUpOutputs(initial, windows, options));
+  const PriorFrame frame = FrameOf(setups, windows);
+  std::vector<RivalShape> rivals(initial.num_outputs());
+  ParallelFor(initial.num_outputs(), options.threads, [&](int i) {
+    if (!outputs.empty() && !outputs[i]) return;
+    if (!IsNoisy(setups[i], output_error.noise[i])) return;
+    const OutputFit start = StartOf(setups[i], output_error, i);
+    if (std::count(start.free.begin(), start.free.end(), true) < 2) return;
+    AdoptDisturbances(output_error.noise[i], *setups[i].problem);
+    const std::vector<ElementPrior> priors = PriorsOf(
+        setups[i], start.point, frame.deviations, windows[0].sample_time);
+    const std::vector<double> deviances =
+        SingleShapeDeviances(*setups[i].problem, priors, frame.first_lags,
+                             setups[i].bounds, start, options.estimate_drift);
+    const auto best = std::min_element(deviances.begin(), deviances.end());
+    if (!std::isfinite(*best)) return;
+    rivals[i] = {static_cast<int>(best - deviances.begin()), *best};
+  });
+  return rivals;
 }
 
 }  // namespace mle

@@ -333,6 +333,29 @@ class Search {
   std::vector<MatrixXd> sums_;  // of each segment, rows × (m · ranges)
 };
 
+State Fitted(const OutputFit& start) {
+  State state;
+  for (const bool free : start.free) state.choices.push_back({free, 0.0});
+  return state;
+}
+
+State Nothing(std::size_t elements) {
+  State state;
+  state.choices.assign(elements, {false, 0.0});
+  return state;
+}
+
+OutputPoint InitialPoint(const OutputErrorProblem& problem,
+                         const std::vector<ElementPrior>& priors,
+                         const OutputFit& start) {
+  OutputPoint initial = start.point;
+  for (std::size_t j = 0; j < priors.size(); ++j) {
+    if (priors[j].present) initial.values[j] = priors[j].values;
+  }
+  initial.SetCells(problem.sample_time());
+  return initial;
+}
+
 }  // namespace
 
 bool OutputPosterior::HasShape() const {
@@ -346,15 +369,9 @@ OutputPosterior FindPosterior(const OutputErrorProblem& problem,
                               const OutputFitBounds& bounds,
                               const OutputFit& start, bool estimate_drift) {
   Search search(problem, priors, first_lags, bounds);
-  State fitted;
-  State none;
-  OutputPoint initial = start.point;
-  for (std::size_t j = 0; j < priors.size(); ++j) {
-    fitted.choices.push_back({start.free[j], 0.0});
-    none.choices.push_back({false, 0.0});
-    if (priors[j].present) initial.values[j] = priors[j].values;
-  }
-  initial.SetCells(problem.sample_time());
+  const State fitted = Fitted(start);
+  const State none = Nothing(priors.size());
+  const OutputPoint initial = InitialPoint(problem, priors, start);
   OutputPosterior from_fit =
       search.Run(start.point, start.noise, fitted, estimate_drift);
   if (start.noise.colour_ratio > 0.0) {
@@ -373,6 +390,31 @@ OutputPosterior FindPosterior(const OutputErrorProblem& problem,
   OutputPosterior from_initial =
       search.Run(initial, from_fit.noise, none, estimate_drift);
   return from_fit.deviance <= from_initial.deviance ? from_fit : from_initial;
+}
+
+std::vector<double> SingleShapeDeviances(
+    const OutputErrorProblem& problem, const std::vector<ElementPrior>& priors,
+    const std::vector<int>& first_lags, const OutputFitBounds& bounds,
+    const OutputFit& start, bool estimate_drift) {
+  const auto from = [&](const std::vector<ElementPrior>& known,
+                        const OutputPoint& point, const State& state) {
+    return Search(problem, known, first_lags, bounds)
+        .Run(point, start.noise, state, estimate_drift);
+  };
+  const OutputPosterior fitted = from(priors, start.point, Fitted(start));
+  std::vector<double> deviances(priors.size(),
+                                std::numeric_limits<double>::infinity());
+  for (std::size_t j = 0; j < priors.size(); ++j) {
+    if (!start.free[j]) continue;
+    std::vector<ElementPrior> known = priors;
+    for (std::size_t other = 0; other < known.size(); ++other) {
+      known[other].informed = known[other].informed && other == j;
+    }
+    const OutputPosterior alone = from(
+        known, InitialPoint(problem, priors, start), Nothing(priors.size()));
+    if (alone.HasShape()) deviances[j] = alone.deviance - fitted.deviance;
+  }
+  return deviances;
 }
 
 }  // namespace mle

@@ -99,6 +99,20 @@ TEST(GatherEvidenceTest, WhatNoAgeingDoesIsDoubted) {
   EXPECT_EQ(code(), MessageCode::kNotExcited);
 }
 
+TEST(GatherEvidenceTest, AnotherShapeOfOneElementIsARival) {
+  CorrectionResult result = Corrected();
+  const auto doubt = [&](int input, double deviance) {
+    result.rival_shapes = {{}, {.input = input, .deviance = deviance}};
+    return GatherEvidence(result, {false, false}).outputs[1].not_ageing;
+  };
+  EXPECT_FALSE(doubt(-1, 0.0).has_value());
+  EXPECT_FALSE(doubt(0, 60.0).has_value());
+  for (const double deviance : {-100.0, 30.0}) {
+    ASSERT_TRUE(doubt(0, deviance).has_value());
+    EXPECT_EQ(doubt(0, deviance)->code, MessageCode::kStructureDoubtful);
+  }
+}
+
 TEST(GatherEvidenceTest, GainsOfAColumnThatShareAFactorMayBeAValve) {
   CorrectionResult result = Corrected();
   const auto doubt = [&](double error) {
