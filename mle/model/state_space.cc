@@ -131,6 +131,7 @@ bool DiscreteStateSpace::IsIntegrating() const {
 }
 
 Eigen::MatrixXd DiscreteStateSpace::Slopes() const {
+  if (order() == 0) return Eigen::MatrixXd::Zero(num_outputs(), num_inputs());
   const int count = CountIntegrating(A.eigenvalues());
   if (count == 0) return Eigen::MatrixXd::Zero(num_outputs(), num_inputs());
   const Eigen::MatrixXd projector = Projector(A, count);
@@ -141,6 +142,7 @@ Eigen::MatrixXd DiscreteStateSpace::Slopes() const {
 }
 
 Eigen::MatrixXd DiscreteStateSpace::StaticGains() const {
+  if (order() == 0) return D;  // there are no eigenvalues of an empty matrix
   const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(order(), order());
   const int count = CountIntegrating(A.eigenvalues());
   if (count == 0) return C * (identity - A).partialPivLu().solve(B) + D;

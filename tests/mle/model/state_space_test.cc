@@ -284,5 +284,16 @@ TEST(StateSpaceJsonTest, NamesAFileThatIsNotThere) {
               HasSubstr("/no/s.json"));
 }
 
+TEST(StateSpaceTest, WithoutStatesTheGainsAreTheFeedthrough) {
+  DiscreteStateSpace system;
+  system.sample_time = 1.0;
+  system.A.resize(0, 0);
+  system.B.resize(0, 1);
+  system.C.resize(2, 0);
+  system.D = Eigen::MatrixXd{{1.5}, {-2.0}};
+  EXPECT_EQ(system.StaticGains(), system.D);
+  EXPECT_EQ(system.Slopes(), Eigen::MatrixXd::Zero(2, 1));
+}
+
 }  // namespace
 }  // namespace mle
