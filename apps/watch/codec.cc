@@ -1,11 +1,14 @@
 #include "apps/watch/codec.h"
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <cstring>
+#include <utility>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "apps/watch/packed_score.h"
 #include "nlohmann/json.hpp"
 
 namespace mle::watch {
@@ -16,6 +19,10 @@ using Json = nlohmann::ordered_json;
 static_assert(std::endian::native == std::endian::little,
               "the state is kept in little-endian order");
 
+// What scores begin with.
+constexpr char kPacked = 0;
+constexpr char kUnpacked = 1;
+
 void Put(double value, std::string& bytes) {
   const auto kept = static_cast<float>(value);
   char raw[sizeof(kept)];
@@ -23,8 +30,54 @@ void Put(double value, std::string& bytes) {
   bytes.append(raw, sizeof(kept));
 }
 
-std::size_t SizeFor(std::size_t n) {
-  return sizeof(float) * (n + n * (n + 1) / 2 + 1 + n / 3);
+double Take(std::string_view& bytes) {
+  float value = 0.0F;
+  std::memcpy(&value, bytes.data(), sizeof(value));
+  bytes.remove_prefix(sizeof(value));
+  return static_cast<double>(value);
+}
+
+absl::Status DamagedScores(std::size_t bytes, std::size_t n) {
+  return absl::DataLossError(absl::StrCat("the scores of a day have ", bytes,
+                                          " bytes, which are not those of ", n,
+                                          " parameters"));
+}
+
+std::size_t UnpackedSize(std::size_t n) {
+  return sizeof(float) * (n + n * (n + 1) / 2);
+}
+
+// In single precision: score, and the lower triangle of the information row by
+// row.
+void PutPart(const ScorePart& part, std::string& bytes) {
+  for (const double value : part.score) Put(value, bytes);
+  for (Eigen::Index r = 0; r < part.score.size(); ++r) {
+    for (Eigen::Index c = 0; c <= r; ++c) Put(part.information(r, c), bytes);
+  }
+}
+
+ScorePart TakePart(std::size_t n, std::string_view bytes) {
+  const auto size = static_cast<Eigen::Index>(n);
+  ScorePart part = {Eigen::VectorXd(size), Eigen::MatrixXd(size, size)};
+  for (double& value : part.score) value = Take(bytes);
+  for (Eigen::Index r = 0; r < size; ++r) {
+    for (Eigen::Index c = 0; c <= r; ++c) {
+      part.information(r, c) = part.information(c, r) = Take(bytes);
+    }
+  }
+  return part;
+}
+
+ScorePart Packed(const ScorePart& part) {
+  std::string bytes;
+  Pack(part, bytes);
+  return Unpack(static_cast<std::size_t>(part.score.size()), bytes);
+}
+
+// Whether packing loses nothing.
+bool IsPacked(const ScorePart& part) {
+  const ScorePart packed = Packed(part);
+  return packed.score == part.score && packed.information == part.information;
 }
 
 Json ListOf(const Eigen::VectorXd& values) {
@@ -40,55 +93,70 @@ Eigen::VectorXd VectorOf(const Json& list) {
 }  // namespace
 
 std::string EncodeBatch(const StoredBatch& batch) {
-  const Eigen::VectorXd& score = batch.batch.score;
-  std::string bytes(1, static_cast<char>(score.size()));
-  for (const double value : score) Put(value, bytes);
-  for (Eigen::Index r = 0; r < score.size(); ++r) {
-    for (Eigen::Index c = 0; c <= r; ++c) {
-      Put(batch.batch.information(r, c), bytes);
-    }
-  }
+  const ScoredBatch& scores = batch.batch;
+  const ScorePart all = {scores.score, scores.information};
+  const bool packed = IsPacked(all) && (!scores.largest.has_value() ||
+                                        IsPacked(*scores.largest));
+  std::string bytes = {packed ? kPacked : kUnpacked,
+                       static_cast<char>(scores.score.size()),
+                       static_cast<char>(scores.largest.has_value())};
+  const auto put = packed ? Pack : PutPart;
+  if (scores.largest.has_value()) put(*scores.largest, bytes);
+  put(all, bytes);
   Put(batch.evidence.log_output, bytes);
   for (const double value : batch.evidence.log_elements) Put(value, bytes);
   return bytes;
 }
 
 absl::StatusOr<StoredBatch> DecodeBatch(std::string_view bytes) {
-  const std::size_t n =
-      bytes.empty() ? 0 : static_cast<unsigned char>(bytes.front());
-  if (n == 0 || n % 3 != 0 || bytes.size() != 1 + SizeFor(n)) {
-    return absl::DataLossError(
-        absl::StrCat("the scores of a day have ", bytes.size(),
-                     " bytes, which are not those of ", n, " parameters"));
+  const std::size_t given = bytes.size();
+  // Until version 3 of the state n came first, and nothing was packed.
+  const bool old =
+      !bytes.empty() && bytes.front() != kPacked && bytes.front() != kUnpacked;
+  const std::size_t header = old ? 1 : 3;
+  if (given < header) return DamagedScores(given, 0);
+  const bool packed = bytes.front() == kPacked;
+  const std::size_t n = static_cast<unsigned char>(bytes[old ? 0 : 1]);
+  const bool has_largest = !old && bytes[2] != 0;
+  const std::size_t part = packed ? PackedSize(n) : UnpackedSize(n);
+  if (n == 0 || n % 3 != 0 ||
+      given !=
+          header + (has_largest ? 2 : 1) * part + sizeof(float) * (1 + n / 3)) {
+    return DamagedScores(given, n);
   }
-  bytes.remove_prefix(1);
-  const auto take = [&bytes] {
-    float value = 0.0F;
-    std::memcpy(&value, bytes.data(), sizeof(value));
-    bytes.remove_prefix(sizeof(value));
-    return static_cast<double>(value);
-  };
-  const auto size = static_cast<Eigen::Index>(n);
+  bytes.remove_prefix(header);
+  const auto take = packed ? Unpack : TakePart;
   StoredBatch stored;
-  stored.batch.score.resize(size);
-  stored.batch.information.resize(size, size);
-  for (double& value : stored.batch.score) value = take();
-  for (Eigen::Index r = 0; r < size; ++r) {
-    for (Eigen::Index c = 0; c <= r; ++c) {
-      stored.batch.information(r, c) = stored.batch.information(c, r) = take();
-    }
+  if (has_largest) {
+    stored.batch.largest = take(n, bytes.substr(0, part));
+    bytes.remove_prefix(part);
   }
-  stored.evidence.log_output = take();
+  ScorePart all = take(n, bytes.substr(0, part));
+  bytes.remove_prefix(part);
+  stored.batch.score = std::move(all.score);
+  stored.batch.information = std::move(all.information);
+  stored.evidence.log_output = Take(bytes);
   for (std::size_t e = 0; e < n / 3; ++e) {
-    stored.evidence.log_elements.push_back(take());
+    stored.evidence.log_elements.push_back(Take(bytes));
   }
   return stored;
 }
 
-BatchOutput AsKept(BatchOutput scores) {
-  scores.score = scores.score.cast<float>().cast<double>();
-  scores.information = scores.information.cast<float>().cast<double>();
-  return scores;
+void RoundAsKept(ScoredBatch& batch) {
+  std::vector<ScorePart> parts = {{batch.score, batch.information}};
+  if (batch.largest.has_value()) parts.push_back(*batch.largest);
+  std::vector<ScorePart> kept = parts;
+  for (ScorePart& part : kept) part = Packed(part);
+  if (!std::all_of(kept.begin(), kept.end(), IsPacked)) {
+    kept = parts;
+    for (ScorePart& part : kept) {
+      part.score = part.score.cast<float>().cast<double>();
+      part.information = part.information.cast<float>().cast<double>();
+    }
+  }
+  batch.score = std::move(kept[0].score);
+  batch.information = std::move(kept[0].information);
+  if (batch.largest.has_value()) batch.largest = std::move(kept[1]);
 }
 
 ChangeEvidence AsKept(ChangeEvidence evidence) {

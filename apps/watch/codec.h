@@ -12,15 +12,19 @@
 
 namespace mle::watch {
 
-// In single precision, little-endian: n, score, the lower triangle of the
-// information row by row, ln E of the output and of its elements.
+// 0, n, whether there is a `largest`, what it and all of the batch are packed
+// into (packed_score.h), and in single precision, little-endian, ln E of the
+// output and of its elements. Where packing would change them, 1 in place of 0,
+// and score and lower triangle of the information in single precision. What
+// RoundAsKept() has rounded is read back exactly.
 std::string EncodeBatch(const StoredBatch& batch);
-// All but the numbers. DataLoss for bytes that are not such.
+// All but the numbers. Those of version 3 and before too, which begin with n.
+// DataLoss for bytes that are neither.
 absl::StatusOr<StoredBatch> DecodeBatch(std::string_view bytes);
 
 // Rounded as they are kept, so that what is computed before and after does not
 // differ.
-BatchOutput AsKept(BatchOutput scores);
+void RoundAsKept(ScoredBatch& batch);
 ChangeEvidence AsKept(ChangeEvidence evidence);
 
 std::string EncodeReference(const WatchReference& reference);  // JSON

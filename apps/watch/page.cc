@@ -95,7 +95,7 @@ void AddAlarms(const Report& report, bool can_acknowledge,
     return;
   }
   Table table{.caption = "Alarms",
-              .columns = {{"day", Align::kLeft},
+              .columns = {{"day"},
                           {"what", Align::kLeft},
                           {"acknowledged", Align::kLeft},
                           {"handed on to", Align::kLeft},

@@ -58,8 +58,12 @@ ALTER TABLE alarm DROP COLUMN acknowledged;
 constexpr char kChecksums[] =
     "ALTER TABLE watch ADD COLUMN checksum TEXT NOT NULL DEFAULT ''";
 
+// Scores are packed (codec.h) from here on, which is what checksums are of.
+constexpr char kPackedScores[] = "UPDATE watch SET checksum = ''";
+
 // Step v leads from version v to v + 1.
-constexpr const char* kSteps[] = {kTables, kDeliveries, kChecksums};
+constexpr const char* kSteps[] = {kTables, kDeliveries, kChecksums,
+                                  kPackedScores};
 static_assert(std::size(kSteps) == kStateVersion);
 
 // More are damage.

@@ -39,7 +39,7 @@
 
 namespace mle::watch {
 
-inline constexpr int kStateVersion = 3;
+inline constexpr int kStateVersion = 4;
 
 struct SeenFile {
   std::int64_t bytes = 0;

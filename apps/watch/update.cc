@@ -84,7 +84,7 @@ absl::Status Update::TakeReference(const ModelWatch& model,
 
 absl::Status Update::ScoreDay(const ModelWatch& model, const WatchBatch& batch,
                               int day, std::string checksum) {
-  MLE_ASSIGN_OR_RETURN(const BatchScores scores,
+  MLE_ASSIGN_OR_RETURN(BatchScores scores,
                        model.Score(*watch_.reference, batch));
   watch_.days[day] = {.checksum = std::move(checksum),
                       .state = scores.state,
@@ -94,11 +94,14 @@ absl::Status Update::ScoreDay(const ModelWatch& model, const WatchBatch& batch,
     std::map<int, StoredBatch>& stored = watch_.outputs[i];
     if (stored.erase(number) > 0) changed_.emplace(i, number);
     if (scores.outputs[i].state != BatchState::kUsed) continue;
-    BatchOutput kept = AsKept(scores.outputs[i]);
-    stored[number].batch = {.number = number,
-                            .length = 1,
-                            .score = std::move(kept.score),
-                            .information = std::move(kept.information)};
+    BatchOutput& output = scores.outputs[i];
+    ScoredBatch& batch_scores = stored[number].batch;
+    batch_scores = {.number = number,
+                    .length = 1,
+                    .score = std::move(output.score),
+                    .information = std::move(output.information),
+                    .largest = std::move(output.largest)};
+    RoundAsKept(batch_scores);
     changed_.emplace(i, number);
   }
   return absl::OkStatus();
@@ -184,6 +187,9 @@ void Update::CarryOn(const ModelWatch& model, int output, int from) {
     batches.push_back(batch.batch);
     if (number < from) continue;
     batches = MergeOld(batches, number);
+    for (ScoredBatch& block : batches) {
+      if (block.length > 1) RoundAsKept(block);
+    }
     batch.evidence = AsKept(ConfirmedEvidenceOf(
         batches, model.LeastChanges(output), controller_.options));
     RaiseAlarms(model, output, number, batch.evidence, batches);

@@ -94,7 +94,8 @@ class LifeRun {
       scores_.outputs[i].push_back(
           {.number = day,
            .score = std::move(output.score),
-           .information = std::move(output.information)});
+           .information = std::move(output.information),
+           .largest = std::move(output.largest)});
     }
   }
 
@@ -120,6 +121,20 @@ Value Take(std::istream& in) {
   return value;
 }
 
+void PutPart(const Eigen::VectorXd& score, const Eigen::MatrixXd& information,
+             std::ostream& out) {
+  for (const double value : score) Put(value, out);
+  for (const double value : information.reshaped()) Put(value, out);
+}
+
+void TakePart(Eigen::Index size, Eigen::VectorXd& score,
+              Eigen::MatrixXd& information, std::istream& in) {
+  score.resize(size);
+  information.resize(size, size);
+  for (double& value : score) value = Take<double>(in);
+  for (double& value : information.reshaped()) value = Take<double>(in);
+}
+
 }  // namespace
 
 LifeScores SimulateLife(const ProcessModel& model, const LifeOptions& options) {
@@ -138,8 +153,10 @@ void WriteLifeScores(const std::string& path, const LifeScores& scores) {
     for (const ScoredBatch& batch : batches) {
       Put(batch.number, out);
       Put(batch.score.size(), out);
-      for (const double value : batch.score) Put(value, out);
-      for (const double value : batch.information.reshaped()) Put(value, out);
+      PutPart(batch.score, batch.information, out);
+      Put(batch.largest.has_value(), out);
+      if (!batch.largest.has_value()) continue;
+      PutPart(batch.largest->score, batch.largest->information, out);
     }
   }
   const absl::Status written = WriteFileAtomically(path, out.str());
@@ -160,12 +177,10 @@ std::optional<LifeScores> ReadLifeScores(const std::string& path) {
     for (ScoredBatch& batch : batches) {
       batch.number = Take<int>(in);
       const auto size = Take<Eigen::Index>(in);
-      batch.score.resize(size);
-      batch.information.resize(size, size);
-      for (double& value : batch.score) value = Take<double>(in);
-      for (double& value : batch.information.reshaped()) {
-        value = Take<double>(in);
-      }
+      TakePart(size, batch.score, batch.information, in);
+      if (!Take<bool>(in)) continue;
+      batch.largest.emplace();
+      TakePart(size, batch.largest->score, batch.largest->information, in);
     }
   }
   CHECK(in.good()) << path << " is not whole";

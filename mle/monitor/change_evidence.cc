@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "Eigen/Cholesky"
-#include "Eigen/QR"
 #include "glog/logging.h"
+#include "mle/monitor/output_scores.h"
 
 namespace mle {
 namespace {
@@ -176,6 +176,20 @@ double ElementEvidence(const std::vector<Contrast>& contrasts,
   return sum.value();
 }
 
+// All but the batch, or but the largest change in it.
+std::vector<ScoredBatch> Without(const std::vector<ScoredBatch>& batches,
+                                 std::size_t doubted) {
+  std::vector<ScoredBatch> others = batches;
+  ScoredBatch& batch = others[doubted];
+  if (batch.largest.has_value()) {
+    batch.score -= batch.largest->score;
+    batch.information -= batch.largest->information;
+  } else {
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(doubted));
+  }
+  return others;
+}
+
 }  // namespace
 
 double WeightOfBegin(int batch, int life) {
@@ -236,17 +250,17 @@ ChangeEvidence ConfirmedEvidenceOf(const std::vector<ScoredBatch>& batches,
   ChangeEvidence evidence = EvidenceOf(batches, least, options);
   std::vector<std::pair<double, std::size_t>> sizes;
   for (std::size_t b = 0; b < batches.size(); ++b) {
-    const VectorXd change =
-        batches[b].information.completeOrthogonalDecomposition().solve(
-            batches[b].score);
-    sizes.emplace_back(-change.dot(batches[b].score), b);
+    const ScoredBatch& batch = batches[b];
+    const double size =
+        batch.largest.has_value()
+            ? ExplainedSquares(batch.largest->score, batch.largest->information)
+            : ExplainedSquares(batch.score, batch.information);
+    sizes.emplace_back(-size, b);
   }
   std::sort(sizes.begin(), sizes.end());
   sizes.resize(std::min(sizes.size(), kDoubted));
   for (const auto& [size, b] : sizes) {
-    std::vector<ScoredBatch> others = batches;
-    others.erase(others.begin() + static_cast<std::ptrdiff_t>(b));
-    ChangeEvidence without = EvidenceOf(others, least, options);
+    ChangeEvidence without = EvidenceOf(Without(batches, b), least, options);
     without.log_elements.resize(evidence.log_elements.size(), 0.0);
     evidence.log_output = std::min(evidence.log_output, without.log_output);
     for (std::size_t e = 0; e < evidence.log_elements.size(); ++e) {
@@ -277,6 +291,7 @@ std::vector<ScoredBatch> MergeOld(const std::vector<ScoredBatch>& batches,
     }
     merged.push_back(batch);
     if (block <= batch.length) continue;
+    merged.back().largest.reset();
     merged.back().number = begin;
     merged.back().length = block;
   }

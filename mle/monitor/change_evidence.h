@@ -41,6 +41,7 @@
 #ifndef MLE_MONITOR_CHANGE_EVIDENCE_H_
 #define MLE_MONITOR_CHANGE_EVIDENCE_H_
 
+#include <optional>
 #include <vector>
 
 #include "Eigen/Core"
@@ -48,12 +49,19 @@
 
 namespace mle {
 
+struct ScorePart {
+  Eigen::VectorXd score;        // n, a multiple of three
+  Eigen::MatrixXd information;  // n × n
+};
+
 // What is remembered of an output's batch, or of several that were merged.
 struct ScoredBatch {
   int number = 0;               // of the batch since the watch began, from 0 on
   int length = 1;               // batches that are in it
   Eigen::VectorXd score;        // n, a multiple of three
   Eigen::MatrixXd information;  // n × n
+  // Of one change of set points, which both have in them.
+  std::optional<ScorePart> largest = {};
 };
 
 // w_d; 0 from `life` on.
@@ -73,16 +81,18 @@ ChangeEvidence EvidenceOf(const std::vector<ScoredBatch>& batches,
                           const WatchOptions& options);
 
 // The least of EvidenceOf() of all batches and of all but one, for each of the
-// three batches whose scores are largest, by SᵀV⁺S: what a single batch alone
-// says, as one with a disturbance at the wrong time does, is no evidence. Never
-// more than EvidenceOf(), so that the level holds.
+// three batches whose scores are largest, by SᵀV⁺S: what a single one alone
+// says, as one with a disturbance at the wrong time does, is no evidence. Of a
+// batch with a `largest` change that change is left out, and its size counts.
+// Never more than EvidenceOf(), so that the level holds.
 ChangeEvidence ConfirmedEvidenceOf(const std::vector<ScoredBatch>& batches,
                                    const Eigen::VectorXd& least,
                                    const WatchOptions& options);
 
 // Merges batches that are old at batch `now`: 64 and more before into blocks of
 // 8 batches, 512 and more before into blocks of 64. A change can then begin
-// with a block only, which loses evidence and never adds any.
+// with a block only, which loses evidence and never adds any. Blocks have no
+// `largest`.
 std::vector<ScoredBatch> MergeOld(const std::vector<ScoredBatch>& batches,
                                   int now);
 

@@ -14,6 +14,7 @@
 #include "mle/monitor/output_scores.h"
 #include "mle/monitor/record_jump.h"
 #include "mle/monitor/row_response.h"
+#include "mle/nonlinear/distributions.h"
 
 namespace mle {
 namespace {
@@ -33,6 +34,10 @@ constexpr double kLeastDelay = 0.1;
 constexpr double kLeastInformation = 1e-3;
 // Of the samples of the reference, outside of the usual range.
 constexpr double kUnusual = 0.01;
+// Probability that the largest change of a batch is noise.
+constexpr double kMoreThanNoise = 0.01;
+// Of changes that agree, those whose disagreement is not believed to be noise.
+constexpr double kDisagree = 0.05;
 
 int InSamples(double time, double sample_time) {
   return static_cast<int>(std::ceil(time / sample_time - 1e-9));
@@ -45,6 +50,28 @@ void Mask(const std::vector<bool>& around, bool wanted, int first,
     if (k < first || around[k] != wanted)
       record.outputs.col(k).setConstant(kNaN);
   }
+}
+
+// Of each sample: how many stretches that are `around` begin up to it.
+std::vector<int> NumberStretches(const std::vector<bool>& around) {
+  std::vector<int> numbers(around.size(), 0);
+  int number = 0;
+  for (std::size_t k = 0; k < around.size(); ++k) {
+    if (around[k] && (k == 0 || !around[k - 1])) ++number;
+    numbers[k] = number;
+  }
+  return numbers;
+}
+
+std::vector<std::vector<WhitenedRun>> ByGroup(std::vector<WhitenedRun> runs) {
+  std::vector<std::vector<WhitenedRun>> groups;
+  for (WhitenedRun& run : runs) {
+    if (groups.empty() || groups.back().front().group != run.group) {
+      groups.emplace_back();
+    }
+    groups.back().push_back(std::move(run));
+  }
+  return groups;
 }
 
 int UsableSamples(const std::vector<Record>& records, int output) {
@@ -309,14 +336,16 @@ absl::StatusOr<std::string> ModelWatch::RecordChange(
 }
 
 BatchOutput ModelWatch::ScoreOutput(const OutputReference& reference,
-                                    const Record& record, int output) const {
+                                    const Record& record,
+                                    const std::vector<int>& changes,
+                                    int output) const {
   const RowResponse& row = (*rows_)[output];
   BatchOutput scores;
   if (row.num_parameters() == 0) return scores;
-  std::vector<WhitenedRun> runs = row.Whiten(record, reference.noise);
+  std::vector<WhitenedRun> runs = row.Whiten(record, reference.noise, changes);
   const double deviation =
       ClipAroundChange(options_.clip, reference.deviation, runs);
-  ScoreSums sums = SumScores(runs, row.num_parameters());
+  const ScoreSums sums = SumScores(runs, row.num_parameters());
   const double expected = options_.change_deviation * options_.change_deviation;
   if (sums.samples < kLeastSamples ||
       sums.information.diagonal().maxCoeff() * expected < kLeastInformation) {
@@ -335,13 +364,38 @@ BatchOutput ModelWatch::ScoreOutput(const OutputReference& reference,
     return scores;
   }
   const double noise = std::max(deviation / reference.deviation, 1.0);
-  AllowForVariance(
-      noise * noise *
-          ScoreVariance(runs, reference.covariances, row.num_parameters()),
-      sums);
   scores.state = BatchState::kUsed;
-  scores.score = std::move(sums.score);
-  scores.information = std::move(sums.information);
+  scores.score.setZero(row.num_parameters());
+  scores.information.setZero(row.num_parameters(), row.num_parameters());
+  double largest = -1.0;
+  double apart = 0.0;
+  ScorePart of_largest;
+  const std::vector<std::vector<WhitenedRun>> groups = ByGroup(std::move(runs));
+  for (const std::vector<WhitenedRun>& group : groups) {
+    ScoreSums part = SumScores(group, row.num_parameters());
+    if (!(part.information.diagonal().maxCoeff() > 0.0)) continue;
+    AllowForVariance(
+        noise * noise *
+            ScoreVariance(group, reference.covariances, row.num_parameters()),
+        part);
+    scores.score += part.score;
+    scores.information += part.information;
+    const double size = ExplainedSquares(part.score, part.information);
+    apart += size;
+    if (size <= largest) continue;
+    largest = size;
+    of_largest = {std::move(part.score), std::move(part.information)};
+  }
+  if (groups.size() < 2) return scores;
+  // What one change of the parameters leaves of what each explains by its own.
+  const double disagree =
+      apart - ExplainedSquares(scores.score, scores.information);
+  const auto freedom = static_cast<double>(row.num_parameters()) *
+                       static_cast<double>(groups.size() - 1);
+  if (ChiSquareTail(largest, row.num_parameters()) < kMoreThanNoise &&
+      ChiSquareTail(std::max(disagree, 0.0), freedom) > kDisagree) {
+    scores.largest = std::move(of_largest);
+  }
   return scores;
 }
 
@@ -364,6 +418,7 @@ absl::StatusOr<BatchScores> ModelWatch::Score(const WatchReference& reference,
       ExamineRecords(model_, {.correct_play = false}, records));
   Record& record = records.front();
   Mask(around, /*wanted=*/true, batch.first, record);
+  const std::vector<int> changes = NumberStretches(around);
   if (const Finding* blocking = FirstBlocking(findings); blocking != nullptr) {
     reason = blocking->message.text;
   }
@@ -378,7 +433,7 @@ absl::StatusOr<BatchScores> ModelWatch::Score(const WatchReference& reference,
       }
     }
     if (output.reason.empty()) {
-      output = ScoreOutput(reference.outputs[i], record, i);
+      output = ScoreOutput(reference.outputs[i], record, changes, i);
     } else {
       output.state = BatchState::kCannotTell;
     }

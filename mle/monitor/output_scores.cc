@@ -141,7 +141,13 @@ ScoreSums SumScores(const std::vector<WhitenedRun>& runs, int num_parameters) {
 }
 
 double UnexplainedSquares(const ScoreSums& sums) {
-  return std::max(sums.squares - BestChange(sums).dot(sums.score), 0.0);
+  return std::max(sums.squares - ExplainedSquares(sums.score, sums.information),
+                  0.0);
+}
+
+double ExplainedSquares(const Eigen::VectorXd& score,
+                        const Eigen::MatrixXd& information) {
+  return score.dot(information.completeOrthogonalDecomposition().solve(score));
 }
 
 }  // namespace mle

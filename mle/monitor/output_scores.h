@@ -49,6 +49,10 @@ void AllowForVariance(const Eigen::MatrixXd& variance, ScoreSums& sums);
 // Σ ν² less what the best change of the parameters explains of it.
 double UnexplainedSquares(const ScoreSums& sums);
 
+// SᵀV⁺S: what it explains.
+double ExplainedSquares(const Eigen::VectorXd& score,
+                        const Eigen::MatrixXd& information);
+
 }  // namespace mle
 
 #endif  // MLE_MONITOR_OUTPUT_SCORES_H_

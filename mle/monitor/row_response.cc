@@ -1,6 +1,8 @@
 #include "mle/monitor/row_response.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -101,19 +103,39 @@ MatrixXd RowResponse::Columns(
   return columns;
 }
 
-std::vector<WhitenedRun> RowResponse::Whiten(const Record& record,
-                                             const NoiseEstimate& noise) const {
+std::vector<WhitenedRun> RowResponse::Whiten(
+    const Record& record, const NoiseEstimate& noise,
+    const std::vector<int>& groups) const {
   const OutputErrorProblem problem = ProblemOf({record});
   std::vector<WhitenedRun> runs;
   for (int s = 0; s < problem.num_segments(); ++s) {
-    MatrixXd columns = Columns(problem, problem.segment(s));
-    InnovationsFilter(problem.times(s), ShapeOf(noise)).Apply(columns);
-    columns /= std::sqrt(noise.variance);
-    // What the offset takes up.
-    const Eigen::Index first = noise.offset ? 1 : 0;
-    runs.push_back(
-        {columns.col(0).tail(columns.rows() - first),
-         columns.bottomRightCorner(columns.rows() - first, num_parameters())});
+    const MatrixXd all = Columns(problem, problem.segment(s));
+    const std::vector<int>& times = problem.times(s);
+    const auto start = static_cast<std::size_t>(
+        std::lround((problem.segment(s).start_time - record.start_time) /
+                    record.sample_time));
+    const auto group_of = [&](std::size_t row) {
+      return groups.empty()
+                 ? 0
+                 : groups[start + static_cast<std::size_t>(times[row])];
+    };
+    for (std::size_t begin = 0, end = 0; begin < times.size(); begin = end) {
+      while (end < times.size() && group_of(end) == group_of(begin)) ++end;
+      // What the offset takes up.
+      const std::size_t first = noise.offset ? 1 : 0;
+      if (end - begin <= first) continue;
+      MatrixXd columns = all.middleRows(static_cast<Eigen::Index>(begin),
+                                        static_cast<Eigen::Index>(end - begin));
+      InnovationsFilter({times.begin() + static_cast<std::ptrdiff_t>(begin),
+                         times.begin() + static_cast<std::ptrdiff_t>(end)},
+                        ShapeOf(noise))
+          .Apply(columns);
+      columns /= std::sqrt(noise.variance);
+      const auto rows = static_cast<Eigen::Index>(end - begin - first);
+      runs.push_back({columns.col(0).tail(rows),
+                      columns.bottomRightCorner(rows, num_parameters()),
+                      group_of(begin)});
+    }
   }
   return runs;
 }

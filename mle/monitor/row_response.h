@@ -10,7 +10,8 @@
 // With e_k = y_k − Σ_j g_ij u_j the residual of the model as it is and x its
 // sensitivities (element_response.h; by dead times the secant over ± s/10, at
 // least half a sample), both pass the innovations filter of the noise
-// (innovations_filter.h), whose offset is free in each run of known inputs. A
+// (innovations_filter.h), whose offset is free in each run of known inputs, or
+// in each of the groups of its samples. A
 // run's first samples, as long as former inputs act, are not used: all columns
 // are then functions of the past, which an anytime-valid test rests on.
 
@@ -31,6 +32,7 @@ namespace mle {
 struct WhitenedRun {
   Eigen::VectorXd innovations;    // N, ν
   Eigen::MatrixXd sensitivities;  // N × n: ν moves by these times the change
+  int group = 0;                  // of its samples
 };
 
 class RowResponse {
@@ -50,8 +52,11 @@ class RowResponse {
 
   // Of the outputs that are not NaN, none of which may be too few: 20 at least.
   NoiseEstimate EstimateNoise(const std::vector<Record>& records) const;
+  // `groups`: of each sample; empty: all of one. Each group of a run of known
+  // inputs has an offset of its own.
   std::vector<WhitenedRun> Whiten(const Record& record,
-                                  const NoiseEstimate& noise) const;
+                                  const NoiseEstimate& noise,
+                                  const std::vector<int>& groups = {}) const;
 
  private:
   RowResponse() = default;

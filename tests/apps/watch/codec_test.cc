@@ -16,38 +16,92 @@ StoredBatch AnyBatch() {
   return stored;
 }
 
-TEST(CodecTest, BatchesAreReadBackToSinglePrecision) {
+void ExpectNear(const ScorePart& read, const ScorePart& written) {
+  // 15 bits for the largest of a row.
+  EXPECT_LT((read.score - written.score).norm(), 1e-4 * written.score.norm());
+  EXPECT_LT((read.information - written.information).norm(),
+            1e-4 * written.information.norm());
+}
+
+TEST(CodecTest, BatchesAreReadBack) {
   const StoredBatch stored = AnyBatch();
   const std::string bytes = EncodeBatch(stored);
   const auto read = DecodeBatch(bytes);
   ASSERT_TRUE(read.ok()) << read.status();
-  EXPECT_LT((read->batch.score - stored.batch.score).norm(), 1e-7);
-  EXPECT_LT((read->batch.information - stored.batch.information).norm(), 1e-6);
+  ExpectNear({read->batch.score, read->batch.information},
+             {stored.batch.score, stored.batch.information});
+  EXPECT_FALSE(read->batch.largest.has_value());
   EXPECT_EQ(read->evidence.log_output, 1.25);
   EXPECT_EQ(read->evidence.log_elements, (std::vector<double>{-0.5}));
   // What was read once does not change any more.
   EXPECT_EQ(EncodeBatch(*read), bytes);
 }
 
-TEST(CodecTest, RoundingIsThatOfTheState) {
-  BatchOutput output;
-  output.score = AnyBatch().batch.score;
-  output.information = AnyBatch().batch.information;
-  output = AsKept(std::move(output));
+TEST(CodecTest, TheLargestChangeIsReadBack) {
   StoredBatch stored = AnyBatch();
-  stored.batch.score = output.score;
-  stored.batch.information = output.information;
+  stored.batch.largest = {0.7 * stored.batch.score,
+                          0.5 * stored.batch.information};
+  const std::string bytes = EncodeBatch(stored);
+  const auto read = DecodeBatch(bytes);
+  ASSERT_TRUE(read.ok()) << read.status();
+  ASSERT_TRUE(read->batch.largest.has_value());
+  ExpectNear(*read->batch.largest, *stored.batch.largest);
+  EXPECT_EQ(EncodeBatch(*read), bytes);
+}
+
+TEST(CodecTest, RoundingIsThatOfTheState) {
+  StoredBatch stored = AnyBatch();
+  RoundAsKept(stored.batch);
   const auto read = DecodeBatch(EncodeBatch(stored));
   ASSERT_TRUE(read.ok());
-  EXPECT_EQ(read->batch.score, output.score);
-  EXPECT_EQ(read->batch.information, output.information);
+  EXPECT_EQ(read->batch.score, stored.batch.score);
+  EXPECT_EQ(read->batch.information, stored.batch.information);
+}
+
+// Checksums of the state rest on it: whatever the scores are, what was rounded
+// is read back exactly, and is the same bytes again.
+TEST(CodecTest, WhatIsRoundedIsReadBackExactly) {
+  for (const double pivot : {1.0, 1e-4, 3.2e-5, 3e-5, 1e-5, 0.0}) {
+    StoredBatch stored = AnyBatch();
+    // L, in whose last row little is left.
+    const Eigen::MatrixXd factor{
+        {2.0, 0.0, 0.0}, {0.3, 1.0, 0.0}, {0.5, 0.7, pivot}};
+    stored.batch.information = factor * factor.transpose();
+    stored.batch.score = factor * Eigen::VectorXd{{0.3, -1.0, 2.0}};
+    stored.batch.largest = {0.5 * stored.batch.score,
+                            0.25 * stored.batch.information};
+    RoundAsKept(stored.batch);
+    const std::string bytes = EncodeBatch(stored);
+    const auto read = DecodeBatch(bytes);
+    ASSERT_TRUE(read.ok()) << read.status();
+    EXPECT_EQ(read->batch.score, stored.batch.score) << pivot;
+    EXPECT_EQ(read->batch.information, stored.batch.information) << pivot;
+    EXPECT_EQ(read->batch.largest->score, stored.batch.largest->score);
+    EXPECT_EQ(EncodeBatch(*read), bytes) << pivot;
+  }
+}
+
+// As version 2 of the state has them: n, and all in single precision.
+TEST(CodecTest, OlderScoresAreRead) {
+  std::string bytes(1, 3);
+  for (const float value :
+       {1.5F, -2.0F, 0.1F, 4.0F, 1.0F, 3.0F, 0.5F, 0.2F, 2.0F, 1.25F, -0.5F}) {
+    bytes.append(reinterpret_cast<const char*>(&value), sizeof(value));
+  }
+  const auto read = DecodeBatch(bytes);
+  ASSERT_TRUE(read.ok()) << read.status();
+  const StoredBatch any = AnyBatch();
+  EXPECT_LT((read->batch.score - any.batch.score).norm(), 1e-7);
+  EXPECT_LT((read->batch.information - any.batch.information).norm(), 1e-6);
+  EXPECT_EQ(read->evidence.log_output, 1.25);
 }
 
 TEST(CodecTest, DamageIsFound) {
   const std::string bytes = EncodeBatch(AnyBatch());
   for (const std::string& damaged :
        {std::string(), bytes.substr(1), bytes + "x",
-        bytes.substr(0, bytes.size() - 1), std::string("\x04") + bytes}) {
+        bytes.substr(0, bytes.size() - 1), std::string("\x04") + bytes,
+        bytes.substr(0, 2)}) {
     EXPECT_EQ(DecodeBatch(damaged).status().code(),
               absl::StatusCode::kDataLoss);
   }

@@ -127,8 +127,6 @@ TEST(EvidenceOfTest, IsOneWithoutBatches) {
   EXPECT_EQ(EvidenceOf({}, VectorXd(), WatchOptions()).log_output, 0.0);
 }
 
-// Looked at after every batch of a life, E reaches 1/ε with a probability of ε
-// at most.
 // One batch of many that shows a change is no evidence, two are.
 TEST(ConfirmedEvidenceOfTest, ASingleBatchIsNoEvidence) {
   const WatchOptions options;
@@ -156,6 +154,32 @@ TEST(ConfirmedEvidenceOfTest, ASingleBatchIsNoEvidence) {
   EXPECT_EQ(ConfirmedEvidenceOf({}, least, options).log_output, 0.0);
 }
 
+// Two changes of one batch confirm each other.
+TEST(ConfirmedEvidenceOfTest, OfABatchTheLargestChangeIsLeftOut) {
+  const WatchOptions options;
+  const VectorXd least = VectorXd::Zero(3);
+  GaussianNoise noise(3, kRunStream);
+  std::vector<ScoredBatch> batches;
+  for (int number = 0; number < 20; ++number) {
+    batches.push_back(DrawBatch(number, 1000.0, VectorXd::Zero(3), noise));
+  }
+  const VectorXd change{{0.0, 1.0, 0.0}};
+  ScoredBatch& last = batches.back();
+  last.score += last.information * change;
+  // A third of its information has a third of the change, or all of it.
+  ScorePart part = {last.score / 3.0, last.information / 3.0};
+  last.largest = part;
+  EXPECT_GT(ConfirmedEvidenceOf(batches, least, options).log_output, 8.0);
+  part.score = last.score;
+  last.largest = part;
+  EXPECT_LT(ConfirmedEvidenceOf(batches, least, options).log_output, 1.0);
+  // Blocks forget it.
+  const std::vector<ScoredBatch> merged = MergeOld(batches, 200);
+  EXPECT_FALSE(merged.back().largest.has_value());
+}
+
+// Looked at after every batch of a life, E reaches 1/ε with a probability of ε
+// at most.
 TEST(EvidenceOfTest, NeverReachesItsLevelTooOften) {
   WatchOptions options;
   options.life = 64;

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "Eigen/Cholesky"
+#include "Eigen/QR"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "mle/model/process_model.h"
@@ -90,6 +91,40 @@ TEST_F(ModelWatchTest, ScoresAreNormalAboutTheChange) {
     EXPECT_GT(squares / count, 0.6) << changed;
     EXPECT_LT(squares / count, 1.22) << changed;
   }
+}
+
+double SizeOf(const Eigen::VectorXd& score,
+              const Eigen::MatrixXd& information) {
+  return score.dot(information.completeOrthogonalDecomposition().solve(score));
+}
+
+// Two changes a day between which the plant settles: what one of them says is
+// known beside both.
+TEST_F(ModelWatchTest, TheLargestChangeOfADayIsKept) {
+  ProcessModel aged = model_;
+  aged.element(0, 0) = TransferFunction::FirstOrder(1.0, 20.0, 10.0);
+  const BatchOutput output = Score(Day(aged, {.seed = 3})).outputs[0];
+  ASSERT_TRUE(output.largest.has_value());
+  const Eigen::VectorXd rest = output.score - output.largest->score;
+  const Eigen::MatrixXd known =
+      output.information - output.largest->information;
+  // The other has its own evidence: χ² of six degrees would be 38 once in 10⁶.
+  const double others = SizeOf(rest, known);
+  EXPECT_GT(others, 38.0);
+  EXPECT_LT(others, SizeOf(output.largest->score, output.largest->information));
+  EXPECT_FALSE(Score(Day(model_, {.seed = 3})).outputs[0].largest.has_value());
+}
+
+// A level that moves beside one change says nothing about the other: they do
+// not confirm each other.
+TEST_F(ModelWatchTest, ChangesThatDisagreeAreNotToldApart) {
+  WatchBatch day = Day(model_, {.seed = 3});
+  day.record.outputs.row(0).tail(288 - 50).array() += 0.5;
+  const BatchOutput output = Score(std::move(day)).outputs[0];
+  ASSERT_EQ(output.state, BatchState::kUsed) << output.reason;
+  // It is large: χ² of six degrees would be 38 once in 10⁶.
+  EXPECT_GT(SizeOf(output.score, output.information), 38.0);
+  EXPECT_FALSE(output.largest.has_value());
 }
 
 TEST_F(ModelWatchTest, WhatIsDisturbedCannotBeTold) {

@@ -1,6 +1,8 @@
 #include "mle/monitor/row_response.h"
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "gtest/gtest.h"
 #include "mle/model/process_model.h"
@@ -64,6 +66,30 @@ TEST(RowResponseTest, NothingIsLeftOfTheModelsOwnResponse) {
   EXPECT_NEAR(
       Whiten(model, record).front().innovations.norm() / std::sqrt(343.0 * 2.0),
       kTankNoise, 0.2 * kTankNoise);
+}
+
+TEST(RowResponseTest, EachGroupHasAnOffsetOfItsOwn) {
+  const ProcessModel model = TankModel();
+  Record record = SimulateTankDay(model, {.seed = 2}, 100).record;
+  std::vector<int> groups(record.samples(), 0);
+  std::fill(groups.begin() + 200, groups.end(), 1);
+  const absl::StatusOr<RowResponse> row =
+      RowResponse::Create(model, 0, kTankSampleTime, kSkip);
+  ASSERT_TRUE(row.ok()) << row.status();
+  const std::vector<WhitenedRun> before =
+      row->Whiten(record, PlainNoise(), groups);
+  ASSERT_EQ(before.size(), 2);
+  EXPECT_EQ(before[0].group, 0);
+  EXPECT_EQ(before[1].group, 1);
+  record.outputs.rightCols(record.samples() - 200).array() += 3.0;
+  const std::vector<WhitenedRun> after =
+      row->Whiten(record, PlainNoise(), groups);
+  for (int g = 0; g < 2; ++g) {
+    EXPECT_LT((after[g].innovations - before[g].innovations).norm(), 1e-9);
+  }
+  // Where they are one, the jump is seen.
+  EXPECT_GT((row->Whiten(record, PlainNoise()).front().innovations).norm(),
+            5.0);
 }
 
 TEST(RowResponseTest, UnitsOfDeadTimes) {
