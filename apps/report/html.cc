@@ -82,6 +82,12 @@ std::string RenderVerdict(const Verdict& verdict, const std::string& title) {
   return out + "</header>\n";
 }
 
+std::string Warning(const std::string& markup) {
+  return "<div class=\"warning\" "
+         "role=\"note\">\n<p><strong>Warning:</strong> " +
+         markup + "</p>\n</div>\n";
+}
+
 // Stands for the number of a figure until all are known: text has no control
 // characters.
 std::string NumberMark(std::size_t figure) {
@@ -167,9 +173,7 @@ void HtmlPage::AddTerms(
 }
 
 void HtmlPage::AddWarning(std::string_view text) {
-  body_ +=
-      "<div class=\"warning\" role=\"note\">\n<p><strong>Warning:</strong> " +
-      Prose(text) + "</p>\n</div>\n";
+  body_ += Warning(Prose(text));
 }
 
 void HtmlPage::OpenFold(std::string_view title) {
@@ -213,8 +217,9 @@ void HtmlPage::AddFigure(const Figure& figure, std::string_view caption,
   folded_.push_back(open_folds_ > 0);
   const absl::StatusOr<std::string> picture = SvgElement(figure, alt);
   if (!picture.ok()) {
-    AddWarning("Figure " + number + " (" + std::string(caption) +
-               ") is missing: " + std::string(picture.status().message()));
+    body_ += Warning("Figure " + number +
+                     Prose(" (" + std::string(caption) + ") is missing: " +
+                           std::string(picture.status().message())));
     return;
   }
   absl::StatusOr<std::string> narrow = absl::NotFoundError("");

@@ -181,7 +181,7 @@ def test_nothing_to_learn(loop, frame):
     with refused("no set point changes") as caught:
         mle.correct(loop[0], frame.assign(level_setpoint=0.0))
     assert caught.value.code == "INVALID_ARGUMENT"
-    assert caught.value.options == ("change_times",)
+    assert caught.value.options == ("change_times", "tags")
 
 
 def test_frames_of_a_database(loop, frame):
