@@ -10,11 +10,11 @@
 //   δ = Σ w_j (θ_j − θ_j0) / Σ w_j,   w_j = 1/(σ_j² + ε²),
 //
 // where every θ_j − θ_j0 lies within 3/√w_j of δ, |δ| is beyond three of its
-// own standard errors, and all are nearer to δ than to 0, or, of dead times, two
-// or more speak for δ by 2 nats and none by as much against it; θ are dead times, ε a
-// quarter of a sample, or gains relative to those of the model, ε 1 %.
-// tag_clocks.h asks the same of dead times before anything is fitted, of
-// records that nothing else explains better; this asks it of the estimates.
+// own standard errors, and all are nearer to δ than to 0, or, of dead times,
+// two or more speak for δ by 2 nats and none by as much against it; θ are dead
+// times, ε a quarter of a sample, or gains relative to those of the model,
+// ε 1 %. tag_clocks.h asks the same of dead times before anything is fitted,
+// of records that nothing else explains better; this asks it of the estimates.
 
 #ifndef MLE_MAINTAIN_SHARED_CHANGES_H_
 #define MLE_MAINTAIN_SHARED_CHANGES_H_

@@ -191,12 +191,13 @@ TEST(FindWindowsTest, WithoutSetPointsAreAroundMovesOfInputsByHand) {
 TEST(FindWindowsTest, TimesMayBeGiven) {
   Record record = Noise(2000, 6, {});
   record.set_points.resize(0, 0);
-  EXPECT_THAT(Find({record}).warnings[0], HasSubstr("no change of set point"));
+  EXPECT_THAT(Find({record}).windows, IsEmpty());
   const WindowSet set = Find({record}, {.change_times = {1300.1, 1700, 9000}});
   ASSERT_EQ(set.windows.size(), 2u);
   EXPECT_EQ(set.windows[0].record.time(set.windows[0].changes.front().sample),
             1300.0);
   EXPECT_EQ(set.windows[0].changes[0].output, -1);
+  ASSERT_FALSE(set.warnings.empty());
   EXPECT_THAT(set.warnings[0], HasSubstr("1 of the given times"));
   EXPECT_FALSE(FindWindows({record}, Model(), {.change_times = {2, 1}}).ok());
   EXPECT_FALSE(FindWindows({record}, Model(), {.before = kNaN}).ok());
