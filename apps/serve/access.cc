@@ -54,6 +54,21 @@ bool IsNamed(const Access& access, absl::string_view host) {
                      });
 }
 
+// The token in `text`, of the file or the variable `from`.
+absl::StatusOr<std::string> CheckedToken(absl::string_view text,
+                                         absl::string_view from) {
+  const absl::string_view token = absl::StripAsciiWhitespace(text);
+  if (token.size() < kLeastToken ||
+      !std::all_of(token.begin(), token.end(),
+                   [](char c) { return c > ' ' && c < '\x7f'; })) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        from, ": a token has at least ", kLeastToken,
+        " characters, which are letters, digits and signs of ASCII; "
+        "`openssl rand -hex 32` makes one"));
+  }
+  return std::string(token);
+}
+
 }  // namespace
 
 bool IsHostAllowed(const Access& access, absl::string_view host) {
@@ -98,31 +113,18 @@ absl::string_view BearerToken(const Request& request) {
 
 absl::StatusOr<std::string> ReadToken(const std::string& file,
                                       const char* variable) {
-  std::string token;
-  std::string from = file;
-  if (!file.empty()) {
-    struct stat about = {};
-    if (stat(file.c_str(), &about) == 0 && (about.st_mode & S_IRWXO) != 0) {
-      return absl::InvalidArgumentError(
-          absl::StrCat(file, ": others may read the token; chmod o= ", file));
-    }
-    MLE_ASSIGN_OR_RETURN(token, ReadFile(file));
-  } else {
+  if (file.empty()) {
     const char* const value = std::getenv(variable);
     if (value == nullptr || *value == '\0') return "";
-    token = value;
-    from = variable;
+    return CheckedToken(value, variable);
   }
-  token = std::string(absl::StripAsciiWhitespace(token));
-  if (token.size() < kLeastToken ||
-      !std::all_of(token.begin(), token.end(),
-                   [](char c) { return c > ' ' && c < '\x7f'; })) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        from, ": a token has at least ", kLeastToken,
-        " characters, which are letters, digits and signs of ASCII; "
-        "`openssl rand -hex 32` makes one"));
+  struct stat about = {};
+  if (stat(file.c_str(), &about) == 0 && (about.st_mode & S_IRWXO) != 0) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(file, ": others may read the token; chmod o= ", file));
   }
-  return token;
+  MLE_ASSIGN_OR_RETURN(const std::string text, ReadFile(file));
+  return CheckedToken(text, file);
 }
 
 }  // namespace mle::serve
