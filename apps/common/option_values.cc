@@ -1,7 +1,6 @@
 #include "apps/common/option_values.h"
 
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <optional>
 
@@ -11,6 +10,7 @@
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
 #include "apps/common/did_you_mean.h"
+#include "mle/base/double_limits.h"
 #include "mle/base/status.h"
 
 namespace mle {
@@ -149,7 +149,6 @@ TextValue OptionalNumber(std::optional<double>* number) {
 }
 
 TextValue ZeroForInfinity(double* number) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   TextValue value;
   value.text = *number == kInfinity ? "0" : absl::StrCat(*number);
   value.read = [number](const std::string& given, const NumberRange& range) {

@@ -10,6 +10,7 @@
 #include "absl/strings/str_join.h"
 #include "apps/correct/advice.h"
 #include "apps/report/number.h"
+#include "mle/base/double_limits.h"
 
 namespace mle::correct {
 namespace {
@@ -17,8 +18,6 @@ namespace {
 using report::FormatFixed;
 using report::FormatProbability;
 using report::FormatSignificant;
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 std::string Percent(double value) {
   return std::isfinite(value) ? absl::StrCat(FormatFixed(value, 1), " %")

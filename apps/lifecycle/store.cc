@@ -1,7 +1,6 @@
 #include "apps/lifecycle/store.h"
 
 #include <cmath>
-#include <limits>
 #include <string_view>
 #include <utility>
 
@@ -9,6 +8,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_replace.h"
 #include "apps/common/sha256.h"
+#include "mle/base/double_limits.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"
 #include "mle/model/json_text.h"
@@ -20,7 +20,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int kVersion = 2;
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 Json ToJson(const Eigen::VectorXd& values) {
   Json list = Json::array();

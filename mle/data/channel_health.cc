@@ -5,13 +5,13 @@
 #include <limits>
 
 #include "glog/logging.h"
+#include "mle/base/double_limits.h"
 #include "mle/data/quantum.h"
 #include "mle/data/robust_statistics.h"
 
 namespace mle {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 // Means of equal samples differ by rounding.
 constexpr double kEqual = 1e-12;
 // Probability that a freeze is found in a record where there is none.

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
+
+#include "mle/base/double_limits.h"
 
 namespace mle {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 // Rows this much farther apart than usual leave nothing out.
 constexpr double kUsual = 1.9;
 // Rows this many times as frequent as samples are averaged.

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
+#include "mle/base/double_limits.h"
 #include "mle/nonlinear/distributions.h"
 
 namespace mle {
@@ -60,7 +60,6 @@ bool Holds(const OutputScores& scores, double deviations) {
 // "window 2", those in which a score falls.
 std::vector<std::string> WorseWindows(const OutputEvidence& output,
                                       double deviations) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const auto count = static_cast<double>(output.windows.size());
   std::vector<std::string> names;
   if (count < 2.0) return names;

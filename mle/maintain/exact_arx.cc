@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "Eigen/LU"
 #include "Eigen/QR"
 #include "glog/logging.h"
+#include "mle/base/double_limits.h"
 #include "mle/model/response_difference.h"
 
 namespace mle {
@@ -187,7 +187,6 @@ ExactArx ArxOfModel(const ProcessModel& model, double sample_time,
 VectorXd FreeRunErrors(const ArxModel& model, const StepResponse& response,
                        const MatrixXd& gains,
                        const std::vector<bool>& integrating) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const int p = model.num_outputs;
   const int m = model.num_inputs;
   const StepResponse run = model.ComputeStepResponse(response.samples());

@@ -5,11 +5,11 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "mle/base/double_limits.h"
 #include "mle/base/parallel.h"
 #include "mle/base/status.h"
 #include "mle/data/line.h"
@@ -18,8 +18,6 @@
 namespace mle {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Parts of a window over which the products of a standard error are summed.
 constexpr std::array<int, 3> kBlockCounts = {10, 3, 1};
 constexpr int kBlocksPerFold = 2;

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "Eigen/Core"
 #include "absl/strings/str_cat.h"
 #include "ceres/ceres.h"
 #include "glog/logging.h"
+#include "mle/base/double_limits.h"
 #include "mle/base/status.h"
 #include "mle/nonlinear/fopdt_grid.h"
 #include "mle/nonlinear/unit_errors.h"
@@ -18,8 +18,6 @@ namespace mle {
 namespace {
 
 using Response = Eigen::Ref<const Eigen::VectorXd>;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Residuals h_k − y_k and, where wanted, their derivatives by K, ln T and L;
 // time in samples. `columns` holds three arrays as long as the response, or

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "mle/base/double_limits.h"
 #include "mle/base/status.h"
 #include "mle/data/robust_statistics.h"
 #include "mle/nonlinear/output_reconstruction.h"
@@ -15,7 +16,6 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 // Of an output's range: less noise than this is rounding.
 constexpr double kSmallestRelativeNoise = 1e-5;
 

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "glog/logging.h"
+#include "mle/base/double_limits.h"
 #include "mle/nonlinear/output_fitter.h"
 
 namespace mle {
@@ -12,7 +12,6 @@ namespace {
 
 using Eigen::VectorXd;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kMaxNoiseRounds = 8;
 constexpr int kMaxSearchRounds = 5;
 // Weights of a robust loss are done where none moves by more than this.

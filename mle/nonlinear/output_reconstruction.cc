@@ -8,6 +8,7 @@
 
 #include "Eigen/QR"
 #include "absl/strings/str_cat.h"
+#include "mle/base/double_limits.h"
 #include "mle/base/status.h"
 #include "mle/data/robust_statistics.h"
 #include "mle/model/element_response.h"
@@ -22,7 +23,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Elements = std::vector<std::optional<ElementResponse>>;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 // Of the median at the beginning: of so many samples on each side, so that
 // bursts of nearly as many are the smaller part.
 constexpr int kMedianHalfWidth = 25;

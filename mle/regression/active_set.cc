@@ -2,18 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "glog/logging.h"
+#include "mle/base/double_limits.h"
 #include "mle/regression/active_columns.h"
 #include "mle/regression/kernels/kernels.h"
 #include "mle/regression/unpenalised.h"
 
 namespace mle {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
 // Pivots below this part of a column's square are rounding.
 constexpr double kDependent = 4e-15;
