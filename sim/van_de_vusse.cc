@@ -30,8 +30,8 @@ constexpr double kCoolant = 5.0;              // m_K [kg]
 constexpr double kCoolantHeatCapacity = 2.0;  // C_pK [kJ/(kg K)]
 constexpr double kZeroCelsius = 273.15;       // [K]
 
-void Derivative(const VanDeVusseOptions& options, double time,
-                const VectorXd& x, const VectorXd& w, VectorXd& dx) {
+void ReactorDerivative(const VanDeVusseOptions& options, double time,
+                       const VectorXd& x, const VectorXd& w, VectorXd& dx) {
   const double cA = x[0];
   const double cB = x[1];
   const double temperature = x[2];
@@ -87,7 +87,7 @@ absl::StatusOr<ContinuousSystem> MakeVanDeVusseReactor(
                   {1, Schedule(options.heat_delay)}};
   system.derivative = [options](double time, const VectorXd& x,
                                 const VectorXd& w, VectorXd& dx) {
-    Derivative(options, time, x, w, dx);
+    ReactorDerivative(options, time, x, w, dx);
   };
   system.output = [](double, const VectorXd& x, const VectorXd&, VectorXd& y) {
     y[0] = x[1];
@@ -104,7 +104,7 @@ absl::StatusOr<ContinuousSystem> MakeVanDeVusseReactor(
   const SystemFunction at_start = [options, start_time](
                                       double, const VectorXd& x,
                                       const VectorXd& w, VectorXd& dx) {
-    Derivative(options, start_time, x, w, dx);
+    ReactorDerivative(options, start_time, x, w, dx);
   };
   MLE_ASSIGN_OR_RETURN(system.initial_state,
                        SolveSteadyState(at_start, inputs, published));

@@ -21,29 +21,29 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kVersion = 2;
 
-Json ToJson(const Eigen::VectorXd& values) {
+Json StoredJson(const Eigen::VectorXd& values) {
   Json list = Json::array();
   for (const double value : values) list.push_back(value);
   return list;
 }
 
-Json ToJson(const Sums& sums) {
+Json StoredJson(const Sums& sums) {
   return {{"time", sums.time},
-          {"squared_error", ToJson(sums.squared_error)},
-          {"absolute_error", ToJson(sums.absolute_error)},
-          {"violation", ToJson(sums.violation)},
-          {"movement", ToJson(sums.movement)}};
+          {"squared_error", StoredJson(sums.squared_error)},
+          {"absolute_error", StoredJson(sums.absolute_error)},
+          {"violation", StoredJson(sums.violation)},
+          {"movement", StoredJson(sums.movement)}};
 }
 
-Json ToJson(const ChangeRow& row) {
+Json StoredJson(const ChangeRow& row) {
   return {{"time", row.event.time},
           {"output", row.event.output},
-          {"before", ToJson(row.event.before)},
-          {"after", ToJson(row.event.after)},
-          {"quiet", ToJson(row.quiet)},
-          {"transient", ToJson(row.transient)},
-          {"test", ToJson(row.test)},
-          {"watch", ToJson(row.watch)},
+          {"before", StoredJson(row.event.before)},
+          {"after", StoredJson(row.event.after)},
+          {"quiet", StoredJson(row.quiet)},
+          {"transient", StoredJson(row.transient)},
+          {"test", StoredJson(row.test)},
+          {"watch", StoredJson(row.watch)},
           {"distance", row.error.distance},
           {"gain_error", row.error.gain},
           {"delay_error", row.error.delay},
@@ -130,7 +130,7 @@ std::string FormatLife(const LifeKey& key, const Settings& settings,
   Json json = KeyJson(key, settings);
   json["ended"] = life.ended;
   Json rows = Json::array();
-  for (const ChangeRow& row : life.rows) rows.push_back(ToJson(row));
+  for (const ChangeRow& row : life.rows) rows.push_back(StoredJson(row));
   json["rows"] = std::move(rows);
   json["sha256"] = std::string(kSumLength, '0');
   return WithChecksum(FormatJson(json));

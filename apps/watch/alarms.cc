@@ -21,16 +21,16 @@
 namespace mle::watch {
 namespace {
 
-constexpr absl::Duration kLongest = absl::Minutes(2);
+constexpr absl::Duration kLongestCommand = absl::Minutes(2);
 constexpr int kMostFailures = 3;       // in a row
 constexpr std::size_t kMailLine = 76;  // characters
 
 absl::Status RunHandler(const std::string& program,
                         const std::vector<std::string>& arguments,
                         const std::string& text) {
-  MLE_ASSIGN_OR_RETURN(
-      const report::ProcessResult run,
-      report::RunProcess(program, arguments, text, {.time_limit = kLongest}));
+  MLE_ASSIGN_OR_RETURN(const report::ProcessResult run,
+                       report::RunProcess(program, arguments, text,
+                                          {.time_limit = kLongestCommand}));
   if (run.exit_code == 0) return absl::OkStatus();
   return absl::UnavailableError(absl::StrCat(
       "exit code ", run.exit_code, ": ", absl::StripAsciiWhitespace(run.err)));

@@ -77,7 +77,7 @@ std::vector<std::string> WorseWindows(const OutputEvidence& output,
   return names;
 }
 
-std::string Describe(const HorizonScore& score, const char* horizon) {
+std::string DescribeScore(const HorizonScore& score, const char* horizon) {
   return absl::StrFormat("%s, where its fit is %.1f %% after %.1f %%", horizon,
                          score.corrected, score.initial);
 }
@@ -143,7 +143,8 @@ Message Better(const OutputEvidence& output, double deviations) {
       output, MessageCode::kPredictsBetter,
       absl::StrCat("On held-out data the correction of ", output.name,
                    " predicts better ",
-                   Describe((*output.scores).*gain.score, gain.name), "."));
+                   DescribeScore((*output.scores).*gain.score, gain.name),
+                   "."));
 }
 
 Message BetterByParameters(const OutputEvidence& output) {
@@ -193,7 +194,7 @@ Message NotBetter(const OutputEvidence& output, double deviations) {
       output, MessageCode::kPredictsWorse,
       absl::StrCat("On held-out data the correction of ", output.name,
                    " predicts worse ",
-                   Describe((*output.scores).*fall->score, fall->name),
+                   DescribeScore((*output.scores).*fall->score, fall->name),
                    ": a disturbance looks like a change of the model, or "
                    "its structure does not fit the plant."));
 }

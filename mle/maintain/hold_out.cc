@@ -72,7 +72,7 @@ struct Sums {
   std::array<double, kBlockCounts.size()> by_initial = {};
   std::array<double, kBlockCounts.size()> by_corrected = {};
 
-  void Add(const Sums& other) {
+  void AddScores(const Sums& other) {
     initial += other.initial;
     corrected += other.corrected;
     total += other.total;
@@ -191,7 +191,7 @@ Scores ScoreFold(const std::vector<Record>& windows, const Fold& fold,
   return scores;
 }
 
-void Add(const Scores& scores, Scores& all) {
+void AddScores(const Scores& scores, Scores& all) {
   if (all.empty()) {
     all = scores;
     return;
@@ -218,7 +218,7 @@ std::vector<OutputScores> ScoresOfAll(const Scores& windows) {
   if (windows.empty()) return {};
   Scores total(1, windows.front());
   for (std::size_t w = 1; w < windows.size(); ++w) {
-    Add(Scores(1, windows[w]), total);
+    AddScores(Scores(1, windows[w]), total);
   }
   return ScoresOf(total.front());
 }
@@ -354,8 +354,8 @@ absl::StatusOr<Validation> ValidateByHoldOut(
       return validation;
     }
     validation.folds.push_back(folds[f].name);
-    Add(results[f].corrected, corrected);
-    Add(results[f].parametric, parametric);
+    AddScores(results[f].corrected, corrected);
+    AddScores(results[f].parametric, parametric);
   }
   validation.held_out = true;
   validation.outputs = ScoresOfAll(corrected);

@@ -58,10 +58,9 @@ double DeviationOf(const std::vector<MatrixXd>& errors,
 }
 
 // Marks what the model does not believe.
-absl::StatusOr<OutlierReport> Judge(const ProcessModel& model,
-                                    const std::vector<NoiseEstimate>& noise,
-                                    const OutlierMarkOptions& options,
-                                    std::vector<Record>& records) {
+absl::StatusOr<OutlierReport> JudgeOutliers(
+    const ProcessModel& model, const std::vector<NoiseEstimate>& noise,
+    const OutlierMarkOptions& options, std::vector<Record>& records) {
   std::vector<MatrixXd> errors;
   for (const Record& record : records) {
     MLE_ASSIGN_OR_RETURN(const MatrixXd expected,
@@ -118,10 +117,11 @@ absl::StatusOr<OutlierReport> MarkOutliers(
   std::vector<Record> to_fit = records;
   const std::vector<NoiseEstimate> unknown(initial.num_outputs());
   MLE_RETURN_IF_ERROR(robust.Validate());
-  MLE_RETURN_IF_ERROR(Judge(initial, unknown, options, to_fit).status());
+  MLE_RETURN_IF_ERROR(
+      JudgeOutliers(initial, unknown, options, to_fit).status());
   MLE_ASSIGN_OR_RETURN(const OutputErrorFit fit,
                        FitAllElements(initial, to_fit, robust));
-  return Judge(fit.model, fit.noise, options, records);
+  return JudgeOutliers(fit.model, fit.noise, options, records);
 }
 
 }  // namespace mle

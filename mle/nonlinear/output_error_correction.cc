@@ -297,9 +297,10 @@ void JudgeElements(const OutputSetup& setup, OutputFit& fit,
 }
 
 // Test and selection from the full fits.
-void Judge(const std::vector<OutputSetup>& setups, std::vector<OutputFit>& fits,
-           const AveragedFits& averaged, const OutputErrorOptions& options,
-           OutputErrorCorrection& correction) {
+void JudgeOutputs(const std::vector<OutputSetup>& setups,
+                  std::vector<OutputFit>& fits, const AveragedFits& averaged,
+                  const OutputErrorOptions& options,
+                  OutputErrorCorrection& correction) {
   const int p = static_cast<int>(setups.size());
   const bool given = options.change_given || options.start != nullptr;
   correction.degrees_of_freedom = NumFreeParameters(setups, fits);
@@ -368,7 +369,7 @@ absl::StatusOr<OutputErrorCorrection> CorrectByOutputError(
                        FitOutputs(setups, options));
   const AveragedFits full =
       ReportAll(setups, fits, options, ChangePrior::kNone, correction.full);
-  Judge(setups, fits, full, options, correction);
+  JudgeOutputs(setups, fits, full, options, correction);
   MLE_RETURN_IF_ERROR(FitEach(p, options, [&](int i) {
     std::vector<bool> free(m);
     for (int j = 0; j < m; ++j) free[j] = correction.aged(i, j);
