@@ -68,7 +68,7 @@ bool IsUsed(const AlarmTargets& targets, Channel channel) {
 }
 
 // The flag; a web address may be secret.
-std::string OptionOf(const AlarmTargets& targets, Channel channel) {
+std::string OptionOfChannel(const AlarmTargets& targets, Channel channel) {
   switch (channel) {
     case Channel::kCommand:
       return absl::StrCat("--alarm_command=", targets.command);
@@ -104,7 +104,7 @@ absl::StatusOr<std::string> HandOnThrough(const AlarmTargets& targets,
     MLE_RETURN_IF_ERROR(state.SetDelivery(pending.alarm.id, delivery));
     failures = status.ok() ? 0 : failures + 1;
     if (fault.empty() && !status.ok()) {
-      fault = absl::StrCat(OptionOf(targets, channel), ": the alarm of ",
+      fault = absl::StrCat(OptionOfChannel(targets, channel), ": the alarm of ",
                            pending.controller,
                            " was not taken: ", status.message());
     }

@@ -72,7 +72,7 @@ struct Sums {
   std::array<double, kBlockCounts.size()> by_initial = {};
   std::array<double, kBlockCounts.size()> by_corrected = {};
 
-  void AddScores(const Sums& other) {
+  void Add(const Sums& other) {
     initial += other.initial;
     corrected += other.corrected;
     total += other.total;

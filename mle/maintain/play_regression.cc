@@ -110,9 +110,9 @@ std::vector<Eigen::VectorXd> ColumnOf(
 
 // Whitened columns of unit length, those that are zero left out; rows that are
 // not used are zero.
-Eigen::MatrixXd WhitenedColumns(const WhitenedData& data,
-                                const Eigen::VectorXd& filter,
-                                const Eigen::VectorXd& used) {
+Eigen::MatrixXd ColumnsThroughFilter(const WhitenedData& data,
+                                     const Eigen::VectorXd& filter,
+                                     const Eigen::VectorXd& used) {
   const Eigen::Index width = data.responses.front().cols();
   Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(used.size(), width);
   Eigen::Index kept = 0;
@@ -292,7 +292,7 @@ void PlayRegression::Fit(int output, OutputState& state) const {
   state.used = UsedRows(output, kOrder, Whitened(state.filter, rest));
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr;
   qr.setThreshold(kCollinearPlay);
-  qr.compute(WhitenedColumns(data, state.filter, state.used));
+  qr.compute(ColumnsThroughFilter(data, state.filter, state.used));
   const Eigen::Index rank = qr.rank();
   state.basis =
       qr.householderQ() * Eigen::MatrixXd::Identity(whitened.size(), rank);
@@ -388,7 +388,7 @@ double PlayRegression::Squares(int output,
       InnovationsOfDrift(DataOf(output, responses), state.drift);
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr;
   qr.setThreshold(kCollinearPlay);
-  qr.compute(WhitenedColumns(data, state.filter, used));
+  qr.compute(ColumnsThroughFilter(data, state.filter, used));
   Eigen::VectorXd rest =
       Whitened(state.filter, data.outputs).cwiseProduct(used);
   rest.applyOnTheLeft(qr.householderQ().adjoint());

@@ -20,7 +20,7 @@ namespace {
 
 constexpr double kLeastClockSamples = 100.0;
 constexpr double kLeastClockNats = 10.0;
-constexpr double kSignificant = 0.01;
+constexpr double kSignificantClock = 0.01;
 constexpr double kClockDeviations = 3.0;
 // Samples, tried on both sides; between the best and its neighbours it is
 // searched.
@@ -192,7 +192,8 @@ std::optional<BestDelay> ExplainByDelay(const std::vector<WhitenedData>& rows,
   if (best.log_likelihood < before + kLeastClockNats ||
       std::abs(best.delay) < kClockDeviations * best.error ||
       ChiSquareTail(2.0 * (search.FreeAt(best.delay) - best.log_likelihood),
-                    2.0 * FreeElements(dead_times, which)) < kSignificant) {
+                    2.0 * FreeElements(dead_times, which)) <
+          kSignificantClock) {
     return std::nullopt;
   }
   for (Eigen::Index i = 0; i < which.rows(); ++i) {
