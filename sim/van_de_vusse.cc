@@ -6,6 +6,7 @@
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
 #include "mle/base/status.h"
+#include "sim/check_options.h"
 #include "sim/fastest_time_constant.h"
 #include "sim/steady_state.h"
 
@@ -51,12 +52,6 @@ void ReactorDerivative(const VanDeVusseOptions& options, double time,
   dx[2] = w[0] * (options.feed_temperature - temperature) -
           released / kCapacity - to_jacket / (kCapacity * kVolume);
   dx[3] = (w[1] + to_jacket) / (kCoolant * kCoolantHeatCapacity);
-}
-
-absl::Status CheckPositive(const char* field, double value) {
-  if (value > 0.0 && std::isfinite(value)) return absl::OkStatus();
-  return absl::InvalidArgumentError(
-      absl::StrCat(field, " = ", value, ", but it must be finite and > 0"));
 }
 
 absl::Status Validate(const VanDeVusseOptions& options) {

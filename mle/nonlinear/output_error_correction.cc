@@ -25,7 +25,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 // Below this weight a part of the average is left out.
-constexpr double kSmallWeight = 1e-3;
+constexpr double kSmallOffsetWeight = 1e-3;
 // Of the test of no change, at half the probability of a false alarm (of two
 // tests), for a change that is said to be detectable.
 constexpr double kPower = 0.9;
@@ -102,9 +102,9 @@ double WeightOfOffsets(const std::vector<OutputSetup>& setups,
                            fits[i].noise, options.estimate_drift);
   });
   const double weight = OffsetWeight(evidence);
-  if (weight < kSmallWeight) return 0.0;
+  if (weight < kSmallOffsetWeight) return 0.0;
   // Without evidence that is a number, offsets are the safe side.
-  return weight <= 1.0 - kSmallWeight ? weight : 1.0;
+  return weight <= 1.0 - kSmallOffsetWeight ? weight : 1.0;
 }
 
 int NumInformed(const std::vector<OutputSetup>& setups) {
