@@ -139,8 +139,7 @@ int ArxOrderOf(const ProcessModel& model, double sample_time,
     }
     const double least =
         std::ceil(dead / sample_time) + 2.0 + kLagsPerMode * modes;
-    order = std::max(order,
-                     static_cast<int>(std::min(least, kMostArxSamples)));
+    order = std::max(order, static_cast<int>(std::min(least, kMostArxSamples)));
   }
   return order;
 }
