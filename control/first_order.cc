@@ -8,7 +8,7 @@
 namespace mle::control {
 namespace {
 
-constexpr double kNegligible = 0.01;
+constexpr double kNegligibleResponse = 0.01;
 
 // When φ/K first reaches `part`, by linear interpolation, in samples.
 double TimeToReach(const Eigen::Ref<const Eigen::VectorXd>& response,
@@ -48,8 +48,9 @@ absl::StatusOr<std::vector<FirstOrder>> DescribeAsFirstOrder(
     for (int j = 0; j < m; ++j) {
       const auto values = response.element(i, j);
       const double gain = values[values.size() - 1];
-      if (gain == 0.0 || (size(i, j) <= kNegligible * size.row(i).maxCoeff() &&
-                          size(i, j) <= kNegligible * size.col(j).maxCoeff())) {
+      if (gain == 0.0 ||
+          (size(i, j) <= kNegligibleResponse * size.row(i).maxCoeff() &&
+           size(i, j) <= kNegligibleResponse * size.col(j).maxCoeff())) {
         continue;
       }
       const double early = TimeToReach(values, 1.0 - std::exp(-1.0 / 3.0));

@@ -27,7 +27,7 @@ using Eigen::VectorXd;
 constexpr double kPi = std::numbers::pi;
 // A mode this much larger than 1 per period grows.
 constexpr double kMargin = 1e-6;
-constexpr double kNegligible = 1e-10;  // of the largest coefficient
+constexpr double kNegligibleCoefficient = 1e-10;  // of the largest coefficient
 // Complex numbers that the transforms of one circle may hold (256 MiB).
 constexpr Eigen::Index kMostNumbers = Eigen::Index{1} << 24;
 
@@ -56,7 +56,8 @@ class MatrixPolynomial {
   }
   // Cuts off the negligible end.
   void Trim() {
-    const double least = kNegligible * coefficients_.cwiseAbs().maxCoeff();
+    const double least =
+        kNegligibleCoefficient * coefficients_.cwiseAbs().maxCoeff();
     Eigen::Index n = degree();
     while (n > 1 && coefficients_.row(n - 1).cwiseAbs().maxCoeff() <= least) {
       --n;

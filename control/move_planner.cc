@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "Eigen/Cholesky"
 #include "Eigen/Eigenvalues"
 #include "glog/logging.h"
+#include "mle/base/double_limits.h"
 #include "mle/base/status.h"
 
 namespace mle::control {
@@ -14,8 +14,6 @@ namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // S_0; …; S_{H_p−1} of the manipulated inputs.
 MatrixXd ManipulatedResponses(const PredictionModel& model,

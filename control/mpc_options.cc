@@ -1,10 +1,10 @@
 #include "control/mpc_options.h"
 
 #include <cmath>
-#include <limits>
 
 #include "Eigen/Eigenvalues"
 #include "absl/strings/str_cat.h"
+#include "mle/base/double_limits.h"
 #include "mle/base/status.h"
 
 namespace mle::control {
@@ -66,7 +66,6 @@ absl::Status ValidateVector(const VectorXd& values, int size, double least,
 absl::Status ValidateRange(const VectorXd& least, const VectorXd& greatest,
                            int size, const char* least_name,
                            const char* greatest_name) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   MLE_RETURN_IF_ERROR(ValidateVector(least, size, -kInfinity, least_name));
   MLE_RETURN_IF_ERROR(
       ValidateVector(greatest, size, -kInfinity, greatest_name));

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "Eigen/Cholesky"
 #include "absl/strings/str_cat.h"
 #include "glog/logging.h"
+#include "mle/base/double_limits.h"
 
 namespace mle::control {
 namespace {
@@ -14,7 +14,6 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // A limit holds if it is missed by no more than this part of the sizes that
 // make up the value.
 constexpr double kFeasibility = 1e-12;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "absl/strings/str_cat.h"
+#include "mle/base/double_limits.h"
 #include "mle/base/status.h"
 #include "sim/check_options.h"
 
@@ -45,7 +46,6 @@ std::vector<int> Reported(const TagOptions& tag, const RowVectorXd& series,
 // miss no point since by more than the deviation lie in [low, high].
 std::vector<int> Compressed(const TagOptions& tag, const RowVectorXd& series,
                             const std::vector<int>& samples, double longest) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   std::vector<int> archived;
   double low = -kInfinity;
   double high = kInfinity;

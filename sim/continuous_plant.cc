@@ -12,7 +12,6 @@ namespace {
 
 using Eigen::VectorXd;
 
-constexpr double kSnap = 1e-9;  // of Δt
 // How far inside its side of a break f is evaluated, of Δt. Above the rounding
 // of a time of 10⁷ samples.
 constexpr double kInside = 1e-8;

@@ -10,7 +10,6 @@
 namespace mle::sim {
 namespace {
 
-constexpr double kSnap = 1e-9;  // of Δt
 constexpr double kMaxDelaySamples = 1e7;
 
 absl::Status CheckPath(const InputPath& path, int num_inputs,

@@ -16,7 +16,7 @@
 // step of L by ΔL (a longer way is switched in) the path sees the last ΔL of
 // its input once more, at a downward step it never sees ΔL of it.
 //
-// A jump within 1e-9 samples of a sampling instant counts as on it.
+// A jump within kSnap samples of a sampling instant counts as on it.
 
 #ifndef SIM_DELAYED_INPUTS_H_
 #define SIM_DELAYED_INPUTS_H_
@@ -29,6 +29,8 @@
 #include "sim/schedule.h"
 
 namespace mle::sim {
+
+inline constexpr double kSnap = 1e-9;  // of Δt
 
 struct InputPath {
   int input = 0;

@@ -20,8 +20,8 @@ constexpr int kMaxIterations = 100;
 constexpr double kTolerance = 1e-9;
 constexpr double kSmallestStep = 1e-6;
 
-VectorXd Derivative(const SystemFunction& f, const VectorXd& state,
-                    const VectorXd& inputs) {
+VectorXd NumericDerivative(const SystemFunction& f, const VectorXd& state,
+                           const VectorXd& inputs) {
   VectorXd result = VectorXd::Zero(state.size());
   f(0.0, state, inputs, result);
   return result;
@@ -62,17 +62,19 @@ Linearisation Linearise(const SystemFunction& derivative, const VectorXd& state,
   VectorXd x = state;
   for (Index k = 0; k < x.size(); ++k) {
     const auto [at, h] = column(x, k);
-    const VectorXd above = Derivative(derivative, x, inputs);
+    const VectorXd above = NumericDerivative(derivative, x, inputs);
     x[k] = at - h;
-    linear.A.col(k) = (above - Derivative(derivative, x, inputs)) / (2.0 * h);
+    linear.A.col(k) =
+        (above - NumericDerivative(derivative, x, inputs)) / (2.0 * h);
     x[k] = at;
   }
   VectorXd w = inputs;
   for (Index k = 0; k < w.size(); ++k) {
     const auto [at, h] = column(w, k);
-    const VectorXd above = Derivative(derivative, state, w);
+    const VectorXd above = NumericDerivative(derivative, state, w);
     w[k] = at - h;
-    linear.B.col(k) = (above - Derivative(derivative, state, w)) / (2.0 * h);
+    linear.B.col(k) =
+        (above - NumericDerivative(derivative, state, w)) / (2.0 * h);
     w[k] = at;
   }
   return linear;
@@ -82,7 +84,7 @@ absl::StatusOr<VectorXd> SolveSteadyState(const SystemFunction& derivative,
                                           const VectorXd& inputs,
                                           VectorXd guess) {
   VectorXd x = std::move(guess);
-  VectorXd f = Derivative(derivative, x, inputs);
+  VectorXd f = NumericDerivative(derivative, x, inputs);
   double residual = std::numeric_limits<double>::infinity();
   for (int i = 0; i < kMaxIterations; ++i) {
     const MatrixXd A = Linearise(derivative, x, inputs).A;
@@ -91,11 +93,11 @@ absl::StatusOr<VectorXd> SolveSteadyState(const SystemFunction& derivative,
     if (!move.allFinite()) break;
     double step = 1.0;
     VectorXd next = x - move;
-    VectorXd next_f = Derivative(derivative, next, inputs);
+    VectorXd next_f = NumericDerivative(derivative, next, inputs);
     while (!(next_f.norm() < f.norm()) && step > kSmallestStep) {
       step *= 0.5;
       next = x - step * move;
-      next_f = Derivative(derivative, next, inputs);
+      next_f = NumericDerivative(derivative, next, inputs);
     }
     // No better point: x is as good as rounding lets it be, or a dead end.
     if (!(next_f.norm() < f.norm())) break;

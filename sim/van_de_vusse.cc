@@ -6,6 +6,7 @@
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
 #include "mle/base/status.h"
+#include "sim/check_options.h"
 #include "sim/fastest_time_constant.h"
 #include "sim/steady_state.h"
 
@@ -30,8 +31,8 @@ constexpr double kCoolant = 5.0;              // m_K [kg]
 constexpr double kCoolantHeatCapacity = 2.0;  // C_pK [kJ/(kg K)]
 constexpr double kZeroCelsius = 273.15;       // [K]
 
-void Derivative(const VanDeVusseOptions& options, double time,
-                const VectorXd& x, const VectorXd& w, VectorXd& dx) {
+void ReactorDerivative(const VanDeVusseOptions& options, double time,
+                       const VectorXd& x, const VectorXd& w, VectorXd& dx) {
   const double cA = x[0];
   const double cB = x[1];
   const double temperature = x[2];
@@ -51,12 +52,6 @@ void Derivative(const VanDeVusseOptions& options, double time,
   dx[2] = w[0] * (options.feed_temperature - temperature) -
           released / kCapacity - to_jacket / (kCapacity * kVolume);
   dx[3] = (w[1] + to_jacket) / (kCoolant * kCoolantHeatCapacity);
-}
-
-absl::Status CheckPositive(const char* field, double value) {
-  if (value > 0.0 && std::isfinite(value)) return absl::OkStatus();
-  return absl::InvalidArgumentError(
-      absl::StrCat(field, " = ", value, ", but it must be finite and > 0"));
 }
 
 absl::Status Validate(const VanDeVusseOptions& options) {
@@ -87,7 +82,7 @@ absl::StatusOr<ContinuousSystem> MakeVanDeVusseReactor(
                   {1, Schedule(options.heat_delay)}};
   system.derivative = [options](double time, const VectorXd& x,
                                 const VectorXd& w, VectorXd& dx) {
-    Derivative(options, time, x, w, dx);
+    ReactorDerivative(options, time, x, w, dx);
   };
   system.output = [](double, const VectorXd& x, const VectorXd&, VectorXd& y) {
     y[0] = x[1];
@@ -104,7 +99,7 @@ absl::StatusOr<ContinuousSystem> MakeVanDeVusseReactor(
   const SystemFunction at_start = [options, start_time](
                                       double, const VectorXd& x,
                                       const VectorXd& w, VectorXd& dx) {
-    Derivative(options, start_time, x, w, dx);
+    ReactorDerivative(options, start_time, x, w, dx);
   };
   MLE_ASSIGN_OR_RETURN(system.initial_state,
                        SolveSteadyState(at_start, inputs, published));

@@ -1,8 +1,7 @@
 #include "apps/common/controller_options.h"
 
-#include <limits>
-
 #include "absl/strings/str_cat.h"
+#include "mle/base/double_limits.h"
 
 namespace mle {
 
@@ -31,7 +30,6 @@ std::vector<Option> OptionsOf(control::MpcOptions& mpc) {
 }
 
 std::vector<Option> OptionsOf(control::MpcLimits& limits) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   return {
       {"min_input", LimitOfEachInput(&limits.min_input, -kInfinity),
        "Lower limits of the inputs in the controller: one value, or one for "

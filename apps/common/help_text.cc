@@ -8,6 +8,7 @@
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_replace.h"
 #include "absl/strings/str_split.h"
+#include "apps/common/absl_view.h"
 #include "apps/common/did_you_mean.h"
 #include "apps/report/text.h"
 
@@ -16,10 +17,6 @@ namespace {
 
 constexpr int kLineWidth = 78;
 constexpr std::size_t kLongestShown = 30;  // of a default in the short help
-
-absl::string_view Absl(std::string_view text) {
-  return {text.data(), text.size()};
-}
 
 // The flags that the parser itself answers.
 const std::vector<OptionText>& EveryCommandsOptions() {
@@ -70,7 +67,7 @@ std::string Wrapped(std::string_view text, int indent, std::string lead) {
               ' ');
   bool empty = true;
   for (const absl::string_view word :
-       absl::StrSplit(Absl(text), ' ', absl::SkipEmpty())) {
+       absl::StrSplit(AbslView(text), ' ', absl::SkipEmpty())) {
     const std::string_view added(word.data(), word.size());
     if (!empty && report::DisplayWidth(line) + 1 + report::DisplayWidth(added) >
                       kLineWidth) {
@@ -113,7 +110,7 @@ std::string InGroups(const std::vector<OptionText>& options) {
 // Text of a manual page: nothing that troff takes for a request.
 std::string Troff(std::string_view text) {
   std::string safe =
-      absl::StrReplaceAll(Absl(text), {{"\\", "\\e"}, {"-", "\\-"}});
+      absl::StrReplaceAll(AbslView(text), {{"\\", "\\e"}, {"-", "\\-"}});
   return safe.starts_with('.') || safe.starts_with('\'')
              ? absl::StrCat("\\&", safe)
              : safe;
@@ -135,7 +132,7 @@ std::string ManualEntry(const OptionText& option) {
 // What the first paragraph of a usage says before its first colon or full stop.
 std::string FirstStatement(std::string_view usage) {
   const std::string text = absl::StrReplaceAll(
-      Absl(usage.substr(0, usage.find("\n\n"))), {{"\n", " "}});
+      AbslView(usage.substr(0, usage.find("\n\n"))), {{"\n", " "}});
   const std::size_t end = text.find_first_of(".:");
   return absl::StrCat(absl::AsciiStrToLower(text.substr(0, 1)),
                       text.substr(1, end == std::string::npos ? end : end - 1));
@@ -155,8 +152,9 @@ std::string ShortHelp(std::string_view usage, const OptionTable& table) {
     longest = std::max(longest, option.name.size());
   }
   const auto indent = static_cast<int>(longest) + 6;
-  std::string text = absl::StrCat(
-      Absl(usage), "\n\nFlags most needed (value in brackets: the default):\n");
+  std::string text =
+      absl::StrCat(AbslView(usage),
+                   "\n\nFlags most needed (value in brackets: the default):\n");
   for (const OptionText& option : first) {
     const bool shows = !option.default_text.empty() && !option.is_switch &&
                        option.default_text.size() <= kLongestShown;
@@ -172,7 +170,7 @@ std::string ShortHelp(std::string_view usage, const OptionTable& table) {
 }
 
 std::string FullHelp(std::string_view usage, const OptionTable& table) {
-  return absl::StrCat(Absl(usage),
+  return absl::StrCat(AbslView(usage),
                       "\n\nFlags (value in brackets: the default):\n",
                       InGroups(AllOptions(table)));
 }
@@ -196,12 +194,12 @@ absl::StatusOr<std::string> HelpOn(const std::string& topic,
 std::string ManualPage(std::string_view command, std::string_view version,
                        std::string_view usage, const OptionTable& table) {
   std::string page = absl::StrCat(
-      ".TH ", absl::AsciiStrToUpper(Absl(command)), " 1 \"\" \"mle ",
-      Absl(version), "\" \"User Commands\"\n.SH NAME\n", Troff(command),
+      ".TH ", absl::AsciiStrToUpper(AbslView(command)), " 1 \"\" \"mle ",
+      AbslView(version), "\" \"User Commands\"\n.SH NAME\n", Troff(command),
       " \\- ", Troff(FirstStatement(usage)), "\n.SH SYNOPSIS\n.B ",
       Troff(command), "\n.RI [ \\-\\-name=value \\ ...]\n.SH DESCRIPTION\n");
   bool in_example = false;
-  for (const absl::string_view line : absl::StrSplit(Absl(usage), '\n')) {
+  for (const absl::string_view line : absl::StrSplit(AbslView(usage), '\n')) {
     const bool example = line.substr(0, 2) == "  ";
     if (example != in_example) page += example ? ".EX\n" : ".EE\n";
     in_example = example;
@@ -237,10 +235,10 @@ std::string BashCompletion(std::string_view command, const OptionTable& table) {
     absl::StrAppend(&cases, "    --", option.name,
                     ") words=", Quoted(option.values), " ;;\n");
   }
-  const std::string function = absl::StrCat("_", Absl(command));
+  const std::string function = absl::StrCat("_", AbslView(command));
   // The name and the value may be three words (=  splits them) or one.
   return absl::StrCat(
-      "# bash completion for ", Absl(command), "\n", function, "() {\n",
+      "# bash completion for ", AbslView(command), "\n", function, "() {\n",
       R"sh(  local current=${COMP_WORDS[COMP_CWORD]} flag='' words='' before=''
   if [[ $current == --*=* ]]; then
     flag=${current%%=*} before=$flag= current=${current#*=}
@@ -265,7 +263,7 @@ std::string BashCompletion(std::string_view command, const OptionTable& table) {
   fi
 }
 )sh",
-      "complete -F ", function, " ", Absl(command), "\n");
+      "complete -F ", function, " ", AbslView(command), "\n");
 }
 
 }  // namespace mle

@@ -17,8 +17,9 @@ namespace {
 constexpr double kLargestInteger = 9'007'199'254'740'991.0;
 
 // A name, or numbers, as on the command line.
-absl::StatusOr<std::string> TextOf(const JsonNode& node, const Option& option,
-                                   const TextValue& value) {
+absl::StatusOr<std::string> TextOfNode(const JsonNode& node,
+                                       const Option& option,
+                                       const TextValue& value) {
   if (!value.known.empty()) return node.Text();
   std::vector<JsonNode> numbers = {node};
   if (node.json().is_array()) {
@@ -34,7 +35,7 @@ absl::StatusOr<std::string> TextOf(const JsonNode& node, const Option& option,
 
 absl::Status ReadText(const JsonNode& node, const Option& option,
                       const TextValue& value) {
-  MLE_ASSIGN_OR_RETURN(const std::string text, TextOf(node, option, value));
+  MLE_ASSIGN_OR_RETURN(const std::string text, TextOfNode(node, option, value));
   const absl::Status status = value.read(text, option.range);
   if (status.ok()) return status;
   return node.Fault(value.known.empty() ? std::string(status.message())
@@ -57,7 +58,7 @@ absl::Status ReadWhole(const JsonNode& node, const NumberRange& range,
   return absl::OkStatus();
 }
 
-absl::Status ReadOption(const JsonNode& node, const Option& option) {
+absl::Status ReadJsonOption(const JsonNode& node, const Option& option) {
   return std::visit(
       [&](const auto& field) -> absl::Status {
         using Field = std::decay_t<decltype(field)>;
@@ -83,7 +84,7 @@ absl::Status ReadOptions(const JsonNode& object,
                          const std::vector<Option>& options) {
   for (const Option& option : options) {
     if (!object.Has(option.name)) continue;
-    MLE_RETURN_IF_ERROR(ReadOption(object.At(option.name), option));
+    MLE_RETURN_IF_ERROR(ReadJsonOption(object.At(option.name), option));
   }
   return absl::OkStatus();
 }

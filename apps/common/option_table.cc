@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
+#include "apps/common/absl_view.h"
 #include "gflags/gflags.h"
 #include "glog/logging.h"
 #include "mle/base/status.h"
@@ -51,7 +52,7 @@ std::string HelpText(const Option& option) {
              : absl::StrCat(option.help, " One of ", text->known, ".");
 }
 
-absl::Status ReadOption(Option& option) {
+absl::Status ReadFlagOption(Option& option) {
   return std::visit(
       [&option](auto& value) -> absl::Status {
         using Value = std::decay_t<decltype(value)>;
@@ -71,10 +72,6 @@ absl::Status ReadOption(Option& option) {
         }
       },
       option.value);
-}
-
-absl::string_view Absl(std::string_view text) {
-  return {text.data(), text.size()};
 }
 
 // What a flag of the field's type takes.
@@ -175,12 +172,12 @@ absl::Status OptionTable::Set(std::string_view name, const std::string& text) {
     if (row.option.name == name) return SetOption(text, row.option);
   }
   return absl::NotFoundError(
-      absl::StrCat("there is no option '", Absl(name), "'"));
+      absl::StrCat("there is no option '", AbslView(name), "'"));
 }
 
 absl::Status OptionTable::Read() {
   for (Row& row : rows_) {
-    const absl::Status status = ReadOption(row.option);
+    const absl::Status status = ReadFlagOption(row.option);
     if (!status.ok()) {
       return RefuseOption(row.option.name, CurrentText(row.option),
                           {status.message().data(), status.message().size()});
@@ -241,8 +238,8 @@ std::vector<OptionText> OptionTable::Texts(bool only_first) const {
 
 absl::Status RefuseOption(std::string_view name, std::string_view value,
                           std::string_view message) {
-  return absl::InvalidArgumentError(
-      absl::StrCat("--", Absl(name), "=", Absl(value), ": ", Absl(message)));
+  return absl::InvalidArgumentError(absl::StrCat(
+      "--", AbslView(name), "=", AbslView(value), ": ", AbslView(message)));
 }
 
 std::string ReadableNumber(double number) {

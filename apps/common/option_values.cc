@@ -1,7 +1,6 @@
 #include "apps/common/option_values.h"
 
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <optional>
 
@@ -10,7 +9,9 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
+#include "apps/common/absl_view.h"
 #include "apps/common/did_you_mean.h"
+#include "mle/base/double_limits.h"
 #include "mle/base/status.h"
 
 namespace mle {
@@ -20,10 +21,6 @@ using Eigen::VectorXd;
 
 enum class Channels { kOutputs, kInputs };
 using Setter = std::function<void(const VectorXd&)>;
-
-absl::string_view Absl(std::string_view text) {
-  return {text.data(), text.size()};
-}
 
 // "a, b and c".
 std::string Enumerated(const std::vector<std::string>& names) {
@@ -149,7 +146,6 @@ TextValue OptionalNumber(std::optional<double>* number) {
 }
 
 TextValue ZeroForInfinity(double* number) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   TextValue value;
   value.text = *number == kInfinity ? "0" : absl::StrCat(*number);
   value.read = [number](const std::string& given, const NumberRange& range) {
@@ -200,7 +196,7 @@ TextValue LimitOfEachInput(VectorXd* limits, double unlimited) {
 std::vector<std::string> ParseList(std::string_view text) {
   std::vector<std::string> parts;
   for (const absl::string_view part :
-       absl::StrSplit(Absl(text), ',', absl::SkipWhitespace())) {
+       absl::StrSplit(AbslView(text), ',', absl::SkipWhitespace())) {
     parts.emplace_back(absl::StripAsciiWhitespace(part));
   }
   return parts;
@@ -210,7 +206,7 @@ absl::StatusOr<VectorXd> ParseNumbers(std::string_view text,
                                       const NumberRange& range,
                                       std::optional<double> unlimited) {
   // Empty parts stay: they are typing errors.
-  const std::vector<std::string> parts = absl::StrSplit(Absl(text), ',');
+  const std::vector<std::string> parts = absl::StrSplit(AbslView(text), ',');
   VectorXd numbers(parts.size());
   for (std::size_t i = 0; i < parts.size(); ++i) {
     double& number = numbers[static_cast<Eigen::Index>(i)];

@@ -21,8 +21,8 @@ using report::FormatSignificant;
 
 // The corrected model's responses must have settled: they are followed for
 // longer than they are compared.
-constexpr double kSettlingTimes = 3.0;
-constexpr double kMostWindows = 1000.0;
+constexpr double kAdviceSettlingTimes = 3.0;
+constexpr double kMostAdvisedWindows = 1000.0;
 // Of the tests of what is left, over all pairs together.
 constexpr double kResidualLevel = 0.01;
 // With fewer of its samples than this share an output lacks those first.
@@ -53,8 +53,9 @@ StepResponse SettledResponse(const Result& result) {
                                 ? *result.corrected.process
                                 : result.initial),
                SettlingTime(result.initial));
-  const int samples =
-      static_cast<int>(std::ceil(kSettlingTimes * settling / sample_time)) + 1;
+  const int samples = static_cast<int>(std::ceil(kAdviceSettlingTimes *
+                                                 settling / sample_time)) +
+                      1;
   return result.corrected.process.has_value()
              ? result.corrected.process->ComputeStepResponse(sample_time,
                                                              samples)
@@ -148,12 +149,12 @@ void AddMissingInformation(const Result& result,
     const double wanted = InformationOptions().informed;
     const double needed =
         std::ceil(windows * worst * worst / (wanted * wanted) - windows);
-    advice.push_back(
-        absl::StrCat("The records show only large changes of the gain of ",
-                     absl::StrJoin(weak, ", "), ". For a standard error of ",
-                     FormatSignificant(100.0 * wanted, 2), " %, about ",
-                     static_cast<int>(std::clamp(needed, 1.0, kMostWindows)),
-                     " more set-point changes like these are needed."));
+    advice.push_back(absl::StrCat(
+        "The records show only large changes of the gain of ",
+        absl::StrJoin(weak, ", "), ". For a standard error of ",
+        FormatSignificant(100.0 * wanted, 2), " %, about ",
+        static_cast<int>(std::clamp(needed, 1.0, kMostAdvisedWindows)),
+        " more set-point changes like these are needed."));
   }
   advice.push_back(absl::StrCat(
       "A step test, or set-point changes that move these inputs independently, "

@@ -52,7 +52,7 @@ std::string DescribeElement(const ElementEstimate& element,
   return absl::StrCat("Response of ", pair, " changed");
 }
 
-std::string DescribeChange(const Result& result, int output, int input) {
+std::string DescribePairChange(const Result& result, int output, int input) {
   const std::string pair = PairName(result.initial, output, input);
   if (result.corrected.process.has_value()) {
     return DescribeElement(
@@ -108,8 +108,8 @@ std::vector<ElementChange> ElementChanges(const Result& result) {
   for (int i = 0; i < result.initial.num_outputs(); ++i) {
     for (int j = 0; j < result.initial.num_inputs(); ++j) {
       if (!HasChanged(result, i, j)) continue;
-      changes.push_back(
-          {i, j, result.change.elements(i, j), DescribeChange(result, i, j)});
+      changes.push_back({i, j, result.change.elements(i, j),
+                         DescribePairChange(result, i, j)});
     }
   }
   std::stable_sort(changes.begin(), changes.end(),

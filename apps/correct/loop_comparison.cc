@@ -18,7 +18,7 @@ namespace mle::correct {
 namespace {
 
 // Until the plant has settled twice; a tenth of that before the step.
-constexpr double kSettlingTimes = 2.0;
+constexpr double kLoopSettlingTimes = 2.0;
 constexpr double kBefore = 0.1;
 // Of the controller; each of them costs as many operations as there are.
 constexpr double kMostPeriods = 10'000;
@@ -63,7 +63,7 @@ absl::StatusOr<LoopComparison> CompareLoops(const Result& result) {
   LoopComparison comparison;
   comparison.told = result.request.controller_known();
   const double settled =
-      kSettlingTimes *
+      kLoopSettlingTimes *
       std::max(SettlingTime(result.model), SettlingTime(result.initial));
   if (!(settled <= kMostPeriods * tuning.control_period)) {
     return absl::FailedPreconditionError(

@@ -28,7 +28,7 @@ using report::HtmlPage;
 using Figures = std::vector<DrawnFigure>;
 
 // Tables with more rows are folded.
-constexpr std::size_t kMostWindows = 8;
+constexpr std::size_t kMostOpenRows = 8;
 constexpr std::size_t kMostWarnings = 3;
 
 // The time of the report, or SOURCE_DATE_EPOCH (seconds since 1970) where the
@@ -215,7 +215,7 @@ std::string HowToLeaveOut(const Result& result) {
 
 void AddRecords(const Result& result, const Figures& figures, HtmlPage& page) {
   page.AddHeading("Which records were used");
-  const bool many = result.data.windows.size() > kMostWindows;
+  const bool many = result.data.windows.size() > kMostOpenRows;
   if (many) {
     page.OpenFold(absl::StrCat(result.data.windows.size(),
                                " windows around set-point changes"));

@@ -10,18 +10,18 @@
 namespace mle::correct {
 namespace {
 
-using Json = nlohmann::json;
+using ParsedJson = nlohmann::json;
 
 constexpr int kVersion = 3;
 
-std::string TextAt(const Json& object, const char* key) {
+std::string TextAt(const ParsedJson& object, const char* key) {
   const auto found = object.find(key);
   return found != object.end() && found->is_string() ? found->get<std::string>()
                                                      : "";
 }
 
 // False where the value or its interval is missing.
-bool ReadEstimate(const Json& element, const char* name,
+bool ReadEstimate(const ParsedJson& element, const char* name,
                   PreviousEstimate& estimate) {
   const auto parameter = element.find(name);
   if (parameter == element.end() || !parameter->is_object()) return false;
@@ -44,9 +44,9 @@ bool HasName(const Channels& channels, const std::string& name) {
                      [&](const auto& channel) { return channel.name == name; });
 }
 
-absl::Status ReadElements(const Json& elements, const ProcessModel& model,
+absl::Status ReadElements(const ParsedJson& elements, const ProcessModel& model,
                           PreviousRun& run) {
-  for (const Json& element : elements) {
+  for (const ParsedJson& element : elements) {
     PreviousEstimate estimate;
     estimate.output = TextAt(element, "output");
     estimate.input = TextAt(element, "input");
@@ -79,11 +79,12 @@ absl::StatusOr<PreviousRun> ReadPreviousRun(const std::string& folder,
     return absl::InvalidArgumentError(
         absl::StrCat("--previous: ", text.status().message()));
   }
-  const Json json = Json::parse(*text, nullptr, /*allow_exceptions=*/false);
+  const ParsedJson json =
+      ParsedJson::parse(*text, nullptr, /*allow_exceptions=*/false);
   if (!json.is_object() || TextAt(json, "program") != "mle_correct") {
     return wrong("it is not a result of mle_correct");
   }
-  if (json.value("version", Json()) != kVersion) {
+  if (json.value("version", ParsedJson()) != kVersion) {
     return wrong(absl::StrCat("its version is not ", kVersion));
   }
   PreviousRun run;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
@@ -13,6 +12,7 @@
 #include "absl/time/time.h"
 #include "apps/correct/figure_parts.h"
 #include "apps/correct/record_tables.h"
+#include "mle/base/double_limits.h"
 #include "mle/data/civil_time.h"
 
 namespace mle::correct {
@@ -20,8 +20,6 @@ namespace {
 
 using report::Panel;
 using report::Role;
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 // Pieces of record one after the other, with a break between them.
 struct Strip {

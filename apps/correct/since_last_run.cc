@@ -31,7 +31,7 @@ std::string Spelled(const std::string& name) {
   return absl::StrReplaceAll(name, {{"_", " "}});
 }
 
-std::string WithInterval(double value, double lower, double upper) {
+std::string WithLimits(double value, double lower, double upper) {
   return absl::StrCat(FormatSignificant(value, 4), " ± ",
                       FormatSignificant(0.5 * (upper - lower), 2));
 }
@@ -56,8 +56,8 @@ void AddSinceLastRun(const Result& result, report::HtmlPage& page) {
     const ParameterEstimate& now = ParameterOf(element, then.name);
     if (now.lower <= then.upper && then.lower <= now.upper) continue;
     table.AddRow({PairName(model, output, input), Spelled(then.name),
-                  WithInterval(then.value, then.lower, then.upper),
-                  WithInterval(now.value, now.lower, now.upper)});
+                  WithLimits(then.value, then.lower, then.upper),
+                  WithLimits(now.value, now.lower, now.upper)});
   }
   page.AddSubheading("Since the last run");
   page.AddParagraph(absl::StrCat(

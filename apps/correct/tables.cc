@@ -27,7 +27,7 @@ using report::FormatSignificant;
 using report::ShortProbability;
 using report::Table;
 
-std::string Percent(double value) {
+std::string PercentOrDash(double value) {
   return std::isfinite(value) ? absl::StrCat(FormatFixed(value, 1), " %") : "–";
 }
 
@@ -168,9 +168,9 @@ Table FopdtTable(const Result& result) {
                ? "exact"
                : absl::StrCat(
                      element.shape == FopdtShape::kPoorFit ? "poor, " : "",
-                     "residual ", Percent(100.0 * element.relative_rms),
+                     "residual ", PercentOrDash(100.0 * element.relative_rms),
                      ", at most ",
-                     Percent(100.0 * element.largest_difference))});
+                     PercentOrDash(100.0 * element.largest_difference))});
       if (!element.second_order.has_value()) continue;
       const SopdtFit& second = *element.second_order;
       table.AddRow(
@@ -179,7 +179,7 @@ Table FopdtTable(const Result& result) {
                         ", damping ", FormatSignificant(second.damping, 3)),
            FormatSignificant(second.delay, 4),
            absl::StrCat("at most ",
-                        Percent(100.0 * second.largest_difference))});
+                        PercentOrDash(100.0 * second.largest_difference))});
     }
   }
   return table;
@@ -205,10 +205,10 @@ Table ValidationTable(const Result& result) {
   };
   for (int i = 0; i < result.initial.num_outputs(); ++i) {
     add(i, "controller's",
-        [](const auto& score) { return Percent(score.initial); });
+        [](const auto& score) { return PercentOrDash(score.initial); });
     if (!held_out) continue;
     add(i, "corrected",
-        [](const auto& score) { return Percent(score.corrected); });
+        [](const auto& score) { return PercentOrDash(score.corrected); });
     add(i, "gain", [&](const HorizonScore& score) {
       return std::isfinite(score.gain)
                  ? absl::StrCat(WithError(result, 100.0 * score.gain,
@@ -378,8 +378,8 @@ Table FitTable(const Result& result) {
   for (int i = 0; i < result.initial.num_outputs(); ++i) {
     const HorizonScore& score = validation.outputs[i].several_steps;
     std::vector<std::string> row = {result.initial.outputs()[i].name,
-                                    Percent(score.initial)};
-    if (validation.held_out) row.push_back(Percent(score.corrected));
+                                    PercentOrDash(score.initial)};
+    if (validation.held_out) row.push_back(PercentOrDash(score.corrected));
     table.AddRow(std::move(row));
   }
   return table;

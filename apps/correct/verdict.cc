@@ -10,6 +10,7 @@
 #include "absl/strings/str_join.h"
 #include "apps/correct/advice.h"
 #include "apps/report/number.h"
+#include "mle/base/double_limits.h"
 
 namespace mle::correct {
 namespace {
@@ -18,9 +19,7 @@ using report::FormatFixed;
 using report::FormatProbability;
 using report::FormatSignificant;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
-std::string Percent(double value) {
+std::string PercentInWords(double value) {
   return std::isfinite(value) ? absl::StrCat(FormatFixed(value, 1), " %")
                               : "unknown";
 }
@@ -32,7 +31,7 @@ double HalfWidth(const ParameterEstimate& estimate) {
   return 0.5 * (estimate.upper - estimate.lower);
 }
 
-std::string WithInterval(const ParameterEstimate& estimate) {
+std::string WithHalfWidth(const ParameterEstimate& estimate) {
   return absl::StrCat(FormatSignificant(estimate.value), " ± ",
                       report::FormatHalfWidth(HalfWidth(estimate)));
 }
@@ -151,7 +150,7 @@ std::string DescribeChange(const ElementEstimate& element,
     if (HasMoved(estimate)) {
       moved.push_back(absl::StrCat(name, " ",
                                    FormatSignificant(estimate.initial), " → ",
-                                   WithInterval(estimate), change));
+                                   WithHalfWidth(estimate), change));
     } else {
       stayed.push_back(name);
     }
@@ -217,9 +216,10 @@ void AddChangedElements(const Result& result, std::vector<Finding>& findings) {
         continue;
       }
       const double change = 100.0 * result.change.elements(i, j);
-      findings.push_back({"response_change", pair, change, "%", kNaN, kNaN,
-                          absl::StrCat(pair, ": the step response changes by ",
-                                       Percent(change), " of its size.")});
+      findings.push_back(
+          {"response_change", pair, change, "%", kNaN, kNaN,
+           absl::StrCat(pair, ": the step response changes by ",
+                        PercentInWords(change), " of its size.")});
     }
   }
 }
@@ -271,11 +271,11 @@ void AddFits(const Result& result, std::vector<Finding>& findings) {
   for (int i = 0; i < result.initial.num_outputs(); ++i) {
     const OutputScores& output = validation.outputs[i];
     const std::string& name = result.initial.outputs()[i].name;
-    parts.push_back(
-        absl::StrCat(name, " ", Percent(output.several_steps.corrected), " (",
-                     Percent(output.several_steps.initial), "), simulated ",
-                     Percent(output.simulated.corrected), " (",
-                     Percent(output.simulated.initial), ")"));
+    parts.push_back(absl::StrCat(
+        name, " ", PercentInWords(output.several_steps.corrected), " (",
+        PercentInWords(output.several_steps.initial), "), simulated ",
+        PercentInWords(output.simulated.corrected), " (",
+        PercentInWords(output.simulated.initial), ")"));
     findings.push_back({"fit_several_steps", name,
                         output.several_steps.corrected, "%", kNaN, kNaN, ""});
     findings.push_back({"fit_simulated", name, output.simulated.corrected, "%",
@@ -351,7 +351,7 @@ std::vector<Finding> Findings(const Result& result) {
     const double relative = 100.0 * result.change.relative;
     findings.push_back(
         {"response_change", "", relative, "%", kNaN, kNaN,
-         absl::StrCat("The step responses change by ", Percent(relative),
+         absl::StrCat("The step responses change by ", PercentInWords(relative),
                       " of their norm (E = ",
                       FormatSignificant(result.change.total), ").")});
   }

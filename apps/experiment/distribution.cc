@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <random>
+
+#include "mle/base/double_limits.h"
 
 namespace mle::experiment {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr int kResamples = 1000;
 
 double MeanOf(const std::vector<double>& values) {

@@ -26,7 +26,7 @@ bool Updates(const PolicySummary& policy) {
   return IsReal(policy) && policy.policy.kind != Policy::Kind::kNever;
 }
 
-std::string Lives(std::size_t count) {
+std::string CountOfLives(std::size_t count) {
   return count == 1 ? std::string("one life") : absl::StrCat(count, " lives");
 }
 
@@ -73,7 +73,8 @@ std::string HeadlineAt(const RateSummary& rate, Answer answer,
       return "Leave the model as it is: no update saves money";
     case Answer::kCannotTell:
       return absl::StrCat(
-          "Whether updating the model pays cannot be told from ", Lives(lives));
+          "Whether updating the model pays cannot be told from ",
+          CountOfLives(lives));
     case Answer::kNoNever:
       return absl::StrCat("Cheapest of the updates compared: ",
                           ShortName(rate.Cheapest()->policy));
@@ -105,7 +106,7 @@ std::string SavingSentence(const RateSummary& rate, const std::string& currency,
   if (best == nullptr || never == nullptr || never == best) return "";
   if (never->ran_away > 0) {
     return absl::StrCat("Without updates the loop diverged in ",
-                        never->ran_away, " of ", Lives(lives), ".");
+                        never->ran_away, " of ", CountOfLives(lives), ".");
   }
   const std::string saved = Money(best->saving, currency);
   if (answer == Answer::kCannotTell) {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "apps/lifecycle/performance.h"
+#include "mle/base/double_limits.h"
 #include "mle/base/status.h"
 
 namespace mle::lifecycle {
@@ -12,7 +13,6 @@ namespace {
 
 using Kind = Policy::Kind;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 // A squared error that is none.
 constexpr double kRounding = 1e-18;
 // The record with about `share` of its samples, evenly spread; the others'

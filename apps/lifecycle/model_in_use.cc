@@ -2,15 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "mle/base/double_limits.h"
 #include "mle/base/status.h"
 #include "mle/nonlinear/fopdt_fit.h"
 
 namespace mle::lifecycle {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 // The larger of both, NaN if either is.
 double Larger(double a, double b) {

@@ -100,7 +100,8 @@ std::vector<Option> LifeOptionsOf(Request& request) {
   };
 }
 
-std::vector<Option> OptionsOf(OperationOptions& operation, Request& request) {
+std::vector<Option> PartOptionsOf(OperationOptions& operation,
+                                  Request& request) {
   control::MpcLimits& limits = operation.controller.limits;
   return {
       {"sample_time", &operation.sample_time,
@@ -150,7 +151,7 @@ std::vector<Option> SimulatedOptions(Request& request) {
   };
 }
 
-std::vector<Option> OptionsOf(LifeOptions& life, Request& request) {
+std::vector<Option> PartOptionsOf(LifeOptions& life, Request& request) {
   return {
       {"windows", &life.windows,
        "A correction uses the records of this many last set-point changes.", "",
@@ -182,7 +183,7 @@ std::vector<Option> OptionsOf(LifeOptions& life, Request& request) {
   };
 }
 
-std::vector<Option> OptionsOf(StepTestOptions& test, Request& request) {
+std::vector<Option> PartOptionsOf(StepTestOptions& test, Request& request) {
   return {
       {"test_hold", &request.test_hold,
        "Duration of each step of a step test; 0: the model's settling time.",
@@ -206,19 +207,19 @@ void AddOptions(Request& request, OptionTable& table) {
   CorrectOptions& correct = life.update.correct;
   table.Add("Model and plant", PlantOptions(request));
   table.Add("Lives", LifeOptionsOf(request));
-  table.Add("Operation", OptionsOf(life.operation, request));
+  table.Add("Operation", PartOptionsOf(life.operation, request));
   table.Add("Controller", mle::OptionsOf(life.operation.controller));
   table.Add("Controller", Only(mle::OptionsOf(life.operation.controller.limits),
                                {"output_limit_cost"}));
   table.Add("Simulation", SimulatedOptions(request));
-  table.Add("Corrections", OptionsOf(life, request));
+  table.Add("Corrections", PartOptionsOf(life, request));
   table.Add("Corrections", Only(mle::OptionsOf(correct.estimation),
                                 {"false_alarm_probability", "robust", "order",
                                  "conversion_samples", "solver"}));
   table.Add("Corrections",
             Only(mle::OptionsOf(correct.hold_out), {"validation_folds"}));
   table.Add("Corrections", mle::OptionsOf(correct.decision));
-  table.Add("Step tests", OptionsOf(life.test, request));
+  table.Add("Step tests", PartOptionsOf(life.test, request));
   table.Add("Prices", OptionsOf(request.prices));
   table.Add("Prices",
             {{"currency", CurrencyOf(request),

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kMaxChanges = 1e6;
 
-absl::Status Wrong(const std::string& part, const std::string& why) {
+absl::Status WrongPart(const std::string& part, const std::string& why) {
   return absl::InvalidArgumentError(absl::StrCat("'", part, "': ", why));
 }
 
@@ -26,7 +26,7 @@ absl::StatusOr<double> Argument(const std::string& part, double none) {
   double value = 0.0;
   if (!absl::SimpleAtod(part.substr(colon + 1), &value) ||
       !std::isfinite(value)) {
-    return Wrong(
+    return WrongPart(
         part, absl::StrCat("'", part.substr(colon + 1), "' is not a number"));
   }
   return value;
@@ -39,9 +39,9 @@ absl::StatusOr<Policy> ParseCorrection(const std::string& part,
   policy.estimator = estimator;
   MLE_ASSIGN_OR_RETURN(const double every, Argument(part, 1.0));
   if (!(every >= 1.0) || every > kMaxChanges || every != std::floor(every)) {
-    return Wrong(part,
-                 "after the colon a whole number of set-point changes "
-                 "≥ 1 is needed");
+    return WrongPart(part,
+                     "after the colon a whole number of set-point changes "
+                     "≥ 1 is needed");
   }
   policy.every = static_cast<int>(every);
   policy.name = absl::StrCat(std::string(NameOf(estimator)), ":", policy.every);
@@ -59,7 +59,7 @@ absl::StatusOr<Policy> ParsePolicy(const std::string& part) {
   Policy policy;
   policy.name = part;
   if (kind == "never" || kind == "perfect") {
-    if (kind != part) return Wrong(part, "takes no number");
+    if (kind != part) return WrongPart(part, "takes no number");
     policy.kind =
         kind == "never" ? Policy::Kind::kNever : Policy::Kind::kPerfect;
     return policy;
@@ -68,19 +68,19 @@ absl::StatusOr<Policy> ParsePolicy(const std::string& part) {
     policy.kind = Policy::Kind::kTest;
     MLE_ASSIGN_OR_RETURN(policy.months, Argument(part, 0.0));
     if (policy.months > 0.0) return policy;
-    return Wrong(part,
-                 "after a colon the months from test to test are needed, "
-                 "> 0: test:12");
+    return WrongPart(part,
+                     "after a colon the months from test to test are needed, "
+                     "> 0: test:12");
   }
   if (kind == "on_demand") {
     policy.kind = Policy::Kind::kOnDemand;
     MLE_ASSIGN_OR_RETURN(policy.threshold, Argument(part, 0.0));
     if (policy.threshold > 0.0 && policy.threshold < 1.0) return policy;
-    return Wrong(part,
-                 "after a colon a threshold of the performance index "
-                 "between 0 and 1 is needed: on_demand:0.7");
+    return WrongPart(part,
+                     "after a colon a threshold of the performance index "
+                     "between 0 and 1 is needed: on_demand:0.7");
   }
-  return Wrong(
+  return WrongPart(
       part, absl::StrCat(
                 DidYouMean(kind, {"never", "perfect", "output_error",
                                   "combined", "arx", "test", "on_demand"}),
@@ -97,7 +97,7 @@ absl::StatusOr<std::vector<Policy>> ParsePolicies(std::string_view text) {
     const bool known =
         std::any_of(policies.begin(), policies.end(),
                     [&](const Policy& p) { return p.name == policy.name; });
-    if (known) return Wrong(part, "stands twice");
+    if (known) return WrongPart(part, "stands twice");
     policies.push_back(std::move(policy));
   }
   if (policies.empty()) {

@@ -31,7 +31,7 @@ const std::set<std::string> kNotOfALife = {
     "figures",  "threads", "hours_per_update", "hours_per_test",
     "currency"};
 
-absl::Status Wrong(const char* option, const std::string& message) {
+absl::Status WrongOption(const char* option, const std::string& message) {
   return AboutOption(option, absl::InvalidArgumentError(message));
 }
 
@@ -81,18 +81,20 @@ absl::Status ReadModels(const Request& request, Campaign& campaign) {
 }
 
 absl::Status SetRates(const Request& request, Campaign& campaign) {
-  if (request.rates.empty()) return Wrong("ageing_rates", "names no rate");
+  if (request.rates.empty())
+    return WrongOption("ageing_rates", "names no rate");
   for (const double rate : request.rates) {
     if (std::count(campaign.rates.begin(), campaign.rates.end(), rate) > 0) {
-      return Wrong("ageing_rates", absl::StrCat("'", rate, "' stands twice"));
+      return WrongOption("ageing_rates",
+                         absl::StrCat("'", rate, "' stands twice"));
     }
     absl::StatusOr<sim::AgeingSchedule> scaled =
         sim::ScaleAgeing(campaign.ageing, rate);
     absl::Status status = scaled.status();
     if (status.ok()) status = scaled->Validate(campaign.plant);
     if (!status.ok()) {
-      return Wrong("ageing_rates",
-                   absl::StrCat("at ", rate, ": ", status.message()));
+      return WrongOption("ageing_rates",
+                         absl::StrCat("at ", rate, ": ", status.message()));
     }
     campaign.rates.push_back(rate);
   }
@@ -214,7 +216,7 @@ absl::Status CheckGaps(const Campaign& campaign) {
   const double needed = operation.Lead() + operation.after + test + watch;
   const double shortest = campaign.set_points.ShortestGap();
   if (needed <= shortest) return absl::OkStatus();
-  return Wrong(
+  return WrongOption(
       "change_every",
       absl::StrCat("changes follow each other after ", shortest, " ",
                    campaign.model.time_unit(),

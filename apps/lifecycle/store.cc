@@ -1,7 +1,6 @@
 #include "apps/lifecycle/store.h"
 
 #include <cmath>
-#include <limits>
 #include <string_view>
 #include <utility>
 
@@ -9,6 +8,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_replace.h"
 #include "apps/common/sha256.h"
+#include "mle/base/double_limits.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"
 #include "mle/model/json_text.h"
@@ -20,31 +20,30 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int kVersion = 2;
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-Json ToJson(const Eigen::VectorXd& values) {
+Json StoredJson(const Eigen::VectorXd& values) {
   Json list = Json::array();
   for (const double value : values) list.push_back(value);
   return list;
 }
 
-Json ToJson(const Sums& sums) {
+Json StoredJson(const Sums& sums) {
   return {{"time", sums.time},
-          {"squared_error", ToJson(sums.squared_error)},
-          {"absolute_error", ToJson(sums.absolute_error)},
-          {"violation", ToJson(sums.violation)},
-          {"movement", ToJson(sums.movement)}};
+          {"squared_error", StoredJson(sums.squared_error)},
+          {"absolute_error", StoredJson(sums.absolute_error)},
+          {"violation", StoredJson(sums.violation)},
+          {"movement", StoredJson(sums.movement)}};
 }
 
-Json ToJson(const ChangeRow& row) {
+Json StoredJson(const ChangeRow& row) {
   return {{"time", row.event.time},
           {"output", row.event.output},
-          {"before", ToJson(row.event.before)},
-          {"after", ToJson(row.event.after)},
-          {"quiet", ToJson(row.quiet)},
-          {"transient", ToJson(row.transient)},
-          {"test", ToJson(row.test)},
-          {"watch", ToJson(row.watch)},
+          {"before", StoredJson(row.event.before)},
+          {"after", StoredJson(row.event.after)},
+          {"quiet", StoredJson(row.quiet)},
+          {"transient", StoredJson(row.transient)},
+          {"test", StoredJson(row.test)},
+          {"watch", StoredJson(row.watch)},
           {"distance", row.error.distance},
           {"gain_error", row.error.gain},
           {"delay_error", row.error.delay},
@@ -131,7 +130,7 @@ std::string FormatLife(const LifeKey& key, const Settings& settings,
   Json json = KeyJson(key, settings);
   json["ended"] = life.ended;
   Json rows = Json::array();
-  for (const ChangeRow& row : life.rows) rows.push_back(ToJson(row));
+  for (const ChangeRow& row : life.rows) rows.push_back(StoredJson(row));
   json["rows"] = std::move(rows);
   json["sha256"] = std::string(kSumLength, '0');
   return WithChecksum(FormatJson(json));

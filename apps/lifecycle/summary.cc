@@ -1,14 +1,13 @@
 #include "apps/lifecycle/summary.h"
 
 #include <cmath>
-#include <limits>
 
+#include "mle/base/double_limits.h"
 #include "mle/nonlinear/distributions.h"
 
 namespace mle::lifecycle {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kLevel = 0.05;  // of the intervals, two-sided
 
 // Mean of the values that are known; NaN if none is.

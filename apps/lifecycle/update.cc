@@ -3,17 +3,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "mle/base/double_limits.h"
 #include "mle/base/status.h"
 #include "mle/model/process_model.h"
 
 namespace mle::lifecycle {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 // Where windows disagree, the plant may have aged in between: the oldest are
 // left out, down to so many.
 constexpr std::size_t kFewestWindows = 2;

@@ -58,7 +58,7 @@ constexpr std::string_view kCopy =
     "b.parentElement.querySelector('table'));"
     "say(document.execCommand('copy')?'Copied':'Selected: press Ctrl+C')})";
 
-std::string_view NameOf(Badge badge) {
+std::string_view BadgeName(Badge badge) {
   switch (badge) {
     case Badge::kGood:
       return "good";
@@ -72,7 +72,7 @@ std::string_view NameOf(Badge badge) {
 
 std::string RenderVerdict(const Verdict& verdict, const std::string& title) {
   std::string out = "<header class=\"verdict ";
-  out += NameOf(verdict.badge);
+  out += BadgeName(verdict.badge);
   out += "\">\n<p class=\"title\">" + title +
          "</p>\n<h1><span class=\"badge\">" + EscapeHtml(verdict.label) +
          "</span> " + EscapeHtml(WithSignsKept(verdict.headline)) + "</h1>\n";

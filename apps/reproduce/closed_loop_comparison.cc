@@ -132,7 +132,7 @@ Json Number(double value) {
   return std::isfinite(value) ? Json(value) : Json();
 }
 
-Json ToJson(const std::vector<LoopPerformance>& changes, bool noisy) {
+Json ChangesToJson(const std::vector<LoopPerformance>& changes, bool noisy) {
   if (changes.empty()) return Json();
   Json error = Json::array(), movement = Json::array();
   Json overshoot = Json::array(), settling = Json::array();
@@ -246,13 +246,13 @@ Json ClosedLoopJson(
       for (const ClosedLoopComparison* comparison : comparisons) {
         const LoopRun& run =
             noisy ? comparison->noisy[i] : comparison->noise_free[i];
-        Json one = ToJson(ChangesOf(run), noisy);
+        Json one = ChangesToJson(ChangesOf(run), noisy);
         if (!run.status.ok()) {
           one = {{"error", std::string(run.status.message())}};
         }
         runs.push_back(std::move(one));
       }
-      json[name][kLoopModelNames[i]] = {{"mean", ToJson(mean[i], noisy)},
+      json[name][kLoopModelNames[i]] = {{"mean", ChangesToJson(mean[i], noisy)},
                                         {"runs", std::move(runs)}};
     }
     const double truth = TotalError(mean[2]);

@@ -12,6 +12,8 @@
 
 namespace mle::serve {
 
+inline constexpr int kMostPort = 65'535;
+
 class Connection {
  public:
   // `is_needed`: whether others wait for a connection; `is_stopping`: whether

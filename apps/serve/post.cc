@@ -11,6 +11,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "apps/serve/connection.h"
 
 namespace mle::serve {
 namespace {
@@ -18,7 +19,6 @@ namespace {
 constexpr int kSeconds = 10;  // for a connection, and for a single read
 constexpr std::chrono::milliseconds kAgain(100);
 constexpr std::size_t kMostAnswer = 65'536;  // bytes that are read
-constexpr int kMostPort = 65'535;
 
 struct Url {
   std::string origin;  // "https://host:port"

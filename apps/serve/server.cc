@@ -20,7 +20,6 @@
 namespace mle::serve {
 namespace {
 
-constexpr int kMostPort = 65'535;
 constexpr absl::Duration kLastAnswers = absl::Seconds(5);
 constexpr std::size_t kBlock = 65'536;
 

@@ -1,6 +1,6 @@
 #include "apps/simulate/condition_options.h"
 
-#include <limits>
+#include "mle/base/double_limits.h"
 
 namespace mle::simulate {
 
@@ -39,7 +39,6 @@ std::vector<Option> OptionsOf(sim::InputDisturbanceOptions& options) {
 }
 
 std::vector<Option> OptionsOf(sim::ValveLimits& limits) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   return {
       {"valve_min", LimitOfEachInput(&limits.min, -kInfinity),
        "Lower limits of the plant's valves, which the controller does not "

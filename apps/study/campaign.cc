@@ -26,19 +26,19 @@ using experiment::CheckScenarios;
 using experiment::ExperimentOptions;
 using experiment::Grid;
 
-using Json = nlohmann::json;
+using ParsedJson = nlohmann::json;
 
-absl::StatusOr<Json> ReadModelJson(const std::string& path) {
+absl::StatusOr<ParsedJson> ReadModelJson(const std::string& path) {
   MLE_ASSIGN_OR_RETURN(const ModelFile file, ReadModelFile(path));
-  return Json::parse(FormatProcessModel(file.process));
+  return ParsedJson::parse(FormatProcessModel(file.process));
 }
 
 // Whose keys and channels must be right for all models of the campaign, if
 // these are.
-absl::StatusOr<Json> ReadEffectsFile(const std::string& path,
-                                     const JsonNode& campaign) {
+absl::StatusOr<ParsedJson> ReadEffectsFile(const std::string& path,
+                                           const JsonNode& campaign) {
   MLE_ASSIGN_OR_RETURN(const std::string text, ReadFile(path));
-  MLE_ASSIGN_OR_RETURN(Json json, ParseStrictJson(text, path));
+  MLE_ASSIGN_OR_RETURN(ParsedJson json, ParseStrictJson(text, path));
   if (!campaign.Has("models")) return json;
   const auto models = ParseModels(campaign.At("models"));
   if (!models.ok()) return json;
@@ -46,17 +46,18 @@ absl::StatusOr<Json> ReadEffectsFile(const std::string& path,
   return json;
 }
 
-using FileReader = std::function<absl::StatusOr<Json>(const std::string&)>;
+using FileReader =
+    std::function<absl::StatusOr<ParsedJson>(const std::string&)>;
 
 // Replaces the file that `key` of `entry` names by what it holds, under
 // `new_key`. What stands there itself is left.
 absl::Status ReadIn(const JsonNode& node, const std::string& key,
                     const std::string& new_key, const std::string& folder,
-                    const FileReader& read, Json& entry) {
+                    const FileReader& read, ParsedJson& entry) {
   MLE_ASSIGN_OR_RETURN(std::string path, node.At(key).Text());
   const bool relative = path.rfind('/', 0) != 0;
   if (relative && !folder.empty()) path = absl::StrCat(folder, "/", path);
-  absl::StatusOr<Json> content = read(path);
+  absl::StatusOr<ParsedJson> content = read(path);
   if (!content.ok()) {
     return node.At(key).Fault(std::string(content.status().message()));
   }
@@ -70,7 +71,7 @@ absl::Status ReadIn(const JsonNode& node, const std::string& key,
 absl::Status ReadInList(const JsonNode& campaign, const std::string& list,
                         const std::string& key, const std::string& new_key,
                         const std::string& folder, const FileReader& read,
-                        Json& resolved) {
+                        ParsedJson& resolved) {
   if (!campaign.Has(list) || !campaign.At(list).json().is_array() ||
       campaign.At(list).json().empty()) {
     return absl::OkStatus();
@@ -126,7 +127,7 @@ absl::Status ParseSettings(const JsonNode& node, Campaign& campaign) {
     MLE_RETURN_IF_ERROR(ReadOptionsOnly(node.At("conversion"), {},
                                         ConversionOptionsOf(settings)));
   }
-  const Json paper_grid = {{"max", 1e-2}, {"step", 1e-6}};
+  const ParsedJson paper_grid = {{"max", 1e-2}, {"step", 1e-6}};
   MLE_ASSIGN_OR_RETURN(
       settings.correction.lambdas,
       ParseLambdaGrid(node.Has("lambda_grid") ? node.At("lambda_grid")
@@ -139,12 +140,12 @@ absl::Status ParseSettings(const JsonNode& node, Campaign& campaign) {
 absl::StatusOr<std::string> ResolveCampaign(std::string_view text,
                                             const std::string& source,
                                             const std::string& folder) {
-  MLE_ASSIGN_OR_RETURN(const Json json, ParseStrictJson(text, source));
+  MLE_ASSIGN_OR_RETURN(const ParsedJson json, ParseStrictJson(text, source));
   const JsonNode node(json, source);
   if (!json.is_object()) {
     return node.Fault(absl::StrCat("must be an object, is ", node.Found()));
   }
-  Json resolved = json;
+  ParsedJson resolved = json;
   MLE_RETURN_IF_ERROR(ReadInList(node, "models", "file", "model", folder,
                                  ReadModelJson, resolved));
   MLE_RETURN_IF_ERROR(ReadInList(node, "mismatches", "plant", "plant", folder,
@@ -159,7 +160,8 @@ absl::StatusOr<std::string> ResolveCampaign(std::string_view text,
 
 absl::StatusOr<Campaign> ParseCampaign(std::string_view resolved,
                                        const std::string& source) {
-  MLE_ASSIGN_OR_RETURN(const Json json, ParseStrictJson(resolved, source));
+  MLE_ASSIGN_OR_RETURN(const ParsedJson json,
+                       ParseStrictJson(resolved, source));
   const JsonNode node(json, source);
   MLE_RETURN_IF_ERROR(node.CheckKeys(
       {"version", "name", "seeds", "models", "mismatches"},

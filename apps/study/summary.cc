@@ -4,10 +4,10 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
-#include <limits>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "mle/base/double_limits.h"
 #include "mle/base/status.h"
 
 namespace mle::study {
@@ -22,7 +22,6 @@ using experiment::Metric;
 using experiment::ParseRow;
 using experiment::Row;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 // What figures show of a cell, and of how many cells.
 constexpr std::size_t kShownValues = 2000;
 constexpr std::int64_t kShownCells = 64;

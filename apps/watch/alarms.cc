@@ -21,16 +21,16 @@
 namespace mle::watch {
 namespace {
 
-constexpr absl::Duration kLongest = absl::Minutes(2);
+constexpr absl::Duration kLongestCommand = absl::Minutes(2);
 constexpr int kMostFailures = 3;       // in a row
 constexpr std::size_t kMailLine = 76;  // characters
 
 absl::Status RunHandler(const std::string& program,
                         const std::vector<std::string>& arguments,
                         const std::string& text) {
-  MLE_ASSIGN_OR_RETURN(
-      const report::ProcessResult run,
-      report::RunProcess(program, arguments, text, {.time_limit = kLongest}));
+  MLE_ASSIGN_OR_RETURN(const report::ProcessResult run,
+                       report::RunProcess(program, arguments, text,
+                                          {.time_limit = kLongestCommand}));
   if (run.exit_code == 0) return absl::OkStatus();
   return absl::UnavailableError(absl::StrCat(
       "exit code ", run.exit_code, ": ", absl::StripAsciiWhitespace(run.err)));
@@ -68,7 +68,7 @@ bool IsUsed(const AlarmTargets& targets, Channel channel) {
 }
 
 // The flag; a web address may be secret.
-std::string OptionOf(const AlarmTargets& targets, Channel channel) {
+std::string OptionOfChannel(const AlarmTargets& targets, Channel channel) {
   switch (channel) {
     case Channel::kCommand:
       return absl::StrCat("--alarm_command=", targets.command);
@@ -104,7 +104,7 @@ absl::StatusOr<std::string> HandOnThrough(const AlarmTargets& targets,
     MLE_RETURN_IF_ERROR(state.SetDelivery(pending.alarm.id, delivery));
     failures = status.ok() ? 0 : failures + 1;
     if (fault.empty() && !status.ok()) {
-      fault = absl::StrCat(OptionOf(targets, channel), ": the alarm of ",
+      fault = absl::StrCat(OptionOfChannel(targets, channel), ": the alarm of ",
                            pending.controller,
                            " was not taken: ", status.message());
     }

@@ -23,14 +23,14 @@ static_assert(std::endian::native == std::endian::little,
 constexpr char kPacked = 0;
 constexpr char kUnpacked = 1;
 
-void Put(double value, std::string& bytes) {
+void PutDouble(double value, std::string& bytes) {
   const auto kept = static_cast<float>(value);
   char raw[sizeof(kept)];
   std::memcpy(raw, &kept, sizeof(kept));
   bytes.append(raw, sizeof(kept));
 }
 
-double Take(std::string_view& bytes) {
+double TakeDouble(std::string_view& bytes) {
   float value = 0.0F;
   std::memcpy(&value, bytes.data(), sizeof(value));
   bytes.remove_prefix(sizeof(value));
@@ -50,19 +50,20 @@ std::size_t UnpackedSize(std::size_t n) {
 // In single precision: score, and the lower triangle of the information row by
 // row.
 void PutPart(const ScorePart& part, std::string& bytes) {
-  for (const double value : part.score) Put(value, bytes);
+  for (const double value : part.score) PutDouble(value, bytes);
   for (Eigen::Index r = 0; r < part.score.size(); ++r) {
-    for (Eigen::Index c = 0; c <= r; ++c) Put(part.information(r, c), bytes);
+    for (Eigen::Index c = 0; c <= r; ++c)
+      PutDouble(part.information(r, c), bytes);
   }
 }
 
 ScorePart TakePart(std::size_t n, std::string_view bytes) {
   const auto size = static_cast<Eigen::Index>(n);
   ScorePart part = {Eigen::VectorXd(size), Eigen::MatrixXd(size, size)};
-  for (double& value : part.score) value = Take(bytes);
+  for (double& value : part.score) value = TakeDouble(bytes);
   for (Eigen::Index r = 0; r < size; ++r) {
     for (Eigen::Index c = 0; c <= r; ++c) {
-      part.information(r, c) = part.information(c, r) = Take(bytes);
+      part.information(r, c) = part.information(c, r) = TakeDouble(bytes);
     }
   }
   return part;
@@ -103,8 +104,9 @@ std::string EncodeBatch(const StoredBatch& batch) {
   const auto put = packed ? Pack : PutPart;
   if (scores.largest.has_value()) put(*scores.largest, bytes);
   put(all, bytes);
-  Put(batch.evidence.log_output, bytes);
-  for (const double value : batch.evidence.log_elements) Put(value, bytes);
+  PutDouble(batch.evidence.log_output, bytes);
+  for (const double value : batch.evidence.log_elements)
+    PutDouble(value, bytes);
   return bytes;
 }
 
@@ -135,9 +137,9 @@ absl::StatusOr<StoredBatch> DecodeBatch(std::string_view bytes) {
   bytes.remove_prefix(part);
   stored.batch.score = std::move(all.score);
   stored.batch.information = std::move(all.information);
-  stored.evidence.log_output = Take(bytes);
+  stored.evidence.log_output = TakeDouble(bytes);
   for (std::size_t e = 0; e < n / 3; ++e) {
-    stored.evidence.log_elements.push_back(Take(bytes));
+    stored.evidence.log_elements.push_back(TakeDouble(bytes));
   }
   return stored;
 }

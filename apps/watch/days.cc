@@ -2,18 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <set>
 
 #include "absl/strings/escaping.h"
 #include "absl/strings/string_view.h"
 #include "apps/common/sha256.h"
+#include "mle/base/double_limits.h"
 #include "mle/data/civil_time.h"
 
 namespace mle::watch {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kChecksumBytes = 16;
 constexpr std::size_t kDateLength = 10;
 

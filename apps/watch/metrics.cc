@@ -68,7 +68,7 @@ void AddHealth(const std::vector<Report>& reports, Metrics& metrics) {
   }
 }
 
-void AddAlarms(const std::vector<Report>& reports, Metrics& metrics) {
+void AddAlarmMetrics(const std::vector<Report>& reports, Metrics& metrics) {
   metrics.Begin("alarms", "Alarms that were raised for the model.");
   for (const Report& report : reports) {
     const std::vector<Alarm>& alarms = report.watch->alarms;
@@ -113,7 +113,7 @@ std::string FormatMetrics(const std::vector<Report>& reports,
     }
   }
   AddHealth(reports, metrics);
-  AddAlarms(reports, metrics);
+  AddAlarmMetrics(reports, metrics);
   metrics.Begin("last_day_timestamp_seconds",
                 "Begin of the last day that was looked at.");
   for (const Report& report : reports) {

@@ -87,8 +87,8 @@ void AddAcknowledging(const Alarm& alarm, report::HtmlPage& page) {
   page.CloseFold();
 }
 
-void AddAlarms(const Report& report, bool can_acknowledge,
-               report::HtmlPage& page) {
+void AddAlarmRows(const Report& report, bool can_acknowledge,
+                  report::HtmlPage& page) {
   page.AddHeading("Alarms");
   if (report.watch->alarms.empty()) {
     page.AddParagraph("None was raised.");
@@ -166,7 +166,7 @@ std::string FormatControllerPage(const Report& report,
   if (!report.watch->news.empty() && report.sentence != report.watch->news) {
     page.AddWarning(report.watch->news);
   }
-  AddAlarms(report, can_acknowledge, page);
+  AddAlarmRows(report, can_acknowledge, page);
   AddProposals(report, folder, page);
   if (!report.elements.empty()) {
     page.AddHeading("Elements");

@@ -39,7 +39,7 @@ struct Clear {
 };
 using Result = std::unique_ptr<PGresult, Clear>;
 
-absl::Status ErrorOf(PGconn* connection, const PGresult* result) {
+absl::Status PostgresqlError(PGconn* connection, const PGresult* result) {
   const char* const state = result == nullptr
                                 ? nullptr
                                 : PQresultErrorField(result, PG_DIAG_SQLSTATE);
@@ -154,7 +154,7 @@ class PostgresqlStatement : public StatementBackend {
     if (status == PGRES_TUPLES_OK || status == PGRES_COMMAND_OK) {
       return absl::OkStatus();
     }
-    return ErrorOf(connection_, result_.get());
+    return PostgresqlError(connection_, result_.get());
   }
 
   PGconn* connection_;
@@ -177,7 +177,7 @@ class PostgresqlDatabase : public DatabaseBackend {
     if (status == PGRES_TUPLES_OK || status == PGRES_COMMAND_OK) {
       return absl::OkStatus();
     }
-    return ErrorOf(connection_.get(), result.get());
+    return PostgresqlError(connection_.get(), result.get());
   }
   absl::StatusOr<std::unique_ptr<StatementBackend>> Prepare(
       std::string_view statement) override {
@@ -267,7 +267,7 @@ absl::StatusOr<std::unique_ptr<DatabaseBackend>> OpenPostgresqlState(
   auto database =
       std::make_unique<PostgresqlDatabase>(PQconnectdb(parameters.c_str()));
   if (PQstatus(database->connection()) != CONNECTION_OK) {
-    return ErrorOf(database->connection(), nullptr);
+    return PostgresqlError(database->connection(), nullptr);
   }
   PQsetNoticeProcessor(
       database->connection(), [](void*, const char*) {}, nullptr);

@@ -33,7 +33,7 @@ namespace {
 
 constexpr int kMostDays = 60;
 constexpr int kAgainAfter = 14;
-constexpr absl::Duration kLongest = absl::Hours(1);
+constexpr absl::Duration kLongestCorrection = absl::Hours(1);
 
 // The options of mle_correct, by name.
 using Options = std::vector<std::pair<std::string, std::string>>;
@@ -104,7 +104,7 @@ absl::Status Correction::Prepare(const Options& options) {
   request_.model_file = model_;
   request_.model = model_.process;
   request_.options.threads = 1;
-  const absl::Time until = absl::Now() + kLongest;
+  const absl::Time until = absl::Now() + kLongestCorrection;
   request_.options.progress = [until](const RunProgress&) {
     return absl::Now() < until;
   };

@@ -30,7 +30,6 @@ namespace mle::watch {
 namespace {
 
 using serve::PlainResponse;
-using serve::Request;
 using serve::Response;
 
 constexpr char kHtml[] = "text/html; charset=utf-8";
@@ -118,8 +117,8 @@ std::string ValueOf(const std::map<std::string, std::string>& fields,
 }
 
 // A day since 1970 from "2024-02-29"; `otherwise` where nothing is given.
-absl::StatusOr<int> DayFrom(const Request& request, const std::string& name,
-                            int otherwise) {
+absl::StatusOr<int> DayFrom(const serve::Request& request,
+                            const std::string& name, int otherwise) {
   const std::string text = ValueOf(request.query, name);
   if (text.empty()) return otherwise;
   const auto civil =
@@ -133,7 +132,7 @@ absl::StatusOr<int> DayFrom(const Request& request, const std::string& name,
 
 class Router {
  public:
-  Router(Site& site, const serve::Access& access, const Request& request)
+  Router(Site& site, const serve::Access& access, const serve::Request& request)
       : site_(site),
         access_(access),
         request_(request),
@@ -343,7 +342,7 @@ class Router {
 
   Site& site_;
   const serve::Access& access_;
-  const Request& request_;
+  const serve::Request& request_;
   const std::shared_ptr<const Snapshot> snapshot_;
 };
 

@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kBusyMilliseconds = 10'000;
 
-absl::Status ErrorOf(sqlite3* database, int code) {
+absl::Status SqliteError(sqlite3* database, int code) {
   const std::string message =
       absl::StrCat("state: ", sqlite3_db_filename(database, "main"), ": ",
                    sqlite3_errmsg(database));
@@ -54,11 +54,11 @@ class SqliteStatement : public StatementBackend {
   }
   absl::StatusOr<bool> Next() override {
     sqlite3* const database = sqlite3_db_handle(statement_.get());
-    if (bound_ != SQLITE_OK) return ErrorOf(database, bound_);
+    if (bound_ != SQLITE_OK) return SqliteError(database, bound_);
     const int code = sqlite3_step(statement_.get());
     if (code == SQLITE_ROW) return true;
     if (code == SQLITE_DONE) return false;
-    return ErrorOf(database, code);
+    return SqliteError(database, code);
   }
   std::int64_t Integer(int column) const override {
     return sqlite3_column_int64(statement_.get(), column);
@@ -104,7 +104,7 @@ class SqliteDatabase : public DatabaseBackend {
     const int code = sqlite3_exec(database_.get(), statements.c_str(), nullptr,
                                   nullptr, nullptr);
     return code == SQLITE_OK ? absl::OkStatus()
-                             : ErrorOf(database_.get(), code);
+                             : SqliteError(database_.get(), code);
   }
   absl::StatusOr<std::unique_ptr<StatementBackend>> Prepare(
       std::string_view statement) override {
@@ -112,7 +112,7 @@ class SqliteDatabase : public DatabaseBackend {
     const int code = sqlite3_prepare_v2(database_.get(), statement.data(),
                                         static_cast<int>(statement.size()),
                                         &prepared, nullptr);
-    if (code != SQLITE_OK) return ErrorOf(database_.get(), code);
+    if (code != SQLITE_OK) return SqliteError(database_.get(), code);
     return std::make_unique<SqliteStatement>(prepared);
   }
   const char* Begin() const override { return "BEGIN IMMEDIATE"; }

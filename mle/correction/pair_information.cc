@@ -5,6 +5,7 @@
 
 #include "Eigen/LU"
 #include "absl/strings/str_cat.h"
+#include "mle/base/double_limits.h"
 #include "mle/base/status.h"
 
 namespace mle {
@@ -13,7 +14,6 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // A gain of zero has no relative error: then that of one unit.
 double Relative(double error, double value) {
   return value == 0.0 ? error : error / std::abs(value);

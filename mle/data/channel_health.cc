@@ -5,15 +5,15 @@
 #include <limits>
 
 #include "glog/logging.h"
+#include "mle/base/double_limits.h"
 #include "mle/data/quantum.h"
 #include "mle/data/robust_statistics.h"
 
 namespace mle {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 // Means of equal samples differ by rounding.
-constexpr double kEqual = 1e-12;
+constexpr double kEqualSamples = 1e-12;
 // Probability that a freeze is found in a record where there is none.
 constexpr double kFalseFreeze = 1e-4;
 // Of the largest sample: what a smooth signal changes by when it has settled.
@@ -25,7 +25,7 @@ constexpr double kHoldFactor = 3.0;
 constexpr int kMinSaturated = 10;
 
 bool Same(double a, double b, double scale) {
-  return std::abs(a - b) <= kEqual * scale;
+  return std::abs(a - b) <= kEqualSamples * scale;
 }
 
 double ScaleOf(const SampleRow& row) {
@@ -222,7 +222,7 @@ bool IsConstant(const std::vector<Record>& records, bool is_output,
     }
   }
   return low <= high &&
-         high - low <= kEqual * std::max(std::abs(low), std::abs(high));
+         high - low <= kEqualSamples * std::max(std::abs(low), std::abs(high));
 }
 
 ChannelHealth CheckChannel(const std::vector<Record>& records,

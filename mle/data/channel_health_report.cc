@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::size_t kShownRuns = 5;
 
-int Count(const std::vector<SampleRun>& runs) {
+int SamplesIn(const std::vector<SampleRun>& runs) {
   int samples = 0;
   for (const SampleRun& run : runs) samples += run.samples;
   return samples;
@@ -35,9 +35,9 @@ std::string ShowRuns(const std::vector<SampleRun>& runs,
 
 }  // namespace
 
-int ChannelHealth::frozen_samples() const { return Count(frozen); }
+int ChannelHealth::frozen_samples() const { return SamplesIn(frozen); }
 
-int ChannelHealth::saturated_samples() const { return Count(saturated); }
+int ChannelHealth::saturated_samples() const { return SamplesIn(saturated); }
 
 bool ChannelHealth::is_healthy() const {
   return bad == 0 && !is_constant && frozen.empty() && saturated.empty() &&

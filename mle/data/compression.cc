@@ -31,7 +31,7 @@ constexpr double kLeastSizes = 0.3;  // different ones among the steps
 constexpr int kMostDigits = 9;
 constexpr std::size_t kSamplesForDigits = 5000;
 
-double ScaleOf(const std::vector<SampleRow>& rows) {
+double ScaleOfRows(const std::vector<SampleRow>& rows) {
   double scale = 0.0;
   for (const SampleRow& row : rows) {
     for (const double value : row) {
@@ -225,7 +225,7 @@ double Compression::ArchivedShare() const {
 
 Compression FindCompression(const std::vector<SampleRow>& rows, Holding own) {
   Compression found;
-  const double scale = ScaleOf(rows);
+  const double scale = ScaleOfRows(rows);
   const double digit = 2.01 * LastDigit(rows);
   const bool lines =
       digit > kDouble * scale

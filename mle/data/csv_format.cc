@@ -15,13 +15,13 @@ namespace {
 
 constexpr std::string_view kSeparators = ",;\t";
 
-const char* NameOf(char separator) {
+const char* SeparatorName(char separator) {
   return separator == ',' ? "comma" : separator == ';' ? "semicolon" : "tab";
 }
 
 // Fields of the first row that are among `names`.
-int CountNames(const CsvHead& head, char separator,
-               const std::vector<std::string>& names) {
+int CountHeadNames(const CsvHead& head, char separator,
+                   const std::vector<std::string>& names) {
   std::istringstream in(head.text);
   CsvRows rows(in, head.source);
   rows.set_separator(separator);
@@ -114,7 +114,7 @@ absl::StatusOr<char> RecogniseSeparator(const CsvHead& head,
   int most = -1;
   bool is_tie = false;
   for (const char separator : found) {
-    const int count = CountNames(head, separator, names);
+    const int count = CountHeadNames(head, separator, names);
     is_tie = count == most || (is_tie && count < most);
     if (count > most) {
       most = count;
@@ -125,11 +125,12 @@ absl::StatusOr<char> RecogniseSeparator(const CsvHead& head,
   return OptionError(
       "separator",
       absl::StrCat(head.source, ": line ", head.line,
-                   ", column 1: the header has a ", NameOf(found[0]), " and a ",
-                   NameOf(found[1]),
+                   ", column 1: the header has a ", SeparatorName(found[0]),
+                   " and a ", SeparatorName(found[1]),
                    ", and either may stand between its columns; declare "
                    "separator = ",
-                   NameOf(found[0]), " or separator = ", NameOf(found[1])));
+                   SeparatorName(found[0]),
+                   " or separator = ", SeparatorName(found[1])));
 }
 
 absl::StatusOr<char> RecogniseDecimal(

@@ -297,6 +297,10 @@ bool IsUtf8(std::string_view text) {
   return true;
 }
 
+std::string QuotedCsvText(std::string_view text) {
+  return absl::StrCat("'", ShowCsvText(text), "'");
+}
+
 std::string ShowCsvText(std::string_view text) {
   std::string shown;
   while (!text.empty()) {

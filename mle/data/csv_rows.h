@@ -142,6 +142,8 @@ bool IsUtf8(std::string_view text);
 // `text` for a message: cut if long, its control characters and what is not
 // UTF-8 as \x01.
 std::string ShowCsvText(std::string_view text);
+// The same between ' and '.
+std::string QuotedCsvText(std::string_view text);
 
 }  // namespace mle
 

@@ -14,12 +14,12 @@ using std::string_view_literals::operator""sv;
 constexpr std::size_t kBlock = std::size_t{1} << 16;
 constexpr int kGzipOnly = 16;  // zlib: windowBits + 16 expects a gzip header
 
-struct Kind {
+struct KnownKind {
   std::string_view start;
   std::string_view meaning;
 };
 
-constexpr Kind kKinds[] = {
+constexpr KnownKind kKinds[] = {
     {"PAR1"sv,
      "a Parquet file; write it as CSV first (pandas: "
      "read_parquet(…).to_csv(…), DuckDB: COPY … TO 'x.csv')"sv},
@@ -113,7 +113,7 @@ class GunzipStream : public std::istream {
 }  // namespace
 
 std::string_view NotText(std::string_view start) {
-  for (const Kind& kind : kKinds) {
+  for (const KnownKind& kind : kKinds) {
     if (start.starts_with(kind.start)) return kind.meaning;
   }
   if (IsGzip(start)) return "compressed by gzip; unpack it";

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string_view>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "mle/base/double_limits.h"
 #include "mle/base/option_error.h"
 #include "mle/base/status.h"
 #include "mle/data/civil_time.h"
@@ -20,8 +20,6 @@ namespace mle {
 namespace {
 
 using Kind = RecordColumn::Kind;
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 std::string PlaceIn(const Table& table, std::size_t row) {
   return absl::StrCat(table.name, ": row ", row + 1);

@@ -11,13 +11,13 @@
 namespace mle {
 namespace {
 
-absl::Status Fault(const char* field, const std::string& value,
-                   const char* constraint) {
+absl::Status FieldFault(const char* field, const std::string& value,
+                        const char* constraint) {
   return absl::InvalidArgumentError(absl::StrCat(
       "historian: ", field, " is ", value, ", must be ", constraint));
 }
 
-const char* NameOf(char mark) {
+const char* MarkName(char mark) {
   return mark == ','    ? "comma"
          : mark == ';'  ? "semicolon"
          : mark == '.'  ? "point"
@@ -51,36 +51,38 @@ void AppendBad(const ChannelReport& channel, std::string& text) {
 absl::Status HistorianOptions::Validate(const ProcessModel& channels) const {
   if (separator != 0 && separator != ',' && separator != ';' &&
       separator != '\t') {
-    return Fault("separator", absl::StrCat("'", std::string(1, separator), "'"),
-                 "a comma, a semicolon or a tab");
+    return FieldFault("separator",
+                      absl::StrCat("'", std::string(1, separator), "'"),
+                      "a comma, a semicolon or a tab");
   }
   if (decimal != 0 && decimal != '.' && decimal != ',') {
-    return Fault("decimal", absl::StrCat("'", std::string(1, decimal), "'"),
-                 "a point or a comma");
+    return FieldFault("decimal",
+                      absl::StrCat("'", std::string(1, decimal), "'"),
+                      "a point or a comma");
   }
   if (lines_above_header < 0) {
-    return Fault("lines_above_header", absl::StrCat(lines_above_header),
-                 "not negative");
+    return FieldFault("lines_above_header", absl::StrCat(lines_above_header),
+                      "not negative");
   }
   if (rows_below_header < 0) {
-    return Fault("rows_below_header", absl::StrCat(rows_below_header),
-                 "not negative");
+    return FieldFault("rows_below_header", absl::StrCat(rows_below_header),
+                      "not negative");
   }
   if (!(sample_time >= 0.0) || !std::isfinite(sample_time)) {
-    return Fault("sample_time", absl::StrCat(sample_time),
-                 "positive, or 0 for the files' step");
+    return FieldFault("sample_time", absl::StrCat(sample_time),
+                      "positive, or 0 for the files' step");
   }
   if (!std::isfinite(max_gap)) {
-    return Fault("max_gap", absl::StrCat(max_gap), "finite");
+    return FieldFault("max_gap", absl::StrCat(max_gap), "finite");
   }
   if (max_samples < 2) {
-    return Fault("max_samples", absl::StrCat(max_samples), "at least 2");
+    return FieldFault("max_samples", absl::StrCat(max_samples), "at least 2");
   }
   if (limits.max_columns < 1 || limits.max_row_bytes < 16) {
-    return Fault("limits",
-                 absl::StrCat(limits.max_columns, " columns, ",
-                              limits.max_row_bytes, " bytes"),
-                 "at least 1 column and 16 bytes");
+    return FieldFault("limits",
+                      absl::StrCat(limits.max_columns, " columns, ",
+                                   limits.max_row_bytes, " bytes"),
+                      "at least 1 column and 16 bytes");
   }
   MLE_RETURN_IF_ERROR(TimeRange::Create(begin, end, clock).status());
   return columns.Validate(channels);
@@ -209,8 +211,8 @@ std::string HistorianReport::FullReport(const std::string& time_unit) const {
   for (const FileReport& file : files) {
     absl::StrAppend(&text, file.name, ": ", file.rows, " rows, ",
                     times.Span(file.first_time, file.last_time), ", times as ",
-                    file.time_form, ", separated by ", NameOf(file.separator),
-                    ", decimal ", NameOf(file.decimal), "\n");
+                    file.time_form, ", separated by ", MarkName(file.separator),
+                    ", decimal ", MarkName(file.decimal), "\n");
     if (file.num_ignored_columns > 0) {
       absl::StrAppend(
           &text, "  ", file.num_ignored_columns,

@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kLongestPeriod = 100;
 constexpr double kOnGrid = 0.9;  // share of moves at the period's instants
-constexpr int kLeastMoves = 20;
+constexpr int kLeastSpikeMoves = 20;
 constexpr double kUnusual = 5.0;
 constexpr double kOfAMove = 0.5;
 constexpr double kPercentile = 0.99;
@@ -76,7 +76,7 @@ double UnusualExcursion(const SampleRow& row, const std::vector<int>& moves) {
 int MovePeriod(const Record& record, int input, int& phase) {
   const std::vector<int> moves = MovesOf(record.inputs.row(input));
   phase = 0;
-  if (moves.size() < kLeastMoves) return 1;
+  if (moves.size() < kLeastSpikeMoves) return 1;
   const auto longest = static_cast<int>(std::min<std::size_t>(
       kLongestPeriod,
       static_cast<std::size_t>(record.samples()) / moves.size() + 1));

@@ -18,8 +18,8 @@ struct Move {
 };
 
 // Moves of an input from `begin` to `last`.
-std::vector<Move> MovesOf(const Record& record, int input, int begin,
-                          int last) {
+std::vector<Move> MovesOfInput(const Record& record, int input, int begin,
+                               int last) {
   std::vector<Move> moves;
   double held = std::numeric_limits<double>::quiet_NaN();
   for (int k = begin; k <= last; ++k) {
@@ -42,7 +42,7 @@ Eigen::MatrixXd ModelResidual(const Record& record, const ProcessModel& model,
   Eigen::MatrixXd residual = record.outputs.middleCols(begin, length);
   const int responses = std::min(settling + 2, length);
   for (int j = 0; j < model.num_inputs(); ++j) {
-    const std::vector<Move> moves = MovesOf(record, j, begin, last);
+    const std::vector<Move> moves = MovesOfInput(record, j, begin, last);
     const double products = static_cast<double>(moves.size()) * responses;
     if (moves.empty() || products > kMaxProducts) continue;
     for (int i = 0; i < model.num_outputs(); ++i) {

@@ -14,7 +14,6 @@ namespace {
 // Longer names are compared by their beginnings.
 constexpr std::size_t kMaxLength = 64;
 constexpr std::size_t kMinPart = 2;
-constexpr std::size_t kShownNames = 12;
 
 }  // namespace
 

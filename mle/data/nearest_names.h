@@ -4,6 +4,7 @@
 #ifndef MLE_DATA_NEAREST_NAMES_H_
 #define MLE_DATA_NEAREST_NAMES_H_
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -24,7 +25,10 @@ std::vector<std::string> NearestNames(std::string_view name,
                                       const std::vector<std::string>& names,
                                       std::size_t most = 3);
 
-// "'a', 'b' and 3 more": as shown to a user, at most 12.
+// As many names as a message shows.
+inline constexpr std::size_t kShownNames = 12;
+
+// "'a', 'b' and 3 more": as shown to a user, at most kShownNames.
 std::string ListOfNames(const std::vector<std::string>& names);
 
 }  // namespace mle

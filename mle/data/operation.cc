@@ -9,13 +9,13 @@
 namespace mle {
 namespace {
 
-constexpr double kEqual = 1e-9;  // of the range
+constexpr double kEqualSettings = 1e-9;  // of the range
 constexpr int kLeastVisits = 3;
 constexpr double kLongRuns = 10.0;
 constexpr int kLeastAtLimit = 10;
 constexpr double kLeastShare = 0.01;
 constexpr double kElsewhere = 0.1;
-constexpr int kLeastMoves = 10;
+constexpr int kLeastSplitMoves = 10;
 constexpr double kSplitShare = 0.5;
 constexpr double kFewestPerTimeConstant = 3.0;
 constexpr double kMostPerTimeConstant = 500.0;
@@ -101,7 +101,7 @@ std::vector<TimeAtLimits> FindTimeAtLimits(const std::vector<Record>& records) {
       }
     }
     if (!(high > low)) continue;
-    const double tolerance = kEqual * (high - low);
+    const double tolerance = kEqualSettings * (high - low);
     const Visits at_low = CountVisits(records, j, low, tolerance);
     const Visits at_high = CountVisits(records, j, high, tolerance);
     const double usual = UsualRun(records, j);
@@ -123,7 +123,7 @@ std::vector<SplitMoves> FindSplitMoves(const std::vector<Record>& records) {
     SplitMoves moves{.input = j};
     for (const Record& record : records)
       CountMoves(record.inputs.row(j), moves);
-    if (moves.moves >= kLeastMoves &&
+    if (moves.moves >= kLeastSplitMoves &&
         moves.split >= kSplitShare * moves.moves) {
       all.push_back(moves);
     }

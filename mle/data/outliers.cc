@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mle/data/robust_statistics.h"
+
 namespace mle {
 namespace {
 
-constexpr double kGaussian = 1.4826;
 constexpr double kLocal = 0.8;
 // Of the largest sample: what rounding can do.
-constexpr double kRounding = 1e-9;
+constexpr double kSampleRounding = 1e-9;
 
 // Whether the median of samples first … last may be farther than `distance`
 // from sample k: half of them have to be, on one side. Most samples end here.
@@ -55,11 +56,11 @@ std::vector<int> FindOutliers(const SampleRow& samples,
     const double median = MedianInPlace(around);
     const double distance = std::abs(samples(k) - median);
     if (distance <= options.threshold * noise ||
-        distance <= kRounding * largest) {
+        distance <= kSampleRounding * largest) {
       continue;
     }
     for (double& value : around) value = std::abs(value - median);
-    const double spread = kGaussian * MedianInPlace(around);
+    const double spread = kGaussianDeviation * MedianInPlace(around);
     if (distance > kLocal * options.threshold * spread) outliers.push_back(k);
   }
   return outliers;

@@ -8,18 +8,18 @@ namespace {
 
 constexpr std::size_t kMaxDifferences = 20000;
 constexpr std::size_t kMinDifferences = 50;
-constexpr double kTolerance = 0.03;  // of a step
+constexpr double kStepTolerance = 0.03;  // of a step
 // Bridged and averaged samples lie between steps.
 constexpr double kMinShare = 0.85;
 constexpr double kWorthNaming = 0.02;
-constexpr double kRounding = 1e-9;
+constexpr double kStepRounding = 1e-9;
 
 // The share of `differences` (sorted) that are multiples of `step`.
 double ShareOfMultiples(const std::vector<double>& differences, double step) {
   double count = 0.0;
   for (const double difference : differences) {
     const double multiple = difference / step;
-    if (std::abs(multiple - std::round(multiple)) <= kTolerance &&
+    if (std::abs(multiple - std::round(multiple)) <= kStepTolerance &&
         multiple > 0.5) {
       count += 1.0;
     }
@@ -37,7 +37,7 @@ double FindQuantum(const std::vector<SampleRow>& rows, double noise) {
       if (!std::isfinite(row(k)) || !std::isfinite(row(k - 1))) continue;
       largest = std::max(largest, std::abs(row(k)));
       const double difference = std::abs(row(k) - row(k - 1));
-      if (difference > kRounding * largest &&
+      if (difference > kStepRounding * largest &&
           differences.size() < kMaxDifferences) {
         differences.push_back(difference);
       }

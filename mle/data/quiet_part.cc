@@ -7,7 +7,7 @@
 namespace mle {
 namespace {
 
-constexpr int kMinSamples = 20;
+constexpr int kMinQuietSamples = 20;
 constexpr int kMinSide = 5;  // samples on each side of a step
 constexpr double kOutlierDeviations = 6.0;
 
@@ -76,7 +76,7 @@ QuietPart TestQuietPart(const SampleRow& samples, double start_time,
     times.push_back(static_cast<int>(k));
     values.push_back(value);
   }
-  if (static_cast<int>(times.size()) < kMinSamples) return part;
+  if (static_cast<int>(times.size()) < kMinQuietSamples) return part;
   double mean = 0.0;
   for (const double value : values) mean += value;
   mean /= static_cast<double>(values.size());

@@ -23,10 +23,6 @@ using ColumnsByName = std::map<std::string, RecordColumn, std::less<>>;
 
 constexpr std::string_view kSetPointSuffix = "_setpoint";
 
-std::string Quoted(std::string_view name) {
-  return absl::StrCat("'", ShowCsvText(name), "'");
-}
-
 // Columns by their names in the file.
 absl::StatusOr<ColumnsByName> NameColumns(const ProcessModel& channels,
                                           const ColumnOptions& options) {
@@ -47,7 +43,7 @@ absl::StatusOr<ColumnsByName> NameColumns(const ProcessModel& channels,
     }
     if (!columns.emplace(column.name, column).second) {
       return absl::InvalidArgumentError(
-          absl::StrCat("a column ", Quoted(column.name),
+          absl::StrCat("a column ", QuotedCsvText(column.name),
                        " would be two channels; map the tags otherwise"));
     }
   }
@@ -77,8 +73,7 @@ void MatchQuality(const ColumnOptions& options,
   }
 }
 
-constexpr std::size_t kShownNames = 12;
-constexpr std::size_t kShownFaults = 6;
+constexpr std::size_t kShownColumnFaults = 6;
 
 // A header as it is matched.
 class Matching {
@@ -126,8 +121,8 @@ void Matching::Match(const std::vector<std::string_view>& header) {
     names_.push_back(name);
     if (!seen.insert(name).second &&
         !(name.empty() && options_.ignore_other_columns)) {
-      repeated_.push_back(
-          absl::StrCat("column ", c + 1, ": ", Quoted(name), " stands twice"));
+      repeated_.push_back(absl::StrCat("column ", c + 1, ": ",
+                                       QuotedCsvText(name), " stands twice"));
       continue;
     }
     const auto found = wanted_.find(name);
@@ -188,7 +183,7 @@ std::string Matching::Describe(const std::string& wanted,
     remarks.push_back(absl::StrCat("nearest: ", ListOfNames(near)));
   }
   return absl::StrCat(
-      Quoted(wanted),
+      QuotedCsvText(wanted),
       remarks.empty() ? ""
                       : absl::StrCat(" (", absl::StrJoin(remarks, "; "), ")"));
 }
@@ -260,7 +255,7 @@ void Matching::FindOthers(std::vector<std::string>& faults) const {
     if (columns_[c].kind != Kind::kOther) continue;
     if (IsSetPointName(name)) {
       faults.push_back(absl::StrCat(
-          "column ", c + 1, ": ", Quoted(name),
+          "column ", c + 1, ": ", QuotedCsvText(name),
           " is a set point of an output that the process model does not have"));
     } else if (!IsIgnored(name)) {
       if (others.empty()) first = c + 1;
@@ -281,7 +276,7 @@ void Matching::FindOthers(std::vector<std::string>& faults) const {
           : absl::StrCat(", nor are ",
                          ListOfNames({others.begin() + 1, others.end()}));
   faults.push_back(absl::StrCat(
-      "column ", first, ": ", Quoted(others[0]),
+      "column ", first, ": ", QuotedCsvText(others[0]),
       " is neither time nor an input, output or set point of the process "
       "model",
       rest, "; other columns are ignored with ignore_other_columns = true"));
@@ -292,8 +287,8 @@ absl::Status Matching::Check() {
   FindMissing(faults);
   FindOthers(faults);
   if (faults.empty()) return absl::OkStatus();
-  if (faults.size() > kShownFaults) {
-    faults.resize(kShownFaults);
+  if (faults.size() > kShownColumnFaults) {
+    faults.resize(kShownColumnFaults);
     faults.emplace_back("…");
   }
   return OptionError(
@@ -325,8 +320,8 @@ absl::Status ColumnOptions::Validate(const ProcessModel& channels) const {
     if (column.kind != Kind::kTime) free.insert(column.name);
   }
   for (const TagMapping& tag : tags) {
-    const std::string place =
-        absl::StrCat("tag ", Quoted(tag.tag), " for ", Quoted(tag.channel));
+    const std::string place = absl::StrCat("tag ", QuotedCsvText(tag.tag),
+                                           " for ", QuotedCsvText(tag.channel));
     if (free.erase(tag.channel) == 0) {
       return absl::InvalidArgumentError(
           absl::StrCat(place,

@@ -4,13 +4,13 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <map>
 #include <utility>
 
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "mle/base/double_limits.h"
 #include "mle/base/option_error.h"
 #include "mle/base/status.h"
 #include "mle/data/column_value.h"
@@ -21,7 +21,6 @@ namespace {
 
 using Kind = RecordColumn::Kind;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kMaxBadQualities = 5;
 // Of words that are counted for a message, and shown in it.
 constexpr std::size_t kMaxWords = 1000;

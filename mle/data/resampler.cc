@@ -2,19 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
+
+#include "mle/base/double_limits.h"
 
 namespace mle {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 // Rows this much farther apart than usual leave nothing out.
 constexpr double kUsual = 1.9;
 // Rows this many times as frequent as samples are averaged.
 constexpr double kAverageFrom = 1.5;
 // Times are rounded to a sample within this share of a step.
-constexpr double kSnap = 0.01;
+constexpr double kSampleSnap = 0.01;
 // Of a sample that must be covered by good rows.
 constexpr double kMinCoverage = 0.5 - 1e-9;
 
@@ -53,7 +53,8 @@ void Resampler::Add(double time, const std::vector<double>& values) {
     return;
   }
   const double nearest = std::round(at);
-  if (std::abs(at - nearest) <= kSnap * std::min(step_, 1.0) && nearest > at_) {
+  if (std::abs(at - nearest) <= kSampleSnap * std::min(step_, 1.0) &&
+      nearest > at_) {
     at = nearest;
   }
   AddSegment(at, &values);

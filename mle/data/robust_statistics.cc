@@ -7,7 +7,6 @@
 namespace mle {
 namespace {
 
-constexpr double kGaussian = 1.4826;  // standard deviation / median |x|
 constexpr double kTrimDeviations = 6.0;
 
 std::vector<double> Finite(const SampleRow& samples) {
@@ -21,7 +20,7 @@ std::vector<double> Finite(const SampleRow& samples) {
 
 double DeviationFrom(double center, std::vector<double>& values) {
   for (double& value : values) value = std::abs(value - center);
-  return kGaussian * MedianInPlace(values);
+  return kGaussianDeviation * MedianInPlace(values);
 }
 
 }  // namespace
@@ -50,7 +49,7 @@ double WhiteDeviation(const SampleRow& samples) {
   if (steps.empty()) return 0.0;
   for (double& step : steps) step = std::abs(step);
   const double median = MedianInPlace(steps);
-  if (median > 0.0) return kGaussian * median / std::sqrt(2.0);
+  if (median > 0.0) return kGaussianDeviation * median / std::sqrt(2.0);
   // Rounding makes most neighbours equal: their mean square then, without the
   // largest hundredth.
   std::sort(steps.begin(), steps.end());

@@ -12,6 +12,9 @@ namespace mle {
 
 using SampleRow = Eigen::Ref<const Eigen::RowVectorXd, 0, Eigen::InnerStride<>>;
 
+// Standard deviation of Gaussian samples / median |x|.
+inline constexpr double kGaussianDeviation = 1.4826;
+
 // The median; NaN without samples. Reorders `values`, which hold no NaN.
 double MedianInPlace(std::vector<double>& values);
 

@@ -44,7 +44,7 @@ bool LastRowFirst::Next(RecordRow& row) {
 namespace {
 
 constexpr double kLongestHold = 1000.0;  // steps
-constexpr double kSnap = 1e-6;           // of a step
+constexpr double kStepSnap = 1e-6;       // of a step
 
 }  // namespace
 
@@ -60,7 +60,7 @@ bool HeldRows::Read() {
     }
   }
   if (!has_last_) first_time_ = next_.time;
-  index_ = std::floor((last_.time - first_time_) / step_ + kSnap) + 1.0;
+  index_ = std::floor((last_.time - first_time_) / step_ + kStepSnap) + 1.0;
   has_next_ = true;
   return true;
 }
@@ -68,7 +68,7 @@ bool HeldRows::Read() {
 bool HeldRows::Next(RecordRow& row) {
   if (!has_next_ && !Read()) return false;
   const double held = first_time_ + index_ * step_;
-  if (has_last_ && held < next_.time - kSnap * step_ &&
+  if (has_last_ && held < next_.time - kStepSnap * step_ &&
       next_.time - last_.time <= kLongestHold * step_) {
     row.time = held;
     row.values = last_.values;

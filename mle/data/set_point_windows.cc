@@ -14,7 +14,7 @@ namespace mle {
 namespace {
 
 // A window with fewer tells nothing.
-constexpr int kMinSamples = 20;
+constexpr int kMinWindowSamples = 20;
 // Share of the samples at which inputs that are moved by hand rest.
 constexpr double kAtRest = 0.9;
 
@@ -279,12 +279,12 @@ absl::StatusOr<WindowSet> FindWindows(const std::vector<Record>& records,
     double settled = 0.0;
     for (const Group& group : groups) {
       const int usable = group.end - group.first_change();
-      if (usable < kMinSamples) {
+      if (usable < kMinWindowSamples) {
         set.warnings.push_back(
             absl::StrCat("the change at ",
                          options.times.At(record.time(group.first_change())),
                          " has ", usable, " samples after it, at least ",
-                         kMinSamples, " are needed; it is left out"));
+                         kMinWindowSamples, " are needed; it is left out"));
       } else {
         MLE_ASSIGN_OR_RETURN(
             SetPointWindow window,

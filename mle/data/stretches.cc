@@ -5,7 +5,7 @@
 namespace mle {
 namespace {
 
-constexpr double kTolerance = 1e-6;  // of a sample
+constexpr double kSampleTolerance = 1e-6;  // of a sample
 
 bool Adjoin(const Record& before, const Record& after) {
   return before.sample_time == after.sample_time &&
@@ -13,7 +13,7 @@ bool Adjoin(const Record& before, const Record& after) {
          before.num_inputs() == after.num_inputs() &&
          before.set_points.rows() == after.set_points.rows() &&
          std::abs(before.time(before.samples()) - after.start_time) <=
-             kTolerance * before.sample_time;
+             kSampleTolerance * before.sample_time;
 }
 
 // Windows first … end − 1 side by side.

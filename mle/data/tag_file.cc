@@ -21,14 +21,10 @@
 namespace mle {
 namespace {
 
-constexpr std::size_t kShownFaults = 20;
+constexpr std::size_t kShownTagFaults = 20;
 enum Field { kTag, kChannel, kScale, kOffset, kUnit, kFoundUnit, kNumFields };
 constexpr std::array<std::string_view, kNumFields> kFieldNames = {
     "tag", "channel", "scale", "offset", "unit", "unitinthefile"};
-
-std::string Quoted(std::string_view text) {
-  return absl::StrCat("'", ShowCsvText(text), "'");
-}
 
 // Channels by name, with their units.
 std::map<std::string, std::string> UnitsOf(const ProcessModel& channels) {
@@ -84,7 +80,8 @@ double TagFile::Number(Field field, double otherwise) {
   double number = otherwise;
   if (text.empty()) return number;
   if (!ReadCsvNumber(text, number) || !std::isfinite(number)) {
-    Fault(absl::StrCat(std::string(kFieldNames[field]), " is ", Quoted(text),
+    Fault(absl::StrCat(std::string(kFieldNames[field]), " is ",
+                       QuotedCsvText(text),
                        ", must be a number with a decimal point, or empty"));
     return otherwise;
   }
@@ -128,36 +125,37 @@ void TagFile::ParseRow(const CsvRows& rows) {
   if (mapping.tag.empty()) Fault("a channel without a tag");
   if (mapping.scale == 0.0) Fault("scale is 0");
   if (!tags_.emplace(mapping.tag, line_).second) {
-    Fault(absl::StrCat("the tag ", Quoted(mapping.tag), " stands in line ",
-                       tags_[mapping.tag], " too"));
+    Fault(absl::StrCat("the tag ", QuotedCsvText(mapping.tag),
+                       " stands in line ", tags_[mapping.tag], " too"));
   }
   const auto found = units_.find(mapping.channel);
   if (found == units_.end()) {
     const std::vector<std::string> near = NearestNames(mapping.channel, names_);
     Fault(absl::StrCat(
-        Quoted(mapping.channel),
+        QuotedCsvText(mapping.channel),
         " is not an input, output or <output>_setpoint of the model",
         near.empty() ? "; the model has " : "; nearest: ",
         ListOfNames(near.empty() ? names_ : near)));
     return;
   }
   if (!mapped_.emplace(mapping.channel, line_).second) {
-    Fault(absl::StrCat("the channel ", Quoted(mapping.channel),
+    Fault(absl::StrCat("the channel ", QuotedCsvText(mapping.channel),
                        " stands in line ", mapped_[mapping.channel], " too"));
   }
   const std::string_view unit = At(kUnit);
   if (!unit.empty() && FoldedName(unit) != FoldedName(found->second)) {
-    Fault(absl::StrCat("the unit of ", Quoted(mapping.tag),
-                       " after its conversion is ", Quoted(unit),
-                       ", the model's of ", Quoted(mapping.channel), " ",
-                       Quoted(found->second), "; scale and offset convert it"));
+    Fault(absl::StrCat("the unit of ", QuotedCsvText(mapping.tag),
+                       " after its conversion is ", QuotedCsvText(unit),
+                       ", the model's of ", QuotedCsvText(mapping.channel), " ",
+                       QuotedCsvText(found->second),
+                       "; scale and offset convert it"));
   }
   const std::string_view other = At(kFoundUnit);
   if (mapping.scale == 1.0 && mapping.offset == 0.0 && !other.empty() &&
       !unit.empty() && FoldedName(other) != FoldedName(unit)) {
-    Fault(absl::StrCat(Quoted(mapping.tag), " is in ", Quoted(other),
-                       " in the file and wanted in ", Quoted(unit),
-                       ", but scale is 1 and offset 0"));
+    Fault(absl::StrCat(QuotedCsvText(mapping.tag), " is in ",
+                       QuotedCsvText(other), " in the file and wanted in ",
+                       QuotedCsvText(unit), ", but scale is 1 and offset 0"));
   }
   table_.tags.push_back(std::move(mapping));
 }
@@ -175,8 +173,8 @@ absl::StatusOr<TagTable> TagFile::Parse(const std::string& text) {
   while (rows.Next(fields_)) ParseRow(rows);
   MLE_RETURN_IF_ERROR(rows.status());
   if (faults_.empty()) return std::move(table_);
-  if (faults_.size() > kShownFaults) {
-    faults_.resize(kShownFaults);
+  if (faults_.size() > kShownTagFaults) {
+    faults_.resize(kShownTagFaults);
     faults_.emplace_back("…");
   }
   return absl::InvalidArgumentError(

@@ -19,7 +19,7 @@
 namespace mle {
 namespace {
 
-constexpr std::size_t kShownNames = 10;
+constexpr std::size_t kShownColumns = 10;
 // More than zones differ.
 constexpr double kDaySeconds = 86400.0;
 // Of dates as text "2024-03-04T…" is after "2024-03-04 …".
@@ -31,7 +31,7 @@ constexpr char kLatest[] = "9999-12-31 23:59:59";
 std::string Listed(const std::vector<std::string>& names) {
   std::vector<std::string> shown;
   for (const std::string& name : names) {
-    if (shown.size() == kShownNames) {
+    if (shown.size() == kShownColumns) {
       shown.push_back(absl::StrCat("… (", names.size(), ")"));
       break;
     }

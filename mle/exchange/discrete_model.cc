@@ -25,7 +25,7 @@ using Eigen::VectorXd;
 // Of the sum of magnitudes of a polynomial's coefficients: its value at z = 1
 // where that is a root of it, to rounding.
 constexpr double kRootAtOne = 1e-9;
-constexpr int kMostCoefficients = 1000;
+constexpr int kMostDiscreteCoefficients = 1000;
 
 // b_0 + b_1 z⁻¹ + … over 1 + a_1 z⁻¹ + …; dead time and the difference of the
 // degrees are leading zeros' number in `shift`.
@@ -71,21 +71,21 @@ double LargestRoot(const std::vector<double>& a) {
   return companion.eigenvalues().cwiseAbs().maxCoeff();
 }
 
-bool Integrates(const Polynomials& g) {
+bool HasIntegrator(const Polynomials& g) {
   return g.a.size() > 1 && HasRootAtOne(g.a);
 }
 
 // The largest magnitude of a pole that does not integrate.
 double SlowestPole(const Polynomials& g) {
-  return LargestRoot(Integrates(g) ? WithoutRootAtOne(g.a) : g.a);
+  return LargestRoot(HasIntegrator(g) ? WithoutRootAtOne(g.a) : g.a);
 }
 
 absl::Status CheckNumbers(const char* kind,
                           const std::vector<double>& numbers) {
-  if (numbers.empty() || numbers.size() > kMostCoefficients) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("the ", kind, " has ", numbers.size(),
-                     " coefficients, must have 1 to ", kMostCoefficients));
+  if (numbers.empty() || numbers.size() > kMostDiscreteCoefficients) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "the ", kind, " has ", numbers.size(), " coefficients, must have 1 to ",
+        kMostDiscreteCoefficients));
   }
   for (const double number : numbers) {
     if (std::isfinite(number)) continue;
@@ -96,10 +96,10 @@ absl::Status CheckNumbers(const char* kind,
 }
 
 absl::Status CheckPoles(const Polynomials& g) {
-  if (SlowestPole(g) < 1.0 && !(Integrates(g) && HasRootAtOne(g.b))) {
+  if (SlowestPole(g) < 1.0 && !(HasIntegrator(g) && HasRootAtOne(g.b))) {
     return absl::OkStatus();
   }
-  if (Integrates(g) && HasRootAtOne(g.b)) {
+  if (HasIntegrator(g) && HasRootAtOne(g.b)) {
     return absl::InvalidArgumentError(
         "numerator and denominator are both zero at z = 1; cancel the common "
         "factor z − 1");
@@ -212,7 +212,7 @@ absl::StatusOr<StepResponseModel> StepResponsesOf(const DiscreteModel& model) {
   sampled.rounding = MatrixXd::Zero(p, m);
   for (const DiscreteElement& element : model.elements) {
     const Polynomials g = Expand(element, model.variable);
-    sampled.ramps(element.output, element.input) = Integrates(g) ? 1 : 0;
+    sampled.ramps(element.output, element.input) = HasIntegrator(g) ? 1 : 0;
     const double steps = static_cast<double>(g.a.size() + g.b.size());
     sampled.samples = std::max(
         sampled.samples,

@@ -15,10 +15,10 @@
 namespace mle {
 namespace {
 
-constexpr int kResponseSamples = 400;
+constexpr int kTableSamples = 400;
 // Of the square of the sum of two time constants: their difference, squared,
 // that rounding makes negative.
-constexpr double kRounding = 1e-12;
+constexpr double kTimeConstantRounding = 1e-12;
 
 // T and T₂ of T T₂ s² + (T + T₂) s + 1, the larger first.
 // Of an integrating element they stand beside the pole at 0.
@@ -30,7 +30,7 @@ std::optional<std::pair<double, double>> Lags(const TransferFunction& g) {
   const double sum = a.size() > 1 ? a[a.size() - 2] / one : 0.0;
   const double product = a.size() > 2 ? a.front() / one : 0.0;
   const double square = sum * sum - 4.0 * product;
-  if (square < -kRounding * sum * sum) return std::nullopt;
+  if (square < -kTimeConstantRounding * sum * sum) return std::nullopt;
   const double larger = 0.5 * (sum + std::sqrt(std::max(square, 0.0)));
   return std::pair(larger, larger > 0.0 ? product / larger : 0.0);
 }
@@ -77,9 +77,8 @@ ElementRow NearestRamp(const TransferFunction& g) {
 ElementRow NearestRow(const TransferFunction& g) {
   if (g.IsIntegrating()) return NearestRamp(g);
   const double horizon = g.delay() + 5.0 * g.SlowestTimeConstant();
-  const double sample_time = horizon / (kResponseSamples - 1);
-  const Eigen::VectorXd response =
-      g.StepResponse(sample_time, kResponseSamples);
+  const double sample_time = horizon / (kTableSamples - 1);
+  const Eigen::VectorXd response = g.StepResponse(sample_time, kTableSamples);
   ElementRow best;
   best.largest_difference = std::numeric_limits<double>::infinity();
   const auto take = [&](ElementRow row) {

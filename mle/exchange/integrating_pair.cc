@@ -38,8 +38,8 @@ struct Values {
 };
 
 // N + 1 rows: the response of K = 1, its derivatives by ln T and L.
-MatrixXd Respond(const ElementResponse& element, const Values& values,
-                 double interval, Eigen::Index samples) {
+MatrixXd RespondToSteps(const ElementResponse& element, const Values& values,
+                        double interval, Eigen::Index samples) {
   const double delay = values.delay / interval;
   const auto whole = static_cast<int>(delay);
   MatrixXd columns(samples, 3);
@@ -72,7 +72,7 @@ absl::StatusOr<TransferFunction> FitIntegratingPair(const VectorXd& response,
   for (const double share : kStarts) {
     const double lag = share * (begin - least_delay);
     Values values = {slope, std::log(lag), begin - lag};
-    MatrixXd columns = Respond(element, values, interval, n);
+    MatrixXd columns = RespondToSteps(element, values, interval, n);
     VectorXd rest = response - values.gain * columns.col(0);
     double damping = 1e-3;
     for (int step = 0; step < kSteps; ++step) {
@@ -84,7 +84,7 @@ absl::StatusOr<TransferFunction> FitIntegratingPair(const VectorXd& response,
       damped.diagonal().array() += 1e-300;
       const Values moved = values.Moved(
           damped.ldlt().solve(jacobian.transpose() * rest), least_delay);
-      const MatrixXd trial = Respond(element, moved, interval, n);
+      const MatrixXd trial = RespondToSteps(element, moved, interval, n);
       const VectorXd left = response - moved.gain * trial.col(0);
       const double before = rest.squaredNorm();
       if (!(left.squaredNorm() < before)) {

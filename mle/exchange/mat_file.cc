@@ -19,7 +19,7 @@
 namespace mle {
 namespace {
 
-constexpr char kHeader[] = "MATLAB 5.0 MAT-file, Model Life Extension";
+constexpr char kHeaderText[] = "MATLAB 5.0 MAT-file, Model Life Extension";
 
 // Empty if there is none.
 std::string ScratchFolder() {
@@ -143,7 +143,7 @@ absl::StatusOr<std::string> Written(const std::vector<Variable>& variables) {
   const ScratchFile file;
   Mat mat(file.path().empty()
               ? nullptr
-              : Mat_CreateVer(file.path().c_str(), kHeader, MAT_FT_MAT5));
+              : Mat_CreateVer(file.path().c_str(), kHeaderText, MAT_FT_MAT5));
   bool done = mat != nullptr;
   for (const Variable& variable : variables) {
     done = done && variable != nullptr &&

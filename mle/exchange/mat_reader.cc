@@ -17,9 +17,9 @@
 namespace mle {
 namespace {
 
-class Reader {
+class MatReader {
  public:
-  Reader(mat_t* mat, std::string path) : mat_(mat), path_(std::move(path)) {}
+  MatReader(mat_t* mat, std::string path) : mat_(mat), path_(std::move(path)) {}
 
   absl::StatusOr<MatModel> Read();
 
@@ -82,7 +82,7 @@ bool TextIn(const matvar_t* variable, std::string& text) {
   return true;
 }
 
-absl::StatusOr<std::string> Reader::TextOf(const char* name) const {
+absl::StatusOr<std::string> MatReader::TextOf(const char* name) const {
   const Variable variable(Mat_VarRead(mat_, name));
   if (variable == nullptr) return Fault(name, "is missing");
   std::string text;
@@ -90,7 +90,7 @@ absl::StatusOr<std::string> Reader::TextOf(const char* name) const {
   return Fault(name, "must be a row of characters");
 }
 
-absl::StatusOr<std::vector<std::string>> Reader::TextsOf(
+absl::StatusOr<std::vector<std::string>> MatReader::TextsOf(
     const char* name) const {
   const Variable variable(Mat_VarRead(mat_, name));
   if (variable == nullptr) return Fault(name, "is missing");
@@ -113,7 +113,7 @@ absl::StatusOr<std::vector<std::string>> Reader::TextsOf(
   return texts;
 }
 
-absl::StatusOr<std::vector<double>> Reader::NumbersIn(
+absl::StatusOr<std::vector<double>> MatReader::NumbersIn(
     const char* name, const matvar_t* variable) const {
   if (variable == nullptr || variable->class_type != MAT_C_DOUBLE ||
       variable->data_type != MAT_T_DOUBLE || variable->isComplex != 0) {
@@ -130,7 +130,7 @@ absl::StatusOr<std::vector<double>> Reader::NumbersIn(
   return numbers;
 }
 
-absl::StatusOr<std::vector<double>> Reader::NumbersOf(
+absl::StatusOr<std::vector<double>> MatReader::NumbersOf(
     const char* name, const Sizes& sizes) const {
   const Variable variable(Mat_VarRead(mat_, name));
   if (variable == nullptr) return Fault(name, "is missing");
@@ -152,7 +152,7 @@ absl::StatusOr<std::vector<double>> Reader::NumbersOf(
   return Fault(name, "is cut off");
 }
 
-absl::StatusOr<ProcessModel> Reader::ReadChannels() const {
+absl::StatusOr<ProcessModel> MatReader::ReadChannels() const {
   MLE_ASSIGN_OR_RETURN(std::string name, TextOf("name"));
   MLE_ASSIGN_OR_RETURN(std::string time_unit, TextOf("time_unit"));
   MLE_ASSIGN_OR_RETURN(const auto input_names, TextsOf("inputs"));
@@ -192,7 +192,7 @@ absl::StatusOr<ProcessModel> Reader::ReadChannels() const {
   return model;
 }
 
-absl::Status Reader::ReadElements(ProcessModel& model) const {
+absl::Status MatReader::ReadElements(ProcessModel& model) const {
   const Sizes sizes = {static_cast<std::size_t>(model.num_outputs()),
                        static_cast<std::size_t>(model.num_inputs())};
   MLE_ASSIGN_OR_RETURN(const std::vector<double> delays,
@@ -228,7 +228,7 @@ absl::Status Reader::ReadElements(ProcessModel& model) const {
   return absl::OkStatus();
 }
 
-absl::StatusOr<StepResponseModel> Reader::ReadSteps(
+absl::StatusOr<StepResponseModel> MatReader::ReadSteps(
     ProcessModel channels) const {
   StepResponseModel model;
   model.channels = std::move(channels);
@@ -265,7 +265,7 @@ absl::StatusOr<StepResponseModel> Reader::ReadSteps(
   return model;
 }
 
-absl::StatusOr<MatModel> Reader::Read() {
+absl::StatusOr<MatModel> MatReader::Read() {
   MLE_ASSIGN_OR_RETURN(ProcessModel model, ReadChannels());
   if (Has("step_responses")) {
     MLE_ASSIGN_OR_RETURN(StepResponseModel steps, ReadSteps(std::move(model)));
@@ -296,7 +296,7 @@ absl::StatusOr<MatModel> ReadMatModel(const std::string& path) {
     return absl::InvalidArgumentError(absl::StrCat(
         path, ": cannot be read as a MAT file of version 5 (save -v6 or -v7)"));
   }
-  return Reader(mat.get(), path).Read();
+  return MatReader(mat.get(), path).Read();
 }
 
 }  // namespace mle

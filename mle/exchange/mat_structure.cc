@@ -13,7 +13,7 @@
 namespace mle {
 namespace {
 
-constexpr std::size_t kHeader = 128;
+constexpr std::size_t kHeaderBytes = 128;
 // Kinds of elements, and classes of arrays, of the format.
 constexpr std::uint32_t kMatrix = 14;
 constexpr std::uint32_t kCompressed = 15;
@@ -151,9 +151,9 @@ class Walk {
 // A header of 128 bytes, which says in which order bytes stand, and then
 // elements: kind, size in bytes, content.
 bool IsWholeMatFile(std::string_view bytes) {
-  if (bytes.size() < kHeader || !IsMatFile(bytes)) return false;
+  if (bytes.size() < kHeaderBytes || !IsMatFile(bytes)) return false;
   const Walk walk(bytes.substr(126, 2) == "IM");
-  return walk.AreVariablesWhole(bytes.substr(kHeader));
+  return walk.AreVariablesWhole(bytes.substr(kHeaderBytes));
 }
 
 }  // namespace mle

@@ -30,9 +30,9 @@ bool IsHeader(const std::vector<std::string>& fields) {
   return FoldedKey(fields.front()) == "time" || IsElementHeader(fields);
 }
 
-class Reader {
+class ModelTableReader {
  public:
-  explicit Reader(ModelTable& table) : table_(table) {}
+  explicit ModelTableReader(ModelTable& table) : table_(table) {}
 
   absl::Status Read(std::string_view text);
 
@@ -49,7 +49,7 @@ class Reader {
 };
 
 // Names are written into JSON, which is UTF-8.
-absl::Status Reader::CheckUtf8(const TableLine& line) const {
+absl::Status ModelTableReader::CheckUtf8(const TableLine& line) const {
   for (std::size_t c = 0; c < line.fields.size(); ++c) {
     if (IsUtf8(line.fields[c])) continue;
     return table_.Fault(
@@ -60,7 +60,8 @@ absl::Status Reader::CheckUtf8(const TableLine& line) const {
   return absl::OkStatus();
 }
 
-absl::Status Reader::ReadChannel(const TableLine& line, bool is_input) {
+absl::Status ModelTableReader::ReadChannel(const TableLine& line,
+                                           bool is_input) {
   const std::vector<std::string>& fields = line.fields;
   if (fields.size() < 2 || fields[1].empty()) {
     return table_.Fault(line.line,
@@ -95,7 +96,7 @@ absl::Status Reader::ReadChannel(const TableLine& line, bool is_input) {
   return absl::OkStatus();
 }
 
-absl::Status Reader::ReadHeadLine(TableLine line) {
+absl::Status ModelTableReader::ReadHeadLine(TableLine line) {
   line.fields.front() = FoldedKey(line.fields.front());
   const std::string key = line.fields.front();  // the fields may grow
   if (key == "input" || key == "output") {
@@ -139,7 +140,7 @@ absl::Status Reader::ReadHeadLine(TableLine line) {
   return absl::OkStatus();
 }
 
-absl::Status Reader::ReadRow(TableLine line) {
+absl::Status ModelTableReader::ReadRow(TableLine line) {
   const std::size_t width = table_.header.fields.size();
   if (line.fields.size() > width) {
     return table_.Fault(line.line,
@@ -152,7 +153,7 @@ absl::Status Reader::ReadRow(TableLine line) {
   return absl::OkStatus();
 }
 
-absl::Status Reader::Finish() const {
+absl::Status ModelTableReader::Finish() const {
   if (table_.header.fields.empty()) {
     return absl::InvalidArgumentError(absl::StrCat(
         table_.source,
@@ -178,7 +179,7 @@ absl::Status Reader::Finish() const {
   return absl::OkStatus();
 }
 
-absl::Status Reader::Read(std::string_view text) {
+absl::Status ModelTableReader::Read(std::string_view text) {
   table_.separator = SeparatorOf(text);
   std::istringstream in{std::string(text)};
   CsvRows rows(in, table_.source);
@@ -266,7 +267,7 @@ absl::StatusOr<ModelTable> ReadModelTable(std::string_view text,
   ModelTable table;
   table.source = std::string(source);
   table.name = std::filesystem::path(table.source).stem().string();
-  MLE_RETURN_IF_ERROR(Reader(table).Read(text));
+  MLE_RETURN_IF_ERROR(ModelTableReader(table).Read(text));
   return table;
 }
 

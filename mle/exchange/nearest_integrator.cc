@@ -9,7 +9,7 @@ namespace mle {
 namespace {
 
 constexpr double kHorizons = 6.0;  // of the slowest time constant
-constexpr int kResponseSamples = 600;
+constexpr int kIntegratorSamples = 600;
 constexpr int kSplits = 100;  // of L + T
 
 double CoefficientOf(const std::vector<double>& polynomial, std::size_t power) {
@@ -35,9 +35,9 @@ NearestIntegrator NearestIntegrator::Of(const TransferFunction& element) {
                CoefficientOf(b, 1) / CoefficientOf(b, 0));
   const double sample_time =
       (element.delay() + kHorizons * element.SlowestTimeConstant()) /
-      (kResponseSamples - 1);
+      (kIntegratorSamples - 1);
   const Eigen::VectorXd response =
-      element.StepResponse(sample_time, kResponseSamples);
+      element.StepResponse(sample_time, kIntegratorSamples);
   const double range = response.maxCoeff() - response.minCoeff();
   nearest.largest_difference = std::numeric_limits<double>::infinity();
   for (int i = 0; i <= kSplits; ++i) {
@@ -45,13 +45,13 @@ NearestIntegrator NearestIntegrator::Of(const TransferFunction& element) {
     const Eigen::VectorXd difference =
         TransferFunction::Integrator(nearest.gain, time_constant,
                                      begin - time_constant)
-            .StepResponse(sample_time, kResponseSamples) -
+            .StepResponse(sample_time, kIntegratorSamples) -
         response;
     const double largest = difference.cwiseAbs().maxCoeff() / range;
     if (largest >= nearest.largest_difference) continue;
     nearest.largest_difference = largest;
     nearest.relative_rms =
-        std::sqrt(difference.squaredNorm() / kResponseSamples) / range;
+        std::sqrt(difference.squaredNorm() / kIntegratorSamples) / range;
     nearest.time_constant = time_constant;
     nearest.delay = begin - time_constant;
   }

@@ -16,7 +16,7 @@ namespace {
 
 // Of what state and matrices could give: what is rounding of a pair without
 // effect.
-constexpr double kRounding = 1e-13;
+constexpr double kResponseRounding = 1e-13;
 // Of 1: an eigenvalue that integrates (DiscreteStateSpace::Validate()).
 constexpr double kIntegrates = 1e-9;
 
@@ -66,8 +66,8 @@ absl::StatusOr<StepResponseModel> StepResponsesOf(
   model.sample_time = system.sample_time;
   model.samples = SamplesToSettle(system);
   model.ramps = (system.Slopes().array() != 0.0).cast<int>();
-  model.rounding = kRounding * model.samples * system.C.rowwise().norm() *
-                   system.B.colwise().norm();
+  model.rounding = kResponseRounding * model.samples *
+                   system.C.rowwise().norm() * system.B.colwise().norm();
   model.respond = [&](int samples) {
     return system.ComputeStepResponse(samples);
   };

@@ -78,8 +78,8 @@ absl::StatusOr<Pair> FindPair(const ModelTable& table, const TableLine& line,
 }
 
 // A pair for each column but the first.
-absl::Status ReadHeader(const ModelTable& table, const Labels& labels,
-                        StepResponseModel& model) {
+absl::Status ReadPairColumns(const ModelTable& table, const Labels& labels,
+                             StepResponseModel& model) {
   for (std::size_t c = 1; c < table.header.fields.size(); ++c) {
     const auto column = static_cast<int>(c);
     MLE_ASSIGN_OR_RETURN(const Pair pair,
@@ -171,8 +171,9 @@ absl::Status ReadRamps(const ModelTable& table, const TableLine& line,
   return absl::OkStatus();
 }
 
-absl::Status CheckSteadyState(const ModelTable& table, const TableLine& line,
-                              const StepResponseModel& model) {
+absl::Status CheckSteadyStateLine(const ModelTable& table,
+                                  const TableLine& line,
+                                  const StepResponseModel& model) {
   MLE_ASSIGN_OR_RETURN(const double stated, table.Number(line, 1));
   const absl::Status status = model.CheckSteadyState(stated);
   if (status.ok()) return status;
@@ -194,14 +195,14 @@ absl::StatusOr<StepResponseModel> StepResponsesOf(const ModelTable& table) {
   StepResponseModel model;
   MLE_ASSIGN_OR_RETURN(model.channels, table.Channels(names));
   MLE_ASSIGN_OR_RETURN(const Labels labels, LabelsOf(table, model.channels));
-  MLE_RETURN_IF_ERROR(ReadHeader(table, labels, model));
+  MLE_RETURN_IF_ERROR(ReadPairColumns(table, labels, model));
   MLE_ASSIGN_OR_RETURN(model.interval, ReadInterval(table));
   MLE_RETURN_IF_ERROR(ReadCoefficients(table, model));
   for (const TableLine& line : table.others) {
     if (line.fields.front() == "ramp") {
       MLE_RETURN_IF_ERROR(ReadRamps(table, line, labels, model));
     } else if (line.fields.front() == "time to steady state") {
-      MLE_RETURN_IF_ERROR(CheckSteadyState(table, line, model));
+      MLE_RETURN_IF_ERROR(CheckSteadyStateLine(table, line, model));
     }
   }
   if (const absl::Status status = model.Validate(); !status.ok()) {

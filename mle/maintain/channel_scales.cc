@@ -21,15 +21,14 @@ constexpr double kPaperSignalToNoise = 500.0;
 constexpr double kSmallestRelativeNoise = 1e-5;
 constexpr int kMostRegressors = 1500;
 constexpr int kShortestOrder = 10;
-constexpr int kFewestSamples = 100;
-constexpr int kMostSamples = 10'000'000;
-constexpr int kResponseSamples = 200;
+constexpr int kFewestScaleSamples = 100;
+constexpr int kMostScaleSamples = 10'000'000;
+constexpr int kScaleSamples = 200;
 
 double LargestResponse(const TransferFunction& element) {
   const double horizon = element.delay() + 5.0 * element.SlowestTimeConstant();
   if (!(horizon > 0.0)) return std::abs(element.StaticGain());
-  return element
-      .StepResponse(horizon / (kResponseSamples - 1), kResponseSamples)
+  return element.StepResponse(horizon / (kScaleSamples - 1), kScaleSamples)
       .cwiseAbs()
       .maxCoeff();
 }
@@ -133,7 +132,7 @@ absl::Status ConversionSettings::Validate() const {
         absl::StrCat("conversion.penalty = ", penalty,
                      ": it must be finite and not negative"));
   }
-  if (samples < kFewestSamples || samples > kMostSamples) {
+  if (samples < kFewestScaleSamples || samples > kMostScaleSamples) {
     return absl::InvalidArgumentError(
         absl::StrCat("conversion.samples = ", samples,
                      ": from 100 to 10,000,000 are possible"));

@@ -12,7 +12,7 @@ constexpr double kDetermined = 0.2;
 constexpr double kSignRange = 2.0;
 constexpr double kNotAgeing = 20.0;
 constexpr double kLargeRange = 2.0;
-constexpr double kLeastFactor = 4.0;
+constexpr double kLeastGainFactor = 4.0;
 constexpr double kFactorTolerance = 0.1;
 constexpr double kTellingTolerance = 0.05;
 constexpr std::array<double, 8> kTelling = {
@@ -102,7 +102,7 @@ std::optional<Suspicion> Suspect(const Common& common) {
   if (telling.has_value() && common.spread <= tolerance) {
     return Suspicion{*telling, true};
   }
-  if ((size >= kLeastFactor || size <= 1.0 / kLeastFactor) &&
+  if ((size >= kLeastGainFactor || size <= 1.0 / kLeastGainFactor) &&
       common.spread <= 1.0 + kFactorTolerance) {
     return Suspicion{size, true};
   }

@@ -205,8 +205,8 @@ absl::Status ExamineInitial(const std::vector<Record>& windows, int order,
   return absl::OkStatus();
 }
 
-absl::Status Examine(const std::vector<Record>& windows, int order,
-                     CorrectionResult& result) {
+absl::Status ExamineWindows(const std::vector<Record>& windows, int order,
+                            CorrectionResult& result) {
   CheckCertificates(result);
   if (!result.options.examine) return absl::OkStatus();
   result.corrected_residuals =
@@ -350,7 +350,7 @@ absl::StatusOr<CorrectionResult> CorrectFromData(
   const Stage making(options.progress, "making the corrected model");
   MLE_RETURN_IF_ERROR(making.status());
   MLE_RETURN_IF_ERROR(MakeModels(samples, result));
-  MLE_RETURN_IF_ERROR(Examine(windows, order, result));
+  MLE_RETURN_IF_ERROR(ExamineWindows(windows, order, result));
   return result;
 }
 

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
+#include "mle/base/double_limits.h"
 #include "mle/nonlinear/distributions.h"
 
 namespace mle {
@@ -60,7 +60,6 @@ bool Holds(const OutputScores& scores, double deviations) {
 // "window 2", those in which a score falls.
 std::vector<std::string> WorseWindows(const OutputEvidence& output,
                                       double deviations) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const auto count = static_cast<double>(output.windows.size());
   std::vector<std::string> names;
   if (count < 2.0) return names;
@@ -78,7 +77,7 @@ std::vector<std::string> WorseWindows(const OutputEvidence& output,
   return names;
 }
 
-std::string Describe(const HorizonScore& score, const char* horizon) {
+std::string DescribeScore(const HorizonScore& score, const char* horizon) {
   return absl::StrFormat("%s, where its fit is %.1f %% after %.1f %%", horizon,
                          score.corrected, score.initial);
 }
@@ -144,7 +143,8 @@ Message Better(const OutputEvidence& output, double deviations) {
       output, MessageCode::kPredictsBetter,
       absl::StrCat("On held-out data the correction of ", output.name,
                    " predicts better ",
-                   Describe((*output.scores).*gain.score, gain.name), "."));
+                   DescribeScore((*output.scores).*gain.score, gain.name),
+                   "."));
 }
 
 Message BetterByParameters(const OutputEvidence& output) {
@@ -194,7 +194,7 @@ Message NotBetter(const OutputEvidence& output, double deviations) {
       output, MessageCode::kPredictsWorse,
       absl::StrCat("On held-out data the correction of ", output.name,
                    " predicts worse ",
-                   Describe((*output.scores).*fall->score, fall->name),
+                   DescribeScore((*output.scores).*fall->score, fall->name),
                    ": a disturbance looks like a change of the model, or "
                    "its structure does not fit the plant."));
 }

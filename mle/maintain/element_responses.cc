@@ -13,8 +13,8 @@ namespace mle {
 namespace {
 
 constexpr int kOnEachSide = 1000;
-constexpr int kMostSamples = 8000;
-constexpr int kLeastSamples = 50;
+constexpr int kMostPartSamples = 8000;
+constexpr int kLeastPartSamples = 50;
 
 using Row = Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>>;
 
@@ -66,7 +66,7 @@ Record WithoutGaps(const Record& record) {
 
 std::vector<Record> AroundSetPointChanges(const std::vector<Record>& records) {
   std::vector<Record> parts;
-  int left = kMostSamples;
+  int left = kMostPartSamples;
   for (const Record& record : records) {
     std::vector<std::pair<int, int>> ranges;  // first sample, end
     for (const SetPointChange& change : FindSetPointChanges(record)) {
@@ -81,7 +81,7 @@ std::vector<Record> AroundSetPointChanges(const std::vector<Record>& records) {
     if (record.set_points.size() == 0) ranges = {{0, record.samples()}};
     for (const auto& [first, end] : ranges) {
       const int samples = std::min(end - first, left);
-      if (samples < kLeastSamples) continue;
+      if (samples < kLeastPartSamples) continue;
       parts.push_back(Part(record, first, samples));
       left -= samples;
     }

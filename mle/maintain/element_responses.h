@@ -15,6 +15,10 @@
 
 namespace mle {
 
+// Samples × outputs × inputs² of all records, above which such tests are left
+// out: their time would not be worth it.
+inline constexpr double kMostProducts = 2e7;
+
 // Up to 1,000 samples on each side of every change, 8,000 in all (the first
 // ones), whatever the model's time constants: these may be in another unit.
 // Records without changes are taken as they are. Gaps of outputs are bridged by

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "Eigen/LU"
 #include "Eigen/QR"
 #include "glog/logging.h"
+#include "mle/base/double_limits.h"
 #include "mle/model/response_difference.h"
 
 namespace mle {
@@ -25,7 +25,7 @@ constexpr double kRounding = 1e-11;
 constexpr double kNoResponse = 1e-12;
 // Longest time constants and dead times until a response has settled.
 constexpr double kSettled = 8.0;
-constexpr double kMostSamples = 20000.0;
+constexpr double kMostArxSamples = 20000.0;
 // Lags of the outputs for each mode of a row, at least.
 constexpr int kLagsPerMode = 3;
 
@@ -124,8 +124,8 @@ MatrixXd SumOverLags(const ArxModel& model, int first, int count) {
   return sum;
 }
 
-int OrderOf(const ProcessModel& model, double sample_time,
-            const ConversionSettings& settings) {
+int ArxOrderOf(const ProcessModel& model, double sample_time,
+               const ConversionSettings& settings) {
   int order = settings.OrderFor(model, sample_time);
   if (settings.order > 0) return order;
   for (int i = 0; i < model.num_outputs(); ++i) {
@@ -139,7 +139,7 @@ int OrderOf(const ProcessModel& model, double sample_time,
     }
     const double least =
         std::ceil(dead / sample_time) + 2.0 + kLagsPerMode * modes;
-    order = std::max(order, static_cast<int>(std::min(least, kMostSamples)));
+    order = std::max(order, static_cast<int>(std::min(least, kMostArxSamples)));
   }
   return order;
 }
@@ -166,11 +166,11 @@ ExactArx ArxOfResponse(const StepResponse& response, const MatrixXd& gains,
 
 ExactArx ArxOfModel(const ProcessModel& model, double sample_time,
                     const ConversionSettings& settings) {
-  const int order = OrderOf(model, sample_time, settings);
+  const int order = ArxOrderOf(model, sample_time, settings);
   const double settled = std::ceil(
       kSettled * std::max(LongestMemory(model), sample_time) / sample_time);
   const int samples =
-      order + 2 + static_cast<int>(std::min(settled, kMostSamples));
+      order + 2 + static_cast<int>(std::min(settled, kMostArxSamples));
   std::vector<bool> integrating = IntegratingOutputs(model);
   MatrixXd gains = StaticGains(model);
   for (int i = 0; i < model.num_outputs(); ++i) {
@@ -187,7 +187,6 @@ ExactArx ArxOfModel(const ProcessModel& model, double sample_time,
 VectorXd FreeRunErrors(const ArxModel& model, const StepResponse& response,
                        const MatrixXd& gains,
                        const std::vector<bool>& integrating) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const int p = model.num_outputs;
   const int m = model.num_inputs;
   const StepResponse run = model.ComputeStepResponse(response.samples());

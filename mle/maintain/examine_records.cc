@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "mle/base/double_limits.h"
 #include "mle/base/status.h"
 #include "mle/data/compression.h"
 #include "mle/data/input_spikes.h"
@@ -23,7 +23,6 @@
 namespace mle {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kMostlyAtLimits = 0.5;
 
 // Of the model's response to a move, the share that outputs answer at least.

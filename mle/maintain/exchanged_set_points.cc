@@ -9,7 +9,7 @@
 namespace mle {
 namespace {
 
-constexpr int kLeastSamples = 10;  // between changes
+constexpr int kLeastSettledSamples = 10;  // between changes
 constexpr int kLeastParts = 3;
 constexpr double kRatio = 10.0;
 
@@ -50,7 +50,7 @@ Settled FindSettled(const std::vector<Record>& records) {
     for (const int end : EndsOf(record)) {
       const int length = end - first;
       const int last = std::max(length / 3, 1);
-      if (length >= kLeastSamples) {
+      if (length >= kLeastSettledSamples) {
         settled.outputs.emplace_back(record.num_outputs());
         settled.set_points.push_back(record.set_points.col(end - 1));
         for (int i = 0; i < record.num_outputs(); ++i) {
@@ -66,7 +66,7 @@ Settled FindSettled(const std::vector<Record>& records) {
 
 // Squares of the distances of output i from a constant plus set point j, or
 // plus nothing (j < 0).
-double SquaresOf(const Settled& settled, int i, int j) {
+double SettledSquares(const Settled& settled, int i, int j) {
   const auto n = static_cast<Eigen::Index>(settled.outputs.size());
   Eigen::VectorXd distances(n);
   for (Eigen::Index k = 0; k < n; ++k) {
@@ -78,9 +78,9 @@ double SquaresOf(const Settled& settled, int i, int j) {
 
 // How much better output i is explained by set point j than by its own or none.
 double RatioOf(const Settled& settled, int i, int j) {
-  const double other = SquaresOf(settled, i, j);
+  const double other = SettledSquares(settled, i, j);
   const double rival =
-      std::min(SquaresOf(settled, i, i), SquaresOf(settled, i, -1));
+      std::min(SettledSquares(settled, i, i), SettledSquares(settled, i, -1));
   return rival > 0.0 && std::isfinite(rival)
              ? rival / std::max(other, 1e-12 * rival)
              : 0.0;

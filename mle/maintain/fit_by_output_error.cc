@@ -9,9 +9,6 @@
 namespace mle {
 namespace {
 
-// A probability that counts as none.
-constexpr double kNever = 1e-300;
-
 // Whether the output-error correction is needed (estimation.h)
 bool NeedsStructure(const EstimationOptions& options,
                     const std::vector<Record>& windows) {
@@ -97,7 +94,7 @@ absl::Status FitByOutputError(const ProcessModel& initial,
     case ChangeTest::kChiSquare:
       if (output_error.change_proposed && !rejected) {
         OutputErrorOptions without = options.output_error;
-        without.false_alarm_probability = kNever;
+        without.false_alarm_probability = kNoFalseAlarm;
         MLE_ASSIGN_OR_RETURN(output_error,
                              CorrectByOutputError(initial, windows, without));
       }

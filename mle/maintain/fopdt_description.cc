@@ -11,15 +11,15 @@
 namespace mle {
 namespace {
 
-constexpr int kResponseSamples = 600;
-constexpr double kHorizons = 6.0;     // of the slowest time constant
-constexpr double kNegligible = 1e-9;  // of the largest response
+constexpr int kDescriptionSamples = 600;
+constexpr double kHorizonTimeConstants = 6.0;  // of the slowest time constant
+constexpr double kNegligible = 1e-9;           // of the largest response
 // Of the difference from first order; else one more parameter says little.
 constexpr double kWorthSecondOrder = 0.5;
-constexpr int kFewestSamples = 10;  // of a fit of second order
+constexpr int kFewestFitSamples = 10;  // of a fit of second order
 // The dead time of second order is shorter than that of first order, whose lag
 // begins at once; oscillations aside.
-constexpr double kDelays = 2.0;
+constexpr double kLongestDelays = 2.0;
 
 FopdtElement FromFit(const FopdtFit& fit) {
   FopdtElement element;
@@ -51,12 +51,12 @@ absl::StatusOr<FopdtElement> Described(
   FopdtElement element = FromFit(fit);
   if (fit.shape == FopdtShape::kNoResponse ||
       element.largest_difference <= kNearFopdt ||
-      response.size() < kFewestSamples) {
+      response.size() < kFewestFitSamples) {
     return element;
   }
   // Long responses are thinned out: the fit takes as long as they are.
   const Eigen::Index stride =
-      std::max<Eigen::Index>(1, response.size() / kResponseSamples);
+      std::max<Eigen::Index>(1, response.size() / kDescriptionSamples);
   const double step = sample_time * static_cast<double>(stride);
   const Eigen::VectorXd samples =
       response(Eigen::seq(0, response.size() - 1, stride));
@@ -64,7 +64,7 @@ absl::StatusOr<FopdtElement> Described(
   MLE_ASSIGN_OR_RETURN(
       const SopdtFit second,
       FitSopdt(samples, step,
-               std::min(kDelays * (fit.delay + sample_time), horizon)));
+               std::min(kLongestDelays * (fit.delay + sample_time), horizon)));
   if (second.largest_difference <=
       kWorthSecondOrder * element.largest_difference) {
     element.second_order = second;
@@ -101,9 +101,10 @@ absl::StatusOr<FopdtElement> FromTransfer(const TransferFunction& transfer) {
     return element;
   }
   const double sample_time =
-      (transfer.delay() + kHorizons * transfer.SlowestTimeConstant()) /
-      (kResponseSamples - 1);
-  return Described(transfer.StepResponse(sample_time, kResponseSamples),
+      (transfer.delay() +
+       kHorizonTimeConstants * transfer.SlowestTimeConstant()) /
+      (kDescriptionSamples - 1);
+  return Described(transfer.StepResponse(sample_time, kDescriptionSamples),
                    sample_time, {});
 }
 

@@ -5,11 +5,11 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "mle/base/double_limits.h"
 #include "mle/base/parallel.h"
 #include "mle/base/status.h"
 #include "mle/data/line.h"
@@ -18,8 +18,6 @@
 namespace mle {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Parts of a window over which the products of a standard error are summed.
 constexpr std::array<int, 3> kBlockCounts = {10, 3, 1};
 constexpr int kBlocksPerFold = 2;
@@ -193,7 +191,7 @@ Scores ScoreFold(const std::vector<Record>& windows, const Fold& fold,
   return scores;
 }
 
-void Add(const Scores& scores, Scores& all) {
+void AddScores(const Scores& scores, Scores& all) {
   if (all.empty()) {
     all = scores;
     return;
@@ -220,7 +218,7 @@ std::vector<OutputScores> ScoresOfAll(const Scores& windows) {
   if (windows.empty()) return {};
   Scores total(1, windows.front());
   for (std::size_t w = 1; w < windows.size(); ++w) {
-    Add(Scores(1, windows[w]), total);
+    AddScores(Scores(1, windows[w]), total);
   }
   return ScoresOf(total.front());
 }
@@ -356,8 +354,8 @@ absl::StatusOr<Validation> ValidateByHoldOut(
       return validation;
     }
     validation.folds.push_back(folds[f].name);
-    Add(results[f].corrected, corrected);
-    Add(results[f].parametric, parametric);
+    AddScores(results[f].corrected, corrected);
+    AddScores(results[f].parametric, parametric);
   }
   validation.held_out = true;
   validation.outputs = ScoresOfAll(corrected);

@@ -16,7 +16,6 @@ namespace {
 
 constexpr int kDegreesOfReplicates = 12;
 constexpr int kFewestReplicates = 3;
-constexpr double kNever = 1e-300;
 
 // Sines of the lines' size with amplitudes and phases of their own.
 Eigen::RowVectorXd DrawLines(const std::vector<PeriodicLine>& lines,
@@ -124,7 +123,7 @@ absl::StatusOr<NullCalibration> CalibrateTest(
   }
   OutputErrorOptions one = options;
   one.threads = 1;
-  one.false_alarm_probability = kNever;  // the statistic alone is wanted
+  one.false_alarm_probability = kNoFalseAlarm;  // the statistic alone is wanted
   Stage simulating(progress, "calibrating the test of no change", replicates);
   std::vector<absl::Status> status(replicates);
   std::vector<double> statistics(replicates);

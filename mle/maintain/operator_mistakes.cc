@@ -18,10 +18,9 @@
 namespace mle {
 namespace {
 
-constexpr double kMostProducts = 2e7;
 constexpr std::array<int, 3> kBlocks = {1, 5, 20};
 constexpr double kLeastBlocks = 100.0;
-constexpr double kLeastNats = 10.0;
+constexpr double kLeastMistakeNats = 10.0;
 constexpr double kCompleteNats = 6.0;
 constexpr double kSameFactor = 0.1;
 constexpr std::array<double, 4> kTimeUnits = {60.0, 1.0 / 60.0, 3600.0,
@@ -208,7 +207,7 @@ void MistakeSearch::Judge(const Hypothesis& hypothesis,
     const double rival = std::max(
         other_times ? fit.free : fit.fixed,
         LogLikelihood(*responses_, recorded, hypothesis.without, fit.block));
-    proved = proved || likelihood > rival + kLeastNats;
+    proved = proved || likelihood > rival + kLeastMistakeNats;
   }
   if (!proved || (best_.has_value() && best_->log_likelihood >= least)) return;
   best_ = hypothesis.mistake;

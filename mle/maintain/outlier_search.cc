@@ -69,8 +69,8 @@ std::vector<int> OutputsToSearch(const ProcessModel& model,
 }
 
 // What the model found of an output.
-void Report(const std::string& name, const OutlierReport& report,
-            RecordData& data) {
+void ReportOutliers(const std::string& name, const OutlierReport& report,
+                    RecordData& data) {
   if (report.marked[0] > 0) {
     data.notes.push_back(
         {MessageCode::kSamplesMarked,
@@ -132,7 +132,7 @@ absl::Status SearchOutliers(const ProcessModel& model,
       data.windows[w].record.outputs.row(i) = searched[n][w].outputs.row(0);
     }
     data.outliers_by_model[i] = reports[n]->marked[0];
-    Report(model.outputs()[i].name, *reports[n], data);
+    ReportOutliers(model.outputs()[i].name, *reports[n], data);
   }
   return absl::OkStatus();
 }

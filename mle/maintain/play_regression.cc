@@ -18,7 +18,7 @@ constexpr int kFilters = 6;
 constexpr double kLeastDegrees = 100.0;
 constexpr double kOutlier = 5.0;  // robust standard deviations
 constexpr std::array<double, 5> kDrifts = {0.0, 0.01, 0.03, 0.1, 0.3};
-constexpr double kCollinear = 1e-7;
+constexpr double kCollinearPlay = 1e-7;
 constexpr std::array<double, 13> kWidths = {0.01, 0.015, 0.02, 0.03, 0.04,
                                             0.06, 0.08,  0.11, 0.15, 0.2,
                                             0.27, 0.36,  0.5};
@@ -46,9 +46,9 @@ Eigen::VectorXd Lagged(const Eigen::VectorXd& values, double time) {
 }
 
 // F_c of what an element makes of its input.
-std::array<Eigen::VectorXd, kFilters> Filtered(const TransferFunction& element,
-                                               double sample_time,
-                                               const Eigen::VectorXd& values) {
+std::array<Eigen::VectorXd, kFilters> ThroughFilters(
+    const TransferFunction& element, double sample_time,
+    const Eigen::VectorXd& values) {
   const auto delay = static_cast<int>(element.delay() / sample_time);
   const double time =
       std::max(2.0, element.SlowestTimeConstant() / sample_time);
@@ -61,7 +61,8 @@ std::array<Eigen::VectorXd, kFilters> Filtered(const TransferFunction& element,
 }
 
 // The innovations of drift upon white noise.
-Eigen::VectorXd WithoutDrift(const Eigen::VectorXd& values, double share) {
+Eigen::VectorXd InnovationsOfDrift(const Eigen::VectorXd& values,
+                                   double share) {
   Eigen::VectorXd rest(values.size());
   double level = values(0);
   for (Eigen::Index k = 0; k < values.size(); ++k) {
@@ -71,12 +72,13 @@ Eigen::VectorXd WithoutDrift(const Eigen::VectorXd& values, double share) {
   return rest;
 }
 
-WhitenedData WithoutDrift(WhitenedData data, double share) {
+WhitenedData InnovationsOfDrift(WhitenedData data, double share) {
   for (std::size_t w = 0; w < data.outputs.size(); ++w) {
-    data.outputs[w] = WithoutDrift(data.outputs[w], share);
+    data.outputs[w] = InnovationsOfDrift(data.outputs[w], share);
     for (Eigen::Index c = 0; c < data.responses[w].cols(); ++c) {
       if (data.responses[w].col(c).isZero(0.0)) continue;
-      data.responses[w].col(c) = WithoutDrift(data.responses[w].col(c), share);
+      data.responses[w].col(c) =
+          InnovationsOfDrift(data.responses[w].col(c), share);
     }
   }
   return data;
@@ -108,9 +110,9 @@ std::vector<Eigen::VectorXd> ColumnOf(
 
 // Whitened columns of unit length, those that are zero left out; rows that are
 // not used are zero.
-Eigen::MatrixXd WhitenedColumns(const WhitenedData& data,
-                                const Eigen::VectorXd& filter,
-                                const Eigen::VectorXd& used) {
+Eigen::MatrixXd ColumnsThroughFilter(const WhitenedData& data,
+                                     const Eigen::VectorXd& filter,
+                                     const Eigen::VectorXd& used) {
   const Eigen::Index width = data.responses.front().cols();
   Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(used.size(), width);
   Eigen::Index kept = 0;
@@ -230,8 +232,8 @@ WhitenedData PlayRegression::DataOf(
     Eigen::Index at = 0;
     for (int j = 0; j < model_.num_inputs(); ++j) {
       for (const Eigen::VectorXd& column :
-           Filtered(model_.element(output, j), sample_time,
-                    responses[j].linear[w].col(output))) {
+           ThroughFilters(model_.element(output, j), sample_time,
+                          responses[j].linear[w].col(output))) {
         columns.col(at++) = column;
       }
       columns.col(at++) = responses[j].square[w].col(output);
@@ -270,7 +272,7 @@ void PlayRegression::Fit(int output, OutputState& state) const {
   WhitenedData data;
   WhitenedFit fit;
   for (const double drift : kDrifts) {
-    WhitenedData tried = WithoutDrift(with_drift, drift);
+    WhitenedData tried = InnovationsOfDrift(with_drift, drift);
     WhitenedFit fit_tried = FitWhitenedGains(tried, start, kOrder);
     if (drift > 0.0 && fit_tried.log_likelihood <= fit.log_likelihood) continue;
     state.drift = drift;
@@ -289,8 +291,8 @@ void PlayRegression::Fit(int output, OutputState& state) const {
   }
   state.used = UsedRows(output, kOrder, Whitened(state.filter, rest));
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr;
-  qr.setThreshold(kCollinear);
-  qr.compute(WhitenedColumns(data, state.filter, state.used));
+  qr.setThreshold(kCollinearPlay);
+  qr.compute(ColumnsThroughFilter(data, state.filter, state.used));
   const Eigen::Index rank = qr.rank();
   state.basis =
       qr.householderQ() * Eigen::MatrixXd::Identity(whitened.size(), rank);
@@ -331,7 +333,7 @@ absl::StatusOr<PlayScore> PlayRegression::Score(int input) const {
       const OutputState& state = outputs_[i];
       std::vector<Eigen::VectorXd> series = ColumnOf(responses, i);
       for (Eigen::VectorXd& part : series) {
-        part = WithoutDrift(part, state.drift);
+        part = InnovationsOfDrift(part, state.drift);
       }
       Eigen::VectorXd difference =
           Whitened(state.filter, series).cwiseProduct(state.used);
@@ -383,10 +385,10 @@ double PlayRegression::Squares(int output,
                                const Eigen::VectorXd& used) const {
   const OutputState& state = outputs_[output];
   const WhitenedData data =
-      WithoutDrift(DataOf(output, responses), state.drift);
+      InnovationsOfDrift(DataOf(output, responses), state.drift);
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr;
-  qr.setThreshold(kCollinear);
-  qr.compute(WhitenedColumns(data, state.filter, used));
+  qr.setThreshold(kCollinearPlay);
+  qr.compute(ColumnsThroughFilter(data, state.filter, used));
   Eigen::VectorXd rest =
       Whitened(state.filter, data.outputs).cwiseProduct(used);
   rest.applyOnTheLeft(qr.householderQ().adjoint());

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "mle/base/double_limits.h"
 #include "mle/base/status.h"
 #include "mle/data/line.h"
 #include "mle/maintain/channel_scales.h"
@@ -17,7 +17,6 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 // Of log10 q/r: below, a level does not move within a record; above, it is
 // all that moves.
 constexpr double kLeastLogRatio = -8.0;

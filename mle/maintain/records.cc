@@ -43,8 +43,8 @@ void AddImportWarnings(RecordData& data) {
 }
 
 // Looks at the records as they were imported, and repairs what can be.
-absl::Status Examine(const ProcessModel& model, const ExamineOptions& options,
-                     RecordData& data) {
+absl::Status ExamineFiles(const ProcessModel& model,
+                          const ExamineOptions& options, RecordData& data) {
   MLE_ASSIGN_OR_RETURN(data.findings,
                        ExamineRecords(model, options, data.records));
   for (const Finding& finding : data.findings) {
@@ -220,7 +220,7 @@ absl::Status CheckRecords(const std::vector<Record>& records,
 absl::Status FindWhatIsUsed(const ProcessModel& model,
                             const RecordOptions& options, RecordData& data) {
   AddImportWarnings(data);
-  MLE_RETURN_IF_ERROR(Examine(model, options.examination, data));
+  MLE_RETURN_IF_ERROR(ExamineFiles(model, options.examination, data));
   MarkUnhealthy(model, options.mark, data);
   MLE_ASSIGN_OR_RETURN(WindowSet set,
                        FindWindows(data.records, model, options.windows));

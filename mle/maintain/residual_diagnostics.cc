@@ -19,7 +19,7 @@ constexpr double k99Percent = 2.5758293035489004;
 using Windows = std::vector<RowVectorXd>;
 
 // Takes the mean of all finite values off.
-void Centre(Windows& windows) {
+void CentreWindows(Windows& windows) {
   double sum = 0.0;
   double count = 0.0;
   for (const RowVectorXd& window : windows) {
@@ -101,7 +101,7 @@ InputCorrelation Correlate(const Windows& errors, const VectorXd& errors_acf,
   InputCorrelation result;
   result.max_lag = max_lag;
   result.values = VectorXd::Zero(2 * max_lag + 1);
-  Centre(input);
+  CentreWindows(input);
   const double norm =
       std::sqrt(Product(errors, errors, 0) * Product(input, input, 0));
   if (!(norm > 0.0)) return result;
@@ -124,7 +124,7 @@ InputCorrelation Correlate(const Windows& errors, const VectorXd& errors_acf,
 ResidualReport ExamineOutput(Windows errors, const std::vector<Windows>& inputs,
                              int max_lag) {
   ResidualReport report;
-  Centre(errors);
+  CentreWindows(errors);
   for (const RowVectorXd& window : errors) {
     report.samples += static_cast<int>(window.array().isFinite().count());
   }

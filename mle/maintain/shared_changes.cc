@@ -8,7 +8,7 @@
 namespace mle {
 namespace {
 
-constexpr double kDeviations = 3.0;
+constexpr double kSharedDeviations = 3.0;
 constexpr double kSupport = 4.0;    // twice the difference of log-likelihoods
 constexpr double kOfSample = 0.25;  // below it a dead time is not known anyway
 constexpr double kOfGain = 0.01;
@@ -36,7 +36,7 @@ std::optional<Change> Share(const std::vector<Change>& changes, double least,
     sum += change.value / variances.back();
   }
   const Change shared = {sum / weights, 1.0 / std::sqrt(weights)};
-  if (!(std::abs(shared.value) > kDeviations * shared.error)) {
+  if (!(std::abs(shared.value) > kSharedDeviations * shared.error)) {
     return std::nullopt;
   }
   int supporting = 0;
@@ -46,7 +46,7 @@ std::optional<Change> Share(const std::vector<Change>& changes, double least,
     const double rest = own - shared.value;
     // Twice the nats by which δ is likelier than no change.
     const double support = (own * own - rest * rest) / variances[j];
-    if (!(std::abs(rest) <= kDeviations * std::sqrt(variances[j])) ||
+    if (!(std::abs(rest) <= kSharedDeviations * std::sqrt(variances[j])) ||
         support < -kSupport) {
       return std::nullopt;
     }

@@ -19,15 +19,14 @@
 namespace mle {
 namespace {
 
-constexpr double kMostProducts = 2e7;
-constexpr double kLeastSamples = 200.0;
+constexpr double kLeastPlaySamples = 200.0;
 // An output that repeats itself for so many samples is not measured there.
 constexpr int kStandsStill = 10;
 constexpr double kWorthTrying = 3.0;  // nats
-constexpr double kLeastNats = 12.0;
+constexpr double kLeastPlayNats = 12.0;
 constexpr double kLeastScore = 8.0;
 constexpr double kLeastOwnNats = 15.0;
-constexpr double kLeastFactor = 0.4;
+constexpr double kLeastPlayFactor = 0.4;
 constexpr double kMostFactor = 2.5;
 constexpr double kMostShare = 0.45;
 constexpr std::array<double, 4> kNearWidths = {0.7, 0.85, 1.2, 1.4};
@@ -147,12 +146,12 @@ absl::StatusOr<bool> PlaySearch::DropWeakest() {
     MLE_RETURN_IF_ERROR(rival.SetWidths(without));
     MLE_ASSIGN_OR_RETURN(const PlayScore score, rival.Score(j));
     nats_(j) = regression_.GainOver(rival);
-    const bool plausible = score.factor >= kLeastFactor &&
+    const bool plausible = score.factor >= kLeastPlayFactor &&
                            score.factor <= kMostFactor &&
                            widths_(j) <= kMostShare * regression_.ranges()(j);
     const double share =
-        plausible ? std::min({nats_(j) / kLeastNats, score.nats / kLeastScore,
-                              own(j) / kLeastOwnNats})
+        plausible ? std::min({nats_(j) / kLeastPlayNats,
+                              score.nats / kLeastScore, own(j) / kLeastOwnNats})
                   : 0.0;
     if (share >= least) continue;
     least = share;
@@ -246,7 +245,7 @@ absl::StatusOr<std::vector<StickingInput>> FindStickingInputs(
   for (const Record& part : material.parts) samples += part.samples();
   const double products =
       samples * model.num_outputs() * model.num_inputs() * model.num_inputs();
-  if (samples < kLeastSamples || products > kMostProducts) {
+  if (samples < kLeastPlaySamples || products > kMostProducts) {
     return std::vector<StickingInput>();
   }
   MLE_ASSIGN_OR_RETURN(

@@ -18,14 +18,14 @@
 namespace mle {
 namespace {
 
-constexpr double kMostProducts = 2e7;
-constexpr double kLeastSamples = 100.0;
-constexpr double kLeastNats = 10.0;
-constexpr double kSignificant = 0.01;
-constexpr double kDeviations = 3.0;
+constexpr double kLeastClockSamples = 100.0;
+constexpr double kLeastClockNats = 10.0;
+constexpr double kSignificantClock = 0.01;
+constexpr double kClockDeviations = 3.0;
 // Samples, tried on both sides; between the best and its neighbours it is
 // searched.
-constexpr std::array<double, 10> kDelays = {0.5, 1, 2, 3, 5, 8, 12, 18, 27, 40};
+constexpr std::array<double, 10> kClockDelays = {0.5, 1,  2,  3,  5,
+                                                 8,   12, 18, 27, 40};
 constexpr double kPrecision = 0.02;  // samples
 constexpr double kCurvatureStep = 0.5;
 
@@ -59,7 +59,7 @@ WhitenedData Delay(const WhitenedData& row, const Eigen::VectorXd& delays) {
 }
 
 // With the model's gains.
-double LogLikelihood(const WhitenedData& row) {
+double LogLikelihoodOfRow(const WhitenedData& row) {
   return WhitenedLogLikelihood(
       row, Eigen::VectorXd::Ones(row.responses.front().cols()));
 }
@@ -99,8 +99,8 @@ class DelaySearch {
     for (std::size_t i = 0; i < rows_.size(); ++i) {
       const auto row = static_cast<Eigen::Index>(i);
       if (which_.row(row).isZero()) continue;
-      sum +=
-          LogLikelihood(Delay(rows_[i], delay * which_.row(row).transpose()));
+      sum += LogLikelihoodOfRow(
+          Delay(rows_[i], delay * which_.row(row).transpose()));
     }
     return sum;
   }
@@ -118,16 +118,17 @@ class DelaySearch {
 
   BestDelay Find() const {
     BestDelay best{.delay = 0.0, .log_likelihood = At(0.0)};
-    double low = std::max(least_, -kDelays[0]);
-    double high = kDelays[0];
+    double low = std::max(least_, -kClockDelays[0]);
+    double high = kClockDelays[0];
     for (const double sign : {-1.0, 1.0}) {
-      for (std::size_t d = 0; d < kDelays.size(); ++d) {
-        const double delay = std::max(least_, sign * kDelays[d]);
+      for (std::size_t d = 0; d < kClockDelays.size(); ++d) {
+        const double delay = std::max(least_, sign * kClockDelays[d]);
         const double likelihood = At(delay);
         if (likelihood <= best.log_likelihood) continue;
         best = {.delay = delay, .log_likelihood = likelihood};
-        const double less = d > 0 ? kDelays[d - 1] : 0.0;
-        const double more = kDelays[std::min(d + 1, kDelays.size() - 1)];
+        const double less = d > 0 ? kClockDelays[d - 1] : 0.0;
+        const double more =
+            kClockDelays[std::min(d + 1, kClockDelays.size() - 1)];
         low = std::max(least_, std::min(sign * less, sign * more));
         high = std::max(sign * less, sign * more);
       }
@@ -186,12 +187,13 @@ std::optional<BestDelay> ExplainByDelay(const std::vector<WhitenedData>& rows,
   const DelaySearch search(rows, which);
   const double before = search.At(0.0);
   // What no delay can explain, or need not.
-  if (search.FreeAt(0.0) < before + kLeastNats / 2.0) return std::nullopt;
+  if (search.FreeAt(0.0) < before + kLeastClockNats / 2.0) return std::nullopt;
   BestDelay best = search.Find();
-  if (best.log_likelihood < before + kLeastNats ||
-      std::abs(best.delay) < kDeviations * best.error ||
+  if (best.log_likelihood < before + kLeastClockNats ||
+      std::abs(best.delay) < kClockDeviations * best.error ||
       ChiSquareTail(2.0 * (search.FreeAt(best.delay) - best.log_likelihood),
-                    2.0 * FreeElements(dead_times, which)) < kSignificant) {
+                    2.0 * FreeElements(dead_times, which)) <
+          kSignificantClock) {
     return std::nullopt;
   }
   for (Eigen::Index i = 0; i < which.rows(); ++i) {
@@ -201,7 +203,8 @@ std::optional<BestDelay> ExplainByDelay(const std::vector<WhitenedData>& rows,
       one(i, j) = 1.0;
       const DelaySearch alone(rows, one, -dead_times(i, j));
       const double gain = alone.Find().log_likelihood - alone.At(0.0);
-      if (before + gain > best.log_likelihood - kLeastNats) return std::nullopt;
+      if (before + gain > best.log_likelihood - kLeastClockNats)
+        return std::nullopt;
     }
   }
   best.log_likelihood -= before;
@@ -214,7 +217,7 @@ bool IsImpossible(const ProcessModel& model, const Eigen::MatrixXd& which,
   for (int i = 0; i < model.num_outputs(); ++i) {
     for (int j = 0; j < model.num_inputs(); ++j) {
       if (which(i, j) == 0.0) continue;
-      if (model.element(i, j).delay() + delay < -kDeviations * error) {
+      if (model.element(i, j).delay() + delay < -kClockDeviations * error) {
         return true;
       }
     }
@@ -270,7 +273,7 @@ absl::StatusOr<std::vector<TagClock>> FindTagClocks(
   double samples = 0.0;
   for (const Record& part : parts) samples += part.samples();
   std::vector<TagClock> clocks;
-  if (samples < kLeastSamples || samples * p * m * m > kMostProducts) {
+  if (samples < kLeastClockSamples || samples * p * m * m > kMostProducts) {
     return clocks;
   }
   MLE_ASSIGN_OR_RETURN(const ElementResponses responses,

@@ -75,7 +75,7 @@ Noise FitNoise(const WhitenedData& data, const Eigen::VectorXd& gains,
 
 Eigen::Index OrderOf(const Noise& noise) { return noise.filter.size() - 1; }
 
-double LogLikelihood(const Noise& noise) {
+double LogLikelihoodOfNoise(const Noise& noise) {
   return -0.5 * noise.rows * std::log(noise.variance);
 }
 
@@ -169,7 +169,7 @@ WhitenedData Increments(const WhitenedData& data) {
 
 double WhitenedLogLikelihood(const WhitenedData& data,
                              const Eigen::VectorXd& gains) {
-  return LogLikelihood(FitNoise(data, gains, kWhitenedOrder));
+  return LogLikelihoodOfNoise(FitNoise(data, gains, kWhitenedOrder));
 }
 
 WhitenedData Whiten(const WhitenedData& data, const Eigen::VectorXd& gains) {
@@ -224,7 +224,7 @@ WhitenedFit FitWhitenedGains(const WhitenedData& data, Eigen::VectorXd start,
             .all();
     if (converged) break;
   }
-  fit.log_likelihood = LogLikelihood(noise);
+  fit.log_likelihood = LogLikelihoodOfNoise(noise);
   return fit;
 }
 

@@ -27,10 +27,10 @@ constexpr double kFalseAlarms = 1e-6;
 constexpr double kLeastDifference = 0.05;
 constexpr int kLeastWindows = 4;  // to say what differences follow
 constexpr double kExplained = 0.5;
-constexpr double kLeastNats = 10.0;
-constexpr double kMostSamples = 8000.0;
-constexpr double kLeastSamples = 100.0;
-constexpr double kCollinear = 1e-6;
+constexpr double kLeastWindowNats = 10.0;
+constexpr double kMostWindowSamples = 8000.0;
+constexpr double kLeastWindowSamples = 100.0;
+constexpr double kCollinearGains = 1e-6;
 // That a window is long at least, and for each gain of its own.
 constexpr double kMemories = 5.0;
 constexpr double kMemoriesOfAGain = 1.5;
@@ -82,7 +82,7 @@ LeastSquares Fit(const std::vector<MatrixXd>& blocks, const VectorXd& y) {
             .fitted = VectorXd::Zero(y.size())};
   }
   Eigen::ColPivHouseholderQR<MatrixXd> qr;
-  qr.setThreshold(kCollinear);
+  qr.setThreshold(kCollinearGains);
   qr.compute(all);
   LeastSquares fit;
   fit.parameters = static_cast<double>(qr.rank());
@@ -204,8 +204,9 @@ WindowAgreement::Cause CauseOf(const WhitenedData& white, const VectorXd& y,
            kExplained * (common.squares - free.squares);
   };
   const double more = nats(by_time) - nats(by_point);
-  if (more > kLeastNats && explains(by_time)) return Cause::kTime;
-  if (more < -kLeastNats && explains(by_point)) return Cause::kOperatingPoint;
+  if (more > kLeastWindowNats && explains(by_time)) return Cause::kTime;
+  if (more < -kLeastWindowNats && explains(by_point))
+    return Cause::kOperatingPoint;
   return Cause::kUnknown;
 }
 
@@ -402,13 +403,13 @@ absl::StatusOr<std::vector<WindowAgreement>> TestWindowAgreement(
           part.outputs.row(i).segment(window.first, window.samples).mean();
     }
   }
-  if (samples < kLeastSamples) return agreements;
+  if (samples < kLeastWindowSamples) return agreements;
   of.times = Standardised(of.times);
   for (VectorXd& level : of.levels) level = Standardised(level);
   MLE_ASSIGN_OR_RETURN(const ElementResponses responses,
                        ElementResponses::Create(
                            model, parts, 1.0, ElementResponses::Inputs::kOwn));
-  const auto length = static_cast<int>(std::ceil(samples / kMostSamples));
+  const auto length = static_cast<int>(std::ceil(samples / kMostWindowSamples));
   const auto forgetting = static_cast<int>(std::min(memory, 1e9));
   for (int i = 0; i < model.num_outputs(); ++i) {
     const WhitenedData row = Later(

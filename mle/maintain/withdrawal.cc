@@ -57,8 +57,9 @@ double MostOfClocks(const CorrectionResult& result) {
       kLateSamples * result.data.sample_time());
 }
 
-StepResponse Delayed(const ProcessModel& model, const SharedDelay& shared,
-                     double sample_time, int samples) {
+StepResponse DelayedResponse(const ProcessModel& model,
+                             const SharedDelay& shared, double sample_time,
+                             int samples) {
   ProcessModel late = model;
   for (int i = 0; i < model.num_outputs(); ++i) {
     for (int j = 0; j < model.num_inputs(); ++j) {
@@ -115,8 +116,8 @@ void WithdrawSharedDelays(const StepResponse& proposed,
     if (std::abs(shared.change) > most) continue;
     result.shared_delays.push_back(shared);
     bool with_others = false;
-    const StepResponse delayed =
-        Delayed(result.initial, shared, sample_time, proposed.samples());
+    const StepResponse delayed = DelayedResponse(
+        result.initial, shared, sample_time, proposed.samples());
     for (int i = 0; i < proposed.num_outputs; ++i) {
       for (int j = 0; j < proposed.num_inputs; ++j) {
         if (!shared.contains(i, j) || !IsParametric(estimate, i, j)) continue;

@@ -14,17 +14,17 @@
 namespace mle {
 namespace {
 
-constexpr int kFormatVersion = 1;
+constexpr int kArxFormatVersion = 1;
 // More lags than any model has; a file that asks for more is broken.
-constexpr int kMaxOrder = 1'000'000;
+constexpr int kMaxArxOrder = 1'000'000;
 
-absl::StatusOr<NamedArxModel> ParseNamed(const JsonNode& top) {
+absl::StatusOr<NamedArxModel> ParseNamedArx(const JsonNode& top) {
   MLE_RETURN_IF_ERROR(
       top.CheckKeys({"version", "name", "time_unit", "sample_time", "order",
                      "outputs", "inputs", "R"},
                     {"program_version"}));
   MLE_RETURN_IF_ERROR(
-      top.At("version").Integer(kFormatVersion, kFormatVersion).status());
+      top.At("version").Integer(kArxFormatVersion, kArxFormatVersion).status());
   NamedArxModel named;
   MLE_ASSIGN_OR_RETURN(named.name, top.At("name").String());
   MLE_ASSIGN_OR_RETURN(named.time_unit, top.At("time_unit").String());
@@ -33,12 +33,12 @@ absl::StatusOr<NamedArxModel> ParseNamed(const JsonNode& top) {
   ArxModel& model = named.model;
   MLE_ASSIGN_OR_RETURN(model.sample_time, top.At("sample_time").Number());
   MLE_ASSIGN_OR_RETURN(const std::int64_t order,
-                       top.At("order").Integer(1, kMaxOrder));
+                       top.At("order").Integer(1, kMaxArxOrder));
   model.order = static_cast<int>(order);
   const std::size_t channels = named.outputs.size() + named.inputs.size();
-  if (channels > static_cast<std::size_t>(kMaxOrder / model.order)) {
+  if (channels > static_cast<std::size_t>(kMaxArxOrder / model.order)) {
     return top.Fault(absl::StrCat(model.order, " lags of ", channels,
-                                  " channels are more than ", kMaxOrder,
+                                  " channels are more than ", kMaxArxOrder,
                                   " regressors"));
   }
   model.num_outputs = static_cast<int>(named.outputs.size());
@@ -64,13 +64,13 @@ absl::Status NamedArxModel::Validate() const {
 absl::StatusOr<NamedArxModel> ParseArxModel(std::string_view json,
                                             std::string_view source) {
   MLE_ASSIGN_OR_RETURN(const nlohmann::json top, ParseStrictJson(json, source));
-  return ParseNamed(JsonNode(top, std::string(source)));
+  return ParseNamedArx(JsonNode(top, std::string(source)));
 }
 
 std::string FormatArxModel(const NamedArxModel& named) {
   using Json = nlohmann::ordered_json;
   const Json json = {
-      {"version", kFormatVersion},    {"name", named.name},
+      {"version", kArxFormatVersion}, {"name", named.name},
       {"time_unit", named.time_unit}, {"sample_time", named.model.sample_time},
       {"order", named.model.order},   {"outputs", named.outputs},
       {"inputs", named.inputs},       {"R", MatrixJson(named.model.R)}};

@@ -98,7 +98,7 @@ TransferFunction ElementResponse::ToTransferFunction(
 namespace {
 
 // Free responses are 0 once they are below this share of their first values.
-constexpr double kForgotten = 1e-40;
+constexpr double kForgottenResponse = 1e-40;
 
 // Calls `with` with the order as a constant where it is small: the recursions
 // then have no sizes to look up.
@@ -139,7 +139,7 @@ void RunOver(const SampleMap& map, const Eigen::RowVectorXd& C,
       columns(k, 2) = slope_by_state.dot(x) + slope_by_input * older;
     }
     const double newer = (k >= whole ? inputs(k - whole) : past_input) - base;
-    move.setZero();
+    std::fill_n(move.data(), move.size(), 0.0);
     move.noalias() += E * state;
     move += by_older * older + by_newer * newer;
     state += move;
@@ -207,7 +207,7 @@ constexpr double kLeastDecay = 1e-4;
 void RunFreeFirstOrder(double A, double E, double C, double duration,
                        Eigen::Ref<MatrixXd> columns,
                        Eigen::Ref<MatrixXd> derivatives) {
-  const double last = std::ceil(std::log(kForgotten) / std::log1p(E));
+  const double last = std::ceil(std::log(kForgottenResponse) / std::log1p(E));
   const auto kept = static_cast<Eigen::Index>(
       std::min(last, static_cast<double>(columns.rows())));
   VectorXd values = VectorXd::Zero(kept);
@@ -229,7 +229,7 @@ void RunFree(const MatrixXd& A, const MatrixXd& E, const Eigen::RowVectorXd& C,
   rate = A;
   Eigen::Matrix<double, kOrder, kOrder> change;
   change = E;
-  const double forgotten = kForgotten * C.norm();
+  const double forgotten = kForgottenResponse * C.norm();
   Row output = C;
   Row next = C;
   for (Eigen::Index k = 0; k < columns.rows(); ++k) {

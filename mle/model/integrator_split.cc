@@ -15,7 +15,7 @@ using Eigen::RowVectorXd;
 using Eigen::VectorXd;
 
 // R = (N − K D) / (s D), the dead time aside.
-TransferFunction WithoutIntegrator(const TransferFunction& g) {
+TransferFunction WithoutIntegratorPart(const TransferFunction& g) {
   std::vector<double> d = g.denominator();
   d.pop_back();
   std::vector<double> b = g.numerator();
@@ -38,7 +38,7 @@ absl::StatusOr<IntegratorSplit> SplitIntegrator(const TransferFunction& element,
   IntegratorSplit split;
   split.slope = element.StaticGain();
   const double step = split.slope * sample_time;
-  TransferFunction others = WithoutIntegrator(element);
+  TransferFunction others = WithoutIntegratorPart(element);
   if (left == 0 && fraction == 0.0 && others.IsZero()) return split;
   others.set_delay(fraction * sample_time);
   MLE_ASSIGN_OR_RETURN(const HeldResponse held,

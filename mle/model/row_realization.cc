@@ -15,7 +15,7 @@ using Eigen::VectorXd;
 
 // Once a power of A is smaller than this, further terms of the sum are below
 // rounding.
-constexpr double kForgotten = 1e-18;
+constexpr double kForgottenPower = 1e-18;
 constexpr int kMostDoublings = 60;
 
 // R with RᵀR = rowsᵀ·rows and no more rows than columns.
@@ -34,7 +34,7 @@ MatrixXd ObservabilityFactor(MatrixXd power, const RowVectorXd& c) {
     both << factor, factor * power;
     factor = Compressed(both);
     power = (power * power).eval();
-    if (power.norm() < kForgotten) break;
+    if (power.norm() < kForgottenPower) break;
   }
   return factor;
 }

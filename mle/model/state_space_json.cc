@@ -17,9 +17,9 @@
 namespace mle {
 namespace {
 
-constexpr int kFormatVersion = 1;
+constexpr int kStateSpaceFormatVersion = 1;
 // More states than any model has; a file that asks for more is broken.
-constexpr int kMaxOrder = 100'000;
+constexpr int kMaxStates = 100'000;
 
 absl::StatusOr<std::vector<int>> ReadDelays(const JsonNode& node, int wanted,
                                             const char* kind) {
@@ -91,7 +91,7 @@ absl::Status CheckUnits(const char* key, const std::vector<std::string>& units,
 
 // States that the file counts, or that A has rows.
 absl::StatusOr<std::int64_t> ReadOrder(const JsonNode& top) {
-  if (top.Has("order")) return top.At("order").Integer(1, kMaxOrder);
+  if (top.Has("order")) return top.At("order").Integer(1, kMaxStates);
   MLE_ASSIGN_OR_RETURN(const std::vector<JsonNode> rows,
                        top.At("A").Elements());
   return static_cast<std::int64_t>(rows.size());
@@ -113,14 +113,16 @@ absl::Status ReadMatrices(const JsonNode& top, int n, int p, int m,
   return absl::OkStatus();
 }
 
-absl::StatusOr<NamedStateSpace> ParseNamed(const JsonNode& top) {
+absl::StatusOr<NamedStateSpace> ParseNamedStateSpace(const JsonNode& top) {
   MLE_RETURN_IF_ERROR(top.CheckKeys(
       {"name", "time_unit", "sample_time", "outputs", "inputs", "A", "B", "C"},
       {"version", "program_version", "order", "accuracy", "output_units",
        "input_units", "disturbances", "input_delays", "output_delays", "D"}));
   if (top.Has("version")) {
     MLE_RETURN_IF_ERROR(
-        top.At("version").Integer(kFormatVersion, kFormatVersion).status());
+        top.At("version")
+            .Integer(kStateSpaceFormatVersion, kStateSpaceFormatVersion)
+            .status());
   }
   NamedStateSpace named;
   MLE_ASSIGN_OR_RETURN(named.name, top.At("name").String());
@@ -212,13 +214,13 @@ void NamedStateSpace::SetChannels(const ProcessModel& channels) {
 absl::StatusOr<NamedStateSpace> ParseStateSpace(std::string_view json,
                                                 std::string_view source) {
   MLE_ASSIGN_OR_RETURN(const nlohmann::json top, ParseStrictJson(json, source));
-  return ParseNamed(JsonNode(top, std::string(source)));
+  return ParseNamedStateSpace(JsonNode(top, std::string(source)));
 }
 
 std::string FormatStateSpace(const NamedStateSpace& named) {
   using Json = nlohmann::ordered_json;
   const DiscreteStateSpace& system = named.system;
-  Json json = {{"version", kFormatVersion},
+  Json json = {{"version", kStateSpaceFormatVersion},
                {"program_version", std::string(LibraryVersion())},
                {"name", named.name},
                {"time_unit", named.time_unit},

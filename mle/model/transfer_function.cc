@@ -99,7 +99,7 @@ Eigen::VectorXcd Poles(const std::vector<double>& denominator) {
 }
 
 // The coefficients of the poles other than one at s = 0.
-std::vector<double> WithoutIntegrator(std::vector<double> denominator) {
+std::vector<double> WithoutIntegratorPole(std::vector<double> denominator) {
   if (denominator.size() > 1 && denominator.back() == 0.0) {
     denominator.pop_back();
   }
@@ -130,7 +130,7 @@ absl::Status CheckStable(const std::vector<double>& denominator) {
 // stable.
 absl::Status CheckPoles(const std::vector<double>& numerator,
                         const std::vector<double>& denominator) {
-  const std::vector<double> others = WithoutIntegrator(denominator);
+  const std::vector<double> others = WithoutIntegratorPole(denominator);
   if (others.size() > 1 && others.back() == 0.0) {
     return absl::InvalidArgumentError(absl::StrCat(
         "denominator ", Polynomial(denominator),
@@ -233,8 +233,9 @@ bool TransferFunction::IsIntegratorWithLag() const {
 }
 
 double TransferFunction::StaticGain() const {
-  return IsZero() ? 0.0
-                  : numerator_.back() / WithoutIntegrator(denominator_).back();
+  return IsZero()
+             ? 0.0
+             : numerator_.back() / WithoutIntegratorPole(denominator_).back();
 }
 
 double TransferFunction::TimeConstant() const {
@@ -243,7 +244,7 @@ double TransferFunction::TimeConstant() const {
 }
 
 double TransferFunction::SlowestTimeConstant() const {
-  const std::vector<double> others = WithoutIntegrator(denominator_);
+  const std::vector<double> others = WithoutIntegratorPole(denominator_);
   const int r = Degree(others);
   if (r == 0) return 0.0;
   if (r == 1) return others[0] / others[1];

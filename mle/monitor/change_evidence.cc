@@ -53,7 +53,7 @@ class LogSum {
 };
 
 // Scores and informations of a change that begins with a batch.
-struct Contrast {
+struct WhitenedContrast {
   VectorXd score;
   MatrixXd information;
 };
@@ -96,7 +96,7 @@ class Suffixes {
     projected_ = solver_.solve(scores_[last + 1]);
   }
   // Of a change that begins with batches[begin].
-  Contrast From(std::size_t begin) const {
+  WhitenedContrast From(std::size_t begin) const {
     const MatrixXd after = informations_[last_ + 1] - informations_[begin];
     return {scores_[last_ + 1] - scores_[begin] - after * projected_,
             after - after * solver_.solve(after)};
@@ -124,11 +124,11 @@ class Suffixes {
 
 // Of the parameters first … first + 2, all others eliminated.
 struct OwnContrast {
-  Contrast own;
+  WhitenedContrast own;
   double log_others = 0.0;  // ln of the likelihood ratio of the others alone
 };
 
-OwnContrast WithoutOthers(const Contrast& all, Index first) {
+OwnContrast WithoutOthers(const WhitenedContrast& all, Index first) {
   const Index n = all.score.size();
   const Index others = n - 3;
   if (others == 0) return {all};
@@ -155,12 +155,12 @@ OwnContrast WithoutOthers(const Contrast& all, Index first) {
 
 // ln E of one element: `contrasts` and `weights` (logarithms) by begin, `none`
 // of changes that are still to begin.
-double ElementEvidence(const std::vector<Contrast>& contrasts,
+double ElementEvidence(const std::vector<WhitenedContrast>& contrasts,
                        const std::vector<double>& weights, double none,
                        Index first, const VectorXd& least, double deviation) {
   std::vector<OwnContrast> own;
   double best_others = 0.0;
-  for (const Contrast& contrast : contrasts) {
+  for (const WhitenedContrast& contrast : contrasts) {
     own.push_back(WithoutOthers(contrast, first));
     best_others = std::max(best_others, own.back().log_others);
   }
@@ -213,14 +213,14 @@ ChangeEvidence EvidenceOf(const std::vector<ScoredBatch>& batches,
   const Index n = batches.front().score.size();
   const double deviation = options.change_deviation;
   LogSum output;
-  std::vector<Contrast> contrasts;
+  std::vector<WhitenedContrast> contrasts;
   std::vector<double> weights;
   for (std::size_t s = 0; s < batches.size(); ++s) {
     const double weight = suffixes.LogWeight(s, options.life);
     if (weight == kNever) continue;
     weights.push_back(weight);
     contrasts.push_back(suffixes.From(s));
-    const Contrast& contrast = contrasts.back();
+    const WhitenedContrast& contrast = contrasts.back();
     for (Index a = 0; a < n; ++a) {
       output.Add(weight - std::log(static_cast<double>(n)) +
                  LogRatio(contrast.score(a), contrast.information(a, a),
@@ -314,7 +314,7 @@ LikelyChange ExplainEvidence(const std::vector<ScoredBatch>& batches,
   for (std::size_t s = 0; s < batches.size(); ++s) {
     const double weight = suffixes.LogWeight(s, options.life);
     if (weight == kNever) continue;
-    const Contrast contrast = suffixes.From(s);
+    const WhitenedContrast contrast = suffixes.From(s);
     for (Index a = 0; a < n; ++a) {
       const double information = contrast.information(a, a);
       const double value =

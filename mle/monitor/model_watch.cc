@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "mle/base/double_limits.h"
 #include "mle/base/status.h"
 #include "mle/data/set_point_windows.h"
 #include "mle/maintain/examine_records.h"
@@ -21,7 +21,6 @@ namespace {
 
 using Eigen::VectorXd;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr int kLeastReference = 200;
 constexpr int kLeastSamples = 20;
 constexpr double kLeastDeviation = 0.1;  // of innovations, in √r

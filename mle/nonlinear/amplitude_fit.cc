@@ -9,15 +9,13 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kRankTolerance = 1e-9;
-
 }  // namespace
 
 AmplitudeFit::AmplitudeFit(MatrixXd columns)
     : norms_(columns.colwise().norm().cwiseMax(1e-300)),
       scaled_(std::move(columns)) {
   scaled_ *= norms_.cwiseInverse().asDiagonal();
-  qr_.setThreshold(kRankTolerance);
+  qr_.setThreshold(kAmplitudeTolerance);
   qr_.compute(scaled_);
 }
 
@@ -35,7 +33,7 @@ VectorXd AmplitudeFit::Solve(const VectorXd& residuals) const {
     return qr_.solve(residuals).cwiseQuotient(norms_);
   }
   Eigen::CompleteOrthogonalDecomposition<MatrixXd> decomposition;
-  decomposition.setThreshold(kRankTolerance);
+  decomposition.setThreshold(kAmplitudeTolerance);
   decomposition.compute(scaled_);
   return decomposition.solve(residuals).cwiseQuotient(norms_);
 }

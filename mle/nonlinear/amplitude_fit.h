@@ -1,6 +1,6 @@
 // Amplitudes that each segment has for itself, of modes, lines and steps: least
 // squares by columns, and what they leave of others. Columns are whitened and
-// scaled to one norm, and those nearer to each other than 1e-9 are one.
+// scaled to one norm.
 // Internal to mle/nonlinear.
 
 #ifndef MLE_NONLINEAR_AMPLITUDE_FIT_H_
@@ -10,6 +10,10 @@
 #include "Eigen/QR"
 
 namespace mle {
+
+// Columns of one norm that are nearer to each other than this are one: the
+// relative threshold of a rank.
+inline constexpr double kAmplitudeTolerance = 1e-9;
 
 class AmplitudeFit {
  public:

@@ -23,11 +23,11 @@ constexpr int kMaxExchanges = 1000;
 constexpr double kPivotTolerance = 1e-12;
 
 constexpr double kFirstDamping = 1e-4;
-constexpr double kLeastDamping = 1e-10;
-constexpr double kMostDamping = 1e12;
+constexpr double kLeastStepDamping = 1e-10;
+constexpr double kMostStepDamping = 1e12;
 // Of the decrease that the model promises: steps that are taken, and those
 // after which damping falls and rises.
-constexpr double kLeastShare = 1e-4;
+constexpr double kLeastShareOfPromise = 1e-4;
 constexpr double kGoodShare = 0.75;
 constexpr double kPoorShare = 0.25;
 
@@ -159,15 +159,16 @@ BoxLeastSquaresSummary MinimiseWithinBox(
     }
     QuadraticModel next = evaluate(moved);
     const double share = (at.cost - next.cost) / promised;
-    if (share > kLeastShare) {
+    if (share > kLeastShareOfPromise) {
       x = moved;
       at = std::move(next);
-      if (share > kGoodShare) damping = std::max(0.1 * damping, kLeastDamping);
+      if (share > kGoodShare)
+        damping = std::max(0.1 * damping, kLeastStepDamping);
       if (share < kPoorShare) damping *= 4.0;
     } else {
       damping *= 10.0;
       // Rounding: no step is better.
-      if (damping > kMostDamping) {
+      if (damping > kMostStepDamping) {
         summary.converged = true;
         break;
       }

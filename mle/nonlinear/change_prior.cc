@@ -24,7 +24,7 @@ constexpr std::array<double, kScales> kScale = {0.02, 0.2, 0.6, 2.0};
 constexpr std::array<double, kScales> kPrior = {1.0 / 2, 1.0 / 6, 1.0 / 6,
                                                 1.0 / 6};
 constexpr int kMaxVisits = 300;
-constexpr double kSmallestRatio = 1e-4;  // of a weight that is visited
+constexpr double kSmallestWeightRatio = 1e-4;  // of a weight that is visited
 constexpr double kEnough = 0.999;
 constexpr std::size_t kMaxParts = 64;
 
@@ -129,7 +129,7 @@ std::vector<Weighed> VisitChoices(const Changes& changes) {
   std::priority_queue<Weighed> waiting;
   double best = 0.0;
   const auto add = [&](double log_weight, Choice choice) {
-    if (log_weight < best + std::log(kSmallestRatio)) return;
+    if (log_weight < best + std::log(kSmallestWeightRatio)) return;
     if (!seen.emplace(choice, log_weight).second) return;
     best = std::max(best, log_weight);
     waiting.emplace(log_weight, std::move(choice));
@@ -138,7 +138,7 @@ std::vector<Weighed> VisitChoices(const Changes& changes) {
   for (int visit = 0; visit < kMaxVisits && !waiting.empty(); ++visit) {
     const Weighed at = waiting.top();
     waiting.pop();
-    if (at.first < best + std::log(kSmallestRatio)) break;
+    if (at.first < best + std::log(kSmallestWeightRatio)) break;
     WeighNeighbours(changes, at, add);
   }
   std::vector<Weighed> choices;

@@ -8,16 +8,12 @@
 namespace mle {
 namespace {
 
-// The range of ρ and σ, as logarithms.
-const double kMinLogRatio = std::log(1e-10);
-const double kMaxLogRatio = std::log(1e6);
-
 // −1/ln φ of the fastest colour, in samples: below, it is white.
 constexpr double kShortestMemory = 0.8;
 constexpr double kLongestShare = 1.0 / 3.0;  // of the shortest segment
 constexpr double kSlowestPole = 3.0;  // in shortest segments, behind a lag
 // ζ below is a periodic line.
-constexpr double kLeastDamping = 0.03;
+constexpr double kLeastColourDamping = 0.03;
 // The coarse grid: factors of time constants, steps of ln σ.
 constexpr double kMemoryStep = 4.0;
 constexpr double kResonanceStep = 2.5;
@@ -28,7 +24,7 @@ constexpr double kColourStep = 2.5;
 constexpr double kLeastColour = 0.02;
 constexpr int kFirstPlace = 1;
 constexpr int kLastPlace = 7;
-constexpr double kGridStep = 1.0;
+constexpr double kFirstStep = 1.0;
 constexpr double kLocalStep = 0.25;  // from where it was before
 // A smaller difference of −2 ln L does not count.
 constexpr double kNoGain = 0.01;
@@ -162,7 +158,7 @@ class ColourSearch {
       const double slowest =
           std::min(kSlowestPole * segment_ / memory, memory / kShortestMemory);
       const double most = slowest > 1.0 ? 0.5 * (slowest + 1.0 / slowest) : 1.0;
-      x[3] = std::clamp(x[3], std::log(kLeastDamping), std::log(most));
+      x[3] = std::clamp(x[3], std::log(kLeastColourDamping), std::log(most));
       shape.colour_damping = std::exp(x[3]);
     }
     return {x, likelihood_.At(shape)};
@@ -237,7 +233,7 @@ Profile FindBestColour(const ShapeLikelihood& likelihood, int order,
   const Profile start = search.OfGrid(walk.shape);
   if (!start.shape.coloured()) return start;
   if (!(start.value < walk.value - kPromise)) return start;
-  return search.From(start, kGridStep);
+  return search.From(start, kFirstStep);
 }
 
 Profile ContinueColour(const ShapeLikelihood& likelihood,

@@ -9,6 +9,7 @@
 #include "boost/math/distributions/non_central_chi_squared.hpp"
 #include "boost/math/distributions/students_t.hpp"
 #include "glog/logging.h"
+#include "mle/base/double_limits.h"
 
 namespace mle {
 namespace {
@@ -35,7 +36,6 @@ using NoncentralChiSquare =
 using Fisher = bm::fisher_f_distribution<double, Policy>;
 using Student = bm::students_t_distribution<double, Policy>;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Beyond it F is chi-square over ν to ten digits.
 constexpr double kManyDegrees = 1e10;
 

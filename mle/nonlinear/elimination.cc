@@ -8,7 +8,7 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-constexpr double kLeastShare = 1e-12;
+constexpr double kLeastPivotShare = 1e-12;
 
 }  // namespace
 
@@ -35,7 +35,7 @@ Elimination EliminateFirst(Index count, Eigen::MatrixXd products) {
     Index pivot = 0;
     const double share =
         (products.diagonal().head(count).array() * inverse).maxCoeff(&pivot);
-    if (!(share > kLeastShare)) break;
+    if (!(share > kLeastPivotShare)) break;
     const double value = products(pivot, pivot);
     auto row = result.rows.row(result.rank());
     row = products.row(pivot) / std::sqrt(value);

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "Eigen/Core"
 #include "absl/strings/str_cat.h"
 #include "ceres/ceres.h"
 #include "glog/logging.h"
+#include "mle/base/double_limits.h"
 #include "mle/base/status.h"
 #include "mle/nonlinear/fopdt_grid.h"
 #include "mle/nonlinear/unit_errors.h"
@@ -18,8 +18,6 @@ namespace mle {
 namespace {
 
 using Response = Eigen::Ref<const Eigen::VectorXd>;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Residuals h_k − y_k and, where wanted, their derivatives by K, ln T and L;
 // time in samples. `columns` holds three arrays as long as the response, or
@@ -69,7 +67,7 @@ class FopdtCost : public ceres::CostFunction {
   Response response_;
 };
 
-struct Refined {
+struct RefinedFopdt {
   FopdtParameters parameters;
   double cost = kInfinity;
   FopdtTermination termination = FopdtTermination::kFailed;
@@ -89,9 +87,9 @@ FopdtTermination FromCeres(ceres::TerminationType type) {
 }
 
 // Levenberg–Marquardt from `start`, with L in [min_delay, max_delay].
-Refined Refine(const Response& response, const FopdtParameters& start,
-               const FopdtBounds& bounds, double min_delay, double max_delay,
-               int max_iterations) {
+RefinedFopdt RefineFopdt(const Response& response, const FopdtParameters& start,
+                         const FopdtBounds& bounds, double min_delay,
+                         double max_delay, int max_iterations) {
   const double min_log = std::log(bounds.min_time_constant);
   const double max_log = std::log(bounds.max_time_constant);
   double gain = start.gain;
@@ -122,7 +120,7 @@ Refined Refine(const Response& response, const FopdtParameters& start,
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
 
-  Refined refined;
+  RefinedFopdt refined;
   refined.termination = FromCeres(summary.termination_type);
   refined.iterations = static_cast<int>(summary.iterations.size());
   if (summary.IsSolutionUsable()) {
@@ -134,20 +132,20 @@ Refined Refine(const Response& response, const FopdtParameters& start,
 
 // The search leaves only the polish. Within a sample the objective is smooth;
 // a minimum may also lie in the kink at one of its ends.
-Refined RefineBest(const Response& response, const FopdtBounds& bounds,
-                   const FopdtOptions& options) {
+RefinedFopdt RefineBest(const Response& response, const FopdtBounds& bounds,
+                        const FopdtOptions& options) {
   const FopdtParameters start =
       FindFopdtStart(response, bounds, options.num_starts);
   const double low = std::floor(start.delay);
   const double high = std::min(low + 1.0, bounds.max_delay);
   const std::pair<double, double> ranges[] = {
       {low, high}, {low, low}, {high, high}};
-  Refined best;
+  RefinedFopdt best;
   best.parameters = start;
   int iterations = 0;
   for (const auto& [min_delay, max_delay] : ranges) {
-    const Refined refined = Refine(response, start, bounds, min_delay,
-                                   max_delay, options.max_iterations);
+    const RefinedFopdt refined = RefineFopdt(response, start, bounds, min_delay,
+                                             max_delay, options.max_iterations);
     iterations += refined.iterations;
     if (refined.cost < best.cost) best = refined;
   }
@@ -165,8 +163,8 @@ bool IsPoor(const FopdtFit& fit, const FopdtOptions& options,
 }
 
 // The fit in the units of the response, `scale`, and of time.
-FopdtFit MakeFit(const Response& response, const Refined& refined, double scale,
-                 double sample_time) {
+FopdtFit MakeFit(const Response& response, const RefinedFopdt& refined,
+                 double scale, double sample_time) {
   const Eigen::Index n = response.size();
   Eigen::VectorXd residuals(n);
   Eigen::MatrixXd jacobian(n, 3);
@@ -278,7 +276,7 @@ absl::StatusOr<FopdtFit> FitFopdt(const Response& step_response,
       .min_time_constant = options.min_time_constant_samples,
       .max_time_constant = options.max_time_constant_horizons * last,
       .max_delay = std::min(options.max_delay / sample_time, last - 3.0)};
-  const Refined best = RefineBest(response, bounds, options);
+  const RefinedFopdt best = RefineBest(response, bounds, options);
   FopdtFit fit = MakeFit(response, best, scale, sample_time);
   fit.shape = IsPoor(fit, options, sample_time * bounds.max_time_constant)
                   ? FopdtShape::kPoorFit

@@ -15,7 +15,7 @@ constexpr double kGridRatio = 1.3;
 // Of half the interval of ln T that a search ends in: some 1e-5.
 constexpr int kTimeBits = 16;
 
-struct Candidate {
+struct GridCandidate {
   FopdtParameters parameters;
   // Σ y² less this is the sum of squared residuals.
   double explained = -std::numeric_limits<double>::infinity();
@@ -31,8 +31,8 @@ struct TailSums {
 };
 
 // The best gain for a given q.
-Candidate BestGain(const TailSums& sums, double q) {
-  Candidate candidate;
+GridCandidate BestGain(const TailSums& sums, double q) {
+  GridCandidate candidate;
   const double norm = sums.n - 2.0 * q * sums.e + q * q * sums.ee;
   const double product = sums.y - q * sums.ye;
   if (!(norm > 0.0)) return candidate;
@@ -43,19 +43,19 @@ Candidate BestGain(const TailSums& sums, double q) {
 
 // The best gain and dead time in the sample before k₀. Its late end, q → 1, is
 // the early end of the next sample.
-Candidate BestInSample(const TailSums& sums, int k0, double time_constant,
-                       double r, double max_delay) {
+GridCandidate BestInSample(const TailSums& sums, int k0, double time_constant,
+                           double r, double max_delay) {
   const double max_q =
       std::min(1.0, std::exp(-(k0 - max_delay) / time_constant));
   double q = r;
-  Candidate best = BestGain(sums, r);
+  GridCandidate best = BestGain(sums, r);
   const double determinant = sums.n * sums.ee - sums.e * sums.e;
   const double gain = sums.ee * sums.y - sums.e * sums.ye;
   const double c = sums.e * sums.y - sums.n * sums.ye;
   if (determinant > 0.0 && gain != 0.0) {
     const double inner = c / gain;
     if (inner > r && inner <= max_q) {
-      const Candidate candidate = BestGain(sums, inner);
+      const GridCandidate candidate = BestGain(sums, inner);
       if (candidate.explained > best.explained) {
         best = candidate;
         q = inner;
@@ -69,12 +69,13 @@ Candidate BestInSample(const TailSums& sums, int k0, double time_constant,
 }
 
 // The best gain and dead time at one time constant.
-Candidate BestAtTimeConstant(const Eigen::Ref<const Eigen::VectorXd>& response,
-                             double time_constant, double max_delay) {
+GridCandidate BestAtTimeConstant(
+    const Eigen::Ref<const Eigen::VectorXd>& response, double time_constant,
+    double max_delay) {
   const int samples = static_cast<int>(response.size());
   const double r = std::exp(-1.0 / time_constant);
   const int last_k0 = std::min(samples - 3, 1 + static_cast<int>(max_delay));
-  Candidate best;
+  GridCandidate best;
   TailSums sums;
   for (int k = samples - 1; k >= 1; --k) {
     // One step earlier every weight is r times its former one.
@@ -84,7 +85,7 @@ Candidate BestAtTimeConstant(const Eigen::Ref<const Eigen::VectorXd>& response,
     sums.y += response(k);
     sums.ye = response(k) + r * sums.ye;
     if (k > last_k0 || k - 1 > max_delay) continue;
-    const Candidate candidate =
+    const GridCandidate candidate =
         BestInSample(sums, k, time_constant, r, max_delay);
     if (candidate.explained > best.explained) best = candidate;
   }
@@ -92,14 +93,14 @@ Candidate BestAtTimeConstant(const Eigen::Ref<const Eigen::VectorXd>& response,
 }
 
 // The best on a logarithmic grid of time constants.
-std::vector<Candidate> SearchGrid(
+std::vector<GridCandidate> SearchGrid(
     const Eigen::Ref<const Eigen::VectorXd>& response,
     const FopdtBounds& bounds) {
   const double log_min = std::log(bounds.min_time_constant);
   const double log_range = std::log(bounds.max_time_constant) - log_min;
   const int points =
       2 + static_cast<int>(std::ceil(log_range / std::log(kGridRatio)));
-  std::vector<Candidate> grid(points);
+  std::vector<GridCandidate> grid(points);
   for (int i = 0; i < points; ++i) {
     const double time_constant =
         std::clamp(std::exp(log_min + log_range * i / (points - 1)),
@@ -110,12 +111,13 @@ std::vector<Candidate> SearchGrid(
 }
 
 // The best between two time constants.
-Candidate SearchBetween(const Eigen::Ref<const Eigen::VectorXd>& response,
-                        double low_time, double high_time, double max_delay) {
-  Candidate best;
+GridCandidate SearchDelayBetween(
+    const Eigen::Ref<const Eigen::VectorXd>& response, double low_time,
+    double high_time, double max_delay) {
+  GridCandidate best;
   SearchLeast(std::log(low_time), std::log(high_time), kTimeBits,
               [&](double log_time) {
-                const Candidate candidate =
+                const GridCandidate candidate =
                     BestAtTimeConstant(response, std::exp(log_time), max_delay);
                 if (candidate.explained > best.explained) best = candidate;
                 return -candidate.explained;
@@ -131,7 +133,7 @@ FopdtParameters FindFopdtStart(
   CHECK_GE(response.size(), 5);
   CHECK_GT(bounds.min_time_constant, 0.0);
   CHECK_GE(bounds.max_time_constant, bounds.min_time_constant);
-  const std::vector<Candidate> grid = SearchGrid(response, bounds);
+  const std::vector<GridCandidate> grid = SearchGrid(response, bounds);
   const int points = static_cast<int>(grid.size());
   std::vector<int> minima;
   for (int i = 0; i < points; ++i) {
@@ -145,13 +147,13 @@ FopdtParameters FindFopdtStart(
   });
   if (static_cast<int>(minima.size()) > num_minima) minima.resize(num_minima);
 
-  Candidate best;
+  GridCandidate best;
   for (const int i : minima) {
-    const Candidate refined = SearchBetween(
+    const GridCandidate refined = SearchDelayBetween(
         response, grid[std::max(i - 1, 0)].parameters.time_constant,
         grid[std::min(i + 1, points - 1)].parameters.time_constant,
         bounds.max_delay);
-    for (const Candidate& candidate : {grid[i], refined}) {
+    for (const GridCandidate& candidate : {grid[i], refined}) {
       if (candidate.explained > best.explained) best = candidate;
     }
   }

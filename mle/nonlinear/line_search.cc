@@ -22,8 +22,8 @@ constexpr double kFalseAlarm = 1e-4;  // of a peak
 // Of the shortest segment, whose peaks are as wide as the inverse: the least
 // length of a transform.
 constexpr int kTransformLengths = 2;
-constexpr int kRefinements = 3;     // of frequency and shape in turn
-constexpr int kRefinementBits = 8;  // a hundredth of the width
+constexpr int kLineRefinements = 3;  // of frequency and shape in turn
+constexpr int kRefinementBits = 8;   // a hundredth of the width
 
 // The least 2^a 3^b 5^c that is not below `count`: what a Fourier transform is
 // fast for.
@@ -107,8 +107,8 @@ std::vector<MatrixXd> OwnLines(const OutputErrorProblem& problem,
 }
 
 // The frequency within `width` of `frequency` that is likeliest at `shape`.
-double Refine(const ExtendedFit& extended, double frequency, double width,
-              const NoiseShape& shape) {
+double RefineLine(const ExtendedFit& extended, double frequency, double width,
+                  const NoiseShape& shape) {
   return SearchLeast(
       frequency - width, frequency + width, kRefinementBits, [&](double at) {
         return extended.With(OwnLines(extended.problem(), at)).At(shape).value;
@@ -136,8 +136,8 @@ std::optional<FoundPeriod> FindPeriod(const ExtendedFit& extended) {
   double width = 1.0 / (kTransformLengths * problem.shortest_segment());
   Profile with;
   with.shape = plain;
-  for (int round = 0; round < kRefinements; ++round) {
-    frequency = Refine(extended, frequency, width, with.shape);
+  for (int round = 0; round < kLineRefinements; ++round) {
+    frequency = RefineLine(extended, frequency, width, with.shape);
     // A filter that follows the sine must not hide it.
     with = extended.Best(OwnLines(problem, frequency),
                          round == 0 ? NoiseShape() : with.shape,

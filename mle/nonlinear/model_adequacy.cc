@@ -17,7 +17,7 @@ namespace {
 // The settling time is the longest of dead time + this many time scales.
 constexpr double kSettlingTimeScales = 4.0;
 // No lag is longer than this share of the shortest record.
-constexpr double kMaxLagShare = 0.25;
+constexpr double kMaxAdequacyLagShare = 0.25;
 
 }  // namespace
 
@@ -72,7 +72,8 @@ absl::StatusOr<ModelAdequacy> TestAdequacy(
         fitted.rows(), fitted.cols(), p, m));
   }
   const std::vector<int> first_lags = LagRanges(
-      LongestLag(setups, records, kSettlingTimeScales, kMaxLagShare), 1);
+      LongestLag(setups, records, kSettlingTimeScales, kMaxAdequacyLagShare),
+      1);
   std::vector<Contrast> evidence(p);
   ParallelFor(p, options.threads, [&](int i) {
     const OutputSetup& setup = setups[i];

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <utility>
 
 #include "Eigen/Cholesky"
 #include "boost/math/tools/toms748_solve.hpp"
 #include "glog/logging.h"
+#include "mle/base/double_limits.h"
 #include "mle/nonlinear/distributions.h"
 
 namespace mle {
@@ -16,8 +16,6 @@ namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 struct Component {
   double weight;

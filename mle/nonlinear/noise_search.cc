@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "Eigen/QR"
+#include "mle/nonlinear/amplitude_fit.h"
 #include "mle/nonlinear/brent_search.h"
 #include "mle/nonlinear/colour_search.h"
 #include "mle/nonlinear/elimination.h"
@@ -16,21 +17,15 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// The range of ρ, as ln ρ. Below it drift is less than a sample's noise in
-// 10⁵ samples, above it white noise is none. σ has the same.
-const double kMinLogRatio = std::log(1e-10);
-const double kMaxLogRatio = std::log(1e6);
-constexpr double kGridStep = 1.0;    // of possible ratios
-constexpr double kSearchStep = 2.0;  // of the search for the best
-constexpr int kSearchBits = 10;      // of ln ρ: 4e-3 at most
+constexpr double kRatioGridStep = 1.0;  // of possible ratios
+constexpr double kSearchStep = 2.0;     // of the search for the best
+constexpr int kSearchBits = 10;         // of ln ρ: 4e-3 at most
 
 // Beforehand every √ρ is as likely as any other: what of it is nearest to a
 // value of the grid, as a share of √ρ there; and below the smallest, of that.
 const double kShareOfValue =
-    std::exp(0.25 * kGridStep) - std::exp(-0.25 * kGridStep);
-const double kShareBelow = std::exp(-0.25 * kGridStep);
-
-constexpr double kAmplitudeTolerance = 1e-9;
+    std::exp(0.25 * kRatioGridStep) - std::exp(-0.25 * kRatioGridStep);
+const double kShareBelow = std::exp(-0.25 * kRatioGridStep);
 
 }  // namespace
 
@@ -162,7 +157,7 @@ std::vector<PossibleRatio> PossibleRatios(const OutputErrorProblem& problem) {
                         static_cast<double>(problem.num_segments());
   std::vector<PossibleRatio> ratios = {{0.0, kShareBelow / length}};
   for (double log_ratio = -2.0 * std::log(length); log_ratio <= kMaxLogRatio;
-       log_ratio += kGridStep) {
+       log_ratio += kRatioGridStep) {
     ratios.push_back(
         {std::exp(log_ratio), kShareOfValue * std::exp(0.5 * log_ratio)});
   }
@@ -192,8 +187,8 @@ Profile AtLogRatio(const ShapeLikelihood& likelihood, double log_ratio) {
   return likelihood.At({.ratio = std::exp(log_ratio)});
 }
 
-Profile SearchBetween(const ShapeLikelihood& likelihood, double low,
-                      double high) {
+Profile SearchRatioBetween(const ShapeLikelihood& likelihood, double low,
+                           double high) {
   Profile best;
   SearchLeast(low, high, kSearchBits, [&](double log_ratio) {
     const Profile profile = AtLogRatio(likelihood, log_ratio);
@@ -222,8 +217,8 @@ Profile FindBestRatio(const ShapeLikelihood& likelihood, double near) {
       }
       if (moved) break;
     }
-    const Profile between = SearchBetween(likelihood, log_near - kSearchStep,
-                                          log_near + kSearchStep);
+    const Profile between = SearchRatioBetween(
+        likelihood, log_near - kSearchStep, log_near + kSearchStep);
     if (between.value < inner.value) inner = between;
     return inner.value < best.value ? inner : best;
   }
@@ -236,8 +231,8 @@ Profile FindBestRatio(const ShapeLikelihood& likelihood, double near) {
       best_log = log_ratio;
     }
   }
-  const Profile inner =
-      SearchBetween(likelihood, best_log - kSearchStep, best_log + kSearchStep);
+  const Profile inner = SearchRatioBetween(likelihood, best_log - kSearchStep,
+                                           best_log + kSearchStep);
   return inner.value < best.value ? inner : best;
 }
 

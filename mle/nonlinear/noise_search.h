@@ -20,6 +20,7 @@
 #ifndef MLE_NONLINEAR_NOISE_SEARCH_H_
 #define MLE_NONLINEAR_NOISE_SEARCH_H_
 
+#include <cmath>
 #include <limits>
 #include <vector>
 
@@ -27,6 +28,11 @@
 #include "mle/nonlinear/output_error_problem.h"
 
 namespace mle {
+
+// The range of ρ, as ln ρ. Below it drift is less than a sample's noise in
+// 10⁵ samples, above it white noise is none. σ has the same.
+inline const double kMinLogRatio = std::log(1e-10);
+inline const double kMaxLogRatio = std::log(1e6);
 
 // At one noise shape, maximised over r.
 struct Profile {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "mle/base/double_limits.h"
 #include "mle/base/status.h"
 #include "mle/data/robust_statistics.h"
 #include "mle/nonlinear/output_reconstruction.h"
@@ -15,7 +16,6 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 // Of an output's range: less noise than this is rounding.
 constexpr double kSmallestRelativeNoise = 1e-5;
 
@@ -58,10 +58,9 @@ double DeviationOf(const std::vector<MatrixXd>& errors,
 }
 
 // Marks what the model does not believe.
-absl::StatusOr<OutlierReport> Judge(const ProcessModel& model,
-                                    const std::vector<NoiseEstimate>& noise,
-                                    const OutlierMarkOptions& options,
-                                    std::vector<Record>& records) {
+absl::StatusOr<OutlierReport> JudgeOutliers(
+    const ProcessModel& model, const std::vector<NoiseEstimate>& noise,
+    const OutlierMarkOptions& options, std::vector<Record>& records) {
   std::vector<MatrixXd> errors;
   for (const Record& record : records) {
     MLE_ASSIGN_OR_RETURN(const MatrixXd expected,
@@ -118,10 +117,11 @@ absl::StatusOr<OutlierReport> MarkOutliers(
   std::vector<Record> to_fit = records;
   const std::vector<NoiseEstimate> unknown(initial.num_outputs());
   MLE_RETURN_IF_ERROR(robust.Validate());
-  MLE_RETURN_IF_ERROR(Judge(initial, unknown, options, to_fit).status());
+  MLE_RETURN_IF_ERROR(
+      JudgeOutliers(initial, unknown, options, to_fit).status());
   MLE_ASSIGN_OR_RETURN(const OutputErrorFit fit,
                        FitAllElements(initial, to_fit, robust));
-  return Judge(fit.model, fit.noise, options, records);
+  return JudgeOutliers(fit.model, fit.noise, options, records);
 }
 
 }  // namespace mle

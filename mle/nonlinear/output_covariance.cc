@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "Eigen/Eigenvalues"
+#include "mle/base/double_limits.h"
 #include "mle/nonlinear/noise_search.h"
 #include "mle/nonlinear/output_fit.h"
 
@@ -13,7 +13,6 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Satterthwaite's approximation does not reach below.
 constexpr double kMinDegrees = 4.0;
 // Secants reach so many standard errors to each side, at most this share of

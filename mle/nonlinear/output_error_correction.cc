@@ -25,7 +25,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 // Below this weight a part of the average is left out.
-constexpr double kSmallWeight = 1e-3;
+constexpr double kSmallOffsetWeight = 1e-3;
 // Of the test of no change, at half the probability of a false alarm (of two
 // tests), for a change that is said to be detectable.
 constexpr double kPower = 0.9;
@@ -102,9 +102,9 @@ double WeightOfOffsets(const std::vector<OutputSetup>& setups,
                            fits[i].noise, options.estimate_drift);
   });
   const double weight = OffsetWeight(evidence);
-  if (weight < kSmallWeight) return 0.0;
+  if (weight < kSmallOffsetWeight) return 0.0;
   // Without evidence that is a number, offsets are the safe side.
-  return weight <= 1.0 - kSmallWeight ? weight : 1.0;
+  return weight <= 1.0 - kSmallOffsetWeight ? weight : 1.0;
 }
 
 int NumInformed(const std::vector<OutputSetup>& setups) {
@@ -297,9 +297,10 @@ void JudgeElements(const OutputSetup& setup, OutputFit& fit,
 }
 
 // Test and selection from the full fits.
-void Judge(const std::vector<OutputSetup>& setups, std::vector<OutputFit>& fits,
-           const AveragedFits& averaged, const OutputErrorOptions& options,
-           OutputErrorCorrection& correction) {
+void JudgeOutputs(const std::vector<OutputSetup>& setups,
+                  std::vector<OutputFit>& fits, const AveragedFits& averaged,
+                  const OutputErrorOptions& options,
+                  OutputErrorCorrection& correction) {
   const int p = static_cast<int>(setups.size());
   const bool given = options.change_given || options.start != nullptr;
   correction.degrees_of_freedom = NumFreeParameters(setups, fits);
@@ -368,7 +369,7 @@ absl::StatusOr<OutputErrorCorrection> CorrectByOutputError(
                        FitOutputs(setups, options));
   const AveragedFits full =
       ReportAll(setups, fits, options, ChangePrior::kNone, correction.full);
-  Judge(setups, fits, full, options, correction);
+  JudgeOutputs(setups, fits, full, options, correction);
   MLE_RETURN_IF_ERROR(FitEach(p, options, [&](int i) {
     std::vector<bool> free(m);
     for (int j = 0; j < m; ++j) free[j] = correction.aged(i, j);

@@ -61,6 +61,9 @@ enum class WindowOffsets {
 
 struct OutputErrorFit;
 
+// A probability of a false alarm that counts as none: no change is proposed.
+inline constexpr double kNoFalseAlarm = 1e-300;
+
 struct OutputErrorOptions {
   // T stays within this factor of its initial value, > 1.
   double max_time_scale_factor = 10.0;

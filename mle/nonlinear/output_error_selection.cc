@@ -17,7 +17,7 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 constexpr int kMaxSweeps = 10'000;
-constexpr double kTolerance = 1e-9;
+constexpr double kSelectionTolerance = 1e-9;
 
 // The minimiser of ½ zᵀHz − bᵀz + weight ‖z‖ over one group, by its norm: with
 // H = VΛVᵀ, z = V (Λ + (weight/‖z‖) I)⁻¹ Vᵀb.
@@ -83,7 +83,7 @@ ElementSelection SelectChanged(const VectorXd& changes,
       z.segment<3>(3 * g) = MinimiseGroup(own, pull, weights[g]);
       moved = std::max(moved, (z.segment<3>(3 * g) - former).norm());
     }
-    if (moved < kTolerance * (1.0 + target.norm())) break;
+    if (moved < kSelectionTolerance * (1.0 + target.norm())) break;
   }
   for (int g = 0; g < groups; ++g) {
     selection.changed.push_back(!z.segment<3>(3 * g).isZero(0.0) &&

@@ -2,27 +2,25 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "glog/logging.h"
+#include "mle/base/double_limits.h"
 #include "mle/nonlinear/output_fitter.h"
+#include "mle/nonlinear/robust_loss.h"
 
 namespace mle {
 namespace {
 
 using Eigen::VectorXd;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kMaxNoiseRounds = 8;
 constexpr int kMaxSearchRounds = 5;
-// Weights of a robust loss are done where none moves by more than this.
 constexpr int kMaxRobustRounds = 30;
-constexpr double kWeightTolerance = 1e-3;
 // A shape stays where logarithms of ρ, σ and 1 − φ move less, or where ratios
 // are below any effect.
 constexpr double kShapeTolerance = 0.02;
 // A move of an input has an effect for dead time + this many time scales.
-constexpr double kMemoryTimeScales = 5.0;
+constexpr double kMoveTimeScales = 5.0;
 
 // Whether a colour is sought. Bursts of outliers look like one, and what is
 // taken for colour is not down-weighted: a robust loss finds its weights first.
@@ -81,7 +79,7 @@ int LongestMemory(const OutputErrorProblem& problem, const OutputFit& fit) {
     if (!fit.free[j]) continue;
     const ElementValues& values = fit.point.values[j];
     longest =
-        std::max(longest, values.delay + kMemoryTimeScales * values.time_scale);
+        std::max(longest, values.delay + kMoveTimeScales * values.time_scale);
   }
   return static_cast<int>(std::min(longest / problem.sample_time(), 1e9));
 }

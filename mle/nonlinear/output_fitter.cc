@@ -3,16 +3,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include "ceres/ceres.h"
+#include "mle/base/double_limits.h"
 #include "mle/nonlinear/box_least_squares.h"
 #include "mle/nonlinear/output_cost.h"
 
 namespace mle {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kMaxGridPoints = 64;
 constexpr int kMaxCellMoves = 100;
 constexpr int kMaxHoldRounds = 8;

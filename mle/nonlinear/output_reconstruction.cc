@@ -8,9 +8,11 @@
 
 #include "Eigen/QR"
 #include "absl/strings/str_cat.h"
+#include "mle/base/double_limits.h"
 #include "mle/base/status.h"
 #include "mle/data/robust_statistics.h"
 #include "mle/model/element_response.h"
+#include "mle/nonlinear/amplitude_fit.h"
 #include "mle/nonlinear/innovations_filter.h"
 #include "mle/nonlinear/robust_loss.h"
 
@@ -22,16 +24,12 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Elements = std::vector<std::optional<ElementResponse>>;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 // Of the median at the beginning: of so many samples on each side, so that
 // bursts of nearly as many are the smaller part.
 constexpr int kMedianHalfWidth = 25;
-constexpr int kMaxRounds = 50;
-constexpr double kWeightTolerance = 1e-3;
-// Amplitudes whose modes are closer to each other than this are one.
-constexpr double kRankTolerance = 1e-9;
+constexpr int kMaxReweightings = 50;
 // ρ of an output without elements, if the noise's own is smaller.
-constexpr double kSmallestRatio = 1e-4;
+constexpr double kSmallestNoiseRatio = 1e-4;
 
 // The elements of one output.
 absl::StatusOr<Elements> ElementsOf(const ProcessModel& model, int i) {
@@ -53,7 +51,7 @@ absl::StatusOr<Elements> ElementsOf(const ProcessModel& model, int i) {
 
 double RatioOf(const Elements& elements, const NoiseEstimate& noise,
                double sample_time) {
-  double ratio = kSmallestRatio;
+  double ratio = kSmallestNoiseRatio;
   double fastest = std::numeric_limits<double>::infinity();
   for (const auto& element : elements) {
     if (element.has_value()) {
@@ -65,8 +63,8 @@ double RatioOf(const Elements& elements, const NoiseEstimate& noise,
 }
 
 // x over samples begin … end − 1, whose inputs are known.
-VectorXd Response(const Elements& elements, const Record& record, int begin,
-                  int end) {
+VectorXd ResponseOfElements(const Elements& elements, const Record& record,
+                            int begin, int end) {
   VectorXd response = VectorXd::Zero(end - begin);
   MatrixXd columns(end - begin, 3);
   for (std::size_t j = 0; j < elements.size(); ++j) {
@@ -124,7 +122,7 @@ MatrixXd FreeResponses(const Elements& elements, double sample_time,
 }
 
 // What a record's run of known inputs shows besides the response to them.
-struct Disturbance {
+struct SmoothedDisturbance {
   std::vector<int> times;  // of the samples that were measured
   VectorXd measured;       // φa + w + e there
   MatrixXd modes;          // φ of all samples
@@ -136,7 +134,7 @@ struct Smoothed {
   VectorXd level;       // w, at the times measured
 };
 
-Smoothed SmoothOnce(const Disturbance& n, const VectorXd& weights,
+Smoothed SmoothOnce(const SmoothedDisturbance& n, const VectorXd& weights,
                     double ratio) {
   const InnovationsFilter filter(n.times, {.ratio = ratio}, weights);
   const MatrixXd modes = n.modes(n.times, Eigen::all);
@@ -154,7 +152,7 @@ Smoothed SmoothOnce(const Disturbance& n, const VectorXd& weights,
                                        .cwiseMax(1e-300)
                                        .cwiseInverse();
     Eigen::CompleteOrthogonalDecomposition<MatrixXd> decomposition;
-    decomposition.setThreshold(kRankTolerance);
+    decomposition.setThreshold(kAmplitudeTolerance);
     decomposition.compute(whitened.leftCols(modes.cols()) *
                           inverse_norms.asDiagonal());
     smoothed.amplitudes = inverse_norms.cwiseProduct(
@@ -167,12 +165,12 @@ Smoothed SmoothOnce(const Disturbance& n, const VectorXd& weights,
 
 // The same with Cauchy's weights. At first all samples count alike, for the
 // amplitudes; beside these the level begins at a running median.
-Smoothed Smooth(const Disturbance& n, double ratio) {
+Smoothed Smooth(const SmoothedDisturbance& n, double ratio) {
   const MatrixXd modes = n.modes(n.times, Eigen::all);
   Smoothed smoothed = SmoothOnce(n, VectorXd::Ones(n.measured.size()), ratio);
   smoothed.level = RunningMedian(n.measured - modes * smoothed.amplitudes);
   VectorXd weights = VectorXd::Zero(n.measured.size());
-  for (int round = 0; round < kMaxRounds; ++round) {
+  for (int round = 0; round < kMaxReweightings; ++round) {
     const VectorXd former = std::exchange(
         weights, ComputeRobustWeights(
                      RobustLoss::kCauchy,
@@ -186,7 +184,7 @@ Smoothed Smooth(const Disturbance& n, double ratio) {
 
 // Adds φa + w to all samples: between two that were measured the expected
 // random walk is the line, beyond the last it stands.
-void AddDisturbance(const Disturbance& n, const Smoothed& smoothed,
+void AddDisturbance(const SmoothedDisturbance& n, const Smoothed& smoothed,
                     Eigen::Ref<VectorXd> expected) {
   expected += n.modes * smoothed.amplitudes;
   std::size_t next = 0;  // the first time not before k
@@ -223,7 +221,7 @@ absl::StatusOr<VectorXd> ExpectedOutput(const ProcessModel& model,
   for (int begin = 0; begin < record.samples();) {
     int end = begin;
     while (end < record.samples() && inputs_known(end)) ++end;
-    Disturbance n;
+    SmoothedDisturbance n;
     for (int k = begin; k < end; ++k) {
       if (std::isfinite(record.outputs(output, k))) {
         n.times.push_back(k - begin);
@@ -231,7 +229,7 @@ absl::StatusOr<VectorXd> ExpectedOutput(const ProcessModel& model,
     }
     if (!n.times.empty()) {
       auto part = expected.segment(begin, end - begin);
-      part = Response(elements, record, begin, end);
+      part = ResponseOfElements(elements, record, begin, end);
       const VectorXd measured =
           record.outputs.row(output).segment(begin, end - begin);
       n.measured = (measured - part)(n.times);

@@ -17,9 +17,9 @@ namespace {
 // Share of the squares of an output that its noise must have.
 constexpr double kLeastNoise = 1e-14;
 // h lasts for dead time + this many time scales.
-constexpr double kMemoryTimeScales = 8.0;
+constexpr double kResponseTimeScales = 8.0;
 // No lag is longer than this share of the shortest record.
-constexpr double kMaxLagShare = 0.5;
+constexpr double kMaxResponseLagShare = 0.5;
 // The model's elements are fitted to step responses this many times as long.
 constexpr int kHorizon = 2;
 // h begins at this share of the dead time.
@@ -116,9 +116,9 @@ PriorFrame FrameOf(const std::vector<OutputSetup>& setups,
                    const std::vector<Record>& windows) {
   const auto m = static_cast<int>(setups[0].start.values.size());
   PriorFrame frame;
-  frame.first_lags =
-      LagRanges(LongestLag(setups, windows, kMemoryTimeScales, kMaxLagShare),
-                m <= kFewInputs ? kFineRanges : kCoarseRanges);
+  frame.first_lags = LagRanges(
+      LongestLag(setups, windows, kResponseTimeScales, kMaxResponseLagShare),
+      m <= kFewInputs ? kFineRanges : kCoarseRanges);
   for (int j = 0; j < m; ++j) frame.deviations.push_back(Deviation(windows, j));
   return frame;
 }

@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "Eigen/Cholesky"
 #include "Eigen/QR"
+#include "mle/base/double_limits.h"
 #include "mle/nonlinear/distributions.h"
 #include "mle/nonlinear/posterior_correction.h"
 
@@ -159,7 +159,6 @@ NearestElement Nearest(const PosteriorCorrection& posterior,
 void PosteriorCorrection::Describe(const ProcessModel& initial,
                                    double confidence,
                                    OutputErrorCorrection& output_error) const {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const double quantile = StudentTwoSidedQuantile(1.0 - confidence, kInfinity);
   const int m = initial.num_inputs();
   OutputErrorFit& fit = output_error.corrected;

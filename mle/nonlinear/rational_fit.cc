@@ -17,11 +17,11 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr int kMaxPoints = 240;  // of the response that are compared
-constexpr int kTimeConstants = 24;
-constexpr int kDelays = 9;
+constexpr int kRationalTimeConstants = 24;
+constexpr int kRationalDelays = 9;
 // Of steps in ln τ and in the range of L.
 constexpr double kLeastStep = 1e-4;
-constexpr int kMaxMoves = 400;
+constexpr int kMaxCandidateMoves = 400;
 // Time constants closer than this are one pole.
 constexpr double kLeastApart = 1.05;
 
@@ -30,7 +30,7 @@ struct Target {
   VectorXd values;
 };
 
-struct Candidate {
+struct RationalCandidate {
   double delay = 0.0;
   std::vector<double> time_constants;
   VectorXd weights;  // c
@@ -52,7 +52,7 @@ bool Distinct(const std::vector<double>& time_constants) {
 }
 
 // The best weights; the squares stay infinite for poles that are one.
-void Solve(const Target& target, Candidate& candidate) {
+void Solve(const Target& target, RationalCandidate& candidate) {
   candidate.squares = std::numeric_limits<double>::infinity();
   if (!Distinct(candidate.time_constants)) return;
   MatrixXd atoms(target.times.size(),
@@ -66,11 +66,11 @@ void Solve(const Target& target, Candidate& candidate) {
   candidate.squares = (target.values - atoms * candidate.weights).squaredNorm();
 }
 
-Candidate AddPole(const Target& target, const Candidate& base,
-                  const std::vector<double>& grid) {
-  Candidate best = base;
+RationalCandidate AddPole(const Target& target, const RationalCandidate& base,
+                          const std::vector<double>& grid) {
+  RationalCandidate best = base;
   for (const double time_constant : grid) {
-    Candidate next = base;
+    RationalCandidate next = base;
     next.time_constants.push_back(time_constant);
     Solve(target, next);
     if (next.squares < best.squares) best = std::move(next);
@@ -79,14 +79,15 @@ Candidate AddPole(const Target& target, const Candidate& base,
 }
 
 // Moves of each τ within the range of the grid and of L, by steps that shrink.
-void Refine(const Target& target, const std::vector<double>& grid, double low,
-            double high, Candidate& best) {
+void RefineCandidate(const Target& target, const std::vector<double>& grid,
+                     double low, double high, RationalCandidate& best) {
   double step = 0.25;
-  for (int moves = 0; step > kLeastStep && moves < kMaxMoves; ++moves) {
+  for (int moves = 0; step > kLeastStep && moves < kMaxCandidateMoves;
+       ++moves) {
     const double before = best.squares;
     for (const double sign : {-1.0, 1.0}) {
       for (std::size_t i = 0; i <= best.time_constants.size(); ++i) {
-        Candidate moved = best;
+        RationalCandidate moved = best;
         if (i < best.time_constants.size()) {
           moved.time_constants[i] =
               std::clamp(moved.time_constants[i] * std::exp(sign * step),
@@ -104,7 +105,7 @@ void Refine(const Target& target, const std::vector<double>& grid, double low,
 }
 
 // Σ c_i Π_{k≠i} (τ_k s + 1) over Π (τ_i s + 1), highest power first.
-TransferFunction ToTransferFunction(const Candidate& fit) {
+TransferFunction ToTransferFunction(const RationalCandidate& fit) {
   const auto times_pole = [](const std::vector<double>& polynomial,
                              double time_constant) {
     std::vector<double> product(polynomial.size() + 1, 0.0);
@@ -129,19 +130,20 @@ TransferFunction ToTransferFunction(const Candidate& fit) {
                           fit.delay);
 }
 
-Candidate FitOrder(const Target& target, const std::vector<double>& grid,
-                   const RationalOptions& options, int order) {
-  Candidate best;
-  for (int d = 0; d < kDelays; ++d) {
-    Candidate candidate;
+RationalCandidate FitOrder(const Target& target,
+                           const std::vector<double>& grid,
+                           const RationalOptions& options, int order) {
+  RationalCandidate best;
+  for (int d = 0; d < kRationalDelays; ++d) {
+    RationalCandidate candidate;
     candidate.delay =
         options.min_delay + (options.max_delay - options.min_delay) * d /
-                                static_cast<double>(kDelays - 1);
+                                static_cast<double>(kRationalDelays - 1);
     for (int i = 0; i < order; ++i)
       candidate = AddPole(target, candidate, grid);
     if (candidate.squares < best.squares) best = std::move(candidate);
   }
-  Refine(target, grid, options.min_delay, options.max_delay, best);
+  RefineCandidate(target, grid, options.min_delay, options.max_delay, best);
   return best;
 }
 
@@ -190,14 +192,14 @@ absl::StatusOr<RationalFit> FitRational(
   const double horizon = sample_time * static_cast<double>(n - 1);
   const double shortest = 0.5 * sample_time;
   std::vector<double> grid;
-  for (int i = 0; i < kTimeConstants; ++i) {
+  for (int i = 0; i < kRationalTimeConstants; ++i) {
     grid.push_back(shortest * std::pow(horizon / shortest,
-                                       i / double{kTimeConstants - 1}));
+                                       i / double{kRationalTimeConstants - 1}));
   }
   const double size = target.values.squaredNorm();
-  Candidate best;
+  RationalCandidate best;
   for (int order = 1; order <= options.max_order; ++order) {
-    Candidate candidate = FitOrder(target, grid, options, order);
+    RationalCandidate candidate = FitOrder(target, grid, options, order);
     if (candidate.squares < best.squares) best = std::move(candidate);
     if (best.squares <= options.tolerance * options.tolerance * size) break;
   }

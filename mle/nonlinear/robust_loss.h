@@ -24,6 +24,9 @@ namespace mle {
 
 enum class RobustLoss { kNone, kHuber, kCauchy };
 
+// Weights are found where no round moves one by more than this.
+inline constexpr double kWeightTolerance = 1e-3;
+
 // ψ(x)/x and ψ′(x), x = e/s; 1 and 1 without a loss.
 double RobustWeight(RobustLoss loss, double x);
 double RobustCurvature(RobustLoss loss, double x);

@@ -14,11 +14,11 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 // Of the shortest segment, that the lags reach at most.
-constexpr double kMaxLagShare = 0.25;
+constexpr double kMaxSerialLagShare = 0.25;
 // Standard errors, under white noise, that a factor must differ from 1 by.
 constexpr double kSignificant = 2.0;
 // Relative to the largest eigenvalue of JᵀJ, its columns scaled to one.
-constexpr double kRankTolerance = 1e-12;
+constexpr double kEigenvalueTolerance = 1e-12;
 
 // Σ_k x_k x_{k+l} within the segments, l = 0 … longest, of each column.
 MatrixXd Autocovariances(const OutputErrorProblem& problem, const MatrixXd& X,
@@ -51,7 +51,8 @@ MatrixXd Orthonormaliser(const MatrixXd& J) {
   const VectorXd& values = eigen.eigenvalues();
   const Eigen::Index count = values.size();
   Eigen::Index first = 0;
-  while (first < count && values(first) <= kRankTolerance * values(count - 1)) {
+  while (first < count &&
+         values(first) <= kEigenvalueTolerance * values(count - 1)) {
     ++first;
   }
   const Eigen::Index rank = count - first;
@@ -80,8 +81,8 @@ SerialInflation InflationOf(const OutputErrorProblem& problem,
   SerialInflation inflation;
   inflation.variances = VectorXd::Ones(3 * m);
   const std::vector<int> kept = problem.FreeParameters(free);
-  longest = std::min(
-      longest, static_cast<int>(kMaxLagShare * problem.shortest_segment()));
+  longest = std::min(longest, static_cast<int>(kMaxSerialLagShare *
+                                               problem.shortest_segment()));
   if (kept.empty() || longest < 1) return inflation;
   const WhitenedColumns whitened = problem.Whiten(columns, shape);
   // X: orthonormal columns that span J, then e less what they explain.

@@ -33,13 +33,14 @@ const double kShapeCost =
 const double kPairCost =
     2.0 * std::log(99.0) + 2.0 * std::log(static_cast<double>(kShapes.size()));
 
-constexpr int kMaxRounds = 6;
-constexpr int kMaxMoves = 24;
+constexpr int kMaxShapeRounds = 6;
+constexpr int kMaxShapeMoves = 24;
 constexpr int kNoiseSteps = 3;
 constexpr double kLogRatioStep = 1.0;
 constexpr double kLeastRatio = 1e-10;
 constexpr double kMostRatio = 1e6;
-constexpr double kTolerance = 1e-3;  // of deviances and of steps in deviations
+constexpr double kPosteriorTolerance =
+    1e-3;  // of deviances and of steps in deviations
 // Largest step of ln T, and of L in samples or shares of T, in a round.
 constexpr double kMaxLogStep = 0.5;
 
@@ -65,7 +66,7 @@ class Search {
                       bool estimate_drift) {
     OutputPosterior best;
     best.deviance = std::numeric_limits<double>::infinity();
-    for (int round = 0; round < kMaxRounds; ++round) {
+    for (int round = 0; round < kMaxShapeRounds; ++round) {
       const ShapeLikelihood columns = Linearise(point, ShapeOf(noise));
       LinearEvidence evidence = Evidence(columns, ShapeOf(noise));
       Improve(evidence, point, noise.variance, state);
@@ -80,7 +81,7 @@ class Search {
       const double deviance = posterior.deviance + Cost(state);
       // Rounding in place of data, or columns that are one.
       if (!std::isfinite(deviance) || !posterior.means.allFinite()) break;
-      const bool better = deviance < best.deviance - kTolerance;
+      const bool better = deviance < best.deviance - kPosteriorTolerance;
       if (deviance < best.deviance) {
         best.point = point;
         best.noise = noise;
@@ -223,11 +224,11 @@ class Search {
     double best = Deviance(evidence, point, state, variance);
     const auto better = [&](const State& other) {
       const double deviance = Deviance(evidence, point, other, variance);
-      if (deviance >= best - kTolerance) return false;
+      if (deviance >= best - kPosteriorTolerance) return false;
       best = deviance;
       return true;
     };
-    for (int move = 0; move < kMaxMoves; ++move) {
+    for (int move = 0; move < kMaxShapeMoves; ++move) {
       const double before = best;
       State next = state;
       for (std::size_t j = 0; j < priors_.size(); ++j) {
@@ -248,7 +249,7 @@ class Search {
         other.decay = decay;
         if (better(other)) next = other;
       }
-      if (best > before - kTolerance) break;
+      if (best > before - kPosteriorTolerance) break;
       state = std::move(next);
     }
   }

@@ -13,14 +13,14 @@ namespace {
 
 using Eigen::Index;
 using Eigen::VectorXd;
-using Response = Eigen::Ref<const VectorXd>;
+using Response = Eigen::Ref<const Eigen::VectorXd>;
 
-constexpr double kLeastDamping = 0.01;
-constexpr double kMostDamping = 20.0;
+constexpr double kLeastSopdtDamping = 0.01;
+constexpr double kMostSopdtDamping = 20.0;
 constexpr double kCritical = 1e-7;     // |ζ² − 1| that is taken as 0
 constexpr double kDampingStep = 1e-5;  // of ln ζ, for the derivative
-constexpr int kTimeConstants = 20;
-constexpr int kDelays = 4;
+constexpr int kSopdtTimeConstants = 20;
+constexpr int kSopdtDelays = 4;
 constexpr int kGridPoints = 150;  // of the response
 constexpr int kStarts = 3;
 constexpr int kMaxIterations = 100;
@@ -120,13 +120,13 @@ std::vector<Parameters> Starts(const Response& response, double max_delay) {
   std::vector<Parameters> best;
   for (const double damping : {0.05, 0.15, 0.4, 0.8, 1.3, 3.0}) {
     Parameters of_damping;
-    for (int t = 0; t < kTimeConstants; ++t) {
-      for (int l = 0; l < kDelays; ++l) {
+    for (int t = 0; t < kSopdtTimeConstants; ++t) {
+      for (int l = 0; l < kSopdtDelays; ++l) {
         Parameters candidate;
         candidate.damping = damping;
         candidate.time_constant =
-            0.3 * std::pow(samples / 0.6, t / double{kTimeConstants - 1});
-        candidate.delay = max_delay * l / double{kDelays - 1};
+            0.3 * std::pow(samples / 0.6, t / double{kSopdtTimeConstants - 1});
+        candidate.delay = max_delay * l / double{kSopdtDelays - 1};
         SolveGain(response, stride, candidate);
         if (candidate.squares < of_damping.squares) of_damping = candidate;
       }
@@ -141,8 +141,8 @@ std::vector<Parameters> Starts(const Response& response, double max_delay) {
   return best;
 }
 
-Parameters Refined(const Response& response, double max_delay,
-                   const Parameters& start) {
+Parameters RefinedSopdt(const Response& response, double max_delay,
+                        const Parameters& start) {
   double x[] = {start.gain, std::log(start.time_constant),
                 std::log(start.damping), start.delay};
   ceres::Problem problem;
@@ -150,8 +150,8 @@ Parameters Refined(const Response& response, double max_delay,
   const auto samples = static_cast<double>(response.size());
   problem.SetParameterLowerBound(x, 1, std::log(0.05));
   problem.SetParameterUpperBound(x, 1, std::log(100.0 * samples));
-  problem.SetParameterLowerBound(x, 2, std::log(kLeastDamping));
-  problem.SetParameterUpperBound(x, 2, std::log(kMostDamping));
+  problem.SetParameterLowerBound(x, 2, std::log(kLeastSopdtDamping));
+  problem.SetParameterUpperBound(x, 2, std::log(kMostSopdtDamping));
   problem.SetParameterLowerBound(x, 3, 0.0);
   problem.SetParameterUpperBound(x, 3, std::max(max_delay, 1e-9));
   ceres::Solver::Options options;
@@ -201,7 +201,7 @@ absl::StatusOr<SopdtFit> FitSopdt(const Response& step_response,
       max_delay / sample_time, static_cast<double>(step_response.size() - 4));
   Parameters best;
   for (const Parameters& start : Starts(response, longest)) {
-    const Parameters refined = Refined(response, longest, start);
+    const Parameters refined = RefinedSopdt(response, longest, start);
     if (refined.squares < best.squares) best = refined;
   }
   double largest = 0.0;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "Eigen/QR"
+#include "mle/nonlinear/amplitude_fit.h"
 #include "mle/nonlinear/disturbance_search.h"
 #include "mle/nonlinear/noise_search.h"
 
@@ -21,8 +22,7 @@ constexpr int kMargin = 8;
 constexpr int kPlaces = 48;
 // Time scales nearer to each other than this factor are one.
 constexpr double kSameLag = 1.5;
-constexpr int kRefinements = 2;  // of place and shape in turn
-constexpr double kRankTolerance = 1e-9;
+constexpr int kStepRefinements = 2;  // of place and shape in turn
 
 // 0 and the time scales of the elements, in samples.
 std::vector<double> Lags(const OutputErrorProblem& problem,
@@ -158,7 +158,7 @@ class StepSearch {
     const VectorXd inverse_norms =
         jacobian.colwise().norm().cwiseMax(1e-300).cwiseInverse();
     Eigen::CompleteOrthogonalDecomposition<MatrixXd> decomposition;
-    decomposition.setThreshold(kRankTolerance);
+    decomposition.setThreshold(kAmplitudeTolerance);
     decomposition.compute(jacobian * inverse_norms.asDiagonal());
     const VectorXd step =
         inverse_norms.cwiseProduct(decomposition.solve(whitened.residuals));
@@ -174,7 +174,7 @@ class StepSearch {
     if (fitted.cols() == 0) return fitted;
     const VectorXd norms = fitted.colwise().norm().cwiseMax(1e-300);
     Eigen::ColPivHouseholderQR<MatrixXd> qr;
-    qr.setThreshold(kRankTolerance);
+    qr.setThreshold(kAmplitudeTolerance);
     qr.compute(fitted * norms.cwiseInverse().asDiagonal());
     return qr.householderQ() * MatrixXd::Identity(fitted.rows(), qr.rank());
   }
@@ -259,7 +259,7 @@ std::optional<FoundStep> FindStep(const ExtendedFit& extended) {
   if (!(chi_square > 2.0 * log_samples)) return std::nullopt;
   Profile with;
   with.shape = ShapeOf(fit.noise);
-  for (int round = 0; round < kRefinements; ++round) {
+  for (int round = 0; round < kStepRefinements; ++round) {
     step = search.Refine(step, with.shape);
     with = extended.Best(search.Columns(step),
                          round == 0 ? NoiseShape() : with.shape,

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "glog/logging.h"
+#include "mle/base/double_limits.h"
 #include "mle/regression/active_columns.h"
 #include "mle/regression/kernels/kernels.h"
 #include "mle/regression/unpenalised.h"
@@ -12,11 +12,6 @@
 namespace mle {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
-
-// Pivots below this part of a column's square are rounding.
-constexpr double kDependent = 4e-15;
 // What shrinks more slowly than this on an exchange does not shrink.
 constexpr double kShrinks = 1e-9;
 // Violations of the optimality conditions, relative to λ: refined above the
@@ -25,7 +20,6 @@ constexpr double kRefine = 1e-13;
 constexpr double kRefineSharply = 1e-9;
 constexpr double kLost = 1e-6;
 constexpr double kEntersAtOnce = 1e-4;
-constexpr double kSeveral = 8.0;
 
 }  // namespace
 
@@ -195,7 +189,8 @@ double ActiveSet::SolveOnce(double lambda) {
     violation = refined;
     if (stagnates) break;
   }
-  if (Violation(lambda) > kRefineSharply * lambda + kSeveral * rounding) {
+  if (Violation(lambda) >
+      kRefineSharply * lambda + kSeveralRoundings * rounding) {
     RefineSharply(lambda);
   }
   return Violation(lambda);
@@ -259,8 +254,8 @@ ActiveSet::Exchanged ActiveSet::Exchange(int entering, double sign) {
   if (result.left < 0) return result;
   beta_.head(size()) -= step * sign * d;
   Remove(result.left);
-  result.entered = Append(entering, sign, kDependent) >
-                   kDependent * gram_(entering, entering);
+  result.entered = Append(entering, sign, kDependentPivot) >
+                   kDependentPivot * gram_(entering, entering);
   if (result.entered) beta_(size() - 1) = step * sign;
   return result;
 }

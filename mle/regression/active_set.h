@@ -22,6 +22,11 @@
 
 namespace mle {
 
+// Pivots below this part of a column's square are rounding.
+inline constexpr double kDependentPivot = 4e-15;
+// Differences below this many times the estimated rounding are rounding.
+inline constexpr double kSeveralRoundings = 8.0;
+
 class ActiveSet {
  public:
   enum class State : std::uint8_t {

@@ -8,6 +8,7 @@
 
 #include "Eigen/Eigenvalues"
 #include "glog/logging.h"
+#include "mle/base/double_limits.h"
 #include "mle/regression/unpenalised.h"
 #include "mle/regression/updatable_cholesky.h"
 
@@ -136,7 +137,6 @@ double LeastSquaresGap(const LassoObjective& objective,
 DualityGap ComputeDualityGap(const LassoObjective& objective, double lambda,
                              const Eigen::VectorXd& beta) {
   CHECK_EQ(beta.size(), objective.size());
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const DualityGap nothing_known = {kInfinity, kInfinity, kInfinity,
                                     objective.response_square, kInfinity};
   if (UsesExcluded(objective, beta)) return nothing_known;
@@ -173,7 +173,6 @@ DualityGap GapOfGradient(const LassoObjective& objective, double lambda,
                          const Eigen::VectorXd& beta, Eigen::VectorXd gradient,
                          double residual_square,
                          const Eigen::VectorXd& rounding) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   DualityGap result;
   result.response_square = objective.response_square;
   result.primal = 0.5 * residual_square;

@@ -15,16 +15,13 @@ namespace {
 
 using State = ActiveSet::State;
 
-// Pivots below this part of a column's square are rounding.
-constexpr double kDependent = 4e-15;
 // Below this part they are looked at twice: a twin's c_j follows the bound at a
 // relative rate below kFollows.
 constexpr double kNearlyDependent = 1e-9;
 constexpr double kFollows = 1e-7;
-// The path counts as ended at this part of λ_max, or at several times the
-// rounding of c.
+// The path counts as ended at this part of λ_max, or at kSeveralRoundings
+// of c.
 constexpr double kFloor = 1e-13;
-constexpr double kSeveral = 8.0;
 // Where rounding of β at a knot changes c by more than the first part of λ, the
 // next knot is no farther than at the second.
 constexpr double kBlurs = 1e-9;
@@ -104,7 +101,7 @@ void Homotopy::Start() {
       active_.c().cwiseAbs().cwiseProduct(active_.inverse_weights()).maxCoeff();
   floor_ = std::max(options_.lambda_min, kFloor * active_.scale());
   lambda_ = lambda_max;
-  if (lambda_max <= std::max(floor_, kSeveral * active_.Rounding())) {
+  if (lambda_max <= std::max(floor_, kSeveralRoundings * active_.Rounding())) {
     summary_.termination = HomotopyTermination::kReachedLambdaMin;
     lambda_ = options_.lambda_min;
   }
@@ -141,12 +138,12 @@ void Homotopy::Consider(Event::Kind kind, int variable, double slack,
 
 bool Homotopy::IsBeyond(int j) const {
   return std::abs(active_.c()(j)) * active_.inverse_weights()(j) >
-         lambda_ * (1.0 + 1e-11) + kSeveral * active_.Rounding();
+         lambda_ * (1.0 + 1e-11) + kSeveralRoundings * active_.Rounding();
 }
 
 Event Homotopy::NextEvent() const {
   Event best;
-  const double rounding = kSeveral * active_.Rounding();
+  const double rounding = kSeveralRoundings * active_.Rounding();
   const double end = std::max(floor_, rounding);
   if (const double blurred =
           std::min(kFarthest * lambda_, active_.Rounding() / kBlurs);
@@ -223,9 +220,9 @@ void Homotopy::Enter(const Event& event) {
   // A twin that waited and is beyond the bound by more than rounding takes the
   // other's place: to try it again would be to wait for ever.
   const bool follows =
-      rate < std::max(kFollows, kSeveral * active_.SlopeRounding(j)) &&
+      rate < std::max(kFollows, kSeveralRoundings * active_.SlopeRounding(j)) &&
       !(active_.state(j) == State::kWaiting && IsBeyond(j));
-  const double tolerance = follows ? kNearlyDependent : kDependent;
+  const double tolerance = follows ? kNearlyDependent : kDependentPivot;
   const double square = (*objective_.gram)(j, j);
   last_moved_ = j;
   last_sign_ = event.sign;

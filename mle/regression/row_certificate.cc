@@ -2,19 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <utility>
 #include <vector>
 
 #include "absl/strings/str_format.h"
+#include "mle/base/double_limits.h"
 #include "mle/regression/active_columns.h"
 #include "mle/regression/kernels/kernels.h"
 
 namespace mle {
 namespace {
 
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 // A relative gap that the rounding of G may add without being looked at.
 constexpr double kSmall = 1e-10;
 // Above this a fit counts as not exact.

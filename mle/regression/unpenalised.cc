@@ -6,7 +6,7 @@
 namespace mle {
 namespace {
 
-constexpr double kDependent = 1e-12;
+constexpr double kDependentColumn = 1e-12;
 
 }  // namespace
 
@@ -19,7 +19,8 @@ std::vector<int> IndependentUnpenalised(const LassoObjective& objective,
     if (objective.weights(j) != 0.0) continue;
     const Eigen::VectorXd cross = gram.col(j)(independent);
     const double square = gram(j, j);
-    if (factor.Append(cross, square, kDependent) > kDependent * square) {
+    if (factor.Append(cross, square, kDependentColumn) >
+        kDependentColumn * square) {
       independent.push_back(j);
     }
   }

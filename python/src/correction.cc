@@ -37,7 +37,7 @@ namespace {
 namespace py = pybind11;
 
 // What of the command is given in another way, or has no meaning here.
-const std::vector<std::string>& NotKeywords() {
+const std::vector<std::string>& NotCorrectKeywords() {
   static const std::vector<std::string>& names = *new std::vector<std::string>{
       "model",        "data",    "out",  "truth",  "dry_run",
       "propose_tags", "figures", "json", "verbose"};
@@ -113,7 +113,7 @@ absl::StatusOr<RecordData> Load(const CorrectCall& call,
   return PrepareRecords(std::move(imported), request.model, options);
 }
 
-absl::StatusOr<std::shared_ptr<const Correction>> Run(
+absl::StatusOr<std::shared_ptr<const Correction>> CorrectRecords(
     CorrectCall& call, const ProgressCallback& report) {
   call.request.options.progress = report;
   auto correction = std::make_shared<Correction>();
@@ -135,8 +135,8 @@ absl::StatusOr<std::shared_ptr<const Correction>> Run(
   return correction;
 }
 
-void Prepare(const py::object& model, const py::object& truth,
-             const OptionTexts& options, CorrectCall& call) {
+void PrepareCorrection(const py::object& model, const py::object& truth,
+                       const OptionTexts& options, CorrectCall& call) {
   correct::Request& request = call.request;
   ModelArgument controller = ModelOf(model);
   OptionTexts texts = options;
@@ -166,13 +166,15 @@ std::shared_ptr<const Correction> Correct(const py::object& model,
   const auto call = std::make_shared<CorrectCall>();
   call->text = text;
   call->source = SourceOf(source);
-  Prepare(model, truth, options, *call);
+  PrepareCorrection(model, truth, options, *call);
   return ValueOrThrow(RunLongFor<std::shared_ptr<const Correction>>(
-      [call](const ProgressCallback& report) { return Run(*call, report); },
+      [call](const ProgressCallback& report) {
+        return CorrectRecords(*call, report);
+      },
       progress));
 }
 
-std::string JsonOf(const Correction& correction) {
+std::string JsonOfCorrection(const Correction& correction) {
   return ValueOrThrow(correct::FormatResult(correction.result, correction.call,
                                             correction.options));
 }
@@ -269,14 +271,14 @@ py::object CorrectedAsGiven(const Correction& correction) {
 
 py::list OptionsOfCorrect() {
   CorrectCall call;
-  return TextsOf(call.table, NotKeywords());
+  return TextsOf(call.table, NotCorrectKeywords());
 }
 
 }  // namespace
 
 void AddCorrection(py::module_& module) {
   py::class_<Correction, std::shared_ptr<Correction>>(module, "_Correction")
-      .def("json", &JsonOf)
+      .def("json", &JsonOfCorrection)
       .def("page", &PageOf, py::call_guard<py::gil_scoped_release>())
       .def("responses", &ResponsesOf)
       .def("model_files", &ModelFilesOf)

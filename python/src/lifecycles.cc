@@ -26,7 +26,7 @@ namespace {
 
 namespace py = pybind11;
 
-const std::vector<std::string>& NotKeywords() {
+const std::vector<std::string>& NotLifecycleKeywords() {
   static const std::vector<std::string>& names =
       *new std::vector<std::string>{"model", "plant", "ageing", "out"};
   return names;
@@ -59,8 +59,8 @@ absl::StatusOr<lifecycle::Lives> Live(const LifecycleCall& call,
       });
 }
 
-absl::StatusOr<ResultFiles> Run(LifecycleCall& call,
-                                const ProgressCallback& report) {
+absl::StatusOr<ResultFiles> RunLifecycleCall(LifecycleCall& call,
+                                             const ProgressCallback& report) {
   MLE_ASSIGN_OR_RETURN(const ResultFolder out, ResultFolder::Make(call.out));
   MLE_ASSIGN_OR_RETURN(const FolderLock lock, ClaimOutputFolder(out.path()));
   call.request.campaign.folder = out.path();
@@ -93,13 +93,15 @@ py::dict RunLifecycle(const py::object& model, const std::string& ageing,
   SetOptions(options, call->table);
   ThrowUnlessOk(lifecycle::Complete(call->request, call->table));
   return TextsOf(ValueOrThrow(RunLongFor<ResultFiles>(
-      [call](const ProgressCallback& report) { return Run(*call, report); },
+      [call](const ProgressCallback& report) {
+        return RunLifecycleCall(*call, report);
+      },
       progress)));
 }
 
 py::list OptionsOfLifecycle() {
   LifecycleCall call;
-  return TextsOf(call.table, NotKeywords());
+  return TextsOf(call.table, NotLifecycleKeywords());
 }
 
 }  // namespace

@@ -80,11 +80,11 @@ py::tuple ElementOf(const ProcessModel& model, int output, int input) {
                         element.delay());
 }
 
-ProcessModel Parse(const std::string& json, const std::string& source) {
+ProcessModel ParseModel(const std::string& json, const std::string& source) {
   return ValueOrThrow(ParseProcessModel(json, source));
 }
 
-std::string Representation(const ProcessModel& model) {
+std::string ModelRepresentation(const ProcessModel& model) {
   return absl::StrCat("<mle.ProcessModel '", model.name(),
                       "': ", model.num_outputs(), " outputs, ",
                       model.num_inputs(), " inputs, time in ",
@@ -131,7 +131,7 @@ void AddModels(py::module_& module) {
       "a_r).\n\n"
       "Every element is stable and proper; times are in `time_unit`. Models do "
       "not change.")
-      .def_static("from_json", &Parse, py::arg("json"),
+      .def_static("from_json", &ParseModel, py::arg("json"),
                   py::arg("source") = "json",
                   "A model of the text of a process model file "
                   "(docs/formats.md). Raises InvalidInputError naming key and "
@@ -188,10 +188,10 @@ void AddModels(py::module_& module) {
            [](const ProcessModel& m) {
              return py::hash(py::str(FormatProcessModel(m)));
            })
-      .def("__repr__", &Representation)
+      .def("__repr__", &ModelRepresentation)
       .def(py::pickle(
           [](const ProcessModel& m) { return FormatProcessModel(m); },
-          [](const std::string& json) { return Parse(json, "pickle"); }));
+          [](const std::string& json) { return ParseModel(json, "pickle"); }));
 }
 
 }  // namespace mle::python

@@ -81,7 +81,7 @@ py::tuple Pickled(const Record& record) {
                         record.start_time);
 }
 
-Record Unpickled(const py::tuple& state) {
+Record UnpickledRecord(const py::tuple& state) {
   return MakeRecord(state[0].cast<Array>(), state[1].cast<Array>(), state[2],
                     state[3].cast<double>(), state[4].cast<double>());
 }
@@ -182,7 +182,7 @@ void AddRecords(py::module_& module) {
       .def_property_readonly("set_points", &SetPointsOf,
                              "(N, p), a read-only view, or None.")
       .def("__len__", &Record::samples)
-      .def(py::pickle(&Pickled, &Unpickled));
+      .def(py::pickle(&Pickled, &UnpickledRecord));
   module.def("_read_records", &ReadRecords);
   module.def("_read_options", &OptionsOfReading);
 }

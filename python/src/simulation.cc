@@ -23,7 +23,7 @@ namespace {
 
 namespace py = pybind11;
 
-const std::vector<std::string>& NotKeywords() {
+const std::vector<std::string>& NotSimulateKeywords() {
   static const std::vector<std::string>& names =
       *new std::vector<std::string>{"model", "plant", "out"};
   return names;
@@ -37,9 +37,9 @@ struct SimulateCall {
 };
 
 // A plant by name is the reactor of mle_simulate.
-std::shared_ptr<SimulateCall> Prepare(const py::object& model,
-                                      const py::object& plant,
-                                      const OptionTexts& options) {
+std::shared_ptr<SimulateCall> PrepareSimulation(const py::object& model,
+                                                const py::object& plant,
+                                                const OptionTexts& options) {
   auto call = std::make_shared<SimulateCall>();
   simulate::Request& request = call->request;
   SetOptions(options, call->table);
@@ -55,7 +55,7 @@ std::shared_ptr<SimulateCall> Prepare(const py::object& model,
 
 Record Simulate(const py::object& model, const py::object& plant,
                 const OptionTexts& options) {
-  const auto call = Prepare(model, plant, options);
+  const auto call = PrepareSimulation(model, plant, options);
   return ValueOrThrow(RunLongFor<Record>(
       [call](const ProgressCallback& /*report*/) {
         return simulate::Run(call->request.simulation);
@@ -66,7 +66,7 @@ Record Simulate(const py::object& model, const py::object& plant,
 // controller(measured (p,), set_points (p,), last_inputs (m,)) -> inputs (m,).
 Record SimulateWith(const py::object& model, const py::object& plant,
                     const OptionTexts& options, const py::object& controller) {
-  const auto call = Prepare(model, plant, options);
+  const auto call = PrepareSimulation(model, plant, options);
   simulate::Simulation& simulation = call->request.simulation;
   ThrowUnlessOk(simulation.set_points.Validate(simulation.model.num_outputs()));
   const sim::Controller step =
@@ -87,7 +87,7 @@ Record SimulateWith(const py::object& model, const py::object& plant,
 
 py::list OptionsOfSimulate() {
   SimulateCall call;
-  return TextsOf(call.table, NotKeywords());
+  return TextsOf(call.table, NotSimulateKeywords());
 }
 
 sim::Plant MakePlant(const py::object& model, double sample_time) {

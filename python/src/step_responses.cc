@@ -27,7 +27,7 @@ ModelFile WithStepResponses(ModelFile file, const std::string& source) {
       "it"));
 }
 
-ModelFile Parse(const std::string& text, const std::string& source) {
+ModelFile ParsedFile(const std::string& text, const std::string& source) {
   absl::StatusOr<ModelFile> file;
   {
     const py::gil_scoped_release release;
@@ -85,7 +85,7 @@ std::string JsonOf(const ModelFile& file) {
 }
 
 // What describes a corrected model is not what would be fitted to it.
-ModelFile Unpickled(const py::tuple& state) {
+ModelFile UnpickledFile(const py::tuple& state) {
   ModelFile file;
   file.form = ModelForm::kStepResponses;
   file.step_responses = ValueOrThrow(
@@ -127,7 +127,7 @@ void AddStepResponses(py::module_& module) {
       "of each pair the response of the output to a unit step of the input at "
       "0, at dt, 2 dt, ..., N dt; after that it stays. Transfer functions "
       "describe it (`process`). Models do not change.");
-  type.def_static("from_json", &Parse, py::arg("json"),
+  type.def_static("from_json", &ParsedFile, py::arg("json"),
                   py::arg("source") = "json",
                   "A model of the text of a file with step responses, JSON or "
                   "CSV (docs/formats.md). Raises InvalidInputError; `source` "
@@ -171,7 +171,7 @@ void AddStepResponses(py::module_& module) {
             return py::make_tuple(JsonOf(file),
                                   FormatProcessModel(file.process));
           },
-          &Unpickled));
+          &UnpickledFile));
   AddChannels(type);
 }
 

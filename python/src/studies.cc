@@ -68,8 +68,8 @@ absl::Status RunAll(const StudyCall& call, study::StudyFolder& folder,
                                       "; resume=True resumes from there")));
 }
 
-absl::StatusOr<ResultFiles> Run(const StudyCall& call,
-                                const ProgressCallback& report) {
+absl::StatusOr<ResultFiles> RunStudyCall(const StudyCall& call,
+                                         const ProgressCallback& report) {
   MLE_ASSIGN_OR_RETURN(const ResultFolder out, ResultFolder::Make(call.out));
   MLE_ASSIGN_OR_RETURN(study::StudyFolder folder,
                        study::OpenFolder(call.work, out.path(), call.resume));
@@ -92,7 +92,9 @@ py::dict RunStudy(const std::string& text, const std::string& source,
   call->threads = threads;
   call->text = call_text;
   return TextsOf(ValueOrThrow(RunLongFor<ResultFiles>(
-      [call](const ProgressCallback& report) { return Run(*call, report); },
+      [call](const ProgressCallback& report) {
+        return RunStudyCall(*call, report);
+      },
       progress)));
 }
 

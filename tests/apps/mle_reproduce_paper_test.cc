@@ -38,8 +38,8 @@ double SquaredDistance(const Fopdt& a, const Fopdt& b) {
 }
 
 // The column of Wood and Berry (Chem. Eng. Sci. 28, 1973) and its two ageings.
-constexpr Fopdt kColumn[2][2] = {{{12.8, 16.7, 1.0}, {-18.9, 21.0, 3.0}},
-                                 {{6.6, 10.9, 7.0}, {-19.4, 14.4, 3.0}}};
+constexpr Fopdt kPaperColumn[2][2] = {{{12.8, 16.7, 1.0}, {-18.9, 21.0, 3.0}},
+                                      {{6.6, 10.9, 7.0}, {-19.4, 14.4, 3.0}}};
 constexpr Fopdt kLessGain[2][2] = {{{6.4, 16.7, 1.0}, {-18.9, 21.0, 3.0}},
                                    {{3.3, 10.9, 7.0}, {-19.4, 14.4, 3.0}}};
 constexpr Fopdt kMoreDelay[2][2] = {{{12.8, 16.7, 1.0}, {-18.9, 21.0, 7.0}},
@@ -49,7 +49,7 @@ double InitialDistance(const Fopdt (&plant)[2][2]) {
   double sum = 0.0;
   for (int i = 0; i < 2; ++i) {
     for (int j = 0; j < 2; ++j)
-      sum += SquaredDistance(kColumn[i][j], plant[i][j]);
+      sum += SquaredDistance(kPaperColumn[i][j], plant[i][j]);
   }
   return sum;
 }

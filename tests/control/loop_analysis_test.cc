@@ -32,7 +32,7 @@ PredictionModel Predict(const ProcessModel& model) {
   return *std::move(prediction);
 }
 
-Mpc MakeMpc(const PredictionModel& model, const MpcOptions& options) {
+Mpc MakeAnalysedMpc(const PredictionModel& model, const MpcOptions& options) {
   absl::StatusOr<Mpc> mpc = Mpc::Create(model, options);
   EXPECT_TRUE(mpc.ok()) << mpc.status();
   return *std::move(mpc);
@@ -112,7 +112,7 @@ TEST(LoopAnalysisTest, CountsTheModesThatEigenvaluesShow) {
   for (const double ratio : {0.05, 1.0}) {
     MpcOptions options = Options(2, 2, 0.02);
     options.disturbance_variance_ratio = ratio;
-    const Mpc mpc = MakeMpc(model, options);
+    const Mpc mpc = MakeAnalysedMpc(model, options);
     int unstable = 0;
     for (const double factor : {0.3, 1.0, 1.7, 2.6, 4.0, 8.0}) {
       for (const double delay : {0.0, 1.0, 3.0}) {
@@ -150,7 +150,7 @@ TEST(LoopAnalysisTest, CountsTheModesThatEigenvaluesShow) {
 TEST(LoopAnalysisTest, FindsASlowMode) {
   const PredictionModel model =
       Predict(SingleLoop(TransferFunction::FirstOrder(1.0, 0.8, 0.0)));
-  const Mpc mpc = MakeMpc(model, Options(1, 1, 3000.0));
+  const Mpc mpc = MakeAnalysedMpc(model, Options(1, 1, 3000.0));
   const Modes expected = EigenvalueModes(mpc, model);
   ASSERT_GT(expected.radius, 0.95);
   EXPECT_NEAR(Analyse(mpc, model).spectral_radius, expected.radius, 1e-4);
@@ -162,7 +162,7 @@ TEST(LoopAnalysisTest, SensitivityGrowsWithoutBoundTowardsInstability) {
   const auto process = [](double gain) {
     return SingleLoop(TransferFunction::FirstOrder(gain, 5.0, 2.0));
   };
-  const Mpc mpc = MakeMpc(Predict(process(1.0)), Options(1, 1, 0.1));
+  const Mpc mpc = MakeAnalysedMpc(Predict(process(1.0)), Options(1, 1, 0.1));
   double stable = 1.0, unstable = 100.0;
   while (unstable - stable > 1e-5) {
     const double gain = 0.5 * (stable + unstable);
@@ -182,7 +182,8 @@ TEST(LoopAnalysisTest, ComplementaryPeakBoundsHarmlessChanges) {
     return SingleLoop(SecondOrder(gain, -1.0, 4.0, 2.0, 1.5));
   };
   for (const double weight : {0.01, 0.1, 1.0}) {
-    const Mpc mpc = MakeMpc(Predict(process(1.0)), Options(1, 1, weight));
+    const Mpc mpc =
+        MakeAnalysedMpc(Predict(process(1.0)), Options(1, 1, weight));
     const double M_T = Analyse(mpc, Predict(process(1.0))).complementary_peak;
     const double change = 0.99 / M_T;
     EXPECT_TRUE(Analyse(mpc, Predict(process(1.0 + change))).stable) << weight;
@@ -197,7 +198,7 @@ TEST(LoopAnalysisTest, ComplementaryPeakBoundsHarmlessChanges) {
 TEST(LoopAnalysisTest, PeaksAreAtLeastOne) {
   const PredictionModel model = Predict(FastTwoByTwo());
   const LoopAnalysis analysis =
-      Analyse(MakeMpc(model, Options(2, 2, 0.1)), model);
+      Analyse(MakeAnalysedMpc(model, Options(2, 2, 0.1)), model);
   EXPECT_TRUE(analysis.stable);
   EXPECT_GT(analysis.sensitivity_peak, 1.0);
   EXPECT_GE(analysis.complementary_peak, 1.0 - 1e-3);
@@ -210,7 +211,7 @@ TEST(LoopAnalysisTest, SurplusInputsAreNoInstability) {
   model.element(0, 1) = TransferFunction::FirstOrder(2.0, 1.0, 0.0);
   const PredictionModel prediction = Predict(model);
   const LoopAnalysis analysis =
-      Analyse(MakeMpc(prediction, Options(1, 2, 0.1)), prediction);
+      Analyse(MakeAnalysedMpc(prediction, Options(1, 2, 0.1)), prediction);
   EXPECT_TRUE(analysis.stable);
   EXPECT_EQ(analysis.spectral_radius, 1.0);
 }
@@ -221,7 +222,7 @@ TEST(LoopAnalysisTest, CountsTheModesOfLongResponses) {
   const PredictionModel model =
       Predict(SingleLoop(TransferFunction::FirstOrder(1.0, 400.0, 3.0)));
   ASSERT_GT(model.periods(), 1000);
-  const Mpc mpc = MakeMpc(model, Options(1, 1, 1.0));
+  const Mpc mpc = MakeAnalysedMpc(model, Options(1, 1, 1.0));
   EXPECT_TRUE(Analyse(mpc, model).stable);
   // A plant of forty times the gain: the loop's dead time cannot bear it.
   const LoopAnalysis wild = Analyse(
@@ -233,7 +234,7 @@ TEST(LoopAnalysisTest, CountsTheModesOfLongResponses) {
 TEST(LoopAnalysisTest, RefusesResponsesThatHardlySettle) {
   const PredictionModel model =
       Predict(SingleLoop(TransferFunction::FirstOrder(1.0, 10.0, 3.0)));
-  const Mpc mpc = MakeMpc(model, Options(1, 1, 1.0));
+  const Mpc mpc = MakeAnalysedMpc(model, Options(1, 1, 1.0));
   const auto status =
       AnalyseLoop(
           mpc,
@@ -247,7 +248,7 @@ TEST(LoopAnalysisTest, RefusesResponsesThatHardlySettle) {
 
 TEST(LoopAnalysisTest, RefusesAnotherShape) {
   const PredictionModel model = Predict(FastTwoByTwo());
-  const Mpc mpc = MakeMpc(model, Options(2, 2, 0.1));
+  const Mpc mpc = MakeAnalysedMpc(model, Options(2, 2, 0.1));
   const PredictionModel other =
       Predict(SingleLoop(TransferFunction::FirstOrder(1.0, 1.0, 0.0)));
   EXPECT_EQ(AnalyseLoop(mpc, other).status().code(),

@@ -26,7 +26,7 @@ ProcessModel TwoByTwo(double gain, double delay) {
   return model;
 }
 
-MpcOptions Options() {
+MpcOptions ExchangeOptions() {
   MpcOptions options;
   options.output_weight = MatrixXd::Identity(2, 2);
   options.move_weight = MatrixXd::Identity(2, 2) * 0.1;
@@ -39,7 +39,7 @@ PredictionModel Predict(const ProcessModel& model) {
   return *std::move(prediction);
 }
 
-struct Loop {
+struct ExchangeLoop {
   Mpc mpc;
   sim::Plant plant;
   VectorXd input = VectorXd::Zero(2);
@@ -52,8 +52,9 @@ struct Loop {
   }
 };
 
-Loop MakeLoop(const ProcessModel& believed, const ProcessModel& truth) {
-  absl::StatusOr<Mpc> mpc = Mpc::Create(believed, Options());
+ExchangeLoop MakeExchangeLoop(const ProcessModel& believed,
+                              const ProcessModel& truth) {
+  absl::StatusOr<Mpc> mpc = Mpc::Create(believed, ExchangeOptions());
   EXPECT_TRUE(mpc.ok()) << mpc.status();
   absl::StatusOr<sim::Plant> plant =
       sim::Plant::Create(truth, {.sample_time = 1.0});
@@ -69,12 +70,13 @@ const VectorXd& SetPoint() {
 // At rest at the set point, with a model that is wrong in gains and dead times:
 // exchanging it for the right one must move nothing, then or later.
 TEST(ModelExchangeTest, AtRestNothingMoves) {
-  Loop loop = MakeLoop(TwoByTwo(1.0, 1.0), TwoByTwo(1.4, 2.0));
+  ExchangeLoop loop = MakeExchangeLoop(TwoByTwo(1.0, 1.0), TwoByTwo(1.4, 2.0));
   for (int l = 0; l < 600; ++l) loop.Advance(SetPoint());
   const VectorXd before = loop.next;
   ASSERT_GT(before.norm(), 0.1);
   ASSERT_TRUE(
-      loop.mpc.ExchangeModel(Predict(TwoByTwo(1.4, 2.0)), Options()).ok());
+      loop.mpc.ExchangeModel(Predict(TwoByTwo(1.4, 2.0)), ExchangeOptions())
+          .ok());
   for (int l = 0; l < 100; ++l) {
     loop.Advance(SetPoint());
     // The loop had settled to its last digits, as had the model.
@@ -83,11 +85,12 @@ TEST(ModelExchangeTest, AtRestNothingMoves) {
 }
 
 TEST(ModelExchangeTest, PredictedOutputsGoOn) {
-  Loop loop = MakeLoop(TwoByTwo(1.0, 1.0), TwoByTwo(1.4, 2.0));
+  ExchangeLoop loop = MakeExchangeLoop(TwoByTwo(1.0, 1.0), TwoByTwo(1.4, 2.0));
   for (int l = 0; l < 12; ++l) loop.Advance(SetPoint());
   const VectorXd before = loop.mpc.PredictedOutputs();
   ASSERT_TRUE(
-      loop.mpc.ExchangeModel(Predict(TwoByTwo(0.8, 3.0)), Options()).ok());
+      loop.mpc.ExchangeModel(Predict(TwoByTwo(0.8, 3.0)), ExchangeOptions())
+          .ok());
   EXPECT_LE((loop.mpc.PredictedOutputs() - before).cwiseAbs().maxCoeff(),
             1e-12);
 }
@@ -95,13 +98,15 @@ TEST(ModelExchangeTest, PredictedOutputsGoOn) {
 // In the middle of a transient, the same model again: the free response that is
 // rebuilt from the inputs is the one that was carried.
 TEST(ModelExchangeTest, TheSameModelChangesNothing) {
-  Loop one = MakeLoop(TwoByTwo(1.0, 1.0), TwoByTwo(1.4, 2.0));
-  Loop other = MakeLoop(TwoByTwo(1.0, 1.0), TwoByTwo(1.4, 2.0));
+  ExchangeLoop one = MakeExchangeLoop(TwoByTwo(1.0, 1.0), TwoByTwo(1.4, 2.0));
+  ExchangeLoop other = MakeExchangeLoop(TwoByTwo(1.0, 1.0), TwoByTwo(1.4, 2.0));
   for (int l = 0; l < 700; ++l) {
     // Longer than the history too.
     if (l % 37 == 5) {
       ASSERT_TRUE(
-          other.mpc.ExchangeModel(Predict(TwoByTwo(1.0, 1.0)), Options()).ok());
+          other.mpc
+              .ExchangeModel(Predict(TwoByTwo(1.0, 1.0)), ExchangeOptions())
+              .ok());
     }
     const VectorXd r = (l / 40) % 2 == 0 ? SetPoint() : -SetPoint();
     one.Advance(r);
@@ -117,12 +122,14 @@ TEST(ModelExchangeTest, ThereAndBackAgain) {
   ProcessModel quick = EmptyModel(2, 2);
   quick.element(0, 0) = TransferFunction::FirstOrder(2.0, 0.5, 0.0);
   quick.element(1, 1) = TransferFunction::FirstOrder(1.0, 0.5, 0.0);
-  Loop one = MakeLoop(slow, TwoByTwo(1.4, 2.0));
-  Loop other = MakeLoop(slow, TwoByTwo(1.4, 2.0));
+  ExchangeLoop one = MakeExchangeLoop(slow, TwoByTwo(1.4, 2.0));
+  ExchangeLoop other = MakeExchangeLoop(slow, TwoByTwo(1.4, 2.0));
   for (int l = 0; l < 60; ++l) {
     if (l == 30) {
-      ASSERT_TRUE(other.mpc.ExchangeModel(Predict(quick), Options()).ok());
-      ASSERT_TRUE(other.mpc.ExchangeModel(Predict(slow), Options()).ok());
+      ASSERT_TRUE(
+          other.mpc.ExchangeModel(Predict(quick), ExchangeOptions()).ok());
+      ASSERT_TRUE(
+          other.mpc.ExchangeModel(Predict(slow), ExchangeOptions()).ok());
     }
     one.Advance(SetPoint());
     other.Advance(SetPoint());
@@ -134,13 +141,13 @@ TEST(ModelExchangeTest, ThereAndBackAgain) {
 // model all along.
 TEST(ModelExchangeTest, ControlIsThatOfTheNewModel) {
   const ProcessModel truth = TwoByTwo(1.4, 2.0);
-  Loop exchanged = MakeLoop(TwoByTwo(1.0, 1.0), truth);
-  Loop right = MakeLoop(truth, truth);
+  ExchangeLoop exchanged = MakeExchangeLoop(TwoByTwo(1.0, 1.0), truth);
+  ExchangeLoop right = MakeExchangeLoop(truth, truth);
   for (int l = 0; l < 600; ++l) {
     exchanged.Advance(SetPoint());
     right.Advance(SetPoint());
   }
-  MpcOptions retuned = Options();
+  MpcOptions retuned = ExchangeOptions();
   retuned.prediction_horizon = 40;
   retuned.move_weight *= 2.0;
   ASSERT_TRUE(exchanged.mpc.ExchangeModel(Predict(truth), retuned).ok());
@@ -153,7 +160,7 @@ TEST(ModelExchangeTest, ControlIsThatOfTheNewModel) {
 }
 
 TEST(ModelExchangeTest, RestartStandsWhereThePlantStands) {
-  absl::StatusOr<Mpc> mpc = Mpc::Create(TwoByTwo(1.0, 1.0), Options());
+  absl::StatusOr<Mpc> mpc = Mpc::Create(TwoByTwo(1.0, 1.0), ExchangeOptions());
   ASSERT_TRUE(mpc.ok());
   const VectorXd u = (VectorXd(2) << 30.0, 70.0).finished();
   const VectorXd y = (VectorXd(2) << 96.25, 0.5).finished();
@@ -165,19 +172,20 @@ TEST(ModelExchangeTest, RestartStandsWhereThePlantStands) {
     ASSERT_LE((next - u).cwiseAbs().maxCoeff(), 1e-10);
   }
   // Also after an exchange.
-  ASSERT_TRUE(mpc->ExchangeModel(Predict(TwoByTwo(2.0, 5.0)), Options()).ok());
+  ASSERT_TRUE(
+      mpc->ExchangeModel(Predict(TwoByTwo(2.0, 5.0)), ExchangeOptions()).ok());
   mpc->Step(y, y, next);
   EXPECT_LE((next - u).cwiseAbs().maxCoeff(), 1e-10);
 }
 
 TEST(ModelExchangeTest, RefusesAnotherShapeAndStaysAsItWas) {
-  absl::StatusOr<Mpc> mpc = Mpc::Create(TwoByTwo(1.0, 1.0), Options());
+  absl::StatusOr<Mpc> mpc = Mpc::Create(TwoByTwo(1.0, 1.0), ExchangeOptions());
   ASSERT_TRUE(mpc.ok());
   const absl::Status shape = mpc->ExchangeModel(
       Predict(testing::SingleLoop(TransferFunction::FirstOrder(1, 1, 0))),
-      Options());
+      ExchangeOptions());
   EXPECT_THAT(std::string(shape.message()), HasSubstr("1 outputs"));
-  MpcOptions other_period = Options();
+  MpcOptions other_period = ExchangeOptions();
   other_period.control_period = 2.0;
   const absl::Status period =
       mpc->ExchangeModel(Predict(TwoByTwo(1.0, 1.0)), other_period);

@@ -16,7 +16,7 @@ using Eigen::VectorXd;
 using testing::EmptyModel;
 using testing::SecondOrder;
 
-ProcessModel TwoByTwo() {
+ProcessModel TwoByTwoPlant() {
   ProcessModel model = EmptyModel(2, 2);
   model.element(0, 0) = TransferFunction::FirstOrder(2.0, 5.0, 1.0);
   model.element(0, 1) = SecondOrder(-0.5, 0.0, 3.0, 1.0, 0.4);
@@ -25,7 +25,7 @@ ProcessModel TwoByTwo() {
   return model;
 }
 
-MpcOptions Options(double ratio = 0.1) {
+MpcOptions ClosedOptions(double ratio = 0.1) {
   MpcOptions options;
   options.output_weight = MatrixXd::Identity(2, 2);
   options.move_weight = MatrixXd::Identity(2, 2) * 0.1;
@@ -33,7 +33,7 @@ MpcOptions Options(double ratio = 0.1) {
   return options;
 }
 
-struct Loop {
+struct ClosedLoop {
   Mpc mpc;
   sim::Plant plant;
   VectorXd input = VectorXd::Zero(2);
@@ -50,8 +50,9 @@ struct Loop {
   }
 };
 
-Loop MakeLoop(const ProcessModel& plant_model, const MpcOptions& options) {
-  absl::StatusOr<Mpc> mpc = Mpc::Create(TwoByTwo(), options);
+ClosedLoop MakeClosedLoop(const ProcessModel& plant_model,
+                          const MpcOptions& options) {
+  absl::StatusOr<Mpc> mpc = Mpc::Create(TwoByTwoPlant(), options);
   EXPECT_TRUE(mpc.ok()) << mpc.status();
   absl::StatusOr<sim::Plant> plant =
       sim::Plant::Create(plant_model, {.sample_time = options.control_period});
@@ -60,7 +61,7 @@ Loop MakeLoop(const ProcessModel& plant_model, const MpcOptions& options) {
 }
 
 TEST(MpcClosedLoopTest, PerfectModelReachesTheSetPoint) {
-  Loop loop = MakeLoop(TwoByTwo(), Options());
+  ClosedLoop loop = MakeClosedLoop(TwoByTwoPlant(), ClosedOptions());
   const VectorXd r = (VectorXd(2) << 1.0, -2.0).finished();
   VectorXd y;
   for (int l = 0; l < 200; ++l) y = loop.Advance(r, VectorXd::Zero(2));
@@ -71,8 +72,8 @@ TEST(MpcClosedLoopTest, PerfectModelReachesTheSetPoint) {
 // With a perfect model nothing is ever observed, so that the observer cannot
 // matter.
 TEST(MpcClosedLoopTest, PerfectModelMakesTheObserverIdle) {
-  Loop slow = MakeLoop(TwoByTwo(), Options(0.001));
-  Loop quick = MakeLoop(TwoByTwo(), Options(10.0));
+  ClosedLoop slow = MakeClosedLoop(TwoByTwoPlant(), ClosedOptions(0.001));
+  ClosedLoop quick = MakeClosedLoop(TwoByTwoPlant(), ClosedOptions(10.0));
   const VectorXd r = (VectorXd(2) << 1.0, -2.0).finished();
   for (int l = 0; l < 60; ++l) {
     const VectorXd a = slow.Advance(r, VectorXd::Zero(2));
@@ -82,7 +83,7 @@ TEST(MpcClosedLoopTest, PerfectModelMakesTheObserverIdle) {
 }
 
 TEST(MpcClosedLoopTest, NoOffsetUnderAConstantOutputDisturbance) {
-  Loop loop = MakeLoop(TwoByTwo(), Options());
+  ClosedLoop loop = MakeClosedLoop(TwoByTwoPlant(), ClosedOptions());
   const VectorXd r = (VectorXd(2) << 1.0, 0.5).finished();
   const VectorXd w = (VectorXd(2) << -0.7, 0.4).finished();
   VectorXd y;
@@ -93,10 +94,10 @@ TEST(MpcClosedLoopTest, NoOffsetUnderAConstantOutputDisturbance) {
 }
 
 TEST(MpcClosedLoopTest, NoOffsetWithAWrongGainAndDeadTime) {
-  ProcessModel plant = TwoByTwo();
+  ProcessModel plant = TwoByTwoPlant();
   plant.element(0, 0) = TransferFunction::FirstOrder(1.6, 5.0, 1.5);
   plant.element(1, 1) = SecondOrder(1.9, -0.7, 4.0, 2.0, 0.0);
-  Loop loop = MakeLoop(plant, Options());
+  ClosedLoop loop = MakeClosedLoop(plant, ClosedOptions());
   const VectorXd r = (VectorXd(2) << 1.0, 0.5).finished();
   VectorXd y;
   for (int l = 0; l < 400; ++l) y = loop.Advance(r, VectorXd::Zero(2));
@@ -105,7 +106,7 @@ TEST(MpcClosedLoopTest, NoOffsetWithAWrongGainAndDeadTime) {
 
 // Without an observer (ρ = 0) a disturbance is not noticed at all.
 TEST(MpcClosedLoopTest, WithoutObserverADisturbanceStays) {
-  Loop loop = MakeLoop(TwoByTwo(), Options(0.0));
+  ClosedLoop loop = MakeClosedLoop(TwoByTwoPlant(), ClosedOptions(0.0));
   const VectorXd r = VectorXd::Ones(2);
   const VectorXd w = (VectorXd(2) << -0.7, 0.4).finished();
   VectorXd y;

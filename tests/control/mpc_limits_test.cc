@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <random>
 #include <string>
 #include <utility>
@@ -11,6 +10,7 @@
 #include "control/mpc.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "mle/base/double_limits.h"
 #include "tests/sim/test_models.h"
 
 namespace mle::control {
@@ -23,9 +23,7 @@ using ::testing::HasSubstr;
 using testing::MixedModel;
 using testing::SingleLoop;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-MpcOptions Options() {
+MpcOptions LimitedOptions() {
   MpcOptions options;
   options.control_period = 0.7;
   options.prediction_horizon = 14;
@@ -35,7 +33,7 @@ MpcOptions Options() {
   return options;
 }
 
-Mpc MakeMpc(const ProcessModel& model, const MpcOptions& options) {
+Mpc MakeLimitedMpc(const ProcessModel& model, const MpcOptions& options) {
   absl::StatusOr<Mpc> mpc = Mpc::Create(model, options);
   EXPECT_TRUE(mpc.ok()) << mpc.status();
   return *std::move(mpc);
@@ -53,10 +51,10 @@ MpcLimits WideLimits(int p, int m) {
 }
 
 TEST(MpcLimitsTest, LimitsThatAreNotMetChangeNothing) {
-  MpcOptions limited = Options();
+  MpcOptions limited = LimitedOptions();
   limited.limits = WideLimits(2, 3);
-  Mpc with = MakeMpc(MixedModel(), limited);
-  Mpc without = MakeMpc(MixedModel(), Options());
+  Mpc with = MakeLimitedMpc(MixedModel(), limited);
+  Mpc without = MakeLimitedMpc(MixedModel(), LimitedOptions());
   VectorXd u(3), v(3);
   std::srand(1);
   for (int l = 0; l < 100; ++l) {
@@ -75,7 +73,7 @@ TEST(MpcLimitsTest, LimitsOfInputsAndMovesHold) {
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
   int active = 0;
   for (int trial = 0; trial < 40; ++trial) {
-    MpcOptions options = Options();
+    MpcOptions options = LimitedOptions();
     MpcLimits& limits = options.limits;
     limits = WideLimits(2, 3);
     for (int j = 0; j < 3; ++j) {
@@ -87,7 +85,7 @@ TEST(MpcLimitsTest, LimitsOfInputsAndMovesHold) {
     }
     limits.min_output.setConstant(-uniform(engine));
     limits.max_output.setConstant(uniform(engine));
-    Mpc mpc = MakeMpc(MixedModel(), options);
+    Mpc mpc = MakeLimitedMpc(MixedModel(), options);
     VectorXd last = VectorXd::Zero(3), next(3), y(2), r(2);
     for (int l = 0; l < 50; ++l) {
       y << 2.0 * last[0] - last[1] + uniform(engine) - 0.5,
@@ -111,7 +109,7 @@ TEST(MpcLimitsTest, LimitsOfInputsAndMovesHold) {
 // The plan, not only its first move: minimiser of J among all that keep the
 // limits. Feasible neighbours cost more.
 TEST(MpcLimitsTest, ThePlanIsOptimalAndKeepsItsLimitsToTheEnd) {
-  MpcOptions options = Options();
+  MpcOptions options = LimitedOptions();
   MpcLimits& limits = options.limits;
   limits.min_input = VectorXd::Constant(3, -0.5);
   limits.max_input = VectorXd::Constant(3, 0.6);
@@ -194,9 +192,9 @@ TEST(MpcLimitsTest, OneMoveIsCut) {
   options.output_weight = options.move_weight = MatrixXd::Identity(1, 1);
   const ProcessModel model =
       SingleLoop(TransferFunction::FirstOrder(1.0, 3.0, 0.0));
-  Mpc free = MakeMpc(model, options);
+  Mpc free = MakeLimitedMpc(model, options);
   options.limits.max_move = VectorXd::Constant(1, 0.1);
-  Mpc limited = MakeMpc(model, options);
+  Mpc limited = MakeLimitedMpc(model, options);
   VectorXd u(1), v(1);
   free.Step(VectorXd::Zero(1), VectorXd::Constant(1, 3.0), u);
   limited.Step(VectorXd::Zero(1), VectorXd::Constant(1, 3.0), v);
@@ -214,8 +212,8 @@ TEST(MpcLimitsTest, ComesBackIntoLimitsThatExcludeThePresentInput) {
   options.limits.min_input = VectorXd::Constant(1, 1.0);
   options.limits.max_input = VectorXd::Constant(1, 2.0);
   options.limits.max_move = VectorXd::Constant(1, 0.3);
-  Mpc mpc =
-      MakeMpc(SingleLoop(TransferFunction::FirstOrder(1.0, 3.0, 0.0)), options);
+  Mpc mpc = MakeLimitedMpc(
+      SingleLoop(TransferFunction::FirstOrder(1.0, 3.0, 0.0)), options);
   VectorXd u(1);
   // It would rather go down.
   for (const double expected : {0.3, 0.6, 0.9, 1.0, 1.0}) {
@@ -238,8 +236,8 @@ TEST(MpcLimitsTest, SoftLimitsHoldOutputsTheBetterTheDearer) {
     options.move_weight = MatrixXd::Identity(1, 1) * 0.1;
     options.limits.max_output = VectorXd::Constant(1, 1.0);
     options.limits.output_limit_cost = VectorXd::Constant(1, cost);
-    Mpc mpc = MakeMpc(SingleLoop(TransferFunction::FirstOrder(2.0, 3.0, 1.0)),
-                      options);
+    Mpc mpc = MakeLimitedMpc(
+        SingleLoop(TransferFunction::FirstOrder(2.0, 3.0, 1.0)), options);
     VectorXd u(1), y = VectorXd::Zero(1);
     double violation = 0.0;
     for (int l = 0; l < 300; ++l) {
@@ -256,22 +254,22 @@ TEST(MpcLimitsTest, SoftLimitsHoldOutputsTheBetterTheDearer) {
 }
 
 TEST(MpcLimitsTest, BlocksOfOneAreThePapersHorizon) {
-  MpcOptions blocks = Options();
+  MpcOptions blocks = LimitedOptions();
   blocks.control_horizon = 1;
   blocks.block_lengths = {1, 1, 1, 1};
-  EXPECT_EQ(MakeMpc(MixedModel(), blocks).gain(),
-            MakeMpc(MixedModel(), Options()).gain());
+  EXPECT_EQ(MakeLimitedMpc(MixedModel(), blocks).gain(),
+            MakeLimitedMpc(MixedModel(), LimitedOptions()).gain());
 }
 
 // Blocks of 2 and 3: moves at instants 1 and 3 only. The best of those is the
 // paper's problem with the moves between them made infinitely dear.
 TEST(MpcLimitsTest, BlocksHoldTheInputs) {
-  MpcOptions blocks = Options();
+  MpcOptions blocks = LimitedOptions();
   blocks.block_lengths = {2, 3};
   EXPECT_EQ(blocks.MoveInstants(), (std::vector<int>{1, 3}));
-  MpcOptions limited = Options();
+  MpcOptions limited = LimitedOptions();
   limited.control_horizon = 3;
-  Mpc mpc = MakeMpc(MixedModel(), blocks);
+  Mpc mpc = MakeLimitedMpc(MixedModel(), blocks);
 
   const auto model = PredictFromProcess(MixedModel(), 0.7);
   ASSERT_TRUE(model.ok());
@@ -293,14 +291,15 @@ TEST(MpcLimitsTest, BlocksHoldTheInputs) {
 }
 
 TEST(MpcLimitsTest, PreviewOfASetPointThatStaysIsNoPreview) {
-  Mpc one = MakeMpc(MixedModel(), Options());
-  Mpc other = MakeMpc(MixedModel(), Options());
+  Mpc one = MakeLimitedMpc(MixedModel(), LimitedOptions());
+  Mpc other = MakeLimitedMpc(MixedModel(), LimitedOptions());
   VectorXd u(3), v(3);
   std::srand(8);
   for (int l = 0; l < 20; ++l) {
     const VectorXd y = VectorXd::Random(2), r = VectorXd::Random(2);
     one.Step(y, r, u);
-    other.StepWithPreview(y, r.replicate(1, Options().prediction_horizon), v);
+    other.StepWithPreview(
+        y, r.replicate(1, LimitedOptions().prediction_horizon), v);
     ASSERT_EQ(u, v);
   }
 }
@@ -317,7 +316,7 @@ TEST(MpcLimitsTest, PreviewAnswersAChangeBeforeItComes) {
       SingleLoop(TransferFunction::FirstOrder(1.0, 3.0, 4.0));
   double cost[2] = {0.0, 0.0};
   for (const bool preview : {false, true}) {
-    Mpc mpc = MakeMpc(model, options);
+    Mpc mpc = MakeLimitedMpc(model, options);
     VectorXd u(1), y = VectorXd::Zero(1);
     const auto set_point = [](int l) { return l >= 20 ? 1.0 : 0.0; };
     for (int l = 0; l < 60; ++l) {
@@ -358,10 +357,10 @@ TEST(MpcLimitsTest, FeedsMeasuredDisturbancesForward) {
       WithDisturbance().element(0, 0).StepResponse(1.0, 200);
   double worst[2] = {0.0, 0.0};
   for (const bool measured : {false, true}) {
-    Mpc mpc = MakeMpc(WithDisturbance(), options);
+    Mpc mpc = MakeLimitedMpc(WithDisturbance(), options);
     // The plant's own part from the input is what the controller predicts
     // without a disturbance.
-    Mpc shadow = MakeMpc(WithDisturbance(), options);
+    Mpc shadow = MakeLimitedMpc(WithDisturbance(), options);
     std::vector<double> inputs = {0.0};
     const Eigen::VectorXd s =
         WithDisturbance().element(0, 1).StepResponse(1.0, 200);
@@ -386,9 +385,9 @@ TEST(MpcLimitsTest, FeedsMeasuredDisturbancesForward) {
 }
 
 TEST(MpcLimitsTest, MissingMeasurementsLeaveThePredictionStanding) {
-  MpcOptions options = Options();
+  MpcOptions options = LimitedOptions();
   options.limits = WideLimits(2, 3);
-  Mpc mpc = MakeMpc(MixedModel(), options);
+  Mpc mpc = MakeLimitedMpc(MixedModel(), options);
   const VectorXd r = VectorXd::Ones(2);
   const VectorXd missing = VectorXd::Constant(2, std::nan(""));
   VectorXd u(3);
@@ -404,7 +403,7 @@ TEST(MpcLimitsTest, MissingMeasurementsLeaveThePredictionStanding) {
 
 TEST(MpcLimitsTest, LimitsAreChecked) {
   const auto error = [](auto change) {
-    MpcOptions options = Options();
+    MpcOptions options = LimitedOptions();
     change(options);
     const auto mpc = Mpc::Create(MixedModel(), options);
     EXPECT_EQ(mpc.status().code(), absl::StatusCode::kInvalidArgument);

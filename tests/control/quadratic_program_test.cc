@@ -1,20 +1,18 @@
 #include "control/quadratic_program.h"
 
 #include <cmath>
-#include <limits>
 #include <random>
 
 #include "Eigen/Cholesky"
 #include "Eigen/LU"
 #include "gtest/gtest.h"
+#include "mle/base/double_limits.h"
 
 namespace mle::control {
 namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 struct Problem {
   MatrixXd H, A;

@@ -19,7 +19,7 @@ using Eigen::MatrixXd;
 using Eigen::Ref;
 using Eigen::VectorXd;
 
-ProcessModel ReadConfig(const std::string& name) {
+ProcessModel ReadWoodBerry(const std::string& name) {
   absl::StatusOr<ProcessModel> model =
       ReadProcessModel(std::string(MLE_CONFIG_DIR "/") + name);
   EXPECT_TRUE(model.ok()) << model.status();
@@ -41,10 +41,10 @@ absl::StatusOr<Record> RunExperiment(const std::string& plant, int run,
   options.move_weight = MatrixXd::Identity(2, 2) * 0.1;
   options.disturbance_variance_ratio = variance_ratio;
   absl::StatusOr<control::Mpc> mpc =
-      control::Mpc::Create(ReadConfig("wood_berry.json"), options);
+      control::Mpc::Create(ReadWoodBerry("wood_berry.json"), options);
   EXPECT_TRUE(mpc.ok()) << mpc.status();
   return sim::SimulateClosedLoop(
-      ReadConfig(plant),
+      ReadWoodBerry(plant),
       [&mpc](const Ref<const VectorXd>& y, const Ref<const VectorXd>& r,
              Ref<VectorXd> next) { mpc->Step(y, r, next); },
       SetPoints(run),

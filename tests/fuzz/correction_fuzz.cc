@@ -3,16 +3,14 @@
 // ends with an error in words, or with a result without NaN in what is used.
 
 #include <cmath>
-#include <limits>
 #include <vector>
 
+#include "mle/base/double_limits.h"
 #include "mle/maintain/correct.h"
 #include "tests/fuzz/fuzz.h"
 
 namespace mle {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 // Mostly ordinary, sometimes at the ends of the range.
 double Extreme(fuzz::Bytes& bytes, double ordinary) {

@@ -11,12 +11,12 @@ using ::mle::testing::MixedModel;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-absl::StatusOr<AgeingSchedule> Parse(const std::string& json) {
+absl::StatusOr<AgeingSchedule> ParseAgeingOf(const std::string& json) {
   return ParseAgeingSchedule(json, "age.json", MixedModel());
 }
 
 TEST(AgeingJsonTest, ReadsSchedulesInTheirOwnUnitOfTime) {
-  const absl::StatusOr<AgeingSchedule> ageing = Parse(R"({
+  const absl::StatusOr<AgeingSchedule> ageing = ParseAgeingOf(R"({
     "time_factor": 100,
     "elements": [
       {"output": "y2", "input": "u1", "gain": [[0, 1.0], [10, 0.5]]},
@@ -39,7 +39,7 @@ TEST(AgeingJsonTest, ReadsSchedulesInTheirOwnUnitOfTime) {
 
 TEST(AgeingJsonTest, MistakesAreNamed) {
   const auto message = [](const std::string& json) {
-    const absl::Status status = Parse(json).status();
+    const absl::Status status = ParseAgeingOf(json).status();
     EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
     return std::string(status.message());
   };

@@ -31,8 +31,8 @@ Schedule Points(std::vector<Schedule::Point> points) {
   return *std::move(schedule);
 }
 
-AgeingPlant Make(const ProcessModel& model, const AgeingSchedule& ageing,
-                 const AgeingPlantOptions& options = {}) {
+AgeingPlant MakeAgeing(const ProcessModel& model, const AgeingSchedule& ageing,
+                       const AgeingPlantOptions& options = {}) {
   absl::StatusOr<AgeingPlant> plant =
       AgeingPlant::Create(model, ageing, options);
   EXPECT_TRUE(plant.ok()) << plant.status();
@@ -40,7 +40,7 @@ AgeingPlant Make(const ProcessModel& model, const AgeingSchedule& ageing,
 }
 
 // p × N: the outputs at 0 … N − 1 under the inputs (m × N).
-MatrixXd Simulate(PlantModel& plant, const MatrixXd& inputs) {
+MatrixXd OutputsOf(PlantModel& plant, const MatrixXd& inputs) {
   MatrixXd outputs(plant.num_outputs(), inputs.cols());
   for (Eigen::Index k = 0; k < inputs.cols(); ++k) {
     outputs.col(k) = plant.outputs();
@@ -97,7 +97,7 @@ TEST(LinearSystemTest, StepResponsesOfA3x3PlantAreAccurate) {
     ASSERT_TRUE(plant.ok()) << plant.status();
     MatrixXd inputs = MatrixXd::Zero(3, samples);
     inputs.row(j).setOnes();
-    const MatrixXd outputs = Simulate(*plant, inputs);
+    const MatrixXd outputs = OutputsOf(*plant, inputs);
     for (int i = 0; i < 3; ++i) {
       EXPECT_LE((outputs.row(i).transpose() - exact.element(i, j)).norm(),
                 1e-8 * exact.element(i, j).norm());
@@ -114,9 +114,9 @@ TEST(LinearSystemTest, EqualsTheFastPlantUnderRandomInputs) {
     absl::StatusOr<Plant> fast = Plant::Create(model, {.sample_time = 0.2});
     ASSERT_TRUE(general.ok() && fast.ok());
     const MatrixXd inputs = RandomInputs(model.num_inputs(), 500);
-    const MatrixXd expected = Simulate(*fast, inputs);
+    const MatrixXd expected = OutputsOf(*fast, inputs);
     // Both are within 1e-8 of the truth, with steps of different length.
-    EXPECT_LE((Simulate(*general, inputs) - expected).norm(),
+    EXPECT_LE((OutputsOf(*general, inputs) - expected).norm(),
               1e-8 * expected.norm());
   }
 }
@@ -126,7 +126,7 @@ TEST(LinearSystemTest, AModelWithoutElementsStaysAtZero) {
   ASSERT_TRUE(system.ok()) << system.status();
   absl::StatusOr<ContinuousPlant> plant = ContinuousPlant::Create(*system, {});
   ASSERT_TRUE(plant.ok()) << plant.status();
-  EXPECT_EQ(Simulate(*plant, RandomInputs(3, 20)).norm(), 0.0);
+  EXPECT_EQ(OutputsOf(*plant, RandomInputs(3, 20)).norm(), 0.0);
 }
 
 TEST(LinearSystemTest, ShapesAreChecked) {
@@ -147,8 +147,8 @@ TEST(AgeingPlantTest, DriftOfGainAndTimeConstant) {
       {.gain = Points({{5.0, 1.0}, {105.0, 0.5}}),
        .time_constant = Points({{0.0, 1.0}, {1000.0, 1.0 + 1000.0 * a}})});
   AgeingPlant plant =
-      Make(SingleLoop(TransferFunction::FirstOrder(K, T, 0.0)), ageing);
-  const MatrixXd y = Simulate(plant, MatrixXd::Ones(1, 500));
+      MakeAgeing(SingleLoop(TransferFunction::FirstOrder(K, T, 0.0)), ageing);
+  const MatrixXd y = OutputsOf(plant, MatrixXd::Ones(1, 500));
   for (int k = 0; k < 500; ++k) {
     const double t = 0.2 * k;
     const double gain = K * (1.0 - 0.005 * std::max(0.0, t - 5.0));
@@ -164,9 +164,9 @@ TEST(AgeingPlantTest, DriftOfTheDeadTime) {
   ageing.elements.push_back(
       {.delay = Points({{0.0, 0.0}, {1000.0, 1000.0 * rate}})});
   AgeingPlant plant =
-      Make(SingleLoop(TransferFunction::FirstOrder(K, T, L)), ageing);
+      MakeAgeing(SingleLoop(TransferFunction::FirstOrder(K, T, L)), ageing);
   const double arrival = L / (1.0 - rate);
-  const MatrixXd y = Simulate(plant, MatrixXd::Ones(1, 500));
+  const MatrixXd y = OutputsOf(plant, MatrixXd::Ones(1, 500));
   for (int k = 0; k < 500; ++k) {
     const double t = 0.2 * k;
     const double expected =
@@ -186,10 +186,10 @@ TEST(AgeingPlantTest, AnEventIsAStep) {
        .time_constant = Points({{event, 1.0}, {event, 2.0}}),
        .delay = Points({{event, 0.0}, {event, 4.0}})});
   AgeingPlant plant =
-      Make(SingleLoop(TransferFunction::FirstOrder(K, T, 1.0)), ageing);
+      MakeAgeing(SingleLoop(TransferFunction::FirstOrder(K, T, 1.0)), ageing);
   MatrixXd inputs = MatrixXd::Ones(1, 500);
   inputs.rightCols(500 - 145).setConstant(3.0);  // from t = 29 on
-  const MatrixXd y = Simulate(plant, inputs);
+  const MatrixXd y = OutputsOf(plant, inputs);
 
   // x follows ẋ = (K w − x)/T piece by piece.
   const auto approach = [](double x, double limit, double time, double T_now) {
@@ -222,11 +222,11 @@ TEST(AgeingPlantTest, AnElementMayFallMoreSlowly) {
     const double K = factor * gain;
     AgeingSchedule ageing;
     ageing.elements.push_back({.gain = Schedule(factor), .falling = 3.0});
-    AgeingPlant plant =
-        Make(SingleLoop(TransferFunction::FirstOrder(gain, T, 1.0)), ageing);
+    AgeingPlant plant = MakeAgeing(
+        SingleLoop(TransferFunction::FirstOrder(gain, T, 1.0)), ageing);
     MatrixXd inputs = MatrixXd::Ones(1, 500);
     inputs.rightCols(500 - 145).setZero();  // from t = 29 on
-    const MatrixXd y = Simulate(plant, inputs);
+    const MatrixXd y = OutputsOf(plant, inputs);
     const double on = K > 0.0 ? T : 3.0 * T;
     const double off = K > 0.0 ? 3.0 * T : T;
     for (int k = 0; k < 500; ++k) {
@@ -248,11 +248,11 @@ TEST(AgeingPlantTest, DirectionsAreThoseOfTheElement) {
   const ProcessModel model = MixedModel();
   AgeingSchedule ageing;
   ageing.elements.push_back({.output = 1, .input = 0, .falling = 2.0});
-  AgeingPlant slower = Make(model, ageing);
-  AgeingPlant plain = Make(model, {});
+  AgeingPlant slower = MakeAgeing(model, ageing);
+  AgeingPlant plain = MakeAgeing(model, {});
   const MatrixXd inputs = RandomInputs(3, 400);
-  const MatrixXd with = Simulate(slower, inputs);
-  const MatrixXd without = Simulate(plain, inputs);
+  const MatrixXd with = OutputsOf(slower, inputs);
+  const MatrixXd without = OutputsOf(plain, inputs);
   EXPECT_EQ(with.row(0), without.row(0));
   EXPECT_GT((with.row(1) - without.row(1)).norm(), 0.05 * without.norm());
 }
@@ -261,15 +261,15 @@ TEST(AgeingPlantTest, DirectionsAreThoseOfTheElement) {
 TEST(AgeingPlantTest, EqualsTheGeneralLinearSystem) {
   for (const ProcessModel& model : {MixedModel(), ThreeByThree()}) {
     const AgeingSchedule ageing = AgeingOfEverything(model);
-    AgeingPlant plant = Make(model, ageing, {.start_time = 2.0});
+    AgeingPlant plant = MakeAgeing(model, ageing, {.start_time = 2.0});
     absl::StatusOr<ContinuousSystem> system = ToLinearSystem(model, ageing);
     ASSERT_TRUE(system.ok()) << system.status();
     absl::StatusOr<ContinuousPlant> general = ContinuousPlant::Create(
         *system, {.sample_time = 0.2, .start_time = 2.0});
     ASSERT_TRUE(general.ok()) << general.status();
     const MatrixXd inputs = RandomInputs(model.num_inputs(), 400);
-    const MatrixXd expected = Simulate(*general, inputs);
-    EXPECT_LE((Simulate(plant, inputs) - expected).norm(),
+    const MatrixXd expected = OutputsOf(*general, inputs);
+    EXPECT_LE((OutputsOf(plant, inputs) - expected).norm(),
               1e-8 * expected.norm());
   }
 }
@@ -279,12 +279,12 @@ TEST(AgeingPlantTest, OldPlantsAreTheAgedModel) {
   const AgeingSchedule ageing = AgeingOfEverything(model);
   const ProcessModel aged = AgedModel(model, ageing, 5000.0);
   ASSERT_TRUE(aged.Validate().ok());
-  AgeingPlant plant = Make(model, ageing, {.start_time = 5000.0});
+  AgeingPlant plant = MakeAgeing(model, ageing, {.start_time = 5000.0});
   absl::StatusOr<Plant> fast = Plant::Create(aged, {.sample_time = 0.2});
   ASSERT_TRUE(fast.ok()) << fast.status();
   const MatrixXd inputs = RandomInputs(3, 400);
-  const MatrixXd expected = Simulate(*fast, inputs);
-  EXPECT_LE((Simulate(plant, inputs) - expected).norm(),
+  const MatrixXd expected = OutputsOf(*fast, inputs);
+  EXPECT_LE((OutputsOf(plant, inputs) - expected).norm(),
             1e-8 * expected.norm());
 }
 
@@ -297,8 +297,8 @@ TEST(AgeingPlantTest, AnAgeingIntegratorKeepsItsLevel) {
   const AgeingSchedule event = {
       {{.gain = Points({{40.0, 1.0}, {40.0, 0.6}}),
         .time_constant = Points({{40.0, 1.0}, {40.0, 3.0}})}}};
-  AgeingPlant plant = Make(model, event, {.sample_time = 1.0});
-  const MatrixXd y = Simulate(plant, MatrixXd::Ones(1, 120));
+  AgeingPlant plant = MakeAgeing(model, event, {.sample_time = 1.0});
+  const MatrixXd y = OutputsOf(plant, MatrixXd::Ones(1, 120));
   // Long before: K (t − T); long after the lag stands at its new value.
   EXPECT_NEAR(y(40), K * (40.0 - T), 1e-6);
   EXPECT_NEAR(y(41) - y(40), 0.6 * K, 1e-6);
@@ -311,8 +311,8 @@ TEST(AgeingPlantTest, AnAgeingIntegratorKeepsItsLevel) {
       AgedElement(model.element(0, 0), old.elements[0], 0.0);
   EXPECT_NEAR(aged.StaticGain(), 0.6 * K, 1e-15);
   EXPECT_NEAR(aged.SlowestTimeConstant(), 3.0 * T, 1e-14);
-  AgeingPlant aged_plant = Make(model, old, {.sample_time = 1.0});
-  const MatrixXd z = Simulate(aged_plant, MatrixXd::Ones(1, 60));
+  AgeingPlant aged_plant = MakeAgeing(model, old, {.sample_time = 1.0});
+  const MatrixXd z = OutputsOf(aged_plant, MatrixXd::Ones(1, 60));
   const VectorXd expected = aged.StepResponse(1.0, 60);
   // Of the integration, relative to a level of 20.
   EXPECT_LE((z.row(0).transpose() - expected).cwiseAbs().maxCoeff(), 1e-6);
@@ -324,11 +324,11 @@ TEST(AgeingPlantTest, AnAgeingIntegratorKeepsItsLevel) {
 
 TEST(AgeingPlantTest, WithoutAgeingItIsThePlant) {
   const ProcessModel model = MixedModel();
-  AgeingPlant plant = Make(model, {});
+  AgeingPlant plant = MakeAgeing(model, {});
   absl::StatusOr<Plant> fast = Plant::Create(model, {});
   ASSERT_TRUE(fast.ok());
   const MatrixXd inputs = RandomInputs(3, 100);
-  EXPECT_EQ(Simulate(plant, inputs), Simulate(*fast, inputs));
+  EXPECT_EQ(OutputsOf(plant, inputs), OutputsOf(*fast, inputs));
 }
 
 TEST(AgeingTest, AgedElementHasTheFactors) {

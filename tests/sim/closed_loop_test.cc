@@ -19,8 +19,8 @@ using ::testing::HasSubstr;
 using testing::MixedModel;
 using testing::SingleLoop;
 
-void Idle(const Ref<const VectorXd>&, const Ref<const VectorXd>&,
-          Ref<VectorXd> next) {
+void LeaveAlone(const Ref<const VectorXd>&, const Ref<const VectorXd>&,
+                Ref<VectorXd> next) {
   next.setZero();
 }
 
@@ -40,9 +40,10 @@ Record Simulate(const ProcessModel& plant, const Controller& controller,
 }
 
 TEST(ClosedLoopTest, RecordHasTheShapeOfTheExperiment) {
-  const Record record = Simulate(
-      MixedModel(), Idle, {.steps = {{.output = 1, .time = 5.0, .value = 3.0}}},
-      {.duration = 10.0});
+  const Record record =
+      Simulate(MixedModel(), LeaveAlone,
+               {.steps = {{.output = 1, .time = 5.0, .value = 3.0}}},
+               {.duration = 10.0});
   EXPECT_TRUE(record.Validate().ok());
   EXPECT_EQ(record.samples(), 51);
   EXPECT_EQ(record.num_inputs(), 3);
@@ -137,12 +138,12 @@ TEST(ClosedLoopTest, OutputsAreTheResponseToTheRecordedInputsPlusWhiteNoise) {
 
 TEST(ClosedLoopTest, SeedAndStreamDecideTheNoise) {
   ClosedLoopOptions options{.duration = 20.0, .seed = 3, .stream = 1};
-  const MatrixXd y = Simulate(MixedModel(), Idle, {}, options).outputs;
-  EXPECT_EQ(y, Simulate(MixedModel(), Idle, {}, options).outputs);
+  const MatrixXd y = Simulate(MixedModel(), LeaveAlone, {}, options).outputs;
+  EXPECT_EQ(y, Simulate(MixedModel(), LeaveAlone, {}, options).outputs);
   options.stream = 2;
-  EXPECT_NE(y, Simulate(MixedModel(), Idle, {}, options).outputs);
+  EXPECT_NE(y, Simulate(MixedModel(), LeaveAlone, {}, options).outputs);
   options = {.duration = 20.0, .seed = 4, .stream = 1};
-  EXPECT_NE(y, Simulate(MixedModel(), Idle, {}, options).outputs);
+  EXPECT_NE(y, Simulate(MixedModel(), LeaveAlone, {}, options).outputs);
 }
 
 TEST(ClosedLoopTest, LongerRunBeginsAsTheShorterOne) {
@@ -229,7 +230,8 @@ TEST(ClosedLoopTest, ArgumentsAreChecked) {
   const auto message = [](const ClosedLoopOptions& options,
                           const SetPointProfile& set_points) {
     const absl::Status status =
-        SimulateClosedLoop(MixedModel(), Idle, set_points, options).status();
+        SimulateClosedLoop(MixedModel(), LeaveAlone, set_points, options)
+            .status();
     EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
     return std::string(status.message());
   };

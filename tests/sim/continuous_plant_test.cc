@@ -30,8 +30,8 @@ ContinuousSystem Scalar(
   return system;
 }
 
-ContinuousPlant Make(const ContinuousSystem& system,
-                     const ContinuousPlantOptions& options = {}) {
+ContinuousPlant MakeContinuous(const ContinuousSystem& system,
+                               const ContinuousPlantOptions& options = {}) {
   absl::StatusOr<ContinuousPlant> plant =
       ContinuousPlant::Create(system, options);
   EXPECT_TRUE(plant.ok()) << plant.status();
@@ -40,7 +40,7 @@ ContinuousPlant Make(const ContinuousSystem& system,
 
 // ẋ = −(1 + sin t) x, x(0) = 1: x = exp(−t − 1 + cos t).
 TEST(ContinuousPlantTest, CoefficientsMayVarySmoothly) {
-  ContinuousPlant plant = Make(Scalar(
+  ContinuousPlant plant = MakeContinuous(Scalar(
       [](double t, double x, double) { return -(1.0 + std::sin(t)) * x; }));
   for (int k = 1; k <= 50; ++k) {
     plant.Advance(One(0.0));
@@ -56,7 +56,7 @@ TEST(ContinuousPlantTest, ConvergesWithOrderFour) {
     ContinuousSystem system = Scalar(
         [](double t, double x, double) { return -(1.0 + std::sin(t)) * x; });
     system.largest_step = step;
-    ContinuousPlant plant = Make(system);
+    ContinuousPlant plant = MakeContinuous(system);
     for (int k = 0; k < 20; ++k) plant.Advance(One(0.0));
     return std::abs(plant.outputs()[0] - std::exp(-5.0 + std::cos(4.0)));
   };
@@ -71,7 +71,7 @@ TEST(ContinuousPlantTest, NoStepCrossesABreak) {
   ContinuousSystem system = Scalar(
       [jump](double t, double x, double) { return t < jump ? -x : -0.25 * x; });
   system.breaks = {jump};
-  ContinuousPlant plant = Make(system);
+  ContinuousPlant plant = MakeContinuous(system);
   for (int k = 0; k < 20; ++k) plant.Advance(One(0.0));
   EXPECT_NEAR(plant.outputs()[0],
               std::exp(-jump) * std::exp(-0.25 * (4.0 - jump)), 1e-9);
@@ -83,7 +83,7 @@ TEST(ContinuousPlantTest, ABreakOnASampleActsFromThereOn) {
   ContinuousSystem system = Scalar(
       [jump](double t, double x, double) { return t < jump ? -x : -0.25 * x; });
   system.breaks = {jump};
-  ContinuousPlant plant = Make(system);
+  ContinuousPlant plant = MakeContinuous(system);
   for (int k = 0; k < 10; ++k) plant.Advance(One(0.0));
   EXPECT_NEAR(plant.outputs()[0],
               std::exp(-jump) * std::exp(-0.25 * (2.0 - jump)), 1e-9);
@@ -91,8 +91,8 @@ TEST(ContinuousPlantTest, ABreakOnASampleActsFromThereOn) {
 
 TEST(ContinuousPlantTest, StartTimeShiftsTheClock) {
   ContinuousPlant plant =
-      Make(Scalar([](double t, double, double) { return 2.0 * t; }),
-           {.sample_time = 0.5, .start_time = 100.0});
+      MakeContinuous(Scalar([](double t, double, double) { return 2.0 * t; }),
+                     {.sample_time = 0.5, .start_time = 100.0});
   plant.Advance(One(0.0));
   plant.Advance(One(0.0));
   EXPECT_EQ(plant.time(), 101.0);
@@ -106,7 +106,7 @@ TEST(ContinuousPlantTest, InputsAndOutputsAreDeviations) {
   system.initial_state = One(4.0);
   system.input_origin = One(1.0);
   system.output_origin = One(4.0);
-  ContinuousPlant plant = Make(system);
+  ContinuousPlant plant = MakeContinuous(system);
   EXPECT_EQ(plant.outputs()[0], 0.0);
   for (int k = 0; k < 100; ++k) plant.Advance(One(0.0));
   EXPECT_NEAR(plant.outputs()[0], 0.0, 1e-13);
@@ -124,7 +124,7 @@ TEST(ContinuousPlantTest, AnInputMayActThroughSeveralDeadTimes) {
   absl::StatusOr<ContinuousSystem> system =
       MakeLinearSystem(c, 1, {{0, Schedule(0.0)}, {0, Schedule(1.3)}});
   ASSERT_TRUE(system.ok()) << system.status();
-  ContinuousPlant plant = Make(*system);
+  ContinuousPlant plant = MakeContinuous(*system);
   for (int k = 1; k <= 40; ++k) {
     plant.Advance(One(1.0));
     const double t = 0.2 * k;
@@ -137,7 +137,7 @@ TEST(ContinuousPlantTest, AnInputMayActThroughSeveralDeadTimes) {
 // ẋ = x² ends in finite time.
 TEST(ContinuousPlantTest, APlantThatBlowsUpIsNotFinite) {
   ContinuousPlant plant =
-      Make(Scalar([](double, double x, double) { return x * x; }));
+      MakeContinuous(Scalar([](double, double x, double) { return x * x; }));
   for (int k = 0; k < 20; ++k) plant.Advance(One(0.0));
   EXPECT_FALSE(plant.outputs().allFinite());
 }

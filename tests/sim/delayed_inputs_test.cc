@@ -11,16 +11,16 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr double kSampleTime = 0.5;
+constexpr double kInputSampleTime = 0.5;
 
-DelayedInputs Make(const Schedule& delay) {
+DelayedInputs MakeDelayed(const Schedule& delay) {
   absl::StatusOr<DelayedInputs> inputs =
-      DelayedInputs::Create(1, {{0, delay}}, kSampleTime);
+      DelayedInputs::Create(1, {{0, delay}}, kInputSampleTime);
   EXPECT_TRUE(inputs.ok()) << inputs.status();
   return *std::move(inputs);
 }
 
-Schedule Points(std::vector<Schedule::Point> points) {
+Schedule DelayAt(std::vector<Schedule::Point> points) {
   return *Schedule::Create(std::move(points));
 }
 
@@ -29,17 +29,17 @@ Schedule Points(std::vector<Schedule::Point> points) {
 void ForEachPiece(
     const Schedule& delay, int samples,
     const std::function<void(double from, double to, double w)>& visit) {
-  DelayedInputs inputs = Make(delay);
+  DelayedInputs inputs = MakeDelayed(delay);
   for (int k = 0; k < samples; ++k) {
-    const double time = k * kSampleTime;
+    const double time = k * kInputSampleTime;
     inputs.Hold(time, Eigen::VectorXd::Constant(1, k + 1.0));
     const auto& events = inputs.events();
     ASSERT_FALSE(events.empty());
     ASSERT_EQ(events[0].at, 0.0);
     for (std::size_t e = 0; e < events.size(); ++e) {
       const double end = e + 1 < events.size() ? events[e + 1].at : 1.0;
-      visit(time + events[e].at * kSampleTime, time + end * kSampleTime,
-            inputs.Value(events[e]));
+      visit(time + events[e].at * kInputSampleTime,
+            time + end * kInputSampleTime, inputs.Value(events[e]));
     }
   }
 }
@@ -50,7 +50,7 @@ void ExpectDelayedBy(const Schedule& delay) {
     if (to - from < 1e-6) return;
     for (const double part : {1e-6, 0.5, 1.0 - 1e-6}) {
       const double t = from + part * (to - from);
-      const double sent = (t - delay.At(t)) / kSampleTime;
+      const double sent = (t - delay.At(t)) / kInputSampleTime;
       EXPECT_EQ(w, std::max(0.0, std::floor(sent) + 1.0)) << "at " << t;
     }
   });
@@ -63,11 +63,11 @@ TEST(DelayedInputsTest, ConstantDeadTimesOnAndOffTheGrid) {
 }
 
 TEST(DelayedInputsTest, DeadTimesThatGrowShrinkAndJump) {
-  ExpectDelayedBy(Points({{3.1, 1.3}, {60.0, 9.0}}));
-  ExpectDelayedBy(Points({{0.0, 20.0}, {40.05, 0.1}}));
-  ExpectDelayedBy(Points({{0.0, 2.0}, {17.3, 2.0}, {17.3, 6.2}}));
-  ExpectDelayedBy(Points({{0.0, 2.0}, {17.3, 2.0}, {17.3, 0.3}}));
-  ExpectDelayedBy(Points(
+  ExpectDelayedBy(DelayAt({{3.1, 1.3}, {60.0, 9.0}}));
+  ExpectDelayedBy(DelayAt({{0.0, 20.0}, {40.05, 0.1}}));
+  ExpectDelayedBy(DelayAt({{0.0, 2.0}, {17.3, 2.0}, {17.3, 6.2}}));
+  ExpectDelayedBy(DelayAt({{0.0, 2.0}, {17.3, 2.0}, {17.3, 0.3}}));
+  ExpectDelayedBy(DelayAt(
       {{0.0, 2.0}, {10.1, 4.0}, {10.2, 4.0}, {10.3, 3.0}, {30.0, 12.0}}));
 }
 
@@ -77,12 +77,12 @@ TEST(DelayedInputsTest, ChangingDeadTimeStretchesTheInput) {
   for (const double rate : {0.25, -0.5}) {
     const double start = rate > 0.0 ? 1.0 : 40.0;
     Eigen::VectorXd seen = Eigen::VectorXd::Zero(101);
-    ForEachPiece(Points({{0.0, start}, {50.0, start + 50.0 * rate}}), 100,
+    ForEachPiece(DelayAt({{0.0, start}, {50.0, start + 50.0 * rate}}), 100,
                  [&](double from, double to, double w) {
                    seen[static_cast<int>(w)] += to - from;
                  });
     for (int k = 2; k < 10; ++k) {
-      EXPECT_NEAR(seen[k], kSampleTime / (1.0 - rate), 1e-12)
+      EXPECT_NEAR(seen[k], kInputSampleTime / (1.0 - rate), 1e-12)
           << "rate " << rate << ", sample " << k;
     }
   }
@@ -91,12 +91,12 @@ TEST(DelayedInputsTest, ChangingDeadTimeStretchesTheInput) {
 TEST(DelayedInputsTest, PathsAreChecked) {
   const auto message = [](const InputPath& path) {
     return std::string(
-        DelayedInputs::Create(2, {path}, kSampleTime).status().message());
+        DelayedInputs::Create(2, {path}, kInputSampleTime).status().message());
   };
   EXPECT_THAT(message({2, Schedule(0.0)}), HasSubstr("input = 2"));
   EXPECT_THAT(message({0, Schedule(-1.0)}), HasSubstr("must not be negative"));
   EXPECT_THAT(message({0, Schedule(1e9)}), HasSubstr("longer sample time"));
-  EXPECT_THAT(message({0, Points({{0.0, 0.0}, {1.0, 1.0}})}),
+  EXPECT_THAT(message({0, DelayAt({{0.0, 0.0}, {1.0, 1.0}})}),
               HasSubstr("slower than time itself"));
 }
 

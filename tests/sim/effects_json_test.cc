@@ -10,12 +10,12 @@ namespace {
 using ::mle::testing::MixedModel;
 using ::testing::HasSubstr;
 
-absl::StatusOr<Effects> Parse(const std::string& json) {
+absl::StatusOr<Effects> ParseEffectsOf(const std::string& json) {
   return ParseEffects(json, "effects.json", MixedModel());
 }
 
 TEST(EffectsJsonTest, EveryEffectComesToItsChannel) {
-  const absl::StatusOr<Effects> effects = Parse(R"({
+  const absl::StatusOr<Effects> effects = ParseEffectsOf(R"({
     "outputs": [
       {"name": "y2",
        "arma": {"poles": [0.9, [0.5, 0.2]], "zeros": [0.3], "variance": 0.01},
@@ -101,7 +101,7 @@ TEST(EffectsJsonTest, EveryEffectComesToItsChannel) {
 }
 
 TEST(EffectsJsonTest, AnEmptyFileHasNoEffects) {
-  const absl::StatusOr<Effects> effects = Parse("{}");
+  const absl::StatusOr<Effects> effects = ParseEffectsOf("{}");
   ASSERT_TRUE(effects.ok());
   PlantConditions conditions;
   effects->AddTo(conditions);
@@ -110,7 +110,7 @@ TEST(EffectsJsonTest, AnEmptyFileHasNoEffects) {
 
 TEST(EffectsJsonTest, MistakesAreNamed) {
   const auto message = [](const std::string& json) {
-    const absl::Status status = Parse(json).status();
+    const absl::Status status = ParseEffectsOf(json).status();
     EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << json;
     return std::string(status.message());
   };

@@ -18,8 +18,9 @@ using ::mle::testing::MixedModel;
 using ::mle::testing::SecondOrder;
 using ::mle::testing::SingleLoop;
 
-void Idle(const Eigen::Ref<const VectorXd>&, const Eigen::Ref<const VectorXd>&,
-          Eigen::Ref<VectorXd> next) {
+void AskForNothing(const Eigen::Ref<const VectorXd>&,
+                   const Eigen::Ref<const VectorXd>&,
+                   Eigen::Ref<VectorXd> next) {
   next.setZero();
 }
 
@@ -29,10 +30,11 @@ void Push(const Eigen::Ref<const VectorXd>&, const Eigen::Ref<const VectorXd>&,
   next.setOnes();
 }
 
-Record Simulate(const ProcessModel& model, const Controller& controller,
-                const PlantConditions& conditions,
-                const ClosedLoopOptions& options = {.duration = 40.0,
-                                                    .noise_variance = 0.0}) {
+Record SimulateWithEffects(const ProcessModel& model,
+                           const Controller& controller,
+                           const PlantConditions& conditions,
+                           const ClosedLoopOptions& options = {
+                               .duration = 40.0, .noise_variance = 0.0}) {
   absl::StatusOr<Record> record =
       SimulateClosedLoop(model, controller, {}, options, conditions);
   EXPECT_TRUE(record.ok()) << record.status();
@@ -41,13 +43,14 @@ Record Simulate(const ProcessModel& model, const Controller& controller,
 
 // Inputs act from the first control instant, 1.0, on.
 TEST(EffectsTest, ALoadActsAsTheInputAndIsNotRecorded) {
-  const Record pushed = Simulate(MixedModel(), Push, {});
+  const Record pushed = SimulateWithEffects(MixedModel(), Push, {});
   PlantConditions conditions;
   for (int j = 0; j < 3; ++j) {
     conditions.loads.push_back(
         {.input = j, .steps = {{.time = 1.0, .size = 1.0}}});
   }
-  const Record loaded = Simulate(MixedModel(), Idle, conditions);
+  const Record loaded =
+      SimulateWithEffects(MixedModel(), AskForNothing, conditions);
   EXPECT_LE((loaded.outputs - pushed.outputs).norm(), 1e-12);
   EXPECT_GT(pushed.outputs.norm(), 1.0);
   EXPECT_EQ(loaded.inputs.norm(), 0.0);
@@ -58,8 +61,9 @@ TEST(EffectsTest, ALoadHasItsVarianceAndCorrelation) {
   const ProcessModel plant = SingleLoop(TransferFunction({0.5}, {1.0}, 0.0));
   PlantConditions conditions;
   conditions.loads = {{.input = 0, .variance = 0.3, .time_constant = 2.0}};
-  const Record record = Simulate(plant, Idle, conditions,
-                                 {.duration = 40000.0, .noise_variance = 0.0});
+  const Record record =
+      SimulateWithEffects(plant, AskForNothing, conditions,
+                          {.duration = 40000.0, .noise_variance = 0.0});
   const Eigen::Index n = record.outputs.cols() - 1;
   const double variance = record.outputs.squaredNorm() / static_cast<double>(n);
   EXPECT_NEAR(variance / (0.25 * 0.3), 1.0, 0.06);
@@ -73,15 +77,15 @@ TEST(EffectsTest, AnActuatorStandsBetweenTheRecordAndThePlant) {
   PlantConditions conditions;
   conditions.actuators = {{.input = 0, .stiction = 0.5},
                           {.input = 2, .stiction = 3.0}};
-  const Record stuck = Simulate(MixedModel(), Push, conditions);
-  const Record free = Simulate(MixedModel(), Push, {});
+  const Record stuck = SimulateWithEffects(MixedModel(), Push, conditions);
+  const Record free = SimulateWithEffects(MixedModel(), Push, {});
   EXPECT_EQ(stuck.inputs, free.inputs);
   // By linearity: 0.75 of the first input, all of the second, none of the
   // third.
   const auto alone = [](int input, double size) {
     PlantConditions load;
     load.loads = {{.input = input, .steps = {{.time = 1.0, .size = size}}}};
-    return Simulate(MixedModel(), Idle, load).outputs;
+    return SimulateWithEffects(MixedModel(), AskForNothing, load).outputs;
   };
   EXPECT_LE((stuck.outputs - alone(0, 0.75) - alone(1, 1.0)).norm(), 1e-12);
 }
@@ -94,10 +98,12 @@ TEST(EffectsTest, ASensorLagIsAPole) {
   const ProcessModel both = SingleLoop(SecondOrder(2.0, 0.0, 3.0, 1.5, 0.6));
   PlantConditions conditions;
   conditions.sensors = {{.output = 0, .lag = 1.5}};
-  const MatrixXd lagged = Simulate(plant, Push, conditions).outputs;
-  const MatrixXd exact = Simulate(both, Push, {}).outputs;
+  const MatrixXd lagged = SimulateWithEffects(plant, Push, conditions).outputs;
+  const MatrixXd exact = SimulateWithEffects(both, Push, {}).outputs;
   EXPECT_LE((lagged - exact).cwiseAbs().maxCoeff(), 1e-3);
-  EXPECT_GT((Simulate(plant, Push, {}).outputs - exact).cwiseAbs().maxCoeff(),
+  EXPECT_GT((SimulateWithEffects(plant, Push, {}).outputs - exact)
+                .cwiseAbs()
+                .maxCoeff(),
             0.1);
 }
 
@@ -105,9 +111,10 @@ TEST(EffectsTest, ASensorLagIsAPole) {
 TEST(EffectsTest, ASensorHasWhiteNoise) {
   PlantConditions conditions;
   conditions.sensors = {{.output = 1, .lag = 5.0, .noise_variance = 0.09}};
-  const MatrixXd outputs = Simulate(EmptyModel(2, 1), Idle, conditions,
-                                    {.duration = 4000.0, .noise_variance = 0.0})
-                               .outputs;
+  const MatrixXd outputs =
+      SimulateWithEffects(EmptyModel(2, 1), AskForNothing, conditions,
+                          {.duration = 4000.0, .noise_variance = 0.0})
+          .outputs;
   EXPECT_EQ(outputs.row(0).norm(), 0.0);
   const Eigen::Index n = outputs.cols() - 1;
   const double variance = outputs.row(1).squaredNorm() / static_cast<double>(n);
@@ -122,7 +129,8 @@ TEST(EffectsTest, ASineAndAStepAreAddedToTheirOutput) {
   conditions.output_disturbance.sines = {
       {.output = 0, .amplitude = 0.5, .period = 8.0, .phase = 0.3}};
   conditions.output_disturbance.steps = {{1, {.time = 10.0, .size = 0.4}}};
-  const Record record = Simulate(EmptyModel(2, 1), Idle, conditions);
+  const Record record =
+      SimulateWithEffects(EmptyModel(2, 1), AskForNothing, conditions);
   for (int k = 0; k < record.samples(); ++k) {
     ASSERT_NEAR(
         record.outputs(0, k),
@@ -139,7 +147,8 @@ TEST(EffectsTest, PhasesAreDrawn) {
     conditions.output_disturbance.sines = {
         {.output = 0, .amplitude = amplitude, .period = 8.0},
         {.output = 1, .amplitude = amplitude, .period = 8.0}};
-    return Simulate(EmptyModel(2, 1), Idle, conditions).outputs;
+    return SimulateWithEffects(EmptyModel(2, 1), AskForNothing, conditions)
+        .outputs;
   };
   const MatrixXd one = sines(1.0);
   EXPECT_LE((sines(3.0) - 3.0 * one).norm(), 1e-12);
@@ -148,15 +157,18 @@ TEST(EffectsTest, PhasesAreDrawn) {
 
 TEST(EffectsTest, ARandomKindLeavesTheOthersAsTheyWere) {
   const ClosedLoopOptions options{.duration = 40.0};
-  const MatrixXd noise = Simulate(EmptyModel(2, 1), Idle, {}, options).outputs;
+  const MatrixXd noise =
+      SimulateWithEffects(EmptyModel(2, 1), AskForNothing, {}, options).outputs;
   PlantConditions conditions;
   conditions.output_disturbance.arma = {
       {1, {.poles = {0.9}, .zeros = {}, .variance = 1.0}}};
   conditions.loads = {{.input = 0, .variance = 1.0}};
   const MatrixXd both =
-      Simulate(EmptyModel(2, 1), Idle, conditions, options).outputs;
+      SimulateWithEffects(EmptyModel(2, 1), AskForNothing, conditions, options)
+          .outputs;
   EXPECT_EQ(both.row(0), noise.row(0));
-  const MatrixXd alone = Simulate(EmptyModel(2, 1), Idle, conditions).outputs;
+  const MatrixXd alone =
+      SimulateWithEffects(EmptyModel(2, 1), AskForNothing, conditions).outputs;
   EXPECT_LE((both - noise - alone).norm(), 1e-12);
   EXPECT_GT(alone.row(1).norm(), 1.0);
 }

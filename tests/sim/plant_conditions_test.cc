@@ -25,9 +25,9 @@ void Idle(const Eigen::Ref<const VectorXd>&, const Eigen::Ref<const VectorXd>&,
   next.setZero();
 }
 
-Record Simulate(const ProcessModel& model, const Controller& controller,
-                const ClosedLoopOptions& options,
-                const PlantConditions& conditions) {
+Record SimulateUnder(const ProcessModel& model, const Controller& controller,
+                     const ClosedLoopOptions& options,
+                     const PlantConditions& conditions) {
   absl::StatusOr<Record> record =
       SimulateClosedLoop(model, controller, {}, options, conditions);
   EXPECT_TRUE(record.ok()) << record.status();
@@ -37,7 +37,7 @@ Record Simulate(const ProcessModel& model, const Controller& controller,
 // The outputs of an idle plant of two outputs.
 MatrixXd Outputs(const PlantConditions& conditions,
                  const ClosedLoopOptions& options = {}) {
-  return Simulate(EmptyModel(2, 1), Idle, options, conditions).outputs;
+  return SimulateUnder(EmptyModel(2, 1), Idle, options, conditions).outputs;
 }
 
 PlantConditions Coloured(double variance, double time_constant = 10.0) {
@@ -141,8 +141,8 @@ TEST(InputDisturbanceTest, ActsOnThePlantAndIsShownToTheController) {
     next[1] = 77.0;  // Not the controller's to move.
   };
   const Record record =
-      Simulate(WithDisturbance(), controller,
-               {.duration = 40.0, .noise_variance = 0.0}, conditions);
+      SimulateUnder(WithDisturbance(), controller,
+                    {.duration = 40.0, .noise_variance = 0.0}, conditions);
   for (int k = 0; k < record.samples(); ++k) {
     const double t = record.time(k);
     const double d = t < 10.0 - 1e-9 ? 0.0 : t < 20.1 ? 3.0 : -1.0;
@@ -163,7 +163,7 @@ TEST(InputDisturbanceTest, NoiseIsDrawnForDisturbancesAlone) {
   conditions.input_disturbance.variance = Vector2d(5.0, 0.25);
   conditions.input_disturbance.time_constant = 1.0;
   const Record record =
-      Simulate(WithDisturbance(), Idle, {.duration = 20000.0}, conditions);
+      SimulateUnder(WithDisturbance(), Idle, {.duration = 20000.0}, conditions);
   EXPECT_EQ(record.inputs.row(0).norm(), 0.0);
   // About 10,000 independent values: a standard error of 1.4 %.
   EXPECT_NEAR(record.inputs.row(1).squaredNorm() / record.samples(), 0.25,
@@ -179,8 +179,8 @@ TEST(ValveLimitsTest, HoldWhateverTheControllerAsksFor) {
     next[0] = ++calls < 20 ? 10.0 : -10.0;
   };
   const Record record =
-      Simulate(WithDisturbance(), controller,
-               {.duration = 100.0, .noise_variance = 0.0}, conditions);
+      SimulateUnder(WithDisturbance(), controller,
+                    {.duration = 100.0, .noise_variance = 0.0}, conditions);
   EXPECT_EQ(record.inputs.row(0).maxCoeff(), 0.25);
   EXPECT_EQ(record.inputs.row(0).minCoeff(), -0.5);
   // What the plant settles at is what came through: 2 · (−0.5).
@@ -248,8 +248,8 @@ TEST(MeasurementFaultsTest, LostSamplesAreNanInTheRecordOnly) {
     next[0] = 0.5;
   };
   const ClosedLoopOptions options{.control_period = 0.2, .duration = 2000.0};
-  const Record record = Simulate(model, controller, options, conditions);
-  const Record clean = Simulate(
+  const Record record = SimulateUnder(model, controller, options, conditions);
+  const Record clean = SimulateUnder(
       model, [](const auto&, const auto&, auto next) { next[0] = 0.5; },
       options, {});
   int lost = 0;
@@ -280,7 +280,8 @@ TEST(MeasurementFaultsTest, FaultsMayBeTheHistoriansAlone) {
     worst = std::max(worst, std::abs(y[0]));
     next.setZero();
   };
-  const Record record = Simulate(WithDisturbance(), controller, {}, conditions);
+  const Record record =
+      SimulateUnder(WithDisturbance(), controller, {}, conditions);
   EXPECT_LT(worst, 1.0);
   EXPECT_TRUE(record.outputs.hasNaN());
 }

@@ -10,14 +10,15 @@ namespace {
 
 using ::testing::HasSubstr;
 
-Schedule Make(std::vector<Schedule::Point> points) {
+Schedule MakeSchedule(std::vector<Schedule::Point> points) {
   absl::StatusOr<Schedule> schedule = Schedule::Create(std::move(points));
   EXPECT_TRUE(schedule.ok()) << schedule.status();
   return *std::move(schedule);
 }
 
 TEST(ScheduleTest, InterpolatesBetweenPointsAndStaysOutside) {
-  const Schedule schedule = Make({{10.0, 1.0}, {20.0, 3.0}, {40.0, 2.0}});
+  const Schedule schedule =
+      MakeSchedule({{10.0, 1.0}, {20.0, 3.0}, {40.0, 2.0}});
   EXPECT_EQ(schedule.At(-5.0), 1.0);
   EXPECT_EQ(schedule.At(10.0), 1.0);
   EXPECT_EQ(schedule.At(15.0), 2.0);
@@ -29,7 +30,7 @@ TEST(ScheduleTest, InterpolatesBetweenPointsAndStaysOutside) {
 }
 
 TEST(ScheduleTest, TwoPointsAtOneTimeAreAStep) {
-  const Schedule schedule = Make({{0.0, 1.0}, {8.0, 1.0}, {8.0, 5.0}});
+  const Schedule schedule = MakeSchedule({{0.0, 1.0}, {8.0, 1.0}, {8.0, 5.0}});
   EXPECT_EQ(schedule.At(7.999), 1.0);
   EXPECT_EQ(schedule.At(8.0), 5.0);
   EXPECT_EQ(schedule.At(9.0), 5.0);
@@ -37,7 +38,7 @@ TEST(ScheduleTest, TwoPointsAtOneTimeAreAStep) {
 
 TEST(ScheduleTest, RangeAndSteepestRise) {
   const Schedule schedule =
-      Make({{0.0, 1.0}, {10.0, 6.0}, {10.0, 100.0}, {20.0, -4.0}});
+      MakeSchedule({{0.0, 1.0}, {10.0, 6.0}, {10.0, 100.0}, {20.0, -4.0}});
   EXPECT_EQ(schedule.Min(), -4.0);
   EXPECT_EQ(schedule.Max(), 100.0);
   EXPECT_EQ(schedule.MaxSlope(), 0.5);  // A step is no slope.

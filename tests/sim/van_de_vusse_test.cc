@@ -23,7 +23,8 @@ ContinuousSystem Reactor(const VanDeVusseOptions& options = {}) {
   return *std::move(system);
 }
 
-ContinuousPlant Make(const ContinuousSystem& system, double sample_time) {
+ContinuousPlant MakeReactor(const ContinuousSystem& system,
+                            double sample_time) {
   absl::StatusOr<ContinuousPlant> plant =
       ContinuousPlant::Create(system, {.sample_time = sample_time});
   EXPECT_TRUE(plant.ok()) << plant.status();
@@ -41,7 +42,7 @@ TEST(VanDeVusseTest, SteadyStateIsThePublishedOne) {
 
 TEST(VanDeVusseTest, StaysAtItsSteadyState) {
   for (const double feed : {5.0, 14.19, 25.0}) {
-    ContinuousPlant plant = Make(Reactor({.feed = feed}), 0.01);
+    ContinuousPlant plant = MakeReactor(Reactor({.feed = feed}), 0.01);
     for (int k = 0; k < 200; ++k) plant.Advance(Vector2d::Zero());
     // The steady state is solved for to rounding, and stable.
     EXPECT_LE(plant.outputs().cwiseAbs().maxCoeff(), 1e-9) << feed;
@@ -58,7 +59,7 @@ TEST(VanDeVusseTest, SteadyStateIsStable) {
 // Far from the steady state, against SciPy 1.10's DOP853 at tolerances of
 // 1e-13: the feed raised by 3 for 0.2 h, then the cooling by 500 for 0.3 h.
 TEST(VanDeVusseTest, LargeStepsAgreeWithAnEighthOrderIntegrator) {
-  ContinuousPlant plant = Make(Reactor(), 0.01);
+  ContinuousPlant plant = MakeReactor(Reactor(), 0.01);
   for (int k = 0; k < 20; ++k) plant.Advance(Vector2d(3.0, 0.0));
   const Vector4d after_feed(2.3613957533124275, 1.0847645390439327,
                             114.06961806209742, 112.77114522497854);
@@ -73,7 +74,7 @@ TEST(VanDeVusseTest, LargeStepsAgreeWithAnEighthOrderIntegrator) {
 // More feed makes more B at low feed, less at high feed.
 TEST(VanDeVusseTest, GainOfTheFeedTurnsItsSign) {
   const auto change = [](double feed) {
-    ContinuousPlant plant = Make(Reactor({.feed = feed}), 0.01);
+    ContinuousPlant plant = MakeReactor(Reactor({.feed = feed}), 0.01);
     for (int k = 0; k < 300; ++k) plant.Advance(Vector2d(0.1, 0.0));
     return plant.outputs()[0];
   };
@@ -87,7 +88,7 @@ TEST(VanDeVusseTest, AgesToTheSteadyStateOfSpentCatalyst) {
   absl::StatusOr<Schedule> activity =
       Schedule::Create({{0.0, 1.0}, {2.0, 0.9}});
   ASSERT_TRUE(activity.ok());
-  ContinuousPlant plant = Make(Reactor({.activity = *activity}), 0.01);
+  ContinuousPlant plant = MakeReactor(Reactor({.activity = *activity}), 0.01);
   for (int k = 0; k < 500; ++k) plant.Advance(Vector2d::Zero());
   const VectorXd spent = Reactor({.activity = Schedule(0.9)}).initial_state;
   EXPECT_LE((plant.state() - spent).cwiseAbs().maxCoeff(), 1e-8);
@@ -103,7 +104,7 @@ TEST(VanDeVusseTest, SmallStepsAreThoseOfItsProcessModel) {
   const auto distance = [&](const Vector2d& step) {
     const int samples = 101;
     const StepResponse linear = model->ComputeStepResponse(0.005, samples);
-    ContinuousPlant plant = Make(Reactor({.feed = 8.0}), 0.005);
+    ContinuousPlant plant = MakeReactor(Reactor({.feed = 8.0}), 0.005);
     double worst = 0.0;
     for (int k = 0; k < samples; ++k) {
       for (int i = 0; i < 2; ++i) {

@@ -9,6 +9,7 @@
 #include "gflags/gflags.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "mle/base/double_limits.h"
 #include "mle/base/status.h"
 
 namespace mle {
@@ -38,7 +39,6 @@ struct Settings {
 // gflags keeps flags for ever, so fields and table live as long.
 struct Bound {
   Bound() {
-    constexpr double kInfinity = std::numeric_limits<double>::infinity();
     table.Add("Shape",
               {{"draw", &settings.draw, "Draws."},
                {"order", &settings.order, "Order.", "samples", AtLeast(1)},

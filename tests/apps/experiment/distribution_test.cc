@@ -1,12 +1,12 @@
 #include "apps/experiment/distribution.h"
 
 #include <cmath>
-#include <limits>
 #include <random>
 #include <utility>
 #include <vector>
 
 #include "gtest/gtest.h"
+#include "mle/base/double_limits.h"
 
 namespace mle::experiment {
 namespace {
@@ -35,7 +35,6 @@ TEST(DescribeTest, NoneOneAndInfinite) {
   EXPECT_EQ(one.min, 7.0);
   EXPECT_EQ(one.max, 7.0);
   EXPECT_EQ(one.deviation, 0.0);
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const Distribution infinite = Describe({1.0, kInfinity, 2.0}, 0);
   EXPECT_EQ(infinite.mean, kInfinity);
   EXPECT_EQ(infinite.deviation, kInfinity);

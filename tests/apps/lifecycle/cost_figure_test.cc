@@ -1,17 +1,15 @@
-#include <limits>
 #include <string>
 
 #include "apps/lifecycle/figure_parts.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "mle/base/double_limits.h"
 
 namespace mle::lifecycle {
 namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 PolicySummary Costing(const std::string& name, const MeanOfSeeds& excess) {
   PolicySummary policy;
@@ -52,10 +50,10 @@ TEST(CostFigureTest, ShowsMeansAndIntervalsAboveTheFloor) {
 
 TEST(CostFigureTest, WithoutPerfectAndIntervalsCostsAreWhole) {
   RateSummary rate;
-  rate.policies = {Costing("never", {kNone, kNone}),
-                   Costing("output_error:1", {kNone, kNone})};
-  rate.policies[0].cost = {400.0, kNone};
-  rate.policies[1].cost = {kNone, kNone};  // Its loop diverged.
+  rate.policies = {Costing("never", {kNaN, kNaN}),
+                   Costing("output_error:1", {kNaN, kNaN})};
+  rate.policies[0].cost = {400.0, kNaN};
+  rate.policies[1].cost = {kNaN, kNaN};  // Its loop diverged.
   const report::NamedFigure named = CostFigure(rate, "");
   ASSERT_TRUE(named.figure.Validate().ok());
   const report::Panel& panel = named.figure.panels.front();

@@ -3,7 +3,6 @@
 #include "apps/lifecycle/headline.h"
 
 #include <cmath>
-#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -11,6 +10,7 @@
 #include "absl/strings/str_join.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "mle/base/double_limits.h"
 
 namespace mle::lifecycle {
 namespace {
@@ -19,11 +19,9 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::StartsWith;
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-
 // A policy with its cost, and with what it costs more than the cheapest.
-PolicySummary Costing(const std::string& policy, double cost,
-                      MeanOfSeeds over_cheapest) {
+PolicySummary CostingMore(const std::string& policy, double cost,
+                          MeanOfSeeds over_cheapest) {
   PolicySummary summary;
   summary.policy = ParsePolicies(policy)->front();
   summary.cost = {cost, 100.0};
@@ -43,11 +41,11 @@ RateSummary RateOf(std::vector<PolicySummary> policies, double rate = 1.0) {
 
 // Corrections save 600 a year, beyond chance; tests may be as good.
 RateSummary UpdatesPay() {
-  RateSummary rate = RateOf({Costing("never", 1000.0, {600.0, 50.0}),
-                             Costing("output_error:3", 400.0, {0.0, 0.0}),
-                             Costing("test:12", 450.0, {50.0, 80.0}),
-                             Costing("test:1", 5450.0, {5050.0, 80.0}),
-                             Costing("perfect", 100.0, {-300.0, 20.0})});
+  RateSummary rate = RateOf({CostingMore("never", 1000.0, {600.0, 50.0}),
+                             CostingMore("output_error:3", 400.0, {0.0, 0.0}),
+                             CostingMore("test:12", 450.0, {50.0, 80.0}),
+                             CostingMore("test:1", 5450.0, {5050.0, 80.0}),
+                             CostingMore("perfect", 100.0, {-300.0, 20.0})});
   rate.policies[1].saving.half_width = 50.0;
   return rate;
 }
@@ -82,8 +80,8 @@ TEST(HeadlineTest, AnUpdateThatPaysIsAnInstruction) {
 
 TEST(HeadlineTest, NeverMayBeCheapest) {
   const report::Verdict verdict =
-      Verdict({RateOf({Costing("never", 1000.0, {0.0, 0.0}),
-                       Costing("output_error:1", 1200.0, {200.0, 50.0})})});
+      Verdict({RateOf({CostingMore("never", 1000.0, {0.0, 0.0}),
+                       CostingMore("output_error:1", 1200.0, {200.0, 50.0})})});
   EXPECT_EQ(verdict.badge, report::Badge::kGood);
   EXPECT_THAT(verdict.headline, StartsWith("Leave the model as it is"));
   EXPECT_THAT(Text(verdict), Not(HasSubstr("saves")));
@@ -92,14 +90,14 @@ TEST(HeadlineTest, NeverMayBeCheapest) {
 // The model that costs the same is the one that is there.
 TEST(HeadlineTest, ATieKeepsTheModel) {
   const RateSummary rate =
-      RateOf({Costing("output_error:1", 1000.0, {0.0, 0.0}),
-              Costing("never", 1000.0, {0.0, 0.0})});
+      RateOf({CostingMore("output_error:1", 1000.0, {0.0, 0.0}),
+              CostingMore("never", 1000.0, {0.0, 0.0})});
   EXPECT_EQ(AnswerAt(rate), Answer::kKeep);
 }
 
 TEST(HeadlineTest, AnIntervalThatHoldsZeroCannotTell) {
-  RateSummary rate = RateOf({Costing("never", 1000.0, {100.0, 200.0}),
-                             Costing("output_error:1", 900.0, {0.0, 0.0})});
+  RateSummary rate = RateOf({CostingMore("never", 1000.0, {100.0, 200.0}),
+                             CostingMore("output_error:1", 900.0, {0.0, 0.0})});
   rate.policies[1].saving = {100.0, 200.0};
   const report::Verdict verdict = Verdict({rate});
   EXPECT_EQ(verdict.badge, report::Badge::kUnknown);
@@ -112,8 +110,8 @@ TEST(HeadlineTest, AnIntervalThatHoldsZeroCannotTell) {
 TEST(HeadlineTest, OneLifeCannotTell) {
   RateSummary rate = UpdatesPay();
   for (PolicySummary& policy : rate.policies) {
-    policy.cost.half_width = policy.over_cheapest.half_width = kNone;
-    policy.saving.half_width = kNone;
+    policy.cost.half_width = policy.over_cheapest.half_width = kNaN;
+    policy.saving.half_width = kNaN;
   }
   const report::Verdict verdict = Verdict({rate}, 1);
   EXPECT_EQ(verdict.label, "cannot tell");
@@ -123,9 +121,9 @@ TEST(HeadlineTest, OneLifeCannotTell) {
 
 TEST(HeadlineTest, ALoopThatDivergesWithoutUpdatesAsksForThem) {
   RateSummary rate = UpdatesPay();
-  rate.policies[0].cost = rate.policies[0].over_cheapest = {kNone, kNone};
+  rate.policies[0].cost = rate.policies[0].over_cheapest = {kNaN, kNaN};
   rate.policies[0].ran_away = 2;
-  rate.policies[1].saving = {kNone, kNone};
+  rate.policies[1].saving = {kNaN, kNaN};
   const report::Verdict verdict = Verdict({rate});
   EXPECT_EQ(verdict.label, "update");
   EXPECT_THAT(Text(verdict), HasSubstr("diverged in 2 of 5 lives"));
@@ -133,28 +131,29 @@ TEST(HeadlineTest, ALoopThatDivergesWithoutUpdatesAsksForThem) {
 
 TEST(HeadlineTest, WhatWasNotComparedIsNotAnswered) {
   const RateSummary possible =
-      RateOf({Costing("never", 1000.0, {0.0, 0.0}),
-              Costing("perfect", 100.0, {-900.0, 20.0})});
+      RateOf({CostingMore("never", 1000.0, {0.0, 0.0}),
+              CostingMore("perfect", 100.0, {-900.0, 20.0})});
   EXPECT_EQ(AnswerAt(possible), Answer::kNoUpdates);
   EXPECT_THAT(Text(Verdict({possible})),
               HasSubstr("would save 900 ± 20.0 EUR"));
   const RateSummary without =
-      RateOf({Costing("output_error:1", 900.0, {0.0, 0.0}),
-              Costing("test:1", 1900.0, {1000.0, 10.0})});
+      RateOf({CostingMore("output_error:1", 900.0, {0.0, 0.0}),
+              CostingMore("test:1", 1900.0, {1000.0, 10.0})});
   EXPECT_EQ(AnswerAt(without), Answer::kNoNever);
   EXPECT_THAT(Text(Verdict({without})), HasSubstr("Add never"));
   RateSummary diverged = without;
   for (PolicySummary& policy : diverged.policies) {
-    policy.cost = {kNone, kNone};
+    policy.cost = {kNaN, kNaN};
     policy.ran_away = 1;
   }
   EXPECT_EQ(AnswerAt(diverged), Answer::kDiverged);
 }
 
 TEST(HeadlineTest, TheRateNearestToOneAnswersAndTheOthersFollow) {
-  RateSummary slow = RateOf({Costing("never", 1000.0, {0.0, 0.0}),
-                             Costing("output_error:3", 1200.0, {200.0, 50.0})},
-                            0.5);
+  RateSummary slow =
+      RateOf({CostingMore("never", 1000.0, {0.0, 0.0}),
+              CostingMore("output_error:3", 1200.0, {200.0, 50.0})},
+             0.5);
   const std::vector<RateSummary> summaries = {slow, UpdatesPay()};
   EXPECT_EQ(&NominalRate(summaries), &summaries[1]);
   const report::Verdict verdict = Verdict(summaries);

@@ -1,18 +1,16 @@
 #include "apps/lifecycle/saving_map.h"
 
 #include <cmath>
-#include <limits>
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "mle/base/double_limits.h"
 
 namespace mle::lifecycle {
 namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 PolicySummary Policy(const std::string& policies, double saving,
                      double half_width, int ran_away = 0) {
@@ -55,9 +53,9 @@ TEST(SavingMapTest, ShadesWhatPaysAndSaysWhatEachSaves) {
 }
 
 TEST(SavingMapTest, OneSeedHasNoIntervals) {
-  const RateSummary rate = Rate(1.0, {Policy("output_error", 500.0, kNone),
-                                      Policy("on_demand:0.7", kNone, kNone, 1),
-                                      Policy("perfect", kNone, kNone)});
+  const RateSummary rate = Rate(1.0, {Policy("output_error", 500.0, kNaN),
+                                      Policy("on_demand:0.7", kNaN, kNaN, 1),
+                                      Policy("perfect", kNaN, kNaN)});
   const report::NamedFigure map = SavingMap({&rate}, "");
   ASSERT_TRUE(map.figure.Validate().ok());
   const auto& cells = map.figure.panels.front().cells;

@@ -1,8 +1,7 @@
 #include "apps/lifecycle/sums.h"
 
-#include <limits>
-
 #include "gtest/gtest.h"
+#include "mle/base/double_limits.h"
 
 namespace mle::lifecycle {
 namespace {
@@ -52,7 +51,6 @@ TEST(SumsTest, PartsAddUpToTheWhole) {
 }
 
 TEST(SumsTest, WithoutLimitsThereIsNoViolation) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const MatrixXd outputs = 100.0 * MatrixXd::Random(2, 10);
   const Sums sums =
       SumsOf(outputs, MatrixXd::Zero(2, 10), MatrixXd::Zero(1, 10), 0, 10, 1.0,

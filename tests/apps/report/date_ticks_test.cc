@@ -28,8 +28,8 @@ double SecondsAt(int year, int month, int day, int hour = 0, int minute = 0,
       absl::UnixEpoch());
 }
 
-std::vector<std::string> Labels(double minutes, int wanted,
-                                const DateScale& dates) {
+std::vector<std::string> DateLabels(double minutes, int wanted,
+                                    const DateScale& dates) {
   std::vector<std::string> labels;
   for (const Tick& tick : DateTicks({0.0, minutes}, dates, wanted)) {
     labels.push_back(tick.label);
@@ -40,18 +40,18 @@ std::vector<std::string> Labels(double minutes, int wanted,
 TEST(DateTicks, Examples) {
   const DateScale dates{.origin = SecondsAt(2024, 3, 4, 6),
                         .seconds_per_unit = 60.0};
-  EXPECT_THAT(Labels(1200.0, 5, dates),
+  EXPECT_THAT(DateLabels(1200.0, 5, dates),
               ElementsAre("06:00", "12:00", "18:00", "5 Mar"));
-  EXPECT_THAT(Labels(0.5, 5, dates),
+  EXPECT_THAT(DateLabels(0.5, 5, dates),
               ElementsAre("06:00:00", "06:00:10", "06:00:20", "06:00:30"));
-  EXPECT_THAT(Labels(30.0 * 24.0 * 60.0, 5, dates),
+  EXPECT_THAT(DateLabels(30.0 * 24.0 * 60.0, 5, dates),
               ElementsAre("11 Mar", "18 Mar", "25 Mar", "1 Apr"));
-  EXPECT_THAT(Labels(365.0 * 24.0 * 60.0, 5, dates),
+  EXPECT_THAT(DateLabels(365.0 * 24.0 * 60.0, 5, dates),
               ElementsAre("Apr 2024", "Jul 2024", "Oct 2024", "Jan 2025"));
-  EXPECT_THAT(Labels(365.0 * 24.0 * 60.0 * 8.0, 5, dates),
+  EXPECT_THAT(DateLabels(365.0 * 24.0 * 60.0 * 8.0, 5, dates),
               ElementsAre("2026", "2028", "2030", "2032"));
   // No two whole seconds: numbers.
-  EXPECT_THAT(Labels(0.02, 2, dates), ElementsAre("0.00", "0.01", "0.02"));
+  EXPECT_THAT(DateLabels(0.02, 2, dates), ElementsAre("0.00", "0.01", "0.02"));
 }
 
 // Midnight stays midnight when clocks change; the hour left out has no tick.

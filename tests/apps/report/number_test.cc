@@ -3,12 +3,10 @@
 #include <limits>
 
 #include "gtest/gtest.h"
+#include "mle/base/double_limits.h"
 
 namespace mle::report {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 TEST(FormatHalfWidth, StandsBelowTheDigitsOfItsValue) {
   EXPECT_EQ(FormatHalfWidth(3.84e-4), "0.00038");

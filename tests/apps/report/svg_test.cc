@@ -10,6 +10,7 @@
 #include "apps/report/text.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "mle/base/double_limits.h"
 #include "tests/apps/report/markup.h"
 #include "tests/apps/report/shown_figures.h"
 
@@ -26,8 +27,6 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Le;
 using ::testing::Not;
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 std::string File(const Figure& figure) {
   const auto svg = SvgFile(figure, "A title", "What is seen");
@@ -49,7 +48,7 @@ Figure WithSeries(const Series& series, bool log = false) {
   return figure;
 }
 
-Figure Example() {
+Figure ExampleFigure() {
   Figure figure{.width_cm = 17.0, .height_cm = 6.0, .columns = 2};
   for (const char* name : {"gain", "delay"}) {
     Panel& panel = figure.AddPanel(name);
@@ -83,7 +82,7 @@ TEST(SvgPath, CoordinatesAreShort) {
 }
 
 TEST(SvgTest, IsWellFormedAndHasEveryLabel) {
-  const Markup markup = ParseMarkup(File(Example()));
+  const Markup markup = ParseMarkup(File(ExampleFigure()));
   ASSERT_EQ(markup.error, "");
   const auto& root = markup.elements[0].attributes;
   EXPECT_EQ(markup.elements[0].name, "svg");
@@ -100,13 +99,14 @@ TEST(SvgTest, IsWellFormedAndHasEveryLabel) {
 }
 
 TEST(SvgTest, SameFigureSameBytes) {
-  EXPECT_EQ(File(Example()), File(Example()));
-  EXPECT_EQ(*SvgElement(Example(), "x"), *SvgElement(Example(), "x"));
+  EXPECT_EQ(File(ExampleFigure()), File(ExampleFigure()));
+  EXPECT_EQ(*SvgElement(ExampleFigure(), "x"),
+            *SvgElement(ExampleFigure(), "x"));
 }
 
 TEST(SvgTest, NothingInItIsSharedOrActive) {
   for (const std::string& svg :
-       {File(Example()), *SvgElement(Example(), "What is seen")}) {
+       {File(ExampleFigure()), *SvgElement(ExampleFigure(), "What is seen")}) {
     const Markup markup = ParseMarkup(svg);
     EXPECT_THAT(markup.Values("id"), IsEmpty());
     EXPECT_THAT(markup.Values("href"), IsEmpty());
@@ -118,7 +118,8 @@ TEST(SvgTest, NothingInItIsSharedOrActive) {
 }
 
 TEST(SvgTest, AnElementOfAPageSaysWhatIsSeenAndFollowsItsWidth) {
-  const Markup markup = ParseMarkup(*SvgElement(Example(), "a \"b\" <c>"));
+  const Markup markup =
+      ParseMarkup(*SvgElement(ExampleFigure(), "a \"b\" <c>"));
   ASSERT_EQ(markup.error, "");
   const auto& root = markup.elements[0].attributes;
   EXPECT_EQ(root.at("aria-label"), "a \"b\" <c>");
@@ -271,12 +272,12 @@ TEST(SvgTest, AStretchFromZeroBeginsAtTheEndOfALogarithmicAxis) {
 }
 
 TEST(SvgTest, LegendHasEachLabelOnce) {
-  const ShownFigure shown = Shown(Example());
+  const ShownFigure shown = Shown(ExampleFigure());
   for (const char* label : {"corrected", "initial", "chosen λ", "best λ"}) {
     EXPECT_THAT(shown.texts, Contains(label).Times(1));
   }
-  EXPECT_EQ(CountOf(File(Example()), "class=\"sample "), 4);
-  Figure without = Example();
+  EXPECT_EQ(CountOf(File(ExampleFigure()), "class=\"sample "), 4);
+  Figure without = ExampleFigure();
   without.legend = false;
   EXPECT_EQ(CountOf(File(without), "class=\"sample "), 0);
 }

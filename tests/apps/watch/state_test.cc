@@ -20,7 +20,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::SizeIs;
 
-StoredBatch AnyBatch(int number) {
+StoredBatch BatchOfState(int number) {
   StoredBatch stored;
   stored.batch.number = number;
   stored.batch.score = Eigen::VectorXd{{1.0, 2.0, 3.0}};
@@ -119,7 +119,7 @@ class StateTest : public ::testing::TestWithParam<bool> {
     watch.days[20001] = {std::string("\0\1", 2), BatchState::kUsed, ""};
     watch.days[20002] = {"x", BatchState::kCannotTell, "It is disturbed."};
     watch.outputs.resize(2);
-    watch.outputs[1][1] = AnyBatch(1);
+    watch.outputs[1][1] = BatchOfState(1);
     watch.alarms.push_back(
         {.id = "id", .output = 1, .day = 20002, .text = "aged"});
     watch.proposals.push_back({.day = 20002,
@@ -152,7 +152,7 @@ TEST_P(StateTest, AWatchIsReadBackAsItWasSaved) {
   EXPECT_EQ(read.last_day(), 20002);
   ASSERT_THAT(read.outputs, SizeIs(2));
   EXPECT_THAT(read.outputs[0], SizeIs(0));
-  EXPECT_EQ(read.outputs[1].at(1).batch.score, AnyBatch(1).batch.score);
+  EXPECT_EQ(read.outputs[1].at(1).batch.score, BatchOfState(1).batch.score);
   ASSERT_THAT(read.alarms, SizeIs(1));
   EXPECT_EQ(read.alarms[0].text, "aged");
   EXPECT_THAT(read.alarms[0].deliveries, SizeIs(0));
@@ -180,7 +180,7 @@ TEST_P(StateTest, WhatIsGoneIsRemovedAndWhatHasChangedReplaced) {
   Watch watch = FullWatch();
   ASSERT_TRUE(state.Save(watch).ok());
   watch.outputs[1].clear();
-  watch.outputs[1][8] = AnyBatch(8);
+  watch.outputs[1][8] = BatchOfState(8);
   watch.outputs[1][8].batch.length = 8;
   watch.days[20002].state = BatchState::kUsed;
   ASSERT_TRUE(state.Save(watch).ok());

@@ -1,14 +1,10 @@
 #include "mle/base/number_range.h"
 
-#include <limits>
-
 #include "gtest/gtest.h"
+#include "mle/base/double_limits.h"
 
 namespace mle {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 TEST(NumberRangeTest, BoundsAreInclusiveUnlessOpen) {
   EXPECT_TRUE(Between(0.0, 1.0).Contains(0.0));
@@ -20,13 +16,13 @@ TEST(NumberRangeTest, BoundsAreInclusiveUnlessOpen) {
 }
 
 TEST(NumberRangeTest, OnlyFiniteNumbersUnlessItSaysSo) {
-  for (const double value : {kInfinity, -kInfinity, kNan}) {
+  for (const double value : {kInfinity, -kInfinity, kNaN}) {
     EXPECT_FALSE(kAnyNumber.Contains(value)) << value;
   }
   const NumberRange infinite{.min = 0.0, .infinite = true};
   EXPECT_TRUE(infinite.Contains(kInfinity));
   EXPECT_FALSE(infinite.Contains(-kInfinity));
-  EXPECT_FALSE(infinite.Contains(kNan));
+  EXPECT_FALSE(infinite.Contains(kNaN));
 }
 
 TEST(NumberRangeTest, DescribesItself) {

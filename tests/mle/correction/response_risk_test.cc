@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kSamples = 13;  // N + 1, three times the order and one
 
-ArxModel Believed() {
+ArxModel BelievedModel() {
   ArxModel model = SparseArx();
   model.R(0, 2) = 0.6;
   return model;
@@ -25,8 +25,9 @@ Correction Corrected(std::uint64_t seed, int samples = 200,
   CorrectionOptions options;
   options.lambdas = *MakeLambdaGrid(0.4, 0.01);
   options.selection.rule = SelectionOptions::Rule::kAic;  // the quickest
-  auto correction = CorrectModel(
-      Believed(), {SimulateArx(SparseArx(), samples, noise, seed)}, options);
+  auto correction =
+      CorrectModel(BelievedModel(),
+                   {SimulateArx(SparseArx(), samples, noise, seed)}, options);
   EXPECT_TRUE(correction.ok()) << correction.status();
   return *std::move(correction);
 }
@@ -135,7 +136,7 @@ TEST(ResponseRiskTest, NeedsADeterminedLeastSquaresFit) {
   twin.inputs.row(1) = twin.inputs.row(0);
   CorrectionOptions options;
   options.lambdas = *MakeLambdaGrid(0.4, 0.01);
-  const auto dependent = CorrectModel(Believed(), {twin}, options);
+  const auto dependent = CorrectModel(BelievedModel(), {twin}, options);
   ASSERT_TRUE(dependent.ok()) << dependent.status();
   EXPECT_FALSE(RiskOf(*dependent).has_value());
   EXPECT_EQ(dependent->selection().response_risk.size(), 0);
@@ -143,14 +144,14 @@ TEST(ResponseRiskTest, NeedsADeterminedLeastSquaresFit) {
   // An input that nearly copies another one: their sum alone is determined.
   twin.inputs.row(1) +=
       1e-4 * SimulateArx(SparseArx(), 200, 0.3, 2).inputs.row(0);
-  const auto vague = CorrectModel(Believed(), {twin}, options);
+  const auto vague = CorrectModel(BelievedModel(), {twin}, options);
   ASSERT_TRUE(vague.ok()) << vague.status();
   EXPECT_FALSE(RiskOf(*vague).has_value());
 
   ArxModel unstable = SparseArx();
   unstable.R(0, 0) = 1.3;
-  const auto growing =
-      CorrectModel(Believed(), {SimulateArx(unstable, 60, 0.3, 1)}, options);
+  const auto growing = CorrectModel(
+      BelievedModel(), {SimulateArx(unstable, 60, 0.3, 1)}, options);
   ASSERT_TRUE(growing.ok()) << growing.status();
   EXPECT_FALSE(RiskOf(*growing).has_value());
 }
@@ -162,7 +163,7 @@ TEST(ResponseRiskTest, HeldColumnsStayAtZero) {
   options.penalty_weights.setOnes(2, 16);
   options.penalty_weights(0, 2) = std::numeric_limits<double>::infinity();
   const auto correction = CorrectModel(
-      Believed(), {SimulateArx(SparseArx(), 200, 0.3, 1)}, options);
+      BelievedModel(), {SimulateArx(SparseArx(), 200, 0.3, 1)}, options);
   ASSERT_TRUE(correction.ok()) << correction.status();
   const auto held = RiskOf(*correction);
   const auto freed = ResponseRisk::Create(correction->initial(),

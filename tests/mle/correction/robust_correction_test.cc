@@ -15,8 +15,8 @@ using ::testing::HasSubstr;
 
 constexpr double kLambda = 0.01;
 
-Correction Correct(bool outliers, Scaling scaling = Scaling::kStandardise,
-                   bool window_intercepts = false) {
+Correction CorrectThat(bool outliers, Scaling scaling = Scaling::kStandardise,
+                       bool window_intercepts = false) {
   ArxModel model = SparseArx();
   model.R(0, 2) = 0.6;
   std::vector<Record> records = {
@@ -52,7 +52,8 @@ class RobustCorrectionTest : public ::testing::TestWithParam<RobustLoss> {};
 
 TEST_P(RobustCorrectionTest, IsCertified) {
   for (const Scaling scaling : {Scaling::kStandardise, Scaling::kRaw}) {
-    const RobustCorrection robust = Robust(Correct(true, scaling), GetParam());
+    const RobustCorrection robust =
+        Robust(CorrectThat(true, scaling), GetParam());
     for (const RobustFit& fit : robust.fits) {
       EXPECT_TRUE(fit.converged) << fit.rounds;
       EXPECT_LE(fit.relative_gap, 1e-7);
@@ -64,8 +65,8 @@ TEST_P(RobustCorrectionTest, IsCertified) {
 
 TEST_P(RobustCorrectionTest, SparesOutliers) {
   const ArxModel truth = SparseArx();
-  const Correction clean = Correct(false);
-  const Correction spoilt = Correct(true);
+  const Correction clean = CorrectThat(false);
+  const Correction spoilt = CorrectThat(true);
   const auto error = [&](const ArxModel& model) {
     return (model.R.row(0) - truth.R.row(0)).norm();
   };
@@ -76,7 +77,7 @@ TEST_P(RobustCorrectionTest, SparesOutliers) {
 
 TEST_P(RobustCorrectionTest, WindowInterceptsAreRobustToo) {
   const RobustCorrection robust =
-      Robust(Correct(true, Scaling::kStandardise, true), GetParam());
+      Robust(CorrectThat(true, Scaling::kStandardise, true), GetParam());
   EXPECT_LE(robust.MaxRelativeGap(), 1e-7);
 }
 
@@ -86,7 +87,7 @@ INSTANTIATE_TEST_SUITE_P(Losses, RobustCorrectionTest,
 
 // Huber's loss is convex: no change of one coefficient lowers the objective.
 TEST(RobustCorrectionTest, HubersMinimumIsOne) {
-  const Correction correction = Correct(true, Scaling::kRaw);
+  const Correction correction = CorrectThat(true, Scaling::kRaw);
   RobustCorrectionOptions options;
   options.weight_tolerance = 1e-10;
   const auto robust =
@@ -124,13 +125,13 @@ TEST(RobustCorrectionTest, HubersMinimumIsOne) {
 }
 
 TEST(RobustCorrectionTest, WithoutALossItIsTheCorrection) {
-  const Correction correction = Correct(true);
+  const Correction correction = CorrectThat(true);
   const RobustCorrection robust = Robust(correction, RobustLoss::kNone);
   EXPECT_LT((robust.model.R - correction.Model(kLambda).R).norm(), 1e-7);
 }
 
 TEST(RobustCorrectionTest, NamesWhatIsInvalid) {
-  const Correction correction = Correct(false);
+  const Correction correction = CorrectThat(false);
   EXPECT_THAT(
       std::string(CorrectRobustly(correction, Eigen::VectorXd::Ones(3), {})
                       .status()

@@ -1,14 +1,12 @@
 #include "mle/data/gap_bridging.h"
 
-#include <limits>
 #include <random>
 
 #include "gtest/gtest.h"
+#include "mle/base/double_limits.h"
 
 namespace mle {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 // One output that rises by 1 a sample, its set point, and one input.
 Record RecordOf(const Eigen::RowVectorXd& input) {

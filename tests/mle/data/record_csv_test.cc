@@ -10,14 +10,13 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "mle/base/double_limits.h"
 #include "mle/data/historian.h"
 
 namespace mle {
 namespace {
 
 using ::testing::HasSubstr;
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 ProcessModel Tank() {
   return ProcessModel("tank", "min", {{"steam", ""}, {"inflow", ""}},

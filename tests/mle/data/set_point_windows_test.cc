@@ -1,12 +1,12 @@
 #include "mle/data/set_point_windows.h"
 
 #include <cmath>
-#include <limits>
 #include <random>
 #include <string>
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "mle/base/double_limits.h"
 
 namespace mle {
 namespace {
@@ -15,8 +15,6 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using Verdict = QuietPart::Verdict;
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 // Settles in 2 + 5·10 = 52.
 ProcessModel Model() {

@@ -12,14 +12,14 @@ namespace {
 using testing::LoopModel;
 using testing::LoopRecord;
 
-std::vector<StuckOutput> Find(const Record& record) {
+std::vector<StuckOutput> FindStuck(const Record& record) {
   return *FindStuckOutputs({record}, LoopModel());
 }
 
 TEST(StuckOutputsTest, FindsADeadSensor) {
   Record record = LoopRecord();
   record.outputs.row(1).setConstant(7.5);
-  const std::vector<StuckOutput> stuck = Find(record);
+  const std::vector<StuckOutput> stuck = FindStuck(record);
   ASSERT_EQ(stuck.size(), 1u);
   EXPECT_EQ(stuck[0].output, 1);
   EXPECT_EQ(stuck[0].kind, StuckOutput::Kind::kDead);
@@ -32,7 +32,7 @@ TEST(StuckOutputsTest, FindsAClippedSensor) {
   for (unsigned seed = 1; seed <= 5; ++seed) {
     Record record = LoopRecord({.seed = seed});
     record.outputs.row(0) = record.outputs.row(0).cwiseMin(0.6);
-    const std::vector<StuckOutput> stuck = Find(record);
+    const std::vector<StuckOutput> stuck = FindStuck(record);
     ASSERT_EQ(stuck.size(), 1u);
     EXPECT_EQ(stuck[0].kind, StuckOutput::Kind::kClipped);
     EXPECT_EQ(stuck[0].value, 0.6);
@@ -44,7 +44,7 @@ TEST(StuckOutputsTest, FindsAClippedSensor) {
 TEST(StuckOutputsTest, FindsAFreezeWithoutNoise) {
   Record record = LoopRecord({.noise = 0.0});
   record.outputs.row(0).segment(540, 120).setConstant(record.outputs(0, 540));
-  const std::vector<StuckOutput> stuck = Find(record);
+  const std::vector<StuckOutput> stuck = FindStuck(record);
   ASSERT_EQ(stuck.size(), 1u);
   EXPECT_EQ(stuck[0].kind, StuckOutput::Kind::kFrozen);
   EXPECT_EQ(stuck[0].runs[0].first, 540);
@@ -56,7 +56,7 @@ TEST(StuckOutputsTest, LeavesCleanDriftingAndRoundedOutputs) {
       for (const double quantum : {0.0, 0.02, 0.1}) {
         Record record = LoopRecord({.walk = walk, .seed = seed});
         if (quantum > 0.0) testing::Quantise(quantum, record.outputs);
-        EXPECT_TRUE(Find(record).empty()) << walk << " " << quantum;
+        EXPECT_TRUE(FindStuck(record).empty()) << walk << " " << quantum;
       }
     }
   }
@@ -79,7 +79,7 @@ TEST(StuckOutputsTest, LeavesAgedPlants) {
       Record record =
           LoopRecord(aged, {.noise = noise}, StaticGains(LoopModel()));
       if (quantum > 0.0) testing::Quantise(quantum, record.outputs);
-      EXPECT_TRUE(Find(record).empty()) << noise << " " << quantum;
+      EXPECT_TRUE(FindStuck(record).empty()) << noise << " " << quantum;
     }
   }
 }
@@ -88,7 +88,7 @@ TEST(StuckOutputsTest, ToleratesMissingSamples) {
   Record record = LoopRecord();
   record.outputs.row(0).setConstant(std::nan(""));
   record.inputs.row(1).setConstant(std::nan(""));
-  EXPECT_TRUE(Find(record).empty());
+  EXPECT_TRUE(FindStuck(record).empty());
 }
 
 }  // namespace

@@ -31,28 +31,31 @@ std::optional<double> Read(const std::string& pattern,
 }
 
 // Seconds from GNU date, as in date -u -d '2024-03-04 06:05:00' +%s.
-constexpr double kMarch = 1709532300.0;
+constexpr double kMarchTime = 1709532300.0;
 
 TEST(TimePatternTest, FieldsAreRead) {
-  EXPECT_EQ(Read("%d.%m.%Y %H:%M", "04.03.2024 06:05"), kMarch);
-  EXPECT_EQ(Read("%d.%m.%Y %H:%M", "4.3.2024 6:05"), kMarch);
-  EXPECT_EQ(Read("%m/%d/%y %I:%M %p", "3/4/24 6:05 pm"), kMarch + 43200);
-  EXPECT_EQ(Read("%m/%d/%y %I:%M %p", "3/4/24 12:05 a.m."), kMarch - 21600);
-  EXPECT_EQ(Read("%d-%b-%y %H:%M:%S", "04-MAR-24 06:05:00.5"), kMarch + 0.5);
-  EXPECT_EQ(Read("%d-%b-%y %H:%M:%S", "04-mar-24 06:05:07,25"), kMarch + 7.25);
-  EXPECT_EQ(Read("%B %d %Y at %H:%M", "March 4 2024 AT 06:05"), kMarch);
-  EXPECT_EQ(Read("%Y%m%dT%H%M", "20240304T0605"), kMarch);
-  EXPECT_EQ(Read("%H:%M %d|%m|%Y%z", "06:05 04|03|2024+0100"), kMarch - 3600);
-  EXPECT_EQ(Read("%%%Y %[%m%] %d %H:%M", "%2024  [3]   4 06:05"), kMarch);
+  EXPECT_EQ(Read("%d.%m.%Y %H:%M", "04.03.2024 06:05"), kMarchTime);
+  EXPECT_EQ(Read("%d.%m.%Y %H:%M", "4.3.2024 6:05"), kMarchTime);
+  EXPECT_EQ(Read("%m/%d/%y %I:%M %p", "3/4/24 6:05 pm"), kMarchTime + 43200);
+  EXPECT_EQ(Read("%m/%d/%y %I:%M %p", "3/4/24 12:05 a.m."), kMarchTime - 21600);
+  EXPECT_EQ(Read("%d-%b-%y %H:%M:%S", "04-MAR-24 06:05:00.5"),
+            kMarchTime + 0.5);
+  EXPECT_EQ(Read("%d-%b-%y %H:%M:%S", "04-mar-24 06:05:07,25"),
+            kMarchTime + 7.25);
+  EXPECT_EQ(Read("%B %d %Y at %H:%M", "March 4 2024 AT 06:05"), kMarchTime);
+  EXPECT_EQ(Read("%Y%m%dT%H%M", "20240304T0605"), kMarchTime);
+  EXPECT_EQ(Read("%H:%M %d|%m|%Y%z", "06:05 04|03|2024+0100"),
+            kMarchTime - 3600);
+  EXPECT_EQ(Read("%%%Y %[%m%] %d %H:%M", "%2024  [3]   4 06:05"), kMarchTime);
   EXPECT_EQ(Read("%d-%b-%y %H:%M", "01-Jan-69 00:00"), -31536000.0);
   EXPECT_EQ(Read("%d-%b-%y %H:%M", "01-Dez-68 00:00"), 3121545600.0);
 }
 
 TEST(TimePatternTest, PartsInBracketsMayBeMissing) {
   const std::string pattern = "%Y-%m-%d %H[:%M[:%S]][[ ]%z]";
-  EXPECT_EQ(Read(pattern, "2024-03-04 06:05:00Z"), kMarch);
-  EXPECT_EQ(Read(pattern, "2024-03-04 06:05 +01:00"), kMarch - 3600);
-  EXPECT_EQ(Read(pattern, "2024-03-04 06"), kMarch - 300);
+  EXPECT_EQ(Read(pattern, "2024-03-04 06:05:00Z"), kMarchTime);
+  EXPECT_EQ(Read(pattern, "2024-03-04 06:05 +01:00"), kMarchTime - 3600);
+  EXPECT_EQ(Read(pattern, "2024-03-04 06"), kMarchTime - 300);
   EXPECT_FALSE(Read(pattern, "2024-03-04 06:").has_value());
   EXPECT_FALSE(Read(pattern, "2024-03-04 06:05:00 ").has_value());
 }
@@ -137,7 +140,7 @@ TEST(RecordTimesTest, FormsAreRecognisedIfCertain) {
     const auto import = Import(RowsAt(stamps.times));
     ASSERT_TRUE(import.ok()) << import.status();
     EXPECT_EQ(import->report.files[0].time_form, FormOf(stamps.format).name);
-    EXPECT_EQ(import->report.time_origin, kMarch);
+    EXPECT_EQ(import->report.time_origin, kMarchTime);
     EXPECT_EQ(import->report.sample_time, 1.0);
     ASSERT_EQ(import->records.size(), 1u);
     EXPECT_EQ(import->records[0].samples(), 3);
@@ -156,17 +159,17 @@ TEST(RecordTimesTest, OthersAreReadAsDeclared) {
   };
   EXPECT_EQ(origin({"04/03/24 06:05", "04/03/24 06:06", "04/03/24 06:07"},
                    {.format = TimeFormat::kDayFirst}),
-            kMarch);
+            kMarchTime);
   EXPECT_EQ(origin({"03/04/24 06:05", "03/04/24 06:06", "03/04/24 06:07"},
                    {.format = TimeFormat::kMonthFirst}),
-            kMarch);
+            kMarchTime);
   EXPECT_EQ(origin({"060524.03.04", "060624.03.04", "060724.03.04"},
                    {.format = TimeFormat::kPattern, .pattern = "%H%M%y.%m.%d"}),
-            kMarch);
+            kMarchTime);
   // 45355 is 2024-03-04 (Excel: =DATEVALUE("2024-03-04")).
   EXPECT_EQ(origin({"45355.2534722222", "45355.2541666667", "45355.2548611111"},
                    {.format = TimeFormat::kExcel}),
-            kMarch);
+            kMarchTime);
 }
 
 TEST(RecordTimesTest, WhatIsNotCertainIsAsked) {
@@ -224,7 +227,7 @@ TEST(RecordTimesTest, NewestRowsFirstAreTurnedRound) {
     if (swap) std::swap(sources[0], sources[1]);
     const auto both = ImportHistorianSources(sources, Tank(), {});
     ASSERT_TRUE(both.ok()) << both.status();
-    EXPECT_EQ(both->report.time_origin, kMarch);
+    EXPECT_EQ(both->report.time_origin, kMarchTime);
     ASSERT_EQ(both->records.size(), 1u);
     ASSERT_EQ(both->records[0].samples(), 10000);
     EXPECT_EQ(both->records[0].outputs(0, 9876), 9876.0);

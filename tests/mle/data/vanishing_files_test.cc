@@ -19,7 +19,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-ProcessModel Tank() {
+ProcessModel VanishingTank() {
   return ProcessModel("tank", "min", {{"inflow", ""}}, {{"level", ""}});
 }
 
@@ -47,7 +47,7 @@ HistorianSource Changing(std::vector<std::string> texts) {
 }
 
 absl::StatusOr<HistorianImport> Import(const HistorianSource& source) {
-  return ImportHistorianSources({source}, Tank(), HistorianOptions());
+  return ImportHistorianSources({source}, VanishingTank(), HistorianOptions());
 }
 
 TEST(VanishingFileTest, IsReadWhereItStays) {

@@ -1,17 +1,15 @@
 #include "mle/maintain/decision.h"
 
-#include <limits>
 #include <optional>
 #include <set>
 #include <string>
 #include <vector>
 
 #include "gtest/gtest.h"
+#include "mle/base/double_limits.h"
 
 namespace mle {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 HorizonScore Score(double gain, double error) {
   return {.initial = 80.0, .corrected = 85.0, .gain = gain, .error = error};

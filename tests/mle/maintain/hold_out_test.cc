@@ -15,7 +15,7 @@ using testing::TankRecord;
 
 constexpr double kNoise = 0.05;
 
-EstimationOptions Options() {
+EstimationOptions HoldOutOf() {
   EstimationOptions options;
   options.estimator = Estimator::kOutputError;
   options.output_error.estimate_drift = false;
@@ -23,7 +23,7 @@ EstimationOptions Options() {
   return options;
 }
 
-std::vector<Record> Windows(const ProcessModel& plant) {
+std::vector<Record> HoldOutWindows(const ProcessModel& plant) {
   return {TankRecord(plant, kNoise, 1), TankRecord(plant, kNoise, 2)};
 }
 
@@ -42,8 +42,8 @@ absl::StatusOr<Validation> Validate(const Estimate& estimate,
 }
 
 TEST(HoldOutTest, ACorrectionThatIsRightLeavesTheNoiseOfWhatWasHeldOut) {
-  const std::vector<Record> windows = Windows(Tank(2.0));
-  const auto estimate = EstimateModel(Tank(1.0), windows, Options());
+  const std::vector<Record> windows = HoldOutWindows(Tank(2.0));
+  const auto estimate = EstimateModel(Tank(1.0), windows, HoldOutOf());
   ASSERT_TRUE(estimate.ok()) << estimate.status();
   ASSERT_TRUE(estimate->fit.change_proposed);
   const auto validation = Validate(*estimate, windows);
@@ -65,8 +65,8 @@ TEST(HoldOutTest, ACorrectionThatIsRightLeavesTheNoiseOfWhatWasHeldOut) {
 }
 
 TEST(HoldOutTest, TheGainIsTheShareOfTheSquaredErrorRemoved) {
-  const std::vector<Record> windows = Windows(Tank(2.0));
-  const auto estimate = EstimateModel(Tank(1.0), windows, Options());
+  const std::vector<Record> windows = HoldOutWindows(Tank(2.0));
+  const auto estimate = EstimateModel(Tank(1.0), windows, HoldOutOf());
   ASSERT_TRUE(estimate.ok()) << estimate.status();
   const auto validation = Validate(*estimate, windows);
   ASSERT_TRUE(validation.ok()) << validation.status();
@@ -96,7 +96,7 @@ TEST(HoldOutTest, TheGainIsTheShareOfTheSquaredErrorRemoved) {
 // One step of the input in each window, in the same tenth of it: a fold that
 // hid both would know nothing of time constant and dead time.
 TEST(HoldOutTest, NoFoldHidesTheSameMoveOfAllWindows) {
-  std::vector<Record> windows = Windows(Tank(2.0));
+  std::vector<Record> windows = HoldOutWindows(Tank(2.0));
   for (std::size_t w = 0; w < windows.size(); ++w) {
     Record& window = windows[w];
     window.inputs.setZero();
@@ -105,7 +105,7 @@ TEST(HoldOutTest, NoFoldHidesTheSameMoveOfAllWindows) {
                      GaussianNoise(7 + w, 0, kMeasurementNoise)
                          .DrawMatrix(1, window.samples(), kNoise);
   }
-  const auto estimate = EstimateModel(Tank(1.9), windows, Options());
+  const auto estimate = EstimateModel(Tank(1.9), windows, HoldOutOf());
   ASSERT_TRUE(estimate.ok()) << estimate.status();
   const auto validation = Validate(*estimate, windows);
   ASSERT_TRUE(validation.ok()) << validation.status();
@@ -130,7 +130,7 @@ TEST(HoldOutTest, TheStandardErrorCoversWhatChanceDoes) {
         TankRecord(Tank(2.0), kNoise, 2 * seed),
         TankRecord(Tank(2.0), kNoise, 2 * seed + 1)};
     // Tested at a level at which it always finds something.
-    EstimationOptions options = Options();
+    EstimationOptions options = HoldOutOf();
     options.change_test = ChangeTest::kChiSquare;
     options.output_error.false_alarm_probability = 0.999;
     const auto estimate = EstimateModel(Tank(2.0), windows, options);
@@ -150,8 +150,8 @@ TEST(HoldOutTest, TheStandardErrorCoversWhatChanceDoes) {
 }
 
 TEST(HoldOutTest, WhatIsHeldOutHasNoPartInTheFit) {
-  const std::vector<Record> windows = Windows(Tank(2.0));
-  const auto estimate = EstimateModel(Tank(1.0), windows, Options());
+  const std::vector<Record> windows = HoldOutWindows(Tank(2.0));
+  const auto estimate = EstimateModel(Tank(1.0), windows, HoldOutOf());
   ASSERT_TRUE(estimate.ok()) << estimate.status();
   const auto validation = Validate(*estimate, windows);
   ASSERT_TRUE(validation.ok()) << validation.status();
@@ -171,7 +171,7 @@ TEST(HoldOutTest, WhatIsHeldOutHasNoPartInTheFit) {
 TEST(HoldOutTest, WindowsOfTwoPlantsAreNotBothPredictedBetter) {
   const std::vector<Record> windows = {TankRecord(Tank(3.0), kNoise, 1),
                                        TankRecord(Tank(1.4), kNoise, 2)};
-  const auto estimate = EstimateModel(Tank(1.5), windows, Options());
+  const auto estimate = EstimateModel(Tank(1.5), windows, HoldOutOf());
   ASSERT_TRUE(estimate.ok()) << estimate.status();
   ASSERT_TRUE(estimate->fit.change_proposed);
   const auto validation = Validate(*estimate, windows);
@@ -182,7 +182,7 @@ TEST(HoldOutTest, WindowsOfTwoPlantsAreNotBothPredictedBetter) {
 
 TEST(HoldOutTest, OneWindowIsHeldOutOnlyWithSeveralChanges) {
   const std::vector<Record> windows = {TankRecord(Tank(2.0), kNoise, 1)};
-  const auto estimate = EstimateModel(Tank(1.0), windows, Options());
+  const auto estimate = EstimateModel(Tank(1.0), windows, HoldOutOf());
   ASSERT_TRUE(estimate.ok()) << estimate.status();
   const auto few = Validate(*estimate, windows, 3);
   ASSERT_TRUE(few.ok()) << few.status();
@@ -197,8 +197,8 @@ TEST(HoldOutTest, OneWindowIsHeldOutOnlyWithSeveralChanges) {
 }
 
 TEST(HoldOutTest, WithoutAChangeTheInitialModelIsScoredAlone) {
-  const std::vector<Record> windows = Windows(Tank(2.0));
-  const auto estimate = EstimateModel(Tank(2.0), windows, Options());
+  const std::vector<Record> windows = HoldOutWindows(Tank(2.0));
+  const auto estimate = EstimateModel(Tank(2.0), windows, HoldOutOf());
   ASSERT_TRUE(estimate.ok()) << estimate.status();
   ASSERT_FALSE(estimate->fit.change_proposed);
   const auto validation = Validate(*estimate, windows);
@@ -211,8 +211,8 @@ TEST(HoldOutTest, WithoutAChangeTheInitialModelIsScoredAlone) {
 }
 
 TEST(HoldOutTest, TheResultDoesNotDependOnThreads) {
-  const std::vector<Record> windows = Windows(Tank(2.0));
-  const auto estimate = EstimateModel(Tank(1.0), windows, Options());
+  const std::vector<Record> windows = HoldOutWindows(Tank(2.0));
+  const auto estimate = EstimateModel(Tank(1.0), windows, HoldOutOf());
   ASSERT_TRUE(estimate.ok()) << estimate.status();
   const auto one = Validate(*estimate, windows, 2, 1);
   const auto three = Validate(*estimate, windows, 2, 3);

@@ -15,9 +15,9 @@ namespace mle {
 namespace {
 
 // Five settling times: too short to be divided.
-constexpr int kSamples = 240;
+constexpr int kWindowSamples = 240;
 
-ProcessModel TwoInputs() {
+ProcessModel TwoInputModel() {
   ProcessModel model("two inputs", "min", {{"a", ""}, {"b", ""}}, {{"y", ""}});
   model.element(0, 0) = TransferFunction::FirstOrder(2.0, 6.0, 1.0);
   model.element(0, 1) = TransferFunction::FirstOrder(-1.0, 9.0, 2.0);
@@ -31,17 +31,18 @@ RecordData DataOf(const std::vector<std::pair<int, double>>& steps) {
   Record& record = data.records.emplace_back();
   record.sample_time = 1.0;
   const auto count = static_cast<int>(steps.size());
-  record.inputs.setZero(2, kSamples * count);
-  record.outputs.setZero(1, kSamples * count);
+  record.inputs.setZero(2, kWindowSamples * count);
+  record.outputs.setZero(1, kWindowSamples * count);
   for (int w = 0; w < count; ++w) {
     record.inputs.row(steps[w].first)
-        .segment(w * kSamples + kSamples / 3, kSamples / 3)
+        .segment(w * kWindowSamples + kWindowSamples / 3, kWindowSamples / 3)
         .setConstant(steps[w].second);
   }
   const SetPointWindow whole = WholeWindow(record, 0);
   for (int w = 0; w < count; ++w) {
     SetPointWindow& window = data.windows.emplace_back(whole);
-    Cut({.first = w * kSamples, .last = (w + 1) * kSamples - 1}, window);
+    Cut({.first = w * kWindowSamples, .last = (w + 1) * kWindowSamples - 1},
+        window);
   }
   return data;
 }
@@ -55,9 +56,9 @@ std::vector<int> FirstSamples(const RecordData& data) {
 }
 
 TEST(InformativeWindowsTest, AShortRecordIsUsedWhole) {
-  for (const int most : {0, 4 * kSamples}) {
+  for (const int most : {0, 4 * kWindowSamples}) {
     RecordData data = DataOf({{0, 1.0}, {1, 1.0}, {0, 0.1}, {1, 0.1}});
-    ASSERT_TRUE(KeepInformativeWindows(TwoInputs(), most, data).ok());
+    ASSERT_TRUE(KeepInformativeWindows(TwoInputModel(), most, data).ok());
     EXPECT_EQ(data.windows.size(), 4);
     EXPECT_TRUE(data.unused.empty());
     EXPECT_TRUE(data.notes.empty());
@@ -68,11 +69,12 @@ TEST(InformativeWindowsTest, AShortRecordIsUsedWhole) {
 // both of the other input have larger ones still.
 TEST(InformativeWindowsTest, EveryElementIsInformedFirst) {
   RecordData data = DataOf({{0, 5.0}, {1, 0.5}, {0, 4.0}, {1, 1.0}});
-  ASSERT_TRUE(KeepInformativeWindows(TwoInputs(), 2 * kSamples, data).ok());
-  EXPECT_EQ(FirstSamples(data), (std::vector<int>{0, 3 * kSamples}));
+  ASSERT_TRUE(
+      KeepInformativeWindows(TwoInputModel(), 2 * kWindowSamples, data).ok());
+  EXPECT_EQ(FirstSamples(data), (std::vector<int>{0, 3 * kWindowSamples}));
   ASSERT_EQ(data.unused.size(), 2);
-  EXPECT_EQ(data.unused[0].first_sample, kSamples);
-  EXPECT_EQ(data.unused[1].first_sample, 2 * kSamples);
+  EXPECT_EQ(data.unused[0].first_sample, kWindowSamples);
+  EXPECT_EQ(data.unused[1].first_sample, 2 * kWindowSamples);
   ASSERT_EQ(data.notes.size(), 1);
   EXPECT_EQ(data.notes[0].code, MessageCode::kWindowDropped);
   // Nothing is at rest where set points moved.
@@ -92,15 +94,18 @@ TEST(InformativeWindowsTest, UnitsDoNotMatter) {
     const SetPointWindow whole = WholeWindow(scaled.records[0], 0);
     for (int w = 0; w < 5; ++w) {
       SetPointWindow& window = scaled.windows.emplace_back(whole);
-      Cut({.first = w * kSamples, .last = (w + 1) * kSamples - 1}, window);
+      Cut({.first = w * kWindowSamples, .last = (w + 1) * kWindowSamples - 1},
+          window);
     }
-    ProcessModel model = TwoInputs();
-    ASSERT_TRUE(KeepInformativeWindows(model, windows * kSamples, data).ok());
+    ProcessModel model = TwoInputModel();
+    ASSERT_TRUE(
+        KeepInformativeWindows(model, windows * kWindowSamples, data).ok());
     model.element(0, 0) = TransferFunction::FirstOrder(0.002, 6.0, 1.0);
-    ASSERT_TRUE(KeepInformativeWindows(model, windows * kSamples, scaled).ok());
+    ASSERT_TRUE(
+        KeepInformativeWindows(model, windows * kWindowSamples, scaled).ok());
     EXPECT_EQ(data.windows.size(), windows);
     EXPECT_EQ(FirstSamples(data), FirstSamples(scaled));
-    for (const int first : FirstSamples(data)) EXPECT_NE(first, kSamples);
+    for (const int first : FirstSamples(data)) EXPECT_NE(first, kWindowSamples);
   }
 }
 
@@ -110,7 +115,7 @@ TEST(InformativeWindowsTest, LongWindowsAreDivided) {
   RecordData data = DataOf(std::vector<std::pair<int, double>>(40, {0, 1.0}));
   const SetPointWindow whole = WholeWindow(data.records[0], 0);
   data.windows = {whole};
-  ASSERT_TRUE(KeepInformativeWindows(TwoInputs(), 3000, data).ok());
+  ASSERT_TRUE(KeepInformativeWindows(TwoInputModel(), 3000, data).ok());
   int samples = 0;
   int last = -1;
   for (const SetPointWindow& window : data.windows) {
@@ -129,7 +134,7 @@ TEST(InformativeWindowsTest, LongWindowsAreDivided) {
 // make four settling times. The sixth is missing, so that the fifth has only
 // those before it.
 TEST(InformativeWindowsTest, ShortWindowsThatAdjoinAreTakenTogether) {
-  constexpr int kShort = kSamples / 4;
+  constexpr int kShort = kWindowSamples / 4;
   RecordData data = DataOf(std::vector<std::pair<int, double>>(10, {0, 1.0}));
   const SetPointWindow whole = WholeWindow(data.records[0], 0);
   data.windows.clear();
@@ -138,7 +143,8 @@ TEST(InformativeWindowsTest, ShortWindowsThatAdjoinAreTakenTogether) {
     SetPointWindow& window = data.windows.emplace_back(whole);
     Cut({.first = w * kShort, .last = (w + 1) * kShort - 1}, window);
   }
-  ASSERT_TRUE(KeepInformativeWindows(TwoInputs(), 4 * kSamples, data).ok());
+  ASSERT_TRUE(
+      KeepInformativeWindows(TwoInputModel(), 4 * kWindowSamples, data).ok());
   int samples = 0;
   int piece = 0;
   int end = -1;
@@ -155,8 +161,8 @@ TEST(InformativeWindowsTest, ShortWindowsThatAdjoinAreTakenTogether) {
     end = window.first_sample + window.record.samples();
   }
   check();
-  EXPECT_LE(samples, 4 * kSamples);
-  EXPECT_GT(samples, 2 * kSamples);
+  EXPECT_LE(samples, 4 * kWindowSamples);
+  EXPECT_GT(samples, 2 * kWindowSamples);
 }
 
 }  // namespace

@@ -11,7 +11,7 @@
 namespace mle {
 namespace {
 
-ProcessModel Tank(double gain) {
+ProcessModel RestingTank(double gain) {
   ProcessModel model("tank", "min", {InputChannel{"u", ""}},
                      {OutputChannel{"y", ""}});
   model.element(0, 0) = TransferFunction::FirstOrder(gain, 5.0, 1.5);
@@ -25,16 +25,17 @@ std::vector<Record> Windows(double gain) {
   record.inputs.rightCols(240).setOnes();
   record.inputs.rightCols(120).setConstant(-0.5);
   record.outputs =
-      *SimulateResponse(Tank(gain), record.sample_time, record.inputs);
+      *SimulateResponse(RestingTank(gain), record.sample_time, record.inputs);
   record.outputs += GaussianNoise(3, 0).DrawMatrix(1, 300, 0.05);
   return {record};
 }
 
 TEST(NullCalibrationTest, WhatIsBeyondDoubtIsNotSimulated) {
   const std::vector<Record> windows = Windows(1.0);
-  const auto test = CorrectByOutputError(Tank(2.0), windows, {});
+  const auto test = CorrectByOutputError(RestingTank(2.0), windows, {});
   ASSERT_TRUE(test.ok()) << test.status();
-  const auto calibration = CalibrateTest(Tank(2.0), windows, *test, {}, {});
+  const auto calibration =
+      CalibrateTest(RestingTank(2.0), windows, *test, {}, {});
   ASSERT_TRUE(calibration.ok()) << calibration.status();
   EXPECT_TRUE(test->change_proposed);
   EXPECT_EQ(calibration->replicates, 0);
@@ -43,16 +44,17 @@ TEST(NullCalibrationTest, WhatIsBeyondDoubtIsNotSimulated) {
 
 TEST(NullCalibrationTest, ADoubtfulTestIsMeasuredAgainstItsOwnMean) {
   const std::vector<Record> windows = Windows(2.0);
-  auto test = CorrectByOutputError(Tank(2.0), windows, {});
+  auto test = CorrectByOutputError(RestingTank(2.0), windows, {});
   ASSERT_TRUE(test.ok()) << test.status();
   // A statistic that χ² rejects by a little.
   test->change_proposed = true;
   test->statistic = 14.0;
   test->p_value = ChiSquareTail(14.0, test->degrees_of_freedom);
   OutputErrorOptions threads;
-  const auto one = CalibrateTest(Tank(2.0), windows, *test, threads, {});
+  const auto one = CalibrateTest(RestingTank(2.0), windows, *test, threads, {});
   threads.threads = 3;
-  const auto three = CalibrateTest(Tank(2.0), windows, *test, threads, {});
+  const auto three =
+      CalibrateTest(RestingTank(2.0), windows, *test, threads, {});
   ASSERT_TRUE(one.ok()) << one.status();
   EXPECT_EQ(one->replicates, 12);
   EXPECT_EQ(one->factor, three->factor);
@@ -66,12 +68,12 @@ TEST(NullCalibrationTest, ADoubtfulTestIsMeasuredAgainstItsOwnMean) {
 
 // An input that hardly moves beside a drift: the likelihood has many local
 // maxima along the dead time, and its ratio is far from χ².
-std::vector<Record> HardlyMovingWindows() {
+std::vector<Record> NoiselessWindows() {
   Record record;
   record.sample_time = 0.5;
   record.inputs = Eigen::MatrixXd::Zero(1, 160);
   record.inputs.rightCols(80).setConstant(0.05);
-  record.outputs = *SimulateResponse(Tank(2.0), 0.5, record.inputs);
+  record.outputs = *SimulateResponse(RestingTank(2.0), 0.5, record.inputs);
   return {record};
 }
 
@@ -90,7 +92,7 @@ double MeanStatistic(const std::vector<Record>& windows, int count) {
     }
     OutputErrorOptions options;
     options.false_alarm_probability = 1e-300;
-    const auto test = CorrectByOutputError(Tank(2.0), drawn, options);
+    const auto test = CorrectByOutputError(RestingTank(2.0), drawn, options);
     EXPECT_TRUE(test.ok()) << test.status();
     if (test.ok()) sum += test->statistic;
   }
@@ -98,8 +100,8 @@ double MeanStatistic(const std::vector<Record>& windows, int count) {
 }
 
 TEST(NullCalibrationTest, TheFactorIsThatOfRecordsSimulatedElsewhere) {
-  const std::vector<Record> windows = HardlyMovingWindows();
-  auto test = CorrectByOutputError(Tank(2.0), windows, {});
+  const std::vector<Record> windows = NoiselessWindows();
+  auto test = CorrectByOutputError(RestingTank(2.0), windows, {});
   ASSERT_TRUE(test.ok()) << test.status();
   ASSERT_EQ(test->degrees_of_freedom, 3);
   test->change_proposed = true;
@@ -110,7 +112,7 @@ TEST(NullCalibrationTest, TheFactorIsThatOfRecordsSimulatedElsewhere) {
   NullCalibrationOptions options;
   options.replicates = 60;
   const auto calibration =
-      CalibrateTest(Tank(2.0), windows, *test, {}, options);
+      CalibrateTest(RestingTank(2.0), windows, *test, {}, options);
   ASSERT_TRUE(calibration.ok()) << calibration.status();
   const double expected = MeanStatistic(windows, 60) / 3.0;
   EXPECT_GT(expected, 1.3);

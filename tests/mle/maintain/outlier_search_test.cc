@@ -11,8 +11,8 @@
 namespace mle {
 namespace {
 
-constexpr int kSamples = 240;
-constexpr double kNoise = 0.01;
+constexpr int kOutlierSamples = 240;
+constexpr double kOutlierNoise = 0.01;
 
 // One output, which answers within two samples.
 ProcessModel FastTank() {
@@ -31,12 +31,12 @@ RecordData WithPeaks(const ProcessModel& plant) {
     Record& record = window.record;
     record.start_time = 1000.0 * w;
     record.sample_time = 1.0;
-    record.inputs = Eigen::MatrixXd::Zero(1, kSamples);
+    record.inputs = Eigen::MatrixXd::Zero(1, kOutlierSamples);
     record.inputs.middleCols(100, 4).setConstant(1.0);
     record.outputs = *SimulateResponse(plant, 1.0, record.inputs);
     // Small, and the same at every run.
-    for (int k = 0; k < kSamples; ++k) {
-      record.outputs(0, k) += kNoise * std::sin(2.39996 * k * (k + w));
+    for (int k = 0; k < kOutlierSamples; ++k) {
+      record.outputs(0, k) += kOutlierNoise * std::sin(2.39996 * k * (k + w));
     }
   }
   return data;

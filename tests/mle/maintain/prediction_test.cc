@@ -11,7 +11,7 @@
 namespace mle {
 namespace {
 
-ProcessModel Tank() {
+ProcessModel PredictedTank() {
   ProcessModel model("tank", "min", {InputChannel{"u", ""}},
                      {OutputChannel{"y", ""}});
   model.element(0, 0) = TransferFunction::FirstOrder(2.0, 5.0, 1.3);
@@ -24,7 +24,8 @@ Record Step(double noise, double drift) {
   record.sample_time = 0.5;
   record.inputs = Eigen::MatrixXd::Constant(1, 400, 3.0);
   record.inputs.rightCols(360).setConstant(4.0);
-  record.outputs = *SimulateResponse(Tank(), record.sample_time, record.inputs);
+  record.outputs =
+      *SimulateResponse(PredictedTank(), record.sample_time, record.inputs);
   GaussianNoise generator(1, 0);
   double level = 0.0;
   for (int k = 0; k < 400; ++k) {
@@ -51,7 +52,8 @@ double MeanSquare(const Eigen::MatrixXd& errors) {
 
 TEST(PredictionTest, TheResponseStartsSettledAndIsThatOfTheElement) {
   const Record record = Step(0.0, 0.0);
-  const Eigen::VectorXd step = Tank().element(0, 0).StepResponse(0.5, 360);
+  const Eigen::VectorXd step =
+      PredictedTank().element(0, 0).StepResponse(0.5, 360);
   for (int k = 0; k < 40; ++k) EXPECT_NEAR(record.outputs(0, k), 6.0, 1e-9);
   for (int k = 0; k < 360; ++k) {
     EXPECT_NEAR(record.outputs(0, 40 + k), 6.0 + step(k), 1e-6);
@@ -61,14 +63,14 @@ TEST(PredictionTest, TheResponseStartsSettledAndIsThatOfTheElement) {
 TEST(PredictionTest, WithoutNoiseNothingIsLeft) {
   const Record record = Step(0.0, 0.0);
   const Predictor predictor =
-      PredictWithLevel(*ResponseOf(Tank(), 0.5), Ratio(0.0));
+      PredictWithLevel(*ResponseOf(PredictedTank(), 0.5), Ratio(0.0));
   for (const int horizon : {1, 7, 0}) {
     EXPECT_LT(MeanSquare(predictor(record, horizon)), 1e-12) << horizon;
   }
 }
 
 ProcessModel Sump() {
-  ProcessModel model = Tank();
+  ProcessModel model = PredictedTank();
   model.element(0, 0) = TransferFunction::Integrator(0.2, 3.0, 1.3);
   return model;
 }
@@ -131,7 +133,7 @@ TEST(PredictionTest, OneStepAheadIsTheStationaryKalmanFilter) {
   const double ratio = 0.04;
   const Record record = Step(0.1, 0.1 * std::sqrt(ratio));
   const Predictor predictor =
-      PredictWithLevel(*ResponseOf(Tank(), 0.5), Ratio(ratio));
+      PredictWithLevel(*ResponseOf(PredictedTank(), 0.5), Ratio(ratio));
   // Innovation variance r (1 + P), P = (ρ + √(ρ² + 4ρ))/2.
   const double P = 0.5 * (ratio + std::sqrt(ratio * ratio + 4.0 * ratio));
   // Standard error of a variance of 380 samples: 7 %.
@@ -146,7 +148,7 @@ TEST(PredictionTest, TheLevelFollowsAJumpWithTheStationaryGain) {
   Record record = Step(0.0, 0.0);
   record.outputs.rightCols(200).array() += 1.0;
   const Predictor predictor =
-      PredictWithLevel(*ResponseOf(Tank(), 0.5), Ratio(0.5));
+      PredictWithLevel(*ResponseOf(PredictedTank(), 0.5), Ratio(0.5));
   const Eigen::MatrixXd errors = predictor(record, 1);
   for (int k = 0; k < 10; ++k) {
     EXPECT_NEAR(errors(0, 200 + k), std::pow(0.5, k), 1e-9) << k;
@@ -155,7 +157,8 @@ TEST(PredictionTest, TheLevelFollowsAJumpWithTheStationaryGain) {
 
 TEST(PredictionTest, TheLevelRatioIsThatOfTheDrift) {
   const auto ratio_of = [](double drift) {
-    return (*FitLevelRatios(*ResponseOf(Tank(), 0.5), {Step(0.1, drift)}))(0);
+    return (*FitLevelRatios(*ResponseOf(PredictedTank(), 0.5),
+                            {Step(0.1, drift)}))(0);
   };
   // 380 samples know ln q/r within about 0.4.
   EXPECT_NEAR(std::log(ratio_of(0.02)), std::log(0.04), 1.2);
@@ -164,10 +167,11 @@ TEST(PredictionTest, TheLevelRatioIsThatOfTheDrift) {
 }
 
 TEST(PredictionTest, AWrongModelPredictsWorse) {
-  ProcessModel wrong = Tank();
+  ProcessModel wrong = PredictedTank();
   wrong.element(0, 0) = TransferFunction::FirstOrder(1.4, 5.0, 1.3);
   const Record record = Step(0.05, 0.0);
-  const Predictor good = PredictWithLevel(*ResponseOf(Tank(), 0.5), Ratio(0.0));
+  const Predictor good =
+      PredictWithLevel(*ResponseOf(PredictedTank(), 0.5), Ratio(0.0));
   const Predictor bad = PredictWithLevel(*ResponseOf(wrong, 0.5), Ratio(0.0));
   for (const int horizon : {1, 20, 0}) {
     EXPECT_LT(MeanSquare(good(record, horizon)),
@@ -180,7 +184,7 @@ TEST(PredictionTest, ConstantsDoNotMatter) {
   Record lifted = record;
   lifted.outputs.array() += 350.0;
   const Predictor predictor =
-      PredictWithLevel(*ResponseOf(Tank(), 0.5), Ratio(0.01));
+      PredictWithLevel(*ResponseOf(PredictedTank(), 0.5), Ratio(0.01));
   for (const int horizon : {1, 20, 0}) {
     EXPECT_NEAR(MeanSquare(predictor(record, horizon)),
                 MeanSquare(predictor(lifted, horizon)), 1e-9);
@@ -191,7 +195,7 @@ TEST(PredictionTest, LostSamplesHaveNoError) {
   Record record = Step(0.05, 0.0);
   record.outputs(0, 200) = std::nan("");
   const Predictor process =
-      PredictWithLevel(*ResponseOf(Tank(), 0.5), Ratio(0.0));
+      PredictWithLevel(*ResponseOf(PredictedTank(), 0.5), Ratio(0.0));
   const Eigen::MatrixXd errors = process(record, 1);
   EXPECT_TRUE(std::isnan(errors(0, 200)));
   EXPECT_TRUE(std::isfinite(errors(0, 201)));

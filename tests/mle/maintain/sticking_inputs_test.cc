@@ -18,9 +18,9 @@ using ::testing::HasSubstr;
 using testing::LoopModel;
 using testing::LoopRecord;
 
-std::vector<StickingInput> Find(const Record& record,
-                                const std::vector<bool>& usable = {true,
-                                                                   true}) {
+std::vector<StickingInput> FindSticking(const Record& record,
+                                        const std::vector<bool>& usable = {
+                                            true, true}) {
   return *FindStickingInputs(LoopModel(), {record}, usable);
 }
 
@@ -45,7 +45,7 @@ TEST(StickingInputsTest, FindsPlayAndItsWidth) {
       const double width = share * RangeOf(LoopRecord({.seed = seed}), 0);
       const Record record =
           LoopRecord({.seed = seed, .play = Eigen::Vector2d(width, 0.0)});
-      const std::vector<StickingInput> found = Find(record);
+      const std::vector<StickingInput> found = FindSticking(record);
       ASSERT_EQ(found.size(), 1u) << share << " " << seed;
       EXPECT_EQ(found[0].input, 0);
       EXPECT_NEAR(found[0].width, width, 4.0 * found[0].error + 0.05 * width);
@@ -59,7 +59,7 @@ TEST(StickingInputsTest, FindsPlayAndItsWidth) {
 
 TEST(StickingInputsTest, FindsEveryInputThatSticks) {
   const std::vector<StickingInput> found =
-      Find(LoopRecord({.play = Eigen::Vector2d(0.03, 0.0225)}));
+      FindSticking(LoopRecord({.play = Eigen::Vector2d(0.03, 0.0225)}));
   ASSERT_EQ(found.size(), 2u);
   EXPECT_EQ(found[0].input, 0);
   EXPECT_EQ(found[1].input, 1);
@@ -72,7 +72,7 @@ TEST(StickingInputsTest, FindsPlayBesideAgeing) {
   ProcessModel aged = LoopModel();
   aged.element(0, 0) = TransferFunction::FirstOrder(1.2, 20.0, 2.0);
   aged.element(1, 1) = TransferFunction::FirstOrder(-4.0, 9.0, 2.5);
-  const std::vector<StickingInput> found = Find(LoopRecord(
+  const std::vector<StickingInput> found = FindSticking(LoopRecord(
       aged, {.play = Eigen::Vector2d(0.0, 0.09)}, StaticGains(LoopModel())));
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].input, 1);
@@ -83,15 +83,15 @@ TEST(StickingInputsTest, LeavesValvesThatFollow) {
   for (unsigned seed = 1; seed <= 8; ++seed) {
     for (const double walk : {0.0, 0.003, 0.03}) {
       Record record = LoopRecord({.walk = walk, .seed = seed});
-      EXPECT_TRUE(Find(record).empty()) << seed << " " << walk;
+      EXPECT_TRUE(FindSticking(record).empty()) << seed << " " << walk;
       testing::Quantise(0.05, record.outputs);
-      EXPECT_TRUE(Find(record).empty()) << seed << " " << walk;
+      EXPECT_TRUE(FindSticking(record).empty()) << seed << " " << walk;
     }
     for (const double memory : {0.5, 0.9, 0.98}) {
-      EXPECT_TRUE(Find(LoopRecord({.samples = 2000,
-                                   .coloured = 0.05,
-                                   .memory = memory,
-                                   .seed = seed}))
+      EXPECT_TRUE(FindSticking(LoopRecord({.samples = 2000,
+                                           .coloured = 0.05,
+                                           .memory = memory,
+                                           .seed = seed}))
                       .empty())
           << seed << " " << memory;
     }
@@ -107,7 +107,8 @@ TEST(StickingInputsTest, LeavesWhatHasAged) {
           (what == 0 ? 0.5 : 1.0) * g.StaticGain(),
           (what == 1 ? 1.5 : 1.0) * g.TimeConstant(),
           g.delay() + (what == 2 ? 1.5 : 0.0));
-      EXPECT_TRUE(Find(LoopRecord(aged, {}, StaticGains(LoopModel()))).empty())
+      EXPECT_TRUE(
+          FindSticking(LoopRecord(aged, {}, StaticGains(LoopModel()))).empty())
           << element << " " << what;
     }
   }
@@ -122,7 +123,7 @@ TEST(StickingInputsTest, LeavesClocksThatAreOff) {
         record.outputs(i, k) =
             before(std::clamp(k - late, 0, record.samples() - 1));
       }
-      EXPECT_TRUE(Find(record).empty()) << late << " " << i;
+      EXPECT_TRUE(FindSticking(record).empty()) << late << " " << i;
     }
   }
 }
@@ -130,17 +131,17 @@ TEST(StickingInputsTest, LeavesClocksThatAreOff) {
 // Outputs that are not measured say nothing.
 TEST(StickingInputsTest, UsesUsableOutputsOnly) {
   const Record record = LoopRecord({.play = Eigen::Vector2d(0.1, 0.0)});
-  EXPECT_EQ(Find(record, {true, false}).size(), 1u);
-  EXPECT_TRUE(Find(record, {false, false}).empty());
+  EXPECT_EQ(FindSticking(record, {true, false}).size(), 1u);
+  EXPECT_TRUE(FindSticking(record, {false, false}).empty());
   Record dead = record;
   dead.outputs.setConstant(1.0);
-  EXPECT_TRUE(Find(dead).empty());
+  EXPECT_TRUE(FindSticking(dead).empty());
 }
 
 TEST(StickingInputsTest, ACorrectedInputDoesNotStick) {
   Record record = LoopRecord({.play = Eigen::Vector2d(0.1, 0.0)});
   record.inputs(0, 100) = std::numeric_limits<double>::quiet_NaN();
-  const std::vector<StickingInput> found = Find(record);
+  const std::vector<StickingInput> found = FindSticking(record);
   ASSERT_EQ(found.size(), 1u);
   EXPECT_THAT(found[0].Describe(LoopModel()), HasSubstr("u1 seems to stick"));
   std::vector<Record> records = {record};

@@ -15,7 +15,7 @@ using ::testing::HasSubstr;
 using testing::LoopModel;
 using testing::LoopRecord;
 
-std::vector<TagClock> Find(const Record& record) {
+std::vector<TagClock> FindClocks(const Record& record) {
   return *FindTagClocks(LoopModel(), {record});
 }
 
@@ -33,7 +33,7 @@ TEST(TagClocksTest, FindsALateOutput) {
     for (int i = 0; i < 2; ++i) {
       Record record = LoopRecord();
       MakeLate(late, record.outputs.row(i));
-      const std::vector<TagClock> clocks = Find(record);
+      const std::vector<TagClock> clocks = FindClocks(record);
       ASSERT_EQ(clocks.size(), 1u) << late << " " << i;
       EXPECT_TRUE(clocks[0].is_output);
       EXPECT_EQ(clocks[0].channel, i);
@@ -50,7 +50,7 @@ TEST(TagClocksTest, ACorrectedClockIsRight) {
     for (const int late : {-6, 5}) {
       Record record = right;
       MakeLate(late, output ? record.outputs.row(0) : record.inputs.row(0));
-      const std::vector<TagClock> clocks = Find(record);
+      const std::vector<TagClock> clocks = FindClocks(record);
       ASSERT_EQ(clocks.size(), 1u);
       std::vector<Record> records = {record};
       CorrectClock(clocks[0], records);
@@ -71,7 +71,7 @@ TEST(TagClocksTest, FindsALateInput) {
   for (const int late : {-6, 3}) {
     Record record = LoopRecord();
     MakeLate(late, record.inputs.row(0));
-    const std::vector<TagClock> clocks = Find(record);
+    const std::vector<TagClock> clocks = FindClocks(record);
     ASSERT_EQ(clocks.size(), 1u);
     EXPECT_FALSE(clocks[0].is_output);
     EXPECT_EQ(clocks[0].channel, 0);
@@ -83,7 +83,7 @@ TEST(TagClocksTest, FindsALateInput) {
 TEST(TagClocksTest, KnowsWhatIsImpossible) {
   Record record = LoopRecord();
   MakeLate(-12, record.outputs.row(0));
-  const std::vector<TagClock> clocks = Find(record);
+  const std::vector<TagClock> clocks = FindClocks(record);
   ASSERT_EQ(clocks.size(), 1u);
   EXPECT_TRUE(clocks[0].impossible);
   EXPECT_THAT(clocks[0].Describe(LoopModel()), HasSubstr("early"));
@@ -109,9 +109,9 @@ TEST(TagClocksTest, LeavesRightModels) {
   for (unsigned seed = 1; seed <= 10; ++seed) {
     for (const double walk : {0.0, 0.003, 0.03}) {
       Record record = LoopRecord({.walk = walk, .seed = seed});
-      EXPECT_TRUE(Find(record).empty());
+      EXPECT_TRUE(FindClocks(record).empty());
       testing::Quantise(0.05, record.outputs);
-      EXPECT_TRUE(Find(record).empty());
+      EXPECT_TRUE(FindClocks(record).empty());
     }
   }
 }
@@ -126,7 +126,8 @@ TEST(TagClocksTest, LeavesAgedElements) {
           (what == 0 ? 0.5 : 1.0) * g.StaticGain(),
           (what == 1 ? 1.5 : 1.0) * g.TimeConstant(),
           g.delay() + (what == 2 ? 1.5 : 0.0));
-      EXPECT_TRUE(Find(LoopRecord(aged, {}, StaticGains(LoopModel()))).empty())
+      EXPECT_TRUE(
+          FindClocks(LoopRecord(aged, {}, StaticGains(LoopModel()))).empty())
           << element << " " << what;
     }
   }

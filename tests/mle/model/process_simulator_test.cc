@@ -20,7 +20,7 @@ using ::testing::HasSubstr;
 using testing::MixedModel;
 using testing::SingleLoop;
 
-MatrixXd Simulate(const ProcessModel& model, const MatrixXd& inputs) {
+MatrixXd SimulateModel(const ProcessModel& model, const MatrixXd& inputs) {
   absl::StatusOr<ProcessSimulator> plant = ProcessSimulator::Create(model, 0.2);
   EXPECT_TRUE(plant.ok()) << plant.status();
   MatrixXd outputs(plant->num_outputs(), inputs.cols() + 1);
@@ -46,13 +46,13 @@ TEST(ProcessSimulatorTest, HasTheModelsSizeAndStartsAtRest) {
 }
 
 TEST(ProcessSimulatorTest, StaysAtRestWithoutInput) {
-  EXPECT_EQ(Simulate(MixedModel(), MatrixXd::Zero(3, 50)).norm(), 0.0);
+  EXPECT_EQ(SimulateModel(MixedModel(), MatrixXd::Zero(3, 50)).norm(), 0.0);
 }
 
 TEST(ProcessSimulatorTest, AnAbsentPairHasNoEffect) {
   MatrixXd inputs = MatrixXd::Zero(3, 50);
   inputs.row(2).setOnes();
-  const MatrixXd y = Simulate(MixedModel(), inputs);
+  const MatrixXd y = SimulateModel(MixedModel(), inputs);
   EXPECT_EQ(y.row(1).norm(), 0.0);
   EXPECT_GT(y.row(0).norm(), 0.0);
 }
@@ -60,10 +60,10 @@ TEST(ProcessSimulatorTest, AnAbsentPairHasNoEffect) {
 TEST(ProcessSimulatorTest, Superposition) {
   const MatrixXd u = RandomInputs(1, 3, 200);
   const MatrixXd v = RandomInputs(2, 3, 200);
-  const MatrixXd combined =
-      2.0 * Simulate(MixedModel(), u) - 0.5 * Simulate(MixedModel(), v);
+  const MatrixXd combined = 2.0 * SimulateModel(MixedModel(), u) -
+                            0.5 * SimulateModel(MixedModel(), v);
   // Values of order 1 to 10: rounding.
-  EXPECT_LE((Simulate(MixedModel(), 2.0 * u - 0.5 * v) - combined)
+  EXPECT_LE((SimulateModel(MixedModel(), 2.0 * u - 0.5 * v) - combined)
                 .cwiseAbs()
                 .maxCoeff(),
             1e-12);
@@ -79,8 +79,8 @@ TEST(ProcessSimulatorTest, LongerDeadTimeByWholeSamplesShiftsTheResponse) {
     }
   }
   const MatrixXd u = RandomInputs(1, 3, 200);
-  const MatrixXd y = Simulate(MixedModel(), u);
-  const MatrixXd late = Simulate(delayed, u);
+  const MatrixXd y = SimulateModel(MixedModel(), u);
+  const MatrixXd late = SimulateModel(delayed, u);
   EXPECT_EQ(late.leftCols(shift + 1).norm(), 0.0);
   // The part of a sample differs by rounding of the sum of the dead times.
   EXPECT_LE((late.rightCols(201 - shift) - y.leftCols(201 - shift))
@@ -93,9 +93,9 @@ TEST(ProcessSimulatorTest, LaterInputShiftsTheResponse) {
   const MatrixXd u = RandomInputs(1, 3, 100);
   MatrixXd late_input = MatrixXd::Zero(3, 130);
   late_input.rightCols(100) = u;
-  const MatrixXd late = Simulate(MixedModel(), late_input);
+  const MatrixXd late = SimulateModel(MixedModel(), late_input);
   EXPECT_EQ(late.leftCols(31).norm(), 0.0);
-  EXPECT_EQ(late.rightCols(101), Simulate(MixedModel(), u));
+  EXPECT_EQ(late.rightCols(101), SimulateModel(MixedModel(), u));
 }
 
 // The present input cannot show before time has passed, and an output never
@@ -104,8 +104,8 @@ TEST(ProcessSimulatorTest, IsCausal) {
   const MatrixXd u = RandomInputs(1, 3, 100);
   MatrixXd changed = u;
   changed.rightCols(40) = RandomInputs(2, 3, 40);
-  const MatrixXd y = Simulate(MixedModel(), u);
-  const MatrixXd z = Simulate(MixedModel(), changed);
+  const MatrixXd y = SimulateModel(MixedModel(), u);
+  const MatrixXd z = SimulateModel(MixedModel(), changed);
   EXPECT_EQ(y.leftCols(61), z.leftCols(61));
   EXPECT_NE(y.col(61), z.col(61));
 }
@@ -114,7 +114,7 @@ TEST(ProcessSimulatorTest, IsCausal) {
 TEST(ProcessSimulatorTest, DeadTimeWithinRoundingOfASampleIsWhole) {
   const MatrixXd u = RandomInputs(1, 1, 60);
   const auto response = [&u](double delay) {
-    return Simulate(SingleLoop(TransferFunction({1.0}, {1.0}, delay)), u);
+    return SimulateModel(SingleLoop(TransferFunction({1.0}, {1.0}, delay)), u);
   };
   const MatrixXd whole = response(3 * 0.2);
   EXPECT_EQ(whole.rightCols(57), u.leftCols(57));
@@ -192,7 +192,7 @@ TEST(SimulateResponseTest, TheFirstInputsBalanceALevel) {
 TEST(SimulateResponseTest, GoesOnFromTheSettledState) {
   MatrixXd inputs = RandomInputs(3, 3, 400);
   inputs.leftCols(300).colwise() = Eigen::Vector3d(0.5, -2.0, 1.0);
-  const MatrixXd from_rest = Simulate(MixedModel(), inputs).leftCols(400);
+  const MatrixXd from_rest = SimulateModel(MixedModel(), inputs).leftCols(400);
   const absl::StatusOr<MatrixXd> y =
       SimulateResponse(MixedModel(), 0.2, inputs.rightCols(101));
   ASSERT_TRUE(y.ok());

@@ -1,7 +1,6 @@
 #include "mle/model/transfer_function.h"
 
 #include <cmath>
-#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -9,13 +8,12 @@
 #include "Eigen/LU"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "mle/base/double_limits.h"
 
 namespace mle {
 namespace {
 
 using ::testing::HasSubstr;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 std::string Message(const TransferFunction& g) {
   return std::string(g.Validate().message());

@@ -7,14 +7,13 @@
 
 #include "Eigen/Core"
 #include "gtest/gtest.h"
+#include "mle/base/double_limits.h"
 
 namespace mle {
 namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 MatrixXd RandomMatrix(int rows, int cols, std::mt19937_64& engine) {
   std::normal_distribution<double> normal;

@@ -17,7 +17,7 @@ namespace {
 constexpr double kLevel = 1e-3;
 
 // The output of `model` set up for records of `plant`, all elements fitted.
-struct Fitted {
+struct FittedSetup {
   std::vector<OutputSetup> setups;
   OutputFit fit;
 
@@ -34,10 +34,11 @@ struct Fitted {
   }
 };
 
-Fitted FitTo(const ProcessModel& model, const std::vector<Record>& records) {
+FittedSetup FitTo(const ProcessModel& model,
+                  const std::vector<Record>& records) {
   auto setups = SetUpOutputs(model, records, {});
   EXPECT_TRUE(setups.ok()) << setups.status();
-  Fitted fitted{*std::move(setups), {}};
+  FittedSetup fitted{*std::move(setups), {}};
   const OutputSetup& setup = fitted.setup();
   fitted.fit =
       FitOutput(*setup.problem, setup.start, {true, true}, setup.bounds, {});
@@ -48,7 +49,7 @@ TEST(ChangeConfirmationTest, NoiseConfirmsNothing) {
   const ProcessModel model = TwoElements();
   int confirmed = 0;
   for (unsigned seed = 1; seed <= 10; ++seed) {
-    const Fitted fitted =
+    const FittedSetup fitted =
         FitTo(model, MakeRecords(model, 400, seed, {.variance = 0.01}));
     const ConfirmedChanges changes = fitted.Confirm({true, true});
     for (int j = 0; j < 2; ++j) {
@@ -67,7 +68,7 @@ TEST(ChangeConfirmationTest, WhatHasChangedStays) {
   const ProcessModel model = TwoElements();
   ProcessModel plant = model;
   plant.element(0, 0) = TransferFunction::FirstOrder(2.2, 4.0, 1.0);
-  const Fitted fitted =
+  const FittedSetup fitted =
       FitTo(model, MakeRecords(plant, 400, 3, {.variance = 0.01}));
   const ConfirmedChanges changes = fitted.Confirm({true, true});
   EXPECT_TRUE(changes.changed[0]);
@@ -87,7 +88,7 @@ TEST(ChangeConfirmationTest, OthersStayAsTheyWere) {
   const ProcessModel model = TwoElements();
   ProcessModel plant = model;
   plant.element(0, 0) = TransferFunction::FirstOrder(2.2, 4.0, 1.0);
-  const Fitted fitted =
+  const FittedSetup fitted =
       FitTo(model, MakeRecords(plant, 400, 3, {.variance = 0.01}));
   const ConfirmedChanges changes = fitted.Confirm({true, false});
   EXPECT_EQ(changes.changed, (std::vector<bool>{true, false}));
@@ -99,7 +100,8 @@ TEST(ChangeConfirmationTest, OthersStayAsTheyWere) {
 // change: from the initial values a better one is found, and nothing is gained.
 TEST(ChangeConfirmationTest, AnEstimateBesideTheMinimumIsNoChange) {
   const ProcessModel model = TwoElements();
-  Fitted fitted = FitTo(model, MakeRecords(model, 400, 5, {.variance = 0.01}));
+  FittedSetup fitted =
+      FitTo(model, MakeRecords(model, 400, 5, {.variance = 0.01}));
   ElementValues& values = fitted.fit.point.values[1];
   values.delay += 0.9 * values.time_scale;
   values.time_scale *= 0.1;
@@ -114,7 +116,8 @@ TEST(ChangeConfirmationTest, ABetterFitIsFoundFromTheInitialValues) {
   const ProcessModel model = TwoElements();
   ProcessModel plant = model;
   plant.element(0, 1) = TransferFunction::FirstOrder(-3.6, 6.0, 2.3);
-  Fitted fitted = FitTo(model, MakeRecords(plant, 400, 5, {.variance = 0.01}));
+  FittedSetup fitted =
+      FitTo(model, MakeRecords(plant, 400, 5, {.variance = 0.01}));
   EXPECT_FALSE(fitted.Confirm({false, true}).restarted);
   const OutputSetup& setup = fitted.setup();
   ElementValues& values = fitted.fit.point.values[1];
@@ -138,7 +141,7 @@ TEST(ChangeConfirmationTest, FreeResponsesOfManyRecordsAreNoChange) {
   for (unsigned r = 0; r < 40; ++r) {
     records.push_back(MakeRecord(model, 120, 700 + r, {.variance = 0.01}));
   }
-  const Fitted fitted = FitTo(model, records);
+  const FittedSetup fitted = FitTo(model, records);
   const ConfirmedChanges changes = fitted.Confirm({true, true});
   EXPECT_EQ(changes.changed, (std::vector<bool>{false, false}));
   // The ratio is one that three degrees of freedom would not have explained.
@@ -154,7 +157,7 @@ TEST(ChangeConfirmationTest, AssumptionsAreAveraged) {
   const ProcessModel model = TwoElements();
   ProcessModel plant = model;
   plant.element(0, 1) = TransferFunction::FirstOrder(-3.1, 6.0, 2.3);
-  const Fitted fitted =
+  const FittedSetup fitted =
       FitTo(model, MakeRecords(plant, 400, 4, {.variance = 0.01}));
   const ConfirmedChanges one = fitted.Confirm({false, true});
   const ConfirmedChanges two =

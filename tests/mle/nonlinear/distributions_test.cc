@@ -1,14 +1,12 @@
 #include "mle/nonlinear/distributions.h"
 
 #include <cmath>
-#include <limits>
 
 #include "gtest/gtest.h"
+#include "mle/base/double_limits.h"
 
 namespace mle {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 TEST(ChiSquareTailTest, IsItsClosedForms) {
   for (const double x : {0.01, 0.7, 3.0, 12.0, 60.0, 700.0}) {

@@ -14,7 +14,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-MatrixXd RandomMatrix(Index rows, Index cols) {
+MatrixXd RandomColumns(Index rows, Index cols) {
   std::mt19937_64 engine(7);
   std::normal_distribution<double> normal;
   MatrixXd matrix(rows, cols);
@@ -24,7 +24,7 @@ MatrixXd RandomMatrix(Index rows, Index cols) {
 
 // Column 2 depends on two others, column 4 is zero; scales differ by 1e12.
 MatrixXd DependentColumns() {
-  MatrixXd columns = RandomMatrix(40, 8);
+  MatrixXd columns = RandomColumns(40, 8);
   columns.col(2) = columns.col(0) - 0.5 * columns.col(1);
   columns.col(4).setZero();
   columns.col(0) *= 1e6;
@@ -85,7 +85,7 @@ TEST(Elimination, CoefficientsAreThoseOfLeastSquares) {
 }
 
 TEST(Elimination, OfNoColumnsLeavesAll) {
-  const MatrixXd columns = RandomMatrix(10, 3);
+  const MatrixXd columns = RandomColumns(10, 3);
   const MatrixXd products = columns.transpose() * columns;
   const Elimination elimination = EliminateFirst(0, products);
   EXPECT_EQ(elimination.rank(), 0);

@@ -9,6 +9,7 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "mle/base/double_limits.h"
 #include "mle/model/transfer_function.h"
 
 namespace mle {
@@ -323,7 +324,6 @@ TEST(FopdtOptionsTest, ValidateNamesTheField) {
     change(options);
     return std::string(options.Validate().message());
   };
-  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THAT(message([](FopdtOptions& o) { o.max_delay = -1.0; }),
               HasSubstr("max_delay is -1"));
   EXPECT_THAT(message([](FopdtOptions& o) { o.max_delay = kNaN; }),

@@ -16,7 +16,7 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-MatrixXd RandomMatrix(int rows, int cols) {
+MatrixXd RandomSamples(int rows, int cols) {
   std::mt19937 engine(1);
   std::normal_distribution<double> normal;
   MatrixXd matrix(rows, cols);
@@ -74,7 +74,7 @@ class InnovationsFilterTest : public ::testing::TestWithParam<NoiseShape> {};
 TEST_P(InnovationsFilterTest, IsGeneralisedLeastSquaresWithAFreeOffset) {
   const std::vector<int> times = {0, 1, 2, 3, 7, 8, 10, 11, 12, 30, 31, 32};
   const int n = static_cast<int>(times.size());
-  const MatrixXd columns = RandomMatrix(n, 3);
+  const MatrixXd columns = RandomSamples(n, 3);
   MatrixXd whitened = columns;
   const InnovationsFilter filter(times, GetParam());
   filter.Apply(whitened);
@@ -128,7 +128,7 @@ TEST_P(InnovationsFilterTest, ProductsAreThoseOfWhitenedColumns) {
   const InnovationsFilter filter(times, GetParam());
   for (const int width : {1, 3, 8, 33}) {
     const MatrixXd columns =
-        RandomMatrix(static_cast<int>(times.size()), width);
+        RandomSamples(static_cast<int>(times.size()), width);
     MatrixXd whitened = columns;
     filter.Apply(whitened);
     const MatrixXd expected = whitened.transpose() * whitened;
@@ -146,7 +146,7 @@ TEST_P(InnovationsFilterTest, WeightsAreInverseVariances) {
   weights(0) = 0.2;
   weights(4) = 0.01;
   weights(9) = 0.5;
-  const MatrixXd columns = RandomMatrix(n, 3);
+  const MatrixXd columns = RandomSamples(n, 3);
   MatrixXd whitened = columns;
   const InnovationsFilter filter(times, GetParam(), weights);
   filter.Apply(whitened);
@@ -212,7 +212,7 @@ TEST_P(ColourWithoutOffsetTest, IsGeneralisedLeastSquares) {
                             .colour_pole = 0.8,
                             .colour_damping = GetParam()};
   const InnovationsFilter filter(times, shape);
-  const MatrixXd columns = RandomMatrix(7, 5);
+  const MatrixXd columns = RandomSamples(7, 5);
   MatrixXd whitened = columns;
   filter.Apply(whitened);
   const Eigen::LLT<MatrixXd> factor(Covariance(times, shape));
@@ -230,7 +230,7 @@ INSTANTIATE_TEST_SUITE_P(Dampings, ColourWithoutOffsetTest,
                          ::testing::Values(0.0, 0.3, 1.0, 3.0));
 
 TEST(InnovationsFilterTest, WithoutOffsetWhiteNoisePassesAsItIs) {
-  const MatrixXd columns = RandomMatrix(5, 2);
+  const MatrixXd columns = RandomSamples(5, 2);
   MatrixXd filtered = columns;
   const InnovationsFilter filter({0, 1, 2, 5, 6},
                                  {.ratio = 0.0, .offset = false});
@@ -248,7 +248,7 @@ TEST(InnovationsFilterTest, SettledGainsAreTheSame) {
     if (k % 1100 < 1000) times.push_back(k);
   }
   const auto rows = static_cast<int>(times.size());
-  const MatrixXd columns = RandomMatrix(rows, 2);
+  const MatrixXd columns = RandomSamples(rows, 2);
   for (const NoiseShape& shape :
        {NoiseShape{.ratio = 0.3}, NoiseShape{.ratio = 1e-6},
         NoiseShape{.ratio = 0.1, .colour_ratio = 0.5, .colour_pole = 0.7},

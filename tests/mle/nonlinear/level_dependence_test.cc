@@ -10,7 +10,7 @@
 namespace mle {
 namespace {
 
-using Fitted = Eigen::Matrix<bool, Eigen::Dynamic, Eigen::Dynamic>;
+using FittedElements = Eigen::Matrix<bool, Eigen::Dynamic, Eigen::Dynamic>;
 
 constexpr double kRange = 3.0;
 
@@ -29,7 +29,7 @@ std::vector<Record> ValveRecords(double curvature, unsigned seed) {
 }
 
 std::vector<LevelDependence> Tested(const std::vector<Record>& records) {
-  Fitted fitted = Fitted::Constant(1, 2, true);
+  FittedElements fitted = FittedElements::Constant(1, 2, true);
   auto tested = TestLevelDependence(TwoElements(), records, fitted, {},
                                     std::vector<NoiseEstimate>(1));
   EXPECT_TRUE(tested.ok()) << tested.status();
@@ -65,7 +65,7 @@ TEST(LevelDependence, OfNothingIsRare) {
 }
 
 TEST(LevelDependence, IsAskedOfInputsWithAChangeOnly) {
-  Fitted fitted = Fitted::Constant(1, 2, false);
+  FittedElements fitted = FittedElements::Constant(1, 2, false);
   fitted(0, 1) = true;
   const auto tested =
       TestLevelDependence(TwoElements(), ValveRecords(0.15, 1), fitted, {},

@@ -14,7 +14,7 @@ namespace {
 
 // Two records of 1,500 samples every 0.5 min, a tenth of the second one's
 // outputs lost.
-std::vector<Record> Records(const RecordNoise& noise, unsigned seed) {
+std::vector<Record> LineRecords(const RecordNoise& noise, unsigned seed) {
   auto records = MakeRecords(TwoElements(), 1500, seed, noise);
   for (int k = 400; k < 1400; k += 10) {
     records[1].outputs(0, k) = std::numeric_limits<double>::quiet_NaN();
@@ -25,8 +25,8 @@ std::vector<Record> Records(const RecordNoise& noise, unsigned seed) {
 TEST(LineSearchTest, FindsASine) {
   const RecordNoise noise = {
       .variance = 0.01, .amplitude = 0.15, .period = 25.3};
-  const auto correction = CorrectByOutputError(TwoElements(), Records(noise, 1),
-                                               OutputErrorOptions());
+  const auto correction = CorrectByOutputError(
+      TwoElements(), LineRecords(noise, 1), OutputErrorOptions());
   ASSERT_TRUE(correction.ok()) << correction.status();
   const NoiseEstimate& found = correction->full.noise[0];
   ASSERT_EQ(found.lines.size(), 1U);
@@ -46,7 +46,7 @@ TEST(LineSearchTest, OtherNoiseHasNoLines) {
     if (seed % 3 == 2) noise.shock = 0.01;
     noise.pole = 0.9;
     const auto correction = CorrectByOutputError(
-        TwoElements(), Records(noise, seed), OutputErrorOptions());
+        TwoElements(), LineRecords(noise, seed), OutputErrorOptions());
     ASSERT_TRUE(correction.ok()) << correction.status();
     EXPECT_TRUE(correction->full.noise[0].lines.empty()) << seed;
   }
@@ -57,7 +57,7 @@ TEST(LineSearchTest, OtherNoiseHasNoLines) {
 // that stand still show a line.
 TEST(LineSearchTest, AResponseToTheInputsIsNoLine) {
   const ProcessModel model = TwoElements();
-  auto records = Records({.variance = 0.01}, 3);
+  auto records = LineRecords({.variance = 0.01}, 3);
   for (Record& record : records) {
     auto plant = sim::Plant::Create(model, {.sample_time = 0.5});
     ASSERT_TRUE(plant.ok());

@@ -15,12 +15,12 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-const NoiseShape kShapes[] = {{.ratio = 0.0, .offset = false},
-                              {.ratio = 1e-3},
-                              {.ratio = 0.01,
-                               .colour_ratio = 0.3,
-                               .colour_pole = 0.8,
-                               .colour_damping = 0.4}};
+const NoiseShape kCostShapes[] = {{.ratio = 0.0, .offset = false},
+                                  {.ratio = 1e-3},
+                                  {.ratio = 0.01,
+                                   .colour_ratio = 0.3,
+                                   .colour_pole = 0.8,
+                                   .colour_damping = 0.4}};
 
 // What Ceres is given at a point: residuals and the Jacobian of all blocks.
 struct Evaluation {
@@ -84,7 +84,7 @@ TEST_F(OutputCostTest, HasCostGradientAndNormalMatrixOfTheWhitenedResiduals) {
     for (int j = 0; j < 2; ++j) {
       for (int i = 0; free[j] && i < 3; ++i) kept.push_back(3 * j + i);
     }
-    for (const NoiseShape& shape : kShapes) {
+    for (const NoiseShape& shape : kCostShapes) {
       const auto cost = MakeOutputCost(problem(), point_, free, shape, true);
       const WhitenedColumns whitened = problem().Whiten(
           problem().Linearise(point_, shape, {true, true}), shape);
@@ -115,7 +115,7 @@ TEST_F(OutputCostTest, HasCostGradientAndNormalMatrixOfTheWhitenedResiduals) {
 
 // The gradient is that of the cost, by differences.
 TEST_F(OutputCostTest, GradientIsTheDerivativeOfTheCost) {
-  const NoiseShape shape = kShapes[2];
+  const NoiseShape shape = kCostShapes[2];
   const std::vector<bool> free = {true, true};
   const auto cost = MakeOutputCost(problem(), point_, free, shape, true);
   const Evaluation at = Evaluate(*cost, point_, free, true);

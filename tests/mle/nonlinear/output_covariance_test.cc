@@ -15,9 +15,9 @@ using Eigen::VectorXd;
 
 // Dead times between samples: the response has a kink where one is a whole
 // number of them.
-FittedOutput FitRecords(unsigned seed,
-                        const RecordNoise& noise = {.variance = 0.01,
-                                                    .increment = 1e-4}) {
+FittedOutput FitWrongModel(unsigned seed,
+                           const RecordNoise& noise = {.variance = 0.01,
+                                                       .increment = 1e-4}) {
   ProcessModel model = TwoElements();
   model.element(0, 0) = TransferFunction::FirstOrder(2.0, 4.0, 1.2);
   return FitRecords(model, noise, seed);
@@ -33,7 +33,7 @@ VectorXd Residuals(const OutputErrorProblem& problem, OutputPoint point,
 // exact: J leaves out how the estimates of what is eliminated (initial states)
 // move with T, which counts with the residuals.
 TEST(OutputCovarianceTest, IsTheInverseOfInformationInUnitsOfTheParameters) {
-  const FittedOutput f = FitRecords(1, {});
+  const FittedOutput f = FitWrongModel(1, {});
   NoiseEstimate noise;
   noise.variance = 0.01;
   noise.ratio = 1e-2;
@@ -70,7 +70,7 @@ TEST(OutputCovarianceTest, IsTheInverseOfInformationInUnitsOfTheParameters) {
 
 // What is held has none; what stands in no relation to the record, any.
 TEST(OutputCovarianceTest, HeldElementsAndUnexcitedOnes) {
-  const FittedOutput f = FitRecords(2);
+  const FittedOutput f = FitWrongModel(2);
   const OutputCovariance held =
       ComputeCovariance(f.problem(), f.fit.point, {true, false}, f.fit.noise);
   EXPECT_EQ(held.rank, 3);
@@ -89,7 +89,7 @@ TEST(OutputCovarianceTest, HeldElementsAndUnexcitedOnes) {
 // A variance known as well as n squares tell it has n degrees of freedom; each
 // part of its variance adds: 2/ν = 2/n + (d ln V / d ln ρ · σ)².
 TEST(OutputCovarianceTest, DegreesOfFreedomAreSatterthwaites) {
-  const FittedOutput f = FitRecords(3);
+  const FittedOutput f = FitWrongModel(3);
   const double n = f.problem().num_innovations(ShapeOf(f.fit.noise));
   NoiseEstimate noise = f.fit.noise;
   ASSERT_GT(noise.ratio, 0.0);

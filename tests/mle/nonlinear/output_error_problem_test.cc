@@ -17,8 +17,8 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-OutputErrorProblem MakeProblem(const ProcessModel& model,
-                               const std::vector<Record>& records) {
+OutputErrorProblem ProblemOf(const ProcessModel& model,
+                             const std::vector<Record>& records) {
   OutputErrorProblem::Elements elements(model.num_inputs());
   for (int j = 0; j < model.num_inputs(); ++j) {
     if (model.element(0, j).IsZero()) continue;
@@ -37,16 +37,16 @@ OutputPoint PointOf(const OutputErrorProblem& problem) {
   return point;
 }
 
-const NoiseShape kShapes[] = {{.ratio = 0.0, .offset = false},
-                              {.ratio = 0.0},
-                              {.ratio = 1e-3},
-                              {.ratio = 1.0}};
+const NoiseShape kDriftShapes[] = {{.ratio = 0.0, .offset = false},
+                                   {.ratio = 0.0},
+                                   {.ratio = 1e-3},
+                                   {.ratio = 1.0}};
 
 TEST(OutputErrorProblemTest, TheTrueParametersLeaveNothing) {
   const ProcessModel plant = TwoElements();
   const auto records = MakeRecords(plant, 400, 1, {});
-  const OutputErrorProblem problem = MakeProblem(plant, records);
-  for (const NoiseShape shape : kShapes) {
+  const OutputErrorProblem problem = ProblemOf(plant, records);
+  for (const NoiseShape shape : kDriftShapes) {
     const WhitenedColumns whitened =
         problem.Whiten(problem.Linearise(PointOf(problem), shape, {}), shape);
     // The simulation is exact to about 1e-9 (Runge–Kutta in fine steps).
@@ -59,7 +59,7 @@ TEST(OutputErrorProblemTest, TheTrueParametersLeaveNothing) {
 TEST(OutputErrorProblemTest, SecantsOfDeadTimes) {
   const ProcessModel plant = TwoElements();
   const OutputErrorProblem problem =
-      MakeProblem(plant, MakeRecords(plant, 400, 5, {.variance = 0.01}));
+      ProblemOf(plant, MakeRecords(plant, 400, 5, {.variance = 0.01}));
   const OutputPoint point = PointOf(problem);
   const NoiseShape shape = {.ratio = 0.01};
   const auto exact = problem.Linearise(point, shape, {true, true});
@@ -89,7 +89,7 @@ TEST(OutputErrorProblemTest, GradientIsThatOfDifferences) {
   ProcessModel plant = TwoElements();
   plant.element(0, 0) = TransferFunction({2.0}, {8.0, 6.0, 1.0}, 1.2);
   const auto records = MakeRecords(plant, 400, 2, {.variance = 0.01});
-  const OutputErrorProblem problem = MakeProblem(plant, records);
+  const OutputErrorProblem problem = ProblemOf(plant, records);
   OutputPoint point = PointOf(problem);
   point.values[0].gain *= 1.2;
   point.values[0].time_scale *= 0.9;
@@ -99,7 +99,7 @@ TEST(OutputErrorProblemTest, GradientIsThatOfDifferences) {
     return 0.5 * problem.Whiten(problem.Linearise(at, shape, {}), shape)
                      .residuals.squaredNorm();
   };
-  for (const NoiseShape shape : kShapes) {
+  for (const NoiseShape shape : kDriftShapes) {
     const WhitenedColumns whitened =
         problem.Whiten(problem.Linearise(point, shape, {true, true}), shape);
     const VectorXd gradient =
@@ -131,7 +131,7 @@ TEST(OutputErrorProblemTest, BadSamplesAreLeftOut) {
   records[0].outputs(0, 150) = bad;
   records[0].outputs(0, 151) = bad;
   records[1].inputs(1, 200) = bad;
-  const OutputErrorProblem problem = MakeProblem(plant, records);
+  const OutputErrorProblem problem = ProblemOf(plant, records);
   // An unknown input begins a new segment, which skips 40 samples anew.
   EXPECT_EQ(problem.num_segments(), 3);
   EXPECT_EQ(problem.num_samples(), 360 - 2 + 160 + 159);
@@ -146,8 +146,8 @@ TEST(DelaySearchTest, FindsDeadTimesFarAway) {
   plant.element(0, 0).set_delay(8.0);
   plant.element(0, 1).set_delay(0.5);
   const auto records = MakeRecords(plant, 400, 4, {.variance = 1e-4});
-  const OutputErrorProblem problem = MakeProblem(TwoElements(), records);
-  for (const NoiseShape shape : kShapes) {
+  const OutputErrorProblem problem = ProblemOf(TwoElements(), records);
+  for (const NoiseShape shape : kDriftShapes) {
     const DelaySearchResult found = SearchDelays(
         problem, PointOf(problem), shape, {true, true}, {15.0, 15.0}, 64);
     EXPECT_EQ(found.point.values[0].delay, 8.0);
@@ -172,7 +172,7 @@ TEST(DelaySearchTest, NoPairOfThreeIsBetter) {
   plant.element(0, 1).set_delay(1.0);
   plant.element(0, 2).set_delay(4.0);
   const OutputErrorProblem problem =
-      MakeProblem(model, MakeRecords(plant, 400, 6, {.variance = 0.3}));
+      ProblemOf(model, MakeRecords(plant, 400, 6, {.variance = 0.3}));
   const NoiseShape shape = {.ratio = 0.01};
   const DelaySearchResult found =
       SearchDelays(problem, PointOf(problem), shape, {true, true, true},
@@ -209,7 +209,7 @@ TEST(DelaySearchTest, HoldsWhatIsNotFree) {
   ProcessModel plant = TwoElements();
   plant.element(0, 0).set_delay(8.0);
   const auto records = MakeRecords(plant, 400, 5, {.variance = 1e-4});
-  const OutputErrorProblem problem = MakeProblem(TwoElements(), records);
+  const OutputErrorProblem problem = ProblemOf(TwoElements(), records);
   const DelaySearchResult found = SearchDelays(problem, PointOf(problem), {},
                                                {true, false}, {15.0, 15.0}, 64);
   EXPECT_EQ(found.point.values[0].delay, 8.0);

@@ -1,11 +1,11 @@
 #include "mle/nonlinear/output_error_selection.h"
 
 #include <cmath>
-#include <limits>
 #include <random>
 
 #include "Eigen/Cholesky"
 #include "gtest/gtest.h"
+#include "mle/base/double_limits.h"
 #include "mle/nonlinear/distributions.h"
 
 namespace mle {
@@ -13,8 +13,6 @@ namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 MatrixXd RandomCovariance(int size, std::mt19937& engine) {
   std::normal_distribution<double> normal;

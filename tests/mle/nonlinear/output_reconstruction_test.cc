@@ -1,7 +1,6 @@
 #include "mle/nonlinear/output_reconstruction.h"
 
 #include <cmath>
-#include <limits>
 #include <random>
 #include <string>
 #include <utility>
@@ -9,6 +8,7 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "mle/base/double_limits.h"
 #include "tests/mle/nonlinear/output_error_records.h"
 
 namespace mle {
@@ -17,7 +17,6 @@ namespace {
 using ::testing::HasSubstr;
 
 constexpr double kDeviation = 0.1;
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 ProcessModel AgedPlant() {
   ProcessModel plant = TwoElements();

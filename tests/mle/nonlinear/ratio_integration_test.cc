@@ -12,7 +12,7 @@ namespace {
 
 using Eigen::VectorXd;
 
-FittedOutput FitRecords(const RecordNoise& noise, unsigned seed) {
+FittedOutput FitRightModel(const RecordNoise& noise, unsigned seed) {
   return FitRecords(TwoElements(), noise, seed);
 }
 
@@ -25,7 +25,7 @@ VectorXd Mean(const std::vector<LinearEstimate>& estimates) {
 TEST(RatioIntegrationTest, WeightsAreAProbability) {
   for (const double increment : {0.0, 1e-6, 1e-4}) {
     const FittedOutput f =
-        FitRecords({.variance = 0.01, .increment = increment}, 3);
+        FitRightModel({.variance = 0.01, .increment = increment}, 3);
     const auto estimates = IntegrateRatio(f.problem(), f.fit, true);
     double total = 0.0;
     for (const LinearEstimate& e : estimates) {
@@ -44,14 +44,15 @@ TEST(RatioIntegrationTest, WeightsAreAProbability) {
 
 // A step of Gauss and Newton to another ratio is where the fit under it ends.
 TEST(RatioIntegrationTest, ChangesAreThoseOfRefits) {
-  const FittedOutput f = FitRecords({.variance = 0.01, .increment = 1e-4}, 4);
+  const FittedOutput f =
+      FitRightModel({.variance = 0.01, .increment = 1e-4}, 4);
   const OutputErrorProblem& problem = f.problem();
   OutputErrorOptions white;
   white.estimate_drift = false;  // ρ = 0
   const OutputFit refit =
       FitOutput(problem, f.fit.point, {true, true}, f.setups[0].bounds, white);
   // In records without drift ρ = 0 stands first among the estimates.
-  const FittedOutput still = FitRecords({.variance = 0.01}, 5);
+  const FittedOutput still = FitRightModel({.variance = 0.01}, 5);
   const auto estimates = IntegrateRatio(still.problem(), still.fit, true);
   const OutputFit still_refit =
       FitOutput(still.problem(), still.fit.point, {true, true},
@@ -68,7 +69,8 @@ TEST(RatioIntegrationTest, ChangesAreThoseOfRefits) {
 // Where drift is plain the weights gather about its ratio, and what is not
 // known of it widens nothing.
 TEST(RatioIntegrationTest, PlainDriftIsFound) {
-  const FittedOutput f = FitRecords({.variance = 0.01, .increment = 1e-3}, 6);
+  const FittedOutput f =
+      FitRightModel({.variance = 0.01, .increment = 1e-3}, 6);
   const auto estimates = IntegrateRatio(f.problem(), f.fit, true);
   EXPECT_LE(estimates.size(), 6U);
   double variance = 0.0;
@@ -80,7 +82,7 @@ TEST(RatioIntegrationTest, PlainDriftIsFound) {
 
 // Without drift it cannot be excluded: the gain is less certain than at ρ = 0.
 TEST(RatioIntegrationTest, DriftThatCannotBeExcludedCounts) {
-  const FittedOutput f = FitRecords({.variance = 0.01}, 7);
+  const FittedOutput f = FitRightModel({.variance = 0.01}, 7);
   const auto estimates = IntegrateRatio(f.problem(), f.fit, true);
   EXPECT_GT(estimates.size(), 5U);
   double variance = 0.0;
@@ -93,7 +95,7 @@ TEST(RatioIntegrationTest, DriftThatCannotBeExcludedCounts) {
 
 // Weights are likelihood times the length of √ρ that each ratio stands for.
 TEST(RatioIntegrationTest, EverySquareRootIsAsLikelyBeforehand) {
-  const FittedOutput f = FitRecords({.variance = 0.01}, 9);
+  const FittedOutput f = FitRightModel({.variance = 0.01}, 9);
   const OutputErrorProblem& problem = f.problem();
   const auto columns =
       LineariseWidely(problem, f.fit.point, f.fit.free, f.fit.noise);
@@ -131,7 +133,7 @@ TEST(RatioIntegrationTest, EverySquareRootIsAsLikelyBeforehand) {
 }
 
 TEST(RatioIntegrationTest, WithoutDriftThereIsOneEstimate) {
-  const FittedOutput f = FitRecords({.variance = 0.01}, 8);
+  const FittedOutput f = FitRightModel({.variance = 0.01}, 8);
   const auto estimates = IntegrateRatio(f.problem(), f.fit, false);
   ASSERT_EQ(estimates.size(), 1U);
   EXPECT_EQ(estimates[0].covariance, f.fit.covariance);

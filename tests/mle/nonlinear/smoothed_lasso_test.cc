@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <random>
 #include <string>
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "mle/base/double_limits.h"
 #include "mle/regression/homotopy.h"
 #include "tests/mle/regression/degenerate_lasso.h"
 #include "tests/mle/regression/explicit_lasso.h"
@@ -18,8 +18,6 @@ namespace mle {
 namespace {
 
 using ::testing::HasSubstr;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 SmoothedLassoSummary Solve(const LassoObjective& objective, double lambda,
                            const Eigen::VectorXd& start = {},

@@ -15,7 +15,7 @@ namespace {
 
 // Two records of 800 samples every 0.5 min that begin at 50 min, a tenth of the
 // first one's outputs lost.
-std::vector<Record> Records(const RecordNoise& noise, unsigned seed) {
+std::vector<Record> StepRecords(const RecordNoise& noise, unsigned seed) {
   auto records = MakeRecords(TwoElements(), 800, seed, noise);
   for (int k = 200; k < 700; k += 10) {
     records[0].outputs(0, k) = std::numeric_limits<double>::quiet_NaN();
@@ -54,7 +54,7 @@ TEST(StepSearchTest, FindsStepsOfTheLevel) {
       {.record = 0, .time = 250.0, .size = 0.3},
       {.record = 1, .time = 310.5, .size = -0.3}};
   for (const double increment : {0.0, 1e-5}) {
-    auto records = Records({.variance = 0.01, .increment = increment}, 2);
+    auto records = StepRecords({.variance = 0.01, .increment = increment}, 2);
     for (const LevelStep& step : steps) AddStep(step, records);
     const OutputErrorCorrection correction = Correct(records);
     const NoiseEstimate& noise = correction.full.noise[0];
@@ -72,7 +72,7 @@ TEST(StepSearchTest, FindsStepsOfTheLevel) {
 }
 
 TEST(StepSearchTest, FindsTheStepOfALoad) {
-  auto records = Records({.variance = 0.01}, 3);
+  auto records = StepRecords({.variance = 0.01}, 3);
   AddStep({.record = 0, .time = 300.0, .lag = 6.0, .size = 0.8}, records);
   const OutputErrorCorrection correction = Correct(records);
   const NoiseEstimate& noise = correction.full.noise[0];
@@ -93,7 +93,7 @@ TEST(StepSearchTest, OtherNoiseHasNoSteps) {
       noise.shock = 0.01;
       noise.lag = 0.9;
     }
-    EXPECT_TRUE(Correct(Records(noise, seed)).full.noise[0].steps.empty())
+    EXPECT_TRUE(Correct(StepRecords(noise, seed)).full.noise[0].steps.empty())
         << seed;
   }
 }
@@ -104,7 +104,7 @@ TEST(StepSearchTest, OtherNoiseHasNoSteps) {
 TEST(StepSearchTest, AResponseToTheInputsIsNoStep) {
   ProcessModel plant = TwoElements();
   plant.element(0, 0) = TransferFunction::FirstOrder(2.6, 4.0, 1.0);
-  auto records = Records({.variance = 0.01}, 3);
+  auto records = StepRecords({.variance = 0.01}, 3);
   for (Record& record : records) {
     auto model = sim::Plant::Create(TwoElements(), {.sample_time = 0.5});
     auto aged = sim::Plant::Create(plant, {.sample_time = 0.5});
@@ -150,7 +150,7 @@ TEST(StepSearchTest, AnElementOfSecondOrderHasNoSteps) {
   plant.element(0, 0) =
       TransferFunction({2.0}, {2.0 * 3.0, 2.0 + 3.0, 1.0}, 1.0);
   for (unsigned seed = 1; seed <= 4; ++seed) {
-    auto records = Records({.variance = 1e-4}, seed);
+    auto records = StepRecords({.variance = 1e-4}, seed);
     for (std::size_t r = 0; r < records.size(); ++r) {
       Record& record = records[r];
       auto second = sim::Plant::Create(plant, {.sample_time = 0.5});

@@ -1,12 +1,12 @@
 #include "mle/regression/coordinate_descent.h"
 
 #include <cmath>
-#include <limits>
 #include <random>
 #include <string>
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "mle/base/double_limits.h"
 #include "tests/mle/regression/explicit_lasso.h"
 
 namespace mle {
@@ -14,8 +14,6 @@ namespace {
 
 using ::testing::HasSubstr;
 using Stop = CoordinateDescentOptions::Stop;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Lags of one slow signal: strongly collinear columns.
 ExplicitLasso Collinear(int n, int rows, std::uint64_t seed) {

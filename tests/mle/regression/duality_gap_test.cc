@@ -2,18 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <random>
 #include <vector>
 
 #include "Eigen/QR"
 #include "gtest/gtest.h"
+#include "mle/base/double_limits.h"
 #include "tests/mle/regression/explicit_lasso.h"
 
 namespace mle {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 using MatrixXl = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
 using VectorXl = Eigen::Matrix<long double, Eigen::Dynamic, 1>;

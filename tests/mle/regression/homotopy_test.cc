@@ -15,6 +15,7 @@
 #include "Eigen/Cholesky"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "mle/base/double_limits.h"
 #include "mle/regression/coordinate_descent.h"
 #include "mle/regression/duality_gap.h"
 #include "tests/mle/regression/explicit_lasso.h"
@@ -24,8 +25,6 @@ namespace mle {
 namespace {
 
 using ::testing::HasSubstr;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 HomotopySummary Solve(const ExplicitLasso& problem,
                       const HomotopyOptions& options = {}) {

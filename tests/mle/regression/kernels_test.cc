@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <cstring>
-#include <limits>
 #include <numeric>
 #include <ostream>
 #include <random>
@@ -11,6 +10,7 @@
 
 #include "Eigen/Core"
 #include "gtest/gtest.h"
+#include "mle/base/double_limits.h"
 #include "tests/mle/regression/explicit_lasso.h"
 
 namespace mle {
@@ -20,8 +20,6 @@ void PrintTo(const Kernels& kernels, std::ostream* out) {
 }
 
 namespace {
-
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
 // Below, at and above every width, depth and panel.
 const std::vector<int> kSizes = {0, 1,  2,  3,  4,  5,  7,   8,
