@@ -236,17 +236,17 @@ TEST_F(MleCorrectModelForms, MatFilesGoInAndOut) {
   EXPECT_EQ(Run(example_.model)["decision"], "corrected");
   const absl::StatusOr<ModelFile> mat =
       ReadModelFile(example_.out + "/model.mat");
-  const absl::StatusOr<ProcessModel> json =
+  const absl::StatusOr<ProcessModel> written =
       ReadProcessModel(example_.out + "/model.json");
   ASSERT_TRUE(mat.ok()) << mat.status();
-  ASSERT_TRUE(json.ok()) << json.status();
-  EXPECT_TRUE(CheckSameChannels(mat->process, "mat", *json, "json").ok());
+  ASSERT_TRUE(written.ok()) << written.status();
+  EXPECT_TRUE(CheckSameChannels(mat->process, "mat", *written, "json").ok());
   for (int i = 0; i < 2; ++i) {
     for (int j = 0; j < 2; ++j) {
       EXPECT_EQ(mat->process.element(i, j).numerator(),
-                json->element(i, j).numerator());
+                written->element(i, j).numerator());
       EXPECT_EQ(mat->process.element(i, j).delay(),
-                json->element(i, j).delay());
+                written->element(i, j).delay());
     }
   }
   const std::string kept =

@@ -9,7 +9,7 @@
 namespace mle {
 namespace {
 
-constexpr int kSamples = 1500;
+constexpr int kErrorSamples = 1500;
 
 // One output that the predictor below leaves as it is, and one input.
 Record RecordOf(const Eigen::RowVectorXd& error,
@@ -24,7 +24,7 @@ Record RecordOf(const Eigen::RowVectorXd& error,
 Eigen::MatrixXd Identity(const Record& record, int) { return record.outputs; }
 
 Eigen::RowVectorXd White(std::uint64_t seed, int stream) {
-  return GaussianNoise(seed, stream).DrawMatrix(1, kSamples, 1.0);
+  return GaussianNoise(seed, stream).DrawMatrix(1, kErrorSamples, 1.0);
 }
 
 ResidualReport Examine(const Eigen::RowVectorXd& error,
@@ -51,7 +51,7 @@ TEST(DiagnosticsTest, WhiteErrorsPassAtTheLevelOfTheTests) {
 
 TEST(DiagnosticsTest, AnAutoregressionIsNotWhiteAndHasItsAutocorrelation) {
   Eigen::RowVectorXd error = White(3, 0);
-  for (int k = 1; k < kSamples; ++k) error(k) += 0.6 * error(k - 1);
+  for (int k = 1; k < kErrorSamples; ++k) error(k) += 0.6 * error(k - 1);
   const ResidualReport report = Examine(error, White(3, 1));
   EXPECT_FALSE(report.white());
   // Standard error of r(1) about 0.02.
@@ -62,7 +62,7 @@ TEST(DiagnosticsTest, AnAutoregressionIsNotWhiteAndHasItsAutocorrelation) {
 TEST(DiagnosticsTest, AMissingResponseIsFoundAtItsLag) {
   const Eigen::RowVectorXd input = White(5, 1);
   Eigen::RowVectorXd error = White(5, 0);
-  for (int k = 4; k < kSamples; ++k) error(k) += 0.3 * input(k - 4);
+  for (int k = 4; k < kErrorSamples; ++k) error(k) += 0.3 * input(k - 4);
   const ResidualReport report = Examine(error, input);
   EXPECT_TRUE(report.inputs[0].correlated());
   EXPECT_EQ(report.inputs[0].largest_lag, 4);
@@ -73,7 +73,7 @@ TEST(DiagnosticsTest, FeedbackIsNotTakenForMisfit) {
   const Eigen::RowVectorXd error = White(7, 0);
   Eigen::RowVectorXd input = 0.3 * White(7, 1);
   // The input answers to the sample just measured, and to the one before.
-  for (int k = 1; k < kSamples; ++k) {
+  for (int k = 1; k < kErrorSamples; ++k) {
     input(k) -= error(k) + 0.5 * error(k - 1);
   }
   const ResidualReport report = Examine(error, input);
@@ -84,14 +84,14 @@ TEST(DiagnosticsTest, FeedbackIsNotTakenForMisfit) {
 
 TEST(DiagnosticsTest, MissingSamplesAndStillInputsAreNoEvidence) {
   Eigen::RowVectorXd error = White(9, 0);
-  for (int k = 0; k < kSamples; k += 7) error(k) = std::nan("");
+  for (int k = 0; k < kErrorSamples; k += 7) error(k) = std::nan("");
   const ResidualReport report =
-      Examine(error, Eigen::RowVectorXd::Zero(kSamples));
+      Examine(error, Eigen::RowVectorXd::Zero(kErrorSamples));
   EXPECT_TRUE(report.white());
   EXPECT_TRUE(std::isfinite(report.p_value));
   EXPECT_EQ(report.inputs[0].p_value, 1.0);
   EXPECT_TRUE(report.inputs[0].values.allFinite());
-  EXPECT_EQ(report.samples, kSamples - (kSamples + 6) / 7);
+  EXPECT_EQ(report.samples, kErrorSamples - (kErrorSamples + 6) / 7);
 }
 
 TEST(DiagnosticsTest, UnitsChangeNothing) {
