@@ -8,9 +8,9 @@
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_replace.h"
 #include "absl/strings/str_split.h"
-#include "apps/common/absl_view.h"
 #include "apps/common/did_you_mean.h"
 #include "apps/report/text.h"
+#include "mle/base/absl_view.h"
 
 namespace mle {
 namespace {

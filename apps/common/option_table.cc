@@ -7,9 +7,9 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
-#include "apps/common/absl_view.h"
 #include "gflags/gflags.h"
 #include "glog/logging.h"
+#include "mle/base/absl_view.h"
 #include "mle/base/status.h"
 
 namespace mle {

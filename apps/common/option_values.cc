@@ -9,8 +9,8 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
-#include "apps/common/absl_view.h"
 #include "apps/common/did_you_mean.h"
+#include "mle/base/absl_view.h"
 #include "mle/base/double_limits.h"
 #include "mle/base/status.h"
 

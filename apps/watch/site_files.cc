@@ -12,6 +12,7 @@
 #include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_split.h"
+#include "mle/base/absl_view.h"
 
 namespace mle::watch {
 namespace {
@@ -59,8 +60,7 @@ int OpenBelow(const std::string& folder,
 
 absl::StatusOr<serve::Response> FileBelow(const std::string& folder,
                                           std::string_view path) {
-  const std::vector<std::string> parts =
-      absl::StrSplit(absl::string_view(path.data(), path.size()), '/');
+  const std::vector<std::string> parts = absl::StrSplit(AbslView(path), '/');
   if (parts.size() > kMostParts ||
       !std::all_of(parts.begin(), parts.end(), IsName)) {
     return absl::NotFoundError("no such file");

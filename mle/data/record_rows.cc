@@ -10,6 +10,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "mle/base/absl_view.h"
 #include "mle/base/double_limits.h"
 #include "mle/base/option_error.h"
 #include "mle/base/status.h"
@@ -31,14 +32,12 @@ constexpr std::uint64_t kNoSample = 0x7FF8'0000'0000'4E53;
 // Words of historians and control systems that begin so are bad whatever
 // follows: BadNoComm, Bad - Out of Service, [-11059] No Good Data …
 bool BeginsAsBad(std::string_view text) {
-  return absl::StartsWithIgnoreCase(absl::string_view(text.data(), text.size()),
-                                    "bad") ||
+  return absl::StartsWithIgnoreCase(AbslView(text), "bad") ||
          text.starts_with("[-");
 }
 
 bool EqualsIgnoreCase(std::string_view a, std::string_view b) {
-  return absl::EqualsIgnoreCase(absl::string_view(a.data(), a.size()),
-                                absl::string_view(b.data(), b.size()));
+  return absl::EqualsIgnoreCase(AbslView(a), AbslView(b));
 }
 
 }  // namespace

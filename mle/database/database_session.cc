@@ -11,6 +11,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
 #include "absl/strings/str_split.h"
+#include "mle/base/absl_view.h"
 #include "mle/base/status.h"
 #include "mle/database/postgresql_uri.h"
 
@@ -44,8 +45,7 @@ std::string_view WithoutPreamble(std::string_view text) {
 std::string OneLine(std::string_view text) {
   const std::string_view body = WithoutPreamble(text);
   std::string line;
-  for (const absl::string_view part :
-       absl::StrSplit(absl::string_view(body.data(), body.size()), '\n')) {
+  for (const absl::string_view part : absl::StrSplit(AbslView(body), '\n')) {
     const absl::string_view words = absl::StripAsciiWhitespace(part);
     if (absl::StartsWith(words, "LINE ")) continue;
     if (words.find_first_not_of("^ ") == absl::string_view::npos) continue;

@@ -8,6 +8,7 @@
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
+#include "mle/base/absl_view.h"
 #include "mle/database/database_name.h"
 
 namespace mle {
@@ -38,8 +39,7 @@ absl::Status NotAUri() {
 
 // As a parameter of the URI; letters and digits alone go unchanged.
 void Add(std::string_view keyword, std::string_view value, std::string& uri) {
-  absl::StrAppend(&uri, uri.back() == '?' ? "" : "&",
-                  absl::string_view(keyword.data(), keyword.size()), "=");
+  absl::StrAppend(&uri, uri.back() == '?' ? "" : "&", AbslView(keyword), "=");
   for (const char c : value) {
     const auto byte = static_cast<unsigned char>(c);
     if (absl::ascii_isalnum(byte)) {

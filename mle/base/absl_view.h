@@ -1,7 +1,7 @@
 // A view of Abseil's, where its functions do not take the standard one.
 
-#ifndef APPS_COMMON_ABSL_VIEW_H_
-#define APPS_COMMON_ABSL_VIEW_H_
+#ifndef MLE_BASE_ABSL_VIEW_H_
+#define MLE_BASE_ABSL_VIEW_H_
 
 #include <string_view>
 
@@ -15,4 +15,4 @@ inline absl::string_view AbslView(std::string_view text) {
 
 }  // namespace mle
 
-#endif  // APPS_COMMON_ABSL_VIEW_H_
+#endif  // MLE_BASE_ABSL_VIEW_H_
