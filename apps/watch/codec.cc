@@ -1,14 +1,13 @@
 #include "apps/watch/codec.h"
 
 #include <algorithm>
-#include <bit>
 #include <cstdint>
-#include <cstring>
 #include <utility>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "apps/watch/packed_score.h"
+#include "apps/watch/raw_bytes.h"
 #include "nlohmann/json.hpp"
 
 namespace mle::watch {
@@ -16,26 +15,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-static_assert(std::endian::native == std::endian::little,
-              "the state is kept in little-endian order");
-
 // What scores begin with.
 constexpr char kPacked = 0;
 constexpr char kUnpacked = 1;
-
-void PutDouble(double value, std::string& bytes) {
-  const auto kept = static_cast<float>(value);
-  char raw[sizeof(kept)];
-  std::memcpy(raw, &kept, sizeof(kept));
-  bytes.append(raw, sizeof(kept));
-}
-
-double TakeDouble(std::string_view& bytes) {
-  float value = 0.0F;
-  std::memcpy(&value, bytes.data(), sizeof(value));
-  bytes.remove_prefix(sizeof(value));
-  return static_cast<double>(value);
-}
 
 absl::Status DamagedScores(std::size_t bytes, std::size_t n) {
   return absl::DataLossError(absl::StrCat("the scores of a day have ", bytes,
@@ -50,20 +32,23 @@ std::size_t UnpackedSize(std::size_t n) {
 // In single precision: score, and the lower triangle of the information row by
 // row.
 void PutPart(const ScorePart& part, std::string& bytes) {
-  for (const double value : part.score) PutDouble(value, bytes);
+  for (const double value : part.score) {
+    PutRaw(static_cast<float>(value), bytes);
+  }
   for (Eigen::Index r = 0; r < part.score.size(); ++r) {
-    for (Eigen::Index c = 0; c <= r; ++c)
-      PutDouble(part.information(r, c), bytes);
+    for (Eigen::Index c = 0; c <= r; ++c) {
+      PutRaw(static_cast<float>(part.information(r, c)), bytes);
+    }
   }
 }
 
 ScorePart TakePart(std::size_t n, std::string_view bytes) {
   const auto size = static_cast<Eigen::Index>(n);
   ScorePart part = {Eigen::VectorXd(size), Eigen::MatrixXd(size, size)};
-  for (double& value : part.score) value = TakeDouble(bytes);
+  for (double& value : part.score) value = TakeRaw<float>(bytes);
   for (Eigen::Index r = 0; r < size; ++r) {
     for (Eigen::Index c = 0; c <= r; ++c) {
-      part.information(r, c) = part.information(c, r) = TakeDouble(bytes);
+      part.information(r, c) = part.information(c, r) = TakeRaw<float>(bytes);
     }
   }
   return part;
@@ -104,9 +89,10 @@ std::string EncodeBatch(const StoredBatch& batch) {
   const auto put = packed ? Pack : PutPart;
   if (scores.largest.has_value()) put(*scores.largest, bytes);
   put(all, bytes);
-  PutDouble(batch.evidence.log_output, bytes);
-  for (const double value : batch.evidence.log_elements)
-    PutDouble(value, bytes);
+  PutRaw(static_cast<float>(batch.evidence.log_output), bytes);
+  for (const double value : batch.evidence.log_elements) {
+    PutRaw(static_cast<float>(value), bytes);
+  }
   return bytes;
 }
 
@@ -137,9 +123,9 @@ absl::StatusOr<StoredBatch> DecodeBatch(std::string_view bytes) {
   bytes.remove_prefix(part);
   stored.batch.score = std::move(all.score);
   stored.batch.information = std::move(all.information);
-  stored.evidence.log_output = TakeDouble(bytes);
+  stored.evidence.log_output = TakeRaw<float>(bytes);
   for (std::size_t e = 0; e < n / 3; ++e) {
-    stored.evidence.log_elements.push_back(TakeDouble(bytes));
+    stored.evidence.log_elements.push_back(TakeRaw<float>(bytes));
   }
   return stored;
 }

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 
+#include "apps/watch/raw_bytes.h"
 #include "glog/logging.h"
 
 namespace mle::watch {
@@ -21,19 +21,6 @@ constexpr int kBits = 15;
 constexpr double kLargest = 32767.0;
 // Stands for a row of zeros.
 constexpr int kZeros = -128;
-
-void PutShort(std::int16_t value, std::string& bytes) {
-  char raw[sizeof(value)];
-  std::memcpy(raw, &value, sizeof(value));
-  bytes.append(raw, sizeof(value));
-}
-
-std::int16_t TakeShort(std::string_view& bytes) {
-  std::int16_t value = 0;
-  std::memcpy(&value, bytes.data(), sizeof(value));
-  bytes.remove_prefix(sizeof(value));
-  return value;
-}
 
 // The least e for which every |value| is below 2^e.
 int ExponentFor(double largest) {
@@ -90,7 +77,7 @@ void Pack(const ScorePart& part, std::string& bytes) {
     for (Index c = 0; c <= r; ++c) {
       const std::int16_t kept = Rounded(factor(r, c), step);
       factor(r, c) = kept * step;
-      PutShort(kept, numbers);
+      PutRaw<std::int16_t>(kept, numbers);
     }
   }
   bytes += numbers;
@@ -105,7 +92,7 @@ void Pack(const ScorePart& part, std::string& bytes) {
       ExponentFor(n > 0 ? whitened.cwiseAbs().maxCoeff() : 0.0);
   bytes += static_cast<char>(exponent);
   for (const double value : whitened) {
-    PutShort(Rounded(value, StepOf(exponent)), bytes);
+    PutRaw<std::int16_t>(Rounded(value, StepOf(exponent)), bytes);
   }
 }
 
@@ -118,12 +105,14 @@ ScorePart Unpack(std::size_t n, std::string_view bytes) {
   for (Index r = 0; r < size; ++r) {
     const double step = StepOf(
         static_cast<signed char>(exponents[static_cast<std::size_t>(r)]));
-    for (Index c = 0; c <= r; ++c) factor(r, c) = TakeShort(bytes) * step;
+    for (Index c = 0; c <= r; ++c) {
+      factor(r, c) = TakeRaw<std::int16_t>(bytes) * step;
+    }
   }
   const double step = StepOf(static_cast<signed char>(bytes.front()));
   bytes.remove_prefix(1);
   VectorXd whitened(size);
-  for (double& value : whitened) value = TakeShort(bytes) * step;
+  for (double& value : whitened) value = TakeRaw<std::int16_t>(bytes) * step;
   return {factor * whitened, factor * factor.transpose()};
 }
 
