@@ -81,8 +81,9 @@ absl::Status ReadModels(const Request& request, Campaign& campaign) {
 }
 
 absl::Status SetRates(const Request& request, Campaign& campaign) {
-  if (request.rates.empty())
+  if (request.rates.empty()) {
     return WrongOption("ageing_rates", "names no rate");
+  }
   for (const double rate : request.rates) {
     if (std::count(campaign.rates.begin(), campaign.rates.end(), rate) > 0) {
       return WrongOption("ageing_rates",

@@ -12,6 +12,7 @@
 
 namespace mle::serve {
 
+// The largest number of a port of TCP.
 inline constexpr int kMostPort = 65'535;
 
 class Connection {

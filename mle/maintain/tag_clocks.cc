@@ -203,8 +203,9 @@ std::optional<BestDelay> ExplainByDelay(const std::vector<WhitenedData>& rows,
       one(i, j) = 1.0;
       const DelaySearch alone(rows, one, -dead_times(i, j));
       const double gain = alone.Find().log_likelihood - alone.At(0.0);
-      if (before + gain > best.log_likelihood - kLeastClockNats)
+      if (before + gain > best.log_likelihood - kLeastClockNats) {
         return std::nullopt;
+      }
     }
   }
   best.log_likelihood -= before;

@@ -205,8 +205,9 @@ WindowAgreement::Cause CauseOf(const WhitenedData& white, const VectorXd& y,
   };
   const double more = nats(by_time) - nats(by_point);
   if (more > kLeastWindowNats && explains(by_time)) return Cause::kTime;
-  if (more < -kLeastWindowNats && explains(by_point))
+  if (more < -kLeastWindowNats && explains(by_point)) {
     return Cause::kOperatingPoint;
+  }
   return Cause::kUnknown;
 }
 

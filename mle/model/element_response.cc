@@ -139,6 +139,7 @@ void RunOver(const SampleMap& map, const Eigen::RowVectorXd& C,
       columns(k, 2) = slope_by_state.dot(x) + slope_by_input * older;
     }
     const double newer = (k >= whole ? inputs(k - whole) : past_input) - base;
+    // setZero(), of which g++ 12 warns where the library is one source.
     std::fill_n(move.data(), move.size(), 0.0);
     move.noalias() += E * state;
     move += by_older * older + by_newer * newer;

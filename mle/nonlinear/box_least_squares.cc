@@ -162,8 +162,9 @@ BoxLeastSquaresSummary MinimiseWithinBox(
     if (share > kLeastShareOfPromise) {
       x = moved;
       at = std::move(next);
-      if (share > kGoodShare)
+      if (share > kGoodShare) {
         damping = std::max(0.1 * damping, kLeastStepDamping);
+      }
       if (share < kPoorShare) damping *= 4.0;
     } else {
       damping *= 10.0;

@@ -20,7 +20,7 @@ using State = ActiveSet::State;
 constexpr double kNearlyDependent = 1e-9;
 constexpr double kFollows = 1e-7;
 // The path counts as ended at this part of λ_max, or at kSeveralRoundings
-// of c.
+// times the rounding of c.
 constexpr double kFloor = 1e-13;
 // Where rounding of β at a knot changes c by more than the first part of λ, the
 // next knot is no farther than at the second.
