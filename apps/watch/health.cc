@@ -113,9 +113,8 @@ Report MakeReport(const Controller& controller, const ProcessModel& model,
       trend.push_back(
           {watch.first + last->number, HealthOf(last->log_output, of_output)});
     }
-    if (!trend.empty()) {
-      report.health = std::min(report.health, trend.back().health);
-    }
+    report.output_health.push_back(trend.empty() ? 1.0 : trend.back().health);
+    report.health = std::min(report.health, report.output_health.back());
     std::size_t present = 0;
     for (int j = 0; j < model.num_inputs(); ++j) {
       if (model.element(i, j).IsZero()) continue;
@@ -129,6 +128,7 @@ Report MakeReport(const Controller& controller, const ProcessModel& model,
       ++present;
     }
   }
+  report.outlook = MakeOutlook(controller, model, watch);
   report.sentence = SentenceOf(report);
   return report;
 }

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "apps/watch/outlook.h"
 #include "apps/watch/state.h"
 #include "apps/watch/watch_file.h"
 #include "mle/model/process_model.h"
@@ -50,7 +51,9 @@ struct Report {
   int used_days = 0;    // days in which anything could be learnt
   int unused_days = 0;  // days of which it cannot be told
   std::vector<ElementHealth> elements;
+  std::vector<double> output_health;             // p
   std::vector<std::vector<HealthPoint>> trends;  // p, of outputs
+  Outlook outlook;
   std::string sentence;
 };
 

@@ -1,6 +1,7 @@
 // The pages of all controllers and of all alarms.
 
 #include <algorithm>
+#include <cstddef>
 #include <utility>
 #include <vector>
 
@@ -38,6 +39,25 @@ std::string AlarmsText(const Report& report) {
   if (last == nullptr) return "none";
   return absl::StrCat("acknowledged by ", last->acknowledged->who, " at ",
                       TimeText(last->acknowledged->at));
+}
+
+// Of the output with the least health, if it can be told.
+std::string ShortTrend(const Report& report) {
+  const std::vector<OutputTrend>& trends = report.outlook.trends;
+  if (trends.empty()) return "–";
+  const auto least = std::min_element(report.output_health.begin(),
+                                      report.output_health.end());
+  const OutputTrend& trend =
+      trends[static_cast<std::size_t>(least - report.output_health.begin())];
+  switch (trend.course.state) {
+    case AgeingCourse::State::kTrend:
+      return absl::StrCat(ParameterName(trend.course.parameter), " ",
+                          RateText(report.model, trend));
+    case AgeingCourse::State::kSteady:
+      return "steady";
+    default:
+      return "cannot tell";
+  }
 }
 
 // How soon somebody should look: 0 first.
@@ -125,6 +145,7 @@ std::string FormatOverview(const std::vector<Report>& reports) {
                           {"last day"},
                           {"days used"},
                           {"days that cannot tell"},
+                          {"trend", Align::kLeft},
                           {"what it says", Align::kLeft}},
               .sortable = true,
               .searchable = true,
@@ -133,7 +154,8 @@ std::string FormatOverview(const std::vector<Report>& reports) {
     table.AddRow({report->name, HealthText(*report),
                   std::string(WordsFor(report->status)), AlarmsText(*report),
                   LastDayOf(*report), absl::StrCat(report->used_days),
-                  absl::StrCat(report->unused_days), report->sentence});
+                  absl::StrCat(report->unused_days), ShortTrend(*report),
+                  report->sentence});
     table.links.push_back(PageName(*report));
   }
   page.AddTable(table);

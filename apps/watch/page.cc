@@ -1,16 +1,14 @@
 #include "apps/watch/page.h"
 
-#include <algorithm>
 #include <filesystem>
-#include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "apps/report/figure.h"
 #include "apps/report/html.h"
 #include "apps/report/number.h"
 #include "apps/report/table.h"
 #include "apps/watch/days.h"
 #include "apps/watch/page_text.h"
+#include "apps/watch/trend_page.h"
 
 namespace mle::watch {
 namespace {
@@ -40,31 +38,6 @@ Table ElementTable(const Report& report) {
                                           : "no evidence of ageing"});
   }
   return table;
-}
-
-report::Figure TrendFigure(const Report& report) {
-  report::Figure figure{.height_cm = 7.0};
-  report::Panel& panel = figure.AddPanel("");
-  const int first = report.watch->first;
-  panel.x = {.label = absl::StrCat("days since ", NameOfDay(first))};
-  panel.y = {.label = "health", .range = report::Range{0.0, 1.0}};
-  constexpr report::Role kRoles[] = {
-      report::Role::kCorrected, report::Role::kAlternative,
-      report::Role::kFitted, report::Role::kTrue};
-  for (std::size_t i = 0; i < report.trends.size(); ++i) {
-    std::vector<double> days;
-    std::vector<double> health;
-    for (const HealthPoint& point : report.trends[i]) {
-      days.push_back(point.day - first);
-      health.push_back(point.health);
-    }
-    panel.series.push_back(report::MakeSeries(
-        kRoles[i % std::size(kRoles)], report.model.outputs()[i].name,
-        std::move(days), std::move(health)));
-  }
-  panel.lines.push_back(
-      report::HorizontalLine(report::Role::kReference, "alarm", 0.5));
-  return figure;
 }
 
 void AddAcknowledging(const Alarm& alarm, report::HtmlPage& page) {
@@ -135,6 +108,16 @@ void AddProposals(const Report& report, const std::string& folder,
   }
 }
 
+void AddNextChange(const Report& report, report::HtmlPage& page) {
+  if (!report.outlook.next.has_value()) return;
+  page.AddHeading("Next change of a set point");
+  if (report.status == Status::kCannotTell) {
+    page.AddParagraph(
+        "First what makes days useless has to be mended (below); then:");
+  }
+  page.AddParagraph(NextChangeText(report.model, *report.outlook.next));
+}
+
 void AddUnusedDays(const Report& report, report::HtmlPage& page) {
   Table table{.caption = "The last days of which it cannot be told",
               .columns = {{"day", Align::kLeft}, {"because", Align::kLeft}}};
@@ -168,20 +151,13 @@ std::string FormatControllerPage(const Report& report,
   }
   AddAlarmRows(report, can_acknowledge, page);
   AddProposals(report, folder, page);
+  AddNextChange(report, page);
   if (!report.elements.empty()) {
     page.AddHeading("Elements");
     page.AddParagraph(kMeaning);
     page.AddTable(ElementTable(report));
   }
-  const bool trend = std::any_of(
-      report.trends.begin(), report.trends.end(),
-      [](const std::vector<HealthPoint>& points) { return points.size() > 1; });
-  if (trend) {
-    page.AddHeading("Trend");
-    page.AddFigure(TrendFigure(report), "Health of the outputs, day by day.",
-                   "Curves of health between 0 and 1 over days, with a line at "
-                   "one half, where alarms are raised.");
-  }
+  AddTrend(report, page);
   AddUnusedDays(report, page);
   page.AddHeading("Records");
   page.AddTerms(

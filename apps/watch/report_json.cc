@@ -62,6 +62,66 @@ Json ElementsOf(const Report& report) {
   return elements;
 }
 
+Json EstimateOf(const CourseEstimate& estimate) {
+  return {
+      {"mean", estimate.mean}, {"low", estimate.low}, {"high", estimate.high}};
+}
+
+Json TrendOf(const Report& report, int output) {
+  const ProcessModel& model = report.model;
+  const OutputTrend& trend =
+      report.outlook.trends[static_cast<std::size_t>(output)];
+  const AgeingCourse& course = trend.course;
+  Json json = {{"told", std::string(NameOf(course.state))},
+               {"text", TrendText(model, output, trend)}};
+  if (course.state == AgeingCourse::State::kTooShort) return json;
+  json["input"] = model.inputs()[trend.input].name;
+  json["parameter"] = ParameterKey(course.parameter);
+  json["probability_changed"] = course.changed;
+  json["probability"] = course.probability;
+  json["change"] = EstimateOf(course.change);
+  json["change_per_month"] = EstimateOf(course.rate);
+  return json;
+}
+
+Json OutputsOf(const Report& report) {
+  Json outputs = Json::array();
+  for (std::size_t i = 0; i < report.output_health.size(); ++i) {
+    Json output = {{"output", report.model.outputs()[i].name},
+                   {"health", report.output_health[i]},
+                   {"trend", nullptr}};
+    if (i < report.outlook.trends.size()) {
+      output["trend"] = TrendOf(report, static_cast<int>(i));
+    }
+    outputs.push_back(std::move(output));
+  }
+  return outputs;
+}
+
+Json NextChangeOf(const Report& report) {
+  if (!report.outlook.next.has_value()) return nullptr;
+  const ProcessModel& model = report.model;
+  const ProposedChange& proposed = *report.outlook.next;
+  const NextChange& next = proposed.next;
+  Json json = {{"state", std::string(NameOf(next.state))},
+               {"text", NextChangeText(model, proposed)}};
+  if (next.state == NextChange::State::kEnough) return json;
+  constexpr const char* kQuestions[] = {"likely", "unseen", "baseline"};
+  json["question"] = kQuestions[static_cast<int>(next.question)];
+  json["output"] = model.outputs()[next.output].name;
+  json["input"] = model.inputs()[proposed.input].name;
+  json["parameter"] = ParameterKey(next.parameter);
+  json["assumed_change"] = next.change;
+  json["log_evidence"] = next.log_evidence;
+  json["log_evidence_of_alarm"] = next.log_alarm;
+  if (next.state == NextChange::State::kNoneTells) return json;
+  json["set_point"] = model.outputs()[next.set_point].name;
+  json["size"] = next.size;
+  json["changes"] = next.changes;
+  json["log_evidence_expected"] = next.log_expected;
+  return json;
+}
+
 Json ProposalsOf(const Report& report) {
   Json proposals = Json::array();
   for (const Proposal& proposal : report.watch->proposals) {
@@ -89,7 +149,9 @@ Json SummaryOf(const Report& report) {
 
 Json ControllerOf(const Report& report) {
   Json controller = SummaryOf(report);
+  controller["outputs"] = OutputsOf(report);
   controller["elements"] = ElementsOf(report);
+  controller["next_change"] = NextChangeOf(report);
   controller["alarms"] = AlarmsOf(report);
   controller["proposals"] = ProposalsOf(report);
   return controller;

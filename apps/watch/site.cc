@@ -31,6 +31,9 @@ void Trim(Entry& entry) {
   entry.watch.days.clear();
   entry.watch.outputs.clear();
   entry.report.trends.clear();
+  for (OutputTrend& trend : entry.report.outlook.trends) {
+    trend.course.points.clear();
+  }
 }
 
 }  // namespace

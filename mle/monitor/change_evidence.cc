@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "Eigen/Cholesky"
 #include "glog/logging.h"
+#include "mle/monitor/log_sum.h"
 #include "mle/monitor/output_scores.h"
 
 namespace mle {
@@ -21,7 +21,6 @@ constexpr int kScales = 7;
 constexpr double kSmaller = 1.0 / 6.0;
 // Batches that the evidence has to do without, one at a time.
 constexpr std::size_t kDoubted = 3;
-constexpr double kNever = -std::numeric_limits<double>::infinity();
 
 // Ages from which batches are merged, and into how many.
 constexpr int kOld = 64;
@@ -30,27 +29,6 @@ constexpr int kOldest = 512;
 constexpr int kOldestBlock = 64;
 
 int LastOf(const ScoredBatch& batch) { return batch.number + batch.length - 1; }
-
-// ln Σ exp, one term after another.
-class LogSum {
- public:
-  void Add(double log_term) {
-    if (log_term == kNever) return;
-    if (log_term > largest_) {
-      sum_ = sum_ * std::exp(largest_ - log_term) + 1.0;
-      largest_ = log_term;
-    } else {
-      sum_ += std::exp(log_term - largest_);
-    }
-  }
-  double value() const {
-    return sum_ > 0.0 ? largest_ + std::log(sum_) : kNever;
-  }
-
- private:
-  double largest_ = kNever;
-  double sum_ = 0.0;
-};
 
 // Scores and informations of a change that begins with a batch.
 struct WhitenedContrast {
@@ -109,7 +87,7 @@ class Suffixes {
     for (int d = from; d <= std::min(batches_[begin].number, life - 1); ++d) {
       weight += WeightOfBegin(d, life);
     }
-    return weight > 0.0 ? std::log(weight) : kNever;
+    return weight > 0.0 ? std::log(weight) : kLogZero;
   }
 
  private:
@@ -217,7 +195,7 @@ ChangeEvidence EvidenceOf(const std::vector<ScoredBatch>& batches,
   std::vector<double> weights;
   for (std::size_t s = 0; s < batches.size(); ++s) {
     const double weight = suffixes.LogWeight(s, options.life);
-    if (weight == kNever) continue;
+    if (weight == kLogZero) continue;
     weights.push_back(weight);
     contrasts.push_back(suffixes.From(s));
     const WhitenedContrast& contrast = contrasts.back();
@@ -233,7 +211,7 @@ ChangeEvidence EvidenceOf(const std::vector<ScoredBatch>& batches,
   for (int d = last + 1; d < options.life; ++d) {
     coming += WeightOfBegin(d, options.life);
   }
-  const double none = coming > 0.0 ? std::log(coming) : kNever;
+  const double none = coming > 0.0 ? std::log(coming) : kLogZero;
   output.Add(none);
   evidence.number = last;
   evidence.log_output = output.value();
@@ -298,6 +276,18 @@ std::vector<ScoredBatch> MergeOld(const std::vector<ScoredBatch>& batches,
   return merged;
 }
 
+Eigen::Matrix3d OwnInformation(const std::vector<ScoredBatch>& batches,
+                               int begin, int element,
+                               const WatchOptions& options) {
+  std::size_t first = 0;
+  while (first < batches.size() && batches[first].number < begin) ++first;
+  if (first == batches.size()) return Eigen::Matrix3d::Zero();
+  Suffixes suffixes(batches, options.model_error);
+  suffixes.StopAt(batches.size() - 1);
+  return WithoutOthers(suffixes.From(first), Index{3} * element)
+      .own.information;
+}
+
 LikelyChange ExplainEvidence(const std::vector<ScoredBatch>& batches,
                              const VectorXd& least,
                              const WatchOptions& options) {
@@ -309,11 +299,11 @@ LikelyChange ExplainEvidence(const std::vector<ScoredBatch>& batches,
   const double variance = options.change_deviation * options.change_deviation;
   LogSum total;
   std::vector<LogSum> elements(static_cast<std::size_t>(n / 3));
-  std::vector<double> best(elements.size(), kNever);
+  std::vector<double> best(elements.size(), kLogZero);
   std::vector<LikelyChange> candidates(elements.size());
   for (std::size_t s = 0; s < batches.size(); ++s) {
     const double weight = suffixes.LogWeight(s, options.life);
-    if (weight == kNever) continue;
+    if (weight == kLogZero) continue;
     const WhitenedContrast contrast = suffixes.From(s);
     for (Index a = 0; a < n; ++a) {
       const double information = contrast.information(a, a);

@@ -96,6 +96,13 @@ ChangeEvidence ConfirmedEvidenceOf(const std::vector<ScoredBatch>& batches,
 std::vector<ScoredBatch> MergeOld(const std::vector<ScoredBatch>& batches,
                                   int now);
 
+// What the batches tell of the three parameters of an element in a change that
+// begins with the first batch of number `begin` or more: the information of
+// V_s, all other elements' changes eliminated. Zero without such a batch.
+Eigen::Matrix3d OwnInformation(const std::vector<ScoredBatch>& batches,
+                               int begin, int element,
+                               const WatchOptions& options);
+
 // What explains the evidence best, all elements equally likely beforehand and
 // one parameter changed at once.
 struct LikelyChange {

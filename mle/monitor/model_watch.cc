@@ -11,6 +11,7 @@
 #include "mle/base/status.h"
 #include "mle/data/set_point_windows.h"
 #include "mle/maintain/examine_records.h"
+#include "mle/model/process_simulator.h"
 #include "mle/monitor/output_scores.h"
 #include "mle/monitor/record_jump.h"
 #include "mle/monitor/row_response.h"
@@ -442,6 +443,33 @@ absl::StatusOr<BatchScores> ModelWatch::Score(const WatchReference& reference,
     }
   }
   return scores;
+}
+
+absl::StatusOr<std::vector<Eigen::MatrixXd>> ModelWatch::ExpectedInformation(
+    const WatchReference& reference, const VectorXd& step) const {
+  // Each of the two changes is scored by itself, as in Score().
+  const int up = skip_ + before_;
+  const int down = up + before_ + after_ + 2;
+  const int samples = down + after_ + 1;
+  Record record;
+  record.sample_time = sample_time_;
+  record.inputs.setZero(step.size(), samples);
+  record.inputs.middleCols(up, down - up).colwise() += step;
+  MLE_ASSIGN_OR_RETURN(record.outputs,
+                       SimulateResponse(model_, sample_time_, record.inputs));
+  std::vector<bool> around(samples, false);
+  for (const int change : {up, down}) {
+    std::fill(around.begin() + change - before_,
+              around.begin() + change + after_ + 1, true);
+  }
+  Mask(around, /*wanted=*/true, 0, record);
+  const std::vector<int> changes = NumberStretches(around);
+  std::vector<Eigen::MatrixXd> informations;
+  for (int i = 0; i < model_.num_outputs(); ++i) {
+    informations.push_back(
+        ScoreOutput(reference.outputs[i], record, changes, i).information);
+  }
+  return informations;
 }
 
 }  // namespace mle

@@ -135,6 +135,13 @@ class ModelWatch {
   absl::StatusOr<BatchScores> Score(const WatchReference& reference,
                                     WatchBatch batch) const;
 
+  // p, n × n each: the informations that the outputs' scores are expected to
+  // have in a batch in which the inputs go up by `step` (m) from rest, stay
+  // until the plant has settled, and come back, with the noise of the
+  // reference. Empty where Score() would find too little.
+  absl::StatusOr<std::vector<Eigen::MatrixXd>> ExpectedInformation(
+      const WatchReference& reference, const Eigen::VectorXd& step) const;
+
  private:
   ModelWatch() = default;
 

@@ -1,0 +1,63 @@
+// What a watch says of the months to come, computed from its state: the course
+// of each output's ageing (ageing_course.h in mle/monitor), and the change of a
+// set point that would tell most where evidence is short (next_change.h).
+
+#ifndef APPS_WATCH_OUTLOOK_H_
+#define APPS_WATCH_OUTLOOK_H_
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "apps/watch/state.h"
+#include "apps/watch/watch_file.h"
+#include "mle/model/process_model.h"
+#include "mle/monitor/ageing_course.h"
+#include "mle/monitor/next_change.h"
+
+namespace mle::watch {
+
+// Of an output. All values of the course are relative changes of a gain or of a
+// time constant, or changes of a dead time in the model's time unit.
+struct OutputTrend {
+  AgeingCourse course;
+  int input = 0;  // of the most probable element
+};
+
+// The element in question by number of its input; changes as in OutputTrend.
+struct ProposedChange {
+  NextChange next;
+  int input = 0;
+};
+
+struct Outlook {
+  std::vector<OutputTrend> trends;     // p; empty until there is a reference
+  std::optional<ProposedChange> next;  // nothing until there is a reference
+};
+
+// Some milliseconds for each output.
+Outlook MakeOutlook(const Controller& controller, const ProcessModel& model,
+                    const Watch& watch);
+
+// "gain", "time constant", "dead time"; with underscores for programs.
+const char* ParameterName(int parameter);
+const char* ParameterKey(int parameter);
+
+// "trend", "steady", "cannot_tell".
+std::string_view NameOf(AgeingCourse::State state);
+// "proposed", "not_needed", "none_tells".
+std::string_view NameOf(NextChange::State state);
+
+// "−1.9 % a month (−2.3 to −1.5)", of the output's most probable parameter.
+std::string RateText(const ProcessModel& model, const OutputTrend& trend);
+// Whole sentences: the trend, or why none can be told.
+std::string TrendText(const ProcessModel& model, int output,
+                      const OutputTrend& trend);
+// What to do, what for, and what it is expected to give; or why nothing.
+std::string NextChangeText(const ProcessModel& model,
+                           const ProposedChange& proposed);
+
+}  // namespace mle::watch
+
+#endif  // APPS_WATCH_OUTLOOK_H_
