@@ -49,7 +49,7 @@ std::string_view NameOf(AgeingCourse::State state);
 // "proposed", "not_needed", "none_tells".
 std::string_view NameOf(NextChange::State state);
 
-// "−1.9 % a month (−2.3 to −1.5)", of the output's most probable parameter.
+// "−1.9 % a month", of the output's most probable parameter.
 std::string RateText(const ProcessModel& model, const OutputTrend& trend);
 // Whole sentences: the trend, or why none can be told.
 std::string TrendText(const ProcessModel& model, int output,

@@ -32,10 +32,9 @@ std::string ChangeText(const ProcessModel& model, int parameter, double value,
 }
 
 std::string EstimateText(const ProcessModel& model, int parameter,
-                         const CourseEstimate& estimate,
-                         const std::string& per) {
+                         const CourseEstimate& estimate) {
   return absl::StrCat(
-      ChangeText(model, parameter, estimate.mean), per, " (",
+      ChangeText(model, parameter, estimate.mean), " (",
       ChangeText(model, parameter, estimate.low, /*with_unit=*/false), " to ",
       ChangeText(model, parameter, estimate.high, /*with_unit=*/false), ")");
 }
@@ -93,6 +92,7 @@ std::string_view NameOf(AgeingCourse::State state) {
 std::string_view NameOf(NextChange::State state) {
   switch (state) {
     case NextChange::State::kEnough:
+    case NextChange::State::kNamed:
       return "not_needed";
     case NextChange::State::kPropose:
       return "proposed";
@@ -103,8 +103,9 @@ std::string_view NameOf(NextChange::State state) {
 }
 
 std::string RateText(const ProcessModel& model, const OutputTrend& trend) {
-  return EstimateText(model, trend.course.parameter, trend.course.rate,
-                      " a month");
+  return absl::StrCat(
+      ChangeText(model, trend.course.parameter, trend.course.rate.mean),
+      " a month");
 }
 
 std::string TrendText(const ProcessModel& model, int output,
@@ -113,16 +114,18 @@ std::string TrendText(const ProcessModel& model, int output,
   const std::string pair = PairName(model, output, trend.input);
   const std::string parameter =
       absl::StrCat("the ", ParameterName(course.parameter), " of ", pair);
+  const std::string last_month =
+      EstimateText(model, course.parameter, course.rate);
   const std::string so_far =
-      EstimateText(model, course.parameter, course.change, "");
+      EstimateText(model, course.parameter, course.change);
   using CourseState = AgeingCourse::State;
   switch (course.state) {
     case CourseState::kTooShort:
       return "Cannot tell a trend yet: at least 5 days with changes of set "
              "points, over a month, are needed.";
     case CourseState::kTrend:
-      return absl::StrCat("It goes on: ", parameter, " changes by ",
-                          RateText(model, trend), "; ", so_far, " so far.");
+      return absl::StrCat("In the last month ", parameter, " has changed by ",
+                          last_month, ", by ", so_far, " in all.");
     case CourseState::kSteady:
       return course.is_known()
                  ? absl::StrCat("No trend: ", parameter, " has changed by ",
@@ -134,14 +137,13 @@ std::string TrendText(const ProcessModel& model, int output,
     case CourseState::kWhichElement:
       return absl::StrFormat(
           "Cannot tell of which element: something changes, most likely "
-          "(%.0f %%) %s, by %s.",
-          100.0 * course.probability, parameter, RateText(model, trend));
+          "(%.0f %%) %s, in the last month by %s.",
+          100.0 * course.probability, parameter, last_month);
     case CourseState::kWhetherAtAll:
       return course.is_known()
                  ? absl::StrCat("Cannot tell whether it goes on: ", parameter,
                                 " has changed by ", so_far,
-                                ", in the last month by ",
-                                RateText(model, trend), ".")
+                                ", in the last month by ", last_month, ".")
                  : absl::StrCat("Cannot tell a trend: a gain could change by ",
                                 Percent(course.largest_gain_rate),
                                 " % a month without being seen yet.");
@@ -157,12 +159,14 @@ std::string NextChangeText(const ProcessModel& model,
   const NextChange& next = proposed.next;
   switch (next.state) {
     case NextChange::State::kEnough:
-      return "None is needed: the element that has aged is named, or a change "
-             "of 10 % of any gain would have raised an alarm within a month.";
+      return "None is needed: a change of 10 % of any gain a month ago would "
+             "have raised an alarm.";
+    case NextChange::State::kNamed:
+      return "None is needed: the element that has aged is named.";
     case NextChange::State::kNoneTells:
       return absl::StrCat(
           "No change of one set point within the usual range tells enough ",
-          QuestionText(model, proposed), ": none moves ",
+          QuestionText(model, proposed), ". None moves ",
           model.inputs()[proposed.input].name,
           " enough by itself, or none did before the change, so that there is "
           "nothing to compare with. A correction (mle_correct) of records in "

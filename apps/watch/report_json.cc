@@ -105,7 +105,10 @@ Json NextChangeOf(const Report& report) {
   const NextChange& next = proposed.next;
   Json json = {{"state", std::string(NameOf(next.state))},
                {"text", NextChangeText(model, proposed)}};
-  if (next.state == NextChange::State::kEnough) return json;
+  if (next.state == NextChange::State::kEnough ||
+      next.state == NextChange::State::kNamed) {
+    return json;
+  }
   constexpr const char* kQuestions[] = {"likely", "unseen", "baseline"};
   json["question"] = kQuestions[static_cast<int>(next.question)];
   json["output"] = model.outputs()[next.output].name;

@@ -288,7 +288,7 @@ absl::StatusOr<NextChange> ChangeSearch::Run() {
             elements.begin(), elements.end(),
             [this](double element) { return element >= log_alarm(); });
       });
-  if (any_named) return NextChange();
+  if (any_named) return NextChange{.state = NextChange::State::kNamed};
   std::optional<NextChange> first;
   for (const ChangeInQuestion& question : UnseenChanges()) {
     // The others are known better.

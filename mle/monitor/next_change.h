@@ -66,7 +66,8 @@ struct NextChangeOptions {
 
 struct NextChange {
   enum class State {
-    kEnough,    // an element was named, or none is in question
+    kEnough,    // no element is in question
+    kNamed,     // an alarm has named an element
     kPropose,   // see what follows
     kNoneTells  // no change of one set point tells of the element in question
   };

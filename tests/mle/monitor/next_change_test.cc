@@ -148,10 +148,10 @@ TEST_F(NextChangeTest, OfALikelyChangeTheElementIsAskedFor) {
   EXPECT_GE(next.log_expected, next.log_alarm);
 }
 
-TEST_F(NextChangeTest, ANamedElementIsEnough) {
+TEST_F(NextChangeTest, ANamedElementNeedsNoMore) {
   std::vector<ScoredOutput> outputs = Days(40, -0.3);
   ASSERT_GT(outputs[0].evidence.log_elements[0], -std::log(kShare));
-  EXPECT_EQ(Find(outputs, 39).state, NextState::kEnough);
+  EXPECT_EQ(Find(outputs, 39).state, NextState::kNamed);
 }
 
 TEST_F(NextChangeTest, WhereNoSetPointCanMoveNothingIsProposed) {
