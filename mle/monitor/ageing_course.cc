@@ -291,7 +291,10 @@ AgeingCourse CourseEstimator::Estimate() const {
   course.changed = 1.0 / (1.0 + std::exp(log_none_ - changed.value()));
   course.change = ValueOf(best, [](const CourseTimes&) { return 1.0; });
   course.rate = RateOf(best);
-  const int points = std::min(kMostPoints, static_cast<int>(now_ - first_) + 1);
+  const int points =
+      course.is_known()
+          ? std::min(kMostPoints, static_cast<int>(now_ - first_) + 1)
+          : 0;
   for (int k = 0; k < points; ++k) {
     const double time = first_ + (now_ - first_) * k / (points - 1);
     course.points.push_back({time, ValueOf(best, [&](const CourseTimes& times) {

@@ -82,7 +82,8 @@ struct AgeingCourse {
   // If a gain of the output changed all the same, by no more than this in 30
   // batches: the most of the ends of the intervals of changes that go on.
   double largest_gain_rate = 0.0;
-  std::vector<CoursePoint> points = {};  // δ over the watch, at most 40
+  // δ over the watch, at most 40 where the parameter is known, else none.
+  std::vector<CoursePoint> points = {};
 
   static constexpr double kKnown = 0.9;
   // Something has changed, and it is this parameter.

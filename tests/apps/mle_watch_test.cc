@@ -23,6 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 using ::testing::Not;
 using ::testing::SizeIs;
 
@@ -41,17 +42,24 @@ TEST_F(MleWatchTest, LearnsWatchesAndFindsTheChange) {
   EXPECT_EQ(run.exit_code, 0) << run.err;
   EXPECT_EQ(Tank()["status"], "learning");
   EXPECT_THAT(Tank()["sentence"], HasSubstr("5 of 8 days"));
+  EXPECT_TRUE(Tank()["next_change"].is_null());
   WriteDays(5, 25);
   EXPECT_EQ(Watch().exit_code, 0);
   EXPECT_EQ(Tank()["status"], "healthy");
   EXPECT_GT(Tank()["health"], 0.9);
   EXPECT_EQ(Tank()["last_day"], "2026-01-25");
+  EXPECT_EQ(Tank()["outputs"][0]["trend"]["told"], "cannot_tell");
+  EXPECT_THAT(Tank()["next_change"]["text"], Not(IsEmpty()));
   EXPECT_EQ(AlarmsHandedOn(), 0);
   WriteDays(25, 40);
   EXPECT_EQ(Watch().exit_code, 0);
   const nlohmann::json tank = Tank();
   EXPECT_EQ(tank["status"], "aged");
   EXPECT_LT(tank["health"], 0.5);
+  // At once, ten days before the end.
+  EXPECT_NE(tank["outputs"][0]["trend"]["told"], "trend");
+  EXPECT_LT(tank["outputs"][0]["trend"]["change"]["mean"], -0.07);
+  EXPECT_EQ(tank["next_change"]["state"], "not_needed");
   ASSERT_GE(tank["alarms"].size(), 1U);
   EXPECT_GE(tank["alarms"][0]["day"], "2026-01-26");
   EXPECT_THAT(tank["alarms"][0]["text"],
