@@ -38,6 +38,13 @@ absl::Status Record::Validate() const {
   return absl::OkStatus();
 }
 
+int Record::lead() const {
+  for (int k = 0; k < samples(); ++k) {
+    if (outputs.col(k).array().isFinite().any()) return k;
+  }
+  return 0;
+}
+
 std::vector<SetPointChange> FindSetPointChanges(const Record& record) {
   const Eigen::MatrixXd& set_points = record.set_points;
   std::vector<SetPointChange> changes;

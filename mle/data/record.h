@@ -29,6 +29,9 @@ struct Record {
   int num_outputs() const { return static_cast<int>(outputs.rows()); }
   int num_inputs() const { return static_cast<int>(inputs.rows()); }
   double time(int k) const { return start_time + k * sample_time; }
+  // Samples at the begin in which no output is measured, though one is later:
+  // they only say what the inputs did before.
+  int lead() const;
 };
 
 // A change of set point: output `output` from sample `sample` on.

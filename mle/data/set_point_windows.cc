@@ -190,6 +190,11 @@ void WarnOfFew(WindowSet& set) {
 
 }  // namespace
 
+bool Adjoin(const SetPointWindow& before, const SetPointWindow& after) {
+  return before.source == after.source &&
+         before.first_sample + before.record.samples() == after.first_sample;
+}
+
 std::vector<Record> WindowSet::Records() const {
   std::vector<Record> records;
   for (const SetPointWindow& window : windows) records.push_back(window.record);

@@ -80,6 +80,9 @@ struct SetPointWindow {
   std::vector<QuietPart> after;   // p: once settled
 };
 
+// `after` begins with the sample after the last one of `before`.
+bool Adjoin(const SetPointWindow& before, const SetPointWindow& after);
+
 struct WindowSet {
   std::vector<SetPointWindow> windows;
   // As requested.

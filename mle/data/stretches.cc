@@ -7,7 +7,7 @@ namespace {
 
 constexpr double kSampleTolerance = 1e-6;  // of a sample
 
-bool Adjoin(const Record& before, const Record& after) {
+bool RecordsAdjoin(const Record& before, const Record& after) {
   return before.sample_time == after.sample_time &&
          before.num_outputs() == after.num_outputs() &&
          before.num_inputs() == after.num_inputs() &&
@@ -41,6 +41,11 @@ Record Joined(const std::vector<Record>& windows, std::size_t first,
 
 }  // namespace
 
+bool Adjoin(const StretchPart& before, const StretchPart& after) {
+  return before.stretch == after.stretch &&
+         before.first + before.samples == after.first;
+}
+
 int Stretches::WindowAt(int stretch, double time) const {
   int found = -1;
   for (std::size_t w = 0; w < windows.size(); ++w) {
@@ -61,10 +66,12 @@ Stretches JoinAdjoining(const std::vector<Record>& windows) {
     int sample = 0;
     do {
       const int samples = windows[end].samples();
-      stretches.windows.push_back({stretch, sample, samples});
+      const int lead = windows[end].lead();
+      stretches.windows.push_back({stretch, sample + lead, samples - lead});
       sample += samples;
       ++end;
-    } while (end < windows.size() && Adjoin(windows[end - 1], windows[end]));
+    } while (end < windows.size() &&
+             RecordsAdjoin(windows[end - 1], windows[end]));
     stretches.records.push_back(Joined(windows, first, end));
     first = end;
   }

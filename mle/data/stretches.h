@@ -13,12 +13,15 @@
 
 namespace mle {
 
-// Where a window lies in the stretches.
+// Where a window lies in the stretches, without its lead.
 struct StretchPart {
   int stretch = 0;
   int first = 0;  // sample
   int samples = 0;
 };
+
+// `after` begins with the sample after the last one of `before`.
+bool Adjoin(const StretchPart& before, const StretchPart& after);
 
 struct Stretches {
   std::vector<Record> records;

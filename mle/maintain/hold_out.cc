@@ -24,7 +24,7 @@ constexpr int kBlocksPerFold = 2;
 // What one fold holds out.
 struct Fold {
   std::string name;
-  // For each window: whether each of its samples is held out.
+  // For each window: whether each of its samples after the lead is held out.
   std::vector<std::vector<bool>> held;
 };
 
@@ -40,7 +40,7 @@ std::vector<Fold> FoldsOfBlocks(const std::vector<Record>& windows, int count) {
     folds[f].name = absl::StrCat("fold ", f + 1, " of ", count);
   }
   for (std::size_t w = 0; w < windows.size(); ++w) {
-    const int n = windows[w].samples();
+    const int n = windows[w].samples() - windows[w].lead();
     const int first = static_cast<int>(w % count) * shift;
     for (Fold& fold : folds) fold.held.emplace_back(n);
     for (int k = 0; k < n; ++k) {
@@ -55,8 +55,9 @@ std::vector<Fold> FoldsOfBlocks(const std::vector<Record>& windows, int count) {
 // What remains for the fit: the outputs held out are lost.
 std::vector<Record> Remaining(std::vector<Record> windows, const Fold& fold) {
   for (std::size_t w = 0; w < windows.size(); ++w) {
-    for (Eigen::Index k = 0; k < windows[w].samples(); ++k) {
-      if (fold.held[w][k]) windows[w].outputs.col(k).setConstant(kNaN);
+    const int lead = windows[w].lead();
+    for (int k = 0; k < std::ssize(fold.held[w]); ++k) {
+      if (fold.held[w][k]) windows[w].outputs.col(lead + k).setConstant(kNaN);
     }
   }
   return windows;
@@ -183,8 +184,8 @@ Scores ScoreFold(const std::vector<Record>& windows, const Fold& fold,
       const Eigen::MatrixXd other =
           PartOf(corrected[part.stretch], part, horizons[h], integrating);
       for (int i = 0; i < p; ++i) {
-        scores[w][i][h] = Compare(windows[w].outputs.row(i), fold.held[w],
-                                  one.row(i), other.row(i));
+        scores[w][i][h] = Compare(windows[w].outputs.row(i).tail(part.samples),
+                                  fold.held[w], one.row(i), other.row(i));
       }
     }
   }
@@ -280,7 +281,7 @@ void ScoreInitial(const Estimate& estimate, const std::vector<Record>& windows,
                   const Predictor& in_use, Validation& validation) {
   Fold all;
   for (const Record& window : windows) {
-    all.held.emplace_back(window.samples(), true);
+    all.held.emplace_back(window.samples() - window.lead(), true);
   }
   const Predictor& initial = in_use ? in_use : estimate.fit.initial;
   validation.outputs = ScoresOfAll(

@@ -109,11 +109,6 @@ struct Run {
   int samples = 0;
 };
 
-bool Adjoin(const SetPointWindow& before, const SetPointWindow& after) {
-  return before.source == after.source &&
-         before.first_sample + before.record.samples() == after.first_sample;
-}
-
 // Windows that adjoin, together until they are `length` samples long; what is
 // left of them at last belongs to what comes before it.
 std::vector<Run> RunsOf(const std::vector<SetPointWindow>& windows,

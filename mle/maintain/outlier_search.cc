@@ -111,12 +111,13 @@ absl::Status SearchOutliers(const ProcessModel& model,
   OutputErrorOptions alone = output_error;
   alone.threads = 1;
   alone.outputs = {};
+  const std::vector<Record> windows = data.Records();
   std::vector<std::vector<Record>> searched(count);
   std::vector<absl::StatusOr<OutlierReport>> reports(count);
   ParallelFor(count, output_error.threads, [&](int n) {
     if (stage.cancelled()) return;
-    for (const SetPointWindow& window : data.windows) {
-      searched[n].push_back(SelectOutput(window.record, outputs[n]));
+    for (const Record& window : windows) {
+      searched[n].push_back(SelectOutput(window, outputs[n]));
     }
     reports[n] = MarkOutliers(SelectOutput(model, outputs[n]), alone,
                               OutlierMarkOptions(), searched[n]);
@@ -129,7 +130,9 @@ absl::Status SearchOutliers(const ProcessModel& model,
     if (!reports[n].ok()) continue;
     const int i = outputs[n];
     for (std::size_t w = 0; w < data.windows.size(); ++w) {
-      data.windows[w].record.outputs.row(i) = searched[n][w].outputs.row(0);
+      Record& window = data.windows[w].record;
+      window.outputs.row(i) =
+          searched[n][w].outputs.row(0).tail(window.samples());
     }
     data.outliers_by_model[i] = reports[n]->marked[0];
     ReportOutliers(model.outputs()[i].name, *reports[n], data);

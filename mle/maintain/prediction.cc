@@ -232,7 +232,9 @@ bool Integrates(const InputResponse& model, Eigen::Index output) {
 }
 
 int FirstPredicted(const InputResponse& model, const Record& record) {
-  return std::min(model.forgetting, record.samples() / 4);
+  const int lead = record.lead();
+  return std::max(
+      lead, std::min(model.forgetting, lead + (record.samples() - lead) / 4));
 }
 
 }  // namespace

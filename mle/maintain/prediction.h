@@ -51,7 +51,8 @@ absl::StatusOr<Eigen::VectorXd> FitLevelRatios(
 // filter, diffuse at first (`ratios`: p, its q/r; 0 takes the mean of all
 // errors so far): ŷ_k = x_k + ŵ_{k−h|k−h}. The level of an integrating output
 // has a constant slope, unknown at first. The samples that the model needs to
-// forget, but at most a quarter of the record, are not predicted.
+// forget, its lead among them, but at most a quarter of what follows the lead,
+// are not predicted.
 Predictor PredictWithLevel(const InputResponse& model,
                            const Eigen::VectorXd& ratios);
 

@@ -9,6 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
+#include "mle/base/double_limits.h"
 #include "mle/base/status.h"
 #include "mle/data/nearest_names.h"
 #include "mle/data/record_columns.h"
@@ -62,6 +63,33 @@ absl::Status ExamineFiles(const ProcessModel& model,
     }
   }
   return absl::OkStatus();
+}
+
+// The window of `record`, and before it up to `most` samples of its inputs.
+Record WithLead(const Record& record, const SetPointWindow& window, int most) {
+  const int earliest = std::max(window.first_sample - most, 0);
+  int begin = window.first_sample;
+  while (begin > earliest &&
+         record.inputs.col(begin - 1).array().isFinite().all()) {
+    --begin;
+  }
+  const int lead = window.first_sample - begin;
+  if (lead <= 0) return window.record;
+  const int samples = lead + window.record.samples();
+  Record whole;
+  whole.start_time = record.time(begin);
+  whole.sample_time = record.sample_time;
+  whole.outputs =
+      Eigen::MatrixXd::Constant(record.num_outputs(), samples, kNaN);
+  whole.outputs.rightCols(window.record.samples()) = window.record.outputs;
+  whole.inputs.resize(record.num_inputs(), samples);
+  whole.inputs << record.inputs.middleCols(begin, lead), window.record.inputs;
+  if (window.record.set_points.size() > 0) {
+    whole.set_points.resize(record.num_outputs(), samples);
+    whole.set_points << record.set_points.middleCols(begin, lead),
+        window.record.set_points;
+  }
+  return whole;
 }
 
 // Finds what is wrong with the channels, and marks what is not to be used.
@@ -219,6 +247,8 @@ absl::Status CheckRecords(const std::vector<Record>& records,
 // Health and windows of data.records.
 absl::Status FindWhatIsUsed(const ProcessModel& model,
                             const RecordOptions& options, RecordData& data) {
+  data.lead = static_cast<int>(
+      std::min(std::ceil(SettlingTime(model) / data.sample_time()), 1e9));
   AddImportWarnings(data);
   MLE_RETURN_IF_ERROR(ExamineFiles(model, options.examination, data));
   MarkUnhealthy(model, options.mark, data);
@@ -243,7 +273,12 @@ absl::Status FindWhatIsUsed(const ProcessModel& model,
 
 std::vector<Record> RecordData::Records() const {
   std::vector<Record> result;
-  for (const SetPointWindow& window : windows) result.push_back(window.record);
+  for (std::size_t w = 0; w < windows.size(); ++w) {
+    const SetPointWindow& window = windows[w];
+    const bool adjoins = w > 0 && Adjoin(windows[w - 1], window);
+    result.push_back(adjoins ? window.record
+                             : WithLead(records[window.source], window, lead));
+  }
   return result;
 }
 

@@ -59,6 +59,8 @@ struct RecordData {
     int samples = 0;
   };
   std::vector<UnusedPart> unused;
+  // The model's settling time, in samples.
+  int lead = 0;
   HealthReport health;
   // Of the examination; those that block are obstacles, the others are among
   // the warnings (doubts and repairs) and notes.
@@ -75,7 +77,10 @@ struct RecordData {
   TimeNames Times(const ProcessModel& model) const {
     return report.Times(model.time_unit());
   }
-  std::vector<Record> Records() const;  // of the windows
+  // Of the windows. Each has a lead (Record::lead()) of the inputs before it,
+  // from the last bad one on, `lead` samples at most; none where it adjoins the
+  // window before.
+  std::vector<Record> Records() const;
   // What lies outside of the windows, the last of it, up to four times as many
   // samples as the windows have.
   std::vector<Record> AtRest() const;

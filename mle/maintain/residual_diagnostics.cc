@@ -165,7 +165,7 @@ std::vector<ResidualReport> ExamineResiduals(const Predictor& predictor,
     const MatrixXd one_step = predictor(window, 1);
     for (int i = 0; i < p; ++i) errors[i].push_back(one_step.row(i));
     for (int j = 0; j < m; ++j) inputs[j].push_back(window.inputs.row(j));
-    longest = std::max(longest, window.samples());
+    longest = std::max(longest, window.samples() - window.lead());
   }
   const int lags = std::clamp(max_lag, 1, std::max(longest / 4, 1));
   std::vector<ResidualReport> reports;

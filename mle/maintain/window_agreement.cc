@@ -125,9 +125,7 @@ std::vector<StretchPart> JoinShort(const std::vector<StretchPart>& windows,
   std::vector<StretchPart> joined;
   bool open = false;  // the last one takes more
   for (const StretchPart& window : windows) {
-    const bool same =
-        !joined.empty() && joined.back().stretch == window.stretch;
-    if (same && open) {
+    if (open && Adjoin(joined.back(), window)) {
       joined.back().samples += window.samples;
     } else {
       joined.push_back(window);
@@ -138,7 +136,7 @@ std::vector<StretchPart> JoinShort(const std::vector<StretchPart>& windows,
   std::vector<StretchPart> long_ones;
   for (const StretchPart& part : joined) {
     if (part.samples < least && !long_ones.empty() &&
-        long_ones.back().stretch == part.stretch) {
+        Adjoin(long_ones.back(), part)) {
       long_ones.back().samples += part.samples;
     } else {
       long_ones.push_back(part);

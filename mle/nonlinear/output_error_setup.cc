@@ -57,6 +57,10 @@ absl::Status CheckRecords(const ProcessModel& model,
   return absl::OkStatus();
 }
 
+int MeasuredSamples(const Record& record) {
+  return record.samples() - record.lead();
+}
+
 absl::StatusOr<double> MaxDelay(const ProcessModel& model, int i, int j,
                                 const ElementValues& initial,
                                 const std::vector<Record>& records,
@@ -72,7 +76,7 @@ absl::StatusOr<double> MaxDelay(const ProcessModel& model, int i, int j,
   }
   double shortest = std::numeric_limits<double>::infinity();
   for (const Record& record : records) {
-    shortest = std::min(shortest, record.samples() * record.sample_time);
+    shortest = std::min(shortest, MeasuredSamples(record) * record.sample_time);
   }
   const double share = kMaxSkippedShare * shortest;
   if (share < initial.delay) {
@@ -259,7 +263,7 @@ int LongestLag(const std::vector<OutputSetup>& setups,
   }
   double lags = longest / records[0].sample_time;
   for (const Record& record : records) {
-    lags = std::min(lags, share * record.samples());
+    lags = std::min(lags, share * MeasuredSamples(record));
   }
   return std::max(static_cast<int>(std::ceil(lags)) - 1, 1);
 }

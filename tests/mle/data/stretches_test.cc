@@ -1,5 +1,6 @@
 #include "mle/data/stretches.h"
 
+#include <limits>
 #include <vector>
 
 #include "gtest/gtest.h"
@@ -61,6 +62,24 @@ TEST(JoinAdjoiningTest, LeavesOthersApart) {
     EXPECT_EQ(stretches.windows[w].first, 0);
     EXPECT_EQ(stretches.WindowAt(w, stretches.records[w].start_time), w);
   }
+}
+
+// What comes before the first output only says what the inputs did.
+TEST(JoinAdjoiningTest, ALeadIsPartOfTheStretchAndNotOfTheWindow) {
+  Record first = Window(7, 10);
+  first.outputs.leftCols(4).setConstant(
+      std::numeric_limits<double>::quiet_NaN());
+  EXPECT_EQ(first.lead(), 4);
+  const Stretches stretches = JoinAdjoining({first, Window(17, 5)});
+  ASSERT_EQ(stretches.records.size(), 1u);
+  EXPECT_EQ(stretches.records[0].samples(), 15);
+  EXPECT_EQ(stretches.windows[0].first, 4);
+  EXPECT_EQ(stretches.windows[0].samples, 6);
+  EXPECT_EQ(stretches.windows[1].first, 10);
+  EXPECT_TRUE(Adjoin(stretches.windows[0], stretches.windows[1]));
+  // Without any output there is nothing to lead to.
+  first.outputs.setConstant(std::numeric_limits<double>::quiet_NaN());
+  EXPECT_EQ(first.lead(), 0);
 }
 
 }  // namespace

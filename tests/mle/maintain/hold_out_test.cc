@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "gtest/gtest.h"
+#include "mle/base/double_limits.h"
 #include "tests/mle/maintain/tank_records.h"
 
 namespace mle {
@@ -95,6 +96,33 @@ TEST(HoldOutTest, TheGainIsTheShareOfTheSquaredErrorRemoved) {
 
 // One step of the input in each window, in the same tenth of it: a fold that
 // hid both would know nothing of time constant and dead time.
+// The inputs before a window are neither held out nor scored.
+TEST(HoldOutTest, LeadsHaveNoPart) {
+  std::vector<Record> windows = HoldOutWindows(Tank(2.0));
+  const auto estimate = EstimateModel(Tank(1.5), windows, HoldOutOf());
+  ASSERT_TRUE(estimate.ok()) << estimate.status();
+  const auto validation = Validate(*estimate, windows);
+  for (Record& window : windows) {
+    Record led = window;
+    led.inputs = Eigen::MatrixXd::Zero(1, 1100);
+    led.inputs.rightCols(900) = window.inputs;
+    led.outputs = Eigen::MatrixXd::Constant(1, 1100, kNaN);
+    led.outputs.rightCols(900) = window.outputs;
+    led.set_points = Eigen::MatrixXd::Zero(1, 1100);
+    led.set_points.rightCols(900) = window.set_points;
+    window = led;
+  }
+  const auto led = EstimateModel(Tank(1.5), windows, HoldOutOf());
+  ASSERT_TRUE(led.ok()) << led.status();
+  const auto same = Validate(*led, windows);
+  ASSERT_TRUE(validation.ok() && same.ok());
+  ASSERT_TRUE(same->held_out);
+  EXPECT_NEAR(same->outputs[0].simulated.initial,
+              validation->outputs[0].simulated.initial, 0.5);
+  EXPECT_NEAR(same->outputs[0].simulated.corrected,
+              validation->outputs[0].simulated.corrected, 0.5);
+}
+
 TEST(HoldOutTest, NoFoldHidesTheSameMoveOfAllWindows) {
   std::vector<Record> windows = HoldOutWindows(Tank(2.0));
   for (std::size_t w = 0; w < windows.size(); ++w) {

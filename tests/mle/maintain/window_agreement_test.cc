@@ -107,6 +107,32 @@ TEST(WindowAgreementTest, WindowsOfOnePlantAgree) {
   EXPECT_LE(doubts, 6);
 }
 
+// Inputs that never rest, as where a plant has more of them than outputs: what
+// they did before a window acts in it.
+TEST(WindowAgreementTest, WhatInputsDidBeforeIsNoDisagreement) {
+  constexpr int kLead = 100;
+  Record record = TankRecord(Tank(1.0), 0.0, 1);
+  record.inputs = GaussianNoise(5, 0, kDriftDisturbance)
+                      .DrawMatrix(1, record.samples(), 1.0);
+  for (int k = 1; k < record.samples(); ++k) {
+    record.inputs(0, k) += record.inputs(0, k - 1);
+  }
+  record.outputs = *SimulateResponse(Tank(1.0), 0.5, record.inputs) +
+                   GaussianNoise(6, 0, kMeasurementNoise)
+                       .DrawMatrix(1, record.samples(), 0.02);
+  std::vector<Record> alone;
+  std::vector<Record> led;
+  for (const int begin : {150, 400, 650}) {
+    Record part = *CutWindow(record, begin, 0.5 * kLead, 0.5 * 99);
+    led.push_back(part);
+    led.back().outputs.leftCols(kLead).setConstant(
+        std::numeric_limits<double>::quiet_NaN());
+    alone.push_back(*CutWindow(part, kLead, 0.0, 0.5 * 99));
+  }
+  EXPECT_FALSE(Agreement(alone).agree());
+  EXPECT_TRUE(Agreement(led).agree()) << Agreement(led).p_value;
+}
+
 TEST(WindowAgreementTest, DriftIsNoDisagreement) {
   int doubts = 0;
   for (int trial = 0; trial < 20; ++trial) {
