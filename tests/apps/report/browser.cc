@@ -3,7 +3,6 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <functional>
 #include <sstream>
 
 #include "absl/strings/str_cat.h"
@@ -46,20 +45,6 @@ std::vector<std::string> ConsoleOf(const fs::path& log) {
   return console;
 }
 
-// Takes a picture of the page, and compares it with that of an earlier run.
-// Returns whether that one showed the same page differently.
-bool TakePicture(const fs::path& picture, bool same_page,
-                 const std::function<void()>& take) {
-  const std::string earlier = ReadAll(picture);
-  if (!earlier.empty() && !same_page) {
-    fs::path before = picture;
-    fs::rename(picture, before.replace_filename(picture.stem().string() +
-                                                "_before.png"));
-  }
-  take();
-  return !earlier.empty() && same_page && ReadAll(picture) != earlier;
-}
-
 }  // namespace
 
 bool HasBrowser() {
@@ -92,16 +77,24 @@ BrowserVisit VisitPage(const std::string& html, int width,
   }
   const bool same_page = ReadAll(page) == checked;
   std::ofstream(page, std::ios::binary) << checked;
-  const std::string view =
-      absl::StrCat("--virtual-time-budget=5000 ",
+  const fs::path picture = folder / (base + ".png");
+  const std::string earlier = ReadAll(picture);
+  if (!earlier.empty() && !same_page) {
+    fs::rename(picture, folder / (base + "_before.png"));
+  }
+  // Text and picture in one visit: most of what one takes is the browser's
+  // start.
+  if (Chromium(absl::StrCat(
+                   "--virtual-time-budget=5000 ",
                    dark ? "--blink-settings=preferredColorScheme=0 " : "",
-                   "--window-size=", width, ",");
-  const std::string url = "'file://" + page.string() + "'";
-  if (Chromium(absl::StrCat(view, "900 --dump-dom ", url), dom, log, profile) !=
-      0) {
+                   "--window-size=", width, ",1600 --dump-dom --screenshot='",
+                   picture.string(), "' 'file://", page.string(), "'"),
+               dom, log, profile) != 0) {
     visit.error = "chromium failed: " + ReadAll(log);
     return visit;
   }
+  visit.other_picture =
+      !earlier.empty() && same_page && ReadAll(picture) != earlier;
   visit.console = ConsoleOf(log);
   const std::string text = ReadAll(dom);
   const std::string open = "<pre id=\"check\" hidden=\"\">";
@@ -123,12 +116,6 @@ BrowserVisit VisitPage(const std::string& html, int width,
   }
   visit.found = nlohmann::json::parse(json, nullptr, false);
   if (visit.found.is_discarded()) visit.error = "no JSON: " + json;
-  const fs::path picture = folder / (base + ".png");
-  visit.other_picture = TakePicture(picture, same_page, [&] {
-    Chromium(
-        absl::StrCat(view, "1600 --screenshot='", picture.string(), "' ", url),
-        dom, log, profile);
-  });
   fs::remove_all(profile);
   fs::remove(dom);
   return visit;
