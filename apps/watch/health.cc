@@ -43,6 +43,22 @@ Status StatusOf(const Watch& watch) {
   return doubtful ? Status::kCannotTell : Status::kHealthy;
 }
 
+// What all days say now; the alarm tells what its day did, when little was
+// known.
+std::string AgedSentence(const Report& report) {
+  const Alarm& alarm = LastAlarm(*report.watch);
+  const auto output = static_cast<std::size_t>(alarm.output);
+  if (output < report.outlook.trends.size()) {
+    const std::string changed =
+        ChangedText(report.model, alarm.output, report.outlook.trends[output]);
+    if (!changed.empty()) {
+      return absl::StrCat("The model of ", report.model.outputs()[output].name,
+                          " has aged. ", changed);
+    }
+  }
+  return alarm.text;
+}
+
 std::string SentenceOf(const Report& report) {
   const Watch& watch = *report.watch;
   switch (report.status) {
@@ -50,7 +66,7 @@ std::string SentenceOf(const Report& report) {
     case Status::kLearning:
       return watch.news;
     case Status::kAged:
-      return LastAlarm(watch).text;
+      return AgedSentence(report);
     case Status::kCannotTell:
       return absl::StrCat("Nothing could be told for a month. ",
                           LastReason(watch));

@@ -51,6 +51,10 @@ std::string_view NameOf(NextChange::State state);
 
 // "−1.9 % a month", of the output's most probable parameter.
 std::string RateText(const ProcessModel& model, const OutputTrend& trend);
+// A sentence: by how much the output's most probable parameter has changed.
+// Empty where a single one is not known.
+std::string ChangedText(const ProcessModel& model, int output,
+                        const OutputTrend& trend);
 // Whole sentences: the trend, or why none can be told.
 std::string TrendText(const ProcessModel& model, int output,
                       const OutputTrend& trend);

@@ -108,6 +108,18 @@ std::string RateText(const ProcessModel& model, const OutputTrend& trend) {
       " a month");
 }
 
+std::string ChangedText(const ProcessModel& model, int output,
+                        const OutputTrend& trend) {
+  const AgeingCourse& course = trend.course;
+  const bool explains = course.state != AgeingCourse::State::kTooShort &&
+                        course.state != AgeingCourse::State::kNoSingleChange;
+  if (!explains || !course.is_known()) return "";
+  return absl::StrCat("The ", ParameterName(course.parameter), " of ",
+                      PairName(model, output, trend.input), " has changed by ",
+                      EstimateText(model, course.parameter, course.change),
+                      ".");
+}
+
 std::string TrendText(const ProcessModel& model, int output,
                       const OutputTrend& trend) {
   const AgeingCourse& course = trend.course;

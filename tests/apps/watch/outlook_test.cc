@@ -18,6 +18,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
+using ::testing::StartsWith;
 
 constexpr int kDays = 200;
 constexpr double kInformation = 2500.0;  // a standard error of 2 % a day
@@ -86,6 +87,20 @@ TEST(OutlookTest, ATrendIsSaidWithItsRate) {
   EXPECT_EQ(json["outputs"][0]["trend"]["told"], "trend");
   EXPECT_EQ(json["outputs"][0]["trend"]["parameter"], "gain");
   EXPECT_LT(json["outputs"][0]["trend"]["change_per_month"]["high"], 0.0);
+}
+
+// An alarm is raised when little is known; what its day took for likely is not
+// what all days say.
+TEST(OutlookTest, ThePageBeginsWithWhatIsKnownNow) {
+  const Alarm alarm{.output = 0, .element = -1, .text = "As of that day."};
+  Watch watch = WatchOf(-0.002, 2);
+  watch.alarms = {alarm};
+  EXPECT_THAT(ReportOf(watch).sentence,
+              StartsWith("The model of level has aged. The gain of level ← "
+                         "steam has changed by −"));
+  watch = WatchOf(0.0, 60);
+  watch.alarms = {alarm};
+  EXPECT_EQ(ReportOf(watch).sentence, "As of that day.");
 }
 
 TEST(OutlookTest, DeadTimesAreInTheModelsUnit) {
