@@ -40,10 +40,6 @@ struct Outlook {
 Outlook MakeOutlook(const Controller& controller, const ProcessModel& model,
                     const Watch& watch);
 
-// "gain", "time constant", "dead time"; with underscores for programs.
-const char* ParameterName(int parameter);
-const char* ParameterKey(int parameter);
-
 // "trend", "steady", "cannot_tell".
 std::string_view NameOf(AgeingCourse::State state);
 // "proposed", "not_needed", "none_tells".

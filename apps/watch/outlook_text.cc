@@ -5,17 +5,11 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "apps/report/number.h"
+#include "apps/watch/change_text.h"
 #include "apps/watch/outlook.h"
 
 namespace mle::watch {
 namespace {
-
-constexpr int kDeadTime = 2;
-
-std::string WithSign(double value, int decimals) {
-  return absl::StrCat(value > 0.0 ? "+" : "",
-                      report::FormatFixed(value, decimals));
-}
 
 std::string Percent(double share) {
   return report::FormatSignificant(100.0 * share, 2);
@@ -25,7 +19,7 @@ std::string Percent(double share) {
 std::string ChangeText(const ProcessModel& model, int parameter, double value,
                        bool with_unit = true) {
   const bool time = parameter == kDeadTime;
-  return absl::StrCat(WithSign(time ? value : 100.0 * value, time ? 2 : 1),
+  return absl::StrCat(Signed(time ? value : 100.0 * value, time ? 2 : 1),
                       !with_unit ? ""
                       : time     ? absl::StrCat(" ", model.time_unit())
                                  : " %");
@@ -67,16 +61,6 @@ std::string QuestionText(const ProcessModel& model,
 }
 
 }  // namespace
-
-const char* ParameterName(int parameter) {
-  constexpr const char* kNames[] = {"gain", "time constant", "dead time"};
-  return kNames[parameter];
-}
-
-const char* ParameterKey(int parameter) {
-  constexpr const char* kKeys[] = {"gain", "time_constant", "dead_time"};
-  return kKeys[parameter];
-}
 
 std::string_view NameOf(AgeingCourse::State state) {
   switch (state) {

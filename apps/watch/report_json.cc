@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "apps/common/command_line.h"
+#include "apps/watch/change_text.h"
 #include "apps/watch/days.h"
 #include "apps/watch/page.h"
 #include "apps/watch/proposal.h"

@@ -8,6 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "apps/report/figure.h"
+#include "apps/watch/change_text.h"
 #include "apps/watch/source.h"
 
 namespace mle::watch {
@@ -49,7 +50,7 @@ report::Figure HealthFigure(const Report& report) {
 
 report::Figure ChangeFigure(const Report& report, const OutputTrend& trend) {
   const AgeingCourse& course = trend.course;
-  const bool time = course.parameter == 2;
+  const bool time = course.parameter == kDeadTime;
   report::Figure figure{.height_cm = 6.0};
   report::Panel& panel = figure.AddPanel("");
   panel.x = DayAxis();

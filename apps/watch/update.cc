@@ -11,6 +11,7 @@
 #include "apps/common/option_table.h"
 #include "apps/common/sha256.h"
 #include "apps/report/number.h"
+#include "apps/watch/change_text.h"
 #include "apps/watch/codec.h"
 #include "apps/watch/days.h"
 #include "apps/watch/source.h"
@@ -250,11 +251,6 @@ absl::Status Update::Run() {
   return absl::OkStatus();
 }
 
-std::string Signed(double value, int decimals) {
-  return absl::StrCat(value > 0.0 ? "+" : "",
-                      report::FormatFixed(value, decimals));
-}
-
 }  // namespace
 
 double ShareOfOutput(const ProcessModel& model, const WatchOptions& options) {
@@ -282,9 +278,8 @@ std::string Describe(const ProcessModel& model, int output,
     if (!model.element(output, j).IsZero()) present.push_back(j);
   }
   const std::string pair = PairName(model, output, present[likely.element]);
-  constexpr const char* kNames[] = {"gain", "time constant", "dead time"};
   const std::string size =
-      likely.parameter == 2
+      likely.parameter == kDeadTime
           ? absl::StrCat(Signed(likely.change * delay_unit, 2), " ± ",
                          report::FormatFixed(likely.error * delay_unit, 2), " ",
                          model.time_unit())
@@ -293,7 +288,8 @@ std::string Describe(const ProcessModel& model, int output,
   return absl::StrFormat(
       "Most likely (%.0f %%) it is %s: its %s has changed by %s, since about "
       "%s.",
-      100.0 * likely.probability, pair, kNames[likely.parameter], size, since);
+      100.0 * likely.probability, pair, ParameterName(likely.parameter), size,
+      since);
 }
 
 absl::Status UpdateWatch(const Controller& controller,
