@@ -23,11 +23,13 @@ std::string ReadAll(const fs::path& path) {
   return text.str();
 }
 
-// Paths of ours: nothing a shell would read otherwise.
+// Paths of ours: nothing a shell would read otherwise. A browser that hangs is
+// ended; on a machine with much other work a page of a thousand rows has taken
+// a minute.
 int Chromium(const std::string& arguments, const fs::path& out,
              const fs::path& log, const fs::path& profile) {
   return std::system(
-      absl::StrCat("timeout 60 chromium --headless --no-sandbox --disable-gpu "
+      absl::StrCat("timeout 200 chromium --headless --no-sandbox --disable-gpu "
                    "--disable-dev-shm-usage --hide-scrollbars "
                    "--enable-logging=stderr --v=0 --user-data-dir='",
                    profile.string(), "' ", arguments, " >'", out.string(),
