@@ -12,6 +12,7 @@
 #include "apps/lifecycle/headline.h"
 #include "apps/lifecycle/money.h"
 #include "apps/lifecycle/policy_words.h"
+#include "apps/lifecycle/prices.h"
 #include "apps/lifecycle/saving_map.h"
 
 namespace mle::lifecycle {

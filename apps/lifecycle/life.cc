@@ -55,7 +55,8 @@ class Years {
                          operation_.RunChange(model_.prediction));
     row.quiet = std::move(operation.quiet);
     row.transient = std::move(operation.transient);
-    row.test = Sums::Zero(plant.num_outputs(), plant.num_inputs());
+    row.test =
+        control::OperationSums::Zero(plant.num_outputs(), plant.num_inputs());
     row.watch = row.test;
     quiet_square_ = std::move(operation.quiet_square);
     if (event.output >= 0) {
@@ -170,8 +171,8 @@ class Years {
 
 }  // namespace
 
-Sums ChangeRow::Total() const {
-  Sums total = quiet;
+control::OperationSums ChangeRow::Total() const {
+  control::OperationSums total = quiet;
   total.Add(transient);
   total.Add(test);
   total.Add(watch);

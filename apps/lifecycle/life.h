@@ -18,8 +18,8 @@
 #include "apps/lifecycle/policy.h"
 #include "apps/lifecycle/scenario.h"
 #include "apps/lifecycle/step_test.h"
-#include "apps/lifecycle/sums.h"
 #include "apps/lifecycle/update.h"
+#include "control/operating_cost.h"
 
 namespace mle::lifecycle {
 
@@ -44,10 +44,12 @@ struct LifeOptions {
 // Results of a set-point change and of the time before it.
 struct ChangeRow {
   SetPointEvent event;
-  Sums quiet;        // since the last row
-  Sums transient;    // after the change
-  Sums test;         // of a step test after it; its time is 0 without one
-  Sums watch;        // of the first hours with a new model, likewise
+  control::OperationSums quiet;      // since the last row
+  control::OperationSums transient;  // after the change
+  control::OperationSums
+      test;  // of a step test after it; its time is 0 without one
+  control::OperationSums
+      watch;         // of the first hours with a new model, likewise
   ModelError error;  // of the model in use at the change
   double index = std::numeric_limits<double>::quiet_NaN();  // on_demand only
   Outcome outcome = Outcome::kNone;  // of a correction or step test after it
@@ -56,7 +58,7 @@ struct ChangeRow {
 
   bool tested() const { return test.time > 0.0; }
   // Sums of all four.
-  Sums Total() const;
+  control::OperationSums Total() const;
 };
 
 struct Life {

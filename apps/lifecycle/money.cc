@@ -6,22 +6,12 @@
 #include "apps/report/number.h"
 
 namespace mle::lifecycle {
-namespace {
 
-// Amounts from here on are shown in scientific form.
-constexpr double kMostWhole = 1e12;
-
-}  // namespace
-
-std::string Money(double amount) {
-  const double size = std::abs(amount);
-  return size >= 100.0 && size < kMostWhole ? report::FormatFixed(amount, 0)
-                                            : report::FormatSignificant(amount);
-}
-
+using report::FormatMoney;
 std::string Money(const MeanOfSeeds& amount) {
-  if (!std::isfinite(amount.half_width)) return Money(amount.mean);
-  return absl::StrCat(Money(amount.mean), " ± ", Money(amount.half_width));
+  if (!std::isfinite(amount.half_width)) return FormatMoney(amount.mean);
+  return absl::StrCat(FormatMoney(amount.mean), " ± ",
+                      FormatMoney(amount.half_width));
 }
 
 std::string Money(const MeanOfSeeds& amount, const std::string& currency) {

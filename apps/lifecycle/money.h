@@ -10,8 +10,6 @@
 
 namespace mle::lifecycle {
 
-// "8,610", "0.25"; "–" for what is not known.
-std::string Money(double amount);
 // "8,610 ± 1,107"; the mean alone without an interval.
 std::string Money(const MeanOfSeeds& amount);
 // The same with the currency behind it, if it has a name: "8,610 ± 1,107 EUR".

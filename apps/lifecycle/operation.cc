@@ -69,9 +69,10 @@ struct Operation::Stretch {
   Record record;
   MatrixXd truth;  // p × (N + 1)
 
-  Sums Sum(int first, int end, const OutputLimits& limits) const {
-    return SumsOf(truth, record.set_points, record.inputs, first, end,
-                  record.sample_time, limits);
+  control::OperationSums Sum(int first, int end,
+                             const control::OutputLimits& limits) const {
+    return control::SumsOf(truth, record.set_points, record.inputs, first, end,
+                           record.sample_time, limits);
   }
 };
 
@@ -249,8 +250,8 @@ absl::StatusOr<ChangeOperation> Operation::RunChange(
                }));
   ChangeOperation result;
   const int first = Samples(warm_up, dt);
-  result.quiet =
-      Sums::Zero(scenario_->plant.num_outputs(), scenario_->plant.num_inputs());
+  result.quiet = control::OperationSums::Zero(scenario_->plant.num_outputs(),
+                                              scenario_->plant.num_inputs());
   if (counted > 0.0) {
     result.quiet.Add(stretch.Sum(first, change, options_.limits),
                      quiet / counted);

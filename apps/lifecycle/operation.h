@@ -28,9 +28,9 @@
 #include "apps/lifecycle/scenario.h"
 #include "apps/lifecycle/slow_disturbance.h"
 #include "apps/lifecycle/step_test.h"
-#include "apps/lifecycle/sums.h"
 #include "control/mpc.h"
 #include "control/mpc_options.h"
+#include "control/operating_cost.h"
 #include "control/prediction_model.h"
 #include "mle/data/record.h"
 #include "sim/ageing_plant.h"
@@ -45,7 +45,7 @@ struct OperationOptions {
   Eigen::VectorXd disturbance_deviation;  // s ≥ 0 (p)
   double disturbance_time = 1440.0;       // T > 0
   control::MpcOptions controller;
-  OutputLimits limits;           // for the violation
+  control::OutputLimits limits;  // for the violation
   double before = 200.0;         // of the record of a change
   double after = 200.0;          // of it, and what counts as transient
   double quiet_stretch = 400.0;  // > 0
@@ -60,21 +60,21 @@ struct OperationOptions {
 // What happened from the end of the last change (or step test) to the end of
 // this one.
 struct ChangeOperation {
-  Sums quiet;      // up to the change
-  Sums transient;  // `after` from the change on
-  Record window;   // measured, `before` and `after` around the change
+  control::OperationSums quiet;      // up to the change
+  control::OperationSums transient;  // `after` from the change on
+  Record window;  // measured, `before` and `after` around the change
   // p: mean squared error as it was measured, in the quiet time.
   Eigen::VectorXd quiet_square;
 };
 
 // The first hours with another model.
 struct WatchOperation {
-  Sums sums;
+  control::OperationSums sums;
   Eigen::VectorXd square;  // p: mean squared error as it was measured
 };
 
 struct TestOperation {
-  Sums sums;
+  control::OperationSums sums;
   Record record;
 };
 

@@ -2,12 +2,11 @@
 
 #include <utility>
 
-#include "absl/strings/str_cat.h"
 #include "apps/common/controller_options.h"
 #include "apps/common/correct_options.h"
+#include "apps/common/price_options.h"
 #include "apps/lifecycle/durations.h"
 #include "apps/lifecycle/request.h"
-#include "apps/report/text.h"
 
 namespace mle::lifecycle {
 namespace {
@@ -29,20 +28,11 @@ TextValue PoliciesOf(Campaign& campaign) {
   return value;
 }
 
-// Longer names have no place in tables and on axes.
-constexpr int kLongestCurrency = 12;
-
 TextValue CurrencyOf(Request& request) {
   TextValue value;
   value.read = [&request](const std::string& text, const NumberRange&) {
-    const int width = report::DisplayWidth(report::CleanText(text));
-    if (width > kLongestCurrency) {
-      return absl::InvalidArgumentError(
-          absl::StrCat("is ", width, " characters long; at most ",
-                       kLongestCurrency, " are shown: EUR"));
-    }
     request.currency = text;
-    return absl::OkStatus();
+    return CheckCurrency(text);
   };
   return value;
 }
@@ -220,7 +210,7 @@ void AddOptions(Request& request, OptionTable& table) {
             Only(mle::OptionsOf(correct.hold_out), {"validation_folds"}));
   table.Add("Corrections", mle::OptionsOf(correct.decision));
   table.Add("Step tests", PartOptionsOf(life.test, request));
-  table.Add("Prices", OptionsOf(request.prices));
+  table.Add("Prices", mle::OptionsOf(request.prices));
   table.Add("Prices",
             {{"currency", CurrencyOf(request),
               "Name of the money that prices are in, shown with every amount: "

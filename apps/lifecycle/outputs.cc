@@ -5,6 +5,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "apps/common/command_line.h"
+#include "apps/lifecycle/prices.h"
 #include "mle/data/csv_rows.h"
 #include "mle/model/json_text.h"
 #include "nlohmann/json.hpp"
@@ -70,7 +71,7 @@ void AppendRow(const ChangeRow& row, const Campaign& campaign,
   Append(csv, row.error.distance);
   Append(csv, row.error.gain);
   Append(csv, row.error.delay);
-  const Sums total = row.Total();
+  const control::OperationSums total = row.Total();
   const double hours = valuation.hours_per_unit;
   Append(csv, hours * row.quiet.squared_error.sum());
   Append(csv, hours * row.transient.squared_error.sum());
@@ -80,7 +81,7 @@ void AppendRow(const ChangeRow& row, const Campaign& campaign,
   Append(csv, hours * total.violation.sum());
   Append(csv, total.movement.sum());
   Append(csv, hours * row.test.time);
-  const Cost cost = CostOf(row, valuation.prices, hours);
+  const control::Cost cost = CostOf(row, valuation.prices, hours);
   Append(csv, cost.total());
   Append(csv, row.index);
   absl::StrAppend(&csv, ",", std::string(NameOf(row.outcome)));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -13,6 +14,7 @@
 #include "apps/lifecycle/durations.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"
+#include "mle/data/civil_time.h"
 #include "sim/ageing_json.h"
 
 namespace mle::lifecycle {
@@ -250,9 +252,14 @@ absl::Status AddSettings(const Request& request, const OptionTable& table,
 absl::Status Complete(Request& request, OptionTable& table) {
   Campaign& campaign = request.campaign;
   MLE_RETURN_IF_ERROR(ReadModels(request, campaign));
-  const absl::StatusOr<double> hours = HoursPerUnit(campaign.model.time_unit());
-  if (!hours.ok()) return AboutOption("model", hours.status());
-  request.hours_per_unit = *hours;
+  const std::string& unit = campaign.model.time_unit();
+  const std::optional<double> seconds = SecondsPerUnit(unit);
+  if (!seconds.has_value()) {
+    return AboutOption("model", absl::InvalidArgumentError(absl::StrCat(
+                                    "the time unit '", unit,
+                                    "' is not known; known are s, min, h, d")));
+  }
+  request.hours_per_unit = *seconds / 3600.0;
   MLE_RETURN_IF_ERROR(table.FitTo(campaign.model));
   MLE_RETURN_IF_ERROR(SetRates(request, campaign));
   MLE_RETURN_IF_ERROR(SetSeeds(request, campaign));

@@ -13,7 +13,7 @@
 #include "absl/status/status.h"
 #include "apps/common/option_table.h"
 #include "apps/lifecycle/campaign.h"
-#include "apps/lifecycle/prices.h"
+#include "control/operating_cost.h"
 
 namespace mle::lifecycle {
 
@@ -51,7 +51,7 @@ struct Request {
 
   // Where all others are.
   Campaign campaign;
-  Prices prices;
+  control::Prices prices;
   std::string currency;
   double hours_per_unit = 1.0;  // of the model's time unit
 };

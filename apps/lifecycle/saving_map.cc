@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "apps/lifecycle/money.h"
 #include "apps/lifecycle/policy_words.h"
+#include "apps/report/number.h"
 
 namespace mle::lifecycle {
 namespace {
@@ -31,10 +32,10 @@ std::vector<std::string> Words(const PolicySummary& policy) {
   if (policy.ran_away > 0) return {"the loop diverged"};
   const MeanOfSeeds& saving = policy.saving;
   if (!std::isfinite(saving.mean)) return {"–"};
-  std::vector<std::string> lines = {
-      absl::StrCat(saving.mean > 0.0 ? "+" : "", Money(saving.mean))};
+  std::vector<std::string> lines = {absl::StrCat(
+      saving.mean > 0.0 ? "+" : "", report::FormatMoney(saving.mean))};
   if (std::isfinite(saving.half_width)) {
-    lines.push_back(absl::StrCat("± ", Money(saving.half_width)));
+    lines.push_back(absl::StrCat("± ", report::FormatMoney(saving.half_width)));
   }
   return lines;
 }

@@ -27,7 +27,7 @@ Json StoredJson(const Eigen::VectorXd& values) {
   return list;
 }
 
-Json StoredJson(const Sums& sums) {
+Json StoredJson(const control::OperationSums& sums) {
   return {{"time", sums.time},
           {"squared_error", StoredJson(sums.squared_error)},
           {"absolute_error", StoredJson(sums.absolute_error)},
@@ -65,8 +65,8 @@ double ToNumber(const Json& json) {
   return json.is_null() ? kNaN : json.get<double>();
 }
 
-Sums ToSums(const Json& json) {
-  Sums sums;
+control::OperationSums ToSums(const Json& json) {
+  control::OperationSums sums;
   sums.time = json.at("time").get<double>();
   sums.squared_error = ToVector(json.at("squared_error"));
   sums.absolute_error = ToVector(json.at("absolute_error"));

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "apps/lifecycle/prices.h"
 #include "mle/base/double_limits.h"
 #include "mle/nonlinear/distributions.h"
 
@@ -57,7 +58,8 @@ PolicySummary SummarisePolicy(const Policy& policy,
   for (const Life* life : lives) {
     costs.push_back(CostPerYear(*life, valuation));
     if (!life->ended.empty()) ++summary.ran_away;
-    const Cost cost = CostOf(*life, valuation.prices, valuation.hours_per_unit);
+    const control::Cost cost =
+        CostOf(*life, valuation.prices, valuation.hours_per_unit);
     const double share = weight / valuation.years;
     summary.parts.Add({share * cost.product, share * cost.violation,
                        share * cost.movement, share * cost.test_hours,

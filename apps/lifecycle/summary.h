@@ -13,7 +13,7 @@
 #include "apps/lifecycle/campaign.h"
 #include "apps/lifecycle/life.h"
 #include "apps/lifecycle/policy.h"
-#include "apps/lifecycle/prices.h"
+#include "control/operating_cost.h"
 
 namespace mle::lifecycle {
 
@@ -31,9 +31,9 @@ struct PolicySummary {
   Policy policy;
   // A year's, in money; NaN where the loop diverged in a seed.
   MeanOfSeeds cost;
-  Cost parts;          // mean of each part
-  MeanOfSeeds saving;  // never less this policy; NaN without never
-  MeanOfSeeds excess;  // this policy less perfect; NaN without perfect
+  control::Cost parts;  // mean of each part
+  MeanOfSeeds saving;   // never less this policy; NaN without never
+  MeanOfSeeds excess;   // this policy less perfect; NaN without perfect
   // This policy less the cheapest one (RateSummary::Cheapest); NaN where the
   // loop diverged in a life of one of them.
   MeanOfSeeds over_cheapest;
@@ -74,7 +74,7 @@ struct RateSummary {
 };
 
 struct Valuation {
-  Prices prices;
+  control::Prices prices;
   double hours_per_unit = 1.0;
   double years = 1.0;
   std::string currency = {};  // of the prices, as it is shown; may be empty

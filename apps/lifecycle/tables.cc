@@ -133,11 +133,13 @@ Table CostTable(const RateSummary& rate, const std::string& currency) {
                   {"engineers"},
                   {"all"}}};
   for (const PolicySummary* policy : ByCost(rate)) {
-    const Cost& parts = policy->parts;
-    table.AddRow({ShortName(policy->policy), Money(parts.product),
-                  Money(parts.violation), Money(parts.movement),
-                  Money(parts.test_hours), Money(parts.engineering),
-                  Money(parts.total())});
+    const control::Cost& parts = policy->parts;
+    table.AddRow({ShortName(policy->policy), report::FormatMoney(parts.product),
+                  report::FormatMoney(parts.violation),
+                  report::FormatMoney(parts.movement),
+                  report::FormatMoney(parts.test_hours),
+                  report::FormatMoney(parts.engineering),
+                  report::FormatMoney(parts.total())});
   }
   return table;
 }

@@ -110,6 +110,14 @@ std::string ShortProbability(double p) {
   return p < 1e-9 ? "< 10⁻⁹" : FormatProbability(p);
 }
 
+std::string FormatMoney(double amount) {
+  constexpr double kLeastWhole = 100.0;
+  constexpr double kMostWhole = 1e12;
+  const double size = std::abs(amount);
+  return size >= kLeastWhole && size < kMostWhole ? FormatFixed(amount, 0)
+                                                  : FormatSignificant(amount);
+}
+
 std::string FormatInteger(std::int64_t value) {
   std::string digits = std::to_string(value);
   if (value >= 0) return Grouped(digits);

@@ -34,6 +34,10 @@ std::string FormatProbability(double p);
 // The same, but what is far below any level is not told apart: "< 10⁻⁹".
 std::string ShortProbability(double p);
 
+// An amount of money: whole from 100 on, three digits below, scientific from
+// 1e12 on: FormatMoney(8609.6) = "8,610".
+std::string FormatMoney(double amount);
+
 // FormatInteger(10001) = "10,001".
 std::string FormatInteger(std::int64_t value);
 

@@ -88,12 +88,12 @@ TEST(OperationTest, EverySampleAgreesWithTheShortCut) {
   // 3·10⁴, correlated over some 30 samples: a few per cent.
   const Scenario scenario = TankScenario(150, Fouling(0.7, 3e5));
   OperationOptions options = NoisyTank();
-  Sums sampled = Sums::Zero(1, 1);
-  Sums transients = Sums::Zero(1, 1);
+  control::OperationSums sampled = control::OperationSums::Zero(1, 1);
+  control::OperationSums transients = control::OperationSums::Zero(1, 1);
   Operation short_cut = Make(scenario, options);
   options.every_sample = true;
-  Sums whole = Sums::Zero(1, 1);
-  Sums whole_transients = Sums::Zero(1, 1);
+  control::OperationSums whole = control::OperationSums::Zero(1, 1);
+  control::OperationSums whole_transients = control::OperationSums::Zero(1, 1);
   Operation all = Make(scenario, options);
   for (std::size_t k = 0; k < scenario.events.size(); ++k) {
     const ChangeOperation a = Next(short_cut, Tank());

@@ -10,8 +10,8 @@ namespace {
 
 using Eigen::VectorXd;
 
-Prices SomePrices() {
-  Prices prices;
+control::Prices SomePrices() {
+  control::Prices prices;
   prices.squared_error = VectorXd::Constant(1, 60.0);
   prices.absolute_error = VectorXd::Constant(1, 6.0);
   prices.violation = VectorXd::Constant(1, 600.0);
@@ -26,10 +26,10 @@ Prices SomePrices() {
 ChangeRow Row(double squared_error, Outcome outcome, double test_time) {
   ChangeRow row;
   row.event = {100.0, 0, VectorXd::Zero(1), VectorXd::Ones(1)};
-  row.quiet = Sums::Zero(1, 1);
-  row.transient = Sums::Zero(1, 1);
-  row.test = Sums::Zero(1, 1);
-  row.watch = Sums::Zero(1, 1);
+  row.quiet = control::OperationSums::Zero(1, 1);
+  row.transient = control::OperationSums::Zero(1, 1);
+  row.test = control::OperationSums::Zero(1, 1);
+  row.watch = control::OperationSums::Zero(1, 1);
   row.transient.squared_error[0] = squared_error;
   row.test.time = test_time;
   row.outcome = outcome;
@@ -47,27 +47,19 @@ TEST(PricesTest, EveryPartHasItsPrice) {
   row.quiet.absolute_error[0] = 20.0;
   row.quiet.violation[0] = 3.0;
   row.transient.movement[0] = 4.0;
-  const Cost cost = CostOf(row, SomePrices(), 1.0 / 60.0);
+  const control::Cost cost = CostOf(row, SomePrices(), 1.0 / 60.0);
   EXPECT_DOUBLE_EQ(cost.product, 10.0 + 2.0);
   EXPECT_DOUBLE_EQ(cost.violation, 30.0);
   EXPECT_DOUBLE_EQ(cost.movement, 2.0);
   EXPECT_DOUBLE_EQ(cost.engineering, 50.0);
   EXPECT_DOUBLE_EQ(cost.test_hours, 0.0);
   row.test.time = 120.0;
-  const Cost tested = CostOf(row, SomePrices(), 1.0 / 60.0);
+  const control::Cost tested = CostOf(row, SomePrices(), 1.0 / 60.0);
   EXPECT_DOUBLE_EQ(tested.test_hours, 20.0);
   EXPECT_DOUBLE_EQ(tested.engineering, 800.0);
   row.test.time = 0.0;
   row.outcome = Outcome::kNoChange;
   EXPECT_EQ(CostOf(row, SomePrices(), 1.0).engineering, 0.0);
-}
-
-TEST(PricesTest, HoursDoNotDependOnTheUnitOfTime) {
-  EXPECT_EQ(*HoursPerUnit("h"), 1.0);
-  EXPECT_EQ(60.0 * *HoursPerUnit("min"), 1.0);
-  EXPECT_EQ(3600.0 * *HoursPerUnit("s"), 1.0);
-  EXPECT_EQ(*HoursPerUnit("d"), 24.0);
-  EXPECT_FALSE(HoursPerUnit("fortnight").ok());
 }
 
 TEST(SummaryTest, IntervalsAreStudents) {
