@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 #include "Eigen/Cholesky"
 #include "Eigen/Eigenvalues"
@@ -57,10 +58,21 @@ struct WeightedCourse {
   double deviation = 0.0;
 };
 
-// Sums that a course of any parameter needs.
+// Sums over the batches that a course of any parameter needs.
 struct CourseSums {
-  VectorXd q;  // n
-  VectorXd h;  // n
+  explicit CourseSums(Index n)
+      : q(VectorXd::Zero(n)),
+        h(VectorXd::Zero(n)),
+        across(MatrixXd::Zero(n, n)) {}
+  void Add(const ScoredBatch& batch, double share) {
+    q += share * batch.score;
+    h += share * share * batch.information.diagonal();
+    across += share * batch.information;
+  }
+
+  VectorXd q;       // n, Σ c S
+  VectorXd h;       // n, Σ c² V_aa
+  MatrixXd across;  // n × n, Σ c V
 };
 
 class CourseEstimator {
@@ -76,8 +88,9 @@ class CourseEstimator {
   AgeingCourse Estimate() const;
 
  private:
-  CourseSums SumsOf(const CourseTimes& times) const;
-  void AddCourses(double log_prior, const CourseTimes& times);
+  void AddCourses(double log_prior, const CourseTimes& times, CourseSums sums);
+  void AddLastingCourses(double log_prior, const CourseTimes& times);
+  void AddAllAtOnce(double log_prior);
   void AddAllCourses();
   // Of a parameter's courses and no change, the value of β times `share`.
   // `unfinished`: of those that still go on alone.
@@ -122,24 +135,13 @@ CourseEstimator::CourseEstimator(const std::vector<ScoredBatch>& batches,
   AddAllCourses();
 }
 
-CourseSums CourseEstimator::SumsOf(const CourseTimes& times) const {
-  CourseSums sums{VectorXd::Zero(n_), VectorXd::Zero(n_)};
-  MatrixXd across = MatrixXd::Zero(n_, n_);
-  for (const ScoredBatch& batch : batches_) {
-    const double share = times.ShareAt(TimeOf(batch));
-    if (share == 0.0) continue;
-    sums.q += share * batch.score;
-    sums.h += share * share * batch.information.diagonal();
-    across += share * batch.information;
-  }
+// All parameters' courses of these times.
+void CourseEstimator::AddCourses(double log_prior, const CourseTimes& times,
+                                 CourseSums sums) {
+  const MatrixXd& across = sums.across;
   sums.q -= across.transpose() * projected_;
   sums.h -=
       (across.cwiseProduct(solver_.solve(across))).colwise().sum().transpose();
-  return sums;
-}
-
-void CourseEstimator::AddCourses(double log_prior, const CourseTimes& times) {
-  const CourseSums sums = SumsOf(times);
   const double each = log_prior - std::log(static_cast<double>(n_));
   for (Index a = 0; a < n_; ++a) {
     const double q = sums.q(a);
@@ -159,6 +161,30 @@ void CourseEstimator::AddCourses(double log_prior, const CourseTimes& times) {
   }
 }
 
+void CourseEstimator::AddLastingCourses(double log_prior,
+                                        const CourseTimes& times) {
+  CourseSums sums(n_);
+  for (const ScoredBatch& batch : batches_) {
+    const double share = times.ShareAt(TimeOf(batch));
+    if (share > 0.0) sums.Add(batch, share);
+  }
+  AddCourses(log_prior, times, std::move(sums));
+}
+
+// Between any two batches, as probable as the time between them is long: on a
+// grid the batches of the step that it falls into would be taken for those of
+// the other side.
+void CourseEstimator::AddAllAtOnce(double log_prior) {
+  CourseSums sums(n_);
+  for (std::size_t k = batches_.size() - 1; k > 0; --k) {
+    sums.Add(batches_[k], 1.0);
+    const double before = TimeOf(batches_[k - 1]);
+    const double gap = TimeOf(batches_[k]) - before;
+    const double time = before + 0.5 * gap;
+    AddCourses(log_prior + std::log(gap / (now_ - first_)), {time, time}, sums);
+  }
+}
+
 void CourseEstimator::AddAllCourses() {
   const double step = (now_ - first_) / kGridSteps;
   const double kind = std::log(0.5 / 3.0);
@@ -167,14 +193,13 @@ void CourseEstimator::AddAllCourses() {
       kind - std::log(0.5 * kGridSteps * (kGridSteps - 1.0));
   for (int s = 0; s < kGridSteps; ++s) {
     const double start = first_ + s * step;
-    // At once: in the middle of a step of the grid.
-    AddCourses(of_one, {start + 0.5 * step, start + 0.5 * step});
     for (int e = s + 1; e < kGridSteps; ++e) {
       if ((e - s) * step < kCourseMonth) continue;
-      AddCourses(of_passed, {start, first_ + e * step});
+      AddLastingCourses(of_passed, {start, first_ + e * step});
     }
-    if (now_ - start >= kCourseMonth) AddCourses(of_one, {start, now_});
+    if (now_ - start >= kCourseMonth) AddLastingCourses(of_one, {start, now_});
   }
+  AddAllAtOnce(kind);
 }
 
 template <typename Share>

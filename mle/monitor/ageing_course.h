@@ -17,8 +17,9 @@
 // β given the times is N(q v/(1 + h v), v/(1 + h v)), where beforehand it is
 // N(0, v), and the evidence for these times exp(½ q² v/(1 + h v))/√(1 + h v).
 // Beforehand: no change at all as likely as any, the three kinds of course
-// equally likely, all parameters, and times on a grid of at most 24 steps over
-// the whole watch; v = τ² or τ²/36 as in change_evidence.h.
+// equally likely, all parameters, and times: of what changes at once between
+// any two batches, of the others on a grid of 24 steps over the whole watch; v
+// = τ² or τ²/36 as in change_evidence.h.
 //
 // The rate is the change over the last 30 batches, a month,
 //
