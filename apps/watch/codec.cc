@@ -166,10 +166,19 @@ std::string EncodeReference(const WatchReference& reference) {
                        {"deviation", output.deviation},
                        {"covariances", output.covariances}});
   }
-  return Json({{"outputs", outputs},
+  Json json = {{"outputs", outputs},
                {"low", ListOf(reference.low)},
-               {"high", ListOf(reference.high)}})
-      .dump();
+               {"high", ListOf(reference.high)}};
+  // Earlier programs did not keep it.
+  for (const OutputOperation& output : reference.operation) {
+    json["operation"].push_back(
+        {{"changes", output.changes},
+         {"change_size", output.change_size},
+         {"squared_error", output.squared_error.has_value()
+                               ? Json(*output.squared_error)
+                               : Json()}});
+  }
+  return json.dump();
 }
 
 absl::StatusOr<WatchReference> DecodeReference(const std::string& json) {
@@ -188,6 +197,16 @@ absl::StatusOr<WatchReference> DecodeReference(const std::string& json) {
       output.deviation = from.at("deviation").get<double>();
       output.covariances = from.at("covariances").get<std::vector<double>>();
       reference.outputs.push_back(std::move(output));
+    }
+    if (parsed.contains("operation")) {
+      for (const Json& from : parsed.at("operation")) {
+        OutputOperation& output = reference.operation.emplace_back();
+        output.changes = from.at("changes").get<double>();
+        output.change_size = from.at("change_size").get<double>();
+        if (const Json& square = from.at("squared_error"); !square.is_null()) {
+          output.squared_error = square.get<double>();
+        }
+      }
     }
     reference.low = VectorOf(parsed.at("low"));
     reference.high = VectorOf(parsed.at("high"));

@@ -108,7 +108,7 @@ std::string_view WordsFor(Status status) {
 }
 
 Report MakeReport(const Controller& controller, const ProcessModel& model,
-                  const Watch& watch) {
+                  const Watch& watch, const Report* known) {
   Report report;
   report.name = controller.name;
   report.watch = &watch;
@@ -144,7 +144,13 @@ Report MakeReport(const Controller& controller, const ProcessModel& model,
       ++present;
     }
   }
-  report.outlook = MakeOutlook(controller, model, watch);
+  if (known != nullptr) {
+    report.outlook = known->outlook;
+    report.cost = known->cost;
+  } else if (model.num_outputs() > 0) {
+    report.outlook = MakeOutlook(controller, model, watch);
+    report.cost = CostOfAgeing(controller, model, watch, report.outlook.trends);
+  }
   report.sentence = SentenceOf(report);
   return report;
 }

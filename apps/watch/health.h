@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "apps/watch/ageing_cost.h"
 #include "apps/watch/outlook.h"
 #include "apps/watch/state.h"
 #include "apps/watch/watch_file.h"
@@ -54,12 +55,15 @@ struct Report {
   std::vector<double> output_health;             // p
   std::vector<std::vector<HealthPoint>> trends;  // p, of outputs
   Outlook outlook;
+  AgeingCost cost;
   std::string sentence;
 };
 
-// `watch` must outlive the report.
+// `watch` must outlive the report. Outlook and costs, which take some
+// milliseconds and more, are those of `known`, a report of the same watch with
+// the same controller and model, if there is one.
 Report MakeReport(const Controller& controller, const ProcessModel& model,
-                  const Watch& watch);
+                  const Watch& watch, const Report* known = nullptr);
 
 }  // namespace mle::watch
 

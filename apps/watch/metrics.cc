@@ -68,6 +68,27 @@ void AddHealth(const std::vector<Report>& reports, Metrics& metrics) {
   }
 }
 
+void AddCosts(const std::vector<Report>& reports, Metrics& metrics) {
+  metrics.Begin("ageing_cost_per_month",
+                "Costs of ageing in 30 days, in the money of the prices.");
+  const auto each = [&](const auto& add) {
+    for (const Report& report : reports) {
+      if (report.cost.state == AgeingCost::State::kTold) add(report);
+    }
+  };
+  each([&](const Report& report) {
+    metrics.Add({{"controller", report.name}},
+                report.cost.points.front().cost.mean);
+  });
+  metrics.Begin("update_pays_timestamp_seconds",
+                "Day from which on an update is expected to pay.");
+  each([&](const Report& report) {
+    if (!report.cost.pays.has_value()) return;
+    metrics.Add({{"controller", report.name}},
+                *report.cost.pays * kSecondsOfDay);
+  });
+}
+
 void AddAlarmMetrics(const std::vector<Report>& reports, Metrics& metrics) {
   metrics.Begin("alarms", "Alarms that were raised for the model.");
   for (const Report& report : reports) {
@@ -113,6 +134,7 @@ std::string FormatMetrics(const std::vector<Report>& reports,
     }
   }
   AddHealth(reports, metrics);
+  AddCosts(reports, metrics);
   AddAlarmMetrics(reports, metrics);
   metrics.Begin("last_day_timestamp_seconds",
                 "Begin of the last day that was looked at.");

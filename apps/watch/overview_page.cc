@@ -144,8 +144,9 @@ std::string FormatOverview(const std::vector<Report>& reports) {
                           {"alarms", Align::kLeft},
                           {"last day"},
                           {"days used"},
-                          {"days that cannot tell"},
                           {"trend", Align::kLeft},
+                          {"costs a month"},
+                          {"an update pays"},
                           {"what it says", Align::kLeft}},
               .sortable = true,
               .searchable = true,
@@ -154,8 +155,8 @@ std::string FormatOverview(const std::vector<Report>& reports) {
     table.AddRow({report->name, HealthText(*report),
                   std::string(WordsFor(report->status)), AlarmsText(*report),
                   LastDayOf(*report), absl::StrCat(report->used_days),
-                  absl::StrCat(report->unused_days), ShortTrend(*report),
-                  report->sentence});
+                  ShortTrend(*report), ShortCost(report->cost),
+                  ShortDate(report->cost), report->sentence});
     table.links.push_back(PageName(*report));
   }
   page.AddTable(table);

@@ -118,6 +118,28 @@ void AddNextChange(const Report& report, report::HtmlPage& page) {
   page.AddParagraph(NextChangeText(report.model, *report.outlook.next));
 }
 
+void AddCost(const Report& report, report::HtmlPage& page) {
+  const AgeingCost& cost = report.cost;
+  const std::string text = CostText(report.model, cost);
+  if (text.empty()) return;
+  page.AddHeading("Costs of ageing");
+  page.AddParagraph(text);
+  if (cost.state != AgeingCost::State::kTold) return;
+  page.AddParagraph(UpdateText(cost));
+  if (cost.points.front().cost.mean == cost.points.back().cost.mean) {
+    return;  // What stands still costs the same later.
+  }
+  Table table{
+      .caption = absl::StrCat("Costs of ageing, if it goes on, a month",
+                              cost.currency.empty() ? "" : ", ", cost.currency),
+      .columns = {{"day"}, {"expected"}, {"interval of 95 %"}}};
+  for (const CostPoint& point : cost.points) {
+    table.AddRow({NameOfDay(point.day), report::FormatMoney(point.cost.mean),
+                  CostInterval(point.cost)});
+  }
+  page.AddTable(table);
+}
+
 void AddUnusedDays(const Report& report, report::HtmlPage& page) {
   Table table{.caption = "The last days of which it cannot be told",
               .columns = {{"day", Align::kLeft}, {"because", Align::kLeft}}};
@@ -151,6 +173,7 @@ std::string FormatControllerPage(const Report& report,
   }
   AddAlarmRows(report, can_acknowledge, page);
   AddProposals(report, folder, page);
+  AddCost(report, page);
   AddNextChange(report, page);
   if (!report.elements.empty()) {
     page.AddHeading("Elements");

@@ -1,6 +1,8 @@
 #include "apps/watch/report_json.h"
 
+#include <cmath>
 #include <cstddef>
+#include <optional>
 #include <utility>
 
 #include "apps/common/command_line.h"
@@ -126,6 +128,44 @@ Json NextChangeOf(const Report& report) {
   return json;
 }
 
+// What JSON has no number for is null.
+Json MoneyOf(const CourseEstimate& cost) {
+  Json json = EstimateOf(cost);
+  if (!std::isfinite(cost.high)) json["high"] = nullptr;
+  return json;
+}
+
+Json DayOrNull(const std::optional<int>& day) {
+  return day.has_value() ? Json(NameOfDay(*day)) : Json();
+}
+
+Json CostOf(const Report& report) {
+  const AgeingCost& cost = report.cost;
+  Json json = {{"told", std::string(NameOf(cost.state))},
+               {"text", CostText(report.model, cost)}};
+  if (cost.state != AgeingCost::State::kTold) return json;
+  json["currency"] = cost.currency;
+  json["per_month"] = MoneyOf(cost.points.front().cost);
+  Json& forecast = json["forecast"] = Json::array();
+  for (const CostPoint& point : cost.points) {
+    Json later = MoneyOf(point.cost);
+    later["day"] = NameOfDay(point.day);
+    forecast.push_back(std::move(later));
+  }
+  Json& not_counted = json["not_counted"] = Json::array();
+  for (const int output : cost.not_counted) {
+    not_counted.push_back(report.model.outputs()[output].name);
+  }
+  json["update"] = {{"text", UpdateText(cost)},
+                    {"cost", cost.update},
+                    {"days_between_updates", cost.days_between_updates},
+                    {"pays_now", cost.pays_now()},
+                    {"pays", DayOrNull(cost.pays)},
+                    {"earliest", DayOrNull(cost.earliest)},
+                    {"latest", DayOrNull(cost.latest)}};
+  return json;
+}
+
 Json ProposalsOf(const Report& report) {
   Json proposals = Json::array();
   for (const Proposal& proposal : report.watch->proposals) {
@@ -155,6 +195,7 @@ Json ControllerOf(const Report& report) {
   Json controller = SummaryOf(report);
   controller["outputs"] = OutputsOf(report);
   controller["elements"] = ElementsOf(report);
+  controller["ageing_cost"] = CostOf(report);
   controller["next_change"] = NextChangeOf(report);
   controller["alarms"] = AlarmsOf(report);
   controller["proposals"] = ProposalsOf(report);
@@ -180,6 +221,12 @@ std::string FormatControllers(const std::vector<Report>& reports) {
     Json controller = SummaryOf(report);
     controller["id"] = FileNameOf(report.name);
     controller["open_alarms"] = CountOpen(report.watch->alarms);
+    controller["ageing_cost_per_month"] = nullptr;
+    if (report.cost.state == AgeingCost::State::kTold) {
+      controller["ageing_cost_per_month"] =
+          report.cost.points.front().cost.mean;
+    }
+    controller["update_pays"] = DayOrNull(report.cost.pays);
     controllers.push_back(std::move(controller));
   }
   return FormatJson({{"controllers", std::move(controllers)}});

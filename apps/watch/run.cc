@@ -138,22 +138,27 @@ absl::StatusOr<RunSummary> RunWatches(const Request& request) {
   if (request.shard.is_everything() || !IsDatabase(request.state)) {
     MLE_ASSIGN_OR_RETURN(not_taken, HandOnAlarms(request.alarms, state));
   }
-  std::vector<Report> reports;
-  for (int i = 0; i < count; ++i) {
-    const Controller& controller = request.controllers[i];
-    Outcome& outcome = outcomes[i];
+  for (Outcome& outcome : outcomes) {
     if (!outcome.watch.alarms.empty()) {
       MLE_RETURN_IF_ERROR(state.ReloadAlarms(outcome.watch));
     }
-    reports.push_back(MakeReport(controller, outcome.model, outcome.watch));
+  }
+  std::vector<Report> reports(outcomes.size());
+  ParallelFor(count, request.threads, [&](int i) {
+    reports[i] = MakeReport(request.controllers[i], outcomes[i].model,
+                            outcomes[i].watch);
+  });
+  for (int i = 0; i < count; ++i) {
+    const Outcome& outcome = outcomes[i];
+    Report& report = reports[i];
     if (!outcome.status.ok()) {
-      Report& report = reports.back();
       report.status = Status::kFailed;
       report.sentence = std::string(outcome.status.message());
       summary.failures.push_back(
-          absl::StrCat(controller.name, ": ", report.sentence));
+          absl::StrCat(report.name, ": ", report.sentence));
     }
-    summary.aged += reports.back().status == Status::kAged ? 1 : 0;
+    if (report.cost.wrong_list) summary.failures.push_back(report.cost.reason);
+    summary.aged += report.status == Status::kAged ? 1 : 0;
   }
   summary.failures.insert(summary.failures.end(), not_taken.begin(),
                           not_taken.end());

@@ -60,7 +60,8 @@ absl::Status ServeSite(const Request& request) {
                        Site::Open({.list = request.watch_path,
                                    .state = request.state,
                                    .folder = request.out,
-                                   .can_acknowledge = !access.token.empty()}));
+                                   .can_acknowledge = !access.token.empty(),
+                                   .threads = request.threads}));
   CatchStopSignals();
   absl::StatusOr<std::unique_ptr<serve::Server>> server =
       serve::Server::Start(request.address, [&](const serve::Request& asked) {

@@ -1,6 +1,7 @@
 #include "apps/watch/site.h"
 
 #include <algorithm>
+#include <atomic>
 #include <system_error>
 #include <utility>
 
@@ -10,6 +11,8 @@
 #include "apps/watch/page.h"
 #include "apps/watch/proposal.h"
 #include "apps/watch/report_json.h"
+#include "apps/watch/update.h"
+#include "mle/base/parallel.h"
 #include "mle/base/status.h"
 #include "mle/exchange/model_file.h"
 
@@ -57,8 +60,8 @@ std::shared_ptr<const Snapshot> Site::snapshot() const {
   return snapshot_;
 }
 
-absl::StatusOr<std::shared_ptr<Entry>> Site::Load(
-    const Controller& controller) {
+absl::StatusOr<std::shared_ptr<Entry>> Site::Load(const Controller& controller,
+                                                  const Entry* before) {
   auto entry = std::make_shared<Entry>();
   entry->controller = controller;
   const absl::StatusOr<ModelFile> file = ReadModelFile(controller.model);
@@ -83,7 +86,12 @@ absl::StatusOr<std::shared_ptr<Entry>> Site::Load(
   } else if (watch.id == 0) {
     watch.news = "No run has looked at it yet.";
   }
-  entry->report = MakeReport(entry->controller, model, watch);
+  entry->basis = BasisOf(controller, model);
+  const bool is_same = before != nullptr && !watch.checksum.empty() &&
+                       watch.checksum == before->watch.checksum &&
+                       entry->basis == before->basis;
+  entry->report = MakeReport(entry->controller, model, watch,
+                             is_same ? &before->report : nullptr);
   return entry;
 }
 
@@ -128,13 +136,31 @@ absl::Status Site::RefreshAll(const std::function<bool()>& stop) {
   MLE_ASSIGN_OR_RETURN(const std::vector<Controller> controllers,
                        ReadWatchFile(options_.list));
   const absl::Time begin = absl::Now();
-  std::vector<std::shared_ptr<const Entry>> entries;
-  for (const Controller& controller : controllers) {
-    if (stop != nullptr && stop()) return absl::OkStatus();
-    MLE_ASSIGN_OR_RETURN(std::shared_ptr<Entry> entry, Load(controller));
-    Trim(*entry);
-    entries.push_back(std::move(entry));
+  std::map<std::string, const Entry*> known;
+  if (before != nullptr && changed == list_changed_) {
+    for (const auto& entry : before->entries) {
+      known[entry->controller.name] = entry.get();
+    }
   }
+  std::vector<std::shared_ptr<const Entry>> entries(controllers.size());
+  std::vector<absl::Status> statuses(controllers.size());
+  std::atomic<bool> stopped = false;
+  ParallelFor(
+      static_cast<int>(controllers.size()), options_.threads, [&](int i) {
+        if (stopped || (stop != nullptr && stop())) {
+          stopped = true;
+          return;
+        }
+        const auto found = known.find(controllers[i].name);
+        absl::StatusOr<std::shared_ptr<Entry>> entry = Load(
+            controllers[i], found == known.end() ? nullptr : found->second);
+        statuses[i] = entry.status();
+        if (!entry.ok()) return;
+        Trim(**entry);
+        entries[i] = *std::move(entry);
+      });
+  if (stopped) return absl::OkStatus();
+  for (const absl::Status& status : statuses) MLE_RETURN_IF_ERROR(status);
   Publish(std::move(entries));
   const absl::Time end = absl::Now();
   next_refresh_ = end + kRest * (end - begin);

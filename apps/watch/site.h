@@ -1,8 +1,9 @@
 // What a server shows of the state of all watches.
 //
 // What the overview needs is kept in memory, and read anew once the state or
-// the list of controllers has changed; a controller's own page and history are
-// read when asked for, and kept until then, the last ones of them.
+// the list of controllers has changed, outlooks and costs computed for those
+// controllers alone that have changed themselves; a controller's own page and
+// history are read when asked for, and kept until then, the last ones of them.
 
 #ifndef APPS_WATCH_SITE_H_
 #define APPS_WATCH_SITE_H_
@@ -31,7 +32,8 @@ namespace mle::watch {
 struct Entry {
   Controller controller;
   Watch watch;
-  Report report;  // of `watch`
+  std::string basis;  // of controller and model as they are now
+  Report report;      // of `watch`
 };
 
 // All controllers at a time. Texts are shared with those who are sent them.
@@ -54,6 +56,7 @@ class Site {
     std::string state;   // file
     std::string folder;  // of pages and corrections
     bool can_acknowledge = false;
+    int threads = 0;  // 0: one for each processor
   };
   static absl::StatusOr<std::unique_ptr<Site>> Open(Options options);
 
@@ -79,7 +82,9 @@ class Site {
   Site(Options options, State state)
       : options_(std::move(options)), state_(std::move(state)) {}
 
-  absl::StatusOr<std::shared_ptr<Entry>> Load(const Controller& controller);
+  // `before`: what was known of it, of the same list; or null.
+  absl::StatusOr<std::shared_ptr<Entry>> Load(const Controller& controller,
+                                              const Entry* before = nullptr);
   absl::StatusOr<std::int64_t> Revision();
   absl::Status RefreshAll(const std::function<bool()>& stop);
   void Publish(std::vector<std::shared_ptr<const Entry>> entries);

@@ -111,9 +111,8 @@ absl::Status State::Migrate() {
 }
 
 absl::StatusOr<Watch> State::Load(const std::string& controller, int outputs) {
-  std::string checksum;
-  MLE_ASSIGN_OR_RETURN(Watch watch, Read(controller, checksum));
-  if (!checksum.empty() && checksum != ChecksumOf(watch)) {
+  MLE_ASSIGN_OR_RETURN(Watch watch, Read(controller));
+  if (!watch.checksum.empty() && watch.checksum != ChecksumOf(watch)) {
     return Damaged(watch, "it is not what was saved");
   }
   // The model had more outputs: another watch begins.
@@ -121,8 +120,7 @@ absl::StatusOr<Watch> State::Load(const std::string& controller, int outputs) {
   return watch;
 }
 
-absl::StatusOr<Watch> State::Read(const std::string& controller,
-                                  std::string& checksum) {
+absl::StatusOr<Watch> State::Read(const std::string& controller) {
   Watch watch;
   watch.controller = controller;
   MLE_ASSIGN_OR_RETURN(
@@ -146,7 +144,7 @@ absl::StatusOr<Watch> State::Read(const std::string& controller,
   }
   watch.news = select.Text(6);
   watch.failed = select.Integer(7) != 0;
-  checksum = select.Text(8);
+  watch.checksum = select.Text(8);
   MLE_RETURN_IF_ERROR(LoadFiles(watch));
   MLE_RETURN_IF_ERROR(LoadDays(watch));
   MLE_RETURN_IF_ERROR(LoadScores(watch));

@@ -123,6 +123,9 @@ struct Watch {
   std::int64_t id = 0;  // 0: not in the state
   std::string controller;
   std::string basis;  // SHA-256 of model and options
+  // Of all that follows, as it was saved; empty by older programs, and of what
+  // is not in the state.
+  std::string checksum;
   // Days since 1970. Days before `begin` belong to an earlier watch; `first` is
   // the first with records, once the reference is made.
   int begin = 0;
@@ -190,10 +193,8 @@ class State {
   absl::Status ForEach(
       std::string_view query, const Watch& watch,
       const std::function<absl::Status(const Statement&)>& take);
-  // With all outputs that there are; `checksum` as it was saved, empty by older
-  // programs.
-  absl::StatusOr<Watch> Read(const std::string& controller,
-                             std::string& checksum);
+  // With all outputs that there are.
+  absl::StatusOr<Watch> Read(const std::string& controller);
   absl::Status LoadFiles(Watch& watch);
   absl::Status LoadDays(Watch& watch);
   absl::Status LoadScores(Watch& watch);

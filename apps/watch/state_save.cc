@@ -174,8 +174,7 @@ absl::Status State::SaveAlarms(const Watch& now) {
 }
 
 absl::Status State::SaveChecksum(const Watch& now) {
-  std::string before;
-  MLE_ASSIGN_OR_RETURN(const Watch saved, Read(now.controller, before));
+  MLE_ASSIGN_OR_RETURN(const Watch saved, Read(now.controller));
   MLE_ASSIGN_OR_RETURN(
       Statement write,
       database_.Prepare("UPDATE watch SET checksum = ? WHERE id = ?"));

@@ -5,7 +5,11 @@
 #include <set>
 
 #include "absl/strings/str_cat.h"
+#include "apps/common/controller_options.h"
+#include "apps/common/option_json.h"
+#include "apps/common/price_options.h"
 #include "mle/base/file.h"
+#include "mle/base/option_error.h"
 #include "mle/base/status.h"
 #include "mle/database/record_sources.h"
 #include "mle/model/json_node.h"
@@ -18,6 +22,8 @@ namespace {
 constexpr int kVersion = 1;
 constexpr int kMostReferenceDays = 366;
 constexpr int kMostOverlapDays = 60;
+constexpr int kMostDaysBetweenUpdates = 36'500;
+constexpr double kHoursOfYear = 8784.0;
 constexpr char kSqlite[] = "sqlite:";
 
 std::string From(const std::filesystem::path& folder, const std::string& path) {
@@ -78,14 +84,80 @@ absl::Status ReadRecords(const JsonNode& node,
   return absl::OkStatus();
 }
 
-absl::StatusOr<Controller> ParseController(
-    const JsonNode& node, const std::filesystem::path& folder) {
+absl::Status ReadPrices(const JsonNode& node, Valuation& valuation) {
+  std::vector<Option> options =
+      Only(OptionsOf(valuation.prices),
+           {"price_squared_error", "price_absolute_error", "price_movement",
+            "price_engineer_hour", "hours_per_update"});
+  options.insert(options.end(),
+                 {{"currency", &valuation.currency, ""},
+                  {"days_between_updates", &valuation.days_between_updates, "",
+                   "", Between(1, kMostDaysBetweenUpdates)},
+                  {"operating_hours",
+                   &valuation.operating_hours,
+                   "",
+                   "",
+                   {.min = 0.0, .max = kHoursOfYear, .open_min = true}}});
+  MLE_RETURN_IF_ERROR(ReadOptionsOnly(node, {"price_engineer_hour"}, options));
+  if (const absl::Status status = CheckCurrency(valuation.currency);
+      !status.ok()) {
+    return node.At("currency").Fault(std::string(status.message()));
+  }
+  control::Prices& prices = valuation.prices;
+  // What is not named costs nothing.
+  for (Eigen::VectorXd* price :
+       {&prices.squared_error, &prices.absolute_error, &prices.movement}) {
+    if (price->size() == 0) *price = Eigen::VectorXd::Zero(1);
+  }
+  if (prices.squared_error.isZero(0.0) && prices.absolute_error.isZero(0.0)) {
+    return node.Fault(
+        "no error of an output has a price; price_squared_error or "
+        "price_absolute_error must be > 0");
+  }
+  return absl::OkStatus();
+}
+
+absl::Status ReadTuning(const JsonNode& node, control::MpcOptions& tuning) {
   MLE_RETURN_IF_ERROR(
-      node.CheckKeys({"name", "model", "records"},
-                     {"query", "table", "columns", "begin", "overlap_days",
-                      "tag_file", "time_zone", "sample_time", "reference_days",
-                      "level", "least_change", "model_error"}));
+      ReadOptionsOnly(node,
+                      {"control_period", "prediction_horizon",
+                       "control_horizon", "output_weight", "move_weight"},
+                      OptionsOf(tuning)));
+  if (tuning.control_horizon <= tuning.prediction_horizon) {
+    return absl::OkStatus();
+  }
+  return node.At("control_horizon")
+      .Fault(absl::StrCat("is ", tuning.control_horizon,
+                          "; it must be at most prediction_horizon, ",
+                          tuning.prediction_horizon));
+}
+
+absl::Status FitValues(const std::string& key, int channels,
+                       Eigen::VectorXd& values) {
+  absl::StatusOr<Eigen::VectorXd> fit = FitToChannels(values, channels);
+  if (!fit.ok()) return WithPrefix(fit.status(), absl::StrCat(key, ": "));
+  values = *std::move(fit);
+  return absl::OkStatus();
+}
+
+absl::Status FitDiagonal(const std::string& key, int channels,
+                         Eigen::MatrixXd& matrix) {
+  Eigen::VectorXd values = matrix.diagonal();
+  MLE_RETURN_IF_ERROR(FitValues(key, channels, values));
+  matrix = values.asDiagonal();
+  return absl::OkStatus();
+}
+
+absl::StatusOr<Controller> ParseController(
+    const JsonNode& node, const std::string& list,
+    const std::filesystem::path& folder) {
+  MLE_RETURN_IF_ERROR(node.CheckKeys(
+      {"name", "model", "records"},
+      {"query", "table", "columns", "begin", "overlap_days", "tag_file",
+       "time_zone", "sample_time", "reference_days", "level", "least_change",
+       "model_error", "prices", "tuning"}));
   Controller controller;
+  controller.list = list;
   MLE_ASSIGN_OR_RETURN(controller.name, node.At("name").Name());
   MLE_RETURN_IF_ERROR(ReadText(node, "model", controller.model));
   MLE_RETURN_IF_ERROR(ReadRecords(node, folder, controller));
@@ -108,6 +180,14 @@ absl::StatusOr<Controller> ParseController(
   if (const absl::Status status = options.Validate(); !status.ok()) {
     return node.Fault(std::string(status.message()));
   }
+  if (node.Has("prices")) {
+    MLE_RETURN_IF_ERROR(
+        ReadPrices(node.At("prices"), controller.valuation.emplace()));
+  }
+  if (node.Has("tuning")) {
+    MLE_RETURN_IF_ERROR(
+        ReadTuning(node.At("tuning"), controller.tuning.emplace()));
+  }
   return controller;
 }
 
@@ -127,7 +207,8 @@ absl::StatusOr<std::vector<Controller>> ParseWatchFile(
   std::vector<Controller> controllers;
   std::set<std::string> names;
   for (const JsonNode& node : nodes) {
-    MLE_ASSIGN_OR_RETURN(Controller controller, ParseController(node, folder));
+    MLE_ASSIGN_OR_RETURN(Controller controller,
+                         ParseController(node, path, folder));
     if (!names.insert(controller.name).second) {
       return node.Fault(absl::StrCat("the name ", QuotedJson(controller.name),
                                      " stands twice; names must differ"));
@@ -140,6 +221,32 @@ absl::StatusOr<std::vector<Controller>> ParseWatchFile(
 absl::StatusOr<std::vector<Controller>> ReadWatchFile(const std::string& path) {
   MLE_ASSIGN_OR_RETURN(const std::string json, ReadFile(path));
   return ParseWatchFile(json, path);
+}
+
+absl::Status FitToModel(const ProcessModel& model, Controller& controller) {
+  const int p = model.num_outputs();
+  const int m = model.num_inputs();
+  const auto fit = [&]() -> absl::Status {
+    if (controller.valuation.has_value()) {
+      control::Prices& prices = controller.valuation->prices;
+      MLE_RETURN_IF_ERROR(
+          FitValues("prices.price_squared_error", p, prices.squared_error));
+      MLE_RETURN_IF_ERROR(
+          FitValues("prices.price_absolute_error", p, prices.absolute_error));
+      MLE_RETURN_IF_ERROR(
+          FitValues("prices.price_movement", m, prices.movement));
+      prices.violation = Eigen::VectorXd::Zero(p);
+    }
+    if (!controller.tuning.has_value()) return absl::OkStatus();
+    control::MpcOptions& tuning = *controller.tuning;
+    MLE_RETURN_IF_ERROR(
+        FitDiagonal("tuning.output_weight", p, tuning.output_weight));
+    MLE_RETURN_IF_ERROR(
+        FitDiagonal("tuning.move_weight", m, tuning.move_weight));
+    return WithPrefix(tuning.Validate(p, m), "tuning: ");
+  };
+  return WithPrefix(fit(), absl::StrCat(controller.list, ": controller ",
+                                        QuotedJson(controller.name), ": "));
 }
 
 }  // namespace mle::watch

@@ -3,18 +3,31 @@
 #ifndef APPS_WATCH_WATCH_FILE_H_
 #define APPS_WATCH_WATCH_FILE_H_
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "control/mpc_options.h"
+#include "control/operating_cost.h"
 #include "mle/data/record_columns.h"
 #include "mle/database/database_options.h"
+#include "mle/model/process_model.h"
 #include "mle/monitor/watch_options.h"
 
 namespace mle::watch {
 
+// What operation costs, and what an update does.
+struct Valuation {
+  control::Prices prices;
+  std::string currency;             // as it is shown; may be empty
+  int days_between_updates = 365;   // for which one is expected to serve
+  double operating_hours = 8766.0;  // a year
+};
+
 struct Controller {
+  std::string list;  // the file that it stands in
   std::string name;
   std::string model;         // path
   std::string records;       // folder of exports (CSV), or a database
@@ -28,6 +41,9 @@ struct Controller {
   double sample_time = 0.0;  // of the model's time unit; 0: that of the files
   int reference_days = 14;
   WatchOptions options;
+  // Vectors have one value, or one for each channel: see FitToModel().
+  std::optional<Valuation> valuation = {};
+  std::optional<control::MpcOptions> tuning = {};
 };
 
 // Paths that are not absolute are taken from the folder of the file.
@@ -37,6 +53,11 @@ struct Controller {
 absl::StatusOr<std::vector<Controller>> ParseWatchFile(std::string_view json,
                                                        const std::string& path);
 absl::StatusOr<std::vector<Controller>> ReadWatchFile(const std::string& path);
+
+// Prices and tuning with a value for each channel of the model. InvalidArgument
+// names the file, the controller, the key, what was found and what would be
+// right.
+absl::Status FitToModel(const ProcessModel& model, Controller& controller);
 
 }  // namespace mle::watch
 

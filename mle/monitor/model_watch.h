@@ -63,8 +63,18 @@ struct OutputReference {
   std::vector<double> covariances;  // γ_0 … γ_H, in r
 };
 
+// How the plant ran in the reference: what the cost of operation depends on.
+struct OutputOperation {
+  double changes = 0.0;      // of the set point, in a batch
+  double change_size = 0.0;  // root mean square of them
+  // Mean of (y − r)² away from changes; nothing where that is not known.
+  std::optional<double> squared_error = {};
+};
+
 struct WatchReference {
   std::vector<OutputReference> outputs;  // p
+  // p; none where records have no set points.
+  std::vector<OutputOperation> operation;
   // p + m: usual range of each output and input.
   Eigen::VectorXd low;
   Eigen::VectorXd high;

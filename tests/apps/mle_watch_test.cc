@@ -128,6 +128,25 @@ TEST_F(MleWatchTest, ABrokenControllerStopsNobody) {
   EXPECT_EQ(all[2]["status"], "healthy");
 }
 
+// Prices that do not fit the model are said, and stop no watch.
+TEST_F(MleWatchTest, AWrongPriceListIsNamedAndStopsNothing) {
+  WriteDays(0, 12);
+  scratch_.Write("controllers.json", R"({"version": 1, "controllers": [
+      {"name": "tank", "model": "tank.json", "records": "records",
+       "reference_days": 8,
+       "prices": {"price_squared_error": [1, 2], "price_engineer_hour": 90},
+       "tuning": {"control_period": 5, "prediction_horizon": 30,
+                  "control_horizon": 3, "output_weight": 1,
+                  "move_weight": 1}}]})");
+  const report::ProcessResult run = Watch();
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_THAT(run.err, AllOf(HasSubstr("controllers.json: controller \"tank\""),
+                             HasSubstr("price_squared_error: 2 values"),
+                             HasSubstr("1 channels")));
+  EXPECT_EQ(Tank()["status"], "healthy");
+  EXPECT_EQ(Tank()["ageing_cost"]["told"], "cannot_tell");
+}
+
 TEST_F(MleWatchTest, AFileThatCannotBeReadIsLeftOutAndSaid) {
   WriteDays(0, 12);
   scratch_.Write("records/broken.csv", "time,level\n\"");

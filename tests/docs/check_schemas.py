@@ -5,6 +5,7 @@ Each schema is also tried on files that are wrong, so that one that takes anythi
 """
 
 import copy
+import datetime
 import json
 import pathlib
 import shutil
@@ -53,6 +54,23 @@ def run(command, *arguments, accepted=(0,)):
     done = subprocess.run([build / "apps" / command, *arguments], capture_output=True, text=True)
     if done.returncode not in accepted:
         sys.exit(f"{command} failed ({done.returncode}): {done.stderr[-2000:]}")
+
+
+def aged_records(folder):
+    """30 days of the column and 20 of the aged one, by 5 min, in folder/aged."""
+    (folder / "aged").mkdir()
+    begin = datetime.datetime(2026, 1, 1)
+    for plant, days in (("wood_berry", 30), ("wood_berry_gain", 20)):
+        moves = [f"{output}:{1440 * day + at}:{size}" for day in range(days)
+                 for output, at, size in (("overhead", 100, 0.5), ("overhead", 500, 0), ("bottoms", 900, 0.5),
+                                          ("bottoms", 1200, 0))]
+        run("mle_simulate", f"--model={source}/configs/wood_berry.json", f"--plant={source}/configs/{plant}.json",
+            "--sample_time=5", "--control_period=5", f"--duration={1440 * days - 5}", f"--setpoints={','.join(moves)}",
+            f"--out={folder}/part.csv")
+        header, *rows = (folder / "part.csv").read_text().splitlines()
+        dated = [f"{begin + datetime.timedelta(minutes=5 * k)},{row.split(',', 1)[1]}" for k, row in enumerate(rows)]
+        (folder / f"aged/{plant}.csv").write_text("\n".join([header, *dated]) + "\n")
+        begin += datetime.timedelta(days=days)
 
 
 def version_of(command):
@@ -138,12 +156,21 @@ def check_commands(folder):
         "--policies=never,output_error:2,test:1,perfect")
     check("lifecycle", out / "result.json")
     check_version("mle_lifecycle", out / "result.json")
+    aged_records(folder)
     controllers = {"version": 1, "controllers": [
-        {"name": "none", "model": f"{source}/configs/wood_berry.json", "records": "nowhere"}]}
+        {"name": "none", "model": f"{source}/configs/wood_berry.json", "records": "nowhere"},
+        {"name": "column", "model": f"{source}/configs/wood_berry.json", "records": "aged",
+         "prices": {"price_squared_error": [100, 50], "price_engineer_hour": 90, "currency": "EUR"},
+         "tuning": {"control_period": 5, "prediction_horizon": 30, "control_horizon": 5,
+                    "output_weight": 0.2, "move_weight": 0.1}}]}
     (folder / "controllers.json").write_text(json.dumps(controllers))
-    run("mle_watch", f"--controllers={folder}/controllers.json", f"--out={folder}/watch",
-        accepted=(1,))  # there are no records
+    check("controllers", folder / "controllers.json")
+    run("mle_watch", f"--controllers={folder}/controllers.json", f"--out={folder}/watch", "--propose=false",
+        accepted=(1,))  # of "none" there are no records
     check("watch", folder / "watch/watch.json")
+    told = read(folder / "watch/watch.json")["controllers"][1]["ageing_cost"]["told"]
+    if told != "told":
+        faults.append(f"watch.json: costs of a column that has aged: '{told}'")
     check_version("mle_watch", folder / "watch/watch.json")
     lives = list((out / "runs").glob("*.json"))
     if not lives:

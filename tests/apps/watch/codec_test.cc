@@ -120,6 +120,11 @@ TEST(CodecTest, ReferencesAreReadBack) {
   reference.outputs = {output};
   reference.low = Eigen::VectorXd{{-1.0, 2.0}};
   reference.high = Eigen::VectorXd{{1.0, 3.0}};
+  const std::string earlier = EncodeReference(reference);
+  EXPECT_TRUE(DecodeReference(earlier)->operation.empty());
+  EXPECT_EQ(EncodeReference(*DecodeReference(earlier)), earlier);
+  reference.operation = {{.changes = 0.7, .change_size = 1.5},
+                         {.squared_error = 0.25}};
   const auto read = DecodeReference(EncodeReference(reference));
   ASSERT_TRUE(read.ok()) << read.status();
   const OutputReference& found = read->outputs.front();
@@ -133,6 +138,11 @@ TEST(CodecTest, ReferencesAreReadBack) {
   EXPECT_EQ(found.covariances, output.covariances);
   EXPECT_EQ(read->low, reference.low);
   EXPECT_EQ(read->high, reference.high);
+  ASSERT_EQ(read->operation.size(), 2U);
+  EXPECT_EQ(read->operation[0].changes, 0.7);
+  EXPECT_EQ(read->operation[0].change_size, 1.5);
+  EXPECT_FALSE(read->operation[0].squared_error.has_value());
+  EXPECT_EQ(read->operation[1].squared_error, 0.25);
   EXPECT_EQ(DecodeReference("{}").status().code(), absl::StatusCode::kDataLoss);
 }
 

@@ -297,6 +297,32 @@ TEST_F(RoutesTest, WhatOthersWriteIsShown) {
   EXPECT_EQ(GetJson("/api/v1/controllers/c")["status"], "healthy");
 }
 
+// Outlooks of those that have not changed are not computed again, by any number
+// of threads.
+TEST_F(RoutesTest, WhatIsReadAnewIsWhatIsReadFirst) {
+  State state = files_.OpenState();
+  absl::StatusOr<Watch> watch = state.Load("b", 1);
+  ASSERT_TRUE(watch.ok()) << watch.status();
+  watch->outputs[0].at(2).batch.score *= 2.0;
+  watch->days.at(watch->last_day()).reason = "another";
+  ASSERT_TRUE(state.Save(*watch).ok());
+  const auto before = site_->snapshot();
+  while (site_->snapshot() == before) {
+    absl::SleepFor(absl::Milliseconds(5));
+    site_->Refresh(nullptr);
+  }
+  for (const int threads : {1, 3}) {
+    const absl::StatusOr<std::unique_ptr<Site>> anew =
+        Site::Open({.list = files_.List(),
+                    .state = files_.StatePath(),
+                    .folder = files_.folder(),
+                    .threads = threads});
+    ASSERT_TRUE(anew.ok()) << anew.status();
+    EXPECT_EQ(*site_->snapshot()->watch_json, *(*anew)->snapshot()->watch_json);
+    EXPECT_EQ(*site_->snapshot()->overview, *(*anew)->snapshot()->overview);
+  }
+}
+
 TEST_F(RoutesTest, ADamagedControllerIsShownBesideTheOthers) {
   absl::StatusOr<Database> database = Database::Open(files_.StatePath());
   ASSERT_TRUE(database.ok());

@@ -60,5 +60,84 @@ TEST(WatchFileTest, ErrorsNameThePlaceAndWhatIsRight) {
               HasSubstr("name"));
 }
 
+std::string PricedJson(const std::string& prices, const std::string& tuning) {
+  return R"({"version": 1, "controllers": [
+      {"name": "a", "model": "m", "records": "r", "prices": )" +
+         prices + R"(, "tuning": )" + tuning + "}]}";
+}
+
+constexpr char kPrices[] =
+    R"({"price_squared_error": [3, 4], "price_engineer_hour": 90,
+        "currency": "EUR"})";
+constexpr char kTuning[] =
+    R"({"control_period": 1, "prediction_horizon": 30, "control_horizon": 5,
+        "output_weight": 0.2, "move_weight": [0.1, 0.3]})";
+
+TEST(WatchFileTest, PricesAndTuningAreThoseOfTheLifeCycle) {
+  auto controllers =
+      ParseWatchFile(PricedJson(kPrices, kTuning), "site/c.json");
+  ASSERT_TRUE(controllers.ok()) << controllers.status();
+  Controller& controller = controllers->front();
+  const ProcessModel model("m", "min", {{"u1", ""}, {"u2", ""}},
+                           {{"y1", ""}, {"y2", ""}});
+  ASSERT_TRUE(FitToModel(model, controller).ok());
+  const Valuation& valuation = *controller.valuation;
+  EXPECT_EQ(valuation.prices.squared_error, Eigen::Vector2d(3.0, 4.0));
+  EXPECT_EQ(valuation.prices.absolute_error, Eigen::Vector2d::Zero());
+  EXPECT_EQ(valuation.prices.movement, Eigen::Vector2d::Zero());
+  EXPECT_EQ(valuation.prices.engineer_hour, 90.0);
+  EXPECT_EQ(valuation.prices.hours_per_update, 1.0);
+  EXPECT_EQ(valuation.currency, "EUR");
+  EXPECT_EQ(valuation.days_between_updates, 365);
+  EXPECT_EQ(controller.tuning->prediction_horizon, 30);
+  EXPECT_EQ(controller.tuning->output_weight.diagonal(),
+            Eigen::Vector2d(0.2, 0.2));
+  EXPECT_EQ(controller.tuning->move_weight.diagonal(),
+            Eigen::Vector2d(0.1, 0.3));
+}
+
+TEST(WatchFileTest, MistakesInPricesAndTuningAreNamed) {
+  const auto prices_error = [](const std::string& prices) {
+    return ErrorOf(PricedJson(prices, kTuning));
+  };
+  EXPECT_THAT(prices_error(R"({"price_squared_error": 3})"),
+              AllOf(HasSubstr("site/c.json: controllers[0].prices"),
+                    HasSubstr("price_engineer_hour")));
+  EXPECT_THAT(prices_error(R"({"price_engineer_hour": 90})"),
+              HasSubstr("price_squared_error or price_absolute_error"));
+  EXPECT_THAT(
+      prices_error(R"({"price_engineer_hour": 90, "price_squared_error": -1})"),
+      AllOf(HasSubstr("controllers[0].prices.price_squared_error"),
+            HasSubstr("≥ 0"), HasSubstr("-1")));
+  EXPECT_THAT(prices_error(
+                  R"({"price_engineer_hour": 90, "price_squared_error": "x"})"),
+              AllOf(HasSubstr("price_squared_error"), HasSubstr("\"x\"")));
+  EXPECT_THAT(prices_error(R"({"price_engineer_hour": 90, "price": 1})"),
+              HasSubstr("price"));
+  EXPECT_THAT(prices_error(R"({"price_engineer_hour": 90,
+                  "price_squared_error": 1, "currency": "pounds sterling"})"),
+              AllOf(HasSubstr("prices.currency"), HasSubstr("at most 12")));
+  EXPECT_THAT(ErrorOf(PricedJson(kPrices, R"({"control_period": 1})")),
+              HasSubstr("controllers[0].tuning"));
+  EXPECT_THAT(
+      ErrorOf(PricedJson(kPrices,
+                         R"({"control_period": 1, "prediction_horizon": 3,
+                             "control_horizon": 5, "output_weight": 0.2,
+                             "move_weight": 0.1})")),
+      AllOf(HasSubstr("tuning.control_horizon"), HasSubstr("at most")));
+}
+
+TEST(WatchFileTest, AsManyValuesAsTheModelHasChannels) {
+  auto controllers =
+      ParseWatchFile(PricedJson(kPrices, kTuning), "site/c.json");
+  ASSERT_TRUE(controllers.ok()) << controllers.status();
+  const ProcessModel model("m", "min", {{"u1", ""}, {"u2", ""}},
+                           {{"y1", ""}, {"y2", ""}, {"y3", ""}});
+  const std::string error(FitToModel(model, controllers->front()).message());
+  EXPECT_THAT(error, AllOf(HasSubstr("site/c.json: controller \"a\""),
+                           HasSubstr("prices.price_squared_error: 2 values"),
+                           HasSubstr("each of 3 channels")));
+}
+
 }  // namespace
 }  // namespace mle::watch

@@ -62,6 +62,35 @@ TEST_F(ModelWatchTest, TheReferenceHasTheNoise) {
   EXPECT_EQ(watch_.inputs(1), (std::vector<int>{1}));
 }
 
+// Two changes a day, one up and one down, errors of noise between them.
+TEST_F(ModelWatchTest, TheReferenceHasHowThePlantRan) {
+  EXPECT_THAT(reference_.operation, ::testing::IsEmpty());
+  std::vector<WatchBatch> days;
+  for (std::uint64_t seed = 101; seed <= 110; ++seed) {
+    WatchBatch day = Day(model_, {.moves = false, .seed = seed});
+    day.record.set_points.setZero(2, day.record.samples());
+    auto moved = day.record.set_points.row(1);
+    moved.segment(watch_.lead() + 30, 100).setConstant(0.5);
+    // Before the day: another's.
+    moved(3) = 1.0;
+    day.record.outputs.row(1) += moved;
+    days.push_back(std::move(day));
+  }
+  const absl::StatusOr<WatchReference> reference = watch_.MakeReference(days);
+  ASSERT_TRUE(reference.ok()) << reference.status();
+  ASSERT_EQ(reference->operation.size(), 2U);
+  const OutputOperation& still = reference->operation[0];
+  const OutputOperation& moved = reference->operation[1];
+  EXPECT_EQ(still.changes, 0.0);
+  EXPECT_EQ(moved.changes, 2.0);
+  EXPECT_DOUBLE_EQ(moved.change_size, 0.5);
+  for (const OutputOperation& output : reference->operation) {
+    ASSERT_TRUE(output.squared_error.has_value());
+    EXPECT_NEAR(*output.squared_error, kTankNoise * kTankNoise,
+                0.1 * kTankNoise * kTankNoise);
+  }
+}
+
 TEST_F(ModelWatchTest, ADayWithoutChangesSaysNothing) {
   const BatchScores scores = Score(Day(model_, {.moves = false, .seed = 5}));
   EXPECT_EQ(scores.state, BatchState::kNothingMoved);

@@ -1,0 +1,306 @@
+#include "apps/watch/ageing_cost.h"
+
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "apps/watch/health.h"
+#include "apps/watch/metrics.h"
+#include "apps/watch/page.h"
+#include "apps/watch/report_json.h"
+#include "control/mpc.h"
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "nlohmann/json.hpp"
+#include "sim/ageing_plant.h"
+#include "sim/closed_loop.h"
+#include "sim/plant.h"
+
+namespace mle::watch {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+using CostState = AgeingCost::State;
+
+constexpr double kSampleTime = 5.0;  // min
+constexpr int kSamplesOfDay = 288;
+constexpr int kReferenceDays = 14;
+constexpr double kSize = 0.6;  // of changes of the set point, two a day
+constexpr double kWhite = 1e-3;
+constexpr double kDrift = 2e-5;
+constexpr double kPrice = 100.0;
+
+ProcessModel Tank(double gain = 2.0) {
+  ProcessModel model("tank", "min", {{"steam", ""}}, {{"level", "mm"}});
+  model.element(0, 0) = TransferFunction::FirstOrder(gain, 20.0, 10.0);
+  return model;
+}
+
+Controller TankController() {
+  Controller controller;
+  controller.list = "list.json";
+  controller.name = "tank";
+  Valuation& valuation = controller.valuation.emplace();
+  valuation.prices.squared_error = Eigen::VectorXd::Constant(1, kPrice);
+  valuation.prices.absolute_error = Eigen::VectorXd::Zero(1);
+  valuation.prices.movement = Eigen::VectorXd::Zero(1);
+  valuation.currency = "EUR";
+  control::MpcOptions& tuning = controller.tuning.emplace();
+  tuning.control_period = kSampleTime;
+  tuning.prediction_horizon = 30;
+  tuning.control_horizon = 3;
+  tuning.output_weight = Eigen::MatrixXd::Ones(1, 1);
+  tuning.move_weight = Eigen::MatrixXd::Ones(1, 1);
+  return controller;
+}
+
+// Days of the closed loop, whose set point moves twice a day.
+Record RunDays(sim::PlantModel& plant, const ProcessModel& model, int days,
+               std::uint64_t seed, double white = kWhite) {
+  absl::StatusOr<control::Mpc> mpc =
+      control::Mpc::Create(model, *TankController().tuning);
+  EXPECT_TRUE(mpc.ok()) << mpc.status();
+  sim::SetPointProfile set_points;
+  for (int day = 0; day < days; ++day) {
+    for (const bool up : {true, false}) {
+      set_points.steps.push_back(
+          {.output = 0,
+           .time = kSampleTime * (kSamplesOfDay * day + (up ? 70 : 200)),
+           .value = up ? kSize : 0.0});
+    }
+  }
+  sim::PlantConditions conditions;
+  conditions.output_disturbance.drift_variance =
+      Eigen::VectorXd::Constant(1, kDrift);
+  absl::StatusOr<Record> record = sim::SimulateClosedLoop(
+      plant, model,
+      [&mpc](const auto& y, const auto& r, auto next) {
+        mpc->Step(y, r, next);
+      },
+      set_points,
+      {.sample_time = kSampleTime,
+       .control_period = kSampleTime,
+       .duration = kSampleTime * (kSamplesOfDay * days - 0.5),
+       .noise_variance = white,
+       .seed = seed},
+      conditions);
+  EXPECT_TRUE(record.ok()) << record.status();
+  return *std::move(record);
+}
+
+WatchBatch DayOfRecord(const Record& record, int day, int lead) {
+  const int first = std::max(kSamplesOfDay * day - lead, 0);
+  const int count = kSamplesOfDay * (day + 1) - first;
+  WatchBatch batch;
+  batch.first = kSamplesOfDay * day - first;
+  batch.record.sample_time = record.sample_time;
+  batch.record.outputs = record.outputs.middleCols(first, count);
+  batch.record.inputs = record.inputs.middleCols(first, count);
+  batch.record.set_points = record.set_points.middleCols(first, count);
+  return batch;
+}
+
+// A watch of so many days of a tank whose gain has these factors over days.
+Watch WatchTank(const std::vector<sim::Schedule::Point>& gain, int days,
+                std::uint64_t seed = 1) {
+  std::vector<sim::Schedule::Point> points = gain;
+  for (sim::Schedule::Point& point : points) {
+    point.time *= kSampleTime * kSamplesOfDay;
+  }
+  sim::AgeingSchedule ageing;
+  ageing.elements.push_back({.gain = *sim::Schedule::Create(points)});
+  absl::StatusOr<sim::AgeingPlant> plant =
+      sim::AgeingPlant::Create(Tank(), ageing, {.sample_time = kSampleTime});
+  EXPECT_TRUE(plant.ok()) << plant.status();
+  const Record record = RunDays(*plant, Tank(), days, seed);
+  const absl::StatusOr<ModelWatch> model =
+      ModelWatch::Create(Tank(), kSampleTime, WatchOptions());
+  EXPECT_TRUE(model.ok()) << model.status();
+  Watch watch = EmptyWatch("tank", 1);
+  watch.id = 1;
+  watch.begin = watch.first = 20'500;  // 2026-02-16
+  watch.sample_time = kSampleTime;
+  std::vector<WatchBatch> reference;
+  for (int day = 0; day < kReferenceDays; ++day) {
+    reference.push_back(DayOfRecord(record, day, model->lead()));
+  }
+  absl::StatusOr<WatchReference> made = model->MakeReference(reference);
+  EXPECT_TRUE(made.ok()) << made.status();
+  watch.reference = *std::move(made);
+  for (int day = 0; day < days; ++day) {
+    absl::StatusOr<BatchScores> scores =
+        model->Score(*watch.reference, DayOfRecord(record, day, model->lead()));
+    EXPECT_TRUE(scores.ok()) << scores.status();
+    watch.days[watch.first + day] = {"x", scores->state, ""};
+    BatchOutput& output = scores->outputs[0];
+    if (output.state != BatchState::kUsed) continue;
+    StoredBatch& stored = watch.outputs[0][day];
+    stored.batch = {.number = day,
+                    .score = output.score,
+                    .information = output.information};
+    stored.evidence = {.number = day, .log_elements = {0.0}};
+  }
+  return watch;
+}
+
+// By simulation: what 30 days of a plant of this gain cost more under the
+// controller of old than under a corrected one.
+double SimulatedCost(double gain) {
+  constexpr int kDays = 600;
+  double squares = 0.0;
+  for (const bool corrected : {false, true}) {
+    absl::StatusOr<sim::Plant> plant =
+        sim::Plant::Create(Tank(2.0 * gain), {.sample_time = kSampleTime});
+    EXPECT_TRUE(plant.ok()) << plant.status();
+    const Record record =
+        RunDays(*plant, Tank(corrected ? 2.0 * gain : 2.0), kDays, 77);
+    squares += (corrected ? -1.0 : 1.0) *
+               (record.outputs - record.set_points).squaredNorm();
+  }
+  return kPrice * squares * kSampleTime / 60.0 * 30.0 / kDays;
+}
+
+Report ReportOf(const Controller& controller, const Watch& watch) {
+  return MakeReport(controller, Tank(), watch);
+}
+
+TEST(AgeingCostTest, IsTheSimulatedDifferenceOfCosts) {
+  for (const double factor : {0.75, 1.4}) {
+    const Watch watch = WatchTank({{41.0, 1.0}, {41.0, factor}}, 100);
+    const Report report = ReportOf(TankController(), watch);
+    const AgeingCost& cost = report.cost;
+    ASSERT_EQ(cost.state, CostState::kTold) << CostText(report.model, cost);
+    const double simulated = SimulatedCost(factor);
+    const CourseEstimate& told = cost.points.front().cost;
+    EXPECT_LT(told.low, simulated);
+    EXPECT_GT(told.high, simulated);
+    EXPECT_NEAR(told.mean / simulated, 1.0, 0.15);
+    // An interval that is of use.
+    EXPECT_LT(told.high - told.low, simulated);
+    EXPECT_TRUE(cost.pays_now());
+  }
+}
+
+TEST(AgeingCostTest, AFallCostsMoreEveryMonthAndHasADate) {
+  // 0.86 by the end, 0.74 in 90 days.
+  const Watch watch = WatchTank({{30.0, 1.0}, {430.0, 0.46}}, 134);
+  Controller controller = TankController();
+  Report report = ReportOf(controller, watch);
+  ASSERT_EQ(report.cost.state, CostState::kTold)
+      << CostText(report.model, report.cost);
+  const std::vector<CostPoint>& points = report.cost.points;
+  ASSERT_EQ(points.size(), 5U);
+  EXPECT_EQ(points[2].day, watch.last_day() + 90);
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    EXPECT_LE(points[k].cost.low, points[k].cost.mean);
+    EXPECT_GE(points[k].cost.high, points[k].cost.mean);
+    if (k > 0) {
+      EXPECT_GT(points[k].cost.mean, points[k - 1].cost.mean);
+    }
+  }
+  const double later = SimulatedCost(1.0 - (134 + 90 - 30) * 0.54 / 400);
+  EXPECT_LT(points[2].cost.low, later);
+  EXPECT_GT(points[2].cost.high, later);
+  // With an update that pays from such costs on, that is its day.
+  controller.valuation->prices.engineer_hour = later;
+  controller.valuation->days_between_updates = 30;
+  report = ReportOf(controller, watch);
+  EXPECT_DOUBLE_EQ(report.cost.update, later);
+  ASSERT_TRUE(report.cost.earliest.has_value());
+  EXPECT_LT(*report.cost.earliest, points[2].day);
+  EXPECT_TRUE(!report.cost.latest.has_value() ||
+              *report.cost.latest >= points[2].day);
+  ASSERT_TRUE(report.cost.pays.has_value());
+  EXPECT_NEAR(*report.cost.pays, points[2].day, 45);
+  EXPECT_THAT(UpdateText(report.cost), HasSubstr("It is expected to pay from"));
+  // An update that nothing saves.
+  controller.valuation->prices.engineer_hour = 1e9;
+  report = ReportOf(controller, watch);
+  EXPECT_FALSE(report.cost.earliest.has_value());
+  EXPECT_THAT(UpdateText(report.cost), HasSubstr("does not pay until"));
+}
+
+TEST(AgeingCostTest, WhatHasNotAgedCostsNothingAndHasNoDate) {
+  const Watch watch = WatchTank({{0.0, 1.0}}, 100);
+  const Report report = ReportOf(TankController(), watch);
+  EXPECT_EQ(report.cost.state, CostState::kNothingAged);
+  EXPECT_FALSE(report.cost.pays.has_value());
+  EXPECT_EQ(UpdateText(report.cost), "");
+  EXPECT_EQ(ShortCost(report.cost), "0");
+  const auto json = nlohmann::json::parse(FormatController(report));
+  EXPECT_EQ(json["ageing_cost"]["told"], "nothing_aged");
+}
+
+TEST(AgeingCostTest, PagesAndProgramsAreTold) {
+  const Watch watch = WatchTank({{40.0, 1.0}, {40.0, 0.75}}, 100);
+  const Report report = ReportOf(TankController(), watch);
+  EXPECT_THAT(FormatControllerPage(report, "."),
+              AllOf(HasSubstr("Costs of ageing"), HasSubstr(" EUR a month"),
+                    HasSubstr("It pays now.")));
+  EXPECT_THAT(FormatOverview({report}), HasSubstr(">now<"));
+  const auto json = nlohmann::json::parse(FormatController(report));
+  const auto& cost = json["ageing_cost"];
+  EXPECT_EQ(cost["told"], "told");
+  EXPECT_EQ(cost["currency"], "EUR");
+  EXPECT_EQ(cost["per_month"]["mean"], report.cost.points[0].cost.mean);
+  EXPECT_EQ(cost["forecast"].size(), report.cost.points.size());
+  EXPECT_EQ(cost["update"]["pays"], json["last_day"]);
+  EXPECT_EQ(cost["update"]["pays_now"], true);
+  EXPECT_EQ(cost["update"]["cost"], 100.0);
+  EXPECT_THAT(FormatMetrics({report}, 0),
+              AllOf(HasSubstr("mle_watch_ageing_cost_per_month{controller"),
+                    HasSubstr("mle_watch_update_pays_timestamp_seconds{")));
+}
+
+TEST(AgeingCostTest, WithoutPricesOrTuningWhatToGiveIsSaid) {
+  const Watch watch = WatchTank({{40.0, 1.0}, {40.0, 0.75}}, 100);
+  Controller controller = TankController();
+  controller.tuning.reset();
+  Report report = ReportOf(controller, watch);
+  EXPECT_EQ(report.cost.state, CostState::kNotAsked);
+  EXPECT_THAT(report.cost.reason, HasSubstr("has to have the controller's "
+                                            "tuning"));
+  controller.valuation.reset();
+  report = ReportOf(controller, watch);
+  EXPECT_THAT(report.cost.reason, HasSubstr("prices (prices) and"));
+  EXPECT_EQ(ShortCost(report.cost), "–");
+  EXPECT_THAT(FormatMetrics({report}, 0),
+              Not(HasSubstr("ageing_cost_per_month{")));
+}
+
+TEST(AgeingCostTest, WhatCannotBeToldIsNotTold) {
+  const Watch watch = WatchTank({{40.0, 1.0}, {40.0, 0.75}}, 100);
+  Controller controller = TankController();
+  // Another tuning than that of the reference.
+  controller.tuning->move_weight *= 3e5;
+  AgeingCost cost = ReportOf(controller, watch).cost;
+  EXPECT_EQ(cost.state, CostState::kCannotTell);
+  EXPECT_THAT(cost.reason, HasSubstr("Is it another tuning that runs"));
+  controller = TankController();
+  controller.tuning->control_period = 7.0;
+  cost = ReportOf(controller, watch).cost;
+  EXPECT_EQ(cost.state, CostState::kCannotTell);
+  EXPECT_THAT(cost.reason, HasSubstr("whole multiple"));
+  EXPECT_FALSE(cost.wrong_list);
+  controller = TankController();
+  controller.valuation->prices.squared_error = Eigen::VectorXd::Ones(3);
+  cost = ReportOf(controller, watch).cost;
+  EXPECT_TRUE(cost.wrong_list);
+  EXPECT_THAT(cost.reason,
+              AllOf(HasSubstr("list.json: controller \"tank\""),
+                    HasSubstr("prices.price_squared_error: 3 values")));
+  // A state of before.
+  Watch earlier = watch;
+  earlier.reference->operation.clear();
+  cost = ReportOf(TankController(), earlier).cost;
+  EXPECT_EQ(cost.state, CostState::kCannotTell);
+  EXPECT_THAT(cost.reason, HasSubstr("changes of set points"));
+}
+
+}  // namespace
+}  // namespace mle::watch
