@@ -16,7 +16,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kSettlingTimes = 4.0;
+constexpr double kSettlingTimes = 2.0;  // at first
 constexpr int kLeastInstants = 50;
 constexpr int kMostInstants = 50'000;
 // Of the largest value of an error, in its last quarter.

@@ -303,8 +303,12 @@ TEST_F(RoutesTest, WhatIsReadAnewIsWhatIsReadFirst) {
   State state = files_.OpenState();
   absl::StatusOr<Watch> watch = state.Load("b", 1);
   ASSERT_TRUE(watch.ok()) << watch.status();
-  watch->outputs[0].at(2).batch.score *= 2.0;
-  watch->days.at(watch->last_day()).reason = "another";
+  // Enough for a trend.
+  for (int day = 3; day < 40; ++day) {
+    watch->days[watch->first + day] = {"x", BatchState::kUsed, ""};
+    StoredBatch& stored = watch->outputs[0][day] = watch->outputs[0].at(2);
+    stored.batch.number = stored.evidence.number = day;
+  }
   ASSERT_TRUE(state.Save(*watch).ok());
   const auto before = site_->snapshot();
   while (site_->snapshot() == before) {
