@@ -59,11 +59,25 @@ class ChangeSearch {
   std::vector<ChangeInQuestion> UnseenChanges() const;
   // The batches so far, as `question` has them.
   std::vector<ScoredBatch> Past(const ChangeInQuestion& question) const;
-  // ln E of the element after `count` batches of the information more.
+  // ln E of the element after `count` batches of the information more, with all
+  // batches or confirmed.
+  using Evidence = decltype(ConfirmedEvidenceOf);
   double After(const ChangeInQuestion& question, const MatrixXd& information,
-               int count) const;
+               int count, Evidence evidence_of = ConfirmedEvidenceOf) const;
+  // Whether that raises an alarm: what is not confirmed, which takes a quarter
+  // of the time, is never less.
+  bool Raises(const ChangeInQuestion& question, const MatrixXd& information,
+              int count) const {
+    return After(question, information, count, EvidenceOf) >= log_alarm() &&
+           After(question, information, count) >= log_alarm();
+  }
   const CandidateChange* Best(const ChangeInQuestion& question) const;
+  // Without the evidence that there is now, which takes time: see Told().
   NextChange Answer(const ChangeInQuestion& question) const;
+  NextChange Told(const ChangeInQuestion& question, NextChange next) const {
+    next.log_evidence = After(question, MatrixXd(), 0);
+    return next;
+  }
   double log_alarm() const { return -std::log(options_.share_of_element); }
 
   const ModelWatch& watch_;
@@ -170,7 +184,8 @@ std::vector<ScoredBatch> ChangeSearch::Past(
 }
 
 double ChangeSearch::After(const ChangeInQuestion& question,
-                           const MatrixXd& information, int count) const {
+                           const MatrixXd& information, int count,
+                           Evidence evidence_of) const {
   const int output = question.output;
   const LikelyChange& change = question.change;
   std::vector<ScoredBatch> batches = Past(question);
@@ -198,8 +213,8 @@ double ChangeSearch::After(const ChangeInQuestion& question,
     for (int k = 1; k <= count; ++k) add(++last, VectorXd::Zero(n));
   }
   for (int k = 1; k <= count; ++k) add(++last, mean);
-  const ChangeEvidence evidence = ConfirmedEvidenceOf(
-      batches, watch_.LeastChanges(output), watch_.options());
+  const ChangeEvidence evidence =
+      evidence_of(batches, watch_.LeastChanges(output), watch_.options());
   if (evidence.log_elements.empty()) return 0.0;
   return evidence.log_elements[static_cast<std::size_t>(change.element)];
 }
@@ -241,11 +256,12 @@ NextChange ChangeSearch::Answer(const ChangeInQuestion& question) const {
   next.parameter = question.change.parameter;
   next.change = question.change.change;
   next.log_alarm = log_alarm();
-  next.log_evidence = After(question, MatrixXd(), 0);
   const CandidateChange* best = Best(question);
   if (best == nullptr) return next;
   MatrixXd information =
       best->informations[static_cast<std::size_t>(question.output)];
+  // Most questions that no change answers end here.
+  if (!Raises(question, information, kMostChanges)) return next;
   int changes = 1;
   double expected = After(question, information, changes);
   while (expected < log_alarm() && changes < kMostChanges) {
@@ -279,7 +295,7 @@ absl::StatusOr<NextChange> ChangeSearch::Run() {
   const std::optional<ChangeInQuestion> likely = LikeliestChange();
   if (likely.has_value()) {
     MLE_RETURN_IF_ERROR(MakeCandidates());
-    return Answer(*likely);
+    return Told(*likely, Answer(*likely));
   }
   const bool any_named = std::any_of(
       outputs_.begin(), outputs_.end(), [this](const ScoredOutput& output) {
@@ -289,22 +305,24 @@ absl::StatusOr<NextChange> ChangeSearch::Run() {
             [this](double element) { return element >= log_alarm(); });
       });
   if (any_named) return NextChange{.state = NextChange::State::kNamed};
-  std::optional<NextChange> first;
+  std::optional<ChangeInQuestion> first;
   for (const ChangeInQuestion& question : UnseenChanges()) {
     // The others are known better.
-    if (After(question, MatrixXd(), 0) >= log_alarm()) break;
+    if (Raises(question, MatrixXd(), 0)) break;
     if (candidates_.empty()) MLE_RETURN_IF_ERROR(MakeCandidates());
     const NextChange next = Answer(question);
-    if (next.state == NextChange::State::kPropose) return next;
-    if (!first.has_value()) first = next;
+    if (next.state == NextChange::State::kPropose) return Told(question, next);
+    if (!first.has_value()) first = question;
     if (candidates_.empty()) break;
     ChangeInQuestion baseline = question;
     baseline.kind = NextChange::Question::kBaseline;
     baseline.change.begin = std::numeric_limits<int>::max();
     const NextChange before = Answer(baseline);
-    if (before.state == NextChange::State::kPropose) return before;
+    if (before.state == NextChange::State::kPropose) {
+      return Told(baseline, before);
+    }
   }
-  return first.value_or(NextChange());
+  return first.has_value() ? Told(*first, Answer(*first)) : NextChange();
 }
 
 }  // namespace
