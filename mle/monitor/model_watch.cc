@@ -14,6 +14,7 @@
 #include "mle/model/process_simulator.h"
 #include "mle/monitor/output_scores.h"
 #include "mle/monitor/record_jump.h"
+#include "mle/monitor/reference_operation.h"
 #include "mle/monitor/row_response.h"
 #include "mle/nonlinear/distributions.h"
 
@@ -22,7 +23,6 @@ namespace {
 
 using Eigen::VectorXd;
 
-constexpr int kLeastReference = 200;
 constexpr int kLeastSamples = 20;
 constexpr double kLeastDeviation = 0.1;  // of innovations, in √r
 // Enough for a noise shape; more cost time.
@@ -124,43 +124,6 @@ void FindUsualRange(const std::vector<WatchBatch>& batches,
     reference.high(c) =
         values[static_cast<std::size_t>(std::ceil((1.0 - kUnusual) * last))];
   }
-}
-
-// `rest`: the same records, outputs around changes left out.
-std::vector<OutputOperation> OperationOf(const std::vector<WatchBatch>& batches,
-                                         const std::vector<Record>& rest) {
-  std::vector<OutputOperation> operation;
-  if (rest.front().set_points.size() == 0) return operation;
-  operation.resize(static_cast<std::size_t>(rest.front().num_outputs()));
-  for (const WatchBatch& batch : batches) {
-    for (const SetPointChange& change : FindSetPointChanges(batch.record)) {
-      if (change.sample < batch.first) continue;
-      OutputOperation& output = operation[change.output];
-      output.changes += 1.0;
-      output.change_size +=
-          (change.to - change.from) * (change.to - change.from);
-    }
-  }
-  for (std::size_t i = 0; i < operation.size(); ++i) {
-    OutputOperation& output = operation[i];
-    if (output.changes > 0.0) {
-      output.change_size = std::sqrt(output.change_size / output.changes);
-    }
-    output.changes /= static_cast<double>(batches.size());
-    double squares = 0.0;
-    int samples = 0;
-    for (const Record& record : rest) {
-      const auto row = static_cast<Eigen::Index>(i);
-      for (int k = 0; k < record.samples(); ++k) {
-        const double error = record.outputs(row, k) - record.set_points(row, k);
-        if (!std::isfinite(error)) continue;
-        squares += error * error;
-        ++samples;
-      }
-    }
-    if (samples >= kLeastReference) output.squared_error = squares / samples;
-  }
-  return operation;
 }
 
 }  // namespace
