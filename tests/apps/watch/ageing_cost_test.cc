@@ -277,7 +277,7 @@ TEST(AgeingCostTest, WhatCannotBeToldIsNotTold) {
   const Watch watch = WatchTank({{40.0, 1.0}, {40.0, 0.75}}, 100);
   Controller controller = TankController();
   // Another tuning than that of the reference.
-  controller.tuning->move_weight *= 3e5;
+  controller.tuning->move_weight *= 6e4;
   AgeingCost cost = ReportOf(controller, watch).cost;
   EXPECT_EQ(cost.state, CostState::kCannotTell);
   EXPECT_THAT(cost.reason, HasSubstr("Is it another tuning that runs"));
