@@ -46,10 +46,10 @@ struct ChangeRow {
   SetPointEvent event;
   control::OperationSums quiet;      // since the last row
   control::OperationSums transient;  // after the change
-  control::OperationSums
-      test;  // of a step test after it; its time is 0 without one
-  control::OperationSums
-      watch;         // of the first hours with a new model, likewise
+  // Of a step test after it, and of the first hours with a new model; their
+  // times are 0 without one.
+  control::OperationSums test;
+  control::OperationSums watch;
   ModelError error;  // of the model in use at the change
   double index = std::numeric_limits<double>::quiet_NaN();  // on_demand only
   Outcome outcome = Outcome::kNone;  // of a correction or step test after it

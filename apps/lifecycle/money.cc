@@ -7,11 +7,10 @@
 
 namespace mle::lifecycle {
 
-using report::FormatMoney;
 std::string Money(const MeanOfSeeds& amount) {
-  if (!std::isfinite(amount.half_width)) return FormatMoney(amount.mean);
-  return absl::StrCat(FormatMoney(amount.mean), " ± ",
-                      FormatMoney(amount.half_width));
+  const std::string mean = report::FormatMoney(amount.mean);
+  if (!std::isfinite(amount.half_width)) return mean;
+  return absl::StrCat(mean, " ± ", report::FormatMoney(amount.half_width));
 }
 
 std::string Money(const MeanOfSeeds& amount, const std::string& currency) {
