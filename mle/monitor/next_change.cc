@@ -268,7 +268,6 @@ NextChange ChangeSearch::Answer(const ChangeInQuestion& question) const {
     changes *= 2;
     expected = After(question, information, changes);
   }
-  if (expected < log_alarm()) return next;
   // The least between what suffices and half of it.
   for (int step = changes / 4; step > 0; step /= 2) {
     const double fewer = After(question, information, changes - step);
@@ -305,14 +304,14 @@ absl::StatusOr<NextChange> ChangeSearch::Run() {
             [this](double element) { return element >= log_alarm(); });
       });
   if (any_named) return NextChange{.state = NextChange::State::kNamed};
-  std::optional<ChangeInQuestion> first;
+  std::optional<NextChange> first;
   for (const ChangeInQuestion& question : UnseenChanges()) {
     // The others are known better.
     if (Raises(question, MatrixXd(), 0)) break;
     if (candidates_.empty()) MLE_RETURN_IF_ERROR(MakeCandidates());
     const NextChange next = Answer(question);
     if (next.state == NextChange::State::kPropose) return Told(question, next);
-    if (!first.has_value()) first = question;
+    if (!first.has_value()) first = Told(question, next);
     if (candidates_.empty()) break;
     ChangeInQuestion baseline = question;
     baseline.kind = NextChange::Question::kBaseline;
@@ -322,7 +321,7 @@ absl::StatusOr<NextChange> ChangeSearch::Run() {
       return Told(baseline, before);
     }
   }
-  return first.has_value() ? Told(*first, Answer(*first)) : NextChange();
+  return first.value_or(NextChange());
 }
 
 }  // namespace
