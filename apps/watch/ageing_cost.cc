@@ -15,7 +15,6 @@
 #include "control/prediction_model.h"
 #include "mle/base/double_limits.h"
 #include "mle/base/status.h"
-#include "mle/data/civil_time.h"
 #include "mle/nonlinear/colour.h"
 #include "sim/ageing.h"
 
@@ -23,7 +22,6 @@ namespace mle::watch {
 namespace {
 
 constexpr double kMonthDays = 30.0;
-constexpr double kHoursOfAYear = 8766.0;
 // Days from now for which costs are computed.
 constexpr int kDaysAhead[] = {0, 30, 90, 180, 365};
 // Factors of a gain or time constant beyond which no trend is carried on.
@@ -96,7 +94,7 @@ class Valuer {
         model_(model),
         reference_(*watch.reference),
         hours_per_unit_(seconds_per_unit / 3600.0),
-        share_of_hours_(controller.valuation->operating_hours / kHoursOfAYear) {
+        share_of_hours_(controller.valuation->operating_hours / kHoursOfYear) {
     const auto samples = static_cast<int>(
         std::llround(tuning_.control_period / watch.sample_time));
     conditions_ =
@@ -359,7 +357,12 @@ AgeingCost CostOfAgeing(const Controller& controller, const ProcessModel& model,
       .days_between_updates = fitted.valuation->days_between_updates,
       .currency = fitted.valuation->currency};
   if (changes.known.empty()) return cost;
-  const Valuer valuer(fitted, model, watch, *SecondsPerUnit(model.time_unit()));
+  const absl::StatusOr<double> seconds = SecondsOf(model);
+  if (!seconds.ok()) {
+    return CannotTell(absl::StrCat(
+        "Cannot tell what ageing costs: ", seconds.status().message(), "."));
+  }
+  const Valuer valuer(fitted, model, watch, *seconds);
   const absl::StatusOr<std::string> other = valuer.OtherTuning();
   if (!other.ok() || !other->empty()) {
     return CannotTell(absl::StrCat(

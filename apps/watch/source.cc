@@ -39,14 +39,6 @@ absl::Status WrongFolder(const std::string& folder,
                    "; it must be a folder of CSV files"));
 }
 
-absl::StatusOr<double> SecondsOf(const ProcessModel& model) {
-  const std::optional<double> seconds = SecondsPerUnit(model.time_unit());
-  if (seconds.has_value()) return *seconds;
-  return absl::InvalidArgumentError(
-      absl::StrCat("model: its time unit is \"", model.time_unit(),
-                   "\"; s, min, h or d is needed to tell days"));
-}
-
 // Reads all of `paths`; those that cannot be read get a fault.
 absl::StatusOr<HistorianImport> ImportReadable(
     std::vector<std::string>& paths, const ProcessModel& model,
@@ -243,6 +235,14 @@ absl::StatusOr<std::optional<NewRecords>> ReadNewRows(
 }
 
 }  // namespace
+
+absl::StatusOr<double> SecondsOf(const ProcessModel& model) {
+  const std::optional<double> seconds = SecondsPerUnit(model.time_unit());
+  if (seconds.has_value()) return *seconds;
+  return absl::InvalidArgumentError(
+      absl::StrCat("model: its time unit is \"", model.time_unit(),
+                   "\"; s, min, h or d is needed to tell days"));
+}
 
 absl::StatusOr<HistorianOptions> ImportOptionsOf(const Controller& controller,
                                                  const ProcessModel& model) {

@@ -53,6 +53,10 @@ struct NewRecords {
   std::vector<std::string> faults;  // whole sentences
 };
 
+// Seconds in the model's unit of time. InvalidArgument names a unit that tells
+// no days.
+absl::StatusOr<double> SecondsOf(const ProcessModel& model);
+
 // How the controller's files are read.
 absl::StatusOr<HistorianOptions> ImportOptionsOf(const Controller& controller,
                                                  const ProcessModel& model);

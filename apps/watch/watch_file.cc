@@ -23,7 +23,7 @@ constexpr int kVersion = 1;
 constexpr int kMostReferenceDays = 366;
 constexpr int kMostOverlapDays = 60;
 constexpr int kMostDaysBetweenUpdates = 36'500;
-constexpr double kHoursOfYear = 8784.0;
+constexpr double kMostOperatingHours = 8784.0;  // of a leap year
 constexpr char kSqlite[] = "sqlite:";
 
 std::string From(const std::filesystem::path& folder, const std::string& path) {
@@ -89,15 +89,16 @@ absl::Status ReadPrices(const JsonNode& node, Valuation& valuation) {
       Only(OptionsOf(valuation.prices),
            {"price_squared_error", "price_absolute_error", "price_movement",
             "price_engineer_hour", "hours_per_update"});
-  options.insert(options.end(),
-                 {{"currency", &valuation.currency, ""},
-                  {"days_between_updates", &valuation.days_between_updates, "",
-                   "", Between(1, kMostDaysBetweenUpdates)},
-                  {"operating_hours",
-                   &valuation.operating_hours,
-                   "",
-                   "",
-                   {.min = 0.0, .max = kHoursOfYear, .open_min = true}}});
+  options.insert(
+      options.end(),
+      {{"currency", &valuation.currency, ""},
+       {"days_between_updates", &valuation.days_between_updates, "", "",
+        Between(1, kMostDaysBetweenUpdates)},
+       {"operating_hours",
+        &valuation.operating_hours,
+        "",
+        "",
+        {.min = 0.0, .max = kMostOperatingHours, .open_min = true}}});
   MLE_RETURN_IF_ERROR(ReadOptionsOnly(node, {"price_engineer_hour"}, options));
   if (const absl::Status status = CheckCurrency(valuation.currency);
       !status.ok()) {

@@ -18,12 +18,15 @@
 
 namespace mle::watch {
 
+// Of a year, leap years included.
+inline constexpr double kHoursOfYear = 8766.0;
+
 // What operation costs, and what an update does.
 struct Valuation {
   control::Prices prices;
-  std::string currency;             // as it is shown; may be empty
-  int days_between_updates = 365;   // for which one is expected to serve
-  double operating_hours = 8766.0;  // a year
+  std::string currency;            // as it is shown; may be empty
+  int days_between_updates = 365;  // for which one is expected to serve
+  double operating_hours = kHoursOfYear;
 };
 
 struct Controller {

@@ -35,8 +35,8 @@ constexpr double kWhite = 1e-3;
 constexpr double kDrift = 2e-5;
 constexpr double kPrice = 100.0;
 
-ProcessModel Tank(double gain = 2.0) {
-  ProcessModel model("tank", "min", {{"steam", ""}}, {{"level", "mm"}});
+ProcessModel Tank(double gain = 2.0, const std::string& time_unit = "min") {
+  ProcessModel model("tank", time_unit, {{"steam", ""}}, {{"level", "mm"}});
   model.element(0, 0) = TransferFunction::FirstOrder(gain, 20.0, 10.0);
   return model;
 }
@@ -294,6 +294,10 @@ TEST(AgeingCostTest, WhatCannotBeToldIsNotTold) {
   EXPECT_THAT(cost.reason,
               AllOf(HasSubstr("list.json: controller \"tank\""),
                     HasSubstr("prices.price_squared_error: 3 values")));
+  // The model's file has changed since, and nobody has looked.
+  cost = MakeReport(TankController(), Tank(2.0, "samples"), watch).cost;
+  EXPECT_EQ(cost.state, CostState::kCannotTell);
+  EXPECT_THAT(cost.reason, HasSubstr("its time unit is \"samples\""));
   // A state of before.
   Watch earlier = watch;
   earlier.reference->operation.clear();
