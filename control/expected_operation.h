@@ -60,9 +60,9 @@ struct ExpectedOperation {
 };
 
 // `conditions`: p. The controller begins at rest; its limits are not looked
-// at. InvalidArgument where sizes or control periods disagree,
-// FailedPrecondition where the loop does not settle: it is not stable, too
-// slow, or has outputs that the inputs cannot hold.
+// at. InvalidArgument where sizes disagree, FailedPrecondition where the loop
+// does not settle: it is not stable, too slow, or has outputs that the inputs
+// cannot hold.
 absl::StatusOr<ExpectedOperation> ExpectOperation(
     const Mpc& mpc, const ProcessModel& plant,
     const std::vector<OutputConditions>& conditions);
