@@ -1,32 +1,44 @@
-# Headers that nearly every test includes, compiled once for all of them. Libraries
-# and commands are built as a few large sources (MleUnityBuild.cmake) instead.
+# Headers that nearly every source includes, compiled once: for the libraries and
+# parts of commands, and with GoogleTest for the tests. What is left of the sources
+# of a target is compiled together (MleUnityBuild.cmake).
 #
 # Off where ccache stands before the compiler, which knows results better than
 # it knows precompiled headers, and as a subproject.
 
-option(MLE_PRECOMPILED_HEADERS "Compile the headers of tests once" ${mle_builds_whole})
+option(MLE_PRECOMPILED_HEADERS "Compile common headers once" ${mle_builds_whole})
 
-# mle_use_precompiled_headers(TARGET…): for tests.
-function(mle_use_precompiled_headers)
+# mle_use_precompiled_headers(CARRIER TARGET…): CARRIER is one of those below.
+function(mle_use_precompiled_headers carrier)
   if(NOT MLE_PRECOMPILED_HEADERS)
     return()
   endif()
   foreach(target IN LISTS ARGN)
-    target_precompile_headers(${target} REUSE_FROM mle_headers_of_tests)
+    target_precompile_headers(${target} REUSE_FROM ${carrier})
   endforeach()
 endfunction()
 
-if(MLE_BUILD_TESTS AND MLE_PRECOMPILED_HEADERS)
-  set(source ${CMAKE_CURRENT_BINARY_DIR}/mle_headers_of_tests.cc)
-  file(CONFIGURE OUTPUT ${source} CONTENT "// Carries the headers of tests.\n")
-  add_library(mle_headers_of_tests OBJECT ${source})
-  target_link_libraries(mle_headers_of_tests PRIVATE
-    absl::status absl::statusor absl::strings absl::str_format Eigen3::Eigen
-    GTest::gtest GTest::gmock mle_build_flags)
-  target_precompile_headers(mle_headers_of_tests PRIVATE
+# mle_precompile_headers(CARRIER DEPENDS … HEADERS …)
+function(mle_precompile_headers carrier)
+  cmake_parse_arguments(ARG "" "" "DEPENDS;HEADERS" ${ARGN})
+  set(source ${CMAKE_CURRENT_BINARY_DIR}/${carrier}.cc)
+  file(CONFIGURE OUTPUT ${source} CONTENT "// Carries headers.\n")
+  add_library(${carrier} OBJECT ${source})
+  target_link_libraries(${carrier} PRIVATE ${ARG_DEPENDS} mle_build_flags)
+  target_precompile_headers(${carrier} PRIVATE ${ARG_HEADERS})
+endfunction()
+
+if(MLE_PRECOMPILED_HEADERS)
+  set(depends absl::status absl::statusor absl::strings absl::str_format Eigen3::Eigen)
+  set(headers
     <algorithm> <cmath> <cstdint> <limits> <string> <string_view> <utility> <vector>
     <Eigen/Cholesky> <Eigen/Core> <Eigen/Eigenvalues> <Eigen/LU> <Eigen/QR> <Eigen/SVD>
     <absl/status/status.h> <absl/status/statusor.h> <absl/strings/str_cat.h>
-    <absl/strings/str_format.h> <absl/strings/str_join.h>
-    <gmock/gmock.h> <gtest/gtest.h>)
+    <absl/strings/str_format.h> <absl/strings/str_join.h>)
+  mle_precompile_headers(mle_headers DEPENDS ${depends} HEADERS ${headers})
+  set_target_properties(mle_headers PROPERTIES POSITION_INDEPENDENT_CODE ON)
+  if(MLE_BUILD_TESTS)
+    mle_precompile_headers(mle_headers_of_tests
+      DEPENDS ${depends} GTest::gtest GTest::gmock
+      HEADERS ${headers} <gmock/gmock.h> <gtest/gtest.h>)
+  endif()
 endif()

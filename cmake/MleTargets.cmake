@@ -36,6 +36,7 @@ function(mle_add_library name)
   target_link_libraries(${target}
     PUBLIC ${ARG_DEPENDS}
     PRIVATE $<BUILD_INTERFACE:mle_build_flags> ${ARG_PRIVATE_DEPENDS})
+  mle_use_precompiled_headers(mle_headers ${target})
   set_property(GLOBAL APPEND PROPERTY MLE_LIBRARIES ${target})
 endfunction()
 
@@ -48,7 +49,7 @@ function(mle_add_test name)
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE
     ${ARG_DEPENDS} mle_build_flags GTest::gtest GTest::gmock GTest::gtest_main)
-  mle_use_precompiled_headers(${name})
+  mle_use_precompiled_headers(mle_headers_of_tests ${name})
   gtest_discover_tests(${name}
     PROPERTIES LABELS ${ARG_LABEL}
     DISCOVERY_MODE PRE_TEST
