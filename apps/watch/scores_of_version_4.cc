@@ -70,15 +70,14 @@ std::string AsVersion4Wrote(std::string_view bytes) {
   return std::string{kUnpacked4, bytes.front(), 0}.append(bytes.substr(1));
 }
 
-absl::StatusOr<StoredBatch> DecodeBatchOfVersion4(std::string_view given) {
-  const std::string all = AsVersion4Wrote(given);
-  std::string_view bytes = all;
+absl::StatusOr<StoredBatch> DecodeBatchOfVersion4(std::string_view bytes) {
   const auto damaged =
       absl::DataLossError("the scores of a day cannot be read");
-  if (bytes.size() < 3) return damaged;
-  const bool packed = TakeRaw<char>(bytes) == kPacked4;
+  const bool older = IsOfVersion3(bytes);
+  if (bytes.size() < (older ? 1U : 3U)) return damaged;
+  const bool packed = !older && TakeRaw<char>(bytes) == kPacked4;
   const std::size_t n = TakeRaw<unsigned char>(bytes);
-  const bool has_largest = TakeRaw<char>(bytes) != 0;
+  const bool has_largest = !older && TakeRaw<char>(bytes) != 0;
   if (n == 0 || n % 3 != 0 ||
       bytes.size() != (has_largest ? 2 : 1) * SizeOfVersion4(packed, n) +
                           sizeof(float) * (1 + n / 3)) {

@@ -7,6 +7,7 @@
 
 #include "absl/strings/escaping.h"
 #include "apps/watch/database.h"
+#include "apps/watch/scores_of_version_4.h"
 #include "apps/watch/state.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
@@ -248,6 +249,27 @@ TEST_P(StateVersionTest, ADamagedWatchOfVersion4StaysDamaged) {
                     .ok());
     ASSERT_TRUE(other->backend().SetVersion(0).ok());
   }
+}
+
+// n, and all in single precision; version 4 wrote them with a header.
+TEST(ScoresOfVersion4Test, ThoseOfVersion3AreRead) {
+  std::string bytes(1, 3);
+  for (const float value :
+       {1.5F, -2.0F, 0.1F, 4.0F, 1.0F, 3.0F, 0.5F, 0.2F, 2.0F, 1.25F, -0.5F}) {
+    bytes.append(reinterpret_cast<const char*>(&value), sizeof(value));
+  }
+  for (const std::string& given : {bytes, AsVersion4Wrote(bytes)}) {
+    const auto read = DecodeBatchOfVersion4(given);
+    ASSERT_TRUE(read.ok()) << read.status();
+    EXPECT_EQ(read->batch.score(1), -2.0);
+    EXPECT_EQ(read->batch.information(2, 1), 0.2F);
+    EXPECT_EQ(read->batch.information(1, 2), 0.2F);
+    EXPECT_EQ(read->evidence.log_output, 1.25);
+    EXPECT_EQ(read->evidence.log_elements, (std::vector<double>{-0.5}));
+  }
+  EXPECT_EQ(AsVersion4Wrote(bytes), std::string("\1\3\0", 3) + bytes.substr(1));
+  EXPECT_FALSE(DecodeBatchOfVersion4(bytes + "x").ok());
+  EXPECT_FALSE(DecodeBatchOfVersion4("").ok());
 }
 
 INSTANTIATE_TEST_SUITE_P(Databases, StateVersionTest, ::testing::Bool(),
