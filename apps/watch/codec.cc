@@ -1,13 +1,17 @@
 #include "apps/watch/codec.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <map>
+#include <optional>
 #include <utility>
 #include <vector>
 
-#include "absl/strings/str_cat.h"
 #include "apps/watch/packed_score.h"
 #include "apps/watch/raw_bytes.h"
+#include "mle/base/status.h"
 #include "nlohmann/json.hpp"
 
 namespace mle::watch {
@@ -15,14 +19,22 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// What scores begin with.
-constexpr char kPacked = 0;
-constexpr char kUnpacked = 1;
+// Flags of a batch.
+constexpr unsigned kUnpacked = 1;
+constexpr unsigned kHasLargest = 2;
 
-absl::Status DamagedScores(std::size_t bytes, std::size_t n) {
-  return absl::DataLossError(absl::StrCat("the scores of a day have ", bytes,
-                                          " bytes, which are not those of ", n,
-                                          " parameters"));
+constexpr int kDaysInBlock = 64;
+
+// Of ln E, and what is kept of it in these steps.
+constexpr double kEvidenceSteps = 100.0;
+constexpr double kMostEvidence = 1e8;
+// What is kept already stays.
+constexpr double kRounding = 1e-9;
+// Of covariances.
+constexpr double kCovarianceSteps = 1e6;
+
+absl::Status DamagedScores() {
+  return absl::DataLossError("the scores of a day cannot be read");
 }
 
 std::size_t UnpackedSize(std::size_t n) {
@@ -54,6 +66,21 @@ ScorePart TakePart(std::size_t n, std::string_view bytes) {
   return part;
 }
 
+// Of what AsKept() has rounded: a count, odd for those below zero.
+void PutEvidence(double value, std::string& bytes) {
+  const auto steps = static_cast<std::int64_t>(std::llround(
+      std::clamp(value * kEvidenceSteps, -kMostEvidence, kMostEvidence)));
+  PutCount(static_cast<std::size_t>(steps < 0 ? -2 * steps - 1 : 2 * steps),
+           bytes);
+}
+
+std::optional<double> TakeEvidence(std::string_view& bytes) {
+  const std::optional<std::size_t> count = TakeCount(bytes);
+  if (!count.has_value()) return std::nullopt;
+  const auto half = static_cast<double>((*count + 1) / 2);
+  return (*count % 2 == 0 ? half : -half) / kEvidenceSteps;
+}
+
 ScorePart Packed(const ScorePart& part) {
   std::string bytes;
   Pack(part, bytes);
@@ -83,51 +110,120 @@ std::string EncodeBatch(const StoredBatch& batch) {
   const ScorePart all = {scores.score, scores.information};
   const bool packed = IsPacked(all) && (!scores.largest.has_value() ||
                                         IsPacked(*scores.largest));
-  std::string bytes = {packed ? kPacked : kUnpacked,
-                       static_cast<char>(scores.score.size()),
-                       static_cast<char>(scores.largest.has_value())};
+  std::string bytes;
+  PutCount(static_cast<std::size_t>(scores.score.size()), bytes);
+  PutCount(
+      (packed ? 0 : kUnpacked) | (scores.largest.has_value() ? kHasLargest : 0),
+      bytes);
   const auto put = packed ? Pack : PutPart;
   if (scores.largest.has_value()) put(*scores.largest, bytes);
   put(all, bytes);
-  PutRaw(static_cast<float>(batch.evidence.log_output), bytes);
+  PutEvidence(batch.evidence.log_output, bytes);
   for (const double value : batch.evidence.log_elements) {
-    PutRaw(static_cast<float>(value), bytes);
+    PutEvidence(value, bytes);
   }
   return bytes;
 }
 
-absl::StatusOr<StoredBatch> DecodeBatch(std::string_view bytes) {
-  const std::size_t given = bytes.size();
-  // Until version 3 of the state n came first, and nothing was packed.
-  const bool old =
-      !bytes.empty() && bytes.front() != kPacked && bytes.front() != kUnpacked;
-  const std::size_t header = old ? 1 : 3;
-  if (given < header) return DamagedScores(given, 0);
-  const bool packed = bytes.front() == kPacked;
-  const std::size_t n = static_cast<unsigned char>(bytes[old ? 0 : 1]);
-  const bool has_largest = !old && bytes[2] != 0;
-  const std::size_t part = packed ? PackedSize(n) : UnpackedSize(n);
-  if (n == 0 || n % 3 != 0 ||
-      given !=
-          header + (has_largest ? 2 : 1) * part + sizeof(float) * (1 + n / 3)) {
-    return DamagedScores(given, n);
+absl::StatusOr<StoredBatch> TakeBatch(std::string_view& bytes) {
+  const std::size_t n = TakeCount(bytes).value_or(0);
+  const std::size_t flags = TakeCount(bytes).value_or(~std::size_t{0});
+  if (n == 0 || n % 3 != 0 || n > bytes.size() ||
+      flags > (kUnpacked | kHasLargest)) {
+    return DamagedScores();
   }
-  bytes.remove_prefix(header);
-  const auto take = packed ? Unpack : TakePart;
-  StoredBatch stored;
-  if (has_largest) {
-    stored.batch.largest = take(n, bytes.substr(0, part));
+  const bool unpacked = (flags & kUnpacked) != 0;
+  const bool has_largest = (flags & kHasLargest) != 0;
+  const std::size_t part = unpacked ? UnpackedSize(n) : PackedSize(n);
+  if (bytes.size() < (has_largest ? 2 : 1) * part) return DamagedScores();
+  const auto take = [&bytes, n, part, unpacked] {
+    const std::string_view front = bytes.substr(0, part);
     bytes.remove_prefix(part);
-  }
-  ScorePart all = take(n, bytes.substr(0, part));
-  bytes.remove_prefix(part);
+    return unpacked ? TakePart(n, front) : Unpack(n, front);
+  };
+  StoredBatch stored;
+  if (has_largest) stored.batch.largest = take();
+  ScorePart all = take();
   stored.batch.score = std::move(all.score);
   stored.batch.information = std::move(all.information);
-  stored.evidence.log_output = TakeRaw<float>(bytes);
-  for (std::size_t e = 0; e < n / 3; ++e) {
-    stored.evidence.log_elements.push_back(TakeRaw<float>(bytes));
+  for (std::size_t e = 0; e < 1 + n / 3; ++e) {
+    const std::optional<double> evidence = TakeEvidence(bytes);
+    if (!evidence.has_value()) return DamagedScores();
+    if (e == 0) {
+      stored.evidence.log_output = *evidence;
+    } else {
+      stored.evidence.log_elements.push_back(*evidence);
+    }
   }
   return stored;
+}
+
+std::string EncodeScores(const Watch& watch, int number) {
+  std::string bytes;
+  bool any = false;
+  for (const std::map<int, StoredBatch>& output : watch.outputs) {
+    const auto found = output.find(number);
+    if (found == output.end()) {
+      PutCount(0, bytes);
+      continue;
+    }
+    any = true;
+    PutCount(static_cast<std::size_t>(found->second.batch.length), bytes);
+    bytes += EncodeBatch(found->second);
+  }
+  return any ? bytes : "";
+}
+
+absl::Status DecodeScores(std::string_view bytes, int number, Watch& watch) {
+  for (std::size_t output = 0; !bytes.empty(); ++output) {
+    const std::optional<std::size_t> length = TakeCount(bytes);
+    if (!length.has_value()) return DamagedScores();
+    if (output >= watch.outputs.size()) watch.outputs.resize(output + 1);
+    if (*length == 0) continue;
+    MLE_ASSIGN_OR_RETURN(StoredBatch stored, TakeBatch(bytes));
+    stored.batch.number = number;
+    stored.batch.length = static_cast<int>(*length);
+    stored.evidence.number = number + stored.batch.length - 1;
+    watch.outputs[output][number] = std::move(stored);
+  }
+  return absl::OkStatus();
+}
+
+int BlockOf(int day) {
+  return day >= 0 ? day / kDaysInBlock
+                  : -((kDaysInBlock - 1 - day) / kDaysInBlock);
+}
+
+std::string EncodeDays(const Watch& watch, int block) {
+  std::string bytes;
+  const int first = block * kDaysInBlock;
+  for (auto day = watch.days.lower_bound(first);
+       day != watch.days.end() && day->first < first + kDaysInBlock; ++day) {
+    PutCount(static_cast<std::size_t>(day->first - first), bytes);
+    PutCount(static_cast<std::size_t>(day->second.state), bytes);
+    PutBytes(day->second.checksum, bytes);
+    PutBytes(day->second.reason, bytes);
+  }
+  return bytes;
+}
+
+absl::Status DecodeDays(std::string_view bytes, int block, Watch& watch) {
+  while (!bytes.empty()) {
+    const std::size_t place = TakeCount(bytes).value_or(kDaysInBlock);
+    const std::optional<std::size_t> state = TakeCount(bytes);
+    const std::optional<std::string_view> checksum = TakeBytes(bytes);
+    const std::optional<std::string_view> reason = TakeBytes(bytes);
+    if (place >= kDaysInBlock || !state.has_value() ||
+        *state > static_cast<std::size_t>(BatchState::kCannotTell) ||
+        !checksum.has_value() || !reason.has_value()) {
+      return absl::DataLossError("its days cannot be read");
+    }
+    watch.days[block * kDaysInBlock + static_cast<int>(place)] = {
+        .checksum = std::string(*checksum),
+        .state = static_cast<BatchState>(*state),
+        .reason = std::string(*reason)};
+  }
+  return absl::OkStatus();
 }
 
 void RoundAsKept(ScoredBatch& batch) {
@@ -148,9 +244,22 @@ void RoundAsKept(ScoredBatch& batch) {
 }
 
 ChangeEvidence AsKept(ChangeEvidence evidence) {
-  evidence.log_output = static_cast<float>(evidence.log_output);
-  for (double& value : evidence.log_elements) value = static_cast<float>(value);
+  const auto kept = [](double value) {
+    return std::clamp(std::floor(value * kEvidenceSteps + kRounding),
+                      -kMostEvidence, kMostEvidence) /
+           kEvidenceSteps;
+  };
+  evidence.log_output = kept(evidence.log_output);
+  for (double& value : evidence.log_elements) value = kept(value);
   return evidence;
+}
+
+void RoundAsKept(WatchReference& reference) {
+  for (OutputReference& output : reference.outputs) {
+    for (double& value : output.covariances) {
+      value = std::round(value * kCovarianceSteps) / kCovarianceSteps;
+    }
+  }
 }
 
 std::string EncodeReference(const WatchReference& reference) {

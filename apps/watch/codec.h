@@ -1,4 +1,4 @@
-// How scores and references are kept in the state.
+// How scores, days and references are kept in the state.
 
 #ifndef APPS_WATCH_CODEC_H_
 #define APPS_WATCH_CODEC_H_
@@ -6,26 +6,44 @@
 #include <string>
 #include <string_view>
 
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "apps/watch/state.h"
 #include "mle/monitor/model_watch.h"
 
 namespace mle::watch {
 
-// 0, n, whether there is a `largest`, what it and all of the batch are packed
-// into (packed_score.h), and in single precision, little-endian, ln E of the
-// output and of its elements. Where packing would change them, 1 in place of 0,
-// and score and lower triangle of the information in single precision. What
-// RoundAsKept() has rounded is read back exactly.
+// n, flags, `largest` where there is one and all of the batch, packed
+// (packed_score.h), and ln E of the output and of its elements in hundredths,
+// rounded down. Where packing would change score or information, both (its
+// lower triangle) in single precision. What RoundAsKept() has rounded is read
+// back exactly.
 std::string EncodeBatch(const StoredBatch& batch);
-// All but the numbers. Those of version 3 and before too, which begin with n.
-// DataLoss for bytes that are neither.
-absl::StatusOr<StoredBatch> DecodeBatch(std::string_view bytes);
+// Takes what EncodeBatch() has written off the front of `bytes`: all but the
+// numbers. DataLoss where it is not there.
+absl::StatusOr<StoredBatch> TakeBatch(std::string_view& bytes);
+
+// The batches of all outputs that begin with a number, in turn: the length of
+// each, 0 where an output has none, and the batch. Empty where no output has
+// one.
+std::string EncodeScores(const Watch& watch, int number);
+// Puts them into the watch. DataLoss for other bytes.
+absl::Status DecodeScores(std::string_view bytes, int number, Watch& watch);
+
+// Days are kept together with those of their block, floor(day/64).
+int BlockOf(int day);
+// Of each of the block's days in the watch the place in the block, state,
+// checksum and reason. Empty where there are none.
+std::string EncodeDays(const Watch& watch, int block);
+// Puts them into the watch. DataLoss for other bytes.
+absl::Status DecodeDays(std::string_view bytes, int block, Watch& watch);
 
 // Rounded as they are kept, so that what is computed before and after does not
-// differ.
+// differ: evidence is never more than it was, and covariances of the reference
+// are off by 5e-7 of r at most.
 void RoundAsKept(ScoredBatch& batch);
 ChangeEvidence AsKept(ChangeEvidence evidence);
+void RoundAsKept(WatchReference& reference);
 
 std::string EncodeReference(const WatchReference& reference);  // JSON
 absl::StatusOr<WatchReference> DecodeReference(const std::string& json);

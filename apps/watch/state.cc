@@ -1,6 +1,7 @@
 #include "apps/watch/state.h"
 
-#include <iterator>
+#include <cstdint>
+#include <cstdlib>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -11,63 +12,8 @@
 namespace mle::watch {
 namespace {
 
-constexpr char kTables[] = R"sql(
-CREATE TABLE watch(
-  id INTEGER PRIMARY KEY, controller TEXT NOT NULL, basis TEXT NOT NULL,
-  begin INTEGER NOT NULL, first INTEGER NOT NULL, sample_time REAL NOT NULL,
-  reference TEXT, news TEXT NOT NULL, failed INTEGER NOT NULL);
-CREATE INDEX watch_of_controller ON watch(controller, id);
-CREATE TABLE file(
-  watch INTEGER NOT NULL REFERENCES watch(id), path TEXT NOT NULL,
-  bytes INTEGER NOT NULL, changed INTEGER NOT NULL, first REAL NOT NULL,
-  last REAL NOT NULL, fault TEXT NOT NULL,
-  PRIMARY KEY(watch, path)) WITHOUT ROWID;
-CREATE TABLE day(
-  watch INTEGER NOT NULL REFERENCES watch(id), number INTEGER NOT NULL,
-  checksum BLOB NOT NULL, state INTEGER NOT NULL, reason TEXT NOT NULL,
-  PRIMARY KEY(watch, number)) WITHOUT ROWID;
-CREATE TABLE score(
-  watch INTEGER NOT NULL REFERENCES watch(id), output INTEGER NOT NULL,
-  number INTEGER NOT NULL, length INTEGER NOT NULL, data BLOB NOT NULL,
-  PRIMARY KEY(watch, output, number)) WITHOUT ROWID;
-CREATE TABLE alarm(
-  id TEXT PRIMARY KEY, watch INTEGER NOT NULL REFERENCES watch(id),
-  output INTEGER NOT NULL, element INTEGER NOT NULL, day INTEGER NOT NULL,
-  began INTEGER NOT NULL, text TEXT NOT NULL, delivery INTEGER NOT NULL, acknowledged TEXT NOT NULL);
-CREATE INDEX alarm_of_watch ON alarm(watch, day);
-CREATE TABLE proposal(
-  watch INTEGER NOT NULL REFERENCES watch(id), day INTEGER NOT NULL,
-  folder TEXT NOT NULL, decision TEXT NOT NULL, conclusion TEXT NOT NULL,
-  PRIMARY KEY(watch, day));
-)sql";
-
-constexpr char kDeliveries[] = R"sql(
-CREATE TABLE delivery(
-  alarm TEXT NOT NULL REFERENCES alarm(id), channel TEXT NOT NULL,
-  state INTEGER NOT NULL, attempts INTEGER NOT NULL, fault TEXT NOT NULL,
-  PRIMARY KEY(alarm, channel)) WITHOUT ROWID;
-CREATE TABLE acknowledgement(
-  alarm TEXT NOT NULL PRIMARY KEY REFERENCES alarm(id), who TEXT NOT NULL,
-  at INTEGER NOT NULL, note TEXT NOT NULL) WITHOUT ROWID;
-INSERT INTO delivery
-  SELECT id, 'command', delivery, 1, '' FROM alarm WHERE delivery > 0;
-ALTER TABLE alarm DROP COLUMN delivery;
-ALTER TABLE alarm DROP COLUMN acknowledged;
-)sql";
-
-constexpr char kChecksums[] =
-    "ALTER TABLE watch ADD COLUMN checksum TEXT NOT NULL DEFAULT ''";
-
-// Scores are packed (codec.h) from here on, which is what checksums are of.
-constexpr char kPackedScores[] = "UPDATE watch SET checksum = ''";
-
-// Step v leads from version v to v + 1.
-constexpr const char* kSteps[] = {kTables, kDeliveries, kChecksums,
-                                  kPackedScores};
-static_assert(std::size(kSteps) == kStateVersion);
-
-// More are damage.
-constexpr std::int64_t kMostOutputs = 100'000;
+// Beyond these a number is damage.
+constexpr std::int64_t kLastNumber = 10'000'000;
 
 absl::Status Damaged(const Watch& watch, absl::string_view what) {
   return absl::DataLossError(absl::StrCat(
@@ -88,26 +34,8 @@ Watch EmptyWatch(const std::string& controller, int outputs) {
 absl::StatusOr<State> State::Open(const std::string& path) {
   MLE_ASSIGN_OR_RETURN(Database database, Database::Open(path));
   State state(std::move(database));
-  MLE_RETURN_IF_ERROR(state.Migrate());
+  MLE_RETURN_IF_ERROR(state.BringUpToDate());
   return state;
-}
-
-absl::Status State::Migrate() {
-  MLE_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(database_));
-  MLE_ASSIGN_OR_RETURN(const std::int64_t found, database_.backend().Version());
-  if (found < 0 || found > kStateVersion) {
-    return absl::FailedPreconditionError(absl::StrCat(
-        "state: it has version ", found, "; this program knows version ",
-        kStateVersion, " and those before it"));
-  }
-  for (auto step = static_cast<std::size_t>(found); step < std::size(kSteps);
-       ++step) {
-    MLE_RETURN_IF_ERROR(database_.Execute(kSteps[step]));
-  }
-  if (found < kStateVersion) {
-    MLE_RETURN_IF_ERROR(database_.backend().SetVersion(kStateVersion));
-  }
-  return transaction.Commit();
 }
 
 absl::StatusOr<Watch> State::Load(const std::string& controller, int outputs) {
@@ -121,36 +49,46 @@ absl::StatusOr<Watch> State::Load(const std::string& controller, int outputs) {
 }
 
 absl::StatusOr<Watch> State::Read(const std::string& controller) {
-  Watch watch;
-  watch.controller = controller;
   MLE_ASSIGN_OR_RETURN(
       Statement select,
-      database_.Prepare(
-          "SELECT id, basis, begin, first, sample_time, reference, news, "
-          "failed, checksum FROM watch WHERE controller = ? "
-          "ORDER BY id DESC LIMIT 1"));
+      database_.Prepare("SELECT id FROM watch WHERE controller = ? ORDER BY id "
+                        "DESC LIMIT 1"));
   select.BindText(1, controller);
   MLE_ASSIGN_OR_RETURN(const bool found, select.Next());
+  Watch watch;
+  watch.controller = controller;
   if (!found) return watch;
   watch.id = select.Integer(0);
-  watch.basis = select.Text(1);
-  watch.begin = static_cast<int>(select.Integer(2));
-  watch.first = static_cast<int>(select.Integer(3));
-  watch.sample_time = select.Number(4);
-  if (!select.IsNull(5)) {
-    absl::StatusOr<WatchReference> reference = DecodeReference(select.Text(5));
-    if (!reference.ok()) return Damaged(watch, reference.status().message());
-    watch.reference = *std::move(reference);
-  }
-  watch.news = select.Text(6);
-  watch.failed = select.Integer(7) != 0;
-  watch.checksum = select.Text(8);
-  MLE_RETURN_IF_ERROR(LoadFiles(watch));
+  MLE_RETURN_IF_ERROR(LoadHead(watch));
   MLE_RETURN_IF_ERROR(LoadDays(watch));
   MLE_RETURN_IF_ERROR(LoadScores(watch));
-  MLE_RETURN_IF_ERROR(LoadAlarms(watch));
-  MLE_RETURN_IF_ERROR(LoadProposals(watch));
   return watch;
+}
+
+absl::Status State::LoadHead(Watch& watch) {
+  MLE_RETURN_IF_ERROR(ForEach(
+      "SELECT basis, begin, first, sample_time, reference, news, failed, "
+      "checksum, controller FROM watch WHERE id = ?",
+      watch, [&watch](const Statement& row) -> absl::Status {
+        watch.basis = row.Text(0);
+        watch.begin = static_cast<int>(row.Integer(1));
+        watch.first = static_cast<int>(row.Integer(2));
+        watch.sample_time = row.Number(3);
+        watch.news = row.Text(5);
+        watch.failed = row.Integer(6) != 0;
+        watch.checksum = row.Text(7);
+        watch.controller = row.Text(8);
+        if (row.IsNull(4)) return absl::OkStatus();
+        absl::StatusOr<WatchReference> reference = DecodeReference(row.Text(4));
+        if (!reference.ok()) {
+          return Damaged(watch, reference.status().message());
+        }
+        watch.reference = *std::move(reference);
+        return absl::OkStatus();
+      }));
+  MLE_RETURN_IF_ERROR(LoadFiles(watch));
+  MLE_RETURN_IF_ERROR(LoadAlarms(watch));
+  return LoadProposals(watch);
 }
 
 absl::Status State::ForEach(
@@ -180,35 +118,30 @@ absl::Status State::LoadFiles(Watch& watch) {
 }
 
 absl::Status State::LoadDays(Watch& watch) {
-  return ForEach(
-      "SELECT number, checksum, state, reason FROM day WHERE watch = ?", watch,
-      [&watch](const Statement& row) {
-        watch.days[static_cast<int>(row.Integer(0))] = {
-            .checksum = row.Text(1),
-            .state = static_cast<BatchState>(row.Integer(2)),
-            .reason = row.Text(3)};
-        return absl::OkStatus();
-      });
+  return ForEach("SELECT block, data FROM days WHERE watch = ?", watch,
+                 [&watch](const Statement& row) -> absl::Status {
+                   const std::int64_t block = row.Integer(0);
+                   if (std::abs(block) > kLastNumber) {
+                     return Damaged(watch, "it has days of no date");
+                   }
+                   const absl::Status status =
+                       DecodeDays(row.Text(1), static_cast<int>(block), watch);
+                   return status.ok() ? status
+                                      : Damaged(watch, status.message());
+                 });
 }
 
 absl::Status State::LoadScores(Watch& watch) {
   return ForEach(
-      "SELECT output, number, length, data FROM score WHERE watch = ?", watch,
+      "SELECT number, data FROM scores WHERE watch = ?", watch,
       [&watch](const Statement& row) -> absl::Status {
         const std::int64_t number = row.Integer(0);
-        absl::StatusOr<StoredBatch> decoded = DecodeBatch(row.Text(3));
-        if (number < 0 || number >= kMostOutputs || !decoded.ok()) {
-          return Damaged(watch, decoded.ok() ? "it has scores of no output"
-                                             : decoded.status().message());
+        if (number < 0 || number > kLastNumber) {
+          return Damaged(watch, "it has scores of no day");
         }
-        StoredBatch stored = *std::move(decoded);
-        const auto output = static_cast<std::size_t>(number);
-        if (output >= watch.outputs.size()) watch.outputs.resize(output + 1);
-        stored.batch.number = static_cast<int>(row.Integer(1));
-        stored.batch.length = static_cast<int>(row.Integer(2));
-        stored.evidence.number = stored.batch.number + stored.batch.length - 1;
-        watch.outputs[output].emplace(stored.batch.number, std::move(stored));
-        return absl::OkStatus();
+        const absl::Status status =
+            DecodeScores(row.Text(1), static_cast<int>(number), watch);
+        return status.ok() ? status : Damaged(watch, status.message());
       });
 }
 

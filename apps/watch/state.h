@@ -3,8 +3,8 @@
 //
 //   watch     a controller from a day on, with one model and one set of options
 //   file      files of records that were read, as they were
-//   day       the days that were looked at: checksum of their samples, state
-//   score     of an output: scores, information and evidence of a day, or of
+//   days      that were looked at, of 64 days: checksum of their samples, state
+//   scores    of all outputs: scores, information and evidence of a day, or of
 //             several that were merged
 //   alarm     raised
 //   delivery  of an alarm through a channel (command, mail, webhook): whether
@@ -39,7 +39,7 @@
 
 namespace mle::watch {
 
-inline constexpr int kStateVersion = 4;
+inline constexpr int kStateVersion = 5;
 
 struct SeenFile {
   std::int64_t bytes = 0;
@@ -188,13 +188,18 @@ class State {
  private:
   explicit State(Database database) : database_(std::move(database)) {}
 
-  absl::Status Migrate();
+  // To kStateVersion (state_version.cc).
+  absl::Status BringUpToDate();
+  absl::Status ConvertScores();
+  absl::Status LoadVersion4(Watch& watch);
   // Gives every row of a query with the watch's id as its parameter to `take`.
   absl::Status ForEach(
       std::string_view query, const Watch& watch,
       const std::function<absl::Status(const Statement&)>& take);
   // With all outputs that there are.
   absl::StatusOr<Watch> Read(const std::string& controller);
+  // Of the watch with that id: all but days and scores.
+  absl::Status LoadHead(Watch& watch);
   absl::Status LoadFiles(Watch& watch);
   absl::Status LoadDays(Watch& watch);
   absl::Status LoadScores(Watch& watch);

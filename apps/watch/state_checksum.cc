@@ -42,11 +42,11 @@ void AddFilesAndDays(const Watch& watch, Hash& hash) {
   }
 }
 
-void AddScores(const Watch& watch, Hash& hash) {
+void AddScores(const Watch& watch, const BatchEncoder& encode, Hash& hash) {
   for (std::size_t i = 0; i < watch.outputs.size(); ++i) {
     for (const auto& [number, stored] : watch.outputs[i]) {
       hash.Add(static_cast<std::int64_t>(i)).Add(std::int64_t{number});
-      hash.Add(std::int64_t{stored.batch.length}).Add(EncodeBatch(stored));
+      hash.Add(std::int64_t{stored.batch.length}).Add(encode(i, stored));
     }
   }
 }
@@ -54,13 +54,20 @@ void AddScores(const Watch& watch, Hash& hash) {
 }  // namespace
 
 std::string ChecksumOf(const Watch& watch) {
+  return ChecksumOf(watch,
+                    [](std::size_t /*output*/, const StoredBatch& stored) {
+                      return EncodeBatch(stored);
+                    });
+}
+
+std::string ChecksumOf(const Watch& watch, const BatchEncoder& encode) {
   Hash hash;
   hash.Add(watch.controller).Add(watch.basis);
   hash.Add(std::int64_t{watch.begin}).Add(std::int64_t{watch.first});
   hash.Add(watch.sample_time);
   if (watch.reference.has_value()) hash.Add(EncodeReference(*watch.reference));
   AddFilesAndDays(watch, hash);
-  AddScores(watch, hash);
+  AddScores(watch, encode, hash);
   for (const Alarm& alarm : watch.alarms) {
     hash.Add(alarm.id).Add(std::int64_t{alarm.output});
     hash.Add(std::int64_t{alarm.element}).Add(std::int64_t{alarm.day});

@@ -1,6 +1,8 @@
 // How a watch is written back: what differs from what is there.
 
 #include <cstdint>
+#include <map>
+#include <set>
 #include <utility>
 
 #include "apps/watch/codec.h"
@@ -86,18 +88,14 @@ absl::Status State::SaveFiles(const Watch& now, const Watch& before) {
 absl::Status State::SaveDays(const Watch& now, const Watch& before) {
   MLE_ASSIGN_OR_RETURN(
       Statement insert,
-      database_.Prepare(
-          "INSERT INTO day VALUES (?, ?, ?, ?, ?) ON CONFLICT(watch, number) "
-          "DO UPDATE SET checksum = excluded.checksum, "
-          "state = excluded.state, reason = excluded.reason"));
-  for (const auto& [number, day] : now.days) {
-    const auto found = before.days.find(number);
-    if (found != before.days.end() && found->second == day) continue;
-    insert.Bind(1, now.id)
-        .Bind(2, std::int64_t{number})
-        .BindBytes(3, day.checksum)
-        .Bind(4, static_cast<std::int64_t>(day.state))
-        .BindText(5, day.reason);
+      database_.Prepare("INSERT INTO days VALUES (?, ?, ?) ON CONFLICT(watch, "
+                        "block) DO UPDATE SET data = excluded.data"));
+  std::set<int> blocks;
+  for (const auto& [day, seen] : now.days) blocks.insert(BlockOf(day));
+  for (const int block : blocks) {
+    const std::string data = EncodeDays(now, block);
+    if (data == EncodeDays(before, block)) continue;
+    insert.Bind(1, now.id).Bind(2, std::int64_t{block}).BindBytes(3, data);
     MLE_RETURN_IF_ERROR(insert.Run());
   }
   return absl::OkStatus();
@@ -106,35 +104,25 @@ absl::Status State::SaveDays(const Watch& now, const Watch& before) {
 absl::Status State::SaveScores(const Watch& now, const Watch& before) {
   MLE_ASSIGN_OR_RETURN(
       Statement insert,
-      database_.Prepare("INSERT INTO score VALUES (?, ?, ?, ?, ?) "
-                        "ON CONFLICT(watch, output, number) DO UPDATE SET "
-                        "length = excluded.length, data = excluded.data"));
+      database_.Prepare(
+          "INSERT INTO scores VALUES (?, ?, ?) ON CONFLICT(watch, "
+          "number) DO UPDATE SET data = excluded.data"));
   MLE_ASSIGN_OR_RETURN(
       Statement remove,
-      database_.Prepare(
-          "DELETE FROM score WHERE watch = ? AND output = ? AND number = ?"));
-  for (std::size_t i = 0; i < now.outputs.size(); ++i) {
-    const auto output = static_cast<std::int64_t>(i);
-    for (const auto& [number, stored] : before.outputs[i]) {
-      if (now.outputs[i].contains(number)) continue;
-      remove.Bind(1, now.id).Bind(2, output).Bind(3, std::int64_t{number});
-      MLE_RETURN_IF_ERROR(remove.Run());
+      database_.Prepare("DELETE FROM scores WHERE watch = ? AND number = ?"));
+  std::set<int> numbers;
+  for (const Watch* watch : {&now, &before}) {
+    for (const std::map<int, StoredBatch>& output : watch->outputs) {
+      for (const auto& [number, stored] : output) numbers.insert(number);
     }
-    for (const auto& [number, stored] : now.outputs[i]) {
-      const std::string data = EncodeBatch(stored);
-      const auto found = before.outputs[i].find(number);
-      if (found != before.outputs[i].end() &&
-          found->second.batch.length == stored.batch.length &&
-          EncodeBatch(found->second) == data) {
-        continue;
-      }
-      insert.Bind(1, now.id)
-          .Bind(2, output)
-          .Bind(3, std::int64_t{number})
-          .Bind(4, std::int64_t{stored.batch.length})
-          .BindBytes(5, data);
-      MLE_RETURN_IF_ERROR(insert.Run());
-    }
+  }
+  for (const int number : numbers) {
+    const std::string data = EncodeScores(now, number);
+    if (data == EncodeScores(before, number)) continue;
+    Statement& write = data.empty() ? remove : insert;
+    write.Bind(1, now.id).Bind(2, std::int64_t{number});
+    if (!data.empty()) write.BindBytes(3, data);
+    MLE_RETURN_IF_ERROR(write.Run());
   }
   return absl::OkStatus();
 }

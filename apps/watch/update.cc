@@ -78,6 +78,7 @@ absl::Status Update::TakeReference(const ModelWatch& model,
     return absl::OkStatus();
   }
   MLE_ASSIGN_OR_RETURN(watch_.reference, model.MakeReference(batches));
+  RoundAsKept(*watch_.reference);
   watch_.sample_time = news.data.records.front().sample_time;
   watch_.begin = watch_.first;
   return absl::OkStatus();

@@ -16,6 +16,7 @@ namespace {
 constexpr int kOrder = 24;
 constexpr int kFilters = 6;
 constexpr double kLeastDegrees = 100.0;
+constexpr double kEnough = 0.25;  // nats that another round of a fit may gain
 constexpr double kOutlier = 5.0;  // robust standard deviations
 constexpr std::array<double, 5> kDrifts = {0.0, 0.01, 0.03, 0.1, 0.3};
 constexpr double kCollinearPlay = 1e-7;
@@ -267,13 +268,18 @@ Eigen::VectorXd PlayRegression::UsedRows(
 void PlayRegression::Fit(int output, OutputState& state) const {
   const WhitenedData with_drift = DataOf(output, responses_);
   const int m = model_.num_inputs();
-  Eigen::VectorXd start = Eigen::VectorXd::Zero((kFilters + 1) * m);
-  for (int j = 0; j < m; ++j) start((kFilters + 1) * j) = 1.0;
+  if (state.start.size() == 0) {
+    state.start = Eigen::VectorXd::Zero((kFilters + 1) * m);
+    for (int j = 0; j < m; ++j) state.start((kFilters + 1) * j) = 1.0;
+  }
   WhitenedData data;
   WhitenedFit fit;
   for (const double drift : kDrifts) {
     WhitenedData tried = InnovationsOfDrift(with_drift, drift);
-    WhitenedFit fit_tried = FitWhitenedGains(tried, start, kOrder);
+    WhitenedFit fit_tried =
+        FitWhitenedGains(tried, state.start, kOrder, kEnough);
+    // Others begin where this one has ended.
+    state.start = fit_tried.gains;
     if (drift > 0.0 && fit_tried.log_likelihood <= fit.log_likelihood) continue;
     state.drift = drift;
     data = std::move(tried);
@@ -304,12 +310,19 @@ void PlayRegression::Fit(int output, OutputState& state) const {
 }
 
 absl::Status PlayRegression::SetWidths(const Eigen::VectorXd& widths) {
+  // Outputs that an input with another width acts on.
+  std::vector<bool> changed(outputs_.size());
   for (int j = 0; j < model_.num_inputs(); ++j) {
     if (widths(j) == widths_(j)) continue;
     MLE_ASSIGN_OR_RETURN(responses_[j], RespondTo(j, widths(j)));
+    for (int i = 0; i < model_.num_outputs(); ++i) {
+      changed[i] = changed[i] || !model_.element(i, j).IsZero();
+    }
   }
   widths_ = widths;
-  for (int i = 0; i < model_.num_outputs(); ++i) Fit(i, outputs_[i]);
+  for (int i = 0; i < model_.num_outputs(); ++i) {
+    if (changed[i] || outputs_[i].filter.size() == 0) Fit(i, outputs_[i]);
+  }
   return absl::OkStatus();
 }
 

@@ -91,7 +91,8 @@ class PlayRegression {
     std::vector<Eigen::MatrixXd> square;
   };
   struct OutputState {
-    double drift = 0.0;  // κ
+    double drift = 0.0;     // κ
+    Eigen::VectorXd start;  // of all a: where the next fit begins
     Eigen::VectorXd filter;
     Eigen::VectorXd used;      // 1, or 0 where a row is left out
     Eigen::MatrixXd basis;     // orthonormal, of the whitened columns

@@ -110,7 +110,11 @@ void FitGains(const WhitenedData& data, const PresentColumns& present,
       responses.col(static_cast<Eigen::Index>(c)) =
           ApplyFilter(noise.filter, data.responses[w].col(columns[c]));
     }
-    gram(columns, columns) += responses.transpose() * responses;
+    const auto width = static_cast<Eigen::Index>(columns.size());
+    Eigen::MatrixXd squares = Eigen::MatrixXd::Zero(width, width);
+    squares.selfadjointView<Eigen::Lower>().rankUpdate(responses.transpose());
+    gram(columns, columns) +=
+        Eigen::MatrixXd(squares.selfadjointView<Eigen::Lower>());
     products(columns) += responses.transpose() * rest;
   }
   const Eigen::VectorXd sizes = gram.diagonal().cwiseSqrt().cwiseMax(1e-150);
@@ -201,15 +205,28 @@ Eigen::VectorXd WhiteningFilter(const WhitenedData& data,
 }
 
 Eigen::VectorXd ApplyFilter(const Eigen::VectorXd& filter,
-                            const Eigen::VectorXd& values) {
-  const Eigen::Index order = filter.size() - 1;
-  const Hankel lags(values.data(), order + 1, values.size() - order,
-                    Eigen::OuterStride<>(1));
-  return Centred(lags.transpose() * filter);
+                            const Eigen::Ref<const Eigen::VectorXd>& values) {
+  // Several samples at a time, whose sums stay in registers.
+  constexpr int kTogether = 8;
+  const Eigen::Index taps = filter.size();
+  const Eigen::Index rows = values.size() - taps + 1;
+  Eigen::VectorXd filtered(rows);
+  Eigen::Index k = 0;
+  for (; k + kTogether <= rows; k += kTogether) {
+    Eigen::Matrix<double, kTogether, 1> sum = values.segment<kTogether>(k);
+    sum *= filter(0);
+    for (Eigen::Index l = 1; l < taps; ++l) {
+      sum += filter(l) * values.segment<kTogether>(k + l);
+    }
+    filtered.segment<kTogether>(k) = sum;
+  }
+  for (; k < rows; ++k) filtered(k) = filter.dot(values.segment(k, taps));
+  filtered.array() -= filtered.mean();
+  return filtered;
 }
 
 WhitenedFit FitWhitenedGains(const WhitenedData& data, Eigen::VectorXd start,
-                             int order) {
+                             int order, double enough) {
   WhitenedFit fit;
   fit.gains = std::move(start);
   fit.errors = Eigen::VectorXd::Zero(fit.gains.size());
@@ -217,12 +234,14 @@ WhitenedFit FitWhitenedGains(const WhitenedData& data, Eigen::VectorXd start,
   Noise noise = FitNoise(data, fit.gains, order);
   for (int round = 0; round < kMostRounds; ++round) {
     const Eigen::VectorXd before = fit.gains;
+    const double likelihood_before = LogLikelihoodOfNoise(noise);
     FitGains(data, present, noise, fit);
     noise = FitNoise(data, fit.gains, order);
     const bool converged =
         ((fit.gains - before).array().abs() <= kConverged * fit.errors.array())
             .all();
-    if (converged) break;
+    const double gained = LogLikelihoodOfNoise(noise) - likelihood_before;
+    if (converged || std::abs(gained) < enough) break;
   }
   fit.log_likelihood = LogLikelihoodOfNoise(noise);
   return fit;

@@ -49,9 +49,12 @@ double WhitenedLogLikelihood(const WhitenedData& data,
 // to 2n samples are empty.
 WhitenedData Whiten(const WhitenedData& data, const Eigen::VectorXd& gains);
 
-// `order` is n ≥ 1.
+// `order` is n ≥ 1. The fit ends where the gains move by less than 10⁻³ of
+// their standard errors, or where a round changes the log-likelihood by less
+// than `enough` nats: gains of responses that hardly differ may go on for long
+// then.
 WhitenedFit FitWhitenedGains(const WhitenedData& data, Eigen::VectorXd start,
-                             int order = kWhitenedOrder);
+                             int order = kWhitenedOrder, double enough = 0.0);
 
 // −φ_n … −φ_1, 1 (n + 1) of what the responses leave at gains a.
 Eigen::VectorXd WhiteningFilter(const WhitenedData& data,
@@ -59,7 +62,7 @@ Eigen::VectorXd WhiteningFilter(const WhitenedData& data,
 
 // The series of a window through such a filter, less its mean: N − n samples.
 Eigen::VectorXd ApplyFilter(const Eigen::VectorXd& filter,
-                            const Eigen::VectorXd& values);
+                            const Eigen::Ref<const Eigen::VectorXd>& values);
 
 }  // namespace mle
 

@@ -131,27 +131,70 @@ OwnContrast WithoutOthers(const WhitenedContrast& all, Index first) {
           .log_others = 0.5 * score.dot(best)};
 }
 
-// ln E of one element: `contrasts` and `weights` (logarithms) by begin, `none`
-// of changes that are still to begin.
-double ElementEvidence(const std::vector<WhitenedContrast>& contrasts,
-                       const std::vector<double>& weights, double none,
-                       Index first, const VectorXd& least, double deviation) {
+// What all evidence is made of.
+struct Contrasts {
+  std::vector<WhitenedContrast> of_begins;
+  std::vector<double> weights;  // their logarithms
+  double none = kLogZero;       // ln of the weight of those still to begin
+};
+
+Contrasts ContrastsOf(const std::vector<ScoredBatch>& batches,
+                      const WatchOptions& options) {
+  Contrasts contrasts;
+  Suffixes suffixes(batches, options.model_error);
+  suffixes.StopAt(batches.size() - 1);
+  for (std::size_t s = 0; s < batches.size(); ++s) {
+    const double weight = suffixes.LogWeight(s, options.life);
+    if (weight == kLogZero) continue;
+    contrasts.weights.push_back(weight);
+    contrasts.of_begins.push_back(suffixes.From(s));
+  }
+  double coming = 0.0;
+  for (int d = LastOf(batches.back()) + 1; d < options.life; ++d) {
+    coming += WeightOfBegin(d, options.life);
+  }
+  if (coming > 0.0) contrasts.none = std::log(coming);
+  return contrasts;
+}
+
+// ln E of one element.
+double ElementEvidence(const Contrasts& contrasts, Index first,
+                       const VectorXd& least, double deviation) {
   std::vector<OwnContrast> own;
   double best_others = 0.0;
-  for (const WhitenedContrast& contrast : contrasts) {
+  for (const WhitenedContrast& contrast : contrasts.of_begins) {
     own.push_back(WithoutOthers(contrast, first));
     best_others = std::max(best_others, own.back().log_others);
   }
   LogSum sum;
-  sum.Add(none - best_others);
+  sum.Add(contrasts.none - best_others);
   for (std::size_t s = 0; s < own.size(); ++s) {
     for (Index a = 0; a < 3; ++a) {
-      sum.Add(weights[s] - std::log(3.0) + own[s].log_others - best_others +
+      sum.Add(contrasts.weights[s] - std::log(3.0) + own[s].log_others -
+              best_others +
               LogRatio(own[s].own.score(a), own[s].own.information(a, a),
                        least(first + a), deviation));
     }
   }
   return sum.value();
+}
+
+// Those batches that the evidence has to do without, one at a time.
+std::vector<std::size_t> Doubted(const std::vector<ScoredBatch>& batches) {
+  std::vector<std::pair<double, std::size_t>> sizes;
+  for (std::size_t b = 0; b < batches.size(); ++b) {
+    const ScoredBatch& batch = batches[b];
+    const double size =
+        batch.largest.has_value()
+            ? ExplainedSquares(batch.largest->score, batch.largest->information)
+            : ExplainedSquares(batch.score, batch.information);
+    sizes.emplace_back(-size, b);
+  }
+  std::sort(sizes.begin(), sizes.end());
+  sizes.resize(std::min(sizes.size(), kDoubted));
+  std::vector<std::size_t> doubted;
+  for (const auto& [size, b] : sizes) doubted.push_back(b);
+  return doubted;
 }
 
 // All but the batch, or but the largest change in it.
@@ -186,58 +229,39 @@ ChangeEvidence EvidenceOf(const std::vector<ScoredBatch>& batches,
                           const VectorXd& least, const WatchOptions& options) {
   ChangeEvidence evidence;
   if (batches.empty()) return evidence;
-  Suffixes suffixes(batches, options.model_error);
-  suffixes.StopAt(batches.size() - 1);
+  const Contrasts contrasts = ContrastsOf(batches, options);
   const Index n = batches.front().score.size();
-  const double deviation = options.change_deviation;
   LogSum output;
-  std::vector<WhitenedContrast> contrasts;
-  std::vector<double> weights;
-  for (std::size_t s = 0; s < batches.size(); ++s) {
-    const double weight = suffixes.LogWeight(s, options.life);
-    if (weight == kLogZero) continue;
-    weights.push_back(weight);
-    contrasts.push_back(suffixes.From(s));
-    const WhitenedContrast& contrast = contrasts.back();
+  for (std::size_t s = 0; s < contrasts.of_begins.size(); ++s) {
+    const WhitenedContrast& contrast = contrasts.of_begins[s];
     for (Index a = 0; a < n; ++a) {
-      output.Add(weight - std::log(static_cast<double>(n)) +
+      output.Add(contrasts.weights[s] - std::log(static_cast<double>(n)) +
                  LogRatio(contrast.score(a), contrast.information(a, a),
-                          least(a), deviation));
+                          least(a), options.change_deviation));
     }
   }
-  // Changes that are still to begin.
-  const int last = LastOf(batches.back());
-  double coming = 0.0;
-  for (int d = last + 1; d < options.life; ++d) {
-    coming += WeightOfBegin(d, options.life);
-  }
-  const double none = coming > 0.0 ? std::log(coming) : kLogZero;
-  output.Add(none);
-  evidence.number = last;
+  output.Add(contrasts.none);
+  evidence.number = LastOf(batches.back());
   evidence.log_output = output.value();
   for (Index first = 0; first < n; first += 3) {
     evidence.log_elements.push_back(
-        ElementEvidence(contrasts, weights, none, first, least, deviation));
+        ElementEvidence(contrasts, first, least, options.change_deviation));
   }
   return evidence;
+}
+
+double ElementEvidenceOf(const std::vector<ScoredBatch>& batches, int element,
+                         const VectorXd& least, const WatchOptions& options) {
+  if (batches.empty()) return 0.0;
+  return ElementEvidence(ContrastsOf(batches, options), Index{3} * element,
+                         least, options.change_deviation);
 }
 
 ChangeEvidence ConfirmedEvidenceOf(const std::vector<ScoredBatch>& batches,
                                    const VectorXd& least,
                                    const WatchOptions& options) {
   ChangeEvidence evidence = EvidenceOf(batches, least, options);
-  std::vector<std::pair<double, std::size_t>> sizes;
-  for (std::size_t b = 0; b < batches.size(); ++b) {
-    const ScoredBatch& batch = batches[b];
-    const double size =
-        batch.largest.has_value()
-            ? ExplainedSquares(batch.largest->score, batch.largest->information)
-            : ExplainedSquares(batch.score, batch.information);
-    sizes.emplace_back(-size, b);
-  }
-  std::sort(sizes.begin(), sizes.end());
-  sizes.resize(std::min(sizes.size(), kDoubted));
-  for (const auto& [size, b] : sizes) {
+  for (const std::size_t b : Doubted(batches)) {
     ChangeEvidence without = EvidenceOf(Without(batches, b), least, options);
     without.log_elements.resize(evidence.log_elements.size(), 0.0);
     evidence.log_output = std::min(evidence.log_output, without.log_output);
@@ -245,6 +269,17 @@ ChangeEvidence ConfirmedEvidenceOf(const std::vector<ScoredBatch>& batches,
       evidence.log_elements[e] =
           std::min(evidence.log_elements[e], without.log_elements[e]);
     }
+  }
+  return evidence;
+}
+
+double ConfirmedElementEvidenceOf(const std::vector<ScoredBatch>& batches,
+                                  int element, const VectorXd& least,
+                                  const WatchOptions& options) {
+  double evidence = ElementEvidenceOf(batches, element, least, options);
+  for (const std::size_t b : Doubted(batches)) {
+    evidence = std::min(evidence, ElementEvidenceOf(Without(batches, b),
+                                                    element, least, options));
   }
   return evidence;
 }

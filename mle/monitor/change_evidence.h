@@ -89,6 +89,14 @@ ChangeEvidence ConfirmedEvidenceOf(const std::vector<ScoredBatch>& batches,
                                    const Eigen::VectorXd& least,
                                    const WatchOptions& options);
 
+// ln E of one of the elements alone, as these two have it.
+double ElementEvidenceOf(const std::vector<ScoredBatch>& batches, int element,
+                         const Eigen::VectorXd& least,
+                         const WatchOptions& options);
+double ConfirmedElementEvidenceOf(const std::vector<ScoredBatch>& batches,
+                                  int element, const Eigen::VectorXd& least,
+                                  const WatchOptions& options);
+
 // Merges batches that are old at batch `now`: 64 and more before into blocks of
 // 8 batches, 512 and more before into blocks of 64. A change can then begin
 // with a block only, which loses evidence and never adds any. Blocks have no

@@ -61,14 +61,16 @@ class ChangeSearch {
   std::vector<ScoredBatch> Past(const ChangeInQuestion& question) const;
   // ln E of the element after `count` batches of the information more, with all
   // batches or confirmed.
-  using Evidence = decltype(ConfirmedEvidenceOf);
+  using Evidence = decltype(ConfirmedElementEvidenceOf);
   double After(const ChangeInQuestion& question, const MatrixXd& information,
-               int count, Evidence evidence_of = ConfirmedEvidenceOf) const;
+               int count,
+               Evidence evidence_of = ConfirmedElementEvidenceOf) const;
   // Whether that raises an alarm: what is not confirmed, which takes a quarter
   // of the time, is never less.
   bool Raises(const ChangeInQuestion& question, const MatrixXd& information,
               int count) const {
-    return After(question, information, count, EvidenceOf) >= log_alarm() &&
+    return After(question, information, count, ElementEvidenceOf) >=
+               log_alarm() &&
            After(question, information, count) >= log_alarm();
   }
   const CandidateChange* Best(const ChangeInQuestion& question) const;
@@ -213,10 +215,8 @@ double ChangeSearch::After(const ChangeInQuestion& question,
     for (int k = 1; k <= count; ++k) add(++last, VectorXd::Zero(n));
   }
   for (int k = 1; k <= count; ++k) add(++last, mean);
-  const ChangeEvidence evidence =
-      evidence_of(batches, watch_.LeastChanges(output), watch_.options());
-  if (evidence.log_elements.empty()) return 0.0;
-  return evidence.log_elements[static_cast<std::size_t>(change.element)];
+  return evidence_of(batches, change.element, watch_.LeastChanges(output),
+                     watch_.options());
 }
 
 const CandidateChange* ChangeSearch::Best(

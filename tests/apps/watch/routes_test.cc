@@ -331,7 +331,7 @@ TEST_F(RoutesTest, ADamagedControllerIsShownBesideTheOthers) {
   absl::StatusOr<Database> database = Database::Open(files_.StatePath());
   ASSERT_TRUE(database.ok());
   ASSERT_TRUE(database
-                  ->Execute("UPDATE day SET state = 1 WHERE watch = "
+                  ->Execute("UPDATE days SET block = block + 1 WHERE watch = "
                             "(SELECT id FROM watch WHERE controller = 'b')")
                   .ok());
   absl::StatusOr<std::unique_ptr<Site>> site = Site::Open(

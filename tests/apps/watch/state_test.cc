@@ -7,11 +7,14 @@
 #include <utility>
 #include <vector>
 
+#include "absl/strings/str_cat.h"
+#include "apps/watch/codec.h"
 #include "apps/watch/database.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "mle/base/file.h"
-#include "tests/mle/database/postgresql_server.h"
+#include "mle/base/random.h"
+#include "tests/apps/watch/state_databases.h"
 
 namespace mle::watch {
 namespace {
@@ -29,72 +32,8 @@ StoredBatch BatchOfState(int number) {
   return stored;
 }
 
-// As far as alarms need it.
-constexpr char kFirstVersion[] = R"sql(
-CREATE TABLE watch(
-  id INTEGER PRIMARY KEY, controller TEXT NOT NULL, basis TEXT NOT NULL,
-  begin INTEGER NOT NULL, first INTEGER NOT NULL, sample_time REAL NOT NULL,
-  reference TEXT, news TEXT NOT NULL, failed INTEGER NOT NULL);
-CREATE TABLE file(watch, path, bytes, changed, first, last, fault);
-CREATE TABLE day(watch, number, checksum, state, reason);
-CREATE TABLE score(watch, output, number, length, data);
-CREATE TABLE proposal(watch, day, folder, decision, conclusion);
-CREATE TABLE alarm(
-  id TEXT PRIMARY KEY, watch INTEGER NOT NULL REFERENCES watch(id),
-  output INTEGER NOT NULL, element INTEGER NOT NULL, day INTEGER NOT NULL,
-  began INTEGER NOT NULL, text TEXT NOT NULL, delivery INTEGER NOT NULL,
-  acknowledged TEXT NOT NULL);
-INSERT INTO watch VALUES(1, 'column', 'b', 1, 1, 1.0, NULL, '', 0);
-INSERT INTO alarm VALUES('a', 1, 0, -1, 5, 4, 'waiting', 0, '');
-INSERT INTO alarm VALUES('b', 1, 0, -1, 6, 4, 'sent', 2, '');
-PRAGMA user_version = 1;
-)sql";
-
-// A file that is gone after the test. Tests run side by side: each has its own.
-class StateFile {
- public:
-  StateFile() : file_(NameOfFile()) { Remove(); }
-  ~StateFile() { Remove(); }
-  StateFile(const StateFile&) = delete;
-  StateFile& operator=(const StateFile&) = delete;
-
-  const std::string& file() const { return file_; }
-
- private:
-  static std::string NameOfFile() {
-    std::string name =
-        testing::UnitTest::GetInstance()->current_test_info()->name();
-    std::replace(name.begin(), name.end(), '/', '_');
-    return testing::TempDir() + "/state_" + name + ".sqlite";
-  }
-  void Remove() const {
-    for (const char* end : {"", "-wal", "-shm"}) {
-      std::filesystem::remove(file_ + end);
-    }
-  }
-
-  std::string file_;
-};
-
-// In SQLite, and in PostgreSQL.
-class StateTest : public ::testing::TestWithParam<bool> {
+class StateTest : public StateDatabases {
  protected:
-  void SetUp() override {
-    if (!GetParam()) {
-      name_ = folder_.file();
-      return;
-    }
-    if (!PostgresqlServer::IsInstalled()) GTEST_SKIP() << "no PostgreSQL";
-    server_.emplace();
-    ASSERT_TRUE(server_->is_running());
-    name_ = server_->name("postgres");
-  }
-
-  State Open() const {
-    absl::StatusOr<State> state = State::Open(name_);
-    EXPECT_TRUE(state.ok()) << state.status();
-    return *std::move(state);
-  }
   Watch Load(State& state, const std::string& name = "column") const {
     absl::StatusOr<Watch> watch = state.Load(name, 2);
     EXPECT_TRUE(watch.ok()) << watch.status();
@@ -128,10 +67,6 @@ class StateTest : public ::testing::TestWithParam<bool> {
                                .conclusion = "better"});
     return watch;
   }
-
-  const StateFile folder_;
-  std::optional<PostgresqlServer> server_;
-  std::string name_;
 };
 
 TEST_P(StateTest, AWatchIsReadBackAsItWasSaved) {
@@ -278,24 +213,6 @@ TEST_P(StateTest, ARevisionChangesWithAnothersWriting) {
   EXPECT_NE(*state.Revision(), *before);
 }
 
-TEST_P(StateTest, AStateOfTheFirstVersionIsBroughtUpToDate) {
-  if (GetParam()) GTEST_SKIP() << "the first version was SQLite's alone";
-  {
-    absl::StatusOr<Database> database = Database::Open(name_);
-    ASSERT_TRUE(database.ok());
-    ASSERT_TRUE(database->Execute(kFirstVersion).ok());
-  }
-  State state = Open();
-  const Watch watch = Load(state);
-  ASSERT_THAT(watch.alarms, SizeIs(2));
-  EXPECT_EQ(watch.alarms[1].text, "sent");
-  ASSERT_THAT(watch.alarms[1].deliveries, SizeIs(1));
-  EXPECT_EQ(watch.alarms[1].deliveries[0].state, Delivery::State::kSent);
-  const auto pending = Pending(state, Channel::kCommand);
-  ASSERT_THAT(pending, SizeIs(1));
-  EXPECT_EQ(pending[0].alarm.text, "waiting");
-}
-
 TEST_P(StateTest, ANewWatchFollowsTheOldOne) {
   State state = Open();
   Watch watch = FullWatch();
@@ -311,6 +228,61 @@ TEST_P(StateTest, ANewWatchFollowsTheOldOne) {
   const auto pending = Pending(state, Channel::kCommand);
   ASSERT_THAT(pending, SizeIs(1));
   EXPECT_EQ(pending.front().controller, "column");
+}
+
+// What docs/watch.md promises of a controller with 4 outputs and 16 elements
+// whose set points move every day, after its first year: 64 days, and blocks of
+// 8 of those before.
+TEST_P(StateTest, AYearOfALargeControllerTakes100KilobytesAtMost) {
+  constexpr int kControllers = 20;
+  GaussianNoise noise(3, kRunStream);
+  State state = Open();
+  for (int c = 0; c < kControllers; ++c) {
+    Watch watch = FullWatch();
+    watch.controller = absl::StrCat("unit ", c);
+    watch.alarms.clear();
+    watch.proposals.clear();
+    watch.outputs.assign(4, {});
+    watch.reference->outputs.resize(4);
+    for (OutputReference& output : watch.reference->outputs) {
+      const Eigen::MatrixXd drawn = noise.DrawMatrix(120, 1, 0.01);
+      output.covariances.assign(drawn.data(), drawn.data() + drawn.size());
+    }
+    RoundAsKept(*watch.reference);
+    for (int day = 0; day < 365; ++day) {
+      const Eigen::MatrixXd drawn = noise.DrawMatrix(2, 1, 1.0);
+      watch.days[20000 + day] = {
+          std::string(reinterpret_cast<const char*>(drawn.data()), 16),
+          BatchState::kUsed, ""};
+      const bool old = day < 365 - 64;
+      if (old && day % 8 != 0) continue;
+      for (std::map<int, StoredBatch>& output : watch.outputs) {
+        const Eigen::MatrixXd sensitivities = noise.DrawMatrix(12, 30, 1.0);
+        StoredBatch& stored = output[day];
+        stored.batch = {
+            .number = day,
+            .length = old ? 8 : 1,
+            .score = sensitivities * noise.DrawMatrix(30, 1, 1.0),
+            .information = sensitivities * sensitivities.transpose()};
+        stored.evidence.log_elements.assign(4, -1.0);
+        RoundAsKept(stored.batch);
+      }
+    }
+    ASSERT_TRUE(state.Save(watch).ok());
+  }
+  absl::StatusOr<Database> database = Database::Open(name_);
+  ASSERT_TRUE(database.ok());
+  absl::StatusOr<Statement> size = database->Prepare(
+      // There the other tables have pages of their own.
+      GetParam() ? "SELECT CAST(SUM(pg_total_relation_size(oid)) AS BIGINT) "
+                   "FROM pg_class WHERE relname IN ('watch', 'days', 'scores')"
+                 : "SELECT page_count * page_size FROM pragma_page_count(), "
+                   "pragma_page_size()");
+  ASSERT_TRUE(size.ok()) << size.status();
+  ASSERT_TRUE(*size->Next());
+  EXPECT_LT(size->Integer(0), 100'000 * kControllers);
+  // Nor is it that nothing is there.
+  EXPECT_GT(size->Integer(0), 80'000 * kControllers);
 }
 
 TEST_P(StateTest, ATransactionThatIsNotCommittedLeavesNothing) {
@@ -352,16 +324,26 @@ TEST_P(StateTest, WhatWasDamagedIsNotTaken) {
   State state = Open();
   Watch watch = FullWatch();
   for (const char* const damage :
-       {"UPDATE watch SET basis = 'abd'", "UPDATE watch SET first = 20002",
+       {"UPDATE watch SET basis = 'abd'",
+        "UPDATE watch SET first = 20002",
         "UPDATE watch SET sample_time = 1.5000000000000002",
         "UPDATE watch SET reference = '{\"outputs\":[],\"low\":[1.0],"
         "\"high\":[0.0]}'",
-        "UPDATE watch SET reference = 'x'", "UPDATE file SET bytes = 9",
+        "UPDATE watch SET reference = 'x'",
+        "UPDATE file SET bytes = 9",
         "UPDATE file SET path = 'b.csv'",
-        "UPDATE day SET state = 1 WHERE number = 20001",
-        "DELETE FROM day WHERE number = 20002", "UPDATE score SET output = 0",
-        "UPDATE score SET output = -1", "UPDATE score SET length = 8",
-        "UPDATE alarm SET output = 7", "UPDATE alarm SET day = 1",
+        "UPDATE days SET block = block + 1",
+        "UPDATE days SET block = 2000000000",
+        "UPDATE days SET data = ''",
+        "UPDATE days SET data = substr(data, 1, 4)",
+        "DELETE FROM days",
+        "UPDATE scores SET number = 2",
+        "UPDATE scores SET number = -1",
+        "UPDATE scores SET data = ''",
+        "UPDATE scores SET data = substr(data, 1, 9)",
+        "UPDATE scores SET data = substr(data, 2)",
+        "UPDATE alarm SET output = 7",
+        "UPDATE alarm SET day = 1",
         "UPDATE proposal SET folder = '/'"}) {
     ASSERT_TRUE(state.Save(watch).ok()) << damage;
     absl::StatusOr<Database> database = Database::Open(name_);
@@ -375,7 +357,7 @@ TEST_P(StateTest, WhatWasDamagedIsNotTaken) {
     // The next begins anew.
     ASSERT_TRUE(database
                     ->Execute("DELETE FROM proposal; DELETE FROM alarm; "
-                              "DELETE FROM score; DELETE FROM day; "
+                              "DELETE FROM scores; DELETE FROM days; "
                               "DELETE FROM file; DELETE FROM watch")
                     .ok());
     watch = FullWatch();
@@ -396,7 +378,7 @@ TEST_P(StateTest, WhatOthersChangeAndOlderProgramsSavedIsNotDamage) {
   ASSERT_TRUE(database->Execute("UPDATE watch SET checksum = ''").ok());
   watch = Load(state);
   ASSERT_TRUE(state.Save(watch).ok());
-  ASSERT_TRUE(database->Execute("UPDATE day SET state = 2").ok());
+  ASSERT_TRUE(database->Execute("UPDATE days SET block = block + 1").ok());
   EXPECT_FALSE(state.Load("column", 2).ok());
 }
 

@@ -46,6 +46,39 @@ TEST(WhitenedFitTest, IncrementsTurnRampsIntoOffsets) {
   EXPECT_TRUE(increments.responses[0].row(0).isZero(0.0));
 }
 
+// Against sums that are written out, whatever is left of the last samples that
+// are taken together.
+TEST(WhitenedFitTest, AFilterIsTheSumOverItsTaps) {
+  const Eigen::VectorXd filter{{-0.25, 0.5, -1.5, 1.0}};
+  for (int samples = 4; samples < 30; ++samples) {
+    const Eigen::VectorXd values = Eigen::VectorXd::Random(samples);
+    Eigen::VectorXd expected(samples - 3);
+    for (int k = 0; k < samples - 3; ++k) {
+      expected(k) = -0.25 * values(k) + 0.5 * values(k + 1) -
+                    1.5 * values(k + 2) + values(k + 3);
+    }
+    expected.array() -= expected.mean();
+    const Eigen::VectorXd filtered = ApplyFilter(filter, values);
+    ASSERT_EQ(filtered.size(), samples - 3);
+    EXPECT_LT((filtered - expected).cwiseAbs().maxCoeff(), 1e-14) << samples;
+  }
+}
+
+// Where a round gains less than is enough the fit ends, before the gains have
+// settled.
+TEST(WhitenedFitTest, EndsWhereARoundGainsLessThanIsEnough) {
+  const WhitenedData data = Data(0.3, 0.2, 5);
+  const auto fitted = [&](double enough) {
+    return FitWhitenedGains(data, Eigen::VectorXd::Zero(2), kWhitenedOrder,
+                            enough);
+  };
+  const WhitenedFit all = fitted(0.0);
+  const WhitenedFit one_round = fitted(1e9);
+  EXPECT_GT((one_round.gains - all.gains).norm(), 1e-9);
+  EXPECT_EQ(fitted(1e-30).gains, all.gains);
+  EXPECT_NEAR(fitted(0.1).log_likelihood, all.log_likelihood, 0.1);
+}
+
 // At every seed within 4 standard errors, which are about the deviation of the
 // estimates.
 TEST(WhitenedFitTest, FindsGainsAndTheirErrors) {

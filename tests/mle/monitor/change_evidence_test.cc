@@ -154,6 +154,34 @@ TEST(ConfirmedEvidenceOfTest, ASingleBatchIsNoEvidence) {
   EXPECT_EQ(ConfirmedEvidenceOf({}, least, options).log_output, 0.0);
 }
 
+// Both in nine parameters that are correlated, with a change in one.
+TEST(ElementEvidenceOfTest, IsThatOfTheElementAmongAll) {
+  const WatchOptions options;
+  const VectorXd least = VectorXd::Constant(9, 0.005);
+  GaussianNoise noise(4, kRunStream);
+  std::vector<ScoredBatch> batches;
+  for (int number = 0; number < 12; ++number) {
+    const MatrixXd sensitivities = noise.DrawMatrix(9, 30, 100.0);
+    ScoredBatch batch{.number = number,
+                      .length = 1,
+                      .score = sensitivities * noise.DrawMatrix(30, 1, 1.0),
+                      .information = sensitivities * sensitivities.transpose()};
+    if (number > 6) batch.score += 0.1 * batch.information.col(4);
+    batches.push_back(std::move(batch));
+  }
+  const ChangeEvidence all = EvidenceOf(batches, least, options);
+  const ChangeEvidence confirmed = ConfirmedEvidenceOf(batches, least, options);
+  for (int e = 0; e < 3; ++e) {
+    EXPECT_EQ(ElementEvidenceOf(batches, e, least, options),
+              all.log_elements[e]);
+    EXPECT_EQ(ConfirmedElementEvidenceOf(batches, e, least, options),
+              confirmed.log_elements[e]);
+  }
+  EXPECT_LT(confirmed.log_elements[1], all.log_elements[1] - 0.1);
+  EXPECT_EQ(ElementEvidenceOf({}, 0, least, options), 0.0);
+  EXPECT_EQ(ConfirmedElementEvidenceOf({}, 0, least, options), 0.0);
+}
+
 // Two changes of one batch confirm each other.
 TEST(ConfirmedEvidenceOfTest, OfABatchTheLargestChangeIsLeftOut) {
   const WatchOptions options;
