@@ -108,6 +108,7 @@ int Main(correct::Request& request, OptionTable& table) {
     correct::PrintMessages("warning", data->warnings);
     correct::PrintMessages("warning",
                            correct::DescriptionWarnings(request.model_file));
+    correct::PrintMemory();
     return kExitDone;
   }
   const absl::StatusOr<FolderLock> lock = ClaimOutputFolder(request.out);

@@ -1,5 +1,8 @@
 #include "apps/correct/console.h"
 
+#include <sys/resource.h>
+
+#include <algorithm>
 #include <iostream>
 #include <string>
 
@@ -45,6 +48,15 @@ void PrintData(const RecordData& data, const std::vector<DataFile>& files,
             << report::RenderText(ChannelTable(data, model)) << "\n"
             << report::RenderText(WindowTable(data, model)) << "\n";
   for (const Message& note : data.notes) std::cout << Shown(note) << "\n";
+}
+
+void PrintMemory() {
+  rusage usage = {};
+  getrusage(RUSAGE_SELF, &usage);
+  constexpr long kKibibytes = 1024;  // of a MiB
+  std::cerr << "at most "
+            << std::max(1L, (usage.ru_maxrss + kKibibytes - 1) / kKibibytes)
+            << " MiB of memory were used\n";
 }
 
 void PrintMessages(const char* kind, const std::vector<Message>& messages) {

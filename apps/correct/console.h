@@ -13,6 +13,9 @@ namespace mle::correct {
 void PrintData(const RecordData& data, const std::vector<DataFile>& files,
                const ProcessModel& model);
 
+// On standard error: the most memory that the process has used so far.
+void PrintMemory();
+
 // "kind: text", on standard error.
 void PrintMessages(const char* kind, const std::vector<Message>& messages);
 

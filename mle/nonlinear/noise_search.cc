@@ -1,13 +1,14 @@
 #include "mle/nonlinear/noise_search.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 #include <vector>
 
 #include "Eigen/QR"
 #include "mle/nonlinear/amplitude_fit.h"
-#include "mle/nonlinear/brent_search.h"
 #include "mle/nonlinear/colour_search.h"
 #include "mle/nonlinear/elimination.h"
 
@@ -18,8 +19,17 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double kRatioGridStep = 1.0;  // of possible ratios
-constexpr double kSearchStep = 2.0;     // of the search for the best
-constexpr int kSearchBits = 10;         // of ln ρ: 4e-3 at most
+// Of the search for the best: a step of ln ρ, and the first from where it was
+// before.
+constexpr double kSearchStep = 2.5;
+constexpr double kLocalStep = 0.5;
+// A smaller difference of −2 ln L does not count: at its square root, 3 %, of a
+// standard error of ln ρ.
+constexpr double kNoRatioGain = 1e-3;
+constexpr int kMostParabolas = 12;
+constexpr double kGoldenSection = 0.381966;
+// Of the gain that a parabola through far points promises, the most there is.
+constexpr double kMostOfParabola = 4.0;
 
 // Beforehand every √ρ is as likely as any other: what of it is nearest to a
 // value of the grid, as a share of √ρ there; and below the smallest, of that.
@@ -183,57 +193,152 @@ NoiseShape Moved(const NoiseShape& shape, int parameter, double by) {
 
 namespace {
 
-Profile AtLogRatio(const ShapeLikelihood& likelihood, double log_ratio) {
-  return likelihood.At({.ratio = std::exp(log_ratio)});
-}
+// The likelihood along ln ρ without colour: the best that was asked, and what
+// encloses it.
+class RatioSearch {
+ public:
+  // `length`: samples of a segment.
+  RatioSearch(const ShapeLikelihood& likelihood, double length)
+      : likelihood_(likelihood),
+        least_(std::max(-2.0 * std::log(length), kMinLogRatio)),
+        white_(likelihood.At(NoiseShape())) {}
 
-Profile SearchRatioBetween(const ShapeLikelihood& likelihood, double low,
-                           double high) {
-  Profile best;
-  SearchLeast(low, high, kSearchBits, [&](double log_ratio) {
-    const Profile profile = AtLogRatio(likelihood, log_ratio);
-    if (profile.value < best.value) best = profile;
-    return profile.value;
-  });
-  return best;
-}
+  // The best of a grid and its neighbours. Below 1/N² drift changes no
+  // estimate; above √N there is hardly white noise, and Climb() goes on.
+  void AskGrid(double num_samples) {
+    double former = std::numeric_limits<double>::infinity();
+    bool rose = false;  // from the best to what comes after it
+    for (double at = least_; at <= 0.5 * std::log(num_samples) + kSearchStep;
+         at += kSearchStep) {
+      Profile profile = At(at);
+      const double value = profile.value;
+      if (value < best_.value) {
+        low_ = {at - kSearchStep, former};
+        place_ = at;
+        best_ = std::move(profile);
+        rose = false;
+      } else if (!rose) {
+        high_ = {at, value};
+        rose = true;
+      }
+      former = value;
+    }
+    if (!rose) Climb(kSearchStep);
+  }
+
+  // Downhill from `log_ratio`, in steps that double.
+  void AskNear(double log_ratio) {
+    place_ = std::clamp(log_ratio, kMinLogRatio, kMaxLogRatio);
+    best_ = At(place_);
+    if (!Climb(kLocalStep)) Climb(-kLocalStep);
+  }
+
+  // The parabola through the three best points tells where the next is asked
+  // (Brent, Algorithms for Minimization without Derivatives, 1973), until it
+  // promises nothing, or nothing that is better than white noise. Through
+  // points that are far it is not trusted.
+  Profile Refine() {
+    std::array<Point, 2> others = {low_, high_};
+    for (int asked = 0; asked < kMostParabolas; ++asked) {
+      if (others[1].value < others[0].value) std::swap(others[0], others[1]);
+      const double near = others[0].place - place_;
+      const double far = others[1].place - place_;
+      const double near_slope = (others[0].value - best_.value) / near;
+      const double far_slope = (others[1].value - best_.value) / far;
+      const double curvature = (near_slope - far_slope) / (near - far);
+      const double slope = near_slope - curvature * near;
+      const double gain = 0.25 * slope * slope / curvature;
+      if (!std::isfinite(gain)) break;
+      if (curvature > 0.0 &&
+          best_.value - kMostOfParabola * gain >= white_.value) {
+        break;
+      }
+      const double nearer = std::min(std::abs(near), std::abs(far));
+      const double farther = std::max(std::abs(near), std::abs(far));
+      const bool enclosed = near * far < 0.0;
+      double step = -0.5 * slope / curvature;
+      if ((enclosed ? nearer : farther) > kLocalStep) {
+        step = std::copysign(std::max(std::abs(step), kLocalStep),
+                             enclosed ? step : -near);
+      } else if (curvature > 0.0 && gain < kNoRatioGain) {
+        break;
+      }
+      const double below = low_.place - place_;
+      const double above = high_.place - place_;
+      if (!(curvature > 0.0 && step > below && step < above)) {
+        step = kGoldenSection * (above > -below ? above : below);
+      }
+      others[1] = Take(place_ + step);
+    }
+    return best_.value < white_.value ? best_ : white_;
+  }
+
+ private:
+  struct Point {
+    double place = 0.0;  // ln ρ
+    double value = std::numeric_limits<double>::infinity();
+  };
+
+  Profile At(double log_ratio) const {
+    return likelihood_.At({.ratio = std::exp(log_ratio)});
+  }
+
+  // Moves on by `step` while that is better; whether it was.
+  bool Climb(double step) {
+    Point& ahead = step > 0.0 ? high_ : low_;
+    Point& behind = step > 0.0 ? low_ : high_;
+    bool climbed = false;
+    while (true) {
+      ahead = {std::clamp(place_ + step, kMinLogRatio, kMaxLogRatio)};
+      if (ahead.place == place_) return climbed;
+      Profile profile = At(ahead.place);
+      ahead.value = profile.value;
+      if (!(profile.value < best_.value)) return climbed;
+      behind = {place_, best_.value};
+      place_ = ahead.place;
+      best_ = std::move(profile);
+      climbed = true;
+      step = std::clamp(2.0 * step, -kSearchStep, kSearchStep);
+    }
+  }
+
+  // Asks one more point between the ends; which of it and the best before is
+  // not the best now.
+  Point Take(double place) {
+    Profile profile = At(place);
+    const Point next = {place, profile.value};
+    if (!(profile.value < best_.value)) {
+      (place > place_ ? high_ : low_) = next;
+      return next;
+    }
+    const Point former = {place_, best_.value};
+    (place > place_ ? low_ : high_) = former;
+    place_ = place;
+    best_ = std::move(profile);
+    return former;
+  }
+
+  const ShapeLikelihood& likelihood_;
+  double least_;
+  Profile white_;
+  Profile best_;
+  double place_ = 0.0;  // of the best
+  Point low_;
+  Point high_;
+};
 
 // Over all ρ, without colour: from `near` downhill or, where that is 0, on a
-// grid, then between its neighbours.
+// grid.
 Profile FindBestRatio(const ShapeLikelihood& likelihood, double near) {
-  Profile best = likelihood.At(NoiseShape());
+  const OutputErrorProblem& problem = likelihood.problem();
+  const double samples = static_cast<double>(problem.num_samples());
+  RatioSearch search(likelihood, samples / problem.num_segments());
   if (near > 0.0) {
-    double log_near = std::clamp(std::log(near), kMinLogRatio, kMaxLogRatio);
-    Profile inner = AtLogRatio(likelihood, log_near);
-    for (const double step : {kSearchStep, -kSearchStep}) {
-      bool moved = false;
-      for (double next = log_near + step;
-           next >= kMinLogRatio && next <= kMaxLogRatio; next += step) {
-        const Profile profile = AtLogRatio(likelihood, next);
-        if (!(profile.value < inner.value)) break;
-        inner = profile;
-        log_near = next;
-        moved = true;
-      }
-      if (moved) break;
-    }
-    const Profile between = SearchRatioBetween(
-        likelihood, log_near - kSearchStep, log_near + kSearchStep);
-    if (between.value < inner.value) inner = between;
-    return inner.value < best.value ? inner : best;
+    search.AskNear(std::log(near));
+  } else {
+    search.AskGrid(samples);
   }
-  double best_log = kMinLogRatio;
-  for (double log_ratio = kMinLogRatio; log_ratio <= kMaxLogRatio;
-       log_ratio += kSearchStep) {
-    const Profile profile = AtLogRatio(likelihood, log_ratio);
-    if (profile.value < best.value) {
-      best = profile;
-      best_log = log_ratio;
-    }
-  }
-  const Profile inner = SearchRatioBetween(likelihood, best_log - kSearchStep,
-                                           best_log + kSearchStep);
-  return inner.value < best.value ? inner : best;
+  return search.Refine();
 }
 
 }  // namespace

@@ -19,6 +19,7 @@
 namespace mle {
 namespace {
 
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -119,6 +120,7 @@ TEST(MleCorrectFiles, TheDryRunWritesNothing) {
   EXPECT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(run.out, HasSubstr("Windows around set-point changes"));
   EXPECT_THAT(run.out, HasSubstr("y2 0 → 1"));
+  EXPECT_THAT(run.err, ContainsRegex("at most [0-9]+ MiB of memory were used"));
   EXPECT_FALSE(std::filesystem::exists(example.out));
 }
 

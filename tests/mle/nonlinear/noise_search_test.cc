@@ -1,5 +1,6 @@
 #include "mle/nonlinear/noise_search.h"
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -57,6 +58,29 @@ TEST(NoiseSearchTest, ProductsAreThoseOfTheWhitenedColumns) {
     EXPECT_NEAR(shaped.log_determinant, whitened.log_determinant, 1e-8);
     EXPECT_NEAR(shaped.log_amplitudes, whitened.log_amplitudes, 1e-6);
     EXPECT_EQ(shaped.num_amplitudes, whitened.num_amplitudes);
+  }
+}
+
+// Whatever the drift and wherever the search begins: no value of a fine grid is
+// likelier, but for what does not count.
+TEST(NoiseSearchTest, NoRatioIsLikelierThanTheBest) {
+  for (const double increment : {0.0, 1e-9, 1e-6, 1e-4, 1e-2, 1.0}) {
+    const OutputSetup setup =
+        Prepare({.variance = 0.01, .increment = increment}, 11);
+    const ShapeLikelihood likelihood(*setup.problem, setup.start, {true, true},
+                                     NoiseShape(), /*restricted=*/true);
+    double least = likelihood.At(NoiseShape()).value;
+    for (double at = kMinLogRatio; at <= kMaxLogRatio; at += 0.05) {
+      least = std::min(least, likelihood.At({.ratio = std::exp(at)}).value);
+    }
+    for (const double start : {0.0, 1e-9, 1e-4, 1.0, 1e5}) {
+      const Profile best =
+          FindBestShape(likelihood, {.ratio = start},
+                        /*estimate_drift=*/true, /*search_colour=*/false);
+      EXPECT_LT(best.value, least + 0.01)
+          << increment << " from " << start << ": " << best.shape.ratio;
+      EXPECT_EQ(best.value, likelihood.At(best.shape).value);
+    }
   }
 }
 
