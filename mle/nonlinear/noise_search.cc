@@ -22,7 +22,7 @@ constexpr double kRatioGridStep = 1.0;  // of possible ratios
 // Of the search for the best: a step of ln ρ, and the first from where it was
 // before.
 constexpr double kSearchStep = 2.5;
-constexpr double kLocalStep = 0.5;
+constexpr double kNearStep = 0.5;
 // A smaller difference of −2 ln L does not count: at its square root, 3 %, of a
 // standard error of ln ρ.
 constexpr double kNoRatioGain = 1e-3;
@@ -230,7 +230,7 @@ class RatioSearch {
   void AskNear(double log_ratio) {
     place_ = std::clamp(log_ratio, kMinLogRatio, kMaxLogRatio);
     best_ = At(place_);
-    if (!Climb(kLocalStep)) Climb(-kLocalStep);
+    if (!Climb(kNearStep)) Climb(-kNearStep);
   }
 
   // The parabola through the three best points tells where the next is asked
@@ -257,8 +257,8 @@ class RatioSearch {
       const double farther = std::max(std::abs(near), std::abs(far));
       const bool enclosed = near * far < 0.0;
       double step = -0.5 * slope / curvature;
-      if ((enclosed ? nearer : farther) > kLocalStep) {
-        step = std::copysign(std::max(std::abs(step), kLocalStep),
+      if ((enclosed ? nearer : farther) > kNearStep) {
+        step = std::copysign(std::max(std::abs(step), kNearStep),
                              enclosed ? step : -near);
       } else if (curvature > 0.0 && gain < kNoRatioGain) {
         break;
