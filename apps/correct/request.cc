@@ -33,8 +33,7 @@ std::vector<Option> FileOptions(Request& request) {
        "Process model (JSON) of a simulated plant: its step responses are "
        "shown as the truth."},
       {"dry_run", &request.dry_run,
-       "Only reads the records, and reports on them and on the memory that "
-       "took."},
+       "Only reads the records and reports on them."},
       {"verbose", &request.verbose,
        "Prints warnings, tables and advice below the verdict."},
       {"json", &request.json,
