@@ -2,7 +2,6 @@
 
 #include <sys/resource.h>
 
-#include <algorithm>
 #include <iostream>
 #include <string>
 
@@ -54,8 +53,7 @@ void PrintMemory() {
   rusage usage = {};
   getrusage(RUSAGE_SELF, &usage);
   constexpr long kKibibytes = 1024;  // of a MiB
-  std::cerr << "at most "
-            << std::max(1L, (usage.ru_maxrss + kKibibytes - 1) / kKibibytes)
+  std::cerr << "at most " << (usage.ru_maxrss + kKibibytes - 1) / kKibibytes
             << " MiB of memory were used\n";
 }
 

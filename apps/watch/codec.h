@@ -32,8 +32,8 @@ absl::Status DecodeScores(std::string_view bytes, int number, Watch& watch);
 
 // Days are kept together with those of their block, floor(day/64).
 int BlockOf(int day);
-// Of each of the block's days in the watch the place in the block, state,
-// checksum and reason. Empty where there are none.
+// The days of a block: of each its place in the block, its state, its checksum
+// and the reason. No bytes if the watch has no day of the block.
 std::string EncodeDays(const Watch& watch, int block);
 // Puts them into the watch. DataLoss for other bytes.
 absl::Status DecodeDays(std::string_view bytes, int block, Watch& watch);

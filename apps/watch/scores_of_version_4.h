@@ -16,7 +16,8 @@
 
 namespace mle::watch {
 
-// All but the numbers. DataLoss for bytes that are none of these.
+// The numbers of days stay unset: they are not in the bytes. DataLoss if the
+// bytes have no such layout.
 absl::StatusOr<StoredBatch> DecodeBatchOfVersion4(std::string_view bytes);
 
 // What version 4 wrote, and took the checksum of, where it had read these.

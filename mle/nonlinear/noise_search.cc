@@ -28,7 +28,7 @@ constexpr double kNearStep = 0.5;
 constexpr double kNoRatioGain = 1e-3;
 constexpr int kMostParabolas = 12;
 constexpr double kGoldenSection = 0.381966;
-// Of the gain that a parabola through far points promises, the most there is.
+// A parabola through far points may promise this many times too little.
 constexpr double kMostOfParabola = 4.0;
 
 // Beforehand every √ρ is as likely as any other: what of it is nearest to a
