@@ -38,7 +38,9 @@ class DisturbanceObserver {
   explicit DisturbanceObserver(const Eigen::VectorXd& variance_ratios,
                                const std::vector<bool>& integrating = {});
 
-  const Eigen::VectorXd& gains() const { return gains_; }  // p
+  const Eigen::VectorXd& gains() const { return gains_; }  // p, g
+  // p, h: 0 of outputs without ramps.
+  const Eigen::VectorXd& slope_gains() const { return slope_gains_; }
   // ŵ (p), the filtered disturbance.
   const Eigen::VectorXd& disturbance() const { return disturbance_; }
   // d̂ (p), what ŵ grows by from one instant to the next.
@@ -56,7 +58,7 @@ class DisturbanceObserver {
 
  private:
   Eigen::VectorXd gains_;
-  Eigen::VectorXd slope_gains_;  // h; 0 of outputs without ramps
+  Eigen::VectorXd slope_gains_;
   Eigen::VectorXd disturbance_;
   Eigen::VectorXd slope_;
 };

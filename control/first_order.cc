@@ -23,6 +23,35 @@ double TimeToReach(const Eigen::Ref<const Eigen::VectorXd>& response,
   return static_cast<double>(response.size() - 1);
 }
 
+// K is not 0 and each time in samples.
+FirstOrder DescribeSettling(const Eigen::Ref<const Eigen::VectorXd>& response) {
+  const double early = TimeToReach(response, 1.0 - std::exp(-1.0 / 3.0));
+  const double late = TimeToReach(response, 1.0 - std::exp(-1.0));
+  FirstOrder element;
+  element.gain = response[response.size() - 1];
+  element.time_constant = 1.5 * (late - early);
+  element.delay = std::max(0.0, late - element.time_constant);
+  return element;
+}
+
+FirstOrder DescribeRamp(const Eigen::Ref<const Eigen::VectorXd>& response) {
+  const Eigen::Index last = response.size() - 1;
+  FirstOrder element;
+  element.integrating = true;
+  element.gain = response[last] - response[last - 1];
+  const double start =
+      std::clamp(static_cast<double>(last) - response[last] / element.gain, 0.0,
+                 static_cast<double>(last));
+  const auto before = static_cast<Eigen::Index>(start);
+  const double part = start - static_cast<double>(before);
+  const double at_start = (1.0 - part) * response[before] +
+                          part * response[std::min(before + 1, last)];
+  element.time_constant =
+      std::clamp(std::exp(1.0) * at_start / element.gain, 0.0, start);
+  element.delay = start - element.time_constant;
+  return element;
+}
+
 }  // namespace
 
 absl::StatusOr<std::vector<FirstOrder>> DescribeAsFirstOrder(
@@ -47,19 +76,18 @@ absl::StatusOr<std::vector<FirstOrder>> DescribeAsFirstOrder(
   for (int i = 0; i < p; ++i) {
     for (int j = 0; j < m; ++j) {
       const auto values = response.element(i, j);
-      const double gain = values[values.size() - 1];
-      if (gain == 0.0 ||
+      const bool ramp = response.IsIntegrating(i, j);
+      const Eigen::Index last = values.size() - 1;
+      if (values[last] == (ramp ? values[last - 1] : 0.0) ||
           (size(i, j) <= kNegligibleResponse * size.row(i).maxCoeff() &&
            size(i, j) <= kNegligibleResponse * size.col(j).maxCoeff())) {
         continue;
       }
-      const double early = TimeToReach(values, 1.0 - std::exp(-1.0 / 3.0));
-      const double late = TimeToReach(values, 1.0 - std::exp(-1.0));
       FirstOrder& element = elements[static_cast<std::size_t>(i) * m + j];
-      element.gain = gain;
-      element.time_constant = 1.5 * (late - early) * response.sample_time;
-      element.delay =
-          std::max(0.0, late * response.sample_time - element.time_constant);
+      element = ramp ? DescribeRamp(values) : DescribeSettling(values);
+      element.time_constant *= response.sample_time;
+      element.delay *= response.sample_time;
+      if (ramp) element.gain /= response.sample_time;
     }
   }
   return elements;

@@ -43,16 +43,22 @@ int FastLength(int count) {
   }
 }
 
-// Σ_{a=1}^{n} C_a w^a with real matrices C_a.
-class MatrixPolynomial {
+// Σ_{a≥1} (C_a + R) w^a = Σ_{a=1}^{n} C_a w^a + R w/(1 − w) with real matrices
+// C_a and R: what a series that ends in R differs from it by.
+class MatrixSeries {
  public:
-  MatrixPolynomial(Eigen::Index rows, Eigen::Index cols, Eigen::Index degree)
-      : rows_(rows), coefficients_(MatrixXd::Zero(degree, rows * cols)) {}
+  // Of matrices like `end`, R.
+  MatrixSeries(const MatrixXd& end, Eigen::Index degree)
+      : rows_(end.rows()),
+        end_(end.reshaped()),
+        ends_in_zero_(end.isZero(0.0)),
+        coefficients_(MatrixXd::Zero(degree, end.size())) {}
 
   Eigen::Index degree() const { return coefficients_.rows(); }
   Eigen::Index entries() const { return coefficients_.cols(); }
-  void SetCoefficient(Eigen::Index a, const MatrixXd& value) {
-    coefficients_.row(a - 1) = value.reshaped().transpose();
+  // C_a + R.
+  void SetTerm(Eigen::Index a, const MatrixXd& value) {
+    coefficients_.row(a - 1) = (value.reshaped() - end_).transpose();
   }
   // Cuts off the negligible end.
   void Trim() {
@@ -71,6 +77,7 @@ class MatrixPolynomial {
     VectorXcd value(coefficients_.cols());
     value.real() = coefficients_.transpose() * real;
     value.imag() = coefficients_.transpose() * imaginary;
+    if (!ends_in_zero_) value += EndAt(powers[0]) * end_;
     return value.reshaped(rows_, value.size() / rows_);
   }
   // At r e^{iπk/n}, k = 0 … n, column by column of each matrix: roots of unity
@@ -94,6 +101,9 @@ class MatrixPolynomial {
       transform.fwd(spectrum, folded);
       values.row(entry) = spectrum.head(n + 1).adjoint();
     }
+    for (int k = 0; !ends_in_zero_ && k <= n; ++k) {
+      values.col(k) += EndAt(std::polar(radius, kPi * k / n)) * end_;
+    }
     return values;
   }
   MatrixXcd Column(const MatrixXcd& values, Eigen::Index k) const {
@@ -101,33 +111,26 @@ class MatrixPolynomial {
   }
 
  private:
+  static Complex EndAt(Complex w) { return w / (1.0 - w); }
+
   Eigen::Index rows_;
-  MatrixXd coefficients_;  // the entries of C_a in row a − 1
+  VectorXd end_;  // the entries of R
+  bool ends_in_zero_;
+  MatrixXd coefficients_;  // those of C_a in row a − 1
 };
 
-// p(n + 1 + ahead) × inputs: S_0, S_1, …, the last repeated `ahead` times.
-MatrixXd Responses(const PredictionModel& model, const std::vector<int>& inputs,
-                   int ahead) {
-  const int p = model.num_outputs;
-  const Eigen::Index known = Eigen::Index{p} * (model.periods() + 1);
-  MatrixXd responses(known + Eigen::Index{p} * ahead, inputs.size());
-  responses.topRows(known) = model.responses(Eigen::seqN(0, known), inputs);
-  for (Eigen::Index row = known; row < responses.rows(); row += p) {
-    responses.middleRows(row, p) = responses.middleRows(known - p, p);
-  }
-  return responses;
-}
-
-// (1 − w) Σ_{a≥1} S_{a−1} w^a = Σ (S_{a−1} − S_{a−2}) w^a.
-MatrixPolynomial Differences(const PredictionModel& model,
-                             const std::vector<int>& inputs) {
+// (1 − w) Σ_{a≥1} S_{a−1} w^a = Σ (S_{a−1} − S_{a−2}) w^a, which ends in the
+// slopes.
+MatrixSeries Differences(const PredictionModel& model,
+                         const std::vector<int>& inputs) {
   const int p = model.num_outputs;
   const int n = model.periods();
-  const MatrixXd responses = Responses(model, inputs, 0);
-  MatrixPolynomial result(p, responses.cols(), n + 1);
+  const MatrixXd slopes = model.SlopesOf(inputs);
+  MatrixSeries result(slopes, n + 1);
+  result.SetTerm(1, MatrixXd::Zero(p, slopes.cols()));
   for (Eigen::Index a = 2; a <= n + 1; ++a) {
-    result.SetCoefficient(a, responses.middleRows(p * (a - 1), p) -
-                                 responses.middleRows(p * (a - 2), p));
+    result.SetTerm(a, model.responses(Eigen::seqN(p * (a - 1), p), inputs) -
+                          model.responses(Eigen::seqN(p * (a - 2), p), inputs));
   }
   result.Trim();
   return result;
@@ -138,6 +141,7 @@ class Loop {
  public:
   Loop(const Mpc& mpc, const PredictionModel& plant)
       : gains_(mpc.observer().gains()),
+        slope_gains_(mpc.observer().slope_gains()),
         manipulated_(mpc.model().InputsOf(InputRole::kManipulated)),
         model_(Differences(mpc.model(), manipulated_)),
         plant_(Differences(plant, manipulated_)),
@@ -146,9 +150,15 @@ class Loop {
             std::max({model_.degree(), plant_.degree(), predictor_.degree()})) {
     const int p = mpc.model().num_outputs;
     sum_ = MatrixXd::Zero(mpc.gain().rows(), p);
+    moment_ = sum_;
     for (Eigen::Index i = 0; i < mpc.gain().cols(); i += p) {
-      sum_ += mpc.gain().middleCols(i, p);
+      const auto block = mpc.gain().middleCols(i, p);
+      sum_ += block;
+      moment_ += static_cast<double>(i / p + 1) * block;
     }
+    const MatrixXd slopes = plant.SlopesOf(manipulated_);
+    for (const auto& row : slopes.rowwise()) ramps_ += row.isZero(0.0) ? 0 : 1;
+    ramps_ = std::min(ramps_, static_cast<int>(sum_.rows()));
     scale_ = mpc.options().output_weight.diagonal().cwiseSqrt();
     for (double& value : scale_) {
       if (value == 0.0) value = 1.0;
@@ -162,6 +172,16 @@ class Loop {
   int surplus_inputs() const {
     return std::max(
         0, static_cast<int>(sum_.rows()) - static_cast<int>(sum_.cols()));
+  }
+  // The slowest pole of the observer; its inverse is a pole of D.
+  double slowest_observer() const {
+    double slowest = 0.0;
+    for (Eigen::Index i = 0; i < gains_.size(); ++i) {
+      const double kept = 1.0 - gains_[i];
+      slowest =
+          std::max(slowest, slope_gains_[i] > 0.0 ? std::sqrt(kept) : kept);
+    }
+    return slowest;
   }
 
   // Of which the zeros are the loop's modes.
@@ -196,21 +216,22 @@ class Loop {
   }
 
  private:
-  // (1 − w) Σ_i K_i F_i.
-  MatrixPolynomial Predictor(const Mpc& mpc) const {
-    const PredictionModel& model = mpc.model();
+  // (1 − w) Σ_i K_i F_i = Σ (G_a − G_{a−1}) w^a, G_a = Σ_i K_i S_{a+i−1}: of
+  // slopes R it ends in K̄ R.
+  MatrixSeries Predictor(const Mpc& mpc) const {
+    PredictionModel model = mpc.model();
     const int p = model.num_outputs;
     const int n = model.periods();
-    const Eigen::Index m = mpc.gain().rows();
     const Eigen::Index rows = mpc.gain().cols();
-    const MatrixXd responses =
-        Responses(model, manipulated_, static_cast<int>(rows) / p);
-    MatrixPolynomial result(m, m, n);
-    MatrixXd sum(m, m);
-    MatrixXd previous = MatrixXd::Zero(m, m);
+    model.ReachTo(n + static_cast<int>(rows) / p);
+    const MatrixXd responses = model.responses(Eigen::all, manipulated_);
+    const MatrixXd slopes = model.SlopesOf(manipulated_);
+    MatrixSeries result(mpc.gain() * slopes.replicate(rows / p, 1), n);
+    MatrixXd sum;
+    MatrixXd previous = MatrixXd::Zero(mpc.gain().rows(), slopes.cols());
     for (Eigen::Index a = 1; a <= n; ++a) {
       sum.noalias() = mpc.gain() * responses.middleRows(p * a, rows);
-      result.SetCoefficient(a, sum - previous);
+      result.SetTerm(a, sum - previous);
       previous.swap(sum);
     }
     result.Trim();
@@ -224,14 +245,25 @@ class Loop {
     return powers;
   }
 
-  // K̄ W.
+  // V = Σ K_i W_i.
   MatrixXcd Feedback(Complex w) const {
-    const VectorXcd observer =
-        gains_.unaryExpr([w](double g) { return g / (1.0 - (1.0 - g) * w); });
-    return sum_ * observer.asDiagonal();
+    const Complex rest = 1.0 - w;
+    MatrixXcd result(sum_.rows(), sum_.cols());
+    for (Eigen::Index o = 0; o < sum_.cols(); ++o) {
+      const double kept = 1.0 - gains_[o];
+      if (slope_gains_[o] == 0.0) {
+        result.col(o) = gains_[o] / (1.0 - kept * w) * sum_.col(o);
+        continue;
+      }
+      const Complex pole = 1.0 - std::sqrt(kept) * w;
+      const Complex innovation = rest / (pole * pole);
+      result.col(o) = (1.0 - kept * rest * innovation) * sum_.col(o) +
+                      slope_gains_[o] * innovation * moment_.col(o);
+    }
+    return result;
   }
 
-  // (1 − w)(I + Σ K_i F_i − K̄ W F_0).
+  // (1 − w)(I + Σ K_i F_i − V F_0).
   MatrixXcd Controller(Complex w, const MatrixXcd& predictor,
                        const MatrixXcd& model) const {
     MatrixXcd result = predictor - Feedback(w) * model;
@@ -240,18 +272,22 @@ class Loop {
   }
   Complex Determinant(Complex w, const MatrixXcd& predictor,
                       const MatrixXcd& model, const MatrixXcd& plant) const {
-    return (Controller(w, predictor, model) + Feedback(w) * plant)
-        .determinant();
+    return std::pow(1.0 - w, ramps_) *
+           (Controller(w, predictor, model) + Feedback(w) * plant)
+               .determinant();
   }
 
   VectorXd gains_;
+  VectorXd slope_gains_;
   std::vector<int> manipulated_;
-  MatrixPolynomial model_;      // (1 − w) F_0
-  MatrixPolynomial plant_;      // (1 − w) P
-  MatrixPolynomial predictor_;  // (1 − w) Σ K_i F_i
+  MatrixSeries model_;      // (1 − w) F_0
+  MatrixSeries plant_;      // (1 − w) P
+  MatrixSeries predictor_;  // (1 − w) Σ K_i F_i
   Eigen::Index degree_;
-  MatrixXd sum_;    // K̄
-  VectorXd scale_;  // of the outputs
+  MatrixXd sum_;     // K̄
+  MatrixXd moment_;  // Σ i K_i
+  int ramps_ = 0;    // outputs of the plant that end in one, up to m_c
+  VectorXd scale_;   // of the outputs
 };
 
 // The change of arg D between two angles on a circle, halving until neighbours
@@ -363,10 +399,6 @@ absl::StatusOr<LoopAnalysis> AnalyseLoop(const Mpc& mpc,
         " and ", model.control_period,
         "; these and the inputs' roles must be the same"));
   }
-  if (plant.IsIntegrating() || model.IsIntegrating()) {
-    return absl::FailedPreconditionError(
-        "plant or model integrates; loops are analysed whose pairs settle");
-  }
   const int periods = std::max(plant.periods(), model.periods());
   if (periods > kMostAnalysedPeriods) {
     return absl::InvalidArgumentError(absl::StrCat(
@@ -380,7 +412,7 @@ absl::StatusOr<LoopAnalysis> AnalyseLoop(const Mpc& mpc,
   LoopAnalysis analysis;
   analysis.growing_modes = CountZeros(loop, 1.0 - kMargin);
   analysis.stable = analysis.growing_modes == 0;
-  const double slowest_observer = 1.0 - mpc.observer().gains().minCoeff();
+  const double slowest_observer = loop.slowest_observer();
   if (!analysis.stable) {
     analysis.spectral_radius = 1.0 / SmallestZero(loop, 0.0, 1.0 - kMargin, 0);
     return analysis;

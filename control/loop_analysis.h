@@ -2,23 +2,32 @@
 // roughly: stability and sensitivity of the loop without limits.
 //
 // In w = z⁻¹, with Δu(w) the moves, decided at l and acting from l+1, P_k the
-// plant's step responses, K_i the gain's blocks, K̄ = Σ K_i and W the observer,
-// W_ii = g_i / (1 − (1 − g_i) w):
+// plant's step responses, S_k the model's, K_i the gain's blocks, and W_i what
+// the observer (disturbance_observer.h) makes of measured less predicted
+// outputs i periods ahead:
 //
 //   y = P(w) Δu + d,            P(w) = Σ_{a≥1} P_{a−1} w^a,
-//   Δu = Σ K_i (r − F_i Δu − W (y − F_0 Δu)),   F_i(w) = Σ_{a≥1} S_{a+i−1} w^a.
+//   Δu = Σ K_i (r − F_i Δu − W_i (y − F_0 Δu)),  F_i(w) = Σ_{a≥1} S_{a+i−1}
+//   w^a.
 //
-// The loop's modes are the inverses of the zeros of
+// W_i is diagonal: g / (1 − (1 − g) w), and of outputs that integrate, with
+// θ² = 1 − g and h = (1 − θ)²,
 //
-//   D(w) = det((1 − w)(I + Σ K_i F_i − K̄ W F_0 + K̄ W P)),
+//   1 − (1 − g)(1 − w)²/(1 − θw)² + i h (1 − w)/(1 − θw)².
 //
-// which has no poles in |w| ≤ 1: they are counted by the argument principle, as
-// in Nyquist's criterion, on the sampled responses themselves. The sensitivity
-// S = (I + P C)⁻¹ tells how much the loop amplifies a disturbance of each
-// frequency, C being the controller from −y to Δu; 1/‖S‖_∞ is the distance of
-// the loop from instability (Skogestad and Postlethwaite, Multivariable
-// Feedback Control, 2005, sec. 2.4.3, who ask for a peak below 2). Outputs are
-// scaled by the roots of their weights Q_y,ii, so that units do not matter.
+// With V = Σ K_i W_i and q the plant's outputs that integrate, the loop's modes
+// are the inverses of the zeros of
+//
+//   D(w) = (1 − w)^q det((1 − w)(I + Σ K_i F_i − V F_0 + V P)),
+//
+// which has no poles in |w| ≤ 1 (the ramps in Σ K_i F_i and V F_0 cancel): they
+// are counted by the argument principle, as in Nyquist's criterion, on the
+// sampled responses themselves. The sensitivity S = (I + P C)⁻¹ tells how much
+// the loop amplifies a disturbance of each frequency, C being the controller
+// from −y to Δu; 1/‖S‖_∞ is the distance of the loop from instability
+// (Skogestad and Postlethwaite, Multivariable Feedback Control, 2005, sec.
+// 2.4.3, who ask for a peak below 2). Outputs are scaled by the roots of their
+// weights Q_y,ii, so that units do not matter.
 //
 //   MLE_ASSIGN_OR_RETURN(const LoopAnalysis loop, AnalyseLoop(mpc, plant));
 

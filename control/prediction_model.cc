@@ -71,19 +71,37 @@ absl::StatusOr<int> SamplesPerPeriod(double control_period,
   return static_cast<int>(whole);
 }
 
-// How far a response moves in its last tenth, over its largest magnitude.
-double Unsettled(const Eigen::Ref<const VectorXd>& response) {
-  const double largest = response.cwiseAbs().maxCoeff();
+// What a response grows by in a sample, of one that ends in a ramp.
+double SlopeOf(const StepResponse& response, int output, int input) {
+  if (!response.IsIntegrating(output, input)) return 0.0;
+  const auto values = response.element(output, input);
+  return values[values.size() - 1] - values[values.size() - 2];
+}
+
+// How far a response leaves its end, the last value or the ramp through it, in
+// its last tenth, over its largest magnitude.
+double Unsettled(const StepResponse& response, int output, int input) {
+  const VectorXd values = response.element(output, input);
+  const double largest = values.cwiseAbs().maxCoeff();
   if (largest == 0.0) return 0.0;
-  const Eigen::Index tail = std::max<Eigen::Index>(5, response.size() / 10);
-  const auto end = response.tail(std::min(tail, response.size()));
-  return (end.array() - end[end.size() - 1]).abs().maxCoeff() / largest;
+  const Eigen::Index tail =
+      std::min(std::max<Eigen::Index>(5, values.size() / 10), values.size());
+  const double slope = SlopeOf(response, output, input);
+  double most = 0.0;
+  for (Eigen::Index back = 0; back < tail; ++back) {
+    const double ramp = slope * static_cast<double>(back);
+    most = std::max(most, std::abs(values[values.size() - 1 - back] + ramp -
+                                   values[values.size() - 1]));
+  }
+  return most / largest;
 }
 
 double WorstUnsettled(const StepResponse& response) {
   double worst = 0.0;
-  for (Eigen::Index c = 0; c < response.values.cols(); ++c) {
-    worst = std::max(worst, Unsettled(response.values.col(c)));
+  for (int i = 0; i < response.num_outputs; ++i) {
+    for (int j = 0; j < response.num_inputs; ++j) {
+      worst = std::max(worst, Unsettled(response, i, j));
+    }
   }
   return worst;
 }
@@ -96,15 +114,18 @@ absl::Status CheckSettled(const StepResponse& response, double tolerance) {
             absl::StrCat("the step response of output ", i + 1, " to input ",
                          j + 1, " grows without bound: the model is unstable"));
       }
-      const double left = Unsettled(response.element(i, j));
+      const double left = Unsettled(response, i, j);
       if (left <= tolerance) continue;
+      const bool ramp = response.IsIntegrating(i, j);
       return absl::FailedPreconditionError(absl::StrCat(
           "the step response of output ", i + 1, " to input ", j + 1,
-          " has not settled: in the last tenth of its ",
+          ramp ? " is no ramp yet" : " has not settled",
+          ": in the last tenth of its ",
           (response.samples() - 1) * response.sample_time,
-          " time units it still moves by ", 100.0 * left,
-          " % of its largest value, but at most ", 100.0 * tolerance,
-          " % are allowed; it is too short, integrating or unstable"));
+          " time units it still ", ramp ? "leaves its last slope" : "moves",
+          " by ", 100.0 * left, " % of its largest value, but at most ",
+          100.0 * tolerance, " % are allowed; it is too short",
+          ramp ? "" : ", integrating or unstable"));
     }
   }
   return absl::OkStatus();
@@ -123,8 +144,8 @@ absl::StatusOr<std::vector<InputRole>> RolesFor(
   return roles;
 }
 
-// S_0; …; S_n from every `stride`-th sample; n at least 1, the last sample held
-// where it falls between two instants.
+// S_0; …; S_n from every `stride`-th sample; n at least 1, the last sample
+// held, or its ramp followed, where it falls between two instants.
 PredictionModel Stack(const StepResponse& response,
                       const std::vector<InputRole>& roles,
                       double control_period, int stride) {
@@ -138,10 +159,17 @@ PredictionModel Stack(const StepResponse& response,
   model.responses.resize(p * (n + 1), response.num_inputs);
   for (int j = 0; j < response.num_inputs; ++j) {
     for (int i = 0; i < p; ++i) {
+      const double slope = SlopeOf(response, i, j);
       for (int k = 0; k <= n; ++k) {
         model.responses(k * p + i, j) =
-            response.element(i, j)[std::min(k * stride, last)];
+            response.element(i, j)[std::min(k * stride, last)] +
+            slope * std::max(k * stride - last, 0);
       }
+      if (!response.IsIntegrating(i, j)) continue;
+      if (model.slopes.size() == 0) {
+        model.slopes = Eigen::MatrixXd::Zero(p, response.num_inputs);
+      }
+      model.slopes(i, j) = slope * stride;
     }
   }
   return model;
@@ -243,10 +271,12 @@ absl::StatusOr<PredictionModel> PredictFromProcess(const ProcessModel& model,
 absl::StatusOr<PredictionModel> PredictFromStepResponse(
     const StepResponse& response, const std::vector<InputRole>& roles,
     double control_period, double settling_tolerance) {
+  const Eigen::Index pairs =
+      Eigen::Index{response.num_outputs} * response.num_inputs;
   if (response.num_outputs < 1 || response.num_inputs < 1 ||
-      response.samples() < 2 ||
-      response.values.cols() !=
-          Eigen::Index{response.num_outputs} * response.num_inputs) {
+      response.samples() < 2 || response.values.cols() != pairs ||
+      (response.integration.size() > 0 &&
+       response.integration.size() != pairs)) {
     return absl::InvalidArgumentError(absl::StrCat(
         "a step response of ", response.num_outputs, " outputs, ",
         response.num_inputs, " inputs and ", response.samples(),

@@ -69,8 +69,9 @@ absl::StatusOr<PredictionModel> PredictFromProcess(const ProcessModel& model,
 // multiple of Δt, and the responses must start at zero.
 //
 // FailedPrecondition, naming the pair, for a response that has not settled at
-// its end: it is too short, integrating or unstable, and to hold its last value
-// would predict wrongly.
+// its end, or that integrates and is no ramp there: it is too short, unstable,
+// or integrates unknown to the response, and to go on from it would predict
+// wrongly.
 absl::StatusOr<PredictionModel> PredictFromStepResponse(
     const StepResponse& response, const std::vector<InputRole>& roles,
     double control_period, double settling_tolerance = kSettlingTolerance);

@@ -14,6 +14,9 @@ namespace {
 using Eigen::MatrixXd;
 
 constexpr int kMostDoublings = 40;
+// What a loop on a level takes, over its dead time and time constant together
+// (SettlingTime() in mle/model/process_model.h).
+constexpr double kLevelTimes = 10.0;
 
 // A pair of output and input whose element a rule rests on.
 struct Pair {
@@ -122,38 +125,71 @@ void ChooseHorizons(const Elements& elements, const RetuningOptions& options,
                     const MpcOptions& old_tuning, MpcOptions& tuning,
                     std::vector<std::string>& reasons) {
   const double period = tuning.control_period;
-  const auto periods = [&](double time_constants) {
-    return [=](const FirstOrder& element) {
-      return time_constants * element.time_constant / period +
-             DeadPeriods(element, period);
-    };
+  const auto to_settle = [&](const FirstOrder& element) {
+    const double dead = DeadPeriods(element, period);
+    return element.integrating
+               ? kLevelTimes * (element.time_constant + element.delay) /
+                         period +
+                     dead
+               : 5.0 * element.time_constant / period + dead;
+  };
+  const auto to_move = [&](const FirstOrder& element) {
+    return element.time_constant / period + DeadPeriods(element, period);
   };
   // A rounding above a whole number is no further period.
   const auto rounded_up = [](double value) {
     return static_cast<int>(std::min(std::ceil(value - 1e-9), 1e6));
   };
-  const Pair slowest = elements.Largest(periods(5.0));
-  tuning.prediction_horizon = rounded_up(periods(5.0)(elements.at(slowest)));
+  const Pair slowest = elements.Largest(to_settle);
+  tuning.prediction_horizon = rounded_up(to_settle(elements.at(slowest)));
   reasons.push_back(absl::StrCat(
       "prediction horizon: ", old_tuning.prediction_horizon, " → ",
       tuning.prediction_horizon, " periods, ",
       Time(tuning.prediction_horizon * period, options),
       ": until the slowest pair, ", NameOf(slowest, options), " (",
-      Describe(elements.at(slowest), options),
-      "), has settled: 5 time constants, the dead time and 2 periods (Shridhar "
-      "and Cooper, 1998, and a period for the move to act)"));
+      Describe(elements.at(slowest), options), "), has settled: ",
+      elements.at(slowest).integrating
+          ? "10 times dead time and time constant together, what a loop on a "
+            "level takes, and the dead time and 2 periods"
+          : "5 time constants, the dead time and 2 periods (Shridhar and "
+            "Cooper, 1998, and a period for the move to act)"));
 
-  const Pair latest = elements.Largest(periods(1.0));
-  const int rule = rounded_up(periods(1.0)(elements.at(latest)));
+  const Pair latest = elements.Largest(to_move);
+  const int rule = rounded_up(to_move(elements.at(latest)));
   tuning.control_horizon = std::min(
       {rule, options.longest_control_horizon, tuning.prediction_horizon});
   tuning.block_lengths.clear();
   reasons.push_back(absl::StrCat(
       "control horizon: ", old_tuning.MoveInstants().size(), " → ",
       tuning.control_horizon, " moves: until ", NameOf(latest, options),
-      " has reached 63 % of its final value, ", rule,
-      " periods (Shridhar and Cooper, 1998)",
+      elements.at(latest).integrating
+          ? " is on its ramp, "
+          : " has reached 63 % of its final value, ",
+      rule, " periods (Shridhar and Cooper, 1998)",
       rule > tuning.control_horizon ? ", cut to the longest allowed" : ""));
+}
+
+// Of the control problem's Hessian, the mean diagonal entry that an element has
+// for one of H_c moves, in squared output per squared input.
+double MeanCurvature(const FirstOrder& element, double period, double H_p,
+                     double H_c) {
+  const double K = element.gain;
+  const double lag = element.time_constant / period;
+  if (!element.integrating) {
+    const double periods = H_p - DeadPeriods(element, period) - 1.5 * lag +
+                           2.0 - 0.5 * (H_c - 1.0);
+    return K * K * std::max(periods, 0.0);
+  }
+  // Σ x² = N (N + 1)(2N + 1)/6 over the N periods of the ramp after each move,
+  // and over the horizon that the slope at the end is weighted with.
+  const auto squares = [](double N) {
+    return N > 0.0 ? N * (N + 1.0) * (2.0 * N + 1.0) / 6.0 : 0.0;
+  };
+  double sum = squares(H_p);
+  for (int move = 0; move < static_cast<int>(H_c); ++move) {
+    sum += squares(H_p + 1.0 - move - DeadPeriods(element, period) - lag) / H_c;
+  }
+  return K * K * period * period * sum;
 }
 
 void ChooseMoveWeights(const Elements& elements,
@@ -169,12 +205,8 @@ void ChooseMoveWeights(const Elements& elements,
     double sum = 0.0;
     for (const Pair& pair : elements.pairs()) {
       if (pair.input != static_cast<int>(j)) continue;
-      const FirstOrder& element = elements.at(pair);
-      const double periods = H_p - DeadPeriods(element, period) -
-                             1.5 * element.time_constant / period + 2.0 -
-                             0.5 * (H_c - 1.0);
-      sum += tuning.output_weight(pair.output, pair.output) * element.gain *
-             element.gain * std::max(periods, 0.0);
+      sum += tuning.output_weight(pair.output, pair.output) *
+             MeanCurvature(elements.at(pair), period, H_p, H_c);
     }
     const double weight = H_c / options.condition_number * sum;
     if (!(weight > 0.0)) continue;
@@ -298,11 +330,6 @@ absl::StatusOr<RetuningAdvice> AdviseRetuning(const PredictionModel& old_model,
                                               const StepResponse& corrected,
                                               const RetuningOptions& options) {
   MLE_RETURN_IF_ERROR(old_model.Validate());
-  if (old_model.IsIntegrating()) {
-    return absl::FailedPreconditionError(
-        "the model integrates; the rules of tuning are those of pairs that "
-        "settle");
-  }
   if (corrected.num_outputs != old_model.num_outputs ||
       corrected.num_inputs != old_model.num_inputs()) {
     return absl::InvalidArgumentError(absl::StrCat(

@@ -16,6 +16,15 @@
 // where c is the condition number that the control problem is to have; the sum
 // approximates the trace of the problem's Hessian for input j. A control
 // horizon of one move needs no weight for that, but is never advised here.
+// These are rules for pairs that settle. Of those that end in a ramp (levels,
+// first_order.h) H_p is 10 (T_ij + L_ij)/Δt_c + k_ij, about what a loop on the
+// level takes, and their term in the sum is the same mean of the Hessian's
+// diagonal over the moves,
+//
+//   K_ij² Δt_c² (s(H_p) + 1/H_c Σ_{b<H_c} s(H_p + 1 − b − k_ij − T_ij/Δt_c)),
+//   s(N) = N (N + 1)(2N + 1)/6,  k_ij = L_ij/Δt_c + 2,
+//
+// whose s(H_p) is the weight of the slope at the end (move_planner.h).
 //
 // The loop is then analysed (loop_analysis.h) with the model corrected as the
 // plant: under the running controller, under the corrected model with the old
@@ -79,8 +88,9 @@ struct RetuningAdvice {
   std::vector<std::string> reasons;
 };
 
-// `corrected` holds the step responses of the corrected model, settled; the
-// control period is made a whole multiple of their sample time.
+// `corrected` holds the step responses of the corrected model, until they have
+// settled or are ramps; the control period is made a whole multiple of their
+// sample time.
 //
 // InvalidArgument for options or models that are not valid or do not fit each
 // other, FailedPrecondition for a response that has not settled, or if no move

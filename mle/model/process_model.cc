@@ -94,6 +94,9 @@ StepResponse ProcessModel::ComputeStepResponse(double sample_time,
       response.element(i, j) = element(i, j).StepResponse(sample_time, samples);
     }
   }
+  if (mle::IsIntegrating(*this)) {
+    response.integration = IntegrationOrders(*this);
+  }
   return response;
 }
 

@@ -1,7 +1,7 @@
 // Sampled step responses of a p × m process, and measures computed from them.
 //
 // φ_k^{ij} is the response of output i to a unit step of input j at t = 0,
-// sampled at kΔt, k = 0 … N.
+// sampled at kΔt, k = 0 … N. That of an element that integrates ends in a ramp.
 
 #ifndef MLE_MODEL_STEP_RESPONSE_H_
 #define MLE_MODEL_STEP_RESPONSE_H_
@@ -16,6 +16,9 @@ struct StepResponse {
   int num_inputs = 0;        // m
   // (N+1) × pm; column i·m + j holds φ^{ij}.
   Eigen::MatrixXd values;
+  // p × m: orders of integration, as far as they are known; empty: of elements
+  // that settle.
+  Eigen::MatrixXi integration = {};
 
   StepResponse() = default;
   StepResponse(double sample_time, int num_outputs, int num_inputs,
@@ -27,6 +30,9 @@ struct StepResponse {
   }
   auto element(int output, int input) {
     return values.col(output * num_inputs + input);
+  }
+  bool IsIntegrating(int output, int input) const {
+    return integration.size() > 0 && integration(output, input) > 0;
   }
 };
 

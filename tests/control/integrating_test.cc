@@ -1,8 +1,10 @@
 // Levels under the controller: step responses that end in a ramp.
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "control/loop_analysis.h"
 #include "control/mpc.h"
@@ -18,7 +20,6 @@ namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-using ::testing::HasSubstr;
 using testing::SingleLoop;
 
 ProcessModel ReadConfig(const std::string& name) {
@@ -192,14 +193,43 @@ TEST(IntegratingLoopTest, MeasuredInflowIsFedForward) {
   EXPECT_LT(largest(true), 0.5 * largest(false));
 }
 
-TEST(IntegratingLoopTest, LoopsWithLevelsAreNotAnalysed) {
-  const ProcessModel model = ReadConfig("level.json");
-  const auto mpc = Mpc::Create(model, Options(1, 2));
-  ASSERT_TRUE(mpc.ok());
-  const auto analysis = AnalyseLoop(*mpc, *PredictFromProcess(model, 1.0));
-  EXPECT_TRUE(absl::IsFailedPrecondition(analysis.status()));
-  EXPECT_THAT(std::string(analysis.status().message()),
-              HasSubstr("integrates"));
+// Where the simulated loop stops to settle as the level's gain grows, the
+// analysis says so too.
+TEST(IntegratingLoopTest, TheAnalysisAgreesWithTheSimulation) {
+  const ProcessModel believed = ReadConfig("column_level.json");
+  const Loop nominal = MakeLoop(believed, believed);
+  int stable = 0;
+  int unstable = 0;
+  for (const double factor : {1.0, 1.6, 2.2, 3.0, 4.0}) {
+    ProcessModel truth = believed;
+    for (int i = 0; i < truth.num_outputs(); ++i) {
+      for (int j = 0; j < truth.num_inputs(); ++j) {
+        const TransferFunction g = truth.element(i, j);
+        if (!g.IsIntegrating()) continue;
+        std::vector<double> numerator = g.numerator();
+        for (double& b : numerator) b *= factor;
+        truth.element(i, j) =
+            TransferFunction(numerator, g.denominator(), g.delay());
+      }
+    }
+    const auto analysis =
+        AnalyseLoop(nominal.mpc, *PredictFromProcess(truth, 1.0));
+    ASSERT_TRUE(analysis.ok()) << analysis.status();
+    Loop loop = MakeLoop(believed, truth);
+    const VectorXd load = VectorXd::Constant(believed.num_inputs(), 0.1);
+    double early = 0.0;
+    double late = 0.0;
+    for (int l = 0; l < 1200; ++l) {
+      const double size =
+          loop.Advance(VectorXd::Zero(believed.num_outputs()), load).norm();
+      if (l < 400) early = std::max(early, size);
+      if (l >= 800) late = std::max(late, size);
+    }
+    EXPECT_EQ(analysis->stable, late < early) << factor;
+    ++(analysis->stable ? stable : unstable);
+  }
+  EXPECT_GT(stable, 0);
+  EXPECT_GT(unstable, 0);
 }
 
 }  // namespace

@@ -1,7 +1,10 @@
 #include "control/loop_analysis.h"
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
+#include <vector>
 
 #include "Eigen/Eigenvalues"
 #include "gtest/gtest.h"
@@ -44,42 +47,69 @@ LoopAnalysis Analyse(const Mpc& mpc, const PredictionModel& plant) {
   return *analysis;
 }
 
-// The loop as x ← A x, x = (moves decided 1 … N instants ago, the inputs' older
-// part, ŵ of the last instant), with the laws as mpc.h states them. A's
-// eigenvalues are the modes; independent of transfer functions.
+// The loop as x ← A x, x = (moves decided 1 … N instants ago, u and v, ŵ and d̂
+// of the coming instant), with the laws as mpc.h states them: of older moves
+// u = Σ Δu and v = Σ (a − 1) Δu, a their age; v where a pair ends in a ramp.
+// A's eigenvalues are the modes; independent of transfer functions.
 MatrixXd ClosedLoopMatrix(const Mpc& mpc, const PredictionModel& plant) {
   const int p = plant.num_outputs;
   const int m = plant.num_inputs();
+  const bool ramps = plant.IsIntegrating() || mpc.model().IsIntegrating();
   const int N = std::max(plant.periods(), mpc.model().periods()) + 1;
   const int H_p = static_cast<int>(mpc.gain().cols()) / p;
-  const auto step = [p](const PredictionModel& model, int k) -> MatrixXd {
-    return model.responses.middleRows(p * std::min(k, model.periods()), p);
+  const int at_u = m * N;
+  const int at_v = at_u + m;
+  const int at_w = at_v + (ramps ? m : 0);
+  const int size = at_w + 2 * p;
+  std::vector<int> inputs(m);
+  std::iota(inputs.begin(), inputs.end(), 0);
+  // S_k = S_n + (k − n) R beyond n.
+  const auto step = [&](const PredictionModel& model, int k) -> MatrixXd {
+    const int n = model.periods();
+    return model.responses.middleRows(p * std::min(k, n), p) +
+           std::max(k - n, 0) * model.SlopesOf(inputs);
   };
-  const int size = m * N + m + p;
   // y_l and f_{l+i} as linear functions of x.
   const auto response = [&](const PredictionModel& model, int ahead) {
     MatrixXd row = MatrixXd::Zero(p, size);
     for (int a = 1; a <= N; ++a) {
       row.middleCols(m * (a - 1), m) = step(model, a + ahead - 1);
     }
-    row.middleCols(m * N, m) = step(model, model.periods());
+    row.middleCols(at_u, m) =
+        step(model, model.periods()) +
+        (ahead - model.periods()) * model.SlopesOf(inputs);
+    if (ramps) row.middleCols(at_v, m) = model.SlopesOf(inputs);
     return row;
   };
+  const DisturbanceObserver& observer = mpc.observer();
   MatrixXd w_now = MatrixXd::Zero(p, size);
-  w_now.rightCols(p).setIdentity();
-  w_now += mpc.observer().gains().asDiagonal() *
-           (response(plant, 0) - response(mpc.model(), 0) - w_now).eval();
+  w_now.middleCols(at_w, p).setIdentity();
+  // Outputs without ramps have no d̂.
+  MatrixXd d_now = MatrixXd::Zero(p, size);
+  d_now.rightCols(p).diagonal() =
+      (observer.slope_gains().array() > 0.0).cast<double>();
+  const MatrixXd innovation =
+      response(plant, 0) - response(mpc.model(), 0) - w_now;
+  w_now += observer.gains().asDiagonal() * innovation;
+  d_now += observer.slope_gains().asDiagonal() * innovation;
   MatrixXd move = MatrixXd::Zero(m, size);
   for (int i = 1; i <= H_p; ++i) {
     move -= mpc.gain().middleCols(p * (i - 1), p) *
-            (response(mpc.model(), i) + w_now);
+            (response(mpc.model(), i) + w_now + i * d_now);
   }
   MatrixXd A = MatrixXd::Zero(size, size);
   A.topRows(m) = move;
   A.block(m, 0, m * (N - 1), m * (N - 1)).setIdentity();
-  A.block(m * N, m * (N - 1), m, m).setIdentity();
-  A.block(m * N, m * N, m, m).setIdentity();
-  A.bottomRows(p) = w_now;
+  A.block(at_u, m * (N - 1), m, m).setIdentity();
+  A.block(at_u, at_u, m, m).setIdentity();
+  if (ramps) {
+    // One instant on each age is one more, and the youngest of u is N + 1.
+    A.block(at_v, at_v, m, m).setIdentity();
+    A.block(at_v, at_u, m, m).setIdentity();
+    A.block(at_v, m * (N - 1), m, m) = N * MatrixXd::Identity(m, m);
+  }
+  A.middleRows(at_w, p) = w_now + d_now;
+  A.bottomRows(p) = d_now;
   return A;
 }
 
@@ -143,6 +173,90 @@ TEST(LoopAnalysisTest, CountsTheModesThatEigenvaluesShow) {
       }
     }
     EXPECT_GT(unstable, 3);
+  }
+}
+
+// With levels: an integrator with lag and dead time, and in a 2 × 2 loop one
+// level beside an output that settles.
+TEST(LoopAnalysisTest, CountsTheModesOfLevels) {
+  int unstable = 0;
+  int stable = 0;
+  for (const double ratio : {0.05, 0.5, 5.0}) {
+    for (const double weight : {0.02, 2.0}) {
+      for (const double factor : {0.05, 0.3, 1.0, 1.7, 3.0, 6.0}) {
+        for (const double delay : {0.0, 2.0}) {
+          MpcOptions options = Options(1, 1, weight);
+          options.disturbance_variance_ratio = ratio;
+          const Mpc mpc = MakeAnalysedMpc(
+              Predict(SingleLoop(TransferFunction::Integrator(0.5, 1.1, 0.7))),
+              options);
+          const PredictionModel plant = Predict(SingleLoop(
+              TransferFunction::Integrator(0.5 * factor, 1.1, 0.7 + delay)));
+          const Modes expected = EigenvalueModes(mpc, plant);
+          const LoopAnalysis analysis = Analyse(mpc, plant);
+          SCOPED_TRACE(::testing::Message() << ratio << " " << weight << " "
+                                            << factor << " " << delay);
+          EXPECT_EQ(analysis.growing_modes, expected.growing);
+          EXPECT_EQ(analysis.stable, expected.growing == 0);
+          if (expected.growing > 0) {
+            ++unstable;
+            EXPECT_NEAR(analysis.spectral_radius, expected.radius,
+                        1e-4 * expected.radius);
+          } else {
+            ++stable;
+            EXPECT_GE(analysis.spectral_radius, expected.radius - 1e-4);
+            EXPECT_GT(analysis.sensitivity_peak, 1.0);
+            // No offset from loads either: T(0) = 1.
+            EXPECT_GE(analysis.complementary_peak, 1.0 - 1e-3);
+          }
+        }
+      }
+    }
+  }
+  EXPECT_GT(unstable, 10);
+  EXPECT_GT(stable, 10);
+}
+
+TEST(LoopAnalysisTest, CountsTheModesOfALevelBesideOutputsThatSettle) {
+  ProcessModel believed = FastTwoByTwo();
+  believed.element(1, 0) = TransferFunction::Integrator(0.2, 0.5, 1.0);
+  believed.element(1, 1) = TransferFunction::Integrator(0.6, 0.0, 0.5);
+  const Mpc mpc = MakeAnalysedMpc(Predict(believed), Options(2, 2, 0.1));
+  int unstable = 0;
+  for (const double factor : {0.3, 1.0, 2.0, 4.0, 8.0}) {
+    for (const double delay : {0.0, 1.0, 3.0}) {
+      ProcessModel aged = believed;
+      aged.element(1, 1) =
+          TransferFunction::Integrator(0.6 * factor, 0.0, 0.5 + delay);
+      const PredictionModel plant = Predict(aged);
+      const VectorXd sizes =
+          Eigen::EigenSolver<MatrixXd>(ClosedLoopMatrix(mpc, plant), false)
+              .eigenvalues()
+              .cwiseAbs();
+      // Two modes at 1, of sums that the one level does not need.
+      const int growing =
+          static_cast<int>((sizes.array() > 1.0 + 1e-4).count());
+      EXPECT_EQ(Analyse(mpc, plant).growing_modes, growing)
+          << factor << " " << delay;
+      unstable += growing > 0 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(unstable, 3);
+  EXPECT_LT(unstable, 12);
+}
+
+// The plant integrates and the model does not know it: no offset, but the loop
+// is not calm, and settles or not as its eigenvalues say.
+TEST(LoopAnalysisTest, CountsTheModesOfALevelThatTheModelDoesNotKnow) {
+  for (const double gain : {0.02, 0.2, 1.0}) {
+    const Mpc mpc = MakeAnalysedMpc(
+        Predict(SingleLoop(TransferFunction::FirstOrder(2.0, 3.0, 1.0))),
+        Options(1, 1, 1.0));
+    const PredictionModel plant =
+        Predict(SingleLoop(TransferFunction::Integrator(gain, 0.0, 1.0)));
+    EXPECT_EQ(Analyse(mpc, plant).growing_modes,
+              EigenvalueModes(mpc, plant).growing)
+        << gain;
   }
 }
 

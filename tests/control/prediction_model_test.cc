@@ -57,6 +57,34 @@ TEST(PredictionModelTest, TakesEveryFewSamplesOfAStepResponse) {
 }
 
 // A first-order element sampled exactly is an ARX model of order 1.
+TEST(PredictionModelTest, RampsOfAStepResponseGoOn) {
+  ProcessModel model = EmptyModel(2, 1);
+  model.element(0, 0) = TransferFunction::Integrator(0.3, 2.0, 1.1);
+  model.element(1, 0) = TransferFunction::FirstOrder(2.0, 3.0, 0.4);
+  // 202 samples: the last instant, every fifth, lies beyond the last of them.
+  auto sampled =
+      PredictFromStepResponse(model.ComputeStepResponse(0.4, 202), {}, 2.0);
+  ASSERT_TRUE(sampled.ok()) << sampled.status();
+  EXPECT_TRUE(sampled->IsIntegrating());
+  EXPECT_NEAR(sampled->slopes(0, 0), 0.6, 1e-9);
+  EXPECT_EQ(sampled->slopes(1, 0), 0.0);
+  sampled->ReachTo(100);
+  auto exact = PredictFromProcess(model, 2.0);
+  ASSERT_TRUE(exact.ok());
+  exact->ReachTo(100);
+  const Eigen::Index rows = 2 * 101;
+  EXPECT_LE((sampled->responses.topRows(rows) - exact->responses.topRows(rows))
+                .cwiseAbs()
+                .maxCoeff(),
+            1e-7);
+  // Cut off before it is straight.
+  const auto early =
+      PredictFromStepResponse(model.ComputeStepResponse(0.4, 12), {}, 2.0);
+  EXPECT_TRUE(absl::IsFailedPrecondition(early.status()));
+  EXPECT_THAT(std::string(early.status().message()),
+              HasSubstr("is no ramp yet"));
+}
+
 TEST(PredictionModelTest, ArxAndProcessAgree) {
   const double pole = std::exp(-0.5 / 6.0);
   const auto from_arx =

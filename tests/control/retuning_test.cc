@@ -1,5 +1,6 @@
 #include "control/retuning.h"
 
+#include <algorithm>
 #include <string>
 #include <utility>
 
@@ -67,6 +68,29 @@ TEST(FirstOrderTest, TakesWhatIsSmallBesideItsRowAndColumnAsZero) {
   EXPECT_NE((*elements)[0].gain, 0.0);
 }
 
+TEST(FirstOrderTest, ReadsALevel) {
+  ProcessModel model = EmptyModel(2, 2);
+  model.element(0, 0) = TransferFunction::Integrator(-0.4, 2.0, 1.3);
+  model.element(0, 1) = TransferFunction::Integrator(0.3, 0.0, 0.7);
+  model.element(1, 1) = TransferFunction::FirstOrder(1.5, 4.0, 2.0);
+  const auto elements =
+      DescribeAsFirstOrder(model.ComputeStepResponse(0.1, 601));
+  ASSERT_TRUE(elements.ok()) << elements.status();
+  const FirstOrder& lag = (*elements)[0];
+  EXPECT_TRUE(lag.integrating);
+  EXPECT_NEAR(lag.gain, -0.4, 1e-6);
+  EXPECT_NEAR(lag.time_constant, 2.0, 0.01);
+  EXPECT_NEAR(lag.delay, 1.3, 0.01);
+  const FirstOrder& pure = (*elements)[1];
+  EXPECT_TRUE(pure.integrating);
+  EXPECT_NEAR(pure.gain, 0.3, 1e-9);
+  EXPECT_NEAR(pure.time_constant, 0.0, 1e-9);
+  EXPECT_NEAR(pure.delay, 0.7, 1e-9);
+  EXPECT_EQ((*elements)[2].gain, 0.0);
+  EXPECT_FALSE((*elements)[3].integrating);
+  EXPECT_NEAR((*elements)[3].time_constant, 4.0, 0.01);
+}
+
 // By hand for the Wood–Berry column. 0.1 T: 1.67, 2.1, 1.09, 1.44; 0.5 L: 0.5,
 // 1.5, 3.5, 1.5; the larger ones 1.67, 2.1, 3.5, 1.5: 1.5, 7 samples of 0.2,
 // which is 1.4. 5 T/1.4 + L/1.4 + 2: 62.357, 79.143, 45.929, 55.571: 80.
@@ -125,6 +149,67 @@ TEST(RetuningTest, MoveWeightMatchesTheHessianItStandsFor) {
     for (int i = j; i <= H_p; ++i) trace += 0.7 * s[i - j] * s[i - j];
   }
   EXPECT_NEAR(tuning->move_weight(0, 0), trace / 100.0, 0.05 * trace / 100.0);
+}
+
+// The Hessian of a level's control problem, whose first H_c moves act from
+// instants 1 … H_c on, made up from its ramp.
+TEST(RetuningTest, MoveWeightOfALevelMatchesTheHessianItStandsFor) {
+  const double K = 0.3;
+  const std::vector<FirstOrder> level = {{K, 0.0, 6.0, true}};
+  RetuningOptions options;
+  std::vector<std::string> reasons;
+  MpcOptions old;
+  old.output_weight = MatrixXd::Identity(1, 1) * 2.0;
+  old.move_weight = MatrixXd::Identity(1, 1);
+  const auto tuning =
+      TuneByRules(level, {InputRole::kManipulated}, 0.5, old, options, reasons);
+  ASSERT_TRUE(tuning.ok()) << tuning.status();
+  EXPECT_EQ(tuning->control_period, 3.0);
+  EXPECT_EQ(tuning->prediction_horizon, 24);  // 10 · 6/3 + 6/3 + 2
+  EXPECT_EQ(tuning->control_horizon, 4);      // 6/3 + 2
+  const int H_p = tuning->prediction_horizon;
+  const int H_c = tuning->control_horizon;
+  const double slope = 3.0 * K;
+  const double end = H_p * (H_p + 1.0) * (2.0 * H_p + 1.0) / 6.0;
+  double trace = 0.0;
+  for (int move = 1; move <= H_c; ++move) {
+    for (int i = 1; i <= H_p; ++i) {
+      // S_{i−move}, 2 periods of dead time: a ramp from there on.
+      const double S = slope * std::max(i - move - 2, 0);
+      trace += 2.0 * S * S;
+    }
+    trace += 2.0 * end * slope * slope;
+  }
+  EXPECT_NEAR(tuning->move_weight(0, 0), trace / options.condition_number,
+              1e-9 * trace);
+  EXPECT_THAT(reasons[1], HasSubstr("what a loop on a level takes"));
+}
+
+TEST(RetuningTest, LevelsAreTunedToStableAndCalmLoops) {
+  for (const double T : {0.0, 1.0, 10.0}) {
+    for (const double L : {0.5, 4.0}) {
+      for (const double factor : {0.6, 1.5}) {
+        SCOPED_TRACE(::testing::Message() << T << " " << L << " " << factor);
+        ProcessModel model = EmptyModel(2, 2);
+        model.element(0, 0) = TransferFunction::Integrator(0.2, T, L);
+        model.element(0, 1) = TransferFunction::Integrator(-0.1, 0.0, 1.0);
+        model.element(1, 1) = TransferFunction::FirstOrder(1.5, 6.0, 2.0);
+        ProcessModel aged = model;
+        aged.element(0, 0) = TransferFunction::Integrator(0.2 * factor, T, L);
+        MpcOptions old = PaperTuning();
+        const auto advice = AdviseRetuning(
+            *PredictFromProcess(model, 1.0), old,
+            aged.ComputeStepResponse(
+                0.5, static_cast<int>(6.0 * SettlingTime(aged)) + 1),
+            {});
+        ASSERT_TRUE(advice.ok()) << advice.status();
+        EXPECT_TRUE(advice->retuned.stable);
+        EXPECT_LE(advice->retuned.sensitivity_peak, 2.0);
+        EXPECT_TRUE(advice->elements[0].integrating);
+        EXPECT_NEAR(advice->elements[0].gain, 0.2 * factor, 1e-6);
+      }
+    }
+  }
 }
 
 TEST(RetuningTest, SaysWhatTheOldTuningWouldDo) {
