@@ -114,8 +114,7 @@ absl::StatusOr<std::vector<RivalShape>> RivalShapesOf(
   std::vector<bool> outputs(p);
   for (int i = 0; i < p; ++i) {
     outputs[i] = ProposesChange(estimate, i) && !ProposesShape(estimate, i) &&
-                 !ProposesByArx(estimate, i) &&
-                 !IsIntegrating(result.initial, i);
+                 !ProposesByArx(estimate, i);
   }
   if (std::find(outputs.begin(), outputs.end(), true) == outputs.end() ||
       result.initial.num_inputs() > kMostInputsOfRivals) {

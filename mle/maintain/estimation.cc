@@ -122,10 +122,6 @@ absl::Status CompleteShapes(const std::vector<Record>& windows,
   for (std::size_t i = 0; i < options.outputs.size(); ++i) {
     wrong[i] = wrong[i] && options.outputs[i];
   }
-  // An addition to a ramp would be one more slope.
-  for (int i = 0; i < estimate.setting.initial.num_outputs(); ++i) {
-    wrong[i] = wrong[i] && !IsIntegrating(estimate.setting.initial, i);
-  }
   MLE_ASSIGN_OR_RETURN(
       fit.posterior,
       CompleteByPosterior(estimate.setting.initial, windows,

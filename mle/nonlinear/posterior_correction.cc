@@ -68,9 +68,13 @@ std::vector<ElementPrior> PriorsOf(const OutputSetup& setup,
     prior.values = setup.start.values[j];
     prior.gain_scale = std::abs(prior.values.gain);
     prior.time_scale = prior.values.time_scale;
+    prior.shape_scale =
+        prior.gain_scale * (setup.problem->elements()[j]->is_integrating()
+                                ? prior.time_scale
+                                : 1.0);
     const double delay = std::min(prior.values.delay, fitted.values[j].delay);
     prior.first_lag = 1 + static_cast<int>(kStartShare * delay / sample_time);
-    effect = std::max(effect, prior.gain_scale * deviations[j]);
+    effect = std::max(effect, prior.shape_scale * deviations[j]);
     time_scale = std::max(time_scale, prior.time_scale);
   }
   for (std::size_t j = 0; j < m; ++j) {
@@ -78,7 +82,7 @@ std::vector<ElementPrior> PriorsOf(const OutputSetup& setup,
     priors[j].informed = deviations[j] > 0.0 && effect > 0.0 &&
                          setup.problem->IsExcited(static_cast<int>(j));
     if (!priors[j].informed) continue;
-    priors[j].gain_scale = effect / deviations[j];
+    priors[j].shape_scale = effect / deviations[j];
     priors[j].time_scale = time_scale;
   }
   return priors;
@@ -220,6 +224,9 @@ absl::StatusOr<PosteriorCorrection> CompleteByPosterior(
         continue;
       }
       RationalOptions rational;
+      if (initial.element(i, j).IsIntegrating()) {
+        rational.slope = element.values.gain + element.means(0);
+      }
       rational.min_delay = (shapes.starts[j] - 1) * posterior.sample_time;
       rational.max_delay = std::max(rational.min_delay, element.values.delay);
       MLE_ASSIGN_OR_RETURN(

@@ -124,8 +124,7 @@ MatrixXd BasisOf(const PosteriorCorrection& posterior,
                    samples);
 }
 
-// Static gain, time scale and dead time of the posterior mean, and their
-// covariance.
+// Gain, time scale and dead time of the posterior mean, and their covariance.
 struct NearestElement {
   ElementValues values;
   Matrix3d covariance;
@@ -141,14 +140,18 @@ NearestElement Nearest(const PosteriorCorrection& posterior,
               : TransferFunction::FirstOrder(1.0, element.time_unit, 0.0);
   const int samples = shapes.first_lags.back() + 1;
   const VectorXd mean = posterior.MeanStep(initial, i, j, samples);
-  const double gain = mean(samples - 1);
+  // h adds to a static gain, and nothing to a slope.
+  const bool ramp = initial.element(i, j).IsIntegrating();
+  const double gain =
+      ramp ? element.values.gain + element.means(0) : mean(samples - 1);
   const NearestStep nearest = FindNearest(
       shape, present ? element.values : ElementValues{gain, element.time_unit},
       mean, posterior.sample_time);
   const MatrixXd all = BasisOf(posterior, initial, i, j, samples);
   // What an error of the response does to the nearest K, ln T and L.
   MatrixXd errors = nearest.basis.colPivHouseholderQr().solve(all);
-  errors.row(0) = all.row(samples - 1);
+  errors.row(0) = ramp ? Eigen::RowVectorXd::Unit(all.cols(), 0)
+                       : Eigen::RowVectorXd(all.row(samples - 1));
   errors.row(1) *= nearest.values.time_scale;
   return {{gain, nearest.values.time_scale, nearest.values.delay},
           errors * element.covariance * errors.transpose()};

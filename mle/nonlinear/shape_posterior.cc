@@ -15,7 +15,7 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// σ: the standard deviation of the gain that h adds, in gains.
+// σ: the standard deviation of the gain that h adds, in what it is measured by.
 constexpr std::array<double, 7> kShapes = {0.01, 0.03, 0.1, 0.3,
                                            1.0,  3.0,  10.0};
 // τ in time scales; the standard deviation of h falls e-fold in 2τ.
@@ -188,7 +188,7 @@ class Search {
                       double decay) const {
     const double tau = decay * element.time_scale / problem_.sample_time();
     const double variance =
-        std::pow(shape * element.gain_scale, 2) / (2.0 * tau * tau);
+        std::pow(shape * element.shape_scale, 2) / (2.0 * tau * tau);
     VectorXd variances = VectorXd::Zero(num_ranges());
     for (Eigen::Index b = 0; b < num_ranges(); ++b) {
       const auto from = [&](int lag) {

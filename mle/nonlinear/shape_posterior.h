@@ -28,7 +28,10 @@ struct ElementPrior {
   bool informed = false;    // its input moves; if not, it stays as it is
   bool present = false;     // it has values; if not, it can only be added
   ElementValues values;     // of the initial model
-  double gain_scale = 0.0;  // what a gain of this pair is measured by, > 0
+  double gain_scale = 0.0;  // what its gain is measured by, > 0
+  // What the gain that h adds is measured by, > 0: the same, of an element that
+  // integrates what its slope makes in a time scale.
+  double shape_scale = 0.0;
   double time_scale = 0.0;  // what the decay of h is measured by, > 0
   int first_lag = 1;        // h is zero before
 };

@@ -122,6 +122,71 @@ TEST(PosteriorCorrectionTest, BandsHoldTheTruth) {
   EXPECT_GE(points, 10 * 29.0);
 }
 
+// A drum's level, which water swells: steam and a settling element beside it.
+ProcessModel Drum() {
+  ProcessModel model = MakeModel(1, 2);
+  model.element(0, 0) = TransferFunction::Integrator(0.3, 2.0, 1.0);
+  model.element(0, 1) = TransferFunction::Integrator(-0.3, 0.0, 0.5);
+  return model;
+}
+
+// 0.3 e^{−s} / (s (2 s + 1)) − 1.5 e^{−s} / (4 s + 1): the same slope as
+// before, to which the level falls at first.
+ProcessModel ShrinkingDrum() {
+  ProcessModel plant = Drum();
+  plant.element(0, 0) =
+      TransferFunction({-3.0, -0.3, 0.3}, {8.0, 6.0, 1.0, 0.0}, 1.0);
+  return plant;
+}
+
+TEST(PosteriorCorrectionTest, LeavesLevelsWhereTheirStructureSuffices) {
+  ProcessModel aged = Drum();
+  aged.element(0, 1) = TransferFunction::Integrator(-0.2, 0.0, 1.5);
+  for (const ProcessModel& plant : {Drum(), aged}) {
+    for (unsigned seed = 1; seed <= 10; ++seed) {
+      const auto [output_error, posterior] =
+          Complete(Drum(), MakeRecords(plant, 500, seed, kNoise));
+      EXPECT_FALSE(posterior.any()) << "seed " << seed;
+    }
+  }
+}
+
+TEST(PosteriorCorrectionTest, FindsWhatALevelDoesBesideItsRamp) {
+  const VectorXd truth =
+      ShrinkingDrum().ComputeStepResponse(0.5, kSamples).element(0, 0);
+  double held = 0.0;
+  double points = 0.0;
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    SCOPED_TRACE(seed);
+    auto [output_error, posterior] =
+        Complete(Drum(), MakeRecords(ShrinkingDrum(), 500, seed, kNoise));
+    ASSERT_TRUE(posterior.outputs[0].needed);
+    const auto& elements = posterior.outputs[0].elements;
+    EXPECT_TRUE(elements[0].reshaped);
+    EXPECT_FALSE(elements[1].changed);
+    const TransferFunction& found = posterior.model.element(0, 0);
+    EXPECT_TRUE(found.IsIntegrating());
+    EXPECT_LT(elements[0].reduction_error, 0.02);
+    const double left = Distance(posterior.model, ShrinkingDrum());
+    EXPECT_LT(left, 0.02 * Distance(Drum(), ShrinkingDrum()));
+    EXPECT_LT(left,
+              0.5 * Distance(output_error.corrected.model, ShrinkingDrum()));
+    const VectorXd mean = posterior.MeanStep(Drum(), 0, 0, kSamples);
+    const VectorXd errors = posterior.StepErrors(Drum(), 0, 0, kSamples);
+    for (int k = 4; k < kSamples; k += 4) {
+      held += std::abs(mean(k) - truth(k)) < 1.96 * errors(k) ? 1.0 : 0.0;
+      points += 1.0;
+    }
+    posterior.Describe(Drum(), 0.95, output_error);
+    const ParameterEstimate& slope = output_error.corrected.element(0, 0).gain;
+    EXPECT_NEAR(slope.value, found.StaticGain(), 1e-9);
+    // Held, where h alone explains the records.
+    EXPECT_NEAR(slope.value, 0.3, 5.0 * slope.standard_error + 1e-12);
+    EXPECT_LT(slope.standard_error, 0.01);
+  }
+  EXPECT_GT(held / points, 0.88);
+}
+
 // A pair that the model has not becomes present, with its gain.
 TEST(PosteriorCorrectionTest, AddsAPairThatIsAbsent) {
   ProcessModel model = TwoElements();

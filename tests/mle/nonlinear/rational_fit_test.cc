@@ -44,6 +44,26 @@ TEST(RationalFitTest, DescribesLeadsAndInverseResponses) {
   }
 }
 
+TEST(RationalFitTest, DescribesRamps) {
+  // An integrator with a lag, one without, and one with an inverse response.
+  for (const TransferFunction& element :
+       {TransferFunction::Integrator(0.4, 3.0, 1.2),
+        TransferFunction::Integrator(0.4, 0.0, 1.2),
+        TransferFunction({-3.2, -0.2, 0.4}, {8.0, 6.0, 1.0, 0.0}, 1.0)}) {
+    const RationalFit fit = Fit(element, 3.0, {.slope = 0.4});
+    // Of a kink between samples as much is left as they tell.
+    EXPECT_LT(fit.relative_error, 1e-2);
+    EXPECT_TRUE(fit.element.Validate().ok());
+    EXPECT_TRUE(fit.element.IsIntegrating());
+    EXPECT_NEAR(fit.element.StaticGain(), 0.4, 1e-12);
+  }
+  // Nothing but the ramp.
+  const RationalFit ramp =
+      Fit(TransferFunction::Integrator(0.4, 0.0, 0.0), 0.0, {.slope = 0.4});
+  EXPECT_LT(ramp.relative_error, 1e-5);
+  EXPECT_EQ(ramp.element.IntegrationOrder(), 1);
+}
+
 // A response that no five real poles describe is described as well as they can.
 TEST(RationalFitTest, SaysWhatIsLeft) {
   const TransferFunction oscillation({1.0}, {4.0, 0.4, 1.0}, 0.0);
