@@ -3,12 +3,15 @@
 // without regard to it.
 //
 //   watch_benchmark FILE.csv MODEL.json ROUNDS FIRST_ROUND [FOLDER] [KINDS]
+//       [EFFECTS]
 //
 // Each round simulates a life of every effect and kind of ageing, none among
 // them, and appends a line for each to FILE.csv; lives that are there are not
 // simulated again. FOLDER keeps their scores, so that another FILE.csv is made
 // of the same lives without simulation. KINDS: none, gain, delay or
-// time_constant, or several of them with commas. table.py makes the table.
+// time_constant, or several of them with commas, "" for all; EFFECTS likewise:
+// white, drift, coloured, load, sine, outliers, compression, heavy_tails,
+// steps, stiction, saturation, noisier. table.py makes the table.
 
 #include <cstdlib>
 #include <fstream>
@@ -156,6 +159,12 @@ void RunLife(const ProcessModel& model, const LifeOptions& life,
       << absl::StrJoin(scores->cusum, " ") << std::endl;
 }
 
+// What an argument lists with commas; empty: all.
+std::set<std::string> ListedIn(int argc, char** argv, int index) {
+  if (argc <= index || std::string(argv[index]).empty()) return {};
+  return absl::StrSplit(argv[index], ',');
+}
+
 std::set<std::string> KeysIn(const std::string& path) {
   std::set<std::string> keys;
   std::ifstream file(path);
@@ -169,9 +178,9 @@ std::set<std::string> KeysIn(const std::string& path) {
 
 int Main(int argc, char** argv) {
   google::InitGoogleLogging(argv[0]);
-  if (argc < 5 || argc > 7) {
+  if (argc < 5 || argc > 8) {
     std::cerr << "usage: watch_benchmark FILE.csv MODEL.json ROUNDS "
-                 "FIRST_ROUND [FOLDER] [KINDS]\n";
+                 "FIRST_ROUND [FOLDER] [KINDS] [EFFECTS]\n";
     return 2;
   }
   absl::StatusOr<ProcessModel> model = ReadProcessModel(argv[2]);
@@ -179,8 +188,8 @@ int Main(int argc, char** argv) {
   const std::set<std::string> done = KeysIn(argv[1]);
   const int first = std::atoi(argv[4]);
   const std::string folder = argc > 5 ? argv[5] : "";
-  const std::set<std::string> kinds =
-      argc > 6 ? absl::StrSplit(argv[6], ',') : std::set<std::string>();
+  const std::set<std::string> kinds = ListedIn(argc, argv, 6);
+  const std::set<std::string> effects = ListedIn(argc, argv, 7);
   for (int round = first; round < first + std::atoi(argv[3]); ++round) {
     for (int effect = 0; effect < kNumEffects; ++effect) {
       for (int ageing = 0; ageing < kNumAgeings; ++ageing) {
@@ -191,6 +200,8 @@ int Main(int argc, char** argv) {
             1000 * round + kNumAgeings * effect + ageing + 1);
         if (done.contains(KeyOf(life))) continue;
         if (!kinds.empty() && !kinds.contains(NameOf(life.ageing))) continue;
+        if (!effects.empty() && !effects.contains(NameOf(life.effect)))
+          continue;
         RunLife(*model, life, argv[1], folder);
       }
     }

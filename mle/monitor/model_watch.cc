@@ -156,8 +156,6 @@ absl::StatusOr<ModelWatch> ModelWatch::Create(const ProcessModel& model,
                                               const WatchOptions& options) {
   MLE_RETURN_IF_ERROR(options.Validate());
   MLE_RETURN_IF_ERROR(model.Validate());
-  MLE_RETURN_IF_ERROR(
-      CheckNotIntegrating(model, "outputs are watched whose elements settle"));
   if (!(sample_time > 0.0) || !std::isfinite(sample_time)) {
     return absl::InvalidArgumentError(absl::StrCat(
         "watch: the sample time is ", sample_time, "; it must be > 0"));
@@ -167,6 +165,11 @@ absl::StatusOr<ModelWatch> ModelWatch::Create(const ProcessModel& model,
   watch.options_ = options;
   watch.sample_time_ = sample_time;
   const double settling = SettlingTime(model);
+  if (!(settling > 0.0)) {
+    return absl::InvalidArgumentError(
+        "watch: no element has a dead time or a time constant, so that how "
+        "long a change takes is not known");
+  }
   watch.skip_ = InSamples(settling, sample_time) + 1;
   watch.before_ = InSamples(0.5 * settling, sample_time);
   watch.after_ = InSamples(1.5 * settling, sample_time);
@@ -343,7 +346,8 @@ BatchOutput ModelWatch::ScoreOutput(const OutputReference& reference,
   const RowResponse& row = (*rows_)[output];
   BatchOutput scores;
   if (row.num_parameters() == 0) return scores;
-  std::vector<WhitenedRun> runs = row.Whiten(record, reference.noise, changes);
+  std::vector<WhitenedRun> runs =
+      row.Whiten(record, reference.noise, changes, reference.deviation);
   const double deviation =
       ClipAroundChange(options_.clip, reference.deviation, runs);
   const ScoreSums sums = SumScores(runs, row.num_parameters());

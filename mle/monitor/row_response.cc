@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "mle/monitor/level_steps.h"
 #include "mle/nonlinear/innovations_filter.h"
 #include "mle/nonlinear/output_fit.h"
 
@@ -18,6 +19,35 @@ constexpr int kLeastRows = 20;
 
 // Half the width of the secant by a dead time, in units of it.
 constexpr double kSecant = 0.1;
+
+// Rows without what free multiples of their last `count` columns explain, which
+// go too: of each column in turn every row less what those before it tell of
+// the multiple, to the variance that it had. The first row that tells of it is
+// used up.
+MatrixXd RecursiveResiduals(MatrixXd rows, Eigen::Index count) {
+  for (; count > 0; --count) {
+    const Eigen::Index width = rows.cols() - 1;
+    Eigen::RowVectorXd products = Eigen::RowVectorXd::Zero(width);
+    double square = 0.0;
+    Eigen::Index kept = 0;
+    for (Eigen::Index k = 0; k < rows.rows(); ++k) {
+      const double r = rows(k, width);
+      const Eigen::RowVectorXd row = rows.row(k).head(width);
+      if (r == 0.0) {
+        rows.row(kept++).head(width) = row;
+        continue;
+      }
+      if (square > 0.0) {
+        rows.row(kept++).head(width) =
+            (row - r / square * products) / std::sqrt(1.0 + r * r / square);
+      }
+      square += r * r;
+      products += r * row;
+    }
+    rows = rows.topLeftCorner(kept, width).eval();
+  }
+  return rows;
+}
 
 }  // namespace
 
@@ -103,10 +133,27 @@ MatrixXd RowResponse::Columns(
   return columns;
 }
 
-std::vector<WhitenedRun> RowResponse::Whiten(
-    const Record& record, const NoiseEstimate& noise,
-    const std::vector<int>& groups) const {
+std::vector<double> RowResponse::StepLags() const {
+  constexpr double kSameLag = 1.5;  // time scales nearer to each other are one
+  std::vector<double> scales;
+  for (const int j : inputs_) {
+    scales.push_back(point_.values[j].time_scale / sample_time_);
+  }
+  std::sort(scales.begin(), scales.end());
+  std::vector<double> lags = {0.0};
+  for (const double scale : scales) {
+    if (scale > std::max(1.0, kSameLag * lags.back())) lags.push_back(scale);
+  }
+  return lags;
+}
+
+std::vector<WhitenedRun> RowResponse::Whiten(const Record& record,
+                                             const NoiseEstimate& noise,
+                                             const std::vector<int>& groups,
+                                             double step_deviation) const {
   const OutputErrorProblem problem = ProblemOf({record});
+  const std::vector<double> lags = StepLags();
+  const auto width = static_cast<Eigen::Index>(1 + num_parameters());
   std::vector<WhitenedRun> runs;
   for (int s = 0; s < problem.num_segments(); ++s) {
     const MatrixXd all = Columns(problem, problem.segment(s));
@@ -121,19 +168,27 @@ std::vector<WhitenedRun> RowResponse::Whiten(
     };
     for (std::size_t begin = 0, end = 0; begin < times.size(); begin = end) {
       while (end < times.size() && group_of(end) == group_of(begin)) ++end;
-      // What the offset takes up.
-      const std::size_t first = noise.offset ? 1 : 0;
-      if (end - begin <= first) continue;
       MatrixXd columns = all.middleRows(static_cast<Eigen::Index>(begin),
                                         static_cast<Eigen::Index>(end - begin));
-      InnovationsFilter({times.begin() + static_cast<std::ptrdiff_t>(begin),
-                         times.begin() + static_cast<std::ptrdiff_t>(end)},
-                        ShapeOf(noise))
-          .Apply(columns);
-      columns /= std::sqrt(noise.variance);
-      const auto rows = static_cast<Eigen::Index>(end - begin - first);
-      runs.push_back({columns.col(0).tail(rows),
-                      columns.bottomRightCorner(rows, num_parameters()),
+      const std::vector<int> instants(
+          times.begin() + static_cast<std::ptrdiff_t>(begin),
+          times.begin() + static_cast<std::ptrdiff_t>(end));
+      if (problem.is_integrating()) AppendRamp(instants, columns);
+      const InnovationsFilter filter(instants, ShapeOf(noise));
+      filter.Apply(columns);
+      columns.leftCols(width) /= std::sqrt(noise.variance);
+      if (step_deviation > 0.0) {
+        const MatrixXd steps =
+            FindLevelSteps(instants, filter, lags, step_deviation, columns);
+        const Eigen::Index known = columns.cols();
+        columns.conservativeResize(Eigen::NoChange, known + steps.cols());
+        columns.rightCols(steps.cols()) = steps;
+      }
+      // The first row is taken up by the offset.
+      if (noise.offset) columns = columns.bottomRows(columns.rows() - 1).eval();
+      columns = RecursiveResiduals(columns, columns.cols() - width);
+      if (columns.rows() == 0) continue;
+      runs.push_back({columns.col(0), columns.rightCols(num_parameters()),
                       group_of(begin)});
     }
   }

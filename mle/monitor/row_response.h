@@ -11,9 +11,12 @@
 // sensitivities (element_response.h; by dead times the secant over ± s/10, at
 // least half a sample), both pass the innovations filter of the noise
 // (innovations_filter.h), whose offset is free in each run of known inputs, or
-// in each of the groups of its samples. A
-// run's first samples, as long as former inputs act, are not used: all columns
-// are then functions of the past, which an anytime-valid test rests on.
+// in each of the groups of its samples. Where an element integrates, a ramp is
+// free besides, since the inputs that balance a level are not known: columns
+// are the recursive residuals of regression on it (Brown, Durbin and Evans, J.
+// R. Stat. Soc. B 37, 1975), and on steps of the level that are found. A run's
+// first samples, as long as former inputs act, are not used: all columns are
+// then functions of the past, which an anytime-valid test rests on.
 
 #ifndef MLE_MONITOR_ROW_RESPONSE_H_
 #define MLE_MONITOR_ROW_RESPONSE_H_
@@ -53,14 +56,19 @@ class RowResponse {
   // Of the outputs that are not NaN, none of which may be too few: 20 at least.
   NoiseEstimate EstimateNoise(const std::vector<Record>& records) const;
   // `groups`: of each sample; empty: all of one. Each group of a run of known
-  // inputs has an offset of its own.
+  // inputs has an offset of its own, and free steps where it shows them
+  // (level_steps.h) by innovations of this deviation or more; 0: none are
+  // looked for.
   std::vector<WhitenedRun> Whiten(const Record& record,
                                   const NoiseEstimate& noise,
-                                  const std::vector<int>& groups = {}) const;
+                                  const std::vector<int>& groups = {},
+                                  double step_deviation = 0.0) const;
 
  private:
   RowResponse() = default;
 
+  // Time constants of steps of loads, in samples.
+  std::vector<double> StepLags() const;
   OutputErrorProblem ProblemOf(const std::vector<Record>& records) const;
   Eigen::MatrixXd Columns(const OutputErrorProblem& problem,
                           const OutputErrorProblem::Segment& segment) const;
