@@ -239,7 +239,8 @@ bool HistorianImporter::IsEven(const MatchedTable& matched) const {
 // gap, as rows that are not there do.
 absl::Status HistorianImporter::CopyTable(const MatchedTable& matched,
                                           Record& record, bool& usable) {
-  constexpr std::size_t kBlock = 1024;  // rows at once, which stay in the cache
+  constexpr std::size_t kRowsAtOnce =
+      1024;  // rows at once, which stay in the cache
   const std::size_t rows = matched.table->times.size();
   const auto samples = static_cast<Eigen::Index>(rows);
   record.start_time = matched.time(0);
@@ -249,9 +250,9 @@ absl::Status HistorianImporter::CopyTable(const MatchedTable& matched,
   if (probes_[0].has_set_points) {
     record.set_points.setConstant(channels_.num_outputs(), samples, kNaN);
   }
-  std::vector<int> good(kBlock);
-  for (std::size_t begin = 0; begin < rows && usable; begin += kBlock) {
-    const std::size_t end = std::min(begin + kBlock, rows);
+  std::vector<int> good(kRowsAtOnce);
+  for (std::size_t begin = 0; begin < rows && usable; begin += kRowsAtOnce) {
+    const std::size_t end = std::min(begin + kRowsAtOnce, rows);
     std::fill(good.begin(), good.end(), 0);
     for (std::size_t s = 0; s < matched.sources.size(); ++s) {
       const RecordColumn& column = matched.sources[s].match;

@@ -17,8 +17,8 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 // Samples looked at on each side of a move.
-constexpr double kFewest = 10.0;
-constexpr double kMost = 200.0;
+constexpr double kFewestBeside = 10.0;
+constexpr double kMostBeside = 200.0;
 // Of level, slope and answer.
 constexpr int kParameters = 3;
 
@@ -63,8 +63,9 @@ absl::StatusOr<AnsweredMoves> AnsweredMoves::Create(const ProcessModel& model,
       const MatrixXd response,
       SimulateResponse(model, record.sample_time, WithoutGaps(record).inputs));
   moves.residual_ = record.outputs - response;
-  const double samples = std::clamp(
-      std::ceil(SettlingTime(model) / record.sample_time), kFewest, kMost);
+  const double samples =
+      std::clamp(std::ceil(SettlingTime(model) / record.sample_time),
+                 kFewestBeside, kMostBeside);
   moves.steps_ = model.ComputeStepResponse(record.sample_time,
                                            static_cast<int>(samples) + 1);
   return moves;

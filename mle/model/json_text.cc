@@ -5,8 +5,9 @@
 namespace mle {
 
 std::string FormatJson(const nlohmann::ordered_json& json) {
-  using Json = nlohmann::ordered_json;
-  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json.dump(1, ' ', false,
+                   nlohmann::ordered_json::error_handler_t::replace) +
+         "\n";
 }
 
 nlohmann::ordered_json MatrixJson(const Eigen::MatrixXd& matrix) {

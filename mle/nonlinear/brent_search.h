@@ -16,10 +16,10 @@ namespace mle {
 template <typename Value>
 double SearchLeast(double low, double high, int tolerance_bits,
                    const Value& value) {
-  constexpr std::uintmax_t kMostEvaluations = 40;
+  constexpr std::uintmax_t kMostSearched = 40;
   const double centre = 0.5 * (low + high);
   const double half = 0.5 * (high - low);
-  std::uintmax_t evaluations = kMostEvaluations;
+  std::uintmax_t evaluations = kMostSearched;
   return centre + half * boost::math::tools::brent_find_minima(
                              [&](double x) { return value(centre + half * x); },
                              -1.0, 1.0, tolerance_bits, evaluations)

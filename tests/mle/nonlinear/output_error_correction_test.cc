@@ -78,8 +78,8 @@ TEST(OutputErrorCorrectionTest, BeginsAtAFit) {
   EXPECT_EQ(found.statistic, 0.0);
   for (int j = 0; j < 2; ++j) {
     for (int k = 0; k < 3; ++k) {
-      const ParameterEstimate& one = Parameters(found.full, j)[k];
-      const ParameterEstimate& other = Parameters(expected.full, j)[k];
+      const ParameterEstimate one = Parameters(found.full, j)[k];
+      const ParameterEstimate other = Parameters(expected.full, j)[k];
       // To what the noise shapes, each estimated to 0.02, differ by.
       EXPECT_NEAR(one.value, other.value, 0.02 * other.standard_error);
     }
