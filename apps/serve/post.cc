@@ -135,6 +135,11 @@ absl::Status PostJson(const std::string& url, const std::string& text,
     return absl::UnavailableError(
         absl::StrCat("it answered with status ", status));
   }
+  if (error == httplib::Error::SSLServerVerification) {
+    return absl::UnavailableError(
+        "its certificate is of another name, or not one that the system "
+        "believes (the environment variable SSL_CERT_FILE names others)");
+  }
   const std::string word = httplib::to_string(error);
   return MayHaveArrived(error) ? absl::DeadlineExceededError(
                                      absl::StrCat("no answer came: ", word))

@@ -224,7 +224,8 @@ TEST(CampaignTest, EffectsThatAreWrong) {
   ASSERT_TRUE(WriteFileAtomically(path, wrong.dump()).ok());
   ExpectRefused({
       {[](Json& j) { j["effects"] = Sine(0.1); }, {"effects"}},
-      {[](Json& j) { j["effects"] = {Sine(0.1)}; }, {"effects[0]", "name"}},
+      {[](Json& j) { j["effects"] = Json::array({Sine(0.1)}); },
+       {"effects[0]", "name"}},
       {[](Json& j) {
          j["effects"] = {{{"name", "a"}, {"effects", Sine(0.1)}},
                          {{"name", "a"}}};
