@@ -3,7 +3,8 @@
 A folder has pairs NAME.json (the model that was in the controller) and NAME.csv (the record).
 A model is judged on each record that had no part in its correction: the fit in per cent of each
 output as its step responses simulate it from the recorded inputs, from the first sample to the
-last, without the mean, compared at every tenth sample.
+last, without the mean, compared at every tenth sample; and the errors of predictions 60 and 300
+samples ahead (what is measured now, and what the inputs do until then by the step responses).
 """
 
 import csv
@@ -34,6 +35,7 @@ def read_columns(file):
 
 
 STRIDE = 10  # samples from one that is compared to the next
+AHEAD = (60, 300)  # samples
 
 
 def simulate(impulse, inputs, samples):
@@ -62,6 +64,14 @@ def fit(measured, simulated):
     return 100.0 * (1.0 - norm(errors) / norm(values))
 
 
+def ahead(measured, simulated, steps):
+    """Root mean square of (y(k + h) − y(k)) − (ŷ(k + h) − ŷ(k))."""
+    errors = [y - x for y, x in zip(measured, simulated)]
+    moves = [late - early for early, late in zip(errors, errors[steps:])
+             if not math.isnan(late - early)]
+    return math.sqrt(sum(move * move for move in moves) / len(moves))
+
+
 def impulses(responses, output, which):
     """Differences of the step responses `OUTPUT/INPUT which`."""
     result = {}
@@ -73,10 +83,12 @@ def impulses(responses, output, which):
     return result
 
 
-def fits(responses, record, output, which):
-    samples = len(record["time"])
-    return fit(record[output][::STRIDE],
-               simulate(impulses(responses, output, which), record, samples))
+def judge(responses, record, output, which):
+    """The fit, and the error of each horizon in AHEAD."""
+    measured = record[output][::STRIDE]
+    simulated = simulate(impulses(responses, output, which), record, len(record["time"]))
+    return fit(measured, simulated), [
+        ahead(measured, simulated, horizon // STRIDE) for horizon in AHEAD]
 
 
 def run(arguments, correct, model, record, scratch):
@@ -98,9 +110,12 @@ def run(arguments, correct, model, record, scratch):
         unseen = read_columns(folder / f"{other}.csv")
         for channel in result["residuals"]["initial"]:
             output = channel["output"]
-            before = fits(responses, unseen, output, "initial")
-            after = fits(responses, unseen, output, "corrected")
+            before, errors_before = judge(responses, unseen, output, "initial")
+            after, errors_after = judge(responses, unseen, output, "corrected")
             falls.append(before - after)
+            for horizon, *errors in zip(AHEAD, errors_before, errors_after):
+                figures.setdefault("ahead", []).append(
+                    [other, output, horizon, *(round(error, 4) for error in errors)])
             figures.setdefault("fits", []).append([other, output, round(before, 2),
                                                    round(after, 2)])
     figures["worst_fall"] = max(falls)

@@ -82,6 +82,25 @@ def hardware_table(rows):
         fall = number(row["worst_fall"]) if "worst_fall" in row else "–"
         lines.append(f"| {row['scenario']} | {row['plant']} | {row['decision']} | "
                      f"{fits or '–'} | {fall} |")
+    return lines + ahead_table(rows)
+
+
+def ahead_table(rows):
+    """Errors of predictions, of models that are corrected from their own record."""
+    errors = {}
+    for row in rows:
+        if row["scenario"] != row["plant"]:
+            continue
+        for _, output, horizon, before, after in row.get("ahead", []):
+            errors.setdefault((output, horizon), []).append((before, after))
+    if not errors:
+        return []
+    lines = ["", "Root mean square errors of predictions of unseen records, from the least to the "
+             "largest over pairs of record and model:", "",
+             "| output | samples ahead | before | after |", "|---|--:|--:|--:|"]
+    for (output, horizon), pairs in sorted(errors.items()):
+        before, after = (f"{min(values):.3g}–{max(values):.3g}" for values in zip(*pairs))
+        lines.append(f"| {output} | {horizon} | {before} | {after} |")
     return lines
 
 

@@ -77,6 +77,10 @@ def a_first_order_response_is_simulated():
         assert abs(value - 6.0 * (1.0 - 0.9 ** max(0, k - 10))) < 1e-9
     assert abs(hardware.fit(response, [value + 8.0 for value in response]) - 100.0) < 1e-9
     assert abs(hardware.fit(response, [0.0] * len(response))) < 1e-9
+    # Of a level alone nothing is left, of a ramp what it makes in the steps.
+    assert hardware.ahead([value + 8.0 for value in response], response, 3) < 1e-9
+    ramp = [value + 0.5 * i for i, value in enumerate(response)]
+    assert abs(hardware.ahead(ramp, response, 3) - 1.5) < 1e-9
 
 
 def harm_is_counted():
