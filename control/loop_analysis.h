@@ -6,9 +6,9 @@
 // the observer (disturbance_observer.h) makes of measured less predicted
 // outputs i periods ahead:
 //
-//   y = P(w) Δu + d,            P(w) = Σ_{a≥1} P_{a−1} w^a,
-//   Δu = Σ K_i (r − F_i Δu − W_i (y − F_0 Δu)),  F_i(w) = Σ_{a≥1} S_{a+i−1}
-//   w^a.
+//   y = P(w) Δu + d,   P(w) = Σ_{a≥1} P_{a−1} w^a,
+//   Δu = Σ K_i (r − F_i Δu − W_i (y − F_0 Δu)),
+//   F_i(w) = Σ_{a≥1} S_{a+i−1} w^a.
 //
 // W_i is diagonal: g / (1 − (1 − g) w), and of outputs that integrate, with
 // θ² = 1 − g and h = (1 − θ)²,

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "Eigen/QR"
+#include "mle/monitor/output_scores.h"
 #include "mle/nonlinear/output_error_correction.h"
 
 namespace mle {
@@ -39,15 +40,6 @@ class Rest {
   MatrixXd basis_;
 };
 
-double RobustDeviationOf(const VectorXd& values) {
-  std::vector<double> sizes(values.begin(), values.end());
-  for (double& size : sizes) size = std::abs(size);
-  const auto middle =
-      sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-  std::nth_element(sizes.begin(), middle, sizes.end());
-  return 1.4826 * *middle;
-}
-
 struct StepCandidate {
   double chi_square = 0.0;
   Index row = 0;
@@ -70,7 +62,8 @@ MatrixXd FindLevelSteps(const std::vector<int>& instants,
     others << whitened.rightCols(whitened.cols() - 1), found;
     const Rest rest(others);
     VectorXd residual = rest.Of(whitened.col(0));
-    const double unit = std::max(RobustDeviationOf(residual), deviation);
+    const double unit = std::max(
+        RobustDeviation({residual.begin(), residual.end()}), deviation);
     if (!(unit > 0.0)) break;
     residual =
         residual.cwiseMin(kStepClip * unit).cwiseMax(-kStepClip * unit) / unit;

@@ -9,7 +9,8 @@
 //
 // is scanned over t and T; the largest is a step where it exceeds 2 ln N + 8,
 // then the next beside it, up to six. What a change of the parameters would
-// explain is no step, and what looks like one to nine tenths is not looked for.
+// explain is no step, and steps of which it would explain nine tenths are not
+// looked for.
 
 #ifndef MLE_MONITOR_LEVEL_STEPS_H_
 #define MLE_MONITOR_LEVEL_STEPS_H_

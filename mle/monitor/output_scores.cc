@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "Eigen/Eigenvalues"
 #include "Eigen/QR"
@@ -20,19 +21,22 @@ Eigen::VectorXd BestChange(const ScoreSums& sums) {
 
 }  // namespace
 
-double RobustDeviation(const std::vector<WhitenedRun>& runs) {
-  std::vector<double> sizes;
-  for (const WhitenedRun& run : runs) {
-    for (const double value : run.innovations) {
-      sizes.push_back(std::abs(value));
-    }
-  }
-  if (sizes.empty()) return 0.0;
+double RobustDeviation(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  for (double& value : values) value = std::abs(value);
   const auto middle =
-      sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-  std::nth_element(sizes.begin(), middle, sizes.end());
+      values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
   constexpr double kOfNormal = 1.4826;
   return kOfNormal * *middle;
+}
+
+double RobustDeviation(const std::vector<WhitenedRun>& runs) {
+  std::vector<double> values;
+  for (const WhitenedRun& run : runs) {
+    values.insert(values.end(), run.innovations.begin(), run.innovations.end());
+  }
+  return RobustDeviation(std::move(values));
 }
 
 void ClipInnovations(double limit, std::vector<WhitenedRun>& runs) {

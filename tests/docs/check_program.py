@@ -17,6 +17,8 @@ source, build = (pathlib.Path(argument).resolve() for argument in sys.argv[1:3])
 CASES = [("splitter", "splitter", "corrected"),
          ("dryer", "dryer", "corrected"),
          ("dryer", "dryer_new", "no_change")]
+# As Packaging.Examples has built it.
+PROGRAM = build / "tests/packaging/Examples/example_correct_from_csv"
 NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
 
 
@@ -43,7 +45,7 @@ with tempfile.TemporaryDirectory() as scratch:
     run(folder, "scripts/examples", build / "apps")
     for model, record, decision in CASES:
         paths = [f"configs/{model}.json", f"{record}.json", f"examples/{record}.csv"]
-        printed = run(folder, build / "examples/example_correct_from_csv", *paths).splitlines()
+        printed = run(folder, PROGRAM, *paths).splitlines()
         run(folder, build / "apps/mle_correct", f"--model={paths[0]}", f"--data={paths[2]}",
             f"--out={record}")
         result = json.loads((folder / record / "result.json").read_text())
