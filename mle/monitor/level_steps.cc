@@ -62,8 +62,8 @@ MatrixXd FindLevelSteps(const std::vector<int>& instants,
     others << whitened.rightCols(whitened.cols() - 1), found;
     const Rest rest(others);
     VectorXd residual = rest.Of(whitened.col(0));
-    const std::vector<double> values(residual.begin(), residual.end());
-    const double unit = std::max(RobustDeviation(values), deviation);
+    const double unit = std::max(
+        RobustDeviationOf({residual.begin(), residual.end()}), deviation);
     if (!(unit > 0.0)) break;
     residual =
         residual.cwiseMin(kStepClip * unit).cwiseMax(-kStepClip * unit) / unit;

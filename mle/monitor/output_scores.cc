@@ -21,7 +21,7 @@ Eigen::VectorXd BestChange(const ScoreSums& sums) {
 
 }  // namespace
 
-double RobustDeviation(std::vector<double> values) {
+double RobustDeviationOf(std::vector<double> values) {
   if (values.empty()) return 0.0;
   for (double& value : values) value = std::abs(value);
   const auto middle =
@@ -36,7 +36,7 @@ double RobustDeviation(const std::vector<WhitenedRun>& runs) {
   for (const WhitenedRun& run : runs) {
     values.insert(values.end(), run.innovations.begin(), run.innovations.end());
   }
-  return RobustDeviation(std::move(values));
+  return RobustDeviationOf(std::move(values));
 }
 
 void ClipInnovations(double limit, std::vector<WhitenedRun>& runs) {
