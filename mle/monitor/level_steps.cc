@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
-#include "Eigen/QR"
 #include "mle/monitor/output_scores.h"
+#include "mle/nonlinear/amplitude_fit.h"
 #include "mle/nonlinear/output_error_correction.h"
 
 namespace mle {
@@ -20,25 +21,6 @@ constexpr Index kPlacesAtFirst = 64;
 constexpr double kStepClip = 4.0;   // deviations
 constexpr double kStepPrice = 8.0;  // of χ², beside 2 ln N
 constexpr double kLeastLeft = 0.1;  // of a step, unexplained by the rest
-
-// What is left of columns without what others explain.
-class Rest {
- public:
-  explicit Rest(const MatrixXd& others) {
-    if (others.cols() == 0) return;
-    const VectorXd norms = others.colwise().norm().cwiseMax(1e-300);
-    const Eigen::ColPivHouseholderQR<MatrixXd> qr(
-        others * norms.cwiseInverse().asDiagonal());
-    basis_ = qr.householderQ() * MatrixXd::Identity(others.rows(), qr.rank());
-  }
-  MatrixXd Of(const MatrixXd& columns) const {
-    if (basis_.cols() == 0) return columns;
-    return columns - basis_ * (basis_.transpose() * columns);
-  }
-
- private:
-  MatrixXd basis_;
-};
 
 struct StepCandidate {
   double chi_square = 0.0;
@@ -60,8 +42,9 @@ MatrixXd FindLevelSteps(const std::vector<int>& instants,
   while (found.cols() < kMostSteps) {
     MatrixXd others(rows, whitened.cols() - 1 + found.cols());
     others << whitened.rightCols(whitened.cols() - 1), found;
-    const Rest rest(others);
-    VectorXd residual = rest.Of(whitened.col(0));
+    const AmplitudeFit rest(std::move(others));
+    VectorXd residual = whitened.col(0);
+    rest.TakeOut(residual);
     const double unit = std::max(
         RobustDeviationOf({residual.begin(), residual.end()}), deviation);
     if (!(unit > 0.0)) break;
@@ -81,7 +64,8 @@ MatrixXd FindLevelSteps(const std::vector<int>& instants,
         }
       }
       filter.Apply(columns);
-      const MatrixXd left = rest.Of(columns);
+      MatrixXd left = columns;
+      rest.TakeOut(left);
       for (Index place = 0; place < places; ++place) {
         const double square = left.col(place).squaredNorm();
         if (!(square > kLeastLeft * columns.col(place).squaredNorm())) continue;

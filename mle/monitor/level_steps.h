@@ -23,9 +23,9 @@
 namespace mle {
 
 // The whitened columns of the steps found (N × their number). `whitened`: the
-// residual, then what is fitted beside it; `filter` has whitened them, of
-// samples at `instants`. `lags`: each T, in samples. `deviation`: of the
-// residuals, at least.
+// residual, then what is fitted beside it, one column at least; `filter` has
+// whitened them, of samples at `instants`. `lags`: each T, in samples.
+// `deviation`: of the residuals, at least.
 Eigen::MatrixXd FindLevelSteps(const std::vector<int>& instants,
                                const InnovationsFilter& filter,
                                const std::vector<double>& lags,

@@ -9,6 +9,7 @@
 #include "mle/monitor/level_steps.h"
 #include "mle/nonlinear/innovations_filter.h"
 #include "mle/nonlinear/output_fit.h"
+#include "mle/nonlinear/step_search.h"
 
 namespace mle {
 namespace {
@@ -133,26 +134,12 @@ MatrixXd RowResponse::Columns(
   return columns;
 }
 
-std::vector<double> RowResponse::StepLags() const {
-  constexpr double kSameLag = 1.5;  // time scales nearer to each other are one
-  std::vector<double> scales;
-  for (const int j : inputs_) {
-    scales.push_back(point_.values[j].time_scale / sample_time_);
-  }
-  std::sort(scales.begin(), scales.end());
-  std::vector<double> lags = {0.0};
-  for (const double scale : scales) {
-    if (scale > std::max(1.0, kSameLag * lags.back())) lags.push_back(scale);
-  }
-  return lags;
-}
-
 std::vector<WhitenedRun> RowResponse::Whiten(const Record& record,
                                              const NoiseEstimate& noise,
                                              const std::vector<int>& groups,
                                              double step_deviation) const {
   const OutputErrorProblem problem = ProblemOf({record});
-  const std::vector<double> lags = StepLags();
+  const std::vector<double> lags = StepLags(problem, point_);
   const auto width = static_cast<Eigen::Index>(1 + num_parameters());
   std::vector<WhitenedRun> runs;
   for (int s = 0; s < problem.num_segments(); ++s) {

@@ -67,8 +67,6 @@ class RowResponse {
  private:
   RowResponse() = default;
 
-  // Time constants of steps of loads, in samples.
-  std::vector<double> StepLags() const;
   OutputErrorProblem ProblemOf(const std::vector<Record>& records) const;
   Eigen::MatrixXd Columns(const OutputErrorProblem& problem,
                           const OutputErrorProblem::Segment& segment) const;

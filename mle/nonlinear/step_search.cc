@@ -24,22 +24,6 @@ constexpr int kPlaces = 48;
 constexpr double kSameLag = 1.5;
 constexpr int kStepRefinements = 2;  // of place and shape in turn
 
-// 0 and the time scales of the elements, in samples.
-std::vector<double> Lags(const OutputErrorProblem& problem,
-                         const OutputPoint& point) {
-  std::vector<double> scales;
-  for (int j = 0; j < problem.num_elements(); ++j) {
-    if (!problem.elements()[j].has_value()) continue;
-    scales.push_back(point.values[j].time_scale / problem.sample_time());
-  }
-  std::sort(scales.begin(), scales.end());
-  std::vector<double> lags = {0.0};
-  for (const double scale : scales) {
-    if (scale > std::max(1.0, kSameLag * lags.back())) lags.push_back(scale);
-  }
-  return lags;
-}
-
 // Σ_{k ≥ row} u_k x_k of the step that begins at each row.
 VectorXd Scores(const std::vector<int>& times, double lag, const VectorXd& u) {
   VectorXd scores(u.size());
@@ -67,7 +51,7 @@ class StepSearch {
         shape_(ShapeOf(fit_.noise)),
         columns_(extended.columns()),
         basis_(Basis()),
-        lags_(Lags(problem_, fit_.point)) {}
+        lags_(StepLags(problem_, fit_.point)) {}
 
   const std::vector<double>& lags() const { return lags_; }
 
@@ -246,6 +230,21 @@ class StepSearch {
 };
 
 }  // namespace
+
+std::vector<double> StepLags(const OutputErrorProblem& problem,
+                             const OutputPoint& point) {
+  std::vector<double> scales;
+  for (int j = 0; j < problem.num_elements(); ++j) {
+    if (!problem.elements()[j].has_value()) continue;
+    scales.push_back(point.values[j].time_scale / problem.sample_time());
+  }
+  std::sort(scales.begin(), scales.end());
+  std::vector<double> lags = {0.0};
+  for (const double scale : scales) {
+    if (scale > std::max(1.0, kSameLag * lags.back())) lags.push_back(scale);
+  }
+  return lags;
+}
 
 std::optional<FoundStep> FindStep(const ExtendedFit& extended) {
   const OutputErrorProblem& problem = extended.problem();

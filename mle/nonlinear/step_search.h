@@ -21,11 +21,17 @@
 #define MLE_NONLINEAR_STEP_SEARCH_H_
 
 #include <optional>
+#include <vector>
 
 #include "mle/nonlinear/extended_fit.h"
 #include "mle/nonlinear/output_error_problem.h"
 
 namespace mle {
+
+// Each T of the above, in samples: 0 and the time scales of the elements, those
+// that are near to each other once.
+std::vector<double> StepLags(const OutputErrorProblem& problem,
+                             const OutputPoint& point);
 
 struct FoundStep {
   SegmentStep step;
