@@ -54,6 +54,9 @@ std::string DescribeElement(const ElementEstimate& element,
 
 std::string DescribePairChange(const Result& result, int output, int input) {
   const std::string pair = PairName(result.initial, output, input);
+  if (ProposesShape(result.estimate, output, input)) {
+    return absl::StrCat("Response of ", pair, " has another shape");
+  }
   if (result.corrected.process.has_value()) {
     return DescribeElement(
         result.estimate.fit.output_error.corrected.element(output, input), pair,

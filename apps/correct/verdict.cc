@@ -248,11 +248,12 @@ void AddInadequacy(const Result& result, std::vector<Finding>& findings) {
 // Where the correction has taken another shape.
 void AddShapes(const Result& result, std::vector<Finding>& findings) {
   for (int i = 0; result.accepted() && i < result.initial.num_outputs(); ++i) {
-    if (!ProposesShape(result.estimate, i)) continue;
     for (int j = 0; j < result.initial.num_inputs(); ++j) {
+      if (!ProposesShape(result.estimate, i, j) || !HasChanged(result, i, j)) {
+        continue;
+      }
       const ElementPosterior& element =
           result.estimate.fit.posterior->outputs[i].elements[j];
-      if (!element.reshaped || !HasChanged(result, i, j)) continue;
       const std::string pair = PairName(result.initial, i, j);
       findings.push_back(
           {"shape_probability", pair, element.shape_probability, "", kNaN, kNaN,

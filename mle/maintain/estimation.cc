@@ -153,6 +153,11 @@ bool ProposesShape(const Estimate& estimate, int output) {
   return posterior.has_value() && posterior->outputs[output].needed;
 }
 
+bool ProposesShape(const Estimate& estimate, int output, int input) {
+  return ProposesShape(estimate, output) &&
+         estimate.fit.posterior->outputs[output].elements[input].reshaped;
+}
+
 bool ProposesElement(const Estimate& estimate, int output, int input) {
   if (ProposesByArx(estimate, output)) return true;
   return estimate.setting.options.estimator != Estimator::kArx &&

@@ -145,6 +145,9 @@ bool ProposesChange(const Estimate& estimate, int output);
 bool ProposesAny(const Estimate& estimate);
 bool ProposesByArx(const Estimate& estimate, int output);
 bool ProposesShape(const Estimate& estimate, int output);
+// For an element: its time constant and dead time are then those of what is
+// nearest to it of the model's own shape.
+bool ProposesShape(const Estimate& estimate, int output, int input);
 // Whether one is for an element, by its parameters or its shape.
 bool ProposesElement(const Estimate& estimate, int output, int input);
 

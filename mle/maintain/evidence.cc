@@ -190,13 +190,6 @@ std::optional<Message> NotLinear(const CorrectionResult& result, int i) {
   return std::nullopt;
 }
 
-// Whether the element is one of another shape, whose time constant and dead
-// time are only those of what is nearest to it.
-bool HasAnotherShape(const Estimate& estimate, int i, int j) {
-  return ProposesShape(estimate, i) &&
-         estimate.fit.posterior->outputs[i].elements[j].reshaped;
-}
-
 // Whether a time constant or dead time is as far from the model's as it may be.
 // A dead time of 0 is nature's bound, not the search's.
 bool AtBound(const ElementEstimate& element, const OutputErrorOptions& search) {
@@ -242,7 +235,7 @@ std::optional<Message> NotAgeing(const CorrectionResult& result, int i) {
               pair, after - sample_time, before - sample_time),
           {}};
     }
-    if (!HasAnotherShape(result.estimate, i, j) &&
+    if (!ProposesShape(result.estimate, i, j) &&
         AtBound(element, result.estimate.setting.options.output_error)) {
       return Message{
           MessageCode::kAtBound,
