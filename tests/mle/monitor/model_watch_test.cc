@@ -98,28 +98,35 @@ TEST_F(ModelWatchTest, ADayWithoutChangesSaysNothing) {
   EXPECT_TRUE(scores.Reasons().empty());
 }
 
-// S is N(0, V) where nothing has changed, N(Vδ, V) after a change δ.
+// S is N(0, V) where nothing has changed, N(Vδ, V) after a change δ: over the
+// seeds 1 to 60, of what `score` makes of each.
+template <typename Score>
+void ExpectNormalAbout(double relative_gain, const Score& score) {
+  Eigen::VectorXd change = Eigen::VectorXd::Zero(6);
+  change(0) = relative_gain;
+  double squares = 0.0;
+  int count = 0;
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    const BatchOutput output = score(seed);
+    ASSERT_EQ(output.state, BatchState::kUsed) << output.reason;
+    const Eigen::VectorXd off = output.score - output.information * change;
+    squares += off.dot(output.information.ldlt().solve(off));
+    count += 6;
+  }
+  // χ²/ν of ν = 360 is within 0.22 of 1 by three standard deviations; scores
+  // are allowed for more variance than they have.
+  EXPECT_GT(squares / count, 0.6) << relative_gain;
+  EXPECT_LT(squares / count, 1.22) << relative_gain;
+}
+
 TEST_F(ModelWatchTest, ScoresAreNormalAboutTheChange) {
-  ProcessModel aged = model_;
-  aged.element(0, 0) = TransferFunction::FirstOrder(2.0 * 1.05, 20.0, 10.0);
-  for (const bool changed : {false, true}) {
-    Eigen::VectorXd change = Eigen::VectorXd::Zero(6);
-    if (changed) change(0) = 0.05;
-    double squares = 0.0;
-    int count = 0;
-    for (std::uint64_t seed = 1; seed <= 60; ++seed) {
-      const BatchScores scores =
-          Score(Day(changed ? aged : model_, {.seed = seed}));
-      const BatchOutput& output = scores.outputs[0];
-      ASSERT_EQ(output.state, BatchState::kUsed) << output.reason;
-      const Eigen::VectorXd off = output.score - output.information * change;
-      squares += off.dot(output.information.ldlt().solve(off));
-      count += 6;
-    }
-    // χ²/ν of ν = 360 is within 0.22 of 1 by three standard deviations; scores
-    // are allowed for more variance than they have.
-    EXPECT_GT(squares / count, 0.6) << changed;
-    EXPECT_LT(squares / count, 1.22) << changed;
+  for (const double gain : {0.0, 0.05}) {
+    ProcessModel plant = model_;
+    plant.element(0, 0) =
+        TransferFunction::FirstOrder(2.0 * (1.0 + gain), 20.0, 10.0);
+    ExpectNormalAbout(gain, [&](std::uint64_t seed) {
+      return Score(Day(plant, {.seed = seed})).outputs[0];
+    });
   }
 }
 
@@ -146,20 +153,10 @@ class LevelWatchTest : public ModelWatchTest {
 };
 
 TEST_F(LevelWatchTest, ScoresAreNormalAboutTheChange) {
-  for (const bool changed : {false, true}) {
-    Eigen::VectorXd change = Eigen::VectorXd::Zero(6);
-    if (changed) change(0) = 0.05;
-    double squares = 0.0;
-    int count = 0;
-    for (std::uint64_t seed = 1; seed <= 60; ++seed) {
-      const BatchOutput output = ScoreLevel(changed ? 0.021 : 0.02, seed);
-      ASSERT_EQ(output.state, BatchState::kUsed) << output.reason;
-      const Eigen::VectorXd off = output.score - output.information * change;
-      squares += off.dot(output.information.ldlt().solve(off));
-      count += 6;
-    }
-    EXPECT_GT(squares / count, 0.6) << changed;
-    EXPECT_LT(squares / count, 1.22) << changed;
+  for (const double gain : {0.0, 0.05}) {
+    ExpectNormalAbout(gain, [&](std::uint64_t seed) {
+      return ScoreLevel(0.02 * (1.0 + gain), seed);
+    });
   }
 }
 
