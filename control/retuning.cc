@@ -7,6 +7,7 @@
 #include "absl/strings/str_format.h"
 #include "control/mpc.h"
 #include "mle/base/status.h"
+#include "mle/model/process_model.h"
 
 namespace mle::control {
 namespace {
@@ -14,9 +15,6 @@ namespace {
 using Eigen::MatrixXd;
 
 constexpr int kMostDoublings = 40;
-// What a loop on a level takes, over its dead time and time constant together
-// (SettlingTime() in mle/model/process_model.h).
-constexpr double kLevelTimes = 10.0;
 
 // A pair of output and input whose element a rule rests on.
 struct Pair {
@@ -128,7 +126,7 @@ void ChooseHorizons(const Elements& elements, const RetuningOptions& options,
   const auto to_settle = [&](const FirstOrder& element) {
     const double dead = DeadPeriods(element, period);
     return element.integrating
-               ? kLevelTimes * (element.time_constant + element.delay) /
+               ? kLevelSettlingTimes * (element.time_constant + element.delay) /
                          period +
                      dead
                : 5.0 * element.time_constant / period + dead;

@@ -239,8 +239,7 @@ bool HistorianImporter::IsEven(const MatchedTable& matched) const {
 // gap, as rows that are not there do.
 absl::Status HistorianImporter::CopyTable(const MatchedTable& matched,
                                           Record& record, bool& usable) {
-  constexpr std::size_t kRowsAtOnce =
-      1024;  // rows at once, which stay in the cache
+  constexpr std::size_t kRowsAtOnce = 1024;  // which stay in the cache
   const std::size_t rows = matched.table->times.size();
   const auto samples = static_cast<Eigen::Index>(rows);
   record.start_time = matched.time(0);

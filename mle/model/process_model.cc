@@ -174,9 +174,10 @@ double SettlingTime(const ProcessModel& model) {
       const TransferFunction& element = model.element(i, j);
       if (element.IsZero()) continue;
       const double T = element.SlowestTimeConstant();
-      longest = std::max(longest, element.IsIntegrating()
-                                      ? 10.0 * (element.delay() + T)
-                                      : element.delay() + 5.0 * T);
+      longest =
+          std::max(longest, element.IsIntegrating()
+                                ? kLevelSettlingTimes * (element.delay() + T)
+                                : element.delay() + 5.0 * T);
     }
   }
   return longest;

@@ -93,11 +93,14 @@ std::vector<bool> IntegratingOutputs(const ProcessModel& model);
 absl::Status CheckNotIntegrating(const ProcessModel& model,
                                  std::string_view what);
 
+// Of dead time and time constant together, about what a loop tuned on a level
+// takes (integral time and dead time of Skogestad's rules, 8 L and L: J.
+// Process Control 13, 2003).
+inline constexpr double kLevelSettlingTimes = 10.0;
+
 // Dead time plus five times the slowest time constant of the slowest element:
 // the remainder of a step's response is then 0.7 % of it. A level settles in
-// its loop alone: of an integrating element ten times dead time and time
-// constant together, about what a loop tuned on it takes (integral time and
-// dead time of Skogestad's rules, 8 L and L: J. Process Control 13, 2003).
+// its loop alone: of an integrating element kLevelSettlingTimes.
 double SettlingTime(const ProcessModel& model);
 
 // "overhead ← reflux": the pair as reports name it.

@@ -218,14 +218,14 @@ absl::StatusOr<PosteriorCorrection> CompleteByPosterior(
         MLE_ASSIGN_OR_RETURN(const ElementResponse response,
                              ElementResponse::Create(own));
         own = response.ToTransferFunction(
-            {element.values.gain + element.means(0),
+            {element.MeanGain(),
              element.values.time_scale * std::exp(element.means(1)),
              std::max(element.values.delay + element.means(2), 0.0)});
         continue;
       }
       RationalOptions rational;
       if (initial.element(i, j).IsIntegrating()) {
-        rational.slope = element.values.gain + element.means(0);
+        rational.slope = element.MeanGain();
       }
       rational.min_delay = (shapes.starts[j] - 1) * posterior.sample_time;
       rational.max_delay = std::max(rational.min_delay, element.values.delay);

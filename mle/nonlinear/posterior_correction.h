@@ -60,8 +60,12 @@ struct ElementPosterior {
   // StepBasis()).
   Eigen::VectorXd means;
   Eigen::MatrixXd covariance;
-  // ‖mean response − that of the model's element‖ / ‖mean response‖.
+  // ‖mean response − that of the model's element‖ / ‖mean response‖, of an
+  // element that integrates less their ramp.
   double reduction_error = 0.0;
+
+  // Of K, to which the static gain of h adds.
+  double MeanGain() const { return values.gain + means(0); }
 };
 
 struct OutputShapes {
@@ -82,9 +86,10 @@ struct PosteriorCorrection {
 
   bool any() const;
   // Puts the posterior's elements into the rows of `output_error` that need an
-  // h: model, `aged` and, of each element, the static gain of its posterior
-  // mean and K, T and L of the element of the model's own shape nearest to that
-  // (least squares of the step responses), with the posterior's errors.
+  // h: model, `aged` and, of each element, the static gain (slope) of its
+  // posterior mean and K, T and L of the element of the model's own shape
+  // nearest to that (least squares of the step responses), with the posterior's
+  // errors.
   void Describe(const ProcessModel& initial, double confidence,
                 OutputErrorCorrection& output_error) const;
   // Posterior mean and standard deviation of the step response of an element

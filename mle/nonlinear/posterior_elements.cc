@@ -142,8 +142,7 @@ NearestElement Nearest(const PosteriorCorrection& posterior,
   const VectorXd mean = posterior.MeanStep(initial, i, j, samples);
   // h adds to a static gain, and nothing to a slope.
   const bool ramp = initial.element(i, j).IsIntegrating();
-  const double gain =
-      ramp ? element.values.gain + element.means(0) : mean(samples - 1);
+  const double gain = ramp ? element.MeanGain() : mean(samples - 1);
   const NearestStep nearest = FindNearest(
       shape, present ? element.values : ElementValues{gain, element.time_unit},
       mean, posterior.sample_time);
