@@ -29,11 +29,12 @@ MatrixXd RecursiveResiduals(MatrixXd rows, Eigen::Index count) {
   for (; count > 0; --count) {
     const Eigen::Index width = rows.cols() - 1;
     Eigen::RowVectorXd products = Eigen::RowVectorXd::Zero(width);
+    Eigen::RowVectorXd row(width);
     double square = 0.0;
     Eigen::Index kept = 0;
     for (Eigen::Index k = 0; k < rows.rows(); ++k) {
       const double r = rows(k, width);
-      const Eigen::RowVectorXd row = rows.row(k).head(width);
+      row = rows.row(k).head(width);
       if (r == 0.0) {
         rows.row(kept++).head(width) = row;
         continue;

@@ -16,7 +16,8 @@
 // are the recursive residuals of regression on it (Brown, Durbin and Evans, J.
 // R. Stat. Soc. B 37, 1975), and on steps of the level that are found. A run's
 // first samples, as long as former inputs act, are not used: all columns are
-// then functions of the past, which an anytime-valid test rests on.
+// then functions of the past, which an anytime-valid test rests on. Where steps
+// are is the exception: all samples of a group choose that.
 
 #ifndef MLE_MONITOR_ROW_RESPONSE_H_
 #define MLE_MONITOR_ROW_RESPONSE_H_
