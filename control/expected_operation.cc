@@ -25,13 +25,20 @@ constexpr double kSettled = 1e-3;
 constexpr double kNothing = 1e-9;
 constexpr double kRunaway = 1e6;
 
-// E|m + σ z|.
-double MeanAbsolute(double mean, double deviation) {
-  if (!(deviation > 0.0)) return std::abs(mean);
-  const double scaled = mean / (deviation * std::numbers::sqrt2);
-  return deviation * std::sqrt(2.0) * std::numbers::inv_sqrtpi *
-             std::exp(-scaled * scaled) +
-         mean * std::erf(scaled);
+// E max(0, d + σ z).
+double MeanAbove(double distance, double deviation) {
+  if (!(deviation > 0.0)) return std::max(distance, 0.0);
+  const double scaled = distance / (deviation * std::numbers::sqrt2);
+  return 0.5 * (distance * std::erfc(-scaled) +
+                deviation * std::numbers::sqrt2 * std::numbers::inv_sqrtpi *
+                    std::exp(-scaled * scaled));
+}
+
+// E max(0, |m + σ z| − w).
+double MeanBeyond(double allowed, double mean, double deviation) {
+  if (std::isinf(allowed)) return 0.0;
+  return MeanAbove(mean - allowed, deviation) +
+         MeanAbove(-mean - allowed, deviation);
 }
 
 // The loop's answer: a row for each error, then for each input's move.
@@ -176,27 +183,36 @@ absl::StatusOr<ExpectedOperation> ExpectOperation(
   OperationSums& sums = operation.sums;
   sums.time = 1.0;
   sums.squared_error = operation.resting_variance;
-  const auto at_rest = [&](Index row) {
-    return MeanAbsolute(0.0, deviation(row));
-  };
-  for (int i = 0; i < p; ++i) sums.absolute_error(i) = at_rest(i);
-  for (int j = 0; j < m; ++j) sums.movement(j) = at_rest(p + j) / period;
+  for (int i = 0; i < p; ++i) {
+    sums.absolute_error(i) = MeanBeyond(0.0, 0.0, deviation(i));
+    sums.violation(i) =
+        MeanBeyond(conditions[i].allowed_error, 0.0, deviation(i));
+  }
+  for (int j = 0; j < m; ++j) {
+    sums.movement(j) = MeanBeyond(0.0, 0.0, deviation(p + j)) / period;
+  }
   for (int i = 0; i < p; ++i) {
     const OutputConditions& met = conditions[i];
     if (!(met.changes > 0.0)) continue;
     const MatrixXd moved = met.change_size * responses[p + i].rows;
     sums.squared_error +=
         met.changes * period * moved.topRows(p).rowwise().squaredNorm();
-    for (Index row = 0; row < p + m; ++row) {
-      double more = 0.0;
+    // Σ_k [A_w(s R(k), σ) − A_w(0, σ)].
+    const auto more = [&](Index row, double allowed) {
+      double sum = 0.0;
       for (const double mean : moved.row(row)) {
-        more += MeanAbsolute(mean, deviation(row)) - at_rest(row);
+        sum += MeanBeyond(allowed, mean, deviation(row)) -
+               MeanBeyond(allowed, 0.0, deviation(row));
       }
-      if (row < p) {
-        sums.absolute_error(row) += met.changes * period * more;
-      } else {
-        sums.movement(row - p) += met.changes * more;
-      }
+      return sum;
+    };
+    for (int row = 0; row < p; ++row) {
+      sums.absolute_error(row) += met.changes * period * more(row, 0.0);
+      sums.violation(row) +=
+          met.changes * period * more(row, conditions[row].allowed_error);
+    }
+    for (int j = 0; j < m; ++j) {
+      sums.movement(j) += met.changes * more(p + j, 0.0);
     }
   }
   return operation;

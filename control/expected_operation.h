@@ -24,7 +24,13 @@
 //   to Σ |Δu|          Σ_k [A(s_i R_i(k), σ) − A(0, σ)],
 //
 // where A(m, σ) = E|m + σ z| = σ √(2/π) exp(−m²/2σ²) + m erf(m/(σ√2)), all of
-// it Gaussian. Changes are taken to be so far apart that each is over before
+// it Gaussian. Where an error of up to w is allowed, what is beyond it,
+// ∫ max(0, |y − r| − w) dt, is told in the same way with
+//
+//   A_w(m, σ) = E max(0, |m + σ z| − w) = B(m − w) + B(−m − w),
+//   B(d) = E max(0, d + σ z) = d Φ(d/σ) + σ φ(d/σ),
+//
+// A being A_0. Changes are taken to be so far apart that each is over before
 // the next; the time between control instants is not looked at.
 //
 //   MLE_ASSIGN_OR_RETURN(const ExpectedOperation operation,
@@ -39,6 +45,7 @@
 #include "absl/status/statusor.h"
 #include "control/mpc.h"
 #include "control/operating_cost.h"
+#include "mle/base/double_limits.h"
 #include "mle/model/process_model.h"
 
 namespace mle::control {
@@ -50,10 +57,11 @@ struct OutputConditions {
   std::vector<double> covariances = {};  // γ_0, γ_1, … by period; 0 beyond
   double changes = 0.0;                  // of its set point, per unit of time
   double change_size = 0.0;              // s, root mean square
+  double allowed_error = kInfinity;      // w ≥ 0, of y − r either way
 };
 
 struct ExpectedOperation {
-  // Of a unit of time; without limits there is no violation.
+  // Of a unit of time; `violation` is what is beyond the allowed errors.
   OperationSums sums;
   // p: σ² of the errors between changes, without the noise itself.
   Eigen::VectorXd resting_variance;

@@ -57,8 +57,8 @@ double ChangeAt(const KnownChange& known, int days, End end) {
 }
 
 std::vector<control::OutputConditions> ConditionsOf(
-    const WatchReference& reference, int samples_of_period,
-    double days_of_unit) {
+    const WatchReference& reference, const Eigen::VectorXd& allowed_error,
+    int samples_of_period, double days_of_unit) {
   std::vector<control::OutputConditions> conditions;
   for (std::size_t i = 0; i < reference.outputs.size(); ++i) {
     const NoiseEstimate& noise = reference.outputs[i].noise;
@@ -68,6 +68,7 @@ std::vector<control::OutputConditions> ConditionsOf(
     met.walk_variance = samples_of_period * noise.increment_variance();
     met.changes = operation.changes * days_of_unit;
     met.change_size = operation.change_size;
+    met.allowed_error = allowed_error(static_cast<Eigen::Index>(i));
     if (!(noise.colour_ratio > 0.0)) continue;
     const Colour colour(noise.colour_pole, noise.colour_damping);
     const Colour::Covariance now = colour.Stationary();
@@ -97,8 +98,8 @@ class Valuer {
         share_of_hours_(controller.valuation->operating_hours / kHoursOfYear) {
     const auto samples = static_cast<int>(
         std::llround(tuning_.control_period / watch.sample_time));
-    conditions_ =
-        ConditionsOf(reference_, samples, seconds_per_unit / kSecondsOfDay);
+    conditions_ = ConditionsOf(reference_, controller.valuation->allowed_error,
+                               samples, seconds_per_unit / kSecondsOfDay);
   }
 
   // A sentence where the reference does not look like this tuning.
@@ -140,8 +141,10 @@ absl::StatusOr<std::string> Valuer::OtherTuning() const {
   for (std::size_t i = 0; i < conditions_.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(i);
     const std::optional<double>& was = reference_.operation[i].squared_error;
-    if (!was.has_value() ||
-        prices_.squared_error(row) + prices_.absolute_error(row) == 0.0) {
+    if (!was.has_value() || prices_.squared_error(row) +
+                                    prices_.absolute_error(row) +
+                                    prices_.violation(row) ==
+                                0.0) {
       continue;
     }
     const double expected =

@@ -87,11 +87,13 @@ absl::Status ReadRecords(const JsonNode& node,
 absl::Status ReadPrices(const JsonNode& node, Valuation& valuation) {
   std::vector<Option> options =
       Only(OptionsOf(valuation.prices),
-           {"price_squared_error", "price_absolute_error", "price_movement",
-            "price_engineer_hour", "hours_per_update"});
+           {"price_squared_error", "price_absolute_error", "price_violation",
+            "price_movement", "price_engineer_hour", "hours_per_update"});
   options.insert(
       options.end(),
-      {{"currency", &valuation.currency, ""},
+      {{"allowed_error", ForEachOutput(&valuation.allowed_error, ""), "", "",
+        kNotNegative},
+       {"currency", &valuation.currency, ""},
        {"days_between_updates", &valuation.days_between_updates, "", "",
         Between(1, kMostDaysBetweenUpdates)},
        {"operating_hours",
@@ -105,15 +107,22 @@ absl::Status ReadPrices(const JsonNode& node, Valuation& valuation) {
     return node.At("currency").Fault(std::string(status.message()));
   }
   control::Prices& prices = valuation.prices;
+  // Without this price nothing is a violation, and the reverse.
+  if (node.Has("price_violation") != node.Has("allowed_error")) {
+    return node.Fault(
+        "price_violation and allowed_error belong together: the price of a "
+        "unit for an hour, and the error beyond which it is due");
+  }
   // What is not named costs nothing.
-  for (Eigen::VectorXd* price :
-       {&prices.squared_error, &prices.absolute_error, &prices.movement}) {
+  for (Eigen::VectorXd* price : {&prices.squared_error, &prices.absolute_error,
+                                 &prices.violation, &prices.movement}) {
     if (price->size() == 0) *price = Eigen::VectorXd::Zero(1);
   }
-  if (prices.squared_error.isZero(0.0) && prices.absolute_error.isZero(0.0)) {
+  if (prices.squared_error.isZero(0.0) && prices.absolute_error.isZero(0.0) &&
+      prices.violation.isZero(0.0)) {
     return node.Fault(
-        "no error of an output has a price; price_squared_error or "
-        "price_absolute_error must be > 0");
+        "no error of an output has a price; price_squared_error, "
+        "price_absolute_error or price_violation must be > 0");
   }
   return absl::OkStatus();
 }
@@ -235,8 +244,11 @@ absl::Status FitToModel(const ProcessModel& model, Controller& controller) {
       MLE_RETURN_IF_ERROR(
           FitValues("prices.price_absolute_error", p, prices.absolute_error));
       MLE_RETURN_IF_ERROR(
+          FitValues("prices.price_violation", p, prices.violation));
+      MLE_RETURN_IF_ERROR(FitValues("prices.allowed_error", p,
+                                    controller.valuation->allowed_error));
+      MLE_RETURN_IF_ERROR(
           FitValues("prices.price_movement", m, prices.movement));
-      prices.violation = Eigen::VectorXd::Zero(p);
     }
     if (!controller.tuning.has_value()) return absl::OkStatus();
     control::MpcOptions& tuning = *controller.tuning;

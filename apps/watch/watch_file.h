@@ -11,6 +11,7 @@
 #include "absl/status/statusor.h"
 #include "control/mpc_options.h"
 #include "control/operating_cost.h"
+#include "mle/base/double_limits.h"
 #include "mle/data/record_columns.h"
 #include "mle/database/database_options.h"
 #include "mle/model/process_model.h"
@@ -24,6 +25,9 @@ inline constexpr double kHoursOfYear = 8766.0;
 // What operation costs, and what an update does.
 struct Valuation {
   control::Prices prices;
+  // p, or one value for all, each ≥ 0: |y − r| beyond which the price of
+  // violation holds.
+  Eigen::VectorXd allowed_error = Eigen::VectorXd::Constant(1, kInfinity);
   std::string currency;            // as it is shown; may be empty
   int days_between_updates = 365;  // for which one is expected to serve
   double operating_hours = kHoursOfYear;

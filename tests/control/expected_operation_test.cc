@@ -51,10 +51,18 @@ Record Simulate(Mpc mpc, const ProcessModel& plant,
   return *std::move(record);
 }
 
-OperationSums SumsOfRecord(const Record& record) {
-  const VectorXd none = VectorXd::Constant(record.num_outputs(), INFINITY);
-  return SumsOf(record.outputs, record.set_points, record.inputs, 0,
-                record.samples(), 1.0, {-none, none});
+// Errors beyond the allowed ones are outputs beyond limits where set points are
+// zero.
+OperationSums SumsOfRecord(
+    const Record& record,
+    const VectorXd& allowed = VectorXd::Constant(2, INFINITY)) {
+  OperationSums sums = SumsOf(record.outputs, record.set_points, record.inputs,
+                              0, record.samples(), 1.0, {-allowed, allowed});
+  sums.violation = SumsOf(record.outputs - record.set_points,
+                          MatrixXd::Zero(2, record.samples()), record.inputs, 0,
+                          record.samples(), 1.0, {-allowed, allowed})
+                       .violation;
+  return sums;
 }
 
 ExpectedOperation Expect(const Mpc& mpc, const ProcessModel& plant,
@@ -75,6 +83,8 @@ TEST(ExpectedOperationTest, ChangesWithoutNoiseAreTheSimulatedOnes) {
   conditions[0].change_size = 0.7;
   conditions[1].changes = 0.003;
   conditions[1].change_size = 0.2;
+  conditions[0].allowed_error = 0.3;
+  conditions[1].allowed_error = 0.0;
   const ExpectedOperation expected = Expect(mpc, plant, conditions);
   OperationSums simulated = OperationSums::Zero(2, 2);
   for (int i = 0; i < 2; ++i) {
@@ -84,7 +94,8 @@ TEST(ExpectedOperationTest, ChangesWithoutNoiseAreTheSimulatedOnes) {
                              .time = 0.0,
                              .value = conditions[i].change_size}}},
                  2000.0, 0.0, {});
-    simulated.Add(SumsOfRecord(record), conditions[i].changes);
+    simulated.Add(SumsOfRecord(record, Eigen::Vector2d(0.3, 0.0)),
+                  conditions[i].changes);
   }
   EXPECT_EQ(expected.sums.time, 1.0);
   // Both are cut off once a thousandth is left.
@@ -93,6 +104,9 @@ TEST(ExpectedOperationTest, ChangesWithoutNoiseAreTheSimulatedOnes) {
   EXPECT_TRUE(
       expected.sums.absolute_error.isApprox(simulated.absolute_error, 0.01));
   EXPECT_TRUE(expected.sums.movement.isApprox(simulated.movement, 0.01));
+  EXPECT_GT(simulated.violation(0), 0.1 * simulated.absolute_error(0));
+  EXPECT_NEAR(expected.sums.violation(0) / simulated.violation(0), 1.0, 1e-6);
+  EXPECT_DOUBLE_EQ(expected.sums.violation(1), expected.sums.absolute_error(1));
   EXPECT_EQ(expected.resting_variance.norm(), 0.0);
 }
 
@@ -142,6 +156,8 @@ TEST(ExpectedOperationTest, ChangesUnderNoiseAreTheSimulatedOnes) {
   conditions[0] = {
       .walk_variance = 2e-3, .changes = 1.0 / 400.0, .change_size = 0.5};
   conditions[1] = {.walk_variance = 2e-3};
+  conditions[0].allowed_error = 0.2;
+  conditions[1].allowed_error = 0.1;
   sim::SetPointProfile set_points;
   for (int k = 0; k < 1000; ++k) {
     set_points.steps.push_back(
@@ -150,12 +166,14 @@ TEST(ExpectedOperationTest, ChangesUnderNoiseAreTheSimulatedOnes) {
   const ExpectedOperation expected = Expect(mpc, plant, conditions);
   const Record record = Simulate(mpc, plant, set_points, 400'000.0, 0.0, met);
   OperationSums simulated = OperationSums::Zero(2, 2);
-  simulated.Add(SumsOfRecord(record), 1.0 / record.samples());
+  simulated.Add(SumsOfRecord(record, Eigen::Vector2d(0.2, 0.1)),
+                1.0 / record.samples());
   for (int i = 0; i < 2; ++i) {
     EXPECT_NEAR(simulated.squared_error(i) / expected.sums.squared_error(i),
                 1.0, 0.05);
     EXPECT_NEAR(simulated.absolute_error(i) / expected.sums.absolute_error(i),
                 1.0, 0.03);
+    EXPECT_NEAR(simulated.violation(i) / expected.sums.violation(i), 1.0, 0.05);
     EXPECT_NEAR(simulated.movement(i) / expected.sums.movement(i), 1.0, 0.02);
   }
 }

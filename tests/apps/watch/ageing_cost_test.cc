@@ -48,6 +48,7 @@ Controller TankController() {
   Valuation& valuation = controller.valuation.emplace();
   valuation.prices.squared_error = Eigen::VectorXd::Constant(1, kPrice);
   valuation.prices.absolute_error = Eigen::VectorXd::Zero(1);
+  valuation.prices.violation = Eigen::VectorXd::Zero(1);
   valuation.prices.movement = Eigen::VectorXd::Zero(1);
   valuation.currency = "EUR";
   control::MpcOptions& tuning = controller.tuning.emplace();
@@ -60,11 +61,9 @@ Controller TankController() {
 }
 
 // Days of the closed loop, whose set point moves twice a day.
-Record RunDays(sim::PlantModel& plant, const ProcessModel& model, int days,
-               std::uint64_t seed, double white = kWhite) {
-  absl::StatusOr<control::Mpc> mpc =
-      control::Mpc::Create(model, *TankController().tuning);
-  EXPECT_TRUE(mpc.ok()) << mpc.status();
+template <typename Control>
+Record RunDays(sim::PlantModel& plant, const Control& control, int days,
+               std::uint64_t seed, double white) {
   sim::SetPointProfile set_points;
   for (int day = 0; day < days; ++day) {
     for (const bool up : {true, false}) {
@@ -78,11 +77,7 @@ Record RunDays(sim::PlantModel& plant, const ProcessModel& model, int days,
   conditions.output_disturbance.drift_variance =
       Eigen::VectorXd::Constant(1, kDrift);
   absl::StatusOr<Record> record = sim::SimulateClosedLoop(
-      plant, model,
-      [&mpc](const auto& y, const auto& r, auto next) {
-        mpc->Step(y, r, next);
-      },
-      set_points,
+      plant, Tank(), control, set_points,
       {.sample_time = kSampleTime,
        .control_period = kSampleTime,
        .duration = kSampleTime * (kSamplesOfDay * days - 0.5),
@@ -91,6 +86,19 @@ Record RunDays(sim::PlantModel& plant, const ProcessModel& model, int days,
       conditions);
   EXPECT_TRUE(record.ok()) << record.status();
   return *std::move(record);
+}
+
+Record RunDays(sim::PlantModel& plant, const ProcessModel& model, int days,
+               std::uint64_t seed, double white = kWhite) {
+  absl::StatusOr<control::Mpc> mpc =
+      control::Mpc::Create(model, *TankController().tuning);
+  EXPECT_TRUE(mpc.ok()) << mpc.status();
+  return RunDays(
+      plant,
+      [&mpc](const auto& y, const auto& r, auto next) {
+        mpc->Step(y, r, next);
+      },
+      days, seed, white);
 }
 
 WatchBatch DayOfRecord(const Record& record, int day, int lead) {
@@ -148,21 +156,50 @@ Watch WatchTank(const std::vector<sim::Schedule::Point>& gain, int days,
   return watch;
 }
 
-// By simulation: what 30 days of a plant of this gain cost more under the
-// controller of old than under a corrected one.
-double SimulatedCost(double gain) {
-  constexpr int kDays = 600;
-  double squares = 0.0;
-  for (const bool corrected : {false, true}) {
+double SumOfSquares(const Eigen::MatrixXd& errors) {
+  return errors.squaredNorm();
+}
+
+// What the product missed of its set point in days of a tank of this gain: the
+// inputs of the closed loop once more, without measurement noise.
+Eigen::MatrixXd ErrorsOfProduct(double gain, const ProcessModel& model,
+                                int days) {
+  constexpr std::uint64_t kSeed = 77;
+  Record record;
+  for (const bool again : {false, true}) {
     absl::StatusOr<sim::Plant> plant =
-        sim::Plant::Create(Tank(2.0 * gain), {.sample_time = kSampleTime});
+        sim::Plant::Create(Tank(gain), {.sample_time = kSampleTime});
     EXPECT_TRUE(plant.ok()) << plant.status();
-    const Record record =
-        RunDays(*plant, Tank(corrected ? 2.0 * gain : 2.0), kDays, 77);
-    squares += (corrected ? -1.0 : 1.0) *
-               (record.outputs - record.set_points).squaredNorm();
+    if (!again) {
+      record = RunDays(*plant, model, days, kSeed);
+      continue;
+    }
+    const Eigen::MatrixXd inputs = record.inputs;
+    Eigen::Index next_sample = 1;
+    record = RunDays(
+        *plant,
+        [&](const auto&, const auto&, auto next) {
+          next = inputs.col(std::min(next_sample++, inputs.cols() - 1));
+        },
+        days, kSeed, 0.0);
+    EXPECT_EQ(record.inputs, inputs);
   }
-  return kPrice * squares * kSampleTime / 60.0 * 30.0 / kDays;
+  return record.outputs - record.set_points;
+}
+
+// By simulation: what 30 days of a plant of this gain cost more under the
+// controller of old than under a corrected one, at the price of what `sum` says
+// of the errors of samples.
+template <typename Sum = decltype(SumOfSquares)>
+double SimulatedCost(double gain, const Sum& sum = SumOfSquares) {
+  constexpr int kDays = 600;
+  double more = 0.0;
+  for (const bool corrected : {false, true}) {
+    more += (corrected ? -1.0 : 1.0) *
+            sum(ErrorsOfProduct(2.0 * gain, Tank(corrected ? 2.0 * gain : 2.0),
+                                kDays));
+  }
+  return kPrice * more * kSampleTime / 60.0 * 30.0 / kDays;
 }
 
 Report ReportOf(const Controller& controller, const Watch& watch) {
@@ -184,6 +221,31 @@ TEST(AgeingCostTest, IsTheSimulatedDifferenceOfCosts) {
     EXPECT_LT(told.high - told.low, simulated);
     EXPECT_TRUE(cost.pays_now());
   }
+}
+
+TEST(AgeingCostTest, ErrorsBeyondTheAllowedOneHaveTheirOwnPrice) {
+  static constexpr double kAllowed =
+      0.2;  // a third of a change of the set point
+  const Watch watch = WatchTank({{41.0, 1.0}, {41.0, 0.7}}, 100);
+  Controller controller = TankController();
+  Valuation& valuation = *controller.valuation;
+  valuation.prices.squared_error.setZero();
+  valuation.prices.violation = Eigen::VectorXd::Constant(1, kPrice);
+  valuation.allowed_error = Eigen::VectorXd::Constant(1, kAllowed);
+  const Report report = ReportOf(controller, watch);
+  ASSERT_EQ(report.cost.state, CostState::kTold)
+      << CostText(report.model, report.cost);
+  const double simulated = SimulatedCost(0.7, [](const auto& errors) {
+    return (errors.cwiseAbs().array() - kAllowed).cwiseMax(0.0).sum();
+  });
+  const CourseEstimate& told = report.cost.points.front().cost;
+  EXPECT_LT(told.low, simulated);
+  EXPECT_GT(told.high, simulated);
+  EXPECT_NEAR(told.mean / simulated, 1.0, 0.15);
+  // No error goes as far as 10 mm.
+  valuation.allowed_error *= 50.0;
+  const Report wide = ReportOf(controller, watch);
+  EXPECT_NEAR(wide.cost.points.front().cost.mean, 0.0, 1e-6 * simulated);
 }
 
 TEST(AgeingCostTest, AFallCostsMoreEveryMonthAndHasADate) {

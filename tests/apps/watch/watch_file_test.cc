@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "absl/strings/str_cat.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
@@ -84,6 +85,8 @@ TEST(WatchFileTest, PricesAndTuningAreThoseOfTheLifeCycle) {
   const Valuation& valuation = *controller.valuation;
   EXPECT_EQ(valuation.prices.squared_error, Eigen::Vector2d(3.0, 4.0));
   EXPECT_EQ(valuation.prices.absolute_error, Eigen::Vector2d::Zero());
+  EXPECT_EQ(valuation.prices.violation, Eigen::Vector2d::Zero());
+  EXPECT_TRUE(valuation.allowed_error.array().isInf().all());
   EXPECT_EQ(valuation.prices.movement, Eigen::Vector2d::Zero());
   EXPECT_EQ(valuation.prices.engineer_hour, 90.0);
   EXPECT_EQ(valuation.prices.hours_per_update, 1.0);
@@ -96,6 +99,34 @@ TEST(WatchFileTest, PricesAndTuningAreThoseOfTheLifeCycle) {
             Eigen::Vector2d(0.1, 0.3));
 }
 
+TEST(WatchFileTest, ViolationsHaveAPriceBeyondAnAllowedError) {
+  auto controllers = ParseWatchFile(
+      PricedJson(R"({"price_violation": 7, "allowed_error": [0.1, 0.4],
+                     "price_engineer_hour": 90})",
+                 kTuning),
+      "site/c.json");
+  ASSERT_TRUE(controllers.ok()) << controllers.status();
+  const ProcessModel model("m", "min", {{"u1", ""}, {"u2", ""}},
+                           {{"y1", ""}, {"y2", ""}});
+  ASSERT_TRUE(FitToModel(model, controllers->front()).ok());
+  const Valuation& valuation = *controllers->front().valuation;
+  EXPECT_EQ(valuation.prices.violation, Eigen::Vector2d(7.0, 7.0));
+  EXPECT_EQ(valuation.allowed_error, Eigen::Vector2d(0.1, 0.4));
+  for (const char* half : {"price_violation", "allowed_error"}) {
+    EXPECT_THAT(
+        ErrorOf(PricedJson(absl::StrCat("{\"", half,
+                                        R"(": 1, "price_squared_error": 2,
+                                             "price_engineer_hour": 90})"),
+                           kTuning)),
+        AllOf(HasSubstr("controllers[0].prices"), HasSubstr("together")));
+  }
+  EXPECT_THAT(
+      ErrorOf(PricedJson(R"({"price_violation": 1, "allowed_error": -0.1,
+                             "price_engineer_hour": 90})",
+                         kTuning)),
+      AllOf(HasSubstr("prices.allowed_error"), HasSubstr("≥ 0")));
+}
+
 TEST(WatchFileTest, MistakesInPricesAndTuningAreNamed) {
   const auto prices_error = [](const std::string& prices) {
     return ErrorOf(PricedJson(prices, kTuning));
@@ -104,7 +135,8 @@ TEST(WatchFileTest, MistakesInPricesAndTuningAreNamed) {
               AllOf(HasSubstr("site/c.json: controllers[0].prices"),
                     HasSubstr("price_engineer_hour")));
   EXPECT_THAT(prices_error(R"({"price_engineer_hour": 90})"),
-              HasSubstr("price_squared_error or price_absolute_error"));
+              HasSubstr("price_squared_error, price_absolute_error or "
+                        "price_violation must be > 0"));
   EXPECT_THAT(
       prices_error(R"({"price_engineer_hour": 90, "price_squared_error": -1})"),
       AllOf(HasSubstr("controllers[0].prices.price_squared_error"),
