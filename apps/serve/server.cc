@@ -53,16 +53,19 @@ class Workers : public httplib::TaskQueue {
     for (std::thread& thread : threads_) thread.join();
   }
 
+  // For a thread: a job that a free one only has not woken up for is not.
   bool IsAnyWaiting() {
     const std::lock_guard<std::mutex> lock(mutex_);
-    return !jobs_.empty();
+    return jobs_.size() > free_;
   }
 
  private:
   void Work() {
     while (true) {
       std::unique_lock<std::mutex> lock(mutex_);
+      ++free_;
       work_.wait(lock, [this] { return ended_ || !jobs_.empty(); });
+      --free_;
       if (jobs_.empty()) return;
       const std::function<void()> job = std::move(jobs_.front());
       jobs_.pop_front();
@@ -78,6 +81,7 @@ class Workers : public httplib::TaskQueue {
   std::condition_variable work_;
   std::condition_variable room_;
   std::deque<std::function<void()>> jobs_;
+  std::size_t free_ = 0;  // threads without a job
   std::vector<std::thread> threads_;
   bool ended_ = false;
 };

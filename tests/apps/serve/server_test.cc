@@ -8,6 +8,7 @@
 #include <memory>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
@@ -122,6 +123,30 @@ TEST(ServerTest, WhoRestsTooLongIsCutOff) {
   client.Send(Get("/"));
   EXPECT_EQ(StatusOf(client.Answer()), 200);
   EXPECT_TRUE(client.IsClosed());
+}
+
+TEST(ServerTest, WhoRestsIsNotCutOffForThoseWhoNeedNotWait) {
+  const auto server = Start();
+  std::deque<Client> resting;
+  for (int i = 0; i < 20; ++i) {
+    resting.emplace_back(server->port());
+    resting.back().Send(Get("/"));
+    EXPECT_EQ(StatusOf(resting.back().Answer()), 200);
+  }
+  std::vector<std::thread> others;
+  for (int i = 0; i < 2; ++i) {
+    others.emplace_back([&server] {
+      const absl::Time end = absl::Now() + absl::Seconds(1);
+      while (absl::Now() < end) {
+        EXPECT_EQ(StatusOf(Ask(server->port(), Get("/"))), 200);
+      }
+    });
+  }
+  for (std::thread& other : others) other.join();
+  for (Client& client : resting) {
+    client.Send(Get("/again"));
+    EXPECT_EQ(StatusOf(client.Answer()), 200);
+  }
 }
 
 TEST(ServerTest, WhoTakesNothingIsCutOff) {
