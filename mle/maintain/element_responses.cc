@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -60,6 +59,16 @@ Record Part(const Record& record, int first, int samples) {
 
 }  // namespace
 
+int NumElements(const ProcessModel& model) {
+  int count = 0;
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    for (int j = 0; j < model.num_inputs(); ++j) {
+      count += model.element(i, j).IsZero() ? 0 : 1;
+    }
+  }
+  return count;
+}
+
 Record WithoutGaps(const Record& record) {
   return Part(record, 0, record.samples());
 }
@@ -89,69 +98,67 @@ std::vector<Record> AroundSetPointChanges(const std::vector<Record>& records) {
   return parts;
 }
 
-Assignment Assignment::AsRecorded(const ProcessModel& model) {
-  Assignment assignment;
-  assignment.outputs.resize(model.num_outputs());
-  assignment.inputs.resize(model.num_inputs());
-  std::iota(assignment.outputs.begin(), assignment.outputs.end(), 0);
-  std::iota(assignment.inputs.begin(), assignment.inputs.end(), 0);
-  return assignment;
-}
-
 absl::StatusOr<ElementResponses> ElementResponses::Create(
     const ProcessModel& model, const std::vector<Record>& parts,
-    double time_scale, Inputs inputs) {
+    double time_scale) {
   const int p = model.num_outputs();
   const int m = model.num_inputs();
   ElementResponses responses;
   responses.parts_ = &parts;
+  responses.time_scale_ = time_scale;
   responses.num_inputs_ = m;
   responses.integrating_ = IntegratingOutputs(model);
-  responses.responses_.resize(parts.size());
-  for (int k = 0; k < m; ++k) {
-    std::vector<int>& columns =
-        responses.columns_.emplace_back(static_cast<std::size_t>(p * m), -1);
+  responses.columns_.assign(static_cast<std::size_t>(p) * m, -1);
+  for (int j = 0; j < m; ++j) {
     std::vector<OutputChannel> driven;
-    for (int e = 0; e < p * m; ++e) {
-      if (model.element(e / m, e % m).IsZero()) continue;
-      if (inputs == Inputs::kOwn && e % m != k) continue;
-      columns[e] = static_cast<int>(driven.size());
-      driven.push_back({absl::StrCat("element ", e), ""});
+    std::vector<TransferFunction> elements;
+    for (int i = 0; i < p; ++i) {
+      if (model.element(i, j).IsZero()) continue;
+      responses.columns_[i * m + j] = static_cast<int>(driven.size());
+      driven.push_back({absl::StrCat("output ", i), ""});
+      elements.push_back(model.element(i, j));
     }
-    ProcessModel all("elements", model.time_unit(), {{"input", ""}}, driven);
-    for (int e = 0; e < p * m; ++e) {
-      if (columns[e] < 0) continue;
-      all.element(columns[e], 0) = model.element(e / m, e % m);
+    ProcessModel& of_input = responses.of_input_.emplace_back(
+        "elements", model.time_unit(), std::vector<InputChannel>{{"input", ""}},
+        driven);
+    for (std::size_t e = 0; e < elements.size(); ++e) {
+      of_input.element(static_cast<int>(e), 0) = elements[e];
     }
-    for (std::size_t w = 0; w < parts.size(); ++w) {
-      Eigen::MatrixXd& of_input = responses.responses_[w].emplace_back();
-      if (driven.empty()) continue;
-      MLE_ASSIGN_OR_RETURN(
-          const Eigen::MatrixXd outputs,
-          SimulateResponse(all, parts[w].sample_time / time_scale,
-                           parts[w].inputs.row(k)));
-      of_input = outputs.transpose();
-    }
+    MLE_ASSIGN_OR_RETURN(responses.responses_.emplace_back(),
+                         responses.Of(j, j));
   }
   return responses;
 }
 
-WhitenedData ElementResponses::Row(const Assignment& assignment,
-                                   int output) const {
+absl::StatusOr<ElementResponses::OfInput> ElementResponses::Of(
+    int input, int recorded) const {
+  OfInput responses;
+  const ProcessModel& elements = of_input_[input];
+  for (const Record& part : *parts_) {
+    Eigen::MatrixXd& of_part = responses.emplace_back(part.samples(), 0);
+    if (elements.num_outputs() == 0) continue;
+    MLE_ASSIGN_OR_RETURN(
+        const Eigen::MatrixXd outputs,
+        SimulateResponse(elements, part.sample_time / time_scale_,
+                         part.inputs.row(recorded)));
+    of_part = outputs.transpose();
+  }
+  return responses;
+}
+
+WhitenedData ElementResponses::Row(int output) const {
   WhitenedData data;
   for (std::size_t w = 0; w < parts_->size(); ++w) {
     const Record& part = (*parts_)[w];
-    data.outputs.emplace_back(
-        part.outputs.row(assignment.outputs[output]).transpose());
+    data.outputs.emplace_back(part.outputs.row(output).transpose());
     Eigen::MatrixXd& row =
         data.responses.emplace_back(part.samples(), num_inputs_);
     for (int j = 0; j < num_inputs_; ++j) {
-      const int input = assignment.inputs[j];
-      const int column = columns_[input][output * num_inputs_ + j];
+      const int column = ColumnOf(output, j);
       if (column < 0) {
         row.col(j).setZero();
       } else {
-        row.col(j) = responses_[w][input].col(column);
+        row.col(j) = responses_[j][w].col(column);
       }
     }
   }

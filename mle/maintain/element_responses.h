@@ -15,9 +15,8 @@
 
 namespace mle {
 
-// Samples × outputs × inputs² of all records, above which such tests are left
-// out: their time would not be worth it.
-inline constexpr double kMostProducts = 2e7;
+// The elements that are not zero.
+int NumElements(const ProcessModel& model);
 
 // Up to 1,000 samples on each side of every change, 8,000 in all (the first
 // ones), whatever the model's time constants: these may be in another unit.
@@ -28,42 +27,40 @@ std::vector<Record> AroundSetPointChanges(const std::vector<Record>& records);
 // The record with its gaps bridged so.
 Record WithoutGaps(const Record& record);
 
-// Which tag of the records is taken for each channel of the model, and by what
-// all of the model's times are multiplied.
-struct Assignment {
-  std::vector<int> outputs;  // p
-  std::vector<int> inputs;   // m
-  double time_scale = 1.0;
-
-  static Assignment AsRecorded(const ProcessModel& model);
-};
-
 class ElementResponses {
  public:
-  // Which inputs an element is driven by: its own, or every one in turn, for
-  // assignments of other tags to the inputs. For N samples and E elements that
-  // are not zero N E numbers are held of the former and N E m of the latter,
-  // and as many samples simulated.
-  enum class Inputs { kOwn, kAll };
+  // What the elements of one input make of it: of each part N × as many as are
+  // not zero.
+  using OfInput = std::vector<Eigen::MatrixXd>;
 
-  // `parts` must outlive this. Errors as of SimulateResponse().
+  // N E numbers are held, of N samples and E elements that are not zero.
+  // `parts` must outlive this; the model's times are multiplied by
+  // `time_scale`. Errors as of SimulateResponse().
   static absl::StatusOr<ElementResponses> Create(
       const ProcessModel& model, const std::vector<Record>& parts,
-      double time_scale, Inputs inputs = Inputs::kAll);
+      double time_scale = 1.0);
 
-  // Output `output` of the model and what its elements, zero ones included,
-  // make of the inputs; of an output that integrates the increments of both.
-  // Of kOwn the inputs are as recorded.
-  WhitenedData Row(const Assignment& assignment, int output) const;
+  const OfInput& Of(int input) const { return responses_[input]; }
+  // What the elements of `input` would make of another recorded input.
+  absl::StatusOr<OfInput> Of(int input, int recorded) const;
+  // The column of element (output, input) there; -1: it is zero.
+  int ColumnOf(int output, int input) const {
+    return columns_[output * num_inputs_ + input];
+  }
+  bool integrates(int output) const { return integrating_[output]; }
+
+  // Output `output` and what its elements, zero ones included, make of the
+  // inputs; of an output that integrates the increments of both.
+  WhitenedData Row(int output) const;
 
  private:
   const std::vector<Record>* parts_ = nullptr;
+  double time_scale_ = 1.0;
   int num_inputs_ = 0;
-  std::vector<bool> integrating_;  // p
-  // Of each recorded input the column of element (i, j), at i m + j; -1: none.
-  std::vector<std::vector<int>> columns_;
-  // Of each part and recorded input: N × the elements that it drives.
-  std::vector<std::vector<Eigen::MatrixXd>> responses_;
+  std::vector<bool> integrating_;       // p
+  std::vector<int> columns_;            // p m
+  std::vector<ProcessModel> of_input_;  // m: its elements, in turn
+  std::vector<OfInput> responses_;      // m
 };
 
 }  // namespace mle

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "Eigen/Core"
+#include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
@@ -18,8 +19,11 @@
 namespace mle {
 namespace {
 
-constexpr std::array<int, 3> kBlocks = {1, 5, 20};
+// Samples; what is no better in long blocks is soon known.
+constexpr std::array<int, 3> kBlocks = {20, 5, 1};
 constexpr double kLeastBlocks = 100.0;
+// Samples of the responses of all elements to all inputs that are simulated.
+constexpr double kMostResponses = 1e9;
 constexpr double kLeastMistakeNats = 10.0;
 constexpr double kCompleteNats = 6.0;
 constexpr double kSameFactor = 0.1;
@@ -27,22 +31,28 @@ constexpr std::array<double, 4> kTimeUnits = {60.0, 1.0 / 60.0, 3600.0,
                                               1.0 / 3600.0};
 
 using Kind = OperatorMistake::Kind;
+using Series = std::vector<Eigen::VectorXd>;  // of each part
 
 // A model without free parameters that may be behind the records.
 struct Hypothesis {
   OperatorMistake mistake;
-  Assignment assignment;
-  Eigen::MatrixXd gains;    // p × m: factors of the model's elements
-  Eigen::MatrixXd without;  // the same, the channels concerned having no effect
   // Free gains must not be better: all that tells is one length of blocks.
   bool complete = false;
+};
+
+// An output of the model under a hypothesis.
+struct HypotheticalRow {
+  int output = 0;
+  int measured = 0;  // the tag that is taken for it
+  Series claimed;    // what the elements make of the inputs
+  Series without;    // the same, the channels concerned having no effect
 };
 
 // The model as it is, at one length of blocks.
 struct AsRecorded {
   int block = 1;
-  double fixed = 0.0;  // log-likelihoods, with the model's gains
-  double free = 0.0;   // and with free ones
+  Eigen::VectorXd fixed;    // p: log-likelihoods, with the model's gains
+  double free_gains = 0.0;  // of all outputs, by how much free ones are better
   GainEstimates gains;
 };
 
@@ -57,161 +67,258 @@ class MistakeSearch {
   int p() const { return model_.num_outputs(); }
   int m() const { return model_.num_inputs(); }
 
-  double LogLikelihood(const ElementResponses& responses,
-                       const Assignment& assignment,
-                       const Eigen::MatrixXd& gains, int block) const;
+  // Of the innovations of a tag, taken for this output of the model, that
+  // responds so.
+  double LogLikelihood(int output, int measured, const Series& responses,
+                       int block) const;
   void FitAsRecorded();
-  Hypothesis AsIs() const;
-  void AddExchanges();
+  absl::Status JudgeExchanges();
   // Of a row (an output) or column (an input) in which all determined gains
   // agree.
   void AddFactors(bool outputs);
-  void Judge(const Hypothesis& hypothesis, const ElementResponses& responses);
+  void JudgeTimeUnits();
+  absl::StatusOr<std::vector<HypotheticalRow>> InputsExchanged(int a,
+                                                               int b) const;
+  std::vector<HypotheticalRow> OutputsExchanged(int a, int b) const;
+  std::vector<HypotheticalRow> Multiplied(const OperatorMistake& mistake) const;
+  // `rows`: those that it changes.
+  void Judge(const Hypothesis& hypothesis,
+             const std::vector<HypotheticalRow>& rows);
 
   const ProcessModel& model_;
   const std::vector<Record>& parts_;
   std::vector<int> moving_;  // outputs that are not constant
   std::optional<ElementResponses> responses_;
-  std::vector<AsRecorded> as_recorded_;
-  std::vector<Hypothesis> hypotheses_;
+  std::vector<Series> sums_;  // p: what all elements make of the inputs
+  std::vector<AsRecorded> as_recorded_;  // the longest blocks first
+  std::vector<Hypothesis> factors_;
   std::optional<OperatorMistake> best_;
 };
 
-double MistakeSearch::LogLikelihood(const ElementResponses& responses,
-                                    const Assignment& assignment,
-                                    const Eigen::MatrixXd& gains,
-                                    int block) const {
-  double sum = 0.0;
-  for (const int i : moving_) {
-    sum +=
-        WhitenedLogLikelihood(BlockMeans(responses.Row(assignment, i), block),
-                              gains.row(i).transpose());
+// What the elements of each output make of all inputs.
+std::vector<Series> SumsOf(const ElementResponses& responses,
+                           const std::vector<Record>& parts, int outputs,
+                           int inputs) {
+  std::vector<Series> sums(outputs);
+  for (int i = 0; i < outputs; ++i) {
+    for (std::size_t w = 0; w < parts.size(); ++w) {
+      Eigen::VectorXd& sum =
+          sums[i].emplace_back(Eigen::VectorXd::Zero(parts[w].samples()));
+      for (int j = 0; j < inputs; ++j) {
+        const int column = responses.ColumnOf(i, j);
+        if (column >= 0) sum += responses.Of(j)[w].col(column);
+      }
+    }
   }
-  return sum;
+  return sums;
+}
+
+// Adds `factor` times what an element makes of its input.
+void Add(double factor, const ElementResponses::OfInput& of_input, int column,
+         Series& series) {
+  if (column < 0) return;
+  for (std::size_t w = 0; w < series.size(); ++w) {
+    series[w] += factor * of_input[w].col(column);
+  }
+}
+
+Series Times(double factor, Series series) {
+  for (Eigen::VectorXd& part : series) part *= factor;
+  return series;
+}
+
+double MistakeSearch::LogLikelihood(int output, int measured,
+                                    const Series& responses, int block) const {
+  WhitenedData data;
+  for (std::size_t w = 0; w < parts_.size(); ++w) {
+    data.outputs.emplace_back(parts_[w].outputs.row(measured).transpose());
+    data.responses.emplace_back(responses[w]);
+  }
+  if (responses_->integrates(output)) data = Increments(data);
+  return WhitenedLogLikelihood(BlockMeans(data, block),
+                               Eigen::VectorXd::Ones(1));
 }
 
 void MistakeSearch::FitAsRecorded() {
   double samples = 0.0;
   for (const Record& part : parts_) samples += part.samples();
-  const Assignment assignment = Assignment::AsRecorded(model_);
+  std::vector<WhitenedData> rows;
+  for (int i = 0; i < p(); ++i) rows.push_back(responses_->Row(i));
   for (const int block : kBlocks) {
     if (samples / block < kLeastBlocks) continue;
     AsRecorded& fit = as_recorded_.emplace_back();
     fit.block = block;
+    fit.fixed = Eigen::VectorXd::Zero(p());
     fit.gains.values = Eigen::MatrixXd::Ones(p(), m());
     fit.gains.errors = Eigen::MatrixXd::Constant(
         p(), m(), std::numeric_limits<double>::infinity());
     for (const int i : moving_) {
-      const WhitenedData row =
-          BlockMeans(responses_->Row(assignment, i), block);
-      const Eigen::VectorXd ones = Eigen::VectorXd::Ones(m());
-      fit.fixed += WhitenedLogLikelihood(row, ones);
-      const WhitenedFit free = FitWhitenedGains(row, ones);
-      fit.free += free.log_likelihood;
+      fit.fixed(i) = LogLikelihood(i, i, sums_[i], block);
+      const WhitenedFit free = FitWhitenedGains(BlockMeans(rows[i], block),
+                                                Eigen::VectorXd::Ones(m()));
+      fit.free_gains += free.log_likelihood - fit.fixed(i);
       fit.gains.values.row(i) = free.gains.transpose();
       fit.gains.errors.row(i) = free.errors.transpose();
     }
   }
 }
 
-Hypothesis MistakeSearch::AsIs() const {
-  Hypothesis hypothesis;
-  hypothesis.assignment = Assignment::AsRecorded(model_);
-  hypothesis.gains = Eigen::MatrixXd::Ones(p(), m());
-  hypothesis.without = hypothesis.gains;
-  return hypothesis;
+absl::StatusOr<std::vector<HypotheticalRow>> MistakeSearch::InputsExchanged(
+    int a, int b) const {
+  MLE_ASSIGN_OR_RETURN(const ElementResponses::OfInput a_by_b,
+                       responses_->Of(a, b));
+  MLE_ASSIGN_OR_RETURN(const ElementResponses::OfInput b_by_a,
+                       responses_->Of(b, a));
+  std::vector<HypotheticalRow> rows;
+  for (const int i : moving_) {
+    const int of_a = responses_->ColumnOf(i, a);
+    const int of_b = responses_->ColumnOf(i, b);
+    if (of_a < 0 && of_b < 0) continue;
+    HypotheticalRow& row = rows.emplace_back(HypotheticalRow{i, i, {}, {}});
+    row.without = sums_[i];
+    Add(-1.0, responses_->Of(a), of_a, row.without);
+    Add(-1.0, responses_->Of(b), of_b, row.without);
+    row.claimed = row.without;
+    Add(1.0, a_by_b, of_a, row.claimed);
+    Add(1.0, b_by_a, of_b, row.claimed);
+  }
+  return rows;
 }
 
-void MistakeSearch::AddExchanges() {
+std::vector<HypotheticalRow> MistakeSearch::OutputsExchanged(int a,
+                                                             int b) const {
+  std::vector<HypotheticalRow> rows;
+  for (const int i : moving_) {
+    if (i != a && i != b) continue;
+    rows.push_back({i, i == a ? b : a, sums_[i], Times(0.0, sums_[i])});
+  }
+  return rows;
+}
+
+std::vector<HypotheticalRow> MistakeSearch::Multiplied(
+    const OperatorMistake& mistake) const {
+  std::vector<HypotheticalRow> rows;
+  for (const int i : moving_) {
+    HypotheticalRow row = {i, i, sums_[i], sums_[i]};
+    bool concerned = false;
+    for (const int c : mistake.channels) {
+      if (mistake.outputs) {
+        if (c != i) continue;
+        row.claimed = Times(mistake.factor, std::move(row.claimed));
+        row.without = Times(0.0, std::move(row.without));
+        concerned = true;
+      } else {
+        const int column = responses_->ColumnOf(i, c);
+        Add(mistake.factor - 1.0, responses_->Of(c), column, row.claimed);
+        Add(-1.0, responses_->Of(c), column, row.without);
+        concerned = concerned || column >= 0;
+      }
+    }
+    if (concerned) rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+absl::Status MistakeSearch::JudgeExchanges() {
   for (const bool outputs : {false, true}) {
     const int channels = outputs ? p() : m();
     for (int a = 0; a < channels; ++a) {
       for (int b = a + 1; b < channels; ++b) {
-        Hypothesis hypothesis = AsIs();
-        hypothesis.mistake.outputs = outputs;
-        hypothesis.mistake.channels = {a, b};
-        std::vector<int>& tags = outputs ? hypothesis.assignment.outputs
-                                         : hypothesis.assignment.inputs;
-        std::swap(tags[a], tags[b]);
-        for (const int channel : {a, b}) {
-          if (outputs) {
-            hypothesis.without.row(channel).setZero();
-          } else {
-            hypothesis.without.col(channel).setZero();
-          }
+        std::vector<HypotheticalRow> rows;
+        if (outputs) {
+          rows = OutputsExchanged(a, b);
+        } else {
+          MLE_ASSIGN_OR_RETURN(rows, InputsExchanged(a, b));
         }
-        hypotheses_.push_back(std::move(hypothesis));
+        Judge({.mistake = {.kind = Kind::kExchanged,
+                           .outputs = outputs,
+                           .channels = {a, b}}},
+              rows);
       }
     }
   }
+  return absl::OkStatus();
 }
 
 void MistakeSearch::AddFactors(bool outputs) {
   const int channels = outputs ? p() : m();
   std::vector<GainEstimates> estimates;
-  for (const AsRecorded& fit : as_recorded_) estimates.push_back(fit.gains);
+  // Short blocks first.
+  for (auto fit = as_recorded_.rbegin(); fit != as_recorded_.rend(); ++fit) {
+    estimates.push_back(fit->gains);
+  }
   for (int c = 0; c < channels; ++c) {
     const std::optional<CommonFactor> common =
         FindCommonFactor(estimates, outputs, c);
     if (!common.has_value()) continue;
-    Hypothesis alone = AsIs();
-    OperatorMistake& mistake = alone.mistake;
-    mistake.kind = common->factor < 0.0 ? Kind::kSign : Kind::kFactor;
-    mistake.outputs = outputs;
-    mistake.channels = {c};
-    mistake.factor = common->factor;
-    mistake.ambiguous = common->elements == 1;
-    alone.complete = common->must_be_complete;
-    const auto apply = [&](Hypothesis& to) {
-      if (outputs) {
-        to.gains.row(c) *= mistake.factor;
-        to.without.row(c).setZero();
-      } else {
-        to.gains.col(c) *= mistake.factor;
-        to.without.col(c).setZero();
-      }
-    };
-    apply(alone);
+    const Hypothesis alone = {
+        .mistake = {.kind = common->factor < 0.0 ? Kind::kSign : Kind::kFactor,
+                    .outputs = outputs,
+                    .channels = {c},
+                    .factor = common->factor,
+                    .ambiguous = common->elements == 1},
+        .complete = common->must_be_complete};
     // The same mistake in several channels is one.
-    for (std::size_t h = 0; h < hypotheses_.size(); ++h) {
-      const OperatorMistake& other = hypotheses_[h].mistake;
-      if (other.kind != mistake.kind || other.outputs != outputs ||
-          std::abs(other.factor / mistake.factor - 1.0) > kSameFactor) {
+    for (std::size_t h = 0; h < factors_.size(); ++h) {
+      const OperatorMistake& other = factors_[h].mistake;
+      if (other.kind != alone.mistake.kind || other.outputs != outputs ||
+          std::abs(other.factor / alone.mistake.factor - 1.0) > kSameFactor) {
         continue;
       }
-      Hypothesis together = hypotheses_[h];
+      Hypothesis together = factors_[h];
       together.mistake.channels.push_back(c);
-      apply(together);
-      hypotheses_.push_back(std::move(together));
+      factors_.push_back(std::move(together));
       break;
     }
-    hypotheses_.push_back(std::move(alone));
+    factors_.push_back(alone);
   }
 }
 
 void MistakeSearch::Judge(const Hypothesis& hypothesis,
-                          const ElementResponses& responses) {
+                          const std::vector<HypotheticalRow>& rows) {
   const bool other_times = hypothesis.mistake.kind == Kind::kTimeUnit;
-  const Assignment recorded = Assignment::AsRecorded(model_);
   bool proved = false;
   double least = std::numeric_limits<double>::infinity();
   for (const AsRecorded& fit : as_recorded_) {
-    const double likelihood = LogLikelihood(responses, hypothesis.assignment,
-                                            hypothesis.gains, fit.block);
-    least = std::min(least, likelihood - fit.fixed);
+    // By how much the claim is better than the model as it is.
+    double better = 0.0;
+    for (const HypotheticalRow& row : rows) {
+      better +=
+          LogLikelihood(row.output, row.measured, row.claimed, fit.block) -
+          fit.fixed(row.output);
+    }
+    least = std::min(least, better);
     if (!(least > 0.0)) return;
     if (hypothesis.complete && fit.block == 1 &&
-        likelihood < fit.free - kCompleteNats) {
+        better < fit.free_gains - kCompleteNats) {
       return;
     }
-    const double rival = std::max(
-        other_times ? fit.free : fit.fixed,
-        LogLikelihood(*responses_, recorded, hypothesis.without, fit.block));
-    proved = proved || likelihood > rival + kLeastMistakeNats;
+    double without = 0.0;
+    for (const HypotheticalRow& row : rows) {
+      without += LogLikelihood(row.output, row.output, row.without, fit.block) -
+                 fit.fixed(row.output);
+    }
+    const double rival = std::max(other_times ? fit.free_gains : 0.0, without);
+    proved = proved || better > rival + kLeastMistakeNats;
   }
   if (!proved || (best_.has_value() && best_->log_likelihood >= least)) return;
   best_ = hypothesis.mistake;
   best_->log_likelihood = least;
+}
+
+void MistakeSearch::JudgeTimeUnits() {
+  for (const double scale : kTimeUnits) {
+    const absl::StatusOr<ElementResponses> responses =
+        ElementResponses::Create(model_, parts_, scale);
+    // Dead times of too many samples, say: then it is not this unit.
+    if (!responses.ok()) continue;
+    std::vector<Series> sums = SumsOf(*responses, parts_, p(), m());
+    std::vector<HypotheticalRow> rows;
+    for (const int i : moving_) {
+      rows.push_back({i, i, std::move(sums[i]), Times(0.0, sums_[i])});
+    }
+    Judge({.mistake = {.kind = Kind::kTimeUnit, .factor = scale}}, rows);
+  }
 }
 
 absl::StatusOr<std::optional<OperatorMistake>> MistakeSearch::Run() {
@@ -223,25 +330,15 @@ absl::StatusOr<std::optional<OperatorMistake>> MistakeSearch::Run() {
         });
     if (moves) moving_.push_back(i);
   }
-  MLE_ASSIGN_OR_RETURN(responses_,
-                       ElementResponses::Create(model_, parts_, 1.0));
+  MLE_ASSIGN_OR_RETURN(responses_, ElementResponses::Create(model_, parts_));
+  sums_ = SumsOf(*responses_, parts_, p(), m());
   FitAsRecorded();
-  AddExchanges();
+  MLE_RETURN_IF_ERROR(JudgeExchanges());
   for (const bool outputs : {false, true}) AddFactors(outputs);
-  for (const Hypothesis& hypothesis : hypotheses_) {
-    Judge(hypothesis, *responses_);
+  for (const Hypothesis& factor : factors_) {
+    Judge(factor, Multiplied(factor.mistake));
   }
-  for (const double scale : kTimeUnits) {
-    const absl::StatusOr<ElementResponses> responses = ElementResponses::Create(
-        model_, parts_, scale, ElementResponses::Inputs::kOwn);
-    // Dead times of too many samples, say: then it is not this unit.
-    if (!responses.ok()) continue;
-    Hypothesis hypothesis = AsIs();
-    hypothesis.mistake.kind = Kind::kTimeUnit;
-    hypothesis.mistake.factor = scale;
-    hypothesis.without.setZero();
-    Judge(hypothesis, *responses);
-  }
+  JudgeTimeUnits();
   return best_;
 }
 
@@ -298,9 +395,8 @@ absl::StatusOr<std::optional<OperatorMistake>> FindOperatorMistake(
   const std::vector<Record> parts = AroundSetPointChanges(records);
   double samples = 0.0;
   for (const Record& part : parts) samples += part.samples();
-  const double products =
-      samples * model.num_outputs() * model.num_inputs() * model.num_inputs();
-  if (samples < kLeastBlocks || products > kMostProducts) {
+  if (samples < kLeastBlocks ||
+      samples * model.num_inputs() * NumElements(model) > kMostResponses) {
     return std::optional<OperatorMistake>();
   }
   return MistakeSearch(model, parts).Run();

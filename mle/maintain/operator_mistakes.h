@@ -51,8 +51,9 @@ struct OperatorMistake {
 };
 
 // The likeliest mistake, if there is one. Needs some hundred samples; models
-// whose outputs × inputs² × samples exceed 2·10⁷ are not examined. Errors as of
-// SimulateResponse().
+// whose inputs × elements × samples exceed 10⁹ are not examined: of so many
+// samples responses are simulated, each of two exchanged inputs by the other.
+// Errors as of SimulateResponse().
 absl::StatusOr<std::optional<OperatorMistake>> FindOperatorMistake(
     const ProcessModel& model, const std::vector<Record>& records);
 

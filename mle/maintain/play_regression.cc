@@ -232,6 +232,11 @@ WhitenedData PlayRegression::DataOf(
         (*parts_)[w].samples(), (kFilters + 1) * model_.num_inputs());
     Eigen::Index at = 0;
     for (int j = 0; j < model_.num_inputs(); ++j) {
+      if (model_.element(output, j).IsZero()) {
+        columns.middleCols(at, kFilters + 1).setZero();
+        at += kFilters + 1;
+        continue;
+      }
       for (const Eigen::VectorXd& column :
            ThroughFilters(model_.element(output, j), sample_time,
                           responses[j].linear[w].col(output))) {

@@ -20,6 +20,7 @@ namespace mle {
 namespace {
 
 constexpr double kLeastPlaySamples = 200.0;
+constexpr double kMostProducts = 2e7;
 // An output that repeats itself for so many samples is not measured there.
 constexpr int kStandsStill = 10;
 constexpr double kWorthTrying = 3.0;  // nats
@@ -243,8 +244,9 @@ absl::StatusOr<std::vector<StickingInput>> FindStickingInputs(
   const Material material = MaterialOf(records, usable);
   double samples = 0.0;
   for (const Record& part : material.parts) samples += part.samples();
-  const double products =
-      samples * model.num_outputs() * model.num_inputs() * model.num_inputs();
+  // Of all columns of each output with each other.
+  const double elements = NumElements(model);
+  const double products = samples * elements * elements / model.num_outputs();
   if (samples < kLeastPlaySamples || products > kMostProducts) {
     return std::vector<StickingInput>();
   }

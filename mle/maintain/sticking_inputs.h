@@ -45,7 +45,8 @@ struct StickingInput {
 };
 
 // Those of `usable` outputs (p) tell; gaps are bridged, and rows near them left
-// out. Models whose outputs × inputs² × samples exceed 2·10⁷ are not examined.
+// out. Models of which samples × elements² / outputs exceed 2·10⁷ are not
+// examined.
 // Errors as of SimulateResponse().
 absl::StatusOr<std::vector<StickingInput>> FindStickingInputs(
     const ProcessModel& model, const std::vector<Record>& records,

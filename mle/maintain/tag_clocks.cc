@@ -19,6 +19,8 @@ namespace mle {
 namespace {
 
 constexpr double kLeastClockSamples = 100.0;
+// Of the elements' responses, each of which is delayed some thirty times.
+constexpr double kMostClockSamples = 2e7;
 constexpr double kLeastClockNats = 10.0;
 constexpr double kSignificantClock = 0.01;
 constexpr double kClockDeviations = 3.0;
@@ -58,11 +60,39 @@ WhitenedData Delay(const WhitenedData& row, const Eigen::VectorXd& delays) {
   return delayed;
 }
 
-// With the model's gains.
-double LogLikelihoodOfRow(const WhitenedData& row) {
-  return WhitenedLogLikelihood(
-      row, Eigen::VectorXd::Ones(row.responses.front().cols()));
-}
+// A row with the model's gains, some of its elements delayed.
+class DelayedRow {
+ public:
+  // `which` (m): 1 where delayed.
+  DelayedRow(const WhitenedData& row, const Eigen::RowVectorXd& which)
+      : row_(row) {
+    for (Eigen::Index j = 0; j < which.size(); ++j) {
+      if (which(j) != 0.0) columns_.push_back(j);
+    }
+    const Eigen::VectorXd others = 1.0 - which.transpose().array();
+    sum_.outputs = row.outputs;
+    for (const Eigen::MatrixXd& responses : row.responses) {
+      others_.emplace_back(responses * others);
+      sum_.responses.emplace_back(others_.back());
+    }
+  }
+
+  double LogLikelihood(double delay) {
+    for (std::size_t w = 0; w < others_.size(); ++w) {
+      sum_.responses[w] = others_[w];
+      for (const Eigen::Index j : columns_) {
+        sum_.responses[w] += Delayed(row_.responses[w], j, delay);
+      }
+    }
+    return WhitenedLogLikelihood(sum_, Eigen::VectorXd::Ones(1));
+  }
+
+ private:
+  const WhitenedData& row_;
+  std::vector<Eigen::Index> columns_;
+  std::vector<Eigen::VectorXd> others_;  // what all others make of the inputs
+  WhitenedData sum_;                     // what all do, one column
+};
 
 // With free gains and, to first order, delays.
 double FreeLogLikelihood(const WhitenedData& row) {
@@ -92,16 +122,19 @@ class DelaySearch {
  public:
   DelaySearch(const std::vector<WhitenedData>& rows, Eigen::MatrixXd which,
               double least = -std::numeric_limits<double>::infinity())
-      : rows_(rows), which_(std::move(which)), least_(least) {}
-
-  double At(double delay) const {
-    double sum = 0.0;
+      : rows_(rows), which_(std::move(which)), least_(least) {
     for (std::size_t i = 0; i < rows_.size(); ++i) {
       const auto row = static_cast<Eigen::Index>(i);
-      if (which_.row(row).isZero()) continue;
-      sum += LogLikelihoodOfRow(
-          Delay(rows_[i], delay * which_.row(row).transpose()));
+      if (!which_.row(row).isZero()) {
+        delayed_.emplace_back(rows_[i], which_.row(row));
+      }
     }
+  }
+
+  // With the model's gains.
+  double At(double delay) {
+    double sum = 0.0;
+    for (DelayedRow& row : delayed_) sum += row.LogLikelihood(delay);
     return sum;
   }
 
@@ -116,7 +149,7 @@ class DelaySearch {
     return sum;
   }
 
-  BestDelay Find() const {
+  BestDelay Find() {
     BestDelay best{.delay = 0.0, .log_likelihood = At(0.0)};
     double low = std::max(least_, -kClockDelays[0]);
     double high = kClockDelays[0];
@@ -144,7 +177,7 @@ class DelaySearch {
 
  private:
   // Golden section.
-  void Refine(double low, double high, BestDelay& best) const {
+  void Refine(double low, double high, BestDelay& best) {
     constexpr double kGolden = 0.381966;
     while (high - low > kPrecision) {
       const bool upper = high - best.delay > best.delay - low;
@@ -164,6 +197,7 @@ class DelaySearch {
   const std::vector<WhitenedData>& rows_;
   Eigen::MatrixXd which_;
   double least_;
+  std::vector<DelayedRow> delayed_;
 };
 
 // Of the rows of `which`, all that the model has.
@@ -180,14 +214,16 @@ double FreeElements(const Eigen::MatrixXd& dead_times,
 
 // The delay of a row or column if it explains everything. `dead_times` (p × m)
 // are the model's, in samples, −1 where it has no element: that of an element
-// by itself does not fall below 0.
+// by itself does not fall below 0. `free` (p): FreeLogLikelihood() of the rows.
 std::optional<BestDelay> ExplainByDelay(const std::vector<WhitenedData>& rows,
+                                        const Eigen::VectorXd& free,
                                         const Eigen::MatrixXd& which,
                                         const Eigen::MatrixXd& dead_times) {
-  const DelaySearch search(rows, which);
+  DelaySearch search(rows, which);
   const double before = search.At(0.0);
   // What no delay can explain, or need not.
-  if (search.FreeAt(0.0) < before + kLeastClockNats / 2.0) return std::nullopt;
+  const double free_of_all = free.dot(which.rowwise().maxCoeff());
+  if (free_of_all < before + kLeastClockNats / 2.0) return std::nullopt;
   BestDelay best = search.Find();
   if (best.log_likelihood < before + kLeastClockNats ||
       std::abs(best.delay) < kClockDeviations * best.error ||
@@ -201,7 +237,7 @@ std::optional<BestDelay> ExplainByDelay(const std::vector<WhitenedData>& rows,
       if (which(i, j) == 0.0) continue;
       Eigen::MatrixXd one = Eigen::MatrixXd::Zero(which.rows(), which.cols());
       one(i, j) = 1.0;
-      const DelaySearch alone(rows, one, -dead_times(i, j));
+      DelaySearch alone(rows, one, -dead_times(i, j));
       const double gain = alone.Find().log_likelihood - alone.At(0.0);
       if (before + gain > best.log_likelihood - kLeastClockNats) {
         return std::nullopt;
@@ -274,18 +310,20 @@ absl::StatusOr<std::vector<TagClock>> FindTagClocks(
   double samples = 0.0;
   for (const Record& part : parts) samples += part.samples();
   std::vector<TagClock> clocks;
-  if (samples < kLeastClockSamples || samples * p * m * m > kMostProducts) {
+  if (samples < kLeastClockSamples ||
+      samples * NumElements(model) > kMostClockSamples) {
     return clocks;
   }
   MLE_ASSIGN_OR_RETURN(const ElementResponses responses,
-                       ElementResponses::Create(
-                           model, parts, 1.0, ElementResponses::Inputs::kOwn));
+                       ElementResponses::Create(model, parts));
   std::vector<WhitenedData> rows;
+  Eigen::VectorXd free(p);
   const double sample_time = parts.front().sample_time;
   Eigen::MatrixXd elements = Eigen::MatrixXd::Zero(p, m);
   Eigen::MatrixXd dead_times = Eigen::MatrixXd::Zero(p, m);
   for (int i = 0; i < p; ++i) {
-    rows.push_back(responses.Row(Assignment::AsRecorded(model), i));
+    rows.push_back(responses.Row(i));
+    free(i) = FreeLogLikelihood(rows.back());
     for (int j = 0; j < m; ++j) {
       elements(i, j) = model.element(i, j).IsZero() ? 0.0 : 1.0;
       dead_times(i, j) = model.element(i, j).IsZero()
@@ -302,7 +340,7 @@ absl::StatusOr<std::vector<TagClock>> FindTagClocks(
     }
     if (which.sum() < 2.0) return;
     const std::optional<BestDelay> best =
-        ExplainByDelay(rows, which, dead_times);
+        ExplainByDelay(rows, free, which, dead_times);
     if (!best.has_value()) return;
     const double delay = best->delay * sample_time;
     const double error = best->error * sample_time;

@@ -406,13 +406,11 @@ absl::StatusOr<std::vector<WindowAgreement>> TestWindowAgreement(
   of.times = Standardised(of.times);
   for (VectorXd& level : of.levels) level = Standardised(level);
   MLE_ASSIGN_OR_RETURN(const ElementResponses responses,
-                       ElementResponses::Create(
-                           model, parts, 1.0, ElementResponses::Inputs::kOwn));
+                       ElementResponses::Create(model, parts));
   const auto length = static_cast<int>(std::ceil(samples / kMostWindowSamples));
   const auto forgetting = static_cast<int>(std::min(memory, 1e9));
   for (int i = 0; i < model.num_outputs(); ++i) {
-    const WhitenedData row = Later(
-        responses.Row(Assignment::AsRecorded(model), i), joined, forgetting);
+    const WhitenedData row = Later(responses.Row(i), joined, forgetting);
     agreements[i] = TestOutput(BlockMeans(row, length), of, i);
   }
   return agreements;

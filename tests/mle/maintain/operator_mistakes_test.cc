@@ -8,6 +8,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "tests/mle/data/loop_records.h"
+#include "tests/mle/maintain/large_plant.h"
 
 namespace mle {
 namespace {
@@ -111,6 +112,31 @@ TEST(OperatorMistakesTest, FindsFahrenheit) {
   ASSERT_TRUE(mistake.has_value());
   EXPECT_EQ(mistake->factor, 1.8);
   EXPECT_THAT(mistake->Describe(LoopModel()), HasSubstr("Fahrenheit"));
+}
+
+TEST(OperatorMistakesTest, FindsMistakesInLargePlants) {
+  const ProcessModel model = testing::LargeModel();
+  const Record record = testing::LargeRecord();
+  EXPECT_FALSE(Find(record, model).has_value());
+  Record exchanged = record;
+  exchanged.inputs.row(3).swap(exchanged.inputs.row(29));
+  auto mistake = Find(exchanged, model);
+  ASSERT_TRUE(mistake.has_value());
+  EXPECT_EQ(mistake->kind, Kind::kExchanged);
+  EXPECT_FALSE(mistake->outputs);
+  EXPECT_THAT(mistake->channels, ElementsAre(3, 29));
+  exchanged = record;
+  exchanged.outputs.row(2).swap(exchanged.outputs.row(14));
+  mistake = Find(exchanged, model);
+  ASSERT_TRUE(mistake.has_value());
+  EXPECT_TRUE(mistake->outputs);
+  EXPECT_THAT(mistake->channels, ElementsAre(2, 14));
+  Record reversed = record;
+  reversed.inputs.row(11) *= -1.0;
+  mistake = Find(reversed, model);
+  ASSERT_TRUE(mistake.has_value());
+  EXPECT_EQ(mistake->kind, Kind::kSign);
+  EXPECT_THAT(mistake->channels, ElementsAre(11));
 }
 
 // All inputs in fractions are one mistake.

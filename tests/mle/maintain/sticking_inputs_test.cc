@@ -9,6 +9,7 @@
 #include "gtest/gtest.h"
 #include "mle/maintain/play_regression.h"
 #include "tests/mle/data/loop_records.h"
+#include "tests/mle/maintain/large_plant.h"
 
 namespace mle {
 namespace {
@@ -55,6 +56,16 @@ TEST(StickingInputsTest, FindsPlayAndItsWidth) {
       EXPECT_THAT(found[0].outputs, ElementsAre(0, 1));
     }
   }
+}
+
+TEST(StickingInputsTest, FindsPlayInALargePlant) {
+  const ProcessModel model = testing::LargeModel();
+  const std::vector<StickingInput> found =
+      *FindStickingInputs(model, {testing::LargeRecord(22, 0.5)},
+                          std::vector<bool>(model.num_outputs(), true));
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].input, 22);
+  EXPECT_NEAR(found[0].width, 0.5, 0.1);
 }
 
 TEST(StickingInputsTest, FindsEveryInputThatSticks) {

@@ -7,6 +7,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "tests/mle/data/loop_records.h"
+#include "tests/mle/maintain/large_plant.h"
 
 namespace mle {
 namespace {
@@ -77,6 +78,18 @@ TEST(TagClocksTest, FindsALateInput) {
     EXPECT_EQ(clocks[0].channel, 0);
     EXPECT_NEAR(clocks[0].late, 0.25 * late, 4.0 * clocks[0].error);
   }
+}
+
+TEST(TagClocksTest, FindsALateInputOfALargePlant) {
+  const ProcessModel model = testing::LargeModel();
+  Record record = testing::LargeRecord();
+  EXPECT_TRUE(FindTagClocks(model, {record})->empty());
+  MakeLate(3, record.inputs.row(0));
+  const std::vector<TagClock> clocks = *FindTagClocks(model, {record});
+  ASSERT_EQ(clocks.size(), 1u);
+  EXPECT_FALSE(clocks[0].is_output);
+  EXPECT_EQ(clocks[0].channel, 0);
+  EXPECT_NEAR(clocks[0].late, 3.0, 4.0 * clocks[0].error);
 }
 
 // The output moves two minutes before its input, whose dead time is one.
