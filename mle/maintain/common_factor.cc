@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <iterator>
+
+#include "mle/base/double_limits.h"
 
 namespace mle {
 namespace {
@@ -18,6 +22,8 @@ constexpr double kTellingTolerance = 0.05;
 constexpr std::array<double, 8> kTelling = {
     1.8, 1.0 / 1.8, 60.0, 1.0 / 60.0, 100., 1.0 / 100., 1000.0, 1e-3};
 constexpr double kNearTelling = 1.3;  // for factors beyond kNotAgeing
+// Of four gains three have to agree, of eight six.
+constexpr std::size_t kOneOfWhichMayDiffer = 4;
 
 // The telling factor next to `factor`, if that is within `range` of it.
 std::optional<double> Telling(double factor, double range) {
@@ -37,32 +43,52 @@ struct Common {
   bool one_sign = true;
 };
 
-Common CommonOf(const GainEstimates& fit, bool row, int channel) {
+// A gain over the model's that the records determine.
+struct Ratio {
+  double value = 0.0;
+  double error = 0.0;  // relative
+
+  double log_size() const { return std::log(std::abs(value)); }
+};
+
+Common CommonOf(const std::vector<Ratio>& determined, int elements) {
   Common common;
+  common.elements = elements;
+  common.determined = static_cast<int>(determined.size());
+  if (determined.empty()) return common;
   double logs = 0.0;
   int negative = 0;
-  std::vector<double> sizes;
-  const Eigen::Index n = row ? fit.values.cols() : fit.values.rows();
-  for (Eigen::Index e = 0; e < n; ++e) {
-    const double gain = row ? fit.values(channel, e) : fit.values(e, channel);
-    const double error = row ? fit.errors(channel, e) : fit.errors(e, channel);
-    if (!std::isfinite(error)) continue;
-    ++common.elements;
-    if (!(error <= kDetermined * std::abs(gain))) continue;
-    ++common.determined;
-    negative += gain < 0.0 ? 1 : 0;
-    sizes.push_back(std::log(std::abs(gain)));
-    logs += sizes.back();
-    common.error = std::max(common.error, error / std::abs(gain));
+  for (const Ratio& gain : determined) {
+    negative += gain.value < 0.0 ? 1 : 0;
+    logs += gain.log_size();
+    common.error = std::max(common.error, gain.error);
   }
-  if (common.determined == 0) return common;
   logs /= common.determined;
   common.factor = (negative > 0 ? -1.0 : 1.0) * std::exp(logs);
   common.one_sign = negative == 0 || negative == common.determined;
-  for (const double size : sizes) {
-    common.spread = std::max(common.spread, std::exp(std::abs(size - logs)));
+  for (const Ratio& gain : determined) {
+    common.spread =
+        std::max(common.spread, std::exp(std::abs(gain.log_size() - logs)));
   }
   return common;
+}
+
+// Leaves out the gain that is farthest from the median; one of another sign is
+// farther than any of the same.
+void LeaveOutFarthest(std::vector<Ratio>& gains) {
+  const auto middle = gains.begin() + std::ssize(gains) / 2;
+  std::nth_element(
+      gains.begin(), middle, gains.end(),
+      [](const Ratio& a, const Ratio& b) { return a.value < b.value; });
+  const Ratio median = *middle;
+  const auto distance = [&median](const Ratio& gain) {
+    const bool turned = gain.value * median.value < 0.0;
+    return turned ? kInfinity : std::abs(gain.log_size() - median.log_size());
+  };
+  gains.erase(std::max_element(gains.begin(), gains.end(),
+                               [&](const Ratio& a, const Ratio& b) {
+                                 return distance(a) < distance(b);
+                               }));
 }
 
 // The mistake that the gains of a row or column make likely, at one length of
@@ -109,6 +135,31 @@ std::optional<Suspicion> Suspect(const Common& common) {
   return std::nullopt;
 }
 
+// Of a row or column; an aged element does not hide what all others have.
+std::optional<Suspicion> Suspect(const GainEstimates& fit, bool row,
+                                 int channel, int& elements) {
+  std::vector<Ratio> gains;
+  elements = 0;
+  const Eigen::Index n = row ? fit.values.cols() : fit.values.rows();
+  for (Eigen::Index e = 0; e < n; ++e) {
+    const double gain = row ? fit.values(channel, e) : fit.values(e, channel);
+    const double error = row ? fit.errors(channel, e) : fit.errors(e, channel);
+    if (!std::isfinite(error)) continue;
+    ++elements;
+    if (error <= kDetermined * std::abs(gain)) {
+      gains.push_back({gain, error / std::abs(gain)});
+    }
+  }
+  const std::size_t most = gains.size() / kOneOfWhichMayDiffer;
+  std::optional<Suspicion> suspicion = Suspect(CommonOf(gains, elements));
+  for (std::size_t left_out = 0; left_out < most && !suspicion.has_value();
+       ++left_out) {
+    LeaveOutFarthest(gains);
+    suspicion = Suspect(CommonOf(gains, elements));
+  }
+  return suspicion;
+}
+
 bool AreClose(double a, double b) {
   return std::abs(std::log(std::abs(a / b))) <=
          std::log(1.0 + kFactorTolerance);
@@ -121,20 +172,20 @@ std::optional<CommonFactor> FindCommonFactor(
   std::optional<CommonFactor> found;
   std::optional<Suspicion> first;
   bool agree = true;
+  int elements = 0;
   for (const GainEstimates& estimate : estimates) {
-    const Common common = CommonOf(estimate, row, channel);
-    const std::optional<Suspicion> suspicion = Suspect(common);
+    const std::optional<Suspicion> suspicion =
+        Suspect(estimate, row, channel, elements);
     if (&estimate == &estimates.front()) first = suspicion;
     agree = agree && suspicion.has_value() && first.has_value() &&
             AreClose(suspicion->factor, first->factor);
     // One that ageing cannot make: as the longest blocks have it, which forgive
     // most.
     if (suspicion.has_value() && !suspicion->exact) {
-      found = {suspicion->factor, common.elements, false};
+      found = {suspicion->factor, elements, false};
     }
   }
   if (found.has_value() || !first.has_value()) return found;
-  const int elements = CommonOf(estimates.front(), row, channel).elements;
   return CommonFactor{first->factor, elements, !agree};
 }
 

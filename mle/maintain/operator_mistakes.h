@@ -7,7 +7,8 @@
 // the model as it is and with one in which the channels concerned do nothing.
 // Other than the plant, a mistake moves a whole row or column at once: signs
 // and factors are looked for only where all elements of the row or column that
-// the records determine agree.
+// the records determine agree, of four or more one in four excepted, which may
+// have aged besides.
 //
 //   exchange   10 nats better than as recorded and than no response, in one of
 //              the three comparisons, and worse in none

@@ -47,6 +47,17 @@ TEST(CommonFactorTest, SignsMayHaveAgedToo) {
   EXPECT_EQ(FactorOf({-0.2, -1.0}), 0.0);
 }
 
+TEST(CommonFactorTest, OneOfFourMayHaveAgedBesides) {
+  EXPECT_EQ(FactorOf({1.8, 1.26, 1.82, 1.79}), 1.8);
+  EXPECT_EQ(FactorOf({1.8, 1.8, 2.3}), 0.0);
+  EXPECT_EQ(FactorOf({-1.0, -0.8, 1.0, -1.1}), -1.0);
+  EXPECT_EQ(FactorOf({100.0, 90.0, 110.0, 3.0}), 100.0);
+  EXPECT_EQ(FactorOf({1.8, 1.8, 2.3, 1.3}), 0.0);
+  EXPECT_EQ(FactorOf({0.55, 0.56, 0.39, 0.56, 0.8, 0.555, 0.56, 0.55}),
+            1.0 / 1.8);
+  EXPECT_EQ(FactorOf({1.0, 1.0, 1.0, 1.8}), 0.0);
+}
+
 // Of two elements one is not determined: large factors only.
 TEST(CommonFactorTest, UndeterminedElementsSayNothing) {
   GainEstimates estimates = Row({100.0, 3.0}, 0.01);
