@@ -1,9 +1,11 @@
 #include "mle/maintain/shared_changes.h"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
 #include "absl/strings/str_format.h"
+#include "mle/base/double_limits.h"
 
 namespace mle {
 namespace {
@@ -15,7 +17,8 @@ constexpr double kOfGain = 0.01;
 
 struct Change {
   double value = 0.0;
-  double error = 0.0;  // standard error
+  double error = 0.0;     // standard error
+  bool at_bound = false;  // it may have been less
 };
 
 // Whether an element that says little, and is nearer to no change, may share
@@ -25,16 +28,19 @@ enum class Undetermined { kMayShare, kMayNot };
 // Of the elements of a row or a column; ε is `least`.
 std::optional<Change> Share(const std::vector<Change>& changes, double least,
                             Undetermined undetermined) {
-  if (changes.size() < 2) return std::nullopt;
+  int telling = 0;
   double weights = 0.0;
   double sum = 0.0;
   std::vector<double> variances;
   for (const Change& change : changes) {
     variances.push_back(change.error * change.error + least * least);
+    if (change.at_bound) continue;
     if (!std::isfinite(variances.back())) return std::nullopt;
+    ++telling;
     weights += 1.0 / variances.back();
     sum += change.value / variances.back();
   }
+  if (telling < 2) return std::nullopt;
   const Change shared = {sum / weights, 1.0 / std::sqrt(weights)};
   if (!(std::abs(shared.value) > kSharedDeviations * shared.error)) {
     return std::nullopt;
@@ -43,6 +49,7 @@ std::optional<Change> Share(const std::vector<Change>& changes, double least,
   bool all_nearer = true;
   for (std::size_t j = 0; j < changes.size(); ++j) {
     const double own = changes[j].value;
+    if (changes[j].at_bound && shared.value <= own) continue;
     const double rest = own - shared.value;
     // Twice the nats by which δ is likelier than no change.
     const double support = (own * own - rest * rest) / variances[j];
@@ -69,13 +76,21 @@ const std::string& SharedDelay::Channel(const ProcessModel& model) const {
 
 std::string SharedDelay::Describe(const ProcessModel& model) const {
   const std::string& name = Channel(model);
+  const char* const late = (change > 0.0) == is_output ? "late" : "early";
+  if (impossible) {
+    return absl::StrFormat(
+        "The time stamps of %s seem to be %.3g %s %s (standard error %.2g): "
+        "all dead times %s it seem %s by as much, and one of them would have "
+        "to be negative",
+        name, std::abs(change), model.time_unit(), late, error,
+        is_output ? "to" : "from", change > 0.0 ? "longer" : "shorter");
+  }
   return absl::StrFormat(
       "All dead times %s %s seem to be %.3g %s %s (standard error %.2g): "
       "either "
       "they have changed, or the time stamps of %s are %s by as much",
       is_output ? "to" : "from", name, std::abs(change), model.time_unit(),
-      change > 0.0 ? "longer" : "shorter", error, name,
-      (change > 0.0) == is_output ? "late" : "early");
+      change > 0.0 ? "longer" : "shorter", error, name, late);
 }
 
 std::optional<double> FindSharedGain(const OutputErrorFit& fit, int input) {
@@ -101,14 +116,18 @@ std::vector<SharedDelay> FindSharedDelays(const OutputErrorFit& fit,
   std::vector<bool> taken(p, false);
   const auto add = [&](bool is_output, int channel) {
     std::vector<Change> delays;
+    double shortest = kInfinity;  // of the model's
     for (int other = 0; other < (is_output ? m : p); ++other) {
       const int i = is_output ? channel : other;
       const int j = is_output ? other : channel;
       const ElementEstimate& element = fit.element(i, j);
       if (element.state != ElementState::kFitted) continue;
       if (!is_output && taken[i]) return;
-      delays.push_back({element.delay.value - element.delay.initial,
-                        element.delay.standard_error});
+      delays.push_back(
+          {.value = element.delay.value - element.delay.initial,
+           .error = element.delay.standard_error,
+           .at_bound = element.delay.value < kOfSample * sample_time});
+      shortest = std::min(shortest, element.delay.initial);
     }
     const std::optional<Change> shared =
         Share(delays, kOfSample * sample_time, Undetermined::kMayShare);
@@ -117,7 +136,9 @@ std::vector<SharedDelay> FindSharedDelays(const OutputErrorFit& fit,
     found.push_back({.is_output = is_output,
                      .channel = channel,
                      .change = shared->value,
-                     .error = shared->error});
+                     .error = shared->error,
+                     .impossible = shortest + shared->value <
+                                   -kSharedDeviations * shared->error});
   };
   for (int i = 0; i < p; ++i) add(true, i);
   for (int j = 0; j < m; ++j) add(false, j);

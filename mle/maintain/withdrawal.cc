@@ -79,7 +79,8 @@ bool NothingElse(const OutputErrorFit& full, const SharedDelay& shared, int i,
   Eigen::Vector3d change;
   change << element.gain.value - element.gain.initial,
       element.time_scale.value - element.time_scale.initial,
-      element.delay.value - element.delay.initial - shared.change;
+      element.delay.value - element.delay.initial -
+          std::max(shared.change, -element.delay.initial);
   const Eigen::Matrix3d covariance =
       full.covariances[i].block<3, 3>(3 * j, 3 * j);
   const Eigen::LDLT<Eigen::Matrix3d> factors(covariance);
@@ -98,10 +99,12 @@ void TakeOff(const SharedDelay& shared, int i, int j,
              CorrectionResult& result) {
   OutputErrorFit& fit = result.estimate.fit.output_error.corrected;
   TransferFunction& element = fit.model.element(i, j);
-  element.set_delay(std::max(0.0, element.delay() - shared.change));
   ParameterEstimate& delay = fit.elements[i * fit.model.num_inputs() + j].delay;
+  // No dead time has become shorter by more than it was.
+  const double change = std::max(shared.change, -delay.initial);
+  element.set_delay(std::max(0.0, element.delay() - change));
   for (double* value : {&delay.value, &delay.lower, &delay.upper}) {
-    *value = std::max(0.0, *value - shared.change);
+    *value = std::max(0.0, *value - change);
   }
 }
 
@@ -113,7 +116,7 @@ void WithdrawSharedDelays(const StepResponse& proposed,
   const double sample_time = result.data.sample_time();
   for (const SharedDelay& shared :
        FindSharedDelays(estimate.fit.output_error.full, sample_time)) {
-    if (std::abs(shared.change) > most) continue;
+    if (std::abs(shared.change) > most && !shared.impossible) continue;
     result.shared_delays.push_back(shared);
     bool with_others = false;
     const StepResponse delayed = DelayedResponse(

@@ -99,6 +99,36 @@ TEST(SharedDelays, WhereOneElementSaysLittle) {
   EXPECT_TRUE(FindSharedDelays(fit, 0.5).empty());
 }
 
+// A dead time of 0.4 min cannot become 2 min shorter: it has come out as 0.
+TEST(SharedDelays, ADeadTimeThatHasComeOutAsZeroIsNotAgainstIt) {
+  OutputErrorFit fit = Fit({1.0, 3.0, 0.0, 3.05}, 0.1);
+  fit.model = ProcessModel("column", "min", {{"reflux", ""}, {"steam", ""}},
+                           {{"top", ""}, {"middle", ""}, {"bottom", ""}});
+  for (const double delay : {1.1, 2.95}) {
+    ElementEstimate& element = fit.elements.emplace_back();
+    element.state = ElementState::kFitted;
+    element.delay = {.initial = 3.0, .value = delay, .standard_error = 0.1};
+  }
+  fit.elements[2].delay.initial = 0.4;
+  const auto found = FindSharedDelays(fit, 0.5);
+  ASSERT_EQ(found.size(), 1);
+  EXPECT_FALSE(found[0].is_output);
+  EXPECT_EQ(found[0].channel, 0);
+  EXPECT_NEAR(found[0].change, -1.95, 1e-12);
+  EXPECT_TRUE(found[0].impossible);
+  EXPECT_THAT(found[0].Describe(fit.model),
+              HasSubstr("The time stamps of reflux seem to be 1.95 min late"));
+  EXPECT_THAT(found[0].Describe(fit.model),
+              HasSubstr("would have to be negative"));
+  // One that has become shorter by less, and not to 0, is against it.
+  fit.elements[2].delay.value = 0.2;
+  EXPECT_TRUE(FindSharedDelays(fit, 0.5).empty());
+  // Alone with one that is at 0 an element is its own.
+  fit.elements[2].delay.value = 0.0;
+  fit.elements[4].state = ElementState::kNotInformed;
+  EXPECT_TRUE(FindSharedDelays(fit, 0.5).empty());
+}
+
 TEST(SharedGain, OfAColumn) {
   OutputErrorFit fit = Fit({3, 3, 3, 3}, 0.1);
   const auto set = [&](int place, double initial, double value, double error) {
