@@ -73,8 +73,7 @@ class MistakeSearch {
                        int block) const;
   void FitAsRecorded();
   absl::Status JudgeExchanges();
-  // Of a row (an output) or column (an input) in which all determined gains
-  // agree.
+  // Of rows (outputs) or columns (inputs) with a common factor.
   void AddFactors(bool outputs);
   void JudgeTimeUnits();
   absl::StatusOr<std::vector<HypotheticalRow>> InputsExchanged(int a,
