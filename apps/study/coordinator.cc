@@ -76,7 +76,9 @@ class Coordinator {
       told_(journal_.num_done(), num_runs_);
     }
     // What came out between the last look and the end.
+    const std::int64_t told = journal_.num_done();
     status.Update(Keep(pool_.Collect(absl::ZeroDuration())));
+    if (journal_.num_done() > told) told_(journal_.num_done(), num_runs_);
     status.Update(journal_.Sync());
     return status;
   }
