@@ -25,16 +25,6 @@ namespace {
 constexpr int kLatest = 60;
 constexpr std::size_t kIdLength = 32;
 
-int ElementsIn(const ProcessModel& model) {
-  int count = 0;
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      count += model.element(i, j).IsZero() ? 0 : 1;
-    }
-  }
-  return count;
-}
-
 class Update {
  public:
   Update(const Controller& controller, const ProcessModel& model, Watch& watch)
@@ -259,7 +249,7 @@ double ShareOfOutput(const ProcessModel& model, const WatchOptions& options) {
 }
 
 double ShareOfElement(const ProcessModel& model, const WatchOptions& options) {
-  return options.level / (2.0 * std::max(ElementsIn(model), 1));
+  return options.level / (2.0 * std::max(NumElements(model), 1));
 }
 
 std::string BasisOf(const Controller& controller, const ProcessModel& model) {

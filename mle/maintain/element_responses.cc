@@ -59,16 +59,6 @@ Record Part(const Record& record, int first, int samples) {
 
 }  // namespace
 
-int NumElements(const ProcessModel& model) {
-  int count = 0;
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      count += model.element(i, j).IsZero() ? 0 : 1;
-    }
-  }
-  return count;
-}
-
 Record WithoutGaps(const Record& record) {
   return Part(record, 0, record.samples());
 }

@@ -15,9 +15,6 @@
 
 namespace mle {
 
-// The elements that are not zero.
-int NumElements(const ProcessModel& model);
-
 // Up to 1,000 samples on each side of every change, 8,000 in all (the first
 // ones), whatever the model's time constants: these may be in another unit.
 // Records without changes are taken as they are. Gaps of outputs are bridged by

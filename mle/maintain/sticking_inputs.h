@@ -46,8 +46,7 @@ struct StickingInput {
 
 // Those of `usable` outputs (p) tell; gaps are bridged, and rows near them left
 // out. Models of which samples × elements² / outputs exceed 2·10⁷ are not
-// examined.
-// Errors as of SimulateResponse().
+// examined. Errors as of SimulateResponse().
 absl::StatusOr<std::vector<StickingInput>> FindStickingInputs(
     const ProcessModel& model, const std::vector<Record>& records,
     const std::vector<bool>& usable);

@@ -144,6 +144,16 @@ bool IsIntegrating(const ProcessModel& model, int output) {
   return (IntegrationOrders(model).row(output).array() > 0).any();
 }
 
+int NumElements(const ProcessModel& model) {
+  int count = 0;
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    for (int j = 0; j < model.num_inputs(); ++j) {
+      count += model.element(i, j).IsZero() ? 0 : 1;
+    }
+  }
+  return count;
+}
+
 std::vector<bool> IntegratingOutputs(const ProcessModel& model) {
   std::vector<bool> outputs(model.num_outputs());
   for (int i = 0; i < model.num_outputs(); ++i) {

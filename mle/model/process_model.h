@@ -84,6 +84,8 @@ Eigen::MatrixXd StaticGains(const ProcessModel& model);
 
 // p × m: orders of integration ν_ij, 0 or 1.
 Eigen::MatrixXi IntegrationOrders(const ProcessModel& model);
+// The elements that are not zero.
+int NumElements(const ProcessModel& model);
 // An element integrates: of the model, of an output; p of them.
 bool IsIntegrating(const ProcessModel& model);
 bool IsIntegrating(const ProcessModel& model, int output);
