@@ -96,6 +96,7 @@ void LeaveOutFarthest(std::vector<Ratio>& gains) {
 struct Suspicion {
   double factor = 1.0;
   bool exact = false;
+  int elements = 0;  // of the row or column
 };
 
 std::optional<Suspicion> Suspect(const Common& common) {
@@ -137,9 +138,9 @@ std::optional<Suspicion> Suspect(const Common& common) {
 
 // Of a row or column; an aged element does not hide what all others have.
 std::optional<Suspicion> Suspect(const GainEstimates& fit, bool row,
-                                 int channel, int& elements) {
+                                 int channel) {
   std::vector<Ratio> gains;
-  elements = 0;
+  int elements = 0;
   const Eigen::Index n = row ? fit.values.cols() : fit.values.rows();
   for (Eigen::Index e = 0; e < n; ++e) {
     const double gain = row ? fit.values(channel, e) : fit.values(e, channel);
@@ -157,6 +158,7 @@ std::optional<Suspicion> Suspect(const GainEstimates& fit, bool row,
     LeaveOutFarthest(gains);
     suspicion = Suspect(CommonOf(gains, elements));
   }
+  if (suspicion.has_value()) suspicion->elements = elements;
   return suspicion;
 }
 
@@ -172,21 +174,19 @@ std::optional<CommonFactor> FindCommonFactor(
   std::optional<CommonFactor> found;
   std::optional<Suspicion> first;
   bool agree = true;
-  int elements = 0;
   for (const GainEstimates& estimate : estimates) {
-    const std::optional<Suspicion> suspicion =
-        Suspect(estimate, row, channel, elements);
+    const std::optional<Suspicion> suspicion = Suspect(estimate, row, channel);
     if (&estimate == &estimates.front()) first = suspicion;
     agree = agree && suspicion.has_value() && first.has_value() &&
             AreClose(suspicion->factor, first->factor);
     // One that ageing cannot make: as the longest blocks have it, which forgive
     // most.
     if (suspicion.has_value() && !suspicion->exact) {
-      found = {suspicion->factor, elements, false};
+      found = {suspicion->factor, suspicion->elements, false};
     }
   }
   if (found.has_value() || !first.has_value()) return found;
-  return CommonFactor{first->factor, elements, !agree};
+  return CommonFactor{first->factor, first->elements, !agree};
 }
 
 }  // namespace mle
