@@ -30,8 +30,12 @@ class SecurePostTest : public ::testing::Test {
     if (thread_.joinable()) thread_.join();
   }
 
+  // Each test has files of its own: they run side by side.
   std::string PathOf(const std::string& name) const {
-    return ::testing::TempDir() + "/secure_post_" + name;
+    return absl::StrCat(
+        ::testing::TempDir(), "/secure_post_",
+        ::testing::UnitTest::GetInstance()->current_test_info()->name(), "_",
+        name);
   }
   // Signed by itself.
   void MakeCertificate(const std::string& host) {

@@ -46,8 +46,12 @@ StepResponseModel TankSteps() {
   return model;
 }
 
+// Each test has files of its own: they run side by side.
 std::string Written(const std::string& name, const std::string& bytes) {
-  const std::string path = ::testing::TempDir() + "/mle_" + name;
+  const std::string path = absl::StrCat(
+      ::testing::TempDir(), "/mle_",
+      ::testing::UnitTest::GetInstance()->current_test_info()->name(), "_",
+      name);
   EXPECT_TRUE(WriteFileAtomically(path, bytes).ok());
   return path;
 }
