@@ -14,6 +14,9 @@ function(mle_use_precompiled_headers carrier)
   endif()
   foreach(target IN LISTS ARGN)
     target_precompile_headers(${target} REUSE_FROM ${carrier})
+    if(carrier STREQUAL mle_headers_of_tests)
+      target_compile_options(${target} PRIVATE ${mle_flags_of_tests})
+    endif()
   endforeach()
 endfunction()
 
@@ -27,6 +30,9 @@ function(mle_precompile_headers carrier)
   target_precompile_headers(${carrier} PRIVATE ${ARG_HEADERS})
 endfunction()
 
+# A body of a test runs once: to optimise it takes longer than it saves.
+set(mle_flags_of_tests $<$<CONFIG:Release>:-O1>)
+
 if(MLE_PRECOMPILED_HEADERS)
   set(depends absl::status absl::statusor absl::strings absl::str_format Eigen3::Eigen)
   set(headers
@@ -38,7 +44,11 @@ if(MLE_PRECOMPILED_HEADERS)
   set_target_properties(mle_headers PROPERTIES POSITION_INDEPENDENT_CODE ON)
   if(MLE_BUILD_TESTS)
     mle_precompile_headers(mle_headers_of_tests
-      DEPENDS ${depends} GTest::gtest GTest::gmock
-      HEADERS ${headers} <gmock/gmock.h> <gtest/gtest.h>)
+      DEPENDS ${depends} GTest::gtest GTest::gmock nlohmann_json::nlohmann_json
+      HEADERS ${headers}
+        <filesystem> <fstream> <map> <memory> <random> <sstream>
+        <gmock/gmock.h> <gtest/gtest.h> <nlohmann/json.hpp>
+        ${CMAKE_CURRENT_LIST_DIR}/bodies_of_tests.h)
+    target_compile_options(mle_headers_of_tests PRIVATE ${mle_flags_of_tests})
   endif()
 endif()

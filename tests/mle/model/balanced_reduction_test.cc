@@ -257,7 +257,7 @@ TEST(BalancedReductionTest, HankelValuesAreThoseOfTheHankelMatrix) {
     }
   }
   const Eigen::VectorXd expected =
-      Eigen::BDCSVD<Eigen::MatrixXd>(hankel).singularValues();
+      Eigen::JacobiSVD<Eigen::MatrixXd>(hankel).singularValues();
   const ReducedModel reduced = Reduce(model, 1.0, 1e-3);
   EXPECT_EQ(reduced.system.input_delays[0] + reduced.system.output_delays[0],
             1);
