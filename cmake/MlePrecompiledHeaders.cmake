@@ -30,8 +30,14 @@ function(mle_precompile_headers carrier)
   target_precompile_headers(${carrier} PRIVATE ${ARG_HEADERS})
 endfunction()
 
-# A body of a test runs once: to optimise it takes longer than it saves.
-set(mle_flags_of_tests $<$<CONFIG:Release>:-O1>)
+# What a test does itself it does once: to optimise it takes longer than it saves.
+# Only where the libraries are shared and keep to their own copies of inline
+# functions (-Bsymbolic-functions): a program has one copy of each, which else may
+# be the test's, and the libraries would run as slowly.
+set(mle_flags_of_tests)
+if(BUILD_SHARED_LIBS AND CMAKE_SHARED_LINKER_FLAGS MATCHES "-Bsymbolic-functions")
+  set(mle_flags_of_tests -O0)
+endif()
 
 if(MLE_PRECOMPILED_HEADERS)
   set(depends absl::status absl::statusor absl::strings absl::str_format Eigen3::Eigen)
@@ -47,8 +53,7 @@ if(MLE_PRECOMPILED_HEADERS)
       DEPENDS ${depends} GTest::gtest GTest::gmock nlohmann_json::nlohmann_json
       HEADERS ${headers}
         <filesystem> <fstream> <map> <memory> <random> <sstream>
-        <gmock/gmock.h> <gtest/gtest.h> <nlohmann/json.hpp>
-        ${CMAKE_CURRENT_LIST_DIR}/bodies_of_tests.h)
+        <gmock/gmock.h> <gtest/gtest.h> <nlohmann/json.hpp>)
     target_compile_options(mle_headers_of_tests PRIVATE ${mle_flags_of_tests})
   endif()
 endif()

@@ -27,12 +27,21 @@ def backend():
 
 def test_wheel_installs_into_a_fresh_environment(backend, tmp_path):
     """All of `pip install .` but the compilation: the module is that of the build."""
-    backend._install(PACKAGE.parent.parent, tmp_path / "installed")
+    build = PACKAGE.parent.parent
+    backend._install(build, tmp_path / "installed")
     (package,) = (tmp_path / "installed").rglob("mle")
     name = backend._pack(package.parent, tmp_path)
     venv.create(tmp_path / "venv", system_site_packages=True)
     python = tmp_path / "venv" / "bin" / "python"
     environment = {k: v for k, v in os.environ.items() if k != "PYTHONPATH"}
+    # Where the build's libraries are shared, as no wheel's are.
+    subprocess.run(
+        ["cmake", "--install", build, "--component", "library", "--prefix", tmp_path / "shared"],
+        check=True,
+    )
+    environment["LD_LIBRARY_PATH"] = ":".join(
+        sorted({str(library.parent) for library in (tmp_path / "shared").rglob("libmle_*")})
+    )
 
     def run(*command):
         return subprocess.run(
