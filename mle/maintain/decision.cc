@@ -284,8 +284,11 @@ Verdict Decide(const Evidence& evidence, const DecisionOptions& options) {
     verdict.reasons = evidence.obstacles;
     return verdict;
   }
+  constexpr double kLeastShown = 1e-300;  // near the least of all doubles
   const std::string p =
-      absl::StrFormat("p = %#.2g for no change", evidence.p_value);
+      evidence.p_value < kLeastShown
+          ? "p < 1e-300 for no change"
+          : absl::StrFormat("p = %#.2g for no change", evidence.p_value);
   std::vector<Message> taken;
   std::vector<Message> doubts;
   verdict.reasons = evidence.doubts;

@@ -12,7 +12,7 @@ namespace mle {
 namespace {
 
 constexpr int kOnEachSide = 1000;
-constexpr int kMostPartSamples = 8000;
+constexpr double kMostPartSamples = 8000.0;
 constexpr int kLeastPartSamples = 50;
 
 using Row = Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>>;
@@ -63,9 +63,10 @@ Record WithoutGaps(const Record& record) {
   return Part(record, 0, record.samples());
 }
 
-std::vector<Record> AroundSetPointChanges(const std::vector<Record>& records) {
+std::vector<Record> AroundSetPointChanges(const std::vector<Record>& records,
+                                          double most_samples) {
   std::vector<Record> parts;
-  int left = kMostPartSamples;
+  int left = static_cast<int>(std::min(kMostPartSamples, most_samples));
   for (const Record& record : records) {
     std::vector<std::pair<int, int>> ranges;  // first sample, end
     for (const SetPointChange& change : FindSetPointChanges(record)) {

@@ -15,11 +15,12 @@
 
 namespace mle {
 
-// Up to 1,000 samples on each side of every change, 8,000 in all (the first
-// ones), whatever the model's time constants: these may be in another unit.
-// Records without changes are taken as they are. Gaps of outputs are bridged by
-// straight lines, those of inputs by holding.
-std::vector<Record> AroundSetPointChanges(const std::vector<Record>& records);
+// Up to 1,000 samples on each side of every change, 8,000 or `most_samples` in
+// all (the first ones), whatever the model's time constants: these may be in
+// another unit. Records without changes are taken as they are. Gaps of outputs
+// are bridged by straight lines, those of inputs by holding.
+std::vector<Record> AroundSetPointChanges(const std::vector<Record>& records,
+                                          double most_samples);
 
 // The record with its gaps bridged so.
 Record WithoutGaps(const Record& record);

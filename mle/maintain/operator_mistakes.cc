@@ -391,13 +391,11 @@ std::string OperatorMistake::Describe(const ProcessModel& model) const {
 
 absl::StatusOr<std::optional<OperatorMistake>> FindOperatorMistake(
     const ProcessModel& model, const std::vector<Record>& records) {
-  const std::vector<Record> parts = AroundSetPointChanges(records);
+  const std::vector<Record> parts = AroundSetPointChanges(
+      records, kMostResponses / model.num_inputs() / NumElements(model));
   double samples = 0.0;
   for (const Record& part : parts) samples += part.samples();
-  if (samples < kLeastBlocks ||
-      samples * model.num_inputs() * NumElements(model) > kMostResponses) {
-    return std::optional<OperatorMistake>();
-  }
+  if (samples < kLeastBlocks) return std::optional<OperatorMistake>();
   return MistakeSearch(model, parts).Run();
 }
 

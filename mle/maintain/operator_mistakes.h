@@ -51,10 +51,10 @@ struct OperatorMistake {
   std::string Describe(const ProcessModel& model) const;
 };
 
-// The likeliest mistake, if there is one. Needs some hundred samples; models
-// whose inputs × elements × samples exceed 10⁹ are not examined: of so many
-// samples responses are simulated, each of two exchanged inputs by the other.
-// Errors as of SimulateResponse().
+// The likeliest mistake, if there is one. Needs some hundred samples around
+// changes of set points, and takes as many that inputs × elements × samples are
+// at most 10⁹: of so many samples responses are simulated, each of two
+// exchanged inputs by the other. Errors as of SimulateResponse().
 absl::StatusOr<std::optional<OperatorMistake>> FindOperatorMistake(
     const ProcessModel& model, const std::vector<Record>& records);
 

@@ -56,7 +56,7 @@ struct Material {
 };
 
 Material MaterialOf(const std::vector<Record>& records,
-                    const std::vector<bool>& usable) {
+                    const std::vector<bool>& usable, double most_samples) {
   std::vector<Record> good = records;
   std::vector<Record> marks = records;
   for (std::size_t r = 0; r < records.size(); ++r) {
@@ -71,8 +71,9 @@ Material MaterialOf(const std::vector<Record>& records,
       marks[r].outputs.row(i) = bad;
     }
   }
-  Material material{.parts = AroundSetPointChanges(good), .bad = {}};
-  for (const Record& part : AroundSetPointChanges(marks)) {
+  Material material{.parts = AroundSetPointChanges(good, most_samples),
+                    .bad = {}};
+  for (const Record& part : AroundSetPointChanges(marks, most_samples)) {
     material.bad.push_back(part.outputs);
   }
   return material;
@@ -241,15 +242,14 @@ std::string StickingInput::Describe(const ProcessModel& model) const {
 absl::StatusOr<std::vector<StickingInput>> FindStickingInputs(
     const ProcessModel& model, const std::vector<Record>& records,
     const std::vector<bool>& usable) {
-  const Material material = MaterialOf(records, usable);
-  double samples = 0.0;
-  for (const Record& part : material.parts) samples += part.samples();
   // Of all columns of each output with each other.
   const double elements = NumElements(model);
-  const double products = samples * elements * elements / model.num_outputs();
-  if (samples < kLeastPlaySamples || products > kMostProducts) {
-    return std::vector<StickingInput>();
-  }
+  const Material material =
+      MaterialOf(records, usable,
+                 kMostProducts * model.num_outputs() / elements / elements);
+  double samples = 0.0;
+  for (const Record& part : material.parts) samples += part.samples();
+  if (samples < kLeastPlaySamples) return std::vector<StickingInput>();
   MLE_ASSIGN_OR_RETURN(
       PlayRegression regression,
       PlayRegression::Create(model, material.parts, material.bad));

@@ -45,8 +45,9 @@ struct StickingInput {
 };
 
 // Those of `usable` outputs (p) tell; gaps are bridged, and rows near them left
-// out. Models of which samples × elements² / outputs exceed 2·10⁷ are not
-// examined. Errors as of SimulateResponse().
+// out. Needs 200 samples around changes of set points, and takes as many that
+// samples × elements² / outputs are at most 2·10⁷. Errors as of
+// SimulateResponse().
 absl::StatusOr<std::vector<StickingInput>> FindStickingInputs(
     const ProcessModel& model, const std::vector<Record>& records,
     const std::vector<bool>& usable);

@@ -306,14 +306,12 @@ absl::StatusOr<std::vector<TagClock>> FindTagClocks(
     const ProcessModel& model, const std::vector<Record>& records) {
   const int p = model.num_outputs();
   const int m = model.num_inputs();
-  const std::vector<Record> parts = AroundSetPointChanges(records);
+  const std::vector<Record> parts =
+      AroundSetPointChanges(records, kMostClockSamples / NumElements(model));
   double samples = 0.0;
   for (const Record& part : parts) samples += part.samples();
   std::vector<TagClock> clocks;
-  if (samples < kLeastClockSamples ||
-      samples * NumElements(model) > kMostClockSamples) {
-    return clocks;
-  }
+  if (samples < kLeastClockSamples) return clocks;
   MLE_ASSIGN_OR_RETURN(const ElementResponses responses,
                        ElementResponses::Create(model, parts));
   std::vector<WhitenedData> rows;

@@ -38,7 +38,8 @@ struct TagClock {
 };
 
 // Outputs first; of inputs only the likeliest, and only if no output is late.
-// Limits and errors as of FindOperatorMistake().
+// Needs some hundred samples around changes of set points, and takes as many
+// that elements × samples are at most 2·10⁷. Errors as of SimulateResponse().
 absl::StatusOr<std::vector<TagClock>> FindTagClocks(
     const ProcessModel& model, const std::vector<Record>& records);
 

@@ -3,6 +3,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "gtest/gtest.h"
@@ -56,6 +57,23 @@ bool Says(const Verdict& verdict, MessageCode code) {
     if (reason.code == code) return true;
   }
   return false;
+}
+
+// A probability below the least of all doubles is not told as nought.
+TEST(DecisionTest, TheProbabilityOfNoChangeIsToldAsFarAsItIsKnown) {
+  Evidence evidence = Of({Output(kGood)});
+  for (const auto& [p_value, told] :
+       {std::pair<double, const char*>{0.0, "(p < 1e-300 for no change)"},
+        {1e-310, "(p < 1e-300 for no change)"},
+        {2e-300, "(p = 2.0e-300 for no change)"},
+        {0.01, "(p = 0.010 for no change)"}}) {
+    evidence.p_value = p_value;
+    EXPECT_TRUE(Says(Decide(evidence, {}), MessageCode::kChangeProved));
+    for (const Message& reason : Decide(evidence, {}).reasons) {
+      if (reason.code != MessageCode::kChangeProved) continue;
+      EXPECT_NE(reason.text.find(told), std::string::npos) << reason.text;
+    }
+  }
 }
 
 TEST(DecisionTest, EveryRowOfTheTableOfOutputs) {
