@@ -160,6 +160,9 @@ TEST(ServerTest, WhoTakesNothingIsCutOff) {
 
 TEST(ServerTest, SlowClientsDoNotKeepOthersOut) {
   const auto server = Start({.connections = 2, .hurry = absl::Milliseconds(1)});
+  // cpp-httplib makes its table of methods at its first request, under a guard
+  // that the thread sanitizer does not see: let it be one alone.
+  EXPECT_EQ(StatusOf(Ask(server->port(), Get("/"))), 200);
   std::deque<Client> slow;
   for (int i = 0; i < 8; ++i) {
     slow.emplace_back(server->port());
