@@ -161,7 +161,7 @@ TEST(LoopAnalysisTest, CountsTheModesThatEigenvaluesShow) {
     options.disturbance_variance_ratio = ratio;
     const Mpc mpc = MakeAnalysedMpc(model, options);
     int unstable = 0;
-    for (const double factor : {0.3, 1.0, 2.6, 8.0}) {
+    for (const double factor : {0.3, 1.0, 1.7, 2.6, 4.0, 8.0}) {
       for (const double delay : {0.0, 1.0, 3.0}) {
         ProcessModel aged = FastTwoByTwo();
         for (int i = 0; i < 2; ++i) {

@@ -25,9 +25,8 @@ std::string ReadAll(const fs::path& path) {
   return text.str();
 }
 
-// Paths of ours: nothing a shell would read otherwise. A browser that hangs,
-// which one in thousands does before it has opened the page, is ended and
-// started once more.
+// Paths of ours: nothing a shell would read otherwise. A browser that hangs
+// before it has opened the page, as one did, is ended and started once more.
 int Chromium(const std::string& arguments, const fs::path& out,
              const fs::path& log, const fs::path& profile) {
   const std::string command = absl::StrCat(

@@ -142,9 +142,9 @@ Eigen::MatrixXcd Transfer(const Eigen::MatrixXd& impulses, int p, int m,
 
 std::vector<double> Frequencies() {
   std::vector<double> frequencies;
-  for (int k = 0; k <= 100; ++k) {
-    frequencies.push_back(3.14159 * std::pow(10.0, -5.0 * k / 100.0));
-    frequencies.push_back(3.14159 * k / 100.0);
+  for (int k = 0; k <= 300; ++k) {
+    frequencies.push_back(3.14159 * std::pow(10.0, -5.0 * k / 300.0));
+    frequencies.push_back(3.14159 * k / 300.0);
   }
   return frequencies;
 }
