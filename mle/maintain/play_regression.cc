@@ -20,6 +20,7 @@ constexpr double kEnough = 0.25;  // nats that another round of a fit may gain
 constexpr double kOutlier = 5.0;  // robust standard deviations
 constexpr std::array<double, 5> kDrifts = {0.0, 0.01, 0.03, 0.1, 0.3};
 constexpr double kCollinearPlay = 1e-7;
+constexpr double kLeastSquares = 1e-300;  // have a logarithm
 constexpr std::array<double, 13> kWidths = {0.01, 0.015, 0.02, 0.03, 0.04,
                                             0.06, 0.08,  0.11, 0.15, 0.2,
                                             0.27, 0.36,  0.5};
@@ -115,7 +116,8 @@ Eigen::MatrixXd ColumnsThroughFilter(const WhitenedData& data,
                                      const Eigen::VectorXd& filter,
                                      const Eigen::VectorXd& used) {
   const Eigen::Index width = data.responses.front().cols();
-  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(used.size(), width);
+  Eigen::MatrixXd columns =
+      Eigen::MatrixXd::Zero(used.size(), std::max<Eigen::Index>(width, 1));
   Eigen::Index kept = 0;
   for (Eigen::Index c = 0; c < width; ++c) {
     const std::vector<Eigen::VectorXd> series = ColumnOf(data.responses, c);
@@ -177,7 +179,14 @@ absl::StatusOr<PlayRegression> PlayRegression::Create(
   }
   regression.widths_ = Eigen::VectorXd::Constant(m, -1.0);
   regression.responses_.resize(m);
+  regression.merits_.assign(m, std::vector<Merits>(p));
   regression.outputs_.resize(p);
+  for (int i = 0; i < p; ++i) {
+    for (int j = 0; j < m; ++j) {
+      if (model.element(i, j).IsZero()) continue;
+      regression.outputs_[i].inputs.push_back(j);
+    }
+  }
   MLE_RETURN_IF_ERROR(regression.SetWidths(Eigen::VectorXd::Zero(m)));
   return regression;
 }
@@ -206,8 +215,8 @@ absl::StatusOr<std::vector<Eigen::MatrixXd>> PlayRegression::Simulate(
   return responses;
 }
 
-absl::StatusOr<PlayRegression::Responses> PlayRegression::RespondTo(
-    int input, double width) const {
+absl::StatusOr<std::shared_ptr<const PlayRegression::Responses>>
+PlayRegression::RespondTo(int input, double width) const {
   std::vector<Eigen::RowVectorXd> moves;
   std::vector<Eigen::RowVectorXd> squares;
   const double range = ranges_(input) > 0.0 ? ranges_(input) : 1.0;
@@ -216,33 +225,29 @@ absl::StatusOr<PlayRegression::Responses> PlayRegression::RespondTo(
     squares.emplace_back((moves.back().array() - moves.back().mean()).square() /
                          range);
   }
-  Responses responses;
-  MLE_ASSIGN_OR_RETURN(responses.linear, Simulate(input, moves));
-  MLE_ASSIGN_OR_RETURN(responses.square, Simulate(input, squares));
+  auto responses = std::make_shared<Responses>();
+  MLE_ASSIGN_OR_RETURN(responses->linear, Simulate(input, moves));
+  MLE_ASSIGN_OR_RETURN(responses->square, Simulate(input, squares));
   return responses;
 }
 
-WhitenedData PlayRegression::DataOf(
-    int output, const std::vector<Responses>& responses) const {
+WhitenedData PlayRegression::DataOf(int output,
+                                    const AllResponses& responses) const {
   WhitenedData data;
   const double sample_time = parts_->front().sample_time;
+  const std::vector<int>& inputs = outputs_[output].inputs;
   for (std::size_t w = 0; w < parts_->size(); ++w) {
     data.outputs.emplace_back((*parts_)[w].outputs.row(output).transpose());
     Eigen::MatrixXd& columns = data.responses.emplace_back(
-        (*parts_)[w].samples(), (kFilters + 1) * model_.num_inputs());
+        (*parts_)[w].samples(), (kFilters + 1) * inputs.size());
     Eigen::Index at = 0;
-    for (int j = 0; j < model_.num_inputs(); ++j) {
-      if (model_.element(output, j).IsZero()) {
-        columns.middleCols(at, kFilters + 1).setZero();
-        at += kFilters + 1;
-        continue;
-      }
+    for (const int j : inputs) {
       for (const Eigen::VectorXd& column :
            ThroughFilters(model_.element(output, j), sample_time,
-                          responses[j].linear[w].col(output))) {
+                          responses[j]->linear[w].col(output))) {
         columns.col(at++) = column;
       }
-      columns.col(at++) = responses[j].square[w].col(output);
+      columns.col(at++) = responses[j]->square[w].col(output);
     }
   }
   return data;
@@ -272,10 +277,12 @@ Eigen::VectorXd PlayRegression::UsedRows(
 
 void PlayRegression::Fit(int output, OutputState& state) const {
   const WhitenedData with_drift = DataOf(output, responses_);
-  const int m = model_.num_inputs();
+  const auto elements = static_cast<Eigen::Index>(state.inputs.size());
   if (state.start.size() == 0) {
-    state.start = Eigen::VectorXd::Zero((kFilters + 1) * m);
-    for (int j = 0; j < m; ++j) state.start((kFilters + 1) * j) = 1.0;
+    state.start = Eigen::VectorXd::Zero((kFilters + 1) * elements);
+    for (Eigen::Index e = 0; e < elements; ++e) {
+      state.start((kFilters + 1) * e) = 1.0;
+    }
   }
   WhitenedData data;
   WhitenedFit fit;
@@ -291,9 +298,10 @@ void PlayRegression::Fit(int output, OutputState& state) const {
     fit = std::move(fit_tried);
   }
   state.filter = WhiteningFilter(data, fit.gains, kOrder);
-  state.gains.resize(m);
-  for (int j = 0; j < m; ++j) {
-    state.gains(j) = fit.gains.segment((kFilters + 1) * j, kFilters).sum();
+  state.gains = Eigen::VectorXd::Zero(model_.num_inputs());
+  for (Eigen::Index e = 0; e < elements; ++e) {
+    state.gains(state.inputs[e]) =
+        fit.gains.segment((kFilters + 1) * e, kFilters).sum();
   }
   const Eigen::VectorXd whitened = Whitened(state.filter, data.outputs);
   std::vector<Eigen::VectorXd> rest;
@@ -310,30 +318,41 @@ void PlayRegression::Fit(int output, OutputState& state) const {
   state.residual = whitened.cwiseProduct(state.used);
   state.residual -= state.basis * (state.basis.transpose() * state.residual);
   state.degrees = state.used.sum() - static_cast<double>(rank) - kOrder;
-  state.variance = std::max(
-      state.residual.squaredNorm() / std::max(state.degrees, 1.0), 1e-300);
+  state.variance =
+      std::max(state.residual.squaredNorm() / std::max(state.degrees, 1.0),
+               kLeastSquares);
+  ++state.fits;
+}
+
+bool PlayRegression::IsMoved(int output, const Eigen::VectorXd& widths) const {
+  const std::vector<int>& inputs = outputs_[output].inputs;
+  return std::any_of(inputs.begin(), inputs.end(),
+                     [&](int j) { return widths(j) != widths_(j); });
 }
 
 absl::Status PlayRegression::SetWidths(const Eigen::VectorXd& widths) {
-  // Outputs that an input with another width acts on.
-  std::vector<bool> changed(outputs_.size());
+  std::vector<int> moved;
+  for (int i = 0; i < model_.num_outputs(); ++i) {
+    if (outputs_[i].fits == 0 || IsMoved(i, widths)) moved.push_back(i);
+  }
   for (int j = 0; j < model_.num_inputs(); ++j) {
     if (widths(j) == widths_(j)) continue;
     MLE_ASSIGN_OR_RETURN(responses_[j], RespondTo(j, widths(j)));
-    for (int i = 0; i < model_.num_outputs(); ++i) {
-      changed[i] = changed[i] || !model_.element(i, j).IsZero();
-    }
   }
   widths_ = widths;
-  for (int i = 0; i < model_.num_outputs(); ++i) {
-    if (changed[i] || outputs_[i].filter.size() == 0) Fit(i, outputs_[i]);
-  }
+  for (const int i : moved) Fit(i, outputs_[i]);
   return absl::OkStatus();
 }
 
-absl::StatusOr<PlayScore> PlayRegression::Score(int input) const {
-  PlayScore best{.width = widths_(input), .nats = 0.0, .factor = 1.0};
-  if (!(ranges_(input) > 0.0)) return best;
+absl::Status PlayRegression::UpdateMerits(int input) {
+  std::vector<int> old;
+  for (int i = 0; i < model_.num_outputs(); ++i) {
+    if (IsUsed(i, input) && merits_[input][i].fit != outputs_[i].fits) {
+      old.push_back(i);
+    }
+  }
+  if (old.empty()) return absl::OkStatus();
+  std::vector<std::vector<Eigen::MatrixXd>> differences;  // of each width
   for (const double share : kWidths) {
     const double width = share * ranges_(input);
     std::vector<Eigen::RowVectorXd> moves;
@@ -342,26 +361,48 @@ absl::StatusOr<PlayScore> PlayRegression::Score(int input) const {
       moves.emplace_back(PassThroughPlay(asked, width) -
                          PassThroughPlay(asked, widths_(input)));
     }
-    MLE_ASSIGN_OR_RETURN(const std::vector<Eigen::MatrixXd> responses,
-                         Simulate(input, moves));
-    double product = 0.0;
-    double size = 0.0;
-    for (int i = 0; i < model_.num_outputs(); ++i) {
-      if (!IsUsed(i, input)) continue;
-      const OutputState& state = outputs_[i];
-      std::vector<Eigen::VectorXd> series = ColumnOf(responses, i);
+    MLE_ASSIGN_OR_RETURN(differences.emplace_back(), Simulate(input, moves));
+  }
+  for (const int i : old) {
+    const OutputState& state = outputs_[i];
+    Eigen::MatrixXd columns(state.residual.size(), kWidths.size());
+    for (std::size_t c = 0; c < kWidths.size(); ++c) {
+      std::vector<Eigen::VectorXd> series = ColumnOf(differences[c], i);
       for (Eigen::VectorXd& part : series) {
         part = InnovationsOfDrift(part, state.drift);
       }
-      Eigen::VectorXd difference =
+      columns.col(static_cast<Eigen::Index>(c)) =
           Whitened(state.filter, series).cwiseProduct(state.used);
-      difference -= state.basis * (state.basis.transpose() * difference);
-      const double gain = state.gains(input);
-      product += gain * difference.dot(state.residual) / state.variance;
-      size += gain * gain * difference.squaredNorm() / state.variance;
     }
-    if (size > 0.0 && product - size / 2.0 > best.nats) {
-      best = {width, product - size / 2.0, product / size};
+    const Eigen::MatrixXd explained = state.basis.transpose() * columns;
+    columns.noalias() -= state.basis * explained;
+    const double gain = state.gains(input);
+    Merits& merits = merits_[input][i];
+    merits.fit = state.fits;
+    merits.products =
+        columns.transpose() * state.residual * (gain / state.variance);
+    merits.sizes =
+        columns.colwise().squaredNorm() * (gain * gain / state.variance);
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<PlayScore> PlayRegression::Score(int input) {
+  PlayScore best{.width = widths_(input), .nats = 0.0, .factor = 1.0};
+  if (!(ranges_(input) > 0.0)) return best;
+  MLE_RETURN_IF_ERROR(UpdateMerits(input));
+  Eigen::VectorXd products = Eigen::VectorXd::Zero(kWidths.size());
+  Eigen::VectorXd sizes = Eigen::VectorXd::Zero(kWidths.size());
+  for (int i = 0; i < model_.num_outputs(); ++i) {
+    if (!IsUsed(i, input)) continue;
+    products += merits_[input][i].products;
+    sizes += merits_[input][i].sizes;
+  }
+  for (std::size_t c = 0; c < kWidths.size(); ++c) {
+    const auto at = static_cast<Eigen::Index>(c);
+    const double nats = products(at) - sizes(at) / 2.0;
+    if (sizes(at) > 0.0 && nats > best.nats) {
+      best = {kWidths[c] * ranges_(input), nats, products(at) / sizes(at)};
     }
   }
   return best;
@@ -369,7 +410,7 @@ absl::StatusOr<PlayScore> PlayRegression::Score(int input) const {
 
 absl::StatusOr<double> PlayRegression::LogLikelihood(
     const Eigen::VectorXd& widths) const {
-  std::vector<Responses> responses = responses_;
+  AllResponses responses = responses_;
   for (int j = 0; j < model_.num_inputs(); ++j) {
     if (widths(j) == widths_(j)) continue;
     MLE_ASSIGN_OR_RETURN(responses[j], RespondTo(j, widths(j)));
@@ -378,7 +419,32 @@ absl::StatusOr<double> PlayRegression::LogLikelihood(
   for (int i = 0; i < model_.num_outputs(); ++i) {
     const OutputState& state = outputs_[i];
     if (state.degrees < kLeastDegrees) continue;
-    sum -= 0.5 * state.degrees * std::log(Squares(i, responses, state.used));
+    const double squares = IsMoved(i, widths)
+                               ? Squares(i, responses, state.used)
+                               : SquaresLeft(i, state.used);
+    sum -= 0.5 * state.degrees * std::log(squares);
+  }
+  return sum;
+}
+
+absl::StatusOr<double> PlayRegression::OwnNats(int input) {
+  if (widths_(input) == 0.0) return 0.0;
+  AllResponses without = responses_;
+  double sum = 0.0;
+  for (int i = 0; i < model_.num_outputs(); ++i) {
+    if (!IsUsed(i, input)) continue;
+    const OutputState& state = outputs_[i];
+    Merits& merits = merits_[input][i];
+    if (merits.own_fit != state.fits) {
+      if (without[input] == responses_[input]) {
+        MLE_ASSIGN_OR_RETURN(without[input], RespondTo(input, 0.0));
+      }
+      merits.own_fit = state.fits;
+      merits.own = 0.5 * state.degrees *
+                   std::log(Squares(i, without, state.used) /
+                            SquaresLeft(i, state.used));
+    }
+    sum += merits.own;
   }
   return sum;
 }
@@ -386,20 +452,26 @@ absl::StatusOr<double> PlayRegression::LogLikelihood(
 double PlayRegression::GainOver(const PlayRegression& other) const {
   double gain = 0.0;
   for (int i = 0; i < model_.num_outputs(); ++i) {
+    if (!IsMoved(i, other.widths_)) continue;
     const Eigen::VectorXd used =
         outputs_[i].used.cwiseProduct(other.outputs_[i].used);
     const double degrees =
         used.sum() - static_cast<double>(outputs_[i].basis.cols()) - kOrder;
     if (degrees < kLeastDegrees) continue;
     gain += 0.5 * degrees *
-            std::log(other.Squares(i, other.responses_, used) /
-                     Squares(i, responses_, used));
+            std::log(other.SquaresLeft(i, used) / SquaresLeft(i, used));
   }
   return gain;
 }
 
-double PlayRegression::Squares(int output,
-                               const std::vector<Responses>& responses,
+double PlayRegression::SquaresLeft(int output,
+                                   const Eigen::VectorXd& used) const {
+  const OutputState& state = outputs_[output];
+  return used == state.used ? state.residual.squaredNorm() + kLeastSquares
+                            : Squares(output, responses_, used);
+}
+
+double PlayRegression::Squares(int output, const AllResponses& responses,
                                const Eigen::VectorXd& used) const {
   const OutputState& state = outputs_[output];
   const WhitenedData data =
@@ -410,7 +482,7 @@ double PlayRegression::Squares(int output,
   Eigen::VectorXd rest =
       Whitened(state.filter, data.outputs).cwiseProduct(used);
   rest.applyOnTheLeft(qr.householderQ().adjoint());
-  return rest.tail(rest.size() - qr.rank()).squaredNorm() + 1e-300;
+  return rest.tail(rest.size() - qr.rank()).squaredNorm() + kLeastSquares;
 }
 
 }  // namespace mle

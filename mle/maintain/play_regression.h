@@ -28,6 +28,7 @@
 #ifndef MLE_MAINTAIN_PLAY_REGRESSION_H_
 #define MLE_MAINTAIN_PLAY_REGRESSION_H_
 
+#include <memory>
 #include <vector>
 
 #include "Eigen/Core"
@@ -70,16 +71,21 @@ class PlayRegression {
 
   // The best of the widths 1 % … 50 % of the input's range in place of the
   // present one, the others as they are. By one product of residuals and
-  // responses for each, without another fit.
-  absl::StatusOr<PlayScore> Score(int input) const;
+  // responses for each, without another fit; computed anew only of outputs that
+  // have been fitted since.
+  absl::StatusOr<PlayScore> Score(int input);
 
   // −½ Σ_i N_i ln S_i, with S_i the squares left of output i under the present
   // filters after a fit with these widths: to be compared with others under the
   // same filters.
   absl::StatusOr<double> LogLikelihood(const Eigen::VectorXd& widths) const;
 
+  // By how many nats an input's play explains the outputs better than none,
+  // the others as they are, under the present filters.
+  absl::StatusOr<double> OwnNats(int input);
+
   // By how many nats the present widths explain the outputs better than those
-  // of `other`, of the same records, each with its own filters; rows that
+  // of `other`, a copy with other widths, each with its own filters; rows that
   // either leaves out do not count.
   double GainOver(const PlayRegression& other) const;
 
@@ -90,31 +96,50 @@ class PlayRegression {
     std::vector<Eigen::MatrixXd> linear;
     std::vector<Eigen::MatrixXd> square;
   };
+  // m, shared by copies.
+  using AllResponses = std::vector<std::shared_ptr<const Responses>>;
   struct OutputState {
-    double drift = 0.0;     // κ
-    Eigen::VectorXd start;  // of all a: where the next fit begins
+    std::vector<int> inputs;  // of its elements
+    double drift = 0.0;       // κ
+    Eigen::VectorXd start;    // of all a: where the next fit begins
     Eigen::VectorXd filter;
     Eigen::VectorXd used;      // 1, or 0 where a row is left out
     Eigen::MatrixXd basis;     // orthonormal, of the whitened columns
     Eigen::VectorXd residual;  // what these leave of the whitened output
-    Eigen::VectorXd gains;     // m: static gains over those of the model
-    double degrees = 0.0;      // N_i: rows used less parameters
+    // m: static gains over those of the model, 0 without an element.
+    Eigen::VectorXd gains;
+    double degrees = 0.0;  // N_i: rows used less parameters
     double variance = 1.0;
+    int fits = 0;  // so far
+  };
+  // What was computed of an input and an output, and after which of its fits:
+  // of the widths that are tried in place of the present one what they explain
+  // of the residual, over its variance, and their squares; OwnNats().
+  struct Merits {
+    int fit = 0;
+    Eigen::VectorXd products;
+    Eigen::VectorXd sizes;
+    int own_fit = 0;
+    double own = 0.0;
   };
 
   PlayRegression() = default;
   absl::StatusOr<std::vector<Eigen::MatrixXd>> Simulate(
       int input, const std::vector<Eigen::RowVectorXd>& moves) const;
-  absl::StatusOr<Responses> RespondTo(int input, double width) const;
-  WhitenedData DataOf(int output,
-                      const std::vector<Responses>& responses) const;
+  absl::StatusOr<std::shared_ptr<const Responses>> RespondTo(
+      int input, double width) const;
+  WhitenedData DataOf(int output, const AllResponses& responses) const;
   Eigen::VectorXd UsedRows(int output, int order,
                            const Eigen::VectorXd& innovations) const;
   void Fit(int output, OutputState& state) const;
   bool IsUsed(int output, int input) const;
-  // S_i of a fit to the rows used.
-  double Squares(int output, const std::vector<Responses>& responses,
+  // Whether an input acts on the output whose play has another width.
+  bool IsMoved(int output, const Eigen::VectorXd& widths) const;
+  absl::Status UpdateMerits(int input);
+  // S_i of a fit to the rows used, and the same at the present widths.
+  double Squares(int output, const AllResponses& responses,
                  const Eigen::VectorXd& used) const;
+  double SquaresLeft(int output, const Eigen::VectorXd& used) const;
 
   const std::vector<Record>* parts_ = nullptr;
   const std::vector<Eigen::MatrixXd>* bad_ = nullptr;
@@ -122,8 +147,9 @@ class PlayRegression {
   std::vector<ProcessModel> columns_;  // m: all outputs, one input
   Eigen::VectorXd ranges_;
   Eigen::VectorXd widths_;
-  std::vector<Responses> responses_;  // m
-  std::vector<OutputState> outputs_;  // p
+  AllResponses responses_;
+  std::vector<OutputState> outputs_;         // p
+  std::vector<std::vector<Merits>> merits_;  // m, p
 };
 
 }  // namespace mle

@@ -92,7 +92,8 @@ class PlaySearch {
   // By how much each play explains the outputs better than none, the others as
   // they are, under the filters found with all of them.
   absl::StatusOr<Eigen::VectorXd> OwnNats();
-  // Of the plays that are not proved the weakest; false if all are.
+  // Of the plays that are not proved the weakest; false if all are. By the nats
+  // of their own first, for which nothing is fitted.
   absl::StatusOr<bool> DropWeakest();
   absl::StatusOr<StickingInput> Describe(int input) const;
 
@@ -121,26 +122,23 @@ absl::Status PlaySearch::AddPlays() {
   return absl::OkStatus();
 }
 
-absl::StatusOr<Eigen::VectorXd> PlaySearch::OwnNats() {
-  MLE_RETURN_IF_ERROR(regression_.SetWidths(widths_));
-  Eigen::VectorXd nats = Eigen::VectorXd::Zero(m());
-  MLE_ASSIGN_OR_RETURN(const double best, regression_.LogLikelihood(widths_));
-  for (int j = 0; j < m(); ++j) {
-    if (widths_(j) == 0.0) continue;
-    Eigen::VectorXd without = widths_;
-    without(j) = 0.0;
-    MLE_ASSIGN_OR_RETURN(const double likelihood,
-                         regression_.LogLikelihood(without));
-    nats(j) = best - likelihood;
-  }
-  return nats;
-}
-
 absl::StatusOr<bool> PlaySearch::DropWeakest() {
-  MLE_ASSIGN_OR_RETURN(const Eigen::VectorXd own, OwnNats());
   int weakest = -1;
   double least = 1.0;  // of what is needed
+  const auto consider = [&](int input, double share) {
+    if (share >= least) return;
+    least = share;
+    weakest = input;
+  };
+  Eigen::VectorXd own = Eigen::VectorXd::Zero(m());
   for (int j = 0; j < m(); ++j) {
+    if (widths_(j) == 0.0) continue;
+    MLE_ASSIGN_OR_RETURN(own(j), regression_.OwnNats(j));
+    consider(j, own(j) / kLeastOwnNats);
+  }
+  // The rest costs a fit for each.
+  const bool proved_so_far = weakest < 0;
+  for (int j = 0; j < m() && proved_so_far; ++j) {
     if (widths_(j) == 0.0) continue;
     Eigen::VectorXd without = widths_;
     without(j) = 0.0;
@@ -151,13 +149,10 @@ absl::StatusOr<bool> PlaySearch::DropWeakest() {
     const bool plausible = score.factor >= kLeastPlayFactor &&
                            score.factor <= kMostFactor &&
                            widths_(j) <= kMostShare * regression_.ranges()(j);
-    const double share =
-        plausible ? std::min({nats_(j) / kLeastPlayNats,
-                              score.nats / kLeastScore, own(j) / kLeastOwnNats})
-                  : 0.0;
-    if (share >= least) continue;
-    least = share;
-    weakest = j;
+    consider(j, plausible ? std::min({nats_(j) / kLeastPlayNats,
+                                      score.nats / kLeastScore,
+                                      own(j) / kLeastOwnNats})
+                          : 0.0);
   }
   if (weakest >= 0) widths_(weakest) = 0.0;
   MLE_RETURN_IF_ERROR(regression_.SetWidths(widths_));

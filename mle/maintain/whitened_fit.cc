@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "Eigen/Cholesky"
+#include "mle/regression/lagged_products.h"
 
 namespace mle {
 namespace {
@@ -79,17 +80,26 @@ double LogLikelihoodOfNoise(const Noise& noise) {
   return -0.5 * noise.rows * std::log(noise.variance);
 }
 
-// The columns that are not zero of each window's responses.
-using PresentColumns = std::vector<std::vector<Eigen::Index>>;
+// The responses that are not zero. Of a plant with many inputs most have no
+// element in a row, and normal equations cost the cube of their number.
+struct PresentColumns {
+  std::vector<Eigen::Index> all;  // in any window
+  // Of each window: which of `all`.
+  std::vector<std::vector<Eigen::Index>> windows;
+};
 
-PresentColumns FindPresent(const WhitenedData& data) {
+PresentColumns FindPresent(const WhitenedData& data, Eigen::Index columns) {
   PresentColumns present;
-  for (const Eigen::MatrixXd& responses : data.responses) {
-    std::vector<Eigen::Index> columns;
-    for (Eigen::Index j = 0; j < responses.cols(); ++j) {
-      if (!responses.col(j).isZero(0.0)) columns.push_back(j);
+  present.windows.resize(data.responses.size());
+  for (Eigen::Index j = 0; j < columns; ++j) {
+    const auto place = static_cast<Eigen::Index>(present.all.size());
+    bool any = false;
+    for (std::size_t w = 0; w < data.responses.size(); ++w) {
+      if (data.responses[w].col(j).isZero(0.0)) continue;
+      present.windows[w].push_back(place);
+      any = true;
     }
-    present.push_back(std::move(columns));
+    if (any) present.all.push_back(j);
   }
   return present;
 }
@@ -97,24 +107,20 @@ PresentColumns FindPresent(const WhitenedData& data) {
 // Least squares of whitened outputs on whitened responses.
 void FitGains(const WhitenedData& data, const PresentColumns& present,
               const Noise& noise, WhitenedFit& fit) {
-  const Eigen::Index m = fit.gains.size();
+  const auto m = static_cast<Eigen::Index>(present.all.size());
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(m, m);
   Eigen::VectorXd products = Eigen::VectorXd::Zero(m);
   for (std::size_t w = 0; w < data.outputs.size(); ++w) {
     if (data.outputs[w].size() <= 2 * OrderOf(noise)) continue;
     const Eigen::VectorXd rest = ApplyFilter(
         noise.filter, data.outputs[w] - data.responses[w] * fit.gains);
-    const std::vector<Eigen::Index>& columns = present[w];
+    const std::vector<Eigen::Index>& columns = present.windows[w];
     Eigen::MatrixXd responses(rest.size(), columns.size());
     for (std::size_t c = 0; c < columns.size(); ++c) {
-      responses.col(static_cast<Eigen::Index>(c)) =
-          ApplyFilter(noise.filter, data.responses[w].col(columns[c]));
+      responses.col(static_cast<Eigen::Index>(c)) = ApplyFilter(
+          noise.filter, data.responses[w].col(present.all[columns[c]]));
     }
-    const auto width = static_cast<Eigen::Index>(columns.size());
-    Eigen::MatrixXd squares = Eigen::MatrixXd::Zero(width, width);
-    squares.selfadjointView<Eigen::Lower>().rankUpdate(responses.transpose());
-    gram(columns, columns) +=
-        Eigen::MatrixXd(squares.selfadjointView<Eigen::Lower>());
+    gram(columns, columns) += GramMatrix(responses);
     products(columns) += responses.transpose() * rest;
   }
   const Eigen::VectorXd sizes = gram.diagonal().cwiseSqrt().cwiseMax(1e-150);
@@ -125,14 +131,12 @@ void FitGains(const WhitenedData& data, const PresentColumns& present,
       scaled.ldlt().solve(Eigen::MatrixXd::Identity(m, m));
   const Eigen::VectorXd step =
       (inverse * products.cwiseQuotient(sizes)).cwiseQuotient(sizes);
-  for (Eigen::Index j = 0; j < m; ++j) {
-    if (!(gram(j, j) > 0.0)) {
-      fit.errors(j) = std::numeric_limits<double>::infinity();
-      continue;
-    }
-    fit.gains(j) += step(j);
-    fit.errors(j) =
-        std::sqrt(noise.variance * std::max(inverse(j, j), 0.0)) / sizes(j);
+  fit.errors.setConstant(std::numeric_limits<double>::infinity());
+  for (Eigen::Index c = 0; c < m; ++c) {
+    if (!(gram(c, c) > 0.0)) continue;
+    fit.gains(present.all[c]) += step(c);
+    fit.errors(present.all[c]) =
+        std::sqrt(noise.variance * std::max(inverse(c, c), 0.0)) / sizes(c);
   }
 }
 
@@ -230,7 +234,7 @@ WhitenedFit FitWhitenedGains(const WhitenedData& data, Eigen::VectorXd start,
   WhitenedFit fit;
   fit.gains = std::move(start);
   fit.errors = Eigen::VectorXd::Zero(fit.gains.size());
-  const PresentColumns present = FindPresent(data);
+  const PresentColumns present = FindPresent(data, fit.gains.size());
   Noise noise = FitNoise(data, fit.gains, order);
   for (int round = 0; round < kMostRounds; ++round) {
     const Eigen::VectorXd before = fit.gains;

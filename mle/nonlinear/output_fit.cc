@@ -42,9 +42,10 @@ bool SameShape(const NoiseEstimate& a, const NoiseEstimate& b) {
          same(a.colour_damping, b.colour_damping);
 }
 
-// Steps 2 to 4 and what is reported, from `fit`'s values and noise.
+// Steps 2 to 5 and what is reported, from `fit`'s values and noise.
 void Finish(const OutputErrorProblem& problem,
             const OutputErrorOptions& options, Fitter& fitter, OutputFit& fit) {
+  const bool part = options.start != nullptr;
   for (int round = 0; round < kMaxSearchRounds; ++round) {
     double cost = 0.0;
     for (int again = 0; again < kMaxNoiseRounds; ++again) {
@@ -53,19 +54,24 @@ void Finish(const OutputErrorProblem& problem,
                                 options.estimate_drift,
                                 again == 1 && MayHaveColour(problem, options));
       if (again > 0 && ShapeOf(fit.noise) == ShapeOf(former)) break;
-      cost = fitter.Refine(fit.point, ShapeOf(fit.noise),
-                           /*near=*/again > 0 || options.start != nullptr);
+      cost = fitter.RefineRoughly(fit.point, ShapeOf(fit.noise),
+                                  /*near=*/again > 0 || part);
       if (again > 0 && SameShape(former, fit.noise)) break;
     }
-    // What it begins at was confirmed by all the records.
-    if (options.start != nullptr) break;
+    // What it begins at was confirmed by all the records, and parts of them
+    // need no certificate.
+    if (part) break;
     const DelaySearchResult search =
         fitter.Search(fit.point, ShapeOf(fit.noise));
-    const bool better =
-        search.cost < cost * (1.0 - 1e-9) - search.cost_accuracy;
-    fitter.SetConfirmed(!better);
-    if (!better) break;
-    fit.point = search.point;
+    const auto better = [&] {
+      return search.cost < cost * (1.0 - 1e-9) - search.cost_accuracy;
+    };
+    if (!better() || round + 1 == kMaxSearchRounds) {
+      cost = fitter.RefineExactly(fit.point, ShapeOf(fit.noise));
+    }
+    fitter.SetConfirmed(!better());
+    if (!better()) break;
+    if (round + 1 < kMaxSearchRounds) fit.point = search.point;
   }
   fit.noise = EstimateNoise(problem, fit.point, fit.free, fit.noise,
                             options.estimate_drift, /*search_colour=*/false);
@@ -192,7 +198,7 @@ OutputFit FitOutputFrom(const OutputPoint& start, const std::vector<bool>& free,
 
 namespace {
 
-// Steps 2 to 4 from `fit`, and their certificate.
+// Steps 2 to 5 from `fit`, and their certificate.
 FitCertificate Continue(const OutputErrorProblem& problem,
                         const OutputFitBounds& bounds,
                         const OutputErrorOptions& options, OutputFit& fit) {
@@ -232,7 +238,10 @@ OutputFit FitWithoutOffsets(const OutputErrorProblem& problem,
   }
   // The dead times lie where they lay: no grid is searched.
   Fitter fitter(problem, plain.free, bounds, options);
-  fitter.Refine(plain.point, ShapeOf(plain.noise), /*near=*/false);
+  fitter.RefineRoughly(plain.point, ShapeOf(plain.noise), /*near=*/false);
+  if (options.start == nullptr) {
+    fitter.RefineExactly(plain.point, ShapeOf(plain.noise));
+  }
   plain.noise = EstimateNoise(problem, plain.point, plain.free, plain.noise,
                               options.estimate_drift,
                               /*search_colour=*/false);

@@ -7,14 +7,15 @@
 //
 //   1. The dead times are searched on a grid (delay_search.h), with the time
 //      scales half, as large and twice as large as at the start.
-//   2. Ceres refines the best of each, first with the dead times free, then
-//      within the sample that each lies in, until no neighbouring sample is
-//      better: a minimum may lie in a kink.
+//   2. Gauss and Newton's steps refine the best of each, first with the dead
+//      times free, then within the sample that each lies in, until no
+//      neighbouring sample is better: a minimum may lie in a kink.
 //   3. The shape is estimated anew (restricted likelihood: variation explained
 //      by the parameters to first order is not noise) and 2 repeated until it
 //      stays.
 //   4. The grid is searched again around the end, with its time scales and
 //      shape; a better combination of dead times starts 2 anew.
+//   5. Ceres goes on until it finds no better point.
 
 #ifndef MLE_NONLINEAR_OUTPUT_FIT_H_
 #define MLE_NONLINEAR_OUTPUT_FIT_H_

@@ -51,18 +51,16 @@ DelaySearchResult Fitter::Search(const OutputPoint& point,
                       kMaxGridPoints);
 }
 
-double Fitter::Refine(OutputPoint& point, const NoiseShape& shape, bool near) {
-  const double cost = RefineRoughly(point, shape, near);
-  if (options_.start != nullptr) return cost;
-  return Move(point, shape, /*exact=*/true,
-              SolveWithinCells(point, shape, /*exact=*/true));
-}
-
 double Fitter::RefineRoughly(OutputPoint& point, const NoiseShape& shape,
                              bool near) {
   if (!near) SolveRoughly(point, shape, /*within_cells=*/false);
   return Move(point, shape, /*exact=*/false,
               SolveWithinCells(point, shape, /*exact=*/false));
+}
+
+double Fitter::RefineExactly(OutputPoint& point, const NoiseShape& shape) {
+  return Move(point, shape, /*exact=*/true,
+              SolveWithinCells(point, shape, /*exact=*/true));
 }
 
 double Fitter::Move(OutputPoint& point, const NoiseShape& shape, bool exact,

@@ -1,5 +1,5 @@
-// Steps 1 and 2 of an output's fit (output_fit.h): the search for dead times on
-// a grid, and the refinement of its best, under a given noise shape.
+// Steps 1, 2 and 5 of an output's fit (output_fit.h): the search for dead times
+// on a grid, and the refinement of its best, under a given noise shape.
 // Internal to mle/nonlinear.
 
 #ifndef MLE_NONLINEAR_OUTPUT_FITTER_H_
@@ -38,13 +38,12 @@ class Fitter {
 
   DelaySearchResult Search(const OutputPoint& point, const NoiseShape& shape);
 
-  // Step 2: all dead times, unless `point` is near the optimum, then sample by
-  // sample; at last, unless fits to parts of records need no certificate
-  // (OutputErrorOptions::start), until Ceres finds no better point. Returns the
+  // Step 2, to about a hundredth of a standard deviation: all dead times,
+  // unless `point` is near the optimum, then sample by sample. Returns the
   // cost.
-  double Refine(OutputPoint& point, const NoiseShape& shape, bool near);
-  // The same to about a hundredth of a standard deviation.
   double RefineRoughly(OutputPoint& point, const NoiseShape& shape, bool near);
+  // Step 5, from there.
+  double RefineExactly(OutputPoint& point, const NoiseShape& shape);
 
   // Of the certificate: derivatives at the end, in standard deviations.
   void CertifyGradient(const OutputPoint& point, const NoiseEstimate& noise);

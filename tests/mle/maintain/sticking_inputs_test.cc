@@ -68,6 +68,33 @@ TEST(StickingInputsTest, FindsPlayInALargePlant) {
   EXPECT_NEAR(found[0].width, 0.5, 0.1);
 }
 
+// What is kept from fit to fit is what would be computed anew.
+TEST(StickingInputsTest, ScoresFollowTheWidths) {
+  const ProcessModel model = testing::LargeModel();
+  std::vector<Record> parts = {testing::LargeRecord(22, 0.5)};
+  const std::vector<Eigen::MatrixXd> bad = {
+      Eigen::MatrixXd::Zero(model.num_outputs(), parts[0].samples())};
+  PlayRegression used = *PlayRegression::Create(model, parts, bad);
+  for (int j = 0; j < model.num_inputs(); ++j) ASSERT_TRUE(used.Score(j).ok());
+  const double before = used.Score(22)->nats;
+  EXPECT_GT(before, 50.0);
+  Eigen::VectorXd widths = Eigen::VectorXd::Zero(model.num_inputs());
+  widths(22) = 0.5;
+  ASSERT_TRUE(used.SetWidths(widths).ok());
+  PlayRegression fresh = *PlayRegression::Create(model, parts, bad);
+  ASSERT_TRUE(fresh.SetWidths(widths).ok());
+  for (int j = 0; j < model.num_inputs(); ++j) {
+    EXPECT_EQ(used.Score(j)->nats, fresh.Score(j)->nats) << j;
+  }
+  EXPECT_LT(used.Score(22)->nats, 0.1 * before);
+  // Of the plays those of inputs that follow are none.
+  EXPECT_EQ(*used.OwnNats(0), 0.0);
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(model.num_inputs());
+  EXPECT_NEAR(*used.OwnNats(22),
+              *used.LogLikelihood(widths) - *used.LogLikelihood(none), 1e-6);
+  EXPECT_GT(used.GainOver(*PlayRegression::Create(model, parts, bad)), 50.0);
+}
+
 TEST(StickingInputsTest, FindsEveryInputThatSticks) {
   const std::vector<StickingInput> found =
       FindSticking(LoopRecord({.play = Eigen::Vector2d(0.03, 0.0225)}));

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "gtest/gtest.h"
 #include "mle/base/random.h"
@@ -131,6 +132,36 @@ TEST(WhitenedFitTest, AResponseOfZeroKeepsItsGain) {
   EXPECT_EQ(fit.gains(1), 1.0);
   EXPECT_EQ(fit.errors(1), std::numeric_limits<double>::infinity());
   EXPECT_TRUE(std::isfinite(fit.errors(0)));
+}
+
+// Columns that are zero, in some windows or in all, are nowhere in the others'
+// way.
+TEST(WhitenedFitTest, ColumnsOfZerosChangeNothing) {
+  WhitenedData data = Data(0.002, 0.05, 6);
+  data.responses[1].col(0).setZero();
+  WhitenedData wide = data;
+  for (std::size_t w = 0; w < data.responses.size(); ++w) {
+    wide.responses[w].setZero(data.responses[w].rows(), 5);
+    wide.responses[w].col(1) = data.responses[w].col(0);
+    wide.responses[w].col(4) = data.responses[w].col(1);
+  }
+  const WhitenedFit narrow = FitWhitenedGains(data, Eigen::Vector2d::Ones());
+  const WhitenedFit fit = FitWhitenedGains(wide, Eigen::VectorXd::Ones(5));
+  for (const auto& [at, of] : {std::pair(1, 0), std::pair(4, 1)}) {
+    EXPECT_NEAR(fit.gains(at), narrow.gains(of), 1e-9);
+    EXPECT_NEAR(fit.errors(at), narrow.errors(of), 1e-9);
+  }
+  for (const int at : {0, 2, 3}) {
+    EXPECT_EQ(fit.gains(at), 1.0);
+    EXPECT_EQ(fit.errors(at), std::numeric_limits<double>::infinity());
+  }
+  EXPECT_NEAR(fit.log_likelihood, narrow.log_likelihood, 1e-6);
+  const WhitenedFit none = FitWhitenedGains(
+      {.outputs = data.outputs,
+       .responses = {Eigen::MatrixXd(2000, 0), Eigen::MatrixXd(2000, 0)}},
+      Eigen::VectorXd());
+  EXPECT_TRUE(std::isfinite(none.log_likelihood));
+  EXPECT_LT(none.log_likelihood, fit.log_likelihood);
 }
 
 TEST(WhitenedFitTest, MeansOfBlocks) {
