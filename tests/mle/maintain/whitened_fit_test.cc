@@ -138,6 +138,7 @@ TEST(WhitenedFitTest, AResponseOfZeroKeepsItsGain) {
 // way.
 TEST(WhitenedFitTest, ColumnsOfZerosChangeNothing) {
   WhitenedData data = Data(0.002, 0.05, 6);
+  data.outputs[1] -= 2.0 * data.responses[1].col(0);
   data.responses[1].col(0).setZero();
   WhitenedData wide = data;
   for (std::size_t w = 0; w < data.responses.size(); ++w) {
@@ -156,6 +157,10 @@ TEST(WhitenedFitTest, ColumnsOfZerosChangeNothing) {
     EXPECT_EQ(fit.errors(at), std::numeric_limits<double>::infinity());
   }
   EXPECT_NEAR(fit.log_likelihood, narrow.log_likelihood, 1e-6);
+  const WhitenedFit first = FitWhitenedGains(
+      {.outputs = {data.outputs[0]}, .responses = {data.responses[0]}},
+      Eigen::Vector2d::Ones());
+  EXPECT_LT(narrow.errors(1), 0.85 * first.errors(1));
   const WhitenedFit none = FitWhitenedGains(
       {.outputs = data.outputs,
        .responses = {Eigen::MatrixXd(2000, 0), Eigen::MatrixXd(2000, 0)}},
