@@ -87,7 +87,7 @@ TEST(StickingInputsTest, ScoresFollowTheWidths) {
     EXPECT_EQ(used.Score(j)->nats, fresh.Score(j)->nats) << j;
   }
   EXPECT_LT(used.Score(22)->nats, 0.1 * before);
-  // Of the plays those of inputs that follow are none.
+  // An input that the plant follows has no play.
   EXPECT_EQ(*used.OwnNats(0), 0.0);
   const Eigen::VectorXd none = Eigen::VectorXd::Zero(model.num_inputs());
   EXPECT_NEAR(*used.OwnNats(22),
