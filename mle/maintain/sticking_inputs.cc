@@ -89,9 +89,6 @@ class PlaySearch {
  private:
   int m() const { return model_.num_inputs(); }
   absl::Status AddPlays();
-  // By how much each play explains the outputs better than none, the others as
-  // they are, under the filters found with all of them.
-  absl::StatusOr<Eigen::VectorXd> OwnNats();
   // Of the plays that are not proved the weakest; false if all are. By the nats
   // of their own first, for which nothing is fitted.
   absl::StatusOr<bool> DropWeakest();
@@ -130,11 +127,10 @@ absl::StatusOr<bool> PlaySearch::DropWeakest() {
     least = share;
     weakest = input;
   };
-  Eigen::VectorXd own = Eigen::VectorXd::Zero(m());
   for (int j = 0; j < m(); ++j) {
     if (widths_(j) == 0.0) continue;
-    MLE_ASSIGN_OR_RETURN(own(j), regression_.OwnNats(j));
-    consider(j, own(j) / kLeastOwnNats);
+    MLE_ASSIGN_OR_RETURN(const double own, regression_.OwnNats(j));
+    consider(j, own / kLeastOwnNats);
   }
   // The rest costs a fit for each.
   const bool proved_so_far = weakest < 0;
@@ -149,9 +145,8 @@ absl::StatusOr<bool> PlaySearch::DropWeakest() {
     const bool plausible = score.factor >= kLeastPlayFactor &&
                            score.factor <= kMostFactor &&
                            widths_(j) <= kMostShare * regression_.ranges()(j);
-    consider(j, plausible ? std::min({nats_(j) / kLeastPlayNats,
-                                      score.nats / kLeastScore,
-                                      own(j) / kLeastOwnNats})
+    consider(j, plausible ? std::min(nats_(j) / kLeastPlayNats,
+                                     score.nats / kLeastScore)
                           : 0.0);
   }
   if (weakest >= 0) widths_(weakest) = 0.0;

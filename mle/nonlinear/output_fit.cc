@@ -66,12 +66,13 @@ void Finish(const OutputErrorProblem& problem,
     const auto better = [&] {
       return search.cost < cost * (1.0 - 1e-9) - search.cost_accuracy;
     };
-    if (!better() || round + 1 == kMaxSearchRounds) {
+    const bool last = round + 1 == kMaxSearchRounds;
+    if (last || !better()) {
       cost = fitter.RefineExactly(fit.point, ShapeOf(fit.noise));
     }
     fitter.SetConfirmed(!better());
-    if (!better()) break;
-    if (round + 1 < kMaxSearchRounds) fit.point = search.point;
+    if (last || !better()) break;
+    fit.point = search.point;
   }
   fit.noise = EstimateNoise(problem, fit.point, fit.free, fit.noise,
                             options.estimate_drift, /*search_colour=*/false);
