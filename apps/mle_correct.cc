@@ -98,7 +98,7 @@ int Main(correct::Request& request, OptionTable& table) {
                    request.data_paths.size() == 1 ? " source" : " sources"));
   absl::StatusOr<RecordData> data =
       LoadSources(sources->sources(), request.model, request.import,
-                  request.options.records);
+                  request.options.records, ShowStage);
   if (!data.ok()) {
     return Fail(OnReading(data.status(), request));
   }

@@ -309,6 +309,10 @@ std::vector<Option> OptionsOf(RecordOptions& options) {
        "Samples of windows that are used: of longer records the windows that "
        "are expected to inform most; 0: all.",
        "", kNotNegative},
+      {"most_samples_in_memory", &options.most_samples_in_memory,
+       "Samples that are held in memory: of longer records the stretches that "
+       "are expected to inform most, found while they are read; 0: all.",
+       "", kNotNegative},
   };
 }
 

@@ -11,10 +11,10 @@ namespace mle {
 
 absl::StatusOr<HistorianImport> ImportHistorianSources(
     const std::vector<HistorianSource>& sources, const ProcessModel& channels,
-    const HistorianOptions& options) {
+    const HistorianOptions& options, RecordSink* sink) {
   MLE_RETURN_IF_ERROR(options.Validate(channels));
   MLE_ASSIGN_OR_RETURN(HistorianImport import,
-                       HistorianImporter(channels, options).Run(sources));
+                       HistorianImporter(channels, options, sink).Run(sources));
   if (!import.records.empty()) return import;
   const std::string& name = import.report.files[0].name;
   const bool is_table = std::any_of(

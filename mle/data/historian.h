@@ -49,6 +49,7 @@
 #include "mle/data/record_clock.h"
 #include "mle/data/record_columns.h"
 #include "mle/data/record_rows.h"
+#include "mle/data/record_sink.h"
 #include "mle/data/time_names.h"
 #include "mle/model/process_model.h"
 
@@ -59,6 +60,14 @@ enum class EmptyFields {
   kRecognise,  // unchanged, if the table looks as if reported by exception
   kBad,        // a bad sample
   kUnchanged,  // the value of the row above
+};
+
+// How far an import is.
+struct ImportProgress {
+  std::string source;      // its name
+  std::int64_t rows = 0;   // read of it
+  std::string reached;     // the time of the last one, as messages have it
+  double fraction = -1.0;  // of the source, in [0, 1]; negative: not known
 };
 
 // Times are in the model's unit.
@@ -106,6 +115,9 @@ struct HistorianOptions {
   double max_gap = -1.0;
   // Of all records together, > 0: more is an error.
   std::int64_t max_samples = 20'000'000;
+  // Called after every 1,000 rows; false ends the import with
+  // absl::CancelledError. May be empty.
+  std::function<bool(const ImportProgress&)> progress = {};
 
   absl::Status Validate(const ProcessModel& channels) const;
 };
@@ -165,7 +177,8 @@ struct HistorianReport {
   std::string time_zone;        // declared for dates; empty: none
   std::vector<GapReport> gaps;  // the first 100
   std::int64_t num_gaps = 0;
-  std::int64_t samples = 0;
+  std::int64_t samples = 0;       // that were read
+  std::int64_t kept_samples = 0;  // of the records; the others a sink has left
   int records = 0;
   std::vector<std::string> warnings;
   std::vector<ImportNote> notes;
@@ -195,6 +208,8 @@ struct HistorianSource {
   bool is_table = false;
   // Why a stream of open() turned bad(), where it can say more than that.
   std::function<absl::Status()> fault = {};
+  // Bytes of the text, for progress; 0: not known.
+  std::int64_t bytes = 0;
 };
 // The name of standard input in messages and reports.
 inline constexpr char kStandardInput[] = "standard input";
@@ -212,9 +227,12 @@ HistorianSource TextSource(std::string name, std::string text);
 absl::StatusOr<HistorianImport> ImportHistorian(
     const std::vector<std::string>& paths, const ProcessModel& channels,
     const HistorianOptions& options);
+// `sink`: takes the records in pieces while they are read, and what it keeps of
+// them are the records of the import, however many samples are read; null: all
+// are held.
 absl::StatusOr<HistorianImport> ImportHistorianSources(
     const std::vector<HistorianSource>& sources, const ProcessModel& channels,
-    const HistorianOptions& options);
+    const HistorianOptions& options, RecordSink* sink = nullptr);
 
 }  // namespace mle
 

@@ -53,6 +53,13 @@ absl::Status CheckIsTable(const std::string& source, int first_line,
 
 }  // namespace
 
+double HistorianFile::FractionRead() const {
+  const std::streamoff at =
+      in_->rdbuf()->pubseekoff(0, std::ios::cur, std::ios::in);
+  if (bytes_ <= 0 || at < 0) return -1.0;
+  return std::min(static_cast<double>(at) / static_cast<double>(bytes_), 1.0);
+}
+
 absl::Status HistorianFile::SkipToHeader(
     const HistorianOptions& options, const std::vector<std::string>& names) {
   const auto skip = [&](int lines) {
@@ -145,6 +152,7 @@ absl::Status HistorianFile::WidenLongTable(
                                  table.tags.size(), " tags."),
                     ""});
   is_sparse_ = !table.is_complete;
+  bytes_ = static_cast<std::int64_t>(table.text.size());
   in_ = std::make_unique<std::istringstream>(std::move(table.text));
   csv_ = std::make_unique<CsvRows>(*in_, report_.name, options.limits);
   csv_->set_origin(std::move(table.origin));
@@ -201,6 +209,7 @@ absl::StatusOr<std::unique_ptr<HistorianFile>> HistorianFile::Start(
   file->csv_ =
       std::make_unique<CsvRows>(*file->in_, source.name, options.limits);
   file->is_table_ = source.is_table;
+  file->bytes_ = source.bytes;
   file->csv_->set_is_table(source.is_table);
   file->csv_->set_fault(source.fault);
   MLE_RETURN_IF_ERROR(file->RecogniseTable(channels, options));

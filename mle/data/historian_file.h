@@ -50,6 +50,8 @@ class HistorianFile {
   const std::vector<ImportNote>& notes() const { return notes_; }
   // A long table whose tags have samples at times of their own.
   bool is_sparse() const { return is_sparse_; }
+  // Of the text, what is read; negative: not known.
+  double FractionRead() const;
 
  private:
   HistorianFile(std::unique_ptr<std::istream> in, RecordClock clock)
@@ -76,7 +78,8 @@ class HistorianFile {
   std::optional<RecordRows> rows_;
   FileReport report_;
   std::vector<ImportNote> notes_;
-  bool is_table_ = false;  // as of HistorianSource
+  bool is_table_ = false;   // as of HistorianSource
+  std::int64_t bytes_ = 0;  // of the text; 0: not known
   int header_line_ = 1;
   int rows_below_header_ = 0;
   bool is_sparse_ = false;

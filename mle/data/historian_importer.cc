@@ -21,6 +21,7 @@ constexpr double kMaxRefinement = 50.0;
 constexpr double kGapSteps = 1.9;
 // Of rows that are multiples of a step apart.
 constexpr double kMostlyEven = 0.9;
+constexpr std::int64_t kRowsOfProgress = 1000;
 
 }  // namespace
 
@@ -198,8 +199,10 @@ double HistorianImporter::ShiftOf(const HistorianProbe& probe) const {
          probe.first_time;
 }
 
-// No more samples than allowed, those that the row at `time` brings included.
+// No more samples than allowed to be held, those that the row at `time` brings
+// included.
 bool HistorianImporter::FitsWithin(double time) {
+  if (sink_ != nullptr) return true;
   const HistorianReport& report = import_.report;
   double due = 1.0;
   if (has_usable_) {
@@ -259,6 +262,20 @@ std::string HistorianImporter::TooManySamples() const {
                       "; choose a longer sample_time, or read less at once");
 }
 
+absl::Status HistorianImporter::ShowProgress(const HistorianFile& file,
+                                             const FileReport& report) const {
+  if (!options_.progress) return absl::OkStatus();
+  const TimeNames times = import_.report.Times(channels_.time_unit());
+  if (options_.progress({.source = report.name,
+                         .rows = report.rows,
+                         .reached = times.Short(report.last_time),
+                         .fraction = file.FractionRead()})) {
+    return absl::OkStatus();
+  }
+  return absl::CancelledError(
+      absl::StrCat("stopped by the caller while reading ", report.name));
+}
+
 absl::Status HistorianImporter::ReadSource(const HistorianProbe& probe,
                                            Resampler& resampler) {
   MLE_ASSIGN_OR_RETURN(
@@ -285,6 +302,10 @@ absl::Status HistorianImporter::ReadSource(const HistorianProbe& probe,
     if (!TakeRow(row, resampler)) {
       return absl::InvalidArgumentError(
           absl::StrCat(rows.TimePlace(), TooManySamples()));
+    }
+    MLE_RETURN_IF_ERROR(collector_->status());
+    if (report.rows % kRowsOfProgress == 0) {
+      MLE_RETURN_IF_ERROR(ShowProgress(*file, report));
     }
   }
   MLE_RETURN_IF_ERROR(rows.status());
@@ -314,7 +335,7 @@ Resampler HistorianImporter::Begin() {
   values_.resize(num_values());
   is_there_.resize(num_values());
   good_.resize(num_values());
-  collector_.emplace(MakeCollectorOptions());
+  collector_.emplace(MakeCollectorOptions(), sink_);
   Resampler resampler(
       {.sample_time = import_.report.sample_time,
        .step = import_.report.step,
@@ -331,6 +352,7 @@ Resampler HistorianImporter::Begin() {
 absl::StatusOr<HistorianImport> HistorianImporter::End(Resampler& resampler) {
   resampler.Finish();
   collector_->Finish();
+  MLE_RETURN_IF_ERROR(collector_->status());
   MLE_RETURN_IF_ERROR(CheckChannels());
   NoteSamples();
   Warn();

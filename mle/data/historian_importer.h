@@ -15,6 +15,7 @@
 #include "mle/data/historian.h"
 #include "mle/data/historian_file.h"
 #include "mle/data/record_collector.h"
+#include "mle/data/record_sink.h"
 #include "mle/data/resampler.h"
 #include "mle/data/row_stream.h"
 #include "mle/data/table_import.h"
@@ -24,9 +25,10 @@ namespace mle {
 // Reads the sources one after the other.
 class HistorianImporter {
  public:
+  // `sink`: takes the records while they are read; null: all are held.
   HistorianImporter(const ProcessModel& channels,
-                    const HistorianOptions& options)
-      : channels_(channels), options_(options) {}
+                    const HistorianOptions& options, RecordSink* sink = nullptr)
+      : channels_(channels), options_(options), sink_(sink) {}
 
   absl::StatusOr<HistorianImport> Run(
       const std::vector<HistorianSource>& sources);
@@ -56,6 +58,8 @@ class HistorianImporter {
   absl::Status CopyTable(const MatchedTable& matched, Record& record,
                          bool& usable);
   absl::StatusOr<bool> TakeEvenTable(const MatchedTable& matched);
+  absl::Status ShowProgress(const HistorianFile& file,
+                            const FileReport& report) const;
   // A row in order. False where there would be more samples than allowed.
   bool TakeRow(const RecordRow& row, Resampler& resampler);
   std::string TooManySamples() const;
@@ -84,6 +88,7 @@ class HistorianImporter {
 
   const ProcessModel& channels_;
   const HistorianOptions& options_;
+  RecordSink* const sink_;
   std::vector<HistorianProbe> probes_;
   HistorianImport import_;
   double max_gap_ = 0.0;

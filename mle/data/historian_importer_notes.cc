@@ -84,8 +84,9 @@ void HistorianImporter::NoteSamples() {
     report.channels.push_back(values_[v]);
   }
   report.records = static_cast<int>(import_.records.size());
+  report.samples = collector_->samples() - collector_->short_pieces();
   for (const Record& record : import_.records) {
-    report.samples += record.samples();
+    report.kept_samples += record.samples();
   }
 }
 

@@ -199,10 +199,11 @@ std::string HistorianReport::BriefReport() const {
     bad += channel.bad.total();
     bridged += channel.bridged;
   }
-  return absl::StrCat(rows, " rows of ", files.size(), " files: ", records,
-                      " records, ", samples, " samples every ", sample_time,
-                      ", ", bad, " values bad, ", bridged, " bridged, ",
-                      num_gaps, " gaps");
+  return absl::StrCat(
+      rows, " rows of ", files.size(), " files: ", records, " records, ",
+      samples, " samples every ", sample_time,
+      kept_samples < samples ? absl::StrCat(" (", kept_samples, " kept)") : "",
+      ", ", bad, " values bad, ", bridged, " bridged, ", num_gaps, " gaps");
 }
 
 std::string HistorianReport::FullReport(const std::string& time_unit) const {

@@ -67,11 +67,15 @@ HistorianSource FileSource(const std::string& path) {
                   std::string(StandardInput())));
             }};
   }
-  return {path, [path]() -> absl::StatusOr<std::unique_ptr<std::istream>> {
-            MLE_ASSIGN_OR_RETURN(std::unique_ptr<std::istream> in,
-                                 OpenFile(path));
-            return Unpacked(std::move(in));
-          }};
+  HistorianSource source = {
+      path, [path]() -> absl::StatusOr<std::unique_ptr<std::istream>> {
+        MLE_ASSIGN_OR_RETURN(std::unique_ptr<std::istream> in, OpenFile(path));
+        return Unpacked(std::move(in));
+      }};
+  std::error_code error;
+  const std::uintmax_t bytes = std::filesystem::file_size(path, error);
+  if (!error) source.bytes = static_cast<std::int64_t>(bytes);
+  return source;
 }
 
 HistorianSource TextSource(std::string name, std::string text) {

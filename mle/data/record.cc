@@ -85,16 +85,40 @@ absl::StatusOr<Record> CutWindow(const Record& record, int center,
         " (around ", center_time, ") is wanted, but the record ", present));
   }
   const int begin = static_cast<int>(first);
-  const int count = static_cast<int>(last) - begin + 1;
-  Record window;
-  window.start_time = record.time(begin);
-  window.sample_time = record.sample_time;
-  window.outputs = record.outputs.middleCols(begin, count);
-  window.inputs = record.inputs.middleCols(begin, count);
-  if (record.set_points.size() != 0) {
-    window.set_points = record.set_points.middleCols(begin, count);
+  return PartOf(record, begin, static_cast<int>(last) - begin + 1);
+}
+
+Record PartOf(const Record& record, int first, int samples) {
+  Record part;
+  part.start_time = record.time(first);
+  part.sample_time = record.sample_time;
+  part.outputs = record.outputs.middleCols(first, samples);
+  part.inputs = record.inputs.middleCols(first, samples);
+  if (record.set_points.size() > 0) {
+    part.set_points = record.set_points.middleCols(first, samples);
   }
-  return window;
+  return part;
+}
+
+Record JoinRecords(std::span<const Record> records) {
+  Record all = records.front();
+  if (records.size() == 1) return all;
+  int samples = 0;
+  for (const Record& record : records) samples += record.samples();
+  const auto join = [&](Eigen::MatrixXd Record::*rows) {
+    if ((all.*rows).rows() == 0) return;
+    (all.*rows).resize(Eigen::NoChange, samples);
+    Eigen::Index column = 0;
+    for (const Record& record : records) {
+      const Eigen::MatrixXd& part = record.*rows;
+      (all.*rows).middleCols(column, part.cols()) = part;
+      column += part.cols();
+    }
+  };
+  join(&Record::outputs);
+  join(&Record::inputs);
+  join(&Record::set_points);
+  return all;
 }
 
 }  // namespace mle

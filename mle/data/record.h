@@ -7,6 +7,7 @@
 #ifndef MLE_DATA_RECORD_H_
 #define MLE_DATA_RECORD_H_
 
+#include <span>
 #include <vector>
 
 #include "Eigen/Core"
@@ -44,6 +45,13 @@ struct SetPointChange {
 
 // In order of time.
 std::vector<SetPointChange> FindSetPointChanges(const Record& record);
+
+// Samples `first` to `first` + `samples` − 1.
+Record PartOf(const Record& record, int first, int samples);
+
+// Records of the same channels side by side, as if no time were between them;
+// at least one.
+Record JoinRecords(std::span<const Record> records);
 
 // The part of `record` from `before` to `after` (both ≥ 0, in time units, ends
 // included) around sample `center`. OutOfRange where the record does not hold

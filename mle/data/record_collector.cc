@@ -1,16 +1,24 @@
 #include "mle/data/record_collector.h"
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "mle/data/gap_bridging.h"
 
 namespace mle {
 
-RecordCollector::RecordCollector(const CollectorOptions& options)
+RecordCollector::RecordCollector(const CollectorOptions& options,
+                                 RecordSink* sink)
     : options_(options),
+      sink_(sink),
       builder_(options_.num_outputs, options_.num_inputs),
       bridged_(2 * options_.num_outputs + options_.num_inputs),
-      missing_(bridged_.size()) {}
+      missing_(bridged_.size()) {
+  if (sink_ != nullptr) {
+    piece_ = std::max(sink_->PieceSamples(options_.sample_time), 2);
+  }
+}
 
 void RecordCollector::Add(bool begins, double time,
                           const std::vector<double>& values) {
@@ -18,15 +26,33 @@ void RecordCollector::Add(bool begins, double time,
   if (builder_.samples() == 0) start_time_ = time;
   builder_.Add(values);
   ++samples_;
+  if (!IsPiece(values)) return;
+  EndPiece();
+  continues_ = true;
 }
 
 void RecordCollector::Finish() { EndRecord(); }
 
+bool RecordCollector::IsPiece(const std::vector<double>& last) const {
+  if (sink_ == nullptr || builder_.samples() < piece_) return false;
+  const auto first =
+      last.begin() + (options_.has_set_points ? options_.num_outputs
+                                              : 2 * options_.num_outputs);
+  return builder_.samples() / 2 >= piece_ ||
+         std::none_of(first, last.end(),
+                      [](double value) { return std::isnan(value); });
+}
+
 void RecordCollector::EndRecord() {
+  EndPiece();
+  continues_ = false;
+}
+
+void RecordCollector::EndPiece() {
   if (builder_.samples() == 0) return;
   Record record =
       builder_.Take(start_time_, options_.sample_time, options_.has_set_points);
-  if (record.samples() < 2) {
+  if (record.samples() < 2 && !continues_) {
     ++short_pieces_;
     return;
   }
@@ -49,7 +75,11 @@ void RecordCollector::TakeWhole(Record record) {
   count(record.outputs, 0);
   count(record.set_points, options_.num_outputs);
   count(record.inputs, 2 * options_.num_outputs);
-  records_.push_back(std::move(record));
+  if (sink_ == nullptr) {
+    records_.push_back(std::move(record));
+  } else if (status_.ok()) {
+    status_ = sink_->Take(std::move(record), continues_);
+  }
 }
 
 }  // namespace mle

@@ -1,4 +1,5 @@
-// Makes records of a stream of samples: gaps are bridged and counted.
+// Makes records of a stream of samples: gaps are bridged and counted. Records
+// are held until they are taken, or given to a sink in pieces as they grow.
 // Internal to mle/data.
 
 #ifndef MLE_DATA_RECORD_COLLECTOR_H_
@@ -8,9 +9,11 @@
 #include <utility>
 #include <vector>
 
+#include "absl/status/status.h"
 #include "mle/data/historian.h"
 #include "mle/data/record.h"
 #include "mle/data/record_builder.h"
+#include "mle/data/record_sink.h"
 
 namespace mle {
 
@@ -24,7 +27,9 @@ struct CollectorOptions {
 
 class RecordCollector {
  public:
-  explicit RecordCollector(const CollectorOptions& options);
+  // `sink`: takes the records, and outlives this; null: they are held.
+  explicit RecordCollector(const CollectorOptions& options,
+                           RecordSink* sink = nullptr);
 
   // `begins`: a record begins with this sample.
   void Add(bool begins, double time, const std::vector<double>& values);
@@ -40,13 +45,25 @@ class RecordCollector {
   // By value (2p + m).
   const std::vector<std::int64_t>& bridged() const { return bridged_; }
   const std::vector<std::int64_t>& missing() const { return missing_; }
-  std::vector<Record> TakeRecords() { return std::move(records_); }
+  // Of the sink.
+  const absl::Status& status() const { return status_; }
+  // Those held, or what the sink has kept.
+  std::vector<Record> TakeRecords() {
+    return sink_ != nullptr ? sink_->Finish() : std::move(records_);
+  }
 
  private:
   void EndRecord();
+  // What there is of a record: all of it, or the rest after its last piece.
+  void EndPiece();
+  bool IsPiece(const std::vector<double>& last) const;
   void TakeWhole(Record record);
 
   CollectorOptions options_;
+  RecordSink* sink_;
+  int piece_ = 0;           // samples
+  bool continues_ = false;  // the record has a piece before this one
+  absl::Status status_;
   RecordBuilder builder_;
   double start_time_ = 0.0;
   std::int64_t samples_ = 0;

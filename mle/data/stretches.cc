@@ -1,6 +1,7 @@
 #include "mle/data/stretches.h"
 
 #include <cmath>
+#include <span>
 
 namespace mle {
 namespace {
@@ -14,29 +15,6 @@ bool RecordsAdjoin(const Record& before, const Record& after) {
          before.set_points.rows() == after.set_points.rows() &&
          std::abs(before.time(before.samples()) - after.start_time) <=
              kSampleTolerance * before.sample_time;
-}
-
-// Windows first … end − 1 side by side.
-Record Joined(const std::vector<Record>& windows, std::size_t first,
-              std::size_t end) {
-  Record all = windows[first];
-  if (end == first + 1) return all;
-  int samples = 0;
-  for (std::size_t w = first; w < end; ++w) samples += windows[w].samples();
-  const auto join = [&](Eigen::MatrixXd Record::*rows) {
-    if ((all.*rows).rows() == 0) return;
-    (all.*rows).resize(Eigen::NoChange, samples);
-    Eigen::Index column = 0;
-    for (std::size_t w = first; w < end; ++w) {
-      const Eigen::MatrixXd& part = windows[w].*rows;
-      (all.*rows).middleCols(column, part.cols()) = part;
-      column += part.cols();
-    }
-  };
-  join(&Record::outputs);
-  join(&Record::inputs);
-  join(&Record::set_points);
-  return all;
 }
 
 }  // namespace
@@ -72,7 +50,8 @@ Stretches JoinAdjoining(const std::vector<Record>& windows) {
       ++end;
     } while (end < windows.size() &&
              RecordsAdjoin(windows[end - 1], windows[end]));
-    stretches.records.push_back(Joined(windows, first, end));
+    stretches.records.push_back(
+        JoinRecords(std::span(windows).subspan(first, end - first)));
     first = end;
   }
   return stretches;

@@ -15,6 +15,7 @@
 #include "mle/maintain/evidence.h"
 #include "mle/maintain/outlier_search.h"
 #include "mle/maintain/unfitted.h"
+#include "mle/maintain/usual_rest.h"
 #include "mle/maintain/withdrawal.h"
 
 namespace mle {
@@ -230,8 +231,19 @@ absl::Status EstimateFromWindows(CorrectionResult& result) {
                                      estimation.output_error, options.progress,
                                      result.data));
   const std::vector<Record> windows = result.data.Records();
+  MLE_ASSIGN_OR_RETURN(RestParts rest,
+                       DivideRest(result.initial, result.data.AtRest()));
+  for (const auto& [from, to] : rest.left_out) {
+    result.data.notes.push_back(
+        {MessageCode::kUnmeasured,
+         "",
+         absl::StrCat("The plant was not operated as usual from ",
+                      result.data.Times(result.initial).Span(from, to),
+                      ": what its outputs did there is not taken for noise."),
+         {}});
+  }
   result.options.estimation.output_error.at_rest =
-      std::make_shared<const std::vector<Record>>(result.data.AtRest());
+      std::make_shared<const std::vector<Record>>(std::move(rest.usual));
   MLE_ASSIGN_OR_RETURN(
       result.estimate,
       EstimateModel(result.initial, windows, estimation, options.progress));
@@ -370,8 +382,9 @@ absl::StatusOr<CorrectionResult> CorrectFromRecords(
   MLE_ASSIGN_OR_RETURN(const ModelFile file, ReadModelFile(model_path));
   const ProcessModel& model = file.process;
   MLE_RETURN_IF_ERROR(CheckModel(model));
-  MLE_ASSIGN_OR_RETURN(RecordData data, LoadRecords(record_paths, model, import,
-                                                    options.records));
+  MLE_ASSIGN_OR_RETURN(RecordData data,
+                       LoadRecords(record_paths, model, import, options.records,
+                                   options.progress));
   return CorrectFromData(model, std::move(data), options);
 }
 

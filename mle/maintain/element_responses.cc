@@ -39,15 +39,8 @@ void FillGaps(bool hold, Row row) {
   }
 }
 
-Record Part(const Record& record, int first, int samples) {
-  Record part;
-  part.start_time = record.time(first);
-  part.sample_time = record.sample_time;
-  part.outputs = record.outputs.middleCols(first, samples);
-  part.inputs = record.inputs.middleCols(first, samples);
-  if (record.set_points.size() > 0) {
-    part.set_points = record.set_points.middleCols(first, samples);
-  }
+Record WholePart(const Record& record, int first, int samples) {
+  Record part = PartOf(record, first, samples);
   for (int i = 0; i < record.num_outputs(); ++i) {
     FillGaps(false, part.outputs.row(i));
   }
@@ -60,7 +53,7 @@ Record Part(const Record& record, int first, int samples) {
 }  // namespace
 
 Record WithoutGaps(const Record& record) {
-  return Part(record, 0, record.samples());
+  return WholePart(record, 0, record.samples());
 }
 
 std::vector<Record> AroundSetPointChanges(const std::vector<Record>& records,
@@ -82,7 +75,7 @@ std::vector<Record> AroundSetPointChanges(const std::vector<Record>& records,
     for (const auto& [first, end] : ranges) {
       const int samples = std::min(end - first, left);
       if (samples < kLeastPartSamples) continue;
-      parts.push_back(Part(record, first, samples));
+      parts.push_back(WholePart(record, first, samples));
       left -= samples;
     }
   }

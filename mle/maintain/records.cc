@@ -16,6 +16,7 @@
 #include "mle/maintain/dates.h"
 #include "mle/maintain/informative_windows.h"
 #include "mle/maintain/leave_out.h"
+#include "mle/maintain/record_scan.h"
 #include "mle/maintain/whole_windows.h"
 
 namespace mle {
@@ -340,10 +341,12 @@ std::vector<std::string> UnrestIn(const SetPointWindow& window,
 
 absl::Status RecordOptions::Validate() const {
   MLE_RETURN_IF_ERROR(examination.Validate());
-  if (most_samples < 0) {
-    return OptionError("most_samples",
-                       absl::StrCat("most_samples = ", most_samples,
-                                    ": it must not be negative"));
+  for (const auto& [name, value] :
+       {std::pair("most_samples", most_samples),
+        std::pair("most_samples_in_memory", most_samples_in_memory)}) {
+    if (value >= 0) continue;
+    return OptionError(
+        name, absl::StrCat(name, " = ", value, ": it must not be negative"));
   }
   return windows.Validate();
 }
@@ -360,25 +363,43 @@ absl::StatusOr<RecordData> PrepareRecords(std::vector<Record> records,
   for (const Record& record : data.records) {
     data.report.samples += record.samples();
   }
+  data.report.kept_samples = data.report.samples;
   MLE_RETURN_IF_ERROR(FindWhatIsUsed(model, options, data));
   return data;
 }
 
 absl::StatusOr<RecordData> LoadSources(
     const std::vector<HistorianSource>& sources, const ProcessModel& model,
-    const HistorianOptions& import, const RecordOptions& options) {
-  MLE_ASSIGN_OR_RETURN(HistorianImport imported,
-                       ImportHistorianSources(sources, model, import));
-  return PrepareRecords(std::move(imported), model, options);
+    const HistorianOptions& import, const RecordOptions& options,
+    const ProgressCallback& progress) {
+  HistorianOptions told = import;
+  if (progress) {
+    told.progress = [&](const ImportProgress& read) {
+      return progress(
+          {absl::StrCat("reading ", read.source,
+                        read.fraction < 0.0 ? " up to " + read.reached : ""),
+           std::max(read.fraction, 0.0)});
+    };
+  }
+  RecordScan scan(model, options.most_samples_in_memory);
+  const bool scans = options.most_samples_in_memory > 0;
+  MLE_ASSIGN_OR_RETURN(
+      HistorianImport imported,
+      ImportHistorianSources(sources, model, told, scans ? &scan : nullptr));
+  MLE_ASSIGN_OR_RETURN(RecordData data,
+                       PrepareRecords(std::move(imported), model, options));
+  for (Message& note : scan.Notes()) data.notes.push_back(std::move(note));
+  return data;
 }
 
 absl::StatusOr<RecordData> LoadRecords(const std::vector<std::string>& paths,
                                        const ProcessModel& model,
                                        const HistorianOptions& import,
-                                       const RecordOptions& options) {
+                                       const RecordOptions& options,
+                                       const ProgressCallback& progress) {
   std::vector<HistorianSource> sources;
   for (const std::string& path : paths) sources.push_back(FileSource(path));
-  return LoadSources(sources, model, import, options);
+  return LoadSources(sources, model, import, options, progress);
 }
 
 absl::StatusOr<RecordData> PrepareRecords(HistorianImport imported,

@@ -20,6 +20,7 @@
 #include "mle/data/set_point_windows.h"
 #include "mle/maintain/examine_records.h"
 #include "mle/maintain/message.h"
+#include "mle/maintain/progress.h"
 #include "mle/model/process_model.h"
 
 namespace mle {
@@ -39,6 +40,10 @@ struct RecordOptions {
   // Samples of windows that are used, ≥ 0: of longer records those windows that
   // are expected to inform most (informative_windows.h); 0: all.
   int most_samples = 20'000;
+  // Samples of files and databases that are held in memory, ≥ 0: of longer
+  // records those stretches that are expected to inform most (record_scan.h);
+  // 0: all.
+  int most_samples_in_memory = 0;
   // What is taken as bad: frozen stretches and single samples far from their
   // neighbours.
   MarkOptions mark;
@@ -107,16 +112,19 @@ absl::StatusOr<RecordData> PrepareRecords(HistorianImport imported,
                                           const RecordOptions& options);
 
 // The same of sources of records, as RecordSources() (mle/database) makes them
-// of files and databases. Errors name the source.
+// of files and databases. Errors name the source. `progress` is told what is
+// read, and how much of it where that is known.
 absl::StatusOr<RecordData> LoadSources(
     const std::vector<HistorianSource>& sources, const ProcessModel& model,
-    const HistorianOptions& import, const RecordOptions& options);
+    const HistorianOptions& import, const RecordOptions& options,
+    const ProgressCallback& progress = {});
 
 // The same of a historian's files. Errors name the file.
 absl::StatusOr<RecordData> LoadRecords(const std::vector<std::string>& paths,
                                        const ProcessModel& model,
                                        const HistorianOptions& import,
-                                       const RecordOptions& options);
+                                       const RecordOptions& options,
+                                       const ProgressCallback& progress = {});
 
 // Records that are windows already, as simulations make them: nothing is
 // checked, marked or cut.

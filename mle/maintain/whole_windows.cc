@@ -19,16 +19,7 @@ SampleRange WholeInputs(const Record& record) {
 }
 
 void Cut(SampleRange range, SetPointWindow& window) {
-  Record part;
-  part.start_time = window.record.time(range.first);
-  part.sample_time = window.record.sample_time;
-  part.outputs = window.record.outputs.middleCols(range.first, range.samples());
-  part.inputs = window.record.inputs.middleCols(range.first, range.samples());
-  if (window.record.set_points.size() > 0) {
-    part.set_points =
-        window.record.set_points.middleCols(range.first, range.samples());
-  }
-  window.record = std::move(part);
+  window.record = PartOf(window.record, range.first, range.samples());
   window.first_sample += range.first;
   std::vector<SetPointChange> changes;
   for (SetPointChange change : window.changes) {

@@ -88,6 +88,7 @@ std::string NameOfTables(const std::vector<Table>& tables) {
 }
 
 absl::StatusOr<RecordData> Load(const CorrectCall& call,
+                                const ProgressCallback& report,
                                 std::vector<correct::DataFile>& files) {
   const correct::Request& request = call.request;
   const RecordSource& source = call.source;
@@ -96,9 +97,9 @@ absl::StatusOr<RecordData> Load(const CorrectCall& call,
     MLE_ASSIGN_OR_RETURN(const correct::DataSources data,
                          correct::DataSources::Create(
                              source.paths, request.database, request.import));
-    MLE_ASSIGN_OR_RETURN(
-        RecordData loaded,
-        LoadSources(data.sources(), request.model, request.import, options));
+    MLE_ASSIGN_OR_RETURN(RecordData loaded,
+                         LoadSources(data.sources(), request.model,
+                                     request.import, options, report));
     files = data.Files();
     return loaded;
   }
@@ -124,7 +125,7 @@ absl::StatusOr<std::shared_ptr<const Correction>> CorrectRecords(
     MLE_RETURN_IF_ERROR(reading.status());
   }
   std::vector<correct::DataFile> files;
-  MLE_ASSIGN_OR_RETURN(RecordData data, Load(call, files));
+  MLE_ASSIGN_OR_RETURN(RecordData data, Load(call, report, files));
   call.source = {};
   MLE_ASSIGN_OR_RETURN(
       correction->result,

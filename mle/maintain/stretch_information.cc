@@ -1,0 +1,118 @@
+#include "mle/maintain/stretch_information.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "absl/strings/str_format.h"
+#include "mle/base/status.h"
+#include "mle/maintain/element_responses.h"
+#include "mle/model/process_simulator.h"
+#include "mle/nonlinear/innovations_filter.h"
+
+namespace mle {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// q/r of the drift that is expected.
+constexpr double kDriftRatio = 1e-3;
+// Of all information on an element: more than this counts little less.
+constexpr double kLittle = 1e-3;
+constexpr double kSettlingTimes = 4.0;  // of the shortest stretch
+
+}  // namespace
+
+int ShortestStretch(const ProcessModel& model, double sample_time) {
+  const double samples = kSettlingTimes * SettlingTime(model) / sample_time;
+  return static_cast<int>(std::clamp(std::ceil(samples), 2.0, 1e9));
+}
+
+absl::StatusOr<StretchInformation> InformationIn(const Record& stretch,
+                                                 const ProcessModel& model) {
+  const Record whole = WithoutGaps(stretch);
+  std::vector<int> times(whole.samples());
+  std::iota(times.begin(), times.end(), 0);
+  const InnovationsFilter filter(times, {.ratio = kDriftRatio});
+  std::vector<double> measured;  // a_wi
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    measured.push_back(
+        static_cast<double>(stretch.outputs.row(i).array().isFinite().count()) /
+        stretch.samples());
+  }
+  std::vector<double> information;
+  for (int j = 0; j < model.num_inputs(); ++j) {
+    std::vector<int> present;
+    std::vector<OutputChannel> outputs;
+    for (int i = 0; i < model.num_outputs(); ++i) {
+      if (model.element(i, j).IsZero()) continue;
+      present.push_back(i);
+      outputs.push_back(model.outputs()[i]);
+    }
+    if (present.empty()) continue;
+    ProcessModel column("column", model.time_unit(), {model.inputs()[j]},
+                        std::move(outputs));
+    for (std::size_t i = 0; i < present.size(); ++i) {
+      column.element(static_cast<int>(i), 0) = model.element(present[i], j);
+    }
+    MLE_ASSIGN_OR_RETURN(
+        const MatrixXd response,
+        SimulateResponse(column, whole.sample_time, whole.inputs.row(j)));
+    MatrixXd whitened = response.transpose();
+    filter.Apply(whitened);
+    for (Index i = 0; i < whitened.cols(); ++i) {
+      const double squares =
+          measured[present[i]] * whitened.col(i).squaredNorm();
+      information.push_back(std::isfinite(squares) ? squares : 0.0);
+    }
+  }
+  return StretchInformation{
+      Eigen::Map<const VectorXd>(information.data(),
+                                 static_cast<Index>(information.size())),
+      stretch.samples()};
+}
+
+std::vector<bool> ChooseStretches(
+    const std::vector<StretchInformation>& stretches, const VectorXd& all,
+    int most_samples) {
+  VectorXd sum = (kLittle * all).cwiseMax(1e-300);
+  std::vector<bool> taken(stretches.size(), false);
+  for (int left = most_samples; left > 0;) {
+    double best = -1.0;
+    std::size_t next = stretches.size();
+    for (std::size_t s = 0; s < stretches.size(); ++s) {
+      const StretchInformation& stretch = stretches[s];
+      if (taken[s] || (stretch.samples > left && left < most_samples)) continue;
+      const double gain =
+          (stretch.information.array() / sum.array()).log1p().sum() /
+          stretch.samples;
+      if (gain > best) {
+        best = gain;
+        next = s;
+      }
+    }
+    if (next == stretches.size()) break;
+    taken[next] = true;
+    sum += stretches[next].information;
+    left -= stretches[next].samples;
+  }
+  return taken;
+}
+
+std::string DescribeLoss(const VectorXd& used, const VectorXd& all) {
+  std::vector<double> losses;
+  for (Index e = 0; e < all.size(); ++e) {
+    if (all(e) > 0.0) losses.push_back(1.0 - std::sqrt(used(e) / all(e)));
+  }
+  std::sort(losses.begin(), losses.end());
+  return absl::StrFormat(
+      "With all of them standard errors of gains would be expected to be "
+      "smaller by %.0f %% in the median, by %.0f %% at most.",
+      losses.empty() ? 0.0 : 100.0 * losses[losses.size() / 2],
+      losses.empty() ? 0.0 : 100.0 * losses.back());
+}
+
+}  // namespace mle
