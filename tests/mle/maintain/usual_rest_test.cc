@@ -79,26 +79,31 @@ TEST(UsualRestTest, NoiseDisturbancesAndAnAgedModelAreUsual) {
   }
 }
 
-// With the five settling times that it takes to be as usual.
+// With the five settling times around it, and as one where it takes no longer
+// than twenty.
 TEST(UsualRestTest, AShutdownIsLeftOut) {
-  Record record = TankAtRest(4000, 1);
-  ShutDown(2000, 2300, record);
-  const double around = 5.0 * SettlingTime(Tank(1.0));
-  const RestParts parts = Divided({TankAtRest(500, 2), record});
-  ASSERT_EQ(parts.left_out.size(), 1);
-  EXPECT_LT(parts.left_out[0].first, 1000.0 - around + 30.0);
-  EXPECT_GT(parts.left_out[0].first, 1000.0 - around - 60.0);
-  EXPECT_GT(parts.left_out[0].second, 1150.0 + around - 30.0);
-  ASSERT_EQ(parts.usual.size(), 3);
-  EXPECT_EQ(parts.usual[0].samples(), 500);
-  int samples = 0;
-  for (const Record& usual : parts.usual) {
-    EXPECT_TRUE(usual.Validate().ok());
-    samples += usual.samples();
+  const double settling = SettlingTime(Tank(1.0));
+  for (const int length : {300, 700, 1400}) {
+    Record record = TankAtRest(5000, 1);
+    ShutDown(1500, 1500 + length, record);
+    const RestParts parts = Divided({TankAtRest(500, 2), record});
+    const double end = 750.0 + length / 2.0;
+    ASSERT_EQ(parts.left_out.size(), length / 2.0 < 20.0 * settling ? 1 : 2);
+    EXPECT_NEAR(parts.left_out.front().first, 750.0 - 5.0 * settling, 60.0);
+    EXPECT_GT(parts.left_out.back().second, end + 5.0 * settling);
+    EXPECT_LT(parts.left_out.back().second, end + 5.0 * settling + 200.0);
+    ASSERT_EQ(parts.usual.size(), parts.left_out.size() + 2);
+    EXPECT_EQ(parts.usual[0].samples(), 500);
+    int samples = 0;
+    for (const Record& usual : parts.usual) {
+      EXPECT_TRUE(usual.Validate().ok());
+      samples += usual.samples();
+    }
+    for (const auto& [from, to] : parts.left_out) {
+      samples += static_cast<int>(std::lround((to - from) / 0.5 + 1.0));
+    }
+    EXPECT_EQ(samples, 5500);
   }
-  const auto left_out = static_cast<int>(std::lround(
-      (parts.left_out[0].second - parts.left_out[0].first) / 0.5 + 1.0));
-  EXPECT_EQ(samples + left_out, 4500);
 }
 
 // Too little to know what is usual, and nothing at all; no noise either.
