@@ -32,8 +32,8 @@ int BlocksOf(const Record& record) {
 
 // p × blocks: mean squares of the whitened residuals; 0 where nothing was
 // measured.
-absl::StatusOr<MatrixXd> SquaresOf(const ProcessModel& model,
-                                   const Record& record) {
+absl::StatusOr<MatrixXd> SquaresAtRest(const ProcessModel& model,
+                                       const Record& record) {
   MLE_ASSIGN_OR_RETURN(
       const MatrixXd response,
       SimulateResponse(model, record.sample_time, WithoutGaps(record).inputs));
@@ -110,7 +110,7 @@ absl::StatusOr<RestParts> DivideRest(const ProcessModel& model,
   if (rest.empty()) return parts;
   std::vector<MatrixXd> squares;
   for (const Record& record : rest) {
-    MLE_ASSIGN_OR_RETURN(MatrixXd of_record, SquaresOf(model, record));
+    MLE_ASSIGN_OR_RETURN(MatrixXd of_record, SquaresAtRest(model, record));
     squares.push_back(std::move(of_record));
   }
   const std::vector<double> medians = MediansOf(squares);

@@ -9,11 +9,17 @@
 #include <utility>
 #include <vector>
 
+#include "Eigen/Core"
 #include "mle/nonlinear/distributions.h"
 #include "mle/nonlinear/output_fitter.h"
 
 namespace mle {
 namespace {
+
+// Elements that are tried alone in place of those that are named, and by how
+// much −2 ln L must be less.
+constexpr int kMostRivals = 3;
+constexpr double kClearly = 6.0;
 
 // A minimum of the squares with some elements free.
 struct Minimum {
@@ -80,6 +86,33 @@ class SquaresOfFits {
   const OutputErrorOptions& options_;
 };
 
+// The elements whose gain alone, all else as it was, explains most of the
+// residuals of the initial model, up to `most` of them.
+std::vector<int> LikeliestGains(const OutputSetup& setup, const OutputFit& fit,
+                                int most) {
+  const OutputErrorProblem& problem = *setup.problem;
+  const NoiseShape shape = ShapeOf(fit.noise);
+  const WhitenedColumns whitened =
+      problem.Whiten(problem.Linearise(setup.start, shape, fit.free), shape);
+  std::vector<std::pair<double, int>> explained;
+  Eigen::Index column = 0;
+  for (std::size_t j = 0; j < fit.free.size(); ++j) {
+    if (!fit.free[j]) continue;
+    const auto of_gain = whitened.jacobian.col(column);
+    column += 3;
+    const double product = of_gain.dot(whitened.residuals);
+    explained.emplace_back(
+        product * product / std::max(of_gain.squaredNorm(), 1e-300),
+        -static_cast<int>(j));
+  }
+  std::sort(explained.rbegin(), explained.rend());
+  std::vector<int> elements;
+  for (const auto& [squares, j] : explained) {
+    if (std::ssize(elements) < most) elements.push_back(-j);
+  }
+  return elements;
+}
+
 // −2 ln Σ w exp(−S/2).
 double Combined(const std::vector<AssumedFit>& fits,
                 const std::vector<double>& statistics) {
@@ -102,6 +135,35 @@ double TailOf(double statistic, int amplitudes, const OutputSetup& setup,
       setup.problem->FreeParameters(one).size() + std::max(amplitudes, 0));
   const double of_noise = fit.degrees_of_freedom.segment(3 * j, 3).minCoeff();
   return FisherTail(statistic / degrees, degrees, of_noise);
+}
+
+// The element whose change alone is a better account than those that have
+// changed, at least one, with their minimum; -1: there is none.
+int RivalOf(const OutputSetup& setup, const OutputFit& fit,
+            const SquaresOfFits& squares, const Minimum& with,
+            const std::vector<bool>& changed, double false_alarm) {
+  // An amplitude explains r of any noise.
+  const auto cost = [&](const Minimum& minimum) {
+    return minimum.squares / squares.Scale() + minimum.amplitudes;
+  };
+  const auto count =
+      static_cast<double>(std::count(changed.begin(), changed.end(), true));
+  double least = cost(with);
+  int rival = -1;
+  for (const int j : LikeliestGains(setup, fit, kMostRivals)) {
+    if (count == 1.0 && changed[j]) continue;
+    std::vector<bool> one(changed.size(), false);
+    one[j] = true;
+    const double of_noise = fit.degrees_of_freedom.segment(3 * j, 3).minCoeff();
+    const double critical = 3.0 * FisherQuantile(false_alarm, 3.0, of_noise);
+    const double alone = cost(squares.At(one, setup.start));
+    const double limit =
+        rival < 0 ? least + critical * (count - 1.0) - kClearly : least;
+    if (!(alone < limit)) continue;
+    rival = j;
+    least = alone;
+  }
+  return rival;
 }
 
 }  // namespace
@@ -155,6 +217,30 @@ ConfirmedChanges ConfirmChanges(const OutputSetup& setup,
     if (!(largest >= false_alarm)) break;
     confirmed.changed[least] = false;
     with = std::move(without_least);
+  }
+  const bool any = std::find(confirmed.changed.begin(), confirmed.changed.end(),
+                             true) != confirmed.changed.end();
+  const int rival = any ? RivalOf(setup, *fits[main].fit, squares[main],
+                                  with[main], confirmed.changed, false_alarm)
+                        : -1;
+  if (rival >= 0) {
+    confirmed.changed.assign(named.size(), false);
+    const std::vector<bool> none = confirmed.changed;
+    confirmed.changed[rival] = true;
+    std::vector<double> statistics;
+    int amplitudes = 0;
+    for (std::size_t f = 0; f < fits.size(); ++f) {
+      const Minimum without = squares[f].At(none, setup.start);
+      with[f] = squares[f].At(confirmed.changed, setup.start);
+      with[f].restarted = true;
+      statistics.push_back((without.squares - with[f].squares) /
+                           squares[f].Scale());
+      if (f == main) amplitudes = with[f].amplitudes - without.amplitudes;
+    }
+    confirmed.statistics[rival] = Combined(fits, statistics);
+    confirmed.p_values[rival] = TailOf(confirmed.statistics[rival], amplitudes,
+                                       setup, *fits[main].fit, rival);
+    confirmed.changed[rival] = confirmed.p_values[rival] < false_alarm;
   }
   confirmed.point = with[main].point;
   confirmed.restarted = with[main].restarted;

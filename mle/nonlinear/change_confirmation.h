@@ -16,6 +16,16 @@
 // estimate and at the initial values, and the better one counts; the noise is
 // that of the fit with all elements free.
 //
+// Of inputs that move together the estimate with all elements free shares what
+// one element did among others, and of elements that leave one by one the wrong
+// ones may stay. So the change of one element j alone, named or not, is a
+// rival: it stands in place of A where
+//
+//   [S({j}) − S(A)] / r < c (|A| − 1) − 6,   c: the critical value of one,
+//
+// 6 being 3 nats. Of the elements those three are tried whose gains alone
+// explain most, which is known without a fit.
+//
 // Each record has free responses of its own, and as many amplitudes as these
 // are independent: of elements with nearly equal time constants one, where
 // these are moved apart two. What an amplitude more explains of noise is r in
@@ -41,8 +51,8 @@ struct AssumedFit {
 
 struct ConfirmedChanges {
   std::vector<bool> changed;  // m
-  // m: of each element that was named the likelihood ratio when it left, or the
-  // last; 0 for others.
+  // m: of each element that was named, or is its rival, the likelihood ratio
+  // when it left, or the last; 0 for others.
   std::vector<double> statistics;
   std::vector<double> p_values;  // the same, 1 for others
   // The best fit of what has changed, by the heaviest assumption.
@@ -51,7 +61,8 @@ struct ConfirmedChanges {
   bool restarted = false;
 };
 
-// `named` has at least one element. Likelihood ratios under several assumptions
+// `named` has at least one element; what has changed may be another one.
+// Likelihood ratios under several assumptions
 // are S = −2 ln Σ w exp(−S_w/2), as in the test of no change. An element has
 // changed where p < `false_alarm`.
 ConfirmedChanges ConfirmChanges(const OutputSetup& setup,

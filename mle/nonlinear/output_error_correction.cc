@@ -286,9 +286,12 @@ void JudgeElements(const OutputSetup& setup, OutputFit& fit,
   const ConfirmedChanges confirmed =
       ConfirmChanges(setup, assumed, named, false_alarm, options);
   for (std::size_t j = 0; j < named.size(); ++j) {
-    if (!named[j]) continue;
     double& p_value = correction.element_p_values(i, j);
-    p_value = std::max(p_value, confirmed.p_values[j]);
+    if (named[j]) {
+      p_value = std::max(p_value, confirmed.p_values[j]);
+    } else if (confirmed.changed[j]) {
+      p_value = confirmed.p_values[j];
+    }
     correction.aged(i, j) = confirmed.changed[j];
     if (confirmed.changed[j] && confirmed.restarted) {
       fit.point.values[j] = confirmed.point.values[j];

@@ -64,6 +64,41 @@ TEST(ChangeConfirmationTest, NoiseConfirmsNothing) {
   EXPECT_LE(confirmed, 1);
 }
 
+// One that is named in place of another, as Wald's test does where inputs move
+// together, is not what has changed.
+TEST(ChangeConfirmationTest, TheChangeOfOneElementThatExplainsMoreIsNamed) {
+  const ProcessModel model = TwoElements();
+  for (const int aged : {0, 1}) {
+    ProcessModel plant = model;
+    plant.element(0, aged) = aged == 0
+                                 ? TransferFunction::FirstOrder(2.6, 4.0, 1.0)
+                                 : TransferFunction::FirstOrder(-3.6, 6.0, 2.3);
+    const FittedSetup fitted =
+        FitTo(model, MakeRecords(plant, 400, 3, {.variance = 0.01}));
+    const ConfirmedChanges changes = fitted.Confirm({aged == 1, aged == 0});
+    EXPECT_TRUE(changes.changed[aged]);
+    EXPECT_FALSE(changes.changed[1 - aged]);
+    EXPECT_LT(changes.p_values[aged], 1e-10);
+    EXPECT_GT(changes.statistics[aged], 100.0);
+    EXPECT_TRUE(changes.restarted);
+    EXPECT_NEAR(changes.point.values[aged].gain, aged == 0 ? 2.6 : -3.6, 0.05);
+    EXPECT_EQ(changes.point.values[1 - aged].gain,
+              fitted.setup().start.values[1 - aged].gain);
+  }
+}
+
+// Of two that have changed none is a rival of both.
+TEST(ChangeConfirmationTest, TwoChangesHaveNoRival) {
+  const ProcessModel model = TwoElements();
+  ProcessModel plant = model;
+  plant.element(0, 0) = TransferFunction::FirstOrder(2.6, 4.0, 1.0);
+  plant.element(0, 1) = TransferFunction::FirstOrder(-3.6, 6.0, 2.3);
+  const FittedSetup fitted =
+      FitTo(model, MakeRecords(plant, 400, 3, {.variance = 0.01}));
+  EXPECT_EQ(fitted.Confirm({true, true}).changed,
+            (std::vector<bool>{true, true}));
+}
+
 TEST(ChangeConfirmationTest, WhatHasChangedStays) {
   const ProcessModel model = TwoElements();
   ProcessModel plant = model;
