@@ -373,20 +373,7 @@ void FindPeaks(const Loop& loop, double control_period,
   analysis.peak_frequency = best / control_period;
 }
 
-}  // namespace
-
-std::string LoopAnalysis::Brief() const {
-  if (!stable) {
-    return absl::StrFormat("unstable, growing by a factor of %.3g per period",
-                           spectral_radius);
-  }
-  return absl::StrFormat(
-      "stable, slowest mode %.3f per period, sensitivity peak %.2f",
-      spectral_radius, sensitivity_peak);
-}
-
-absl::StatusOr<LoopAnalysis> AnalyseLoop(const Mpc& mpc,
-                                         const PredictionModel& plant) {
+absl::Status CheckLoop(const Mpc& mpc, const PredictionModel& plant) {
   MLE_RETURN_IF_ERROR(plant.Validate());
   const PredictionModel& model = mpc.model();
   if (plant.num_outputs != model.num_outputs || plant.roles != model.roles ||
@@ -408,6 +395,24 @@ absl::StatusOr<LoopAnalysis> AnalyseLoop(const Mpc& mpc,
         "constant far beyond the others) or a short control period makes them "
         "long"));
   }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+std::string LoopAnalysis::Brief() const {
+  if (!stable) {
+    return absl::StrFormat("unstable, growing by a factor of %.3g per period",
+                           spectral_radius);
+  }
+  return absl::StrFormat(
+      "stable, slowest mode %.3f per period, sensitivity peak %.2f",
+      spectral_radius, sensitivity_peak);
+}
+
+absl::StatusOr<LoopAnalysis> AnalyseLoop(const Mpc& mpc,
+                                         const PredictionModel& plant) {
+  MLE_RETURN_IF_ERROR(CheckLoop(mpc, plant));
   const Loop loop(mpc, plant);
   LoopAnalysis analysis;
   analysis.growing_modes = CountZeros(loop, 1.0 - kMargin);
@@ -429,8 +434,13 @@ absl::StatusOr<LoopAnalysis> AnalyseLoop(const Mpc& mpc,
   } else {
     analysis.spectral_radius = 1.0 / SmallestZero(loop, 1.0 - kMargin, high, 0);
   }
-  FindPeaks(loop, model.control_period, analysis);
+  FindPeaks(loop, mpc.model().control_period, analysis);
   return analysis;
+}
+
+absl::StatusOr<bool> IsStable(const Mpc& mpc, const PredictionModel& plant) {
+  MLE_RETURN_IF_ERROR(CheckLoop(mpc, plant));
+  return CountZeros(Loop(mpc, plant), 1.0 - kMargin) == 0;
 }
 
 }  // namespace mle::control

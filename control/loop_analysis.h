@@ -71,6 +71,10 @@ struct LoopAnalysis {
 absl::StatusOr<LoopAnalysis> AnalyseLoop(const Mpc& mpc,
                                          const PredictionModel& plant);
 
+// LoopAnalysis::stable alone, by one count: of an unstable loop AnalyseLoop()
+// looks for the fastest mode besides. Errors as there.
+absl::StatusOr<bool> IsStable(const Mpc& mpc, const PredictionModel& plant);
+
 }  // namespace mle::control
 
 #endif  // CONTROL_LOOP_ANALYSIS_H_

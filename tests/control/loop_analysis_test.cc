@@ -44,6 +44,9 @@ Mpc MakeAnalysedMpc(const PredictionModel& model, const MpcOptions& options) {
 LoopAnalysis Analyse(const Mpc& mpc, const PredictionModel& plant) {
   const absl::StatusOr<LoopAnalysis> analysis = AnalyseLoop(mpc, plant);
   EXPECT_TRUE(analysis.ok()) << analysis.status();
+  const absl::StatusOr<bool> stable = IsStable(mpc, plant);
+  EXPECT_TRUE(stable.ok()) << stable.status();
+  EXPECT_EQ(*stable, analysis->stable);
   return *analysis;
 }
 
