@@ -83,7 +83,7 @@ TEST(UsualRestTest, NoiseDisturbancesAndAnAgedModelAreUsual) {
 // than twenty.
 TEST(UsualRestTest, AShutdownIsLeftOut) {
   const double settling = SettlingTime(Tank(1.0));
-  for (const int length : {300, 700, 1400}) {
+  for (const int length : {300, 1000, 1400}) {
     Record record = TankAtRest(5000, 1);
     ShutDown(1500, 1500 + length, record);
     const RestParts parts = Divided({TankAtRest(500, 2), record});
