@@ -22,7 +22,7 @@ int RecordScan::PieceSamples(double sample_time) const {
 // One and a half of the settling times of which ShortestStretch() has four, so
 // that the sides of two stretches do not meet in the one between them.
 int RecordScan::Side(const Record& stretch) const {
-  return std::min(ShortestStretch(model_, stretch.sample_time) * 3 / 8,
+  return std::min(ShortestStretch(model_, stretch.sample_time) / 8 * 3,
                   stretch.samples());
 }
 

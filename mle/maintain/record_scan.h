@@ -6,7 +6,7 @@
 //   MLE_ASSIGN_OR_RETURN(
 //       const HistorianImport import,
 //       ImportHistorianSources(sources, model, HistorianOptions(), &scan));
-//   scan.Note();   // how many were kept, and what the others would have added
+//   scan.Notes();  // how many were kept, and what the others would have added
 //
 // Records are divided into stretches of four settling times or a hundredth of
 // what is kept, whichever is longer. A stretch that is kept brings one and a

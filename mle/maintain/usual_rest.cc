@@ -37,6 +37,7 @@ absl::StatusOr<MatrixXd> SquaresAtRest(const ProcessModel& model,
   MLE_ASSIGN_OR_RETURN(
       const MatrixXd response,
       SimulateResponse(model, record.sample_time, WithoutGaps(record).inputs));
+  const std::vector<bool> integrates = IntegratingOutputs(model);
   MatrixXd squares = MatrixXd::Zero(record.num_outputs(), BlocksOf(record));
   for (int i = 0; i < record.num_outputs(); ++i) {
     std::vector<int> times;
@@ -48,6 +49,13 @@ absl::StatusOr<MatrixXd> SquaresAtRest(const ProcessModel& model,
     for (std::size_t r = 0; r < times.size(); ++r) {
       residuals(static_cast<Index>(r)) =
           record.outputs(i, times[r]) - response(i, times[r]);
+    }
+    // The first inputs are not those that balance a level: its residual has a
+    // slope, its increments have an offset.
+    if (integrates[i]) {
+      const Index last = residuals.rows() - 1;
+      residuals.bottomRows(last) -= residuals.topRows(last).eval();
+      residuals(0) = last > 0 ? residuals(1) : 0.0;
     }
     InnovationsFilter(times, {.ratio = kDriftAtRest}).Apply(residuals);
     std::vector<int> counts(BlocksOf(record), 0);

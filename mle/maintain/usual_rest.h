@@ -5,13 +5,13 @@
 // down, or run by hand far from its operating point, the model says nothing and
 // its residual r_i = y_i − Σ_j x_ij is no noise, yet larger than all the rest:
 // correlation that it has would widen every interval and hide what has aged.
-// So, where the mean square of r_i of any output over 60 samples, whitened
-// under an offset and drift, is above 400 times its median, five settling times
-// on both sides are left out too, and what is between two such places that are
-// no more than twenty apart: the plant leaves its usual operation in one and
-// comes back in the other. What remains are records of their own. A step of an
-// unmeasured disturbance as large as 35 standard deviations of white noise
-// stays.
+// So, where the mean square of r_i (of a level: of its increments) of any
+// output over 60 samples, whitened under an offset and drift, is above 400
+// times its median, five settling times on both sides are left out too, and
+// what is between two such places that are no more than twenty apart: the plant
+// leaves its usual operation in one and comes back in the other. What remains
+// are records of their own. A step of an unmeasured disturbance as large as 35
+// standard deviations of white noise stays.
 
 #ifndef MLE_MAINTAIN_USUAL_REST_H_
 #define MLE_MAINTAIN_USUAL_REST_H_

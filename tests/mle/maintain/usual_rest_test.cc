@@ -79,6 +79,31 @@ TEST(UsualRestTest, NoiseDisturbancesAndAnAgedModelAreUsual) {
   }
 }
 
+// Of two records of a level the first inputs of one are far from balance: its
+// residual is a ramp, of which nothing is left out.
+TEST(UsualRestTest, ALevelMayBeginOutOfBalance) {
+  ProcessModel level("drum", "min", {{"feed", ""}}, {{"level", ""}});
+  level.element(0, 0) = TransferFunction::Integrator(0.05, 0.0, 1.0);
+  std::vector<Record> rest;
+  for (const double first : {0.0, 3.0}) {
+    Record record = TankAtRest(3000, 1);
+    record.outputs = *SimulateResponse(level, 0.5, record.inputs);
+    record.outputs += GaussianNoise(1, 2, kMeasurementNoise)
+                          .DrawMatrix(1, record.samples(), kRestNoise);
+    record.inputs(0, 0) += first;
+    rest.push_back(record);
+  }
+  absl::StatusOr<RestParts> parts = DivideRest(level, rest);
+  ASSERT_TRUE(parts.ok()) << parts.status();
+  EXPECT_TRUE(parts->left_out.empty());
+  // A feed that is not measured.
+  for (int k = 1500; k < 1600; ++k) rest[0].outputs(0, k) += 2.0 * (k - 1500);
+  rest[0].outputs.rightCols(1400).array() += 200.0;
+  parts = DivideRest(level, rest);
+  ASSERT_TRUE(parts.ok()) << parts.status();
+  EXPECT_EQ(parts->left_out.size(), 1);
+}
+
 // With the five settling times around it, and as one where it takes no longer
 // than twenty.
 TEST(UsualRestTest, AShutdownIsLeftOut) {
