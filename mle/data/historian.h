@@ -115,8 +115,8 @@ struct HistorianOptions {
   double max_gap = -1.0;
   // Of all records together, > 0: more is an error.
   std::int64_t max_samples = 20'000'000;
-  // Called after every 1,000 rows; false ends the import with
-  // absl::CancelledError. May be empty.
+  // Called after every 1,000 rows of files and databases; false ends the import
+  // with absl::CancelledError. May be empty.
   std::function<bool(const ImportProgress&)> progress = {};
 
   absl::Status Validate(const ProcessModel& channels) const;

@@ -3,12 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <utility>
 
 #include "absl/strings/str_format.h"
 #include "mle/base/status.h"
 #include "mle/maintain/element_responses.h"
-#include "mle/model/process_simulator.h"
 #include "mle/nonlinear/innovations_filter.h"
 
 namespace mle {
@@ -18,8 +16,6 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// q/r of the drift that is expected.
-constexpr double kDriftRatio = 1e-3;
 // Of all information on an element: more than this counts little less.
 constexpr double kLittle = 1e-3;
 constexpr double kSettlingTimes = 4.0;  // of the shortest stretch
@@ -33,39 +29,22 @@ int ShortestStretch(const ProcessModel& model, double sample_time) {
 
 absl::StatusOr<StretchInformation> InformationIn(const Record& stretch,
                                                  const ProcessModel& model) {
-  const Record whole = WithoutGaps(stretch);
-  std::vector<int> times(whole.samples());
+  const std::vector<Record> whole = {WithoutGaps(stretch)};
+  MLE_ASSIGN_OR_RETURN(const ElementResponses responses,
+                       ElementResponses::Create(model, whole));
+  std::vector<int> times(stretch.samples());
   std::iota(times.begin(), times.end(), 0);
-  const InnovationsFilter filter(times, {.ratio = kDriftRatio});
-  std::vector<double> measured;  // a_wi
-  for (int i = 0; i < model.num_outputs(); ++i) {
-    measured.push_back(
-        static_cast<double>(stretch.outputs.row(i).array().isFinite().count()) /
-        stretch.samples());
-  }
+  const InnovationsFilter filter(times, {.ratio = kExpectedDriftRatio});
+  const VectorXd measured =  // a_wi
+      stretch.outputs.array().isFinite().cast<double>().rowwise().mean();
   std::vector<double> information;
   for (int j = 0; j < model.num_inputs(); ++j) {
-    std::vector<int> present;
-    std::vector<OutputChannel> outputs;
-    for (int i = 0; i < model.num_outputs(); ++i) {
-      if (model.element(i, j).IsZero()) continue;
-      present.push_back(i);
-      outputs.push_back(model.outputs()[i]);
-    }
-    if (present.empty()) continue;
-    ProcessModel column("column", model.time_unit(), {model.inputs()[j]},
-                        std::move(outputs));
-    for (std::size_t i = 0; i < present.size(); ++i) {
-      column.element(static_cast<int>(i), 0) = model.element(present[i], j);
-    }
-    MLE_ASSIGN_OR_RETURN(
-        const MatrixXd response,
-        SimulateResponse(column, whole.sample_time, whole.inputs.row(j)));
-    MatrixXd whitened = response.transpose();
+    MatrixXd whitened = responses.Of(j)[0];
     filter.Apply(whitened);
-    for (Index i = 0; i < whitened.cols(); ++i) {
-      const double squares =
-          measured[present[i]] * whitened.col(i).squaredNorm();
+    for (int i = 0; i < model.num_outputs(); ++i) {
+      const int column = responses.ColumnOf(i, j);
+      if (column < 0) continue;
+      const double squares = measured(i) * whitened.col(column).squaredNorm();
       information.push_back(std::isfinite(squares) ? squares : 0.0);
     }
   }

@@ -23,6 +23,9 @@
 
 namespace mle {
 
+// q/r of the drift that is expected where the noise is not known yet.
+inline constexpr double kExpectedDriftRatio = 1e-3;
+
 // Four settling times of the model, in samples: what the inputs did before it
 // is unknown of a stretch, which is not to matter. At least 2.
 int ShortestStretch(const ProcessModel& model, double sample_time);

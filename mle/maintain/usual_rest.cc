@@ -9,6 +9,7 @@
 #include "mle/base/status.h"
 #include "mle/data/robust_statistics.h"
 #include "mle/maintain/element_responses.h"
+#include "mle/maintain/stretch_information.h"
 #include "mle/model/process_simulator.h"
 #include "mle/nonlinear/innovations_filter.h"
 
@@ -23,7 +24,6 @@ constexpr double kFarBeyondUsual = 400.0;  // of the median
 // Settling times.
 constexpr double kAround = 5.0;
 constexpr double kApart = 20.0;
-constexpr double kDriftAtRest = 1e-3;  // q/r
 constexpr std::size_t kFewBlocks = 10;
 
 int BlocksOf(const Record& record) {
@@ -57,7 +57,7 @@ absl::StatusOr<MatrixXd> SquaresAtRest(const ProcessModel& model,
       residuals.bottomRows(last) -= residuals.topRows(last).eval();
       residuals(0) = last > 0 ? residuals(1) : 0.0;
     }
-    InnovationsFilter(times, {.ratio = kDriftAtRest}).Apply(residuals);
+    InnovationsFilter(times, {.ratio = kExpectedDriftRatio}).Apply(residuals);
     std::vector<int> counts(BlocksOf(record), 0);
     for (std::size_t r = 0; r < times.size(); ++r) {
       const double residual = residuals(static_cast<Index>(r));
@@ -113,7 +113,7 @@ std::vector<bool> UsualBlocks(const MatrixXd& squares,
 }  // namespace
 
 absl::StatusOr<RestParts> DivideRest(const ProcessModel& model,
-                                     const std::vector<Record>& rest) {
+                                     std::vector<Record> rest) {
   RestParts parts;
   if (rest.empty()) return parts;
   std::vector<MatrixXd> squares;
@@ -122,15 +122,22 @@ absl::StatusOr<RestParts> DivideRest(const ProcessModel& model,
     squares.push_back(std::move(of_record));
   }
   const std::vector<double> medians = MediansOf(squares);
+  const double settling =  // blocks
+      SettlingTime(model) / (rest[0].sample_time * kRestBlock);
   const auto blocks_in = [&](double settling_times) {
-    const double blocks = settling_times * SettlingTime(model) /
-                          (rest[0].sample_time * kRestBlock);
-    return static_cast<int>(std::clamp(std::ceil(blocks), 1.0, 1e6));
+    return static_cast<int>(
+        std::clamp(std::ceil(settling_times * settling), 1.0, 1e6));
   };
+  const int margin = blocks_in(kAround);
+  const int together = blocks_in(kApart);
   for (std::size_t r = 0; r < rest.size(); ++r) {
-    const Record& record = rest[r];
     const std::vector<bool> usual =
-        UsualBlocks(squares[r], medians, blocks_in(kAround), blocks_in(kApart));
+        UsualBlocks(squares[r], medians, margin, together);
+    if (std::find(usual.begin(), usual.end(), false) == usual.end()) {
+      parts.usual.push_back(std::move(rest[r]));
+      continue;
+    }
+    const Record& record = rest[r];
     const auto blocks = static_cast<int>(usual.size());
     for (int b = 0; b < blocks;) {
       const int first = b * kRestBlock;

@@ -35,7 +35,7 @@ struct RestParts {
 // is left out. InvalidArgument for a model that cannot be simulated.
 // Operations: samples times elements.
 absl::StatusOr<RestParts> DivideRest(const ProcessModel& model,
-                                     const std::vector<Record>& rest);
+                                     std::vector<Record> rest);
 
 }  // namespace mle
 

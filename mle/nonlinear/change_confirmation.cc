@@ -138,7 +138,7 @@ double TailOf(double statistic, int amplitudes, const OutputSetup& setup,
 }
 
 // The element whose change alone is a better account than those that have
-// changed, at least one, with their minimum; -1: there is none.
+// changed, with their minimum; -1: there is none, or nothing has changed.
 int RivalOf(const OutputSetup& setup, const OutputFit& fit,
             const SquaresOfFits& squares, const Minimum& with,
             const std::vector<bool>& changed, double false_alarm) {
@@ -148,8 +148,9 @@ int RivalOf(const OutputSetup& setup, const OutputFit& fit,
   };
   const auto count =
       static_cast<double>(std::count(changed.begin(), changed.end(), true));
-  double least = cost(with);
   int rival = -1;
+  if (count == 0.0) return rival;
+  double least = cost(with);
   for (const int j : LikeliestGains(setup, fit, kMostRivals)) {
     if (count == 1.0 && changed[j]) continue;
     std::vector<bool> one(changed.size(), false);
@@ -218,11 +219,8 @@ ConfirmedChanges ConfirmChanges(const OutputSetup& setup,
     confirmed.changed[least] = false;
     with = std::move(without_least);
   }
-  const bool any = std::find(confirmed.changed.begin(), confirmed.changed.end(),
-                             true) != confirmed.changed.end();
-  const int rival = any ? RivalOf(setup, *fits[main].fit, squares[main],
-                                  with[main], confirmed.changed, false_alarm)
-                        : -1;
+  const int rival = RivalOf(setup, *fits[main].fit, squares[main], with[main],
+                            confirmed.changed, false_alarm);
   if (rival >= 0) {
     confirmed.changed.assign(named.size(), false);
     const std::vector<bool> none = confirmed.changed;

@@ -435,5 +435,34 @@ TEST(HistorianTest, FilesThatCannotBeReadAreNamed) {
   EXPECT_FALSE(ImportHistorian(std::vector<std::string>(), Tank(), {}).ok());
 }
 
+// Of a text how far in time, of a file how much of it as well; false ends it.
+TEST(HistorianTest, ProgressIsToldAndCanStop) {
+  std::string text = "time,steam,level\n";
+  for (int k = 0; k < 3500; ++k) absl::StrAppend(&text, k, ",1.25,2.5\n");
+  std::vector<ImportProgress> told;
+  HistorianOptions options;
+  options.progress = [&](const ImportProgress& progress) {
+    told.push_back(progress);
+    return told.size() < 5;
+  };
+  ASSERT_TRUE(Import(text, options).ok());
+  ASSERT_EQ(told.size(), 3);
+  for (std::size_t k = 0; k < 3; ++k) {
+    EXPECT_EQ(told[k].source, "a.csv");
+    EXPECT_EQ(told[k].rows, 1000 * (k + 1));
+    EXPECT_EQ(told[k].reached, absl::StrCat(1000 * (k + 1) - 1));
+    EXPECT_LT(told[k].fraction, 0.0);
+  }
+  const std::string path = ::testing::TempDir() + "/historian_progress.csv";
+  ASSERT_TRUE(WriteFileAtomically(path, text).ok());
+  const absl::Status status = ImportHistorian({path}, Tank(), options).status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kCancelled) << status;
+  ASSERT_EQ(told.size(), 5);
+  EXPECT_EQ(told[4].rows, 2000);
+  EXPECT_GE(told[4].fraction, told[3].fraction);
+  EXPECT_GT(told[3].fraction, 0.2);
+  EXPECT_LE(told[4].fraction, 1.0);
+}
+
 }  // namespace
 }  // namespace mle

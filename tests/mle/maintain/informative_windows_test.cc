@@ -10,19 +10,15 @@
 #include "mle/maintain/whole_windows.h"
 #include "mle/model/process_model.h"
 #include "mle/model/transfer_function.h"
+#include "tests/mle/maintain/two_input_model.h"
 
 namespace mle {
 namespace {
 
+using testing::TwoInputModel;
+
 // Five settling times: too short to be divided.
 constexpr int kWindowSamples = 240;
-
-ProcessModel TwoInputModel() {
-  ProcessModel model("two inputs", "min", {{"a", ""}, {"b", ""}}, {{"y", ""}});
-  model.element(0, 0) = TransferFunction::FirstOrder(2.0, 6.0, 1.0);
-  model.element(0, 1) = TransferFunction::FirstOrder(-1.0, 9.0, 2.0);
-  return model;
-}
 
 // Windows of one record; in each one input steps by the size given.
 RecordData DataOf(const std::vector<std::pair<int, double>>& steps) {

@@ -13,8 +13,8 @@
 #include "mle/data/historian.h"
 #include "mle/maintain/records.h"
 #include "mle/model/process_model.h"
-#include "mle/model/transfer_function.h"
 #include "tests/mle/maintain/tank_records.h"
+#include "tests/mle/maintain/two_input_model.h"
 
 namespace mle {
 namespace {
@@ -22,13 +22,6 @@ namespace {
 // Five settling times and more; a side has one and a half of them.
 constexpr int kStretch = 240;
 constexpr int kSide = 69;
-
-ProcessModel TwoValves() {
-  ProcessModel model("two inputs", "min", {{"a", ""}, {"b", ""}}, {{"y", ""}});
-  model.element(0, 0) = TransferFunction::FirstOrder(2.0, 6.0, 1.0);
-  model.element(0, 1) = TransferFunction::FirstOrder(-1.0, 9.0, 2.0);
-  return model;
-}
 
 // In which an input moves by so much for a third of the time.
 Record Stretch(int number, int input, double size) {
@@ -64,7 +57,7 @@ std::vector<std::pair<int, int>> KeptIn(const std::vector<Record>& records) {
 }
 
 TEST(RecordScanTest, KeepsEverythingThatThereIsRoomFor) {
-  const ProcessModel model = TwoValves();
+  const ProcessModel model = testing::TwoInputModel();
   RecordScan scan(model, 4 * kStretch);
   for (int w = 0; w < 4; ++w) {
     ASSERT_TRUE(scan.Take(Stretch(w, w % 2, 1.0), w != 0 && w != 2).ok());
@@ -82,7 +75,7 @@ TEST(RecordScanTest, KeepsEverythingThatThereIsRoomFor) {
 // Of a hundred stretches the few in which the inputs move most, of each input
 // as many; none is joined with one that does not follow it.
 TEST(RecordScanTest, KeepsWhatInformsMostWhereverItStands) {
-  const ProcessModel model = TwoValves();
+  const ProcessModel model = testing::TwoInputModel();
   RecordScan scan(model, 4 * kStretch);
   const std::vector<int> moved = {3, 4, 57, 98};
   for (int w = 0; w < 100; ++w) {
@@ -103,7 +96,7 @@ TEST(RecordScanTest, KeepsWhatInformsMostWhereverItStands) {
 
 // What cannot be measured says nothing.
 TEST(RecordScanTest, AStretchWithoutOutputsIsLeftOut) {
-  const ProcessModel model = TwoValves();
+  const ProcessModel model = testing::TwoInputModel();
   RecordScan scan(model, 2 * kStretch);
   for (int w = 0; w < 8; ++w) {
     Record stretch = Stretch(w, w % 2, w < 2 ? 5.0 : w < 4 ? 1.0 : 0.2);
