@@ -71,18 +71,24 @@ class MistakeSearch {
   // responds so.
   double LogLikelihood(int output, int measured, const Series& responses,
                        int block) const;
+  // Whether the exchange is the better account also where some elements of the
+  // rows that it changes may have aged, with the tags as they are and
+  // exchanged.
+  absl::StatusOr<bool> BeatsAgeing(
+      const OperatorMistake& exchange,
+      const std::vector<HypotheticalRow>& rows) const;
   void FitAsRecorded();
   absl::Status JudgeExchanges();
   // Of rows (outputs) or columns (inputs) with a common factor.
   void AddFactors(bool outputs);
-  void JudgeTimeUnits();
+  absl::Status JudgeTimeUnits();
   absl::StatusOr<std::vector<HypotheticalRow>> InputsExchanged(int a,
                                                                int b) const;
   std::vector<HypotheticalRow> OutputsExchanged(int a, int b) const;
   std::vector<HypotheticalRow> Multiplied(const OperatorMistake& mistake) const;
   // `rows`: those that it changes.
-  void Judge(const Hypothesis& hypothesis,
-             const std::vector<HypotheticalRow>& rows);
+  absl::Status Judge(const Hypothesis& hypothesis,
+                     const std::vector<HypotheticalRow>& rows);
 
   const ProcessModel& model_;
   const std::vector<Record>& parts_;
@@ -229,10 +235,10 @@ absl::Status MistakeSearch::JudgeExchanges() {
         } else {
           MLE_ASSIGN_OR_RETURN(rows, InputsExchanged(a, b));
         }
-        Judge({.mistake = {.kind = Kind::kExchanged,
-                           .outputs = outputs,
-                           .channels = {a, b}}},
-              rows);
+        MLE_RETURN_IF_ERROR(Judge({.mistake = {.kind = Kind::kExchanged,
+                                               .outputs = outputs,
+                                               .channels = {a, b}}},
+                                  rows));
       }
     }
   }
@@ -273,8 +279,33 @@ void MistakeSearch::AddFactors(bool outputs) {
   }
 }
 
-void MistakeSearch::Judge(const Hypothesis& hypothesis,
-                          const std::vector<HypotheticalRow>& rows) {
+absl::StatusOr<bool> MistakeSearch::BeatsAgeing(
+    const OperatorMistake& exchange,
+    const std::vector<HypotheticalRow>& rows) const {
+  std::vector<Record> exchanged = parts_;
+  for (Record& part : exchanged) {
+    Eigen::MatrixXd& values = exchange.outputs ? part.outputs : part.inputs;
+    values.row(exchange.channels[0]).swap(values.row(exchange.channels[1]));
+  }
+  MLE_ASSIGN_OR_RETURN(const ElementResponses responses,
+                       ElementResponses::Create(model_, exchanged));
+  bool proved = false;
+  for (const AsRecorded& fit : as_recorded_) {
+    double better = 0.0;
+    for (const HypotheticalRow& row : rows) {
+      better += FewGainsLogLikelihood(
+                    BlockMeans(responses.Row(row.output), fit.block)) -
+                FewGainsLogLikelihood(
+                    BlockMeans(responses_->Row(row.output), fit.block));
+    }
+    if (!(better > 0.0)) return false;
+    proved = proved || better > kLeastMistakeNats;
+  }
+  return proved;
+}
+
+absl::Status MistakeSearch::Judge(const Hypothesis& hypothesis,
+                                  const std::vector<HypotheticalRow>& rows) {
   const bool other_times = hypothesis.mistake.kind == Kind::kTimeUnit;
   bool proved = false;
   double least = std::numeric_limits<double>::infinity();
@@ -287,10 +318,10 @@ void MistakeSearch::Judge(const Hypothesis& hypothesis,
           fit.fixed(row.output);
     }
     least = std::min(least, better);
-    if (!(least > 0.0)) return;
+    if (!(least > 0.0)) return absl::OkStatus();
     if (hypothesis.complete && fit.block == 1 &&
         better < fit.free_gains - kCompleteNats) {
-      return;
+      return absl::OkStatus();
     }
     double without = 0.0;
     for (const HypotheticalRow& row : rows) {
@@ -300,12 +331,20 @@ void MistakeSearch::Judge(const Hypothesis& hypothesis,
     const double rival = std::max(other_times ? fit.free_gains : 0.0, without);
     proved = proved || better > rival + kLeastMistakeNats;
   }
-  if (!proved || (best_.has_value() && best_->log_likelihood >= least)) return;
+  if (!proved || (best_.has_value() && best_->log_likelihood >= least)) {
+    return absl::OkStatus();
+  }
+  if (hypothesis.mistake.kind == Kind::kExchanged) {
+    MLE_ASSIGN_OR_RETURN(const bool beats,
+                         BeatsAgeing(hypothesis.mistake, rows));
+    if (!beats) return absl::OkStatus();
+  }
   best_ = hypothesis.mistake;
   best_->log_likelihood = least;
+  return absl::OkStatus();
 }
 
-void MistakeSearch::JudgeTimeUnits() {
+absl::Status MistakeSearch::JudgeTimeUnits() {
   for (const double scale : kTimeUnits) {
     const absl::StatusOr<ElementResponses> responses =
         ElementResponses::Create(model_, parts_, scale);
@@ -316,8 +355,10 @@ void MistakeSearch::JudgeTimeUnits() {
     for (const int i : moving_) {
       rows.push_back({i, i, std::move(sums[i]), Times(0.0, sums_[i])});
     }
-    Judge({.mistake = {.kind = Kind::kTimeUnit, .factor = scale}}, rows);
+    MLE_RETURN_IF_ERROR(
+        Judge({.mistake = {.kind = Kind::kTimeUnit, .factor = scale}}, rows));
   }
+  return absl::OkStatus();
 }
 
 absl::StatusOr<std::optional<OperatorMistake>> MistakeSearch::Run() {
@@ -335,9 +376,9 @@ absl::StatusOr<std::optional<OperatorMistake>> MistakeSearch::Run() {
   MLE_RETURN_IF_ERROR(JudgeExchanges());
   for (const bool outputs : {false, true}) AddFactors(outputs);
   for (const Hypothesis& factor : factors_) {
-    Judge(factor, Multiplied(factor.mistake));
+    MLE_RETURN_IF_ERROR(Judge(factor, Multiplied(factor.mistake)));
   }
-  JudgeTimeUnits();
+  MLE_RETURN_IF_ERROR(JudgeTimeUnits());
   return best_;
 }
 

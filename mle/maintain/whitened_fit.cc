@@ -66,7 +66,8 @@ Noise FitNoise(const WhitenedData& data, const Eigen::VectorXd& gains,
   const Eigen::VectorXd phi = past.ldlt().solve(present);
   noise.filter.resize(order + 1);
   noise.filter << -phi, 1.0;
-  const double least = kLeastVariance * SquaresOf(data) / samples;
+  const double least =
+      kLeastVariance * SquaresOf(data) / std::max(samples, 1.0);
   noise.variance =
       noise.rows > 0.0
           ? std::max(noise.filter.dot(gram * noise.filter) / noise.rows, least)
@@ -140,6 +141,44 @@ void FitGains(const WhitenedData& data, const PresentColumns& present,
   }
 }
 
+// The response that explains most of the whitened outputs less all responses
+// at `gains`, of those not `taken`; −1: none is left.
+Eigen::Index LikeliestResponse(const WhitenedData& whitened,
+                               const Eigen::VectorXd& gains,
+                               const std::vector<bool>& taken) {
+  Eigen::VectorXd products = Eigen::VectorXd::Zero(gains.size());
+  Eigen::VectorXd squares = products;
+  for (std::size_t w = 0; w < whitened.outputs.size(); ++w) {
+    const Eigen::MatrixXd& responses = whitened.responses[w];
+    products +=
+        responses.transpose() * (whitened.outputs[w] - responses * gains);
+    squares += responses.colwise().squaredNorm().transpose();
+  }
+  Eigen::Index likeliest = -1;
+  double most = 0.0;
+  for (Eigen::Index j = 0; j < gains.size(); ++j) {
+    if (taken[j] || !(squares(j) > 0.0)) continue;
+    const double explained = products(j) * products(j) / squares(j);
+    if (!(explained > most)) continue;
+    most = explained;
+    likeliest = j;
+  }
+  return likeliest;
+}
+
+// With the responses that are not `free` taken off the outputs.
+WhitenedData WithFree(const WhitenedData& data, const std::vector<bool>& free) {
+  WhitenedData part = data;
+  for (std::size_t w = 0; w < data.outputs.size(); ++w) {
+    for (Eigen::Index j = 0; j < data.responses[w].cols(); ++j) {
+      if (free[j]) continue;
+      part.outputs[w] -= data.responses[w].col(j);
+      part.responses[w].col(j).setZero();
+    }
+  }
+  return part;
+}
+
 }  // namespace
 
 WhitenedData BlockMeans(const WhitenedData& data, int length) {
@@ -201,6 +240,32 @@ WhitenedData Whiten(const WhitenedData& data, const Eigen::VectorXd& gains) {
     }
   }
   return whitened;
+}
+
+double FewGainsLogLikelihood(const WhitenedData& data) {
+  const Eigen::Index m =
+      data.responses.empty() ? 0 : data.responses.front().cols();
+  double samples = 0.0;
+  for (const Eigen::VectorXd& output : data.outputs) {
+    samples += static_cast<double>(output.size());
+  }
+  const double price = 0.5 * std::log(std::max(samples, 1.0));
+  Eigen::VectorXd gains = Eigen::VectorXd::Ones(m);
+  std::vector<bool> free(m, false);
+  double best = WhitenedLogLikelihood(data, gains);
+  while (true) {
+    const Eigen::Index next =
+        LikeliestResponse(Whiten(data, gains), gains, free);
+    if (next < 0) return best;
+    free[next] = true;
+    const WhitenedFit fit = FitWhitenedGains(WithFree(data, free), gains);
+    const auto count =
+        static_cast<double>(std::count(free.begin(), free.end(), true));
+    const double priced = fit.log_likelihood - price * count;
+    if (!(priced > best)) return best;
+    best = priced;
+    gains = fit.gains;
+  }
 }
 
 Eigen::VectorXd WhiteningFilter(const WhitenedData& data,

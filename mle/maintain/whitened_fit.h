@@ -56,6 +56,11 @@ WhitenedData Whiten(const WhitenedData& data, const Eigen::VectorXd& gains);
 WhitenedFit FitWhitenedGains(const WhitenedData& data, Eigen::VectorXd start,
                              int order = kWhitenedOrder, double enough = 0.0);
 
+// The log-likelihood with few gains free, all others 1, less ½ ln N for each
+// that is: of those left in turn the one that explains most of the innovations,
+// as long as it is worth its price.
+double FewGainsLogLikelihood(const WhitenedData& data);
+
 // −φ_n … −φ_1, 1 (n + 1) of what the responses leave at gains a.
 Eigen::VectorXd WhiteningFilter(const WhitenedData& data,
                                 const Eigen::VectorXd& gains, int order);

@@ -2,11 +2,14 @@
 
 #include <functional>
 #include <optional>
+#include <random>
 #include <string>
 #include <vector>
 
+#include "Eigen/Core"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "mle/model/process_simulator.h"
 #include "tests/mle/data/loop_records.h"
 #include "tests/mle/maintain/large_plant.h"
 
@@ -224,6 +227,78 @@ TEST(OperatorMistakesTest, LeavesAgedPlants) {
         EXPECT_FALSE(Find(record).has_value()) << ageing.name;
       }
     }
+  }
+}
+
+// Three outputs and twelve inputs that move in three directions, all elements
+// with the same lag and dead time: much of what an aged gain does looks like
+// two inputs exchanged.
+struct WidePlant {
+  ProcessModel model;
+  Record record;  // with one gain 40 % up
+};
+
+WidePlant MakeWidePlant(unsigned seed) {
+  constexpr int kOutputs = 3;
+  constexpr int kInputs = 12;
+  constexpr int kDirections = 3;
+  constexpr int kSamples = 1500;
+  std::vector<InputChannel> inputs;
+  std::vector<OutputChannel> outputs;
+  for (int j = 0; j < kInputs; ++j) {
+    inputs.push_back({"u" + std::to_string(j), ""});
+  }
+  for (int i = 0; i < kOutputs; ++i) {
+    outputs.push_back({"y" + std::to_string(i), ""});
+  }
+  WidePlant wide = {.model = ProcessModel("wide", "min", inputs, outputs),
+                    .record = {}};
+  for (int e = 0; e < 6 * kOutputs; ++e) {
+    wide.model.element(e % kOutputs, (5 * e + e / kInputs) % kInputs) =
+        TransferFunction::FirstOrder(
+            (e % 2 == 0 ? 1.0 : -1.0) * (1.0 + 0.1 * (e % 7)), 5.0, 2.0);
+  }
+  std::mt19937_64 source(seed);
+  std::normal_distribution<double> normal;
+  ProcessModel plant = wide.model;
+  const auto aged = static_cast<int>(source() % kOutputs);
+  int by = 0;
+  do {
+    by = static_cast<int>(source() % kInputs);
+  } while (plant.element(aged, by).IsZero());
+  plant.element(aged, by) = TransferFunction::FirstOrder(
+      1.4 * plant.element(aged, by).StaticGain(), 5.0, 2.0);
+  Eigen::MatrixXd directions(kInputs, kDirections);
+  for (double& value : directions.reshaped()) value = normal(source);
+  Eigen::MatrixXd moves = Eigen::MatrixXd::Zero(kDirections, kSamples);
+  for (int d = 0; d < kDirections; ++d) {
+    for (int k = 1; k < kSamples; ++k) {
+      moves(d, k) = source() % 50 == 0 ? normal(source) : moves(d, k - 1);
+    }
+  }
+  wide.record.sample_time = 1.0;
+  wide.record.inputs = directions * moves;
+  for (double& u : wide.record.inputs.reshaped()) u += 0.02 * normal(source);
+  wide.record.outputs = *SimulateResponse(plant, 1.0, wide.record.inputs);
+  for (double& y : wide.record.outputs.reshaped()) y += 0.2 * normal(source);
+  return wide;
+}
+
+TEST(OperatorMistakesTest, LeavesAgedPlantsWhoseInputsMoveTogether) {
+  for (unsigned seed = 1; seed <= 12; ++seed) {
+    const WidePlant wide = MakeWidePlant(seed);
+    EXPECT_FALSE(Find(wide.record, wide.model).has_value()) << seed;
+  }
+}
+
+TEST(OperatorMistakesTest, FindsExchangedTagsOfAgedPlants) {
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    WidePlant wide = MakeWidePlant(seed);
+    wide.record.inputs.row(2).swap(wide.record.inputs.row(7));
+    const auto mistake = Find(wide.record, wide.model);
+    ASSERT_TRUE(mistake.has_value()) << seed;
+    EXPECT_EQ(mistake->kind, Kind::kExchanged);
+    EXPECT_THAT(mistake->channels, ElementsAre(2, 7)) << seed;
   }
 }
 

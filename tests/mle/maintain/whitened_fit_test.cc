@@ -47,6 +47,26 @@ TEST(WhitenedFitTest, IncrementsTurnRampsIntoOffsets) {
   EXPECT_TRUE(increments.responses[0].row(0).isZero(0.0));
 }
 
+// Gains of 2 and −0.5: as the model has them nothing is free; where one or both
+// are other than 1, each costs ½ ln 4000.
+TEST(WhitenedFitTest, FewGainsCostTheirPrice) {
+  WhitenedData data = Data(0.0, 0.1, 3);
+  const double price = 0.5 * std::log(4000.0);
+  const double both =
+      FitWhitenedGains(data, Eigen::Vector2d(1.0, 1.0)).log_likelihood;
+  EXPECT_NEAR(FewGainsLogLikelihood(data), both - 2.0 * price, 0.1);
+  WhitenedData one = data;
+  for (Eigen::MatrixXd& responses : one.responses) responses.col(1) *= -0.5;
+  EXPECT_NEAR(FewGainsLogLikelihood(one), both - price, 3.0);
+  EXPECT_GT(FewGainsLogLikelihood(one), both - price - 0.1);
+  WhitenedData none = one;
+  for (Eigen::MatrixXd& responses : none.responses) responses.col(0) *= 2.0;
+  EXPECT_EQ(FewGainsLogLikelihood(none),
+            WhitenedLogLikelihood(none, Eigen::Vector2d(1.0, 1.0)));
+  EXPECT_EQ(FewGainsLogLikelihood(WhitenedData()),
+            WhitenedLogLikelihood(WhitenedData(), Eigen::VectorXd()));
+}
+
 // Against sums that are written out, whatever is left of the last samples that
 // are taken together.
 TEST(WhitenedFitTest, AFilterIsTheSumOverItsTaps) {
