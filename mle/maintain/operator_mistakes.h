@@ -10,13 +10,14 @@
 // the records determine agree, of four or more one in four excepted, which may
 // have aged besides.
 //
-//   exchange   10 nats better than as recorded and than no response, in one of
+//   each       10 nats better than as recorded and than no response, in one of
 //              the three comparisons, and worse in none
-//   sign       the same, and gains of −2 to −1/2 of the model's in two elements
-//   factor     beyond 20: the same, gains that agree to a factor of 2; 1.8, or
-//              beyond 4: gains that agree to 5 and 10 % in all three
-//              comparisons
-//   time unit  the same, and 10 nats better than as recorded with free gains
+//   exchange   10 nats better with few gains free on both sides, too: elements
+//              may have aged
+//   sign       gains of −2 to −1/2 of the model's in two elements
+//   factor     beyond 20: gains that agree to a factor of 2; 1.8, or beyond 4:
+//              gains that agree to 5 and 10 % in all three comparisons
+//   time unit  10 nats better than as recorded with free gains
 //
 // Where a row or column has one element only, nothing distinguishes a mistake
 // from ageing but the number: −1, 1.8, 60, 100, 1000 and their inverses, to 5

@@ -41,6 +41,8 @@ class SquaresOfFits {
       return Evaluate(setup_.start);
     }
     Minimum best = From(near, free);
+    // Of parts of the records that has been asked of all of them.
+    if (options_.start != nullptr) return best;
     Minimum other = From(setup_.start, free);
     // An amplitude more explains r of any noise; less than that is no reason
     // to begin elsewhere.

@@ -247,41 +247,50 @@ void InnovationsFilter::Apply(Eigen::Ref<MatrixXd> columns) const {
 MatrixXd InnovationsFilter::WhitenedProducts(
     const RowMajorMatrix& columns) const {
   CHECK_EQ(columns.rows(), static_cast<Eigen::Index>(gains_.size()));
+  return WhitenedProducts(columns.cols(),
+                          [&](Eigen::Index first, Eigen::Index /*count*/) {
+                            return columns.data() + first * columns.cols();
+                          });
+}
+
+MatrixXd InnovationsFilter::WhitenedProducts(Eigen::Index width,
+                                             const RowSource& rows) const {
   // Whole vectors are filtered faster than single columns: the rest are zeros.
-  const Eigen::Index width =
-      (columns.cols() + kMostLanes - 1) / kMostLanes * kMostLanes;
-  const Eigen::Index most = RowsOfBlock(width);
-  MatrixXd products = MatrixXd::Zero(width, width);
-  const Eigen::Index whole = columns.cols() / kMostLanes * kMostLanes;
-  const Eigen::Index rest = columns.cols() - whole;
+  const Eigen::Index padded =
+      (width + kMostLanes - 1) / kMostLanes * kMostLanes;
+  const Eigen::Index most = RowsOfBlock(padded);
+  MatrixXd products = MatrixXd::Zero(padded, padded);
+  const Eigen::Index whole = width / kMostLanes * kMostLanes;
+  const Eigen::Index rest = width - whole;
   VectorXd state = VectorXd::Zero(3 * whole);
   VectorXd rest_state = VectorXd::Zero(3 * kMostLanes);
   RowMajorMatrix block;
-  for (Eigen::Index first = 0; first < columns.rows(); first += most) {
-    const Eigen::Index rows = std::min(most, columns.rows() - first);
-    if (block.rows() != rows) block.setZero(rows, width);
-    const double* from = columns.data() + first * columns.cols();
-    FilterRows(first, rows, from, columns.cols(), block.data(), width, whole,
-               state);
+  const auto samples = static_cast<Eigen::Index>(gains_.size());
+  for (Eigen::Index first = 0; first < samples; first += most) {
+    const Eigen::Index count = std::min(most, samples - first);
+    if (block.rows() != count) block.setZero(count, padded);
+    const double* from = rows(first, count);
+    FilterRows(first, count, from, width, block.data(), padded, whole, state);
     if (rest > 0) {
-      block.middleCols(whole, rest) = columns.block(first, whole, rows, rest);
-      FilterRows(first, rows, block.data() + whole, width, block.data() + whole,
-                 width, kMostLanes, rest_state);
+      block.middleCols(whole, rest) =
+          Eigen::Map<const RowMajorMatrix, 0, Eigen::OuterStride<>>(
+              from + whole, count, rest, Eigen::OuterStride<>(width));
+      FilterRows(first, count, block.data() + whole, padded,
+                 block.data() + whole, padded, kMostLanes, rest_state);
     }
     // The lower triangle, and what of the upper its panels hold.
-    for (Eigen::Index c = 0; c < width; c += kMostLanes) {
+    for (Eigen::Index c = 0; c < padded; c += kMostLanes) {
       VectorKernels().add_products({.x = block.data() + c,
-                                    .x_stride = width,
-                                    .rows = width - c,
+                                    .x_stride = padded,
+                                    .rows = padded - c,
                                     .w = block.data() + c,
-                                    .w_stride = width,
+                                    .w_stride = padded,
                                     .columns = kMostLanes,
-                                    .count = rows},
-                                   &products(c, c), width);
+                                    .count = count},
+                                   &products(c, c), padded);
     }
   }
-  return products.topLeftCorner(columns.cols(), columns.cols())
-      .selfadjointView<Eigen::Lower>();
+  return products.topLeftCorner(width, width).selfadjointView<Eigen::Lower>();
 }
 
 // Disturbance smoother: e_k = (ν_k/F_k − Kᵀ_k r_k)/ω_k, backwards with

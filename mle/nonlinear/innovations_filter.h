@@ -27,6 +27,7 @@
 #ifndef MLE_NONLINEAR_INNOVATIONS_FILTER_H_
 #define MLE_NONLINEAR_INNOVATIONS_FILTER_H_
 
+#include <functional>
 #include <vector>
 
 #include "Eigen/Core"
@@ -69,6 +70,12 @@ class InnovationsFilter {
   // and w columns N w (w + 9) operations in blocks that stay in the cache. All
   // of the symmetric matrix.
   Eigen::MatrixXd WhitenedProducts(const RowMajorMatrix& columns) const;
+  // The same of rows of `width` numbers that are made when they are needed:
+  // `count` of them, from that of sample `first` on, until the next are.
+  using RowSource =
+      std::function<const double*(Eigen::Index first, Eigen::Index count)>;
+  Eigen::MatrixXd WhitenedProducts(Eigen::Index width,
+                                   const RowSource& rows) const;
 
   // The expected e_k given all of n (as many as samples): n less the smoothed
   // random walk and colour.

@@ -36,6 +36,7 @@ class OutputCost : public ceres::CostFunction {
     }
     num_parameters_ = 3 * static_cast<Index>(free_.size());
     set_num_residuals(static_cast<int>(num_parameters_) + 1);
+    columns_.resize(free_.size());
     for (int s = 0; s < problem.num_segments(); ++s) {
       parts_.push_back(Hold(s, free, shape));
     }
@@ -83,13 +84,20 @@ class OutputCost : public ceres::CostFunction {
   struct Part {
     InnovationsFilter filter;
     VectorXd outputs;  // less the responses of the elements held
-    Index held = 0;    // amplitudes that do not change
-    // Columns with derivatives and without; the amplitudes held stay in them.
-    mutable RowMajorMatrix columns = {};
-    mutable RowMajorMatrix without = {};
+    MatrixXd held;     // columns of amplitudes that do not change
     // As they were in the last evaluation: taken off before products are made,
     // so that little is left for them to explain.
     mutable VectorXd amplitudes = {};
+  };
+
+  // What a free element contributes to the rows of a segment.
+  struct Columns {
+    MatrixXd response;  // and its derivatives, at every sample
+    // From the first sample that counts on, its amplitudes' part taken as known
+    // in the last.
+    MatrixXd modes;
+    MatrixXd mode_derivatives;
+    VectorXd by_time_scale;
   };
 
   Part Hold(int s, const std::vector<bool>& free,
@@ -97,27 +105,35 @@ class OutputCost : public ceres::CostFunction {
     const OutputErrorProblem::Segment& segment = problem_.segment(s);
     Part part = {
         .filter = InnovationsFilter(segment.times, shape, segment.weights),
-        .outputs = segment.outputs};
+        .outputs = segment.outputs,
+        .held = {}};
     const Index rows = segment.outputs.size();
-    MatrixXd held(rows, 0);
-    MatrixXd response;
-    MatrixXd derivatives;
+    Index modes = 0;
     for (int j = 0; j < problem_.num_elements(); ++j) {
-      if (!problem_.elements()[j].has_value() || free[j]) continue;
+      if (IsHeld(j, free)) modes += problem_.elements()[j]->order();
+    }
+    MatrixXd held(rows, modes);
+    MatrixXd derivatives(rows, modes);
+    MatrixXd response;
+    Index mode = 0;
+    for (int j = 0; j < problem_.num_elements(); ++j) {
+      if (!IsHeld(j, free)) continue;
       problem_.Respond(segment, point_, j, response, /*derivatives=*/false);
       part.outputs -=
           point_.values[j].gain * response(segment.times, Eigen::all).col(0);
-      problem_.AppendModes(segment, point_, j, held, derivatives);
+      const Index r = problem_.elements()[j]->order();
+      problem_.Modes(segment, point_, j, held.middleCols(mode, r),
+                     derivatives.middleCols(mode, r));
+      mode += r;
     }
     problem_.AppendDisturbances(s, held);
-    part.held = held.cols();
-    const Index amplitudes = part.held + num_modes_;
-    part.amplitudes = VectorXd::Zero(amplitudes);
-    part.columns.resize(rows, amplitudes + num_parameters_ + 1);
-    part.without.resize(rows, amplitudes + 1);
-    part.columns.leftCols(part.held) = held;
-    part.without.leftCols(part.held) = held;
+    part.held = held;
+    part.amplitudes = VectorXd::Zero(held.cols() + num_modes_);
     return part;
+  }
+
+  bool IsHeld(int j, const std::vector<bool>& free) const {
+    return problem_.elements()[j].has_value() && !free[j];
   }
 
   // Of the derivatives (`width`, or 0) and the residuals at point_.
@@ -138,46 +154,84 @@ class OutputCost : public ceres::CostFunction {
   // whitened, without what the amplitudes explain.
   MatrixXd ProductsOf(int s, Index width) const {
     const Part& part = parts_[s];
-    const bool derivatives = width > 0;
-    RowMajorMatrix& columns = derivatives ? part.columns : part.without;
-    Fill(problem_.segment(s), part, derivatives, columns);
+    const OutputErrorProblem::Segment& segment = problem_.segment(s);
     const Index amplitudes = part.amplitudes.size();
-    columns.rightCols<1>() -= columns.leftCols(amplitudes) * part.amplitudes;
-    Elimination result =
-        EliminateFirst(amplitudes, part.filter.WhitenedProducts(columns));
+    const Index columns = amplitudes + width + 1;
+    Respond(segment, part, width > 0);
+    Elimination result = EliminateFirst(
+        amplitudes,
+        part.filter.WhitenedProducts(columns, [&](Index first, Index count) {
+          rows_.resize(count, columns);
+          Fill(segment, part, width > 0, first, rows_);
+          return rows_.data();
+        }));
     if (amplitudes > 0) {
-      part.amplitudes += result.Coefficients(columns.cols() - 1);
+      part.amplitudes += result.Coefficients(columns - 1);
     }
     return std::move(result.rest);
   }
 
-  void Fill(const OutputErrorProblem::Segment& segment, const Part& part,
-            bool derivatives, RowMajorMatrix& columns) const {
-    const Index last = columns.cols() - 1;
-    columns.col(last) = part.outputs;
-    Index mode = part.held;
-    Index parameter = part.held + num_modes_;
-    for (const int j : free_) {
-      const double gain = point_.values[j].gain;
-      problem_.Respond(segment, point_, j, response_, derivatives);
-      const Index r = problem_.elements()[j]->order();
-      modes_.resize(columns.rows(), r);
-      mode_derivatives_.resize(columns.rows(), r);
-      problem_.Modes(segment, point_, j, modes_, mode_derivatives_);
-      columns.middleCols(mode, r) = modes_;
+  void Respond(const OutputErrorProblem::Segment& segment, const Part& part,
+               bool derivatives) const {
+    Index mode = part.held.cols();
+    for (std::size_t f = 0; f < free_.size(); ++f) {
+      Columns& of = columns_[f];
+      problem_.Respond(segment, point_, free_[f], of.response, derivatives);
+      problem_.FreeResponses(segment, point_, free_[f], of.modes,
+                             of.mode_derivatives);
+      const Index r = of.modes.cols();
       if (derivatives) {
-        by_time_scale_.noalias() =
-            mode_derivatives_ * part.amplitudes.segment(mode, r);
-      }
-      for (Index row = 0; row < columns.rows(); ++row) {
-        const auto at = response_.row(segment.times[row]);
-        columns(row, last) -= gain * at(0);
-        if (!derivatives) continue;
-        columns(row, parameter) = -at(0);
-        columns(row, parameter + 1) = -gain * at(1) - by_time_scale_(row);
-        columns(row, parameter + 2) = -gain * at(2);
+        of.by_time_scale.noalias() =
+            of.mode_derivatives * part.amplitudes.segment(mode, r);
       }
       mode += r;
+    }
+  }
+
+  // The rows of the samples from `first` on.
+  void Fill(const OutputErrorProblem::Segment& segment, const Part& part,
+            bool derivatives, Index first, RowMajorMatrix& rows) const {
+    const Index last = rows.cols() - 1;
+    const Index count = rows.rows();
+    const Index held = part.held.cols();
+    const int* times = segment.times.data() + first;
+    const int begin = segment.times.front();
+    rows.col(last) = part.outputs.segment(first, count);
+    for (Index c = 0; c < held; ++c) {
+      const auto column = part.held.col(c).segment(first, count);
+      rows.col(c) = column;
+      rows.col(last) -= part.amplitudes(c) * column;
+    }
+    Index mode = held;
+    Index parameter = part.amplitudes.size();
+    for (std::size_t f = 0; f < free_.size(); ++f) {
+      const Columns& of = columns_[f];
+      const double gain = point_.values[free_[f]].gain;
+      const double* response = of.response.data();
+      const Index samples = of.response.rows();
+      for (Index row = 0; row < count; ++row) {
+        const double* at = response + times[row];
+        rows(row, last) -= gain * at[0];
+        if (!derivatives) continue;
+        rows(row, parameter) = -at[0];
+        rows(row, parameter + 1) = -gain * at[samples];
+        rows(row, parameter + 2) = -gain * at[2 * samples];
+      }
+      for (Index c = 0; c < of.modes.cols(); ++c, ++mode) {
+        const double amplitude = part.amplitudes(mode);
+        const double* column = of.modes.col(c).data();
+        for (Index row = 0; row < count; ++row) {
+          const double value = column[times[row] - begin];
+          rows(row, mode) = value;
+          rows(row, last) -= amplitude * value;
+        }
+      }
+      if (derivatives && of.modes.cols() > 0) {
+        const double* column = of.by_time_scale.data();
+        for (Index row = 0; row < count; ++row) {
+          rows(row, parameter + 1) -= column[times[row] - begin];
+        }
+      }
       parameter += 3;
     }
   }
@@ -190,10 +244,8 @@ class OutputCost : public ceres::CostFunction {
   std::vector<Part> parts_;
   // Of one evaluation; Ceres makes one at a time.
   mutable OutputPoint point_;
-  mutable MatrixXd response_;
-  mutable MatrixXd modes_;
-  mutable MatrixXd mode_derivatives_;
-  mutable VectorXd by_time_scale_;
+  mutable std::vector<Columns> columns_;  // of each free element
+  mutable RowMajorMatrix rows_;
   mutable bool evaluated_ = false;  // amplitudes are known
 };
 

@@ -133,46 +133,50 @@ bool OutputErrorProblem::IsExcited(int input) const {
   return false;
 }
 
+void OutputErrorProblem::FreeResponses(const Segment& segment,
+                                       const OutputPoint& point, int j,
+                                       MatrixXd& columns,
+                                       MatrixXd& derivatives) const {
+  const int length = segment.times.back() - segment.times.front() + 1;
+  columns.resize(length, elements_[j]->order());
+  derivatives.resize(length, elements_[j]->order());
+  elements_[j]->FreeResponses(point.values[j].time_scale, sample_time_, columns,
+                              derivatives);
+}
+
 void OutputErrorProblem::Modes(const Segment& segment, const OutputPoint& point,
                                int j, Eigen::Ref<MatrixXd> columns,
                                Eigen::Ref<MatrixXd> derivatives) const {
-  const int first = segment.times.front();
-  const int length = segment.times.back() - first + 1;
-  const double time_scale = point.values[j].time_scale;
-  if (length == columns.rows()) {
-    elements_[j]->FreeResponses(time_scale, sample_time_, columns, derivatives);
-    return;
+  MatrixXd modes;
+  MatrixXd by_time_scale;
+  FreeResponses(segment, point, j, modes, by_time_scale);
+  // Samples without a gap between them are copied together.
+  const std::vector<int>& times = segment.times;
+  const Eigen::Index rows = columns.rows();
+  for (Eigen::Index row = 0; row < rows;) {
+    Eigen::Index end = row + 1;
+    while (end < rows && times[end] == times[end - 1] + 1) ++end;
+    const int k = times[row] - times.front();
+    columns.middleRows(row, end - row) = modes.middleRows(k, end - row);
+    derivatives.middleRows(row, end - row) =
+        by_time_scale.middleRows(k, end - row);
+    row = end;
   }
-  MatrixXd modes(length, columns.cols());
-  MatrixXd by_time_scale(length, columns.cols());
-  elements_[j]->FreeResponses(time_scale, sample_time_, modes, by_time_scale);
-  for (Eigen::Index row = 0; row < columns.rows(); ++row) {
-    const int k = segment.times[row] - first;
-    columns.row(row) = modes.row(k);
-    derivatives.row(row) = by_time_scale.row(k);
-  }
-}
-
-void OutputErrorProblem::AppendModes(const Segment& segment,
-                                     const OutputPoint& point, int j,
-                                     MatrixXd& columns,
-                                     MatrixXd& derivatives) const {
-  const Eigen::Index rows = segment.outputs.size();
-  const Eigen::Index before = columns.cols();
-  const int r = elements_[j]->order();
-  columns.conservativeResize(rows, before + r);
-  derivatives.conservativeResize(rows, before + r);
-  Modes(segment, point, j, columns.rightCols(r), derivatives.rightCols(r));
 }
 
 void OutputErrorProblem::Amplitudes(int s, const OutputPoint& point,
                                     MatrixXd& columns,
                                     MatrixXd& derivatives) const {
-  columns.resize(segments_[s].outputs.size(), 0);
-  derivatives.resize(segments_[s].outputs.size(), 0);
+  const Segment& segment = segments_[s];
+  columns.resize(segment.outputs.size(), num_modes_);
+  derivatives.resize(segment.outputs.size(), num_modes_);
+  Eigen::Index mode = 0;
   for (int j = 0; j < num_elements(); ++j) {
     if (!elements_[j].has_value()) continue;
-    AppendModes(segments_[s], point, j, columns, derivatives);
+    const int r = elements_[j]->order();
+    Modes(segment, point, j, columns.middleCols(mode, r),
+          derivatives.middleCols(mode, r));
+    mode += r;
   }
   AppendDisturbances(s, columns);
 }

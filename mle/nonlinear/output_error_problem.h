@@ -180,14 +180,15 @@ class OutputErrorProblem {
   // for each sample of the segment's inputs.
   void Respond(const Segment& segment, const OutputPoint& point, int j,
                Eigen::MatrixXd& response, bool derivatives = true) const;
-  // The free responses of element j (rows × r_j) and their derivatives by its
-  // ln T; the same appended; the columns of lines, steps and a ramp.
+  // The free responses of element j and their derivatives by its ln T (each
+  // N × r_j), at every sample from the first that counts to the last; at those
+  // that count (rows × r_j); the columns of lines, steps and a ramp, appended.
+  void FreeResponses(const Segment& segment, const OutputPoint& point, int j,
+                     Eigen::MatrixXd& columns,
+                     Eigen::MatrixXd& derivatives) const;
   void Modes(const Segment& segment, const OutputPoint& point, int j,
              Eigen::Ref<Eigen::MatrixXd> columns,
              Eigen::Ref<Eigen::MatrixXd> derivatives) const;
-  void AppendModes(const Segment& segment, const OutputPoint& point, int j,
-                   Eigen::MatrixXd& columns,
-                   Eigen::MatrixXd& derivatives) const;
   void AppendDisturbances(int segment, Eigen::MatrixXd& columns) const;
   // In place of the derivative by each free dead time L, the secant over L ±
   // steps (of every element; 0: unchanged).

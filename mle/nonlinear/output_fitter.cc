@@ -125,21 +125,32 @@ double Fitter::SolveExactly(OutputPoint& point, const NoiseShape& shape,
   return cost;
 }
 
+QuadraticModel Fitter::ModelAt(const OutputPoint& point,
+                               const NoiseShape& shape,
+                               const std::vector<bool>& by) const {
+  std::vector<double> x;
+  for (int j = 0; j < problem_.num_elements(); ++j) {
+    if (!problem_.elements()[j].has_value() || !by[j]) continue;
+    const ElementValues& v = point.values[j];
+    x.insert(x.end(), {v.gain, std::log(v.time_scale), v.delay});
+  }
+  const Eigen::Map<const Eigen::VectorXd> values(
+      x.data(), static_cast<Eigen::Index>(x.size()));
+  return MakeOutputModel(problem_, point, by, shape,
+                         /*fixed_cells=*/true)(values);
+}
+
 std::vector<bool> Fitter::AtEnds(const OutputPoint& point,
                                  const NoiseShape& shape) const {
   std::vector<bool> ends(free_.size(), false);
-  for (int j = 0; j < problem_.num_elements(); ++j) {
-    ends[j] = free_[j] && EndOf(point, j) != 0;
-  }
+  for (const int j : Moved()) ends[j] = EndOf(point, j) != 0;
   if (std::find(ends.begin(), ends.end(), true) == ends.end()) return ends;
-  const WhitenedColumns whitened =
-      problem_.Whiten(problem_.Linearise(point, shape, ends), shape);
+  const QuadraticModel model = ModelAt(point, shape, ends);
   Eigen::Index by_delay = 2;
-  for (int j = 0; j < problem_.num_elements(); ++j) {
+  for (std::size_t j = 0; j < ends.size(); ++j) {
     if (!ends[j]) continue;
-    const double slope =
-        whitened.jacobian.col(by_delay).dot(whitened.residuals);
-    ends[j] = EndOf(point, j) * slope <= 0.0;
+    ends[j] =
+        EndOf(point, static_cast<int>(j)) * model.gradient(by_delay) <= 0.0;
     by_delay += 3;
   }
   return ends;
@@ -294,8 +305,7 @@ void Fitter::SetBounds(const Box& box, double* block, ceres::Problem& problem) {
 bool Fitter::MoveCells(OutputPoint& point, const NoiseShape& shape) const {
   std::vector<bool> at_end(free_.size(), false);
   OutputPoint beyond = point;
-  for (int j = 0; j < problem_.num_elements(); ++j) {
-    if (!free_[j]) continue;
+  for (const int j : Moved()) {
     const int direction = EndOf(point, j);
     const bool has_next = direction < 0
                               ? point.cells[j] > 0
@@ -309,16 +319,14 @@ bool Fitter::MoveCells(OutputPoint& point, const NoiseShape& shape) const {
     return false;
   }
   // Responses are the same on both sides of an end: so are the residuals, and
-  // one linearisation serves all elements.
-  const WhitenedColumns whitened =
-      problem_.Whiten(problem_.Linearise(beyond, shape, at_end), shape);
+  // one model serves all elements.
+  const QuadraticModel model = ModelAt(beyond, shape, at_end);
   bool moved = false;
   Eigen::Index by_delay = 2;
   for (int j = 0; j < problem_.num_elements(); ++j) {
     if (!at_end[j]) continue;
     const int direction = beyond.cells[j] - point.cells[j];
-    const double slope =
-        whitened.jacobian.col(by_delay).dot(whitened.residuals);
+    const double slope = model.gradient(by_delay);
     by_delay += 3;
     if (!(slope * direction < 0.0)) continue;
     point.cells[j] = beyond.cells[j];

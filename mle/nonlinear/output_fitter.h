@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "mle/nonlinear/box_least_squares.h"
 #include "mle/nonlinear/delay_search.h"
 #include "mle/nonlinear/output_error_correction.h"
 #include "mle/nonlinear/output_error_problem.h"
@@ -67,6 +68,9 @@ class Fitter {
   // From sample to sample as long as the cost falls; returns it.
   double Move(OutputPoint& point, const NoiseShape& shape, bool exact,
               double cost);
+  // Of the squares at `point`, by K, ln T and L of the elements of `by`.
+  QuadraticModel ModelAt(const OutputPoint& point, const NoiseShape& shape,
+                         const std::vector<bool>& by) const;
   // The dead times at an end of their sample beyond which the cost falls.
   std::vector<bool> AtEnds(const OutputPoint& point,
                            const NoiseShape& shape) const;
