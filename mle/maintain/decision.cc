@@ -97,6 +97,15 @@ Message Unexplained(const OutputEvidence& output) {
                    "set-point changes would settle it."));
 }
 
+Message Unnamed(const OutputEvidence& output) {
+  return Doubt(
+      output, MessageCode::kStructureDoubtful,
+      absl::StrCat("Something has changed in the responses of ", output.name,
+                   ", but the records do not tell which element: its inputs "
+                   "move together. Set-point changes that move the inputs one "
+                   "by one would settle it."));
+}
+
 struct OutputVerdict {
   Acceptance acceptance = Acceptance::kNothing;
   std::optional<Message> reason;
@@ -217,7 +226,8 @@ OutputVerdict DecideOutput(const OutputEvidence& output,
     return doubt(std::move(clock));
   }
   if (!output.proposed) {
-    return output.unexplained ? doubt(Unexplained(output)) : OutputVerdict();
+    if (output.unexplained) return doubt(Unexplained(output));
+    return output.unnamed ? doubt(Unnamed(output)) : OutputVerdict();
   }
   if (!output.scores.has_value()) {
     return {

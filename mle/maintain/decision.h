@@ -4,6 +4,7 @@
 //   evidence about an output                            what is taken of it
 //   nothing proposed                                    kNothing
 //   nothing proposed, but inputs explain residuals      kNothing, doubtful
+//   nothing proposed, and what has changed not named    kNothing, doubtful
 //   an input that moves it sticks (`doubts`)            kNothing
 //   windows want different gains                        kNothing, doubtful
 //   gains follow the level of an input                  kNothing, doubtful
@@ -84,6 +85,8 @@ struct OutputEvidence {
   // Inputs explain a part of the residuals (model_adequacy.h), and nothing was
   // estimated to take it up.
   bool unexplained = false;
+  // Something has changed in it, but no element is named that accounts for it.
+  bool unnamed = false;
   // That the windows want different gains, and what these follow
   // (window_agreement.h); or empty.
   std::string disagreement;

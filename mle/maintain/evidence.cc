@@ -325,6 +325,11 @@ OutputEvidence EvidenceOf(const CorrectionResult& result, int i) {
     }
     evidence.not_linear = NotLinear(result, i);
   }
+  const EstimateFit& fit = result.estimate.fit;
+  evidence.unnamed =
+      fit.change_proposed &&
+      fit.output_error.missing_p_values(i) * result.initial.num_outputs() <
+          result.options.estimation.output_error.false_alarm_probability;
   if (!result.taken_for_clocks.empty()) {
     evidence.shared_delay = result.taken_for_clocks[i];
   }

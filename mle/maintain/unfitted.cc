@@ -48,6 +48,7 @@ OutputErrorCorrection UnfittedStructure(const ProcessModel& initial) {
   none.full.deviances.assign(p, 0.0);
   none.corrected = none.full;
   none.element_p_values.setOnes(p, m);
+  none.missing_p_values.setOnes(p);
   none.aged.setConstant(p, m, false);
   return none;
 }

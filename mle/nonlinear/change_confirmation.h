@@ -16,15 +16,20 @@
 // estimate and at the initial values, and the better one counts; the noise is
 // that of the fit with all elements free.
 //
+// What has changed must account for the records: while the fit with all
+// elements free is better than chance makes it, the element is added that makes
+// the likeliest fit of the three whose gains alone would explain most. Where
+// inputs move together the errors of all elements are large, and Wald's test
+// names none of them although the records rule out the initial model.
+//
 // Of inputs that move together the estimate with all elements free shares what
 // one element did among others, and of elements that leave one by one the wrong
-// ones may stay. So the change of one element j alone, named or not, is a
-// rival: it stands in place of A where
+// ones may stay. So elements that are added and leave in this way from none on,
+// whatever is named, are a rival: a set B stands in place of A where
 //
-//   [S({j}) − S(A)] / r < c (|A| − 1) − 6,   c: the critical value of one,
+//   [S(B) − S(A)] / r < c (|A| − |B|) − 6,   |B| ≤ |A|,
 //
-// 6 being 3 nats. Of the elements those three are tried whose gains alone
-// explain most, which is known without a fit.
+// c the critical value of one, and 6 being 3 nats.
 //
 // Each record has free responses of its own, and as many amplitudes as these
 // are independent: of elements with nearly equal time constants one, where
@@ -55,16 +60,19 @@ struct ConfirmedChanges {
   // when it left, or the last; 0 for others.
   std::vector<double> statistics;
   std::vector<double> p_values;  // the same, 1 for others
+  // Of the fit with all elements free, against that of what has changed.
+  double missing_p_value = 1.0;
   // The best fit of what has changed, by the heaviest assumption.
   OutputPoint point;
-  // Found from the initial values, better than from the estimate by r.
+  // Found from the initial values, better than from the estimate by r, or of
+  // elements that were not named.
   bool restarted = false;
 };
 
-// `named` has at least one element; what has changed may be another one.
-// Likelihood ratios under several assumptions
-// are S = −2 ln Σ w exp(−S_w/2), as in the test of no change. An element has
-// changed where p < `false_alarm`.
+// What has changed may be other elements than those that are `named`, which may
+// be none. Likelihood ratios under several assumptions are S = −2 ln Σ w
+// exp(−S_w/2), as in the test of no change. An element has changed where p <
+// `false_alarm`.
 ConfirmedChanges ConfirmChanges(const OutputSetup& setup,
                                 const std::vector<AssumedFit>& fits,
                                 const std::vector<bool>& named,

@@ -276,7 +276,8 @@ void JudgeElements(const OutputSetup& setup, OutputFit& fit,
     named[j] = correction.change_proposed && selection.changed[g];
     ++g;
   }
-  if (std::find(named.begin(), named.end(), true) == named.end()) return;
+  if (!correction.change_proposed || fit.certificate.num_parameters == 0)
+    return;
   std::vector<AssumedFit> assumed;
   const double weight = setup.problem->is_integrating() ? 1.0 : averaged.weight;
   if (weight > 0.0) assumed.push_back({.weight = weight, .fit = &fit});
@@ -285,6 +286,7 @@ void JudgeElements(const OutputSetup& setup, OutputFit& fit,
   }
   const ConfirmedChanges confirmed =
       ConfirmChanges(setup, assumed, named, false_alarm, options);
+  correction.missing_p_values(i) = confirmed.missing_p_value;
   for (std::size_t j = 0; j < named.size(); ++j) {
     double& p_value = correction.element_p_values(i, j);
     if (named[j]) {
@@ -367,6 +369,7 @@ absl::StatusOr<OutputErrorCorrection> CorrectByOutputError(
   correction.corrected = EmptyFit(initial);
   correction.element_p_values = MatrixXd::Ones(p, m);
   correction.aged.setConstant(p, m, false);
+  correction.missing_p_values = VectorXd::Ones(p);
 
   MLE_ASSIGN_OR_RETURN(std::vector<OutputFit> fits,
                        FitOutputs(setups, options));

@@ -35,13 +35,16 @@ struct Samples {
     }
   }
 
-  Table AsTable() const {
+  // Refers to these samples.
+  Table AsTable() const& {
     return {.name = "table",
             .times = times,
             .columns = {{"level", level.data()},
                         {"level_setpoint", set_point.data()},
                         {"valve", valve.data()}}};
   }
+
+  Table AsTable() && = delete;
 
   std::string AsText() const {
     std::string text = "time,level,level_setpoint,valve\n";
@@ -139,7 +142,8 @@ TEST(TableImport, SaysWhatIsWrongAndWhere) {
   samples.times[3] = kNaN;
   refused(samples, "a time is missing");
   refused(Samples(1), "at least 2");
-  Table table = Samples(3).AsTable();
+  samples = Samples(3);
+  Table table = samples.AsTable();
   table.columns[0] = {.name = "level", .holds = "words"};
   EXPECT_THAT(std::string(ImportTables({table}, Tank(), {}).status().message()),
               HasSubstr("column 'level' holds words"));

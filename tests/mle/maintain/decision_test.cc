@@ -212,6 +212,26 @@ TEST(DecisionTest, ResidualsThatInputsExplainAreNotNoChange) {
   EXPECT_TRUE(Says(Decide(evidence, {}), MessageCode::kStructureDoubtful));
 }
 
+// A change that is proved and that no element accounts for is not a small one.
+TEST(DecisionTest, AChangeThatNoElementAccountsForIsNotNoChange) {
+  Evidence evidence;
+  evidence.change_proved = true;
+  evidence.p_value = 1e-30;
+  evidence.outputs = {OutputEvidence(), OutputEvidence()};
+  EXPECT_EQ(Decide(evidence, {}).decision, Decision::kNoChange);
+  EXPECT_TRUE(Says(Decide(evidence, {}), MessageCode::kChangeTooSmall));
+  evidence.outputs[1].name = "T";
+  evidence.outputs[1].unnamed = true;
+  const Verdict verdict = Decide(evidence, {});
+  EXPECT_EQ(verdict.decision, Decision::kCannotTell);
+  EXPECT_FALSE(Says(verdict, MessageCode::kChangeTooSmall));
+  EXPECT_EQ(verdict.reasons.back().place, "T");
+  // Where something is proposed, its scores decide.
+  evidence.outputs[1] = Output(kGood);
+  evidence.outputs[1].unnamed = true;
+  EXPECT_EQ(Decide(evidence, {}).decision, Decision::kCorrected);
+}
+
 TEST(DecisionTest, OutputsOfAnInputThatSticksAreNotDecided) {
   Evidence evidence = Of({Output(kGood), OutputEvidence()});
   evidence.outputs[0].undecidable = true;

@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 #include <utility>
 #include <vector>
 
+#include "Eigen/Core"
 #include "gtest/gtest.h"
+#include "mle/model/process_simulator.h"
 #include "mle/nonlinear/distributions.h"
 #include "mle/nonlinear/output_error_setup.h"
 #include "mle/nonlinear/output_fit.h"
@@ -41,7 +44,8 @@ FittedSetup FitTo(const ProcessModel& model,
   FittedSetup fitted{*std::move(setups), {}};
   const OutputSetup& setup = fitted.setup();
   fitted.fit =
-      FitOutput(*setup.problem, setup.start, {true, true}, setup.bounds, {});
+      FitOutput(*setup.problem, setup.start,
+                std::vector<bool>(model.num_inputs(), true), setup.bounds, {});
   return fitted;
 }
 
@@ -85,6 +89,89 @@ TEST(ChangeConfirmationTest, TheChangeOfOneElementThatExplainsMoreIsNamed) {
     EXPECT_EQ(changes.point.values[1 - aged].gain,
               fitted.setup().start.values[1 - aged].gain);
   }
+}
+
+// Two changes that nothing names are both found, and account for the records.
+TEST(ChangeConfirmationTest, WhatIsNotNamedIsFound) {
+  const ProcessModel model = TwoElements();
+  ProcessModel plant = model;
+  plant.element(0, 0) = TransferFunction::FirstOrder(2.6, 4.0, 1.0);
+  plant.element(0, 1) = TransferFunction::FirstOrder(-3.6, 6.0, 2.3);
+  const FittedSetup fitted =
+      FitTo(model, MakeRecords(plant, 400, 3, {.variance = 0.01}));
+  const ConfirmedChanges changes = fitted.Confirm({false, false});
+  EXPECT_EQ(changes.changed, (std::vector<bool>{true, true}));
+  EXPECT_TRUE(changes.restarted);
+  EXPECT_NEAR(changes.point.values[0].gain, 2.6, 0.05);
+  EXPECT_NEAR(changes.point.values[1].gain, -3.6, 0.05);
+  EXPECT_GT(changes.missing_p_value, kLevel);
+  EXPECT_EQ(fitted.Confirm({true, false}).changed, changes.changed);
+}
+
+// Where nothing has changed nothing is missing, as often as the level says.
+TEST(ChangeConfirmationTest, OfNoChangeNothingIsMissing) {
+  const ProcessModel model = TwoElements();
+  int found = 0;
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    const FittedSetup fitted =
+        FitTo(model, MakeRecords(model, 400, seed, {.variance = 0.01}));
+    const ConfirmedChanges changes = fitted.Confirm({false, false});
+    for (const bool changed : changes.changed) found += changed ? 1 : 0;
+    EXPECT_GT(changes.missing_p_value, kLevel);
+  }
+  EXPECT_EQ(found, 0);
+}
+
+// Two inputs that are nearly the same: either element explains the records, and
+// the one whose gain need not change its sign and its size is named.
+TEST(ChangeConfirmationTest, ChangesThatArePlausibleAreNamed) {
+  ProcessModel model = MakeModel(1, 2);
+  model.element(0, 0) = TransferFunction::FirstOrder(3.0, 5.0, 1.0);
+  model.element(0, 1) = TransferFunction::FirstOrder(0.2, 5.0, 1.0);
+  ProcessModel plant = model;
+  plant.element(0, 0) = TransferFunction::FirstOrder(2.2, 5.0, 1.0);
+  std::vector<Record> records = MakeRecords(plant, 400, 3, {.variance = 0.01});
+  std::mt19937_64 source(4);
+  std::normal_distribution<double> normal;
+  for (Record& record : records) {
+    record.inputs.row(1) = record.inputs.row(0) + 0.01 * record.inputs.row(1);
+    record.outputs =
+        *SimulateResponse(plant, record.sample_time, record.inputs);
+    for (double& y : record.outputs.reshaped()) y += 0.1 * normal(source);
+  }
+  const FittedSetup fitted = FitTo(model, records);
+  for (const bool wrong : {false, true}) {
+    const ConfirmedChanges changes = fitted.Confirm({false, wrong});
+    EXPECT_EQ(changes.changed, (std::vector<bool>{true, false}));
+    EXPECT_NEAR(changes.point.values[0].gain, 2.2, 0.1);
+  }
+}
+
+// Two that are named share the change of a third, whose input is nearly the sum
+// of theirs: neither may leave, and nothing is missing.
+TEST(ChangeConfirmationTest, OneChangeStandsInPlaceOfTwoThatShareIt) {
+  ProcessModel model = MakeModel(1, 3);
+  for (int j = 0; j < 3; ++j) {
+    model.element(0, j) = TransferFunction::FirstOrder(1.0, 5.0, 1.0);
+  }
+  ProcessModel plant = model;
+  plant.element(0, 2) = TransferFunction::FirstOrder(0.7, 5.0, 1.0);
+  std::mt19937_64 source(4);
+  std::normal_distribution<double> normal;
+  std::vector<Record> records = MakeRecords(plant, 600, 3, {.variance = 0.01});
+  for (Record& record : records) {
+    record.inputs.row(2) = record.inputs.row(0) + record.inputs.row(1) +
+                           0.02 * record.inputs.row(2);
+    record.outputs =
+        *SimulateResponse(plant, record.sample_time, record.inputs);
+    for (double& y : record.outputs.reshaped()) y += 0.1 * normal(source);
+  }
+  const FittedSetup fitted = FitTo(model, records);
+  const ConfirmedChanges changes = fitted.Confirm({true, true, false});
+  EXPECT_EQ(changes.changed, (std::vector<bool>{false, false, true}));
+  EXPECT_TRUE(changes.restarted);
+  EXPECT_NEAR(changes.point.values[2].gain, 0.7, 0.05);
+  EXPECT_EQ(changes.point.values[0].gain, 1.0);
 }
 
 // Of two that have changed none is a rival of both.

@@ -3,11 +3,14 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <random>
 #include <string>
 #include <vector>
 
+#include "Eigen/Core"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "mle/model/process_simulator.h"
 #include "tests/mle/nonlinear/output_error_records.h"
 
 namespace mle {
@@ -187,6 +190,46 @@ TEST(OutputErrorCorrectionTest, OutputsAreSeparate) {
   EXPECT_NEAR(one.full.element(1, 1).delay.value, delay.value,
               0.01 * delay.standard_error);
   EXPECT_EQ(one.aged, correction.aged);
+}
+
+// Six inputs that move in two directions, but for a little of their own: with
+// all elements free none is determined, though the records rule out the model.
+TEST(OutputErrorCorrectionTest, NamesWhatHasChangedWhereInputsMoveTogether) {
+  ProcessModel model = MakeModel(1, 6);
+  for (int j = 0; j < 6; ++j) {
+    model.element(0, j) = TransferFunction::FirstOrder(
+        j % 2 == 0 ? 1.2 - 0.1 * j : -0.3, 4.0 + j, 1.0 + 0.4 * j);
+  }
+  for (const int aged : {0, 2}) {
+    ProcessModel plant = model;
+    const TransferFunction& g = model.element(0, aged);
+    plant.element(0, aged) = TransferFunction::FirstOrder(
+        0.7 * g.StaticGain(), g.TimeConstant(), g.delay());
+    std::vector<Record> records =
+        MakeRecords(plant, 600, 7, {.variance = 0.01});
+    std::mt19937_64 source(2);
+    std::normal_distribution<double> normal;
+    for (Record& record : records) {
+      for (int j = 2; j < 6; ++j) {
+        record.inputs.row(j) =
+            (j % 3 == 0 ? 1.0 : -0.7) * record.inputs.row(0) +
+            (j % 3 == 1 ? 0.8 : 0.4) * record.inputs.row(1) +
+            0.02 * record.inputs.row(j);
+      }
+      record.outputs =
+          *SimulateResponse(plant, record.sample_time, record.inputs);
+      for (double& y : record.outputs.reshaped()) y += 0.1 * normal(source);
+    }
+    const OutputErrorCorrection correction = Correct(model, records);
+    ASSERT_TRUE(correction.change_proposed);
+    for (int j = 0; j < 6; ++j) {
+      EXPECT_EQ(correction.aged(0, j), j == aged) << j;
+    }
+    EXPECT_LT(correction.element_p_values(0, aged), 1e-10);
+    EXPECT_GT(correction.missing_p_values(0), 1e-3);
+    EXPECT_NEAR(correction.corrected.element(0, aged).gain.value,
+                0.7 * g.StaticGain(), 0.02);
+  }
 }
 
 TEST(OutputErrorCorrectionTest, AnInputAtRestInformsAboutNothing) {
