@@ -100,10 +100,11 @@ Message Unexplained(const OutputEvidence& output) {
 Message Unnamed(const OutputEvidence& output) {
   return Doubt(
       output, MessageCode::kStructureDoubtful,
-      absl::StrCat("Something has changed in the responses of ", output.name,
-                   ", but the records do not tell which element: its inputs "
-                   "move together. Set-point changes that move the inputs one "
-                   "by one would settle it."));
+      absl::StrCat("The responses of ", output.name,
+                   " differ from the model, but no element accounts for it by "
+                   "itself: its inputs move together, or it was disturbed. "
+                   "Set-point changes that move the inputs one by one would "
+                   "settle it."));
 }
 
 struct OutputVerdict {

@@ -39,6 +39,7 @@ VectorXd AmplitudeFit::Solve(const VectorXd& residuals) const {
 }
 
 void AmplitudeFit::TakeOut(Eigen::Ref<MatrixXd> columns) const {
+  if (qr_.rank() == 0) return;
   const MatrixXd basis =
       qr_.householderQ() * MatrixXd::Identity(scaled_.rows(), qr_.rank());
   columns.noalias() -= basis * (basis.transpose() * columns);

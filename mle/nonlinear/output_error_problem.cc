@@ -147,6 +147,7 @@ void OutputErrorProblem::FreeResponses(const Segment& segment,
 void OutputErrorProblem::Modes(const Segment& segment, const OutputPoint& point,
                                int j, Eigen::Ref<MatrixXd> columns,
                                Eigen::Ref<MatrixXd> derivatives) const {
+  if (columns.cols() == 0) return;
   MatrixXd modes;
   MatrixXd by_time_scale;
   FreeResponses(segment, point, j, modes, by_time_scale);

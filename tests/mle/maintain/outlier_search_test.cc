@@ -28,6 +28,7 @@ RecordData WithPeaks(const ProcessModel& plant) {
   data.report.sample_time = 1.0;
   for (int w = 0; w < 2; ++w) {
     SetPointWindow& window = data.windows.emplace_back();
+    window.source = w;
     Record& record = window.record;
     record.start_time = 1000.0 * w;
     record.sample_time = 1.0;
@@ -38,6 +39,7 @@ RecordData WithPeaks(const ProcessModel& plant) {
     for (int k = 0; k < kOutlierSamples; ++k) {
       record.outputs(0, k) += kOutlierNoise * std::sin(2.39996 * k * (k + w));
     }
+    data.records.push_back(record);
   }
   return data;
 }
