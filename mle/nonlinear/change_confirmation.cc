@@ -1,7 +1,6 @@
 #include "mle/nonlinear/change_confirmation.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <functional>
@@ -12,6 +11,7 @@
 
 #include "Eigen/Core"
 #include "mle/base/double_limits.h"
+#include "mle/nonlinear/change_prior.h"
 #include "mle/nonlinear/distributions.h"
 #include "mle/nonlinear/output_fitter.h"
 
@@ -22,20 +22,6 @@ namespace {
 // place of those that are named.
 constexpr int kMostTried = 3;
 constexpr double kClearly = 6.0;
-
-// −2 ln of the density of a relative change of a parameter that has changed,
-// over that of none: the slabs of change_prior.h.
-double Improbability(double change) {
-  constexpr std::array<double, 3> kScales = {0.2, 0.6, 2.0};
-  double density = 0.0;
-  double highest = 0.0;
-  for (const double scale : kScales) {
-    const double z = change / scale;
-    density += std::exp(-0.5 * z * z) / scale;
-    highest += 1.0 / scale;
-  }
-  return -2.0 * std::log(std::max(density / highest, 1e-300));
-}
 
 // A minimum of the squares with some elements free.
 struct Minimum {

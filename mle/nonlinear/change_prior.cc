@@ -202,4 +202,15 @@ std::vector<LinearEstimate> IntegrateChanges(const OutputFit& fit,
   return estimates;
 }
 
+double Improbability(double change) {
+  double density = 0.0;
+  double highest = 0.0;
+  for (int s = 1; s < kScales; ++s) {
+    const double z = change / kScale[s];
+    density += kPrior[s] * std::exp(-0.5 * z * z) / kScale[s];
+    highest += kPrior[s] / kScale[s];
+  }
+  return -2.0 * std::log(std::max(density / highest, 1e-300));
+}
+
 }  // namespace mle

@@ -36,6 +36,10 @@ namespace mle {
 std::vector<LinearEstimate> IntegrateChanges(const OutputFit& fit,
                                              const OutputPoint& initial);
 
+// −2 ln of the density of the change d/u of a parameter that has changed, by
+// the three widest σ, over that of none; ≥ 0.
+double Improbability(double change);
+
 }  // namespace mle
 
 #endif  // MLE_NONLINEAR_CHANGE_PRIOR_H_

@@ -16,18 +16,23 @@
 
 namespace mle::testing {
 
+// Without elements; times in minutes.
+inline ProcessModel NumberedChannels(int num_outputs, int num_inputs) {
+  std::vector<InputChannel> inputs;
+  std::vector<OutputChannel> outputs;
+  for (int j = 0; j < num_inputs; ++j) {
+    inputs.push_back({"u" + std::to_string(j), ""});
+  }
+  for (int i = 0; i < num_outputs; ++i) {
+    outputs.push_back({"y" + std::to_string(i), ""});
+  }
+  return ProcessModel("plant", "min", inputs, outputs);
+}
+
 inline ProcessModel LargeModel() {
   constexpr int kOutputs = 15;
   constexpr int kInputs = 40;
-  std::vector<InputChannel> inputs;
-  std::vector<OutputChannel> outputs;
-  for (int j = 0; j < kInputs; ++j) {
-    inputs.push_back({"u" + std::to_string(j), ""});
-  }
-  for (int i = 0; i < kOutputs; ++i) {
-    outputs.push_back({"y" + std::to_string(i), ""});
-  }
-  ProcessModel model("large plant", "min", inputs, outputs);
+  ProcessModel model = NumberedChannels(kOutputs, kInputs);
   for (int e = 0; e < 4 * kOutputs; ++e) {
     const int i = e % kOutputs;
     model.element(i, 11 * e % kInputs) = TransferFunction::FirstOrder(

@@ -243,15 +243,7 @@ WidePlant MakeWidePlant(unsigned seed) {
   constexpr int kInputs = 12;
   constexpr int kDirections = 3;
   constexpr int kSamples = 1500;
-  std::vector<InputChannel> inputs;
-  std::vector<OutputChannel> outputs;
-  for (int j = 0; j < kInputs; ++j) {
-    inputs.push_back({"u" + std::to_string(j), ""});
-  }
-  for (int i = 0; i < kOutputs; ++i) {
-    outputs.push_back({"y" + std::to_string(i), ""});
-  }
-  WidePlant wide = {.model = ProcessModel("wide", "min", inputs, outputs),
+  WidePlant wide = {.model = testing::NumberedChannels(kOutputs, kInputs),
                     .record = {}};
   for (int e = 0; e < 6 * kOutputs; ++e) {
     wide.model.element(e % kOutputs, (5 * e + e / kInputs) % kInputs) =

@@ -49,6 +49,14 @@ FittedSetup FitTo(const ProcessModel& model,
   return fitted;
 }
 
+// Both elements by a gain.
+ProcessModel BothAged() {
+  ProcessModel plant = TwoElements();
+  plant.element(0, 0) = TransferFunction::FirstOrder(2.6, 4.0, 1.0);
+  plant.element(0, 1) = TransferFunction::FirstOrder(-3.6, 6.0, 2.3);
+  return plant;
+}
+
 TEST(ChangeConfirmationTest, NoiseConfirmsNothing) {
   const ProcessModel model = TwoElements();
   int confirmed = 0;
@@ -94,11 +102,8 @@ TEST(ChangeConfirmationTest, TheChangeOfOneElementThatExplainsMoreIsNamed) {
 // Two changes that nothing names are both found, and account for the records.
 TEST(ChangeConfirmationTest, WhatIsNotNamedIsFound) {
   const ProcessModel model = TwoElements();
-  ProcessModel plant = model;
-  plant.element(0, 0) = TransferFunction::FirstOrder(2.6, 4.0, 1.0);
-  plant.element(0, 1) = TransferFunction::FirstOrder(-3.6, 6.0, 2.3);
   const FittedSetup fitted =
-      FitTo(model, MakeRecords(plant, 400, 3, {.variance = 0.01}));
+      FitTo(model, MakeRecords(BothAged(), 400, 3, {.variance = 0.01}));
   const ConfirmedChanges changes = fitted.Confirm({false, false});
   EXPECT_EQ(changes.changed, (std::vector<bool>{true, true}));
   EXPECT_TRUE(changes.restarted);
@@ -177,11 +182,8 @@ TEST(ChangeConfirmationTest, OneChangeStandsInPlaceOfTwoThatShareIt) {
 // Of two that have changed none is a rival of both.
 TEST(ChangeConfirmationTest, TwoChangesHaveNoRival) {
   const ProcessModel model = TwoElements();
-  ProcessModel plant = model;
-  plant.element(0, 0) = TransferFunction::FirstOrder(2.6, 4.0, 1.0);
-  plant.element(0, 1) = TransferFunction::FirstOrder(-3.6, 6.0, 2.3);
   const FittedSetup fitted =
-      FitTo(model, MakeRecords(plant, 400, 3, {.variance = 0.01}));
+      FitTo(model, MakeRecords(BothAged(), 400, 3, {.variance = 0.01}));
   EXPECT_EQ(fitted.Confirm({true, true}).changed,
             (std::vector<bool>{true, true}));
 }
