@@ -54,6 +54,26 @@ TEST(OutputErrorProblemTest, TheTrueParametersLeaveNothing) {
   }
 }
 
+// Where samples are lost the rows of free responses are those of the samples
+// that are left.
+TEST(OutputErrorProblemTest, FreeResponsesGoOnThroughGaps) {
+  const ProcessModel plant = TwoElements();
+  std::vector<Record> records = {MakeRecord(plant, 200, 5, {.variance = 0.01})};
+  const OutputErrorProblem whole = ProblemOf(plant, records);
+  for (const int lost : {60, 61, 62, 90}) {
+    records[0].outputs(0, lost) = std::numeric_limits<double>::quiet_NaN();
+  }
+  const OutputErrorProblem gaps = ProblemOf(plant, records);
+  const NoiseShape shape;
+  const MatrixXd all = whole.Linearise(PointOf(whole), shape, {})[0].amplitudes;
+  const MatrixXd left = gaps.Linearise(PointOf(gaps), shape, {})[0].amplitudes;
+  const std::vector<int>& times = gaps.times(0);
+  ASSERT_EQ(left.rows(), all.rows() - 4);
+  for (Eigen::Index row = 0; row < left.rows(); ++row) {
+    EXPECT_EQ(left.row(row), all.row(times[row] - times.front()));
+  }
+}
+
 // Over a short step the secant is the derivative; over a long one it is the
 // difference of the residuals at its ends.
 TEST(OutputErrorProblemTest, SecantsOfDeadTimes) {
