@@ -179,6 +179,32 @@ TEST(ChangeConfirmationTest, OneChangeStandsInPlaceOfTwoThatShareIt) {
   EXPECT_EQ(changes.point.values[0].gain, 1.0);
 }
 
+// A small change that is named beside a large one stays as soon as it counts,
+// although without it nothing is missing of six elements: one change fewer is
+// no better account.
+TEST(ChangeConfirmationTest, FewerChangesMustNotCostMore) {
+  ProcessModel model = MakeModel(1, 6);
+  for (int j = 0; j < 6; ++j) {
+    model.element(0, j) =
+        TransferFunction::FirstOrder(1.0 + 0.2 * j, 4.0 + j, 1.0 + 0.3 * j);
+  }
+  double p_value = 1.0;
+  for (int step = 1; step < 40 && p_value == 1.0; ++step) {
+    ProcessModel plant = model;
+    plant.element(0, 0) = TransferFunction::FirstOrder(1.4, 4.0, 1.0);
+    plant.element(0, 1) =
+        TransferFunction::FirstOrder(1.2 + 0.002 * step, 5.0, 1.3);
+    const FittedSetup fitted =
+        FitTo(model, MakeRecords(plant, 400, 3, {.variance = 0.01}));
+    const ConfirmedChanges changes =
+        fitted.Confirm({true, true, false, false, false, false});
+    EXPECT_TRUE(changes.changed[0]);
+    if (changes.changed[1]) p_value = changes.p_values[1];
+  }
+  EXPECT_LT(p_value, kLevel);
+  EXPECT_GT(p_value, 0.1 * kLevel);
+}
+
 // Of two that have changed none is a rival of both.
 TEST(ChangeConfirmationTest, TwoChangesHaveNoRival) {
   const ProcessModel model = TwoElements();
