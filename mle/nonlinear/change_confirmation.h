@@ -1,5 +1,6 @@
-// Which of the elements that Wald's test names have changed, by the likelihood
-// of fits in which they have not. Internal to mle/nonlinear.
+// Which elements have changed, from those that Wald's test names, by the
+// likelihood of fits in which they have and have not. Internal to
+// mle/nonlinear.
 //
 // Wald's test measures a change by the curvature at the estimate. Of an element
 // whose lag and dead time the records hardly tell from each other −2 ln L is
@@ -30,6 +31,11 @@
 //   [S(B) − S(A)] / r < c (|A| − |B|) − 6,   |B| ≤ |A|,
 //
 // c the critical value of one, and 6 being 3 nats.
+//
+// Where sets are compared, of those that are added and of rivals, S/r has
+// besides what makes the size of a change improbable (change_prior.h): of
+// changes that explain the records equally the smaller ones are taken. Tests
+// are of S alone.
 //
 // Each record has free responses of its own, and as many amplitudes as these
 // are independent: of elements with nearly equal time constants one, where

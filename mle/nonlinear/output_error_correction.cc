@@ -276,8 +276,8 @@ void JudgeElements(const OutputSetup& setup, OutputFit& fit,
     named[j] = correction.change_proposed && selection.changed[g];
     ++g;
   }
-  if (!correction.change_proposed || fit.certificate.num_parameters == 0)
-    return;
+  if (!correction.change_proposed) return;
+  if (fit.certificate.num_parameters == 0) return;
   std::vector<AssumedFit> assumed;
   const double weight = setup.problem->is_integrating() ? 1.0 : averaged.weight;
   if (weight > 0.0) assumed.push_back({.weight = weight, .fit = &fit});

@@ -253,7 +253,8 @@ struct OutputErrorCorrection {
   double statistic = 0.0;      // of the fit against the initial model
   int degrees_of_freedom = 0;  // of its χ² distribution
   // p × m: of each element against its initial values, by Wald's F test in
-  // `full` or by likelihood where that p is larger; 1 where it is not fitted.
+  // `full`, or by likelihood where that p is larger or the element was found by
+  // it; 1 where it is not fitted.
   Eigen::MatrixXd element_p_values;
   // p: of each output, that the elements that have aged account for its records
   // as well as all that are fitted; 1 where no change is proposed.
