@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "Eigen/Cholesky"
 #include "Eigen/Eigenvalues"
@@ -47,10 +48,73 @@ MatrixXd DynamicMatrix(const MatrixXd& responses, int p,
   return dynamic;
 }
 
-struct Solution {
-  MatrixXd hessian;  // GᵀQG + R
-  MatrixXd gain;     // hessian⁻¹ GᵀQ
-};
+// S_0ᵀ Q_y, …, S_{H_p−1}ᵀ Q_y, side by side.
+MatrixXd Weighted(const MatrixXd& responses, const MatrixXd& output_weight) {
+  const Eigen::Index p = output_weight.rows();
+  MatrixXd weighted(responses.cols(), responses.rows());
+  for (Eigen::Index row = 0; row < responses.rows(); row += p) {
+    weighted.middleCols(row, p).noalias() =
+        responses.middleRows(row, p).transpose() * output_weight;
+  }
+  return weighted;
+}
+
+// Gᵀ Q G of moves at `instants`: of those at t_b ≤ t_c, with d = t_c − t_b,
+// Σ_{k=0}^{H_p−t_c} S_{k+d}ᵀ Q_y S_k, one sum for each d that is read at all
+// its ends.
+MatrixXd Curvature(const MatrixXd& responses, const MatrixXd& weighted, int p,
+                   const std::vector<int>& instants) {
+  const Eigen::Index m = responses.cols();
+  const auto blocks = static_cast<Eigen::Index>(instants.size());
+  struct Block {
+    Eigen::Index b, c;
+    Eigen::Index distance;  // d
+    Eigen::Index terms;
+  };
+  std::vector<Block> order;
+  for (Eigen::Index c = 0; c < blocks; ++c) {
+    for (Eigen::Index b = 0; b <= c; ++b) {
+      order.push_back({b, c, instants[c] - instants[b],
+                       responses.rows() / p - instants[c] + 1});
+    }
+  }
+  std::sort(order.begin(), order.end(), [](const Block& one, const Block& two) {
+    return std::pair(one.distance, one.terms) <
+           std::pair(two.distance, two.terms);
+  });
+  MatrixXd curvature(m * blocks, m * blocks);
+  MatrixXd sum;
+  Eigen::Index summed = 0;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const auto& [b, c, distance, terms] = order[i];
+    if (i == 0 || distance != order[i - 1].distance) {
+      sum = MatrixXd::Zero(m, m);
+      summed = 0;
+    }
+    const Eigen::Index size = p * (terms - summed);
+    sum.noalias() += weighted.middleCols(p * (summed + distance), size) *
+                     responses.middleRows(p * summed, size);
+    summed = terms;
+    curvature.block(m * b, m * c, m, m) = sum;
+    curvature.block(m * c, m * b, m, m) = sum.transpose();
+  }
+  return curvature;
+}
+
+// Of each move the slope at the end of the horizon, p rows.
+MatrixXd EndSlopes(const MatrixXd& responses, int p,
+                   const std::vector<int>& instants) {
+  const Eigen::Index m = responses.cols();
+  const auto blocks = static_cast<Eigen::Index>(instants.size());
+  MatrixXd slopes(p, m * blocks);
+  for (Eigen::Index b = 0; b < blocks; ++b) {
+    const Eigen::Index last = responses.rows() - p * Eigen::Index{instants[b]};
+    slopes.middleCols(m * b, m) = responses.middleRows(last, p);
+    if (last > 0)
+      slopes.middleCols(m * b, m) -= responses.middleRows(last - p, p);
+  }
+  return slopes;
+}
 
 // Q_y of the slope at the end, of the outputs that integrate.
 MatrixXd SlopeWeight(const PredictionModel& model,
@@ -65,29 +129,30 @@ MatrixXd SlopeWeight(const PredictionModel& model,
           integrates.asDiagonal());
 }
 
-// Q is block-diagonal but for the slope at its end, R is block-diagonal.
-absl::StatusOr<Solution> SolveWithoutLimits(const MatrixXd& dynamic,
+struct Solution {
+  MatrixXd hessian;  // H = GᵀQG + R
+  MatrixXd gain;     // rows of H⁻¹ GᵀQ
+};
+
+// Q is block-diagonal but for the slope at its end, R is block-diagonal. The
+// gain has all moves if `all_moves`, else the first alone.
+absl::StatusOr<Solution> SolveWithoutLimits(const MatrixXd& responses,
+                                            const std::vector<int>& instants,
                                             const MatrixXd& output_weight,
                                             const MatrixXd& slope_weight,
-                                            const MatrixXd& move_weight) {
+                                            const MatrixXd& move_weight,
+                                            bool all_moves) {
   const Eigen::Index p = output_weight.rows();
   const Eigen::Index m = move_weight.rows();
-  MatrixXd weighted(dynamic.cols(), dynamic.rows());  // GᵀQ
-  for (Eigen::Index row = 0; row < dynamic.rows(); row += p) {
-    weighted.middleCols(row, p).noalias() =
-        dynamic.middleRows(row, p).transpose() * output_weight;
+  const MatrixXd weighted = Weighted(responses, output_weight);
+  MatrixXd hessian =
+      Curvature(responses, weighted, static_cast<int>(p), instants);
+  const bool ramps = !slope_weight.isZero(0.0);
+  MatrixXd slopes;
+  if (ramps) {
+    slopes = EndSlopes(responses, static_cast<int>(p), instants);
+    hessian += slopes.transpose() * slope_weight * slopes;
   }
-  if (!slope_weight.isZero(0.0)) {
-    MatrixXd slope = dynamic.bottomRows(p);
-    if (dynamic.rows() > p)
-      slope -= dynamic.middleRows(dynamic.rows() - 2 * p, p);
-    const MatrixXd weighted_slope = slope.transpose() * slope_weight;
-    weighted.rightCols(p) += weighted_slope;
-    if (dynamic.rows() > p) {
-      weighted.middleCols(dynamic.rows() - 2 * p, p) -= weighted_slope;
-    }
-  }
-  MatrixXd hessian = weighted * dynamic;
   for (Eigen::Index row = 0; row < hessian.rows(); row += m) {
     hessian.block(row, row, m, m) += move_weight;
   }
@@ -112,9 +177,27 @@ absl::StatusOr<Solution> SolveWithoutLimits(const MatrixXd& dynamic,
         "the weights do not determine the moves: the Hessian of the control "
         "problem is not positive definite; make move_weight positive definite");
   }
-  const MatrixXd solution =
-      Eigen::LLT<MatrixXd>(scaled).solve(scale.asDiagonal() * weighted);
-  return Solution{hessian, scale.asDiagonal() * solution};
+  // Rows of H⁻¹, and their products with GᵀQ, move by move.
+  MatrixXd rows =
+      MatrixXd::Identity(hessian.rows(), all_moves ? hessian.rows() : m);
+  rows = (scale.asDiagonal() *
+          Eigen::LLT<MatrixXd>(scaled).solve(scale.asDiagonal() * rows))
+             .transpose()
+             .eval();
+  MatrixXd gain = MatrixXd::Zero(rows.rows(), responses.rows());
+  for (std::size_t b = 0; b < instants.size(); ++b) {
+    const Eigen::Index first = p * (Eigen::Index{instants[b]} - 1);
+    const Eigen::Index size = responses.rows() - first;
+    gain.rightCols(size).noalias() +=
+        rows.middleCols(m * static_cast<Eigen::Index>(b), m) *
+        weighted.leftCols(size);
+  }
+  if (ramps) {
+    const MatrixXd of_slope = rows * slopes.transpose() * slope_weight;
+    gain.rightCols(p) += of_slope;
+    if (gain.cols() > p) gain.middleCols(gain.cols() - 2 * p, p) -= of_slope;
+  }
+  return Solution{hessian, gain};
 }
 
 VectorXd Pick(const VectorXd& values, const std::vector<int>& channels,
@@ -141,27 +224,27 @@ absl::StatusOr<MovePlanner> MovePlanner::Create(const PredictionModel& model,
   planner.num_inputs_ = static_cast<int>(manipulated.size());
   planner.num_outputs_ = model.num_outputs;
   planner.num_blocks_ = static_cast<int>(instants.size());
-  const MatrixXd dynamic = DynamicMatrix(
-      ManipulatedResponses(model, manipulated, options.prediction_horizon),
-      model.num_outputs, instants);
+  const MatrixXd responses =
+      ManipulatedResponses(model, manipulated, options.prediction_horizon);
+  const bool limited = planner.SetLimits(manipulated, options.limits);
   MLE_ASSIGN_OR_RETURN(
       Solution solution,
-      SolveWithoutLimits(dynamic, options.output_weight,
+      SolveWithoutLimits(responses, instants, options.output_weight,
                          SlopeWeight(model, manipulated, options),
-                         options.move_weight(manipulated, manipulated)));
+                         options.move_weight(manipulated, manipulated),
+                         /*all_moves=*/limited));
   planner.gain_ = solution.gain.topRows(planner.num_inputs_);
-  planner.moves_ = VectorXd::Zero(dynamic.cols());
+  planner.moves_ = VectorXd::Zero(solution.hessian.rows());
   planner.planned_ = MatrixXd::Zero(planner.num_inputs_, planner.num_blocks_);
-  MLE_RETURN_IF_ERROR(planner.AddLimits(dynamic, solution.hessian, manipulated,
-                                        options.limits));
-  if (planner.has_limits()) planner.full_gain_ = std::move(solution.gain);
+  if (!limited) return planner;
+  MLE_RETURN_IF_ERROR(planner.AddLimits(
+      DynamicMatrix(responses, model.num_outputs, instants), solution.hessian));
+  planner.full_gain_ = std::move(solution.gain);
   return planner;
 }
 
-absl::Status MovePlanner::AddLimits(const MatrixXd& dynamic,
-                                    const MatrixXd& hessian,
-                                    const std::vector<int>& manipulated,
-                                    const MpcLimits& limits) {
+bool MovePlanner::SetLimits(const std::vector<int>& manipulated,
+                            const MpcLimits& limits) {
   const std::vector<int> outputs = FirstIntegers(num_outputs_);
   min_input_ = Pick(limits.min_input, manipulated, -kInfinity);
   max_input_ = Pick(limits.max_input, manipulated, kInfinity);
@@ -169,7 +252,15 @@ absl::Status MovePlanner::AddLimits(const MatrixXd& dynamic,
   min_output_ = Pick(limits.min_output, outputs, -kInfinity);
   max_output_ = Pick(limits.max_output, outputs, kInfinity);
   output_limit_cost_ = Pick(limits.output_limit_cost, outputs, 0.0);
+  return min_input_.array().isFinite().any() ||
+         max_input_.array().isFinite().any() ||
+         max_move_.array().isFinite().any() ||
+         min_output_.array().isFinite().any() ||
+         max_output_.array().isFinite().any();
+}
 
+absl::Status MovePlanner::AddLimits(const MatrixXd& dynamic,
+                                    const MatrixXd& hessian) {
   const int m = num_inputs_;
   for (int b = 0; b < num_blocks_; ++b) {
     for (int j = 0; j < m; ++j) {

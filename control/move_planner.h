@@ -7,7 +7,8 @@
 // where e_i is the error at instant l+i without moves and Δu_b (m_c) the b-th
 // move, acting from l + t_b on. Without limits the first move is a matrix times
 // the errors; with limits a QuadraticProgram in all moves is solved, where that
-// answer breaks a limit.
+// answer breaks a limit. Setting up takes O(H_c p m_c² H_p) operations without
+// limits and the same once more for each move with them.
 //
 // Beyond the horizon an integrating output goes on with the slope that it has
 // at its end, s = ŷ_{l+H_p} − ŷ_{l+H_p−1}: the inputs have to balance it. What
@@ -80,10 +81,10 @@ class MovePlanner {
     int step = 0;     // block b or instant i − 1
   };
 
+  // Whether there is any.
+  bool SetLimits(const std::vector<int>& manipulated, const MpcLimits& limits);
   absl::Status AddLimits(const Eigen::MatrixXd& dynamic,
-                         const Eigen::MatrixXd& hessian,
-                         const std::vector<int>& manipulated,
-                         const MpcLimits& limits);
+                         const Eigen::MatrixXd& hessian);
   void SetBounds(const Eigen::Ref<const Eigen::VectorXd>& free_outputs,
                  const Eigen::Ref<const Eigen::VectorXd>& inputs);
   void CutToLimits(const Eigen::Ref<const Eigen::VectorXd>& moves,

@@ -153,6 +153,7 @@ absl::Status CompleteForModel(Request& request, OptionTable& table) {
   EstimationOptions& estimation = request.options.estimation;
   estimation.calibration.seed = estimation.conversion.seed;
   request.options.threads = UsableThreads(request.options.threads);
+  request.options.records.examination.threads = request.options.threads;
   control::MpcOptions controller = request.controller;
   if (!request.controller_known()) controller.control_period = 1.0;
   return CheckController(controller, request.model);

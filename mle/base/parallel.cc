@@ -1,5 +1,7 @@
 #include "mle/base/parallel.h"
 
+#include <utility>
+
 #include "oneapi/tbb/parallel_for.h"
 #include "oneapi/tbb/partitioner.h"
 #include "oneapi/tbb/task_arena.h"
@@ -21,6 +23,9 @@ void TellRelease(char& /*point*/) {}
 void TellAcquire(char& /*point*/) {}
 #endif
 
+// Whether this thread is within a body.
+thread_local bool within = false;
+
 }  // namespace
 
 void ParallelFor(int count, int threads, const std::function<void(int)>& body) {
@@ -31,13 +36,25 @@ void ParallelFor(int count, int threads, const std::function<void(int)>& body) {
   // Reading what it captures comes before it can tell.
   const auto ordered = [&](int i) __attribute__((no_sanitize("thread"))) {
     TellAcquire(begin);
+    const bool was_within = std::exchange(within, true);
     body(i);
+    within = was_within;
     TellRelease(end);
   };
-  tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
+  const auto run = [&] {
+    tbb::parallel_for(0, count, ordered, tbb::simple_partitioner());
+  };
   TellRelease(begin);
-  arena.execute(
-      [&] { tbb::parallel_for(0, count, ordered, tbb::simple_partitioner()); });
+  if (within && threads == 1) {
+    for (int i = 0; i < count; ++i) ordered(i);
+  } else if (within) {
+    // Who waits for these pieces takes no others meanwhile, which would lie
+    // upon them on its stack.
+    tbb::this_task_arena::isolate(run);
+  } else {
+    tbb::task_arena(threads > 0 ? threads : tbb::task_arena::automatic)
+        .execute(run);
+  }
   TellAcquire(end);
 }
 

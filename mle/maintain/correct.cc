@@ -198,10 +198,10 @@ absl::Status ExamineInitial(const std::vector<Record>& windows, int order,
   const Stage stage(result.options.progress, "examining the residuals");
   MLE_RETURN_IF_ERROR(stage.status());
   result.max_lag = order;
-  result.initial_residuals =
-      ExamineResiduals(result.options.in_use ? result.options.in_use
-                                             : result.estimate.fit.initial,
-                       JoinAdjoining(windows).records, order);
+  result.initial_residuals = ExamineResiduals(
+      result.options.in_use ? result.options.in_use
+                            : result.estimate.fit.initial,
+      JoinAdjoining(windows).records, order, result.options.threads);
   return absl::OkStatus();
 }
 
@@ -210,10 +210,10 @@ absl::Status ExamineWindows(const std::vector<Record>& windows, int order,
   CheckCertificates(result);
   if (!result.options.examine) return absl::OkStatus();
   result.corrected_residuals =
-      result.accepted()
-          ? ExamineResiduals(result.estimate.fit.corrected,
-                             JoinAdjoining(windows).records, order)
-          : result.initial_residuals;
+      result.accepted() ? ExamineResiduals(result.estimate.fit.corrected,
+                                           JoinAdjoining(windows).records,
+                                           order, result.options.threads)
+                        : result.initial_residuals;
   return absl::OkStatus();
 }
 
@@ -255,6 +255,12 @@ absl::Status EstimateFromWindows(CorrectionResult& result) {
                           {.output_error = estimation.output_error}));
   }
   return absl::OkStatus();
+}
+
+RecordOptions RecordOptionsOf(const CorrectOptions& options) {
+  RecordOptions records = options.records;
+  records.examination.threads = options.threads;
+  return records;
 }
 
 absl::Status CheckModel(const ProcessModel& model) {
@@ -370,8 +376,9 @@ absl::StatusOr<CorrectionResult> CorrectFromRecords(
     const CorrectOptions& options) {
   MLE_RETURN_IF_ERROR(options.Validate());
   MLE_RETURN_IF_ERROR(CheckModel(model));
-  MLE_ASSIGN_OR_RETURN(RecordData data, PrepareRecords(std::move(records),
-                                                       model, options.records));
+  MLE_ASSIGN_OR_RETURN(
+      RecordData data,
+      PrepareRecords(std::move(records), model, RecordOptionsOf(options)));
   return CorrectFromData(model, std::move(data), options);
 }
 
@@ -383,8 +390,8 @@ absl::StatusOr<CorrectionResult> CorrectFromRecords(
   const ProcessModel& model = file.process;
   MLE_RETURN_IF_ERROR(CheckModel(model));
   MLE_ASSIGN_OR_RETURN(RecordData data,
-                       LoadRecords(record_paths, model, import, options.records,
-                                   options.progress));
+                       LoadRecords(record_paths, model, import,
+                                   RecordOptionsOf(options), options.progress));
   return CorrectFromData(model, std::move(data), options);
 }
 

@@ -296,7 +296,7 @@ void Examiner::FindSetPoints() {
 
 absl::Status Examiner::FindMistakes() {
   MLE_ASSIGN_OR_RETURN(const std::optional<OperatorMistake> mistake,
-                       FindOperatorMistake(model_, records_));
+                       FindOperatorMistake(model_, records_, options_.threads));
   if (mistake.has_value()) {
     Add(MessageCode::kMistake, "", Consequence::kBlocks, mistake->factor,
         mistake->Describe(model_));
@@ -304,7 +304,7 @@ absl::Status Examiner::FindMistakes() {
   }
   FindSetPoints();
   MLE_ASSIGN_OR_RETURN(const std::vector<TagClock> clocks,
-                       FindTagClocks(model_, records_));
+                       FindTagClocks(model_, records_, options_.threads));
   for (const TagClock& clock : clocks) {
     const bool correct = options_.correct_clocks && options_.repair;
     Add(MessageCode::kClock,
@@ -337,8 +337,9 @@ absl::Status Examiner::FindSticking() {
       }
     }
   }
-  MLE_ASSIGN_OR_RETURN(const std::vector<StickingInput> all,
-                       FindStickingInputs(model_, records_, usable));
+  MLE_ASSIGN_OR_RETURN(
+      const std::vector<StickingInput> all,
+      FindStickingInputs(model_, records_, usable, options_.threads));
   for (const StickingInput& sticking : all) {
     const bool correct = options_.correct_play && options_.repair;
     Finding& finding = Add(

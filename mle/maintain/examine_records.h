@@ -67,6 +67,9 @@ struct ExamineOptions {
   // (sticking_inputs.h). If not, outputs that they move are not decided.
   bool correct_play = true;
 
+  // At least 0; 0 takes one for each processor. Findings do not depend on it.
+  int threads = 0;
+
   absl::Status Validate() const;
 };
 

@@ -236,7 +236,6 @@ FoldResult HoldOut(const Estimate& estimate, const std::vector<Record>& windows,
                    const std::array<int, 3>& horizons) {
   FoldResult result;
   EstimationOptions options = estimate.setting.options;
-  options.output_error.threads = 1;  // folds run side by side
   // Whether a change is proposed at all, and of which outputs, is decided, by
   // all the data: a fold may be too short to find it again. What has changed,
   // and how, is its own.

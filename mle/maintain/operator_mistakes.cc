@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "Eigen/Core"
@@ -11,6 +13,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
+#include "mle/base/parallel.h"
 #include "mle/base/status.h"
 #include "mle/maintain/common_factor.h"
 #include "mle/maintain/element_responses.h"
@@ -48,6 +51,12 @@ struct HypotheticalRow {
   Series without;    // the same, the channels concerned having no effect
 };
 
+// What is judged, and how the rows that it changes are made when it is.
+struct Candidate {
+  Hypothesis hypothesis;
+  std::function<absl::StatusOr<std::vector<HypotheticalRow>>()> rows;
+};
+
 // The model as it is, at one length of blocks.
 struct AsRecorded {
   int block = 1;
@@ -58,8 +67,9 @@ struct AsRecorded {
 
 class MistakeSearch {
  public:
-  MistakeSearch(const ProcessModel& model, const std::vector<Record>& parts)
-      : model_(model), parts_(parts) {}
+  MistakeSearch(const ProcessModel& model, const std::vector<Record>& parts,
+                int threads)
+      : model_(model), parts_(parts), threads_(threads) {}
 
   absl::StatusOr<std::optional<OperatorMistake>> Run();
 
@@ -78,25 +88,30 @@ class MistakeSearch {
       const OperatorMistake& exchange,
       const std::vector<HypotheticalRow>& rows) const;
   void FitAsRecorded();
-  absl::Status JudgeExchanges();
+  void AddExchanges(bool outputs);
   // Of rows (outputs) or columns (inputs) with a common factor.
   void AddFactors(bool outputs);
-  absl::Status JudgeTimeUnits();
+  void AddTimeUnits();
   absl::StatusOr<std::vector<HypotheticalRow>> InputsExchanged(int a,
                                                                int b) const;
   std::vector<HypotheticalRow> OutputsExchanged(int a, int b) const;
   std::vector<HypotheticalRow> Multiplied(const OperatorMistake& mistake) const;
-  // `rows`: those that it changes.
-  absl::Status Judge(const Hypothesis& hypothesis,
-                     const std::vector<HypotheticalRow>& rows);
+  std::vector<HypotheticalRow> WithTimes(double scale) const;
+  // By how many nats the hypothesis explains its rows better than the model as
+  // it is, the least of all lengths of blocks; nothing if it is not proved.
+  std::optional<double> Judge(const Hypothesis& hypothesis,
+                              const std::vector<HypotheticalRow>& rows) const;
+  // The best of the candidates; of equals the first.
+  absl::Status JudgeAll();
 
   const ProcessModel& model_;
   const std::vector<Record>& parts_;
+  const int threads_;
   std::vector<int> moving_;  // outputs that are not constant
   std::optional<ElementResponses> responses_;
   std::vector<Series> sums_;  // p: what all elements make of the inputs
   std::vector<AsRecorded> as_recorded_;  // the longest blocks first
-  std::vector<Hypothesis> factors_;
+  std::vector<Candidate> candidates_;
   std::optional<OperatorMistake> best_;
 };
 
@@ -157,14 +172,17 @@ void MistakeSearch::FitAsRecorded() {
     fit.gains.values = Eigen::MatrixXd::Ones(p(), m());
     fit.gains.errors = Eigen::MatrixXd::Constant(
         p(), m(), std::numeric_limits<double>::infinity());
-    for (const int i : moving_) {
+    Eigen::VectorXd free_gains = fit.fixed;
+    ParallelFor(static_cast<int>(moving_.size()), threads_, [&](int n) {
+      const int i = moving_[n];
       fit.fixed(i) = LogLikelihood(i, i, sums_[i], block);
       const WhitenedFit free = FitWhitenedGains(BlockMeans(rows[i], block),
                                                 Eigen::VectorXd::Ones(m()));
-      fit.free_gains += free.log_likelihood - fit.fixed(i);
+      free_gains(i) = free.log_likelihood - fit.fixed(i);
       fit.gains.values.row(i) = free.gains.transpose();
       fit.gains.errors.row(i) = free.errors.transpose();
-    }
+    });
+    fit.free_gains = free_gains.sum();
   }
 }
 
@@ -224,29 +242,25 @@ std::vector<HypotheticalRow> MistakeSearch::Multiplied(
   return rows;
 }
 
-absl::Status MistakeSearch::JudgeExchanges() {
-  for (const bool outputs : {false, true}) {
-    const int channels = outputs ? p() : m();
-    for (int a = 0; a < channels; ++a) {
-      for (int b = a + 1; b < channels; ++b) {
-        std::vector<HypotheticalRow> rows;
-        if (outputs) {
-          rows = OutputsExchanged(a, b);
-        } else {
-          MLE_ASSIGN_OR_RETURN(rows, InputsExchanged(a, b));
-        }
-        MLE_RETURN_IF_ERROR(Judge({.mistake = {.kind = Kind::kExchanged,
-                                               .outputs = outputs,
-                                               .channels = {a, b}}},
-                                  rows));
-      }
+void MistakeSearch::AddExchanges(bool outputs) {
+  const int channels = outputs ? p() : m();
+  for (int a = 0; a < channels; ++a) {
+    for (int b = a + 1; b < channels; ++b) {
+      candidates_.push_back(
+          {{.mistake = {.kind = Kind::kExchanged,
+                        .outputs = outputs,
+                        .channels = {a, b}}},
+           [=, this]() -> absl::StatusOr<std::vector<HypotheticalRow>> {
+             if (outputs) return OutputsExchanged(a, b);
+             return InputsExchanged(a, b);
+           }});
     }
   }
-  return absl::OkStatus();
 }
 
 void MistakeSearch::AddFactors(bool outputs) {
   const int channels = outputs ? p() : m();
+  std::vector<Hypothesis> factors;
   std::vector<GainEstimates> estimates;
   // Short blocks first.
   for (auto fit = as_recorded_.rbegin(); fit != as_recorded_.rend(); ++fit) {
@@ -264,18 +278,30 @@ void MistakeSearch::AddFactors(bool outputs) {
                     .ambiguous = common->elements == 1},
         .complete = common->must_be_complete};
     // The same mistake in several channels is one.
-    for (std::size_t h = 0; h < factors_.size(); ++h) {
-      const OperatorMistake& other = factors_[h].mistake;
-      if (other.kind != alone.mistake.kind || other.outputs != outputs ||
+    for (std::size_t h = 0; h < factors.size(); ++h) {
+      const OperatorMistake& other = factors[h].mistake;
+      if (other.kind != alone.mistake.kind ||
           std::abs(other.factor / alone.mistake.factor - 1.0) > kSameFactor) {
         continue;
       }
-      Hypothesis together = factors_[h];
+      Hypothesis together = factors[h];
       together.mistake.channels.push_back(c);
-      factors_.push_back(std::move(together));
+      factors.push_back(std::move(together));
       break;
     }
-    factors_.push_back(alone);
+    factors.push_back(alone);
+  }
+  for (const Hypothesis& factor : factors) {
+    candidates_.push_back(
+        {factor, [=, this] { return Multiplied(factor.mistake); }});
+  }
+}
+
+void MistakeSearch::AddTimeUnits() {
+  for (const double scale : kTimeUnits) {
+    candidates_.push_back(
+        {{.mistake = {.kind = Kind::kTimeUnit, .factor = scale}},
+         [=, this] { return WithTimes(scale); }});
   }
 }
 
@@ -304,8 +330,9 @@ absl::StatusOr<bool> MistakeSearch::BeatsAgeing(
   return proved;
 }
 
-absl::Status MistakeSearch::Judge(const Hypothesis& hypothesis,
-                                  const std::vector<HypotheticalRow>& rows) {
+std::optional<double> MistakeSearch::Judge(
+    const Hypothesis& hypothesis,
+    const std::vector<HypotheticalRow>& rows) const {
   const bool other_times = hypothesis.mistake.kind == Kind::kTimeUnit;
   bool proved = false;
   double least = std::numeric_limits<double>::infinity();
@@ -318,10 +345,10 @@ absl::Status MistakeSearch::Judge(const Hypothesis& hypothesis,
           fit.fixed(row.output);
     }
     least = std::min(least, better);
-    if (!(least > 0.0)) return absl::OkStatus();
+    if (!(least > 0.0)) return std::nullopt;
     if (hypothesis.complete && fit.block == 1 &&
         better < fit.free_gains - kCompleteNats) {
-      return absl::OkStatus();
+      return std::nullopt;
     }
     double without = 0.0;
     for (const HypotheticalRow& row : rows) {
@@ -331,34 +358,47 @@ absl::Status MistakeSearch::Judge(const Hypothesis& hypothesis,
     const double rival = std::max(other_times ? fit.free_gains : 0.0, without);
     proved = proved || better > rival + kLeastMistakeNats;
   }
-  if (!proved || (best_.has_value() && best_->log_likelihood >= least)) {
-    return absl::OkStatus();
+  if (!proved) return std::nullopt;
+  return least;
+}
+
+absl::Status MistakeSearch::JudgeAll() {
+  std::vector<absl::StatusOr<std::optional<double>>> nats(candidates_.size());
+  ParallelFor(static_cast<int>(candidates_.size()), threads_, [&](int c) {
+    const auto rows = candidates_[c].rows();
+    nats[c] = rows.ok() ? Judge(candidates_[c].hypothesis, *rows)
+                        : absl::StatusOr<std::optional<double>>(rows.status());
+  });
+  for (std::size_t c = 0; c < candidates_.size(); ++c) {
+    const OperatorMistake& mistake = candidates_[c].hypothesis.mistake;
+    MLE_ASSIGN_OR_RETURN(const std::optional<double> better, nats[c]);
+    if (!better.has_value() ||
+        (best_.has_value() && best_->log_likelihood >= *better)) {
+      continue;
+    }
+    if (mistake.kind == Kind::kExchanged) {
+      MLE_ASSIGN_OR_RETURN(const std::vector<HypotheticalRow> rows,
+                           candidates_[c].rows());
+      MLE_ASSIGN_OR_RETURN(const bool beats, BeatsAgeing(mistake, rows));
+      if (!beats) continue;
+    }
+    best_ = mistake;
+    best_->log_likelihood = *better;
   }
-  if (hypothesis.mistake.kind == Kind::kExchanged) {
-    MLE_ASSIGN_OR_RETURN(const bool beats,
-                         BeatsAgeing(hypothesis.mistake, rows));
-    if (!beats) return absl::OkStatus();
-  }
-  best_ = hypothesis.mistake;
-  best_->log_likelihood = least;
   return absl::OkStatus();
 }
 
-absl::Status MistakeSearch::JudgeTimeUnits() {
-  for (const double scale : kTimeUnits) {
-    const absl::StatusOr<ElementResponses> responses =
-        ElementResponses::Create(model_, parts_, scale);
-    // Dead times of too many samples, say: then it is not this unit.
-    if (!responses.ok()) continue;
-    std::vector<Series> sums = SumsOf(*responses, parts_, p(), m());
-    std::vector<HypotheticalRow> rows;
-    for (const int i : moving_) {
-      rows.push_back({i, i, std::move(sums[i]), Times(0.0, sums_[i])});
-    }
-    MLE_RETURN_IF_ERROR(
-        Judge({.mistake = {.kind = Kind::kTimeUnit, .factor = scale}}, rows));
+std::vector<HypotheticalRow> MistakeSearch::WithTimes(double scale) const {
+  std::vector<HypotheticalRow> rows;
+  const absl::StatusOr<ElementResponses> responses =
+      ElementResponses::Create(model_, parts_, scale);
+  // Dead times of too many samples, say: then it is not this unit.
+  if (!responses.ok()) return rows;
+  std::vector<Series> sums = SumsOf(*responses, parts_, p(), m());
+  for (const int i : moving_) {
+    rows.push_back({i, i, std::move(sums[i]), Times(0.0, sums_[i])});
   }
-  return absl::OkStatus();
+  return rows;
 }
 
 absl::StatusOr<std::optional<OperatorMistake>> MistakeSearch::Run() {
@@ -373,12 +413,10 @@ absl::StatusOr<std::optional<OperatorMistake>> MistakeSearch::Run() {
   MLE_ASSIGN_OR_RETURN(responses_, ElementResponses::Create(model_, parts_));
   sums_ = SumsOf(*responses_, parts_, p(), m());
   FitAsRecorded();
-  MLE_RETURN_IF_ERROR(JudgeExchanges());
+  for (const bool outputs : {false, true}) AddExchanges(outputs);
   for (const bool outputs : {false, true}) AddFactors(outputs);
-  for (const Hypothesis& factor : factors_) {
-    MLE_RETURN_IF_ERROR(Judge(factor, Multiplied(factor.mistake)));
-  }
-  MLE_RETURN_IF_ERROR(JudgeTimeUnits());
+  AddTimeUnits();
+  MLE_RETURN_IF_ERROR(JudgeAll());
   return best_;
 }
 
@@ -431,13 +469,14 @@ std::string OperatorMistake::Describe(const ProcessModel& model) const {
 }
 
 absl::StatusOr<std::optional<OperatorMistake>> FindOperatorMistake(
-    const ProcessModel& model, const std::vector<Record>& records) {
+    const ProcessModel& model, const std::vector<Record>& records,
+    int threads) {
   const std::vector<Record> parts = AroundSetPointChanges(
       records, kMostResponses / model.num_inputs() / NumElements(model));
   double samples = 0.0;
   for (const Record& part : parts) samples += part.samples();
   if (samples < kLeastBlocks) return std::optional<OperatorMistake>();
-  return MistakeSearch(model, parts).Run();
+  return MistakeSearch(model, parts, threads).Run();
 }
 
 }  // namespace mle

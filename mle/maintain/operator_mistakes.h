@@ -57,7 +57,8 @@ struct OperatorMistake {
 // at most 10⁹: of so many samples responses are simulated, each of two
 // exchanged inputs by the other. Errors as of SimulateResponse().
 absl::StatusOr<std::optional<OperatorMistake>> FindOperatorMistake(
-    const ProcessModel& model, const std::vector<Record>& records);
+    const ProcessModel& model, const std::vector<Record>& records,
+    int threads = 1);
 
 }  // namespace mle
 

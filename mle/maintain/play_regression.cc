@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "Eigen/QR"
+#include "mle/base/parallel.h"
 #include "mle/base/status.h"
 #include "mle/model/process_simulator.h"
 
@@ -156,12 +157,13 @@ Eigen::RowVectorXd PassThroughPlay(const Eigen::RowVectorXd& input,
 
 absl::StatusOr<PlayRegression> PlayRegression::Create(
     const ProcessModel& model, const std::vector<Record>& parts,
-    const std::vector<Eigen::MatrixXd>& bad) {
+    const std::vector<Eigen::MatrixXd>& bad, int threads) {
   const int p = model.num_outputs();
   const int m = model.num_inputs();
   PlayRegression regression;
   regression.parts_ = &parts;
   regression.bad_ = &bad;
+  regression.threads_ = threads;
   regression.model_ = model;
   regression.ranges_.resize(m);
   for (int j = 0; j < m; ++j) {
@@ -335,12 +337,18 @@ absl::Status PlayRegression::SetWidths(const Eigen::VectorXd& widths) {
   for (int i = 0; i < model_.num_outputs(); ++i) {
     if (outputs_[i].fits == 0 || IsMoved(i, widths)) moved.push_back(i);
   }
-  for (int j = 0; j < model_.num_inputs(); ++j) {
-    if (widths(j) == widths_(j)) continue;
-    MLE_ASSIGN_OR_RETURN(responses_[j], RespondTo(j, widths(j)));
-  }
+  std::vector<absl::Status> simulated(model_.num_inputs());
+  ParallelFor(model_.num_inputs(), threads_, [&](int j) {
+    if (widths(j) == widths_(j)) return;
+    absl::StatusOr<std::shared_ptr<const Responses>> responses =
+        RespondTo(j, widths(j));
+    simulated[j] = responses.status();
+    if (responses.ok()) responses_[j] = *std::move(responses);
+  });
+  for (const absl::Status& status : simulated) MLE_RETURN_IF_ERROR(status);
   widths_ = widths;
-  for (const int i : moved) Fit(i, outputs_[i]);
+  ParallelFor(static_cast<int>(moved.size()), threads_,
+              [&](int n) { Fit(moved[n], outputs_[moved[n]]); });
   return absl::OkStatus();
 }
 
@@ -406,6 +414,17 @@ absl::StatusOr<PlayScore> PlayRegression::Score(int input) {
     }
   }
   return best;
+}
+
+absl::StatusOr<std::vector<PlayScore>> PlayRegression::Scores() {
+  const int m = model_.num_inputs();
+  std::vector<absl::StatusOr<PlayScore>> scored(m);
+  ParallelFor(m, threads_, [&](int j) { scored[j] = Score(j); });
+  std::vector<PlayScore> scores;
+  for (absl::StatusOr<PlayScore>& score : scored) {
+    MLE_ASSIGN_OR_RETURN(scores.emplace_back(), std::move(score));
+  }
+  return scores;
 }
 
 absl::StatusOr<double> PlayRegression::LogLikelihood(

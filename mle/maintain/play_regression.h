@@ -55,10 +55,11 @@ class PlayRegression {
  public:
   // `parts` without gaps, must outlive this; `bad` of each part p × N, other
   // than zero where an output is not to be used. Errors as of
-  // SimulateResponse().
+  // SimulateResponse(). Outputs and inputs are worked at by `threads` (0: one
+  // for each processor).
   static absl::StatusOr<PlayRegression> Create(
       const ProcessModel& model, const std::vector<Record>& parts,
-      const std::vector<Eigen::MatrixXd>& bad);
+      const std::vector<Eigen::MatrixXd>& bad, int threads = 1);
 
   // Whether any output has samples enough.
   bool empty() const;
@@ -74,6 +75,8 @@ class PlayRegression {
   // responses for each, without another fit; computed anew only of outputs that
   // have been fitted since.
   absl::StatusOr<PlayScore> Score(int input);
+  // Of all inputs (m).
+  absl::StatusOr<std::vector<PlayScore>> Scores();
 
   // −½ Σ_i N_i ln S_i, with S_i the squares left of output i under the present
   // filters after a fit with these widths: to be compared with others under the
@@ -143,6 +146,7 @@ class PlayRegression {
 
   const std::vector<Record>* parts_ = nullptr;
   const std::vector<Eigen::MatrixXd>* bad_ = nullptr;
+  int threads_ = 1;
   ProcessModel model_;
   std::vector<ProcessModel> columns_;  // m: all outputs, one input
   Eigen::VectorXd ranges_;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "Eigen/QR"
+#include "mle/base/parallel.h"
 #include "mle/nonlinear/distributions.h"
 
 namespace mle {
@@ -33,15 +34,22 @@ void CentreWindows(Windows& windows) {
   for (RowVectorXd& window : windows) window.array() -= sum / count;
 }
 
-// Σ_k a_{k+lag} b_k over the samples where both are known.
+// With zeros where it is not known.
+Windows Known(Windows windows) {
+  for (RowVectorXd& window : windows) {
+    window = window.array().isFinite().select(window, 0.0);
+  }
+  return windows;
+}
+
+// Σ_k a_{k+lag} b_k of Known() signals.
 double Product(const Windows& a, const Windows& b, int lag) {
   double sum = 0.0;
   for (std::size_t w = 0; w < a.size(); ++w) {
-    const auto n = static_cast<int>(a[w].size());
-    for (int k = std::max(0, -lag); k < n - std::max(lag, 0); ++k) {
-      const double value = a[w](k + lag) * b[w](k);
-      if (std::isfinite(value)) sum += value;
-    }
+    const Eigen::Index n = a[w].size() - std::abs(lag);
+    if (n <= 0) continue;
+    sum += a[w].segment(std::max(lag, 0), n)
+               .dot(b[w].segment(std::max(-lag, 0), n));
   }
   return sum;
 }
@@ -96,24 +104,28 @@ void TestInput(const Windows& errors, const Windows& input, int max_lag,
   result.p_value = ChiSquareTail(result.statistic, rank);
 }
 
-InputCorrelation Correlate(const Windows& errors, const VectorXd& errors_acf,
-                           Windows input, int samples, int max_lag) {
+// `known` are the Known() errors.
+InputCorrelation Correlate(const Windows& errors, const Windows& known,
+                           const VectorXd& errors_acf, const Windows& recorded,
+                           int samples, int max_lag) {
   InputCorrelation result;
   result.max_lag = max_lag;
   result.values = VectorXd::Zero(2 * max_lag + 1);
+  Windows input = recorded;
   CentreWindows(input);
+  const Windows moves = Known(input);
   const double norm =
-      std::sqrt(Product(errors, errors, 0) * Product(input, input, 0));
+      std::sqrt(Product(known, known, 0) * Product(moves, moves, 0));
   if (!(norm > 0.0)) return result;
   for (int lag = -max_lag; lag <= max_lag; ++lag) {
-    const double value = Product(errors, input, lag) / norm;
+    const double value = Product(known, moves, lag) / norm;
     result.values(lag + max_lag) = value;
     if (lag > 0 && std::abs(value) > result.largest) {
       result.largest = std::abs(value);
       result.largest_lag = lag;
     }
   }
-  const VectorXd input_acf = Autocorrelation(input, max_lag);
+  const VectorXd input_acf = Autocorrelation(moves, max_lag);
   const double spread =
       std::max(1.0 + 2.0 * errors_acf.dot(input_acf), 1.0 / samples);
   result.limit = k99Percent * std::sqrt(spread / samples);
@@ -129,10 +141,11 @@ ResidualReport ExamineOutput(Windows errors, const std::vector<Windows>& inputs,
     report.samples += static_cast<int>(window.array().isFinite().count());
   }
   const double n = report.samples;
-  const VectorXd acf = Autocorrelation(errors, max_lag);
+  const Windows known = Known(errors);
+  const VectorXd acf = Autocorrelation(known, max_lag);
   report.autocorrelation = acf;
   if (report.samples > max_lag + 1) {
-    report.variance = Product(errors, errors, 0) / n;
+    report.variance = Product(known, known, 0) / n;
     report.limit = k99Percent / std::sqrt(n);
     for (int lag = 1; lag <= max_lag; ++lag) {
       report.ljung_box += acf(lag - 1) * acf(lag - 1) / (n - lag);
@@ -143,7 +156,7 @@ ResidualReport ExamineOutput(Windows errors, const std::vector<Windows>& inputs,
     report.outside = (acf.array().abs() > report.limit).cast<double>().mean();
     for (const Windows& input : inputs) {
       report.inputs.push_back(
-          Correlate(errors, acf, input, report.samples, max_lag));
+          Correlate(errors, known, acf, input, report.samples, max_lag));
     }
   } else {
     report.inputs.resize(inputs.size());
@@ -155,7 +168,7 @@ ResidualReport ExamineOutput(Windows errors, const std::vector<Windows>& inputs,
 
 std::vector<ResidualReport> ExamineResiduals(const Predictor& predictor,
                                              const std::vector<Record>& windows,
-                                             int max_lag) {
+                                             int max_lag, int threads) {
   const int p = windows.front().num_outputs();
   const int m = windows.front().num_inputs();
   std::vector<Windows> errors(p);
@@ -168,10 +181,10 @@ std::vector<ResidualReport> ExamineResiduals(const Predictor& predictor,
     longest = std::max(longest, window.samples() - window.lead());
   }
   const int lags = std::clamp(max_lag, 1, std::max(longest / 4, 1));
-  std::vector<ResidualReport> reports;
-  for (int i = 0; i < p; ++i) {
-    reports.push_back(ExamineOutput(errors[i], inputs, lags));
-  }
+  std::vector<ResidualReport> reports(p);
+  ParallelFor(p, threads, [&](int i) {
+    reports[i] = ExamineOutput(errors[i], inputs, lags);
+  });
   return reports;
 }
 

@@ -66,7 +66,7 @@ struct ResidualReport {
 // One for each output. `max_lag` ≥ 1 in samples; shorter where windows are.
 std::vector<ResidualReport> ExamineResiduals(const Predictor& predictor,
                                              const std::vector<Record>& windows,
-                                             int max_lag);
+                                             int max_lag, int threads = 1);
 
 }  // namespace mle
 

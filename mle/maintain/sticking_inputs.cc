@@ -106,10 +106,11 @@ absl::Status PlaySearch::AddPlays() {
   for (int round = 0; round < 3 * m(); ++round) {
     int input = -1;
     PlayScore best{.nats = kWorthTrying};
+    MLE_ASSIGN_OR_RETURN(const std::vector<PlayScore> scores,
+                         regression_.Scores());
     for (int j = 0; j < m(); ++j) {
-      MLE_ASSIGN_OR_RETURN(const PlayScore score, regression_.Score(j));
-      if (score.nats <= best.nats) continue;
-      best = score;
+      if (scores[j].nats <= best.nats) continue;
+      best = scores[j];
       input = j;
     }
     if (input < 0) break;
@@ -231,7 +232,7 @@ std::string StickingInput::Describe(const ProcessModel& model) const {
 
 absl::StatusOr<std::vector<StickingInput>> FindStickingInputs(
     const ProcessModel& model, const std::vector<Record>& records,
-    const std::vector<bool>& usable) {
+    const std::vector<bool>& usable, int threads) {
   // Of all columns of each output with each other.
   const double elements = NumElements(model);
   const Material material =
@@ -242,7 +243,7 @@ absl::StatusOr<std::vector<StickingInput>> FindStickingInputs(
   if (samples < kLeastPlaySamples) return std::vector<StickingInput>();
   MLE_ASSIGN_OR_RETURN(
       PlayRegression regression,
-      PlayRegression::Create(model, material.parts, material.bad));
+      PlayRegression::Create(model, material.parts, material.bad, threads));
   if (regression.empty()) return std::vector<StickingInput>();
   return PlaySearch(model, std::move(regression)).Run();
 }

@@ -50,7 +50,7 @@ struct StickingInput {
 // SimulateResponse().
 absl::StatusOr<std::vector<StickingInput>> FindStickingInputs(
     const ProcessModel& model, const std::vector<Record>& records,
-    const std::vector<bool>& usable);
+    const std::vector<bool>& usable, int threads = 1);
 
 // Replaces the input by what has passed through its play.
 void CorrectPlay(const StickingInput& sticking, std::vector<Record>& records);

@@ -10,6 +10,7 @@
 
 #include "Eigen/Core"
 #include "absl/strings/str_format.h"
+#include "mle/base/parallel.h"
 #include "mle/base/status.h"
 #include "mle/maintain/element_responses.h"
 #include "mle/maintain/whitened_fit.h"
@@ -303,7 +304,8 @@ void CorrectClock(const TagClock& clock, std::vector<Record>& records) {
 }
 
 absl::StatusOr<std::vector<TagClock>> FindTagClocks(
-    const ProcessModel& model, const std::vector<Record>& records) {
+    const ProcessModel& model, const std::vector<Record>& records,
+    int threads) {
   const int p = model.num_outputs();
   const int m = model.num_inputs();
   const std::vector<Record> parts =
@@ -314,41 +316,53 @@ absl::StatusOr<std::vector<TagClock>> FindTagClocks(
   if (samples < kLeastClockSamples) return clocks;
   MLE_ASSIGN_OR_RETURN(const ElementResponses responses,
                        ElementResponses::Create(model, parts));
-  std::vector<WhitenedData> rows;
+  std::vector<WhitenedData> rows(p);
   Eigen::VectorXd free(p);
   const double sample_time = parts.front().sample_time;
   Eigen::MatrixXd elements = Eigen::MatrixXd::Zero(p, m);
   Eigen::MatrixXd dead_times = Eigen::MatrixXd::Zero(p, m);
-  for (int i = 0; i < p; ++i) {
-    rows.push_back(responses.Row(i));
-    free(i) = FreeLogLikelihood(rows.back());
+  ParallelFor(p, threads, [&](int i) {
+    rows[i] = responses.Row(i);
+    free(i) = FreeLogLikelihood(rows[i]);
     for (int j = 0; j < m; ++j) {
       elements(i, j) = model.element(i, j).IsZero() ? 0.0 : 1.0;
       dead_times(i, j) = model.element(i, j).IsZero()
                              ? -1.0
                              : model.element(i, j).delay() / sample_time;
     }
-  }
-  const auto examine = [&](bool output, int channel) {
+  });
+  const auto examine = [&](bool output,
+                           int channel) -> std::optional<TagClock> {
     Eigen::MatrixXd which = Eigen::MatrixXd::Zero(p, m);
     if (output) {
       which.row(channel) = elements.row(channel);
     } else {
       which.col(channel) = elements.col(channel);
     }
-    if (which.sum() < 2.0) return;
+    if (which.sum() < 2.0) return std::nullopt;
     const std::optional<BestDelay> best =
         ExplainByDelay(rows, free, which, dead_times);
-    if (!best.has_value()) return;
+    if (!best.has_value()) return std::nullopt;
     const double delay = best->delay * sample_time;
     const double error = best->error * sample_time;
-    clocks.push_back({output, channel, output ? delay : -delay, error,
-                      best->log_likelihood,
-                      IsImpossible(model, which, delay, error)});
+    return TagClock{output,
+                    channel,
+                    output ? delay : -delay,
+                    error,
+                    best->log_likelihood,
+                    IsImpossible(model, which, delay, error)};
   };
-  for (int i = 0; i < p; ++i) examine(true, i);
+  const auto examine_all = [&](bool outputs, int channels) {
+    std::vector<std::optional<TagClock>> found(channels);
+    ParallelFor(channels, threads,
+                [&](int c) { found[c] = examine(outputs, c); });
+    for (const std::optional<TagClock>& clock : found) {
+      if (clock.has_value()) clocks.push_back(*clock);
+    }
+  };
+  examine_all(true, p);
   if (!clocks.empty()) return clocks;
-  for (int j = 0; j < m; ++j) examine(false, j);
+  examine_all(false, m);
   const auto likeliest = std::max_element(
       clocks.begin(), clocks.end(), [](const TagClock& a, const TagClock& b) {
         return a.log_likelihood < b.log_likelihood;

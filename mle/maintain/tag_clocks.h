@@ -41,7 +41,8 @@ struct TagClock {
 // Needs some hundred samples around changes of set points, and takes as many
 // that elements × samples are at most 2·10⁷. Errors as of SimulateResponse().
 absl::StatusOr<std::vector<TagClock>> FindTagClocks(
-    const ProcessModel& model, const std::vector<Record>& records);
+    const ProcessModel& model, const std::vector<Record>& records,
+    int threads = 1);
 
 // Shifts the tag's samples to when they were measured: an output by straight
 // lines between samples, an input, which is held, by whole samples. What no

@@ -103,6 +103,44 @@ TEST(IntegratingMpcTest, FirstMoveBalancesTheSlopeAtTheEnd) {
   EXPECT_NEAR((mpc->gain() * e)(0), numerator / denominator, 1e-12);
 }
 
+// Several moves, some of them held, of two outputs of which one integrates,
+// under a weight that couples them: the normal equations of the header.
+TEST(IntegratingMpcTest, FirstMoveSolvesTheNormalEquations) {
+  ProcessModel model = testing::MixedModel();
+  model.element(0, 1) = TransferFunction::Integrator(0.3, 2.0, 1.0);
+  MpcOptions options = Options(2, model.num_inputs());
+  options.control_period = 0.7;
+  options.prediction_horizon = 15;
+  options.block_lengths = {1, 1, 3, 2, 4};
+  options.output_weight << 1.0, 0.3, 0.3, 2.0;
+  const auto mpc = Mpc::Create(model, options);
+  ASSERT_TRUE(mpc.ok()) << mpc.status();
+  const auto prediction = PredictFromProcess(model, 0.7);
+  const std::vector<int> instants = options.MoveInstants();
+  const int H = options.prediction_horizon;
+  const int m = model.num_inputs();
+  MatrixXd G = MatrixXd::Zero(2 * H, 5 * m);
+  MatrixXd Q = MatrixXd::Zero(2 * H, 2 * H);
+  for (int i = 1; i <= H; ++i) {
+    Q.block(2 * (i - 1), 2 * (i - 1), 2, 2) = options.output_weight;
+    for (int b = 0; b < 5; ++b) {
+      if (i < instants[b]) continue;
+      G.block(2 * (i - 1), m * b, 2, m) =
+          prediction->responses.middleRows(2 * (i - instants[b]), 2);
+    }
+  }
+  MatrixXd slope = MatrixXd::Zero(2, 2 * H);  // of the first output alone
+  slope(0, 2 * H - 2) = 1.0;
+  slope(0, 2 * H - 4) = -1.0;
+  Q += H * (H + 1.0) * (2.0 * H + 1.0) / 6.0 * slope.transpose() *
+       options.output_weight * slope;
+  const MatrixXd hessian =
+      G.transpose() * Q * G + 0.5 * MatrixXd::Identity(5 * m, 5 * m);
+  const MatrixXd gain = hessian.inverse() * G.transpose() * Q;
+  EXPECT_LE((mpc->gain() - gain.topRows(m)).cwiseAbs().maxCoeff(),
+            1e-10 * gain.cwiseAbs().maxCoeff());
+}
+
 TEST(IntegratingObserverTest, FollowsARampWithoutError) {
   DisturbanceObserver observer(VectorXd::Constant(2, 0.1), {true, false});
   const double theta = std::sqrt(1.0 - observer.gains()(0));

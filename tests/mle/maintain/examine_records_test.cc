@@ -310,6 +310,30 @@ TEST(ExamineRecordsTest, AMistakeForbidsACorrection) {
   EXPECT_EQ(result->reasons.front().code, MessageCode::kMistake);
 }
 
+TEST(ExamineRecordsTest, FindingsDoNotDependOnThreads) {
+  Record late = LoopRecord();
+  late.outputs.row(0).tail(3995) = late.outputs.row(0).head(3995).eval();
+  Record exchanged = LoopRecord();
+  exchanged.inputs.row(0).swap(exchanged.inputs.row(1));
+  Record sticking = LoopRecord({.play = Eigen::Vector2d(0.1, 0.0)});
+  for (const Record& record : {late, exchanged, sticking}) {
+    ExamineOptions options;
+    options.threads = 1;
+    Record one = record;
+    const std::vector<Finding> alone = Examine(one, options);
+    ASSERT_FALSE(alone.empty());
+    options.threads = 3;
+    Record other = record;
+    const std::vector<Finding> together = Examine(other, options);
+    ASSERT_EQ(together.size(), alone.size());
+    for (std::size_t f = 0; f < alone.size(); ++f) {
+      EXPECT_EQ(together[f].message.text, alone[f].message.text);
+      EXPECT_EQ(together[f].value, alone[f].value);
+    }
+    EXPECT_EQ(other.inputs, one.inputs);
+  }
+}
+
 TEST(ExamineRecordsTest, ValidatesOptions) {
   EXPECT_TRUE(ExamineOptions().Validate().ok());
   EXPECT_FALSE(ExamineOptions{.least_archived = 1.5}.Validate().ok());
