@@ -80,6 +80,16 @@ class MatrixSeries {
     if (!ends_in_zero_) value += EndAt(powers[0]) * end_;
     return value.reshaped(rows_, value.size() / rows_);
   }
+  // At w of which the powers are given, one column for each.
+  MatrixXcd AtAll(const MatrixXcd& powers) const {
+    MatrixXcd values(coefficients_.cols(), powers.cols());
+    values.real() = coefficients_.transpose() * powers.topRows(degree()).real();
+    values.imag() = coefficients_.transpose() * powers.topRows(degree()).imag();
+    for (Eigen::Index k = 0; !ends_in_zero_ && k < powers.cols(); ++k) {
+      values.col(k) += EndAt(powers(0, k)) * end_;
+    }
+    return values;
+  }
   // At r e^{iπk/n}, k = 0 … n, column by column of each matrix: roots of unity
   // but for r, so that a transform of 2n numbers does for any degree.
   MatrixXcd OnHalfCircle(double radius, int n) const {
@@ -203,16 +213,31 @@ class Loop {
     return values;
   }
 
-  // S at w on the unit circle, w ≠ 1, in scaled outputs.
-  MatrixXcd Sensitivity(Complex w) const {
-    const VectorXcd powers = Powers(w);
-    const MatrixXcd PC =
-        plant_(powers) * Controller(w, predictor_(powers), model_(powers))
-                             .partialPivLu()
-                             .solve(Feedback(w));
-    const Eigen::Index p = PC.rows();
-    const MatrixXcd S = (MatrixXcd::Identity(p, p) + PC).inverse();
-    return scale_.asDiagonal() * S * scale_.cwiseInverse().asDiagonal();
+  // S at e^{−iθ} for angles θ ≠ 0, in scaled outputs.
+  std::vector<MatrixXcd> Sensitivities(
+      const std::vector<double>& angles) const {
+    const auto count = static_cast<Eigen::Index>(angles.size());
+    MatrixXcd powers(degree_, count);
+    for (Eigen::Index k = 0; k < count; ++k) {
+      powers.col(k) = Powers(std::polar(1.0, -angles[k]));
+    }
+    const MatrixXcd predictor = predictor_.AtAll(powers);
+    const MatrixXcd model = model_.AtAll(powers);
+    const MatrixXcd plant = plant_.AtAll(powers);
+    std::vector<MatrixXcd> sensitivities;
+    for (Eigen::Index k = 0; k < count; ++k) {
+      const Complex w = powers(0, k);
+      const MatrixXcd PC = plant_.Column(plant, k) *
+                           Controller(w, predictor_.Column(predictor, k),
+                                      model_.Column(model, k))
+                               .partialPivLu()
+                               .solve(Feedback(w));
+      const Eigen::Index p = PC.rows();
+      const MatrixXcd S = (MatrixXcd::Identity(p, p) + PC).inverse();
+      sensitivities.emplace_back(scale_.asDiagonal() * S *
+                                 scale_.cwiseInverse().asDiagonal());
+    }
+    return sensitivities;
   }
 
  private:
@@ -347,28 +372,38 @@ double LargestSingularValue(const MatrixXcd& matrix) {
 void FindPeaks(const Loop& loop, double control_period,
                LoopAnalysis& analysis) {
   double best = kPi;
-  const auto look = [&](double angle) {
-    const MatrixXcd S = loop.Sensitivity(std::polar(1.0, -angle));
-    const double peak = LargestSingularValue(S);
-    if (peak > analysis.sensitivity_peak) {
-      analysis.sensitivity_peak = peak;
-      best = angle;
+  const auto look = [&](const std::vector<double>& angles) {
+    const std::vector<MatrixXcd> all = loop.Sensitivities(angles);
+    for (std::size_t k = 0; k < angles.size(); ++k) {
+      const MatrixXcd& S = all[k];
+      const double peak = LargestSingularValue(S);
+      if (peak > analysis.sensitivity_peak) {
+        analysis.sensitivity_peak = peak;
+        best = angles[k];
+      }
+      const MatrixXcd T = MatrixXcd::Identity(S.rows(), S.cols()) - S;
+      analysis.complementary_peak =
+          std::max(analysis.complementary_peak, LargestSingularValue(T));
     }
-    const MatrixXcd T = MatrixXcd::Identity(S.rows(), S.cols()) - S;
-    analysis.complementary_peak =
-        std::max(analysis.complementary_peak, LargestSingularValue(T));
   };
+  // Some at a time: of a large plant all together would not fit into memory.
   constexpr int kPoints = 300;
-  for (int i = 1; i <= kPoints; ++i) {
-    look(kPi * i / kPoints);
-    look(kPi * std::pow(10.0, -4.0 * (i - 1) / kPoints));
+  constexpr int kTogether = 30;
+  for (int first = 1; first <= kPoints; first += kTogether) {
+    std::vector<double> angles;
+    for (int i = first; i < first + kTogether; ++i) {
+      angles.push_back(kPi * i / kPoints);
+      angles.push_back(kPi * std::pow(10.0, -4.0 * (i - 1) / kPoints));
+    }
+    look(angles);
   }
   for (double width = kPi / kPoints; width > 1e-7; width *= 0.1) {
-    const double center = best;
+    std::vector<double> angles;
     for (int i = -10; i <= 10; ++i) {
-      const double angle = center + 0.1 * i * width;
-      if (angle > 0.0 && angle <= kPi) look(angle);
+      const double angle = best + 0.1 * i * width;
+      if (angle > 0.0 && angle <= kPi) angles.push_back(angle);
     }
+    look(angles);
   }
   analysis.peak_frequency = best / control_period;
 }
