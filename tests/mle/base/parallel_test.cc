@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "gtest/gtest.h"
+#include "oneapi/tbb/global_control.h"
 
 namespace mle {
 namespace {
@@ -57,15 +58,19 @@ TEST(ParallelForTest, OneThreadWithinABodyIsTheBodysOwn) {
 }
 
 // Who waits for pieces of its own takes none of the loop around it meanwhile:
-// bodies would lie upon each other on one stack.
+// bodies would lie upon each other on one stack. Threads are as many as on a
+// large machine, for two of them are never seen to do it.
 TEST(ParallelForTest, ABodyIsNotEnteredWhileOneWaits) {
+  constexpr int kThreads = 8;
+  const tbb::global_control threads(
+      tbb::global_control::max_allowed_parallelism, kThreads);
   std::atomic<int> nested = 0;
-  ParallelFor(40, 2, [&](int) {
+  ParallelFor(400, kThreads, [&](int i) {
     thread_local bool busy = false;
     if (busy) ++nested;
     busy = true;
-    ParallelFor(4, 2, [](int) {
-      std::this_thread::sleep_for(std::chrono::microseconds(50));
+    ParallelFor(1 + i % 7, kThreads, [](int j) {
+      std::this_thread::sleep_for(std::chrono::microseconds(20 * (1 + j)));
     });
     busy = false;
   });
