@@ -10,6 +10,7 @@
 #include "absl/strings/str_split.h"
 #include "apps/correct/advice.h"
 #include "apps/correct/verdict.h"
+#include "mle/base/parallel.h"
 #include "mle/base/status.h"
 
 namespace mle::correct {
@@ -123,10 +124,18 @@ absl::StatusOr<Result> RunCorrection(const Request& request, RecordData data,
   result.verdict = DescribeVerdict(result);
   result.findings = Findings(result);
   result.advice = Advise(result);
-  result.tuning = AdviseTuning(result);
-  if (absl::StatusOr<LoopComparison> loops = CompareLoops(result); loops.ok()) {
-    result.loops = *std::move(loops);
-  }
+  // The advice is one thread's work.
+  Tuning tuning;
+  absl::StatusOr<LoopComparison> loops;
+  ParallelFor(2, result.options.threads, [&](int part) {
+    if (part == 0) {
+      tuning = AdviseTuning(result);
+    } else {
+      loops = CompareLoops(result);
+    }
+  });
+  result.tuning = std::move(tuning);
+  if (loops.ok()) result.loops = *std::move(loops);
   return result;
 }
 

@@ -153,6 +153,7 @@ TEST(HoldOutTest, NoFoldHidesTheSameMoveOfAllWindows) {
 TEST(HoldOutTest, TheStandardErrorCoversWhatChanceDoes) {
   int beyond = 0;
   int scored = 0;
+  double gains = 0.0;
   for (int seed = 1; seed <= 20; ++seed) {
     const std::vector<Record> windows = {
         TankRecord(Tank(2.0), kNoise, 2 * seed),
@@ -170,11 +171,15 @@ TEST(HoldOutTest, TheStandardErrorCoversWhatChanceDoes) {
     ASSERT_TRUE(std::isfinite(score.gain));
     ASSERT_GT(score.error, 0.0);
     ++scored;
+    gains += score.gain;
     if (score.gain > 2.0 * score.error) ++beyond;
   }
   ASSERT_GT(scored, 15);
   // 2.3 % expected: P(more than 3 of 20) is 0.1 %.
   EXPECT_LE(beyond, 3);
+  // Parameters of a fit take as much off the errors of what it saw as they add
+  // to those of what was hidden from it.
+  EXPECT_LT(gains, 0.0);
 }
 
 TEST(HoldOutTest, WhatIsHeldOutHasNoPartInTheFit) {

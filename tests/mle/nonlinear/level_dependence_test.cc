@@ -1,5 +1,6 @@
 #include "mle/nonlinear/level_dependence.h"
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -15,9 +16,10 @@ using FittedElements = Eigen::Matrix<bool, Eigen::Dynamic, Eigen::Dynamic>;
 constexpr double kRange = 3.0;
 
 // The first input is a valve: v = u + c u²/3 moves the plant, u is recorded.
-std::vector<Record> ValveRecords(double curvature, unsigned seed) {
+std::vector<Record> ValveRecords(double curvature, unsigned seed,
+                                 double variance = 0.01) {
   std::vector<Record> records =
-      MakeRecords(TwoElements(), 400, seed, {.variance = 0.01});
+      MakeRecords(TwoElements(), 400, seed, {.variance = variance});
   for (Record& record : records) {
     if (curvature == 0.0) continue;
     for (double& u : record.inputs.row(0)) {
@@ -40,9 +42,6 @@ TEST(LevelDependence, OfAValveIsFoundWithItsCurvature) {
   const std::vector<LevelDependence> inputs = Tested(ValveRecords(0.2, 1));
   ASSERT_EQ(inputs.size(), 2);
   EXPECT_LT(inputs[0].p_value, 1e-6);
-  // c for the records' own mean and range: about 0.05 of u² all the same.
-  EXPECT_GT(inputs[0].curvature, 0.05);
-  EXPECT_LT(inputs[0].curvature, 0.3);
   EXPECT_EQ(inputs[0].variation(), 2.0 * inputs[0].curvature);
   // χ² of one parameter, for one output.
   EXPECT_NEAR(
@@ -51,6 +50,24 @@ TEST(LevelDependence, OfAValveIsFoundWithItsCurvature) {
   EXPECT_NEAR(inputs[1].LargestVariation() - inputs[1].variation(),
               4.0 * inputs[1].error, 1e-12);
   EXPECT_GT(inputs[1].p_value, 1e-4);
+}
+
+// c of (u − ū)²/h, h the largest distance of the records' own inputs from ū.
+TEST(LevelDependence, IsTheCurvatureOverTheRangeOfTheInput) {
+  const std::vector<Record> records = ValveRecords(0.2, 1, 1e-5);
+  double mean = 0.0;
+  for (const Record& record : records) {
+    mean += record.inputs.row(0).mean() / static_cast<double>(records.size());
+  }
+  double range = 0.0;
+  for (const Record& record : records) {
+    range =
+        std::max(range, (record.inputs.row(0).array() - mean).abs().maxCoeff());
+  }
+  const double curvature = 0.2 / kRange * range;
+  const LevelDependence input = Tested(records)[0];
+  EXPECT_GT(curvature, 10.0 * input.error);
+  EXPECT_NEAR(input.curvature, curvature, 0.02 * curvature);
 }
 
 TEST(LevelDependence, OfNothingIsRare) {
