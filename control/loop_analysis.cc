@@ -72,19 +72,15 @@ class MatrixSeries {
   }
   // At w, of which the powers are given.
   MatrixXcd operator()(const VectorXcd& powers) const {
-    const VectorXd real = powers.head(degree()).real();
-    const VectorXd imaginary = powers.head(degree()).imag();
-    VectorXcd value(coefficients_.cols());
-    value.real() = coefficients_.transpose() * real;
-    value.imag() = coefficients_.transpose() * imaginary;
-    if (!ends_in_zero_) value += EndAt(powers[0]) * end_;
-    return value.reshaped(rows_, value.size() / rows_);
+    return Column(AtAll(powers), 0);
   }
-  // At w of which the powers are given, one column for each.
-  MatrixXcd AtAll(const MatrixXcd& powers) const {
+  // At each w of which a column has the powers, column by column of each
+  // matrix.
+  MatrixXcd AtAll(const Eigen::Ref<const MatrixXcd>& powers) const {
+    const auto needed = powers.topRows(degree());
     MatrixXcd values(coefficients_.cols(), powers.cols());
-    values.real() = coefficients_.transpose() * powers.topRows(degree()).real();
-    values.imag() = coefficients_.transpose() * powers.topRows(degree()).imag();
+    values.real() = coefficients_.transpose() * needed.real();
+    values.imag() = coefficients_.transpose() * needed.imag();
     for (Eigen::Index k = 0; !ends_in_zero_ && k < powers.cols(); ++k) {
       values.col(k) += EndAt(powers(0, k)) * end_;
     }
