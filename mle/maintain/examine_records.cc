@@ -398,10 +398,16 @@ std::string_view NameOf(Consequence consequence) {
 }
 
 absl::Status ExamineOptions::Validate() const {
-  if (least_archived >= 0.0 && least_archived <= 1.0) return absl::OkStatus();
-  return OptionError("least_archived",
-                     absl::StrCat("least_archived = ", least_archived,
-                                  ": it must be in [0, 1]"));
+  if (!(least_archived >= 0.0 && least_archived <= 1.0)) {
+    return OptionError("least_archived",
+                       absl::StrCat("least_archived = ", least_archived,
+                                    ": it must be in [0, 1]"));
+  }
+  if (threads < 0) {
+    return OptionError("threads", absl::StrCat("threads = ", threads,
+                                               ": it must not be negative"));
+  }
+  return absl::OkStatus();
 }
 
 absl::StatusOr<std::vector<Finding>> ExamineRecords(

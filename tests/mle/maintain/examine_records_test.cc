@@ -337,6 +337,7 @@ TEST(ExamineRecordsTest, FindingsDoNotDependOnThreads) {
 TEST(ExamineRecordsTest, ValidatesOptions) {
   EXPECT_TRUE(ExamineOptions().Validate().ok());
   EXPECT_FALSE(ExamineOptions{.least_archived = 1.5}.Validate().ok());
+  EXPECT_FALSE(ExamineOptions{.threads = -1}.Validate().ok());
 }
 
 }  // namespace
