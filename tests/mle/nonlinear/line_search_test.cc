@@ -39,6 +39,25 @@ TEST(LineSearchTest, FindsASine) {
   EXPECT_NE(correction->FullReport().find("periodic"), std::string::npos);
 }
 
+// Half a period is lost in the middle of each record: counted without it, the
+// halves would take each other off.
+TEST(LineSearchTest, GapsKeepTheirPlaceInAPeriod) {
+  const RecordNoise noise = {
+      .variance = 0.01, .amplitude = 0.05, .period = 26.0};
+  auto records = MakeRecords(TwoElements(), 1500, 1, noise);
+  for (Record& record : records) {
+    record.outputs.middleCols(744, 13).setConstant(
+        std::numeric_limits<double>::quiet_NaN());
+  }
+  const auto correction =
+      CorrectByOutputError(TwoElements(), records, OutputErrorOptions());
+  ASSERT_TRUE(correction.ok()) << correction.status();
+  const NoiseEstimate& found = correction->full.noise[0];
+  ASSERT_EQ(found.lines.size(), 1U);
+  EXPECT_NEAR(found.lines[0].period / 0.5, 26.0, 0.1);
+  EXPECT_NEAR(found.lines[0].amplitude, 0.05, 0.01);
+}
+
 TEST(LineSearchTest, OtherNoiseHasNoLines) {
   for (unsigned seed = 1; seed <= 6; ++seed) {
     RecordNoise noise = {.variance = 0.01};
