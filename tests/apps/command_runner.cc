@@ -2,35 +2,11 @@
 
 #include <cstddef>
 #include <cstdlib>
-#include <filesystem>
 
 #include "gtest/gtest.h"
 #include "mle/base/file.h"
 
 namespace mle {
-
-namespace fs = std::filesystem;
-
-ScratchFolder::ScratchFolder() {
-  std::string name = (fs::temp_directory_path() / "mle_XXXXXX").string();
-  path_ = mkdtemp(name.data());
-}
-
-ScratchFolder::~ScratchFolder() {
-  std::error_code ignored;
-  fs::remove_all(path_, ignored);
-}
-
-std::string ScratchFolder::operator/(const std::string& name) const {
-  return path_ + "/" + name;
-}
-
-std::string ScratchFolder::Write(const std::string& name,
-                                 const std::string& content) const {
-  const absl::Status status = WriteFileAtomically(*this / name, content);
-  EXPECT_TRUE(status.ok()) << status;
-  return *this / name;
-}
 
 report::ProcessResult RunCommand(const std::string& command,
                                  const std::vector<std::string>& arguments,

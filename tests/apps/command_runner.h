@@ -8,24 +8,9 @@
 
 #include "apps/report/process.h"
 #include "nlohmann/json.hpp"
+#include "tests/mle/base/scratch_folder.h"
 
 namespace mle {
-
-// A folder of its own for a test, gone afterwards.
-class ScratchFolder {
- public:
-  ScratchFolder();
-  ~ScratchFolder();
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-
-  std::string operator/(const std::string& name) const;
-  // Writes a file and gives its path.
-  std::string Write(const std::string& name, const std::string& content) const;
-
- private:
-  std::string path_;
-};
 
 // Variables are set as by env(1), "PATH=/none".
 report::ProcessResult RunCommand(const std::string& command,

@@ -1,14 +1,12 @@
 #include "apps/common/flag_parser.h"
 
-#include <cstdlib>
-#include <filesystem>
 #include <string>
 #include <vector>
 
 #include "gflags/gflags.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "mle/base/file.h"
+#include "tests/mle/base/scratch_folder.h"
 
 DEFINE_int32(test_count, 1, "");
 DEFINE_uint64(test_seed, 1, "");
@@ -108,25 +106,12 @@ TEST_F(FlagParser, ErrorsNameTheFlagAndWhatIsRight) {
 
 class FlagFile : public FlagParser {
  protected:
-  FlagFile() {
-    std::string name =
-        (std::filesystem::temp_directory_path() / "mle_XXXXXX").string();
-    folder_ = mkdtemp(name.data());
-  }
-  ~FlagFile() override { std::filesystem::remove_all(folder_); }
-
-  std::string Write(const std::string& name, const std::string& content) {
-    const std::string path = folder_ + "/" + name;
-    EXPECT_TRUE(WriteFileAtomically(path, content).ok());
-    return path;
-  }
-
-  std::string folder_;
+  const ScratchFolder folder_;
 };
 
 TEST_F(FlagFile, IsReadInItsPlace) {
-  const std::string file =
-      Write("flags", "# comment\r\n\r\n  --test_count=5\r\n--test_name=a b");
+  const std::string file = folder_.Write(
+      "flags", "# comment\r\n\r\n  --test_count=5\r\n--test_name=a b");
   ASSERT_TRUE(Parse({"--test_count=4", "--flagfile=" + file}).ok());
   EXPECT_EQ(FLAGS_test_count, 5);
   EXPECT_EQ(FLAGS_test_name, "a b");
@@ -135,22 +120,24 @@ TEST_F(FlagFile, IsReadInItsPlace) {
 }
 
 TEST_F(FlagFile, MayNameAnother) {
-  const std::string inner = Write("inner", "--test_count=8\n");
-  const std::string outer = Write("outer", "--flagfile=" + inner + "\n");
+  const std::string inner = folder_.Write("inner", "--test_count=8\n");
+  const std::string outer =
+      folder_.Write("outer", "--flagfile=" + inner + "\n");
   ASSERT_TRUE(Parse({"--flagfile=" + outer}).ok());
   EXPECT_EQ(FLAGS_test_count, 8);
 }
 
 TEST_F(FlagFile, ErrorsNameItsLine) {
   const std::string unknown =
-      Write("unknown", "--test_count=5\n--test_cont=5\n");
+      folder_.Write("unknown", "--test_count=5\n--test_cont=5\n");
   ExpectError({"--flagfile=" + unknown}, {unknown + ":2", "--test_cont"});
-  const std::string bare = Write("bare", "\ntest_count=5\n");
+  const std::string bare = folder_.Write("bare", "\ntest_count=5\n");
   ExpectError({"--flagfile=" + bare}, {bare + ":2", "'test_count=5'"});
-  const std::string self = Write("self", "--flagfile=" + folder_ + "/self\n");
+  const std::string self =
+      folder_.Write("self", "--flagfile=" + (folder_ / "self\n"));
   ExpectError({"--flagfile=" + self}, {self, "deep"});
-  ExpectError({"--flagfile=" + folder_ + "/none"}, {"--flagfile", "none"});
-  ExpectError({"--flagfile=" + folder_}, {"--flagfile", "folder"});
+  ExpectError({"--flagfile=" + (folder_ / "none")}, {"--flagfile", "none"});
+  ExpectError({"--flagfile=" + folder_.path()}, {"--flagfile", "folder"});
 }
 
 }  // namespace

@@ -1,29 +1,25 @@
 #include "apps/correct/checksum.h"
 
-#include <cstdio>
-#include <filesystem>
-#include <fstream>
 #include <string>
 
 #include "gtest/gtest.h"
+#include "tests/mle/base/scratch_folder.h"
 
 namespace mle::correct {
 namespace {
 
-std::string Write(const std::string& content) {
-  const std::string path =
-      (std::filesystem::path(::testing::TempDir()) / "checksum.bin").string();
-  std::ofstream(path, std::ios::binary) << content;
-  return path;
+absl::StatusOr<FileChecksum> ChecksumOfText(const std::string& content) {
+  const ScratchFolder folder;
+  return ChecksumOf(folder.Write("checksum.bin", content));
 }
 
 // FIPS 180-4's own examples.
 TEST(ChecksumTest, KnownDigests) {
-  EXPECT_EQ(ChecksumOf(Write("abc"))->sha256,
+  EXPECT_EQ(ChecksumOfText("abc")->sha256,
             "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
-  EXPECT_EQ(ChecksumOf(Write(""))->sha256,
+  EXPECT_EQ(ChecksumOfText("")->sha256,
             "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
-  const auto million = ChecksumOf(Write(std::string(1'000'000, 'a')));
+  const auto million = ChecksumOfText(std::string(1'000'000, 'a'));
   EXPECT_EQ(million->sha256,
             "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
   EXPECT_EQ(million->bytes, 1'000'000);

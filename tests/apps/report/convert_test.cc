@@ -5,7 +5,6 @@
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
-#include <filesystem>
 #include <fstream>
 #include <string>
 #include <vector>
@@ -18,34 +17,21 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "mle/base/file.h"
+#include "tests/mle/base/scratch_folder.h"
 
 namespace mle::report {
 namespace {
 
-namespace fs = std::filesystem;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-// A folder of its own for a test, gone afterwards.
-class Folder {
+class Folder : public ScratchFolder {
  public:
-  Folder() {
-    std::string name = (fs::temp_directory_path() / "mle_XXXXXX").string();
-    path_ = mkdtemp(name.data());
-  }
-  ~Folder() { fs::remove_all(path_); }
-  std::string operator/(const std::string& name) const {
-    return (path_ / name).string();
-  }
-
   std::string Program(const std::string& name, const std::string& script) {
-    std::ofstream(*this / name) << "#!/bin/sh\n" << script << "\n";
-    chmod((*this / name).c_str(), 0755);
-    return *this / name;
+    const std::string path = Write(name, "#!/bin/sh\n" + script + "\n");
+    chmod(path.c_str(), 0755);
+    return path;
   }
-
- private:
-  fs::path path_;
 };
 
 // The variable PATH, put back at the end of the test.

@@ -2,11 +2,11 @@
 
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <string>
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "tests/mle/base/scratch_folder.h"
 
 namespace mle::serve {
 namespace {
@@ -71,16 +71,13 @@ TEST(AccessTest, BearerTokensStandBehindTheirScheme) {
 
 class ReadTokenTest : public ::testing::Test {
  protected:
-  ReadTokenTest() : path_(testing::TempDir() + "/token") {
-    std::ofstream(path_) << "0123456789abcdef\n";
+  ReadTokenTest() : path_(folder_.Write("token", "0123456789abcdef\n")) {
     std::filesystem::permissions(path_, std::filesystem::perms::owner_read);
     setenv(kVariable, "from-the-environment", 1);
   }
-  ~ReadTokenTest() override {
-    std::filesystem::remove(path_);
-    unsetenv(kVariable);
-  }
+  ~ReadTokenTest() override { unsetenv(kVariable); }
   static constexpr char kVariable[] = "MLE_TESTED_TOKEN";
+  const ScratchFolder folder_;
   const std::string path_;
 };
 

@@ -3,7 +3,6 @@
 #include <httplib.h>
 
 #include <cstdlib>
-#include <filesystem>
 #include <memory>
 #include <string>
 #include <thread>
@@ -12,6 +11,7 @@
 #include "apps/serve/post.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "tests/mle/base/scratch_folder.h"
 
 namespace mle::serve {
 namespace {
@@ -30,24 +30,17 @@ class SecurePostTest : public ::testing::Test {
     if (thread_.joinable()) thread_.join();
   }
 
-  // Each test has files of its own: they run side by side.
-  std::string PathOf(const std::string& name) const {
-    return absl::StrCat(
-        ::testing::TempDir(), "/secure_post_",
-        ::testing::UnitTest::GetInstance()->current_test_info()->name(), "_",
-        name);
-  }
   // Signed by itself.
   void MakeCertificate(const std::string& host) {
     const std::string command = absl::StrCat(
         "openssl req -x509 -newkey rsa:2048 -nodes -days 2 -subj /CN=", host,
-        " -addext subjectAltName=DNS:", host, " -keyout '", PathOf("key.pem"),
-        "' -out '", PathOf("certificate.pem"), "' 2>/dev/null");
+        " -addext subjectAltName=DNS:", host, " -keyout '", key_, "' -out '",
+        certificate_, "' 2>/dev/null");
     ASSERT_EQ(std::system(command.c_str()), 0);
   }
   void Serve() {
-    server_ = std::make_unique<httplib::SSLServer>(
-        PathOf("certificate.pem").c_str(), PathOf("key.pem").c_str());
+    server_ = std::make_unique<httplib::SSLServer>(certificate_.c_str(),
+                                                   key_.c_str());
     ASSERT_TRUE(server_->is_valid());
     server_->Post("/alarm", [this](const httplib::Request& request,
                                    httplib::Response& response) {
@@ -63,6 +56,9 @@ class SecurePostTest : public ::testing::Test {
                     R"({"model": "column"})", "id-1");
   }
 
+  const ScratchFolder folder_;
+  const std::string key_ = folder_ / "key.pem";
+  const std::string certificate_ = folder_ / "certificate.pem";
   std::unique_ptr<httplib::SSLServer> server_;
   std::thread thread_;
   int port_ = 0;
@@ -73,7 +69,7 @@ class SecurePostTest : public ::testing::Test {
 TEST_F(SecurePostTest, ReachesWhoIsBelieved) {
   MakeCertificate("localhost");
   Serve();
-  ASSERT_EQ(setenv(kBelievedVariable, PathOf("certificate.pem").c_str(), 1), 0);
+  ASSERT_EQ(setenv(kBelievedVariable, certificate_.c_str(), 1), 0);
   const absl::Status status = Send();
   EXPECT_TRUE(status.ok()) << status;
   EXPECT_EQ(asked_, 1);
@@ -94,7 +90,7 @@ TEST_F(SecurePostTest, TellsNothingToWhoIsNotKnown) {
 TEST_F(SecurePostTest, TellsNothingToWhoHasTheNameOfAnother) {
   MakeCertificate("other.example");
   Serve();
-  ASSERT_EQ(setenv(kBelievedVariable, PathOf("certificate.pem").c_str(), 1), 0);
+  ASSERT_EQ(setenv(kBelievedVariable, certificate_.c_str(), 1), 0);
   EXPECT_TRUE(absl::IsUnavailable(Send()));
   EXPECT_EQ(asked_, 0);
 }

@@ -4,7 +4,6 @@
 #include <unistd.h>
 
 #include <deque>
-#include <fstream>
 #include <memory>
 #include <string>
 #include <thread>
@@ -15,6 +14,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "tests/apps/serve/client.h"
+#include "tests/mle/base/scratch_folder.h"
 
 namespace mle::serve {
 namespace {
@@ -72,9 +72,9 @@ TEST(ServerTest, NeitherRangesNorCompressionAreTheClients) {
 }
 
 TEST(ServerTest, AFileIsSent) {
-  const std::string path = testing::TempDir() + "/served";
+  const ScratchFolder folder;
   const std::string text(200'000, 'y');
-  std::ofstream(path) << text;
+  const std::string path = folder.Write("served", text);
   const auto file = std::shared_ptr<const int>(
       new int(open(path.c_str(), O_RDONLY)), [](const int* descriptor) {
         close(*descriptor);

@@ -7,8 +7,8 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "mle/base/file.h"
 #include "tests/apps/experiment/small_campaign.h"
+#include "tests/mle/base/scratch_folder.h"
 
 namespace mle::study {
 namespace {
@@ -198,8 +198,8 @@ TEST(CampaignTest, EffectsAreOfTheChannelsOfEveryModel) {
   Json json = SmallCampaign(2);
   EXPECT_EQ(Parse(json)->effects.size(), 1u);
   EXPECT_EQ(Parse(json)->effects[0].name, "none");
-  const std::string path = ::testing::TempDir() + "/effects.json";
-  ASSERT_TRUE(WriteFileAtomically(path, Sine(0.3).dump()).ok());
+  const ScratchFolder folder;
+  const std::string path = folder.Write("effects.json", Sine(0.3).dump());
   json["effects"] = {{{"name", "none"}},
                      {{"name", "sine"}, {"effects", Sine(0.2)}},
                      {{"name", "file"}, {"file", path}}};
@@ -218,10 +218,10 @@ TEST(CampaignTest, EffectsAreOfTheChannelsOfEveryModel) {
 }
 
 TEST(CampaignTest, EffectsThatAreWrong) {
-  const std::string path = ::testing::TempDir() + "/wrong_effects.json";
+  const ScratchFolder folder;
   Json wrong = Sine(0.1);
   wrong["outputs"][0]["sines"][0]["period"] = 0;
-  ASSERT_TRUE(WriteFileAtomically(path, wrong.dump()).ok());
+  const std::string path = folder.Write("effects.json", wrong.dump());
   ExpectRefused({
       {[](Json& j) { j["effects"] = Sine(0.1); }, {"effects"}},
       {[](Json& j) { j["effects"] = Json::array({Sine(0.1)}); },

@@ -26,9 +26,7 @@ using ::testing::SizeIs;
 class AlarmsTest : public ::testing::Test {
  protected:
   AlarmsTest()
-      : site_(testing::UnitTest::GetInstance()->current_test_info()->name()),
-        state_(site_.OpenState()),
-        took_(site_.folder() + "/took.txt") {}
+      : state_(site_.OpenState()), took_(site_.folder() + "/took.txt") {}
 
   // A program that keeps its arguments and what it reads, and ends with that
   // exit code.

@@ -104,7 +104,7 @@ INSTANTIATE_TEST_SUITE_P(Widths, OverviewBrowserTest,
 
 TEST(ServedPagesBrowserTest, TheirScriptsAreThoseThatThePolicyAllows) {
   if (!report::HasBrowser()) GTEST_SKIP() << "chromium is not installed";
-  const WatchedSite files("browser");
+  const WatchedSite files;
   auto site = Site::Open({.list = files.List(),
                           .state = files.StatePath(),
                           .folder = files.folder(),

@@ -29,8 +29,7 @@ constexpr char kToken[] = "0123456789abcdef";
 
 class RoutesTest : public ::testing::Test {
  protected:
-  RoutesTest()
-      : files_(testing::UnitTest::GetInstance()->current_test_info()->name()) {
+  RoutesTest() {
     absl::StatusOr<std::unique_ptr<Site>> site =
         Site::Open({.list = files_.List(),
                     .state = files_.StatePath(),

@@ -1,7 +1,6 @@
 #include "apps/watch/state.h"
 
 #include <algorithm>
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <utility>
@@ -17,6 +16,7 @@
 #include "mle/base/file.h"
 #include "mle/base/random.h"
 #include "tests/apps/watch/state_databases.h"
+#include "tests/mle/base/scratch_folder.h"
 
 namespace mle::watch {
 namespace {
@@ -449,25 +449,24 @@ INSTANTIATE_TEST_SUITE_P(Databases, StateTest, ::testing::Bool(),
                          });
 
 TEST(StateNameTest, AFileOfAnotherProgramIsLeftAlone) {
-  const StateFile file;
+  const ScratchFolder folder;
+  const std::string file = folder / "history.sqlite";
   {
-    absl::StatusOr<Database> other = Database::Open(file.file());
+    absl::StatusOr<Database> other = Database::Open(file);
     ASSERT_TRUE(other.ok());
     ASSERT_TRUE(other->Execute("CREATE TABLE history(time, level)").ok());
   }
-  const absl::StatusOr<std::string> before = ReadFile(file.file());
-  const absl::Status status = State::Open(file.file()).status();
+  const absl::StatusOr<std::string> before = ReadFile(file);
+  const absl::Status status = State::Open(file).status();
   EXPECT_EQ(status.code(), absl::StatusCode::kFailedPrecondition);
   EXPECT_THAT(std::string(status.message()), HasSubstr("another program"));
-  EXPECT_TRUE(*ReadFile(file.file()) == *before);
+  EXPECT_TRUE(*ReadFile(file) == *before);
 }
 
 TEST(StateNameTest, WhatIsNotADatabaseIsRefused) {
-  const std::string folder = testing::TempDir() + "/state_folder";
-  std::filesystem::create_directory(folder);
-  EXPECT_THAT(std::string(State::Open(folder).status().message()),
-              HasSubstr(folder));
-  std::filesystem::remove(folder);
+  const ScratchFolder folder;
+  EXPECT_THAT(std::string(State::Open(folder.path()).status().message()),
+              HasSubstr(folder.path()));
   EXPECT_THAT(std::string(State::Open("odbc:site").status().message()),
               HasSubstr("postgresql://"));
   const std::string password(

@@ -1,7 +1,6 @@
 #include "tests/apps/watch/watched_site.h"
 
 #include <filesystem>
-#include <fstream>
 
 #include "gtest/gtest.h"
 #include "nlohmann/json.hpp"
@@ -27,24 +26,20 @@ std::string TankJson() {
 
 }  // namespace
 
-WatchedSite::WatchedSite(const std::string& name)
-    : folder_(testing::TempDir() + "/site_" + name) {
-  std::filesystem::remove_all(folder_);
-  std::filesystem::create_directories(folder_ + "/proposals/b/2026-01-01");
-  std::ofstream(folder_ + "/proposals/b/2026-01-01/report.html") << "<p>r</p>";
-  std::ofstream(folder_ + "/tank.json") << TankJson();
-  std::ofstream(List()) << R"({"version": 1, "controllers": [
+WatchedSite::WatchedSite() {
+  std::filesystem::create_directories(folder_ / "proposals/b/2026-01-01");
+  folder_.Write("proposals/b/2026-01-01/report.html", "<p>r</p>");
+  folder_.Write("tank.json", TankJson());
+  folder_.Write("controllers.json", R"({"version": 1, "controllers": [
       {"name": "b", "model": "tank.json", "records": "r"},
       {"name": "a 1", "model": "tank.json", "records": "r"},
-      {"name": "c", "model": "tank.json", "records": "r"}]})";
+      {"name": "c", "model": "tank.json", "records": "r"}]})");
   State state = OpenState();
   for (const char* controller : {"a 1", "b"}) {
     Watch watch = MakeWatch(controller, controller[0] == 'a');
     EXPECT_TRUE(state.Save(watch).ok());
   }
 }
-
-WatchedSite::~WatchedSite() { std::filesystem::remove_all(folder_); }
 
 State WatchedSite::OpenState() const {
   absl::StatusOr<State> state = State::Open(StatePath());

@@ -8,6 +8,7 @@
 
 #include "apps/watch/state.h"
 #include "apps/watch/watch_file.h"
+#include "tests/mle/base/scratch_folder.h"
 
 namespace mle::watch {
 
@@ -16,19 +17,18 @@ namespace mle::watch {
 // "b" is healthy and "c" has not been looked at.
 class WatchedSite {
  public:
-  explicit WatchedSite(const std::string& name);
-  ~WatchedSite();
+  WatchedSite();
 
-  std::string List() const { return folder_ + "/controllers.json"; }
-  std::string StatePath() const { return folder_ + "/state.sqlite"; }
-  const std::string& folder() const { return folder_; }
+  std::string List() const { return folder_ / "controllers.json"; }
+  std::string StatePath() const { return folder_ / "state.sqlite"; }
+  const std::string& folder() const { return folder_.path(); }
   State OpenState() const;
 
   // Without a state: of `number` outputs, an alarm where `is_aged`.
   static Watch MakeWatch(const std::string& controller, bool is_aged);
 
  private:
-  const std::string folder_;
+  const ScratchFolder folder_;
 };
 
 inline constexpr char kAlarmId[] = "0123456789abcdef0123456789abcdef";

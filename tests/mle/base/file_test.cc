@@ -17,6 +17,7 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "tests/mle/base/scratch_folder.h"
 
 namespace mle {
 namespace {
@@ -26,25 +27,16 @@ using ::testing::HasSubstr;
 
 class FileTest : public ::testing::Test {
  protected:
-  void SetUp() override {
-    std::string pattern = ::testing::TempDir() + "/mle_file_XXXXXX";
-    ASSERT_NE(::mkdtemp(pattern.data()), nullptr);
-    folder_ = pattern;
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  std::string Path(const std::string& name) const {
-    return (folder_ / name).string();
-  }
+  std::string Path(const std::string& name) const { return folder_ / name; }
   std::vector<std::string> Names() const {
     std::vector<std::string> names;
-    for (const auto& entry : fs::directory_iterator(folder_)) {
+    for (const auto& entry : fs::directory_iterator(folder_.path())) {
       names.push_back(entry.path().filename().string());
     }
     return names;
   }
 
-  fs::path folder_;
+  const ScratchFolder folder_;
 };
 
 std::string Message(const absl::Status& status) {
@@ -71,11 +63,11 @@ TEST_F(FileTest, MissingFileIsNamed) {
 }
 
 TEST_F(FileTest, FoldersAndDevicesAreNotFiles) {
-  EXPECT_THAT(Message(ReadFile(folder_.string()).status()),
+  EXPECT_THAT(Message(ReadFile(folder_.path()).status()),
               HasSubstr("is a folder"));
   EXPECT_THAT(Message(ReadFile("/dev/zero").status()),
               HasSubstr("not a regular file"));
-  EXPECT_THAT(Message(WriteFileAtomically(folder_.string(), "x")),
+  EXPECT_THAT(Message(WriteFileAtomically(folder_.path(), "x")),
               HasSubstr("is a folder"));
   EXPECT_THAT(Message(WriteFileAtomically("/dev/null", "x")),
               HasSubstr("not a regular file"));

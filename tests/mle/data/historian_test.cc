@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 #include <limits>
 #include <random>
 #include <string>
@@ -10,7 +9,7 @@
 #include "absl/strings/str_cat.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "mle/base/file.h"
+#include "tests/mle/base/scratch_folder.h"
 #include "tests/mle/data/historian_texts.h"
 
 namespace mle {
@@ -419,19 +418,17 @@ TEST(HistorianTest, ReportsCanBeRead) {
 }
 
 TEST(HistorianTest, FilesThatCannotBeReadAreNamed) {
-  const std::string folder = ::testing::TempDir();
+  const ScratchFolder folder;
   for (const std::string& path :
-       {folder + "/no_such_file.csv", folder, std::string("/dev/zero")}) {
+       {folder / "no_such_file.csv", folder.path(), std::string("/dev/zero")}) {
     const absl::Status status =
         ImportHistorian({path}, Tank(), HistorianOptions()).status();
     EXPECT_FALSE(status.ok());
     EXPECT_THAT(std::string(status.message()), HasSubstr(path));
   }
-  const std::string path = folder + "/historian_test.csv";
-  ASSERT_TRUE(
-      WriteFileAtomically(path, "time,level,steam\n0,1,2\n1,1,2\n").ok());
+  const std::string path =
+      folder.Write("tank.csv", "time,level,steam\n0,1,2\n1,1,2\n");
   EXPECT_TRUE(ImportHistorian({path}, Tank(), HistorianOptions()).ok());
-  std::filesystem::remove(path);
   EXPECT_FALSE(ImportHistorian(std::vector<std::string>(), Tank(), {}).ok());
 }
 
@@ -453,8 +450,8 @@ TEST(HistorianTest, ProgressIsToldAndCanStop) {
     EXPECT_EQ(told[k].reached, absl::StrCat(1000 * (k + 1) - 1));
     EXPECT_LT(told[k].fraction, 0.0);
   }
-  const std::string path = ::testing::TempDir() + "/historian_progress.csv";
-  ASSERT_TRUE(WriteFileAtomically(path, text).ok());
+  const ScratchFolder folder;
+  const std::string path = folder.Write("tank.csv", text);
   const absl::Status status = ImportHistorian({path}, Tank(), options).status();
   EXPECT_EQ(status.code(), absl::StatusCode::kCancelled) << status;
   ASSERT_EQ(told.size(), 5);

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
-#include <filesystem>
 #include <limits>
 #include <random>
 
@@ -12,6 +11,7 @@
 #include "gtest/gtest.h"
 #include "mle/base/double_limits.h"
 #include "mle/data/historian.h"
+#include "tests/mle/base/scratch_folder.h"
 
 namespace mle {
 namespace {
@@ -118,7 +118,8 @@ TEST(RecordCsvTest, DecimalTimesAreWrittenShortAndComeBackExactly) {
 }
 
 TEST(RecordCsvTest, FilesAreWrittenAndRead) {
-  const std::string path = ::testing::TempDir() + "/record_csv_test.csv";
+  const ScratchFolder folder;
+  const std::string path = folder / "tank.csv";
   Record record;
   record.sample_time = 1.0;
   record.outputs = Eigen::MatrixXd::Constant(2, 3, 1.5);
@@ -127,7 +128,6 @@ TEST(RecordCsvTest, FilesAreWrittenAndRead) {
   const auto again = ImportHistorian({path}, Tank(), HistorianOptions());
   ASSERT_TRUE(again.ok()) << again.status();
   ExpectSame(again->records.at(0).outputs, record.outputs);
-  std::filesystem::remove(path);
 }
 
 TEST(RecordCsvTest, RecordsAndNamesAreCheckedBeforeWriting) {

@@ -4,7 +4,6 @@
 #include <zlib.h>
 
 #include <cmath>
-#include <filesystem>
 #include <fstream>
 #include <string>
 #include <vector>
@@ -13,6 +12,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "mle/data/historian.h"
+#include "tests/mle/base/scratch_folder.h"
 #include "tests/mle/data/historian_texts.h"
 
 namespace mle {
@@ -258,7 +258,8 @@ TEST(FileKindTest, FilesThatAreNoTextAreNamed) {
 }
 
 std::string Gzip(const std::string& text) {
-  const std::string path = ::testing::TempDir() + "/shapes.gz";
+  const ScratchFolder folder;
+  const std::string path = folder / "shapes.gz";
   gzFile file = gzopen(path.c_str(), "wb");
   EXPECT_EQ(gzwrite(file, text.data(), static_cast<unsigned>(text.size())),
             static_cast<int>(text.size()));
@@ -268,11 +269,9 @@ std::string Gzip(const std::string& text) {
 }
 
 absl::StatusOr<HistorianImport> ImportFile(const std::string& content) {
-  const std::string path = ::testing::TempDir() + "/shapes.csv.gz";
-  std::ofstream(path, std::ios::binary) << content;
-  auto import = ImportHistorian({path}, Tank(), HistorianOptions());
-  std::filesystem::remove(path);
-  return import;
+  const ScratchFolder folder;
+  return ImportHistorian({folder.Write("shapes.csv.gz", content)}, Tank(),
+                         HistorianOptions());
 }
 
 TEST(GzipTest, IsUnpackedWhileItIsRead) {

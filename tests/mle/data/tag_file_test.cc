@@ -1,13 +1,12 @@
 #include "mle/data/tag_file.h"
 
-#include <filesystem>
 #include <string>
 
 #include "absl/strings/str_cat.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "mle/base/file.h"
 #include "mle/data/nearest_names.h"
+#include "tests/mle/base/scratch_folder.h"
 
 namespace mle {
 namespace {
@@ -111,15 +110,10 @@ TEST(NearestNamesTest, CountsWhatMakesOneOfTheOther) {
 
 class ProposalTest : public ::testing::Test {
  protected:
-  std::string Write(const std::string& text) {
-    EXPECT_TRUE(WriteFileAtomically(path_, text).ok());
-    return path_;
+  std::string Write(const std::string& text) const {
+    return folder_.Write("tank.csv", text);
   }
-  ~ProposalTest() override { std::filesystem::remove(path_); }
-  // Tests run side by side: each has a file of its own.
-  const std::string path_ =
-      ::testing::TempDir() + "/proposal_" +
-      ::testing::UnitTest::GetInstance()->current_test_info()->name() + ".csv";
+  const ScratchFolder folder_;
 };
 
 TEST_F(ProposalTest, NamesTheNearestChannelOfEachColumn) {

@@ -47,8 +47,6 @@ void WriteText(const std::string& path, const std::string& text) {
 bool PostgresqlServer::IsInstalled() { return !Programs().empty(); }
 
 PostgresqlServer::PostgresqlServer() {
-  std::string name = (fs::temp_directory_path() / "mle_pg_XXXXXX").string();
-  folder_ = mkdtemp(name.data());
   if (geteuid() == 0) Shell("chown postgres:postgres " + folder_);
   fs::permissions(folder_, fs::perms::all);
   const std::string data = folder_ + "/data";
@@ -76,11 +74,7 @@ PostgresqlServer::PostgresqlServer() {
       std::string(kPassword) + "';");
 }
 
-PostgresqlServer::~PostgresqlServer() {
-  Kill();
-  std::error_code ignored;
-  fs::remove_all(folder_, ignored);
-}
+PostgresqlServer::~PostgresqlServer() { Kill(); }
 
 void PostgresqlServer::Kill() {
   if (!is_running_) return;

@@ -8,6 +8,8 @@
 
 #include <string>
 
+#include "tests/mle/base/scratch_folder.h"
+
 namespace mle {
 
 class PostgresqlServer {
@@ -33,7 +35,8 @@ class PostgresqlServer {
   void Kill();
 
  private:
-  std::string folder_;
+  const ScratchFolder scratch_;
+  const std::string folder_ = scratch_.path();
   bool is_running_ = false;
 };
 

@@ -2,9 +2,6 @@
 
 #include <sqlite3.h>
 
-#include <cstdlib>
-#include <filesystem>
-
 #include "gtest/gtest.h"
 
 namespace mle {
@@ -18,18 +15,6 @@ int KeepFirst(void* value, int columns, char** values, char**) {
 }
 
 }  // namespace
-
-SqliteFile::SqliteFile() {
-  std::string name =
-      (std::filesystem::temp_directory_path() / "mle_sqlite_XXXXXX").string();
-  folder_ = mkdtemp(name.data());
-  path_ = folder_ + "/plant data.db";
-}
-
-SqliteFile::~SqliteFile() {
-  std::error_code ignored;
-  std::filesystem::remove_all(folder_, ignored);
-}
 
 void SqliteFile::Run(const std::string& sql) const {
   sqlite3* database = nullptr;

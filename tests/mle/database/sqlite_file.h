@@ -5,17 +5,14 @@
 
 #include <string>
 
+#include "tests/mle/base/scratch_folder.h"
+
 namespace mle {
 
 class SqliteFile {
  public:
-  SqliteFile();
-  ~SqliteFile();
-  SqliteFile(const SqliteFile&) = delete;
-  SqliteFile& operator=(const SqliteFile&) = delete;
-
   const std::string& path() const { return path_; }
-  std::string folder() const { return folder_; }
+  const std::string& folder() const { return folder_.path(); }
   // "sqlite:FILE".
   std::string name() const { return "sqlite:" + path_; }
   // Statements separated by semicolons; a failure of the test if one is wrong.
@@ -24,8 +21,8 @@ class SqliteFile {
   std::string Value(const std::string& query) const;
 
  private:
-  std::string folder_;
-  std::string path_;
+  const ScratchFolder folder_;
+  const std::string path_ = folder_ / "plant data.db";
 };
 
 }  // namespace mle

@@ -13,6 +13,7 @@
 #include "mle/base/file.h"
 #include "mle/exchange/mat_variables.h"
 #include "mle/exchange/model_file.h"
+#include "tests/mle/base/scratch_folder.h"
 
 namespace mle {
 namespace {
@@ -46,15 +47,10 @@ StepResponseModel TankSteps() {
   return model;
 }
 
-// Each test has files of its own: they run side by side.
-std::string Written(const std::string& name, const std::string& bytes) {
-  const std::string path = absl::StrCat(
-      ::testing::TempDir(), "/mle_",
-      ::testing::UnitTest::GetInstance()->current_test_info()->name(), "_",
-      name);
-  EXPECT_TRUE(WriteFileAtomically(path, bytes).ok());
-  return path;
-}
+class MatFile : public ::testing::Test {
+ protected:
+  const ScratchFolder folder_;
+};
 
 void ExpectSameChannels(const ProcessModel& a, const ProcessModel& b) {
   EXPECT_TRUE(CheckSameChannels(a, "a", b, "b").ok())
@@ -67,14 +63,14 @@ void ExpectSameChannels(const ProcessModel& a, const ProcessModel& b) {
   EXPECT_EQ(a.outputs()[0].unit, b.outputs()[0].unit);
 }
 
-TEST(MatFile, TransferFunctionsComeBackBitByBit) {
+TEST_F(MatFile, TransferFunctionsComeBackBitByBit) {
   const ProcessModel tank = Tank();
   const absl::StatusOr<std::string> bytes = FormatMat(tank);
   ASSERT_TRUE(bytes.ok()) << bytes.status();
   EXPECT_TRUE(IsMatFile(*bytes));
   EXPECT_EQ(*bytes, *FormatMat(tank));
   const absl::StatusOr<ModelFile> file =
-      ReadModelFile(Written("tank.mat", *bytes));
+      ReadModelFile(folder_.Write("tank.mat", *bytes));
   ASSERT_TRUE(file.ok()) << file.status();
   EXPECT_EQ(file->form, ModelForm::kTransferFunctions);
   ExpectSameChannels(file->process, tank);
@@ -90,10 +86,10 @@ TEST(MatFile, TransferFunctionsComeBackBitByBit) {
   }
 }
 
-TEST(MatFile, StepResponsesComeBackBitByBit) {
+TEST_F(MatFile, StepResponsesComeBackBitByBit) {
   const StepResponseModel tank = TankSteps();
   const absl::StatusOr<MatModel> read =
-      ReadMatModel(Written("steps.mat", *FormatMat(tank)));
+      ReadMatModel(folder_.Write("steps.mat", *FormatMat(tank)));
   ASSERT_TRUE(read.ok()) << read.status();
   ASSERT_TRUE(std::holds_alternative<StepResponseModel>(*read));
   const auto& steps = std::get<StepResponseModel>(*read);
@@ -109,22 +105,22 @@ TEST(MatFile, StepResponsesComeBackBitByBit) {
 }
 
 // A corrected model of step responses is a MAT file again.
-TEST(MatFile, IsWrittenBackCorrected) {
+TEST_F(MatFile, IsWrittenBackCorrected) {
   StepResponseModel tank = TankSteps();
   tank.pairs[2].is_ramp = false;
   const absl::StatusOr<ModelFile> file =
-      ReadModelFile(Written("steps.mat", *FormatMat(tank)));
+      ReadModelFile(folder_.Write("steps.mat", *FormatMat(tank)));
   ASSERT_TRUE(file.ok()) << file.status();
   EXPECT_EQ(CorrectedName(*file), "model_corrected.mat");
   const auto same = FormatCorrected(*file, file->process);
   EXPECT_EQ(same->text, *FormatMat(tank));
 }
 
-TEST(MatFile, OctaveLoadsIt) {
+TEST_F(MatFile, OctaveLoadsIt) {
   const std::string octave = MLE_OCTAVE;
   if (octave.empty()) GTEST_SKIP() << "there is no Octave";
-  const std::string steps = Written("steps.mat", *FormatMat(TankSteps()));
-  const std::string tank = Written("tank.mat", *FormatMat(Tank()));
+  const std::string steps = folder_.Write("steps.mat", *FormatMat(TankSteps()));
+  const std::string tank = folder_.Write("tank.mat", *FormatMat(Tank()));
   const std::string program = absl::StrCat(
       "load('", steps, "'); load('", tank,
       "'); assert(size(step_responses), [40 2 3]); assert(interval, 0.7); "
@@ -137,16 +133,17 @@ TEST(MatFile, OctaveLoadsIt) {
       0);
 }
 
-TEST(MatFile, SaysWhatIsWrong) {
+TEST_F(MatFile, SaysWhatIsWrong) {
   const std::string bytes = *FormatMat(TankSteps());
   const std::string torn =
-      Written("torn.mat", bytes.substr(0, bytes.size() / 2));
+      folder_.Write("torn.mat", bytes.substr(0, bytes.size() / 2));
   EXPECT_THAT(std::string(ReadModelFile(torn).status().message()),
               HasSubstr("torn.mat: cannot be read"));
-  const std::string only_header = Written("header.mat", bytes.substr(0, 128));
+  const std::string only_header =
+      folder_.Write("header.mat", bytes.substr(0, 128));
   EXPECT_THAT(std::string(ReadModelFile(only_header).status().message()),
               AllOf(HasSubstr("header.mat: "), HasSubstr("'name'")));
-  const std::string text = Written("text.mat", "MATLAB 5.0 MAT-file");
+  const std::string text = folder_.Write("text.mat", "MATLAB 5.0 MAT-file");
   EXPECT_THAT(std::string(ReadModelFile(text).status().message()),
               HasSubstr("text.mat: cannot be read"));
   EXPECT_FALSE(ReadMatModel("/no/such.mat").ok());
@@ -156,12 +153,13 @@ TEST(MatFile, SaysWhatIsWrong) {
   ASSERT_NE(place, std::string::npos);
   many[place - 14] = 0x02;  // a byte of the number of rows
   EXPECT_THAT(
-      std::string(ReadModelFile(Written("many.mat", many)).status().message()),
+      std::string(
+          ReadModelFile(folder_.Write("many.mat", many)).status().message()),
       AllOf(HasSubstr("many.mat"), HasSubstr("damaged")));
 }
 
 // Sizes are looked at before memory is asked for, or entries are gone over.
-TEST(MatFile, SizesThatTheFileDoesNotHaveAreDamage) {
+TEST_F(MatFile, SizesThatTheFileDoesNotHaveAreDamage) {
   const std::string bytes = *FormatMat(TankSteps());
   for (const char* const name :
        {"inputs", "output_units", "interval", "disturbances"}) {
@@ -170,17 +168,18 @@ TEST(MatFile, SizesThatTheFileDoesNotHaveAreDamage) {
     ASSERT_NE(place, std::string::npos);
     // The highest byte of the last size.
     damaged[place - 9] = 0x10;
-    EXPECT_THAT(
-        std::string(
-            ReadModelFile(Written("sizes.mat", damaged)).status().message()),
-        HasSubstr("damaged"))
+    EXPECT_THAT(std::string(ReadModelFile(folder_.Write("sizes.mat", damaged))
+                                .status()
+                                .message()),
+                HasSubstr("damaged"))
         << name;
   }
 }
 
-TEST(MatFile, CompressedVariablesAreLookedAtToo) {
-  const auto with_interval = [](bool is_damaged) {
-    const std::string path = Written("packed.mat", *FormatMat(TankSteps()));
+TEST_F(MatFile, CompressedVariablesAreLookedAtToo) {
+  const auto with_interval = [this](bool is_damaged) {
+    const std::string path =
+        folder_.Write("packed.mat", *FormatMat(TankSteps()));
     Mat mat(Mat_Open(path.c_str(), MAT_ACC_RDWR));
     EXPECT_EQ(Mat_VarDelete(mat.get(), "interval"), 0);
     mat.reset();
@@ -195,17 +194,18 @@ TEST(MatFile, CompressedVariablesAreLookedAtToo) {
     std::string bytes = *ReadFile(path);
     // In the compressed part, which stands last.
     if (is_damaged) bytes[bytes.size() - 12] ^= 0x55;
-    return ReadModelFile(Written("packed.mat", bytes)).status();
+    return ReadModelFile(folder_.Write("packed.mat", bytes)).status();
   };
   EXPECT_TRUE(with_interval(false).ok()) << with_interval(false);
   EXPECT_THAT(std::string(with_interval(true).message()), HasSubstr("damaged"));
 }
 
 // Variables of other sizes, or of other kinds.
-TEST(MatFile, NamesTheVariableThatIsWrong) {
-  const auto with = [](const char* name, Sizes sizes,
-                       std::vector<double> values) {
-    const std::string path = Written("changed.mat", *FormatMat(TankSteps()));
+TEST_F(MatFile, NamesTheVariableThatIsWrong) {
+  const auto with = [this](const char* name, Sizes sizes,
+                           std::vector<double> values) {
+    const std::string path =
+        folder_.Write("changed.mat", *FormatMat(TankSteps()));
     Mat mat(Mat_Open(path.c_str(), MAT_ACC_RDWR));
     EXPECT_EQ(Mat_VarDelete(mat.get(), name), 0);
     mat.reset();

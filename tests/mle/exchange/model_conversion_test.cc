@@ -11,6 +11,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "mle/base/file.h"
+#include "tests/mle/base/scratch_folder.h"
 
 namespace mle {
 namespace {
@@ -138,16 +139,15 @@ TEST(ModelConversion, StepResponsesAreTheSameInEveryTypeOfFile) {
   to.coefficients = 80;
   const ModelFile steps = Reread(Converted(Read("column_level.json"), to));
   EXPECT_EQ(steps.step_responses.length(), 80);
+  const ScratchFolder folder;
   int ramps = 0;
   for (const ModelFileType type :
        {ModelFileType::kJson, ModelFileType::kCsv, ModelFileType::kMat}) {
     to.type = type;
     const ConvertedModel converted = Converted(steps, to);
     EXPECT_EQ(converted.differences.maxCoeff(), 0.0);
-    const std::string path = testing::TempDir() + "/steps_of_every_type_" +
-                             std::to_string(static_cast<int>(type));
-    ASSERT_TRUE(WriteFileAtomically(path, converted.text).ok());
-    const absl::StatusOr<ModelFile> again = ReadModelFile(path);
+    const absl::StatusOr<ModelFile> again =
+        ReadModelFile(folder.Write("steps", converted.text));
     ASSERT_TRUE(again.ok()) << again.status();
     // MAT files have all pairs, row by row, as the steps of a model have.
     ASSERT_EQ(again->step_responses.pairs.size(),
@@ -177,9 +177,9 @@ TEST(ModelConversion, TheSameFormIsTheSameFile) {
   }
   ModelConversion mat = To(ModelForm::kTransferFunctions);
   mat.type = ModelFileType::kMat;
-  const std::string path = testing::TempDir() + "/column_level.mat";
-  ASSERT_TRUE(WriteFileAtomically(path, Converted(column, mat).text).ok());
-  const absl::StatusOr<ModelFile> again = ReadModelFile(path);
+  const ScratchFolder folder;
+  const absl::StatusOr<ModelFile> again =
+      ReadModelFile(folder.Write("column.mat", Converted(column, mat).text));
   ASSERT_TRUE(again.ok()) << again.status();
   EXPECT_EQ(FormatProcessModel(again->process),
             FormatProcessModel(column.process));

@@ -9,6 +9,7 @@
 #include "gtest/gtest.h"
 #include "mle/data/record_csv.h"
 #include "mle/mle.h"
+#include "tests/mle/base/scratch_folder.h"
 #include "tests/mle/maintain/tank_records.h"
 
 namespace mle {
@@ -275,9 +276,9 @@ TEST(CorrectFromRecordsTest, WhatAClockMayHaveDoneCannotTell) {
 }
 
 TEST(CorrectFromRecordsTest, FilesGiveTheSameAsMemory) {
-  const std::string folder = ::testing::TempDir();
-  const std::string model_path = folder + "/tank.json";
-  const std::string record_path = folder + "/tank.csv";
+  const ScratchFolder folder;
+  const std::string model_path = folder / "tank.json";
+  const std::string record_path = folder / "tank.csv";
   ASSERT_TRUE(WriteProcessModel(Tank(1.0), model_path).ok());
   const Record record = TankRecord(Tank(1.6), 0.02, 1);
   ASSERT_TRUE(WriteRecordCsv(record_path, record, Tank(1.0)).ok());

@@ -8,8 +8,8 @@
 #include "absl/strings/str_replace.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "mle/base/file.h"
 #include "mle/model/process_model.h"
+#include "tests/mle/base/scratch_folder.h"
 
 namespace mle {
 namespace {
@@ -352,7 +352,8 @@ TEST(ReadProcessModelTest, MissingFileIsNotFound) {
 }
 
 TEST(WriteProcessModelTest, WritesWhatIsReadAndRefusesTheInvalid) {
-  const std::string path = ::testing::TempDir() + "/mle_process_model.json";
+  const ScratchFolder folder;
+  const std::string path = folder / "model.json";
   ProcessModel model = *ParseProcessModel(kValid, "valid");
   ASSERT_TRUE(WriteProcessModel(model, path).ok());
   ExpectSame(model, *ReadProcessModel(path));
