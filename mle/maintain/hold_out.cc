@@ -231,6 +231,17 @@ struct FoldResult {
   Scores parametric;  // where a shape is proposed
 };
 
+// Whether windows have offsets is decided by all the data, too, where they leave
+// no doubt.
+WindowOffsets OffsetsOf(const OutputErrorCorrection& structure) {
+  const double weight = structure.full.offset_weight;
+  if (weight == structure.corrected.offset_weight) {
+    if (weight == 0.0) return WindowOffsets::kNever;
+    if (weight == 1.0) return WindowOffsets::kAlways;
+  }
+  return WindowOffsets::kAveraged;
+}
+
 FoldResult HoldOut(const Estimate& estimate, const std::vector<Record>& windows,
                    const Fold& fold, const Predictor& in_use,
                    const std::array<int, 3>& horizons) {
@@ -247,6 +258,7 @@ FoldResult HoldOut(const Estimate& estimate, const std::vector<Record>& windows,
   if (structure.change_proposed) {
     options.output_error.start =
         std::make_shared<const OutputErrorFit>(structure.full);
+    options.output_error.offsets = OffsetsOf(structure);
   }
   for (int i = 0; i < estimate.setting.initial.num_outputs(); ++i) {
     options.output_error.outputs.push_back(ProposesChange(estimate, i));

@@ -168,8 +168,10 @@ AveragedFits ReportAll(const std::vector<OutputSetup>& setups,
           setup.bounds);
     }
     if (weight < 1.0) {
-      averaged.without[i] =
-          FitWithoutOffsets(*setup.problem, fits[i], setup.bounds, options);
+      averaged.without[i] = fits[i].noise.offset
+                                ? FitWithoutOffsets(*setup.problem, fits[i],
+                                                    setup.bounds, options)
+                                : fits[i];
       mixture.Add(1.0 - weight, averaged.without[i]);
     }
     for (int j = 0; j < m; ++j) {

@@ -174,7 +174,12 @@ OutputFit FitOutputFrom(const OutputPoint& start, const std::vector<bool>& free,
   OutputFit fit;
   fit.free = free;
   fit.noise = options.start->noise[i];
-  fit.noise.offset = true;
+  if (options.offsets == WindowOffsets::kNever && !problem.is_integrating()) {
+    fit.noise = NoiseEstimate();
+    fit.noise.offset = false;
+  } else {
+    fit.noise.offset = true;
+  }
   fit.point = start;
   for (int j = 0; j < problem.num_elements(); ++j) {
     if (!free[j]) continue;

@@ -61,7 +61,7 @@ OutputFit FitOutput(const OutputErrorProblem& problem, const OutputPoint& start,
                     const OutputErrorOptions& options);
 
 // The same continued from output i of options.start, whose lines and steps
-// `problem` takes.
+// `problem` takes; without offsets if options.offsets has none.
 OutputFit FitOutputFrom(const OutputPoint& start, const std::vector<bool>& free,
                         const OutputFitBounds& bounds,
                         const OutputErrorOptions& options, int i,
