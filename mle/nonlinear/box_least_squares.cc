@@ -25,6 +25,8 @@ constexpr double kPivotTolerance = 1e-12;
 constexpr double kFirstDamping = 1e-4;
 constexpr double kLeastStepDamping = 1e-10;
 constexpr double kMostStepDamping = 1e12;
+// After a step that is refused, at least: less damping hardly shortens it.
+constexpr double kRefusedDamping = 1.0;
 // Of the decrease that the model promises: steps that are taken, and those
 // after which damping falls and rises.
 constexpr double kLeastShareOfPromise = 1e-4;
@@ -167,7 +169,7 @@ BoxLeastSquaresSummary MinimiseWithinBox(
       }
       if (share < kPoorShare) damping *= 4.0;
     } else {
-      damping *= 10.0;
+      damping = std::max(10.0 * damping, kRefusedDamping);
       // Rounding: no step is better.
       if (damping > kMostStepDamping) {
         summary.converged = true;

@@ -18,10 +18,10 @@ using Eigen::VectorXd;
 
 // Columns of a segment, from the left: amplitudes of the elements held, of
 // lines and steps; free responses of the free elements; where there are
-// derivatives those of each free element by K, ln T and L; residuals. The
-// derivative by ln T takes the amplitudes of the free responses: they are those
-// of the evaluation before, which moves them by less and less as a fit ends, or
-// of one at the same values, which Ceres asks for before it accepts a step.
+// derivatives those of each free element by K, ln T and L, and of the free
+// responses by ln T; residuals. The derivative by ln T takes the amplitudes of
+// the free responses, which are known once they are eliminated: the products of
+// its parts are added up then.
 class OutputCost : public ceres::CostFunction {
  public:
   OutputCost(const OutputErrorProblem& problem, const OutputPoint& point,
@@ -97,7 +97,6 @@ class OutputCost : public ceres::CostFunction {
     // in the last.
     MatrixXd modes;
     MatrixXd mode_derivatives;
-    VectorXd by_time_scale;
   };
 
   Part Hold(int s, const std::vector<bool>& free,
@@ -156,8 +155,8 @@ class OutputCost : public ceres::CostFunction {
     const Part& part = parts_[s];
     const OutputErrorProblem::Segment& segment = problem_.segment(s);
     const Index amplitudes = part.amplitudes.size();
-    const Index columns = amplitudes + width + 1;
-    Respond(segment, part, width > 0);
+    const Index columns = amplitudes + width + (width > 0 ? num_modes_ : 0) + 1;
+    Respond(segment, width > 0);
     Elimination result = EliminateFirst(
         amplitudes,
         part.filter.WhitenedProducts(columns, [&](Index first, Index count) {
@@ -168,23 +167,39 @@ class OutputCost : public ceres::CostFunction {
     if (amplitudes > 0) {
       part.amplitudes += result.Coefficients(columns - 1);
     }
-    return std::move(result.rest);
+    if (width == 0 || num_modes_ == 0) return std::move(result.rest);
+    return WithAmplitudes(part.amplitudes.tail(num_modes_), width,
+                          std::move(result.rest));
   }
 
-  void Respond(const OutputErrorProblem::Segment& segment, const Part& part,
+  // Of products of `width` derivatives, those of the free responses and the
+  // residuals, the second taken times their amplitudes to those by ln T.
+  MatrixXd WithAmplitudes(const Eigen::Ref<const VectorXd>& amplitudes,
+                          Index width, MatrixXd products) const {
+    Index mode = 0;
+    for (std::size_t f = 0; f < free_.size(); ++f) {
+      const Index by_time_scale = 3 * static_cast<Index>(f) + 1;
+      for (Index c = 0; c < columns_[f].modes.cols(); ++c, ++mode) {
+        const double amplitude = amplitudes(mode);
+        products.row(by_time_scale) -= amplitude * products.row(width + mode);
+        products.col(by_time_scale) -= amplitude * products.col(width + mode);
+      }
+    }
+    MatrixXd of_all(width + 1, width + 1);
+    of_all.topLeftCorner(width, width) = products.topLeftCorner(width, width);
+    of_all.row(width).head(width) = products.bottomRows<1>().head(width);
+    of_all.col(width).head(width) = products.rightCols<1>().head(width);
+    of_all(width, width) = products(width + mode, width + mode);
+    return of_all;
+  }
+
+  void Respond(const OutputErrorProblem::Segment& segment,
                bool derivatives) const {
-    Index mode = part.held.cols();
     for (std::size_t f = 0; f < free_.size(); ++f) {
       Columns& of = columns_[f];
       problem_.Respond(segment, point_, free_[f], of.response, derivatives);
       problem_.FreeResponses(segment, point_, free_[f], of.modes,
                              of.mode_derivatives);
-      const Index r = of.modes.cols();
-      if (derivatives) {
-        of.by_time_scale.noalias() =
-            of.mode_derivatives * part.amplitudes.segment(mode, r);
-      }
-      mode += r;
     }
   }
 
@@ -204,6 +219,7 @@ class OutputCost : public ceres::CostFunction {
     }
     Index mode = held;
     Index parameter = part.amplitudes.size();
+    Index by_mode = parameter + num_parameters_;
     for (std::size_t f = 0; f < free_.size(); ++f) {
       const Columns& of = columns_[f];
       const double gain = point_.values[free_[f]].gain;
@@ -225,12 +241,12 @@ class OutputCost : public ceres::CostFunction {
           rows(row, mode) = value;
           rows(row, last) -= amplitude * value;
         }
-      }
-      if (derivatives && of.modes.cols() > 0) {
-        const double* column = of.by_time_scale.data();
+        if (!derivatives) continue;
+        const double* derivative = of.mode_derivatives.col(c).data();
         for (Index row = 0; row < count; ++row) {
-          rows(row, parameter + 1) -= column[times[row] - begin];
+          rows(row, by_mode) = derivative[times[row] - begin];
         }
+        ++by_mode;
       }
       parameter += 3;
     }
