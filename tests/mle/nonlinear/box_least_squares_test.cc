@@ -103,6 +103,30 @@ TEST(MinimiseWithinBoxTest, LinearResidualsTakeFewSteps) {
   EXPECT_GT((x.array().abs() == 0.3).count(), 0);
 }
 
+// r = atan x: from afar Gauss's and Newton's steps go farther away at every
+// turn. Whenever it has to stop, no evaluation was better than its answer.
+TEST(MinimiseWithinBoxTest, TakesNoStepThatIsWorse) {
+  const VectorXd bound = VectorXd::Constant(1, 1e6);
+  for (int most = 1; most <= 30; ++most) {
+    double least = kInfinity;
+    const auto evaluate = [&least](const VectorXd& x) {
+      const double r = std::atan(x(0));
+      const double slope = 1.0 / (1.0 + x(0) * x(0));
+      const double cost = 0.5 * r * r;
+      least = std::min(least, cost);
+      return QuadraticModel{.cost = cost,
+                            .gradient = VectorXd::Constant(1, slope * r),
+                            .hessian = MatrixXd::Constant(1, 1, slope * slope)};
+    };
+    VectorXd x = VectorXd::Constant(1, 3.0);
+    const BoxLeastSquaresSummary summary =
+        MinimiseWithinBox(evaluate, -bound, bound, {.max_iterations = most}, x);
+    EXPECT_LE(summary.cost, least) << most;
+    EXPECT_LE(std::abs(x(0)), 3.0) << most;
+    EXPECT_TRUE(summary.converged || most < 30) << most;
+  }
+}
+
 TEST(MinimiseWithinBoxTest, SaysWhereItDidNotConverge) {
   VectorXd x = (VectorXd(2) << -1.2, 1.0).finished();
   const VectorXd bound = VectorXd::Constant(2, 10.0);

@@ -84,6 +84,21 @@ TEST(Elimination, CoefficientsAreThoseOfLeastSquares) {
   }
 }
 
+// What rounding leaves of a dependent column is no column.
+TEST(Elimination, RoundingIsNoRank) {
+  const MatrixXd columns = RandomColumns(50, 31);
+  for (Index i = 0; i + 1 < columns.cols(); ++i) {
+    MatrixXd twins(50, 3);
+    twins.col(0) = columns.col(i);
+    twins.col(1) = 3.0 * columns.col(i) + 1e-9 * columns.col(i + 1);
+    twins.col(2) = columns.col(30);
+    const Elimination elimination =
+        EliminateFirst(2, twins.transpose() * twins);
+    EXPECT_EQ(elimination.rank(), 1) << i;
+    EXPECT_EQ(elimination.Coefficients(2).array().abs().minCoeff(), 0.0) << i;
+  }
+}
+
 TEST(Elimination, OfNoColumnsLeavesAll) {
   const MatrixXd columns = RandomColumns(10, 3);
   const MatrixXd products = columns.transpose() * columns;
