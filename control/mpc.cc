@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -27,12 +26,6 @@ std::vector<bool> IntegratingOutputs(const PredictionModel& model) {
   return integrating;
 }
 
-std::vector<int> AllInputs(const PredictionModel& model) {
-  std::vector<int> inputs(model.num_inputs());
-  std::iota(inputs.begin(), inputs.end(), 0);
-  return inputs;
-}
-
 }  // namespace
 
 Mpc::Mpc(PredictionModel model, MpcOptions options, MovePlanner planner)
@@ -43,12 +36,7 @@ Mpc::Mpc(PredictionModel model, MpcOptions options, MovePlanner planner)
                 IntegratingOutputs(model_)),
       manipulated_(model_.InputsOf(InputRole::kManipulated)),
       disturbances_(model_.InputsOf(InputRole::kDisturbance)),
-      manipulated_responses_(model_.responses(Eigen::all, manipulated_)),
-      disturbance_responses_(model_.responses(Eigen::all, disturbances_)),
-      manipulated_slopes_(model_.SlopesOf(manipulated_)),
-      disturbance_slopes_(model_.SlopesOf(disturbances_)),
-      free_response_(VectorXd::Zero(model_.responses.rows())),
-      ramp_(VectorXd::Zero(model_.num_outputs)),
+      free_response_(model_),
       inputs_(VectorXd::Zero(manipulated_.size())),
       disturbance_inputs_(VectorXd::Zero(disturbances_.size())),
       history_(MatrixXd::Zero(model_.num_inputs(),
@@ -56,9 +44,7 @@ Mpc::Mpc(PredictionModel model, MpcOptions options, MovePlanner planner)
       set_points_(VectorXd::Zero(Eigen::Index{model_.num_outputs} *
                                  options_.prediction_horizon)),
       free_outputs_(set_points_),
-      error_(set_points_),
-      move_(inputs_),
-      change_(disturbance_inputs_) {}
+      error_(set_points_) {}
 
 absl::StatusOr<Mpc> Mpc::CreateAtRest(PredictionModel model,
                                       const MpcOptions& options) {
@@ -96,7 +82,7 @@ absl::StatusOr<Mpc> Mpc::Create(const ProcessModel& model,
 }
 
 VectorXd Mpc::PredictedOutputs() const {
-  return free_response_.head(model_.num_outputs) + observer_.disturbance();
+  return free_response_.At(0) + observer_.disturbance();
 }
 
 void Mpc::Restart(const Eigen::Ref<const VectorXd>& inputs,
@@ -108,20 +94,18 @@ void Mpc::Restart(const Eigen::Ref<const VectorXd>& inputs,
   history_.colwise() = inputs;
   RebuildFreeResponse();
   // The outputs are at rest: what the inputs do not balance, a load does.
-  observer_.Restart(outputs - free_response_.head(model_.num_outputs), -ramp_);
+  observer_.Restart(outputs - free_response_.At(0), -free_response_.ramp());
 }
 
 void Mpc::MeasureDisturbances(const Eigen::Ref<const VectorXd>& disturbances) {
   CHECK_EQ(disturbances.size(), disturbance_inputs_.size());
-  for (Eigen::Index j = 0; j < change_.size(); ++j) {
-    change_[j] = 0.0;
+  for (Eigen::Index j = 0; j < disturbances.size(); ++j) {
     if (!std::isfinite(disturbances[j])) continue;
-    change_[j] = disturbances[j] - disturbance_inputs_[j];
+    free_response_.Move(disturbances_[j],
+                        disturbances[j] - disturbance_inputs_[j]);
     disturbance_inputs_[j] = disturbances[j];
     history_(disturbances_[j], newest_) = disturbances[j];
   }
-  free_response_.noalias() += disturbance_responses_ * change_;
-  ramp_.noalias() += disturbance_slopes_ * change_;
 }
 
 void Mpc::Step(const Eigen::Ref<const VectorXd>& measured_outputs,
@@ -161,34 +145,29 @@ void Mpc::PlanAndMove(const Eigen::Ref<const VectorXd>& measured_outputs,
   CHECK_EQ(measured_outputs.size(), p);
   CHECK_EQ(next_inputs.size(), model_.num_inputs());
 
-  observer_.Update(measured_outputs, free_response_.head(p));
+  observer_.Update(measured_outputs, free_response_.At(0));
   for (int i = 0; i < options_.prediction_horizon; ++i) {
-    free_outputs_.segment(Eigen::Index{p} * i, p) =
-        free_response_.segment(Eigen::Index{p} * (i + 1), p) +
-        observer_.disturbance() + (i + 1) * observer_.slope();
+    free_outputs_.segment(Eigen::Index{p} * i, p) = free_response_.At(i + 1) +
+                                                    observer_.disturbance() +
+                                                    (i + 1) * observer_.slope();
   }
   error_ = set_points_ - free_outputs_;
   HoldLastSetPoints();
   last_plan_ = planner_.Plan(error_, free_outputs_, inputs_);
-  move_ = planner_.planned_inputs().col(0) - inputs_;
-  inputs_ = planner_.planned_inputs().col(0);
-
   const Eigen::Index previous = newest_;
   newest_ = (newest_ + 1) % history_.cols();
   history_.col(newest_) = history_.col(previous);
   next_inputs.setZero();
-  for (std::size_t j = 0; j < manipulated_.size(); ++j) {
-    next_inputs[manipulated_[j]] = inputs_[j];
-    history_(manipulated_[j], newest_) = inputs_[j];
+  // On to the next instant, from which the moves act.
+  free_response_.Advance();
+  const auto planned = planner_.planned_inputs().col(0);
+  for (Eigen::Index j = 0; j < inputs_.size(); ++j) {
+    const int input = manipulated_[j];
+    free_response_.Move(input, planned[j] - inputs_[j]);
+    inputs_[j] = planned[j];
+    next_inputs[input] = planned[j];
+    history_(input, newest_) = planned[j];
   }
-
-  // On to the next instant, from which the move acts. Beyond the last one the
-  // model has settled, or goes on with its ramps.
-  std::copy(free_response_.begin() + p, free_response_.end(),
-            free_response_.begin());
-  free_response_.tail(p) += ramp_;
-  free_response_.noalias() += manipulated_responses_ * move_;
-  ramp_.noalias() += manipulated_slopes_ * move_;
   observer_.Advance();
 }
 
@@ -238,38 +217,24 @@ absl::Status Mpc::ExchangeModel(const PredictionModel& model,
     next.set_points_.segment(row, p) = set_points_.head(p);
   }
   next.RebuildFreeResponse();
-  next.observer_.Restart(PredictedOutputs() - next.free_response_.head(p),
-                         observer_.slope() + ramp_ - next.ramp_);
+  next.observer_.Restart(
+      PredictedOutputs() - next.free_response_.At(0),
+      observer_.slope() + free_response_.ramp() - next.free_response_.ramp());
   *this = std::move(next);
   return absl::OkStatus();
 }
 
-// f_{l+i} = (S_n + i R) v_oldest + Σ_age S_{age+i} (v_age − v_{age+1}), where
-// v_age is what acted from `age` instants before the coming one. What the
-// oldest has integrated before is not known.
+// From the oldest inputs on, move by move.
 void Mpc::RebuildFreeResponse() {
-  const int p = model_.num_outputs;
-  const int n = model_.periods();
   const Eigen::Index depth = history_.cols();
   const auto past = [&](Eigen::Index age) {
     return history_.col((newest_ + depth - age) % depth);
   };
-  const MatrixXd slopes = model_.SlopesOf(AllInputs(model_));
-  ramp_ = slopes * past(0);
-  const VectorXd oldest_ramp = slopes * past(depth - 1);
-  free_response_ =
-      (model_.responses.bottomRows(p) * past(depth - 1)).replicate(n + 1, 1);
-  for (Eigen::Index i = 1; i <= n; ++i) {
-    free_response_.segment(p * i, p) += static_cast<double>(i) * oldest_ramp;
-  }
-  for (Eigen::Index age = 0; age + 1 < depth; ++age) {
-    const VectorXd move = past(age) - past(age + 1);
-    if (move.isZero(0.0)) continue;
-    for (Eigen::Index i = 0; i <= n; ++i) {
-      const Eigen::Index k = std::min<Eigen::Index>(age + i, n);
-      free_response_.segment(p * i, p) +=
-          model_.responses.middleRows(p * k, p) * move +
-          static_cast<double>(age + i - k) * (slopes * move);
+  free_response_.Settle(past(depth - 1));
+  for (Eigen::Index age = depth - 2; age >= 0; --age) {
+    free_response_.Advance();
+    for (int j = 0; j < model_.num_inputs(); ++j) {
+      free_response_.Move(j, past(age)[j] - past(age + 1)[j]);
     }
   }
 }

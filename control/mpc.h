@@ -21,10 +21,9 @@
 //   mpc.MeasureDisturbances(disturbances);  // if there are any
 //   mpc.Step(measured_outputs, set_points, next_inputs);
 //
-// f is carried from instant to instant: shifted by one, plus the step response
-// to the move just decided (dynamic matrix control: Cutler and Ramaker, Joint
-// Automatic Control Conference, 1980). Inputs of the role "disturbance" are
-// not the controller's: it returns zero for them and moves the m_c others.
+// f is carried from instant to instant (free_response.h). Inputs of the role
+// "disturbance" are not the controller's: it returns zero for them and moves
+// the m_c others.
 //
 // Measurements, set points and disturbances that are not finite are taken as
 // missing: the last ones hold.
@@ -38,6 +37,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "control/disturbance_observer.h"
+#include "control/free_response.h"
 #include "control/move_planner.h"
 #include "control/mpc_options.h"
 #include "control/prediction_model.h"
@@ -118,15 +118,10 @@ class Mpc {
   MpcOptions options_;
   MovePlanner planner_;
   DisturbanceObserver observer_;
-  std::vector<int> manipulated_;           // the m_c inputs that are moved
-  std::vector<int> disturbances_;          // the others
-  Eigen::MatrixXd manipulated_responses_;  // p(n+1) × m_c
-  Eigen::MatrixXd disturbance_responses_;  // p(n+1) × (m − m_c)
-  Eigen::MatrixXd manipulated_slopes_;     // p × m_c, R
-  Eigen::MatrixXd disturbance_slopes_;     // p × (m − m_c)
+  std::vector<int> manipulated_;   // the m_c inputs that are moved
+  std::vector<int> disturbances_;  // the others
 
-  Eigen::VectorXd free_response_;       // f_l; …; f_{l+n}: p(n+1)
-  Eigen::VectorXd ramp_;                // f_{l+k+1} − f_{l+k} beyond n: p
+  FreeResponse free_response_;
   Eigen::VectorXd inputs_;              // sent last (m_c)
   Eigen::VectorXd disturbance_inputs_;  // measured last (m − m_c)
   // m × depth, a ring: column newest_ is what acts from the coming instant on.
@@ -136,8 +131,6 @@ class Mpc {
   Eigen::VectorXd set_points_;  // the last finite ones, of each instant: p H_p
   Eigen::VectorXd free_outputs_;  // p H_p
   Eigen::VectorXd error_;         // p H_p
-  Eigen::VectorXd move_;          // m_c
-  Eigen::VectorXd change_;        // m − m_c
   PlanSummary last_plan_;
 };
 
