@@ -8,8 +8,9 @@
 // exactly (MinimiseQuadratic): unknowns at a bound do not slow the others, as
 // they do where a step without bounds is projected. μ falls with steps that
 // lower the cost as the model says and rises with those that do not
-// (Levenberg, Marquardt), at once to where it shortens them. Each step takes one evaluation with derivatives and
-// O(n³) operations for each exchange of bounds.
+// (Levenberg, Marquardt), at once to where it shortens them. Each step takes
+// one evaluation with derivatives and O(n³) operations for each exchange of
+// bounds.
 
 #ifndef MLE_NONLINEAR_BOX_LEAST_SQUARES_H_
 #define MLE_NONLINEAR_BOX_LEAST_SQUARES_H_
