@@ -231,8 +231,8 @@ struct FoldResult {
   Scores parametric;  // where a shape is proposed
 };
 
-// Whether windows have offsets is decided by all the data, too, where they leave
-// no doubt.
+// Whether windows have offsets is decided by all the data, too, where they
+// leave no doubt.
 WindowOffsets OffsetsOf(const OutputErrorCorrection& structure) {
   const double weight = structure.full.offset_weight;
   if (weight == structure.corrected.offset_weight) {
