@@ -75,8 +75,8 @@ struct OutputErrorOptions {
   double max_delay = std::numeric_limits<double>::infinity();
   // Whether the noise may have a random walk in it; if not, it is white.
   bool estimate_drift = true;
-  // The tests always have an offset for each window and drift, and so have
-  // outputs of which an element integrates.
+  // The test of no change has the same weights. Outputs of which an element
+  // integrates always have an offset for each window and drift.
   WindowOffsets offsets = WindowOffsets::kAveraged;
   // Loss of the residuals, for records with outliers. The noise variance, the
   // intervals and the tests then hold in its first order.

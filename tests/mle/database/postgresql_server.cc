@@ -5,7 +5,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 
 #include "gtest/gtest.h"
 
@@ -38,10 +37,6 @@ bool Shell(const std::string& command) {
   return code == 0;
 }
 
-void WriteText(const std::string& path, const std::string& text) {
-  std::ofstream(path) << text;
-}
-
 }  // namespace
 
 bool PostgresqlServer::IsInstalled() { return !Programs().empty(); }
@@ -57,12 +52,13 @@ PostgresqlServer::PostgresqlServer() {
                       folder_ + "/initdb.log 2>&1"))) {
     return;
   }
-  WriteText(data + "/pg_hba.conf",
-            "local all reader scram-sha-256\nlocal all all trust\n");
-  WriteText(data + "/postgresql.auto.conf",
-            "listen_addresses = ''\nunix_socket_directories = '" + folder_ +
-                "'\nfsync = off\ntimezone = 'America/New_York'\n"
-                "datestyle = 'SQL, DMY'\n");
+  scratch_.Write("data/pg_hba.conf",
+                 "local all reader scram-sha-256\nlocal all all trust\n");
+  scratch_.Write("data/postgresql.auto.conf",
+                 "listen_addresses = ''\nunix_socket_directories = '" +
+                     folder_ +
+                     "'\nfsync = off\ntimezone = 'America/New_York'\n"
+                     "datestyle = 'SQL, DMY'\n");
   is_running_ =
       Shell("cd " + folder_ + " && " +
             AsServer(Programs() + "pg_ctl -D " + data + " -l " + folder_ +
@@ -89,15 +85,13 @@ std::string PostgresqlServer::name(const std::string& role) const {
 }
 
 void PostgresqlServer::Run(const std::string& sql) const {
-  const std::string path = folder_ + "/run.sql";
-  WriteText(path, sql);
+  const std::string path = scratch_.Write("run.sql", sql);
   Shell("psql -q -v ON_ERROR_STOP=1 -h " + folder_ +
         " -U postgres -d plant -f " + path + " >/dev/null");
 }
 
 std::string PostgresqlServer::Value(const std::string& query) const {
-  const std::string path = folder_ + "/value.sql";
-  WriteText(path, query);
+  const std::string path = scratch_.Write("value.sql", query);
   std::string value;
   FILE* const pipe = popen(
       ("psql -qAt -h " + folder_ + " -U postgres -d plant -f " + path).c_str(),
