@@ -100,6 +100,7 @@ class Converter {
     return {model_.name(), model_.time_unit(), model_.inputs(),
             model_.outputs()};
   }
+  bool HasElements() const;
   // The file already holds what is asked for.
   bool IsSame() const;
   absl::Status ToTransferFunctions();
@@ -119,6 +120,15 @@ class Converter {
   const ProcessModel& model_;
   ConvertedModel result_;
 };
+
+bool Converter::HasElements() const {
+  for (int i = 0; i < model_.num_outputs(); ++i) {
+    for (int j = 0; j < model_.num_inputs(); ++j) {
+      if (!model_.element(i, j).IsZero()) return true;
+    }
+  }
+  return false;
+}
 
 bool Converter::IsSame() const {
   if (to_.form != file_.form) return false;
@@ -226,11 +236,11 @@ absl::Status Converter::Write(const StepResponseModel& steps) {
 }
 
 absl::Status Converter::ToStepResponses() {
-  const StepResponseModel steps = Sampled();
-  if (steps.pairs.empty()) {
+  if (!HasElements()) {
     return absl::InvalidArgumentError(
         "the model has no elements: there are no step responses");
   }
+  const StepResponseModel steps = Sampled();
   if (std::all_of(steps.pairs.begin(), steps.pairs.end(),
                   [](const PairResponse& pair) {
                     return pair.coefficients.isZero(0.0);
@@ -250,6 +260,10 @@ absl::Status Converter::ToStepResponses() {
 }
 
 absl::Status Converter::ToDiscrete() {
+  if (!HasElements()) {
+    return absl::InvalidArgumentError(
+        "the model has no elements: there are no discrete transfer functions");
+  }
   DiscreteModel discrete;
   discrete.channels = Channels();
   discrete.sample_time = result_.interval = ChooseInterval(file_, to_);

@@ -53,6 +53,10 @@ absl::StatusOr<StepResponseModel> Sample(const SampledModel& model) {
       sampled.pairs.push_back(std::move(pair));
     }
   }
+  if (sampled.pairs.empty()) {
+    return absl::InvalidArgumentError(
+        "no input moves an output: all its step responses are zero");
+  }
   MLE_RETURN_IF_ERROR(sampled.Validate());
   return sampled;
 }

@@ -65,6 +65,14 @@ TEST(DiscreteModel, HasTheStepResponsesOfItsDifferenceEquations) {
   }
 }
 
+TEST(DiscreteModel, WithoutAnyGainHasNoStepResponses) {
+  const DiscreteModel still = Parsed(absl::StrReplaceAll(
+      kTank,
+      {{"[0.4]", "[0]"}, {"[0.2, 0.1]", "[0, 0]"}, {"[2, -3, 1]", "[2, -1]"}}));
+  EXPECT_THAT(std::string(StepResponsesOf(still).status().message()),
+              HasSubstr("no input moves an output"));
+}
+
 TEST(DiscreteModel, TakesPowersOfInverseZ) {
   const std::string inverse = absl::StrReplaceAll(
       kTank, {{"0.5,\n", "0.5,\n  \"variable\": \"z^-1\",\n"},

@@ -200,6 +200,18 @@ TEST(ModelConversion, StepResponsesThatDoNotMoveAreRefused) {
   EXPECT_TRUE(ConvertModel(file, to).ok());
 }
 
+// A file of it would not be read again.
+TEST(ModelConversion, NoDiscreteModelWithoutElements) {
+  ModelFile file;
+  file.process = ProcessModel("tank", "min", {{"steam", ""}}, {{"level", ""}});
+  file.process.element(0, 0) = TransferFunction::FirstOrder(0.0, 5.0, 2.5);
+  EXPECT_THAT(
+      std::string(ConvertModel(file, To(ModelForm::kDiscreteTransferFunctions))
+                      .status()
+                      .message()),
+      HasSubstr("the model has no elements"));
+}
+
 TEST(ModelConversion, SaysWhatDoesNotFit) {
   ModelConversion to = To(ModelForm::kStateSpace);
   to.type = ModelFileType::kCsv;
