@@ -98,7 +98,7 @@ TransferFunction ElementResponse::ToTransferFunction(
 namespace {
 
 // Free responses are 0 once they are below this share of their first values.
-constexpr double kForgottenResponse = 1e-40;
+constexpr double kForgottenResponse = 1e-18;
 
 // Calls `with` with the order as a constant where it is small: the recursions
 // then have no sizes to look up.
@@ -205,9 +205,9 @@ void RunFirstOrder(const SampleMap& map, double C, double slope,
 constexpr double kLeastDecay = 1e-4;
 
 // RunFree() of first order.
-void RunFreeFirstOrder(double A, double E, double C, double duration,
-                       Eigen::Ref<MatrixXd> columns,
-                       Eigen::Ref<MatrixXd> derivatives) {
+Eigen::Index RunFreeFirstOrder(double A, double E, double C, double duration,
+                               Eigen::Ref<MatrixXd> columns,
+                               Eigen::Ref<MatrixXd> derivatives) {
   const double last = std::ceil(std::log(kForgottenResponse) / std::log1p(E));
   const auto kept = static_cast<Eigen::Index>(
       std::min(last, static_cast<double>(columns.rows())));
@@ -219,12 +219,14 @@ void RunFreeFirstOrder(double A, double E, double C, double duration,
   for (Eigen::Index k = 0; k < kept; ++k) {
     derivatives(k, 0) = -static_cast<double>(k) * duration * A * values(k);
   }
+  return kept;
 }
 
 template <int kOrder>
-void RunFree(const MatrixXd& A, const MatrixXd& E, const Eigen::RowVectorXd& C,
-             double duration, Eigen::Ref<MatrixXd> columns,
-             Eigen::Ref<MatrixXd> derivatives) {
+Eigen::Index RunFree(const MatrixXd& A, const MatrixXd& E,
+                     const Eigen::RowVectorXd& C, double duration,
+                     Eigen::Ref<MatrixXd> columns,
+                     Eigen::Ref<MatrixXd> derivatives) {
   using Row = Eigen::Matrix<double, 1, kOrder>;
   Eigen::Matrix<double, kOrder, kOrder> rate;
   rate = A;
@@ -238,7 +240,7 @@ void RunFree(const MatrixXd& A, const MatrixXd& E, const Eigen::RowVectorXd& C,
       const Eigen::Index rest = columns.rows() - k;
       columns.bottomRows(rest).setZero();
       derivatives.bottomRows(rest).setZero();
-      return;
+      return k;
     }
     columns.row(k) = output;
     next.noalias() = output * rate;
@@ -246,6 +248,7 @@ void RunFree(const MatrixXd& A, const MatrixXd& E, const Eigen::RowVectorXd& C,
     next.noalias() = output * change;
     output += next;
   }
+  return columns.rows();
 }
 
 }  // namespace
@@ -297,20 +300,23 @@ void ElementResponse::Simulate(double time_scale, double sample_time,
   if (!has_time_scale()) columns.col(1).setZero();
 }
 
-void ElementResponse::FreeResponses(double time_scale, double sample_time,
-                                    Eigen::Ref<MatrixXd> columns,
-                                    Eigen::Ref<MatrixXd> derivatives) const {
+Eigen::Index ElementResponse::FreeResponses(
+    double time_scale, double sample_time, Eigen::Ref<MatrixXd> columns,
+    Eigen::Ref<MatrixXd> derivatives) const {
   CHECK_EQ(columns.cols(), order());
-  if (order() == 0) return;
+  if (order() == 0) return 0;
   const double duration = sample_time / time_scale;
   const MatrixXd E = HeldInputMap::Over(duration, A_, B_).E;
   if (order() == 1 && E(0, 0) < -kLeastDecay && E(0, 0) > -1.0) {
-    RunFreeFirstOrder(A_(0, 0), E(0, 0), C_(0), duration, columns, derivatives);
-    return;
+    return RunFreeFirstOrder(A_(0, 0), E(0, 0), C_(0), duration, columns,
+                             derivatives);
   }
+  Eigen::Index kept = 0;
   WithOrder(order(), [&](auto order) {
-    RunFree<decltype(order)::value>(A_, E, C_, duration, columns, derivatives);
+    kept = RunFree<decltype(order)::value>(A_, E, C_, duration, columns,
+                                           derivatives);
   });
+  return kept;
 }
 
 }  // namespace mle

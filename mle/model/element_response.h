@@ -77,10 +77,11 @@ class ElementResponse {
 
   // What states (r) left by former inputs do to the output, kΔt after,
   // k = 0 … N−1: columns (N × r), and their derivatives by ln T. Those of an
-  // integrating element are so but for constants.
-  void FreeResponses(double time_scale, double sample_time,
-                     Eigen::Ref<Eigen::MatrixXd> columns,
-                     Eigen::Ref<Eigen::MatrixXd> derivatives) const;
+  // integrating element are so but for constants. They are zero once they are
+  // 1e-18 of what they were: from the row on whose number it returns.
+  Eigen::Index FreeResponses(double time_scale, double sample_time,
+                             Eigen::Ref<Eigen::MatrixXd> columns,
+                             Eigen::Ref<Eigen::MatrixXd> derivatives) const;
 
  private:
   ElementResponse() = default;

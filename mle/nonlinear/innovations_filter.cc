@@ -9,17 +9,79 @@
 namespace mle {
 namespace {
 
+using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+// Of the filter's state: w, a and b.
+constexpr Index kStates = 3;
 // Numbers of a block of rows: 32 KiB.
-constexpr Eigen::Index kBlock = 4096;
-constexpr Eigen::Index kFewestRows = 16;
+constexpr Index kBlock = 4096;
+constexpr Index kFewestRows = 16;
 // Of the widest vectors; columns of products made at once.
-constexpr Eigen::Index kMostLanes = 8;
+constexpr Index kMostLanes = 8;
 
-Eigen::Index RowsOfBlock(Eigen::Index width) {
-  return std::max(kBlock / std::max<Eigen::Index>(width, 1), kFewestRows);
+Index RowsOfBlock(Index width) {
+  return std::max(kBlock / std::max<Index>(width, 1), kFewestRows);
+}
+
+Index InWholeVectors(Index width) {
+  return (width + kMostLanes - 1) / kMostLanes * kMostLanes;
+}
+
+// Rows of which the same columns are made.
+struct Section {
+  Index end = 0;  // the row after its last
+  std::vector<Index> live;
+  std::vector<Index> ended;
+  Index states = 0;  // columns that stand for all that have ended
+
+  Index live_columns() const { return static_cast<Index>(live.size()); }
+  Index columns() const { return live_columns() + states; }
+};
+
+// From row `first` to where there are fewer vectors of columns, or to the last
+// of `samples`. `states`: numbers of the filter's state.
+Section SectionFrom(Index first, Index samples, Index width, Index states,
+                    const std::vector<Index>& ends) {
+  Section section;
+  section.end = samples;
+  for (Index c = 0; c < width; ++c) {
+    (ends.empty() || ends[c] > first ? section.live : section.ended)
+        .push_back(c);
+  }
+  if (!section.ended.empty()) section.states = states;
+  std::vector<Index> later;
+  for (const Index c : section.live) {
+    if (!ends.empty() && ends[c] < samples) later.push_back(ends[c]);
+  }
+  std::sort(later.begin(), later.end());
+  for (std::size_t i = 0; i < later.size(); ++i) {
+    const Index left =
+        section.live_columns() - static_cast<Index>(i) - 1 + states;
+    if (InWholeVectors(left) < InWholeVectors(section.columns())) {
+      section.end = later[i];
+      break;
+    }
+  }
+  return section;
+}
+
+// Adds those of a section's live columns and then its states' to the products
+// of all columns: what has ended are combinations of the latter.
+void AddProductsOf(const Section& section, const MatrixXd& of_section,
+                   const MatrixXd& combinations, MatrixXd& products) {
+  const Index live = section.live_columns();
+  products(section.live, section.live) += of_section.topLeftCorner(live, live);
+  if (section.states == 0) return;
+  const MatrixXd cross =
+      combinations * of_section.bottomLeftCorner(section.states, live);
+  products(section.ended, section.live) += cross;
+  products(section.live, section.ended) += cross.transpose();
+  products(section.ended, section.ended) +=
+      combinations *
+      of_section.bottomRightCorner(section.states, section.states) *
+      combinations.transpose();
 }
 
 // A product of F_k beyond this is exchanged for its logarithm: far from
@@ -44,7 +106,7 @@ class LogProduct {
 };
 
 double WhiteVariance(const VectorXd& weights, std::size_t k) {
-  return weights.size() > 0 ? 1.0 / weights(static_cast<Eigen::Index>(k)) : 1.0;
+  return weights.size() > 0 ? 1.0 / weights(static_cast<Index>(k)) : 1.0;
 }
 
 }  // namespace
@@ -60,7 +122,7 @@ InnovationsFilter::InnovationsFilter(const std::vector<int>& times,
   CHECK_GE(shape.colour_ratio, 0.0);
   CHECK(shape.offset || shape.ratio == 0.0);
   CHECK(weights.size() == 0 ||
-        weights.size() == static_cast<Eigen::Index>(times.size()));
+        weights.size() == static_cast<Index>(times.size()));
   if (times.empty()) return;
   // The first sample sets the level.
   if (shape.offset) gains_[0] = 1.0;
@@ -216,81 +278,103 @@ void InnovationsFilter::SetUpColour(const std::vector<int>& times,
   log_determinant_ = product.log();
 }
 
-void InnovationsFilter::FilterRows(Eigen::Index first, Eigen::Index count,
-                                   const double* from, Eigen::Index from_stride,
-                                   double* rows, Eigen::Index stride,
-                                   Eigen::Index width, VectorXd& state) const {
+void InnovationsFilter::FilterRows(Index first, Index count, double* rows,
+                                   Index width, MatrixXd& state) const {
   const FilterSteps steps = {
       .gains = gains_.data() + first,
       .inverse_roots = inverse_roots_.data() + first,
       .colour = colour_.empty() ? nullptr : &colour_[first].power.own,
       .spread = spread_};
-  VectorKernels().filter_rows(steps, count, from, from_stride, rows, stride,
-                              width, state.data());
+  VectorKernels().filter_rows(steps, count, rows, width, rows, width, width,
+                              state.data());
 }
 
 void InnovationsFilter::Apply(Eigen::Ref<MatrixXd> columns) const {
-  CHECK_EQ(columns.rows(), static_cast<Eigen::Index>(gains_.size()));
-  const Eigen::Index width = columns.cols();
-  const Eigen::Index most = RowsOfBlock(width);
-  VectorXd state = VectorXd::Zero(3 * width);
+  CHECK_EQ(columns.rows(), static_cast<Index>(gains_.size()));
+  const Index width = columns.cols();
+  const Index most = RowsOfBlock(width);
+  MatrixXd state = MatrixXd::Zero(width, kStates);
   RowMajorMatrix block;
-  for (Eigen::Index first = 0; first < columns.rows(); first += most) {
-    const Eigen::Index rows = std::min(most, columns.rows() - first);
+  for (Index first = 0; first < columns.rows(); first += most) {
+    const Index rows = std::min(most, columns.rows() - first);
     block = columns.middleRows(first, rows);
-    FilterRows(first, rows, block.data(), width, block.data(), width, width,
-               state);
+    FilterRows(first, rows, block.data(), width, state);
     columns.middleRows(first, rows) = block;
   }
 }
 
 MatrixXd InnovationsFilter::WhitenedProducts(
-    const RowMajorMatrix& columns) const {
-  CHECK_EQ(columns.rows(), static_cast<Eigen::Index>(gains_.size()));
-  return WhitenedProducts(columns.cols(),
-                          [&](Eigen::Index first, Eigen::Index /*count*/) {
-                            return columns.data() + first * columns.cols();
-                          });
+    const RowMajorMatrix& columns, const std::vector<Index>& ends) const {
+  CHECK_EQ(columns.rows(), static_cast<Index>(gains_.size()));
+  const auto copy = [&columns](Index first, Index count,
+                               const std::vector<Index>& live, double* rows,
+                               Index stride) {
+    for (Index k = 0; k < count; ++k, rows += stride) {
+      const double* row = columns.data() + (first + k) * columns.cols();
+      // Runs of neighbours are copied together.
+      for (std::size_t c = 0; c < live.size();) {
+        std::size_t end = c + 1;
+        while (end < live.size() && live[end] == live[end - 1] + 1) ++end;
+        std::copy_n(row + live[c], end - c, rows + c);
+        c = end;
+      }
+    }
+  };
+  return WhitenedProducts(columns.cols(), copy, ends);
 }
 
-MatrixXd InnovationsFilter::WhitenedProducts(Eigen::Index width,
-                                             const RowSource& rows) const {
-  // Whole vectors are filtered faster than single columns: the rest are zeros.
-  const Eigen::Index padded =
-      (width + kMostLanes - 1) / kMostLanes * kMostLanes;
-  const Eigen::Index most = RowsOfBlock(padded);
-  MatrixXd products = MatrixXd::Zero(padded, padded);
-  const Eigen::Index whole = width / kMostLanes * kMostLanes;
-  const Eigen::Index rest = width - whole;
-  VectorXd state = VectorXd::Zero(3 * whole);
-  VectorXd rest_state = VectorXd::Zero(3 * kMostLanes);
+MatrixXd InnovationsFilter::WhitenedProducts(
+    Index width, const RowSource& source,
+    const std::vector<Index>& ends) const {
+  CHECK(ends.empty() || std::ssize(ends) == width);
+  const auto samples = static_cast<Index>(gains_.size());
+  // Of white noise without an offset the state stays zero.
+  const Index num_states = !colour_.empty() ? kStates : (offset_ ? 1 : 0);
+  MatrixXd products = MatrixXd::Zero(width, width);
+  MatrixXd states = MatrixXd::Zero(width, kStates);
   RowMajorMatrix block;
-  const auto samples = static_cast<Eigen::Index>(gains_.size());
-  for (Eigen::Index first = 0; first < samples; first += most) {
-    const Eigen::Index count = std::min(most, samples - first);
-    if (block.rows() != count) block.setZero(count, padded);
-    const double* from = rows(first, count);
-    FilterRows(first, count, from, width, block.data(), padded, whole, state);
-    if (rest > 0) {
-      block.middleCols(whole, rest) =
-          Eigen::Map<const RowMajorMatrix, 0, Eigen::OuterStride<>>(
-              from + whole, count, rest, Eigen::OuterStride<>(width));
-      FilterRows(first, count, block.data() + whole, padded,
-                 block.data() + whole, padded, kMostLanes, rest_state);
+  for (Index first = 0; first < samples;) {
+    const Section section =
+        SectionFrom(first, samples, width, num_states, ends);
+    const Index live = section.live_columns();
+    // Whole vectors are filtered faster than single columns: the rest are
+    // zeros.
+    const Index padded = InWholeVectors(section.columns());
+    MatrixXd state = MatrixXd::Zero(padded, kStates);
+    state.topRows(live) = states(section.live, Eigen::all);
+    state.middleRows(live, section.states)
+        .leftCols(section.states)
+        .setIdentity();
+    MatrixXd of_section = MatrixXd::Zero(padded, padded);
+    const Index most = RowsOfBlock(padded);
+    for (; first < section.end; first += block.rows()) {
+      const Index count = std::min(most, section.end - first);
+      block.setZero(count, padded);
+      source(first, count, section.live, block.data(), padded);
+      FilterRows(first, count, block.data(), padded, state);
+      // The lower triangle, and what of the upper its panels hold.
+      for (Index c = 0; c < padded; c += kMostLanes) {
+        VectorKernels().add_products({.x = block.data() + c,
+                                      .x_stride = padded,
+                                      .rows = padded - c,
+                                      .w = block.data() + c,
+                                      .w_stride = padded,
+                                      .columns = kMostLanes,
+                                      .count = count},
+                                     &of_section(c, c), padded);
+      }
     }
-    // The lower triangle, and what of the upper its panels hold.
-    for (Eigen::Index c = 0; c < padded; c += kMostLanes) {
-      VectorKernels().add_products({.x = block.data() + c,
-                                    .x_stride = padded,
-                                    .rows = padded - c,
-                                    .w = block.data() + c,
-                                    .w_stride = padded,
-                                    .columns = kMostLanes,
-                                    .count = count},
-                                   &products(c, c), padded);
-    }
+    const MatrixXd combinations =
+        states(section.ended, Eigen::all).leftCols(section.states);
+    AddProductsOf(section,
+                  of_section.topLeftCorner(section.columns(), section.columns())
+                      .selfadjointView<Eigen::Lower>(),
+                  combinations, products);
+    states(section.live, Eigen::all) = state.topRows(live);
+    states(section.ended, Eigen::all) =
+        combinations * state.middleRows(live, section.states);
   }
-  return products.topLeftCorner(width, width).selfadjointView<Eigen::Lower>();
+  return products.selfadjointView<Eigen::Lower>();
 }
 
 // Disturbance smoother: e_k = (ν_k/F_k − Kᵀ_k r_k)/ω_k, backwards with
@@ -301,7 +385,7 @@ VectorXd InnovationsFilter::ColourlessPart(const VectorXd& disturbance) const {
   double of_w = 0.0;  // r_k
   double of_a = 0.0;
   double of_b = 0.0;
-  for (Eigen::Index k = white.size() - 1; k >= 0; --k) {
+  for (Index k = white.size() - 1; k >= 0; --k) {
     const ColourStep& step = colour_[k];
     const double smoothed = white(k) * inverse_roots_[k] - gains_[k] * of_w -
                             step.gain_a * of_a - step.gain_b * of_b;
@@ -316,16 +400,16 @@ VectorXd InnovationsFilter::ColourlessPart(const VectorXd& disturbance) const {
 }
 
 VectorXd InnovationsFilter::WhitePart(const VectorXd& disturbance) const {
-  CHECK_EQ(disturbance.size(), static_cast<Eigen::Index>(gains_.size()));
+  CHECK_EQ(disturbance.size(), static_cast<Index>(gains_.size()));
   if (disturbance.size() == 0) return disturbance;
   if (!colour_.empty()) return ColourlessPart(disturbance);
   if (!offset_) return disturbance;
   VectorXd level(disturbance.size());
   level(0) = disturbance(0);
-  for (Eigen::Index k = 1; k < level.size(); ++k) {
+  for (Index k = 1; k < level.size(); ++k) {
     level(k) = level(k - 1) + gains_[k] * (disturbance(k) - level(k - 1));
   }
-  for (Eigen::Index k = level.size() - 2; k >= 0; --k) {
+  for (Index k = level.size() - 2; k >= 0; --k) {
     level(k) += smoothing_[k] * (level(k + 1) - level(k));
   }
   return disturbance - level;

@@ -69,13 +69,22 @@ class InnovationsFilter {
   // CᵀC of the columns C that Apply() would make of `columns`, for N samples
   // and w columns N w (w + 9) operations in blocks that stay in the cache. All
   // of the symmetric matrix.
-  Eigen::MatrixXd WhitenedProducts(const RowMajorMatrix& columns) const;
-  // The same of rows of `width` numbers that are made when they are needed:
-  // `count` of them, from that of sample `first` on, until the next are.
-  using RowSource =
-      std::function<const double*(Eigen::Index first, Eigen::Index count)>;
-  Eigen::MatrixXd WhitenedProducts(Eigen::Index width,
-                                   const RowSource& rows) const;
+  //
+  // Columns may end, as free responses do: column c is zero from row ends[c] on
+  // (`ends` is empty where none does). What the filter makes of zeros is linear
+  // in its state there, up to three numbers, so that all columns that have
+  // ended take no more operations than three.
+  Eigen::MatrixXd WhitenedProducts(
+      const RowMajorMatrix& columns,
+      const std::vector<Eigen::Index>& ends = {}) const;
+  // The same of `width` columns that are made when they are needed: of `count`
+  // samples, from `first` on, those of `columns` (ascending), one row after the
+  // other, `stride` numbers from one to the next.
+  using RowSource = std::function<void(Eigen::Index first, Eigen::Index count,
+                                       const std::vector<Eigen::Index>& columns,
+                                       double* rows, Eigen::Index stride)>;
+  Eigen::MatrixXd WhitenedProducts(Eigen::Index width, const RowSource& source,
+                                   const std::vector<Eigen::Index>& ends) const;
 
   // The expected e_k given all of n (as many as samples): n less the smoothed
   // random walk and colour.
@@ -89,10 +98,9 @@ class InnovationsFilter {
   void SetUpColour(const std::vector<int>& times, const NoiseShape& shape,
                    const Eigen::VectorXd& weights);
   // Passes `count` rows of `width` numbers, the first that of sample `first`,
-  // from `state` (3 w) on.
-  void FilterRows(Eigen::Index first, Eigen::Index count, const double* from,
-                  Eigen::Index from_stride, double* rows, Eigen::Index stride,
-                  Eigen::Index width, Eigen::VectorXd& state) const;
+  // from `state` (width × 3) on.
+  void FilterRows(Eigen::Index first, Eigen::Index count, double* rows,
+                  Eigen::Index width, Eigen::MatrixXd& state) const;
   Eigen::VectorXd ColourlessPart(const Eigen::VectorXd& disturbance) const;
 
   std::vector<double> gains_;          // of w: P_k/F_k

@@ -37,6 +37,13 @@ const double kShareOfValue =
     std::exp(0.25 * kRatioGridStep) - std::exp(-0.25 * kRatioGridStep);
 const double kShareBelow = std::exp(-0.25 * kRatioGridStep);
 
+// The row from which on a column is zero.
+Eigen::Index EndOf(const Eigen::Ref<const VectorXd>& column) {
+  Eigen::Index end = column.size();
+  while (end > 0 && column(end - 1) == 0.0) --end;
+  return end;
+}
+
 }  // namespace
 
 double Profile::variance() const {
@@ -91,6 +98,7 @@ ShapeLikelihood::Part ShapeLikelihood::MakePart(const SegmentColumns& columns,
     }
   }
   part.amplitudes = basis.cols();
+  for (const auto& column : basis.colwise()) part.ends.push_back(EndOf(column));
   const Eigen::Index kept = columns.jacobian.cols();
   const Eigen::Index besides = more == nullptr ? 0 : more->cols();
   part.columns.resize(columns.residuals.size(),
@@ -104,6 +112,7 @@ ShapeLikelihood::Part ShapeLikelihood::MakePart(const SegmentColumns& columns,
     const MatrixXd shares = orthonormal.transpose() * others;
     others.noalias() -= basis * shares;
   }
+  part.ends.resize(part.columns.cols(), part.columns.rows());
   return part;
 }
 
@@ -115,8 +124,8 @@ ShapedProducts ShapeLikelihood::ProductsAt(const NoiseShape& shape) const {
     const OutputErrorProblem::Segment& segment =
         problem_.segment(static_cast<int>(s));
     const InnovationsFilter filter(segment.times, shape, segment.weights);
-    const Elimination amplitudes =
-        EliminateFirst(part.amplitudes, filter.WhitenedProducts(part.columns));
+    const Elimination amplitudes = EliminateFirst(
+        part.amplitudes, filter.WhitenedProducts(part.columns, part.ends));
     all.products += amplitudes.rest;
     all.log_amplitudes += amplitudes.log_determinant + part.log_scale;
     all.num_amplitudes += amplitudes.rank();

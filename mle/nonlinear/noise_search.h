@@ -82,6 +82,8 @@ class ShapeLikelihood {
   // Columns of a segment: amplitudes, what is linearised, residuals.
   struct Part {
     RowMajorMatrix columns;
+    // Of each column the row from which on it is zero.
+    std::vector<Eigen::Index> ends;
     Eigen::Index amplitudes = 0;
     // What the determinant of the products of the amplitudes as they were is
     // larger by, as a logarithm.

@@ -83,8 +83,9 @@ class OutputCost : public ceres::CostFunction {
  private:
   struct Part {
     InnovationsFilter filter;
-    VectorXd outputs;  // less the responses of the elements held
-    MatrixXd held;     // columns of amplitudes that do not change
+    VectorXd outputs;         // less the responses of the elements held
+    MatrixXd held;            // columns of amplitudes that do not change
+    std::vector<Index> ends;  // of each of them (WhitenedProducts)
     // As they were in the last evaluation: taken off before products are made,
     // so that little is left for them to explain.
     mutable VectorXd amplitudes = {};
@@ -97,6 +98,7 @@ class OutputCost : public ceres::CostFunction {
     // in the last.
     MatrixXd modes;
     MatrixXd mode_derivatives;
+    Index end = 0;  // from this row on both are zero
   };
 
   Part Hold(int s, const std::vector<bool>& free,
@@ -105,7 +107,8 @@ class OutputCost : public ceres::CostFunction {
     Part part = {
         .filter = InnovationsFilter(segment.times, shape, segment.weights),
         .outputs = segment.outputs,
-        .held = {}};
+        .held = {},
+        .ends = {}};
     const Index rows = segment.outputs.size();
     Index modes = 0;
     for (int j = 0; j < problem_.num_elements(); ++j) {
@@ -121,11 +124,14 @@ class OutputCost : public ceres::CostFunction {
       part.outputs -=
           point_.values[j].gain * response(segment.times, Eigen::all).col(0);
       const Index r = problem_.elements()[j]->order();
-      problem_.Modes(segment, point_, j, held.middleCols(mode, r),
-                     derivatives.middleCols(mode, r));
+      const Index end =
+          problem_.Modes(segment, point_, j, held.middleCols(mode, r),
+                         derivatives.middleCols(mode, r));
+      part.ends.insert(part.ends.end(), r, end);
       mode += r;
     }
     problem_.AppendDisturbances(s, held);
+    part.ends.resize(held.cols(), rows);
     part.held = held;
     part.amplitudes = VectorXd::Zero(held.cols() + num_modes_);
     return part;
@@ -159,11 +165,15 @@ class OutputCost : public ceres::CostFunction {
     Respond(segment, width > 0);
     Elimination result = EliminateFirst(
         amplitudes,
-        part.filter.WhitenedProducts(columns, [&](Index first, Index count) {
-          rows_.resize(count, columns);
-          Fill(segment, part, width > 0, first, rows_);
-          return rows_.data();
-        }));
+        part.filter.WhitenedProducts(
+            columns,
+            [&](Index first, Index count, const std::vector<Index>& live,
+                double* rows, Index stride) {
+              Fill(segment, part, width > 0, first, live,
+                   {rows, count, std::ssize(live),
+                    Eigen::OuterStride<>(stride)});
+            },
+            EndsOf(part, width)));
     if (amplitudes > 0) {
       part.amplitudes += result.Coefficients(columns - 1);
     }
@@ -198,28 +208,60 @@ class OutputCost : public ceres::CostFunction {
     for (std::size_t f = 0; f < free_.size(); ++f) {
       Columns& of = columns_[f];
       problem_.Respond(segment, point_, free_[f], of.response, derivatives);
-      problem_.FreeResponses(segment, point_, free_[f], of.modes,
-                             of.mode_derivatives);
+      of.end = problem_.FreeResponses(segment, point_, free_[f], of.modes,
+                                      of.mode_derivatives);
     }
   }
 
-  // The rows of the samples from `first` on.
+  // Of all columns (WhitenedProducts).
+  std::vector<Index> EndsOf(const Part& part, Index width) const {
+    const Index rows = part.outputs.size();
+    std::vector<Index> ends = part.ends;
+    const auto append_modes = [&] {
+      for (const Columns& of : columns_) {
+        ends.insert(ends.end(), of.modes.cols(), of.end);
+      }
+    };
+    append_modes();
+    ends.insert(ends.end(), width, rows);
+    if (width > 0) append_modes();
+    ends.push_back(rows);
+    return ends;
+  }
+
+  // The columns `live` of the samples from `first` on.
+  using Rows = Eigen::Map<RowMajorMatrix, 0, Eigen::OuterStride<>>;
   void Fill(const OutputErrorProblem::Segment& segment, const Part& part,
-            bool derivatives, Index first, RowMajorMatrix& rows) const {
-    const Index last = rows.cols() - 1;
+            bool derivatives, Index first, const std::vector<Index>& live,
+            Rows rows) const {
+    const Index last = std::ssize(live) - 1;
     const Index count = rows.rows();
     const Index held = part.held.cols();
     const int* times = segment.times.data() + first;
     const int begin = segment.times.front();
+    Index next = 0;  // in `live`
+    const auto is_live = [&](Index column) { return live[next] == column; };
     rows.col(last) = part.outputs.segment(first, count);
     for (Index c = 0; c < held; ++c) {
+      if (!is_live(c)) continue;
       const auto column = part.held.col(c).segment(first, count);
-      rows.col(c) = column;
+      rows.col(next++) = column;
       rows.col(last) -= part.amplitudes(c) * column;
     }
     Index mode = held;
-    Index parameter = part.amplitudes.size();
-    Index by_mode = parameter + num_parameters_;
+    for (const Columns& of : columns_) {
+      for (Index c = 0; c < of.modes.cols(); ++c, ++mode) {
+        if (!is_live(mode)) continue;
+        const double amplitude = part.amplitudes(mode);
+        const double* column = of.modes.col(c).data();
+        for (Index row = 0; row < count; ++row) {
+          const double value = column[times[row] - begin];
+          rows(row, next) = value;
+          rows(row, last) -= amplitude * value;
+        }
+        ++next;
+      }
+    }
     for (std::size_t f = 0; f < free_.size(); ++f) {
       const Columns& of = columns_[f];
       const double gain = point_.values[free_[f]].gain;
@@ -229,26 +271,23 @@ class OutputCost : public ceres::CostFunction {
         const double* at = response + times[row];
         rows(row, last) -= gain * at[0];
         if (!derivatives) continue;
-        rows(row, parameter) = -at[0];
-        rows(row, parameter + 1) = -gain * at[samples];
-        rows(row, parameter + 2) = -gain * at[2 * samples];
+        rows(row, next) = -at[0];
+        rows(row, next + 1) = -gain * at[samples];
+        rows(row, next + 2) = -gain * at[2 * samples];
       }
-      for (Index c = 0; c < of.modes.cols(); ++c, ++mode) {
-        const double amplitude = part.amplitudes(mode);
-        const double* column = of.modes.col(c).data();
+      if (derivatives) next += 3;
+    }
+    if (!derivatives) return;
+    Index by_mode = mode + num_parameters_;
+    for (const Columns& of : columns_) {
+      for (Index c = 0; c < of.modes.cols(); ++c, ++by_mode) {
+        if (!is_live(by_mode)) continue;
+        const double* column = of.mode_derivatives.col(c).data();
         for (Index row = 0; row < count; ++row) {
-          const double value = column[times[row] - begin];
-          rows(row, mode) = value;
-          rows(row, last) -= amplitude * value;
+          rows(row, next) = column[times[row] - begin];
         }
-        if (!derivatives) continue;
-        const double* derivative = of.mode_derivatives.col(c).data();
-        for (Index row = 0; row < count; ++row) {
-          rows(row, by_mode) = derivative[times[row] - begin];
-        }
-        ++by_mode;
+        ++next;
       }
-      parameter += 3;
     }
   }
 
@@ -261,8 +300,7 @@ class OutputCost : public ceres::CostFunction {
   // Of one evaluation; Ceres makes one at a time.
   mutable OutputPoint point_;
   mutable std::vector<Columns> columns_;  // of each free element
-  mutable RowMajorMatrix rows_;
-  mutable bool evaluated_ = false;  // amplitudes are known
+  mutable bool evaluated_ = false;        // amplitudes are known
 };
 
 }  // namespace

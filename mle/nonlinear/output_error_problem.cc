@@ -133,24 +133,29 @@ bool OutputErrorProblem::IsExcited(int input) const {
   return false;
 }
 
-void OutputErrorProblem::FreeResponses(const Segment& segment,
-                                       const OutputPoint& point, int j,
-                                       MatrixXd& columns,
-                                       MatrixXd& derivatives) const {
+Eigen::Index OutputErrorProblem::FreeResponses(const Segment& segment,
+                                               const OutputPoint& point, int j,
+                                               MatrixXd& columns,
+                                               MatrixXd& derivatives) const {
   const int length = segment.times.back() - segment.times.front() + 1;
   columns.resize(length, elements_[j]->order());
   derivatives.resize(length, elements_[j]->order());
-  elements_[j]->FreeResponses(point.values[j].time_scale, sample_time_, columns,
-                              derivatives);
+  const Eigen::Index kept = elements_[j]->FreeResponses(
+      point.values[j].time_scale, sample_time_, columns, derivatives);
+  const std::vector<int>& times = segment.times;
+  return std::lower_bound(times.begin(), times.end(), times.front() + kept) -
+         times.begin();
 }
 
-void OutputErrorProblem::Modes(const Segment& segment, const OutputPoint& point,
-                               int j, Eigen::Ref<MatrixXd> columns,
-                               Eigen::Ref<MatrixXd> derivatives) const {
-  if (columns.cols() == 0) return;
+Eigen::Index OutputErrorProblem::Modes(const Segment& segment,
+                                       const OutputPoint& point, int j,
+                                       Eigen::Ref<MatrixXd> columns,
+                                       Eigen::Ref<MatrixXd> derivatives) const {
+  if (columns.cols() == 0) return 0;
   MatrixXd modes;
   MatrixXd by_time_scale;
-  FreeResponses(segment, point, j, modes, by_time_scale);
+  const Eigen::Index kept =
+      FreeResponses(segment, point, j, modes, by_time_scale);
   // Samples without a gap between them are copied together.
   const std::vector<int>& times = segment.times;
   const Eigen::Index rows = columns.rows();
@@ -163,6 +168,7 @@ void OutputErrorProblem::Modes(const Segment& segment, const OutputPoint& point,
         by_time_scale.middleRows(k, end - row);
     row = end;
   }
+  return kept;
 }
 
 void OutputErrorProblem::Amplitudes(int s, const OutputPoint& point,

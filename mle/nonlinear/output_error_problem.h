@@ -183,12 +183,14 @@ class OutputErrorProblem {
   // The free responses of element j and their derivatives by its ln T (each
   // N × r_j), at every sample from the first that counts to the last; at those
   // that count (rows × r_j); the columns of lines, steps and a ramp, appended.
-  void FreeResponses(const Segment& segment, const OutputPoint& point, int j,
-                     Eigen::MatrixXd& columns,
-                     Eigen::MatrixXd& derivatives) const;
-  void Modes(const Segment& segment, const OutputPoint& point, int j,
-             Eigen::Ref<Eigen::MatrixXd> columns,
-             Eigen::Ref<Eigen::MatrixXd> derivatives) const;
+  // Free responses return the number of samples that count before they are
+  // zero.
+  Eigen::Index FreeResponses(const Segment& segment, const OutputPoint& point,
+                             int j, Eigen::MatrixXd& columns,
+                             Eigen::MatrixXd& derivatives) const;
+  Eigen::Index Modes(const Segment& segment, const OutputPoint& point, int j,
+                     Eigen::Ref<Eigen::MatrixXd> columns,
+                     Eigen::Ref<Eigen::MatrixXd> derivatives) const;
   void AppendDisturbances(int segment, Eigen::MatrixXd& columns) const;
   // In place of the derivative by each free dead time L, the secant over L ±
   // steps (of every element; 0: unchanged).

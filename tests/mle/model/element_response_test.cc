@@ -207,6 +207,31 @@ TEST(ElementResponseTest, FreeResponsesMakeUpForForgottenInputs) {
   }
 }
 
+// From the row that is returned on they are zero, and before they were small.
+TEST(ElementResponseTest, FreeResponsesEnd) {
+  const int samples = 20000;
+  for (const TransferFunction& element : Elements()) {
+    const ElementResponse response = Make(element);
+    if (response.order() == 0) continue;
+    MatrixXd modes(samples, response.order());
+    MatrixXd derivatives = modes;
+    const Eigen::Index end = response.FreeResponses(
+        response.initial_values().time_scale, kSampleTime, modes, derivatives);
+    ASSERT_GT(end, 0);
+    ASSERT_LT(end, samples);
+    EXPECT_TRUE(modes.bottomRows(samples - end).isZero(0.0));
+    EXPECT_TRUE(derivatives.bottomRows(samples - end).isZero(0.0));
+    EXPECT_FALSE(modes.row(end - 1).isZero(0.0));
+    EXPECT_LT(modes.row(end - 1).norm(), 1e-17 * modes.row(0).norm());
+    // No more than what fits is asked for.
+    MatrixXd few = modes.topRows(5);
+    MatrixXd unused = few;
+    EXPECT_EQ(response.FreeResponses(response.initial_values().time_scale,
+                                     kSampleTime, few, unused),
+              5);
+  }
+}
+
 TEST(ElementResponseTest, ValuesMakeTheTransferFunction) {
   for (const TransferFunction& element : Elements()) {
     const ElementResponse response = Make(element);

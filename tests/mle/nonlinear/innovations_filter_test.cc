@@ -138,6 +138,51 @@ TEST_P(InnovationsFilterTest, ProductsAreThoseOfWhitenedColumns) {
   }
 }
 
+// Zeros after the end of a column are no rows to multiply: the products are
+// those of all rows, whichever columns end first, in a gap, at once or never.
+TEST_P(InnovationsFilterTest, ColumnsThatEndHaveTheSameProducts) {
+  const int samples = 3000;
+  std::vector<int> times(samples);
+  std::iota(times.begin(), times.end(), 0);
+  for (int k = 1000; k < samples; ++k) times[k] += 7;
+  const InnovationsFilter filter(times, GetParam());
+  for (const int width : {1, 9, 40}) {
+    MatrixXd columns = RandomSamples(samples, width);
+    std::vector<Eigen::Index> ends(width, samples);
+    for (int c = 0; c < width; ++c) {
+      // Every third goes on, the first is zero, some end together.
+      if (c % 3 != 0) ends[c] = 1000 + 300 * (c % 7);
+      if (c == 0 && width > 1) ends[c] = 0;
+      columns.col(c).tail(samples - ends[c]).setZero();
+    }
+    const MatrixXd expected = filter.WhitenedProducts(columns);
+    const MatrixXd products = filter.WhitenedProducts(columns, ends);
+    EXPECT_LT((products - expected).norm(), 1e-12 * expected.norm()) << width;
+    for (int c = 0; c < width; ++c) {
+      // Of each column by itself: small ones are not lost beside large ones.
+      EXPECT_NEAR(products(c, c), expected(c, c), 1e-12 * expected(c, c));
+    }
+    EXPECT_EQ(products, products.transpose());
+  }
+}
+
+// All columns may end, and one may end at every sample.
+TEST_P(InnovationsFilterTest, AllColumnsMayEnd) {
+  const int samples = 60;
+  std::vector<int> times(samples);
+  std::iota(times.begin(), times.end(), 0);
+  const InnovationsFilter filter(times, GetParam());
+  MatrixXd columns = RandomSamples(samples, samples);
+  std::vector<Eigen::Index> ends(samples);
+  for (int c = 0; c < samples; ++c) {
+    ends[c] = c;
+    columns.col(c).tail(samples - c).setZero();
+  }
+  const MatrixXd expected = filter.WhitenedProducts(columns);
+  EXPECT_LT((filter.WhitenedProducts(columns, ends) - expected).norm(),
+            1e-12 * expected.norm());
+}
+
 // Weighted samples: the same identity with variances 1/ω on the diagonal.
 TEST_P(InnovationsFilterTest, WeightsAreInverseVariances) {
   const std::vector<int> times = {0, 1, 2, 3, 7, 8, 10, 11, 12, 30, 31, 32};
