@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "control/mpc.h"
+#include "mle/base/parallel.h"
 #include "mle/base/status.h"
 #include "mle/model/process_model.h"
 
@@ -351,11 +353,19 @@ absl::StatusOr<RetuningAdvice> AdviseRetuning(const PredictionModel& old_model,
       advice.tuning,
       TuneByRules(advice.elements, old_model.roles, corrected.sample_time,
                   old_tuning, options, advice.reasons));
-  MLE_ASSIGN_OR_RETURN(advice.running, Analyse(old_model, old_tuning, plant));
-  MLE_ASSIGN_OR_RETURN(advice.exchanged, Analyse(plant, old_tuning, plant));
   MLE_ASSIGN_OR_RETURN(const PredictionModel model,
                        predict(advice.tuning.control_period));
-  MLE_RETURN_IF_ERROR(MakeRobust(model, options, advice));
+  absl::StatusOr<LoopAnalysis> running;
+  absl::StatusOr<LoopAnalysis> exchanged;
+  absl::Status made_robust;
+  ParallelFor(3, options.threads, [&](int loop) {
+    if (loop == 0) made_robust = MakeRobust(model, options, advice);
+    if (loop == 1) running = Analyse(old_model, old_tuning, plant);
+    if (loop == 2) exchanged = Analyse(plant, old_tuning, plant);
+  });
+  MLE_ASSIGN_OR_RETURN(advice.running, std::move(running));
+  MLE_ASSIGN_OR_RETURN(advice.exchanged, std::move(exchanged));
+  MLE_RETURN_IF_ERROR(made_robust);
   JudgeOldTuning(advice, options.largest_sensitivity_peak);
   return advice;
 }

@@ -64,6 +64,8 @@ struct RetuningOptions {
   // The largest sensitivity peak, > 1. (Skogestad and Postlethwaite, 2005, sec.
   // 2.4.3.)
   double largest_sensitivity_peak = 2.0;
+  // Loops are analysed side by side; 0: one thread for each processor.
+  int threads = 1;
   // How times are spelled in the reasons, such as "min".
   std::string time_unit = {};
   // How channels are; empty: "output 1" and "input 1".

@@ -34,8 +34,9 @@ std::vector<InputRole> RolesOf(const ProcessModel& model) {
   return roles;
 }
 
-control::RetuningOptions NamesOf(const Result& result) {
+control::RetuningOptions RetuningOptionsOf(const Result& result) {
   control::RetuningOptions options;
+  options.threads = result.options.threads;
   options.time_unit = result.initial.time_unit();
   for (const OutputChannel& output : result.initial.outputs()) {
     options.output_names.push_back(output.name);
@@ -63,7 +64,7 @@ StepResponse SettledResponse(const Result& result) {
 }
 
 absl::StatusOr<std::vector<std::string>> Retune(const Result& result) {
-  const control::RetuningOptions options = NamesOf(result);
+  const control::RetuningOptions options = RetuningOptionsOf(result);
   MLE_ASSIGN_OR_RETURN(const control::MpcOptions old_tuning,
                        TuningInUse(result));
   const double settled =
@@ -216,7 +217,7 @@ absl::StatusOr<control::MpcOptions> TuningInUse(const Result& result) {
   std::vector<std::string> unused;
   return control::TuneByRules(elements, RolesOf(result.initial),
                               result.data.sample_time(), tuning,
-                              NamesOf(result), unused);
+                              RetuningOptionsOf(result), unused);
 }
 
 std::string_view NameOf(PairState state) {

@@ -124,7 +124,7 @@ absl::StatusOr<Result> RunCorrection(const Request& request, RecordData data,
   result.verdict = DescribeVerdict(result);
   result.findings = Findings(result);
   result.advice = Advise(result);
-  // The advice is one thread's work.
+  // Each by itself leaves threads idle.
   Tuning tuning;
   absl::StatusOr<LoopComparison> loops;
   ParallelFor(2, result.options.threads, [&](int part) {

@@ -249,7 +249,7 @@ FoldResult HoldOut(const Estimate& estimate, const std::vector<Record>& windows,
   EstimationOptions options = estimate.setting.options;
   // Whether a change is proposed at all, and of which outputs, is decided, by
   // all the data: a fold may be too short to find it again. What has changed,
-  // and how, is its own.
+  // where they leave a doubt, and how, is its own.
   const EstimateFit& whole = estimate.fit;
   const OutputErrorCorrection& structure = whole.without_shapes.has_value()
                                                ? *whole.without_shapes
@@ -257,7 +257,7 @@ FoldResult HoldOut(const Estimate& estimate, const std::vector<Record>& windows,
   options.output_error.change_given = structure.change_proposed;
   if (structure.change_proposed) {
     options.output_error.start =
-        std::make_shared<const OutputErrorFit>(structure.full);
+        std::make_shared<const OutputErrorCorrection>(structure);
     options.output_error.offsets = OffsetsOf(structure);
   }
   for (int i = 0; i < estimate.setting.initial.num_outputs(); ++i) {

@@ -49,6 +49,10 @@ absl::StatusOr<ElementResponse> ElementResponse::Create(
   // In the time unit T, with B as it is.
   const StateSpace system = stable.Realize();
   response.A_ = time_scale * system.A;
+  if (response.order() > 0) {
+    response.shortest_time_ =
+        1.0 / response.A_.eigenvalues().cwiseAbs().maxCoeff();
+  }
   response.B_ = system.B;
   response.C_ = time_scale / response.shape_gain_ * system.C;
   response.D_ = system.D / response.shape_gain_;

@@ -65,6 +65,10 @@ class ElementResponse {
   // r, of modes that decay.
   int order() const { return static_cast<int>(A_.rows()); }
 
+  // Of the mode that is over first, or oscillates fastest: 1/|s| of its pole,
+  // as a share of T; 0 without modes.
+  double shortest_time() const { return shortest_time_; }
+
   TransferFunction ToTransferFunction(const ElementValues& values) const;
 
   // columns (N × 3): the response for K = 1, its derivative by ln T and by L,
@@ -97,6 +101,7 @@ class ElementResponse {
   ElementValues initial_values_;
   double shape_gain_ = 1.0;  // of `initial_`, for K = 1
   bool integrating_ = false;
+  double shortest_time_ = 0.0;
   Eigen::MatrixXd A_;     // r × r
   Eigen::VectorXd B_;     // r
   Eigen::RowVectorXd C_;  // r

@@ -183,8 +183,8 @@ double CriticalValue(const OutputFit& fit, int j, double false_alarm) {
 class Confirmation {
  public:
   Confirmation(const OutputSetup& setup, const std::vector<AssumedFit>& fits,
-               const std::vector<bool>& named, double false_alarm,
-               const OutputErrorOptions& options);
+               const std::vector<bool>& named, const std::vector<bool>& certain,
+               double false_alarm, const OutputErrorOptions& options);
 
   // Adds the element that makes the likeliest fit, if one is worth its critical
   // value; whether it is.
@@ -192,7 +192,8 @@ class Confirmation {
   // The same again and again, while the fit with all elements free is better
   // than chance makes it.
   void AddMissing();
-  // Drops elements one by one that may as well be as they were.
+  // Drops elements one by one that may as well be as they were, and are not
+  // certain.
   void DropUnchanged();
   // Puts what has changed by likelihood alone, whatever is named, in the place
   // of all where it is the better account.
@@ -231,6 +232,7 @@ class Confirmation {
 
   const OutputSetup& setup_;
   const std::vector<AssumedFit>& fits_;
+  const std::vector<bool>& certain_;
   double false_alarm_;
   const OutputErrorOptions& options_;
   std::size_t main_ = 0;  // the heaviest assumption
@@ -243,23 +245,31 @@ class Confirmation {
 
 Confirmation::Confirmation(const OutputSetup& setup,
                            const std::vector<AssumedFit>& fits,
-                           const std::vector<bool>& named, double false_alarm,
+                           const std::vector<bool>& named,
+                           const std::vector<bool>& certain, double false_alarm,
                            const OutputErrorOptions& options)
-    : setup_(setup), fits_(fits), false_alarm_(false_alarm), options_(options) {
+    : setup_(setup),
+      fits_(fits),
+      certain_(certain),
+      false_alarm_(false_alarm),
+      options_(options) {
   const auto heaviest = std::max_element(
       fits.begin(), fits.end(), [](const AssumedFit& a, const AssumedFit& b) {
         return a.weight < b.weight;
       });
   main_ = static_cast<std::size_t>(heaviest - fits.begin());
-  for (const AssumedFit& assumed : fits) {
-    const SquaresOfFits& squares =
-        squares_.emplace_back(setup, *assumed.fit, options);
-    with_.push_back(squares.At(named, assumed.fit->point));
-    full_.push_back(squares.OfFit());
-  }
   confirmed_.changed = named;
   confirmed_.statistics.assign(named.size(), 0.0);
   confirmed_.p_values.assign(named.size(), 1.0);
+  for (std::size_t j = 0; j < certain.size(); ++j) {
+    if (certain[j]) confirmed_.p_values[j] = 0.0;
+  }
+  for (const AssumedFit& assumed : fits) {
+    const SquaresOfFits& squares =
+        squares_.emplace_back(setup, *assumed.fit, options);
+    with_.push_back(squares.At(confirmed_.changed, assumed.fit->point));
+    full_.push_back(squares.OfFit());
+  }
 }
 
 Confirmation::Ratio Confirmation::RatioOf(
@@ -328,7 +338,7 @@ void Confirmation::DropUnchanged() {
     std::size_t least = 0;  // the element of which it is
     std::vector<Minimum> without_least;
     for (std::size_t j = 0; j < m; ++j) {
-      if (!confirmed_.changed[j]) continue;
+      if (!confirmed_.changed[j] || certain_[j]) continue;
       std::vector<bool> others = confirmed_.changed;
       others[j] = false;
       std::vector<Minimum> without = FitsWith(others);
@@ -348,15 +358,14 @@ void Confirmation::DropUnchanged() {
 }
 
 void Confirmation::TakeRival() {
-  if (NumChanged() == 0) return;
-  const std::vector<bool> none(confirmed_.changed.size(), false);
-  Confirmation rival(setup_, fits_, none, false_alarm_, options_);
+  if (confirmed_.changed == certain_) return;
+  Confirmation rival(setup_, fits_, certain_, certain_, false_alarm_, options_);
   if (!rival.AddLikeliest()) return;
   rival.AddMissing();
   if (rival.confirmed_.changed == confirmed_.changed) return;
   rival.DropUnchanged();
   const int fewer = NumChanged() - rival.NumChanged();
-  if (rival.NumChanged() == 0 || fewer < 0) return;
+  if (rival.confirmed_.changed == certain_ || fewer < 0) return;
   const auto first = std::find(rival.confirmed_.changed.begin(),
                                rival.confirmed_.changed.end(), true) -
                      rival.confirmed_.changed.begin();
@@ -384,9 +393,10 @@ ConfirmedChanges Confirmation::Result() const {
 ConfirmedChanges ConfirmChanges(const OutputSetup& setup,
                                 const std::vector<AssumedFit>& fits,
                                 const std::vector<bool>& named,
+                                const std::vector<bool>& certain,
                                 double false_alarm,
                                 const OutputErrorOptions& options) {
-  Confirmation confirmation(setup, fits, named, false_alarm, options);
+  Confirmation confirmation(setup, fits, named, certain, false_alarm, options);
   confirmation.AddMissing();
   confirmation.DropUnchanged();
   confirmation.TakeRival();

@@ -32,6 +32,9 @@
 //
 // c the critical value of one, and 6 being 3 nats.
 //
+// Elements that are certain to have changed belong to every set, and do not
+// leave.
+//
 // Where sets are compared, of those that are added and of rivals, S/r has
 // besides what makes the size of a change improbable (change_prior.h): of
 // changes that explain the records equally the smaller ones are taken. Tests
@@ -65,7 +68,7 @@ struct ConfirmedChanges {
   // m: of each element that was named, or is its rival, the likelihood ratio
   // when it left, or the last; 0 for others.
   std::vector<double> statistics;
-  std::vector<double> p_values;  // the same, 1 for others
+  std::vector<double> p_values;  // the same; 1 for others, 0 for certain ones
   // Of the fit with all elements free, against that of what has changed.
   double missing_p_value = 1.0;
   // The best fit of what has changed, by the heaviest assumption.
@@ -76,12 +79,13 @@ struct ConfirmedChanges {
 };
 
 // What has changed may be other elements than those that are `named`, which may
-// be none. Likelihood ratios under several assumptions are S = −2 ln Σ w
-// exp(−S_w/2), as in the test of no change. An element has changed where p <
-// `false_alarm`.
+// be none, but for those that are `certain`, some of them. Likelihood ratios
+// under several assumptions are S = −2 ln Σ w exp(−S_w/2), as in the test of no
+// change. An element has changed where p < `false_alarm`.
 ConfirmedChanges ConfirmChanges(const OutputSetup& setup,
                                 const std::vector<AssumedFit>& fits,
                                 const std::vector<bool>& named,
+                                const std::vector<bool>& certain,
                                 double false_alarm,
                                 const OutputErrorOptions& options);
 

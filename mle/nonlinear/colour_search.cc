@@ -52,18 +52,21 @@ class ColourSearch {
         longest_(std::max(kLongestShare * segment_, kShortestMemory)),
         order_(order) {}
 
-  // The best of the grid: without a walk, and with one as in `walk`. For given
-  // poles −2 ln L has one minimum in σ, which is sought from where the poles
-  // before had theirs.
-  Profile OfGrid(const NoiseShape& walk) const {
-    std::vector<double> ratios = {0.0};
-    if (walk.ratio > 0.0) ratios.push_back(walk.ratio);
+  // The best of the grid: without a walk, and with one as in `walk`, the best
+  // without colour. For given poles −2 ln L has one minimum in σ: none beyond
+  // the least σ if that is worse than no colour, or else sought from where the
+  // poles before had theirs.
+  Profile OfGrid(const Profile& walk) const {
+    std::vector<Profile> without = {
+        walk.shape.ratio > 0.0 ? likelihood_.At(NoiseShape()) : walk};
+    if (walk.shape.ratio > 0.0) without.push_back(walk);
     Profile best;
-    for (const double ratio : ratios) {
+    for (const Profile& plain : without) {
       int place = kFirstPlace;
       for (NoiseShape shape : order_ == 1 ? FirstOrders() : SecondOrders()) {
-        shape.ratio = ratio;
-        const Profile profile = OfPoles(shape, place);
+        shape.ratio = plain.shape.ratio;
+        Profile profile = At(shape, 0);
+        if (profile.value < plain.value) profile = OfPoles(shape, place);
         if (profile.value < best.value) best = profile;
       }
     }
@@ -122,19 +125,21 @@ class ColourSearch {
     return shapes;
   }
 
-  // Stationary variances are kLeastColour e^(2.5 place) of the white part's.
-  Profile OfPoles(NoiseShape shape, int& place) const {
-    const double unit = shape.colour().Stationary().aa;
-    const auto at = [&](int i) {
-      shape.colour_ratio = kLeastColour / unit * std::exp(kColourStep * i);
-      return likelihood_.At(shape);
-    };
-    Profile best = at(place);
+  // With these poles, the stationary variance kLeastColour e^(2.5 place) of the
+  // white part's.
+  Profile At(NoiseShape shape, int place) const {
+    shape.colour_ratio = kLeastColour / shape.colour().Stationary().aa *
+                         std::exp(kColourStep * place);
+    return likelihood_.At(shape);
+  }
+
+  Profile OfPoles(const NoiseShape& shape, int& place) const {
+    Profile best = At(shape, place);
     bool moved = false;
     for (const int direction : {1, -1}) {
       while (!(direction < 0 && moved) && place + direction >= 0 &&
              place + direction <= kLastPlace) {
-        const Profile next = at(place + direction);
+        const Profile next = At(shape, place + direction);
         if (!(next.value < best.value)) break;
         best = next;
         place += direction;
@@ -230,7 +235,7 @@ class ColourSearch {
 Profile FindBestColour(const ShapeLikelihood& likelihood, int order,
                        const Profile& walk) {
   const ColourSearch search(likelihood, order);
-  const Profile start = search.OfGrid(walk.shape);
+  const Profile start = search.OfGrid(walk);
   if (!start.shape.coloured()) return start;
   if (!(start.value < walk.value - kPromise)) return start;
   return search.From(start, kFirstStep);

@@ -128,13 +128,19 @@ Candidates MakeCandidates(const OutputErrorProblem& problem,
                           const OutputPoint& start,
                           const std::vector<bool>& free,
                           const std::vector<double>& max_delays,
-                          int max_points) {
+                          const DelayGrid& grid) {
   Candidates candidates;
   candidates.delays.resize(problem.num_elements());
   for (int j = 0; j < problem.num_elements(); ++j) {
     if (!free[j]) continue;
     const int last = static_cast<int>(max_delays[j] / problem.sample_time());
-    const int stride = std::max(1, (last + max_points - 1) / max_points);
+    const double apart =
+        std::min(grid.share * problem.elements()[j]->shortest_time() *
+                     start.values[j].time_scale / problem.sample_time(),
+                 static_cast<double>(last));
+    const int stride =
+        std::max({1, (last + grid.max_points - 1) / grid.max_points,
+                  static_cast<int>(apart)});
     const int at = static_cast<int>(
         std::lround(start.values[j].delay / problem.sample_time()));
     std::vector<int>& delays = candidates.delays[j];
@@ -189,9 +195,9 @@ DelaySearchResult SearchDelays(const OutputErrorProblem& problem,
                                const NoiseShape& shape,
                                const std::vector<bool>& free,
                                const std::vector<double>& max_delays,
-                               int max_points) {
+                               const DelayGrid& grid) {
   const Candidates candidates =
-      MakeCandidates(problem, start, free, max_delays, max_points);
+      MakeCandidates(problem, start, free, max_delays, grid);
   const MatrixXd dictionary =
       problem.Dictionary(start, shape, candidates.delays);
   const Combinations combinations = MakeCombinations(dictionary);

@@ -27,13 +27,21 @@ struct DelaySearchResult {
   double cost_accuracy = 0.0;
 };
 
-// Dead times from 0 to `max_delays`[j], on at most `max_points` points each.
+// Which dead times of an element are tried: every sample, but on at most so
+// many points, and no nearer to each other than a share of its shortest time
+// constant.
+struct DelayGrid {
+  int max_points = 64;
+  double share = 0.0;
+};
+
+// Dead times from 0 to `max_delays`[j].
 DelaySearchResult SearchDelays(const OutputErrorProblem& problem,
                                const OutputPoint& start,
                                const NoiseShape& shape,
                                const std::vector<bool>& free,
                                const std::vector<double>& max_delays,
-                               int max_points);
+                               const DelayGrid& grid);
 
 }  // namespace mle
 

@@ -167,6 +167,12 @@ double PricedValue(const OutputErrorProblem& problem, const Profile& profile) {
          parameters * std::log(problem.num_innovations(NoiseShape()));
 }
 
+double LeastRatio(const OutputErrorProblem& problem) {
+  const double length = static_cast<double>(problem.num_samples()) /
+                        static_cast<double>(problem.num_segments());
+  return std::max(1.0 / (length * length), std::exp(kMinLogRatio));
+}
+
 double MemoryOf(double pole) { return -1.0 / std::log(pole); }
 
 double PoleOf(double memory) { return std::exp(-1.0 / memory); }
@@ -206,14 +212,13 @@ namespace {
 // encloses it.
 class RatioSearch {
  public:
-  // `length`: samples of a segment.
-  RatioSearch(const ShapeLikelihood& likelihood, double length)
+  explicit RatioSearch(const ShapeLikelihood& likelihood)
       : likelihood_(likelihood),
-        least_(std::max(-2.0 * std::log(length), kMinLogRatio)),
+        least_(std::log(LeastRatio(likelihood.problem()))),
         white_(likelihood.At(NoiseShape())) {}
 
-  // The best of a grid and its neighbours. Below 1/N² drift changes no
-  // estimate; above √N there is hardly white noise, and Climb() goes on.
+  // The best of a grid and its neighbours. Above √N there is hardly white
+  // noise, and Climb() goes on.
   void AskGrid(double num_samples) {
     double former = std::numeric_limits<double>::infinity();
     bool rose = false;  // from the best to what comes after it
@@ -239,7 +244,10 @@ class RatioSearch {
   void AskNear(double log_ratio) {
     place_ = std::clamp(log_ratio, kMinLogRatio, kMaxLogRatio);
     best_ = At(place_);
-    if (!Climb(kNearStep)) Climb(-kNearStep);
+    if (Climb(kNearStep)) return;
+    // What is below leads to white noise.
+    if (place_ <= least_ && white_.value <= best_.value) return;
+    Climb(-kNearStep);
   }
 
   // The parabola through the three best points tells where the next is asked
@@ -339,13 +347,11 @@ class RatioSearch {
 // Over all ρ, without colour: from `near` downhill or, where that is 0, on a
 // grid.
 Profile FindBestRatio(const ShapeLikelihood& likelihood, double near) {
-  const OutputErrorProblem& problem = likelihood.problem();
-  const double samples = static_cast<double>(problem.num_samples());
-  RatioSearch search(likelihood, samples / problem.num_segments());
+  RatioSearch search(likelihood);
   if (near > 0.0) {
     search.AskNear(std::log(near));
   } else {
-    search.AskGrid(samples);
+    search.AskGrid(likelihood.problem().num_samples());
   }
   return search.Refine();
 }

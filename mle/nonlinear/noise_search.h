@@ -29,6 +29,10 @@
 
 namespace mle {
 
+// ρ of which the walk moves by a sample's noise in a segment: of less drift no
+// estimate depends.
+double LeastRatio(const OutputErrorProblem& problem);
+
 // The range of ρ, as ln ρ. Below it drift is less than a sample's noise in
 // 10⁵ samples, above it white noise is none. σ has the same.
 inline const double kMinLogRatio = std::log(1e-10);

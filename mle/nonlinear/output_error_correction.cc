@@ -261,6 +261,22 @@ double ChangeStatistic(const std::vector<OutputSetup>& setups,
                         (1.0 - weight) * std::exp(-0.5 * (without - least)));
 }
 
+// The elements of output i that have changed by what all records say and, with
+// these p of Wald's test, this part of them.
+std::vector<bool> BeyondDoubt(const std::vector<bool>& named,
+                              const Eigen::RowVectorXd& p_values, int i,
+                              const OutputErrorOptions& options) {
+  std::vector<bool> certain(named.size(), false);
+  if (options.start == nullptr) return certain;
+  for (std::size_t j = 0; j < named.size(); ++j) {
+    const auto input = static_cast<Eigen::Index>(j);
+    certain[j] = named[j] && options.start->aged(i, input) &&
+                 std::max(options.start->element_p_values(i, input),
+                          p_values(input)) < kBeyondDoubt;
+  }
+  return certain;
+}
+
 // The elements of output i that have changed, by Wald's test and then by
 // likelihood, into its rows of `correction`. `fit` takes the values of those
 // that have where a better fit was found than from its own.
@@ -286,8 +302,10 @@ void JudgeElements(const OutputSetup& setup, OutputFit& fit,
   if (weight < 1.0) {
     assumed.push_back({.weight = 1.0 - weight, .fit = &averaged.without[i]});
   }
-  const ConfirmedChanges confirmed =
-      ConfirmChanges(setup, assumed, named, false_alarm, options);
+  const ConfirmedChanges confirmed = ConfirmChanges(
+      setup, assumed, named,
+      BeyondDoubt(named, correction.element_p_values.row(i), i, options),
+      false_alarm, options);
   correction.missing_p_values(i) = confirmed.missing_p_value;
   for (std::size_t j = 0; j < named.size(); ++j) {
     double& p_value = correction.element_p_values(i, j);

@@ -59,10 +59,13 @@ enum class WindowOffsets {
   kNever,  // Neither offsets nor drift.
 };
 
-struct OutputErrorFit;
+struct OutputErrorCorrection;
 
 // A probability of a false alarm that counts as none: no change is proposed.
 inline constexpr double kNoFalseAlarm = 1e-300;
+
+// What all records and a part of them say with a smaller p is not tested again.
+inline constexpr double kBeyondDoubt = 1e-12;
 
 struct OutputErrorOptions {
   // T stays within this factor of its initial value, > 1.
@@ -98,10 +101,12 @@ struct OutputErrorOptions {
   // or none: correlation that the noise shape leaves is looked for in them, too
   // (serial_correlation.h). Nothing is fitted to them.
   std::shared_ptr<const std::vector<Record>> at_rest = nullptr;
-  // A fit of the same model to records of which these are a part, or null. Fits
-  // then begin at its values and noise, and no colour, line or step is sought
-  // besides those that it has; the change is given, and not tested.
-  std::shared_ptr<const OutputErrorFit> start = nullptr;
+  // A correction of the same model by records of which these are a part, or
+  // null. Fits then begin at the values and the noise of its `full`, and no
+  // colour, line or step is sought besides those that it has; the change is
+  // given, and not tested, nor are elements that have aged in it, and by Wald's
+  // test in the part, with p < kBeyondDoubt.
+  std::shared_ptr<const OutputErrorCorrection> start = nullptr;
   // Outputs are independent; 0: one thread for each processor.
   int threads = 1;
   // Called after each fit of an output, of all elements and of those that have

@@ -227,12 +227,12 @@ absl::StatusOr<std::vector<OutputSetup>> SetUpOutputs(
     MLE_RETURN_IF_ERROR(CheckRecords(model, all));
   }
   if (options.start != nullptr &&
-      std::ssize(options.start->elements) !=
+      std::ssize(options.start->full.elements) !=
           std::ssize(model.outputs()) * std::ssize(model.inputs())) {
     return absl::InvalidArgumentError(absl::StrCat(
-        "output-error correction: start has ", options.start->elements.size(),
-        " elements, the model has ", model.num_outputs(), " × ",
-        model.num_inputs()));
+        "output-error correction: start has ",
+        options.start->full.elements.size(), " elements, the model has ",
+        model.num_outputs(), " × ", model.num_inputs()));
   }
   std::vector<OutputSetup> setups;
   for (int i = 0; i < model.num_outputs(); ++i) {

@@ -5,6 +5,7 @@
 
 #include "glog/logging.h"
 #include "mle/base/double_limits.h"
+#include "mle/nonlinear/noise_search.h"
 #include "mle/nonlinear/output_fitter.h"
 #include "mle/nonlinear/robust_loss.h"
 
@@ -31,6 +32,15 @@ bool MayHaveColour(const OutputErrorProblem& problem,
          problem.weights().size() > 0;
 }
 
+// Noise that has been searched everywhere: from it drift is sought downhill,
+// from the least that matters where there was none.
+NoiseEstimate Known(const OutputErrorProblem& problem, NoiseEstimate noise) {
+  if (noise.offset && !(noise.colour_ratio > 0.0)) {
+    noise.ratio = std::max(noise.ratio, LeastRatio(problem));
+  }
+  return noise;
+}
+
 bool SameShape(const NoiseEstimate& a, const NoiseEstimate& b) {
   const auto same = [](double x, double y) {
     const double floor = 1e-10;
@@ -50,7 +60,9 @@ void Finish(const OutputErrorProblem& problem,
     double cost = 0.0;
     for (int again = 0; again < kMaxNoiseRounds; ++again) {
       const NoiseEstimate former = fit.noise;
-      fit.noise = EstimateNoise(problem, fit.point, fit.free, former,
+      const bool first = round == 0 && again == 0 && !part;
+      fit.noise = EstimateNoise(problem, fit.point, fit.free,
+                                first ? former : Known(problem, former),
                                 options.estimate_drift,
                                 again == 1 && MayHaveColour(problem, options));
       if (again > 0 && ShapeOf(fit.noise) == ShapeOf(former)) break;
@@ -74,8 +86,9 @@ void Finish(const OutputErrorProblem& problem,
     if (last || !better()) break;
     fit.point = search.point;
   }
-  fit.noise = EstimateNoise(problem, fit.point, fit.free, fit.noise,
-                            options.estimate_drift, /*search_colour=*/false);
+  fit.noise = EstimateNoise(problem, fit.point, fit.free,
+                            Known(problem, fit.noise), options.estimate_drift,
+                            /*search_colour=*/false);
   fitter.CertifyGradient(fit.point, fit.noise);
 }
 
@@ -109,8 +122,8 @@ void FillIn(const OutputErrorProblem& problem,
       ComputeDegreesOfFreedom(problem, fit.point, fit.free, fit.noise);
   // For what is compared with other fits to the same records.
   if (options.start == nullptr) {
-    fit.deviance = Deviance(problem, fit.point, fit.free, fit.noise,
-                            options.estimate_drift);
+    fit.deviance = Deviance(problem, fit.point, fit.free,
+                            Known(problem, fit.noise), options.estimate_drift);
   }
   certificate.condition = covariance.condition;
   certificate.rank = covariance.rank;
@@ -170,10 +183,10 @@ OutputFit FitOutputFrom(const OutputPoint& start, const std::vector<bool>& free,
                         const OutputFitBounds& bounds,
                         const OutputErrorOptions& options, int i,
                         OutputErrorProblem& problem) {
-  AdoptDisturbances(options.start->noise[i], problem);
+  AdoptDisturbances(options.start->full.noise[i], problem);
   OutputFit fit;
   fit.free = free;
-  fit.noise = options.start->noise[i];
+  fit.noise = options.start->full.noise[i];
   if (options.offsets == WindowOffsets::kNever && !problem.is_integrating()) {
     fit.noise = NoiseEstimate();
     fit.noise.offset = false;
@@ -183,7 +196,7 @@ OutputFit FitOutputFrom(const OutputPoint& start, const std::vector<bool>& free,
   fit.point = start;
   for (int j = 0; j < problem.num_elements(); ++j) {
     if (!free[j]) continue;
-    const ElementEstimate& element = options.start->element(i, j);
+    const ElementEstimate& element = options.start->full.element(i, j);
     if (element.state != ElementState::kFitted) continue;
     ElementValues& values = fit.point.values[j];
     values.gain = element.gain.value;

@@ -12,7 +12,9 @@
 namespace mle {
 namespace {
 
-constexpr int kMaxGridPoints = 64;
+// Dead times a quarter of a time constant apart: steps from the best of them
+// reach the optimum between.
+constexpr DelayGrid kDelayGrid = {.max_points = 64, .share = 0.25};
 constexpr int kMaxCellMoves = 100;
 constexpr int kMaxHoldRounds = 8;
 // A dead time this close to the end of its sample (in samples) is at it.
@@ -50,7 +52,7 @@ DelaySearchResult Fitter::Search(const OutputPoint& point,
                                  const NoiseShape& shape) {
   ++certificate_.grid_searches;
   return SearchDelays(problem_, point, shape, free_, bounds_.max_delays,
-                      kMaxGridPoints);
+                      kDelayGrid);
 }
 
 double Fitter::RefineRoughly(OutputPoint& point, const NoiseShape& shape,

@@ -112,9 +112,12 @@ Contrast AtOneRatio(const ShapeLikelihood& null,
                     bool search_colour, bool estimate_drift) {
   NoiseShape shape =
       FindBestShape(alternative, start, estimate_drift, search_colour).shape;
-  shape.ratio = std::max(shape.ratio, FindBestShape(null, shape, estimate_drift,
-                                                    /*search_colour=*/false)
-                                          .shape.ratio);
+  NoiseShape of_null = shape;
+  of_null.ratio = std::max(shape.ratio, start.ratio);
+  of_null = FindBestShape(null, of_null, estimate_drift,
+                          /*search_colour=*/false)
+                .shape;
+  shape.ratio = std::max(shape.ratio, of_null.ratio);
   const Profile without = null.At(shape);
   const Profile with = alternative.At(shape);
   return {.statistic =
@@ -180,7 +183,10 @@ Contrast ContrastWithColumns(const OutputErrorProblem& problem,
                              const NoiseEstimate* noise) {
   const bool plain = noise != nullptr && !(noise->colour_ratio > 0.0);
   NoiseShape start;
-  if (plain) start.ratio = noise->ratio;
+  // From what is known of it: the least where it is none.
+  if (plain && problem.num_segments() > 0) {
+    start.ratio = std::max(noise->ratio, LeastRatio(problem));
+  }
   return AtOneRatio(ShapeLikelihood(problem, point, free, NoiseShape(),
                                     /*restricted=*/true),
                     ShapeLikelihood(problem, point, free, NoiseShape(),

@@ -227,6 +227,12 @@ TEST(RetuningTest, SaysWhatTheOldTuningWouldDo) {
   EXPECT_LE(advice->retuned.sensitivity_peak, 2.0);
   EXPECT_THAT(advice->reasons[advice->reasons.size() - 3],
               HasSubstr("unstable"));
+  // Whatever the number of threads.
+  const auto beside = AdviseRetuning(*old_model, old, corrected,
+                                     {.threads = 2, .time_unit = "min"});
+  ASSERT_TRUE(beside.ok()) << beside.status();
+  EXPECT_EQ(beside->reasons, advice->reasons);
+  EXPECT_EQ(beside->tuning.move_weight, advice->tuning.move_weight);
   // The advice is usable as it is.
   const auto model =
       PredictFromStepResponse(corrected, {}, advice->tuning.control_period);

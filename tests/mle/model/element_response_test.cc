@@ -207,6 +207,21 @@ TEST(ElementResponseTest, FreeResponsesMakeUpForForgottenInputs) {
   }
 }
 
+TEST(ElementResponseTest, KnowsItsShortestTime) {
+  EXPECT_NEAR(Make(TransferFunction::FirstOrder(2.0, 5.0, 1.0)).shortest_time(),
+              1.0, 1e-12);
+  // (10 s + 1)(2 s + 1)
+  EXPECT_NEAR(
+      Make(TransferFunction({2.0}, {20.0, 12.0, 1.0}, 1.0)).shortest_time(),
+      0.2, 1e-9);
+  // Decays with 1/(ζω) = 50, at ω = 2.
+  EXPECT_NEAR(
+      Make(TransferFunction({2.0}, {0.25, 0.01, 1.0}, 1.0)).shortest_time(),
+      0.5 / 50.0, 1e-9);
+  EXPECT_EQ(Make(TransferFunction({0.3}, {1.0, 0.0}, 1.0)).shortest_time(),
+            0.0);
+}
+
 // From the row that is returned on they are zero, and before they were small.
 TEST(ElementResponseTest, FreeResponsesEnd) {
   const int samples = 20000;

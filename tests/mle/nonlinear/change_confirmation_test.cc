@@ -26,8 +26,12 @@ struct FittedSetup {
 
   const OutputSetup& setup() const { return setups[0]; }
   ConfirmedChanges Confirm(const std::vector<bool>& named) const {
+    return Confirm(named, std::vector<bool>(named.size(), false));
+  }
+  ConfirmedChanges Confirm(const std::vector<bool>& named,
+                           const std::vector<bool>& certain) const {
     return ConfirmChanges(setup(), {{.weight = 1.0, .fit = &fit}}, named,
-                          kLevel, {});
+                          certain, kLevel, {});
   }
   double Squares(const OutputPoint& point) const {
     const OutputErrorProblem& problem = *setup().problem;
@@ -97,6 +101,31 @@ TEST(ChangeConfirmationTest, TheChangeOfOneElementThatExplainsMoreIsNamed) {
     EXPECT_EQ(changes.point.values[1 - aged].gain,
               fitted.setup().start.values[1 - aged].gain);
   }
+}
+
+// What is certain is not tested, and a rival has it too.
+TEST(ChangeConfirmationTest, CertainElementsStay) {
+  const ProcessModel model = TwoElements();
+  ProcessModel plant = model;
+  plant.element(0, 1) = TransferFunction::FirstOrder(-3.6, 6.0, 2.3);
+  const FittedSetup fitted =
+      FitTo(model, MakeRecords(plant, 400, 3, {.variance = 0.01}));
+  const ConfirmedChanges asked = fitted.Confirm({true, true});
+  EXPECT_FALSE(asked.changed[0]);
+  const ConfirmedChanges changes = fitted.Confirm({true, true}, {true, false});
+  EXPECT_TRUE(changes.changed[0]);
+  EXPECT_EQ(changes.p_values[0], 0.0);
+  EXPECT_EQ(changes.statistics[0], 0.0);
+  EXPECT_TRUE(changes.changed[1]);
+  EXPECT_GT(changes.statistics[1], 100.0);
+  // Named alone, it is joined by what has changed.
+  const ConfirmedChanges added = fitted.Confirm({true, false}, {true, false});
+  EXPECT_TRUE(added.changed[0]);
+  EXPECT_TRUE(added.changed[1]);
+  // All certain: nothing is left to test.
+  const ConfirmedChanges all = fitted.Confirm({true, true}, {true, true});
+  EXPECT_EQ(all.changed, std::vector<bool>({true, true}));
+  EXPECT_EQ(all.p_values, std::vector<double>({0.0, 0.0}));
 }
 
 // Two changes that nothing names are both found, and account for the records.
@@ -314,7 +343,7 @@ TEST(ChangeConfirmationTest, AssumptionsAreAveraged) {
       ConfirmChanges(fitted.setup(),
                      {{.weight = 0.3, .fit = &fitted.fit},
                       {.weight = 0.7, .fit = &fitted.fit}},
-                     {false, true}, kLevel, {});
+                     {false, true}, {false, false}, kLevel, {});
   EXPECT_NEAR(two.statistics[1], one.statistics[1], 1e-9 * one.statistics[1]);
   // Under ten times the noise a tenth of it is left, which bounds the average.
   OutputFit noisy = fitted.fit;
@@ -322,7 +351,7 @@ TEST(ChangeConfirmationTest, AssumptionsAreAveraged) {
   const ConfirmedChanges mixed = ConfirmChanges(
       fitted.setup(),
       {{.weight = 0.5, .fit = &fitted.fit}, {.weight = 0.5, .fit = &noisy}},
-      {false, true}, kLevel, {});
+      {false, true}, {false, false}, kLevel, {});
   EXPECT_NEAR(mixed.statistics[1],
               0.1 * one.statistics[1] + 2.0 * std::log(2.0),
               1e-3 * one.statistics[1]);

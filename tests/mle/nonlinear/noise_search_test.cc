@@ -73,7 +73,8 @@ TEST(NoiseSearchTest, NoRatioIsLikelierThanTheBest) {
     for (double at = kMinLogRatio; at <= kMaxLogRatio; at += 0.05) {
       least = std::min(least, likelihood.At({.ratio = std::exp(at)}).value);
     }
-    for (const double start : {0.0, 1e-9, 1e-4, 1.0, 1e5}) {
+    for (const double start :
+         {0.0, 1e-9, LeastRatio(*setup.problem), 1e-4, 1.0, 1e5}) {
       const Profile best =
           FindBestShape(likelihood, {.ratio = start},
                         /*estimate_drift=*/true, /*search_colour=*/false);

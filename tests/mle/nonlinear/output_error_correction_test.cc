@@ -73,8 +73,8 @@ TEST(OutputErrorCorrectionTest, BeginsAtAFit) {
       std::numeric_limits<double>::quiet_NaN());
   const auto expected = Correct(TwoElements(), part);
   OutputErrorOptions options;
-  options.start = std::make_shared<const OutputErrorFit>(
-      Correct(TwoElements(), records).full);
+  options.start = std::make_shared<const OutputErrorCorrection>(
+      Correct(TwoElements(), records));
   const auto found = Correct(TwoElements(), part, options);
   EXPECT_TRUE(found.change_proposed);
   EXPECT_EQ(found.aged, expected.aged);
@@ -89,9 +89,24 @@ TEST(OutputErrorCorrectionTest, BeginsAtAFit) {
   }
   EXPECT_EQ(found.full.certificates[0].grid_searches, 0);
 
-  options.start = std::make_shared<const OutputErrorFit>();
+  options.start = std::make_shared<const OutputErrorCorrection>();
   const auto wrong = CorrectByOutputError(TwoElements(), part, options);
   EXPECT_EQ(wrong.status().code(), absl::StatusCode::kInvalidArgument);
+}
+
+// An element is certain only where the part shows it beyond doubt as well: what
+// all records are said to have shown is not taken on trust.
+TEST(OutputErrorCorrectionTest, PartsDoNotTakeOnTrust) {
+  const auto records = MakeRecords(TwoElements(), 400, 4, {.variance = 0.01});
+  auto claimed = Correct(TwoElements(), records);
+  claimed.aged.setConstant(true);
+  claimed.element_p_values.setZero();
+  OutputErrorOptions options;
+  options.start = std::make_shared<const OutputErrorCorrection>(claimed);
+  const auto found = Correct(TwoElements(), records, options);
+  // A change is given, so that the likeliest element has changed, and no more.
+  EXPECT_EQ(found.aged.count(), 1);
+  EXPECT_GT(found.element_p_values.minCoeff(), kBeyondDoubt);
 }
 
 // It is asked after each fit, and a no is the last.

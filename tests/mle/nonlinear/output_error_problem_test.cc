@@ -169,7 +169,7 @@ TEST(DelaySearchTest, FindsDeadTimesFarAway) {
   const OutputErrorProblem problem = ProblemOf(TwoElements(), records);
   for (const NoiseShape shape : kDriftShapes) {
     const DelaySearchResult found = SearchDelays(
-        problem, PointOf(problem), shape, {true, true}, {15.0, 15.0}, 64);
+        problem, PointOf(problem), shape, {true, true}, {15.0, 15.0}, {});
     EXPECT_EQ(found.point.values[0].delay, 8.0);
     EXPECT_EQ(found.point.values[1].delay, 0.5);
     EXPECT_NEAR(found.point.values[0].gain, 2.0, 0.02);
@@ -196,7 +196,7 @@ TEST(DelaySearchTest, NoPairOfThreeIsBetter) {
   const NoiseShape shape = {.ratio = 0.01};
   const DelaySearchResult found =
       SearchDelays(problem, PointOf(problem), shape, {true, true, true},
-                   {6.0, 6.0, 6.0}, 64);
+                   {6.0, 6.0, 6.0}, {});
   std::vector<int> delays(13);
   std::iota(delays.begin(), delays.end(), 0);
   const MatrixXd dictionary =
@@ -225,13 +225,48 @@ TEST(DelaySearchTest, NoPairOfThreeIsBetter) {
   }
 }
 
+// A quarter of 4, 6 and 9 min are 2, 3 and 4 samples: the best of them from
+// where the search begins.
+TEST(DelaySearchTest, TriesDeadTimesAsFarApartAsResponsesAllow) {
+  ProcessModel model = MakeModel(1, 3);
+  model.element(0, 0) = TransferFunction::FirstOrder(2.0, 4.0, 1.0);
+  model.element(0, 1) = TransferFunction::FirstOrder(-3.0, 6.0, 2.5);
+  model.element(0, 2) = TransferFunction::FirstOrder(1.0, 9.0, 0.5);
+  ProcessModel plant = model;
+  plant.element(0, 0).set_delay(3.0);
+  plant.element(0, 1).set_delay(1.0);
+  plant.element(0, 2).set_delay(4.5);
+  const OutputErrorProblem problem =
+      ProblemOf(model, MakeRecords(plant, 400, 6, {.variance = 1e-4}));
+  const NoiseShape shape = {.ratio = 0.01};
+  const DelaySearchResult found =
+      SearchDelays(problem, PointOf(problem), shape, {true, true, true},
+                   {6.0, 6.0, 6.0}, {.share = 0.25});
+  EXPECT_EQ(found.point.values[0].delay, 3.0);
+  EXPECT_EQ(found.point.values[1].delay, 1.0);
+  EXPECT_EQ(found.point.values[2].delay, 4.5);
+  // Between them there is a better one.
+  plant.element(0, 0).set_delay(3.5);
+  const OutputErrorProblem between =
+      ProblemOf(model, MakeRecords(plant, 400, 6, {.variance = 1e-4}));
+  const DelaySearchResult near =
+      SearchDelays(between, PointOf(between), shape, {true, true, true},
+                   {6.0, 6.0, 6.0}, {.share = 0.25});
+  const DelaySearchResult exact =
+      SearchDelays(between, PointOf(between), shape, {true, true, true},
+                   {6.0, 6.0, 6.0}, {});
+  EXPECT_EQ(std::fmod(near.point.values[0].delay, 1.0), 0.0);
+  EXPECT_EQ(exact.point.values[0].delay, 3.5);
+  EXPECT_LT(exact.cost, near.cost);
+}
+
 TEST(DelaySearchTest, HoldsWhatIsNotFree) {
   ProcessModel plant = TwoElements();
   plant.element(0, 0).set_delay(8.0);
   const auto records = MakeRecords(plant, 400, 5, {.variance = 1e-4});
   const OutputErrorProblem problem = ProblemOf(TwoElements(), records);
   const DelaySearchResult found = SearchDelays(problem, PointOf(problem), {},
-                                               {true, false}, {15.0, 15.0}, 64);
+                                               {true, false}, {15.0, 15.0}, {});
   EXPECT_EQ(found.point.values[0].delay, 8.0);
   EXPECT_EQ(found.point.values[1].delay, 2.3);
   EXPECT_EQ(found.point.values[1].gain, -3.0);
