@@ -29,8 +29,7 @@
 
 namespace mle {
 
-// ρ of which the walk moves by a sample's noise in a segment: of less drift no
-// estimate depends.
+// 1/N², N the samples of a segment: less drift changes no estimate.
 double LeastRatio(const OutputErrorProblem& problem);
 
 // The range of ρ, as ln ρ. Below it drift is less than a sample's noise in

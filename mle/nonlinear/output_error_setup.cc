@@ -186,6 +186,17 @@ absl::StatusOr<OutputSetup> SetUpOutput(const ProcessModel& model, int i,
   return setup;
 }
 
+// A correction of a model of this size.
+bool IsOf(const ProcessModel& model, const OutputErrorCorrection& correction) {
+  const Eigen::Index p = model.num_outputs();
+  const Eigen::Index m = model.num_inputs();
+  return std::ssize(correction.full.elements) == p * m &&
+         std::ssize(correction.full.noise) == p &&
+         correction.aged.rows() == p && correction.aged.cols() == m &&
+         correction.element_p_values.rows() == p &&
+         correction.element_p_values.cols() == m;
+}
+
 }  // namespace
 
 absl::Status OutputErrorOptions::Validate() const {
@@ -226,12 +237,11 @@ absl::StatusOr<std::vector<OutputSetup>> SetUpOutputs(
     all.insert(all.end(), options.at_rest->begin(), options.at_rest->end());
     MLE_RETURN_IF_ERROR(CheckRecords(model, all));
   }
-  if (options.start != nullptr &&
-      std::ssize(options.start->full.elements) !=
-          std::ssize(model.outputs()) * std::ssize(model.inputs())) {
+  if (options.start != nullptr && !IsOf(model, *options.start)) {
     return absl::InvalidArgumentError(absl::StrCat(
         "output-error correction: start has ",
-        options.start->full.elements.size(), " elements, the model has ",
+        options.start->full.elements.size(), " elements, and ",
+        options.start->aged.size(), " that may have aged, the model has ",
         model.num_outputs(), " × ", model.num_inputs()));
   }
   std::vector<OutputSetup> setups;

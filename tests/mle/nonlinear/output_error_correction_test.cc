@@ -92,21 +92,33 @@ TEST(OutputErrorCorrectionTest, BeginsAtAFit) {
   options.start = std::make_shared<const OutputErrorCorrection>();
   const auto wrong = CorrectByOutputError(TwoElements(), part, options);
   EXPECT_EQ(wrong.status().code(), absl::StatusCode::kInvalidArgument);
+  auto without = Correct(TwoElements(), records);
+  without.aged.resize(0, 0);
+  options.start = std::make_shared<const OutputErrorCorrection>(without);
+  EXPECT_EQ(CorrectByOutputError(TwoElements(), part, options).status().code(),
+            absl::StatusCode::kInvalidArgument);
 }
 
 // An element is certain only where the part shows it beyond doubt as well: what
 // all records are said to have shown is not taken on trust.
 TEST(OutputErrorCorrectionTest, PartsDoNotTakeOnTrust) {
-  const auto records = MakeRecords(TwoElements(), 400, 4, {.variance = 0.01});
-  auto claimed = Correct(TwoElements(), records);
-  claimed.aged.setConstant(true);
-  claimed.element_p_values.setZero();
+  ProcessModel plant = TwoElements();
+  plant.element(0, 0) = TransferFunction::FirstOrder(2.02, 4.0, 1.0);
+  const auto records = MakeRecords(plant, 400, 4, {.variance = 0.01});
   OutputErrorOptions options;
-  options.start = std::make_shared<const OutputErrorCorrection>(claimed);
-  const auto found = Correct(TwoElements(), records, options);
-  // A change is given, so that the likeliest element has changed, and no more.
-  EXPECT_EQ(found.aged.count(), 1);
-  EXPECT_GT(found.element_p_values.minCoeff(), kBeyondDoubt);
+  const auto after = [&](double p_value) {
+    auto claimed = Correct(TwoElements(), records);
+    claimed.aged.setConstant(true);
+    claimed.element_p_values.setConstant(p_value);
+    options.start = std::make_shared<const OutputErrorCorrection>(claimed);
+    return Correct(TwoElements(), records, options);
+  };
+  const auto found = after(0.0);
+  EXPECT_TRUE(found.aged(0, 0));
+  EXPECT_FALSE(found.aged(0, 1));
+  EXPECT_LT(found.element_p_values(0, 0), 1e-3);
+  EXPECT_GT(found.element_p_values(0, 0), kBeyondDoubt);
+  EXPECT_EQ(found.element_p_values, after(1.0).element_p_values);
 }
 
 // It is asked after each fit, and a no is the last.
