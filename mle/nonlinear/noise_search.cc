@@ -37,6 +37,12 @@ const double kShareOfValue =
     std::exp(0.25 * kRatioGridStep) - std::exp(-0.25 * kRatioGridStep);
 const double kShareBelow = std::exp(-0.25 * kRatioGridStep);
 
+// In samples, the mean.
+double SegmentLength(const OutputErrorProblem& problem) {
+  return static_cast<double>(problem.num_samples()) /
+         static_cast<double>(problem.num_segments());
+}
+
 // The row from which on a column is zero.
 Eigen::Index EndOf(const Eigen::Ref<const VectorXd>& column) {
   Eigen::Index end = column.size();
@@ -168,8 +174,7 @@ double PricedValue(const OutputErrorProblem& problem, const Profile& profile) {
 }
 
 double LeastRatio(const OutputErrorProblem& problem) {
-  const double length = static_cast<double>(problem.num_samples()) /
-                        static_cast<double>(problem.num_segments());
+  const double length = SegmentLength(problem);
   return std::max(1.0 / (length * length), std::exp(kMinLogRatio));
 }
 
@@ -178,8 +183,7 @@ double MemoryOf(double pole) { return -1.0 / std::log(pole); }
 double PoleOf(double memory) { return std::exp(-1.0 / memory); }
 
 std::vector<PossibleRatio> PossibleRatios(const OutputErrorProblem& problem) {
-  const double length = static_cast<double>(problem.num_samples()) /
-                        static_cast<double>(problem.num_segments());
+  const double length = SegmentLength(problem);
   std::vector<PossibleRatio> ratios = {{0.0, kShareBelow / length}};
   for (double log_ratio = -2.0 * std::log(length); log_ratio <= kMaxLogRatio;
        log_ratio += kRatioGridStep) {

@@ -180,13 +180,18 @@ TEST(DelaySearchTest, FindsDeadTimesFarAway) {
   }
 }
 
-// Of three elements no pair has better dead times, given the third, and the
-// cost is that of the fit.
-TEST(DelaySearchTest, NoPairOfThreeIsBetter) {
+ProcessModel ThreeElements() {
   ProcessModel model = MakeModel(1, 3);
   model.element(0, 0) = TransferFunction::FirstOrder(2.0, 4.0, 1.0);
   model.element(0, 1) = TransferFunction::FirstOrder(-3.0, 6.0, 2.5);
   model.element(0, 2) = TransferFunction::FirstOrder(1.0, 9.0, 0.5);
+  return model;
+}
+
+// Of three elements no pair has better dead times, given the third, and the
+// cost is that of the fit.
+TEST(DelaySearchTest, NoPairOfThreeIsBetter) {
+  const ProcessModel model = ThreeElements();
   ProcessModel plant = model;
   plant.element(0, 0).set_delay(3.5);
   plant.element(0, 1).set_delay(1.0);
@@ -228,10 +233,7 @@ TEST(DelaySearchTest, NoPairOfThreeIsBetter) {
 // A quarter of 4, 6 and 9 min are 2, 3 and 4 samples: the best of them from
 // where the search begins.
 TEST(DelaySearchTest, TriesDeadTimesAsFarApartAsResponsesAllow) {
-  ProcessModel model = MakeModel(1, 3);
-  model.element(0, 0) = TransferFunction::FirstOrder(2.0, 4.0, 1.0);
-  model.element(0, 1) = TransferFunction::FirstOrder(-3.0, 6.0, 2.5);
-  model.element(0, 2) = TransferFunction::FirstOrder(1.0, 9.0, 0.5);
+  const ProcessModel model = ThreeElements();
   ProcessModel plant = model;
   plant.element(0, 0).set_delay(3.0);
   plant.element(0, 1).set_delay(1.0);
