@@ -112,6 +112,51 @@ class MatrixSeries {
     }
     return values;
   }
+  // Σ_i K_i (C_{a+i} + R) of blocks K_i that stand side by side in `gain`. Each
+  // entry is a sum of correlations, which are products of Fourier transforms:
+  // for h blocks of m × p and matrices C of p × m that takes O((n + h) p m²)
+  // operations, the sums themselves O(n h p m²).
+  MatrixSeries Ahead(const MatrixXd& gain) const {
+    const Eigen::Index p = rows_;
+    const Eigen::Index m = entries() / p;
+    const Eigen::Index h = gain.cols() / p;
+    const int length =
+        2 * FastLength(static_cast<int>((degree() + h + 1) / 2));
+    Eigen::FFT<double> transform;
+    transform.SetFlag(Eigen::FFT<double>::HalfSpectrum);
+    VectorXd padded = VectorXd::Zero(length);
+    VectorXcd spectrum;
+    MatrixXcd of_gain(length / 2 + 1, gain.rows());
+    MatrixXcd sums = MatrixXcd::Zero(length / 2 + 1, gain.rows() * m);
+    for (Eigen::Index o = 0; o < p; ++o) {
+      for (Eigen::Index r = 0; r < gain.rows(); ++r) {
+        for (Eigen::Index i = 0; i < h; ++i) padded(i) = gain(r, o + p * i);
+        padded.tail(length - h).setZero();
+        transform.fwd(spectrum, padded);
+        of_gain.col(r) = spectrum.conjugate();
+      }
+      for (Eigen::Index j = 0; j < m; ++j) {
+        const auto coefficients = coefficients_.col(o + p * j);
+        if (coefficients.isZero(0.0)) continue;
+        padded.head(degree()) = coefficients;
+        padded.tail(length - degree()).setZero();
+        transform.fwd(spectrum, padded);
+        for (Eigen::Index r = 0; r < gain.rows(); ++r) {
+          sums.col(r + gain.rows() * j).array() +=
+              of_gain.col(r).array() * spectrum.array();
+        }
+      }
+    }
+    MatrixSeries result(gain * end_.reshaped(p, m).replicate(h, 1),
+                        std::max<Eigen::Index>(degree() - 1, 1));
+    for (Eigen::Index entry = 0; entry < sums.cols(); ++entry) {
+      spectrum = sums.col(entry);
+      transform.inv(padded, spectrum, length);
+      result.coefficients_.col(entry) =
+          padded.segment(1, result.coefficients_.rows());
+    }
+    return result;
+  }
   MatrixXcd Column(const MatrixXcd& values, Eigen::Index k) const {
     return values.col(k).reshaped(rows_, values.rows() / rows_);
   }
@@ -237,24 +282,16 @@ class Loop {
   }
 
  private:
-  // (1 − w) Σ_i K_i F_i = Σ (G_a − G_{a−1}) w^a, G_a = Σ_i K_i S_{a+i−1}: of
-  // slopes R it ends in K̄ R.
+  // (1 − w) Σ_i K_i F_i = Σ (G_a − G_{a−1}) w^a, G_a = Σ_i K_i S_{a+i−1}: that
+  // of the model's differences i ahead but for the first, which is G_1.
   MatrixSeries Predictor(const Mpc& mpc) const {
     PredictionModel model = mpc.model();
     const int p = model.num_outputs;
-    const int n = model.periods();
     const Eigen::Index rows = mpc.gain().cols();
-    model.ReachTo(n + static_cast<int>(rows) / p);
-    const MatrixXd responses = model.responses(Eigen::all, manipulated_);
-    const MatrixXd slopes = model.SlopesOf(manipulated_);
-    MatrixSeries result(mpc.gain() * slopes.replicate(rows / p, 1), n);
-    MatrixXd sum;
-    MatrixXd previous = MatrixXd::Zero(mpc.gain().rows(), slopes.cols());
-    for (Eigen::Index a = 1; a <= n; ++a) {
-      sum.noalias() = mpc.gain() * responses.middleRows(p * a, rows);
-      result.SetTerm(a, sum - previous);
-      previous.swap(sum);
-    }
+    model.ReachTo(static_cast<int>(rows) / p);
+    MatrixSeries result = model_.Ahead(mpc.gain());
+    result.SetTerm(
+        1, mpc.gain() * model.responses(Eigen::seqN(p, rows), manipulated_));
     result.Trim();
     return result;
   }
@@ -442,7 +479,8 @@ std::string LoopAnalysis::Brief() const {
 }
 
 absl::StatusOr<LoopAnalysis> AnalyseLoop(const Mpc& mpc,
-                                         const PredictionModel& plant) {
+                                         const PredictionModel& plant,
+                                         bool find_fastest) {
   MLE_RETURN_IF_ERROR(CheckLoop(mpc, plant));
   const Loop loop(mpc, plant);
   LoopAnalysis analysis;
@@ -450,7 +488,9 @@ absl::StatusOr<LoopAnalysis> AnalyseLoop(const Mpc& mpc,
   analysis.stable = analysis.growing_modes == 0;
   const double slowest_observer = loop.slowest_observer();
   if (!analysis.stable) {
-    analysis.spectral_radius = 1.0 / SmallestZero(loop, 0.0, 1.0 - kMargin, 0);
+    analysis.spectral_radius =
+        find_fastest ? 1.0 / SmallestZero(loop, 0.0, 1.0 - kMargin, 0)
+                     : std::numeric_limits<double>::infinity();
     return analysis;
   }
   // Beyond the plant's own decay the cut-off ends of its responses would be
@@ -467,11 +507,6 @@ absl::StatusOr<LoopAnalysis> AnalyseLoop(const Mpc& mpc,
   }
   FindPeaks(loop, mpc.model().control_period, analysis);
   return analysis;
-}
-
-absl::StatusOr<bool> IsStable(const Mpc& mpc, const PredictionModel& plant) {
-  MLE_RETURN_IF_ERROR(CheckLoop(mpc, plant));
-  return CountZeros(Loop(mpc, plant), 1.0 - kMargin) == 0;
 }
 
 }  // namespace mle::control

@@ -65,15 +65,15 @@ struct LoopAnalysis {
   std::string Brief() const;
 };
 
+// Of an unstable loop the fastest growing mode is looked for, by many counts,
+// only if `find_fastest`; else spectral_radius is infinite.
+//
 // InvalidArgument if the plant has another control period, or other numbers or
 // roles of inputs and outputs, than the controller, or a response settles too
 // late.
 absl::StatusOr<LoopAnalysis> AnalyseLoop(const Mpc& mpc,
-                                         const PredictionModel& plant);
-
-// LoopAnalysis::stable alone, by one count: of an unstable loop AnalyseLoop()
-// looks for the fastest mode besides. Errors as there.
-absl::StatusOr<bool> IsStable(const Mpc& mpc, const PredictionModel& plant);
+                                         const PredictionModel& plant,
+                                         bool find_fastest = true);
 
 }  // namespace mle::control
 

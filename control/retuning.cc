@@ -240,12 +240,9 @@ absl::Status MakeRobust(const PredictionModel& model,
   int doublings = 0;
   while (true) {
     MLE_ASSIGN_OR_RETURN(const Mpc mpc, Mpc::Create(model, advice.tuning));
-    MLE_ASSIGN_OR_RETURN(const bool stable, IsStable(mpc, model));
-    const bool is_last = doublings == kMostDoublings;
-    if (stable || is_last) {
-      MLE_ASSIGN_OR_RETURN(advice.retuned, AnalyseLoop(mpc, model));
-      if (good() || is_last) break;
-    }
+    MLE_ASSIGN_OR_RETURN(
+        advice.retuned, AnalyseLoop(mpc, model, /*find_fastest=*/false));
+    if (good() || doublings == kMostDoublings) break;
     advice.tuning.move_weight *= 2.0;
     ++doublings;
   }
