@@ -51,7 +51,10 @@ ExtendedFit::ExtendedFit(const OutputErrorProblem& problem,
       columns_(problem.Linearise(fit.point, ShapeOf(fit.noise), fit.free)) {}
 
 ShapeLikelihood ExtendedFit::With(const std::vector<MatrixXd>& more) const {
-  return {problem_, columns_, fit_.free, /*restricted=*/false, more};
+  if (!likelihood_.has_value()) {
+    likelihood_.emplace(problem_, columns_, fit_.free, /*restricted=*/false);
+  }
+  return likelihood_->With(more);
 }
 
 Profile ExtendedFit::Best(const std::vector<MatrixXd>& more,

@@ -53,6 +53,7 @@ class ExtendedFit {
   bool estimate_drift_;
   std::vector<SegmentColumns> columns_;
   // Made when they are asked for.
+  mutable std::optional<ShapeLikelihood> likelihood_;  // without anything
   mutable std::optional<Profile> without_;
   mutable std::array<std::optional<double>, kInputColumns> gains_;
 };

@@ -7,6 +7,7 @@
 #include "mle/base/parallel.h"
 #include "mle/base/status.h"
 #include "mle/nonlinear/distributions.h"
+#include "mle/nonlinear/noise_search.h"
 #include "mle/nonlinear/output_error_setup.h"
 #include "mle/nonlinear/output_fit.h"
 
@@ -61,13 +62,13 @@ struct Evidence {
   double curvature = 0.0;
 };
 
-Evidence TestElement(const OutputSetup& setup, const std::vector<bool>& free,
+Evidence TestElement(const OutputSetup& setup, const ShapeLikelihood& null,
                      int j, bool estimate_drift, const NoiseEstimate& noise) {
   const Level level = LevelOf(*setup.problem, j);
   if (!(level.range > 0.0)) return {};
   const Contrast contrast = ContrastWithColumns(
-      *setup.problem, setup.start, free, estimate_drift,
-      CurvedResponses(*setup.problem, setup.start, j, level), &noise);
+      null, CurvedResponses(*setup.problem, setup.start, j, level),
+      estimate_drift, &noise);
   if (contrast.degrees < 1) return {};
   return {.statistic = contrast.statistic,
           .degrees = contrast.degrees,
@@ -98,11 +99,13 @@ absl::StatusOr<std::vector<LevelDependence>> TestLevelDependence(
     AdoptDisturbances(noise[i], *setup.problem);
     std::vector<bool> free(m);
     for (int j = 0; j < m; ++j) free[j] = fitted(i, j) && setup.informed[j];
+    const ShapeLikelihood null(*setup.problem, setup.start, free, NoiseShape(),
+                               /*restricted=*/true);
     for (int j = 0; j < m; ++j) {
       // Of every output that the input moves, if it has a change anywhere.
       if (!fitted.col(j).any() || !setup.informed[j]) continue;
       evidence[i][j] =
-          TestElement(setup, free, j, options.estimate_drift, noise[i]);
+          TestElement(setup, null, j, options.estimate_drift, noise[i]);
     }
   });
   std::vector<LevelDependence> inputs(m);

@@ -23,6 +23,8 @@ constexpr double kFalseAlarm = 1e-4;  // of a peak
 // length of a transform.
 constexpr int kTransformLengths = 2;
 constexpr int kLineRefinements = 3;  // of frequency and shape in turn
+// A line that explains less than half of its price never pays.
+constexpr double kHopeless = 0.5;
 constexpr int kRefinementBits = 8;   // a hundredth of the width
 
 // The least 2^a 3^b 5^c that is not below `count`: what a Fourier transform is
@@ -134,18 +136,22 @@ std::optional<FoundPeriod> FindPeriod(const ExtendedFit& extended) {
   if (!peak.has_value()) return std::nullopt;
   double frequency = *peak;
   double width = 1.0 / (kTransformLengths * problem.shortest_segment());
-  Profile with;
-  with.shape = plain;
+  const double price = LinePrice(problem);
+  double gain = 0.0;
+  NoiseShape followed = plain;
   for (int round = 0; round < kLineRefinements; ++round) {
-    frequency = RefineLine(extended, frequency, width, with.shape);
+    frequency = RefineLine(extended, frequency, width, followed);
     // A filter that follows the sine must not hide it.
-    with = extended.Best(OwnLines(problem, frequency),
-                         round == 0 ? NoiseShape() : with.shape,
-                         /*search_colour=*/round == 0);
+    const Profile with =
+        extended.Best(OwnLines(problem, frequency),
+                      round == 0 ? NoiseShape() : followed,
+                      /*search_colour=*/round == 0);
+    gain = PricedValue(problem, extended.Without()) -
+           PricedValue(problem, with) - price;
+    if (gain < -kHopeless * price) return std::nullopt;
+    followed = with.shape;
     width *= 0.5;
   }
-  const double gain = PricedValue(problem, extended.Without()) -
-                      PricedValue(problem, with) - LinePrice(problem);
   if (!(gain > 0.0) || extended.InputsGain(gain)) return std::nullopt;
   return FoundPeriod{.period = 1.0 / frequency, .gain = gain};
 }

@@ -8,6 +8,7 @@
 #include "mle/base/parallel.h"
 #include "mle/base/status.h"
 #include "mle/nonlinear/distributions.h"
+#include "mle/nonlinear/noise_search.h"
 #include "mle/nonlinear/output_error_setup.h"
 #include "mle/nonlinear/output_fit.h"
 
@@ -85,10 +86,11 @@ absl::StatusOr<ModelAdequacy> TestAdequacy(
     for (int j = 0; j < m && fitted.size() > 0; ++j) {
       free[j] = fitted(i, j) && setup.informed[j];
     }
-    evidence[i] = ContrastWithColumns(*setup.problem, setup.start, free,
-                                      options.estimate_drift,
-                                      setup.problem->LagSums(first_lags),
-                                      noise.empty() ? nullptr : &noise[i]);
+    evidence[i] = ContrastWithColumns(
+        ShapeLikelihood(*setup.problem, setup.start, free, NoiseShape(),
+                        /*restricted=*/true),
+        setup.problem->LagSums(first_lags), options.estimate_drift,
+        noise.empty() ? nullptr : &noise[i]);
   });
   ModelAdequacy adequacy;
   adequacy.output_p_values.setOnes(p);

@@ -50,6 +50,15 @@ Eigen::Index EndOf(const Eigen::Ref<const VectorXd>& column) {
   return end;
 }
 
+// What columns explain that are orthonormal once they have no mean out of others
+// about their means.
+void TakeOut(const MatrixXd& basis, Eigen::Ref<RowMajorMatrix> others) {
+  if (basis.cols() == 0) return;
+  const MatrixXd orthonormal = basis.rowwise() - basis.colwise().mean();
+  const MatrixXd shares = orthonormal.transpose() * others;
+  others.noalias() -= basis * shares;
+}
+
 }  // namespace
 
 double Profile::variance() const {
@@ -59,31 +68,34 @@ double Profile::variance() const {
 ShapeLikelihood::ShapeLikelihood(const OutputErrorProblem& problem,
                                  const OutputPoint& point,
                                  const std::vector<bool>& free,
-                                 const NoiseShape& start, bool restricted,
-                                 const std::vector<MatrixXd>& more)
+                                 const NoiseShape& start, bool restricted)
     : ShapeLikelihood(problem, problem.Linearise(point, start, free), free,
-                      restricted, more) {}
+                      restricted) {}
 
 ShapeLikelihood::ShapeLikelihood(const OutputErrorProblem& problem,
                                  const std::vector<SegmentColumns>& columns,
-                                 const std::vector<bool>& free, bool restricted,
-                                 const std::vector<MatrixXd>& more)
-    : problem_(problem), restricted_(restricted) {
-  const auto num_kept =
-      static_cast<Eigen::Index>(3 * std::count(free.begin(), free.end(), true));
-  width_ = num_kept + (more.empty() ? 0 : more.front().cols());
-  for (std::size_t s = 0; s < columns.size(); ++s) {
-    parts_.push_back(MakePart(columns[s], more.empty() ? nullptr : &more[s]));
+                                 const std::vector<bool>& free, bool restricted)
+    : problem_(problem),
+      width_(3 * std::count(free.begin(), free.end(), true)),
+      restricted_(restricted) {
+  for (const SegmentColumns& of : columns) parts_.push_back(MakePart(of));
+}
+
+ShapeLikelihood ShapeLikelihood::With(const std::vector<MatrixXd>& more) const {
+  if (more.empty()) return *this;
+  ShapeLikelihood with(problem_, {}, {}, restricted_);
+  with.width_ = width_ + more.front().cols();
+  for (std::size_t s = 0; s < parts_.size(); ++s) {
+    with.parts_.push_back(Extended(parts_[s], more[s]));
   }
+  return with;
 }
 
 // Under white noise with an offset: about the means.
-ShapeLikelihood::Part ShapeLikelihood::MakePart(const SegmentColumns& columns,
-                                                const MatrixXd* more) {
+ShapeLikelihood::Part ShapeLikelihood::MakePart(const SegmentColumns& columns) {
   Part part;
   const MatrixXd& amplitudes = columns.amplitudes;
   MatrixXd basis(amplitudes.rows(), 0);
-  MatrixXd orthonormal;
   if (amplitudes.cols() > 0) {
     const MatrixXd centred = amplitudes.rowwise() - amplitudes.colwise().mean();
     const VectorXd inverse_norms =
@@ -97,7 +109,6 @@ ShapeLikelihood::Part ShapeLikelihood::MakePart(const SegmentColumns& columns,
         qr.matrixQR().topLeftCorner(rank, rank).triangularView<Eigen::Upper>();
     basis = amplitudes(Eigen::all, kept) * inverse_norms(kept).asDiagonal();
     triangle.solveInPlace<Eigen::OnTheRight>(basis);
-    orthonormal = basis.rowwise() - basis.colwise().mean();
     for (Eigen::Index i = 0; i < rank; ++i) {
       part.log_scale += 2.0 * std::log(std::abs(qr.matrixQR()(i, i)) /
                                        inverse_norms(kept(i)));
@@ -106,20 +117,29 @@ ShapeLikelihood::Part ShapeLikelihood::MakePart(const SegmentColumns& columns,
   part.amplitudes = basis.cols();
   for (const auto& column : basis.colwise()) part.ends.push_back(EndOf(column));
   const Eigen::Index kept = columns.jacobian.cols();
-  const Eigen::Index besides = more == nullptr ? 0 : more->cols();
-  part.columns.resize(columns.residuals.size(),
-                      basis.cols() + kept + besides + 1);
+  part.columns.resize(columns.residuals.size(), basis.cols() + kept + 1);
   part.columns.leftCols(basis.cols()) = basis;
-  auto others = part.columns.rightCols(kept + besides + 1);
-  others.leftCols(kept) = columns.jacobian;
-  if (besides > 0) others.middleCols(kept, besides) = *more;
-  others.rightCols<1>() = columns.residuals;
-  if (basis.cols() > 0) {
-    const MatrixXd shares = orthonormal.transpose() * others;
-    others.noalias() -= basis * shares;
-  }
+  part.columns.middleCols(basis.cols(), kept) = columns.jacobian;
+  part.columns.rightCols<1>() = columns.residuals;
+  TakeOut(basis, part.columns.rightCols(kept + 1));
   part.ends.resize(part.columns.cols(), part.columns.rows());
   return part;
+}
+
+ShapeLikelihood::Part ShapeLikelihood::Extended(const Part& part,
+                                                const MatrixXd& more) {
+  const Eigen::Index before = part.columns.cols() - 1;
+  Part extended = {.ends = part.ends,
+                   .amplitudes = part.amplitudes,
+                   .log_scale = part.log_scale};
+  extended.columns.resize(part.columns.rows(), before + more.cols() + 1);
+  extended.columns.leftCols(before) = part.columns.leftCols(before);
+  extended.columns.middleCols(before, more.cols()) = more;
+  extended.columns.rightCols<1>() = part.columns.rightCols<1>();
+  TakeOut(part.columns.leftCols(part.amplitudes),
+          extended.columns.middleCols(before, more.cols()));
+  extended.ends.resize(extended.columns.cols(), extended.columns.rows());
+  return extended;
 }
 
 ShapedProducts ShapeLikelihood::ProductsAt(const NoiseShape& shape) const {
@@ -248,10 +268,9 @@ class RatioSearch {
   void AskNear(double log_ratio) {
     place_ = std::clamp(log_ratio, kMinLogRatio, kMaxLogRatio);
     best_ = At(place_);
-    if (Climb(kNearStep)) return;
-    // What is below leads to white noise.
+    // The way down leads to white noise.
     if (place_ <= least_ && white_.value <= best_.value) return;
-    Climb(-kNearStep);
+    if (!Climb(kNearStep)) Climb(-kNearStep);
   }
 
   // The parabola through the three best points tells where the next is asked

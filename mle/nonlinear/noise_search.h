@@ -66,16 +66,16 @@ struct ShapedProducts {
 // The likelihood (or restricted likelihood) of noise shapes.
 class ShapeLikelihood {
  public:
-  // `more`: columns of each segment (rows × k), fitted besides. What is kept is
-  // one copy of all columns.
+  // What is kept is one copy of all columns.
   ShapeLikelihood(const OutputErrorProblem& problem, const OutputPoint& point,
                   const std::vector<bool>& free, const NoiseShape& start,
-                  bool restricted,
-                  const std::vector<Eigen::MatrixXd>& more = {});
+                  bool restricted);
   ShapeLikelihood(const OutputErrorProblem& problem,
                   const std::vector<SegmentColumns>& columns,
-                  const std::vector<bool>& free, bool restricted,
-                  const std::vector<Eigen::MatrixXd>& more = {});
+                  const std::vector<bool>& free, bool restricted);
+  // With columns of each segment (rows × k; none at all: as it is), which are
+  // fitted besides.
+  ShapeLikelihood With(const std::vector<Eigen::MatrixXd>& more) const;
 
   Profile At(const NoiseShape& shape) const;
   ShapedProducts ProductsAt(const NoiseShape& shape) const;
@@ -92,9 +92,8 @@ class ShapeLikelihood {
     // larger by, as a logarithm.
     double log_scale = 0.0;
   };
-  // `more`: null for none.
-  static Part MakePart(const SegmentColumns& columns,
-                       const Eigen::MatrixXd* more);
+  static Part MakePart(const SegmentColumns& columns);
+  static Part Extended(const Part& part, const Eigen::MatrixXd& more);
 
   const OutputErrorProblem& problem_;
   std::vector<Part> parts_;  // of each segment

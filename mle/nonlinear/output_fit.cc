@@ -54,7 +54,8 @@ bool SameShape(const NoiseEstimate& a, const NoiseEstimate& b) {
 
 // Steps 2 to 5 and what is reported, from `fit`'s values and noise.
 void Finish(const OutputErrorProblem& problem,
-            const OutputErrorOptions& options, Fitter& fitter, OutputFit& fit) {
+            const OutputErrorOptions& options, bool search_colour,
+            Fitter& fitter, OutputFit& fit) {
   const bool part = options.start != nullptr;
   for (int round = 0; round < kMaxSearchRounds; ++round) {
     double cost = 0.0;
@@ -64,7 +65,7 @@ void Finish(const OutputErrorProblem& problem,
       fit.noise = EstimateNoise(problem, fit.point, fit.free,
                                 first ? former : Known(problem, former),
                                 options.estimate_drift,
-                                again == 1 && MayHaveColour(problem, options));
+                                again == 1 && search_colour);
       if (again > 0 && ShapeOf(fit.noise) == ShapeOf(former)) break;
       cost = fitter.RefineRoughly(fit.point, ShapeOf(fit.noise),
                                   /*near=*/again > 0 || part);
@@ -174,7 +175,7 @@ OutputFit FitOutput(const OutputErrorProblem& problem, const OutputPoint& start,
     return fit;
   }
   fit.point = fitter.Start(fit.point, ShapeOf(fit.noise));
-  Finish(problem, options, fitter, fit);
+  Finish(problem, options, MayHaveColour(problem, options), fitter, fit);
   FillIn(problem, options, fitter.certificate(), fit);
   return fit;
 }
@@ -220,16 +221,17 @@ namespace {
 // Steps 2 to 5 from `fit`, and their certificate.
 FitCertificate Continue(const OutputErrorProblem& problem,
                         const OutputFitBounds& bounds,
-                        const OutputErrorOptions& options, OutputFit& fit) {
+                        const OutputErrorOptions& options, bool search_colour,
+                        OutputFit& fit) {
   FitCertificate certificate = fit.certificate;
   if (fit.certificate.num_parameters > 0) {
     Fitter fitter(problem, fit.free, bounds, options);
-    Finish(problem, options, fitter, fit);
+    Finish(problem, options, search_colour, fitter, fit);
     certificate = fitter.certificate();
   } else {
     fit.noise =
         EstimateNoise(problem, fit.point, fit.free, fit.noise,
-                      options.estimate_drift, MayHaveColour(problem, options));
+                      options.estimate_drift, search_colour);
   }
   certificate.weight_change = fit.certificate.weight_change;
   return certificate;
@@ -239,9 +241,11 @@ FitCertificate Continue(const OutputErrorProblem& problem,
 
 OutputFit Refit(const OutputErrorProblem& problem, const OutputFit& fit,
                 const OutputFitBounds& bounds,
-                const OutputErrorOptions& options) {
+                const OutputErrorOptions& options, bool search_colour) {
   OutputFit again = fit;
-  const FitCertificate certificate = Continue(problem, bounds, options, again);
+  const FitCertificate certificate =
+      Continue(problem, bounds, options,
+               search_colour && MayHaveColour(problem, options), again);
   FillIn(problem, options, certificate, again);
   return again;
 }
@@ -293,7 +297,8 @@ void FitRobustly(const OutputFitBounds& bounds,
         fitter.RefineRoughly(fit.point, ShapeOf(fit.noise), /*near=*/true);
       }
     }
-    certificate = Continue(problem, bounds, options, fit);
+    certificate = Continue(problem, bounds, options,
+                           MayHaveColour(problem, options), fit);
     certificate.num_parameters = fit.certificate.num_parameters;
     change = Reweight(options.robust_loss, fit, problem);
   }

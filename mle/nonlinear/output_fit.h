@@ -24,6 +24,7 @@
 #include <vector>
 
 #include "Eigen/Core"
+#include "mle/nonlinear/noise_search.h"
 #include "mle/nonlinear/output_error_correction.h"
 #include "mle/nonlinear/output_error_problem.h"
 #include "mle/nonlinear/serial_correlation.h"
@@ -68,9 +69,10 @@ OutputFit FitOutputFrom(const OutputPoint& start, const std::vector<bool>& free,
                         OutputErrorProblem& problem);
 
 // The fit continued from `fit`, under the weights that `problem` has now.
+// `search_colour`: a colour that `fit` does not have is sought.
 OutputFit Refit(const OutputErrorProblem& problem, const OutputFit& fit,
                 const OutputFitBounds& bounds,
-                const OutputErrorOptions& options);
+                const OutputErrorOptions& options, bool search_colour = true);
 
 // Weights of a robust loss and the fit under them, in turn from `fit` until
 // neither moves; left in `problem` and `fit`.
@@ -161,14 +163,13 @@ struct Contrast {
   Eigen::VectorXd coefficients;  // of the columns that it has besides
 };
 
-// At `point` with the elements that are `free`; and with the columns (of each
-// segment, rows × k) besides. `noise`, of a fit in which nothing was wrong but
-// what the columns show, or null: where that has no colour none is sought, and
-// the search begins there.
-Contrast ContrastWithColumns(const OutputErrorProblem& problem,
-                             const OutputPoint& point,
-                             const std::vector<bool>& free, bool estimate_drift,
+// `null`, of restricted likelihood; and with the columns (of each segment,
+// rows × k) besides. `noise`, of a fit in which nothing was wrong but what the
+// columns show, or null: where that has no colour none is sought, and the
+// search begins there.
+Contrast ContrastWithColumns(const ShapeLikelihood& null,
                              const std::vector<Eigen::MatrixXd>& columns,
+                             bool estimate_drift,
                              const NoiseEstimate* noise = nullptr);
 
 // At `null` with nothing fitted; and at the fit `point` of what is `free`, with

@@ -74,7 +74,9 @@ OutputFit FitAged(const OutputSetup& setup, const OutputFit& fit,
   aged.free = free;
   aged.point = std::move(start);
   aged.point.SetCells(setup.problem->sample_time());
-  return Refit(*setup.problem, aged, setup.bounds, options);
+  // The colour was sought with all free that may have changed.
+  return Refit(*setup.problem, aged, setup.bounds, options,
+               /*search_colour=*/false);
 }
 
 }  // namespace mle

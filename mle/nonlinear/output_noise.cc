@@ -110,16 +110,19 @@ namespace {
 Contrast AtOneRatio(const ShapeLikelihood& null,
                     const ShapeLikelihood& alternative, const NoiseShape& start,
                     bool search_colour, bool estimate_drift) {
-  NoiseShape shape =
-      FindBestShape(alternative, start, estimate_drift, search_colour).shape;
+  Profile with =
+      FindBestShape(alternative, start, estimate_drift, search_colour);
+  NoiseShape shape = with.shape;
   NoiseShape of_null = shape;
   of_null.ratio = std::max(shape.ratio, start.ratio);
   of_null = FindBestShape(null, of_null, estimate_drift,
                           /*search_colour=*/false)
                 .shape;
-  shape.ratio = std::max(shape.ratio, of_null.ratio);
+  if (of_null.ratio > shape.ratio) {
+    shape.ratio = of_null.ratio;
+    with = alternative.At(shape);
+  }
   const Profile without = null.At(shape);
-  const Profile with = alternative.At(shape);
   return {.statistic =
               std::max(without.squares - with.squares, 0.0) / with.variance(),
           .degrees = with.rank - without.rank,
@@ -176,22 +179,18 @@ Contrast OverRatios(const ShapeLikelihood& null,
 
 }  // namespace
 
-Contrast ContrastWithColumns(const OutputErrorProblem& problem,
-                             const OutputPoint& point,
-                             const std::vector<bool>& free, bool estimate_drift,
+Contrast ContrastWithColumns(const ShapeLikelihood& null,
                              const std::vector<MatrixXd>& columns,
-                             const NoiseEstimate* noise) {
+                             bool estimate_drift, const NoiseEstimate* noise) {
+  const OutputErrorProblem& problem = null.problem();
   const bool plain = noise != nullptr && !(noise->colour_ratio > 0.0);
   NoiseShape start;
   // From what is known of it: the least where it is none.
   if (plain && problem.num_segments() > 0) {
     start.ratio = std::max(noise->ratio, LeastRatio(problem));
   }
-  return AtOneRatio(ShapeLikelihood(problem, point, free, NoiseShape(),
-                                    /*restricted=*/true),
-                    ShapeLikelihood(problem, point, free, NoiseShape(),
-                                    /*restricted=*/true, columns),
-                    start, /*search_colour=*/!plain, estimate_drift);
+  return AtOneRatio(null, null.With(columns), start, /*search_colour=*/!plain,
+                    estimate_drift);
 }
 
 Contrast ContrastWithFit(const OutputErrorProblem& problem,

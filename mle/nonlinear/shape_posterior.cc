@@ -126,12 +126,10 @@ class Search {
 
   ShapeLikelihood Linearise(const OutputPoint& point,
                             const NoiseShape& shape) const {
-    return {problem_,
-            point,
-            std::vector<bool>(priors_.size(), true),
-            shape,
-            /*restricted=*/true,
-            sums_};
+    return ShapeLikelihood(problem_, point,
+                           std::vector<bool>(priors_.size(), true), shape,
+                           /*restricted=*/true)
+        .With(sums_);
   }
 
   // Derivatives are those of the response: less those of the residuals.

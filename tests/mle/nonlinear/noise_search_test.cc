@@ -37,7 +37,8 @@ TEST(NoiseSearchTest, ProductsAreThoseOfTheWhitenedColumns) {
         problem.Linearise(setup.start, shape, free);
     const std::vector<Eigen::MatrixXd> more = problem.LagSums({1, 4, 9});
     const ShapedProducts shaped =
-        ShapeLikelihood(problem, columns, free, /*restricted=*/true, more)
+        ShapeLikelihood(problem, columns, free, /*restricted=*/true)
+            .With(more)
             .ProductsAt(shape);
     for (std::size_t s = 0; s < columns.size(); ++s) {
       Eigen::MatrixXd all(more[s].rows(), 6 + more[s].cols());
