@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 #include "boost/math/distributions/chi_squared.hpp"
 #include "boost/math/distributions/fisher_f.hpp"
 #include "boost/math/distributions/non_central_chi_squared.hpp"
 #include "boost/math/distributions/students_t.hpp"
+#include "boost/math/tools/toms748_solve.hpp"
 #include "glog/logging.h"
 #include "mle/base/double_limits.h"
 
@@ -38,6 +40,7 @@ using Student = bm::students_t_distribution<double, Policy>;
 
 // Beyond it F is chi-square over ν to ten digits.
 constexpr double kManyDegrees = 1e10;
+constexpr double kLargestStudent = 1e150;
 
 // The x > 0 at which a falling tail is `probability`, to rounding. (Boost's own
 // quantiles throw whatever the policy: in 1.74 their root finders do not know
@@ -56,12 +59,27 @@ double InvertTail(const Tail& tail, double probability) {
     low /= factor;
     if (low == 0.0) return 0.0;
   }
-  for (;;) {
-    const double middle = high > 4.0 * low ? std::sqrt(low) * std::sqrt(high)
-                                           : low + 0.5 * (high - low);
-    if (middle <= low || middle >= high) return middle;
+  while (high > 4.0 * low) {
+    const double middle = std::sqrt(low) * std::sqrt(high);
     (tail(middle) > probability ? low : high) = middle;
   }
+  // Logarithms of tails are almost parabolas; x as a multiple of `low`, so that
+  // squares of it are numbers too.
+  const auto excess = [&](double multiple) {
+    return std::log(
+        std::max(tail(multiple * low), std::numeric_limits<double>::min()) /
+        probability);
+  };
+  const double most = high / low;
+  const double at_low = excess(1.0);
+  const double at_high = excess(most);
+  if (!(at_low > 0.0 && at_high < 0.0)) return at_high < 0.0 ? low : high;
+  std::uintmax_t evaluations = 200;
+  const auto [below, above] = bm::tools::toms748_solve(
+      excess, 1.0, most, at_low, at_high,
+      bm::tools::eps_tolerance<double>(std::numeric_limits<double>::digits),
+      evaluations, Policy());
+  return low * (below + 0.5 * (above - below));
 }
 
 }  // namespace
@@ -114,7 +132,10 @@ double FisherQuantile(double probability, double numerator,
 double StudentTail(double x, double degrees_of_freedom) {
   CHECK_GT(degrees_of_freedom, 0.0);
   if (std::isnan(x)) return x;
-  return bm::cdf(bm::complement(Student(degrees_of_freedom), x));
+  // Where x² is no number the tail is a power of x.
+  const double near = std::clamp(x, -kLargestStudent, kLargestStudent);
+  const double tail = bm::cdf(bm::complement(Student(degrees_of_freedom), near));
+  return x > near ? tail * std::pow(near / x, degrees_of_freedom) : tail;
 }
 
 double StudentTwoSidedQuantile(double probability, double degrees_of_freedom) {

@@ -6,6 +6,7 @@ namespace mle {
 namespace {
 
 using Eigen::Index;
+using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double kLeastPivotShare = 1e-12;
@@ -24,30 +25,38 @@ VectorXd Elimination::Coefficients(Index b) const {
   return coefficients;
 }
 
-Elimination EliminateFirst(Index count, Eigen::MatrixXd products) {
+// Row by row: of what is left of the products only the diagonal is kept up to
+// date, and the row of a pivot made when it is its turn.
+Elimination EliminateFirst(Index count, const MatrixXd& products) {
   Elimination result;
-  result.rows.resize(count, products.cols());
   const Eigen::ArrayXd squares = products.diagonal().head(count);
   // Columns of zeros have nothing to take out.
   const Eigen::ArrayXd inverse =
       (squares > 0.0).select(squares.cwiseInverse(), 0.0);
+  Eigen::ArrayXd left = squares;
+  MatrixXd rows(products.cols(), count);  // transposed
   while (result.rank() < count) {
     Index pivot = 0;
-    const double share =
-        (products.diagonal().head(count).array() * inverse).maxCoeff(&pivot);
+    const double share = (left * inverse).maxCoeff(&pivot);
     if (!(share > kLeastPivotShare)) break;
-    const double value = products(pivot, pivot);
-    auto row = result.rows.row(result.rank());
-    row = products.row(pivot) / std::sqrt(value);
-    products.noalias() -= row.transpose() * row;
-    products.col(pivot).setZero();
-    products.row(pivot).setZero();
+    const double value = left(pivot);
+    const Index rank = result.rank();
+    auto row = rows.col(rank);
+    row = products.col(pivot);
+    row.noalias() -=
+        rows.leftCols(rank) * rows.row(pivot).head(rank).transpose();
+    row /= std::sqrt(value);
+    for (const Index former : result.pivots) row(former) = 0.0;
+    left -= row.head(count).array().square();
+    left(pivot) = 0.0;
     result.log_determinant += std::log(value);
     result.pivots.push_back(pivot);
   }
-  result.rows.conservativeResize(result.rank(), Eigen::NoChange);
+  result.rows = rows.leftCols(result.rank()).transpose();
   const Index rest = products.rows() - count;
+  const auto others = result.rows.rightCols(rest);
   result.rest = products.bottomRightCorner(rest, rest);
+  result.rest.noalias() -= others.transpose() * others;
   return result;
 }
 

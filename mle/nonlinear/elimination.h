@@ -29,7 +29,7 @@ struct Elimination {
 // less than 1e-12 is left depends on those before it. What is left of a column
 // of B is accurate to 1e-16 of its own square: what A explains may not be a
 // million times as large as what it does not.
-Elimination EliminateFirst(Eigen::Index count, Eigen::MatrixXd products);
+Elimination EliminateFirst(Eigen::Index count, const Eigen::MatrixXd& products);
 
 }  // namespace mle
 

@@ -108,12 +108,12 @@ int LongestMemory(const OutputErrorProblem& problem, const OutputFit& fit) {
 void FillIn(const OutputErrorProblem& problem,
             const OutputErrorOptions& options, FitCertificate certificate,
             OutputFit& fit) {
-  const std::vector<SegmentColumns> columns =
-      LineariseWidely(problem, fit.point, fit.free, fit.noise);
-  const OutputCovariance covariance =
-      CovarianceOf(problem, problem.Whiten(columns, ShapeOf(fit.noise)),
-                   fit.point, fit.free, fit.noise.variance);
-  fit.inflation = InflationOf(problem, fit.point, columns, fit.free,
+  const WhitenedColumns whitened = problem.Whiten(
+      LineariseWidely(problem, fit.point, fit.free, fit.noise),
+      ShapeOf(fit.noise));
+  const OutputCovariance covariance = CovarianceOf(
+      problem, whitened, fit.point, fit.free, fit.noise.variance);
+  fit.inflation = InflationOf(problem, fit.point, whitened, fit.free,
                               ShapeOf(fit.noise), LongestMemory(problem, fit));
   fit.noise.inflation = fit.inflation.statistic;
   fit.noise.samples_at_rest =

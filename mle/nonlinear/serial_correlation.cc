@@ -74,7 +74,7 @@ MatrixXd SerialInflation::Scale(const MatrixXd& covariance) const {
 
 SerialInflation InflationOf(const OutputErrorProblem& problem,
                             const OutputPoint& point,
-                            const std::vector<SegmentColumns>& columns,
+                            const WhitenedColumns& whitened,
                             const std::vector<bool>& free,
                             const NoiseShape& shape, int longest) {
   const auto m = static_cast<Eigen::Index>(free.size());
@@ -84,7 +84,6 @@ SerialInflation InflationOf(const OutputErrorProblem& problem,
   longest = std::min(longest, static_cast<int>(kMaxSerialLagShare *
                                                problem.shortest_segment()));
   if (kept.empty() || longest < 1) return inflation;
-  const WhitenedColumns whitened = problem.Whiten(columns, shape);
   // X: orthonormal columns that span J, then e less what they explain.
   MatrixXd J = whitened.jacobian(Eigen::all, problem.FreeColumns(free));
   const VectorXd norms = J.colwise().norm().cwiseMax(1e-300);

@@ -33,11 +33,12 @@ struct SerialInflation {
   Eigen::MatrixXd Scale(const Eigen::MatrixXd& covariance) const;
 };
 
-// At the fit `point` of the elements that are `free`, from `columns` linearised
-// there. L is `longest` samples, at most a quarter of the shortest segment.
+// At the fit `point` of the elements that are `free`, from columns linearised
+// there and `whitened` by `shape`. L is `longest` samples, at most a quarter of
+// the shortest segment.
 SerialInflation InflationOf(const OutputErrorProblem& problem,
                             const OutputPoint& point,
-                            const std::vector<SegmentColumns>& columns,
+                            const WhitenedColumns& whitened,
                             const std::vector<bool>& free,
                             const NoiseShape& shape, int longest);
 

@@ -50,14 +50,15 @@ class StepSearch {
         fit_(extended.fit()),
         shape_(ShapeOf(fit_.noise)),
         columns_(extended.columns()),
-        basis_(Basis()),
-        lags_(StepLags(problem_, fit_.point)) {}
+        lags_(StepLags(problem_, fit_.point)) {
+    Fit();
+  }
 
   const std::vector<double>& lags() const { return lags_; }
 
   // Of the largest score, and its χ².
   std::pair<SegmentStep, double> Scan() const {
-    const VectorXd white = problem_.WhiteResiduals(Fitted(), shape_);
+    const VectorXd white = problem_.WhiteResiduals(residuals_, shape_);
     const VectorXd u = problem_.weights().size() > 0
                            ? VectorXd(problem_.weights().cwiseProduct(white))
                            : white;
@@ -132,35 +133,38 @@ class StepSearch {
   }
 
  private:
-  // The columns with what the free parameters explain taken from the residuals:
-  // at the initial values that is a lot.
-  std::vector<SegmentColumns> Fitted() const {
-    std::vector<SegmentColumns> columns = columns_;
+  // Of the whitened columns of the free parameters a basis (N × rank), and
+  // their part of the residuals taken out: at the initial values that is a lot.
+  // Pivots choose among the rows of a triangular factor, which blocks of
+  // reflections make.
+  void Fit() {
+    residuals_ = columns_;
     const WhitenedColumns whitened = problem_.Whiten(columns_, shape_);
-    const MatrixXd& jacobian = whitened.jacobian;
-    if (jacobian.cols() == 0) return columns;
+    const Eigen::Index n = whitened.jacobian.rows();
+    const Eigen::Index width = whitened.jacobian.cols();
+    basis_.resize(n, 0);
+    if (width == 0) return;
     const VectorXd inverse_norms =
-        jacobian.colwise().norm().cwiseMax(1e-300).cwiseInverse();
-    Eigen::CompleteOrthogonalDecomposition<MatrixXd> decomposition;
-    decomposition.setThreshold(kAmplitudeTolerance);
-    decomposition.compute(jacobian * inverse_norms.asDiagonal());
-    const VectorXd step =
-        inverse_norms.cwiseProduct(decomposition.solve(whitened.residuals));
-    for (SegmentColumns& of : columns) {
+        whitened.jacobian.colwise().norm().cwiseMax(1e-300).cwiseInverse();
+    const Eigen::HouseholderQR<MatrixXd> tall(whitened.jacobian *
+                                              inverse_norms.asDiagonal());
+    const Eigen::Index rows = std::min(n, width);
+    const MatrixXd triangle =
+        tall.matrixQR().topRows(rows).triangularView<Eigen::Upper>();
+    Eigen::CompleteOrthogonalDecomposition<MatrixXd> pivoted;
+    pivoted.setThreshold(kAmplitudeTolerance);
+    pivoted.compute(triangle);
+    basis_.setZero(n, pivoted.rank());
+    basis_.topRows(rows) = pivoted.householderQ() *
+                           MatrixXd::Identity(rows, pivoted.rank());
+    basis_.applyOnTheLeft(tall.householderQ());
+    VectorXd turned = whitened.residuals;
+    turned.applyOnTheLeft(tall.householderQ().adjoint());
+    const VectorXd step = inverse_norms.cwiseProduct(
+        pivoted.solve(VectorXd(turned.head(rows))));
+    for (SegmentColumns& of : residuals_) {
       of.residuals -= of.jacobian * step;
     }
-    return columns;
-  }
-
-  // Of the whitened columns of the free parameters (N × rank).
-  MatrixXd Basis() const {
-    const MatrixXd fitted = problem_.Whiten(columns_, shape_).jacobian;
-    if (fitted.cols() == 0) return fitted;
-    const VectorXd norms = fitted.colwise().norm().cwiseMax(1e-300);
-    Eigen::ColPivHouseholderQR<MatrixXd> qr;
-    qr.setThreshold(kAmplitudeTolerance);
-    qr.compute(fitted * norms.cwiseInverse().asDiagonal());
-    return qr.householderQ() * MatrixXd::Identity(fitted.rows(), qr.rank());
   }
 
   // Of the scores of a segment whose rows begin at `begin`, over r: from some
@@ -225,6 +229,7 @@ class StepSearch {
   const OutputFit& fit_;
   NoiseShape shape_;
   const std::vector<SegmentColumns>& columns_;
+  std::vector<SegmentColumns> residuals_;  // the columns with what is left
   MatrixXd basis_;
   std::vector<double> lags_;
 };

@@ -135,6 +135,20 @@ TEST(QuantileTest, GoesUpWithTheTailForAnyDegrees) {
 }
 
 // Tables for the power of χ² tests (Haynam, Govindarajulu and Leone, 1970).
+// Of few degrees of freedom the tail is (c x)^−ν: squares of x overflow long
+// before it is small.
+TEST(QuantileTest, StudentHasItsPowersToTheEnd) {
+  constexpr double kNu = 0.25;
+  const double ratio = StudentTail(1e140, kNu) / StudentTail(1e300, kNu);
+  EXPECT_NEAR(std::log10(ratio), kNu * 160.0, 1e-9);
+  const double x = StudentTwoSidedQuantile(1e-60, kNu);
+  EXPECT_NEAR(std::log10(2.0 * StudentTail(x, kNu)), -60.0, 1e-12);
+  EXPECT_GT(x, 1e200);
+  EXPECT_EQ(StudentTail(kInfinity, kNu), 0.0);
+  EXPECT_EQ(StudentTail(-1e200, kNu), 1.0);
+  EXPECT_EQ(StudentTwoSidedQuantile(1e-100, kNu), kInfinity);
+}
+
 TEST(NoncentralityTest, HasItsTabulatedValues) {
   EXPECT_NEAR(ChiSquareNoncentrality(0.05, 1.0, 0.9), 10.507, 1e-3);
   EXPECT_NEAR(ChiSquareNoncentrality(0.05, 2.0, 0.9), 12.654, 1e-3);

@@ -46,7 +46,7 @@ LinearFit FitAbout(const RecordNoise& noise, unsigned seed, int samples = 1500,
       squares / (problem.num_innovations(kWhite) - whitened.num_amplitudes - 6);
   fit.variances = variance * inverse.diagonal();
   fit.statistic = (whitened.jacobian * fit.errors).squaredNorm() / variance;
-  fit.inflation = InflationOf(problem, (*setups)[0].start, columns,
+  fit.inflation = InflationOf(problem, (*setups)[0].start, whitened,
                               {true, true}, kWhite, /*longest=*/60);
   return fit;
 }
@@ -128,10 +128,10 @@ TEST(SerialCorrelationTest, WithoutEstimatesThereIsNothingToInflate) {
       SetUpOutputs(TwoElements(), MakeRecords(TwoElements(), 400, 1, {}), {});
   ASSERT_TRUE(setups.ok()) << setups.status();
   const OutputErrorProblem& problem = *(*setups)[0].problem;
-  const auto columns =
-      problem.Linearise((*setups)[0].start, kWhite, {true, true});
+  const WhitenedColumns whitened = problem.Whiten(
+      problem.Linearise((*setups)[0].start, kWhite, {true, true}), kWhite);
   const SerialInflation inflation = InflationOf(
-      problem, (*setups)[0].start, columns, {false, false}, kWhite, 60);
+      problem, (*setups)[0].start, whitened, {false, false}, kWhite, 60);
   EXPECT_EQ(inflation.statistic, 1.0);
   EXPECT_EQ(inflation.variances, VectorXd::Ones(6));
   const MatrixXd covariance = MatrixXd::Random(6, 6);
