@@ -20,25 +20,37 @@ constexpr double kSignificant = 2.0;
 // Relative to the largest eigenvalue of JᵀJ, its columns scaled to one.
 constexpr double kEigenvalueTolerance = 1e-12;
 
-// Σ_k x_k x_{k+l} within the segments, l = 0 … longest, of each column.
+// Σ_k x_k x_{k+l} within the segments, l = 0 … longest, of each column. Samples
+// of kPhases phases, k = kPhases q + r, times all that follow are products of
+// matrices, so that each number that is read is used for as many.
+constexpr Eigen::Index kPhases = 8;
+
 MatrixXd Autocovariances(const OutputErrorProblem& problem, const MatrixXd& X,
                          int longest) {
   MatrixXd sums = MatrixXd::Zero(longest + 1, X.cols());
+  // Of whole vectors: x_{kPhases q + i} x_{kPhases q + r}, summed over q.
+  const Eigen::Index reach = (longest / kPhases + 2) * kPhases;
+  MatrixXd of_phases(reach, kPhases);
   Eigen::Index begin = 0;
   VectorXd padded;
   for (int s = 0; s < problem.num_segments(); ++s) {
     const auto rows = static_cast<Eigen::Index>(problem.times(s).size());
-    padded.setZero(rows + longest);
+    const Eigen::Index count = (rows + kPhases - 1) / kPhases;
+    padded.setZero(kPhases * count + reach);
     for (Eigen::Index c = 0; c < X.cols(); ++c) {
       padded.head(rows) = X.col(c).segment(begin, rows);
+      of_phases.setZero();
       VectorKernels().add_products({.x = padded.data(),
-                                    .x_stride = 1,
-                                    .rows = sums.rows(),
+                                    .x_stride = kPhases,
+                                    .rows = reach,
                                     .w = padded.data(),
-                                    .w_stride = 1,
-                                    .columns = 1,
-                                    .count = rows},
-                                   &sums(0, c), sums.rows());
+                                    .w_stride = kPhases,
+                                    .columns = kPhases,
+                                    .count = count},
+                                   of_phases.data(), reach);
+      for (Eigen::Index r = 0; r < kPhases; ++r) {
+        sums.col(c) += of_phases.col(r).segment(r, longest + 1);
+      }
     }
     begin += rows;
   }
