@@ -267,16 +267,22 @@ class Loop {
     const MatrixXcd plant = plant_.AtAll(powers);
     std::vector<MatrixXcd> sensitivities;
     for (Eigen::Index k = 0; k < count; ++k) {
-      const Complex w = powers(0, k);
-      const MatrixXcd PC = plant_.Column(plant, k) *
-                           Controller(w, predictor_.Column(predictor, k),
-                                      model_.Column(model, k))
-                               .partialPivLu()
-                               .solve(Feedback(w));
-      const Eigen::Index p = PC.rows();
-      const MatrixXcd S = (MatrixXcd::Identity(p, p) + PC).inverse();
-      sensitivities.emplace_back(scale_.asDiagonal() * S *
-                                 scale_.cwiseInverse().asDiagonal());
+      sensitivities.push_back(Sensitivity(
+          powers(0, k), predictor_.Column(predictor, k),
+          model_.Column(model, k), plant_.Column(plant, k)));
+    }
+    return sensitivities;
+  }
+  // S at e^{iπk/n}, k = 1 … n: the conjugates of those at e^{−iπk/n}.
+  std::vector<MatrixXcd> SensitivitiesOnHalfCircle(int n) const {
+    const MatrixXcd predictor = predictor_.OnHalfCircle(1.0, n);
+    const MatrixXcd model = model_.OnHalfCircle(1.0, n);
+    const MatrixXcd plant = plant_.OnHalfCircle(1.0, n);
+    std::vector<MatrixXcd> sensitivities;
+    for (int k = 1; k <= n; ++k) {
+      sensitivities.push_back(Sensitivity(
+          std::polar(1.0, kPi * k / n), predictor_.Column(predictor, k),
+          model_.Column(model, k), plant_.Column(plant, k)));
     }
     return sensitivities;
   }
@@ -327,6 +333,15 @@ class Loop {
     MatrixXcd result = predictor - Feedback(w) * model;
     result.diagonal().array() += 1.0 - w;
     return result;
+  }
+  MatrixXcd Sensitivity(Complex w, const MatrixXcd& predictor,
+                        const MatrixXcd& model, const MatrixXcd& plant) const {
+    const MatrixXcd PC =
+        plant *
+        Controller(w, predictor, model).partialPivLu().solve(Feedback(w));
+    const Eigen::Index p = PC.rows();
+    const MatrixXcd S = (MatrixXcd::Identity(p, p) + PC).inverse();
+    return scale_.asDiagonal() * S * scale_.cwiseInverse().asDiagonal();
   }
   Complex Determinant(Complex w, const MatrixXcd& predictor,
                       const MatrixXcd& model, const MatrixXcd& plant) const {
@@ -405,8 +420,8 @@ double LargestSingularValue(const MatrixXcd& matrix) {
 void FindPeaks(const Loop& loop, double control_period,
                LoopAnalysis& analysis) {
   double best = kPi;
-  const auto look = [&](const std::vector<double>& angles) {
-    const std::vector<MatrixXcd> all = loop.Sensitivities(angles);
+  const auto look = [&](const std::vector<double>& angles,
+                        const std::vector<MatrixXcd>& all) {
     for (std::size_t k = 0; k < angles.size(); ++k) {
       const MatrixXcd& S = all[k];
       const double peak = LargestSingularValue(S);
@@ -419,16 +434,19 @@ void FindPeaks(const Loop& loop, double control_period,
           std::max(analysis.complementary_peak, LargestSingularValue(T));
     }
   };
-  // Some at a time: of a large plant all together would not fit into memory.
+  // Evenly, by Fourier transforms, and by decades.
   constexpr int kPoints = 300;
-  constexpr int kTogether = 30;
-  for (int first = 1; first <= kPoints; first += kTogether) {
+  std::vector<double> even;
+  for (int i = 1; i <= kPoints; ++i) even.push_back(kPi * i / kPoints);
+  look(even, loop.SensitivitiesOnHalfCircle(kPoints));
+  // Some at a time: of a large plant all together would not fit into memory.
+  constexpr int kTogether = 60;
+  for (int first = 0; first < kPoints; first += kTogether) {
     std::vector<double> angles;
     for (int i = first; i < first + kTogether; ++i) {
-      angles.push_back(kPi * i / kPoints);
-      angles.push_back(kPi * std::pow(10.0, -4.0 * (i - 1) / kPoints));
+      angles.push_back(kPi * std::pow(10.0, -4.0 * i / kPoints));
     }
-    look(angles);
+    look(angles, loop.Sensitivities(angles));
   }
   for (double width = kPi / kPoints; width > 1e-7; width *= 0.1) {
     std::vector<double> angles;
@@ -436,7 +454,7 @@ void FindPeaks(const Loop& loop, double control_period,
       const double angle = best + 0.1 * i * width;
       if (angle > 0.0 && angle <= kPi) angles.push_back(angle);
     }
-    look(angles);
+    look(angles, loop.Sensitivities(angles));
   }
   analysis.peak_frequency = best / control_period;
 }

@@ -127,6 +127,7 @@ class Mpc {
   // m × depth, a ring: column newest_ is what acts from the coming instant on.
   Eigen::MatrixXd history_;
   Eigen::Index newest_ = 0;
+  Eigen::VectorXd changes_;  // of the inputs at an instant (m)
 
   Eigen::VectorXd set_points_;  // the last finite ones, of each instant: p H_p
   Eigen::VectorXd free_outputs_;  // p H_p

@@ -40,7 +40,7 @@ TEST(FreeResponseTest, IsTheSumOfTheResponsesToAllMoves) {
       if (l > 0) response.Advance();
       VectorXd move = VectorXd::Random(model.num_inputs());
       if (l % 3 == 1) move.setZero();
-      for (int j = 0; j < model.num_inputs(); ++j) response.Move(j, move(j));
+      response.Move(move);
       moves.push_back(move);
       if (l % 40 != 0 && l < 2 * n + 45) continue;
       for (const int k : {0, 1, 7, n}) {
@@ -62,10 +62,10 @@ TEST(FreeResponseTest, SettlesAsAfterAMoveOfLongAgo) {
     const int n = model.periods();
     const VectorXd inputs = VectorXd::Random(model.num_inputs());
     FreeResponse moved(model);
-    for (int j = 0; j < model.num_inputs(); ++j) moved.Move(j, inputs(j));
+    moved.Move(inputs);
     for (int l = 0; l < n; ++l) moved.Advance();
     FreeResponse settled(model);
-    settled.Move(0, 3.0);
+    settled.Move(3.0 * VectorXd::Unit(model.num_inputs(), 0));
     settled.Advance();
     settled.Settle(inputs);
     for (const int k : {0, 1, n}) {
