@@ -181,7 +181,8 @@ absl::Status MakeModels(int samples, CorrectionResult& result) {
   MLE_ASSIGN_OR_RETURN(result.model,
                        TransferFunctionsOf(result.initial, result.corrected));
   if (result.options.make_arx) {
-    result.state_space = MakeStateSpaceForm(result.model, result.corrected);
+    result.state_space = MakeStateSpaceForm(result.model, result.corrected,
+                                            result.options.threads);
   }
   return absl::OkStatus();
 }

@@ -38,9 +38,10 @@ double StateSpaceForm::largest_difference() const {
 }
 
 StateSpaceForm MakeStateSpaceForm(const ProcessModel& transfer_functions,
-                                  const CorrectedModel& corrected) {
+                                  const CorrectedModel& corrected,
+                                  int threads) {
   StateSpaceForm form;
-  const ReductionOptions options;
+  const ReductionOptions options = {.threads = threads};
   absl::StatusOr<ReducedModel> reduced =
       ReduceModel(transfer_functions, corrected.response.sample_time, options);
   if (!reduced.ok()) {

@@ -28,9 +28,11 @@ struct StateSpaceForm {
   double largest_difference() const;
 };
 
-// `transfer_functions` as of TransferFunctionsOf(corrected).
+// `transfer_functions` as of TransferFunctionsOf(corrected); outputs are worked
+// at by `threads` (0: one for each processor).
 StateSpaceForm MakeStateSpaceForm(const ProcessModel& transfer_functions,
-                                  const CorrectedModel& corrected);
+                                  const CorrectedModel& corrected,
+                                  int threads = 1);
 
 }  // namespace mle
 

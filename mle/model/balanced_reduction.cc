@@ -8,6 +8,7 @@
 
 #include "Eigen/SVD"
 #include "absl/strings/str_cat.h"
+#include "mle/base/parallel.h"
 #include "mle/base/status.h"
 #include "mle/model/held_response.h"
 #include "mle/model/integrator_split.h"
@@ -379,6 +380,34 @@ void AddIntegrator(const MatrixXd& slopes, double sample_time,
   row.C(n) = 1.0;
 }
 
+struct ReducedRow {
+  CutRow cut;
+  VectorXd hankel_values;
+  double hankel_bound = 0.0;
+};
+
+absl::StatusOr<ReducedRow> ReduceRow(const ProcessModel& model,
+                                     const Responses& responses,
+                                     const Delays& delays, const Wanted& row,
+                                     int output,
+                                     const ReductionOptions& options) {
+  MLE_ASSIGN_OR_RETURN(
+      const BalancedRow balanced,
+      Balance(model, responses, delays, row, output, options));
+  ReducedRow reduced;
+  MLE_ASSIGN_OR_RETURN(
+      reduced.cut, CutWithin(model, balanced, row, delays, output, options));
+  DiscreteStateSpace& system = reduced.cut.system;
+  reduced.hankel_values = balanced.values;
+  const Index neglected = balanced.values.size() - system.order();
+  reduced.hankel_bound = 2.0 * balanced.values.tail(neglected).sum();
+  if (!row.slopes.isZero(0.0)) {
+    AddIntegrator(row.slopes, system.sample_time, system);
+  }
+  if (system.order() > 0) MLE_RETURN_IF_ERROR(system.Validate());
+  return reduced;
+}
+
 // Rows one below the other; the first may be empty.
 void Append(const DiscreteStateSpace& row, DiscreteStateSpace& all) {
   const Index n = all.A.rows();
@@ -430,23 +459,18 @@ absl::StatusOr<ReducedModel> ReduceModel(const ProcessModel& model,
   reduced.system.sample_time = sample_time;
   reduced.system.input_delays = delays.inputs;
   reduced.system.B.resize(0, m);
+  std::vector<absl::StatusOr<ReducedRow>> rows(p);
+  ParallelFor(p, options.threads, [&](int i) {
+    rows[i] = ReduceRow(model, responses, delays, RowOf(wanted, i), i, options);
+  });
   for (int i = 0; i < p; ++i) {
-    const Wanted row = RowOf(wanted, i);
-    MLE_ASSIGN_OR_RETURN(const BalancedRow balanced,
-                         Balance(model, responses, delays, row, i, options));
-    MLE_ASSIGN_OR_RETURN(CutRow cut,
-                         CutWithin(model, balanced, row, delays, i, options));
-    const Index neglected = balanced.values.size() - cut.system.order();
-    reduced.hankel_bounds(i) = 2.0 * balanced.values.tail(neglected).sum();
-    if (!row.slopes.isZero(0.0)) {
-      AddIntegrator(row.slopes, sample_time, cut.system);
-    }
-    if (cut.system.order() > 0) MLE_RETURN_IF_ERROR(cut.system.Validate());
-    reduced.error_bounds(i) = cut.bound;
-    reduced.largest_differences(i) = cut.difference;
-    reduced.orders.push_back(cut.system.order());
-    reduced.hankel_values.push_back(balanced.values);
-    Append(cut.system, reduced.system);
+    MLE_ASSIGN_OR_RETURN(const ReducedRow row, std::move(rows[i]));
+    reduced.hankel_bounds(i) = row.hankel_bound;
+    reduced.error_bounds(i) = row.cut.bound;
+    reduced.largest_differences(i) = row.cut.difference;
+    reduced.orders.push_back(row.cut.system.order());
+    reduced.hankel_values.push_back(row.hankel_values);
+    Append(row.cut.system, reduced.system);
     if (reduced.system.order() > options.max_states) {
       return absl::FailedPreconditionError(absl::StrCat(
           "state-space model: ", reduced.system.order(),

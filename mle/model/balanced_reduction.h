@@ -66,6 +66,8 @@ struct ReductionOptions {
   // Of a row before it is cut, and of the model after, ≥ 1. Dead times of a row
   // that differ by more samples than this take more.
   int max_states = 1000;
+  // Rows are reduced side by side; 0: one thread for each processor.
+  int threads = 1;
 
   // Names the field, its value and the constraint broken.
   absl::Status Validate() const;
