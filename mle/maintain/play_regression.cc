@@ -288,13 +288,18 @@ void PlayRegression::Fit(int output, OutputState& state) const {
   }
   WhitenedData data;
   WhitenedFit fit;
+  int worse = 0;  // in a row: the likelihood has one hill
   for (const double drift : kDrifts) {
     WhitenedData tried = InnovationsOfDrift(with_drift, drift);
     WhitenedFit fit_tried =
         FitWhitenedGains(tried, state.start, kOrder, kEnough);
     // Others begin where this one has ended.
     state.start = fit_tried.gains;
-    if (drift > 0.0 && fit_tried.log_likelihood <= fit.log_likelihood) continue;
+    if (drift > 0.0 && fit_tried.log_likelihood <= fit.log_likelihood) {
+      if (++worse == 2) break;
+      continue;
+    }
+    worse = 0;
     state.drift = drift;
     data = std::move(tried);
     fit = std::move(fit_tried);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include "Eigen/QR"
 #include "mle/base/parallel.h"
@@ -104,36 +106,49 @@ void TestInput(const Windows& errors, const Windows& input, int max_lag,
   result.p_value = ChiSquareTail(result.statistic, rank);
 }
 
+// What every output's errors are compared with.
+struct Input {
+  Windows centred;
+  Windows moves;         // Known()
+  double squares = 0.0;  // of the moves
+  VectorXd autocorrelation;
+};
+
+Input InputOf(Windows recorded, int max_lag) {
+  Input input;
+  CentreWindows(recorded);
+  input.moves = Known(recorded);
+  input.centred = std::move(recorded);
+  input.squares = Product(input.moves, input.moves, 0);
+  input.autocorrelation = Autocorrelation(input.moves, max_lag);
+  return input;
+}
+
 // `known` are the Known() errors.
 InputCorrelation Correlate(const Windows& errors, const Windows& known,
-                           const VectorXd& errors_acf, const Windows& recorded,
+                           const VectorXd& errors_acf, const Input& input,
                            int samples, int max_lag) {
   InputCorrelation result;
   result.max_lag = max_lag;
   result.values = VectorXd::Zero(2 * max_lag + 1);
-  Windows input = recorded;
-  CentreWindows(input);
-  const Windows moves = Known(input);
-  const double norm =
-      std::sqrt(Product(known, known, 0) * Product(moves, moves, 0));
+  const double norm = std::sqrt(Product(known, known, 0) * input.squares);
   if (!(norm > 0.0)) return result;
   for (int lag = -max_lag; lag <= max_lag; ++lag) {
-    const double value = Product(known, moves, lag) / norm;
+    const double value = Product(known, input.moves, lag) / norm;
     result.values(lag + max_lag) = value;
     if (lag > 0 && std::abs(value) > result.largest) {
       result.largest = std::abs(value);
       result.largest_lag = lag;
     }
   }
-  const VectorXd input_acf = Autocorrelation(moves, max_lag);
   const double spread =
-      std::max(1.0 + 2.0 * errors_acf.dot(input_acf), 1.0 / samples);
+      std::max(1.0 + 2.0 * errors_acf.dot(input.autocorrelation), 1.0 / samples);
   result.limit = k99Percent * std::sqrt(spread / samples);
-  TestInput(errors, input, max_lag, result);
+  TestInput(errors, input.centred, max_lag, result);
   return result;
 }
 
-ResidualReport ExamineOutput(Windows errors, const std::vector<Windows>& inputs,
+ResidualReport ExamineOutput(Windows errors, const std::vector<Input>& inputs,
                              int max_lag) {
   ResidualReport report;
   CentreWindows(errors);
@@ -154,7 +169,7 @@ ResidualReport ExamineOutput(Windows errors, const std::vector<Windows>& inputs,
     report.degrees_of_freedom = max_lag;
     report.p_value = ChiSquareTail(report.ljung_box, max_lag);
     report.outside = (acf.array().abs() > report.limit).cast<double>().mean();
-    for (const Windows& input : inputs) {
+    for (const Input& input : inputs) {
       report.inputs.push_back(
           Correlate(errors, known, acf, input, report.samples, max_lag));
     }
@@ -172,15 +187,19 @@ std::vector<ResidualReport> ExamineResiduals(const Predictor& predictor,
   const int p = windows.front().num_outputs();
   const int m = windows.front().num_inputs();
   std::vector<Windows> errors(p);
-  std::vector<Windows> inputs(m);
+  std::vector<Windows> recorded(m);
   int longest = 0;
   for (const Record& window : windows) {
     const MatrixXd one_step = predictor(window, 1);
     for (int i = 0; i < p; ++i) errors[i].push_back(one_step.row(i));
-    for (int j = 0; j < m; ++j) inputs[j].push_back(window.inputs.row(j));
+    for (int j = 0; j < m; ++j) recorded[j].push_back(window.inputs.row(j));
     longest = std::max(longest, window.samples() - window.lead());
   }
   const int lags = std::clamp(max_lag, 1, std::max(longest / 4, 1));
+  std::vector<Input> inputs(m);
+  ParallelFor(m, threads, [&](int j) {
+    inputs[j] = InputOf(std::move(recorded[j]), lags);
+  });
   std::vector<ResidualReport> reports(p);
   ParallelFor(p, threads, [&](int i) {
     reports[i] = ExamineOutput(errors[i], inputs, lags);

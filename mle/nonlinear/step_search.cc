@@ -18,8 +18,10 @@ using Eigen::VectorXd;
 
 // Samples of a segment before and after a step.
 constexpr int kMargin = 8;
-// Places of a segment at which the variance of a score is computed.
+// Places of a segment at which the variance of a score is computed, at most,
+// and samples between them at least.
 constexpr int kPlaces = 48;
+constexpr int kLeastStride = 12;
 // Time scales nearer to each other than this factor are one.
 constexpr double kSameLag = 1.5;
 constexpr int kStepRefinements = 2;  // of place and shape in turn
@@ -174,7 +176,7 @@ class StepSearch {
     const auto rows = static_cast<Eigen::Index>(times.size());
     const Eigen::Index last = rows - kMargin;
     const Eigen::Index stride =
-        std::max<Eigen::Index>((last - kMargin) / kPlaces, 1);
+        std::max<Eigen::Index>((last - kMargin) / kPlaces, kLeastStride);
     std::vector<Eigen::Index> places;
     for (Eigen::Index row = kMargin; row < last; row += stride) {
       places.push_back(row);
