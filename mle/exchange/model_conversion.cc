@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "mle/base/status.h"
+#include "mle/exchange/description.h"
 #include "mle/exchange/mat_file.h"
 #include "mle/model/balanced_reduction.h"
 
@@ -251,6 +252,13 @@ absl::Status Converter::ToStepResponses() {
         ": more coefficients or a longer interval must cover the dead times"));
   }
   MLE_RETURN_IF_ERROR(steps.Validate());
+  // What is cut short or thinned may be near no transfer function any more.
+  if (const absl::Status described = Describe(steps).status();
+      !described.ok()) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        steps.length(), " coefficients every ", steps.interval, " ",
+        model_.time_unit(), " could not be read again: ", described.message()));
+  }
   result_.interval = steps.interval;
   for (const PairResponse& pair : steps.pairs) {
     result_.differences(pair.output, pair.input) += LeftAfter(

@@ -200,6 +200,28 @@ TEST(ModelConversion, StepResponsesThatDoNotMoveAreRefused) {
   EXPECT_TRUE(ConvertModel(file, to).ok());
 }
 
+// A bump that is 5 % of the whole range is more of the beginning's: what is cut
+// short is near no transfer function any more.
+TEST(ModelConversion, StepResponsesCutShortMustBeReadAgain) {
+  ModelFile slow;
+  slow.process = ProcessModel("tank", "min", {{"steam", ""}}, {{"level", ""}});
+  slow.process.element(0, 0) = TransferFunction::FirstOrder(1.0, 60.0, 0.0);
+  ModelConversion to = To(ModelForm::kStepResponses);
+  to.coefficients = 240;
+  ModelFile file = Reread(Converted(slow, to));
+  ASSERT_EQ(file.step_responses.length(), 240);
+  file.step_responses.pairs[0].coefficients.segment(5, 3).array() += 0.03;
+  to.coefficients = 120;
+  Reread(Converted(file, to));
+  to.coefficients = 15;
+  const absl::Status refused = ConvertModel(file, to).status();
+  EXPECT_EQ(refused.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(
+      std::string(refused.message()),
+      testing::AllOf(HasSubstr("15 coefficients every 1 min could not be read"),
+                     HasSubstr("level ← steam")));
+}
+
 // A file of it would not be read again.
 TEST(ModelConversion, NoDiscreteModelWithoutElements) {
   ModelFile file;
