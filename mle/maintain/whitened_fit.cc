@@ -20,8 +20,6 @@ constexpr double kRidge = 1e-10;
 // it a gain stays as it is.
 constexpr double kCollinear = 1e-9;
 
-using Hankel = Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>>;
-
 struct Noise {
   Eigen::VectorXd filter;  // −φ_n … −φ_1, 1
   double variance = 0.0;
@@ -41,6 +39,32 @@ double SquaresOf(const WhitenedData& data) {
   return squares;
 }
 
+// Adds Σ_{k=0}^{n−o−1} x_{k+a} x_{k+b}, o + 1 lags, to the lower triangle. Most
+// of the products of a distance a − b are those of all a: their sum is taken
+// once, and the ends, which differ, are added.
+void AddLaggedProducts(const Eigen::VectorXd& x, Eigen::MatrixXd& gram) {
+  const Eigen::Index order = gram.rows() - 1;
+  const Eigen::Index n = x.size();
+  const Eigen::Index common = n - 2 * order;
+  for (Eigen::Index distance = 0; distance <= order; ++distance) {
+    const double sum =
+        x.segment(order, common).dot(x.segment(order + distance, common));
+    // From b on, and up to it.
+    double before = 0.0;
+    for (Eigen::Index b = order - 1; b >= 0; --b) {
+      before += x(b) * x(b + distance);
+      if (b + distance <= order) gram(b + distance, b) += before;
+    }
+    double after = 0.0;
+    for (Eigen::Index b = 0; b + distance <= order; ++b) {
+      gram(b + distance, b) += sum + after;
+      if (b + distance < order) {
+        after += x(n - order + b) * x(n - order + b + distance);
+      }
+    }
+  }
+}
+
 // Autoregression of what the responses leave of the outputs.
 Noise FitNoise(const WhitenedData& data, const Eigen::VectorXd& gains,
                int order) {
@@ -53,9 +77,7 @@ Noise FitNoise(const WhitenedData& data, const Eigen::VectorXd& gains,
     if (n <= 2 * order) continue;
     const Eigen::VectorXd rest =
         Centred(data.outputs[w] - data.responses[w] * gains);
-    const Hankel lags(rest.data(), order + 1, n - order,
-                      Eigen::OuterStride<>(1));
-    gram.selfadjointView<Eigen::Lower>().rankUpdate(lags);
+    AddLaggedProducts(rest, gram);
     noise.rows += static_cast<double>(n - order);
   }
   gram.triangularView<Eigen::StrictlyUpper>() = gram.transpose();
