@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/strip.h"
 #include "mle/base/status.h"
 #include "mle/exchange/description.h"
 #include "mle/exchange/mat_file.h"
@@ -107,6 +108,7 @@ class Converter {
   absl::Status ToTransferFunctions();
   absl::Status ToElementTable();
   absl::Status ToStepResponses();
+  absl::Status CheckText() const;
   absl::Status ToDiscrete();
   absl::Status ToStateSpace();
   // The responses of a file that is sampled, or discrete, where `interval` is a
@@ -267,6 +269,16 @@ absl::Status Converter::ToStepResponses() {
   return Write(steps);
 }
 
+// What was near noisy step responses need not be near any once it is sampled.
+absl::Status Converter::CheckText() const {
+  const absl::Status read = ParseModelFile(result_.text, "it").status();
+  if (read.ok()) return read;
+  return absl::InvalidArgumentError(
+      absl::StrCat("the model in this form, every ", result_.interval, " ",
+                   model_.time_unit(), ", could not be read again: ",
+                   absl::StripPrefix(read.message(), "it: ")));
+}
+
 absl::Status Converter::ToDiscrete() {
   if (!HasElements()) {
     return absl::InvalidArgumentError(
@@ -279,7 +291,7 @@ absl::Status Converter::ToDiscrete() {
                        WithChange(discrete, discrete.channels, model_));
   MLE_RETURN_IF_ERROR(discrete.Validate());
   result_.text = FormatDiscreteModel(discrete);
-  return absl::OkStatus();
+  return CheckText();
 }
 
 absl::Status Converter::ToStateSpace() {
@@ -303,7 +315,7 @@ absl::Status Converter::ToStateSpace() {
   }
   result_.states = named.system.order();
   result_.text = FormatStateSpace(named);
-  return absl::OkStatus();
+  return CheckText();
 }
 
 absl::StatusOr<ConvertedModel> Converter::Convert() {

@@ -5,9 +5,9 @@
 #include <utility>
 #include <vector>
 
-#include "Eigen/QR"
 #include "mle/base/parallel.h"
 #include "mle/nonlinear/distributions.h"
+#include "mle/nonlinear/elimination.h"
 
 namespace mle {
 namespace {
@@ -92,18 +92,14 @@ void TestInput(const Windows& errors, const Windows& input, int max_lag,
                                      Eigen::RowMajor>>(values.data(), rows,
                                                        lags + 1);
   table.rowwise() -= table.colwise().mean().eval();
-  const VectorXd response = table.col(lags);
-  if (!(response.squaredNorm() > 0.0)) return;
-  Eigen::ColPivHouseholderQR<MatrixXd> qr;
-  qr.setThreshold(1e-6);
-  qr.compute(table.leftCols(lags));
-  const auto rank = static_cast<int>(qr.rank());
-  if (rank == 0) return;
-  const VectorXd rotated = qr.householderQ().adjoint() * response;
-  result.statistic =
-      rows * rotated.head(rank).squaredNorm() / response.squaredNorm();
-  result.degrees_of_freedom = rank;
-  result.p_value = ChiSquareTail(result.statistic, rank);
+  const MatrixXd products = table.transpose() * table;
+  const double squares = products(lags, lags);
+  if (!(squares > 0.0)) return;
+  const Elimination regression = EliminateFirst(lags, products);
+  if (regression.rank() == 0) return;
+  result.statistic = rows * (1.0 - regression.rest(0, 0) / squares);
+  result.degrees_of_freedom = regression.rank();
+  result.p_value = ChiSquareTail(result.statistic, regression.rank());
 }
 
 // What every output's errors are compared with.

@@ -1,4 +1,4 @@
-// Least squares by the products of its columns. Internal to mle/nonlinear.
+// Least squares by the products of its columns. Internal to the libraries.
 
 #ifndef MLE_NONLINEAR_ELIMINATION_H_
 #define MLE_NONLINEAR_ELIMINATION_H_

@@ -222,6 +222,22 @@ TEST(ModelConversion, StepResponsesCutShortMustBeReadAgain) {
                      HasSubstr("level ← steam")));
 }
 
+// Noisy coefficients whose transfer function, sampled, is none of those that are
+// tried for sampled models.
+TEST(ModelConversion, SampledModelsMustBeReadAgain) {
+  const absl::StatusOr<ModelFile> noisy =
+      ReadModelFile(MLE_SOURCE_FOLDER
+                    "/tests/fuzz/corpus/model_file/truncated_steps.json");
+  ASSERT_TRUE(noisy.ok()) << noisy.status();
+  for (const ModelForm form :
+       {ModelForm::kDiscreteTransferFunctions, ModelForm::kStateSpace}) {
+    const absl::Status refused = ConvertModel(*noisy, To(form)).status();
+    EXPECT_EQ(refused.code(), absl::StatusCode::kInvalidArgument);
+    EXPECT_THAT(std::string(refused.message()),
+                HasSubstr("could not be read again: no transfer function"));
+  }
+}
+
 // A file of it would not be read again.
 TEST(ModelConversion, NoDiscreteModelWithoutElements) {
   ModelFile file;

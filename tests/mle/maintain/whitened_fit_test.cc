@@ -4,6 +4,7 @@
 #include <limits>
 #include <utility>
 
+#include "Eigen/Cholesky"
 #include "gtest/gtest.h"
 #include "mle/base/random.h"
 
@@ -29,6 +30,36 @@ WhitenedData Data(double walk, double noise, std::uint64_t seed) {
     }
   }
   return data;
+}
+
+// The regression of each value on those before it, row by row; its ends count
+// as much as the rest, so few rows tell.
+TEST(WhitenedFitTest, FilterIsTheLeastSquaresOne) {
+  constexpr int kOrder = 3;
+  WhitenedData data;
+  GaussianNoise random(5, 0, kMeasurementNoise);
+  for (const int samples : {9, 14}) {
+    Eigen::VectorXd output = random.DrawMatrix(samples, 1, 1.0);
+    output(0) = 5.0;
+    output(samples - 1) = -6.0;
+    data.outputs.emplace_back(output.array() - output.mean());
+    data.responses.emplace_back(samples, 0);
+  }
+  Eigen::MatrixXd rows(9 + 14 - 2 * kOrder, kOrder);
+  Eigen::VectorXd present(rows.rows());
+  Eigen::Index row = 0;
+  for (const Eigen::VectorXd& output : data.outputs) {
+    for (Eigen::Index k = kOrder; k < output.size(); ++k, ++row) {
+      rows.row(row) = output.segment(k - kOrder, kOrder);
+      present(row) = output(k);
+    }
+  }
+  const Eigen::VectorXd phi =
+      (rows.transpose() * rows).llt().solve(rows.transpose() * present);
+  const Eigen::VectorXd filter =
+      WhiteningFilter(data, Eigen::VectorXd(), kOrder);
+  EXPECT_LT((filter.head(kOrder) + phi).norm(), 1e-8);
+  EXPECT_EQ(filter(kOrder), 1.0);
 }
 
 // A ramp and a level of an output become an offset of its increments.
