@@ -36,8 +36,8 @@ FreeResponse::FreeResponse(const PredictionModel& model)
       if (pair.slope == 0.0) {
         pair.level = deviation(count_ - 1);
         deviation.array() -= pair.level;
-        while (pair.length > 0 && std::abs(deviation(pair.length - 1)) <=
-                                      kNoDeviation * largest) {
+        while (pair.length > 0 &&
+               std::abs(deviation(pair.length - 1)) <= kNoDeviation * largest) {
           --pair.length;
         }
       }

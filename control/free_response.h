@@ -52,9 +52,9 @@ class FreeResponse {
   // Of one pair after the other, from k = 0 on.
   Eigen::VectorXd deviations_of_pairs_;
   int num_inputs_;
-  Eigen::Index count_;                    // n + 1
-  Eigen::VectorXd levels_;                // p
-  Eigen::VectorXd ramp_;                  // p
+  Eigen::Index count_;      // n + 1
+  Eigen::VectorXd levels_;  // p
+  Eigen::VectorXd ramp_;    // p
   // p × 2(n+1), by output: the columns from first_ on are f_l, …, f_{l+n}.
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>
       deviations_;

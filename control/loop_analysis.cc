@@ -120,8 +120,7 @@ class MatrixSeries {
     const Eigen::Index p = rows_;
     const Eigen::Index m = entries() / p;
     const Eigen::Index h = gain.cols() / p;
-    const int length =
-        2 * FastLength(static_cast<int>((degree() + h + 1) / 2));
+    const int length = 2 * FastLength(static_cast<int>((degree() + h + 1) / 2));
     Eigen::FFT<double> transform;
     transform.SetFlag(Eigen::FFT<double>::HalfSpectrum);
     VectorXd padded = VectorXd::Zero(length);
@@ -267,9 +266,9 @@ class Loop {
     const MatrixXcd plant = plant_.AtAll(powers);
     std::vector<MatrixXcd> sensitivities;
     for (Eigen::Index k = 0; k < count; ++k) {
-      sensitivities.push_back(Sensitivity(
-          powers(0, k), predictor_.Column(predictor, k),
-          model_.Column(model, k), plant_.Column(plant, k)));
+      sensitivities.push_back(
+          Sensitivity(powers(0, k), predictor_.Column(predictor, k),
+                      model_.Column(model, k), plant_.Column(plant, k)));
     }
     return sensitivities;
   }

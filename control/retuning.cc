@@ -240,8 +240,8 @@ absl::Status MakeRobust(const PredictionModel& model,
   int doublings = 0;
   while (true) {
     MLE_ASSIGN_OR_RETURN(const Mpc mpc, Mpc::Create(model, advice.tuning));
-    MLE_ASSIGN_OR_RETURN(
-        advice.retuned, AnalyseLoop(mpc, model, /*find_fastest=*/false));
+    MLE_ASSIGN_OR_RETURN(advice.retuned,
+                         AnalyseLoop(mpc, model, /*find_fastest=*/false));
     if (good() || doublings == kMostDoublings) break;
     advice.tuning.move_weight *= 2.0;
     ++doublings;

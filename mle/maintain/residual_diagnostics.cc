@@ -137,8 +137,8 @@ InputCorrelation Correlate(const Windows& errors, const Windows& known,
       result.largest_lag = lag;
     }
   }
-  const double spread =
-      std::max(1.0 + 2.0 * errors_acf.dot(input.autocorrelation), 1.0 / samples);
+  const double spread = std::max(
+      1.0 + 2.0 * errors_acf.dot(input.autocorrelation), 1.0 / samples);
   result.limit = k99Percent * std::sqrt(spread / samples);
   TestInput(errors, input.centred, max_lag, result);
   return result;

@@ -391,9 +391,8 @@ absl::StatusOr<ReducedRow> ReduceRow(const ProcessModel& model,
                                      const Delays& delays, const Wanted& row,
                                      int output,
                                      const ReductionOptions& options) {
-  MLE_ASSIGN_OR_RETURN(
-      const BalancedRow balanced,
-      Balance(model, responses, delays, row, output, options));
+  MLE_ASSIGN_OR_RETURN(const BalancedRow balanced,
+                       Balance(model, responses, delays, row, output, options));
   ReducedRow reduced;
   MLE_ASSIGN_OR_RETURN(
       reduced.cut, CutWithin(model, balanced, row, delays, output, options));

@@ -134,7 +134,8 @@ double StudentTail(double x, double degrees_of_freedom) {
   if (std::isnan(x)) return x;
   // Where x² is no number the tail is a power of x.
   const double near = std::clamp(x, -kLargestStudent, kLargestStudent);
-  const double tail = bm::cdf(bm::complement(Student(degrees_of_freedom), near));
+  const double tail =
+      bm::cdf(bm::complement(Student(degrees_of_freedom), near));
   return x > near ? tail * std::pow(near / x, degrees_of_freedom) : tail;
 }
 

@@ -25,7 +25,7 @@ constexpr int kTransformLengths = 2;
 constexpr int kLineRefinements = 3;  // of frequency and shape in turn
 // A line that explains less than half of its price never pays.
 constexpr double kHopeless = 0.5;
-constexpr int kRefinementBits = 8;   // a hundredth of the width
+constexpr int kRefinementBits = 8;  // a hundredth of the width
 
 // The least 2^a 3^b 5^c that is not below `count`: what a Fourier transform is
 // fast for.
@@ -142,10 +142,9 @@ std::optional<FoundPeriod> FindPeriod(const ExtendedFit& extended) {
   for (int round = 0; round < kLineRefinements; ++round) {
     frequency = RefineLine(extended, frequency, width, followed);
     // A filter that follows the sine must not hide it.
-    const Profile with =
-        extended.Best(OwnLines(problem, frequency),
-                      round == 0 ? NoiseShape() : followed,
-                      /*search_colour=*/round == 0);
+    const Profile with = extended.Best(OwnLines(problem, frequency),
+                                       round == 0 ? NoiseShape() : followed,
+                                       /*search_colour=*/round == 0);
     gain = PricedValue(problem, extended.Without()) -
            PricedValue(problem, with) - price;
     if (gain < -kHopeless * price) return std::nullopt;

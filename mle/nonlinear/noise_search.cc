@@ -50,8 +50,8 @@ Eigen::Index EndOf(const Eigen::Ref<const VectorXd>& column) {
   return end;
 }
 
-// What columns explain that are orthonormal once they have no mean out of others
-// about their means.
+// What columns explain that are orthonormal once they have no mean out of
+// others about their means.
 void TakeOut(const MatrixXd& basis, Eigen::Ref<RowMajorMatrix> others) {
   if (basis.cols() == 0) return;
   const MatrixXd orthonormal = basis.rowwise() - basis.colwise().mean();

@@ -62,10 +62,9 @@ void Finish(const OutputErrorProblem& problem,
     for (int again = 0; again < kMaxNoiseRounds; ++again) {
       const NoiseEstimate former = fit.noise;
       const bool first = round == 0 && again == 0 && !part;
-      fit.noise = EstimateNoise(problem, fit.point, fit.free,
-                                first ? former : Known(problem, former),
-                                options.estimate_drift,
-                                again == 1 && search_colour);
+      fit.noise = EstimateNoise(
+          problem, fit.point, fit.free, first ? former : Known(problem, former),
+          options.estimate_drift, again == 1 && search_colour);
       if (again > 0 && ShapeOf(fit.noise) == ShapeOf(former)) break;
       cost = fitter.RefineRoughly(fit.point, ShapeOf(fit.noise),
                                   /*near=*/again > 0 || part);
@@ -108,11 +107,11 @@ int LongestMemory(const OutputErrorProblem& problem, const OutputFit& fit) {
 void FillIn(const OutputErrorProblem& problem,
             const OutputErrorOptions& options, FitCertificate certificate,
             OutputFit& fit) {
-  const WhitenedColumns whitened = problem.Whiten(
-      LineariseWidely(problem, fit.point, fit.free, fit.noise),
-      ShapeOf(fit.noise));
-  const OutputCovariance covariance = CovarianceOf(
-      problem, whitened, fit.point, fit.free, fit.noise.variance);
+  const WhitenedColumns whitened =
+      problem.Whiten(LineariseWidely(problem, fit.point, fit.free, fit.noise),
+                     ShapeOf(fit.noise));
+  const OutputCovariance covariance =
+      CovarianceOf(problem, whitened, fit.point, fit.free, fit.noise.variance);
   fit.inflation = InflationOf(problem, fit.point, whitened, fit.free,
                               ShapeOf(fit.noise), LongestMemory(problem, fit));
   fit.noise.inflation = fit.inflation.statistic;
@@ -229,9 +228,8 @@ FitCertificate Continue(const OutputErrorProblem& problem,
     Finish(problem, options, search_colour, fitter, fit);
     certificate = fitter.certificate();
   } else {
-    fit.noise =
-        EstimateNoise(problem, fit.point, fit.free, fit.noise,
-                      options.estimate_drift, search_colour);
+    fit.noise = EstimateNoise(problem, fit.point, fit.free, fit.noise,
+                              options.estimate_drift, search_colour);
   }
   certificate.weight_change = fit.certificate.weight_change;
   return certificate;

@@ -157,13 +157,13 @@ class StepSearch {
     pivoted.setThreshold(kAmplitudeTolerance);
     pivoted.compute(triangle);
     basis_.setZero(n, pivoted.rank());
-    basis_.topRows(rows) = pivoted.householderQ() *
-                           MatrixXd::Identity(rows, pivoted.rank());
+    basis_.topRows(rows) =
+        pivoted.householderQ() * MatrixXd::Identity(rows, pivoted.rank());
     basis_.applyOnTheLeft(tall.householderQ());
     VectorXd turned = whitened.residuals;
     turned.applyOnTheLeft(tall.householderQ().adjoint());
-    const VectorXd step = inverse_norms.cwiseProduct(
-        pivoted.solve(VectorXd(turned.head(rows))));
+    const VectorXd step =
+        inverse_norms.cwiseProduct(pivoted.solve(VectorXd(turned.head(rows))));
     for (SegmentColumns& of : residuals_) {
       of.residuals -= of.jacobian * step;
     }

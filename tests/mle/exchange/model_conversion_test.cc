@@ -222,12 +222,11 @@ TEST(ModelConversion, StepResponsesCutShortMustBeReadAgain) {
                      HasSubstr("level ← steam")));
 }
 
-// Noisy coefficients whose transfer function, sampled, is none of those that are
-// tried for sampled models.
+// Noisy coefficients whose transfer function, sampled, is none of those that
+// are tried for sampled models.
 TEST(ModelConversion, SampledModelsMustBeReadAgain) {
-  const absl::StatusOr<ModelFile> noisy =
-      ReadModelFile(MLE_SOURCE_FOLDER
-                    "/tests/fuzz/corpus/model_file/truncated_steps.json");
+  const absl::StatusOr<ModelFile> noisy = ReadModelFile(
+      MLE_SOURCE_FOLDER "/tests/fuzz/corpus/model_file/truncated_steps.json");
   ASSERT_TRUE(noisy.ok()) << noisy.status();
   for (const ModelForm form :
        {ModelForm::kDiscreteTransferFunctions, ModelForm::kStateSpace}) {
