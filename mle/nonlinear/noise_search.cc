@@ -164,9 +164,8 @@ Profile ShapeLikelihood::At(const NoiseShape& shape) const {
   Profile profile;
   profile.shape = shape;
   profile.factor = problem_.variance_factor();
-  ShapedProducts shaped = ProductsAt(shape);
-  const Elimination linearised =
-      EliminateFirst(width_, std::move(shaped.products));
+  const ShapedProducts shaped = ProductsAt(shape);
+  const Elimination linearised = EliminateFirst(width_, shaped.products);
   profile.rank = linearised.rank();
   profile.coefficients = linearised.Coefficients(width_);
   // Exact data leave rounding, which has no likelihood.

@@ -48,8 +48,7 @@ class OutputCost : public ceres::CostFunction {
       point_.values[free_[f]] = {x[f][0], std::exp(x[f][1]), x[f][2]};
     }
     const Index width = jacobians != nullptr ? num_parameters_ : 0;
-    MatrixXd products = Products(width);
-    const Elimination compressed = EliminateFirst(width, std::move(products));
+    const Elimination compressed = EliminateFirst(width, Products(width));
     Eigen::Map<VectorXd> values(residuals, num_residuals());
     values.setZero();
     const Index rank = compressed.rank();
