@@ -44,6 +44,7 @@ Mpc::Mpc(PredictionModel model, MpcOptions options, MovePlanner planner)
       changes_(VectorXd::Zero(model_.num_inputs())),
       set_points_(VectorXd::Zero(Eigen::Index{model_.num_outputs} *
                                  options_.prediction_horizon)),
+      predicted_(VectorXd::Zero(model_.num_outputs)),
       free_outputs_(set_points_),
       error_(set_points_) {}
 
@@ -147,7 +148,8 @@ void Mpc::PlanAndMove(const Eigen::Ref<const VectorXd>& measured_outputs,
   CHECK_EQ(measured_outputs.size(), p);
   CHECK_EQ(next_inputs.size(), model_.num_inputs());
 
-  observer_.Update(measured_outputs, free_response_.At(0));
+  predicted_ = free_response_.At(0);
+  observer_.Update(measured_outputs, predicted_);
   for (int i = 0; i < options_.prediction_horizon; ++i) {
     free_outputs_.segment(Eigen::Index{p} * i, p) = free_response_.At(i + 1) +
                                                     observer_.disturbance() +
