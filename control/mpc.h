@@ -130,7 +130,7 @@ class Mpc {
   Eigen::VectorXd changes_;  // of the inputs at an instant (m)
 
   Eigen::VectorXd set_points_;  // the last finite ones, of each instant: p H_p
-  Eigen::VectorXd predicted_;     // of the measured outputs (p)
+  Eigen::VectorXd predicted_;   // of the measured outputs (p)
   Eigen::VectorXd free_outputs_;  // p H_p
   Eigen::VectorXd error_;         // p H_p
   PlanSummary last_plan_;
