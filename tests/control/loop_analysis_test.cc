@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <limits>
 #include <numeric>
 #include <utility>
@@ -312,6 +313,54 @@ TEST(LoopAnalysisTest, ComplementaryPeakBoundsHarmlessChanges) {
       EXPECT_TRUE(Analyse(mpc, Predict(process(1.0 - change))).stable);
     }
   }
+}
+
+// The peaks of one loop whose plant has aged, with a slow observer, from the
+// series of the header term by term, S = 1/(1 + P C): over all frequencies, and
+// so fine that what lies between does not matter.
+TEST(LoopAnalysisTest, PeaksAreThoseOfTheSeries) {
+  const PredictionModel model =
+      Predict(SingleLoop(TransferFunction::FirstOrder(1.0, 5.0, 2.0)));
+  const PredictionModel plant =
+      Predict(SingleLoop(TransferFunction::FirstOrder(1.6, 4.0, 3.0)));
+  const Mpc mpc = MakeAnalysedMpc(model, Options(1, 1, 0.1));
+  const double g = mpc.observer().gains()(0);
+  ASSERT_LT(g, 0.9);
+  using Complex = std::complex<double>;
+  const auto at = [](const PredictionModel& of, int k) {
+    return of.responses(std::min(k, of.periods()), 0);
+  };
+  double sensitivity = 0.0;
+  double complementary = 0.0;
+  for (double theta = 2e-3; theta <= M_PI; theta += 2e-3) {
+    const Complex w = std::polar(1.0, -theta);
+    // Σ_{a≥1} S_{a+i−1} w^a: the rest beyond the last term is one geometric.
+    const auto series = [&](const PredictionModel& of, int i) {
+      Complex sum = 0.0;
+      Complex power = 1.0;
+      for (int a = 1; a <= of.periods(); ++a) {
+        power *= w;
+        sum += at(of, a + i - 1) * power;
+      }
+      return sum + at(of, of.periods()) * power * w / (1.0 - w);
+    };
+    const Complex observer = g / (1.0 - (1.0 - g) * w);
+    const Complex F_0 = series(model, 0);
+    Complex back = 1.0;
+    Complex forward = 0.0;
+    for (Eigen::Index i = 0; i < mpc.gain().cols(); ++i) {
+      const double K = mpc.gain()(0, i);
+      back += K * (series(model, static_cast<int>(i) + 1) - observer * F_0);
+      forward += K * observer;
+    }
+    const Complex S = 1.0 / (1.0 + series(plant, 0) * forward / back);
+    sensitivity = std::max(sensitivity, std::abs(S));
+    complementary = std::max(complementary, std::abs(1.0 - S));
+  }
+  const LoopAnalysis analysis = Analyse(mpc, plant);
+  ASSERT_TRUE(analysis.stable);
+  EXPECT_NEAR(analysis.sensitivity_peak, sensitivity, 1e-3 * sensitivity);
+  EXPECT_NEAR(analysis.complementary_peak, complementary, 1e-3 * complementary);
 }
 
 // T(0) = 1: no offset. So both peaks are at least 1 for T, and S exceeds 1
