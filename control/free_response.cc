@@ -17,54 +17,42 @@ constexpr double kNoDeviation = 1e-12;
 }  // namespace
 
 FreeResponse::FreeResponse(const PredictionModel& model)
-    : pairs_(model.num_outputs),
-      num_inputs_(model.num_inputs()),
+    : pairs_(model.num_inputs()),
       count_(model.periods() + 1),
       levels_(VectorXd::Zero(model.num_outputs)),
       ramp_(VectorXd::Zero(model.num_outputs)) {
   const Index p = model.num_outputs;
   deviations_.setZero(p, 2 * count_);
-  std::vector<double> deviations;
-  for (Index i = 0; i < p; ++i) {
-    for (int j = 0; j < num_inputs_; ++j) {
-      Pair pair = {.input = j, .length = count_};
-      VectorXd deviation =
-          model.responses.col(j)(Eigen::seqN(i, count_, p)).eval();
-      const double largest = deviation.cwiseAbs().maxCoeff();
+  for (int j = 0; j < model.num_inputs(); ++j) {
+    for (Index i = 0; i < p; ++i) {
+      Pair pair = {.output = static_cast<int>(i)};
+      pair.deviation = model.responses.col(j)(Eigen::seqN(i, count_, p)).eval();
+      const double largest = pair.deviation.cwiseAbs().maxCoeff();
       if (model.slopes.size() > 0) pair.slope = model.slopes(i, j);
       if (largest == 0.0 && pair.slope == 0.0) continue;
       if (pair.slope == 0.0) {
-        pair.level = deviation(count_ - 1);
-        deviation.array() -= pair.level;
-        while (pair.length > 0 &&
-               std::abs(deviation(pair.length - 1)) <= kNoDeviation * largest) {
-          --pair.length;
+        pair.level = pair.deviation(count_ - 1);
+        pair.deviation.array() -= pair.level;
+        Index left = count_;
+        while (left > 0 &&
+               std::abs(pair.deviation(left - 1)) <= kNoDeviation * largest) {
+          --left;
         }
+        pair.deviation.conservativeResize(left);
       }
-      deviations.insert(deviations.end(), deviation.begin(),
-                        deviation.begin() + pair.length);
-      pairs_[i].push_back(pair);
+      pairs_[j].push_back(std::move(pair));
     }
   }
-  deviations_of_pairs_ = Eigen::Map<const VectorXd>(
-      deviations.data(), static_cast<Index>(deviations.size()));
 }
 
-void FreeResponse::Move(const Eigen::Ref<const VectorXd>& moves) {
-  CHECK_EQ(moves.size(), num_inputs_);
-  Index at = 0;
-  for (std::size_t i = 0; i < pairs_.size(); ++i) {
-    const auto output = static_cast<Index>(i);
-    for (const Pair& pair : pairs_[i]) {
-      const double move = moves(pair.input);
-      if (move != 0.0) {
-        levels_(output) += pair.level * move;
-        ramp_(output) += pair.slope * move;
-        deviations_.row(output).segment(first_, pair.length).noalias() +=
-            move * deviations_of_pairs_.segment(at, pair.length).transpose();
-      }
-      at += pair.length;
-    }
+void FreeResponse::Move(int input, double move) {
+  if (move == 0.0) return;
+  for (const Pair& pair : pairs_[input]) {
+    levels_(pair.output) += pair.level * move;
+    ramp_(pair.output) += pair.slope * move;
+    deviations_.row(pair.output)
+        .segment(first_, pair.deviation.size())
+        .noalias() += move * pair.deviation.transpose();
   }
 }
 
@@ -80,19 +68,16 @@ void FreeResponse::Advance() {
 }
 
 void FreeResponse::Settle(const Eigen::Ref<const VectorXd>& inputs) {
-  CHECK_EQ(inputs.size(), num_inputs_);
+  CHECK_EQ(inputs.size(), static_cast<Index>(pairs_.size()));
   levels_.setZero();
   ramp_.setZero();
   first_ = 0;
-  Index at = 0;
-  for (std::size_t i = 0; i < pairs_.size(); ++i) {
-    const auto output = static_cast<Index>(i);
-    for (const Pair& pair : pairs_[i]) {
-      at += pair.length;
+  for (std::size_t j = 0; j < pairs_.size(); ++j) {
+    for (const Pair& pair : pairs_[j]) {
       const double last =
-          pair.slope == 0.0 ? pair.level : deviations_of_pairs_(at - 1);
-      levels_(output) += last * inputs(pair.input);
-      ramp_(output) += pair.slope * inputs(pair.input);
+          pair.slope == 0.0 ? pair.level : pair.deviation(count_ - 1);
+      levels_(pair.output) += last * inputs(static_cast<Index>(j));
+      ramp_(pair.output) += pair.slope * inputs(static_cast<Index>(j));
     }
   }
   for (Index k = 0; k < count_; ++k) {

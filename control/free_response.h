@@ -5,9 +5,8 @@
 // Of the pairs that exist alone, and of each as far as its step response is on
 // its way: f = level + deviation, where a move v of input j adds S_n v to the
 // level of output i and (S_k − S_n) v to its deviation, until that is below
-// 1e-12 of the response. A response that ends in a ramp is all deviation. Moves
-// of all inputs take as many operations as there are such values, which are
-// read once, one after the other.
+// 1e-12 of the response. A response that ends in a ramp is all deviation. A
+// move takes as many operations as there are such values in column j.
 
 #ifndef CONTROL_FREE_RESPONSE_H_
 #define CONTROL_FREE_RESPONSE_H_
@@ -24,8 +23,8 @@ class FreeResponse {
   // All inputs have been zero for ever.
   explicit FreeResponse(const PredictionModel& model);
 
-  // Inputs are larger by `moves` (m) from the coming instant l on.
-  void Move(const Eigen::Ref<const Eigen::VectorXd>& moves);
+  // Input j is larger by `move` from the coming instant l on.
+  void Move(int input, double move);
   // To the next instant. Beyond the last one outputs stay, or go on with their
   // ramps.
   void Advance();
@@ -42,19 +41,16 @@ class FreeResponse {
 
  private:
   struct Pair {
-    int input = 0;
+    int output = 0;
     double level = 0.0;
-    double slope = 0.0;       // of its ramp
-    Eigen::Index length = 0;  // of its deviations
+    double slope = 0.0;         // of its ramp
+    Eigen::VectorXd deviation;  // from k = 0 on
   };
 
-  std::vector<std::vector<Pair>> pairs_;  // of each output
-  // Of one pair after the other, from k = 0 on.
-  Eigen::VectorXd deviations_of_pairs_;
-  int num_inputs_;
-  Eigen::Index count_;      // n + 1
-  Eigen::VectorXd levels_;  // p
-  Eigen::VectorXd ramp_;    // p
+  std::vector<std::vector<Pair>> pairs_;  // of each input
+  Eigen::Index count_;                    // n + 1
+  Eigen::VectorXd levels_;                // p
+  Eigen::VectorXd ramp_;                  // p
   // p × 2(n+1), by output: the columns from first_ on are f_l, …, f_{l+n}.
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>
       deviations_;

@@ -12,8 +12,9 @@
 #include "Eigen/LU"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "control/matrix_series.h"
+#include "mle/base/fast_length.h"
 #include "mle/base/status.h"
-#include "unsupported/Eigen/FFT"
 
 namespace mle::control {
 namespace {
@@ -27,147 +28,8 @@ using Eigen::VectorXd;
 constexpr double kPi = std::numbers::pi;
 // A mode this much larger than 1 per period grows.
 constexpr double kMargin = 1e-6;
-constexpr double kNegligibleCoefficient = 1e-10;  // of the largest coefficient
 // Complex numbers that the transforms of one circle may hold (256 MiB).
 constexpr Eigen::Index kMostNumbers = Eigen::Index{1} << 24;
-
-// The least 2^a 3^b 5^c that is not below `count`: Fourier transforms of such
-// lengths, and of twice as many, are fast.
-int FastLength(int count) {
-  for (int length = count;; ++length) {
-    int rest = length;
-    for (const int factor : {2, 3, 5}) {
-      while (rest % factor == 0) rest /= factor;
-    }
-    if (rest == 1) return length;
-  }
-}
-
-// Σ_{a≥1} (C_a + R) w^a = Σ_{a=1}^{n} C_a w^a + R w/(1 − w) with real matrices
-// C_a and R: what a series that ends in R differs from it by.
-class MatrixSeries {
- public:
-  // Of matrices like `end`, R.
-  MatrixSeries(const MatrixXd& end, Eigen::Index degree)
-      : rows_(end.rows()),
-        end_(end.reshaped()),
-        ends_in_zero_(end.isZero(0.0)),
-        coefficients_(MatrixXd::Zero(degree, end.size())) {}
-
-  Eigen::Index degree() const { return coefficients_.rows(); }
-  Eigen::Index entries() const { return coefficients_.cols(); }
-  // C_a + R.
-  void SetTerm(Eigen::Index a, const MatrixXd& value) {
-    coefficients_.row(a - 1) = (value.reshaped() - end_).transpose();
-  }
-  // Cuts off the negligible end.
-  void Trim() {
-    const double least =
-        kNegligibleCoefficient * coefficients_.cwiseAbs().maxCoeff();
-    Eigen::Index n = degree();
-    while (n > 1 && coefficients_.row(n - 1).cwiseAbs().maxCoeff() <= least) {
-      --n;
-    }
-    coefficients_.conservativeResize(n, Eigen::NoChange);
-  }
-  // At w, of which the powers are given.
-  MatrixXcd operator()(const VectorXcd& powers) const {
-    return Column(AtAll(powers), 0);
-  }
-  // At each w of which a column has the powers, column by column of each
-  // matrix.
-  MatrixXcd AtAll(const Eigen::Ref<const MatrixXcd>& powers) const {
-    const auto needed = powers.topRows(degree());
-    MatrixXcd values(coefficients_.cols(), powers.cols());
-    values.real() = coefficients_.transpose() * needed.real();
-    values.imag() = coefficients_.transpose() * needed.imag();
-    for (Eigen::Index k = 0; !ends_in_zero_ && k < powers.cols(); ++k) {
-      values.col(k) += EndAt(powers(0, k)) * end_;
-    }
-    return values;
-  }
-  // At r e^{iπk/n}, k = 0 … n, column by column of each matrix: roots of unity
-  // but for r, so that a transform of 2n numbers does for any degree.
-  MatrixXcd OnHalfCircle(double radius, int n) const {
-    MatrixXcd values(coefficients_.cols(), n + 1);
-    Eigen::FFT<double> transform;
-    VectorXd folded(2 * n);
-    VectorXcd spectrum;
-    for (Eigen::Index entry = 0; entry < coefficients_.cols(); ++entry) {
-      if (coefficients_.col(entry).isZero(0.0)) {
-        values.row(entry).setZero();
-        continue;
-      }
-      folded.setZero();
-      double power = 1.0;
-      for (Eigen::Index a = 1; a <= degree(); ++a) {
-        power *= radius;
-        folded(a % (2 * n)) += power * coefficients_(a - 1, entry);
-      }
-      transform.fwd(spectrum, folded);
-      values.row(entry) = spectrum.head(n + 1).adjoint();
-    }
-    for (int k = 0; !ends_in_zero_ && k <= n; ++k) {
-      values.col(k) += EndAt(std::polar(radius, kPi * k / n)) * end_;
-    }
-    return values;
-  }
-  // Σ_i K_i (C_{a+i} + R) of blocks K_i that stand side by side in `gain`. Each
-  // entry is a sum of correlations, which are products of Fourier transforms:
-  // for h blocks of m × p and matrices C of p × m that takes O((n + h) p m²)
-  // operations, the sums themselves O(n h p m²).
-  MatrixSeries Ahead(const MatrixXd& gain) const {
-    const Eigen::Index p = rows_;
-    const Eigen::Index m = entries() / p;
-    const Eigen::Index h = gain.cols() / p;
-    const int length = 2 * FastLength(static_cast<int>((degree() + h + 1) / 2));
-    Eigen::FFT<double> transform;
-    transform.SetFlag(Eigen::FFT<double>::HalfSpectrum);
-    VectorXd padded = VectorXd::Zero(length);
-    VectorXcd spectrum;
-    MatrixXcd of_gain(length / 2 + 1, gain.rows());
-    MatrixXcd sums = MatrixXcd::Zero(length / 2 + 1, gain.rows() * m);
-    for (Eigen::Index o = 0; o < p; ++o) {
-      for (Eigen::Index r = 0; r < gain.rows(); ++r) {
-        for (Eigen::Index i = 0; i < h; ++i) padded(i) = gain(r, o + p * i);
-        padded.tail(length - h).setZero();
-        transform.fwd(spectrum, padded);
-        of_gain.col(r) = spectrum.conjugate();
-      }
-      for (Eigen::Index j = 0; j < m; ++j) {
-        const auto coefficients = coefficients_.col(o + p * j);
-        if (coefficients.isZero(0.0)) continue;
-        padded.head(degree()) = coefficients;
-        padded.tail(length - degree()).setZero();
-        transform.fwd(spectrum, padded);
-        for (Eigen::Index r = 0; r < gain.rows(); ++r) {
-          sums.col(r + gain.rows() * j).array() +=
-              of_gain.col(r).array() * spectrum.array();
-        }
-      }
-    }
-    MatrixSeries result(gain * end_.reshaped(p, m).replicate(h, 1),
-                        std::max<Eigen::Index>(degree() - 1, 1));
-    for (Eigen::Index entry = 0; entry < sums.cols(); ++entry) {
-      spectrum = sums.col(entry);
-      transform.inv(padded, spectrum, length);
-      result.coefficients_.col(entry) =
-          padded.segment(1, result.coefficients_.rows());
-    }
-    return result;
-  }
-  MatrixXcd Column(const MatrixXcd& values, Eigen::Index k) const {
-    return values.col(k).reshaped(rows_, values.rows() / rows_);
-  }
-
- private:
-  static Complex EndAt(Complex w) { return w / (1.0 - w); }
-
-  Eigen::Index rows_;
-  VectorXd end_;  // the entries of R
-  bool ends_in_zero_;
-  MatrixXd coefficients_;  // those of C_a in row a − 1
-};
 
 // (1 − w) Σ_{a≥1} S_{a−1} w^a = Σ (S_{a−1} − S_{a−2}) w^a, which ends in the
 // slopes.

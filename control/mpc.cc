@@ -41,7 +41,6 @@ Mpc::Mpc(PredictionModel model, MpcOptions options, MovePlanner planner)
       disturbance_inputs_(VectorXd::Zero(disturbances_.size())),
       history_(MatrixXd::Zero(model_.num_inputs(),
                               kHistoryPerSettling * model_.periods() + 1)),
-      changes_(VectorXd::Zero(model_.num_inputs())),
       set_points_(VectorXd::Zero(Eigen::Index{model_.num_outputs} *
                                  options_.prediction_horizon)),
       predicted_(VectorXd::Zero(model_.num_outputs)),
@@ -101,14 +100,13 @@ void Mpc::Restart(const Eigen::Ref<const VectorXd>& inputs,
 
 void Mpc::MeasureDisturbances(const Eigen::Ref<const VectorXd>& disturbances) {
   CHECK_EQ(disturbances.size(), disturbance_inputs_.size());
-  changes_.setZero();
   for (Eigen::Index j = 0; j < disturbances.size(); ++j) {
     if (!std::isfinite(disturbances[j])) continue;
-    changes_[disturbances_[j]] = disturbances[j] - disturbance_inputs_[j];
+    free_response_.Move(disturbances_[j],
+                        disturbances[j] - disturbance_inputs_[j]);
     disturbance_inputs_[j] = disturbances[j];
     history_(disturbances_[j], newest_) = disturbances[j];
   }
-  free_response_.Move(changes_);
 }
 
 void Mpc::Step(const Eigen::Ref<const VectorXd>& measured_outputs,
@@ -164,16 +162,14 @@ void Mpc::PlanAndMove(const Eigen::Ref<const VectorXd>& measured_outputs,
   next_inputs.setZero();
   // On to the next instant, from which the moves act.
   free_response_.Advance();
-  changes_.setZero();
   const auto planned = planner_.planned_inputs().col(0);
   for (Eigen::Index j = 0; j < inputs_.size(); ++j) {
     const int input = manipulated_[j];
-    changes_[input] = planned[j] - inputs_[j];
+    free_response_.Move(input, planned[j] - inputs_[j]);
     inputs_[j] = planned[j];
     next_inputs[input] = planned[j];
     history_(input, newest_) = planned[j];
   }
-  free_response_.Move(changes_);
   observer_.Advance();
 }
 
@@ -239,7 +235,9 @@ void Mpc::RebuildFreeResponse() {
   free_response_.Settle(past(depth - 1));
   for (Eigen::Index age = depth - 2; age >= 0; --age) {
     free_response_.Advance();
-    free_response_.Move(past(age) - past(age + 1));
+    for (int j = 0; j < model_.num_inputs(); ++j) {
+      free_response_.Move(j, past(age)[j] - past(age + 1)[j]);
+    }
   }
 }
 

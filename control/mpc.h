@@ -127,7 +127,6 @@ class Mpc {
   // m × depth, a ring: column newest_ is what acts from the coming instant on.
   Eigen::MatrixXd history_;
   Eigen::Index newest_ = 0;
-  Eigen::VectorXd changes_;  // of the inputs at an instant (m)
 
   Eigen::VectorXd set_points_;  // the last finite ones, of each instant: p H_p
   Eigen::VectorXd predicted_;   // of the measured outputs (p)

@@ -42,7 +42,7 @@ double SquaresOf(const WhitenedData& data) {
 // Adds Σ_{k=0}^{n−o−1} x_{k+a} x_{k+b}, o + 1 lags, to the lower triangle. Most
 // of the products of a distance a − b are those of all a: their sum is taken
 // once, and the ends, which differ, are added.
-void AddLaggedProducts(const Eigen::VectorXd& x, Eigen::MatrixXd& gram) {
+void AddGramOfLags(const Eigen::VectorXd& x, Eigen::MatrixXd& gram) {
   const Eigen::Index order = gram.rows() - 1;
   const Eigen::Index n = x.size();
   const Eigen::Index common = n - 2 * order;
@@ -77,7 +77,7 @@ Noise FitNoise(const WhitenedData& data, const Eigen::VectorXd& gains,
     if (n <= 2 * order) continue;
     const Eigen::VectorXd rest =
         Centred(data.outputs[w] - data.responses[w] * gains);
-    AddLaggedProducts(rest, gram);
+    AddGramOfLags(rest, gram);
     noise.rows += static_cast<double>(n - order);
   }
   gram.triangularView<Eigen::StrictlyUpper>() = gram.transpose();

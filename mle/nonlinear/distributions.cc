@@ -132,7 +132,7 @@ double FisherQuantile(double probability, double numerator,
 double StudentTail(double x, double degrees_of_freedom) {
   CHECK_GT(degrees_of_freedom, 0.0);
   if (std::isnan(x)) return x;
-  // Where x² is no number the tail is a power of x.
+  // Beyond what can be squared the tail is a power of x.
   const double near = std::clamp(x, -kLargestStudent, kLargestStudent);
   const double tail =
       bm::cdf(bm::complement(Student(degrees_of_freedom), near));

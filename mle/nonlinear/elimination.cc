@@ -25,8 +25,8 @@ VectorXd Elimination::Coefficients(Index b) const {
   return coefficients;
 }
 
-// Row by row: of what is left of the products only the diagonal is kept up to
-// date, and the row of a pivot made when it is its turn.
+// Only the diagonal of what is left of the products is kept up to date: it
+// chooses the next pivot, whose row is then computed from the rows before it.
 Elimination EliminateFirst(Index count, const MatrixXd& products) {
   Elimination result;
   const Eigen::ArrayXd squares = products.diagonal().head(count);

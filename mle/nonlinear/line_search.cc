@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "mle/base/fast_length.h"
 #include "mle/nonlinear/brent_search.h"
 #include "mle/nonlinear/distributions.h"
 #include "mle/nonlinear/disturbance_search.h"
@@ -26,18 +27,6 @@ constexpr int kLineRefinements = 3;  // of frequency and shape in turn
 // A line that explains less than half of its price never pays.
 constexpr double kHopeless = 0.5;
 constexpr int kRefinementBits = 8;  // a hundredth of the width
-
-// The least 2^a 3^b 5^c that is not below `count`: what a Fourier transform is
-// fast for.
-int FastLength(int count) {
-  for (int length = count;; ++length) {
-    int rest = length;
-    for (const int factor : {2, 3, 5}) {
-      while (rest % factor == 0) rest /= factor;
-    }
-    if (rest == 1) return length;
-  }
-}
 
 // I(f) at f = 0, 1/n, … 1/2 (n even). A sine of such a frequency is the same n
 // samples later, so that segments of any length, and gaps, fold into n.

@@ -40,7 +40,7 @@ TEST(FreeResponseTest, IsTheSumOfTheResponsesToAllMoves) {
       if (l > 0) response.Advance();
       VectorXd move = VectorXd::Random(model.num_inputs());
       if (l % 3 == 1) move.setZero();
-      response.Move(move);
+      for (int j = 0; j < model.num_inputs(); ++j) response.Move(j, move(j));
       moves.push_back(move);
       if (l % 40 != 0 && l < 2 * n + 45) continue;
       for (const int k : {0, 1, 7, n}) {
@@ -62,10 +62,10 @@ TEST(FreeResponseTest, SettlesAsAfterAMoveOfLongAgo) {
     const int n = model.periods();
     const VectorXd inputs = VectorXd::Random(model.num_inputs());
     FreeResponse moved(model);
-    moved.Move(inputs);
+    for (int j = 0; j < model.num_inputs(); ++j) moved.Move(j, inputs(j));
     for (int l = 0; l < n; ++l) moved.Advance();
     FreeResponse settled(model);
-    settled.Move(3.0 * VectorXd::Unit(model.num_inputs(), 0));
+    settled.Move(0, 3.0);
     settled.Advance();
     settled.Settle(inputs);
     for (const int k : {0, 1, n}) {

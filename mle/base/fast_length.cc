@@ -1,0 +1,15 @@
+#include "mle/base/fast_length.h"
+
+namespace mle {
+
+int FastLength(int count) {
+  for (int length = count;; ++length) {
+    int rest = length;
+    for (const int factor : {2, 3, 5}) {
+      while (rest % factor == 0) rest /= factor;
+    }
+    if (rest == 1) return length;
+  }
+}
+
+}  // namespace mle
