@@ -31,36 +31,38 @@ constexpr double kMargin = 1e-6;
 // Complex numbers that the transforms of one circle may hold (256 MiB).
 constexpr Eigen::Index kMostNumbers = Eigen::Index{1} << 24;
 
-// (1 − w) Σ_{a≥1} S_{a−1} w^a = Σ (S_{a−1} − S_{a−2}) w^a, which ends in the
-// slopes.
-MatrixSeries Differences(const PredictionModel& model,
-                         const std::vector<int>& inputs) {
-  const int p = model.num_outputs;
-  const int n = model.periods();
-  const MatrixXd slopes = model.SlopesOf(inputs);
-  MatrixSeries result(slopes, n + 1);
-  result.SetTerm(1, MatrixXd::Zero(p, slopes.cols()));
-  for (Eigen::Index a = 2; a <= n + 1; ++a) {
-    result.SetTerm(a, model.responses(Eigen::seqN(p * (a - 1), p), inputs) -
-                          model.responses(Eigen::seqN(p * (a - 2), p), inputs));
+// The responses S_k = L + kR + C_k of a model, of which C_k decays.
+struct Decomposed {
+  Decomposed(const PredictionModel& model, const std::vector<int>& inputs)
+      : slopes(model.SlopesOf(inputs)),
+        decaying(model.num_outputs, slopes.cols(), model.periods()) {
+    const int p = model.num_outputs;
+    const int n = model.periods();
+    level = model.responses(Eigen::seqN(p * n, p), inputs) - n * slopes;
+    for (int k = 0; k < n; ++k) {
+      decaying.SetTerm(k + 1, model.responses(Eigen::seqN(p * k, p), inputs) -
+                                  level - static_cast<double>(k) * slopes);
+    }
+    decaying.Trim();
   }
-  result.Trim();
-  return result;
-}
 
-// The loop's transfer matrices, times 1 − w where they have a pole at w = 1.
+  MatrixXd slopes;        // R
+  MatrixXd level;         // L
+  MatrixSeries decaying;  // c_0 = Σ C_{a−1} w^a
+};
+
+// The loop's transfer matrices, as the header has them.
 class Loop {
  public:
   Loop(const Mpc& mpc, const PredictionModel& plant)
       : gains_(mpc.observer().gains()),
         slope_gains_(mpc.observer().slope_gains()),
-        manipulated_(mpc.model().InputsOf(InputRole::kManipulated)),
-        model_(Differences(mpc.model(), manipulated_)),
-        plant_(Differences(plant, manipulated_)),
-        predictor_(Predictor(mpc)),
-        degree_(
-            std::max({model_.degree(), plant_.degree(), predictor_.degree()})) {
-    const int p = mpc.model().num_outputs;
+        model_(mpc.model(), mpc.model().InputsOf(InputRole::kManipulated)),
+        plant_(plant, mpc.model().InputsOf(InputRole::kManipulated)),
+        predictor_(model_.decaying.Ahead(mpc.gain())),
+        degree_(std::max({model_.decaying.degree(), plant_.decaying.degree(),
+                          predictor_.degree()})) {
+    const Eigen::Index p = mpc.model().num_outputs;
     sum_ = MatrixXd::Zero(mpc.gain().rows(), p);
     moment_ = sum_;
     for (Eigen::Index i = 0; i < mpc.gain().cols(); i += p) {
@@ -68,9 +70,12 @@ class Loop {
       sum_ += block;
       moment_ += static_cast<double>(i / p + 1) * block;
     }
-    const MatrixXd slopes = plant.SlopesOf(manipulated_);
-    for (const auto& row : slopes.rowwise()) ramps_ += row.isZero(0.0) ? 0 : 1;
-    ramps_ = std::min(ramps_, static_cast<int>(sum_.rows()));
+    integrating_ = (plant_.slopes.array() != 0.0).rowwise().any();
+    const Eigen::Index m = sum_.rows();
+    const Eigen::Index q = integrating_.count();
+    const Eigen::Index twice = std::min(m, q);
+    surplus_outputs_ =
+        static_cast<double>(p + q - 2 * twice - std::min(m - twice, p - q));
     scale_ = mpc.options().output_weight.diagonal().cwiseSqrt();
     for (double& value : scale_) {
       if (value == 0.0) value = 1.0;
@@ -79,7 +84,8 @@ class Loop {
 
   Eigen::Index degree() const { return degree_; }
   Eigen::Index entries() const {
-    return predictor_.entries() + model_.entries() + plant_.entries();
+    return predictor_.entries() + model_.decaying.entries() +
+           plant_.decaying.entries();
   }
   int surplus_inputs() const {
     return std::max(
@@ -96,21 +102,24 @@ class Loop {
     return slowest;
   }
 
-  // Of which the zeros are the loop's modes.
-  Complex Determinant(Complex w) const {
+  // ln D, up to a multiple of 2πi: D of many outputs has no size that numbers
+  // of eight bytes could hold.
+  Complex LogDeterminant(Complex w) const {
     const VectorXcd powers = Powers(w);
-    return Determinant(w, predictor_(powers), model_(powers), plant_(powers));
+    return LogDeterminant(w, predictor_(powers), model_.decaying(powers),
+                          plant_.decaying(powers));
   }
   // At r e^{iπk/n}, k = 0 … n.
-  VectorXcd DeterminantsOnHalfCircle(double radius, int n) const {
+  VectorXcd LogDeterminantsOnHalfCircle(double radius, int n) const {
     const MatrixXcd predictor = predictor_.OnHalfCircle(radius, n);
-    const MatrixXcd model = model_.OnHalfCircle(radius, n);
-    const MatrixXcd plant = plant_.OnHalfCircle(radius, n);
+    const MatrixXcd model = model_.decaying.OnHalfCircle(radius, n);
+    const MatrixXcd plant = plant_.decaying.OnHalfCircle(radius, n);
     VectorXcd values(n + 1);
     for (int k = 0; k <= n; ++k) {
-      values(k) = Determinant(std::polar(radius, kPi * k / n),
-                              predictor_.Column(predictor, k),
-                              model_.Column(model, k), plant_.Column(plant, k));
+      values(k) = LogDeterminant(std::polar(radius, kPi * k / n),
+                                 predictor_.Matrix(predictor.col(k)),
+                                 model_.decaying.Matrix(model.col(k)),
+                                 plant_.decaying.Matrix(plant.col(k)));
     }
     return values;
   }
@@ -124,44 +133,39 @@ class Loop {
       powers.col(k) = Powers(std::polar(1.0, -angles[k]));
     }
     const MatrixXcd predictor = predictor_.AtAll(powers);
-    const MatrixXcd model = model_.AtAll(powers);
-    const MatrixXcd plant = plant_.AtAll(powers);
+    const MatrixXcd model = model_.decaying.AtAll(powers);
+    const MatrixXcd plant = plant_.decaying.AtAll(powers);
     std::vector<MatrixXcd> sensitivities;
     for (Eigen::Index k = 0; k < count; ++k) {
       sensitivities.push_back(
-          Sensitivity(powers(0, k), predictor_.Column(predictor, k),
-                      model_.Column(model, k), plant_.Column(plant, k)));
+          Sensitivity(powers(0, k), predictor_.Matrix(predictor.col(k)),
+                      model_.decaying.Matrix(model.col(k)),
+                      plant_.decaying.Matrix(plant.col(k))));
     }
     return sensitivities;
   }
   // S at e^{iπk/n}, k = 1 … n: the conjugates of those at e^{−iπk/n}.
   std::vector<MatrixXcd> SensitivitiesOnHalfCircle(int n) const {
     const MatrixXcd predictor = predictor_.OnHalfCircle(1.0, n);
-    const MatrixXcd model = model_.OnHalfCircle(1.0, n);
-    const MatrixXcd plant = plant_.OnHalfCircle(1.0, n);
+    const MatrixXcd model = model_.decaying.OnHalfCircle(1.0, n);
+    const MatrixXcd plant = plant_.decaying.OnHalfCircle(1.0, n);
     std::vector<MatrixXcd> sensitivities;
     for (int k = 1; k <= n; ++k) {
       sensitivities.push_back(Sensitivity(
-          std::polar(1.0, kPi * k / n), predictor_.Column(predictor, k),
-          model_.Column(model, k), plant_.Column(plant, k)));
+          std::polar(1.0, kPi * k / n), predictor_.Matrix(predictor.col(k)),
+          model_.decaying.Matrix(model.col(k)),
+          plant_.decaying.Matrix(plant.col(k))));
     }
     return sensitivities;
   }
 
  private:
-  // (1 − w) Σ_i K_i F_i = Σ (G_a − G_{a−1}) w^a, G_a = Σ_i K_i S_{a+i−1}: that
-  // of the model's differences i ahead but for the first, which is G_1.
-  MatrixSeries Predictor(const Mpc& mpc) const {
-    PredictionModel model = mpc.model();
-    const int p = model.num_outputs;
-    const Eigen::Index rows = mpc.gain().cols();
-    model.ReachTo(static_cast<int>(rows) / p);
-    MatrixSeries result = model_.Ahead(mpc.gain());
-    result.SetTerm(
-        1, mpc.gain() * model.responses(Eigen::seqN(p, rows), manipulated_));
-    result.Trim();
-    return result;
-  }
+  // What the observer makes of each output's innovation i periods ahead,
+  // W_i = φ + iψ, of a level that the model is off by, (1 − W_i) w/(1 − w) =
+  // α + iβ, and of a ramp, (1 − W_i) w²/(1 − w)² + i w/(1 − w) = γ + iδ.
+  struct ObserverAt {
+    VectorXcd phi, psi, alpha, beta, gamma, delta;
+  };
 
   VectorXcd Powers(Complex w) const {
     VectorXcd powers(degree_);
@@ -170,84 +174,137 @@ class Loop {
     return powers;
   }
 
-  // V = Σ K_i W_i.
-  MatrixXcd Feedback(Complex w) const {
+  ObserverAt Observe(Complex w) const {
+    const Eigen::Index p = gains_.size();
+    ObserverAt at;
+    for (VectorXcd* values :
+         {&at.phi, &at.psi, &at.alpha, &at.beta, &at.gamma, &at.delta}) {
+      values->setZero(p);
+    }
     const Complex rest = 1.0 - w;
-    MatrixXcd result(sum_.rows(), sum_.cols());
-    for (Eigen::Index o = 0; o < sum_.cols(); ++o) {
-      const double kept = 1.0 - gains_[o];
-      if (slope_gains_[o] == 0.0) {
-        result.col(o) = gains_[o] / (1.0 - kept * w) * sum_.col(o);
+    for (Eigen::Index o = 0; o < p; ++o) {
+      const double g = gains_[o];
+      const double h = slope_gains_[o];
+      const double kept = 1.0 - g;
+      if (h == 0.0) {
+        const Complex pole = 1.0 - kept * w;
+        at.phi(o) = g / pole;
+        at.alpha(o) = kept * w / pole;
+        at.gamma(o) = kept * w * w / (rest * pole);
+        at.delta(o) = w / rest;
         continue;
       }
       const Complex pole = 1.0 - std::sqrt(kept) * w;
-      const Complex innovation = rest / (pole * pole);
-      result.col(o) = (1.0 - kept * rest * innovation) * sum_.col(o) +
-                      slope_gains_[o] * innovation * moment_.col(o);
+      const Complex scale = 1.0 / (pole * pole);
+      at.phi(o) = 1.0 - kept * rest * rest * scale;
+      at.psi(o) = h * rest * scale;
+      at.alpha(o) = kept * w * rest * scale;
+      at.beta(o) = -h * w * scale;
+      at.gamma(o) = kept * w * w * scale;
+      at.delta(o) = w * (1.0 - kept * w) * scale;
     }
-    return result;
+    return at;
   }
 
-  // (1 − w)(I + Σ K_i F_i − V F_0).
-  MatrixXcd Controller(Complex w, const MatrixXcd& predictor,
-                       const MatrixXcd& model) const {
-    MatrixXcd result = predictor - Feedback(w) * model;
-    result.diagonal().array() += 1.0 - w;
+  // V = Σ K_i W_i.
+  MatrixXcd Feedback(const ObserverAt& at) const {
+    return sum_ * at.phi.asDiagonal() + moment_ * at.psi.asDiagonal();
+  }
+  // I + Σ K_i (F_i − W_i F_0) + V (`innovation` + c_0).
+  MatrixXcd Controller(const ObserverAt& at, const MatrixXcd& predictor,
+                       const MatrixXcd& innovation) const {
+    const MatrixXd& L = model_.level;
+    const MatrixXd& R = model_.slopes;
+    MatrixXcd once =
+        at.alpha.asDiagonal() * L + at.phi.asDiagonal() * innovation;
+    MatrixXcd result = predictor;
+    if (!slope_gains_.isZero(0.0) || !R.isZero(0.0)) {
+      once += at.gamma.asDiagonal() * R;
+      result +=
+          moment_ * (at.beta.asDiagonal() * L + at.delta.asDiagonal() * R +
+                     at.psi.asDiagonal() * innovation);
+    }
+    result += sum_ * once;
+    result.diagonal().array() += 1.0;
     return result;
   }
   MatrixXcd Sensitivity(Complex w, const MatrixXcd& predictor,
                         const MatrixXcd& model, const MatrixXcd& plant) const {
+    const ObserverAt at = Observe(w);
+    const Complex sum = w / (1.0 - w);
     const MatrixXcd PC =
-        plant *
-        Controller(w, predictor, model).partialPivLu().solve(Feedback(w));
+        (plant + sum * plant_.level + sum * sum * plant_.slopes) *
+        Controller(at, predictor, -model).partialPivLu().solve(Feedback(at));
     const Eigen::Index p = PC.rows();
     const MatrixXcd S = (MatrixXcd::Identity(p, p) + PC).inverse();
     return scale_.asDiagonal() * S * scale_.cwiseInverse().asDiagonal();
   }
-  Complex Determinant(Complex w, const MatrixXcd& predictor,
-                      const MatrixXcd& model, const MatrixXcd& plant) const {
-    return std::pow(1.0 - w, ramps_) *
-           (Controller(w, predictor, model) + Feedback(w) * plant)
-               .determinant();
+  Complex LogDeterminant(Complex w, const MatrixXcd& predictor,
+                         const MatrixXcd& model, const MatrixXcd& plant) const {
+    const ObserverAt at = Observe(w);
+    const Complex rest = 1.0 - w;
+    const Eigen::Index m = sum_.rows();
+    const Eigen::Index p = sum_.cols();
+    MatrixXcd bordered = MatrixXcd::Zero(m + p, m + p);
+    bordered.topLeftCorner(m, m) =
+        Controller(at, predictor, plant - model + plant_.slopes - plant_.level);
+    bordered.topRightCorner(m, p) = Feedback(at);
+    for (Eigen::Index o = 0; o < p; ++o) {
+      const auto L = plant_.level.row(o);
+      const auto R = plant_.slopes.row(o);
+      if (integrating_(o)) {
+        bordered.row(m + o).head(m) = -R - rest * (L - 2.0 * R);
+      } else {
+        bordered.row(m + o).head(m) = -L;
+      }
+      bordered(m + o, m + o) = integrating_(o) ? rest * rest : rest;
+    }
+    const Eigen::PartialPivLU<MatrixXcd> factors(bordered);
+    const auto sign = static_cast<double>(factors.permutationP().determinant());
+    return std::log(Complex(sign)) +
+           factors.matrixLU().diagonal().array().log().sum() -
+           surplus_outputs_ * std::log(rest);
   }
 
   VectorXd gains_;
   VectorXd slope_gains_;
-  std::vector<int> manipulated_;
-  MatrixSeries model_;      // (1 − w) F_0
-  MatrixSeries plant_;      // (1 − w) P
-  MatrixSeries predictor_;  // (1 − w) Σ K_i F_i
+  Decomposed model_;
+  Decomposed plant_;
+  MatrixSeries predictor_;  // Σ K_i c_i
   Eigen::Index degree_;
-  MatrixXd sum_;     // K̄
-  MatrixXd moment_;  // Σ i K_i
-  int ramps_ = 0;    // outputs of the plant that end in one, up to m_c
-  VectorXd scale_;   // of the outputs
+  MatrixXd sum_;                                       // Σ K_i
+  MatrixXd moment_;                                    // Σ i K_i
+  Eigen::Array<bool, Eigen::Dynamic, 1> integrating_;  // outputs of the plant
+  double surplus_outputs_ = 0.0;                       // s
+  VectorXd scale_;                                     // of the outputs
 };
 
 // The change of arg D between two angles on a circle, halving until neighbours
 // are close enough to be told apart.
-double PhaseChange(const Loop& loop, double radius, double from, Complex D_from,
-                   double to, Complex D_to, int depth) {
-  const Complex ratio = D_to / D_from;
-  const double change = std::arg(ratio);
-  const double size = std::abs(ratio);
-  if (depth == 0 || (std::abs(change) < 0.7 && size > 0.4 && size < 2.5)) {
+double PhaseChange(const Loop& loop, double radius, double from,
+                   Complex log_from, double to, Complex log_to, int depth) {
+  const Complex ratio = log_to - log_from;
+  const double change = std::remainder(ratio.imag(), 2.0 * kPi);
+  if (depth == 0 ||
+      (std::abs(change) < 0.7 && std::abs(ratio.real()) < std::log(2.5))) {
     return std::isfinite(change) ? change : 0.0;
   }
   const double middle = 0.5 * (from + to);
-  const Complex D = loop.Determinant(std::polar(radius, middle));
-  return PhaseChange(loop, radius, from, D_from, middle, D, depth - 1) +
-         PhaseChange(loop, radius, middle, D, to, D_to, depth - 1);
+  const Complex log_D = loop.LogDeterminant(std::polar(radius, middle));
+  return PhaseChange(loop, radius, from, log_from, middle, log_D, depth - 1) +
+         PhaseChange(loop, radius, middle, log_D, to, log_to, depth - 1);
 }
 
 // Zeros of D in |w| < radius. D is real on the real axis, so that half the
 // circle tells all.
 int CountZeros(const Loop& loop, double radius) {
   constexpr Eigen::Index kFewest = 64;
-  const int intervals = FastLength(static_cast<int>(
-      std::clamp(2 * loop.degree(), kFewest,
-                 std::max(kMostNumbers / loop.entries(), kFewest))));
-  const VectorXcd on_circle = loop.DeterminantsOnHalfCircle(radius, intervals);
+  const int intervals = FastLength(static_cast<int>(std::clamp(
+      2 * loop.degree(), kFewest,
+      std::max(kMostNumbers / std::max<Eigen::Index>(loop.entries(), 1),
+               kFewest))));
+  const VectorXcd on_circle =
+      loop.LogDeterminantsOnHalfCircle(radius, intervals);
   double change = 0.0;
   for (int i = 1; i <= intervals; ++i) {
     change +=

@@ -15,14 +15,30 @@
 //
 //   1 − (1 − g)(1 − w)²/(1 − θw)² + i h (1 − w)/(1 − θw)².
 //
-// With V = Σ K_i W_i and q the plant's outputs that integrate, the loop's modes
-// are the inverses of the zeros of
+// With V = Σ K_i W_i the loop's modes are the inverses of the zeros of
+// det(I + Σ K_i (F_i − W_i F_0) + V P), whose poles and zeros at w = 1 would
+// hide those near it: responses that settle have sums with a pole there, and
+// each of m − p inputs that the outputs leave free adds a zero, a sum of moves
+// that nothing asks back. Both are taken out before anything is computed. With
+// S_k = L + kR + C_k, of which C_k decays, c_i = Σ_{a≥1} C_{a+i−1} w^a and
+// v = 1 − w,
 //
-//   D(w) = (1 − w)^q det((1 − w)(I + Σ K_i F_i − V F_0 + V P)),
+//   F_i − W_i F_0 = (1 − W_i) (w/v L + w²/v² R) + i w/v R + c_i − W_i c_0,
 //
-// which has no poles in |w| ≤ 1 (the ramps in Σ K_i F_i and V F_0 cancel): they
-// are counted by the argument principle, as in Nyquist's criterion, on the
-// sampled responses themselves. The sensitivity S = (I + P C)⁻¹ tells how much
+// where what stands before L and R has no pole (φ, … in loop_analysis.cc), and
+// with d = v, G = L, of outputs with ramps d = v², G = R + v (L − 2R), of the
+// plant
+//
+//   P = diag(d)⁻¹ G + R − L + c_P.
+//
+// The modes are then the inverses of the zeros of
+//
+//   D(w) = v^{−s} det [ B  V ; −G  diag(d) ],
+//   B = I + Σ K_i (F_i − W_i F_0) + V (R − L + c_P),
+//
+// s = 0 but where outputs are more than inputs: p − m where none has a ramp.
+// D has no poles in |w| ≤ 1, so that they are counted by the argument
+// principle, as in Nyquist's criterion, on the sampled responses themselves. The sensitivity S = (I + P C)⁻¹ tells how much
 // the loop amplifies a disturbance of each frequency, C being the controller
 // from −y to Δu; 1/‖S‖_∞ is the distance of the loop from instability
 // (Skogestad and Postlethwaite, Multivariable Feedback Control, 2005, sec.
@@ -43,7 +59,8 @@
 namespace mle::control {
 
 // Responses that settle later are not analysed, in control periods n. A count
-// of zeros costs O(pm n log n + n p³): one Fourier transform for each pair.
+// of zeros costs O(m² n log n + n (m + p)³): a Fourier transform for each two
+// inputs, and an elimination for each point of the circle.
 inline constexpr int kMostAnalysedPeriods = 50'000;
 
 struct LoopAnalysis {

@@ -4,49 +4,51 @@
 #ifndef CONTROL_MATRIX_SERIES_H_
 #define CONTROL_MATRIX_SERIES_H_
 
-#include <complex>
+#include <vector>
 
 #include "Eigen/Core"
 
 namespace mle::control {
 
-// Σ_{a≥1} (C_a + R) w^a = Σ_{a=1}^{n} C_a w^a + R w/(1 − w) with real matrices
-// C_a and R: what a series that ends in R differs from it by.
+// Σ_{a=1}^{n} C_a w^a with real matrices C_a.
 class MatrixSeries {
  public:
-  // Of n matrices like `end`, R, all of them 0 but for it.
-  MatrixSeries(const Eigen::MatrixXd& end, Eigen::Index degree);
+  // Of n matrices of rows × columns, all of them 0.
+  MatrixSeries(Eigen::Index rows, Eigen::Index columns, Eigen::Index degree);
 
   Eigen::Index degree() const { return coefficients_.rows(); }
+  // Of a matrix, those that are not zero in all of them; all before Trim().
   Eigen::Index entries() const { return coefficients_.cols(); }
-  // C_a + R.
+  // C_a.
   void SetTerm(Eigen::Index a, const Eigen::MatrixXd& value);
-  // Cuts off the negligible end.
+  // Cuts off the negligible end and entries that are zero. No term can be set
+  // then.
   void Trim();
 
   // At w, of which the powers are given.
   Eigen::MatrixXcd operator()(const Eigen::VectorXcd& powers) const;
-  // At each w of which a column has the powers, column by column of each
-  // matrix.
+  // The entries at each w of which a column has the powers.
   Eigen::MatrixXcd AtAll(
       const Eigen::Ref<const Eigen::MatrixXcd>& powers) const;
-  // At r e^{iπk/n}, k = 0 … n, column by column of each matrix: roots of unity
-  // but for r, so that a transform of 2n numbers does for any degree.
+  // At r e^{iπk/n}, k = 0 … n: roots of unity but for r, so that a transform of
+  // 2n numbers does for any degree.
   Eigen::MatrixXcd OnHalfCircle(double radius, int n) const;
-  // A matrix of column k of those.
-  Eigen::MatrixXcd Column(const Eigen::MatrixXcd& values, Eigen::Index k) const;
+  // The matrix of a column of those.
+  Eigen::MatrixXcd Matrix(
+      const Eigen::Ref<const Eigen::VectorXcd>& entries) const;
 
-  // Σ_i K_i (C_{a+i} + R) of blocks K_i that stand side by side in `gain`. Each
-  // entry is a sum of correlations, which are products of Fourier transforms:
-  // for h blocks of m × p and matrices C of p × m that takes O((n + h) p m²)
-  // operations, the sums themselves O(n h p m²).
+  // Σ_i K_i C_{a+i} of blocks K_i that stand side by side in `gain`. Each entry
+  // is a sum of correlations, which are products of Fourier transforms: for h
+  // blocks of m × p and matrices C of p × m with e entries that takes
+  // O((n + h) e m) operations, the sums themselves O(n h e m).
   MatrixSeries Ahead(const Eigen::MatrixXd& gain) const;
 
  private:
   Eigen::Index rows_;
-  Eigen::VectorXd end_;  // the entries of R
-  bool ends_in_zero_;
-  Eigen::MatrixXd coefficients_;  // those of C_a in row a − 1
+  Eigen::Index columns_;
+  // Where in a matrix, column by column, the entries stand.
+  std::vector<Eigen::Index> places_;
+  Eigen::MatrixXd coefficients_;  // entries of C_a in row a − 1
 };
 
 }  // namespace mle::control

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "Eigen/Cholesky"
-#include "Eigen/Eigenvalues"
 #include "glog/logging.h"
 #include "mle/base/double_limits.h"
 #include "mle/base/status.h"
@@ -161,16 +160,16 @@ absl::StatusOr<Solution> SolveWithoutLimits(const MatrixXd& responses,
   // Scaled to a unit diagonal, so that the test below and the solution do not
   // depend on the units of the inputs.
   const VectorXd diagonal = hessian.diagonal();
-  double smallest = 0.0;
   VectorXd scale;
-  MatrixXd scaled;
+  Eigen::LLT<MatrixXd> scaled;
+  double smallest = 0.0;  // 1/‖·‖₁ of the inverse, at most the least eigenvalue
   if (diagonal.minCoeff() > 0.0) {
     scale = diagonal.cwiseSqrt().cwiseInverse();
-    scaled = scale.asDiagonal() * hessian * scale.asDiagonal();
-    smallest =
-        Eigen::SelfAdjointEigenSolver<MatrixXd>(scaled, Eigen::EigenvaluesOnly)
-            .eigenvalues()
-            .minCoeff();
+    const MatrixXd matrix = scale.asDiagonal() * hessian * scale.asDiagonal();
+    scaled.compute(matrix);
+    if (scaled.info() == Eigen::Success) {
+      smallest = scaled.rcond() * matrix.cwiseAbs().colwise().sum().maxCoeff();
+    }
   }
   if (!(smallest > 1e-14 * static_cast<double>(hessian.rows()))) {
     return absl::InvalidArgumentError(
@@ -180,8 +179,7 @@ absl::StatusOr<Solution> SolveWithoutLimits(const MatrixXd& responses,
   // Rows of H⁻¹, and their products with GᵀQ, move by move.
   MatrixXd rows =
       MatrixXd::Identity(hessian.rows(), all_moves ? hessian.rows() : m);
-  rows = (scale.asDiagonal() *
-          Eigen::LLT<MatrixXd>(scaled).solve(scale.asDiagonal() * rows))
+  rows = (scale.asDiagonal() * scaled.solve(scale.asDiagonal() * rows))
              .transpose()
              .eval();
   MatrixXd gain = MatrixXd::Zero(rows.rows(), responses.rows());

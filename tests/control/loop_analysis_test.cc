@@ -386,6 +386,80 @@ TEST(LoopAnalysisTest, SurplusInputsAreNoInstability) {
   EXPECT_EQ(analysis.spectral_radius, 1.0);
 }
 
+// One input cannot bring two outputs to their set points, but its loop can be
+// stable: outputs that settle, a level beside one, and two levels in step.
+TEST(LoopAnalysisTest, CountsTheModesOfMoreOutputsThanInputs) {
+  const auto settles = [](double gain) {
+    return TransferFunction::FirstOrder(gain, 1.2, 0.5);
+  };
+  const auto level = [](double gain, double delay) {
+    return TransferFunction::Integrator(gain, 0.0, delay);
+  };
+  int unstable = 0;
+  for (const int levels : {0, 1, 2}) {
+    for (const double factor : {1.0, 3.0, 8.0}) {
+      const auto process = [&](double gain) {
+        ProcessModel model = EmptyModel(2, 1);
+        model.element(0, 0) =
+            levels > 0 ? level(0.5 * gain, 0.5) : settles(gain);
+        model.element(1, 0) =
+            levels > 1 ? level(0.2 * gain, 1.0) : settles(0.7 * gain);
+        return Predict(model);
+      };
+      SCOPED_TRACE(::testing::Message() << levels << " " << factor);
+      const Mpc mpc = MakeAnalysedMpc(process(1.0), Options(2, 1, 0.1));
+      const PredictionModel plant = process(factor);
+      const VectorXd sizes =
+          Eigen::EigenSolver<MatrixXd>(ClosedLoopMatrix(mpc, plant), false)
+              .eigenvalues()
+              .cwiseAbs();
+      const auto growing =
+          static_cast<int>((sizes.array() > 1.0 + 1e-4).count());
+      EXPECT_EQ(Analyse(mpc, plant).growing_modes, growing);
+      unstable += growing > 0 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(unstable, 2);
+  EXPECT_LT(unstable, 9);
+}
+
+// Inputs that act alike are one input of their gains together, moved as
+// cheaply: each of them but one adds a mode at 1 and nothing else. So many of
+// them make a determinant smaller than any number where it is evaluated nearest
+// to 1.
+TEST(LoopAnalysisTest, ManyInputsThatActAlikeAreOne) {
+  constexpr int kInputs = 61;
+  constexpr double kWeight = 0.1;
+  const auto process = [](int inputs, double factor) {
+    ProcessModel model = EmptyModel(1, inputs);
+    for (int j = 0; j < inputs; ++j) {
+      model.element(0, j) =
+          TransferFunction::FirstOrder(factor / inputs, 2.0, 1.0);
+    }
+    return Predict(model);
+  };
+  const Mpc one = MakeAnalysedMpc(process(1, 1.0), Options(1, 1, kWeight));
+  const Mpc many = MakeAnalysedMpc(process(kInputs, 1.0),
+                                   Options(1, kInputs, kWeight / kInputs));
+  int unstable = 0;
+  for (const double factor : {0.5, 1.0, 4.0, 8.0}) {
+    SCOPED_TRACE(factor);
+    const LoopAnalysis expected = Analyse(one, process(1, factor));
+    const LoopAnalysis analysis = Analyse(many, process(kInputs, factor));
+    EXPECT_EQ(analysis.growing_modes, expected.growing_modes);
+    if (expected.stable) {
+      EXPECT_EQ(analysis.spectral_radius, 1.0);
+      EXPECT_NEAR(analysis.sensitivity_peak, expected.sensitivity_peak, 1e-6);
+      EXPECT_NEAR(analysis.complementary_peak, expected.complementary_peak,
+                  1e-6);
+    } else {
+      ++unstable;
+      EXPECT_NEAR(analysis.spectral_radius, expected.spectral_radius, 1e-4);
+    }
+  }
+  EXPECT_EQ(unstable, 2);
+}
+
 // Many periods, and a mode that hardly decays: the grid of the transform has to
 // be fine enough, and between its points the phase is followed.
 TEST(LoopAnalysisTest, CountsTheModesOfLongResponses) {
