@@ -38,12 +38,13 @@
 //
 // s = 0 but where outputs are more than inputs: p − m where none has a ramp.
 // D has no poles in |w| ≤ 1, so that they are counted by the argument
-// principle, as in Nyquist's criterion, on the sampled responses themselves. The sensitivity S = (I + P C)⁻¹ tells how much
-// the loop amplifies a disturbance of each frequency, C being the controller
-// from −y to Δu; 1/‖S‖_∞ is the distance of the loop from instability
-// (Skogestad and Postlethwaite, Multivariable Feedback Control, 2005, sec.
-// 2.4.3, who ask for a peak below 2). Outputs are scaled by the roots of their
-// weights Q_y,ii, so that units do not matter.
+// principle, as in Nyquist's criterion, on the sampled responses themselves.
+// The sensitivity S = (I + P C)⁻¹ tells how much the loop amplifies a
+// disturbance of each frequency, C being the controller from −y to Δu; 1/‖S‖_∞
+// is the distance of the loop from instability (Skogestad and Postlethwaite,
+// Multivariable Feedback Control, 2005, sec. 2.4.3, who ask for a peak below
+// 2). Outputs are scaled by the roots of their weights Q_y,ii, so that units do
+// not matter.
 //
 //   MLE_ASSIGN_OR_RETURN(const LoopAnalysis loop, AnalyseLoop(mpc, plant));
 

@@ -4,18 +4,19 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <numeric>
 #include <utility>
 
 #include "Eigen/QR"
 #include "mle/base/parallel.h"
 #include "mle/base/status.h"
+#include "mle/maintain/play_filters.h"
 #include "mle/model/process_simulator.h"
 
 namespace mle {
 namespace {
 
 constexpr int kOrder = 24;
-constexpr int kFilters = 6;
 constexpr double kLeastDegrees = 100.0;
 constexpr double kEnough = 0.25;  // nats that another round of a fit may gain
 constexpr double kOutlier = 5.0;  // robust standard deviations
@@ -25,67 +26,6 @@ constexpr double kLeastSquares = 1e-300;  // have a logarithm
 constexpr std::array<double, 13> kWidths = {0.01, 0.015, 0.02, 0.03, 0.04,
                                             0.06, 0.08,  0.11, 0.15, 0.2,
                                             0.27, 0.36,  0.5};
-
-// `samples` later, or earlier if negative.
-Eigen::VectorXd Shifted(const Eigen::VectorXd& values, int samples) {
-  const auto n = static_cast<int>(values.size());
-  Eigen::VectorXd shifted(n);
-  for (int k = 0; k < n; ++k) {
-    shifted(k) = values(std::clamp(k - samples, 0, n - 1));
-  }
-  return shifted;
-}
-
-// Through a first-order lag of `time` samples, settled at the first value.
-Eigen::VectorXd Lagged(const Eigen::VectorXd& values, double time) {
-  const double share = -std::expm1(-1.0 / time);
-  Eigen::VectorXd lagged(values.size());
-  double state = values(0);
-  for (Eigen::Index k = 0; k < values.size(); ++k) {
-    state += share * (values(k) - state);
-    lagged(k) = state;
-  }
-  return lagged;
-}
-
-// F_c of what an element makes of its input.
-std::array<Eigen::VectorXd, kFilters> ThroughFilters(
-    const TransferFunction& element, double sample_time,
-    const Eigen::VectorXd& values) {
-  const auto delay = static_cast<int>(element.delay() / sample_time);
-  const double time =
-      std::max(2.0, element.SlowestTimeConstant() / sample_time);
-  return {values,
-          Shifted(values, -delay),
-          Shifted(values, -(delay / 2)),
-          Lagged(values, time / 8.0 + 1.0),
-          Lagged(values, time / 2.0),
-          Lagged(values, 2.0 * time)};
-}
-
-// The innovations of drift upon white noise.
-Eigen::VectorXd InnovationsOfDrift(const Eigen::VectorXd& values,
-                                   double share) {
-  Eigen::VectorXd rest(values.size());
-  double level = values(0);
-  for (Eigen::Index k = 0; k < values.size(); ++k) {
-    rest(k) = values(k) - level;
-    level += share * rest(k);
-  }
-  return rest;
-}
-
-WhitenedData InnovationsOfDrift(WhitenedData data, double share) {
-  for (std::size_t w = 0; w < data.outputs.size(); ++w) {
-    data.outputs[w] = InnovationsOfDrift(data.outputs[w], share);
-    for (Eigen::Index c = 0; c < data.responses[w].cols(); ++c) {
-      if (data.responses[w].col(c).isZero(0.0)) continue;
-      data.responses[w].col(c) =
-          InnovationsOfDrift(data.responses[w].col(c), share);
-    }
-  }
-  return data;
-}
 
 // A series of all parts, one after the other, through the filter.
 Eigen::VectorXd Whitened(const Eigen::VectorXd& filter,
@@ -167,10 +107,6 @@ absl::StatusOr<PlayRegression> PlayRegression::Create(
   regression.model_ = model;
   regression.ranges_.resize(m);
   for (int j = 0; j < m; ++j) {
-    ProcessModel column("column", model.time_unit(), {model.inputs()[j]},
-                        model.outputs());
-    for (int i = 0; i < p; ++i) column.element(i, 0) = model.element(i, j);
-    regression.columns_.push_back(std::move(column));
     double low = parts.front().inputs(j, 0);
     double high = low;
     for (const Record& part : parts) {
@@ -206,13 +142,21 @@ bool PlayRegression::IsUsed(int output, int input) const {
 }
 
 absl::StatusOr<std::vector<Eigen::MatrixXd>> PlayRegression::Simulate(
-    int input, const std::vector<Eigen::RowVectorXd>& moves) const {
+    int input, const std::vector<int>& outputs,
+    const std::vector<Eigen::RowVectorXd>& moves) const {
+  std::vector<OutputChannel> channels;
+  for (const int i : outputs) channels.push_back(model_.outputs()[i]);
+  ProcessModel column("column", model_.time_unit(), {model_.inputs()[input]},
+                      std::move(channels));
+  for (std::size_t n = 0; n < outputs.size(); ++n) {
+    column.element(static_cast<int>(n), 0) = model_.element(outputs[n], input);
+  }
   std::vector<Eigen::MatrixXd> responses;
   for (std::size_t w = 0; w < moves.size(); ++w) {
     MLE_ASSIGN_OR_RETURN(
-        const Eigen::MatrixXd outputs,
-        SimulateResponse(columns_[input], (*parts_)[w].sample_time, moves[w]));
-    responses.emplace_back(outputs.transpose());
+        const Eigen::MatrixXd simulated,
+        SimulateResponse(column, (*parts_)[w].sample_time, moves[w]));
+    responses.emplace_back(simulated.transpose());
   }
   return responses;
 }
@@ -228,8 +172,10 @@ PlayRegression::RespondTo(int input, double width) const {
                          range);
   }
   auto responses = std::make_shared<Responses>();
-  MLE_ASSIGN_OR_RETURN(responses->linear, Simulate(input, moves));
-  MLE_ASSIGN_OR_RETURN(responses->square, Simulate(input, squares));
+  std::vector<int> all(model_.num_outputs());
+  std::iota(all.begin(), all.end(), 0);
+  MLE_ASSIGN_OR_RETURN(responses->linear, Simulate(input, all, moves));
+  MLE_ASSIGN_OR_RETURN(responses->square, Simulate(input, all, squares));
   return responses;
 }
 
@@ -241,12 +187,12 @@ WhitenedData PlayRegression::DataOf(int output,
   for (std::size_t w = 0; w < parts_->size(); ++w) {
     data.outputs.emplace_back((*parts_)[w].outputs.row(output).transpose());
     Eigen::MatrixXd& columns = data.responses.emplace_back(
-        (*parts_)[w].samples(), (kFilters + 1) * inputs.size());
+        (*parts_)[w].samples(), (kPlayFilters + 1) * inputs.size());
     Eigen::Index at = 0;
     for (const int j : inputs) {
       for (const Eigen::VectorXd& column :
-           ThroughFilters(model_.element(output, j), sample_time,
-                          responses[j]->linear[w].col(output))) {
+           ThroughPlayFilters(model_.element(output, j), sample_time,
+                              responses[j]->linear[w].col(output))) {
         columns.col(at++) = column;
       }
       columns.col(at++) = responses[j]->square[w].col(output);
@@ -281,9 +227,9 @@ void PlayRegression::Fit(int output, OutputState& state) const {
   const WhitenedData with_drift = DataOf(output, responses_);
   const auto elements = static_cast<Eigen::Index>(state.inputs.size());
   if (state.start.size() == 0) {
-    state.start = Eigen::VectorXd::Zero((kFilters + 1) * elements);
+    state.start = Eigen::VectorXd::Zero((kPlayFilters + 1) * elements);
     for (Eigen::Index e = 0; e < elements; ++e) {
-      state.start((kFilters + 1) * e) = 1.0;
+      state.start((kPlayFilters + 1) * e) = 1.0;
     }
   }
   WhitenedData data;
@@ -308,7 +254,7 @@ void PlayRegression::Fit(int output, OutputState& state) const {
   state.gains = Eigen::VectorXd::Zero(model_.num_inputs());
   for (Eigen::Index e = 0; e < elements; ++e) {
     state.gains(state.inputs[e]) =
-        fit.gains.segment((kFilters + 1) * e, kFilters).sum();
+        fit.gains.segment((kPlayFilters + 1) * e, kPlayFilters).sum();
   }
   const Eigen::VectorXd whitened = Whitened(state.filter, data.outputs);
   std::vector<Eigen::VectorXd> rest;
@@ -374,13 +320,16 @@ absl::Status PlayRegression::UpdateMerits(int input) {
       moves.emplace_back(PassThroughPlay(asked, width) -
                          PassThroughPlay(asked, widths_(input)));
     }
-    MLE_ASSIGN_OR_RETURN(differences.emplace_back(), Simulate(input, moves));
+    MLE_ASSIGN_OR_RETURN(differences.emplace_back(),
+                         Simulate(input, old, moves));
   }
-  for (const int i : old) {
+  for (std::size_t n = 0; n < old.size(); ++n) {
+    const int i = old[n];
     const OutputState& state = outputs_[i];
     Eigen::MatrixXd columns(state.residual.size(), kWidths.size());
     for (std::size_t c = 0; c < kWidths.size(); ++c) {
-      std::vector<Eigen::VectorXd> series = ColumnOf(differences[c], i);
+      std::vector<Eigen::VectorXd> series =
+          ColumnOf(differences[c], static_cast<Eigen::Index>(n));
       for (Eigen::VectorXd& part : series) {
         part = InnovationsOfDrift(part, state.drift);
       }

@@ -127,8 +127,11 @@ class PlayRegression {
   };
 
   PlayRegression() = default;
+  // What the model makes of an input's moves in these outputs: for each part a
+  // column of each.
   absl::StatusOr<std::vector<Eigen::MatrixXd>> Simulate(
-      int input, const std::vector<Eigen::RowVectorXd>& moves) const;
+      int input, const std::vector<int>& outputs,
+      const std::vector<Eigen::RowVectorXd>& moves) const;
   absl::StatusOr<std::shared_ptr<const Responses>> RespondTo(
       int input, double width) const;
   WhitenedData DataOf(int output, const AllResponses& responses) const;
@@ -148,7 +151,6 @@ class PlayRegression {
   const std::vector<Eigen::MatrixXd>* bad_ = nullptr;
   int threads_ = 1;
   ProcessModel model_;
-  std::vector<ProcessModel> columns_;  // m: all outputs, one input
   Eigen::VectorXd ranges_;
   Eigen::VectorXd widths_;
   AllResponses responses_;

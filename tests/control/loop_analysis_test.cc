@@ -415,12 +415,39 @@ TEST(LoopAnalysisTest, CountsTheModesOfMoreOutputsThanInputs) {
               .cwiseAbs();
       const auto growing =
           static_cast<int>((sizes.array() > 1.0 + 1e-4).count());
-      EXPECT_EQ(Analyse(mpc, plant).growing_modes, growing);
+      const LoopAnalysis analysis = Analyse(mpc, plant);
+      EXPECT_EQ(analysis.growing_modes, growing);
       unstable += growing > 0 ? 1 : 0;
+      // Two levels drift apart.
+      if (growing == 0 && levels < 2) {
+        EXPECT_LT(analysis.spectral_radius, 0.99);
+      }
     }
   }
   EXPECT_GT(unstable, 2);
   EXPECT_LT(unstable, 9);
+}
+
+TEST(LoopAnalysisTest, CountsTheModesOfPlantsWithoutSomeElements) {
+  ProcessModel believed = FastTwoByTwo();
+  believed.element(1, 0) = TransferFunction();
+  const Mpc mpc = MakeAnalysedMpc(Predict(believed), Options(2, 2, 0.02));
+  int unstable = 0;
+  for (const double factor : {0.5, 1.0, 3.0, 8.0}) {
+    ProcessModel aged = believed;
+    const TransferFunction g = aged.element(1, 1);
+    std::vector<double> numerator = g.numerator();
+    for (double& b : numerator) b *= factor;
+    aged.element(1, 1) =
+        TransferFunction(numerator, g.denominator(), g.delay() + 1.0);
+    // An element that the model does not know, in place of one that it knows.
+    aged.element(1, 0) = aged.element(0, 1);
+    aged.element(0, 1) = TransferFunction();
+    SCOPED_TRACE(factor);
+    if (!AnalyseLikeEigenvalues(mpc, Predict(aged)).stable) ++unstable;
+  }
+  EXPECT_GT(unstable, 0);
+  EXPECT_LT(unstable, 4);
 }
 
 // Inputs that act alike are one input of their gains together, moved as

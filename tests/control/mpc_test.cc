@@ -359,6 +359,10 @@ TEST(MpcTest, RefusesWeightsThatDoNotDetermineTheMoves) {
   MpcOptions options = SingleOptions(1.0, 0.0);
   options.move_weight = MatrixXd::Zero(2, 2);
   EXPECT_THAT(CreateError(model, options), HasSubstr("positive definite"));
+  // So little that rounding decides: the second input could be any number.
+  options.move_weight = 1e-13 * MatrixXd::Identity(2, 2);
+  EXPECT_THAT(CreateError(model, options), HasSubstr("positive definite"));
+  options.move_weight = MatrixXd::Zero(2, 2);
   options.move_weight(0, 0) = 0.1;
   EXPECT_TRUE(Mpc::Create(model, options).ok());
 
