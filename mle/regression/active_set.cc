@@ -29,6 +29,7 @@ ActiveSet::ActiveSet(const LassoObjective& objective)
       states_(objective.size(), State::kInactive),
       cholesky_(std::min(objective.size(), 256)),
       target_(objective.size()),
+      half_(objective.size()),
       beta_(objective.size()),
       slope_(objective.size()),
       c_(objective.correlation),
@@ -58,6 +59,7 @@ void ActiveSet::AppendUnpenalised() {
   }
   for (const int j : columns_) states_[j] = State::kActive;
   target_.head(size()).setZero();
+  half_.head(size()).setZero();
   num_unpenalised_ = size();
   slope_.head(size()).setZero();
   if (size() == 0) return;
@@ -131,9 +133,6 @@ void ActiveSet::Refine(double lambda) {
   work_.head(k) = c_(columns_) - lambda * target_.head(k);
   cholesky_.SolveInPlace(work_.head(k));
   beta_.head(k) += work_.head(k);
-  work_.head(k) = target_.head(k) - b_(columns_);
-  cholesky_.SolveInPlace(work_.head(k));
-  slope_.head(k) += work_.head(k);
   Products();
 }
 
@@ -177,8 +176,8 @@ bool ActiveSet::Solve(double lambda) {
 double ActiveSet::SolveOnce(double lambda) {
   const double rounding = Rounding();
   const double enough = std::max(kRefine * lambda, rounding);
-  slope_.head(size()) = target_.head(size());
-  cholesky_.SolveInPlace(slope_.head(size()));
+  slope_.head(size()) = half_.head(size());
+  cholesky_.FinishInPlace(slope_.head(size()));
   Products();
   double violation = ActiveViolation(lambda);
   if (violation > enough) ++refined_;
@@ -204,6 +203,8 @@ bool ActiveSet::Refactor() {
     for (int l = 0; l < i; ++l) work_(l) = gram_(columns_[l], j);
     if (cholesky_.Append(work_.head(i), gram_(j, j), 0.0) <= 0.0) return false;
   }
+  half_.head(size()) = target_.head(size());
+  cholesky_.HalfSolveInPlace(half_.head(size()));
   return true;
 }
 
@@ -214,6 +215,7 @@ double ActiveSet::Append(int variable, double sign, double tolerance) {
   const double pivot = cholesky_.Append(work_.head(k), square, tolerance);
   if (pivot <= tolerance * square) return pivot;
   target_(k) = sign * objective_.weights(variable);
+  half_(k) = cholesky_.LastOfHalf(half_.head(k), target_(k));
   beta_(k) = 0.0;
   slope_(k) = 0.0;
   columns_.push_back(variable);
@@ -224,7 +226,7 @@ double ActiveSet::Append(int variable, double sign, double tolerance) {
 void ActiveSet::Remove(int variable) {
   const int position = PositionOf(variable);
   CHECK_LT(position, size());
-  cholesky_.Remove(position);
+  cholesky_.Remove(position, half_.head(size()));
   columns_.erase(columns_.begin() + position);
   for (Eigen::VectorXd* values : {&target_, &beta_, &slope_}) {
     std::copy(values->data() + position + 1, values->data() + size() + 1,

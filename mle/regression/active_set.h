@@ -117,7 +117,8 @@ class ActiveSet {
   std::vector<int> columns_;
   int num_unpenalised_ = 0;
   UpdatableCholesky cholesky_;
-  Eigen::VectorXd target_;  // these three by position, the first size()
+  Eigen::VectorXd target_;  // these four by position, the first size()
+  Eigen::VectorXd half_;    // of the slope: U⁻ᵀ target
   Eigen::VectorXd beta_;
   Eigen::VectorXd slope_;
   Eigen::VectorXd c_;

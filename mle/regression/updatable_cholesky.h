@@ -3,7 +3,9 @@
 // G_AA = UᵀU with U upper triangular, its columns stored one after the other.
 // Appending a column costs one triangular solve (k²), removing one costs Givens
 // rotations (at most 3k²); neither touches the data. (Golub and Van Loan,
-// Matrix Computations, 4th ed., 6.5.)
+// Matrix Computations, 4th ed., 6.5.) A right-hand side t that changes with the
+// set is carried along as z = U⁻ᵀt, so that G_AA⁻¹t = U⁻¹z takes one triangular
+// solve in place of two.
 
 #ifndef MLE_REGRESSION_UPDATABLE_CHOLESKY_H_
 #define MLE_REGRESSION_UPDATABLE_CHOLESKY_H_
@@ -26,8 +28,17 @@ class UpdatableCholesky {
   double Append(const Eigen::Ref<const Eigen::VectorXd>& cross, double square,
                 double tolerance);
 
-  // Removes column `position`; those behind it move up.
-  void Remove(int position);
+  // Removes column `position`, and its entry out of z (as long as there are
+  // columns); those behind it move up.
+  void Remove(int position, Eigen::Ref<Eigen::VectorXd> z);
+
+  // z ← U⁻ᵀz.
+  void HalfSolveInPlace(Eigen::Ref<Eigen::VectorXd> z) const;
+  // The last entry of z, whose others precede it, for the entry `target` of t.
+  double LastOfHalf(const Eigen::Ref<const Eigen::VectorXd>& z,
+                    double target) const;
+  // x ← U⁻¹x.
+  void FinishInPlace(Eigen::Ref<Eigen::VectorXd> x) const;
 
   void Clear() { size_ = 0; }
 

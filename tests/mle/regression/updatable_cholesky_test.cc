@@ -24,12 +24,19 @@ class Tracked {
     const int before = cholesky_.size();
     const double pivot =
         cholesky_.Append(cross, gram_(column, column), tolerance);
-    if (cholesky_.size() > before) columns_.push_back(column);
+    if (cholesky_.size() == before) return pivot;
+    columns_.push_back(column);
+    // Its number, as anything that tells columns apart.
+    const double target = column + 1.0;
+    Eigen::VectorXd half(cholesky_.size());
+    half << half_, cholesky_.LastOfHalf(half_, target);
+    half_ = half;
     return pivot;
   }
 
   void Remove(int position) {
-    cholesky_.Remove(position);
+    cholesky_.Remove(position, half_);
+    half_.conservativeResize(cholesky_.size());
     columns_.erase(columns_.begin() + position);
   }
 
@@ -46,12 +53,22 @@ class Tracked {
     EXPECT_LE((solved - expected).norm(), 1e-9 * expected.norm());
     EXPECT_NEAR(cholesky_.InverseQuadraticForm(x), x.dot(expected),
                 1e-9 * x.dot(expected));
+    // The right-hand side that is carried along.
+    Eigen::VectorXd target(columns_.size());
+    for (Eigen::Index i = 0; i < target.size(); ++i) {
+      target(i) = columns_[i] + 1.0;
+    }
+    Eigen::VectorXd finished = half_;
+    cholesky_.FinishInPlace(finished);
+    const Eigen::VectorXd wanted = gram.llt().solve(target);
+    EXPECT_LE((finished - wanted).norm(), 1e-9 * wanted.norm());
   }
 
  private:
   const Eigen::MatrixXd& gram_;
   UpdatableCholesky cholesky_;
   std::vector<int> columns_;
+  Eigen::VectorXd half_;
 };
 
 TEST(UpdatableCholeskyTest, FollowsRandomAppendsAndRemovals) {
