@@ -20,6 +20,9 @@ constexpr double kRefine = 1e-13;
 constexpr double kRefineSharply = 1e-9;
 constexpr double kLost = 1e-6;
 constexpr double kEntersAtOnce = 1e-4;
+// Columns of the factor to begin with. Not a power of two: columns a multiple
+// of 4 KiB apart share the same few places in the cache.
+constexpr int kRoom = 1000;
 
 }  // namespace
 
@@ -27,7 +30,7 @@ ActiveSet::ActiveSet(const LassoObjective& objective)
     : objective_(objective),
       gram_(*objective.gram),
       states_(objective.size(), State::kInactive),
-      cholesky_(std::min(objective.size(), 256)),
+      cholesky_(std::min(objective.size(), kRoom)),
       target_(objective.size()),
       half_(objective.size()),
       beta_(objective.size()),

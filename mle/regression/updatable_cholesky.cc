@@ -14,7 +14,7 @@ namespace {
 
 // Columns that rotations are applied to together: along one column each waits
 // for the one before.
-constexpr int kTogether = 4;
+constexpr int kRotatedTogether = 4;
 
 struct Rotation {
   double c = 1.0;
@@ -75,16 +75,16 @@ void UpdatableCholesky::Remove(int position, Eigen::Ref<Eigen::VectorXd> z) {
     return absl::Span<const Rotation>(rotations.data() + first - position,
                                       static_cast<std::size_t>(end - first));
   };
-  for (int first = position; first < last; first += kTogether) {
-    const int end = std::min(first + kTogether, last);
+  for (int first = position; first < last; first += kRotatedTogether) {
+    const int end = std::min(first + kRotatedTogether, last);
     for (int j = first; j < end; ++j) {
       factor_.col(j).head(position) = factor_.col(j + 1).head(position);
     }
     double* const columns = factor_.data() + position;
-    if (end - first == kTogether) {
-      Rotate<kTogether>(up_to(position, first), stride,
-                        columns + stride * (first + 1),
-                        columns + stride * first);
+    if (end - first == kRotatedTogether) {
+      Rotate<kRotatedTogether>(up_to(position, first), stride,
+                               columns + stride * (first + 1),
+                               columns + stride * first);
     } else {
       for (int j = first; j < end; ++j) {
         Rotate<1>(up_to(position, first), 0, columns + stride * (j + 1),
