@@ -110,6 +110,17 @@ HomotopySummary Solve(const LassoObjective& objective,
   return *std::move(summary);
 }
 
+// Of n numbers of each active column, and of the factor for a column that
+// enters and for the slope, in each segment; without refinement.
+double BytesRead(const LassoPath& path, int n) {
+  double bytes = 0.0;
+  for (const LassoPath::Segment& segment : path.segments()) {
+    const auto k = static_cast<double>(segment.active);
+    bytes += sizeof(double) * (n * k + k * k);
+  }
+  return bytes;
+}
+
 void SolveProblem(const std::string& dir, bool certified, int repeats) {
   const StoredProblem problem(dir);
   HomotopyOptions options;
@@ -124,9 +135,10 @@ void SolveProblem(const std::string& dir, bool certified, int repeats) {
     std::printf("%.6f %.6f\n", Now(CLOCK_THREAD_CPUTIME_ID) - start,
                 Now(CLOCK_MONOTONIC) - wall_start);
   }
-  std::fprintf(stderr, "%s; %d refined, %d refactored\n",
+  std::fprintf(stderr, "%s; %d refined, %d refactored, %.2f GB read\n",
                summary.BriefReport().c_str(), summary.refined,
-               summary.refactored);
+               summary.refactored,
+               1e-9 * BytesRead(summary.path, problem.objective.size()));
   const Eigen::MatrixXd lambdas = Read(dir + "/lambdas.npy");
   Eigen::MatrixXd beta(problem.objective.size(), lambdas.rows());
   for (Eigen::Index i = 0; i < lambdas.rows(); ++i) {
