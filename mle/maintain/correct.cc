@@ -27,9 +27,9 @@ constexpr double kMostResponseSamples = 1e6;
 // or are shorter than half of it.
 constexpr double kMostShownSamples = 1e4;
 constexpr double kMostRecords = 2.0;
-// Of Δt: the smallest time constant of fopdt_model, that of a jump.
 // Beyond, all additions to all elements take longer than the correction.
 constexpr int kMostInputsOfRivals = 6;
+// Of Δt: the smallest time constant of fopdt_model, that of a jump.
 constexpr double kTimeFloor = 1e-3;
 
 absl::Status NotPositive(const char* field, double value) {

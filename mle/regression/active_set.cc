@@ -107,10 +107,8 @@ double ActiveSet::ActiveViolation(double lambda) const {
   return worst;
 }
 
-double ActiveSet::Violation(double lambda) const {
-  const double inactive =
-      c_.cwiseAbs().cwiseProduct(inverse_weights_).maxCoeff() - lambda;
-  return std::max(ActiveViolation(lambda), inactive);
+double ActiveSet::InactiveViolation(double lambda) const {
+  return c_.cwiseAbs().cwiseProduct(inverse_weights_).maxCoeff() - lambda;
 }
 
 // c_j = C_j − Σ_i G_ji β_i: about ε (|C_j| + Σ_i |β_i| √(G_ii G_jj)).
@@ -165,19 +163,19 @@ bool ActiveSet::IsBlurred(int leaving, double lambda) const {
 }
 
 bool ActiveSet::Solve(double lambda) {
-  const double rounding = 10.0 * Rounding();
-  if (SolveOnce(lambda) <= kLost * lambda + rounding) return true;
+  const double rounding = Rounding();
+  const double lost = kLost * lambda + 10.0 * rounding;
+  if (SolveOnce(lambda, rounding) <= lost) return true;
   if (!Refactor()) return false;
   // A column beyond its bound by no more than this enters at once, and the
   // conditions hold again from there.
-  const double violation = SolveOnce(lambda);
-  return ActiveViolation(lambda) <= kLost * lambda + rounding &&
-         violation <= kEntersAtOnce * lambda + rounding;
+  const double violation = SolveOnce(lambda, Rounding());
+  return ActiveViolation(lambda) <= lost &&
+         violation <= kEntersAtOnce * lambda + 10.0 * rounding;
 }
 
 // Returns how far the optimality conditions are violated.
-double ActiveSet::SolveOnce(double lambda) {
-  const double rounding = Rounding();
+double ActiveSet::SolveOnce(double lambda, double rounding) {
   const double enough = std::max(kRefine * lambda, rounding);
   slope_.head(size()) = half_.head(size());
   cholesky_.FinishInPlace(slope_.head(size()));
@@ -191,11 +189,12 @@ double ActiveSet::SolveOnce(double lambda) {
     violation = refined;
     if (stagnates) break;
   }
-  if (Violation(lambda) >
-      kRefineSharply * lambda + kSeveralRoundings * rounding) {
+  violation = std::max(violation, InactiveViolation(lambda));
+  if (violation > kRefineSharply * lambda + kSeveralRoundings * rounding) {
     RefineSharply(lambda);
+    violation = std::max(ActiveViolation(lambda), InactiveViolation(lambda));
   }
-  return Violation(lambda);
+  return violation;
 }
 
 bool ActiveSet::Refactor() {

@@ -103,10 +103,10 @@ class ActiveSet {
   int refactored() const { return refactored_; }  // factors
 
  private:
-  double SolveOnce(double lambda);
+  double SolveOnce(double lambda, double rounding);
   void Products();
   double ActiveViolation(double lambda) const;
-  double Violation(double lambda) const;
+  double InactiveViolation(double lambda) const;
   void Refine(double lambda);
   bool Refactor();
   void AppendUnpenalised();

@@ -1,10 +1,16 @@
 #include "mle/regression/lasso_path.h"
 
 #include <algorithm>
+#include <cstddef>
 
 #include "glog/logging.h"
 
 namespace mle {
+namespace {
+
+constexpr std::size_t kBlock = 1 << 14;  // coefficients
+
+}  // namespace
 
 int LassoPath::FindSegment(double lambda) const {
   if (segments_.empty() || lambda > segments_.front().lambda_begin) return -1;
@@ -30,15 +36,27 @@ Eigen::VectorXd LassoPath::Coefficients(double lambda) const {
 
 void LassoPath::Append(double lambda_begin, double lambda_end,
                        const std::vector<int>& active,
-                       const Eigen::VectorXd& start,
-                       const Eigen::VectorXd& slope) {
+                       const Eigen::Ref<const Eigen::VectorXd>& start,
+                       const Eigen::Ref<const Eigen::VectorXd>& slope) {
   CHECK_LE(lambda_end, lambda_begin);
-  segments_.push_back({lambda_begin, lambda_end,
-                       static_cast<Eigen::Index>(active_.size()),
-                       static_cast<int>(active.size())});
-  active_.insert(active_.end(), active.begin(), active.end());
-  start_.insert(start_.end(), start.data(), start.data() + active.size());
-  slope_.insert(slope_.end(), slope.data(), slope.data() + active.size());
+  const std::size_t count = active.size();
+  if (blocks_.empty() ||
+      blocks_.back().active.size() + count > blocks_.back().active.capacity()) {
+    Block& block = blocks_.emplace_back();
+    const std::size_t room = std::max(count, kBlock);
+    block.active.reserve(room);
+    block.start.reserve(room);
+    block.slope.reserve(room);
+  }
+  Block& block = blocks_.back();
+  segments_.push_back({.lambda_begin = lambda_begin,
+                       .lambda_end = lambda_end,
+                       .block = static_cast<int>(blocks_.size()) - 1,
+                       .offset = std::ssize(block.active),
+                       .active = static_cast<int>(count)});
+  block.active.insert(block.active.end(), active.begin(), active.end());
+  block.start.insert(block.start.end(), start.data(), start.data() + count);
+  block.slope.insert(block.slope.end(), slope.data(), slope.data() + count);
   end_.resize(0);
 }
 

@@ -20,7 +20,8 @@ class LassoPath {
   struct Segment {
     double lambda_begin = 0.0;
     double lambda_end = 0.0;
-    Eigen::Index offset = 0;  // of its coefficients in the flat arrays
+    int block = 0;            // that has its coefficients
+    Eigen::Index offset = 0;  // of them there
     int active = 0;           // |A|
   };
 
@@ -39,13 +40,16 @@ class LassoPath {
 
   // A, β_A(λ_begin) and q of a segment.
   Eigen::Map<const Eigen::VectorXi> Active(const Segment& segment) const {
-    return {active_.data() + segment.offset, segment.active};
+    return {blocks_[segment.block].active.data() + segment.offset,
+            segment.active};
   }
   Eigen::Map<const Eigen::VectorXd> Start(const Segment& segment) const {
-    return {start_.data() + segment.offset, segment.active};
+    return {blocks_[segment.block].start.data() + segment.offset,
+            segment.active};
   }
   Eigen::Map<const Eigen::VectorXd> Slope(const Segment& segment) const {
-    return {slope_.data() + segment.offset, segment.active};
+    return {blocks_[segment.block].slope.data() + segment.offset,
+            segment.active};
   }
 
   // Number of the segment that holds λ, the later one where two meet; −1 above
@@ -62,8 +66,9 @@ class LassoPath {
 
   // Segments are appended in falling λ.
   void Append(double lambda_begin, double lambda_end,
-              const std::vector<int>& active, const Eigen::VectorXd& start,
-              const Eigen::VectorXd& slope);
+              const std::vector<int>& active,
+              const Eigen::Ref<const Eigen::VectorXd>& start,
+              const Eigen::Ref<const Eigen::VectorXd>& slope);
 
   // A straight segment between two solutions (n each), which the path then
   // returns without rounding; nothing where lambda_end is not below
@@ -74,9 +79,15 @@ class LassoPath {
  private:
   int size_ = 0;
   std::vector<Segment> segments_;
-  std::vector<int> active_;
-  std::vector<double> start_;
-  std::vector<double> slope_;
+  // Coefficients of segments, one after the other. No block grows beyond what
+  // it had room for at first: to move what is there would cost more than to
+  // write it.
+  struct Block {
+    std::vector<int> active;
+    std::vector<double> start;
+    std::vector<double> slope;
+  };
+  std::vector<Block> blocks_;
   Eigen::VectorXd end_;  // β(λ_end) where it is known without rounding
 };
 
