@@ -155,7 +155,19 @@ absl::StatusOr<StoredBatch> TakeBatch(std::string_view& bytes) {
       stored.evidence.log_elements.push_back(*evidence);
     }
   }
+  if (!IsSound(stored)) return DamagedScores();
   return stored;
+}
+
+bool IsSound(const StoredBatch& batch) {
+  const std::optional<ScorePart>& largest = batch.batch.largest;
+  const std::vector<double>& elements = batch.evidence.log_elements;
+  return batch.batch.score.allFinite() && batch.batch.information.allFinite() &&
+         (!largest.has_value() ||
+          (largest->score.allFinite() && largest->information.allFinite())) &&
+         !std::isnan(batch.evidence.log_output) &&
+         std::none_of(elements.begin(), elements.end(),
+                      [](double value) { return std::isnan(value); });
 }
 
 std::string EncodeScores(const Watch& watch, int number) {

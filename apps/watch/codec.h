@@ -22,6 +22,8 @@ std::string EncodeBatch(const StoredBatch& batch);
 // Takes what EncodeBatch() has written off the front of `bytes`: all but the
 // numbers. DataLoss where it is not there.
 absl::StatusOr<StoredBatch> TakeBatch(std::string_view& bytes);
+// Whether its scores are finite and its evidence is a number.
+bool IsSound(const StoredBatch& batch);
 
 // The batches of all outputs that begin with a number, in turn: the length of
 // each, 0 where an output has none, and the batch. Empty where no output has

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "apps/watch/codec.h"
 #include "apps/watch/raw_bytes.h"
 
 namespace mle::watch {
@@ -93,6 +94,7 @@ absl::StatusOr<StoredBatch> DecodeBatchOfVersion4(std::string_view bytes) {
   for (std::size_t e = 0; e < n / 3; ++e) {
     stored.evidence.log_elements.push_back(TakeRaw<float>(bytes));
   }
+  if (!IsSound(stored)) return damaged;
   return stored;
 }
 

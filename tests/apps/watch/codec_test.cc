@@ -1,5 +1,6 @@
 #include "apps/watch/codec.h"
 
+#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -107,6 +108,24 @@ TEST(CodecTest, EvidenceIsKeptInHundredthsAndNeverMoreThanItWas) {
     EXPECT_EQ(stored.evidence.log_output, hundredths / 100.0);
     const std::string bytes = EncodeBatch(stored);
     EXPECT_EQ(ReadBack(bytes)->evidence.log_output, hundredths / 100.0);
+  }
+}
+
+// In single precision anything can be written.
+TEST(CodecTest, ScoresThatAreNoNumbersAreDamage) {
+  for (const double value : {std::numeric_limits<double>::quiet_NaN(),
+                             std::numeric_limits<double>::infinity()}) {
+    StoredBatch stored = AnyBatch();
+    stored.batch.score(1) = value;
+    std::string bytes = EncodeBatch(stored);
+    std::string_view rest = bytes;
+    EXPECT_FALSE(TakeBatch(rest).ok());
+    stored = AnyBatch();
+    stored.batch.largest = {stored.batch.score, stored.batch.information};
+    stored.batch.largest->information(2, 2) = value;
+    bytes = EncodeBatch(stored);
+    rest = bytes;
+    EXPECT_FALSE(TakeBatch(rest).ok());
   }
 }
 

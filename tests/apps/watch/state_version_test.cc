@@ -1,5 +1,6 @@
 // States of earlier versions.
 
+#include <limits>
 #include <map>
 #include <string>
 #include <string_view>
@@ -270,6 +271,19 @@ TEST(ScoresOfVersion4Test, ThoseOfVersion3AreRead) {
   EXPECT_EQ(AsVersion4Wrote(bytes), std::string("\1\3\0", 3) + bytes.substr(1));
   EXPECT_FALSE(DecodeBatchOfVersion4(bytes + "x").ok());
   EXPECT_FALSE(DecodeBatchOfVersion4("").ok());
+}
+
+// A damaged number is none: what is made of it could not be kept.
+TEST(ScoresOfVersion4Test, WhatIsNoNumberIsDamage) {
+  for (std::size_t damaged = 0; damaged < 11; ++damaged) {
+    std::string bytes(1, 3);
+    for (std::size_t i = 0; i < 11; ++i) {
+      const float value =
+          i == damaged ? std::numeric_limits<float>::quiet_NaN() : 1.0F;
+      bytes.append(reinterpret_cast<const char*>(&value), sizeof(value));
+    }
+    EXPECT_FALSE(DecodeBatchOfVersion4(bytes).ok()) << damaged;
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Databases, StateVersionTest, ::testing::Bool(),
