@@ -25,8 +25,8 @@ VectorXd Elimination::Coefficients(Index b) const {
   return coefficients;
 }
 
-// Only the diagonal of what is left of the products is kept up to date: it
-// chooses the next pivot, whose row is then computed from the rows before it.
+// The diagonal of what is left chooses the next pivot and is updated at each
+// step. A row is computed when it is chosen, from the rows before it.
 Elimination EliminateFirst(Index count, const MatrixXd& products) {
   Elimination result;
   const Eigen::ArrayXd squares = products.diagonal().head(count);
