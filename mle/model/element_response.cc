@@ -114,123 +114,58 @@ void WithOrder(Eigen::Index order, const With& with) {
   with(std::integral_constant<int, Eigen::Dynamic>());
 }
 
-// `state`, x or (x, T ∂x/∂T), runs over the inputs less `base`.
-template <int kStates, int kOrder, bool kDerivatives>
-void RunOver(const SampleMap& map, const Eigen::RowVectorXd& C,
-             const Eigen::RowVectorXd& slope, double slope_by_input,
-             const VectorXd& start, int whole, double past_input, double base,
-             const Eigen::Ref<const VectorXd>& inputs,
-             Eigen::Ref<MatrixXd> columns) {
-  using State = Eigen::Matrix<double, kStates, 1>;
-  using Row = Eigen::Matrix<double, 1, kOrder>;
-  const Eigen::Index r = C.size();
-  const Eigen::Matrix<double, kStates, kStates> E = map.E;
-  const State by_older = map.older;
-  const State by_newer = map.newer;
-  Row output;
-  output = C;
-  Row slope_by_state;
-  slope_by_state = slope;
-  State state = start;
-  State move = start;
-  double older = past_input - base;  // u_{k−q−1}
-  for (Eigen::Index k = 0; k < inputs.size(); ++k) {
-    const auto x = state.head(Eigen::fix<kOrder>(static_cast<int>(r)));
-    columns(k, 0) = output.dot(x);
-    if constexpr (kDerivatives) {
-      columns(k, 1) =
-          output.dot(state.tail(Eigen::fix<kOrder>(static_cast<int>(r))));
-      columns(k, 2) = slope_by_state.dot(x) + slope_by_input * older;
-    }
-    const double newer = (k >= whole ? inputs(k - whole) : past_input) - base;
-    // setZero(), of which g++ 12 warns where the library is one source.
-    std::fill_n(move.data(), move.size(), 0.0);
-    move.noalias() += E * state;
-    move += by_older * older + by_newer * newer;
-    state += move;
-    older = newer;
-  }
-}
-
-// s_{k+1} = a s_k + g_k from s_0 = `start`: s in place of g. Four samples at a
-// time, so that a state does not wait for those between:
+// s_{k+1} = a s_k + g_k: s in place of g, and the last in `state`. Four samples
+// at a time, so that a state does not wait for those between:
 //
 //   s_{k+4} = a⁴ s_k + a³ g_k + a² g_{k+1} + a g_{k+2} + g_{k+3}.
-void Scan(double a, double start, VectorXd& g) {
+void Scan(double a, double& state, double* g, Eigen::Index count) {
   const double a2 = a * a;
   const double a3 = a2 * a;
   const double a4 = a2 * a2;
-  double state = start;
+  double s = state;
   Eigen::Index k = 0;
-  for (; k + 4 <= g.size(); k += 4) {
-    const double g0 = g(k);
-    const double g1 = a * g0 + g(k + 1);
-    const double g2 = a2 * g0 + (a * g(k + 1) + g(k + 2));
-    const double g3 = a2 * g1 + (a * g(k + 2) + g(k + 3));
-    g(k) = state;
-    g(k + 1) = a * state + g0;
-    g(k + 2) = a2 * state + g1;
-    g(k + 3) = a3 * state + g2;
-    state = a4 * state + g3;
+  for (; k + 4 <= count; k += 4, g += 4) {
+    const double g0 = g[0];
+    const double g1 = a * g0 + g[1];
+    const double g2 = a2 * g0 + (a * g[1] + g[2]);
+    const double g3 = a2 * g1 + (a * g[2] + g[3]);
+    g[0] = s;
+    g[1] = a * s + g0;
+    g[2] = a2 * s + g1;
+    g[3] = a3 * s + g2;
+    s = a4 * s + g3;
   }
-  for (; k < g.size(); ++k) {
-    const double next = a * state + g(k);
-    g(k) = state;
-    state = next;
+  for (; k < count; ++k, ++g) {
+    const double next = a * s + *g;
+    *g = s;
+    s = next;
   }
+  state = s;
 }
 
-// RunOver() of first order.
-template <bool kDerivatives>
-void RunFirstOrder(const SampleMap& map, double C, double slope,
-                   double slope_by_input, const VectorXd& start, int whole,
-                   double past_input, const Eigen::Ref<const VectorXd>& inputs,
-                   Eigen::Ref<MatrixXd> columns) {
-  const Eigen::Index n = inputs.size();
-  // u_{k−q} and u_{k−q−1}.
-  const Eigen::Index late = std::min<Eigen::Index>(whole, n);
-  VectorXd moved(n + 1);
-  moved.head(late + 1).setConstant(past_input);
-  moved.tail(n - late) = inputs.head(n - late);
-  const auto older = moved.head(n);
-  const auto newer = moved.tail(n);
-  VectorXd x = map.older(0) * older + map.newer(0) * newer;
-  Scan(1.0 + map.E(0, 0), start(0), x);
-  columns.col(0) = C * x;
-  if constexpr (kDerivatives) {
-    VectorXd d = map.E(1, 0) * x + map.older(1) * older + map.newer(1) * newer;
-    Scan(1.0 + map.E(1, 1), start(1), d);
-    columns.col(1) = C * d;
-    columns.col(2) = slope * x + slope_by_input * older;
-  }
-}
-
-// Below this −E = 1 − a a loses digits that the state then lacks.
-constexpr double kLeastDecay = 1e-4;
+// The same of free responses as kLeastDecay of runs.
+constexpr double kLeastFreeDecay = 1e-4;
 
 // RunFree() of first order.
-Eigen::Index RunFreeFirstOrder(double A, double E, double C, double duration,
-                               Eigen::Ref<MatrixXd> columns,
-                               Eigen::Ref<MatrixXd> derivatives) {
+void RunFreeFirstOrder(double A, double E, double C, double duration,
+                       Eigen::Index samples, MatrixXd& columns,
+                       MatrixXd& derivatives) {
   const double last = std::ceil(std::log(kForgottenResponse) / std::log1p(E));
-  const auto kept = static_cast<Eigen::Index>(
-      std::min(last, static_cast<double>(columns.rows())));
-  VectorXd values = VectorXd::Zero(kept);
-  Scan(1.0 + E, C, values);
-  columns.setZero();
-  derivatives.setZero();
-  columns.col(0).head(kept) = values;
+  const auto kept =
+      static_cast<Eigen::Index>(std::min(last, static_cast<double>(samples)));
+  columns.setZero(kept, 1);
+  derivatives.resize(kept, 1);
+  double state = C;
+  Scan(1.0 + E, state, columns.data(), kept);
   for (Eigen::Index k = 0; k < kept; ++k) {
-    derivatives(k, 0) = -static_cast<double>(k) * duration * A * values(k);
+    derivatives(k) = -static_cast<double>(k) * duration * A * columns(k);
   }
-  return kept;
 }
 
 template <int kOrder>
-Eigen::Index RunFree(const MatrixXd& A, const MatrixXd& E,
-                     const Eigen::RowVectorXd& C, double duration,
-                     Eigen::Ref<MatrixXd> columns,
-                     Eigen::Ref<MatrixXd> derivatives) {
+void RunFree(const MatrixXd& A, const MatrixXd& E, const Eigen::RowVectorXd& C,
+             double duration, Eigen::Index samples, MatrixXd& columns,
+             MatrixXd& derivatives) {
   using Row = Eigen::Matrix<double, 1, kOrder>;
   Eigen::Matrix<double, kOrder, kOrder> rate;
   rate = A;
@@ -239,32 +174,142 @@ Eigen::Index RunFree(const MatrixXd& A, const MatrixXd& E,
   const double forgotten = kForgottenResponse * C.norm();
   Row output = C;
   Row next = C;
-  for (Eigen::Index k = 0; k < columns.rows(); ++k) {
-    if (output.cwiseAbs().maxCoeff() < forgotten) {
-      const Eigen::Index rest = columns.rows() - k;
-      columns.bottomRows(rest).setZero();
-      derivatives.bottomRows(rest).setZero();
-      return k;
-    }
-    columns.row(k) = output;
+  columns.resize(samples, C.size());
+  derivatives.resize(samples, C.size());
+  Eigen::Index kept = 0;
+  while (kept < samples && !(output.cwiseAbs().maxCoeff() < forgotten)) {
+    columns.row(kept) = output;
     next.noalias() = output * rate;
-    derivatives.row(k) = -static_cast<double>(k) * duration * next;
+    derivatives.row(kept) = -static_cast<double>(kept) * duration * next;
     next.noalias() = output * change;
     output += next;
+    ++kept;
   }
-  return columns.rows();
+  columns.conservativeResize(kept, Eigen::NoChange);
+  derivatives.conservativeResize(kept, Eigen::NoChange);
 }
 
 }  // namespace
 
-void ElementResponse::Simulate(double time_scale, double sample_time,
-                               SampledDelay delay,
-                               const Eigen::Ref<const VectorXd>& inputs,
-                               double past_input,
-                               Eigen::Ref<MatrixXd> columns) const {
-  CHECK_EQ(columns.rows(), inputs.size());
+ElementRun::FirstOrder ElementRun::AsFirstOrder() const {
+  FirstOrder numbers = {.a = 1.0 + map_.E(0, 0),
+                        .b1 = map_.older(0),
+                        .b0 = map_.newer(0),
+                        .C = C_(0),
+                        .x = state_(0)};
+  if (state_.size() > 1) {
+    numbers.e = map_.E(1, 0);
+    numbers.c1 = map_.older(1);
+    numbers.c0 = map_.newer(1);
+    numbers.s = slope_(0);
+    numbers.t = slope_by_input_;
+  }
+  return numbers;
+}
+
+void ElementRun::TakeInputs(Eigen::Index n, double* inputs,
+                            Eigen::Index stride) {
+  const Eigen::Index begin = next_ - whole_ - 1;
+  const Eigen::Index end = begin + n + 1;
+  next_ += n;
+  Eigen::Index k = begin;
+  for (; k < std::min<Eigen::Index>(end, 0); ++k, inputs += stride) {
+    *inputs = past_input_;
+  }
+  for (; k < end; ++k, inputs += stride) *inputs = inputs_[k];
+}
+
+template <bool kDerivatives>
+void ElementRun::NextOfFirstOrder(Eigen::Ref<MatrixXd> columns) {
+  constexpr int kPiece = 256;
+  using Piece = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kPiece + 1, 1>;
+  const FirstOrder by = AsFirstOrder();
+  Piece inputs;
+  Piece x;
+  Piece d;
+  for (Eigen::Index first = 0; first < columns.rows(); first += kPiece) {
+    const Eigen::Index n =
+        std::min<Eigen::Index>(kPiece, columns.rows() - first);
+    inputs.resize(n + 1);
+    TakeInputs(n, inputs.data(), 1);
+    const auto older = inputs.head(n);
+    const auto newer = inputs.tail(n);
+    x = by.b1 * older + by.b0 * newer;
+    Scan(by.a, state_(0), x.data(), n);
+    columns.col(0).segment(first, n) = by.C * x;
+    if constexpr (kDerivatives) {
+      d = by.e * x + by.c1 * older + by.c0 * newer;
+      Scan(by.a, state_(1), d.data(), n);
+      columns.col(1).segment(first, n) = by.C * d;
+      columns.col(2).segment(first, n) = by.s * x + by.t * older;
+    }
+  }
+}
+
+template <int kStates, int kOrder, bool kDerivatives>
+void ElementRun::NextOfAnyOrder(Eigen::Ref<MatrixXd> columns) {
+  using State = Eigen::Matrix<double, kStates, 1>;
+  using Row = Eigen::Matrix<double, 1, kOrder>;
+  const auto r = static_cast<int>(C_.size());
+  const Eigen::Matrix<double, kStates, kStates> E = map_.E;
+  const State by_older = map_.older;
+  const State by_newer = map_.newer;
+  Row output;
+  output = C_;
+  Row slope_by_state;
+  slope_by_state = slope_;
+  State state = state_;
+  State move = state_;
+  double older = InputAt(-1) - base_;
+  for (Eigen::Index k = 0; k < columns.rows(); ++k) {
+    const auto x = state.head(Eigen::fix<kOrder>(r));
+    columns(k, 0) = output.dot(x);
+    if constexpr (kDerivatives) {
+      columns(k, 1) = output.dot(state.tail(Eigen::fix<kOrder>(r)));
+      columns(k, 2) = slope_by_state.dot(x) + slope_by_input_ * older;
+    }
+    const double newer = InputAt(k) - base_;
+    // setZero(), of which g++ 12 warns where the library is one source.
+    std::fill_n(move.data(), move.size(), 0.0);
+    move.noalias() += E * state;
+    move += by_older * older + by_newer * newer;
+    state += move;
+    older = newer;
+  }
+  state_ = state;
+  next_ += columns.rows();
+}
+
+void ElementRun::Next(Eigen::Ref<MatrixXd> columns) {
   const bool derivatives = columns.cols() > 1;
-  CHECK_EQ(columns.cols(), derivatives ? 3 : 1);
+  CHECK_EQ(state_.size(), (derivatives ? 2 : 1) * C_.size());
+  if (is_first_order()) {
+    if (derivatives) {
+      NextOfFirstOrder<true>(columns);
+    } else {
+      NextOfFirstOrder<false>(columns);
+    }
+    return;
+  }
+  WithOrder(C_.size(), [&](auto order) {
+    constexpr int kOrder = decltype(order)::value;
+    constexpr int kStates = kOrder == Eigen::Dynamic ? kOrder : 2 * kOrder;
+    if (derivatives) {
+      NextOfAnyOrder<kStates, kOrder, true>(columns);
+    } else {
+      NextOfAnyOrder<kOrder, kOrder, false>(columns);
+    }
+  });
+  if (!integrating_ || !derivatives) return;
+  // Of T z by ln T; without a lag that is nothing, to the last bit.
+  columns.col(1) += columns.col(0);
+  if (!has_time_scale_) columns.col(1).setZero();
+}
+
+ElementRun ElementResponse::Run(double time_scale, double sample_time,
+                                SampledDelay delay,
+                                const Eigen::Ref<const VectorXd>& inputs,
+                                double past_input, bool derivatives) const {
   const System system = SystemAt(time_scale);
   const auto r = static_cast<int>(system.A.rows());
   // States x and T ∂x/∂T, time in units of T.
@@ -275,52 +320,53 @@ void ElementResponse::Simulate(double time_scale, double sample_time,
   VectorXd n(2 * r);
   n << system.B, -system.B;
   const int states = derivatives ? 2 * r : r;
-  const SampleMap map =
+  ElementRun run(
       SampleMap::Over(sample_time / time_scale, delay.fraction,
-                      M.topLeftCorner(states, states), n.head(states));
-  VectorXd start = VectorXd::Zero(states);
+                      M.topLeftCorner(states, states), n.head(states)),
+      system.C, -system.C * system.A / time_scale,
+      -system.C.dot(system.B) / time_scale);
+  run.state_.setZero(states);
   if (!integrating_) {
-    start.head(r) = -A_.partialPivLu().solve(B_) * past_input;
+    run.state_.head(r) = -A_.partialPivLu().solve(B_) * past_input;
   }
-  if (!integrating_ && r == 1 && map.E(0, 0) < -kLeastDecay) {
-    const auto run = derivatives ? RunFirstOrder<true> : RunFirstOrder<false>;
-    run(map, C_(0), -C_(0) * A_(0, 0) / time_scale, -C_(0) * B_(0) / time_scale,
-        start, delay.whole, past_input, inputs, columns);
-    return;
-  }
-  const double base = integrating_ ? past_input : 0.0;
-  WithOrder(r, [&](auto order) {
-    constexpr int kOrder = decltype(order)::value;
-    constexpr int kStates = kOrder == Eigen::Dynamic ? kOrder : 2 * kOrder;
-    const auto run = derivatives ? RunOver<kStates, kOrder, true>
-                                 : RunOver<kOrder, kOrder, false>;
-    run(map, system.C, -system.C * system.A / time_scale,
-        -system.C.dot(system.B) / time_scale, start, delay.whole, past_input,
-        base, inputs, columns);
-  });
-  if (!integrating_ || !derivatives) return;
-  // Of T z by ln T; without a lag that is nothing, to the last bit.
-  columns.col(1) += columns.col(0);
-  if (!has_time_scale()) columns.col(1).setZero();
+  run.inputs_ = inputs.data();
+  run.past_input_ = past_input;
+  run.base_ = integrating_ ? past_input : 0.0;
+  run.whole_ = delay.whole;
+  run.integrating_ = integrating_;
+  run.has_time_scale_ = has_time_scale();
+  return run;
 }
 
-Eigen::Index ElementResponse::FreeResponses(
-    double time_scale, double sample_time, Eigen::Ref<MatrixXd> columns,
-    Eigen::Ref<MatrixXd> derivatives) const {
-  CHECK_EQ(columns.cols(), order());
-  if (order() == 0) return 0;
+void ElementResponse::Simulate(double time_scale, double sample_time,
+                               SampledDelay delay,
+                               const Eigen::Ref<const VectorXd>& inputs,
+                               double past_input,
+                               Eigen::Ref<MatrixXd> columns) const {
+  CHECK_EQ(columns.rows(), inputs.size());
+  const bool derivatives = columns.cols() > 1;
+  CHECK_EQ(columns.cols(), derivatives ? 3 : 1);
+  Run(time_scale, sample_time, delay, inputs, past_input, derivatives)
+      .Next(columns);
+}
+
+void ElementResponse::FreeResponses(double time_scale, double sample_time,
+                                    Eigen::Index samples, MatrixXd& columns,
+                                    MatrixXd& derivatives) const {
+  columns.resize(0, order());
+  derivatives.resize(0, order());
+  if (order() == 0) return;
   const double duration = sample_time / time_scale;
   const MatrixXd E = HeldInputMap::Over(duration, A_, B_).E;
-  if (order() == 1 && E(0, 0) < -kLeastDecay && E(0, 0) > -1.0) {
-    return RunFreeFirstOrder(A_(0, 0), E(0, 0), C_(0), duration, columns,
-                             derivatives);
+  if (order() == 1 && E(0, 0) < -kLeastFreeDecay && E(0, 0) > -1.0) {
+    RunFreeFirstOrder(A_(0, 0), E(0, 0), C_(0), duration, samples, columns,
+                      derivatives);
+    return;
   }
-  Eigen::Index kept = 0;
   WithOrder(order(), [&](auto order) {
-    kept = RunFree<decltype(order)::value>(A_, E, C_, duration, columns,
-                                           derivatives);
+    RunFree<decltype(order)::value>(A_, E, C_, duration, samples, columns,
+                                    derivatives);
   });
-  return kept;
 }
 
 }  // namespace mle

@@ -29,8 +29,11 @@
 #ifndef MLE_MODEL_ELEMENT_RESPONSE_H_
 #define MLE_MODEL_ELEMENT_RESPONSE_H_
 
+#include <utility>
+
 #include "Eigen/Core"
 #include "absl/status/statusor.h"
+#include "mle/model/held_input_map.h"
 #include "mle/model/transfer_function.h"
 
 namespace mle {
@@ -47,6 +50,8 @@ struct SampledDelay {
   int whole = 0;          // q ≥ 0
   double fraction = 0.0;  // f in [0, 1]
 };
+
+class ElementRun;
 
 class ElementResponse {
  public:
@@ -78,14 +83,18 @@ class ElementResponse {
   void Simulate(double time_scale, double sample_time, SampledDelay delay,
                 const Eigen::Ref<const Eigen::VectorXd>& inputs,
                 double past_input, Eigen::Ref<Eigen::MatrixXd> columns) const;
+  // The same in pieces; `inputs` must outlive it.
+  ElementRun Run(double time_scale, double sample_time, SampledDelay delay,
+                 const Eigen::Ref<const Eigen::VectorXd>& inputs,
+                 double past_input, bool derivatives) const;
 
   // What states (r) left by former inputs do to the output, kΔt after,
-  // k = 0 … N−1: columns (N × r), and their derivatives by ln T. Those of an
-  // integrating element are so but for constants. They are zero once they are
-  // 1e-18 of what they were: from the row on whose number it returns.
-  Eigen::Index FreeResponses(double time_scale, double sample_time,
-                             Eigen::Ref<Eigen::MatrixXd> columns,
-                             Eigen::Ref<Eigen::MatrixXd> derivatives) const;
+  // k = 0 … n−1: columns (n × r), and their derivatives by ln T. n is
+  // `samples`, or less: from there on both are zero, being 1e-18 of what they
+  // were. Those of an integrating element are so but for constants.
+  void FreeResponses(double time_scale, double sample_time,
+                     Eigen::Index samples, Eigen::MatrixXd& columns,
+                     Eigen::MatrixXd& derivatives) const;
 
  private:
   ElementResponse() = default;
@@ -106,6 +115,73 @@ class ElementResponse {
   Eigen::VectorXd B_;     // r
   Eigen::RowVectorXd C_;  // r
   double D_ = 0.0;        // 0 but for an integrating element
+};
+
+// ElementResponse::Run(): columns of Simulate() in pieces, one after the other,
+// that need not leave the cache.
+class ElementRun {
+ public:
+  // The next samples of the inputs, as many as rows.
+  void Next(Eigen::Ref<Eigen::MatrixXd> columns);
+
+  // Of first order, for whom runs many of them side by side:
+  //
+  //   x_{k+1} = a x_k + b₁ u_{k−q−1} + b₀ u_{k−q},   y_k = C x_k,
+  //   d_{k+1} = a d_k + e x_k + c₁ u_{k−q−1} + c₀ u_{k−q},   ∂y/∂ln T = C d_k,
+  //   ∂y/∂L = s x_k + t u_{k−q−1}.
+  struct FirstOrder {
+    double a = 0.0;
+    double b1 = 0.0;
+    double b0 = 0.0;
+    double C = 0.0;
+    double e = 0.0;  // 0 without derivatives, and the rest
+    double c1 = 0.0;
+    double c0 = 0.0;
+    double s = 0.0;
+    double t = 0.0;
+    double x = 0.0;  // of the next sample; d is zero at the first
+  };
+  bool is_first_order() const {
+    return !integrating_ && C_.size() == 1 && map_.E(0, 0) < -kLeastDecay;
+  }
+  FirstOrder AsFirstOrder() const;
+  // u_{k−q−1} … u_{k−q+n−1} of the next n samples, to the first column of
+  // `inputs`, whose rows are `stride` numbers apart; goes past these samples.
+  void TakeInputs(Eigen::Index n, double* inputs, Eigen::Index stride);
+
+ private:
+  friend class ElementResponse;
+  // Below this −E = 1 − a a loses digits that the state then lacks.
+  static constexpr double kLeastDecay = 1e-4;
+  ElementRun(const SampleMap& map, Eigen::RowVectorXd C,
+             Eigen::RowVectorXd slope, double slope_by_input)
+      : map_(map),
+        C_(std::move(C)),
+        slope_(std::move(slope)),
+        slope_by_input_(slope_by_input) {}
+
+  template <bool kDerivatives>
+  void NextOfFirstOrder(Eigen::Ref<Eigen::MatrixXd> columns);
+  template <int kStates, int kOrder, bool kDerivatives>
+  void NextOfAnyOrder(Eigen::Ref<Eigen::MatrixXd> columns);
+  // u_{k−q} of the next sample k + `later`.
+  double InputAt(Eigen::Index later) const {
+    const Eigen::Index k = next_ + later - whole_;
+    return k < 0 ? past_input_ : inputs_[k];
+  }
+
+  SampleMap map_;
+  Eigen::RowVectorXd C_;
+  Eigen::RowVectorXd slope_;  // by L, of the state x and of u_{k−q−1}
+  double slope_by_input_;
+  Eigen::VectorXd state_;  // x, or x and T ∂x/∂T
+  const double* inputs_ = nullptr;
+  double past_input_ = 0.0;
+  double base_ = 0.0;      // what inputs are counted from
+  int whole_ = 0;          // q
+  Eigen::Index next_ = 0;  // sample
+  bool integrating_ = false;
+  bool has_time_scale_ = true;
 };
 
 }  // namespace mle

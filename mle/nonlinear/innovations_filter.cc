@@ -349,7 +349,8 @@ MatrixXd InnovationsFilter::WhitenedProducts(
     const Index most = RowsOfBlock(padded);
     for (; first < section.end; first += block.rows()) {
       const Index count = std::min(most, section.end - first);
-      block.setZero(count, padded);
+      block.resize(count, padded);
+      block.rightCols(padded - live).setZero();
       source(first, count, section.live, block.data(), padded);
       FilterRows(first, count, block.data(), padded, state);
       // The lower triangle, and what of the upper its panels hold.

@@ -79,7 +79,8 @@ class InnovationsFilter {
       const std::vector<Eigen::Index>& ends = {}) const;
   // The same of `width` columns that are made when they are needed: of `count`
   // samples, from `first` on, those of `columns` (ascending), one row after the
-  // other, `stride` numbers from one to the next.
+  // other, `stride` numbers from one to the next. All samples are asked for in
+  // turn.
   using RowSource = std::function<void(Eigen::Index first, Eigen::Index count,
                                        const std::vector<Eigen::Index>& columns,
                                        double* rows, Eigen::Index stride)>;

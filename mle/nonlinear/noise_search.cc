@@ -51,12 +51,19 @@ Eigen::Index EndOf(const Eigen::Ref<const VectorXd>& column) {
 }
 
 // What columns explain that are orthonormal once they have no mean out of
-// others about their means.
+// others about their means. Only rows up to where the columns end are read but
+// for the others' sums.
 void TakeOut(const MatrixXd& basis, Eigen::Ref<RowMajorMatrix> others) {
   if (basis.cols() == 0) return;
-  const MatrixXd orthonormal = basis.rowwise() - basis.colwise().mean();
-  const MatrixXd shares = orthonormal.transpose() * others;
-  others.noalias() -= basis * shares;
+  Eigen::Index end = 0;
+  for (const auto& column : basis.colwise()) {
+    end = std::max(end, EndOf(column));
+  }
+  const auto top = basis.topRows(end);
+  MatrixXd shares = top.transpose() * others.topRows(end);
+  shares.noalias() -=
+      basis.colwise().mean().transpose() * others.colwise().sum();
+  others.topRows(end).noalias() -= top * shares;
 }
 
 }  // namespace

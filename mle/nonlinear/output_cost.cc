@@ -8,6 +8,7 @@
 #include "Eigen/Core"
 #include "ceres/cost_function.h"
 #include "mle/nonlinear/elimination.h"
+#include "mle/nonlinear/response_rows.h"
 
 namespace mle {
 namespace {
@@ -15,6 +16,16 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+
+// The elements that are free.
+std::vector<int> FreeElements(const OutputErrorProblem& problem,
+                              const std::vector<bool>& free) {
+  std::vector<int> elements;
+  for (int j = 0; j < problem.num_elements(); ++j) {
+    if (problem.elements()[j].has_value() && free[j]) elements.push_back(j);
+  }
+  return elements;
+}
 
 // Columns of a segment, from the left: amplitudes of the elements held, of
 // lines and steps; free responses of the free elements; where there are
@@ -27,10 +38,12 @@ class OutputCost : public ceres::CostFunction {
   OutputCost(const OutputErrorProblem& problem, const OutputPoint& point,
              const std::vector<bool>& free, const NoiseShape& shape,
              bool fixed_cells)
-      : problem_(problem), fixed_cells_(fixed_cells), point_(point) {
-    for (int j = 0; j < problem.num_elements(); ++j) {
-      if (!problem.elements()[j].has_value() || !free[j]) continue;
-      free_.push_back(j);
+      : problem_(problem),
+        fixed_cells_(fixed_cells),
+        free_(FreeElements(problem, free)),
+        point_(point),
+        responses_(problem, free_) {
+    for (const int j : free_) {
       num_modes_ += problem.elements()[j]->order();
       mutable_parameter_block_sizes()->push_back(3);
     }
@@ -90,11 +103,9 @@ class OutputCost : public ceres::CostFunction {
     mutable VectorXd amplitudes = {};
   };
 
-  // What a free element contributes to the rows of a segment.
+  // The free responses of a free element in a segment.
   struct Columns {
-    MatrixXd response;  // and its derivatives, at every sample
-    // From the first sample that counts on, its amplitudes' part taken as known
-    // in the last.
+    // From the first sample that counts on, as long as they are not zero.
     MatrixXd modes;
     MatrixXd mode_derivatives;
     Index end = 0;  // from this row on both are zero
@@ -161,7 +172,7 @@ class OutputCost : public ceres::CostFunction {
     const OutputErrorProblem::Segment& segment = problem_.segment(s);
     const Index amplitudes = part.amplitudes.size();
     const Index columns = amplitudes + width + (width > 0 ? num_modes_ : 0) + 1;
-    Respond(segment, width > 0);
+    Start(segment, width > 0);
     Elimination result = EliminateFirst(
         amplitudes,
         part.filter.WhitenedProducts(
@@ -176,9 +187,18 @@ class OutputCost : public ceres::CostFunction {
     if (amplitudes > 0) {
       part.amplitudes += result.Coefficients(columns - 1);
     }
-    if (width == 0 || num_modes_ == 0) return std::move(result.rest);
+    if (width == 0) return std::move(result.rest);
     return WithAmplitudes(part.amplitudes.tail(num_modes_), width,
-                          std::move(result.rest));
+                          InTurn(result.rest));
+  }
+
+  // Derivatives by K, ln T and L of each element in turn, all else behind them.
+  MatrixXd InTurn(const MatrixXd& products) const {
+    std::vector<Index> places = responses_.places();
+    while (std::ssize(places) < products.cols()) {
+      places.push_back(std::ssize(places));
+    }
+    return products(places, places);
   }
 
   // Of products of `width` derivatives, those of the free responses and the
@@ -202,11 +222,11 @@ class OutputCost : public ceres::CostFunction {
     return of_all;
   }
 
-  void Respond(const OutputErrorProblem::Segment& segment,
-               bool derivatives) const {
+  void Start(const OutputErrorProblem::Segment& segment,
+             bool derivatives) const {
+    responses_.Start(segment, point_, derivatives);
     for (std::size_t f = 0; f < free_.size(); ++f) {
       Columns& of = columns_[f];
-      problem_.Respond(segment, point_, free_[f], of.response, derivatives);
       of.end = problem_.FreeResponses(segment, point_, free_[f], of.modes,
                                       of.mode_derivatives);
     }
@@ -228,64 +248,50 @@ class OutputCost : public ceres::CostFunction {
     return ends;
   }
 
-  // The columns `live` of the samples from `first` on.
+  // The columns `live` of the samples from `first` on, in turn.
   using Rows = Eigen::Map<RowMajorMatrix, 0, Eigen::OuterStride<>>;
   void Fill(const OutputErrorProblem::Segment& segment, const Part& part,
             bool derivatives, Index first, const std::vector<Index>& live,
             Rows rows) const {
-    const Index last = std::ssize(live) - 1;
     const Index count = rows.rows();
     const Index held = part.held.cols();
-    const int* times = segment.times.data() + first;
-    const int begin = segment.times.front();
     Index next = 0;  // in `live`
     const auto is_live = [&](Index column) { return live[next] == column; };
-    rows.col(last) = part.outputs.segment(first, count);
+    rest_ = part.outputs.segment(first, count);
     for (Index c = 0; c < held; ++c) {
       if (!is_live(c)) continue;
       const auto column = part.held.col(c).segment(first, count);
       rows.col(next++) = column;
-      rows.col(last) -= part.amplitudes(c) * column;
+      rest_ -= part.amplitudes(c) * column;
     }
+    const int* times = segment.times.data() + first;
+    const int begin = segment.times.front();
+    // A free response, which is zero behind its samples.
+    const auto copy = [&](const double* column, Index samples, Index to) {
+      for (Index row = 0; row < count; ++row) {
+        const int k = times[row] - begin;
+        rows(row, to) = k < samples ? column[k] : 0.0;
+      }
+    };
     Index mode = held;
     for (const Columns& of : columns_) {
       for (Index c = 0; c < of.modes.cols(); ++c, ++mode) {
         if (!is_live(mode)) continue;
-        const double amplitude = part.amplitudes(mode);
-        const double* column = of.modes.col(c).data();
-        for (Index row = 0; row < count; ++row) {
-          const double value = column[times[row] - begin];
-          rows(row, next) = value;
-          rows(row, last) -= amplitude * value;
-        }
-        ++next;
+        copy(of.modes.col(c).data(), of.modes.rows(), next);
+        rest_ -= part.amplitudes(mode) * rows.col(next++);
       }
     }
-    for (std::size_t f = 0; f < free_.size(); ++f) {
-      const Columns& of = columns_[f];
-      const double gain = point_.values[free_[f]].gain;
-      const double* response = of.response.data();
-      const Index samples = of.response.rows();
-      for (Index row = 0; row < count; ++row) {
-        const double* at = response + times[row];
-        rows(row, last) -= gain * at[0];
-        if (!derivatives) continue;
-        rows(row, next) = -at[0];
-        rows(row, next + 1) = -gain * at[samples];
-        rows(row, next + 2) = -gain * at[2 * samples];
-      }
-      if (derivatives) next += 3;
-    }
+    responses_.Next(times, count, rest_.data(), rows.data() + next,
+                    rows.outerStride());
+    if (derivatives) next += num_parameters_;
+    rows.col(std::ssize(live) - 1) = rest_;
     if (!derivatives) return;
     Index by_mode = mode + num_parameters_;
     for (const Columns& of : columns_) {
       for (Index c = 0; c < of.modes.cols(); ++c, ++by_mode) {
         if (!is_live(by_mode)) continue;
-        const double* column = of.mode_derivatives.col(c).data();
-        for (Index row = 0; row < count; ++row) {
-          rows(row, next) = column[times[row] - begin];
-        }
-        ++next;
+        copy(of.mode_derivatives.col(c).data(), of.mode_derivatives.rows(),
+             next++);
       }
     }
   }
@@ -299,7 +305,9 @@ class OutputCost : public ceres::CostFunction {
   // Of one evaluation; Ceres makes one at a time.
   mutable OutputPoint point_;
   mutable std::vector<Columns> columns_;  // of each free element
-  mutable bool evaluated_ = false;        // amplitudes are known
+  mutable ResponseRows responses_;
+  mutable VectorXd rest_;           // residuals of rows
+  mutable bool evaluated_ = false;  // amplitudes are known
 };
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include "mle/base/double_limits.h"
 #include "mle/nonlinear/noise_search.h"
 #include "mle/nonlinear/output_fit.h"
+#include "mle/regression/lagged_products.h"
 
 namespace mle {
 namespace {
@@ -24,10 +25,21 @@ constexpr int kSecantRounds = 3;
 // moves with it.
 constexpr double kShapeStep = 0.2;
 
+// CᵀC of the derivatives and the residuals, whitened, without what the
+// amplitudes explain.
+MatrixXd WhitenedProductsOf(const OutputErrorProblem& problem,
+                            const std::vector<SegmentColumns>& columns,
+                            const std::vector<bool>& free,
+                            const NoiseShape& shape) {
+  return ShapeLikelihood(problem, columns, free, /*restricted=*/true)
+      .ProductsAt(shape)
+      .products;
+}
+
 }  // namespace
 
 OutputCovariance CovarianceOf(const OutputErrorProblem& problem,
-                              const WhitenedColumns& whitened,
+                              const MatrixXd& products,
                               const OutputPoint& point,
                               const std::vector<bool>& free, double variance) {
   const std::vector<int> kept = problem.FreeParameters(free);
@@ -39,12 +51,13 @@ OutputCovariance CovarianceOf(const OutputErrorProblem& problem,
   OutputCovariance result;
   result.covariance = MatrixXd::Zero(units.size(), units.size());
   if (kept.empty()) return result;
-  const MatrixXd jacobian =
-      whitened.jacobian(Eigen::all, problem.FreeColumns(free));
-  const VectorXd norms = jacobian.colwise().norm().cwiseMax(1e-300);
-  const MatrixXd scaled = jacobian * norms.cwiseInverse().asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(scaled.transpose() *
-                                                      scaled);
+  const std::vector<int> columns = problem.FreeColumns(free);
+  const MatrixXd normal = products(columns, columns);
+  const VectorXd norms =
+      normal.diagonal().cwiseMax(0.0).cwiseSqrt().cwiseMax(1e-150);
+  const VectorXd scales = norms.cwiseInverse();
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(
+      scales.asDiagonal() * normal * scales.asDiagonal());
   const VectorXd& values = eigen.eigenvalues();
   const double largest = values.maxCoeff();
   const double limit = 1e-13 * largest;
@@ -81,8 +94,9 @@ std::vector<SegmentColumns> LineariseWidely(const OutputErrorProblem& problem,
   std::vector<SegmentColumns> columns = problem.Linearise(point, shape, free);
   if (std::find(free.begin(), free.end(), true) == free.end()) return columns;
   for (int round = 0; round < kSecantRounds; ++round) {
-    const OutputCovariance covariance = CovarianceOf(
-        problem, problem.Whiten(columns, shape), point, free, noise.variance);
+    const OutputCovariance covariance =
+        CovarianceOf(problem, WhitenedProductsOf(problem, columns, free, shape),
+                     point, free, noise.variance);
     std::vector<double> steps(free.size(), 0.0);
     for (std::size_t j = 0; j < free.size(); ++j) {
       const auto delay = 3 * static_cast<Eigen::Index>(j) + 2;
@@ -101,11 +115,10 @@ OutputCovariance ComputeCovariance(const OutputErrorProblem& problem,
                                    const OutputPoint& point,
                                    const std::vector<bool>& free,
                                    const NoiseEstimate& noise) {
-  return CovarianceOf(
-      problem,
-      problem.Whiten(problem.Linearise(point, ShapeOf(noise), free),
-                     ShapeOf(noise)),
-      point, free, noise.variance);
+  const WhitenedColumns whitened = problem.Whiten(
+      problem.Linearise(point, ShapeOf(noise), free), ShapeOf(noise));
+  return CovarianceOf(problem, GramMatrix(whitened.jacobian), point, free,
+                      noise.variance);
 }
 
 VectorXd ComputeDegreesOfFreedom(const OutputErrorProblem& problem,
@@ -123,10 +136,10 @@ VectorXd ComputeDegreesOfFreedom(const OutputErrorProblem& problem,
     for (int side = 0; side < 2; ++side) {
       const NoiseShape shape = Moved(ShapeOf(noise), parameter,
                                      side == 0 ? -kShapeStep : kShapeStep);
-      const WhitenedColumns whitened =
-          problem.Whiten(problem.Linearise(point, shape, free), shape);
-      const double variance = whitened.residuals.squaredNorm() / n;
-      logs[side] = CovarianceOf(problem, whitened, point, free, variance)
+      const MatrixXd products = WhitenedProductsOf(
+          problem, problem.Linearise(point, shape, free), free, shape);
+      const double variance = products.bottomRightCorner<1, 1>().value() / n;
+      logs[side] = CovarianceOf(problem, products, point, free, variance)
                        .covariance.diagonal()
                        .array()
                        .max(1e-300)

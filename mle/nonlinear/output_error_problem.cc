@@ -137,13 +137,12 @@ Eigen::Index OutputErrorProblem::FreeResponses(const Segment& segment,
                                                const OutputPoint& point, int j,
                                                MatrixXd& columns,
                                                MatrixXd& derivatives) const {
-  const int length = segment.times.back() - segment.times.front() + 1;
-  columns.resize(length, elements_[j]->order());
-  derivatives.resize(length, elements_[j]->order());
-  const Eigen::Index kept = elements_[j]->FreeResponses(
-      point.values[j].time_scale, sample_time_, columns, derivatives);
   const std::vector<int>& times = segment.times;
-  return std::lower_bound(times.begin(), times.end(), times.front() + kept) -
+  elements_[j]->FreeResponses(point.values[j].time_scale, sample_time_,
+                              times.back() - times.front() + 1, columns,
+                              derivatives);
+  return std::lower_bound(times.begin(), times.end(),
+                          times.front() + columns.rows()) -
          times.begin();
 }
 
@@ -158,10 +157,12 @@ Eigen::Index OutputErrorProblem::Modes(const Segment& segment,
       FreeResponses(segment, point, j, modes, by_time_scale);
   // Samples without a gap between them are copied together.
   const std::vector<int>& times = segment.times;
-  const Eigen::Index rows = columns.rows();
-  for (Eigen::Index row = 0; row < rows;) {
+  const Eigen::Index zeros = columns.rows() - kept;
+  columns.bottomRows(zeros).setZero();
+  derivatives.bottomRows(zeros).setZero();
+  for (Eigen::Index row = 0; row < kept;) {
     Eigen::Index end = row + 1;
-    while (end < rows && times[end] == times[end - 1] + 1) ++end;
+    while (end < kept && times[end] == times[end - 1] + 1) ++end;
     const int k = times[row] - times.front();
     columns.middleRows(row, end - row) = modes.middleRows(k, end - row);
     derivatives.middleRows(row, end - row) =
@@ -188,16 +189,22 @@ void OutputErrorProblem::Amplitudes(int s, const OutputPoint& point,
   AppendDisturbances(s, columns);
 }
 
-void OutputErrorProblem::Respond(const Segment& segment,
-                                 const OutputPoint& point, int j,
-                                 MatrixXd& response, bool derivatives) const {
+ElementRun OutputErrorProblem::Run(const Segment& segment,
+                                   const OutputPoint& point, int j,
+                                   bool derivatives) const {
   const ElementValues& values = point.values[j];
   const double fraction =
       std::clamp(values.delay / sample_time_ - point.cells[j], 0.0, 1.0);
+  return elements_[j]->Run(values.time_scale, sample_time_,
+                           {point.cells[j], fraction}, segment.inputs.col(j),
+                           segment.inputs(0, j), derivatives);
+}
+
+void OutputErrorProblem::Respond(const Segment& segment,
+                                 const OutputPoint& point, int j,
+                                 MatrixXd& response, bool derivatives) const {
   response.resize(segment.inputs.rows(), derivatives ? 3 : 1);
-  elements_[j]->Simulate(values.time_scale, sample_time_,
-                         {point.cells[j], fraction}, segment.inputs.col(j),
-                         segment.inputs(0, j), response);
+  Run(segment, point, j, derivatives).Next(response);
 }
 
 std::vector<SegmentColumns> OutputErrorProblem::Linearise(

@@ -180,11 +180,14 @@ class OutputErrorProblem {
   // for each sample of the segment's inputs.
   void Respond(const Segment& segment, const OutputPoint& point, int j,
                Eigen::MatrixXd& response, bool derivatives = true) const;
+  // The same in pieces.
+  ElementRun Run(const Segment& segment, const OutputPoint& point, int j,
+                 bool derivatives) const;
   // The free responses of element j and their derivatives by its ln T (each
-  // N × r_j), at every sample from the first that counts to the last; at those
-  // that count (rows × r_j); the columns of lines, steps and a ramp, appended.
-  // Free responses return the number of samples that count before they are
-  // zero.
+  // n × r_j), at every sample from the first that counts until they are zero;
+  // at those that count (rows × r_j); the columns of lines, steps and a ramp,
+  // appended. Free responses return the number of samples that count before
+  // they are zero.
   Eigen::Index FreeResponses(const Segment& segment, const OutputPoint& point,
                              int j, Eigen::MatrixXd& columns,
                              Eigen::MatrixXd& derivatives) const;

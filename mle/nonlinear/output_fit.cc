@@ -8,6 +8,7 @@
 #include "mle/nonlinear/noise_search.h"
 #include "mle/nonlinear/output_fitter.h"
 #include "mle/nonlinear/robust_loss.h"
+#include "mle/regression/lagged_products.h"
 
 namespace mle {
 namespace {
@@ -111,7 +112,8 @@ void FillIn(const OutputErrorProblem& problem,
       problem.Whiten(LineariseWidely(problem, fit.point, fit.free, fit.noise),
                      ShapeOf(fit.noise));
   const OutputCovariance covariance =
-      CovarianceOf(problem, whitened, fit.point, fit.free, fit.noise.variance);
+      CovarianceOf(problem, GramMatrix(whitened.jacobian), fit.point, fit.free,
+                   fit.noise.variance);
   fit.inflation = InflationOf(problem, fit.point, whitened, fit.free,
                               ShapeOf(fit.noise), LongestMemory(problem, fit));
   fit.noise.inflation = fit.inflation.statistic;

@@ -185,9 +185,10 @@ struct OutputCovariance {
   double condition = 0.0;
 };
 
-// The same from whitened columns of all parameters, for r = `variance`.
+// The same from JᵀJ of the whitened columns of what is free (3f × 3f), for
+// r = `variance`.
 OutputCovariance CovarianceOf(const OutputErrorProblem& problem,
-                              const WhitenedColumns& whitened,
+                              const Eigen::MatrixXd& products,
                               const OutputPoint& point,
                               const std::vector<bool>& free, double variance);
 

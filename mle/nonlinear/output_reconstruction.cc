@@ -106,16 +106,16 @@ MatrixXd FreeResponses(const Elements& elements, double sample_time,
     order += element->order();
     integrating = integrating || element->is_integrating();
   }
-  MatrixXd modes(samples, order + (integrating ? 1 : 0));
-  MatrixXd derivatives(samples, order);
+  MatrixXd modes = MatrixXd::Zero(samples, order + (integrating ? 1 : 0));
+  MatrixXd own;
+  MatrixXd derivatives;
   Index begin = 0;
   for (const auto& element : elements) {
     if (!element.has_value()) continue;
-    const Index own = element->order();
     element->FreeResponses(element->initial_values().time_scale, sample_time,
-                           modes.middleCols(begin, own),
-                           derivatives.middleCols(begin, own));
-    begin += own;
+                           samples, own, derivatives);
+    modes.block(0, begin, own.rows(), own.cols()) = own;
+    begin += own.cols();
   }
   if (integrating) modes.col(begin).setLinSpaced(samples, 0.0, 1.0);
   return modes;

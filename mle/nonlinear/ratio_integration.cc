@@ -13,19 +13,19 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 // Estimates for a ratio of drift, of which r is `variance`.
-LinearEstimate AtRatio(const OutputErrorProblem& problem, const OutputFit& fit,
-                       const std::vector<SegmentColumns>& columns, double ratio,
-                       double variance) {
+LinearEstimate AtRatio(const ShapeLikelihood& likelihood, const OutputFit& fit,
+                       double ratio, double variance) {
   NoiseShape shape = ShapeOf(fit.noise);
   shape.ratio = ratio;
-  const WhitenedColumns whitened = problem.Whiten(columns, shape);
+  const MatrixXd products = likelihood.ProductsAt(shape).products;
+  const Eigen::Index width = products.cols() - 1;
   LinearEstimate estimate;
-  estimate.covariance =
-      CovarianceOf(problem, whitened, fit.point, fit.free, variance).covariance;
+  estimate.covariance = CovarianceOf(likelihood.problem(), products, fit.point,
+                                     fit.free, variance)
+                            .covariance;
   // A step of Gauss and Newton, V Jᵀ(−r)/r with V/r in units of K, T and L.
   VectorXd gradient = VectorXd::Zero(estimate.covariance.rows());
-  gradient(FreeParameters(fit.free)) =
-      whitened.jacobian.transpose() * whitened.residuals;
+  gradient(FreeParameters(fit.free)) = products.col(width).head(width);
   for (std::size_t j = 0; j < fit.free.size(); ++j) {
     const auto t = 3 * static_cast<Eigen::Index>(j) + 1;
     if (fit.free[j]) gradient(t) /= fit.point.values[j].time_scale;
@@ -54,18 +54,17 @@ std::vector<LinearEstimate> IntegrateRatio(const OutputErrorProblem& problem,
              .covariance = fit.covariance,
              .degrees_of_freedom = fit.degrees_of_freedom}};
   }
-  const std::vector<SegmentColumns> columns =
-      LineariseWidely(problem, fit.point, fit.free, fit.noise);
-  const ShapeLikelihood likelihood(problem, columns, fit.free,
-                                   /*restricted=*/true);
+  const ShapeLikelihood likelihood(
+      problem, LineariseWidely(problem, fit.point, fit.free, fit.noise),
+      fit.free, /*restricted=*/true);
   const auto at = [&](double ratio) {
     NoiseShape shape = ShapeOf(fit.noise);
     shape.ratio = ratio;
     return likelihood.At(shape);
   };
-  const VectorXd at_fit = AtRatio(problem, fit, columns, fit.noise.ratio,
-                                  at(fit.noise.ratio).variance())
-                              .change;
+  const VectorXd at_fit =
+      AtRatio(likelihood, fit, fit.noise.ratio, at(fit.noise.ratio).variance())
+          .change;
   // Probabilities but for a factor, as logarithms.
   const std::vector<PossibleRatio> ratios = PossibleRatios(problem);
   std::vector<Profile> profiles;
@@ -82,8 +81,8 @@ std::vector<LinearEstimate> IntegrateRatio(const OutputErrorProblem& problem,
   for (std::size_t i = 0; i < ratios.size(); ++i) {
     const double weight = std::exp(log_probabilities[i] - best);
     if (!(weight > kSmallWeight)) continue;
-    LinearEstimate& estimate = estimates.emplace_back(AtRatio(
-        problem, fit, columns, ratios[i].ratio, profiles[i].variance()));
+    LinearEstimate& estimate = estimates.emplace_back(
+        AtRatio(likelihood, fit, ratios[i].ratio, profiles[i].variance()));
     estimate.weight = weight;
     total += weight;
     // What is left of the gradient at the fit (kinks and bounds) stays.

@@ -6,6 +6,7 @@
 #include "Eigen/Cholesky"
 #include "Eigen/Eigenvalues"
 #include "mle/regression/kernels/kernels.h"
+#include "mle/regression/lagged_products.h"
 
 namespace mle {
 namespace {
@@ -59,7 +60,7 @@ MatrixXd Autocovariances(const OutputErrorProblem& problem, const MatrixXd& X,
 
 // T, n × rank, with (J T)ᵀ(J T) = I, from J with columns scaled to one.
 MatrixXd Orthonormaliser(const MatrixXd& J) {
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(J.transpose() * J);
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(GramMatrix(J));
   const VectorXd& values = eigen.eigenvalues();
   const Eigen::Index count = values.size();
   Eigen::Index first = 0;

@@ -37,6 +37,21 @@ struct FilterSteps {
   double spread = 0.0;
 };
 
+// Elements of first order side by side, as the columns of a linearised model:
+// with u of the sample before and of this one, for each of `width` elements
+//
+//   y ← a y + b₁ u₁ + b₀ u₀,   d ← a d + e y + c₁ u₁ + c₀ u₀,
+//   s = f y + h u₁,
+//
+// and what all make together, Σ K y. Rows of nine numbers for each element: a,
+// b₁, b₀, e, c₁, c₀, f, h, K.
+struct FirstOrderElements {
+  static constexpr std::ptrdiff_t kNumbers = 9;
+  const double* numbers = nullptr;  // kNumbers × width, zero behind `count`
+  std::ptrdiff_t width = 0;         // of whole vectors of 8
+  std::ptrdiff_t count = 0;         // of elements, ≤ width
+};
+
 }  // namespace mle
 
 #endif  // MLE_REGRESSION_KERNELS_ARGUMENTS_H_

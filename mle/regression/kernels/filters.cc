@@ -1,4 +1,5 @@
-// The filter of innovations over rows of many columns.
+// The filter of innovations over rows of many columns, and elements of first
+// order side by side.
 // Compiled once for each instruction set, as namespace MLE_INSTRUCTION_SET.
 
 #include "mle/regression/kernels/instruction_sets.h"
@@ -79,7 +80,93 @@ void FilterAll(const FilterSteps& steps, Index count, const double* from,
   }
 }
 
+// `depth` vectors of elements, from element `first` on.
+template <int depth, bool derivatives>
+void RunTile(const FirstOrderElements& elements, Index first, Index samples,
+             const double* inputs, double* state, double* sums, double* rows,
+             Index stride, Index between) {
+  constexpr int kNumbers = FirstOrderElements::kNumbers;
+  const Index width = elements.width;
+  Vector by[kNumbers][depth];
+  Vector y[depth];
+  Vector d[depth];
+  Vector before[depth];  // u₁
+  for (int i = 0; i < depth; ++i) {
+    const Index at = first + i * kWidth;
+    for (int n = 0; n < kNumbers; ++n) {
+      by[n][i] = Load<Vector>(elements.numbers + n * width + at);
+    }
+    y[i] = Load<Vector>(state + at);
+    d[i] = Load<Vector>(state + width + at);
+    before[i] = Load<Vector>(inputs + at);
+  }
+  // Elements of the last vector, of which there may be fewer.
+  const Index last = first + (depth - 1) * kWidth;
+  const Index left = elements.count - last;
+  for (Index k = 0; k < samples; ++k) {
+    inputs += width;
+    Vector sum = {};
+    for (int i = 0; i < depth; ++i) {
+      sum += by[8][i] * y[i];
+      const Vector now = Load<Vector>(inputs + first + i * kWidth);
+      if constexpr (derivatives) {
+        double* to = rows + first + i * kWidth;
+        const Vector s = by[6][i] * y[i] + by[7][i] * before[i];
+        if (i + 1 < depth || left >= kWidth) {
+          Store(y[i], to);
+          Store(d[i], to + between);
+          Store(s, to + 2 * between);
+        } else {
+          for (Index lane = 0; lane < left; ++lane) {
+            to[lane] = y[i][lane];
+            to[between + lane] = d[i][lane];
+            to[2 * between + lane] = s[lane];
+          }
+        }
+        d[i] = by[0][i] * d[i] + by[3][i] * y[i] +
+               (by[4][i] * before[i] + by[5][i] * now);
+      }
+      y[i] = by[0][i] * y[i] + (by[1][i] * before[i] + by[2][i] * now);
+      before[i] = now;
+    }
+    double total = 0.0;
+    for (int lane = 0; lane < kWidth; ++lane) total += sum[lane];
+    sums[k] += total;
+    rows += stride;
+  }
+  for (int i = 0; i < depth; ++i) {
+    const Index at = first + i * kWidth;
+    Store(y[i], state + at);
+    Store(d[i], state + width + at);
+  }
+}
+
+template <bool derivatives>
+void RunAll(const FirstOrderElements& elements, Index samples,
+            const double* inputs, double* state, double* sums, double* rows,
+            Index stride, Index between) {
+  Index first = 0;
+  for (; first + kWidth < elements.count; first += 2 * kWidth) {
+    RunTile<2, derivatives>(elements, first, samples, inputs, state, sums, rows,
+                            stride, between);
+  }
+  if (first < elements.count) {
+    RunTile<1, derivatives>(elements, first, samples, inputs, state, sums, rows,
+                            stride, between);
+  }
+}
+
 }  // namespace
+
+void RunFirstOrder(const FirstOrderElements& elements, Index samples,
+                   const double* inputs, double* state, double* sums,
+                   double* rows, Index stride, Index between) {
+  if (rows != nullptr) {
+    RunAll<true>(elements, samples, inputs, state, sums, rows, stride, between);
+  } else {
+    RunAll<false>(elements, samples, inputs, state, sums, rows, 0, 0);
+  }
+}
 
 void FilterRows(const FilterSteps& steps, Index count, const double* from,
                 Index from_stride, double* rows, Index stride, Index width,

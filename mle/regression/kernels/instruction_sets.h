@@ -31,6 +31,10 @@ namespace mle {
                   const double* from, std::ptrdiff_t from_stride,            \
                   double* rows, std::ptrdiff_t stride, std::ptrdiff_t width, \
                   double* state);                                            \
+  void RunFirstOrder(const FirstOrderElements& elements,                     \
+                     std::ptrdiff_t samples, const double* inputs,           \
+                     double* state, double* sums, double* rows,              \
+                     std::ptrdiff_t stride, std::ptrdiff_t between);         \
   }
 
 MLE_DECLARE_KERNELS(baseline)

@@ -9,10 +9,10 @@
 namespace mle {
 namespace {
 
-#define MLE_KERNELS(set)                                                     \
-  Kernels {                                                                  \
-#set, set::AddProducts, set::MultiplyColumns, set::SubtractColumnsTwice, \
-        set::SolveTransposed, set::Solve, set::FilterRows                    \
+#define MLE_KERNELS(set)                                                      \
+  Kernels {                                                                   \
+#set, set::AddProducts, set::MultiplyColumns, set::SubtractColumnsTwice,  \
+        set::SolveTransposed, set::Solve, set::FilterRows, set::RunFirstOrder \
   }
 
 Kernels ChooseKernels() {

@@ -53,6 +53,16 @@ struct Kernels {
                       const double* from, std::ptrdiff_t from_stride,
                       double* rows, std::ptrdiff_t stride, std::ptrdiff_t width,
                       double* state);
+
+  // `samples` of elements of first order: sums (samples) += Σ K y, and in each
+  // of as many rows y, d and s of all elements, `between` numbers from one to
+  // the other; `rows` is nullptr where sums alone are asked for. `inputs` has
+  // samples + 1 rows of `width`, `state` (2 × width: y, d) is where the samples
+  // before left it.
+  void (*run_first_order)(const FirstOrderElements& elements,
+                          std::ptrdiff_t samples, const double* inputs,
+                          double* state, double* sums, double* rows,
+                          std::ptrdiff_t stride, std::ptrdiff_t between);
 };
 
 // Those this processor can run, the slowest ("baseline": what the compiler

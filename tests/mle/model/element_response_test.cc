@@ -49,6 +49,17 @@ MatrixXd Simulate(const ElementResponse& element, double time_scale,
   return columns;
 }
 
+// All `samples` rows, those that are zero too.
+void FreeResponses(const ElementResponse& element, double time_scale,
+                   int samples, MatrixXd& columns, MatrixXd& derivatives) {
+  element.FreeResponses(time_scale, kSampleTime, samples, columns, derivatives);
+  for (MatrixXd* matrix : {&columns, &derivatives}) {
+    const Eigen::Index zeros = samples - matrix->rows();
+    matrix->conservativeResize(samples, Eigen::NoChange);
+    matrix->bottomRows(zeros).setZero();
+  }
+}
+
 const std::vector<TransferFunction>& Elements() {
   static const std::vector<TransferFunction> elements = {
       TransferFunction::FirstOrder(-18.9, 21.0, 3.07),
@@ -179,9 +190,9 @@ TEST(ElementResponseTest, FreeResponsesMakeUpForForgottenInputs) {
             .col(0);
     // Once the dead time has passed, what is missing is a free response.
     const int skip = static_cast<int>(v.delay / kSampleTime) + 1;
-    MatrixXd modes(count - skip, response.order());
-    MatrixXd derivatives = modes;
-    response.FreeResponses(v.time_scale, kSampleTime, modes, derivatives);
+    MatrixXd modes;
+    MatrixXd derivatives;
+    FreeResponses(response, v.time_scale, count - skip, modes, derivatives);
     VectorXd missing = (whole - part).tail(count - skip);
     if (response.is_integrating()) {
       // A level, and the ramp of what was a balance before.
@@ -194,13 +205,13 @@ TEST(ElementResponseTest, FreeResponsesMakeUpForForgottenInputs) {
 
     if (response.order() == 0) continue;
     const double h = 1e-5;
-    MatrixXd later = derivatives;
-    MatrixXd sooner = derivatives;
-    MatrixXd unused = derivatives;
-    response.FreeResponses(v.time_scale * std::exp(h), kSampleTime, later,
-                           unused);
-    response.FreeResponses(v.time_scale * std::exp(-h), kSampleTime, sooner,
-                           unused);
+    MatrixXd later;
+    MatrixXd sooner;
+    MatrixXd unused;
+    FreeResponses(response, v.time_scale * std::exp(h), count - skip, later,
+                  unused);
+    FreeResponses(response, v.time_scale * std::exp(-h), count - skip, sooner,
+                  unused);
     EXPECT_LT(
         ((later - sooner) / (2.0 * h) - derivatives).cwiseAbs().maxCoeff(),
         1e-6);
@@ -222,29 +233,98 @@ TEST(ElementResponseTest, KnowsItsShortestTime) {
             0.0);
 }
 
-// From the row that is returned on they are zero, and before they were small.
+// They end once they are small, not before, and as soon as is asked for.
 TEST(ElementResponseTest, FreeResponsesEnd) {
   const int samples = 20000;
   for (const TransferFunction& element : Elements()) {
     const ElementResponse response = Make(element);
-    if (response.order() == 0) continue;
-    MatrixXd modes(samples, response.order());
-    MatrixXd derivatives = modes;
-    const Eigen::Index end = response.FreeResponses(
-        response.initial_values().time_scale, kSampleTime, modes, derivatives);
+    const double T = response.initial_values().time_scale;
+    MatrixXd modes;
+    MatrixXd derivatives;
+    response.FreeResponses(T, kSampleTime, samples, modes, derivatives);
+    EXPECT_EQ(modes.cols(), response.order());
+    EXPECT_EQ(derivatives.cols(), response.order());
+    EXPECT_EQ(derivatives.rows(), modes.rows());
+    if (response.order() == 0) {
+      EXPECT_EQ(modes.rows(), 0);
+      continue;
+    }
+    const Eigen::Index end = modes.rows();
     ASSERT_GT(end, 0);
     ASSERT_LT(end, samples);
-    EXPECT_TRUE(modes.bottomRows(samples - end).isZero(0.0));
-    EXPECT_TRUE(derivatives.bottomRows(samples - end).isZero(0.0));
-    EXPECT_FALSE(modes.row(end - 1).isZero(0.0));
     EXPECT_LT(modes.row(end - 1).norm(), 1e-17 * modes.row(0).norm());
-    // No more than what fits is asked for.
-    MatrixXd few = modes.topRows(5);
-    MatrixXd unused = few;
-    EXPECT_EQ(response.FreeResponses(response.initial_values().time_scale,
-                                     kSampleTime, few, unused),
-              5);
+    EXPECT_GT(modes.row(end / 2).norm(), 1e-12 * modes.row(0).norm());
+    MatrixXd few;
+    MatrixXd unused;
+    response.FreeResponses(T, kSampleTime, 5, few, unused);
+    EXPECT_EQ(few, modes.topRows(5));
+    EXPECT_EQ(unused, derivatives.topRows(5));
   }
+}
+
+// In pieces of any size: states, and the inputs at both ends of the dead time,
+// are carried over.
+TEST(ElementResponseTest, RunsInPieces) {
+  const VectorXd inputs = RandomInputs(6);
+  for (const TransferFunction& element : Elements()) {
+    const ElementResponse response = Make(element);
+    const ElementValues& v = response.initial_values();
+    const MatrixXd whole =
+        Simulate(response, v.time_scale, v.delay, inputs, 0.4);
+    for (const int columns : {1, 3}) {
+      ElementRun run =
+          response.Run(v.time_scale, kSampleTime, Split(v.delay), inputs, 0.4,
+                       /*derivatives=*/columns == 3);
+      MatrixXd pieces(kSamples, columns);
+      int first = 0;
+      for (const int size : {1, 2, 0, 7, 30, 1, 79}) {
+        run.Next(pieces.middleRows(first, size));
+        first += size;
+      }
+      ASSERT_EQ(first, kSamples);
+      EXPECT_LT((pieces - whole.leftCols(columns)).cwiseAbs().maxCoeff(),
+                1e-12 * (1.0 + whole.cwiseAbs().maxCoeff()));
+    }
+  }
+}
+
+// The numbers of a run of first order make its columns.
+TEST(ElementResponseTest, FirstOrderAsNumbers) {
+  const VectorXd inputs = RandomInputs(7);
+  int found = 0;
+  for (const TransferFunction& element : Elements()) {
+    const ElementResponse response = Make(element);
+    const ElementValues& v = response.initial_values();
+    ElementRun run = response.Run(v.time_scale, kSampleTime, Split(v.delay),
+                                  inputs, 0.4, /*derivatives=*/true);
+    EXPECT_EQ(run.is_first_order(),
+              response.order() == 1 && !response.is_integrating());
+    if (!run.is_first_order()) continue;
+    ++found;
+    const ElementRun::FirstOrder by = run.AsFirstOrder();
+    const MatrixXd columns =
+        Simulate(response, v.time_scale, v.delay, inputs, 0.4);
+    // In two goes, with a stride.
+    MatrixXd u = MatrixXd::Zero(2, kSamples + 2);
+    const int half = kSamples / 3;
+    run.TakeInputs(half, u.data(), 2);
+    run.TakeInputs(kSamples - half, u.data() + 2 * (half + 1), 2);
+    EXPECT_TRUE(u.row(1).isZero(0.0));
+    EXPECT_EQ(u(0, half), u(0, half + 1));
+    VectorXd seen(kSamples + 1);
+    seen << u.row(0).head(half + 1).transpose(),
+        u.row(0).tail(kSamples - half).transpose();
+    double x = by.x;
+    double d = 0.0;
+    for (int k = 0; k < kSamples; ++k) {
+      EXPECT_NEAR(by.C * x, columns(k, 0), 1e-12);
+      EXPECT_NEAR(by.C * d, columns(k, 1), 1e-12);
+      EXPECT_NEAR(by.s * x + by.t * seen(k), columns(k, 2), 1e-10);
+      d = by.a * d + by.e * x + by.c1 * seen(k) + by.c0 * seen(k + 1);
+      x = by.a * x + by.b1 * seen(k) + by.b0 * seen(k + 1);
+    }
+  }
+  EXPECT_EQ(found, 2);
 }
 
 TEST(ElementResponseTest, ValuesMakeTheTransferFunction) {

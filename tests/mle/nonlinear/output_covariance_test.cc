@@ -79,8 +79,9 @@ TEST(OutputCovarianceTest, HeldElementsAndUnexcitedOnes) {
       f.problem().Linearise(f.fit.point, ShapeOf(f.fit.noise), {true, true}),
       ShapeOf(f.fit.noise));
   blind.jacobian.col(4).setZero();
-  const OutputCovariance unknown = CovarianceOf(
-      f.problem(), blind, f.fit.point, {true, true}, f.fit.noise.variance);
+  const OutputCovariance unknown =
+      CovarianceOf(f.problem(), blind.jacobian.transpose() * blind.jacobian,
+                   f.fit.point, {true, true}, f.fit.noise.variance);
   EXPECT_EQ(unknown.rank, 5);
   EXPECT_TRUE(std::isinf(unknown.covariance(4, 4)));
   EXPECT_TRUE(std::isfinite(unknown.covariance(3, 3)));

@@ -111,6 +111,56 @@ TEST_P(KernelsTest, FiltersRowsOfAnyWidth) {
   }
 }
 
+TEST_P(KernelsTest, RunsElementsOfFirstOrder) {
+  constexpr int kNumbers = FirstOrderElements::kNumbers;
+  const int samples = 50;
+  for (const int count : {1, 2, 3, 7, 8, 9, 15, 16, 17, 24, 33}) {
+    const int width = (count + 7) / 8 * 8;
+    const int between = count + 2;
+    // A row of numbers is a column here.
+    Eigen::MatrixXd numbers = RandomMatrix(width, kNumbers, random_) * 0.3;
+    numbers.bottomRows(width - count).setZero();
+    const Eigen::MatrixXd inputs = RandomMatrix(width, samples + 1, random_);
+    const Eigen::MatrixXd before = RandomMatrix(width, 2, random_);
+    const Eigen::VectorXd sums_before = RandomVector(samples, random_);
+    const Eigen::MatrixXd rows_before =
+        RandomMatrix(3 * between + 1, samples, random_);
+    for (const bool derivatives : {true, false}) {
+      Eigen::VectorXd sums = sums_before;
+      Eigen::MatrixXd rows = rows_before;
+      Eigen::MatrixXd state = before;
+      kernels().run_first_order({numbers.data(), width, count}, samples,
+                                inputs.data(), state.data(), sums.data(),
+                                derivatives ? rows.data() : nullptr,
+                                rows.rows(), between);
+      Eigen::VectorXd expected_sums = sums_before;
+      Eigen::MatrixXd expected = rows_before;
+      for (int c = 0; c < count; ++c) {
+        const auto by = numbers.row(c);
+        double y = before(c, 0);
+        double d = before(c, 1);
+        for (int k = 0; k < samples; ++k) {
+          const double u1 = inputs(c, k);
+          const double u0 = inputs(c, k + 1);
+          expected_sums(k) += by(8) * y;
+          if (derivatives) {
+            expected(c, k) = y;
+            expected(between + c, k) = d;
+            expected(2 * between + c, k) = by(6) * y + by(7) * u1;
+            d = by(0) * d + by(3) * y + by(4) * u1 + by(5) * u0;
+          }
+          y = by(0) * y + by(1) * u1 + by(2) * u0;
+        }
+        EXPECT_NEAR(state(c, 0), y, 1e-12);
+        EXPECT_NEAR(state(c, 1), d, 1e-12);
+      }
+      EXPECT_LT((sums - expected_sums).cwiseAbs().maxCoeff(), 1e-11);
+      EXPECT_LT((rows - expected).cwiseAbs().maxCoeff(), 1e-12)
+          << count << " elements";
+    }
+  }
+}
+
 TEST_P(KernelsTest, ProductsWithColumns) {
   for (const int n : kSizes) {
     const Eigen::MatrixXd g = RandomMatrix(n, 30, random_);
