@@ -17,6 +17,13 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+// What the square of an amplitude costs, over the square of its column at
+// first: next to nothing but for those that free responses of nearly equal time
+// constants need against each other. If a rank were cut off it would change
+// with the time constants, and the objective jump each time by what an
+// amplitude explains of noise.
+constexpr double kAmplitudeCost = 1e-11;
+
 // The elements that are free.
 std::vector<int> FreeElements(const OutputErrorProblem& problem,
                               const std::vector<bool>& free) {
@@ -101,6 +108,7 @@ class OutputCost : public ceres::CostFunction {
     // As they were in the last evaluation: taken off before products are made,
     // so that little is left for them to explain.
     mutable VectorXd amplitudes = {};
+    mutable VectorXd costs = {};  // of their squares
   };
 
   // The free responses of a free element in a segment.
@@ -173,23 +181,37 @@ class OutputCost : public ceres::CostFunction {
     const Index amplitudes = part.amplitudes.size();
     const Index columns = amplitudes + width + (width > 0 ? num_modes_ : 0) + 1;
     Start(segment, width > 0);
-    Elimination result = EliminateFirst(
-        amplitudes,
-        part.filter.WhitenedProducts(
-            columns,
-            [&](Index first, Index count, const std::vector<Index>& live,
-                double* rows, Index stride) {
-              Fill(segment, part, width > 0, first, live,
-                   {rows, count, std::ssize(live),
-                    Eigen::OuterStride<>(stride)});
-            },
-            EndsOf(part, width)));
+    MatrixXd products = part.filter.WhitenedProducts(
+        columns,
+        [&](Index first, Index count, const std::vector<Index>& live,
+            double* rows, Index stride) {
+          Fill(segment, part, width > 0, first, live,
+               {rows, count, std::ssize(live), Eigen::OuterStride<>(stride)});
+        },
+        EndsOf(part, width));
+    AddCostOfAmplitudes(part, products);
+    Elimination result = EliminateFirst(amplitudes, products);
     if (amplitudes > 0) {
       part.amplitudes += result.Coefficients(columns - 1);
     }
     if (width == 0) return std::move(result.rest);
     return WithAmplitudes(part.amplitudes.tail(num_modes_), width,
                           InTurn(result.rest));
+  }
+
+  // To the products of amplitudes' columns, of all else and of residuals: what
+  // the amplitudes cost that are taken off the residuals.
+  static void AddCostOfAmplitudes(const Part& part, MatrixXd& products) {
+    const Index count = part.amplitudes.size();
+    const Index residuals = products.cols() - 1;
+    if (part.costs.size() < count) {
+      part.costs = kAmplitudeCost * products.diagonal().head(count);
+    }
+    const VectorXd pull = part.costs.cwiseProduct(part.amplitudes);
+    products.diagonal().head(count) += part.costs;
+    products.col(residuals).head(count) -= pull;
+    products.row(residuals).head(count) -= pull;
+    products(residuals, residuals) += pull.dot(part.amplitudes);
   }
 
   // Derivatives by K, ln T and L of each element in turn, all else behind them.

@@ -1,5 +1,6 @@
 #include "mle/nonlinear/output_cost.h"
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <vector>
@@ -140,6 +141,30 @@ TEST_F(OutputCostTest, GradientIsTheDerivativeOfTheCost) {
                 1e-4 * gradient.norm())
         << parameter;
   }
+}
+
+// Where two time constants part the free responses are two and no longer one,
+// and explain more of noise: little by little, not at once.
+TEST_F(OutputCostTest, DoesNotJumpWhereTimeConstantsPart) {
+  const std::vector<bool> free = {true, true};
+  const NoiseShape shape = kCostShapes[1];
+  const auto cost = MakeOutputCost(problem(), point_, free, shape, true);
+  const auto at = [&](double apart) {
+    OutputPoint point = point_;
+    point.values[0].time_scale = point.values[1].time_scale * std::exp(apart);
+    return Evaluate(*cost, point, free, false).residuals.squaredNorm();
+  };
+  const double together = at(1e-9);
+  double former = together;
+  double largest = 0.0;
+  for (double apart = 1e-9; apart < 1e-3; apart *= 1.2) {
+    const double squares = at(apart);
+    largest = std::max(largest, std::abs(squares - former));
+    former = squares;
+  }
+  // A degree of freedom for each record.
+  EXPECT_GT(together - former, 0.1 * fitted_.fit.noise.variance);
+  EXPECT_LT(largest, 0.25 * (together - former));
 }
 
 }  // namespace
