@@ -143,9 +143,6 @@ void Scan(double a, double& state, double* g, Eigen::Index count) {
   state = s;
 }
 
-// The same of free responses as kLeastDecay of runs.
-constexpr double kLeastFreeDecay = 1e-4;
-
 // RunFree() of first order.
 void RunFreeFirstOrder(double A, double E, double C, double duration,
                        Eigen::Index samples, MatrixXd& columns,
@@ -358,7 +355,7 @@ void ElementResponse::FreeResponses(double time_scale, double sample_time,
   if (order() == 0) return;
   const double duration = sample_time / time_scale;
   const MatrixXd E = HeldInputMap::Over(duration, A_, B_).E;
-  if (order() == 1 && E(0, 0) < -kLeastFreeDecay && E(0, 0) > -1.0) {
+  if (order() == 1 && E(0, 0) < -ElementRun::kLeastDecay && E(0, 0) > -1.0) {
     RunFreeFirstOrder(A_(0, 0), E(0, 0), C_(0), duration, samples, columns,
                       derivatives);
     return;

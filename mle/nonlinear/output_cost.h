@@ -4,9 +4,9 @@
 // Cholesky's factor of (J e)ᵀ(J e), 3f + 1 of them: cost, gradient and normal
 // matrix are the same. An evaluation takes O(N f²) operations, with f
 // simulations and filters; what the elements held contribute is computed once.
-// Amplitudes that are large cost a little, so that the objective is smooth where
-// time constants come together and free responses become one.
-// Internal to mle/nonlinear.
+// Amplitudes that are large cost a little, so that the objective is smooth
+// where time constants come together and free responses become one. Internal to
+// mle/nonlinear.
 
 #ifndef MLE_NONLINEAR_OUTPUT_COST_H_
 #define MLE_NONLINEAR_OUTPUT_COST_H_

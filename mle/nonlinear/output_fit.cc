@@ -74,18 +74,17 @@ void Finish(const OutputErrorProblem& problem,
     // What it begins at was confirmed by all the records, and parts of them
     // need no certificate.
     if (part) break;
-    const DelaySearchResult search =
-        fitter.Search(fit.point, ShapeOf(fit.noise));
-    const auto better = [&] {
-      return search.cost < cost * (1.0 - 1e-9) - search.cost_accuracy;
-    };
+    const OutputPoint found =
+        fitter.Search(fit.point, ShapeOf(fit.noise)).point;
+    const double found_cost = fitter.CostOf(found, ShapeOf(fit.noise));
+    const auto better = [&] { return found_cost < cost * (1.0 - 1e-9); };
     const bool last = round + 1 == kMaxSearchRounds;
     if (last || !better()) {
       cost = fitter.RefineExactly(fit.point, ShapeOf(fit.noise));
     }
     fitter.SetConfirmed(!better());
     if (last || !better()) break;
-    fit.point = search.point;
+    fit.point = found;
   }
   fit.noise = EstimateNoise(problem, fit.point, fit.free,
                             Known(problem, fit.noise), options.estimate_drift,

@@ -55,6 +55,10 @@ DelaySearchResult Fitter::Search(const OutputPoint& point,
                       kDelayGrid);
 }
 
+double Fitter::CostOf(const OutputPoint& point, const NoiseShape& shape) const {
+  return ModelAt(point, shape, free_).cost;
+}
+
 double Fitter::RefineRoughly(OutputPoint& point, const NoiseShape& shape,
                              bool near) {
   if (!near) SolveRoughly(point, shape, /*within_cells=*/false);

@@ -38,6 +38,9 @@ class Fitter {
   OutputPoint Start(const OutputPoint& start, const NoiseShape& shape);
 
   DelaySearchResult Search(const OutputPoint& point, const NoiseShape& shape);
+  // The objective of the solves. That of the search is less by what free
+  // responses explain of noise that these take for one.
+  double CostOf(const OutputPoint& point, const NoiseShape& shape) const;
 
   // Step 2, to about a hundredth of a standard deviation: all dead times,
   // unless `point` is near the optimum, then sample by sample. Returns the
