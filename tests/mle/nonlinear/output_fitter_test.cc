@@ -32,13 +32,12 @@ TEST(FitterTest, SearchesAreJudgedByTheObjectiveOfTheSolves) {
   constexpr int kElements = 8;
   ProcessModel model = MakeModel(1, kElements);
   for (int j = 0; j < kElements; ++j) {
-    model.element(0, j) =
-        TransferFunction::FirstOrder(1.0 + j, 4.0 + 0.1 * j, 0.6 + 0.5 * j);
+    model.element(0, j) = TransferFunction::FirstOrder(
+        1.0 + 0.1 * j, 4.0 + 0.4 * j, 0.6 + 0.5 * j);
   }
-  const RecordNoise noise = {.variance = 0.04};
   std::vector<Record> records;
-  for (const unsigned seed : {1U, 2U, 3U, 4U}) {
-    records.push_back(MakeRecord(model, 800, seed, noise));
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    records.push_back(MakeRecord(model, 500, seed, {.variance = 4.0}));
   }
   const auto setups = SetUpOutputs(model, records, {});
   ASSERT_TRUE(setups.ok()) << setups.status();
