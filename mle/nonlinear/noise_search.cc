@@ -167,11 +167,11 @@ ShapedProducts ShapeLikelihood::ProductsAt(const NoiseShape& shape) const {
   return all;
 }
 
-Profile ShapeLikelihood::At(const NoiseShape& shape) const {
+Profile ShapeLikelihood::ProfileOf(const NoiseShape& shape,
+                                   const ShapedProducts& shaped) const {
   Profile profile;
   profile.shape = shape;
   profile.factor = problem_.variance_factor();
-  const ShapedProducts shaped = ProductsAt(shape);
   const Elimination linearised = EliminateFirst(width_, shaped.products);
   profile.rank = linearised.rank();
   profile.coefficients = linearised.Coefficients(width_);

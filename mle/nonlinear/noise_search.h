@@ -77,8 +77,13 @@ class ShapeLikelihood {
   // fitted besides.
   ShapeLikelihood With(const std::vector<Eigen::MatrixXd>& more) const;
 
-  Profile At(const NoiseShape& shape) const;
+  Profile At(const NoiseShape& shape) const {
+    return ProfileOf(shape, ProductsAt(shape));
+  }
   ShapedProducts ProductsAt(const NoiseShape& shape) const;
+  // From the products at that shape.
+  Profile ProfileOf(const NoiseShape& shape,
+                    const ShapedProducts& shaped) const;
   const OutputErrorProblem& problem() const { return problem_; }
 
  private:

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "mle/nonlinear/noise_search.h"
@@ -12,17 +13,29 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Estimates for a ratio of drift, of which r is `variance`.
-LinearEstimate AtRatio(const ShapeLikelihood& likelihood, const OutputFit& fit,
-                       double ratio, double variance) {
+// The fit to first order under a ratio of drift.
+struct AtRatio {
+  MatrixXd products;  // of the derivatives, then the residuals
+  Profile profile;
+};
+
+AtRatio ProductsAtRatio(const ShapeLikelihood& likelihood, const OutputFit& fit,
+                        double ratio) {
   NoiseShape shape = ShapeOf(fit.noise);
   shape.ratio = ratio;
-  const MatrixXd products = likelihood.ProductsAt(shape).products;
+  ShapedProducts shaped = likelihood.ProductsAt(shape);
+  Profile profile = likelihood.ProfileOf(shape, shaped);
+  return {std::move(shaped.products), std::move(profile)};
+}
+
+LinearEstimate EstimateAt(const OutputErrorProblem& problem,
+                          const OutputFit& fit, const AtRatio& at) {
+  const MatrixXd& products = at.products;
+  const double variance = at.profile.variance();
   const Eigen::Index width = products.cols() - 1;
   LinearEstimate estimate;
-  estimate.covariance = CovarianceOf(likelihood.problem(), products, fit.point,
-                                     fit.free, variance)
-                            .covariance;
+  estimate.covariance =
+      CovarianceOf(problem, products, fit.point, fit.free, variance).covariance;
   // A step of Gauss and Newton, V Jᵀ(−r)/r with V/r in units of K, T and L.
   VectorXd gradient = VectorXd::Zero(estimate.covariance.rows());
   gradient(FreeParameters(fit.free)) = products.col(width).head(width);
@@ -57,23 +70,19 @@ std::vector<LinearEstimate> IntegrateRatio(const OutputErrorProblem& problem,
   const ShapeLikelihood likelihood(
       problem, LineariseWidely(problem, fit.point, fit.free, fit.noise),
       fit.free, /*restricted=*/true);
-  const auto at = [&](double ratio) {
-    NoiseShape shape = ShapeOf(fit.noise);
-    shape.ratio = ratio;
-    return likelihood.At(shape);
-  };
   const VectorXd at_fit =
-      AtRatio(likelihood, fit, fit.noise.ratio, at(fit.noise.ratio).variance())
+      EstimateAt(problem, fit,
+                 ProductsAtRatio(likelihood, fit, fit.noise.ratio))
           .change;
   // Probabilities but for a factor, as logarithms.
   const std::vector<PossibleRatio> ratios = PossibleRatios(problem);
-  std::vector<Profile> profiles;
+  std::vector<AtRatio> at_ratios;
   std::vector<double> log_probabilities;
   double best = -std::numeric_limits<double>::infinity();
   for (const PossibleRatio& possible : ratios) {
-    profiles.push_back(at(possible.ratio));
+    at_ratios.push_back(ProductsAtRatio(likelihood, fit, possible.ratio));
     log_probabilities.push_back(std::log(possible.prior) -
-                                0.5 * profiles.back().value);
+                                0.5 * at_ratios.back().profile.value);
     best = std::max(best, log_probabilities.back());
   }
   double total = 0.0;
@@ -81,8 +90,8 @@ std::vector<LinearEstimate> IntegrateRatio(const OutputErrorProblem& problem,
   for (std::size_t i = 0; i < ratios.size(); ++i) {
     const double weight = std::exp(log_probabilities[i] - best);
     if (!(weight > kSmallWeight)) continue;
-    LinearEstimate& estimate = estimates.emplace_back(
-        AtRatio(likelihood, fit, ratios[i].ratio, profiles[i].variance()));
+    LinearEstimate& estimate =
+        estimates.emplace_back(EstimateAt(problem, fit, at_ratios[i]));
     estimate.weight = weight;
     total += weight;
     // What is left of the gradient at the fit (kinks and bounds) stays.
