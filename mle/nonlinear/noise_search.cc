@@ -19,10 +19,11 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double kRatioGridStep = 1.0;  // of possible ratios
-// Of the search for the best: a step of ln ρ, and the first from where it was
-// before.
+// Of the search for the best: a step, and the first from where it was before
+// (RatioSearch: e-folds of ρ where there is much drift).
 constexpr double kSearchStep = 2.5;
 constexpr double kNearStep = 0.5;
+constexpr double kFar = 0.75;  // from where on points are not trusted
 // A smaller difference of −2 ln L does not count: at its square root, 3 %, of a
 // standard error of ln ρ.
 constexpr double kNoRatioGain = 1e-3;
@@ -30,6 +31,8 @@ constexpr int kMostParabolas = 12;
 constexpr double kGoldenSection = 0.381966;
 // A parabola through far points may promise this many times too little.
 constexpr double kMostOfParabola = 4.0;
+// What it cannot see is a third derivative, of this share of the second.
+constexpr double kThirdDerivative = 0.3;
 
 // Beforehand every √ρ is as likely as any other: what of it is nearest to a
 // value of the grid, as a share of √ρ there; and below the smallest, of that.
@@ -238,13 +241,23 @@ NoiseShape Moved(const NoiseShape& shape, int parameter, double by) {
 
 namespace {
 
-// The likelihood along ln ρ without colour: the best that was asked, and what
+// The likelihood of ρ without colour: the best that was asked, and what
 // encloses it.
+//
+// ρ is placed at z = 2 arsinh(√ρ / s), 0 where noise is white. Samples of an
+// interval L long, of which the columns fitted take up k, tell nothing of drift
+// as long as √ρ is far below (1 + k)/L: s is half of that. From there on
+// −2 ln L goes with √ρ + ρ₀/√ρ (Whittle's integral over the drift's spectrum),
+// which is cosh(z − z₀) of ln ρ; below it is a parabola of √ρ, as z is. So
+// parabolas of z fit wherever the best is, and white noise is a point like
+// others.
 class RatioSearch {
  public:
   explicit RatioSearch(const ShapeLikelihood& likelihood)
       : likelihood_(likelihood),
-        least_(std::log(LeastRatio(likelihood.problem()))),
+        scale_(ScaleOf(likelihood)),
+        least_(PlaceOf(LeastRatio(likelihood.problem()))),
+        most_(PlaceOf(std::exp(kMaxLogRatio))),
         white_(likelihood.At(NoiseShape())) {}
 
   // The best of a grid and its neighbours. Above √N there is hardly white
@@ -252,8 +265,8 @@ class RatioSearch {
   void AskGrid(double num_samples) {
     double former = std::numeric_limits<double>::infinity();
     bool rose = false;  // from the best to what comes after it
-    for (double at = least_; at <= 0.5 * std::log(num_samples) + kSearchStep;
-         at += kSearchStep) {
+    const double last = PlaceOf(std::sqrt(num_samples)) + kSearchStep;
+    for (double at = 0.0; at <= last; at += kSearchStep) {
       Profile profile = At(at);
       const double value = profile.value;
       if (value < best_.value) {
@@ -270,12 +283,15 @@ class RatioSearch {
     if (!rose) Climb(kSearchStep);
   }
 
-  // Downhill from `log_ratio`, in steps that double.
-  void AskNear(double log_ratio) {
-    place_ = std::clamp(log_ratio, kMinLogRatio, kMaxLogRatio);
+  // Downhill from `ratio`, in steps that double.
+  void AskNear(double ratio) {
+    place_ = std::min(PlaceOf(ratio), most_);
     best_ = At(place_);
     // The way down leads to white noise.
-    if (place_ <= least_ && white_.value <= best_.value) return;
+    if (place_ <= least_ && white_.value <= best_.value) {
+      place_ = 0.0;
+      return;
+    }
     if (!Climb(kNearStep)) Climb(-kNearStep);
   }
 
@@ -284,8 +300,12 @@ class RatioSearch {
   // promises nothing, or nothing that is better than white noise. Through
   // points that are far it is not trusted.
   Profile Refine() {
+    // What is better than white noise may be nearer to it.
+    if (place_ == 0.0 && high_.place > kFar) {
+      Take(kGoldenSection * high_.place);
+    }
     std::array<Point, 2> others = {low_, high_};
-    for (int asked = 0; asked < kMostParabolas; ++asked) {
+    for (int asked = 0; asked < kMostParabolas && place_ > 0.0; ++asked) {
       if (others[1].value < others[0].value) std::swap(others[0], others[1]);
       const double near = others[0].place - place_;
       const double far = others[1].place - place_;
@@ -303,10 +323,13 @@ class RatioSearch {
       const double farther = std::max(std::abs(near), std::abs(far));
       const bool enclosed = near * far < 0.0;
       double step = -0.5 * slope / curvature;
-      if ((enclosed ? nearer : farther) > kNearStep) {
+      // By so much the least value is elsewhere.
+      const double shift = kThirdDerivative * near * far / 6.0;
+      if ((enclosed ? nearer : farther) > kFar) {
         step = std::copysign(std::max(std::abs(step), kNearStep),
                              enclosed ? step : -near);
-      } else if (curvature > 0.0 && gain < kNoRatioGain) {
+      } else if (curvature > 0.0 &&
+                 gain + curvature * shift * shift < kNoRatioGain) {
         break;
       }
       const double below = low_.place - place_;
@@ -321,12 +344,25 @@ class RatioSearch {
 
  private:
   struct Point {
-    double place = 0.0;  // ln ρ
+    double place = 0.0;
     double value = std::numeric_limits<double>::infinity();
   };
 
-  Profile At(double log_ratio) const {
-    return likelihood_.At({.ratio = std::exp(log_ratio)});
+  static double ScaleOf(const ShapeLikelihood& likelihood) {
+    const OutputErrorProblem& problem = likelihood.problem();
+    const double columns = static_cast<double>(likelihood.width()) /
+                           static_cast<double>(problem.num_segments());
+    return 0.5 * (1.0 + columns) / SegmentLength(problem);
+  }
+  double PlaceOf(double ratio) const {
+    return 2.0 * std::asinh(std::sqrt(ratio) / scale_);
+  }
+
+  Profile At(double place) const {
+    const double root = scale_ * std::sinh(0.5 * place);
+    const double ratio = root * root;
+    return std::log(ratio) < kMinLogRatio ? white_
+                                          : likelihood_.At({.ratio = ratio});
   }
 
   // Moves on by `step` while that is better; whether it was.
@@ -335,7 +371,7 @@ class RatioSearch {
     Point& behind = step > 0.0 ? low_ : high_;
     bool climbed = false;
     while (true) {
-      ahead = {std::clamp(place_ + step, kMinLogRatio, kMaxLogRatio)};
+      ahead = {std::clamp(place_ + step, 0.0, most_)};
       if (ahead.place == place_) return climbed;
       Profile profile = At(ahead.place);
       ahead.value = profile.value;
@@ -365,7 +401,9 @@ class RatioSearch {
   }
 
   const ShapeLikelihood& likelihood_;
-  double least_;
+  double scale_;  // s
+  double least_;  // drift, as a place
+  double most_;
   Profile white_;
   Profile best_;
   double place_ = 0.0;  // of the best
@@ -378,7 +416,7 @@ class RatioSearch {
 Profile FindBestRatio(const ShapeLikelihood& likelihood, double near) {
   RatioSearch search(likelihood);
   if (near > 0.0) {
-    search.AskNear(std::log(near));
+    search.AskNear(near);
   } else {
     search.AskGrid(likelihood.problem().num_samples());
   }

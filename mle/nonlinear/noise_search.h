@@ -85,6 +85,7 @@ class ShapeLikelihood {
   Profile ProfileOf(const NoiseShape& shape,
                     const ShapedProducts& shaped) const;
   const OutputErrorProblem& problem() const { return problem_; }
+  Eigen::Index width() const { return width_; }
 
  private:
   // Columns of a segment: amplitudes, what is linearised, residuals.
@@ -102,7 +103,7 @@ class ShapeLikelihood {
 
   const OutputErrorProblem& problem_;
   std::vector<Part> parts_;  // of each segment
-  Eigen::Index width_ = 0;   // columns that are linearised
+  Eigen::Index width_ = 0;   // columns that are linearised or fitted besides
   bool restricted_;
 };
 
