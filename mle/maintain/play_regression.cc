@@ -75,6 +75,40 @@ Eigen::MatrixXd ColumnsThroughFilter(const WhitenedData& data,
   return columns;
 }
 
+// QR with the rank that kCollinearPlay leaves: of the columns first, in blocks,
+// then of their triangle, with pivots.
+class RankedQr {
+ public:
+  explicit RankedQr(const Eigen::MatrixXd& columns) : qr_(columns) {
+    const Eigen::Index size = std::min(columns.rows(), columns.cols());
+    of_triangle_.setThreshold(kCollinearPlay);
+    of_triangle_.compute(
+        qr_.matrixQR().topRows(size).triangularView<Eigen::Upper>());
+  }
+
+  Eigen::Index rank() const { return of_triangle_.rank(); }
+  // Orthonormal columns, as many as the rank.
+  Eigen::MatrixXd Basis() const {
+    const Eigen::Index size = of_triangle_.rows();
+    Eigen::MatrixXd basis = Eigen::MatrixXd::Zero(qr_.rows(), rank());
+    basis.topRows(size) =
+        of_triangle_.householderQ() * Eigen::MatrixXd::Identity(size, rank());
+    basis.applyOnTheLeft(qr_.householderQ());
+    return basis;
+  }
+  // Squares that the columns leave of a vector.
+  double SquaresLeft(Eigen::VectorXd of) const {
+    const Eigen::Index size = of_triangle_.rows();
+    of.applyOnTheLeft(qr_.householderQ().adjoint());
+    of.head(size).applyOnTheLeft(of_triangle_.householderQ().adjoint());
+    return of.tail(of.size() - rank()).squaredNorm();
+  }
+
+ private:
+  Eigen::HouseholderQR<Eigen::MatrixXd> qr_;
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> of_triangle_;
+};
+
 double MedianSize(const Eigen::VectorXd& values) {
   Eigen::VectorXd sizes = values.cwiseAbs();
   double* const middle = sizes.data() + sizes.size() / 2;
@@ -117,6 +151,7 @@ absl::StatusOr<PlayRegression> PlayRegression::Create(
   }
   regression.widths_ = Eigen::VectorXd::Constant(m, -1.0);
   regression.responses_.resize(m);
+  regression.differences_.resize(m);
   regression.merits_.assign(m, std::vector<Merits>(p));
   regression.outputs_.resize(p);
   for (int i = 0; i < p; ++i) {
@@ -177,6 +212,23 @@ PlayRegression::RespondTo(int input, double width) const {
   MLE_ASSIGN_OR_RETURN(responses->linear, Simulate(input, all, moves));
   MLE_ASSIGN_OR_RETURN(responses->square, Simulate(input, all, squares));
   return responses;
+}
+
+absl::StatusOr<std::shared_ptr<const PlayRegression::Differences>>
+PlayRegression::Differ(int input, const std::vector<int>& outputs) const {
+  auto differences = std::make_shared<Differences>();
+  for (const double share : kWidths) {
+    const double width = share * ranges_(input);
+    std::vector<Eigen::RowVectorXd> moves;
+    for (const Record& part : *parts_) {
+      const Eigen::RowVectorXd asked = part.inputs.row(input);
+      moves.emplace_back(PassThroughPlay(asked, width) -
+                         PassThroughPlay(asked, widths_(input)));
+    }
+    MLE_ASSIGN_OR_RETURN(differences->emplace_back(),
+                         Simulate(input, outputs, moves));
+  }
+  return differences;
 }
 
 WhitenedData PlayRegression::DataOf(int output,
@@ -262,15 +314,15 @@ void PlayRegression::Fit(int output, OutputState& state) const {
     rest.emplace_back(data.outputs[w] - data.responses[w] * fit.gains);
   }
   state.used = UsedRows(output, kOrder, Whitened(state.filter, rest));
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr;
-  qr.setThreshold(kCollinearPlay);
-  qr.compute(ColumnsThroughFilter(data, state.filter, state.used));
-  const Eigen::Index rank = qr.rank();
   state.basis =
-      qr.householderQ() * Eigen::MatrixXd::Identity(whitened.size(), rank);
+      RankedQr(ColumnsThroughFilter(data, state.filter, state.used)).Basis();
   state.residual = whitened.cwiseProduct(state.used);
-  state.residual -= state.basis * (state.basis.transpose() * state.residual);
-  state.degrees = state.used.sum() - static_cast<double>(rank) - kOrder;
+  // Twice: UpdateMerits() counts on residuals that hold none of the basis.
+  for (int time = 0; time < 2; ++time) {
+    state.residual -= state.basis * (state.basis.transpose() * state.residual);
+  }
+  state.degrees =
+      state.used.sum() - static_cast<double>(state.basis.cols()) - kOrder;
   state.variance =
       std::max(state.residual.squaredNorm() / std::max(state.degrees, 1.0),
                kLeastSquares);
@@ -295,6 +347,7 @@ absl::Status PlayRegression::SetWidths(const Eigen::VectorXd& widths) {
         RespondTo(j, widths(j));
     simulated[j] = responses.status();
     if (responses.ok()) responses_[j] = *std::move(responses);
+    differences_[j] = nullptr;
   });
   for (const absl::Status& status : simulated) MLE_RETURN_IF_ERROR(status);
   widths_ = widths;
@@ -304,32 +357,27 @@ absl::Status PlayRegression::SetWidths(const Eigen::VectorXd& widths) {
 }
 
 absl::Status PlayRegression::UpdateMerits(int input) {
-  std::vector<int> old;
+  const auto is_old = [&](int i) {
+    return IsUsed(i, input) && merits_[input][i].fit != outputs_[i].fits;
+  };
+  std::vector<int> outputs;  // of its elements
   for (int i = 0; i < model_.num_outputs(); ++i) {
-    if (IsUsed(i, input) && merits_[input][i].fit != outputs_[i].fits) {
-      old.push_back(i);
-    }
+    if (!model_.element(i, input).IsZero()) outputs.push_back(i);
   }
-  if (old.empty()) return absl::OkStatus();
-  std::vector<std::vector<Eigen::MatrixXd>> differences;  // of each width
-  for (const double share : kWidths) {
-    const double width = share * ranges_(input);
-    std::vector<Eigen::RowVectorXd> moves;
-    for (const Record& part : *parts_) {
-      const Eigen::RowVectorXd asked = part.inputs.row(input);
-      moves.emplace_back(PassThroughPlay(asked, width) -
-                         PassThroughPlay(asked, widths_(input)));
-    }
-    MLE_ASSIGN_OR_RETURN(differences.emplace_back(),
-                         Simulate(input, old, moves));
+  if (std::none_of(outputs.begin(), outputs.end(), is_old)) {
+    return absl::OkStatus();
   }
-  for (std::size_t n = 0; n < old.size(); ++n) {
-    const int i = old[n];
+  if (differences_[input] == nullptr) {
+    MLE_ASSIGN_OR_RETURN(differences_[input], Differ(input, outputs));
+  }
+  for (std::size_t n = 0; n < outputs.size(); ++n) {
+    const int i = outputs[n];
+    if (!is_old(i)) continue;
     const OutputState& state = outputs_[i];
     Eigen::MatrixXd columns(state.residual.size(), kWidths.size());
     for (std::size_t c = 0; c < kWidths.size(); ++c) {
       std::vector<Eigen::VectorXd> series =
-          ColumnOf(differences[c], static_cast<Eigen::Index>(n));
+          ColumnOf((*differences_[input])[c], static_cast<Eigen::Index>(n));
       for (Eigen::VectorXd& part : series) {
         part = InnovationsOfDrift(part, state.drift);
       }
@@ -337,14 +385,14 @@ absl::Status PlayRegression::UpdateMerits(int input) {
           Whitened(state.filter, series).cwiseProduct(state.used);
     }
     const Eigen::MatrixXd explained = state.basis.transpose() * columns;
-    columns.noalias() -= state.basis * explained;
     const double gain = state.gains(input);
     Merits& merits = merits_[input][i];
     merits.fit = state.fits;
     merits.products =
         columns.transpose() * state.residual * (gain / state.variance);
     merits.sizes =
-        columns.colwise().squaredNorm() * (gain * gain / state.variance);
+        (columns.colwise().squaredNorm() - explained.colwise().squaredNorm()) *
+        (gain * gain / state.variance);
   }
   return absl::OkStatus();
 }
@@ -449,13 +497,10 @@ double PlayRegression::Squares(int output, const AllResponses& responses,
   const OutputState& state = outputs_[output];
   const WhitenedData data =
       InnovationsOfDrift(DataOf(output, responses), state.drift);
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr;
-  qr.setThreshold(kCollinearPlay);
-  qr.compute(ColumnsThroughFilter(data, state.filter, used));
-  Eigen::VectorXd rest =
-      Whitened(state.filter, data.outputs).cwiseProduct(used);
-  rest.applyOnTheLeft(qr.householderQ().adjoint());
-  return rest.tail(rest.size() - qr.rank()).squaredNorm() + kLeastSquares;
+  return RankedQr(ColumnsThroughFilter(data, state.filter, used))
+             .SquaresLeft(
+                 Whitened(state.filter, data.outputs).cwiseProduct(used)) +
+         kLeastSquares;
 }
 
 }  // namespace mle

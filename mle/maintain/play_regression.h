@@ -99,6 +99,10 @@ class PlayRegression {
     std::vector<Eigen::MatrixXd> linear;
     std::vector<Eigen::MatrixXd> square;
   };
+  // What other widths of an input's play, those that Score() tries, make of the
+  // outputs of its elements beside the present one: of each width what
+  // Simulate() gives.
+  using Differences = std::vector<std::vector<Eigen::MatrixXd>>;
   // m, shared by copies.
   using AllResponses = std::vector<std::shared_ptr<const Responses>>;
   struct OutputState {
@@ -134,6 +138,8 @@ class PlayRegression {
       const std::vector<Eigen::RowVectorXd>& moves) const;
   absl::StatusOr<std::shared_ptr<const Responses>> RespondTo(
       int input, double width) const;
+  absl::StatusOr<std::shared_ptr<const Differences>> Differ(
+      int input, const std::vector<int>& outputs) const;
   WhitenedData DataOf(int output, const AllResponses& responses) const;
   Eigen::VectorXd UsedRows(int output, int order,
                            const Eigen::VectorXd& innovations) const;
@@ -154,6 +160,9 @@ class PlayRegression {
   Eigen::VectorXd ranges_;
   Eigen::VectorXd widths_;
   AllResponses responses_;
+  // m, shared by copies; nullptr: not asked for since the width has changed. 13
+  // numbers for each sample and element.
+  std::vector<std::shared_ptr<const Differences>> differences_;
   std::vector<OutputState> outputs_;         // p
   std::vector<std::vector<Merits>> merits_;  // m, p
 };

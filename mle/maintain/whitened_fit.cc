@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "Eigen/Cholesky"
+#include "mle/data/lagged_series.h"
 #include "mle/regression/lagged_products.h"
 
 namespace mle {
@@ -150,16 +151,20 @@ void FitGains(const WhitenedData& data, const PresentColumns& present,
   const Eigen::MatrixXd scaled = sizes.cwiseInverse().asDiagonal() * gram *
                                      sizes.cwiseInverse().asDiagonal() +
                                  kCollinear * Eigen::MatrixXd::Identity(m, m);
-  const Eigen::MatrixXd inverse =
-      scaled.ldlt().solve(Eigen::MatrixXd::Identity(m, m));
+  const Eigen::LLT<Eigen::MatrixXd> factor(scaled);
   const Eigen::VectorXd step =
-      (inverse * products.cwiseQuotient(sizes)).cwiseQuotient(sizes);
+      factor.solve(products.cwiseQuotient(sizes)).cwiseQuotient(sizes);
+  // The inverse is L⁻ᵀL⁻¹.
+  const Eigen::VectorXd inverse = factor.matrixL()
+                                      .solve(Eigen::MatrixXd::Identity(m, m))
+                                      .colwise()
+                                      .squaredNorm();
   fit.errors.setConstant(std::numeric_limits<double>::infinity());
   for (Eigen::Index c = 0; c < m; ++c) {
     if (!(gram(c, c) > 0.0)) continue;
     fit.gains(present.all[c]) += step(c);
     fit.errors(present.all[c]) =
-        std::sqrt(noise.variance * std::max(inverse(c, c), 0.0)) / sizes(c);
+        std::sqrt(noise.variance * inverse(c)) / sizes(c);
   }
 }
 
@@ -297,21 +302,13 @@ Eigen::VectorXd WhiteningFilter(const WhitenedData& data,
 
 Eigen::VectorXd ApplyFilter(const Eigen::VectorXd& filter,
                             const Eigen::Ref<const Eigen::VectorXd>& values) {
-  // Several samples at a time, whose sums stay in registers.
-  constexpr int kTogether = 8;
   const Eigen::Index taps = filter.size();
   const Eigen::Index rows = values.size() - taps + 1;
-  Eigen::VectorXd filtered(rows);
-  Eigen::Index k = 0;
-  for (; k + kTogether <= rows; k += kTogether) {
-    Eigen::Matrix<double, kTogether, 1> sum = values.segment<kTogether>(k);
-    sum *= filter(0);
-    for (Eigen::Index l = 1; l < taps; ++l) {
-      sum += filter(l) * values.segment<kTogether>(k + l);
-    }
-    filtered.segment<kTogether>(k) = sum;
-  }
-  for (; k < rows; ++k) filtered(k) = filter.dot(values.segment(k, taps));
+  Eigen::VectorXd filtered = Eigen::VectorXd::Zero(rows);
+  // The values from each tap on are columns that overlap.
+  AddLaggedProducts(
+      LaggedSeries::View(values.data(), rows, taps, Eigen::OuterStride<>(1)),
+      Eigen::Map<const Eigen::MatrixXd>(filter.data(), 1, taps), filtered);
   filtered.array() -= filtered.mean();
   return filtered;
 }
