@@ -87,12 +87,17 @@ void ActiveSet::Products() {
 
 void ActiveSet::SharpC(double step, Eigen::VectorXd& c) const {
   const Eigen::VectorXd beta = betas() + step * slopes();
-  Eigen::VectorXd low = Eigen::VectorXd::Zero(objective_.size());
-  c = objective_.correlation;
-  VectorKernels().subtract_columns_twice(ActiveColumns(gram_, columns_),
-                                         beta.data(), nullptr, c.size(),
-                                         c.data(), low.data());
+  Eigen::VectorXd low;
+  SharpC(beta.data(), c, low);
   c += low;
+}
+
+void ActiveSet::SharpC(const double* beta, Eigen::VectorXd& high,
+                       Eigen::VectorXd& low) const {
+  high = objective_.correlation;
+  low.setZero(high.size());
+  VectorKernels().subtract_columns_twice(ActiveColumns(gram_, columns_), beta,
+                                         high.size(), high.data(), low.data());
 }
 
 double ActiveSet::ActiveViolation(double lambda) const {
@@ -142,12 +147,10 @@ void ActiveSet::Refine(double lambda) {
 // last digit, and with it every c_j to about e.
 void ActiveSet::RefineSharply(double lambda) {
   const int k = size();
-  Eigen::VectorXd high = objective_.correlation(columns_);
-  Eigen::VectorXd low = Eigen::VectorXd::Zero(k);
-  VectorKernels().subtract_columns_twice(ActiveColumns(gram_, columns_),
-                                         beta_.data(), columns_.data(), k,
-                                         high.data(), low.data());
-  work_.head(k) = (high - lambda * target_.head(k)) + low;
+  Eigen::VectorXd high;
+  Eigen::VectorXd low;
+  SharpC(beta_.data(), high, low);
+  work_.head(k) = (high(columns_) - lambda * target_.head(k)) + low(columns_);
   cholesky_.SolveInPlace(work_.head(k));
   beta_.head(k) += work_.head(k);
   Products();

@@ -103,6 +103,9 @@ class ActiveSet {
   int refactored() const { return refactored_; }  // factors
 
  private:
+  // c of β, as high + low.
+  void SharpC(const double* beta, Eigen::VectorXd& high,
+              Eigen::VectorXd& low) const;
   double SolveOnce(double lambda, double rounding);
   void Products();
   double ActiveViolation(double lambda) const;

@@ -134,8 +134,8 @@ Twice Residual(const RegressionRows& part, int response,
                          columns.cols()};
   Twice r = {part.responses.row(response).transpose(),
              Eigen::VectorXd::Zero(X.cols())};
-  VectorKernels().subtract_columns_twice(
-      set, b.high.data(), nullptr, r.high.size(), r.high.data(), r.low.data());
+  VectorKernels().subtract_columns_twice(set, b.high.data(), r.high.size(),
+                                         r.high.data(), r.low.data());
   r.low.noalias() -= columns * b.low;
   return r;
 }
@@ -191,8 +191,8 @@ Eigen::VectorXd RowGaps::FromGram(const Eigen::VectorXd& beta) const {
   Eigen::VectorXd c = objective_.correlation;
   Eigen::VectorXd low = Eigen::VectorXd::Zero(beta.size());
   VectorKernels().subtract_columns_twice(
-      ActiveColumns(*objective_.gram, active), values.data(), nullptr,
-      beta.size(), c.data(), low.data());
+      ActiveColumns(*objective_.gram, active), values.data(), beta.size(),
+      c.data(), low.data());
   return c + low;
 }
 

@@ -21,20 +21,13 @@ inline void SubtractProduct(double x, double y, double& high, double& low) {
 
 }  // namespace
 
-void SubtractColumnsTwice(const ColumnSet& columns, const double* x,
-                          const int* rows, Index n, double* __restrict high,
-                          double* __restrict low) {
+void SubtractColumnsTwice(const ColumnSet& columns, const double* x, Index n,
+                          double* __restrict high, double* __restrict low) {
   for (Index i = 0; i < columns.count; ++i) {
     const double* g = columns.matrix + columns.columns[i] * columns.stride;
     const double factor = x[i];
-    if (rows == nullptr) {
-      for (Index j = 0; j < n; ++j) {
-        SubtractProduct(factor, g[j], high[j], low[j]);
-      }
-    } else {
-      for (Index j = 0; j < n; ++j) {
-        SubtractProduct(factor, g[rows[j]], high[j], low[j]);
-      }
+    for (Index j = 0; j < n; ++j) {
+      SubtractProduct(factor, g[j], high[j], low[j]);
     }
   }
 }

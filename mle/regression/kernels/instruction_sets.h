@@ -21,8 +21,7 @@ namespace mle {
                        const double* q, std::ptrdiff_t n, double* gx,        \
                        double* gq);                                          \
   void SubtractColumnsTwice(const ColumnSet& columns, const double* x,       \
-                            const int* rows, std::ptrdiff_t n, double* high, \
-                            double* low);                                    \
+                            std::ptrdiff_t n, double* high, double* low);    \
   void SolveTransposed(const double* u, std::ptrdiff_t stride,               \
                        std::ptrdiff_t n, double* x);                         \
   void Solve(const double* u, std::ptrdiff_t stride, std::ptrdiff_t n,       \

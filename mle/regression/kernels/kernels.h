@@ -29,12 +29,11 @@ struct Kernels {
                            const double* q, std::ptrdiff_t n, double* gx,
                            double* gq);
 
-  // high + low −= G_RA x in twice the working precision (Ogita, Rump and Oishi,
-  // SIAM J. Sci. Comput. 26, 2005, algorithm 5.3): what rounding takes from
-  // `high` is kept in `low`. R are the rows `rows` (n), or 0 … n−1 for nullptr.
+  // high + low −= G_·A x, of n numbers, in twice the working precision (Ogita,
+  // Rump and Oishi, SIAM J. Sci. Comput. 26, 2005, algorithm 5.3): what
+  // rounding takes from `high` is kept in `low`.
   void (*subtract_columns_twice)(const ColumnSet& columns, const double* x,
-                                 const int* rows, std::ptrdiff_t n,
-                                 double* high, double* low);
+                                 std::ptrdiff_t n, double* high, double* low);
 
   // x ← U⁻ᵀ x and x ← U⁻¹ x for an upper triangular U (n × n).
   void (*solve_transposed)(const double* u, std::ptrdiff_t stride,
