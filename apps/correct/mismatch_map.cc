@@ -1,6 +1,9 @@
 #include "apps/correct/mismatch_map.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
@@ -12,6 +15,9 @@ namespace mle::correct {
 namespace {
 
 using report::FormatSignificant;
+
+// Columns of a page or of a wide terminal.
+constexpr int kMostColumns = 12;
 
 // " ± 0.012", of the ratio or the value itself.
 std::string HalfInterval(const ParameterEstimate& estimate, double unit) {
@@ -75,6 +81,20 @@ int LevelOfChange(const Result& result, int output, int input) {
   return level;
 }
 
+// Whether DescribePair() names a change, and not why there is none.
+bool IsNamed(const Result& result, int output, int input) {
+  switch (result.information.pair(output, input).state) {
+    case PairState::kAbsent:
+    case PairState::kNotInformed:
+      return false;
+    case PairState::kWeak:
+    case PairState::kInformed:
+      break;
+  }
+  return (result.accepted() && HasChanged(result, output, input)) ||
+         IsProposed(result.proposed.element(output, input));
+}
+
 std::string DescribePair(const Result& result, int output, int input) {
   switch (result.information.pair(output, input).state) {
     case PairState::kAbsent:
@@ -95,10 +115,10 @@ std::string DescribePair(const Result& result, int output, int input) {
             result.initial.time_unit(), true),
         ", ");
   }
-  const ElementEstimate& proposed = result.proposed.element(output, input);
-  if (IsProposed(proposed)) {
+  if (IsNamed(result, output, input)) {
     return absl::StrCat(
-        absl::StrJoin(Changes(proposed, result.initial.time_unit(), true),
+        absl::StrJoin(Changes(result.proposed.element(output, input),
+                              result.initial.time_unit(), true),
                       ", "),
         ": not validated");
   }
@@ -107,10 +127,60 @@ std::string DescribePair(const Result& result, int output, int input) {
   return weak ? "no change seen (weak)" : "no change seen";
 }
 
+std::string NameOfPair(const ProcessModel& model, int output, int input) {
+  return absl::StrCat(model.outputs()[output].name, " ← ",
+                      model.inputs()[input].name);
+}
+
+// Of the step response, as a share; what has no size is the largest.
+double SizeOfChange(const Result& result, int output, int input) {
+  if (LevelOfChange(result, output, input) == 0) return 0.0;
+  const double change = result.change.elements(output, input);
+  return std::isfinite(change) ? change
+                               : std::numeric_limits<double>::infinity();
+}
+
+report::Table ChangeList(const Result& result) {
+  const ProcessModel& model = result.initial;
+  std::vector<std::pair<int, int>> named;
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    for (int j = 0; j < model.num_inputs(); ++j) {
+      if (IsNamed(result, i, j)) named.emplace_back(i, j);
+    }
+  }
+  std::stable_sort(named.begin(), named.end(),
+                   [&](const auto& one, const auto& other) {
+                     return SizeOfChange(result, one.first, one.second) >
+                            SizeOfChange(result, other.first, other.second);
+                   });
+  report::Table table;
+  table.caption = "Changes by element, the largest first";
+  table.columns = {{"element", report::Align::kLeft},
+                   {"step response by"},
+                   {"what has changed", report::Align::kLeft}};
+  table.searchable = true;
+  for (const auto& [i, j] : named) {
+    const double size = SizeOfChange(result, i, j);
+    const std::string percent =
+        size > 0.0 && std::isfinite(size)
+            ? absl::StrCat(FormatSignificant(100.0 * size, 2), " %")
+            : "–";
+    table.AddRow(
+        {NameOfPair(model, i, j), percent, DescribePair(result, i, j)});
+    table.levels.push_back({0, LevelOfChange(result, i, j)});
+  }
+  return table;
+}
+
 }  // namespace
+
+bool FitsInColumns(const ProcessModel& model) {
+  return model.num_inputs() <= kMostColumns;
+}
 
 report::Table ChangeMap(const Result& result) {
   const ProcessModel& model = result.initial;
+  if (!FitsInColumns(model)) return ChangeList(result);
   report::Table table;
   table.columns = {{"output ← input", report::Align::kLeft}};
   for (const InputChannel& input : model.inputs()) {
@@ -127,6 +197,45 @@ report::Table ChangeMap(const Result& result) {
     table.levels.push_back(std::move(levels));
   }
   return table;
+}
+
+std::string WhatOthersShow(const Result& result) {
+  const ProcessModel& model = result.initial;
+  if (FitsInColumns(model)) return "";
+  int named = 0;
+  int others = 0;
+  int weak = 0;
+  int unknown = 0;
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    for (int j = 0; j < model.num_inputs(); ++j) {
+      const PairState state = result.information.pair(i, j).state;
+      if (state == PairState::kAbsent) continue;
+      if (IsNamed(result, i, j)) {
+        ++named;
+        continue;
+      }
+      ++others;
+      if (state == PairState::kWeak) ++weak;
+      if (state == PairState::kNotInformed) ++unknown;
+    }
+  }
+  if (others == 0) return "";
+  if (!result.data.obstacles.empty()) {
+    return absl::StrCat("Elements that are not estimated: ", others, ".");
+  }
+  const std::string all =
+      absl::StrCat(named > 0 ? "the other " : "the ", others,
+                   others == 1 ? " element" : " elements", " of the model");
+  if (unknown == others) {
+    return absl::StrCat("The records do not determine ", all, ".");
+  }
+  const std::string of_weak =
+      weak > 0 ? absl::StrCat(" (", weak, " weak)") : "";
+  if (unknown == 0) {
+    return absl::StrCat("No change is seen in ", all, of_weak, ".");
+  }
+  return absl::StrCat("Of ", all, " no change is seen in ", others - unknown,
+                      of_weak, "; the records do not determine ", unknown, ".");
 }
 
 std::string WhyNotEstimated(const Result& result) {
@@ -174,6 +283,18 @@ report::Table MismatchTable(const Result& result) {
   report::Table table;
   table.caption =
       "Mismatch by element: changes, and p-value of the controller's values";
+  if (!FitsInColumns(model)) {
+    table.columns = {{"element", report::Align::kLeft},
+                     {"mismatch", report::Align::kLeft}};
+    for (int i = 0; i < model.num_outputs(); ++i) {
+      for (int j = 0; j < model.num_inputs(); ++j) {
+        if (result.information.pair(i, j).state == PairState::kAbsent) continue;
+        table.AddRow({NameOfPair(model, i, j),
+                      absl::StrJoin(DescribeMismatch(result, i, j), "; ")});
+      }
+    }
+    return table;
+  }
   table.columns = {{"output ← input", report::Align::kLeft}};
   for (const InputChannel& input : model.inputs()) {
     table.columns.push_back({input.name, report::Align::kCenter});

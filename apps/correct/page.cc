@@ -108,7 +108,12 @@ void AddWarnings(const Result& result, HtmlPage& page) {
 
 void AddChanges(const Result& result, const Figures& figures, HtmlPage& page) {
   page.AddHeading("What has changed");
-  page.AddTable(ChangeMap(result));
+  if (const report::Table changes = ChangeMap(result); !changes.rows.empty()) {
+    page.AddTable(changes);
+  }
+  if (const std::string others = WhatOthersShow(result); !others.empty()) {
+    page.AddParagraph(others);
+  }
   if (const std::string why = WhyNotEstimated(result); !why.empty()) {
     page.AddParagraph(why);
   }
@@ -237,7 +242,9 @@ void AddRecords(const Result& result, const Figures& figures, HtmlPage& page) {
 
 void AddElements(const Result& result, HtmlPage& page) {
   page.OpenFold("Every element with its interval");
-  page.AddTable(ParameterTable(result));
+  report::Table elements = ParameterTable(result);
+  elements.searchable = !FitsInColumns(result.initial);
+  page.AddTable(elements);
   page.AddParagraph(
       "“Weak”: the expected standard error of the gain is above 10 %, “not "
       "informed”: above 50 %. Such elements keep the controller's model unless "

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -258,6 +259,44 @@ TEST(MleCorrectHeadline, NamesTheOtherElementsThatHaveChanged) {
   for (const char* const pair : {"y1 ← u1", "y1 ← u2", "y2 ← u2"}) {
     EXPECT_THAT(shown.out, HasSubstr(pair));
   }
+}
+
+// A map of thirteen inputs is wider than a page: what has changed is listed,
+// and what is known of all others said in a sentence.
+TEST(MleCorrectTable, ListsTheChangesOfAWidePlant) {
+  const HeaterExample example(WithHalvedGain());
+  nlohmann::json model = nlohmann::json::parse(HeaterJson(Heater()));
+  std::string head;
+  std::string at_rest;
+  for (int j = 3; j <= 13; ++j) {
+    const std::string name = "u" + std::to_string(j);
+    model["inputs"].push_back({{"name", name}, {"unit", "%"}});
+    head += "," + name;
+    at_rest += ",0";
+  }
+  model["elements"].push_back({{"output", "y2"},
+                               {"input", "u13"},
+                               {"gain", 1.0},
+                               {"time_constant", 5.0},
+                               {"delay", 1.0}});
+  example.scratch.Write("model.json", model.dump());
+  std::istringstream narrow(Content(example.data));
+  std::string wide;
+  for (std::string line; std::getline(narrow, line);) {
+    wide += line + (wide.empty() ? head : at_rest) + "\n";
+  }
+  example.scratch.Write("run.csv", wide);
+  const Shown shown = Show(example, {"--verbose"});
+  const PageTable table =
+      TableOf(shown.html, "Changes by element, the largest first");
+  ASSERT_EQ(table.rows.size(), 2u);
+  EXPECT_EQ(table.rows[1][0], "y1 ← u1");
+  EXPECT_THAT(table.rows[1][1], HasSubstr(" %"));
+  EXPECT_THAT(table.rows[1][2], HasSubstr("gain × 0.5"));
+  EXPECT_THAT(shown.html,
+              HasSubstr("Of the other 4 elements of the model no change is "
+                        "seen in 3; the records do not determine 1."));
+  EXPECT_THAT(shown.out, HasSubstr("y2 ← u13  kept; not informed"));
 }
 
 // Where the table to type in is not the model written, the page says which to
