@@ -1,5 +1,9 @@
 // mle_correct: a process model corrected from a user's own records.
 
+#if __has_include(<malloc.h>)
+#include <malloc.h>
+#endif
+
 #include <iostream>
 #include <string>
 #include <utility>
@@ -78,7 +82,18 @@ bool ShowStage(const RunProgress& progress) {
   return true;
 }
 
+// Columns of long records come and go, and pages that the system gets back are
+// cleared before they are had again: up to 1 GiB is kept for what comes next.
+void KeepFreedMemory() {
+#ifdef M_MMAP_THRESHOLD
+  constexpr int kKept = 1 << 30;
+  mallopt(M_MMAP_THRESHOLD, kKept);
+  mallopt(M_TRIM_THRESHOLD, kKept);
+#endif
+}
+
 int Main(correct::Request& request, OptionTable& table) {
+  KeepFreedMemory();
   if (const absl::Status status = correct::Complete(request, table);
       !status.ok()) {
     return Fail(status);
