@@ -33,24 +33,28 @@ LinearEstimate EstimateAt(const OutputErrorProblem& problem,
   const MatrixXd& products = at.products;
   const double variance = at.profile.variance();
   const Eigen::Index width = products.cols() - 1;
+  // (JᵀV⁻¹J)⁻¹ r⁻¹ in units of K, T and L: r may be too small a number to
+  // divide by.
+  MatrixXd inverse =
+      CovarianceOf(problem, products, fit.point, fit.free, 1.0).covariance;
   LinearEstimate estimate;
-  estimate.covariance =
-      CovarianceOf(problem, products, fit.point, fit.free, variance).covariance;
-  // A step of Gauss and Newton, V Jᵀ(−r)/r with V/r in units of K, T and L.
-  VectorXd gradient = VectorXd::Zero(estimate.covariance.rows());
+  estimate.covariance = variance * inverse;
+  // A step of Gauss and Newton.
+  VectorXd gradient = VectorXd::Zero(inverse.rows());
   gradient(FreeParameters(fit.free)) = products.col(width).head(width);
   for (std::size_t j = 0; j < fit.free.size(); ++j) {
     const auto t = 3 * static_cast<Eigen::Index>(j) + 1;
     if (fit.free[j]) gradient(t) /= fit.point.values[j].time_scale;
   }
-  MatrixXd finite = estimate.covariance;
-  for (Eigen::Index i = 0; i < finite.rows(); ++i) {
-    if (!std::isfinite(finite(i, i))) {
-      finite.row(i).setZero();
-      finite.col(i).setZero();
+  for (Eigen::Index i = 0; i < inverse.rows(); ++i) {
+    if (!std::isfinite(inverse(i, i))) {
+      inverse.row(i).setZero();
+      inverse.col(i).setZero();
     }
   }
-  estimate.change = -finite * gradient / variance;
+  estimate.change = -inverse * gradient;
+  // Of numbers at the ends of their range.
+  if (!estimate.change.allFinite()) estimate.change.setZero();
   return estimate;
 }
 

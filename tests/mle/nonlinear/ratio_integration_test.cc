@@ -42,6 +42,27 @@ TEST(RatioIntegrationTest, WeightsAreAProbability) {
   }
 }
 
+// Outputs that are zero, at gains that are next to nothing or nothing: numbers
+// at the ends of their range make no step that is none.
+TEST(RatioIntegrationTest, ExactRecordsMakeFiniteSteps) {
+  const ProcessModel model = TwoElements();
+  std::vector<Record> records = MakeRecords(model, 400, 3, {});
+  for (Record& record : records) record.outputs.setZero();
+  const auto setups = SetUpOutputs(model, records, {});
+  ASSERT_TRUE(setups.ok()) << setups.status();
+  const OutputSetup& setup = setups->front();
+  OutputFit fit =
+      FitOutput(*setup.problem, setup.start, {true, true}, setup.bounds, {});
+  for (const double gain :
+       {1e-9, 1e-60, 1e-100, 1e-140, 1e-150, 1e-170, 1e-300, 0.0}) {
+    for (ElementValues& values : fit.point.values) values.gain = gain;
+    for (const LinearEstimate& e : IntegrateRatio(*setup.problem, fit, true)) {
+      EXPECT_TRUE(e.change.allFinite()) << gain << ": " << e.change.transpose();
+      EXPECT_GT(e.weight, 0.0) << gain;
+    }
+  }
+}
+
 // A step of Gauss and Newton to another ratio is where the fit under it ends.
 TEST(RatioIntegrationTest, ChangesAreThoseOfRefits) {
   const FittedOutput f =
