@@ -246,11 +246,11 @@ namespace {
 //
 // ρ is placed at z = 2 arsinh(√ρ / s), 0 where noise is white. Samples of an
 // interval L long, of which the columns fitted take up k, tell nothing of drift
-// as long as √ρ is far below (1 + k)/L: s is half of that. From there on
-// −2 ln L goes with √ρ + ρ₀/√ρ (Whittle's integral over the drift's spectrum),
-// which is cosh(z − z₀) of ln ρ; below it is a parabola of √ρ, as z is. So
-// parabolas of z fit wherever the best is, and white noise is a point like
-// others.
+// as long as √ρ is far below (1 + k)/L: s is half of that. Beyond it −2 ln L
+// goes with √ρ + ρ₀/√ρ (Whittle's integral over the drift's spectrum), with
+// cosh((z − z₀)/2); up to it with a parabola of √ρ, to which z is proportional
+// there. So parabolas of z fit wherever the best is, and white noise is a point
+// like others.
 class RatioSearch {
  public:
   explicit RatioSearch(const ShapeLikelihood& likelihood)
