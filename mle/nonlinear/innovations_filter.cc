@@ -285,8 +285,7 @@ void InnovationsFilter::FilterRows(Index first, Index count, double* rows,
       .inverse_roots = inverse_roots_.data() + first,
       .colour = colour_.empty() ? nullptr : &colour_[first].power.own,
       .spread = spread_};
-  VectorKernels().filter_rows(steps, count, rows, width, rows, width, width,
-                              state.data());
+  VectorKernels().filter_rows(steps, count, rows, width, width, state.data());
 }
 
 void InnovationsFilter::Apply(Eigen::Ref<MatrixXd> columns) const {

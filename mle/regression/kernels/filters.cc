@@ -12,12 +12,10 @@ namespace {
 // before, and recurrences that do not need each other fill the time.
 constexpr int kBeside = 4;
 
-// `depth` vectors of T from the columns that `from`, `rows` and `state` begin
-// at.
+// `depth` vectors of T from the columns that `rows` and `state` begin at.
 template <typename T, int depth, bool coloured>
-void FilterTile(const FilterSteps& steps, Index count, const double* from,
-                Index from_stride, double* rows, Index stride, double* state,
-                Index width) {
+void FilterTile(const FilterSteps& steps, Index count, double* rows,
+                Index stride, double* state, Index width) {
   // NOLINTNEXTLINE(bugprone-sizeof-expression): 1 where T is double.
   constexpr Index kLanes = sizeof(T) / sizeof(double);
   T level[depth];
@@ -31,11 +29,11 @@ void FilterTile(const FilterSteps& steps, Index count, const double* from,
     }
   }
   const double* colour = steps.colour;
-  for (Index k = 0; k < count; ++k, from += from_stride, rows += stride) {
+  for (Index k = 0; k < count; ++k, rows += stride) {
     const double gain = steps.gains[k];
     const double root = steps.inverse_roots[k];
     for (int i = 0; i < depth; ++i) {
-      const T value = Load<T>(from + i * kLanes);
+      const T value = Load<T>(rows + i * kLanes);
       T innovation;
       if constexpr (coloured) {
         innovation = value - (level[i] + a[i]);
@@ -62,21 +60,20 @@ void FilterTile(const FilterSteps& steps, Index count, const double* from,
 }
 
 template <bool coloured>
-void FilterAll(const FilterSteps& steps, Index count, const double* from,
-               Index from_stride, double* rows, Index stride, Index width,
-               double* state) {
+void FilterAll(const FilterSteps& steps, Index count, double* rows,
+               Index stride, Index width, double* state) {
   Index c = 0;
   for (; c + kBeside * kWidth <= width; c += kBeside * kWidth) {
-    FilterTile<Vector, kBeside, coloured>(steps, count, from + c, from_stride,
-                                          rows + c, stride, state + c, width);
+    FilterTile<Vector, kBeside, coloured>(steps, count, rows + c, stride,
+                                          state + c, width);
   }
   for (; c + kWidth <= width; c += kWidth) {
-    FilterTile<Vector, 1, coloured>(steps, count, from + c, from_stride,
-                                    rows + c, stride, state + c, width);
+    FilterTile<Vector, 1, coloured>(steps, count, rows + c, stride, state + c,
+                                    width);
   }
   for (; c < width; ++c) {
-    FilterTile<double, 1, coloured>(steps, count, from + c, from_stride,
-                                    rows + c, stride, state + c, width);
+    FilterTile<double, 1, coloured>(steps, count, rows + c, stride, state + c,
+                                    width);
   }
 }
 
@@ -168,15 +165,12 @@ void RunFirstOrder(const FirstOrderElements& elements, Index samples,
   }
 }
 
-void FilterRows(const FilterSteps& steps, Index count, const double* from,
-                Index from_stride, double* rows, Index stride, Index width,
-                double* state) {
+void FilterRows(const FilterSteps& steps, Index count, double* rows,
+                Index stride, Index width, double* state) {
   if (steps.colour != nullptr) {
-    FilterAll<true>(steps, count, from, from_stride, rows, stride, width,
-                    state);
+    FilterAll<true>(steps, count, rows, stride, width, state);
   } else {
-    FilterAll<false>(steps, count, from, from_stride, rows, stride, width,
-                     state);
+    FilterAll<false>(steps, count, rows, stride, width, state);
   }
 }
 

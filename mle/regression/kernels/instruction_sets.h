@@ -27,7 +27,6 @@ namespace mle {
   void Solve(const double* u, std::ptrdiff_t stride, std::ptrdiff_t n,       \
              double* x);                                                     \
   void FilterRows(const FilterSteps& steps, std::ptrdiff_t count,            \
-                  const double* from, std::ptrdiff_t from_stride,            \
                   double* rows, std::ptrdiff_t stride, std::ptrdiff_t width, \
                   double* state);                                            \
   void RunFirstOrder(const FirstOrderElements& elements,                     \

@@ -41,15 +41,13 @@ struct Kernels {
   void (*solve)(const double* u, std::ptrdiff_t stride, std::ptrdiff_t n,
                 double* x);
 
-  // `rows`: of each of `count` rows of `width` numbers of `from`, which may be
-  // the same, the innovations over √F:
+  // Each of `count` rows of `width` numbers becomes its innovations over √F:
   //
   //   ν = x − w − a,   w += g_w ν,   a ← m a + c b + g_a ν,
   //   b ← d c a + m b + g_b ν.
   //
   // `state` (3 × width: w, a, b) is where the rows before left it.
   void (*filter_rows)(const FilterSteps& steps, std::ptrdiff_t count,
-                      const double* from, std::ptrdiff_t from_stride,
                       double* rows, std::ptrdiff_t stride, std::ptrdiff_t width,
                       double* state);
 

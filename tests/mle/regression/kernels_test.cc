@@ -5,7 +5,6 @@
 #include <numeric>
 #include <ostream>
 #include <random>
-#include <utility>
 #include <vector>
 
 #include "Eigen/Core"
@@ -75,8 +74,7 @@ TEST_P(KernelsTest, FiltersRowsOfAnyWidth) {
   const Eigen::MatrixXd colour = steps.bottomRows(4);
   const double spread = 0.7;
   for (const int width : kSizes) {
-    for (const auto& [coloured, in_place] :
-         {std::pair(false, true), std::pair(true, false)}) {
+    for (const bool coloured : {false, true}) {
       // A row is a column here; behind each there is a number that is not its.
       const Eigen::MatrixXd rows = RandomMatrix(width + 1, count, random_);
       const Eigen::MatrixXd before = RandomMatrix(width, 3, random_);
@@ -84,8 +82,7 @@ TEST_P(KernelsTest, FiltersRowsOfAnyWidth) {
       Eigen::MatrixXd state = before;
       kernels().filter_rows({gains.data(), roots.data(),
                              coloured ? colour.data() : nullptr, spread},
-                            count, in_place ? filtered.data() : rows.data(),
-                            width + 1, filtered.data(), width + 1, width,
+                            count, filtered.data(), width + 1, width,
                             state.data());
       for (int c = 0; c < width; ++c) {
         double w = before(c, 0);
