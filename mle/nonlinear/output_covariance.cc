@@ -93,6 +93,8 @@ std::vector<SegmentColumns> LineariseWidely(const OutputErrorProblem& problem,
   const NoiseShape shape = ShapeOf(noise);
   std::vector<SegmentColumns> columns = problem.Linearise(point, shape, free);
   if (std::find(free.begin(), free.end(), true) == free.end()) return columns;
+  // A dead time beyond all samples tells no more.
+  const double longest = problem.num_samples() * problem.sample_time();
   for (int round = 0; round < kSecantRounds; ++round) {
     const OutputCovariance covariance =
         CovarianceOf(problem, WhitenedProductsOf(problem, columns, free, shape),
@@ -102,8 +104,9 @@ std::vector<SegmentColumns> LineariseWidely(const OutputErrorProblem& problem,
       const auto delay = 3 * static_cast<Eigen::Index>(j) + 2;
       const double variance = covariance.covariance(delay, delay);
       if (free[j] && std::isfinite(variance)) {
-        steps[j] = std::min(kSecantErrors * std::sqrt(variance),
-                            kLongestSecant * point.values[j].time_scale);
+        steps[j] =
+            std::min({kSecantErrors * std::sqrt(variance),
+                      kLongestSecant * point.values[j].time_scale, longest});
       }
     }
     problem.TakeSecants(point, free, steps, columns);
