@@ -127,11 +127,6 @@ std::string DescribePair(const Result& result, int output, int input) {
   return weak ? "no change seen (weak)" : "no change seen";
 }
 
-std::string NameOfPair(const ProcessModel& model, int output, int input) {
-  return absl::StrCat(model.outputs()[output].name, " ← ",
-                      model.inputs()[input].name);
-}
-
 // Of the step response, as a share; what has no size is the largest.
 double SizeOfChange(const Result& result, int output, int input) {
   if (LevelOfChange(result, output, input) == 0) return 0.0;
@@ -165,8 +160,7 @@ report::Table ChangeList(const Result& result) {
         size > 0.0 && std::isfinite(size)
             ? absl::StrCat(FormatSignificant(100.0 * size, 2), " %")
             : "–";
-    table.AddRow(
-        {NameOfPair(model, i, j), percent, DescribePair(result, i, j)});
+    table.AddRow({PairName(model, i, j), percent, DescribePair(result, i, j)});
     table.levels.push_back({0, LevelOfChange(result, i, j)});
   }
   return table;
@@ -289,7 +283,7 @@ report::Table MismatchTable(const Result& result) {
     for (int i = 0; i < model.num_outputs(); ++i) {
       for (int j = 0; j < model.num_inputs(); ++j) {
         if (result.information.pair(i, j).state == PairState::kAbsent) continue;
-        table.AddRow({NameOfPair(model, i, j),
+        table.AddRow({PairName(model, i, j),
                       absl::StrJoin(DescribeMismatch(result, i, j), "; ")});
       }
     }

@@ -27,9 +27,7 @@ constexpr int kScaleSamples = 200;
 
 double LargestResponse(const TransferFunction& element) {
   const double horizon = element.delay() + 5.0 * element.SlowestTimeConstant();
-  if (!(horizon > 0.0) || !std::isfinite(horizon)) {
-    return std::abs(element.StaticGain());
-  }
+  if (!(horizon > 0.0)) return std::abs(element.StaticGain());
   return element.StepResponse(horizon / (kScaleSamples - 1), kScaleSamples)
       .cwiseAbs()
       .maxCoeff();

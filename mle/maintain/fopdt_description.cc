@@ -104,11 +104,6 @@ absl::StatusOr<FopdtElement> FromTransfer(const TransferFunction& transfer) {
       (transfer.delay() +
        kHorizonTimeConstants * transfer.SlowestTimeConstant()) /
       (kDescriptionSamples - 1);
-  if (!std::isfinite(sample_time)) {
-    return absl::InvalidArgumentError(
-        "the element settles after a time that is no number: its dead time or "
-        "its time constants are too long to be described");
-  }
   return Described(transfer.StepResponse(sample_time, kDescriptionSamples),
                    sample_time, {});
 }
@@ -158,23 +153,16 @@ absl::StatusOr<std::vector<FopdtElement>> DescribeAsFopdt(
         elements.push_back(element);
         continue;
       }
-      absl::StatusOr<FopdtElement> element =
-          FromTransfer(corrected.process->element(i, j));
-      if (!element.ok()) {
-        return absl::Status(
-            element.status().code(),
-            absl::StrCat(estimate.setting.initial.outputs()[i].name, " ← ",
-                         estimate.setting.initial.inputs()[j].name, ": ",
-                         element.status().message()));
-      }
+      MLE_ASSIGN_OR_RETURN(FopdtElement element,
+                           FromTransfer(corrected.process->element(i, j)));
       if (accepted) {
-        CarryErrors(estimate.fit.output_error.corrected, i, j, *element);
+        CarryErrors(estimate.fit.output_error.corrected, i, j, element);
       } else {
-        element->gain_error = 0.0;
-        element->time_constant_error = 0.0;
-        element->delay_error = 0.0;
+        element.gain_error = 0.0;
+        element.time_constant_error = 0.0;
+        element.delay_error = 0.0;
       }
-      elements.push_back(*element);
+      elements.push_back(element);
     }
   }
   return elements;

@@ -7,10 +7,10 @@
 #include <numeric>
 #include <utility>
 
-#include "Eigen/QR"
 #include "mle/base/parallel.h"
 #include "mle/base/status.h"
 #include "mle/maintain/play_filters.h"
+#include "mle/maintain/ranked_qr.h"
 #include "mle/model/process_simulator.h"
 
 namespace mle {
@@ -74,40 +74,6 @@ Eigen::MatrixXd ColumnsThroughFilter(const WhitenedData& data,
   columns.conservativeResize(Eigen::NoChange, std::max<Eigen::Index>(kept, 1));
   return columns;
 }
-
-// QR with the rank that kCollinearPlay leaves: of the columns first, in blocks,
-// then of their triangle, with pivots.
-class RankedQr {
- public:
-  explicit RankedQr(const Eigen::MatrixXd& columns) : qr_(columns) {
-    const Eigen::Index size = std::min(columns.rows(), columns.cols());
-    of_triangle_.setThreshold(kCollinearPlay);
-    of_triangle_.compute(
-        qr_.matrixQR().topRows(size).triangularView<Eigen::Upper>());
-  }
-
-  Eigen::Index rank() const { return of_triangle_.rank(); }
-  // Orthonormal columns, as many as the rank.
-  Eigen::MatrixXd Basis() const {
-    const Eigen::Index size = of_triangle_.rows();
-    Eigen::MatrixXd basis = Eigen::MatrixXd::Zero(qr_.rows(), rank());
-    basis.topRows(size) =
-        of_triangle_.householderQ() * Eigen::MatrixXd::Identity(size, rank());
-    basis.applyOnTheLeft(qr_.householderQ());
-    return basis;
-  }
-  // Squares that the columns leave of a vector.
-  double SquaresLeft(Eigen::VectorXd of) const {
-    const Eigen::Index size = of_triangle_.rows();
-    of.applyOnTheLeft(qr_.householderQ().adjoint());
-    of.head(size).applyOnTheLeft(of_triangle_.householderQ().adjoint());
-    return of.tail(of.size() - rank()).squaredNorm();
-  }
-
- private:
-  Eigen::HouseholderQR<Eigen::MatrixXd> qr_;
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> of_triangle_;
-};
 
 double MedianSize(const Eigen::VectorXd& values) {
   Eigen::VectorXd sizes = values.cwiseAbs();
@@ -314,8 +280,9 @@ void PlayRegression::Fit(int output, OutputState& state) const {
     rest.emplace_back(data.outputs[w] - data.responses[w] * fit.gains);
   }
   state.used = UsedRows(output, kOrder, Whitened(state.filter, rest));
-  state.basis =
-      RankedQr(ColumnsThroughFilter(data, state.filter, state.used)).Basis();
+  state.basis = RankedQr(ColumnsThroughFilter(data, state.filter, state.used),
+                         kCollinearPlay)
+                    .Basis();
   state.residual = whitened.cwiseProduct(state.used);
   // Twice: UpdateMerits() counts on residuals that hold none of the basis.
   for (int time = 0; time < 2; ++time) {
@@ -497,7 +464,8 @@ double PlayRegression::Squares(int output, const AllResponses& responses,
   const OutputState& state = outputs_[output];
   const WhitenedData data =
       InnovationsOfDrift(DataOf(output, responses), state.drift);
-  return RankedQr(ColumnsThroughFilter(data, state.filter, used))
+  return RankedQr(ColumnsThroughFilter(data, state.filter, used),
+                  kCollinearPlay)
              .SquaresLeft(
                  Whitened(state.filter, data.outputs).cwiseProduct(used)) +
          kLeastSquares;

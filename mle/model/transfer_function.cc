@@ -18,6 +18,9 @@ namespace mle {
 namespace {
 
 constexpr int kMaxDegree = 50;
+// So that settling times, multiples of it, and those of corrections are
+// numbers.
+constexpr double kLongestTime = 1e300;
 // A dead time within this fraction of a sample of a sampling instant is on it.
 constexpr double kInstantTolerance = 1e-9;
 // A pole whose damping ratio is smaller cannot be told from an undamped one.
@@ -213,6 +216,11 @@ absl::Status TransferFunction::Validate() const {
         Polynomial(denominator_),
         " overflows when divided by its leading or "
         "last coefficient; give the coefficients in a more even range"));
+  }
+  if (const double time = delay_ + SlowestTimeConstant(); time > kLongestTime) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("delay and slowest time constant are together ", time,
+                     ", must be at most ", kLongestTime));
   }
   return absl::OkStatus();
 }

@@ -58,7 +58,8 @@ class TransferFunction {
 
   // Finite coefficients, a leading denominator coefficient other than zero,
   // q ≤ r, L ≥ 0, every pole in the open left half-plane but for at most one at
-  // s = 0, where the numerator is not zero.
+  // s = 0, where the numerator is not zero; dead time and slowest time constant
+  // together at most 1e300.
   absl::Status Validate() const;
 
   bool IsZero() const;

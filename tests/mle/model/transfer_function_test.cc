@@ -44,6 +44,18 @@ double DistinctRates(const std::vector<double>& rates, double t) {
   return sum;
 }
 
+// A settling time of five time constants and more is a number still.
+TEST(TransferFunctionTest, TimesBeyondNumbersAreRefused) {
+  EXPECT_TRUE(TransferFunction::FirstOrder(1.0, 1e299, 0.0).Validate().ok());
+  EXPECT_TRUE(TransferFunction::FirstOrder(1.0, 1.0, 1e299).Validate().ok());
+  for (const TransferFunction& g :
+       {TransferFunction::FirstOrder(1.0, 1e301, 0.0),
+        TransferFunction::FirstOrder(1.0, 1.0, 1e308)}) {
+    EXPECT_THAT(Message(g),
+                HasSubstr("delay and slowest time constant are together"));
+  }
+}
+
 TEST(TransferFunctionTest, DefaultIsZero) {
   const TransferFunction g;
   EXPECT_TRUE(g.Validate().ok());
