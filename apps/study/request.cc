@@ -34,7 +34,7 @@ void AddOptions(Request& request, OptionTable& table) {
        {"threads", &request.threads,
         "Threads of each process; 0: a share of the processors. The results "
         "do not depend on the number.",
-        "", Between(0, 4096)}});
+        "", kNotNegative}});
   table.PutFirst(
       {"campaign", "out", "resume", "dry_run", "figures", "threads"});
 }

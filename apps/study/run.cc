@@ -54,7 +54,7 @@ absl::StatusOr<StudyFolder> OpenFolder(const Study& study,
 }
 
 int StudyThreads(int wanted, int processes) {
-  if (wanted > 0) return wanted;
+  if (wanted > 0) return UsableThreads(wanted);
   const int all =
       std::max(static_cast<int>(std::thread::hardware_concurrency()), 1);
   cpu_set_t set;

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 
 namespace mle {
@@ -24,6 +25,13 @@ std::string NumberRange::Describe() const {
   if (below) return absl::StrFormat("%s %.10g", open_min ? ">" : "≥", min);
   if (above) return absl::StrFormat("%s %.10g", open_max ? "<" : "≤", max);
   return "";
+}
+
+absl::Status ValidateSampleTime(std::string_view name, double sample_time) {
+  if (kSampleTime.Contains(sample_time)) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrCat(std::string(name), " is ", sample_time, ", must be ",
+                   sample_time > 0.0 ? kSampleTime.Describe() : "positive"));
 }
 
 }  // namespace mle

@@ -10,6 +10,9 @@
 
 #include <limits>
 #include <string>
+#include <string_view>
+
+#include "absl/status/status.h"
 
 namespace mle {
 
@@ -35,6 +38,12 @@ constexpr NumberRange AtLeast(double min) { return {.min = min}; }
 constexpr NumberRange Between(double min, double max) {
   return {.min = min, .max = max};
 }
+
+// Times between samples: beyond, one over them would be no number.
+inline constexpr NumberRange kSampleTime = Between(1e-300, 1e300);
+
+// InvalidArgument for what is not among them: "`name` is 0, must be positive".
+absl::Status ValidateSampleTime(std::string_view name, double sample_time);
 
 }  // namespace mle
 

@@ -5,6 +5,8 @@
 #include <string>
 
 #include "absl/strings/str_cat.h"
+#include "mle/base/number_range.h"
+#include "mle/base/status.h"
 
 namespace mle {
 namespace {
@@ -16,10 +18,7 @@ std::string Shape(const Eigen::MatrixXd& matrix) {
 }  // namespace
 
 absl::Status Record::Validate() const {
-  if (!(sample_time > 0.0) || !std::isfinite(sample_time)) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "record: sample_time is ", sample_time, ", must be positive"));
-  }
+  MLE_RETURN_IF_ERROR(ValidateSampleTime("record: sample_time", sample_time));
   if (!std::isfinite(start_time)) {
     return absl::InvalidArgumentError(
         absl::StrCat("record: start_time is ", start_time, ", must be finite"));

@@ -3,6 +3,8 @@
 #include <cmath>
 
 #include "absl/strings/str_cat.h"
+#include "mle/base/number_range.h"
+#include "mle/base/status.h"
 
 namespace mle {
 namespace {
@@ -12,10 +14,7 @@ constexpr double kMaxSamples = 1e9;
 }  // namespace
 
 absl::Status ValidateSampling(double sample_time, double duration) {
-  if (!(sample_time > 0.0) || !std::isfinite(sample_time)) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "sample_time = ", sample_time, ", but it must be finite and > 0"));
-  }
+  MLE_RETURN_IF_ERROR(ValidateSampleTime("sample_time", sample_time));
   if (!(duration > 0.0) || !std::isfinite(duration)) {
     return absl::InvalidArgumentError(absl::StrCat(
         "duration = ", duration, ", but it must be finite and > 0"));

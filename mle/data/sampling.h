@@ -7,7 +7,7 @@
 
 namespace mle {
 
-// Δt > 0, duration > 0, both finite, and at most 10⁹ samples.
+// A Δt (ValidateSampleTime), duration > 0 and finite, at most 10⁹ samples.
 absl::Status ValidateSampling(double sample_time, double duration);
 
 // Finite and ≥ 0.

@@ -9,6 +9,7 @@
 
 #include "Eigen/Eigenvalues"
 #include "absl/strings/str_cat.h"
+#include "mle/base/number_range.h"
 #include "mle/base/status.h"
 #include "mle/exchange/same_element.h"
 #include "mle/exchange/sampled_responses.h"
@@ -177,10 +178,7 @@ std::vector<double> DenominatorOf(const MatrixXd& e, bool integrating) {
 
 absl::Status DiscreteModel::Validate() const {
   MLE_RETURN_IF_ERROR(channels.Validate());
-  if (!(sample_time > 0.0) || !std::isfinite(sample_time)) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "sample_time is ", sample_time, ", must be finite and > 0"));
-  }
+  MLE_RETURN_IF_ERROR(ValidateSampleTime("sample_time", sample_time));
   for (const DiscreteElement& element : elements) {
     const absl::Status status = CheckElement(element, variable);
     if (status.ok()) continue;

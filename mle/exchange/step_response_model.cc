@@ -8,6 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "glog/logging.h"
 #include "mle/base/file.h"
+#include "mle/base/number_range.h"
 #include "mle/base/status.h"
 #include "mle/exchange/file_text.h"
 #include "mle/exchange/step_response_csv.h"
@@ -23,10 +24,7 @@ constexpr double kLargestCoefficient = 1e100;
 
 absl::Status StepResponseModel::Validate() const {
   MLE_RETURN_IF_ERROR(channels.Validate());
-  if (!(interval > 0.0) || !std::isfinite(interval)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("interval is ", interval, ", must be positive"));
-  }
+  MLE_RETURN_IF_ERROR(ValidateSampleTime("interval", interval));
   if (length() < kFewestCoefficients) {
     return absl::InvalidArgumentError(
         absl::StrCat("there are ", length(), " coefficients, at least ",

@@ -6,6 +6,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "glog/logging.h"
+#include "mle/base/number_range.h"
+#include "mle/base/status.h"
 
 namespace mle {
 namespace {
@@ -84,10 +86,8 @@ void FillInputPart(const ArxModel& model, int first_row, int samples,
 }  // namespace
 
 absl::Status ArxModel::Validate() const {
-  if (!(sample_time > 0.0) || !std::isfinite(sample_time)) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "ARX model: sample_time is ", sample_time, ", must be positive"));
-  }
+  MLE_RETURN_IF_ERROR(
+      ValidateSampleTime("ARX model: sample_time", sample_time));
   if (order < 1 || num_outputs < 1 || num_inputs < 1) {
     return absl::InvalidArgumentError(absl::StrCat(
         "ARX model: order is ", order, ", num_outputs ", num_outputs,

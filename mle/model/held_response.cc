@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "absl/strings/str_cat.h"
+#include "mle/base/number_range.h"
 #include "mle/base/status.h"
 
 namespace mle {
@@ -16,10 +17,7 @@ constexpr double kMaxDelaySamples = 1e7;
 
 absl::StatusOr<HeldResponse> HeldResponse::Create(
     const TransferFunction& element, double sample_time) {
-  if (!(sample_time > 0.0) || !std::isfinite(sample_time)) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "sample_time = ", sample_time, ", but it must be finite and > 0"));
-  }
+  MLE_RETURN_IF_ERROR(ValidateSampleTime("sample_time", sample_time));
   MLE_RETURN_IF_ERROR(element.Validate());
   const double delay = element.delay() / sample_time;
   if (delay > kMaxDelaySamples) {

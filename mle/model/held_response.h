@@ -27,9 +27,9 @@ struct HeldResponse {
   Eigen::RowVectorXd C;  // r
   double D = 0.0;
 
-  // InvalidArgument for Δt that is not finite and > 0, for an invalid element,
-  // where its dead time is longer than 10⁷ samples, and where its coefficients
-  // over a sample are not finite.
+  // InvalidArgument for Δt that is none (ValidateSampleTime), for an invalid
+  // element, where its dead time is longer than 10⁷ samples, and where its
+  // coefficients over a sample are not finite.
   static absl::StatusOr<HeldResponse> Create(const TransferFunction& element,
                                              double sample_time);
 };

@@ -9,6 +9,7 @@
 #include "Eigen/SVD"
 #include "absl/strings/str_cat.h"
 #include "glog/logging.h"
+#include "mle/base/number_range.h"
 #include "mle/base/status.h"
 
 namespace mle {
@@ -106,11 +107,8 @@ absl::Status CheckDelays(const char* name, const std::vector<int>& delays,
 }  // namespace
 
 absl::Status DiscreteStateSpace::Validate() const {
-  if (!(sample_time > 0.0) || !std::isfinite(sample_time)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("state-space model: sample_time is ", sample_time,
-                     ", must be positive"));
-  }
+  MLE_RETURN_IF_ERROR(
+      ValidateSampleTime("state-space model: sample_time", sample_time));
   if (order() < 1 || num_inputs() < 1 || num_outputs() < 1) {
     return absl::InvalidArgumentError(absl::StrCat(
         "state-space model: ", order(), " states, ", num_inputs(), " inputs, ",

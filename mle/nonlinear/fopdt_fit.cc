@@ -10,6 +10,7 @@
 #include "ceres/ceres.h"
 #include "glog/logging.h"
 #include "mle/base/double_limits.h"
+#include "mle/base/number_range.h"
 #include "mle/base/status.h"
 #include "mle/nonlinear/fopdt_grid.h"
 #include "mle/nonlinear/unit_errors.h"
@@ -201,10 +202,8 @@ FopdtFit MakeFit(const Response& response, const RefinedFopdt& refined,
 }
 
 absl::Status CheckResponse(const Response& response, double sample_time) {
-  if (!(sample_time > 0.0) || !std::isfinite(sample_time)) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "FOPDT fit: sample_time is ", sample_time, ", must be positive"));
-  }
+  MLE_RETURN_IF_ERROR(
+      ValidateSampleTime("FOPDT fit: sample_time", sample_time));
   if (response.size() < 5) {
     return absl::InvalidArgumentError(
         absl::StrCat("FOPDT fit: the step response has ", response.size(),

@@ -8,6 +8,7 @@
 
 #include "Eigen/QR"
 #include "absl/strings/str_cat.h"
+#include "mle/base/number_range.h"
 #include "mle/base/status.h"
 
 namespace mle {
@@ -192,10 +193,8 @@ absl::StatusOr<RationalFit> FitRational(
     const Eigen::Ref<const VectorXd>& step_response, double sample_time,
     const RationalOptions& options) {
   MLE_RETURN_IF_ERROR(options.Validate());
-  if (!(sample_time > 0.0) || !std::isfinite(sample_time)) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "rational fit: sample_time is ", sample_time, ", must be positive"));
-  }
+  MLE_RETURN_IF_ERROR(
+      ValidateSampleTime("rational fit: sample_time", sample_time));
   const Eigen::Index n = step_response.size();
   if (n < 5 || !step_response.allFinite()) {
     return absl::InvalidArgumentError(

@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "ceres/ceres.h"
+#include "mle/base/number_range.h"
 #include "mle/base/status.h"
 
 namespace mle {
@@ -171,10 +172,8 @@ Parameters RefinedSopdt(const Response& response, double max_delay,
 
 absl::Status CheckArguments(const Response& response, double sample_time,
                             double max_delay) {
-  if (!(sample_time > 0.0) || !std::isfinite(sample_time)) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "SOPDT fit: sample_time is ", sample_time, ", must be positive"));
-  }
+  MLE_RETURN_IF_ERROR(
+      ValidateSampleTime("SOPDT fit: sample_time", sample_time));
   if (!(max_delay >= 0.0) || !std::isfinite(max_delay)) {
     return absl::InvalidArgumentError(
         absl::StrCat("SOPDT fit: max_delay is ", max_delay,

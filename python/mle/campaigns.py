@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 import json
+import operator
 import os
 from typing import Any, Dict, Mapping, Optional, Union
 
@@ -82,6 +83,7 @@ def study(
     Raises InvalidInputError (a ValueError) naming the JSON path of what is wrong.
     """
     text, source, folder, shown = text_and_source(campaign, "campaign")
+    threads = operator.index(threads)
     if threads < 0:
         raise ValueError(f"threads={threads}: it must be 0 or more")
     to = "" if out is None else os.fspath(out)

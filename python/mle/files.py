@@ -8,6 +8,7 @@ import os
 from typing import Any, Dict, Mapping, Tuple, Union
 
 from ._mle import ProcessModel, StateSpaceModel, StepResponseModel
+from .errors import _error
 
 
 class FileResult:
@@ -67,4 +68,7 @@ def text_and_source(
             text = file.read()
     except UnicodeDecodeError as error:
         raise ValueError(f"{path}: not a text in UTF-8 ({error.reason})") from None
+    except OSError as error:
+        code = "NOT_FOUND" if isinstance(error, FileNotFoundError) else "UNAVAILABLE"
+        raise _error(code, f"{path}: cannot be read: {error.strerror}", "") from None
     return text, path, os.path.join(os.path.dirname(path), ""), repr(path)

@@ -7,10 +7,12 @@ out is made where the package is installed.
 
 from __future__ import annotations
 
-from typing import Any, Dict, List, Sequence, Tuple, Union
+from collections.abc import Iterable
+from typing import Any, Dict, List, Sequence, Tuple
 
 from . import model as _model
-from ._mle import ProcessModel, StateSpaceModel
+from ._mle import ProcessModel, StateSpaceModel, StepResponseModel
+from .model import ModelLike
 
 # Of poles and zeros: those nearer than this, relative to their size, cancel.
 _CANCELS = 1e-7
@@ -127,13 +129,26 @@ def _of_state_space(system: Any, delays: Any, names: Dict[str, Any]) -> ProcessM
     return _discrete(system, names)
 
 
-def _check_continuous(system: Any) -> None:
+def _is_transfer_function(system: Any) -> bool:
+    return hasattr(system, "to_tf") or (hasattr(system, "num") and hasattr(system, "den"))
+
+
+def _transfer_function(system: Any) -> Any:
+    """With ``num`` and ``den``, in continuous time."""
+    if not _is_transfer_function(system):
+        raise TypeError(
+            "a system must be a transfer function (num, den), zeros and poles (to_tf) or a state "
+            f"space (A, B, C, D); this is {type(system).__name__}"
+        )
+    if not hasattr(system, "num"):
+        system = system.to_tf()
     dt = _sample_time(system)
     if dt != 0.0:
         raise ValueError(
             f"the transfer function is discrete (dt = {dt}); convert it to state space "
             "(scipy.signal: to_ss(), control: control.ss()), which is taken as it is"
         )
+    return system
 
 
 def _entry(system: Any) -> Tuple[Any, Any]:
@@ -143,9 +158,7 @@ def _entry(system: Any) -> Tuple[Any, Any]:
     if _is_state_space(system):
         numerator, denominator, _ = _of_state_space(system, 0.0, {}).element(0, 0)
         return numerator, denominator
-    if not hasattr(system, "num") and hasattr(system, "to_tf"):
-        system = system.to_tf()
-    _check_continuous(system)
+    system = _transfer_function(system)
     if _is_scalar_system(system):
         return system.num, system.den
     return system.num[0][0], system.den[0][0]
@@ -165,16 +178,16 @@ def from_systems(systems: Any, delays: Any = 0.0, **names: Any) -> ProcessModel:
     """
     if _is_state_space(systems):
         return _of_state_space(systems, delays, names)
-    if not hasattr(systems, "num") and hasattr(systems, "to_tf"):
-        systems = systems.to_tf()
-    if hasattr(systems, "num"):
-        _check_continuous(systems)
+    if _is_transfer_function(systems):
+        systems = _transfer_function(systems)
         if _is_scalar_system(systems):
             numerators, denominators = [[systems.num]], [[systems.den]]
         else:
             numerators, denominators = systems.num, systems.den
         names = _labels(systems, names)
         return _model.from_transfer_functions(numerators, denominators, delays, **names)
+    if not isinstance(systems, Iterable) or not all(isinstance(row, Iterable) for row in systems):
+        raise TypeError(f"systems must be a system, or a table of such; this is {type(systems).__name__}")
     entries = [[_entry(system) for system in row] for row in systems]
     return _model.from_transfer_functions(
         [[numerator for numerator, _ in row] for row in entries],
@@ -208,14 +221,21 @@ def _delay_states(model: StateSpaceModel) -> Tuple[Any, Any, Any, Any]:
     return a, b, c, d
 
 
-def to_scipy(model: Union[ProcessModel, StateSpaceModel]) -> Any:
-    """Of a ProcessModel (systems, delays): ``systems[i][j]`` is a
+def _states_or_functions(model: Any) -> Any:
+    """Of step responses the transfer functions that describe them."""
+    model = _model.read_model(model)
+    return model.process if isinstance(model, StepResponseModel) else model
+
+
+def to_scipy(model: ModelLike) -> Any:
+    """Of transfer functions (systems, delays): ``systems[i][j]`` is a
     ``scipy.signal.TransferFunction``, ``delays`` an array (p, m) of the dead times,
     which it does not hold. Of a StateSpaceModel a discrete
     ``scipy.signal.StateSpace``, dead times as states."""
     import numpy as np
     from scipy import signal
 
+    model = _states_or_functions(model)
     if isinstance(model, StateSpaceModel):
         return signal.StateSpace(*_delay_states(model), dt=model.dt)
     systems: List[list] = []
@@ -228,14 +248,15 @@ def to_scipy(model: Union[ProcessModel, StateSpaceModel]) -> Any:
     return systems, delays
 
 
-def to_control(model: Union[ProcessModel, StateSpaceModel], pade_order: int = 0) -> Any:
-    """Of a ProcessModel a ``control.TransferFunction``. Dead times become Padé
+def to_control(model: ModelLike, pade_order: int = 0) -> Any:
+    """Of transfer functions a ``control.TransferFunction``. Dead times become Padé
     approximations of ``pade_order``; with 0 a model that has any raises ValueError, as
     that package does not know them. Of a StateSpaceModel a discrete
     ``control.StateSpace``, dead times as states. Needs python-control 0.9.2 or later."""
     import control
     import numpy as np
 
+    model = _states_or_functions(model)
     names = {"inputs": list(model.inputs), "outputs": list(model.outputs)}
     if isinstance(model, StateSpaceModel):
         return control.StateSpace(*_delay_states(model), model.dt, **names)

@@ -13,6 +13,18 @@ from ._mle import ProcessModel, StateSpaceModel, StepResponseModel
 ModelLike = Union[ProcessModel, StepResponseModel, StateSpaceModel, str, "os.PathLike[str]"]
 
 
+def read_model(model: ModelLike) -> Union[ProcessModel, StepResponseModel, StateSpaceModel]:
+    """The model itself, or that of a file."""
+    if isinstance(model, (ProcessModel, StepResponseModel, StateSpaceModel)):
+        return model
+    if isinstance(model, (str, os.PathLike)):
+        return ProcessModel.read(model)
+    raise TypeError(
+        "a model must be mle.ProcessModel, mle.StepResponseModel, mle.StateSpaceModel or the path "
+        f"of a file; this is {type(model).__name__}"
+    )
+
+
 def _table(values: Any, name: str, outputs: int, inputs: int) -> list:
     """p x m numbers of a scalar, which stands for all elements, or an array."""
     import numpy as np
@@ -144,6 +156,7 @@ def from_transfer_functions(
     or one number for all, in ``time_unit``. Other arguments as of
     :func:`from_fopdt`. Raises ValueError.
     """
+    numerators, denominators = _rows(numerators), _rows(denominators)
     p = len(numerators)
     m = len(numerators[0]) if p else 0
     for table, what in ((numerators, "numerators"), (denominators, "denominators")):
@@ -185,6 +198,10 @@ def from_transfer_functions(
         ),
         "from_transfer_functions",
     )
+
+
+def _rows(table: Any) -> list:
+    return [list(row) for row in table]
 
 
 def _coefficients(values: Any) -> list:

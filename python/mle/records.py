@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import os
-from typing import Any, List, Mapping, Sequence, Tuple, Union
+from typing import Any, List, Mapping, Sequence, Tuple
 
 from . import _mle
-from ._mle import ProcessModel, Record, StateSpaceModel, StepResponseModel
-from .model import ModelLike
+from ._mle import Record
+from .model import ModelLike, read_model
 from .options import names_of, option_texts
 
 # Options that say how a text is read, and mean nothing for a table.
@@ -166,7 +166,7 @@ def read_records(records: Any, model: ModelLike, **options: Any) -> List[Record]
 
 def to_dataframe(
     record: Record,
-    model: Union[ProcessModel, StepResponseModel, StateSpaceModel],
+    model: ModelLike,
     start: Any = None,
 ) -> Any:
     """A data frame of a record with the columns that the command reads: outputs,
@@ -175,6 +175,17 @@ def to_dataframe(
     import numpy as np
     import pandas as pd
 
+    model = read_model(model)
+    if not isinstance(record, Record):
+        raise TypeError(f"record must be mle.Record; this is {type(record).__name__}")
+    for what, names, samples in (
+        ("outputs", model.outputs, record.outputs),
+        ("inputs", model.inputs, record.inputs),
+    ):
+        if samples.shape[1] != len(names):
+            raise ValueError(
+                f"the record has {samples.shape[1]} {what}; the model has {len(names)}"
+            )
     columns = {}
     for i, name in enumerate(model.outputs):
         columns[name] = record.outputs[:, i]

@@ -220,8 +220,9 @@ py::tuple ResponsesOf(const py::object& self) {
 py::list MessagesOf(const std::vector<Message>& messages) {
   py::list list;
   for (const Message& message : messages) {
-    list.append(py::make_tuple(std::string(NameOf(message.code)), message.place,
-                               message.text, message.options));
+    list.append(py::make_tuple(std::string(NameOf(message.code)),
+                               TextOf(message.place), TextOf(message.text),
+                               message.options));
   }
   return list;
 }

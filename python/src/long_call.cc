@@ -4,6 +4,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <deque>
+#include <exception>
 #include <mutex>
 #include <thread>
 #include <utility>
@@ -27,6 +28,7 @@ struct Call {
   std::deque<RunProgress> reports;
   bool done = false;
   absl::Status status;
+  std::exception_ptr thrown;  // memory that is exhausted
 };
 
 struct LeftBehind {
@@ -84,17 +86,24 @@ absl::Status RunLong(
   const auto call = std::make_shared<Call>();
   const bool tells = !progress.is_none();
   std::thread thread([call, tells, work = std::move(work)]() mutable {
-    absl::Status status = work([&call, tells](const RunProgress& report) {
-      if (tells) {
-        const std::lock_guard<std::mutex> lock(call->mutex);
-        call->reports.push_back(report);
-        call->changed.notify_all();
-      }
-      return !call->stop;
-    });
+    absl::Status status;
+    std::exception_ptr thrown;
+    try {
+      status = work([&call, tells](const RunProgress& report) {
+        if (tells) {
+          const std::lock_guard<std::mutex> lock(call->mutex);
+          call->reports.push_back(report);
+          call->changed.notify_all();
+        }
+        return !call->stop;
+      });
+    } catch (...) {
+      thrown = std::current_exception();
+    }
     work = nullptr;  // and what it holds
     const std::lock_guard<std::mutex> lock(call->mutex);
     call->status = std::move(status);
+    call->thrown = thrown;
     call->done = true;
     call->changed.notify_all();
   });
@@ -105,6 +114,7 @@ absl::Status RunLong(
     throw;
   }
   thread.join();
+  if (call->thrown) std::rethrow_exception(call->thrown);
   return call->status;
 }
 

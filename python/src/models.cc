@@ -2,7 +2,6 @@
 
 #include "python/src/models.h"
 
-#include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>
@@ -14,7 +13,6 @@
 #include "mle/model/process_model.h"
 #include "mle/model/state_space_json.h"
 #include "pybind11/stl.h"
-#include "pybind11/stl/filesystem.h"
 #include "python/src/arrays.h"
 #include "python/src/bindings.h"
 #include "python/src/status.h"
@@ -53,8 +51,9 @@ std::vector<std::string> RolesOf(const ProcessModel& model) {
 py::array StepResponseOf(const ProcessModel& model, double sample_time,
                          int samples) {
   ThrowUnlessOk(ValidateSampling(sample_time, sample_time * samples));
-  if (samples < 1 ||
-      samples * model.num_outputs() * model.num_inputs() > kMostSamples) {
+  const double values =
+      static_cast<double>(samples) * model.num_outputs() * model.num_inputs();
+  if (samples < 1 || values > kMostSamples) {
     throw py::value_error(
         absl::StrCat("samples = ", samples,
                      ": it must be at least 1, and all "
@@ -93,6 +92,15 @@ std::string ModelRepresentation(const ProcessModel& model) {
 
 }  // namespace
 
+std::string PathOf(const py::handle& argument) {
+  auto path =
+      py::module_::import("os").attr("fsencode")(argument).cast<std::string>();
+  if (path.find('\0') != std::string::npos) {
+    throw py::value_error("the path of a file has a NUL byte in it");
+  }
+  return path;
+}
+
 ModelArgument ModelOf(const py::handle& argument) {
   if (py::isinstance<ProcessModel>(argument)) {
     ModelFile file;
@@ -114,7 +122,7 @@ ModelArgument ModelOf(const py::handle& argument) {
         py::str(py::type::of(argument).attr("__name__")).cast<std::string>(),
         " (mle.from_systems takes models of other packages)"));
   }
-  const std::string path = argument.cast<std::filesystem::path>().string();
+  const std::string path = PathOf(argument);
   return {ValueOrThrow(ReadModelFile(path)), path};
 }
 
@@ -138,8 +146,8 @@ void AddModels(py::module_& module) {
                   "element; `source` opens the message.")
       .def_static(
           "read",
-          [](const std::filesystem::path& path) {
-            return ValueOrThrow(ReadModelFile(path.string())).process;
+          [](const py::object& path) {
+            return ValueOrThrow(ReadModelFile(PathOf(path))).process;
           },
           py::arg("path"),
           "A model of a file: transfer functions (JSON), or step responses "

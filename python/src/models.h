@@ -12,6 +12,10 @@
 
 namespace mle::python {
 
+// Of str, bytes or os.PathLike, as Python's own functions take it; raises what
+// these raise.
+std::string PathOf(const pybind11::handle& argument);
+
 struct ModelArgument {
   ModelFile file;
   std::string path;  // "": not of a file

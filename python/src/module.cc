@@ -11,7 +11,7 @@
 PYBIND11_MODULE(_mle, module) {
   module.doc() = "What of the package mle is compiled; use mle itself.";
   module.attr("__version__") = std::string(mle::LibraryVersion());
-  mle::python::TranslateStatusErrors();
+  mle::python::TranslateErrors();
   mle::python::AddModels(module);
   mle::python::AddStepResponses(module);
   mle::python::AddStateSpaces(module);

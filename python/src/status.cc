@@ -12,13 +12,20 @@ void Raise(const absl::Status& status) {
   const py::object error =
       py::module_::import("mle.errors")
           .attr("_error")(absl::StatusCodeToString(status.code()),
-                          WithoutDashes(std::string(status.message())),
+                          TextOf(WithoutDashes(std::string(status.message()))),
                           OptionOf(status));
   PyErr_SetObject(reinterpret_cast<PyObject*>(Py_TYPE(error.ptr())),
                   error.ptr());
 }
 
 }  // namespace
+
+py::str TextOf(const std::string& text) {
+  PyObject* const decoded = PyUnicode_DecodeUTF8(
+      text.data(), static_cast<Py_ssize_t>(text.size()), "replace");
+  if (decoded == nullptr) throw py::error_already_set();
+  return py::reinterpret_steal<py::str>(decoded);
+}
 
 std::string WithoutDashes(const std::string& text) {
   std::string plain;
@@ -34,12 +41,14 @@ std::string WithoutDashes(const std::string& text) {
   return plain;
 }
 
-void TranslateStatusErrors() {
+void TranslateErrors() {
   py::register_local_exception_translator([](std::exception_ptr pointer) {
     try {
       if (pointer) std::rethrow_exception(pointer);
     } catch (const StatusError& error) {
       Raise(error.status());
+    } catch (const py::cast_error& error) {
+      PyErr_SetString(PyExc_TypeError, error.what());
     }
   });
 }

@@ -46,8 +46,12 @@ Value ValueOrThrow(absl::StatusOr<Value> value) {
 // "order" for each "--order" in a text.
 std::string WithoutDashes(const std::string& text);
 
-// Has pybind11 turn StatusError into exceptions of the package.
-void TranslateStatusErrors();
+// What is not UTF-8, as the bytes of a file may be, becomes U+FFFD.
+pybind11::str TextOf(const std::string& text);
+
+// Has pybind11 turn StatusError into exceptions of the package, and what is of
+// another type than its place in an argument into TypeError.
+void TranslateErrors();
 
 }  // namespace mle::python
 

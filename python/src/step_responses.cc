@@ -1,14 +1,12 @@
 // mle.StepResponseModel: the coefficients of a file (ModelFile) and the
 // transfer functions that describe them.
 
-#include <filesystem>
 #include <string>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "mle/exchange/model_file.h"
 #include "pybind11/stl.h"
-#include "pybind11/stl/filesystem.h"
 #include "python/src/arrays.h"
 #include "python/src/bindings.h"
 #include "python/src/models.h"
@@ -36,13 +34,14 @@ ModelFile ParsedFile(const std::string& text, const std::string& source) {
   return WithStepResponses(ValueOrThrow(std::move(file)), source);
 }
 
-ModelFile Read(const std::filesystem::path& path) {
+ModelFile Read(const py::object& argument) {
+  const std::string path = PathOf(argument);
   absl::StatusOr<ModelFile> file;
   {
     const py::gil_scoped_release release;
-    file = ReadModelFile(path.string());
+    file = ReadModelFile(path);
   }
-  return WithStepResponses(ValueOrThrow(std::move(file)), path.string());
+  return WithStepResponses(ValueOrThrow(std::move(file)), path);
 }
 
 // (N, p, m): c_1 … c_N, zeros for pairs that are not there.

@@ -73,6 +73,11 @@ def test_what_is_wrong_with_a_campaign(loop, tmp_path):
         mle.study(tmp_path / "nowhere.json")
     with pytest.raises(ValueError, match="threads=-1"):
         mle.study(campaign_of(loop), threads=-1)
+    with pytest.raises(TypeError, match="float"):
+        mle.study(campaign_of(loop), threads=2.5)
+    mle.study(campaign_of(loop), threads=2**31 - 1, figures=False)
+    with pytest.raises(mle.FileAccessError, match="directory"):
+        mle.study(tmp_path)
     mle.study(campaign_of(loop), out=tmp_path / "out", figures=False)
     with pytest.raises(mle.InvalidInputError, match="journal.csv.*resume"):
         mle.study(campaign_of(loop), out=tmp_path / "out")

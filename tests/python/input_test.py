@@ -177,6 +177,41 @@ def test_files(loop, tmp_path):
         mle.correct(loop[0], [1])
 
 
+def test_paths_that_are_none(loop):
+    with pytest.raises(ValueError, match="NUL"):
+        mle.correct("model\0.json", loop[2])
+    with pytest.raises(ValueError, match="NUL"):
+        mle.ProcessModel.read("model\0.json")
+    with pytest.raises(ValueError, match="surrogates"):
+        mle.Plant("model\ud800.json", sample_time=1.0)
+    with pytest.raises(TypeError, match="int"):
+        mle.StepResponseModel.read(3)
+
+
+def test_messages_that_are_not_utf_8():
+    """This one quotes half a character."""
+    with refused("model.json: line 1, column 10: .*\ufffd"):
+        mle.ProcessModel.from_json('{"name": é}', "model.json")
+
+
+def test_frames_of_records(loop):
+    model, _, record = loop
+    with pytest.raises(TypeError, match="record must be mle.Record; this is int"):
+        mle.to_dataframe(3, model)
+    with pytest.raises(TypeError, match="a model must be .*; this is float"):
+        mle.to_dataframe(record, 2.0)
+    with pytest.raises(ValueError, match="the record has 1 outputs; the model has 2"):
+        mle.to_dataframe(record, mle.from_fopdt([[1.0], [2.0]], 10.0))
+
+
+def test_sample_times_without_a_rate():
+    steps = 1.0 - np.exp(-np.arange(1, 31) / 5.0)[:, None, None]
+    with refused(r"interval is 1e-310, must be in \[1e-300, 1e\+300\]"):
+        mle.from_step_responses(steps, 1e-310)
+    with pytest.raises(ValueError, match="at most 1e8 values"):
+        mle.from_fopdt([[1.0, 2.0], [3.0, 4.0]], 5.0).step_response(1e-5, 2**29)
+
+
 def test_nothing_to_learn(loop, frame):
     with refused("no set point changes") as caught:
         mle.correct(loop[0], frame.assign(level_setpoint=0.0))

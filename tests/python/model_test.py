@@ -83,6 +83,15 @@ class System:
         self.num, self.den, self.dt = num, den, dt
 
 
+def test_what_is_no_system():
+    for systems in ("abc", [["x"]], [[1.0, object()]]):
+        with pytest.raises(TypeError, match="a system must be .*; this is (str|object)"):
+            mle.from_systems(systems)
+    for systems in (3.0, [1.0]):
+        with pytest.raises(TypeError, match="systems must be a system, or a table of such; this is"):
+            mle.from_systems(systems)
+
+
 def test_systems_of_other_packages():
     single = mle.from_systems(System(np.array([2.0]), np.array([5.0, 1.0])), 1.5)
     assert single == mle.from_transfer_functions([[[2.0]]], [[[5.0, 1.0]]], 1.5)

@@ -169,6 +169,33 @@ def test_keyboard_interrupt_stops_and_the_process_ends_in_order():
     assert (done.stdout, done.returncode) == ("interrupted\n", 0), done.stderr
 
 
+EXHAUSTED = """
+import resource
+import mle
+model = mle.from_fopdt([[2.0]], 10.0, 2.0, inputs=["u"], outputs=["y"])
+record = mle.simulate(model, setpoints=[("y", 100, 1.0)], duration=400, sample_time=1,
+                      control_period=2)
+# Before, the threads are made, and what they have of their own: the system ends a process
+# that has no memory for it.
+mle.correct(model, record, estimator="arx")
+size = int(open("/proc/self/statm").read().split()[0]) * resource.getpagesize()
+resource.setrlimit(resource.RLIMIT_AS, (size + 60_000_000, -1))
+try:
+    mle.correct(model, record, estimator="arx", conversion_samples=10_000_000)
+except MemoryError:
+    print("refused")
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
+def test_exhausted_memory_is_an_exception():
+    """The work runs on a thread of its own, where nobody else would catch it."""
+    done = subprocess.run(
+        [sys.executable, "-c", EXHAUSTED], capture_output=True, text=True, check=False
+    )
+    assert (done.stdout, done.returncode) == ("refused\n", 0), done.stderr
+
+
 def resident_megabytes():
     with open("/proc/self/statm", encoding="ascii") as file:
         return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6

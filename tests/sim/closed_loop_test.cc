@@ -236,7 +236,7 @@ TEST(ClosedLoopTest, ArgumentsAreChecked) {
     return std::string(status.message());
   };
   EXPECT_THAT(message({.sample_time = -0.2}, {}),
-              HasSubstr("sample_time = -0.2"));
+              HasSubstr("sample_time is -0.2"));
   EXPECT_THAT(message({.control_period = 0.5}, {}),
               HasSubstr("whole multiple of sample_time = 0.2"));
   EXPECT_THAT(message({.control_period = 0.0}, {}),

@@ -1,5 +1,7 @@
 #include "mle/base/number_range.h"
 
+#include "absl/strings/str_cat.h"
+#include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "mle/base/double_limits.h"
 
@@ -33,6 +35,20 @@ TEST(NumberRangeTest, DescribesItself) {
   EXPECT_EQ(Between(100, 10'000'000).Describe(), "in [100, 10000000]");
   EXPECT_EQ((NumberRange{.min = 0.0, .max = 1.0, .open_min = true}.Describe()),
             "in (0, 1]");
+}
+
+TEST(NumberRangeTest, SampleTimesHaveRates) {
+  for (const double sample_time : {1e-300, 0.2, 1e300}) {
+    EXPECT_TRUE(ValidateSampleTime("Δt", sample_time).ok()) << sample_time;
+  }
+  for (const double sample_time : {0.0, -1.0, kNaN, -kInfinity}) {
+    EXPECT_EQ(ValidateSampleTime("Δt", sample_time).message(),
+              absl::StrCat("Δt is ", sample_time, ", must be positive"));
+  }
+  for (const double sample_time : {5e-324, 1e301, kInfinity}) {
+    EXPECT_THAT(std::string(ValidateSampleTime("Δt", sample_time).message()),
+                testing::HasSubstr("must be in [1e-300, 1e+300]"));
+  }
 }
 
 }  // namespace

@@ -390,7 +390,7 @@ std::string Refusal(const ProcessModel& model, double sample_time,
 TEST(BalancedReductionTest, FaultsSayWhatWouldBeRight) {
   const ProcessModel model = WoodBerry();
   EXPECT_THAT(Refusal(EmptyModel(1, 1), 1.0, {}), HasSubstr("is zero"));
-  EXPECT_THAT(Refusal(model, 0.0, {}), HasSubstr("sample_time = 0"));
+  EXPECT_THAT(Refusal(model, 0.0, {}), HasSubstr("sample_time is 0"));
   ReductionOptions options;
   options.tolerance = 0.0;
   EXPECT_THAT(Refusal(model, 1.0, options), HasSubstr("tolerance is 0"));

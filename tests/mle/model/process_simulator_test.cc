@@ -143,7 +143,7 @@ TEST(ProcessSimulatorTest, ABadSampleTimeIsNamed) {
     for (const ProcessModel& model : {MixedModel(), EmptyModel(1, 1)}) {
       const absl::Status status = ProcessSimulator::Create(model, bad).status();
       EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
-      EXPECT_THAT(std::string(status.message()), HasSubstr("sample_time = "));
+      EXPECT_THAT(std::string(status.message()), HasSubstr("sample_time is "));
     }
   }
 }
