@@ -11,6 +11,13 @@
 namespace mle {
 namespace {
 
+// No text file takes a NUL.
+absl::Status CheckText(const std::string& text, const std::string& what) {
+  if (text.find('\0') == std::string::npos) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrCat(what, " has a NUL character in it"));
+}
+
 // Adds the names of `channels`, each once, to `seen`.
 template <typename Channel>
 absl::Status AddNames(const std::vector<Channel>& channels, const char* kind,
@@ -21,6 +28,10 @@ absl::Status AddNames(const std::vector<Channel>& channels, const char* kind,
       return absl::InvalidArgumentError(absl::StrCat(
           kind, "s[", i, "]: name is empty, each channel needs one"));
     }
+    MLE_RETURN_IF_ERROR(
+        CheckText(name, absl::StrCat(kind, "s[", i, "]: name")));
+    MLE_RETURN_IF_ERROR(
+        CheckText(channels[i].unit, absl::StrCat(kind, "s[", i, "]: unit")));
     if (!seen.insert(name).second) {
       return absl::InvalidArgumentError(absl::StrCat(
           kind, "s[", i, "]: name \"", name,
@@ -69,6 +80,8 @@ absl::Status ProcessModel::Validate() const {
   if (outputs_.empty()) {
     return absl::InvalidArgumentError("outputs is empty, must hold at least 1");
   }
+  MLE_RETURN_IF_ERROR(CheckText(name_, "name"));
+  MLE_RETURN_IF_ERROR(CheckText(time_unit_, "time_unit"));
   std::set<std::string> seen;
   MLE_RETURN_IF_ERROR(AddNames(inputs_, "input", seen));
   MLE_RETURN_IF_ERROR(AddNames(outputs_, "output", seen));

@@ -19,8 +19,17 @@ namespace {
 
 namespace py = pybind11;
 
-std::vector<std::string> Numbered(const char* prefix, Eigen::Index count) {
+// Of text alone: bytes need not be UTF-8.
+using Names = std::optional<std::vector<py::str>>;
+
+// Those given, or numbers behind `prefix`.
+std::vector<std::string> NamesOf(const Names& given, const char* prefix,
+                                 Eigen::Index count) {
   std::vector<std::string> names;
+  if (given.has_value()) {
+    for (const py::str& name : *given) names.push_back(name);
+    return names;
+  }
   for (Eigen::Index k = 1; k <= count; ++k) {
     names.push_back(prefix + std::to_string(k));
   }
@@ -28,12 +37,11 @@ std::vector<std::string> Numbered(const char* prefix, Eigen::Index count) {
 }
 
 NamedStateSpace Make(const Array& a, const Array& b, const Array& c,
-                     const py::object& d, double dt,
-                     std::optional<std::vector<std::string>> inputs,
-                     std::optional<std::vector<std::string>> outputs,
+                     const py::object& d, double dt, const Names& inputs,
+                     const Names& outputs,
                      std::optional<std::vector<int>> input_delays,
                      std::optional<std::vector<int>> output_delays,
-                     const std::string& time_unit, const std::string& name) {
+                     const py::str& time_unit, const py::str& name) {
   NamedStateSpace named;
   DiscreteStateSpace& system = named.system;
   system.sample_time = dt;
@@ -45,8 +53,8 @@ NamedStateSpace Make(const Array& a, const Array& b, const Array& c,
                  : RowsAndColumnsOf(d.cast<Array>(), "D");
   const Eigen::Index m = system.B.cols();
   const Eigen::Index p = system.C.rows();
-  named.inputs = inputs.value_or(Numbered("u", m));
-  named.outputs = outputs.value_or(Numbered("y", p));
+  named.inputs = NamesOf(inputs, "u", m);
+  named.outputs = NamesOf(outputs, "y", p);
   system.input_delays = input_delays.value_or(std::vector<int>(m));
   system.output_delays = output_delays.value_or(std::vector<int>(p));
   named.time_unit = time_unit;

@@ -6,7 +6,7 @@
 A case is a usual call in which one to three arguments, or parts of them, are something
 else: other types and shapes, no numbers, numbers at the ends of their range, texts that
 are none. It must return, or raise what docs/python.md promises: mle.Error, TypeError,
-ValueError, OverflowError, IndexError or MemoryError. Anything else is a finding, and so
+ValueError, OverflowError, LookupError or MemoryError. Anything else is a finding, and so
 is a call that does not return; what returns is used. The number of a case makes it again:
 `--first=CASE --count=1`.
 
@@ -15,12 +15,10 @@ Memory is limited, so that what is asked for without bounds is refused.
 
 import argparse
 import contextlib
-import copy
 import datetime
 import decimal
 import faulthandler
 import fractions
-import io
 import json
 import math
 import os
@@ -39,7 +37,7 @@ import pandas as pd
 
 import mle
 
-ALLOWED = (mle.Error, TypeError, ValueError, OverflowError, IndexError, MemoryError)
+ALLOWED = (mle.Error, TypeError, ValueError, OverflowError, LookupError, MemoryError)
 MEMORY = 6 << 30  # bytes of addresses
 CASE_SECONDS = 60  # after which a call does not return
 PATIENCE = 3.0  # s, until progress asks to stop
@@ -124,7 +122,7 @@ def damaged(value, draw):
         if how == 0:
             del parts[at]
         elif how == 1:
-            parts.insert(at, copy.copy(parts[at]))
+            parts.insert(at, parts[at])
         else:
             parts[at] = damaged(parts[at], draw)
         return type(value)(parts)

@@ -131,6 +131,9 @@ def test_what_is_wrong_with_a_state_space():
         mle.StateSpaceModel(1.1 * np.eye(2), b, c, dt=1)
     with pytest.raises(mle.InvalidInputError, match="sample_time"):
         mle.StateSpaceModel(0.5 * np.eye(2), b, c, dt=0)
+    for text in ({"name": b"\xff"}, {"inputs": [b"\xff"]}, {"time_unit": 3}):
+        with pytest.raises(TypeError):
+            mle.StateSpaceModel(0.5 * np.eye(2), b, c, dt=1, **text)
     with pytest.raises(mle.InvalidInputError, match="D must be zero"):
         mle.StateSpaceModel(0.5 * np.eye(2), b, c, [[1.0]], dt=1).process
 

@@ -58,6 +58,15 @@ TEST(ProcessModelTest, ValidateSaysWhatIsWrong) {
               HasSubstr("outputs[0]: name is empty"));
   EXPECT_THAT(message(ProcessModel("", "", {{"u", ""}}, {{"u", ""}})),
               HasSubstr("outputs[0]: name \"u\" is used already"));
+  const std::string nul("a\0b", 3);
+  EXPECT_THAT(message(ProcessModel(nul, "", {{"u", ""}}, {{"y", ""}})),
+              HasSubstr("name has a NUL character"));
+  EXPECT_THAT(message(ProcessModel("", nul, {{"u", ""}}, {{"y", ""}})),
+              HasSubstr("time_unit has a NUL character"));
+  EXPECT_THAT(message(ProcessModel("", "", {{nul, ""}}, {{"y", ""}})),
+              HasSubstr("inputs[0]: name has a NUL character"));
+  EXPECT_THAT(message(ProcessModel("", "", {{"u", ""}}, {{"y", nul}})),
+              HasSubstr("outputs[0]: unit has a NUL character"));
   ProcessModel model = Example();
   model.element(1, 0) = TransferFunction::FirstOrder(1.0, -3.0, 0.0);
   EXPECT_THAT(message(model),
