@@ -59,6 +59,9 @@ void AppendUtf8(std::uint32_t code, std::string& text) {
   }
 }
 
+// Of a name or a unit. A damaged file may state 2³² of them.
+constexpr std::size_t kMostCharacters = 10'000;
+
 // A row of characters; nothing for other variables.
 bool TextIn(const matvar_t* variable, std::string& text) {
   text.clear();
@@ -72,6 +75,7 @@ bool TextIn(const matvar_t* variable, std::string& text) {
     return false;
   }
   const std::size_t units = variable->nbytes / variable->data_size;
+  if (units > kMostCharacters) return false;
   for (std::size_t i = 0; i < units; ++i) {
     if (variable->data_size == 2) {
       AppendUtf8(static_cast<const std::uint16_t*>(variable->data)[i], text);
@@ -87,7 +91,8 @@ absl::StatusOr<std::string> MatReader::TextOf(const char* name) const {
   if (variable == nullptr) return Fault(name, "is missing");
   std::string text;
   if (TextIn(variable.get(), text)) return text;
-  return Fault(name, "must be a row of characters");
+  return Fault(name, absl::StrCat("must be a row of at most ", kMostCharacters,
+                                  " characters"));
 }
 
 absl::StatusOr<std::vector<std::string>> MatReader::TextsOf(
@@ -95,7 +100,9 @@ absl::StatusOr<std::vector<std::string>> MatReader::TextsOf(
   const Variable variable(Mat_VarRead(mat_, name));
   if (variable == nullptr) return Fault(name, "is missing");
   const absl::Status fault =
-      Fault(name, "must be a column or row of cells with texts");
+      Fault(name, absl::StrCat("must be a column or row of cells with texts of "
+                               "at most ",
+                               kMostCharacters, " characters"));
   if (variable->class_type != MAT_C_CELL || variable->rank != 2 ||
       (variable->dims[0] != 1 && variable->dims[1] != 1)) {
     return fault;

@@ -68,6 +68,16 @@ def _without_common_roots(numerator: Any, denominator: Any) -> Tuple[Any, Any]:
     return left
 
 
+def _characteristic(matrix: Any) -> Any:
+    """The coefficients of det(s I - matrix)."""
+    import numpy as np
+
+    coefficients = np.real(np.poly(matrix)) if np.isfinite(matrix).all() else matrix
+    if not np.isfinite(coefficients).all():
+        raise ValueError("A, B and C have coefficients of transfer functions beyond 1.8e308")
+    return coefficients
+
+
 def from_state_space(
     A: Any, B: Any, C: Any, D: Any = None, delays: Any = 0.0, **names: Any
 ) -> ProcessModel:
@@ -91,16 +101,16 @@ def from_state_space(
             raise ValueError(f"{name} has the shape {matrix.shape}; it must be {shape}")
         if not np.isfinite(matrix).all():
             raise ValueError(f"{name} must be finite")
-    denominator = np.real(np.poly(a))
+    denominator = _characteristic(a)
     numerators: List[list] = []
     denominators: List[list] = []
     for i in range(p):
         rows = []
         for j in range(m):
             # det(sI - A + b c) - det(sI - A) = c adj(sI - A) b.
-            outer = np.outer(b[:, j], c[i])
-            numerator = np.real(np.poly(a - outer)) + (d[i, j] - 1.0) * denominator
-            scale = np.abs(np.poly(a - outer)) + np.abs(denominator)
+            closed = _characteristic(a - np.outer(b[:, j], c[i]))
+            numerator = closed + (d[i, j] - 1.0) * denominator
+            scale = np.abs(closed) + np.abs(denominator)
             numerator[np.abs(numerator) <= 1e-13 * scale] = 0.0
             rows.append(_without_common_roots(numerator, denominator))
         numerators.append([row[0] for row in rows])

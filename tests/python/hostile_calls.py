@@ -209,6 +209,14 @@ def stop_soon():
     return lambda stage, fraction: time.monotonic() - begin < PATIENCE
 
 
+def affordable(options):
+    """Without steps so fine that the call does what it should, for hours."""
+    step = options.get("sample_time")
+    if isinstance(step, float) and 0.0 < step < 1e-3:
+        options["sample_time"] = 0.0
+    return options
+
+
 class World:
     """Usual calls, and what they need."""
 
@@ -343,7 +351,7 @@ class World:
 
     def call_simulate(self, draw):
         def run(model, plant, options, more):
-            return mle.simulate(model, plant, **{**options, **more})
+            return mle.simulate(model, plant, **affordable({**options, **more}))
 
         return run, dict(model=self.model, plant=self.plant, options=self.LOOP,
                          more=self.some_options("simulate", draw))
@@ -361,7 +369,7 @@ class World:
 
     def call_correct(self, draw):
         def run(model, records, options, more):
-            result = mle.correct(model, records, progress=stop_soon(), **{**options, **more})
+            result = mle.correct(model, records, progress=stop_soon(), **affordable({**options, **more}))
             use(result)
             return result
 
@@ -381,7 +389,7 @@ class World:
 
     def call_lifecycle(self, draw):
         def run(model, ageing, options, more):
-            return mle.lifecycle(model, ageing, progress=stop_soon(), **{**options, **more})
+            return mle.lifecycle(model, ageing, progress=stop_soon(), **affordable({**options, **more}))
 
         return run, dict(model=self.model, ageing=self.ageing, options=self.life,
                          more=self.some_options("lifecycle", draw))

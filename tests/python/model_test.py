@@ -83,6 +83,12 @@ class System:
         self.num, self.den, self.dt = num, den, dt
 
 
+def test_state_spaces_beyond_double():
+    for a, b in ((np.diag([-1e200, -1e200]), 1.0), (-np.eye(2), 1e200)):
+        with pytest.raises(ValueError, match="beyond 1.8e308"):
+            mle.from_state_space(a, np.full((2, 1), b), np.full((1, 2), b))
+
+
 def test_what_is_no_system():
     for systems in ("abc", [["x"]], [[1.0, object()]]):
         with pytest.raises(TypeError, match="a system must be .*; this is (str|object)"):

@@ -200,6 +200,27 @@ TEST_F(MatFile, CompressedVariablesAreLookedAtToo) {
   EXPECT_THAT(std::string(with_interval(true).message()), HasSubstr("damaged"));
 }
 
+TEST_F(MatFile, TextsAreNoLongerThanNamesAre) {
+  const auto with_name = [this](std::size_t characters) {
+    const std::string path =
+        folder_.Write("named.mat", *FormatMat(TankSteps()));
+    Mat mat(Mat_Open(path.c_str(), MAT_ACC_RDWR));
+    EXPECT_EQ(Mat_VarDelete(mat.get(), "name"), 0);
+    mat.reset();
+    mat.reset(Mat_Open(path.c_str(), MAT_ACC_RDWR));
+    std::string text(characters, 'x');
+    Sizes sizes = {1, characters};
+    const Variable variable(Mat_VarCreate("name", MAT_C_CHAR, MAT_T_UTF8, 2,
+                                          sizes.data(), text.data(), 0));
+    EXPECT_EQ(Mat_VarWrite(mat.get(), variable.get(), MAT_COMPRESSION_NONE), 0);
+    mat.reset();
+    return ReadModelFile(path).status();
+  };
+  EXPECT_TRUE(with_name(10'000).ok()) << with_name(10'000);
+  EXPECT_THAT(std::string(with_name(10'001).message()),
+              AllOf(HasSubstr("'name'"), HasSubstr("at most 10000")));
+}
+
 // Variables of other sizes, or of other kinds.
 TEST_F(MatFile, NamesTheVariableThatIsWrong) {
   const auto with = [this](const char* name, Sizes sizes,
