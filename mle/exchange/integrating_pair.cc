@@ -25,19 +25,25 @@ constexpr double kConverged = 1e-12;  // of the squares
 // Of the time at which the ramp would begin: starts of T, the rest being L.
 constexpr std::array<double, 4> kStarts = {0.02, 0.3, 0.7, 0.95};
 
+// Dead times that are tried: later than the response nothing is seen of them.
+struct Delays {
+  double least = 0.0;
+  double most = 0.0;
+};
+
 // K, ln T and L.
 struct Values {
   double gain = 0.0;
   double log_time = 0.0;
   double delay = 0.0;
 
-  Values Moved(const Vector3d& step, double least_delay) const {
+  Values Moved(const Vector3d& step, const Delays& delays) const {
     return {gain + step(0), log_time + std::clamp(step(1), -1.0, 1.0),
-            std::max(delay + step(2), least_delay)};
+            std::clamp(delay + step(2), delays.least, delays.most)};
   }
 };
 
-// N + 1 rows: the response of K = 1, its derivatives by ln T and L.
+// n rows: the response of K = 1, its derivatives by ln T and L.
 MatrixXd RespondToSteps(const ElementResponse& element, const Values& values,
                         double interval, Eigen::Index samples) {
   const double delay = values.delay / interval;
@@ -59,18 +65,21 @@ absl::StatusOr<TransferFunction> FitIntegratingPair(const VectorXd& response,
   if (slope == 0.0 || !std::isfinite(slope)) {
     return absl::InvalidArgumentError("it ends in a ramp without a slope");
   }
-  least_delay = std::max(least_delay, 0.0);
+  const double end = static_cast<double>(n - 1) * interval;
+  const Delays delays = {std::max(least_delay, 0.0), end};
+  if (!(delays.least + 0.1 * interval <= end) || !std::isfinite(end)) {
+    return absl::InvalidArgumentError("it ends before its ramp can begin");
+  }
   // Where the line of the last interval meets zero.
   const double begin =
-      std::max(static_cast<double>(n - 1) * interval - last / slope,
-               least_delay + 0.1 * interval);
+      std::clamp(end - last / slope, delays.least + 0.1 * interval, end);
   MLE_ASSIGN_OR_RETURN(
       const ElementResponse element,
       ElementResponse::Create(TransferFunction::Integrator(1.0, 1.0, 0.0)));
   Values best;
   double least = std::numeric_limits<double>::infinity();
   for (const double share : kStarts) {
-    const double lag = share * (begin - least_delay);
+    const double lag = share * (begin - delays.least);
     Values values = {slope, std::log(lag), begin - lag};
     MatrixXd columns = RespondToSteps(element, values, interval, n);
     VectorXd rest = response - values.gain * columns.col(0);
@@ -82,8 +91,9 @@ absl::StatusOr<TransferFunction> FitIntegratingPair(const VectorXd& response,
       Matrix3d damped = normal;
       damped.diagonal() *= 1.0 + damping;
       damped.diagonal().array() += 1e-300;
-      const Values moved = values.Moved(
-          damped.ldlt().solve(jacobian.transpose() * rest), least_delay);
+      const Vector3d change = damped.ldlt().solve(jacobian.transpose() * rest);
+      if (!change.allFinite()) break;
+      const Values moved = values.Moved(change, delays);
       const MatrixXd trial = RespondToSteps(element, moved, interval, n);
       const VectorXd left = response - moved.gain * trial.col(0);
       const double before = rest.squaredNorm();

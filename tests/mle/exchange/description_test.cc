@@ -152,5 +152,21 @@ TEST(Describe, RefusesARampWithoutASlope) {
                              Not(HasSubstr("u1"))));
 }
 
+// The line of the last interval meets zero long after the record.
+TEST(Describe, ARampThatTurnsAwayFromZeroIsNoDeadTime) {
+  for (const double turn : {1e-3, 1e-9, 1e-12}) {
+    StepResponseModel model =
+        ModelOf({TransferFunction::Integrator(0.3, 4.0, 1.3)}, 1.0, 60);
+    model.pairs[0].is_ramp = true;
+    Eigen::VectorXd& coefficients = model.pairs[0].coefficients;
+    coefficients(59) = coefficients(58) * (1.0 - turn);
+    const absl::StatusOr<Description> description = Describe(model);
+    ASSERT_TRUE(description.ok()) << description.status();
+    const TransferFunction& found = description->process.element(0, 0);
+    EXPECT_TRUE(found.Validate().ok()) << found.Validate();
+    EXPECT_LE(found.delay(), 60.0) << turn;
+  }
+}
+
 }  // namespace
 }  // namespace mle
