@@ -23,8 +23,8 @@ namespace py = pybind11;
 using Names = std::optional<std::vector<py::str>>;
 
 // Those given, or numbers behind `prefix`.
-std::vector<std::string> NamesOf(const Names& given, const char* prefix,
-                                 Eigen::Index count) {
+std::vector<std::string> NamesOrNumbers(const Names& given, const char* prefix,
+                                        Eigen::Index count) {
   std::vector<std::string> names;
   if (given.has_value()) {
     for (const py::str& name : *given) names.push_back(name);
@@ -53,8 +53,8 @@ NamedStateSpace Make(const Array& a, const Array& b, const Array& c,
                  : RowsAndColumnsOf(d.cast<Array>(), "D");
   const Eigen::Index m = system.B.cols();
   const Eigen::Index p = system.C.rows();
-  named.inputs = NamesOf(inputs, "u", m);
-  named.outputs = NamesOf(outputs, "y", p);
+  named.inputs = NamesOrNumbers(inputs, "u", m);
+  named.outputs = NamesOrNumbers(outputs, "y", p);
   system.input_delays = input_delays.value_or(std::vector<int>(m));
   system.output_delays = output_delays.value_or(std::vector<int>(p));
   named.time_unit = time_unit;
