@@ -15,9 +15,10 @@
 
 namespace mle {
 
-// `response` (N + 1) is h_0 = 0, h_1, … at the interval Δ; L ≥ `least_delay`,
-// which may be negative as far as it is no bound. InvalidArgument where the
-// response has no slope at its end.
+// `response` (N + 1) is h_0 = 0, h_1, … at the interval Δ; L ≤ N Δ, and
+// L ≥ `least_delay`, which may be negative as far as it is no bound.
+// InvalidArgument where the response has no slope at its end, or ends before a
+// ramp can begin.
 absl::StatusOr<TransferFunction> FitIntegratingPair(
     const Eigen::VectorXd& response, double interval, double least_delay);
 

@@ -197,7 +197,9 @@ def from_systems(systems: Any, delays: Any = 0.0, **names: Any) -> ProcessModel:
         names = _labels(systems, names)
         return _model.from_transfer_functions(numerators, denominators, delays, **names)
     if not isinstance(systems, Iterable) or not all(isinstance(row, Iterable) for row in systems):
-        raise TypeError(f"systems must be a system, or a table of such; this is {type(systems).__name__}")
+        raise TypeError(
+            f"systems must be a system, or a table of such; this is {type(systems).__name__}"
+        )
     entries = [[_entry(system) for system in row] for row in systems]
     return _model.from_transfer_functions(
         [[numerator for numerator, _ in row] for row in entries],

@@ -111,7 +111,7 @@ TEST(ExcitationTest, OptionsNameFieldAndValue) {
     EXPECT_EQ(record.status().code(), absl::StatusCode::kInvalidArgument);
     return std::string(record.status().message());
   };
-  EXPECT_THAT(message({.sample_time = 0.0}), HasSubstr("sample_time = 0"));
+  EXPECT_THAT(message({.sample_time = 0.0}), HasSubstr("sample_time is 0"));
   EXPECT_THAT(message({.duration = -1.0}), HasSubstr("duration = -1"));
   EXPECT_THAT(message({.duration = 1e12}), HasSubstr("at most 1e+09"));
   EXPECT_THAT(message({.input_variance = 0.0}),
