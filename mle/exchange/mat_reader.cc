@@ -59,7 +59,7 @@ void AppendUtf8(std::uint32_t code, std::string& text) {
   }
 }
 
-// Of a name or a unit. A damaged file may state 2³² of them.
+// Of a name or a unit. Of a damaged file any number may come out.
 constexpr std::size_t kMostCharacters = 10'000;
 
 // A row of characters; nothing for other variables.

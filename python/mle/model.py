@@ -7,6 +7,7 @@ import math
 import os
 from typing import Any, Optional, Sequence, Union
 
+from . import _mle
 from ._mle import ProcessModel, StateSpaceModel, StepResponseModel
 
 # What functions take as a model: one of these, or the path of a file.
@@ -17,12 +18,7 @@ def read_model(model: ModelLike) -> Union[ProcessModel, StepResponseModel, State
     """The model itself, or that of a file."""
     if isinstance(model, (ProcessModel, StepResponseModel, StateSpaceModel)):
         return model
-    if isinstance(model, (str, os.PathLike)):
-        return ProcessModel.read(model)
-    raise TypeError(
-        "a model must be mle.ProcessModel, mle.StepResponseModel, mle.StateSpaceModel or the path "
-        f"of a file; this is {type(model).__name__}"
-    )
+    return _mle._process(model)
 
 
 def _table(values: Any, name: str, outputs: int, inputs: int) -> list:

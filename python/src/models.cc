@@ -200,6 +200,7 @@ void AddModels(py::module_& module) {
       .def(py::pickle(
           [](const ProcessModel& m) { return FormatProcessModel(m); },
           [](const std::string& json) { return ParseModel(json, "pickle"); }));
+  module.def("_process", &ProcessOf, py::arg("model"));
 }
 
 }  // namespace mle::python
