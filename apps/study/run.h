@@ -43,8 +43,8 @@ struct StudyFolder {
 absl::StatusOr<StudyFolder> OpenFolder(const Study& study,
                                        const std::string& path, bool resume);
 
-// `wanted`, as far as there are processors, or, where that is 0, those that this
-// process may use: its share of the machine's with `processes` on it.
+// `wanted`, as far as there are processors, or, where that is 0, those that
+// this process may use: its share of the machine's with `processes` on it.
 int StudyThreads(int wanted, int processes);
 
 // Of a journal with every run: writes runs.csv and timings.csv, what
