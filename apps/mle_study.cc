@@ -152,6 +152,7 @@ absl::StatusOr<int> Run(const study::Request& request, const Prepared& prepared,
   const Campaign& campaign = prepared.work.campaign;
   Journal& journal = *prepared.folder->journal;
   const Grid grid(campaign);
+  CatchStopSignals();
   {
     study::WorkerPool pool(campaign, grid, Threads(request, processes));
     MLE_RETURN_IF_ERROR(Coordinate(grid, processes, pool, journal,
@@ -196,6 +197,7 @@ int Follow(const study::Request& request, Processes& processes) {
       study::ParseCampaign(*resolved, request.campaign);
   if (!campaign.ok()) return Fail(campaign.status());
   const Grid grid(*campaign);
+  CatchStopSignals();
   study::WorkerPool pool(*campaign, grid, Threads(request, processes));
   Serve(processes, pool, StopRequested);
   return kExitDone;
@@ -205,7 +207,6 @@ int Main(const study::Request& request, int* argc, char*** argv) {
   const absl::StatusOr<std::unique_ptr<Processes>> processes =
       Processes::Start(argc, argv);
   if (!processes.ok()) return Fail(processes.status());
-  CatchStopSignals();
   const absl::Status valid = request.Validate();
   const bool leads = (*processes)->rank() == 0;
   if (!valid.ok()) return leads ? Fail(valid) : kExitBadInput;

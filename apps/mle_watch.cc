@@ -47,7 +47,7 @@ int Main(watch::Request& request) {
   std::cout << summary->aged << " of " << summary->controllers
             << " models have aged; see " << request.out << "/index.html\n";
   for (const std::string& failure : summary->failures) {
-    std::cerr << "error: " << failure << "\n";
+    SayError(failure);
   }
   return summary->failures.empty() ? kExitDone : kExitNotUsable;
 }

@@ -279,25 +279,42 @@ class Loop {
   VectorXd scale_;                                     // of the outputs
 };
 
-// The change of arg D between two angles on a circle, halving until neighbours
-// are close enough to be told apart.
-double PhaseChange(const Loop& loop, double radius, double from,
-                   Complex log_from, double to, Complex log_to, int depth) {
-  const Complex ratio = log_to - log_from;
-  const double change = std::remainder(ratio.imag(), 2.0 * kPi);
-  if (depth == 0 ||
-      (std::abs(change) < 0.7 && std::abs(ratio.real()) < std::log(2.5))) {
-    return std::isfinite(change) ? change : 0.0;
+// The change of arg D along a circle, halving until neighbours are close enough
+// to be told apart.
+class PhaseChange {
+ public:
+  PhaseChange(const Loop& loop, double radius) : loop_(loop), radius_(radius) {}
+
+  // Between two angles.
+  double Between(double from, Complex log_from, double to, Complex log_to,
+                 int depth = 30) {
+    const Complex ratio = log_to - log_from;
+    const double change = std::remainder(ratio.imag(), 2.0 * kPi);
+    if (std::abs(change) < 0.7 && std::abs(ratio.real()) < std::log(2.5)) {
+      return change;
+    }
+    // D is zero on the circle.
+    if (depth == 0) return std::isfinite(change) ? change : 0.0;
+    if (halvings_left_-- <= 0) return 0.0;
+    const double middle = 0.5 * (from + to);
+    const Complex log_D = loop_.LogDeterminant(std::polar(radius_, middle));
+    return Between(from, log_from, middle, log_D, depth - 1) +
+           Between(middle, log_D, to, log_to, depth - 1);
   }
-  const double middle = 0.5 * (from + to);
-  const Complex log_D = loop.LogDeterminant(std::polar(radius, middle));
-  return PhaseChange(loop, radius, from, log_from, middle, log_D, depth - 1) +
-         PhaseChange(loop, radius, middle, log_D, to, log_to, depth - 1);
-}
+
+  // Not where D is mostly rounding, or no number: its argument then jumps
+  // everywhere.
+  bool is_known() const { return halvings_left_ > 0; }
+
+ private:
+  const Loop& loop_;
+  double radius_;
+  int halvings_left_ = 100'000;
+};
 
 // Zeros of D in |w| < radius. D is real on the real axis, so that half the
-// circle tells all.
-int CountZeros(const Loop& loop, double radius) {
+// circle tells all. FailedPrecondition where D is not known well enough.
+absl::StatusOr<int> CountZeros(const Loop& loop, double radius) {
   constexpr Eigen::Index kFewest = 64;
   const int intervals = FastLength(static_cast<int>(std::clamp(
       2 * loop.degree(), kFewest,
@@ -305,22 +322,30 @@ int CountZeros(const Loop& loop, double radius) {
                kFewest))));
   const VectorXcd on_circle =
       loop.LogDeterminantsOnHalfCircle(radius, intervals);
+  PhaseChange phase(loop, radius);
   double change = 0.0;
   for (int i = 1; i <= intervals; ++i) {
-    change +=
-        PhaseChange(loop, radius, kPi * (i - 1) / intervals, on_circle(i - 1),
-                    kPi * i / intervals, on_circle(i), 30);
+    change += phase.Between(kPi * (i - 1) / intervals, on_circle(i - 1),
+                            kPi * i / intervals, on_circle(i));
+  }
+  if (!phase.is_known()) {
+    return absl::FailedPreconditionError(
+        "the loop's modes cannot be counted: in numbers of double precision "
+        "nothing is left of its characteristic function; the gains of plant "
+        "and controller are too far from each other");
   }
   return static_cast<int>(std::lround(change / kPi));
 }
 
 // The smallest |w| of a zero, of those between `low`, below which there is
 // none, and `high`; `high` if there is none.
-double SmallestZero(const Loop& loop, double low, double high, int spared) {
-  if (CountZeros(loop, high) <= spared) return high;
+absl::StatusOr<double> SmallestZero(const Loop& loop, double low, double high) {
+  MLE_ASSIGN_OR_RETURN(const int zeros, CountZeros(loop, high));
+  if (zeros == 0) return high;
   for (int step = 0; step < 30 && high - low > 1e-5; ++step) {
     const double middle = 0.5 * (low + high);
-    (CountZeros(loop, middle) > spared ? high : low) = middle;
+    MLE_ASSIGN_OR_RETURN(const int within, CountZeros(loop, middle));
+    (within > 0 ? high : low) = middle;
   }
   return 0.5 * (low + high);
 }
@@ -420,13 +445,16 @@ absl::StatusOr<LoopAnalysis> AnalyseLoop(const Mpc& mpc,
   MLE_RETURN_IF_ERROR(CheckLoop(mpc, plant));
   const Loop loop(mpc, plant);
   LoopAnalysis analysis;
-  analysis.growing_modes = CountZeros(loop, 1.0 - kMargin);
+  MLE_ASSIGN_OR_RETURN(analysis.growing_modes, CountZeros(loop, 1.0 - kMargin));
   analysis.stable = analysis.growing_modes == 0;
   const double slowest_observer = loop.slowest_observer();
   if (!analysis.stable) {
-    analysis.spectral_radius =
-        find_fastest ? 1.0 / SmallestZero(loop, 0.0, 1.0 - kMargin, 0)
-                     : std::numeric_limits<double>::infinity();
+    analysis.spectral_radius = std::numeric_limits<double>::infinity();
+    if (find_fastest) {
+      MLE_ASSIGN_OR_RETURN(const double smallest,
+                           SmallestZero(loop, 0.0, 1.0 - kMargin));
+      analysis.spectral_radius = 1.0 / smallest;
+    }
     return analysis;
   }
   // Beyond the plant's own decay the cut-off ends of its responses would be
@@ -439,7 +467,9 @@ absl::StatusOr<LoopAnalysis> AnalyseLoop(const Mpc& mpc,
   if (loop.surplus_inputs() > 0 || high <= 1.0) {
     analysis.spectral_radius = 1.0;
   } else {
-    analysis.spectral_radius = 1.0 / SmallestZero(loop, 1.0 - kMargin, high, 0);
+    MLE_ASSIGN_OR_RETURN(const double smallest,
+                         SmallestZero(loop, 1.0 - kMargin, high));
+    analysis.spectral_radius = 1.0 / smallest;
   }
   FindPeaks(loop, mpc.model().control_period, analysis);
   return analysis;

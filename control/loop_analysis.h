@@ -88,7 +88,7 @@ struct LoopAnalysis {
 //
 // InvalidArgument if the plant has another control period, or other numbers or
 // roles of inputs and outputs, than the controller, or a response settles too
-// late.
+// late. FailedPrecondition if rounding leaves nothing of D.
 absl::StatusOr<LoopAnalysis> AnalyseLoop(const Mpc& mpc,
                                          const PredictionModel& plant,
                                          bool find_fastest = true);

@@ -195,6 +195,11 @@ absl::StatusOr<Solution> SolveWithoutLimits(const MatrixXd& responses,
     gain.rightCols(p) += of_slope;
     if (gain.cols() > p) gain.middleCols(gain.cols() - 2 * p, p) -= of_slope;
   }
+  if (!gain.allFinite()) {
+    return absl::InvalidArgumentError(
+        "the controller's gain is no number: weights or gains of the model of "
+        "these sizes go beyond double precision");
+  }
   return Solution{hessian, gain};
 }
 

@@ -1,5 +1,6 @@
 #include "control/mpc_options.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "Eigen/Eigenvalues"
@@ -81,6 +82,25 @@ absl::Status ValidateRange(const VectorXd& least, const VectorXd& greatest,
   return absl::OkStatus();
 }
 
+// The dynamic matrix has p H_p rows and m M columns, the quadratic program m M
+// moves.
+absl::Status ValidateSize(const MpcOptions& options, int num_outputs,
+                          int num_inputs) {
+  constexpr double kMostValues = 1e8;
+  const double M = options.block_lengths.empty()
+                       ? options.control_horizon
+                       : static_cast<double>(options.block_lengths.size());
+  const double moves = num_inputs * M;
+  const double rows =
+      static_cast<double>(options.prediction_horizon) * num_outputs;
+  if (std::max(rows, moves) * moves <= kMostValues) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrCat(
+      "prediction_horizon = ", options.prediction_horizon, " with ", M,
+      " moves is too long: ", num_outputs, " outputs and ", num_inputs,
+      " inputs make ", std::max(rows, moves), " by ", moves,
+      " values; at most ", kMostValues, " are supported"));
+}
+
 }  // namespace
 
 absl::Status MpcLimits::Validate(int num_outputs, int num_inputs) const {
@@ -122,6 +142,7 @@ absl::Status MpcOptions::Validate(int num_outputs, int num_inputs) const {
         "prediction_horizon = ", prediction_horizon,
         ", but it must be at least control_horizon = ", control_horizon));
   }
+  MLE_RETURN_IF_ERROR(ValidateSize(*this, num_outputs, num_inputs));
   double together = 0.0;
   for (const int length : block_lengths) {
     if (length < 1) {

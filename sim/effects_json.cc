@@ -246,7 +246,7 @@ absl::Status ReadChannels(const JsonNode& top, const std::string& key,
                        top.At(key).ElementsOrNone());
   std::set<int> seen;
   for (const JsonNode& node : nodes) {
-    if (!node.Has("name")) return node.CheckKeys({"name"}, {});
+    if (!node.Has("name")) return node.Fault("key \"name\" is missing");
     MLE_ASSIGN_OR_RETURN(const std::string name, node.At("name").String());
     int channel = 0;
     const int count = static_cast<int>(channels.size());

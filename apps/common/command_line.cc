@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_replace.h"
 #include "apps/common/clean_output.h"
 #include "apps/common/flag_parser.h"
 #include "apps/common/help_text.h"
@@ -92,8 +93,14 @@ std::vector<std::pair<std::string, std::string>> GivenOptions() {
 
 std::string_view Version() { return LibraryVersion(); }
 
+void SayError(const std::string& message) {
+  std::cerr << "error: "
+            << absl::StrReplaceAll(message, {{"\n", "\\n"}, {"\r", "\\r"}})
+            << "\n";
+}
+
 int Fail(const absl::Status& status) {
-  std::cerr << "error: " << status.message() << "\n";
+  SayError(std::string(status.message()));
   switch (status.code()) {
     case absl::StatusCode::kFailedPrecondition:
     case absl::StatusCode::kInternal:

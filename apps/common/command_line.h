@@ -39,6 +39,9 @@ std::string_view Version();
 // Internal and ResourceExhausted, else 2.
 int Fail(const absl::Status& status);
 
+// "error: message" on standard error, in one line whatever is quoted in it.
+void SayError(const std::string& message);
+
 // Makes the folder that --out names, and locks it against other commands as
 // long as the lock lasts. InvalidArgument, naming --out, if that fails.
 absl::StatusOr<FolderLock> ClaimOutputFolder(const std::string& folder);

@@ -77,7 +77,7 @@ std::vector<Option> OptionsOf(EstimationOptions& options) {
       {"order", &conversion.order,
        "Order d of the ARX model; 0: 1.25 times the largest sum of dead time "
        "and time constant of an element.",
-       "samples", kNotNegative},
+       "samples", Between(0, 100'000)},
       {"conversion_penalty", &conversion.penalty,
        "Penalty λ₀ of the conversion to an ARX model.", "", kNotNegative},
       {"conversion_samples", &conversion.samples,
@@ -102,7 +102,7 @@ std::vector<Option> OptionsOf(EstimationOptions& options) {
 std::vector<Option> OptionsOf(HoldOutOptions& options) {
   return {
       {"validation_folds", &options.folds,
-       "Number of folds of the hold-out validation.", "", AtLeast(2)},
+       "Number of folds of the hold-out validation.", "", Between(2, 1000)},
       {"fewest_changes", &options.fewest_changes,
        "Set-point changes that a window must have for parts of it to be held "
        "out if it is the only one.",

@@ -242,6 +242,17 @@ absl::Status RefuseOption(std::string_view name, std::string_view value,
       "--", AbslView(name), "=", AbslView(value), ": ", AbslView(message)));
 }
 
+absl::Status CheckSamples(std::string_view name, double value,
+                          double sample_time) {
+  constexpr double kMostSamples = 1e7;
+  if (value / sample_time <= kMostSamples) return absl::OkStatus();
+  return RefuseOption(
+      name, ReadableNumber(value),
+      absl::StrFormat("it has %.3g samples of --sample_time=%s; at most %g",
+                      value / sample_time, ReadableNumber(sample_time),
+                      kMostSamples));
+}
+
 std::string ReadableNumber(double number) {
   const std::string readable = absl::StrFormat("%.15g", number);
   double again = 0.0;

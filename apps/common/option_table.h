@@ -115,6 +115,11 @@ class OptionTable {
 absl::Status RefuseOption(std::string_view name, std::string_view value,
                           std::string_view message);
 
+// That the time `value` of the option has at most 10⁷ samples, which still fit
+// into the memory.
+absl::Status CheckSamples(std::string_view name, double value,
+                          double sample_time);
+
 // The shortest text that reads as `number`: gflags writes 1e-6 as
 // 9.9999999999999995e-07.
 std::string ReadableNumber(double number);

@@ -22,6 +22,7 @@ constexpr double kLoopSettlingTimes = 2.0;
 constexpr double kBefore = 0.1;
 // Of the controller; each of them costs as many operations as there are.
 constexpr double kMostPeriods = 10'000;
+constexpr double kMostSamples = 1e6;  // of the record
 
 // The largest step of the output's set point in the records; 1 where there is
 // none.
@@ -76,6 +77,10 @@ absl::StatusOr<LoopComparison> CompareLoops(const Result& result) {
   const double period = tuning.control_period;
   const double at = period * std::ceil(kBefore * settled / period);
   options.duration = at + period * std::ceil(settled / period);
+  if (!(options.duration <= kMostSamples * options.sample_time)) {
+    return absl::FailedPreconditionError(
+        "a comparison of loops of this control period takes too many samples");
+  }
   MLE_ASSIGN_OR_RETURN(const control::Mpc old_mpc,
                        control::Mpc::Create(result.initial, tuning));
   MLE_ASSIGN_OR_RETURN(const control::Mpc new_mpc,

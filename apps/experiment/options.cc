@@ -5,23 +5,13 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "apps/common/controller_options.h"
+#include "apps/common/option_table.h"
 #include "control/mpc.h"
 #include "mle/base/status.h"
 
 namespace mle::experiment {
 namespace {
-
-// What still fits into the memory.
-constexpr double kMaxSamples = 1e7;
-constexpr double kMaxHorizonProduct = 1e7;  // values of the dynamic matrix
-
-// A time that will be cut into samples.
-absl::Status CheckDuration(const char* flag, double value, double sample_time) {
-  if (value / sample_time <= kMaxSamples) return absl::OkStatus();
-  return absl::InvalidArgumentError(absl::StrFormat(
-      "--%s=%g has %.3g samples of --sample_time=%g; at most %g", flag, value,
-      value / sample_time, sample_time, kMaxSamples));
-}
 
 absl::Status CheckTimes(const ExperimentOptions& options) {
   for (const auto& [flag, value] :
@@ -30,7 +20,7 @@ absl::Status CheckTimes(const ExperimentOptions& options) {
         std::pair{"window", options.windows.window},
         std::pair{"conversion_duration", options.conversion_duration},
         std::pair{"response_horizon", options.response_horizon}}) {
-    MLE_RETURN_IF_ERROR(CheckDuration(flag, value, options.sample_time));
+    MLE_RETURN_IF_ERROR(CheckSamples(flag, value, options.sample_time));
   }
   if (options.windows.setpoint_step != 0.0) return absl::OkStatus();
   return absl::InvalidArgumentError(
@@ -52,17 +42,6 @@ absl::Status CheckLoop(const ExperimentOptions& options,
         "--control_horizon=%d exceeds --prediction_horizon=%d",
         controller.control_horizon, controller.prediction_horizon));
   }
-  const int p = initial.num_outputs();
-  const int m = initial.num_inputs();
-  if (static_cast<double>(controller.prediction_horizon) * p *
-          controller.control_horizon * m >
-      kMaxHorizonProduct) {
-    return absl::InvalidArgumentError(absl::StrFormat(
-        "--prediction_horizon=%d and --control_horizon=%d are too long: their "
-        "product, times %d outputs and %d inputs, may be at most %g",
-        controller.prediction_horizon, controller.control_horizon, p, m,
-        kMaxHorizonProduct));
-  }
   for (const InputChannel& input : initial.inputs()) {
     if (input.role == InputRole::kDisturbance) {
       return absl::InvalidArgumentError(absl::StrFormat(
@@ -70,6 +49,7 @@ absl::Status CheckLoop(const ExperimentOptions& options,
           input.name));
     }
   }
+  MLE_RETURN_IF_ERROR(CheckController(controller, initial));
   // Finds the rest, such as weights that leave the moves undetermined.
   const absl::Status created =
       control::Mpc::Create(initial, controller).status();

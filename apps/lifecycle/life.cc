@@ -187,12 +187,17 @@ absl::StatusOr<Life> LiveThrough(const Scenario& scenario, const Policy& policy,
   MLE_ASSIGN_OR_RETURN(
       ModelInUse model,
       UseProcess(scenario.model, options.operation.controller.control_period));
-  Years years(scenario, policy, options, std::move(operation),
+  LifeOptions stoppable = options;
+  stoppable.update.correct.progress = [&stop](const RunProgress&) {
+    return !stop();
+  };
+  Years years(scenario, policy, stoppable, std::move(operation),
               std::move(model));
   Life life;
   for (const SetPointEvent& event : scenario.events) {
-    if (stop()) return absl::CancelledError("stopped");
     absl::StatusOr<ChangeRow> row = years.Change(event);
+    // What a correction says that was stopped is not kept.
+    if (stop()) return absl::CancelledError("stopped");
     if (row.status().code() == absl::StatusCode::kFailedPrecondition) {
       life.ended = std::string(row.status().message());
       return life;

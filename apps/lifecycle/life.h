@@ -67,8 +67,8 @@ struct Life {
   std::string ended;
 };
 
-// `stop` is asked between changes; Cancelled if it says so. Other errors are of
-// options and models that do not fit.
+// `stop` is asked at each change and within corrections; Cancelled if it says
+// so. Other errors are of options and models that do not fit.
 absl::StatusOr<Life> LiveThrough(const Scenario& scenario, const Policy& policy,
                                  const LifeOptions& options,
                                  const std::function<bool()>& stop);

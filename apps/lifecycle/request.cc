@@ -11,6 +11,7 @@
 #include "apps/common/command_line.h"
 #include "apps/common/controller_options.h"
 #include "apps/common/model_files.h"
+#include "apps/common/option_table.h"
 #include "apps/lifecycle/durations.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"
@@ -119,7 +120,7 @@ absl::Status SetSeeds(const Request& request, Campaign& campaign) {
 absl::Status CheckPeriods(const OperationOptions& operation) {
   const double period = operation.controller.control_period;
   const double ratio = period / operation.sample_time;
-  if (ratio >= 1.0 - 1e-9 && ratio <= 1e9 &&
+  if (ratio >= 1.0 - 1e-9 &&
       std::abs(ratio - std::round(ratio)) <= 1e-9 * ratio) {
     return absl::OkStatus();
   }
@@ -163,6 +164,12 @@ absl::Status SetLimits(const Campaign& campaign, OperationOptions& operation) {
     if (limit.size() == 0) limit = value;
   };
   const VectorXd inputs = kInputMargin * NeededInputs(model, range);
+  if (!inputs.allFinite()) {
+    return WrongOption("model",
+                       "the inputs that hold the outputs within "
+                       "--setpoint_range are no numbers: its gains are too far "
+                       "from each other");
+  }
   by_default(limits.min_input, -inputs);
   by_default(limits.max_input, inputs);
   by_default(limits.min_output, -kOutputMargin * range);
@@ -189,6 +196,25 @@ absl::Status SetOperation(const Request& request, Campaign& campaign) {
 
 double RoundUp(double value, double unit) {
   return std::ceil(value / unit - 1e-9) * unit;
+}
+
+// What is simulated in one piece, and each step response, is kept.
+absl::Status CheckLengths(const Request& request, const Campaign& campaign) {
+  const OperationOptions& operation = campaign.life.operation;
+  const double settling = SettlingTime(campaign.model);
+  for (const auto& [name, length] :
+       {std::pair{"control_period", operation.controller.control_period},
+        std::pair{"window", operation.after},
+        std::pair{"quiet_stretch", operation.quiet_stretch},
+        std::pair{"warm_up", operation.warm_up},
+        std::pair{"test_hold", Or(request.test_hold, settling)},
+        std::pair{"response_horizon", Or(request.response_horizon, settling)},
+        std::pair{"change_every", operation.every_sample
+                                      ? campaign.set_points.change_every
+                                      : 0.0}}) {
+    MLE_RETURN_IF_ERROR(CheckSamples(name, length, operation.sample_time));
+  }
+  return absl::OkStatus();
 }
 
 void SetLife(const Request& request, Campaign& campaign) {
@@ -266,6 +292,7 @@ absl::Status Complete(Request& request, OptionTable& table) {
   MLE_RETURN_IF_ERROR(CheckPeriods(campaign.life.operation));
   MLE_RETURN_IF_ERROR(SetSetPoints(request, campaign));
   MLE_RETURN_IF_ERROR(SetOperation(request, campaign));
+  MLE_RETURN_IF_ERROR(CheckLengths(request, campaign));
   SetLife(request, campaign);
   MLE_RETURN_IF_ERROR(CheckGaps(campaign));
   campaign.threads = UsableThreads(request.threads);

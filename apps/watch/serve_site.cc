@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
+#include "apps/common/command_line.h"
 #include "apps/common/stop_signal.h"
 #include "apps/serve/access.h"
 #include "apps/serve/server.h"
@@ -37,7 +38,7 @@ void KeepUp(Site& site) {
     site.Refresh(StopRequested);
     const std::string fault = site.snapshot()->fault;
     if (fault != said && !fault.empty()) {
-      std::cerr << "error: " << fault << " (showing what was read before)\n";
+      SayError(absl::StrCat(fault, " (showing what was read before)"));
     }
     said = fault;
   }

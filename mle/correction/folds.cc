@@ -40,11 +40,11 @@ std::vector<RegressionRows> SplitIntoBlocks(const RegressionRows& rows,
                       rows.group});
   };
   int next = first;
-  if (shift > 0 && rows.rows.rows() >= 2 * shift) {
+  if (shift > 0 && rows.rows.rows() / 2 >= shift) {
     add(first, first + shift - 1);
     next += shift;
   }
-  for (; last - next + 1 >= 2 * length; next += length) {
+  for (; (last - next + 1) / 2 >= length; next += length) {
     add(next, next + length - 1);
   }
   add(next, last);

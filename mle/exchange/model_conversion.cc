@@ -239,10 +239,6 @@ absl::Status Converter::Write(const StepResponseModel& steps) {
 }
 
 absl::Status Converter::ToStepResponses() {
-  if (!HasElements()) {
-    return absl::InvalidArgumentError(
-        "the model has no elements: there are no step responses");
-  }
   const StepResponseModel steps = Sampled();
   if (std::all_of(steps.pairs.begin(), steps.pairs.end(),
                   [](const PairResponse& pair) {
@@ -280,10 +276,6 @@ absl::Status Converter::CheckText() const {
 }
 
 absl::Status Converter::ToDiscrete() {
-  if (!HasElements()) {
-    return absl::InvalidArgumentError(
-        "the model has no elements: there are no discrete transfer functions");
-  }
   DiscreteModel discrete;
   discrete.channels = Channels();
   discrete.sample_time = result_.interval = ChooseInterval(file_, to_);
@@ -332,6 +324,11 @@ absl::StatusOr<ConvertedModel> Converter::Convert() {
       result_.text = std::move(same.text);
     }
     return std::move(result_);
+  }
+  if (to_.form != ModelForm::kTransferFunctions && !HasElements()) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("the model has no elements: there is nothing to write as ",
+                     std::string(NameOf(to_.form))));
   }
   switch (to_.form) {
     case ModelForm::kTransferFunctions:

@@ -39,6 +39,9 @@ constexpr double kMoreThanNoise = 0.01;
 // Of changes that agree, those whose disagreement is not believed to be noise.
 constexpr double kDisagree = 0.05;
 
+// Until responses have settled, in samples: two years of minutes.
+constexpr double kMostSettling = 1e6;
+
 int InSamples(double time, double sample_time) {
   return static_cast<int>(std::ceil(time / sample_time - 1e-9));
 }
@@ -169,6 +172,12 @@ absl::StatusOr<ModelWatch> ModelWatch::Create(const ProcessModel& model,
     return absl::InvalidArgumentError(
         "watch: no element has a dead time or a time constant, so that how "
         "long a change takes is not known");
+  }
+  if (settling / sample_time > kMostSettling) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "watch: responses of the model settle after ", settling, " ",
+        model.time_unit(), ", ", settling / sample_time, " samples; at most ",
+        kMostSettling, " are supported: compare its times with its time unit"));
   }
   watch.skip_ = InSamples(settling, sample_time) + 1;
   watch.before_ = InSamples(0.5 * settling, sample_time);

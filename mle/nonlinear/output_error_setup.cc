@@ -65,7 +65,19 @@ absl::StatusOr<double> MaxDelay(const ProcessModel& model, int i, int j,
                                 const ElementValues& initial,
                                 const std::vector<Record>& records,
                                 const OutputErrorOptions& options) {
+  double shortest = std::numeric_limits<double>::infinity();
+  double longest = 0.0;
+  for (const Record& record : records) {
+    const double length = MeasuredSamples(record) * record.sample_time;
+    shortest = std::min(shortest, length);
+    longest = std::max(longest, length);
+  }
   if (std::isfinite(options.max_delay)) {
+    if (options.max_delay >= longest) {
+      return absl::InvalidArgumentError(absl::StrCat(
+          "output-error correction: max_delay is ", options.max_delay,
+          ", must be less than the longest record, ", longest));
+    }
     if (options.max_delay < initial.delay) {
       return absl::InvalidArgumentError(
           absl::StrCat(Name(model, i, j), ": its dead time ", initial.delay,
@@ -73,10 +85,6 @@ absl::StatusOr<double> MaxDelay(const ProcessModel& model, int i, int j,
                        "; the bounds must hold the start"));
     }
     return options.max_delay;
-  }
-  double shortest = std::numeric_limits<double>::infinity();
-  for (const Record& record : records) {
-    shortest = std::min(shortest, MeasuredSamples(record) * record.sample_time);
   }
   const double share = kMaxSkippedShare * shortest;
   if (share < initial.delay) {

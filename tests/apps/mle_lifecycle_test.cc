@@ -358,6 +358,16 @@ TEST_F(MleLifecycleTest, MistakesNameTheFlagAndWhatWouldBeRight) {
   EXPECT_THAT(Message({"--currency=pounds sterling"}),
               HasSubstr("--currency=pounds sterling: is 15 characters long"));
   EXPECT_THAT(Message({"--sample_time=0.3"}), HasSubstr("--control_period=1"));
+  EXPECT_THAT(Message({"--sample_time=1e-6", "--years=1"}),
+              HasSubstr("samples of --sample_time=1e-06; at most 1e+07"));
+  EXPECT_THAT(Message({"--response_horizon=1e12"}),
+              HasSubstr("--response_horizon=1000000000000: it has 1e+12"));
+  EXPECT_THAT(
+      Message({"--years=1000", "--change_every=1000y", "--every_sample"}),
+      HasSubstr("--change_every"));
+  EXPECT_THAT(
+      Message({"--control_horizon=30000", "--prediction_horizon=30000"}),
+      HasSubstr("prediction_horizon = 30000 with 30000 moves"));
   EXPECT_THAT(Message({"--solver=simplex"}),
               HasSubstr("--solver=simplex: known are homotopy"));
   EXPECT_THAT(Message({"--robust=tukey"}),

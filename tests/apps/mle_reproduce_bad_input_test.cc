@@ -112,7 +112,7 @@ TEST(MleReproduceBadInput, AControllerThatCannotBe) {
        {"--control_horizon=31", "--prediction_horizon=30"}},
       {{"--control_horizon=0"}, {"--control_horizon=0", "≥ 1"}},
       {{"--prediction_horizon=2147483647"},
-       {"--prediction_horizon=2147483647", "too long"}},
+       {"--prediction_horizon", "2147483647", "too long"}},
       {{"--control_period=0.3"},
        {"--control_period=0.3", "--sample_time=0.2", "multiple"}},
       {{"--control_period=1e300"}, {"--control_period=1e+300"}},
@@ -134,7 +134,8 @@ TEST(MleReproduceBadInput, RecordsThatAreTooShort) {
       {{"--conversion_duration=31"},
        {"--conversion_duration=31", "--order=150", "600", "at least 150"}},
       {{"--response_horizon=0.2"}, {"--response_horizon=0.2", "at least 0.8"}},
-      {{"--response_horizon=1e9"}, {"--response_horizon=1e+09", "at most"}},
+      {{"--response_horizon=1e9"},
+       {"--response_horizon=1000000000", "at most"}},
   });
 }
 

@@ -323,11 +323,28 @@ TEST(MpcTest, OptionsNameFieldValueAndConstraint) {
       error([](MpcOptions& o) { o.control_horizon = 10; });
   EXPECT_THAT(horizons, HasSubstr("prediction_horizon = 9"));
   EXPECT_THAT(horizons, HasSubstr("control_horizon = 10"));
+  // Matrices of as many numbers as no memory holds.
+  EXPECT_THAT(error([](MpcOptions& o) { o.prediction_horizon = 2147483647; }),
+              HasSubstr("prediction_horizon = 2147483647 with 3 moves is too "
+                        "long"));
+  EXPECT_THAT(error([](MpcOptions& o) {
+                o.prediction_horizon = 20'000;
+                o.block_lengths.assign(20'000, 1);
+              }),
+              HasSubstr("prediction_horizon = 20000 with 20000 moves"));
   EXPECT_THAT(error([](MpcOptions& o) { o.disturbance_variance_ratio = -1.0; }),
               HasSubstr("disturbance_variance_ratio = -1"));
   EXPECT_THAT(
       error([nan](MpcOptions& o) { o.disturbance_variance_ratio = nan; }),
       HasSubstr("disturbance_variance_ratio = nan"));
+}
+
+TEST(MpcTest, AGainThatIsNoNumberIsRefused) {
+  MpcOptions options = MixedOptions();
+  options.output_weight *= 5e-324;
+  options.move_weight *= 1e-310;
+  EXPECT_THAT(CreateError(MixedModel(), options),
+              HasSubstr("beyond double precision"));
 }
 
 TEST(MpcTest, WeightsAreChecked) {

@@ -126,6 +126,8 @@ TEST(EffectsJsonTest, MistakesAreNamed) {
   EXPECT_THAT(message(R"({"outputs": 1})"), HasSubstr("outputs: must be"));
   EXPECT_THAT(message(R"({"outputs": [{}]})"),
               HasSubstr("outputs[0]: key \"name\" is missing"));
+  EXPECT_THAT(message(R"({"outputs": [{"steps": [[100, 0.2]]}]})"),
+              HasSubstr("outputs[0]: key \"name\" is missing"));
   EXPECT_THAT(message(R"({"outputs": [{"name": "u1"}]})"),
               HasSubstr("no channel \"u1\" among its outputs"));
   EXPECT_THAT(message(R"({"inputs": [{"name": "u1"}, {"name": "u1"}]})"),

@@ -17,7 +17,8 @@ TEST(SplitIntoBlocksTest, CoversEveryRowOnce) {
   ASSERT_TRUE(data.ok());
   const RegressionRows& rows = data->window(0)[0];
   ASSERT_EQ(rows.rows.rows(), 100);
-  for (const int length : {1, 7, 30, 50, 51, 99, 100, 101, 1000}) {
+  for (const int length :
+       {1, 7, 30, 50, 51, 99, 100, 101, 1000, 2'147'483'647}) {
     const std::vector<RegressionRows> blocks = SplitIntoBlocks(rows, length);
     int next = rows.rows.first;
     for (const RegressionRows& block : blocks) {
@@ -31,7 +32,7 @@ TEST(SplitIntoBlocksTest, CoversEveryRowOnce) {
       }
       const bool last = &block == &blocks.back();
       EXPECT_GE(block.rows.rows(), std::min(length, 100));
-      EXPECT_LT(block.rows.rows(), last ? 2 * length : length + 1);
+      EXPECT_LT(block.rows.rows(), last ? 2.0 * length : length + 1.0);
     }
     EXPECT_EQ(next, rows.rows.last + 1);
   }
@@ -57,6 +58,7 @@ TEST(SplitIntoBlocksTest, ShiftedCutsLieLater) {
   EXPECT_EQ(ends(100, 50), (std::vector<int>{50, 100}));
   // No room for a block of 60 and as many rows besides.
   EXPECT_EQ(ends(120, 60), (std::vector<int>{100}));
+  EXPECT_EQ(ends(2'147'483'647, 1'073'741'824), (std::vector<int>{100}));
 }
 
 // Three windows, one of them in two runs: 100, 46 and 66, 30 rows.

@@ -259,6 +259,9 @@ TEST(SelectLambdaTest, OneFoldIsAnError) {
               HasSubstr("1 set-point change"));
   EXPECT_THAT(message({.rule = Rule::kBlocks, .block_length = 40}),
               HasSubstr("single block"));
+  EXPECT_THAT(
+      message({.rule = Rule::kBlocks, .block_length = 8, .phases = 9}),
+      HasSubstr("phases is 9, but blocks of 8 samples can be cut in 8"));
 }
 
 }  // namespace

@@ -238,15 +238,19 @@ TEST(ModelConversion, SampledModelsMustBeReadAgain) {
 }
 
 // A file of it would not be read again.
-TEST(ModelConversion, NoDiscreteModelWithoutElements) {
+TEST(ModelConversion, NoOtherFormWithoutElements) {
   ModelFile file;
   file.process = ProcessModel("tank", "min", {{"steam", ""}}, {{"level", ""}});
   file.process.element(0, 0) = TransferFunction::FirstOrder(0.0, 5.0, 2.5);
-  EXPECT_THAT(
-      std::string(ConvertModel(file, To(ModelForm::kDiscreteTransferFunctions))
-                      .status()
-                      .message()),
-      HasSubstr("the model has no elements"));
+  EXPECT_TRUE(ConvertModel(file, To(ModelForm::kTransferFunctions)).ok());
+  ModelConversion table = To(ModelForm::kElementTable);
+  table.type = ModelFileType::kCsv;
+  for (const ModelConversion& to : {table, To(ModelForm::kStepResponses),
+                                    To(ModelForm::kDiscreteTransferFunctions),
+                                    To(ModelForm::kStateSpace)}) {
+    EXPECT_THAT(std::string(ConvertModel(file, to).status().message()),
+                HasSubstr("the model has no elements"));
+  }
 }
 
 TEST(ModelConversion, SaysWhatDoesNotFit) {

@@ -242,6 +242,10 @@ TEST_F(ModelWatchTest, WrongArgumentsAreNamed) {
   EXPECT_THAT(
       ModelWatch::Create(model_, 1.0, {.level = 0.0}).status().message(),
       HasSubstr("level = 0"));
+  ProcessModel slow = TankModel();
+  slow.element(1, 1) = TransferFunction::FirstOrder(0.5, 5e9, 5.0);
+  EXPECT_THAT(std::string(ModelWatch::Create(slow, 1.0, {}).status().message()),
+              HasSubstr("samples; at most 1e+06 are supported"));
   EXPECT_THAT(watch_.MakeReference({}).status().message(), HasSubstr("none"));
   EXPECT_EQ(NameOf(BatchState::kCannotTell), "cannot_tell");
 }
