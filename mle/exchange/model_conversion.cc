@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/strip.h"
 #include "mle/base/status.h"
@@ -311,6 +312,11 @@ absl::Status Converter::ToStateSpace() {
 }
 
 absl::StatusOr<ConvertedModel> Converter::Convert() {
+  if (to_.type == ModelFileType::kCsv &&
+      absl::StripAsciiWhitespace(model_.time_unit()).empty()) {
+    return absl::InvalidArgumentError(
+        "the model has no time unit, and a CSV file of one must name it");
+  }
   if (IsSame() && file_.form != ModelForm::kTransferFunctions) {
     result_.differences.setZero();
     result_.interval = IntervalOf(file_);

@@ -14,6 +14,7 @@ using Eigen::VectorXd;
 AmplitudeFit::AmplitudeFit(MatrixXd columns)
     : norms_(columns.colwise().norm().cwiseMax(1e-300)),
       scaled_(std::move(columns)) {
+  if (scaled_.cols() == 0) return;  // a QR of nothing is refused
   scaled_ *= norms_.cwiseInverse().asDiagonal();
   qr_.setThreshold(kAmplitudeTolerance);
   qr_.compute(scaled_);
@@ -21,7 +22,7 @@ AmplitudeFit::AmplitudeFit(MatrixXd columns)
 
 double AmplitudeFit::LogDeterminant() const {
   double sum = 0.0;
-  for (Eigen::Index i = 0; i < qr_.rank(); ++i) {
+  for (Eigen::Index i = 0; i < rank(); ++i) {
     sum += 2.0 * std::log(std::abs(qr_.matrixQR()(i, i)) *
                           norms_(qr_.colsPermutation().indices()(i)));
   }
@@ -29,7 +30,8 @@ double AmplitudeFit::LogDeterminant() const {
 }
 
 VectorXd AmplitudeFit::Solve(const VectorXd& residuals) const {
-  if (qr_.rank() == scaled_.cols()) {
+  if (scaled_.cols() == 0) return VectorXd();
+  if (rank() == scaled_.cols()) {
     return qr_.solve(residuals).cwiseQuotient(norms_);
   }
   Eigen::CompleteOrthogonalDecomposition<MatrixXd> decomposition;
@@ -39,9 +41,9 @@ VectorXd AmplitudeFit::Solve(const VectorXd& residuals) const {
 }
 
 void AmplitudeFit::TakeOut(Eigen::Ref<MatrixXd> columns) const {
-  if (qr_.rank() == 0) return;
+  if (rank() == 0) return;
   const MatrixXd basis =
-      qr_.householderQ() * MatrixXd::Identity(scaled_.rows(), qr_.rank());
+      qr_.householderQ() * MatrixXd::Identity(scaled_.rows(), rank());
   columns.noalias() -= basis * (basis.transpose() * columns);
 }
 

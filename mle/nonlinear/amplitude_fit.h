@@ -17,10 +17,11 @@ inline constexpr double kAmplitudeTolerance = 1e-9;
 
 class AmplitudeFit {
  public:
-  // `columns` (N × a), a ≥ 1.
+  // `columns` (N × a); a may be 0, of an output without elements where nothing
+  // else disturbs the segment.
   explicit AmplitudeFit(Eigen::MatrixXd columns);
 
-  Eigen::Index rank() const { return qr_.rank(); }
+  Eigen::Index rank() const { return scaled_.cols() > 0 ? qr_.rank() : 0; }
   // ln det of the normal matrix of as many columns as the rank.
   double LogDeterminant() const;
   // The shortest amplitudes (a) that fit best: columns that are one (equal time

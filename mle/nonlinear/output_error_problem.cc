@@ -273,13 +273,11 @@ WhitenedColumns OutputErrorProblem::WhitenSegment(
   filter.Apply(whitened);
   WhitenedColumns result;
   result.log_determinant = filter.log_determinant();
-  if (free > 0) {
-    const AmplitudeFit amplitudes(whitened.rightCols(free));
-    amplitudes.TakeOut(whitened.leftCols(1 + width));
-    // The modes' own sizes count: they depend on the ratio.
-    result.log_amplitudes = amplitudes.LogDeterminant();
-    result.num_amplitudes = static_cast<int>(amplitudes.rank());
-  }
+  const AmplitudeFit amplitudes(whitened.rightCols(free));
+  amplitudes.TakeOut(whitened.leftCols(1 + width));
+  // The modes' own sizes count: they depend on the ratio.
+  result.log_amplitudes = amplitudes.LogDeterminant();
+  result.num_amplitudes = static_cast<int>(amplitudes.rank());
   result.residuals = whitened.col(0);
   result.jacobian = whitened.middleCols(1, width);
   return result;
@@ -436,7 +434,7 @@ MatrixXd OutputErrorProblem::Dictionary(
     MatrixXd derivatives;
     Amplitudes(s, point, amplitudes, derivatives);
     filter.Apply(amplitudes);
-    if (amplitudes.cols() > 0) AmplitudeFit(amplitudes).TakeOut(columns);
+    AmplitudeFit(amplitudes).TakeOut(columns);
     dictionary.middleRows(begin, rows) = columns;
     begin += rows;
   }

@@ -253,6 +253,20 @@ TEST(ModelConversion, NoOtherFormWithoutElements) {
   }
 }
 
+TEST(ModelConversion, NoTableWithoutATimeUnit) {
+  ModelFile file;
+  file.process = ProcessModel("tank", " ", {{"steam", ""}}, {{"level", ""}});
+  file.process.element(0, 0) = TransferFunction::FirstOrder(2.0, 5.0, 2.5);
+  for (const ModelForm form :
+       {ModelForm::kElementTable, ModelForm::kStepResponses}) {
+    ModelConversion to = To(form);
+    to.type = ModelFileType::kCsv;
+    EXPECT_THAT(std::string(ConvertModel(file, to).status().message()),
+                HasSubstr("the model has no time unit"));
+  }
+  EXPECT_TRUE(ConvertModel(file, To(ModelForm::kStepResponses)).ok());
+}
+
 TEST(ModelConversion, SaysWhatDoesNotFit) {
   ModelConversion to = To(ModelForm::kStateSpace);
   to.type = ModelFileType::kCsv;

@@ -54,6 +54,27 @@ TEST(OutputErrorProblemTest, TheTrueParametersLeaveNothing) {
   }
 }
 
+// Of an output without elements, of which a step disturbs one segment alone:
+// the others have no amplitudes.
+TEST(OutputErrorProblemTest, SegmentsMayHaveNoAmplitudes) {
+  ProcessModel model = MakeModel(1, 2);
+  std::vector<Record> records = MakeRecords(TwoElements(), 200, 2, {});
+  for (Record& record : records) record.outputs.setZero();
+  records[1].outputs.rightCols(100).setConstant(3.0);
+  OutputErrorProblem problem = ProblemOf(model, records);
+  ASSERT_EQ(problem.num_segments(), 2);
+  problem.SetSteps({{.segment = 1, .sample = 100}});
+  const NoiseShape white = {.ratio = 0.0, .offset = false};
+  const OutputErrorProblem::Sizes sizes =
+      problem.DisturbanceSizes(PointOf(problem), white);
+  ASSERT_EQ(sizes.steps.size(), 1u);
+  EXPECT_NEAR(sizes.steps[0], 3.0, 1e-9);
+  const WhitenedColumns whitened =
+      problem.Whiten(problem.Linearise(PointOf(problem), white, {}), white);
+  EXPECT_LT(whitened.residuals.cwiseAbs().maxCoeff(), 1e-9);
+  EXPECT_EQ(whitened.num_amplitudes, 1);
+}
+
 // Where samples are lost the rows of free responses are those of the samples
 // that are left.
 TEST(OutputErrorProblemTest, FreeResponsesGoOnThroughGaps) {
