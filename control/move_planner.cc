@@ -197,8 +197,8 @@ absl::StatusOr<Solution> SolveWithoutLimits(const MatrixXd& responses,
   }
   if (!gain.allFinite()) {
     return absl::InvalidArgumentError(
-        "the controller's gain is no number: weights or gains of the model of "
-        "these sizes go beyond double precision");
+        "the controller's gain has values that are not finite: weights or "
+        "gains of the model of these sizes go beyond double precision");
   }
   return Solution{hessian, gain};
 }

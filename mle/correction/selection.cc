@@ -159,15 +159,12 @@ absl::StatusOr<std::vector<std::vector<Fold>>> Partitions(
         "Choose λ by blocks instead");
   }
   const int length = options.BlockLength(data.order());
-  if (options.phases > length) {
-    return absl::InvalidArgumentError(absl::StrFormat(
-        "phases is %d, but blocks of %d samples can be cut in %d ways only",
-        options.phases, length, length));
-  }
-  for (int phase = 0; phase < options.phases; ++phase) {
-    std::vector<Fold> folds = FoldsByBlock(
-        data, options.folds, length,
-        static_cast<int>(std::int64_t{phase} * length / options.phases));
+  // More phases than samples of a block would cut the same again.
+  const int phases = std::min(options.phases, length);
+  for (int phase = 0; phase < phases; ++phase) {
+    std::vector<Fold> folds =
+        FoldsByBlock(data, options.folds, length,
+                     static_cast<int>(std::int64_t{phase} * length / phases));
     if (folds.size() < 2) {
       return absl::InvalidArgumentError(
           absl::StrFormat("the records make a single block of %d rows; "

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "mle/base/option_error.h"
 #include "mle/base/status.h"
 
 namespace mle {
@@ -74,12 +75,16 @@ absl::StatusOr<double> MaxDelay(const ProcessModel& model, int i, int j,
   }
   if (std::isfinite(options.max_delay)) {
     if (options.max_delay >= longest) {
-      return absl::InvalidArgumentError(absl::StrCat(
-          "output-error correction: max_delay is ", options.max_delay,
-          ", must be less than the longest record, ", longest));
+      return OptionError("max_delay",
+                         absl::StrCat("output-error correction: max_delay = ",
+                                      options.max_delay,
+                                      ", must be less than the longest stretch "
+                                      "of the records, ",
+                                      longest));
     }
     if (options.max_delay < initial.delay) {
-      return absl::InvalidArgumentError(
+      return OptionError(
+          "max_delay",
           absl::StrCat(Name(model, i, j), ": its dead time ", initial.delay,
                        " exceeds max_delay = ", options.max_delay,
                        "; the bounds must hold the start"));

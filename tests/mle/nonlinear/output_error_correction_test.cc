@@ -371,8 +371,8 @@ TEST(OutputErrorCorrectionTest, SaysWhatIsWrong) {
               HasSubstr("element of output \"y0\", input \"u1\": its dead time "
                         "2.3 exceeds max_delay"));
   EXPECT_THAT(message(model, records, {.max_delay = 1e12}),
-              HasSubstr("max_delay is 1e+12, must be less than the longest "
-                        "record"));
+              HasSubstr("max_delay = 1e+12, must be less than the longest "
+                        "stretch of the records"));
   EXPECT_THAT(message(model, {MakeRecord(model, 40, 1, {})}),
               HasSubstr("\"y0\" has"));
   EXPECT_THAT(message(model, {MakeRecord(model, 12, 1, {})}),
