@@ -72,6 +72,7 @@ TEST(MleReproduceBadInput, UnknownFlagsAndStrayArguments) {
 TEST(MleReproduceBadInput, ValuesOfTheWrongKind) {
   ExpectRefused({
       {{"--seeds=abc"}, {"--seeds=abc", "whole number"}},
+      {{"--seeds=a\nb"}, {"--seeds=a\\nb: 'a\\nb' is not a whole number"}},
       {{"--seeds=99999999999"}, {"--seeds=99999999999", "2147483647"}},
       {{"--first_seed=-1"}, {"--first_seed=-1", "from 0"}},
       {{"--order=1.5"}, {"--order=1.5", "whole number"}},
