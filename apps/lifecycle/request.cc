@@ -167,7 +167,7 @@ absl::Status SetLimits(const Campaign& campaign, OperationOptions& operation) {
   if (!inputs.allFinite()) {
     return WrongOption("model",
                        "the inputs that hold the outputs within "
-                       "--setpoint_range are no numbers: its gains are too far "
+                       "--setpoint_range are not finite: its gains are too far "
                        "from each other");
   }
   by_default(limits.min_input, -inputs);

@@ -83,7 +83,7 @@ TEST_F(MleCorrectBadInput, Flags) {
   ExpectRefused({"--response_horizon=-3"}, {"--response_horizon=-3"});
   ExpectRefused({"--response_horizon=0.3"}, {"--response_horizon=0.3", "5"});
   ExpectRefused({"--max_delay=-1"}, {"--max_delay=-1"});
-  ExpectRefused({"--order=-1"}, {"--order=-1", "≥ 0"});
+  ExpectRefused({"--order=-1"}, {"--order=-1", "[0, 100000]"});
   ExpectRefused({"--threads=-1"}, {"--threads=-1", "≥ 0"});
   ExpectRefused({"--validation_folds=1"}, {"--validation_folds=1", "2"});
   ExpectRefused({"--conversion_samples=10"}, {"--conversion_samples=10"});

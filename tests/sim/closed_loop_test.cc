@@ -176,7 +176,7 @@ TEST(ClosedLoopTest, ReportsAControllerThatReturnsNoNumber) {
       SimulateClosedLoop(MixedModel(), broken, {}, {});
   EXPECT_EQ(record.status().code(), absl::StatusCode::kFailedPrecondition);
   EXPECT_THAT(std::string(record.status().message()),
-              HasSubstr("input 'u2' is nan at time 1"));
+              HasSubstr("input 'u2' is not a number at time 1"));
 }
 
 // The same loop with the output in units of 1e-9 and 1e9, the input in units of
