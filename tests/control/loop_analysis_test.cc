@@ -5,6 +5,7 @@
 #include <complex>
 #include <limits>
 #include <numeric>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -357,6 +358,43 @@ TEST(LoopAnalysisTest, CountsTheModesOfLongResponses) {
       mpc, Predict(SingleLoop(TransferFunction::FirstOrder(40.0, 400.0, 3.0))));
   EXPECT_FALSE(wild.stable);
   EXPECT_GE(wild.growing_modes, 1);
+}
+
+TEST(LoopAnalysisTest, RefusesResponsesThatHardlySettle) {
+  const PredictionModel model =
+      Predict(SingleLoop(TransferFunction::FirstOrder(1.0, 10.0, 3.0)));
+  const Mpc mpc = MakeAnalysedMpc(model, Options(1, 1, 1.0));
+  const auto status =
+      AnalyseLoop(
+          mpc,
+          Predict(SingleLoop(TransferFunction::FirstOrder(1.0, 20'000.0, 3.0))))
+          .status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_NE(status.message().find("control periods, and loops of up to 50000"),
+            std::string::npos)
+      << status;
+}
+
+TEST(LoopAnalysisTest, RefusesAnotherShape) {
+  const PredictionModel model = Predict(FastTwoByTwo());
+  const Mpc mpc = MakeAnalysedMpc(model, Options(2, 2, 0.1));
+  const PredictionModel other =
+      Predict(SingleLoop(TransferFunction::FirstOrder(1.0, 1.0, 0.0)));
+  EXPECT_EQ(AnalyseLoop(mpc, other).status().code(),
+            absl::StatusCode::kInvalidArgument);
+}
+
+// A plant whose responses go beyond double precision, seen from the controller.
+TEST(LoopAnalysisTest, SaysWhereNothingCanBeCounted) {
+  const auto process = [](double gain) {
+    return SingleLoop(TransferFunction::FirstOrder(gain, 5.0, 2.0));
+  };
+  const Mpc mpc = MakeAnalysedMpc(Predict(process(1e-5)), Options(1, 1, 1e-12));
+  const absl::Status status =
+      AnalyseLoop(mpc, Predict(process(1e307))).status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kFailedPrecondition);
+  EXPECT_NE(status.message().find("modes cannot be counted"), std::string::npos)
+      << status;
 }
 
 }  // namespace

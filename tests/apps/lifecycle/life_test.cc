@@ -166,6 +166,26 @@ TEST(LifeTest, AStopIsHeard) {
   EXPECT_EQ(life.status().code(), absl::StatusCode::kCancelled);
 }
 
+// It asks within corrections too, and keeps nothing of one that was stopped:
+// the second question comes within the first correction, so that no life has
+// fewer changes for it.
+TEST(LifeTest, AStopIsHeardWithinACorrection) {
+  const Scenario scenario = TankScenario(3, Fouling(0.5, 4000.0));
+  const LifeOptions options = TankLife(NoisyTank());
+  const auto asked = [&](const std::string& policy, int stop_at) {
+    int times = 0;
+    const absl::StatusOr<Life> life = LiveThrough(
+        scenario, Named(policy), options, [&] { return ++times >= stop_at; });
+    EXPECT_EQ(life.ok(), times < stop_at) << life.status();
+    return times;
+  };
+  constexpr int kNever = 1'000'000;
+  const int changes = asked("never", kNever);
+  EXPECT_EQ(changes, static_cast<int>(scenario.events.size()));
+  EXPECT_GT(asked("output_error:1", kNever), 2 * changes);
+  EXPECT_EQ(asked("output_error:1", 1), 2);
+}
+
 TEST(LifeTest, ALoopThatRunsAwayEndsTheLifeAndSaysSo) {
   // Thirty times the gain, without limits: unstable.
   Scenario scenario = TankScenario(30, Fouling(30.0, 6e4));
