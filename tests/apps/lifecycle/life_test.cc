@@ -166,9 +166,8 @@ TEST(LifeTest, AStopIsHeard) {
   EXPECT_EQ(life.status().code(), absl::StatusCode::kCancelled);
 }
 
-// It asks within corrections too, and keeps nothing of one that was stopped:
-// the second question comes within the first correction, so that no life has
-// fewer changes for it.
+// It is asked within corrections too, and then once more before the change is
+// kept.
 TEST(LifeTest, AStopIsHeardWithinACorrection) {
   const Scenario scenario = TankScenario(3, Fouling(0.5, 4000.0));
   const LifeOptions options = TankLife(NoisyTank());
