@@ -21,14 +21,32 @@ bool IsPostgresql(std::string_view text) {
          absl::StartsWithIgnoreCase(View(text), "postgres://");
 }
 
-// Of a connection string: DSN=plant;UID=reader;PWD=word.
-bool StringHasPassword(std::string_view text) {
-  for (const absl::string_view part : absl::StrSplit(View(text), ';')) {
+// Whether what stands under this key is for nobody's eyes: PWD, SSLPassword,
+// Auth_AccessToken, APIKey.
+bool IsSecret(std::string_view key) {
+  std::string letters;
+  for (const char c : key) {
+    if (absl::ascii_isalpha(static_cast<unsigned char>(c))) {
+      letters += absl::ascii_tolower(static_cast<unsigned char>(c));
+    }
+  }
+  if (letters == "key") return true;
+  for (const char* const part :
+       {"pwd", "pass", "secret", "token", "credential", "apikey", "accesskey",
+        "accountkey", "privatekey"}) {
+    if (absl::StrContains(letters, part)) return true;
+  }
+  return false;
+}
+
+// Of "KEY=VALUE;KEY=VALUE", with another mark between them.
+bool HasSecret(std::string_view text, char separator) {
+  for (const absl::string_view part : absl::StrSplit(View(text), separator)) {
     const std::vector<absl::string_view> pair =
         absl::StrSplit(part, absl::MaxSplits('=', 1));
-    const std::string key =
-        absl::AsciiStrToLower(absl::StripAsciiWhitespace(pair[0]));
-    if (pair.size() == 2 && (key == "pwd" || key == "password")) return true;
+    if (pair.size() == 2 && IsSecret({pair[0].data(), pair[0].size()})) {
+      return true;
+    }
   }
   return false;
 }
@@ -44,6 +62,12 @@ absl::StatusOr<DatabaseName> ParsePostgresql(std::string_view text) {
 
 absl::StatusOr<DatabaseName> ParseSqlite(std::string_view text) {
   std::string_view path = text.substr(text.find(':') + 1);
+  const std::size_t question = path.find('?');
+  if (HasPasswordOfUser(path.substr(0, path.find('/', 2))) ||
+      (question != std::string_view::npos &&
+       HasSecret(path.substr(question + 1), '&'))) {
+    return PasswordError("SQLite", "name the file alone: sqlite:FILE");
+  }
   // sqlite:///FILE, as others write it: an absolute path follows the third /.
   if (path.starts_with("//")) path.remove_prefix(2);
   if (path.empty()) {
@@ -63,10 +87,16 @@ absl::StatusOr<DatabaseName> ParseSqlite(std::string_view text) {
 
 absl::StatusOr<DatabaseName> ParseOdbc(std::string_view text) {
   const std::string_view place = text.substr(text.find(':') + 1);
-  if (StringHasPassword(place)) {
+  if (HasSecret(place, ';') || HasPasswordOfUser(place)) {
     return PasswordError("ODBC",
                          "set MLE_ODBC_PASSWORD (and MLE_ODBC_USER) in the "
                          "environment, or have it in odbc.ini");
+  }
+  // Nothing of it is repeated, as of a URI that cannot be read.
+  if (place.starts_with("//")) {
+    return absl::InvalidArgumentError(
+        "'odbc://…' is not a name for ODBC; it must be odbc:NAME with a NAME "
+        "of odbc.ini, or odbc:KEY=VALUE;KEY=VALUE");
   }
   if (place.empty()) {
     return absl::InvalidArgumentError(
@@ -98,6 +128,16 @@ absl::Status PasswordError(std::string_view kind, std::string_view remedy) {
       " database has a password in it, which others could read in the list of "
       "processes and in results; take it out, and ",
       View(remedy)));
+}
+
+bool HasPasswordOfUser(std::string_view uri) {
+  const std::size_t begin = uri.find("//");
+  if (begin == std::string_view::npos) return false;
+  const std::string_view rest = uri.substr(begin + 2);
+  const std::size_t at = rest.rfind('@');
+  if (at == std::string_view::npos) return false;
+  const std::string user = absl::AsciiStrToLower(View(rest.substr(0, at)));
+  return absl::StrContains(user, ":") || absl::StrContains(user, "%3a");
 }
 
 bool IsDatabase(std::string_view name) {

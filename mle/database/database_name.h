@@ -23,6 +23,9 @@ struct DatabaseName {
 // another kind.
 absl::StatusOr<DatabaseName> ParseDatabaseName(std::string_view text);
 
+// "//user:word@host", also where a library would not read it so.
+bool HasPasswordOfUser(std::string_view uri);
+
 // That a name has a password in it, and where it should be instead.
 absl::Status PasswordError(std::string_view kind, std::string_view remedy);
 

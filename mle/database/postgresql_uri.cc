@@ -22,14 +22,6 @@ constexpr char kRemedy[] =
     "of ~/.pg_service.conf (postgresql:///?service=NAME); on a terminal it is "
     "asked for";
 
-// "user:word@host", also where libpq would not read it so.
-bool HasPasswordOfUser(std::string_view uri) {
-  const std::string_view rest = uri.substr(uri.find("://") + 3);
-  const std::size_t at = rest.rfind('@');
-  return at != std::string_view::npos &&
-         rest.substr(0, at).find(':') != std::string_view::npos;
-}
-
 // Nothing of it is repeated: a password may stand anywhere.
 absl::Status NotAUri() {
   return absl::InvalidArgumentError(

@@ -32,14 +32,30 @@ TEST(DatabaseNameTest, DatabasesAndFilesAreToldApart) {
 TEST(DatabaseNameTest, PasswordsAreRefusedAndNotRepeated) {
   for (const char* const name :
        {"postgresql://reader:geheim@host/plant",
-        "postgres://reader:geheim@/plant", "postgresql://:geheim@host",
+        "postgres://reader:geheim@/plant",
+        "postgresql://:geheim@host",
         "POSTGRESQL://reader:geheim@host/plant",
         "postgresql://reader:gehe@im/x@host/plant",
         "postgresql://host/plant?password=geheim",
         "postgresql://host/plant?user=r&pass%77ord=geheim",
         "postgresql://host/plant?sslpassword=geheim",
-        "odbc:DSN=plant;UID=r;PWD=geheim", "odbc:plant; pwd = geheim",
-        "odbc:Driver=x;Password={geheim}"}) {
+        "odbc:DSN=plant;UID=r;PWD=geheim",
+        "odbc:plant; pwd = geheim",
+        "odbc:Driver=x;Password={geheim}",
+        "odbc:Driver=x;{PWD}=geheim",
+        "odbc:Driver=x;Auth_AccessToken=geheim",
+        "odbc:a;Token=geheim",
+        "odbc:a;Auth_Client_Secret=geheim",
+        "odbc:a;PRIV_KEY_FILE_PWD=geheim",
+        "odbc:a;passcode=geheim",
+        "odbc:a;APIKey=geheim",
+        "odbc:a;SSLKeyPassword=geheim",
+        "odbc:a;ProxyPwd=geheim",
+        "odbc://reader:geheim@host/plant",
+        "postgresql://r%3Ageheim@host/x",
+        "sqlite://reader:geheim@x",
+        "sqlite:a.db?key=geheim",
+        "sqlite:a.db?mode=ro&passphrase=geheim"}) {
     const auto parsed = ParseDatabaseName(name);
     ASSERT_FALSE(parsed.ok()) << name;
     const std::string message(parsed.status().message());
@@ -65,6 +81,9 @@ TEST(DatabaseNameTest, OtherNamesAreRefusedWithWhatIsRight) {
   }
   EXPECT_FALSE(ParseDatabaseName("sqlite:").ok());
   EXPECT_FALSE(ParseDatabaseName("odbc:").ok());
+  EXPECT_THAT(
+      std::string(ParseDatabaseName("odbc://geheim").status().message()),
+      AllOf(HasSubstr("must be odbc:NAME"), Not(HasSubstr("geheim"))));
   EXPECT_FALSE(ParseDatabaseName("sqlite:a\"b.db").ok());
 }
 
