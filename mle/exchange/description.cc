@@ -49,6 +49,11 @@ class PairFit {
 
   absl::StatusOr<Candidate> Fit() {
     MLE_RETURN_IF_ERROR(ramp_ ? FitRamp() : FitScaled());
+    if (!ramp_ && range_ > 0.0) {
+      best_.found.moves_on = std::abs(best_.element.StaticGain() -
+                                      response_(response_.size() - 1)) /
+                             range_;
+    }
     std::vector<double> numerator = best_.element.numerator();
     for (double& value : numerator) value = std::ldexp(value, exponent_);
     best_.element =
@@ -169,6 +174,14 @@ absl::Status CheckDifferences(const Description& description,
                               const StepResponseModel& model) {
   std::vector<std::string> poor;
   for (const PairDescription& pair : description.pairs) {
+    if (!(pair.moves_on <= kAcceptedMovingOn)) {
+      return absl::InvalidArgumentError(absl::StrFormat(
+          "%s: its step response has not settled at the last coefficient; the "
+          "transfer function through it goes on from there by %.3g %% of the "
+          "range. Give more coefficients, or say that the pair ends in a ramp",
+          PairName(model.channels, pair.output, pair.input),
+          100.0 * pair.moves_on));
+    }
     if (pair.largest_difference <= kAcceptedDifference) continue;
     poor.push_back(DifferenceText(model.channels, pair));
   }

@@ -38,6 +38,9 @@ namespace mle {
 // used, and that of one that is used with a warning.
 inline constexpr double kAcceptedDifference = 0.05;
 inline constexpr double kUnremarkableDifference = 0.01;
+// How far, in that range, a description may still move after the last
+// coefficient: what would be told of the gain beyond is a guess.
+inline constexpr double kAcceptedMovingOn = 0.5;
 
 // How near an element is to the coefficients, relative to their range.
 struct PairDescription {
@@ -46,6 +49,9 @@ struct PairDescription {
   double relative_rms = 0.0;
   double largest_difference = 0.0;
   double time = 0.0;  // of the largest difference
+  // What the description still moves after the last coefficient, where the
+  // response does not end in a ramp.
+  double moves_on = 0.0;
 };
 
 struct Description {
@@ -57,8 +63,8 @@ struct Description {
 double RangeOf(const Eigen::VectorXd& response);
 
 // Of a valid model. InvalidArgument names pairs that end in a ramp without a
-// slope, and those whose difference is larger than kAcceptedDifference, with
-// its size and time.
+// slope, those whose difference is larger than kAcceptedDifference, with its
+// size and time, and those that move on after their last coefficient.
 absl::StatusOr<Description> Describe(const StepResponseModel& model);
 
 // "overhead ← reflux: 3.2 % of its range at 14 min".

@@ -28,16 +28,18 @@ const std::array<std::vector<std::string_view>, kNumElementColumns>& Names() {
   return *kNames;
 }
 
+// Where the bracket of a unit begins; where there is none, the end.
+std::size_t UnitBegin(std::string_view field) {
+  if (!field.ends_with(')') && !field.ends_with(']')) return field.size();
+  const std::size_t begin = field.find_first_of("([");
+  return begin == 0 || begin == std::string_view::npos ? field.size() : begin;
+}
+
 // "Dead_time [min]" is "dead time".
 std::string KeyOf(std::string_view field) {
   const std::string folded = FoldedKey(field);
-  std::string_view key = folded;
-  const bool has_unit = key.ends_with(')') || key.ends_with(']');
-  const std::size_t unit = key.find_first_of("([");
-  if (has_unit && unit != std::string_view::npos && unit > 0) {
-    key = key.substr(0, unit);
-  }
-  return std::string(TrimCsvField(key));
+  const std::string_view key = folded;
+  return std::string(TrimCsvField(key.substr(0, UnitBegin(key))));
 }
 
 template <std::size_t N>
@@ -61,6 +63,14 @@ std::optional<ElementColumn> ElementColumnOf(std::string_view field) {
     }
   }
   return std::nullopt;
+}
+
+std::string UnitInHeader(std::string_view field) {
+  const std::string_view trimmed = TrimCsvField(field);
+  const std::size_t begin = UnitBegin(trimmed);
+  if (begin == trimmed.size()) return "";
+  return std::string(
+      TrimCsvField(trimmed.substr(begin + 1, trimmed.size() - begin - 2)));
 }
 
 bool IsElementHeader(const std::vector<std::string>& fields) {

@@ -31,6 +31,9 @@ const char* NameOf(ElementColumn column);
 // Of a field of a header; a unit in brackets at its end does not count.
 std::optional<ElementColumn> ElementColumnOf(std::string_view field);
 
+// The unit in brackets at its end: "min" of "tau [min]"; empty without one.
+std::string UnitInHeader(std::string_view field);
+
 // Whether the fields of a header are those of a table of elements: output,
 // input and gain are among them.
 bool IsElementHeader(const std::vector<std::string>& fields);

@@ -8,6 +8,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "mle/base/status.h"
+#include "mle/data/civil_time.h"
 #include "mle/data/csv_rows.h"
 #include "mle/exchange/element_columns.h"
 #include "mle/exchange/step_response_csv.h"
@@ -32,6 +33,8 @@ class TableReader {
 
  private:
   absl::Status ReadHeader();
+  // That a column of times is in the unit of the file.
+  absl::Status CheckUnit(ElementColumn column, int place) const;
   absl::Status ReadRow(const TableLine& line);
   bool Has(ElementColumn column) const { return columns_[column] >= 0; }
   const std::string& Field(const TableLine& line, ElementColumn column) const {
@@ -69,6 +72,7 @@ absl::Status TableReader::ReadHeader() {
                                        columns_[*column] + 1, " already"));
     }
     columns_[*column] = static_cast<int>(c);
+    MLE_RETURN_IF_ERROR(CheckUnit(*column, static_cast<int>(c)));
   }
   for (const ElementColumn needed : {kTimeConstantColumn, kDelayColumn}) {
     if (Has(needed)) continue;
@@ -80,6 +84,24 @@ absl::Status TableReader::ReadHeader() {
   result_.has_lead = Has(kLeadColumn);
   result_.has_integrating = Has(kIntegratingColumn);
   return absl::OkStatus();
+}
+
+absl::Status TableReader::CheckUnit(ElementColumn column, int place) const {
+  if (column != kTimeConstantColumn && column != kSecondColumn &&
+      column != kLeadColumn && column != kDelayColumn) {
+    return absl::OkStatus();
+  }
+  const std::string unit = UnitInHeader(table_.header.fields[place]);
+  const std::optional<double> here = SecondsPerUnit(unit);
+  // Other text in brackets may be no unit: "T1 (lag)".
+  if (!here.has_value() || here == SecondsPerUnit(table_.time_unit)) {
+    return absl::OkStatus();
+  }
+  return table_.Fault(table_.header, place,
+                      absl::StrCat("the ", NameOf(column), " is in '", unit,
+                                   "', but the time unit of the file is '",
+                                   ShowCsvText(table_.time_unit),
+                                   "'; all times must be in that unit"));
 }
 
 absl::StatusOr<double> TableReader::Number(

@@ -16,6 +16,7 @@ namespace mle {
 namespace {
 
 constexpr int kTableSamples = 400;
+constexpr int kFiner = 10;  // samples between them, for the difference
 // Of the square of the sum of two time constants: their difference, squared,
 // that rounding makes negative.
 constexpr double kTimeConstantRounding = 1e-12;
@@ -76,13 +77,17 @@ ElementRow NearestRamp(const TransferFunction& g) {
 // where both poles are real.
 ElementRow NearestRow(const TransferFunction& g) {
   if (g.IsIntegrating()) return NearestRamp(g);
-  const double horizon = g.delay() + 5.0 * g.SlowestTimeConstant();
+  // Long enough at rest for the gain to be that of the element.
+  const double horizon = 2.0 * g.TimeToSettle();
   const double sample_time = horizon / (kTableSamples - 1);
   const Eigen::VectorXd response = g.StepResponse(sample_time, kTableSamples);
+  const double fine_time = sample_time / kFiner;
+  const Eigen::VectorXd fine =
+      g.StepResponse(fine_time, kFiner * (kTableSamples - 1) + 1);
   ElementRow best;
   best.largest_difference = std::numeric_limits<double>::infinity();
   const auto take = [&](ElementRow row) {
-    row.largest_difference = DifferenceOf(row, response, sample_time);
+    row.largest_difference = DifferenceOf(row, fine, fine_time);
     if (row.largest_difference < best.largest_difference) best = row;
   };
   if (const auto fit = FitFopdt(response, sample_time, {}); fit.ok()) {

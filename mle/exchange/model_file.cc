@@ -4,6 +4,7 @@
 #include <variant>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"
 #include "mle/exchange/element_csv.h"
@@ -171,6 +172,14 @@ absl::StatusOr<NamedStateSpace> CorrectedStateSpace(
 std::vector<std::string> NotableDifferences(const ModelFile& file) {
   std::vector<std::string> differences;
   for (const PairDescription& pair : file.descriptions) {
+    if (pair.moves_on > kAcceptedDifference) {
+      differences.push_back(absl::StrFormat(
+          "%s: its step response has not settled at the last coefficient; the "
+          "transfer function through it goes on from there by %.2g %% of the "
+          "range, which its gain rests on. Give more coefficients.",
+          PairName(file.process, pair.output, pair.input),
+          100.0 * pair.moves_on));
+    }
     if (pair.largest_difference <= kUnremarkableDifference) continue;
     differences.push_back(absl::StrCat(
         "The transfer function that describes the step response differs from "

@@ -11,9 +11,8 @@
 namespace mle {
 namespace {
 
-constexpr int kDescriptionSamples = 600;
-constexpr double kHorizonTimeConstants = 6.0;  // of the slowest time constant
-constexpr double kNegligible = 1e-9;           // of the largest response
+constexpr int kDescriptionSamples = 1200;
+constexpr double kNegligible = 1e-9;  // of the largest response
 // Of the difference from first order; else one more parameter says little.
 constexpr double kWorthSecondOrder = 0.5;
 constexpr int kFewestFitSamples = 10;  // of a fit of second order
@@ -100,10 +99,9 @@ absl::StatusOr<FopdtElement> FromTransfer(const TransferFunction& transfer) {
     element.delay = transfer.delay();
     return element;
   }
+  // Long enough at rest for the gain to be that of the element.
   const double sample_time =
-      (transfer.delay() +
-       kHorizonTimeConstants * transfer.SlowestTimeConstant()) /
-      (kDescriptionSamples - 1);
+      2.0 * transfer.TimeToSettle() / (kDescriptionSamples - 1);
   return Described(transfer.StepResponse(sample_time, kDescriptionSamples),
                    sample_time, {});
 }

@@ -21,6 +21,7 @@ constexpr int kMaxDegree = 50;
 // So that settling times, multiples of it, and those of corrections are
 // numbers.
 constexpr double kLongestTime = 1e300;
+constexpr double kLargestSquared = 1e150;
 // A dead time within this fraction of a sample of a sampling instant is on it.
 constexpr double kInstantTolerance = 1e-9;
 // A pole whose damping ratio is smaller cannot be told from an undamped one.
@@ -122,7 +123,17 @@ absl::Status CheckStable(const std::vector<double>& denominator) {
       return unstable;
     }
   }
-  if (denominator.size() <= 3) return absl::OkStatus();  // Also sufficient.
+  if (denominator.size() < 3) return absl::OkStatus();  // Also sufficient.
+  if (denominator.size() == 3) {
+    const double damping = 0.5 * std::abs(denominator[1]) /
+                           std::sqrt(std::abs(denominator[0])) /
+                           std::sqrt(std::abs(denominator[2]));
+    if (damping >= kMinDampingRatio) return absl::OkStatus();
+    return absl::InvalidArgumentError(absl::StrCat(
+        "denominator ", Polynomial(denominator), " has a damping ratio of ",
+        damping, "; an oscillation of less than ", kMinDampingRatio,
+        " cannot be told from one that does not end"));
+  }
   for (const std::complex<double> pole : Poles(denominator)) {
     if (!(pole.real() < -kMinDampingRatio * std::abs(pole))) return unstable;
   }
@@ -150,10 +161,12 @@ absl::Status CheckPoles(const std::vector<double>& numerator,
   return CheckStable(others);
 }
 
-// The numbers the realisation is made of do not overflow.
+// The numbers the realisation is made of do not overflow, nor do products of A.
 bool CanBeRealised(const TransferFunction& g) {
   const StateSpace system = g.Realize();
-  return system.A.allFinite() && system.C.allFinite() &&
+  const bool has_square =
+      system.A.size() == 0 || system.A.cwiseAbs().maxCoeff() < kLargestSquared;
+  return has_square && system.A.allFinite() && system.C.allFinite() &&
          std::isfinite(system.D) && std::isfinite(g.StaticGain()) &&
          std::isfinite(g.SlowestTimeConstant());
 }
@@ -257,6 +270,13 @@ double TransferFunction::SlowestTimeConstant() const {
   if (r == 0) return 0.0;
   if (r == 1) return others[0] / others[1];
   return -1.0 / Poles(others).real().maxCoeff();
+}
+
+double TransferFunction::TimeToSettle() const {
+  const std::vector<double> others = WithoutIntegratorPole(denominator_);
+  if (Degree(others) < 2) return delay_ + 5.0 * SlowestTimeConstant();
+  const Eigen::VectorXd times = -Poles(others).real().cwiseInverse();
+  return delay_ + times.sum() + 4.0 * times.norm();
 }
 
 StateSpace TransferFunction::Realize() const {

@@ -152,6 +152,26 @@ TEST(Describe, RefusesARampWithoutASlope) {
                              Not(HasSubstr("u1"))));
 }
 
+TEST(Describe, SaysWhatMovesOnAfterTheLastCoefficient) {
+  const auto of = [](double share) {
+    return Describe(ModelOf({TransferFunction::FirstOrder(2.0, 10.0, 0.0)}, 0.5,
+                            static_cast<int>(-20.0 * std::log(1.0 - share))));
+  };
+  const absl::StatusOr<Description> settled = of(0.999);
+  ASSERT_TRUE(settled.ok()) << settled.status();
+  EXPECT_LT(settled->pairs[0].moves_on, 0.0012);
+  const absl::StatusOr<Description> cut = of(0.8);
+  ASSERT_TRUE(cut.ok()) << cut.status();
+  EXPECT_NEAR(cut->pairs[0].moves_on, 0.25, 0.02);
+  // A level whose ramp nobody has named.
+  const absl::Status ramp =
+      Describe(ModelOf({TransferFunction::Integrator(1.0, 0.0, 0.0)}, 1.0, 30))
+          .status();
+  EXPECT_THAT(std::string(ramp.message()),
+              AllOf(HasSubstr("y ← u1: its step response has not settled"),
+                    HasSubstr("ends in a ramp")));
+}
+
 // The line of the last interval meets zero long after the record.
 TEST(Describe, ARampThatTurnsAwayFromZeroIsNoDeadTime) {
   for (const double turn : {1e-3, 1e-9, 1e-12}) {

@@ -87,6 +87,23 @@ TEST(ElementTable, ReadsTheNamesOfSpreadsheets) {
 
 // An integrator with lags of any number is the nearest with one where the form
 // has none that is it.
+TEST(ElementTable, TimesInAnotherUnitAreRefused) {
+  const auto message = [](const std::string& times, const std::string& dead) {
+    const std::string text = absl::StrReplaceAll(
+        kTable, {{"time constant,second", times + ",second"},
+                 {"dead time\n", dead + "\n"}});
+    return std::string(ParseElementTable(text, "tank.csv").status().message());
+  };
+  EXPECT_EQ(message("Tau [minutes]", "theta (min)"), "");
+  EXPECT_EQ(message("T1 (lag)", "L"), "");
+  EXPECT_THAT(
+      message("time constant [s]", "dead time [s]"),
+      HasSubstr("line 7, column 4: the time constant is in 's', but the "
+                "time unit of the file is 'min'"));
+  EXPECT_THAT(message("time constant [min]", "dead time (h)"),
+              HasSubstr("the dead time is in 'h'"));
+}
+
 TEST(ElementTable, TakesChangedLevels) {
   const ElementTable table = Parsed(
       "time unit,min\noutput,input,gain,time constant,dead time,integrating\n"

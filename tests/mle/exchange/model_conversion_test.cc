@@ -218,8 +218,46 @@ TEST(ModelConversion, StepResponsesCutShortMustBeReadAgain) {
   EXPECT_EQ(refused.code(), absl::StatusCode::kInvalidArgument);
   EXPECT_THAT(
       std::string(refused.message()),
-      testing::AllOf(HasSubstr("15 coefficients every 1 min could not be read"),
-                     HasSubstr("level ← steam")));
+      testing::AllOf(HasSubstr("every 1 min, could not be read again: "),
+                     HasSubstr("level ← steam: its step response has not")));
+}
+
+// Five lags of one time constant have passed 56 % of the way after five.
+TEST(ModelConversion, ManyEqualLagsAreSampledUntilTheyHaveSettled) {
+  ModelFile file;
+  file.process = ProcessModel("tank", "min", {{"steam", ""}}, {{"level", ""}});
+  file.process.element(0, 0) =
+      TransferFunction({2.0}, {1.0, 5.0, 10.0, 10.0, 5.0, 1.0}, 0.0);
+  const ModelFile sampled =
+      Reread(Converted(file, To(ModelForm::kStepResponses)));
+  const Eigen::VectorXd& c = sampled.step_responses.pairs[0].coefficients;
+  EXPECT_NEAR(c(c.size() - 1), 2.0, 0.02);
+  EXPECT_NEAR(sampled.process.element(0, 0).StaticGain(), 2.0, 0.03);
+  const ModelFile table = Reread(Converted(file, To(ModelForm::kElementTable)));
+  EXPECT_NEAR(table.process.element(0, 0).StaticGain(), 2.0, 0.1);
+}
+
+TEST(ModelConversion, NamesThatAFormDoesNotKeepAreRefused) {
+  ModelFile file;
+  file.process = ProcessModel("tank", "min", {{"b/c", ""}, {"c", ""}},
+                              {{"a", ""}, {"a/b", ""}});
+  for (int i = 0; i < 2; ++i) {
+    for (int j = 0; j < 2; ++j) {
+      file.process.element(i, j) = TransferFunction::FirstOrder(1.0, 5.0, 1.0);
+    }
+  }
+  const auto refusal = [&](ModelForm form) {
+    ModelConversion to = To(form);
+    to.type = ModelFileType::kCsv;
+    return std::string(ConvertModel(file, to).status().message());
+  };
+  EXPECT_THAT(refusal(ModelForm::kStepResponses),
+              HasSubstr("could not be read again"));
+  EXPECT_EQ(refusal(ModelForm::kElementTable), "");
+  file.process = ProcessModel("tank", "min", {{" steam", ""}}, {{"level", ""}});
+  file.process.element(0, 0) = TransferFunction::FirstOrder(1.0, 5.0, 1.0);
+  EXPECT_THAT(refusal(ModelForm::kElementTable),
+              HasSubstr("names or units of channels would be others"));
 }
 
 // Noisy coefficients whose transfer function, sampled, is none of those that

@@ -95,5 +95,14 @@ TEST(HandedOverTest, AStateSpaceModelIsHeldToTheCorrectedModel) {
   EXPECT_THAT(form.reason, HasSubstr("differ from the ARX model by 4.8 %"));
 }
 
+// What is typed into a controller must have the gain, though first order is far
+// from such a shape.
+TEST(HandedOverTest, ManyEqualLagsKeepTheirGain) {
+  const TransferFunction four({2.8}, {1e4, 4e3, 600.0, 40.0, 1.0}, 1.0);
+  const FopdtElement element = Describe(ModelOf({four}), true)[0];
+  EXPECT_NEAR(element.gain, 2.8, 0.07);
+  EXPECT_GT(element.largest_difference, kNearFopdt);
+}
+
 }  // namespace
 }  // namespace mle

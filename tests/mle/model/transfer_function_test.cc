@@ -105,6 +105,34 @@ TEST(TransferFunctionTest, ValidateSaysWhatIsWrong) {
               HasSubstr("degree 59"));
   EXPECT_THAT(Message(TransferFunction({1e308}, {1e-308, 1e-300}, 0.0)),
               HasSubstr("overflows"));
+  // Its square does: the response of such a lag was none at all.
+  EXPECT_THAT(Message(TransferFunction::Integrator(1.0, 1e-300, 1.0)),
+              HasSubstr("overflows"));
+  EXPECT_TRUE(TransferFunction::Integrator(1.0, 1e-100, 1.0).Validate().ok());
+}
+
+TEST(TransferFunctionTest, AnOscillationMustEnd) {
+  EXPECT_TRUE(TransferFunction({2.0}, {1.0, 1e-9, 1.0}, 0.0).Validate().ok());
+  for (const double small : {1e-30, 1e-150, 1e-300}) {
+    EXPECT_THAT(Message(TransferFunction({2.0}, {small, small, 1.0}, 0.0)),
+                HasSubstr("has a damping ratio of"));
+  }
+}
+
+TEST(TransferFunctionTest, ResponsesSettleInTheTimeToSettle) {
+  EXPECT_EQ(TransferFunction::FirstOrder(2.0, 4.0, 3.0).TimeToSettle(), 23.0);
+  std::vector<double> lags = {1.0};
+  for (int n = 1; n <= 12; ++n) {
+    lags.push_back(0.0);  // times 3 s + 1
+    for (std::size_t i = lags.size() - 1; i > 0; --i) {
+      lags[i] = 3.0 * lags[i] + lags[i - 1];
+    }
+    lags[0] *= 3.0;
+    const TransferFunction g({2.0}, lags, 1.0);
+    const double time = g.TimeToSettle();
+    EXPECT_NEAR(g.StepResponse(time / 100.0, 101)(100), 2.0, 0.02) << n;
+    EXPECT_GT(time, 1.0 + 3.0 * n) << n;
+  }
 }
 
 TEST(TransferFunctionTest, UnstableIsInvalid) {
