@@ -92,9 +92,10 @@ def from_state_space(
     """
     import numpy as np
 
-    a, b, c = (np.atleast_2d(np.asarray(matrix, dtype=float)) for matrix in (A, B, C))
+    given = {"A": A, "B": B, "C": C}
+    a, b, c = (np.atleast_2d(_model.numbers(matrix, name)) for name, matrix in given.items())
     n, m, p = len(a), b.shape[1], len(c)
-    d = np.zeros((p, m)) if D is None else np.atleast_2d(np.asarray(D, dtype=float))
+    d = np.zeros((p, m)) if D is None else np.atleast_2d(_model.numbers(D, "D"))
     wanted = {"A": (a, (n, n)), "B": (b, (n, m)), "C": (c, (p, n)), "D": (d, (p, m))}
     for name, (matrix, shape) in wanted.items():
         if matrix.shape != shape:
@@ -124,7 +125,7 @@ def _discrete(system: Any, names: Dict[str, Any]) -> ProcessModel:
     unknown = set(names) - {"inputs", "outputs", "time_unit", "name"}
     if unknown:
         raise ValueError(f"{sorted(unknown)}: not for a system in discrete time")
-    matrices = (np.atleast_2d(np.asarray(getattr(system, x), dtype=float)) for x in "ABCD")
+    matrices = (np.atleast_2d(_model.numbers(getattr(system, x), x)) for x in "ABCD")
     return StateSpaceModel(*matrices, dt=_sample_time(system), **names).process
 
 
@@ -161,17 +162,21 @@ def _transfer_function(system: Any) -> Any:
     return system
 
 
-def _entry(system: Any) -> Tuple[Any, Any]:
-    """Numerator and denominator of one element of a table."""
+def _entry(system: Any) -> Tuple[Any, Any, float]:
+    """Numerator, denominator and dead time of one element of a table."""
     if system is None or isinstance(system, (int, float)):
-        return [float(system or 0.0)], [1.0]
-    if _is_state_space(system):
-        numerator, denominator, _ = _of_state_space(system, 0.0, {}).element(0, 0)
-        return numerator, denominator
-    system = _transfer_function(system)
-    if _is_scalar_system(system):
-        return system.num, system.den
-    return system.num[0][0], system.den[0][0]
+        return [float(system or 0.0)], [1.0], 0.0
+    if not _is_state_space(system):
+        system = _transfer_function(system)
+        if _is_scalar_system(system):
+            return system.num, system.den, 0.0
+    model = from_systems(system)
+    if len(model.outputs) != 1 or len(model.inputs) != 1:
+        raise ValueError(
+            f"a system in a table must have one input and one output; this has "
+            f"{len(model.inputs)} inputs and {len(model.outputs)} outputs"
+        )
+    return model.element(0, 0)
 
 
 def from_systems(systems: Any, delays: Any = 0.0, **names: Any) -> ProcessModel:
@@ -182,7 +187,8 @@ def from_systems(systems: Any, delays: Any = 0.0, **names: Any) -> ProcessModel:
     ``C``, ``D``), of one input and output or of several; or a table of such of one
     input and output, ``systems[i][j]`` for output i and input j, where None or 0
     stands for no effect. Dead times, which these packages do not know, are ``delays``
-    (p, m) or one number. A state space in discrete time (``dt``) becomes a
+    (p, m) or one number; those that a state space in discrete time has of its own come
+    on top. A state space in discrete time (``dt``) becomes a
     :class:`StateSpaceModel`, whose ``process`` this is; discrete transfer functions
     are refused. Other arguments as of :func:`from_fopdt`. Raises ValueError.
     """
@@ -201,9 +207,15 @@ def from_systems(systems: Any, delays: Any = 0.0, **names: Any) -> ProcessModel:
             f"systems must be a system, or a table of such; this is {type(systems).__name__}"
         )
     entries = [[_entry(system) for system in row] for row in systems]
+    if any(delay for row in entries for _, _, delay in row):
+        # What discrete systems have of their own comes on top.
+        given = _model._table(delays, "delays", len(entries), len(entries[0]))
+        delays = [
+            [more + own for more, (_, _, own) in zip(*rows)] for rows in zip(given, entries)
+        ]
     return _model.from_transfer_functions(
-        [[numerator for numerator, _ in row] for row in entries],
-        [[denominator for _, denominator in row] for row in entries],
+        [[numerator for numerator, _, _ in row] for row in entries],
+        [[denominator for _, denominator, _ in row] for row in entries],
         delays,
         **names,
     )

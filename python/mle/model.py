@@ -21,11 +21,23 @@ def read_model(model: ModelLike) -> Union[ProcessModel, StepResponseModel, State
     return _mle._process(model)
 
 
+def numbers(values: Any, name: str) -> Any:
+    """float64; raises ValueError, with ``name``, for what is masked or complex."""
+    import numpy as np
+
+    if np.ma.is_masked(values):
+        raise ValueError(f"{name} has masked entries; a model needs all of its numbers")
+    array = np.asarray(values)
+    if np.iscomplexobj(array):
+        raise ValueError(f"{name} is complex; it must be real")
+    return np.asarray(array, dtype=float)
+
+
 def _table(values: Any, name: str, outputs: int, inputs: int) -> list:
     """p x m numbers of a scalar, which stands for all elements, or an array."""
     import numpy as np
 
-    array = np.asarray(values, dtype=float)
+    array = numbers(values, name)
     if array.ndim == 0:
         array = np.full((outputs, inputs), float(array))
     if array.shape != (outputs, inputs):
@@ -203,7 +215,7 @@ def _rows(table: Any) -> list:
 def _coefficients(values: Any) -> list:
     import numpy as np
 
-    return np.atleast_1d(np.asarray(values, dtype=float)).ravel().tolist()
+    return np.atleast_1d(numbers(values, "coefficients")).ravel().tolist()
 
 
 def from_step_responses(
@@ -229,7 +241,7 @@ def from_step_responses(
     """
     import numpy as np
 
-    array = np.asarray(coefficients, dtype=float)
+    array = numbers(coefficients, "coefficients")
     if array.ndim != 3:
         raise ValueError(
             f"coefficients has the shape {array.shape}; it must be (coefficients, outputs, inputs)"

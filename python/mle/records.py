@@ -97,7 +97,10 @@ def _samples(column: Any) -> Any:
 
     kind = getattr(column.dtype, "kind", "O")
     if str(column.dtype) == "float64":
-        return column.to_numpy()
+        samples = column.to_numpy()
+        # Fields of packed rows lie between whole numbers.
+        whole = samples.flags.aligned and samples.strides[0] % samples.itemsize == 0
+        return samples if whole else samples.copy()
     if kind in "fiub":
         return np.asarray(column.to_numpy(dtype=float, na_value=np.nan))
     return str(column.dtype)

@@ -1,5 +1,6 @@
 #include "python/src/arrays.h"
 
+#include <limits>
 #include <string>
 
 #include "absl/strings/str_cat.h"
@@ -25,6 +26,22 @@ py::array ReadOnly(py::array array) {
 }
 
 }  // namespace
+
+Array SamplesOf(const py::object& values, const char* name) {
+  const py::module_ numpy = py::module_::import("numpy");
+  if (numpy.attr("iscomplexobj")(values).cast<bool>()) {
+    throw py::value_error(
+        absl::StrCat(name, " has complex samples; they must be real"));
+  }
+  const py::object masked = numpy.attr("ma");
+  if (!masked.attr("isMaskedArray")(values).cast<bool>()) {
+    return values.cast<Array>();
+  }
+  return masked
+      .attr("filled")(values.attr("astype")("float64"),
+                      std::numeric_limits<double>::quiet_NaN())
+      .cast<Array>();
+}
 
 Eigen::MatrixXd MatrixOf(const Array& array, const char* name) {
   if (array.ndim() != 2) {

@@ -15,6 +15,10 @@ namespace mle::python {
 using Array = pybind11::array_t<double, pybind11::array::c_style |
                                             pybind11::array::forcecast>;
 
+// Samples of any numbers; masked ones become NaN. Throws ValueError naming
+// `name` for complex ones.
+Array SamplesOf(const pybind11::object& values, const char* name);
+
 // channels × N of an N × channels array, copied once. Throws ValueError naming
 // `name` for another number of dimensions.
 Eigen::MatrixXd MatrixOf(const Array& array, const char* name);

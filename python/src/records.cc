@@ -44,22 +44,27 @@ Table TableOf(const py::tuple& parts) {
       throw py::value_error(absl::StrCat("column '", added.name,
                                          "' is not as long as the times"));
     }
+    if (values.strides(0) % static_cast<py::ssize_t>(sizeof(double)) != 0) {
+      throw py::value_error(absl::StrCat("column '", added.name,
+                                         "' does not step in whole numbers"));
+    }
     added.values = values.data();
     added.stride = values.strides(0) / static_cast<py::ssize_t>(sizeof(double));
   }
   return table;
 }
 
-Record MakeRecord(const Array& outputs, const Array& inputs,
+Record MakeRecord(const py::object& outputs, const py::object& inputs,
                   const py::object& set_points, double sample_time,
                   double start_time) {
   Record record;
   record.sample_time = sample_time;
   record.start_time = start_time;
-  record.outputs = MatrixOf(outputs, "outputs");
-  record.inputs = MatrixOf(inputs, "inputs");
+  record.outputs = MatrixOf(SamplesOf(outputs, "outputs"), "outputs");
+  record.inputs = MatrixOf(SamplesOf(inputs, "inputs"), "inputs");
   if (!set_points.is_none()) {
-    record.set_points = MatrixOf(set_points.cast<Array>(), "set_points");
+    record.set_points =
+        MatrixOf(SamplesOf(set_points, "set_points"), "set_points");
   }
   ThrowUnlessOk(record.Validate());
   return record;
@@ -159,7 +164,8 @@ void AddRecords(py::module_& module) {
       "A record sampled every `sample_time`: outputs (N, p), inputs (N, m), "
       "set_points (N, p) or None. Inputs act from their sample to the next; "
       "outputs are measured just before the inputs change. NaN marks a bad "
-      "sample. Channels stand in the order of the process model, times are in "
+      "sample, as does a mask. Channels stand in the order of the process "
+      "model, times are in "
       "its unit.")
       .def(py::init(&MakeRecord), py::arg("outputs"), py::arg("inputs"),
            py::arg("set_points") = py::none(), py::kw_only(),

@@ -34,6 +34,37 @@ def test_shapes_that_do_not_agree():
         mle.Record(np.zeros((10, 1)), np.zeros((10, 1)), sample_time=0.0)
 
 
+def test_masked_samples_are_bad_ones():
+    samples = np.arange(20.0).reshape(10, 2)
+    masked = np.ma.array(samples, mask=samples > 16.5)
+    record = mle.Record(masked, np.ma.array(samples), masked, sample_time=1.0)
+    wanted = np.where(samples > 16.5, np.nan, samples)
+    np.testing.assert_array_equal(record.outputs, wanted)
+    np.testing.assert_array_equal(record.set_points, wanted)
+    np.testing.assert_array_equal(record.inputs, samples)
+    with refused("outputs has complex samples", ValueError):
+        mle.Record(1j * samples, samples, sample_time=1.0)
+    gains = np.ma.array([[1.0, 1e20]], mask=[[False, True]])
+    with refused("gains? has masked entries", ValueError):
+        mle.from_fopdt(gains, 5.0, 1.0)
+
+
+def test_columns_of_packed_rows(loop, frame):
+    packed = np.zeros(
+        len(frame), dtype=[("count", "i4")] + [(name, "f8") for name in frame.columns]
+    )
+    for name in frame.columns:
+        packed[name] = frame[name]
+    views = pd.concat(
+        [pd.Series(packed[name], index=frame.index, name=name, copy=False) for name in frame],
+        axis=1,
+        copy=False,
+    )
+    ours, theirs = (mle.read_records(table, loop[0])[0] for table in (views, frame))
+    np.testing.assert_array_equal(ours.outputs, theirs.outputs)
+    np.testing.assert_array_equal(ours.inputs, theirs.inputs)
+
+
 def test_record_of_another_model(loop):
     record = mle.Record(np.zeros((50, 2)), np.zeros((50, 1)), np.zeros((50, 2)), sample_time=1.0)
     with refused("2 outputs and 1 inputs; the model has 1 and 1"):

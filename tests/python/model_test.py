@@ -130,6 +130,27 @@ def test_scipy_in_and_out():
     np.testing.assert_allclose(of_states.static_gains, [[4.0]])
 
 
+def test_systems_in_a_table_keep_all_they_have():
+    signal = pytest.importorskip("scipy.signal")
+    # y[k] = 0.9 y[k-1] + 0.1 u[k-3]: a lag, and two samples of dead time more.
+    delayed = signal.StateSpace(
+        [[0.9, 0.0, 1.0], [0.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+        [[0.0], [1.0], [0.0]],
+        [[0.1, 0.0, 0.0]],
+        [[0.0]],
+        dt=1.0,
+    )
+    alone = mle.from_systems(delayed)
+    assert alone.element(0, 0)[2] == pytest.approx(2.0)
+    table = mle.from_systems([[delayed, 0.5]], delays=[[1.0, 4.0]])
+    assert table.element(0, 0)[:2] == alone.element(0, 0)[:2]
+    assert table.element(0, 0)[2] == alone.element(0, 0)[2] + 1.0
+    assert table.element(0, 1)[2] == 4.0
+    two = signal.StateSpace(-np.eye(2), np.eye(2), np.eye(2), np.zeros((2, 2)))
+    with pytest.raises(ValueError, match="one input and one output; this has 2 inputs and 2"):
+        mle.from_systems([[two]])
+
+
 def test_control_in_and_out():
     control = pytest.importorskip("control")
     model = mle.from_fopdt([[2.0]], 5.0)
