@@ -42,7 +42,7 @@ report::Series& AddCurve(report::Role role, const std::string& label,
 std::vector<double> Times(double first, double step, Eigen::Index count);
 
 // Responses of pairs, and of the loop (response_figures.cc).
-report::NamedFigure StepResponseFigure(const Result& result);
+std::optional<report::NamedFigure> StepResponseFigure(const Result& result);
 std::optional<report::NamedFigure> ChangedResponseFigure(const Result& result);
 std::optional<report::NamedFigure> ControlFigure(const Result& result);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -160,15 +161,16 @@ NamedFigure CrossCorrelationFigure(const Result& result) {
 }  // namespace
 
 std::vector<report::NamedFigure> MakeFigures(const Result& result) {
-  std::vector<NamedFigure> figures = {
-      StepResponseFigure(result), MismatchFigure(result), RecordFigure(result),
-      PredictionFigure(result)};
-  if (auto changed = ChangedResponseFigure(result)) {
-    figures.push_back(*std::move(changed));
-  }
-  if (auto control = ControlFigure(result)) {
-    figures.push_back(*std::move(control));
-  }
+  std::vector<NamedFigure> figures;
+  const auto add = [&figures](std::optional<NamedFigure> figure) {
+    if (figure.has_value()) figures.push_back(*std::move(figure));
+  };
+  add(StepResponseFigure(result));
+  figures.push_back(MismatchFigure(result));
+  figures.push_back(RecordFigure(result));
+  figures.push_back(PredictionFigure(result));
+  add(ChangedResponseFigure(result));
+  add(ControlFigure(result));
   if (HasLossFigure(result)) figures.push_back(LossFigure(result));
   figures.push_back(AutocorrelationFigure(result));
   figures.push_back(CrossCorrelationFigure(result));

@@ -177,7 +177,7 @@ std::string ErrorChange(double percent) {
 void AddControl(const Result& result, const Figures& figures, HtmlPage& page) {
   if (!result.accepted()) return;
   page.AddHeading("What it means for control");
-  if (result.loops.has_value()) {
+  if (result.loops.ok()) {
     std::vector<std::string> changes;
     for (const LoopStep& step : result.loops->steps) {
       changes.push_back(
@@ -190,9 +190,9 @@ void AddControl(const Result& result, const Figures& figures, HtmlPage& page) {
         "corrected model says: ",
         absl::StrJoin(changes, ", "), "."));
   } else {
-    page.AddParagraph(
-        "Set points followed before and after cannot be compared: a loop is "
-        "not stable in the simulation.");
+    page.AddParagraph(absl::StrCat(
+        "Set points followed before and after cannot be compared: ",
+        result.loops.status().message(), "."));
   }
   AddFigure(figures, "control", page);
   if (result.tuning.heading.empty()) return;

@@ -122,13 +122,15 @@ std::vector<const LoopStep*> MostChanged(const std::vector<LoopStep>& steps) {
 
 }  // namespace
 
-NamedFigure StepResponseFigure(const Result& result) {
+std::optional<NamedFigure> StepResponseFigure(const Result& result) {
   std::vector<Pair> pairs;
   for (int i = 0; i < result.initial.num_outputs(); ++i) {
     for (int j = 0; j < result.initial.num_inputs(); ++j) {
       if (!IsZero(result, {i, j})) pairs.push_back({i, j});
     }
   }
+  // A horizon that ends within all dead times.
+  if (pairs.empty()) return std::nullopt;
   return ResponsesOf(result, "step_responses",
                      "Response of each output to a unit step of each input: "
                      "the controller's model and the model written, with a "
@@ -155,7 +157,7 @@ std::optional<NamedFigure> ChangedResponseFigure(const Result& result) {
 }
 
 std::optional<NamedFigure> ControlFigure(const Result& result) {
-  if (!result.loops.has_value() || result.loops->steps.empty()) {
+  if (!result.loops.ok() || result.loops->steps.empty()) {
     return std::nullopt;
   }
   const std::vector<const LoopStep*> steps = MostChanged(result.loops->steps);

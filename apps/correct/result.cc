@@ -135,7 +135,7 @@ absl::StatusOr<Result> RunCorrection(const Request& request, RecordData data,
     }
   });
   result.tuning = std::move(tuning);
-  if (loops.ok()) result.loops = *std::move(loops);
+  result.loops = std::move(loops);
   return result;
 }
 

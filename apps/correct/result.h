@@ -37,8 +37,8 @@ struct Result : CorrectionResult {
   std::vector<Finding> findings;     // what it rests on
   std::vector<std::string> advice;   // items
   Tuning tuning;
-  // Set points followed before and after; nothing where it cannot be said.
-  std::optional<LoopComparison> loops;
+  // Set points followed before and after, or why they are not compared.
+  absl::StatusOr<LoopComparison> loops;
 
   int exit_code() const;
 };

@@ -9,6 +9,7 @@
 namespace mle::report {
 namespace {
 
+// What is smaller is drawn as zero, or not at all along a logarithm.
 constexpr double kLargest = 1e200;
 constexpr double kSmallest = 1e-200;
 
@@ -28,9 +29,9 @@ class Extent {
     double low = log_ ? std::log10(min_) : min_;
     double high = log_ ? std::log10(max_) : max_;
     const double size = std::max(std::abs(low), std::abs(high));
-    const double least = log_ ? 0.01 : 1e-9 * size;
+    const double least = log_ ? 0.01 : std::max(1e-9 * size, kSmallest);
     if (high - low <= least) {
-      const double spare = log_ ? 0.5 : size > 0.0 ? 0.5 * size : 1.0;
+      const double spare = log_ ? 0.5 : size > kSmallest ? 0.5 * size : 1.0;
       low -= spare;
       high += spare;
     } else {

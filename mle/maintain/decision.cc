@@ -77,9 +77,16 @@ std::vector<std::string> WorseWindows(const OutputEvidence& output,
   return names;
 }
 
+// In per cent; of outputs that move far less than a model says it is far below
+// 0.
+std::string FitText(double fit) {
+  return fit > -1e4 ? absl::StrFormat("%.1f %%", fit)
+                    : absl::StrFormat("%.2g %%", fit);
+}
+
 std::string DescribeScore(const HorizonScore& score, const char* horizon) {
-  return absl::StrFormat("%s, where its fit is %.1f %% after %.1f %%", horizon,
-                         score.corrected, score.initial);
+  return absl::StrCat(horizon, ", where its fit is ", FitText(score.corrected),
+                      " after ", FitText(score.initial));
 }
 
 Message Doubt(const OutputEvidence& output, MessageCode code,

@@ -348,8 +348,11 @@ absl::StatusOr<CutRow> CutWithin(const ProcessModel& model,
       return absl::FailedPreconditionError(absl::StrCat(
           "state-space model: rounding leaves none of ",
           model.outputs()[output].name, " within ", options.tolerance,
-          " of its step responses; the best has ", rank,
-          " states and step responses within ", best.difference));
+          " of its step responses",
+          std::isfinite(best.difference)
+              ? absl::StrCat("; the best has order ", rank,
+                             " and step responses within ", best.difference)
+              : ""));
     }
     below = order;
     order = std::min(order + step, rank);

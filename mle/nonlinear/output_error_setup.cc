@@ -101,30 +101,67 @@ absl::StatusOr<double> MaxDelay(const ProcessModel& model, int i, int j,
   return std::min(2.0 * initial.delay + initial.time_scale, share);
 }
 
-// What is fitted is squared and summed, and compared as variances.
+// What is fitted is squared and summed, and compared as variances: sizes beyond
+// these, of values or of gains, leave double precision there.
+constexpr double kLargest = 1e60;
+constexpr double kSmallest = 1e-60;
+
+absl::Status CheckValues(const char* kind, const std::string& name,
+                         const std::vector<Record>& records,
+                         Eigen::MatrixXd Record::*values, int row,
+                         double& largest) {
+  largest = 0.0;
+  for (const Record& record : records) {
+    const auto size = (record.*values).row(row).array().abs();
+    largest = std::max(largest, size.isFinite().select(size, 0.0).maxCoeff());
+  }
+  if (largest == 0.0 || (largest >= kSmallest && largest <= kLargest)) {
+    return absl::OkStatus();
+  }
+  return absl::InvalidArgumentError(absl::StrCat(
+      kind, " \"", name, "\" has values up to ", largest,
+      "; where they are not 0 they may not ",
+      largest > kLargest ? "exceed " : "stay below ",
+      largest > kLargest ? kLargest : kSmallest, ": check units and columns"));
+}
+
+// The largest gain at any frequency, up to a factor of the size of 1: of the
+// ratios of coefficients of one power of s.
+double LargestGain(const TransferFunction& element) {
+  const std::vector<double>& numerator = element.numerator();
+  const std::vector<double>& denominator = element.denominator();
+  double largest = 0.0;
+  for (std::size_t k = 1; k <= numerator.size(); ++k) {
+    const double below = denominator[denominator.size() - k];
+    if (below == 0.0) continue;  // of an integrator
+    largest =
+        std::max(largest, std::abs(numerator[numerator.size() - k] / below));
+  }
+  return largest;
+}
+
 absl::Status CheckMagnitudes(const ProcessModel& model, int i,
                              const std::vector<Record>& records,
                              const std::vector<ElementValues>& initial) {
-  constexpr double kLargest = 1e60;
-  const auto largest = [](const auto& row) {
-    return row.array().isFinite().select(row.array().abs(), 0.0).maxCoeff();
-  };
-  for (const Record& record : records) {
-    const double output = largest(record.outputs.row(i));
-    if (output > kLargest) {
+  double largest = 0.0;
+  MLE_RETURN_IF_ERROR(CheckValues("output", model.outputs()[i].name, records,
+                                  &Record::outputs, i, largest));
+  for (int j = 0; j < model.num_inputs(); ++j) {
+    MLE_RETURN_IF_ERROR(CheckValues("input", model.inputs()[j].name, records,
+                                    &Record::inputs, j, largest));
+    const double gain =
+        std::max(std::abs(initial[j].gain), LargestGain(model.element(i, j)));
+    if (gain * largest > kLargest) {
       return absl::InvalidArgumentError(absl::StrCat(
-          "output \"", model.outputs()[i].name, "\" has values up to ", output,
-          "; they may not exceed ", kLargest, ": check units and columns"));
+          Name(model, i, j), ": a gain of ", gain, " makes responses up to ",
+          gain * largest, "; they may not exceed ", kLargest,
+          ": check gain and units"));
     }
-    for (int j = 0; j < model.num_inputs(); ++j) {
-      const double response =
-          std::abs(initial[j].gain) * largest(record.inputs.row(j));
-      if (response > kLargest) {
-        return absl::InvalidArgumentError(absl::StrCat(
-            Name(model, i, j), ": a gain of ", initial[j].gain,
-            " makes responses up to ", response, "; they may not exceed ",
-            kLargest, ": check gain and units"));
-      }
+    if (gain > 0.0 && gain < kSmallest) {
+      return absl::InvalidArgumentError(
+          absl::StrCat(Name(model, i, j), ": a gain of ", initial[j].gain,
+                       " is too small to be fitted, less than ", kSmallest,
+                       ": check gain and units, or leave the element out"));
     }
   }
   return absl::OkStatus();

@@ -65,12 +65,12 @@ std::vector<LinearEstimate> IntegrateRatio(const OutputErrorProblem& problem,
                                            bool estimate_drift) {
   const bool any =
       std::find(fit.free.begin(), fit.free.end(), true) != fit.free.end();
-  if (!estimate_drift || !any || problem.num_segments() == 0) {
-    return {{.weight = 1.0,
-             .change = VectorXd::Zero(fit.covariance.rows()),
-             .covariance = fit.covariance,
-             .degrees_of_freedom = fit.degrees_of_freedom}};
-  }
+  const LinearEstimate itself = {
+      .weight = 1.0,
+      .change = VectorXd::Zero(fit.covariance.rows()),
+      .covariance = fit.covariance,
+      .degrees_of_freedom = fit.degrees_of_freedom};
+  if (!estimate_drift || !any || problem.num_segments() == 0) return {itself};
   const ShapeLikelihood likelihood(
       problem, LineariseWidely(problem, fit.point, fit.free, fit.noise),
       fit.free, /*restricted=*/true);
@@ -102,6 +102,8 @@ std::vector<LinearEstimate> IntegrateRatio(const OutputErrorProblem& problem,
     estimate.change -= at_fit;
     estimate.covariance = fit.inflation.Scale(estimate.covariance);
   }
+  // No likelihood is a number.
+  if (estimates.empty()) return {itself};
   for (LinearEstimate& estimate : estimates) {
     estimate.weight /= total;
     // Of r: what is not known of ρ is in the weights.

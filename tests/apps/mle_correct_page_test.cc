@@ -150,6 +150,15 @@ TEST_F(MleCorrectPage, TheLoopFollowsSetPointsBetterOnThePlantAsCorrected) {
               HasSubstr("with the corrected model"));
 }
 
+TEST_F(MleCorrectPage, SaysWhyLoopsAreNotCompared) {
+  Correct(CorrectionFlags(scratch_ / "model.json", scratch_ / "run.csv", out_,
+                          {"--control_period=1e6"}),
+          out_);
+  EXPECT_THAT(Content(out_ + "/report.html"),
+              HasSubstr("cannot be compared: a comparison of loops of this "
+                        "control period takes too many samples."));
+}
+
 TEST_F(MleCorrectPage, FiguresShowTheResponsesOfTheFile) {
   const report::ShownPanel panel =
       report::FiguresOf(html_, true).at(0).panels.at(0);

@@ -34,6 +34,20 @@ TEST(Ticks, LinearExamples) {
               ElementsAre("0", "1×10⁻⁶", "2×10⁻⁶", "3×10⁻⁶"));
 }
 
+// Differences that have no inverse are drawn as none.
+TEST(Ticks, EndWhereValuesAreNextToNothing) {
+  for (const double value : {5e-324, 1e-310, 1e-201}) {
+    Panel panel;
+    panel.series.push_back({});
+    panel.series.back().x = {0.0, 1.0, 2.0};
+    panel.series.back().y = {0.0, value, 0.0};
+    const Range range = YRange(panel);
+    EXPECT_LE(range.min, -0.5);
+    EXPECT_GE(range.max, 0.5);
+    EXPECT_LT(Ticks(range, false, 5).size(), 12u);
+  }
+}
+
 TEST(Ticks, LogarithmicExamples) {
   EXPECT_THAT(Labels(Ticks({1e-6, 1e-2}, true, 6)),
               ElementsAre("10⁻⁶", "10⁻⁵", "10⁻⁴", "10⁻³", "10⁻²"));

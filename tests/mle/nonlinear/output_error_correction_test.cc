@@ -11,37 +11,13 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "mle/model/process_simulator.h"
+#include "tests/mle/nonlinear/output_error_fits.h"
 #include "tests/mle/nonlinear/output_error_records.h"
 
 namespace mle {
 namespace {
 
 using ::testing::HasSubstr;
-
-OutputErrorCorrection Correct(const ProcessModel& model,
-                              const std::vector<Record>& records,
-                              const OutputErrorOptions& options = {}) {
-  auto correction = CorrectByOutputError(model, records, options);
-  EXPECT_TRUE(correction.ok()) << correction.status();
-  return *std::move(correction);
-}
-
-// The first element has aged in gain and dead time.
-ProcessModel AgedPlant() {
-  ProcessModel plant = TwoElements();
-  plant.element(0, 0) = TransferFunction::FirstOrder(1.2, 4.0, 4.21);
-  return plant;
-}
-
-std::vector<ParameterEstimate> Parameters(const OutputErrorFit& fit,
-                                          int input) {
-  const ElementEstimate& e = fit.element(0, input);
-  return {e.gain, e.time_scale, e.delay};
-}
-
-std::vector<double> Values(const TransferFunction& element) {
-  return {element.StaticGain(), element.TimeConstant(), element.delay()};
-}
 
 TEST(OutputErrorCorrectionTest, RecoversAnExactPlant) {
   ProcessModel plant = TwoElements();
@@ -386,6 +362,22 @@ TEST(OutputErrorCorrectionTest, SaysWhatIsWrong) {
   EXPECT_THAT(
       message(large, records),
       HasSubstr("input \"u1\": a gain of 1e+155 makes responses up to"));
+  large.element(0, 1) = TransferFunction({1e155, 2.0}, {5.0, 6.0, 1.0}, 1.0);
+  EXPECT_THAT(message(large, records),
+              HasSubstr("input \"u1\": a gain of 1.66667e+154 makes"));
+  // Those of these underflow.
+  ProcessModel small = model;
+  small.element(0, 1) = TransferFunction::FirstOrder(5e-324, 5.0, 1.0);
+  EXPECT_THAT(message(small, records),
+              HasSubstr("input \"u1\": a gain of 4.94066e-324 is too small"));
+  other = records;
+  for (Record& record : other) record.outputs *= 1e-300;
+  EXPECT_THAT(message(model, other),
+              HasSubstr("they may not stay below 1e-60"));
+  other = records;
+  other[0].inputs(1, 7) = 1.7e308;
+  EXPECT_THAT(message(model, other),
+              HasSubstr("input \"u1\" has values up to 1.7e+308"));
   other = records;
   other[1].outputs(0, 7) = -1e300;
   EXPECT_THAT(message(model, other),

@@ -7,35 +7,11 @@
 
 #include "gtest/gtest.h"
 #include "mle/nonlinear/output_error_correction.h"
+#include "tests/mle/nonlinear/output_error_fits.h"
 #include "tests/mle/nonlinear/output_error_records.h"
 
 namespace mle {
 namespace {
-
-OutputErrorCorrection Correct(const ProcessModel& model,
-                              const std::vector<Record>& records,
-                              const OutputErrorOptions& options = {}) {
-  auto correction = CorrectByOutputError(model, records, options);
-  EXPECT_TRUE(correction.ok()) << correction.status();
-  return *std::move(correction);
-}
-
-// The first element has aged in gain and dead time.
-ProcessModel AgedPlant() {
-  ProcessModel plant = TwoElements();
-  plant.element(0, 0) = TransferFunction::FirstOrder(1.2, 4.0, 4.21);
-  return plant;
-}
-
-std::vector<ParameterEstimate> Parameters(const OutputErrorFit& fit,
-                                          int input) {
-  const ElementEstimate& e = fit.element(0, input);
-  return {e.gain, e.time_scale, e.delay};
-}
-
-std::vector<double> Values(const TransferFunction& element) {
-  return {element.StaticGain(), element.TimeConstant(), element.delay()};
-}
 
 // What it is, to the limit.
 NoiseEstimate NoiseOf(const RecordNoise& of) {

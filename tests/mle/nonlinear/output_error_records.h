@@ -34,6 +34,13 @@ inline ProcessModel TwoElements() {
   return model;
 }
 
+// The first element has aged in gain and dead time.
+inline ProcessModel AgedPlant() {
+  ProcessModel plant = TwoElements();
+  plant.element(0, 0) = TransferFunction::FirstOrder(1.2, 4.0, 4.21);
+  return plant;
+}
+
 struct RecordNoise {
   double variance = 0.0;   // r, white
   double increment = 0.0;  // q, of a random walk

@@ -13,12 +13,6 @@ namespace {
 
 constexpr double kDeviation = 0.1;
 
-ProcessModel AgedPlant() {
-  ProcessModel plant = TwoElements();
-  plant.element(0, 0) = TransferFunction::FirstOrder(1.2, 4.0, 4.21);
-  return plant;
-}
-
 struct Spoiling {
   const char* name;
   int shortest;

@@ -18,12 +18,6 @@ using ::testing::HasSubstr;
 
 constexpr double kDeviation = 0.1;
 
-ProcessModel AgedPlant() {
-  ProcessModel plant = TwoElements();
-  plant.element(0, 0) = TransferFunction::FirstOrder(1.2, 4.0, 4.21);
-  return plant;
-}
-
 // Bursts of up to ten samples off by 10 to 50 deviations to one side.
 std::vector<Record> Spoil(std::vector<Record> records, unsigned seed) {
   std::mt19937_64 engine(seed);
