@@ -95,8 +95,9 @@ void Print(const Request& request, const ModelFile& file,
   std::cout << request.out << ": " << NameOf(request.conversion.form);
   if (converted.states > 0) std::cout << ", " << converted.states << " states";
   if (converted.interval > 0.0) {
-    std::cout << absl::StrFormat(", every %.6g %s", converted.interval,
-                                 file.process.time_unit());
+    const std::string& unit = file.process.time_unit();
+    std::cout << absl::StrFormat(", every %.6g%s%s", converted.interval,
+                                 unit.empty() ? "" : " ", unit);
   }
   const double largest = converted.differences.maxCoeff();
   if (largest <= kExact) {

@@ -121,6 +121,7 @@ absl::StatusOr<FolderLock> ClaimOutputFolder(const std::string& folder) {
   }
   absl::StatusOr<FolderLock> lock = FolderLock::Take(folder);
   if (!lock.ok()) return wrong(lock.status());
+  RemoveLeftovers(folder);
   if (const absl::Status free = CheckNothingInTheWay(
           folder, {".csv", ".html", ".json", ".mat", ".pdf", ".png", ".svg"});
       !free.ok()) {

@@ -11,7 +11,9 @@
 #include <exception>
 #include <iostream>
 #include <new>
+#include <stdexcept>
 #include <string_view>
+#include <system_error>
 
 #include "apps/common/command_line.h"
 
@@ -29,8 +31,17 @@ void Say(std::string_view text) {
 
 std::terminate_handler usual_handler = nullptr;
 
-// Nothing of ours throws: what arrives here is the lack of memory, or a fault
-// of the program, which shall leave its traces as ever.
+// That a thread could not be started, as the standard library and TBB, which
+// has no type of its own for it, say so.
+bool IsLackOfThreads(const std::runtime_error& fault) {
+  const auto* const error = dynamic_cast<const std::system_error*>(&fault);
+  return error != nullptr
+             ? error->code() == std::errc::resource_unavailable_try_again
+             : std::string_view(fault.what()).starts_with("pthread_create");
+}
+
+// Nothing of ours throws: what arrives here is the lack of memory or of
+// threads, or a fault of the program, which shall leave its traces as ever.
 [[noreturn]] void Terminate() {
   try {
     if (const std::exception_ptr fault = std::current_exception()) {
@@ -40,6 +51,13 @@ std::terminate_handler usual_handler = nullptr;
     Say("error: out of memory; existing files are unchanged. Provide more "
         "memory, or use fewer samples, lags or threads\n");
     ::_exit(kExitNotUsable);
+  } catch (const std::runtime_error& fault) {
+    if (IsLackOfThreads(fault)) {
+      Say("error: the system gives no more threads; existing files are "
+          "unchanged. Allow more (ulimit -u shows the limit), or use "
+          "--threads=1\n");
+      ::_exit(kExitNotUsable);
+    }
   } catch (...) {
   }
   if (usual_handler != nullptr) usual_handler();

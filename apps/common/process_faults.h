@@ -1,12 +1,13 @@
-// Handling of system failures in a command: exhausted memory, a full disk. The
-// command reports the failure and ends with exit code 1.
+// Handling of system failures in a command: exhausted memory, no more threads,
+// a full disk. The command reports the failure and ends with exit code 1.
 
 #ifndef APPS_COMMON_PROCESS_FAULTS_H_
 #define APPS_COMMON_PROCESS_FAULTS_H_
 
 namespace mle {
 
-// - Out of memory ends the program with a message instead of a core dump.
+// - No memory, or no thread, ends the program with a message instead of a core
+//   dump.
 // - A stack of less than 1 MB is raised, or ends the program with a message.
 // - A file beyond its limit of size (ulimit -f) is an error of that write, not
 //   the end of the program.

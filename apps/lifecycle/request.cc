@@ -167,8 +167,8 @@ absl::Status SetLimits(const Campaign& campaign, OperationOptions& operation) {
   if (!inputs.allFinite()) {
     return WrongOption("model",
                        "the inputs that hold the outputs within "
-                       "--setpoint_range are not finite: its gains are too far "
-                       "from each other");
+                       "--setpoint_range are not finite: its gains are too "
+                       "small, or too far from each other");
   }
   by_default(limits.min_input, -inputs);
   by_default(limits.max_input, inputs);

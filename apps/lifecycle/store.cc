@@ -144,13 +144,15 @@ absl::StatusOr<std::optional<Life>> ParseLife(const std::string& json,
   // is found is said to be damaged, and why.
   try {
     const Json parsed = Json::parse(json);
-    if (!parsed.is_object() || parsed.value("version", Json()) != kVersion) {
-      return std::nullopt;
-    }
-    if (!parsed.contains("sha256") || WithChecksum(json) != json) {
+    const bool is_current =
+        parsed.is_object() && parsed.value("version", Json()) == kVersion;
+    // Earlier versions wrote none.
+    if (parsed.contains("sha256") ? WithChecksum(json) != json
+                                  : is_current || !parsed.is_object()) {
       return absl::DataLossError(
           absl::StrCat(source, ": the checksum is not that of the content"));
     }
+    if (!is_current) return std::nullopt;
     // Compared as they are written.
     const Json wanted = Json::parse(FormatJson(KeyJson(key, settings)));
     for (const auto& item : wanted.items()) {

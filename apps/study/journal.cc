@@ -121,7 +121,9 @@ absl::Status Journal::TakeLine(std::string_view line, std::int64_t number,
   }
   if (IsDone(row->run)) {
     return BadLine(path_, number,
-                   absl::StrCat("run ", row->run, " stands twice"));
+                   absl::StrCat("run ", row->run,
+                                " stands twice; remove the line that is wrong, "
+                                "or both for it to be run again"));
   }
   offsets_[row->run] = begin;
   ++num_done_;

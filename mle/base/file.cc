@@ -13,8 +13,11 @@
 #include <new>
 #include <stdexcept>
 #include <system_error>
+#include <vector>
 
+#include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
 #include "mle/base/status.h"
 
 namespace mle {
@@ -54,6 +57,18 @@ std::string TemporaryName(const std::string& path) {
   const std::string name = absl::StrCat(".", target.filename().string(), ".",
                                         ::getpid(), ".", counter++, ".tmp");
   return (target.parent_path() / name).string();
+}
+
+// Whether TemporaryName() makes such names: ".result.json.1234.7.tmp".
+bool IsTemporary(const std::string& name) {
+  const std::vector<std::string> parts = absl::StrSplit(name, '.');
+  const auto is_number = [](const std::string& part) {
+    return !part.empty() &&
+           std::all_of(part.begin(), part.end(), absl::ascii_isdigit);
+  };
+  const std::size_t n = parts.size();
+  return n >= 5 && parts.front().empty() && is_number(parts[n - 3]) &&
+         is_number(parts[n - 2]) && parts.back() == "tmp";
 }
 
 absl::Status WriteAll(int fd, std::string_view content,
@@ -297,6 +312,17 @@ absl::Status CheckNothingInTheWay(const std::string& folder,
     }
   }
   return absl::OkStatus();
+}
+
+void RemoveLeftovers(const std::string& folder) {
+  std::error_code error;
+  std::vector<std::filesystem::path> left;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    if (IsTemporary(entry.path().filename().string())) {
+      left.push_back(entry.path());
+    }
+  }
+  for (const std::filesystem::path& path : left) ::unlink(path.c_str());
 }
 
 absl::Status MakeWritableFolder(const std::string& path) {

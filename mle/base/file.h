@@ -45,6 +45,10 @@ absl::Status WriteFilesTogether(
 absl::Status CheckNothingInTheWay(const std::string& folder,
                                   const std::vector<std::string>& extensions);
 
+// Removes what writers that were killed have left in `folder`. No other process
+// may be writing there (folder_lock.h).
+void RemoveLeftovers(const std::string& folder);
+
 // Makes `path` and its parents; fails if `path` exists and is not a
 // folder, or if files cannot be created in it.
 absl::Status MakeWritableFolder(const std::string& path);

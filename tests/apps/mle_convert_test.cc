@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "absl/strings/substitute.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "mle/exchange/model_file.h"
@@ -47,6 +48,25 @@ TEST(MleConvertTest, WritesEveryFormAndItsError) {
                  "--out=" + (scratch / "steps.mat")});
   EXPECT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(run.out, HasSubstr("those of the model given"));
+}
+
+TEST(MleConvertTest, SaysTheIntervalWithItsUnit) {
+  const ScratchFolder scratch;
+  for (const auto& [unit, said] :
+       std::vector<std::pair<std::string, std::string>>{
+           {"min", "step_responses, every 0.5 min;"},
+           {"", "step_responses, every 0.5;"}}) {
+    const std::string model =
+        scratch.Write("unit.json", absl::Substitute(R"({
+        "name": "tank", "time_unit": "$0", "inputs": [{"name": "u", "unit": ""}],
+        "outputs": [{"name": "y", "unit": ""}], "elements": [{"output": "y", "input": "u",
+        "gain": 2, "time_constant": 8, "delay": 3}]})",
+                                                    unit));
+    const report::ProcessResult run = RunTested(
+        {"--model=" + model, "--interval=0.5", "--form=step_responses",
+         "--out=" + (scratch / "steps.mat")});
+    EXPECT_THAT(run.out, HasSubstr(said)) << run.err;
+  }
 }
 
 TEST(MleConvertTest, RefusesWhatItCannotWrite) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_replace.h"
 #include "absl/strings/str_split.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
@@ -368,6 +369,11 @@ TEST_F(MleLifecycleTest, MistakesNameTheFlagAndWhatWouldBeRight) {
   EXPECT_THAT(
       Message({"--control_horizon=30000", "--prediction_horizon=30000"}),
       HasSubstr("prediction_horizon = 30000 with 30000 moves"));
+  const std::string tiny = scratch_.Write(
+      "tiny.json",
+      absl::StrReplaceAll(kTank, {{"\"gain\": 2", "\"gain\": 1e-308"}}));
+  EXPECT_THAT(Message({"--model=" + tiny, "--ageing_rates=0"}),
+              HasSubstr("--setpoint_range are not finite"));
   EXPECT_THAT(Message({"--solver=simplex"}),
               HasSubstr("--solver=simplex: known are homotopy"));
   EXPECT_THAT(Message({"--robust=tukey"}),

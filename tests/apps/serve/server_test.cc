@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <deque>
 #include <memory>
 #include <string>
@@ -22,10 +23,13 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
+std::atomic<int> large_answers = 0;  // that have been begun
+
 std::unique_ptr<Server> Start(ServerOptions options = {}) {
   absl::StatusOr<std::unique_ptr<Server>> server =
       Server::Start(options, [](const Request& request) {
         if (request.path == "/large") {
+          ++large_answers;
           static const auto body =
               std::make_shared<std::string>(std::size_t{64} << 20, 'x');
           return Response{.body = body};
@@ -177,10 +181,11 @@ TEST(ServerTest, StopAnswersWhatWasAskedAndClosesTheRest) {
   resting.Send(Get("/"));
   EXPECT_EQ(StatusOf(resting.Answer()), 200);
   Client large(server->port());
+  const int before = large_answers;
   large.Send(Get("/large"));
   std::string answer;
   std::thread reader([&] { answer = large.Answer(); });
-  absl::SleepFor(absl::Milliseconds(50));
+  while (large_answers == before) absl::SleepFor(absl::Milliseconds(1));
   server->Stop();
   reader.join();
   EXPECT_EQ(BodyOf(answer).size(), std::size_t{64} << 20);

@@ -171,6 +171,20 @@ TEST_F(FileTest, WhatIsInTheWayIsNamed) {
               HasSubstr("b.csv': it is a folder"));
 }
 
+TEST_F(FileTest, LeftoversOfWritersAloneAreRemoved) {
+  const std::vector<std::string> kept = {".a.json.tmp", "a.json.12.3.tmp",
+                                         ".a.json.12.x.tmp", ".12.3.tmp",
+                                         ".a.json.12.3.tmp2"};
+  for (const std::string& name : kept) {
+    ASSERT_TRUE(WriteFileAtomically(Path(name), "").ok());
+  }
+  ASSERT_TRUE(WriteFileAtomically(Path(".a.json.12.3.tmp"), "").ok());
+  ASSERT_TRUE(WriteFileAtomically(Path(".b.4711.0.tmp"), "").ok());
+  RemoveLeftovers(Path(""));
+  EXPECT_THAT(Names(), ::testing::UnorderedElementsAreArray(kept));
+  RemoveLeftovers(Path("none"));
+}
+
 [[noreturn]] void WriteTogetherBeyondALimit(const std::string& folder) {
   ::signal(SIGXFSZ, SIG_IGN);
   const rlimit limit = {1000, 1000};
