@@ -68,11 +68,7 @@ Connection::Reading Connection::Read(const Limits& limits, ParsedHead& head) {
   }
   const absl::Time begin = absl::Now();
   std::size_t end = read_.find(kHeadEnd);
-  while (end == std::string::npos) {
-    if (read_.size() > kMostHead) {
-      head = {.status = 431, .fault = "The head of the request is too long."};
-      return Reading::kFault;
-    }
+  while (end == std::string::npos && read_.size() <= kMostHead) {
     if (IsLate(begin, limits)) {
       head = {.status = 408, .fault = "The request took too long to arrive."};
       return Reading::kFault;
@@ -80,6 +76,11 @@ Connection::Reading Connection::Read(const Limits& limits, ParsedHead& head) {
     const std::size_t sought = read_.size();
     if (Receive(kSlice) == Arrival::kClosed) return Reading::kEnd;
     end = read_.find(kHeadEnd, sought < 3 ? 0 : sought - 3);
+  }
+  // Also one that has not ended.
+  if (end > kMostHead - kHeadEnd.size()) {
+    head = {.status = 431, .fault = "The head of the request is too long."};
+    return Reading::kFault;
   }
   head = ParseHead(absl::string_view(read_.data(), end + kHeadEnd.size()));
   read_.erase(0, end + kHeadEnd.size());

@@ -21,13 +21,16 @@ def _number(value: Any) -> str:
 def text_of(value: Any) -> str:
     """``value`` as it stands after ``--name=``: True as ``true``, a list with
     commas, a mapping of tags as ``TAG=CHANNEL,...``, a tuple in a list with
-    colons (``("overhead", 300, 1)``), dates of datetime and pandas in ISO 8601."""
+    colons (``("overhead", 300, 1)``), dates of datetime, pandas and NumPy in ISO
+    8601."""
     if isinstance(value, str):
         return value
     if value is None:
         return "none"
     if isinstance(value, bool) or type(value).__name__ == "bool_":
         return "true" if value else "false"
+    if type(value).__name__ == "datetime64":
+        value = value.astype("datetime64[us]").item()
     if hasattr(value, "isoformat"):
         return value.isoformat()
     if isinstance(value, Mapping):

@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 
 import mle
+from mle.options import text_of
 
 FAST = {"estimator": "output_error"}
 
@@ -287,3 +288,10 @@ def test_nan_that_is_there(loop, frame):
     assert mle.correct(loop[0], frame, **FAST).decision == "corrected"
     record = mle.read_records(frame, loop[0])[0]
     assert np.flatnonzero(np.isnan(record.outputs[:, 0])).tolist() == [40, 41, 42]
+
+
+def test_dates_of_every_package_are_texts():
+    whole = np.datetime64("2024-03-04T10:00")
+    dates = [whole, whole.astype("datetime64[ns]"), pd.Timestamp("2024-03-04 10:00")]
+    assert text_of(dates) == ",".join(["2024-03-04T10:00:00"] * 3)
+    assert text_of(np.array(dates[:2], dtype="datetime64[ms]")) == text_of(dates[:2])

@@ -98,6 +98,13 @@ TEST(ServerTest, BadRequestsAreAnsweredAndClosed) {
   EXPECT_EQ(StatusOf(client.Answer()), 400);
   EXPECT_TRUE(client.IsClosed());
   EXPECT_EQ(StatusOf(Ask(server->port(), std::string(40'000, 'a'))), 431);
+  // The head is as long as it may be, or longer by one byte, and has ended.
+  const std::size_t rest = Get("/", "X: \r\n").size();
+  for (const std::size_t more : {0, 1}) {
+    const std::string value(kMostHead - rest + more, 'a');
+    EXPECT_EQ(StatusOf(Ask(server->port(), Get("/", "X: " + value + "\r\n"))),
+              more == 0 ? 200 : 431);
+  }
   EXPECT_EQ(StatusOf(Ask(server->port(),
                          "POST / HTTP/1.1\r\nHost: a\r\n"
                          "Content-Length: 100000\r\n\r\n" +
