@@ -36,7 +36,7 @@ TEST(MleConvertTest, WritesEveryFormAndItsError) {
     EXPECT_EQ(run.exit_code, 0) << run.err;
     EXPECT_THAT(run.out, HasSubstr(out + ": " + form));
     EXPECT_THAT(run.out,
-                HasSubstr(form == "element_table" ? "pressure ← steam: 18 %"
+                HasSubstr(form == "element_table" ? "pressure ← steam: 20 %"
                                                   : "step responses"));
     const absl::StatusOr<ModelFile> file = ReadModelFile(out);
     ASSERT_TRUE(file.ok()) << file.status();
