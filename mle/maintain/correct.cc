@@ -55,9 +55,7 @@ absl::StatusOr<int> ResponseSamples(const ProcessModel& model,
                        data.obstacles.empty()
                            ? std::max(kMostRecords * longest, kMostShownSamples)
                            : kMostShownSamples);
-    if (!data.obstacles.empty()) {
-      samples = std::max(samples, kFewestResponseSamples);
-    }
+    samples = std::clamp(samples, kFewestResponseSamples, kMostResponseSamples);
   }
   if (!(samples >= kFewestResponseSamples) ||
       !(samples <= kMostResponseSamples)) {

@@ -383,6 +383,22 @@ TEST(CorrectFromRecordsTest, TheModelInUseIsTheRival) {
   EXPECT_EQ(result->decision, Decision::kCannotTell);
 }
 
+// Nobody has asked for a horizon of the step responses that is too short.
+TEST(CorrectFromRecordsTest, AModelFasterThanASampleHasStepResponses) {
+  const auto fast = [](double gain) {
+    ProcessModel model = Tank(1.0);
+    model.element(0, 0) = TransferFunction::FirstOrder(gain, 1e-3, 0.5);
+    return model;
+  };
+  CorrectOptions options = Fast();
+  options.records.windows.before = 20.0;
+  options.records.windows.after = 50.0;
+  const auto result =
+      CorrectFromRecords(fast(1.0), {TankRecord(fast(1.6), 0.02, 1)}, options);
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_EQ(result->initial_response.samples(), 5);
+}
+
 TEST(CorrectFromRecordsTest, WrongArgumentsAreNamed) {
   const Record record = TankRecord(Tank(1.6), 0.02, 1);
   const auto message = [&](const ProcessModel& model,
