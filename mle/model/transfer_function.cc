@@ -131,8 +131,8 @@ absl::Status CheckStable(const std::vector<double>& denominator) {
     if (damping >= kMinDampingRatio) return absl::OkStatus();
     return absl::InvalidArgumentError(absl::StrCat(
         "denominator ", Polynomial(denominator), " has a damping ratio of ",
-        damping, "; an oscillation of less than ", kMinDampingRatio,
-        " cannot be told from one that does not end"));
+        damping, "; below ", kMinDampingRatio,
+        " an oscillation cannot be told from one that does not end"));
   }
   for (const std::complex<double> pole : Poles(denominator)) {
     if (!(pole.real() < -kMinDampingRatio * std::abs(pole))) return unstable;
