@@ -159,6 +159,14 @@ TEST_F(MleCorrectPage, SaysWhyLoopsAreNotCompared) {
                         "control period takes too many samples."));
 }
 
+// A horizon that ends within all dead times.
+TEST(MleCorrectPageTest, ResponsesThatHaveNotBegunAreNoFigure) {
+  const HeaterExample example((Heater()));
+  example.Run({"--figures=true", "--response_horizon=1"});
+  EXPECT_TRUE(std::filesystem::exists(example.out + "/records.svg"));
+  EXPECT_FALSE(std::filesystem::exists(example.out + "/step_responses.svg"));
+}
+
 TEST_F(MleCorrectPage, FiguresShowTheResponsesOfTheFile) {
   const report::ShownPanel panel =
       report::FiguresOf(html_, true).at(0).panels.at(0);
