@@ -11,7 +11,7 @@
 namespace mle {
 namespace {
 
-constexpr int kDescriptionSamples = 1200;
+constexpr int kDescriptionSamples = 600;
 constexpr double kNegligible = 1e-9;  // of the largest response
 // Of the difference from first order; else one more parameter says little.
 constexpr double kWorthSecondOrder = 0.5;
@@ -99,11 +99,12 @@ absl::StatusOr<FopdtElement> FromTransfer(const TransferFunction& transfer) {
     element.delay = transfer.delay();
     return element;
   }
-  // Long enough at rest for the gain to be that of the element.
+  // As long again at rest, for the gain to be that of the element.
   const double sample_time =
-      2.0 * transfer.TimeToSettle() / (kDescriptionSamples - 1);
-  return Described(transfer.StepResponse(sample_time, kDescriptionSamples),
-                   sample_time, {});
+      transfer.TimeToSettle() / (kDescriptionSamples - 1);
+  return Described(
+      transfer.StepResponse(sample_time, 2 * kDescriptionSamples - 1),
+      sample_time, {});
 }
 
 // The errors of (K, T, L) carried over to the fit.

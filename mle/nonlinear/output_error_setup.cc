@@ -106,17 +106,17 @@ absl::StatusOr<double> MaxDelay(const ProcessModel& model, int i, int j,
 constexpr double kLargest = 1e60;
 constexpr double kSmallest = 1e-60;
 
-absl::Status CheckValues(const char* kind, const std::string& name,
-                         const std::vector<Record>& records,
-                         Eigen::MatrixXd Record::*values, int row,
-                         double& largest) {
-  largest = 0.0;
+// The largest size of a channel's values.
+absl::StatusOr<double> LargestSize(const char* kind, const std::string& name,
+                                   const std::vector<Record>& records,
+                                   Eigen::MatrixXd Record::*values, int row) {
+  double largest = 0.0;
   for (const Record& record : records) {
     const auto size = (record.*values).row(row).array().abs();
     largest = std::max(largest, size.isFinite().select(size, 0.0).maxCoeff());
   }
   if (largest == 0.0 || (largest >= kSmallest && largest <= kLargest)) {
-    return absl::OkStatus();
+    return largest;
   }
   return absl::InvalidArgumentError(absl::StrCat(
       kind, " \"", name, "\" has values up to ", largest,
@@ -140,15 +140,27 @@ double LargestGain(const TransferFunction& element) {
   return largest;
 }
 
-absl::Status CheckMagnitudes(const ProcessModel& model, int i,
-                             const std::vector<Record>& records,
-                             const std::vector<ElementValues>& initial) {
-  double largest = 0.0;
-  MLE_RETURN_IF_ERROR(CheckValues("output", model.outputs()[i].name, records,
-                                  &Record::outputs, i, largest));
+// Of channels of records; the inputs' sizes.
+absl::StatusOr<std::vector<double>> CheckValues(
+    const ProcessModel& model, const std::vector<Record>& records) {
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    MLE_RETURN_IF_ERROR(LargestSize("output", model.outputs()[i].name, records,
+                                    &Record::outputs, i)
+                            .status());
+  }
+  std::vector<double> sizes(model.num_inputs());
   for (int j = 0; j < model.num_inputs(); ++j) {
-    MLE_RETURN_IF_ERROR(CheckValues("input", model.inputs()[j].name, records,
-                                    &Record::inputs, j, largest));
+    MLE_ASSIGN_OR_RETURN(sizes[j], LargestSize("input", model.inputs()[j].name,
+                                               records, &Record::inputs, j));
+  }
+  return sizes;
+}
+
+absl::Status CheckGains(const ProcessModel& model, int i,
+                        const std::vector<double>& input_sizes,
+                        const std::vector<ElementValues>& initial) {
+  for (int j = 0; j < model.num_inputs(); ++j) {
+    const double largest = input_sizes[j];
     const double gain =
         std::max(std::abs(initial[j].gain), LargestGain(model.element(i, j)));
     if (gain * largest > kLargest) {
@@ -169,6 +181,7 @@ absl::Status CheckMagnitudes(const ProcessModel& model, int i,
 
 absl::StatusOr<OutputSetup> SetUpOutput(const ProcessModel& model, int i,
                                         const std::vector<Record>& records,
+                                        const std::vector<double>& input_sizes,
                                         const OutputErrorOptions& options) {
   const int m = model.num_inputs();
   const double sample_time = records[0].sample_time;
@@ -206,7 +219,7 @@ absl::StatusOr<OutputSetup> SetUpOutput(const ProcessModel& model, int i,
     num_parameters += element->has_time_scale() ? 3 : 2;
     elements[j] = *std::move(element);
   }
-  MLE_RETURN_IF_ERROR(CheckMagnitudes(model, i, records, setup.start.values));
+  MLE_RETURN_IF_ERROR(CheckGains(model, i, input_sizes, setup.start.values));
   setup.start.SetCells(sample_time);
   const int skip = static_cast<int>(std::ceil(longest / sample_time)) + 1;
   setup.problem = std::make_unique<OutputErrorProblem>(elements, records, i,
@@ -294,10 +307,12 @@ absl::StatusOr<std::vector<OutputSetup>> SetUpOutputs(
         options.start->aged.size(), " that may have aged, the model has ",
         model.num_outputs(), " × ", model.num_inputs()));
   }
+  MLE_ASSIGN_OR_RETURN(const std::vector<double> input_sizes,
+                       CheckValues(model, records));
   std::vector<OutputSetup> setups;
   for (int i = 0; i < model.num_outputs(); ++i) {
     MLE_ASSIGN_OR_RETURN(OutputSetup setup,
-                         SetUpOutput(model, i, records, options));
+                         SetUpOutput(model, i, records, input_sizes, options));
     setups.push_back(std::move(setup));
   }
   // What one output lacks does not keep the others from an answer.
