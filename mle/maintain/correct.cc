@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -13,6 +14,7 @@
 #include "mle/exchange/model_file.h"
 #include "mle/maintain/certificates.h"
 #include "mle/maintain/evidence.h"
+#include "mle/maintain/explained.h"
 #include "mle/maintain/outlier_search.h"
 #include "mle/maintain/unfitted.h"
 #include "mle/maintain/usual_rest.h"
@@ -124,8 +126,29 @@ absl::StatusOr<std::vector<RivalShape>> RivalShapesOf(
                          estimate.setting.options.output_error, outputs);
 }
 
+// What explains the records; nothing where they forbid a correction.
+absl::StatusOr<std::optional<Competition>> Compete(
+    const std::vector<Record>& windows, CorrectionResult& result) {
+  if (!result.options.examine || !result.data.obstacles.empty()) {
+    return std::optional<Competition>();
+  }
+  const Stage stage(result.options.progress, "comparing explanations");
+  MLE_RETURN_IF_ERROR(stage.status());
+  ExplainOptions options = result.options.explain;
+  options.threads = result.options.threads;
+  MLE_ASSIGN_OR_RETURN(
+      Competition competition,
+      Competition::Run(
+          result.initial,
+          result.data.records.empty() ? windows : result.data.records,
+          options));
+  result.explanations = competition.outputs();
+  return std::optional<Competition>(std::move(competition));
+}
+
 absl::Status DecideByEvidence(const std::vector<Record>& windows, int order,
                               const std::vector<bool>& unexplained,
+                              const Competition* competition,
                               CorrectionResult& result) {
   const CorrectOptions& options = result.options;
   MLE_ASSIGN_OR_RETURN(
@@ -139,7 +162,7 @@ absl::Status DecideByEvidence(const std::vector<Record>& windows, int order,
                          LevelDependenceOf(result, windows));
     MLE_ASSIGN_OR_RETURN(result.rival_shapes, RivalShapesOf(result, windows));
   }
-  const Evidence evidence = GatherEvidence(result, unexplained);
+  const Evidence evidence = GatherEvidence(result, unexplained, competition);
   Verdict verdict = Decide(evidence, options.decision);
   result.decision = verdict.decision;
   result.reasons = std::move(verdict.reasons);
@@ -150,10 +173,13 @@ absl::Status DecideByEvidence(const std::vector<Record>& windows, int order,
 // Leaves of the proposal what is accepted; of a proposal that is not accepted
 // at all, the whole, to be shown.
 absl::Status TakeAccepted(const std::vector<Record>& windows,
+                          const Competition* competition,
                           CorrectionResult& result) {
   if (!result.accepted()) return absl::OkStatus();
   for (int i = 0; i < result.initial.num_outputs(); ++i) {
-    if (result.accepted_outputs[i] == Acceptance::kNothing) {
+    if (result.accepted_outputs[i] == Acceptance::kExplained) {
+      TakeExplained(*competition, i, result);
+    } else if (result.accepted_outputs[i] == Acceptance::kNothing) {
       KeepInitialOutput(i, result.estimate);
     } else if (result.accepted_outputs[i] == Acceptance::kParametric) {
       KeepParametricOutput(i, result.estimate);
@@ -279,6 +305,7 @@ absl::Status CorrectOptions::Validate() const {
   MLE_RETURN_IF_ERROR(records.Validate());
   MLE_RETURN_IF_ERROR(estimation.Validate());
   MLE_RETURN_IF_ERROR(hold_out.Validate());
+  MLE_RETURN_IF_ERROR(explain.Validate());
   MLE_RETURN_IF_ERROR(decision.Validate());
   if (!(response_horizon >= 0.0) || !std::isfinite(response_horizon)) {
     return OptionError(
@@ -361,8 +388,13 @@ absl::StatusOr<CorrectionResult> CorrectFromData(
   MLE_RETURN_IF_ERROR(WithdrawProposals(samples, result));
   const int order = estimation.conversion.OrderFor(model, sample_time);
   MLE_RETURN_IF_ERROR(ExamineInitial(windows, order, result));
-  MLE_RETURN_IF_ERROR(DecideByEvidence(windows, order, unexplained, result));
-  MLE_RETURN_IF_ERROR(TakeAccepted(windows, result));
+  MLE_ASSIGN_OR_RETURN(const std::optional<Competition> competition,
+                       Compete(windows, result));
+  const Competition* const judge =
+      competition.has_value() ? &*competition : nullptr;
+  MLE_RETURN_IF_ERROR(
+      DecideByEvidence(windows, order, unexplained, judge, result));
+  MLE_RETURN_IF_ERROR(TakeAccepted(windows, judge, result));
   const Stage making(options.progress, "making the corrected model");
   MLE_RETURN_IF_ERROR(making.status());
   MLE_RETURN_IF_ERROR(MakeModels(samples, result));

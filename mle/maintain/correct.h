@@ -23,6 +23,7 @@
 #include "absl/status/statusor.h"
 #include "mle/correction/pair_information.h"
 #include "mle/data/record.h"
+#include "mle/explain/competition.h"
 #include "mle/maintain/corrected_model.h"
 #include "mle/maintain/decision.h"
 #include "mle/maintain/estimation.h"
@@ -47,6 +48,7 @@ struct CorrectOptions {
   RecordOptions records;
   EstimationOptions estimation;
   HoldOutOptions hold_out;
+  ExplainOptions explain;
   DecisionOptions decision;
   // NΔt of the step responses, ≥ 0 in the model's time unit; 0: the model's
   // settling time, or twice the records. From 5 to 1,000,000 samples.
@@ -94,6 +96,10 @@ struct CorrectionResult {
   // Test of no change, estimates with covariances, noise, certificates; of what
   // was proposed, what is taken.
   Estimate estimate;
+  // p: what explains the records, by what set points drive of them; outputs
+  // without a judge say why. Empty without CorrectOptions::examine, and where
+  // the data forbid a correction.
+  std::vector<OutputExplanation> explanations;
   // What the windows can tell about each pair, by the model's own values and
   // the noise found.
   PairInformation information;

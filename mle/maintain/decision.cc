@@ -216,9 +216,75 @@ Message NotBetter(const OutputEvidence& output, double deviations) {
                    "its structure does not fit the plant."));
 }
 
+Message ByInstruments(const OutputEvidence& output) {
+  return Doubt(output, MessageCode::kPredictsBetter,
+               absl::StrCat("On held-out data the correction of ", output.name,
+                            " predicts better: ", output.instruments->errors,
+                            "."));
+}
+
+// By what set points, or other instruments, drive of the residual.
+OutputVerdict DecideByInstruments(const OutputEvidence& output,
+                                  const DecisionOptions& options) {
+  constexpr double kMissing = 3.0;  // E/N
+  const InstrumentEvidence& judge = *output.instruments;
+  const auto doubt = [](Message reason) {
+    return OutputVerdict{Acceptance::kNothing, std::move(reason)};
+  };
+  const bool holds = output.proposed && judge.confirms_proposal &&
+                     output.scores.has_value() &&
+                     Holds(*output.scores, options.deviations);
+  if (judge.ageing) {
+    if (!judge.tie.empty()) {
+      return doubt(Doubt(output, MessageCode::kExplained, judge.tie));
+    }
+    if (holds) {
+      return {Acceptance::kProposal, Better(output, options.deviations)};
+    }
+    if (judge.predicts_better) {
+      return {Acceptance::kExplained, ByInstruments(output)};
+    }
+    return doubt(Doubt(
+        output, MessageCode::kNotBetter,
+        absl::StrCat("On held-out data the correction of ", output.name,
+                     " predicts no better: ", judge.errors,
+                     ". More set-point changes would settle it.")));
+  }
+  if (!judge.other.empty()) {
+    return doubt(Doubt(output, MessageCode::kExplained, judge.other));
+  }
+  if (holds) {
+    return {Acceptance::kProposal, Better(output, options.deviations)};
+  }
+  if (judge.left > kMissing) {
+    return doubt(Doubt(
+        output, MessageCode::kMissingExplanation,
+        absl::StrFormat("Set points drive %s otherwise than the model says "
+                        "(%.2g times what disturbances make of it by chance), "
+                        "and no explanation known here accounts for it: a "
+                        "disturbance that comes with set-point changes, or "
+                        "another structure. Single set-point changes in "
+                        "steady operation would settle it.",
+                        output.name, judge.left)));
+  }
+  if (output.proposed && !judge.refutes_proposal) {
+    return doubt(Doubt(
+        output, MessageCode::kNotConfirmed,
+        absl::StrCat("A change of ", output.name,
+                     " is proposed, but what set points drive of it does not "
+                     "confirm it: a disturbance that the controller answers "
+                     "looks like this. More set-point changes would settle "
+                     "it.")));
+  }
+  return {};
+}
+
 OutputVerdict DecideOutput(const OutputEvidence& output,
                            const std::string& nothing_held_out,
                            const DecisionOptions& options) {
+  if (output.instruments.has_value()) {
+    return DecideByInstruments(output, options);
+  }
   const auto doubt = [](Message reason) {
     return OutputVerdict{Acceptance::kNothing, std::move(reason)};
   };

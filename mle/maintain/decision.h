@@ -2,6 +2,18 @@
 // by output.
 //
 //   evidence about an output                            what is taken of it
+// where set points or other instruments judge it:
+//   ageing wins, the proposal agrees and holds          kProposal
+//   ageing wins, and predicts held-out blocks better    kExplained
+//   ageing wins, but predicts no better                 kNothing, doubtful
+//   ageing wins, another explanation does as well       kNothing, doubtful
+//   another explanation wins alone                      kNothing, doubtful
+//   nothing wins, the proposal is confirmed and holds   kProposal
+//   nothing wins, the proposal is not confirmed         kNothing, doubtful
+//   the same, and it would have shown                   kNothing
+//   nothing wins, much is left                          kNothing, doubtful
+//
+// elsewhere:
 //   nothing proposed                                    kNothing
 //   nothing proposed, but inputs explain residuals      kNothing, doubtful
 //   nothing proposed, and what has changed not named    kNothing, doubtful
@@ -75,11 +87,36 @@ enum class Acceptance {
   kNothing,
   kParametric,  // gains, time constants and dead times, no other shape
   kProposal,
+  kExplained,  // gains, time constants and dead times by the instruments
+};
+
+// What the competition of explanations (mle/explain/competition.h) says of an
+// output, where there is a judge.
+struct InstrumentEvidence {
+  // Gains, time constants or dead times won.
+  bool ageing = false;
+  // What else won, or what wins as well, in whole sentences; or empty.
+  std::string other;
+  std::string tie;
+  // The estimate by likelihood names the same elements, or some where nothing
+  // won, and leaves no more of what set points drive than chance makes of it.
+  bool confirms_proposal = false;
+  // What is proposed would have shown in what set points drive, and has not.
+  bool refutes_proposal = false;
+  // On blocks held out: no error of a horizon grew beyond chance, and one fell;
+  // with the errors in words.
+  bool predicts_better = false;
+  std::string errors;
+  // E/N of what is left.
+  double left = 0.0;
 };
 
 struct OutputEvidence {
   std::string name;
   bool proposed = false;
+  // Where the output has a judge, it decides: nothing below counts but the
+  // scores.
+  std::optional<InstrumentEvidence> instruments;
   // One of Evidence::doubts is about it: nothing else counts.
   bool undecidable = false;
   // Inputs explain a part of the residuals (model_adequacy.h), and nothing was

@@ -9,6 +9,7 @@
 
 #include "absl/strings/str_format.h"
 #include "mle/maintain/correct.h"
+#include "mle/maintain/explained.h"
 #include "mle/maintain/shared_changes.h"
 
 namespace mle {
@@ -360,7 +361,8 @@ std::vector<bool> UnexplainedOutputs(const Estimate& estimate) {
 }
 
 Evidence GatherEvidence(const CorrectionResult& result,
-                        const std::vector<bool>& unexplained) {
+                        const std::vector<bool>& unexplained,
+                        const Competition* competition) {
   Evidence evidence;
   evidence.change_proved = result.estimate.fit.change_proposed;
   evidence.p_value = result.estimate.fit.PValue();
@@ -378,6 +380,10 @@ Evidence GatherEvidence(const CorrectionResult& result,
     evidence.outputs.push_back(EvidenceOf(result, i));
     evidence.outputs[i].undecidable = undecidable[i];
     OutputEvidence& output = evidence.outputs.back();
+    if (competition != nullptr) {
+      output.instruments = EvidenceByInstruments(result, *competition, i);
+    }
+    if (output.instruments.has_value()) continue;
     output.unexplained = unexplained[i];
     output.disagreement = Disagreement(result, i);
   }

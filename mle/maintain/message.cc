@@ -78,6 +78,12 @@ std::string_view NameOf(MessageCode code) {
       return "structure_doubtful";
     case MessageCode::kBeyondAgeing:
       return "beyond_ageing";
+    case MessageCode::kExplained:
+      return "explained";
+    case MessageCode::kMissingExplanation:
+      return "missing_explanation";
+    case MessageCode::kNotConfirmed:
+      return "not_confirmed";
     case MessageCode::kChangeTooSmall:
       return "change_too_small";
     case MessageCode::kNotExcited:

@@ -56,6 +56,9 @@ enum class MessageCode {
   kFollowsLevel,       // gains that follow the level of an input
   kStructureDoubtful,  // it does not explain the records
   kBeyondAgeing,       // a time changes by more than ageing makes of it
+  kExplained,          // something else than ageing explains the records
+  kMissingExplanation,  // set points drive what nothing known explains
+  kNotConfirmed,       // a change that set points do not confirm
   kChangeTooSmall,     // a change is proved, but not worth making
   kNotExcited,         // the records determine no gain
 };

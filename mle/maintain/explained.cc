@@ -1,0 +1,259 @@
+#include "mle/maintain/explained.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "Eigen/Core"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "mle/data/civil_time.h"
+#include "mle/model/element_response.h"
+
+namespace mle {
+namespace {
+
+using Kind = ExplanationKind;
+
+// By which a tag may be late since it waits for a scan or an average.
+constexpr double kLateSamples = 5.0;
+// R that a proposal must have where nothing won by itself: it is one
+// hypothesis, not the best of a table.
+constexpr double kLeastEvidence = 4.0;
+// By how many M the likelihood's estimate may explain less than the best.
+constexpr double kAgrees = 3.0;
+// A change of a gain by this share would have been seen: the records inform.
+constexpr double kInformed = 0.25;
+// Standard errors by which an error may not grow, and one has to fall.
+constexpr double kGrown = -2.0;
+constexpr double kFallen = 1.5;
+
+// The largest change of dead time that a clock may have made, in the model's
+// time unit. Where that is samples, seconds say nothing.
+double MostOfClocks(const CorrectionResult& result) {
+  const double seconds = result.options.decision.clock_error;
+  if (!(seconds > 0.0)) return 0.0;
+  return std::max(
+      seconds / SecondsPerUnit(result.initial.time_unit())
+                    .value_or(std::numeric_limits<double>::infinity()),
+      kLateSamples * result.data.sample_time());
+}
+
+// Beyond what clocks are wrong by, all dead times have changed.
+double BelievedDelay(const CorrectionResult& result,
+                     const Competition& competition, int i, int j) {
+  const double clock = competition.ClockOf(i, j);
+  return std::abs(clock) > MostOfClocks(result) ? clock : 0.0;
+}
+
+bool IsClock(Kind kind) {
+  return kind == Kind::kOutputClock || kind == Kind::kInputClock;
+}
+
+// The inputs of the elements that have aged by what won.
+std::vector<bool> AgedInputs(const CorrectionResult& result,
+                             const Competition& competition, int i) {
+  const ProcessModel& model = result.initial;
+  std::vector<bool> aged(model.num_inputs(), false);
+  const std::vector<TakenExplanation>& taken = competition.outputs()[i].taken;
+  for (int j = 0; j < model.num_inputs(); ++j) {
+    if (model.element(i, j).IsZero()) continue;
+    for (const TakenExplanation& one : taken) {
+      if (IsAgeing(one.explanation.kind) && one.explanation.index == j) {
+        aged[j] = true;
+      }
+    }
+    if (BelievedDelay(result, competition, i, j) != 0.0) aged[j] = true;
+  }
+  return aged;
+}
+
+std::string Sentence(const ProcessModel& model, int output,
+                     const Explanation& explanation) {
+  const ExplanationType& type = TypeOf(explanation.kind);
+  const std::string place =
+      type.place == ExplanationPlace::kElement
+          ? PairName(model, output, explanation.index)
+      : type.place == ExplanationPlace::kOutput
+          ? model.outputs()[output].name
+          : model.inputs()[explanation.index].name;
+  const std::string text = type.sentence;
+  const std::size_t at = text.find("%s");
+  return absl::StrCat(text.substr(0, at), place, text.substr(at + 2));
+}
+
+std::string Capitalised(std::string text) {
+  if (!text.empty() && text[0] >= 'a' && text[0] <= 'z') text[0] -= 'a' - 'A';
+  return text;
+}
+
+std::string Others(const CorrectionResult& result,
+                   const Competition& competition, int i) {
+  std::string text;
+  for (const TakenExplanation& one : competition.outputs()[i].taken) {
+    const Explanation& explanation = one.explanation;
+    if (IsAgeing(explanation.kind)) continue;
+    if (IsClock(explanation.kind) &&
+        BelievedDelay(result, competition, i,
+                      explanation.kind == Kind::kInputClock
+                          ? explanation.index
+                          : 0) != 0.0) {
+      continue;
+    }
+    absl::StrAppend(&text, text.empty() ? "" : " ",
+                    Capitalised(Sentence(result.initial, i, explanation)), ". ",
+                    TypeOf(explanation.kind).settled_by);
+  }
+  return text;
+}
+
+std::string Ties(const ProcessModel& model, const OutputExplanation& output,
+                 int i) {
+  std::string text;
+  for (const OutputExplanation::Tie& tie : output.ties) {
+    if (!IsAgeing(tie.taken.kind)) continue;
+    absl::StrAppend(
+        &text, text.empty() ? "" : " ", "Two explanations account for ",
+        model.outputs()[i].name, " equally well: ",
+        Sentence(model, i, tie.taken), ", or ", Sentence(model, i, tie.rival),
+        ". ", TypeOf(tie.rival.kind).settled_by);
+  }
+  return text;
+}
+
+std::string ErrorsText(const OutputExplanation& output,
+                       const ProcessModel& model, int i) {
+  std::string text;
+  for (const HorizonErrors& error : output.held_out) {
+    absl::StrAppend(
+        &text, text.empty() ? "its error " : ", ",
+        error.horizon > 0.0
+            ? absl::StrFormat("%.3g %s ahead", error.horizon, model.time_unit())
+            : "simulated",
+        absl::StrFormat(" is %.3g after %.3g", error.explained, error.initial));
+  }
+  const std::string& unit = model.outputs()[i].unit;
+  return unit.empty() || unit == "-" ? text : absl::StrCat(text, " ", unit);
+}
+
+bool PredictsBetter(const OutputExplanation& output) {
+  bool fallen = false;
+  for (const HorizonErrors& error : output.held_out) {
+    if (error.deviations < kGrown) return false;
+    fallen = fallen || error.deviations > kFallen;
+  }
+  return fallen;
+}
+
+}  // namespace
+
+std::string DescribeExplanation(const ProcessModel& model, int output,
+                                const Explanation& explanation) {
+  const double value = explanation.value;
+  if (explanation.kind == Kind::kGain) {
+    return absl::StrFormat("gain of %s × %.3g",
+                           PairName(model, output, explanation.index),
+                           std::exp(value));
+  }
+  if (explanation.kind == Kind::kTimeConstant) {
+    return absl::StrFormat("time constant of %s × %.3g",
+                           PairName(model, output, explanation.index),
+                           std::exp(value));
+  }
+  return Sentence(model, output, explanation);
+}
+
+std::optional<InstrumentEvidence> EvidenceByInstruments(
+    const CorrectionResult& result, const Competition& competition, int i) {
+  const OutputExplanation& output = competition.outputs()[i];
+  if (!output.judged()) return std::nullopt;
+  InstrumentEvidence evidence;
+  const std::vector<bool> aged = AgedInputs(result, competition, i);
+  evidence.ageing = std::find(aged.begin(), aged.end(), true) != aged.end();
+  evidence.other = Others(result, competition, i);
+  evidence.tie = Ties(result.initial, output, i);
+  evidence.left = output.left();
+  if (evidence.ageing) {
+    evidence.predicts_better = PredictsBetter(output);
+    evidence.errors = ErrorsText(output, result.initial, i);
+  }
+  if (ProposesChange(result.estimate, i) && evidence.other.empty() &&
+      !ProposesByArx(result.estimate, i)) {
+    const Competition::Energies energies = competition.EnergiesOf(
+        i, result.estimate.fit.output_error.corrected.model);
+    const double energy = energies.remaining;
+    bool same = true;
+    for (int j = 0; j < result.initial.num_inputs(); ++j) {
+      same = same && aged[j] == ProposesElement(result.estimate, i, j);
+    }
+    evidence.confirms_proposal =
+        evidence.ageing
+            ? same && energy < output.remaining + kAgrees * output.unit
+            : energy < output.energy - kLeastEvidence * output.unit;
+    evidence.refutes_proposal =
+        energies.difference > result.options.explain.evidence * output.unit;
+    bool informed = true;
+    for (int j = 0; j < result.initial.num_inputs(); ++j) {
+      informed = informed && (!ProposesElement(result.estimate, i, j) ||
+                              output.detectable[j] < kInformed);
+    }
+    evidence.refutes_proposal = evidence.refutes_proposal || informed;
+  }
+  return evidence;
+}
+
+void TakeExplained(const Competition& competition, int i,
+                   CorrectionResult& result) {
+  constexpr double kNormal = 1.959963984540054;  // of 95 %
+  Estimate& estimate = result.estimate;
+  KeepInitialOutput(i, estimate);
+  OutputErrorCorrection& correction = estimate.fit.output_error;
+  OutputErrorFit& fit = correction.corrected;
+  const int m = fit.model.num_inputs();
+  if (fit.covariances[i].rows() != 3 * m) {
+    fit.covariances[i] = Eigen::MatrixXd::Zero(3 * m, 3 * m);
+  }
+  const std::vector<bool> aged = AgedInputs(result, competition, i);
+  for (int j = 0; j < m; ++j) {
+    if (!aged[j]) continue;
+    ElementValues values = competition.Explained(i, j);
+    values.delay = std::max(
+        0.0, values.delay + BelievedDelay(result, competition, i, j));
+    const absl::StatusOr<ElementResponse> response =
+        ElementResponse::Create(result.initial.element(i, j));
+    if (!response.ok()) continue;
+    const ElementValues& before = response->initial_values();
+    TransferFunction element = response->ToTransferFunction(values);
+    const Eigen::VectorXd from = result.initial_response.element(i, j);
+    const Eigen::VectorXd to = element.StepResponse(
+        result.data.sample_time(), static_cast<int>(from.size()));
+    if ((to - from).norm() <=
+        result.options.decision.least_change * from.norm()) {
+      continue;
+    }
+    const Eigen::Matrix3d covariance = competition.Covariance(i, j);
+    const auto parameter = [&](double initial, double value, int k) {
+      const double error =
+          value == initial ? 0.0 : std::sqrt(std::max(covariance(k, k), 0.0));
+      return ParameterEstimate{.initial = initial,
+                               .value = value,
+                               .standard_error = error,
+                               .lower = value - kNormal * error,
+                               .upper = value + kNormal * error};
+    };
+    ElementEstimate& written = fit.elements[i * m + j];
+    written.state = ElementState::kFitted;
+    written.gain = parameter(before.gain, values.gain, 0);
+    if (response->has_time_scale()) {
+      written.time_scale = parameter(before.time_scale, values.time_scale, 1);
+    }
+    written.delay = parameter(before.delay, values.delay, 2);
+    fit.model.element(i, j) = std::move(element);
+    fit.covariances[i].block<3, 3>(3 * j, 3 * j) = covariance;
+    correction.aged(i, j) = true;
+  }
+}
+
+}  // namespace mle
