@@ -278,11 +278,10 @@ Json JudgesJson(const Result& result) {
     row["before"] = output.before();
     row["left"] = output.left();
     if (output.next.has_value()) {
-      row["next"] = {
-          {"explanation",
-           std::string(TypeOf(output.next->explanation.kind).code)},
-          {"value", output.next->explanation.value},
-          {"evidence", output.next->evidence}};
+      row["next"] = {{"explanation",
+                      std::string(TypeOf(output.next->explanation.kind).code)},
+                     {"value", output.next->explanation.value},
+                     {"evidence", output.next->evidence}};
     }
     Json held_out = Json::array();
     for (const HorizonErrors& error : output.held_out) {

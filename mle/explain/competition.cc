@@ -24,18 +24,45 @@ bool AnyTaken(const OutputExplanation& output, bool ageing) {
                      });
 }
 
-// An explanation of input j, or of its element.
-bool IsOf(const Explanation& one, int j) {
-  return TypeOf(one.kind).place != ExplanationPlace::kOutput && one.index == j;
+// What an explanation of an input takes the place of: those of its elements
+// that it looks like.
+bool Replaces(ExplanationKind kind, const Explanation& one, int j) {
+  using Kind = ExplanationKind;
+  if (TypeOf(one.kind).place == ExplanationPlace::kOutput || one.index != j) {
+    return false;
+  }
+  if (TypeOf(one.kind).place == ExplanationPlace::kInput) return true;
+  switch (kind) {
+    case Kind::kInputClock:
+      return one.kind == Kind::kDeadTime;
+    case Kind::kRateLimit:
+    case Kind::kBacklash:
+      return one.kind != Kind::kGain && one.kind != Kind::kReversed;
+    default:
+      return one.kind == Kind::kGain || one.kind == Kind::kDirection ||
+             one.kind == Kind::kChangeDuringRecord;
+  }
 }
 
-std::vector<Explanation> WithoutInput(const std::vector<Explanation>& from,
-                                      int j) {
+std::vector<Explanation> Without(const std::vector<Explanation>& from,
+                                 ExplanationKind kind, int j) {
   std::vector<Explanation> others;
   for (const Explanation& one : from) {
-    if (!IsOf(one, j)) others.push_back(one);
+    if (!Replaces(kind, one, j)) others.push_back(one);
   }
   return others;
+}
+
+// θ of an explanation of an input, which is in τ of one output, for another.
+double ValueFor(const Explanation& one, double tau, double other) {
+  switch (one.kind) {
+    case ExplanationKind::kInputClock:
+      return one.value * tau / other;
+    case ExplanationKind::kRateLimit:
+      return one.value - std::log(tau / other);
+    default:
+      return one.value;
+  }
 }
 
 using Competitions = std::vector<std::unique_ptr<OutputCompetition>>;
@@ -60,13 +87,9 @@ double EnergyTogether(const std::vector<OutputCompetition*>& outputs, int j,
   double sum = 0.0;
   for (const OutputCompetition* output : outputs) {
     std::vector<Explanation> explanations =
-        WithoutInput(output->Explanations(), j);
-    Explanation own = one;
-    if (one.kind == ExplanationKind::kInputClock ||
-        one.kind == ExplanationKind::kRateLimit) {
-      own.value *= tau / output->output().tau();
-    }
-    explanations.push_back(own);
+        Without(output->Explanations(), one.kind, j);
+    explanations.push_back(
+        {one.kind, j, ValueFor(one, tau, output->output().tau())});
     sum += output->Energy(explanations) / output->unit();
   }
   return sum;
@@ -80,16 +103,15 @@ struct Together {
 // The likeliest θ of one explanation: the best of a grid, refined.
 Together BestTogether(const std::vector<OutputCompetition*>& outputs, int j,
                       const ExplanationType& type, double tau) {
-  std::vector<double> grid = type.start;
-  if (grid.empty()) grid = TypeOf(ExplanationKind::kOutputClock).start;
-  Together best = {{type.kind, j, 0.0}, EnergyTogether(outputs, j, {type.kind, j, 0.0}, tau)};
+  Together best = {{type.kind, j, 0.0},
+                   EnergyTogether(outputs, j, {type.kind, j, 0.0}, tau)};
   const auto try_value = [&](double value) {
     const Explanation one = {type.kind, j,
                              std::clamp(value, type.lower, type.upper)};
     const double energy = EnergyTogether(outputs, j, one, tau);
     if (energy < best.energy) best = {one, energy};
   };
-  for (const double value : grid) try_value(value);
+  for (const double value : type.start) try_value(value);
   double step = 0.5 * std::abs(best.explanation.value);
   for (int i = 0; i < 6; ++i, step *= 0.5) {
     const double center = best.explanation.value;
@@ -105,42 +127,42 @@ void CompeteTogether(const ProcessModel& model, const Competitions& all) {
   for (int j = 0; j < model.num_inputs(); ++j) {
     const std::vector<OutputCompetition*> outputs = OutputsOf(all, j);
     if (outputs.size() < 2) continue;
-    int parameters = 0;
-    int touched = 0;
     double apart = 0.0;
     double tau = 0.0;
     for (const OutputCompetition* output : outputs) {
-      int own = 0;
-      for (const Explanation& one : output->Explanations()) {
-        own += IsOf(one, j) ? 1 : 0;
-      }
-      parameters += own;
-      touched += own > 0 ? 1 : 0;
       apart += output->Energy(output->Explanations()) / output->unit();
       tau = std::max(tau, output->output().tau());
     }
-    if (touched < 2) continue;
     Together best;
-    best.energy = apart + kParameter * (parameters - 1);
-    bool found = false;
+    double most = 0.0;  // what it explains beyond what it has to
     for (const ExplanationType& type : ExplanationTable()) {
       if (type.place != ExplanationPlace::kInput) continue;
+      int replaced = 0;
+      int touched = 0;
+      bool of_input = false;
+      for (const OutputCompetition* output : outputs) {
+        const std::vector<Explanation> all_of = output->Explanations();
+        const auto left = Without(all_of, type.kind, j).size();
+        replaced += static_cast<int>(all_of.size() - left);
+        touched += left < all_of.size() ? 1 : 0;
+        for (const Explanation& one : all_of) {
+          of_input = of_input || (one.kind == type.kind && one.index == j);
+        }
+      }
+      if (touched < 2 && !of_input) continue;
       const Together together = BestTogether(outputs, j, type, tau);
-      if (together.energy < best.energy) {
+      const double explained =
+          apart + kParameter * (replaced - 1) - together.energy;
+      if (explained > most) {
         best = together;
-        found = true;
+        most = explained;
       }
     }
-    if (!found) continue;
+    if (!(most > 0.0)) continue;
     for (OutputCompetition* output : outputs) {
-      std::vector<Explanation> explanations =
-          WithoutInput(output->Explanations(), j);
-      explanations.push_back(best.explanation);
-      if (best.explanation.kind == ExplanationKind::kInputClock ||
-          best.explanation.kind == ExplanationKind::kRateLimit) {
-        explanations.back().value *= tau / output->output().tau();
-      }
-      output->Adopt(std::move(explanations));
+      output->Compete(
+          {{best.explanation.kind, j,
+            ValueFor(best.explanation, tau, output->output().tau())}});
     }
   }
 }
@@ -167,11 +189,12 @@ Competition::Competition(Competition&&) noexcept = default;
 Competition& Competition::operator=(Competition&&) noexcept = default;
 Competition::~Competition() = default;
 
-absl::StatusOr<Competition> Competition::Run(
-    const ProcessModel& model, const std::vector<Record>& records,
-    const ExplainOptions& options) {
+absl::StatusOr<Competition> Competition::Run(const ProcessModel& model,
+                                             const std::vector<Record>& records,
+                                             const ExplainOptions& options) {
   MLE_RETURN_IF_ERROR(options.Validate());
-  if (records.empty()) return absl::InvalidArgumentError("there are no records");
+  if (records.empty())
+    return absl::InvalidArgumentError("there are no records");
   const int p = model.num_outputs();
   Competition competition;
   competition.competitions_.resize(p);

@@ -10,6 +10,7 @@
 namespace mle {
 namespace {
 
+using Eigen::Index;
 using Eigen::VectorXd;
 using Kind = ExplanationKind;
 
@@ -24,14 +25,23 @@ constexpr double kForgotten = 3.0;
 constexpr double kCachedDoubles = 1 << 21;
 
 double Find(const std::vector<Explanation>& explanations, Kind kind, int index,
-            bool* found = nullptr) {
+            bool* found = nullptr, int* part = nullptr) {
   for (const Explanation& explanation : explanations) {
     if (explanation.kind == kind && explanation.index == index) {
       if (found != nullptr) *found = true;
+      if (part != nullptr) *part = explanation.part;
       return explanation.value;
     }
   }
   return 0.0;
+}
+
+// s at a share of the record (Explanation::part).
+double ShareOfChange(int part, double at) {
+  if (part == 0) return at;
+  const double quarter = std::floor(4.0 * at);
+  if (part <= 4) return quarter == part - 1.0 ? 1.0 : 0.0;
+  return quarter >= part - 4.0 ? 1.0 : 0.0;
 }
 
 SampledDelay SampledDelayOf(double delay, double sample_time) {
@@ -48,8 +58,8 @@ VectorXd TwoLags(double rising, double falling, double sample_time,
   const double down = std::exp(-sample_time / falling);
   VectorXd z(input.size());
   double state = 0.0;
-  const auto at = [&](Eigen::Index k) { return k < 0 ? 0.0 : input[k]; };
-  for (Eigen::Index k = 0; k < input.size(); ++k) {
+  const auto at = [&](Index k) { return k < 0 ? 0.0 : input[k]; };
+  for (Index k = 0; k < input.size(); ++k) {
     z[k] = state;
     const double u = (1.0 - samples.fraction) * at(k - samples.whole) +
                      samples.fraction * at(k - samples.whole - 1);
@@ -69,21 +79,36 @@ void AddLag(double lag, double sample_time, VectorXd& z) {
   }
 }
 
+// z as it is `samples` later, not necessarily whole ones; its last value after
+// the end.
+VectorXd Earlier(const VectorXd& z, double samples) {
+  const Index last = z.size() - 1;
+  const auto whole = static_cast<Index>(
+      std::min(std::floor(samples), static_cast<double>(last)));
+  const double rest = samples - std::floor(samples);
+  VectorXd earlier(z.size());
+  for (Index k = 0; k <= last; ++k) {
+    earlier[k] = (1.0 - rest) * z[std::min(k + whole, last)] +
+                 rest * z[std::min(k + whole + 1, last)];
+  }
+  return earlier;
+}
+
 // The mean of z over the last `width` samples, not necessarily whole ones.
 VectorXd Averaged(const VectorXd& z, double width) {
   if (!(width > 1.0)) return z;
   VectorXd sums(z.size() + 1);
   sums[0] = 0.0;
-  for (Eigen::Index k = 0; k < z.size(); ++k) sums[k + 1] = sums[k] + z[k];
+  for (Index k = 0; k < z.size(); ++k) sums[k + 1] = sums[k] + z[k];
   const auto sum_at = [&](double k) {
     if (k <= 0.0) return 0.0;
-    const auto whole = static_cast<Eigen::Index>(k);
-    const Eigen::Index next = std::min(whole + 1, z.size());
+    const auto whole = static_cast<Index>(k);
+    const Index next = std::min(whole + 1, z.size());
     return sums[whole] +
            (k - static_cast<double>(whole)) * (sums[next] - sums[whole]);
   };
   VectorXd means(z.size());
-  for (Eigen::Index k = 0; k < z.size(); ++k) {
+  for (Index k = 0; k < z.size(); ++k) {
     const double end = static_cast<double>(k + 1);
     means[k] = (sum_at(end) - sum_at(end - width)) / width;
   }
@@ -149,7 +174,7 @@ void ExplainedOutput::ChooseRows() {
       std::floor(total_samples_ / kMostRows), 1.0, std::max(most, 1.0)));
   cache_size_ = static_cast<std::size_t>(
       std::clamp(kCachedDoubles / total_samples_, 4.0, 64.0));
-  const Eigen::Index m = records_->front().num_inputs();
+  const Index m = records_->front().num_inputs();
   VectorXd low = VectorXd::Constant(m, 1e300);
   VectorXd high = VectorXd::Constant(m, -1e300);
   distances_ = VectorXd::Zero(m);
@@ -157,13 +182,12 @@ void ExplainedOutput::ChooseRows() {
     const Record& record = (*records_)[r];
     Eigen::MatrixXd filled = record.inputs;
     std::vector<bool> counts(record.samples(), true);
-    const double longest_gap =
-        std::max(3.0, kBridged * tau_ / sample_time_);
+    const double longest_gap = std::max(3.0, kBridged * tau_ / sample_time_);
     const double forgotten = kForgotten * longest_ / sample_time_;
     for (const int j : inputs_) {
       // Before its first value an input is taken to have stood at it.
       double last = 0.0;
-      for (Eigen::Index k = 0; k < filled.cols(); ++k) {
+      for (Index k = 0; k < filled.cols(); ++k) {
         if (std::isfinite(filled(j, k))) {
           last = filled(j, k);
           break;
@@ -171,7 +195,7 @@ void ExplainedOutput::ChooseRows() {
       }
       double gap = 0.0;
       double uncertain = 0.0;
-      for (Eigen::Index k = 0; k < filled.cols(); ++k) {
+      for (Index k = 0; k < filled.cols(); ++k) {
         if (std::isfinite(filled(j, k))) {
           if (gap > longest_gap) uncertain = forgotten;
           gap = 0.0;
@@ -185,8 +209,9 @@ void ExplainedOutput::ChooseRows() {
       }
       low[j] = std::min(low[j], filled.row(j).minCoeff());
       high[j] = std::max(high[j], filled.row(j).maxCoeff());
-      distances_[j] = std::max(
-          distances_[j], (filled.row(j).array() - filled(j, 0)).abs().maxCoeff());
+      distances_[j] =
+          std::max(distances_[j],
+                   (filled.row(j).array() - filled(j, 0)).abs().maxCoeff());
     }
     for (int first = 0; first + samples_a_row_ <= record.samples();
          first += samples_a_row_) {
@@ -263,11 +288,6 @@ std::pair<double, double> ExplainedOutput::Bounds(
     const double lag = has_lag(explanation.index) ? values.time_scale : 0.0;
     const double scale = std::max(lag + values.delay, sample_time_);
     lower = std::max(lower, -values.delay / scale);
-  } else if (explanation.kind == Kind::kOutputClock) {
-    for (const Element& element : elements_) {
-      lower = std::max(
-          lower, -element.response.initial_values().delay / (0.5 * tau_));
-    }
   }
   return {lower, type.upper};
 }
@@ -276,9 +296,9 @@ ElementValues ExplainedOutput::Aged(
     int input, const std::vector<Explanation>& explanations) const {
   ElementValues aged = values(input);
   const double lag = has_lag(input) ? aged.time_scale : 0.0;
-  aged.delay = std::max(
-      0.0, aged.delay + Find(explanations, Kind::kDeadTime, input) *
-                            std::max(lag + aged.delay, sample_time_));
+  aged.delay =
+      std::max(0.0, aged.delay + Find(explanations, Kind::kDeadTime, input) *
+                                     std::max(lag + aged.delay, sample_time_));
   aged.gain *= std::exp(Find(explanations, Kind::kGain, input));
   aged.time_scale *= std::exp(Find(explanations, Kind::kTimeConstant, input));
   return aged;
@@ -344,6 +364,7 @@ std::vector<VectorXd> ExplainedOutput::Simulate(const Element& element,
       z = column.col(0);
     }
     AddLag(second, sample_time_, z);
+    if (delay < 0.0) z = Earlier(z, -delay / sample_time_);
     responses.push_back(std::move(z));
   }
   return responses;
@@ -371,52 +392,56 @@ std::vector<VectorXd> ExplainedOutput::Simulated(
   for (int e = 0; e < static_cast<int>(elements_.size()); ++e) {
     const int j = elements_[e].input;
     ElementValues values = Aged(j, explanations);
-    values.delay +=
-        clock + 0.5 * tau_ * Find(explanations, Kind::kInputClock, j);
-    const double second =
-        Find(explanations, Kind::kHigherOrder, j) *
-        (values.time_scale + values.delay);
+    const double second = Find(explanations, Kind::kHigherOrder, j) *
+                          (values.time_scale + values.delay);
     const double falling = std::exp(Find(explanations, Kind::kDirection, j));
     if (second > 0.0) {
       values.delay -= 0.5 * second;
-      values.time_scale = std::max(values.time_scale - 0.5 * second,
-                                   0.05 * values.time_scale);
+      values.time_scale =
+          std::max(values.time_scale - 0.5 * second, 0.05 * values.time_scale);
     }
+    values.delay = std::max(values.delay, 0.0) + clock +
+                   0.5 * tau_ * Find(explanations, Kind::kInputClock, j);
     bool reversed = false;
-    const double factor =
-        Find(explanations, Kind::kReversed, j, &reversed);
+    const double factor = Find(explanations, Kind::kReversed, j, &reversed);
     if (reversed) values.gain *= -std::exp(factor);
+    bool limited = false;
+    const double rate = Find(explanations, Kind::kRateLimit, j, &limited);
     const Key key = {values.time_scale,
-                     std::max(values.delay, 0.0),
+                     values.delay,
                      second,
                      falling,
                      Find(explanations, Kind::kCurvedInput, j),
-                     Find(explanations, Kind::kRateLimit, j),
+                     limited ? std::exp(rate) : 0.0,
                      Find(explanations, Kind::kBacklash, j),
                      Find(explanations, Kind::kSaturation, j)};
     const std::vector<VectorXd>& responses = ResponseOf(e, key);
+    int part = 0;
     const double change =
-        Find(explanations, Kind::kChangeDuringRecord, j);
+        Find(explanations, Kind::kChangeDuringRecord, j, nullptr, &part);
     double passed = 0.0;
     for (std::size_t r = 0; r < z.size(); ++r) {
       if (change == 0.0) {
         z[r] += values.gain * responses[r];
         continue;
       }
-      for (Eigen::Index k = 0; k < z[r].size(); ++k) {
+      for (Index k = 0; k < z[r].size(); ++k) {
+        const double at = (passed + static_cast<double>(k)) / total_samples_;
         z[r][k] += values.gain * responses[r][k] *
-                   (1.0 + change * (passed + static_cast<double>(k)) /
-                              total_samples_);
+                   (1.0 + change * ShareOfChange(part, at));
       }
       passed += static_cast<double>(z[r].size());
     }
   }
   const double curve = Find(explanations, Kind::kCurvedOutput, output_);
-  const double width = Find(explanations, Kind::kAveragedOutput, output_) *
-                       tau_ / sample_time_;
+  const double cubic = Find(explanations, Kind::kSShapedOutput, output_);
+  const double width =
+      Find(explanations, Kind::kAveragedOutput, output_) * tau_ / sample_time_;
   for (VectorXd& values : z) {
-    if (curve != 0.0) {
-      values.array() += curve * values.array().square() / output_range_;
+    if (curve != 0.0 || cubic != 0.0) {
+      const Eigen::ArrayXd scaled = values.array() / output_range_;
+      values.array() +=
+          output_range_ * (curve * scaled.square() + cubic * scaled.cube());
     }
     if (width > 1.0) values = Averaged(values, width);
   }
@@ -453,7 +478,7 @@ absl::StatusOr<VectorXd> ExplainedOutput::ResidualOf(
 }
 
 VectorXd ExplainedOutput::Less(const std::vector<VectorXd>& z) const {
-  VectorXd e(static_cast<Eigen::Index>(rows_.size()));
+  VectorXd e(static_cast<Index>(rows_.size()));
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     const ResidualRow& row = rows_[i];
     const auto& outputs = (*records_)[row.record].outputs;
@@ -465,7 +490,7 @@ VectorXd ExplainedOutput::Less(const std::vector<VectorXd>& z) const {
       sum += y - z[row.record][k];
       ++count;
     }
-    e[static_cast<Eigen::Index>(i)] = sum / count;
+    e[static_cast<Index>(i)] = sum / count;
   }
   return e;
 }
@@ -473,10 +498,10 @@ VectorXd ExplainedOutput::Less(const std::vector<VectorXd>& z) const {
 VectorXd ExplainedOutput::Modelled() const { return RowMeans(Simulated({})); }
 
 VectorXd ExplainedOutput::RowMeans(const std::vector<VectorXd>& signal) const {
-  VectorXd means(static_cast<Eigen::Index>(rows_.size()));
+  VectorXd means(static_cast<Index>(rows_.size()));
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     const ResidualRow& row = rows_[i];
-    means[static_cast<Eigen::Index>(i)] =
+    means[static_cast<Index>(i)] =
         signal[row.record].segment(row.first, row.samples).mean();
   }
   return means;

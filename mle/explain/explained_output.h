@@ -39,7 +39,8 @@ class ExplainedOutput {
   // FailedPrecondition where no element of the row can be simulated or no row
   // counts. `records` must outlive it.
   static absl::StatusOr<ExplainedOutput> Create(
-      const ProcessModel& model, const std::vector<Record>& records, int output);
+      const ProcessModel& model, const std::vector<Record>& records,
+      int output);
 
   const std::vector<ResidualRow>& rows() const { return rows_; }
   const std::vector<Record>& records() const { return *records_; }

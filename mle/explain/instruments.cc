@@ -85,8 +85,8 @@ VectorXd Shifted(const VectorXd& values, Index shift) {
 // Its Laguerre functions (rows × kLaguerre).
 MatrixXd Bank(const ExplainedOutput& output, const Signal& signal,
               double share) {
-  const double pole = std::exp(-output.sample_time() /
-                               (kLaguerreTime * output.tau()));
+  const double pole =
+      std::exp(-output.sample_time() / (kLaguerreTime * output.tau()));
   const double scale = std::max(RangeOf(signal), 1e-300);
   MatrixXd bank(static_cast<Index>(output.rows().size()), kLaguerre);
   Signal filtered;
@@ -130,8 +130,7 @@ MatrixXd FreeColumns(const ExplainedOutput& output) {
     }
   }
   const auto rows = static_cast<Index>(output.rows().size());
-  const int each = 1 + (output.is_integrating() ? 1 : 0) +
-                   static_cast<int>(distinct.size());
+  const int each = 2 + static_cast<int>(distinct.size());
   const auto records = static_cast<Index>(output.records().size());
   MatrixXd columns = MatrixXd::Zero(rows, each * records);
   for (Index i = 0; i < rows; ++i) {
@@ -139,10 +138,8 @@ MatrixXd FreeColumns(const ExplainedOutput& output) {
     const double t = (row.first + 0.5 * row.samples) * output.sample_time();
     Index c = row.record * each;
     columns(i, c++) = 1.0;
-    if (output.is_integrating()) {
-      columns(i, c++) =
-          t / (output.sample_time() * output.records()[row.record].samples());
-    }
+    columns(i, c++) =
+        t / (output.sample_time() * output.records()[row.record].samples());
     for (const double lag : distinct) columns(i, c++) = std::exp(-t / lag);
   }
   const Eigen::BDCSVD<MatrixXd> svd(columns, Eigen::ComputeThinU);
@@ -238,8 +235,7 @@ absl::StatusOr<Instruments> Instruments::Create(const ProcessModel& model,
   for (int s = 0; s < kPlacebos; ++s) {
     // Made orthonormal by the smallest change, so that each direction stays
     // that of the same moves.
-    const MatrixXd moved =
-        columns_at((s + 1.0) / (kPlacebos + 1.0)) * to_basis;
+    const MatrixXd moved = columns_at((s + 1.0) / (kPlacebos + 1.0)) * to_basis;
     const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(moved.transpose() *
                                                         moved);
     const VectorXd lengths = eigen.eigenvalues().cwiseMax(

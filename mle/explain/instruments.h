@@ -3,8 +3,9 @@
 //
 //   Q    orthonormal basis (rows × r) of the moves of the instruments, each
 //        through six discrete Laguerre functions with a time constant of 0.6 τ,
-//        freed of an offset for each record (a ramp too, of an output that
-//        integrates) and of what earlier inputs leave, e^{−t/T};
+//        freed of an offset and a ramp for each record (a sensor that drifts, a
+//        level that is not balanced) and of what earlier inputs leave,
+//        e^{−t/T};
 //   Q_s  the same with the moves shifted in time by s of the record, joined at
 //        the ends, s = 1/41 … 40/41;
 //   v = Qᵀe,   v_s = Q_sᵀ e.

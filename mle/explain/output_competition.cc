@@ -19,12 +19,14 @@ using Eigen::VectorXd;
 // Candidates that are estimated after the first look.
 constexpr int kEstimated = 6;
 constexpr int kIterations = 12;
-constexpr double kStep = 1e-3;     // of θ, for derivatives
+constexpr double kStep = 1e-3;       // of θ, for derivatives
 constexpr double kConverged = 1e-4;  // step of θ, or relative fall of E
 // Directions nearer than this to those of what was taken are none of their own.
 constexpr double kLeastOwn = 0.05;
 // Of N: rivals as near as this are ties.
 constexpr double kTie = 0.1;
+// Of M: the same of changes of two elements.
+constexpr double kElements = 5.0;
 // Held out: blocks of this many τ, in turn in one of the folds.
 constexpr double kBlock = 3.0;
 constexpr int kFolds = 5;
@@ -58,8 +60,8 @@ absl::StatusOr<OutputCompetition> OutputCompetition::Create(
   if (!competition.instruments_.by_set_points()) {
     competition.options_.evidence *= kWithoutSetPoints;
   }
-  competition.all_ = VectorXd::Ones(
-      static_cast<Index>(competition.output_.rows().size()));
+  competition.all_ =
+      VectorXd::Ones(static_cast<Index>(competition.output_.rows().size()));
   competition.initial_energy_ = competition.Energy({});
   return competition;
 }
@@ -83,11 +85,9 @@ MatrixXd OutputCompetition::Jacobian(
   for (std::size_t i = 0; i < explanations.size(); ++i) {
     std::vector<Explanation> moved = explanations;
     const double upper = output_.Bounds(moved[i]).second;
-    const double step =
-        moved[i].value + kStep <= upper ? kStep : -kStep;
+    const double step = moved[i].value + kStep <= upper ? kStep : -kStep;
     moved[i].value += step;
-    jacobian.col(static_cast<Index>(i)) =
-        (ValueAt(moved, weights) - at) / step;
+    jacobian.col(static_cast<Index>(i)) = (ValueAt(moved, weights) - at) / step;
   }
   return jacobian;
 }
@@ -122,9 +122,9 @@ OutputCompetition::Fit OutputCompetition::Estimate(
       for (std::size_t i = 0; i < trial.size(); ++i) {
         const auto [lower, upper] = output_.Bounds(trial[i]);
         const double before = trial[i].value;
-        trial[i].value =
-            std::clamp(before + std::clamp(step[static_cast<Index>(i)], -0.5, 0.5),
-                       lower, std::max(lower, upper));
+        trial[i].value = std::clamp(
+            before + std::clamp(step[static_cast<Index>(i)], -0.5, 0.5), lower,
+            std::max(lower, upper));
         moved = std::max(moved, std::abs(trial[i].value - before));
       }
       if (!(moved > 0.0)) break;
@@ -165,16 +165,21 @@ std::vector<OutputCompetition::Fit> OutputCompetition::Candidates(
     const auto [lower, upper] = output_.Bounds(one);
     Fit best;
     best.score = std::numeric_limits<double>::infinity();
-    for (const double start : TypeOf(one.kind).start) {
-      if (start < lower || start > upper) continue;
-      std::vector<Explanation> with = taken;
-      with.push_back(one);
-      with.back().value = start;
-      const VectorXd value = ValueAt(with, all_);
-      if (!value.allFinite()) continue;
-      tried.push_back(value - at);
-      const double score = Score(with, value.squaredNorm(), chance);
-      if (score < best.score) best = {with, value.squaredNorm(), score};
+    const int parts =
+        one.kind == ExplanationKind::kChangeDuringRecord ? kParts : 1;
+    for (int part = 0; part < parts; ++part) {
+      for (const double start : TypeOf(one.kind).start) {
+        if (start < lower || start > upper) continue;
+        std::vector<Explanation> with = taken;
+        with.push_back(one);
+        with.back().value = start;
+        with.back().part = part;
+        const VectorXd value = ValueAt(with, all_);
+        if (!value.allFinite()) continue;
+        tried.push_back(value - at);
+        const double score = Score(with, value.squaredNorm(), chance);
+        if (score < best.score) best = {with, value.squaredNorm(), score};
+      }
     }
     if (std::isfinite(best.score)) looks.push_back(std::move(best));
   }
@@ -199,8 +204,7 @@ std::vector<OutputCompetition::Fit> OutputCompetition::Candidates(
   for (const VectorXd& change : tried) {
     const double length = change.norm();
     if (!(length > 0.0)) continue;
-    const VectorXd free =
-        (change - own * (own.transpose() * change)) / length;
+    const VectorXd free = (change - own * (own.transpose() * change)) / length;
     if (free.norm() < kLeastOwn) continue;
     directions.conservativeResize(Eigen::NoChange, directions.cols() + 1);
     directions.rightCols(1) = free.normalized();
@@ -215,28 +219,27 @@ OutputCompetition::Chance OutputCompetition::ChanceOf(
   VectorXd energies = placebos.rowwise().squaredNorm();
   Chance chance;
   if (directions.cols() > 0) {
-    chance.unit = (placebos * directions)
-                      .array()
-                      .square()
-                      .rowwise()
-                      .maxCoeff()
-                      .mean();
+    chance.unit =
+        (placebos * directions).array().square().rowwise().maxCoeff().mean();
   }
   std::sort(energies.begin(), energies.end());
   const Index n = energies.size();
   chance.energy = 0.5 * (energies[(n - 1) / 2] + energies[n / 2]);
   // What no placebo shows at all is rounding.
-  const double least =
-      1e-20 * (1.0 + output_.Modelled().squaredNorm());
+  const double least = 1e-20 * (1.0 + output_.Modelled().squaredNorm());
   chance.energy = std::max(chance.energy, least);
   chance.unit = std::max(chance.unit, least);
   return chance;
 }
 
-void OutputCompetition::Forward() {
-  std::vector<Explanation> taken;
-  double energy = initial_energy_;
-  Chance chance = ChanceOf({{}, energy, 0.0}, directions_);
+void OutputCompetition::Forward(const std::vector<Explanation>& given) {
+  const Fit start = Estimate(given, all_);
+  std::vector<Explanation> taken = start.explanations;
+  double energy = start.energy;
+  Chance chance = ChanceOf(start, directions_);
+  for (std::size_t i = 0; i < taken.size(); ++i) {
+    taken_.push_back({taken[i], 0.0, 0.0});
+  }
   next_.clear();
   while (static_cast<int>(taken_.size()) < options_.most) {
     // Improbabilities are in units of what chance makes of the best.
@@ -247,9 +250,9 @@ void OutputCompetition::Forward() {
     for (Fit& fit : fits) {
       fit.score = Score(fit.explanations, fit.energy, of_best.energy);
     }
-    std::stable_sort(
-        fits.begin(), fits.end(),
-        [](const Fit& a, const Fit& b) { return a.score < b.score; });
+    std::stable_sort(fits.begin(), fits.end(), [](const Fit& a, const Fit& b) {
+      return a.score < b.score;
+    });
     const Fit& best = fits.front();
     const Chance after = ChanceOf(best, directions);
     const double evidence = (energy - best.energy) / after.unit;
@@ -264,8 +267,13 @@ void OutputCompetition::Forward() {
     }
     for (std::size_t i = 1; i < fits.size(); ++i) {
       const Explanation& rival = fits[i].explanations.back();
-      if (IsAgeing(rival.kind) && IsAgeing(tried.explanation.kind)) continue;
-      if (fits[i].score - best.score < kTie * after.energy) {
+      const bool elements =
+          IsAgeing(rival.kind) && IsAgeing(tried.explanation.kind);
+      // Changes of one element do much the same.
+      if (elements && rival.index == tried.explanation.index) continue;
+      const double near =
+          elements ? kElements * after.unit : kTie * after.energy;
+      if (fits[i].score - best.score < near) {
         ties_.push_back({tried.explanation, rival});
       }
     }
@@ -284,12 +292,12 @@ void OutputCompetition::Forward() {
   unit_ = last.unit;
 }
 
-void OutputCompetition::Backward() {
+void OutputCompetition::Backward(std::size_t given) {
   bool left = true;
   while (left && taken_.size() > 1) {
     left = false;
     const std::vector<Explanation> all = Explanations();
-    for (std::size_t i = 0; i + 1 < taken_.size(); ++i) {
+    for (std::size_t i = given; i + 1 < taken_.size(); ++i) {
       const Fit without = Estimate(Without(all, i), all_);
       if ((without.energy - energy_) / unit_ > options_.evidence) continue;
       taken_.erase(taken_.begin() + static_cast<std::ptrdiff_t>(i));
@@ -303,29 +311,14 @@ void OutputCompetition::Backward() {
   }
 }
 
-void OutputCompetition::Compete() {
+void OutputCompetition::Compete(const std::vector<Explanation>& given) {
   taken_.clear();
   ties_.clear();
-  Forward();
-  Backward();
-}
-
-void OutputCompetition::Adopt(std::vector<Explanation> explanations) {
-  const Fit fit = Estimate(std::move(explanations), all_);
-  const std::vector<TakenExplanation> before = std::move(taken_);
-  taken_.clear();
-  for (const Explanation& one : fit.explanations) {
-    taken_.push_back({one, 0.0, 0.0});
-    for (const TakenExplanation& earlier : before) {
-      if (earlier.explanation.SameAs(one)) {
-        taken_.back().evidence = earlier.evidence;
-      }
-    }
+  Forward(given);
+  Backward(given.size());
+  for (std::size_t i = 0; i < given.size(); ++i) {
+    taken_[i].evidence = (Energy(Without(Explanations(), i)) - energy_) / unit_;
   }
-  energy_ = fit.energy;
-  const Chance chance = ChanceOf(fit, directions_);
-  chance_ = chance.energy;
-  unit_ = chance.unit;
 }
 
 std::vector<Explanation> OutputCompetition::Explanations() const {
@@ -342,8 +335,8 @@ MatrixXd OutputCompetition::CovarianceOfTheta() const {
   if (n == 0) return MatrixXd(0, 0);
   const MatrixXd placebos =
       instruments_.ProjectPlacebos(output_.Residual(explanations));
-  const MatrixXd C = placebos.transpose() * placebos /
-                     static_cast<double>(placebos.rows());
+  const MatrixXd C =
+      placebos.transpose() * placebos / static_cast<double>(placebos.rows());
   const MatrixXd J = Jacobian(explanations, all_);
   MatrixXd H = J.transpose() * J;
   H.diagonal().array() += 1e-12 * std::max(H.diagonal().maxCoeff(), 1e-300);
@@ -382,13 +375,12 @@ std::vector<HorizonErrors> OutputCompetition::HoldOut() const {
   const std::vector<ResidualRow>& rows = output_.rows();
   const auto n = static_cast<Index>(rows.size());
   const double row_time = output_.sample_time() * output_.samples_a_row();
-  const int block_rows =
-      std::max(1, static_cast<int>(std::lround(kBlock * output_.tau() / row_time)));
+  const int block_rows = std::max(
+      1, static_cast<int>(std::lround(kBlock * output_.tau() / row_time)));
   // Blocks in order, dealt out to the folds.
   std::vector<int> block(rows.size());
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    const bool begins =
-        i > 0 && rows[i].record != rows[i - 1].record;
+    const bool begins = i > 0 && rows[i].record != rows[i - 1].record;
     const int inside = rows[i].first / rows[i].samples / block_rows;
     if (i == 0) {
       block[i] = 0;
@@ -409,10 +401,10 @@ std::vector<HorizonErrors> OutputCompetition::HoldOut() const {
   }
   std::vector<HorizonErrors> errors;
   for (const double horizon : {0.2, 1.0, 3.0, 0.0}) {
-    const int ahead = horizon > 0.0
-                          ? std::max(1, static_cast<int>(std::lround(
-                                            horizon * output_.tau() / row_time)))
-                          : 0;
+    const int ahead =
+        horizon > 0.0 ? std::max(1, static_cast<int>(std::lround(
+                                        horizon * output_.tau() / row_time)))
+                      : 0;
     std::vector<double> gains(static_cast<std::size_t>(block.back()) + 1, 0.0);
     double before = 0.0;
     double after = 0.0;
@@ -445,15 +437,14 @@ std::vector<HorizonErrors> OutputCompetition::HoldOut() const {
     mean /= static_cast<double>(gains.size());
     double variance = 0.0;
     for (const double gain : gains) variance += (gain - mean) * (gain - mean);
-    const double deviation = std::sqrt(
-        variance * static_cast<double>(gains.size()) /
-        std::max(static_cast<double>(gains.size()) - 1.0, 1.0));
-    errors.push_back({.horizon = ahead * row_time,
-                      .initial = std::sqrt(before / count),
-                      .explained = std::sqrt(after / count),
-                      .deviations = deviation > 0.0
-                                        ? (before - after) / deviation
-                                        : 0.0});
+    const double deviation =
+        std::sqrt(variance * static_cast<double>(gains.size()) /
+                  std::max(static_cast<double>(gains.size()) - 1.0, 1.0));
+    errors.push_back(
+        {.horizon = ahead * row_time,
+         .initial = std::sqrt(before / count),
+         .explained = std::sqrt(after / count),
+         .deviations = deviation > 0.0 ? (before - after) / deviation : 0.0});
   }
   return errors;
 }

@@ -22,10 +22,8 @@ class OutputCompetition {
   const ExplainedOutput& output() const { return output_; }
   const Instruments& instruments() const { return instruments_; }
 
-  // Forward and backward, from nothing.
-  void Compete();
-  // Takes these in place of what was taken, estimated again together.
-  void Adopt(std::vector<Explanation> explanations);
+  // Forward and backward, beside what is given.
+  void Compete(const std::vector<Explanation>& given = {});
   const std::vector<TakenExplanation>& taken() const { return taken_; }
 
   // E of these explanations, and M.
@@ -70,8 +68,8 @@ class OutputCompetition {
   std::vector<Fit> Candidates(const std::vector<Explanation>& taken,
                               double chance, Eigen::MatrixXd& directions) const;
   Chance ChanceOf(const Fit& fit, const Eigen::MatrixXd& directions) const;
-  void Forward();
-  void Backward();
+  void Forward(const std::vector<Explanation>& given);
+  void Backward(std::size_t given);
   double Score(const std::vector<Explanation>& explanations, double energy,
                double chance) const;
   Eigen::MatrixXd CovarianceOfTheta() const;

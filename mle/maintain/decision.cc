@@ -217,10 +217,10 @@ Message NotBetter(const OutputEvidence& output, double deviations) {
 }
 
 Message ByInstruments(const OutputEvidence& output) {
-  return Doubt(output, MessageCode::kPredictsBetter,
-               absl::StrCat("On held-out data the correction of ", output.name,
-                            " predicts better: ", output.instruments->errors,
-                            "."));
+  return Doubt(
+      output, MessageCode::kPredictsBetter,
+      absl::StrCat("On held-out data the correction of ", output.name,
+                   " predicts better: ", output.instruments->errors, "."));
 }
 
 // By what set points, or other instruments, drive of the residual.
@@ -244,11 +244,11 @@ OutputVerdict DecideByInstruments(const OutputEvidence& output,
     if (judge.predicts_better) {
       return {Acceptance::kExplained, ByInstruments(output)};
     }
-    return doubt(Doubt(
-        output, MessageCode::kNotBetter,
-        absl::StrCat("On held-out data the correction of ", output.name,
-                     " predicts no better: ", judge.errors,
-                     ". More set-point changes would settle it.")));
+    return doubt(
+        Doubt(output, MessageCode::kNotBetter,
+              absl::StrCat("On held-out data the correction of ", output.name,
+                           " predicts no better: ", judge.errors,
+                           ". More set-point changes would settle it.")));
   }
   if (!judge.other.empty()) {
     return doubt(Doubt(output, MessageCode::kExplained, judge.other));

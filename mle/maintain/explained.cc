@@ -73,12 +73,11 @@ std::vector<bool> AgedInputs(const CorrectionResult& result,
 std::string Sentence(const ProcessModel& model, int output,
                      const Explanation& explanation) {
   const ExplanationType& type = TypeOf(explanation.kind);
-  const std::string place =
-      type.place == ExplanationPlace::kElement
-          ? PairName(model, output, explanation.index)
-      : type.place == ExplanationPlace::kOutput
-          ? model.outputs()[output].name
-          : model.inputs()[explanation.index].name;
+  const std::string place = type.place == ExplanationPlace::kElement
+                                ? PairName(model, output, explanation.index)
+                            : type.place == ExplanationPlace::kOutput
+                                ? model.outputs()[output].name
+                                : model.inputs()[explanation.index].name;
   const std::string text = type.sentence;
   const std::size_t at = text.find("%s");
   return absl::StrCat(text.substr(0, at), place, text.substr(at + 2));
@@ -97,9 +96,8 @@ std::string Others(const CorrectionResult& result,
     if (IsAgeing(explanation.kind)) continue;
     if (IsClock(explanation.kind) &&
         BelievedDelay(result, competition, i,
-                      explanation.kind == Kind::kInputClock
-                          ? explanation.index
-                          : 0) != 0.0) {
+                      explanation.kind == Kind::kInputClock ? explanation.index
+                                                            : 0) != 0.0) {
       continue;
     }
     absl::StrAppend(&text, text.empty() ? "" : " ",
@@ -114,11 +112,11 @@ std::string Ties(const ProcessModel& model, const OutputExplanation& output,
   std::string text;
   for (const OutputExplanation::Tie& tie : output.ties) {
     if (!IsAgeing(tie.taken.kind)) continue;
-    absl::StrAppend(
-        &text, text.empty() ? "" : " ", "Two explanations account for ",
-        model.outputs()[i].name, " equally well: ",
-        Sentence(model, i, tie.taken), ", or ", Sentence(model, i, tie.rival),
-        ". ", TypeOf(tie.rival.kind).settled_by);
+    absl::StrAppend(&text, text.empty() ? "" : " ",
+                    "Two explanations account for ", model.outputs()[i].name,
+                    " equally well: ", Sentence(model, i, tie.taken), ", or ",
+                    Sentence(model, i, tie.rival), ". ",
+                    TypeOf(tie.rival.kind).settled_by);
   }
   return text;
 }
@@ -219,8 +217,8 @@ void TakeExplained(const Competition& competition, int i,
   for (int j = 0; j < m; ++j) {
     if (!aged[j]) continue;
     ElementValues values = competition.Explained(i, j);
-    values.delay = std::max(
-        0.0, values.delay + BelievedDelay(result, competition, i, j));
+    values.delay =
+        std::max(0.0, values.delay + BelievedDelay(result, competition, i, j));
     const absl::StatusOr<ElementResponse> response =
         ElementResponse::Create(result.initial.element(i, j));
     if (!response.ok()) continue;
