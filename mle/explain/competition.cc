@@ -182,6 +182,11 @@ absl::Status ExplainOptions::Validate() const {
   return absl::OkStatus();
 }
 
+double OutputExplanation::EvidenceOf(double fall) const {
+  if (!(fall > 0.0) || !(unit > 0.0)) return 0.0;
+  return independent * std::log1p(fall / (unit * independent));
+}
+
 bool OutputExplanation::AnyAgeing() const { return AnyTaken(*this, true); }
 bool OutputExplanation::AnyOther() const { return AnyTaken(*this, false); }
 

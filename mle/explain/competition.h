@@ -11,11 +11,13 @@
 // E + (improbability) N most, all taken ones estimated again beside it; it is
 // taken where
 //
-//   R = (E before − E after) / M > evidence,      e of M and N that of `after`.
+//   evidence = n ln(1 + (E before − E after) / (n M)),
 //
-// Backward: what no longer pays beside the others leaves. The probability of
-// taking one by chance is about exp(−evidence): the gains of placebos are close
-// to exponential. Then
+// e of M and N that of `after`, is above the one asked for. n is the number of
+// independent placebos, one in 3 τ of the record: where what the table explains
+// of chance has an exponential distribution and M is the mean of n such, the
+// probability of this much by chance is (1 + R/n)⁻ⁿ = exp(−evidence). Backward:
+// what no longer pays beside the others leaves. Then
 //
 //   E / N of what is left: above about 2 an explanation is missing;
 //   Cov θ̂ = A C Aᵀ, A = (JᵀJ)⁻¹Jᵀ, J = ∂Qᵀe/∂θ, C the covariance of Q_sᵀe.
@@ -45,11 +47,11 @@
 namespace mle {
 
 struct ExplainOptions {
-  // R that an explanation must have, > 0: e⁻⁸ is 0.03 %. Where inputs stand for
-  // set points, twice as much.
+  // −ln of the probability of taking an explanation by chance, > 0: e⁻⁸ is
+  // 0.03 %. Where inputs stand for set points, twice as much.
   double evidence = 8.0;
   // Explanations of an output at most, ≥ 1.
-  int most = 4;
+  int most = 6;
   // 0: one for each processor. The result does not depend on it.
   int threads = 1;
 
@@ -59,7 +61,7 @@ struct ExplainOptions {
 struct TakenExplanation {
   Explanation explanation;
   double standard_error = 0.0;  // of θ
-  double evidence = 0.0;        // R, when it was taken
+  double evidence = 0.0;        // when it was taken
 };
 
 // Errors of the model as it was and as it is explained where records were held
@@ -82,23 +84,28 @@ struct OutputExplanation {
   std::vector<TakenExplanation> taken;
   // Of the last that was tried and not taken.
   std::optional<TakenExplanation> next;
-  // An explanation of another kind that explains as much as one that was taken
-  // (within a tenth of N, improbabilities included), and which.
+  // What in place of one that was taken, all others estimated again beside it,
+  // explains nearly as much, improbabilities included: changes of two elements
+  // within 5 M, others within a tenth of N.
   struct Tie {
     Explanation taken;
     Explanation rival;
   };
   std::vector<Tie> ties;
-  double energy = 0.0;     // E of the model as it was
-  double remaining = 0.0;  // E of what is explained
-  double chance = 0.0;     // N
-  double unit = 0.0;       // M
+  double energy = 0.0;       // E of the model as it was
+  double remaining = 0.0;    // E of what is explained
+  double chance = 0.0;       // N
+  double unit = 0.0;         // M
+  double independent = 1.0;  // n
+  double required = 0.0;     // the fall of E that is evidence enough, in M
   std::vector<HorizonErrors> held_out;
   // m: a change of the gain that would have been taken, as a share; infinite
   // where no instrument moves the input.
   std::vector<double> detectable;
 
   bool judged() const { return unjudged.empty(); }
+  // Of a fall of E.
+  double EvidenceOf(double fall) const;
   bool AnyAgeing() const;
   bool AnyOther() const;
   // E/N: an explanation is missing above about 2.

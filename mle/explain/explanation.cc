@@ -9,8 +9,8 @@ using Kind = ExplanationKind;
 using Place = ExplanationPlace;
 
 constexpr double kUsual = 0.0;
-constexpr double kRarer = 0.3;
-constexpr double kRare = 0.5;
+constexpr double kRarer = 0.6;
+constexpr double kRare = 1.0;
 
 }  // namespace
 

@@ -19,6 +19,9 @@ using Eigen::VectorXd;
 // Candidates that are estimated after the first look.
 constexpr int kEstimated = 6;
 constexpr int kIterations = 12;
+// Exchanges at most, and by how many M one has to do better.
+constexpr int kRounds = 4;
+constexpr double kBetter = 0.5;
 constexpr double kStep = 1e-3;       // of θ, for derivatives
 constexpr double kConverged = 1e-4;  // step of θ, or relative fall of E
 // Directions nearer than this to those of what was taken are none of their own.
@@ -30,6 +33,9 @@ constexpr double kElements = 5.0;
 // Held out: blocks of this many τ, in turn in one of the folds.
 constexpr double kBlock = 3.0;
 constexpr int kFolds = 5;
+// Of τ: placebos nearer to each other are not independent.
+constexpr double kIndependent = 3.0;
+constexpr double kFewestIndependent = 2.0;
 // More evidence where inputs stand for set points.
 constexpr double kWithoutSetPoints = 2.0;
 
@@ -62,6 +68,11 @@ absl::StatusOr<OutputCompetition> OutputCompetition::Create(
   }
   competition.all_ =
       VectorXd::Ones(static_cast<Index>(competition.output_.rows().size()));
+  const ExplainedOutput& made = competition.output_;
+  competition.independent_ =
+      std::max(kFewestIndependent,
+               static_cast<double>(made.rows().size()) * made.samples_a_row() *
+                   made.sample_time() / (kIndependent * made.tau()));
   competition.initial_energy_ = competition.Energy({});
   return competition;
 }
@@ -212,6 +223,13 @@ std::vector<OutputCompetition::Fit> OutputCompetition::Candidates(
   return looks;
 }
 
+double OutputCompetition::EvidenceOf(double fall, double unit) const {
+  OutputExplanation report;
+  report.independent = independent_;
+  report.unit = unit;
+  return report.EvidenceOf(fall);
+}
+
 OutputCompetition::Chance OutputCompetition::ChanceOf(
     const Fit& fit, const MatrixXd& directions) const {
   const MatrixXd placebos =
@@ -233,6 +251,7 @@ OutputCompetition::Chance OutputCompetition::ChanceOf(
 }
 
 void OutputCompetition::Forward(const std::vector<Explanation>& given) {
+  taken_.clear();
   const Fit start = Estimate(given, all_);
   std::vector<Explanation> taken = start.explanations;
   double energy = start.energy;
@@ -255,7 +274,7 @@ void OutputCompetition::Forward(const std::vector<Explanation>& given) {
     });
     const Fit& best = fits.front();
     const Chance after = ChanceOf(best, directions);
-    const double evidence = (energy - best.energy) / after.unit;
+    const double evidence = EvidenceOf(energy - best.energy, after.unit);
     const TakenExplanation tried = {best.explanations.back(), 0.0, evidence};
     if (taken.empty() || !(evidence > options_.evidence)) {
       directions_ = directions;
@@ -264,18 +283,6 @@ void OutputCompetition::Forward(const std::vector<Explanation>& given) {
     if (!(evidence > options_.evidence)) {
       next_ = {tried};
       break;
-    }
-    for (std::size_t i = 1; i < fits.size(); ++i) {
-      const Explanation& rival = fits[i].explanations.back();
-      const bool elements =
-          IsAgeing(rival.kind) && IsAgeing(tried.explanation.kind);
-      // Changes of one element do much the same.
-      if (elements && rival.index == tried.explanation.index) continue;
-      const double near =
-          elements ? kElements * after.unit : kTie * after.energy;
-      if (fits[i].score - best.score < near) {
-        ties_.push_back({tried.explanation, rival});
-      }
     }
     taken = best.explanations;
     energy = best.energy;
@@ -299,7 +306,9 @@ void OutputCompetition::Backward(std::size_t given) {
     const std::vector<Explanation> all = Explanations();
     for (std::size_t i = given; i + 1 < taken_.size(); ++i) {
       const Fit without = Estimate(Without(all, i), all_);
-      if ((without.energy - energy_) / unit_ > options_.evidence) continue;
+      if (EvidenceOf(without.energy - energy_, unit_) > options_.evidence) {
+        continue;
+      }
       taken_.erase(taken_.begin() + static_cast<std::ptrdiff_t>(i));
       for (std::size_t k = 0; k < taken_.size(); ++k) {
         taken_[k].explanation = without.explanations[k];
@@ -311,13 +320,59 @@ void OutputCompetition::Backward(std::size_t given) {
   }
 }
 
+bool OutputCompetition::Exchange(std::size_t given) {
+  const std::vector<Explanation> all = Explanations();
+  const double score = Score(all, energy_, chance_);
+  for (std::size_t i = given; i < all.size(); ++i) {
+    MatrixXd directions;
+    const std::vector<Fit> fits =
+        Candidates(Without(all, i), chance_, directions);
+    if (fits.empty() || fits.front().explanations.back().SameAs(all[i]) ||
+        fits.front().score > score - kBetter * unit_) {
+      continue;
+    }
+    taken_.clear();
+    for (const Explanation& one : fits.front().explanations) {
+      taken_.push_back({one, 0.0, 0.0});
+    }
+    energy_ = fits.front().energy;
+    return true;
+  }
+  return false;
+}
+
+void OutputCompetition::FindTies() {
+  const std::vector<Explanation> all = Explanations();
+  const double score = Score(all, energy_, chance_);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (!IsAgeing(all[i].kind)) continue;
+    MatrixXd directions;
+    for (const Fit& fit : Candidates(Without(all, i), chance_, directions)) {
+      const Explanation& rival = fit.explanations.back();
+      const bool elements = IsAgeing(rival.kind);
+      // Changes of one element do much the same.
+      if (elements && rival.index == all[i].index) continue;
+      const double near = elements ? kElements * unit_ : kTie * chance_;
+      if (fit.score - score < near) ties_.push_back({all[i], rival});
+    }
+  }
+}
+
 void OutputCompetition::Compete(const std::vector<Explanation>& given) {
-  taken_.clear();
   ties_.clear();
   Forward(given);
   Backward(given.size());
+  for (int round = 0; round < kRounds && Exchange(given.size()); ++round) {
+    Forward(Explanations());
+    Backward(given.size());
+  }
+  const Chance last = ChanceOf({Explanations(), energy_, 0.0}, directions_);
+  chance_ = last.energy;
+  unit_ = last.unit;
+  FindTies();
   for (std::size_t i = 0; i < given.size(); ++i) {
-    taken_[i].evidence = (Energy(Without(Explanations(), i)) - energy_) / unit_;
+    taken_[i].evidence =
+        EvidenceOf(Energy(Without(Explanations(), i)) - energy_, unit_);
   }
 }
 
@@ -449,8 +504,14 @@ std::vector<HorizonErrors> OutputCompetition::HoldOut() const {
   return errors;
 }
 
+double OutputCompetition::Required() const {
+  return independent_ * std::expm1(options_.evidence / independent_);
+}
+
 OutputExplanation OutputCompetition::Report() const {
   OutputExplanation report;
+  report.independent = independent_;
+  report.required = Required();
   report.by_set_points = instruments_.by_set_points();
   report.moves = instruments_.moves();
   report.taken = taken_;
@@ -484,7 +545,7 @@ OutputExplanation OutputCompetition::Report() const {
         Jacobian(with, all_).col(static_cast<Index>(at)).norm();
     if (slope > 0.0) {
       report.detectable[static_cast<std::size_t>(j)] =
-          std::sqrt(options_.evidence * unit_) / slope;
+          std::sqrt(Required() * unit_) / slope;
     }
   }
   return report;

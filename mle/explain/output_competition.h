@@ -67,9 +67,17 @@ class OutputCompetition {
   // tried go to `directions` (r × …).
   std::vector<Fit> Candidates(const std::vector<Explanation>& taken,
                               double chance, Eigen::MatrixXd& directions) const;
+  // −ln of the probability that chance lowers E by `fall`.
+  double EvidenceOf(double fall, double unit) const;
   Chance ChanceOf(const Fit& fit, const Eigen::MatrixXd& directions) const;
+  // The fall of E that has the evidence asked for, in M.
+  double Required() const;
   void Forward(const std::vector<Explanation>& given);
   void Backward(std::size_t given);
+  // Another explanation in place of one that was taken, where it does better;
+  // whether there was one.
+  bool Exchange(std::size_t given);
+  void FindTies();
   double Score(const std::vector<Explanation>& explanations, double energy,
                double chance) const;
   Eigen::MatrixXd CovarianceOfTheta() const;
@@ -83,6 +91,7 @@ class OutputCompetition {
   std::vector<TakenExplanation> next_;
   std::vector<OutputExplanation::Tie> ties_;
   Eigen::MatrixXd directions_;
+  double independent_ = 1.0;  // n, of the placebos
   double initial_energy_ = 0.0;
   double energy_ = 0.0;
   double chance_ = 0.0;

@@ -234,27 +234,24 @@ OutputVerdict DecideByInstruments(const OutputEvidence& output,
   const bool holds = output.proposed && judge.confirms_proposal &&
                      output.scores.has_value() &&
                      Holds(*output.scores, options.deviations);
+  if (holds) {
+    return {Acceptance::kProposal, Better(output, options.deviations)};
+  }
   if (judge.ageing) {
     if (!judge.tie.empty()) {
       return doubt(Doubt(output, MessageCode::kExplained, judge.tie));
     }
-    if (holds) {
-      return {Acceptance::kProposal, Better(output, options.deviations)};
-    }
     if (judge.predicts_better) {
       return {Acceptance::kExplained, ByInstruments(output)};
     }
-    return doubt(
-        Doubt(output, MessageCode::kNotBetter,
-              absl::StrCat("On held-out data the correction of ", output.name,
-                           " predicts no better: ", judge.errors,
-                           ". More set-point changes would settle it.")));
+    return doubt(Doubt(
+        output, MessageCode::kNotBetter,
+        absl::StrCat("On held-out data the correction of ", output.name,
+                     " predicts no better: ", judge.errors,
+                     ". More set-point changes would settle it.")));
   }
   if (!judge.other.empty()) {
     return doubt(Doubt(output, MessageCode::kExplained, judge.other));
-  }
-  if (holds) {
-    return {Acceptance::kProposal, Better(output, options.deviations)};
   }
   if (judge.left > kMissing) {
     return doubt(Doubt(

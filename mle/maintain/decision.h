@@ -3,12 +3,11 @@
 //
 //   evidence about an output                            what is taken of it
 // where set points or other instruments judge it:
-//   ageing wins, the proposal agrees and holds          kProposal
+//   the proposal explains as much, and holds            kProposal
 //   ageing wins, and predicts held-out blocks better    kExplained
 //   ageing wins, but predicts no better                 kNothing, doubtful
 //   ageing wins, another explanation does as well       kNothing, doubtful
 //   another explanation wins alone                      kNothing, doubtful
-//   nothing wins, the proposal is confirmed and holds   kProposal
 //   nothing wins, the proposal is not confirmed         kNothing, doubtful
 //   the same, and it would have shown                   kNothing
 //   nothing wins, much is left                          kNothing, doubtful
@@ -98,8 +97,8 @@ struct InstrumentEvidence {
   // What else won, or what wins as well, in whole sentences; or empty.
   std::string other;
   std::string tie;
-  // The estimate by likelihood names the same elements, or some where nothing
-  // won, and leaves no more of what set points drive than chance makes of it.
+  // The estimate by likelihood explains what set points drive as well as what
+  // won, and names the same elements or decides between those that tie.
   bool confirms_proposal = false;
   // What is proposed would have shown in what set points drive, and has not.
   bool refutes_proposal = false;

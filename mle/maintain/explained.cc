@@ -19,13 +19,14 @@ using Kind = ExplanationKind;
 
 // By which a tag may be late since it waits for a scan or an average.
 constexpr double kLateSamples = 5.0;
-// R that a proposal must have where nothing won by itself: it is one
-// hypothesis, not the best of a table.
-constexpr double kLeastEvidence = 4.0;
+// Evidence that a proposal must have where nothing won by itself: 5 %, being
+// one hypothesis, not the best of a table.
+constexpr double kLeastEvidence = 3.0;
 // By how many M the likelihood's estimate may explain less than the best.
 constexpr double kAgrees = 3.0;
-// A change of a gain by this share would have been seen: the records inform.
-constexpr double kInformed = 0.25;
+// What is proposed and not confirmed is no doubt if no response changes by more
+// than this share.
+constexpr double kSmall = 0.2;
 // Standard errors by which an error may not grow, and one has to fall.
 constexpr double kGrown = -2.0;
 constexpr double kFallen = 1.5;
@@ -121,6 +122,22 @@ std::string Ties(const ProcessModel& model, const OutputExplanation& output,
   return text;
 }
 
+// Of the proposal for an output, relative to each response.
+double LargestChange(const CorrectionResult& result, int i) {
+  double largest = 0.0;
+  const StepResponse& initial = result.initial_response;
+  for (int j = 0; j < initial.num_inputs; ++j) {
+    if (!ProposesElement(result.estimate, i, j)) continue;
+    const Eigen::VectorXd from = initial.element(i, j);
+    const Eigen::VectorXd to =
+        result.estimate.fit.output_error.corrected.model.element(i, j)
+            .StepResponse(initial.sample_time, static_cast<int>(from.size()));
+    largest =
+        std::max(largest, (to - from).norm() / std::max(from.norm(), 1e-300));
+  }
+  return largest;
+}
+
 std::string ErrorsText(const OutputExplanation& output,
                        const ProcessModel& model, int i) {
   std::string text;
@@ -171,13 +188,17 @@ std::optional<InstrumentEvidence> EvidenceByInstruments(
   const std::vector<bool> aged = AgedInputs(result, competition, i);
   evidence.ageing = std::find(aged.begin(), aged.end(), true) != aged.end();
   evidence.other = Others(result, competition, i);
+  // A sign is a mistake of configuration, not to be corrected by the others.
+  for (const TakenExplanation& one : output.taken) {
+    if (one.explanation.kind == Kind::kReversed) evidence.ageing = false;
+  }
   evidence.tie = Ties(result.initial, output, i);
   evidence.left = output.left();
   if (evidence.ageing) {
     evidence.predicts_better = PredictsBetter(output);
     evidence.errors = ErrorsText(output, result.initial, i);
   }
-  if (ProposesChange(result.estimate, i) && evidence.other.empty() &&
+  if (ProposesChange(result.estimate, i) &&
       !ProposesByArx(result.estimate, i)) {
     const Competition::Energies energies = competition.EnergiesOf(
         i, result.estimate.fit.output_error.corrected.model);
@@ -186,18 +207,17 @@ std::optional<InstrumentEvidence> EvidenceByInstruments(
     for (int j = 0; j < result.initial.num_inputs(); ++j) {
       same = same && aged[j] == ProposesElement(result.estimate, i, j);
     }
+    const bool explains =
+        output.EvidenceOf(output.energy - energy) > kLeastEvidence;
+    const bool as_much = energy < output.remaining + kAgrees * output.unit;
     evidence.confirms_proposal =
-        evidence.ageing
-            ? same && energy < output.remaining + kAgrees * output.unit
-            : energy < output.energy - kLeastEvidence * output.unit;
+        explains &&
+        (output.taken.empty() ||
+         (as_much && evidence.other.empty() &&
+          (same || !evidence.tie.empty() || !evidence.predicts_better)));
     evidence.refutes_proposal =
-        energies.difference > result.options.explain.evidence * output.unit;
-    bool informed = true;
-    for (int j = 0; j < result.initial.num_inputs(); ++j) {
-      informed = informed && (!ProposesElement(result.estimate, i, j) ||
-                              output.detectable[j] < kInformed);
-    }
-    evidence.refutes_proposal = evidence.refutes_proposal || informed;
+        energies.difference > output.required * output.unit ||
+        LargestChange(result, i) < kSmall;
   }
   return evidence;
 }
