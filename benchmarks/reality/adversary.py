@@ -488,22 +488,24 @@ def names_it(told, code, *places):
 
 
 def reason_true(trial, result):
-    """Whether what is told is true: None where nothing is told that could be."""
+    """Whether what is told is true: of what is no ageing, if that is told. None where nothing is
+    told, and nothing is to be told."""
     if result is None or "explanations" not in result:
         return None
     told = result["explanations"]
+    others = [one for one in told if one["explanation"] not in AGEING_CODES]
     true = [(code, trial.where) for code in trial.codes]
-    if trial.aged:
+    if trial.aged and not others:
         true.append((trial.aged["code"], trial.aged["output"], trial.aged["input"]))
-    if not true:
-        return not told
-    return any(names_it(one, *what) for one in told for what in true)
+    if not true and not told:
+        return None
+    return any(names_it(one, *what) for one in others or told for what in true)
 
 
 def gives_reasons(row):
     """Whether an answer needs one beside ageing: it cannot tell, or it tells one."""
     return (row["decision"] in ("cannot_tell", "no_answer") or
-            any(one["explanation"] not in AGEING_CODES for one in row["told"]))
+            any(one["explanation"] not in AGEING_CODES for one in row.get("told") or []))
 
 
 def judged(trial, result):

@@ -149,6 +149,12 @@ def goals(rows):
     return lines
 
 
+def reasons_judged(rows):
+    """Of the answers that need a reason beside ageing, whether it is true."""
+    return [row["reason_true"] for row in rows
+            if row.get("reason_true") is not None and adversary.gives_reasons(row)]
+
+
 def adversary_goals(rows):
     """What is asked for of the adversary's scenarios."""
     none = [row for row in rows if row["kind"] == "none"]
@@ -156,9 +162,8 @@ def adversary_goals(rows):
     linear = [row for row in aged if adversary.FAMILIES[row["scenario"]].linear]
     wrong = {kind: sum(map(is_harmful, of_kind)) for kind, of_kind in
              (("none", none), ("aged", aged))}
-    named = [row["named"] for row in aged]
-    answers = [row["reason_true"] for row in rows
-               if adversary.gives_reasons(row) and row["reason_true"] is not None]
+    named = [row.get("named") for row in aged]
+    answers = reasons_judged(rows)
 
     def line(what, part, whole, goal):
         return f"| {what} | {part} of {whole} | {share(part, whole)} | {goal} |"
@@ -197,8 +202,7 @@ def adversary_table(rows):
             down = sum(GAIN * left(row) <= row["E_before"] for row in of_name
                        if row.get("E_before"))
             exactly = sum(row.get("named") == "named exactly" for row in of_name)
-            answers = [row["reason_true"] for row in of_name
-                       if row.get("reason_true") is not None]
+            answers = reasons_judged(of_name)
             cells = [name, kind, len(of_name), counts["no_change"], counts["corrected"],
                      counts["cannot_tell"] + counts["no_answer"], sum(map(is_harmful, of_name)),
                      down if kind == "aged" else "–", exactly if kind == "aged" else "–",

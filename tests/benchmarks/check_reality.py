@@ -140,8 +140,9 @@ def reasons_are_compared():
     assert not true() and not true(lag) and not true({**curve, "output": "y1"})
     trial.aged = {"output": "y1", "input": "u2", "code": "time_constant"}
     assert true(lag) and not true({**lag, "element": "y1/u1"})
+    assert true(lag, curve) and not true(lag, {**curve, "explanation": "output_clock"})
     trial.codes, trial.aged = (), None
-    assert true() and not true(lag)
+    assert true() is None and not true(lag)
     assert adversary.gives_reasons({"decision": "cannot_tell", "told": []})
     assert adversary.gives_reasons({"decision": "corrected", "told": [lag, curve]})
     assert not adversary.gives_reasons({"decision": "corrected", "told": [lag]})
