@@ -68,7 +68,7 @@ def split_range(trial):
 
 
 def hidden_saturation(trial):
-    actuator(trial, **{trial.random.choice(("min", "max")): trial.about(0.5)})
+    actuator(trial, **{trial.random.choice(("min", "max")): trial.about(0.8)})
     options = trial.input(trial.where)["actuator"]
     if "min" in options:
         options["min"] *= -1.0
