@@ -423,7 +423,7 @@ FAMILIES = {
     "backlash of one valve": Family(backlash, ("backlash",)),
     "stiction of one valve": Family(stiction, ("backlash", "stiction")),
     "equal percentage": Family(equal_percentage, ("curved_input",)),
-    "reversed sign": Family(reversed_sign, ("sign", "missing")),
+    "reversed sign": Family(reversed_sign, ("reversed",)),
 }
 
 
