@@ -423,7 +423,7 @@ FAMILIES = {
     "backlash of one valve": Family(backlash, ("backlash",)),
     "stiction of one valve": Family(stiction, ("backlash", "stiction")),
     "equal percentage": Family(equal_percentage, ("curved_input",)),
-    "reversed sign": Family(reversed_sign, ("reversed",)),
+    "reversed sign": Family(reversed_sign, ("reversed", "mistake")),
 }
 
 
@@ -479,20 +479,31 @@ def make(trial, kind, name):
     trial.codes = FAMILIES[name].codes
 
 
+def told_by(result):
+    """The explanations, and the mistakes in tags, signs and units that it takes for reasons; None
+    of a result without explanations."""
+    if result is None or "explanations" not in result:
+        return None
+    return result["explanations"] + [
+        {"explanation": "mistake", "text": reason["text"]}
+        for reason in result.get("reasons", []) if reason["code"] == "mistake"]
+
+
 def names_it(told, code, *places):
-    """Whether an explanation that was told is this one, of one of these channels."""
+    """Whether an explanation that was told is this one, of all these channels."""
     where = [part for value in told.values() if isinstance(value, str)
              for part in [value, *value.split("/")]]
-    return told.get("explanation") == code and all(
-        place is None or place in where for place in places)
+    return told["explanation"] == code and all(
+        place is None or place in where or f" {place} " in told.get("text", "")
+        for place in places)
 
 
 def reason_true(trial, result):
     """Whether what is told is true: of what is no ageing, if that is told. None where nothing is
     told, and nothing is to be told."""
-    if result is None or "explanations" not in result:
+    told = told_by(result)
+    if told is None:
         return None
-    told = result["explanations"]
     others = [one for one in told if one["explanation"] not in AGEING_CODES]
     true = [(code, trial.where) for code in trial.codes]
     if trial.aged and not others:
@@ -510,7 +521,7 @@ def gives_reasons(row):
 
 def judged(trial, result):
     """The columns of a row that tell whether the right thing was said."""
-    told = (result or {}).get("explanations", [])
+    told = told_by(result) or []
     return {"codes": list(trial.codes), "aged": trial.aged, "named": named(trial, result),
             "told": told, "reason_true": reason_true(trial, result)}
 

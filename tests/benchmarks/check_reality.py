@@ -141,7 +141,12 @@ def reasons_are_compared():
     trial.aged = {"output": "y1", "input": "u2", "code": "time_constant"}
     assert true(lag) and not true({**lag, "element": "y1/u1"})
     assert true(lag, curve) and not true(lag, {**curve, "explanation": "output_clock"})
-    trial.codes, trial.aged = (), None
+    trial.codes, trial.where, trial.aged = ("reversed", "mistake"), "u1", None
+    for channel in ("u1", "u2"):
+        reason = {"code": "mistake", "text": f"The sign of {channel} seems to be reversed."}
+        result = {"explanations": [], "reasons": [reason, {"code": "other", "text": " u1 "}]}
+        assert adversary.reason_true(trial, result) == (channel == "u1")
+    trial.codes = ()
     assert true() is None and not true(lag)
     assert adversary.gives_reasons({"decision": "cannot_tell", "told": []})
     assert adversary.gives_reasons({"decision": "corrected", "told": [lag, curve]})
