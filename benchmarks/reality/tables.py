@@ -2,6 +2,7 @@
 
 import statistics
 
+import adversary
 import effects
 
 HARM = 0.02  # of a step response's norm, where nothing has aged
@@ -148,6 +149,68 @@ def goals(rows):
     return lines
 
 
+def reasons_judged(rows):
+    """Of the answers that need a reason beside ageing, whether it is true."""
+    return [row["reason_true"] for row in rows
+            if row.get("reason_true") is not None and adversary.gives_reasons(row)]
+
+
+def adversary_goals(rows):
+    """What is asked for of the adversary's scenarios."""
+    none = [row for row in rows if row["kind"] == "none"]
+    aged = [row for row in rows if row["kind"] == "aged"]
+    linear = [row for row in aged if adversary.FAMILIES[row["scenario"]].linear]
+    wrong = {kind: sum(map(is_harmful, of_kind)) for kind, of_kind in
+             (("none", none), ("aged", aged))}
+    named = [row.get("named") for row in aged]
+    answers = reasons_judged(rows)
+
+    def line(what, part, whole, goal):
+        return f"| {what} | {part} of {whole} | {share(part, whole)} | {goal} |"
+
+    def down(of_kind):
+        return sum(GAIN * left(row) <= row["E_before"] for row in of_kind if row.get("E_before"))
+    return ["| | runs | found | asked for |", "|---|--:|--:|--:|",
+            line("nothing aged: responses changed by more than 2 %, or further from the truth",
+                 wrong["none"], len(none), "≤ 2 %"),
+            line("aged: E larger than before", wrong["aged"], len(aged), "≤ 2 %"),
+            line(f"aged: E down {GAIN:.0f}-fold", down(aged), len(aged), "–"),
+            line("the same, linear families", down(linear), len(linear), "≥ 85 %"),
+            *(line(f"aged: the aged element {how}", named.count(how), len(aged), goal)
+              for how, goal in (("named exactly", "≥ 75 %"), ("named with others", "–"),
+                                ("not named, another is", "–"), ("missed", "–"))),
+            line("reason true, where something else than ageing is told or nothing can be",
+                 sum(answers), len(answers), "≥ 85 %")]
+
+
+def told(rows):
+    """What was told of scenarios, most often first."""
+    codes = [one["explanation"] for row in rows for one in row.get("told") or []]
+    return ", ".join(f"{code} {codes.count(code)}"
+                     for code in sorted(set(codes), key=codes.count, reverse=True)) or "–"
+
+
+def adversary_table(rows):
+    lines = ["| scenario | kind | runs | no change | corrected | cannot tell | harm | E down | "
+             "named exactly | reason true | told |", "|---|---|" + "--:|" * 8 + "---|"]
+    for name in dict.fromkeys(row["scenario"] for row in rows):
+        for kind in ("none", "aged"):
+            of_name = [row for row in rows if (row["scenario"], row["kind"]) == (name, kind)]
+            if not of_name:
+                continue
+            counts = decisions(of_name)
+            down = sum(GAIN * left(row) <= row["E_before"] for row in of_name
+                       if row.get("E_before"))
+            exactly = sum(row.get("named") == "named exactly" for row in of_name)
+            answers = reasons_judged(of_name)
+            cells = [name, kind, len(of_name), counts["no_change"], counts["corrected"],
+                     counts["cannot_tell"] + counts["no_answer"], sum(map(is_harmful, of_name)),
+                     down if kind == "aged" else "–", exactly if kind == "aged" else "–",
+                     f"{sum(answers)} of {len(answers)}" if answers else "–", told(of_name)]
+            lines.append("| " + " | ".join(map(str, cells)) + " |")
+    return lines
+
+
 TITLES = {
     "none": "Nothing aged",
     "aged": "Something aged",
@@ -160,6 +223,10 @@ def markdown(arguments, rows):
     seconds = [row["seconds"] for row in rows if "seconds" in row]
     parts = [f"Set `{arguments.set}`, {arguments.seeds} seeds; a decision takes, of one core, "
              f"{statistics.median(seconds):.2g} s (median), {max(seconds):.2g} s at most.\n"]
+    if arguments.group == "adversary":
+        parts += ["\n".join(adversary_goals(rows)) + "\n",
+                  "\n".join(adversary_table(rows)) + "\n"]
+        return "\n".join(parts)
     if any(row["kind"] in ("none", "aged") for row in rows):
         parts.append("\n".join(goals(rows)) + "\n")
     for kind, title in TITLES.items():
