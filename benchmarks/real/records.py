@@ -16,7 +16,8 @@ import numpy as np
 
 HERE = pathlib.Path(__file__).resolve().parent
 KEYS = {"records": str, "models": list, "truth": str, "known": list, "aged": list, "cross": bool,
-        "fit": bool, "ahead": (int, float), "sample_time": (int, float), "part": (int, float), "flags": str}
+        "fit": str, "ahead": (int, float), "sample_time": (int, float), "part": (int, float),
+        "flags": str}
 SECONDS = {"ms": 1e-3, "s": 1.0, "min": 60.0, "h": 3600.0, "d": 86400.0}
 LONGEST_GAP = 5  # samples that are bridged
 SHARE = 2.0 / 3.0  # of the only record of a model, which it is corrected from
@@ -75,12 +76,12 @@ def check_declaration(place, plant):
         raise Wrong(f"{place}: part is {plant['part']}; it must be between 0 and 1")
     if not plant.get("ahead", 1) > 0 or not plant.get("sample_time", 1) > 0:
         raise Wrong(f"{place}: ahead and sample_time must be above 0")
-    for pattern in [plant["records"], *(known.get("records", "") for known in
+    for pattern in [plant["records"], plant.get("fit", ""), *(known.get("records", "") for known in
                                         plant.get("known", []))]:
         try:
             re.compile(pattern)
         except re.error as error:
-            raise Wrong(f"{place}: records \"{pattern}\": {error}") from error
+            raise Wrong(f"{place}: \"{pattern}\": {error}") from error
     for change in plant.get("aged", []):
         if len(change) != 2 or "pair" not in change or \
                 not set(change) & {"gain", "time_constant", "delay"}:
@@ -124,16 +125,16 @@ def cases(folder, name, plant):
     return result
 
 
-def fitted_cases(cases_of_plant):
-    """The own model of a record, fitted to that record, for the next record of the plant."""
-    own = [case for case in cases_of_plant if case.own and len(case.held_out) > 1]
-    result = []
-    for case, following in zip(own, own[1:] + own[:1]):
-        if following.record != case.record:
-            held_out = tuple(file for file in case.held_out if file != following.record)
-            result.append(dataclasses.replace(case, record=following.record, held_out=held_out,
-                                              fitted=case.record))
-    return result
+def fitted_cases(cases_of_plant, pattern):
+    """The own model of a record, fitted to that record, for the next one; judged on all records
+    of the pattern but the one that it is corrected from."""
+    own = [case for case in cases_of_plant if case.own and re.fullmatch(pattern, case.record.name)]
+    if len(own) < 2:
+        return []
+    return [dataclasses.replace(case, record=following.record, fitted=case.record,
+                                held_out=tuple(other.record for other in own
+                                               if other.record != following.record))
+            for case, following in zip(own, own[1:] + own[:1])]
 
 
 def read_columns(file):

@@ -10,10 +10,10 @@ DOWN = 0.99  # ratio of errors that counts as a fall
 POINT = 1.0  # of fit, in per cent
 
 
-def ratio(row, output):
+def ratio(row, output, which="corrected"):
     """Error of what the controller has in the end over that of the model given: the geometric
     mean over the horizons, on records held out."""
-    before, after = (row[which]["outputs"][output]["ahead"] for which in ("given", "corrected"))
+    before, after = (row[model]["outputs"][output]["ahead"] for model in ("given", which))
     return math.exp(statistics.mean(math.log(new / old) for old, new in zip(before, after)
                                     if old and new))
 
@@ -24,6 +24,12 @@ def ratios(row):
 
 def aged_output(row):
     return row["aged"][0].partition("/")[0]
+
+
+def mean_ratio(rows, which="corrected"):
+    """Of the aged outputs."""
+    ratios_of = [math.log(ratio(row, aged_output(row), which)) for row in rows]
+    return f"{math.exp(statistics.mean(ratios_of)):.2f}" if rows else "–"
 
 
 def is_down(row):
@@ -99,6 +105,8 @@ def horizon_lines(kind, found, peer, goals):
     return [
         (f"{kind}, aged on purpose: error of the aged output over three horizons down",
          count(aged, is_down), count(peer_aged, is_down), goals[0]),
+        (f"{kind}, aged on purpose: that error, corrected / not aged, over aged",
+         f"{mean_ratio(aged)} / {mean_ratio(aged, 'honest')}", mean_ratio(peer_aged), ""),
         (f"{kind}: any output worse by more than 5 %, unaged runs included",
          count(found, is_worse), count(peer, is_worse), goals[1]),
         (f"{kind}, aged on purpose: the aged parameter named, and no other",
@@ -118,7 +126,8 @@ def laboratory_lines(rows, peers):
     aged, peer_aged = ([row for row in some if row["aged"]] for some in (found, peer))
     lines = horizon_lines("laboratory", found, peer, ("", "", "≥ 20 of 21"))
     lines.append(("laboratory, aged on purpose: fit of the aged output on unseen records back "
-                  "within a point", count(aged, is_back), count(peer_aged, is_back), "≥ 19 of 21"))
+                  "within a point", count(aged, is_back), count(peer_aged, is_back),
+                  "≥ 19 of 21"))
     fits = {which: spread([mean_fit(row, which, aged_output(row)) for row in aged], ".1f")
             for which in ("honest", "given", "corrected")}
     peer_fits = spread([mean_fit(row, "corrected", aged_output(row)) for row in peer_aged], ".1f")
@@ -214,8 +223,8 @@ def plant_table(rows):
         down, worse = (has_fallen, lambda row: distance(row, "corrected") >
                        WORSE * distance(row, "given")) \
             if "distances" in some[0]["given"] else (is_down, is_worse)
-        lines.append([plant, "fitted" if fitted else "as given", str(len(some)), decisions(some), count(aged, down),
-                      count(peer_aged, down), count(some, worse), count(peer, worse),
+        lines.append([plant, "fitted" if fitted else "as given", str(len(some)), decisions(some),
+                      count(aged, down), count(peer_aged, down), count(some, worse), count(peer, worse),
                       count(aged, is_exact)])
     return table(["plant", "model", "runs", "no change / corrected / cannot tell / no answer",
                   "aged: down", "least squares", "worse", "least squares",

@@ -278,8 +278,8 @@ def wanted(data, pattern, arguments):
             left_out.append(f"{name}: skipped, no record \"{plant['records']}\" there")
         for case in cases:
             runs += runs_of(case, plant)
-        if plant.get("fit"):
-            for case in records.fitted_cases(cases):
+        if "fit" in plant:
+            for case in records.fitted_cases(cases, plant["fit"]):
                 runs += runs_of(case, plant)
     left_out += [f"{folder.name}: skipped, no entry in plants.json"
                  for folder in sorted(data.iterdir())
@@ -304,7 +304,7 @@ def runs_of(case, plant):
             others = [file.name for file in case.held_out]
             following = [name for name in others if name > case.record.name] or others
             result += [Run(case, again=following[0])] if others else []
-        if known_of(case, plant) is None and bool(case.fitted) == plant.get("fit", False):
+        if known_of(case, plant) is None and bool(case.fitted) == ("fit" in plant):
             result += [Run(case, age) for age in
                        ages(model, records.stretches(case.record, model), plant)]
         result += [dataclasses.replace(run, estimator="least squares")
