@@ -14,8 +14,8 @@ def ratio(row, output, which="corrected"):
     """Error of what the controller has in the end over that of the model given: the geometric
     mean over the horizons, on records held out."""
     before, after = (row[model]["outputs"][output]["ahead"] for model in ("given", which))
-    return math.exp(statistics.mean(math.log(new / old) for old, new in zip(before, after)
-                                    if old and new))
+    logs = [math.log(new / old) for old, new in zip(before, after) if old and new]
+    return math.exp(statistics.mean(logs)) if logs else 1.0
 
 
 def ratios(row):

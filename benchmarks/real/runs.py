@@ -137,7 +137,10 @@ class Judge:
                 errors.append(error - np.nanmean(error))
                 measured.append(stretch.columns[output] - np.nanmean(stretch.columns[output]))
             simulated += [error[np.isfinite(error)] for error in errors]
-            fits[name] = responses.fit(np.concatenate(errors), np.concatenate(measured))
+            if errors:
+                fits[name] = responses.fit(np.concatenate(errors), np.concatenate(measured))
+        if not simulated:
+            raise records.Wrong(f"{', '.join(self.unseen)}: nothing is measured of {output}")
         result = {"ahead": [responses.root_mean_square(np.concatenate(some)) for some in moves],
                   "simulated": responses.root_mean_square(np.concatenate(simulated)),
                   "fits": fits}
