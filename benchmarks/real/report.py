@@ -3,11 +3,10 @@
 import math
 import statistics
 
-import runs
-
 WORSE = 1.05  # ratio of errors that counts as harm
 DOWN = 0.99  # ratio of errors that counts as a fall
 POINT = 1.0  # of fit, in per cent
+NAMED = 0.05  # logarithm of a factor, or part of the time constant, that counts as a change
 
 
 def ratio(row, output, which="corrected"):
@@ -40,8 +39,14 @@ def is_worse(row):
     return max(ratios(row).values()) > WORSE
 
 
+def named(row):
+    """What was changed by enough to count; another shape or path always does."""
+    return [change for change in row["changed"] if change[3] is None or change[3] > NAMED]
+
+
 def is_exact(row):
-    return runs.is_exact(row["aged"], row["changed"])
+    """Whether what was aged, and nothing else, was changed."""
+    return [change[:2] for change in named(row)] == [list(row["aged"][:2])]
 
 
 def mean_fit(row, which, output):
@@ -65,13 +70,14 @@ def distance(row, which):
     return sum(row[which]["distances"].values())
 
 
-def named(row):
+def is_known(row):
     """Whether what is known to have aged was changed alone, and by the right factor."""
     known = row["known"]
-    return len(row["changed"]) == 1 and \
-        row["changed"][0][0].partition("/")[2] == known["input"] and \
-        row["changed"][0][1] == known["parameter"] and \
-        known["from"] <= row["changed"][0][2] <= known["to"]
+    if len(named(row)) != 1:
+        return False
+    ((pair, parameter, by, _),) = named(row)
+    return pair.partition("/")[2] == known["input"] and parameter == known["parameter"] and \
+        known["from"] <= by <= known["to"]
 
 
 def of(part, whole):
@@ -173,7 +179,7 @@ def truth_lines(rows, peers):
                       distances(peer, "corrected"), goal))
         if name == "known ageing":
             lines.append((f"true responses, {name}: named alone, by the right factor",
-                          count(some, named), "–", "all"))
+                          count(some, is_known), "–", "all"))
         elif name == "nothing aged":
             lines.append((f"true responses, {name}: a model is changed",
                           count(some, lambda row: row["changed"]), "–", "0"))
@@ -209,7 +215,7 @@ def table(header, lines):
 
 
 def decisions(rows):
-    names = ("no_change", "corrected", "cannot_tell", "no_answer")
+    names = ("no_change", "corrected", "cannot_tell", "no_answer", "crashed")
     return " / ".join(str(sum(row["decision"] == name for row in rows)) for name in names)
 
 
@@ -224,9 +230,11 @@ def plant_table(rows):
                        WORSE * distance(row, "given")) \
             if "distances" in some[0]["given"] else (is_down, is_worse)
         lines.append([plant, "fitted" if fitted else "as given", str(len(some)), decisions(some),
-                      count(aged, down), count(peer_aged, down), count(some, worse), count(peer, worse),
+                      count(aged, down), count(peer_aged, down), count(some, worse),
+                      count(peer, worse),
                       count(aged, is_exact)])
-    return table(["plant", "model", "runs", "no change / corrected / cannot tell / no answer",
+    return table(["plant", "model", "runs",
+                  "no change / corrected / cannot tell / no answer / crashed",
                   "aged: down", "least squares", "worse", "least squares",
                   "named exactly"], lines)
 
@@ -241,7 +249,7 @@ def age_in_words(age):
 
 def changes_in_words(row):
     words = []
-    for pair, parameter, by in row["changed"]:
+    for pair, parameter, by, _ in named(row):
         name = {"gain": "K ×", "time_constant": "T ×", "delay": "L"}.get(parameter, parameter)
         size = f" {by:+.3g}" if parameter == "delay" else f" {by:.3g}" if by is not None else ""
         words.append(f"{pair} {name}{size}")

@@ -174,29 +174,28 @@ def changes(error, stretch, horizon):
 
 
 def changed(before, after):
-    """Which parameters of which elements differ, and by how much: [pair, parameter, by]."""
+    """Which parameters of which elements differ: [pair, parameter, by, size], `by` the factor of a
+    gain or a time constant or what was added to a dead time, `size` its logarithm or its share of
+    time constant and dead time."""
     old = {pair_of(element): element for element in before["elements"]}
     new = {pair_of(element): element for element in after["elements"]}
     result = []
     for pair in sorted(set(old) | set(new)):
         if pair not in old or pair not in new:
-            result.append([pair, "path", None])
+            result.append([pair, "path", None, math.inf])
             continue
         one, other = old[pair], new[pair]
-        time = responses.typical_time(one)
         if "gain" in one and "gain" in other:
-            result += [[pair, key, other[key] / one[key]] for key in ("gain", "time_constant")
-                       if abs(other[key] - one[key]) > SAME * abs(one[key])]
+            for key in ("gain", "time_constant"):
+                by = other[key] / one[key] if one[key] else 1.0
+                size = abs(math.log(by)) if by > 0.0 else math.inf
+                result += [[pair, key, by, size]] if size > SAME else []
         elif responses.polynomials(one) != responses.polynomials(other):
-            result.append([pair, "shape", None])
-        if abs(other["delay"] - one["delay"]) > SAME * time:
-            result.append([pair, "delay", other["delay"] - one["delay"]])
+            result.append([pair, "shape", None, math.inf])
+        by = other["delay"] - one["delay"]
+        size = abs(by) / responses.typical_time(one)
+        result += [[pair, "delay", by, size]] if size > SAME else []
     return result
-
-
-def is_exact(age, changes_made):
-    """Whether what was aged, and nothing else, was changed."""
-    return [tuple(change[:2]) for change in changes_made] == [tuple(age[:2])]
 
 
 def call(command, flags, model, files, scratch, form="model.json"):
@@ -204,9 +203,12 @@ def call(command, flags, model, files, scratch, form="model.json"):
     scratch.mkdir(exist_ok=True)
     (scratch / "given.json").write_text(json.dumps(model))
     out = scratch / "out"
-    done = trials.call((0, 1, 2), command, f"--model={scratch}/given.json",
-                       f"--data={','.join(map(str, files))}", f"--out={out}", "--figures=false",
-                       "--threads=1", *flags)
+    try:
+        done = trials.call((0, 1, 2), command, f"--model={scratch}/given.json",
+                           f"--data={','.join(map(str, files))}", f"--out={out}",
+                           "--figures=false", "--threads=1", *flags)
+    except trials.Failed as error:
+        return "crashed", str(error).splitlines()[1], None
     if not (out / "result.json").exists():
         return "no_answer", done.err.strip().splitlines()[-1][:300], None
     result = json.loads((out / "result.json").read_text())

@@ -96,14 +96,21 @@ def declarations_are_checked():
 
 
 def what_was_changed_is_named():
-    for change in ({"gain": 0.6}, {"time_constant": 1.6}, {"delay": 0.4}):
+    for change in ({"gain": 0.6}, {"time_constant": 1.6}, {"delay": 0.3 * 16.7}):
         ((parameter, by),) = change.items()
         old = runs.aged(MODEL, (PAIR, parameter, by))
-        ((pair, named, size),) = runs.changed(MODEL, old)
-        assert (pair, named) == (PAIR, parameter) and abs(size - by) < 1e-9, (named, size)
-        assert runs.is_exact((PAIR, parameter, by), runs.changed(old, MODEL))
-        assert not runs.is_exact((PAIR, parameter, by), [])
+        ((pair, found, size, _),) = runs.changed(MODEL, old)
+        assert (pair, found) == (PAIR, parameter) and abs(size - by) < 1e-9, (found, size)
+        row = {"aged": [PAIR, parameter, by], "changed": runs.changed(old, MODEL)}
+        assert report.is_exact(row), row
+        assert not report.is_exact({**row, "changed": []})
+        other = runs.pair_of(MODEL["elements"][1])
+        little, much = ({**row, "changed": runs.changed(old, runs.aged(MODEL, (other, "gain", by)))}
+                        for by in (1.01, 1.2))
+        assert report.is_exact(little) and not report.is_exact(much)
     assert runs.changed(MODEL, MODEL) == []
+    absent = dict(MODEL, elements=MODEL["elements"][1:])
+    assert runs.changed(MODEL, absent) == [[PAIR, "path", None, math.inf]]
 
 
 def the_error_of_the_horizons_is_a_mean_of_ratios():
