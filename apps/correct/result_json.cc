@@ -124,19 +124,6 @@ Json ValidationJson(const Result& result) {
          {"difference", agreement.difference},
          {"follows", std::string(NameOf(agreement.cause))}});
   }
-  json["levels"] = Json::array();
-  for (const LevelDependence& level : result.level_dependence) {
-    json["levels"].push_back(
-        {{"p_value", level.p_value}, {"curvature", level.curvature}});
-  }
-  json["shared_delays"] = Json::array();
-  for (const SharedDelay& shared : result.shared_delays) {
-    json["shared_delays"].push_back(
-        {{"tag", shared.is_output ? model.outputs()[shared.channel].name
-                                  : model.inputs()[shared.channel].name},
-         {"change", shared.change},
-         {"standard_error", shared.error}});
-  }
   json["windows"] = Json::array();
   for (const std::vector<OutputScores>& window : validation.windows) {
     json["windows"].push_back(ScoresJson(window, model));

@@ -350,8 +350,11 @@ void OutputCompetition::FindTies() {
     for (const Fit& fit : Candidates(Without(all, i), chance_, directions)) {
       const Explanation& rival = fit.explanations.back();
       const bool elements = IsAgeing(rival.kind);
-      // Changes of one element do much the same.
-      if (elements && rival.index == all[i].index) continue;
+      // Explanations of one element, or its input, do much the same.
+      if (TypeOf(rival.kind).place != ExplanationPlace::kOutput &&
+          rival.index == all[i].index) {
+        continue;
+      }
       const double near = elements ? kElements * unit_ : kTie * chance_;
       if (fit.score - score < near) ties_.push_back({all[i], rival});
     }

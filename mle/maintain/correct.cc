@@ -29,8 +29,6 @@ constexpr double kMostResponseSamples = 1e6;
 // or are shorter than half of it.
 constexpr double kMostShownSamples = 1e4;
 constexpr double kMostRecords = 2.0;
-// Beyond, all additions to all elements take longer than the correction.
-constexpr int kMostInputsOfRivals = 6;
 // Of Δt: the smallest time constant of fopdt_model, that of a jump.
 constexpr double kTimeFloor = 1e-3;
 
@@ -94,38 +92,6 @@ absl::StatusOr<std::vector<WindowAgreement>> AgreementOf(
   return agreement;
 }
 
-// Of inputs that some change is proposed of, by what is proposed.
-absl::StatusOr<std::vector<LevelDependence>> LevelDependenceOf(
-    const CorrectionResult& result, const std::vector<Record>& windows) {
-  const Estimate& estimate = result.estimate;
-  if (!ProposesAny(estimate) || estimate.fit.arx.has_value()) {
-    return std::vector<LevelDependence>(result.initial.num_inputs());
-  }
-  return TestLevelDependence(
-      result.proposed.model, JoinAdjoining(windows).records,
-      estimate.fit.output_error.aged, estimate.setting.options.output_error,
-      estimate.fit.output_error.corrected.noise);
-}
-
-// Of the outputs of which gains, time constants and dead times are proposed.
-absl::StatusOr<std::vector<RivalShape>> RivalShapesOf(
-    const CorrectionResult& result, const std::vector<Record>& windows) {
-  const Estimate& estimate = result.estimate;
-  const int p = result.initial.num_outputs();
-  std::vector<bool> outputs(p);
-  for (int i = 0; i < p; ++i) {
-    outputs[i] = ProposesChange(estimate, i) && !ProposesShape(estimate, i) &&
-                 !ProposesByArx(estimate, i);
-  }
-  if (std::find(outputs.begin(), outputs.end(), true) == outputs.end() ||
-      result.initial.num_inputs() > kMostInputsOfRivals) {
-    return std::vector<RivalShape>(p);
-  }
-  return FindRivalShapes(result.initial, windows,
-                         estimate.fit.output_error.corrected,
-                         estimate.setting.options.output_error, outputs);
-}
-
 // What explains the records; nothing where they forbid a correction.
 absl::StatusOr<std::optional<Competition>> Compete(
     const std::vector<Record>& windows, CorrectionResult& result) {
@@ -158,9 +124,6 @@ absl::Status DecideByEvidence(const std::vector<Record>& windows, int order,
                         options.progress));
   if (options.examine && result.data.obstacles.empty()) {
     MLE_ASSIGN_OR_RETURN(result.agreement, AgreementOf(result, windows));
-    MLE_ASSIGN_OR_RETURN(result.level_dependence,
-                         LevelDependenceOf(result, windows));
-    MLE_ASSIGN_OR_RETURN(result.rival_shapes, RivalShapesOf(result, windows));
   }
   const Evidence evidence = GatherEvidence(result, unexplained, competition);
   Verdict verdict = Decide(evidence, options.decision);

@@ -34,12 +34,10 @@
 #include "mle/maintain/progress.h"
 #include "mle/maintain/records.h"
 #include "mle/maintain/residual_diagnostics.h"
-#include "mle/maintain/shared_changes.h"
 #include "mle/maintain/state_space_form.h"
 #include "mle/maintain/window_agreement.h"
 #include "mle/model/process_model.h"
 #include "mle/model/step_response.h"
-#include "mle/nonlinear/level_dependence.h"
 #include "mle/nonlinear/posterior_correction.h"
 
 namespace mle {
@@ -106,20 +104,9 @@ struct CorrectionResult {
   // p: whether windows want the same gains of the elements of what is proposed;
   // of ΔR nothing is said. Empty without CorrectOptions::examine.
   std::vector<WindowAgreement> agreement;
-  // Changes of dead time that a clock may have made (shared_changes.h), no
-  // longer than decision.clock_error; p: what of an output was taken back for
-  // it, in words, or empty.
-  std::vector<SharedDelay> shared_delays;
   // What is proposed by gains, time constants and dead times, with them; it
   // stays here whatever of it is taken.
   OutputErrorFit proposed;
-  std::vector<std::string> taken_for_clocks;
-  // m: whether gains follow the level of an input that a change is proposed of.
-  // Empty without CorrectOptions::examine.
-  std::vector<LevelDependence> level_dependence;
-  // p: an element of the output that alone, by another shape, explains as much
-  // as changes of several. Empty without CorrectOptions::examine.
-  std::vector<RivalShape> rival_shapes;
   // Scores of each output at each horizon, where records were held out.
   Validation validation;
   int max_lag = 0;                                  // of the diagnostics

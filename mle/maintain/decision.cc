@@ -244,11 +244,11 @@ OutputVerdict DecideByInstruments(const OutputEvidence& output,
     if (judge.predicts_better) {
       return {Acceptance::kExplained, ByInstruments(output)};
     }
-    return doubt(Doubt(
-        output, MessageCode::kNotBetter,
-        absl::StrCat("On held-out data the correction of ", output.name,
-                     " predicts no better: ", judge.errors,
-                     ". More set-point changes would settle it.")));
+    return doubt(
+        Doubt(output, MessageCode::kNotBetter,
+              absl::StrCat("On held-out data the correction of ", output.name,
+                           " predicts no better: ", judge.errors,
+                           ". More set-point changes would settle it.")));
   }
   if (!judge.other.empty()) {
     return doubt(Doubt(output, MessageCode::kExplained, judge.other));
@@ -291,11 +291,6 @@ OutputVerdict DecideOutput(const OutputEvidence& output,
   }
   if (output.not_ageing.has_value()) return doubt(*output.not_ageing);
   if (output.not_linear.has_value()) return doubt(*output.not_linear);
-  if (!output.proposed && !output.shared_delay.empty()) {
-    Message clock = Doubt(output, MessageCode::kClock, output.shared_delay);
-    clock.options = {"clock_error"};
-    return doubt(std::move(clock));
-  }
   if (!output.proposed) {
     if (output.unexplained) return doubt(Unexplained(output));
     return output.unnamed ? doubt(Unnamed(output)) : OutputVerdict();

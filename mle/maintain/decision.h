@@ -18,8 +18,7 @@
 //   nothing proposed, and what has changed not named    kNothing, doubtful
 //   an input that moves it sticks (`doubts`)            kNothing
 //   windows want different gains                        kNothing, doubtful
-//   gains follow the level of an input                  kNothing, doubtful
-//   dead times may be a clock, nothing else proposed    kNothing, doubtful
+//   an input sticks by as much as is proposed           kNothing, doubtful
 //   proposed, nothing held out                          kNothing, doubtful
 //   a score falls by more than chance                   kNothing, doubtful
 //   a score of one window does                          kNothing, doubtful
@@ -73,10 +72,10 @@ struct DecisionOptions {
   // A correction that no data could be held out from is doubtful. If not, it is
   // taken as it is.
   bool require_hold_out = true;
-  // By how much the time stamps of a tag may be late or early, in s, ≥ 0. A
-  // change of dead time that all elements of a row or column share is not told
-  // from it up to this, or up to five samples, as scans and averages make them
-  // late (shared_changes.h). 0: clocks are right.
+  // By how much the time stamps of a tag may be late or early, in s, ≥ 0: a
+  // change of dead time that all elements of a row or column share is a clock's
+  // up to this, or up to five samples, as scans and averages make them late;
+  // beyond, the dead times have changed. 0: clocks are right.
   double clock_error = 120.0;
 
   absl::Status Validate() const;
@@ -131,14 +130,9 @@ struct OutputEvidence {
   // takes several times as long or short, the records do not inform it, or
   // another shape of one element explains as much as changes of several.
   std::optional<Message> not_ageing;
-  // What is not linear between an input and the output, where the change
-  // proposed is no larger than what that makes of it: gains that follow the
-  // input's level (level_dependence.h), or a play that it was passed through
-  // (sticking_inputs.h).
+  // A play that an input was passed through (sticking_inputs.h), where the
+  // change proposed is no larger than what that makes of it.
   std::optional<Message> not_linear;
-  // That elements were taken back whose dead times may be those of a clock
-  // (shared_changes.h); or empty.
-  std::string shared_delay;
   // Nothing where nothing was held out.
   std::optional<OutputScores> scores;
   std::optional<OutputScores> parametric;  // where a shape is proposed

@@ -27,8 +27,9 @@ constexpr double kAgrees = 3.0;
 // What is proposed and not confirmed is no doubt if no response changes by more
 // than this share.
 constexpr double kSmall = 0.2;
-// Standard errors by which an error may not grow, and one has to fall.
-constexpr double kGrown = -2.0;
+// By which no error of a horizon may grow, and in standard errors, by which one
+// has to fall.
+constexpr double kWorse = 1.2;
 constexpr double kFallen = 1.5;
 
 // The largest change of dead time that a clock may have made, in the model's
@@ -153,13 +154,18 @@ std::string ErrorsText(const OutputExplanation& output,
   return unit.empty() || unit == "-" ? text : absl::StrCat(text, " ", unit);
 }
 
+// All horizons together, none much worse, one by more than chance.
 bool PredictsBetter(const OutputExplanation& output) {
   bool fallen = false;
+  double log_ratio = 0.0;
   for (const HorizonErrors& error : output.held_out) {
-    if (error.deviations < kGrown) return false;
+    if (!(error.initial > 0.0)) continue;
+    const double ratio = error.explained / error.initial;
+    if (!(ratio < kWorse)) return false;
     fallen = fallen || error.deviations > kFallen;
+    log_ratio += std::log(std::max(ratio, 1e-300));
   }
-  return fallen;
+  return fallen && log_ratio < 0.0;
 }
 
 }  // namespace

@@ -72,8 +72,6 @@ std::string_view NameOf(MessageCode code) {
       return "nothing_held_out";
     case MessageCode::kWindowsDisagree:
       return "windows_disagree";
-    case MessageCode::kFollowsLevel:
-      return "follows_level";
     case MessageCode::kStructureDoubtful:
       return "structure_doubtful";
     case MessageCode::kBeyondAgeing:
