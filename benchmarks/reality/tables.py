@@ -46,7 +46,7 @@ def scenario_cells(kind, rows):
              str(counts["cannot_tell"] + counts["no_answer"]),
              effect(kind, before, after) if judged else "–",
              share(sum(row["inside"] for row in corrected),
-                   sum(row["intervals"] for row in corrected)),
+                   sum(row["intervals"] for row in corrected)).removesuffix(" %"),
              str(sum(map(is_harmful, rows)))]
     if kind == "aged":
         cells.append(str(sum(GAIN * left(row) <= row["E_before"] for row in judged)))
@@ -58,7 +58,7 @@ def scenario_table(kind, rows):
     fell = [f"E down {GAIN:.0f}-fold"] if kind == "aged" else []
     header = ["scenario", "no change", "corrected", "cannot tell",
               "largest E" if kind == "none" else "E before → after (largest)",
-              "coverage", "harm", *fell]
+              "coverage, %", "harm", *fell]
     names = list(dict.fromkeys(row["scenario"] for row in rows))
     of = {name: [row for row in rows if row["scenario"] == name] for name in names}
     quiet = [name for name in names if kind == "none"
