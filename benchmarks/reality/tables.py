@@ -30,6 +30,13 @@ def is_harmful(row):
     return row["E_after"] > row["E_before"]
 
 
+def effect(kind, before, after):
+    """E before and after; where nothing has aged the largest after, as the others are zero."""
+    if kind == "none" and before == 0.0 and statistics.median(after) == 0.0:
+        return number(max(after))
+    return f"{number(before)} → {number(statistics.median(after))} ({number(max(after))})"
+
+
 def scenario_cells(kind, rows):
     counts = decisions(rows)
     judged = [row for row in rows if row.get("E_after") is not None]
@@ -38,10 +45,9 @@ def scenario_cells(kind, rows):
     after = [left(row) for row in judged]
     cells = [str(counts["no_change"]), str(counts["corrected"]),
              str(counts["cannot_tell"] + counts["no_answer"]),
-             f"{number(before)} → {number(statistics.median(after))} ({number(max(after))})"
-             if judged else "–",
+             effect(kind, before, after) if judged else "–",
              share(sum(row["inside"] for row in corrected),
-                   sum(row["intervals"] for row in corrected)),
+                   sum(row["intervals"] for row in corrected)).removesuffix(" %"),
              str(sum(map(is_harmful, rows)))]
     if kind == "aged":
         cells.append(str(sum(GAIN * left(row) <= row["E_before"] for row in judged)))
@@ -49,17 +55,25 @@ def scenario_cells(kind, rows):
 
 
 def scenario_table(kind, rows):
+    """A row for each scenario, after those in one sentence of which all runs are no change."""
     fell = [f"E down {GAIN:.0f}-fold"] if kind == "aged" else []
-    header = ["scenario", "runs", "no change", "corrected", "cannot tell",
-              "E before → after, median (largest)", "coverage", "harm", *fell]
-    lines = ["| " + " | ".join(header) + " |", "|---" + "|--:" * (len(header) - 1) + "|"]
+    header = ["scenario", "no change", "corrected", "cannot tell",
+              "largest E" if kind == "none" else "E before → after (largest)",
+              "coverage, %", "harm", *fell]
     names = list(dict.fromkeys(row["scenario"] for row in rows))
+    of = {name: [row for row in rows if row["scenario"] == name] for name in names}
+    quiet = [name for name in names if kind == "none"
+             and all(row["decision"] == "no_change" for row in of[name])]
+    counts = sorted({len(of[name]) for name in names})
+    runs = f"{counts[0]} to {counts[-1]}" if counts[1:] else f"{counts[0]}"
+    lines = [f"{runs} runs of each scenario; medians of E, and the largest.", ""]
+    if quiet:
+        lines += [f"No change in all runs: {'; '.join(quiet)}. The others:", ""]
+    lines += ["| " + " | ".join(header) + " |", "|---" + "|--:" * (len(header) - 1) + "|"]
     for name in names:
-        of_name = [row for row in rows if row["scenario"] == name]
-        lines.append("| " + " | ".join([name, str(len(of_name)),
-                                        *scenario_cells(kind, of_name)]) + " |")
-    lines.append("| " + " | ".join(["**all**", str(len(rows)),
-                                    *scenario_cells(kind, rows)]) + " |")
+        if name not in quiet:
+            lines.append("| " + " | ".join([name, *scenario_cells(kind, of[name])]) + " |")
+    lines.append("| " + " | ".join(["**all**", *scenario_cells(kind, rows)]) + " |")
     return lines
 
 

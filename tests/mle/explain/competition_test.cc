@@ -115,7 +115,10 @@ TEST(CompetitionTest, WhatHappenedToTheRecordIsNoAgeing) {
 
 // Late samples of an input are one clock, not two dead times; an output's too.
 TEST(CompetitionTest, AClockOfATagIsOneExplanation) {
-  Record record = CloseLoops(TwoLoops(), 5);
+  Happening quiet;
+  quiet.drift = 0.002;
+  quiet.noise = 0.01;
+  Record record = CloseLoops(TwoLoops(), 5, quiet);
   const Eigen::Index n = record.inputs.cols();
   const Eigen::RowVectorXd valve = record.inputs.row(0);
   record.inputs.row(0).head(n - 3) = valve.tail(n - 3);
@@ -127,7 +130,7 @@ TEST(CompetitionTest, AClockOfATagIsOneExplanation) {
   EXPECT_NEAR(by_input.ClockOf(1, 0), 3.0, 0.3);
   EXPECT_EQ(by_input.ClockOf(0, 1), 0.0);
 
-  record = CloseLoops(TwoLoops(), 5);
+  record = CloseLoops(TwoLoops(), 5, quiet);
   const Eigen::RowVectorXd level = record.outputs.row(0);
   record.outputs.row(0).tail(n - 3) = level.head(n - 3);
   const Competition by_output = Compete({record});

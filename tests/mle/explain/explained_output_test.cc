@@ -31,8 +31,8 @@ Eigen::VectorXd Simulated(const ProcessModel& model,
   inputs.colwise() -= Eigen::VectorXd(inputs.col(0));
   const auto z = SimulateResponse(model, records[0].sample_time, inputs);
   EXPECT_TRUE(z.ok()) << z.status();
-  return output.RowMeans(
-      std::vector<Eigen::VectorXd>{Eigen::VectorXd(z->row(0))});
+  const Eigen::VectorXd row = z->row(0).transpose();
+  return output.RowMeans({row});
 }
 
 TEST(ExplainedOutputTest, WithoutExplanationsItIsTheModel) {
