@@ -24,6 +24,10 @@ void AddOptions(Request& request, OptionTable& table) {
        {"out", &request.out,
         "Folder for journal.csv, runs.csv, timings.csv, summary.csv, "
         "summary.json and report.html."},
+       {"part", PartOfWork(&request.part),
+        "Part of the runs, such as 3/16: the third of 16. Its journal is in "
+        "parts/3-of-16 below --out. A run without --part takes over what parts "
+        "have done, does what is left, and writes the results. Empty: all."},
        {"resume", &request.resume,
         "Resume the campaign in --out, if there is one. It must be the same "
         "campaign and version."},
@@ -32,11 +36,11 @@ void AddOptions(Request& request, OptionTable& table) {
        {"figures", &request.figures,
         "Draw the figures of the report (PNG and PDF need rsvg-convert)."},
        {"threads", &request.threads,
-        "Threads of each process; 0: a share of the processors. The results "
-        "do not depend on the number.",
+        "Threads; 0: one for each processor. The results do not depend on the "
+        "number.",
         "", kNotNegative}});
   table.PutFirst(
-      {"campaign", "out", "resume", "dry_run", "figures", "threads"});
+      {"campaign", "out", "part", "resume", "dry_run", "figures", "threads"});
 }
 
 }  // namespace mle::study

@@ -7,12 +7,14 @@
 
 #include "absl/status/status.h"
 #include "apps/common/option_table.h"
+#include "apps/common/part.h"
 
 namespace mle::study {
 
 struct Request {
   std::string campaign;  // a file
   std::string out = "study";
+  Part part;
   bool resume = false;
   bool dry_run = false;
   bool figures = true;
