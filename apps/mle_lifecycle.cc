@@ -12,11 +12,9 @@
 #include "apps/common/run_again.h"
 #include "apps/common/stop_signal.h"
 #include "apps/lifecycle/campaign.h"
-#include "apps/lifecycle/headline.h"
+#include "apps/lifecycle/report.h"
 #include "apps/lifecycle/request.h"
-#include "apps/lifecycle/results.h"
 #include "apps/lifecycle/summary.h"
-#include "apps/lifecycle/tables.h"
 #include "apps/report/html.h"
 #include "apps/report/table.h"
 

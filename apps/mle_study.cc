@@ -8,13 +8,14 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "apps/common/command_line.h"
+#include "apps/common/option_table.h"
+#include "apps/common/part.h"
 #include "apps/common/progress.h"
 #include "apps/common/run_again.h"
 #include "apps/common/stop_signal.h"
 #include "apps/experiment/grid.h"
 #include "apps/experiment/row.h"
-#include "apps/study/outputs.h"
-#include "apps/study/request.h"
+#include "apps/study/report.h"
 #include "apps/study/run.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"
@@ -24,6 +25,59 @@ namespace {
 
 using experiment::Campaign;
 using experiment::Grid;
+
+struct Request {
+  std::string campaign;  // a file
+  std::string out = "study";
+  Part part;
+  bool resume = false;
+  bool dry_run = false;
+  bool figures = true;
+  int threads = 0;  // 0: as many as there are processors for this process
+
+  absl::Status Validate() const;
+};
+
+absl::Status Request::Validate() const {
+  if (campaign.empty()) {
+    return absl::InvalidArgumentError(
+        "--campaign: the campaign's file is needed, as in "
+        "--campaign=configs/campaign_reproduction.json");
+  }
+  if (out.empty()) {
+    return absl::InvalidArgumentError("--out: a folder is needed");
+  }
+  return absl::OkStatus();
+}
+
+void AddOptions(Request& request, OptionTable& table) {
+  table.Add(
+      "Campaign",
+      {{"campaign", &request.campaign,
+        "The campaign (JSON): a grid of seeds, plants, mismatches, noise, "
+        "controllers, set-point changes and estimators; "
+        "configs/campaign_*.json are examples."},
+       {"out", &request.out,
+        "Folder for journal.csv, runs.csv, timings.csv, summary.csv, "
+        "summary.json and report.html."},
+       {"part", PartOfWork(&request.part),
+        "Part of the runs, such as 3/16: the third of 16. Its journal is in "
+        "parts/3-of-16 below --out. A run without --part takes over what parts "
+        "have done, does what is left, and writes the results. Empty: all."},
+       {"resume", &request.resume,
+        "Resume the campaign in --out, if there is one. It must be the same "
+        "campaign and version."},
+       {"dry_run", &request.dry_run,
+        "Only print how many runs there are, and the first few."},
+       {"figures", &request.figures,
+        "Draw the figures of the report (PNG and PDF need rsvg-convert)."},
+       {"threads", &request.threads,
+        "Threads; 0: one for each processor. The results do not depend on the "
+        "number.",
+        "", kNotNegative}});
+  table.PutFirst(
+      {"campaign", "out", "part", "resume", "dry_run", "figures", "threads"});
+}
 
 constexpr char kUsage[] =
     R"(Runs a campaign: the experiment of mle_reproduce over a grid of seeds, plants,
@@ -60,8 +114,7 @@ void PrintPlan(const Campaign& campaign, const Grid& grid) {
 }
 
 // Summarises and reports; gives the exit code.
-absl::StatusOr<int> Conclude(const study::Request& request,
-                             const study::Study& work,
+absl::StatusOr<int> Conclude(const Request& request, const study::Study& work,
                              const study::StudyFolder& folder) {
   MLE_ASSIGN_OR_RETURN(const study::StudySummary summary,
                        study::Conclude(work, folder, request.figures,
@@ -75,7 +128,7 @@ absl::StatusOr<int> Conclude(const study::Request& request,
   return summary.failed < summary.runs ? kExitDone : kExitNotUsable;
 }
 
-absl::StatusOr<study::Study> ReadCampaign(const study::Request& request) {
+absl::StatusOr<study::Study> ReadCampaign(const Request& request) {
   const absl::StatusOr<std::string> text = ReadFile(request.campaign);
   if (!text.ok()) {
     return absl::InvalidArgumentError(
@@ -111,7 +164,7 @@ void PrintFound(const study::StudyFolder& folder) {
   }
 }
 
-absl::StatusOr<int> Run(const study::Request& request) {
+absl::StatusOr<int> Run(const Request& request) {
   MLE_RETURN_IF_ERROR(request.Validate());
   MLE_ASSIGN_OR_RETURN(const study::Study work, ReadCampaign(request));
   if (request.dry_run) {
@@ -144,9 +197,9 @@ absl::StatusOr<int> Run(const study::Request& request) {
 }  // namespace mle
 
 int main(int argc, char** argv) {
-  mle::study::Request request;
+  mle::Request request;
   mle::OptionTable table;
-  mle::study::AddOptions(request, table);
+  mle::AddOptions(request, table);
   mle::StartCommand(mle::kUsage, table, argc, argv);
   const absl::StatusOr<int> code = mle::Run(request);
   return code.ok() ? *code : mle::Fail(code.status());

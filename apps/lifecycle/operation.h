@@ -26,8 +26,6 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "apps/lifecycle/scenario.h"
-#include "apps/lifecycle/slow_disturbance.h"
-#include "apps/lifecycle/step_test.h"
 #include "control/mpc.h"
 #include "control/mpc_options.h"
 #include "control/operating_cost.h"

@@ -12,7 +12,6 @@
 #include "apps/common/controller_options.h"
 #include "apps/common/model_files.h"
 #include "apps/common/option_table.h"
-#include "apps/lifecycle/durations.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"
 #include "mle/data/civil_time.h"

@@ -89,6 +89,14 @@ class Journal {
   std::chrono::steady_clock::time_point last_sync_;
 };
 
+// The journal, sorted: runs.csv, whose bytes depend on the campaign alone, and
+// timings.csv.
+
+// All runs must be in the journal. Files are written line by line beside their
+// place and renamed, whole or not at all.
+absl::Status MergeRuns(const Journal& journal, std::int64_t runs,
+                       const std::string& folder);
+
 }  // namespace mle::study
 
 #endif  // APPS_STUDY_JOURNAL_H_

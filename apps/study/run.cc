@@ -19,8 +19,8 @@
 #include "apps/experiment/grid.h"
 #include "apps/experiment/row.h"
 #include "apps/experiment/unit.h"
-#include "apps/study/merge.h"
-#include "apps/study/outputs.h"
+#include "apps/study/journal.h"
+#include "apps/study/report.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"
 

@@ -7,7 +7,6 @@
 #include "absl/strings/str_cat.h"
 #include "apps/experiment/row.h"
 #include "apps/study/campaign.h"
-#include "apps/study/merge.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "tests/apps/command_runner.h"
