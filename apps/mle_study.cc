@@ -115,7 +115,7 @@ void PrintPlan(const Campaign& campaign, const Grid& grid) {
 
 // Summarises and reports; gives the exit code.
 absl::StatusOr<int> Conclude(const Request& request, const study::Study& work,
-                             const study::StudyFolder& folder) {
+                             const experiment::RunFolder& folder) {
   MLE_ASSIGN_OR_RETURN(const study::StudySummary summary,
                        study::Conclude(work, folder, request.figures,
                                        HowToRunAgain(work.campaign.seeds)));
@@ -140,30 +140,6 @@ absl::StatusOr<study::Study> ReadCampaign(const Request& request) {
   return study::ReadStudy(*text, request.campaign, folder);
 }
 
-// What was found in a journal that is resumed.
-void PrintFound(const study::StudyFolder& folder) {
-  const study::Journal& journal = *folder.journal;
-  constexpr std::size_t kShown = 5;
-  if (journal.dropped_bytes() > 0) {
-    std::cerr << "journal.csv: an incomplete last line is dropped ("
-              << journal.dropped_bytes() << " bytes)\n";
-  }
-  const std::vector<std::int64_t>& damaged = journal.damaged_lines();
-  for (std::size_t i = 0; i < std::min(damaged.size(), kShown); ++i) {
-    std::cerr << "warning: journal.csv:" << damaged[i]
-              << ": the line is damaged (its checksum or its coordinates are "
-                 "wrong); its run is done again\n";
-  }
-  if (damaged.size() > kShown) {
-    std::cerr << "warning: journal.csv: " << damaged.size() - kShown
-              << " more lines are damaged\n";
-  }
-  if (journal.num_done() > 0) {
-    std::cerr << "Going on: " << journal.num_done() << " of " << folder.runs
-              << " runs are done.\n";
-  }
-}
-
 absl::StatusOr<int> Run(const Request& request) {
   MLE_RETURN_IF_ERROR(request.Validate());
   MLE_ASSIGN_OR_RETURN(const study::Study work, ReadCampaign(request));
@@ -171,23 +147,24 @@ absl::StatusOr<int> Run(const Request& request) {
     PrintPlan(work.campaign, Grid(work.campaign));
     return kExitDone;
   }
+  const experiment::Work runs = WorkOf(work);
   MLE_ASSIGN_OR_RETURN(
-      study::StudyFolder folder,
-      study::OpenFolder(work, request.out, request.part, request.resume));
-  PrintFound(folder);
+      experiment::RunFolder folder,
+      study::OpenFolder(work, runs, request.out, request.part, request.resume));
+  folder.PrintFound("runs");
   CatchStopSignals();
-  MLE_RETURN_IF_ERROR(study::RunRemaining(work, folder,
-                                          study::StudyThreads(request.threads),
-                                          StopRequested, ShowProgress("runs")));
+  MLE_RETURN_IF_ERROR(
+      folder.RunRemaining(runs, experiment::RunThreads(request.threads),
+                          StopRequested, ShowProgress("runs")));
   if (!folder.is_done()) {
     std::cerr
-        << "Stopped: " << folder.num_done() << " of " << folder.runs
-        << " runs are done, in " << folder.path
+        << "Stopped: " << folder.num_done() << " of " << folder.runs()
+        << " runs are done, in " << folder.path()
         << "/journal.csv. Give the same command with --resume to resume.\n";
     return kExitNotUsable;
   }
   if (request.part.is_everything()) return Conclude(request, work, folder);
-  std::cout << "Part " << request.part.text << ": all of its " << folder.runs
+  std::cout << "Part " << request.part.text << ": all of its " << folder.runs()
             << " runs are done. When the other parts are, give the same "
                "command without --part.\n";
   return kExitDone;

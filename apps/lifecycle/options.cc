@@ -83,7 +83,12 @@ std::vector<Option> LifeOptionsOf(Request& request) {
       {"first_seed", &request.first_seed, "First of the consecutive seeds."},
       {"out", &campaign.folder,
        "Folder for report.html, result.json, lifecycle.csv, the figures and "
-       "runs/, from which an interrupted run resumes."},
+       "journal.txt, from which an interrupted run resumes."},
+      {"part", PartOfWork(&campaign.part),
+       "Part of the lives, such as 3/16: the third of 16. Its journal is in "
+       "parts/3-of-16 below --out. A run without --part takes over the lives "
+       "that parts have made, makes those that are left, and writes the "
+       "results. Empty: all."},
       {"figures", &request.figures,
        "Draws the figures (PNG and PDF need rsvg-convert)."},
       {"threads", &request.threads,

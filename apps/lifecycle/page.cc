@@ -2,9 +2,11 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "apps/common/command_line.h"
 #include "apps/lifecycle/report.h"
 #include "apps/report/drawing.h"
 #include "mle/base/file.h"
+#include "mle/base/status.h"
 
 namespace mle::lifecycle {
 namespace {
@@ -153,6 +155,8 @@ Results Evaluate(const Request& request, Lives lives) {
 absl::Status WriteResults(const Request& request, const Results& results,
                           const Asked& asked) {
   const Campaign& campaign = request.campaign;
+  MLE_ASSIGN_OR_RETURN(const FolderLock lock,
+                       ClaimOutputFolder(campaign.folder));
   const auto& [lives, summaries, valuation] = results;
   std::vector<std::pair<std::string, std::string>> files = {
       {"result.json",

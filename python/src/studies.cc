@@ -39,12 +39,12 @@ const std::vector<std::string>& FilesOfStudy() {
   return names;
 }
 
-absl::Status RunAll(const StudyCall& call, study::StudyFolder& folder,
+absl::Status RunAll(const StudyCall& call, const experiment::Work& runs,
+                    experiment::RunFolder& folder,
                     const ProgressCallback& report) {
   bool stopped = false;
-  MLE_RETURN_IF_ERROR(study::RunRemaining(
-      call.work, folder, study::StudyThreads(call.threads),
-      [&] { return stopped; },
+  MLE_RETURN_IF_ERROR(folder.RunRemaining(
+      runs, experiment::RunThreads(call.threads), [&] { return stopped; },
       [&](std::int64_t done, std::int64_t total) {
         const double fraction =
             static_cast<double>(done) / static_cast<double>(total);
@@ -52,7 +52,7 @@ absl::Status RunAll(const StudyCall& call, study::StudyFolder& folder,
       }));
   if (folder.is_done()) return absl::OkStatus();
   return absl::CancelledError(absl::StrCat(
-      "stopped after ", folder.num_done(), " of ", folder.runs, " runs",
+      "stopped after ", folder.num_done(), " of ", folder.runs(), " runs",
       call.out.empty() ? std::string()
                        : absl::StrCat(", which are kept in ", call.out,
                                       "; resume=True resumes from there")));
@@ -61,10 +61,11 @@ absl::Status RunAll(const StudyCall& call, study::StudyFolder& folder,
 absl::StatusOr<ResultFiles> RunStudyCall(const StudyCall& call,
                                          const ProgressCallback& report) {
   MLE_ASSIGN_OR_RETURN(const ResultFolder out, ResultFolder::Make(call.out));
+  const experiment::Work runs = study::WorkOf(call.work);
   MLE_ASSIGN_OR_RETURN(
-      study::StudyFolder folder,
-      study::OpenFolder(call.work, out.path(), Part(), call.resume));
-  MLE_RETURN_IF_ERROR(RunAll(call, folder, report));
+      experiment::RunFolder folder,
+      study::OpenFolder(call.work, runs, out.path(), Part(), call.resume));
+  MLE_RETURN_IF_ERROR(RunAll(call, runs, folder, report));
   report::RunAgain again = HowToCallAgain(call.text, {}, {});
   MLE_RETURN_IF_ERROR(
       Conclude(call.work, folder, call.figures, again).status());
