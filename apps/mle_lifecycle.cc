@@ -34,8 +34,8 @@ all.
 
 An interrupted run resumes when it is started again with the same flags. Parts
 (--part=1/2, --part=2/2) may run at once; the run without --part brings them
-together. Other prices need no new simulation. Exit codes: 0 done, 1 stopped, or ran
-but the result is not usable, 2 bad input or flags.)";
+together. Other prices need no new simulation. Exit codes: 0 done, 1 stopped, or
+ran but the result is not usable, 2 bad input or flags.)";
 
 void PrintFindings(const lifecycle::Campaign& campaign,
                    const std::vector<lifecycle::RateSummary>& summaries,

@@ -22,18 +22,21 @@
 namespace mle::experiment {
 namespace {
 
-// Outliers in the records of a run, and what is done about them.
+// Of outliers, in standard deviations of the noise.
+constexpr double kSmallestOutlier = 10.0;
+constexpr double kLargestOutlier = 50.0;
 
-constexpr double kSmallest = 10.0;  // standard deviations
-constexpr double kLargest = 50.0;
-
+// Adds outliers to a share of the samples of every output, singly or in bursts
+// to the same side. In the records alone: the loop and its noise are those of
+// the run without outliers.
 void AddOutliers(const WindowSpec& spec, double noise_variance,
                  std::uint64_t seed, std::vector<Record>& windows) {
   if (!(spec.outlier_share > 0.0)) return;
   const double deviation = std::sqrt(noise_variance);
   const int longest = spec.longest_outlier;
   std::mt19937_64 engine(seed);
-  std::uniform_real_distribution<double> size(kSmallest, kLargest);
+  std::uniform_real_distribution<double> size(kSmallestOutlier,
+                                              kLargestOutlier);
   for (Record& window : windows) {
     const int samples = window.samples();
     for (int i = 0; i < window.num_outputs(); ++i) {
@@ -54,6 +57,7 @@ void AddOutliers(const WindowSpec& spec, double noise_variance,
   }
 }
 
+// The loss of the output-error correction.
 OutputErrorOptions OutputErrorOptionsFor(OutlierTreatment treatment) {
   OutputErrorOptions options;
   if (treatment == OutlierTreatment::kHuber) {

@@ -13,7 +13,7 @@
 //
 // Disturbances: on each output white measurement noise, which the controller
 // and the records see, and a slow disturbance of the product itself
-// (slow_disturbance.h), one path over all years. Noise and disturbance depend
+// (scenario.h), one path over all years. Noise and disturbance depend
 // on the seed and the change alone, so that all policies have the same.
 
 #ifndef APPS_LIFECYCLE_OPERATION_H_

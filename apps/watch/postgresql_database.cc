@@ -107,7 +107,7 @@ std::string TextOf(const Value& value) {
              : absl::StrCat("\\x", absl::BytesToHexString(bytes->bytes));
 }
 
-Value ValueOf(const PGresult* result, int row, int column) {
+Value FieldOf(const PGresult* result, int row, int column) {
   if (PQgetisnull(result, row, column) != 0) return {};
   const std::string text(
       PQgetvalue(result, row, column),
@@ -151,7 +151,7 @@ class PostgresqlDatabase : public Database {
     for (int r = 0; r < PQntuples(result.get()); ++r) {
       std::vector<Value> row;
       for (int c = 0; c < PQnfields(result.get()); ++c) {
-        row.push_back(ValueOf(result.get(), r, c));
+        row.push_back(FieldOf(result.get(), r, c));
       }
       rows.emplace_back(std::move(row));
     }

@@ -61,7 +61,7 @@ int Bind(sqlite3_stmt* statement, int parameter, const Value& value) {
   return SQLITE_OK;
 }
 
-Value ValueOf(sqlite3_stmt* statement, int column) {
+Value ColumnOf(sqlite3_stmt* statement, int column) {
   const auto bytes = [&] {
     const void* const data = sqlite3_column_blob(statement, column);
     const auto size =
@@ -102,7 +102,7 @@ class SqliteDatabase : public Database {
       if (code != SQLITE_ROW) break;
       std::vector<Value> row;
       for (int column = 0; column < sqlite3_column_count(made); ++column) {
-        row.push_back(ValueOf(made, column));
+        row.push_back(ColumnOf(made, column));
       }
       rows.emplace_back(std::move(row));
     }

@@ -309,7 +309,7 @@ TEST_P(StateTest, AYearOfALargeControllerTakes500KilobytesAtMost) {
   ASSERT_TRUE(size.ok()) << size.status();
   EXPECT_LT(size->at(0).Integer(0), 500'000 * kControllers);
   // Nor is it that nothing is there.
-  EXPECT_GT(size->at(0).Integer(0), 300'000 * kControllers);
+  EXPECT_GT(size->at(0).Integer(0), 250'000 * kControllers);
 }
 
 TEST_P(StateTest, ATransactionThatIsNotCommittedLeavesNothing) {
