@@ -1,4 +1,4 @@
-// The journal of a campaign: DIR/journal.csv, one line a run, in the order in
+// The journal of a campaign: a file with a line for each run, in the order in
 // which they ended.
 //
 //   # mle_study journal 2, campaign SHA-256 …, mle 0.1.0, 1000 runs
@@ -8,13 +8,13 @@
 // The checksum is the first 16 digits of the SHA-256 of what stands before it.
 // Lines are written whole and forced to the disk in batches. What a crash left
 // of the last line is recognised and dropped when the journal is opened again,
-// and a line whose checksum or coordinates are wrong is left out, so that its
-// run counts as not done; a journal of another campaign or version is refused.
-// Only the numbers of the runs done are kept in memory: a byte offset each.
-// Who has a journal open holds the folder's lock (folder_lock.h).
+// and a line whose checksum is wrong, or that is of no run, is left out, so
+// that its run counts as not done; a journal with another head is refused. Only
+// the numbers of the runs done are kept in memory: a byte offset each. Who has
+// a journal open holds the folder's lock (folder_lock.h).
 
-#ifndef APPS_STUDY_JOURNAL_H_
-#define APPS_STUDY_JOURNAL_H_
+#ifndef APPS_EXPERIMENT_JOURNAL_H_
+#define APPS_EXPERIMENT_JOURNAL_H_
 
 #include <chrono>
 #include <cstdint>
@@ -27,36 +27,37 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 
-namespace mle::study {
+namespace mle::experiment {
 
+// What a journal is of.
 struct JournalHead {
-  std::string checksum;  // SHA-256 of the resolved campaign
-  std::string version;   // of the program
+  std::string first_line;  // names the campaign
+  std::string columns;     // but for the checksum; empty: there is no such line
   std::int64_t runs = 0;
-
-  std::string Line() const;
+  // The number of the run that a line is of, or why it is of none.
+  std::function<absl::StatusOr<std::int64_t>(std::string_view line)> run_of;
+  // Of a run that is not asked for: such a line stays, and is not read.
+  static constexpr std::int64_t kNotAskedFor = -1;
 };
 
 class Journal {
  public:
-  // What a run's line begins with (RowStart() of row.h).
-  using LineStart = std::function<std::string(std::int64_t run)>;
-
   // Opens or makes `path`. With `resume` false a journal that is there already
   // is an error, and the message says how to go on. Otherwise its runs count
   // as done. InvalidArgument names file and line of what is wrong.
-  static absl::StatusOr<std::unique_ptr<Journal>> Open(
-      const std::string& path, const JournalHead& head,
-      const LineStart& line_start, bool resume);
+  static absl::StatusOr<std::unique_ptr<Journal>> Open(const std::string& path,
+                                                       const JournalHead& head,
+                                                       bool resume);
   ~Journal();
   Journal(const Journal&) = delete;
   Journal& operator=(const Journal&) = delete;
 
+  const std::string& path() const { return path_; }
   std::int64_t num_done() const { return num_done_; }
   bool IsDone(std::int64_t run) const { return offsets_[run] >= 0; }
 
-  // A line of row.h for a run that is not done, without its line end. On the
-  // disk after Sync(), or within a second or so of further calls.
+  // A line for a run that is not done, without its line end. On the disk after
+  // Sync(), or within a second or so of further calls.
   absl::Status Append(std::int64_t run, std::string_view line);
   absl::Status Sync();
 
@@ -73,9 +74,9 @@ class Journal {
  private:
   Journal(std::string path, int file, std::int64_t runs);
   absl::Status WriteHead(const JournalHead& head);
-  absl::Status ReadBack(const JournalHead& head, const LineStart& line_start);
-  absl::Status TakeLine(std::string_view line, std::int64_t number,
-                        std::int64_t begin, const LineStart& line_start);
+  absl::Status ReadBack(const JournalHead& head);
+  absl::Status TakeLine(const JournalHead& head, std::string_view line,
+                        std::int64_t number, std::int64_t begin);
   absl::Status Write(std::string_view text);
 
   const std::string path_;
@@ -89,6 +90,6 @@ class Journal {
   std::chrono::steady_clock::time_point last_sync_;
 };
 
-}  // namespace mle::study
+}  // namespace mle::experiment
 
-#endif  // APPS_STUDY_JOURNAL_H_
+#endif  // APPS_EXPERIMENT_JOURNAL_H_

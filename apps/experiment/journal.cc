@@ -1,4 +1,4 @@
-#include "apps/study/journal.h"
+#include "apps/experiment/journal.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -6,23 +6,18 @@
 
 #include <array>
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <fstream>
 #include <optional>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_format.h"
 #include "apps/common/sha256.h"
-#include "apps/experiment/row.h"
 #include "mle/base/status.h"
 
-namespace mle::study {
+namespace mle::experiment {
 namespace {
-
-using experiment::ParseRow;
-using experiment::Row;
-using experiment::RowHeader;
 
 using Clock = std::chrono::steady_clock;
 
@@ -39,8 +34,8 @@ absl::Status BadLine(const std::string& path, std::int64_t number,
       absl::StrCat(path, ":", number, ": ", std::string(what)));
 }
 
-std::string JournalHeader() {
-  return absl::StrCat(RowHeader(/*with_seconds=*/true), ",checksum");
+std::string ColumnsOf(const JournalHead& head) {
+  return head.columns.empty() ? "" : absl::StrCat(head.columns, ",checksum");
 }
 
 std::string ChecksumOf(std::string_view text) {
@@ -58,13 +53,6 @@ std::optional<std::string_view> WithoutChecksum(std::string_view line) {
 
 }  // namespace
 
-std::string JournalHead::Line() const {
-  return absl::StrFormat(
-      "# mle_study journal 2, campaign SHA-256 %s, mle %s, "
-      "%d runs",
-      checksum, version, runs);
-}
-
 Journal::Journal(std::string path, int file, std::int64_t runs)
     : path_(std::move(path)),
       file_(file),
@@ -76,9 +64,9 @@ Journal::~Journal() {
   close(file_);
 }
 
-absl::StatusOr<std::unique_ptr<Journal>> Journal::Open(
-    const std::string& path, const JournalHead& head,
-    const LineStart& line_start, bool resume) {
+absl::StatusOr<std::unique_ptr<Journal>> Journal::Open(const std::string& path,
+                                                       const JournalHead& head,
+                                                       bool resume) {
   struct stat there = {};
   const bool exists = stat(path.c_str(), &there) == 0 && there.st_size > 0;
   if (exists && !resume) {
@@ -91,7 +79,7 @@ absl::StatusOr<std::unique_ptr<Journal>> Journal::Open(
   if (file < 0) return FileError(path, "cannot be opened");
   std::unique_ptr<Journal> journal(new Journal(path, file, head.runs));
   if (exists) {
-    MLE_RETURN_IF_ERROR(journal->ReadBack(head, line_start));
+    MLE_RETURN_IF_ERROR(journal->ReadBack(head));
   }
   if (journal->size_ == 0) {
     MLE_RETURN_IF_ERROR(journal->WriteHead(head));
@@ -100,42 +88,41 @@ absl::StatusOr<std::unique_ptr<Journal>> Journal::Open(
 }
 
 absl::Status Journal::WriteHead(const JournalHead& head) {
-  MLE_RETURN_IF_ERROR(
-      Write(absl::StrCat(head.Line(), "\n", JournalHeader(), "\n")));
+  MLE_RETURN_IF_ERROR(Write(absl::StrCat(head.first_line, "\n", ColumnsOf(head),
+                                         head.columns.empty() ? "" : "\n")));
   return Sync();
 }
 
 // Counts the run of a line as done, if the line is what was written.
-absl::Status Journal::TakeLine(std::string_view line, std::int64_t number,
-                               std::int64_t begin,
-                               const LineStart& line_start) {
+absl::Status Journal::TakeLine(const JournalHead& head, std::string_view line,
+                               std::int64_t number, std::int64_t begin) {
   const std::optional<std::string_view> text = WithoutChecksum(line);
-  const absl::StatusOr<Row> row = text.has_value()
-                                      ? ParseRow(*text, /*with_seconds=*/true)
-                                      : absl::DataLossError("checksum");
-  const auto runs = static_cast<std::int64_t>(offsets_.size());
-  if (!row.ok() || row->run >= runs ||
-      !text->starts_with(absl::StrCat(line_start(row->run), ","))) {
+  const absl::StatusOr<std::int64_t> run =
+      text.has_value() ? head.run_of(*text) : absl::DataLossError("checksum");
+  if (run.ok() && *run == JournalHead::kNotAskedFor) return absl::OkStatus();
+  if (!run.ok() || *run < 0 || *run >= head.runs) {
     damaged_lines_.push_back(number);
     return absl::OkStatus();
   }
-  if (IsDone(row->run)) {
-    return BadLine(path_, number,
-                   absl::StrCat("run ", row->run,
-                                " stands twice; remove the line that is wrong, "
-                                "or both for it to be run again"));
+  if (IsDone(*run)) {
+    return BadLine(
+        path_, number,
+        absl::StrCat("run ", *run,
+                     " is duplicated; remove the line that is wrong, "
+                     "or both for it to be run again"));
   }
-  offsets_[row->run] = begin;
+  offsets_[*run] = begin;
   ++num_done_;
   return absl::OkStatus();
 }
 
 // Reads what is there line by line. A file that breaks off ends where its last
 // whole line does.
-absl::Status Journal::ReadBack(const JournalHead& head,
-                               const LineStart& line_start) {
+absl::Status Journal::ReadBack(const JournalHead& head) {
   std::ifstream input(path_, std::ios::binary);
   if (!input) return FileError(path_, "cannot be read");
+  const std::string columns = ColumnsOf(head);
+  const int head_lines = head.columns.empty() ? 1 : 2;
   std::string line;
   std::int64_t number = 0;
   std::int64_t end = 0;  // of the last whole line
@@ -145,8 +132,8 @@ absl::Status Journal::ReadBack(const JournalHead& head,
     if (input.eof()) break;
     ++size;
     ++number;
-    if (number <= 2) {
-      const std::string wanted = number == 1 ? head.Line() : JournalHeader();
+    if (number <= head_lines) {
+      const std::string& wanted = number == 1 ? head.first_line : columns;
       if (line != wanted) {
         return BadLine(path_, number,
                        absl::StrCat("belongs to another campaign, version or "
@@ -155,12 +142,12 @@ absl::Status Journal::ReadBack(const JournalHead& head,
                                     "' is needed; take another folder"));
       }
     } else {
-      MLE_RETURN_IF_ERROR(TakeLine(line, number, end, line_start));
+      MLE_RETURN_IF_ERROR(TakeLine(head, line, number, end));
     }
     end = size;
   }
-  // The two lines of the head are not whole: begin anew.
-  if (number < 2) end = 0;
+  // The lines of the head are not whole: begin anew.
+  if (number < head_lines) end = 0;
   dropped_bytes_ = size - end;
   if (ftruncate(file_, end) != 0) return FileError(path_, "cannot be cut");
   size_ = end;
@@ -233,4 +220,4 @@ absl::StatusOr<std::string> Journal::Line(std::int64_t run) const {
   return std::string(*text);
 }
 
-}  // namespace mle::study
+}  // namespace mle::experiment
