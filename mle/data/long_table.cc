@@ -24,7 +24,7 @@ const std::vector<std::string>& UsualTimes() {
       "ts",           "date/time",    "ip_trend_time", "_time",
       "last_changed", "last_updated", "t_stamp",       "sampletime",
       "timestamputc", "utctime",      "localtime",     "date_time",
-      "time_stamp",   "zeitstempel",  "logtime",       "eventtime"};
+      "zeitstempel",  "logtime",      "eventtime"};
   return names;
 }
 
