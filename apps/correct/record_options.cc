@@ -186,7 +186,9 @@ std::vector<Option> OptionsOf(HistorianOptions& import,
                               std::string* tag_file) {
   ColumnOptions& columns = import.columns;
   return {
-      {"time_column", &columns.time_column, "Name of the column of times."},
+      {"time_column", &columns.time_column,
+       "Name of the column of times; two columns, of dates and times of the "
+       "day, or of times and their milliseconds, with a plus: date+time."},
       {"time_format", TimeFormatOf(&import.clocks),
        "Form of times: a name, or a form such as '%d.%m.%Y %H:%M[:%S]' (fields "
        "%Y %y %m %b %d %H %I %M %S %p %z, what may be missing in brackets). As "
@@ -222,6 +224,9 @@ std::vector<Option> OptionsOf(HistorianOptions& import,
        "Rows between the header and the samples, such as of units; 0: "
        "recognised.",
        "", kNotNegative},
+      {"header", Words(&import.header),
+       "Names of the columns, separated by commas, of files that have no "
+       "header."},
       {"tag_column", &columns.tag_column,
        "Name of the column of tags in a long table, which has a row for each "
        "sample; empty: recognised by usual names such as tag and TagName."},
@@ -247,9 +252,13 @@ std::vector<Option> OptionsOf(HistorianOptions& import,
       {"ignore_other_columns", &columns.ignore_other_columns,
        "Unknown columns are ignored; if false, they are errors."},
       {"quality_suffixes", Words(&columns.quality_suffixes),
-       "The column <column><suffix> holds the quality of <column>."},
+       "The column <column><suffix> holds the quality of <column>; as long as "
+       "they are these, so do columns of other usual names (OPCQuality, "
+       "::status, Good, Questionable)."},
       {"good_qualities", Words(&import.good_qualities),
-       "Values of quality columns that mean good."},
+       "Values of quality columns that mean good; as long as they are these, "
+       "so do others that are usual (192 to 255, GoodNonSpecific, True of a "
+       "flag)."},
       {"bad_values", Words(&import.bad_values),
        "Values that mark a bad sample, in addition to an empty field, NaN and "
        "words such as Bad and No Data, separated by commas: -9999."},
@@ -259,6 +268,9 @@ std::vector<Option> OptionsOf(HistorianOptions& import,
       {"skip_repeated_times", &import.skip_repeated_times,
        "Rows with the time of the row before are ignored; if false, they are "
        "errors."},
+      {"spread_repeated_times", &import.spread_repeated_times,
+       "Rows of one time, whose seconds were lost, are spread evenly until the "
+       "next time."},
       {"skip_backward_times", &import.skip_backward_times,
        "Rows with an earlier time than the row before are ignored; if false, "
        "they are errors."},

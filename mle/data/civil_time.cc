@@ -23,6 +23,21 @@ bool Exists(const CivilTime& time) {
          time.second >= 0.0 && time.second < 60.0;
 }
 
+CivilTime WithoutHour24(const CivilTime& time) {
+  const bool ends_day = time.hour == 24 && time.minute == 0 &&
+                        time.second == 0.0 && time.year >= 1 &&
+                        DateOf(time).ok();
+  if (!ends_day) return time;
+  const std::chrono::year_month_day next =
+      std::chrono::sys_days(DateOf(time)) + std::chrono::days(1);
+  CivilTime result = time;
+  result.year = static_cast<int>(next.year());
+  result.month = static_cast<int>(static_cast<unsigned>(next.month()));
+  result.day = static_cast<int>(static_cast<unsigned>(next.day()));
+  result.hour = 0;
+  return result;
+}
+
 double SecondsSinceEpoch(const CivilTime& time) {
   const auto days = std::chrono::sys_days(DateOf(time)).time_since_epoch();
   return 86400.0 * static_cast<double>(days.count()) + 3600.0 * time.hour +

@@ -17,6 +17,10 @@ struct CivilTime {
   std::optional<int> zone;  // seconds east of UTC, if it was given
 };
 
+// 24:00, as standards for means of hours write the end of a day, as 00:00 of
+// the next; other times stay.
+CivilTime WithoutHour24(const CivilTime& time);
+
 // Whether the calendar has that day and the clock that time: years from 1, no
 // 30 February, no hour 24, no second 60.
 bool Exists(const CivilTime& time);

@@ -28,6 +28,15 @@ constexpr Gap kExact = {10.0, 0.1, 0.0};
 constexpr Gap kPrinted = {4.0, 0.25, 0.02};
 constexpr double kLeastAlternating = 0.45;
 constexpr double kLeastSizes = 0.3;  // different ones among the steps
+// Of a laboratory or an analyser: the shortest period in samples, the distances
+// of steps that are multiples of it, to within a share of it (stamps are not
+// exact), and the steps of more than one digit.
+constexpr double kShortestPeriod = 3.0;
+constexpr double kPeriodic = 0.8;
+constexpr double kOffPeriod = 0.2;
+constexpr double kLongestDistance = 1.5;  // of the usual over the short ones
+constexpr double kLargeSteps = 0.1;
+constexpr double kSamePhase = 0.95;
 constexpr int kMostDigits = 9;
 constexpr std::size_t kSamplesForDigits = 5000;
 
@@ -194,6 +203,89 @@ double Different(const std::vector<double>& sorted, double tolerance) {
   return different;
 }
 
+// Samples at which a held signal changes, of all rows.
+struct Changes {
+  std::vector<std::vector<int>> at;
+  std::vector<double> distances;
+};
+
+Changes ChangesOf(const std::vector<SampleRow>& rows, double tolerance) {
+  Changes changes;
+  for (const SampleRow& row : rows) {
+    std::vector<int>& at = changes.at.emplace_back();
+    double last = std::nan("");
+    for (Eigen::Index k = 0; k < row.size(); ++k) {
+      if (!std::isfinite(row(k))) continue;
+      if (std::abs(row(k) - last) > tolerance) {
+        if (!at.empty()) {
+          changes.distances.push_back(static_cast<double>(k - at.back()));
+        }
+        at.push_back(static_cast<int>(k));
+      }
+      last = row(k);
+    }
+  }
+  return changes;
+}
+
+// The period in samples that distances are multiples of; 0: none.
+double PeriodOf(std::vector<double> distances) {
+  if (std::ssize(distances) < kLeastArchived) return 0.0;
+  std::sort(distances.begin(), distances.end());
+  const double usual = distances[distances.size() / 2];
+  if (distances[distances.size() / 10] < kShortestPeriod ||
+      usual > kLongestDistance * distances[distances.size() / 10]) {
+    return 0.0;
+  }
+  const auto fits = static_cast<double>(
+      std::count_if(distances.begin(), distances.end(), [&](double distance) {
+        const double multiple = distance / usual;
+        return std::abs(multiple - std::round(multiple)) <= kOffPeriod;
+      }));
+  return fits >= kPeriodic * static_cast<double>(distances.size()) ? usual
+                                                                   : 0.0;
+}
+
+// What is not held: changes, and where these all have one phase of the period
+// every sample of that phase, at which the same value was measured again.
+void TakeMeasured(const std::vector<SampleRow>& rows, const Changes& changes,
+                  double period, Compression& found) {
+  const auto whole = static_cast<int>(std::round(period));
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    std::vector<int> phases(whole, 0);
+    for (const int at : changes.at[r]) ++phases[at % whole];
+    const auto usual = std::max_element(phases.begin(), phases.end());
+    const bool is_exact =
+        *usual >= kSamePhase * static_cast<double>(changes.at[r].size());
+    std::vector<bool>& interpolated = found.interpolated.emplace_back(
+        static_cast<std::size_t>(rows[r].size()), true);
+    for (const int at : changes.at[r]) interpolated[at] = false;
+    if (changes.at[r].empty()) continue;
+    for (Eigen::Index k = 0; is_exact && k < rows[r].size(); ++k) {
+      if (k % whole == usual - phases.begin()) interpolated[k] = false;
+    }
+  }
+}
+
+// Whether steps come at multiples of a period, some of them larger than the
+// smallest, which is the rounding; if so, in `found`.
+bool FindSampled(const std::vector<SampleRow>& rows, double tolerance,
+                 const std::vector<double>& sorted_steps, Compression& found) {
+  const auto large = static_cast<double>(std::count_if(
+      sorted_steps.begin(), sorted_steps.end(),
+      [&](double step) { return step > 1.5 * sorted_steps.front(); }));
+  if (large < kLargeSteps * static_cast<double>(sorted_steps.size())) {
+    return false;
+  }
+  const Changes changes = ChangesOf(rows, tolerance);
+  const double period = PeriodOf(changes.distances);
+  if (period == 0.0) return false;
+  found.kind = Compression::Kind::kHeld;
+  found.is_sampled = true;
+  TakeMeasured(rows, changes, period, found);
+  return true;
+}
+
 void FindHolds(const std::vector<SampleRow>& rows, double scale,
                Compression& found) {
   const double tolerance = kDouble * scale;
@@ -206,6 +298,7 @@ void FindHolds(const std::vector<SampleRow>& rows, double scale,
     return;
   }
   std::sort(counts.steps.begin(), counts.steps.end());
+  if (FindSampled(rows, tolerance, counts.steps, found)) return;
   if (Different(counts.steps, 10.0 * tolerance) < kLeastSizes * steps) return;
   found.kind = Compression::Kind::kHeld;
   for (const SampleRow& row : rows) {

@@ -12,7 +12,9 @@
 // printed could hide that, the slopes must also alternate, as noise has it.
 //
 // Held: at least 40 % of the samples repeat the one before, in many short runs
-// between steps of many sizes. The steps of a rounded signal have few sizes.
+// between steps of many sizes. The steps of a rounded signal have few sizes: it
+// is held where they come at multiples of a period, as of a laboratory or an
+// analyser, which slopes and noise do not.
 
 #ifndef MLE_DATA_COMPRESSION_H_
 #define MLE_DATA_COMPRESSION_H_
@@ -28,6 +30,9 @@ struct Compression {
   Kind kind = Kind::kNone;
   int samples = 0;   // that are good
   int archived = 0;  // of these
+  // Held, and what is archived comes at multiples of a period: all that was
+  // measured, and not a choice of it.
+  bool is_sampled = false;
   // For each row and sample: interpolated; empty for kNone.
   std::vector<std::vector<bool>> interpolated;
 

@@ -144,9 +144,19 @@ absl::StatusOr<char> RecogniseDecimal(
   Evidence evidence;
   std::vector<std::string> last;  // a row behind: the last may be cut
   int last_line = 0;
+  // A date alone may have points.
+  const bool has_part = std::any_of(
+      columns.begin(), columns.end(), [](const RecordColumn& column) {
+        return column.kind == RecordColumn::Kind::kTimePart;
+      });
   const auto take_last = [&] {
     for (std::size_t c = 0; c < std::min(last.size(), columns.size()); ++c) {
-      if (columns[c].kind == RecordColumn::Kind::kOther) continue;
+      const RecordColumn::Kind kind = columns[c].kind;
+      if (kind == RecordColumn::Kind::kOther ||
+          (has_part && (kind == RecordColumn::Kind::kTime ||
+                        kind == RecordColumn::Kind::kTimePart))) {
+        continue;
+      }
       const std::string_view text = TrimCsvField(last[c]);
       if (LooksNumeric(text)) {
         Take(text, last_line, static_cast<int>(c) + 1, evidence);

@@ -50,4 +50,10 @@ std::string_view TrimCsvField(std::string_view text) {
   return text;
 }
 
+std::string_view WithoutHash(std::string_view text) {
+  text = TrimCsvField(text);
+  if (text.starts_with('#') && text.size() > 1) text.remove_prefix(1);
+  return TrimCsvField(text);
+}
+
 }  // namespace mle

@@ -24,6 +24,9 @@ double RoundCsvTime(double time);
 // Without the blanks around it.
 std::string_view TrimCsvField(std::string_view text);
 
+// The first name of a header, without a # that makes the header a comment.
+std::string_view WithoutHash(std::string_view text);
+
 }  // namespace mle
 
 #endif  // MLE_DATA_CSV_NUMBERS_H_

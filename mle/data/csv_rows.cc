@@ -43,6 +43,17 @@ std::size_t CharacterLength(std::string_view text) {
   return length;
 }
 
+constexpr std::size_t kLongestError = 8;
+
+// What spreadsheets write in place of a number.
+bool IsSpreadsheetError(std::string_view text) {
+  for (const std::string_view error :
+       {"#N/A", "#VALUE!", "#DIV/0!", "#REF!", "#NUM!", "#NAME?", "#NULL!"}) {
+    if (text.starts_with(error)) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 CsvRows::CsvRows(std::istream& in, std::string source, CsvLimits limits)
@@ -128,7 +139,24 @@ bool CsvRows::SkipLine() {
 }
 
 bool CsvRows::Next(std::vector<std::string_view>& fields) {
+  if (!header_.empty()) {
+    fields.assign(header_.begin(), header_.end());
+    row_line_ = line_;
+    taken_header_.swap(header_);
+    return true;
+  }
   while (status_.ok()) {
+    if (skips_comments_ && begin_ < end_ && buffer_[begin_] == '#') {
+      if (end_ - begin_ < kLongestError && !at_end_) {
+        if (!Fill()) return false;
+        continue;
+      }
+      if (!IsSpreadsheetError({buffer_.data() + begin_, end_ - begin_})) {
+        if (!SkipLine()) return false;
+        ++comments_;
+        continue;
+      }
+    }
     row_line_ = line_;
     Scan scan = begin_ == end_ && at_end_ ? Scan::kMore : ScanRow();
     if (scan == Scan::kMore) {

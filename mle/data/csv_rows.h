@@ -54,6 +54,15 @@ class CsvRows {
   // the start, the whole first one. Cut somewhere.
   std::string_view Peek();
 
+  // Stands above the text: the first row of Next(), before any is read.
+  void set_header(std::vector<std::string> names) {
+    header_ = std::move(names);
+  }
+  // From now on lines that begin with # are passed over and counted, but for
+  // the errors of spreadsheets (#N/A).
+  void set_skips_comments() { skips_comments_ = true; }
+  int comments() const { return comments_; }
+
   // Skips a line, whatever it contains. False as Next().
   bool SkipLine();
 
@@ -124,6 +133,10 @@ class CsvRows {
   std::size_t next_ = 0;  // where the next row begins
   int lines_ = 0;         // that the row takes
 
+  std::vector<std::string> header_;
+  std::vector<std::string> taken_header_;  // which `fields` refer to
+  bool skips_comments_ = false;
+  int comments_ = 0;
   Origin origin_;
   bool is_table_ = false;
   std::function<absl::Status()> fault_;

@@ -38,13 +38,16 @@ int LinesAboveColumns(std::string_view head) {
   }
   int best = 0;
   int most = 0;
+  bool best_is_comment = false;
   for (const char separator : {',', ';', '\t'}) {
     std::string_view rest = head;
     for (int line = 0; line < kMostTitles && !rest.empty(); ++line) {
       const int count = CountSeparators(rest, separator);
-      if (count > most) {
+      const bool is_comment = rest.starts_with('#');
+      if (count > most || (count == most && best_is_comment && !is_comment)) {
         most = count;
         best = line;
+        best_is_comment = is_comment;
       }
       rest.remove_prefix(std::min(rest.find('\n'), rest.size() - 1) + 1);
     }
@@ -65,7 +68,8 @@ int CountNames(std::string_view text, char separator,
   std::size_t begin = 0;
   while (begin <= text.size() && begin < kMostHeaderBytes) {
     const std::size_t next = std::min(text.find(separator, begin), text.size());
-    std::string name = FoldedName(text.substr(begin, next - begin));
+    const std::string_view field = text.substr(begin, next - begin);
+    std::string name = FoldedName(begin == 0 ? WithoutHash(field) : field);
     std::erase_if(name, [](char c) { return c == '"' || c == '\r'; });
     if (wanted.contains(name)) found.insert(std::move(name));
     begin = next + 1;

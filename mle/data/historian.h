@@ -78,12 +78,15 @@ struct HistorianOptions {
   // Titles, and rows of units. 0: recognised.
   int lines_above_header = 0;
   int rows_below_header = 0;
+  // Names of the columns of files that have no header.
+  std::vector<std::string> header = {};
   CsvLimits limits = {};
 
   // Time, tags and their units, quality columns, others.
   ColumnOptions columns = {};
   // Values of quality columns that mean good, whatever their case. All others
-  // mean bad.
+  // mean bad, but as long as they are these, for what is usual (IsUsuallyGood()
+  // in quality_columns.h).
   std::vector<std::string> good_qualities = {"good", "ok", "192"};
   // Values that mark a bad sample, besides an empty field, NaN and the words in
   // KnownBadWords(): as text or as a number ("-9999").
@@ -106,6 +109,8 @@ struct HistorianOptions {
   // A row at the time of the one before, or earlier than it: an error, unless
   // such rows are ignored and counted.
   bool skip_repeated_times = false;
+  // Rows of one time, whose seconds are lost, are spread evenly until the next.
+  bool spread_repeated_times = false;
   bool skip_backward_times = false;
 
   // Δt > 0; 0: the files' step.
@@ -167,11 +172,16 @@ struct HistorianReport {
   // Outputs, the set points present, inputs.
   std::vector<ChannelReport> channels;
   std::int64_t rows = 0;
-  std::int64_t repeated_rows = 0;  // ignored
+  // Rows that are ignored, of which `rows` has the first three.
+  std::int64_t repeated_rows = 0;
   std::int64_t backward_rows = 0;
-  double step = 0.0;         // of the files: the usual one
-  double sample_time = 0.0;  // Δt
-  bool averaged = false;     // the files are finer than Δt
+  std::int64_t empty_rows = 0;    // without a good sample
+  std::int64_t outside_rows = 0;  // of the time range
+  std::int64_t comment_rows = 0;  // comments, and the header again
+  std::int64_t spread_rows = 0;   // whose times were spread; not ignored
+  double step = 0.0;              // of the files: the usual one
+  double sample_time = 0.0;       // Δt
+  bool averaged = false;          // the files are finer than Δt
   // Seconds since 1970-01-01T00:00:00Z at time 0, where times are dates.
   std::optional<double> time_origin;
   std::string time_zone;        // declared for dates; empty: none

@@ -1,6 +1,7 @@
 #include "mle/data/historian_file.h"
 
 #include <algorithm>
+#include <set>
 #include <sstream>
 #include <utility>
 
@@ -12,6 +13,8 @@
 #include "mle/data/header_lines.h"
 #include "mle/data/long_table.h"
 #include "mle/data/nearest_names.h"
+#include "mle/data/quality_columns.h"
+#include "mle/data/time_columns.h"
 
 namespace mle {
 namespace {
@@ -24,6 +27,10 @@ absl::StatusOr<std::vector<std::string>> NamesOf(const ProcessModel& channels,
   MLE_ASSIGN_OR_RETURN(const std::vector<RecordColumn> columns,
                        ColumnsOf(channels));
   std::vector<std::string> names = {options.time_column};
+  if (const auto parts = SplitTimeName(options.time_column, {})) {
+    names.push_back(parts->first);
+    names.push_back(parts->second);
+  }
   for (const RecordColumn& column : columns) names.push_back(column.name);
   for (const TagMapping& tag : options.tags) names.push_back(tag.tag);
   return names;
@@ -49,6 +56,63 @@ absl::Status CheckIsTable(const std::string& source, int first_line,
       "separated by commas, semicolons or tabs, with numbers below them. The "
       "text begins with '",
       ShowCsvText(head.substr(0, head.find_first_of("\r\n"))), "'"));
+}
+
+// The first rows of a text: the header, and those below it that are whole.
+std::vector<std::vector<std::string>> FirstRows(const CsvHead& head,
+                                                char separator) {
+  constexpr std::size_t kRows = 2000;
+  std::vector<std::vector<std::string>> first;
+  std::istringstream in(head.text);
+  CsvRows rows(in, head.source);
+  rows.set_separator(separator);
+  std::vector<std::string_view> fields;
+  while (first.size() < kRows && rows.Next(fields)) {
+    std::vector<std::string>& row = first.emplace_back();
+    for (const std::string_view field : fields) {
+      row.emplace_back(first.size() == 1 && row.empty() ? WithoutHash(field)
+                                                        : TrimCsvField(field));
+    }
+  }
+  if (first.size() > 1 && first.size() < kRows && !head.is_whole) {
+    first.pop_back();
+  }
+  return first;
+}
+
+bool HasSuffix(const std::string& name,
+               const std::vector<std::string>& suffixes) {
+  return std::any_of(suffixes.begin(), suffixes.end(),
+                     [&](const std::string& suffix) {
+                       return !suffix.empty() && name.ends_with(suffix);
+                     });
+}
+
+// Samples where names of columns should be.
+absl::Status CheckNames(const CsvHead& head,
+                        const std::vector<std::string>& header,
+                        const std::vector<std::string>& names,
+                        const RecordClock& clock) {
+  std::set<std::string> known;
+  for (const std::string& name : names) known.insert(FoldedName(name));
+  std::size_t samples = 0;
+  std::size_t fields = 0;
+  for (const std::string& field : header) {
+    if (known.contains(FoldedName(field))) return absl::OkStatus();
+    if (field.empty()) continue;
+    ++fields;
+    if (IsSampleField(field, clock)) ++samples;
+  }
+  if (samples < 2 || 3 * samples < 2 * fields) return absl::OkStatus();
+  return OptionError(
+      "header,lines_above_header",
+      absl::StrCat(head.source, ": ", CsvLineName(head.line, head.is_table),
+                   ": there is no header: samples (",
+                   ListOfNames({header.begin(), header.begin() + 2}),
+                   ", …) stand where names of columns should. Put a line of ",
+                   header.size(),
+                   " names above them, or give the names: header = "
+                   "time,…"));
 }
 
 }  // namespace
@@ -84,7 +148,9 @@ absl::Status HistorianFile::SkipToHeader(
     MLE_RETURN_IF_ERROR(skip(1));
   }
   MLE_RETURN_IF_ERROR(csv_->status());
-  if (options.lines_above_header > 0) return absl::OkStatus();
+  if (options.lines_above_header > 0 || !options.header.empty()) {
+    return absl::OkStatus();
+  }
   MLE_RETURN_IF_ERROR(
       CheckIsTable(report_.name, header_line_, csv_->Peek(), names));
   const int titles = TitleLines(csv_->Peek(), names);
@@ -104,6 +170,10 @@ CsvHead HistorianFile::Head() {
   head.source = report_.name;
   head.line = header_line_;
   head.is_table = is_table_;
+  if (!header_text_.empty()) {
+    head.text.insert(0, header_text_);
+    --head.line;
+  }
   return head;
 }
 
@@ -119,7 +189,7 @@ absl::Status HistorianFile::RecogniseTable(const ProcessModel& channels,
   } else {
     MLE_RETURN_IF_ERROR(SkipToHeader(options, all));
   }
-  const CsvHead head = Head();
+  CsvHead head = Head();
   MLE_RETURN_IF_ERROR(csv_->status());
   if (options.separator != 0 && !is_table_) {
     report_.separator = options.separator;
@@ -128,24 +198,90 @@ absl::Status HistorianFile::RecogniseTable(const ProcessModel& channels,
     MLE_ASSIGN_OR_RETURN(report_.separator, RecogniseSeparator(head, all));
   }
   csv_->set_separator(report_.separator);
+  if (!options.header.empty()) {
+    MLE_RETURN_IF_ERROR(TakeHeader(head, options.header));
+    head = Head();
+  }
+  MLE_RETURN_IF_ERROR(RecogniseColumns(head, all, options));
   return WidenLongTable(head, names, options);
+}
+
+// Names that are given in place of a header.
+absl::Status HistorianFile::TakeHeader(const CsvHead& head,
+                                       const std::vector<std::string>& names) {
+  const auto fault = [&](const std::string& what) {
+    return OptionError("header", absl::StrCat(report_.name, ": ", what));
+  };
+  if (is_table_) return fault("header is not for tables of databases");
+  const auto first = FirstRows(head, report_.separator);
+  if (!first.empty() && first[0].size() != names.size()) {
+    return fault(absl::StrCat("header has ", names.size(), " names, line ",
+                              header_line_, " has ", first[0].size(),
+                              " fields"));
+  }
+  for (const std::string& name : names) {
+    absl::StrAppend(
+        &header_text_,
+        header_text_.empty() ? "" : std::string(1, report_.separator),
+        QuoteCsvField(name));
+  }
+  header_text_ += '\n';
+  csv_->set_header(names);
+  return absl::OkStatus();
+}
+
+// That there is a header, and which of its columns is the time.
+absl::Status HistorianFile::RecogniseColumns(
+    const CsvHead& head, const std::vector<std::string>& names,
+    const HistorianOptions& options) {
+  columns_ = options.columns;
+  if (is_table_) return absl::OkStatus();
+  std::vector<std::vector<std::string>> rows =
+      FirstRows(head, report_.separator);
+  if (rows.empty()) return absl::OkStatus();
+  const std::vector<std::string> header = std::move(rows[0]);
+  rows.erase(rows.begin());
+  if (options.header.empty()) {
+    MLE_RETURN_IF_ERROR(CheckNames(head, header, names, clock_));
+  }
+  if (columns_.time_column != ColumnOptions().time_column) {
+    return absl::OkStatus();
+  }
+  const std::optional<std::string> name =
+      RecogniseTimeColumn(header, rows, clock_);
+  if (!name || *name == columns_.time_column) return absl::OkStatus();
+  columns_.time_column = *name;
+  notes_.push_back(
+      {absl::StrCat(report_.name, ": the time is ", QuotedCsvText(*name), "."),
+       "time_column"});
+  return absl::OkStatus();
 }
 
 // A long table is read whole and put in the place of the file.
 absl::Status HistorianFile::WidenLongTable(
     const CsvHead& head, const std::vector<std::string>& names,
-    const HistorianOptions& options) {
-  std::istringstream start(head.text);
-  CsvRows first(start, report_.name, options.limits);
-  first.set_separator(report_.separator);
-  std::vector<std::string_view> header;
-  if (!first.Next(header)) return absl::OkStatus();
-  const std::optional<LongColumns> columns =
-      FindLongColumns(header, names, options.columns);
-  if (!columns) return absl::OkStatus();
-  csv_->Next(header);
-  MLE_ASSIGN_OR_RETURN(WideTable table,
-                       WidenTable(*csv_, *columns, names, options, clock_));
+    HistorianOptions options) {
+  options.columns = columns_;
+  std::vector<std::vector<std::string>> first =
+      FirstRows(head, report_.separator);
+  if (first.empty()) return absl::OkStatus();
+  const std::vector<std::string> header = std::move(first[0]);
+  first.erase(first.begin());
+  const absl::StatusOr<std::optional<LongColumns>> columns =
+      FindLongColumns(header, first, names, options.columns);
+  if (!columns.ok()) {
+    return WithPrefix(
+        columns.status(),
+        absl::StrCat(report_.name, ": ",
+                     CsvLineName(std::max(head.line, 1), is_table_), ": "));
+  }
+  if (!*columns) return absl::OkStatus();
+  std::vector<std::string_view> fields;
+  csv_->Next(fields);
+  MLE_ASSIGN_OR_RETURN(WideTable table, WidenTable(*csv_, header, **columns,
+                                                   names, options, clock_));
+  repeated_rows_ = table.repeated_rows;
+  comment_rows_ = table.comment_rows;
   notes_.push_back({absl::StrCat(report_.name,
                                  ": a long table, with a row for "
                                  "each sample, of ",
@@ -158,6 +294,7 @@ absl::Status HistorianFile::WidenLongTable(
   csv_->set_origin(std::move(table.origin));
   csv_->set_is_table(is_table_);
   header_line_ = 1;
+  header_text_.clear();
   return absl::OkStatus();
 }
 
@@ -173,7 +310,7 @@ absl::Status HistorianFile::RecogniseRows(const ProcessModel& channels,
   rows.set_separator(csv_->separator());
   std::vector<std::string_view> header;
   if (!rows.Next(header)) return absl::OkStatus();
-  ColumnOptions lenient = options.columns;
+  ColumnOptions lenient = columns_;
   lenient.ignore_other_columns = true;
   const absl::StatusOr<std::vector<RecordColumn>> columns =
       MatchHeader(header, channels, lenient);
@@ -216,6 +353,65 @@ absl::StatusOr<std::unique_ptr<HistorianFile>> HistorianFile::Start(
   return file;
 }
 
+// That a table has a time and samples in columns of their own, as far as can be
+// said without names that are known.
+absl::Status HistorianFile::CheckUnderstood() {
+  const CsvHead head = Head();
+  std::vector<std::vector<std::string>> rows =
+      FirstRows(head, report_.separator);
+  if (rows.size() < 2) return absl::OkStatus();
+  const std::vector<std::string> header = std::move(rows[0]);
+  rows.erase(rows.begin());
+  const auto fault = [&](const char* options, const std::string& what) {
+    return OptionError(
+        options,
+        absl::StrCat(report_.name, ": ",
+                     CsvLineName(std::max(head.line, 1), is_table_), ": ", what,
+                     ". The header has ", ListOfNames(header)));
+  };
+  std::vector<std::string> names;
+  std::size_t numbers = 0;
+  for (std::size_t c = 0; c < header.size(); ++c) {
+    const auto count = [&](const auto& is) {
+      return std::count_if(rows.begin(), rows.end(), [&](const auto& row) {
+        return c < row.size() && is(row[c]);
+      });
+    };
+    const auto most = static_cast<std::ptrdiff_t>((rows.size() + 1) / 2);
+    if (count([&](const std::string& text) {
+          return !text.empty() && !IsSampleField(text, clock_);
+        }) > most) {
+      names.push_back(header[c]);
+    } else if (count([](const std::string& text) {
+                 double number = 0.0;
+                 return ReadCsvNumber(text, number) ||
+                        ReadCsvNumber(text, number, ',');
+               }) > most) {
+      ++numbers;
+    }
+  }
+  if (!names.empty() && numbers <= names.size()) {
+    return fault(
+        "tag_column,value_column,time_column",
+        absl::StrCat("this may be a table with a row for each sample, with "
+                     "tags in ",
+                     ListOfNames(names),
+                     ": then name tag_column, value_column and time_column"));
+  }
+  const std::string& time = columns_.time_column;
+  const std::vector<std::string>& usual = UsualTimeColumns();
+  const bool has_time =
+      SplitTimeName(time, header).has_value() ||
+      std::any_of(header.begin(), header.end(), [&](const std::string& name) {
+        const std::string folded = FoldedName(name);
+        return folded == FoldedName(time) ||
+               std::find(usual.begin(), usual.end(), folded) != usual.end();
+      });
+  if (has_time) return absl::OkStatus();
+  return fault("time_column",
+               "no column is known to hold the time: name it with time_column");
+}
+
 absl::StatusOr<HistorianColumns> HistorianFile::Columns(
     const HistorianSource& source, const ProcessModel& channels,
     const HistorianOptions& options) {
@@ -224,6 +420,7 @@ absl::StatusOr<HistorianColumns> HistorianFile::Columns(
       Start(source, channels, options,
             options.clocks.empty() ? options.clock : options.clocks[0],
             std::nullopt));
+  MLE_RETURN_IF_ERROR(file->CheckUnderstood());
   // The first row that is as long as the one below it, for titles above a
   // header of which no name is known.
   std::vector<std::string> header;
@@ -244,13 +441,23 @@ absl::StatusOr<HistorianColumns> HistorianFile::Columns(
       });
   const std::vector<std::string> times =
       LongColumnNames({.time_column = options.columns.time_column});
+  const std::string& named = file->columns_.time_column;
+  const std::pair<std::string, std::string> time =
+      SplitTimeName(named, header).value_or(std::pair(named, named));
   HistorianColumns columns;
   for (std::size_t c = 0; c < header.size(); ++c) {
     const std::string name(TrimCsvField(header[c]));
     const std::string folded = FoldedName(name);
     const auto& suffixes = options.columns.quality_suffixes;
+    std::vector<std::string_view> others;
+    for (const std::string& other : header) {
+      if (other != name) others.emplace_back(other);
+    }
+    const bool is_quality =
+        AreUsualSuffixes(suffixes) && QualityOfName(name, others).has_value();
     const bool is_other =
-        folded.empty() || folded == FoldedName(options.columns.time_column) ||
+        is_quality || folded.empty() || folded == FoldedName(time.first) ||
+        folded == FoldedName(time.second) ||
         std::find(times.begin(), times.end(), folded) != times.end() ||
         std::any_of(suffixes.begin(), suffixes.end(),
                     [&](const std::string& suffix) {
@@ -272,7 +479,7 @@ absl::StatusOr<std::unique_ptr<HistorianFile>> HistorianFile::Open(
   MLE_RETURN_IF_ERROR(file->RecogniseRows(channels, options));
 
   RecordRowsOptions row_options;
-  row_options.columns = options.columns;
+  row_options.columns = file->columns_;
   row_options.decimal = file->report_.decimal;
   row_options.bad_values = options.bad_values;
   row_options.bad_words = KnownBadWords();
@@ -284,12 +491,25 @@ absl::StatusOr<std::unique_ptr<HistorianFile>> HistorianFile::Open(
   MLE_ASSIGN_OR_RETURN(
       RecordRows rows,
       RecordRows::Open(*file->csv_, channels, row_options, file->clock_));
+  std::vector<std::string> qualities;
   for (const RecordColumn& column : rows.columns()) {
+    // What a suffix names is as declared.
+    if (column.kind == RecordColumn::Kind::kQuality &&
+        !HasSuffix(column.name, options.columns.quality_suffixes)) {
+      qualities.push_back(column.name);
+    }
     if (column.kind != RecordColumn::Kind::kOther) continue;
     ++file->report_.num_ignored_columns;
     if (file->report_.ignored_columns.size() < kMaxIgnoredNames) {
       file->report_.ignored_columns.push_back(ShowCsvText(column.name));
     }
+  }
+  if (!qualities.empty()) {
+    file->notes_.push_back(
+        {absl::StrCat(source.name, ": ", ListOfNames(qualities),
+                      qualities.size() == 1 ? " says" : " say",
+                      " how good samples are."),
+         "quality_suffixes"});
   }
   file->rows_ = std::move(rows);
   return file;

@@ -50,6 +50,9 @@ class HistorianFile {
   const std::vector<ImportNote>& notes() const { return notes_; }
   // A long table whose tags have samples at times of their own.
   bool is_sparse() const { return is_sparse_; }
+  // Of a long table, rows that are left out: at a time already read, comments.
+  std::int64_t repeated_rows() const { return repeated_rows_; }
+  std::int64_t comment_rows() const { return comment_rows_; }
   // Of the text, what is read; negative: not known.
   double FractionRead() const;
 
@@ -64,9 +67,15 @@ class HistorianFile {
   absl::Status SkipToHeader(const HistorianOptions& options,
                             const std::vector<std::string>& names);
   CsvHead Head();
+  absl::Status TakeHeader(const CsvHead& head,
+                          const std::vector<std::string>& names);
+  absl::Status RecogniseColumns(const CsvHead& head,
+                                const std::vector<std::string>& names,
+                                const HistorianOptions& options);
   absl::Status WidenLongTable(const CsvHead& head,
                               const std::vector<std::string>& names,
-                              const HistorianOptions& options);
+                              HistorianOptions options);
+  absl::Status CheckUnderstood();
   absl::Status RecogniseRows(const ProcessModel& channels,
                              const HistorianOptions& options);
   absl::Status RecogniseTable(const ProcessModel& channels,
@@ -76,13 +85,17 @@ class HistorianFile {
   RecordClock clock_;
   std::unique_ptr<CsvRows> csv_;
   std::optional<RecordRows> rows_;
+  ColumnOptions columns_;  // with the name of the time that was recognised
   FileReport report_;
   std::vector<ImportNote> notes_;
   bool is_table_ = false;   // as of HistorianSource
   std::int64_t bytes_ = 0;  // of the text; 0: not known
   int header_line_ = 1;
+  std::string header_text_;  // of names that are given
   int rows_below_header_ = 0;
   bool is_sparse_ = false;
+  std::int64_t repeated_rows_ = 0;
+  std::int64_t comment_rows_ = 0;
 };
 
 // What a file begins with.
@@ -96,8 +109,16 @@ struct HistorianProbe {
   double empty_share = 0.0;   // of the fields that are looked at
   bool has_dates = false;
   bool has_set_points = false;
-  double origin = 0.0;        // seconds since the epoch of its earliest date
-  double first_time = 0.0;    // the earliest, in the model's unit; 0 of dates
+  double origin = 0.0;      // seconds since the epoch of its earliest date
+  double first_time = 0.0;  // the earliest, in the model's unit; 0 of dates
+  // Of a long table: how far the first samples of each value are apart, 0 where
+  // that varies.
+  std::vector<double> sample_steps;
+  // Of the first rows: those at a time already read, how many rows a time
+  // usually has, and how far these times usually are apart.
+  int repeated_rows = 0;
+  int rows_of_time = 1;
+  double time_step = 0.0;
   std::vector<double> steps;  // of the first rows, those above 0
 };
 

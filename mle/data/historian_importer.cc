@@ -21,6 +21,8 @@ constexpr double kMaxRefinement = 50.0;
 constexpr double kGapSteps = 1.9;
 // Of rows that are multiples of a step apart.
 constexpr double kMostlyEven = 0.9;
+// Steps from one sample to the next of outputs that are points.
+constexpr double kPointSteps = 3.0;
 constexpr std::int64_t kRowsOfProgress = 1000;
 
 }  // namespace
@@ -137,6 +139,7 @@ absl::Status HistorianImporter::ChooseStepOfExceptions(
 
 // An error for a row that does not follow the last, or `skip`.
 absl::Status HistorianImporter::CheckOrder(const HistorianFile& file,
+                                           const HistorianProbe& probe,
                                            const RowStream& rows, double time,
                                            bool is_first, bool& skip) {
   skip = false;
@@ -144,7 +147,7 @@ absl::Status HistorianImporter::CheckOrder(const HistorianFile& file,
   const bool is_repeated = time == last_time_;
   if (!(is_repeated ? options_.skip_repeated_times
                     : options_.skip_backward_times)) {
-    return OrderError(file, rows, time, is_first);
+    return OrderError(file, probe, rows, time, is_first);
   }
   ++(is_repeated ? import_.report.repeated_rows : import_.report.backward_rows);
   skip = true;
@@ -152,6 +155,7 @@ absl::Status HistorianImporter::CheckOrder(const HistorianFile& file,
 }
 
 absl::Status HistorianImporter::OrderError(const HistorianFile& file,
+                                           const HistorianProbe& probe,
                                            const RowStream& rows, double time,
                                            bool is_first) const {
   const bool is_repeated = time == last_time_;
@@ -181,12 +185,31 @@ absl::Status HistorianImporter::OrderError(const HistorianFile& file,
                      " have the same times: if each has a clock of its own, "
                      "separate_files = true takes them one after another"));
   }
-  const char* const option =
-      is_repeated ? "skip_repeated_times" : "skip_backward_times";
-  return OptionError(
-      option, absl::StrCat(message, ", or rows ",
-                           is_repeated ? "at the same time" : "that go back",
-                           " be ignored (", option, " = true)"));
+  if (is_repeated && probe.rows_of_time > 1) {
+    return OptionError(
+        "skip_repeated_times,spread_repeated_times",
+        absl::StrCat(message, ". ", probe.rows_of_time,
+                     " rows share each time: their seconds were lost when the "
+                     "file was saved. Export it with seconds, or let rows be "
+                     "spread evenly (spread_repeated_times = true), or all but "
+                     "the first of each time be ignored (skip_repeated_times "
+                     "= true)"));
+  }
+  if (is_repeated) {
+    return OptionError(
+        "skip_repeated_times",
+        absl::StrCat(message,
+                     ", or rows at the same time be ignored "
+                     "(skip_repeated_times = true)",
+                     probe.repeated_rows > 1
+                         ? absl::StrCat("; there are ", probe.repeated_rows,
+                                        " of them at the beginning of the file")
+                         : ""));
+  }
+  return OptionError("skip_backward_times",
+                     absl::StrCat(message,
+                                  ", or rows that go back be ignored "
+                                  "(skip_backward_times = true)"));
 }
 
 // Beyond the last row so far by more than any gap that is bridged.
@@ -228,15 +251,36 @@ void HistorianImporter::NoteGap(double time) {
 }
 
 std::unique_ptr<RowStream> HistorianImporter::StreamOf(
-    HistorianFile& file, const HistorianProbe& probe) const {
+    HistorianFile& file, const HistorianProbe& probe,
+    const SpreadRows*& spread) const {
   std::unique_ptr<RowStream> rows;
   if (probe.newest_first) {
     rows = std::make_unique<LastRowFirst>(file.rows(), options_.max_samples);
   } else {
     rows = std::make_unique<FileOrder>(file.rows());
   }
+  if (options_.spread_repeated_times && probe.rows_of_time > 1) {
+    auto spread_rows = std::make_unique<SpreadRows>(
+        std::move(rows), probe.time_step, probe.rows_of_time);
+    spread = spread_rows.get();
+    rows = std::move(spread_rows);
+  }
   if (!probe.is_unchanged) return rows;
-  return std::make_unique<HeldRows>(std::move(rows), import_.report.step);
+  return std::make_unique<HeldRows>(std::move(rows), import_.report.step,
+                                    PointsOf(probe));
+}
+
+// Outputs that a long table has at a few of its times only, by plan: measured
+// then, as by a laboratory, and not reported by exception.
+std::vector<bool> HistorianImporter::PointsOf(
+    const HistorianProbe& probe) const {
+  std::vector<bool> points(num_values(), false);
+  for (std::size_t v = 0; v < probe.sample_steps.size(); ++v) {
+    points[v] = options_.empty_fields == EmptyFields::kRecognise &&
+                static_cast<int>(v) < channels_.num_outputs() &&
+                probe.sample_steps[v] >= kPointSteps * import_.report.step;
+  }
+  return points;
 }
 
 bool HistorianImporter::TakeRow(const RecordRow& row, Resampler& resampler) {
@@ -247,7 +291,10 @@ bool HistorianImporter::TakeRow(const RecordRow& row, Resampler& resampler) {
     is_usable = true;
   }
   // A row without a good sample is none.
-  if (!is_usable) return true;
+  if (!is_usable) {
+    ++import_.report.empty_rows;
+    return true;
+  }
   NoteGap(row.time);
   if (!FitsWithin(row.time)) return false;
   resampler.Add(row.time, row.values);
@@ -285,7 +332,8 @@ absl::Status HistorianImporter::ReadSource(const HistorianProbe& probe,
   file->clock().set_descending(probe.newest_first);
   FileReport report = file->report();
   NoteForm(probe, report);
-  const std::unique_ptr<RowStream> stream = StreamOf(*file, probe);
+  const SpreadRows* spread = nullptr;
+  const std::unique_ptr<RowStream> stream = StreamOf(*file, probe, spread);
   RowStream& rows = *stream;
   const double shift = ShiftOf(probe);
   RecordRow row;
@@ -293,7 +341,7 @@ absl::Status HistorianImporter::ReadSource(const HistorianProbe& probe,
     row.time += shift;
     bool skip = false;
     MLE_RETURN_IF_ERROR(
-        CheckOrder(*file, rows, row.time, report.rows == 0, skip));
+        CheckOrder(*file, probe, rows, row.time, report.rows == 0, skip));
     if (report.rows == 0) report.first_time = row.time;
     ++report.rows;
     if (skip) continue;
@@ -311,6 +359,10 @@ absl::Status HistorianImporter::ReadSource(const HistorianProbe& probe,
   MLE_RETURN_IF_ERROR(rows.status());
   NoteChannels(file->rows(), probe.is_unchanged);
   import_.report.rows += report.rows;
+  import_.report.outside_rows += file->rows().passed_over();
+  import_.report.comment_rows += file->rows().comments() + file->comment_rows();
+  import_.report.repeated_rows += file->repeated_rows();
+  if (spread != nullptr) import_.report.spread_rows += spread->spread();
   import_.report.files.push_back(std::move(report));
   return absl::OkStatus();
 }
@@ -355,6 +407,7 @@ absl::StatusOr<HistorianImport> HistorianImporter::End(Resampler& resampler) {
   MLE_RETURN_IF_ERROR(collector_->status());
   MLE_RETURN_IF_ERROR(CheckChannels());
   NoteSamples();
+  NoteIgnoredRows();
   Warn();
   return std::move(import_);
 }

@@ -63,18 +63,24 @@ class HistorianImporter {
   // A row in order. False where there would be more samples than allowed.
   bool TakeRow(const RecordRow& row, Resampler& resampler);
   std::string TooManySamples() const;
-  absl::Status CheckOrder(const HistorianFile& file, const RowStream& rows,
+  absl::Status CheckOrder(const HistorianFile& file,
+                          const HistorianProbe& probe, const RowStream& rows,
                           double time, bool is_first, bool& skip);
-  absl::Status OrderError(const HistorianFile& file, const RowStream& rows,
+  absl::Status OrderError(const HistorianFile& file,
+                          const HistorianProbe& probe, const RowStream& rows,
                           double time, bool is_first) const;
   // What is added to times of a file that is a record of its own.
   double ShiftOf(const HistorianProbe& probe) const;
   void NoteForm(const HistorianProbe& probe, FileReport& report);
+  // `spread`: the part of the stream that spreads times, if it has one.
   std::unique_ptr<RowStream> StreamOf(HistorianFile& file,
-                                      const HistorianProbe& probe) const;
+                                      const HistorianProbe& probe,
+                                      const SpreadRows*& spread) const;
+  std::vector<bool> PointsOf(const HistorianProbe& probe) const;
   bool FitsWithin(double time);
   void NoteGap(double time);
   void NoteSamples();
+  void NoteIgnoredRows();
   CollectorOptions MakeCollectorOptions() const;
   void NoteChannels(const RecordRows& rows, bool is_unchanged);
   // The report of the channel that a column is; null for other columns.

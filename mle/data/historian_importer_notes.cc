@@ -90,6 +90,29 @@ void HistorianImporter::NoteSamples() {
   }
 }
 
+// Every row that is ignored is counted.
+void HistorianImporter::NoteIgnoredRows() {
+  HistorianReport& report = import_.report;
+  const auto note = [&](std::int64_t rows, const char* what,
+                        const char* option) {
+    if (rows == 0) return;
+    report.notes.push_back(
+        {absl::StrCat(rows, rows == 1 ? " row " : " rows ", what, "."),
+         option});
+  };
+  note(report.repeated_rows,
+       "at a time that was already read: ignored, with the samples in them",
+       "skip_repeated_times");
+  note(report.backward_rows, "earlier than the row before: ignored",
+       "skip_backward_times");
+  note(report.empty_rows, "without any good sample: left as gaps", "");
+  note(report.outside_rows, "outside of the time range: not read", "begin,end");
+  note(report.comment_rows, "of comments or repeated headers: passed over", "");
+  note(report.spread_rows,
+       "at a time that was already read: spread evenly until the next time",
+       "spread_repeated_times");
+}
+
 absl::Status HistorianImporter::CheckChannels() {
   for (int v = 0; v < num_values(); ++v) {
     if (!is_there_[v] || good_[v] > 0) continue;

@@ -1,6 +1,7 @@
 // What a file begins with, seen before any is read.
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <string>
 #include <utility>
@@ -17,6 +18,43 @@ namespace mle {
 namespace {
 
 constexpr std::size_t kProbeRows = 4096;
+
+// How many rows the times have, and how far times are apart.
+void CountRowsOfTimes(const std::vector<double>& times, HistorianProbe& probe) {
+  std::vector<double> apart;
+  std::vector<int> counts;
+  for (std::size_t k = 0; k < times.size(); ++k) {
+    if (k > 0 && times[k] == times[k - 1]) {
+      ++counts.back();
+      ++probe.repeated_rows;
+      continue;
+    }
+    if (k > 0 && times[k] > times[k - 1]) {
+      apart.push_back(times[k] - times[k - 1]);
+    }
+    counts.push_back(1);
+  }
+  // The first and the last may be cut.
+  if (counts.size() < 4 || apart.empty()) return;
+  std::sort(counts.begin() + 1, counts.end() - 1);
+  probe.rows_of_time = counts[counts.size() / 2];
+  probe.time_step = UsualStep(apart);
+}
+
+// How far times are apart, where that hardly varies, as of samples that are
+// taken by plan; 0 where it does.
+double EvenStep(const std::vector<double>& times) {
+  constexpr std::size_t kFewest = 4;
+  constexpr double kEven = 1.5;
+  std::vector<double> apart;
+  for (std::size_t k = 1; k < times.size(); ++k) {
+    apart.push_back(std::abs(times[k] - times[k - 1]));
+  }
+  if (apart.size() < kFewest) return 0.0;
+  std::sort(apart.begin(), apart.end());
+  const double usual = apart[apart.size() / 2];
+  return usual <= kEven * apart[apart.size() / 10] ? usual : 0.0;
+}
 
 // Of the rows that are looked at, one in ten may be out of order.
 bool IsNewestFirst(const std::vector<double>& times) {
@@ -87,9 +125,14 @@ absl::StatusOr<HistorianProbe> ProbeHistorian(const HistorianSource& source,
   RecordRow row;
   std::vector<double> times;
   EmptyCells empty;
+  std::vector<std::vector<double>> sample_times(1);
   while (times.size() < kProbeRows && file->rows().Next(row)) {
     times.push_back(row.time);
     empty.Add(row.values);
+    sample_times.resize(row.values.size());
+    for (std::size_t v = 0; v < row.values.size(); ++v) {
+      if (!IsNoSample(row.values[v])) sample_times[v].push_back(row.time);
+    }
     if (times.size() == 2) file->clock().set_descending(times[1] < times[0]);
   }
   MLE_RETURN_IF_ERROR(file->rows().status());
@@ -100,6 +143,14 @@ absl::StatusOr<HistorianProbe> ProbeHistorian(const HistorianSource& source,
     while (file->rows().Next(row)) first = row.time;
     MLE_RETURN_IF_ERROR(file->rows().status());
     std::reverse(times.begin(), times.end());
+  }
+  for (const std::vector<double>& of_value : sample_times) {
+    if (file->is_sparse()) probe.sample_steps.push_back(EvenStep(of_value));
+  }
+  CountRowsOfTimes(times, probe);
+  if (options.spread_repeated_times && probe.rows_of_time > 1) {
+    probe.steps.assign(times.size(), probe.time_step / probe.rows_of_time);
+    times.clear();
   }
   for (std::size_t k = 1; k < times.size(); ++k) {
     if (times[k] > times[k - 1]) probe.steps.push_back(times[k] - times[k - 1]);

@@ -232,10 +232,6 @@ std::string HistorianReport::FullReport(const std::string& time_unit) const {
                   averaged ? "means over each sample time"
                            : "taken or interpolated at each sample",
                   "\n");
-  if (repeated_rows > 0 || backward_rows > 0) {
-    absl::StrAppend(&text, repeated_rows, " rows at a time already read and ",
-                    backward_rows, " that go back were ignored\n");
-  }
   text += "channels:\n";
   for (const ChannelReport& channel : channels) AppendBad(channel, text);
   for (const GapReport& gap : gaps) {

@@ -7,58 +7,141 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "mle/base/absl_view.h"
 #include "mle/base/option_error.h"
 #include "mle/base/status.h"
 #include "mle/data/csv_numbers.h"
 #include "mle/data/nearest_names.h"
+#include "mle/data/quality_columns.h"
+#include "mle/data/time_columns.h"
 
 namespace mle {
 namespace {
 
 const std::vector<std::string>& UsualTimes() {
-  static const auto& names =
-      *new std::vector<std::string>{"time", "timestamp", "datetime",     "date",
-                                    "ts",   "date/time", "ip_trend_time"};
+  static const auto& names = *new std::vector<std::string>{
+      "time",         "timestamp",    "datetime",      "date",
+      "ts",           "date/time",    "ip_trend_time", "_time",
+      "last_changed", "last_updated", "t_stamp",       "sampletime",
+      "timestamputc", "utctime",      "localtime",     "date_time",
+      "zeitstempel",  "logtime",      "eventtime"};
   return names;
 }
 
 const std::vector<std::string>& UsualTags() {
   static const auto& names = *new std::vector<std::string>{
-      "tag",     "tagname", "tag_name", "tagid",  "point",   "pointname",
-      "pointid", "name",    "item",     "signal", "variable"};
+      "tag",       "tagname",   "tag_name",  "tagid",  "point",
+      "pointname", "pointid",   "name",      "item",   "signal",
+      "variable",  "_field",    "entity_id", "itemid", "fulltagname",
+      "varname",   "parameter", "metric",    "sensor", "attribute"};
   return names;
 }
 
+// The first that a header has.
 const std::vector<std::string>& UsualValues() {
-  static const auto& names =
-      *new std::vector<std::string>{"value", "val", "ip_trend_value"};
-  return names;
-}
-
-const std::vector<std::string>& UsualQualities() {
   static const auto& names = *new std::vector<std::string>{
-      "quality", "status", "confidence", "ip_trend_qstatus"};
+      "value",    "val",      "_value",      "vvalue",     "tagval",
+      "tagvalue", "pv",       "doublevalue", "floatvalue", "numericvalue",
+      "reading",  "varvalue", "result",      "state",      "ip_trend_value"};
   return names;
 }
 
-// The column of a declared name, or of a usual one; −1: none.
-int Find(const std::vector<std::string_view>& header,
-         const std::string& declared, const std::vector<std::string>& usual) {
-  std::vector<std::string> names = usual;
-  if (!declared.empty()) names = {FoldedName(declared)};
+int IndexOf(const std::vector<std::string>& header, const std::string& name) {
   for (std::size_t c = 0; c < header.size(); ++c) {
-    const std::string name = FoldedName(header[c]);
-    if (std::find(names.begin(), names.end(), name) != names.end()) {
-      return static_cast<int>(c);
-    }
+    if (FoldedName(header[c]) == FoldedName(name)) return static_cast<int>(c);
   }
   return -1;
+}
+
+// The column of a declared name, or of the first usual one; −1: none.
+int Find(const std::vector<std::string>& header, const std::string& declared,
+         const std::vector<std::string>& usual) {
+  if (!declared.empty()) return IndexOf(header, declared);
+  for (const std::string& name : usual) {
+    if (const int c = IndexOf(header, name); c >= 0) return c;
+  }
+  return -1;
+}
+
+// The column in which most of the names stand; −1: none has any.
+int FindTags(const std::vector<std::string>& header,
+             const std::vector<std::vector<std::string>>& rows,
+             const std::set<std::string>& wanted) {
+  int best = -1;
+  std::size_t most = 0;
+  for (std::size_t c = 0; c < header.size(); ++c) {
+    std::set<std::string> found;
+    for (const std::vector<std::string>& row : rows) {
+      if (c >= row.size()) continue;
+      std::string name = FoldedName(row[c]);
+      if (wanted.contains(name)) found.insert(std::move(name));
+    }
+    if (found.size() > most) {
+      most = found.size();
+      best = static_cast<int>(c);
+    }
+  }
+  return best;
+}
+
+// The one column of numbers that is left; −1: none, or several.
+int OnlyNumbers(const std::vector<std::string>& header,
+                const std::vector<std::vector<std::string>>& rows,
+                const LongColumns& columns) {
+  int only = -1;
+  for (int c = 0; c < static_cast<int>(header.size()); ++c) {
+    if (c == columns.time || c == columns.time_part || c == columns.tag ||
+        c == columns.quality) {
+      continue;
+    }
+    std::size_t numbers = 0;
+    for (const std::vector<std::string>& row : rows) {
+      double number = 0.0;
+      if (c < static_cast<int>(row.size()) &&
+          (ReadCsvNumber(row[c], number) ||
+           ReadCsvNumber(row[c], number, ','))) {
+        ++numbers;
+      }
+    }
+    if (2 * numbers < rows.size() || numbers == 0) continue;
+    if (only >= 0) return -1;
+    only = c;
+  }
+  return only;
 }
 
 std::string DeclaredTime(const ColumnOptions& options) {
   return options.time_column == ColumnOptions().time_column
              ? ""
              : options.time_column;
+}
+
+// The declared column of qualities, or all that are named as such.
+void FindQualities(const std::vector<std::string>& header,
+                   const ColumnOptions& options, LongColumns& columns) {
+  if (!options.quality_column.empty()) {
+    columns.quality = IndexOf(header, options.quality_column);
+    return;
+  }
+  for (int c = 0; c < static_cast<int>(header.size()); ++c) {
+    const bool is_quality = FoldedName(header[c]) == "ip_trend_qstatus" ||
+                            FoldedName(header[c]) == "q" ||
+                            QualityOfName(header[c], {}).has_value();
+    if (!is_quality || c == columns.value || c == columns.tag ||
+        c == columns.time || c == columns.time_part) {
+      continue;
+    }
+    if (columns.quality < 0) {
+      columns.quality = c;
+    } else {
+      columns.other_qualities.push_back(c);
+    }
+  }
+}
+
+QualityKind KindOf(const std::string& name) {
+  const auto quality = QualityOfName(name, {});
+  return quality ? quality->kind : QualityKind::kCode;
 }
 
 // A sample of the long table.
@@ -70,13 +153,17 @@ struct Entry {
   int time_size = 0;
   int value_size = 0;
   int quality_size = 0;
+  int repeat = 0;  // of the tag at this time
 };
 
 class Samples {
  public:
-  Samples(const LongColumns& columns, const HistorianOptions& options,
-          RecordClock clock)
-      : columns_(columns), options_(options), clock_(std::move(clock)) {}
+  Samples(const std::vector<std::string>& header, const LongColumns& columns,
+          const HistorianOptions& options, RecordClock clock)
+      : header_(header),
+        columns_(columns),
+        options_(options),
+        clock_(std::move(clock)) {}
 
   absl::Status Read(CsvRows& rows, const std::vector<std::string>& channels);
   absl::StatusOr<WideTable> Widen(CsvRows& rows);
@@ -85,6 +172,9 @@ class Samples {
   absl::Status Add(const CsvRows& rows,
                    const std::vector<std::string_view>& fields, int tag);
   std::size_t RowEnd(std::size_t begin) const;
+  std::int64_t CountRepeated() const;
+  std::string QualitySuffix() const;
+  void RepeatRows(std::size_t begin, std::size_t end);
   std::string_view Part(const Entry& entry, int from, int size) const {
     return std::string_view(text_).substr(entry.begin + from, size);
   }
@@ -92,6 +182,9 @@ class Samples {
                       WideTable& table, std::vector<int>& lines) const;
   int NumberOf(std::string_view tag, const std::set<std::string>& wanted);
 
+  bool IsHeader(const std::vector<std::string_view>& fields) const;
+
+  const std::vector<std::string>& header_;
   const LongColumns& columns_;
   const HistorianOptions& options_;
   RecordClock clock_;
@@ -99,7 +192,16 @@ class Samples {
   std::vector<Entry> entries_;
   std::vector<std::string> tags_;
   std::vector<bool> is_kept_;  // their samples are
+  std::int64_t comments_ = 0;
 };
+
+// The header once more, as tables written one below the other have it.
+bool Samples::IsHeader(const std::vector<std::string_view>& fields) const {
+  for (const int c : {columns_.tag, columns_.value, columns_.time}) {
+    if (TrimCsvField(fields[c]) != header_[c]) return false;
+  }
+  return true;
+}
 
 absl::Status Samples::Add(const CsvRows& rows,
                           const std::vector<std::string_view>& fields,
@@ -108,7 +210,12 @@ absl::Status Samples::Add(const CsvRows& rows,
   entry.tag = tag;
   entry.line = rows.line();
   entry.begin = text_.size();
-  const std::string_view time = TrimCsvField(fields[columns_.time]);
+  std::string joined;
+  std::string_view time = TrimCsvField(fields[columns_.time]);
+  if (columns_.time_part >= 0) {
+    joined = JoinTimeFields(time, fields[columns_.time_part]);
+    time = joined;
+  }
   const std::string_view value = TrimCsvField(fields[columns_.value]);
   const char decimal = options_.decimal == 0 ? '.' : options_.decimal;
   if (!clock_.Read(time, decimal, entry.time) &&
@@ -122,7 +229,15 @@ absl::Status Samples::Add(const CsvRows& rows,
   entry.value_size = static_cast<int>(value.size());
   text_.append(time).append(value);
   if (columns_.quality >= 0) {
-    const std::string_view quality = TrimCsvField(fields[columns_.quality]);
+    std::string_view quality = TrimCsvField(fields[columns_.quality]);
+    std::string other;
+    for (const int c : columns_.other_qualities) {
+      const std::string_view text = TrimCsvField(fields[c]);
+      if (IsUsuallyGood(text, KindOf(header_[c]))) continue;
+      other = absl::StrCat(header_[c], " ", AbslView(text));
+      quality = other;
+      break;
+    }
     entry.quality_size = static_cast<int>(quality.size());
     text_.append(quality);
   }
@@ -156,12 +271,20 @@ absl::Status Samples::Read(CsvRows& rows,
   std::map<std::string, int, std::less<>> numbers;  // −1: not wanted
   std::vector<std::string_view> fields;
   const auto least = static_cast<std::size_t>(std::max(
-      {columns_.time, columns_.tag, columns_.value, columns_.quality}));
+      {columns_.time, columns_.time_part, columns_.tag, columns_.value,
+       columns_.quality,
+       columns_.other_qualities.empty() ? -1
+                                        : columns_.other_qualities.back()}));
+  rows.set_skips_comments();
   while (rows.Next(fields)) {
     if (fields.size() <= least) {
       return absl::InvalidArgumentError(absl::StrCat(
           rows.Place(static_cast<int>(fields.size())), ": the row ends after ",
           fields.size(), " fields, before its ", least + 1, "th"));
+    }
+    if (IsHeader(fields)) {
+      ++comments_;
+      continue;
     }
     const std::string_view tag = TrimCsvField(fields[columns_.tag]);
     auto number = numbers.find(tag);
@@ -177,6 +300,7 @@ absl::Status Samples::Read(CsvRows& rows,
     }
     MLE_RETURN_IF_ERROR(Add(rows, fields, number->second));
   }
+  comments_ += rows.comments();
   return rows.status();
 }
 
@@ -186,6 +310,29 @@ std::size_t Samples::RowEnd(std::size_t begin) const {
     ++end;
   }
   return end;
+}
+
+// Samples of a tag at a time at which it has one already.
+std::int64_t Samples::CountRepeated() const {
+  std::int64_t repeated = 0;
+  std::set<int> tags;
+  for (std::size_t e = 0; e < entries_.size(); ++e) {
+    if (e == 0 || entries_[e].time != entries_[e - 1].time) tags.clear();
+    if (!tags.insert(entries_[e].tag).second) ++repeated;
+  }
+  return repeated;
+}
+
+// Samples of one time: the first of each tag, then the second of each.
+void Samples::RepeatRows(std::size_t begin, std::size_t end) {
+  std::vector<int> counts(tags_.size(), 0);
+  for (std::size_t e = begin; e < end; ++e) {
+    entries_[e].repeat = counts[entries_[e].tag]++;
+  }
+  std::stable_sort(
+      entries_.begin() + static_cast<std::ptrdiff_t>(begin),
+      entries_.begin() + static_cast<std::ptrdiff_t>(end),
+      [](const Entry& a, const Entry& b) { return a.repeat < b.repeat; });
 }
 
 absl::Status Samples::AddRow(const CsvRows& rows, std::size_t begin,
@@ -198,14 +345,16 @@ absl::Status Samples::AddRow(const CsvRows& rows, std::size_t begin,
     const Entry*& cell = cells[entry.tag];
     if (cell != nullptr && !options_.skip_repeated_times) {
       return OptionError(
-          "skip_repeated_times",
-          absl::StrCat(rows.PlaceIn(entry.line, columns_.time + 1), ": '",
-                       ShowCsvText(tags_[entry.tag]),
-                       "' has a sample at this time in ",
-                       rows.LineName(cell->line),
-                       " already; such rows are ignored with "
-                       "skip_repeated_times = true"));
+          "skip_repeated_times,spread_repeated_times",
+          absl::StrCat(
+              rows.PlaceIn(entry.line, columns_.time + 1), ": '",
+              ShowCsvText(tags_[entry.tag]), "' has a sample at this time in ",
+              rows.LineName(cell->line), " already, one of ", CountRepeated(),
+              " such rows; such rows are ignored with "
+              "skip_repeated_times = true, or, if seconds were lost, "
+              "spread evenly with spread_repeated_times = true"));
     }
+    if (cell != nullptr) ++table.repeated_rows;
     if (cell == nullptr) cell = &entry;
   }
   table.text +=
@@ -230,17 +379,33 @@ absl::Status Samples::AddRow(const CsvRows& rows, std::size_t begin,
   return absl::OkStatus();
 }
 
+// By which the wide table tells of what kind its qualities are.
+std::string Samples::QualitySuffix() const {
+  const auto& suffixes = options_.columns.quality_suffixes;
+  if (columns_.quality >= 0 && AreUsualSuffixes(suffixes)) {
+    switch (KindOf(header_[columns_.quality])) {
+      case QualityKind::kFlag:
+        return "_isgood";
+      case QualityKind::kFault:
+        return "_questionable";
+      case QualityKind::kConfidence:
+        return "_confidence";
+      case QualityKind::kCode:
+        break;
+    }
+  }
+  return suffixes.empty() ? "_quality" : suffixes[0];
+}
+
 absl::StatusOr<WideTable> Samples::Widen(CsvRows& rows) {
   WideTable table;
   const bool has_quality = columns_.quality >= 0;
-  const auto& suffixes = options_.columns.quality_suffixes;
+  const std::string suffix = QualitySuffix();
   table.text = QuoteCsvField(options_.columns.time_column);
   for (const std::string& tag : tags_) {
     absl::StrAppend(&table.text, ",", QuoteCsvField(tag));
     if (has_quality) {
-      absl::StrAppend(
-          &table.text, ",",
-          QuoteCsvField(tag + (suffixes.empty() ? "_quality" : suffixes[0])));
+      absl::StrAppend(&table.text, ",", QuoteCsvField(tag + suffix));
     }
   }
   table.text += '\n';
@@ -250,7 +415,17 @@ absl::StatusOr<WideTable> Samples::Widen(CsvRows& rows) {
   auto lines = std::make_shared<std::vector<int>>();
   for (std::size_t begin = 0; begin < entries_.size();) {
     const std::size_t end = RowEnd(begin);
-    MLE_RETURN_IF_ERROR(AddRow(rows, begin, end, table, *lines));
+    if (options_.spread_repeated_times) RepeatRows(begin, end);
+    for (std::size_t from = begin; from < end;) {
+      std::size_t to = from + 1;
+      if (options_.spread_repeated_times) {
+        while (to < end && entries_[to].repeat == entries_[from].repeat) ++to;
+      } else {
+        to = end;
+      }
+      MLE_RETURN_IF_ERROR(AddRow(rows, from, to, table, *lines));
+      from = to;
+    }
     begin = end;
   }
   const int width = static_cast<int>(tags_.size()) + 1;
@@ -266,6 +441,7 @@ absl::StatusOr<WideTable> Samples::Widen(CsvRows& rows) {
                                                      : columns.value));
   };
   table.tags = std::move(tags_);
+  table.comment_rows = comments_;
   return table;
 }
 
@@ -289,31 +465,68 @@ std::vector<std::string> LongColumnNames(const ColumnOptions& options) {
   return names;
 }
 
-std::optional<LongColumns> FindLongColumns(
-    const std::vector<std::string_view>& header,
+absl::StatusOr<std::optional<LongColumns>> FindLongColumns(
+    const std::vector<std::string>& header,
+    const std::vector<std::vector<std::string>>& rows,
     const std::vector<std::string>& channels, const ColumnOptions& options) {
+  for (const auto& [name, option] :
+       {std::pair(options.tag_column, "tag_column"),
+        std::pair(options.value_column, "value_column"),
+        std::pair(options.quality_column, "quality_column")}) {
+    if (name.empty() || IndexOf(header, name) >= 0) continue;
+    return OptionError(
+        option,
+        absl::StrCat("there is no column ", QuotedCsvText(name), " (", option,
+                     "); the header has ", ListOfNames(header)));
+  }
+  std::set<std::string> wanted;
   for (const std::string& channel : channels) {
-    if (FoldedName(channel) == FoldedName(options.time_column)) continue;
-    for (const std::string_view name : header) {
-      if (FoldedName(name) == FoldedName(channel)) return std::nullopt;
+    if (FoldedName(channel) != FoldedName(options.time_column)) {
+      wanted.insert(FoldedName(channel));
     }
   }
-  LongColumns columns;
-  columns.time = Find(header, DeclaredTime(options), UsualTimes());
-  columns.tag = Find(header, options.tag_column, UsualTags());
-  columns.value = Find(header, options.value_column, UsualValues());
-  columns.quality = Find(header, options.quality_column, UsualQualities());
-  if (columns.time < 0 || columns.tag < 0 || columns.value < 0) {
-    return std::nullopt;
+  for (const std::string& name : header) {
+    if (wanted.contains(FoldedName(name))) return std::nullopt;
   }
-  return columns;
+  LongColumns columns;
+  if (const auto parts = SplitTimeName(options.time_column, header)) {
+    columns.time = IndexOf(header, parts->first);
+    columns.time_part = IndexOf(header, parts->second);
+  } else {
+    columns.time = Find(header, DeclaredTime(options), UsualTimes());
+  }
+  const int tags = FindTags(header, rows, wanted);
+  columns.tag = !options.tag_column.empty() || tags < 0
+                    ? Find(header, options.tag_column, UsualTags())
+                    : tags;
+  columns.value = Find(header, options.value_column, UsualValues());
+  FindQualities(header, options, columns);
+  if (columns.value < 0) {
+    columns.value = OnlyNumbers(header, rows, columns);
+  }
+  if (columns.time >= 0 && columns.tag >= 0 && columns.value >= 0) {
+    return columns;
+  }
+  if (tags < 0 && options.tag_column.empty()) return std::nullopt;
+  return OptionError(
+      "tag_column,value_column,time_column",
+      absl::StrCat(
+          "this looks like a table with a row for each sample, with "
+          "tags in the column ",
+          QuotedCsvText(header[columns.tag]),
+          "; name all three of its columns: tag_column = ", header[columns.tag],
+          ", value_column and time_column. The "
+          "header has ",
+          ListOfNames(header)));
 }
 
-absl::StatusOr<WideTable> WidenTable(CsvRows& rows, const LongColumns& columns,
+absl::StatusOr<WideTable> WidenTable(CsvRows& rows,
+                                     const std::vector<std::string>& header,
+                                     const LongColumns& columns,
                                      const std::vector<std::string>& channels,
                                      const HistorianOptions& options,
                                      RecordClock clock) {
-  Samples samples(columns, options, std::move(clock));
+  Samples samples(header, columns, options, std::move(clock));
   MLE_RETURN_IF_ERROR(samples.Read(rows, channels));
   return samples.Widen(rows);
 }

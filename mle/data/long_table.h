@@ -12,6 +12,7 @@
 #ifndef MLE_DATA_LONG_TABLE_H_
 #define MLE_DATA_LONG_TABLE_H_
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -24,12 +25,15 @@
 
 namespace mle {
 
-// Which column of a long table holds what; quality −1: none.
+// Which column of a long table holds what; −1: none.
 struct LongColumns {
   int time = 0;
+  int time_part = -1;  // the rest of a time in two columns
   int tag = 0;
   int value = 0;
   int quality = -1;
+  // Other columns of quality, all of which must be good.
+  std::vector<int> other_qualities = {};
 };
 
 // Names that columns of times have, folded (nearest_names.h).
@@ -38,10 +42,14 @@ const std::vector<std::string>& UsualTimeColumns();
 // Names of such columns, for the header to be found by.
 std::vector<std::string> LongColumnNames(const ColumnOptions& options);
 
-// Those of a header that names time, tag and value, as declared or by usual
-// names; nothing for any other, and for a header that names a channel.
-std::optional<LongColumns> FindLongColumns(
-    const std::vector<std::string_view>& header,
+// Those of a header that names time, tag and value, as declared, by the names
+// of `channels` that stand in one of the first `rows`, or by usual names;
+// nothing for any other, and for a header that names a channel.
+// InvalidArgument where tags stand in a column, but values or times are not
+// certain, and for a declared column that is not there.
+absl::StatusOr<std::optional<LongColumns>> FindLongColumns(
+    const std::vector<std::string>& header,
+    const std::vector<std::vector<std::string>>& rows,
     const std::vector<std::string>& channels, const ColumnOptions& options);
 
 struct WideTable {
@@ -50,14 +58,21 @@ struct WideTable {
   std::vector<std::string> tags;
   // Every tag of which samples are kept has one at every time.
   bool is_complete = true;
+  // Rows that are left out: at a time already read, comments and the header
+  // again.
+  std::int64_t repeated_rows = 0;
+  std::int64_t comment_rows = 0;
 };
 
 // Reads all rows below the header. Of tags that are not among `channels` no
 // sample is kept, so that memory is that of the samples asked for; they are
-// left out if other columns are to be ignored, else columns without samples.
-// InvalidArgument for a time that `clock` does not read, two samples of a tag
-// at one time, and more than 4 · options.max_samples samples.
-absl::StatusOr<WideTable> WidenTable(CsvRows& rows, const LongColumns& columns,
+// left out if other columns are to be ignored, else columns without samples. If
+// repeated times are to be spread, samples of a tag at one time are rows of
+// their own. InvalidArgument for a time that `clock` does not read, two samples
+// of a tag at one time, and more than 4 · options.max_samples samples.
+absl::StatusOr<WideTable> WidenTable(CsvRows& rows,
+                                     const std::vector<std::string>& header,
+                                     const LongColumns& columns,
                                      const std::vector<std::string>& channels,
                                      const HistorianOptions& options,
                                      RecordClock clock);

@@ -14,6 +14,8 @@
 #include "mle/data/csv_rows.h"
 #include "mle/data/long_table.h"
 #include "mle/data/nearest_names.h"
+#include "mle/data/quality_columns.h"
+#include "mle/data/time_columns.h"
 
 namespace mle {
 namespace {
@@ -56,11 +58,20 @@ void MatchQuality(const ColumnOptions& options,
   std::map<std::string, int, std::less<>> samples;
   for (std::size_t c = 0; c < columns.size(); ++c) {
     const Kind kind = columns[c].kind;
-    if (kind == Kind::kOther || kind == Kind::kTime) continue;
+    if (kind == Kind::kOther || kind == Kind::kTime ||
+        kind == Kind::kTimePart) {
+      continue;
+    }
     samples[columns[c].name] = static_cast<int>(c);
   }
+  std::vector<std::string_view> names;
+  for (const auto& [name, column] : samples) names.push_back(name);
+  const auto& unused = options.unused_tags;
   for (RecordColumn& column : columns) {
-    if (column.kind != Kind::kOther) continue;
+    if (column.kind != Kind::kOther ||
+        std::find(unused.begin(), unused.end(), column.name) != unused.end()) {
+      continue;
+    }
     for (const std::string& suffix : options.quality_suffixes) {
       if (suffix.empty() || !column.name.ends_with(suffix)) continue;
       const auto found =
@@ -70,6 +81,23 @@ void MatchQuality(const ColumnOptions& options,
       column.kind = Kind::kQuality;
       column.quality_of = found->second;
     }
+    if (column.kind == Kind::kQuality ||
+        !AreUsualSuffixes(options.quality_suffixes)) {
+      continue;
+    }
+    const auto quality = QualityOfName(column.name, names);
+    // A status alone may be that of the plant.
+    if (!quality ||
+        (quality->column.empty() &&
+         (quality->kind == QualityKind::kCode ||
+          quality->kind == QualityKind::kConfidence) &&
+         FoldedName(column.name).find("quality") == std::string::npos)) {
+      continue;
+    }
+    column.kind = Kind::kQuality;
+    column.quality = quality->kind;
+    column.quality_of =
+        quality->column.empty() ? -1 : samples.find(quality->column)->second;
   }
 }
 
@@ -86,6 +114,7 @@ class Matching {
   std::vector<RecordColumn>& columns() { return columns_; }
 
  private:
+  void SplitTime(const std::vector<std::string_view>& header);
   void Take(ColumnsByName::iterator found, std::size_t column);
   void MatchFolded();
   void MatchUsualTime();
@@ -112,11 +141,32 @@ void Matching::Take(ColumnsByName::iterator found, std::size_t column) {
   wanted_.erase(found);
 }
 
+// A time that is named as two columns.
+void Matching::SplitTime(const std::vector<std::string_view>& header) {
+  const auto time = wanted_.find(options_.time_column);
+  if (time == wanted_.end() || time->second.kind != Kind::kTime) return;
+  const auto parts = SplitTimeName(time->first, {header.begin(), header.end()});
+  if (!parts || wanted_.contains(parts->first) ||
+      wanted_.contains(parts->second) || parts->first == parts->second) {
+    return;
+  }
+  RecordColumn column = time->second;
+  wanted_.erase(time);
+  column.name = parts->first;
+  wanted_.emplace(column.name, column);
+  column.kind = Kind::kTimePart;
+  column.name = parts->second;
+  wanted_.emplace(column.name, column);
+}
+
 void Matching::Match(const std::vector<std::string_view>& header) {
+  SplitTime(header);
   std::set<std::string> seen;
   for (std::size_t c = 0; c < header.size(); ++c) {
     const bool is_exact = wanted_.find(header[c]) != wanted_.end();
-    const std::string name(is_exact ? header[c] : TrimCsvField(header[c]));
+    const std::string name(is_exact ? header[c]
+                           : c == 0 ? WithoutHash(header[c])
+                                    : TrimCsvField(header[c]));
     columns_.emplace_back().name = name;
     names_.push_back(name);
     if (!seen.insert(name).second &&

@@ -21,8 +21,24 @@ bool IsSetPointName(std::string_view name);
 // Whether a tag of a plant has the ending of a set point: SP, SV, setpoint.
 bool IsSetPointTag(std::string_view tag);
 
+// What a quality column holds.
+enum class QualityKind {
+  kCode,        // a word or a number: Good, 192
+  kFlag,        // whether the sample is good
+  kFault,       // whether it is not (questionable, substituted)
+  kConfidence,  // per cent
+};
+
 struct RecordColumn {
-  enum class Kind { kTime, kOutput, kSetPoint, kInput, kQuality, kOther };
+  enum class Kind {
+    kTime,
+    kTimePart,  // the rest of it: the time of the day, or milliseconds
+    kOutput,
+    kSetPoint,
+    kInput,
+    kQuality,
+    kOther
+  };
   Kind kind = Kind::kOther;
   int channel = 0;         // of outputs or inputs
   std::string name;        // in the file
@@ -30,7 +46,9 @@ struct RecordColumn {
   // Of a sample: channel = scale × column + offset.
   double scale = 1.0;
   double offset = 0.0;
-  int quality_of = -1;  // the column that a quality column describes
+  // The column that a quality column describes; −1: all.
+  int quality_of = -1;
+  QualityKind quality = QualityKind::kCode;
 };
 
 // A column whose name is not that of its channel, or whose unit is not.
@@ -43,6 +61,7 @@ struct TagMapping {
 };
 
 struct ColumnOptions {
+  // Two columns are named with a plus between them: "date+time".
   std::string time_column = "time";
   // Of long tables, with a row for each sample; empty: recognised by usual
   // names (tag, value, quality, …).
@@ -54,7 +73,8 @@ struct ColumnOptions {
   std::vector<std::string> unused_tags = {};
   // Unknown columns are ignored. If false, they are errors.
   bool ignore_other_columns = false;
-  // <column><suffix> is the quality of <column>.
+  // <column><suffix> is the quality of <column>. As long as they are these,
+  // other usual names are known too (quality_columns.h).
   std::vector<std::string> quality_suffixes = {"_quality", ".quality"};
 
   // Channels exist, none is mapped twice, scales are finite and not 0.

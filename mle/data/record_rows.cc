@@ -16,6 +16,8 @@
 #include "mle/base/status.h"
 #include "mle/data/column_value.h"
 #include "mle/data/csv_numbers.h"
+#include "mle/data/quality_columns.h"
+#include "mle/data/time_columns.h"
 
 namespace mle {
 namespace {
@@ -80,6 +82,7 @@ RecordRows::RecordRows(CsvRows& csv, const RecordRowsOptions& options,
       bad_words_(options.bad_words, true),
       any_word_is_bad_(options.any_word_is_bad),
       good_qualities_(options.good_qualities, true),
+      has_usual_qualities_(AreUsualQualities(options.good_qualities)),
       range_(options.range) {}
 
 absl::StatusOr<RecordRows> RecordRows::Open(CsvRows& csv,
@@ -109,11 +112,13 @@ absl::StatusOr<RecordRows> RecordRows::Open(CsvRows& csv,
     const RecordColumn& column = rows.columns_[c];
     rows.value_of_.push_back(ValueOf(column, channels));
     if (column.kind == Kind::kTime) rows.time_column_ = static_cast<int>(c);
+    if (column.kind == Kind::kTimePart) rows.time_part_ = static_cast<int>(c);
     if (column.kind == Kind::kQuality) rows.has_quality_ = true;
   }
   for (int r = 0; r < options.rows_below_header; ++r) {
     if (!csv.SkipLine()) break;
   }
+  csv.set_skips_comments();
   return rows;
 }
 
@@ -166,20 +171,33 @@ bool RecordRows::ReadSample(std::string_view field, double& sample,
   return true;
 }
 
+bool RecordRows::IsGood(const RecordColumn& column,
+                        std::string_view text) const {
+  double number = 0.0;
+  // A fault is told by what is not good elsewhere.
+  const bool is_listed = column.quality != QualityKind::kFault &&
+                         (good_qualities_.Contains(text) ||
+                          (ReadCsvNumber(text, number, decimal_) &&
+                           good_qualities_.Contains(number)));
+  return is_listed ||
+         (has_usual_qualities_ && IsUsuallyGood(text, column.quality));
+}
+
 // Samples whose quality is not good become NaN.
 void RecordRows::TakeQuality(RecordRow& row) {
   for (std::size_t c = 0; c < columns_.size(); ++c) {
     if (columns_[c].kind != Kind::kQuality) continue;
     const std::string_view text = TrimCsvField(fields_[c]);
-    double number = 0.0;
-    if (good_qualities_.Contains(text) ||
-        (ReadCsvNumber(text, number, decimal_) &&
-         good_qualities_.Contains(number))) {
-      continue;
+    if (IsGood(columns_[c], text)) continue;
+    const int of = columns_[c].quality_of;
+    const int first = of < 0 ? 0 : value_of_[of];
+    const int last = of < 0 ? num_values_ - 1 : first;
+    for (int value = first; value <= last; ++value) {
+      if (std::isnan(row.values[value])) continue;
+      ++bad_[value].quality;
+      row.values[value] = kNaN;
     }
-    const int value = value_of_[columns_[c].quality_of];
-    if (!std::isnan(row.values[value])) ++bad_[value].quality;
-    row.values[value] = kNaN;
+    if (of >= 0) row.values[first] = kNaN;
     if (bad_qualities_.size() < kMaxBadQualities) {
       std::string shown = ShowCsvText(text);
       if (std::find(bad_qualities_.begin(), bad_qualities_.end(), shown) ==
@@ -255,6 +273,10 @@ bool RecordRows::Next(RecordRow& row) {
                        "another one be declared (separator)"));
       return false;
     }
+    if (IsHeader()) {
+      ++repeated_headers_;
+      continue;
+    }
     if (!ReadTime(row)) return false;
     if (range_.Contains(row.time, *clock_)) return ReadSamples(row);
     ++passed_over_;
@@ -262,10 +284,29 @@ bool RecordRows::Next(RecordRow& row) {
   return false;
 }
 
+// The header once more: as samples are, its names are not numbers.
+bool RecordRows::IsHeader() const {
+  const std::string_view field = TrimCsvField(fields_[time_column_]);
+  if (field.empty() || field != columns_[time_column_].name) return false;
+  for (std::size_t c = 0; c < columns_.size(); ++c) {
+    if (value_of_[c] >= 0 && TrimCsvField(fields_[c]) != columns_[c].name) {
+      return false;
+    }
+  }
+  return true;
+}
+
+std::string_view RecordRows::TimeText() {
+  if (time_part_ < 0) return fields_[time_column_];
+  joined_time_ = JoinTimeFields(fields_[time_column_], fields_[time_part_]);
+  return joined_time_;
+}
+
 bool RecordRows::ReadTime(RecordRow& row) {
-  const std::string_view field = fields_[time_column_];
-  if (!clock_->Read(field, decimal_, row.time)) {
-    return NotReadable(time_column_, clock_->Wanted(field));
+  const std::string_view text = TimeText();
+  if (!clock_->Read(text, decimal_, row.time)) {
+    fields_[time_column_] = text;
+    return NotReadable(time_column_, clock_->Wanted(text));
   }
   status_ = range_.Fits(*clock_);
   return status_.ok();

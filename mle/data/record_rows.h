@@ -91,6 +91,8 @@ class RecordRows {
   int line() const { return csv_->line(); }
   // Rows outside of the range.
   std::int64_t passed_over() const { return passed_over_; }
+  // Comments, and the header again, as files joined have it.
+  std::int64_t comments() const { return csv_->comments() + repeated_headers_; }
   // By value.
   const std::vector<BadSampleCounts>& bad() const { return bad_; }
   // The first few values of quality columns that were not good.
@@ -115,10 +117,13 @@ class RecordRows {
 
   bool ReadSample(std::string_view field, double& sample,
                   BadSampleCounts& bad) const;
+  bool IsHeader() const;
+  std::string_view TimeText();
   bool ReadTime(RecordRow& row);
   bool ReadSamples(RecordRow& row);
   bool NotASample(std::size_t c);
   std::string UnknownWords();
+  bool IsGood(const RecordColumn& column, std::string_view text) const;
   void TakeQuality(RecordRow& row);
   bool NotReadable(std::size_t c, std::string_view wanted);
 
@@ -129,11 +134,15 @@ class RecordRows {
   Vocabulary bad_words_;
   bool any_word_is_bad_;
   Vocabulary good_qualities_;
+  bool has_usual_qualities_;
   TimeRange range_;
   std::int64_t passed_over_ = 0;
   std::vector<RecordColumn> columns_;
   std::vector<int> value_of_;  // of each column: where its sample goes, or −1
   int time_column_ = 0;
+  int time_part_ = -1;  // the rest of the time; −1: none
+  std::string joined_time_;
+  int repeated_headers_ = 0;
   int num_values_ = 0;
   bool has_quality_ = false;
   std::vector<std::string_view> fields_;

@@ -1,9 +1,11 @@
 #include "mle/data/row_stream.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "mle/base/double_limits.h"
 
 namespace mle {
 
@@ -48,13 +50,26 @@ constexpr double kStepSnap = 1e-6;       // of a step
 
 }  // namespace
 
-HeldRows::HeldRows(std::unique_ptr<RowStream> rows, double step)
-    : rows_(std::move(rows)), step_(step) {}
+HeldRows::HeldRows(std::unique_ptr<RowStream> rows, double step,
+                   std::vector<bool> is_point)
+    : rows_(std::move(rows)), step_(step), is_point_(std::move(is_point)) {}
+
+// Those that wait, at a step.
+void HeldRows::TakePoints(std::vector<double>& values) {
+  for (std::size_t v = 0; v < points_.size(); ++v) {
+    if (!is_point_[v]) continue;
+    values[v] = points_[v];
+    points_[v] = kNaN;
+  }
+}
 
 // The next row of the file, its empty fields filled.
 bool HeldRows::Read() {
   if (!rows_->Next(next_)) return false;
+  is_point_.resize(next_.values.size(), false);
+  points_.resize(next_.values.size(), kNaN);
   for (std::size_t v = 0; v < next_.values.size(); ++v) {
+    if (is_point_[v]) continue;
     if (has_last_ && IsNoSample(next_.values[v])) {
       next_.values[v] = last_.values[v];
     }
@@ -72,13 +87,75 @@ bool HeldRows::Next(RecordRow& row) {
       next_.time - last_.time <= kLongestHold * step_) {
     row.time = held;
     row.values = last_.values;
+    TakePoints(row.values);
     index_ += 1.0;
     return true;
   }
+  for (std::size_t v = 0; v < points_.size(); ++v) {
+    if (!is_point_[v]) continue;
+    if (!IsNoSample(next_.values[v])) points_[v] = next_.values[v];
+    next_.values[v] = kNaN;
+  }
   row = next_;
   last_ = next_;
+  const double steps = (next_.time - first_time_) / step_;
+  if (std::abs(steps - std::round(steps)) <= kStepSnap) {
+    TakePoints(row.values);
+  }
   has_last_ = true;
   has_next_ = false;
+  return true;
+}
+
+// The rows of the next time.
+bool SpreadRows::Fill() {
+  constexpr std::size_t kMostRows = 100'000;
+  constexpr double kGap = 1.9;  // steps
+  RecordRow row;
+  if (!next_) {
+    if (!rows_->Next(row)) return false;
+    next_ = row;
+  }
+  const double time = next_->time;
+  ready_.push_back(*std::move(next_));
+  next_.reset();
+  while (!next_ && rows_->Next(row)) {
+    if (row.time == time) {
+      ready_.push_back(row);
+    } else {
+      next_ = row;
+    }
+    if (ready_.size() > kMostRows) {
+      status_ = absl::InvalidArgumentError(absl::StrCat(
+          rows_->TimePlace(), ": more than ", kMostRows,
+          " rows have the time of this one, too many to be spread"));
+      return false;
+    }
+  }
+  if (!rows_->status().ok()) return false;
+  const auto count = static_cast<int>(ready_.size());
+  const double apart = next_ ? next_->time - time : 0.0;
+  double of_row = apart / count;
+  if (!(apart > 0.0) || apart > kGap * step_) {
+    of_row = step_ / std::max(count, usual_);
+  }
+  int first = 0;
+  if (is_first_ && count < usual_ && next_) {
+    of_row = step_ / usual_;
+    first = usual_ - count;
+  }
+  is_first_ = false;
+  for (int k = 0; k < count; ++k) {
+    if (first + k > 0) ++spread_;
+    ready_[k].time += of_row * (first + k);
+  }
+  return true;
+}
+
+bool SpreadRows::Next(RecordRow& row) {
+  if (ready_.empty() && !Fill()) return false;
+  row = std::move(ready_.front());
+  ready_.pop_front();
   return true;
 }
 

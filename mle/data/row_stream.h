@@ -5,8 +5,11 @@
 #define MLE_DATA_ROW_STREAM_H_
 
 #include <cstdint>
+#include <deque>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -61,10 +64,12 @@ class LastRowFirst : public RowStream {
 
 // Empty fields are values that have not changed since the row above, and
 // between two rows nothing has changed either: rows are put there at each step
-// after the first row. Rows more than 1000 steps apart leave a gap.
+// after the first row. Rows more than 1000 steps apart leave a gap. Values that
+// are points are not held: each stands at the next step, and nowhere else.
 class HeldRows : public RowStream {
  public:
-  HeldRows(std::unique_ptr<RowStream> rows, double step);
+  HeldRows(std::unique_ptr<RowStream> rows, double step,
+           std::vector<bool> is_point = {});
 
   bool Next(RecordRow& row) override;
   const absl::Status& status() const override { return rows_->status(); }
@@ -72,15 +77,49 @@ class HeldRows : public RowStream {
 
  private:
   bool Read();
+  void TakePoints(std::vector<double>& values);
 
   std::unique_ptr<RowStream> rows_;
   double step_;
+  std::vector<bool> is_point_;
+  std::vector<double> points_;  // that wait for their step
   bool has_last_ = false;
   bool has_next_ = false;
   double first_time_ = 0.0;
   double index_ = 0.0;  // of the step that was put there last
   RecordRow last_;
   RecordRow next_;
+};
+
+// Rows of one time, whose seconds are lost, spread evenly until the next time;
+// across a gap, and after the last time, over the usual step. Of a first time
+// with fewer rows than usual the first ones are missing.
+class SpreadRows : public RowStream {
+ public:
+  // `step`: how far times usually are apart, > 0; `usual`: rows of a time.
+  SpreadRows(std::unique_ptr<RowStream> rows, double step, int usual)
+      : rows_(std::move(rows)), step_(step), usual_(usual) {}
+
+  bool Next(RecordRow& row) override;
+  const absl::Status& status() const override {
+    return status_.ok() ? rows_->status() : status_;
+  }
+  std::string TimePlace() const override { return rows_->TimePlace(); }
+
+  // Rows whose times were changed.
+  std::int64_t spread() const { return spread_; }
+
+ private:
+  bool Fill();
+
+  std::unique_ptr<RowStream> rows_;
+  double step_;
+  int usual_;
+  std::deque<RecordRow> ready_;
+  std::optional<RecordRow> next_;  // of another time than those that are ready
+  bool is_first_ = true;
+  std::int64_t spread_ = 0;
+  absl::Status status_;
 };
 
 }  // namespace mle

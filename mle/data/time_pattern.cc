@@ -217,6 +217,7 @@ std::optional<CivilTime> TimePattern::Read(std::string_view text) const {
     if (time.hour < 1 || time.hour > 12) return std::nullopt;
     time.hour = time.hour % 12 + 12 * *reading.half_day;
   }
+  if (!reading.half_day) time = WithoutHour24(time);
   if (!Exists(time)) return std::nullopt;
   return time;
 }

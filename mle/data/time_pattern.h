@@ -1,7 +1,7 @@
 // Points in time as text, read by patterns such as strptime(3) has.
 //
 //   %Y year of four digits      %y of two: 69 … 99 are 19.., 00 … 68 are 20..
-//   %m %d %H  month, day and hour, of one or two digits
+//   %m %d %H  month, day and hour, of one or two digits; 24:00 ends a day
 //   %b month by name: English or German, three letters at least, any case
 //   %M %S     minute and second of two digits; %S with a fraction, if it has
 //             one, behind a point or a comma

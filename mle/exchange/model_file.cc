@@ -171,6 +171,13 @@ absl::StatusOr<NamedStateSpace> CorrectedStateSpace(
 
 std::vector<std::string> NotableDifferences(const ModelFile& file) {
   std::vector<std::string> differences;
+  if (const int left_out = file.state_space.unreached_states; left_out > 0) {
+    differences.push_back(absl::StrCat(
+        left_out, left_out == 1 ? " state is" : " states are",
+        " reached by no input (the controller's model of disturbances, "
+        "usually) and left out: responses to inputs do not know ",
+        left_out == 1 ? "it." : "them."));
+  }
   for (const PairDescription& pair : file.descriptions) {
     if (pair.moves_on > kAcceptedDifference) {
       differences.push_back(absl::StrFormat(

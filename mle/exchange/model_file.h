@@ -59,8 +59,8 @@ absl::StatusOr<ModelFile> ParseModelFile(std::string_view text,
                                          std::string_view source);
 absl::StatusOr<ModelFile> ReadModelFile(const std::string& path);
 
-// A sentence for each pair described with a difference of more than
-// kUnremarkableDifference.
+// A sentence for states that are left out, and for each pair described with a
+// difference of more than kUnremarkableDifference.
 std::vector<std::string> NotableDifferences(const ModelFile& file);
 
 // What the file would hold of step responses, with its description.

@@ -23,8 +23,6 @@
 namespace mle {
 namespace {
 
-constexpr double kMostlyAtLimits = 0.5;
-
 // Of the model's response to a move, the share that outputs answer at least.
 constexpr double kAnswered = 0.5;
 
@@ -105,14 +103,20 @@ void Examiner::FindCompressed() {
     if (found.kind == Compression::Kind::kNone) continue;
     found_any = true;
     const std::string& name = model_.outputs()[i].name;
-    const bool enough = found.ArchivedShare() >= options_.least_archived;
+    const bool enough =
+        found.is_sampled || found.ArchivedShare() >= options_.least_archived;
     Add(MessageCode::kCompressed, name,
         enough ? Consequence::kRepair : Consequence::kBlocks,
         found.ArchivedShare(),
         absl::StrFormat(
-            "%s: %.0f %% of the samples are %s by the historian%s.", name,
+            "%s: %.0f %% of the samples are %s by the historian%s%s.", name,
             100.0 * (1.0 - found.ArchivedShare()),
             found.kind == Compression::Kind::kLinear ? "interpolated" : "held",
+            found.is_sampled
+                ? absl::StrFormat(": one in %.3g is measured, as by a "
+                                  "laboratory or an analyser",
+                                  1.0 / found.ArchivedShare())
+                : "",
             enough ? ", and only the others are used"
                    : ": what is left says too little. Export archived values, "
                      "or have the tag archived with a smaller deviation"));
@@ -237,12 +241,14 @@ absl::Status Examiner::FindStuck() {
 
 void Examiner::FindOperation() {
   for (const TimeAtLimits& limits : FindTimeAtLimits(records_)) {
+    // What is only measured has no limits that a controller meets: the sun at
+    // night, a feed that is stopped.
+    if (model_.inputs()[limits.input].role == InputRole::kDisturbance) continue;
     const std::string& name = model_.inputs()[limits.input].name;
     const double share = limits.share_low + limits.share_high;
-    // A loop that is open for most of the time is not routine operation.
-    Add(MessageCode::kInputLimits, name,
-        share > kMostlyAtLimits ? Consequence::kBlocks : Consequence::kNote,
-        share,
+    // The model's response to an input is known at its limits too; how much the
+    // other moves tell, the fit says.
+    Add(MessageCode::kInputLimits, name, Consequence::kNote, share,
         absl::StrFormat("%s is at its limits for %.0f %% of the time: %.0f %% "
                         "at %.6g, %.0f %% at %.6g.",
                         name, 100.0 * share, 100.0 * limits.share_low,

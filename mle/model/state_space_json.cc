@@ -13,6 +13,7 @@
 #include "mle/model/json_node.h"
 #include "mle/model/json_text.h"
 #include "mle/model/strict_json.h"
+#include "mle/model/unreached_states.h"
 
 namespace mle {
 namespace {
@@ -145,10 +146,13 @@ absl::StatusOr<NamedStateSpace> ParseNamedStateSpace(const JsonNode& top) {
   if (top.Has("accuracy")) {
     MLE_ASSIGN_OR_RETURN(named.accuracy, ReadAccuracy(top.At("accuracy")));
   }
-  if (const absl::Status status = named.Validate(); !status.ok()) {
-    return top.Fault(std::string(status.message()));
-  }
-  return named;
+  const absl::Status status = named.Validate();
+  if (status.ok()) return named;
+  // What is wrong may be of states that no input reaches.
+  NamedStateSpace reached = named;
+  reached.unreached_states = LeaveOutUnreachedStates(reached.system);
+  if (reached.unreached_states > 0 && reached.Validate().ok()) return reached;
+  return top.Fault(std::string(status.message()));
 }
 
 }  // namespace

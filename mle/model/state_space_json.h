@@ -40,6 +40,10 @@ struct NamedStateSpace {
   std::vector<std::string> input_units;   // m, or empty
   std::vector<std::string> disturbances;  // names of inputs that are such
 
+  // That were left out when the model was read, as no input reaches them and
+  // they are unstable or integrate twice (a disturbance model).
+  int unreached_states = 0;
+
   // A valid model with a name for each channel; names are not empty and
   // distinct over inputs and outputs; an accuracy has p values of each kind,
   // units are one for each channel, disturbances are names of inputs.

@@ -14,6 +14,10 @@ namespace {
 
 // A segment that is shorter tells less than its offset and amplitudes cost.
 constexpr int kMinRows = 20;
+// The same of an output that is measured at one sample in three or fewer, as a
+// laboratory does: each of these tells as much as many neighbours.
+constexpr int kMinSparseRows = 3;
+constexpr int kSparse = 3;
 // Of the shortest record, that the automatic bounds of dead times may take.
 constexpr double kMaxSkippedShare = 0.25;
 // T in samples: a faster element cannot be told from a jump.
@@ -179,6 +183,17 @@ absl::Status CheckGains(const ProcessModel& model, int i,
   return absl::OkStatus();
 }
 
+// Samples that a segment of the output must have.
+int LeastRows(const std::vector<Record>& records, int output) {
+  Eigen::Index measured = 0;
+  Eigen::Index samples = 0;
+  for (const Record& record : records) {
+    measured += record.outputs.row(output).array().isFinite().count();
+    samples += MeasuredSamples(record);
+  }
+  return kSparse * measured <= samples ? kMinSparseRows : kMinRows;
+}
+
 absl::StatusOr<OutputSetup> SetUpOutput(const ProcessModel& model, int i,
                                         const std::vector<Record>& records,
                                         const std::vector<double>& input_sizes,
@@ -222,17 +237,18 @@ absl::StatusOr<OutputSetup> SetUpOutput(const ProcessModel& model, int i,
   MLE_RETURN_IF_ERROR(CheckGains(model, i, input_sizes, setup.start.values));
   setup.start.SetCells(sample_time);
   const int skip = static_cast<int>(std::ceil(longest / sample_time)) + 1;
-  setup.problem = std::make_unique<OutputErrorProblem>(elements, records, i,
-                                                       skip, kMinRows);
+  const int least = LeastRows(records, i);
+  setup.problem =
+      std::make_unique<OutputErrorProblem>(elements, records, i, skip, least);
   if (options.at_rest != nullptr) {
     auto at_rest = std::make_unique<OutputErrorProblem>(
-        std::move(elements), *options.at_rest, i, skip, kMinRows);
+        std::move(elements), *options.at_rest, i, skip, least);
     if (at_rest->num_segments() > 0) {
       setup.problem->SetAtRest(std::move(at_rest));
     }
   }
   const int innovations = setup.problem->num_innovations(NoiseShape());
-  const int needed = 2 * num_parameters + kMinRows;
+  const int needed = 2 * num_parameters + least;
   if (num_parameters > 0 && innovations < needed) {
     setup.samples = absl::InvalidArgumentError(absl::StrCat(
         "output-error correction: output \"", model.outputs()[i].name,

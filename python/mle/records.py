@@ -13,8 +13,8 @@ from .options import names_of, option_texts
 # Options that say how a text is read, and mean nothing for a table.
 _OF_TEXT = (
     "time_format number_unit separate_files separator decimal lines_above_header "
-    "rows_below_header tag_column value_column quality_column empty_fields quality_suffixes "
-    "good_qualities any_word_is_bad begin end query table columns"
+    "rows_below_header header spread_repeated_times tag_column value_column quality_column "
+    "empty_fields quality_suffixes good_qualities any_word_is_bad begin end query table columns"
 ).split()
 
 

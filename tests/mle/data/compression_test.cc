@@ -87,6 +87,32 @@ TEST(CompressionTest, FindsAnAnalyser) {
   EXPECT_EQ(Find(row).archived, row.size() / 10);
 }
 
+// A laboratory: a value every 48 samples or so, given with few digits.
+TEST(CompressionTest, FindsRoundedValuesOfALaboratory) {
+  std::mt19937 random(7);
+  std::normal_distribution<double> noise(0.0, 0.03);
+  std::uniform_int_distribution<int> late(-3, 3);
+  for (const int jitter : {0, 1}) {
+    Eigen::RowVectorXd row(4800);
+    double value = 5.0;
+    int next = 20;
+    int taken = 0;
+    for (int k = 0; k < 4800; ++k) {
+      if (k == next) {
+        value = std::round(100.0 * (5.0 + noise(random))) / 100.0;
+        next = 20 + 48 * ++taken + jitter * late(random);
+      }
+      row(k) = value;
+    }
+    const Compression found = Find(row);
+    ASSERT_EQ(found.kind, Kind::kHeld);
+    EXPECT_TRUE(found.is_sampled);
+    EXPECT_LE(found.archived, taken);
+    // Equal values are told from held ones where stamps are exact.
+    EXPECT_GE(found.archived, jitter == 0 ? taken : 0.7 * taken);
+  }
+}
+
 TEST(CompressionTest, LeavesCleanAndDriftingSignals) {
   for (unsigned seed = 1; seed <= 20; ++seed) {
     for (const double noise : {0.001, 0.02, 0.3}) {

@@ -206,7 +206,9 @@ TEST(ExceptionTableTest, OtherEmptyFieldsAreBadSamples) {
   }
   for (const std::string& text : {slow, lost, rows}) {
     const HistorianImport import = ImportOk(text);
-    EXPECT_THAT(import.report.notes, IsEmpty());
+    for (const ImportNote& note : import.report.notes) {
+      EXPECT_NE(note.option, "empty_fields") << note.text;
+    }
     EXPECT_GT(import.report.channels[0].bad.empty, 0);
   }
 }

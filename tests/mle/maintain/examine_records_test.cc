@@ -1,10 +1,12 @@
 #include "mle/maintain/examine_records.h"
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "mle/data/operation.h"
 #include "mle/maintain/correct.h"
 #include "mle/maintain/exchanged_set_points.h"
 #include "tests/mle/data/loop_records.h"
@@ -292,6 +294,42 @@ TEST(ExamineRecordsTest, NotesHowThePlantIsOperated) {
   EXPECT_EQ(findings[0].message.code, MessageCode::kInputLimits);
   EXPECT_EQ(findings[1].message.code, MessageCode::kManyMoves);
   EXPECT_EQ(FirstBlocking(findings), nullptr);
+}
+
+// The sun at night: what is only measured has no limits. Nor is a record worth
+// nothing in which an input stands at a limit for most of the time.
+TEST(ExamineRecordsTest, LimitsAreOfManipulatedInputsAndDoNotBlock) {
+  Record record = LoopRecord({.noise = 0.2});
+  record.inputs.row(0) =
+      record.inputs.row(0).cwiseMax(record.inputs.row(0).maxCoeff() -
+                                    0.3 * (record.inputs.row(0).maxCoeff() -
+                                           record.inputs.row(0).minCoeff()));
+  record.outputs = *SimulateResponse(LoopModel(), 0.25, record.inputs) +
+                   0.02 * Eigen::MatrixXd::Random(2, record.samples());
+  const std::vector<TimeAtLimits> limits = FindTimeAtLimits({record});
+  ASSERT_EQ(limits.size(), 1u);
+  ASSERT_GT(limits[0].share_low + limits[0].share_high, 0.5);
+  for (const InputRole role :
+       {InputRole::kManipulated, InputRole::kDisturbance}) {
+    ProcessModel model = LoopModel();
+    std::vector<InputChannel> inputs = model.inputs();
+    inputs[0].role = role;
+    ProcessModel with_role(model.name(), model.time_unit(), inputs,
+                           model.outputs());
+    for (int i = 0; i < 2; ++i) {
+      for (int j = 0; j < 2; ++j) with_role.element(i, j) = model.element(i, j);
+    }
+    std::vector<Record> records = {record};
+    const absl::StatusOr<std::vector<Finding>> findings =
+        ExamineRecords(with_role, ExamineOptions(), records);
+    ASSERT_TRUE(findings.ok()) << findings.status();
+    EXPECT_EQ(FirstBlocking(*findings), nullptr);
+    const bool is_noted = std::any_of(
+        findings->begin(), findings->end(), [](const Finding& finding) {
+          return finding.message.code == MessageCode::kInputLimits;
+        });
+    EXPECT_EQ(is_noted, role == InputRole::kManipulated);
+  }
 }
 
 // What blocks decides, and is the first reason.

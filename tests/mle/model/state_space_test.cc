@@ -279,6 +279,38 @@ TEST(StateSpaceJsonTest, FaultsNameTheKeyAndWhatWouldBeRight) {
   EXPECT_THAT(MessageWith("0.5", "-0.5"), HasSubstr("must be positive"));
 }
 
+// A ramp and a mode that grows, which no input reaches: in coordinates of their
+// own, and in turned ones.
+TEST(StateSpaceJsonTest, LeavesOutStatesThatNoInputReaches) {
+  constexpr char kHead[] =
+      R"({"name": "n", "time_unit": "min", "sample_time": 1,
+          "outputs": ["y"], "inputs": ["u"], )";
+  for (const std::string matrices :
+       {R"("A": [[0.9, 0, 0], [0, 1, 1], [0, 0, 1]], "B": [[0.2], [0], [0]],
+           "C": [[1, 1, 0]]})",
+        R"("A": [[0.9, 0], [0, 1.02]], "B": [[0.2], [0]], "C": [[1, 5]]})",
+        R"("A": [[0.96, -0.06], [-0.06, 0.96]], "B": [[0.1], [0.1]],
+           "C": [[1, 1]]})"}) {
+    const absl::StatusOr<NamedStateSpace> named =
+        ParseStateSpace(kHead + matrices, "a.json");
+    ASSERT_TRUE(named.ok()) << named.status();
+    ASSERT_EQ(named->system.order(), 1);
+    EXPECT_GT(named->unreached_states, 0);
+    EXPECT_NEAR(named->system.A(0, 0), 0.9, 1e-12);
+    EXPECT_NEAR((named->system.C * named->system.B)(0, 0), 0.2, 1e-12);
+  }
+  // One that an input reaches is as wrong as ever.
+  EXPECT_THAT(
+      std::string(ParseStateSpace(
+                      std::string(kHead) +
+                          R"("A": [[0.9, 0], [0, 1.02]], "B": [[0.2], [0.1]],
+                     "C": [[1, 0]]})",
+                      "a.json")
+                      .status()
+                      .message()),
+      HasSubstr("eigenvalue of magnitude 1.02"));
+}
+
 TEST(StateSpaceJsonTest, NamesAFileThatIsNotThere) {
   EXPECT_THAT(std::string(ReadStateSpace("/no/s.json").status().message()),
               HasSubstr("/no/s.json"));

@@ -1,0 +1,42 @@
+// Columns that say how good samples are, by the names and values that
+// historians give them. Internal to this project: not installed.
+//
+//   TI101_quality, TI101.OPCQuality, TI101::status, TI101 Good, Quality TI101
+//   TI101_Questionable, TI101_Substituted     true of samples that are not used
+
+#ifndef MLE_DATA_QUALITY_COLUMNS_H_
+#define MLE_DATA_QUALITY_COLUMNS_H_
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "mle/data/record_columns.h"
+
+namespace mle {
+
+// What a name says of quality.
+struct QualityName {
+  std::string_view column;  // of the samples it speaks of; empty: of all
+  QualityKind kind = QualityKind::kCode;
+};
+
+// Nothing for other names. Of several of `columns` the longest.
+std::optional<QualityName> QualityOfName(
+    std::string_view name, const std::vector<std::string_view>& columns);
+
+// Whether the default of ColumnOptions::quality_suffixes or of
+// HistorianOptions::good_qualities was left, so that usual names and values
+// count too.
+bool AreUsualSuffixes(const std::vector<std::string>& suffixes);
+bool AreUsualQualities(const std::vector<std::string>& good);
+
+// Good, GoodNonSpecific, 192 to 255 (OPC: the two highest bits of its byte), …;
+// True, Yes, 1 of a flag; False, No, 0 and nothing of a fault; 100 of a
+// confidence.
+bool IsUsuallyGood(std::string_view quality, QualityKind kind);
+
+}  // namespace mle
+
+#endif  // MLE_DATA_QUALITY_COLUMNS_H_
