@@ -1,4 +1,4 @@
-"""check_real.py SOURCE BUILD: the arithmetic of benchmarks/real, and a folder of simulated records."""
+"""check_real.py SOURCE BUILD: the arithmetic of benchmarks/real; a folder of simulated records."""
 
 import csv
 import json
@@ -130,12 +130,12 @@ def make_plants(data):
         (data / name / "model.json").write_text(json.dumps(MODEL))
     old = runs.aged(MODEL, (PAIR, "gain", 0.7))
     (data / "plant.json").write_text(json.dumps(old))
-    steps = ",".join(f"{OUTPUTS[i % 2]}:{150 * i + 50}:{1 - i // 2 % 2}" for i in range(4))
+    steps = ",".join(f"{OUTPUTS[i % 2]}:{90 * i + 30}:{1 - i // 2 % 2}" for i in range(4))
 
     def simulate(plant, seed, out):
         subprocess.run([build / "apps/mle_simulate", f"--model={source}/configs/wood_berry.json",
-                        f"--plant={plant}", f"--setpoints={steps}", "--duration=700",
-                        "--sample_time=0.5", f"--seed={seed}", f"--out={out}"], check=True,
+                        f"--plant={plant}", f"--setpoints={steps}", "--duration=400",
+                        "--sample_time=1", f"--seed={seed}", f"--out={out}"], check=True,
                        stdout=subprocess.DEVNULL)
     for seed in (1, 2):
         simulate(source / "configs/wood_berry.json", seed, data / f"column/run_{seed}.csv")
@@ -171,30 +171,63 @@ def least_squares_finds_an_aged_gain(data):
         assert abs(after["gain"] / before["gain"] - factor) < 0.05, (before, after)
 
 
+STAND_IN = """#!{python}
+import json, pathlib, sys
+flags = dict(argument[2:].split("=", 1) for argument in sys.argv[1:])
+given, truth = (json.loads(pathlib.Path(file).read_text()) for file in (flags["model"], {truth!r}))
+out = pathlib.Path(flags["out"])
+out.mkdir()
+decision = "no_change" if given["elements"] == truth["elements"] else "corrected"
+(out / "result.json").write_text(json.dumps({{"decision": decision, "verdict": []}}))
+(out / "model.json").write_text(json.dumps(truth))
+"""
+
+
+def run(data, out, command, *more):
+    return subprocess.run([sys.executable, source / "benchmarks/real/run", f"--data={data}",
+                           f"--command={command}", f"--out={out}", *more],
+                          capture_output=True, text=True)
+
+
+def summary_of(out):
+    return {line["row"]: line for line in
+            json.loads((out / "results.json").read_text())["summary"]}
+
+
 def a_folder_is_run(data, out):
-    def run(*more):
-        return subprocess.run([sys.executable, source / "benchmarks/real/run", f"--data={data}",
-                               f"--command={build}/apps/mle_correct", f"--out={out}", *more],
-                              capture_output=True, text=True)
-    first = run()
+    """By a command that knows the truth."""
+    command = out.with_name("stand_in")
+    command.write_text(STAND_IN.format(python=sys.executable,
+                                       truth=str(source / "configs/wood_berry.json")))
+    command.chmod(0o755)
+    first = run(data, out, command, "--plants=^column|tclab")
     assert first.returncode == 0, first.stderr[-2000:]
-    assert "10 of 10 runs, 100 %" in first.stderr and "tclab: skipped" in first.stderr
+    assert "8 of 8 runs, 100 %" in first.stderr and "tclab: skipped" in first.stderr, first.stderr
     results = (out / "results.json").read_bytes()
-    second = run("--jobs=1")
+    second = run(data, out, command, "--plants=^column|tclab", "--jobs=1")
     assert " runs, " not in second.stderr, second.stderr
     assert (out / "results.json").read_bytes() == results and second.stdout == first.stdout
-    found = {line["row"]: line for line in json.loads(results)["summary"]}
+    found = summary_of(out)
     for row, ours, peer in (
             ("plants, aged on purpose: error of the aged output over three horizons down",
              "2 of 2", "2 of 2"),
             ("plants: any output worse by more than 5 %, unaged runs included", "0 of 4", None),
             ("plants, aged on purpose: the aged parameter named, and no other", "2 of 2", "–"),
-            ("plants, nothing aged: a model is changed", "0 of 2", "–"),
-            ("true responses, known ageing: named alone, by the right factor", "1 of 1", "–")):
+            ("plants, nothing aged: a model is changed", "0 of 2", "–")):
         assert found[row]["found"] == ours, (row, found[row])
         assert peer is None or found[row]["least_squares"] == peer, (row, found[row])
+
+
+def mle_correct_is_run(data, out):
+    done = run(data, out, build / "apps/mle_correct", "--plants=aged_column")
+    assert done.returncode == 0, done.stderr[-2000:]
+    row = summary_of(out)["true responses, known ageing: named alone, by the right factor"]
+    assert row["found"] == "1 of 1", done.stdout
+
+
+def a_wrong_declaration_is_refused(data, out):
     (data / "plants.json").write_text("{\"column\": {\"models\": []}}")
-    refused = run()
+    refused = run(data, out, build / "apps/mle_correct")
     assert refused.returncode == 2 and "column: \"records\" is missing" in refused.stderr, refused
 
 
@@ -212,3 +245,5 @@ with tempfile.TemporaryDirectory() as scratch:
     responses_are_those_of_the_simulator(folder)
     least_squares_finds_an_aged_gain(folder)
     a_folder_is_run(folder, scratch / "out")
+    mle_correct_is_run(folder, scratch / "out_of_command")
+    a_wrong_declaration_is_refused(folder, scratch / "out_of_command")
