@@ -1,6 +1,7 @@
 // Heads of HTTP requests, forms, and where requests come from: what the server
 // of mle_watch reads before it knows with whom it speaks.
 
+#include <utility>
 #include <vector>
 
 #include "absl/strings/str_split.h"
@@ -20,8 +21,10 @@ serve::Head Split(absl::string_view text) {
                       .target = first.size() > 1 ? first[1] : "",
                       .version = first.size() > 2 ? first[2] : "",
                       .headers = {}};
-  for (std::size_t i = 1; i < lines.size(); ++i) {
-    head.headers.push_back(absl::StrSplit(lines[i], absl::MaxSplits(':', 1)));
+  for (std::size_t i = 1; i < lines.size() && !lines[i].empty(); ++i) {
+    const std::pair<absl::string_view, absl::string_view> header =
+        absl::StrSplit(lines[i], absl::MaxSplits(':', 1));
+    head.headers.push_back(header);
   }
   return head;
 }
