@@ -255,17 +255,13 @@ void OutputCompetition::Forward(const std::vector<Explanation>& given) {
   const Fit start = Estimate(given, all_);
   std::vector<Explanation> taken = start.explanations;
   double energy = start.energy;
-  Chance chance = ChanceOf(start, directions_);
-  for (std::size_t i = 0; i < taken.size(); ++i) {
-    taken_.push_back({taken[i], 0.0, 0.0});
-  }
+  for (const Explanation& one : taken) taken_.push_back({one, 0.0, 0.0});
   next_.clear();
   while (static_cast<int>(taken_.size()) < options_.most) {
     // Improbabilities are in units of what chance makes of the best.
-    MatrixXd directions;
-    std::vector<Fit> fits = Candidates(taken, 0.0, directions);
+    std::vector<Fit> fits = Candidates(taken, 0.0, directions_);
     if (fits.empty()) break;
-    const Chance of_best = ChanceOf(fits.front(), directions);
+    const Chance of_best = ChanceOf(fits.front(), directions_);
     for (Fit& fit : fits) {
       fit.score = Score(fit.explanations, fit.energy, of_best.energy);
     }
@@ -273,13 +269,9 @@ void OutputCompetition::Forward(const std::vector<Explanation>& given) {
       return a.score < b.score;
     });
     const Fit& best = fits.front();
-    const Chance after = ChanceOf(best, directions);
+    const Chance after = ChanceOf(best, directions_);
     const double evidence = EvidenceOf(energy - best.energy, after.unit);
     const TakenExplanation tried = {best.explanations.back(), 0.0, evidence};
-    if (taken.empty() || !(evidence > options_.evidence)) {
-      directions_ = directions;
-      chance = after;
-    }
     if (!(evidence > options_.evidence)) {
       next_ = {tried};
       break;
@@ -290,8 +282,6 @@ void OutputCompetition::Forward(const std::vector<Explanation>& given) {
     for (std::size_t i = 0; i < taken.size(); ++i) {
       taken_[i].explanation = taken[i];
     }
-    chance = after;
-    directions_ = directions;
   }
   energy_ = energy;
   const Chance last = ChanceOf({taken, energy, 0.0}, directions_);
@@ -373,9 +363,11 @@ void OutputCompetition::Compete(const std::vector<Explanation>& given) {
   chance_ = last.energy;
   unit_ = last.unit;
   FindTies();
-  for (std::size_t i = 0; i < given.size(); ++i) {
-    taken_[i].evidence =
-        EvidenceOf(Energy(Without(Explanations(), i)) - energy_, unit_);
+  // Of what was given or came by exchange.
+  for (std::size_t i = 0; i < taken_.size(); ++i) {
+    if (taken_[i].evidence > 0.0) continue;
+    const Fit without = Estimate(Without(Explanations(), i), all_);
+    taken_[i].evidence = EvidenceOf(without.energy - energy_, unit_);
   }
 }
 
