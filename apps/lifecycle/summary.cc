@@ -78,7 +78,8 @@ PolicySummary SummarisePolicy(const Policy& policy,
 }
 
 // The place of a kind of policy, or the number of policies.
-std::size_t PlaceOf(const std::vector<Policy>& policies, Policy::Kind kind) {
+std::size_t PlaceOfLife(const std::vector<Policy>& policies,
+                        Policy::Kind kind) {
   std::size_t place = 0;
   while (place < policies.size() && policies[place].kind != kind) ++place;
   return place;
@@ -100,9 +101,10 @@ MeanOfSeeds Difference(const std::vector<std::vector<Life>>& lives,
 void AddDifferences(const Campaign& campaign,
                     const std::vector<std::vector<Life>>& lives,
                     const Valuation& valuation, RateSummary& rate) {
-  const std::size_t never = PlaceOf(campaign.policies, Policy::Kind::kNever);
+  const std::size_t never =
+      PlaceOfLife(campaign.policies, Policy::Kind::kNever);
   const std::size_t perfect =
-      PlaceOf(campaign.policies, Policy::Kind::kPerfect);
+      PlaceOfLife(campaign.policies, Policy::Kind::kPerfect);
   const double possible = Difference(lives, never, perfect, valuation).mean;
   const PolicySummary* best = rate.Cheapest();
   const std::size_t cheapest =

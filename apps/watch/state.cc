@@ -10,7 +10,7 @@
 namespace mle::watch {
 namespace {
 
-constexpr char kTables[] = R"sql(
+constexpr char kStateTables[] = R"sql(
 CREATE TABLE watch(
   id INTEGER PRIMARY KEY, controller TEXT NOT NULL, basis TEXT NOT NULL,
   begin INTEGER NOT NULL, first INTEGER NOT NULL, sample_time REAL NOT NULL,
@@ -83,7 +83,7 @@ absl::Status State::MakeTables() {
         " and converts none: name another --state; the watch then begins anew "
         "with the records that are there"));
   }
-  MLE_RETURN_IF_ERROR(database_->Execute(kTables));
+  MLE_RETURN_IF_ERROR(database_->Execute(kStateTables));
   MLE_RETURN_IF_ERROR(database_->SetVersion(kStateVersion));
   return transaction.Commit();
 }

@@ -44,8 +44,8 @@ bool Replaces(ExplanationKind kind, const Explanation& one, int j) {
   }
 }
 
-std::vector<Explanation> Without(const std::vector<Explanation>& from,
-                                 ExplanationKind kind, int j) {
+std::vector<Explanation> WithoutReplaced(const std::vector<Explanation>& from,
+                                         ExplanationKind kind, int j) {
   std::vector<Explanation> others;
   for (const Explanation& one : from) {
     if (!Replaces(kind, one, j)) others.push_back(one);
@@ -87,7 +87,7 @@ double EnergyTogether(const std::vector<OutputCompetition*>& outputs, int j,
   double sum = 0.0;
   for (const OutputCompetition* output : outputs) {
     std::vector<Explanation> explanations =
-        Without(output->Explanations(), one.kind, j);
+        WithoutReplaced(output->Explanations(), one.kind, j);
     explanations.push_back(
         {one.kind, j, ValueFor(one, tau, output->output().tau())});
     sum += output->Energy(explanations) / output->unit();
@@ -142,7 +142,7 @@ void CompeteTogether(const ProcessModel& model, const Competitions& all) {
       bool of_input = false;
       for (const OutputCompetition* output : outputs) {
         const std::vector<Explanation> all_of = output->Explanations();
-        const auto left = Without(all_of, type.kind, j).size();
+        const auto left = WithoutReplaced(all_of, type.kind, j).size();
         replaced += static_cast<int>(all_of.size() - left);
         touched += left < all_of.size() ? 1 : 0;
         for (const Explanation& one : all_of) {

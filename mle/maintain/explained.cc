@@ -15,8 +15,6 @@
 namespace mle {
 namespace {
 
-using Kind = ExplanationKind;
-
 // By which a tag may be late since it waits for a scan or an average.
 constexpr double kLateSamples = 5.0;
 // Evidence that a proposal must have where nothing won by itself: 5 %, being
@@ -50,8 +48,9 @@ double BelievedDelay(const CorrectionResult& result,
   return std::abs(clock) > MostOfClocks(result) ? clock : 0.0;
 }
 
-bool IsClock(Kind kind) {
-  return kind == Kind::kOutputClock || kind == Kind::kInputClock;
+bool IsClock(ExplanationKind kind) {
+  return kind == ExplanationKind::kOutputClock ||
+         kind == ExplanationKind::kInputClock;
 }
 
 // The inputs of the elements that have aged by what won.
@@ -98,8 +97,9 @@ std::string Others(const CorrectionResult& result,
     if (IsAgeing(explanation.kind)) continue;
     if (IsClock(explanation.kind) &&
         BelievedDelay(result, competition, i,
-                      explanation.kind == Kind::kInputClock ? explanation.index
-                                                            : 0) != 0.0) {
+                      explanation.kind == ExplanationKind::kInputClock
+                          ? explanation.index
+                          : 0) != 0.0) {
       continue;
     }
     absl::StrAppend(&text, text.empty() ? "" : " ",
@@ -173,12 +173,12 @@ bool PredictsBetter(const OutputExplanation& output) {
 std::string DescribeExplanation(const ProcessModel& model, int output,
                                 const Explanation& explanation) {
   const double value = explanation.value;
-  if (explanation.kind == Kind::kGain) {
+  if (explanation.kind == ExplanationKind::kGain) {
     return absl::StrFormat("gain of %s × %.3g",
                            PairName(model, output, explanation.index),
                            std::exp(value));
   }
-  if (explanation.kind == Kind::kTimeConstant) {
+  if (explanation.kind == ExplanationKind::kTimeConstant) {
     return absl::StrFormat("time constant of %s × %.3g",
                            PairName(model, output, explanation.index),
                            std::exp(value));
@@ -196,7 +196,8 @@ std::optional<InstrumentEvidence> EvidenceByInstruments(
   evidence.other = Others(result, competition, i);
   // A sign is a mistake of configuration, not to be corrected by the others.
   for (const TakenExplanation& one : output.taken) {
-    if (one.explanation.kind == Kind::kReversed) evidence.ageing = false;
+    if (one.explanation.kind == ExplanationKind::kReversed)
+      evidence.ageing = false;
   }
   evidence.tie = Ties(result.initial, output, i);
   evidence.left = output.left();

@@ -9,7 +9,7 @@
 namespace mle {
 namespace {
 
-Instruments Make(const ExplainedOutput& output) {
+Instruments InstrumentsOf(const ExplainedOutput& output) {
   auto made = Instruments::Create(TwoLoops(), output);
   EXPECT_TRUE(made.ok()) << made.status();
   return *std::move(made);
@@ -19,7 +19,7 @@ TEST(InstrumentsTest, OffsetsRampsAndFreeResponsesAreNotDriven) {
   const std::vector<Record> records = {CloseLoops(TwoLoops(), 1)};
   const auto output = ExplainedOutput::Create(TwoLoops(), records, 0);
   ASSERT_TRUE(output.ok()) << output.status();
-  const Instruments instruments = Make(*output);
+  const Instruments instruments = InstrumentsOf(*output);
   EXPECT_TRUE(instruments.by_set_points());
   const auto rows = static_cast<Eigen::Index>(output->rows().size());
   for (const Eigen::VectorXd& free :
@@ -38,7 +38,7 @@ TEST(InstrumentsTest, PlacebosMakeOfNoiseWhatSetPointsDo) {
     const std::vector<Record> records = {CloseLoops(TwoLoops(), seed)};
     const auto output = ExplainedOutput::Create(TwoLoops(), records, 1);
     ASSERT_TRUE(output.ok()) << output.status();
-    const Instruments instruments = Make(*output);
+    const Instruments instruments = InstrumentsOf(*output);
     const Eigen::VectorXd e = output->Residual({});
     driven += instruments.Project(e).squaredNorm();
     placebo += instruments.ProjectPlacebos(e).rowwise().squaredNorm().mean();
@@ -51,7 +51,7 @@ TEST(InstrumentsTest, InputsStandForSetPointsThatDoNotMove) {
   records[0].set_points.setConstant(3.0);
   const auto output = ExplainedOutput::Create(TwoLoops(), records, 0);
   ASSERT_TRUE(output.ok()) << output.status();
-  const Instruments instruments = Make(*output);
+  const Instruments instruments = InstrumentsOf(*output);
   EXPECT_FALSE(instruments.by_set_points());
   EXPECT_GT(instruments.rank(), 6);
 }
@@ -61,7 +61,7 @@ TEST(InstrumentsTest, RowsWithoutWeightHaveNoPart) {
   const std::vector<Record> records = {CloseLoops(TwoLoops(), 1)};
   const auto output = ExplainedOutput::Create(TwoLoops(), records, 0);
   ASSERT_TRUE(output.ok()) << output.status();
-  const Instruments instruments = Make(*output);
+  const Instruments instruments = InstrumentsOf(*output);
   Eigen::VectorXd e = output->Residual({});
   Eigen::VectorXd weights = Eigen::VectorXd::Ones(e.size());
   weights.segment(100, 200).setZero();

@@ -148,8 +148,7 @@ TEST(DecisionTest, AWindowThatIsPredictedWorseIsDoubt) {
 
 TEST(DecisionTest, AChangeNoLargerThanAPlayIsDoubt) {
   OutputEvidence output = Output(kGood);
-  output.not_linear = {
-      MessageCode::kSticking, "T", "The valve sticks.", {}};
+  output.not_linear = {MessageCode::kSticking, "T", "The valve sticks.", {}};
   const Verdict verdict = Decide(Of({output}), {});
   EXPECT_EQ(verdict.decision, Decision::kCannotTell);
   EXPECT_EQ(verdict.reasons.back().code, MessageCode::kSticking);
