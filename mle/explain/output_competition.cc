@@ -46,6 +46,12 @@ std::vector<Explanation> Without(const std::vector<Explanation>& from,
   return others;
 }
 
+// Whether θ = 0 is that nothing has happened.
+bool HasNothing(ExplanationKind kind) {
+  return kind != ExplanationKind::kRateLimit &&
+         kind != ExplanationKind::kReversed;
+}
+
 bool Contains(const std::vector<Explanation>& explanations,
               const Explanation& one) {
   return std::any_of(explanations.begin(), explanations.end(),
@@ -187,9 +193,17 @@ std::vector<OutputCompetition::Fit> OutputCompetition::Candidates(
         with.back().part = part;
         const VectorXd value = ValueAt(with, all_);
         if (!value.allFinite()) continue;
-        tried.push_back(value - at);
-        const double score = Score(with, value.squaredNorm(), chance);
-        if (score < best.score) best = {with, value.squaredNorm(), score};
+        const VectorXd change = value - at;
+        tried.push_back(change);
+        double energy = value.squaredNorm();
+        // Between nothing and the start, to first order.
+        const double share = -at.dot(change) / change.squaredNorm();
+        if (HasNothing(one.kind) && share > 0.0 && share < 1.0) {
+          with.back().value = share * start;
+          energy = (at + share * change).squaredNorm();
+        }
+        const double score = Score(with, energy, chance);
+        if (score < best.score) best = {with, energy, score};
       }
     }
     if (std::isfinite(best.score)) looks.push_back(std::move(best));

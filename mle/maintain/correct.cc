@@ -95,7 +95,8 @@ absl::StatusOr<std::vector<WindowAgreement>> AgreementOf(
 // What explains the records; nothing where they forbid a correction.
 absl::StatusOr<std::optional<Competition>> Compete(
     const std::vector<Record>& windows, CorrectionResult& result) {
-  if (!result.options.examine || !result.data.obstacles.empty()) {
+  if (!result.options.examine || !result.data.obstacles.empty() ||
+      result.options.estimation.estimator == Estimator::kArx) {
     return std::optional<Competition>();
   }
   const Stage stage(result.options.progress, "comparing explanations");

@@ -251,7 +251,9 @@ OutputVerdict DecideByInstruments(const OutputEvidence& output,
                            ". More set-point changes would settle it.")));
   }
   if (!judge.other.empty()) {
-    return doubt(Doubt(output, MessageCode::kExplained, judge.other));
+    Message other = Doubt(output, judge.code, judge.other);
+    if (judge.code == MessageCode::kClock) other.options = {"clock_error"};
+    return doubt(std::move(other));
   }
   if (judge.left > kMissing) {
     return doubt(Doubt(

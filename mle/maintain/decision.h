@@ -96,6 +96,7 @@ struct InstrumentEvidence {
   // What else won, or what wins as well, in whole sentences; or empty.
   std::string other;
   std::string tie;
+  MessageCode code = MessageCode::kExplained;  // of `other`
   // The estimate by likelihood explains what set points drive as well as what
   // won, and names the same elements or decides between those that tie.
   bool confirms_proposal = false;

@@ -84,9 +84,22 @@ std::string Sentence(const ProcessModel& model, int output,
   return absl::StrCat(text.substr(0, at), place, text.substr(at + 2));
 }
 
+MessageCode CodeOf(ExplanationKind kind) {
+  if (IsClock(kind)) return MessageCode::kClock;
+  return kind == ExplanationKind::kBacklash ? MessageCode::kSticking
+                                            : MessageCode::kExplained;
+}
+
 std::string Capitalised(std::string text) {
   if (!text.empty() && text[0] >= 'a' && text[0] <= 'z') text[0] -= 'a' - 'A';
   return text;
+}
+
+int FirstInput(const ProcessModel& model, int output) {
+  for (int j = 0; j < model.num_inputs(); ++j) {
+    if (!model.element(output, j).IsZero()) return j;
+  }
+  return 0;
 }
 
 std::string Others(const CorrectionResult& result,
@@ -99,7 +112,24 @@ std::string Others(const CorrectionResult& result,
         BelievedDelay(result, competition, i,
                       explanation.kind == ExplanationKind::kInputClock
                           ? explanation.index
-                          : 0) != 0.0) {
+                          : FirstInput(result.initial, i)) != 0.0) {
+      continue;
+    }
+    if (IsClock(explanation.kind)) {
+      const bool of_output = explanation.kind == ExplanationKind::kOutputClock;
+      const int j =
+          of_output ? FirstInput(result.initial, i) : explanation.index;
+      const double late = competition.ClockOf(i, j);
+      absl::StrAppend(
+          &text, text.empty() ? "" : " ",
+          absl::StrFormat(
+              "All dead times of %s are %.2g %s %s, or its time stamps are "
+              "wrong by as much. ",
+              of_output ? result.initial.outputs()[i].name
+                        : result.initial.inputs()[j].name,
+              std::abs(late), result.initial.time_unit(),
+              late < 0.0 ? "shorter" : "longer"),
+          TypeOf(explanation.kind).settled_by);
       continue;
     }
     absl::StrAppend(&text, text.empty() ? "" : " ",
@@ -199,10 +229,16 @@ std::optional<InstrumentEvidence> EvidenceByInstruments(
     if (one.explanation.kind == ExplanationKind::kReversed)
       evidence.ageing = false;
   }
+  for (const TakenExplanation& one : output.taken) {
+    if (IsAgeing(one.explanation.kind)) continue;
+    evidence.code = CodeOf(one.explanation.kind);
+    break;
+  }
   evidence.tie = Ties(result.initial, output, i);
   evidence.left = output.left();
   if (evidence.ageing) {
-    evidence.predicts_better = PredictsBetter(output);
+    // A model in use that is not the process model is judged by its own errors.
+    evidence.predicts_better = PredictsBetter(output) && !result.options.in_use;
     evidence.errors = ErrorsText(output, result.initial, i);
   }
   if (ProposesChange(result.estimate, i) &&

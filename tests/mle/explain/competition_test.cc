@@ -233,7 +233,8 @@ TEST(CompetitionTest, ExactRecordsAreNoNaN) {
 
 TEST(CompetitionTest, OtherModelsAreJudgedByWhatTheyLeave) {
   const ProcessModel plant = Aged(0, 0, 0.6, 1.0, 0.0);
-  const Competition competition = Compete({CloseLoops(plant, 6)});
+  const std::vector<Record> records = {CloseLoops(plant, 6)};
+  const Competition competition = Compete(records);
   const OutputExplanation& output = competition.outputs()[0];
   const Competition::Energies right = competition.EnergiesOf(0, plant);
   EXPECT_LT(right.remaining, output.remaining + 3.0 * output.unit);
