@@ -25,6 +25,8 @@ constexpr int kMostInstruments = 6;
 // Of the largest singular value: what counts as a direction of its own.
 constexpr double kLeastDirection = 1e-3;
 constexpr double kLeastFree = 1e-6;
+// Of the instruments' functions: fewer rows tell too little of chance.
+constexpr Index kLeastRows = 4;
 // Of the largest squared length of a placebo's columns.
 constexpr double kLeastPlacebo = 1e-2;
 // Time constants nearer than this factor leave the same free response.
@@ -214,7 +216,7 @@ absl::StatusOr<Instruments> Instruments::Create(const ProcessModel& model,
   };
 
   const MatrixXd columns = columns_at(0.0);
-  if (columns.rows() <= columns.cols()) {
+  if (columns.rows() < kLeastRows * columns.cols()) {
     return absl::FailedPreconditionError("the records are too short");
   }
   const Eigen::BDCSVD<MatrixXd> svd(columns,

@@ -259,10 +259,9 @@ TEST(MleCorrectMistakes, ATurnedSignIsSaidToBePerhapsMistyped) {
   const HeaterExample example((Heater()));
   example.scratch.Write("model.json", HeaterJson(mistyped));
   const Shown shown = Show(example, {});
-  EXPECT_THAT(shown.out,
-              HasSubstr("Gain of y2 ← u1 has the other sign in the records"));
-  EXPECT_THAT(shown.out, HasSubstr("Ageing hardly turns a sign: check whether "
-                                   "that of y2 ← u1 was mistyped"));
+  EXPECT_THAT(shown.out, HasSubstr("Keep the controller's model for now"));
+  EXPECT_THAT(shown.out, HasSubstr("Y2 ← u1 acts in the opposite direction: "
+                                   "compare the sign of its gain"));
 }
 
 TEST(MleCorrectHeadline, NamesTheOtherElementsThatHaveChanged) {

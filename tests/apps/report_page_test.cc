@@ -74,7 +74,8 @@ TEST(ReportPageTest, OfAPlantWithSevenOutputs) {
 TEST(ReportPageTest, OfRecordsThatCannotTell) {
   if (!report::HasBrowser()) GTEST_SKIP() << "chromium is not installed";
   const HeaterExample heater(WithHalvedGain(), {"--setpoints=y1:60:1"});
-  heater.Run({"--figures=true"}, 1);
+  heater.Run(
+      {"--figures=true", "--estimator=arx", "--conversion_samples=20000"}, 1);
   const std::string page = heater.out + "/report.html";
   // Step responses and records of four, predictions and autocorrelations of
   // two, and four cross-correlations.
