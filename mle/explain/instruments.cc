@@ -26,7 +26,7 @@ constexpr int kMostInstruments = 6;
 constexpr double kLeastDirection = 1e-3;
 constexpr double kLeastFree = 1e-6;
 // Of the instruments' functions: fewer rows tell too little of chance.
-constexpr Index kLeastRows = 4;
+constexpr Index kLeastRows = 8;
 // Of the largest squared length of a placebo's columns.
 constexpr double kLeastPlacebo = 1e-2;
 // Time constants nearer than this factor leave the same free response.

@@ -94,7 +94,7 @@ absl::StatusOr<std::vector<WindowAgreement>> AgreementOf(
 
 // What explains the records; nothing where they forbid a correction.
 absl::StatusOr<std::optional<Competition>> Compete(
-    const std::vector<Record>& windows, CorrectionResult& result) {
+    const std::vector<Record>& stretches, CorrectionResult& result) {
   if (!result.options.examine || !result.data.obstacles.empty() ||
       result.options.estimation.estimator == Estimator::kArx) {
     return std::optional<Competition>();
@@ -103,12 +103,8 @@ absl::StatusOr<std::optional<Competition>> Compete(
   MLE_RETURN_IF_ERROR(stage.status());
   ExplainOptions options = result.options.explain;
   options.threads = result.options.threads;
-  MLE_ASSIGN_OR_RETURN(
-      Competition competition,
-      Competition::Run(
-          result.initial,
-          result.data.records.empty() ? windows : result.data.records,
-          options));
+  MLE_ASSIGN_OR_RETURN(Competition competition,
+                       Competition::Run(result.initial, stretches, options));
   result.explanations = competition.outputs();
   return std::optional<Competition>(std::move(competition));
 }
@@ -352,8 +348,9 @@ absl::StatusOr<CorrectionResult> CorrectFromData(
   MLE_RETURN_IF_ERROR(WithdrawProposals(samples, result));
   const int order = estimation.conversion.OrderFor(model, sample_time);
   MLE_RETURN_IF_ERROR(ExamineInitial(windows, order, result));
+  const std::vector<Record> stretches = JoinAdjoining(windows).records;
   MLE_ASSIGN_OR_RETURN(const std::optional<Competition> competition,
-                       Compete(windows, result));
+                       Compete(stretches, result));
   const Competition* const judge =
       competition.has_value() ? &*competition : nullptr;
   MLE_RETURN_IF_ERROR(

@@ -299,7 +299,16 @@ Evidence GatherEvidence(const CorrectionResult& result,
     if (competition != nullptr) {
       output.instruments = EvidenceByInstruments(result, *competition, i);
     }
-    if (output.instruments.has_value()) continue;
+    if (output.instruments.has_value()) {
+      // A play that the input was passed through is taken off already.
+      if (const auto sticks = output.not_linear; sticks.has_value()) {
+        output.instruments->ageing = false;
+        output.instruments->confirms_proposal = false;
+        output.instruments->other = sticks->text;
+        output.instruments->code = sticks->code;
+      }
+      continue;
+    }
     output.unexplained = unexplained[i];
     output.disagreement = Disagreement(result, i);
   }

