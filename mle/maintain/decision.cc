@@ -217,10 +217,11 @@ Message NotBetter(const OutputEvidence& output, double deviations) {
 }
 
 Message ByInstruments(const OutputEvidence& output) {
-  return Doubt(
-      output, MessageCode::kPredictsBetter,
-      absl::StrCat("On held-out data the correction of ", output.name,
-                   " predicts better: ", output.instruments->errors, "."));
+  return Doubt(output, MessageCode::kPredictsBetter,
+               absl::StrCat("On held-out data the correction of ", output.name,
+                            " predicts better: ", output.instruments->errors,
+                            ".", output.instruments->other.empty() ? "" : " ",
+                            output.instruments->other));
 }
 
 // By what set points, or other instruments, drive of the residual.

@@ -296,9 +296,12 @@ std::optional<InstrumentEvidence> EvidenceByInstruments(
     const bool explains =
         output.EvidenceOf(output.energy - energy) > kLeastEvidence;
     const bool as_much = energy < output.remaining + kAgrees * output.unit;
+    const bool better = output.EvidenceOf(output.remaining - energy) >
+                        result.options.explain.evidence;
     evidence.confirms_proposal =
         explains &&
-        (output.taken.empty() ||
+        (output.taken.empty() || better ||
+         (as_much && ProposesNewPath(result, i)) ||
          (as_much && evidence.other.empty() &&
           (same || !evidence.tie.empty() || !evidence.predicts_better)));
     evidence.refutes_proposal =
