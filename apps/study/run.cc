@@ -82,8 +82,7 @@ Work WorkOf(const Study& study) {
   work.file = "journal.csv";
   work.head.first_line = absl::StrFormat(
       "# mle_study journal 2, campaign SHA-256 %s, mle %s, %d runs",
-      Sha256Of(study.resolved), std::string(LibraryVersion()),
-      grid.num_runs());
+      Sha256Of(study.resolved), std::string(LibraryVersion()), grid.num_runs());
   work.head.columns = RowHeader(/*with_seconds=*/true);
   work.head.runs = grid.num_runs();
   work.head.run_of =
