@@ -43,7 +43,7 @@ struct Place {
   std::size_t policy = 0;
 };
 
-Place PlaceOf(const Campaign& campaign, std::int64_t run) {
+Place PlaceOfRun(const Campaign& campaign, std::int64_t run) {
   const std::size_t policies = campaign.policies.size();
   const std::size_t seeds = campaign.seeds.size();
   const auto number = static_cast<std::size_t>(run);
@@ -74,8 +74,8 @@ Work WorkOf(const Campaign& campaign) {
   std::map<std::string, std::int64_t> runs;
   std::vector<std::string> starts;
   for (std::int64_t run = 0; run < work.units; ++run) {
-    starts.push_back(
-        KeyOf(campaign, PlaceOf(campaign, run)).LineStart(campaign.settings));
+    starts.push_back(KeyOf(campaign, PlaceOfRun(campaign, run))
+                         .LineStart(campaign.settings));
     runs[starts.back()] = run;
   }
   // Lives of other settings, policies, rates and seeds stay where they are.
@@ -90,7 +90,7 @@ Work WorkOf(const Campaign& campaign) {
                                  const std::atomic<bool>& stop,
                                  const Work::Emit& emit) -> absl::Status {
     for (const std::int64_t run : asked) {
-      const Place place = PlaceOf(campaign, run);
+      const Place place = PlaceOfRun(campaign, run);
       const absl::StatusOr<Life> life = Live(campaign, place, stop);
       if (absl::IsCancelled(life.status())) break;
       if (!life.ok()) return At(KeyOf(campaign, place), life.status());
@@ -121,7 +121,7 @@ absl::StatusOr<Lives> RunCampaign(const Campaign& campaign,
   if (!campaign.part.is_everything()) return lives;
   for (std::int64_t run = 0; run < work.units; ++run) {
     MLE_ASSIGN_OR_RETURN(const std::string line, folder.journal().Line(run));
-    const Place place = PlaceOf(campaign, run);
+    const Place place = PlaceOfRun(campaign, run);
     MLE_ASSIGN_OR_RETURN(lives[place.rate][place.seed][place.policy],
                          ParseLife(line));
   }

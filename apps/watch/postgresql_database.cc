@@ -34,8 +34,8 @@ constexpr Oid kWhole8 = 20;
 constexpr Oid kWhole4 = 23;
 constexpr Oid kNumber = 701;
 // Keys of advisory locks: of all that has to do with this state.
-constexpr char kTables[] = "mle_watch migration";
-constexpr char kRun[] = "mle_watch run";
+constexpr char kTablesLock[] = "mle_watch migration";
+constexpr char kRunLock[] = "mle_watch run";
 
 struct Clear {
   void operator()(PGresult* result) const { PQclear(result); }
@@ -194,7 +194,7 @@ class PostgresqlDatabase : public Database {
 
 absl::StatusOr<std::int64_t> PostgresqlDatabase::Version() {
   MLE_RETURN_IF_ERROR(
-      Run("SELECT pg_advisory_xact_lock(hashtextextended(?, 0))", {kTables})
+      Run("SELECT pg_advisory_xact_lock(hashtextextended(?, 0))", {kTablesLock})
           .status());
   MLE_ASSIGN_OR_RETURN(
       const bool there,
@@ -219,9 +219,11 @@ absl::Status PostgresqlDatabase::Claim(const std::string& part) {
       "SELECT pg_try_advisory_lock(hashtextextended(?, 0))";
   const std::string shared =
       "SELECT pg_try_advisory_lock_shared(hashtextextended(?, 0))";
-  MLE_ASSIGN_OR_RETURN(bool taken, IsTrue(part.empty() ? alone : shared, kRun));
+  MLE_ASSIGN_OR_RETURN(bool taken,
+                       IsTrue(part.empty() ? alone : shared, kRunLock));
   if (taken && !part.empty()) {
-    MLE_ASSIGN_OR_RETURN(taken, IsTrue(alone, absl::StrCat(kRun, " ", part)));
+    MLE_ASSIGN_OR_RETURN(taken,
+                         IsTrue(alone, absl::StrCat(kRunLock, " ", part)));
   }
   if (taken) return absl::OkStatus();
   return absl::UnavailableError(

@@ -218,6 +218,7 @@ absl::Status EstimateFromWindows(CorrectionResult& result) {
   const std::vector<Record> windows = result.data.Records();
   MLE_ASSIGN_OR_RETURN(RestParts rest,
                        DivideRest(result.initial, result.data.AtRest()));
+  result.data.operated_as_usual = rest.left_out.empty();
   for (const auto& [from, to] : rest.left_out) {
     result.data.notes.push_back(
         {MessageCode::kUnmeasured,
@@ -348,7 +349,12 @@ absl::StatusOr<CorrectionResult> CorrectFromData(
   MLE_RETURN_IF_ERROR(WithdrawProposals(samples, result));
   const int order = estimation.conversion.OrderFor(model, sample_time);
   MLE_RETURN_IF_ERROR(ExamineInitial(windows, order, result));
-  const std::vector<Record> stretches = JoinAdjoining(windows).records;
+  // Whole records have more placebos than their windows; a shutdown between
+  // these is nothing to be explained.
+  const bool whole =
+      result.data.operated_as_usual && !result.data.records.empty();
+  const std::vector<Record> stretches =
+      whole ? result.data.records : JoinAdjoining(windows).records;
   MLE_ASSIGN_OR_RETURN(const std::optional<Competition> competition,
                        Compete(stretches, result));
   const Competition* const judge =
