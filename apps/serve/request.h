@@ -1,9 +1,10 @@
-// The head of an HTTP/1.1 request, held strictly to what may stand in it: what
-// two programs could understand differently (repeated lengths, names with
-// blanks, control characters) is refused.
+// The head of an HTTP/1.1 request, read strictly: what two programs could
+// understand differently (repeated lengths, lines that end otherwise than in
+// CR LF, folded headers) is refused.
 //
-//   GET /api/v1/controllers?status=aged HTTP/1.1
-//   Host: localhost:8080
+//   GET /api/v1/controllers?status=aged HTTP/1.1␍␊
+//   Host: localhost:8080␍␊
+//   ␍␊
 
 #ifndef APPS_SERVE_REQUEST_H_
 #define APPS_SERVE_REQUEST_H_
@@ -12,8 +13,6 @@
 #include <map>
 #include <optional>
 #include <string>
-#include <utility>
-#include <vector>
 
 #include "absl/strings/string_view.h"
 
@@ -35,14 +34,9 @@ struct Request {
   std::string authorization = {};
   std::string content_type = {};
   std::size_t body_bytes = 0;
+  bool keep_alive = true;
 
   std::string body = {};
-};
-
-// The parts of a head, as they were sent.
-struct Head {
-  absl::string_view method, target, version;
-  std::vector<std::pair<absl::string_view, absl::string_view>> headers;
 };
 
 struct ParsedHead {
@@ -51,7 +45,8 @@ struct ParsedHead {
   Request request = {};
 };
 
-ParsedHead ParseHead(const Head& head);
+// `head` ends with the empty line.
+ParsedHead ParseHead(absl::string_view head);
 
 // "%41+b" is "A b"; nothing where what follows a % is not hexadecimal.
 std::optional<std::string> DecodePercent(absl::string_view text);

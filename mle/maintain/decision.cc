@@ -232,6 +232,10 @@ OutputVerdict DecideByInstruments(const OutputEvidence& output,
   const auto doubt = [](Message reason) {
     return OutputVerdict{Acceptance::kNothing, std::move(reason)};
   };
+  if (!output.disagreement.empty()) {
+    return doubt(
+        Doubt(output, MessageCode::kWindowsDisagree, output.disagreement));
+  }
   const bool holds = output.proposed && judge.confirms_proposal &&
                      output.scores.has_value() &&
                      Holds(*output.scores, options.deviations);

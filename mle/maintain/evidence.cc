@@ -300,6 +300,11 @@ Evidence GatherEvidence(const CorrectionResult& result,
       output.instruments = EvidenceByInstruments(result, *competition, i);
     }
     if (output.instruments.has_value()) {
+      // What changed from record to record is no part of what moves of all of
+      // them drive.
+      if (result.data.records.size() > 1) {
+        output.disagreement = Disagreement(result, i);
+      }
       // A play that the input was passed through is taken off already.
       if (const auto sticks = output.not_linear; sticks.has_value()) {
         output.instruments->ageing = false;

@@ -263,6 +263,8 @@ std::optional<InstrumentEvidence> EvidenceByInstruments(
     const CorrectionResult& result, const Competition& competition, int i) {
   const OutputExplanation& output = competition.outputs()[i];
   if (!output.judged()) return std::nullopt;
+  // Inputs stand for set points only where the model has a path from them.
+  if (!output.by_set_points && ProposesNewPath(result, i)) return std::nullopt;
   InstrumentEvidence evidence;
   const std::vector<bool> aged = AgedInputs(result, competition, i);
   evidence.ageing = std::find(aged.begin(), aged.end(), true) != aged.end();

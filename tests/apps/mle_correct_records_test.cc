@@ -51,7 +51,7 @@ TEST(MleCorrectRecords, AnOutputThatLacksSamplesIsSaidToLackThem) {
   const auto column = std::find(names.begin(), names.end(), "y2");
   ASSERT_NE(column, names.end());
   for (std::size_t k = 1; k < lines.size(); ++k) {
-    if (k % 50 < 2) continue;
+    if (k % 400 == 1) continue;
     std::vector<std::string> fields = absl::StrSplit(lines[k], ',');
     fields[column - names.begin()] = "Bad";
     lines[k] = absl::StrJoin(fields, ",");
@@ -64,7 +64,7 @@ TEST(MleCorrectRecords, AnOutputThatLacksSamplesIsSaidToLackThem) {
   EXPECT_EQ(ElementOf(result, "y1", "u1")["aged"], true);
   EXPECT_FALSE(ElementOf(result, "y2", "u1").value("aged", false));
   const std::string advice = result["advice"].dump();
-  EXPECT_THAT(advice, HasSubstr("Of y2 only 3.7 % of the samples"));
+  EXPECT_THAT(advice, HasSubstr("Of y2 only 0."));
   EXPECT_THAT(advice, Not(HasSubstr("hardly")));
 }
 
