@@ -246,7 +246,10 @@ OutputVerdict DecideByInstruments(const OutputEvidence& output,
     if (!judge.tie.empty()) {
       return doubt(Doubt(output, MessageCode::kExplained, judge.tie));
     }
-    if (judge.predicts_better) {
+    if (judge.predicts_better &&
+        (!judge.another_in_use ||
+         (output.scores.has_value() &&
+          Holds(*output.scores, options.deviations)))) {
       return {Acceptance::kExplained, ByInstruments(output)};
     }
     return doubt(

@@ -105,6 +105,8 @@ struct InstrumentEvidence {
   // On blocks held out: no error of a horizon grew beyond chance, and one fell;
   // with the errors in words.
   bool predicts_better = false;
+  // The model in use is not the process model: the scores have to hold, too.
+  bool another_in_use = false;
   std::string errors;
   // E/N of what is left.
   double left = 0.0;

@@ -282,8 +282,8 @@ std::optional<InstrumentEvidence> EvidenceByInstruments(
   evidence.tie = Ties(result.initial, output, i);
   evidence.left = output.left();
   if (evidence.ageing) {
-    // A model in use that is not the process model is judged by its own errors.
-    evidence.predicts_better = PredictsBetter(output) && !result.options.in_use;
+    evidence.predicts_better = PredictsBetter(output);
+    evidence.another_in_use = static_cast<bool>(result.options.in_use);
     evidence.errors = ErrorsText(output, result.initial, i);
   }
   if (ProposesChange(result.estimate, i) &&
