@@ -185,6 +185,16 @@ std::string Ties(const ProcessModel& model, const OutputExplanation& output,
   return text;
 }
 
+// The elements that the likelihood proposes to change: fewer of them are a
+// simpler explanation than what won.
+std::size_t NumProposed(const CorrectionResult& result, int i) {
+  std::size_t count = 0;
+  for (int j = 0; j < result.initial.num_inputs(); ++j) {
+    if (ProposesElement(result.estimate, i, j)) ++count;
+  }
+  return count;
+}
+
 // A path that the model has not got: no row of the table is about one.
 bool ProposesNewPath(const CorrectionResult& result, int i) {
   for (int j = 0; j < result.initial.num_inputs(); ++j) {
@@ -304,6 +314,7 @@ std::optional<InstrumentEvidence> EvidenceByInstruments(
         explains &&
         (output.taken.empty() || better ||
          (as_much && ProposesNewPath(result, i)) ||
+         (as_much && NumProposed(result, i) < output.taken.size()) ||
          (as_much && evidence.other.empty() &&
           (same || !evidence.tie.empty() || !evidence.predicts_better)));
     evidence.refutes_proposal =
