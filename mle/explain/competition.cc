@@ -182,9 +182,9 @@ absl::Status ExplainOptions::Validate() const {
   return absl::OkStatus();
 }
 
-double OutputExplanation::EvidenceOf(double fall) const {
-  if (!(fall > 0.0) || !(unit > 0.0)) return 0.0;
-  return independent * std::log1p(fall / (unit * independent));
+double OutputExplanation::EvidenceOf(double fall, double by_unit) const {
+  if (!(fall > 0.0) || !(by_unit > 0.0)) return 0.0;
+  return independent * std::log1p(fall / (by_unit * independent));
 }
 
 bool OutputExplanation::AnyAgeing() const { return AnyTaken(*this, true); }
@@ -249,11 +249,14 @@ Competition::Energies Competition::EnergiesOf(int output,
   const OutputCompetition& competition = *competitions_[output];
   const absl::StatusOr<Eigen::VectorXd> residual =
       competition.output().ResidualOf(model);
-  if (!residual.ok()) return {results_[output].energy, 0.0};
+  if (!residual.ok()) {
+    return {results_[output].energy, 0.0, results_[output].unit};
+  }
   const Eigen::VectorXd other = competition.instruments().Project(*residual);
   const Eigen::VectorXd own =
       competition.instruments().Project(competition.output().Residual({}));
-  return {other.squaredNorm(), (other - own).squaredNorm()};
+  return {other.squaredNorm(), (other - own).squaredNorm(),
+          competition.UnitOf(*residual)};
 }
 
 }  // namespace mle

@@ -104,8 +104,9 @@ struct OutputExplanation {
   std::vector<double> detectable;
 
   bool judged() const { return unjudged.empty(); }
-  // Of a fall of E.
-  double EvidenceOf(double fall) const;
+  // Of a fall of E, by `unit` or another M.
+  double EvidenceOf(double fall) const { return EvidenceOf(fall, unit); }
+  double EvidenceOf(double fall, double by_unit) const;
   bool AnyAgeing() const;
   bool AnyOther() const;
   // E/N: an explanation is missing above about 2.
@@ -140,6 +141,7 @@ class Competition {
   struct Energies {
     double remaining = 0.0;
     double difference = 0.0;
+    double unit = 0.0;  // M of what the other leaves
   };
   Energies EnergiesOf(int output, const ProcessModel& model) const;
 

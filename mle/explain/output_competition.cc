@@ -246,8 +246,12 @@ double OutputCompetition::EvidenceOf(double fall, double unit) const {
 
 OutputCompetition::Chance OutputCompetition::ChanceOf(
     const Fit& fit, const MatrixXd& directions) const {
-  const MatrixXd placebos =
-      instruments_.ProjectPlacebos(output_.Residual(fit.explanations));
+  return ChanceOf(output_.Residual(fit.explanations), directions);
+}
+
+OutputCompetition::Chance OutputCompetition::ChanceOf(
+    const VectorXd& residual, const MatrixXd& directions) const {
+  const MatrixXd placebos = instruments_.ProjectPlacebos(residual);
   VectorXd energies = placebos.rowwise().squaredNorm();
   Chance chance;
   if (directions.cols() > 0) {

@@ -29,6 +29,10 @@ class OutputCompetition {
   // E of these explanations, and M.
   double Energy(const std::vector<Explanation>& explanations) const;
   double unit() const { return unit_; }
+  // M of a residual of another model.
+  double UnitOf(const Eigen::VectorXd& residual) const {
+    return ChanceOf(residual, directions_).unit;
+  }
   // Of (K, T, L) of an element, from that of θ.
   Eigen::Matrix3d Covariance(int input) const;
   std::vector<Explanation> Explanations() const;
@@ -70,6 +74,8 @@ class OutputCompetition {
   // −ln of the probability that chance lowers E by `fall`.
   double EvidenceOf(double fall, double unit) const;
   Chance ChanceOf(const Fit& fit, const Eigen::MatrixXd& directions) const;
+  Chance ChanceOf(const Eigen::VectorXd& residual,
+                  const Eigen::MatrixXd& directions) const;
   // The fall of E that has the evidence asked for, in M.
   double Required() const;
   void Forward(const std::vector<Explanation>& given);

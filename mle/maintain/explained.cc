@@ -305,11 +305,12 @@ std::optional<InstrumentEvidence> EvidenceByInstruments(
     for (int j = 0; j < result.initial.num_inputs(); ++j) {
       same = same && aged[j] == ProposesElement(result.estimate, i, j);
     }
-    const bool explains =
-        output.EvidenceOf(output.energy - energy) > kLeastEvidence;
+    const bool explains = output.EvidenceOf(output.energy - energy,
+                                            energies.unit) > kLeastEvidence;
     const bool as_much = energy < output.remaining + kAgrees * output.unit;
-    const bool better = output.EvidenceOf(output.remaining - energy) >
-                        result.options.explain.evidence;
+    const bool better =
+        output.EvidenceOf(output.remaining - energy, energies.unit) >
+        result.options.explain.evidence;
     evidence.confirms_proposal =
         explains &&
         (output.taken.empty() || better ||
