@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "apps/experiment/run_folder.h"
 #include "mle/base/status.h"
+#include "mle/base/version.h"
 
 namespace mle::lifecycle {
 namespace {
@@ -68,7 +69,8 @@ absl::StatusOr<Life> Live(const Campaign& campaign, const Place& place,
 Work WorkOf(const Campaign& campaign) {
   Work work;
   work.file = "journal.txt";
-  work.head.first_line = "# mle_lifecycle journal 3";
+  work.head.first_line =
+      absl::StrCat("# mle_lifecycle journal 3, mle ", LibraryVersion());
   work.head.runs = work.units = static_cast<std::int64_t>(
       campaign.rates.size() * campaign.seeds.size() * campaign.policies.size());
   std::map<std::string, std::int64_t> runs;
