@@ -69,8 +69,8 @@ absl::StatusOr<Life> Live(const Campaign& campaign, const Place& place,
 Work WorkOf(const Campaign& campaign) {
   Work work;
   work.file = "journal.txt";
-  work.head.first_line =
-      absl::StrCat("# mle_lifecycle journal 3, mle ", LibraryVersion());
+  work.head.first_line = absl::StrCat("# mle_lifecycle journal 3, mle ",
+                                      std::string(LibraryVersion()));
   work.head.runs = work.units = static_cast<std::int64_t>(
       campaign.rates.size() * campaign.seeds.size() * campaign.policies.size());
   std::map<std::string, std::int64_t> runs;

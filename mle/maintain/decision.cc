@@ -224,18 +224,15 @@ Message ByInstruments(const OutputEvidence& output) {
                             output.instruments->other));
 }
 
+OutputVerdict NotTaken(Message reason) {
+  return {Acceptance::kNothing, std::move(reason)};
+}
+
 // By what set points, or other instruments, drive of the residual.
 OutputVerdict DecideByInstruments(const OutputEvidence& output,
                                   const DecisionOptions& options) {
   constexpr double kMissing = 3.0;  // E/N
   const InstrumentEvidence& judge = *output.instruments;
-  const auto doubt = [](Message reason) {
-    return OutputVerdict{Acceptance::kNothing, std::move(reason)};
-  };
-  if (!output.disagreement.empty()) {
-    return doubt(
-        Doubt(output, MessageCode::kWindowsDisagree, output.disagreement));
-  }
   const bool holds = output.proposed && judge.confirms_proposal &&
                      output.scores.has_value() &&
                      Holds(*output.scores, options.deviations);
@@ -244,7 +241,7 @@ OutputVerdict DecideByInstruments(const OutputEvidence& output,
   }
   if (judge.ageing) {
     if (!judge.tie.empty()) {
-      return doubt(Doubt(output, MessageCode::kExplained, judge.tie));
+      return NotTaken(Doubt(output, MessageCode::kExplained, judge.tie));
     }
     if (judge.predicts_better &&
         (!judge.another_in_use ||
@@ -252,7 +249,7 @@ OutputVerdict DecideByInstruments(const OutputEvidence& output,
           Holds(*output.scores, options.deviations)))) {
       return {Acceptance::kExplained, ByInstruments(output)};
     }
-    return doubt(
+    return NotTaken(
         Doubt(output, MessageCode::kNotBetter,
               absl::StrCat("On held-out data the correction of ", output.name,
                            " predicts no better: ", judge.errors,
@@ -261,10 +258,10 @@ OutputVerdict DecideByInstruments(const OutputEvidence& output,
   if (!judge.other.empty()) {
     Message other = Doubt(output, judge.code, judge.other);
     if (judge.code == MessageCode::kClock) other.options = {"clock_error"};
-    return doubt(std::move(other));
+    return NotTaken(std::move(other));
   }
   if (judge.left > kMissing) {
-    return doubt(Doubt(
+    return NotTaken(Doubt(
         output, MessageCode::kMissingExplanation,
         absl::StrFormat("Set points drive %s otherwise than the model says "
                         "(%.2g times what disturbances make of it by chance), "
@@ -275,7 +272,7 @@ OutputVerdict DecideByInstruments(const OutputEvidence& output,
                         output.name, judge.left)));
   }
   if (output.proposed && !judge.refutes_proposal) {
-    return doubt(Doubt(
+    return NotTaken(Doubt(
         output, MessageCode::kNotConfirmed,
         absl::StrCat("A change of ", output.name,
                      " is proposed, but what set points drive of it does not "
@@ -289,40 +286,37 @@ OutputVerdict DecideByInstruments(const OutputEvidence& output,
 OutputVerdict DecideOutput(const OutputEvidence& output,
                            const std::string& nothing_held_out,
                            const DecisionOptions& options) {
+  if (!output.disagreement.empty()) {
+    return NotTaken(
+        Doubt(output, MessageCode::kWindowsDisagree, output.disagreement));
+  }
   if (output.instruments.has_value()) {
     return DecideByInstruments(output, options);
   }
-  const auto doubt = [](Message reason) {
-    return OutputVerdict{Acceptance::kNothing, std::move(reason)};
-  };
-  if (!output.disagreement.empty()) {
-    return doubt(
-        Doubt(output, MessageCode::kWindowsDisagree, output.disagreement));
-  }
-  if (output.not_ageing.has_value()) return doubt(*output.not_ageing);
-  if (output.not_linear.has_value()) return doubt(*output.not_linear);
+  if (output.not_ageing.has_value()) return NotTaken(*output.not_ageing);
+  if (output.not_linear.has_value()) return NotTaken(*output.not_linear);
   if (!output.proposed) {
-    if (output.unexplained) return doubt(Unexplained(output));
-    return output.unnamed ? doubt(Unnamed(output)) : OutputVerdict();
+    if (output.unexplained) return NotTaken(Unexplained(output));
+    return output.unnamed ? NotTaken(Unnamed(output)) : OutputVerdict();
   }
   if (!output.scores.has_value()) {
     return {
         options.require_hold_out ? Acceptance::kNothing : Acceptance::kProposal,
         NotValidated(output, nothing_held_out)};
   }
-  if (!output.doubtful_pair.empty()) return doubt(Untrusted(output));
+  if (!output.doubtful_pair.empty()) return NotTaken(Untrusted(output));
   const double deviations = options.deviations;
   const bool holds = !output.shape_unseen && Holds(*output.scores, deviations);
   if (const std::vector<std::string> worse = WorseWindows(output, deviations);
       holds && !worse.empty()) {
-    return doubt(WorseIn(output, worse));
+    return NotTaken(WorseIn(output, worse));
   }
   if (holds) return {Acceptance::kProposal, Better(output, deviations)};
   if (output.parametric.has_value() && Holds(*output.parametric, deviations)) {
     return {Acceptance::kParametric, BetterByParameters(output)};
   }
-  return doubt(output.shape_unseen ? NotShown(output)
-                                   : NotBetter(output, deviations));
+  return NotTaken(output.shape_unseen ? NotShown(output)
+                                      : NotBetter(output, deviations));
 }
 
 absl::Status CheckField(const char* field, double value, double low,
