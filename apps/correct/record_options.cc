@@ -293,10 +293,6 @@ std::vector<Option> OptionsOf(RecordOptions& options) {
       {"correct_clocks", &options.examination.correct_clocks,
        "Tags whose time stamps seem to be late or early are shifted by the "
        "estimate before anything is fitted."},
-      {"correct_play", &options.examination.correct_play,
-       "Inputs that seem to stick are passed through the play that is found "
-       "before anything is fitted; if false, outputs that they move are not "
-       "decided."},
       {"window_before", &windows.before,
        "Length of the record kept before a set-point change; 0: the model's "
        "settling time.",

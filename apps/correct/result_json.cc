@@ -117,13 +117,6 @@ Json ValidationJson(const Result& result) {
   if (!validation.parametric.empty()) {
     json["parametric"] = ScoresJson(validation.parametric, model);
   }
-  json["agreement"] = Json::array();
-  for (const WindowAgreement& agreement : result.agreement) {
-    json["agreement"].push_back(
-        {{"p_value", agreement.p_value},
-         {"difference", agreement.difference},
-         {"follows", std::string(NameOf(agreement.cause))}});
-  }
   json["windows"] = Json::array();
   for (const std::vector<OutputScores>& window : validation.windows) {
     json["windows"].push_back(ScoresJson(window, model));

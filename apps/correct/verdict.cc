@@ -38,6 +38,7 @@ std::string WithHalfWidth(const ParameterEstimate& estimate) {
 
 // How closely the records confirm the gains, and which they do not.
 std::string Confirmation(const Result& result) {
+  constexpr double kDetectable = 0.5;  // a change of the gain by half
   const OutputErrorFit& full = result.estimate.fit.output_error.full;
   const ProcessModel& model = result.initial;
   double largest = 0.0;
@@ -49,6 +50,7 @@ std::string Confirmation(const Result& result) {
       const PairState state = result.information.pair(i, j).state;
       if (state == PairState::kAbsent) continue;
       if (state != PairState::kInformed) {
+        if (DetectableGain(result, i, j) < kDetectable) continue;
         unknown.push_back(PairName(model, i, j));
         continue;
       }

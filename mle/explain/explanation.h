@@ -44,7 +44,8 @@ struct ExplanationType {
   const char* code;
   ExplanationPlace place;
   // Improbability before the records: what it has to explain beyond a change of
-  // a gain, as a share of what disturbances alone explain (competition.h).
+  // a gain, as a share of what disturbances alone explain (competition.h), of
+  // instruments that are not in parts.
   double improbability;
   // θ to begin from, and its bounds.
   std::vector<double> start;

@@ -20,6 +20,8 @@ using Eigen::VectorXd;
 constexpr int kLaguerre = 6;
 constexpr double kLaguerreTime = 0.6;  // of τ
 constexpr int kPlacebos = 40;
+// Signals with fewer moves are one instrument.
+constexpr int kFewestMoves = 4;
 // More instruments than these are those that move the output most.
 constexpr int kMostInstruments = 6;
 // Of the largest singular value: what counts as a direction of its own.
@@ -70,6 +72,25 @@ int MovesOf(const Signal& signal) {
     }
   }
   return moves;
+}
+
+// The moves of the first half of all moves, and the others.
+std::vector<Signal> Halves(const Signal& signal) {
+  const int half = MovesOf(signal) / 2;
+  std::vector<Signal> halves(2, signal);
+  int moves = 0;
+  for (std::size_t r = 0; r < signal.size(); ++r) {
+    VectorXd& first = halves[0][r];
+    VectorXd& later = halves[1][r];
+    first[0] = later[0] = 0.0;
+    for (Index k = 1; k < first.size(); ++k) {
+      const double move = signal[r][k] - signal[r][k - 1];
+      if (move != 0.0) ++moves;
+      first[k] = first[k - 1] + (moves > half ? 0.0 : move);
+      later[k] = later[k - 1] + (moves > half ? move : 0.0);
+    }
+  }
+  return halves;
 }
 
 // The moves of a signal later by `shift` samples, those at the end first.
@@ -151,6 +172,40 @@ MatrixXd FreeColumns(const ExplainedOutput& output) {
   return svd.matrixU().leftCols(rank);
 }
 
+// Leaves of the signals those that move the output most, by the model.
+template <typename Freed>
+void MostMoving(const ExplainedOutput& output, const Freed& freed,
+                std::vector<Signal>& signals) {
+  if (signals.size() <= kMostInstruments) return;
+  const VectorXd modelled = output.Modelled();
+  std::vector<std::pair<double, std::size_t>> order;
+  for (std::size_t s = 0; s < signals.size(); ++s) {
+    const Eigen::BDCSVD<MatrixXd> svd(freed(Bank(output, signals[s], 0.0)),
+                                      Eigen::ComputeThinU);
+    order.emplace_back(-(svd.matrixU().transpose() * modelled).squaredNorm(),
+                       s);
+  }
+  std::stable_sort(order.begin(), order.end());
+  std::vector<Signal> most;
+  for (int s = 0; s < kMostInstruments; ++s) {
+    most.push_back(
+        std::move(signals[order[static_cast<std::size_t>(s)].second]));
+  }
+  signals = std::move(most);
+}
+
+std::vector<Signal> InHalves(const std::vector<Signal>& signals) {
+  std::vector<Signal> halves;
+  for (const Signal& signal : signals) {
+    if (MovesOf(signal) < kFewestMoves) {
+      halves.push_back(signal);
+      continue;
+    }
+    for (Signal& half : Halves(signal)) halves.push_back(std::move(half));
+  }
+  return halves;
+}
+
 }  // namespace
 
 absl::StatusOr<Instruments> Instruments::Create(const ProcessModel& model,
@@ -188,35 +243,25 @@ absl::StatusOr<Instruments> Instruments::Create(const ProcessModel& model,
     return columns - made.free_ * (made.free_.transpose() * columns);
   };
 
-  // The instruments that move the output most, by the model.
-  std::vector<MatrixXd> banks;
-  std::vector<std::pair<double, std::size_t>> order;
-  const VectorXd modelled = output.Modelled();
-  for (std::size_t s = 0; s < signals.size(); ++s) {
-    banks.push_back(freed(Bank(output, signals[s], 0.0)));
-    if (signals.size() > kMostInstruments) {
-      const Eigen::BDCSVD<MatrixXd> svd(banks[s], Eigen::ComputeThinU);
-      order.emplace_back(-(svd.matrixU().transpose() * modelled).squaredNorm(),
-                         s);
-    } else {
-      order.emplace_back(0.0, s);
-    }
+  MostMoving(output, freed, signals);
+  const Index rows = static_cast<Index>(output.rows().size());
+  const std::vector<Signal> halves = InHalves(signals);
+  if (rows >= kLeastRows * kLaguerre * static_cast<Index>(halves.size())) {
+    made.parts_ = static_cast<double>(halves.size()) /
+                  static_cast<double>(signals.size());
+    signals = halves;
   }
-  std::stable_sort(order.begin(), order.end());
-  if (order.size() > kMostInstruments) order.resize(kMostInstruments);
   const auto columns_at = [&](double share) {
-    MatrixXd columns(static_cast<Index>(output.rows().size()),
-                     kLaguerre * static_cast<Index>(order.size()));
-    for (std::size_t s = 0; s < order.size(); ++s) {
+    MatrixXd columns(rows, kLaguerre * static_cast<Index>(signals.size()));
+    for (std::size_t s = 0; s < signals.size(); ++s) {
       columns.middleCols(kLaguerre * static_cast<Index>(s), kLaguerre) =
-          share == 0.0 ? banks[order[s].second]
-                       : freed(Bank(output, signals[order[s].second], share));
+          freed(Bank(output, signals[s], share));
     }
     return columns;
   };
 
   const MatrixXd columns = columns_at(0.0);
-  if (columns.rows() < kLeastRows * columns.cols()) {
+  if (rows < kLeastRows * columns.cols()) {
     return absl::FailedPreconditionError("the records are too short");
   }
   const Eigen::BDCSVD<MatrixXd> svd(columns,

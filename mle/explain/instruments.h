@@ -1,11 +1,12 @@
 // What set points drive of a residual, and what set points that were moved in
 // time, placebos, drive of it.
 //
-//   Q    orthonormal basis (rows × r) of the moves of the instruments, each
-//        through six discrete Laguerre functions with a time constant of 0.6 τ,
-//        freed of an offset and a ramp for each record (a sensor that drifts, a
-//        level that is not balanced) and of what earlier inputs leave,
-//        e^{−t/T};
+//   Q    orthonormal basis (rows × r) of the moves of the instruments, the
+//        earlier half of each apart from the later, so that what changed
+//        between them shows; each through six discrete Laguerre functions with
+//        a time constant of 0.6 τ, freed of an offset and a ramp for each
+//        record (a sensor that drifts, a level that is not balanced) and of
+//        what earlier inputs leave, e^{−t/T};
 //   Q_s  the same with the moves shifted in time by s of the record, joined at
 //        the ends, s = 1/41 … 40/41;
 //   v = Qᵀe,   v_s = Q_sᵀ e.
@@ -41,6 +42,8 @@ class Instruments {
   static absl::StatusOr<Instruments> Create(const ProcessModel& model,
                                             const ExplainedOutput& output);
 
+  // How many instruments each of them was made: 1, or up to 2.
+  double parts() const { return parts_; }
   // r, of Q, and the number of placebos.
   int rank() const { return static_cast<int>(basis_.cols()); }
   int placebos() const { return placebos_; }
@@ -69,6 +72,7 @@ class Instruments {
 
   bool by_set_points_ = false;
   int moves_ = 0;
+  double parts_ = 1.0;
   int placebos_ = 0;
   Eigen::MatrixXd free_;     // rows × f, orthonormal
   Eigen::MatrixXd basis_;    // rows × r

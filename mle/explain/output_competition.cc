@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "Eigen/Cholesky"
@@ -28,6 +29,10 @@ constexpr double kConverged = 1e-4;  // step of θ, or relative fall of E
 constexpr double kLeastOwn = 0.05;
 // Of N: rivals as near as this are ties.
 constexpr double kTie = 0.1;
+// Of N: more than this is left that something may explain.
+constexpr double kMuch = 1.5;
+// Evidence of two explanations at once, in that of one.
+constexpr double kPair = 2.0;
 // Of M: the same of changes of two elements.
 constexpr double kElements = 5.0;
 // Held out: blocks of this many τ, in turn in one of the folds.
@@ -268,38 +273,49 @@ OutputCompetition::Chance OutputCompetition::ChanceOf(
   return chance;
 }
 
+std::optional<OutputCompetition::Next> OutputCompetition::BestNext(
+    const std::vector<Explanation>& taken) {
+  // Improbabilities are in units of what chance makes of the best.
+  std::vector<Fit> fits = Candidates(taken, 0.0, directions_);
+  if (fits.empty()) return std::nullopt;
+  const Chance of_best = ChanceOf(fits.front(), directions_);
+  for (Fit& fit : fits) {
+    fit.score = Score(fit.explanations, fit.energy, CostOf(of_best.energy));
+  }
+  const auto best = std::min_element(
+      fits.begin(), fits.end(),
+      [](const Fit& a, const Fit& b) { return a.score < b.score; });
+  return Next{*best, ChanceOf(*best, directions_).unit};
+}
+
 void OutputCompetition::Forward(const std::vector<Explanation>& given) {
-  taken_.clear();
   const Fit start = Estimate(given, all_);
   std::vector<Explanation> taken = start.explanations;
   double energy = start.energy;
-  for (const Explanation& one : taken) taken_.push_back({one, 0.0, 0.0});
+  std::vector<double> evidences(taken.size(), 0.0);
   next_.clear();
-  while (static_cast<int>(taken_.size()) < options_.most) {
-    // Improbabilities are in units of what chance makes of the best.
-    std::vector<Fit> fits = Candidates(taken, 0.0, directions_);
-    if (fits.empty()) break;
-    const Chance of_best = ChanceOf(fits.front(), directions_);
-    for (Fit& fit : fits) {
-      fit.score = Score(fit.explanations, fit.energy, of_best.energy);
-    }
-    std::stable_sort(fits.begin(), fits.end(), [](const Fit& a, const Fit& b) {
-      return a.score < b.score;
-    });
-    const Fit& best = fits.front();
-    const Chance after = ChanceOf(best, directions_);
-    const double evidence = EvidenceOf(energy - best.energy, after.unit);
-    const TakenExplanation tried = {best.explanations.back(), 0.0, evidence};
+  const auto most = static_cast<std::size_t>(options_.most);
+  while (taken.size() < most) {
+    std::optional<Next> next = BestNext(taken);
+    if (!next.has_value()) break;
+    double evidence = EvidenceOf(energy - next->fit.energy, next->unit);
     if (!(evidence > options_.evidence)) {
-      next_ = {tried};
-      break;
+      next_ = {{next->fit.explanations.back(), 0.0, evidence}};
+      // Two may hide each other: what one leaves is in what chance makes.
+      const double chance = ChanceOf({taken, energy, 0.0}, directions_).energy;
+      if (!(energy > kMuch * chance) || taken.size() + 2 > most) break;
+      next = BestNext(next->fit.explanations);
+      if (!next.has_value()) break;
+      evidence = EvidenceOf(energy - next->fit.energy, next->unit);
+      if (!(evidence > kPair * options_.evidence)) break;
     }
-    taken = best.explanations;
-    energy = best.energy;
-    taken_.push_back(tried);
-    for (std::size_t i = 0; i < taken.size(); ++i) {
-      taken_[i].explanation = taken[i];
-    }
+    taken = next->fit.explanations;
+    energy = next->fit.energy;
+    evidences.resize(taken.size(), evidence);
+  }
+  taken_.clear();
+  for (std::size_t i = 0; i < taken.size(); ++i) {
+    taken_.push_back({taken[i], 0.0, evidences[i]});
   }
   energy_ = energy;
   const Chance last = ChanceOf({taken, energy, 0.0}, directions_);
@@ -330,11 +346,11 @@ void OutputCompetition::Backward(std::size_t given) {
 
 bool OutputCompetition::Exchange(std::size_t given) {
   const std::vector<Explanation> all = Explanations();
-  const double score = Score(all, energy_, chance_);
+  const double score = Score(all, energy_, CostOf(chance_));
   for (std::size_t i = given; i < all.size(); ++i) {
     MatrixXd directions;
     const std::vector<Fit> fits =
-        Candidates(Without(all, i), chance_, directions);
+        Candidates(Without(all, i), CostOf(chance_), directions);
     if (fits.empty() || fits.front().explanations.back().SameAs(all[i]) ||
         fits.front().score > score - kBetter * unit_) {
       continue;
@@ -351,11 +367,12 @@ bool OutputCompetition::Exchange(std::size_t given) {
 
 void OutputCompetition::FindTies() {
   const std::vector<Explanation> all = Explanations();
-  const double score = Score(all, energy_, chance_);
+  const double score = Score(all, energy_, CostOf(chance_));
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (!IsAgeing(all[i].kind)) continue;
     MatrixXd directions;
-    for (const Fit& fit : Candidates(Without(all, i), chance_, directions)) {
+    for (const Fit& fit :
+         Candidates(Without(all, i), CostOf(chance_), directions)) {
       const Explanation& rival = fit.explanations.back();
       const bool elements = IsAgeing(rival.kind);
       // Explanations of one element, or its input, do much the same.
@@ -363,7 +380,7 @@ void OutputCompetition::FindTies() {
           rival.index == all[i].index) {
         continue;
       }
-      const double near = elements ? kElements * unit_ : kTie * chance_;
+      const double near = elements ? kElements * unit_ : kTie * CostOf(chance_);
       if (fit.score - score < near) ties_.push_back({all[i], rival});
     }
   }

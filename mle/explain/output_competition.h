@@ -3,6 +3,8 @@
 #ifndef MLE_EXPLAIN_OUTPUT_COMPETITION_H_
 #define MLE_EXPLAIN_OUTPUT_COMPETITION_H_
 
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "Eigen/Core"
@@ -78,12 +80,21 @@ class OutputCompetition {
                   const Eigen::MatrixXd& directions) const;
   // The fall of E that has the evidence asked for, in M.
   double Required() const;
+  // The best explanation more, and M of what it leaves; nothing where there is
+  // none to try. `directions_` are those tried.
+  struct Next {
+    Fit fit;
+    double unit = 0.0;
+  };
+  std::optional<Next> BestNext(const std::vector<Explanation>& taken);
   void Forward(const std::vector<Explanation>& given);
   void Backward(std::size_t given);
   // Another explanation in place of one that was taken, where it does better;
   // whether there was one.
   bool Exchange(std::size_t given);
   void FindTies();
+  // Of an improbability of one: N, of instruments that are not in parts.
+  double CostOf(double chance) const { return chance / instruments_.parts(); }
   double Score(const std::vector<Explanation>& explanations, double energy,
                double chance) const;
   Eigen::MatrixXd CovarianceOfTheta() const;

@@ -77,21 +77,6 @@ int ChangesOf(const RecordData& data) {
   return static_cast<int>(samples.size());
 }
 
-absl::StatusOr<std::vector<WindowAgreement>> AgreementOf(
-    const CorrectionResult& result, const std::vector<Record>& windows) {
-  const Estimate& estimate = result.estimate;
-  MLE_ASSIGN_OR_RETURN(
-      std::vector<WindowAgreement> agreement,
-      TestWindowAgreement(result.options.estimation.estimator == Estimator::kArx
-                              ? result.initial
-                              : result.proposed.model,
-                          windows));
-  for (int i = 0; i < result.initial.num_outputs(); ++i) {
-    if (ProposesByArx(estimate, i)) agreement[i] = {};
-  }
-  return agreement;
-}
-
 // What explains the records; nothing where they forbid a correction.
 absl::StatusOr<std::optional<Competition>> Compete(
     const std::vector<Record>& stretches, CorrectionResult& result) {
@@ -119,9 +104,6 @@ absl::Status DecideByEvidence(const std::vector<Record>& windows, int order,
       ValidateByHoldOut(result.estimate, windows, ChangesOf(result.data), order,
                         options.hold_out, options.in_use, options.threads,
                         options.progress));
-  if (options.examine && result.data.obstacles.empty()) {
-    MLE_ASSIGN_OR_RETURN(result.agreement, AgreementOf(result, windows));
-  }
   const Evidence evidence = GatherEvidence(result, unexplained, competition);
   Verdict verdict = Decide(evidence, options.decision);
   result.decision = verdict.decision;
@@ -367,6 +349,15 @@ absl::StatusOr<CorrectionResult> CorrectFromData(
   MLE_RETURN_IF_ERROR(MakeModels(samples, result));
   MLE_RETURN_IF_ERROR(ExamineWindows(windows, order, result));
   return result;
+}
+
+double DetectableGain(const CorrectionResult& result, int i, int j) {
+  if (!result.explanations.empty() && result.explanations[i].judged()) {
+    return result.explanations[i].detectable[j];
+  }
+  const ElementEstimate& element =
+      result.estimate.fit.output_error.full.element(i, j);
+  return element.detectable_gain / std::abs(element.gain.initial);
 }
 
 absl::StatusOr<CorrectionResult> CorrectFromRecords(

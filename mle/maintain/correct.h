@@ -35,7 +35,6 @@
 #include "mle/maintain/records.h"
 #include "mle/maintain/residual_diagnostics.h"
 #include "mle/maintain/state_space_form.h"
-#include "mle/maintain/window_agreement.h"
 #include "mle/model/process_model.h"
 #include "mle/model/step_response.h"
 #include "mle/nonlinear/posterior_correction.h"
@@ -101,9 +100,6 @@ struct CorrectionResult {
   // What the windows can tell about each pair, by the model's own values and
   // the noise found.
   PairInformation information;
-  // p: whether windows want the same gains of the elements of what is proposed;
-  // of ΔR nothing is said. Empty without CorrectOptions::examine.
-  std::vector<WindowAgreement> agreement;
   // What is proposed by gains, time constants and dead times, with them; it
   // stays here whatever of it is taken.
   OutputErrorFit proposed;
@@ -132,6 +128,11 @@ struct CorrectionResult {
   bool accepted() const { return decision == Decision::kCorrected; }
   bool usable() const { return failures.empty(); }
 };
+
+// The change of the gain of an element that these records would have shown, as
+// a share: by what set points drive of the output where that judges it, by the
+// noise found elsewhere. Infinite where nothing tells of it.
+double DetectableGain(const CorrectionResult& result, int output, int input);
 
 // From records in memory, sampled alike, whole and in order of time.
 // InvalidArgument for options, models and records that are wrong,

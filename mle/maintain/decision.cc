@@ -286,15 +286,10 @@ OutputVerdict DecideByInstruments(const OutputEvidence& output,
 OutputVerdict DecideOutput(const OutputEvidence& output,
                            const std::string& nothing_held_out,
                            const DecisionOptions& options) {
-  if (!output.disagreement.empty()) {
-    return NotTaken(
-        Doubt(output, MessageCode::kWindowsDisagree, output.disagreement));
-  }
   if (output.instruments.has_value()) {
     return DecideByInstruments(output, options);
   }
   if (output.not_ageing.has_value()) return NotTaken(*output.not_ageing);
-  if (output.not_linear.has_value()) return NotTaken(*output.not_linear);
   if (!output.proposed) {
     if (output.unexplained) return NotTaken(Unexplained(output));
     return output.unnamed ? NotTaken(Unnamed(output)) : OutputVerdict();
@@ -317,6 +312,16 @@ OutputVerdict DecideOutput(const OutputEvidence& output,
   }
   return NotTaken(output.shape_unseen ? NotShown(output)
                                       : NotBetter(output, deviations));
+}
+
+// Something is proposed that would have shown in what set points drive.
+bool AnyRefuted(const Evidence& evidence) {
+  return std::any_of(evidence.outputs.begin(), evidence.outputs.end(),
+                     [](const OutputEvidence& output) {
+                       return output.proposed &&
+                              output.instruments.has_value() &&
+                              output.instruments->refutes_proposal;
+                     });
 }
 
 absl::Status CheckField(const char* field, double value, double low,
@@ -391,6 +396,16 @@ Verdict Decide(const Evidence& evidence, const DecisionOptions& options) {
          {}});
   } else if (!evidence.doubts.empty()) {
     verdict.decision = Decision::kCannotTell;
+  } else if (AnyRefuted(evidence)) {
+    verdict.reasons.push_back(
+        {MessageCode::kSetPointsAgree,
+         "",
+         absl::StrCat("The records differ from the model (", p,
+                      "), but what set points drive agrees with it: the "
+                      "difference is no more than disturbances make by chance.",
+                      evidence.detectable.empty() ? "" : " ",
+                      evidence.detectable),
+         {}});
   } else if (evidence.change_proved) {
     verdict.reasons.push_back(
         {MessageCode::kChangeTooSmall,

@@ -16,9 +16,7 @@
 //   nothing proposed                                    kNothing
 //   nothing proposed, but inputs explain residuals      kNothing, doubtful
 //   nothing proposed, and what has changed not named    kNothing, doubtful
-//   an input that moves it sticks (`doubts`)            kNothing
-//   windows want different gains                        kNothing, doubtful
-//   an input sticks by as much as is proposed           kNothing, doubtful
+//   a finding forbids it (`doubts`)                     kNothing
 //   proposed, nothing held out                          kNothing, doubtful
 //   a score falls by more than chance                   kNothing, doubtful
 //   a score of one window does                          kNothing, doubtful
@@ -76,7 +74,7 @@ struct DecisionOptions {
   // change of dead time that all elements of a row or column share is a clock's
   // up to this, or up to five samples, as scans and averages make them late;
   // beyond, the dead times have changed. 0: clocks are right.
-  double clock_error = 120.0;
+  double clock_error = 7200.0;
 
   absl::Status Validate() const;
 };
@@ -125,17 +123,11 @@ struct OutputEvidence {
   bool unexplained = false;
   // Something has changed in it, but no element is named that accounts for it.
   bool unnamed = false;
-  // That the windows want different gains, and what these follow
-  // (window_agreement.h); or empty.
-  std::string disagreement;
   // The change proposed of an element is not one that ageing makes and these
   // records could show: its parameters lie where the search ends, its response
   // takes several times as long or short, the records do not inform it, or
   // another shape of one element explains as much as changes of several.
   std::optional<Message> not_ageing;
-  // A play that an input was passed through (sticking_inputs.h), where the
-  // change proposed is no larger than what that makes of it.
-  std::optional<Message> not_linear;
   // Nothing where nothing was held out.
   std::optional<OutputScores> scores;
   std::optional<OutputScores> parametric;  // where a shape is proposed

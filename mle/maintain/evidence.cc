@@ -18,6 +18,7 @@ namespace {
 // seen.", of the pairs that the records tell something about; empty where they
 // tell nothing about any.
 std::string Detectable(const CorrectionResult& result) {
+  constexpr double kMost = 1.0;  // more is no change of a gain
   const ProcessModel& model = result.initial;
   double low = std::numeric_limits<double>::infinity();
   double high = 0.0;
@@ -25,11 +26,8 @@ std::string Detectable(const CorrectionResult& result) {
   std::string highest;
   for (int i = 0; i < model.num_outputs(); ++i) {
     for (int j = 0; j < model.num_inputs(); ++j) {
-      const ElementEstimate& element =
-          result.estimate.fit.output_error.full.element(i, j);
-      const double change =
-          element.detectable_gain / std::abs(element.gain.initial);
-      if (!std::isfinite(change)) continue;
+      const double change = DetectableGain(result, i, j);
+      if (!(change < kMost)) continue;
       if (change < low) {
         low = change;
         lowest = PairName(model, i, j);
@@ -93,47 +91,6 @@ bool DependsOnInputs(const ResidualReport& residuals) {
                                   static_cast<double>(residuals.inputs.size()) <
                               kDiagnosticLevel;
                      });
-}
-
-// Of an input that was passed through a play, and whose proposed change is no
-// larger than the play: what a valve that sticks does in another way than the
-// play is of this size. Empty for others.
-std::string PlayAsLarge(const CorrectionResult& result, int i, int j) {
-  const std::string& input = result.initial.inputs()[j].name;
-  const auto play =
-      std::find_if(result.data.findings.begin(), result.data.findings.end(),
-                   [&](const Finding& finding) {
-                     return finding.message.code == MessageCode::kSticking &&
-                            finding.message.place == input &&
-                            finding.consequence == Consequence::kRepair;
-                   });
-  if (play == result.data.findings.end()) return "";
-  const Eigen::VectorXd before = result.initial_response.element(i, j);
-  const Eigen::VectorXd after =
-      result.proposed.model.element(i, j).StepResponse(
-          result.data.sample_time(), static_cast<int>(before.size()));
-  const double change = (after - before).norm() / before.norm();
-  if (!(change <= play->share + result.options.decision.least_change)) {
-    return "";
-  }
-  return absl::StrFormat(
-      "The valve of %s sticks by %.2g %% of its range in the records, and the "
-      "change found of %s is hardly larger (%.2g %%). The valve's measured "
-      "position as the input, or moves far beyond the play, would settle it.",
-      input, 100.0 * play->share, PairName(result.initial, i, j),
-      100.0 * change);
-}
-
-// Of the first element proposed that this concerns.
-std::optional<Message> NotLinear(const CorrectionResult& result, int i) {
-  for (int j = 0; j < result.initial.num_inputs(); ++j) {
-    if (!result.estimate.fit.output_error.aged(i, j)) continue;
-    const std::string& name = result.initial.outputs()[i].name;
-    if (std::string text = PlayAsLarge(result, i, j); !text.empty()) {
-      return Message{MessageCode::kSticking, name, std::move(text), {}};
-    }
-  }
-  return std::nullopt;
 }
 
 // Whether a time constant or dead time is as far from the model's as it may be.
@@ -210,31 +167,6 @@ std::optional<Message> NotAgeing(const CorrectionResult& result, int i) {
   return std::nullopt;
 }
 
-// Of windows of the output that differ; or, where a change is proposed, of
-// another's that follow the operating point, if its own may differ as much.
-std::string Disagreement(const CorrectionResult& result, int i) {
-  if (result.agreement.empty()) return "";
-  const WindowAgreement& own = result.agreement[i];
-  const std::string& name = result.initial.outputs()[i].name;
-  if (!own.agree()) return own.Describe(name);
-  if (!ProposesChange(result.estimate, i)) return "";
-  for (std::size_t o = 0; o < result.agreement.size(); ++o) {
-    const WindowAgreement& other = result.agreement[o];
-    if (other.agree() || other.difference > own.possible ||
-        other.cause != WindowAgreement::Cause::kOperatingPoint) {
-      continue;
-    }
-    return absl::StrFormat(
-        "The plant is not linear over the records: the responses of %s follow "
-        "the operating point, by up to %.2g %%, and those of %s may differ as "
-        "much from window to window (by %.2g %%, p = %.1g for none). Records "
-        "at one operating point would settle it.",
-        result.initial.outputs()[o].name, 100.0 * other.difference, name,
-        100.0 * own.possible, own.p_value);
-  }
-  return "";
-}
-
 OutputEvidence EvidenceOf(const CorrectionResult& result, int i) {
   const Validation& validation = result.validation;
   OutputEvidence evidence;
@@ -243,7 +175,6 @@ OutputEvidence EvidenceOf(const CorrectionResult& result, int i) {
   if (evidence.proposed) {
     evidence.doubtful_pair = DoubtfulPair(result, i);
     evidence.not_ageing = NotAgeing(result, i);
-    evidence.not_linear = NotLinear(result, i);
   }
   const EstimateFit& fit = result.estimate.fit;
   evidence.unnamed =
@@ -299,23 +230,7 @@ Evidence GatherEvidence(const CorrectionResult& result,
     if (competition != nullptr) {
       output.instruments = EvidenceByInstruments(result, *competition, i);
     }
-    if (output.instruments.has_value()) {
-      // What changed from record to record is no part of what moves of all of
-      // them drive.
-      if (result.data.records.size() > 1) {
-        output.disagreement = Disagreement(result, i);
-      }
-      // A play that the input was passed through is taken off already.
-      if (const auto sticks = output.not_linear; sticks.has_value()) {
-        output.instruments->ageing = false;
-        output.instruments->confirms_proposal = false;
-        output.instruments->other = sticks->text;
-        output.instruments->code = sticks->code;
-      }
-      continue;
-    }
-    output.unexplained = unexplained[i];
-    output.disagreement = Disagreement(result, i);
+    if (!output.instruments.has_value()) output.unexplained = unexplained[i];
   }
   return evidence;
 }

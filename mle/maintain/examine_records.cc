@@ -17,7 +17,6 @@
 #include "mle/maintain/answered_moves.h"
 #include "mle/maintain/exchanged_set_points.h"
 #include "mle/maintain/operator_mistakes.h"
-#include "mle/maintain/sticking_inputs.h"
 #include "mle/maintain/tag_clocks.h"
 
 namespace mle {
@@ -59,7 +58,6 @@ class Examiner {
   void FindOperation();
   void FindSetPoints();
   absl::Status FindMistakes();
-  absl::Status FindSticking();
 
   std::vector<SampleRow> Rows(bool outputs, int channel) const;
   Finding& Add(MessageCode code, std::string tag, Consequence consequence,
@@ -92,7 +90,6 @@ Finding& Examiner::Add(MessageCode code, std::string tag,
               .from = Begin(),
               .to = End(),
               .value = value,
-              .share = 0.0,
               .outputs = {}});
 }
 
@@ -326,51 +323,12 @@ absl::Status Examiner::FindMistakes() {
   return absl::OkStatus();
 }
 
-// Nothing is looked for in records that cannot be used anyway. Samples that the
-// historian or a sensor made up are no evidence of what happens between them.
-absl::Status Examiner::FindSticking() {
-  if (FirstBlocking(findings_) != nullptr) return absl::OkStatus();
-  std::vector<bool> usable(model_.num_outputs(), true);
-  for (int i = 0; i < model_.num_outputs(); ++i) {
-    for (const Finding& finding : findings_) {
-      if ((finding.message.code == MessageCode::kCompressed ||
-           finding.message.code == MessageCode::kStuckOutput) &&
-          finding.message.place == model_.outputs()[i].name) {
-        usable[i] = false;
-      }
-    }
-  }
-  MLE_ASSIGN_OR_RETURN(
-      const std::vector<StickingInput> all,
-      FindStickingInputs(model_, records_, usable, options_.threads));
-  for (const StickingInput& sticking : all) {
-    const bool correct = options_.correct_play && options_.repair;
-    Finding& finding = Add(
-        MessageCode::kSticking, model_.inputs()[sticking.input].name,
-        correct ? Consequence::kRepair : Consequence::kDoubts, sticking.width,
-        absl::StrCat(sticking.Describe(model_),
-                     correct ? " The input is passed through this play."
-                             : " The valve's measured position as the "
-                               "input, or moves far beyond the play, would "
-                               "settle it."));
-    finding.message.options = {"correct_play"};
-    finding.share = sticking.share;
-    if (correct) {
-      CorrectPlay(sticking, records_);
-    } else {
-      finding.outputs = sticking.outputs;
-    }
-  }
-  return absl::OkStatus();
-}
-
 absl::StatusOr<std::vector<Finding>> Examiner::Run() {
   FindCompressed();
   FindSpikes();
   MLE_RETURN_IF_ERROR(FindStuck());
   FindOperation();
   MLE_RETURN_IF_ERROR(FindMistakes());
-  MLE_RETURN_IF_ERROR(FindSticking());
   const auto rank = [](const Finding& finding) {
     if (finding.message.code == MessageCode::kMistake) return 0;
     return finding.consequence == Consequence::kBlocks   ? 1

@@ -1,7 +1,6 @@
 // What is wrong with records before anything is fitted: what the data are
 // (compression.h, input_spikes.h, stuck_outputs.h, operation.h), clocks that
-// differ (tag_clocks.h), inputs that stick (sticking_inputs.h), and operators'
-// mistakes (operator_mistakes.h).
+// differ (tag_clocks.h), and operators' mistakes (operator_mistakes.h).
 //
 //   MLE_ASSIGN_OR_RETURN(const std::vector<Finding> findings,
 //                        ExamineRecords(model, ExamineOptions(), records));
@@ -42,7 +41,6 @@ struct Finding {
   double to = 0.0;
   // What it is about: a share, a factor, a time, a width, a number of samples.
   double value = 0.0;
-  double share = 0.0;  // kSticking: of the input's range that the play takes
   // kDoubts: of which nothing can be said.
   std::vector<int> outputs;
 };
@@ -62,10 +60,6 @@ struct ExamineOptions {
 
   // How messages write times; without a unit, in the model's.
   TimeNames times = {};
-
-  // Whether inputs that stick are passed through the play that is found
-  // (sticking_inputs.h). If not, outputs that they move are not decided.
-  bool correct_play = true;
 
   // At least 0; 0 takes one for each processor. Findings do not depend on it.
   int threads = 0;

@@ -25,6 +25,8 @@ constexpr double kAgrees = 3.0;
 // What is proposed and not confirmed is no doubt if no response changes by more
 // than this share.
 constexpr double kSmall = 0.2;
+// E/N: where more is left, even a small change is doubted.
+constexpr double kMuch = 1.5;
 // By which no error of a horizon may grow, and in standard errors, by which one
 // has to fall.
 constexpr double kWorse = 1.2;
@@ -118,6 +120,9 @@ std::string Sentence(const ProcessModel& model, int output,
 
 MessageCode CodeOf(ExplanationKind kind) {
   if (IsClock(kind)) return MessageCode::kClock;
+  if (kind == ExplanationKind::kChangeDuringRecord) {
+    return MessageCode::kWindowsDisagree;
+  }
   return kind == ExplanationKind::kBacklash ? MessageCode::kSticking
                                             : MessageCode::kExplained;
 }
@@ -279,16 +284,21 @@ std::optional<InstrumentEvidence> EvidenceByInstruments(
   const std::vector<bool> aged = AgedInputs(result, competition, i);
   evidence.ageing = std::find(aged.begin(), aged.end(), true) != aged.end();
   evidence.other = Others(result, competition, i);
+  // Whether all that won can be held by a corrected model.
+  bool correctable = true;
+  bool any_other = false;
+  bool reversed = false;
+  for (const TakenExplanation& one : output.taken) {
+    const ExplanationKind kind = one.explanation.kind;
+    reversed = reversed || kind == ExplanationKind::kReversed;
+    if (IsAgeing(kind)) continue;
+    if (!any_other) evidence.code = CodeOf(kind);
+    any_other = true;
+    correctable = correctable && (kind == ExplanationKind::kHigherOrder ||
+                                  (IsClock(kind) && evidence.other.empty()));
+  }
   // A sign is a mistake of configuration, not to be corrected by the others.
-  for (const TakenExplanation& one : output.taken) {
-    if (one.explanation.kind == ExplanationKind::kReversed)
-      evidence.ageing = false;
-  }
-  for (const TakenExplanation& one : output.taken) {
-    if (IsAgeing(one.explanation.kind)) continue;
-    evidence.code = CodeOf(one.explanation.kind);
-    break;
-  }
+  evidence.ageing = evidence.ageing && !reversed;
   evidence.tie = Ties(result.initial, output, i);
   evidence.left = output.left();
   if (evidence.ageing) {
@@ -305,22 +315,29 @@ std::optional<InstrumentEvidence> EvidenceByInstruments(
     for (int j = 0; j < result.initial.num_inputs(); ++j) {
       same = same && aged[j] == ProposesElement(result.estimate, i, j);
     }
-    const bool explains = output.EvidenceOf(output.energy - energy,
-                                            energies.unit) > kLeastEvidence;
+    const auto evidence_from = [&](double from) {
+      return output.EvidenceOf(from - energy, energies.unit);
+    };
+    // Small changes are not taken on little evidence, nor doubted for it.
+    const bool is_small = LargestChange(result, i) < kSmall;
+    const double most = result.options.explain.evidence;
+    const bool explains =
+        evidence_from(output.energy) > (is_small ? most : kLeastEvidence);
+    const bool better = evidence_from(output.remaining) > most;
     const bool as_much = energy < output.remaining + kAgrees * output.unit;
-    const bool better =
-        output.EvidenceOf(output.remaining - energy, energies.unit) >
-        result.options.explain.evidence;
     evidence.confirms_proposal =
-        explains &&
-        (output.taken.empty() || better ||
-         (as_much && ProposesNewPath(result, i)) ||
-         (as_much && NumProposed(result, i) < output.taken.size()) ||
-         (as_much && evidence.other.empty() &&
-          (same || !evidence.tie.empty() || !evidence.predicts_better)));
+        explains && !reversed &&
+        (better ||
+         (correctable && as_much &&
+          (ProposesNewPath(result, i) ||
+           NumProposed(result, i) < output.taken.size() || same ||
+           !evidence.tie.empty() || !evidence.predicts_better)) ||
+         output.taken.empty());
     evidence.refutes_proposal =
+        (is_small && output.left() < kMuch) ||
         energies.difference > output.required * output.unit ||
-        LargestChange(result, i) < kSmall;
+        output.EvidenceOf(energy - output.remaining, output.unit) >
+            kLeastEvidence;
   }
   return evidence;
 }

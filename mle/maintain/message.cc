@@ -82,6 +82,8 @@ std::string_view NameOf(MessageCode code) {
       return "missing_explanation";
     case MessageCode::kNotConfirmed:
       return "not_confirmed";
+    case MessageCode::kSetPointsAgree:
+      return "set_points_agree";
     case MessageCode::kChangeTooSmall:
       return "change_too_small";
     case MessageCode::kNotExcited:

@@ -58,6 +58,7 @@ enum class MessageCode {
   kExplained,           // something else than ageing explains the records
   kMissingExplanation,  // set points drive what nothing known explains
   kNotConfirmed,        // a change that set points do not confirm
+  kSetPointsAgree,      // what set points drive shows no change
   kChangeTooSmall,      // a change is proved, but not worth making
   kNotExcited,          // the records determine no gain
 };

@@ -232,9 +232,8 @@ absl::StatusOr<std::vector<WatchBatch>> ModelWatch::Examined(
   std::vector<WatchBatch> fit;
   for (const WatchBatch& batch : batches) {
     std::vector<Record> records = {batch.record};
-    MLE_ASSIGN_OR_RETURN(
-        const std::vector<Finding> findings,
-        ExamineRecords(model_, {.correct_play = false}, records));
+    MLE_ASSIGN_OR_RETURN(const std::vector<Finding> findings,
+                         ExamineRecords(model_, {}, records));
     if (FirstBlocking(findings) != nullptr) continue;
     fit.push_back({std::move(records.front()), batch.first});
   }
@@ -427,9 +426,8 @@ absl::StatusOr<BatchScores> ModelWatch::Score(const WatchReference& reference,
                        RecordChange(reference, batch.record));
   if (reason.empty()) reason = OutOfRange(reference, batch);
   std::vector<Record> records = {std::move(batch.record)};
-  MLE_ASSIGN_OR_RETURN(
-      const std::vector<Finding> findings,
-      ExamineRecords(model_, {.correct_play = false}, records));
+  MLE_ASSIGN_OR_RETURN(const std::vector<Finding> findings,
+                       ExamineRecords(model_, {}, records));
   Record& record = records.front();
   Mask(around, /*wanted=*/true, batch.first, record);
   const std::vector<int> changes = NumberStretches(around);

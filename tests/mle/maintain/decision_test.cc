@@ -146,14 +146,6 @@ TEST(DecisionTest, AWindowThatIsPredictedWorseIsDoubt) {
   EXPECT_NE(verdict.reasons.back().text.find("window 2"), std::string::npos);
 }
 
-TEST(DecisionTest, AChangeNoLargerThanAPlayIsDoubt) {
-  OutputEvidence output = Output(kGood);
-  output.not_linear = {MessageCode::kSticking, "T", "The valve sticks.", {}};
-  const Verdict verdict = Decide(Of({output}), {});
-  EXPECT_EQ(verdict.decision, Decision::kCannotTell);
-  EXPECT_EQ(verdict.reasons.back().code, MessageCode::kSticking);
-}
-
 TEST(DecisionTest, WhatNoAgeingDoesIsDoubt) {
   OutputEvidence output = Output(kGood);
   output.not_ageing = {
@@ -219,15 +211,15 @@ TEST(DecisionTest, AChangeThatNoElementAccountsForIsNotNoChange) {
   EXPECT_EQ(Decide(evidence, {}).decision, Decision::kCorrected);
 }
 
-TEST(DecisionTest, OutputsOfAnInputThatSticksAreNotDecided) {
+TEST(DecisionTest, OutputsThatAreDoubtedAreNotDecided) {
   Evidence evidence = Of({Output(kGood), OutputEvidence()});
   evidence.outputs[0].undecidable = true;
   evidence.outputs[1].name = "F";
-  evidence.doubts = {{MessageCode::kSticking, "u", "The valve of u …", {}}};
+  evidence.doubts = {{MessageCode::kStuckOutput, "F", "F is dead …", {}}};
   const Verdict verdict = Decide(evidence, {});
   EXPECT_EQ(verdict.decision, Decision::kCannotTell);
   EXPECT_EQ(verdict.outputs[0], Acceptance::kNothing);
-  EXPECT_EQ(verdict.reasons.front().code, MessageCode::kSticking);
+  EXPECT_EQ(verdict.reasons.front().code, MessageCode::kStuckOutput);
   EXPECT_FALSE(Says(verdict, MessageCode::kPredictsBetter));
   // Others are, and the doubt is still said first.
   evidence.outputs[1] = Output(kGood);
@@ -235,21 +227,7 @@ TEST(DecisionTest, OutputsOfAnInputThatSticksAreNotDecided) {
   EXPECT_EQ(other.decision, Decision::kCorrected);
   EXPECT_EQ(other.outputs[0], Acceptance::kNothing);
   EXPECT_EQ(other.outputs[1], Acceptance::kProposal);
-  EXPECT_EQ(other.reasons.front().code, MessageCode::kSticking);
-}
-
-TEST(DecisionTest, WindowsThatWantDifferentGainsAreDoubt) {
-  OutputEvidence output = Output(kGood);
-  output.disagreement = "The responses of T follow time.";
-  const Verdict verdict = Decide(Of({output}), {});
-  EXPECT_EQ(verdict.decision, Decision::kCannotTell);
-  EXPECT_EQ(verdict.reasons.back().code, MessageCode::kWindowsDisagree);
-  EXPECT_EQ(verdict.reasons.back().text, output.disagreement);
-  // Nor is there no change where nothing is proposed.
-  output.proposed = false;
-  Evidence evidence;
-  evidence.outputs = {output};
-  EXPECT_EQ(Decide(evidence, {}).decision, Decision::kCannotTell);
+  EXPECT_EQ(other.reasons.front().code, MessageCode::kStuckOutput);
 }
 
 TEST(DecisionTest, OneOfManyWindowsMayFallALittle) {

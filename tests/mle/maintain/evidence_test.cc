@@ -13,7 +13,6 @@ namespace {
 
 using testing::Tank;
 using testing::TankRecord;
-using Cause = WindowAgreement::Cause;
 
 // Two tanks side by side, of which only the second one's gain has aged.
 CorrectionResult Corrected() {
@@ -37,31 +36,6 @@ CorrectionResult Corrected() {
   auto result = CorrectFromRecords(model, records, options);
   EXPECT_TRUE(result.ok()) << result.status();
   return *std::move(result);
-}
-
-TEST(GatherEvidenceTest, APlantThatIsNotLinearInOneOutputIsDoubtedInOthers) {
-  CorrectionResult result = Corrected();
-  ASSERT_EQ(result.decision, Decision::kCorrected);
-  ASSERT_FALSE(ProposesChange(result.estimate, 0));
-  const auto doubts = [&](Cause cause, double first, double second) {
-    result.agreement = {
-        {.windows = 4, .p_value = 1e-9, .difference = first, .cause = cause},
-        {.windows = 4, .p_value = 0.3, .possible = second}};
-    const Evidence evidence = GatherEvidence(result, {false, false}, nullptr);
-    EXPECT_EQ(evidence.outputs[0].disagreement.empty(),
-              result.agreement[0].agree());
-    return evidence.outputs[1].disagreement;
-  };
-  EXPECT_NE(doubts(Cause::kOperatingPoint, 0.3, 0.4)
-                .find("of first follow the operating point, by up to 30 %, and "
-                      "those of second may differ as much"),
-            std::string::npos);
-  // Its own windows tell that it is not so.
-  EXPECT_EQ(doubts(Cause::kOperatingPoint, 0.3, 0.2), "");
-  // Another output may age during the records.
-  EXPECT_EQ(doubts(Cause::kTime, 0.3, 0.4), "");
-  // The windows of both agree.
-  EXPECT_EQ(doubts(Cause::kOperatingPoint, 0.04, 0.05), "");
 }
 
 // The second tank's gain has changed; its other parameters are set.

@@ -64,58 +64,6 @@ TEST(ExamineRecordsTest, ClocksAreCorrectedWhereAsked) {
   EXPECT_TRUE(Examine(record).empty());
 }
 
-TEST(ExamineRecordsTest, InputsThatStickAreDoubtOrPassedThroughTheirPlay) {
-  const Record sticking = LoopRecord({.play = Eigen::Vector2d(0.1, 0.0)});
-  Record record = sticking;
-  ExamineOptions options;
-  options.correct_play = false;
-  std::vector<Finding> findings = Examine(record, options);
-  ASSERT_EQ(findings.size(), 1u);
-  EXPECT_EQ(findings[0].message.code, MessageCode::kSticking);
-  EXPECT_EQ(findings[0].message.place, "u1");
-  EXPECT_EQ(findings[0].consequence, Consequence::kDoubts);
-  EXPECT_NEAR(findings[0].value, 0.1, 0.02);
-  EXPECT_EQ(findings[0].outputs, (std::vector<int>{0, 1}));
-  EXPECT_EQ(record.inputs, sticking.inputs);
-  CorrectOptions output_error;
-  output_error.estimation.estimator = Estimator::kOutputError;
-  output_error.make_arx = false;
-  output_error.records.examination = options;
-  auto result = CorrectFromRecords(LoopModel(), {sticking}, output_error);
-  ASSERT_TRUE(result.ok()) << result.status();
-  EXPECT_EQ(result->decision, Decision::kCannotTell);
-  EXPECT_EQ(result->reasons.front().code, MessageCode::kSticking);
-  findings = Examine(record);
-  ASSERT_EQ(findings.size(), 1u);
-  EXPECT_EQ(findings[0].consequence, Consequence::kRepair);
-  EXPECT_NE(record.inputs, sticking.inputs);
-  EXPECT_GT(findings[0].share, 0.01);
-  for (const Finding& finding : Examine(record)) {
-    EXPECT_NE(finding.message.code, MessageCode::kSticking)
-        << finding.message.text;
-  }
-}
-
-TEST(ExamineRecordsTest, AChangeNoLargerThanAPlayIsDoubt) {
-  const Record sticking = LoopRecord({.play = Eigen::Vector2d(0.1, 0.0)});
-  CorrectOptions options;
-  options.estimation.estimator = Estimator::kOutputError;
-  options.make_arx = false;
-  // The play is a ninth of the range.
-  ProcessModel model = LoopModel();
-  model.element(0, 0) = TransferFunction::FirstOrder(2.0 / 1.08, 15.0, 1.0);
-  auto result = CorrectFromRecords(model, {sticking}, options);
-  ASSERT_TRUE(result.ok()) << result.status();
-  EXPECT_EQ(result->decision, Decision::kCannotTell);
-  EXPECT_EQ(result->reasons.back().code, MessageCode::kSticking);
-  EXPECT_EQ(result->reasons.back().place, "y1");
-  model.element(0, 0) = TransferFunction::FirstOrder(2.0 / 1.4, 15.0, 1.0);
-  result = CorrectFromRecords(model, {sticking}, options);
-  ASSERT_TRUE(result.ok()) << result.status();
-  EXPECT_EQ(result->decision, Decision::kCorrected);
-  EXPECT_NEAR(result->fopdt_model.element(0, 0).StaticGain(), 2.0, 0.1);
-}
-
 TEST(ExamineRecordsTest, SetPointsUnderEachOthersTagsAreTakenSo) {
   for (unsigned seed = 1; seed <= 3; ++seed) {
     const Record right = LoopRecord({.walk = 0.002, .seed = seed});
@@ -352,8 +300,7 @@ TEST(ExamineRecordsTest, FindingsDoNotDependOnThreads) {
   late.outputs.row(0).tail(3995) = late.outputs.row(0).head(3995).eval();
   Record exchanged = LoopRecord();
   exchanged.inputs.row(0).swap(exchanged.inputs.row(1));
-  Record sticking = LoopRecord({.play = Eigen::Vector2d(0.1, 0.0)});
-  for (const Record& record : {late, exchanged, sticking}) {
+  for (const Record& record : {late, exchanged}) {
     ExamineOptions options;
     options.threads = 1;
     Record one = record;

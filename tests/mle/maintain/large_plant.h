@@ -10,7 +10,6 @@
 
 #include "gtest/gtest.h"
 #include "mle/data/record.h"
-#include "mle/maintain/play_regression.h"
 #include "mle/model/process_model.h"
 #include "mle/model/process_simulator.h"
 
@@ -42,8 +41,8 @@ inline ProcessModel LargeModel() {
   return model;
 }
 
-// 1,500 min; the valve of an input sticks over `play`.
-inline Record LargeRecord(int sticking = 0, double play = 0.0) {
+// 1,500 min.
+inline Record LargeRecord() {
   const ProcessModel model = LargeModel();
   constexpr int kSamples = 1500;
   std::mt19937_64 source(5);
@@ -57,10 +56,8 @@ inline Record LargeRecord(int sticking = 0, double play = 0.0) {
       record.inputs(j, k) = moves ? normal(source) : record.inputs(j, k - 1);
     }
   }
-  Eigen::MatrixXd moved = record.inputs;
-  moved.row(sticking) = PassThroughPlay(record.inputs.row(sticking), play);
   absl::StatusOr<Eigen::MatrixXd> outputs =
-      SimulateResponse(model, record.sample_time, moved);
+      SimulateResponse(model, record.sample_time, record.inputs);
   EXPECT_TRUE(outputs.ok()) << outputs.status();
   record.outputs = *std::move(outputs);
   for (double& y : record.outputs.reshaped()) y += 0.05 * normal(source);
