@@ -5,6 +5,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "Eigen/Eigenvalues"
 #include "Eigen/LU"
 #include "glog/logging.h"
 #include "mle/base/status.h"
