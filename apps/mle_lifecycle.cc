@@ -12,11 +12,9 @@
 #include "apps/common/run_again.h"
 #include "apps/common/stop_signal.h"
 #include "apps/lifecycle/campaign.h"
-#include "apps/lifecycle/headline.h"
+#include "apps/lifecycle/report.h"
 #include "apps/lifecycle/request.h"
-#include "apps/lifecycle/results.h"
 #include "apps/lifecycle/summary.h"
-#include "apps/lifecycle/tables.h"
 #include "apps/report/html.h"
 #include "apps/report/table.h"
 
@@ -34,9 +32,10 @@ all.
   mle_lifecycle … --ageing_rates=0.25,0.5,1,2 \
       --policies=never,output_error:1,output_error:6,test:6,test:24,perfect
 
-An interrupted run resumes when it is started again with the same flags. Other
-prices need no new simulation. Exit codes: 0 done, 1 stopped, or ran
-but the result is not usable, 2 bad input or flags.)";
+An interrupted run resumes when it is started again with the same flags. Parts
+(--part=1/2, --part=2/2) may run at once; the run without --part brings them
+together. Other prices need no new simulation. Exit codes: 0 done, 1 stopped, or
+ran but the result is not usable, 2 bad input or flags.)";
 
 void PrintFindings(const lifecycle::Campaign& campaign,
                    const std::vector<lifecycle::RateSummary>& summaries,
@@ -61,17 +60,22 @@ int Main(lifecycle::Request& request, OptionTable& table) {
     return Fail(status);
   }
   const lifecycle::Campaign& campaign = request.campaign;
-  const absl::StatusOr<FolderLock> lock = ClaimOutputFolder(campaign.folder);
-  if (!lock.ok()) return Fail(lock.status());
   CatchStopSignals();
   absl::StatusOr<lifecycle::Lives> lives =
       lifecycle::RunCampaign(campaign, StopRequested, ShowProgress("lives"));
   if (lives.status().code() == absl::StatusCode::kCancelled) {
-    std::cerr << "stopped; finished lives are kept in " << campaign.folder
-              << "/runs, and the same command resumes from there\n";
+    std::cerr << "stopped; finished lives are kept in "
+              << campaign.part.FolderBelow(campaign.folder)
+              << ", and the same command resumes from there\n";
     return kExitNotUsable;
   }
   if (!lives.ok()) return Fail(lives.status());
+  if (!campaign.part.is_everything()) {
+    std::cout << "Part " << campaign.part.text
+              << ": all of its lives are there. When those of the other parts "
+                 "are, give the same command without --part.\n";
+    return kExitDone;
+  }
   const lifecycle::Results results =
       lifecycle::Evaluate(request, *std::move(lives));
   PrintFindings(campaign, results.summaries, results.valuation);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
@@ -148,22 +149,22 @@ class Instruments {
 // What acts on the plant of the inputs that its valves are asked for.
 class Actuators {
  public:
-  Actuators(const std::vector<ActuatorOptions>& options, int m)
+  Actuators(const std::vector<ActuatorOptions>& options, double sample_time,
+            int m)
       : actuators_(options.begin(), options.end()),
-        positions_(options.size(), 0.0),
+        sample_time_(sample_time),
         acting_(VectorXd::Zero(m)) {}
 
   void Move(const VectorXd& inputs) {
-    for (std::size_t a = 0; a < actuators_.size(); ++a) {
-      positions_[a] = actuators_[a].Move(inputs[actuators_[a].input()]);
-    }
+    for (Actuator& actuator : actuators_)
+      actuator.Move(inputs[actuator.input()]);
   }
 
   const VectorXd& Acting(const VectorXd& inputs,
                          const Eigen::Ref<const VectorXd>& loads) {
     acting_ = inputs;
-    for (std::size_t a = 0; a < actuators_.size(); ++a) {
-      acting_[actuators_[a].input()] = positions_[a];
+    for (Actuator& actuator : actuators_) {
+      acting_[actuator.input()] = actuator.Act(sample_time_);
     }
     acting_ += loads;
     return acting_;
@@ -171,8 +172,45 @@ class Actuators {
 
  private:
   std::vector<Actuator> actuators_;
-  std::vector<double> positions_;  // since the last control instant
-  VectorXd acting_;                // m
+  double sample_time_;
+  VectorXd acting_;  // m
+};
+
+// What operators and others do to the inputs that the controller asks for.
+class Operators {
+ public:
+  Operators(const PlantConditions& conditions, int m)
+      : manual_(conditions.manual), answered_(VectorXd::Zero(m)) {
+    for (const InputLoad& load : conditions.loads) {
+      answered_[load.input] = load.answered;
+    }
+  }
+
+  // The inputs from a control instant on, in place of those of before, of what
+  // the controller asked for.
+  void Move(double time, const VectorXd& asked, const VectorXd& loads,
+            VectorXd& inputs) {
+    const VectorXd before = inputs;
+    inputs = asked - answered_.cwiseProduct(loads);
+    is_manual_ = false;
+    for (const ManualPeriod& period : manual_) {
+      if (time < period.from || time >= period.to) continue;
+      is_manual_ = true;
+      const bool has_begun = before_ >= period.from;
+      inputs[period.input] =
+          before[period.input] + (has_begun ? 0.0 : period.change);
+    }
+    before_ = time;
+  }
+
+  // Whether the controller has nothing to say.
+  bool is_manual() const { return is_manual_; }
+
+ private:
+  std::vector<ManualPeriod> manual_;
+  VectorXd answered_;  // m
+  double before_ = -std::numeric_limits<double>::infinity();
+  bool is_manual_ = false;
 };
 
 }  // namespace
@@ -210,7 +248,8 @@ absl::StatusOr<Record> SimulateClosedLoop(PlantModel& plant,
   const RunawayGuard guard(channels, all.output_sizes);
   const std::vector<int> disturbances = DisturbanceInputs(channels);
   Instruments instruments(conditions, options, p, m, samples);
-  Actuators actuators(conditions.actuators, m);
+  Actuators actuators(conditions.actuators, options.sample_time, m);
+  Operators operators(conditions, m);
   Record record;
   record.sample_time = options.sample_time;
   record.set_points = std::move(all.set_points);
@@ -225,8 +264,9 @@ absl::StatusOr<Record> SimulateClosedLoop(PlantModel& plant,
                         record.outputs.col(k));
     const bool is_control_instant = k % samples_per_period == 0;
     if (is_control_instant) {
+      operators.Move(record.time(k), next_input, all.loads.col(k), input);
       for (int j = 0; j < m; ++j) {
-        input[j] = conditions.valves.Limit(j, next_input[j]);
+        input[j] = conditions.valves.Limit(j, input[j]);
       }
       actuators.Move(input);
     }
@@ -235,7 +275,10 @@ absl::StatusOr<Record> SimulateClosedLoop(PlantModel& plant,
     }
     if (is_control_instant) {
       MLE_RETURN_IF_ERROR(guard.CheckInputs(input, record.time(k)));
-      controller(instruments.seen(), record.set_points.col(k), next_input);
+      controller(instruments.seen(),
+                 operators.is_manual() ? instruments.seen()
+                                       : record.set_points.col(k).eval(),
+                 next_input);
     }
     record.inputs.col(k) = input;
     instruments.SpoilInputs(k, record.inputs.col(k));

@@ -119,10 +119,29 @@ absl::Status ReadSines(const JsonNode& node, int output, Effects& effects) {
   return absl::OkStatus();
 }
 
+absl::Status ReadCurve(const JsonNode& node, OutputCurve& curve) {
+  if (!node.Has("curve")) return absl::OkStatus();
+  MLE_ASSIGN_OR_RETURN(const std::string name, node.At("curve").String());
+  for (const auto& [known, kind] :
+       {std::pair("quadratic", OutputCurve::kQuadratic),
+        std::pair("logarithm", OutputCurve::kLogarithm),
+        std::pair("tanh", OutputCurve::kTanh)}) {
+    if (name == known) curve = kind;
+  }
+  if (curve != OutputCurve::kNone) return absl::OkStatus();
+  return node.At("curve").Fault(absl::StrCat(
+      "must be \"quadratic\", \"logarithm\" or \"tanh\", but it is ",
+      QuotedJson(name)));
+}
+
 absl::Status ReadSensor(const JsonNode& node, int output, Effects& effects) {
   MLE_RETURN_IF_ERROR(
-      node.CheckKeys({}, {"lag", "noise_variance", "min", "max", "dead_from"}));
+      node.CheckKeys({}, {"curve", "curvature", "lag", "noise_variance", "min",
+                          "max", "dead_from"}));
   SensorOptions sensor{.output = output};
+  MLE_RETURN_IF_ERROR(ReadCurve(node, sensor.curve));
+  MLE_RETURN_IF_ERROR(
+      ReadNumber(node, "curvature", kAnyNumber, sensor.curvature));
   MLE_RETURN_IF_ERROR(ReadNumber(node, "lag", kNotNegative, sensor.lag));
   MLE_RETURN_IF_ERROR(
       ReadNumber(node, "noise_variance", kNotNegative, sensor.noise_variance));
@@ -187,7 +206,7 @@ absl::Status ReadOutput(const JsonNode& node, int output, Effects& effects) {
 
 absl::Status ReadLoad(const JsonNode& node, int input, Effects& effects) {
   MLE_RETURN_IF_ERROR(
-      node.CheckKeys({}, {"variance", "time_constant", "steps"}));
+      node.CheckKeys({}, {"variance", "time_constant", "steps", "answered"}));
   InputLoad load;
   load.input = input;
   MLE_RETURN_IF_ERROR(
@@ -195,6 +214,7 @@ absl::Status ReadLoad(const JsonNode& node, int input, Effects& effects) {
   MLE_RETURN_IF_ERROR(
       ReadNumber(node, "time_constant", kPositive, load.time_constant));
   MLE_ASSIGN_OR_RETURN(load.steps, ReadSteps(node));
+  MLE_RETURN_IF_ERROR(ReadNumber(node, "answered", kAnyNumber, load.answered));
   effects.loads.push_back(std::move(load));
   return absl::OkStatus();
 }
@@ -202,14 +222,19 @@ absl::Status ReadLoad(const JsonNode& node, int input, Effects& effects) {
 absl::Status ReadActuator(const JsonNode& node, int input,
                           const ProcessModel& model, Effects& effects) {
   MLE_RETURN_IF_ERROR(node.CheckKeys(
-      {}, {"stiction", "jump", "rangeability", "span", "position"}));
+      {}, {"stiction", "jump", "rangeability", "span", "position", "kink",
+           "kink_slope", "min", "max", "rate"}));
   ActuatorOptions actuator{.input = input};
   for (const auto& [key, field] :
        {std::pair("stiction", &actuator.stiction),
         std::pair("jump", &actuator.slip_jump),
         std::pair("rangeability", &actuator.rangeability),
         std::pair("span", &actuator.span),
-        std::pair("position", &actuator.position)}) {
+        std::pair("position", &actuator.position),
+        std::pair("kink", &actuator.kink),
+        std::pair("kink_slope", &actuator.kink_slope),
+        std::pair("min", &actuator.min), std::pair("max", &actuator.max),
+        std::pair("rate", &actuator.rate)}) {
     MLE_RETURN_IF_ERROR(ReadNumber(node, key, kAnyNumber, *field));
   }
   if (const absl::Status status = actuator.Validate(model); !status.ok()) {
@@ -222,9 +247,20 @@ absl::Status ReadActuator(const JsonNode& node, int input,
 absl::Status ReadInput(const JsonNode& node, int input,
                        const ProcessModel& model, Effects& effects) {
   MLE_RETURN_IF_ERROR(
-      node.CheckKeys({"name"}, {"load", "actuator", "archive"}));
+      node.CheckKeys({"name"}, {"load", "manual", "actuator", "archive"}));
   if (node.Has("load")) {
     MLE_RETURN_IF_ERROR(ReadLoad(node.At("load"), input, effects));
+  }
+  MLE_ASSIGN_OR_RETURN(
+      const auto manual,
+      ReadRows(node, "manual", 3, "[from, to > from, change]"));
+  for (const std::vector<double>& row : manual) {
+    ManualPeriod period{
+        .input = input, .from = row[0], .to = row[1], .change = row[2]};
+    if (const absl::Status status = period.Validate(model); !status.ok()) {
+      return node.At("manual").Fault(std::string(status.message()));
+    }
+    effects.manual.push_back(period);
   }
   if (node.Has("actuator")) {
     MLE_RETURN_IF_ERROR(
@@ -275,6 +311,7 @@ void Effects::AddTo(PlantConditions& conditions) const {
   Append(sines, conditions.output_disturbance.sines);
   Append(steps, conditions.output_disturbance.steps);
   Append(loads, conditions.loads);
+  Append(manual, conditions.manual);
   Append(actuators, conditions.actuators);
   Append(sensors, conditions.sensors);
   Append(archive.outputs, conditions.archive.outputs);

@@ -14,10 +14,11 @@
 //     ],
 //     "inputs": [
 //       {"name": "reflux",
-//        "load": {"variance": 1e-2, "time_constant": 40, "steps": [[200,
-//        0.1]]}, "actuator": {"stiction": 0.05, "jump": 0.02, "rangeability":
-//        30,
-//                     "span": 2.0, "position": 0.5}}
+//        "load": {"variance": 1e-2, "time_constant": 40,
+//                 "steps": [[200, 0.1]], "answered": 0.5},
+//        "manual": [[300, 400, 0.1]],
+//        "actuator": {"stiction": 0.05, "jump": 0.02, "rangeability": 30,
+//                     "span": 2.0, "position": 0.5, "rate": 0.1}}
 //     ]
 //   }
 
@@ -57,6 +58,7 @@ struct Effects {
   std::vector<SineDisturbance> sines;
   std::vector<OutputStep> steps;
   std::vector<InputLoad> loads;
+  std::vector<ManualPeriod> manual;
   std::vector<ActuatorOptions> actuators;
   std::vector<SensorOptions> sensors;
   ArchiveOptions archive;

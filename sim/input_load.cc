@@ -17,6 +17,10 @@ absl::Status InputLoad::Validate(int num_inputs) const {
                      num_inputs - 1));
   }
   for (const SignalStep& step : steps) MLE_RETURN_IF_ERROR(step.Validate());
+  if (!std::isfinite(answered)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("answered = ", answered, ", but it must be finite"));
+  }
   MLE_RETURN_IF_ERROR(CheckNotNegative("variance", variance));
   return CheckPositive("time_constant", time_constant);
 }

@@ -4,7 +4,8 @@
 //   l_k = ξ_k + s_k,
 //
 // ξ first-order coloured noise (coloured_noise.h), s steps at given times. The
-// effect on the outputs goes through the plant's own dynamics.
+// effect on the outputs goes through the plant's own dynamics. If somebody who
+// sees the load answers it by feedforward, the record's input has −a l_k in it.
 
 #ifndef SIM_INPUT_LOAD_H_
 #define SIM_INPUT_LOAD_H_
@@ -23,6 +24,7 @@ struct InputLoad {
   double variance = 0.0;        // of ξ, ≥ 0
   double time_constant = 10.0;  // of ξ, > 0
   std::vector<SignalStep> steps = {};
+  double answered = 0.0;  // a, finite, of an input that is moved
 
   absl::Status Validate(int num_inputs) const;
 };

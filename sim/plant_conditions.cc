@@ -1,5 +1,7 @@
 #include "sim/plant_conditions.h"
 
+#include <cmath>
+
 #include "absl/strings/str_cat.h"
 #include "mle/base/status.h"
 
@@ -41,6 +43,20 @@ double ValveLimits::Limit(int input, double value) const {
   return value;
 }
 
+absl::Status ManualPeriod::Validate(const ProcessModel& channels) const {
+  if (input < 0 || input >= channels.num_inputs() ||
+      channels.inputs()[input].role == InputRole::kDisturbance) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        "input = ", input, " in manual, but it must be one that is moved"));
+  }
+  if (from < to && std::isfinite(from) && std::isfinite(change)) {
+    return absl::OkStatus();
+  }
+  return absl::InvalidArgumentError(
+      absl::StrCat("manual from ", from, " to ", to, " with change = ", change,
+                   ", but it must end after it begins, with a finite change"));
+}
+
 absl::Status PlantConditions::Validate(const ProcessModel& channels) const {
   MLE_RETURN_IF_ERROR(output_disturbance.Validate(channels.num_outputs()));
   MLE_RETURN_IF_ERROR(input_disturbance.Validate(channels));
@@ -48,6 +64,9 @@ absl::Status PlantConditions::Validate(const ProcessModel& channels) const {
     MLE_RETURN_IF_ERROR(load.Validate(channels.num_inputs()));
   }
   MLE_RETURN_IF_ERROR(valves.Validate(channels.num_inputs()));
+  for (const ManualPeriod& period : manual) {
+    MLE_RETURN_IF_ERROR(period.Validate(channels));
+  }
   for (const ActuatorOptions& actuator : actuators) {
     MLE_RETURN_IF_ERROR(actuator.Validate(channels));
   }

@@ -30,11 +30,24 @@ struct ValveLimits {
   double Limit(int input, double value) const;
 };
 
+// An operator holds an input where it was before `from`, plus `change`, until
+// `to`. While an input is in manual the controller waits: its set points follow
+// the measurements. Afterwards what it asks for acts again, with a bump.
+struct ManualPeriod {
+  int input = 0;  // not a disturbance
+  double from = 0.0;
+  double to = 0.0;  // > from
+  double change = 0.0;
+
+  absl::Status Validate(const ProcessModel& channels) const;
+};
+
 struct PlantConditions {
   OutputDisturbanceOptions output_disturbance;
   InputDisturbanceOptions input_disturbance;
   std::vector<InputLoad> loads;
   ValveLimits valves;
+  std::vector<ManualPeriod> manual;
   std::vector<ActuatorOptions> actuators;  // at most one for each input
   std::vector<SensorOptions> sensors;      // at most one for each output
   MeasurementFaultOptions faults;

@@ -9,11 +9,36 @@
 
 namespace mle::sim {
 
+namespace {
+
+double Bend(const SensorOptions& sensor, double value) {
+  const double a = sensor.curvature;
+  if (a == 0.0) return value;
+  switch (sensor.curve) {
+    case OutputCurve::kNone:
+      return value;
+    case OutputCurve::kQuadratic:
+      return value + a * value * value;
+    case OutputCurve::kLogarithm:
+      // Far below the operating point it stays at a hundredth.
+      return std::log(std::max(1.0 + a * value, 0.01)) / a;
+    case OutputCurve::kTanh:
+      return std::tanh(a * value) / a;
+  }
+  return value;
+}
+
+}  // namespace
+
 absl::Status SensorOptions::Validate(int num_outputs) const {
   if (output < 0 || output >= num_outputs) {
     return absl::InvalidArgumentError(
         absl::StrCat("sensor: output = ", output,
                      ", but it must be one of 0 … ", num_outputs - 1));
+  }
+  if (!std::isfinite(curvature)) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("curvature = ", curvature, ", but it must be finite"));
   }
   MLE_RETURN_IF_ERROR(CheckNotNegative("lag", lag));
   MLE_RETURN_IF_ERROR(CheckNotNegative("noise_variance", noise_variance));
@@ -56,7 +81,7 @@ Sensors::Sensors(const std::vector<SensorOptions>& options, double sample_time)
 void Sensors::Follow(Eigen::Ref<Eigen::VectorXd> outputs) {
   for (std::size_t s = 0; s < options_.size(); ++s) {
     double& output = outputs[options_[s].output];
-    output = lags_[s].Follow(output);
+    output = lags_[s].Follow(Bend(options_[s], output));
   }
 }
 

@@ -1,9 +1,13 @@
-// A slow, limited or dead sensor of an output. With x the output and its
-// disturbances, linear between samples, and T the sensor's lag,
+// A bent, slow, limited or dead sensor of an output. With x = φ(p) + d, p the
+// plant's output, d its disturbances, linear between samples, and T the
+// sensor's lag,
 //
 //   T ẏ = x − y;
 //
-// white measurement noise is added to y. From `dead_from` on the sensor repeats
+// white measurement noise is added to y. φ has the slope 1 at 0, the operating
+// point: p + a p² (quadratic), ln(1 + a p)/a (logarithm), tanh(a p)/a (tanh).
+// It stands for outputs that are no linear function of the plant's state too:
+// compositions, pH. From `dead_from` on the sensor repeats
 // what it measured last; what it shows stays in [min, max].
 
 #ifndef SIM_SENSOR_H_
@@ -17,9 +21,13 @@
 
 namespace mle::sim {
 
+enum class OutputCurve { kNone, kQuadratic, kLogarithm, kTanh };
+
 struct SensorOptions {
   int output = 0;
-  double lag = 0.0;  // T ≥ 0
+  OutputCurve curve = OutputCurve::kNone;
+  double curvature = 0.0;  // a, in 1/unit, finite; 0: straight
+  double lag = 0.0;        // T ≥ 0
   double min = -std::numeric_limits<double>::infinity();
   double max = std::numeric_limits<double>::infinity();  // ≥ min
   double noise_variance = 0.0;  // of white noise, beside that of the run, ≥ 0
@@ -49,9 +57,9 @@ class Sensors {
  public:
   Sensors(const std::vector<SensorOptions>& options, double sample_time);
 
-  // Lags the outputs (p) of the next sample, in place.
+  // Bends and lags the plant's outputs (p) of the next sample, in place.
   void Follow(Eigen::Ref<Eigen::VectorXd> outputs);
-  // Lags whole signals (p × N), in place; they do not count as samples of
+  // Lags whole disturbances (p × N), in place; they do not count as samples of
   // Follow.
   void FollowAll(Eigen::Ref<Eigen::MatrixXd> signals) const;
   // What the sensors show of the outputs with their noise at `time`, in place;

@@ -8,7 +8,8 @@ namespace mle {
 NamesAndValues ShapingResults(NamesAndValues options) {
   std::erase_if(options, [](const auto& option) {
     return option.first == "out" || option.first == "threads" ||
-           option.first == "verbose" || option.first == "json";
+           option.first == "verbose" || option.first == "json" ||
+           option.first == "part";
   });
   return options;
 }

@@ -14,8 +14,8 @@ namespace mle {
 
 using NamesAndValues = std::vector<std::pair<std::string, std::string>>;
 
-// Of options those that shape results: not out, threads,
-// verbose and json.
+// Of options those that shape results: not out, part, threads, verbose and
+// json.
 NamesAndValues ShapingResults(NamesAndValues options);
 
 // The same of the flags of the command that was started.

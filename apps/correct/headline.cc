@@ -8,6 +8,7 @@
 #include "absl/strings/str_join.h"
 #include "apps/correct/verdict.h"
 #include "apps/report/number.h"
+#include "mle/model/element_response.h"
 
 namespace mle::correct {
 namespace {
@@ -27,27 +28,80 @@ std::string DescribeRatio(double ratio) {
                       " %");
 }
 
-// What one sentence can say: the gain before the time constant before the dead
-// time.
-std::string DescribeElement(const ElementEstimate& element,
-                            const std::string& pair,
-                            const std::string& time_unit) {
-  if (HasMoved(element.gain) && element.gain.initial != 0.0) {
+// A parameter of an element, said by itself.
+enum class Part { kGain, kTimeScale, kDelay };
+
+std::string DescribePart(const ElementEstimate& element, Part part,
+                         const std::string& pair,
+                         const std::string& time_unit) {
+  if (part == Part::kGain) {
     const double ratio = element.gain.value / element.gain.initial;
     return absl::StrCat("Gain of ", pair, " ",
                         ratio < 0.0 ? "has the other sign in the records"
                                     : DescribeRatio(ratio));
   }
-  if (HasMoved(element.time_scale)) {
+  if (part == Part::kTimeScale) {
     return absl::StrCat(
         "Time constant of ", pair, " ",
         DescribeRatio(element.time_scale.value / element.time_scale.initial));
   }
-  if (HasMoved(element.delay)) {
-    const double shift = element.delay.value - element.delay.initial;
-    return absl::StrCat("Dead time of ", pair, " is ",
-                        FormatSignificant(std::abs(shift), 2), " ", time_unit,
-                        shift < 0.0 ? " shorter" : " longer");
+  const double shift = element.delay.value - element.delay.initial;
+  return absl::StrCat("Dead time of ", pair, " is ",
+                      FormatSignificant(std::abs(shift), 2), " ", time_unit,
+                      shift < 0.0 ? " shorter" : " longer");
+}
+
+// What carries the change of the response: the parameter that by itself makes
+// most of it; where none that has significantly changed makes half of it, the
+// slope at the begin, K/T, which short records tell when they do not tell K
+// from T.
+std::string DescribeElement(const Result& result, int i, int j,
+                            const std::string& pair) {
+  const ElementEstimate& element =
+      result.estimate.fit.output_error.corrected.element(i, j);
+  const absl::StatusOr<ElementResponse> response =
+      ElementResponse::Create(result.initial.element(i, j));
+  if (!response.ok()) return absl::StrCat("Response of ", pair, " changed");
+  const StepResponse& initial = result.initial_response;
+  const Eigen::VectorXd from = initial.element(i, j);
+  const auto change = [&](const ElementValues& values) {
+    return (response->ToTransferFunction(values).StepResponse(
+                initial.sample_time, static_cast<int>(from.size())) -
+            from)
+        .norm();
+  };
+  const ElementValues before = response->initial_values();
+  ElementValues after = before;
+  after.gain = element.gain.value;
+  if (response->has_time_scale()) after.time_scale = element.time_scale.value;
+  after.delay = element.delay.value;
+  const double all = change(after);
+  double most = 0.0;
+  Part carries = Part::kGain;
+  const auto compare = [&](Part part, const ParameterEstimate& parameter,
+                           double ElementValues::*value) {
+    if (!HasMoved(parameter)) return;
+    ElementValues alone = before;
+    alone.*value = after.*value;
+    const double by_itself = change(alone);
+    if (by_itself > most) {
+      most = by_itself;
+      carries = part;
+    }
+  };
+  if (element.gain.initial != 0.0) {
+    compare(Part::kGain, element.gain, &ElementValues::gain);
+  }
+  compare(Part::kTimeScale, element.time_scale, &ElementValues::time_scale);
+  compare(Part::kDelay, element.delay, &ElementValues::delay);
+  if (most > 0.5 * all) {
+    return DescribePart(element, carries, pair, result.initial.time_unit());
+  }
+  if (response->has_time_scale() && before.gain * after.gain > 0.0) {
+    const double ratio =
+        (after.gain / after.time_scale) / (before.gain / before.time_scale);
+    return absl::StrCat("Initial slope (gain by time constant) of ", pair, " ",
+                        DescribeRatio(ratio));
   }
   return absl::StrCat("Response of ", pair, " changed");
 }
@@ -58,9 +112,7 @@ std::string DescribePairChange(const Result& result, int output, int input) {
     return absl::StrCat("Response of ", pair, " has another shape");
   }
   if (result.corrected.process.has_value()) {
-    return DescribeElement(
-        result.estimate.fit.output_error.corrected.element(output, input), pair,
-        result.initial.time_unit());
+    return DescribeElement(result, output, input, pair);
   }
   return absl::StrCat(
       "Response of ", pair, " changed by ",

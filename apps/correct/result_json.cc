@@ -124,19 +124,6 @@ Json ValidationJson(const Result& result) {
          {"difference", agreement.difference},
          {"follows", std::string(NameOf(agreement.cause))}});
   }
-  json["levels"] = Json::array();
-  for (const LevelDependence& level : result.level_dependence) {
-    json["levels"].push_back(
-        {{"p_value", level.p_value}, {"curvature", level.curvature}});
-  }
-  json["shared_delays"] = Json::array();
-  for (const SharedDelay& shared : result.shared_delays) {
-    json["shared_delays"].push_back(
-        {{"tag", shared.is_output ? model.outputs()[shared.channel].name
-                                  : model.inputs()[shared.channel].name},
-         {"change", shared.change},
-         {"standard_error", shared.error}});
-  }
   json["windows"] = Json::array();
   for (const std::vector<OutputScores>& window : validation.windows) {
     json["windows"].push_back(ScoresJson(window, model));
@@ -238,6 +225,64 @@ Json CertificateJson(const Result& result) {
           {"max_relative_duality_gap", result.corrected.max_relative_gap}};
 }
 
+// What explains each output, and what was held against it.
+Json ExplanationsJson(const Result& result) {
+  const ProcessModel& model = result.initial;
+  Json json = Json::array();
+  const auto entry = [&](int i, const TakenExplanation& one) {
+    const ExplanationType& type = TypeOf(one.explanation.kind);
+    Json row = {{"output", model.outputs()[i].name},
+                {"explanation", std::string(type.code)}};
+    if (type.place != ExplanationPlace::kOutput) {
+      row["input"] = model.inputs()[one.explanation.index].name;
+    }
+    row["value"] = one.explanation.value;
+    row["standard_error"] = one.standard_error;
+    row["evidence"] = one.evidence;
+    return row;
+  };
+  for (int i = 0; i < static_cast<int>(result.explanations.size()); ++i) {
+    for (const TakenExplanation& one : result.explanations[i].taken) {
+      json.push_back(entry(i, one));
+    }
+  }
+  return json;
+}
+
+Json JudgesJson(const Result& result) {
+  const ProcessModel& model = result.initial;
+  Json json = Json::array();
+  for (int i = 0; i < static_cast<int>(result.explanations.size()); ++i) {
+    const OutputExplanation& output = result.explanations[i];
+    Json row = {{"output", model.outputs()[i].name}};
+    if (!output.judged()) {
+      row["missing"] = output.unjudged;
+      json.push_back(std::move(row));
+      continue;
+    }
+    row["instruments"] = output.by_set_points ? "set_points" : "inputs";
+    row["moves"] = output.moves;
+    row["before"] = output.before();
+    row["left"] = output.left();
+    if (output.next.has_value()) {
+      row["next"] = {{"explanation",
+                      std::string(TypeOf(output.next->explanation.kind).code)},
+                     {"value", output.next->explanation.value},
+                     {"evidence", output.next->evidence}};
+    }
+    Json held_out = Json::array();
+    for (const HorizonErrors& error : output.held_out) {
+      held_out.push_back({{"horizon", error.horizon},
+                          {"initial", error.initial},
+                          {"corrected", error.explained},
+                          {"deviations", error.deviations}});
+    }
+    row["held_out"] = std::move(held_out);
+    json.push_back(std::move(row));
+  }
+  return json;
+}
+
 }  // namespace
 
 void AddFindings(const Result& result, Json& json) {
@@ -249,6 +294,8 @@ void AddFindings(const Result& result, Json& json) {
   json["verdict"] = result.verdict;
   json["reasons"] = MessagesJson(result.reasons);
   json["findings"] = FindingsJson(result.findings);
+  json["explanations"] = ExplanationsJson(result);
+  json["judges"] = JudgesJson(result);
   json["test_of_no_change"] = {
       {"p_value", calibrated.p_value},
       {"p_value_chi_square", test.p_value},

@@ -1,5 +1,6 @@
 #include "apps/experiment/campaign.h"
 
+#include <cmath>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -170,6 +171,122 @@ absl::Status CheckScenarios(const Campaign& campaign) {
     }
   }
   return absl::OkStatus();
+}
+
+namespace {
+
+constexpr std::string_view kNone = "none";
+constexpr std::string_view kCeres = "ceres";
+
+}  // namespace
+
+std::string Method::name() const {
+  if (!estimator.has_value()) return std::string(kNone);
+  std::string name(solve_by_ceres ? kCeres : NameOf(*estimator));
+  if (change_test != Method().change_test) {
+    absl::StrAppend(&name, ":", std::string(NameOf(change_test)));
+  }
+  return name;
+}
+
+Method PaperMethod() {
+  Method method;
+  method.estimator = Estimator::kArx;
+  method.change_test = ChangeTest::kNone;
+  return method;
+}
+
+absl::StatusOr<Method> ParseMethod(std::string_view name) {
+  Method method;
+  if (name == kNone) return method;
+  const std::size_t colon = name.find(':');
+  const std::string_view estimator = name.substr(0, colon);
+  method.solve_by_ceres = estimator == kCeres;
+  const absl::StatusOr<Estimator> parsed =
+      method.solve_by_ceres ? Estimator::kArx : ParseEstimator(estimator);
+  if (!parsed.ok()) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(parsed.status().message(), ", ", std::string(kCeres),
+                     " and ", std::string(kNone)));
+  }
+  method.estimator = *parsed;
+  if (colon != std::string_view::npos) {
+    MLE_ASSIGN_OR_RETURN(method.change_test,
+                         ParseChangeTest(name.substr(colon + 1)));
+  }
+  EstimationOptions options;
+  options.estimator = *method.estimator;
+  options.change_test = method.change_test;
+  MLE_RETURN_IF_ERROR(options.Validate());
+  return method;
+}
+
+namespace {
+
+void ConvertWithoutNoise(ExperimentOptions& options) {
+  options.conversion_noise_variance = 0.0;
+}
+
+void LeaveUnscaled(ExperimentOptions& options) {
+  options.conversion.scaling = Scaling::kRaw;
+  options.correction.scaling = Scaling::kRaw;
+}
+
+// MATLAB's default tolerance. Solving λ by λ takes its time: a coarse grid.
+void StopAsMatlab(ExperimentOptions& options) {
+  constexpr int kCandidates = 21;
+  constexpr double kDecades = 4.0;
+  LassoSolverOptions& solver = options.correction.solver;
+  solver.solver = LassoSolver::kCoordinateDescent;
+  solver.coordinate_descent.stop =
+      CoordinateDescentOptions::Stop::kRelativeChange;
+  solver.coordinate_descent.tolerance = 1e-4;
+  const double largest = options.correction.lambdas.maxCoeff();
+  Eigen::VectorXd lambdas(kCandidates + 1);
+  lambdas(0) = 0.0;
+  for (int i = 1; i <= kCandidates; ++i) {
+    lambdas(i) = largest * std::pow(10.0, kDecades * (i - kCandidates) /
+                                              (kCandidates - 1));
+  }
+  options.correction.lambdas = lambdas;
+}
+
+void ChoosePerOutput(ExperimentOptions& options) {
+  options.correction.selection.per_output = true;
+}
+
+void TakeOneStandardError(ExperimentOptions& options) {
+  options.correction.selection.one_standard_error = true;
+}
+
+void HalveWindows(ExperimentOptions& options) {
+  // Half as much is kept, but in whole samples.
+  const double samples =
+      std::round(0.5 * options.windows.window / options.sample_time);
+  options.windows.window = samples * options.sample_time;
+}
+
+constexpr Ablation kAblations[] = {
+    {"noise_free_conversion", "initial model converted without noise",
+     ConvertWithoutNoise},
+    {"raw_scaling", "regressors not scaled", LeaveUnscaled},
+    {"matlab_stop", "coordinate descent, stopped as MATLAB's lasso",
+     StopAsMatlab},
+    {"lambda_per_output", "a λ for each output", ChoosePerOutput},
+    {"one_standard_error", "largest λ within a standard error",
+     TakeOneStandardError},
+    {"half_windows", "windows half as long", HalveWindows},
+};
+
+}  // namespace
+
+absl::Span<const Ablation> Ablations() { return kAblations; }
+
+const Ablation* FindAblation(const std::string& name) {
+  for (const Ablation& ablation : kAblations) {
+    if (ablation.name == name) return &ablation;
+  }
+  return nullptr;
 }
 
 }  // namespace mle::experiment

@@ -16,20 +16,71 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "apps/experiment/ablations.h"
-#include "apps/experiment/method.h"
+#include "absl/types/span.h"
 #include "apps/experiment/options.h"
 #include "control/mpc_options.h"
 #include "mle/correction/selection.h"
+#include "mle/maintain/estimation.h"
 #include "mle/model/process_model.h"
 #include "mle/regression/lasso_solver.h"
 #include "sim/effects_json.h"
 
 namespace mle::experiment {
+
+// The experiment with one decision taken differently, to show what each is
+// worth (docs/method.md): an axis of a campaign.
+
+// One decision, by its name. `apply` changes options whose selection rule and
+// solver are those of the method.
+struct Ablation {
+  const char* name;
+  const char* what;  // in a few words
+  void (*apply)(ExperimentOptions& options);
+};
+
+absl::Span<const Ablation> Ablations();
+
+// Null if there is none of that name.
+const Ablation* FindAblation(const std::string& name);
+
+// One way to estimate: an axis of a campaign.
+//
+// Its name is ESTIMATOR or ESTIMATOR:TEST, with the estimators and tests of no
+// change of the library (mle/maintain/estimator.h), the library's own test
+// where none is named; `ceres` is arx with ΔR solved by Ceres at the λ of the
+// exact path, and `none` leaves the model as it is:
+//
+//   arx:none           the paper's method
+//   arx:adequacy       the same, if the inputs explain part of the residuals
+//   output_error:none    every element free
+//   combined           as of mle_correct
+
+struct Method {
+  // None: the model stays as it is.
+  std::optional<Estimator> estimator;
+  ChangeTest change_test = EstimationOptions().change_test;
+  bool solve_by_ceres = false;
+  // Indices into the campaign's lists, −1 where it chooses no λ.
+  int selection = -1;
+  int solver = -1;
+
+  // Whether selection rules and solvers make a difference.
+  bool UsesLambda() const {
+    return estimator.has_value() && *estimator != Estimator::kOutputError;
+  }
+  std::string name() const;
+};
+
+// arx:none.
+Method PaperMethod();
+
+// InvalidArgument lists what is known.
+absl::StatusOr<Method> ParseMethod(std::string_view name);
 
 struct Interval {
   double from = 0.0;

@@ -2,19 +2,73 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <random>
 #include <utility>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "apps/experiment/distance_curve.h"
-#include "apps/experiment/outliers.h"
+#include "apps/experiment/options.h"
 #include "apps/experiment/plants.h"
 #include "apps/experiment/records.h"
 #include "mle/base/status.h"
+#include "mle/data/record.h"
 #include "mle/maintain/corrected_model.h"
+#include "mle/nonlinear/output_error_correction.h"
 #include "mle/nonlinear/output_reconstruction.h"
 
 namespace mle::experiment {
+namespace {
+
+// Of outliers, in standard deviations of the noise.
+constexpr double kSmallestOutlier = 10.0;
+constexpr double kLargestOutlier = 50.0;
+
+// Adds outliers to a share of the samples of every output, singly or in bursts
+// to the same side. In the records alone: the loop and its noise are those of
+// the run without outliers.
+void AddOutliers(const WindowSpec& spec, double noise_variance,
+                 std::uint64_t seed, std::vector<Record>& windows) {
+  if (!(spec.outlier_share > 0.0)) return;
+  const double deviation = std::sqrt(noise_variance);
+  const int longest = spec.longest_outlier;
+  std::mt19937_64 engine(seed);
+  std::uniform_real_distribution<double> size(kSmallestOutlier,
+                                              kLargestOutlier);
+  for (Record& window : windows) {
+    const int samples = window.samples();
+    for (int i = 0; i < window.num_outputs(); ++i) {
+      for (int changed = 0; changed < spec.outlier_share * samples;) {
+        const int length =
+            longest == 1 ? 1
+                         : std::uniform_int_distribution<int>(
+                               WindowSpec::kShortestBurst, longest)(engine);
+        const int first =
+            std::uniform_int_distribution<int>(0, samples - length)(engine);
+        const double side = engine() % 2 == 0 ? 1.0 : -1.0;
+        for (int k = first; k < first + length; ++k) {
+          window.outputs(i, k) += side * size(engine) * deviation;
+        }
+        changed += length;
+      }
+    }
+  }
+}
+
+// The loss of the output-error correction.
+OutputErrorOptions OutputErrorOptionsFor(OutlierTreatment treatment) {
+  OutputErrorOptions options;
+  if (treatment == OutlierTreatment::kHuber) {
+    options.robust_loss = RobustLoss::kHuber;
+  } else if (treatment == OutlierTreatment::kCauchy) {
+    options.robust_loss = RobustLoss::kCauchy;
+  }
+  return options;
+}
+
+}  // namespace
 
 absl::StatusOr<const ConversionSummary*> SharedConversion::Get(
     const ExperimentOptions& options) {

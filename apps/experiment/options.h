@@ -46,7 +46,7 @@ struct WindowSpec {
   int changes = 0;
   double spacing = 400.0;  // ≥ 2 window
 
-  // Outliers (outliers.h): share of the samples of every output, in [0, 0.5];
+  // Outliers: share of the samples of every output, in [0, 0.5];
   // single ones, or in bursts of kShortestBurst to `longest_outlier` samples.
   static constexpr int kShortestBurst = 3;
   double outlier_share = 0.0;

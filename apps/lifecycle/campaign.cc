@@ -1,23 +1,20 @@
 #include "apps/lifecycle/campaign.h"
 
 #include <atomic>
-#include <iostream>
-#include <optional>
+#include <map>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "mle/base/file.h"
-#include "mle/base/parallel.h"
+#include "apps/experiment/run_folder.h"
 #include "mle/base/status.h"
+#include "mle/base/version.h"
 
 namespace mle::lifecycle {
 namespace {
 
-struct Task {
-  std::size_t rate = 0;
-  std::size_t seed = 0;
-  std::size_t policy = 0;
-};
+using experiment::JournalHead;
+using experiment::RunFolder;
+using experiment::Work;
 
 absl::StatusOr<Scenario> MakeScenario(const Campaign& campaign, double rate,
                                       std::uint64_t seed) {
@@ -40,42 +37,70 @@ absl::Status At(const LifeKey& key, const absl::Status& status) {
                    ", seed ", key.seed, ": ", status.message()));
 }
 
-LifeKey KeyOf(const Campaign& campaign, const Task& task) {
-  return {campaign.policies[task.policy].name, campaign.rates[task.rate],
-          campaign.seeds[task.seed]};
+// Lives by number: rate by rate, seed by seed, policy by policy.
+struct Place {
+  std::size_t rate = 0;
+  std::size_t seed = 0;
+  std::size_t policy = 0;
+};
+
+Place PlaceOfRun(const Campaign& campaign, std::int64_t run) {
+  const std::size_t policies = campaign.policies.size();
+  const std::size_t seeds = campaign.seeds.size();
+  const auto number = static_cast<std::size_t>(run);
+  return {number / policies / seeds, number / policies % seeds,
+          number % policies};
 }
 
-// Fills in the lives that the folder holds; what remains to be done.
-absl::StatusOr<std::vector<Task>> TakeWhatIsThere(const Campaign& campaign,
-                                                  Lives& lives) {
-  std::vector<Task> tasks;
-  std::size_t found = 0;
-  for (std::size_t r = 0; r < campaign.rates.size(); ++r) {
-    for (std::size_t s = 0; s < campaign.seeds.size(); ++s) {
-      for (std::size_t p = 0; p < campaign.policies.size(); ++p) {
-        const Task task = {r, s, p};
-        absl::StatusOr<std::optional<Life>> life =
-            LoadLife(campaign.folder, KeyOf(campaign, task), campaign.settings);
-        if (absl::IsDataLoss(life.status())) {
-          std::cerr << "warning: " << life.status().message()
-                    << "; this life is simulated again\n";
-          life = std::nullopt;
-        }
-        MLE_RETURN_IF_ERROR(life.status());
-        if (life->has_value()) {
-          lives[r][s][p] = **std::move(life);
-          ++found;
-        } else {
-          tasks.push_back(task);
-        }
-      }
+LifeKey KeyOf(const Campaign& campaign, const Place& place) {
+  return {campaign.policies[place.policy].name, campaign.rates[place.rate],
+          campaign.seeds[place.seed]};
+}
+
+absl::StatusOr<Life> Live(const Campaign& campaign, const Place& place,
+                          const std::atomic<bool>& stop) {
+  const LifeKey key = KeyOf(campaign, place);
+  MLE_ASSIGN_OR_RETURN(const Scenario scenario,
+                       MakeScenario(campaign, key.ageing_rate, key.seed));
+  return LiveThrough(scenario, campaign.policies[place.policy], campaign.life,
+                     [&stop] { return stop.load(); });
+}
+
+Work WorkOf(const Campaign& campaign) {
+  Work work;
+  work.file = "journal.txt";
+  work.head.first_line = absl::StrCat("# mle_lifecycle journal 3, mle ",
+                                      std::string(LibraryVersion()));
+  work.head.runs = work.units = static_cast<std::int64_t>(
+      campaign.rates.size() * campaign.seeds.size() * campaign.policies.size());
+  std::map<std::string, std::int64_t> runs;
+  std::vector<std::string> starts;
+  for (std::int64_t run = 0; run < work.units; ++run) {
+    starts.push_back(KeyOf(campaign, PlaceOfRun(campaign, run))
+                         .LineStart(campaign.settings));
+    runs[starts.back()] = run;
+  }
+  // Lives of other settings, policies, rates and seeds stay where they are.
+  work.head.run_of = [runs](std::string_view line) {
+    const auto found = runs.find(std::string(line.substr(0, line.find('{'))));
+    return found == runs.end() ? JournalHead::kNotAskedFor : found->second;
+  };
+  work.runs_of = [](std::int64_t unit) {
+    return std::vector<std::int64_t>{unit};
+  };
+  work.run = [&campaign, starts](const std::vector<std::int64_t>& asked,
+                                 const std::atomic<bool>& stop,
+                                 const Work::Emit& emit) -> absl::Status {
+    for (const std::int64_t run : asked) {
+      const Place place = PlaceOfRun(campaign, run);
+      const absl::StatusOr<Life> life = Live(campaign, place, stop);
+      if (absl::IsCancelled(life.status())) break;
+      if (!life.ok()) return At(KeyOf(campaign, place), life.status());
+      emit(run, FormatLife(starts[run], *life));
     }
-  }
-  if (found > 0) {
-    std::cerr << campaign.folder << "/runs: " << found << " of "
-              << found + tasks.size() << " lives are there already\n";
-  }
-  return tasks;
+    return absl::OkStatus();
+  };
+  return work;
 }
 
 }  // namespace
@@ -83,39 +108,24 @@ absl::StatusOr<std::vector<Task>> TakeWhatIsThere(const Campaign& campaign,
 absl::StatusOr<Lives> RunCampaign(const Campaign& campaign,
                                   const std::function<bool()>& stop,
                                   const ProgressFunction& told) {
-  MLE_RETURN_IF_ERROR(MakeWritableFolder(campaign.folder + "/runs"));
+  const Work work = WorkOf(campaign);
+  MLE_ASSIGN_OR_RETURN(
+      RunFolder folder,
+      RunFolder::Open(work, campaign.folder, campaign.part, /*resume=*/true));
+  folder.PrintFound("lives");
+  MLE_RETURN_IF_ERROR(folder.RunRemaining(
+      work, experiment::RunThreads(campaign.threads), stop, told));
+  if (!folder.is_done()) return absl::CancelledError("stopped");
   Lives lives(
       campaign.rates.size(),
       std::vector<std::vector<Life>>(
           campaign.seeds.size(), std::vector<Life>(campaign.policies.size())));
-  MLE_ASSIGN_OR_RETURN(const std::vector<Task> tasks,
-                       TakeWhatIsThere(campaign, lives));
-  const auto total = static_cast<std::int64_t>(tasks.size());
-  std::atomic<std::int64_t> made = 0;
-  told(0, total);
-  std::vector<absl::Status> status(tasks.size());
-  ParallelFor(static_cast<int>(tasks.size()), campaign.threads, [&](int i) {
-    const Task& task = tasks[i];
-    const LifeKey key = KeyOf(campaign, task);
-    status[i] = [&]() -> absl::Status {
-      if (stop()) return absl::CancelledError("stopped");
-      MLE_ASSIGN_OR_RETURN(const Scenario scenario,
-                           MakeScenario(campaign, key.ageing_rate, key.seed));
-      MLE_ASSIGN_OR_RETURN(Life life,
-                           LiveThrough(scenario, campaign.policies[task.policy],
-                                       campaign.life, stop));
-      MLE_RETURN_IF_ERROR(
-          StoreLife(campaign.folder, key, campaign.settings, life));
-      lives[task.rate][task.seed][task.policy] = std::move(life);
-      return absl::OkStatus();
-    }();
-    if (status[i].ok()) told(++made, total);
-  });
-  for (std::size_t i = 0; i < tasks.size(); ++i) {
-    if (status[i].code() == absl::StatusCode::kCancelled) {
-      return absl::CancelledError("stopped");
-    }
-    if (!status[i].ok()) return At(KeyOf(campaign, tasks[i]), status[i]);
+  if (!campaign.part.is_everything()) return lives;
+  for (std::int64_t run = 0; run < work.units; ++run) {
+    MLE_ASSIGN_OR_RETURN(const std::string line, folder.journal().Line(run));
+    const Place place = PlaceOfRun(campaign, run);
+    MLE_ASSIGN_OR_RETURN(lives[place.rate][place.seed][place.policy],
+                         ParseLife(line));
   }
   return lives;
 }

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "apps/common/part.h"
 #include "apps/common/progress.h"
 #include "apps/lifecycle/life.h"
 #include "apps/lifecycle/policy.h"
@@ -32,15 +33,17 @@ struct Campaign {
   std::vector<std::uint64_t> seeds;
   Settings settings;
   std::string folder;
+  Part part;
   int threads = 1;
 };
 
 // lives[rate][seed][policy].
 using Lives = std::vector<std::vector<std::vector<Life>>>;
 
-// Uses what the folder holds, and stores each life as soon as it is made.
-// Cancelled where `stop` says so: what is made is stored. `told` is called with
-// the lives made and all that are to be made, from any thread.
+// Makes the lives that the folder does not hold (run_folder.h), each a run of a
+// unit of its own; its journal is journal.txt. Cancelled where `stop` says so:
+// what is made is kept. `told` is called with the lives made and all of them.
+// Both are called by the caller's thread. Of a part, the lives are none.
 absl::StatusOr<Lives> RunCampaign(const Campaign& campaign,
                                   const std::function<bool()>& stop,
                                   const ProgressFunction& told);

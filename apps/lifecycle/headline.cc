@@ -1,13 +1,10 @@
-#include "apps/lifecycle/headline.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
-#include "apps/lifecycle/money.h"
-#include "apps/lifecycle/policy_words.h"
+#include "apps/lifecycle/report.h"
 #include "apps/report/number.h"
 
 namespace mle::lifecycle {

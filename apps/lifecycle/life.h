@@ -13,11 +13,9 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "apps/lifecycle/model_in_use.h"
 #include "apps/lifecycle/operation.h"
 #include "apps/lifecycle/policy.h"
 #include "apps/lifecycle/scenario.h"
-#include "apps/lifecycle/step_test.h"
 #include "apps/lifecycle/update.h"
 #include "control/operating_cost.h"
 

@@ -13,7 +13,7 @@
 //
 // Disturbances: on each output white measurement noise, which the controller
 // and the records see, and a slow disturbance of the product itself
-// (slow_disturbance.h), one path over all years. Noise and disturbance depend
+// (scenario.h), one path over all years. Noise and disturbance depend
 // on the seed and the change alone, so that all policies have the same.
 
 #ifndef APPS_LIFECYCLE_OPERATION_H_
@@ -26,8 +26,6 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "apps/lifecycle/scenario.h"
-#include "apps/lifecycle/slow_disturbance.h"
-#include "apps/lifecycle/step_test.h"
 #include "control/mpc.h"
 #include "control/mpc_options.h"
 #include "control/operating_cost.h"

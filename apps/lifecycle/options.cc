@@ -1,12 +1,15 @@
 // The table of mle_lifecycle's options.
 
+#include <cmath>
 #include <utility>
 
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
 #include "apps/common/controller_options.h"
 #include "apps/common/correct_options.h"
 #include "apps/common/price_options.h"
-#include "apps/lifecycle/durations.h"
 #include "apps/lifecycle/request.h"
+#include "mle/base/status.h"
 
 namespace mle::lifecycle {
 namespace {
@@ -80,7 +83,12 @@ std::vector<Option> LifeOptionsOf(Request& request) {
       {"first_seed", &request.first_seed, "First of the consecutive seeds."},
       {"out", &campaign.folder,
        "Folder for report.html, result.json, lifecycle.csv, the figures and "
-       "runs/, from which an interrupted run resumes."},
+       "journal.txt, from which an interrupted run resumes."},
+      {"part", PartOfWork(&campaign.part),
+       "Part of the lives, such as 3/16: the third of 16. Its journal is in "
+       "parts/3-of-16 below --out. A run without --part takes over the lives "
+       "that parts have made, makes those that are left, and writes the "
+       "results. Empty: all."},
       {"figures", &request.figures,
        "Draws the figures (PNG and PDF need rsvg-convert)."},
       {"threads", &request.threads,
@@ -217,6 +225,44 @@ void AddOptions(Request& request, OptionTable& table) {
               "EUR. Empty: none. No life is simulated anew for it."}});
   table.PutFirst({"model", "ageing", "years", "change_every", "policies",
                   "seeds", "out", "price_squared_error"});
+}
+
+absl::StatusOr<double> ParseHours(const std::string& text) {
+  constexpr std::pair<const char*, double> kUnits[] = {
+      {"s", 1.0 / 3600.0}, {"min", 1.0 / 60.0}, {"h", 1.0},
+      {"d", 24.0},         {"w", 168.0},        {"y", kHoursPerYear}};
+  const std::size_t end = text.find_first_not_of("0123456789.eE+-");
+  double number = 0.0;
+  if (end != std::string::npos &&
+      absl::SimpleAtod(text.substr(0, end), &number) && std::isfinite(number) &&
+      number > 0.0) {
+    for (const auto& [name, hours] : kUnits) {
+      if (text.substr(end) == name) return number * hours;
+    }
+  }
+  return absl::InvalidArgumentError(
+      absl::StrCat("'", text,
+                   "' is not a duration; a number > 0 with one of the units "
+                   "s, min, h, d, w, y is needed, as in 30d"));
+}
+
+TextValue Hours(double* hours, std::string text) {
+  TextValue value;
+  value.text = std::move(text);
+  value.read = [hours](const std::string& given, const NumberRange&) {
+    MLE_ASSIGN_OR_RETURN(*hours, ParseHours(given));
+    return absl::OkStatus();
+  };
+  return value;
+}
+
+TextValue HoursOrNever(double* hours) {
+  TextValue value = Hours(hours, "");
+  value.read = [read = value.read](const std::string& given,
+                                   const NumberRange& range) {
+    return given.empty() ? absl::OkStatus() : read(given, range);
+  };
+  return value;
 }
 
 }  // namespace mle::lifecycle

@@ -1,11 +1,10 @@
-#include "apps/lifecycle/outputs.h"
-
 #include <cmath>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "apps/common/command_line.h"
-#include "apps/lifecycle/prices.h"
+#include "apps/lifecycle/report.h"
+#include "apps/lifecycle/summary.h"
 #include "mle/data/csv_rows.h"
 #include "mle/model/json_text.h"
 #include "nlohmann/json.hpp"

@@ -1,12 +1,11 @@
-#include "apps/lifecycle/policy_words.h"
-
 #include <cmath>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/string_view.h"
-#include "apps/lifecycle/durations.h"
-#include "apps/lifecycle/step_test.h"
+#include "apps/lifecycle/report.h"
+#include "apps/lifecycle/request.h"
+#include "apps/lifecycle/scenario.h"
 
 namespace mle::lifecycle {
 namespace {

@@ -12,7 +12,6 @@
 #include "apps/common/controller_options.h"
 #include "apps/common/model_files.h"
 #include "apps/common/option_table.h"
-#include "apps/lifecycle/durations.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"
 #include "mle/data/civil_time.h"
@@ -29,10 +28,10 @@ constexpr double kOutputMargin = 1.5;
 
 // What does not change a life.
 const std::set<std::string> kNotOfALife = {
-    "model",    "plant",   "ageing",           "ageing_rates",
-    "policies", "seeds",   "first_seed",       "out",
-    "figures",  "threads", "hours_per_update", "hours_per_test",
-    "currency"};
+    "model",          "plant",   "ageing",     "ageing_rates",
+    "policies",       "seeds",   "first_seed", "out",
+    "part",           "figures", "threads",    "hours_per_update",
+    "hours_per_test", "currency"};
 
 absl::Status WrongOption(const char* option, const std::string& message) {
   return AboutOption(option, absl::InvalidArgumentError(message));
@@ -295,7 +294,7 @@ absl::Status Complete(Request& request, OptionTable& table) {
   MLE_RETURN_IF_ERROR(CheckLengths(request, campaign));
   SetLife(request, campaign);
   MLE_RETURN_IF_ERROR(CheckGaps(campaign));
-  campaign.threads = UsableThreads(request.threads);
+  campaign.threads = request.threads;
   return AddSettings(request, table, campaign);
 }
 

@@ -11,7 +11,9 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "apps/common/option_table.h"
+#include "apps/common/option_values.h"
 #include "apps/lifecycle/campaign.h"
 #include "control/operating_cost.h"
 
@@ -62,6 +64,19 @@ void AddOptions(Request& request, OptionTable& table);
 // Reads the files and checks everything that can be checked before something is
 // simulated; errors name the option or the file.
 absl::Status Complete(Request& request, OptionTable& table);
+
+// Lengths of time with their unit, as flags have them: "30d", "12h", "0.5y".
+
+inline constexpr double kHoursPerYear = 8766.0;  // 365.25 days
+
+// In hours; units are s, min, h, d, w and y. InvalidArgument unless it is a
+// number > 0 with one of them.
+absl::StatusOr<double> ParseHours(const std::string& text);
+
+// An option that is a length of time, put into `hours`.
+TextValue Hours(double* hours, std::string text);
+// The same; blank, the default, leaves the field as it is.
+TextValue HoursOrNever(double* hours);
 
 }  // namespace mle::lifecycle
 

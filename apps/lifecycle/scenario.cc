@@ -1,7 +1,9 @@
 #include "apps/lifecycle/scenario.h"
 
+#include <algorithm>
 #include <cmath>
 #include <random>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "mle/base/random.h"
@@ -64,6 +66,77 @@ std::vector<SetPointEvent> DrawSetPointEvents(const SetPointOptions& options,
   }
   events.push_back({end, -1, set_points, set_points});
   return events;
+}
+
+SlowDisturbance::SlowDisturbance(std::uint64_t seed, Eigen::VectorXd deviation,
+                                 double time, double sample_time)
+    : seed_(seed),
+      deviation_(std::move(deviation)),
+      time_(time),
+      sample_time_(sample_time),
+      level_(deviation_.size()) {
+  GaussianNoise source(seed_, kRunStream, kSlowDisturbance);
+  for (Eigen::Index i = 0; i < level_.size(); ++i) {
+    level_[i] = source.Draw(deviation_[i]);
+  }
+}
+
+Eigen::MatrixXd SlowDisturbance::Draw(std::uint64_t stream, double start,
+                                      int samples) const {
+  GaussianNoise source(seed_, stream, kSlowDisturbance);
+  Eigen::MatrixXd path(level_.size(), samples + 1);
+  const auto step = [&](double time, const Eigen::VectorXd& from) {
+    const double phi = std::exp(-time / time_);
+    Eigen::VectorXd to = phi * from;
+    for (Eigen::Index i = 0; i < to.size(); ++i) {
+      to[i] += source.Draw(std::sqrt(1.0 - phi * phi) * deviation_[i]);
+    }
+    return to;
+  };
+  path.col(0) = step(std::max(start - level_time_, 0.0), level_);
+  for (int k = 1; k <= samples; ++k) {
+    path.col(k) = step(sample_time_, path.col(k - 1));
+  }
+  return path;
+}
+
+void SlowDisturbance::Keep(const Eigen::MatrixXd& path, double time) {
+  level_ = path.rightCols<1>();
+  level_time_ = time;
+}
+
+Eigen::VectorXd StepTestPlan::InputsAt(double time, int num_inputs) const {
+  Eigen::VectorXd deviation = Eigen::VectorXd::Zero(num_inputs);
+  // The millionth keeps times on the boundary on its later side.
+  const auto part =
+      static_cast<std::size_t>(std::max(0.0, std::floor(time / hold + 1e-6)));
+  const std::size_t place = part / (2 * static_cast<std::size_t>(cycles));
+  if (part % 2 == 0 && place < inputs.size()) {
+    deviation[inputs[place]] = steps[static_cast<Eigen::Index>(place)];
+  }
+  return deviation;
+}
+
+StepTestPlan PlanStepTest(const ProcessModel& model,
+                          const StepTestOptions& options) {
+  StepTestPlan plan;
+  plan.hold = options.hold;
+  plan.cycles = options.cycles;
+  std::vector<double> steps;
+  for (int j = 0; j < model.num_inputs(); ++j) {
+    if (model.inputs()[j].role != InputRole::kManipulated) continue;
+    double relative = 0.0;  // the largest |K_ij| / move_i
+    for (int i = 0; i < model.num_outputs(); ++i) {
+      relative = std::max(relative, std::abs(model.element(i, j).StaticGain()) /
+                                        options.move[i]);
+    }
+    if (!(relative > 0.0)) continue;
+    plan.inputs.push_back(j);
+    steps.push_back(1.0 / relative);
+  }
+  plan.steps = Eigen::Map<const Eigen::VectorXd>(
+      steps.data(), static_cast<Eigen::Index>(steps.size()));
+  return plan;
 }
 
 }  // namespace mle::lifecycle

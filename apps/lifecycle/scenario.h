@@ -56,6 +56,69 @@ struct Scenario {
   }
 };
 
+// A slow disturbance of each output, one stationary path over all years:
+//
+//   d_{k+1} = φ d_k + √(1−φ²) s e_k,   φ = exp(−Δt/T),
+//
+// drawn stretch by stretch; the time between stretches is skipped in one
+// step. It depends on the seed and the streams alone.
+
+class SlowDisturbance {
+ public:
+  // `deviation` s ≥ 0 (p), `time` T > 0, `sample_time` Δt > 0.
+  SlowDisturbance(std::uint64_t seed, Eigen::VectorXd deviation, double time,
+                  double sample_time);
+
+  // The path from `start` on: p × (samples + 1). The last value that was kept
+  // is where it comes from.
+  Eigen::MatrixXd Draw(std::uint64_t stream, double start, int samples) const;
+
+  // What `path` ends at was at `time`.
+  void Keep(const Eigen::MatrixXd& path, double time);
+
+ private:
+  std::uint64_t seed_;
+  Eigen::VectorXd deviation_;
+  double time_;
+  double sample_time_;
+  Eigen::VectorXd level_;  // at level_time_
+  double level_time_ = 0.0;
+};
+
+// A step test: the controller is off, one input after the other is stepped, and
+// the record is made for identification.
+//
+// Input j goes up by Δ_j, stays for `hold`, and back for `hold`, `cycles`
+// times, where
+//
+//   Δ_j = min_i move_i / |K_ij|
+//
+// with the gains K of the model in use, so that no output is expected to move
+// by more than `move`. Where an input would leave its limits it stays there.
+
+struct StepTestOptions {
+  double hold = 0.0;     // > 0
+  int cycles = 1;        // ≥ 1
+  Eigen::VectorXd move;  // p, > 0: the largest expected move of each output
+};
+
+struct StepTestPlan {
+  double hold = 0.0;
+  int cycles = 1;
+  std::vector<int> inputs;  // in the order in which they are stepped
+  Eigen::VectorXd steps;    // of each of them
+
+  double duration() const {
+    return 2.0 * hold * cycles * static_cast<double>(inputs.size());
+  }
+  // Deviation of all `num_inputs` inputs at `time` of the test.
+  Eigen::VectorXd InputsAt(double time, int num_inputs) const;
+};
+
+// Of the inputs that the controller moves and that reach an output.
+StepTestPlan PlanStepTest(const ProcessModel& model,
+                          const StepTestOptions& options);
+
 }  // namespace mle::lifecycle
 
 #endif  // APPS_LIFECYCLE_SCENARIO_H_

@@ -1,25 +1,19 @@
 #include "apps/lifecycle/store.h"
 
-#include <cmath>
-#include <string_view>
+#include <algorithm>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "absl/strings/str_replace.h"
 #include "apps/common/sha256.h"
 #include "mle/base/double_limits.h"
-#include "mle/base/file.h"
 #include "mle/base/status.h"
-#include "mle/model/json_text.h"
 #include "nlohmann/json.hpp"
 
 namespace mle::lifecycle {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr int kVersion = 2;
 
 Json StoredJson(const Eigen::VectorXd& values) {
   Json list = Json::array();
@@ -96,68 +90,32 @@ absl::StatusOr<ChangeRow> ToRow(const Json& json) {
   return row;
 }
 
-Json KeyJson(const LifeKey& key, const Settings& settings) {
-  return {{"version", kVersion},
-          {"policy", key.policy},
-          {"ageing_rate", key.ageing_rate},
-          {"seed", key.seed},
-          {"settings", settings}};
-}
-
-constexpr std::string_view kSumKey = "\n \"sha256\": \"";
-constexpr std::size_t kSumLength = 64;
-
-// `text` with its checksum in place of the 64 characters there; unchanged
-// where it has no place for one.
-std::string WithChecksum(std::string text) {
-  const std::size_t found = text.rfind(kSumKey);
-  if (found == std::string::npos) return text;
-  const std::size_t at = found + kSumKey.size();
-  text.replace(at, kSumLength, kSumLength, '0');
-  return text.replace(at, kSumLength, Sha256Of(text));
-}
-
 }  // namespace
 
-std::string LifeKey::FileName() const {
-  return absl::StrFormat("%s_rate%.15g_seed%d.json",
-                         absl::StrReplaceAll(policy, {{":", "-"}}), ageing_rate,
-                         seed);
+std::string LifeKey::LineStart(const Settings& settings) const {
+  std::string text;
+  for (const auto& [name, value] : settings) {
+    // With their lengths, so that no two settings are the same text.
+    absl::StrAppend(&text, name.size(), " ", name, value.size(), " ", value);
+  }
+  return absl::StrFormat("%s,%.17g,%d,%s,", policy, ageing_rate, seed,
+                         Sha256Of(text).substr(0, 16));
 }
 
-std::string FormatLife(const LifeKey& key, const Settings& settings,
-                       const Life& life) {
-  Json json = KeyJson(key, settings);
-  json["ended"] = life.ended;
+std::string FormatLife(const std::string& line_start, const Life& life) {
   Json rows = Json::array();
   for (const ChangeRow& row : life.rows) rows.push_back(StoredJson(row));
-  json["rows"] = std::move(rows);
-  json["sha256"] = std::string(kSumLength, '0');
-  return WithChecksum(FormatJson(json));
+  const Json json = {{"ended", life.ended}, {"rows", std::move(rows)}};
+  return absl::StrCat(
+      line_start, json.dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
-absl::StatusOr<std::optional<Life>> ParseLife(const std::string& json,
-                                              const std::string& source,
-                                              const LifeKey& key,
-                                              const Settings& settings) {
+absl::StatusOr<Life> ParseLife(std::string_view line) {
   // The only file format here that we write and read ourselves: whatever else
   // is found is said to be damaged, and why.
   try {
-    const Json parsed = Json::parse(json);
-    const bool is_current =
-        parsed.is_object() && parsed.value("version", Json()) == kVersion;
-    // Earlier versions wrote none.
-    if (parsed.contains("sha256") ? WithChecksum(json) != json
-                                  : is_current || !parsed.is_object()) {
-      return absl::DataLossError(
-          absl::StrCat(source, ": the checksum is not that of the content"));
-    }
-    if (!is_current) return std::nullopt;
-    // Compared as they are written.
-    const Json wanted = Json::parse(FormatJson(KeyJson(key, settings)));
-    for (const auto& item : wanted.items()) {
-      if (parsed.at(item.key()) != item.value()) return std::nullopt;
-    }
+    const Json parsed =
+        Json::parse(line.substr(std::min(line.find('{'), line.size())));
     Life life;
     life.ended = parsed.at("ended").get<std::string>();
     for (const Json& row : parsed.at("rows")) {
@@ -166,27 +124,9 @@ absl::StatusOr<std::optional<Life>> ParseLife(const std::string& json,
     }
     return life;
   } catch (const Json::exception& error) {
-    return absl::DataLossError(absl::StrCat(
-        source, ": is not a stored life of a policy: ", error.what()));
+    return absl::DataLossError(
+        absl::StrCat("is not a stored life of a policy: ", error.what()));
   }
-}
-
-absl::StatusOr<std::optional<Life>> LoadLife(const std::string& folder,
-                                             const LifeKey& key,
-                                             const Settings& settings) {
-  const std::string path = absl::StrCat(folder, "/runs/", key.FileName());
-  const absl::StatusOr<std::string> content = ReadFile(path);
-  if (content.status().code() == absl::StatusCode::kNotFound) {
-    return std::nullopt;
-  }
-  MLE_RETURN_IF_ERROR(content.status());
-  return ParseLife(*content, path, key, settings);
-}
-
-absl::Status StoreLife(const std::string& folder, const LifeKey& key,
-                       const Settings& settings, const Life& life) {
-  return WriteFileAtomically(absl::StrCat(folder, "/runs/", key.FileName()),
-                             FormatLife(key, settings, life));
 }
 
 }  // namespace mle::lifecycle

@@ -1,21 +1,21 @@
-// Lives stored as files, so that an interrupted run can be resumed.
+// Lives as lines of a journal (apps/experiment/journal.h), so that an
+// interrupted run can be resumed: the whole life of one policy, what it was
+// worth in physical terms and no prices, so that other prices need no new
+// simulation.
 //
-// DIR/runs/POLICY_rateR_seedS.json holds the whole life of one policy, with the
-// settings it was made under: what it was worth in physical terms, no prices,
-// so that other prices need no new simulation. A file is written whole or not
-// at all, and used only where its settings are those asked for and its content
-// has the SHA-256 that stands in it ("sha256": of the file with 64 zeros in the
-// place of the sum).
+//   output_error:3,1,2,0123456789abcdef,{"ended": "", "rows": […]}
+//
+// The line begins with the policy, the rate of ageing, the seed and the first
+// 16 digits of the SHA-256 of the settings.
 
 #ifndef APPS_LIFECYCLE_STORE_H_
 #define APPS_LIFECYCLE_STORE_H_
 
 #include <cstdint>
 #include <map>
-#include <optional>
 #include <string>
+#include <string_view>
 
-#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "apps/lifecycle/life.h"
 
@@ -29,26 +29,14 @@ struct LifeKey {
   double ageing_rate = 1.0;
   std::uint64_t seed = 1;
 
-  std::string FileName() const;
+  // What the line of the life begins with.
+  std::string LineStart(const Settings& settings) const;
 };
 
-std::string FormatLife(const LifeKey& key, const Settings& settings,
-                       const Life& life);
+std::string FormatLife(const std::string& line_start, const Life& life);
 
-// The life in `json`; nothing if it was made under other settings, for another
-// key or by a version without checksums. DataLoss, with `source`, for a file
-// that is not as it was written.
-absl::StatusOr<std::optional<Life>> ParseLife(const std::string& json,
-                                              const std::string& source,
-                                              const LifeKey& key,
-                                              const Settings& settings);
-
-// From and to FOLDER/runs. Nothing where there is no such file.
-absl::StatusOr<std::optional<Life>> LoadLife(const std::string& folder,
-                                             const LifeKey& key,
-                                             const Settings& settings);
-absl::Status StoreLife(const std::string& folder, const LifeKey& key,
-                       const Settings& settings, const Life& life);
+// The life in a line. DataLoss for another text.
+absl::StatusOr<Life> ParseLife(std::string_view line);
 
 }  // namespace mle::lifecycle
 

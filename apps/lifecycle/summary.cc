@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "apps/lifecycle/prices.h"
 #include "mle/base/double_limits.h"
 #include "mle/nonlinear/distributions.h"
 
@@ -79,7 +78,8 @@ PolicySummary SummarisePolicy(const Policy& policy,
 }
 
 // The place of a kind of policy, or the number of policies.
-std::size_t PlaceOf(const std::vector<Policy>& policies, Policy::Kind kind) {
+std::size_t PlaceOfLife(const std::vector<Policy>& policies,
+                        Policy::Kind kind) {
   std::size_t place = 0;
   while (place < policies.size() && policies[place].kind != kind) ++place;
   return place;
@@ -101,9 +101,10 @@ MeanOfSeeds Difference(const std::vector<std::vector<Life>>& lives,
 void AddDifferences(const Campaign& campaign,
                     const std::vector<std::vector<Life>>& lives,
                     const Valuation& valuation, RateSummary& rate) {
-  const std::size_t never = PlaceOf(campaign.policies, Policy::Kind::kNever);
+  const std::size_t never =
+      PlaceOfLife(campaign.policies, Policy::Kind::kNever);
   const std::size_t perfect =
-      PlaceOf(campaign.policies, Policy::Kind::kPerfect);
+      PlaceOfLife(campaign.policies, Policy::Kind::kPerfect);
   const double possible = Difference(lives, never, perfect, valuation).mean;
   const PolicySummary* best = rate.Cheapest();
   const std::size_t cheapest =
@@ -201,6 +202,29 @@ std::vector<RateSummary> Summarise(const Campaign& campaign, const Lives& lives,
     rate.break_even = FindBreakEven(rate, valuation);
   }
   return summaries;
+}
+
+control::Cost CostOf(const ChangeRow& row, const control::Prices& prices,
+                     double hours_per_unit) {
+  control::Cost cost = control::CostOf(row.Total(), prices, hours_per_unit);
+  if (row.tested()) {
+    cost.test_hours = prices.test_hour * hours_per_unit * row.test.time;
+    cost.engineering = prices.engineer_hour * prices.hours_per_test;
+  } else if (row.outcome == Outcome::kUpdated ||
+             row.outcome == Outcome::kRefused ||
+             row.outcome == Outcome::kReverted) {
+    cost.engineering = prices.engineer_hour * prices.hours_per_update;
+  }
+  return cost;
+}
+
+control::Cost CostOf(const Life& life, const control::Prices& prices,
+                     double hours_per_unit) {
+  control::Cost cost;
+  for (const ChangeRow& row : life.rows) {
+    cost.Add(CostOf(row, prices, hours_per_unit));
+  }
+  return cost;
 }
 
 }  // namespace mle::lifecycle

@@ -83,6 +83,15 @@ struct Valuation {
 std::vector<RateSummary> Summarise(const Campaign& campaign, const Lives& lives,
                                    const Valuation& valuation);
 
+// What a life costs at given prices (control/operating_cost.h).
+
+// Product made during a step test counts with the rest. Corrections that found
+// no change cost no engineer.
+control::Cost CostOf(const ChangeRow& row, const control::Prices& prices,
+                     double hours_per_unit);
+control::Cost CostOf(const Life& life, const control::Prices& prices,
+                     double hours_per_unit);
+
 }  // namespace mle::lifecycle
 
 #endif  // APPS_LIFECYCLE_SUMMARY_H_

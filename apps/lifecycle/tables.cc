@@ -1,11 +1,8 @@
-#include "apps/lifecycle/tables.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include "absl/strings/str_cat.h"
-#include "apps/lifecycle/money.h"
-#include "apps/lifecycle/policy_words.h"
+#include "apps/lifecycle/report.h"
 #include "apps/report/number.h"
 
 namespace mle::lifecycle {
@@ -166,6 +163,20 @@ Table SavingTable(const std::vector<RateSummary>& summaries) {
     table.AddRow(std::move(cells));
   }
   return table;
+}
+
+std::string Money(const MeanOfSeeds& amount) {
+  const std::string mean = report::FormatMoney(amount.mean);
+  if (!std::isfinite(amount.half_width)) return mean;
+  return absl::StrCat(mean, " ± ", report::FormatMoney(amount.half_width));
+}
+
+std::string Money(const MeanOfSeeds& amount, const std::string& currency) {
+  return absl::StrCat(Money(amount), currency.empty() ? "" : " ", currency);
+}
+
+std::string InCurrency(const std::string& currency) {
+  return currency.empty() ? "" : absl::StrCat(", ", currency);
 }
 
 }  // namespace mle::lifecycle

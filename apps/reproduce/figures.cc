@@ -1,9 +1,8 @@
-#include "apps/reproduce/figures.h"
-
 #include <algorithm>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "apps/reproduce/report.h"
 
 namespace mle::reproduce {
 namespace {

@@ -1,10 +1,9 @@
-#include "apps/reproduce/outputs.h"
-
 #include <cmath>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "apps/reproduce/report.h"
 #include "mle/base/version.h"
 #include "mle/data/csv_rows.h"
 #include "mle/model/json_text.h"

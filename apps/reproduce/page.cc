@@ -1,7 +1,6 @@
-#include "apps/reproduce/page.h"
-
 #include "absl/strings/str_cat.h"
 #include "apps/report/number.h"
+#include "apps/reproduce/report.h"
 
 namespace mle::reproduce {
 

@@ -1,13 +1,14 @@
 #include "apps/reproduce/summary.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <string_view>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "apps/report/number.h"
-#include "apps/reproduce/paper.h"
 #include "mle/base/status.h"
 #include "mle/nonlinear/fopdt_fit.h"
 
@@ -16,6 +17,25 @@ namespace {
 
 using report::FormatScientific;
 using report::FormatSignificant;
+
+// What the paper reports of its two cases, from one run each.
+// Output and input counted from 0.
+struct PaperFigure {
+  std::string_view case_name;
+  int output;
+  int input;
+  // Magnitude of the error of the static gain, read from the step response.
+  double gain_error;
+  // Dead time read at the peak of the impulse response, in min; 0: not given.
+  double delay;
+};
+
+inline constexpr std::array<PaperFigure, 4> kPaperFigures = {{
+    {"gain", 0, 0, 9.33e-2, 0.0},
+    {"gain", 1, 0, 5.15e-2, 0.0},
+    {"delay", 0, 1, 0.0, 7.6},
+    {"delay", 1, 1, 0.0, 7.6},
+}};
 
 // Dead time of an element as a first-order one: its own, or the best fit's.
 absl::StatusOr<double> FirstOrderDelay(const TransferFunction& element,

@@ -1,5 +1,3 @@
-#include "apps/study/campaign_methods.h"
-
 #include <cmath>
 #include <set>
 #include <string>
@@ -9,7 +7,7 @@
 #include "absl/strings/string_view.h"
 #include "apps/common/option_json.h"
 #include "apps/experiment/experiment_options.h"
-#include "apps/study/campaign_scenarios.h"
+#include "apps/study/campaign_json.h"
 #include "mle/base/status.h"
 #include "mle/correction/correction.h"
 

@@ -1,5 +1,3 @@
-#include "apps/study/campaign_scenarios.h"
-
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -8,6 +6,7 @@
 #include "apps/common/option_json.h"
 #include "apps/experiment/experiment_options.h"
 #include "apps/experiment/plants.h"
+#include "apps/study/campaign_json.h"
 #include "mle/base/status.h"
 #include "sim/effects_json.h"
 

@@ -1,5 +1,3 @@
-#include "apps/study/figures.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,7 +7,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "apps/study/labels.h"
+#include "apps/study/report.h"
 
 namespace mle::study {
 namespace {

@@ -1,5 +1,3 @@
-#include "apps/study/headline.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,7 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "apps/report/number.h"
-#include "apps/study/labels.h"
+#include "apps/study/report.h"
 
 namespace mle::study {
 namespace {

@@ -1,9 +1,8 @@
-#include "apps/study/labels.h"
-
 #include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "apps/study/report.h"
 
 namespace mle::study {
 

@@ -1,24 +1,70 @@
 #include "apps/study/run.h"
 
-#include <sched.h>
+#include <fcntl.h>
+#include <unistd.h>
 
-#include <algorithm>
-#include <thread>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "apps/common/command_line.h"
+#include "absl/strings/str_format.h"
 #include "apps/common/sha256.h"
 #include "apps/experiment/grid.h"
 #include "apps/experiment/row.h"
-#include "apps/study/merge.h"
-#include "apps/study/outputs.h"
+#include "apps/experiment/unit.h"
+#include "apps/study/report.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"
+#include "mle/base/version.h"
 
 namespace mle::study {
+namespace {
 
+using experiment::Campaign;
 using experiment::Grid;
+using experiment::RowHeader;
+using experiment::RunFolder;
+using experiment::WithoutSeconds;
+using experiment::Work;
+
+// A file that takes its name once it is whole and on the disk.
+class NewFile {
+ public:
+  explicit NewFile(std::string path)
+      : path_(std::move(path)),
+        part_(absl::StrCat(path_, ".part")),
+        file_(std::fopen(part_.c_str(), "wb")),
+        good_(file_ != nullptr) {}
+
+  ~NewFile() {
+    if (file_ != nullptr) std::fclose(file_);
+  }
+  NewFile(const NewFile&) = delete;
+  NewFile& operator=(const NewFile&) = delete;
+
+  void Add(const std::string& line) {
+    good_ = good_ && std::fputs(line.c_str(), file_) >= 0 &&
+            std::fputc('\n', file_) != EOF;
+  }
+
+  absl::Status Finish() {
+    good_ = good_ && std::fflush(file_) == 0 && fsync(fileno(file_)) == 0 &&
+            std::rename(part_.c_str(), path_.c_str()) == 0;
+    if (good_) return absl::OkStatus();
+    return absl::InternalError(
+        absl::StrCat(path_, ": cannot be written: ", std::strerror(errno)));
+  }
+
+ private:
+  const std::string path_;
+  const std::string part_;
+  std::FILE* const file_;
+  bool good_;
+};
+
+}  // namespace
 
 absl::StatusOr<Study> ReadStudy(std::string_view text,
                                 const std::string& source,
@@ -29,53 +75,77 @@ absl::StatusOr<Study> ReadStudy(std::string_view text,
   return study;
 }
 
-absl::StatusOr<StudyFolder> OpenFolder(const Study& study,
-                                       const std::string& path, bool resume) {
-  MLE_ASSIGN_OR_RETURN(FolderLock lock, ClaimOutputFolder(path));
-  const std::string checksum = Sha256Of(study.resolved);
-  if (checksum.empty()) {
-    return absl::InternalError("the campaign's checksum cannot be computed");
-  }
-  const Grid grid(study.campaign);
-  MLE_ASSIGN_OR_RETURN(std::unique_ptr<Journal> journal,
-                       Journal::Open(
-                           absl::StrCat(path, "/journal.csv"),
-                           {.checksum = checksum,
-                            .version = std::string(Version()),
-                            .runs = grid.num_runs()},
-                           [&](std::int64_t run) {
-                             return experiment::RowStart(study.campaign, grid,
-                                                         run);
-                           },
-                           resume));
-  MLE_RETURN_IF_ERROR(WriteFileAtomically(absl::StrCat(path, "/campaign.json"),
-                                          study.resolved));
-  return StudyFolder{path, std::move(lock), std::move(journal)};
+Work WorkOf(const Study& study) {
+  const Campaign& campaign = study.campaign;
+  const Grid grid(campaign);
+  Work work;
+  work.file = "journal.csv";
+  work.head.first_line = absl::StrFormat(
+      "# mle_study journal 2, campaign SHA-256 %s, mle %s, %d runs",
+      Sha256Of(study.resolved), std::string(LibraryVersion()), grid.num_runs());
+  work.head.columns = RowHeader(/*with_seconds=*/true);
+  work.head.runs = grid.num_runs();
+  work.head.run_of =
+      [&campaign, grid](std::string_view line) -> absl::StatusOr<std::int64_t> {
+    MLE_ASSIGN_OR_RETURN(const experiment::Row row,
+                         experiment::ParseRow(line, /*with_seconds=*/true));
+    const bool is_its_own =
+        row.run < grid.num_runs() &&
+        line.starts_with(absl::StrCat(RowStart(campaign, grid, row.run), ","));
+    if (!is_its_own) return absl::DataLossError("coordinates of another run");
+    return row.run;
+  };
+  work.units = grid.num_units();
+  work.runs_of = [grid](std::int64_t unit) { return grid.RunsOf(unit); };
+  work.run = [&campaign, grid](const std::vector<std::int64_t>& runs,
+                               const std::atomic<bool>& stop,
+                               const Work::Emit& emit) {
+    RunUnit(campaign, grid, runs, stop,
+            [&](const experiment::Outcome& outcome) {
+              emit(outcome.run,
+                   RowText(campaign, grid, experiment::RowOf(outcome)));
+            });
+    return absl::OkStatus();
+  };
+  return work;
 }
 
-int StudyThreads(int wanted, int processes) {
-  if (wanted > 0) return UsableThreads(wanted);
-  const int all =
-      std::max(static_cast<int>(std::thread::hardware_concurrency()), 1);
-  cpu_set_t set;
-  CPU_ZERO(&set);
-  const int allowed = sched_getaffinity(0, sizeof(set), &set) == 0
-                          ? std::max(CPU_COUNT(&set), 1)
-                          : all;
-  if (allowed < all) return allowed;
-  return std::max(all / processes, 1);
+absl::StatusOr<RunFolder> OpenFolder(const Study& study, const Work& work,
+                                     const std::string& path, const Part& part,
+                                     bool resume) {
+  MLE_ASSIGN_OR_RETURN(RunFolder folder,
+                       RunFolder::Open(work, path, part, resume));
+  MLE_RETURN_IF_ERROR(WriteFileAtomically(
+      absl::StrCat(folder.path(), "/campaign.json"), study.resolved));
+  return folder;
+}
+
+absl::Status MergeRuns(const experiment::Journal& journal, std::int64_t runs,
+                       const std::string& folder) {
+  NewFile merged(absl::StrCat(folder, "/runs.csv"));
+  NewFile timings(absl::StrCat(folder, "/timings.csv"));
+  merged.Add(RowHeader(/*with_seconds=*/false));
+  timings.Add("run,seconds");
+  for (std::int64_t run = 0; run < runs; ++run) {
+    MLE_ASSIGN_OR_RETURN(const std::string line, journal.Line(run));
+    merged.Add(WithoutSeconds(line));
+    timings.Add(absl::StrCat(run, ",", line.substr(line.rfind(',') + 1)));
+  }
+  MLE_RETURN_IF_ERROR(merged.Finish());
+  return timings.Finish();
 }
 
 absl::StatusOr<StudySummary> Conclude(const Study& study,
-                                      const StudyFolder& folder, bool figures,
+                                      const RunFolder& folder, bool figures,
                                       const report::RunAgain& run_again) {
   const Grid grid(study.campaign);
-  MLE_RETURN_IF_ERROR(MergeRuns(*folder.journal, grid.num_runs(), folder.path));
-  MLE_ASSIGN_OR_RETURN(
-      StudySummary summary,
-      Summarise(absl::StrCat(folder.path, "/runs.csv"), study.campaign, grid));
   MLE_RETURN_IF_ERROR(
-      WriteOutputs(folder.path, figures, study.campaign, summary, run_again));
+      MergeRuns(folder.journal(), grid.num_runs(), folder.path()));
+  MLE_ASSIGN_OR_RETURN(StudySummary summary,
+                       Summarise(absl::StrCat(folder.path(), "/runs.csv"),
+                                 study.campaign, grid));
+  MLE_RETURN_IF_ERROR(
+      WriteOutputs(folder.path(), figures, study.campaign, summary, run_again));
   return summary;
 }
 

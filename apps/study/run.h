@@ -1,25 +1,24 @@
-// A campaign from its text to its results, in a folder that one run of it at a
-// time has for itself.
+// A campaign from its text to its results, in a folder (run_folder.h).
 //
 //   MLE_ASSIGN_OR_RETURN(const Study study, ReadStudy(text, source, folder));
-//   MLE_ASSIGN_OR_RETURN(StudyFolder out, OpenFolder(study, "study", false));
-//   … Coordinate(…);
+//   const Work work = WorkOf(study);
+//   MLE_ASSIGN_OR_RETURN(RunFolder out, RunFolder::Open(work, …));
+//   MLE_RETURN_IF_ERROR(out.RunRemaining(work, threads, stopped, told));
 //   MLE_ASSIGN_OR_RETURN(const StudySummary summary,
 //                        Conclude(study, out, figures, run_again));
 
 #ifndef APPS_STUDY_RUN_H_
 #define APPS_STUDY_RUN_H_
 
-#include <memory>
 #include <string>
 #include <string_view>
 
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "apps/experiment/run_folder.h"
 #include "apps/report/html.h"
 #include "apps/study/campaign.h"
-#include "apps/study/journal.h"
 #include "apps/study/summary.h"
-#include "mle/base/folder_lock.h"
 
 namespace mle::study {
 
@@ -33,24 +32,26 @@ absl::StatusOr<Study> ReadStudy(std::string_view text,
                                 const std::string& source,
                                 const std::string& folder);
 
-struct StudyFolder {
-  std::string path;
-  FolderLock lock;
-  std::unique_ptr<Journal> journal;
-};
+// Its journal is journal.csv. The study must outlive it.
+experiment::Work WorkOf(const Study& study);
 
-// Locks the folder, opens its journal and writes campaign.json.
-absl::StatusOr<StudyFolder> OpenFolder(const Study& study,
-                                       const std::string& path, bool resume);
+// Opens the folder for the work of a study, and writes campaign.json.
+absl::StatusOr<experiment::RunFolder> OpenFolder(const Study& study,
+                                                 const experiment::Work& work,
+                                                 const std::string& path,
+                                                 const Part& part, bool resume);
 
-// `wanted`, as far as there are processors, or, where that is 0, those that
-// this process may use: its share of the machine's with `processes` on it.
-int StudyThreads(int wanted, int processes);
+// The journal, sorted: runs.csv, whose bytes depend on the campaign alone, and
+// timings.csv. All runs must be in the journal. Files are written line by line
+// beside their place and renamed, whole or not at all.
+absl::Status MergeRuns(const experiment::Journal& journal, std::int64_t runs,
+                       const std::string& folder);
 
 // Of a journal with every run: writes runs.csv and timings.csv, what
 // WriteOutputs() writes, and gives the summary.
 absl::StatusOr<StudySummary> Conclude(const Study& study,
-                                      const StudyFolder& folder, bool figures,
+                                      const experiment::RunFolder& folder,
+                                      bool figures,
                                       const report::RunAgain& run_again);
 
 }  // namespace mle::study

@@ -1,5 +1,3 @@
-#include "apps/study/tables.h"
-
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -8,8 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "apps/report/number.h"
-#include "apps/study/headline.h"
-#include "apps/study/labels.h"
+#include "apps/study/report.h"
 
 namespace mle::study {
 namespace {

@@ -1,17 +1,14 @@
 #include "apps/watch/codec.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
-#include <cstddef>
 #include <cstdint>
-#include <map>
-#include <optional>
+#include <cstring>
 #include <utility>
 #include <vector>
 
-#include "apps/watch/packed_score.h"
-#include "apps/watch/raw_bytes.h"
-#include "mle/base/status.h"
+#include "apps/common/sha256.h"
 #include "nlohmann/json.hpp"
 
 namespace mle::watch {
@@ -19,78 +16,31 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Flags of a batch.
-constexpr unsigned kUnpacked = 1;
-constexpr unsigned kHasLargest = 2;
+static_assert(std::endian::native == std::endian::little,
+              "the state is kept in little-endian order");
 
-constexpr int kDaysInBlock = 64;
-
-// Of ln E, and what is kept of it in these steps.
-constexpr double kEvidenceSteps = 100.0;
-constexpr double kMostEvidence = 1e8;
-// What is kept already stays.
-constexpr double kRounding = 1e-9;
-// Of covariances.
-constexpr double kCovarianceSteps = 1e6;
-
-absl::Status DamagedScores() {
-  return absl::DataLossError("the scores of a day cannot be read");
-}
-
-std::size_t UnpackedSize(std::size_t n) {
-  return sizeof(float) * (n + n * (n + 1) / 2);
-}
-
-// In single precision: score, and the lower triangle of the information row by
-// row.
-void PutPart(const ScorePart& part, std::string& bytes) {
-  for (const double value : part.score) {
-    PutRaw(static_cast<float>(value), bytes);
-  }
+void Put(const ScorePart& part, std::vector<double>& numbers) {
+  numbers.insert(numbers.end(), part.score.begin(), part.score.end());
   for (Eigen::Index r = 0; r < part.score.size(); ++r) {
     for (Eigen::Index c = 0; c <= r; ++c) {
-      PutRaw(static_cast<float>(part.information(r, c)), bytes);
+      numbers.push_back(part.information(r, c));
     }
   }
 }
 
-ScorePart TakePart(std::size_t n, std::string_view bytes) {
-  const auto size = static_cast<Eigen::Index>(n);
-  ScorePart part = {Eigen::VectorXd(size), Eigen::MatrixXd(size, size)};
-  for (double& value : part.score) value = TakeRaw<float>(bytes);
-  for (Eigen::Index r = 0; r < size; ++r) {
+ScorePart Take(Eigen::Index n, const double*& at) {
+  ScorePart part = {Eigen::VectorXd(n), Eigen::MatrixXd(n, n)};
+  for (double& value : part.score) value = *at++;
+  for (Eigen::Index r = 0; r < n; ++r) {
     for (Eigen::Index c = 0; c <= r; ++c) {
-      part.information(r, c) = part.information(c, r) = TakeRaw<float>(bytes);
+      part.information(r, c) = part.information(c, r) = *at++;
     }
   }
   return part;
 }
 
-// Of what AsKept() has rounded: a count, odd for those below zero.
-void PutEvidence(double value, std::string& bytes) {
-  const auto steps = static_cast<std::int64_t>(std::llround(
-      std::clamp(value * kEvidenceSteps, -kMostEvidence, kMostEvidence)));
-  PutCount(static_cast<std::size_t>(steps < 0 ? -2 * steps - 1 : 2 * steps),
-           bytes);
-}
-
-std::optional<double> TakeEvidence(std::string_view& bytes) {
-  const std::optional<std::size_t> count = TakeCount(bytes);
-  if (!count.has_value()) return std::nullopt;
-  const auto half = static_cast<double>((*count + 1) / 2);
-  return (*count % 2 == 0 ? half : -half) / kEvidenceSteps;
-}
-
-ScorePart Packed(const ScorePart& part) {
-  std::string bytes;
-  Pack(part, bytes);
-  return Unpack(static_cast<std::size_t>(part.score.size()), bytes);
-}
-
-// Whether packing loses nothing.
-bool IsPacked(const ScorePart& part) {
-  const ScorePart packed = Packed(part);
-  return packed.score == part.score && packed.information == part.information;
+bool IsSound(const ScorePart& part) {
+  return part.score.allFinite() && part.information.allFinite();
 }
 
 Json ListOf(const Eigen::VectorXd& values) {
@@ -103,175 +53,79 @@ Eigen::VectorXd VectorOf(const Json& list) {
       values.data(), static_cast<Eigen::Index>(values.size()));
 }
 
+// Every part with its length, so that no two lists of parts are the same bytes.
+class Hash {
+ public:
+  Hash& Add(std::string_view text) {
+    AddRaw(text.size());
+    hash_.Add(text);
+    return *this;
+  }
+  Hash& Add(std::int64_t value) { return AddRaw(value); }
+  Hash& Add(double value) { return AddRaw(value); }
+  std::string HexDigest() { return hash_.HexDigest(); }
+
+ private:
+  template <typename T>
+  Hash& AddRaw(T value) {
+    hash_.Add({reinterpret_cast<const char*>(&value), sizeof(value)});
+    return *this;
+  }
+
+  Sha256 hash_;
+};
+
 }  // namespace
 
-std::string EncodeBatch(const StoredBatch& batch) {
-  const ScoredBatch& scores = batch.batch;
-  const ScorePart all = {scores.score, scores.information};
-  const bool packed = IsPacked(all) && (!scores.largest.has_value() ||
-                                        IsPacked(*scores.largest));
-  std::string bytes;
-  PutCount(static_cast<std::size_t>(scores.score.size()), bytes);
-  PutCount(
-      (packed ? 0 : kUnpacked) | (scores.largest.has_value() ? kHasLargest : 0),
-      bytes);
-  const auto put = packed ? Pack : PutPart;
-  if (scores.largest.has_value()) put(*scores.largest, bytes);
-  put(all, bytes);
-  PutEvidence(batch.evidence.log_output, bytes);
-  for (const double value : batch.evidence.log_elements) {
-    PutEvidence(value, bytes);
-  }
-  return bytes;
+std::string EncodeBatch(const StoredBatch& stored) {
+  const ScoredBatch& batch = stored.batch;
+  std::vector<double> numbers = {static_cast<double>(batch.score.size()),
+                                 batch.largest.has_value() ? 1.0 : 0.0};
+  if (batch.largest.has_value()) Put(*batch.largest, numbers);
+  Put({batch.score, batch.information}, numbers);
+  numbers.push_back(stored.evidence.log_output);
+  numbers.insert(numbers.end(), stored.evidence.log_elements.begin(),
+                 stored.evidence.log_elements.end());
+  return {reinterpret_cast<const char*>(numbers.data()),
+          numbers.size() * sizeof(double)};
 }
 
-absl::StatusOr<StoredBatch> TakeBatch(std::string_view& bytes) {
-  const std::size_t n = TakeCount(bytes).value_or(0);
-  const std::size_t flags = TakeCount(bytes).value_or(~std::size_t{0});
-  if (n == 0 || n % 3 != 0 || n > bytes.size() ||
-      flags > (kUnpacked | kHasLargest)) {
-    return DamagedScores();
+absl::StatusOr<StoredBatch> DecodeBatch(std::string_view bytes, int number,
+                                        int length) {
+  const auto damaged =
+      absl::DataLossError("the scores of a day cannot be read");
+  std::vector<double> numbers(bytes.size() / sizeof(double));
+  if (numbers.size() < 2 || bytes.size() % sizeof(double) != 0) return damaged;
+  std::memcpy(numbers.data(), bytes.data(), bytes.size());
+  // Nothing is computed with what is not a small whole number.
+  constexpr double kMostParameters = 1e5;
+  const double size = numbers[0];
+  const double parts = 1.0 + numbers[1];
+  if (!(size > 0.0 && size <= kMostParameters) || std::fmod(size, 3.0) != 0.0 ||
+      (parts != 1.0 && parts != 2.0) || number < 0 || length < 1 ||
+      static_cast<double>(numbers.size()) !=
+          3.0 + parts * (size + size * (size + 1.0) / 2.0) + size / 3.0) {
+    return damaged;
   }
-  const bool unpacked = (flags & kUnpacked) != 0;
-  const bool has_largest = (flags & kHasLargest) != 0;
-  const std::size_t part = unpacked ? UnpackedSize(n) : PackedSize(n);
-  if (bytes.size() < (has_largest ? 2 : 1) * part) return DamagedScores();
-  const auto take = [&bytes, n, part, unpacked] {
-    const std::string_view front = bytes.substr(0, part);
-    bytes.remove_prefix(part);
-    return unpacked ? TakePart(n, front) : Unpack(n, front);
-  };
+  const auto n = static_cast<Eigen::Index>(size);
+  const double* at = numbers.data() + 2;
   StoredBatch stored;
-  if (has_largest) stored.batch.largest = take();
-  ScorePart all = take();
+  if (parts == 2.0) stored.batch.largest = Take(n, at);
+  ScorePart all = Take(n, at);
+  stored.evidence.log_output = *at++;
+  stored.evidence.log_elements.assign(at, at + n / 3);
+  if (!IsSound(all) ||
+      (stored.batch.largest.has_value() && !IsSound(*stored.batch.largest)) ||
+      std::isnan(stored.evidence.log_output) ||
+      std::any_of(at, at + n / 3, [](double e) { return std::isnan(e); })) {
+    return damaged;
+  }
+  stored.batch.number = number;
+  stored.batch.length = length;
   stored.batch.score = std::move(all.score);
   stored.batch.information = std::move(all.information);
-  for (std::size_t e = 0; e < 1 + n / 3; ++e) {
-    const std::optional<double> evidence = TakeEvidence(bytes);
-    if (!evidence.has_value()) return DamagedScores();
-    if (e == 0) {
-      stored.evidence.log_output = *evidence;
-    } else {
-      stored.evidence.log_elements.push_back(*evidence);
-    }
-  }
-  if (!IsSound(stored)) return DamagedScores();
+  stored.evidence.number = number + length - 1;
   return stored;
-}
-
-bool IsSound(const StoredBatch& batch) {
-  const std::optional<ScorePart>& largest = batch.batch.largest;
-  const std::vector<double>& elements = batch.evidence.log_elements;
-  return batch.batch.score.allFinite() && batch.batch.information.allFinite() &&
-         (!largest.has_value() ||
-          (largest->score.allFinite() && largest->information.allFinite())) &&
-         !std::isnan(batch.evidence.log_output) &&
-         std::none_of(elements.begin(), elements.end(),
-                      [](double value) { return std::isnan(value); });
-}
-
-std::string EncodeScores(const Watch& watch, int number) {
-  std::string bytes;
-  bool any = false;
-  for (const std::map<int, StoredBatch>& output : watch.outputs) {
-    const auto found = output.find(number);
-    if (found == output.end()) {
-      PutCount(0, bytes);
-      continue;
-    }
-    any = true;
-    PutCount(static_cast<std::size_t>(found->second.batch.length), bytes);
-    bytes += EncodeBatch(found->second);
-  }
-  return any ? bytes : "";
-}
-
-absl::Status DecodeScores(std::string_view bytes, int number, Watch& watch) {
-  for (std::size_t output = 0; !bytes.empty(); ++output) {
-    const std::optional<std::size_t> length = TakeCount(bytes);
-    if (!length.has_value()) return DamagedScores();
-    if (output >= watch.outputs.size()) watch.outputs.resize(output + 1);
-    if (*length == 0) continue;
-    MLE_ASSIGN_OR_RETURN(StoredBatch stored, TakeBatch(bytes));
-    stored.batch.number = number;
-    stored.batch.length = static_cast<int>(*length);
-    stored.evidence.number = number + stored.batch.length - 1;
-    watch.outputs[output][number] = std::move(stored);
-  }
-  return absl::OkStatus();
-}
-
-int BlockOf(int day) {
-  return day >= 0 ? day / kDaysInBlock
-                  : -((kDaysInBlock - 1 - day) / kDaysInBlock);
-}
-
-std::string EncodeDays(const Watch& watch, int block) {
-  std::string bytes;
-  const int first = block * kDaysInBlock;
-  for (auto day = watch.days.lower_bound(first);
-       day != watch.days.end() && day->first < first + kDaysInBlock; ++day) {
-    PutCount(static_cast<std::size_t>(day->first - first), bytes);
-    PutCount(static_cast<std::size_t>(day->second.state), bytes);
-    PutBytes(day->second.checksum, bytes);
-    PutBytes(day->second.reason, bytes);
-  }
-  return bytes;
-}
-
-absl::Status DecodeDays(std::string_view bytes, int block, Watch& watch) {
-  while (!bytes.empty()) {
-    const std::size_t place = TakeCount(bytes).value_or(kDaysInBlock);
-    const std::optional<std::size_t> state = TakeCount(bytes);
-    const std::optional<std::string_view> checksum = TakeBytes(bytes);
-    const std::optional<std::string_view> reason = TakeBytes(bytes);
-    if (place >= kDaysInBlock || !state.has_value() ||
-        *state > static_cast<std::size_t>(BatchState::kCannotTell) ||
-        !checksum.has_value() || !reason.has_value()) {
-      return absl::DataLossError("its days cannot be read");
-    }
-    watch.days[block * kDaysInBlock + static_cast<int>(place)] = {
-        .checksum = std::string(*checksum),
-        .state = static_cast<BatchState>(*state),
-        .reason = std::string(*reason)};
-  }
-  return absl::OkStatus();
-}
-
-void RoundAsKept(ScoredBatch& batch) {
-  std::vector<ScorePart> parts = {{batch.score, batch.information}};
-  if (batch.largest.has_value()) parts.push_back(*batch.largest);
-  std::vector<ScorePart> kept = parts;
-  for (ScorePart& part : kept) part = Packed(part);
-  if (!std::all_of(kept.begin(), kept.end(), IsPacked)) {
-    kept = parts;
-    for (ScorePart& part : kept) {
-      part.score = part.score.cast<float>().cast<double>();
-      part.information = part.information.cast<float>().cast<double>();
-    }
-  }
-  batch.score = std::move(kept[0].score);
-  batch.information = std::move(kept[0].information);
-  if (batch.largest.has_value()) batch.largest = std::move(kept[1]);
-}
-
-ChangeEvidence AsKept(ChangeEvidence evidence) {
-  const auto kept = [](double value) {
-    return std::clamp(std::floor(value * kEvidenceSteps + kRounding),
-                      -kMostEvidence, kMostEvidence) /
-           kEvidenceSteps;
-  };
-  evidence.log_output = kept(evidence.log_output);
-  for (double& value : evidence.log_elements) value = kept(value);
-  return evidence;
-}
-
-void RoundAsKept(WatchReference& reference) {
-  for (OutputReference& output : reference.outputs) {
-    for (double& value : output.covariances) {
-      value = std::round(value * kCovarianceSteps) / kCovarianceSteps;
-    }
-  }
 }
 
 std::string EncodeReference(const WatchReference& reference) {
@@ -290,7 +144,6 @@ std::string EncodeReference(const WatchReference& reference) {
   Json json = {{"outputs", outputs},
                {"low", ListOf(reference.low)},
                {"high", ListOf(reference.high)}};
-  // Earlier programs did not keep it.
   for (const OutputOperation& output : reference.operation) {
     json["operation"].push_back(
         {{"changes", output.changes},
@@ -335,6 +188,38 @@ absl::StatusOr<WatchReference> DecodeReference(const std::string& json) {
   } catch (const Json::exception&) {
     return absl::DataLossError("its reference cannot be read");
   }
+}
+
+std::string ChecksumOf(const Watch& watch) {
+  Hash hash;
+  hash.Add(watch.controller).Add(watch.basis);
+  hash.Add(std::int64_t{watch.begin}).Add(std::int64_t{watch.first});
+  hash.Add(watch.sample_time);
+  if (watch.reference.has_value()) hash.Add(EncodeReference(*watch.reference));
+  for (const auto& [path, file] : watch.files) {
+    hash.Add(path).Add(file.bytes).Add(file.changed);
+    hash.Add(file.first).Add(file.last).Add(file.fault);
+  }
+  for (const auto& [number, day] : watch.days) {
+    hash.Add(std::int64_t{number}).Add(day.checksum);
+    hash.Add(static_cast<std::int64_t>(day.state)).Add(day.reason);
+  }
+  for (std::size_t i = 0; i < watch.outputs.size(); ++i) {
+    for (const auto& [number, stored] : watch.outputs[i]) {
+      hash.Add(static_cast<std::int64_t>(i)).Add(std::int64_t{number});
+      hash.Add(std::int64_t{stored.batch.length}).Add(EncodeBatch(stored));
+    }
+  }
+  for (const Alarm& alarm : watch.alarms) {
+    hash.Add(alarm.id).Add(std::int64_t{alarm.output});
+    hash.Add(std::int64_t{alarm.element}).Add(std::int64_t{alarm.day});
+    hash.Add(std::int64_t{alarm.began}).Add(alarm.text);
+  }
+  for (const Proposal& proposal : watch.proposals) {
+    hash.Add(std::int64_t{proposal.day}).Add(proposal.folder);
+    hash.Add(proposal.decision).Add(proposal.conclusion);
+  }
+  return hash.HexDigest();
 }
 
 }  // namespace mle::watch

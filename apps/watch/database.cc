@@ -1,34 +1,39 @@
 #include "apps/watch/database.h"
 
-#include <utility>
-
 #include "mle/base/status.h"
 #include "mle/database/record_sources.h"
 
 namespace mle::watch {
 
-absl::Status Statement::Run() {
-  absl::StatusOr<bool> row = Next();
-  while (row.ok() && *row) row = Next();
-  backend_->Reset();
-  return row.status();
+std::int64_t Row::Integer(std::size_t column) const {
+  const auto* const value = std::get_if<std::int64_t>(&values_.at(column));
+  return value == nullptr ? 0 : *value;
 }
 
-absl::StatusOr<Database> Database::Open(const std::string& name) {
-  MLE_ASSIGN_OR_RETURN(
-      std::unique_ptr<DatabaseBackend> backend,
-      IsDatabase(name) ? OpenPostgresqlState(name) : OpenSqliteState(name));
-  return Database(std::move(backend));
+double Row::Number(std::size_t column) const {
+  const auto* const value = std::get_if<double>(&values_.at(column));
+  return value == nullptr ? static_cast<double>(Integer(column)) : *value;
 }
 
-absl::StatusOr<Statement> Database::Prepare(std::string_view statement) {
-  MLE_ASSIGN_OR_RETURN(std::unique_ptr<StatementBackend> backend,
-                       backend_->Prepare(statement));
-  return Statement(std::move(backend));
+std::string Row::Text(std::size_t column) const {
+  if (const auto* text = std::get_if<std::string>(&values_.at(column))) {
+    return *text;
+  }
+  const auto* const value = std::get_if<Bytes>(&values_[column]);
+  return value == nullptr ? std::string() : value->bytes;
+}
+
+bool Row::IsNull(std::size_t column) const {
+  return std::holds_alternative<std::monostate>(values_.at(column));
+}
+
+absl::StatusOr<std::unique_ptr<Database>> Database::Open(
+    const std::string& name) {
+  return IsDatabase(name) ? OpenPostgresqlState(name) : OpenSqliteState(name);
 }
 
 absl::StatusOr<Transaction> Transaction::Begin(Database& database) {
-  MLE_RETURN_IF_ERROR(database.Execute(database.backend().Begin()));
+  MLE_RETURN_IF_ERROR(database.Execute(database.Begin()));
   return Transaction(database);
 }
 

@@ -1,11 +1,10 @@
 // The database of the state, SQLite or PostgreSQL: the same statements, errors
 // as absl::Status.
 //
-//   MLE_ASSIGN_OR_RETURN(Database database, Database::Open("watch.sqlite"));
-//   MLE_ASSIGN_OR_RETURN(Statement insert,
-//                        database.Prepare("INSERT INTO day VALUES (?, ?)"));
-//   insert.Bind(1, 20780).BindText(2, "used");
-//   MLE_RETURN_IF_ERROR(insert.Run());
+//   MLE_ASSIGN_OR_RETURN(auto database, Database::Open("watch.sqlite"));
+//   MLE_RETURN_IF_ERROR(
+//       database->Run("INSERT INTO day VALUES (?, ?)", {20780, "used"})
+//           .status());
 //
 // Definitions of tables are in SQLite's words; PostgreSQL gets its own types
 // for them, and keeps all in the schema mle_watch.
@@ -16,76 +15,51 @@
 #include <cstdint>
 #include <memory>
 #include <string>
-#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 
 namespace mle::watch {
 
-// Parameters count from 1, columns from 0.
-class StatementBackend {
- public:
-  virtual ~StatementBackend() = default;
-
-  virtual void Bind(int parameter, std::int64_t value) = 0;
-  virtual void Bind(int parameter, double value) = 0;
-  virtual void BindText(int parameter, std::string_view value) = 0;
-  virtual void BindBytes(int parameter, std::string_view value) = 0;
-  virtual absl::StatusOr<bool> Next() = 0;
-  virtual std::int64_t Integer(int column) const = 0;
-  virtual double Number(int column) const = 0;
-  virtual std::string Text(int column) const = 0;
-  virtual bool IsNull(int column) const = 0;
-  virtual void Reset() = 0;
+struct Bytes {
+  std::string bytes;
 };
+// The first is null.
+using Value =
+    std::variant<std::monostate, std::int64_t, double, std::string, Bytes>;
 
-class Statement {
+// Of a result; columns count from 0.
+class Row {
  public:
-  explicit Statement(std::unique_ptr<StatementBackend> backend)
-      : backend_(std::move(backend)) {}
+  explicit Row(std::vector<Value> values) : values_(std::move(values)) {}
 
-  // An error is reported by the next Next() or Run(). What is not bound is
-  // null.
-  Statement& Bind(int parameter, std::int64_t value) {
-    backend_->Bind(parameter, value);
-    return *this;
-  }
-  Statement& Bind(int parameter, double value) {
-    backend_->Bind(parameter, value);
-    return *this;
-  }
-  Statement& BindText(int parameter, std::string_view value) {
-    backend_->BindText(parameter, value);
-    return *this;
-  }
-  Statement& BindBytes(int parameter, std::string_view value) {
-    backend_->BindBytes(parameter, value);
-    return *this;
-  }
-
-  // True with a row.
-  absl::StatusOr<bool> Next() { return backend_->Next(); }
-  // Null is 0, or empty.
-  std::int64_t Integer(int column) const { return backend_->Integer(column); }
-  double Number(int column) const { return backend_->Number(column); }
-  std::string Text(int column) const { return backend_->Text(column); }
-  bool IsNull(int column) const { return backend_->IsNull(column); }
-
-  // To its end; can then be bound and run again.
-  absl::Status Run();
+  // What is null, or of another type, is 0 or empty.
+  std::int64_t Integer(std::size_t column) const;
+  double Number(std::size_t column) const;
+  std::string Text(std::size_t column) const;  // bytes, too
+  bool IsNull(std::size_t column) const;
 
  private:
-  std::unique_ptr<StatementBackend> backend_;
+  std::vector<Value> values_;
 };
+using Rows = std::vector<Row>;
 
-class DatabaseBackend {
+class Database {
  public:
-  virtual ~DatabaseBackend() = default;
+  // postgresql://…, or a file, which is made where there is none: write-ahead
+  // log, flushed at every commit, foreign keys on. Errors name it.
+  static absl::StatusOr<std::unique_ptr<Database>> Open(
+      const std::string& name);
+  virtual ~Database() = default;
 
+  // One statement; each "?" in it stands for the next of `values`.
+  virtual absl::StatusOr<Rows> Run(const std::string& statement,
+                                   const std::vector<Value>& values) = 0;
+  // Several, without values and results.
   virtual absl::Status Execute(const std::string& statements) = 0;
-  virtual absl::StatusOr<std::unique_ptr<StatementBackend>> Prepare(
-      std::string_view statement) = 0;
   // A transaction that no other writer comes between, as BEGIN.
   virtual const char* Begin() const = 0;
   // The version of the tables, 0 if there are none; called in a transaction
@@ -100,28 +74,9 @@ class DatabaseBackend {
   }
 };
 
-class Database {
- public:
-  // postgresql://…, or a file, which is made where there is none: write-ahead
-  // log, flushed at every commit, foreign keys on. Errors name it.
-  static absl::StatusOr<Database> Open(const std::string& name);
-
-  absl::Status Execute(const std::string& statements) {
-    return backend_->Execute(statements);
-  }
-  absl::StatusOr<Statement> Prepare(std::string_view statement);
-  DatabaseBackend& backend() { return *backend_; }
-
- private:
-  explicit Database(std::unique_ptr<DatabaseBackend> backend)
-      : backend_(std::move(backend)) {}
-
-  std::unique_ptr<DatabaseBackend> backend_;
-};
-
-absl::StatusOr<std::unique_ptr<DatabaseBackend>> OpenSqliteState(
+absl::StatusOr<std::unique_ptr<Database>> OpenSqliteState(
     const std::string& path);
-absl::StatusOr<std::unique_ptr<DatabaseBackend>> OpenPostgresqlState(
+absl::StatusOr<std::unique_ptr<Database>> OpenPostgresqlState(
     const std::string& uri);
 
 // A transaction that is rolled back unless it was committed.

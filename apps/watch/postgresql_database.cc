@@ -3,14 +3,13 @@
 
 #include <libpq-fe.h>
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdlib>
 #include <memory>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "absl/strings/ascii.h"
@@ -29,10 +28,14 @@
 namespace mle::watch {
 namespace {
 
-constexpr Oid kBytes = 17;  // bytea, of pg_type
+// Of pg_type: bytea, bigint, integer, double precision.
+constexpr Oid kBytes = 17;
+constexpr Oid kWhole8 = 20;
+constexpr Oid kWhole4 = 23;
+constexpr Oid kNumber = 701;
 // Keys of advisory locks: of all that has to do with this state.
-constexpr char kMigration[] = "mle_watch migration";
-constexpr char kWhole[] = "mle_watch run";
+constexpr char kTablesLock[] = "mle_watch migration";
+constexpr char kRunLock[] = "mle_watch run";
 
 struct Clear {
   void operator()(PGresult* result) const { PQclear(result); }
@@ -86,102 +89,78 @@ std::string InItsWords(const std::string& statements) {
                                           {" WITHOUT ROWID", ""}});
 }
 
-class PostgresqlStatement : public StatementBackend {
- public:
-  PostgresqlStatement(PGconn* connection, std::string_view text)
-      : connection_(connection),
-        text_(WithNumbers(text)),
-        values_(static_cast<std::size_t>(
-            std::count(text.begin(), text.end(), '?'))) {}
+// As text; PostgreSQL refuses what is not UTF-8, and a NUL would end the text:
+// names of files and tags may have either.
+std::string TextOf(const Value& value) {
+  if (const auto* integer = std::get_if<std::int64_t>(&value)) {
+    return absl::StrCat(*integer);
+  }
+  if (const auto* number = std::get_if<double>(&value)) {
+    return absl::StrFormat("%.17g", *number);
+  }
+  if (const auto* text = std::get_if<std::string>(&value)) {
+    return report::CleanText(*text);
+  }
+  const auto* const bytes = std::get_if<Bytes>(&value);
+  return bytes == nullptr
+             ? ""
+             : absl::StrCat("\\x", absl::BytesToHexString(bytes->bytes));
+}
 
-  void Bind(int parameter, std::int64_t value) override {
-    Set(parameter, absl::StrCat(value));
-  }
-  void Bind(int parameter, double value) override {
-    Set(parameter, absl::StrFormat("%.17g", value));
-  }
-  // PostgreSQL refuses what is not UTF-8, and a NUL would end the text: names
-  // of files and tags may have either.
-  void BindText(int parameter, std::string_view value) override {
-    Set(parameter, report::CleanText(value));
-  }
-  void BindBytes(int parameter, std::string_view value) override {
-    Set(parameter,
-        absl::StrCat("\\x", absl::BytesToHexString(std::string(value))));
-  }
-  absl::StatusOr<bool> Next() override {
-    if (result_ == nullptr) MLE_RETURN_IF_ERROR(Execute());
-    return ++row_ < PQntuples(result_.get());
-  }
-  std::int64_t Integer(int column) const override {
-    std::int64_t value = 0;
-    return absl::SimpleAtoi(Value(column), &value) ? value : 0;
-  }
-  double Number(int column) const override {
-    return std::strtod(Value(column).c_str(), nullptr);
-  }
-  std::string Text(int column) const override {
-    const std::string value = Value(column);
-    if (PQftype(result_.get(), column) != kBytes) return value;
-    return absl::HexStringToBytes(value.substr(value.size() < 2 ? 0 : 2));
-  }
-  bool IsNull(int column) const override {
-    return PQgetisnull(result_.get(), row_, column) != 0;
-  }
-  void Reset() override {
-    result_.reset();
-    row_ = -1;
-    std::fill(values_.begin(), values_.end(), std::nullopt);
-  }
-
- private:
-  void Set(int parameter, std::string value) {
-    values_.at(static_cast<std::size_t>(parameter) - 1) = std::move(value);
-  }
-  std::string Value(int column) const {
-    return {PQgetvalue(result_.get(), row_, column),
-            static_cast<std::size_t>(PQgetlength(result_.get(), row_, column))};
-  }
-  absl::Status Execute() {
-    std::vector<const char*> values;
-    for (const std::optional<std::string>& value : values_) {
-      values.push_back(value.has_value() ? value->c_str() : nullptr);
+Value FieldOf(const PGresult* result, int row, int column) {
+  if (PQgetisnull(result, row, column) != 0) return {};
+  const std::string text(
+      PQgetvalue(result, row, column),
+      static_cast<std::size_t>(PQgetlength(result, row, column)));
+  switch (PQftype(result, column)) {
+    case kBytes:
+      return Bytes{absl::HexStringToBytes(text.substr(2))};
+    case kWhole8:
+    case kWhole4: {
+      std::int64_t value = 0;
+      return absl::SimpleAtoi(text, &value) ? value : 0;
     }
-    result_.reset(PQexecParams(connection_, text_.c_str(),
-                               static_cast<int>(values.size()), nullptr,
-                               values.data(), nullptr, nullptr, 0));
-    const ExecStatusType status = PQresultStatus(result_.get());
-    if (status == PGRES_TUPLES_OK || status == PGRES_COMMAND_OK) {
-      return absl::OkStatus();
-    }
-    return PostgresqlError(connection_, result_.get());
+    case kNumber:
+      return std::strtod(text.c_str(), nullptr);
+    default:
+      return text;
   }
+}
 
-  PGconn* connection_;
-  std::string text_;
-  std::vector<std::optional<std::string>> values_;
-  Result result_;
-  int row_ = -1;
-};
-
-class PostgresqlDatabase : public DatabaseBackend {
+class PostgresqlDatabase : public Database {
  public:
   explicit PostgresqlDatabase(PGconn* connection) : connection_(connection) {}
 
   PGconn* connection() const { return connection_.get(); }
 
+  absl::StatusOr<Rows> Run(const std::string& statement,
+                           const std::vector<Value>& values) override {
+    std::vector<std::string> texts;
+    for (const Value& value : values) texts.push_back(TextOf(value));
+    std::vector<const char*> parameters;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const bool null = std::holds_alternative<std::monostate>(values[i]);
+      parameters.push_back(null ? nullptr : texts[i].c_str());
+    }
+    const Result result(
+        PQexecParams(connection_.get(), WithNumbers(statement).c_str(),
+                     static_cast<int>(parameters.size()), nullptr,
+                     parameters.data(), nullptr, nullptr, 0));
+    MLE_RETURN_IF_ERROR(Check(result.get()));
+    Rows rows;
+    for (int r = 0; r < PQntuples(result.get()); ++r) {
+      std::vector<Value> row;
+      for (int c = 0; c < PQnfields(result.get()); ++c) {
+        row.push_back(FieldOf(result.get(), r, c));
+      }
+      rows.emplace_back(std::move(row));
+    }
+    return rows;
+  }
   absl::Status Execute(const std::string& statements) override {
     const Result result(
         PQexec(connection_.get(), InItsWords(statements).c_str()));
-    const ExecStatusType status = PQresultStatus(result.get());
-    if (status == PGRES_TUPLES_OK || status == PGRES_COMMAND_OK) {
-      return absl::OkStatus();
-    }
-    return PostgresqlError(connection_.get(), result.get());
-  }
-  absl::StatusOr<std::unique_ptr<StatementBackend>> Prepare(
-      std::string_view statement) override {
-    return std::make_unique<PostgresqlStatement>(connection_.get(), statement);
+    return Check(result.get());
   }
   const char* Begin() const override { return "BEGIN"; }
   absl::StatusOr<std::int64_t> Version() override;
@@ -196,33 +175,33 @@ class PostgresqlDatabase : public DatabaseBackend {
   struct Finish {
     void operator()(PGconn* connection) const { PQfinish(connection); }
   };
-  // The first value of a statement with one text as parameter.
-  absl::StatusOr<std::string> Ask(std::string_view statement,
-                                  const std::string& parameter);
+  absl::Status Check(const PGresult* result) const {
+    const ExecStatusType status = PQresultStatus(result);
+    if (status == PGRES_TUPLES_OK || status == PGRES_COMMAND_OK) {
+      return absl::OkStatus();
+    }
+    return PostgresqlError(connection_.get(), result);
+  }
+  // Whether a statement with one text gives true.
+  absl::StatusOr<bool> IsTrue(const std::string& statement,
+                              const std::string& text) {
+    MLE_ASSIGN_OR_RETURN(const Rows rows, Run(statement, {text}));
+    return rows.at(0).Text(0) == "t";
+  }
 
   std::unique_ptr<PGconn, Finish> connection_;
 };
 
-absl::StatusOr<std::string> PostgresqlDatabase::Ask(
-    std::string_view statement, const std::string& parameter) {
-  MLE_ASSIGN_OR_RETURN(const auto select, Prepare(statement));
-  if (!parameter.empty()) select->BindText(1, parameter);
-  MLE_ASSIGN_OR_RETURN(const bool row, select->Next());
-  return row ? select->Text(0) : "";
-}
-
 absl::StatusOr<std::int64_t> PostgresqlDatabase::Version() {
   MLE_RETURN_IF_ERROR(
-      Ask("SELECT pg_advisory_xact_lock(hashtextextended(?, 0))", kMigration)
+      Run("SELECT pg_advisory_xact_lock(hashtextextended(?, 0))", {kTablesLock})
           .status());
   MLE_ASSIGN_OR_RETURN(
-      const std::string there,
-      Ask("SELECT to_regclass('mle_watch.version') IS NOT NULL", ""));
-  if (there != "t") return 0;
-  MLE_ASSIGN_OR_RETURN(const auto select,
-                       Prepare("SELECT number FROM version"));
-  MLE_ASSIGN_OR_RETURN(const bool row, select->Next());
-  return row ? select->Integer(0) : 0;
+      const bool there,
+      IsTrue("SELECT to_regclass(?) IS NOT NULL", "mle_watch.version"));
+  if (!there) return 0;
+  MLE_ASSIGN_OR_RETURN(const Rows rows, Run("SELECT number FROM version", {}));
+  return rows.empty() ? 0 : rows.front().Integer(0);
 }
 
 absl::Status PostgresqlDatabase::SetVersion(int version) {
@@ -236,24 +215,24 @@ absl::Status PostgresqlDatabase::SetVersion(int version) {
 // over all controllers has it alone. Kept until the connection ends, also by a
 // kill.
 absl::Status PostgresqlDatabase::Claim(const std::string& part) {
-  const char* const whole =
-      part.empty()
-          ? "SELECT pg_try_advisory_lock(hashtextextended(?, 0))"
-          : "SELECT pg_try_advisory_lock_shared(hashtextextended(?, 0))";
-  MLE_ASSIGN_OR_RETURN(std::string taken, Ask(whole, kWhole));
-  if (taken == "t" && !part.empty()) {
-    MLE_ASSIGN_OR_RETURN(
-        taken, Ask("SELECT pg_try_advisory_lock(hashtextextended(?, 0))",
-                   absl::StrCat(kWhole, " ", part)));
+  const std::string alone =
+      "SELECT pg_try_advisory_lock(hashtextextended(?, 0))";
+  const std::string shared =
+      "SELECT pg_try_advisory_lock_shared(hashtextextended(?, 0))";
+  MLE_ASSIGN_OR_RETURN(bool taken,
+                       IsTrue(part.empty() ? alone : shared, kRunLock));
+  if (taken && !part.empty()) {
+    MLE_ASSIGN_OR_RETURN(taken,
+                         IsTrue(alone, absl::StrCat(kRunLock, " ", part)));
   }
-  if (taken == "t") return absl::OkStatus();
+  if (taken) return absl::OkStatus();
   return absl::UnavailableError(
       "--state: another run is at work with this state");
 }
 
 }  // namespace
 
-absl::StatusOr<std::unique_ptr<DatabaseBackend>> OpenPostgresqlState(
+absl::StatusOr<std::unique_ptr<Database>> OpenPostgresqlState(
     const std::string& uri) {
   MLE_ASSIGN_OR_RETURN(const DatabaseName name, ParseDatabaseName(uri));
   if (name.kind != DatabaseKind::kPostgresql) {
@@ -272,10 +251,9 @@ absl::StatusOr<std::unique_ptr<DatabaseBackend>> OpenPostgresqlState(
   PQsetNoticeProcessor(
       database->connection(), [](void*, const char*) {}, nullptr);
   MLE_ASSIGN_OR_RETURN(
-      const auto schema,
-      database->Prepare("SELECT to_regnamespace('mle_watch') IS NOT NULL"));
-  MLE_RETURN_IF_ERROR(schema->Next().status());
-  if (schema->Text(0) != "t") {
+      const Rows schema,
+      database->Run("SELECT to_regnamespace('mle_watch') IS NOT NULL", {}));
+  if (schema.at(0).Text(0) != "t") {
     MLE_RETURN_IF_ERROR(
         database->Execute("CREATE SCHEMA IF NOT EXISTS mle_watch"));
   }

@@ -63,8 +63,8 @@ void SetState(Request& request) {
 // Address of the server.
 absl::Status CompleteServer(Request& request) {
   if (request.serve.empty()) return absl::OkStatus();
-  if (!request.shard.is_everything()) {
-    return absl::InvalidArgumentError("--serve and --shard exclude each other");
+  if (!request.part.is_everything()) {
+    return absl::InvalidArgumentError("--serve and --part exclude each other");
   }
   absl::StatusOr<serve::ServerOptions> address =
       serve::ParseAddress(request.serve);
@@ -93,10 +93,10 @@ void AddOptions(Request& request, OptionTable& table) {
        {"propose", &request.propose,
         "Runs a correction where a model has aged, as mle_correct does, and "
         "keeps its results below --out."},
-       {"shard", &request.shard_text,
+       {"part", PartOfWork(&request.part),
         "Part of the controllers that this run looks at, such as 3/16: the "
-        "third of 16, told by their names. Its pages are in shards/3-of-16 "
-        "below --out. With a state in PostgreSQL a run without --shard makes "
+        "third of 16, told by their names. Its pages are in parts/3-of-16 "
+        "below --out. With a state in PostgreSQL a run without --part makes "
         "the pages of all and hands on alarms. Empty: all."},
        {"update", &request.update,
         "Looks at records; if not, pages and alarms are of what is in the "
@@ -128,16 +128,10 @@ absl::Status Complete(Request& request) {
   if (!controllers.ok())
     return AboutOption("controllers", controllers.status());
   request.controllers = *std::move(controllers);
-  absl::StatusOr<Shard> shard = ParseShard(request.shard_text);
-  if (!shard.ok()) return AboutOption("shard", shard.status());
-  request.shard = *std::move(shard);
-  if (!request.shard.is_everything()) {
-    std::erase_if(request.controllers,
-                  [&request](const Controller& controller) {
-                    return !request.shard.Has(controller.name);
-                  });
-    absl::StrAppend(&request.out, "/shards/", request.shard.Name());
-  }
+  std::erase_if(request.controllers, [&request](const Controller& controller) {
+    return !request.part.Has(controller.name);
+  });
+  request.out = request.part.FolderBelow(request.out);
   SetState(request);
   MLE_RETURN_IF_ERROR(CompleteServer(request));
   const char* const webhook = std::getenv(kWebhookVariable);

@@ -8,9 +8,9 @@
 
 #include "absl/status/status.h"
 #include "apps/common/option_table.h"
+#include "apps/common/part.h"
 #include "apps/serve/server.h"
 #include "apps/watch/alarms.h"
-#include "apps/watch/shard.h"
 #include "apps/watch/watch_file.h"
 
 namespace mle::watch {
@@ -26,7 +26,7 @@ struct Request {
   AlarmTargets alarms;
   bool propose = true;
   bool update = true;  // false: pages and alarms of what is in the state
-  std::string shard_text;
+  Part part;           // of the controllers
   int threads = 0;
 
   // A server in place of a run.
@@ -39,8 +39,7 @@ struct Request {
   std::string acknowledged_by;
   std::string note;
 
-  Shard shard;
-  std::vector<Controller> controllers;  // of the shard
+  std::vector<Controller> controllers;  // of the part
   serve::ServerOptions address;         // from `serve`
 };
 

@@ -125,7 +125,7 @@ absl::StatusOr<RunSummary> RunWatches(const Request& request) {
   MLE_ASSIGN_OR_RETURN(const std::optional<FolderLock> state_lock,
                        LockState(request));
   MLE_ASSIGN_OR_RETURN(State state, State::Open(request.state));
-  MLE_RETURN_IF_ERROR(state.Claim(request.shard.text));
+  MLE_RETURN_IF_ERROR(state.Claim(request.part.text));
   Runner runner(request, state);
   const auto count = static_cast<int>(request.controllers.size());
   std::vector<Outcome> outcomes(request.controllers.size());
@@ -135,7 +135,7 @@ absl::StatusOr<RunSummary> RunWatches(const Request& request) {
   // Of a state that is shared the run over all controllers hands on alarms, or
   // two parts would.
   std::vector<std::string> not_taken;
-  if (request.shard.is_everything() || !IsDatabase(request.state)) {
+  if (request.part.is_everything() || !IsDatabase(request.state)) {
     MLE_ASSIGN_OR_RETURN(not_taken, HandOnAlarms(request.alarms, state));
   }
   for (Outcome& outcome : outcomes) {

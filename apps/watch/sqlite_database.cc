@@ -2,8 +2,9 @@
 
 #include <memory>
 #include <string>
-#include <string_view>
 #include <utility>
+#include <variant>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "apps/watch/database.h"
@@ -34,100 +35,97 @@ absl::Status SqliteError(sqlite3* database, int code) {
   }
 }
 
-class SqliteStatement : public StatementBackend {
- public:
-  explicit SqliteStatement(sqlite3_stmt* statement) : statement_(statement) {}
-
-  void Bind(int parameter, std::int64_t value) override {
-    Note(sqlite3_bind_int64(statement_.get(), parameter, value));
+struct Finalise {
+  void operator()(sqlite3_stmt* statement) const {
+    sqlite3_finalize(statement);
   }
-  void Bind(int parameter, double value) override {
-    Note(sqlite3_bind_double(statement_.get(), parameter, value));
-  }
-  void BindText(int parameter, std::string_view value) override {
-    Note(sqlite3_bind_text64(statement_.get(), parameter, value.data(),
-                             value.size(), SQLITE_TRANSIENT, SQLITE_UTF8));
-  }
-  void BindBytes(int parameter, std::string_view value) override {
-    Note(sqlite3_bind_blob64(statement_.get(), parameter, value.data(),
-                             value.size(), SQLITE_TRANSIENT));
-  }
-  absl::StatusOr<bool> Next() override {
-    sqlite3* const database = sqlite3_db_handle(statement_.get());
-    if (bound_ != SQLITE_OK) return SqliteError(database, bound_);
-    const int code = sqlite3_step(statement_.get());
-    if (code == SQLITE_ROW) return true;
-    if (code == SQLITE_DONE) return false;
-    return SqliteError(database, code);
-  }
-  std::int64_t Integer(int column) const override {
-    return sqlite3_column_int64(statement_.get(), column);
-  }
-  double Number(int column) const override {
-    return sqlite3_column_double(statement_.get(), column);
-  }
-  std::string Text(int column) const override {
-    const void* const bytes = sqlite3_column_blob(statement_.get(), column);
-    const int size = sqlite3_column_bytes(statement_.get(), column);
-    return bytes == nullptr ? std::string()
-                            : std::string(static_cast<const char*>(bytes),
-                                          static_cast<std::size_t>(size));
-  }
-  bool IsNull(int column) const override {
-    return sqlite3_column_type(statement_.get(), column) == SQLITE_NULL;
-  }
-  void Reset() override {
-    sqlite3_reset(statement_.get());
-    sqlite3_clear_bindings(statement_.get());
-    bound_ = SQLITE_OK;
-  }
-
- private:
-  struct Finalise {
-    void operator()(sqlite3_stmt* statement) const {
-      sqlite3_finalize(statement);
-    }
-  };
-  void Note(int code) {
-    if (bound_ == SQLITE_OK) bound_ = code;
-  }
-
-  std::unique_ptr<sqlite3_stmt, Finalise> statement_;
-  int bound_ = SQLITE_OK;  // the first error of Bind()
 };
+using Prepared = std::unique_ptr<sqlite3_stmt, Finalise>;
 
-class SqliteDatabase : public DatabaseBackend {
+// Parameters count from 1.
+int Bind(sqlite3_stmt* statement, int parameter, const Value& value) {
+  if (const auto* integer = std::get_if<std::int64_t>(&value)) {
+    return sqlite3_bind_int64(statement, parameter, *integer);
+  }
+  if (const auto* number = std::get_if<double>(&value)) {
+    return sqlite3_bind_double(statement, parameter, *number);
+  }
+  if (const auto* text = std::get_if<std::string>(&value)) {
+    return sqlite3_bind_text64(statement, parameter, text->data(), text->size(),
+                               SQLITE_STATIC, SQLITE_UTF8);
+  }
+  if (const auto* bytes = std::get_if<Bytes>(&value)) {
+    return sqlite3_bind_blob64(statement, parameter, bytes->bytes.data(),
+                               bytes->bytes.size(), SQLITE_STATIC);
+  }
+  return SQLITE_OK;
+}
+
+Value ColumnOf(sqlite3_stmt* statement, int column) {
+  const auto bytes = [&] {
+    const void* const data = sqlite3_column_blob(statement, column);
+    const auto size =
+        static_cast<std::size_t>(sqlite3_column_bytes(statement, column));
+    return data == nullptr ? std::string()
+                           : std::string(static_cast<const char*>(data), size);
+  };
+  switch (sqlite3_column_type(statement, column)) {
+    case SQLITE_INTEGER:
+      return std::int64_t{sqlite3_column_int64(statement, column)};
+    case SQLITE_FLOAT:
+      return sqlite3_column_double(statement, column);
+    case SQLITE_TEXT:
+      return bytes();
+    case SQLITE_BLOB:
+      return Bytes{bytes()};
+    default:
+      return {};
+  }
+}
+
+class SqliteDatabase : public Database {
  public:
   explicit SqliteDatabase(sqlite3* database) : database_(database) {}
 
+  absl::StatusOr<Rows> Run(const std::string& statement,
+                           const std::vector<Value>& values) override {
+    sqlite3_stmt* made = nullptr;
+    int code = sqlite3_prepare_v2(database_.get(), statement.c_str(), -1, &made,
+                                  nullptr);
+    const Prepared prepared(made);
+    for (std::size_t i = 0; i < values.size() && code == SQLITE_OK; ++i) {
+      code = Bind(made, static_cast<int>(i) + 1, values[i]);
+    }
+    Rows rows;
+    while (code == SQLITE_OK || code == SQLITE_ROW) {
+      code = sqlite3_step(made);
+      if (code != SQLITE_ROW) break;
+      std::vector<Value> row;
+      for (int column = 0; column < sqlite3_column_count(made); ++column) {
+        row.push_back(ColumnOf(made, column));
+      }
+      rows.emplace_back(std::move(row));
+    }
+    if (code != SQLITE_DONE) return SqliteError(database_.get(), code);
+    return rows;
+  }
   absl::Status Execute(const std::string& statements) override {
     const int code = sqlite3_exec(database_.get(), statements.c_str(), nullptr,
                                   nullptr, nullptr);
     return code == SQLITE_OK ? absl::OkStatus()
                              : SqliteError(database_.get(), code);
   }
-  absl::StatusOr<std::unique_ptr<StatementBackend>> Prepare(
-      std::string_view statement) override {
-    sqlite3_stmt* prepared = nullptr;
-    const int code = sqlite3_prepare_v2(database_.get(), statement.data(),
-                                        static_cast<int>(statement.size()),
-                                        &prepared, nullptr);
-    if (code != SQLITE_OK) return SqliteError(database_.get(), code);
-    return std::make_unique<SqliteStatement>(prepared);
-  }
   const char* Begin() const override { return "BEGIN IMMEDIATE"; }
   absl::StatusOr<std::int64_t> Version() override {
-    MLE_ASSIGN_OR_RETURN(const auto select, Prepare("PRAGMA user_version"));
-    MLE_RETURN_IF_ERROR(select->Next().status());
-    return select->Integer(0);
+    MLE_ASSIGN_OR_RETURN(const Rows rows, Run("PRAGMA user_version", {}));
+    return rows.at(0).Integer(0);
   }
   // FailedPrecondition where there are tables that are not of a state.
   absl::Status CheckOwner() {
     MLE_ASSIGN_OR_RETURN(const std::int64_t version, Version());
-    MLE_ASSIGN_OR_RETURN(const auto tables,
-                         Prepare("SELECT COUNT(*) FROM sqlite_schema"));
-    MLE_RETURN_IF_ERROR(tables->Next().status());
-    if (version != 0 || tables->Integer(0) == 0) return absl::OkStatus();
+    MLE_ASSIGN_OR_RETURN(const Rows tables,
+                         Run("SELECT COUNT(*) FROM sqlite_schema", {}));
+    if (version != 0 || tables.at(0).Integer(0) == 0) return absl::OkStatus();
     return absl::FailedPreconditionError(absl::StrCat(
         "state: ", sqlite3_db_filename(database_.get(), "main"),
         ": it is an SQLite file of another program; name one that is not there "
@@ -148,7 +146,7 @@ class SqliteDatabase : public DatabaseBackend {
 
 }  // namespace
 
-absl::StatusOr<std::unique_ptr<DatabaseBackend>> OpenSqliteState(
+absl::StatusOr<std::unique_ptr<Database>> OpenSqliteState(
     const std::string& path) {
   sqlite3* opened = nullptr;
   const int code = sqlite3_open_v2(

@@ -3,28 +3,26 @@
 //
 //   watch     a controller from a day on, with one model and one set of options
 //   file      files of records that were read, as they were
-//   days      that were looked at, of 64 days: checksum of their samples, state
-//   scores    of all outputs: scores, information and evidence of a day, or of
+//   day       that was looked at: checksum of its samples, state
+//   score     of an output: score, information and evidence of a day, or of
 //             several that were merged
-//   alarm     raised
+//   alarm     raised; by whom, when and with which note it was acknowledged
 //   delivery  of an alarm through a channel (command, mail, webhook): whether
 //             it has arrived, how often it was tried, what was wrong
-//   acknowledgement  of an alarm: by whom, when, with which note
 //   proposal  corrections that were run
 //
 // A watch is read whole, changed in memory and written back in one transaction:
 // a kill leaves the state of before or after. With it goes a checksum of
 // everything that evidence rests on; a watch that does not fit it is damaged,
 // and neither shown nor carried on. The version of the tables is in
-// user_version, or a table `version`; older ones are brought up to date, newer
-// ones refused.
+// user_version, or a table `version`; a state of another version is refused.
 
 #ifndef APPS_WATCH_STATE_H_
 #define APPS_WATCH_STATE_H_
 
 #include <cstdint>
-#include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -39,7 +37,7 @@
 
 namespace mle::watch {
 
-inline constexpr int kStateVersion = 5;
+inline constexpr int kStateVersion = 6;
 
 struct SeenFile {
   std::int64_t bytes = 0;
@@ -123,8 +121,7 @@ struct Watch {
   std::int64_t id = 0;  // 0: not in the state
   std::string controller;
   std::string basis;  // SHA-256 of model and options
-  // Of all that follows, as it was saved; empty by older programs, and of what
-  // is not in the state.
+  // Of all that follows, as it was saved; empty of what is not in the state.
   std::string checksum;
   // Days since 1970. Days before `begin` belong to an earlier watch; `first` is
   // the first with records, once the reference is made.
@@ -152,17 +149,15 @@ Watch EmptyWatch(const std::string& controller, int outputs);
 class State {
  public:
   // A file, or postgresql://USER@HOST/NAME. Makes the file and the tables if
-  // they do not exist. FailedPrecondition for a state that a later version has
-  // written, Unavailable for a database that cannot be reached.
+  // they do not exist. FailedPrecondition for a state of another version,
+  // Unavailable for a database that cannot be reached.
   static absl::StatusOr<State> Open(const std::string& path);
 
   // In PostgreSQL one run alone may go over all controllers (`part` empty), or
   // one over each part of them; Unavailable where there is one. Ends with the
   // state. For files the lock of their folder does that (LockState() in
   // run.cc).
-  absl::Status Claim(const std::string& part) {
-    return database_.backend().Claim(part);
-  }
+  absl::Status Claim(const std::string& part) { return database_->Claim(part); }
 
   // The last watch of the controller, or a new one with `outputs` outputs.
   // DataLoss where it is damaged.
@@ -186,26 +181,15 @@ class State {
   absl::StatusOr<std::int64_t> Revision();
 
  private:
-  explicit State(Database database) : database_(std::move(database)) {}
+  explicit State(std::unique_ptr<Database> database)
+      : database_(std::move(database)) {}
 
-  // To kStateVersion (state_version.cc).
-  absl::Status BringUpToDate();
-  absl::Status ConvertScores();
-  absl::Status LoadVersion4(Watch& watch);
-  // Gives every row of a query with the watch's id as its parameter to `take`.
-  absl::Status ForEach(
-      std::string_view query, const Watch& watch,
-      const std::function<absl::Status(const Statement&)>& take);
+  absl::Status MakeTables();
   // With all outputs that there are.
   absl::StatusOr<Watch> Read(const std::string& controller);
-  // Of the watch with that id: all but days and scores.
-  absl::Status LoadHead(Watch& watch);
-  absl::Status LoadFiles(Watch& watch);
-  absl::Status LoadDays(Watch& watch);
-  absl::Status LoadScores(Watch& watch);
+  // What belongs to the watch with that id.
+  absl::Status ReadRows(Watch& watch);
   absl::Status LoadAlarms(Watch& watch);
-  absl::Status LoadDeliveries(Watch& watch);
-  absl::Status LoadProposals(Watch& watch);
   absl::Status SaveWatch(Watch& watch);
   absl::Status SaveFiles(const Watch& now, const Watch& before);
   absl::Status SaveDays(const Watch& now, const Watch& before);
@@ -213,8 +197,13 @@ class State {
   absl::Status SaveAlarms(const Watch& now);
   // Of what the tables have now.
   absl::Status SaveChecksum(const Watch& now);
+  // A statement that gives no rows.
+  absl::Status Write(const std::string& statement,
+                     const std::vector<Value>& values) {
+    return database_->Run(statement, values).status();
+  }
 
-  Database database_;
+  std::unique_ptr<Database> database_;
 };
 
 }  // namespace mle::watch

@@ -12,7 +12,6 @@
 #include "apps/common/sha256.h"
 #include "apps/report/number.h"
 #include "apps/watch/change_text.h"
-#include "apps/watch/codec.h"
 #include "apps/watch/days.h"
 #include "apps/watch/source.h"
 #include "mle/base/status.h"
@@ -24,6 +23,12 @@ namespace {
 // been merged.
 constexpr int kLatest = 60;
 constexpr std::size_t kIdLength = 32;
+
+// The state keeps the lower triangle alone.
+void Mirror(Eigen::MatrixXd& information) {
+  const Eigen::MatrixXd whole = information.selfadjointView<Eigen::Lower>();
+  information = whole;
+}
 
 class Update {
  public:
@@ -68,7 +73,6 @@ absl::Status Update::TakeReference(const ModelWatch& model,
     return absl::OkStatus();
   }
   MLE_ASSIGN_OR_RETURN(watch_.reference, model.MakeReference(batches));
-  RoundAsKept(*watch_.reference);
   watch_.sample_time = news.data.records.front().sample_time;
   watch_.begin = watch_.first;
   return absl::OkStatus();
@@ -87,13 +91,13 @@ absl::Status Update::ScoreDay(const ModelWatch& model, const WatchBatch& batch,
     if (stored.erase(number) > 0) changed_.emplace(i, number);
     if (scores.outputs[i].state != BatchState::kUsed) continue;
     BatchOutput& output = scores.outputs[i];
-    ScoredBatch& batch_scores = stored[number].batch;
-    batch_scores = {.number = number,
-                    .length = 1,
-                    .score = std::move(output.score),
-                    .information = std::move(output.information),
-                    .largest = std::move(output.largest)};
-    RoundAsKept(batch_scores);
+    if (output.largest.has_value()) Mirror(output.largest->information);
+    Mirror(output.information);
+    stored[number].batch = {.number = number,
+                            .length = 1,
+                            .score = std::move(output.score),
+                            .information = std::move(output.information),
+                            .largest = std::move(output.largest)};
     changed_.emplace(i, number);
   }
   return absl::OkStatus();
@@ -179,11 +183,8 @@ void Update::CarryOn(const ModelWatch& model, int output, int from) {
     batches.push_back(batch.batch);
     if (number < from) continue;
     batches = MergeOld(batches, number);
-    for (ScoredBatch& block : batches) {
-      if (block.length > 1) RoundAsKept(block);
-    }
-    batch.evidence = AsKept(ConfirmedEvidenceOf(
-        batches, model.LeastChanges(output), controller_.options));
+    batch.evidence = ConfirmedEvidenceOf(batches, model.LeastChanges(output),
+                                         controller_.options);
     RaiseAlarms(model, output, number, batch.evidence, batches);
   }
   std::map<int, StoredBatch> merged;

@@ -67,15 +67,17 @@ def second_order(trial):
     trial.truth["elements"][place] = plants.with_factor(element, [1.0], [time, 1.0])
 
 
-def scheduled(trial, points):
+def schedule(trial, place, factor, points):
     """A gain that changes while the record is made; true is what holds at its end."""
-    place = some_elements(trial, 1)[0]
     element = trial.truth["elements"][place]
-    factor = gain_factor(trial)
-    trial.schedule.append({"output": element["output"], "input": element["input"],
-                           "gain": [[at * trial.duration(), 1.0 + part * (factor - 1.0)]
-                                    for at, part in points]})
-    trial.true_gain = (place, factor)
+    gains = [[at * trial.duration(), 1.0 + part * (factor - 1.0)] for at, part in points]
+    trial.schedule.append({"output": element["output"], "input": element["input"], "gain": gains})
+    trial.true_gains[place] = gains[-1][1]
+
+
+def scheduled(trial, points):
+    place = some_elements(trial, 1)[0]
+    schedule(trial, place, gain_factor(trial), points)
 
 
 def step_in_record(trial):

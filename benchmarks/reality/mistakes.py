@@ -124,9 +124,14 @@ MISTAKES = {
 
 def make(name, trial, model_file, record_file):
     """Spoils the files."""
+    spoil([MISTAKES[name]], trial, model_file, record_file)
+
+
+def spoil(changes, trial, model_file, record_file):
     with record_file.open(newline="") as file:
         case = Case(trial, json.loads(model_file.read_text()), list(csv.reader(file)))
-    MISTAKES[name](case)
+    for change in changes:
+        change(case)
     model_file.write_text(json.dumps(case.model))
     with record_file.open("w", newline="") as file:
         csv.writer(file).writerows(case.rows())

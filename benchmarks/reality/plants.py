@@ -23,6 +23,9 @@ class Plant:
     noise: float = 0.03  # standard deviation, in steps of the set points
     simulated: str = None  # --plant, where it is no process model
 
+    def disturbances(self):
+        return disturbances(self.read())
+
     def read(self):
         return json.loads((ROOT / self.model).read_text())
 
@@ -48,6 +51,10 @@ PLANTS = {
     "ogunnaike_ray": Plant("benchmarks/plants/ogunnaike_ray.json", (0.5, 0.5, 10), 150, 0.5, 1, 40),
     "reactor": Plant("configs/van_de_vusse.json", (0.02, 1), 1, 0.01, 0.02, 40,
                      simulated="van_de_vusse"),
+    "stripper": Plant("benchmarks/plants/stripper.json", (1, 1), 90, 0.3, 0.6, 40),
+    "fired_heater": Plant("benchmarks/plants/fired_heater.json", (2, 0.5), 80, 0.25, 0.5, 40),
+    "mixing_tank": Plant("benchmarks/plants/mixing_tank.json", (1, 1), 300, 1, 2, 40),
+    "dryer": Plant("configs/dryer.json", (1, 5), 600, 4, 8, 40),
 }
 
 # Thresholds may be chosen on the first; the second is for reports.
@@ -55,6 +62,8 @@ SETS = {
     "tuning": (("wood_berry", "two_by_two", "three_by_three"), 1),
     "reporting": (("vinante_luyben", "splitter", "wardle_wood", "ogunnaike_ray"), 1001),
 }
+# The adversary has these beside them.
+ADVERSARY = {"tuning": ("stripper", "fired_heater"), "reporting": ("mixing_tank", "dryer")}
 
 
 def static_gain(element):
@@ -90,13 +99,25 @@ def solve(matrix, right):
     return result
 
 
+def disturbances(model):
+    """The names of the inputs that are measured and not moved."""
+    return [channel["name"] for channel in model["inputs"] if channel.get("role") == "disturbance"]
+
+
 def input_sizes(model, steps):
-    """How far each input goes at most when one output steps alone."""
+    """How far each input goes at most when one output steps alone; of a disturbance, what makes
+    half a step of the output that answers it most."""
     matrix = gain_matrix(model)
-    sizes = [0.0] * len(matrix[0])
+    moved = [j for j, channel in enumerate(model["inputs"])
+             if channel.get("role") != "disturbance"]
+    sizes = [0.0 if j in moved else
+             0.5 / max(abs(row[j] / step) for row, step in zip(matrix, steps))
+             for j in range(len(matrix[0]))]
+    square = [[row[j] for j in moved] for row in matrix]
     for i, step in enumerate(steps):
         right = [step if r == i else 0.0 for r in range(len(steps))]
-        sizes = [max(size, abs(u)) for size, u in zip(sizes, solve(matrix, right))]
+        for j, u in zip(moved, solve(square, right)):
+            sizes[j] = max(sizes[j], abs(u))
     return sizes
 
 

@@ -2,6 +2,7 @@
 
 import random
 
+import adversary
 import effects
 import plants
 import reactor
@@ -17,13 +18,22 @@ REACTOR = {
 }
 
 
-def names(kind):
+GROUPS = ("routine", "adversary")
+
+
+def names(kind, group="routine"):
+    if group == "adversary":
+        return list(adversary.FAMILIES)
     common = [*EFFECTS, *REACTOR]
     return {"none": common, "aged": [*common, *AGEING]}[kind]
 
 
-def plant_of(name, plant):
-    return "reactor" if name in REACTOR else plant
+def plant_of(name, of_set, i, group="routine"):
+    """The plant of the i-th run of a scenario, on the plants of a set in turn."""
+    of_set_plants, _ = plants.SETS[of_set]
+    if group == "adversary":
+        return adversary.plant_of(name, [*of_set_plants, *plants.ADVERSARY[of_set]], i)
+    return "reactor" if name in REACTOR else of_set_plants[i % len(of_set_plants)]
 
 
 def age_reactor(trial):
@@ -32,10 +42,12 @@ def age_reactor(trial):
     trial.truth = reactor.model(**trial.reactor)
 
 
-def make(plant, kind, name, seed):
+def make(plant, kind, name, seed, group="routine"):
     """The trial of a scenario: kind is `none` or `aged`."""
     trial = Trial(plants.PLANTS[plant], random.Random(f"{kind}/{name}/{plant}/{seed}"))
-    if name in REACTOR:
+    if group == "adversary":
+        adversary.make(trial, kind, name)
+    elif name in REACTOR:
         REACTOR[name](trial)
         if kind == "aged":
             age_reactor(trial)

@@ -2,6 +2,7 @@
 
 import statistics
 
+import adversary
 import effects
 
 HARM = 0.02  # of a step response's norm, where nothing has aged
@@ -29,6 +30,13 @@ def is_harmful(row):
     return row["E_after"] > row["E_before"]
 
 
+def effect(kind, before, after):
+    """E before and after; where nothing has aged the largest after, as the others are zero."""
+    if kind == "none" and before == 0.0 and statistics.median(after) == 0.0:
+        return number(max(after))
+    return f"{number(before)} → {number(statistics.median(after))} ({number(max(after))})"
+
+
 def scenario_cells(kind, rows):
     counts = decisions(rows)
     judged = [row for row in rows if row.get("E_after") is not None]
@@ -37,10 +45,9 @@ def scenario_cells(kind, rows):
     after = [left(row) for row in judged]
     cells = [str(counts["no_change"]), str(counts["corrected"]),
              str(counts["cannot_tell"] + counts["no_answer"]),
-             f"{number(before)} → {number(statistics.median(after))} ({number(max(after))})"
-             if judged else "–",
+             effect(kind, before, after) if judged else "–",
              share(sum(row["inside"] for row in corrected),
-                   sum(row["intervals"] for row in corrected)),
+                   sum(row["intervals"] for row in corrected)).removesuffix(" %"),
              str(sum(map(is_harmful, rows)))]
     if kind == "aged":
         cells.append(str(sum(GAIN * left(row) <= row["E_before"] for row in judged)))
@@ -48,17 +55,25 @@ def scenario_cells(kind, rows):
 
 
 def scenario_table(kind, rows):
+    """A row for each scenario, after those in one sentence of which all runs are no change."""
     fell = [f"E down {GAIN:.0f}-fold"] if kind == "aged" else []
-    header = ["scenario", "runs", "no change", "corrected", "cannot tell",
-              "E before → after, median (largest)", "coverage", "harm", *fell]
-    lines = ["| " + " | ".join(header) + " |", "|---" + "|--:" * (len(header) - 1) + "|"]
+    header = ["scenario", "no change", "corrected", "cannot tell",
+              "largest E" if kind == "none" else "E before → after (largest)",
+              "coverage, %", "harm", *fell]
     names = list(dict.fromkeys(row["scenario"] for row in rows))
+    of = {name: [row for row in rows if row["scenario"] == name] for name in names}
+    quiet = [name for name in names if kind == "none"
+             and all(row["decision"] == "no_change" for row in of[name])]
+    counts = sorted({len(of[name]) for name in names})
+    runs = f"{counts[0]} to {counts[-1]}" if counts[1:] else f"{counts[0]}"
+    lines = [f"{runs} runs of each scenario; medians of E, and the largest.", ""]
+    if quiet:
+        lines += [f"No change in all runs: {'; '.join(quiet)}. The others:", ""]
+    lines += ["| " + " | ".join(header) + " |", "|---" + "|--:" * (len(header) - 1) + "|"]
     for name in names:
-        of_name = [row for row in rows if row["scenario"] == name]
-        lines.append("| " + " | ".join([name, str(len(of_name)),
-                                        *scenario_cells(kind, of_name)]) + " |")
-    lines.append("| " + " | ".join(["**all**", str(len(rows)),
-                                    *scenario_cells(kind, rows)]) + " |")
+        if name not in quiet:
+            lines.append("| " + " | ".join([name, *scenario_cells(kind, of[name])]) + " |")
+    lines.append("| " + " | ".join(["**all**", *scenario_cells(kind, rows)]) + " |")
     return lines
 
 
@@ -148,6 +163,68 @@ def goals(rows):
     return lines
 
 
+def reasons_judged(rows):
+    """Of the answers that need a reason beside ageing, whether it is true."""
+    return [row["reason_true"] for row in rows
+            if row.get("reason_true") is not None and adversary.gives_reasons(row)]
+
+
+def adversary_goals(rows):
+    """What is asked for of the adversary's scenarios."""
+    none = [row for row in rows if row["kind"] == "none"]
+    aged = [row for row in rows if row["kind"] == "aged"]
+    linear = [row for row in aged if adversary.FAMILIES[row["scenario"]].linear]
+    wrong = {kind: sum(map(is_harmful, of_kind)) for kind, of_kind in
+             (("none", none), ("aged", aged))}
+    named = [row.get("named") for row in aged]
+    answers = reasons_judged(rows)
+
+    def line(what, part, whole, goal):
+        return f"| {what} | {part} of {whole} | {share(part, whole)} | {goal} |"
+
+    def down(of_kind):
+        return sum(GAIN * left(row) <= row["E_before"] for row in of_kind if row.get("E_before"))
+    return ["| | runs | found | asked for |", "|---|--:|--:|--:|",
+            line("nothing aged: responses changed by more than 2 %, or further from the truth",
+                 wrong["none"], len(none), "≤ 2 %"),
+            line("aged: E larger than before", wrong["aged"], len(aged), "≤ 2 %"),
+            line(f"aged: E down {GAIN:.0f}-fold", down(aged), len(aged), "–"),
+            line("the same, linear families", down(linear), len(linear), "≥ 85 %"),
+            *(line(f"aged: the aged element {how}", named.count(how), len(aged), goal)
+              for how, goal in (("named exactly", "≥ 75 %"), ("named with others", "–"),
+                                ("not named, another is", "–"), ("missed", "–"))),
+            line("reason true, where something else than ageing is told or nothing can be",
+                 sum(answers), len(answers), "≥ 85 %")]
+
+
+def told(rows):
+    """What was told of scenarios, most often first."""
+    codes = [one["explanation"] for row in rows for one in row.get("told") or []]
+    return ", ".join(f"{code} {codes.count(code)}"
+                     for code in sorted(set(codes), key=codes.count, reverse=True)) or "–"
+
+
+def adversary_table(rows):
+    lines = ["| scenario | kind | runs | no change | corrected | cannot tell | harm | E down | "
+             "named exactly | reason true | told |", "|---|---|" + "--:|" * 8 + "---|"]
+    for name in dict.fromkeys(row["scenario"] for row in rows):
+        for kind in ("none", "aged"):
+            of_name = [row for row in rows if (row["scenario"], row["kind"]) == (name, kind)]
+            if not of_name:
+                continue
+            counts = decisions(of_name)
+            down = sum(GAIN * left(row) <= row["E_before"] for row in of_name
+                       if row.get("E_before"))
+            exactly = sum(row.get("named") == "named exactly" for row in of_name)
+            answers = reasons_judged(of_name)
+            cells = [name, kind, len(of_name), counts["no_change"], counts["corrected"],
+                     counts["cannot_tell"] + counts["no_answer"], sum(map(is_harmful, of_name)),
+                     down if kind == "aged" else "–", exactly if kind == "aged" else "–",
+                     f"{sum(answers)} of {len(answers)}" if answers else "–", told(of_name)]
+            lines.append("| " + " | ".join(map(str, cells)) + " |")
+    return lines
+
+
 TITLES = {
     "none": "Nothing aged",
     "aged": "Something aged",
@@ -160,6 +237,10 @@ def markdown(arguments, rows):
     seconds = [row["seconds"] for row in rows if "seconds" in row]
     parts = [f"Set `{arguments.set}`, {arguments.seeds} seeds; a decision takes, of one core, "
              f"{statistics.median(seconds):.2g} s (median), {max(seconds):.2g} s at most.\n"]
+    if arguments.group == "adversary":
+        parts += ["\n".join(adversary_goals(rows)) + "\n",
+                  "\n".join(adversary_table(rows)) + "\n"]
+        return "\n".join(parts)
     if any(row["kind"] in ("none", "aged") for row in rows):
         parts.append("\n".join(goals(rows)) + "\n")
     for kind, title in TITLES.items():

@@ -24,14 +24,20 @@ class Trial:
     set_points: list = None  # instead of rounds
     length: float = None  # of the run, instead of what the steps need
     sensor_lag: tuple = None  # (output, time constant)
-    true_gain: tuple = None  # (element, factor) at the end of a schedule
+    true_gains: dict = dataclasses.field(default_factory=dict)  # factors at the end, by element
     reactor: dict = None  # how the reactor has aged
+    spoil: list = dataclasses.field(default_factory=list)  # changes of a mistakes.Case, in turn
+    codes: tuple = ()  # of the explanations that are true, beside ageing
+    where: str = None  # the channel of which they are true
+    aged: dict = None  # the only parameter that has aged
 
     def __post_init__(self):
         self.model = self.plant.read()
         self.truth = copy.deepcopy(self.model)
         self.flags = self.plant.flags()
         self.inputs = [channel["name"] for channel in self.model["inputs"]]
+        self.disturbances = plants.disturbances(self.model)
+        self.moved = [name for name in self.inputs if name not in self.disturbances]
         self.outputs = [channel["name"] for channel in self.model["outputs"]]
         self.sizes = dict(zip(self.inputs, plants.input_sizes(self.model, self.plant.steps)))
         self.steps = dict(zip(self.outputs, (abs(step) for step in self.plant.steps)))
@@ -54,6 +60,9 @@ class Trial:
 
     def any_input(self):
         return self.random.choice(self.inputs)
+
+    def any_moved(self):
+        return self.random.choice(self.moved)
 
     def changes(self):
         """(output, time, value) of the set points' steps, and the length of the run."""
@@ -91,8 +100,7 @@ class Trial:
         """What the controller's model would have to be at the end of the record: the plant, with
         the lag of its sensor."""
         truth = copy.deepcopy(self.truth)
-        if self.true_gain is not None:
-            place, factor = self.true_gain
+        for place, factor in self.true_gains.items():
             truth["elements"][place] = plants.aged(truth["elements"][place], gain=factor)
         if self.sensor_lag is not None:
             truth["elements"] = plants.lagged(truth["elements"], *self.sensor_lag)

@@ -5,15 +5,18 @@ import dataclasses
 import json
 import os
 import pathlib
+import shutil
 import subprocess
 import tempfile
 
+import adversary
 import hardware
 import mistakes
 import scenarios
 
 COLUMNS = ["kind", "scenario", "plant", "seed", "decision", "exit_code", "E_before", "E_after",
-           "largest_change", "inside", "intervals", "worst_fall", "seconds", "reason"]
+           "largest_change", "inside", "intervals", "worst_fall", "seconds", "codes", "aged",
+           "named", "told", "reason_true", "reason"]
 
 
 class Failed(RuntimeError):
@@ -138,14 +141,32 @@ def run(arguments, kind, name, plant, seed):
 def run_scenario(arguments, kind, name, plant, seed, scratch):
     # A loop that is unstable makes no record: the ageing or the effect is drawn again.
     for attempt in range(10):
-        trial = scenarios.make(plant, kind, name, seed + 100000 * attempt)
+        trial = scenarios.make(plant, kind, name, seed + 100000 * attempt, arguments.group)
         if simulate(arguments.apps, trial, seed, scratch):
             break
     else:
         return {"decision": "unstable"}
-    figures, _ = correct(arguments, scratch, scratch / "model.json", scratch / "record.csv",
-                         scratch / "truth.json", list(flags_of(trial.correct)))
+    if trial.spoil:
+        mistakes.spoil(trial.spoil, trial, scratch / "model.json", scratch / "record.csv")
+    if arguments.keep:
+        keep(arguments.keep / arguments.set / name.replace(" ", "_") / kind / str(seed), scratch,
+             trial)
+    figures, result = correct(arguments, scratch, scratch / "model.json", scratch / "record.csv",
+                              scratch / "truth.json", list(flags_of(trial.correct)))
+    if arguments.group == "adversary":
+        figures.update(adversary.judged(trial, result))
     return figures
+
+
+def keep(folder, scratch, trial):
+    """Model, plant, record and what is true of them."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for name in ("model.json", "plant.json", "truth.json", "effects.json", "ageing.json",
+                 "record.csv"):
+        shutil.copy(scratch / name, folder / name)
+    (folder / "trial.json").write_text(json.dumps({
+        "plant": trial.plant.model, "codes": trial.codes, "where": trial.where,
+        "aged": trial.aged, "steps": trial.steps, "time_constant": trial.time_constant}))
 
 
 def run_mistake(arguments, name, plant, seed, scratch):

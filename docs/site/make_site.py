@@ -191,7 +191,7 @@ def read_menu(pages):
             if path in pages:
                 entries.append((title, pages[path].target))
         menu.append((group, entries))
-    menu[[group for group, _ in menu].index("Reference")][1].append(
+    menu[[group for group, _ in menu].index("Developer")][1].append(
         ("API", "api/index.html"))
     faults.extend(f"{INDEX}: does not name {path}" for path in sorted(set(pages) - listed))
 

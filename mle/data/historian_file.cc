@@ -68,11 +68,12 @@ std::vector<std::vector<std::string>> FirstRows(const CsvHead& head,
   rows.set_separator(separator);
   std::vector<std::string_view> fields;
   while (first.size() < kRows && rows.Next(fields)) {
-    std::vector<std::string>& row = first.emplace_back();
+    std::vector<std::string> row;
     for (const std::string_view field : fields) {
-      row.emplace_back(first.size() == 1 && row.empty() ? WithoutHash(field)
-                                                        : TrimCsvField(field));
+      row.emplace_back(first.empty() && row.empty() ? WithoutHash(field)
+                                                    : TrimCsvField(field));
     }
+    first.push_back(std::move(row));
   }
   if (first.size() > 1 && first.size() < kRows && !head.is_whole) {
     first.pop_back();

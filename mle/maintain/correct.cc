@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -13,6 +14,7 @@
 #include "mle/exchange/model_file.h"
 #include "mle/maintain/certificates.h"
 #include "mle/maintain/evidence.h"
+#include "mle/maintain/explained.h"
 #include "mle/maintain/outlier_search.h"
 #include "mle/maintain/unfitted.h"
 #include "mle/maintain/usual_rest.h"
@@ -27,8 +29,6 @@ constexpr double kMostResponseSamples = 1e6;
 // or are shorter than half of it.
 constexpr double kMostShownSamples = 1e4;
 constexpr double kMostRecords = 2.0;
-// Beyond, all additions to all elements take longer than the correction.
-constexpr int kMostInputsOfRivals = 6;
 // Of Δt: the smallest time constant of fopdt_model, that of a jump.
 constexpr double kTimeFloor = 1e-3;
 
@@ -92,40 +92,26 @@ absl::StatusOr<std::vector<WindowAgreement>> AgreementOf(
   return agreement;
 }
 
-// Of inputs that some change is proposed of, by what is proposed.
-absl::StatusOr<std::vector<LevelDependence>> LevelDependenceOf(
-    const CorrectionResult& result, const std::vector<Record>& windows) {
-  const Estimate& estimate = result.estimate;
-  if (!ProposesAny(estimate) || estimate.fit.arx.has_value()) {
-    return std::vector<LevelDependence>(result.initial.num_inputs());
+// What explains the records; nothing where they forbid a correction.
+absl::StatusOr<std::optional<Competition>> Compete(
+    const std::vector<Record>& stretches, CorrectionResult& result) {
+  if (!result.options.examine || !result.data.obstacles.empty() ||
+      result.options.estimation.estimator == Estimator::kArx) {
+    return std::optional<Competition>();
   }
-  return TestLevelDependence(
-      result.proposed.model, JoinAdjoining(windows).records,
-      estimate.fit.output_error.aged, estimate.setting.options.output_error,
-      estimate.fit.output_error.corrected.noise);
-}
-
-// Of the outputs of which gains, time constants and dead times are proposed.
-absl::StatusOr<std::vector<RivalShape>> RivalShapesOf(
-    const CorrectionResult& result, const std::vector<Record>& windows) {
-  const Estimate& estimate = result.estimate;
-  const int p = result.initial.num_outputs();
-  std::vector<bool> outputs(p);
-  for (int i = 0; i < p; ++i) {
-    outputs[i] = ProposesChange(estimate, i) && !ProposesShape(estimate, i) &&
-                 !ProposesByArx(estimate, i);
-  }
-  if (std::find(outputs.begin(), outputs.end(), true) == outputs.end() ||
-      result.initial.num_inputs() > kMostInputsOfRivals) {
-    return std::vector<RivalShape>(p);
-  }
-  return FindRivalShapes(result.initial, windows,
-                         estimate.fit.output_error.corrected,
-                         estimate.setting.options.output_error, outputs);
+  const Stage stage(result.options.progress, "comparing explanations");
+  MLE_RETURN_IF_ERROR(stage.status());
+  ExplainOptions options = result.options.explain;
+  options.threads = result.options.threads;
+  MLE_ASSIGN_OR_RETURN(Competition competition,
+                       Competition::Run(result.initial, stretches, options));
+  result.explanations = competition.outputs();
+  return std::optional<Competition>(std::move(competition));
 }
 
 absl::Status DecideByEvidence(const std::vector<Record>& windows, int order,
                               const std::vector<bool>& unexplained,
+                              const Competition* competition,
                               CorrectionResult& result) {
   const CorrectOptions& options = result.options;
   MLE_ASSIGN_OR_RETURN(
@@ -135,11 +121,8 @@ absl::Status DecideByEvidence(const std::vector<Record>& windows, int order,
                         options.progress));
   if (options.examine && result.data.obstacles.empty()) {
     MLE_ASSIGN_OR_RETURN(result.agreement, AgreementOf(result, windows));
-    MLE_ASSIGN_OR_RETURN(result.level_dependence,
-                         LevelDependenceOf(result, windows));
-    MLE_ASSIGN_OR_RETURN(result.rival_shapes, RivalShapesOf(result, windows));
   }
-  const Evidence evidence = GatherEvidence(result, unexplained);
+  const Evidence evidence = GatherEvidence(result, unexplained, competition);
   Verdict verdict = Decide(evidence, options.decision);
   result.decision = verdict.decision;
   result.reasons = std::move(verdict.reasons);
@@ -150,10 +133,13 @@ absl::Status DecideByEvidence(const std::vector<Record>& windows, int order,
 // Leaves of the proposal what is accepted; of a proposal that is not accepted
 // at all, the whole, to be shown.
 absl::Status TakeAccepted(const std::vector<Record>& windows,
+                          const Competition* competition,
                           CorrectionResult& result) {
   if (!result.accepted()) return absl::OkStatus();
   for (int i = 0; i < result.initial.num_outputs(); ++i) {
-    if (result.accepted_outputs[i] == Acceptance::kNothing) {
+    if (result.accepted_outputs[i] == Acceptance::kExplained) {
+      TakeExplained(*competition, i, result);
+    } else if (result.accepted_outputs[i] == Acceptance::kNothing) {
       KeepInitialOutput(i, result.estimate);
     } else if (result.accepted_outputs[i] == Acceptance::kParametric) {
       KeepParametricOutput(i, result.estimate);
@@ -232,6 +218,7 @@ absl::Status EstimateFromWindows(CorrectionResult& result) {
   const std::vector<Record> windows = result.data.Records();
   MLE_ASSIGN_OR_RETURN(RestParts rest,
                        DivideRest(result.initial, result.data.AtRest()));
+  result.data.operated_as_usual = rest.left_out.empty();
   for (const auto& [from, to] : rest.left_out) {
     result.data.notes.push_back(
         {MessageCode::kUnmeasured,
@@ -279,6 +266,7 @@ absl::Status CorrectOptions::Validate() const {
   MLE_RETURN_IF_ERROR(records.Validate());
   MLE_RETURN_IF_ERROR(estimation.Validate());
   MLE_RETURN_IF_ERROR(hold_out.Validate());
+  MLE_RETURN_IF_ERROR(explain.Validate());
   MLE_RETURN_IF_ERROR(decision.Validate());
   if (!(response_horizon >= 0.0) || !std::isfinite(response_horizon)) {
     return OptionError(
@@ -361,8 +349,19 @@ absl::StatusOr<CorrectionResult> CorrectFromData(
   MLE_RETURN_IF_ERROR(WithdrawProposals(samples, result));
   const int order = estimation.conversion.OrderFor(model, sample_time);
   MLE_RETURN_IF_ERROR(ExamineInitial(windows, order, result));
-  MLE_RETURN_IF_ERROR(DecideByEvidence(windows, order, unexplained, result));
-  MLE_RETURN_IF_ERROR(TakeAccepted(windows, result));
+  // Whole records have more placebos than their windows; a shutdown between
+  // these is nothing to be explained.
+  const bool whole =
+      result.data.operated_as_usual && !result.data.records.empty();
+  const std::vector<Record> stretches =
+      whole ? result.data.records : JoinAdjoining(windows).records;
+  MLE_ASSIGN_OR_RETURN(const std::optional<Competition> competition,
+                       Compete(stretches, result));
+  const Competition* const judge =
+      competition.has_value() ? &*competition : nullptr;
+  MLE_RETURN_IF_ERROR(
+      DecideByEvidence(windows, order, unexplained, judge, result));
+  MLE_RETURN_IF_ERROR(TakeAccepted(windows, judge, result));
   const Stage making(options.progress, "making the corrected model");
   MLE_RETURN_IF_ERROR(making.status());
   MLE_RETURN_IF_ERROR(MakeModels(samples, result));

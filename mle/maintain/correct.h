@@ -23,6 +23,7 @@
 #include "absl/status/statusor.h"
 #include "mle/correction/pair_information.h"
 #include "mle/data/record.h"
+#include "mle/explain/competition.h"
 #include "mle/maintain/corrected_model.h"
 #include "mle/maintain/decision.h"
 #include "mle/maintain/estimation.h"
@@ -33,12 +34,10 @@
 #include "mle/maintain/progress.h"
 #include "mle/maintain/records.h"
 #include "mle/maintain/residual_diagnostics.h"
-#include "mle/maintain/shared_changes.h"
 #include "mle/maintain/state_space_form.h"
 #include "mle/maintain/window_agreement.h"
 #include "mle/model/process_model.h"
 #include "mle/model/step_response.h"
-#include "mle/nonlinear/level_dependence.h"
 #include "mle/nonlinear/posterior_correction.h"
 
 namespace mle {
@@ -47,6 +46,7 @@ struct CorrectOptions {
   RecordOptions records;
   EstimationOptions estimation;
   HoldOutOptions hold_out;
+  ExplainOptions explain;
   DecisionOptions decision;
   // NΔt of the step responses, ≥ 0 in the model's time unit; 0: the model's
   // settling time, or twice the records. From 5 to 1,000,000 samples.
@@ -94,26 +94,19 @@ struct CorrectionResult {
   // Test of no change, estimates with covariances, noise, certificates; of what
   // was proposed, what is taken.
   Estimate estimate;
+  // p: what explains the records, by what set points drive of them; outputs
+  // without a judge say why. Empty without CorrectOptions::examine, and where
+  // the data forbid a correction.
+  std::vector<OutputExplanation> explanations;
   // What the windows can tell about each pair, by the model's own values and
   // the noise found.
   PairInformation information;
   // p: whether windows want the same gains of the elements of what is proposed;
   // of ΔR nothing is said. Empty without CorrectOptions::examine.
   std::vector<WindowAgreement> agreement;
-  // Changes of dead time that a clock may have made (shared_changes.h), no
-  // longer than decision.clock_error; p: what of an output was taken back for
-  // it, in words, or empty.
-  std::vector<SharedDelay> shared_delays;
   // What is proposed by gains, time constants and dead times, with them; it
   // stays here whatever of it is taken.
   OutputErrorFit proposed;
-  std::vector<std::string> taken_for_clocks;
-  // m: whether gains follow the level of an input that a change is proposed of.
-  // Empty without CorrectOptions::examine.
-  std::vector<LevelDependence> level_dependence;
-  // p: an element of the output that alone, by another shape, explains as much
-  // as changes of several. Empty without CorrectOptions::examine.
-  std::vector<RivalShape> rival_shapes;
   // Scores of each output at each horizon, where records were held out.
   Validation validation;
   int max_lag = 0;                                  // of the diagnostics

@@ -216,45 +216,107 @@ Message NotBetter(const OutputEvidence& output, double deviations) {
                    "its structure does not fit the plant."));
 }
 
+Message ByInstruments(const OutputEvidence& output) {
+  return Doubt(output, MessageCode::kPredictsBetter,
+               absl::StrCat("On held-out data the correction of ", output.name,
+                            " predicts better: ", output.instruments->errors,
+                            ".", output.instruments->other.empty() ? "" : " ",
+                            output.instruments->other));
+}
+
+OutputVerdict NotTaken(Message reason) {
+  return {Acceptance::kNothing, std::move(reason)};
+}
+
+// By what set points, or other instruments, drive of the residual.
+OutputVerdict DecideByInstruments(const OutputEvidence& output,
+                                  const DecisionOptions& options) {
+  constexpr double kMissing = 3.0;  // E/N
+  const InstrumentEvidence& judge = *output.instruments;
+  const bool holds = output.proposed && judge.confirms_proposal &&
+                     output.scores.has_value() &&
+                     Holds(*output.scores, options.deviations);
+  if (holds) {
+    return {Acceptance::kProposal, Better(output, options.deviations)};
+  }
+  if (judge.ageing) {
+    if (!judge.tie.empty()) {
+      return NotTaken(Doubt(output, MessageCode::kExplained, judge.tie));
+    }
+    if (judge.predicts_better &&
+        (!judge.another_in_use ||
+         (output.scores.has_value() &&
+          Holds(*output.scores, options.deviations)))) {
+      return {Acceptance::kExplained, ByInstruments(output)};
+    }
+    return NotTaken(
+        Doubt(output, MessageCode::kNotBetter,
+              absl::StrCat("On held-out data the correction of ", output.name,
+                           " predicts no better: ", judge.errors,
+                           ". More set-point changes would settle it.")));
+  }
+  if (!judge.other.empty()) {
+    Message other = Doubt(output, judge.code, judge.other);
+    if (judge.code == MessageCode::kClock) other.options = {"clock_error"};
+    return NotTaken(std::move(other));
+  }
+  if (judge.left > kMissing) {
+    return NotTaken(Doubt(
+        output, MessageCode::kMissingExplanation,
+        absl::StrFormat("Set points drive %s otherwise than the model says "
+                        "(%.2g times what disturbances make of it by chance), "
+                        "and no explanation known here accounts for it: a "
+                        "disturbance that comes with set-point changes, or "
+                        "another structure. Single set-point changes in "
+                        "steady operation would settle it.",
+                        output.name, judge.left)));
+  }
+  if (output.proposed && !judge.refutes_proposal) {
+    return NotTaken(Doubt(
+        output, MessageCode::kNotConfirmed,
+        absl::StrCat("A change of ", output.name,
+                     " is proposed, but what set points drive of it does not "
+                     "confirm it: a disturbance that the controller answers "
+                     "looks like this. More set-point changes would settle "
+                     "it.")));
+  }
+  return {};
+}
+
 OutputVerdict DecideOutput(const OutputEvidence& output,
                            const std::string& nothing_held_out,
                            const DecisionOptions& options) {
-  const auto doubt = [](Message reason) {
-    return OutputVerdict{Acceptance::kNothing, std::move(reason)};
-  };
   if (!output.disagreement.empty()) {
-    return doubt(
+    return NotTaken(
         Doubt(output, MessageCode::kWindowsDisagree, output.disagreement));
   }
-  if (output.not_ageing.has_value()) return doubt(*output.not_ageing);
-  if (output.not_linear.has_value()) return doubt(*output.not_linear);
-  if (!output.proposed && !output.shared_delay.empty()) {
-    Message clock = Doubt(output, MessageCode::kClock, output.shared_delay);
-    clock.options = {"clock_error"};
-    return doubt(std::move(clock));
+  if (output.instruments.has_value()) {
+    return DecideByInstruments(output, options);
   }
+  if (output.not_ageing.has_value()) return NotTaken(*output.not_ageing);
+  if (output.not_linear.has_value()) return NotTaken(*output.not_linear);
   if (!output.proposed) {
-    if (output.unexplained) return doubt(Unexplained(output));
-    return output.unnamed ? doubt(Unnamed(output)) : OutputVerdict();
+    if (output.unexplained) return NotTaken(Unexplained(output));
+    return output.unnamed ? NotTaken(Unnamed(output)) : OutputVerdict();
   }
   if (!output.scores.has_value()) {
     return {
         options.require_hold_out ? Acceptance::kNothing : Acceptance::kProposal,
         NotValidated(output, nothing_held_out)};
   }
-  if (!output.doubtful_pair.empty()) return doubt(Untrusted(output));
+  if (!output.doubtful_pair.empty()) return NotTaken(Untrusted(output));
   const double deviations = options.deviations;
   const bool holds = !output.shape_unseen && Holds(*output.scores, deviations);
   if (const std::vector<std::string> worse = WorseWindows(output, deviations);
       holds && !worse.empty()) {
-    return doubt(WorseIn(output, worse));
+    return NotTaken(WorseIn(output, worse));
   }
   if (holds) return {Acceptance::kProposal, Better(output, deviations)};
   if (output.parametric.has_value() && Holds(*output.parametric, deviations)) {
     return {Acceptance::kParametric, BetterByParameters(output)};
   }
-  return doubt(output.shape_unseen ? NotShown(output)
-                                   : NotBetter(output, deviations));
+  return NotTaken(output.shape_unseen ? NotShown(output)
+                                      : NotBetter(output, deviations));
 }
 
 absl::Status CheckField(const char* field, double value, double low,

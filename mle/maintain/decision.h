@@ -2,13 +2,23 @@
 // by output.
 //
 //   evidence about an output                            what is taken of it
+// where set points or other instruments judge it:
+//   the proposal explains as much, and holds            kProposal
+//   ageing wins, and predicts held-out blocks better    kExplained
+//   ageing wins, but predicts no better                 kNothing, doubtful
+//   ageing wins, another explanation does as well       kNothing, doubtful
+//   another explanation wins alone                      kNothing, doubtful
+//   nothing wins, the proposal is not confirmed         kNothing, doubtful
+//   the same, and it would have shown                   kNothing
+//   nothing wins, much is left                          kNothing, doubtful
+//
+// elsewhere:
 //   nothing proposed                                    kNothing
 //   nothing proposed, but inputs explain residuals      kNothing, doubtful
 //   nothing proposed, and what has changed not named    kNothing, doubtful
 //   an input that moves it sticks (`doubts`)            kNothing
 //   windows want different gains                        kNothing, doubtful
-//   gains follow the level of an input                  kNothing, doubtful
-//   dead times may be a clock, nothing else proposed    kNothing, doubtful
+//   an input sticks by as much as is proposed           kNothing, doubtful
 //   proposed, nothing held out                          kNothing, doubtful
 //   a score falls by more than chance                   kNothing, doubtful
 //   a score of one window does                          kNothing, doubtful
@@ -62,10 +72,10 @@ struct DecisionOptions {
   // A correction that no data could be held out from is doubtful. If not, it is
   // taken as it is.
   bool require_hold_out = true;
-  // By how much the time stamps of a tag may be late or early, in s, ≥ 0. A
-  // change of dead time that all elements of a row or column share is not told
-  // from it up to this, or up to five samples, as scans and averages make them
-  // late (shared_changes.h). 0: clocks are right.
+  // By how much the time stamps of a tag may be late or early, in s, ≥ 0: a
+  // change of dead time that all elements of a row or column share is a clock's
+  // up to this, or up to five samples, as scans and averages make them late;
+  // beyond, the dead times have changed. 0: clocks are right.
   double clock_error = 120.0;
 
   absl::Status Validate() const;
@@ -75,11 +85,39 @@ enum class Acceptance {
   kNothing,
   kParametric,  // gains, time constants and dead times, no other shape
   kProposal,
+  kExplained,  // gains, time constants and dead times by the instruments
+};
+
+// What the competition of explanations (mle/explain/competition.h) says of an
+// output, where there is a judge.
+struct InstrumentEvidence {
+  // Gains, time constants or dead times won.
+  bool ageing = false;
+  // What else won, or what wins as well, in whole sentences; or empty.
+  std::string other;
+  std::string tie;
+  MessageCode code = MessageCode::kExplained;  // of `other`
+  // The estimate by likelihood explains what set points drive as well as what
+  // won, and names the same elements or decides between those that tie.
+  bool confirms_proposal = false;
+  // What is proposed would have shown in what set points drive, and has not.
+  bool refutes_proposal = false;
+  // On blocks held out: no error of a horizon grew beyond chance, and one fell;
+  // with the errors in words.
+  bool predicts_better = false;
+  // The model in use is not the process model: the scores have to hold, too.
+  bool another_in_use = false;
+  std::string errors;
+  // E/N of what is left.
+  double left = 0.0;
 };
 
 struct OutputEvidence {
   std::string name;
   bool proposed = false;
+  // Where the output has a judge, it decides: nothing below counts but the
+  // scores.
+  std::optional<InstrumentEvidence> instruments;
   // One of Evidence::doubts is about it: nothing else counts.
   bool undecidable = false;
   // Inputs explain a part of the residuals (model_adequacy.h), and nothing was
@@ -95,14 +133,9 @@ struct OutputEvidence {
   // takes several times as long or short, the records do not inform it, or
   // another shape of one element explains as much as changes of several.
   std::optional<Message> not_ageing;
-  // What is not linear between an input and the output, where the change
-  // proposed is no larger than what that makes of it: gains that follow the
-  // input's level (level_dependence.h), or a play that it was passed through
-  // (sticking_inputs.h).
+  // A play that an input was passed through (sticking_inputs.h), where the
+  // change proposed is no larger than what that makes of it.
   std::optional<Message> not_linear;
-  // That elements were taken back whose dead times may be those of a clock
-  // (shared_changes.h); or empty.
-  std::string shared_delay;
   // Nothing where nothing was held out.
   std::optional<OutputScores> scores;
   std::optional<OutputScores> parametric;  // where a shape is proposed

@@ -9,7 +9,7 @@
 
 #include "absl/strings/str_format.h"
 #include "mle/maintain/correct.h"
-#include "mle/maintain/shared_changes.h"
+#include "mle/maintain/explained.h"
 
 namespace mle {
 namespace {
@@ -95,54 +95,6 @@ bool DependsOnInputs(const ResidualReport& residuals) {
                      });
 }
 
-// Of an input all gains of which have changed by one factor, no more than a
-// level that they may follow would make of them; empty for others.
-std::string FactorOfLevels(const CorrectionResult& result, int j) {
-  constexpr double kMostOfValves = 0.5;  // within a record of routine
-  if (result.level_dependence.empty()) return "";
-  const double largest =
-      std::min(result.level_dependence[j].LargestVariation(), kMostOfValves);
-  const std::optional<double> factor =
-      FindSharedGain(result.estimate.fit.output_error.full, j);
-  if (!factor.has_value() ||
-      std::abs(*factor) > largest + result.options.decision.least_change) {
-    return "";
-  }
-  const std::string& input = result.initial.inputs()[j].name;
-  return absl::StrFormat(
-      "All gains of %s are %.2g %% %s, and they may follow its level, over the "
-      "records by up to %.2g %% to both sides: a valve that is not linear does "
-      "both. Records at the level that the model is of, or at more levels, "
-      "would settle it.",
-      input, 100.0 * std::abs(*factor), *factor > 0.0 ? "larger" : "smaller",
-      100.0 * largest);
-}
-
-// Of an input whose level gains follow, and whose proposed change is no larger
-// than that; empty for others.
-std::string FollowedLevel(const CorrectionResult& result, int i, int j) {
-  constexpr double kFalseAlarms = 0.01;
-  constexpr double kLeastVariation = 0.05;
-  if (result.level_dependence.empty()) return "";
-  const LevelDependence& level = result.level_dependence[j];
-  if (level.p_value > kFalseAlarms || level.variation() < kLeastVariation) {
-    return "";
-  }
-  const ParameterEstimate& gain =
-      result.estimate.fit.output_error.corrected.element(i, j).gain;
-  const double change = std::abs(gain.value / gain.initial - 1.0);
-  if (change > level.variation() + result.options.decision.least_change) {
-    return "";
-  }
-  return absl::StrFormat(
-      "The gain of %s follows the level of %s: over the records by %.2g %% "
-      "to both sides (p = %.1g for none), and the change found is hardly "
-      "larger (%.2g %%). The plant, or a valve, is not linear over these "
-      "levels: records near the level that the model is of would settle it.",
-      PairName(result.initial, i, j), result.initial.inputs()[j].name,
-      100.0 * level.variation(), level.p_value, 100.0 * change);
-}
-
 // Of an input that was passed through a play, and whose proposed change is no
 // larger than the play: what a valve that sticks does in another way than the
 // play is of this size. Empty for others.
@@ -177,12 +129,6 @@ std::optional<Message> NotLinear(const CorrectionResult& result, int i) {
   for (int j = 0; j < result.initial.num_inputs(); ++j) {
     if (!result.estimate.fit.output_error.aged(i, j)) continue;
     const std::string& name = result.initial.outputs()[i].name;
-    if (std::string text = FollowedLevel(result, i, j); !text.empty()) {
-      return Message{MessageCode::kFollowsLevel, name, std::move(text), {}};
-    }
-    if (std::string text = FactorOfLevels(result, j); !text.empty()) {
-      return Message{MessageCode::kFollowsLevel, name, std::move(text), {}};
-    }
     if (std::string text = PlayAsLarge(result, i, j); !text.empty()) {
       return Message{MessageCode::kSticking, name, std::move(text), {}};
     }
@@ -264,29 +210,6 @@ std::optional<Message> NotAgeing(const CorrectionResult& result, int i) {
   return std::nullopt;
 }
 
-// Whether one element alone, by another shape, explains as much as the changes
-// of several.
-std::optional<Message> AnotherExplanation(const CorrectionResult& result,
-                                          int i) {
-  // 20 nats: of right changes of two elements nearly all exceed it, of one
-  // element with another shape nearly none do (docs/posterior.md).
-  constexpr double kAsMuch = 40.0;
-  if (result.rival_shapes.empty()) return std::nullopt;
-  const RivalShape& rival = result.rival_shapes[i];
-  if (rival.input < 0 || rival.deviance > kAsMuch) return std::nullopt;
-  const std::string& name = result.initial.outputs()[i].name;
-  return Message{
-      MessageCode::kStructureDoubtful,
-      name,
-      absl::StrFormat(
-          "Several elements of %s seem to have changed, but another shape of "
-          "the response of %s alone explains the records nearly as well: they "
-          "do not tell which. Set-point changes that move the inputs one by "
-          "one, or more of them, would settle it.",
-          name, PairName(result.initial, i, rival.input)),
-      {}};
-}
-
 // Of windows of the output that differ; or, where a change is proposed, of
 // another's that follow the operating point, if its own may differ as much.
 std::string Disagreement(const CorrectionResult& result, int i) {
@@ -320,9 +243,6 @@ OutputEvidence EvidenceOf(const CorrectionResult& result, int i) {
   if (evidence.proposed) {
     evidence.doubtful_pair = DoubtfulPair(result, i);
     evidence.not_ageing = NotAgeing(result, i);
-    if (!evidence.not_ageing.has_value()) {
-      evidence.not_ageing = AnotherExplanation(result, i);
-    }
     evidence.not_linear = NotLinear(result, i);
   }
   const EstimateFit& fit = result.estimate.fit;
@@ -330,9 +250,6 @@ OutputEvidence EvidenceOf(const CorrectionResult& result, int i) {
       fit.change_proposed &&
       fit.output_error.missing_p_values(i) * result.initial.num_outputs() <
           result.options.estimation.output_error.false_alarm_probability;
-  if (!result.taken_for_clocks.empty()) {
-    evidence.shared_delay = result.taken_for_clocks[i];
-  }
   evidence.shape_unseen = ProposesShape(result.estimate, i) &&
                           !DependsOnInputs(result.initial_residuals[i]);
   if (!validation.held_out) return evidence;
@@ -360,7 +277,8 @@ std::vector<bool> UnexplainedOutputs(const Estimate& estimate) {
 }
 
 Evidence GatherEvidence(const CorrectionResult& result,
-                        const std::vector<bool>& unexplained) {
+                        const std::vector<bool>& unexplained,
+                        const Competition* competition) {
   Evidence evidence;
   evidence.change_proved = result.estimate.fit.change_proposed;
   evidence.p_value = result.estimate.fit.PValue();
@@ -378,6 +296,24 @@ Evidence GatherEvidence(const CorrectionResult& result,
     evidence.outputs.push_back(EvidenceOf(result, i));
     evidence.outputs[i].undecidable = undecidable[i];
     OutputEvidence& output = evidence.outputs.back();
+    if (competition != nullptr) {
+      output.instruments = EvidenceByInstruments(result, *competition, i);
+    }
+    if (output.instruments.has_value()) {
+      // What changed from record to record is no part of what moves of all of
+      // them drive.
+      if (result.data.records.size() > 1) {
+        output.disagreement = Disagreement(result, i);
+      }
+      // A play that the input was passed through is taken off already.
+      if (const auto sticks = output.not_linear; sticks.has_value()) {
+        output.instruments->ageing = false;
+        output.instruments->confirms_proposal = false;
+        output.instruments->other = sticks->text;
+        output.instruments->code = sticks->code;
+      }
+      continue;
+    }
     output.unexplained = unexplained[i];
     output.disagreement = Disagreement(result, i);
   }

@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "mle/explain/competition.h"
 #include "mle/maintain/decision.h"
 #include "mle/maintain/estimation.h"
 
@@ -17,9 +18,10 @@ struct CorrectionResult;
 std::vector<bool> UnexplainedOutputs(const Estimate& estimate);
 
 // `result` has everything but the decision; `unexplained` is of the estimate
-// before any proposal was taken back.
+// before any proposal was taken back; `competition` may be null.
 Evidence GatherEvidence(const CorrectionResult& result,
-                        const std::vector<bool>& unexplained);
+                        const std::vector<bool>& unexplained,
+                        const Competition* competition);
 
 }  // namespace mle
 

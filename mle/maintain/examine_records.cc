@@ -316,10 +316,7 @@ absl::Status Examiner::FindMistakes() {
     Add(MessageCode::kClock,
         clock.is_output ? model_.outputs()[clock.channel].name
                         : model_.inputs()[clock.channel].name,
-        correct            ? Consequence::kRepair
-        : clock.impossible ? Consequence::kBlocks
-                           : Consequence::kNote,
-        clock.late,
+        correct ? Consequence::kRepair : Consequence::kNote, clock.late,
         absl::StrCat(clock.Describe(model_),
                      correct ? " Its samples are shifted by that."
                              : " If it is the clock, it can be corrected."))

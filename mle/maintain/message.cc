@@ -72,12 +72,16 @@ std::string_view NameOf(MessageCode code) {
       return "nothing_held_out";
     case MessageCode::kWindowsDisagree:
       return "windows_disagree";
-    case MessageCode::kFollowsLevel:
-      return "follows_level";
     case MessageCode::kStructureDoubtful:
       return "structure_doubtful";
     case MessageCode::kBeyondAgeing:
       return "beyond_ageing";
+    case MessageCode::kExplained:
+      return "explained";
+    case MessageCode::kMissingExplanation:
+      return "missing_explanation";
+    case MessageCode::kNotConfirmed:
+      return "not_confirmed";
     case MessageCode::kChangeTooSmall:
       return "change_too_small";
     case MessageCode::kNotExcited:

@@ -46,18 +46,20 @@ enum class MessageCode {
   kNotExact,  // a duality gap above the accepted one
   kUnstable,
   // Reasons of a decision.
-  kNoChangeFound,      // the records do not contradict the model
-  kChangeProved,       // they do
-  kPredictsBetter,     // the corrected model, where records were held out
-  kPredictsWorse,      // the same
-  kNotBetter,          // neither by more than chance
-  kNothingHeldOut,     // the correction could not be validated
-  kWindowsDisagree,    // parts of the records want different gains
-  kFollowsLevel,       // gains that follow the level of an input
-  kStructureDoubtful,  // it does not explain the records
-  kBeyondAgeing,       // a time changes by more than ageing makes of it
-  kChangeTooSmall,     // a change is proved, but not worth making
-  kNotExcited,         // the records determine no gain
+  kNoChangeFound,       // the records do not contradict the model
+  kChangeProved,        // they do
+  kPredictsBetter,      // the corrected model, where records were held out
+  kPredictsWorse,       // the same
+  kNotBetter,           // neither by more than chance
+  kNothingHeldOut,      // the correction could not be validated
+  kWindowsDisagree,     // parts of the records want different gains
+  kStructureDoubtful,   // it does not explain the records
+  kBeyondAgeing,        // a time changes by more than ageing makes of it
+  kExplained,           // something else than ageing explains the records
+  kMissingExplanation,  // set points drive what nothing known explains
+  kNotConfirmed,        // a change that set points do not confirm
+  kChangeTooSmall,      // a change is proved, but not worth making
+  kNotExcited,          // the records determine no gain
 };
 
 // "at_bound", as in result.json.

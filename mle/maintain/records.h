@@ -64,6 +64,8 @@ struct RecordData {
     int samples = 0;
   };
   std::vector<UnusedPart> unused;
+  // Between the windows; if not, what happened there is left out.
+  bool operated_as_usual = true;
   // The model's settling time, in samples.
   int lead = 0;
   HealthReport health;

@@ -9,15 +9,10 @@
 
 namespace mle {
 
-// Takes back, by the step responses over `samples`,
-//
-// - proposals that change no element's response by more than
-//   decision.least_change: one by one where they are parametric, output by
-//   output where they are ΔR's; an absent pair counts by the largest response
-//   of its output;
-// - changes of dead time that a clock may have made (shared_changes.h): result
-//   has them as .shared_delays, outputs of which nothing else is proposed as
-//   .taken_for_clocks, and a warning where something is.
+// Takes back, by the step responses over `samples`, proposals that change no
+// element's response by more than decision.least_change: one by one where they
+// are parametric, output by output where they are ΔR's; an absent pair counts
+// by the largest response of its output.
 absl::Status WithdrawProposals(int samples, CorrectionResult& result);
 
 }  // namespace mle

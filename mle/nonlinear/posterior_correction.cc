@@ -240,30 +240,4 @@ absl::StatusOr<PosteriorCorrection> CompleteByPosterior(
   return posterior;
 }
 
-absl::StatusOr<std::vector<RivalShape>> FindRivalShapes(
-    const ProcessModel& initial, const std::vector<Record>& windows,
-    const OutputErrorFit& output_error, const OutputErrorOptions& options,
-    const std::vector<bool>& outputs) {
-  MLE_ASSIGN_OR_RETURN(const std::vector<OutputSetup> setups,
-                       SetUpOutputs(initial, windows, options));
-  const PriorFrame frame = FrameOf(setups, windows);
-  std::vector<RivalShape> rivals(initial.num_outputs());
-  ParallelFor(initial.num_outputs(), options.threads, [&](int i) {
-    if (!outputs.empty() && !outputs[i]) return;
-    if (!IsNoisy(setups[i], output_error.noise[i])) return;
-    const OutputFit start = StartOf(setups[i], output_error, i);
-    if (std::count(start.free.begin(), start.free.end(), true) < 2) return;
-    AdoptDisturbances(output_error.noise[i], *setups[i].problem);
-    const std::vector<ElementPrior> priors = PriorsOf(
-        setups[i], start.point, frame.deviations, windows[0].sample_time);
-    const std::vector<double> deviances =
-        SingleShapeDeviances(*setups[i].problem, priors, frame.first_lags,
-                             setups[i].bounds, start, options.estimate_drift);
-    const auto best = std::min_element(deviances.begin(), deviances.end());
-    if (!std::isfinite(*best)) return;
-    rivals[i] = {static_cast<int>(best - deviances.begin()), *best};
-  });
-  return rivals;
-}
-
 }  // namespace mle

@@ -108,21 +108,6 @@ absl::StatusOr<PosteriorCorrection> CompleteByPosterior(
     const OutputErrorFit& output_error, const OutputErrorOptions& options,
     const std::vector<bool>& outputs = {});
 
-// One element that may have changed alone, in shape, where several seem to have
-// changed in gain, time constant or dead time.
-struct RivalShape {
-  int input = -1;  // −1: there is none
-  // By which −2 ln evidence is larger than with what is proposed, may be < 0.
-  double deviance = 0.0;
-};
-
-// p: of the outputs, given as above, of which two elements or more have changed
-// in `output_error`, the element that alone explains most by another shape.
-absl::StatusOr<std::vector<RivalShape>> FindRivalShapes(
-    const ProcessModel& initial, const std::vector<Record>& windows,
-    const OutputErrorFit& output_error, const OutputErrorOptions& options,
-    const std::vector<bool>& outputs = {});
-
 }  // namespace mle
 
 #endif  // MLE_NONLINEAR_POSTERIOR_CORRECTION_H_

@@ -391,29 +391,4 @@ OutputPosterior FindPosterior(const OutputErrorProblem& problem,
   return from_fit.deviance <= from_initial.deviance ? from_fit : from_initial;
 }
 
-std::vector<double> SingleShapeDeviances(
-    const OutputErrorProblem& problem, const std::vector<ElementPrior>& priors,
-    const std::vector<int>& first_lags, const OutputFitBounds& bounds,
-    const OutputFit& start, bool estimate_drift) {
-  const auto from = [&](const std::vector<ElementPrior>& known,
-                        const OutputPoint& point, const State& state) {
-    return Search(problem, known, first_lags, bounds)
-        .Run(point, start.noise, state, estimate_drift);
-  };
-  const OutputPosterior fitted = from(priors, start.point, Fitted(start));
-  std::vector<double> deviances(priors.size(),
-                                std::numeric_limits<double>::infinity());
-  for (std::size_t j = 0; j < priors.size(); ++j) {
-    if (!start.free[j]) continue;
-    std::vector<ElementPrior> known = priors;
-    for (std::size_t other = 0; other < known.size(); ++other) {
-      known[other].informed = known[other].informed && other == j;
-    }
-    const OutputPosterior alone = from(
-        known, InitialPoint(problem, priors, start), Nothing(priors.size()));
-    if (alone.HasShape()) deviances[j] = alone.deviance - fitted.deviance;
-  }
-  return deviances;
-}
-
 }  // namespace mle

@@ -69,14 +69,6 @@ OutputPosterior FindPosterior(const OutputErrorProblem& problem,
                               const OutputFitBounds& bounds,
                               const OutputFit& start, bool estimate_drift);
 
-// m: by how much the deviance is larger, or smaller, than that from the
-// output-error fit `start` if one of its free elements alone has changed, and
-// has another shape; ∞ where that does not explain anything.
-std::vector<double> SingleShapeDeviances(
-    const OutputErrorProblem& problem, const std::vector<ElementPrior>& priors,
-    const std::vector<int>& first_lags, const OutputFitBounds& bounds,
-    const OutputFit& start, bool estimate_drift);
-
 }  // namespace mle
 
 #endif  // MLE_NONLINEAR_SHAPE_POSTERIOR_H_

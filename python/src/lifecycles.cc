@@ -1,17 +1,16 @@
 // mle.lifecycle: mle_lifecycle's request, lives and results.
 
-#include <atomic>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "apps/common/command_line.h"
 #include "apps/common/run_again.h"
 #include "apps/lifecycle/campaign.h"
+#include "apps/lifecycle/report.h"
 #include "apps/lifecycle/request.h"
-#include "apps/lifecycle/results.h"
 #include "mle/base/status.h"
 #include "pybind11/stl.h"
 #include "python/src/bindings.h"
@@ -28,7 +27,7 @@ namespace py = pybind11;
 
 const std::vector<std::string>& NotLifecycleKeywords() {
   static const std::vector<std::string>& names =
-      *new std::vector<std::string>{"model", "plant", "ageing", "out"};
+      *new std::vector<std::string>{"model", "plant", "ageing", "out", "part"};
   return names;
 }
 
@@ -42,27 +41,21 @@ struct LifecycleCall {
   LifecycleCall() { lifecycle::AddOptions(request, table); }
 };
 
-// Lives look several times whether to go on; that is reported, too.
 absl::StatusOr<lifecycle::Lives> Live(const LifecycleCall& call,
                                       const ProgressCallback& report) {
-  std::atomic<double> fraction = 0.0;
+  bool stopped = false;
   return lifecycle::RunCampaign(
-      call.request.campaign,
-      [&] {
-        return !report({"lives", fraction});
-      },
+      call.request.campaign, [&] { return stopped; },
       [&](std::int64_t done, std::int64_t total) {
-        fraction = total > 0
-                       ? static_cast<double>(done) / static_cast<double>(total)
-                       : 1.0;
-        report({"lives", fraction});
+        const double fraction =
+            static_cast<double>(done) / static_cast<double>(total);
+        if (!report({"lives", fraction})) stopped = true;
       });
 }
 
 absl::StatusOr<ResultFiles> RunLifecycleCall(LifecycleCall& call,
                                              const ProgressCallback& report) {
   MLE_ASSIGN_OR_RETURN(const ResultFolder out, ResultFolder::Make(call.out));
-  MLE_ASSIGN_OR_RETURN(const FolderLock lock, ClaimOutputFolder(out.path()));
   call.request.campaign.folder = out.path();
   MLE_ASSIGN_OR_RETURN(lifecycle::Lives lives, Live(call, report));
   const lifecycle::Results results =

@@ -9,11 +9,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "apps/common/run_again.h"
-#include "apps/experiment/grid.h"
-#include "apps/study/coordinator.h"
-#include "apps/study/processes.h"
 #include "apps/study/run.h"
-#include "apps/study/worker_pool.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"
 #include "pybind11/stl.h"
@@ -43,26 +39,20 @@ const std::vector<std::string>& FilesOfStudy() {
   return names;
 }
 
-absl::Status RunAll(const StudyCall& call, study::StudyFolder& folder,
+absl::Status RunAll(const StudyCall& call, const experiment::Work& runs,
+                    experiment::RunFolder& folder,
                     const ProgressCallback& report) {
-  const experiment::Grid grid(call.work.campaign);
-  const std::unique_ptr<study::Processes> alone = study::OneProcess();
   bool stopped = false;
-  {
-    study::WorkerPool pool(call.work.campaign, grid,
-                           study::StudyThreads(call.threads, 1));
-    MLE_RETURN_IF_ERROR(study::Coordinate(
-        grid, *alone, pool, *folder.journal, [&] { return stopped; },
-        [&](std::int64_t done, std::int64_t total) {
-          const double fraction =
-              static_cast<double>(done) / static_cast<double>(total);
-          if (!report({"runs", fraction})) stopped = true;
-        }));
-  }
-  if (folder.journal->num_done() == grid.num_runs()) return absl::OkStatus();
+  MLE_RETURN_IF_ERROR(folder.RunRemaining(
+      runs, experiment::RunThreads(call.threads), [&] { return stopped; },
+      [&](std::int64_t done, std::int64_t total) {
+        const double fraction =
+            static_cast<double>(done) / static_cast<double>(total);
+        if (!report({"runs", fraction})) stopped = true;
+      }));
+  if (folder.is_done()) return absl::OkStatus();
   return absl::CancelledError(absl::StrCat(
-      "stopped after ", folder.journal->num_done(), " of ", grid.num_runs(),
-      " runs",
+      "stopped after ", folder.num_done(), " of ", folder.runs(), " runs",
       call.out.empty() ? std::string()
                        : absl::StrCat(", which are kept in ", call.out,
                                       "; resume=True resumes from there")));
@@ -71,9 +61,11 @@ absl::Status RunAll(const StudyCall& call, study::StudyFolder& folder,
 absl::StatusOr<ResultFiles> RunStudyCall(const StudyCall& call,
                                          const ProgressCallback& report) {
   MLE_ASSIGN_OR_RETURN(const ResultFolder out, ResultFolder::Make(call.out));
-  MLE_ASSIGN_OR_RETURN(study::StudyFolder folder,
-                       study::OpenFolder(call.work, out.path(), call.resume));
-  MLE_RETURN_IF_ERROR(RunAll(call, folder, report));
+  const experiment::Work runs = study::WorkOf(call.work);
+  MLE_ASSIGN_OR_RETURN(
+      experiment::RunFolder folder,
+      study::OpenFolder(call.work, runs, out.path(), Part(), call.resume));
+  MLE_RETURN_IF_ERROR(RunAll(call, runs, folder, report));
   report::RunAgain again = HowToCallAgain(call.text, {}, {});
   MLE_RETURN_IF_ERROR(
       Conclude(call.work, folder, call.figures, again).status());

@@ -259,21 +259,19 @@ TEST(MleCorrectMistakes, ATurnedSignIsSaidToBePerhapsMistyped) {
   const HeaterExample example((Heater()));
   example.scratch.Write("model.json", HeaterJson(mistyped));
   const Shown shown = Show(example, {});
-  EXPECT_THAT(shown.out,
-              HasSubstr("Gain of y2 ← u1 has the other sign in the records"));
-  EXPECT_THAT(shown.out, HasSubstr("Ageing hardly turns a sign: check whether "
-                                   "that of y2 ← u1 was mistyped"));
+  EXPECT_THAT(shown.out, HasSubstr("Keep the controller's model for now"));
+  EXPECT_THAT(shown.out, HasSubstr("Y2 ← u1 acts in the opposite direction: "
+                                   "compare the sign of its gain"));
 }
 
 TEST(MleCorrectHeadline, NamesTheOtherElementsThatHaveChanged) {
   Heater aged;
   aged.first.gain = 1.0;
   aged.fourth.gain = 2.4;
-  aged.second.gain = -1.3;
   const Shown shown = Show(HeaterExample(aged), {});
   EXPECT_THAT(shown.out, HasSubstr("; also y"));
   EXPECT_THAT(shown.out, HasSubstr(" changed."));
-  for (const char* const pair : {"y1 ← u1", "y1 ← u2", "y2 ← u2"}) {
+  for (const char* const pair : {"y1 ← u1", "y2 ← u2"}) {
     EXPECT_THAT(shown.out, HasSubstr(pair));
   }
 }

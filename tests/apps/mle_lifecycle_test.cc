@@ -1,8 +1,11 @@
 // mle_lifecycle as its users call it.
 
+#include <algorithm>
 #include <cmath>
 #include <csignal>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -66,13 +69,10 @@ class MleLifecycleTest : public ::testing::Test {
 
   // Lives that are finished and kept.
   int LivesIn(const std::string& out) const {
-    std::error_code none_yet;
-    int lives = 0;
-    for (const auto& file : std::filesystem::directory_iterator(
-             scratch_ / (out + "/runs"), none_yet)) {
-      lives += file.path().extension() == ".json" ? 1 : 0;
-    }
-    return lives;
+    std::ifstream journal(scratch_ / (out + "/journal.txt"));
+    const std::string text(std::istreambuf_iterator<char>(journal), {});
+    const auto lines = std::count(text.begin(), text.end(), '\n');
+    return std::max(static_cast<int>(lines) - 1, 0);
   }
 
   std::string Message(const std::vector<std::string>& more) {
@@ -233,23 +233,33 @@ TEST_F(MleLifecycleTest, ThreadsAndInterruptionsChangeNoByte) {
   std::filesystem::copy(scratch_ / "one", scratch_ / "rest",
                         std::filesystem::copy_options::recursive);
   std::filesystem::remove(scratch_ / "rest/lifecycle.csv");
-  std::filesystem::remove(scratch_ /
-                          "rest/runs/output_error-2_rate1_seed1.json");
-  std::filesystem::remove(scratch_ / "rest/runs/never_rate1_seed2.json");
+  std::string journal = Content(scratch_ / "rest/journal.txt");
+  for (const char* const lost : {"\noutput_error:2,1,1,", "\nnever,1,2,"}) {
+    const std::size_t begin = journal.find(lost);
+    ASSERT_NE(begin, std::string::npos) << lost;
+    journal.erase(begin, journal.find('\n', begin + 1) - begin);
+  }
+  scratch_.Write("rest/journal.txt", journal);
   const report::ProcessResult rest = Run("rest");
   ASSERT_EQ(rest.exit_code, 0) << rest.err;
-  EXPECT_THAT(rest.err, HasSubstr("6 of 8 lives are there already"));
+  EXPECT_THAT(rest.err, HasSubstr("6 of 8 lives are done"));
   const std::string lines = Content(scratch_ / "one/lifecycle.csv");
   EXPECT_EQ(Content(scratch_ / "two/lifecycle.csv"), lines);
   EXPECT_EQ(Content(scratch_ / "rest/lifecycle.csv"), lines);
   EXPECT_EQ(ParsedJson(scratch_ / "two/result.json").at("rates"),
             ParsedJson(scratch_ / "one/result.json").at("rates"));
-  for (const auto& file :
-       std::filesystem::directory_iterator(scratch_ / "one/runs")) {
-    const std::string name = file.path().filename();
-    EXPECT_EQ(Content(scratch_ / ("two/runs/" + name)), Content(file.path()));
-    EXPECT_EQ(Content(scratch_ / ("rest/runs/" + name)), Content(file.path()));
+  EXPECT_EQ(LivesIn("rest"), 8);
+  // Parts make the same lives, and the run of all only brings them together.
+  for (const char* const part : {"--part=1/2", "--part=2/2"}) {
+    const report::ProcessResult run = Run("parts", {part});
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    EXPECT_THAT(run.out, HasSubstr("without --part"));
   }
+  EXPECT_EQ(LivesIn("parts/parts/1-of-2"), 4);
+  const report::ProcessResult all = Run("parts");
+  ASSERT_EQ(all.exit_code, 0) << all.err;
+  EXPECT_THAT(all.err, HasSubstr("8 of 8 lives are done"));
+  EXPECT_EQ(Content(scratch_ / "parts/lifecycle.csv"), lines);
 }
 
 TEST_F(MleLifecycleTest, ARunThatIsStoppedGoesOnWhereItWas) {
@@ -291,7 +301,7 @@ TEST_F(MleLifecycleTest, OtherPricesNeedNoNewSimulation) {
   const nlohmann::json at_700 = ParsedJson(scratch_ / "out/result.json");
   const report::ProcessResult again = Run("out", cheap);
   ASSERT_EQ(again.exit_code, 0);
-  EXPECT_THAT(again.err, HasSubstr("8 of 8 lives are there already"));
+  EXPECT_THAT(again.err, HasSubstr("8 of 8 lives are done"));
   const nlohmann::json at_100 = ParsedJson(scratch_ / "out/result.json");
   for (std::size_t p = 0; p < 4; ++p) {
     EXPECT_NEAR(CostOf(at_700, p), 7.0 * CostOf(at_100, p),
@@ -307,7 +317,7 @@ TEST_F(MleLifecycleTest, ACurrencyNeedsNoNewSimulation) {
   euros.emplace_back("--currency=€");
   const report::ProcessResult again = Run("out", euros);
   ASSERT_EQ(again.exit_code, 0);
-  EXPECT_THAT(again.err, HasSubstr("1 of 1 lives are there already"));
+  EXPECT_THAT(again.err, HasSubstr("1 of 1 lives are done"));
   EXPECT_THAT(again.out, HasSubstr("ageing rate 1, €"));
 }
 
@@ -317,7 +327,7 @@ TEST_F(MleLifecycleTest, OtherSettingsAreSimulatedAnew) {
   const report::ProcessResult other =
       Run("out", {"--policies=never", "--noise_variance=0.002"});
   ASSERT_EQ(other.exit_code, 0);
-  EXPECT_THAT(other.err, Not(HasSubstr("there already")));
+  EXPECT_THAT(other.err, Not(HasSubstr("lives are done")));
   EXPECT_NE(Content(scratch_ / "out/lifecycle.csv"), before);
 }
 
@@ -412,20 +422,21 @@ TEST_F(MleLifecycleTest, MistakesNameTheFlagAndWhatWouldBeRight) {
 TEST_F(MleLifecycleTest, ALifeWithAChangedDigitIsSimulatedAgain) {
   ASSERT_EQ(Run("out", {"--policies=never"}).exit_code, 0);
   const std::string before = Content(scratch_ / "out/lifecycle.csv");
-  const std::string name = "out/runs/never_rate1_seed2.json";
+  const std::string name = "out/journal.txt";
   const std::string whole = Content(scratch_ / name);
   std::string changed = whole;
   const std::size_t at = changed.find("\"squared_error\"");
   const std::size_t digit = changed.find_first_of("123456789", at);
   changed[digit] = changed[digit] == '1' ? '2' : '1';
-  for (const std::string& damaged : {changed, whole.substr(0, 300)}) {
-    const std::string life = scratch_.Write(name, damaged);
+  const std::size_t broken_off = whole.size() - 100;
+  for (const std::string& damaged : {changed, whole.substr(0, broken_off)}) {
+    scratch_.Write(name, damaged);
     const report::ProcessResult run = Run("out", {"--policies=never"});
     EXPECT_EQ(run.exit_code, 0) << run.err;
-    EXPECT_THAT(run.err, HasSubstr("warning: " + life));
-    EXPECT_THAT(run.err, HasSubstr("this life is simulated again"));
-    EXPECT_THAT(run.err, HasSubstr("1 of 2 lives are there already"));
-    EXPECT_EQ(Content(scratch_ / name), whole);
+    EXPECT_THAT(run.err,
+                HasSubstr(damaged == changed ? "journal.txt:2: the line is"
+                                             : "incomplete last line"));
+    EXPECT_THAT(run.err, HasSubstr("1 of 2 lives are done"));
     EXPECT_EQ(Content(scratch_ / "out/lifecycle.csv"), before);
   }
 }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <csignal>
+#include <filesystem>
 #include <set>
 #include <string>
 #include <vector>
@@ -163,45 +164,64 @@ TEST_F(MleStudyResumeTest, BadInput) {
   refused({"--campaign=/no/such.json"}, "/no/such.json");
   refused({"--campaign=" + campaign_, "--out="}, "--out");
   refused({"--campaign=" + campaign_, "--threads=-1"}, "--threads=-1");
+  refused({"--campaign=" + campaign_, "--part=3/2"}, "--part=3/2");
   refused({"--campaign=" + campaign_, "--out=/proc/x"}, "--out");
   refused({"--campaign=" + scratch_.Write("bad.json", "{"), "--dry_run"},
           "bad.json: line 1");
 }
 
-#ifdef MLE_MPIEXEC
-std::vector<std::string> OnTwoProcesses(std::vector<std::string> arguments) {
-  std::vector<std::string> line = {
-      "OMPI_ALLOW_RUN_AS_ROOT=1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1",
-      // What Open MPI leaks is not ours.
-      "ASAN_OPTIONS=detect_leaks=0", "OMPI_MCA_rmaps_base_oversubscribe=1",
-      MLE_MPIEXEC, "-n", "2", MLE_TESTED_COMMAND};
-  line.insert(line.end(), arguments.begin(), arguments.end());
-  return line;
-}
-
-TEST_F(MleStudyResumeTest, TheSameBytesFromTwoProcesses) {
-  const report::ProcessResult one = RunTested(Arguments("one"));
-  ASSERT_EQ(one.exit_code, 0) << one.err;
-  const auto two =
-      report::RunProcess("env", OnTwoProcesses(Arguments("two")), "");
-  ASSERT_TRUE(two.ok()) << two.status();
-  ASSERT_EQ(two->exit_code, 0) << two->err;
+TEST_F(MleStudyResumeTest, TheSameBytesFromParts) {
+  const report::ProcessResult whole = RunTested(Arguments("whole"));
+  ASSERT_EQ(whole.exit_code, 0) << whole.err;
+  const auto part = [this](const std::string& name) {
+    std::vector<std::string> arguments = Arguments("parts");
+    arguments.push_back("--part=" + name);
+    return RunTested(arguments);
+  };
+  for (const char* const name : {"1/3", "2/3", "3/3"}) {
+    const report::ProcessResult result = part(name);
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_THAT(result.out, HasSubstr("without --part"));
+  }
+  EXPECT_EQ(JournalLines("parts/parts/1-of-3") +
+                JournalLines("parts/parts/2-of-3") +
+                JournalLines("parts/parts/3-of-3"),
+            3 * 2 + 40);
+  const report::ProcessResult all = RunTested(Arguments("parts"));
+  ASSERT_EQ(all.exit_code, 0) << all.err;
+  EXPECT_THAT(all.err, HasSubstr("40 of 40 runs are done"));
   for (const char* file : {"/runs.csv", "/summary.json", "/summary.csv"}) {
-    EXPECT_EQ(Content(scratch_ / "one" + file),
-              Content(scratch_ / "two" + file))
+    EXPECT_EQ(Content(scratch_ / "whole" + file),
+              Content(scratch_ / "parts" + file))
         << file;
   }
 }
 
-TEST_F(MleStudyResumeTest, TwoProcessesAgreeOnBadInput) {
-  scratch_.Write("campaign.json", "{}");
-  const auto result =
-      report::RunProcess("env", OnTwoProcesses(Arguments("out")), "");
-  ASSERT_TRUE(result.ok()) << result.status();
-  EXPECT_EQ(result->exit_code, 2);
-  EXPECT_THAT(result->err, HasSubstr("\"version\" is missing"));
+TEST_F(MleStudyResumeTest, WhatPartsLackIsRunAndForeignPartsAreRefused) {
+  std::vector<std::string> second = Arguments("out");
+  second.push_back("--part=2/2");
+  ASSERT_EQ(RunTested(second).exit_code, 0);
+  const report::ProcessResult all = RunTested(Arguments("out"));
+  ASSERT_EQ(all.exit_code, 0) << all.err;
+  EXPECT_THAT(all.err, HasSubstr("20 of 40 runs are done"));
+  EXPECT_EQ(JournalLines("out"), 2 + 40);
+  std::filesystem::remove(scratch_ / "out/journal.csv");
+  scratch_.Write("campaign.json", SmallCampaign(21).dump());
+  const report::ProcessResult other = RunTested(Arguments("out"));
+  EXPECT_EQ(other.exit_code, 2);
+  EXPECT_THAT(other.err, HasSubstr("2-of-2/journal.csv:1: belongs to another"));
 }
-#endif
+
+TEST_F(MleStudyResumeTest, APartAtWorkIsNotTakenOver) {
+  std::vector<std::string> arguments = Arguments("out");
+  arguments.push_back("--part=1/2");
+  const StartedCommand part(MLE_TESTED_COMMAND, arguments, log_);
+  AwaitLines("out/parts/1-of-2", 3, part);
+  part.Send(SIGSTOP);
+  const report::ProcessResult all = RunTested(Arguments("out"));
+  EXPECT_EQ(all.exit_code, 2);
+  EXPECT_THAT(all.err, HasSubstr("in use by another command"));
+}
 
 }  // namespace
 }  // namespace mle

@@ -158,9 +158,9 @@ TEST_F(WatchDatabaseTest, PartsShareAStateAndOneRunShowsAll) {
   int looked_at = 0;
   int failed = 0;
   for (const char* const part : {"1", "2", "3"}) {
-    failed += run("site", absl::StrCat("--shard=", part, "/3")).exit_code;
+    failed += run("site", absl::StrCat("--part=", part, "/3")).exit_code;
     looked_at += static_cast<int>(
-        ParsedJson(scratch_ / absl::StrCat("site/shards/", part,
+        ParsedJson(scratch_ / absl::StrCat("site/parts/", part,
                                            "-of-3/watch.json"))["controllers"]
             .size());
   }

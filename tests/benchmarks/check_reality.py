@@ -12,6 +12,7 @@ import tempfile
 source, build = (pathlib.Path(argument).resolve() for argument in sys.argv[1:3])
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(source / "benchmarks/reality"))
+import adversary  # noqa: E402
 import hardware  # noqa: E402
 import mistakes  # noqa: E402
 import plants  # noqa: E402
@@ -97,7 +98,7 @@ def harm_is_counted():
 def scenarios_are_those_of_their_seed():
     for kind in ("none", "aged"):
         for name in scenarios.names(kind):
-            plant = scenarios.plant_of(name, "three_by_three")
+            plant = scenarios.plant_of(name, "tuning", 2)
             first, again, other = (scenarios.make(plant, kind, name, seed) for seed in (1, 1, 2))
             assert first.effects_file() == again.effects_file(), name
             assert first.true_model() == again.true_model(), name
@@ -106,6 +107,82 @@ def scenarios_are_those_of_their_seed():
             assert aged == (kind == "aged"), (kind, name)
             if kind == "aged":
                 assert first.true_model() != other.true_model(), name
+
+
+def the_adversary_states_what_is_true():
+    """Every family has plants in both sets; with its own seed the same; one parameter ages."""
+    for of_set in plants.SETS:
+        for name in adversary.FAMILIES:
+            of_family = {scenarios.plant_of(name, of_set, i, "adversary") for i in range(20)}
+            assert of_family <= {*plants.SETS[of_set][0], *plants.ADVERSARY[of_set]}, name
+            assert len(of_family) >= (1 if adversary.FAMILIES[name].disturbed else 5), name
+    for kind in ("none", "aged"):
+        for name, family in adversary.FAMILIES.items():
+            plant = scenarios.plant_of(name, "tuning", 1, "adversary")
+            first, again = (scenarios.make(plant, kind, name, 1, "adversary") for _ in range(2))
+            for get in (Trial.effects_file, Trial.record_flags, Trial.true_model):
+                assert get(first) == get(again), name
+            assert (first.aged is not None) == (kind == "aged") and first.codes == family.codes
+            if kind == "none" and family.linear and name != "fast analyser":
+                assert first.true_model()["elements"] == first.model["elements"], name
+
+
+def reasons_are_compared():
+    trial = Trial(plants.PLANTS["two_by_two"], random.Random(1))
+    trial.codes, trial.where = ("curved_output",), "y2"
+    curve = {"output": "y2", "explanation": "curved_output", "value": 0.1}
+    lag = {"output": "y1", "element": "y1/u2", "explanation": "time_constant", "value": 1.5}
+
+    def true(*told):
+        return adversary.reason_true(trial, {"explanations": list(told)})
+    assert adversary.reason_true(trial, {}) is None
+    assert true(curve) and true(lag, curve)
+    assert not true() and not true(lag) and not true({**curve, "output": "y1"})
+    trial.aged = {"output": "y1", "input": "u2", "code": "time_constant"}
+    assert true(lag) and not true({**lag, "element": "y1/u1"})
+    assert true(lag, curve) and not true(lag, {**curve, "explanation": "output_clock"})
+    trial.codes, trial.where, trial.aged = ("reversed", "mistake"), "u1", None
+    for channel in ("u1", "u2"):
+        reason = {"code": "mistake", "text": f"The sign of {channel} seems to be reversed."}
+        result = {"explanations": [], "reasons": [reason, {"code": "other", "text": " u1 "}]}
+        assert adversary.reason_true(trial, result) == (channel == "u1")
+    trial.codes = ()
+    assert true() is None and not true(lag)
+    assert adversary.gives_reasons({"decision": "cannot_tell", "told": []})
+    assert adversary.gives_reasons({"decision": "corrected", "told": [lag, curve]})
+    assert not adversary.gives_reasons({"decision": "corrected", "told": [lag]})
+
+
+def elements_are_compared():
+    trial = Trial(plants.PLANTS["two_by_two"], random.Random(1))
+    trial.aged = {"output": "y1", "input": "u2", "code": "gain"}
+    for changes, how in (([[0.0, 0.3], [0.0, 0.01]], "named exactly"),
+                         ([[0.0, 0.3], [0.1, 0.0]], "named with others"),
+                         ([[0.3, 0.0], [0.0, None]], "not named, another is"),
+                         ([[0.0, 0.0], [0.0, 0.0]], "missed")):
+        result = {"decision": "corrected", "distance": {"elements": changes}}
+        assert adversary.named(trial, result) == how
+        assert adversary.named(trial, {**result, "decision": "cannot_tell"}) == "missed"
+
+
+def averages_are_stamped_where_they_say():
+    for average, first_stamp in ((adversary.averages_at_start, 0), (adversary.averages_at_end, 1)):
+        trial = Trial(plants.PLANTS["two_by_two"], random.Random(1))
+        average(trial)
+        count = 200
+        header = ["time", "y1", "y1_setpoint", "u1"]
+        rows = [[str(k), str(k * k), str(k), "5.0"] for k in range(count)]
+        case = mistakes.Case(trial, trial.model, [header, *rows])
+        trial.spoil[0](case)
+        times = [int(time) for time in case.columns["time"]]
+        length = times[1] - times[0]
+        assert length > 1 and times[0] == first_stamp * length
+        assert case.columns["y1_setpoint"] == case.columns["time"]
+        for time, value in zip(times, case.columns["y1"]):
+            begin = time - first_stamp * length
+            mean = sum(k * k for k in range(begin, begin + length)) / length
+            assert abs(float(value) - mean) < 1e-9
+        assert all(float(value) == 5.0 for value in case.columns["u1"])
 
 
 def mistakes_change_the_files(folder):
@@ -147,6 +224,10 @@ inputs_of_a_diagonal_plant()
 a_first_order_response_is_simulated()
 harm_is_counted()
 scenarios_are_those_of_their_seed()
+the_adversary_states_what_is_true()
+reasons_are_compared()
+elements_are_compared()
+averages_are_stamped_where_they_say()
 with tempfile.TemporaryDirectory() as scratch:
     mistakes_change_the_files(pathlib.Path(scratch))
     a_study_goes_on_where_it_stopped(pathlib.Path(scratch))

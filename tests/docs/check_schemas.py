@@ -172,12 +172,9 @@ def check_commands(folder):
     if told != "told":
         faults.append(f"watch.json: costs of a column that has aged: '{told}'")
     check_version("mle_watch", folder / "watch/watch.json")
-    lives = list((out / "runs").glob("*.json"))
-    if not lives:
-        faults.append(f"{out}/runs: no life was kept")
-    for life in lives:
-        if read(life)["settings"].get("program_version") != version_of("mle_lifecycle"):
-            faults.append(f"{life}: names no version, or another")
+    journal = out / "journal.txt"
+    if not journal.is_file() or version_of("mle_lifecycle") not in journal.read_text():
+        faults.append(f"{journal}: no lives of this version were kept")
 
 
 for path in sorted((source / "configs").glob("*.json")):

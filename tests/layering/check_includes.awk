@@ -16,7 +16,8 @@ BEGIN {
   nonlinear = regression " mle/nonlinear"
   exchange = nonlinear " mle/exchange"
   correction = exchange " mle/correction"
-  all_of_mle = correction " mle/database mle/maintain"
+  explain = data " mle/explain"
+  all_of_mle = correction " mle/database mle/explain mle/maintain"
 
   allowed["mle/base"] = base
   allowed["mle/model"] = model
@@ -26,6 +27,7 @@ BEGIN {
   allowed["mle/nonlinear"] = nonlinear
   allowed["mle/exchange"] = exchange
   allowed["mle/correction"] = correction
+  allowed["mle/explain"] = explain
   allowed["mle/maintain"] = all_of_mle
   all_of_mle = all_of_mle " mle/monitor"
   allowed["mle/monitor"] = all_of_mle

@@ -106,6 +106,51 @@ TEST(ActuatorTest, EqualStepsOfTheStemAreEqualPercentagesOfTheFlow) {
   EXPECT_EQ(flow(-9.0), flow(-2.0));
 }
 
+TEST(ActuatorTest, BeyondTheKinkTheSlopeIsAnother) {
+  Actuator actuator({.kink = 0.5, .kink_slope = 3.0});
+  EXPECT_EQ(actuator.Move(-2.0), -2.0);
+  EXPECT_EQ(actuator.Move(0.5), 0.5);
+  EXPECT_NEAR(actuator.Move(0.7) - actuator.Move(0.6), 0.3, 1e-12);
+  // Of a bent characteristic too, whose slope before the kink is its own.
+  Actuator bent({.rangeability = 30.0, .span = 4.0, .kink = 0.5});
+  Actuator kinked(
+      {.rangeability = 30.0, .span = 4.0, .kink = 0.5, .kink_slope = 3.0});
+  EXPECT_EQ(kinked.Move(0.4), bent.Move(0.4));
+  EXPECT_NEAR(kinked.Move(0.9) - kinked.Move(0.8),
+              3.0 * (bent.Move(0.9) - bent.Move(0.8)), 1e-12);
+}
+
+TEST(ActuatorTest, TheStemStaysBetweenItsEndsAndLeavesThemAtOnce) {
+  Actuator actuator({.min = -0.2, .max = 0.7});
+  for (const double command : Commands()) {
+    EXPECT_EQ(actuator.Move(command), std::clamp(command, -0.2, 0.7));
+  }
+}
+
+TEST(ActuatorTest, ItFollowsByNoMoreThanItsRate) {
+  const double rate = 0.3;
+  const double sample_time = 0.2;
+  Actuator actuator({.rate = rate});
+  Actuator free({});
+  double before = 0.0;
+  for (const double command : Commands()) {
+    actuator.Move(command);
+    free.Move(command);
+    EXPECT_EQ(free.Act(sample_time), command);
+    for (int k = 0; k < 2; ++k) {
+      const double acting = actuator.Act(sample_time);
+      const double move = acting - before;
+      ASSERT_LE(std::abs(move), rate * sample_time + 1e-12);
+      // It is there, or under way at the full rate.
+      if (acting != command) {
+        ASSERT_NEAR(move, std::copysign(rate * sample_time, command - before),
+                    1e-12);
+      }
+      before = acting;
+    }
+  }
+}
+
 TEST(ActuatorTest, OptionsAreChecked) {
   ProcessModel model(
       "d", "min", {{"u", ""}, {"d", "", InputRole::kDisturbance}}, {{"y", ""}});
@@ -120,6 +165,11 @@ TEST(ActuatorTest, OptionsAreChecked) {
   EXPECT_THAT(message({.rangeability = 0.5}), HasSubstr("rangeability = 0.5"));
   EXPECT_THAT(message({.span = 0.0}), HasSubstr("span = 0"));
   EXPECT_THAT(message({.position = 1.5}), HasSubstr("position = 1.5"));
+  EXPECT_THAT(message({.kink = -1.0}), HasSubstr("kink = -1"));
+  EXPECT_THAT(message({.kink_slope = NAN}), HasSubstr("kink_slope = nan"));
+  EXPECT_THAT(message({.min = 0.5}), HasSubstr("min = 0.5"));
+  EXPECT_THAT(message({.max = NAN}), HasSubstr("max = nan"));
+  EXPECT_THAT(message({.rate = 0.0}), HasSubstr("rate = 0"));
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ TEST(EffectsJsonTest, EveryEffectComesToItsChannel) {
        "sines": [{"amplitude": 0.1, "period": 20},
                  {"amplitude": 0.2, "period": 5, "phase": 1}],
        "steps": [[100, 0.2]],
-       "sensor": {"lag": 1.5, "noise_variance": 0.001, "min": -1, "max": 2,
+       "sensor": {"curve": "logarithm", "curvature": -0.3, "lag": 1.5, "noise_variance": 0.001, "min": -1, "max": 2,
                   "dead_from": 300},
        "set_point": {"ramps": [[100, 60, 1.5]],
                      "optimiser": {"interval": 5, "deviation": 0.05}},
@@ -30,9 +30,12 @@ TEST(EffectsJsonTest, EveryEffectComesToItsChannel) {
                    "clock_offset": -0.6, "step": true, "spikes": [[120, 5]]}}],
     "inputs": [
       {"name": "u3",
-       "load": {"variance": 0.04, "time_constant": 40, "steps": [[200, 0.1]]},
+       "load": {"variance": 0.04, "time_constant": 40, "steps": [[200, 0.1]],
+                "answered": 0.7},
+       "manual": [[20, 30, -0.5], [40, 45, 0]],
        "actuator": {"stiction": 0.05, "jump": 0.02, "rangeability": 30,
-                    "span": 2, "position": 0.4},
+                    "span": 2, "position": 0.4, "kink": 0.3,
+                    "kink_slope": -2, "min": -4, "max": 5, "rate": 0.6},
        "archive": {"compression": 0.3}}]})");
   ASSERT_TRUE(effects.ok()) << effects.status();
   PlantConditions conditions;
@@ -57,6 +60,8 @@ TEST(EffectsJsonTest, EveryEffectComesToItsChannel) {
   ASSERT_EQ(conditions.sensors.size(), 1u);
   const SensorOptions& sensor = conditions.sensors[0];
   EXPECT_EQ(sensor.output, 1);
+  EXPECT_EQ(sensor.curve, OutputCurve::kLogarithm);
+  EXPECT_EQ(sensor.curvature, -0.3);
   EXPECT_EQ(sensor.lag, 1.5);
   EXPECT_EQ(sensor.noise_variance, 0.001);
   EXPECT_EQ(sensor.min, -1.0);
@@ -68,6 +73,12 @@ TEST(EffectsJsonTest, EveryEffectComesToItsChannel) {
   EXPECT_EQ(conditions.loads[0].variance, 0.04);
   EXPECT_EQ(conditions.loads[0].time_constant, 40.0);
   EXPECT_EQ(conditions.loads[0].steps.at(0).size, 0.1);
+  EXPECT_EQ(conditions.loads[0].answered, 0.7);
+  ASSERT_EQ(conditions.manual.size(), 2u);
+  EXPECT_EQ(conditions.manual[0].input, 2);
+  EXPECT_EQ(conditions.manual[0].from, 20.0);
+  EXPECT_EQ(conditions.manual[0].to, 30.0);
+  EXPECT_EQ(conditions.manual[0].change, -0.5);
   ASSERT_EQ(conditions.actuators.size(), 1u);
   const ActuatorOptions& actuator = conditions.actuators[0];
   EXPECT_EQ(actuator.input, 2);
@@ -76,6 +87,11 @@ TEST(EffectsJsonTest, EveryEffectComesToItsChannel) {
   EXPECT_EQ(actuator.rangeability, 30.0);
   EXPECT_EQ(actuator.span, 2.0);
   EXPECT_EQ(actuator.position, 0.4);
+  EXPECT_EQ(actuator.kink, 0.3);
+  EXPECT_EQ(actuator.kink_slope, -2.0);
+  EXPECT_EQ(actuator.min, -4.0);
+  EXPECT_EQ(actuator.max, 5.0);
+  EXPECT_EQ(actuator.rate, 0.6);
 
   const TagOptions& tag = conditions.archive.outputs.at(0);
   EXPECT_EQ(tag.channel, 1);
@@ -142,6 +158,11 @@ TEST(EffectsJsonTest, MistakesAreNamed) {
               HasSubstr("steps[0]: must be [time, size]"));
   EXPECT_THAT(output(R"("sensor": {"min": 2, "max": 1})"),
               HasSubstr("sensor: min = 2 must be at most max = 1"));
+  EXPECT_THAT(output(R"("sensor": {"curve": "square"})"),
+              HasSubstr("sensor.curve: must be \"quadratic\""));
+  EXPECT_THAT(input(R"("manual": [[2, 1, 0]])"),
+              HasSubstr("inputs[0].manual: manual from 2 to 1"));
+  EXPECT_THAT(input(R"("actuator": {"rate": 0})"), HasSubstr("rate = 0"));
   EXPECT_THAT(output(R"("set_point": {"ramps": [[1, -2, 3]]})"),
               HasSubstr("set_point.ramps: the duration"));
   EXPECT_THAT(output(R"("set_point": {"optimiser": {"interval": 1}})"),

@@ -73,6 +73,73 @@ TEST(EffectsTest, ALoadHasItsVarianceAndCorrelation) {
   EXPECT_NEAR(lag_one / variance, std::exp(-0.2 / 2.0), 0.005);
 }
 
+// The input answers the load in full: nothing reaches the plant, and the record
+// holds what was answered.
+TEST(EffectsTest, ALoadThatIsAnsweredMovesTheRecordedInput) {
+  PlantConditions conditions;
+  conditions.loads = {{.input = 0, .steps = {{.time = 5.0, .size = 2.0}}}};
+  const Record alone =
+      SimulateWithEffects(MixedModel(), AskForNothing, conditions);
+  for (const double share : {0.25, 1.0}) {
+    conditions.loads[0].answered = share;
+    const Record answered =
+        SimulateWithEffects(MixedModel(), AskForNothing, conditions);
+    EXPECT_LE((answered.outputs - (1.0 - share) * alone.outputs).norm(), 1e-12);
+    for (int k = 0; k < answered.samples(); ++k) {
+      ASSERT_EQ(answered.inputs(0, k),
+                answered.time(k) < 5.0 ? 0.0 : -2.0 * share);
+    }
+  }
+  EXPECT_GT(alone.outputs.norm(), 1.0);
+}
+
+// The output of a bent sensor is a function of that of a straight one, in the
+// loop: the controller sees it.
+TEST(EffectsTest, TheControllerSeesABentOutput) {
+  const ProcessModel plant = SingleLoop(SecondOrder(1.0, 0.0, 2.0, 1.0, 0.0));
+  std::vector<double> seen;
+  const Controller push = [&seen](const auto& y, const auto&, auto next) {
+    seen.push_back(y[0]);
+    next.setOnes();
+  };
+  PlantConditions conditions;
+  conditions.sensors = {{.curve = OutputCurve::kQuadratic, .curvature = 0.2}};
+  const Record straight = SimulateWithEffects(plant, Push, {});
+  const Record bent = SimulateWithEffects(plant, push, conditions);
+  for (int k = 0; k < bent.samples(); ++k) {
+    const double y = straight.outputs(0, k);
+    ASSERT_NEAR(bent.outputs(0, k), y + 0.2 * y * y, 1e-12);
+    if (k % 5 == 0) {
+      ASSERT_EQ(seen[k / 5], bent.outputs(0, k));
+    }
+  }
+}
+
+// The controller adds up what it sees of its error; in manual it sees none.
+TEST(EffectsTest, InManualTheInputStandsAndTheControllerWaits) {
+  const ProcessModel plant =
+      SingleLoop(TransferFunction::FirstOrder(1.0, 2.0, 0.0));
+  const Controller integrate = [](const auto& y, const auto& r, auto next) {
+    next[0] += 0.2 * (r[0] - y[0]);
+  };
+  PlantConditions conditions;
+  conditions.manual = {{.input = 0, .from = 10.0, .to = 20.0, .change = -0.3}};
+  const ClosedLoopOptions options{.duration = 200.0, .noise_variance = 0.0};
+  const absl::StatusOr<Record> record = SimulateClosedLoop(
+      plant, integrate, {.steps = {{.output = 0, .time = 2.0, .value = 1.0}}},
+      options, conditions);
+  ASSERT_TRUE(record.ok()) << record.status();
+  const auto input = [&](double time) {
+    return record->inputs(0, static_cast<int>(std::round(time / 0.2)));
+  };
+  EXPECT_NEAR(input(10.0), input(9.8) - 0.3, 1e-12);
+  EXPECT_EQ(input(19.8), input(10.0));
+  EXPECT_NE(input(20.0), input(19.8));
+  // What it asked for last, 9 control instants' worth of nothing.
+  EXPECT_NEAR(input(20.0), input(9.8), 0.2);
+  EXPECT_NEAR(record->outputs(0, record->samples() - 1), 1.0, 1e-6);
+}
+
 TEST(EffectsTest, AnActuatorStandsBetweenTheRecordAndThePlant) {
   PlantConditions conditions;
   conditions.actuators = {{.input = 0, .stiction = 0.5},

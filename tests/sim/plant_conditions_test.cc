@@ -319,6 +319,16 @@ TEST(PlantConditionsTest, AreChecked) {
                 c.valves.max = Vector2d(0.0, 0.0);
               }),
               HasSubstr("min = 1 above max = 0"));
+  EXPECT_THAT(message([](auto& c) {
+                c.manual = {{.input = 1, .from = 1.0, .to = 2.0}};
+              }),
+              HasSubstr("input = 1 in manual"));
+  EXPECT_THAT(message([](auto& c) {
+                c.manual = {{.input = 0, .from = 2.0, .to = 2.0}};
+              }),
+              HasSubstr("manual from 2 to 2"));
+  EXPECT_THAT(message([](auto& c) { c.loads = {{.answered = INFINITY}}; }),
+              HasSubstr("answered = inf"));
 }
 
 }  // namespace

@@ -54,6 +54,44 @@ TEST(SensorsTest, OnlyTheirOutputIsLagged) {
   for (int k = 0; k < 20; ++k) EXPECT_EQ(whole(1, k), lag.Follow(before(1, k)));
 }
 
+// φ(0) = 0, φ'(0) = 1, and what defines each curve.
+TEST(SensorsTest, CurvesHaveTheSlopeOneAtTheOperatingPoint) {
+  const double a = 0.4;
+  const auto shown = [a](OutputCurve curve, double value) {
+    VectorXd outputs = VectorXd::Constant(1, value);
+    Sensors({{.curve = curve, .curvature = a}}, 1.0).Follow(outputs);
+    return outputs[0];
+  };
+  for (const OutputCurve curve :
+       {OutputCurve::kNone, OutputCurve::kQuadratic, OutputCurve::kLogarithm,
+        OutputCurve::kTanh}) {
+    EXPECT_EQ(shown(curve, 0.0), 0.0);
+    EXPECT_NEAR((shown(curve, 1e-5) - shown(curve, -1e-5)) / 2e-5, 1.0, 1e-8);
+  }
+  using enum OutputCurve;
+  EXPECT_EQ(shown(kNone, 1.5), 1.5);
+  // The same bend both ways; a logarithm is the inverse of an exponential; an S
+  // is odd and ends at 1/a.
+  EXPECT_NEAR(shown(kQuadratic, 1.5) + shown(kQuadratic, -1.5), 2 * a * 2.25,
+              1e-12);
+  EXPECT_NEAR(std::exp(a * shown(kLogarithm, 1.5)), 1.0 + a * 1.5, 1e-12);
+  EXPECT_NEAR(shown(kTanh, 1.5), -shown(kTanh, -1.5), 1e-12);
+  EXPECT_NEAR(shown(kTanh, 100.0), 1.0 / a, 1e-12);
+  EXPECT_TRUE(std::isfinite(shown(kLogarithm, -100.0)));
+  EXPECT_LT(shown(kLogarithm, -100.0), shown(kLogarithm, -1.5));
+}
+
+TEST(SensorsTest, ABentSensorIsBentBeforeItLags) {
+  Sensors sensors(
+      {{.curve = OutputCurve::kQuadratic, .curvature = 0.3, .lag = 2.0}}, 0.5);
+  Lag lag(2.0, 0.5);
+  for (const double value : {0.0, 1.0, 2.0, -1.0, -1.0}) {
+    VectorXd outputs = VectorXd::Constant(1, value);
+    sensors.Follow(outputs);
+    EXPECT_NEAR(outputs[0], lag.Follow(value + 0.3 * value * value), 1e-12);
+  }
+}
+
 TEST(SensorsTest, ADeadSensorRepeatsWhatItShowedLast) {
   Sensors sensors({{.output = 0, .max = 2.5, .dead_from = 3.0}}, 1.0);
   VectorXd shown(6);
@@ -83,6 +121,7 @@ TEST(SensorsTest, OptionsAreChecked) {
   };
   EXPECT_TRUE(SensorOptions{}.Validate(1).ok());
   EXPECT_THAT(message({.output = 2}), HasSubstr("output = 2"));
+  EXPECT_THAT(message({.curvature = INFINITY}), HasSubstr("curvature = inf"));
   EXPECT_THAT(message({.lag = -1.0}), HasSubstr("lag = -1"));
   EXPECT_THAT(message({.noise_variance = -1.0}),
               HasSubstr("noise_variance = -1"));

@@ -1,6 +1,6 @@
 #include <string>
 
-#include "apps/lifecycle/figure_parts.h"
+#include "apps/lifecycle/report.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "mle/base/double_limits.h"

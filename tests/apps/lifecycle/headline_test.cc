@@ -1,13 +1,12 @@
 // What the page of lives says first.
 
-#include "apps/lifecycle/headline.h"
-
 #include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "absl/strings/str_join.h"
+#include "apps/lifecycle/report.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "mle/base/double_limits.h"

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "apps/lifecycle/model_in_use.h"
+#include "apps/lifecycle/update.h"
 #include "control/mpc.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"

@@ -4,10 +4,9 @@
 #include <cmath>
 #include <set>
 
-#include "apps/lifecycle/durations.h"
 #include "apps/lifecycle/policy.h"
+#include "apps/lifecycle/request.h"
 #include "apps/lifecycle/scenario.h"
-#include "apps/lifecycle/step_test.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "tests/apps/lifecycle/small_scenario.h"

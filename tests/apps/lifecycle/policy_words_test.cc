@@ -1,9 +1,8 @@
-#include "apps/lifecycle/policy_words.h"
-
 #include <iterator>
 #include <set>
 #include <string>
 
+#include "apps/lifecycle/report.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "tests/apps/lifecycle/small_scenario.h"

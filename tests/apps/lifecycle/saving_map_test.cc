@@ -1,7 +1,6 @@
-#include "apps/lifecycle/saving_map.h"
-
 #include <cmath>
 
+#include "apps/lifecycle/report.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "mle/base/double_limits.h"

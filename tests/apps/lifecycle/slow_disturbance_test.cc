@@ -1,9 +1,8 @@
-#include "apps/lifecycle/slow_disturbance.h"
-
 #include <cmath>
 #include <cstdint>
 
 #include "Eigen/Core"
+#include "apps/lifecycle/scenario.h"
 #include "gtest/gtest.h"
 
 namespace mle::lifecycle {

@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "apps/lifecycle/prices.h"
 #include "gtest/gtest.h"
 
 namespace mle::lifecycle {

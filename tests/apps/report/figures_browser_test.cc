@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "absl/strings/str_cat.h"
 #include "absl/time/time.h"
 #include "apps/report/html.h"
 #include "apps/report/text.h"
@@ -115,13 +116,17 @@ TEST_P(FiguresBrowserTest, CanBeReadAndAsksForNothing) {
                     HasSubstr(CleanText(kHostile) + " 5.00")));
 }
 
-INSTANTIATE_TEST_SUITE_P(Widths, FiguresBrowserTest,
-                         ::testing::Values(std::pair(375, Mode::kLight),
-                                           std::pair(375, Mode::kDark),
-                                           std::pair(1024, Mode::kLight),
-                                           std::pair(1024, Mode::kDark),
-                                           std::pair(1920, Mode::kLight),
-                                           std::pair(1920, Mode::kDark)));
+INSTANTIATE_TEST_SUITE_P(
+    Widths, FiguresBrowserTest,
+    ::testing::Values(std::pair(375, Mode::kLight), std::pair(375, Mode::kDark),
+                      std::pair(1024, Mode::kLight),
+                      std::pair(1024, Mode::kDark),
+                      std::pair(1920, Mode::kLight),
+                      std::pair(1920, Mode::kDark)),
+    [](const auto& test) {
+      return absl::StrCat(test.param.second == Mode::kDark ? "Dark" : "Light",
+                          test.param.first);
+    });
 
 }  // namespace
 }  // namespace mle::report

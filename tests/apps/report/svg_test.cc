@@ -329,14 +329,6 @@ TEST(SvgTest, DrawsWhatHasNoDataAndWhatIsExtreme) {
   EXPECT_THAT(svg, Not(HasSubstr("inf")));
 }
 
-TEST(SvgTest, EveryRoleHasAColourInDarkMode) {
-  const std::string style = FigureStyle();
-  for (const Role role : AllRoles()) {
-    EXPECT_THAT(style, HasSubstr(".role-" + NameOf(role) +
-                                 " { color: " + DarkColourOf(role)));
-  }
-}
-
 TEST(SvgTest, RefusesBadFigures) {
   EXPECT_EQ(SvgFile(Figure(), "", "").status().code(),
             absl::StatusCode::kInvalidArgument);

@@ -1,9 +1,8 @@
-#include "apps/reproduce/outputs.h"
-
 #include <limits>
 #include <string>
 #include <vector>
 
+#include "apps/reproduce/report.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "nlohmann/json.hpp"

@@ -32,6 +32,7 @@ class DrippingServer {
     thread_ = std::thread([this, begin] { Drip(begin); });
   }
   ~DrippingServer() {
+    stop_ = true;
     shutdown(socket_, SHUT_RDWR);
     thread_.join();
     close(socket_);
@@ -47,16 +48,17 @@ class DrippingServer {
     const int other = accept(socket_, nullptr, nullptr);
     if (other < 0) return;
     std::string rest = begin;
-    while (send(other, rest.data(), rest.size(), MSG_NOSIGNAL) > 0) {
+    while (!stop_ && !is_left_) {
+      is_left_ = send(other, rest.data(), rest.size(), MSG_NOSIGNAL) <= 0;
       rest = "a";
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
-    is_left_ = true;
     close(other);
   }
 
   int socket_;
   int port_ = 0;
+  std::atomic<bool> stop_{false};
   std::atomic<bool> is_left_{false};
   std::thread thread_;
 };
@@ -68,9 +70,12 @@ TEST(PostTest, AnAnswerThatDripsIsLeft) {
     const absl::Status status =
         PostJson(server.url(), "{}", "id", std::chrono::milliseconds(200));
     EXPECT_FALSE(status.ok()) << begin;
-    while (!server.is_left()) {
+    const auto deadline =
+        std::chrono::steady_clock::now() + std::chrono::seconds(60);
+    while (!server.is_left() && std::chrono::steady_clock::now() < deadline) {
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
+    EXPECT_TRUE(server.is_left()) << begin;
   }
 }
 

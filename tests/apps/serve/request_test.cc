@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "absl/strings/str_cat.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
@@ -97,7 +98,10 @@ INSTANTIATE_TEST_SUITE_P(
                 413},
         Refused{"POST / HTTP/1.1\nHost: a\nTransfer-Encoding: chunked\n", 411},
         Refused{"GET / HTTP/1.1\nHost: a\nContent-Length: 1\n", 400},
-        Refused{"POST / HTTP/1.1\nHost: a\nExpect: 100-continue\n", 417}));
+        Refused{"POST / HTTP/1.1\nHost: a\nExpect: 100-continue\n", 417}),
+    [](const auto& test) {
+      return absl::StrCat("Head", test.index, "Is", test.param.status);
+    });
 
 TEST(ParseHeadTest, HeadersAreCounted) {
   std::string lines = "GET / HTTP/1.1\nHost: a\n";

@@ -1,13 +1,11 @@
 // What the page of a study says first.
 
-#include "apps/study/headline.h"
-
 #include <cmath>
 #include <string>
 #include <vector>
 
 #include "absl/strings/str_join.h"
-#include "apps/study/tables.h"
+#include "apps/study/report.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 

@@ -1,4 +1,4 @@
-#include "apps/study/journal.h"
+#include "apps/experiment/journal.h"
 
 #include <fstream>
 #include <memory>
@@ -7,7 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "apps/experiment/row.h"
 #include "apps/study/campaign.h"
-#include "apps/study/merge.h"
+#include "apps/study/run.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "tests/apps/command_runner.h"
@@ -18,6 +18,8 @@ namespace {
 
 using experiment::Campaign;
 using experiment::Grid;
+using experiment::Journal;
+using experiment::JournalHead;
 using experiment::Metric;
 using experiment::ParseRow;
 using experiment::Row;
@@ -28,8 +30,6 @@ using experiment::WithoutSeconds;
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-
-const JournalHead kHead = {.checksum = "ab12", .version = "0.1.0", .runs = 6};
 
 class JournalTest : public ::testing::Test {
  protected:
@@ -43,15 +43,12 @@ class JournalTest : public ::testing::Test {
 
   absl::StatusOr<std::unique_ptr<Journal>> Open(const JournalHead& head,
                                                 bool resume) const {
-    return Journal::Open(
-        path_, head,
-        [&](std::int64_t run) { return RowStart(campaign_, grid_, run); },
-        resume);
+    return Journal::Open(path_, head, resume);
   }
 
   // A journal with runs 4 and 1 done.
   void WriteTwo() const {
-    const auto journal = Open(kHead, false);
+    const auto journal = Open(head_, false);
     ASSERT_TRUE(journal.ok()) << journal.status();
     ASSERT_TRUE((*journal)->Append(4, LineOf(4)).ok());
     ASSERT_TRUE((*journal)->Append(1, LineOf(1)).ok());
@@ -63,13 +60,15 @@ class JournalTest : public ::testing::Test {
 
   const ScratchFolder scratch_;
   const std::string path_ = scratch_ / "journal.csv";
-  const Campaign campaign_ = *ParseCampaign(SmallCampaign(3).dump(), "c.json");
+  const Study study_ = *ReadStudy(SmallCampaign(3).dump(), "c.json", "");
+  const Campaign& campaign_ = study_.campaign;
   const Grid grid_{campaign_};
+  const JournalHead head_ = WorkOf(study_).head;
 };
 
 TEST_F(JournalTest, KeepsWhatWasDone) {
   WriteTwo();
-  const auto journal = Open(kHead, true);
+  const auto journal = Open(head_, true);
   ASSERT_TRUE(journal.ok()) << journal.status();
   EXPECT_EQ((*journal)->num_done(), 2);
   EXPECT_EQ((*journal)->dropped_bytes(), 0);
@@ -87,7 +86,7 @@ TEST_F(JournalTest, DropsALineThatBrokeOff) {
   const std::size_t second = whole.rfind("\n1,") + 1;
   for (std::size_t size = 0; size < whole.size(); size += 23) {
     Spoil(whole.substr(0, size));
-    auto journal = Open(kHead, true);
+    auto journal = Open(head_, true);
     ASSERT_TRUE(journal.ok()) << size << ": " << journal.status();
     const int left = size >= second ? 1 : 0;
     EXPECT_EQ((*journal)->num_done(), left) << size;
@@ -96,7 +95,7 @@ TEST_F(JournalTest, DropsALineThatBrokeOff) {
       ASSERT_TRUE((*journal)->Append(4, LineOf(4)).ok());
     }
     journal = absl::CancelledError("closed");
-    const auto again = Open(kHead, true);
+    const auto again = Open(head_, true);
     ASSERT_TRUE(again.ok()) << size << ": " << again.status();
     EXPECT_EQ((*again)->num_done(), 2) << size;
   }
@@ -105,7 +104,7 @@ TEST_F(JournalTest, DropsALineThatBrokeOff) {
 TEST_F(JournalTest, LeavesOutRubbish) {
   WriteTwo();
   Spoil(Content(path_) + std::string(100, '\0') + "\n");
-  const auto journal = Open(kHead, true);
+  const auto journal = Open(head_, true);
   ASSERT_TRUE(journal.ok()) << journal.status();
   EXPECT_EQ((*journal)->num_done(), 2);
   EXPECT_THAT((*journal)->damaged_lines(), ElementsAre(5));
@@ -122,14 +121,14 @@ TEST_F(JournalTest, ALineWithAChangedByteIsDoneAgain) {
     std::string changed = whole;
     changed[at] = changed[at] == '7' ? '8' : '7';
     Spoil(changed);
-    auto journal = Open(kHead, true);
+    auto journal = Open(head_, true);
     ASSERT_TRUE(journal.ok()) << at << ": " << journal.status();
     EXPECT_FALSE((*journal)->IsDone(4)) << at;
     EXPECT_TRUE((*journal)->IsDone(1)) << at;
     EXPECT_THAT((*journal)->damaged_lines(), ElementsAre(3));
     ASSERT_TRUE((*journal)->Append(4, LineOf(4)).ok());
     journal = absl::CancelledError("closed");
-    const auto again = Open(kHead, true);
+    const auto again = Open(head_, true);
     ASSERT_TRUE(again.ok()) << again.status();
     EXPECT_EQ((*again)->num_done(), 2);
     EXPECT_EQ(*(*again)->Line(4), LineOf(4));
@@ -139,14 +138,14 @@ TEST_F(JournalTest, ALineWithAChangedByteIsDoneAgain) {
 // A line with a right checksum under the number of another run.
 TEST_F(JournalTest, CoordinatesAreThoseOfTheRun) {
   {
-    const auto journal = Open(kHead, false);
+    const auto journal = Open(head_, false);
     ASSERT_TRUE(journal.ok()) << journal.status();
     std::string other = LineOf(4);
     other[0] = '3';
     ASSERT_TRUE((*journal)->Append(3, other).ok());
     ASSERT_TRUE((*journal)->Append(1, LineOf(1)).ok());
   }
-  const auto journal = Open(kHead, true);
+  const auto journal = Open(head_, true);
   ASSERT_TRUE(journal.ok()) << journal.status();
   EXPECT_THAT((*journal)->damaged_lines(), ElementsAre(3));
   EXPECT_FALSE((*journal)->IsDone(3));
@@ -156,7 +155,7 @@ TEST_F(JournalTest, CoordinatesAreThoseOfTheRun) {
 
 TEST_F(JournalTest, ALineThatChangesWhileTheJournalIsOpenIsNotUsed) {
   WriteTwo();
-  const auto journal = Open(kHead, true);
+  const auto journal = Open(head_, true);
   ASSERT_TRUE(journal.ok()) << journal.status();
   std::string changed = Content(path_);
   changed[changed.find(",ok,") + 4] = '9';
@@ -173,29 +172,29 @@ TEST_F(JournalTest, RefusesARunThatStandsTwice) {
   const std::string whole = Content(path_);
   const std::size_t begin = whole.find("\n4,") + 1;
   Spoil(whole + whole.substr(begin, whole.find("\n1,") + 1 - begin));
-  const auto journal = Open(kHead, true);
+  const auto journal = Open(head_, true);
   ASSERT_FALSE(journal.ok());
   EXPECT_THAT(std::string(journal.status().message()),
-              HasSubstr("run 4 stands twice"));
+              HasSubstr("run 4 is duplicated"));
 }
 
 TEST_F(JournalTest, RefusesAnotherCampaignOrVersion) {
   WriteTwo();
-  for (const JournalHead& other :
-       {JournalHead{"cd34", "0.1.0", 6}, JournalHead{"ab12", "0.2.0", 6},
-        JournalHead{"ab12", "0.1.0", 7}}) {
+  for (const bool columns : {false, true}) {
+    JournalHead other = head_;
+    (columns ? other.columns : other.first_line) += "2";
     const auto journal = Open(other, true);
     ASSERT_FALSE(journal.ok());
     EXPECT_THAT(std::string(journal.status().message()),
                 HasSubstr("another campaign"));
   }
-  const auto journal = Open(kHead, false);
+  const auto journal = Open(head_, false);
   ASSERT_FALSE(journal.ok());
   EXPECT_THAT(std::string(journal.status().message()), HasSubstr("--resume"));
 }
 
 TEST_F(JournalTest, MergesInTheOrderOfTheRuns) {
-  const auto journal = Open(kHead, false);
+  const auto journal = Open(head_, false);
   ASSERT_TRUE(journal.ok()) << journal.status();
   for (const int run : {3, 5, 0, 1, 4, 2}) {
     ASSERT_TRUE((*journal)->Append(run, LineOf(run)).ok());

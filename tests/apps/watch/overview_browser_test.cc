@@ -96,11 +96,15 @@ TEST_P(OverviewBrowserTest, AThousandRowsAreSortedAndFiltered) {
   EXPECT_EQ(table["descending"], "unit 19:FIC-999");
 }
 
-INSTANTIATE_TEST_SUITE_P(Widths, OverviewBrowserTest,
-                         ::testing::Values(std::pair(390, Mode::kLight),
-                                           std::pair(390, Mode::kDark),
-                                           std::pair(1440, Mode::kLight),
-                                           std::pair(1440, Mode::kDark)));
+INSTANTIATE_TEST_SUITE_P(
+    Widths, OverviewBrowserTest,
+    ::testing::Values(std::pair(390, Mode::kLight), std::pair(390, Mode::kDark),
+                      std::pair(1440, Mode::kLight),
+                      std::pair(1440, Mode::kDark)),
+    [](const auto& test) {
+      return absl::StrCat(test.param.second == Mode::kDark ? "Dark" : "Light",
+                          test.param.first);
+    });
 
 TEST(ServedPagesBrowserTest, TheirScriptsAreThoseThatThePolicyAllows) {
   if (!report::HasBrowser()) GTEST_SKIP() << "chromium is not installed";

@@ -327,11 +327,11 @@ TEST_F(RoutesTest, WhatIsReadAnewIsWhatIsReadFirst) {
 }
 
 TEST_F(RoutesTest, ADamagedControllerIsShownBesideTheOthers) {
-  absl::StatusOr<Database> database = Database::Open(files_.StatePath());
+  const auto database = Database::Open(files_.StatePath());
   ASSERT_TRUE(database.ok());
-  ASSERT_TRUE(database
-                  ->Execute("UPDATE days SET block = block + 1 WHERE watch = "
-                            "(SELECT id FROM watch WHERE controller = 'b')")
+  ASSERT_TRUE((*database)
+                  ->Execute("UPDATE day SET number = number + 1000 WHERE watch "
+                            "= (SELECT id FROM watch WHERE controller = 'b')")
                   .ok());
   absl::StatusOr<std::unique_ptr<Site>> site = Site::Open(
       {.list = files_.List(), .state = files_.StatePath(), .folder = "."});

@@ -118,9 +118,12 @@ TEST_P(CrossValidationTest, LossesAreThoseOfTheFoldsRows) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Scalings, CrossValidationTest,
-                         ::testing::Values(Scaling::kStandardise,
-                                           Scaling::kRaw));
+INSTANTIATE_TEST_SUITE_P(
+    Scalings, CrossValidationTest,
+    ::testing::Values(Scaling::kStandardise, Scaling::kRaw),
+    [](const auto& test) {
+      return std::string(test.param == Scaling::kRaw ? "Raw" : "Standardised");
+    });
 
 // Measured less simulated outputs, oldest first, on the model's own outputs
 // after the lags of the first row.

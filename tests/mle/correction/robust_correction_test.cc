@@ -81,9 +81,12 @@ TEST_P(RobustCorrectionTest, WindowInterceptsAreRobustToo) {
   EXPECT_LE(robust.MaxRelativeGap(), 1e-7);
 }
 
-INSTANTIATE_TEST_SUITE_P(Losses, RobustCorrectionTest,
-                         ::testing::Values(RobustLoss::kHuber,
-                                           RobustLoss::kCauchy));
+INSTANTIATE_TEST_SUITE_P(
+    Losses, RobustCorrectionTest,
+    ::testing::Values(RobustLoss::kHuber, RobustLoss::kCauchy),
+    [](const auto& test) {
+      return std::string(test.param == RobustLoss::kHuber ? "Huber" : "Cauchy");
+    });
 
 // Huber's loss is convex: no change of one coefficient lowers the objective.
 TEST(RobustCorrectionTest, HubersMinimumIsOne) {

@@ -153,7 +153,7 @@ void AddHeaders(std::vector<Hostile>& files) {
   add("Tiem,level,temperature,steam,inflow", "there is no column 'time'");
   add("Time,TIME,level,temperature,steam,inflow", "there is no column 'time'");
   add("time,level,temperature,steam", "there is no column 'inflow'");
-  add("0,1,2,3,4", "there is no column 'inflow', 'level'");
+  add("0,1,2,3,4", "line 1: there is no header");
   add("time,level,temperature,steam,inflow,foo",
       "column 6: 'foo' is neither time nor an input");
   add("time,level,temperature,steam,inflow,",
@@ -194,7 +194,7 @@ void AddTimes(std::vector<Hostile>& files) {
       absl::StrCat(kHeader, "2024-02-28 00:00:00,1,2,3,4\n");
   for (const std::string date :
        {"2024-02-30 00:00:00", "2023-02-29 00:00:00", "2024-13-01 00:00:00",
-        "2024-00-01 00:00:00", "2024-02-28 24:00:00", "2024-02-28 00:60:00",
+        "2024-00-01 00:00:00", "2024-02-28 24:00:01", "2024-02-28 00:60:00",
         "2024-02-28 00:00:60", "2024-02-28", "28.02.2024 00:00:00",
         "02/28/2024 00:00:00", "2024-02-28 00:00:00 CET", "1.5", "20240228",
         "2024-02-28 00:00:00+25:00", "0000-01-01 00:00:00",

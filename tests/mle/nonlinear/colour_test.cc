@@ -5,6 +5,7 @@
 
 #include "Eigen/Core"
 #include "Eigen/LU"
+#include "absl/strings/str_format.h"
 #include "gtest/gtest.h"
 
 namespace mle {
@@ -83,7 +84,12 @@ TEST_P(ColourTest, SignalsHaveTheVariance) {
 INSTANTIATE_TEST_SUITE_P(Dampings, ColourTest,
                          ::testing::Values(Case{0.8, 0.1}, Case{0.9, 1.0},
                                            Case{0.9, 4.0}, Case{0.99, 1.5},
-                                           Case{0.3, 0.7}));
+                                           Case{0.3, 0.7}),
+                         [](const auto& test) {
+                           return absl::StrFormat("Pole%.0fDamping%.0f",
+                                                  100.0 * test.param.pole,
+                                                  100.0 * test.param.damping);
+                         });
 
 TEST(ColourTest, FirstOrder) {
   const Colour colour(0.9);

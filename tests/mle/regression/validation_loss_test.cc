@@ -159,9 +159,12 @@ TEST_P(ValidationLossTest, PenaltyIsTheWeightedNorm) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Scalings, ValidationLossTest,
-                         ::testing::Values(Scaling::kStandardise,
-                                           Scaling::kRaw));
+INSTANTIATE_TEST_SUITE_P(
+    Scalings, ValidationLossTest,
+    ::testing::Values(Scaling::kStandardise, Scaling::kRaw),
+    [](const auto& test) {
+      return std::string(test.param == Scaling::kRaw ? "Raw" : "Standardised");
+    });
 
 }  // namespace
 }  // namespace mle

@@ -1,0 +1,195 @@
+// What mle_lifecycle makes of lives: amounts, words, tables, figures, the
+// verdict, the page and the files.
+
+#ifndef APPS_LIFECYCLE_REPORT_H_
+#define APPS_LIFECYCLE_REPORT_H_
+
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "apps/common/run_again.h"
+#include "apps/lifecycle/campaign.h"
+#include "apps/lifecycle/policy.h"
+#include "apps/lifecycle/request.h"
+#include "apps/lifecycle/summary.h"
+#include "apps/report/drawing.h"
+#include "apps/report/figure.h"
+#include "apps/report/html.h"
+#include "apps/report/table.h"
+
+namespace mle::lifecycle {
+
+// Amounts of money as they are shown: whole numbers from 100 on, three digits
+// below.
+
+// "8,610 ± 1,107"; the mean alone without an interval.
+std::string Money(const MeanOfSeeds& amount);
+// The same with the currency behind it, if it has a name: "8,610 ± 1,107 EUR".
+std::string Money(const MeanOfSeeds& amount, const std::string& currency);
+
+// ", EUR" for captions and axes; empty without a name.
+std::string InCurrency(const std::string& currency);
+
+// Policies in the words of those who run a plant.
+
+// In tables and figures: "corrected every 3rd change".
+std::string ShortName(const Policy& policy);
+
+// As an instruction: "Correct the model after every 3rd set-point change".
+std::string Instruction(const Policy& policy);
+
+// What it does and when, in sentences. `hours_per_unit`: of the model's time.
+std::string Description(const Policy& policy, const Campaign& campaign,
+                        double hours_per_unit);
+
+// The tables of mle_lifecycle.
+
+// What a year costs under each policy, the cheapest first and the perfect model
+// last, and how far it is from the cheapest.
+report::Table ComparisonTable(const RateSummary& rate, std::size_t lives,
+                              const std::string& currency);
+
+// How often each policy acts, and how good its model is; in the order and with
+// the names of --policies.
+report::Table ActivityTable(const RateSummary& rate);
+
+// Parts of the cost of a year.
+report::Table CostTable(const RateSummary& rate, const std::string& currency);
+
+// Policies by rates: the part of the avoidable cost that is saved, in percent.
+report::Table SavingTable(const std::vector<RateSummary>& summaries);
+
+// What the figures of lives have in common.
+
+inline constexpr char kFloorLabel[] = "perfect model: the floor";
+
+// Colour by family; its members differ in their lines.
+report::Style StyleOfPolicy(const Policy& policy, int member);
+// By its place among the policies.
+report::Style StyleAt(const std::vector<Policy>& policies, std::size_t place);
+
+report::MarkerShape MarkerOf(const std::string& family);
+
+// What is drawn of a policy: what it costs beyond the perfect model, where that
+// is known.
+MeanOfSeeds Drawn(const PolicySummary& policy);
+
+// "cost a year above the floor, EUR", or the cost itself without the perfect
+// model.
+std::string CostLabel(const RateSummary& rate, const std::string& currency);
+
+// The highest cost that a picture has to show. Step tests may cost many times
+// what all others do, and would press those flat.
+class UpperEdge {
+ public:
+  void Add(const Policy& policy, double cost);
+  double value() const;
+
+ private:
+  static constexpr double kMostTimes = 4.0;
+  double others_ = 0.0;
+  double tests_ = std::numeric_limits<double>::infinity();
+};
+
+// What each policy costs a year at one rate, with its interval, above the floor
+// that the perfect model is (cost_figure.cc).
+report::NamedFigure CostFigure(const RateSummary& rate,
+                               const std::string& currency);
+
+// A map of the saving of policies by rates of ageing.
+
+// A square for each policy and rate: what is saved a year against never, with
+// the half-width of its interval of 95 %. The larger a part of the largest mean
+// saving at that rate, the darker; a saving within its interval of zero is
+// white. `summaries`: by rising rate, all of the same policies, `never` among
+// them and others too.
+report::NamedFigure SavingMap(const std::vector<const RateSummary*>& summaries,
+                              const std::string& currency);
+
+// The figures of mle_lifecycle.
+
+// Cost against the time between updates, the map of savings by policy and rate
+// of ageing (saving_map.h), cost against the rate, and, for the first seed at
+// the rate nearest to 1, cost and model error over time. Those that would show
+// nothing are left out: a single interval, a single rate.
+std::vector<report::NamedFigure> MakeFigures(
+    const Campaign& campaign, const Lives& lives,
+    const std::vector<RateSummary>& summaries, const Valuation& valuation);
+
+// What to do, from the costs of the policies: at the top of the page and at the
+// end on the terminal.
+//
+// Two policies are told apart where the 95 % interval of the difference of
+// their costs over the same lives does not hold zero.
+
+enum class Answer {
+  kUpdate,      // the cheapest policy updates, and costs less than never
+  kKeep,        // never is the cheapest
+  kCannotTell,  // one life, or never cannot be told apart from the cheapest
+  kNoNever,     // updates were compared without never
+  kNoUpdates,   // never and perfect alone
+  kDiverged,    // the loop diverged in a life of every policy but perfect
+};
+
+Answer AnswerAt(const RateSummary& rate);
+
+// Of the rates the one nearest to 1, the ageing as its file has it; not empty.
+const RateSummary& NominalRate(const std::vector<RateSummary>& summaries);
+
+// Badge, headline and sentences for the nominal rate, with the answers at the
+// other rates.
+report::Verdict VerdictOf(const Campaign& campaign,
+                          const std::vector<RateSummary>& summaries,
+                          const Valuation& valuation);
+
+// The files beside the report: result.json and lifecycle.csv
+// (docs/lifecycle.md).
+
+// `flags`: names and values, as they were given.
+std::string FormatResult(
+    const Campaign& campaign, const std::vector<RateSummary>& summaries,
+    const Valuation& valuation, const std::string& command,
+    const std::vector<std::pair<std::string, std::string>>& flags);
+
+// A line for each set-point change of each life.
+std::string FormatRows(const Campaign& campaign, const Lives& lives,
+                       const Valuation& valuation);
+
+// The report of mle_lifecycle.
+
+std::string FormatPage(const Campaign& campaign,
+                       const std::vector<RateSummary>& summaries,
+                       const Valuation& valuation,
+                       const std::vector<report::DrawnFigure>& figures,
+                       const report::RunAgain& run_again);
+
+// What a life cycle leaves in its folder: result.json, lifecycle.csv, the
+// figures and report.html.
+
+struct Results {
+  Lives lives;
+  std::vector<RateSummary> summaries;
+  Valuation valuation;
+};
+
+// Of lives with what they were asked for.
+Results Evaluate(const Request& request, Lives lives);
+
+// How the results were asked for: a command or a call, its options, and how the
+// page says it.
+struct Asked {
+  std::string call;
+  NamesAndValues options;
+  report::RunAgain run_again;
+};
+
+// Into the campaign's folder, all or none.
+absl::Status WriteResults(const Request& request, const Results& results,
+                          const Asked& asked);
+
+}  // namespace mle::lifecycle
+
+#endif  // APPS_LIFECYCLE_REPORT_H_

@@ -1,0 +1,135 @@
+// What mle_study makes of a summary: labels, verdict, tables, figures, the page
+// and the files beside runs.csv.
+
+#ifndef APPS_STUDY_REPORT_H_
+#define APPS_STUDY_REPORT_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "apps/experiment/grid.h"
+#include "apps/report/drawing.h"
+#include "apps/report/html.h"
+#include "apps/report/table.h"
+#include "apps/study/campaign.h"
+#include "apps/study/summary.h"
+
+namespace mle::study {
+
+// Short names of what is compared: only what differs within the campaign.
+
+// "gain, noise 0.001"; the campaign's mismatch where nothing else differs.
+std::string ScenarioLabel(const experiment::Campaign& campaign,
+                          const experiment::Scenario& scenario);
+// The same without the one axis that a figure has.
+enum class Axis { kNone, kNoise, kDrift, kSize, kWindows, kController };
+std::string ScenarioLabel(const experiment::Campaign& campaign,
+                          const experiment::Scenario& scenario, Axis without);
+// "arx, paper".
+std::string MethodLabel(const experiment::Campaign& campaign,
+                        const experiment::Method& method);
+
+// What a campaign says about its corrections, in a line and in counts.
+//
+// A case is a scenario with a method that corrects. Its correction ends closer
+// to the plant where the median over the seeds of the squared distance E of the
+// step responses is below that of the initial model, and farther where it is
+// above.
+
+enum class Outcome { kCloser, kUnchanged, kFarther };
+
+// Of a case, i.e. a cell with values of E.
+Outcome OutcomeOf(const Cell& cell);
+// Whether the cell is a case, and not a model left as it is or a cell in which
+// every run failed.
+bool IsCase(const experiment::Campaign& campaign, const Cell& cell);
+
+// What the cases of one method come to.
+struct MethodTally {
+  int method = 0;  // of the campaign's
+  int closer = 0;
+  int unchanged = 0;
+  int farther = 0;
+  int closest = 0;  // scenarios in which no other method has a smaller median
+  // E after over E before, medians: of the middle case and of the worst; NaN
+  // without cases with E before above 0.
+  double middle_ratio = 0.0;
+  double worst_ratio = 0.0;
+  std::int64_t runs = 0;  // that did not fail
+  double harmed = 0.0;    // of them, with E above that of the initial model
+
+  int cases() const { return closer + unchanged + farther; }
+};
+
+// In the order of the campaign's methods, those that correct.
+std::vector<MethodTally> TallyMethods(const experiment::Campaign& campaign,
+                                      const StudySummary& summary);
+
+report::Verdict VerdictOf(const experiment::Campaign& campaign,
+                          const StudySummary& summary);
+
+// The tables of mle_study: of methods, and with a row for each cell.
+
+// The cells of a table: `most` of them from the `first` on.
+struct Rows {
+  std::size_t first = 0;
+  std::size_t most = 0;
+};
+
+// In how many scenarios each method ends closer to the plant.
+report::Table MethodTable(const experiment::Campaign& campaign,
+                          const StudySummary& summary);
+
+// E before and after.
+report::Table ErrorTable(const experiment::Campaign& campaign,
+                         const StudySummary& summary, Rows rows);
+// Mean and extremes of E.
+report::Table MeanTable(const experiment::Campaign& campaign,
+                        const StudySummary& summary, Rows rows);
+// λ chosen and best.
+report::Table LambdaTable(const experiment::Campaign& campaign,
+                          const StudySummary& summary, Rows rows);
+// Gains and dead times.
+report::Table ElementTable(const experiment::Campaign& campaign,
+                           const StudySummary& summary, Rows rows);
+
+// How often each failure occurred.
+report::Table FailureTable(const StudySummary& summary);
+
+// The figures of a campaign.
+
+// Scenarios have a panel each, the first kMaxPanels of them, and methods a
+// curve:
+//   E over the axis of numbers that has the most values, where one has three
+//   how E is distributed over the seeds
+//   λ chosen over the best λ
+//   how far E is above that of the best λ
+// What a campaign has no values for is left out.
+inline constexpr int kMaxPanels = 6;
+std::vector<report::NamedFigure> MakeFigures(
+    const experiment::Campaign& campaign, const StudySummary& summary);
+
+// The report of mle_study.
+
+std::string FormatPage(const experiment::Campaign& campaign,
+                       const StudySummary& summary,
+                       const std::vector<report::DrawnFigure>& figures,
+                       const report::RunAgain& run_again);
+
+// What mle_study leaves beside runs.csv: summary.csv, summary.json, the figures
+// and report.html; and what it prints.
+
+absl::Status WriteOutputs(const std::string& folder, bool figures,
+                          const experiment::Campaign& campaign,
+                          const StudySummary& summary,
+                          const report::RunAgain& run_again);
+
+void PrintSummary(const experiment::Campaign& campaign,
+                  const StudySummary& summary);
+
+}  // namespace mle::study
+
+#endif  // APPS_STUDY_REPORT_H_

@@ -1,0 +1,156 @@
+// Explanations of an output compete for the part of its residual that set
+// points drive.
+//
+//   E(θ) = |Qᵀ e(θ)|²              what instruments drive (instruments.h)
+//   N    = median over s of |Q_sᵀ e|²    what chance makes of it
+//   M    = mean over s of the largest (d_xᵀ Q_sᵀ e)², d_x the direction in
+//          which explanation x of the table moves Qᵀe: what the table
+//          explains of chance
+//
+// Forward: of all explanations that are not taken the one is tried that lowers
+// E + (improbability) N most, all taken ones estimated again beside it; it is
+// taken where
+//
+//   evidence = n ln(1 + (E before − E after) / (n M)),
+//
+// e of M and N that of `after`, is above the one asked for. n is the number of
+// independent placebos, one in 3 τ of the record: where what the table explains
+// of chance has an exponential distribution and M is the mean of n such, the
+// probability of this much by chance is (1 + R/n)⁻ⁿ = exp(−evidence). Backward:
+// what no longer pays beside the others leaves. Then
+//
+//   E / N of what is left: above about 2 an explanation is missing;
+//   Cov θ̂ = A C Aᵀ, A = (JᵀJ)⁻¹Jᵀ, J = ∂Qᵀe/∂θ, C the covariance of Q_sᵀe.
+//
+// Explanations of an input are tried for all its outputs together
+// (CompeteTogether). Hold-out validation: blocks of 3 τ in turn have no part in
+// θ, and the changes of e over h = τ/5, τ and 3 τ, and e itself, are compared
+// there with those of the model as it was.
+
+#ifndef MLE_EXPLAIN_COMPETITION_H_
+#define MLE_EXPLAIN_COMPETITION_H_
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "Eigen/Core"
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "mle/data/record.h"
+#include "mle/explain/explanation.h"
+#include "mle/model/element_response.h"
+#include "mle/model/process_model.h"
+
+namespace mle {
+
+struct ExplainOptions {
+  // −ln of the probability of taking an explanation by chance, > 0: e⁻⁸ is
+  // 0.03 %. Where inputs stand for set points, twice as much.
+  double evidence = 8.0;
+  // Explanations of an output at most, ≥ 1.
+  int most = 6;
+  // 0: one for each processor. The result does not depend on it.
+  int threads = 1;
+
+  absl::Status Validate() const;
+};
+
+struct TakenExplanation {
+  Explanation explanation;
+  double standard_error = 0.0;  // of θ
+  double evidence = 0.0;        // when it was taken
+};
+
+// Errors of the model as it was and as it is explained where records were held
+// out, by horizon; negative relative changes are gains.
+struct HorizonErrors {
+  double horizon = 0.0;  // in the model's time unit; 0: free simulation
+  double initial = 0.0;  // root mean square
+  double explained = 0.0;
+  // Of the difference of the squares, in its standard errors over blocks; > 0:
+  // the explained model is nearer.
+  double deviations = 0.0;
+};
+
+// What is known of one output.
+struct OutputExplanation {
+  // Why there is no judge: nothing moves, nothing is measured; or empty.
+  std::string unjudged;
+  bool by_set_points = false;
+  int moves = 0;
+  std::vector<TakenExplanation> taken;
+  // Of the last that was tried and not taken.
+  std::optional<TakenExplanation> next;
+  // What in place of one that was taken, all others estimated again beside it,
+  // explains nearly as much, improbabilities included: changes of two elements
+  // within 5 M, others within a tenth of N.
+  struct Tie {
+    Explanation taken;
+    Explanation rival;
+  };
+  std::vector<Tie> ties;
+  double energy = 0.0;       // E of the model as it was
+  double remaining = 0.0;    // E of what is explained
+  double chance = 0.0;       // N
+  double unit = 0.0;         // M
+  double independent = 1.0;  // n
+  double required = 0.0;     // the fall of E that is evidence enough, in M
+  std::vector<HorizonErrors> held_out;
+  // m: a change of the gain that would have been taken, as a share; infinite
+  // where no instrument moves the input.
+  std::vector<double> detectable;
+
+  bool judged() const { return unjudged.empty(); }
+  // Of a fall of E, by `unit` or another M.
+  double EvidenceOf(double fall) const { return EvidenceOf(fall, unit); }
+  double EvidenceOf(double fall, double by_unit) const;
+  bool AnyAgeing() const;
+  bool AnyOther() const;
+  // E/N: an explanation is missing above about 2.
+  double left() const { return chance > 0.0 ? remaining / chance : 0.0; }
+  double before() const { return chance > 0.0 ? energy / chance : 0.0; }
+};
+
+class OutputCompetition;
+
+// The competition of all outputs, which can be asked about other models of the
+// same row. `records` must outlive it.
+class Competition {
+ public:
+  // InvalidArgument for options; outputs without a judge say why.
+  static absl::StatusOr<Competition> Run(const ProcessModel& model,
+                                         const std::vector<Record>& records,
+                                         const ExplainOptions& options);
+  Competition(Competition&&) noexcept;
+  Competition& operator=(Competition&&) noexcept;
+  ~Competition();
+
+  const std::vector<OutputExplanation>& outputs() const { return results_; }
+  // K, T and L of an element with what is explained of them.
+  ElementValues Explained(int output, int input) const;
+  // By which a clock makes its dead time longer, in the model's time unit.
+  double ClockOf(int output, int input) const;
+  // Covariance (3 × 3) of K, T and L, clocks included.
+  Eigen::Matrix3d Covariance(int output, int input) const;
+  // E of another model's row, and of its difference from the model as it was:
+  // what the other would show of itself. The energy of the output, and 0, where
+  // it cannot be simulated.
+  struct Energies {
+    double remaining = 0.0;
+    double difference = 0.0;
+    double unit = 0.0;  // M of what the other leaves
+  };
+  Energies EnergiesOf(int output, const ProcessModel& model) const;
+
+ private:
+  Competition() = default;
+  std::vector<std::unique_ptr<OutputCompetition>> competitions_;
+  std::vector<OutputExplanation> results_;
+};
+
+}  // namespace mle
+
+#endif  // MLE_EXPLAIN_COMPETITION_H_

@@ -1,0 +1,510 @@
+#include "mle/explain/explained_output.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "absl/status/status.h"
+#include "absl/strings/str_cat.h"
+#include "mle/base/status.h"
+
+namespace mle {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+using Kind = ExplanationKind;
+
+// Rows of a residual at most, and of τ at least.
+constexpr int kMostRows = 1500;
+constexpr double kRowsPerTau = 20.0;
+// A gap in the inputs longer than this part of τ is not bridged.
+constexpr double kBridged = 0.1;
+// Of the longest T + L: how long the output does not count after a gap.
+constexpr double kForgotten = 3.0;
+// Doubles that the responses of one element may take.
+constexpr double kCachedDoubles = 1 << 21;
+
+double Find(const std::vector<Explanation>& explanations, Kind kind, int index,
+            bool* found = nullptr, int* part = nullptr) {
+  for (const Explanation& explanation : explanations) {
+    if (explanation.kind == kind && explanation.index == index) {
+      if (found != nullptr) *found = true;
+      if (part != nullptr) *part = explanation.part;
+      return explanation.value;
+    }
+  }
+  return 0.0;
+}
+
+// s at a share of the record (Explanation::part).
+double ShareOfChange(int part, double at) {
+  if (part == 0) return at;
+  const double quarter = std::floor(4.0 * at);
+  if (part <= 4) return quarter == part - 1.0 ? 1.0 : 0.0;
+  return quarter >= part - 4.0 ? 1.0 : 0.0;
+}
+
+SampledDelay SampledDelayOf(double delay, double sample_time) {
+  const double samples = std::clamp(delay / sample_time, 0.0, 1e8);
+  const double whole = std::floor(samples);
+  return {.whole = static_cast<int>(whole), .fraction = samples - whole};
+}
+
+// A first-order element whose lag is another where its output falls.
+VectorXd TwoLags(double rising, double falling, double sample_time,
+                 double delay, double sign, const VectorXd& input) {
+  const SampledDelay samples = SampledDelayOf(delay, sample_time);
+  const double up = std::exp(-sample_time / rising);
+  const double down = std::exp(-sample_time / falling);
+  VectorXd z(input.size());
+  double state = 0.0;
+  const auto at = [&](Index k) { return k < 0 ? 0.0 : input[k]; };
+  for (Index k = 0; k < input.size(); ++k) {
+    z[k] = state;
+    const double u = (1.0 - samples.fraction) * at(k - samples.whole) +
+                     samples.fraction * at(k - samples.whole - 1);
+    const double kept = sign * (u - state) > 0.0 ? up : down;
+    state = kept * state + (1.0 - kept) * u;
+  }
+  return z;
+}
+
+void AddLag(double lag, double sample_time, VectorXd& z) {
+  if (!(lag > 0.0)) return;
+  const double kept = std::exp(-sample_time / lag);
+  double state = 0.0;
+  for (double& value : z) {
+    state = kept * state + (1.0 - kept) * value;
+    value = state;
+  }
+}
+
+// z as it is `samples` later, not necessarily whole ones; its last value after
+// the end.
+VectorXd Earlier(const VectorXd& z, double samples) {
+  const Index last = z.size() - 1;
+  const auto whole = static_cast<Index>(
+      std::min(std::floor(samples), static_cast<double>(last)));
+  const double rest = samples - std::floor(samples);
+  VectorXd earlier(z.size());
+  for (Index k = 0; k <= last; ++k) {
+    earlier[k] = (1.0 - rest) * z[std::min(k + whole, last)] +
+                 rest * z[std::min(k + whole + 1, last)];
+  }
+  return earlier;
+}
+
+// The mean of z over the last `width` samples, not necessarily whole ones.
+VectorXd Averaged(const VectorXd& z, double width) {
+  if (!(width > 1.0)) return z;
+  VectorXd sums(z.size() + 1);
+  sums[0] = 0.0;
+  for (Index k = 0; k < z.size(); ++k) sums[k + 1] = sums[k] + z[k];
+  const auto sum_at = [&](double k) {
+    if (k <= 0.0) return 0.0;
+    const auto whole = static_cast<Index>(k);
+    const Index next = std::min(whole + 1, z.size());
+    return sums[whole] +
+           (k - static_cast<double>(whole)) * (sums[next] - sums[whole]);
+  };
+  VectorXd means(z.size());
+  for (Index k = 0; k < z.size(); ++k) {
+    const double end = static_cast<double>(k + 1);
+    means[k] = (sum_at(end) - sum_at(end - width)) / width;
+  }
+  return means;
+}
+
+}  // namespace
+
+absl::StatusOr<ExplainedOutput> ExplainedOutput::Create(
+    const ProcessModel& model, const std::vector<Record>& records, int output) {
+  ExplainedOutput explained;
+  explained.records_ = &records;
+  explained.output_ = output;
+  explained.sample_time_ = records.front().sample_time;
+  std::vector<double> times;
+  for (int j = 0; j < model.num_inputs(); ++j) {
+    if (model.element(output, j).IsZero()) continue;
+    absl::StatusOr<ElementResponse> response =
+        ElementResponse::Create(model.element(output, j));
+    if (!response.ok()) {
+      return absl::FailedPreconditionError(response.status().message());
+    }
+    const ElementValues& values = response->initial_values();
+    times.push_back(values.delay +
+                    (response->has_time_scale() ? values.time_scale : 0.0));
+    explained.longest_ = std::max(explained.longest_, times.back());
+    explained.integrating_ |= response->is_integrating();
+    explained.inputs_.push_back(j);
+    explained.elements_.push_back({j, *std::move(response)});
+  }
+  if (times.empty()) {
+    return absl::FailedPreconditionError("no input reaches the output");
+  }
+  const auto middle =
+      times.begin() + static_cast<std::ptrdiff_t>((times.size() - 1) / 2);
+  std::nth_element(times.begin(), middle, times.end());
+  explained.tau_ = std::max(*middle, explained.sample_time_);
+  explained.longest_ = std::max(explained.longest_, explained.sample_time_);
+  explained.ChooseRows();
+  if (explained.rows_.empty()) {
+    return absl::FailedPreconditionError("no sample is measured");
+  }
+  explained.cache_.resize(explained.elements_.size());
+  const std::vector<VectorXd> z = explained.Simulated({});
+  double low = 0.0;
+  double high = 0.0;
+  for (const VectorXd& values : z) {
+    if (!values.allFinite()) {
+      return absl::FailedPreconditionError("its response is not finite");
+    }
+    low = std::min(low, values.minCoeff());
+    high = std::max(high, values.maxCoeff());
+  }
+  explained.output_range_ = high > low ? high - low : 1.0;
+  return explained;
+}
+
+void ExplainedOutput::ChooseRows() {
+  total_samples_ = 0.0;
+  for (const Record& record : *records_) total_samples_ += record.samples();
+  const double most = std::floor(tau_ / (kRowsPerTau * sample_time_));
+  samples_a_row_ = static_cast<int>(std::clamp(
+      std::floor(total_samples_ / kMostRows), 1.0, std::max(most, 1.0)));
+  cache_size_ = static_cast<std::size_t>(
+      std::clamp(kCachedDoubles / total_samples_, 4.0, 64.0));
+  const Index m = records_->front().num_inputs();
+  VectorXd low = VectorXd::Constant(m, 1e300);
+  VectorXd high = VectorXd::Constant(m, -1e300);
+  distances_ = VectorXd::Zero(m);
+  for (int r = 0; r < static_cast<int>(records_->size()); ++r) {
+    const Record& record = (*records_)[r];
+    Eigen::MatrixXd filled = record.inputs;
+    std::vector<bool> counts(record.samples(), true);
+    const double longest_gap = std::max(3.0, kBridged * tau_ / sample_time_);
+    const double forgotten = kForgotten * longest_ / sample_time_;
+    for (const int j : inputs_) {
+      // Before its first value an input is taken to have stood at it.
+      double last = 0.0;
+      for (Index k = 0; k < filled.cols(); ++k) {
+        if (std::isfinite(filled(j, k))) {
+          last = filled(j, k);
+          break;
+        }
+      }
+      double gap = 0.0;
+      double uncertain = 0.0;
+      for (Index k = 0; k < filled.cols(); ++k) {
+        if (std::isfinite(filled(j, k))) {
+          if (gap > longest_gap) uncertain = forgotten;
+          gap = 0.0;
+          last = filled(j, k);
+        } else {
+          gap += 1.0;
+          filled(j, k) = last;
+        }
+        if (gap > longest_gap || uncertain > 0.0) counts[k] = false;
+        uncertain -= 1.0;
+      }
+      low[j] = std::min(low[j], filled.row(j).minCoeff());
+      high[j] = std::max(high[j], filled.row(j).maxCoeff());
+      distances_[j] =
+          std::max(distances_[j],
+                   (filled.row(j).array() - filled(j, 0)).abs().maxCoeff());
+    }
+    for (int first = 0; first + samples_a_row_ <= record.samples();
+         first += samples_a_row_) {
+      bool measured = false;
+      bool known = true;
+      for (int k = first; k < first + samples_a_row_; ++k) {
+        measured = measured || std::isfinite(record.outputs(output_, k));
+        known = known && counts[k];
+      }
+      if (measured && known) rows_.push_back({r, first, samples_a_row_});
+    }
+    filled_.push_back(std::move(filled));
+  }
+  ranges_ = (high - low).cwiseMax(0.0);
+}
+
+const ElementValues& ExplainedOutput::values(int input) const {
+  for (const Element& element : elements_) {
+    if (element.input == input) return element.response.initial_values();
+  }
+  static const ElementValues none;
+  return none;
+}
+
+bool ExplainedOutput::has_lag(int input) const {
+  for (const Element& element : elements_) {
+    if (element.input == input) return element.response.has_time_scale();
+  }
+  return false;
+}
+
+std::vector<double> ExplainedOutput::time_constants() const {
+  std::vector<double> lags;
+  for (const Element& element : elements_) {
+    if (element.response.has_time_scale()) {
+      lags.push_back(element.response.initial_values().time_scale);
+    }
+  }
+  return lags;
+}
+
+std::vector<Explanation> ExplainedOutput::Applicable() const {
+  std::vector<Explanation> applicable;
+  for (const ExplanationType& type : ExplanationTable()) {
+    if (type.start.empty()) continue;
+    if (type.place == ExplanationPlace::kOutput) {
+      // A clock is the one dead time where there is one element.
+      if (type.kind == Kind::kOutputClock && elements_.size() < 2) continue;
+      applicable.push_back({type.kind, output_, 0.0});
+      continue;
+    }
+    for (const Element& element : elements_) {
+      const int j = element.input;
+      if (!(ranges_[j] > 0.0)) continue;
+      const bool lag = element.response.has_time_scale();
+      if (type.kind == Kind::kTimeConstant && !lag) continue;
+      if ((type.kind == Kind::kDirection || type.kind == Kind::kHigherOrder) &&
+          (!lag || element.response.order() != 1 ||
+           element.response.is_integrating())) {
+        continue;
+      }
+      applicable.push_back({type.kind, j, 0.0});
+    }
+  }
+  return applicable;
+}
+
+std::pair<double, double> ExplainedOutput::Bounds(
+    const Explanation& explanation) const {
+  const ExplanationType& type = TypeOf(explanation.kind);
+  double lower = type.lower;
+  if (explanation.kind == Kind::kDeadTime) {
+    const ElementValues& values = this->values(explanation.index);
+    const double lag = has_lag(explanation.index) ? values.time_scale : 0.0;
+    const double scale = std::max(lag + values.delay, sample_time_);
+    lower = std::max(lower, -values.delay / scale);
+  }
+  return {lower, type.upper};
+}
+
+ElementValues ExplainedOutput::Aged(
+    int input, const std::vector<Explanation>& explanations) const {
+  ElementValues aged = values(input);
+  const double lag = has_lag(input) ? aged.time_scale : 0.0;
+  aged.delay =
+      std::max(0.0, aged.delay + Find(explanations, Kind::kDeadTime, input) *
+                                     std::max(lag + aged.delay, sample_time_));
+  aged.gain *= std::exp(Find(explanations, Kind::kGain, input));
+  aged.time_scale *= std::exp(Find(explanations, Kind::kTimeConstant, input));
+  return aged;
+}
+
+Eigen::VectorXd ExplainedOutput::InputOf(int input, int record,
+                                         const Key& key) const {
+  const auto row = filled_[record].row(input);
+  VectorXd v = (row.array() - row[0]).matrix().transpose();
+  const double range = std::max(ranges_[input], 1e-300);
+  const double curve = key[4];
+  const double slowness = key[5];
+  const double play = key[6];
+  const double limit = key[7];
+  if (limit != 0.0) {
+    const double highest = v.maxCoeff() - limit * range;
+    const double lowest = v.minCoeff() - limit * range;
+    for (double& x : v) {
+      x = limit > 0.0 ? std::min(x, highest) : std::max(x, lowest);
+    }
+    v.array() -= v[0];
+  }
+  if (slowness > 0.0) {
+    const double most = range * sample_time_ / (slowness * tau_);
+    double x = v[0];
+    for (double& value : v) {
+      x += std::clamp(value - x, -most, most);
+      value = x;
+    }
+  }
+  if (play > 0.0) {
+    const double half = 0.5 * play * range;
+    double x = v[0];
+    for (double& value : v) {
+      x = std::clamp(x, value - half, value + half);
+      value = x;
+    }
+  }
+  if (curve != 0.0) {
+    const double distance = std::max(distances_[input], 1e-300);
+    v.array() += curve * v.array().square() / distance;
+  }
+  return v;
+}
+
+std::vector<VectorXd> ExplainedOutput::Simulate(const Element& element,
+                                                const Key& key) const {
+  const auto [lag, delay, second, falling] =
+      std::array<double, 4>{key[0], key[1], key[2], key[3]};
+  std::vector<VectorXd> responses;
+  for (int r = 0; r < static_cast<int>(records_->size()); ++r) {
+    const VectorXd v = InputOf(element.input, r, key);
+    VectorXd z;
+    if (falling != 1.0) {
+      const double sign =
+          element.response.initial_values().gain < 0.0 ? -1.0 : 1.0;
+      z = TwoLags(lag, lag * falling, sample_time_, delay, sign, v);
+    } else {
+      Eigen::MatrixXd column(v.size(), 1);
+      element.response.Simulate(lag, sample_time_,
+                                SampledDelayOf(delay, sample_time_), v, 0.0,
+                                column);
+      z = column.col(0);
+    }
+    AddLag(second, sample_time_, z);
+    if (delay < 0.0) z = Earlier(z, -delay / sample_time_);
+    responses.push_back(std::move(z));
+  }
+  return responses;
+}
+
+const std::vector<VectorXd>& ExplainedOutput::ResponseOf(int element,
+                                                         const Key& key) const {
+  std::deque<Cached>& cache = cache_[element];
+  for (const Cached& cached : cache) {
+    if (cached.key == key) return cached.response;
+  }
+  if (cache.size() >= cache_size_) cache.pop_front();
+  cache.push_back({key, Simulate(elements_[element], key)});
+  return cache.back().response;
+}
+
+std::vector<VectorXd> ExplainedOutput::Simulated(
+    const std::vector<Explanation>& explanations) const {
+  std::vector<VectorXd> z;
+  for (const Record& record : *records_) {
+    z.push_back(VectorXd::Zero(record.samples()));
+  }
+  const double clock =
+      0.5 * tau_ * Find(explanations, Kind::kOutputClock, output_);
+  for (int e = 0; e < static_cast<int>(elements_.size()); ++e) {
+    const int j = elements_[e].input;
+    ElementValues values = Aged(j, explanations);
+    const double second = Find(explanations, Kind::kHigherOrder, j) *
+                          (values.time_scale + values.delay);
+    const double falling = std::exp(Find(explanations, Kind::kDirection, j));
+    if (second > 0.0) {
+      values.delay -= 0.5 * second;
+      values.time_scale =
+          std::max(values.time_scale - 0.5 * second, 0.05 * values.time_scale);
+    }
+    values.delay = std::max(values.delay, 0.0) + clock +
+                   0.5 * tau_ * Find(explanations, Kind::kInputClock, j);
+    bool reversed = false;
+    const double factor = Find(explanations, Kind::kReversed, j, &reversed);
+    if (reversed) values.gain *= -std::exp(factor);
+    bool limited = false;
+    const double rate = Find(explanations, Kind::kRateLimit, j, &limited);
+    const Key key = {values.time_scale,
+                     values.delay,
+                     second,
+                     falling,
+                     Find(explanations, Kind::kCurvedInput, j),
+                     limited ? std::exp(rate) : 0.0,
+                     Find(explanations, Kind::kBacklash, j),
+                     Find(explanations, Kind::kSaturation, j)};
+    const std::vector<VectorXd>& responses = ResponseOf(e, key);
+    int part = 0;
+    const double change =
+        Find(explanations, Kind::kChangeDuringRecord, j, nullptr, &part);
+    double passed = 0.0;
+    for (std::size_t r = 0; r < z.size(); ++r) {
+      if (change == 0.0) {
+        z[r] += values.gain * responses[r];
+        continue;
+      }
+      for (Index k = 0; k < z[r].size(); ++k) {
+        const double at = (passed + static_cast<double>(k)) / total_samples_;
+        z[r][k] += values.gain * responses[r][k] *
+                   (1.0 + change * ShareOfChange(part, at));
+      }
+      passed += static_cast<double>(z[r].size());
+    }
+  }
+  const double curve = Find(explanations, Kind::kCurvedOutput, output_);
+  const double cubic = Find(explanations, Kind::kSShapedOutput, output_);
+  const double width =
+      Find(explanations, Kind::kAveragedOutput, output_) * tau_ / sample_time_;
+  for (VectorXd& values : z) {
+    if (curve != 0.0 || cubic != 0.0) {
+      const Eigen::ArrayXd scaled = values.array() / output_range_;
+      values.array() +=
+          output_range_ * (curve * scaled.square() + cubic * scaled.cube());
+    }
+    if (width > 1.0) values = Averaged(values, width);
+  }
+  return z;
+}
+
+VectorXd ExplainedOutput::Residual(
+    const std::vector<Explanation>& explanations) const {
+  return Less(Simulated(explanations));
+}
+
+absl::StatusOr<VectorXd> ExplainedOutput::ResidualOf(
+    const ProcessModel& model) const {
+  std::vector<VectorXd> z;
+  for (const Record& record : *records_) {
+    z.push_back(VectorXd::Zero(record.samples()));
+  }
+  constexpr Key kAsRecorded = {0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0};
+  for (int j = 0; j < model.num_inputs(); ++j) {
+    if (model.element(output_, j).IsZero()) continue;
+    MLE_ASSIGN_OR_RETURN(const ElementResponse response,
+                         ElementResponse::Create(model.element(output_, j)));
+    const ElementValues& values = response.initial_values();
+    for (std::size_t r = 0; r < z.size(); ++r) {
+      const VectorXd v = InputOf(j, static_cast<int>(r), kAsRecorded);
+      Eigen::MatrixXd column(v.size(), 1);
+      response.Simulate(values.time_scale, sample_time_,
+                        SampledDelayOf(values.delay, sample_time_), v, 0.0,
+                        column);
+      z[r] += values.gain * column.col(0);
+    }
+  }
+  return Less(z);
+}
+
+VectorXd ExplainedOutput::Less(const std::vector<VectorXd>& z) const {
+  VectorXd e(static_cast<Index>(rows_.size()));
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    const ResidualRow& row = rows_[i];
+    const auto& outputs = (*records_)[row.record].outputs;
+    double sum = 0.0;
+    int count = 0;
+    for (int k = row.first; k < row.first + row.samples; ++k) {
+      const double y = outputs(output_, k);
+      if (!std::isfinite(y)) continue;
+      sum += y - z[row.record][k];
+      ++count;
+    }
+    e[static_cast<Index>(i)] = sum / count;
+  }
+  return e;
+}
+
+VectorXd ExplainedOutput::Modelled() const { return RowMeans(Simulated({})); }
+
+VectorXd ExplainedOutput::RowMeans(const std::vector<VectorXd>& signal) const {
+  VectorXd means(static_cast<Index>(rows_.size()));
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    const ResidualRow& row = rows_[i];
+    means[static_cast<Index>(i)] =
+        signal[row.record].segment(row.first, row.samples).mean();
+  }
+  return means;
+}
+
+}  // namespace mle

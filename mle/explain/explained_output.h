@@ -1,0 +1,127 @@
+// An output as a process model and explanations say it should have been:
+// simulated from the recorded inputs, and its residual.
+//
+//   z(t) = Σ_j response of element j to its input, from rest at the first
+//          sample of each record,
+//   e = measured − z,
+//
+// as means over rows of a few samples, each row at most a twentieth of the
+// row's median T + L. Missing outputs are left out of the means; a row with no
+// measured sample, and rows for a while after a gap in the inputs, do not
+// count. Internal to mle/explain.
+
+#ifndef MLE_EXPLAIN_EXPLAINED_OUTPUT_H_
+#define MLE_EXPLAIN_EXPLAINED_OUTPUT_H_
+
+#include <array>
+#include <deque>
+#include <utility>
+#include <vector>
+
+#include "Eigen/Core"
+#include "absl/status/statusor.h"
+#include "mle/data/record.h"
+#include "mle/explain/explanation.h"
+#include "mle/model/element_response.h"
+#include "mle/model/process_model.h"
+
+namespace mle {
+
+// A row of the residual: samples [first, first + samples) of a record.
+struct ResidualRow {
+  int record = 0;
+  int first = 0;
+  int samples = 0;
+};
+
+class ExplainedOutput {
+ public:
+  // FailedPrecondition where no element of the row can be simulated or no row
+  // counts. `records` must outlive it.
+  static absl::StatusOr<ExplainedOutput> Create(
+      const ProcessModel& model, const std::vector<Record>& records,
+      int output);
+
+  const std::vector<ResidualRow>& rows() const { return rows_; }
+  const std::vector<Record>& records() const { return *records_; }
+  double sample_time() const { return sample_time_; }
+  int samples_a_row() const { return samples_a_row_; }
+  int output() const { return output_; }
+  // τ, the median of T + L in the row, and the longest.
+  double tau() const { return tau_; }
+  double longest() const { return longest_; }
+  bool is_integrating() const { return integrating_; }
+  // The inputs that reach the output.
+  const std::vector<int>& inputs() const { return inputs_; }
+  const ElementValues& values(int input) const;
+  bool has_lag(int input) const;
+  // The time constants of the row.
+  std::vector<double> time_constants() const;
+
+  // What may be tried here: a row of the table for each element, input or the
+  // output that it applies to, θ = 0.
+  std::vector<Explanation> Applicable() const;
+  // Bounds of θ: those of the table, and that no dead time is negative.
+  std::pair<double, double> Bounds(const Explanation& explanation) const;
+
+  // e for these explanations (rows).
+  Eigen::VectorXd Residual(const std::vector<Explanation>& explanations) const;
+  // e for another model of the same channels, its row simulated as it is.
+  absl::StatusOr<Eigen::VectorXd> ResidualOf(const ProcessModel& model) const;
+  // z alone, of the model as it is.
+  Eigen::VectorXd Modelled() const;
+  // Values of the element with what the explanations say of K, T and L.
+  ElementValues Aged(int input,
+                     const std::vector<Explanation>& explanations) const;
+
+  // A signal of all samples as means of the rows.
+  Eigen::VectorXd RowMeans(const std::vector<Eigen::VectorXd>& signal) const;
+
+ private:
+  struct Element {
+    int input = 0;
+    ElementResponse response;
+  };
+  // What a response depends on: T, L, the second lag, the ratio of the lag
+  // downwards, and the input's curve, rate, play and limit.
+  using Key = std::array<double, 8>;
+  struct Cached {
+    Key key;
+    std::vector<Eigen::VectorXd> response;  // of each record, for K = 1
+  };
+
+  ExplainedOutput() = default;
+  void ChooseRows();
+  std::vector<Eigen::VectorXd> Simulate(const Element& element,
+                                        const Key& key) const;
+  const std::vector<Eigen::VectorXd>& ResponseOf(int element,
+                                                 const Key& key) const;
+  Eigen::VectorXd InputOf(int input, int record, const Key& key) const;
+  std::vector<Eigen::VectorXd> Simulated(
+      const std::vector<Explanation>& explanations) const;
+  // The means of what is measured less z.
+  Eigen::VectorXd Less(const std::vector<Eigen::VectorXd>& z) const;
+
+  const std::vector<Record>* records_ = nullptr;
+  int output_ = 0;
+  double sample_time_ = 0.0;
+  double tau_ = 0.0;
+  double longest_ = 0.0;
+  bool integrating_ = false;
+  int samples_a_row_ = 1;
+  std::vector<int> inputs_;
+  std::vector<Element> elements_;
+  std::vector<ResidualRow> rows_;
+  // Inputs without gaps, and their ranges and largest distances from the first.
+  std::vector<Eigen::MatrixXd> filled_;
+  Eigen::VectorXd ranges_;
+  Eigen::VectorXd distances_;
+  double output_range_ = 1.0;
+  double total_samples_ = 1.0;
+  std::size_t cache_size_ = 4;
+  mutable std::vector<std::deque<Cached>> cache_;
+};
+
+}  // namespace mle
+
+#endif  // MLE_EXPLAIN_EXPLAINED_OUTPUT_H_

@@ -1,0 +1,181 @@
+#include "mle/explain/explanation.h"
+
+#include "glog/logging.h"
+
+namespace mle {
+namespace {
+
+using Kind = ExplanationKind;
+using Place = ExplanationPlace;
+
+constexpr double kUsual = 0.0;
+constexpr double kRarer = 0.6;
+constexpr double kRare = 1.0;
+
+}  // namespace
+
+const std::vector<ExplanationType>& ExplanationTable() {
+  static const auto* const table = new std::vector<ExplanationType>{
+      {Kind::kGain,
+       "gain",
+       Place::kElement,
+       kUsual,
+       {-1.2, -0.8, -0.4, -0.2, 0.2, 0.4, 0.8, 1.2},
+       -2.3,
+       2.3,
+       "the gain of %s has changed",
+       ""},
+      {Kind::kTimeConstant,
+       "time_constant",
+       Place::kElement,
+       kUsual,
+       {-1.2, -0.8, -0.4, -0.2, 0.2, 0.4, 0.8, 1.2},
+       -2.3,
+       2.3,
+       "the time constant of %s has changed",
+       ""},
+      {Kind::kDeadTime,
+       "dead_time",
+       Place::kElement,
+       kUsual,
+       {-0.6, -0.4, -0.2, -0.1, 0.1, 0.2, 0.4, 0.6, 0.9},
+       -1.0,
+       2.0,
+       "the dead time of %s has changed",
+       ""},
+      {Kind::kHigherOrder,
+       "higher_order",
+       Place::kElement,
+       kRarer,
+       {0.1, 0.2, 0.4},
+       0.0,
+       0.8,
+       "the response of %s has more than one lag",
+       "A step test would show its shape."},
+      {Kind::kDirection,
+       "direction",
+       Place::kElement,
+       kRarer,
+       {-0.9, -0.6, -0.3, 0.3, 0.6, 0.9},
+       -1.6,
+       1.6,
+       "%s responds at another speed downwards than upwards",
+       "Set-point changes of the same size up and down would settle it."},
+      {Kind::kReversed,
+       "reversed",
+       Place::kElement,
+       kRare,
+       {-0.7, 0.0, 0.7},
+       -2.3,
+       2.3,
+       "%s acts in the opposite direction: compare the sign of its gain, or of "
+       "its tags, with the controller's model",
+       "The sign in the controller would settle it."},
+      {Kind::kChangeDuringRecord,
+       "change_during_record",
+       Place::kElement,
+       kRarer,
+       {-0.6, -0.4, -0.2, 0.2, 0.4, 0.6},
+       -1.5,
+       3.0,
+       "the gain of %s changed during the record",
+       "A record from after the change would settle it."},
+      {Kind::kOutputClock,
+       "output_clock",
+       Place::kOutput,
+       kRarer,
+       {-0.5, -0.3, -0.2, -0.1, 0.1, 0.2, 0.3, 0.5},
+       -2.0,
+       2.0,
+       "the time stamps of %s are early or late, or all its dead times have "
+       "changed alike",
+       "The clock and the averaging of its tag would settle it."},
+      {Kind::kCurvedOutput,
+       "curved_output",
+       Place::kOutput,
+       kRarer,
+       {-0.6, -0.4, -0.2, 0.2, 0.4, 0.6},
+       -0.9,
+       0.9,
+       "%s is not linear: its gains follow its own level",
+       "Set-point changes around one level would settle it."},
+      {Kind::kSShapedOutput,
+       "curved_output",
+       Place::kOutput,
+       kRarer,
+       {-0.8, -0.4, 0.4, 0.8},
+       -1.0,
+       2.0,
+       "%s is not linear: its gains are others far from where it began",
+       "Set-point changes around one level would settle it."},
+      {Kind::kAveragedOutput,
+       "averaged",
+       Place::kOutput,
+       kRarer,
+       {0.1, 0.2, 0.4, 0.8},
+       0.0,
+       2.0,
+       "the samples of %s are averages of faster ones",
+       "Samples of the historian without averaging would settle it."},
+      {Kind::kCurvedInput,
+       "curved_input",
+       Place::kInput,
+       kRarer,
+       {-0.8, -0.4, -0.2, 0.2, 0.4, 0.8},
+       -2.0,
+       2.0,
+       "the effect of %s is not linear: its gain follows its position",
+       "Set-point changes around one position would settle it."},
+      {Kind::kRateLimit,
+       "rate_limit",
+       Place::kInput,
+       kRarer,
+       {-2.0, -1.0, -0.3, 0.3, 1.0, 1.7, 2.4, 3.1},
+       -3.0,
+       5.0,
+       "%s moves at a limited rate",
+       "The measured position in place of the one asked for would settle it."},
+      {Kind::kBacklash,
+       "backlash",
+       Place::kInput,
+       kRarer,
+       {0.05, 0.1, 0.2},
+       0.0,
+       0.5,
+       "%s sticks or has backlash where it turns back",
+       "The measured position in place of the one asked for would settle it."},
+      {Kind::kSaturation,
+       "saturation",
+       Place::kInput,
+       kRarer,
+       {-0.9, -0.75, -0.5, -0.3, -0.15, 0.15, 0.3, 0.5, 0.75, 0.9},
+       -0.98,
+       0.98,
+       "%s reaches a limit that the record does not show",
+       "The measured position in place of the one asked for would settle it."},
+      {Kind::kInputClock,
+       "input_clock",
+       Place::kInput,
+       kRarer,
+       {-0.5, -0.3, -0.2, -0.1, 0.1, 0.2, 0.3, 0.5},
+       -2.0,
+       2.0,
+       "the time stamps of %s are early or late",
+       "The clock of its tag would settle it."},
+  };
+  return *table;
+}
+
+const ExplanationType& TypeOf(ExplanationKind kind) {
+  for (const ExplanationType& type : ExplanationTable()) {
+    if (type.kind == kind) return type;
+  }
+  LOG(FATAL) << "an explanation without a row in the table";
+}
+
+bool IsAgeing(ExplanationKind kind) {
+  return kind == Kind::kGain || kind == Kind::kTimeConstant ||
+         kind == Kind::kDeadTime;
+}
+
+}  // namespace mle

@@ -1,0 +1,83 @@
+// The table of explanations: what may have happened to plant, model or record
+// where measurements and the controller's model differ.
+//
+// Each explanation changes one thing by one parameter θ. They compete
+// (competition.h), and the one that wins is what a user is told. To add one:
+// its row in explanation.cc, what it does to a response in explained_output.cc,
+// and its test.
+
+#ifndef MLE_EXPLAIN_EXPLANATION_H_
+#define MLE_EXPLAIN_EXPLANATION_H_
+
+#include <vector>
+
+namespace mle {
+
+enum class ExplanationKind {
+  // Of an element: ageing.
+  kGain,          // K e^θ
+  kTimeConstant,  // T e^θ
+  kDeadTime,      // L + θ (T + L)
+  // Of an element: another structure.
+  kHigherOrder,         // a second lag θ (T + L); T and L lose half of it each
+  kDirection,           // time constant T e^θ where the response falls
+  kReversed,            // −K e^θ
+  kChangeDuringRecord,  // K (1 + θ s), s as of Explanation::part
+  // Of an output: with z the model's output from where it began, w its range.
+  kOutputClock,     // every L + θ τ/2, τ the median of T + L in the row
+  kCurvedOutput,    // z + θ z²/w
+  kSShapedOutput,   // z + θ z³/w²
+  kAveragedOutput,  // the mean of z over θ τ before each sample
+  // Of an input: with v the input from where it began, w its range.
+  kCurvedInput,  // v + θ v²/max |v|
+  kRateLimit,    // moves by w e^{−θ}/τ a time unit at most
+  kBacklash,     // follows only behind a play θ w
+  kSaturation,   // the highest (θ > 0) or lowest |θ| w are not reached
+  kInputClock,   // every L of the input + θ τ/2; of several outputs together
+};
+
+enum class ExplanationPlace { kElement, kOutput, kInput };
+
+struct ExplanationType {
+  ExplanationKind kind;
+  // As in result.json.
+  const char* code;
+  ExplanationPlace place;
+  // Improbability before the records: what it has to explain beyond a change of
+  // a gain, as a share of what disturbances alone explain (competition.h).
+  double improbability;
+  // θ to begin from, and its bounds.
+  std::vector<double> start;
+  double lower;
+  double upper;
+  // What a user reads: what happened to %s, and what would settle it.
+  const char* sentence;
+  const char* settled_by;
+};
+
+const std::vector<ExplanationType>& ExplanationTable();
+const ExplanationType& TypeOf(ExplanationKind kind);
+
+// Gain, time constant and dead time: what a corrected model can hold.
+bool IsAgeing(ExplanationKind kind);
+
+// Shapes of a change during the record: 0, from 0 at the first sample to 1 at
+// the last; 1 to 4, 1 in this quarter and 0 elsewhere; 5 to 7, 1 from the end
+// of the first, second, third quarter on.
+inline constexpr int kParts = 8;
+
+// One of them, of an element (index: its input), an input, or the output.
+struct Explanation {
+  ExplanationKind kind = ExplanationKind::kGain;
+  int index = 0;
+  double value = 0.0;  // θ
+  int part = 0;        // of kChangeDuringRecord
+
+  bool SameAs(const Explanation& other) const {
+    return kind == other.kind && index == other.index;
+  }
+};
+
+}  // namespace mle
+
+#endif  // MLE_EXPLAIN_EXPLANATION_H_

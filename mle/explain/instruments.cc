@@ -1,0 +1,269 @@
+#include "mle/explain/instruments.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+
+#include "Eigen/Cholesky"
+#include "Eigen/Eigenvalues"
+#include "Eigen/SVD"
+#include "absl/status/status.h"
+
+namespace mle {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr int kLaguerre = 6;
+constexpr double kLaguerreTime = 0.6;  // of τ
+constexpr int kPlacebos = 40;
+// More instruments than these are those that move the output most.
+constexpr int kMostInstruments = 6;
+// Of the largest singular value: what counts as a direction of its own.
+constexpr double kLeastDirection = 1e-3;
+constexpr double kLeastFree = 1e-6;
+// Of the instruments' functions: fewer rows tell too little of chance.
+constexpr Index kLeastRows = 8;
+// Of the largest squared length of a placebo's columns.
+constexpr double kLeastPlacebo = 1e-2;
+// Time constants nearer than this factor leave the same free response.
+constexpr double kSameLag = 1.3;
+
+// A signal of each record.
+using Signal = std::vector<VectorXd>;
+
+VectorXd Filled(const Eigen::Ref<const VectorXd>& values) {
+  VectorXd filled = values;
+  double last = 0.0;
+  for (const double value : values) {
+    if (std::isfinite(value)) {
+      last = value;
+      break;
+    }
+  }
+  for (double& value : filled) {
+    if (std::isfinite(value)) {
+      last = value;
+    } else {
+      value = last;
+    }
+  }
+  return filled;
+}
+
+double RangeOf(const Signal& signal) {
+  double range = 0.0;
+  for (const VectorXd& values : signal) {
+    range = std::max(range, values.maxCoeff() - values.minCoeff());
+  }
+  return range;
+}
+
+int MovesOf(const Signal& signal) {
+  int moves = 0;
+  for (const VectorXd& values : signal) {
+    for (Index k = 1; k < values.size(); ++k) {
+      if (values[k] != values[k - 1]) ++moves;
+    }
+  }
+  return moves;
+}
+
+// The moves of a signal later by `shift` samples, those at the end first.
+VectorXd Shifted(const VectorXd& values, Index shift) {
+  const Index n = values.size();
+  if (shift == 0) return values.array() - values[0];
+  VectorXd shifted(n);
+  const Index k = n - shift;  // the first `shift` moves are the last ones
+  shifted.head(shift) = values.tail(shift).array() - values[k];
+  shifted.tail(k) =
+      values.head(k).array() - values[0] + (values[n - 1] - values[k]);
+  return shifted;
+}
+
+// Its Laguerre functions (rows × kLaguerre).
+MatrixXd Bank(const ExplainedOutput& output, const Signal& signal,
+              double share) {
+  const double pole =
+      std::exp(-output.sample_time() / (kLaguerreTime * output.tau()));
+  const double scale = std::max(RangeOf(signal), 1e-300);
+  MatrixXd bank(static_cast<Index>(output.rows().size()), kLaguerre);
+  Signal filtered;
+  for (const VectorXd& values : signal) {
+    const auto shift =
+        static_cast<Index>(share * static_cast<double>(values.size()));
+    const VectorXd moved = Shifted(values, shift) / scale;
+    VectorXd first(values.size());
+    double state = 0.0;
+    for (Index k = 0; k < moved.size(); ++k) {
+      first[k] = state;
+      state = pole * state + std::sqrt(1.0 - pole * pole) * moved[k];
+    }
+    filtered.push_back(std::move(first));
+  }
+  for (int f = 0; f < kLaguerre; ++f) {
+    bank.col(f) = output.RowMeans(filtered);
+    if (f + 1 == kLaguerre) break;
+    for (VectorXd& values : filtered) {  // (q⁻¹ − pole) / (1 − pole q⁻¹)
+      double input = 0.0;
+      double before = 0.0;
+      for (double& value : values) {
+        const double now = value;
+        before = pole * before - pole * now + input;
+        input = now;
+        value = before;
+      }
+    }
+  }
+  return bank;
+}
+
+// Offsets, ramps and free responses of each record, orthonormal.
+MatrixXd FreeColumns(const ExplainedOutput& output) {
+  std::vector<double> lags = output.time_constants();
+  std::sort(lags.begin(), lags.end());
+  std::vector<double> distinct;
+  for (const double lag : lags) {
+    if (distinct.empty() || lag > kSameLag * distinct.back()) {
+      distinct.push_back(std::max(lag, output.sample_time()));
+    }
+  }
+  const auto rows = static_cast<Index>(output.rows().size());
+  const int each = 2 + static_cast<int>(distinct.size());
+  const auto records = static_cast<Index>(output.records().size());
+  MatrixXd columns = MatrixXd::Zero(rows, each * records);
+  for (Index i = 0; i < rows; ++i) {
+    const ResidualRow& row = output.rows()[static_cast<std::size_t>(i)];
+    const double t = (row.first + 0.5 * row.samples) * output.sample_time();
+    Index c = row.record * each;
+    columns(i, c++) = 1.0;
+    columns(i, c++) =
+        t / (output.sample_time() * output.records()[row.record].samples());
+    for (const double lag : distinct) columns(i, c++) = std::exp(-t / lag);
+  }
+  const Eigen::BDCSVD<MatrixXd> svd(columns, Eigen::ComputeThinU);
+  const VectorXd& sizes = svd.singularValues();
+  Index rank = 0;
+  while (rank < sizes.size() && sizes[rank] > kLeastFree * sizes[0]) ++rank;
+  return svd.matrixU().leftCols(rank);
+}
+
+}  // namespace
+
+absl::StatusOr<Instruments> Instruments::Create(const ProcessModel& model,
+                                                const ExplainedOutput& output) {
+  Instruments made;
+  const std::vector<Record>& records = output.records();
+  std::vector<Signal> signals;
+  const auto add = [&](auto row_of) {
+    Signal signal;
+    for (const Record& record : records) {
+      signal.push_back(Filled(row_of(record).transpose()));
+    }
+    if (RangeOf(signal) > 0.0) signals.push_back(std::move(signal));
+  };
+  const bool set_points = std::all_of(
+      records.begin(), records.end(),
+      [](const Record& record) { return record.set_points.rows() > 0; });
+  if (set_points) {
+    for (int i = 0; i < model.num_outputs(); ++i) {
+      add([&](const Record& record) { return record.set_points.row(i); });
+    }
+  }
+  made.by_set_points_ = !signals.empty();
+  for (const int j : output.inputs()) {
+    const bool measured = model.inputs()[j].role == InputRole::kDisturbance;
+    if (made.by_set_points_ && !measured) continue;
+    add([&](const Record& record) { return record.inputs.row(j); });
+  }
+  if (signals.empty()) {
+    return absl::FailedPreconditionError("no set point and no input moves");
+  }
+  for (const Signal& signal : signals) made.moves_ += MovesOf(signal);
+  made.free_ = FreeColumns(output);
+  const auto freed = [&](const MatrixXd& columns) -> MatrixXd {
+    return columns - made.free_ * (made.free_.transpose() * columns);
+  };
+
+  // The instruments that move the output most, by the model.
+  std::vector<MatrixXd> banks;
+  std::vector<std::pair<double, std::size_t>> order;
+  const VectorXd modelled = output.Modelled();
+  for (std::size_t s = 0; s < signals.size(); ++s) {
+    banks.push_back(freed(Bank(output, signals[s], 0.0)));
+    if (signals.size() > kMostInstruments) {
+      const Eigen::BDCSVD<MatrixXd> svd(banks[s], Eigen::ComputeThinU);
+      order.emplace_back(-(svd.matrixU().transpose() * modelled).squaredNorm(),
+                         s);
+    } else {
+      order.emplace_back(0.0, s);
+    }
+  }
+  std::stable_sort(order.begin(), order.end());
+  if (order.size() > kMostInstruments) order.resize(kMostInstruments);
+  const auto columns_at = [&](double share) {
+    MatrixXd columns(static_cast<Index>(output.rows().size()),
+                     kLaguerre * static_cast<Index>(order.size()));
+    for (std::size_t s = 0; s < order.size(); ++s) {
+      columns.middleCols(kLaguerre * static_cast<Index>(s), kLaguerre) =
+          share == 0.0 ? banks[order[s].second]
+                       : freed(Bank(output, signals[order[s].second], share));
+    }
+    return columns;
+  };
+
+  const MatrixXd columns = columns_at(0.0);
+  if (columns.rows() < kLeastRows * columns.cols()) {
+    return absl::FailedPreconditionError("the records are too short");
+  }
+  const Eigen::BDCSVD<MatrixXd> svd(columns,
+                                    Eigen::ComputeThinU | Eigen::ComputeThinV);
+  const VectorXd& sizes = svd.singularValues();
+  if (!(sizes[0] > 0.0)) {
+    return absl::FailedPreconditionError("no set point and no input moves");
+  }
+  Index rank = 0;
+  while (rank < sizes.size() && sizes[rank] > kLeastDirection * sizes[0]) {
+    ++rank;
+  }
+  const MatrixXd to_basis = svd.matrixV().leftCols(rank) *
+                            sizes.head(rank).cwiseInverse().asDiagonal();
+  made.basis_ = svd.matrixU().leftCols(rank);
+  made.placebos_ = kPlacebos;
+  made.placebo_.resize(columns.rows(), rank * kPlacebos);
+  for (int s = 0; s < kPlacebos; ++s) {
+    // Made orthonormal by the smallest change, so that each direction stays
+    // that of the same moves.
+    const MatrixXd moved = columns_at((s + 1.0) / (kPlacebos + 1.0)) * to_basis;
+    const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(moved.transpose() *
+                                                        moved);
+    const VectorXd lengths = eigen.eigenvalues().cwiseMax(
+        kLeastPlacebo * eigen.eigenvalues().maxCoeff());
+    made.placebo_.middleCols(s * rank, rank) =
+        moved * eigen.eigenvectors() *
+        lengths.cwiseSqrt().cwiseInverse().asDiagonal() *
+        eigen.eigenvectors().transpose();
+  }
+  return made;
+}
+
+VectorXd Instruments::Project(const VectorXd& e,
+                              const VectorXd& weights) const {
+  if ((weights.array() == 1.0).all()) return Project(e);
+  const MatrixXd weighted = weights.asDiagonal() * free_;
+  MatrixXd products = weighted.transpose() * free_;
+  products.diagonal().array() += 1e-9;
+  const VectorXd left =
+      e - free_ * products.ldlt().solve(weighted.transpose() * e);
+  return basis_.transpose() * left.cwiseProduct(weights);
+}
+
+MatrixXd Instruments::ProjectPlacebos(const VectorXd& e) const {
+  const VectorXd all = placebo_.transpose() * e;
+  return Eigen::Map<const MatrixXd>(all.data(), rank(), placebos_).transpose();
+}
+
+}  // namespace mle

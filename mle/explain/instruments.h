@@ -1,0 +1,80 @@
+// What set points drive of a residual, and what set points that were moved in
+// time, placebos, drive of it.
+//
+//   Q    orthonormal basis (rows × r) of the moves of the instruments, each
+//        through six discrete Laguerre functions with a time constant of 0.6 τ,
+//        freed of an offset and a ramp for each record (a sensor that drifts, a
+//        level that is not balanced) and of what earlier inputs leave,
+//        e^{−t/T};
+//   Q_s  the same with the moves shifted in time by s of the record, joined at
+//        the ends, s = 1/41 … 40/41;
+//   v = Qᵀe,   v_s = Q_sᵀ e.
+//
+// Disturbances that do not come with set points give v and v_s the same
+// distribution, whatever the controller makes of them: v_s are what chance
+// makes of v, with no model of the noise. (Instrumental variables in closed
+// loop: Söderström and Stoica, Instrumental Variable Methods for System
+// Identification, 1983; Gilson and Van den Hof, Automatica 41, 2005.
+// Randomisation tests: Fisher, The Design of Experiments, 1935.) What this
+// cannot see: a disturbance that comes with the moves of set points.
+//
+// Instruments are the set points that move, and measured disturbances; where
+// no set point moves, the inputs themselves, which then have to move by
+// something else than the output: nothing guards against feedback.
+// Internal to mle/explain.
+
+#ifndef MLE_EXPLAIN_INSTRUMENTS_H_
+#define MLE_EXPLAIN_INSTRUMENTS_H_
+
+#include <string>
+#include <vector>
+
+#include "Eigen/Core"
+#include "absl/status/statusor.h"
+#include "mle/explain/explained_output.h"
+
+namespace mle {
+
+class Instruments {
+ public:
+  // FailedPrecondition where nothing moves.
+  static absl::StatusOr<Instruments> Create(const ProcessModel& model,
+                                            const ExplainedOutput& output);
+
+  // r, of Q, and the number of placebos.
+  int rank() const { return static_cast<int>(basis_.cols()); }
+  int placebos() const { return placebos_; }
+  // Set points move; if not, inputs stand for them.
+  bool by_set_points() const { return by_set_points_; }
+  // Moves of the instruments, all together.
+  int moves() const { return moves_; }
+
+  // Qᵀe.
+  Eigen::VectorXd Project(const Eigen::VectorXd& e) const {
+    return basis_.transpose() * e;
+  }
+  // The same of the rows of weight one alone, freed of what offsets and free
+  // responses explain of these; rows of weight zero have no part in it.
+  Eigen::VectorXd Project(const Eigen::VectorXd& e,
+                          const Eigen::VectorXd& weights) const;
+  // Q_sᵀe, a row for each placebo (placebos × r).
+  Eigen::MatrixXd ProjectPlacebos(const Eigen::VectorXd& e) const;
+  // e without the offsets and free responses nearest to it.
+  Eigen::VectorXd Freed(const Eigen::VectorXd& e) const {
+    return e - free_ * (free_.transpose() * e);
+  }
+
+ private:
+  Instruments() = default;
+
+  bool by_set_points_ = false;
+  int moves_ = 0;
+  int placebos_ = 0;
+  Eigen::MatrixXd free_;     // rows × f, orthonormal
+  Eigen::MatrixXd basis_;    // rows × r
+  Eigen::MatrixXd placebo_;  // rows × (r · placebos)
+};
+
+}  // namespace mle
+
+#endif  // MLE_EXPLAIN_INSTRUMENTS_H_

@@ -1,0 +1,567 @@
+#include "mle/explain/output_competition.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "Eigen/Cholesky"
+#include "Eigen/QR"
+#include "mle/base/status.h"
+
+namespace mle {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// Candidates that are estimated after the first look.
+constexpr int kEstimated = 6;
+constexpr int kIterations = 12;
+// Exchanges at most, and by how many M one has to do better.
+constexpr int kRounds = 4;
+constexpr double kBetter = 0.5;
+constexpr double kStep = 1e-3;       // of θ, for derivatives
+constexpr double kConverged = 1e-4;  // step of θ, or relative fall of E
+// Directions nearer than this to those of what was taken are none of their own.
+constexpr double kLeastOwn = 0.05;
+// Of N: rivals as near as this are ties.
+constexpr double kTie = 0.1;
+// Of M: the same of changes of two elements.
+constexpr double kElements = 5.0;
+// Held out: blocks of this many τ, in turn in one of the folds.
+constexpr double kBlock = 3.0;
+constexpr int kFolds = 5;
+// Of τ: placebos nearer to each other are not independent.
+constexpr double kIndependent = 3.0;
+constexpr double kFewestIndependent = 2.0;
+// More evidence where inputs stand for set points.
+constexpr double kWithoutSetPoints = 2.0;
+
+std::vector<Explanation> Without(const std::vector<Explanation>& from,
+                                 std::size_t i) {
+  std::vector<Explanation> others = from;
+  others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
+  return others;
+}
+
+// Whether θ = 0 is that nothing has happened.
+bool HasNothing(ExplanationKind kind) {
+  return kind != ExplanationKind::kRateLimit &&
+         kind != ExplanationKind::kReversed;
+}
+
+bool Contains(const std::vector<Explanation>& explanations,
+              const Explanation& one) {
+  return std::any_of(explanations.begin(), explanations.end(),
+                     [&](const Explanation& e) { return e.SameAs(one); });
+}
+
+}  // namespace
+
+absl::StatusOr<OutputCompetition> OutputCompetition::Create(
+    const ProcessModel& model, const std::vector<Record>& records, int output,
+    const ExplainOptions& options) {
+  MLE_ASSIGN_OR_RETURN(ExplainedOutput explained,
+                       ExplainedOutput::Create(model, records, output));
+  MLE_ASSIGN_OR_RETURN(Instruments instruments,
+                       Instruments::Create(model, explained));
+  OutputCompetition competition(std::move(explained), std::move(instruments),
+                                options);
+  if (!competition.instruments_.by_set_points()) {
+    competition.options_.evidence *= kWithoutSetPoints;
+  }
+  competition.all_ =
+      VectorXd::Ones(static_cast<Index>(competition.output_.rows().size()));
+  const ExplainedOutput& made = competition.output_;
+  competition.independent_ =
+      std::max(kFewestIndependent,
+               static_cast<double>(made.rows().size()) * made.samples_a_row() *
+                   made.sample_time() / (kIndependent * made.tau()));
+  competition.initial_energy_ = competition.Energy({});
+  return competition;
+}
+
+VectorXd OutputCompetition::ValueAt(
+    const std::vector<Explanation>& explanations,
+    const VectorXd& weights) const {
+  return instruments_.Project(output_.Residual(explanations), weights);
+}
+
+double OutputCompetition::Energy(
+    const std::vector<Explanation>& explanations) const {
+  return ValueAt(explanations, all_).squaredNorm();
+}
+
+MatrixXd OutputCompetition::Jacobian(
+    const std::vector<Explanation>& explanations,
+    const VectorXd& weights) const {
+  const VectorXd at = ValueAt(explanations, weights);
+  MatrixXd jacobian(at.size(), static_cast<Index>(explanations.size()));
+  for (std::size_t i = 0; i < explanations.size(); ++i) {
+    std::vector<Explanation> moved = explanations;
+    const double upper = output_.Bounds(moved[i]).second;
+    const double step = moved[i].value + kStep <= upper ? kStep : -kStep;
+    moved[i].value += step;
+    jacobian.col(static_cast<Index>(i)) = (ValueAt(moved, weights) - at) / step;
+  }
+  return jacobian;
+}
+
+OutputCompetition::Fit OutputCompetition::Estimate(
+    std::vector<Explanation> explanations, const VectorXd& weights) const {
+  for (Explanation& one : explanations) {
+    const auto [lower, upper] = output_.Bounds(one);
+    one.value = std::clamp(one.value, lower, std::max(lower, upper));
+  }
+  Fit fit;
+  fit.explanations = std::move(explanations);
+  VectorXd at = ValueAt(fit.explanations, weights);
+  fit.energy = at.squaredNorm();
+  if (fit.explanations.empty()) return fit;
+  double damping = 1e-3;
+  for (int iteration = 0; iteration < kIterations; ++iteration) {
+    const MatrixXd J = Jacobian(fit.explanations, weights);
+    const MatrixXd H = J.transpose() * J;
+    const VectorXd g = J.transpose() * at;
+    if (!(H.diagonal().maxCoeff() > 0.0)) break;
+    bool better = false;
+    double moved = 0.0;
+    double fall = 0.0;
+    for (int attempt = 0; attempt < 6 && !better; ++attempt) {
+      MatrixXd damped = H;
+      damped.diagonal() += damping * H.diagonal();
+      damped.diagonal().array() += 1e-12 * H.diagonal().maxCoeff();
+      const VectorXd step = -damped.ldlt().solve(g);
+      std::vector<Explanation> trial = fit.explanations;
+      moved = 0.0;
+      for (std::size_t i = 0; i < trial.size(); ++i) {
+        const auto [lower, upper] = output_.Bounds(trial[i]);
+        const double before = trial[i].value;
+        trial[i].value = std::clamp(
+            before + std::clamp(step[static_cast<Index>(i)], -0.5, 0.5), lower,
+            std::max(lower, upper));
+        moved = std::max(moved, std::abs(trial[i].value - before));
+      }
+      if (!(moved > 0.0)) break;
+      const VectorXd value = ValueAt(trial, weights);
+      const double energy = value.squaredNorm();
+      if (energy < fit.energy) {
+        fall = (fit.energy - energy) / fit.energy;
+        fit.explanations = std::move(trial);
+        fit.energy = energy;
+        at = value;
+        better = true;
+        damping *= 0.1;
+      } else {
+        damping = std::max(10.0 * damping, 1e-3);
+      }
+    }
+    if (!better || moved < kConverged || fall < kConverged) break;
+  }
+  return fit;
+}
+
+double OutputCompetition::Score(const std::vector<Explanation>& explanations,
+                                double energy, double chance) const {
+  for (const Explanation& one : explanations) {
+    energy += TypeOf(one.kind).improbability * chance;
+  }
+  return energy;
+}
+
+std::vector<OutputCompetition::Fit> OutputCompetition::Candidates(
+    const std::vector<Explanation>& taken, double chance,
+    MatrixXd& directions) const {
+  std::vector<Fit> looks;
+  std::vector<VectorXd> tried;
+  const VectorXd at = ValueAt(taken, all_);
+  for (const Explanation& one : output_.Applicable()) {
+    if (Contains(taken, one)) continue;
+    const auto [lower, upper] = output_.Bounds(one);
+    Fit best;
+    best.score = std::numeric_limits<double>::infinity();
+    const int parts =
+        one.kind == ExplanationKind::kChangeDuringRecord ? kParts : 1;
+    for (int part = 0; part < parts; ++part) {
+      for (const double start : TypeOf(one.kind).start) {
+        if (start < lower || start > upper) continue;
+        std::vector<Explanation> with = taken;
+        with.push_back(one);
+        with.back().value = start;
+        with.back().part = part;
+        const VectorXd value = ValueAt(with, all_);
+        if (!value.allFinite()) continue;
+        const VectorXd change = value - at;
+        tried.push_back(change);
+        double energy = value.squaredNorm();
+        // Between nothing and the start, to first order.
+        const double share = -at.dot(change) / change.squaredNorm();
+        if (HasNothing(one.kind) && share > 0.0 && share < 1.0) {
+          with.back().value = share * start;
+          energy = (at + share * change).squaredNorm();
+        }
+        const double score = Score(with, energy, chance);
+        if (score < best.score) best = {with, energy, score};
+      }
+    }
+    if (std::isfinite(best.score)) looks.push_back(std::move(best));
+  }
+  const auto by_score = [](const Fit& a, const Fit& b) {
+    return a.score < b.score;
+  };
+  std::stable_sort(looks.begin(), looks.end(), by_score);
+  if (looks.size() > kEstimated) looks.resize(kEstimated);
+  for (Fit& fit : looks) {
+    fit = Estimate(fit.explanations, all_);
+    fit.score = Score(fit.explanations, fit.energy, chance);
+  }
+  std::stable_sort(looks.begin(), looks.end(), by_score);
+  // Directions free of those in which what was taken moves.
+  MatrixXd own(at.size(), 0);
+  if (!taken.empty()) {
+    const MatrixXd J = Jacobian(taken, all_);
+    const Eigen::ColPivHouseholderQR<MatrixXd> qr(J);
+    own = MatrixXd(qr.householderQ()).leftCols(qr.rank());
+  }
+  directions.resize(at.size(), 0);
+  for (const VectorXd& change : tried) {
+    const double length = change.norm();
+    if (!(length > 0.0)) continue;
+    const VectorXd free = (change - own * (own.transpose() * change)) / length;
+    if (free.norm() < kLeastOwn) continue;
+    directions.conservativeResize(Eigen::NoChange, directions.cols() + 1);
+    directions.rightCols(1) = free.normalized();
+  }
+  return looks;
+}
+
+double OutputCompetition::EvidenceOf(double fall, double unit) const {
+  OutputExplanation report;
+  report.independent = independent_;
+  report.unit = unit;
+  return report.EvidenceOf(fall);
+}
+
+OutputCompetition::Chance OutputCompetition::ChanceOf(
+    const Fit& fit, const MatrixXd& directions) const {
+  return ChanceOf(output_.Residual(fit.explanations), directions);
+}
+
+OutputCompetition::Chance OutputCompetition::ChanceOf(
+    const VectorXd& residual, const MatrixXd& directions) const {
+  const MatrixXd placebos = instruments_.ProjectPlacebos(residual);
+  VectorXd energies = placebos.rowwise().squaredNorm();
+  Chance chance;
+  if (directions.cols() > 0) {
+    chance.unit =
+        (placebos * directions).array().square().rowwise().maxCoeff().mean();
+  }
+  std::sort(energies.begin(), energies.end());
+  const Index n = energies.size();
+  chance.energy = 0.5 * (energies[(n - 1) / 2] + energies[n / 2]);
+  // What no placebo shows at all is rounding.
+  const double least = 1e-20 * (1.0 + output_.Modelled().squaredNorm());
+  chance.energy = std::max(chance.energy, least);
+  chance.unit = std::max(chance.unit, least);
+  return chance;
+}
+
+void OutputCompetition::Forward(const std::vector<Explanation>& given) {
+  taken_.clear();
+  const Fit start = Estimate(given, all_);
+  std::vector<Explanation> taken = start.explanations;
+  double energy = start.energy;
+  for (const Explanation& one : taken) taken_.push_back({one, 0.0, 0.0});
+  next_.clear();
+  while (static_cast<int>(taken_.size()) < options_.most) {
+    // Improbabilities are in units of what chance makes of the best.
+    std::vector<Fit> fits = Candidates(taken, 0.0, directions_);
+    if (fits.empty()) break;
+    const Chance of_best = ChanceOf(fits.front(), directions_);
+    for (Fit& fit : fits) {
+      fit.score = Score(fit.explanations, fit.energy, of_best.energy);
+    }
+    std::stable_sort(fits.begin(), fits.end(), [](const Fit& a, const Fit& b) {
+      return a.score < b.score;
+    });
+    const Fit& best = fits.front();
+    const Chance after = ChanceOf(best, directions_);
+    const double evidence = EvidenceOf(energy - best.energy, after.unit);
+    const TakenExplanation tried = {best.explanations.back(), 0.0, evidence};
+    if (!(evidence > options_.evidence)) {
+      next_ = {tried};
+      break;
+    }
+    taken = best.explanations;
+    energy = best.energy;
+    taken_.push_back(tried);
+    for (std::size_t i = 0; i < taken.size(); ++i) {
+      taken_[i].explanation = taken[i];
+    }
+  }
+  energy_ = energy;
+  const Chance last = ChanceOf({taken, energy, 0.0}, directions_);
+  chance_ = last.energy;
+  unit_ = last.unit;
+}
+
+void OutputCompetition::Backward(std::size_t given) {
+  bool left = true;
+  while (left && taken_.size() > 1) {
+    left = false;
+    const std::vector<Explanation> all = Explanations();
+    for (std::size_t i = given; i + 1 < taken_.size(); ++i) {
+      const Fit without = Estimate(Without(all, i), all_);
+      if (EvidenceOf(without.energy - energy_, unit_) > options_.evidence) {
+        continue;
+      }
+      taken_.erase(taken_.begin() + static_cast<std::ptrdiff_t>(i));
+      for (std::size_t k = 0; k < taken_.size(); ++k) {
+        taken_[k].explanation = without.explanations[k];
+      }
+      energy_ = without.energy;
+      left = true;
+      break;
+    }
+  }
+}
+
+bool OutputCompetition::Exchange(std::size_t given) {
+  const std::vector<Explanation> all = Explanations();
+  const double score = Score(all, energy_, chance_);
+  for (std::size_t i = given; i < all.size(); ++i) {
+    MatrixXd directions;
+    const std::vector<Fit> fits =
+        Candidates(Without(all, i), chance_, directions);
+    if (fits.empty() || fits.front().explanations.back().SameAs(all[i]) ||
+        fits.front().score > score - kBetter * unit_) {
+      continue;
+    }
+    taken_.clear();
+    for (const Explanation& one : fits.front().explanations) {
+      taken_.push_back({one, 0.0, 0.0});
+    }
+    energy_ = fits.front().energy;
+    return true;
+  }
+  return false;
+}
+
+void OutputCompetition::FindTies() {
+  const std::vector<Explanation> all = Explanations();
+  const double score = Score(all, energy_, chance_);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (!IsAgeing(all[i].kind)) continue;
+    MatrixXd directions;
+    for (const Fit& fit : Candidates(Without(all, i), chance_, directions)) {
+      const Explanation& rival = fit.explanations.back();
+      const bool elements = IsAgeing(rival.kind);
+      // Explanations of one element, or its input, do much the same.
+      if (TypeOf(rival.kind).place != ExplanationPlace::kOutput &&
+          rival.index == all[i].index) {
+        continue;
+      }
+      const double near = elements ? kElements * unit_ : kTie * chance_;
+      if (fit.score - score < near) ties_.push_back({all[i], rival});
+    }
+  }
+}
+
+void OutputCompetition::Compete(const std::vector<Explanation>& given) {
+  ties_.clear();
+  Forward(given);
+  Backward(given.size());
+  for (int round = 0; round < kRounds && Exchange(given.size()); ++round) {
+    Forward(Explanations());
+    Backward(given.size());
+  }
+  const Chance last = ChanceOf({Explanations(), energy_, 0.0}, directions_);
+  chance_ = last.energy;
+  unit_ = last.unit;
+  FindTies();
+  // Of what was given or came by exchange.
+  for (std::size_t i = 0; i < taken_.size(); ++i) {
+    if (taken_[i].evidence > 0.0) continue;
+    const Fit without = Estimate(Without(Explanations(), i), all_);
+    taken_[i].evidence = EvidenceOf(without.energy - energy_, unit_);
+  }
+}
+
+std::vector<Explanation> OutputCompetition::Explanations() const {
+  std::vector<Explanation> explanations;
+  for (const TakenExplanation& one : taken_) {
+    explanations.push_back(one.explanation);
+  }
+  return explanations;
+}
+
+MatrixXd OutputCompetition::CovarianceOfTheta() const {
+  const std::vector<Explanation> explanations = Explanations();
+  const auto n = static_cast<Index>(explanations.size());
+  if (n == 0) return MatrixXd(0, 0);
+  const MatrixXd placebos =
+      instruments_.ProjectPlacebos(output_.Residual(explanations));
+  const MatrixXd C =
+      placebos.transpose() * placebos / static_cast<double>(placebos.rows());
+  const MatrixXd J = Jacobian(explanations, all_);
+  MatrixXd H = J.transpose() * J;
+  H.diagonal().array() += 1e-12 * std::max(H.diagonal().maxCoeff(), 1e-300);
+  const MatrixXd A = H.ldlt().solve(J.transpose());
+  return A * C * A.transpose();
+}
+
+Eigen::Matrix3d OutputCompetition::Covariance(int input) const {
+  const std::vector<Explanation> explanations = Explanations();
+  const MatrixXd covariance = CovarianceOfTheta();
+  const ElementValues aged = output_.Aged(input, explanations);
+  const ElementValues& values = output_.values(input);
+  const double lag = output_.has_lag(input) ? values.time_scale : 0.0;
+  // ∂(K, T, L)/∂θ.
+  MatrixXd by = MatrixXd::Zero(3, covariance.cols());
+  for (std::size_t i = 0; i < explanations.size(); ++i) {
+    const Explanation& one = explanations[i];
+    const auto column = static_cast<Index>(i);
+    if (one.kind == ExplanationKind::kOutputClock ||
+        (one.kind == ExplanationKind::kInputClock && one.index == input)) {
+      by(2, column) = 0.5 * output_.tau();
+    }
+    if (one.index != input) continue;
+    if (one.kind == ExplanationKind::kGain) by(0, column) = aged.gain;
+    if (one.kind == ExplanationKind::kTimeConstant) {
+      by(1, column) = aged.time_scale;
+    }
+    if (one.kind == ExplanationKind::kDeadTime) {
+      by(2, column) = std::max(lag + values.delay, output_.sample_time());
+    }
+  }
+  return by * covariance * by.transpose();
+}
+
+std::vector<HorizonErrors> OutputCompetition::HoldOut() const {
+  const std::vector<ResidualRow>& rows = output_.rows();
+  const auto n = static_cast<Index>(rows.size());
+  const double row_time = output_.sample_time() * output_.samples_a_row();
+  const int block_rows = std::max(
+      1, static_cast<int>(std::lround(kBlock * output_.tau() / row_time)));
+  // Blocks in order, dealt out to the folds.
+  std::vector<int> block(rows.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const bool begins = i > 0 && rows[i].record != rows[i - 1].record;
+    const int inside = rows[i].first / rows[i].samples / block_rows;
+    if (i == 0) {
+      block[i] = 0;
+    } else {
+      const int before = rows[i - 1].first / rows[i - 1].samples / block_rows;
+      block[i] = block[i - 1] + (begins || inside != before ? 1 : 0);
+    }
+  }
+  const VectorXd initial = instruments_.Freed(output_.Residual({}));
+  std::vector<VectorXd> explained;
+  for (int f = 0; f < kFolds; ++f) {
+    VectorXd weights = all_;
+    for (Index i = 0; i < n; ++i) {
+      if (block[static_cast<std::size_t>(i)] % kFolds == f) weights[i] = 0.0;
+    }
+    explained.push_back(instruments_.Freed(
+        output_.Residual(Estimate(Explanations(), weights).explanations)));
+  }
+  std::vector<HorizonErrors> errors;
+  for (const double horizon : {0.2, 1.0, 3.0, 0.0}) {
+    const int ahead =
+        horizon > 0.0 ? std::max(1, static_cast<int>(std::lround(
+                                        horizon * output_.tau() / row_time)))
+                      : 0;
+    std::vector<double> gains(static_cast<std::size_t>(block.back()) + 1, 0.0);
+    double before = 0.0;
+    double after = 0.0;
+    int count = 0;
+    for (Index i = 0; i < n; ++i) {
+      const auto row = static_cast<std::size_t>(i);
+      double a = initial[i];
+      const VectorXd& e =
+          explained[static_cast<std::size_t>(block[row] % kFolds)];
+      double b = e[i];
+      if (ahead > 0) {
+        // The row `ahead` before, if nothing is missing in between.
+        if (i < ahead) continue;
+        const ResidualRow& from = rows[row - static_cast<std::size_t>(ahead)];
+        if (from.record != rows[row].record ||
+            rows[row].first - from.first != ahead * rows[row].samples) {
+          continue;
+        }
+        a -= initial[i - ahead];
+        b -= e[i - ahead];
+      }
+      before += a * a;
+      after += b * b;
+      gains[static_cast<std::size_t>(block[row])] += a * a - b * b;
+      ++count;
+    }
+    if (count == 0) continue;
+    double mean = 0.0;
+    for (const double gain : gains) mean += gain;
+    mean /= static_cast<double>(gains.size());
+    double variance = 0.0;
+    for (const double gain : gains) variance += (gain - mean) * (gain - mean);
+    const double deviation =
+        std::sqrt(variance * static_cast<double>(gains.size()) /
+                  std::max(static_cast<double>(gains.size()) - 1.0, 1.0));
+    errors.push_back(
+        {.horizon = ahead * row_time,
+         .initial = std::sqrt(before / count),
+         .explained = std::sqrt(after / count),
+         .deviations = deviation > 0.0 ? (before - after) / deviation : 0.0});
+  }
+  return errors;
+}
+
+double OutputCompetition::Required() const {
+  return independent_ * std::expm1(options_.evidence / independent_);
+}
+
+OutputExplanation OutputCompetition::Report() const {
+  OutputExplanation report;
+  report.independent = independent_;
+  report.required = Required();
+  report.by_set_points = instruments_.by_set_points();
+  report.moves = instruments_.moves();
+  report.taken = taken_;
+  const MatrixXd covariance = CovarianceOfTheta();
+  for (std::size_t i = 0; i < taken_.size(); ++i) {
+    const auto k = static_cast<Index>(i);
+    report.taken[i].standard_error = std::sqrt(std::max(covariance(k, k), 0.0));
+  }
+  if (!next_.empty()) report.next = next_.front();
+  for (const OutputExplanation::Tie& tie : ties_) {
+    if (Contains(Explanations(), tie.taken)) report.ties.push_back(tie);
+  }
+  report.energy = initial_energy_;
+  report.remaining = energy_;
+  report.chance = chance_;
+  report.unit = unit_;
+  if (!taken_.empty()) report.held_out = HoldOut();
+  const Index m = output_.records().front().num_inputs();
+  report.detectable.assign(static_cast<std::size_t>(m),
+                           std::numeric_limits<double>::infinity());
+  const std::vector<Explanation> explanations = Explanations();
+  for (const int j : output_.inputs()) {
+    std::vector<Explanation> with = explanations;
+    const Explanation gain = {ExplanationKind::kGain, j, 0.0};
+    std::size_t at = with.size();
+    for (std::size_t i = 0; i < with.size(); ++i) {
+      if (with[i].SameAs(gain)) at = i;
+    }
+    if (at == with.size()) with.push_back(gain);
+    const double slope =
+        Jacobian(with, all_).col(static_cast<Index>(at)).norm();
+    if (slope > 0.0) {
+      report.detectable[static_cast<std::size_t>(j)] =
+          std::sqrt(Required() * unit_) / slope;
+    }
+  }
+  return report;
+}
+
+}  // namespace mle

@@ -1,0 +1,109 @@
+// The competition of one output (competition.h). Internal to mle/explain.
+
+#ifndef MLE_EXPLAIN_OUTPUT_COMPETITION_H_
+#define MLE_EXPLAIN_OUTPUT_COMPETITION_H_
+
+#include <vector>
+
+#include "Eigen/Core"
+#include "absl/status/statusor.h"
+#include "mle/explain/competition.h"
+#include "mle/explain/explained_output.h"
+#include "mle/explain/instruments.h"
+
+namespace mle {
+
+class OutputCompetition {
+ public:
+  static absl::StatusOr<OutputCompetition> Create(
+      const ProcessModel& model, const std::vector<Record>& records, int output,
+      const ExplainOptions& options);
+
+  const ExplainedOutput& output() const { return output_; }
+  const Instruments& instruments() const { return instruments_; }
+
+  // Forward and backward, beside what is given.
+  void Compete(const std::vector<Explanation>& given = {});
+  const std::vector<TakenExplanation>& taken() const { return taken_; }
+
+  // E of these explanations, and M.
+  double Energy(const std::vector<Explanation>& explanations) const;
+  double unit() const { return unit_; }
+  // M of a residual of another model.
+  double UnitOf(const Eigen::VectorXd& residual) const {
+    return ChanceOf(residual, directions_).unit;
+  }
+  // Of (K, T, L) of an element, from that of θ.
+  Eigen::Matrix3d Covariance(int input) const;
+  std::vector<Explanation> Explanations() const;
+
+  // Standard errors, what is left, hold-out validation, ties.
+  OutputExplanation Report() const;
+
+ private:
+  // θ of some explanations, estimated, and its E.
+  struct Fit {
+    std::vector<Explanation> explanations;
+    double energy = 0.0;
+    // E + improbabilities times N.
+    double score = 0.0;
+  };
+  // What chance makes of the residual of a fit.
+  struct Chance {
+    double energy = 0.0;  // N
+    double unit = 0.0;    // M
+  };
+
+  OutputCompetition(ExplainedOutput output, Instruments instruments,
+                    const ExplainOptions& options)
+      : output_(std::move(output)),
+        instruments_(std::move(instruments)),
+        options_(options) {}
+
+  Eigen::VectorXd ValueAt(const std::vector<Explanation>& explanations,
+                          const Eigen::VectorXd& weights) const;
+  Eigen::MatrixXd Jacobian(const std::vector<Explanation>& explanations,
+                           const Eigen::VectorXd& weights) const;
+  // Levenberg–Marquardt within bounds.
+  Fit Estimate(std::vector<Explanation> explanations,
+               const Eigen::VectorXd& weights) const;
+  // The best of each explanation beside `taken`, best first; the directions
+  // tried go to `directions` (r × …).
+  std::vector<Fit> Candidates(const std::vector<Explanation>& taken,
+                              double chance, Eigen::MatrixXd& directions) const;
+  // −ln of the probability that chance lowers E by `fall`.
+  double EvidenceOf(double fall, double unit) const;
+  Chance ChanceOf(const Fit& fit, const Eigen::MatrixXd& directions) const;
+  Chance ChanceOf(const Eigen::VectorXd& residual,
+                  const Eigen::MatrixXd& directions) const;
+  // The fall of E that has the evidence asked for, in M.
+  double Required() const;
+  void Forward(const std::vector<Explanation>& given);
+  void Backward(std::size_t given);
+  // Another explanation in place of one that was taken, where it does better;
+  // whether there was one.
+  bool Exchange(std::size_t given);
+  void FindTies();
+  double Score(const std::vector<Explanation>& explanations, double energy,
+               double chance) const;
+  Eigen::MatrixXd CovarianceOfTheta() const;
+  std::vector<HorizonErrors> HoldOut() const;
+
+  ExplainedOutput output_;
+  Instruments instruments_;
+  ExplainOptions options_;
+  Eigen::VectorXd all_;  // weights of one
+  std::vector<TakenExplanation> taken_;
+  std::vector<TakenExplanation> next_;
+  std::vector<OutputExplanation::Tie> ties_;
+  Eigen::MatrixXd directions_;
+  double independent_ = 1.0;  // n, of the placebos
+  double initial_energy_ = 0.0;
+  double energy_ = 0.0;
+  double chance_ = 0.0;
+  double unit_ = 0.0;
+};
+
+}  // namespace mle
+
+#endif  // MLE_EXPLAIN_OUTPUT_COMPETITION_H_

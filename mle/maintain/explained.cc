@@ -1,0 +1,372 @@
+#include "mle/maintain/explained.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "Eigen/Core"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "mle/data/civil_time.h"
+#include "mle/model/element_response.h"
+
+namespace mle {
+namespace {
+
+// By which a tag may be late since it waits for a scan or an average.
+constexpr double kLateSamples = 5.0;
+// Evidence that a proposal must have where nothing won by itself: 5 %, being
+// one hypothesis, not the best of a table.
+constexpr double kLeastEvidence = 3.0;
+// By how many M the likelihood's estimate may explain less than the best.
+constexpr double kAgrees = 3.0;
+// What is proposed and not confirmed is no doubt if no response changes by more
+// than this share.
+constexpr double kSmall = 0.2;
+// By which no error of a horizon may grow, and in standard errors, by which one
+// has to fall.
+constexpr double kWorse = 1.2;
+constexpr double kFallen = 1.5;
+
+// The largest change of dead time that a clock may have made, in the model's
+// time unit. Where that is samples, seconds say nothing.
+double MostOfClocks(const CorrectionResult& result) {
+  const double seconds = result.options.decision.clock_error;
+  if (!(seconds > 0.0)) return 0.0;
+  return std::max(
+      seconds / SecondsPerUnit(result.initial.time_unit())
+                    .value_or(std::numeric_limits<double>::infinity()),
+      kLateSamples * result.data.sample_time());
+}
+
+// Beyond what clocks are wrong by, all dead times have changed.
+double BelievedDelay(const CorrectionResult& result,
+                     const Competition& competition, int i, int j) {
+  const double clock = competition.ClockOf(i, j);
+  return std::abs(clock) > MostOfClocks(result) ? clock : 0.0;
+}
+
+bool IsClock(ExplanationKind kind) {
+  return kind == ExplanationKind::kOutputClock ||
+         kind == ExplanationKind::kInputClock;
+}
+
+// The element with what won; nothing where it cannot be simulated.
+std::optional<TransferFunction> ExplainedElement(const CorrectionResult& result,
+                                                 const Competition& competition,
+                                                 int i, int j) {
+  const absl::StatusOr<ElementResponse> response =
+      ElementResponse::Create(result.initial.element(i, j));
+  if (!response.ok()) return std::nullopt;
+  ElementValues values = competition.Explained(i, j);
+  values.delay =
+      std::max(0.0, values.delay + BelievedDelay(result, competition, i, j));
+  return response->ToTransferFunction(values);
+}
+
+// The inputs of the elements that have aged by what won.
+std::vector<bool> AgedInputs(const CorrectionResult& result,
+                             const Competition& competition, int i) {
+  const ProcessModel& model = result.initial;
+  std::vector<bool> aged(model.num_inputs(), false);
+  const std::vector<TakenExplanation>& taken = competition.outputs()[i].taken;
+  for (int j = 0; j < model.num_inputs(); ++j) {
+    if (model.element(i, j).IsZero()) continue;
+    for (const TakenExplanation& one : taken) {
+      if (IsAgeing(one.explanation.kind) && one.explanation.index == j) {
+        aged[j] = true;
+      }
+    }
+    if (BelievedDelay(result, competition, i, j) != 0.0) aged[j] = true;
+    // A gain that changed during the record is no gain to be handed over.
+    for (const TakenExplanation& one : taken) {
+      if (one.explanation.kind == ExplanationKind::kChangeDuringRecord &&
+          one.explanation.index == j) {
+        aged[j] = false;
+      }
+    }
+    // Nor is a change made that is not worth making.
+    if (aged[j]) {
+      const Eigen::VectorXd from = result.initial_response.element(i, j);
+      const std::optional<TransferFunction> element =
+          ExplainedElement(result, competition, i, j);
+      aged[j] =
+          element.has_value() &&
+          (element->StepResponse(result.data.sample_time(),
+                                 static_cast<int>(from.size())) -
+           from)
+                  .norm() > result.options.decision.least_change * from.norm();
+    }
+  }
+  return aged;
+}
+
+std::string Sentence(const ProcessModel& model, int output,
+                     const Explanation& explanation) {
+  const ExplanationType& type = TypeOf(explanation.kind);
+  const std::string place = type.place == ExplanationPlace::kElement
+                                ? PairName(model, output, explanation.index)
+                            : type.place == ExplanationPlace::kOutput
+                                ? model.outputs()[output].name
+                                : model.inputs()[explanation.index].name;
+  const std::string text = type.sentence;
+  const std::size_t at = text.find("%s");
+  return absl::StrCat(text.substr(0, at), place, text.substr(at + 2));
+}
+
+MessageCode CodeOf(ExplanationKind kind) {
+  if (IsClock(kind)) return MessageCode::kClock;
+  return kind == ExplanationKind::kBacklash ? MessageCode::kSticking
+                                            : MessageCode::kExplained;
+}
+
+std::string Capitalised(std::string text) {
+  if (!text.empty() && text[0] >= 'a' && text[0] <= 'z') text[0] -= 'a' - 'A';
+  return text;
+}
+
+int FirstInput(const ProcessModel& model, int output) {
+  for (int j = 0; j < model.num_inputs(); ++j) {
+    if (!model.element(output, j).IsZero()) return j;
+  }
+  return 0;
+}
+
+std::string Others(const CorrectionResult& result,
+                   const Competition& competition, int i) {
+  std::string text;
+  for (const TakenExplanation& one : competition.outputs()[i].taken) {
+    const Explanation& explanation = one.explanation;
+    if (IsAgeing(explanation.kind)) continue;
+    if (IsClock(explanation.kind) &&
+        BelievedDelay(result, competition, i,
+                      explanation.kind == ExplanationKind::kInputClock
+                          ? explanation.index
+                          : FirstInput(result.initial, i)) != 0.0) {
+      continue;
+    }
+    if (IsClock(explanation.kind)) {
+      const bool of_output = explanation.kind == ExplanationKind::kOutputClock;
+      const int j =
+          of_output ? FirstInput(result.initial, i) : explanation.index;
+      const double late = competition.ClockOf(i, j);
+      absl::StrAppend(
+          &text, text.empty() ? "" : " ",
+          absl::StrFormat(
+              "All dead times of %s are %.2g %s %s, or its time stamps are "
+              "wrong by as much. ",
+              of_output ? result.initial.outputs()[i].name
+                        : result.initial.inputs()[j].name,
+              std::abs(late), result.initial.time_unit(),
+              late < 0.0 ? "shorter" : "longer"),
+          TypeOf(explanation.kind).settled_by);
+      continue;
+    }
+    absl::StrAppend(&text, text.empty() ? "" : " ",
+                    Capitalised(Sentence(result.initial, i, explanation)), ". ",
+                    TypeOf(explanation.kind).settled_by);
+  }
+  return text;
+}
+
+std::string Ties(const ProcessModel& model, const OutputExplanation& output,
+                 int i) {
+  std::string text;
+  for (const OutputExplanation::Tie& tie : output.ties) {
+    if (!IsAgeing(tie.taken.kind)) continue;
+    absl::StrAppend(&text, text.empty() ? "" : " ",
+                    "Two explanations account for ", model.outputs()[i].name,
+                    " equally well: ", Sentence(model, i, tie.taken), ", or ",
+                    Sentence(model, i, tie.rival), ". ",
+                    TypeOf(tie.rival.kind).settled_by);
+  }
+  return text;
+}
+
+// The elements that the likelihood proposes to change: fewer of them are a
+// simpler explanation than what won.
+std::size_t NumProposed(const CorrectionResult& result, int i) {
+  std::size_t count = 0;
+  for (int j = 0; j < result.initial.num_inputs(); ++j) {
+    if (ProposesElement(result.estimate, i, j)) ++count;
+  }
+  return count;
+}
+
+// A path that the model has not got: no row of the table is about one.
+bool ProposesNewPath(const CorrectionResult& result, int i) {
+  for (int j = 0; j < result.initial.num_inputs(); ++j) {
+    if (result.initial.element(i, j).IsZero() &&
+        ProposesElement(result.estimate, i, j)) {
+      return true;
+    }
+  }
+  return false;
+}
+
+// Of the proposal for an output, relative to each response.
+double LargestChange(const CorrectionResult& result, int i) {
+  double largest = 0.0;
+  const StepResponse& initial = result.initial_response;
+  for (int j = 0; j < initial.num_inputs; ++j) {
+    if (!ProposesElement(result.estimate, i, j)) continue;
+    const Eigen::VectorXd from = initial.element(i, j);
+    const Eigen::VectorXd to =
+        result.estimate.fit.output_error.corrected.model.element(i, j)
+            .StepResponse(initial.sample_time, static_cast<int>(from.size()));
+    largest =
+        std::max(largest, (to - from).norm() / std::max(from.norm(), 1e-300));
+  }
+  return largest;
+}
+
+std::string ErrorsText(const OutputExplanation& output,
+                       const ProcessModel& model, int i) {
+  std::string text;
+  for (const HorizonErrors& error : output.held_out) {
+    absl::StrAppend(
+        &text, text.empty() ? "its error " : ", ",
+        error.horizon > 0.0
+            ? absl::StrFormat("%.3g %s ahead", error.horizon, model.time_unit())
+            : "simulated",
+        absl::StrFormat(" is %.3g after %.3g", error.explained, error.initial));
+  }
+  const std::string& unit = model.outputs()[i].unit;
+  return unit.empty() || unit == "-" ? text : absl::StrCat(text, " ", unit);
+}
+
+// All horizons together, none much worse, one by more than chance.
+bool PredictsBetter(const OutputExplanation& output) {
+  bool fallen = false;
+  double log_ratio = 0.0;
+  for (const HorizonErrors& error : output.held_out) {
+    if (!(error.initial > 0.0)) continue;
+    const double ratio = error.explained / error.initial;
+    if (!(ratio < kWorse)) return false;
+    fallen = fallen || error.deviations > kFallen;
+    log_ratio += std::log(std::max(ratio, 1e-300));
+  }
+  return fallen && log_ratio < 0.0;
+}
+
+}  // namespace
+
+std::string DescribeExplanation(const ProcessModel& model, int output,
+                                const Explanation& explanation) {
+  const double value = explanation.value;
+  if (explanation.kind == ExplanationKind::kGain) {
+    return absl::StrFormat("gain of %s × %.3g",
+                           PairName(model, output, explanation.index),
+                           std::exp(value));
+  }
+  if (explanation.kind == ExplanationKind::kTimeConstant) {
+    return absl::StrFormat("time constant of %s × %.3g",
+                           PairName(model, output, explanation.index),
+                           std::exp(value));
+  }
+  return Sentence(model, output, explanation);
+}
+
+std::optional<InstrumentEvidence> EvidenceByInstruments(
+    const CorrectionResult& result, const Competition& competition, int i) {
+  const OutputExplanation& output = competition.outputs()[i];
+  if (!output.judged()) return std::nullopt;
+  // Inputs stand for set points only where the model has a path from them.
+  if (!output.by_set_points && ProposesNewPath(result, i)) return std::nullopt;
+  InstrumentEvidence evidence;
+  const std::vector<bool> aged = AgedInputs(result, competition, i);
+  evidence.ageing = std::find(aged.begin(), aged.end(), true) != aged.end();
+  evidence.other = Others(result, competition, i);
+  // A sign is a mistake of configuration, not to be corrected by the others.
+  for (const TakenExplanation& one : output.taken) {
+    if (one.explanation.kind == ExplanationKind::kReversed)
+      evidence.ageing = false;
+  }
+  for (const TakenExplanation& one : output.taken) {
+    if (IsAgeing(one.explanation.kind)) continue;
+    evidence.code = CodeOf(one.explanation.kind);
+    break;
+  }
+  evidence.tie = Ties(result.initial, output, i);
+  evidence.left = output.left();
+  if (evidence.ageing) {
+    evidence.predicts_better = PredictsBetter(output);
+    evidence.another_in_use = static_cast<bool>(result.options.in_use);
+    evidence.errors = ErrorsText(output, result.initial, i);
+  }
+  if (ProposesChange(result.estimate, i) &&
+      !ProposesByArx(result.estimate, i)) {
+    const Competition::Energies energies = competition.EnergiesOf(
+        i, result.estimate.fit.output_error.corrected.model);
+    const double energy = energies.remaining;
+    bool same = true;
+    for (int j = 0; j < result.initial.num_inputs(); ++j) {
+      same = same && aged[j] == ProposesElement(result.estimate, i, j);
+    }
+    const bool explains = output.EvidenceOf(output.energy - energy,
+                                            energies.unit) > kLeastEvidence;
+    const bool as_much = energy < output.remaining + kAgrees * output.unit;
+    const bool better =
+        output.EvidenceOf(output.remaining - energy, energies.unit) >
+        result.options.explain.evidence;
+    evidence.confirms_proposal =
+        explains &&
+        (output.taken.empty() || better ||
+         (as_much && ProposesNewPath(result, i)) ||
+         (as_much && NumProposed(result, i) < output.taken.size()) ||
+         (as_much && evidence.other.empty() &&
+          (same || !evidence.tie.empty() || !evidence.predicts_better)));
+    evidence.refutes_proposal =
+        energies.difference > output.required * output.unit ||
+        LargestChange(result, i) < kSmall;
+  }
+  return evidence;
+}
+
+void TakeExplained(const Competition& competition, int i,
+                   CorrectionResult& result) {
+  constexpr double kNormal = 1.959963984540054;  // of 95 %
+  Estimate& estimate = result.estimate;
+  KeepInitialOutput(i, estimate);
+  OutputErrorCorrection& correction = estimate.fit.output_error;
+  OutputErrorFit& fit = correction.corrected;
+  const int m = fit.model.num_inputs();
+  if (fit.covariances[i].rows() != 3 * m) {
+    fit.covariances[i] = Eigen::MatrixXd::Zero(3 * m, 3 * m);
+  }
+  const std::vector<bool> aged = AgedInputs(result, competition, i);
+  for (int j = 0; j < m; ++j) {
+    if (!aged[j]) continue;
+    ElementValues values = competition.Explained(i, j);
+    values.delay =
+        std::max(0.0, values.delay + BelievedDelay(result, competition, i, j));
+    const absl::StatusOr<ElementResponse> response =
+        ElementResponse::Create(result.initial.element(i, j));
+    if (!response.ok()) continue;
+    const ElementValues& before = response->initial_values();
+    const Eigen::Matrix3d covariance = competition.Covariance(i, j);
+    const auto parameter = [&](double initial, double value, int k) {
+      const double error =
+          value == initial ? 0.0 : std::sqrt(std::max(covariance(k, k), 0.0));
+      return ParameterEstimate{.initial = initial,
+                               .value = value,
+                               .standard_error = error,
+                               .lower = value - kNormal * error,
+                               .upper = value + kNormal * error};
+    };
+    ElementEstimate& written = fit.elements[i * m + j];
+    written.state = ElementState::kFitted;
+    written.gain = parameter(before.gain, values.gain, 0);
+    if (response->has_time_scale()) {
+      written.time_scale = parameter(before.time_scale, values.time_scale, 1);
+    }
+    written.delay = parameter(before.delay, values.delay, 2);
+    fit.model.element(i, j) = response->ToTransferFunction(values);
+    fit.covariances[i].block<3, 3>(3 * j, 3 * j) = covariance;
+    correction.aged(i, j) = true;
+  }
+}
+
+}  // namespace mle

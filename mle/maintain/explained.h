@@ -1,0 +1,31 @@
+// What the competition of explanations means for the correction: evidence for
+// the decision, and the estimate by instruments where it is taken.
+
+#ifndef MLE_MAINTAIN_EXPLAINED_H_
+#define MLE_MAINTAIN_EXPLAINED_H_
+
+#include <optional>
+#include <string>
+
+#include "mle/explain/competition.h"
+#include "mle/maintain/correct.h"
+#include "mle/maintain/decision.h"
+
+namespace mle {
+
+// "gain of top ← reflux × 0.71", "the time stamps of top are 2 min late".
+std::string DescribeExplanation(const ProcessModel& model, int output,
+                                const Explanation& explanation);
+
+// Nothing where the output has no judge.
+std::optional<InstrumentEvidence> EvidenceByInstruments(
+    const CorrectionResult& result, const Competition& competition, int output);
+
+// Puts the gains, time constants and dead times that won in place of the
+// proposal for this output; changes that are not worth making are left out.
+void TakeExplained(const Competition& competition, int output,
+                   CorrectionResult& result);
+
+}  // namespace mle
+
+#endif  // MLE_MAINTAIN_EXPLAINED_H_

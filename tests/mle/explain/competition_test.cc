@@ -1,0 +1,259 @@
+#include "mle/explain/competition.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "gtest/gtest.h"
+#include "tests/mle/explain/closed_loop_records.h"
+
+namespace mle {
+namespace {
+
+Competition Compete(const std::vector<Record>& records, int threads = 1) {
+  ExplainOptions options;
+  options.threads = threads;
+  auto competition = Competition::Run(TwoLoops(), records, options);
+  EXPECT_TRUE(competition.ok()) << competition.status();
+  return *std::move(competition);
+}
+
+std::vector<OutputExplanation> Explained(const std::vector<Record>& records) {
+  return Compete(records).outputs();
+}
+
+ProcessModel Aged(int output, int input, double gain, double lag,
+                  double delay) {
+  ProcessModel plant = TwoLoops();
+  const TransferFunction& element = plant.element(output, input);
+  plant.element(output, input) = TransferFunction::FirstOrder(
+      gain * element.StaticGain(), lag * element.TimeConstant(),
+      element.delay() + delay);
+  return plant;
+}
+
+std::vector<std::string> Taken(const OutputExplanation& output) {
+  std::vector<std::string> taken;
+  for (const TakenExplanation& one : output.taken) {
+    taken.emplace_back(TypeOf(one.explanation.kind).code);
+  }
+  return taken;
+}
+
+using Codes = std::vector<std::string>;
+
+TEST(CompetitionTest, WhereNothingHappenedNothingWins) {
+  int taken = 0;
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    for (const OutputExplanation& output :
+         Explained({CloseLoops(TwoLoops(), seed)})) {
+      ASSERT_TRUE(output.judged()) << output.unjudged;
+      EXPECT_TRUE(output.by_set_points);
+      EXPECT_LT(output.left(), 4.0);
+      taken += static_cast<int>(output.taken.size());
+    }
+  }
+  // 40 outputs at 0.03 % each, if the exponential holds.
+  EXPECT_LE(taken, 1);
+}
+
+// The parameter that aged, alone and by its size, in its output alone.
+TEST(CompetitionTest, TheParameterThatAgedIsNamed) {
+  struct Case {
+    int output, input;
+    double gain, lag, delay;
+    const char* code;
+    double theta;
+  };
+  const std::vector<Case> cases = {
+      {0, 0, 0.6, 1.0, 0.0, "gain", std::log(0.6)},
+      {1, 1, 1.0, 1.7, 0.0, "time_constant", std::log(1.7)},
+      {0, 0, 1.0, 1.0, 3.0, "dead_time", 3.0 / 12.0},
+      {1, 0, 1.6, 1.0, 0.0, "gain", std::log(1.6)},
+  };
+  for (const Case& c : cases) {
+    SCOPED_TRACE(c.code);
+    const Competition competition = Compete(
+        {CloseLoops(Aged(c.output, c.input, c.gain, c.lag, c.delay), 7)});
+    const OutputExplanation& output = competition.outputs()[c.output];
+    ASSERT_EQ(Taken(output), Codes{c.code});
+    EXPECT_EQ(output.taken[0].explanation.index, c.input);
+    const double error = output.taken[0].standard_error;
+    EXPECT_GT(error, 0.0);
+    EXPECT_NEAR(output.taken[0].explanation.value, c.theta, 4.0 * error + 0.01);
+    EXPECT_TRUE(competition.outputs()[1 - c.output].taken.empty());
+    // On blocks held out, every horizon.
+    ASSERT_EQ(output.held_out.size(), 4);
+    for (const HorizonErrors& horizon : output.held_out) {
+      EXPECT_LT(horizon.explained, 1.05 * horizon.initial);
+    }
+    EXPECT_LT(output.held_out.back().explained,
+              0.7 * output.held_out.back().initial);
+  }
+}
+
+TEST(CompetitionTest, WhatHappenedToTheRecordIsNoAgeing) {
+  Happening bent;
+  bent.output = [](int output, double z) {
+    return output == 0 ? z + 0.25 * z * z : z;
+  };
+  EXPECT_EQ(Taken(Compete({CloseLoops(TwoLoops(), 3, bent)}).outputs()[0]),
+            Codes{"curved_output"});
+  Happening limited;
+  double position = 0.0;
+  limited.input = [&position](int input, double asked) {
+    if (input != 0) return asked;
+    position += std::clamp(asked - position, -0.02, 0.02);
+    return position;
+  };
+  EXPECT_EQ(Taken(Explained({CloseLoops(TwoLoops(), 3, limited)})[0]),
+            Codes{"rate_limit"});
+}
+
+// Late samples of an input are one clock, not two dead times; an output's too.
+TEST(CompetitionTest, AClockOfATagIsOneExplanation) {
+  Happening quiet;
+  quiet.drift = 0.002;
+  quiet.noise = 0.01;
+  Record record = CloseLoops(TwoLoops(), 5, quiet);
+  const Eigen::Index n = record.inputs.cols();
+  const Eigen::RowVectorXd valve = record.inputs.row(0);
+  record.inputs.row(0).head(n - 3) = valve.tail(n - 3);
+  const Competition by_input = Compete({record});
+  for (const OutputExplanation& output : by_input.outputs()) {
+    EXPECT_EQ(Taken(output), Codes{"input_clock"});
+  }
+  EXPECT_NEAR(by_input.ClockOf(0, 0), 3.0, 0.3);
+  EXPECT_NEAR(by_input.ClockOf(1, 0), 3.0, 0.3);
+  EXPECT_EQ(by_input.ClockOf(0, 1), 0.0);
+
+  record = CloseLoops(TwoLoops(), 5, quiet);
+  const Eigen::RowVectorXd level = record.outputs.row(0);
+  record.outputs.row(0).tail(n - 3) = level.head(n - 3);
+  const Competition by_output = Compete({record});
+  EXPECT_EQ(Taken(by_output.outputs()[0]), Codes{"output_clock"});
+  EXPECT_NEAR(by_output.ClockOf(0, 0), 3.0, 0.3);
+  EXPECT_TRUE(by_output.outputs()[1].taken.empty());
+}
+
+// A load that the controller answers is no change of the model, however large:
+// inputs move with it, set points do not.
+TEST(CompetitionTest, FeedbackFromADisturbanceIsNotAgeing) {
+  Happening loaded;
+  loaded.drift = 0.08;
+  int taken = 0;
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    for (const OutputExplanation& output :
+         Explained({CloseLoops(TwoLoops(), seed, loaded)})) {
+      taken += static_cast<int>(output.taken.size());
+    }
+  }
+  EXPECT_LE(taken, 1);
+}
+
+TEST(CompetitionTest, UnitsChangeNothing) {
+  const Record record = CloseLoops(Aged(0, 0, 0.7, 1.0, 0.0), 2);
+  const Competition plain = Compete({record});
+  ProcessModel scaled_model = TwoLoops();
+  Record scaled = record;
+  scaled.outputs.row(0) *= 1000.0;
+  scaled.set_points.row(0) *= 1000.0;
+  scaled.outputs.row(0).array() += 300.0;
+  scaled.set_points.row(0).array() += 300.0;
+  for (int j = 0; j < 2; ++j) {
+    const TransferFunction& element = scaled_model.element(0, j);
+    scaled_model.element(0, j) = TransferFunction::FirstOrder(
+        1000.0 * element.StaticGain(), element.TimeConstant(), element.delay());
+  }
+  const auto other = Competition::Run(scaled_model, {scaled}, {});
+  ASSERT_TRUE(other.ok()) << other.status();
+  const OutputExplanation& a = plain.outputs()[0];
+  const OutputExplanation& b = other->outputs()[0];
+  ASSERT_EQ(Taken(a), Taken(b));
+  EXPECT_NEAR(a.taken[0].explanation.value, b.taken[0].explanation.value, 1e-6);
+  EXPECT_NEAR(a.left(), b.left(), 1e-6 * (1.0 + a.left()));
+}
+
+TEST(CompetitionTest, ThreadsChangeNoBit) {
+  const std::vector<Record> records = {
+      CloseLoops(Aged(1, 1, 1.5, 1.0, 1.0), 4)};
+  const Competition one = Compete(records, 1);
+  const Competition four = Compete(records, 4);
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_EQ(one.outputs()[i].remaining, four.outputs()[i].remaining);
+    ASSERT_EQ(one.outputs()[i].taken.size(), four.outputs()[i].taken.size());
+  }
+}
+
+// Missing samples, in a block and here and there, and several records.
+TEST(CompetitionTest, GapsAndSeveralRecords) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  Happening half;
+  half.samples = 800;
+  std::vector<Record> records = {
+      CloseLoops(Aged(0, 0, 0.6, 1.0, 0.0), 1, half),
+      CloseLoops(Aged(0, 0, 0.6, 1.0, 0.0), 2, half)};
+  records[0].outputs.row(0).segment(300, 60).setConstant(nan);
+  for (int k = 5; k < 800; k += 7) records[1].outputs(0, k) = nan;
+  records[1].inputs.row(1).segment(200, 30).setConstant(nan);
+  const Competition competition = Compete(records);
+  EXPECT_EQ(Taken(competition.outputs()[0]), Codes{"gain"});
+  EXPECT_NEAR(competition.Explained(0, 0).gain, 1.2, 0.1);
+}
+
+TEST(CompetitionTest, WithoutAnythingThatMovesThereIsNoJudge) {
+  Record record = CloseLoops(TwoLoops(), 1);
+  record.set_points.setConstant(1.0);
+  record.inputs.setConstant(2.0);
+  for (const OutputExplanation& output : Explained({record})) {
+    EXPECT_FALSE(output.judged());
+    EXPECT_TRUE(output.taken.empty());
+  }
+  record.outputs.setConstant(std::numeric_limits<double>::quiet_NaN());
+  EXPECT_FALSE(Compete({record}).outputs()[0].judged());
+}
+
+// Exact records: nothing is left to chance, and nothing is NaN.
+TEST(CompetitionTest, ExactRecordsAreNoNaN) {
+  Happening exact;
+  exact.noise = 0.0;
+  exact.drift = 0.0;
+  const Competition same = Compete({CloseLoops(TwoLoops(), 1, exact)});
+  for (const OutputExplanation& output : same.outputs()) {
+    EXPECT_TRUE(output.taken.empty());
+    EXPECT_TRUE(std::isfinite(output.left()));
+  }
+  const Competition aged =
+      Compete({CloseLoops(Aged(0, 0, 0.6, 1.0, 0.0), 1, exact)});
+  EXPECT_NEAR(aged.Explained(0, 0).gain, 1.2, 0.01);
+}
+
+TEST(CompetitionTest, OtherModelsAreJudgedByWhatTheyLeave) {
+  const ProcessModel plant = Aged(0, 0, 0.6, 1.0, 0.0);
+  const std::vector<Record> records = {CloseLoops(plant, 6)};
+  const Competition competition = Compete(records);
+  const OutputExplanation& output = competition.outputs()[0];
+  const Competition::Energies right = competition.EnergiesOf(0, plant);
+  EXPECT_LT(right.remaining, output.remaining + 3.0 * output.unit);
+  EXPECT_GT(right.difference, output.required * output.unit);
+  const Competition::Energies same = competition.EnergiesOf(0, TwoLoops());
+  EXPECT_NEAR(same.remaining, output.energy, 1e-9 * output.energy);
+  EXPECT_NEAR(same.difference, 0.0, 1e-9 * output.energy);
+}
+
+TEST(ExplainOptionsTest, NameTheFieldThatIsWrong) {
+  ExplainOptions options;
+  options.evidence = 0.0;
+  EXPECT_EQ(options.Validate().message(),
+            "explain.evidence = 0: it must be finite and greater than 0");
+  options = {};
+  options.most = 0;
+  EXPECT_EQ(options.Validate().message(),
+            "explain.most = 0: it must be at least 1");
+}
+
+}  // namespace
+}  // namespace mle

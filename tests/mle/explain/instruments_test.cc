@@ -1,0 +1,77 @@
+#include "mle/explain/instruments.h"
+
+#include <vector>
+
+#include "gtest/gtest.h"
+#include "mle/explain/explained_output.h"
+#include "tests/mle/explain/closed_loop_records.h"
+
+namespace mle {
+namespace {
+
+Instruments InstrumentsOf(const ExplainedOutput& output) {
+  auto made = Instruments::Create(TwoLoops(), output);
+  EXPECT_TRUE(made.ok()) << made.status();
+  return *std::move(made);
+}
+
+TEST(InstrumentsTest, OffsetsRampsAndFreeResponsesAreNotDriven) {
+  const std::vector<Record> records = {CloseLoops(TwoLoops(), 1)};
+  const auto output = ExplainedOutput::Create(TwoLoops(), records, 0);
+  ASSERT_TRUE(output.ok()) << output.status();
+  const Instruments instruments = InstrumentsOf(*output);
+  EXPECT_TRUE(instruments.by_set_points());
+  const auto rows = static_cast<Eigen::Index>(output->rows().size());
+  for (const Eigen::VectorXd& free :
+       {Eigen::VectorXd(Eigen::VectorXd::Ones(rows)),
+        Eigen::VectorXd(Eigen::VectorXd::LinSpaced(rows, 0.0, 5.0))}) {
+    EXPECT_LT(instruments.Project(free).norm(), 1e-9 * free.norm());
+    EXPECT_LT(instruments.ProjectPlacebos(free).norm(), 1e-9 * free.norm());
+  }
+}
+
+// E of noise is what placebos make of it, on average over seeds.
+TEST(InstrumentsTest, PlacebosMakeOfNoiseWhatSetPointsDo) {
+  double driven = 0.0;
+  double placebo = 0.0;
+  for (unsigned seed = 1; seed <= 40; ++seed) {
+    const std::vector<Record> records = {CloseLoops(TwoLoops(), seed)};
+    const auto output = ExplainedOutput::Create(TwoLoops(), records, 1);
+    ASSERT_TRUE(output.ok()) << output.status();
+    const Instruments instruments = InstrumentsOf(*output);
+    const Eigen::VectorXd e = output->Residual({});
+    driven += instruments.Project(e).squaredNorm();
+    placebo += instruments.ProjectPlacebos(e).rowwise().squaredNorm().mean();
+  }
+  EXPECT_NEAR(driven / placebo, 1.0, 0.25);
+}
+
+TEST(InstrumentsTest, InputsStandForSetPointsThatDoNotMove) {
+  std::vector<Record> records = {CloseLoops(TwoLoops(), 1)};
+  records[0].set_points.setConstant(3.0);
+  const auto output = ExplainedOutput::Create(TwoLoops(), records, 0);
+  ASSERT_TRUE(output.ok()) << output.status();
+  const Instruments instruments = InstrumentsOf(*output);
+  EXPECT_FALSE(instruments.by_set_points());
+  EXPECT_GT(instruments.rank(), 6);
+}
+
+// Rows without weight have no part, whatever stands there.
+TEST(InstrumentsTest, RowsWithoutWeightHaveNoPart) {
+  const std::vector<Record> records = {CloseLoops(TwoLoops(), 1)};
+  const auto output = ExplainedOutput::Create(TwoLoops(), records, 0);
+  ASSERT_TRUE(output.ok()) << output.status();
+  const Instruments instruments = InstrumentsOf(*output);
+  Eigen::VectorXd e = output->Residual({});
+  Eigen::VectorXd weights = Eigen::VectorXd::Ones(e.size());
+  weights.segment(100, 200).setZero();
+  const Eigen::VectorXd before = instruments.Project(e, weights);
+  e.segment(100, 200).array() += 7.0;
+  EXPECT_LT((instruments.Project(e, weights) - before).norm(),
+            1e-6 * before.norm());
+  weights.setOnes();
+  EXPECT_EQ(instruments.Project(e, weights), instruments.Project(e));
+}
+
+}  // namespace
+}  // namespace mle
