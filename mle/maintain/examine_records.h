@@ -18,6 +18,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "mle/data/record.h"
+#include "mle/data/record_columns.h"
 #include "mle/data/time_names.h"
 #include "mle/maintain/message.h"
 #include "mle/model/process_model.h"
@@ -62,6 +63,8 @@ struct ExamineOptions {
 
   // How messages write times; without a unit, in the model's.
   TimeNames times = {};
+  // The columns of channels, for messages that say how a mapping is corrected.
+  std::vector<TagMapping> tags = {};
 
   // Whether inputs that stick are passed through the play that is found
   // (sticking_inputs.h). If not, outputs that they move are not decided.
