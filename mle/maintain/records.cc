@@ -391,6 +391,9 @@ absl::StatusOr<RecordData> LoadSources(
            std::max(read.fraction, 0.0)});
     };
   }
+  for (const ModeTag& mode : options.modes) {
+    told.columns.unused_tags.push_back(mode.tag);
+  }
   RecordScan scan(model, options.most_samples_in_memory);
   const bool scans = options.most_samples_in_memory > 0;
   MLE_ASSIGN_OR_RETURN(
@@ -398,9 +401,13 @@ absl::StatusOr<RecordData> LoadSources(
       ImportHistorianSources(sources, model, told, scans ? &scan : nullptr));
   RecordOptions mapped = options;
   mapped.examination.tags = import.columns.tags;
+  MLE_ASSIGN_OR_RETURN(Modes modes, ReadModes(sources, model, import,
+                                              options.modes, imported.records));
+  mapped.windows.by_hand = std::move(modes.by_hand);
   MLE_ASSIGN_OR_RETURN(RecordData data,
                        PrepareRecords(std::move(imported), model, mapped));
   for (Message& note : scan.Notes()) data.notes.push_back(std::move(note));
+  for (Message& note : modes.notes) data.notes.push_back(std::move(note));
   return data;
 }
 
