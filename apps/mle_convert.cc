@@ -92,6 +92,9 @@ absl::Status Complete(Request& request, const ModelFile& file) {
 
 void Print(const Request& request, const ModelFile& file,
            const ConvertedModel& converted) {
+  for (const std::string& difference : NotableDifferences(file)) {
+    std::cout << "note: " << difference << "\n";
+  }
   std::cout << request.out << ": " << NameOf(request.conversion.form);
   if (converted.states > 0) std::cout << ", " << converted.states << " states";
   if (converted.interval > 0.0) {

@@ -19,6 +19,7 @@
 #include "apps/correct/console.h"
 #include "apps/correct/data_sources.h"
 #include "apps/correct/outputs.h"
+#include "apps/correct/part_of_model.h"
 #include "apps/correct/proposed_tags.h"
 #include "apps/correct/result.h"
 #include "apps/correct/result_files.h"
@@ -82,6 +83,26 @@ bool ShowStage(const RunProgress& progress) {
   return true;
 }
 
+// Where columns are missing, of what is there.
+absl::StatusOr<RecordData> Load(const std::vector<HistorianSource>& sources,
+                                correct::Request& request) {
+  const auto load = [&] {
+    return LoadSources(sources, request.model, request.import,
+                       request.options.records, ShowStage);
+  };
+  absl::StatusOr<RecordData> data = load();
+  const auto is_about_tags = [](const absl::Status& status) {
+    return absl::StrContains(OptionOf(status), "tags");
+  };
+  if (data.ok() || !is_about_tags(data.status()) ||
+      !correct::LeaveOutMissing(sources, request)) {
+    return data;
+  }
+  absl::StatusOr<RecordData> part = load();
+  return part.ok() || !is_about_tags(part.status()) ? std::move(part)
+                                                    : std::move(data);
+}
+
 // Columns of long records come and go, and pages that the system gets back are
 // cleared before they are had again: up to 1 GiB is kept for what comes next.
 void KeepFreedMemory() {
@@ -111,15 +132,15 @@ int Main(correct::Request& request, OptionTable& table) {
   ShowStatus(
       absl::StrCat("reading ", request.data_paths.size(),
                    request.data_paths.size() == 1 ? " source" : " sources"));
-  absl::StatusOr<RecordData> data =
-      LoadSources(sources->sources(), request.model, request.import,
-                  request.options.records, ShowStage);
+  absl::StatusOr<RecordData> data = Load(sources->sources(), request);
   if (!data.ok()) {
     return Fail(OnReading(data.status(), request));
   }
   if (request.dry_run) {
     EndStatus();
+    correct::NameFlags(*data);
     correct::PrintData(*data, sources->Files(), request.model);
+    correct::PrintMessages("warning", request.left_out);
     correct::PrintMessages("warning", data->warnings);
     correct::PrintMessages("warning",
                            correct::DescriptionWarnings(request.model_file));

@@ -218,7 +218,7 @@ std::string Instruction(const Result& result) {
       return "Keep the controller's model.";
     case Decision::kCannotTell:
       return Mistake(result) != nullptr
-                 ? "Keep the controller's model for now: mend this, and run "
+                 ? "Keep the controller's model for now: correct this and run "
                    "again."
                  : "Keep the controller's model for now.";
     case Decision::kCorrected:
@@ -245,6 +245,9 @@ std::vector<std::string> ShortVerdict(const Result& result) {
   }
   if (std::string worth = WhatItIsWorth(result); !worth.empty()) {
     lines.push_back(std::move(worth));
+  }
+  for (const Message& message : result.request.left_out) {
+    lines.push_back(message.text);
   }
   std::string more;
   if (!result.warnings.empty()) {

@@ -104,6 +104,26 @@ TextValue TimesOrDates(std::vector<double>* times,
   return value;
 }
 
+// TAG or TAG=CHANNEL, separated by commas.
+TextValue ModeTags(std::vector<ModeTag>* modes) {
+  TextValue value;
+  value.read = [modes](const std::string& given, const NumberRange&) {
+    modes->clear();
+    for (const std::string& part : ParseList(given)) {
+      const std::size_t equals = part.rfind('=');
+      ModeTag& mode = modes->emplace_back();
+      mode.tag = part.substr(0, equals);
+      if (equals != std::string::npos) mode.channel = part.substr(equals + 1);
+      if (mode.tag.empty()) {
+        return absl::InvalidArgumentError(
+            absl::StrCat("'", part, "' is neither TAG nor TAG=CHANNEL"));
+      }
+    }
+    return absl::OkStatus();
+  };
+  return value;
+}
+
 std::vector<std::string> KnownColumns(const ProcessModel& model) {
   std::vector<std::string> names;
   for (const OutputChannel& output : model.outputs()) {
@@ -303,6 +323,12 @@ std::vector<Option> OptionsOf(RecordOptions& options) {
        "min", kNotNegative},
       {"min_setpoint_change", &windows.min_change,
        "Largest change of a set point that is ignored.", "", kNotNegative},
+      {"mode_tag", ModeTags(&options.modes),
+       "Tags that say when the controller was in use (TAG), or the loop of an "
+       "output or below an input (TAG=CHANNEL), separated by commas; words "
+       "such "
+       "as MAN, AUTO, CAS, SHED, or 1 and 0. Moves of inputs by hand count as "
+       "changes."},
       {"change_times",
        TimesOrDates(&windows.change_times, &options.change_dates),
        "Times of set-point changes, for records without set points, ascending "

@@ -8,6 +8,7 @@
 #include "apps/common/controller_options.h"
 #include "apps/common/correct_options.h"
 #include "apps/common/model_files.h"
+#include "apps/correct/part_of_model.h"
 #include "apps/correct/record_options.h"
 #include "mle/base/status.h"
 
@@ -32,6 +33,10 @@ std::vector<Option> FileOptions(Request& request) {
       {"truth", &request.truth_path,
        "Process model (JSON) of a simulated plant: its step responses are "
        "shown as the truth."},
+      {"outputs", Words(&request.outputs),
+       "Outputs that are judged and corrected, separated by commas; empty: "
+       "all. "
+       "Columns of the others are not needed."},
       {"dry_run", &request.dry_run,
        "Only reads the records and reports on them."},
       {"verbose", &request.verbose,
@@ -133,13 +138,14 @@ absl::Status Complete(Request& request, OptionTable& table) {
 absl::Status CompleteForModel(Request& request, OptionTable& table) {
   MLE_RETURN_IF_ERROR(CheckDataPaths(request.data_paths));
   MLE_RETURN_IF_ERROR(CheckOutput(request));
+  MLE_RETURN_IF_ERROR(ParseTags(request.tags, request.tag_file, request.model,
+                                request.import.columns));
+  MLE_RETURN_IF_ERROR(ChooseOutputs(request));
   MLE_RETURN_IF_ERROR(table.FitTo(request.model));
   if (!request.previous.empty()) {
     MLE_ASSIGN_OR_RETURN(request.last,
                          ReadPreviousRun(request.previous, request.model));
   }
-  MLE_RETURN_IF_ERROR(ParseTags(request.tags, request.tag_file, request.model,
-                                request.import.columns));
   if (const absl::Status status = request.import.Validate(request.model);
       !status.ok()) {
     return absl::InvalidArgumentError(

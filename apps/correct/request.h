@@ -26,8 +26,9 @@ struct Request {
   std::string out = "correction";
   std::string truth_path;  // empty: none
   std::vector<std::string> tags;
-  std::string tag_file;      // empty: none
-  std::string propose_tags;  // empty: a correction is wanted
+  std::string tag_file;              // empty: none
+  std::string propose_tags;          // empty: a correction is wanted
+  std::vector<std::string> outputs;  // that are judged; empty: all
   HistorianOptions import;
   DatabaseOptions database;
   CorrectOptions options;
@@ -40,8 +41,9 @@ struct Request {
   bool figures = true;
 
   // What they name.
-  ModelFile model_file;  // its process model is `model`
+  ModelFile model_file;  // of its process model, `model` is all or a part
   ProcessModel model;
+  std::vector<Message> left_out;  // outputs that the records do not have
   std::optional<ProcessModel> truth;
   std::optional<PreviousRun> last;
 

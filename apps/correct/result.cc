@@ -4,11 +4,13 @@
 #include <utility>
 
 #include "absl/strings/ascii.h"
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
 #include "apps/correct/advice.h"
+#include "apps/correct/part_of_model.h"
 #include "apps/correct/verdict.h"
 #include "mle/base/parallel.h"
 #include "mle/base/status.h"
@@ -68,10 +70,11 @@ std::string NameFlag(std::string_view text, const std::string& name) {
 absl::Status WarnOfDifferences(Result& result) {
   const ModelFile& file = result.request.model_file;
   if (CorrectedName(file).empty()) return absl::OkStatus();
+  const ProcessModel whole = InWholeModel(result.request, result.model);
   MLE_ASSIGN_OR_RETURN(const FormattedModel as_given,
-                       FormatCorrected(file, result.model));
+                       FormatCorrected(file, whole));
   for (const PairDescription& pair : as_given.differences) {
-    const std::string name = PairName(result.model, pair.output, pair.input);
+    const std::string name = PairName(whole, pair.output, pair.input);
     result.warnings.push_back(
         {MessageCode::kImport,
          name,
@@ -113,6 +116,7 @@ absl::StatusOr<Result> RunCorrection(const Request& request, RecordData data,
   Result result;
   result.request = request;
   result.files = std::move(files);
+  NameFlags(data);
   MLE_ASSIGN_OR_RETURN(
       static_cast<CorrectionResult&>(result),
       CorrectFromData(request.model, std::move(data), request.options));
@@ -120,6 +124,8 @@ absl::StatusOr<Result> RunCorrection(const Request& request, RecordData data,
   for (Message& warning : DescriptionWarnings(request.model_file)) {
     result.warnings.push_back(std::move(warning));
   }
+  result.warnings.insert(result.warnings.begin(), request.left_out.begin(),
+                         request.left_out.end());
   CompareWithTruth(result);
   result.verdict = DescribeVerdict(result);
   result.findings = Findings(result);
@@ -146,6 +152,19 @@ absl::Status NameFlags(const absl::Status& status) {
   const std::vector<std::string> names = absl::StrSplit(options, ',');
   for (const std::string& name : names) text = NameFlag(text, name);
   return absl::Status(status.code(), text);
+}
+
+void NameFlags(RecordData& data) {
+  const auto rename = [](Message& message) {
+    if (message.code != MessageCode::kMistake) return;
+    for (const char* name : {"tags", "number_unit"}) {
+      if (absl::StrContains(message.text, absl::StrCat(name, " = "))) {
+        message.text = NameFlag(message.text, name);
+      }
+    }
+  };
+  for (Message& obstacle : data.obstacles) rename(obstacle);
+  for (mle::Finding& finding : data.findings) rename(finding.message);
 }
 
 std::string Shown(const Message& message) {

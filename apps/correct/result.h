@@ -57,6 +57,8 @@ absl::StatusOr<Result> RunCorrection(const Request& request, RecordData data,
 
 // With the option that the error is about named as the command's flag.
 absl::Status NameFlags(const absl::Status& status);
+// In what is said of mistakes.
+void NameFlags(RecordData& data);
 
 // The text, and the flags that would change it.
 std::string Shown(const Message& message);

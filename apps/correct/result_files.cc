@@ -8,6 +8,7 @@
 #include "apps/correct/figures.h"
 #include "apps/correct/outputs.h"
 #include "apps/correct/page.h"
+#include "apps/correct/part_of_model.h"
 #include "apps/report/drawing.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"
@@ -65,7 +66,8 @@ absl::Status WriteResult(const Result& result, const std::string& json,
   if (!given_name.empty()) {
     MLE_ASSIGN_OR_RETURN(
         FormattedModel as_given,
-        FormatCorrected(result.request.model_file, result.model));
+        FormatCorrected(result.request.model_file,
+                        InWholeModel(result.request, result.model)));
     files.emplace_back(given_name, std::move(as_given.text));
   }
   report::AddPictures(figures, files);

@@ -35,8 +35,8 @@ Json GivenModelJson(const Result& result) {
   json["descriptions"] = Json::array();
   for (const PairDescription& pair : file.descriptions) {
     json["descriptions"].push_back(
-        {{"output", result.initial.outputs()[pair.output].name},
-         {"input", result.initial.inputs()[pair.input].name},
+        {{"output", file.process.outputs()[pair.output].name},
+         {"input", file.process.inputs()[pair.input].name},
          {"relative_rms", pair.relative_rms},
          {"largest_difference", pair.largest_difference},
          {"time", pair.time}});

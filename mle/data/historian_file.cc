@@ -288,6 +288,7 @@ absl::Status HistorianFile::WidenLongTable(
                                  "each sample, of ",
                                  table.tags.size(), " tags."),
                     ""});
+  is_long_ = true;
   is_sparse_ = !table.is_complete;
   bytes_ = static_cast<std::int64_t>(table.text.size());
   in_ = std::make_unique<std::istringstream>(std::move(table.text));
@@ -446,6 +447,10 @@ absl::StatusOr<HistorianColumns> HistorianFile::Columns(
   const std::pair<std::string, std::string> time =
       SplitTimeName(named, header).value_or(std::pair(named, named));
   HistorianColumns columns;
+  columns.header = header;
+  columns.separator = file->csv_->separator();
+  columns.time_column = named;
+  columns.is_long = file->is_long_;
   for (std::size_t c = 0; c < header.size(); ++c) {
     const std::string name(TrimCsvField(header[c]));
     const std::string folded = FoldedName(name);

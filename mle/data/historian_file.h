@@ -25,6 +25,15 @@ namespace mle {
 struct HistorianColumns {
   std::vector<std::string> names;
   std::vector<std::string> units;  // in a row below the header; empty: none
+  // As the file has it.
+  std::vector<std::string> header;
+  char separator = ',';
+  std::string time_column;  // of two columns, with a plus between them
+  bool is_long = false;     // the header is that of the table made of it
+
+  // The one column of samples, which may have the usual name of any value;
+  // empty: there are none, or several.
+  std::string OnlyValue() const;
 };
 
 class HistorianFile {
@@ -93,6 +102,7 @@ class HistorianFile {
   int header_line_ = 1;
   std::string header_text_;  // of names that are given
   int rows_below_header_ = 0;
+  bool is_long_ = false;
   bool is_sparse_ = false;
   std::int64_t repeated_rows_ = 0;
   std::int64_t comment_rows_ = 0;

@@ -123,6 +123,7 @@ class Matching {
   void FindMissing(std::vector<std::string>& faults);
   std::string OnSetPoints() const;
   bool IsIgnored(const std::string& name) const;
+  bool IsUnused(const std::string& name) const;
   void FindOthers(std::vector<std::string>& faults) const;
 
   ColumnsByName wanted_;  // those not found yet
@@ -292,8 +293,11 @@ void Matching::FindMissing(std::vector<std::string>& faults) {
 }
 
 bool Matching::IsIgnored(const std::string& name) const {
-  return options_.ignore_other_columns || meant_.contains(name) ||
-         std::find(options_.unused_tags.begin(), options_.unused_tags.end(),
+  return options_.ignore_other_columns || meant_.contains(name);
+}
+
+bool Matching::IsUnused(const std::string& name) const {
+  return std::find(options_.unused_tags.begin(), options_.unused_tags.end(),
                    name) != options_.unused_tags.end();
 }
 
@@ -303,6 +307,7 @@ void Matching::FindOthers(std::vector<std::string>& faults) const {
   for (std::size_t c = 0; c < columns_.size(); ++c) {
     const std::string& name = columns_[c].name;
     if (columns_[c].kind != Kind::kOther) continue;
+    if (IsUnused(name)) continue;
     if (IsSetPointName(name)) {
       faults.push_back(absl::StrCat(
           "column ", c + 1, ": ", QuotedCsvText(name),

@@ -3,6 +3,7 @@
 #ifndef MLE_DATA_RECORD_COLUMNS_H_
 #define MLE_DATA_RECORD_COLUMNS_H_
 
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -71,6 +72,8 @@ struct ColumnOptions {
   std::vector<TagMapping> tags = {};
   // Columns known not to be needed: ignored without being asked for.
   std::vector<std::string> unused_tags = {};
+  // Words, folded (nearest_names.h), that stand for a number.
+  std::map<std::string, double> word_values = {};
   // Unknown columns are ignored. If false, they are errors.
   bool ignore_other_columns = false;
   // <column><suffix> is the quality of <column>. As long as they are these,

@@ -16,6 +16,7 @@
 #include "mle/base/status.h"
 #include "mle/data/column_value.h"
 #include "mle/data/csv_numbers.h"
+#include "mle/data/nearest_names.h"
 #include "mle/data/quality_columns.h"
 #include "mle/data/time_columns.h"
 
@@ -83,6 +84,7 @@ RecordRows::RecordRows(CsvRows& csv, const RecordRowsOptions& options,
       any_word_is_bad_(options.any_word_is_bad),
       good_qualities_(options.good_qualities, true),
       has_usual_qualities_(AreUsualQualities(options.good_qualities)),
+      word_values_(options.columns.word_values),
       range_(options.range) {}
 
 absl::StatusOr<RecordRows> RecordRows::Open(CsvRows& csv,
@@ -156,6 +158,13 @@ bool RecordRows::ReadSample(std::string_view field, double& sample,
       sample = kNaN;
     }
     return is_bad || std::isfinite(sample);
+  }
+  if (!word_values_.empty() && !text.empty()) {
+    const auto word = word_values_.find(FoldedName(text));
+    if (word != word_values_.end()) {
+      sample = word->second;
+      return true;
+    }
   }
   sample = kNaN;
   if (text.empty()) {

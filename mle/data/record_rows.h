@@ -13,6 +13,7 @@
 #define MLE_DATA_RECORD_ROWS_H_
 
 #include <cstdint>
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -135,6 +136,7 @@ class RecordRows {
   bool any_word_is_bad_;
   Vocabulary good_qualities_;
   bool has_usual_qualities_;
+  std::map<std::string, double> word_values_;
   TimeRange range_;
   std::int64_t passed_over_ = 0;
   std::vector<RecordColumn> columns_;

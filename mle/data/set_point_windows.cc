@@ -160,6 +160,51 @@ std::vector<SetPointChange> FindMovesByHand(const Record& record) {
              : moves;
 }
 
+// Of the range of an input, what counts as a move by hand.
+constexpr double kLeastMove = 0.02;
+
+bool Covers(const ByHand& stretch, double time) {
+  return time >= stretch.from && time <= stretch.to;
+}
+
+bool SaysNothing(const SetPointChange& change, const Record& record,
+                 const std::vector<ByHand>& by_hand) {
+  const double time = record.time(change.sample);
+  return std::any_of(by_hand.begin(), by_hand.end(), [&](const ByHand& part) {
+    return Covers(part, time) &&
+           (part.output == ByHand::kAll || part.output == change.output);
+  });
+}
+
+// Moves of inputs while an operator moved them.
+void AddMovesByHand(const Record& record, const std::vector<ByHand>& by_hand,
+                    std::vector<SetPointChange>& changes) {
+  std::vector<bool> moved(record.samples(), false);
+  for (int j = 0; j < record.num_inputs(); ++j) {
+    const auto values = record.inputs.row(j).array();
+    const double low = values.isFinite().select(values, HUGE_VAL).minCoeff();
+    const double high = values.isFinite().select(values, -HUGE_VAL).maxCoeff();
+    for (const ByHand& part : by_hand) {
+      if (part.input != ByHand::kAll && part.input != j) continue;
+      for (int k = 1; k < record.samples(); ++k) {
+        if (!Covers(part, record.time(k - 1)) ||
+            !Covers(part, record.time(k))) {
+          continue;
+        }
+        const double move = std::abs(values(k) - values(k - 1));
+        if (move > kLeastMove * (high - low)) moved[k] = true;
+      }
+    }
+  }
+  for (int k = 0; k < record.samples(); ++k) {
+    if (moved[k]) changes.push_back({k, -1, 0.0, 0.0});
+  }
+  std::stable_sort(changes.begin(), changes.end(),
+                   [](const SetPointChange& a, const SetPointChange& b) {
+                     return a.sample < b.sample;
+                   });
+}
+
 absl::Status CheckRecords(const std::vector<Record>& records,
                           const ProcessModel& model) {
   for (std::size_t r = 0; r < records.size(); ++r) {
@@ -247,12 +292,17 @@ std::vector<std::vector<SetPointChange>> FindChanges(
     Eigen::VectorXd last = Eigen::VectorXd::Constant(
         record.set_points.rows(), std::numeric_limits<double>::quiet_NaN());
     for (const SetPointChange& change : FindSetPointChanges(record)) {
+      if (SaysNothing(change, record, options.by_hand)) {
+        last(change.output) = std::numeric_limits<double>::quiet_NaN();
+        continue;
+      }
       double& from = last(change.output);
       if (!std::isfinite(from)) from = change.from;
       if (std::abs(change.to - from) <= options.min_change) continue;
       found.push_back({change.sample, change.output, from, change.to});
       from = change.to;
     }
+    AddMovesByHand(record, options.by_hand, found);
   }
   const bool any =
       std::any_of(changes.begin(), changes.end(),
@@ -302,7 +352,8 @@ absl::StatusOr<WindowSet> FindWindows(const std::vector<Record>& records,
       settled = group.last_change() + extent.settling;
     }
   }
-  const bool by_hand = options.change_times.empty() && !set.windows.empty() &&
+  const bool by_hand = options.change_times.empty() &&
+                       options.by_hand.empty() && !set.windows.empty() &&
                        set.windows.front().changes.front().output < 0;
   if (by_hand) {
     set.warnings.push_back(

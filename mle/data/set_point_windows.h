@@ -25,6 +25,16 @@
 namespace mle {
 
 // Times in the model's unit.
+// A stretch in which an operator moves inputs, as a tag of modes says.
+struct ByHand {
+  static constexpr int kAll = -1;
+  static constexpr int kNone = -2;
+  double from = 0.0;  // the first and the last time of it
+  double to = 0.0;
+  int input = kAll;   // whose moves are changes
+  int output = kAll;  // whose set point says nothing
+};
+
 struct WindowOptions {
   // Kept before a change and after the last that shares the window, ≥ 0; 0:
   // the model's settling time before (SettlingTime()), 1.5 times it after.
@@ -39,6 +49,8 @@ struct WindowOptions {
   // Times of changes, for records without set points. If not empty, set points
   // are not used. In order of time.
   std::vector<double> change_times = {};
+  // Moves of inputs in these count as changes, too, those of set points do not.
+  std::vector<ByHand> by_hand = {};
   // Standard deviations that a trend or a step in a quiet part must have to be
   // reported, > 0. At 5 white noise is reported in less than 1 of 10⁴ parts.
   double report_threshold = 5.0;
@@ -97,8 +109,10 @@ struct WindowSet {
 
 // The changes of set points of each record, those up to `min_change` left out;
 // or those at given times (each in the record that holds it; `output` −1).
-// Where no set point changes in any record, the moves of inputs (`output` −1)
-// of each record whose inputs rest at nine samples of ten: steps by hand.
+// To those of set points come moves by hand (`output` −1), where stretches are
+// given. Where no set point changes in any record, the moves of inputs
+// (`output` −1) of each record whose inputs rest at nine samples of ten: steps
+// by hand.
 std::vector<std::vector<SetPointChange>> FindChanges(
     const std::vector<Record>& records, const WindowOptions& options);
 

@@ -16,6 +16,7 @@
 #include "mle/data/csv_numbers.h"
 #include "mle/data/csv_rows.h"
 #include "mle/data/historian_file.h"
+#include "mle/data/joined_files.h"
 #include "mle/data/nearest_names.h"
 
 namespace mle {
@@ -226,10 +227,21 @@ absl::StatusOr<std::vector<TagProposal>> ProposeTags(
   for (const HistorianSource& source : sources) {
     MLE_ASSIGN_OR_RETURN(const HistorianColumns columns,
                          HistorianFile::Columns(source, channels, options));
-    for (std::size_t c = 0; c < columns.names.size(); ++c) {
-      if (!seen.insert(columns.names[c]).second) continue;
-      proposals.push_back({columns.names[c], "", "", columns.units[c]});
+    const std::vector<std::string> tags =
+        sources.size() > 1
+            ? TagsOf(source, columns, WantedTags(channels, options.columns))
+            : columns.names;
+    for (std::size_t t = 0; t < tags.size(); ++t) {
+      if (!seen.insert(tags[t]).second) continue;
+      proposals.push_back(
+          {tags[t], "", "", t < columns.units.size() ? columns.units[t] : ""});
     }
+  }
+  if (proposals.empty()) {
+    return absl::InvalidArgumentError(absl::StrCat(
+        sources.empty() ? "" : sources[0].name + ": ",
+        "no column is one of samples under a name of its own: there is nothing "
+        "to propose"));
   }
   // Names that agree first, so that no other tag takes their channel.
   for (const bool is_exact : {true, false}) {

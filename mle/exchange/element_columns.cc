@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "mle/data/civil_time.h"
 #include "mle/data/csv_numbers.h"
 #include "mle/exchange/model_table.h"
 
@@ -71,6 +72,27 @@ std::string UnitInHeader(std::string_view field) {
   if (begin == trimmed.size()) return "";
   return std::string(
       TrimCsvField(trimmed.substr(begin + 1, trimmed.size() - begin - 2)));
+}
+
+bool IsDampingField(std::string_view field) {
+  constexpr std::array<std::string_view, 8> kDampings = {
+      "zeta",          "ζ",       "xi",   "ξ",
+      "damping ratio", "damping", "damp", "damping factor"};
+  return IsAmong(kDampings, KeyOf(field));
+}
+
+std::string TimeUnitInHeader(const std::vector<std::string>& fields) {
+  std::string found;
+  for (const std::string& field : fields) {
+    const std::optional<ElementColumn> column = ElementColumnOf(field);
+    if (!column.has_value() || !IsTimeColumn(*column)) continue;
+    const std::string unit = UnitInHeader(field);
+    const std::optional<double> seconds = SecondsPerUnit(unit);
+    if (!seconds.has_value()) continue;
+    if (found.empty()) found = unit;
+    if (seconds != SecondsPerUnit(found)) return "";
+  }
+  return found;
 }
 
 bool IsElementHeader(const std::vector<std::string>& fields) {

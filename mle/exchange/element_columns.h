@@ -25,11 +25,24 @@ enum ElementColumn {
   kNumElementColumns
 };
 
+// Its values are times.
+inline bool IsTimeColumn(ElementColumn column) {
+  return column == kTimeConstantColumn || column == kSecondColumn ||
+         column == kLeadColumn || column == kDelayColumn;
+}
+
 // "dead time", as the program writes it.
 const char* NameOf(ElementColumn column);
 
 // Of a field of a header; a unit in brackets at its end does not count.
 std::optional<ElementColumn> ElementColumnOf(std::string_view field);
+
+// A damping ratio: zeta, xi, damping.
+bool IsDampingField(std::string_view field);
+
+// The one unit in brackets of the columns of times that have one ("Tau (min)",
+// "theta [min]"); empty where there is none, or they differ.
+std::string TimeUnitInHeader(const std::vector<std::string>& fields);
 
 // The unit in brackets at its end: "min" of "tau [min]"; empty without one.
 std::string UnitInHeader(std::string_view field);

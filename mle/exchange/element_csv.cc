@@ -60,6 +60,15 @@ absl::Status TableReader::ReadHeader() {
     const std::optional<ElementColumn> column =
         ElementColumnOf(table_.header.fields[c]);
     const std::string shown = ShowCsvText(table_.header.fields[c]);
+    if (IsDampingField(table_.header.fields[c])) {
+      return table_.Fault(
+          table_.header, static_cast<int>(c),
+          absl::StrCat(
+              "'", shown,
+              "' is a damping, of which a table of elements has none: give the "
+              "model in JSON, where K, tau and zeta are \"numerator\": [K], "
+              "\"denominator\": [tau^2, 2 zeta tau, 1] (docs/formats.md)"));
+    }
     if (!column.has_value()) {
       return table_.Fault(
           table_.header, static_cast<int>(c),
@@ -87,10 +96,7 @@ absl::Status TableReader::ReadHeader() {
 }
 
 absl::Status TableReader::CheckUnit(ElementColumn column, int place) const {
-  if (column != kTimeConstantColumn && column != kSecondColumn &&
-      column != kLeadColumn && column != kDelayColumn) {
-    return absl::OkStatus();
-  }
+  if (!IsTimeColumn(column)) return absl::OkStatus();
   const std::string unit = UnitInHeader(table_.header.fields[place]);
   const std::optional<double> here = SecondsPerUnit(unit);
   // Other text in brackets may be no unit: "T1 (lag)".

@@ -164,7 +164,8 @@ absl::Status ModelTableReader::Finish() const {
   if (table_.time_unit.empty()) {
     return table_.Fault(table_.header.line,
                         "the table begins, but no line above it has the unit "
-                        "of time, such as 'time unit,min'");
+                        "of time, such as 'time unit,min', nor have the "
+                        "columns of times the same in brackets (Tau (min))");
   }
   if (table_.inputs.empty() != table_.outputs.empty()) {
     return table_.Fault(
@@ -199,6 +200,9 @@ absl::Status ModelTableReader::Read(std::string_view text) {
       MLE_RETURN_IF_ERROR(ReadRow(std::move(line)));
     } else if (IsHeader(line.fields)) {
       table_.header = std::move(line);
+      if (table_.time_unit.empty()) {
+        table_.time_unit = TimeUnitInHeader(table_.header.fields);
+      }
     } else {
       MLE_RETURN_IF_ERROR(ReadHeadLine(std::move(line)));
     }

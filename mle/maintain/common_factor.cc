@@ -13,7 +13,7 @@ namespace {
 
 // Of its size: the standard error of a gain that the records determine.
 constexpr double kDetermined = 0.2;
-constexpr double kSignRange = 2.0;
+constexpr double kSignRange = 4.0;
 constexpr double kNotAgeing = 20.0;
 constexpr double kLargeRange = 2.0;
 constexpr double kLeastGainFactor = 4.0;
@@ -99,16 +99,22 @@ struct Suspicion {
   int elements = 0;  // of the row or column
 };
 
+// Elements may have aged besides: the factor is what is left of the gains.
+std::optional<Suspicion> SuspectSign(const Common& common) {
+  const double size = std::abs(common.factor);
+  const bool near =
+      size * common.spread <= kSignRange && common.spread / size <= kSignRange;
+  if (!near) return std::nullopt;
+  return Suspicion{common.factor, false};
+}
+
 std::optional<Suspicion> Suspect(const Common& common) {
   if (common.determined == 0 || !common.one_sign) return std::nullopt;
   const double size = std::abs(common.factor);
   const double tolerance = 1.0 + kTellingTolerance + 2.0 * common.error;
   if (common.elements == 1) {
+    if (common.factor < 0.0) return SuspectSign(common);
     if (common.error > kTellingTolerance) return std::nullopt;
-    if (common.factor < 0.0) {
-      if (std::abs(std::log(size)) > std::log(tolerance)) return std::nullopt;
-      return Suspicion{-1.0, true};
-    }
     const std::optional<double> telling = Telling(size, tolerance);
     if (!telling.has_value()) return std::nullopt;
     return Suspicion{*telling, true};
@@ -118,12 +124,7 @@ std::optional<Suspicion> Suspect(const Common& common) {
     return Suspicion{Telling(size, kNearTelling).value_or(size), false};
   }
   if (common.determined < 2) return std::nullopt;
-  if (common.factor < 0.0) {
-    const bool near = size * common.spread <= kSignRange &&
-                      common.spread / size <= kSignRange;
-    if (!near) return std::nullopt;
-    return Suspicion{-1.0, false};
-  }
+  if (common.factor < 0.0) return SuspectSign(common);
   if (common.error > kTellingTolerance) return std::nullopt;
   const std::optional<double> telling = Telling(size, tolerance);
   if (telling.has_value() && common.spread <= tolerance) {

@@ -19,7 +19,7 @@ struct GainEstimates {
 };
 
 struct CommonFactor {
-  double factor = 1.0;  // −1 for a sign
+  double factor = 1.0;  // negative for a sign
   int elements = 0;     // of the row or column, zero ones left out
   // It is one that ageing could make, and not all estimates agree on it: it
   // must leave nothing else to be explained.

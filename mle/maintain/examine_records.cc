@@ -284,7 +284,7 @@ void Examiner::FindSetPoints() {
     const std::string& first = model_.outputs()[found.first].name;
     const std::string& second = model_.outputs()[found.second].name;
     Add(MessageCode::kMistake, first, Consequence::kRepair, found.ratio,
-        absl::StrFormat("The set points of %s and %s seem to be exchanged: "
+        absl::StrFormat("The set points of %s and %s seem to be swapped: "
                         "%s settles where the set point of %s is, and never at "
                         "its own%s.",
                         first, second, first, second,
@@ -302,7 +302,7 @@ absl::Status Examiner::FindMistakes() {
                        FindOperatorMistake(model_, records_, options_.threads));
   if (mistake.has_value()) {
     Add(MessageCode::kMistake, "", Consequence::kBlocks, mistake->factor,
-        mistake->Describe(model_));
+        mistake->Describe(model_, options_.tags));
     return absl::OkStatus();
   }
   FindSetPoints();

@@ -17,6 +17,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "mle/data/record.h"
+#include "mle/data/record_columns.h"
 #include "mle/data/time_names.h"
 #include "mle/maintain/message.h"
 #include "mle/model/process_model.h"
@@ -60,6 +61,8 @@ struct ExamineOptions {
 
   // How messages write times; without a unit, in the model's.
   TimeNames times = {};
+  // The columns of channels, for messages that say how a mapping is corrected.
+  std::vector<TagMapping> tags = {};
 
   // At least 0; 0 takes one for each processor. Findings do not depend on it.
   int threads = 0;

@@ -10,13 +10,11 @@
 
 #include "Eigen/Core"
 #include "absl/status/status.h"
-#include "absl/strings/str_cat.h"
-#include "absl/strings/str_format.h"
-#include "absl/strings/str_join.h"
 #include "mle/base/parallel.h"
 #include "mle/base/status.h"
 #include "mle/maintain/common_factor.h"
 #include "mle/maintain/element_responses.h"
+#include "mle/maintain/simulated_share.h"
 #include "mle/maintain/whitened_fit.h"
 
 namespace mle {
@@ -30,6 +28,11 @@ constexpr double kMostResponses = 1e9;
 constexpr double kLeastMistakeNats = 10.0;
 constexpr double kCompleteNats = 6.0;
 constexpr double kSameFactor = 0.1;
+// Of what an output does, the share that its model explains with the tags
+// swapped back.
+constexpr double kLeastShare = 0.25;
+constexpr double kLeastShareOfOthers = 0.6;  // of another unit or role
+constexpr double kSameShare = 0.05;
 constexpr std::array<double, 4> kTimeUnits = {60.0, 1.0 / 60.0, 3600.0,
                                               1.0 / 3600.0};
 
@@ -88,6 +91,7 @@ class MistakeSearch {
       const OperatorMistake& exchange,
       const std::vector<HypotheticalRow>& rows) const;
   void FitAsRecorded();
+  bool AreAlike(bool outputs, int a, int b) const;
   void AddExchanges(bool outputs);
   // Of rows (outputs) or columns (inputs) with a common factor.
   void AddFactors(bool outputs);
@@ -97,6 +101,11 @@ class MistakeSearch {
   std::vector<HypotheticalRow> OutputsExchanged(int a, int b) const;
   std::vector<HypotheticalRow> Multiplied(const OperatorMistake& mistake) const;
   std::vector<HypotheticalRow> WithTimes(double scale) const;
+  // Whether the mended model, simulated, follows the outputs better than it
+  // does as recorded: a poor element has likelihoods of its own.
+  bool Follows(const Hypothesis& hypothesis,
+               const std::vector<HypotheticalRow>& rows) const;
+  double ShareOf(int output, int measured, const Series& responses) const;
   // By how many nats the hypothesis explains its rows better than the model as
   // it is, the least of all lengths of blocks; nothing if it is not proved.
   std::optional<double> Judge(const Hypothesis& hypothesis,
@@ -242,6 +251,15 @@ std::vector<HypotheticalRow> MistakeSearch::Multiplied(
   return rows;
 }
 
+// A tag is hardly taken for one of another unit, or what is only measured for
+// what the controller moves.
+bool MistakeSearch::AreAlike(bool outputs, int a, int b) const {
+  if (outputs) return model_.outputs()[a].unit == model_.outputs()[b].unit;
+  const InputChannel& first = model_.inputs()[a];
+  const InputChannel& second = model_.inputs()[b];
+  return first.unit == second.unit && first.role == second.role;
+}
+
 void MistakeSearch::AddExchanges(bool outputs) {
   const int channels = outputs ? p() : m();
   for (int a = 0; a < channels; ++a) {
@@ -280,11 +298,14 @@ void MistakeSearch::AddFactors(bool outputs) {
     // The same mistake in several channels is one.
     for (std::size_t h = 0; h < factors.size(); ++h) {
       const OperatorMistake& other = factors[h].mistake;
+      const bool is_sign = other.kind == Kind::kSign;
       if (other.kind != alone.mistake.kind ||
-          std::abs(other.factor / alone.mistake.factor - 1.0) > kSameFactor) {
+          (!is_sign &&
+           std::abs(other.factor / alone.mistake.factor - 1.0) > kSameFactor)) {
         continue;
       }
       Hypothesis together = factors[h];
+      if (is_sign) together.mistake.factor = -1.0;
       together.mistake.channels.push_back(c);
       factors.push_back(std::move(together));
       break;
@@ -330,9 +351,44 @@ absl::StatusOr<bool> MistakeSearch::BeatsAgeing(
   return proved;
 }
 
+double MistakeSearch::ShareOf(int output, int measured,
+                              const Series& responses) const {
+  Series outputs;
+  for (const Record& part : parts_) {
+    outputs.emplace_back(part.outputs.row(measured).transpose());
+  }
+  return responses_->integrates(output)
+             ? SimulatedShareOfIncrements(outputs, responses)
+             : SimulatedShare(outputs, responses);
+}
+
+bool MistakeSearch::Follows(const Hypothesis& hypothesis,
+                            const std::vector<HypotheticalRow>& rows) const {
+  double claimed = 0.0;
+  double recorded = 0.0;
+  for (const HypotheticalRow& row : rows) {
+    const double mended = ShareOf(row.output, row.measured, row.claimed);
+    const double before = ShareOf(row.output, row.output, sums_[row.output]);
+    // Of what is bad anyway no share can be told.
+    if (mended < std::min(before, 0.0) - kSameShare) return false;
+    claimed += mended;
+    recorded += std::max(before, 0.0);
+  }
+  double least = 0.0;
+  if (hypothesis.mistake.kind == Kind::kExchanged) {
+    const std::vector<int>& channels = hypothesis.mistake.channels;
+    least = AreAlike(hypothesis.mistake.outputs, channels[0], channels[1])
+                ? kLeastShare
+                : kLeastShareOfOthers;
+  }
+  return claimed > recorded &&
+         claimed > least * static_cast<double>(rows.size());
+}
+
 std::optional<double> MistakeSearch::Judge(
     const Hypothesis& hypothesis,
     const std::vector<HypotheticalRow>& rows) const {
+  if (!Follows(hypothesis, rows)) return std::nullopt;
   const bool other_times = hypothesis.mistake.kind == Kind::kTimeUnit;
   bool proved = false;
   double least = std::numeric_limits<double>::infinity();
@@ -383,6 +439,7 @@ absl::Status MistakeSearch::JudgeAll() {
       if (!beats) continue;
     }
     best_ = mistake;
+    if (mistake.kind == Kind::kSign) best_->factor = -1.0;
     best_->log_likelihood = *better;
   }
   return absl::OkStatus();
@@ -420,53 +477,7 @@ absl::StatusOr<std::optional<OperatorMistake>> MistakeSearch::Run() {
   return best_;
 }
 
-std::string FactorText(double factor) {
-  if (factor >= 1.0) return absl::StrFormat("%.4g", factor);
-  return absl::StrFormat("1/%.4g", 1.0 / factor);
-}
-
 }  // namespace
-
-std::string OperatorMistake::Describe(const ProcessModel& model) const {
-  std::vector<std::string> names;
-  for (const int c : channels) {
-    names.push_back(outputs ? model.outputs()[c].name : model.inputs()[c].name);
-  }
-  const std::string tags = absl::StrJoin(names, " and ");
-  std::string text;
-  switch (kind) {
-    case Kind::kExchanged:
-      text = absl::StrCat("The tags of ", tags, " seem to be exchanged");
-      break;
-    case Kind::kSign:
-      text = absl::StrCat("The sign of ", tags, " seems to be reversed");
-      break;
-    case Kind::kFactor:
-      text = absl::StrCat("The unit of ", tags,
-                          " does not seem to be that of the model: the gains "
-                          "in the records are ",
-                          FactorText(factor), " times the model's");
-      if (std::abs(std::abs(std::log(factor)) - std::log(1.8)) < 1e-9) {
-        absl::StrAppend(&text, " (degrees Fahrenheit and Celsius, say)");
-      }
-      break;
-    case Kind::kTimeUnit:
-      text = absl::StrCat(
-          "The model's time unit does not seem to be that of the records: its "
-          "times fit when multiplied by ",
-          FactorText(factor));
-      break;
-  }
-  absl::StrAppend(&text,
-                  absl::StrFormat(". Mended so, the model explains the records "
-                                  "better by %.0f nats of log-likelihood.",
-                                  log_likelihood));
-  if (ambiguous) {
-    absl::StrAppend(&text,
-                    " Only one element tells, which may as well have aged.");
-  }
-  return text;
-}
 
 absl::StatusOr<std::optional<OperatorMistake>> FindOperatorMistake(
     const ProcessModel& model, const std::vector<Record>& records,

@@ -1,4 +1,4 @@
-// Mistakes that look like ageing: tags exchanged, a sign reversed, a channel or
+// Mistakes that look like ageing: tags swapped, a sign reversed, a channel or
 // all times in another unit.
 //
 // Every mistake is a model without free parameters: the same elements with
@@ -11,17 +11,21 @@
 // have aged besides.
 //
 //   each       10 nats better than as recorded and than no response, in one of
-//              the three comparisons, and worse in none
+//              the three comparisons, and worse in none; and the mended model,
+//              simulated, follows the outputs better than it does as recorded
 //   exchange   10 nats better with few gains free on both sides, too: elements
-//              may have aged
-//   sign       gains of −2 to −1/2 of the model's in two elements
+//              may have aged; the simulation explains a quarter of what the
+//              outputs do, three fifths where the channels have other units or
+//              roles
+//   sign       gains of −4 to −1/4 of the model's in all elements, which may
+//              have aged besides
 //   factor     beyond 20: gains that agree to a factor of 2; 1.8, or beyond 4:
 //              gains that agree to 5 and 10 % in all three comparisons
 //   time unit  10 nats better than as recorded with free gains
 //
 // Where a row or column has one element only, nothing distinguishes a mistake
-// from ageing but the number: −1, 1.8, 60, 100, 1000 and their inverses, to 5
-// %.
+// from ageing but the number: 1.8, 60, 100, 1000 and their inverses, to 5 %,
+// and a sign, which ageing does not turn.
 
 #ifndef MLE_MAINTAIN_OPERATOR_MISTAKES_H_
 #define MLE_MAINTAIN_OPERATOR_MISTAKES_H_
@@ -32,6 +36,7 @@
 
 #include "absl/status/statusor.h"
 #include "mle/data/record.h"
+#include "mle/data/record_columns.h"
 #include "mle/model/process_model.h"
 
 namespace mle {
@@ -48,8 +53,11 @@ struct OperatorMistake {
   // One element alone tells: it may as well have aged.
   bool ambiguous = false;
 
-  // "The tags of reflux and steam seem to be exchanged: …"
-  std::string Describe(const ProcessModel& model) const;
+  // "The tags of reflux and steam seem to be swapped. Correct it with …": the
+  // lines of the file of tags, or the option, that correct it, where `tags`
+  // says which columns the channels are.
+  std::string Describe(const ProcessModel& model,
+                       const std::vector<TagMapping>& tags = {}) const;
 };
 
 // The likeliest mistake, if there is one. Needs some hundred samples around

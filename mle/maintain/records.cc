@@ -44,6 +44,16 @@ void AddImportWarnings(RecordData& data) {
   }
 }
 
+// Of channels that are not mapped the columns they were read from.
+void AddTags(const HistorianReport& report, std::vector<TagMapping>& tags) {
+  for (const ChannelReport& channel : report.channels) {
+    const bool is_mapped = std::any_of(
+        tags.begin(), tags.end(),
+        [&](const TagMapping& tag) { return tag.channel == channel.name; });
+    if (!is_mapped) tags.push_back({channel.column, channel.name});
+  }
+}
+
 // Looks at the records as they were imported, and repairs what can be.
 absl::Status ExamineFiles(const ProcessModel& model,
                           const ExamineOptions& options, RecordData& data) {
@@ -381,14 +391,23 @@ absl::StatusOr<RecordData> LoadSources(
            std::max(read.fraction, 0.0)});
     };
   }
+  for (const ModeTag& mode : options.modes) {
+    told.columns.unused_tags.push_back(mode.tag);
+  }
   RecordScan scan(model, options.most_samples_in_memory);
   const bool scans = options.most_samples_in_memory > 0;
   MLE_ASSIGN_OR_RETURN(
       HistorianImport imported,
       ImportHistorianSources(sources, model, told, scans ? &scan : nullptr));
+  RecordOptions mapped = options;
+  mapped.examination.tags = import.columns.tags;
+  MLE_ASSIGN_OR_RETURN(Modes modes, ReadModes(sources, model, import,
+                                              options.modes, imported.records));
+  mapped.windows.by_hand = std::move(modes.by_hand);
   MLE_ASSIGN_OR_RETURN(RecordData data,
-                       PrepareRecords(std::move(imported), model, options));
+                       PrepareRecords(std::move(imported), model, mapped));
   for (Message& note : scan.Notes()) data.notes.push_back(std::move(note));
+  for (Message& note : modes.notes) data.notes.push_back(std::move(note));
   return data;
 }
 
@@ -411,6 +430,7 @@ absl::StatusOr<RecordData> PrepareRecords(HistorianImport imported,
   data.report = std::move(imported.report);
   RecordOptions dated = options;
   dated.windows.times = dated.examination.times = data.Times(model);
+  AddTags(data.report, dated.examination.tags);
   MLE_RETURN_IF_ERROR(AddDates("change_times", options.change_dates,
                                data.report, model, dated.windows.change_times));
   MLE_RETURN_IF_ERROR(AddDates("leave_out", options.leave_out_dates,

@@ -20,12 +20,16 @@
 #include "mle/data/set_point_windows.h"
 #include "mle/maintain/examine_records.h"
 #include "mle/maintain/message.h"
+#include "mle/maintain/modes.h"
 #include "mle/maintain/progress.h"
 #include "mle/model/process_model.h"
 
 namespace mle {
 
 struct RecordOptions {
+  // Tags that say when a loop or the controller was in use (modes.h); of files
+  // and databases.
+  std::vector<ModeTag> modes = {};
   // What is looked for before anything else.
   ExamineOptions examination;
   WindowOptions windows;

@@ -243,11 +243,13 @@ Shown Show(const HeaterExample& example, const std::vector<std::string>& more) {
 TEST(MleCorrectMistakes, ExchangedTagsAreTheHeadline) {
   const HeaterExample example((Heater()));
   const Shown shown = Show(example, {"--tags=u1=u2,u2=u1"});
-  EXPECT_THAT(shown.out, HasSubstr("Keep the controller's model for now: mend "
-                                   "this, and run again.\nThe tags of u1 and "
-                                   "u2 seem to be exchanged.\n"));
+  EXPECT_THAT(shown.out,
+              HasSubstr("Keep the controller's model for now: correct this and "
+                        "run again.\nThe tags of u1 and u2 seem to be "
+                        "swapped.\nCorrect it with --tags='"));
+  EXPECT_EQ(shown.out.find("likelihood"), std::string::npos);
   EXPECT_THAT(shown.html, HasSubstr("</span> The tags of u1 and u2 seem to be "
-                                    "exchanged</h1>"));
+                                    "swapped</h1>"));
   EXPECT_THAT(shown.html, HasSubstr(">not estimated</td>"));
   EXPECT_THAT(shown.html, HasSubstr("Not estimated, because: The tags of u1"));
   EXPECT_EQ(shown.html.find("hardly moves by itself"), std::string::npos);

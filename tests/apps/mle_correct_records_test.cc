@@ -23,6 +23,94 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
+// The table with these columns only, under other names where these are given.
+std::string WithColumns(const std::string& table,
+                        const std::vector<std::string>& kept) {
+  std::vector<std::string> lines =
+      absl::StrSplit(table, '\n', absl::SkipEmpty());
+  const std::vector<std::string> names = absl::StrSplit(lines[0], ',');
+  for (std::string& line : lines) {
+    const std::vector<std::string> fields = absl::StrSplit(line, ',');
+    std::vector<std::string> taken;
+    for (std::size_t c = 0; c < names.size(); ++c) {
+      if (std::find(kept.begin(), kept.end(), names[c]) != kept.end()) {
+        taken.push_back(fields[c]);
+      }
+    }
+    line = absl::StrJoin(taken, ",");
+  }
+  return absl::StrJoin(lines, "\n") + "\n";
+}
+
+TEST(MleCorrectRecords, OutputsMayBeChosen) {
+  const HeaterExample example(WithHalvedGain());
+  const nlohmann::json all = example.Run();
+  const nlohmann::json one = example.Run({"--outputs=y1"});
+  EXPECT_EQ(one["decision"], "corrected");
+  EXPECT_EQ(one["elements"].size(), 2u);
+  EXPECT_NEAR(ElementOf(one, "y1", "u1")["gain_ratio"],
+              ElementOf(all, "y1", "u1")["gain_ratio"].get<double>(), 0.02);
+  EXPECT_EQ(example.Run({"--outputs=y2"})["decision"], "no_change");
+  const report::ProcessResult run = RunTested(CorrectionFlags(
+      example.model, example.data, example.out, {"--outputs=y3"}));
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_THAT(run.err, AllOf(HasSubstr("--outputs=y3"),
+                             HasSubstr("the model has no such output; it has "
+                                       "y1, y2")));
+}
+
+// What can be judged without a column of y2 is judged, and what is not is said.
+TEST(MleCorrectRecords, OutputsWithoutAColumnAreLeftOut) {
+  const HeaterExample example(WithHalvedGain());
+  const std::string data = example.scratch.Write(
+      "part.csv", WithColumns(*ReadFile(example.data),
+                              {"time", "y1", "y1_setpoint", "u1", "u2"}));
+  const report::ProcessResult run =
+      RunTested(CorrectionFlags(example.model, data, example.out));
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("y2 is not judged: the records have no column "
+                                 "of it."));
+  const nlohmann::json result = ParsedJson(example.out + "/result.json");
+  EXPECT_EQ(result["decision"], "corrected");
+  EXPECT_EQ(result["elements"].size(), 2u);
+  EXPECT_THAT(result["warnings"].dump(), HasSubstr("y2 is not judged"));
+}
+
+// An input that moves all outputs is needed, and so is a column that is meant.
+TEST(MleCorrectRecords, AMissingInputOfAllOutputsIsAnError) {
+  const HeaterExample example(WithHalvedGain());
+  const std::string text = *ReadFile(example.data);
+  for (const std::string& input : {"u1", "u2"}) {
+    const std::string data = example.scratch.Write(
+        "part.csv", WithColumns(text, {"time", "y1", "y1_setpoint", "y2",
+                                       "y2_setpoint", input}));
+    const report::ProcessResult run =
+        RunTested(CorrectionFlags(example.model, data, example.out));
+    EXPECT_EQ(run.exit_code, 2);
+    EXPECT_THAT(run.err, HasSubstr(input == "u1" ? "there is no column 'u2'"
+                                                 : "there is no column 'u1'"));
+  }
+}
+
+// Each tag in a file of its own.
+TEST(MleCorrectRecords, FilesOfOneTagEachAreJoined) {
+  const HeaterExample example(WithHalvedGain());
+  const std::string text = *ReadFile(example.data);
+  std::vector<std::string> files;
+  for (const std::string name :
+       {"y1", "y1_setpoint", "y2", "y2_setpoint", "u1", "u2"}) {
+    files.push_back(example.scratch.Write(name + ".csv",
+                                          WithColumns(text, {"time", name})));
+  }
+  const nlohmann::json joined = Correct(
+      CorrectionFlags(example.model, absl::StrJoin(files, ","), example.out),
+      example.out);
+  const nlohmann::json whole = example.Run();
+  EXPECT_EQ(joined["decision"], whole["decision"]);
+  EXPECT_EQ(ElementOf(joined, "y1", "u1")["gain_ratio"],
+            ElementOf(whole, "y1", "u1")["gain_ratio"]);
+}
+
 TEST(MleCorrectRecords, GapsOutliersAndRoundingAreSaidAndSurvived) {
   const HeaterExample clean(WithHalvedGain());
   const HeaterExample faulty(

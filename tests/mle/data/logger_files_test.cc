@@ -34,6 +34,89 @@ std::string ProposalError(const std::string& text,
   return std::string(status.message());
 }
 
+absl::StatusOr<HistorianImport> ImportFiles(
+    const std::vector<HistorianSource>& files,
+    const HistorianOptions& options = {}) {
+  return ImportHistorianSources(files, Tank(), options);
+}
+
+// A file for each tag, of its own separator, named in the header or by the
+// file's name, with times of its own.
+TEST(OneFileForEachTagTest, FilesAreJoinedByTheirTimes) {
+  const HistorianSource level =
+      TextSource("export/level.csv",
+                 "Timestamp,Value\n2024-01-01 00:00,1\n2024-01-01 00:01,2\n"
+                 "2024-01-01 00:02,3\n2024-01-01 00:03,4\n");
+  const HistorianSource steam =
+      TextSource("x.csv",
+                 "steam;time\n5;2024-01-01 00:00\n5;2024-01-01 00:01\n"
+                 "7;2024-01-01 00:02\n7;2024-01-01 00:03\n");
+  const absl::StatusOr<HistorianImport> import = ImportFiles({level, steam});
+  ASSERT_TRUE(import.ok()) << import.status();
+  ASSERT_EQ(import->records.size(), 1u);
+  EXPECT_THAT(RowOf(import->records[0].outputs), ElementsAre(1, 2, 3, 4));
+  EXPECT_THAT(RowOf(import->records[0].inputs), ElementsAre(5, 5, 7, 7));
+  EXPECT_THAT(import->report.notes,
+              HasNote("2 files with tags of their own, joined by their times"));
+}
+
+// The tags that have files are proposed; a file alone has no name to propose.
+TEST(OneFileForEachTagTest, TagsAreProposedByTheNamesOfFiles) {
+  const HistorianSource level =
+      TextSource("LI7.csv.gz", "time,value\n0,1\n1,2\n");
+  const HistorianSource steam = TextSource("b.csv", "time,FC2\n0,1\n1,2\n");
+  const auto proposals = ProposeTags({level, steam}, Tank(), {});
+  ASSERT_TRUE(proposals.ok()) << proposals.status();
+  ASSERT_EQ(proposals->size(), 2u);
+  EXPECT_EQ((*proposals)[0].tag, "LI7");
+  EXPECT_EQ((*proposals)[1].tag, "FC2");
+  EXPECT_THAT(ProposalError("time,value\n0,1\n1,2\n"),
+              HasSubstr("there is nothing to propose"));
+}
+
+// January and February of each tag; the tags' names are mapped.
+TEST(OneFileForEachTagTest, ATagMayHaveSeveralFiles) {
+  HistorianOptions options;
+  options.columns.tags = {{"TI1.PV", "level"}, {"FC2.OP", "steam"}};
+  const absl::StatusOr<HistorianImport> import =
+      ImportFiles({TextSource("1.csv", "time,FC2.OP\n0,5\n1,6\n"),
+                   TextSource("2.csv", "time,FC2.OP\n2,7\n3,8\n"),
+                   TextSource("3.csv", "time,TI1.PV\n0,1\n1,2\n"),
+                   TextSource("4.csv", "time,TI1.PV\n2,3\n3,4\n")},
+                  options);
+  ASSERT_TRUE(import.ok()) << import.status();
+  EXPECT_THAT(RowOf(import->records[0].outputs), ElementsAre(1, 2, 3, 4));
+  EXPECT_THAT(RowOf(import->records[0].inputs), ElementsAre(5, 6, 7, 8));
+}
+
+TEST(OneFileForEachTagTest, QualitiesAreOfTheTagOfTheirFile) {
+  const HistorianSource level =
+      TextSource("level.csv",
+                 "time,value,status\n0,1,Good\n1,99,Bad\n2,3,Good\n3,4,Good\n");
+  const HistorianSource steam =
+      TextSource("steam.csv", "time,value\n0,5\n1,5\n2,7\n3,7\n");
+  const absl::StatusOr<HistorianImport> import = ImportFiles({level, steam});
+  ASSERT_TRUE(import.ok()) << import.status();
+  EXPECT_THAT(RowOf(import->records[0].outputs), ElementsAre(1, IsNan(), 3, 4));
+  EXPECT_THAT(RowOf(import->records[0].inputs), ElementsAre(5, 5, 7, 7));
+}
+
+// What is missing in all of them is said of all of them; a file that is not
+// understood, or files of the same tags, are as before.
+TEST(OneFileForEachTagTest, MistakesAreSaid) {
+  const HistorianSource level = TextSource("a.csv", "time,level\n0,1\n1,2\n");
+  const auto error = [&](const HistorianSource& other) {
+    return std::string(ImportFiles({level, other}).status().message());
+  };
+  EXPECT_THAT(error(TextSource("b.csv", "time,fan\n0,1\n1,2\n")),
+              AllOf(HasSubstr("a.csv and 1 more, joined: "),
+                    HasSubstr("there is no column 'steam'")));
+  EXPECT_THAT(error(TextSource("b.csv", "time,level\n2,1\n3,2\n")),
+              HasSubstr("a.csv: line 1"));
+  EXPECT_THAT(error(TextSource("b.csv", "time,steam\n0,1\n1\n")),
+              HasSubstr("b.csv: line 3, column 1: the row ends after 1"));
+}
+
 TEST(TwoColumnsOfTimeTest, ADateAndATimeOfTheDayAreJoined) {
   for (const std::string text :
        {"date,time,level,steam\n2024-01-01,23:59:00,1,5\n"

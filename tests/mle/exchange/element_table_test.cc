@@ -85,6 +85,35 @@ TEST(ElementTable, ReadsTheNamesOfSpreadsheets) {
   EXPECT_EQ(FormatElementTable(Parsed(text)), text);
 }
 
+// The unit of time may stand in the header alone; where it is none, or two, the
+// message says so.
+TEST(ElementTable, TheHeaderMayHaveTheUnitOfTime) {
+  const auto with = [](const std::string& tau, const std::string& theta) {
+    return "output,input,gain," + tau + "," + theta + "\ny,u,2,5,1\n";
+  };
+  EXPECT_EQ(Parsed(with("Tau (min)", "dead time")).channels.time_unit(), "min");
+  EXPECT_EQ(Parsed(with("Tau", "Theta [s]")).channels.time_unit(), "s");
+  for (const auto& [tau, theta] :
+       {std::pair("Tau", "Theta"), std::pair("Tau (min)", "Theta (s)")}) {
+    EXPECT_THAT(
+        std::string(
+            ParseElementTable(with(tau, theta), "a.csv").status().message()),
+        HasSubstr("nor have the columns of times the same in brackets"));
+  }
+}
+
+TEST(ElementTable, ADampingIsForJson) {
+  for (const std::string name : {"zeta", "Damping_Ratio", "ζ"}) {
+    const std::string text = "time unit,min\noutput,input,gain,tau," + name +
+                             ",dead time\ny,u,2,5,0.4,1\n";
+    EXPECT_THAT(
+        std::string(ParseElementTable(text, "a.csv").status().message()),
+        HasSubstr("line 2, column 5: '" + name +
+                  "' is a damping, of which a table of elements has none: give "
+                  "the model in JSON"));
+  }
+}
+
 // An integrator with lags of any number is the nearest with one where the form
 // has none that is it.
 TEST(ElementTable, TimesInAnotherUnitAreRefused) {

@@ -1,5 +1,6 @@
 #include "mle/maintain/common_factor.h"
 
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <vector>
@@ -43,14 +44,15 @@ TEST(CommonFactorTest, AgeingHasNone) {
 }
 
 TEST(CommonFactorTest, SignsMayHaveAgedToo) {
-  EXPECT_EQ(FactorOf({-0.7, -1.5}), -1.0);
+  EXPECT_NEAR(FactorOf({-0.7, -1.5}), -std::sqrt(0.7 * 1.5), 1e-12);
+  EXPECT_LT(FactorOf({-0.3, -1.0}), 0.0);
   EXPECT_EQ(FactorOf({-0.2, -1.0}), 0.0);
 }
 
 TEST(CommonFactorTest, OneOfFourMayHaveAgedBesides) {
   EXPECT_EQ(FactorOf({1.8, 1.26, 1.82, 1.79}), 1.8);
   EXPECT_EQ(FactorOf({1.8, 1.8, 2.3}), 0.0);
-  EXPECT_EQ(FactorOf({-1.0, -0.8, 1.0, -1.1}), -1.0);
+  EXPECT_NEAR(FactorOf({-1.0, -0.8, 1.0, -1.1}), -std::cbrt(0.88), 1e-12);
   EXPECT_EQ(FactorOf({100.0, 90.0, 110.0, 3.0}), 100.0);
   EXPECT_EQ(FactorOf({1.8, 1.8, 2.3, 1.3}), 0.0);
   EXPECT_EQ(FactorOf({0.55, 0.56, 0.39, 0.56, 0.8, 0.555, 0.56, 0.55}),
@@ -68,8 +70,9 @@ TEST(CommonFactorTest, UndeterminedElementsSayNothing) {
 }
 
 TEST(CommonFactorTest, OneElement) {
-  EXPECT_EQ(FactorOf({-1.02}), -1.0);
-  EXPECT_EQ(FactorOf({-0.8}), 0.0);
+  EXPECT_EQ(FactorOf({-1.02}), -1.02);
+  EXPECT_EQ(FactorOf({-0.6}), -0.6);
+  EXPECT_EQ(FactorOf({-0.2}), 0.0);
   EXPECT_EQ(FactorOf({59.0}), 60.0);
   EXPECT_EQ(FactorOf({30.0}), 0.0);
   EXPECT_EQ(FactorOf({60.0}, 0.1), 0.0);

@@ -1,0 +1,224 @@
+#include "apps/correct/part_of_model.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "Eigen/Core"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
+#include "apps/common/did_you_mean.h"
+#include "apps/common/option_table.h"
+#include "mle/base/status.h"
+#include "mle/data/missing_channels.h"
+#include "mle/data/record_columns.h"
+
+namespace mle::correct {
+namespace {
+
+// Numbers of channels, ascending.
+struct Channels {
+  std::vector<int> outputs;
+  std::vector<int> inputs;
+};
+
+// The inputs that move one of these outputs.
+Channels WithInputs(const ProcessModel& model, std::vector<int> outputs) {
+  Channels part = {std::move(outputs), {}};
+  for (int j = 0; j < model.num_inputs(); ++j) {
+    const bool moves =
+        std::any_of(part.outputs.begin(), part.outputs.end(),
+                    [&](int i) { return !model.element(i, j).IsZero(); });
+    if (moves) part.inputs.push_back(j);
+  }
+  return part;
+}
+
+ProcessModel PartOf(const ProcessModel& model, const Channels& part) {
+  std::vector<InputChannel> inputs;
+  std::vector<OutputChannel> outputs;
+  for (const int j : part.inputs) inputs.push_back(model.inputs()[j]);
+  for (const int i : part.outputs) outputs.push_back(model.outputs()[i]);
+  ProcessModel result(model.name(), model.time_unit(), std::move(inputs),
+                      std::move(outputs));
+  for (std::size_t i = 0; i < part.outputs.size(); ++i) {
+    for (std::size_t j = 0; j < part.inputs.size(); ++j) {
+      result.element(static_cast<int>(i), static_cast<int>(j)) =
+          model.element(part.outputs[i], part.inputs[j]);
+    }
+  }
+  return result;
+}
+
+// A weight for each pair of channels, of the part.
+void TakePart(const std::vector<int>& channels, int all,
+              Eigen::MatrixXd& weights) {
+  if (weights.rows() != all || weights.cols() != all) return;
+  weights = Eigen::MatrixXd(weights(channels, channels));
+}
+
+// A value for each channel, of the part.
+void TakePart(const std::vector<int>& channels, int all,
+              Eigen::VectorXd& values) {
+  if (values.size() == all) values = Eigen::VectorXd(values(channels));
+}
+
+void TakePart(const Channels& part, const ProcessModel& whole,
+              control::MpcOptions& controller) {
+  const int p = whole.num_outputs();
+  const int m = whole.num_inputs();
+  TakePart(part.outputs, p, controller.output_weight);
+  TakePart(part.inputs, m, controller.move_weight);
+  TakePart(part.outputs, p, controller.disturbance_variance_ratios);
+  control::MpcLimits& limits = controller.limits;
+  for (Eigen::VectorXd* const of_inputs :
+       {&limits.min_input, &limits.max_input, &limits.max_move}) {
+    TakePart(part.inputs, m, *of_inputs);
+  }
+  for (Eigen::VectorXd* const of_outputs :
+       {&limits.min_output, &limits.max_output, &limits.output_limit_cost}) {
+    TakePart(part.outputs, p, *of_outputs);
+  }
+}
+
+std::vector<std::string> ColumnNames(const ProcessModel& model) {
+  std::vector<std::string> names;
+  for (const OutputChannel& output : model.outputs()) {
+    names.push_back(output.name);
+    names.push_back(SetPointName(output.name));
+  }
+  for (const InputChannel& input : model.inputs()) names.push_back(input.name);
+  return names;
+}
+
+// The columns of channels that are left out are not needed.
+void LeaveOutColumns(const ProcessModel& before, const ProcessModel& after,
+                     ColumnOptions& columns) {
+  const std::vector<std::string> kept = ColumnNames(after);
+  std::set<std::string> left_out;
+  for (const std::string& name : ColumnNames(before)) {
+    if (std::find(kept.begin(), kept.end(), name) == kept.end()) {
+      left_out.insert(name);
+    }
+  }
+  std::vector<TagMapping> tags;
+  for (TagMapping& tag : columns.tags) {
+    if (left_out.contains(tag.channel)) {
+      columns.unused_tags.push_back(tag.tag);
+    } else {
+      tags.push_back(std::move(tag));
+    }
+  }
+  columns.tags = std::move(tags);
+  columns.unused_tags.insert(columns.unused_tags.end(), left_out.begin(),
+                             left_out.end());
+}
+
+void TakePart(const Channels& part, Request& request) {
+  const ProcessModel whole = request.model;
+  request.model = PartOf(whole, part);
+  if (request.truth.has_value()) {
+    request.truth = PartOf(*request.truth, part);
+  }
+  TakePart(part, whole, request.controller);
+  LeaveOutColumns(whole, request.model, request.import.columns);
+}
+
+std::vector<int> OutputsNamed(const ProcessModel& model,
+                              const std::set<std::string>& names) {
+  std::vector<int> outputs;
+  for (int i = 0; i < model.num_outputs(); ++i) {
+    if (names.contains(model.outputs()[i].name)) outputs.push_back(i);
+  }
+  return outputs;
+}
+
+// Why an output cannot be judged; empty if it can.
+std::string WhyNot(const ProcessModel& model, int output,
+                   const std::set<std::string>& missing) {
+  if (missing.contains(model.outputs()[output].name)) {
+    return "the records have no column of it";
+  }
+  std::vector<std::string> inputs;
+  for (int j = 0; j < model.num_inputs(); ++j) {
+    const std::string& name = model.inputs()[j].name;
+    if (!model.element(output, j).IsZero() && missing.contains(name)) {
+      inputs.push_back(name);
+    }
+  }
+  if (inputs.empty()) return "";
+  return absl::StrCat("the records have no column of ",
+                      absl::StrJoin(inputs, " and "), ", which ",
+                      inputs.size() == 1 ? "moves" : "move", " it");
+}
+
+}  // namespace
+
+absl::Status ChooseOutputs(Request& request) {
+  if (request.outputs.empty()) return absl::OkStatus();
+  std::vector<std::string> known;
+  for (const OutputChannel& output : request.model.outputs()) {
+    known.push_back(output.name);
+  }
+  for (const std::string& name : request.outputs) {
+    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+    return RefuseOption("outputs", name,
+                        absl::StrCat(DidYouMean(name, known),
+                                     "the model has no such output; it has ",
+                                     absl::StrJoin(known, ", ")));
+  }
+  const std::set<std::string> chosen(request.outputs.begin(),
+                                     request.outputs.end());
+  TakePart(WithInputs(request.model, OutputsNamed(request.model, chosen)),
+           request);
+  return absl::OkStatus();
+}
+
+bool LeaveOutMissing(const std::vector<HistorianSource>& sources,
+                     Request& request) {
+  const absl::StatusOr<std::vector<std::string>> found =
+      MissingChannels(sources, request.model, request.import);
+  if (!found.ok() || found->empty()) return false;
+  const std::set<std::string> missing(found->begin(), found->end());
+  std::vector<int> kept;
+  std::vector<Message> left_out;
+  for (int i = 0; i < request.model.num_outputs(); ++i) {
+    const std::string why = WhyNot(request.model, i, missing);
+    if (why.empty()) {
+      kept.push_back(i);
+      continue;
+    }
+    const std::string& name = request.model.outputs()[i].name;
+    left_out.push_back({MessageCode::kImport,
+                        name,
+                        absl::StrCat(name, " is not judged: ", why, "."),
+                        {"tags"}});
+  }
+  if (kept.empty() || left_out.empty()) return false;
+  TakePart(WithInputs(request.model, std::move(kept)), request);
+  request.left_out = std::move(left_out);
+  return true;
+}
+
+ProcessModel InWholeModel(const Request& request, const ProcessModel& part) {
+  ProcessModel whole = request.model_file.process;
+  std::map<std::string, int> outputs;
+  std::map<std::string, int> inputs;
+  for (int i = 0; i < whole.num_outputs(); ++i) {
+    outputs[whole.outputs()[i].name] = i;
+  }
+  for (int j = 0; j < whole.num_inputs(); ++j) {
+    inputs[whole.inputs()[j].name] = j;
+  }
+  for (int i = 0; i < part.num_outputs(); ++i) {
+    for (int j = 0; j < part.num_inputs(); ++j) {
+      whole.element(outputs.at(part.outputs()[i].name),
+                    inputs.at(part.inputs()[j].name)) = part.element(i, j);
+    }
+  }
+  return whole;
+}
+
+}  // namespace mle::correct
