@@ -17,6 +17,7 @@
 #include "mle/data/column_value.h"
 #include "mle/data/csv_numbers.h"
 #include "mle/data/quality_columns.h"
+#include "mle/data/record.h"
 #include "mle/data/time_columns.h"
 
 namespace mle {
@@ -314,6 +315,7 @@ bool RecordRows::ReadTime(RecordRow& row) {
 
 bool RecordRows::ReadSamples(RecordRow& row) {
   row.values.assign(num_values_, NoSample());
+  bool is_large = false;
   for (std::size_t c = 0; c < columns_.size(); ++c) {
     const RecordColumn& column = columns_[c];
     const int value = value_of_[c];
@@ -327,9 +329,17 @@ bool RecordRows::ReadSamples(RecordRow& row) {
         return NotReadable(c, "a finite number once its unit is converted");
       }
     }
+    is_large = is_large || std::abs(sample) > kLargestSample;
     row.values[value] = sample;
   }
   if (has_quality_) TakeQuality(row);
+  for (std::size_t c = 0; is_large && c < columns_.size(); ++c) {
+    if (value_of_[c] >= 0 &&
+        std::abs(row.values[value_of_[c]]) > kLargestSample) {
+      return NotReadable(c, absl::StrCat("a number of at most ", kLargestSample,
+                                         "; is its unit right, or is it bad?"));
+    }
+  }
   return true;
 }
 
