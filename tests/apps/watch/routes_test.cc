@@ -42,9 +42,10 @@ class RoutesTest : public ::testing::Test {
 
   static serve::Request Request(const std::string& method,
                                 const std::string& target) {
-    return serve::ParseHead(absl::StrCat(method, " ", target,
-                                         " HTTP/1.1\r\nHost: localhost:80\r\n"
-                                         "\r\n"))
+    return serve::ParseHead({.method = method,
+                             .target = target,
+                             .version = "HTTP/1.1",
+                             .headers = {{"Host", "localhost:80"}}})
         .request;
   }
   serve::Response Get(const std::string& target) {
