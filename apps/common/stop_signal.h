@@ -9,8 +9,8 @@
 
 namespace mle {
 
-// From now on SIGINT and SIGTERM only ask to stop. A second one ends the
-// program at once.
+// From now on SIGINT, SIGTERM and SIGHUP only ask to stop. A second one ends
+// the program at once.
 void CatchStopSignals();
 
 // From any thread.

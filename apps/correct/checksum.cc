@@ -3,13 +3,13 @@
 #include <array>
 #include <cerrno>
 #include <cstdio>
-#include <filesystem>
 #include <memory>
 #include <string_view>
-#include <system_error>
 
 #include "absl/strings/str_cat.h"
 #include "apps/common/sha256.h"
+#include "mle/base/file.h"
+#include "mle/base/status.h"
 #include "mle/data/historian.h"
 
 namespace mle::correct {
@@ -21,11 +21,7 @@ absl::StatusOr<FileChecksum> ChecksumOf(const std::string& path) {
     return FileChecksum{hash.HexDigest(),
                         static_cast<std::int64_t>(StandardInput().size())};
   }
-  std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored)) {
-    return absl::InvalidArgumentError(
-        absl::StrCat("cannot read '", path, "': it is a folder, not a file"));
-  }
+  MLE_RETURN_IF_ERROR(CheckRegularFile(path));
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(
       std::fopen(path.c_str(), "rb"), &std::fclose);
   if (file == nullptr) {

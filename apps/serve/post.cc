@@ -1,29 +1,45 @@
 #include "apps/serve/post.h"
 
-#include <httplib.h>
+#include <curl/curl.h>
 
 #include <algorithm>
-#include <condition_variable>
-#include <mutex>
-#include <thread>
+#include <cstdlib>
+#include <memory>
 
 #include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
-#include "apps/serve/connection.h"
+#include "apps/serve/server.h"
 
 namespace mle::serve {
 namespace {
 
-constexpr int kSeconds = 10;  // for a connection, and for a single read
-constexpr std::chrono::milliseconds kAgain(100);
-constexpr std::size_t kMostAnswer = 65'536;  // bytes that are read
+constexpr long kStallSeconds = 10;  // of a connection, or without a byte
+constexpr std::size_t kMostAnswer = 65'536;  // bytes of head and body
 
-struct Url {
-  std::string origin;  // "https://host:port"
-  std::string path;
+// What has come of an answer.
+struct Answer {
+  std::size_t bytes = 0;
+  bool has_head = false;  // a whole one
 };
+
+std::size_t Count(Answer& answer, std::size_t bytes) {
+  answer.bytes += bytes;
+  return answer.bytes <= kMostAnswer ? bytes : 0;  // 0 ends it
+}
+
+std::size_t TakeLine(char* line, std::size_t /*one*/, std::size_t bytes,
+                     void* answer) {
+  auto& taken = *static_cast<Answer*>(answer);
+  taken.has_head = absl::string_view(line, bytes) == "\r\n";
+  return Count(taken, bytes);
+}
+
+std::size_t TakeBody(char* /*body*/, std::size_t /*one*/, std::size_t bytes,
+                     void* answer) {
+  return Count(*static_cast<Answer*>(answer), bytes);
+}
 
 bool IsHost(absl::string_view text) {
   return !text.empty() && std::all_of(text.begin(), text.end(), [](char c) {
@@ -32,119 +48,94 @@ bool IsHost(absl::string_view text) {
   });
 }
 
-// Empty where it is not such.
-Url Split(const std::string& url) {
+bool IsUrl(const std::string& url) {
   const std::size_t scheme = absl::StartsWith(url, "http://")    ? 7
                              : absl::StartsWith(url, "https://") ? 8
                                                                  : 0;
   const bool is_visible = std::all_of(
       url.begin(), url.end(), [](char c) { return c > ' ' && c < '\x7f'; });
-  if (scheme == 0 || !is_visible) return {};
   const std::size_t slash = std::min(url.find('/', scheme), url.size());
   const std::string authority = url.substr(scheme, slash - scheme);
   const std::size_t colon = authority.find(':');
   int port = 1;
-  if (!IsHost(authority.substr(0, colon)) ||
-      (colon != std::string::npos &&
-       (!absl::SimpleAtoi(authority.substr(colon + 1), &port) || port < 1 ||
-        port > kMostPort))) {
-    return {};
-  }
-  return {url.substr(0, slash), slash == url.size() ? "/" : url.substr(slash)};
+  return scheme != 0 && is_visible && IsHost(authority.substr(0, colon)) &&
+         (colon == std::string::npos ||
+          (absl::SimpleAtoi(authority.substr(colon + 1), &port) && port > 0 &&
+           port <= kMostPort));
 }
 
-// Ends what the client is at once a time is over: the library's times are
-// those of single reads, which an answer that drips never exceeds.
-class Deadline {
- public:
-  Deadline(httplib::Client& client, std::chrono::milliseconds time)
-      : thread_([this, &client, time] { Watch(client, time); }) {}
-  ~Deadline() {
-    {
-      const std::lock_guard<std::mutex> lock(mutex_);
-      done_ = true;
-    }
-    changed_.notify_one();
-    thread_.join();
+absl::Status StatusOf(CURL* curl, CURLcode code, const Answer& answer) {
+  long status = 0;
+  long sent = 0;
+  curl_easy_getinfo(curl, CURLINFO_RESPONSE_CODE, &status);
+  curl_easy_getinfo(curl, CURLINFO_REQUEST_SIZE, &sent);
+  // What comes with the status is of no interest.
+  if (code == CURLE_OK || (answer.has_head && status >= 200)) {
+    return status >= 200 && status < 300
+               ? absl::OkStatus()
+               : absl::UnavailableError(
+                     absl::StrCat("it answered with status ", status));
   }
-  Deadline(const Deadline&) = delete;
-  Deadline& operator=(const Deadline&) = delete;
-
- private:
-  void Watch(httplib::Client& client, std::chrono::milliseconds time) {
-    std::unique_lock<std::mutex> lock(mutex_);
-    if (changed_.wait_for(lock, time, [this] { return done_; })) return;
-    do {  // a connection may be opened after it
-      client.stop();
-    } while (!changed_.wait_for(lock, kAgain, [this] { return done_; }));
+  if (code == CURLE_PEER_FAILED_VERIFICATION) {
+    return absl::UnavailableError(
+        "its certificate is of another name, or not one that the system "
+        "believes (the environment variable SSL_CERT_FILE names others)");
   }
-
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  bool done_ = false;
-  std::thread thread_;
-};
-
-// Whether the request may have arrived.
-bool MayHaveArrived(httplib::Error error) {
-  return error == httplib::Error::Read || error == httplib::Error::Unknown;
+  const char* const word = curl_easy_strerror(code);
+  // The request may have arrived.
+  return sent > 0 ? absl::DeadlineExceededError(
+                        absl::StrCat("no answer came: ", word))
+                  : absl::UnavailableError(
+                        absl::StrCat("it could not be reached: ", word));
 }
 
 }  // namespace
 
 absl::Status CheckUrl(const std::string& url) {
-  if (!Split(url).origin.empty()) return absl::OkStatus();
+  if (IsUrl(url)) return absl::OkStatus();
   return absl::InvalidArgumentError(
       "is not an address as https://host.example:8443/path");
 }
 
 absl::Status PostJson(const std::string& url, const std::string& text,
                       const std::string& id, std::chrono::milliseconds time) {
-  const Url parts = Split(url);
-  if (parts.origin.empty()) return CheckUrl(url);
-  httplib::Client client(parts.origin);
-  client.set_connection_timeout(kSeconds);
-  client.set_read_timeout(kSeconds);
-  client.set_write_timeout(kSeconds);
-  httplib::Request request;
-  request.method = "POST";
-  request.path = parts.path;
-  request.body = text;
-  request.headers = {{"Content-Type", "application/json"},
-                     {"Idempotency-Key", id},
-                     {"User-Agent", "mle_watch"}};
-  // What comes with the status is of no interest.
-  int status = 0;
-  std::size_t bytes = 0;
-  request.response_handler = [&](const httplib::Response& response) {
-    status = response.status;
-    return true;
-  };
-  request.content_receiver = [&](const char*, std::size_t count, std::uint64_t,
-                                 std::uint64_t) {
-    bytes += count;
-    return bytes <= kMostAnswer;
-  };
-  httplib::Response response;
-  httplib::Error error = httplib::Error::Success;
-  const Deadline deadline(client, time);
-  const bool sent = client.send(request, response, error);
-  if (sent && status == 0) status = response.status;
-  if (status >= 200 && status < 300) return absl::OkStatus();
-  if (status != 0) {
-    return absl::UnavailableError(
-        absl::StrCat("it answered with status ", status));
+  if (!IsUrl(url)) return CheckUrl(url);
+  static const CURLcode kReady = curl_global_init(CURL_GLOBAL_DEFAULT);
+  const std::unique_ptr<CURL, decltype(&curl_easy_cleanup)> owned(
+      kReady == CURLE_OK ? curl_easy_init() : nullptr, &curl_easy_cleanup);
+  CURL* const curl = owned.get();
+  if (curl == nullptr) return absl::InternalError("libcurl does not start");
+  curl_slist* lines = nullptr;
+  for (const std::string& line : {std::string("Content-Type: application/json"),
+                                  absl::StrCat("Idempotency-Key: ", id)}) {
+    lines = curl_slist_append(lines, line.c_str());
   }
-  if (error == httplib::Error::SSLServerVerification) {
-    return absl::UnavailableError(
-        "its certificate is of another name, or not one that the system "
-        "believes (the environment variable SSL_CERT_FILE names others)");
+  const std::unique_ptr<curl_slist, decltype(&curl_slist_free_all)> headers(
+      lines, &curl_slist_free_all);
+  Answer answer;
+  curl_easy_setopt(curl, CURLOPT_URL, url.c_str());
+  curl_easy_setopt(curl, CURLOPT_PROTOCOLS_STR, "http,https");
+  curl_easy_setopt(curl, CURLOPT_PROXY, "");
+  curl_easy_setopt(curl, CURLOPT_HTTP_VERSION, CURL_HTTP_VERSION_1_1);
+  curl_easy_setopt(curl, CURLOPT_FOLLOWLOCATION, 0L);
+  curl_easy_setopt(curl, CURLOPT_NOSIGNAL, 1L);
+  curl_easy_setopt(curl, CURLOPT_USERAGENT, "mle_watch");
+  curl_easy_setopt(curl, CURLOPT_HTTPHEADER, lines);
+  curl_easy_setopt(curl, CURLOPT_POSTFIELDS, text.c_str());
+  curl_easy_setopt(curl, CURLOPT_POSTFIELDSIZE_LARGE,
+                   static_cast<curl_off_t>(text.size()));
+  curl_easy_setopt(curl, CURLOPT_TIMEOUT_MS, static_cast<long>(time.count()));
+  curl_easy_setopt(curl, CURLOPT_CONNECTTIMEOUT, kStallSeconds);
+  curl_easy_setopt(curl, CURLOPT_LOW_SPEED_LIMIT, 1L);
+  curl_easy_setopt(curl, CURLOPT_LOW_SPEED_TIME, kStallSeconds);
+  curl_easy_setopt(curl, CURLOPT_HEADERFUNCTION, &TakeLine);
+  curl_easy_setopt(curl, CURLOPT_HEADERDATA, &answer);
+  curl_easy_setopt(curl, CURLOPT_WRITEFUNCTION, &TakeBody);
+  curl_easy_setopt(curl, CURLOPT_WRITEDATA, &answer);
+  if (const char* const believed = std::getenv("SSL_CERT_FILE")) {
+    curl_easy_setopt(curl, CURLOPT_CAINFO, believed);
   }
-  const std::string word = httplib::to_string(error);
-  return MayHaveArrived(error) ? absl::DeadlineExceededError(
-                                     absl::StrCat("no answer came: ", word))
-                               : absl::UnavailableError(absl::StrCat(
-                                     "it could not be reached: ", word));
+  return StatusOf(curl, curl_easy_perform(curl), answer);
 }
 
 }  // namespace mle::serve

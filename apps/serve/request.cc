@@ -4,19 +4,15 @@
 #include <cstdint>
 #include <set>
 #include <utility>
-#include <vector>
 
 #include "absl/strings/ascii.h"
-#include "absl/strings/match.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
-#include "absl/strings/strip.h"
 
 namespace mle::serve {
 namespace {
 
-constexpr absl::string_view kLineEnd = "\r\n";
 constexpr std::size_t kLengthDigits = 10;
 
 bool IsTokenCharacter(char c) {
@@ -41,46 +37,23 @@ bool IsOfValue(char c) {
 
 class HeadParser {
  public:
-  explicit HeadParser(absl::string_view head) : rest_(head) {}
-
-  ParsedHead Parse() {
-    absl::string_view line;
-    if (!TakeLine(line) || !ParseRequestLine(line)) return Result();
-    while (TakeLine(line)) {
-      if (line.empty()) {
-        Finish();
-        return Result();
-      }
-      if (!ParseHeader(line)) return Result();
-    }
-    return Result();
+  ParsedHead Parse(const Head& head) && {
+    if (ParseRequestLine(head) && ParseHeaders(head)) CheckWhole(head);
+    return std::move(parsed_);
   }
 
  private:
   bool Refuse(int status, std::string fault) {
-    head_.status = status;
-    head_.fault = std::move(fault);
+    parsed_.status = status;
+    parsed_.fault = std::move(fault);
     return false;
   }
 
-  ParsedHead Result() { return std::move(head_); }
-
-  bool TakeLine(absl::string_view& line) {
-    const std::size_t end = rest_.find(kLineEnd);
-    if (end == absl::string_view::npos) {
-      return Refuse(400, "The head of the request does not end.");
-    }
-    line = rest_.substr(0, end);
-    rest_.remove_prefix(end + kLineEnd.size());
-    return true;
-  }
-
-  bool ParseRequestLine(absl::string_view line) {
-    const std::vector<absl::string_view> parts = absl::StrSplit(line, ' ');
-    if (parts.size() != 3 || !IsToken(parts[0])) {
+  bool ParseRequestLine(const Head& head) {
+    if (!IsToken(head.method)) {
       return Refuse(400, "The request line is not METHOD TARGET HTTP/1.1.");
     }
-    const absl::string_view target = parts[1];
+    const absl::string_view target = head.target;
     if (target.size() > kMostTarget) {
       return Refuse(414, "The target of the request is too long.");
     }
@@ -88,13 +61,11 @@ class HeadParser {
         !std::all_of(target.begin(), target.end(), IsVisible)) {
       return Refuse(400, "The target of the request is not a path.");
     }
-    if (parts[2] != "HTTP/1.1" && parts[2] != "HTTP/1.0") {
-      return Refuse(parts[2].substr(0, 5) == "HTTP/" ? 505 : 400,
-                    "The version is not HTTP/1.1.");
+    if (head.version != "HTTP/1.1" && head.version != "HTTP/1.0") {
+      return Refuse(505, "The version is not HTTP/1.1.");
     }
-    Request& request = head_.request;
-    request.method = std::string(parts[0]);
-    request.keep_alive = is_current_ = parts[2] == "HTTP/1.1";
+    Request& request = parsed_.request;
+    request.method = std::string(head.method);
     const std::size_t query = target.find('?');
     request.path = std::string(target.substr(0, query));
     if (query == absl::string_view::npos) return true;
@@ -107,26 +78,26 @@ class HeadParser {
     return true;
   }
 
-  bool ParseHeader(absl::string_view line) {
-    if (++headers_ > kMostHeaders) {
+  bool ParseHeaders(const Head& head) {
+    if (head.headers.size() > kMostHeaders) {
       return Refuse(431, "The request has too many headers.");
     }
-    const std::size_t colon = line.find(':');
-    if (colon == absl::string_view::npos || !IsToken(line.substr(0, colon))) {
-      return Refuse(400, "A header is not NAME: VALUE.");
+    for (const auto& [name, value] : head.headers) {
+      if (!IsToken(name)) return Refuse(400, "A header is not NAME: VALUE.");
+      if (!std::all_of(value.begin(), value.end(), IsOfValue)) {
+        return Refuse(400, "A header holds control characters.");
+      }
+      if (!TakeHeader(absl::AsciiStrToLower(name),
+                      absl::StripAsciiWhitespace(value))) {
+        return false;
+      }
     }
-    const std::string name = absl::AsciiStrToLower(line.substr(0, colon));
-    const absl::string_view value =
-        absl::StripAsciiWhitespace(line.substr(colon + 1));
-    if (!std::all_of(value.begin(), value.end(), IsOfValue)) {
-      return Refuse(400, "A header holds control characters.");
-    }
-    return TakeHeader(name, value);
+    return true;
   }
 
   // What is not known is left out.
   bool TakeHeader(const std::string& name, absl::string_view value) {
-    Request& request = head_.request;
+    Request& request = parsed_.request;
     const std::pair<absl::string_view, std::string*> kept[] = {
         {"host", &request.host},
         {"origin", &request.origin},
@@ -146,7 +117,6 @@ class HeadParser {
       return Refuse(411, "A body must come with its Content-Length.");
     }
     if (name == "expect") return Refuse(417, "Expect is not supported.");
-    if (name == "connection") TakeConnection(value);
     return true;
   }
 
@@ -162,42 +132,29 @@ class HeadParser {
         bytes > kMostBody) {
       return Refuse(413, "The body of the request is too long.");
     }
-    head_.request.body_bytes = static_cast<std::size_t>(bytes);
+    parsed_.request.body_bytes = static_cast<std::size_t>(bytes);
     return true;
   }
 
-  void TakeConnection(absl::string_view value) {
-    for (absl::string_view part : absl::StrSplit(value, ',')) {
-      part = absl::StripAsciiWhitespace(part);
-      if (absl::EqualsIgnoreCase(part, "close"))
-        head_.request.keep_alive = false;
-      if (absl::EqualsIgnoreCase(part, "keep-alive")) {
-        head_.request.keep_alive = true;
-      }
+  bool CheckWhole(const Head& head) {
+    const Request& request = parsed_.request;
+    if (request.host.empty() &&
+        (head.version == "HTTP/1.1" || once_.contains("host"))) {
+      return Refuse(400, "The request has no Host.");
     }
+    if (request.body_bytes > 0 && request.method != "POST") {
+      return Refuse(400, "Only POST has a body.");
+    }
+    return true;
   }
 
-  void Finish() {
-    const Request& request = head_.request;
-    if (request.host.empty() && (is_current_ || once_.contains("host"))) {
-      Refuse(400, "The request has no Host.");
-    } else if (request.body_bytes > 0 && request.method != "POST") {
-      Refuse(400, "Only POST has a body.");
-    }
-  }
-
-  absl::string_view rest_;
-  ParsedHead head_;
+  ParsedHead parsed_;
   std::set<std::string> once_;
-  int headers_ = 0;
-  bool is_current_ = true;
 };
 
 }  // namespace
 
-ParsedHead ParseHead(absl::string_view head) {
-  return HeadParser(head).Parse();
-}
+ParsedHead ParseHead(const Head& head) { return HeadParser().Parse(head); }
 
 std::optional<std::string> DecodePercent(absl::string_view text) {
   std::string out;

@@ -1,10 +1,9 @@
-// The head of an HTTP/1.1 request, read strictly: what two programs could
-// understand differently (repeated lengths, lines that end otherwise than in
-// CR LF, folded headers) is refused.
+// The head of an HTTP/1.1 request, held strictly to what may stand in it: what
+// two programs could understand differently (repeated lengths, names with
+// blanks, control characters) is refused.
 //
-//   GET /api/v1/controllers?status=aged HTTP/1.1␍␊
-//   Host: localhost:8080␍␊
-//   ␍␊
+//   GET /api/v1/controllers?status=aged HTTP/1.1
+//   Host: localhost:8080
 
 #ifndef APPS_SERVE_REQUEST_H_
 #define APPS_SERVE_REQUEST_H_
@@ -13,6 +12,8 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "absl/strings/string_view.h"
 
@@ -34,9 +35,14 @@ struct Request {
   std::string authorization = {};
   std::string content_type = {};
   std::size_t body_bytes = 0;
-  bool keep_alive = true;
 
   std::string body = {};
+};
+
+// The parts of a head, as they were sent.
+struct Head {
+  absl::string_view method, target, version;
+  std::vector<std::pair<absl::string_view, absl::string_view>> headers;
 };
 
 struct ParsedHead {
@@ -45,8 +51,7 @@ struct ParsedHead {
   Request request = {};
 };
 
-// `head` ends with the empty line.
-ParsedHead ParseHead(absl::string_view head);
+ParsedHead ParseHead(const Head& head);
 
 // "%41+b" is "A b"; nothing where what follows a % is not hexadecimal.
 std::optional<std::string> DecodePercent(absl::string_view text);

@@ -1,13 +1,17 @@
 #include "apps/serve/server.h"
 
-#include <httplib.h>
+#include <arpa/inet.h>
+#include <microhttpd.h>
+#include <netdb.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <condition_variable>
 #include <csignal>
-#include <deque>
-#include <limits>
+#include <cstdint>
 #include <mutex>
 #include <thread>
 
@@ -15,286 +19,321 @@
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
-#include "apps/serve/connection.h"
+#include "apps/serve/peers.h"
 
 namespace mle::serve {
 namespace {
 
-constexpr absl::Duration kLastAnswers = absl::Seconds(5);
-constexpr std::size_t kBlock = 65'536;
+constexpr int kThreads = 8;
+constexpr int kOtherFiles = 256;
+constexpr int kBacklog = 1024;
+constexpr absl::Duration kLastAnswers = absl::Seconds(4);
+// A head, what is known of its headers, and the head of the answer.
+constexpr std::size_t kPool = 2 * kMostHead + 4096;
+// What the system keeps of an answer that is not taken.
+constexpr int kSendBuffer = 65'536;
 
-// Threads, and jobs that wait for one: at most as many; then whoever brings
-// another waits himself, and so do those who knock, at the operating system.
-class Workers : public httplib::TaskQueue {
- public:
-  Workers(int threads, const std::atomic<bool>& stopping)
-      : most_(static_cast<std::size_t>(threads)), stopping_(stopping) {
-    for (int i = 0; i < threads; ++i) {
-      threads_.emplace_back([this] { Work(); });
-    }
-  }
-
-  void enqueue(std::function<void()> job) override {
-    std::unique_lock<std::mutex> lock(mutex_);
-    while (jobs_.size() >= most_ && !stopping_) {
-      room_.wait_for(lock, std::chrono::milliseconds(100));
-    }
-    jobs_.push_back(std::move(job));
-    lock.unlock();
-    work_.notify_one();
-  }
-
-  void shutdown() override {
-    {
-      const std::lock_guard<std::mutex> lock(mutex_);
-      ended_ = true;
-    }
-    work_.notify_all();
-    for (std::thread& thread : threads_) thread.join();
-  }
-
-  // For a thread: a job that a free one only has not woken up for is not.
-  bool IsAnyWaiting() {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    return jobs_.size() > free_;
-  }
-
- private:
-  void Work() {
-    while (true) {
-      std::unique_lock<std::mutex> lock(mutex_);
-      ++free_;
-      work_.wait(lock, [this] { return ended_ || !jobs_.empty(); });
-      --free_;
-      if (jobs_.empty()) return;
-      const std::function<void()> job = std::move(jobs_.front());
-      jobs_.pop_front();
-      lock.unlock();
-      room_.notify_one();
-      job();
-    }
-  }
-
-  const std::size_t most_;
-  const std::atomic<bool>& stopping_;
-  std::mutex mutex_;
-  std::condition_variable work_;
-  std::condition_variable room_;
-  std::deque<std::function<void()>> jobs_;
-  std::size_t free_ = 0;  // threads without a job
-  std::vector<std::thread> threads_;
-  bool ended_ = false;
+// A request on its way.
+struct Exchange {
+  std::string target = {};
+  bool has_head = false;
+  Request request = {};
 };
 
-// What the library reads of a request, which is nothing of the client's, and
-// where its answer goes.
-class AnswerStream : public httplib::Stream {
- public:
-  AnswerStream(const Connection& connection, bool is_head, bool keep_alive,
-               absl::Duration time)
-      : connection_(connection),
-        head_(absl::StrCat(is_head ? "HEAD" : "GET", " / HTTP/1.1\r\n",
-                           keep_alive ? "" : "Connection: close\r\n", "\r\n")),
-        deadline_(absl::Now() + time) {}
+Exchange *Of(void *pointer) { return static_cast<Exchange *>(pointer); }
 
-  bool is_readable() const override { return true; }
-  bool is_writable() const override { return !broken_; }
-  ssize_t read(char* bytes, std::size_t size) override {
-    const std::size_t count = head_.copy(bytes, size, at_);
-    at_ += count;
-    return static_cast<ssize_t>(count);
-  }
-  ssize_t write(const char* bytes, std::size_t size) override {
-    broken_ = broken_ || !connection_.Write({bytes, size}, deadline_);
-    return broken_ ? -1 : static_cast<ssize_t>(size);
-  }
-  void get_remote_ip_and_port(std::string& ip, int& port) const override {
-    ip.clear();
-    port = 0;
-  }
-  void get_local_ip_and_port(std::string& ip, int& port) const override {
-    ip.clear();
-    port = 0;
-  }
-  socket_t socket() const override { return 0; }
-
-  bool broken() const { return broken_; }
-
- private:
-  const Connection& connection_;
-  const std::string head_;
-  const absl::Time deadline_;
-  std::size_t at_ = 0;
-  bool broken_ = false;
-};
-
-bool SendFile(int file, std::size_t offset, std::size_t bytes,
-              httplib::DataSink& sink) {
-  std::string block(std::min(bytes, kBlock), '\0');
-  const ssize_t count =
-      pread(file, block.data(), block.size(), static_cast<off_t>(offset));
-  return count > 0 && sink.write(block.data(), static_cast<std::size_t>(count));
+Peers::Peer *PeerOf(MHD_Connection *connection) {
+  return static_cast<Peers::Peer *>(
+      MHD_get_connection_info(connection, MHD_CONNECTION_INFO_SOCKET_CONTEXT)
+          ->socket_context);
 }
 
-void Fill(const Response& response, httplib::Response& out) {
-  out.status = response.status;
-  for (const auto& [name, value] : response.headers) {
-    out.headers.erase(name);
-    out.set_header(name, value);
-  }
-  if (response.file != nullptr && response.file_bytes > 0) {
-    const std::shared_ptr<const int> file = response.file;
-    out.set_content_provider(
-        response.file_bytes, response.content_type,
-        [file](std::size_t offset, std::size_t bytes, httplib::DataSink& sink) {
-          return SendFile(*file, offset, bytes, sink);
-        });
-  } else if (response.body != nullptr && !response.body->empty()) {
-    const std::shared_ptr<const std::string> body = response.body;
-    out.set_content_provider(
-        body->size(), response.content_type,
-        [body](std::size_t offset, std::size_t bytes, httplib::DataSink& sink) {
-          return sink.write(body->data() + offset, bytes);
-        });
-  }
+MHD_Result AddHeader(void *head, MHD_ValueKind /*kind*/, const char *name,
+                     std::size_t name_size, const char *value,
+                     std::size_t value_size) {
+  static_cast<Head *>(head)->headers.push_back(
+      {{name, name_size}, {value, value_size}});
+  return MHD_YES;
 }
 
-// The answer of the connection that a thread is at.
-thread_local const Response* t_response = nullptr;
-
-class HttplibServer : public httplib::Server, public Server {
- public:
-  HttplibServer(const ServerOptions& options, serve::Handler handler)
-      : options_(options), handler_(std::move(handler)) {
-    set_tcp_nodelay(true);
-    // The library's own let other programs of the user listen, too.
-    set_socket_options([](socket_t socket) {
-      const int on = 1;
-      setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &on, sizeof(on));
-    });
-    set_keep_alive_timeout(absl::ToInt64Seconds(options_.idle_time));
-    set_keep_alive_max_count(std::numeric_limits<int>::max());
-    // The library's owner deletes it.
-    new_task_queue = [this] {
-      auto workers = std::make_unique<Workers>(options_.connections, stopping_);
-      workers_ = workers.get();
-      return workers.release();
-    };
-    set_pre_routing_handler(
-        [](const httplib::Request&, httplib::Response& out) {
-          Fill(*t_response, out);
-          return HandlerResponse::Handled;
-        });
+// The library takes heads for good that other programs may read in another way:
+// lines that end in a line feed alone or are folded, blanks in the request
+// line, bytes after a NUL. It reads heads where they lie, so that what is
+// between their parts can be seen: one blank, or the end of a line.
+bool IsPlain(const Head &head, std::size_t size) {
+  constexpr std::size_t kLineEnd = 2;  // bytes
+  const auto end = [](absl::string_view part) {
+    return part.data() + part.size();
+  };
+  if (head.target.data() != end(head.method) + 1 ||
+      head.version.data() != end(head.target) + 1) {
+    return false;
   }
-  ~HttplibServer() override { HttplibServer::Stop(); }
+  const char *at = end(head.version);
+  for (const auto &[name, value] : head.headers) {
+    if (name.data() != at + kLineEnd) return false;
+    at = end(value);
+  }
+  return head.method.data() + size == at + 2 * kLineEnd;
+}
+
+// Nothing of targets is decoded by the library.
+std::size_t LeaveAsItIs(void * /*of*/, MHD_Connection * /*connection*/,
+                        char *text) {
+  return std::char_traits<char>::length(text);
+}
+
+void Release(void *body) {
+  delete static_cast<std::shared_ptr<const std::string> *>(body);
+}
+
+MHD_Response *MakeResponse(const Response &from, bool is_last) {
+  MHD_Response *response = nullptr;
+  if (from.file != nullptr) {
+    const int file = dup(*from.file);  // closed with the response
+    response = MHD_create_response_from_fd64(from.file_bytes, file);
+    if (response == nullptr) close(file);
+  } else {
+    static const auto *const kNothing = new std::string;
+    const std::string &body = from.body == nullptr ? *kNothing : *from.body;
+    response = MHD_create_response_from_buffer_with_free_callback_cls(
+        body.size(), const_cast<char *>(body.data()), &Release,
+        new std::shared_ptr<const std::string>(from.body));
+  }
+  if (response == nullptr) return nullptr;
+  MHD_add_response_header(response, "Content-Type", from.content_type.c_str());
+  for (const auto &[name, value] : from.headers) {
+    MHD_add_response_header(response, name.c_str(), value.c_str());
+  }
+  if (is_last) MHD_add_response_header(response, "Connection", "close");
+  return response;
+}
+
+// As many files as the system allows, if these are needed.
+int AllowedConnections(int wanted) {
+  rlimit files = {};
+  getrlimit(RLIMIT_NOFILE, &files);
+  const auto needed = static_cast<rlim_t>(wanted + kOtherFiles);
+  if (files.rlim_cur < needed) {
+    files.rlim_cur = std::min(needed, files.rlim_max);
+    setrlimit(RLIMIT_NOFILE, &files);
+  }
+  const auto allowed = static_cast<int>(std::min(files.rlim_cur, needed));
+  return std::max(1, std::min(wanted, allowed - kOtherFiles));
+}
+
+// −1 where it cannot.
+int ListenOn(const std::string &host, int port) {
+  addrinfo hints = {};
+  hints.ai_flags = AI_NUMERICSERV | AI_PASSIVE;
+  hints.ai_socktype = SOCK_STREAM;
+  addrinfo *found = nullptr;
+  if (getaddrinfo(host.c_str(), std::to_string(port).c_str(), &hints, &found) !=
+      0) {
+    return -1;
+  }
+  int listening = -1;
+  for (const addrinfo *at = found; at != nullptr && listening < 0;
+       at = at->ai_next) {
+    listening = socket(at->ai_family,
+                       SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, IPPROTO_TCP);
+    const int on = 1;
+    setsockopt(listening, SOL_SOCKET, SO_REUSEADDR, &on, sizeof(on));
+    setsockopt(listening, SOL_SOCKET, SO_SNDBUF, &kSendBuffer,
+               sizeof(kSendBuffer));
+    if (bind(listening, at->ai_addr, at->ai_addrlen) != 0 ||
+        listen(listening, kBacklog) != 0) {
+      close(listening);
+      listening = -1;
+    }
+  }
+  freeaddrinfo(found);
+  return listening;
+}
+
+int PortOf(int socket) {
+  sockaddr_in6 address = {};  // the port is where that of version 4 is
+  socklen_t size = sizeof(address);
+  getsockname(socket, reinterpret_cast<sockaddr *>(&address), &size);
+  return ntohs(address.sin6_port);
+}
+
+class MicroServer : public Server {
+ public:
+  MicroServer(const ServerOptions &options, int connections, Handler handler)
+      : options_(options),
+        connections_(connections),
+        handler_(std::move(handler)),
+        peers_({.connections = static_cast<std::size_t>(
+                    std::max(1, connections - connections / 4)),
+                .answer_bytes = options.answer_bytes,
+                .request_time = options.request_time,
+                .response_time = options.response_time}) {}
+  ~MicroServer() override { MicroServer::Stop(); }
 
   absl::Status Listen() {
-    if (!Bind()) {
-      return absl::UnavailableError(
-          absl::StrCat("cannot listen on ", options_.host, ", port ",
-                       options_.port, ": is it in use, or reserved?"));
-    }
+    const int listening = ListenOn(options_.host, options_.port);
+    if (listening < 0) return NoListening();
+    port_ = PortOf(listening);
     // Signals are the main thread's.
     sigset_t stop;
     sigset_t before;
     sigemptyset(&stop);
     sigaddset(&stop, SIGINT);
     sigaddset(&stop, SIGTERM);
+    sigaddset(&stop, SIGHUP);
     pthread_sigmask(SIG_BLOCK, &stop, &before);
-    thread_ = std::thread([this] { Run(); });
+    daemon_ = StartDaemon(listening);
+    if (daemon_ != nullptr) watch_ = std::thread([this] { Watch(); });
     pthread_sigmask(SIG_SETMASK, &before, nullptr);
-    return absl::OkStatus();
+    if (daemon_ != nullptr) return absl::OkStatus();
+    close(listening);
+    return NoListening();
   }
 
   int port() const override { return port_; }
 
   void Stop() override {
+    if (daemon_ == nullptr) return;
     stopping_ = true;
-    if (!thread_.joinable()) return;
+    // Closed once no thread may still ask it for connections.
+    const int listening = MHD_quiesce_daemon(daemon_);
+    shutdown(listening, SHUT_RDWR);
     const absl::Time end = absl::Now() + kLastAnswers;
-    while (busy_ > 0 && absl::Now() < end) {
+    while (peers_.IsAnyAnswered() && absl::Now() < end) {
       absl::SleepFor(absl::Milliseconds(5));
     }
-    // The library does not hear it before it listens, and must not hear it
-    // twice.
-    while (!ended_) {
-      if (is_running() && svr_sock_ != INVALID_SOCKET) stop();
-      absl::SleepFor(absl::Milliseconds(5));
-    }
-    thread_.join();
+    MHD_stop_daemon(daemon_);
+    daemon_ = nullptr;
+    close(listening);
+    watch_.join();
   }
 
  private:
-  bool Bind() {
-    if (port_ == 0 && options_.port == 0) {
-      port_ = bind_to_any_port(options_.host);
-      return port_ > 0;
-    }
-    if (port_ == 0) port_ = options_.port;
-    return bind_to_port(options_.host, port_);
+  absl::Status NoListening() const {
+    return absl::UnavailableError(
+        absl::StrCat("cannot listen on ", options_.host, ", port ",
+                     options_.port, ": is it in use, or reserved?"));
   }
 
-  // A connection that was given up before it was accepted ends the library's
-  // loop: it listens anew.
-  void Run() {
-    // At least once, so that what was bound is closed.
-    do {
-      listen_after_bind();
-      while (!stopping_ && !Bind()) absl::SleepFor(absl::Milliseconds(100));
-    } while (!stopping_);
-    ended_ = true;
+  MHD_Daemon *StartDaemon(int listening) {
+    const auto connections = static_cast<unsigned>(connections_);
+    return MHD_start_daemon(
+        MHD_USE_POLL_INTERNAL_THREAD | MHD_USE_ITC, 0, nullptr, nullptr,
+        &Answer, this, MHD_OPTION_LISTEN_SOCKET, listening,
+        MHD_OPTION_THREAD_POOL_SIZE, std::min<unsigned>(kThreads, connections),
+        MHD_OPTION_CONNECTION_LIMIT, connections,
+        MHD_OPTION_PER_IP_CONNECTION_LIMIT, connections - connections / 6,
+        MHD_OPTION_CONNECTION_MEMORY_LIMIT, kPool,
+        MHD_OPTION_CONNECTION_TIMEOUT,
+        static_cast<unsigned>(absl::ToInt64Seconds(
+            absl::Ceil(options_.stall_time, absl::Seconds(1)))),
+        MHD_OPTION_STRICT_FOR_CLIENT, 1, MHD_OPTION_URI_LOG_CALLBACK, &Begin,
+        nullptr, MHD_OPTION_UNESCAPE_CALLBACK, &LeaveAsItIs, nullptr,
+        MHD_OPTION_NOTIFY_CONNECTION, &NotifyConnection, this,
+        MHD_OPTION_NOTIFY_COMPLETED, &NotifyCompleted, this, MHD_OPTION_END);
   }
 
-  bool process_and_close_socket(socket_t socket) override {
-    Serve(socket);
-    close(socket);
-    return true;
-  }
-
-  void Serve(int socket) {
-    Connection connection(
-        socket, [this] { return workers_->IsAnyWaiting(); },
-        [this] { return stopping_.load(); });
-    const Connection::Limits limits = {.idle = options_.idle_time,
-                                       .request = options_.request_time,
-                                       .hurry = options_.hurry};
-    while (true) {
-      ParsedHead head;
-      const Connection::Reading reading = connection.Read(limits, head);
-      if (reading == Connection::Reading::kEnd) return;
-      const bool is_fault = reading == Connection::Reading::kFault;
-      ++busy_;
-      const Response response = is_fault
-                                    ? PlainResponse(head.status, head.fault)
-                                    : handler_(head.request);
-      const bool keep_alive =
-          !is_fault && head.request.keep_alive && !stopping_;
-      const bool sent = Answer(connection, response,
-                               head.request.method == "HEAD", keep_alive);
-      if (!keep_alive && sent) connection.Finish();
-      --busy_;
-      if (!keep_alive || !sent) return;
+  void Watch() {
+    while (!stopping_) {
+      peers_.CutLate();
+      absl::SleepFor(absl::Milliseconds(50));
     }
   }
 
-  bool Answer(const Connection& connection, const Response& response,
-              bool is_head, bool keep_alive) {
-    AnswerStream stream(connection, is_head, keep_alive,
-                        options_.response_time);
-    bool closed = false;
-    t_response = &response;
-    const bool whole = process_request(stream, !keep_alive, closed, nullptr);
-    t_response = nullptr;
-    return whole && !stream.broken();
+  static void NotifyConnection(void *server, MHD_Connection *connection,
+                               void **peer,
+                               MHD_ConnectionNotificationCode code) {
+    Peers &peers = static_cast<MicroServer *>(server)->peers_;
+    if (code == MHD_CONNECTION_NOTIFY_STARTED) {
+      *peer = peers.Add(
+          MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD)
+              ->connect_fd);
+    } else {
+      peers.Remove(static_cast<Peers::Peer *>(*peer));
+    }
+  }
+
+  static void *Begin(void * /*of*/, const char *target,
+                     MHD_Connection * /*connection*/) {
+    return new Exchange{.target = target == nullptr ? "" : target};
+  }
+
+  static void NotifyCompleted(void *server, MHD_Connection *connection,
+                              void **exchange,
+                              MHD_RequestTerminationCode /*code*/) {
+    delete Of(*exchange);
+    *exchange = nullptr;
+    static_cast<MicroServer *>(server)->peers_.EndAnswer(PeerOf(connection));
+  }
+
+  // Called with the head, then with each part of a body, then at the end.
+  static MHD_Result Answer(void *server, MHD_Connection *connection,
+                           const char *target, const char *method,
+                           const char *version, const char *body,
+                           std::size_t *body_bytes, void **context) {
+    auto &self = *static_cast<MicroServer *>(server);
+    Exchange &exchange = *Of(*context);
+    if (!exchange.has_head) {
+      exchange.has_head = true;
+      Head head = {.method = method,
+                   .target = {target, exchange.target.size()},
+                   .version = version,
+                   .headers = {}};
+      MHD_get_connection_values_n(connection, MHD_HEADER_KIND, &AddHeader,
+                                  &head);
+      ParsedHead parsed = Read(connection, head, exchange.target);
+      if (parsed.status != 200) {
+        return self.Send(connection, PlainResponse(parsed.status, parsed.fault),
+                         true);
+      }
+      exchange.request = std::move(parsed.request);
+      return MHD_YES;
+    }
+    if (*body_bytes > 0) {
+      exchange.request.body.append(body, *body_bytes);
+      *body_bytes = 0;
+      return MHD_YES;
+    }
+    self.peers_.BeginAnswer(PeerOf(connection));
+    const Response answer = self.handler_(exchange.request);
+    return self.Send(connection, answer, self.stopping_);
+  }
+
+  static ParsedHead Read(MHD_Connection *connection, Head &head,
+                         const std::string &target) {
+    const std::size_t size =
+        MHD_get_connection_info(connection,
+                                MHD_CONNECTION_INFO_REQUEST_HEADER_SIZE)
+            ->header_size;
+    if (size > kMostHead) {
+      return {.status = 431, .fault = "The head of the request is too long."};
+    }
+    if (!IsPlain(head, size)) {
+      return {.status = 400, .fault = "The head of the request is malformed."};
+    }
+    head.target = target;
+    return ParseHead(head);
+  }
+
+  MHD_Result Send(MHD_Connection *connection, const Response &answer,
+                  bool is_last) {
+    MHD_Response *const response = MakeResponse(answer, is_last);
+    if (response == nullptr) return MHD_NO;
+    peers_.SendAnswer(PeerOf(connection), answer.body.get());
+    const MHD_Result queued = MHD_queue_response(
+        connection, static_cast<unsigned>(answer.status), response);
+    MHD_destroy_response(response);
+    return queued;
   }
 
   const ServerOptions options_;
-  const serve::Handler handler_;
+  const int connections_;
+  const Handler handler_;
+  Peers peers_;
   std::atomic<bool> stopping_{false};
-  std::atomic<bool> ended_{false};
-  std::atomic<int> busy_{0};
-  Workers* workers_ = nullptr;  // the library's
-  std::thread thread_;
+  MHD_Daemon *daemon_ = nullptr;
+  std::thread watch_;
   int port_ = 0;
 };
 
@@ -306,8 +345,9 @@ Response PlainResponse(int status, absl::string_view text) {
 }
 
 absl::StatusOr<std::unique_ptr<Server>> Server::Start(
-    const ServerOptions& options, Handler handler) {
-  auto server = std::make_unique<HttplibServer>(options, std::move(handler));
+    const ServerOptions &options, Handler handler) {
+  auto server = std::make_unique<MicroServer>(
+      options, AllowedConnections(options.connections), std::move(handler));
   if (const absl::Status status = server->Listen(); !status.ok()) {
     return status;
   }

@@ -1,6 +1,7 @@
-// An HTTP/1.1 server for a few users, that keeps what it uses within bounds:
-// connections, threads, bytes of a request, time to send a request and to take
-// an answer.
+// An HTTP/1.1 server for a few users, on libmicrohttpd, that keeps what it uses
+// within bounds: connections, memory, bytes of a request, time to send a
+// request and to take an answer. Who is too slow is cut off, and where room is
+// short, who has waited or taken longest.
 //
 //   MLE_ASSIGN_OR_RETURN(
 //       const std::unique_ptr<Server> server,
@@ -9,9 +10,6 @@
 //       }));
 //   …
 //   server->Stop();
-//
-// Requests are read by ParseHead(); the library beneath (cpp-httplib) listens,
-// keeps the threads and writes the answers.
 
 #ifndef APPS_SERVE_SERVER_H_
 #define APPS_SERVE_SERVER_H_
@@ -45,15 +43,21 @@ Response PlainResponse(int status, absl::string_view text);
 struct ServerOptions {
   std::string host = "127.0.0.1";  // an address in numbers, or "localhost"
   int port = 0;                    // 0: any
-  // Served at a time, each by a thread; as many again may wait.
-  int connections = 64;
-  // Of all of a request, of all of an answer, and between requests. While
-  // others wait, a request has `hurry` and no connection rests.
-  absl::Duration request_time = absl::Seconds(10);
+  // At a time; five sixths of them may be of one address, and from three
+  // quarters on, who has waited longest is cut off for a new one.
+  int connections = 3072;
+  // Bytes of all answers that are being sent, each once; beyond, who has taken
+  // longest is cut off.
+  std::size_t answer_bytes = std::size_t{64} << 20;
+  // From a connection or the last answer until the next request is whole; from
+  // then until its answer has been taken; without taking any of it.
+  absl::Duration request_time = absl::Seconds(15);
   absl::Duration response_time = absl::Seconds(60);
-  absl::Duration idle_time = absl::Seconds(15);
-  absl::Duration hurry = absl::Seconds(2);
+  absl::Duration stall_time = absl::Seconds(15);  // rounded up to seconds
 };
+
+// The largest number of a port of TCP.
+inline constexpr int kMostPort = 65'535;
 
 // Called by many threads at once; must not throw.
 using Handler = std::function<Response(const Request&)>;
@@ -66,7 +70,8 @@ class Server {
 
   virtual ~Server() = default;
   virtual int port() const = 0;
-  // Answers what has been asked, closes all connections and ends the threads.
+  // Ends answers that have been begun, for some seconds, closes all connections
+  // and ends the threads.
   virtual void Stop() = 0;
 };
 

@@ -143,6 +143,12 @@ class Router {
       return PlainResponse(
           403, "This name of the server is not known to it; see --host_names.");
     }
+    if (snapshot_ == nullptr) {
+      Response response = PlainResponse(
+          503, "The state is being read for the first time; ask again soon.");
+      response.headers.emplace_back("Retry-After", "1");
+      return response;
+    }
     if (request_.method == "POST") return RoutePost();
     if (request_.method != "GET" && request_.method != "HEAD") {
       Response response = PlainResponse(405, "Only GET, HEAD and POST.");

@@ -29,19 +29,21 @@ std::string UrlOf(const serve::ServerOptions& options, int port) {
 }
 
 // Looks for news until it is to stop, and says on standard error what cannot be
-// read.
-void KeepUp(Site& site) {
+// read. An error where the first reading fails.
+absl::Status KeepUp(Site& site) {
+  MLE_RETURN_IF_ERROR(site.Refresh(StopRequested));
   std::string said;
   for (int tick = 1; !StopRequested(); ++tick) {
     absl::SleepFor(kTick);
     if (tick % kTicksOfLook != 0) continue;
-    site.Refresh(StopRequested);
+    MLE_RETURN_IF_ERROR(site.Refresh(StopRequested));
     const std::string fault = site.snapshot()->fault;
     if (fault != said && !fault.empty()) {
       SayError(absl::StrCat(fault, " (showing what was read before)"));
     }
     said = fault;
   }
+  return absl::OkStatus();
 }
 
 }  // namespace
@@ -75,9 +77,9 @@ absl::Status ServeSite(const Request& request) {
     std::cerr << "note: other machines can reach this address, and nothing is "
                  "encrypted; docs/watch.md shows a proxy that encrypts\n";
   }
-  KeepUp(*site);
+  const absl::Status status = KeepUp(*site);
   (*server)->Stop();
-  return absl::OkStatus();
+  return status;
 }
 
 }  // namespace mle::watch

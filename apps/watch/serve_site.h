@@ -8,8 +8,9 @@
 
 namespace mle::watch {
 
-// Serves until SIGINT or SIGTERM; then answers what was asked and returns.
-// Errors are of the state, the list of controllers, the token and the address.
+// Serves until SIGINT, SIGTERM or SIGHUP; then answers what was asked and
+// returns. Errors are of the state, the list of controllers, the token and the
+// address.
 absl::Status ServeSite(const Request& request);
 
 }  // namespace mle::watch

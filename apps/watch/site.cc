@@ -1,5 +1,7 @@
 #include "apps/watch/site.h"
 
+#include <sys/stat.h>
+
 #include <algorithm>
 #include <atomic>
 #include <system_error>
@@ -14,6 +16,7 @@
 #include "apps/watch/update.h"
 #include "mle/base/parallel.h"
 #include "mle/base/status.h"
+#include "mle/database/record_sources.h"
 #include "mle/exchange/model_file.h"
 
 namespace mle::watch {
@@ -23,6 +26,13 @@ namespace {
 constexpr std::size_t kMostKept = 16'000'000;
 // Reading takes at most an eleventh of the time.
 constexpr int kRest = 10;
+
+// Device and inode; zeros where there is none, and of a database.
+std::pair<std::uint64_t, std::uint64_t> FileOf(const std::string& path) {
+  struct stat about = {};
+  if (IsDatabase(path) || stat(path.c_str(), &about) != 0) return {0, 0};
+  return {about.st_dev, about.st_ino};
+}
 
 Snapshot::Text Shared(std::string text) {
   return std::make_shared<const std::string>(std::move(text));
@@ -50,9 +60,22 @@ std::vector<Report> Snapshot::Reports() const {
 
 absl::StatusOr<std::unique_ptr<Site>> Site::Open(Options options) {
   MLE_ASSIGN_OR_RETURN(State state, State::Open(options.state));
-  std::unique_ptr<Site> site(new Site(std::move(options), std::move(state)));
-  MLE_RETURN_IF_ERROR(site->RefreshAll(nullptr));
-  return site;
+  return std::unique_ptr<Site>(new Site(std::move(options), std::move(state)));
+}
+
+Site::Site(Options options, State state)
+    : options_(std::move(options)),
+      file_(FileOf(options_.state)),
+      state_(std::move(state)) {}
+
+absl::Status Site::CheckFile() const {
+  if (FileOf(options_.state) == file_) return absl::OkStatus();
+  return absl::UnavailableError(absl::StrCat(
+      options_.state,
+      " has been removed or replaced while the server runs. Stop the server "
+      "and all runs, remove ",
+      options_.state, "-wal and ", options_.state,
+      "-shm, put the right file in place and start again"));
 }
 
 std::shared_ptr<const Snapshot> Site::snapshot() const {
@@ -70,6 +93,7 @@ absl::StatusOr<std::shared_ptr<Entry>> Site::Load(const Controller& controller,
   {
     const std::lock_guard<std::mutex> lock(state_mutex_);
     loaded = state_.Load(controller.name, model.num_outputs());
+    entry->reading = ++readings_;
   }
   // One that is damaged is shown as such, beside the others.
   const absl::Status status = loaded.status();
@@ -96,6 +120,16 @@ absl::StatusOr<std::shared_ptr<Entry>> Site::Load(const Controller& controller,
 }
 
 void Site::Publish(std::vector<std::shared_ptr<const Entry>> entries) {
+  const std::shared_ptr<const Snapshot> before = this->snapshot();
+  for (std::shared_ptr<const Entry>& entry : entries) {
+    if (before == nullptr) break;
+    const auto found = before->by_id.find(FileNameOf(entry->controller.name));
+    if (found == before->by_id.end()) continue;
+    const std::shared_ptr<const Entry>& shown = before->entries[found->second];
+    if (shown->reading > entry->reading && shown->basis == entry->basis) {
+      entry = shown;
+    }
+  }
   auto snapshot = std::make_shared<Snapshot>();
   snapshot->entries = std::move(entries);
   for (std::size_t i = 0; i < snapshot->entries.size(); ++i) {
@@ -115,6 +149,7 @@ void Site::Publish(std::vector<std::shared_ptr<const Entry>> entries) {
 }
 
 absl::StatusOr<std::int64_t> Site::Revision() {
+  MLE_RETURN_IF_ERROR(CheckFile());
   const std::lock_guard<std::mutex> lock(state_mutex_);
   absl::StatusOr<std::int64_t> revision = state_.Revision();
   if (revision.ok()) return revision;
@@ -161,25 +196,31 @@ absl::Status Site::RefreshAll(const std::function<bool()>& stop) {
       });
   if (stopped) return absl::OkStatus();
   for (const absl::Status& status : statuses) MLE_RETURN_IF_ERROR(status);
-  Publish(std::move(entries));
+  {
+    const std::lock_guard<std::mutex> lock(publish_mutex_);
+    Publish(std::move(entries));
+  }
   const absl::Time end = absl::Now();
-  next_refresh_ = end + kRest * (end - begin);
+  // The first reading finds nothing to keep, and is longer than others.
+  if (before != nullptr) next_refresh_ = end + kRest * (end - begin);
   revision_ = revision;
   list_changed_ = changed;
   return absl::OkStatus();
 }
 
-void Site::Refresh(const std::function<bool()>& stop) {
-  if (absl::Now() < next_refresh_) return;
+absl::Status Site::Refresh(const std::function<bool()>& stop) {
+  if (absl::Now() < next_refresh_) return absl::OkStatus();
   const absl::Status status = RefreshAll(stop);
-  if (status.ok()) return;
+  if (status.ok()) return absl::OkStatus();
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (snapshot_->fault == status.message()) return;
+  if (snapshot_ == nullptr) return status;
+  if (snapshot_->fault == status.message()) return absl::OkStatus();
   auto stale = std::make_shared<Snapshot>(*snapshot_);
   stale->fault = std::string(status.message());
   stale->metrics =
       Shared(FormatMetrics(stale->Reports(), stale->read_at, stale->fault));
   snapshot_ = std::move(stale);
+  return absl::OkStatus();
 }
 
 absl::StatusOr<Snapshot::Text> Site::Read(const Entry& entry, Detail detail) {
@@ -225,10 +266,12 @@ absl::StatusOr<std::string> Site::ReadHistory(const Entry& entry, int from,
 
 absl::Status Site::Acknowledge(const std::string& alarm,
                                const Acknowledgement& acknowledgement) {
+  MLE_RETURN_IF_ERROR(CheckFile());
   {
     const std::lock_guard<std::mutex> lock(state_mutex_);
     MLE_RETURN_IF_ERROR(state_.Acknowledge(alarm, acknowledgement));
   }
+  const std::lock_guard<std::mutex> lock(publish_mutex_);
   std::vector<std::shared_ptr<const Entry>> entries = snapshot()->entries;
   for (std::shared_ptr<const Entry>& entry : entries) {
     const std::vector<Alarm>& alarms = entry->watch.alarms;

@@ -17,6 +17,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -33,7 +34,9 @@ struct Entry {
   Controller controller;
   Watch watch;
   std::string basis;  // of controller and model as they are now
-  Report report;      // of `watch`
+  // Which of all readings of the state it is: the later one is shown.
+  std::uint64_t reading = 0;
+  Report report;  // of `watch`
 };
 
 // All controllers at a time. Texts are shared with those who are sent them.
@@ -58,14 +61,16 @@ class Site {
     bool can_acknowledge = false;
     int threads = 0;  // 0: one for each processor
   };
+  // Without a snapshot, which the first Refresh() makes.
   static absl::StatusOr<std::unique_ptr<Site>> Open(Options options);
 
   const Options& options() const { return options_; }
+  // Null before the first reading.
   std::shared_ptr<const Snapshot> snapshot() const;
 
   // Reads anew what has changed; `stop` is asked between controllers. Where it
-  // cannot be read, the snapshot stays and says why.
-  void Refresh(const std::function<bool()>& stop);
+  // cannot be read, the snapshot stays and says why; an error without one.
+  absl::Status Refresh(const std::function<bool()>& stop);
 
   enum class Detail { kPage, kJson };
   // Of one controller, by the index in the snapshot.
@@ -79,15 +84,18 @@ class Site {
                            const Acknowledgement& acknowledgement);
 
  private:
-  Site(Options options, State state)
-      : options_(std::move(options)), state_(std::move(state)) {}
+  Site(Options options, State state);
 
   // `before`: what was known of it, of the same list; or null.
   absl::StatusOr<std::shared_ptr<Entry>> Load(const Controller& controller,
                                               const Entry* before = nullptr);
   absl::StatusOr<std::int64_t> Revision();
   absl::Status RefreshAll(const std::function<bool()>& stop);
+  // With publish_mutex_ held. Of controllers that have been read since, what
+  // was read last is kept.
   void Publish(std::vector<std::shared_ptr<const Entry>> entries);
+  // Unavailable where another file has taken the place of the state's.
+  absl::Status CheckFile() const;
 
   struct Kept {
     std::string key;
@@ -95,14 +103,17 @@ class Site {
   };
 
   const Options options_;
-  std::mutex state_mutex_;
+  const std::pair<std::uint64_t, std::uint64_t> file_;  // device and inode
+  std::mutex state_mutex_;                              // of what follows
   State state_;
+  std::uint64_t readings_ = 0;
 
   // Of the refreshing thread.
   std::optional<std::int64_t> revision_;
   std::filesystem::file_time_type list_changed_ = {};
   absl::Time next_refresh_ = absl::InfinitePast();
 
+  std::mutex publish_mutex_;  // of who makes a snapshot of another
   mutable std::mutex mutex_;  // of what follows
   std::shared_ptr<const Snapshot> snapshot_;
   std::list<Kept> kept_;  // the last used first

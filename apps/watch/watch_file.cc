@@ -4,7 +4,10 @@
 #include <filesystem>
 #include <set>
 
+#include "absl/strings/ascii.h"
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_split.h"
 #include "apps/common/controller_options.h"
 #include "apps/common/option_json.h"
 #include "apps/common/price_options.h"
@@ -46,6 +49,23 @@ absl::Status ReadDays(const JsonNode& node, const std::string& key, int least,
   return absl::OkStatus();
 }
 
+// Whoever writes the list would otherwise have any library of the machine
+// loaded by the runs: drivers and sources are those of odbcinst.ini and
+// odbc.ini.
+bool HasOdbcPath(const std::string& records) {
+  const absl::string_view place = records;
+  if (!absl::StartsWithIgnoreCase(place, "odbc:")) return false;
+  for (const absl::string_view part :
+       absl::StrSplit(place, absl::ByAnyChar(":;"))) {
+    const absl::string_view key =
+        absl::StripAsciiWhitespace(part.substr(0, part.find('=')));
+    const bool names_code = absl::EqualsIgnoreCase(key, "driver") ||
+                            absl::EqualsIgnoreCase(key, "filedsn");
+    if (names_code && absl::StrContains(part, '/')) return true;
+  }
+  return false;
+}
+
 // Where the records are: a folder, or a database and what of it.
 absl::Status ReadRecords(const JsonNode& node,
                          const std::filesystem::path& folder,
@@ -70,6 +90,11 @@ absl::Status ReadRecords(const JsonNode& node,
              name.starts_with(kSqlite) && !name.starts_with("sqlite://")) {
     controller.records =
         absl::StrCat(kSqlite, From(folder, name.substr(std::strlen(kSqlite))));
+  }
+  if (HasOdbcPath(controller.records)) {
+    return node.At("records").Fault(
+        "a driver or source of ODBC is named as in odbcinst.ini or odbc.ini, "
+        "not by a path");
   }
   const absl::Status status =
       RecordSources({controller.records}, database, HistorianOptions())

@@ -239,6 +239,19 @@ absl::StatusOr<std::string> ReadAll(int fd, std::size_t size_hint,
 
 }  // namespace
 
+absl::Status CheckRegularFile(const std::string& path) {
+  struct stat info = {};
+  if (::stat(path.c_str(), &info) != 0) {
+    return ErrnoStatus("cannot open", path);
+  }
+  if (S_ISREG(info.st_mode)) return absl::OkStatus();
+  return absl::FailedPreconditionError(absl::StrCat(
+      "cannot read '", path,
+      S_ISDIR(info.st_mode) ? "': it is a folder, not a file"
+                            : "': it must be a regular file, as it is read "
+                              "twice, or - for standard input"));
+}
+
 absl::StatusOr<std::string> ReadFile(const std::string& path) {
   const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
   if (file.get() < 0) return ErrnoStatus("cannot open", path);

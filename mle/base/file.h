@@ -26,6 +26,10 @@ namespace mle {
 // The bytes of `path`. NotFound or PermissionDenied name the path and why.
 absl::StatusOr<std::string> ReadFile(const std::string& path);
 
+// An error unless `path` is a regular file: what is read twice must be one, and
+// pipes without a writer and devices without an end would be read for ever.
+absl::Status CheckRegularFile(const std::string& path);
+
 // Replaces `path` by `content`, whole or not at all.
 absl::Status WriteFileAtomically(const std::string& path,
                                  std::string_view content);

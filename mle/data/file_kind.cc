@@ -60,6 +60,8 @@ class GunzipBuffer : public std::streambuf {
   // The next block of the text; 0 at the end.
   std::size_t Unpack();
   bool FillPacked();
+  // Nothing but zeros is left, which tapes and blocks of disks end with.
+  bool OnlyZerosFollow();
 
   std::unique_ptr<std::istream> in_;
   std::ios& owner_;
@@ -78,13 +80,22 @@ bool GunzipBuffer::FillPacked() {
   return stream_.avail_in > 0;
 }
 
+bool GunzipBuffer::OnlyZerosFollow() {
+  while (FillPacked()) {
+    if (*stream_.next_in != 0) return false;
+    ++stream_.next_in;
+    --stream_.avail_in;
+  }
+  return true;
+}
+
 std::size_t GunzipBuffer::Unpack() {
   stream_.next_out = reinterpret_cast<Bytef*>(text_.data());
   stream_.avail_out = static_cast<uInt>(text_.size());
   while (stream_.avail_out == text_.size()) {
     int code = Z_OK;
+    if (is_between_ && OnlyZerosFollow()) return 0;
     if (!FillPacked()) {
-      if (is_between_) return 0;
       code = Z_BUF_ERROR;  // the file ends too early
     } else if (is_between_) {
       code = inflateReset(&stream_);

@@ -14,6 +14,7 @@
 #include "mle/data/csv_numbers.h"
 #include "mle/data/csv_rows.h"
 #include "mle/data/historian_importer.h"
+#include "mle/data/record.h"
 #include "mle/data/table_import.h"
 
 namespace mle {
@@ -144,11 +145,12 @@ absl::Status HistorianImporter::ReadSample(const MatchedTable& matched,
   }
   const bool has_unit = from.match.scale != 1.0 || from.match.offset != 0.0;
   value = has_unit ? from.match.scale * sample + from.match.offset : sample;
-  if (std::isfinite(value)) return absl::OkStatus();
+  if (std::abs(value) <= kLargestSample) return absl::OkStatus();
   return absl::InvalidArgumentError(absl::StrCat(
       PlaceIn(*matched.table, k), ", column '", ShowCsvText(from.column->name),
-      "': ", sample, " is not a finite number, or NaN for a bad sample",
-      std::isinf(sample) ? "" : ", once its unit is converted"));
+      "': ", sample, " is not a finite number of at most ", kLargestSample,
+      ", or NaN for a bad sample",
+      has_unit ? ", once its unit is converted" : ""));
 }
 
 void HistorianImporter::NoteTable(const MatchedTable& matched) {

@@ -20,19 +20,7 @@ namespace {
 
 absl::StatusOr<std::unique_ptr<std::istream>> OpenFile(
     const std::string& path) {
-  std::error_code error;
-  using std::filesystem::file_type;
-  const file_type type = std::filesystem::status(path, error).type();
-  if (type != file_type::regular) {
-    // Why, if it is not there or is a folder.
-    if (type == file_type::not_found || type == file_type::directory) {
-      MLE_RETURN_IF_ERROR(ReadFile(path).status());
-    }
-    return absl::FailedPreconditionError(
-        absl::StrCat("cannot read '", path,
-                     "': it must be a regular file, as it is read twice, or - "
-                     "for standard input"));
-  }
+  MLE_RETURN_IF_ERROR(CheckRegularFile(path));
   auto in = std::make_unique<std::ifstream>(path, std::ios::binary);
   if (!*in) {
     MLE_RETURN_IF_ERROR(ReadFile(path).status());

@@ -15,6 +15,21 @@ std::string Shape(const Eigen::MatrixXd& matrix) {
   return absl::StrCat(matrix.rows(), " × ", matrix.cols());
 }
 
+absl::Status CheckSizes(const char* kind, const Eigen::MatrixXd& values) {
+  for (Eigen::Index k = 0; k < values.cols(); ++k) {
+    for (Eigen::Index i = 0; i < values.rows(); ++i) {
+      if (std::isfinite(values(i, k)) &&
+          std::abs(values(i, k)) > kLargestSample) {
+        return absl::InvalidArgumentError(absl::StrCat(
+            "record: ", kind, " ", i + 1, " is ", values(i, k), " in sample ",
+            k + 1, "; samples may not exceed ", kLargestSample,
+            ": check units, or make it NaN, a bad sample"));
+      }
+    }
+  }
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 absl::Status Record::Validate() const {
@@ -34,7 +49,9 @@ absl::Status Record::Validate() const {
         absl::StrCat("record: set points are ", Shape(set_points), ", must be ",
                      Shape(outputs), " or empty"));
   }
-  return absl::OkStatus();
+  MLE_RETURN_IF_ERROR(CheckSizes("output", outputs));
+  MLE_RETURN_IF_ERROR(CheckSizes("input", inputs));
+  return CheckSizes("the set point of output", set_points);
 }
 
 int Record::lead() const {

@@ -16,6 +16,10 @@
 
 namespace mle {
 
+// What is fitted is squared, summed and compared as variances: a sample beyond
+// this leaves double precision there.
+inline constexpr double kLargestSample = 1e60;
+
 struct Record {
   double start_time = 0.0;
   double sample_time = 0.0;    // Δt
@@ -23,7 +27,8 @@ struct Record {
   Eigen::MatrixXd inputs;      // m × N, u_k
   Eigen::MatrixXd set_points;  // p × N, or 0 × 0 without set points
 
-  // Shapes agree, Δt > 0. Values may be NaN: bad samples.
+  // Shapes agree, Δt > 0, finite values are within ± kLargestSample. Values may
+  // be NaN: bad samples.
   absl::Status Validate() const;
 
   int samples() const { return static_cast<int>(outputs.cols()); }

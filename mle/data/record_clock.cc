@@ -3,6 +3,7 @@
 #include <cmath>
 #include <vector>
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "absl/time/civil_time.h"
@@ -51,7 +52,9 @@ absl::StatusOr<RecordClock> RecordClock::Create(const std::string& model_unit,
   }
   if (!options.time_zone.empty()) {
     absl::TimeZone zone;
-    if (!absl::LoadTimeZone(options.time_zone, &zone)) {
+    // "libc:localtime" would be whatever zone the machine has.
+    if (absl::StartsWith(options.time_zone, "libc:") ||
+        !absl::LoadTimeZone(options.time_zone, &zone)) {
       return absl::InvalidArgumentError(absl::StrCat(
           "there is no time zone '", options.time_zone,
           "' on this machine; zones have names such as Europe/Berlin or UTC"));

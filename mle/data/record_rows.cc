@@ -18,6 +18,7 @@
 #include "mle/data/csv_numbers.h"
 #include "mle/data/nearest_names.h"
 #include "mle/data/quality_columns.h"
+#include "mle/data/record.h"
 #include "mle/data/time_columns.h"
 
 namespace mle {
@@ -323,6 +324,7 @@ bool RecordRows::ReadTime(RecordRow& row) {
 
 bool RecordRows::ReadSamples(RecordRow& row) {
   row.values.assign(num_values_, NoSample());
+  bool is_large = false;
   for (std::size_t c = 0; c < columns_.size(); ++c) {
     const RecordColumn& column = columns_[c];
     const int value = value_of_[c];
@@ -336,9 +338,17 @@ bool RecordRows::ReadSamples(RecordRow& row) {
         return NotReadable(c, "a finite number once its unit is converted");
       }
     }
+    is_large = is_large || std::abs(sample) > kLargestSample;
     row.values[value] = sample;
   }
   if (has_quality_) TakeQuality(row);
+  for (std::size_t c = 0; is_large && c < columns_.size(); ++c) {
+    if (value_of_[c] >= 0 &&
+        std::abs(row.values[value_of_[c]]) > kLargestSample) {
+      return NotReadable(c, absl::StrCat("a number of at most ", kLargestSample,
+                                         "; is its unit right, or is it bad?"));
+    }
+  }
   return true;
 }
 

@@ -98,22 +98,23 @@ absl::Status DatabaseSession::Open(const DatabaseName& name,
     case DatabaseKind::kPostgresql: {
       MLE_ASSIGN_OR_RETURN(const std::string uri,
                            PostgresqlParameters(name.place, password));
-      return Guard([&] { backend_ = OpenPostgresql(uri); });
+      return Guard([&] { backend_ = OpenPostgresql(uri, limits_); });
     }
     case DatabaseKind::kSqlite:
-      return Guard([&] { backend_ = OpenSqlite(name.place); });
+      return Guard([&] { backend_ = OpenSqlite(name.place, limits_); });
     case DatabaseKind::kOdbc:
       return Guard([&] {
         backend_ = OpenOdbc(name.place, FromEnvironment("MLE_ODBC_USER"),
-                            FromEnvironment("MLE_ODBC_PASSWORD"));
+                            FromEnvironment("MLE_ODBC_PASSWORD"), limits_);
       });
   }
   return absl::InternalError("a kind of database that is not known");
 }
 
 absl::StatusOr<std::unique_ptr<DatabaseSession>> DatabaseSession::Connect(
-    const DatabaseName& name, const AskPassword& ask) {
+    const DatabaseName& name, const SqlLimits& limits, const AskPassword& ask) {
   std::unique_ptr<DatabaseSession> session(new DatabaseSession);
+  session->limits_ = limits;
   session->secrets_ = {FromEnvironment("PGPASSWORD"),
                        FromEnvironment("MLE_ODBC_PASSWORD")};
   absl::Status status = session->Open(name, "");
@@ -141,6 +142,7 @@ absl::StatusOr<std::unique_ptr<DatabaseSession>> DatabaseSession::Connect(
 absl::StatusOr<std::vector<SqlColumn>> DatabaseSession::Start(
     const std::string& query) {
   std::vector<SqlColumn> columns;
+  rows_ = 0;
   MLE_RETURN_IF_ERROR(Guard([&] { columns = backend_->Start(query); }));
   return columns;
 }
@@ -148,7 +150,11 @@ absl::StatusOr<std::vector<SqlColumn>> DatabaseSession::Start(
 absl::StatusOr<int> DatabaseSession::Read(int most, TableText& text) {
   int rows = 0;
   MLE_RETURN_IF_ERROR(Guard([&] { rows = backend_->Read(most, text); }));
-  return rows;
+  rows_ += rows;
+  if (rows_ <= limits_.max_rows) return rows;
+  return absl::ResourceExhaustedError(
+      absl::StrCat("more than ", limits_.max_rows,
+                   " rows are not read: does its view or query end?"));
 }
 
 std::vector<std::string> DatabaseSession::Tables() {

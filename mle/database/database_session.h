@@ -2,7 +2,7 @@
 // this is where that ends. Internal to mle/database.
 //
 //   MLE_ASSIGN_OR_RETURN(std::unique_ptr<DatabaseSession> session,
-//                        DatabaseSession::Connect(name, ask_password));
+//                        DatabaseSession::Connect(name, {}, ask_password));
 //   MLE_ASSIGN_OR_RETURN(columns, session->Start("SELECT time, y FROM trend"));
 //   MLE_ASSIGN_OR_RETURN(const int rows, session->Read(5000, text));
 //
@@ -13,6 +13,7 @@
 #ifndef MLE_DATABASE_DATABASE_SESSION_H_
 #define MLE_DATABASE_DATABASE_SESSION_H_
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -34,7 +35,8 @@ class DatabaseSession {
  public:
   // `ask` may be empty.
   static absl::StatusOr<std::unique_ptr<DatabaseSession>> Connect(
-      const DatabaseName& name, const AskPassword& ask);
+      const DatabaseName& name, const SqlLimits& limits,
+      const AskPassword& ask);
 
   // As of SqlBackend.
   absl::StatusOr<std::vector<SqlColumn>> Start(const std::string& query);
@@ -58,6 +60,8 @@ class DatabaseSession {
   absl::Status Open(const DatabaseName& name, const std::string& password);
 
   std::unique_ptr<SqlBackend> backend_;
+  SqlLimits limits_;
+  std::int64_t rows_ = 0;             // since the start of a query
   std::vector<std::string> secrets_;  // that no message may have
 };
 

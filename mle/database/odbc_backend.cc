@@ -65,8 +65,9 @@ void CheckColons(const std::string& query) {
 class OdbcBackend : public SqlBackend {
  public:
   OdbcBackend(const std::string& source, const std::string& user,
-              const std::string& password)
-      : session_(std::make_unique<soci::session>(
+              const std::string& password, const SqlLimits& limits)
+      : max_wait_s_(limits.max_wait_s),
+        session_(std::make_unique<soci::session>(
             Parameters(source, user, password))) {
     auto& backend =
         *static_cast<soci::odbc_session_backend*>(session_->get_backend());
@@ -109,6 +110,7 @@ class OdbcBackend : public SqlBackend {
 
   void Define(Cell& cell);
 
+  const int max_wait_s_;
   std::unique_ptr<soci::session> session_;
   std::string quote_ = "\"";
   std::deque<Cell> cells_;  // which do not move
@@ -160,6 +162,13 @@ std::vector<SqlColumn> OdbcBackend::Start(const std::string& query) {
   cells_.clear();
   statement_->alloc();
   statement_->prepare(query);
+  // Drivers need not know it.
+  SQLSetStmtAttr(
+      static_cast<soci::odbc_statement_backend*>(statement_->get_backend())
+          ->hstmt_,
+      SQL_ATTR_QUERY_TIMEOUT,
+      reinterpret_cast<SQLPOINTER>(static_cast<std::uintptr_t>(max_wait_s_)),
+      0);
   std::vector<SqlColumn> columns;
   const int size = statement_->get_backend()->prepare_for_describe();
   for (int c = 0; c < size; ++c) {
@@ -199,8 +208,9 @@ int OdbcBackend::Read(int most, TableText& text) {
 
 std::unique_ptr<SqlBackend> OpenOdbc(const std::string& source,
                                      const std::string& user,
-                                     const std::string& password) {
-  return std::make_unique<OdbcBackend>(source, user, password);
+                                     const std::string& password,
+                                     const SqlLimits& limits) {
+  return std::make_unique<OdbcBackend>(source, user, password, limits);
 }
 
 }  // namespace mle

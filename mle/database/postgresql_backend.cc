@@ -7,6 +7,8 @@
 #include <soci/postgresql/soci-postgresql.h>
 #include <soci/soci.h>
 
+#include <algorithm>
+#include <cstddef>
 #include <memory>
 #include <optional>
 #include <string>
@@ -23,11 +25,17 @@ namespace {
 constexpr Oid kDate = 1082;
 constexpr Oid kTimestamp = 1114;
 constexpr Oid kTimestampWithZone = 1184;
+// Of rows that are fetched at once, roughly: values may be long.
+constexpr std::size_t kBlockBytes = std::size_t{16} << 20;
+constexpr int kFirstRows = 64;
+constexpr int kFactor = 4;
 
 class PostgresqlBackend : public SqlBackend {
  public:
-  explicit PostgresqlBackend(const std::string& uri)
+  PostgresqlBackend(const std::string& uri, const SqlLimits& limits)
       : session_(soci::postgresql, uri) {
+    session_ << absl::StrCat("SET statement_timeout = '", limits.max_wait_s,
+                             "s'");
     // Dates in one form and, those with a zone, in UTC.
     for (const char* const setting :
          {"SET default_transaction_read_only = on", "SET DateStyle = ISO",
@@ -61,6 +69,7 @@ class PostgresqlBackend : public SqlBackend {
   bool has_begun_ = false;
   std::optional<soci::statement> fetch_;
   int fetch_rows_ = -1;
+  int next_rows_ = kFirstRows;
 };
 
 // All cursors see the database as it is now.
@@ -100,10 +109,11 @@ std::vector<SqlColumn> PostgresqlBackend::Start(const std::string& query) {
 }
 
 int PostgresqlBackend::Read(int most, TableText& text) {
-  Fetch(most);
+  Fetch(std::min(most, next_rows_));
   const PGresult* const result = Result();
   const int rows = PQntuples(result);
   const int columns = PQnfields(result);
+  const std::size_t before = text.text().size();
   for (int r = 0; r < rows; ++r) {
     for (int c = 0; c < columns; ++c) {
       if (PQgetisnull(result, r, c) != 0) {
@@ -115,6 +125,12 @@ int PostgresqlBackend::Read(int most, TableText& text) {
       }
     }
     text.EndRow();
+  }
+  const std::size_t bytes = text.text().size() - before;
+  if (bytes > kBlockBytes) {
+    next_rows_ = std::max(1, fetch_rows_ / kFactor);
+  } else if (kFactor * bytes < kBlockBytes && next_rows_ < most) {
+    next_rows_ *= kFactor;
   }
   return rows;
 }
@@ -136,8 +152,9 @@ std::vector<std::string> PostgresqlBackend::Tables() {
 
 }  // namespace
 
-std::unique_ptr<SqlBackend> OpenPostgresql(const std::string& uri) {
-  return std::make_unique<PostgresqlBackend>(uri);
+std::unique_ptr<SqlBackend> OpenPostgresql(const std::string& uri,
+                                           const SqlLimits& limits) {
+  return std::make_unique<PostgresqlBackend>(uri, limits);
 }
 
 }  // namespace mle

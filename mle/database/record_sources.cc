@@ -73,8 +73,11 @@ class Database {
 
 absl::Status Database::Prepare() {
   if (session_ != nullptr) return absl::OkStatus();
-  MLE_ASSIGN_OR_RETURN(std::unique_ptr<DatabaseSession> session,
-                       DatabaseSession::Connect(name_, options_.ask_password));
+  MLE_ASSIGN_OR_RETURN(
+      std::unique_ptr<DatabaseSession> session,
+      DatabaseSession::Connect(
+          name_, {.max_value_bytes = import_.limits.max_row_bytes},
+          options_.ask_password));
   MLE_ASSIGN_OR_RETURN(query_, WithLimits(Trimmed(options_.query), import_));
   if (!options_.table.empty()) {
     MLE_ASSIGN_OR_RETURN(query_, TableQuery(options_, import_, *session));

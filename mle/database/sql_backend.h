@@ -5,6 +5,8 @@
 #ifndef MLE_DATABASE_SQL_BACKEND_H_
 #define MLE_DATABASE_SQL_BACKEND_H_
 
+#include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -16,6 +18,14 @@ namespace mle {
 struct SqlColumn {
   std::string name;
   bool is_date = false;  // of a type of dates, not text or numbers
+};
+
+// What goes beyond is an error: a view need not end, and a value may be as long
+// as memory.
+struct SqlLimits {
+  std::size_t max_value_bytes = std::size_t{1} << 20;  // SQLite's; > 0
+  std::int64_t max_rows = 1'000'000'000;               // of a query
+  int max_wait_s = 600;  // until the next rows have come; > 0
 };
 
 class SqlBackend {
@@ -49,12 +59,15 @@ class SqlBackend {
 };
 
 // Sessions that only read, of what database_name.h calls a place.
-std::unique_ptr<SqlBackend> OpenPostgresql(const std::string& uri);
-std::unique_ptr<SqlBackend> OpenSqlite(const std::string& path);
+std::unique_ptr<SqlBackend> OpenPostgresql(const std::string& uri,
+                                           const SqlLimits& limits);
+std::unique_ptr<SqlBackend> OpenSqlite(const std::string& path,
+                                       const SqlLimits& limits);
 // `user` and `password` may be empty.
 std::unique_ptr<SqlBackend> OpenOdbc(const std::string& source,
                                      const std::string& user,
-                                     const std::string& password);
+                                     const std::string& password,
+                                     const SqlLimits& limits);
 
 }  // namespace mle
 

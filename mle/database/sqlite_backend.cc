@@ -7,6 +7,7 @@
 #include <soci/soci.h>
 #include <soci/sqlite3/soci-sqlite3.h>
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -22,13 +23,21 @@ namespace {
 
 // Another program may be writing.
 constexpr int kTimeoutSeconds = 10;
+// Steps of SQLite's machine between two looks at the clock, some milliseconds.
+constexpr int kStepsOfLook = 100'000;
 
 class SqliteBackend : public SqlBackend {
  public:
-  explicit SqliteBackend(const std::string& path)
-      : session_(soci::sqlite3,
+  SqliteBackend(const std::string& path, const SqlLimits& limits)
+      : max_wait_(limits.max_wait_s),
+        session_(soci::sqlite3,
                  absl::StrCat("db=\"", path,
-                              "\" readonly=true timeout=", kTimeoutSeconds)) {}
+                              "\" readonly=true timeout=", kTimeoutSeconds)) {
+    sqlite_api::sqlite3_limit(Connection(), SQLITE_LIMIT_LENGTH,
+                              static_cast<int>(limits.max_value_bytes));
+    sqlite_api::sqlite3_progress_handler(Connection(), kStepsOfLook, &IsLate,
+                                         this);
+  }
 
   std::vector<SqlColumn> Start(const std::string& query) override;
   int Read(int most, TableText& text) override;
@@ -42,8 +51,23 @@ class SqliteBackend : public SqlBackend {
   }
 
  private:
+  sqlite_api::sqlite3* Connection() {
+    return static_cast<soci::sqlite3_session_backend*>(session_.get_backend())
+        ->conn_;
+  }
+  static int IsLate(void* backend) {
+    const auto& self = *static_cast<const SqliteBackend*>(backend);
+    return std::chrono::steady_clock::now() > self.end_ ? 1 : 0;
+  }
+  // Throws where `step` takes too long.
+  template <typename Step>
+  auto InTime(const Step& step);
+  void CheckIsOne(const std::string& query);
   void AddValue(int column, TableText& text) const;
 
+  const std::chrono::seconds max_wait_;
+  std::chrono::steady_clock::time_point end_ =
+      std::chrono::steady_clock::time_point::max();
   soci::session session_;
   bool has_begun_ = false;
   std::optional<soci::statement> statement_;
@@ -51,7 +75,38 @@ class SqliteBackend : public SqlBackend {
   bool has_row_ = false;
 };
 
+template <typename Step>
+auto SqliteBackend::InTime(const Step& step) {
+  end_ = std::chrono::steady_clock::now() + max_wait_;
+  try {
+    return step();
+  } catch (const soci::soci_error&) {
+    if (IsLate(this) == 0) throw;
+    throw soci::soci_error(
+        absl::StrCat("no rows came for ", max_wait_.count(),
+                     " s, the limit: does its view or query end?"));
+  }
+}
+
+// SQLite reads one statement, and passes over what follows it.
+void SqliteBackend::CheckIsOne(const std::string& query) {
+  const char* rest = query.c_str();
+  for (int statements = 0; *rest != '\0';) {
+    sqlite_api::sqlite3_stmt* statement = nullptr;
+    const int result = sqlite_api::sqlite3_prepare_v2(Connection(), rest, -1,
+                                                      &statement, &rest);
+    const bool is_blank = result == SQLITE_OK && statement == nullptr;
+    sqlite_api::sqlite3_finalize(statement);
+    if (!is_blank && statements++ > 0) {
+      throw soci::soci_error(
+          "a query is one statement, and more follows its semicolon");
+    }
+    if (result != SQLITE_OK) return;  // which is said where it is prepared
+  }
+}
+
 std::vector<SqlColumn> SqliteBackend::Start(const std::string& query) {
+  CheckIsOne(query);
   // All statements see the database as it is now.
   if (!has_begun_) session_.begin();
   has_begun_ = true;
@@ -65,7 +120,9 @@ std::vector<SqlColumn> SqliteBackend::Start(const std::string& query) {
   for (int c = 0; c < sqlite_api::sqlite3_column_count(rows_->stmt_); ++c) {
     columns.push_back({sqlite_api::sqlite3_column_name(rows_->stmt_, c)});
   }
-  has_row_ = rows_->execute(1) == soci::details::statement_backend::ef_success;
+  has_row_ = InTime([&] {
+    return rows_->execute(1) == soci::details::statement_backend::ef_success;
+  });
   return columns;
 }
 
@@ -92,15 +149,18 @@ void SqliteBackend::AddValue(int column, TableText& text) const {
 }
 
 int SqliteBackend::Read(int most, TableText& text) {
-  int count = 0;
-  while (has_row_ && count < most) {
-    const int columns = sqlite_api::sqlite3_column_count(rows_->stmt_);
-    for (int c = 0; c < columns; ++c) AddValue(c, text);
-    text.EndRow();
-    ++count;
-    has_row_ = rows_->fetch(1) == soci::details::statement_backend::ef_success;
-  }
-  return count;
+  return InTime([&] {
+    int count = 0;
+    while (has_row_ && count < most) {
+      const int columns = sqlite_api::sqlite3_column_count(rows_->stmt_);
+      for (int c = 0; c < columns; ++c) AddValue(c, text);
+      text.EndRow();
+      ++count;
+      has_row_ =
+          rows_->fetch(1) == soci::details::statement_backend::ef_success;
+    }
+    return count;
+  });
 }
 
 std::vector<std::string> SqliteBackend::Tables() {
@@ -117,14 +177,17 @@ std::vector<std::string> SqliteBackend::Tables() {
 std::string SqliteBackend::Order(const std::string& table,
                                  const std::string& column) {
   std::string kind;
-  session_ << "SELECT CASE WHEN typeof(" << column
-           << ") <> 'text' THEN 'other' WHEN " << column
-           << " GLOB '[0-9][0-9][0-9][0-9][-/.][0-9]*[0-9]:[0-9]*' THEN "
-              "'other' WHEN "
-           << column << " NOT GLOB '*[^0-9.eE+-]*' AND " << column
-           << " NOT GLOB '*[0-9]-*' THEN 'number' ELSE 'date' END FROM "
-           << table << " LIMIT 1",
-      soci::into(kind);
+  const auto read = [&] {
+    session_ << "SELECT CASE WHEN typeof(" << column
+             << ") <> 'text' THEN 'other' WHEN " << column
+             << " GLOB '[0-9][0-9][0-9][0-9][-/.][0-9]*[0-9]:[0-9]*' THEN "
+                "'other' WHEN "
+             << column << " NOT GLOB '*[^0-9.eE+-]*' AND " << column
+             << " NOT GLOB '*[0-9]-*' THEN 'number' ELSE 'date' END FROM "
+             << table << " LIMIT 1",
+        soci::into(kind);
+  };
+  InTime(read);
   if (kind == "date") return "";
   return kind == "number" ? absl::StrCat("CAST(", column, " AS REAL)") : column;
 }
@@ -132,18 +195,22 @@ std::string SqliteBackend::Order(const std::string& table,
 bool SqliteBackend::HasTextDates(const std::string& table,
                                  const std::string& column) {
   int dates = 0;
-  session_ << "SELECT COALESCE((SELECT typeof(" << column << ") = 'text' AND "
-           << column
-           << " GLOB '[0-9][0-9][0-9][0-9]-[0-9][0-9]-[0-9][0-9]*' FROM "
-           << table << " LIMIT 1), 0)",
-      soci::into(dates);
+  const auto read = [&] {
+    session_ << "SELECT COALESCE((SELECT typeof(" << column << ") = 'text' AND "
+             << column
+             << " GLOB '[0-9][0-9][0-9][0-9]-[0-9][0-9]-[0-9][0-9]*' FROM "
+             << table << " LIMIT 1), 0)",
+        soci::into(dates);
+  };
+  InTime(read);
   return dates != 0;
 }
 
 }  // namespace
 
-std::unique_ptr<SqlBackend> OpenSqlite(const std::string& path) {
-  return std::make_unique<SqliteBackend>(path);
+std::unique_ptr<SqlBackend> OpenSqlite(const std::string& path,
+                                       const SqlLimits& limits) {
+  return std::make_unique<SqliteBackend>(path, limits);
 }
 
 }  // namespace mle

@@ -52,7 +52,8 @@ TEST_F(WatchServerTest, ServesWhatRunsFindUntilItIsStopped) {
                              "Content-Length: 14\r\n\r\n{\"who\": "
                              "\"Ann\"}"))),
             200);
-  EXPECT_EQ(serve::StatusOf(serve::Ask(served.port(), "bad\r\n\r\n")), 400);
+  EXPECT_EQ(serve::StatusOf(serve::Ask(served.port(), "bad / HTTP\r\n\r\n")),
+            400);
   EXPECT_EQ(served.Stop(SIGTERM), 0);
   EXPECT_EQ(Watch().exit_code, 0);
   EXPECT_EQ(Tank()["alarms"][0]["acknowledged"]["who"], "Ann");
@@ -70,7 +71,7 @@ TEST_F(WatchServerTest, AServerWithoutATokenIsReadOnly) {
                          "Content-Type: application/x-www-form-urlencoded\r\n"
                          "Content-Length: 0\r\n\r\n"),
               HasSubstr("read-only"));
-  EXPECT_EQ(served.Stop(SIGINT), 0);
+  EXPECT_EQ(served.Stop(SIGHUP), 0);
 }
 
 TEST_F(WatchServerTest, AnAlarmIsAcknowledgedOnTheCommandLine) {

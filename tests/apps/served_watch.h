@@ -29,6 +29,8 @@ class ServedWatch {
       port_ = std::atoi(said.c_str() + at + 17);
       return true;
     });
+    // Until it has read the state for the first time.
+    run_.Await([&] { return serve::StatusOf(Get("/watch.json")) != 503; });
   }
   int port() const { return port_; }
   std::string Get(const std::string& path) const {

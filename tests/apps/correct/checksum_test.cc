@@ -1,5 +1,7 @@
 #include "apps/correct/checksum.h"
 
+#include <sys/stat.h>
+
 #include <string>
 
 #include "gtest/gtest.h"
@@ -30,6 +32,21 @@ TEST(ChecksumTest, FilesThatAreNotThereAreNamed) {
   ASSERT_FALSE(missing.ok());
   EXPECT_NE(missing.status().message().find("/no/such/file"),
             std::string::npos);
+}
+
+// A pipe that nobody writes to, and devices that do not end.
+TEST(ChecksumTest, WhatIsNoFileIsNotRead) {
+  const ScratchFolder folder;
+  const std::string pipe = folder / "pipe.csv";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  for (const std::string& path :
+       {pipe, std::string("/dev/zero"), std::string("/dev/full")}) {
+    const auto checksum = ChecksumOf(path);
+    ASSERT_FALSE(checksum.ok());
+    EXPECT_NE(checksum.status().message().find(path), std::string::npos);
+    EXPECT_NE(checksum.status().message().find("regular file"),
+              std::string::npos);
+  }
 }
 
 }  // namespace

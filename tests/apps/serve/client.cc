@@ -54,6 +54,8 @@ bool Client::Send(absl::string_view bytes) const {
   return true;
 }
 
+bool Client::HasBytes() const { return IsReadable(socket_); }
+
 std::string Client::Answer() {
   std::array<char, 65'536> bytes;
   while (true) {

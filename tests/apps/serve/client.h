@@ -20,6 +20,8 @@ class Client {
   bool connected() const { return connected_; }
   // False once the other end is gone.
   bool Send(absl::string_view bytes) const;
+  // Waits until there is something to read, ten seconds at most.
+  bool HasBytes() const;
   // The next answer with its body, or all until the end of the connection.
   std::string Answer();
   // Whether the other end closes within ten seconds.

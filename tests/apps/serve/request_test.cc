@@ -1,10 +1,13 @@
 #include "apps/serve/request.h"
 
+#include <memory>
 #include <string>
 
 #include "absl/strings/str_cat.h"
+#include "apps/serve/server.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "tests/apps/serve/client.h"
 
 namespace mle::serve {
 namespace {
@@ -12,19 +15,24 @@ namespace {
 using ::testing::Pair;
 using ::testing::UnorderedElementsAre;
 
-// With the end of each line.
-ParsedHead Parse(const std::string& lines) {
+std::string HeadOf(const std::string& lines) {
   std::string head;
   for (const char c : lines) head += c == '\n' ? "\r\n" : std::string(1, c);
-  return ParseHead(head + "\r\n");
+  return head + "\r\n";
 }
 
 TEST(ParseHeadTest, ReadsARequest) {
-  const ParsedHead head = Parse(
-      "POST /a/b?x=1&y=%C3%A4+%26&x=2&z HTTP/1.1\nhOsT: localhost:80 \n"
-      "Origin: http://localhost:80\nAuthorization: Bearer t\nX-Other: ?\n"
-      "Sec-Fetch-Site: same-origin\nContent-Type: application/json\n"
-      "Content-Length: 12\n");
+  const ParsedHead head =
+      ParseHead({.method = "POST",
+                 .target = "/a/b?x=1&y=%C3%A4+%26&x=2&z",
+                 .version = "HTTP/1.1",
+                 .headers = {{"hOsT", "localhost:80 "},
+                             {"Origin", "http://localhost:80"},
+                             {"Authorization", "Bearer t"},
+                             {"X-Other", "?"},
+                             {"Sec-Fetch-Site", "same-origin"},
+                             {"Content-Type", "application/json"},
+                             {"Content-Length", "12"}}});
   ASSERT_EQ(head.status, 200) << head.fault;
   const Request& request = head.request;
   EXPECT_EQ(request.method, "POST");
@@ -38,53 +46,68 @@ TEST(ParseHeadTest, ReadsARequest) {
   EXPECT_EQ(request.fetch_site, "same-origin");
   EXPECT_EQ(request.content_type, "application/json");
   EXPECT_EQ(request.body_bytes, 12U);
-  EXPECT_TRUE(request.keep_alive);
 }
 
-TEST(ParseHeadTest, ConnectionsAreKeptAsTheVersionSays) {
-  EXPECT_TRUE(Parse("GET / HTTP/1.1\nHost: a\n").request.keep_alive);
-  EXPECT_FALSE(Parse("GET / HTTP/1.1\nHost: a\nConnection: x, Close\n")
-                   .request.keep_alive);
-  EXPECT_FALSE(Parse("GET / HTTP/1.0\nHost: a\n").request.keep_alive);
-  EXPECT_TRUE(
-      Parse("GET / HTTP/1.0\nConnection: keep-alive\n").request.keep_alive);
-}
+// What a server answers to raw heads.
+class RawHeadTest : public ::testing::Test {
+ protected:
+  RawHeadTest()
+      : server_(*Server::Start({}, [](const Request& request) {
+          return PlainResponse(200, request.host);
+        })) {}
+  int StatusOf(const std::string& head) const {
+    return serve::StatusOf(Ask(server_->port(), head));
+  }
+
+  const std::unique_ptr<Server> server_;
+};
 
 struct Refused {
   std::string lines;
-  int status;
+  int status;  // 0: the connection is closed without an answer
 };
 
-class RefusedHeadTest : public ::testing::TestWithParam<Refused> {};
+class RefusedHeadTest : public RawHeadTest,
+                        public ::testing::WithParamInterface<Refused> {};
 
 TEST_P(RefusedHeadTest, IsAnsweredWithItsStatus) {
-  const ParsedHead head = Parse(GetParam().lines);
-  EXPECT_EQ(head.status, GetParam().status);
-  EXPECT_NE(head.fault, "");
+  EXPECT_EQ(StatusOf(HeadOf(GetParam().lines)), GetParam().status);
 }
 
 INSTANTIATE_TEST_SUITE_P(
     All, RefusedHeadTest,
     ::testing::Values(
-        Refused{"\n", 400}, Refused{"GET /\nHost: a\n", 400},
+        Refused{"GET /\nHost: a\n", 400}, Refused{"NONSENSE\nHost: a\n", 0},
         Refused{"GET  / HTTP/1.1\nHost: a\n", 400},
+        Refused{"GET /  HTTP/1.1\nHost: a\n", 0},
+        Refused{"GET / b HTTP/1.1\nHost: a\n", 0},
+        Refused{"GET / HTTP/1.1 \nHost: a\n", 400},
+        Refused{"GET\t/ HTTP/1.1\nHost: a\n", 400},
         Refused{"G@T / HTTP/1.1\nHost: a\n", 400},
         Refused{"GET http://a/ HTTP/1.1\nHost: a\n", 400},
         Refused{"GET /\x01 HTTP/1.1\nHost: a\n", 400},
         Refused{"GET /?a=%4 HTTP/1.1\nHost: a\n", 400},
         Refused{"GET /?%xy HTTP/1.1\nHost: a\n", 400},
         Refused{"GET / HTTP/2.0\nHost: a\n", 505},
+        Refused{"GET / HTTP/1.2\nHost: a\n", 505},
         Refused{"GET / FTP\nHost: a\n", 400},
-        Refused{"GET /" + std::string(kMostTarget, 'a') + " HTTP/1.1\n", 414},
+        Refused{
+            "GET /" + std::string(kMostTarget, 'a') + " HTTP/1.1\nHost: a\n",
+            414},
         // No host, or two.
         Refused{"GET / HTTP/1.1\n", 400},
         Refused{"GET / HTTP/1.1\nHost:\n", 400},
         Refused{"GET / HTTP/1.1\nHost: a\nHost: b\n", 400},
         // Lines that two programs read differently.
         Refused{"GET / HTTP/1.1\nHost : a\n", 400},
+        Refused{"GET / HTTP/1.1\nHost: a\nX : a\n", 400},
         Refused{"GET / HTTP/1.1\nHost: a\n b\n", 400},
+        Refused{"GET / HTTP/1.1\nHost: a\nX: a\n b\n", 400},
         Refused{"GET / HTTP/1.1\nHost: a\rX: b\n", 400},
+        Refused{"GET / HTTP/1.1\nHost: a\r\n", 400},
         Refused{std::string("GET / HTTP/1.1\nHost: a\0b\n", 25), 400},
+        Refused{std::string("GET /\0a HTTP/1.1\nHost: a\n", 25), 400},
+        Refused{std::string("GET / HTTP/1.1\nHost: a\n\0X: b\n", 30), 400},
         Refused{"GET / HTTP/1.1\nHost: a\nno colon\n", 400},
         // Bodies whose length is not plain.
         Refused{"POST / HTTP/1.1\nHost: a\nContent-Length: +1\n", 400},
@@ -98,20 +121,39 @@ INSTANTIATE_TEST_SUITE_P(
                 413},
         Refused{"POST / HTTP/1.1\nHost: a\nTransfer-Encoding: chunked\n", 411},
         Refused{"GET / HTTP/1.1\nHost: a\nContent-Length: 1\n", 400},
-        Refused{"POST / HTTP/1.1\nHost: a\nExpect: 100-continue\n", 417}),
-    [](const auto& test) {
-      return absl::StrCat("Head", test.index, "Is", test.param.status);
-    });
+        Refused{"POST / HTTP/1.1\nHost: a\nExpect: 100-continue\n", 417}));
 
-TEST(ParseHeadTest, HeadersAreCounted) {
-  std::string lines = "GET / HTTP/1.1\nHost: a\n";
-  for (int i = 1; i < kMostHeaders; ++i) lines += "X: y\n";
-  EXPECT_EQ(Parse(lines).status, 200);
-  EXPECT_EQ(Parse(lines + "X: y\n").status, 431);
+TEST_F(RawHeadTest, BlanksAroundAValueAreTheSenders) {
+  for (const char* const host :
+       {"Host:a", "Host: a", "Host:  a\t", "hOST:a "}) {
+    EXPECT_EQ(
+        BodyOf(Ask(server_->port(),
+                   absl::StrCat("GET / HTTP/1.1\r\n", host, "\r\nX:\r\n\r\n"))),
+        "a\n")
+        << host;
+  }
+  EXPECT_EQ(StatusOf("GET / HTTP/1.0\r\n\r\n"), 200);
 }
 
-TEST(ParseHeadTest, ALineFeedAloneEndsNoLine) {
-  EXPECT_EQ(ParseHead("GET / HTTP/1.1\nHost: a\n\r\n\r\n").status, 400);
+TEST_F(RawHeadTest, HeadersAreCounted) {
+  std::string lines = "GET / HTTP/1.1\nHost: a\n";
+  for (int i = 1; i < kMostHeaders; ++i) lines += "X: y\n";
+  EXPECT_EQ(StatusOf(HeadOf(lines)), 200);
+  EXPECT_EQ(StatusOf(HeadOf(lines + "X: y\n")), 431);
+}
+
+TEST_F(RawHeadTest, ALineFeedAloneEndsNoLine) {
+  const std::string right = "GET / HTTP/1.1\r\nHost: a\r\nX: b\r\n\r\n";
+  EXPECT_EQ(StatusOf(right), 200);
+  for (std::size_t at = right.find('\r'); at != std::string::npos;
+       at = right.find('\r', at + 1)) {
+    std::string wrong = right;
+    wrong.erase(at, 1);
+    EXPECT_EQ(StatusOf(wrong), 400) << at;
+    // Made up for by a blank.
+    wrong.insert(wrong.find("Host: ") + 6, " ");
+    EXPECT_EQ(StatusOf(wrong), 400) << at;
+  }
 }
 
 TEST(ParseFormTest, ReadsFieldsOrNothing) {

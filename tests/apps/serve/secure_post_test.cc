@@ -1,16 +1,16 @@
 // Messages to addresses with certificates, which are checked.
 
-#include <httplib.h>
+#include <microhttpd.h>
+#include <netinet/in.h>
 
 #include <cstdlib>
-#include <memory>
 #include <string>
-#include <thread>
 
 #include "absl/strings/str_cat.h"
 #include "apps/serve/post.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "mle/base/file.h"
 #include "tests/mle/base/scratch_folder.h"
 
 namespace mle::serve {
@@ -26,8 +26,7 @@ class SecurePostTest : public ::testing::Test {
  protected:
   ~SecurePostTest() override {
     unsetenv(kBelievedVariable);
-    if (server_ != nullptr) server_->stop();
-    if (thread_.joinable()) thread_.join();
+    if (server_ != nullptr) MHD_stop_daemon(server_);
   }
 
   // Signed by itself.
@@ -39,17 +38,39 @@ class SecurePostTest : public ::testing::Test {
     ASSERT_EQ(std::system(command.c_str()), 0);
   }
   void Serve() {
-    server_ = std::make_unique<httplib::SSLServer>(certificate_.c_str(),
-                                                   key_.c_str());
-    ASSERT_TRUE(server_->is_valid());
-    server_->Post("/alarm", [this](const httplib::Request& request,
-                                   httplib::Response& response) {
-      ++asked_;
-      body_ = request.body;
-      response.status = 204;
-    });
-    port_ = server_->bind_to_any_port("localhost");
-    thread_ = std::thread([this] { server_->listen_after_bind(); });
+    sockaddr_in address = {};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    const std::string key = *ReadFile(key_);
+    const std::string certificate = *ReadFile(certificate_);
+    server_ = MHD_start_daemon(
+        MHD_USE_INTERNAL_POLLING_THREAD | MHD_USE_TLS, 0, nullptr, nullptr,
+        &Take, this, MHD_OPTION_SOCK_ADDR, &address, MHD_OPTION_HTTPS_MEM_KEY,
+        key.c_str(), MHD_OPTION_HTTPS_MEM_CERT, certificate.c_str(),
+        MHD_OPTION_END);
+    ASSERT_NE(server_, nullptr);
+    port_ = MHD_get_daemon_info(server_, MHD_DAEMON_INFO_BIND_PORT)->port;
+  }
+  static MHD_Result Take(void* test, MHD_Connection* connection,
+                         const char* /*target*/, const char* /*method*/,
+                         const char* /*version*/, const char* body,
+                         std::size_t* bytes, void** begun) {
+    auto& self = *static_cast<SecurePostTest*>(test);
+    if (*begun == nullptr) {
+      *begun = test;
+      return MHD_YES;
+    }
+    if (*bytes > 0) {
+      self.body_.append(body, *bytes);
+      *bytes = 0;
+      return MHD_YES;
+    }
+    ++self.asked_;
+    MHD_Response* const response =
+        MHD_create_response_from_buffer(0, nullptr, MHD_RESPMEM_PERSISTENT);
+    const MHD_Result queued = MHD_queue_response(connection, 204, response);
+    MHD_destroy_response(response);
+    return queued;
   }
   absl::Status Send() const {
     return PostJson(absl::StrCat("https://localhost:", port_, "/alarm"),
@@ -59,8 +80,7 @@ class SecurePostTest : public ::testing::Test {
   const ScratchFolder folder_;
   const std::string key_ = folder_ / "key.pem";
   const std::string certificate_ = folder_ / "certificate.pem";
-  std::unique_ptr<httplib::SSLServer> server_;
-  std::thread thread_;
+  MHD_Daemon* server_ = nullptr;
   int port_ = 0;
   int asked_ = 0;
   std::string body_;

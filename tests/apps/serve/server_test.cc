@@ -23,16 +23,27 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-std::atomic<int> large_answers = 0;  // that have been begun
+constexpr std::size_t kLarge = std::size_t{64} << 20;
+constexpr std::size_t kMedium = std::size_t{2} << 20;  // more than is buffered
+
+std::atomic<int> medium_answers = 0;  // that have been begun
+
+// Made before a server starts, as that takes time; kept by answers that are
+// being sent.
+const std::shared_ptr<const std::string>& Large() {
+  static const auto* const kText = new std::shared_ptr<const std::string>(
+      std::make_shared<std::string>(kLarge, 'x'));
+  return *kText;
+}
 
 std::unique_ptr<Server> Start(ServerOptions options = {}) {
+  Large();
   absl::StatusOr<std::unique_ptr<Server>> server =
       Server::Start(options, [](const Request& request) {
-        if (request.path == "/large") {
-          ++large_answers;
-          static const auto body =
-              std::make_shared<std::string>(std::size_t{64} << 20, 'x');
-          return Response{.body = body};
+        if (request.path == "/large") return Response{.body = Large()};
+        if (request.path == "/medium") {
+          ++medium_answers;
+          return Response{.body = std::make_shared<std::string>(kMedium, 'x')};
         }
         return PlainResponse(
             200,
@@ -94,16 +105,26 @@ TEST(ServerTest, AFileIsSent) {
 TEST(ServerTest, BadRequestsAreAnsweredAndClosed) {
   const auto server = Start();
   Client client(server->port());
-  client.Send("NONSENSE\r\n\r\n");
+  client.Send("G@T / HTTP/1.1\r\n\r\n");
   EXPECT_EQ(StatusOf(client.Answer()), 400);
   EXPECT_TRUE(client.IsClosed());
-  EXPECT_EQ(StatusOf(Ask(server->port(), std::string(40'000, 'a'))), 431);
+  EXPECT_EQ(StatusOf(Ask(server->port(), std::string(40'000, 'a'))), 414);
+  EXPECT_EQ(StatusOf(Ask(server->port(), Get("/", std::string(40'000, 'a')))),
+            431);
   // The head is as long as it may be, or longer by one byte, and has ended.
   const std::size_t rest = Get("/", "X: \r\n").size();
-  for (const std::size_t more : {0, 1}) {
+  for (const std::size_t more : {0U, 1U}) {
     const std::string value(kMostHead - rest + more, 'a');
     EXPECT_EQ(StatusOf(Ask(server->port(), Get("/", "X: " + value + "\r\n"))),
               more == 0 ? 200 : 431);
+  }
+  for (const std::size_t more : {0U, 1U}) {
+    const std::string body(kMostBody + more, 'a');
+    EXPECT_EQ(StatusOf(Ask(server->port(),
+                           absl::StrCat("POST / HTTP/1.1\r\nHost: a\r\n"
+                                        "Content-Length: ",
+                                        body.size(), "\r\n\r\n", body))),
+              more == 0 ? 200 : 413);
   }
   EXPECT_EQ(StatusOf(Ask(server->port(),
                          "POST / HTTP/1.1\r\nHost: a\r\n"
@@ -117,85 +138,108 @@ TEST(ServerTest, WhoSendsSlowlyIsCutOff) {
   const auto server = Start({.request_time = absl::Milliseconds(300)});
   Client never(server->port());
   never.Send("GET / HT");
-  EXPECT_EQ(StatusOf(never.Answer()), 408);
   EXPECT_TRUE(never.IsClosed());
   Client dripping(server->port());
-  std::string answer;
   for (const char c : std::string(1000, 'a')) {
     if (!dripping.Send(std::string(1, c))) break;
     absl::SleepFor(absl::Milliseconds(20));
   }
   EXPECT_TRUE(dripping.IsClosed());
+  // Between two requests, too.
+  // A busy machine may send a request too late.
+  for (int status = 0; status != 200;) {
+    Client resting(server->port());
+    resting.Send(Get("/"));
+    status = StatusOf(resting.Answer());
+    EXPECT_TRUE(resting.IsClosed());
+  }
 }
 
-TEST(ServerTest, WhoRestsTooLongIsCutOff) {
-  const auto server = Start({.idle_time = absl::Milliseconds(200)});
-  Client client(server->port());
-  client.Send(Get("/"));
-  EXPECT_EQ(StatusOf(client.Answer()), 200);
-  EXPECT_TRUE(client.IsClosed());
-}
-
-TEST(ServerTest, WhoRestsIsNotCutOffForThoseWhoNeedNotWait) {
-  const auto server = Start();
-  std::deque<Client> resting;
-  for (int i = 0; i < 20; ++i) {
-    resting.emplace_back(server->port());
-    resting.back().Send(Get("/"));
-    EXPECT_EQ(StatusOf(resting.back().Answer()), 200);
-  }
-  std::vector<std::thread> others;
-  for (int i = 0; i < 2; ++i) {
-    others.emplace_back([&server] {
-      const absl::Time end = absl::Now() + absl::Seconds(1);
-      while (absl::Now() < end) {
-        EXPECT_EQ(StatusOf(Ask(server->port(), Get("/"))), 200);
-      }
-    });
-  }
-  for (std::thread& other : others) other.join();
-  for (Client& client : resting) {
-    client.Send(Get("/again"));
-    EXPECT_EQ(StatusOf(client.Answer()), 200);
-  }
+// However long an answer takes to be made, it is not the client's fault.
+TEST(ServerTest, WhoseAnswerTakesTimeIsNotCutOff) {
+  auto server = *Server::Start({.request_time = absl::Seconds(1)},
+                               [](const Request& request) {
+                                 absl::SleepFor(absl::Milliseconds(1500));
+                                 return PlainResponse(200, request.path);
+                               });
+  EXPECT_EQ(BodyOf(Ask(server->port(), Get("/slow"))), "/slow\n");
 }
 
 TEST(ServerTest, WhoTakesNothingIsCutOff) {
-  const auto server = Start({.response_time = absl::Milliseconds(300)});
-  Client client(server->port());
-  client.Send(Get("/large"));
-  absl::SleepFor(absl::Seconds(1));
-  // What the system holds, and then the end.
-  EXPECT_LT(client.Answer().size(), std::size_t{64} << 20);
+  for (const ServerOptions& options :
+       {ServerOptions{.response_time = absl::Milliseconds(300)},
+        ServerOptions{.stall_time = absl::Seconds(1)}}) {
+    const auto server = Start(options);
+    Client client(server->port());
+    client.Send(Get("/large"));
+    EXPECT_TRUE(client.HasBytes());
+    // The server has let go of its answer.
+    while (Large().use_count() > 1) absl::SleepFor(absl::Milliseconds(5));
+    // What the system holds, and then the end.
+    EXPECT_LT(client.Answer().size(), kLarge);
+  }
 }
 
-TEST(ServerTest, SlowClientsDoNotKeepOthersOut) {
-  const auto server = Start({.connections = 2, .hurry = absl::Milliseconds(1)});
-  // cpp-httplib makes its table of methods at its first request, under a guard
-  // that the thread sanitizer does not see: let it be one alone.
-  EXPECT_EQ(StatusOf(Ask(server->port(), Get("/"))), 200);
+TEST(ServerTest, WhoHasWaitedLongestMakesRoom) {
+  const auto server = Start({.connections = 300});
   std::deque<Client> slow;
-  for (int i = 0; i < 8; ++i) {
+  for (int i = 0; i < 320; ++i) {
     slow.emplace_back(server->port());
     slow.back().Send(i % 2 == 0 ? "GET" : "");
+  }
+  EXPECT_TRUE(slow.front().IsClosed());
+  // As soon as those who were cut off are gone.
+  int status = 0;
+  for (int i = 0; i < 2000 && status != 200; ++i) {
+    absl::SleepFor(absl::Milliseconds(10));
+    status = StatusOf(Ask(server->port(), Get("/")));
+  }
+  EXPECT_EQ(status, 200);
+}
+
+TEST(ServerTest, AnswersThatNobodyTakesMakeRoom) {
+  static constexpr std::size_t kBytes = std::size_t{4} << 20;
+  auto server =
+      *Server::Start({.answer_bytes = 4 * kBytes}, [](const Request& request) {
+        if (request.path != "/own") return PlainResponse(200, "small");
+        return Response{.body = std::make_shared<std::string>(kBytes, 'x')};
+      });
+  std::deque<Client> stalled;
+  for (int i = 0; i < 12; ++i) {
+    stalled.emplace_back(server->port());
+    stalled.back().Send(Get("/own"));
+    EXPECT_TRUE(stalled.back().HasBytes());
+    EXPECT_EQ(StatusOf(Ask(server->port(), Get("/"))), 200) << i;
+  }
+  EXPECT_LT(stalled.front().Answer().size(), kBytes);
+  EXPECT_GT(stalled.back().Answer().size(), kBytes);
+}
+
+TEST(ServerTest, WhoReadsNothingOfManyAnswersKeepsNobodyOut) {
+  const auto server = Start();
+  std::string requests;
+  for (int i = 0; i < 400; ++i) requests += Get("/large");
+  std::deque<Client> stalled;
+  for (int i = 0; i < 70; ++i) {
+    stalled.emplace_back(server->port());
+    stalled.back().Send(requests);
   }
   EXPECT_EQ(StatusOf(Ask(server->port(), Get("/"))), 200);
 }
 
-TEST(ServerTest, StopAnswersWhatWasAskedAndClosesTheRest) {
+TEST(ServerTest, StopEndsAnswersAndClosesTheRest) {
   auto server = Start();
   Client resting(server->port());
   resting.Send(Get("/"));
   EXPECT_EQ(StatusOf(resting.Answer()), 200);
   Client large(server->port());
-  const int before = large_answers;
-  large.Send(Get("/large"));
+  large.Send(Get("/medium"));
   std::string answer;
   std::thread reader([&] { answer = large.Answer(); });
-  while (large_answers == before) absl::SleepFor(absl::Milliseconds(1));
+  while (medium_answers == 0) absl::SleepFor(absl::Milliseconds(1));
   server->Stop();
   reader.join();
-  EXPECT_EQ(BodyOf(answer).size(), std::size_t{64} << 20);
+  EXPECT_EQ(BodyOf(answer).size(), kMedium);
   EXPECT_TRUE(resting.IsClosed());
   EXPECT_FALSE(Client(server->port()).connected());
   server->Stop();

@@ -37,13 +37,15 @@ class RoutesTest : public ::testing::Test {
                     .can_acknowledge = true});
     EXPECT_TRUE(site.ok()) << site.status();
     site_ = *std::move(site);
+    EXPECT_TRUE(site_->Refresh(nullptr).ok());
   }
 
   static serve::Request Request(const std::string& method,
                                 const std::string& target) {
-    return serve::ParseHead(absl::StrCat(method, " ", target,
-                                         " HTTP/1.1\r\nHost: localhost:80\r\n"
-                                         "\r\n"))
+    return serve::ParseHead({.method = method,
+                             .target = target,
+                             .version = "HTTP/1.1",
+                             .headers = {{"Host", "localhost:80"}}})
         .request;
   }
   serve::Response Get(const std::string& target) {
@@ -291,7 +293,7 @@ TEST_F(RoutesTest, WhatOthersWriteIsShown) {
   while (GetJson("/api/v1/controllers")["controllers"][2]["status"] !=
          "healthy") {
     absl::SleepFor(absl::Milliseconds(5));
-    site_->Refresh(nullptr);
+    EXPECT_TRUE(site_->Refresh(nullptr).ok());
   }
   EXPECT_EQ(GetJson("/api/v1/controllers/c")["status"], "healthy");
 }
@@ -312,7 +314,7 @@ TEST_F(RoutesTest, WhatIsReadAnewIsWhatIsReadFirst) {
   const auto before = site_->snapshot();
   while (site_->snapshot() == before) {
     absl::SleepFor(absl::Milliseconds(5));
-    site_->Refresh(nullptr);
+    EXPECT_TRUE(site_->Refresh(nullptr).ok());
   }
   for (const int threads : {1, 3}) {
     const absl::StatusOr<std::unique_ptr<Site>> anew =
@@ -321,6 +323,7 @@ TEST_F(RoutesTest, WhatIsReadAnewIsWhatIsReadFirst) {
                     .folder = files_.folder(),
                     .threads = threads});
     ASSERT_TRUE(anew.ok()) << anew.status();
+    ASSERT_TRUE((*anew)->Refresh(nullptr).ok());
     EXPECT_EQ(*site_->snapshot()->watch_json, *(*anew)->snapshot()->watch_json);
     EXPECT_EQ(*site_->snapshot()->overview, *(*anew)->snapshot()->overview);
   }
@@ -337,6 +340,7 @@ TEST_F(RoutesTest, ADamagedControllerIsShownBesideTheOthers) {
       {.list = files_.List(), .state = files_.StatePath(), .folder = "."});
   ASSERT_TRUE(site.ok()) << site.status();
   site_ = *std::move(site);
+  ASSERT_TRUE(site_->Refresh(nullptr).ok());
   const nlohmann::json all = GetJson("/watch.json")["controllers"];
   ASSERT_THAT(all, SizeIs(3));
   EXPECT_EQ(all[0]["status"], "failed");
@@ -349,10 +353,74 @@ TEST_F(RoutesTest, AListThatCannotBeReadLeavesWhatWasThere) {
   std::ofstream(files_.List()) << "{";
   while (site_->snapshot()->fault.empty()) {
     absl::SleepFor(absl::Milliseconds(5));
-    site_->Refresh(nullptr);
+    EXPECT_TRUE(site_->Refresh(nullptr).ok());
   }
   EXPECT_THAT(GetJson("/api/v1/controllers")["controllers"], SizeIs(3));
   EXPECT_THAT(*Get("/metrics").body, HasSubstr("mle_watch_up 0\n"));
+}
+
+TEST_F(RoutesTest, BeforeTheFirstReadingItIsSaid) {
+  const absl::StatusOr<std::unique_ptr<Site>> site = Site::Open(
+      {.list = files_.List(), .state = files_.StatePath(), .folder = "."});
+  ASSERT_TRUE(site.ok()) << site.status();
+  const serve::Response early = Answer(**site, access_, Request("GET", "/"));
+  EXPECT_EQ(early.status, 503);
+  EXPECT_THAT(early.headers, Contains(Key("Retry-After")));
+  ASSERT_TRUE((*site)->Refresh(nullptr).ok());
+  EXPECT_EQ(Answer(**site, access_, Request("GET", "/")).status, 200);
+}
+
+TEST_F(RoutesTest, AListThatCannotBeReadAtFirstIsAnError) {
+  std::ofstream(files_.List()) << "{";
+  const absl::StatusOr<std::unique_ptr<Site>> site = Site::Open(
+      {.list = files_.List(), .state = files_.StatePath(), .folder = "."});
+  ASSERT_TRUE(site.ok()) << site.status();
+  EXPECT_FALSE((*site)->Refresh(nullptr).ok());
+}
+
+// A reading has begun before the alarm is acknowledged, and ends after it.
+TEST_F(RoutesTest, WhatWasReadLastIsShown) {
+  absl::StatusOr<std::unique_ptr<Site>> site =
+      Site::Open({.list = files_.List(),
+                  .state = files_.StatePath(),
+                  .folder = ".",
+                  .threads = 1});
+  ASSERT_TRUE(site.ok()) << site.status();
+  site_ = *std::move(site);
+  ASSERT_TRUE(site_->Refresh(nullptr).ok());
+  State state = files_.OpenState();
+  absl::StatusOr<Watch> watch = state.Load("c", 1);
+  ASSERT_TRUE(watch.ok()) << watch.status();
+  watch->news = "changed";
+  ASSERT_TRUE(state.Save(*watch).ok());
+  int asked = 0;  // before "b", "a 1" and "c"
+  ASSERT_TRUE(site_
+                  ->Refresh([&] {
+                    if (++asked == 3) {
+                      EXPECT_TRUE(
+                          site_->Acknowledge(kAlarmId, {.who = "Ann"}).ok());
+                    }
+                    return false;
+                  })
+                  .ok());
+  ASSERT_EQ(asked, 3);
+  EXPECT_EQ(GetJson("/api/v1/alarms?open=true")["alarms"].size(), 0u);
+}
+
+TEST_F(RoutesTest, AStateThatIsReplacedIsSaid) {
+  const std::string state = files_.StatePath();
+  std::filesystem::copy_file(state, state + ".copy");
+  std::filesystem::rename(state + ".copy", state);
+  EXPECT_THAT(
+      std::string(site_->Acknowledge(kAlarmId, {.who = "Ann"}).message()),
+      HasSubstr("removed or replaced"));
+  std::filesystem::remove(state);
+  EXPECT_EQ(Post(kAlarmId, R"({"who": "Ann"})").status, 503);
+  while (site_->snapshot()->fault.empty()) {
+    ASSERT_TRUE(site_->Refresh(nullptr).ok());
+  }
+  EXPECT_THAT(site_->snapshot()->fault, HasSubstr("removed or replaced"));
+  EXPECT_THAT(GetJson("/api/v1/controllers")["controllers"], SizeIs(3));
 }
 
 }  // namespace

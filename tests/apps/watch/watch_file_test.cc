@@ -61,6 +61,22 @@ TEST(WatchFileTest, ErrorsNameThePlaceAndWhatIsRight) {
               HasSubstr("name"));
 }
 
+TEST(WatchFileTest, DriversOfOdbcAreNotNamedByPaths) {
+  const auto error = [](const std::string& place) {
+    return ErrorOf(R"({"version": 1, "controllers": [
+      {"name": "a", "model": "m", "table": "t", "records": "odbc:)" +
+                   place + "\"}]}");
+  };
+  for (const char* place :
+       {"Driver=/tmp/x.so", "DSN=plant; driver = {/tmp/x.so}", "DRIVER=../x.so",
+        "FileDSN=/tmp/plant.dsn"}) {
+    EXPECT_THAT(error(place), HasSubstr("not by a path")) << place;
+  }
+  for (const char* place : {"plant", "Driver=SQLite3;Database=/srv/plant.db"}) {
+    EXPECT_EQ(error(place), "") << place;
+  }
+}
+
 std::string PricedJson(const std::string& prices, const std::string& tuning) {
   return R"({"version": 1, "controllers": [
       {"name": "a", "model": "m", "records": "r", "prices": )" +

@@ -220,6 +220,8 @@ TEST(HistorianTest, ClocksThatAreSetBackNeedTheirZone) {
             options),
       HasSubstr("'2024-03-31 02:30:00' is not a date and time as the first one "
                 "is, one that exists in Europe/Berlin"));
+  options.clock.time_zone = "libc:localtime";
+  EXPECT_THAT(Error(text, options), HasSubstr("no time zone 'libc:localtime'"));
   options.clock.time_zone = "Atlantis";
   EXPECT_THAT(Error(text, options), HasSubstr("no time zone 'Atlantis'"));
 }

@@ -98,6 +98,13 @@ void AddFields(std::vector<Hostile>& files) {
            absl::StrCat("line ", row + 2, ", column ", column + 1)});
     }
   }
+  // Numbers that cannot be squared and summed.
+  for (const std::string field : {"1e61", "-1e155", "1e308"}) {
+    for (int column = 1; column < 5; ++column) {
+      files.push_back({"large sample", WithField(2, column, field),
+                       absl::StrCat("line 4, column ", column + 1)});
+    }
+  }
   // A bad sample is no bad time.
   for (const std::string field : {"", "NaN", "Bad", "null"}) {
     files.push_back({"time that is bad", WithField(2, 0, field),

@@ -78,15 +78,16 @@ TEST(RecordCsvTest, DoublesComeBackAsTheyWere) {
   record.inputs.resize(2, 500);
   for (Eigen::MatrixXd* values : {&record.outputs, &record.inputs}) {
     for (double& value : values->reshaped()) {
-      // Any bit pattern: all magnitudes, subnormals, both zeros.
+      // Any bit pattern: magnitudes that a record may have, subnormals, zeros.
       const std::uint64_t bits = engine();
       std::memcpy(&value, &bits, sizeof(value));
       if (!std::isfinite(value)) value = kNaN;
+      if (std::abs(value) > kLargestSample) value = 1.0 / value;
     }
   }
   record.outputs(0, 0) = -0.0;
   record.outputs(0, 1) = std::numeric_limits<double>::denorm_min();
-  record.outputs(0, 2) = std::numeric_limits<double>::max();
+  record.outputs(0, 2) = kLargestSample;
   const absl::StatusOr<std::string> text = FormatRecordCsv(record, Tank());
   ASSERT_TRUE(text.ok()) << text.status();
   const Record again = ParseOk(*text, record.sample_time);

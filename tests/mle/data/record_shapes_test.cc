@@ -282,9 +282,11 @@ TEST(GzipTest, IsUnpackedWhileItIsRead) {
     absl::StrAppend(&text, k, ",", k % 97, ",", k % 89, "\n");
   }
   const std::size_t half = text.find('\n', text.size() / 2) + 1;
-  // Whole, and in two parts that were joined, as gzip allows.
+  // Whole, in two parts that were joined, as gzip allows, and with the zeros
+  // that tapes end with.
   for (const std::string& packed :
-       {Gzip(text), Gzip(text.substr(0, half)) + Gzip(text.substr(half))}) {
+       {Gzip(text), Gzip(text.substr(0, half)) + Gzip(text.substr(half)),
+        Gzip(text) + std::string(100'000, '\0')}) {
     const auto import = ImportFile(packed);
     ASSERT_TRUE(import.ok()) << import.status();
     ASSERT_EQ(import->records[0].samples(), 100000);

@@ -75,6 +75,22 @@ TEST(FindSetPointChangesTest, AreInOrderOfTime) {
   EXPECT_EQ(changes[2].from, 1.0);
 }
 
+TEST(RecordTest, SamplesThatCannotBeSquaredAreRefused) {
+  for (Eigen::MatrixXd Record::*rows :
+       {&Record::outputs, &Record::inputs, &Record::set_points}) {
+    Record record = Example(20);
+    (record.*rows)(0, 7) = -kLargestSample;
+    EXPECT_TRUE(record.Validate().ok());
+    (record.*rows)(0, 7) = kNaN;
+    EXPECT_TRUE(record.Validate().ok());
+    (record.*rows)(0, 7) = -1e155;
+    const absl::Status status = record.Validate();
+    EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+    EXPECT_NE(status.message().find("-1e+155 in sample 8"), std::string::npos)
+        << status;
+  }
+}
+
 TEST(FindSetPointChangesTest, ConstantSetPointsHaveNone) {
   EXPECT_TRUE(FindSetPointChanges(Example(20)).empty());
   Record record = Example(20);

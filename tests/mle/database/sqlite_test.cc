@@ -12,6 +12,8 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "mle/data/tag_file.h"
+#include "mle/database/database_name.h"
+#include "mle/database/database_session.h"
 #include "mle/database/record_sources.h"
 #include "tests/mle/database/sqlite_file.h"
 #include "tests/mle/database/tank_rows.h"
@@ -197,6 +199,60 @@ TEST_F(SqliteTest, IsOnlyRead) {
               AllOf(HasSubstr("sqlite:" + missing + ", table trend"),
                     HasSubstr("unable to open database file")));
   EXPECT_FALSE(std::filesystem::exists(missing));
+}
+
+TEST_F(SqliteTest, WhatFollowsAQueryIsRefused) {
+  for (const char* const query :
+       {"SELECT * FROM trend; SELECT 1", "SELECT * FROM trend; x",
+        "SELECT * FROM trend; -- and\n DELETE FROM trend"}) {
+    EXPECT_THAT(ErrorFrom(file_.name(), {.query = query}),
+                HasSubstr("a query is one statement"))
+        << query;
+  }
+  HistorianOptions options;
+  options.columns.ignore_other_columns = true;
+  ExpectSame(
+      ImportFrom(file_.name(), {.table = "trend"}),
+      ImportFrom(file_.name(),
+                 {.query = "SELECT *, ';' AS x FROM trend; -- all; of it"},
+                 options));
+}
+
+TEST_F(SqliteTest, LongValuesAreRefused) {
+  for (const char* const value :
+       {"zeroblob(900000000)", "CAST(zeroblob(2000000) AS TEXT)"}) {
+    EXPECT_THAT(ErrorFrom(file_.name(),
+                          {.query = absl::StrCat("SELECT time, level, ", value,
+                                                 " AS steam FROM trend")}),
+                HasSubstr("too big"))
+        << value;
+  }
+}
+
+// Without an end, and without a row.
+TEST_F(SqliteTest, QueriesWithoutAnEndAreEnded) {
+  const auto error = [&](const SqlLimits& limits, const std::string& where) {
+    const absl::StatusOr<DatabaseName> name = ParseDatabaseName(file_.name());
+    EXPECT_TRUE(name.ok());
+    auto session = DatabaseSession::Connect(*name, limits, {});
+    EXPECT_TRUE(session.ok()) << session.status();
+    absl::Status status =
+        (*session)
+            ->Start(
+                "WITH RECURSIVE k(k) AS (SELECT 0 UNION ALL SELECT k + 1 "
+                "FROM k) SELECT k FROM k" +
+                where)
+            .status();
+    TableText text;
+    while (status.ok()) {
+      text.Clear();
+      status = (*session)->Read(100, text).status();
+    }
+    return std::string(status.message());
+  };
+  EXPECT_THAT(error({.max_rows = 1000}, ""), HasSubstr("more than 1000 rows"));
+  EXPECT_THAT(error({.max_wait_s = 0}, " WHERE k < 0"),
+              HasSubstr("no rows came for 0 s"));
 }
 
 TEST_F(SqliteTest, MissingTableAndColumns) {
