@@ -71,9 +71,9 @@ struct DecisionOptions {
   // taken as it is.
   bool require_hold_out = true;
   // By how much the time stamps of a tag may be late or early, in s, ≥ 0: a
-  // change of dead time that all elements of a row or column share is a clock's
-  // up to this, or up to five samples, as scans and averages make them late;
-  // beyond, the dead times have changed. 0: clocks are right.
+  // change of dead time that all elements of a row or column share may be a
+  // clock's up to this, or up to five samples, as scans and averages make them
+  // late; beyond, the dead times have changed. 0: clocks are right.
   double clock_error = 7200.0;
 
   absl::Status Validate() const;

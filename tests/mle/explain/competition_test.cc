@@ -204,6 +204,19 @@ TEST(CompetitionTest, GapsAndSeveralRecords) {
   EXPECT_NEAR(competition.Explained(0, 0).gain, 1.2, 0.1);
 }
 
+// Together they look like a smaller change; apart each shows its own.
+TEST(CompetitionTest, WhatChangedBetweenRecordsIsNoGainOfBoth) {
+  Happening half;
+  half.samples = 800;
+  const OutputExplanation output =
+      Explained({CloseLoops(TwoLoops(), 1, half),
+                 CloseLoops(Aged(0, 0, 0.5, 1.0, 0.0), 2, half)})[0];
+  const Codes taken = Taken(output);
+  EXPECT_NE(std::find(taken.begin(), taken.end(), "change_during_record"),
+            taken.end());
+  EXPECT_LT(output.left(), 4.0);
+}
+
 TEST(CompetitionTest, WithoutAnythingThatMovesThereIsNoJudge) {
   Record record = CloseLoops(TwoLoops(), 1);
   record.set_points.setConstant(1.0);

@@ -230,6 +230,66 @@ TEST(DecisionTest, OutputsThatAreDoubtedAreNotDecided) {
   EXPECT_EQ(other.reasons.front().code, MessageCode::kStuckOutput);
 }
 
+TEST(DecisionTest, EveryRowOfTheTableOfJudgedOutputs) {
+  struct Row {
+    const char* name;
+    InstrumentEvidence instruments;
+    Acceptance acceptance;
+    Decision decision;
+    MessageCode reason;
+  };
+  const InstrumentEvidence better = {.ageing = true, .predicts_better = true};
+  InstrumentEvidence tie = better;
+  tie.tie = "Two explanations …";
+  InstrumentEvidence beside = better;
+  beside.other = "The valve …";
+  const Row rows[] = {
+      {"confirmed",
+       {.confirms_proposal = true},
+       Acceptance::kProposal,
+       Decision::kCorrected,
+       MessageCode::kPredictsBetter},
+      {"ageing wins", better, Acceptance::kExplained, Decision::kCorrected,
+       MessageCode::kPredictsBetter},
+      {"ageing beside something else", beside, Acceptance::kExplained,
+       Decision::kCorrected, MessageCode::kPredictsBetter},
+      {"it predicts no better",
+       {.ageing = true},
+       Acceptance::kNothing,
+       Decision::kCannotTell,
+       MessageCode::kNotBetter},
+      {"two explanations", tie, Acceptance::kNothing, Decision::kCannotTell,
+       MessageCode::kExplained},
+      {"something else",
+       {.other = "A clock …", .code = MessageCode::kClock},
+       Acceptance::kNothing,
+       Decision::kCannotTell,
+       MessageCode::kClock},
+      {"much is left",
+       {.left = 3.5},
+       Acceptance::kNothing,
+       Decision::kCannotTell,
+       MessageCode::kMissingExplanation},
+      {"not confirmed",
+       {.left = 1.0},
+       Acceptance::kNothing,
+       Decision::kCannotTell,
+       MessageCode::kNotConfirmed},
+      {"refuted",
+       {.refutes_proposal = true},
+       Acceptance::kNothing,
+       Decision::kNoChange,
+       MessageCode::kSetPointsAgree}};
+  for (const Row& row : rows) {
+    OutputEvidence output = Output(kGood);
+    output.instruments = row.instruments;
+    const Verdict verdict = Decide(Of({output}), {});
+    EXPECT_EQ(verdict.decision, row.decision) << row.name;
+    EXPECT_EQ(verdict.outputs[0], row.acceptance) << row.name;
+    EXPECT_EQ(verdict.reasons.back().code, row.reason) << row.name;
+  }
+}
+
 TEST(DecisionTest, OneOfManyWindowsMayFallALittle) {
   // 2.2 standard errors: beyond two, but one of twelve windows falls so far by
   // chance in one of six records.
