@@ -3,9 +3,8 @@
 // Windows that are long are divided first, and short ones that follow each
 // other without a gap are taken together, a tenth of the samples and four
 // settling times at least: what the inputs did before it is unknown of each
-// piece, and gains of its own, by which windows are compared
-// (window_agreement.h), need its length. Of these those are taken that are
-// expected to inform most (stretch_information.h).
+// piece. Of these those are taken that are expected to inform most
+// (stretch_information.h).
 //
 // Operations: N samples times the elements, and W² times the elements for W
 // windows.
