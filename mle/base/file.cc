@@ -245,7 +245,7 @@ absl::Status CheckRegularFile(const std::string& path) {
     return ErrnoStatus("cannot open", path);
   }
   if (S_ISREG(info.st_mode)) return absl::OkStatus();
-  return absl::FailedPreconditionError(absl::StrCat(
+  return absl::InvalidArgumentError(absl::StrCat(
       "cannot read '", path,
       S_ISDIR(info.st_mode) ? "': it is a folder, not a file"
                             : "': it must be a regular file, as it is read "

@@ -377,11 +377,11 @@ TEST(OutputErrorCorrectionTest, SaysWhatIsWrong) {
   other = records;
   other[0].inputs(1, 7) = 1.7e308;
   EXPECT_THAT(message(model, other),
-              HasSubstr("input \"u1\" has values up to 1.7e+308"));
+              HasSubstr("input 2 is 1.7e+308 in sample 8"));
   other = records;
   other[1].outputs(0, 7) = -1e300;
   EXPECT_THAT(message(model, other),
-              HasSubstr("output \"y0\" has values up to 1e+300"));
+              HasSubstr("output 1 is -1e+300 in sample 8"));
   EXPECT_THAT(
       std::string(
           ComputeOutputErrorLimit(model, records, {}, {}).status().message()),
