@@ -186,10 +186,10 @@ void MostMoving(const ExplainedOutput& output, const Freed& freed,
                        s);
   }
   std::stable_sort(order.begin(), order.end());
+  order.resize(kMostInstruments);
   std::vector<Signal> most;
-  for (int s = 0; s < kMostInstruments; ++s) {
-    most.push_back(
-        std::move(signals[order[static_cast<std::size_t>(s)].second]));
+  for (const auto& [less, index] : order) {
+    most.push_back(std::move(signals[index]));
   }
   signals = std::move(most);
 }
