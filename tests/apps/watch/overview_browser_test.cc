@@ -114,6 +114,7 @@ TEST(ServedPagesBrowserTest, TheirScriptsAreThoseThatThePolicyAllows) {
                           .folder = files.folder(),
                           .can_acknowledge = true});
   ASSERT_TRUE(site.ok()) << site.status();
+  ASSERT_TRUE((*site)->Refresh([] { return false; }).ok());
   const serve::Access access = {.token = "0123456789abcdef"};
   const auto server =
       serve::Server::Start({}, [&](const serve::Request& request) {
