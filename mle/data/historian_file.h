@@ -32,7 +32,7 @@ struct HistorianColumns {
   bool is_long = false;     // the header is that of the table made of it
 
   // The one column of samples, which may have the usual name of any value;
-  // empty: there are none, or several.
+  // empty: the file has no tag, or several.
   std::string OnlyValue() const;
 };
 

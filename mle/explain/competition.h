@@ -75,6 +75,9 @@ struct HorizonErrors {
   double deviations = 0.0;
 };
 
+// E/N: where more is left, something may explain it.
+inline constexpr double kMuchLeft = 1.5;
+
 // What is known of one output.
 struct OutputExplanation {
   // Why there is no judge: nothing moves, nothing is measured; or empty.
@@ -109,7 +112,7 @@ struct OutputExplanation {
   double EvidenceOf(double fall, double by_unit) const;
   bool AnyAgeing() const;
   bool AnyOther() const;
-  // E/N: an explanation is missing above about 2.
+  // E/N; an explanation may be missing above kMuchLeft.
   double left() const { return chance > 0.0 ? remaining / chance : 0.0; }
   double before() const { return chance > 0.0 ? energy / chance : 0.0; }
 };

@@ -245,11 +245,11 @@ absl::StatusOr<Instruments> Instruments::Create(const ProcessModel& model,
 
   MostMoving(output, freed, signals);
   const Index rows = static_cast<Index>(output.rows().size());
-  const std::vector<Signal> halves = InHalves(signals);
+  std::vector<Signal> halves = InHalves(signals);
   if (rows >= kLeastRows * kLaguerre * static_cast<Index>(halves.size())) {
     made.parts_ = static_cast<double>(halves.size()) /
                   static_cast<double>(signals.size());
-    signals = halves;
+    signals = std::move(halves);
   }
   const auto columns_at = [&](double share) {
     MatrixXd columns(rows, kLaguerre * static_cast<Index>(signals.size()));

@@ -29,8 +29,6 @@ constexpr double kConverged = 1e-4;  // step of θ, or relative fall of E
 constexpr double kLeastOwn = 0.05;
 // Of N: rivals as near as this are ties.
 constexpr double kTie = 0.1;
-// Of N: more than this is left that something may explain.
-constexpr double kMuch = 1.5;
 // Evidence of two explanations at once, in that of one.
 constexpr double kPair = 2.0;
 // Of M: the same of changes of two elements.
@@ -303,7 +301,7 @@ void OutputCompetition::Forward(const std::vector<Explanation>& given) {
       next_ = {{next->fit.explanations.back(), 0.0, evidence}};
       // Two may hide each other: what one leaves is in what chance makes.
       const double chance = ChanceOf({taken, energy, 0.0}, directions_).energy;
-      if (!(energy > kMuch * chance) || taken.size() + 2 > most) break;
+      if (!(energy > kMuchLeft * chance) || taken.size() + 2 > most) break;
       next = BestNext(next->fit.explanations);
       if (!next.has_value()) break;
       evidence = EvidenceOf(energy - next->fit.energy, next->unit);

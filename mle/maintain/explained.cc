@@ -25,8 +25,6 @@ constexpr double kAgrees = 3.0;
 // What is proposed and not confirmed is no doubt if no response changes by more
 // than this share.
 constexpr double kSmall = 0.2;
-// E/N: where more is left, even a small change is doubted.
-constexpr double kMuch = 1.5;
 // By which no error of a horizon may grow, and in standard errors, by which one
 // has to fall.
 constexpr double kWorse = 1.2;
@@ -334,7 +332,7 @@ std::optional<InstrumentEvidence> EvidenceByInstruments(
            !evidence.tie.empty() || !evidence.predicts_better)) ||
          output.taken.empty());
     evidence.refutes_proposal =
-        (is_small && output.left() < kMuch) ||
+        (is_small && output.left() < kMuchLeft) ||
         energies.difference > output.required * output.unit ||
         output.EvidenceOf(energy - output.remaining, output.unit) >
             kLeastEvidence;

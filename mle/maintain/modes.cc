@@ -19,8 +19,8 @@ namespace {
 
 enum class Mode { kNeither, kByHand, kByController, kAuto };
 
-// What words are read as. Means of several, where a mode changes within a
-// sample, are none of them.
+// The numbers that words are read as. The mean of two words, where a mode
+// changes within a sample, is never the number of another.
 constexpr double kNeitherCode = 5003.91;
 constexpr double kByHandCode = 2000.37;
 constexpr double kByControllerCode = 4007.13;

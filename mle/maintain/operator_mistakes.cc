@@ -101,8 +101,8 @@ class MistakeSearch {
   std::vector<HypotheticalRow> OutputsExchanged(int a, int b) const;
   std::vector<HypotheticalRow> Multiplied(const OperatorMistake& mistake) const;
   std::vector<HypotheticalRow> WithTimes(double scale) const;
-  // Whether the mended model, simulated, follows the outputs better than it
-  // does as recorded: a poor element has likelihoods of its own.
+  // Whether the model, simulated without the mistake, follows the outputs
+  // better than with it: a poor element has likelihoods of its own.
   bool Follows(const Hypothesis& hypothesis,
                const std::vector<HypotheticalRow>& rows) const;
   double ShareOf(int output, int measured, const Series& responses) const;
@@ -367,11 +367,11 @@ bool MistakeSearch::Follows(const Hypothesis& hypothesis,
   double claimed = 0.0;
   double recorded = 0.0;
   for (const HypotheticalRow& row : rows) {
-    const double mended = ShareOf(row.output, row.measured, row.claimed);
+    const double corrected = ShareOf(row.output, row.measured, row.claimed);
     const double before = ShareOf(row.output, row.output, sums_[row.output]);
     // Of what is bad anyway no share can be told.
-    if (mended < std::min(before, 0.0) - kSameShare) return false;
-    claimed += mended;
+    if (corrected < std::min(before, 0.0) - kSameShare) return false;
+    claimed += corrected;
     recorded += std::max(before, 0.0);
   }
   double least = 0.0;

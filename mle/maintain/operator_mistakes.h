@@ -11,8 +11,8 @@
 // have aged besides.
 //
 //   each       10 nats better than as recorded and than no response, in one of
-//              the three comparisons, and worse in none; and the mended model,
-//              simulated, follows the outputs better than it does as recorded
+//              the three comparisons, and worse in none; and the model,
+//              simulated without the mistake, follows the outputs better
 //   exchange   10 nats better with few gains free on both sides, too: elements
 //              may have aged; the simulation explains a quarter of what the
 //              outputs do, three fifths where the channels have other units or
