@@ -83,22 +83,12 @@ void TakePart(const Channels& part, const ProcessModel& whole,
   }
 }
 
-std::vector<std::string> ColumnNames(const ProcessModel& model) {
-  std::vector<std::string> names;
-  for (const OutputChannel& output : model.outputs()) {
-    names.push_back(output.name);
-    names.push_back(SetPointName(output.name));
-  }
-  for (const InputChannel& input : model.inputs()) names.push_back(input.name);
-  return names;
-}
-
 // The columns of channels that are left out are not needed.
 void LeaveOutColumns(const ProcessModel& before, const ProcessModel& after,
                      ColumnOptions& columns) {
-  const std::vector<std::string> kept = ColumnNames(after);
+  const std::vector<std::string> kept = ChannelNames(after);
   std::set<std::string> left_out;
-  for (const std::string& name : ColumnNames(before)) {
+  for (const std::string& name : ChannelNames(before)) {
     if (std::find(kept.begin(), kept.end(), name) == kept.end()) {
       left_out.insert(name);
     }

@@ -124,20 +124,8 @@ TextValue ModeTags(std::vector<ModeTag>* modes) {
   return value;
 }
 
-std::vector<std::string> KnownColumns(const ProcessModel& model) {
-  std::vector<std::string> names;
-  for (const OutputChannel& output : model.outputs()) {
-    names.push_back(output.name);
-    names.push_back(SetPointName(output.name));
-  }
-  for (const InputChannel& input : model.inputs()) {
-    names.push_back(input.name);
-  }
-  return names;
-}
-
 bool IsColumnOf(const ProcessModel& model, const std::string& name) {
-  const std::vector<std::string> names = KnownColumns(model);
+  const std::vector<std::string> names = ChannelNames(model);
   return std::count(names.begin(), names.end(), name) > 0;
 }
 
@@ -172,7 +160,7 @@ absl::StatusOr<TagMapping> ParseTag(const std::string& text,
   if (!IsColumnOf(model, mapping.channel)) {
     return RefuseOption(
         "tags", text,
-        absl::StrCat(DidYouMean(mapping.channel, KnownColumns(model)), "'",
+        absl::StrCat(DidYouMean(mapping.channel, ChannelNames(model)), "'",
                      mapping.channel,
                      "' is not an input, output or <output>_setpoint of the "
                      "model"));

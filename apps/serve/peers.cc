@@ -10,14 +10,14 @@ constexpr absl::Duration kLeastAnswer = absl::Seconds(2);
 
 }  // namespace
 
-Peers::Peer *Peers::Add(int socket) {
+Peers::Peer* Peers::Add(int socket) {
   const std::lock_guard<std::mutex> lock(mutex_);
   waiting_.push_back({.socket = socket,
                       .since = clock_(),
                       .body = nullptr,
                       .list = &waiting_,
                       .self = {}});
-  Peer &peer = waiting_.back();
+  Peer& peer = waiting_.back();
   peer.self = std::prev(waiting_.end());
   if (waiting_.size() + being_made_.size() + being_sent_.size() <=
       limits_.connections) {
@@ -32,29 +32,29 @@ Peers::Peer *Peers::Add(int socket) {
   return &peer;
 }
 
-void Peers::Remove(Peer *peer) {
+void Peers::Remove(Peer* peer) {
   const std::lock_guard<std::mutex> lock(mutex_);
   Release(*peer);
   peer->list->erase(peer->self);
 }
 
-void Peers::BeginAnswer(Peer *peer) {
+void Peers::BeginAnswer(Peer* peer) {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (peer->list != &cut_) Move(*peer, being_made_);
 }
 
-void Peers::SendAnswer(Peer *peer, const std::string *body) {
+void Peers::SendAnswer(Peer* peer, const std::string* body) {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (peer->list == &cut_) return;
   Move(*peer, being_sent_);
   if (body == nullptr || body->size() <= kSmallAnswer) return;
   peer->body = body;
-  Held &held = bodies_.try_emplace(body, Held{body->size(), 0}).first->second;
+  Held& held = bodies_.try_emplace(body, Held{body->size(), 0}).first->second;
   if (++held.by == 1) held_ += held.bytes;
   CutForMemory(*peer);
 }
 
-void Peers::EndAnswer(Peer *peer) {
+void Peers::EndAnswer(Peer* peer) {
   const std::lock_guard<std::mutex> lock(mutex_);
   Release(*peer);
   if (peer->list != &cut_) Move(*peer, waiting_);
@@ -78,13 +78,13 @@ bool Peers::IsAnyAnswered() {
   return !being_made_.empty() || !being_sent_.empty();
 }
 
-void Peers::Move(Peer &peer, std::list<Peer> &list) {
+void Peers::Move(Peer& peer, std::list<Peer>& list) {
   list.splice(list.end(), *peer.list, peer.self);
   peer.list = &list;
   peer.since = clock_();
 }
 
-void Peers::Release(Peer &peer) {
+void Peers::Release(Peer& peer) {
   if (peer.body == nullptr) return;
   const auto body = bodies_.find(peer.body);
   if (--body->second.by == 0) {
@@ -94,16 +94,16 @@ void Peers::Release(Peer &peer) {
   peer.body = nullptr;
 }
 
-void Peers::Cut(Peer &peer) {
+void Peers::Cut(Peer& peer) {
   shutdown(peer.socket, SHUT_RDWR);
   Release(peer);
   Move(peer, cut_);
 }
 
-void Peers::CutForMemory(const Peer &newest) {
+void Peers::CutForMemory(const Peer& newest) {
   for (auto next = being_sent_.begin();
        held_ > limits_.answer_bytes && next != being_sent_.end();) {
-    Peer &peer = *next++;
+    Peer& peer = *next++;
     if (peer.body != nullptr && &peer != &newest) Cut(peer);
   }
 }

@@ -35,24 +35,24 @@ class Peers {
   struct Peer {
     int socket;
     absl::Time since;
-    const std::string *body;  // a large one that is being sent, or null
-    std::list<Peer> *list;    // it is in
+    const std::string* body;  // a large one that is being sent, or null
+    std::list<Peer>* list;    // it is in
     std::list<Peer>::iterator self;
   };
 
   using Clock = std::function<absl::Time()>;
 
-  explicit Peers(const Limits &limits, Clock clock = absl::Now)
+  explicit Peers(const Limits& limits, Clock clock = absl::Now)
       : limits_(limits), clock_(std::move(clock)) {}
 
   // The socket stays open until Remove().
-  Peer *Add(int socket);
-  void Remove(Peer *peer);
+  Peer* Add(int socket);
+  void Remove(Peer* peer);
   // Its request is whole.
-  void BeginAnswer(Peer *peer);
+  void BeginAnswer(Peer* peer);
   // Its answer has been made; `body` may be null.
-  void SendAnswer(Peer *peer, const std::string *body);
-  void EndAnswer(Peer *peer);
+  void SendAnswer(Peer* peer, const std::string* body);
+  void EndAnswer(Peer* peer);
 
   void CutLate();
   // Whether an answer is being made or sent.
@@ -60,10 +60,10 @@ class Peers {
 
  private:
   // With mutex_ held.
-  void Move(Peer &peer, std::list<Peer> &list);
-  void Release(Peer &peer);
-  void Cut(Peer &peer);
-  void CutForMemory(const Peer &newest);
+  void Move(Peer& peer, std::list<Peer>& list);
+  void Release(Peer& peer);
+  void Cut(Peer& peer);
+  void CutForMemory(const Peer& newest);
 
   const Limits limits_;
   const Clock clock_;
@@ -74,7 +74,7 @@ class Peers {
     std::size_t bytes;
     int by;  // so many
   };
-  std::map<const std::string *, Held> bodies_;
+  std::map<const std::string*, Held> bodies_;
   std::size_t held_ = 0;  // bytes of all bodies
 };
 

@@ -40,18 +40,18 @@ struct Exchange {
   Request request = {};
 };
 
-Exchange *Of(void *pointer) { return static_cast<Exchange *>(pointer); }
+Exchange* Of(void* pointer) { return static_cast<Exchange*>(pointer); }
 
-Peers::Peer *PeerOf(MHD_Connection *connection) {
-  return static_cast<Peers::Peer *>(
+Peers::Peer* PeerOf(MHD_Connection* connection) {
+  return static_cast<Peers::Peer*>(
       MHD_get_connection_info(connection, MHD_CONNECTION_INFO_SOCKET_CONTEXT)
           ->socket_context);
 }
 
-MHD_Result AddHeader(void *head, MHD_ValueKind /*kind*/, const char *name,
-                     std::size_t name_size, const char *value,
+MHD_Result AddHeader(void* head, MHD_ValueKind /*kind*/, const char* name,
+                     std::size_t name_size, const char* value,
                      std::size_t value_size) {
-  static_cast<Head *>(head)->headers.push_back(
+  static_cast<Head*>(head)->headers.push_back(
       {{name, name_size}, {value, value_size}});
   return MHD_YES;
 }
@@ -60,7 +60,7 @@ MHD_Result AddHeader(void *head, MHD_ValueKind /*kind*/, const char *name,
 // lines that end in a line feed alone or are folded, blanks in the request
 // line, bytes after a NUL. It reads heads where they lie, so that what is
 // between their parts can be seen: one blank, or the end of a line.
-bool IsPlain(const Head &head, std::size_t size) {
+bool IsPlain(const Head& head, std::size_t size) {
   constexpr std::size_t kLineEnd = 2;  // bytes
   const auto end = [](absl::string_view part) {
     return part.data() + part.size();
@@ -69,8 +69,8 @@ bool IsPlain(const Head &head, std::size_t size) {
       head.version.data() != end(head.target) + 1) {
     return false;
   }
-  const char *at = end(head.version);
-  for (const auto &[name, value] : head.headers) {
+  const char* at = end(head.version);
+  for (const auto& [name, value] : head.headers) {
     if (name.data() != at + kLineEnd) return false;
     at = end(value);
   }
@@ -78,31 +78,31 @@ bool IsPlain(const Head &head, std::size_t size) {
 }
 
 // Nothing of targets is decoded by the library.
-std::size_t LeaveAsItIs(void * /*of*/, MHD_Connection * /*connection*/,
-                        char *text) {
+std::size_t LeaveAsItIs(void* /*of*/, MHD_Connection* /*connection*/,
+                        char* text) {
   return std::char_traits<char>::length(text);
 }
 
-void Release(void *body) {
-  delete static_cast<std::shared_ptr<const std::string> *>(body);
+void Release(void* body) {
+  delete static_cast<std::shared_ptr<const std::string>*>(body);
 }
 
-MHD_Response *MakeResponse(const Response &from, bool is_last) {
-  MHD_Response *response = nullptr;
+MHD_Response* MakeResponse(const Response& from, bool is_last) {
+  MHD_Response* response = nullptr;
   if (from.file != nullptr) {
     const int file = dup(*from.file);  // closed with the response
     response = MHD_create_response_from_fd64(from.file_bytes, file);
     if (response == nullptr) close(file);
   } else {
-    static const auto *const kNothing = new std::string;
-    const std::string &body = from.body == nullptr ? *kNothing : *from.body;
+    static const auto* const kNothing = new std::string;
+    const std::string& body = from.body == nullptr ? *kNothing : *from.body;
     response = MHD_create_response_from_buffer_with_free_callback_cls(
-        body.size(), const_cast<char *>(body.data()), &Release,
+        body.size(), const_cast<char*>(body.data()), &Release,
         new std::shared_ptr<const std::string>(from.body));
   }
   if (response == nullptr) return nullptr;
   MHD_add_response_header(response, "Content-Type", from.content_type.c_str());
-  for (const auto &[name, value] : from.headers) {
+  for (const auto& [name, value] : from.headers) {
     MHD_add_response_header(response, name.c_str(), value.c_str());
   }
   if (is_last) MHD_add_response_header(response, "Connection", "close");
@@ -123,17 +123,17 @@ int AllowedConnections(int wanted) {
 }
 
 // −1 where it cannot.
-int ListenOn(const std::string &host, int port) {
+int ListenOn(const std::string& host, int port) {
   addrinfo hints = {};
   hints.ai_flags = AI_NUMERICSERV | AI_PASSIVE;
   hints.ai_socktype = SOCK_STREAM;
-  addrinfo *found = nullptr;
+  addrinfo* found = nullptr;
   if (getaddrinfo(host.c_str(), std::to_string(port).c_str(), &hints, &found) !=
       0) {
     return -1;
   }
   int listening = -1;
-  for (const addrinfo *at = found; at != nullptr && listening < 0;
+  for (const addrinfo* at = found; at != nullptr && listening < 0;
        at = at->ai_next) {
     listening = socket(at->ai_family,
                        SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, IPPROTO_TCP);
@@ -154,13 +154,13 @@ int ListenOn(const std::string &host, int port) {
 int PortOf(int socket) {
   sockaddr_in6 address = {};  // the port is where that of version 4 is
   socklen_t size = sizeof(address);
-  getsockname(socket, reinterpret_cast<sockaddr *>(&address), &size);
+  getsockname(socket, reinterpret_cast<sockaddr*>(&address), &size);
   return ntohs(address.sin6_port);
 }
 
 class MicroServer : public Server {
  public:
-  MicroServer(const ServerOptions &options, int connections, Handler handler)
+  MicroServer(const ServerOptions& options, int connections, Handler handler)
       : options_(options),
         connections_(connections),
         handler_(std::move(handler)),
@@ -216,7 +216,7 @@ class MicroServer : public Server {
                      options_.port, ": is it in use, or reserved?"));
   }
 
-  MHD_Daemon *StartDaemon(int listening) {
+  MHD_Daemon* StartDaemon(int listening) {
     const auto connections = static_cast<unsigned>(connections_);
     return MHD_start_daemon(
         MHD_USE_POLL_INTERNAL_THREAD | MHD_USE_ITC, 0, nullptr, nullptr,
@@ -241,39 +241,39 @@ class MicroServer : public Server {
     }
   }
 
-  static void NotifyConnection(void *server, MHD_Connection *connection,
-                               void **peer,
+  static void NotifyConnection(void* server, MHD_Connection* connection,
+                               void** peer,
                                MHD_ConnectionNotificationCode code) {
-    Peers &peers = static_cast<MicroServer *>(server)->peers_;
+    Peers& peers = static_cast<MicroServer*>(server)->peers_;
     if (code == MHD_CONNECTION_NOTIFY_STARTED) {
       *peer = peers.Add(
           MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD)
               ->connect_fd);
     } else {
-      peers.Remove(static_cast<Peers::Peer *>(*peer));
+      peers.Remove(static_cast<Peers::Peer*>(*peer));
     }
   }
 
-  static void *Begin(void * /*of*/, const char *target,
-                     MHD_Connection * /*connection*/) {
+  static void* Begin(void* /*of*/, const char* target,
+                     MHD_Connection* /*connection*/) {
     return new Exchange{.target = target == nullptr ? "" : target};
   }
 
-  static void NotifyCompleted(void *server, MHD_Connection *connection,
-                              void **exchange,
+  static void NotifyCompleted(void* server, MHD_Connection* connection,
+                              void** exchange,
                               MHD_RequestTerminationCode /*code*/) {
     delete Of(*exchange);
     *exchange = nullptr;
-    static_cast<MicroServer *>(server)->peers_.EndAnswer(PeerOf(connection));
+    static_cast<MicroServer*>(server)->peers_.EndAnswer(PeerOf(connection));
   }
 
   // Called with the head, then with each part of a body, then at the end.
-  static MHD_Result Answer(void *server, MHD_Connection *connection,
-                           const char *target, const char *method,
-                           const char *version, const char *body,
-                           std::size_t *body_bytes, void **context) {
-    auto &self = *static_cast<MicroServer *>(server);
-    Exchange &exchange = *Of(*context);
+  static MHD_Result Answer(void* server, MHD_Connection* connection,
+                           const char* target, const char* method,
+                           const char* version, const char* body,
+                           std::size_t* body_bytes, void** context) {
+    auto& self = *static_cast<MicroServer*>(server);
+    Exchange& exchange = *Of(*context);
     if (!exchange.has_head) {
       exchange.has_head = true;
       Head head = {.method = method,
@@ -300,8 +300,8 @@ class MicroServer : public Server {
     return self.Send(connection, answer, self.stopping_);
   }
 
-  static ParsedHead Read(MHD_Connection *connection, Head &head,
-                         const std::string &target) {
+  static ParsedHead Read(MHD_Connection* connection, Head& head,
+                         const std::string& target) {
     const std::size_t size =
         MHD_get_connection_info(connection,
                                 MHD_CONNECTION_INFO_REQUEST_HEADER_SIZE)
@@ -316,9 +316,9 @@ class MicroServer : public Server {
     return ParseHead(head);
   }
 
-  MHD_Result Send(MHD_Connection *connection, const Response &answer,
+  MHD_Result Send(MHD_Connection* connection, const Response& answer,
                   bool is_last) {
-    MHD_Response *const response = MakeResponse(answer, is_last);
+    MHD_Response* const response = MakeResponse(answer, is_last);
     if (response == nullptr) return MHD_NO;
     peers_.SendAnswer(PeerOf(connection), answer.body.get());
     const MHD_Result queued = MHD_queue_response(
@@ -332,7 +332,7 @@ class MicroServer : public Server {
   const Handler handler_;
   Peers peers_;
   std::atomic<bool> stopping_{false};
-  MHD_Daemon *daemon_ = nullptr;
+  MHD_Daemon* daemon_ = nullptr;
   std::thread watch_;
   int port_ = 0;
 };
@@ -345,7 +345,7 @@ Response PlainResponse(int status, absl::string_view text) {
 }
 
 absl::StatusOr<std::unique_ptr<Server>> Server::Start(
-    const ServerOptions &options, Handler handler) {
+    const ServerOptions& options, Handler handler) {
   auto server = std::make_unique<MicroServer>(
       options, AllowedConnections(options.connections), std::move(handler));
   if (const absl::Status status = server->Listen(); !status.ok()) {

@@ -107,20 +107,6 @@ bool FindQuality(const HistorianColumns& columns,
   return true;
 }
 
-std::string QualityNameOf(QualityKind kind) {
-  switch (kind) {
-    case QualityKind::kFlag:
-      return "isgood";
-    case QualityKind::kFault:
-      return "questionable";
-    case QualityKind::kConfidence:
-      return "confidence";
-    case QualityKind::kCode:
-      break;
-  }
-  return "quality";
-}
-
 std::optional<FileColumns> FindColumns(const HistorianSource& source,
                                        const HistorianColumns& columns,
                                        const std::vector<std::string>& wanted,
@@ -210,12 +196,8 @@ std::string HistorianColumns::OnlyValue() const {
 std::vector<std::string> WantedTags(const ProcessModel& channels,
                                     const ColumnOptions& options) {
   std::vector<std::string> wanted;
-  for (const OutputChannel& output : channels.outputs()) {
-    wanted.push_back(FoldedName(output.name));
-    wanted.push_back(FoldedName(SetPointName(output.name)));
-  }
-  for (const InputChannel& input : channels.inputs()) {
-    wanted.push_back(FoldedName(input.name));
+  for (const std::string& name : ChannelNames(channels)) {
+    wanted.push_back(FoldedName(name));
   }
   for (const TagMapping& tag : options.tags) {
     wanted.push_back(FoldedName(tag.tag));
@@ -268,7 +250,7 @@ absl::StatusOr<std::optional<JoinedFiles>> JoinFiles(
   std::string text = "time,tag,value";
   joined.options.columns.quality_column.clear();
   if (!kinds.empty()) {
-    joined.options.columns.quality_column = QualityNameOf(*kinds.begin());
+    joined.options.columns.quality_column = UsualQualityName(*kinds.begin());
     absl::StrAppend(&text, ",", joined.options.columns.quality_column);
   }
   text += '\n';

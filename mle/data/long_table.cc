@@ -383,16 +383,7 @@ absl::Status Samples::AddRow(const CsvRows& rows, std::size_t begin,
 std::string Samples::QualitySuffix() const {
   const auto& suffixes = options_.columns.quality_suffixes;
   if (columns_.quality >= 0 && AreUsualSuffixes(suffixes)) {
-    switch (KindOf(header_[columns_.quality])) {
-      case QualityKind::kFlag:
-        return "_isgood";
-      case QualityKind::kFault:
-        return "_questionable";
-      case QualityKind::kConfidence:
-        return "_confidence";
-      case QualityKind::kCode:
-        break;
-    }
+    return "_" + UsualQualityName(KindOf(header_[columns_.quality]));
   }
   return suffixes.empty() ? "_quality" : suffixes[0];
 }

@@ -104,6 +104,20 @@ bool AreUsualQualities(const std::vector<std::string>& good) {
   return good == HistorianOptions().good_qualities;
 }
 
+std::string UsualQualityName(QualityKind kind) {
+  switch (kind) {
+    case QualityKind::kFlag:
+      return "isgood";
+    case QualityKind::kFault:
+      return "questionable";
+    case QualityKind::kConfidence:
+      return "confidence";
+    case QualityKind::kCode:
+      break;
+  }
+  return "quality";
+}
+
 bool IsUsuallyGood(std::string_view quality, QualityKind kind) {
   const std::string text = FoldedName(quality);
   double number = 0.0;

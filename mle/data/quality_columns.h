@@ -26,6 +26,9 @@ struct QualityName {
 std::optional<QualityName> QualityOfName(
     std::string_view name, const std::vector<std::string_view>& columns);
 
+// The name that columns of a kind usually have: "quality", "isgood", ….
+std::string UsualQualityName(QualityKind kind);
+
 // Whether the default of ColumnOptions::quality_suffixes or of
 // HistorianOptions::good_qualities was left, so that usual names and values
 // count too.

@@ -397,6 +397,18 @@ absl::Status ColumnOptions::Validate(const ProcessModel& channels) const {
   return absl::OkStatus();
 }
 
+std::vector<std::string> ChannelNames(const ProcessModel& channels) {
+  std::vector<std::string> names;
+  for (const OutputChannel& output : channels.outputs()) {
+    names.push_back(output.name);
+    names.push_back(SetPointName(output.name));
+  }
+  for (const InputChannel& input : channels.inputs()) {
+    names.push_back(input.name);
+  }
+  return names;
+}
+
 absl::StatusOr<std::vector<RecordColumn>> ColumnsOf(
     const ProcessModel& channels) {
   std::vector<RecordColumn> columns(1);

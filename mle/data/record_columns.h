@@ -84,6 +84,10 @@ struct ColumnOptions {
   absl::Status Validate(const ProcessModel& channels) const;
 };
 
+// The names of samples that a record of these channels can have: each output
+// and its set point, each input.
+std::vector<std::string> ChannelNames(const ProcessModel& channels);
+
 // All columns that a record of these channels can have, in the order in which
 // they are written: time, each output and its set point, each input.
 // InvalidArgument where two would have one name.

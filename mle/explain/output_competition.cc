@@ -9,6 +9,7 @@
 #include "Eigen/Cholesky"
 #include "Eigen/QR"
 #include "mle/base/status.h"
+#include "mle/explain/held_out_errors.h"
 
 namespace mle {
 namespace {
@@ -33,9 +34,6 @@ constexpr double kTie = 0.1;
 constexpr double kPair = 2.0;
 // Of M: the same of changes of two elements.
 constexpr double kElements = 5.0;
-// Held out: blocks of this many τ, in turn in one of the folds.
-constexpr double kBlock = 3.0;
-constexpr int kFolds = 5;
 // Of τ: placebos nearer to each other are not independent.
 constexpr double kIndependent = 3.0;
 constexpr double kFewestIndependent = 2.0;
@@ -454,84 +452,6 @@ Eigen::Matrix3d OutputCompetition::Covariance(int input) const {
   return by * covariance * by.transpose();
 }
 
-std::vector<HorizonErrors> OutputCompetition::HoldOut() const {
-  const std::vector<ResidualRow>& rows = output_.rows();
-  const auto n = static_cast<Index>(rows.size());
-  const double row_time = output_.sample_time() * output_.samples_a_row();
-  const int block_rows = std::max(
-      1, static_cast<int>(std::lround(kBlock * output_.tau() / row_time)));
-  // Blocks in order, dealt out to the folds.
-  std::vector<int> block(rows.size());
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const bool begins = i > 0 && rows[i].record != rows[i - 1].record;
-    const int inside = rows[i].first / rows[i].samples / block_rows;
-    if (i == 0) {
-      block[i] = 0;
-    } else {
-      const int before = rows[i - 1].first / rows[i - 1].samples / block_rows;
-      block[i] = block[i - 1] + (begins || inside != before ? 1 : 0);
-    }
-  }
-  const VectorXd initial = instruments_.Freed(output_.Residual({}));
-  std::vector<VectorXd> explained;
-  for (int f = 0; f < kFolds; ++f) {
-    VectorXd weights = all_;
-    for (Index i = 0; i < n; ++i) {
-      if (block[static_cast<std::size_t>(i)] % kFolds == f) weights[i] = 0.0;
-    }
-    explained.push_back(instruments_.Freed(
-        output_.Residual(Estimate(Explanations(), weights).explanations)));
-  }
-  std::vector<HorizonErrors> errors;
-  for (const double horizon : {0.2, 1.0, 3.0, 0.0}) {
-    const int ahead =
-        horizon > 0.0 ? std::max(1, static_cast<int>(std::lround(
-                                        horizon * output_.tau() / row_time)))
-                      : 0;
-    std::vector<double> gains(static_cast<std::size_t>(block.back()) + 1, 0.0);
-    double before = 0.0;
-    double after = 0.0;
-    int count = 0;
-    for (Index i = 0; i < n; ++i) {
-      const auto row = static_cast<std::size_t>(i);
-      double a = initial[i];
-      const VectorXd& e =
-          explained[static_cast<std::size_t>(block[row] % kFolds)];
-      double b = e[i];
-      if (ahead > 0) {
-        // The row `ahead` before, if nothing is missing in between.
-        if (i < ahead) continue;
-        const ResidualRow& from = rows[row - static_cast<std::size_t>(ahead)];
-        if (from.record != rows[row].record ||
-            rows[row].first - from.first != ahead * rows[row].samples) {
-          continue;
-        }
-        a -= initial[i - ahead];
-        b -= e[i - ahead];
-      }
-      before += a * a;
-      after += b * b;
-      gains[static_cast<std::size_t>(block[row])] += a * a - b * b;
-      ++count;
-    }
-    if (count == 0) continue;
-    double mean = 0.0;
-    for (const double gain : gains) mean += gain;
-    mean /= static_cast<double>(gains.size());
-    double variance = 0.0;
-    for (const double gain : gains) variance += (gain - mean) * (gain - mean);
-    const double deviation =
-        std::sqrt(variance * static_cast<double>(gains.size()) /
-                  std::max(static_cast<double>(gains.size()) - 1.0, 1.0));
-    errors.push_back(
-        {.horizon = ahead * row_time,
-         .initial = std::sqrt(before / count),
-         .explained = std::sqrt(after / count),
-         .deviations = deviation > 0.0 ? (before - after) / deviation : 0.0});
-  }
-  return errors;
-}
-
 double OutputCompetition::Required() const {
   return independent_ * std::expm1(options_.evidence / independent_);
 }
@@ -556,7 +476,12 @@ OutputExplanation OutputCompetition::Report() const {
   report.remaining = energy_;
   report.chance = chance_;
   report.unit = unit_;
-  if (!taken_.empty()) report.held_out = HoldOut();
+  if (!taken_.empty()) {
+    report.held_out =
+        HeldOutErrors(output_, instruments_, [this](const VectorXd& weights) {
+          return Estimate(Explanations(), weights).explanations;
+        });
+  }
   const Index m = output_.records().front().num_inputs();
   report.detectable.assign(static_cast<std::size_t>(m),
                            std::numeric_limits<double>::infinity());

@@ -98,7 +98,6 @@ class OutputCompetition {
   double Score(const std::vector<Explanation>& explanations, double energy,
                double chance) const;
   Eigen::MatrixXd CovarianceOfTheta() const;
-  std::vector<HorizonErrors> HoldOut() const;
 
   ExplainedOutput output_;
   Instruments instruments_;

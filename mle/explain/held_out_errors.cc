@@ -1,0 +1,105 @@
+#include "mle/explain/held_out_errors.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+namespace mle {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+constexpr double kBlock = 3.0;  // of τ
+constexpr int kFolds = 5;
+
+int InRows(double time, double row_time) {
+  return std::max(1, static_cast<int>(std::lround(time / row_time)));
+}
+
+// The block of each row, counted over all records.
+std::vector<int> BlocksOf(const std::vector<ResidualRow>& rows,
+                          int block_rows) {
+  std::vector<int> blocks(rows.size(), 0);
+  const auto inside = [&](const ResidualRow& row) {
+    return row.first / row.samples / block_rows;
+  };
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    const bool begins = rows[i].record != rows[i - 1].record ||
+                        inside(rows[i]) != inside(rows[i - 1]);
+    blocks[i] = blocks[i - 1] + (begins ? 1 : 0);
+  }
+  return blocks;
+}
+
+// Whether nothing is missing between a row and the one `ahead` before it.
+bool Reaches(const std::vector<ResidualRow>& rows, std::size_t i, int ahead) {
+  if (i < static_cast<std::size_t>(ahead)) return false;
+  const ResidualRow& from = rows[i - static_cast<std::size_t>(ahead)];
+  return from.record == rows[i].record &&
+         rows[i].first - from.first == ahead * rows[i].samples;
+}
+
+// The standard error of the sum over blocks.
+double ErrorOfSum(const std::vector<double>& gains) {
+  const auto n = static_cast<double>(gains.size());
+  double mean = 0.0;
+  for (const double gain : gains) mean += gain;
+  mean /= n;
+  double variance = 0.0;
+  for (const double gain : gains) variance += (gain - mean) * (gain - mean);
+  return std::sqrt(variance * n / std::max(n - 1.0, 1.0));
+}
+
+}  // namespace
+
+std::vector<HorizonErrors> HeldOutErrors(
+    const ExplainedOutput& output, const Instruments& instruments,
+    const std::function<std::vector<Explanation>(const VectorXd& weights)>&
+        estimate) {
+  const std::vector<ResidualRow>& rows = output.rows();
+  const double row_time = output.sample_time() * output.samples_a_row();
+  const std::vector<int> blocks =
+      BlocksOf(rows, InRows(kBlock * output.tau(), row_time));
+  const VectorXd initial = instruments.Freed(output.Residual({}));
+  std::vector<VectorXd> explained;
+  for (int f = 0; f < kFolds; ++f) {
+    VectorXd weights = VectorXd::Ones(initial.size());
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      if (blocks[i] % kFolds == f) weights[static_cast<Index>(i)] = 0.0;
+    }
+    explained.push_back(instruments.Freed(output.Residual(estimate(weights))));
+  }
+  std::vector<HorizonErrors> errors;
+  for (const double horizon : {0.2, 1.0, 3.0, 0.0}) {
+    const int ahead =
+        horizon > 0.0 ? InRows(horizon * output.tau(), row_time) : 0;
+    std::vector<double> gains(static_cast<std::size_t>(blocks.back()) + 1, 0.0);
+    double before = 0.0;
+    double after = 0.0;
+    int count = 0;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      if (!Reaches(rows, i, ahead)) continue;
+      const auto error = [&, k = static_cast<Index>(i)](const VectorXd& e) {
+        return ahead > 0 ? e[k] - e[k - ahead] : e[k];
+      };
+      const double a = error(initial);
+      const double b =
+          error(explained[static_cast<std::size_t>(blocks[i] % kFolds)]);
+      before += a * a;
+      after += b * b;
+      gains[static_cast<std::size_t>(blocks[i])] += a * a - b * b;
+      ++count;
+    }
+    if (count == 0) continue;
+    const double deviation = ErrorOfSum(gains);
+    errors.push_back(
+        {.horizon = ahead * row_time,
+         .initial = std::sqrt(before / count),
+         .explained = std::sqrt(after / count),
+         .deviations = deviation > 0.0 ? (before - after) / deviation : 0.0});
+  }
+  return errors;
+}
+
+}  // namespace mle
