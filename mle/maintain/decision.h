@@ -74,7 +74,7 @@ struct DecisionOptions {
   // change of dead time that all elements of a row or column share may be a
   // clock's up to this, or up to five samples, as scans and averages make them
   // late; beyond, the dead times have changed. 0: clocks are right.
-  double clock_error = 7200.0;
+  double clock_error = 120.0;
 
   absl::Status Validate() const;
 };
