@@ -180,7 +180,7 @@ TEST_F(MleLifecycleTest, ThePageOpensWithWhatToDo) {
 }
 
 TEST_F(MleLifecycleTest, ThePageIsReadable) {
-  if (!report::HasBrowser()) GTEST_SKIP() << "chromium is not installed";
+  if (!report::HasBrowser()) GTEST_SKIP() << "chromium-headless-shell is not installed";
   const report::ProcessResult run =
       Run("out", {"--ageing_rates=0.5,1", "--seeds=3", "--figures=true",
                   "--currency=EUR",
