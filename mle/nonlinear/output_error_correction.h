@@ -202,7 +202,7 @@ struct ParameterEstimate {
 
 enum class ElementState {
   kAbsent,       // zero in the model, and stays so
-  kNotInformed,  // its input does not move in the records: initial values
+  kNotInformed,  // its input or output does not move: initial values
   kHeld,         // held at its initial values
   kFitted,
 };

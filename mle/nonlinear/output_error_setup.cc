@@ -191,6 +191,21 @@ int LeastRows(const std::vector<Record>& records, int output) {
   return kSparse * measured <= samples ? kMinSparseRows : kMinRows;
 }
 
+// Whether the output is measured to move: a constant says that a sensor is
+// dead, not that gains are zero.
+bool Moves(const std::vector<Record>& records, int output) {
+  double low = std::numeric_limits<double>::infinity();
+  double high = -low;
+  for (const Record& record : records) {
+    for (const double value : record.outputs.row(output)) {
+      if (!std::isfinite(value)) continue;
+      low = std::min(low, value);
+      high = std::max(high, value);
+    }
+  }
+  return low < high;
+}
+
 absl::StatusOr<OutputSetup> SetUpOutput(const ProcessModel& model, int i,
                                         const std::vector<Record>& records,
                                         const std::vector<double>& input_sizes,
@@ -254,8 +269,9 @@ absl::StatusOr<OutputSetup> SetUpOutput(const ProcessModel& model, int i,
         num_parameters, " parameters; at least ", needed, " are needed"));
   }
   setup.informed.resize(m);
+  const bool moves = Moves(records, i);
   for (int j = 0; j < m; ++j) {
-    setup.informed[j] = setup.samples.ok() &&
+    setup.informed[j] = setup.samples.ok() && moves &&
                         setup.problem->elements()[j].has_value() &&
                         setup.problem->IsExcited(j);
   }
