@@ -22,7 +22,7 @@ constexpr double kLateSamples = 5.0;
 constexpr double kLeastEvidence = 3.0;
 // By how many M the likelihood's estimate may explain less than the best.
 constexpr double kAgrees = 3.0;
-// What is proposed and not confirmed is no doubt if no response changes by more
+// A proposal that is not confirmed is no doubt if no response changes by more
 // than this share.
 constexpr double kSmall = 0.2;
 // By which no error of a horizon may grow, and in standard errors, by which one
@@ -66,15 +66,15 @@ std::optional<TransferFunction> ExplainedElement(const CorrectionResult& result,
   return response->ToTransferFunction(values);
 }
 
-// What another output shows of an input, but for its clock, which competes for
-// all outputs together (competition.cc).
+// An explanation of an input that another output shows. Its clock is not among
+// them: that competes for all outputs together (competition.cc).
 struct ShownOfInput {
   int output = 0;
   Explanation explanation;
 };
 
-// What happens to an input happens to all that it drives: where one output
-// shows it and another an aged element instead, one of them is wrong.
+// An effect at an input reaches all that it drives: where one output shows it
+// and another an aged element instead, one of them is wrong.
 std::optional<ShownOfInput> ContestedBy(const Competition& competition, int i,
                                         int j) {
   std::optional<ShownOfInput> shown;
@@ -256,7 +256,8 @@ bool ProposesNewPath(const CorrectionResult& result, int i) {
   return false;
 }
 
-// Of the proposal for an output, relative to each response.
+// The largest change that is proposed of an output's responses, relative to
+// each.
 double LargestChange(const CorrectionResult& result, int i) {
   double largest = 0.0;
   const StepResponse& initial = result.initial_response;
