@@ -69,7 +69,8 @@ std::vector<SampleRun> EqualRuns(const SampleRow& row, int record) {
 struct Usual {
   double change = 0.0;  // of the model's response, to be beyond
   double run = 1.0;
-  double good = 0.0;  // samples
+  double good = 0.0;   // samples
+  bool moves = false;  // within any record
 };
 
 Usual UsualOf(const std::vector<Record>& records,
@@ -92,8 +93,9 @@ Usual UsualOf(const std::vector<Record>& records,
     lengths.push_back(run.samples);
     usual.good += run.samples;
   }
-  // What is constant has one run.
-  if (runs.size() > records.size()) usual.run = MedianInPlace(lengths);
+  // What is constant has one run a record.
+  usual.moves = runs.size() > records.size();
+  if (usual.moves) usual.run = MedianInPlace(lengths);
   return usual;
 }
 
@@ -118,7 +120,9 @@ StuckOutput FindStuck(const std::vector<Record>& records,
     if (run.samples < kLeastSamples || run.samples < kUsualRuns * usual.run) {
       continue;
     }
-    const auto part = static_cast<Eigen::Index>(kPart * run.samples);
+    // What ends a run of an output that moves may be the change expected.
+    const auto part =
+        static_cast<Eigen::Index>((usual.moves ? kPart : 1.0) * run.samples);
     const double change =
         RangeOf(responses[run.record].row(output).segment(run.first, part));
     if (!(change > usual.change)) continue;

@@ -28,6 +28,18 @@ TEST(StuckOutputsTest, FindsADeadSensor) {
   EXPECT_EQ(stuck[0].samples(), record.samples());
 }
 
+// A sensor that was dead before anything moved.
+TEST(StuckOutputsTest, FindsADeadSensorWhereMovesComeLate) {
+  Record record = LoopRecord();
+  record.outputs.row(1).setConstant(7.5);
+  const auto rest = static_cast<Eigen::Index>(0.7 * record.samples());
+  record.inputs.leftCols(rest).colwise() =
+      Eigen::VectorXd(record.inputs.col(0));
+  const std::vector<StuckOutput> stuck = FindStuck(record);
+  ASSERT_EQ(stuck.size(), 1u);
+  EXPECT_EQ(stuck[0].kind, StuckOutput::Kind::kDead);
+}
+
 TEST(StuckOutputsTest, FindsAClippedSensor) {
   for (unsigned seed = 1; seed <= 5; ++seed) {
     Record record = LoopRecord({.seed = seed});

@@ -44,7 +44,7 @@ TEST(OutputErrorCorrectionTest, RecoversAnExactPlant) {
 TEST(OutputErrorCorrectionTest, AConstantOutputInformsNothing) {
   auto records = MakeRecords(AgedPlant(), 400, 3, {.variance = 0.01});
   for (const double constant : {0.0, 17.5}) {
-    records[0].outputs.row(0).setConstant(constant);
+    for (Record& record : records) record.outputs.row(0).setConstant(constant);
     const auto correction = Correct(TwoElements(), records);
     EXPECT_FALSE(correction.change_proposed);
     for (int j = 0; j < 2; ++j) {
