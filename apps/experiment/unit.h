@@ -14,7 +14,6 @@
 #include "apps/experiment/campaign.h"
 #include "apps/experiment/experiment.h"
 #include "apps/experiment/grid.h"
-#include "apps/experiment/row.h"
 
 namespace mle::experiment {
 

@@ -8,7 +8,6 @@
 
 #include "absl/strings/str_cat.h"
 #include "apps/common/progress.h"
-#include "apps/experiment/distance_curve.h"
 #include "apps/experiment/grid.h"
 #include "apps/experiment/unit.h"
 #include "apps/reproduce/summary.h"

@@ -217,8 +217,8 @@ TEST_F(MleStudyTest, ThePageIsReadable) {
   campaign["mismatches"].erase(1);
   Run(campaign, "out", {"--figures=true"});
   ASSERT_EQ(result_.exit_code, 0) << result_.err;
-  // A sweep, and three panels each of E, λ and ratio.
-  ExpectReadable(scratch_ / "out/report.html", "study", 10,
+  // A sweep, and three panels of E.
+  ExpectReadable(scratch_ / "out/report.html", "study", 4,
                  {.badge = "closer"});
 }
 
@@ -236,9 +236,8 @@ TEST_F(MleStudyTest, ThePageOfManyCellsIsReadable) {
   ASSERT_EQ(methods.rows.size(), 1u + 2u);
   EXPECT_EQ(methods.rows[1][1], "12");
   EXPECT_THAT(html, HasSubstr("The other 4 of 24 cells"));
-  // A sweep of three noises for four mismatches, six panels each of E and
-  // ratio, and two of λ: of those whose best λ differs between the seeds.
-  ExpectReadable(scratch_ / "out/report.html", "study_many", 18,
+  // A sweep of three noises for four mismatches, and six panels of E.
+  ExpectReadable(scratch_ / "out/report.html", "study_many", 10,
                  {.badge = "closer"});
   ExpectFitsPaper(scratch_ / "out/report.html", "study_paper");
 }

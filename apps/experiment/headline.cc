@@ -6,15 +6,11 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "apps/experiment/report.h"
 #include "apps/report/number.h"
-#include "apps/study/report.h"
 
-namespace mle::study {
+namespace mle::experiment {
 namespace {
-
-using experiment::Campaign;
-using experiment::Distribution;
-using experiment::Metric;
 
 using report::Badge;
 using report::FormatInteger;
@@ -114,7 +110,7 @@ void AddCases(const Campaign& campaign, const StudySummary& summary,
   for (const Cell& cell : summary.cells) {
     if (!IsCase(campaign, cell)) continue;
     if (few) sentences.push_back(CaseSentence(campaign, cell));
-    if (OutcomeOf(cell) == Outcome::kFarther) {
+    if (EndingOf(cell) == Ending::kFarther) {
       farther.push_back(CaseLabel(campaign, cell));
     }
   }
@@ -183,11 +179,11 @@ std::map<std::int64_t, double> Smallest(const Campaign& campaign,
 
 }  // namespace
 
-Outcome OutcomeOf(const Cell& cell) {
+Ending EndingOf(const Cell& cell) {
   const double before = cell[Metric::kInitialE].median();
   const double after = cell[Metric::kE].median();
-  if (after < before) return Outcome::kCloser;
-  return after > before ? Outcome::kFarther : Outcome::kUnchanged;
+  if (after < before) return Ending::kCloser;
+  return after > before ? Ending::kFarther : Ending::kUnchanged;
 }
 
 bool IsCase(const Campaign& campaign, const Cell& cell) {
@@ -206,10 +202,10 @@ std::vector<MethodTally> TallyMethods(const Campaign& campaign,
     std::vector<double> ratios;
     for (const Cell& cell : summary.cells) {
       if (cell.at.method != method || !IsCase(campaign, cell)) continue;
-      const Outcome outcome = OutcomeOf(cell);
-      tally.closer += outcome == Outcome::kCloser ? 1 : 0;
-      tally.unchanged += outcome == Outcome::kUnchanged ? 1 : 0;
-      tally.farther += outcome == Outcome::kFarther ? 1 : 0;
+      const Ending ending = EndingOf(cell);
+      tally.closer += ending == Ending::kCloser ? 1 : 0;
+      tally.unchanged += ending == Ending::kUnchanged ? 1 : 0;
+      tally.farther += ending == Ending::kFarther ? 1 : 0;
       const double before = cell[Metric::kInitialE].median();
       const double after = cell[Metric::kE].median();
       if (before > 0.0) ratios.push_back(after / before);
@@ -241,4 +237,4 @@ report::Verdict VerdictOf(const Campaign& campaign,
   return verdict;
 }
 
-}  // namespace mle::study
+}  // namespace mle::experiment

@@ -1,20 +1,16 @@
-#include "apps/study/campaign.h"
-
 #include <cmath>
 #include <functional>
 #include <string>
 #include <vector>
 
+#include "apps/experiment/campaign_json.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "tests/apps/experiment/small_campaign.h"
 #include "tests/mle/base/scratch_folder.h"
 
-namespace mle::study {
+namespace mle::experiment {
 namespace {
-
-using experiment::Campaign;
-using experiment::SmallCampaign;
 
 using ::testing::HasSubstr;
 using Json = nlohmann::json;
@@ -344,4 +340,4 @@ TEST(CampaignTest, AGridTooLargeToCount) {
 }
 
 }  // namespace
-}  // namespace mle::study
+}  // namespace mle::experiment

@@ -1,38 +1,38 @@
 // What a campaign's runs say, cell by cell: the runs of a cell differ in their
 // seed alone.
 
-#ifndef APPS_STUDY_SUMMARY_H_
-#define APPS_STUDY_SUMMARY_H_
+#ifndef APPS_EXPERIMENT_SUMMARY_H_
+#define APPS_EXPERIMENT_SUMMARY_H_
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "apps/experiment/campaign_json.h"
 #include "apps/experiment/distribution.h"
 #include "apps/experiment/grid.h"
-#include "apps/experiment/row.h"
-#include "apps/study/campaign.h"
 
-namespace mle::study {
+namespace mle::experiment {
 
 struct Cell {
   std::int64_t number = 0;
-  experiment::Coordinates at;  // of its first run
+  Coordinates at;  // of its first run
   int runs = 0;
   int failed = 0;
   // Of the runs that did not fail.
-  std::array<experiment::Distribution, experiment::kNumMetrics> metrics;
+  std::array<Distribution, kNumMetrics> metrics;
   // Share of them with E above that of the model left alone, and above twice
   // that at the best λ; NaN where there is none.
   double harmed = 0.0;
   double above_twice_best = 0.0;
   // As many of the values as figures show, in the order of the seeds.
-  std::map<experiment::Metric, std::vector<double>> shown;
+  std::map<Metric, std::vector<double>> shown;
 
-  const experiment::Distribution& operator[](experiment::Metric metric) const {
+  const Distribution& operator[](Metric metric) const {
     return metrics[static_cast<std::size_t>(metric)];
   }
 };
@@ -47,18 +47,15 @@ struct StudySummary {
   double max_gap = 0.0;
 };
 
-// One pass over runs.csv, whose runs are in order: memory holds a cell at a
-// time. InvalidArgument names file and line.
-absl::StatusOr<StudySummary> Summarise(const std::string& path,
-                                       const experiment::Campaign& campaign,
-                                       const experiment::Grid& grid);
+// One pass over the runs, in their order: memory holds a cell at a time.
+absl::StatusOr<StudySummary> Summarise(
+    const Campaign& campaign, const Grid& grid,
+    const std::function<absl::StatusOr<Row>(std::int64_t run)>& row_of);
 
 // summary.csv: a line for each cell and metric. summary.json: the same.
-std::string SummaryCsv(const StudySummary& summary,
-                       const experiment::Campaign& campaign);
-std::string SummaryJson(const StudySummary& summary,
-                        const experiment::Campaign& campaign);
+std::string SummaryCsv(const StudySummary& summary, const Campaign& campaign);
+std::string SummaryJson(const StudySummary& summary, const Campaign& campaign);
 
-}  // namespace mle::study
+}  // namespace mle::experiment
 
-#endif  // APPS_STUDY_SUMMARY_H_
+#endif  // APPS_EXPERIMENT_SUMMARY_H_
