@@ -66,15 +66,13 @@ void AddCosts(const RateSummary& rate, std::size_t lives,
   page.CloseFold();
 }
 
-void AddPolicies(const Campaign& campaign, double hours_per_unit,
-                 HtmlPage& page) {
+void AddPolicies(const Campaign& campaign, HtmlPage& page) {
   page.AddHeading("What each policy does");
   std::vector<std::pair<std::string, std::string>> terms;
   for (const Policy& policy : campaign.policies) {
     terms.emplace_back(
         ShortName(policy),
-        absl::StrCat(Description(policy, campaign, hours_per_unit),
-                     " (--policies=", policy.name, ")"));
+        absl::StrCat(Description(policy), " (--policies=", policy.name, ")"));
   }
   page.AddTerms(terms);
 }
@@ -85,10 +83,6 @@ void AddRates(const std::vector<RateSummary>& summaries, std::size_t lives,
   if (summaries.size() < 2) return;
   page.AddHeading("At other rates of ageing");
   AddFigure(figures, "saving_map", page);
-  page.OpenFold("Shares of the avoidable cost, and cost against the rate");
-  page.AddTable(SavingTable(summaries));
-  AddFigure(figures, "cost_over_rate", page);
-  page.CloseFold();
   for (const RateSummary& rate : summaries) {
     if (&rate == &NominalRate(summaries)) continue;
     page.OpenFold(absl::StrCat("Costs at ageing rate ", rate.rate));
@@ -103,11 +97,6 @@ void AddCourse(const std::vector<RateSummary>& summaries,
                const Figures& figures, HtmlPage& page) {
   page.AddHeading("Over the years");
   AddFigure(figures, "over_time", page);
-  if (HasFigure(figures, "cost_over_interval")) {
-    page.OpenFold("Cost against the time between updates");
-    AddFigure(figures, "cost_over_interval", page);
-    page.CloseFold();
-  }
   page.OpenFold("Updates, refusals, step tests and errors of the models");
   page.AddParagraph(
       "Updates, refusals and step tests are counted over a whole life. Mean "
@@ -129,7 +118,7 @@ std::string FormatPage(const Campaign& campaign,
   page.SetVerdict(VerdictOf(campaign, summaries, valuation));
   AddWarnings(summaries, lives, page);
   AddCosts(NominalRate(summaries), lives, valuation.currency, figures, page);
-  AddPolicies(campaign, valuation.hours_per_unit, page);
+  AddPolicies(campaign, page);
   AddRates(summaries, lives, valuation.currency, figures, page);
   AddCourse(summaries, figures, page);
   page.OpenFold("Files");

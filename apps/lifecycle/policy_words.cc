@@ -1,21 +1,9 @@
-#include <cmath>
-
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_format.h"
 #include "absl/strings/string_view.h"
 #include "apps/lifecycle/report.h"
-#include "apps/lifecycle/request.h"
-#include "apps/lifecycle/scenario.h"
 
 namespace mle::lifecycle {
 namespace {
-
-// Two digits, or all of a whole number, without zeros behind the point.
-std::string Rounded(double value) {
-  if (value < 1.0) return absl::StrFormat("%.2g", value);
-  const double unit = value < 10.0 ? 0.1 : 1.0;
-  return absl::StrFormat("%.15g", std::round(value / unit) * unit);
-}
 
 // "2nd", "3rd", "12th".
 std::string Ordinal(int n) {
@@ -54,29 +42,9 @@ absl::string_view Estimated(Estimator estimator) {
   return "Gains, time constants and dead times are";
 }
 
-std::string DescribeCorrection(const Policy& policy, const Campaign& campaign) {
-  const int windows = campaign.life.windows;
-  const double months =
-      policy.every * campaign.set_points.change_every / campaign.life.month;
-  return absl::StrCat(
-      Estimated(policy.estimator), " corrected from routine records of the ",
-      windows == 1 ? std::string("last set-point change")
-                   : absl::StrCat("last ", windows, " set-point changes"),
-      ", without a test. When: after ", Every(policy.every, "set-point change"),
-      ", about ", Months(std::abs(months - 1.0) < 0.05 ? "1" : Rounded(months)),
-      ", if the records show that the plant has changed.");
-}
-
-std::string DescribeTest(const Campaign& campaign, double hours_per_unit) {
-  const double hours =
-      hours_per_unit *
-      PlanStepTest(campaign.model, campaign.life.test).duration();
-  return absl::StrCat(
-      "The controller is off for ", Rounded(hours),
-      Rounded(hours) == "1" ? " hour" : " hours",
-      ", each input goes up and back, and the model is corrected from "
-      "that record.");
-}
+constexpr char kStepTest[] =
+    "The controller is off, each input goes up and back, and the model is "
+    "corrected from that record. When: ";
 
 }  // namespace
 
@@ -125,8 +93,7 @@ std::string Instruction(const Policy& policy) {
                       Every(policy.every, "set-point change"));
 }
 
-std::string Description(const Policy& policy, const Campaign& campaign,
-                        double hours_per_unit) {
+std::string Description(const Policy& policy) {
   switch (policy.kind) {
     case Policy::Kind::kNever:
       return "The controller keeps the model of its commissioning. When: "
@@ -135,19 +102,23 @@ std::string Description(const Policy& policy, const Campaign& campaign,
       return "The controller always has the plant's own model, at no cost: not "
              "a way to work but the floor by which the others are judged.";
     case Policy::Kind::kTest:
-      return absl::StrCat(DescribeTest(campaign, hours_per_unit),
-                          " When: ", Months(absl::StrCat(policy.months)), ".");
+      return absl::StrCat(kStepTest, Months(absl::StrCat(policy.months)), ".");
     case Policy::Kind::kOnDemand:
       return absl::StrCat(
-          DescribeTest(campaign, hours_per_unit),
-          " When: after a set-point change whose squared error is more than ",
-          Rounded(1.0 / policy.threshold),
-          " times what the controller was designed for (index below ",
-          policy.threshold, ").");
+          kStepTest,
+          "after a set-point change whose performance index, the squared error "
+          "that the controller was designed for over the measured one, is "
+          "below ",
+          policy.threshold, ".");
     case Policy::Kind::kCorrection:
       break;
   }
-  return DescribeCorrection(policy, campaign);
+  return absl::StrCat(
+      Estimated(policy.estimator),
+      " corrected from routine records of the last set-point changes, without "
+      "a test. When: after ",
+      Every(policy.every, "set-point change"),
+      ", if the records show that the plant has changed.");
 }
 
 }  // namespace mle::lifecycle

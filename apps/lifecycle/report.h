@@ -4,7 +4,6 @@
 #ifndef APPS_LIFECYCLE_REPORT_H_
 #define APPS_LIFECYCLE_REPORT_H_
 
-#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -41,9 +40,8 @@ std::string ShortName(const Policy& policy);
 // As an instruction: "Correct the model after every 3rd set-point change".
 std::string Instruction(const Policy& policy);
 
-// What it does and when, in sentences. `hours_per_unit`: of the model's time.
-std::string Description(const Policy& policy, const Campaign& campaign,
-                        double hours_per_unit);
+// What it does and when, in sentences.
+std::string Description(const Policy& policy);
 
 // The tables of mle_lifecycle.
 
@@ -59,43 +57,12 @@ report::Table ActivityTable(const RateSummary& rate);
 // Parts of the cost of a year.
 report::Table CostTable(const RateSummary& rate, const std::string& currency);
 
-// Policies by rates: the part of the avoidable cost that is saved, in percent.
-report::Table SavingTable(const std::vector<RateSummary>& summaries);
-
-// What the figures of lives have in common.
+// The figures of mle_lifecycle.
 
 inline constexpr char kFloorLabel[] = "perfect model: the floor";
 
-// Colour by family; its members differ in their lines.
-report::Style StyleOfPolicy(const Policy& policy, int member);
-// By its place among the policies.
-report::Style StyleAt(const std::vector<Policy>& policies, std::size_t place);
-
-report::MarkerShape MarkerOf(const std::string& family);
-
-// What is drawn of a policy: what it costs beyond the perfect model, where that
-// is known.
-MeanOfSeeds Drawn(const PolicySummary& policy);
-
-// "cost a year above the floor, EUR", or the cost itself without the perfect
-// model.
-std::string CostLabel(const RateSummary& rate, const std::string& currency);
-
-// The highest cost that a picture has to show. Step tests may cost many times
-// what all others do, and would press those flat.
-class UpperEdge {
- public:
-  void Add(const Policy& policy, double cost);
-  double value() const;
-
- private:
-  static constexpr double kMostTimes = 4.0;
-  double others_ = 0.0;
-  double tests_ = std::numeric_limits<double>::infinity();
-};
-
 // What each policy costs a year at one rate, with its interval, above the floor
-// that the perfect model is (cost_figure.cc).
+// that the perfect model is.
 report::NamedFigure CostFigure(const RateSummary& rate,
                                const std::string& currency);
 
@@ -109,12 +76,9 @@ report::NamedFigure CostFigure(const RateSummary& rate,
 report::NamedFigure SavingMap(const std::vector<const RateSummary*>& summaries,
                               const std::string& currency);
 
-// The figures of mle_lifecycle.
-
-// Cost against the time between updates, the map of savings by policy and rate
-// of ageing (saving_map.h), cost against the rate, and, for the first seed at
-// the rate nearest to 1, cost and model error over time. Those that would show
-// nothing are left out: a single interval, a single rate.
+// What each policy costs; the map of savings by policy and rate of ageing,
+// where there are several rates; and, for the first seed at the rate nearest to
+// 1, cost and model error over time.
 std::vector<report::NamedFigure> MakeFigures(
     const Campaign& campaign, const Lives& lives,
     const std::vector<RateSummary>& summaries, const Valuation& valuation);

@@ -141,30 +141,6 @@ Table CostTable(const RateSummary& rate, const std::string& currency) {
   return table;
 }
 
-Table SavingTable(const std::vector<RateSummary>& summaries) {
-  Table table{.caption =
-                  "Share of the avoidable cost (never less perfect) that each "
-                  "policy saves, by rate of ageing; negative: the policy costs "
-                  "more than never",
-              .columns = {{"policy", Align::kLeft}}};
-  for (const RateSummary& rate : summaries) {
-    table.columns.push_back({absl::StrCat("rate ", rate.rate)});
-  }
-  for (std::size_t p = 0; p < summaries.front().policies.size(); ++p) {
-    const Policy& policy = summaries.front().policies[p].policy;
-    if (policy.kind == Policy::Kind::kNever ||
-        policy.kind == Policy::Kind::kPerfect) {
-      continue;
-    }
-    std::vector<std::string> cells = {ShortName(policy)};
-    for (const RateSummary& rate : summaries) {
-      cells.push_back(Percent(rate.policies[p].share_saved));
-    }
-    table.AddRow(std::move(cells));
-  }
-  return table;
-}
-
 std::string Money(const MeanOfSeeds& amount) {
   const std::string mean = report::FormatMoney(amount.mean);
   if (!std::isfinite(amount.half_width)) return mean;

@@ -187,9 +187,8 @@ TEST_F(MleLifecycleTest, ThePageIsReadable) {
                   "--policies=never,output_error:1,output_error:2,test:1,"
                   "test:2,on_demand:0.7,perfect"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  // Costs, the map of savings, cost over the rate, two over the years, and
-  // two over the interval.
-  ExpectReadable(scratch_ / "out/report.html", "lifecycle", 7,
+  // Costs, the map of savings, and two over the years.
+  ExpectReadable(scratch_ / "out/report.html", "lifecycle", 4,
                  {.badge = "update"});
   ExpectFitsPaper(scratch_ / "out/report.html", "lifecycle_paper");
 }
@@ -202,14 +201,13 @@ TEST_F(MleLifecycleTest, DrawsCostsAndTheirCourse) {
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_EQ(run.err.find("warning"), std::string::npos) << run.err;
   const std::string page = Content(scratch_ / "out/report.html");
-  for (const char* const name : {"policy_costs", "cost_over_interval",
-                                 "saving_map", "cost_over_rate", "over_time"}) {
+  for (const char* const name : {"policy_costs", "saving_map", "over_time"}) {
     SCOPED_TRACE(name);
     const std::string stem = scratch_ / "out/" + name;
     EXPECT_THAT(Content(stem + ".svg"), HasSubstr("</svg>"));
     EXPECT_THAT(Content(stem + ".pdf"), StartsWith("%PDF"));
   }
-  EXPECT_EQ(report::FiguresOf(page, true).size(), 5u);
+  EXPECT_EQ(report::FiguresOf(page, true).size(), 3u);
 }
 
 TEST_F(MleLifecycleTest, SetPointsChangeAtControlInstants) {
@@ -363,7 +361,6 @@ TEST_F(MleLifecycleTest, MistakesNameTheFlagAndWhatWouldBeRight) {
   EXPECT_THAT(Message({"--ageing_rates=1,-2"}),
               HasSubstr("--ageing_rates=1,-2: '-2'"));
   EXPECT_THAT(Message({"--seeds=0"}), HasSubstr("--seeds=0"));
-  EXPECT_THAT(Message({"--forgetting=2"}), HasSubstr("--forgetting=2"));
   EXPECT_THAT(Message({"--setpoint_range=0"}), HasSubstr("--setpoint_range=0"));
   EXPECT_THAT(Message({"--price_movement=-1"}), HasSubstr("--price_movement"));
   EXPECT_THAT(Message({"--currency=pounds sterling"}),
