@@ -39,7 +39,6 @@ void AddDistances(const std::vector<CaseResult>& cases, const Figures& figures,
       "the rule that --selection names; the plant is not used for it.");
   for (const CaseResult& result : cases) page.AddTable(DistanceTable(result));
   AddFigure(figures, "distance_over_lambda", page);
-  AddFigure(figures, "distance_distribution", page);
 }
 
 void AddEstimators(const std::vector<CaseResult>& cases,
@@ -101,9 +100,6 @@ void AddLoops(const std::vector<CaseResult>& cases, const Figures& figures,
     page.AddTable(
         ClosedLoopTable(result.name, result.plant, result.ClosedLoops()));
     AddFigure(figures, absl::StrCat("closed_loop_", result.name), page);
-    page.AddSubheading(
-        absl::StrCat("Tuning for the corrected model, case ", result.name));
-    page.AddList(result.runs.front().retuning);
   }
 }
 
