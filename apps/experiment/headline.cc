@@ -30,29 +30,20 @@ std::string OfCases(int count, int all) {
   return absl::StrCat(count, " of ", all, all == 1 ? " case" : " cases");
 }
 
-struct Totals {
-  int closer = 0;
-  int unchanged = 0;
-  int farther = 0;
-  std::int64_t runs = 0;
-  double harmed = 0.0;
-
-  int cases() const { return closer + unchanged + farther; }
-};
-
-Totals Total(const std::vector<MethodTally>& tallies) {
-  Totals totals;
+MethodTally Total(const std::vector<MethodTally>& tallies) {
+  MethodTally total;
   for (const MethodTally& tally : tallies) {
-    totals.closer += tally.closer;
-    totals.unchanged += tally.unchanged;
-    totals.farther += tally.farther;
-    totals.runs += tally.runs;
-    totals.harmed += tally.harmed;
+    total.closer += tally.closer;
+    total.unchanged += tally.unchanged;
+    total.farther += tally.farther;
+    total.runs += tally.runs;
+    total.harmed += tally.harmed;
   }
-  return totals;
+  return total;
 }
 
-report::Verdict Opening(const StudySummary& summary, const Totals& totals) {
+report::Verdict Opening(const StudySummary& summary,
+                        const MethodTally& totals) {
   if (summary.failed == summary.runs) {
     return {Badge::kUnknown, "failed", "Every run failed", {}};
   }
@@ -104,7 +95,7 @@ std::string CaseSentence(const Campaign& campaign, const Cell& cell) {
 }
 
 void AddCases(const Campaign& campaign, const StudySummary& summary,
-              const Totals& totals, std::vector<std::string>& sentences) {
+              const MethodTally& totals, std::vector<std::string>& sentences) {
   const bool few = totals.cases() <= static_cast<int>(kMostCases);
   std::vector<std::string> farther;
   for (const Cell& cell : summary.cells) {
@@ -127,7 +118,7 @@ void AddCases(const Campaign& campaign, const StudySummary& summary,
   sentences.push_back(sentence + ".");
 }
 
-std::string HarmedSentence(const Totals& totals) {
+std::string HarmedSentence(const MethodTally& totals) {
   if (totals.runs == 0) return "";
   const double share = totals.harmed / static_cast<double>(totals.runs);
   return absl::StrCat(
@@ -222,7 +213,7 @@ std::vector<MethodTally> TallyMethods(const Campaign& campaign,
 
 report::Verdict VerdictOf(const Campaign& campaign,
                           const StudySummary& summary) {
-  const Totals totals = Total(TallyMethods(campaign, summary));
+  const MethodTally totals = Total(TallyMethods(campaign, summary));
   report::Verdict verdict = Opening(summary, totals);
   AddCases(campaign, summary, totals, verdict.sentences);
   verdict.sentences.push_back(HarmedSentence(totals));

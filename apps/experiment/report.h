@@ -24,7 +24,7 @@ namespace mle::experiment {
 // "gain, noise 0.001"; the campaign's mismatch where nothing else differs.
 std::string ScenarioLabel(const Campaign& campaign, const Scenario& scenario);
 // The same without the one axis that a figure has.
-enum class Axis { kNone, kNoise, kDrift, kSize, kWindows, kController };
+enum class Axis { kNone, kNoise, kDrift, kSize };
 std::string ScenarioLabel(const Campaign& campaign, const Scenario& scenario,
                           Axis without);
 // "arx, paper".

@@ -240,10 +240,10 @@ std::string ScenarioLabel(const Campaign& campaign, const Scenario& scenario,
     const std::string& name = campaign.effects[scenario.effects].name;
     parts.push_back(name == "none" ? "no effects" : name);
   }
-  if (campaign.controllers.size() > 1 && without != Axis::kController) {
+  if (campaign.controllers.size() > 1) {
     parts.push_back(campaign.controllers[scenario.controller].name);
   }
-  if (campaign.windows.size() > 1 && without != Axis::kWindows) {
+  if (campaign.windows.size() > 1) {
     parts.push_back(campaign.windows[scenario.windows].name);
   }
   return absl::StrJoin(parts, ", ");

@@ -41,7 +41,6 @@ TEST_F(MleStudyTest, TheSameBytesForAnyNumberOfThreads) {
   campaign["estimators"] = {"none", "arx:none", "arx", "output_error:none",
                             "combined"};
   campaign["selections"] = {"paper", "bic"};
-  campaign["noise_variances"] = {1e-3, 1e-2};
   const std::string one = Run(campaign, "one", {"--threads=1"});
   ASSERT_EQ(result_.exit_code, 0) << result_.err;
   const std::string three = Run(campaign, "three", {"--threads=3"});
@@ -50,7 +49,7 @@ TEST_F(MleStudyTest, TheSameBytesForAnyNumberOfThreads) {
     EXPECT_EQ(Content(one + "/" + file), Content(three + "/" + file)) << file;
   }
   EXPECT_EQ(ParsedCsv(one + "/runs.csv").size(),
-            1U + 2U * 2U * 2U * (1U + 2U + 2U + 1U + 2U));
+            1U + 2U * 2U * (1U + 2U + 2U + 1U + 2U));
 }
 
 // A run alone gives the same as among others: work that is shared is the same
@@ -210,20 +209,8 @@ TEST_F(MleStudyTest, TheElasticNetGoesFromTheLassoOn) {
   EXPECT_NE(runs[1][Column(runs, "E")], runs[3][Column(runs, "E")]);
 }
 
-TEST_F(MleStudyTest, ThePageIsReadable) {
-  if (!report::HasBrowser()) GTEST_SKIP() << "chromium is not installed";
-  nlohmann::json campaign = SmallCampaign(6);
-  campaign["mismatches"][0]["sizes"] = {0.25, 0.5, 1};
-  campaign["mismatches"].erase(1);
-  Run(campaign, "out", {"--figures=true"});
-  ASSERT_EQ(result_.exit_code, 0) << result_.err;
-  // A sweep, and three panels of E.
-  ExpectReadable(scratch_ / "out/report.html", "study", 4,
-                 {.badge = "closer"});
-}
-
 // Two methods, and more cells than a table shows before its fold is opened.
-TEST_F(MleStudyTest, ThePageOfManyCellsIsReadable) {
+TEST_F(MleStudyTest, ThePageIsReadable) {
   if (!report::HasBrowser()) GTEST_SKIP() << "chromium is not installed";
   nlohmann::json campaign = SmallCampaign(2);
   campaign["mismatches"][0]["sizes"] = {0.25, 0.5, 1};
@@ -240,20 +227,6 @@ TEST_F(MleStudyTest, ThePageOfManyCellsIsReadable) {
   ExpectReadable(scratch_ / "out/report.html", "study_many", 10,
                  {.badge = "closer"});
   ExpectFitsPaper(scratch_ / "out/report.html", "study_paper");
-}
-
-TEST_F(MleStudyTest, TheExamplesAreCampaigns) {
-  int examples = 0;
-  for (const auto& entry :
-       std::filesystem::directory_iterator(MLE_SOURCE_FOLDER "/configs")) {
-    const std::string name = entry.path().filename().string();
-    if (name.rfind("campaign_", 0) != 0) continue;
-    ++examples;
-    const report::ProcessResult result =
-        RunTested({"--campaign=" + entry.path().string(), "--dry_run"});
-    EXPECT_EQ(result.exit_code, 0) << name << ": " << result.err;
-  }
-  EXPECT_GE(examples, 2);
 }
 
 }  // namespace

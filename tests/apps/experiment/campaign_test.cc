@@ -1,11 +1,14 @@
 #include <cmath>
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
 
 #include "apps/experiment/campaign_json.h"
+#include "apps/experiment/study.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "mle/base/file.h"
 #include "tests/apps/experiment/small_campaign.h"
 #include "tests/mle/base/scratch_folder.h"
 
@@ -337,6 +340,20 @@ TEST(CampaignTest, AGridTooLargeToCount) {
   ASSERT_FALSE(campaign.ok());
   EXPECT_THAT(std::string(campaign.status().message()),
               HasSubstr("more than 1e9 runs"));
+}
+
+TEST(CampaignTest, TheExamplesAreCampaigns) {
+  int examples = 0;
+  for (const auto& entry :
+       std::filesystem::directory_iterator(MLE_SOURCE_FOLDER "/configs")) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with("campaign_")) continue;
+    ++examples;
+    const auto study = ReadStudy(*ReadFile(entry.path().string()), name,
+                                 entry.path().parent_path().string());
+    EXPECT_TRUE(study.ok()) << study.status();
+  }
+  EXPECT_GE(examples, 2);
 }
 
 }  // namespace

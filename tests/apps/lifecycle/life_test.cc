@@ -62,7 +62,7 @@ TEST(LifeTest, CorrectionsFollowAPlantThatAges) {
   const LifeOptions options = TankLife(NoisyTank());
   const Life never = LiveBy("never", scenario, options);
   for (const char* policy :
-       {"output_error:1", "combined:1", "arx:1", "test:0.2", "on_demand:0.8"}) {
+       {"output_error:1", "combined:4", "arx:4", "test:0.2", "on_demand:0.8"}) {
     const Life life = LiveBy(policy, scenario, options);
     EXPECT_GT(Count(life, Outcome::kUpdated), 0) << policy;
     // At the end, where a gain of 0.4 has been reached.
