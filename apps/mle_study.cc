@@ -10,9 +10,7 @@
 #include "apps/common/command_line.h"
 #include "apps/common/option_table.h"
 #include "apps/common/part.h"
-#include "apps/common/progress.h"
 #include "apps/common/run_again.h"
-#include "apps/common/stop_signal.h"
 #include "apps/experiment/grid.h"
 #include "apps/experiment/report.h"
 #include "apps/experiment/study.h"
@@ -152,23 +150,11 @@ absl::StatusOr<int> Run(const Request& request) {
   MLE_ASSIGN_OR_RETURN(experiment::RunFolder folder,
                        experiment::OpenFolder(work, runs, request.out,
                                               request.part, request.resume));
-  folder.PrintFound("runs");
-  CatchStopSignals();
-  MLE_RETURN_IF_ERROR(
-      folder.RunRemaining(runs, experiment::RunThreads(request.threads),
-                          StopRequested, ShowProgress("runs")));
-  if (!folder.is_done()) {
-    std::cerr
-        << "Stopped: " << folder.num_done() << " of " << folder.runs()
-        << " runs are done, in " << folder.path()
-        << "/journal.csv. Give the same command with --resume to resume.\n";
-    return kExitNotUsable;
-  }
-  if (request.part.is_everything()) return Conclude(request, work, folder);
-  std::cout << "Part " << request.part.text << ": all of its " << folder.runs()
-            << " runs are done. When the other parts are, give the same "
-               "command without --part.\n";
-  return kExitDone;
+  MLE_ASSIGN_OR_RETURN(
+      const bool whole,
+      folder.RunAsCommand(runs, "runs", "with --resume ", request.threads));
+  if (whole) return Conclude(request, work, folder);
+  return folder.is_done() ? kExitDone : kExitNotUsable;
 }
 
 }  // namespace

@@ -66,6 +66,8 @@ absl::StatusOr<Life> Live(const Campaign& campaign, const Place& place,
                      [&stop] { return stop.load(); });
 }
 
+}  // namespace
+
 Work WorkOf(const Campaign& campaign) {
   Work work;
   work.file = "journal.txt";
@@ -103,25 +105,13 @@ Work WorkOf(const Campaign& campaign) {
   return work;
 }
 
-}  // namespace
-
-absl::StatusOr<Lives> RunCampaign(const Campaign& campaign,
-                                  const std::function<bool()>& stop,
-                                  const ProgressFunction& told) {
-  const Work work = WorkOf(campaign);
-  MLE_ASSIGN_OR_RETURN(
-      RunFolder folder,
-      RunFolder::Open(work, campaign.folder, campaign.part, /*resume=*/true));
-  folder.PrintFound("lives");
-  MLE_RETURN_IF_ERROR(folder.RunRemaining(
-      work, experiment::RunThreads(campaign.threads), stop, told));
-  if (!folder.is_done()) return absl::CancelledError("stopped");
+absl::StatusOr<Lives> ReadLives(const Campaign& campaign,
+                                const RunFolder& folder) {
   Lives lives(
       campaign.rates.size(),
       std::vector<std::vector<Life>>(
           campaign.seeds.size(), std::vector<Life>(campaign.policies.size())));
-  if (!campaign.part.is_everything()) return lives;
-  for (std::int64_t run = 0; run < work.units; ++run) {
+  for (std::int64_t run = 0; run < folder.runs(); ++run) {
     MLE_ASSIGN_OR_RETURN(const std::string line, folder.journal().Line(run));
     const Place place = PlaceOfRun(campaign, run);
     MLE_ASSIGN_OR_RETURN(lives[place.rate][place.seed][place.policy],

@@ -6,13 +6,12 @@
 #define APPS_LIFECYCLE_CAMPAIGN_H_
 
 #include <cstdint>
-#include <functional>
 #include <string>
 #include <vector>
 
 #include "absl/status/statusor.h"
 #include "apps/common/part.h"
-#include "apps/common/progress.h"
+#include "apps/experiment/run_folder.h"
 #include "apps/lifecycle/life.h"
 #include "apps/lifecycle/policy.h"
 #include "apps/lifecycle/scenario.h"
@@ -40,13 +39,14 @@ struct Campaign {
 // lives[rate][seed][policy].
 using Lives = std::vector<std::vector<std::vector<Life>>>;
 
-// Makes the lives that the folder does not hold (run_folder.h), each a run of a
-// unit of its own; its journal is journal.txt. Cancelled where `stop` says so:
-// what is made is kept. `told` is called with the lives made and all of them.
-// Both are called by the caller's thread. Of a part, the lives are none.
-absl::StatusOr<Lives> RunCampaign(const Campaign& campaign,
-                                  const std::function<bool()>& stop,
-                                  const ProgressFunction& told);
+// The lives as work for a folder (run_folder.h), each a run and a unit of its
+// own; the journal is journal.txt, and lives of other settings stay in it. The
+// campaign must outlive it.
+experiment::Work WorkOf(const Campaign& campaign);
+
+// Of a folder that has them all.
+absl::StatusOr<Lives> ReadLives(const Campaign& campaign,
+                                const experiment::RunFolder& folder);
 
 }  // namespace mle::lifecycle
 

@@ -9,7 +9,6 @@
 #include "apps/lifecycle/report.h"
 #include "apps/lifecycle/request.h"
 #include "apps/lifecycle/summary.h"
-#include "apps/report/number.h"
 
 namespace mle::lifecycle {
 namespace {
@@ -137,43 +136,6 @@ void AddPolicy(const PolicySummary& policy, double place, double edge,
   panel.markers.push_back(std::move(marker));
 }
 
-constexpr double kCellWidthCm = 3.4;
-constexpr double kCellHeightCm = 1.1;
-
-// Beyond what chance does.
-bool Pays(const MeanOfSeeds& saving) {
-  return saving.mean > 0.0 && !(saving.half_width >= saving.mean);
-}
-
-double LargestSaving(const RateSummary& rate) {
-  double largest = 0.0;
-  for (const PolicySummary& policy : rate.policies) {
-    if (Pays(policy.saving)) largest = std::max(largest, policy.saving.mean);
-  }
-  return largest;
-}
-
-std::vector<std::string> Words(const PolicySummary& policy) {
-  if (policy.ran_away > 0) return {"the loop diverged"};
-  const MeanOfSeeds& saving = policy.saving;
-  if (!std::isfinite(saving.mean)) return {"–"};
-  std::vector<std::string> lines = {absl::StrCat(
-      saving.mean > 0.0 ? "+" : "", report::FormatMoney(saving.mean))};
-  if (std::isfinite(saving.half_width)) {
-    lines.push_back(absl::StrCat("± ", report::FormatMoney(saving.half_width)));
-  }
-  return lines;
-}
-
-std::vector<const RateSummary*> ByRate(
-    const std::vector<RateSummary>& summaries) {
-  std::vector<const RateSummary*> sorted;
-  for (const RateSummary& rate : summaries) sorted.push_back(&rate);
-  std::sort(sorted.begin(), sorted.end(),
-            [](const auto* a, const auto* b) { return a->rate < b->rate; });
-  return sorted;
-}
-
 // Of the perfect policy, by change; empty where it is not run.
 std::vector<double> PerfectCosts(const Campaign& campaign,
                                  const std::vector<Life>& lives,
@@ -296,54 +258,15 @@ report::NamedFigure CostFigure(const RateSummary& rate,
   return named;
 }
 
-report::NamedFigure SavingMap(const std::vector<const RateSummary*>& summaries,
-                              const std::string& currency) {
-  report::NamedFigure named;
-  named.name = "saving_map";
-  named.caption = absl::StrCat(
-      "Saving a year against never updating", InCurrency(currency),
-      ", by policy and rate of ageing, with the half-width of its 95 % "
-      "interval. The darker, the larger the share of the largest saving at "
-      "that rate. White: not significantly above zero.");
-  named.alt = absl::StrCat(named.caption, " The tables have the same numbers.");
-  report::Panel& panel = named.figure.AddPanel("");
-  panel.x.label = "rate of ageing";
-  for (const RateSummary* rate : summaries) {
-    panel.x.names.push_back(absl::StrCat(rate->rate));
-  }
-  const std::size_t policies = summaries.front()->policies.size();
-  for (std::size_t p = policies; p-- > 0;) {
-    const Policy& policy = summaries.front()->policies[p].policy;
-    if (policy.kind == Policy::Kind::kNever) continue;
-    const auto y = static_cast<double>(panel.y.names.size());
-    panel.y.names.push_back(ShortName(policy));
-    for (std::size_t r = 0; r < summaries.size(); ++r) {
-      const PolicySummary& at = summaries[r]->policies[p];
-      const double shade =
-          Pays(at.saving) ? at.saving.mean / LargestSaving(*summaries[r]) : 0.0;
-      panel.cells.push_back({static_cast<double>(r), y, shade, Words(at)});
-    }
-  }
-  named.figure.legend = false;
-  named.figure.width_cm = std::clamp(
-      4.0 + kCellWidthCm * static_cast<double>(summaries.size()), 8.5, 60.0);
-  named.figure.height_cm =
-      1.8 + kCellHeightCm * static_cast<double>(panel.y.names.size());
-  return named;
-}
-
 std::vector<NamedFigure> MakeFigures(const Campaign& campaign,
                                      const Lives& lives,
                                      const std::vector<RateSummary>& summaries,
                                      const Valuation& valuation) {
   const RateSummary& nominal = NominalRate(summaries);
-  std::vector<NamedFigure> figures = {CostFigure(nominal, valuation.currency)};
-  if (summaries.size() > 1 && campaign.policies.size() > 1 &&
-      nominal.Find(Policy::Kind::kNever) != nullptr) {
-    figures.push_back(SavingMap(ByRate(summaries), valuation.currency));
-  }
-  figures.push_back(TimeFigure(campaign, lives[&nominal - summaries.data()],
-                               nominal.rate, valuation));
+  std::vector<NamedFigure> figures = {
+      CostFigure(nominal, valuation.currency),
+      TimeFigure(campaign, lives[&nominal - summaries.data()], nominal.rate,
+                 valuation)};
   for (NamedFigure& figure : figures) {
     if (figure.alt.empty()) figure.alt = figure.caption;
   }

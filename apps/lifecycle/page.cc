@@ -2,7 +2,6 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "apps/common/command_line.h"
 #include "apps/lifecycle/report.h"
 #include "apps/report/drawing.h"
 #include "mle/base/file.h"
@@ -78,11 +77,13 @@ void AddPolicies(const Campaign& campaign, HtmlPage& page) {
 }
 
 void AddRates(const std::vector<RateSummary>& summaries, std::size_t lives,
-              const std::string& currency, const Figures& figures,
-              HtmlPage& page) {
+              const std::string& currency, HtmlPage& page) {
   if (summaries.size() < 2) return;
   page.AddHeading("At other rates of ageing");
-  AddFigure(figures, "saving_map", page);
+  if (summaries.front().Find(Policy::Kind::kNever) != nullptr &&
+      summaries.front().policies.size() > 1) {
+    page.AddTable(SavingTable(summaries, currency));
+  }
   for (const RateSummary& rate : summaries) {
     if (&rate == &NominalRate(summaries)) continue;
     page.OpenFold(absl::StrCat("Costs at ageing rate ", rate.rate));
@@ -119,7 +120,7 @@ std::string FormatPage(const Campaign& campaign,
   AddWarnings(summaries, lives, page);
   AddCosts(NominalRate(summaries), lives, valuation.currency, figures, page);
   AddPolicies(campaign, page);
-  AddRates(summaries, lives, valuation.currency, figures, page);
+  AddRates(summaries, lives, valuation.currency, page);
   AddCourse(summaries, figures, page);
   page.OpenFold("Files");
   page.AddFiles({{"result.json: every number of this page", "result.json"},
@@ -144,8 +145,6 @@ Results Evaluate(const Request& request, Lives lives) {
 absl::Status WriteResults(const Request& request, const Results& results,
                           const Asked& asked) {
   const Campaign& campaign = request.campaign;
-  MLE_ASSIGN_OR_RETURN(const FolderLock lock,
-                       ClaimOutputFolder(campaign.folder));
   const auto& [lives, summaries, valuation] = results;
   std::vector<std::pair<std::string, std::string>> files = {
       {"result.json",

@@ -57,6 +57,12 @@ report::Table ActivityTable(const RateSummary& rate);
 // Parts of the cost of a year.
 report::Table CostTable(const RateSummary& rate, const std::string& currency);
 
+// Policies by rates of ageing: what is saved a year against never. The larger a
+// part of the largest saving at that rate, the darker. `never` is among the
+// policies, and others too.
+report::Table SavingTable(const std::vector<RateSummary>& summaries,
+                          const std::string& currency);
+
 // The figures of mle_lifecycle.
 
 inline constexpr char kFloorLabel[] = "perfect model: the floor";
@@ -66,19 +72,8 @@ inline constexpr char kFloorLabel[] = "perfect model: the floor";
 report::NamedFigure CostFigure(const RateSummary& rate,
                                const std::string& currency);
 
-// A map of the saving of policies by rates of ageing.
-
-// A square for each policy and rate: what is saved a year against never, with
-// the half-width of its interval of 95 %. The larger a part of the largest mean
-// saving at that rate, the darker; a saving within its interval of zero is
-// white. `summaries`: by rising rate, all of the same policies, `never` among
-// them and others too.
-report::NamedFigure SavingMap(const std::vector<const RateSummary*>& summaries,
-                              const std::string& currency);
-
-// What each policy costs; the map of savings by policy and rate of ageing,
-// where there are several rates; and, for the first seed at the rate nearest to
-// 1, cost and model error over time.
+// What each policy costs, and, for the first seed at the rate nearest to 1,
+// cost and model error over time.
 std::vector<report::NamedFigure> MakeFigures(
     const Campaign& campaign, const Lives& lives,
     const std::vector<RateSummary>& summaries, const Valuation& valuation);
@@ -150,7 +145,7 @@ struct Asked {
   report::RunAgain run_again;
 };
 
-// Into the campaign's folder, all or none.
+// Into the campaign's folder, whose lock is held (run_folder.h), all or none.
 absl::Status WriteResults(const Request& request, const Results& results,
                           const Asked& asked);
 
