@@ -52,13 +52,6 @@ Style StyleAt(const std::vector<Policy>& policies, std::size_t place) {
   return StyleOfPolicy(policies[place], member);
 }
 
-MarkerShape MarkerOf(const std::string& family) {
-  if (family == "output_error") return MarkerShape::kDisc;
-  if (family == "combined") return MarkerShape::kSquare;
-  if (family == "arx") return MarkerShape::kTriangle;
-  return MarkerShape::kDiamond;
-}
-
 // What a policy costs beyond the perfect model, where that is known.
 MeanOfSeeds Drawn(const PolicySummary& policy) {
   return std::isfinite(policy.excess.mean) ? policy.excess : policy.cost;
@@ -126,7 +119,7 @@ void AddPolicy(const PolicySummary& policy, double place, double edge,
   panel.series.push_back(series);
   report::Marker marker{
       .label = "", .x = cost.mean, .y = place, .style = series.style};
-  marker.style.marker = MarkerOf(policy.policy.family());
+  marker.style.marker = MarkerShape::kDisc;
   marker.style.marker_size_pt = 6.0;
   if (cost.mean > edge) {
     marker.label = "beyond the right edge";

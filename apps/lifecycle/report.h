@@ -32,17 +32,6 @@ std::string Money(const MeanOfSeeds& amount, const std::string& currency);
 // ", EUR" for captions and axes; empty without a name.
 std::string InCurrency(const std::string& currency);
 
-// Policies in the words of those who run a plant.
-
-// In tables and figures: "corrected every 3rd change".
-std::string ShortName(const Policy& policy);
-
-// As an instruction: "Correct the model after every 3rd set-point change".
-std::string Instruction(const Policy& policy);
-
-// What it does and when, in sentences.
-std::string Description(const Policy& policy);
-
 // The tables of mle_lifecycle.
 
 // What a year costs under each policy, the cheapest first and the perfect model

@@ -2,7 +2,7 @@
 #include <set>
 #include <string>
 
-#include "apps/lifecycle/report.h"
+#include "apps/lifecycle/policy.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
