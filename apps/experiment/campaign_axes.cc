@@ -99,17 +99,13 @@ absl::StatusOr<std::vector<Mismatch>> ParseMismatch(
   return mismatches;
 }
 
-ProcessModel ChannelsOf(const ModelSpec& spec) {
-  return spec.random.has_value() ? ChannelsOf(*spec.random) : spec.model;
-}
-
 }  // namespace
 
 absl::Status CheckNewName(const JsonNode& node, const std::string& name,
                           std::set<std::string>& names) {
   if (names.insert(name).second) return absl::OkStatus();
   return node.Fault(absl::StrCat("the name '", name,
-                                 "' stands twice; every entry needs its own"));
+                                 "' is duplicated; every entry needs its own"));
 }
 
 absl::StatusOr<std::vector<double>> ParseNumberList(const JsonNode& node,
@@ -120,7 +116,7 @@ absl::StatusOr<std::vector<double>> ParseNumberList(const JsonNode& node,
   for (const JsonNode& element : elements) {
     MLE_ASSIGN_OR_RETURN(const double number, element.Number(range));
     if (!seen.insert(number).second) {
-      return element.Fault(absl::StrFormat("%g stands twice", number));
+      return element.Fault(absl::StrFormat("%g is duplicated", number));
     }
     numbers.push_back(number);
   }
@@ -150,7 +146,7 @@ absl::StatusOr<std::vector<std::uint64_t>> ParseSeeds(const JsonNode& node) {
   for (const JsonNode& element : elements) {
     MLE_ASSIGN_OR_RETURN(const std::int64_t seed, element.Integer(0, kMaxSeed));
     if (!seen.insert(seed).second) {
-      return element.Fault(absl::StrCat("the seed ", seed, " stands twice"));
+      return element.Fault(absl::StrCat("the seed ", seed, " is duplicated"));
     }
     seeds.push_back(static_cast<std::uint64_t>(seed));
   }
@@ -194,7 +190,9 @@ absl::StatusOr<std::vector<sim::Effects>> ParseEffectsOf(
   std::vector<sim::Effects> effects;
   for (const ModelSpec& model : models) {
     MLE_ASSIGN_OR_RETURN(effects.emplace_back(),
-                         sim::ParseEffects(node, ChannelsOf(model)));
+                         sim::ParseEffects(node, model.random.has_value()
+                                                     ? ChannelsOf(*model.random)
+                                                     : model.model));
   }
   return effects;
 }

@@ -32,8 +32,8 @@ absl::StatusOr<ParsedJson> ReadModelJson(const std::string& path) {
   return ParsedJson::parse(FormatProcessModel(file.process));
 }
 
-// Whose keys and channels must be right for all models of the campaign, if
-// these are.
+// The effects of a file. Keys and channels must be right for all models of the
+// campaign, if these are.
 absl::StatusOr<ParsedJson> ReadEffectsFile(const std::string& path,
                                            const JsonNode& campaign) {
   MLE_ASSIGN_OR_RETURN(const std::string text, ReadFile(path));

@@ -22,7 +22,7 @@
 namespace mle::experiment {
 namespace {
 
-// Of outliers, in standard deviations of the noise.
+// Sizes of outliers, in standard deviations of the noise.
 constexpr double kSmallestOutlier = 10.0;
 constexpr double kLargestOutlier = 50.0;
 

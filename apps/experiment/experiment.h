@@ -92,7 +92,7 @@ class Experiment {
   const std::vector<Record>& windows() const { return windows_; }
   const StepResponse& truth() const { return truth_; }
   StepResponse InitialResponse() const;
-  // Of the plant's own responses.
+  // The plant's own responses, judged.
   const Judgement& truth_judged() const { return truth_judged_; }
   // The information bound of E: what no unbiased estimate can beat on average
   // that knows the structure and the noise. 0 where there is no noise, or the

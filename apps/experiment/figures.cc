@@ -20,7 +20,7 @@ using report::Panel;
 using report::Role;
 using report::Series;
 
-// Of the methods, in their order; more have no curve.
+// Colours of the methods, in their order; more have no curve.
 constexpr std::array<Role, 6> kMethodRoles = {
     Role::kCorrected, Role::kAlternative, Role::kFitted,
     Role::kChosen,    Role::kMeasured,    Role::kTrue};

@@ -84,7 +84,7 @@ enum class Metric {
   kProposed,  // 1: the records proved a change, 0: not
   kPValue,    // of the initial model being right
   kGap,       // largest relative duality gap of the conversion and all fits
-  // Of the estimators with structure:
+  // Estimators with structure alone:
   kLimitE,   // information bound of E, every element free
   kNamed,    // 1: the elements named as aged are those that differ, 0: not
   kCovered,  // share of the intervals of all parameters that hold the plant's
@@ -95,7 +95,7 @@ extern const std::array<const char*, kNumMetrics> kMetricNames;
 struct Row {
   std::int64_t run = 0;
   std::array<double, kNumMetrics> values;
-  // Of processor time; what runs share counts for the first that needs it.
+  // Processor time; work that runs share counts for the first that needs it.
   double seconds = 0.0;
   std::string status = "ok";  // or why there is no result
 

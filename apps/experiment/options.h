@@ -72,7 +72,7 @@ struct ExperimentOptions {
   sim::Effects effects;
 
   double conversion_duration = 10000.0;
-  // Of the excitation; the noise variance where there is none.
+  // Noise variance of the excitation; none: the noise variance.
   std::optional<double> conversion_noise_variance;
   ConversionOptions conversion;
   CorrectionOptions correction;

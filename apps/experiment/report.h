@@ -39,7 +39,7 @@ std::string MethodLabel(const Campaign& campaign, const Method& method);
 
 enum class Ending { kCloser, kUnchanged, kFarther };
 
-// Of a case, i.e. a cell with values of E.
+// `cell` is a case: it has values of E.
 Ending EndingOf(const Cell& cell);
 // Whether the cell is a case, and not a model left as it is or a cell in which
 // every run failed.

@@ -40,7 +40,7 @@ absl::StatusOr<RunFolder> OpenFolder(const Study& study, const Work& work,
                                      const std::string& path, const Part& part,
                                      bool resume);
 
-// Of a journal with every run: writes runs.csv, whose bytes depend on the
+// The journal has every run. Writes runs.csv, whose bytes depend on the
 // campaign alone, and timings.csv, line by line beside their place and then
 // renamed; what WriteOutputs() writes; and gives the summary.
 absl::StatusOr<StudySummary> Conclude(const Study& study,

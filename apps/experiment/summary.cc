@@ -147,7 +147,7 @@ std::vector<std::string> CellTexts(const Campaign& campaign, const Cell& cell) {
   return texts;
 }
 
-// What of a distribution is written, in order.
+// The numbers of a distribution that are written, in order.
 std::vector<std::pair<const char*, double>> Values(const Distribution& d) {
   return {{"mean", d.mean},
           {"mean_low", d.mean_low},

@@ -23,7 +23,7 @@ struct Cell {
   Coordinates at;  // of its first run
   int runs = 0;
   int failed = 0;
-  // Of the runs that did not fail.
+  // Distributions over the runs that did not fail.
   std::array<Distribution, kNumMetrics> metrics;
   // Share of them with E above that of the model left alone, and above twice
   // that at the best λ; NaN where there is none.
@@ -43,7 +43,7 @@ struct StudySummary {
   std::int64_t failed = 0;
   // How often each failure occurred, numbers in it taken out.
   std::map<std::string, std::int64_t> failures;
-  // Of the solvers that are exact, all runs.
+  // Largest gap of the solvers that are exact, over all runs.
   double max_gap = 0.0;
 };
 

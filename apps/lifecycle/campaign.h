@@ -1,5 +1,6 @@
-// All requested lives: every policy, at every rate of ageing, with every seed. Lives with the same rate and seed have set points, noise,
-// disturbances and plant in common.
+// All requested lives: every policy, at every rate of ageing, with every seed.
+// Lives with the same rate and seed have set points, noise, disturbances and
+// plant in common.
 
 #ifndef APPS_LIFECYCLE_CAMPAIGN_H_
 #define APPS_LIFECYCLE_CAMPAIGN_H_
@@ -48,7 +49,7 @@ using Lives = std::vector<std::vector<std::vector<Life>>>;
 // campaign must outlive it.
 experiment::Work WorkOf(const Campaign& campaign);
 
-// Of a folder that has them all.
+// `folder` has them all.
 absl::StatusOr<Lives> ReadLives(const Campaign& campaign,
                                 const experiment::RunFolder& folder);
 

@@ -129,7 +129,7 @@ void AddPolicy(const PolicySummary& policy, double place, double edge,
   panel.markers.push_back(std::move(marker));
 }
 
-// Of the perfect policy, by change; empty where it is not run.
+// Costs of the perfect policy, by change; empty where it is not run.
 std::vector<double> PerfectCosts(const Campaign& campaign,
                                  const std::vector<Life>& lives,
                                  const Valuation& valuation) {

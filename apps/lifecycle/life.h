@@ -40,8 +40,8 @@ struct ChangeRow {
   SetPointEvent event;
   control::OperationSums quiet;      // since the last row
   control::OperationSums transient;  // after the change
-  // Of a step test after it, and of the first hours with a new model; their
-  // times are 0 without one.
+  // Sums of a step test after it, and of the first hours with a new model;
+  // their times are 0 without one.
   control::OperationSums test;
   control::OperationSums watch;
   ModelError error;  // of the model in use at the change

@@ -98,7 +98,7 @@ absl::StatusOr<std::vector<Policy>> ParsePolicies(std::string_view text) {
     const bool known =
         std::any_of(policies.begin(), policies.end(),
                     [&](const Policy& p) { return p.name == policy.name; });
-    if (known) return WrongPart(part, "stands twice");
+    if (known) return WrongPart(part, "is duplicated");
     policies.push_back(std::move(policy));
   }
   if (policies.empty()) {

@@ -37,7 +37,7 @@ struct Policy {
 };
 
 // A comma-separated list. InvalidArgument names the part that is wrong or
-// stands twice, and what is known.
+// is duplicated, and what is known.
 absl::StatusOr<std::vector<Policy>> ParsePolicies(std::string_view text);
 
 // Policies in the words of those who run a plant.

@@ -84,7 +84,8 @@ enum class Answer {
 
 Answer AnswerAt(const RateSummary& rate);
 
-// Of the rates the one nearest to 1, the ageing as its file has it; not empty.
+// The rate nearest to 1, the ageing as its file has it. `summaries` is not
+// empty.
 const RateSummary& NominalRate(const std::vector<RateSummary>& summaries);
 
 // Badge, headline and sentences for the nominal rate, with the answers at the
@@ -123,7 +124,7 @@ struct Results {
   Valuation valuation;
 };
 
-// Of lives with what they were asked for.
+// The results of lives at the prices asked for.
 Results Evaluate(const Request& request, Lives lives);
 
 // How the results were asked for: a command or a call, its options, and how the

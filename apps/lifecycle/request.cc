@@ -93,7 +93,7 @@ absl::Status SetRates(const Request& request, Campaign& campaign) {
   for (const double rate : request.rates) {
     if (std::count(campaign.rates.begin(), campaign.rates.end(), rate) > 0) {
       return WrongOption("ageing_rates",
-                         absl::StrCat("'", rate, "' stands twice"));
+                         absl::StrCat("'", rate, "' is duplicated"));
     }
     absl::StatusOr<sim::AgeingSchedule> scaled =
         sim::ScaleAgeing(campaign.ageing, rate);

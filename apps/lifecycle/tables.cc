@@ -14,7 +14,7 @@ using report::FormatFixed;
 using report::FormatSignificant;
 using report::Table;
 
-// Of the ground of a cell.
+// Levels of the ground of a cell.
 constexpr int kCheapestLevel = 3;
 constexpr int kAsGoodLevel = 1;
 constexpr int kDarkest = 4;

@@ -23,7 +23,7 @@ using File = std::pair<std::string, std::string>;
 
 std::string FormatResults(const std::vector<CaseResult>& cases);
 
-// Of each case's first run: E and cross-validation loss over λ
+// Curves of each case's first run: E and cross-validation loss over λ
 // (curve_NAME.csv), step responses (step_response_NAME.csv: time, then
 // output/input for initial, true, corrected and unregularised).
 std::vector<File> FormatCurves(const std::vector<CaseResult>& cases,

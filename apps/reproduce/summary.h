@@ -112,7 +112,7 @@ struct CaseResult {
   std::vector<ElementErrors> elements;  // row by row (p·m)
   double max_relative_gap = 0.0;
 
-  // Of all runs.
+  // Comparisons of all runs.
   std::vector<const ClosedLoopComparison*> ClosedLoops() const;
 };
 

@@ -55,7 +55,7 @@ TEST(LifecycleRequestTest, MistakesNameTheFlagAndWhatWouldBeRight) {
        {"prediction_horizon = 30000 with 30000 moves"}},
       {{"--solver=simplex"}, {"--solver=simplex: known are homotopy"}},
       {{"--robust=tukey"}, {"--robust=tukey: known are none, huber"}},
-      {{"--ageing_rates=1,1"}, {"--ageing_rates: '1' stands twice"}},
+      {{"--ageing_rates=1,1"}, {"--ageing_rates: '1' is duplicated"}},
       {{"--ageing_rates="}, {"--ageing_rates: names no rate"}},
       {{"--plant=/none.json"}, {"--plant: cannot open '/none.json'"}},
       {{"--window_age=soon"}, {"--window_age=soon: 'soon'"}},
