@@ -50,7 +50,8 @@ function(mle_add_test name)
   target_link_libraries(${name} PRIVATE
     ${ARG_DEPENDS} mle_build_flags GTest::gtest GTest::gmock GTest::gtest_main)
   mle_use_precompiled_headers(mle_headers_of_tests ${name})
-  gtest_discover_tests(${name}
+  # The names of parameters, without their bytes.
+  gtest_discover_tests(${name} NO_PRETTY_VALUES
     PROPERTIES LABELS ${ARG_LABEL}
     DISCOVERY_MODE PRE_TEST
     DISCOVERY_TIMEOUT 60)

@@ -19,9 +19,11 @@ using Eigen::VectorXd;
 constexpr double kSettlingTimes = 2.0;  // at first
 constexpr int kLeastInstants = 50;
 constexpr int kMostInstants = 50'000;
-// Of the largest value of an error, in its last quarter.
+// A response has settled if no error in its last quarter is above this share of
+// the largest value of that error.
 constexpr double kSettled = 1e-3;
-// Of a unit step: what is less is rounding, and what is more runs away.
+// An error below this share of a unit step is rounding; one above kRunaway runs
+// away.
 constexpr double kNothing = 1e-9;
 constexpr double kRunaway = 1e6;
 
@@ -116,7 +118,7 @@ absl::StatusOr<std::vector<LoopResponse>> SimulatedLoop::StepResponses() {
       if (!responses.back().settled) break;
     }
     if (responses.back().settled) return responses;
-    // What has grown so far does not come back.
+    // A response that has grown so far does not come back.
     if (!(responses.back().rows.cwiseAbs().maxCoeff() < kRunaway)) break;
   }
   return absl::FailedPreconditionError(

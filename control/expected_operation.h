@@ -1,6 +1,6 @@
-// What a plant under predictive control does on average, without limits: errors
-// and moves from the noise, the disturbances and the changes of set points that
-// it meets, computed, not simulated.
+// The average operation of a plant under predictive control without limits:
+// errors and moves from the noise, the disturbances and the changes of set
+// points that it meets, computed, not simulated.
 //
 // Without limits the loop is linear. At the control instants the error y − r of
 // each output and the move of each input, x below, answer
@@ -50,7 +50,7 @@
 
 namespace mle::control {
 
-// What an output meets; variances in its squared unit.
+// The conditions that an output meets; variances in its squared unit.
 struct OutputConditions {
   double noise_variance = 0.0;           // r ≥ 0, of the measurement alone
   double walk_variance = 0.0;            // q ≥ 0, of a control period
@@ -61,7 +61,7 @@ struct OutputConditions {
 };
 
 struct ExpectedOperation {
-  // Of a unit of time; `violation` is what is beyond the allowed errors.
+  // Sums over a unit of time; `violation` is of errors beyond the allowed ones.
   OperationSums sums;
   // p: σ² of the errors between changes, without the noise itself.
   Eigen::VectorXd resting_variance;

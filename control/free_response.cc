@@ -11,7 +11,7 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-// Of the largest value of a step response.
+// A deviation below this share of the largest value of a step response is none.
 constexpr double kNoDeviation = 1e-12;
 
 }  // namespace

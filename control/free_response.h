@@ -2,7 +2,7 @@
 // carried from instant to instant (dynamic matrix control: Cutler and Ramaker,
 // Joint Automatic Control Conference, 1980).
 //
-// Of the pairs that exist alone, and of each as far as its step response is on
+// Only pairs that exist are carried, and each as far as its step response is on
 // its way: f = level + deviation, where a move v of input j adds S_n v to the
 // level of output i and (S_k − S_n) v to its deviation, until that is below
 // 1e-12 of the response. A response that ends in a ramp is all deviation. A

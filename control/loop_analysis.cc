@@ -160,9 +160,9 @@ class Loop {
   }
 
  private:
-  // What the observer makes of each output's innovation i periods ahead,
-  // W_i = φ + iψ, of a level that the model is off by, (1 − W_i) w/(1 − w) =
-  // α + iβ, and of a ramp, (1 − W_i) w²/(1 − w)² + i w/(1 − w) = γ + iδ.
+  // The observer's answer, for each output, to its innovation i periods ahead,
+  // W_i = φ + iψ, to a level that the model is off by, (1 − W_i) w/(1 − w) =
+  // α + iβ, and to a ramp, (1 − W_i) w²/(1 − w)² + i w/(1 − w) = γ + iδ.
   struct ObserverAt {
     VectorXcd phi, psi, alpha, beta, gamma, delta;
   };
@@ -350,7 +350,7 @@ absl::StatusOr<double> SmallestZero(const Loop& loop, double low, double high) {
   return 0.5 * (low + high);
 }
 
-// Of MᴴM: the largest eigenvalue has all digits.
+// The largest singular value by MᴴM, whose largest eigenvalue has all digits.
 double LargestSingularValue(const MatrixXcd& matrix) {
   if (!matrix.allFinite()) return std::numeric_limits<double>::quiet_NaN();
   const Eigen::SelfAdjointEigenSolver<MatrixXcd> eigen(

@@ -1,4 +1,4 @@
-// What a predictive controller will do on a plant that its model knows only
+// The behaviour of a predictive controller on a plant that its model knows only
 // roughly: stability and sensitivity of the loop without limits.
 //
 // In w = z⁻¹, with Δu(w) the moves, decided at l and acting from l+1, P_k the
@@ -83,7 +83,7 @@ struct LoopAnalysis {
   std::string Brief() const;
 };
 
-// Of an unstable loop the fastest growing mode is looked for, by many counts,
+// The fastest growing mode of an unstable loop is searched for, by many counts,
 // only if `find_fastest`; else spectral_radius is infinite.
 //
 // InvalidArgument if the plant has another control period, or other numbers or

@@ -13,11 +13,12 @@ namespace mle::control {
 // Σ_{a=1}^{n} C_a w^a with real matrices C_a.
 class MatrixSeries {
  public:
-  // Of n matrices of rows × columns, all of them 0.
+  // A series of n = `degree` matrices of rows × columns, all of them 0.
   MatrixSeries(Eigen::Index rows, Eigen::Index columns, Eigen::Index degree);
 
   Eigen::Index degree() const { return coefficients_.rows(); }
-  // Of a matrix, those that are not zero in all of them; all before Trim().
+  // The number of a matrix's entries that are not zero in every term; all
+  // entries before Trim().
   Eigen::Index entries() const { return coefficients_.cols(); }
   // C_a.
   void SetTerm(Eigen::Index a, const Eigen::MatrixXd& value);

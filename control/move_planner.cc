@@ -100,7 +100,7 @@ MatrixXd Curvature(const MatrixXd& responses, const MatrixXd& weighted, int p,
   return curvature;
 }
 
-// Of each move the slope at the end of the horizon, p rows.
+// The slope of each move's response at the end of the horizon, p rows.
 MatrixXd EndSlopes(const MatrixXd& responses, int p,
                    const std::vector<int>& instants) {
   const Eigen::Index m = responses.cols();
@@ -280,7 +280,7 @@ absl::Status MovePlanner::AddLimits(const MatrixXd& dynamic,
     for (int out = 0; out < num_outputs_; ++out) {
       const bool limited =
           std::isfinite(min_output_[out]) || std::isfinite(max_output_[out]);
-      // What no move can reach is not worth a row.
+      // An output that no move can reach by then is not worth a row.
       if (limited && !dynamic.row(i * num_outputs_ + out).isZero(0.0)) {
         rows_.push_back({Row::Kind::kOutput, out, i});
       }

@@ -132,7 +132,7 @@ void Mpc::StepWithPreview(const Eigen::Ref<const VectorXd>& measured_outputs,
   for (int i = 0; i < options_.prediction_horizon; ++i) {
     for (int out = 0; out < p; ++out) {
       const double value = set_points(out, i);
-      // What is missing is as before it: in this plan, or in the last.
+      // A missing set point is the one before it: in this plan, or in the last.
       const double before = set_points_[i == 0 ? out : (i - 1) * p + out];
       set_points_[i * p + out] = std::isfinite(value) ? value : before;
     }

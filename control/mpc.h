@@ -75,9 +75,8 @@ class Mpc {
   void Restart(const Eigen::Ref<const Eigen::VectorXd>& inputs,
                const Eigen::Ref<const Eigen::VectorXd>& outputs);
 
-  // What the inputs of the role "disturbance" are from this instant on (in
-  // their order); the effect of a change is fed forward. To be called before
-  // Step().
+  // Sets the inputs of the role "disturbance" from this instant on (in their
+  // order); the effect of a change is fed forward. To be called before Step().
   void MeasureDisturbances(
       const Eigen::Ref<const Eigen::VectorXd>& disturbances);
 

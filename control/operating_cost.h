@@ -1,4 +1,4 @@
-// What operation costs: integrals over a stretch of it, and their prices.
+// The cost of operation: integrals over a segment of it, and their prices.
 //
 //   squared error   ∫ (y_i − r_i)² dt
 //   absolute error  ∫ |y_i − r_i| dt
@@ -38,8 +38,8 @@ struct OperationSums {
   void Add(const OperationSums& other, double factor = 1.0);
 };
 
-// Of samples first … end − 1, each held for Δt: `outputs` (p × N) without
-// noise, `set_points` (p × N), `inputs` (m × N).
+// Sums over samples first … end − 1, each held for Δt: `outputs` (p × N)
+// without noise, `set_points` (p × N), `inputs` (m × N).
 OperationSums SumsOf(const Eigen::MatrixXd& outputs,
                      const Eigen::MatrixXd& set_points,
                      const Eigen::MatrixXd& inputs, int first, int end,
@@ -70,8 +70,8 @@ struct Cost {
   void Add(const Cost& other);
 };
 
-// Of the stretch itself: no tests, no engineering. `hours_per_unit`: hours in
-// a unit of time.
+// The cost of the segment itself: no tests, no engineering. `hours_per_unit`:
+// hours in a unit of time.
 Cost CostOf(const OperationSums& sums, const Prices& prices,
             double hours_per_unit);
 

@@ -71,7 +71,7 @@ absl::StatusOr<int> SamplesPerPeriod(double control_period,
   return static_cast<int>(whole);
 }
 
-// What a response grows by in a sample, of one that ends in a ramp.
+// The growth in a sample of a response that ends in a ramp; 0 for others.
 double SlopeOf(const StepResponse& response, int output, int input) {
   if (!response.IsIntegrating(output, input)) return 0.0;
   const auto values = response.element(output, input);

@@ -69,7 +69,7 @@ class QuadraticProgram {
 
   QuadraticProgram() = default;
 
-  // What violates a limit most, in units of the distance ‖·‖_H from it.
+  // The limit that is violated most, in units of the distance ‖·‖_H from it.
   struct Violation {
     int row = -1;  // none
     int side = 0;  // +1 the upper limit, −1 the lower one

@@ -169,7 +169,7 @@ void ChooseHorizons(const Elements& elements, const RetuningOptions& options,
       rule > tuning.control_horizon ? ", cut to the longest allowed" : ""));
 }
 
-// Of the control problem's Hessian, the mean diagonal entry that an element has
+// The mean diagonal entry of the control problem's Hessian that an element has
 // for one of H_c moves, in squared output per squared input.
 double MeanCurvature(const FirstOrder& element, double period, double H_p,
                      double H_c) {

@@ -1,4 +1,4 @@
-// What stands between the input that a controller asks for and the one that
+// The actuator between the input that a controller asks for and the one that
 // acts on the plant: a valve that sticks, its ends, its characteristic and how
 // fast it moves. The record holds the input asked for.
 //

@@ -42,7 +42,7 @@ absl::Status CheckElement(const TransferFunction& element,
         " per unit of time; a dead time must grow slower than time (< 1). For "
         "a sudden change give two points at one time"));
   }
-  // What is between the extremes has coefficients between theirs.
+  // An element between the extremes has coefficients between theirs.
   for (const double gain : {ageing.gain.Min(), ageing.gain.Max()}) {
     for (const double time_constant :
          {ageing.time_constant.Min(), ageing.time_constant.Max()}) {

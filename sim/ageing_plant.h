@@ -1,6 +1,6 @@
 // A transfer matrix whose elements age while it runs (ageing.h).
 //
-// What does not age goes the fast way of Plant; every ageing element is
+// Elements that do not age go the fast way of Plant; every ageing element is
 // integrated by itself, so that the cost is linear in elements and samples.
 //
 //   MLE_ASSIGN_OR_RETURN(AgeingPlant plant,

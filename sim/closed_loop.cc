@@ -105,7 +105,7 @@ std::vector<int> DisturbanceInputs(const ProcessModel& channels) {
   return inputs;
 }
 
-// What stands between the plant and those who watch it.
+// The sensors and their faults, between the plant and those who watch it.
 class Instruments {
  public:
   Instruments(const PlantConditions& conditions,
@@ -132,7 +132,7 @@ class Instruments {
     }
   }
 
-  // What the controller is to see of the outputs (p).
+  // The outputs (p) that the controller sees.
   const VectorXd& seen() const { return seen_; }
 
   void SpoilInputs(int k, Eigen::Ref<VectorXd> inputs) const {
@@ -146,7 +146,8 @@ class Instruments {
   VectorXd seen_;
 };
 
-// What acts on the plant of the inputs that its valves are asked for.
+// The actuators, which make of the inputs asked for those that act on the
+// plant.
 class Actuators {
  public:
   Actuators(const std::vector<ActuatorOptions>& options, double sample_time,
@@ -176,7 +177,8 @@ class Actuators {
   VectorXd acting_;  // m
 };
 
-// What operators and others do to the inputs that the controller asks for.
+// The changes that operators and others make to the inputs that the controller
+// asks for.
 class Operators {
  public:
   Operators(const PlantConditions& conditions, int m)

@@ -9,12 +9,12 @@
 // located exactly. Within one sample that gives a few events, each saying from
 // when on a path carries the input of which earlier sample.
 //
-// What a changing dead time means. L_i(t) is the age of what arrives at t (for
-// a pipe: the time since it entered). While it grows at a rate β the input is
-// seen stretched by 1/(1 − β), while it shrinks it is seen compressed; nothing
-// is lost or repeated as long as dL/dt < 1, which is required. At an upward
-// step of L by ΔL (a longer way is switched in) the path sees the last ΔL of
-// its input once more, at a downward step it never sees ΔL of it.
+// The meaning of a changing dead time: L_i(t) is the age of what arrives at t
+// (for a pipe: the time since it entered). While it grows at a rate β the input
+// is seen stretched by 1/(1 − β), while it shrinks it is seen compressed;
+// nothing is lost or repeated as long as dL/dt < 1, which is required. At an
+// upward step of L by ΔL (a longer way is switched in) the path sees the last
+// ΔL of its input once more, at a downward step it never sees ΔL of it.
 //
 // A jump within kSnap samples of a sampling instant counts as on it.
 

@@ -79,7 +79,7 @@ struct Effects {
 absl::StatusOr<Effects> ParseEffects(std::string_view json,
                                      std::string_view source,
                                      const ProcessModel& model);
-// What stands somewhere in another file; messages name the place.
+// Parses effects that stand inside another file; messages name the place.
 absl::StatusOr<Effects> ParseEffects(const JsonNode& node,
                                      const ProcessModel& model);
 absl::StatusOr<Effects> ReadEffects(const std::string& path,

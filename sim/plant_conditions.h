@@ -19,9 +19,9 @@
 
 namespace mle::sim {
 
-// What the valves can do, whatever the controller asks for. A value for each
-// input (m), infinite where there is no limit, or none. Disturbances are not
-// limited.
+// The limits of the valves, whatever the controller asks for: a value for each
+// input (m), infinite where there is no limit, or no values at all.
+// Disturbances are not limited.
 struct ValveLimits {
   Eigen::VectorXd min;  // ≤ max
   Eigen::VectorXd max;

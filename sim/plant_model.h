@@ -1,5 +1,5 @@
-// What the simulations ask of a plant, however it is computed: it goes from one
-// sample to the next under held inputs, and tells its outputs there.
+// The interface of a plant to the simulations, however it is computed: it goes
+// from one sample to the next under held inputs, and tells its outputs there.
 //
 // Implementations: Plant (transfer functions, the fast path), ContinuousPlant
 // (any differential equations with dead times), AgeingPlant.

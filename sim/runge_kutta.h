@@ -27,7 +27,7 @@ class RungeKutta4 {
   explicit RungeKutta4(const State& like)
       : k1_(like), k2_(like), k3_(like), k4_(like), point_(like) {}
 
-  // What the step from `x` adds to it. Valid until the next call.
+  // The increment of `x` over one step. Valid until the next call.
   template <typename Derivative>
   const State& Increment(const Derivative& f, double h, const State& x) {
     const auto at = [&f](double since, const State& point, State& derivative) {

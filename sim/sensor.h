@@ -62,8 +62,8 @@ class Sensors {
   // Lags whole disturbances (p × N), in place; they do not count as samples of
   // Follow.
   void FollowAll(Eigen::Ref<Eigen::MatrixXd> signals) const;
-  // What the sensors show of the outputs with their noise at `time`, in place;
-  // to be called for one sample after the other.
+  // Replaces the outputs by what the sensors show of them, with noise, at
+  // `time`; to be called for one sample after the other.
   void Show(double time, Eigen::Ref<Eigen::VectorXd> outputs);
 
  private:

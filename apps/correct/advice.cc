@@ -23,7 +23,7 @@ using report::FormatSignificant;
 // longer than they are compared.
 constexpr double kAdviceSettlingTimes = 3.0;
 constexpr double kMostAdvisedWindows = 1000.0;
-// Of the tests of what is left, over all pairs together.
+// Significance level of the tests of residuals, over all pairs together.
 constexpr double kResidualLevel = 0.01;
 // With fewer of its samples than this share an output lacks those first.
 constexpr double kFewSamples = 0.5;
@@ -95,7 +95,7 @@ std::string InputNames(const ProcessModel& model,
   return absl::StrJoin(names, ", ");
 }
 
-// Of the samples in the windows those that are there and good.
+// The share of the samples in the windows that are there and good.
 double KnownShare(const Result& result, int output) {
   double known = 0.0;
   double all = 0.0;
@@ -163,7 +163,7 @@ void AddMissingInformation(const Result& result,
       InputNames(model, result.information.inputs_to_test()), "."));
 }
 
-// What each output's doubt is.
+// Adds the doubt about each output.
 void AddDoubts(const Result& result, std::vector<std::string>& advice) {
   for (const Message& reason : result.reasons) {
     if (!reason.place.empty() && reason.code != MessageCode::kPredictsBetter) {

@@ -1,4 +1,4 @@
-// What to do with the result: the controller's tuning, where more records are
+// Advice about a result: the controller's tuning, where more records are
 // needed, and which inputs alone a step test would have to move.
 
 #ifndef APPS_CORRECT_ADVICE_H_

@@ -1,4 +1,4 @@
-// What mle_correct prints.
+// Text that mle_correct prints.
 
 #ifndef APPS_CORRECT_CONSOLE_H_
 #define APPS_CORRECT_CONSOLE_H_

@@ -1,5 +1,5 @@
-// What --data names: files and databases, and the checksums by which a result
-// can be tied to what it was made from.
+// The sources that --data names: files and databases, and the checksums by
+// which a result can be tied to what it was made from.
 //
 //   MLE_ASSIGN_OR_RETURN(const DataSources sources,
 //                        DataSources::Create({"a.csv"}, {}, import));

@@ -1,4 +1,4 @@
-// What the figures of a correction have in common.
+// Parts that the figures of a correction have in common.
 
 #ifndef APPS_CORRECT_FIGURE_PARTS_H_
 #define APPS_CORRECT_FIGURE_PARTS_H_

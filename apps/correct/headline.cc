@@ -51,10 +51,11 @@ std::string DescribePart(const ElementEstimate& element, Part part,
                       shift < 0.0 ? " shorter" : " longer");
 }
 
-// What carries the change of the response: the parameter that by itself makes
-// most of it; where none that has significantly changed makes half of it, the
-// slope at the begin, K/T, which short records tell when they do not tell K
-// from T.
+// Names the parameter that by itself makes most of the response's change. Where
+// none that has significantly changed makes half of it, names the initial
+// slope, K/T, which short records tell even if they do not tell K from T;
+// without a lag, or with another sign of the gain, only that the response
+// changed.
 std::string DescribeElement(const Result& result, int i, int j,
                             const std::string& pair) {
   const ElementEstimate& element =

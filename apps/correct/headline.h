@@ -19,15 +19,16 @@ struct ElementChange {
   std::string text;
 };
 
-// Of the model that is proposed, the largest first; none where nothing was
-// corrected.
+// Changes of the elements of the proposed model, the largest first; none where
+// nothing was corrected.
 std::vector<ElementChange> ElementChanges(const Result& result);
 
 // The mistake of an operator for which nothing was estimated; null: none.
 const Message* Mistake(const Result& result);
 
-// What happened to the model: the largest change and which others there are,
-// that it is unchanged, that this cannot be told, or the mistake to be mended.
+// One sentence on the model: the largest change and which others there are,
+// that it is unchanged, that this cannot be told, or the configuration error to
+// be corrected.
 std::string Headline(const Result& result);
 
 // The main reason where nothing is corrected, without what the headline says.
@@ -36,7 +37,7 @@ std::string ReasonBesideHeadline(const Result& result);
 // Where a gain has turned its sign: what that may be. Otherwise empty.
 std::string SignNote(const Result& result);
 
-// What to do with the controller's model.
+// One sentence on how to proceed with the controller's model.
 std::string Instruction(const Result& result);
 
 // Headline, instruction, the main reason, and where the rest is: at most six

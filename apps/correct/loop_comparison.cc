@@ -20,7 +20,8 @@ namespace {
 // Until the plant has settled twice; a tenth of that before the step.
 constexpr double kLoopSettlingTimes = 2.0;
 constexpr double kBefore = 0.1;
-// Of the controller; each of them costs as many operations as there are.
+// Most control periods after a step; each of them costs as many operations as
+// there are periods.
 constexpr double kMostPeriods = 10'000;
 constexpr double kMostSamples = 1e6;  // of the record
 

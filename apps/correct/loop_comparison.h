@@ -1,4 +1,4 @@
-// What the correction means for control: set points followed by the controller
+// The effect of a correction on control: set points followed by the controller
 // with the old model and with the corrected one, on a plant that is as the
 // corrected model says.
 

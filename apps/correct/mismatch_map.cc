@@ -127,7 +127,8 @@ std::string DescribePair(const Result& result, int output, int input) {
   return weak ? "no change seen (weak)" : "no change seen";
 }
 
-// Of the step response, as a share; what has no size is the largest.
+// The relative change of the step response. A change without a finite size
+// counts as the largest.
 double SizeOfChange(const Result& result, int output, int input) {
   if (LevelOfChange(result, output, input) == 0) return 0.0;
   const double change = result.change.elements(output, input);

@@ -1,5 +1,5 @@
-// What has become of each element, in a few words: for the table on the
-// terminal, the page and its map.
+// The change of each element in a few words: for the table on the terminal, the
+// page and its map.
 
 #ifndef APPS_CORRECT_MISMATCH_MAP_H_
 #define APPS_CORRECT_MISMATCH_MAP_H_

@@ -15,8 +15,8 @@
 
 namespace mle::correct {
 
-// Of request.outputs, if there are any. InvalidArgument names an output that
-// the model does not have.
+// Keeps only request.outputs, if there are any, and their inputs.
+// InvalidArgument names an output that the model does not have.
 absl::Status ChooseOutputs(Request& request);
 
 // Leaves out the outputs that have no column in the sources, and those that an

@@ -1,4 +1,4 @@
-// What --propose_tags tells beside the file that it writes.
+// The text that --propose_tags prints beside the file that it writes.
 
 #ifndef APPS_CORRECT_PROPOSED_TAGS_H_
 #define APPS_CORRECT_PROPOSED_TAGS_H_

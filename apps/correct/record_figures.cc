@@ -209,7 +209,7 @@ report::NamedFigure PredictionFigure(const Result& result) {
              panel);
     const auto add = [&](Role role, const char* label,
                          const Predictor& predictor) {
-      // What is measured less what the model does not explain.
+      // The simulated output is the measured one less the model's error.
       AddCurve(role, label, strip.time,
                Join(strip,
                     [&](const Record& piece) -> Eigen::RowVectorXd {

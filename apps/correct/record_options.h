@@ -13,7 +13,7 @@
 
 namespace mle::correct {
 
-// Of databases: query, table and columns.
+// Options of databases: query, table and columns.
 std::vector<Option> OptionsOf(DatabaseOptions& database);
 
 // `tags` are the texts TAG=CHANNEL…, `tag_file` the path of a file of tags.

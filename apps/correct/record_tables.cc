@@ -50,7 +50,7 @@ ChannelRange RangeOf(const RecordData& data, const Function& row_of) {
   return range;
 }
 
-// Of the report; null where the files have no such channel.
+// The channel of the report; null where the files have no such channel.
 const ChannelReport* FindChannel(const RecordData& data,
                                  const std::string& name) {
   for (const ChannelReport& channel : data.report.channels) {

@@ -1,4 +1,4 @@
-// What the records hold, as tables.
+// Tables of what the records hold.
 
 #ifndef APPS_CORRECT_RECORD_TABLES_H_
 #define APPS_CORRECT_RECORD_TABLES_H_
@@ -18,8 +18,8 @@ report::Table FileTable(const RecordData& data,
 report::Table ChannelTable(const RecordData& data, const ProcessModel& model);
 report::Table WindowTable(const RecordData& data, const ProcessModel& model);
 
-// What times in tables are in: the model's unit, the zone of dates, or, where
-// dates have no zone, "as recorded".
+// The unit of times in tables: the model's, the zone of dates, or "as recorded"
+// where dates have no zone.
 std::string TimeUnit(const RecordData& data, const ProcessModel& model);
 
 }  // namespace mle::correct

@@ -1,4 +1,4 @@
-// What mle_correct is asked to do.
+// The request to mle_correct: its options, and what they name.
 
 #ifndef APPS_CORRECT_REQUEST_H_
 #define APPS_CORRECT_REQUEST_H_
@@ -40,7 +40,7 @@ struct Request {
   bool json = false;  // result.json on standard output, in place of the verdict
   bool figures = true;
 
-  // What they name.
+  // Models and results that the options name.
   ModelFile model_file;  // of its process model, `model` is all or a part
   ProcessModel model;
   std::vector<Message> left_out;  // outputs that the records do not have

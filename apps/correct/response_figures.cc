@@ -21,7 +21,7 @@ using report::Role;
 using report::Series;
 
 constexpr int kColumns = 3;
-// Of the pairs that have changed, and of the outputs of a loop.
+// At most this many changed pairs, and outputs of a loop, are drawn.
 constexpr std::size_t kMostChanged = 6;
 constexpr std::size_t kMostLoops = 6;
 

@@ -66,7 +66,8 @@ std::string NameFlag(std::string_view text, const std::string& name) {
   return result;
 }
 
-// Of the model in the form of the one given from the corrected model.
+// Warns where the model in the form of the one given differs from the corrected
+// model.
 absl::Status WarnOfDifferences(Result& result) {
   const ModelFile& file = result.request.model_file;
   if (CorrectedName(file).empty()) return absl::OkStatus();

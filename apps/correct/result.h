@@ -1,4 +1,4 @@
-// What the library found out, with what the command adds to show it.
+// The library's result, with what the command adds to show it.
 
 #ifndef APPS_CORRECT_RESULT_H_
 #define APPS_CORRECT_RESULT_H_
@@ -47,7 +47,8 @@ struct Result : CorrectionResult {
 std::vector<std::pair<std::string, std::string>> Checksums(
     const Result& result);
 
-// Of pairs whose step responses are described with notable differences.
+// Warnings about pairs whose step responses are described with notable
+// differences.
 std::vector<Message> DescriptionWarnings(const ModelFile& file);
 
 // Everything after the records were read. Tells request.options.progress what

@@ -218,7 +218,7 @@ Json CertificateJson(const Result& result) {
           {"max_relative_duality_gap", result.corrected.max_relative_gap}};
 }
 
-// What explains each output, and what was held against it.
+// The explanations that were taken, output by output.
 Json ExplanationsJson(const Result& result) {
   const ProcessModel& model = result.initial;
   Json json = Json::array();

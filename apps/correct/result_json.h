@@ -12,7 +12,7 @@ namespace mle::correct {
 void AddDate(const TimeNames& times, const char* key, double time,
              nlohmann::ordered_json& json);
 
-// Of one element (element_json.cc).
+// One element (element_json.cc).
 nlohmann::ordered_json ElementJson(const Result& result, int i, int j);
 
 // Parts of the diagnostics (record_json.cc).

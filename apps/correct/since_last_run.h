@@ -8,8 +8,8 @@
 
 namespace mle::correct {
 
-// What was decided then, and the parameters whose intervals then and now do not
-// overlap. result.request.last must be there.
+// Adds the decision of the last run, and the parameters whose intervals then
+// and now do not overlap. result.request.last must be there.
 void AddSinceLastRun(const Result& result, report::HtmlPage& page);
 
 }  // namespace mle::correct

@@ -56,8 +56,8 @@ std::string SlopeMark(const FopdtElement& element) {
   return element.integrating ? " (slope)" : "";
 }
 
-// What has moved of a changed element, as it was. Where first order is only
-// near, it stretches with the element's own time scale.
+// Former values of the parameters of an element that have moved. Where first
+// order is only near, they stretch with the element's own time scale.
 std::vector<std::string> Before(const Result& result, int output, int input) {
   const TransferFunction& given = result.initial.element(output, input);
   const FopdtElement& now =

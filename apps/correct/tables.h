@@ -20,9 +20,9 @@ report::Table ResidualTable(const Result& result);
 report::Table NoiseTable(const Result& result);
 report::Table CertificateTable(const Result& result);
 
-// What an engineer types into a controller: first-order elements of the model
-// written, those that have changed with intervals if asked for, and what they
-// were before.
+// The values that an engineer types into a controller: first-order elements of
+// the model written, those that have changed with intervals if asked for, and
+// what they were before.
 report::Table ControllerTable(const Result& result, bool with_intervals);
 // Where these differ from the responses of the model written by more than 2 %,
 // and what to use then; empty: nowhere.
@@ -30,7 +30,7 @@ std::string WhereFirstOrderIsNotNear(const Result& result);
 // Fits of both models, several steps ahead.
 report::Table FitTable(const Result& result);
 
-// What ± means, in all tables and sentences.
+// The meaning of ± in all tables and sentences.
 std::string IntervalNote(const Result& result);
 
 }  // namespace mle::correct

@@ -24,7 +24,8 @@ std::string PercentInWords(double value) {
                               : "unknown";
 }
 
-// Of a step response, relative to its size, without structure to judge it by.
+// A change of a step response counts above this share of its size, where no
+// structure was fitted to judge it by.
 constexpr double kNoticedChange = 0.05;
 
 double HalfWidth(const ParameterEstimate& estimate) {

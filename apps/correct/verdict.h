@@ -22,16 +22,16 @@ std::string MainReason(const Result& result);
 // "8.5 min ahead": of the predictions over several samples.
 std::string Ahead(const Result& result);
 
-// What the result is worth: how well records that the fit had not seen are
+// The worth of the result: how well records that the fit had not seen are
 // predicted or, without a correction, how small a change would have been seen.
 // May be empty.
 std::string WhatItIsWorth(const Result& result);
 
-// What to do and why: how sure and where; then what that is worth on records
-// that the fit had not seen.
+// Sentences on what to do and why: how sure and where; then what that is worth
+// on records that the fit had not seen.
 std::vector<std::string> DescribeVerdict(const Result& result);
 
-// What it rests on: every change of an element, fits of every output, the
+// Grounds of the verdict: every change of an element, fits of every output, the
 // distance to the truth where it is known.
 std::vector<Finding> Findings(const Result& result);
 

@@ -9,7 +9,8 @@
 namespace mle::report {
 namespace {
 
-// What is smaller is drawn as zero, or not at all along a logarithm.
+// Values beyond the first are not drawn; smaller ones than the second are drawn
+// as zero, or not at all along a logarithmic axis.
 constexpr double kLargest = 1e200;
 constexpr double kSmallest = 1e-200;
 

@@ -1,4 +1,4 @@
-// What of a page can be operated: fields that filter a table, and forms.
+// Parts of a page that can be operated: fields that filter a table, and forms.
 
 #ifndef APPS_REPORT_CONTROLS_H_
 #define APPS_REPORT_CONTROLS_H_

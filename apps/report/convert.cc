@@ -18,7 +18,7 @@ bool IsWhole(Format format, std::string_view picture) {
          picture.find("%%EOF") != std::string_view::npos;
 }
 
-// What the program said, shortened to fit a message.
+// The program's error output, shortened to fit a message.
 std::string Complaint(const std::string& err) {
   constexpr std::size_t kMost = 400;
   const std::string text = CleanText(err.substr(0, kMost));

@@ -298,7 +298,8 @@ Series Downsample(const Series& series, bool log_x) {
   const std::size_t most = static_cast<std::size_t>(series.max_points);
   if (most == 0 || n <= most) return series;
 
-  // Of each stretch: the smallest, the largest, and a break if there is one.
+  // Each segment keeps its smallest value, its largest, and a break if there is
+  // one.
   std::vector<std::size_t> kept = {0, n - 1};
   const std::vector<int> stretch =
       Stretches(series.x, log_x, static_cast<int>((most - 2) / 2));

@@ -1,4 +1,4 @@
-// What a figure shows, free of how it is drawn (svg.h draws it).
+// The content of a figure, free of how it is drawn (svg.h draws it).
 //
 // A figure is a grid of panels under one shared legend. Series, reference lines
 // and markers have a role, which stands for the same thing in every figure and
@@ -29,7 +29,7 @@
 
 namespace mle::report {
 
-// What is drawn; see StyleOf for the look.
+// The kind of thing that is drawn; see StyleOf for its look.
 enum class Role {
   kInitial,        // the model before correction
   kTrue,           // the plant

@@ -32,7 +32,7 @@
 
 namespace mle::report {
 
-// What it takes to get the same report once more. Empty fields are left out.
+// The data needed to make the same report once more. Empty fields are left out.
 struct RunAgain {
   std::string command = {};  // as typed into a shell; see QuoteCommandLine
   std::string version = {};
@@ -43,7 +43,7 @@ struct RunAgain {
 // The colour of a badge; its words say the same.
 enum class Badge { kGood, kChanged, kUnknown };
 
-// What a page says first.
+// The verdict that a page begins with.
 struct Verdict {
   Badge badge = Badge::kUnknown;
   std::string label = {};  // in the badge: "corrected"
@@ -68,7 +68,8 @@ class HtmlPage {
   // Terms with what they mean, side by side where there is room.
   void AddTerms(const std::vector<std::pair<std::string, std::string>>& terms);
   void AddWarning(std::string_view text);
-  // What follows, until the fold is closed, is shown when a reader opens it.
+  // Content that follows, until the fold is closed, is shown when a reader
+  // opens it.
   void OpenFold(std::string_view title);
   void CloseFold();
   void AddTable(const Table& table);

@@ -72,8 +72,8 @@ std::vector<char*> Pointers(std::vector<std::string>& strings) {
   return pointers;
 }
 
-// Of a child that has ended: its exit code. Nothing if it still runs after
-// `limit`.
+// The exit code of a child once it has ended, 128 plus the signal that ended
+// it; nothing if it still runs after `limit`.
 std::optional<int> WaitFor(pid_t child, absl::Duration limit) {
   const bool forever = limit == absl::InfiniteDuration();
   const absl::Time end = absl::Now() + limit;

@@ -6,7 +6,7 @@
 // that any number of pictures can stand on one page, and nothing active. Text
 // is cleaned and escaped. Lengths are in points (1/72 inch).
 //
-// What a program may read back from it: each panel is a
+// Programs may read back the following: each panel is a
 // <g class="panel" data-x="MIN MAX" data-y="MIN MAX">, with " log" after the
 // range of a logarithmic axis. In it, <svg class="plot"> is the frame; a
 // series is a <g class="series"> with its label as <title>, whose paths have

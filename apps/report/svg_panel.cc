@@ -60,7 +60,8 @@ class PanelWriter {
   }
 
  private:
-  // What the values of the axis stand for, for the script of the page.
+  // An attribute for the script of the page: origin, unit and zone of the dates
+  // on the axis. Empty without dates.
   static std::string DatesOf(const Axis& axis) {
     if (!axis.dates.has_value()) return "";
     const std::string zone = axis.dates->zone.name();

@@ -61,7 +61,7 @@ std::string Line(const SvgPath& path, const Style& style);
 std::string Shapes(const SvgPath& path, const Style& style);
 std::string Rectangle(double x, double y, double width, double height,
                       std::string_view more);
-// What is shown where the pointer rests; none if `label` is empty.
+// A <title>, shown where the pointer rests; empty if `label` is empty.
 std::string Title(std::string_view label);
 
 }  // namespace mle::report

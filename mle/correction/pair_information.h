@@ -1,4 +1,4 @@
-// What records can determine about each pair of output and input, before a
+// The information of records about each pair of output and input, before a
 // correction: the standard error that the best estimate of its gain would have,
 // relative to the gain, by Fisher's information (ComputeOutputErrorLimit()) at
 // the model's values, under the outputs' noise and drift, with gain, time scale

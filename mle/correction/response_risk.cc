@@ -14,8 +14,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Of a step response, about so many samples stand for their neighbours where
-// variances are computed.
+// Variances are computed at about this many samples of a step response, which
+// stand for their neighbours.
 constexpr int kSamples = 45;
 // A pivot below this part of a column's square is rounding.
 constexpr double kDependent = 1e-12;

@@ -1,7 +1,7 @@
 // The error of a correction's step responses, estimated from the records.
 //
 // Prediction losses are nearly blind to errors of gains (docs/selection.md).
-// What is wanted is E(λ) = ‖S(R + ΔR(λ)) − S*‖², S the step responses of all
+// The error wanted is E(λ) = ‖S(R + ΔR(λ)) − S*‖², S the step responses of all
 // pairs and samples 0 … N. Ŝ₀ of the least-squares fit, λ = 0, has variance but
 // hardly bias; so, with J = ∂S/∂R at that fit,
 //

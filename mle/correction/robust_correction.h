@@ -47,7 +47,7 @@ struct RobustCorrectionOptions {
   absl::Status Validate() const;
 };
 
-// Of one output.
+// The fit of one output.
 struct RobustFit {
   bool converged = false;      // the weights stay
   double scale = 0.0;          // s

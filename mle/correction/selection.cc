@@ -21,7 +21,7 @@ using Rule = SelectionOptions::Rule;
 
 constexpr int kBlockOrders = 2;
 constexpr int kOrdersOverHorizon = 5;
-// Of two neighbouring λ at which a loss is found by simulation, or Ê.
+// Least ratios of neighbouring λ at which a loss is found by simulation, and Ê.
 constexpr double kThinning = 1.25;
 constexpr double kResponseThinning = 1.4;
 // Length of the step responses whose error is estimated.
@@ -81,7 +81,7 @@ SelectionSummary Choose(const FoldLosses& losses,
     summary.penalised_loss = summary.loss + losses.penalty;
     summary.lambda_star_penalised = lambdas(LastArgMin(summary.penalised_loss));
   }
-  // Of the outputs first … last together.
+  // Chooses λ for the outputs first … last together.
   const auto choose = [&](std::size_t first, std::size_t last) {
     Eigen::MatrixXd values = Eigen::MatrixXd::Zero(sum.rows(), sum.cols());
     std::vector<PiecewiseQuadratic> exact;

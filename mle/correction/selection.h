@@ -46,10 +46,10 @@ struct SelectionOptions {
   enum class Rule { kLeaveChangeOut, kBlocks, kAic, kBic, kGcv };
   Rule rule = Rule::kBlocks;
   int folds = 5;  // of kBlocks, ≥ 2
-  // Of kBlocks, in samples, ≥ 0; 0 takes twice the model's order.
+  // For kBlocks: the samples of a block, ≥ 0; 0 takes twice the model's order.
   int block_length = 0;
-  // Of kBlocks, ≥ 1: so often the windows are cut, each time that part of a
-  // block later, and the losses are added.
+  // For kBlocks, ≥ 1: the number of times that the windows are cut, each time
+  // that part of a block later; the losses are added.
   int phases = 2;
   // Samples predicted before measured outputs are used again: 1 predicts one
   // step ahead, 0 simulates every window from its start, −1 takes a fifth of
@@ -62,8 +62,8 @@ struct SelectionOptions {
   bool one_standard_error = false;
   // A λ for each output rather than one for all.
   bool per_output = false;
-  // Of kBlocks, ≥ 0; 0 takes the λ of least loss in any case. Not with
-  // per_output.
+  // For kBlocks, ≥ 0: the standard deviations by which Ê at λ* may exceed the
+  // least Ê; 0 takes the λ of least loss in any case. Not used with per_output.
   double response_deviations = 2.0;
   // λ* among the values of the grid; else, where the loss is known exactly,
   // among all λ ≥ 0.

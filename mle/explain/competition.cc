@@ -13,8 +13,8 @@
 namespace mle {
 namespace {
 
-// What a parameter more has to explain, in units of M, where one of an input
-// stands beside several of its elements.
+// One explanation of an input may leave this much more, in units of M, for each
+// parameter that it saves in place of several of its elements.
 constexpr double kParameter = 3.0;
 
 bool AnyTaken(const OutputExplanation& output, bool ageing) {
@@ -24,8 +24,9 @@ bool AnyTaken(const OutputExplanation& output, bool ageing) {
                      });
 }
 
-// What an explanation of an input takes the place of: those of its elements
-// that it looks like.
+// Whether an explanation of input j, of this kind, takes the place of `one`: of
+// another explanation of the input, or of one of its elements that it looks
+// like.
 bool Replaces(ExplanationKind kind, const Explanation& one, int j) {
   using Kind = ExplanationKind;
   if (TypeOf(one.kind).place == ExplanationPlace::kOutput || one.index != j) {

@@ -70,26 +70,26 @@ struct HorizonErrors {
   double horizon = 0.0;  // in the model's time unit; 0: free simulation
   double initial = 0.0;  // root mean square
   double explained = 0.0;
-  // Of the difference of the squares, in its standard errors over blocks; > 0:
-  // the explained model is nearer.
+  // The difference of the squares in its standard errors over blocks; > 0: the
+  // explained model is nearer.
   double deviations = 0.0;
 };
 
 // E/N: where more is left, something may explain it.
 inline constexpr double kMuchLeft = 1.5;
 
-// What is known of one output.
+// The explanations of one output, and the evidence for them.
 struct OutputExplanation {
   // Why there is no judge: nothing moves, nothing is measured; or empty.
   std::string unjudged;
   bool by_set_points = false;
   int moves = 0;
   std::vector<TakenExplanation> taken;
-  // Of the last that was tried and not taken.
+  // The last explanation that was tried and not taken.
   std::optional<TakenExplanation> next;
-  // What in place of one that was taken, all others estimated again beside it,
-  // explains nearly as much, improbabilities included: changes of two elements
-  // within 5 M, others within a tenth of N.
+  // An explanation in place of one that was taken that explains nearly as much,
+  // all others estimated again beside it, improbabilities included: changes of
+  // two elements within 5 M, others within a tenth of N.
   struct Tie {
     Explanation taken;
     Explanation rival;
@@ -107,7 +107,7 @@ struct OutputExplanation {
   std::vector<double> detectable;
 
   bool judged() const { return unjudged.empty(); }
-  // Of a fall of E, by `unit` or another M.
+  // The evidence of a fall of E, by `unit` or another M.
   double EvidenceOf(double fall) const { return EvidenceOf(fall, unit); }
   double EvidenceOf(double fall, double by_unit) const;
   bool AnyAgeing() const;

@@ -19,7 +19,7 @@ constexpr int kMostRows = 1500;
 constexpr double kRowsPerTau = 20.0;
 // A gap in the inputs longer than this part of τ is not bridged.
 constexpr double kBridged = 0.1;
-// Of the longest T + L: how long the output does not count after a gap.
+// After a gap the output does not count for this many times the longest T + L.
 constexpr double kForgotten = 3.0;
 // Doubles that the responses of one element may take.
 constexpr double kCachedDoubles = 1 << 21;

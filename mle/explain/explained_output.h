@@ -58,8 +58,8 @@ class ExplainedOutput {
   // The time constants of the row.
   std::vector<double> time_constants() const;
 
-  // What may be tried here: a row of the table for each element, input or the
-  // output that it applies to, θ = 0.
+  // The explanations that may be tried here: a row of the table for each
+  // element, input or the output that it applies to, θ = 0.
   std::vector<Explanation> Applicable() const;
   // Bounds of θ: those of the table, and that no dead time is negative.
   std::pair<double, double> Bounds(const Explanation& explanation) const;
@@ -82,8 +82,8 @@ class ExplainedOutput {
     int input = 0;
     ElementResponse response;
   };
-  // What a response depends on: T, L, the second lag, the ratio of the lag
-  // downwards, and the input's curve, rate, play and limit.
+  // The values that a response depends on: T, L, the second lag, the ratio of
+  // the lag downwards, and the input's curve, rate, backlash and limit.
   using Key = std::array<double, 8>;
   struct Cached {
     Key key;

@@ -14,24 +14,25 @@
 namespace mle {
 
 enum class ExplanationKind {
-  // Of an element: ageing.
+  // Ageing of an element.
   kGain,          // K e^θ
   kTimeConstant,  // T e^θ
   kDeadTime,      // L + θ (T + L)
-  // Of an element: another structure.
+  // Another structure of an element.
   kHigherOrder,         // a second lag θ (T + L); T and L lose half of it each
   kDirection,           // time constant T e^θ where the response falls
   kReversed,            // −K e^θ
   kChangeDuringRecord,  // K (1 + θ s), s as of Explanation::part
-  // Of an output: with z the model's output from where it began, w its range.
+  // Effects at an output; z is the model's output from where it began, w its
+  // range.
   kOutputClock,     // every L + θ τ/2, τ the median of T + L in the row
   kCurvedOutput,    // z + θ z²/w
   kSShapedOutput,   // z + θ z³/w²
   kAveragedOutput,  // the mean of z over θ τ before each sample
-  // Of an input: with v the input from where it began, w its range.
+  // Effects at an input; v is the input from where it began, w its range.
   kCurvedInput,  // v + θ v²/max |v|
   kRateLimit,    // moves by w e^{−θ}/τ a time unit at most
-  kBacklash,     // follows only behind a play θ w
+  kBacklash,     // follows only behind a backlash θ w
   kSaturation,   // the highest (θ > 0) or lowest |θ| w are not reached
   kInputClock,   // every L of the input + θ τ/2; of several outputs together
 };
@@ -51,7 +52,7 @@ struct ExplanationType {
   std::vector<double> start;
   double lower;
   double upper;
-  // What a user reads: what happened to %s, and what would settle it.
+  // Sentences for users: what happened to %s, and what would settle it.
   const char* sentence;
   const char* settled_by;
 };

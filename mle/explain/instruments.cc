@@ -24,12 +24,16 @@ constexpr int kPlacebos = 40;
 constexpr int kFewestMoves = 4;
 // More instruments than these are those that move the output most.
 constexpr int kMostInstruments = 6;
-// Of the largest singular value: what counts as a direction of its own.
+// A singular value above this share of the largest counts as a direction of its
+// own: the first for instruments, the second for offsets, ramps and free
+// responses.
 constexpr double kLeastDirection = 1e-3;
 constexpr double kLeastFree = 1e-6;
-// Of the instruments' functions: fewer rows tell too little of chance.
+// Fewer rows than this for each function of the instruments tell too little of
+// chance.
 constexpr Index kLeastRows = 8;
-// Of the largest squared length of a placebo's columns.
+// Squared lengths of a placebo's columns count as at least this share of the
+// largest.
 constexpr double kLeastPlacebo = 1e-2;
 // Time constants nearer than this factor leave the same free response.
 constexpr double kSameLag = 1.3;

@@ -1,5 +1,5 @@
-// What set points drive of a residual, and what set points that were moved in
-// time, placebos, drive of it.
+// The part of a residual that set points drive, and the part that placebos
+// drive: set points that were moved in time.
 //
 //   Q    orthonormal basis (rows × r) of the moves of the instruments, the
 //        earlier half of each apart from the later, so that what changed

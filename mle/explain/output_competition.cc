@@ -28,13 +28,14 @@ constexpr double kStep = 1e-3;       // of θ, for derivatives
 constexpr double kConverged = 1e-4;  // step of θ, or relative fall of E
 // Directions nearer than this to those of what was taken are none of their own.
 constexpr double kLeastOwn = 0.05;
-// Of N: rivals as near as this are ties.
+// Rivals that are nearer than this share of N are ties.
 constexpr double kTie = 0.1;
 // Evidence of two explanations at once, in that of one.
 constexpr double kPair = 2.0;
-// Of M: the same of changes of two elements.
+// Rivals that are changes of another element are ties if nearer than this many
+// M.
 constexpr double kElements = 5.0;
-// Of τ: placebos nearer to each other are not independent.
+// Placebos nearer to each other than this many τ are not independent.
 constexpr double kIndependent = 3.0;
 constexpr double kFewestIndependent = 2.0;
 // More evidence where inputs stand for set points.
@@ -262,7 +263,7 @@ OutputCompetition::Chance OutputCompetition::ChanceOf(
   std::sort(energies.begin(), energies.end());
   const Index n = energies.size();
   chance.energy = 0.5 * (energies[(n - 1) / 2] + energies[n / 2]);
-  // What no placebo shows at all is rounding.
+  // An energy below this is rounding: no placebo shows anything.
   const double least = 1e-20 * (1.0 + output_.Modelled().squaredNorm());
   chance.energy = std::max(chance.energy, least);
   chance.unit = std::max(chance.unit, least);
@@ -394,7 +395,8 @@ void OutputCompetition::Compete(const std::vector<Explanation>& given) {
   chance_ = last.energy;
   unit_ = last.unit;
   FindTies();
-  // Of what was given or came by exchange.
+  // Explanations that were given, or that came by exchange, have no evidence
+  // yet.
   for (std::size_t i = 0; i < taken_.size(); ++i) {
     if (taken_[i].evidence > 0.0) continue;
     const Fit without = Estimate(Without(Explanations(), i), all_);

@@ -35,7 +35,7 @@ class OutputCompetition {
   double UnitOf(const Eigen::VectorXd& residual) const {
     return ChanceOf(residual, directions_).unit;
   }
-  // Of (K, T, L) of an element, from that of θ.
+  // Covariance of (K, T, L) of an element, from that of θ.
   Eigen::Matrix3d Covariance(int input) const;
   std::vector<Explanation> Explanations() const;
 
@@ -50,7 +50,7 @@ class OutputCompetition {
     // E + improbabilities times N.
     double score = 0.0;
   };
-  // What chance makes of the residual of a fit.
+  // Energies that chance gives the residual of a fit, by the placebos.
   struct Chance {
     double energy = 0.0;  // N
     double unit = 0.0;    // M
@@ -93,7 +93,7 @@ class OutputCompetition {
   // whether there was one.
   bool Exchange(std::size_t given);
   void FindTies();
-  // Of an improbability of one: N, of instruments that are not in parts.
+  // Cost of an improbability of one: N, for instruments that are not in parts.
   double CostOf(double chance) const { return chance / instruments_.parts(); }
   double Score(const std::vector<Explanation>& explanations, double energy,
                double chance) const;

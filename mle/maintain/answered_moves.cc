@@ -19,16 +19,17 @@ using Eigen::VectorXd;
 // Samples looked at on each side of a move.
 constexpr double kFewestBeside = 10.0;
 constexpr double kMostBeside = 200.0;
-// Of level, slope and answer.
+// Fitted to each move: level, slope and answer.
 constexpr int kParameters = 3;
 
-// What one output says of d: its weight, and d times that.
+// The estimate of d by one output: its weight, and d times that.
 struct Answer {
   double weight = 0.0;
   double weighted = 0.0;
 };
 
-// Of residuals e at the times n since the move, and the response h there.
+// Estimates d from residuals e at the times n since the move, and the response
+// h there.
 Answer AnswerOf(const std::vector<double>& times, const std::vector<double>& e,
                 const std::vector<double>& h) {
   const auto rows = static_cast<Index>(times.size());
@@ -36,7 +37,7 @@ Answer AnswerOf(const std::vector<double>& times, const std::vector<double>& e,
   MatrixXd level(rows, 2);
   level.col(0).setOnes();
   level.col(1) = Eigen::Map<const VectorXd>(times.data(), rows);
-  // What level and slope leave of both.
+  // Both less their level and slope.
   const Eigen::HouseholderQR<MatrixXd> qr(level);
   const auto left = [&](const std::vector<double>& values) {
     const VectorXd all = Eigen::Map<const VectorXd>(values.data(), rows);

@@ -29,8 +29,8 @@ class AnsweredMoves {
   static absl::StatusOr<AnsweredMoves> Create(const ProcessModel& model,
                                               const Record& record);
 
-  // Of the model's response to `input` for `sample` alone; 0 where the outputs
-  // do not tell.
+  // The share that the outputs answer of the model's response to `input` moved
+  // by `size` for `sample` alone; 0 where the outputs do not tell.
   double Share(int input, int sample, double size) const;
 
  private:

@@ -11,7 +11,8 @@
 namespace mle {
 namespace {
 
-// Of its size: the standard error of a gain that the records determine.
+// The records determine a gain whose standard error is at most this share of
+// its size.
 constexpr double kDetermined = 0.2;
 constexpr double kSignRange = 4.0;
 constexpr double kNotAgeing = 20.0;
@@ -22,7 +23,7 @@ constexpr double kTellingTolerance = 0.05;
 constexpr std::array<double, 8> kTelling = {
     1.8, 1.0 / 1.8, 60.0, 1.0 / 60.0, 100., 1.0 / 100., 1000.0, 1e-3};
 constexpr double kNearTelling = 1.3;  // for factors beyond kNotAgeing
-// Of four gains three have to agree, of eight six.
+// One gain in so many may differ: three of four have to agree, six of eight.
 constexpr std::size_t kOneOfWhichMayDiffer = 4;
 
 // The telling factor next to `factor`, if that is within `range` of it.
@@ -137,7 +138,8 @@ std::optional<Suspicion> Suspect(const Common& common) {
   return std::nullopt;
 }
 
-// Of a row or column; an aged element does not hide what all others have.
+// The factor that the gains of a row or column have in common; an aged element
+// does not hide what all others have.
 std::optional<Suspicion> Suspect(const GainEstimates& fit, bool row,
                                  int channel) {
   std::vector<Ratio> gains;

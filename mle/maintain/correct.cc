@@ -29,7 +29,7 @@ constexpr double kMostResponseSamples = 1e6;
 // or are shorter than half of it.
 constexpr double kMostShownSamples = 1e4;
 constexpr double kMostRecords = 2.0;
-// Of Δt: the smallest time constant of fopdt_model, that of a jump.
+// The smallest time constant of fopdt_model, in Δt: that of a jump.
 constexpr double kTimeFloor = 1e-3;
 
 absl::Status NotPositive(const char* field, double value) {
@@ -77,7 +77,8 @@ int ChangesOf(const RecordData& data) {
   return static_cast<int>(samples.size());
 }
 
-// What explains the records; nothing where they forbid a correction.
+// Compares explanations of the records. Nothing where the data forbid a
+// correction, for the estimator arx, and without CorrectOptions::examine.
 absl::StatusOr<std::optional<Competition>> Compete(
     const std::vector<Record>& stretches, CorrectionResult& result) {
   if (!result.options.examine || !result.data.obstacles.empty() ||
@@ -153,8 +154,8 @@ absl::Status MakeModels(int samples, CorrectionResult& result) {
   return absl::OkStatus();
 }
 
-// What the model in the controller misses, which the decision about shapes
-// needs.
+// Examines the residuals of the model in the controller, which the decision
+// about shapes needs.
 absl::Status ExamineInitial(const std::vector<Record>& windows, int order,
                             CorrectionResult& result) {
   bool needed = result.options.examine;
@@ -184,7 +185,8 @@ absl::Status ExamineWindows(const std::vector<Record>& windows, int order,
   return absl::OkStatus();
 }
 
-// What needs fits to the windows, whose outliers are marked first.
+// Estimates all that needs fits to the windows, whose outliers are marked
+// first.
 absl::Status EstimateFromWindows(CorrectionResult& result) {
   for (const Message& obstacle : result.data.obstacles) {
     // The model is not of these channels, units or times.
@@ -308,7 +310,7 @@ absl::StatusOr<CorrectionResult> CorrectFromData(
   const absl::Status estimated = EstimateFromWindows(result);
   const std::vector<Record> windows = result.data.Records();
   if (!estimated.ok()) {
-    // What says nothing of the plant may defeat any fit.
+    // Records that say nothing of the plant may defeat any fit.
     if (!obstacles || absl::IsCancelled(estimated)) return estimated;
     result.estimate = UnfittedEstimate(model, windows, estimation);
     if (options.examine) result.information = NoInformation(model);

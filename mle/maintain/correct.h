@@ -59,9 +59,9 @@ struct CorrectOptions {
   // and whether residuals are examined and pairs assessed.
   bool make_arx = true;
   bool examine = true;
-  // What the controller predicts, where its model is not the process model
-  // given (a step-response or ARX model, say): its errors are those that a
-  // correction has to beat. Empty: the process model.
+  // Errors of the controller's own predictions, where its model is not the
+  // process model given (a step-response or ARX model, say): a correction has
+  // to beat these. Empty: those of the process model.
   Predictor in_use;
   // 0: one for each processor. The result does not depend on it.
   int threads = 0;
@@ -97,10 +97,10 @@ struct CorrectionResult {
   // without a judge say why. Empty without CorrectOptions::examine, and where
   // the data forbid a correction.
   std::vector<OutputExplanation> explanations;
-  // What the windows can tell about each pair, by the model's own values and
-  // the noise found.
+  // The information of the windows about each pair, by the model's own values
+  // and the noise found.
   PairInformation information;
-  // What is proposed by gains, time constants and dead times, with them; it
+  // The proposal by gains, time constants and dead times, with their values; it
   // stays here whatever of it is taken.
   OutputErrorFit proposed;
   // Scores of each output at each horizon, where records were held out.

@@ -82,7 +82,7 @@ absl::StatusOr<CorrectedModel> MakeCorrectedModel(const Estimate& estimate,
     return WithArx(estimate, sample_time, response_samples);
   }
   CorrectedModel corrected;
-  // What the estimator arx proposes is ΔR alone.
+  // The estimator arx proposes ΔR alone.
   const bool changed = accepted && setting.options.estimator != Estimator::kArx;
   corrected.process =
       changed ? estimate.fit.output_error.corrected.model : setting.initial;

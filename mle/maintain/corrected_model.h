@@ -13,12 +13,14 @@
 
 namespace mle {
 
-// Of an ARX model from the process model beside it.
+// The largest difference from the process model that an ARX model beside it may
+// have (CorrectedModel::arx_error).
 inline constexpr double kAcceptedArxError = 0.01;
 
 struct CorrectedModel {
-  // Of every estimator but arx: elements of the initial model's shapes, or of
-  // low order where these do not explain the records.
+  // Missing where a ΔR of the estimator arx is accepted. Elements have the
+  // initial model's shapes, or are of low order where these do not explain the
+  // records.
   std::optional<ProcessModel> process;
   // In the units of the records; without coefficients where it is not made.
   // Outputs that are not ΔR's run as the process model (exact_arx.h).

@@ -86,19 +86,19 @@ enum class Acceptance {
   kExplained,  // gains, time constants and dead times by the instruments
 };
 
-// What the competition of explanations (mle/explain/competition.h) says of an
-// output, where there is a judge.
+// The result of the competition of explanations (mle/explain/competition.h) for
+// an output, where there is a judge.
 struct InstrumentEvidence {
   // Gains, time constants or dead times won.
   bool ageing = false;
-  // What else won, or what wins as well, in whole sentences; or empty.
+  // Whole sentences on what else won, and on what would win as well; or empty.
   std::string other;
   std::string tie;
   MessageCode code = MessageCode::kExplained;  // of `other`
   // The estimate by likelihood explains what set points drive as well as what
   // won, and names the same elements or decides between those that tie.
   bool confirms_proposal = false;
-  // What is proposed would have shown in what set points drive, and has not.
+  // The proposal would have shown in what set points drive, and has not.
   bool refutes_proposal = false;
   // On blocks held out: no error of a horizon grew beyond chance, and one fell;
   // with the errors in words.
@@ -150,9 +150,9 @@ struct Evidence {
   std::string detectable;
   std::string nothing_held_out;  // why
   std::vector<OutputEvidence> outputs;
-  // What in the data forbids a correction of the outputs that are undecidable.
+  // Reasons in the data that forbid a correction of the undecidable outputs.
   std::vector<Message> doubts;
-  // What in the data forbids any correction.
+  // Reasons in the data that forbid any correction.
   std::vector<Message> obstacles;
 };
 

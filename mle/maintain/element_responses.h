@@ -1,4 +1,4 @@
-// What each element of a model makes of each input, in the parts of records
+// Responses of each element of a model to each input, in the parts of records
 // around changes of set points: the material of tests that ask whether another
 // assignment of tags, other units or another clock explain the records better.
 
@@ -27,7 +27,7 @@ Record WithoutGaps(const Record& record);
 
 class ElementResponses {
  public:
-  // What the elements of one input make of it: of each part N × as many as are
+  // Responses of the elements of one input: for each part N × as many as are
   // not zero.
   using OfInput = std::vector<Eigen::MatrixXd>;
 
@@ -39,7 +39,7 @@ class ElementResponses {
       double time_scale = 1.0);
 
   const OfInput& Of(int input) const { return responses_[input]; }
-  // What the elements of `input` would make of another recorded input.
+  // Responses of the elements of `input` to another recorded input.
   absl::StatusOr<OfInput> Of(int input, int recorded) const;
   // The column of element (output, input) there; -1: it is zero.
   int ColumnOf(int output, int input) const {

@@ -104,9 +104,9 @@ absl::Status AddArx(const std::vector<Record>& windows, SharedFits& shared,
   return SolveArx(options, fit);
 }
 
-// What the structure of the model lacks, in the outputs that its test rejects:
-// a plant that ages within the records looks like another shape, too, though
-// its structure suffices.
+// Adds to the structure of the model what it lacks, in the outputs that its
+// test rejects: a plant that ages within the records looks like another shape,
+// too, though its structure suffices.
 absl::Status CompleteShapes(const std::vector<Record>& windows,
                             Estimate& estimate) {
   EstimateFit& fit = estimate.fit;

@@ -65,30 +65,31 @@ struct EstimationOptions {
 
   // Names the field, its value and the constraint broken.
   absl::Status Validate() const;
-  // Of each test: output_error.false_alarm_probability is that of all of them,
-  // and estimator combined makes two, of no change and of the structure.
+  // The false-alarm probability of each test:
+  // output_error.false_alarm_probability is that of all of them, and estimator
+  // combined makes two, of no change and of the structure.
   double TestLevel() const;
 };
 
-// What was fitted to one set of windows.
+// The fit to one set of windows.
 struct EstimateFit {
   // By the calibrated test; `output_error` says so too.
   bool change_proposed = false;
   NullCalibration test;
   OutputErrorCorrection output_error;
-  // Of the estimator combined: the test whether structure is enough, and what
+  // For the estimator combined: the test whether structure is enough, and what
   // it lacks.
   std::optional<ModelAdequacy> adequacy;
   // `output_error` has the posterior's elements, this one those without it.
   std::optional<PosteriorCorrection> posterior;
   std::optional<OutputErrorCorrection> without_shapes;
-  // Of the estimator arx where a change is proposed.
+  // For the estimator arx, where a change is proposed.
   std::optional<Correction> arx;
   // R + ΔR at its λ*, scaled, and the relative duality gap.
   ArxModel arx_model;
   double arx_gap = 0.0;
-  // Of processor time of this thread, fits shared with other estimates
-  // included, the conversion of the initial model not.
+  // Processor time of this thread, fits shared with other estimates included,
+  // the conversion of the initial model not.
   double seconds = 0.0;
   // Predictions of the initial model, of the corrected one, and of the
   // corrected one without what its structure lacks, each with the noise that it
@@ -98,21 +99,21 @@ struct EstimateFit {
   Predictor corrected;
   Predictor parametric;
 
-  // Of the test that decided: where it found no change, but the structure is
-  // not enough, that of the latter.
+  // The p-value of the test that decided: that of the structure where the test
+  // of no change found none, but the structure is not enough.
   double PValue() const;
 };
 
-// What an estimator needs besides windows, made once.
+// The setting of an estimator besides windows, made once.
 struct EstimateSetting {
   ProcessModel initial;
   EstimationOptions options;
-  // Of the full fit to all windows.
+  // The noise of the full fit to all windows.
   std::vector<NoiseEstimate> noise;
   // The full fit, which stands in for outputs that are missing.
   ProcessModel filler;
   ChannelScales scales;
-  // Of the estimator arx: R around which ΔR is sought, in scaled units.
+  // For the estimator arx: R around which ΔR is sought, in scaled units.
   std::optional<ConversionSummary> conversion;
   // p: outputs that R + ΔR is for.
   std::vector<bool> arx_outputs;

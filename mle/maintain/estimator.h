@@ -25,7 +25,7 @@ enum class Estimator {
   kCombined,
 };
 
-// What decides that a change is proposed at all.
+// The test by which a change is proposed at all.
 enum class ChangeTest {
   // The likelihood-ratio test of the output-error correction, calibrated on
   // simulated records where χ² leaves doubt (no_change_test.h).

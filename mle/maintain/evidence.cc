@@ -109,8 +109,8 @@ bool AtBound(const ElementEstimate& element, const OutputErrorOptions& search) {
           delay.value > (1.0 - kClose) * longest);
 }
 
-// Of the first element proposed that this concerns; one that the model does not
-// have has nothing to be compared with.
+// A message about the first proposed element that does not look like ageing; an
+// element that the model does not have has nothing to be compared with.
 std::optional<Message> NotAgeing(const CorrectionResult& result, int i) {
   constexpr double kMostOfTimes = 5.0;  // by which dead time and lag change
   const std::string& name = result.initial.outputs()[i].name;

@@ -1,4 +1,4 @@
-// What decision.h decides by, gathered from a result.
+// The evidence that decision.h decides by, gathered from a result.
 
 #ifndef MLE_MAINTAIN_EVIDENCE_H_
 #define MLE_MAINTAIN_EVIDENCE_H_

@@ -19,9 +19,10 @@ using Eigen::VectorXd;
 // Equations for each input, at lags that lie the denser the closer to the
 // order; modes of an element are at most half as many.
 constexpr int kEquations = 16;
-// Of the largest pivot: what is smaller is rounding of the responses.
+// A pivot below this share of the largest is rounding of the responses.
 constexpr double kRounding = 1e-11;
-// Of a response: what is smaller comes before its dead time.
+// A value below this share of the largest of an impulse response is before its
+// dead time.
 constexpr double kNoResponse = 1e-12;
 // Longest time constants and dead times until a response has settled.
 constexpr double kSettled = 8.0;
@@ -79,8 +80,8 @@ VectorXd ShortestAnnihilator(const std::vector<VectorXd>& impulses, int order) {
       values.data(), static_cast<Eigen::Index>(values.size())));
 }
 
-// Of an output that integrates a (1 − z⁻¹), exactly, times that of the
-// increments of its impulse responses, which decay.
+// The annihilator of an output that integrates: (1 − z⁻¹), exactly, times that
+// of the increments of its impulse responses, which decay.
 VectorXd IntegratingAnnihilator(std::vector<VectorXd> impulses, int order) {
   for (VectorXd& h : impulses) h = ImpulseOf(h);
   const VectorXd inner = ShortestAnnihilator(impulses, order - 1);

@@ -51,8 +51,8 @@ ExactArx ArxOfResponse(const StepResponse& response,
                        const Eigen::MatrixXd& gains, int order,
                        const std::vector<bool>& integrating = {});
 
-// Of a process model. The order is that of `settings`, where it is not
-// given at least what the longest dead time and the modes of a row need.
+// The ARX model of a process model. The order is that of `settings`, where it
+// is not given at least what the longest dead time and the modes of a row need.
 ExactArx ArxOfModel(const ProcessModel& model, double sample_time,
                     const ConversionSettings& settings);
 

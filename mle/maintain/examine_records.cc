@@ -22,7 +22,8 @@
 namespace mle {
 namespace {
 
-// Of the model's response to a move, the share that outputs answer at least.
+// Outputs answer a move if they show more than this share of the model's
+// response to it.
 constexpr double kAnswered = 0.5;
 
 // Spikes of an input, all together.
@@ -167,7 +168,7 @@ bool IsKick(const ProcessModel& model, const Record& record, int input,
 }
 
 void Examiner::FindSpikes() {
-  // Of the inputs as recorded.
+  // Made from the inputs as recorded, before any is repaired.
   std::vector<std::optional<AnsweredMoves>> answers(records_.size());
   for (int j = 0; j < model_.num_inputs(); ++j) {
     Spikes replaced;
@@ -238,8 +239,8 @@ absl::Status Examiner::FindStuck() {
 
 void Examiner::FindOperation() {
   for (const TimeAtLimits& limits : FindTimeAtLimits(records_)) {
-    // What is only measured has no limits that a controller meets: the sun at
-    // night, a feed that is stopped.
+    // An input that is only measured has no limits that a controller meets: the
+    // sun at night, a feed that is stopped.
     if (model_.inputs()[limits.input].role == InputRole::kDisturbance) continue;
     const std::string& name = model_.inputs()[limits.input].name;
     const double share = limits.share_low + limits.share_high;

@@ -1,6 +1,6 @@
-// What is wrong with records before anything is fitted: what the data are
+// Faults of records that are found before anything is fitted: what the data are
 // (compression.h, input_spikes.h, stuck_outputs.h, operation.h), clocks that
-// differ (tag_clocks.h), and operators' mistakes (operator_mistakes.h).
+// differ (tag_clocks.h), and configuration errors (operator_mistakes.h).
 //
 //   MLE_ASSIGN_OR_RETURN(const std::vector<Finding> findings,
 //                        ExamineRecords(model, ExamineOptions(), records));
@@ -40,7 +40,8 @@ struct Finding {
   // Times of the first and the last sample concerned.
   double from = 0.0;
   double to = 0.0;
-  // What it is about: a share, a factor, a time, a width, a number of samples.
+  // The size of the finding: a share, a factor, a time, a width, a number of
+  // samples.
   double value = 0.0;
   // kDoubts: of which nothing can be said.
   std::vector<int> outputs;

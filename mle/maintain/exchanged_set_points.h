@@ -19,7 +19,7 @@ namespace mle {
 struct ExchangedSetPoints {
   int first = 0;  // outputs
   int second = 0;
-  // Of S, own over other's: the smaller of both outputs.
+  // The ratio of S, own over other's: the smaller of both outputs.
   double ratio = 0.0;
 };
 

@@ -22,7 +22,7 @@ constexpr double kLateSamples = 5.0;
 constexpr double kLeastEvidence = 3.0;
 // By how many M the likelihood's estimate may explain less than the best.
 constexpr double kAgrees = 3.0;
-// What is proposed and not confirmed is no doubt if no response changes by more
+// A proposal that is not confirmed is no doubt if no response changes by more
 // than this share.
 constexpr double kSmall = 0.2;
 // By which no error of a horizon may grow, and in standard errors, by which one
@@ -66,6 +66,33 @@ std::optional<TransferFunction> ExplainedElement(const CorrectionResult& result,
   return response->ToTransferFunction(values);
 }
 
+// An explanation of an input that another output shows. Its clock is not among
+// them: that competes for all outputs together (competition.cc).
+struct ShownOfInput {
+  int output = 0;
+  Explanation explanation;
+};
+
+// An effect at an input reaches all that it drives: where one output shows it
+// and another an aged element instead, one of them is wrong.
+std::optional<ShownOfInput> ContestedBy(const Competition& competition, int i,
+                                        int j) {
+  std::optional<ShownOfInput> shown;
+  const std::vector<OutputExplanation>& outputs = competition.outputs();
+  for (std::size_t o = 0; o < outputs.size(); ++o) {
+    for (const TakenExplanation& one : outputs[o].taken) {
+      const Explanation& explanation = one.explanation;
+      if (TypeOf(explanation.kind).place != ExplanationPlace::kInput ||
+          IsClock(explanation.kind) || explanation.index != j) {
+        continue;
+      }
+      if (static_cast<int>(o) == i) return std::nullopt;
+      if (!shown.has_value()) shown = {static_cast<int>(o), explanation};
+    }
+  }
+  return shown;
+}
+
 // The inputs of the elements that have aged by what won.
 std::vector<bool> AgedInputs(const CorrectionResult& result,
                              const Competition& competition, int i) {
@@ -87,6 +114,7 @@ std::vector<bool> AgedInputs(const CorrectionResult& result,
         aged[j] = false;
       }
     }
+    if (ContestedBy(competition, i, j).has_value()) aged[j] = false;
     // Nor is a change made that is not worth making.
     if (aged[j]) {
       const Eigen::VectorXd from = result.initial_response.element(i, j);
@@ -174,6 +202,25 @@ std::string Others(const CorrectionResult& result,
   return text;
 }
 
+// The elements of output i that another output contradicts, in sentences.
+std::string Contested(const ProcessModel& model, const Competition& competition,
+                      int i) {
+  std::string text;
+  for (const TakenExplanation& one : competition.outputs()[i].taken) {
+    const Explanation& aged = one.explanation;
+    if (!IsAgeing(aged.kind)) continue;
+    const std::optional<ShownOfInput> shown =
+        ContestedBy(competition, i, aged.index);
+    if (!shown.has_value()) continue;
+    absl::StrAppend(&text, text.empty() ? "" : " ",
+                    Capitalised(Sentence(model, i, aged)), ", or ",
+                    Sentence(model, shown->output, shown->explanation), ", as ",
+                    model.outputs()[shown->output].name, " shows. ",
+                    TypeOf(shown->explanation.kind).settled_by);
+  }
+  return text;
+}
+
 std::string Ties(const ProcessModel& model, const OutputExplanation& output,
                  int i) {
   std::string text;
@@ -209,7 +256,8 @@ bool ProposesNewPath(const CorrectionResult& result, int i) {
   return false;
 }
 
-// Of the proposal for an output, relative to each response.
+// The largest change that is proposed of an output's responses, relative to
+// each.
 double LargestChange(const CorrectionResult& result, int i) {
   double largest = 0.0;
   const StepResponse& initial = result.initial_response;
@@ -295,6 +343,12 @@ std::optional<InstrumentEvidence> EvidenceByInstruments(
     correctable = correctable && (kind == ExplanationKind::kHigherOrder ||
                                   (IsClock(kind) && evidence.other.empty()));
   }
+  const std::string contested = Contested(result.initial, competition, i);
+  if (!contested.empty()) {
+    correctable = false;
+    absl::StrAppend(&evidence.other, evidence.other.empty() ? "" : " ",
+                    contested);
+  }
   // A sign is a mistake of configuration, not to be corrected by the others.
   evidence.ageing = evidence.ageing && !reversed;
   evidence.tie = Ties(result.initial, output, i);
@@ -321,7 +375,8 @@ std::optional<InstrumentEvidence> EvidenceByInstruments(
     const double most = result.options.explain.evidence;
     const bool explains =
         evidence_from(output.energy) > (is_small ? most : kLeastEvidence);
-    const bool better = evidence_from(output.remaining) > most;
+    const bool better =
+        contested.empty() && evidence_from(output.remaining) > most;
     const bool as_much = energy < output.remaining + kAgrees * output.unit;
     evidence.confirms_proposal =
         explains && !reversed &&

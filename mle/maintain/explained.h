@@ -1,5 +1,5 @@
-// What the competition of explanations means for the correction: evidence for
-// the decision, and the estimate by instruments where it is taken.
+// The consequences of the competition of explanations for the correction:
+// evidence for the decision, and the estimate by instruments where it is taken.
 
 #ifndef MLE_MAINTAIN_EXPLAINED_H_
 #define MLE_MAINTAIN_EXPLAINED_H_

@@ -13,7 +13,8 @@ namespace {
 
 constexpr int kDescriptionSamples = 600;
 constexpr double kNegligible = 1e-9;  // of the largest response
-// Of the difference from first order; else one more parameter says little.
+// The difference of a fit of second order must be at most this share of that of
+// first order; else one more parameter says little.
 constexpr double kWorthSecondOrder = 0.5;
 constexpr int kFewestFitSamples = 10;  // of a fit of second order
 // The dead time of second order is shorter than that of first order, whose lag

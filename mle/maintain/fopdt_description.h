@@ -48,8 +48,8 @@ struct FopdtElement {
   bool exact = false;  // of first order, or that with an integrator, as it is
   FopdtShape shape = FopdtShape::kFits;
   double relative_rms = 0.0;  // of the response about the fit
-  // Of the step response from the fit, relative to the range of the response:
-  // to its gain, where it does not overshoot.
+  // The largest difference of the step response from the fit, relative to the
+  // range of the response: to its gain, where it does not overshoot.
   double largest_difference = 0.0;
   // The nearest element of second order, where the difference is above
   // kNearFopdt and that of second order at most half of it.

@@ -21,16 +21,17 @@ namespace {
 // Parts of a window over which the products of a standard error are summed.
 constexpr std::array<int, 3> kBlockCounts = {10, 3, 1};
 constexpr int kBlocksPerFold = 2;
-// What one fold holds out.
+// The samples that one fold holds out.
 struct Fold {
   std::string name;
   // For each window: whether each of its samples after the lead is held out.
   std::vector<std::vector<bool>> held;
 };
 
-// Of every window, blocks of equal length go to the folds in turn, with another
-// one first in each: set points change at the same place in many windows, and
-// a fold that hid all changes would leave nothing to estimate from.
+// In every window, blocks of equal length go to the folds in turn, beginning
+// with another fold in each: set points change at the same place in many
+// windows, and a fold that hid all changes would leave nothing to estimate
+// from.
 std::vector<Fold> FoldsOfBlocks(const std::vector<Record>& windows, int count) {
   const int blocks = count * kBlocksPerFold;
   // Neighbouring windows differ by more than neighbouring blocks.
@@ -52,7 +53,7 @@ std::vector<Fold> FoldsOfBlocks(const std::vector<Record>& windows, int count) {
   return folds;
 }
 
-// What remains for the fit: the outputs held out are lost.
+// The windows for the fit: the outputs held out are lost.
 std::vector<Record> Remaining(std::vector<Record> windows, const Fold& fold) {
   for (std::size_t w = 0; w < windows.size(); ++w) {
     const int lead = windows[w].lead();
@@ -63,7 +64,7 @@ std::vector<Record> Remaining(std::vector<Record> windows, const Fold& fold) {
   return windows;
 }
 
-// Of one output at one horizon.
+// Sums of one output at one horizon.
 struct Sums {
   double initial = 0.0;    // Σ ε₀²
   double corrected = 0.0;  // Σ ε_c²
@@ -142,8 +143,8 @@ Sums Compare(const Eigen::RowVectorXd& measured, const std::vector<bool>& held,
 // By window, output and horizon.
 using Scores = std::vector<std::vector<std::array<Sums, 3>>>;
 
-// What the model misses of each window. A free simulation's mean error is taken
-// off each, of outputs that integrate its line.
+// Errors of the model in one window. Those of a free simulation are less their
+// mean or, for outputs that integrate, less their line.
 Eigen::MatrixXd PartOf(const Eigen::MatrixXd& errors, const StretchPart& window,
                        int horizon, const std::vector<bool>& integrating) {
   Eigen::MatrixXd part = errors.middleCols(window.first, window.samples);
@@ -360,7 +361,7 @@ absl::StatusOr<Validation> ValidateByHoldOut(
   Scores parametric;
   for (int f = 0; f < count; ++f) {
     if (!results[f].status.ok()) {
-      // What remains may be too short, or move too little, to be fitted.
+      // The remaining data may be too short, or move too little, to be fitted.
       validation.missing = absl::StrCat("without ", folds[f].name, ": ",
                                         results[f].status.message());
       return validation;

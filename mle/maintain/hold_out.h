@@ -4,9 +4,9 @@
 // Nested: of every window two of ten blocks are hidden at a time, others in the
 // next window, and what predicts them is estimated from the rest alone, with
 // its own noise, penalty and choice of elements. That a change is proposed, of
-// what kind, and beside which colour, lines and steps is given, and fits begin
-// where that to all windows ended. Nothing of what is scored had a part in
-// anything else that predicts it, but every set-point change had: where
+// what kind, and beside which AR component, sinusoids and steps is given, and
+// fits begin where that to all windows ended. Nothing of what is scored had a
+// part in anything else that predicts it, but every set-point change had: where
 // each window moves the plant in one direction, the others determine nothing of
 // it. One window of few set-point changes is not held out: its blocks have one
 // disturbance.
@@ -14,9 +14,9 @@
 // A correction that helps in one window and harms in another is of a plant that
 // changed in between, or is not linear: each window has scores of its own.
 //
-// Of each output and horizon h (one step, a fifth of the ARX order, and free
-// simulation, its mean error taken off) with the errors ε₀ and ε_c of the two
-// models and S = Σ ε²,
+// The scores of each output and horizon h (one step, a fifth of the ARX order,
+// and free simulation, its mean error taken off) are, with the errors ε₀ and
+// ε_c of the two models and S = Σ ε²,
 //
 //   fit = 100 (1 − ‖ε‖ / ‖y − ȳ‖) percent,    gain = 1 − S_c / S₀,
 //
@@ -52,7 +52,7 @@ struct HoldOutOptions {
   absl::Status Validate() const;
 };
 
-// Of one output at one horizon. NaN where nothing was scored.
+// Scores of one output at one horizon. NaN where nothing was scored.
 struct HorizonScore {
   double initial = std::numeric_limits<double>::quiet_NaN();    // fit, percent
   double corrected = std::numeric_limits<double>::quiet_NaN();  // fit, percent

@@ -1,4 +1,4 @@
-// What a caller has to know of a run, as data: what it is about (code), where
+// Messages about a run for its caller, as data: the subject (code), the place
 // (an output, a pair, a window, a file), the text, and the options that would
 // change it. A command prints the options as its own flags.
 

@@ -129,7 +129,7 @@ absl::Status OnWords(const absl::Status& status) {
                    " is not a mode (mode_tag); ", AbslView(kKnown)));
 }
 
-// What a tag says, sample by sample of the records.
+// The time in each mode by one tag, sample by sample of the records.
 struct Found {
   double by_hand = 0.0;  // times
   double by_controller = 0.0;

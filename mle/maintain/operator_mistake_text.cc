@@ -1,5 +1,5 @@
-// What is said of a mistake: what it seems to be, and the lines of the mapping
-// of tags, or the option, that correct it.
+// The text about a configuration error: what it seems to be, and the lines of
+// the mapping of tags, or the option, that correct it.
 
 #include <algorithm>
 #include <array>

@@ -28,8 +28,8 @@ constexpr double kMostResponses = 1e9;
 constexpr double kLeastMistakeNats = 10.0;
 constexpr double kCompleteNats = 6.0;
 constexpr double kSameFactor = 0.1;
-// Of what an output does, the share that its model explains with the tags
-// swapped back.
+// The model must explain more than this share of what outputs do, on average,
+// with the tags swapped back.
 constexpr double kLeastShare = 0.25;
 constexpr double kLeastShareOfOthers = 0.6;  // of another unit or role
 constexpr double kSameShare = 0.05;
@@ -54,7 +54,8 @@ struct HypotheticalRow {
   Series without;    // the same, the channels concerned having no effect
 };
 
-// What is judged, and how the rows that it changes are made when it is.
+// A hypothesis to be judged, and how the rows that it changes are made when it
+// is.
 struct Candidate {
   Hypothesis hypothesis;
   std::function<absl::StatusOr<std::vector<HypotheticalRow>>()> rows;
@@ -80,8 +81,8 @@ class MistakeSearch {
   int p() const { return model_.num_outputs(); }
   int m() const { return model_.num_inputs(); }
 
-  // Of the innovations of a tag, taken for this output of the model, that
-  // responds so.
+  // The log-likelihood of the innovations of the tag `measured`, taken for this
+  // output of the model, that responds so.
   double LogLikelihood(int output, int measured, const Series& responses,
                        int block) const;
   // Whether the exchange is the better account also where some elements of the
@@ -93,7 +94,7 @@ class MistakeSearch {
   void FitAsRecorded();
   bool AreAlike(bool outputs, int a, int b) const;
   void AddExchanges(bool outputs);
-  // Of rows (outputs) or columns (inputs) with a common factor.
+  // Adds rows (outputs) or columns (inputs) with a common factor.
   void AddFactors(bool outputs);
   void AddTimeUnits();
   absl::StatusOr<std::vector<HypotheticalRow>> InputsExchanged(int a,
@@ -124,7 +125,7 @@ class MistakeSearch {
   std::optional<OperatorMistake> best_;
 };
 
-// What the elements of each output make of all inputs.
+// The sum of the responses of each output's elements to all inputs.
 std::vector<Series> SumsOf(const ElementResponses& responses,
                            const std::vector<Record>& parts, int outputs,
                            int inputs) {
@@ -369,7 +370,8 @@ bool MistakeSearch::Follows(const Hypothesis& hypothesis,
   for (const HypotheticalRow& row : rows) {
     const double corrected = ShareOf(row.output, row.measured, row.claimed);
     const double before = ShareOf(row.output, row.output, sums_[row.output]);
-    // Of what is bad anyway no share can be told.
+    // No share may fall clearly below zero, or below what it was where that was
+    // negative already.
     if (corrected < std::min(before, 0.0) - kSameShare) return false;
     claimed += corrected;
     recorded += std::max(before, 0.0);

@@ -19,7 +19,7 @@
 namespace mle {
 namespace {
 
-// Of the samples on each side, for bursts of up to ten.
+// Samples on each side that one is compared with, for bursts of up to ten.
 constexpr int kWideHalfWidth = 12;
 
 // Samples of one output that stand out of those around them, in what the model
@@ -68,7 +68,7 @@ std::vector<int> OutputsToSearch(const ProcessModel& model,
   return outputs;
 }
 
-// What the model found of an output.
+// Reports the outliers that the model found in an output.
 void ReportOutliers(const std::string& name, const OutlierReport& report,
                     RecordData& data) {
   if (report.marked[0] > 0) {
@@ -126,7 +126,7 @@ absl::Status SearchOutliers(const ProcessModel& model,
   MLE_RETURN_IF_ERROR(stage.status());
   data.outliers_by_model.assign(model.num_outputs(), 0);
   for (int n = 0; n < count; ++n) {
-    // What cannot be fitted is told where the model is fitted.
+    // An output that cannot be fitted is reported where the model is fitted.
     if (!reports[n].ok()) continue;
     const int i = outputs[n];
     for (std::size_t w = 0; w < data.windows.size(); ++w) {

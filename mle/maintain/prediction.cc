@@ -17,8 +17,8 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Of log10 q/r: below, a level does not move within a record; above, it is
-// all that moves.
+// Range of log10 q/r: below, a level does not move within a record; above, it
+// is all that moves.
 constexpr double kLeastLogRatio = -8.0;
 constexpr double kLargestLogRatio = 6.0;
 
@@ -144,7 +144,7 @@ Eigen::RowVectorXd LevelErrors(const Eigen::RowVectorXd& e, double ratio,
   return errors;
 }
 
-// What a model leaves of an output: the samples that were measured.
+// The errors of a model in one output, at the samples that were measured.
 struct Remainder {
   std::vector<int> times;
   VectorXd values;
@@ -241,7 +241,7 @@ int FirstPredicted(const InputResponse& model, const Record& record) {
 
 absl::StatusOr<InputResponse> ResponseOf(const ProcessModel& model,
                                          double sample_time) {
-  // What cannot be simulated is found here, not record by record.
+  // A model that cannot be simulated is found here, not record by record.
   MLE_RETURN_IF_ERROR(ProcessSimulator::Create(model, sample_time).status());
   return InputResponse{
       .response =

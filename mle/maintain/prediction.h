@@ -1,4 +1,4 @@
-// What a model misses when it predicts a record.
+// Errors of a model that predicts a record.
 //
 // Horizon h predicts sample k from the outputs up to k − h and the inputs up to
 // k − 1; 1 is one step ahead, 0 free simulation, whose mean error is taken off,
@@ -25,8 +25,8 @@ namespace mle {
 using Predictor =
     std::function<Eigen::MatrixXd(const Record& record, int horizon)>;
 
-// What a model makes of the inputs of a record (p × samples), settled at the
-// first inputs.
+// The response of a model to the inputs of a record (p × samples), settled at
+// the first inputs.
 struct InputResponse {
   std::function<absl::StatusOr<Eigen::MatrixXd>(const Record& record)> response;
   // Samples after which the inputs before a record are forgotten: the largest

@@ -22,8 +22,9 @@
 namespace mle {
 namespace {
 
-// Of missing samples a warning is made only where they are many: the table of
-// the channels has them all.
+// If a channel lacks more than this share of its samples, the report's warnings
+// are passed on as warnings, else as notes: the table of the channels has all
+// that is missing.
 constexpr double kManyMissing = 0.05;
 // Samples at rest for each of a window: they cost time, and teach no more.
 constexpr int kMostAtRest = 4;
@@ -44,7 +45,7 @@ void AddImportWarnings(RecordData& data) {
   }
 }
 
-// Of channels that are not mapped the columns they were read from.
+// Adds the columns that channels without a mapping were read from.
 void AddTags(const HistorianReport& report, std::vector<TagMapping>& tags) {
   for (const ChannelReport& channel : report.channels) {
     const bool is_mapped = std::any_of(

@@ -30,7 +30,7 @@ struct RecordOptions {
   // Tags that say when a loop or the controller was in use (modes.h); of files
   // and databases.
   std::vector<ModeTag> modes = {};
-  // What is looked for before anything else.
+  // The examination that comes before anything else.
   ExamineOptions examination;
   WindowOptions windows;
   // Times of set-point changes as dates (2024-02-29 12:34, 29-Feb-24 12:34, …),
@@ -48,8 +48,8 @@ struct RecordOptions {
   // records those stretches that are expected to inform most (record_scan.h);
   // 0: all.
   int most_samples_in_memory = 0;
-  // What is taken as bad: frozen stretches and single samples far from their
-  // neighbours.
+  // Samples to be taken as bad: frozen segments and single samples far from
+  // their neighbours.
   MarkOptions mark;
 
   absl::Status Validate() const;
@@ -57,7 +57,8 @@ struct RecordOptions {
 
 struct RecordData {
   std::vector<Record> records;
-  // Of the files; for records in memory only the sample time and the counts.
+  // The report on the files; for records in memory only the sample time and the
+  // counts.
   HistorianReport report;
   // Records as they are, no operating point taken off.
   std::vector<SetPointWindow> windows;
@@ -73,8 +74,8 @@ struct RecordData {
   // The model's settling time, in samples.
   int lead = 0;
   HealthReport health;
-  // Of the examination; those that block are obstacles, the others are among
-  // the warnings (doubts and repairs) and notes.
+  // Findings of the examination; those that block are obstacles, the others are
+  // among the warnings (doubts and repairs) and notes.
   std::vector<Finding> findings;
   std::vector<Message> obstacles;  // what forbids a correction
   // p: outliers that the model found besides (outlier_search.h); empty: none
@@ -88,12 +89,12 @@ struct RecordData {
   TimeNames Times(const ProcessModel& model) const {
     return report.Times(model.time_unit());
   }
-  // Of the windows. Each has a lead (Record::lead()) of the inputs before it,
-  // from the last bad one on, `lead` samples at most; none where it adjoins the
-  // window before.
+  // The windows as records. Each has a lead (Record::lead()) of the inputs
+  // before it, from the last bad one on, `lead` samples at most; none where it
+  // adjoins the window before.
   std::vector<Record> Records() const;
-  // What lies outside of the windows, the last of it, up to four times as many
-  // samples as the windows have.
+  // The records outside of the windows, the last of them, up to four times as
+  // many samples as the windows have.
   std::vector<Record> AtRest() const;
 };
 

@@ -102,7 +102,7 @@ void TestInput(const Windows& errors, const Windows& input, int max_lag,
   result.p_value = ChiSquareTail(result.statistic, regression.rank());
 }
 
-// What every output's errors are compared with.
+// An input with which every output's errors are compared.
 struct Input {
   Windows centred;
   Windows moves;         // Known()

@@ -11,12 +11,12 @@
 
 namespace mle {
 
-// Of one output in all windows, without gaps; responses are as long. 0 where
-// the output does not move.
+// The share for one output in all windows, without gaps; responses are as long.
+// 0 where the output does not move.
 double SimulatedShare(const std::vector<Eigen::VectorXd>& outputs,
                       const std::vector<Eigen::VectorXd>& responses);
 
-// Of an output that integrates: of its moves over 20 samples.
+// The share for an output that integrates: of its moves over 20 samples.
 double SimulatedShareOfIncrements(
     const std::vector<Eigen::VectorXd>& outputs,
     const std::vector<Eigen::VectorXd>& responses);

@@ -17,7 +17,8 @@ double LargestOf(const std::vector<double>& values) {
   return values.empty() ? 0.0 : *std::max_element(values.begin(), values.end());
 }
 
-// Of the ARX model's step responses; what these settle at is not compared.
+// Differences from the ARX model's step responses; the values that these settle
+// at are not compared.
 Eigen::VectorXd DifferencesFrom(const StepResponse& response,
                                 const DiscreteStateSpace& system) {
   const Eigen::MatrixXd gains = system.StaticGains();

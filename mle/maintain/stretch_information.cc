@@ -16,7 +16,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Of all information on an element: more than this counts little less.
+// Where an element has more than this share of all information on it, more of
+// it counts less.
 constexpr double kLittle = 1e-3;
 constexpr double kSettlingTimes = 4.0;  // of the shortest stretch
 

@@ -1,14 +1,15 @@
-// What stretches of records are expected to say of a model's gains, and which
-// of them say most. Internal to mle/maintain.
+// The information of segments of records about a model's gains, as expected
+// from their inputs, and the segments that have most of it. Internal to
+// mle/maintain.
 //
-// What stretch w says of the gain of element (i, j) is, but for the noise of
-// output i, the information
+// The information of segment w about the gain of element (i, j) is, but for the
+// noise of output i,
 //
-//   I_wij = a_wi Σ_k (x_ij(k)~)²,   S_ij = Σ_w I_wij over the stretches used,
+//   I_wij = a_wi Σ_k (x_ij(k)~)²,   S_ij = Σ_w I_wij over the segments used,
 //
-// of the model's response x_ij to the stretch's inputs, whether set points move
-// them or control, whitened (~) under an offset and noise that drifts; a_wi is
-// the share of samples in which output i was measured.
+// for the model's response x_ij to the segment's inputs, whether set points
+// move them or control, whitened (~) under an offset and noise that drifts;
+// a_wi is the share of samples in which output i was measured.
 
 #ifndef MLE_MAINTAIN_STRETCH_INFORMATION_H_
 #define MLE_MAINTAIN_STRETCH_INFORMATION_H_

@@ -20,7 +20,8 @@ namespace mle {
 namespace {
 
 constexpr double kLeastClockSamples = 100.0;
-// Of the elements' responses, each of which is delayed some thirty times.
+// Most samples of the elements' responses, each of which is delayed some thirty
+// times.
 constexpr double kMostClockSamples = 2e7;
 constexpr double kLeastClockNats = 10.0;
 constexpr double kSignificantClock = 0.01;
@@ -117,8 +118,8 @@ struct BestDelay {
   double log_likelihood = 0.0;
 };
 
-// Of elements `which` (p × m, 1 where delayed) of all rows together, by no less
-// than `least` samples.
+// Searches the delay of elements `which` (p × m, 1 where delayed) of all rows
+// together, of no less than `least` samples.
 class DelaySearch {
  public:
   DelaySearch(const std::vector<WhitenedData>& rows, Eigen::MatrixXd which,
@@ -201,7 +202,7 @@ class DelaySearch {
   std::vector<DelayedRow> delayed_;
 };
 
-// Of the rows of `which`, all that the model has.
+// The number of elements that the model has in the rows of `which`.
 double FreeElements(const Eigen::MatrixXd& dead_times,
                     const Eigen::MatrixXd& which) {
   double sum = 0.0;
@@ -222,7 +223,7 @@ std::optional<BestDelay> ExplainByDelay(const std::vector<WhitenedData>& rows,
                                         const Eigen::MatrixXd& dead_times) {
   DelaySearch search(rows, which);
   const double before = search.At(0.0);
-  // What no delay can explain, or need not.
+  // Free elements gain too little: no delay explains the records, or needs to.
   const double free_of_all = free.dot(which.rowwise().maxCoeff());
   if (free_of_all < before + kLeastClockNats / 2.0) return std::nullopt;
   BestDelay best = search.Find();
@@ -282,7 +283,7 @@ std::string TagClock::Describe(const ProcessModel& model) const {
 void CorrectClock(const TagClock& clock, std::vector<Record>& records) {
   for (Record& record : records) {
     const double late = clock.late / record.sample_time;
-    // Of what was read at k + whole and the sample after it.
+    // The time between the sample read at k + whole and the one after it.
     const auto whole = static_cast<Eigen::Index>(
         clock.is_output ? std::floor(late) : std::round(late));
     const double fraction =

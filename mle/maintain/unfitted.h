@@ -1,4 +1,4 @@
-// What stands for an estimate where nothing is estimated: the initial model,
+// The stand-in for an estimate where nothing is estimated: the initial model,
 // every element at its values.
 
 #ifndef MLE_MAINTAIN_UNFITTED_H_
@@ -17,8 +17,8 @@ namespace mle {
 // Every element held, in noise that nothing is known of.
 OutputErrorCorrection UnfittedStructure(const ProcessModel& initial);
 
-// Of windows that cannot be used: no change is proposed, and the model predicts
-// as it is, or nothing where it cannot.
+// The estimate from windows that cannot be used: no change is proposed, and the
+// model predicts as it is, or nothing where it cannot.
 Estimate UnfittedEstimate(const ProcessModel& initial,
                           const std::vector<Record>& windows,
                           const EstimationOptions& options);

@@ -1,9 +1,9 @@
-// Of records at rest, what tells the noise of routine operation. Internal to
-// mle/maintain.
+// The parts of records at rest that tell the noise of routine operation.
+// Internal to mle/maintain.
 //
-// What lies outside of windows is taken for noise. Where the plant was shut
+// The records outside of windows are taken for noise. Where the plant was shut
 // down, or run by hand far from its operating point, the model says nothing and
-// its residual r_i = y_i − Σ_j x_ij is no noise, yet larger than all the rest:
+// its residual r_i = y_i − Σ_j x_ij is not noise, yet larger than all the rest:
 // correlation that it has would widen every interval and hide what has aged.
 // So, where the mean square of r_i (of a level: of its increments) of any
 // output over 60 samples, whitened under an offset and drift, is above 400
@@ -31,9 +31,9 @@ struct RestParts {
   std::vector<std::pair<double, double>> left_out;
 };
 
-// Of fewer than ten blocks in all, which say little of what is usual, nothing
-// is left out. InvalidArgument for a model that cannot be simulated.
-// Operations: samples times elements.
+// Nothing is left out where there are fewer than ten blocks in all, which say
+// little of what is usual. InvalidArgument for a model that cannot be
+// simulated. Operations: samples times elements.
 absl::StatusOr<RestParts> DivideRest(const ProcessModel& model,
                                      std::vector<Record> rest);
 

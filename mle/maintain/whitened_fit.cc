@@ -108,7 +108,7 @@ double LogLikelihoodOfNoise(const Noise& noise) {
 // element in a row, and normal equations cost the cube of their number.
 struct PresentColumns {
   std::vector<Eigen::Index> all;  // in any window
-  // Of each window: which of `all`.
+  // The numbers in `all` that each window has.
   std::vector<std::vector<Eigen::Index>> windows;
 };
 

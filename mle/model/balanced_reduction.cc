@@ -26,10 +26,11 @@ using Eigen::VectorXd;
 constexpr double kSettled = 2.0;
 constexpr double kFewestSamples = 10.0;
 constexpr double kMostSamples = 20000.0;
-// What rounding of the dead time leaves of an integrator alone, as a share of
-// the ramp's rise over a sample.
+// The response of an integrator alone besides its ramp is rounding of the dead
+// time, where below this share of the ramp's rise over a sample.
 constexpr double kNothingLeft = 1e-8;
-// Of σ_1 and for each state: what is smaller is rounding.
+// A singular value below this share of σ_1, times the number of states, is
+// rounding.
 constexpr double kRounding = 1e-15;
 
 // Elements of the model; none where a pair is zero. Row by row.
@@ -218,7 +219,8 @@ DiscreteStateSpace BalancedRow::Cut(int order, double sample_time,
   return system;
 }
 
-// Of a pair, its dead time without what is taken out; none of an integrator
+// The element of a pair, with the dead time `left` that is not taken out; of an
+// integrating element what it has besides its ramp, nothing for an integrator
 // alone.
 absl::StatusOr<std::optional<RowElement>> ElementOf(
     const ProcessModel& model, const HeldResponse& response, int left,

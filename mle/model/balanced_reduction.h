@@ -1,11 +1,12 @@
 // A process model as a discrete state-space model of low order, by balanced
 // truncation, with a bound of its error.
 //
-// What dead times have in common is taken out first: a_j + c_i ≤ the dead time
-// of element (i, j), in whole samples, by whichever of two rules (inputs first,
-// outputs first) leaves less. Row by row, with input j divided by the largest
-// magnitude s_ij of the element's step response, the exact discrete system of n
-// states has Hankel singular values σ_1 ≥ … ≥ σ_n. Balanced and cut after r,
+// Dead time that elements have in common is taken out first: a_j + c_i ≤ the
+// dead time of element (i, j), in whole samples, by whichever of two rules
+// (inputs first, outputs first) leaves less. Row by row, with input j divided
+// by the largest magnitude s_ij of the element's step response, the exact
+// discrete system of n states has Hankel singular values σ_1 ≥ … ≥ σ_n.
+// Balanced and cut after r,
 //
 //   max_ω ‖(g_i(e^{jω}) − ĝ_i(e^{jω})) diag(s_i)⁻¹‖₂ ≤ 2 Σ_{k>r} σ_k.
 //
@@ -57,14 +58,15 @@
 namespace mle {
 
 struct ReductionOptions {
-  // Of the bound and of the largest difference of a step response, relative to
-  // the largest value of that step response; > 0. One percent is half of the
-  // smallest change that counts as one (DecisionOptions::least_change), and
-  // what an ARX model is held to as well (kAcceptedArxError). Below some 1e-11
-  // rounding decides.
+  // The bound and the largest difference of a step response stay below this,
+  // relative to the largest value of that step response; > 0. One percent is
+  // half of the smallest change that counts as one
+  // (DecisionOptions::least_change), and what an ARX model is held to as well
+  // (kAcceptedArxError). Below some 1e-11 rounding decides.
   double tolerance = 0.01;
-  // Of a row before it is cut, and of the model after, ≥ 1. Dead times of a row
-  // that differ by more samples than this take more.
+  // The states of a row before it is cut, and of the model after, are at most
+  // this many, ≥ 1. Dead times of a row that differ by more samples than this
+  // take more.
   int max_states = 1000;
   // Rows are reduced side by side; 0: one thread for each processor.
   int threads = 1;

@@ -299,7 +299,8 @@ void ElementRun::Next(Eigen::Ref<MatrixXd> columns) {
     }
   });
   if (!integrating_ || !derivatives) return;
-  // Of T z by ln T; without a lag that is nothing, to the last bit.
+  // The response of an integrating element is T z, so that its derivative by ln
+  // T has T z besides; without a lag the derivative is zero, to the last bit.
   columns.col(1) += columns.col(0);
   if (!has_time_scale_) columns.col(1).setZero();
 }

@@ -38,7 +38,7 @@
 
 namespace mle {
 
-// What is fitted of an element. Time is in the process model's unit.
+// The fitted values of an element. Time is in the process model's unit.
 struct ElementValues {
   double gain = 0.0;        // K
   double time_scale = 1.0;  // T > 0, without a meaning where there is no lag
@@ -70,7 +70,7 @@ class ElementResponse {
   // r, of modes that decay.
   int order() const { return static_cast<int>(A_.rows()); }
 
-  // Of the mode that is over first, or oscillates fastest: 1/|s| of its pole,
+  // The time 1/|s| of the pole whose mode is over first, or oscillates fastest,
   // as a share of T; 0 without modes.
   double shortest_time() const { return shortest_time_; }
 
@@ -78,8 +78,8 @@ class ElementResponse {
 
   // columns (N × 3): the response for K = 1, its derivative by ln T and by L,
   // k = 0 … N−1, to `inputs` (N), held at `past_input` before and settled; of
-  // an integrating element to what `inputs` differ from it.
-  // Of one column (N × 1) the response alone, in half the time.
+  // an integrating element to what `inputs` differ from it. With one column
+  // (N × 1) only the response is computed, in half the time.
   void Simulate(double time_scale, double sample_time, SampledDelay delay,
                 const Eigen::Ref<const Eigen::VectorXd>& inputs,
                 double past_input, Eigen::Ref<Eigen::MatrixXd> columns) const;
@@ -88,7 +88,7 @@ class ElementResponse {
                  const Eigen::Ref<const Eigen::VectorXd>& inputs,
                  double past_input, bool derivatives) const;
 
-  // What states (r) left by former inputs do to the output, kΔt after,
+  // The response of the output to states (r) left by former inputs, kΔt after,
   // k = 0 … n−1: columns (n × r), and their derivatives by ln T. n is
   // `samples`, or less: from there on both are zero, being 1e-18 of what they
   // were. Those of an integrating element are so but for constants.
@@ -124,7 +124,8 @@ class ElementRun {
   // The next samples of the inputs, as many as rows.
   void Next(Eigen::Ref<Eigen::MatrixXd> columns);
 
-  // Of first order, for whom runs many of them side by side:
+  // The recursion of an element of first order, for callers that run many
+  // elements side by side:
   //
   //   x_{k+1} = a x_k + b₁ u_{k−q−1} + b₀ u_{k−q},   y_k = C x_k,
   //   d_{k+1} = a d_k + e x_k + c₁ u_{k−q−1} + c₀ u_{k−q},   ∂y/∂ln T = C d_k,

@@ -1,4 +1,5 @@
-// What a linear system does over a time in which its input is held, exactly:
+// The exact change of a linear system's state over a time in which its input is
+// held:
 //
 //   ẋ = A x + B u:   x ← x + E x + Γ u,
 //   E = e^{Aτ} − I,  Γ = ∫₀^τ e^{As} ds B.

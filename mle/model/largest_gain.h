@@ -18,7 +18,8 @@
 
 namespace mle {
 
-// Of `impulse` (N); 0 for an empty one. Cost: 40 N log₂ 8N operations or so.
+// The bound for `impulse` (N); 0 for an empty one. Cost: 40 N log₂ 8N
+// operations or so.
 double LargestGainBound(const Eigen::VectorXd& impulse);
 
 }  // namespace mle

@@ -95,9 +95,9 @@ std::vector<bool> IntegratingOutputs(const ProcessModel& model);
 absl::Status CheckNotIntegrating(const ProcessModel& model,
                                  std::string_view what);
 
-// Of dead time and time constant together, about what a loop tuned on a level
-// takes (integral time and dead time of Skogestad's rules, 8 L and L: J.
-// Process Control 13, 2003).
+// A loop tuned on a level takes about this many times the sum of dead time and
+// time constant (integral time and dead time of Skogestad's rules, 8 L and L:
+// J. Process Control 13, 2003).
 inline constexpr double kLevelSettlingTimes = 10.0;
 
 // Dead time plus five times the slowest time constant of the slowest element:

@@ -51,7 +51,7 @@ struct RowRealization {
   Eigen::MatrixXd observability_factor;    // R, n columns
   Eigen::MatrixXd controllability_factor;  // L, n rows
 
-  // Of at least one element, each stable.
+  // `elements`: at least one, each stable.
   static RowRealization Of(const std::vector<RowElement>& elements);
 };
 

@@ -18,7 +18,7 @@ namespace {
 // Distance from 1 of an eigenvalue that is 1 to rounding; a mode that is as
 // slow takes 10⁹ samples to settle.
 constexpr double kIntegrates = 1e-9;
-// Of the product of norms: what a slope that is 0 has by rounding.
+// A slope below this share of the product of norms is 0 but for rounding.
 constexpr double kNoSlope = 1e-12;
 
 int CountIntegrating(const Eigen::VectorXcd& eigenvalues) {

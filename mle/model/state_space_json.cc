@@ -148,7 +148,7 @@ absl::StatusOr<NamedStateSpace> ParseNamedStateSpace(const JsonNode& top) {
   }
   const absl::Status status = named.Validate();
   if (status.ok()) return named;
-  // What is wrong may be of states that no input reaches.
+  // The fault may lie in states that no input reaches.
   NamedStateSpace reached = named;
   reached.unreached_states = LeaveOutUnreachedStates(reached.system);
   if (reached.unreached_states > 0 && reached.Validate().ok()) return reached;

@@ -21,9 +21,9 @@
 
 namespace mle {
 
-// Of each output (p), relative to the largest value of a step response: the
-// bound of the error at any frequency, and the largest difference of a step
-// response or static gain (balanced_reduction.h). Finite and ≥ 0.
+// The errors of each output (p), relative to the largest value of a step
+// response: the bound of the error at any frequency, and the largest difference
+// of a step response or static gain (balanced_reduction.h). Finite and ≥ 0.
 struct StateSpaceAccuracy {
   std::vector<double> error_bounds;
   std::vector<double> largest_differences;

@@ -6,7 +6,8 @@
 namespace mle {
 namespace {
 
-// Of the norm of A, a direction that is new.
+// A direction is new if its part orthogonal to the known ones is longer than
+// this share of the norm of A, or of its column of B.
 constexpr double kNewDirection = 1e-9;
 
 // Those that entries other than 0 join to an input.

@@ -19,7 +19,7 @@ using Eigen::VectorXd;
 // ones, which end for certain.
 constexpr int kBlockTrials = 5;
 constexpr int kMaxExchanges = 1000;
-// Of what is wrong with an unknown, in units of its own scale.
+// An unknown is wrong if off by more than this, in units of its own scale.
 constexpr double kPivotTolerance = 1e-12;
 
 constexpr double kFirstDamping = 1e-4;
@@ -27,8 +27,9 @@ constexpr double kLeastStepDamping = 1e-10;
 constexpr double kMostStepDamping = 1e12;
 // After a step that is refused, at least: less damping hardly shortens it.
 constexpr double kRefusedDamping = 1.0;
-// Of the decrease that the model promises: steps that are taken, and those
-// after which damping falls and rises.
+// Shares of the decrease that the model promises: steps above the first are
+// taken; damping falls after steps above the second, and rises after steps
+// below the third.
 constexpr double kLeastShareOfPromise = 1e-4;
 constexpr double kGoodShare = 0.75;
 constexpr double kPoorShare = 0.25;

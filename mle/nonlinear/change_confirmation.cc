@@ -43,7 +43,8 @@ class SquaresOfFits {
       return Evaluate(setup_.start);
     }
     Minimum best = From(near, free);
-    // Of parts of the records that has been asked of all of them.
+    // Fits to parts of the records begin at the fit to all of them, which has
+    // been compared with the initial values already.
     if (options_.start != nullptr) return best;
     Minimum other = From(setup_.start, free);
     // An amplitude more explains r of any noise; less than that is no reason
@@ -73,7 +74,7 @@ class SquaresOfFits {
     return cost;
   }
 
-  // Of the fit with all elements free.
+  // The squares of the fit with all elements free.
   Minimum OfFit() const { return Evaluate(fit_.point); }
 
   // r, raised by what correlation that is left does to likelihood ratios.
@@ -149,8 +150,8 @@ double Combined(const std::vector<AssumedFit>& fits,
   return least - 2.0 * std::log(sum);
 }
 
-// Of F, of the parameters of `elements`, for r with as many degrees of freedom
-// as their variances have at least; `amplitudes` are fitted besides.
+// The p-value of F for the parameters of `elements`, for r with as many degrees
+// of freedom as their variances have at least; `amplitudes` are fitted besides.
 double TailOf(double statistic, int amplitudes, const OutputSetup& setup,
               const OutputFit& fit, const std::vector<bool>& elements) {
   const auto degrees = static_cast<double>(
@@ -172,7 +173,7 @@ std::vector<bool> OnlyElement(std::size_t j, std::size_t count) {
   return one;
 }
 
-// Of three parameters of an element.
+// The critical value for the three parameters of an element.
 double CriticalValue(const OutputFit& fit, int j, double false_alarm) {
   const double of_noise = fit.degrees_of_freedom.segment(3 * j, 3).minCoeff();
   return 3.0 * FisherQuantile(false_alarm, 3.0, of_noise);
@@ -210,7 +211,7 @@ class Confirmation {
   Ratio RatioOf(const std::vector<Minimum>& without,
                 const std::vector<Minimum>& with,
                 const std::vector<bool>& tested) const;
-  // Of the fit with all elements free, against what has changed.
+  // The ratio of the fit with all elements free to that of what has changed.
   Ratio Missing() const;
 
   std::vector<Minimum> FitsWith(const std::vector<bool>& free) const {

@@ -17,13 +17,13 @@
 // estimate and at the initial values, and the better one counts; the noise is
 // that of the fit with all elements free.
 //
-// What has changed must account for the records: while the fit with all
+// The changed elements must account for the records: while the fit with all
 // elements free is better than chance makes it, the element is added that makes
 // the likeliest fit of the three whose gains alone would explain most. Where
 // inputs move together the errors of all elements are large, and Wald's test
 // names none of them although the records rule out the initial model.
 //
-// Of inputs that move together the estimate with all elements free shares what
+// Where inputs move together, the estimate with all elements free shares what
 // one element did among others, and of elements that leave one by one the wrong
 // ones may stay. So elements that are added and leave in this way from none on,
 // whatever is named, are a rival: a set B stands in place of A where
@@ -69,7 +69,8 @@ struct ConfirmedChanges {
   // when it left, or the last; 0 for others.
   std::vector<double> statistics;
   std::vector<double> p_values;  // the same; 1 for others, 0 for certain ones
-  // Of the fit with all elements free, against that of what has changed.
+  // The p-value of the fit with all elements free, against that of what has
+  // changed.
   double missing_p_value = 1.0;
   // The best fit of what has changed, by the heaviest assumption.
   OutputPoint point;
@@ -78,10 +79,10 @@ struct ConfirmedChanges {
   bool restarted = false;
 };
 
-// What has changed may be other elements than those that are `named`, which may
-// be none, but for those that are `certain`, some of them. Likelihood ratios
-// under several assumptions are S = −2 ln Σ w exp(−S_w/2), as in the test of no
-// change. An element has changed where p < `false_alarm`.
+// Finds the changed elements. They may be others than those that are `named`,
+// which may be none, but for those that are `certain`, some of them. Likelihood
+// ratios under several assumptions are S = −2 ln Σ w exp(−S_w/2), as in the
+// test of no change. An element has changed where p < `false_alarm`.
 ConfirmedChanges ConfirmChanges(const OutputSetup& setup,
                                 const std::vector<AssumedFit>& fits,
                                 const std::vector<bool>& named,

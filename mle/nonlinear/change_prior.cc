@@ -31,7 +31,7 @@ constexpr std::size_t kMaxParts = 64;
 // The number of one of the four σ for each parameter.
 using Choice = std::vector<std::uint8_t>;
 
-// Of n parameters that are determined.
+// The changes of n parameters that are determined.
 struct Changes {
   std::vector<Index> numbers;  // among the fit's 3m
   VectorXd change;             // d

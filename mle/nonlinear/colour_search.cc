@@ -19,8 +19,8 @@ constexpr double kMemoryStep = 4.0;
 constexpr double kResonanceStep = 2.5;
 constexpr double kResonanceDamping = 0.25;
 constexpr double kColourStep = 2.5;
-// Of the stationary variance over that of the white part, the least; places of
-// the grid above it.
+// The least ratio of the AR component's stationary variance to that of the
+// white part; places of the grid above it.
 constexpr double kLeastColour = 0.02;
 constexpr int kFirstPlace = 1;
 constexpr int kLastPlace = 7;
@@ -28,7 +28,7 @@ constexpr double kFirstStep = 1.0;
 constexpr double kLocalStep = 0.25;  // from where it was before
 // A smaller difference of −2 ln L does not count.
 constexpr double kNoGain = 0.01;
-// What the best of the grid must gain for the simplex to be worth it.
+// The best of the grid must gain this much for the simplex to be worth it.
 constexpr double kPromise = 3.0;
 constexpr int kMostEvaluations = 150;  // for three parameters
 

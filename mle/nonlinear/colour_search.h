@@ -19,7 +19,7 @@ namespace mle {
 Profile FindBestColour(const ShapeLikelihood& likelihood, int order,
                        const Profile& walk);
 
-// Of the order that `start` has.
+// The best AR component of the order that `start` has.
 Profile ContinueColour(const ShapeLikelihood& likelihood,
                        const NoiseShape& start);
 

@@ -23,7 +23,7 @@ struct DelaySearchResult {
   OutputPoint point;
   // ½ Σ whitened residuals².
   double cost = 0.0;
-  // Of the rounding in it.
+  // The rounding error of `cost`.
   double cost_accuracy = 0.0;
 };
 

@@ -26,8 +26,9 @@ struct Disturbance {
   std::optional<SegmentStep> step;
 };
 
-// What the residuals of `fit` show, the one that gains more. Bursts of outliers
-// look like steps: with a robust loss none is sought.
+// The disturbance that the residuals of `fit` show, a sinusoid or a step,
+// whichever gains more. Bursts of outliers look like steps: with a robust loss
+// none is sought.
 std::optional<Disturbance> Find(const OutputErrorProblem& problem,
                                 const OutputFit& fit,
                                 const OutputErrorOptions& options) {
@@ -119,7 +120,7 @@ void FitDisturbances(const OutputPoint& start, const OutputFitBounds& bounds,
       return;
     }
     Add(*found, problem);
-    // What the disturbance was taken for is sought anew.
+    // The noise that the disturbance was taken for is sought anew.
     OutputFit again = fit;
     again.noise = EstimateNoise(problem, fit.point, fit.free, NoiseEstimate(),
                                 options.estimate_drift,

@@ -11,8 +11,8 @@
 
 namespace mle {
 
-// Of a line's amplitudes in each segment and its frequency, and of a step's
-// size, place and lag, in −2 ln L.
+// Prices in −2 ln L of a sinusoid's amplitudes in each segment and its
+// frequency, and of a step's size, place and lag.
 double LinePrice(const OutputErrorProblem& problem);
 double StepPrice(const OutputErrorProblem& problem);
 

@@ -15,8 +15,8 @@ constexpr int kLongestLag = 512;  // samples, of responses to the inputs
 constexpr std::array<double, 2> kFasterScales = {0.3, 0.6};
 constexpr std::array<double, 1> kSlowerScales = {2.5};
 
-// Of each segment, each element's responses with `factors` times its time scale
-// at `point`.
+// For each segment, each element's responses with `factors` times its time
+// scale at `point`.
 std::vector<MatrixXd> OtherShapes(const OutputErrorProblem& problem,
                                   const OutputPoint& point,
                                   std::span<const double> factors) {

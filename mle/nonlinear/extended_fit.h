@@ -25,7 +25,7 @@ class ExtendedFit {
 
   const OutputErrorProblem& problem() const { return problem_; }
   const OutputFit& fit() const { return fit_; }
-  // Of each segment, linearised at the fit.
+  // The columns of each segment, linearised at the fit.
   const std::vector<SegmentColumns>& columns() const { return columns_; }
 
   // `more`: columns of each segment (rows × k), one coefficient for each.
@@ -41,7 +41,7 @@ class ExtendedFit {
   // Whether −2 ln L falls by `gain` or more, beyond Schwarz's price, where
   // responses to the inputs are added: sums over ranges of lags, or for each
   // element those with other time scales, which is what its shape may lack.
-  // What the model lacks is no disturbance.
+  // Effects of inputs that the model lacks are not a disturbance.
   bool InputsGain(double gain) const;
 
  private:

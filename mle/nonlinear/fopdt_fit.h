@@ -50,7 +50,7 @@ struct FopdtOptions {
   double poor_relative_residual = 0.2;
   // Local minima along a grid of T that are searched more closely, ≥ 1.
   int num_starts = 3;
-  // Of each of the three solves that polish, ≥ 1.
+  // Most iterations of each of the three solves that polish, ≥ 1.
   int max_iterations = 200;
 
   absl::Status Validate() const;

@@ -12,7 +12,7 @@ namespace {
 
 // Neighbours on the grid differ by at most this factor.
 constexpr double kGridRatio = 1.3;
-// Of half the interval of ln T that a search ends in: some 1e-5.
+// Accuracy of a search, in bits of half its interval of ln T: some 1e-5.
 constexpr int kTimeBits = 16;
 
 struct GridCandidate {

@@ -13,12 +13,12 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Of the filter's state: w, a and b.
+// Entries of the filter's state: w, a and b.
 constexpr Index kStates = 3;
 // Numbers of a block of rows: 32 KiB.
 constexpr Index kBlock = 4096;
 constexpr Index kFewestRows = 16;
-// Of the widest vectors; columns of products made at once.
+// Lanes of the widest vectors; columns of products made at once.
 constexpr Index kMostLanes = 8;
 
 Index RowsOfBlock(Index width) {
@@ -177,7 +177,8 @@ void InnovationsFilter::SetUpWalk(const std::vector<int>& times, double ratio,
 
 namespace {
 
-// Of the errors of the state (w, a, b); b and its entries are 0 of first order.
+// Covariance of the errors of the state (w, a, b); for first order b and its
+// entries are 0.
 struct StateCovariance {
   double ww = 0.0, wa = 0.0, wb = 0.0, aa = 0.0, ab = 0.0, bb = 0.0;
 
@@ -327,7 +328,7 @@ MatrixXd InnovationsFilter::WhitenedProducts(
     const std::vector<Index>& ends) const {
   CHECK(ends.empty() || std::ssize(ends) == width);
   const auto samples = static_cast<Index>(gains_.size());
-  // Of white noise without an offset the state stays zero.
+  // For white noise without an offset the state stays zero.
   const Index num_states = !colour_.empty() ? kStates : (offset_ ? 1 : 0);
   MatrixXd products = MatrixXd::Zero(width, width);
   MatrixXd states = MatrixXd::Zero(width, kStates);

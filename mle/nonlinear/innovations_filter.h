@@ -106,7 +106,8 @@ class InnovationsFilter {
 
   std::vector<double> gains_;          // of w: P_k/F_k
   std::vector<double> inverse_roots_;  // 1/√F_k
-  // Of the error of ŵ_k to that of ŵ_{k+1} before its sample (P_k r/P_{k+1}).
+  // The gain from the error of ŵ_{k+1} before its sample to that of ŵ_k,
+  // P_k r/P_{k+1}.
   std::vector<double> smoothing_;
   // With colour, d samples to the next one: F^d and F^d times the gain.
   // FilterSteps (kernels) reads it as numbers in turn.

@@ -20,8 +20,8 @@ using Eigen::VectorXd;
 constexpr double kFewestCycles = 4.0;  // in the shortest segment
 constexpr double kFewestSamplesOfCycle = 4.0;
 constexpr double kFalseAlarm = 1e-4;  // of a peak
-// Of the shortest segment, whose peaks are as wide as the inverse: the least
-// length of a transform.
+// The least length of a transform, in lengths of the shortest segment, whose
+// peaks are as wide as the inverse.
 constexpr int kTransformLengths = 2;
 constexpr int kLineRefinements = 3;  // of frequency and shape in turn
 // A line that explains less than half of its price never pays.

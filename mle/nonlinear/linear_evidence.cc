@@ -14,7 +14,7 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// What the coefficients of positive variance are solved from.
+// The equations from which the coefficients of positive variance are solved.
 struct Reduced {
   std::vector<int> active;
   VectorXd roots;  // D½ of them

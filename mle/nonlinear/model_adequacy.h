@@ -41,8 +41,8 @@ struct AdequacyOptions {
   double false_alarm_probability = 0.01;
   // Whether the noise may have a random walk in it; if not, it is white.
   bool estimate_drift = true;
-  // Of the model's elements; as of OutputErrorOptions, whose bounds decide how
-  // many samples at the begin of each window are left out.
+  // Options for the model's elements, as of OutputErrorOptions, whose bounds
+  // decide how many samples at the begin of each window are left out.
   OutputErrorOptions structure;
   // Outputs are independent; 0: one thread for each processor.
   int threads = 1;

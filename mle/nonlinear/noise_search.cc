@@ -19,8 +19,8 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double kRatioGridStep = 1.0;  // of possible ratios
-// Of the search for the best: a step, and the first from where it was before
-// (RatioSearch: e-folds of ρ where there is much drift).
+// Steps of the search for the best: in general, and the first from where it was
+// before (RatioSearch: e-folds of ρ where there is much drift).
 constexpr double kSearchStep = 2.5;
 constexpr double kNearStep = 0.5;
 constexpr double kFar = 0.75;  // from where on points are not trusted
@@ -31,7 +31,7 @@ constexpr int kMostParabolas = 12;
 constexpr double kGoldenSection = 0.381966;
 // A parabola through far points may promise this many times too little.
 constexpr double kMostOfParabola = 4.0;
-// What it cannot see is a third derivative, of this share of the second.
+// A parabola cannot see a third derivative, of this share of the second.
 constexpr double kThirdDerivative = 0.3;
 
 // Beforehand every √ρ is as likely as any other: what of it is nearest to a
@@ -53,9 +53,9 @@ Eigen::Index EndOf(const Eigen::Ref<const VectorXd>& column) {
   return end;
 }
 
-// What columns explain that are orthonormal once they have no mean out of
-// others about their means. Only rows up to where the columns end are read but
-// for the others' sums.
+// Takes out of `others`, about their means, what the columns of `basis`
+// explain, which are orthonormal once they have no mean. Only rows up to where
+// the columns end are read but for the others' sums.
 void TakeOut(const MatrixXd& basis, Eigen::Ref<RowMajorMatrix> others) {
   if (basis.cols() == 0) return;
   Eigen::Index end = 0;
@@ -300,7 +300,7 @@ class RatioSearch {
   // promises nothing, or nothing that is better than white noise. Through
   // points that are far it is not trusted.
   Profile Refine() {
-    // What is better than white noise may be nearer to it.
+    // A place that is better than white noise may be nearer to it.
     if (place_ == 0.0 && high_.place > kFar) {
       Take(kGoldenSection * high_.place);
     }

@@ -45,8 +45,9 @@ struct Profile {
   double degrees = 0.0;  // of freedom that they have
   int rank = 0;          // of what is fitted to first order
   double factor = 1.0;   // of OutputErrorProblem::variance_factor()
-  // Of what is fitted to first order: steps from the linearisation (as of the
-  // residuals' derivatives, with their sign), then of the columns besides.
+  // Coefficients of what is fitted to first order: steps from the linearisation
+  // (as of the residuals' derivatives, with their sign), then of the columns
+  // besides.
   Eigen::VectorXd coefficients;
 
   double variance() const;  // r
@@ -66,7 +67,7 @@ struct ShapedProducts {
 // The likelihood (or restricted likelihood) of noise shapes.
 class ShapeLikelihood {
  public:
-  // What is kept is one copy of all columns.
+  // One copy of all columns is kept.
   ShapeLikelihood(const OutputErrorProblem& problem, const OutputPoint& point,
                   const std::vector<bool>& free, const NoiseShape& start,
                   bool restricted);
@@ -91,11 +92,11 @@ class ShapeLikelihood {
   // Columns of a segment: amplitudes, what is linearised, residuals.
   struct Part {
     RowMajorMatrix columns;
-    // Of each column the row from which on it is zero.
+    // For each column, the row from which on it is zero.
     std::vector<Eigen::Index> ends;
     Eigen::Index amplitudes = 0;
-    // What the determinant of the products of the amplitudes as they were is
-    // larger by, as a logarithm.
+    // The logarithm of the factor by which the determinant of the products of
+    // the amplitudes as they were is larger.
     double log_scale = 0.0;
   };
   static Part MakePart(const SegmentColumns& columns);
@@ -116,7 +117,7 @@ struct PossibleRatio {
   double prior = 0.0;
 };
 std::vector<PossibleRatio> PossibleRatios(const OutputErrorProblem& problem);
-// Of the largest probability; ratios of less are left out.
+// Ratios with less than this share of the largest probability are left out.
 inline constexpr double kSmallWeight = 1e-3;
 
 // −1/ln φ and back.

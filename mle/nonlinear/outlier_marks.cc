@@ -16,7 +16,7 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-// Of an output's range: less noise than this is rounding.
+// Noise below this share of an output's range is rounding.
 constexpr double kSmallestRelativeNoise = 1e-5;
 
 // Runs of samples farther off than `limit`, first and how many.

@@ -17,10 +17,10 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// What the square of an amplitude costs, over the square of its column at
-// first: next to nothing but for those that free responses of nearly equal time
-// constants need against each other. If a rank were cut off it would change
-// with the time constants, and the objective jump each time by what an
+// The cost of the square of an amplitude, over the square of its column at
+// first: next to nothing but for amplitudes that free responses of nearly equal
+// time constants need against each other. If a rank were cut off it would
+// change with the time constants, and the objective jump each time by what an
 // amplitude explains of noise.
 constexpr double kAmplitudeCost = 1e-11;
 
@@ -159,7 +159,7 @@ class OutputCost : public ceres::CostFunction {
     return problem_.elements()[j].has_value() && !free[j];
   }
 
-  // Of the derivatives (`width`, or 0) and the residuals at point_.
+  // Products of the derivatives (`width`, or 0) and the residuals at point_.
   MatrixXd Products(Index width) const {
     if (!fixed_cells_) point_.SetCells(problem_.sample_time());
     if (width > 0 && num_modes_ > 0 && !evaluated_) {
@@ -173,7 +173,7 @@ class OutputCost : public ceres::CostFunction {
     return products;
   }
 
-  // Of the derivatives (`width`, or 0) and the residuals of a segment,
+  // Products of the derivatives (`width`, or 0) and the residuals of a segment,
   // whitened, without what the amplitudes explain.
   MatrixXd ProductsOf(int s, Index width) const {
     const Part& part = parts_[s];
@@ -223,8 +223,9 @@ class OutputCost : public ceres::CostFunction {
     return products(places, places);
   }
 
-  // Of products of `width` derivatives, those of the free responses and the
-  // residuals, the second taken times their amplitudes to those by ln T.
+  // Products of `width` derivatives and the residuals, from those that have
+  // derivatives of free responses between them: these are taken times their
+  // amplitudes to the derivatives by ln T.
   MatrixXd WithAmplitudes(const Eigen::Ref<const VectorXd>& amplitudes,
                           Index width, MatrixXd products) const {
     Index mode = 0;
@@ -254,7 +255,7 @@ class OutputCost : public ceres::CostFunction {
     }
   }
 
-  // Of all columns (WhitenedProducts).
+  // Ends of all columns (WhitenedProducts).
   std::vector<Index> EndsOf(const Part& part, Index width) const {
     const Index rows = part.outputs.size();
     std::vector<Index> ends = part.ends;
@@ -324,7 +325,7 @@ class OutputCost : public ceres::CostFunction {
   Index num_modes_ = 0;  // of the free elements
   Index num_parameters_ = 0;
   std::vector<Part> parts_;
-  // Of one evaluation; Ceres makes one at a time.
+  // The state of one evaluation; Ceres makes one at a time.
   mutable OutputPoint point_;
   mutable std::vector<Columns> columns_;  // of each free element
   mutable ResponseRows responses_;

@@ -26,8 +26,8 @@ using Eigen::VectorXd;
 
 // Below this weight a part of the average is left out.
 constexpr double kSmallOffsetWeight = 1e-3;
-// Of the test of no change, at half the probability of a false alarm (of two
-// tests), for a change that is said to be detectable.
+// The power that the test of no change has for a change that is said to be
+// detectable, at half the probability of a false alarm (of two tests).
 constexpr double kPower = 0.9;
 // A sample of less weight is said to be spared by a robust loss.
 constexpr double kSpared = 0.5;
@@ -125,15 +125,15 @@ int NumFreeParameters(const std::vector<OutputSetup>& setups,
   return static_cast<int>(count);
 }
 
-// What fits become over all that may be true of offsets and drift.
+// Averages of fits over all that may be true of offsets and drift.
 struct AveragedFits {
-  // Of offsets and drift; integrating outputs have them in any case.
+  // The weight of offsets and drift; integrating outputs have them in any case.
   double weight = 1.0;
   std::vector<OutputFit> without;  // p: neither; unused for a weight of 1
   std::vector<OutputFit> average;  // p
 };
 
-// What is taken for known of the changes of free elements before the records.
+// Prior knowledge about the changes of free elements.
 enum class ChangePrior {
   kNone,        // for what is compared with no change
   kFewOrSmall,  // change_prior.h
@@ -213,8 +213,8 @@ ElementSelection Select(const OutputSetup& setup, const OutputFit& fit,
     degrees.push_back(fit.degrees_of_freedom.segment(3 * j, 3).minCoeff());
   }
   MatrixXd covariance = fit.covariance(kept, kept);
-  // What is not determined cannot be told to have changed; nor can the lag that
-  // an integrator does not have, whose change is 0.
+  // A parameter that is not determined cannot be told to have changed; nor can
+  // the lag that an integrator does not have, whose change is 0.
   const double large = 1e12;
   for (Eigen::Index k = 0; k < covariance.rows(); ++k) {
     const bool without =

@@ -64,7 +64,8 @@ struct OutputErrorCorrection;
 // A probability of a false alarm that counts as none: no change is proposed.
 inline constexpr double kNoFalseAlarm = 1e-300;
 
-// What all records and a part of them say with a smaller p is not tested again.
+// An element that has aged with a smaller p by all records, and by a part of
+// them, is not tested again.
 inline constexpr double kBeyondDoubt = 1e-12;
 
 struct OutputErrorOptions {
@@ -93,9 +94,9 @@ struct OutputErrorOptions {
   // p: the outputs that may have changed; the others keep the model, and only
   // their noise is estimated. Empty: all.
   std::vector<bool> outputs = {};
-  // Of the intervals, in (0, 1).
+  // Confidence of the intervals, in (0, 1).
   double confidence = 0.95;
-  // Of each Ceres solve, ≥ 1.
+  // Most iterations of each Ceres solve, ≥ 1.
   int max_iterations = 100;
   // Records of the same plant in which nothing is asked of it, sampled alike,
   // or none: correlation that the noise shape leaves is looked for in them, too
@@ -178,7 +179,7 @@ struct FitCertificate {
   // minimum in standard deviations of the noise; parameters at a bound or in a
   // kink from which the objective rises on both sides do not count.
   double gradient = std::numeric_limits<double>::infinity();
-  // Of the Jacobian, its columns scaled to one.
+  // Condition of the Jacobian, its columns scaled to one.
   double condition = std::numeric_limits<double>::infinity();
   int rank = 0;
   int num_parameters = 0;
@@ -186,7 +187,7 @@ struct FitCertificate {
   int grid_searches = 0;  // for the dead times; the last found nothing better
   bool search_confirmed = false;
   bool at_bound = false;  // a parameter lies at its bound
-  // Of a robust loss: by how much a sample's weight differs at most from the
+  // For a robust loss: by how much a sample's weight differs at most from the
   // one it had in the fit. `gradient` is the loss's own.
   double weight_change = 0.0;
 };
@@ -202,7 +203,7 @@ struct ParameterEstimate {
 
 enum class ElementState {
   kAbsent,       // zero in the model, and stays so
-  kNotInformed,  // its input does not move in the records: initial values
+  kNotInformed,  // its input or output does not move: initial values
   kHeld,         // held at its initial values
   kFitted,
 };
@@ -226,8 +227,8 @@ struct OutputErrorFit {
   std::vector<Eigen::MatrixXd> covariances;
   std::vector<NoiseEstimate> noise;          // p
   std::vector<FitCertificate> certificates;  // p
-  // Of offsets and drift in the average; noise, certificates and deviances are
-  // those of its heavier part.
+  // The weight of offsets and drift in the average; noise, certificates and
+  // deviances are those of its heavier part.
   double offset_weight = 1.0;
   // p: samples whose weight in a robust loss is below 0.5.
   std::vector<int> spared_samples;
@@ -248,8 +249,8 @@ struct OutputErrorFit {
 struct OutputErrorCorrection {
   // Every element free that the records inform about.
   OutputErrorFit full;
-  // What is proposed: the elements that have aged free, all others at their
-  // initial values; the initial model where no change is proposed.
+  // The proposal: the elements that have aged free, all others at their initial
+  // values; the initial model where no change is proposed.
   OutputErrorFit corrected;
 
   // The test of no change.

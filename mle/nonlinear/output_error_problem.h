@@ -12,7 +12,7 @@
 // the state of each element: a_j, one free amplitude for each mode φ_j. So the
 // residuals begin there; the inputs from the segment's begin on are used.
 //
-// Of an integrating element x_j is the response to the inputs less their first
+// For an integrating element x_j is the response to the inputs less their first
 // values, K_j a slope. Those values, and loads, balance the output or they do
 // not: where an element integrates, the segment has one more free amplitude, of
 // a ramp. What it has integrated before is part of the offset.
@@ -83,8 +83,8 @@ struct WhitenedColumns {
   int num_amplitudes = 0;        // its rank
 };
 
-// Of each free element in turn, 3j, 3j + 1 and 3j + 2: where its K, T and L are
-// among those of all elements.
+// Numbers 3j, 3j + 1 and 3j + 2 for each free element in turn: where its K, T
+// and L are among those of all elements.
 std::vector<int> FreeParameters(const std::vector<bool>& free);
 
 // First lags of ranges for LagSums(), and the end of the last: each sample at
@@ -118,8 +118,9 @@ class OutputErrorProblem {
   }
   // An element that is present integrates.
   bool is_integrating() const { return integrating_; }
-  // Of K, T and L of each element (0 … 3m − 1) those of the elements that are
-  // `free` (m); not the T of an integrator without lag, which has none.
+  // The numbers of K, T and L, among those of each element (0 … 3m − 1), of the
+  // elements that are `free` (m); not of the T of an integrator without lag,
+  // which has none.
   std::vector<int> FreeParameters(const std::vector<bool>& free) const;
   // Their columns among the 3f of a Jacobian.
   std::vector<int> FreeColumns(const std::vector<bool>& free) const;
@@ -232,7 +233,7 @@ class OutputErrorProblem {
   // Σ r_j by the ln T of their element.
   void Amplitudes(int segment, const OutputPoint& point,
                   Eigen::MatrixXd& columns, Eigen::MatrixXd& derivatives) const;
-  // Of least squares under noise of `shape`.
+  // Amplitudes by least squares under noise of `shape`.
   Eigen::VectorXd AmplitudesOf(int segment, const SegmentColumns& columns,
                                const NoiseShape& shape) const;
 

@@ -18,11 +18,13 @@ constexpr int kMinRows = 20;
 // laboratory does: each of these tells as much as many neighbours.
 constexpr int kMinSparseRows = 3;
 constexpr int kSparse = 3;
-// Of the shortest record, that the automatic bounds of dead times may take.
+// The automatic bounds of dead times take at most this share of the shortest
+// record.
 constexpr double kMaxSkippedShare = 0.25;
 // T in samples: a faster element cannot be told from a jump.
 constexpr double kMinTimeScaleSamples = 0.05;
-// Of an integrator without lag, at least: what its dead time is searched by.
+// The least time scale, in samples, of an integrator without lag: its dead time
+// is searched by it.
 constexpr double kTimeScaleSamples = 10.0;
 
 std::string Name(const ProcessModel& model, int i, int j) {
@@ -105,7 +107,7 @@ absl::StatusOr<double> MaxDelay(const ProcessModel& model, int i, int j,
   return std::min(2.0 * initial.delay + initial.time_scale, share);
 }
 
-// What is fitted is squared and summed, and compared as variances: sizes beyond
+// Fitted values are squared and summed, and compared as variances: sizes beyond
 // these, of values or of gains, leave double precision there.
 constexpr double kLargest = 1e60;
 constexpr double kSmallest = 1e-60;
@@ -141,7 +143,7 @@ double LargestGain(const TransferFunction& element) {
   return largest;
 }
 
-// Of channels of records; the inputs' sizes.
+// Checks the channels of records; returns the inputs' sizes.
 absl::StatusOr<std::vector<double>> CheckValues(
     const ProcessModel& model, const std::vector<Record>& records) {
   for (int i = 0; i < model.num_outputs(); ++i) {
@@ -189,6 +191,21 @@ int LeastRows(const std::vector<Record>& records, int output) {
     samples += MeasuredSamples(record);
   }
   return kSparse * measured <= samples ? kMinSparseRows : kMinRows;
+}
+
+// Whether the output is measured to move: a constant says that a sensor is
+// dead, not that gains are zero.
+bool Moves(const std::vector<Record>& records, int output) {
+  double low = std::numeric_limits<double>::infinity();
+  double high = -low;
+  for (const Record& record : records) {
+    for (const double value : record.outputs.row(output)) {
+      if (!std::isfinite(value)) continue;
+      low = std::min(low, value);
+      high = std::max(high, value);
+    }
+  }
+  return low < high;
 }
 
 absl::StatusOr<OutputSetup> SetUpOutput(const ProcessModel& model, int i,
@@ -254,8 +271,9 @@ absl::StatusOr<OutputSetup> SetUpOutput(const ProcessModel& model, int i,
         num_parameters, " parameters; at least ", needed, " are needed"));
   }
   setup.informed.resize(m);
+  const bool moves = Moves(records, i);
   for (int j = 0; j < m; ++j) {
-    setup.informed[j] = setup.samples.ok() &&
+    setup.informed[j] = setup.samples.ok() && moves &&
                         setup.problem->elements()[j].has_value() &&
                         setup.problem->IsExcited(j);
   }
@@ -328,7 +346,7 @@ absl::StatusOr<std::vector<OutputSetup>> SetUpOutputs(
                          SetUpOutput(model, i, records, input_sizes, options));
     setups.push_back(std::move(setup));
   }
-  // What one output lacks does not keep the others from an answer.
+  // An output that lacks samples does not keep the others from an answer.
   absl::Status lacking;
   for (const OutputSetup& setup : setups) {
     if (setup.problem->num_elements_present() == 0) continue;

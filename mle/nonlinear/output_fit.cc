@@ -71,8 +71,8 @@ void Finish(const OutputErrorProblem& problem,
                                   /*near=*/again > 0 || part);
       if (again > 0 && SameShape(former, fit.noise)) break;
     }
-    // What it begins at was confirmed by all the records, and parts of them
-    // need no certificate.
+    // The start of a fit to parts of the records was confirmed by all of them,
+    // and parts need no certificate.
     if (part) break;
     const OutputPoint found =
         fitter.Search(fit.point, ShapeOf(fit.noise)).point;

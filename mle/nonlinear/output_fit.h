@@ -45,10 +45,11 @@ struct OutputFit {
   // infinite on the diagonal of what the records do not determine, zero for
   // the T of an integrator without lag.
   Eigen::MatrixXd covariance;
-  // What correlation that the noise shape leaves does to both tests and
-  // covariance, which has it in it.
+  // The effect of correlation that the noise shape leaves on both tests and on
+  // the covariance, which includes it already.
   SerialInflation inflation;
-  // Of each variance on the diagonal (Satterthwaite): ∞ for known noise.
+  // Degrees of freedom of each variance on the diagonal (Satterthwaite): ∞ for
+  // known noise.
   Eigen::VectorXd degrees_of_freedom;
   // −2 ln likelihood less constants, maximised over r and the shape.
   double deviance = 0.0;
@@ -158,7 +159,7 @@ struct Contrast {
   // the possible ρ: −2 ln Σ w(ρ) exp(−S(ρ)/2), with the weights w of
   // IntegrateRatio() for the second. ≥ 0; χ² where the first is right.
   double statistic = 0.0;
-  // Of freedom: what the second has more in rank.
+  // Degrees of freedom: the rank that the second has more.
   int degrees = 0;
   Eigen::VectorXd coefficients;  // of the columns that it has besides
 };
@@ -208,8 +209,9 @@ std::vector<SegmentColumns> LineariseWidely(const OutputErrorProblem& problem,
                                             const std::vector<bool>& free,
                                             const NoiseEstimate& noise);
 
-// Of the variances on the diagonal of the covariance (3m), which move with the
-// shape's parameters and with r, all estimated: Satterthwaite's approximation.
+// Degrees of freedom of the variances on the diagonal of the covariance (3m),
+// which move with the shape's parameters and with r, all estimated:
+// Satterthwaite's approximation.
 Eigen::VectorXd ComputeDegreesOfFreedom(const OutputErrorProblem& problem,
                                         const OutputPoint& point,
                                         const std::vector<bool>& free,

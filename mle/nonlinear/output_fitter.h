@@ -21,7 +21,7 @@ class Problem;
 
 namespace mle {
 
-// What it is given must outlive it.
+// The steps of one output's fit. The constructor's arguments must outlive it.
 class Fitter {
  public:
   Fitter(const OutputErrorProblem& problem, const std::vector<bool>& free,
@@ -49,11 +49,12 @@ class Fitter {
   // Step 5, from there.
   double RefineExactly(OutputPoint& point, const NoiseShape& shape);
 
-  // Of the certificate: derivatives at the end, in standard deviations.
+  // Sets the certificate's gradient: derivatives at the end, in standard
+  // deviations.
   void CertifyGradient(const OutputPoint& point, const NoiseEstimate& noise);
 
  private:
-  // Of K, ln T and L of an element.
+  // Bounds of K, ln T and L of an element.
   struct Box {
     std::array<double, 3> lower;
     std::array<double, 3> upper;
@@ -71,13 +72,14 @@ class Fitter {
   // From sample to sample as long as the cost falls; returns it.
   double Move(OutputPoint& point, const NoiseShape& shape, bool exact,
               double cost);
-  // Of the squares at `point`, by K, ln T and L of the elements of `by`.
+  // The quadratic model of the squares at `point`, by K, ln T and L of the
+  // elements of `by`.
   QuadraticModel ModelAt(const OutputPoint& point, const NoiseShape& shape,
                          const std::vector<bool>& by) const;
   // The dead times at an end of their sample beyond which the cost falls.
   std::vector<bool> AtEnds(const OutputPoint& point,
                            const NoiseShape& shape) const;
-  // Of the sample that the dead time lies in, within its bounds.
+  // The ends of the sample that the dead time lies in, within its bounds.
   std::pair<double, double> DelaysOf(const OutputPoint& point, int j) const;
   // The end of that sample which the dead time is at: −1 or 1; 0: none.
   int EndOf(const OutputPoint& point, int j) const;

@@ -16,8 +16,8 @@ using Eigen::MatrixXd;
 constexpr double kCurvatureStep = 0.3;
 constexpr double kMaxLogDeviation = 3.0;
 
-// Of the likelihood at its maximum `best`, in one logarithm of the shape, of
-// which `shifted` gives the shape moved.
+// The standard deviation of one logarithm of the shape, by the curvature of the
+// likelihood at its maximum `best`; `shifted` gives the shape moved.
 template <typename Shifted>
 double LogDeviation(const ShapeLikelihood& likelihood, const Profile& best,
                     Shifted shifted) {

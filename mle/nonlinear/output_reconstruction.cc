@@ -24,8 +24,8 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Elements = std::vector<std::optional<ElementResponse>>;
 
-// Of the median at the beginning: of so many samples on each side, so that
-// bursts of nearly as many are the smaller part.
+// Samples on each side of the median at the beginning: so many that bursts of
+// nearly as many are the smaller part.
 constexpr int kMedianHalfWidth = 25;
 constexpr int kMaxReweightings = 50;
 // ρ of an output without elements, if the noise's own is smaller.
@@ -121,7 +121,8 @@ MatrixXd FreeResponses(const Elements& elements, double sample_time,
   return modes;
 }
 
-// What a record's run of known inputs shows besides the response to them.
+// The disturbance in a record's run of known inputs, the response to them taken
+// off.
 struct SmoothedDisturbance {
   std::vector<int> times;  // of the samples that were measured
   VectorXd measured;       // φa + w + e there

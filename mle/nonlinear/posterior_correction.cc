@@ -109,8 +109,8 @@ OutputFit StartOf(const OutputSetup& setup, const OutputErrorFit& fit, int i) {
   return start;
 }
 
-// What the priors of all outputs share: ranges of lags of h, and the standard
-// deviations of the inputs.
+// Quantities that the priors of all outputs share: ranges of lags of h, and the
+// standard deviations of the inputs.
 struct PriorFrame {
   std::vector<int> first_lags;
   std::vector<double> deviations;

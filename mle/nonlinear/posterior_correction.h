@@ -1,6 +1,6 @@
-// What the structure of a process model lacks. Every element keeps its
-// parametric form K e^{−Ls} g₀(Ts) and gets an addition h to its impulse
-// response,
+// The completion of a process model's structure by what it lacks. Every element
+// keeps its parametric form K e^{−Ls} g₀(Ts) and gets an addition h to its
+// impulse response,
 //
 //   y_i = offset + Σ_j (g_ij(K, T, L) + h_ij) u_j + free response + noise,
 //
@@ -56,7 +56,7 @@ struct ElementPosterior {
   ElementValues values;      // K, T and L that h adds to
   double time_unit = 0.0;    // that τ is measured by
   double shape_scale = 0.0;  // σ
-  // Of K, ln T, L less `values`, then of the increments of h (rows of
+  // Means of K, ln T, L less `values`, then of the increments of h (rows of
   // StepBasis()).
   Eigen::VectorXd means;
   Eigen::MatrixXd covariance;
@@ -64,7 +64,7 @@ struct ElementPosterior {
   // element that integrates less their ramp.
   double reduction_error = 0.0;
 
-  // Of K, to which the static gain of h adds.
+  // The mean of K, to which the static gain of h adds.
   double MeanGain() const { return values.gain + means(0); }
 };
 

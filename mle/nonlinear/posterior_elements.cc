@@ -115,7 +115,7 @@ ParameterEstimate Between(double initial, double value, double variance,
           .upper = value + quantile * error};
 }
 
-// Of an element that the posterior has.
+// The step basis of an element that the posterior has.
 MatrixXd BasisOf(const PosteriorCorrection& posterior,
                  const ProcessModel& initial, int i, int j, int samples) {
   const OutputShapes& shapes = posterior.outputs[i];
@@ -147,7 +147,7 @@ NearestElement Nearest(const PosteriorCorrection& posterior,
       shape, present ? element.values : ElementValues{gain, element.time_unit},
       mean, posterior.sample_time);
   const MatrixXd all = BasisOf(posterior, initial, i, j, samples);
-  // What an error of the response does to the nearest K, ln T and L.
+  // The effect of an error of the response on the nearest K, ln T and L.
   MatrixXd errors = nearest.basis.colPivHouseholderQr().solve(all);
   errors.row(0) = ramp ? Eigen::RowVectorXd::Unit(all.cols(), 0)
                        : Eigen::RowVectorXd(all.row(samples - 1));

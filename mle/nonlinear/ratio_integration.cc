@@ -53,7 +53,7 @@ LinearEstimate EstimateAt(const OutputErrorProblem& problem,
     }
   }
   estimate.change = -inverse * gradient;
-  // Of numbers at the ends of their range.
+  // Numbers at the ends of their range give no step.
   if (!estimate.change.allFinite()) estimate.change.setZero();
   return estimate;
 }
@@ -98,7 +98,7 @@ std::vector<LinearEstimate> IntegrateRatio(const OutputErrorProblem& problem,
         estimates.emplace_back(EstimateAt(problem, fit, at_ratios[i]));
     estimate.weight = weight;
     total += weight;
-    // What is left of the gradient at the fit (kinks and bounds) stays.
+    // The gradient that is left at the fit (kinks and bounds) gives no step.
     estimate.change -= at_fit;
     estimate.covariance = fit.inflation.Scale(estimate.covariance);
   }
@@ -106,7 +106,7 @@ std::vector<LinearEstimate> IntegrateRatio(const OutputErrorProblem& problem,
   if (estimates.empty()) return {itself};
   for (LinearEstimate& estimate : estimates) {
     estimate.weight /= total;
-    // Of r: what is not known of ρ is in the weights.
+    // Degrees of freedom of r: what is not known of ρ is in the weights.
     estimate.degrees_of_freedom = VectorXd::Constant(
         fit.covariance.rows(), problem.num_innovations(NoiseShape()));
   }

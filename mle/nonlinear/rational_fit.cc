@@ -20,12 +20,12 @@ using Eigen::VectorXd;
 constexpr int kMaxPoints = 240;  // of the response that are compared
 constexpr int kRationalTimeConstants = 24;
 constexpr int kRationalDelays = 9;
-// Of steps in ln τ and in the range of L.
+// The least step in ln τ, and in the range of L.
 constexpr double kLeastStep = 1e-4;
 constexpr int kMaxCandidateMoves = 400;
 // Time constants closer than this are one pole.
 constexpr double kLeastApart = 1.05;
-// What a response has beside its ramp, at least, relative to it: rounding.
+// A response besides its ramp below this share of the whole is rounding.
 constexpr double kPureRamp = 1e-9;
 
 struct Target {
@@ -46,7 +46,8 @@ VectorXd Atom(const VectorXd& times, double delay, double time_constant) {
       .matrix();
 }
 
-// What settles of the target: less the ramp, which begins after the dead time.
+// The part of the target that settles: less the ramp, which begins after the
+// dead time.
 VectorXd WithoutRamp(const Target& target, double delay) {
   if (target.slope == 0.0) return target.values;
   return target.values -

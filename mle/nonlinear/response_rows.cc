@@ -39,7 +39,7 @@ void ResponseRows::Start(const OutputErrorProblem::Segment& segment,
     if (!runs_[f].is_first_order()) order_[f] = other++;
     for (Index i = 0; i < 3; ++i) places_[3 * f + i] = i * count() + order_[f];
   }
-  // Of y with its sign and of d with K besides.
+  // The states: −C x, y with the sign of the residuals, and −K C d.
   const Index width = (num_side_by_side_ + kLanes - 1) / kLanes * kLanes;
   numbers_.setZero(Numbers::kNumbers, width);
   state_.setZero(2 * width);

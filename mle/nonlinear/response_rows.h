@@ -30,8 +30,8 @@ class ResponseRows {
   void Next(const int* times, Eigen::Index count, double* rest, double* rows,
             Eigen::Index stride);
 
-  // Of each element's three columns in a row of 3 count(): those by K, ln T
-  // and L in turn.
+  // The places of each element's three columns in a row of 3 count(): those by
+  // K, ln T and L in turn.
   const std::vector<Eigen::Index>& places() const { return places_; }
 
  private:

@@ -40,7 +40,7 @@ struct RobustWeights {
   double variance_factor = 1.0;
 };
 
-// Of residuals of one size; all weights 1 without a loss, or where s is 0.
+// Weights for residuals of one size; all 1 without a loss, or where s is 0.
 RobustWeights ComputeRobustWeights(RobustLoss loss,
                                    const Eigen::VectorXd& residuals);
 

@@ -14,7 +14,7 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Of the shortest segment, that the lags reach at most.
+// The lags reach at most this share of the shortest segment.
 constexpr double kMaxSerialLagShare = 0.25;
 // Standard errors, under white noise, that a factor must differ from 1 by.
 constexpr double kSignificant = 2.0;
@@ -29,7 +29,8 @@ constexpr Eigen::Index kPhases = 8;
 MatrixXd Autocovariances(const OutputErrorProblem& problem, const MatrixXd& X,
                          int longest) {
   MatrixXd sums = MatrixXd::Zero(longest + 1, X.cols());
-  // Of whole vectors: x_{kPhases q + i} x_{kPhases q + r}, summed over q.
+  // Products of whole vectors: x_{kPhases q + i} x_{kPhases q + r}, summed over
+  // q.
   const Eigen::Index reach = (longest / kPhases + 2) * kPhases;
   MatrixXd of_phases(reach, kPhases);
   Eigen::Index begin = 0;
@@ -123,7 +124,7 @@ SerialInflation InflationOf(const OutputErrorProblem& problem,
   if (!(squares > 0.0)) return inflation;
   const VectorXd own = T.rowwise().squaredNorm();
   const MatrixXd of_columns = Autocovariances(problem, X, longest);
-  // What each parameter takes of the columns, scaled to one.
+  // The combination of columns that each parameter takes, scaled to one.
   const MatrixXd of_parameters =
       Autocovariances(problem,
                       X.leftCols(rank) * T.transpose() *

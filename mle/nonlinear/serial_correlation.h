@@ -1,5 +1,5 @@
-// What correlation that a noise shape leaves in the whitened residuals does to
-// the estimates. Internal to mle/nonlinear.
+// The effect on the estimates of correlation that a noise shape leaves in the
+// whitened residuals. Internal to mle/nonlinear.
 //
 // With e the whitened residuals of an output and J their derivatives, both less
 // what the amplitudes explain, the errors of the estimates are B e,

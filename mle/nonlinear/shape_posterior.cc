@@ -307,7 +307,7 @@ class Search {
     return moved;
   }
 
-  // What each choice is worth, the others as they are.
+  // Weighs each choice, the others as they are.
   void Weigh(const LinearEvidence& evidence, const OutputPoint& point,
              const State& state, OutputPosterior& posterior) const {
     const double now =
@@ -374,8 +374,8 @@ OutputPosterior FindPosterior(const OutputErrorProblem& problem,
   OutputPosterior from_fit =
       search.Run(start.point, start.noise, fitted, estimate_drift);
   if (start.noise.colour_ratio > 0.0) {
-    // What the structure lacks may have been taken for colour. That the colour
-    // has parameters of its own does not count: a disturbance is likelier.
+    // A lack of the structure may have been taken for an AR component. That
+    // this has parameters of its own does not count: a disturbance is likelier.
     NoiseEstimate plain = start.noise;
     plain.colour_ratio = 0.0;
     OutputPosterior without =

@@ -23,14 +23,14 @@
 
 namespace mle {
 
-// What is known of an element beforehand.
+// The prior of an element.
 struct ElementPrior {
   bool informed = false;    // its input moves; if not, it stays as it is
   bool present = false;     // it has values; if not, it can only be added
   ElementValues values;     // of the initial model
   double gain_scale = 0.0;  // what its gain is measured by, > 0
-  // What the gain that h adds is measured by, > 0: the same, of an element that
-  // integrates what its slope makes in a time scale.
+  // The unit of the gain that h adds, > 0: `gain_scale` or, for an element that
+  // integrates, what its slope makes in a time scale.
   double shape_scale = 0.0;
   double time_scale = 0.0;  // what the decay of h is measured by, > 0
   int first_lag = 1;        // h is zero before
@@ -48,8 +48,8 @@ struct OutputPosterior {
   std::vector<ElementChoice> choices;  // m
   double decay = 1.0;                  // of h, in time scales
   std::vector<int> first_lags;         // of the ranges, and the end of the last
-  // Of K, ln T, L of each element less θ̂ (3m), then of the increments (m ·
-  // ranges).
+  // Means of K, ln T, L of each element less θ̂ (3m), then of the increments
+  // (m · ranges).
   Eigen::VectorXd means;
   Eigen::MatrixXd covariance;
   double deviance = 0.0;  // −2 ln evidence, costs of the choices included

@@ -35,8 +35,9 @@ constexpr double kSmallestShare = 1e-6;
 // share of that.
 constexpr double kStageTolerance = 3e-3;
 constexpr double kTrustRadius = 1e9;
-// Of those that ask to join, at most this many, and this share of the unknowns,
-// do so at a time: the most wanted need others less than these themselves.
+// At most this many unknowns or, if that is more, this share of those in use
+// join at a time: the most wanted need others less than these themselves (but
+// see kManyShare).
 constexpr int kMinJoin = 20;
 constexpr double kJoinShare = 0.2;
 // c_j beyond λw_j by this share of it counts as outside.
@@ -227,7 +228,7 @@ class SmoothedLasso {
     });
   }
 
-  // What ε alone may leave as a gap among the unknowns.
+  // The gap that ε alone may leave among the unknowns.
   double SmoothingGap(const std::vector<int>& unknowns,
                       double smoothing) const {
     return kSmoothingGap * smoothing * lambda_ *
@@ -266,7 +267,7 @@ class SmoothedLasso {
       if (Join(c, unknowns)) {
         smoothing = std::max(smoothing, FirstSmoothing());
       } else {
-        // What is missing is accuracy.
+        // Only accuracy is missing.
         share *= options_.smoothing_decrease;
         smoothing *= options_.smoothing_decrease;
         if (share < kSmallestShare) return;

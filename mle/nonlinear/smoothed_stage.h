@@ -18,7 +18,7 @@ struct SmoothedStage {
   double smoothing = 0.0;    // ε > 0
   // A step that lowers the objective by no more than this is the last.
   double cost_tolerance = 0.0;
-  // Of Ceres' trust region at first: large for nearly Newton's step.
+  // The radius of Ceres' trust region at first: large for nearly Newton's step.
   double trust_radius = 1e9;
   int max_steps = 3;        // that are taken, ≥ 1
   int max_iterations = 30;  // with those that are not

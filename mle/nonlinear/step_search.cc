@@ -58,7 +58,7 @@ class StepSearch {
 
   const std::vector<double>& lags() const { return lags_; }
 
-  // Of the largest score, and its χ².
+  // The step of the largest score, and its χ².
   std::pair<SegmentStep, double> Scan() const {
     const VectorXd white = problem_.WhiteResiduals(residuals_, shape_);
     const VectorXd u = problem_.weights().size() > 0
@@ -88,7 +88,7 @@ class StepSearch {
     return best;
   }
 
-  // Of each segment.
+  // The column of `step` in each segment.
   std::vector<MatrixXd> Columns(const SegmentStep& step) const {
     std::vector<MatrixXd> more;
     for (int s = 0; s < problem_.num_segments(); ++s) {
@@ -135,9 +135,9 @@ class StepSearch {
   }
 
  private:
-  // Of the whitened columns of the free parameters a basis (N × rank), and
-  // their part of the residuals taken out: at the initial values that is a lot.
-  // Pivots choose among the rows of a triangular factor, which blocks of
+  // Makes a basis (N × rank) of the whitened columns of the free parameters,
+  // and takes their part out of the residuals: at the initial values that is a
+  // lot. Pivots choose among the rows of a triangular factor, which blocks of
   // reflections make.
   void Fit() {
     residuals_ = columns_;
@@ -169,8 +169,8 @@ class StepSearch {
     }
   }
 
-  // Of the scores of a segment whose rows begin at `begin`, over r: from some
-  // places to all.
+  // Variances of the scores of a segment whose rows begin at `begin`, over r:
+  // from some places to all.
   VectorXd Variances(int segment, Eigen::Index begin, double lag) const {
     const std::vector<int>& times = problem_.times(segment);
     const auto rows = static_cast<Eigen::Index>(times.size());
@@ -219,7 +219,7 @@ class StepSearch {
                      .squaredNorm()
                      .transpose();
     }
-    // What the parameters explain but for rounding is no step.
+    // A step that the parameters explain but for rounding is none.
     for (Eigen::Index i = 0; i < squares.size(); ++i) {
       if (!(squares(i) > 1e-6 * whole(i))) squares(i) = 1e300;
     }

@@ -8,8 +8,8 @@
 namespace mle {
 namespace {
 
-// Of columns of length one: eigenvalues of JᵀJ below it are without effect, and
-// parts of a direction below it are none.
+// For columns of length one: eigenvalues of JᵀJ below the first are without
+// effect, and parts of a direction below the second are none.
 constexpr double kNoEffect = 1e-14;
 constexpr double kNoPart = 1e-12;
 

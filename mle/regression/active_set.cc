@@ -12,7 +12,8 @@
 namespace mle {
 namespace {
 
-// What shrinks more slowly than this on an exchange does not shrink.
+// A coefficient that shrinks more slowly than this on an exchange does not
+// shrink.
 constexpr double kShrinks = 1e-9;
 // Violations of the optimality conditions, relative to λ: refined above the
 // first, with c in twice the precision above the second, lost above the third.

@@ -30,7 +30,7 @@ struct DualityGap {
   double kkt_violation = 0.0;
 
   double response_square = 0.0;  // v
-  // What rounding may have added to the primal value (PrimalRounding).
+  // The rounding error that the primal value may have (PrimalRounding).
   double primal_rounding = 0.0;
 
   // gap / (primal − primal_rounding), where a denominator below ε v counts as

@@ -152,7 +152,7 @@ Event Homotopy::NextEvent() const {
             .step = lambda_ - blurred,
             .lambda = blurred};
   } else {
-    // What is left below the end is rounding.
+    // The rest below the end is rounding.
     best = {.step = std::max(lambda_ - end, 0.0),
             .lambda = options_.lambda_min};
   }

@@ -17,7 +17,7 @@ double ConstantTolerance(double rows) {
   return (256.0 + 2.0 * rows) * std::numeric_limits<double>::epsilon();
 }
 
-// Of each group; zero where nothing is centred.
+// Sets the means of each group; zero where nothing is centred.
 void SetMeans(const LaggedMoments& moments, Scaling scaling,
               LassoProblem& problem) {
   problem.regressor_mean.setZero(problem.gram.cols(), moments.num_groups());

@@ -36,7 +36,7 @@ struct LassoSolverOptions {
   LassoSolver solver = LassoSolver::kHomotopy;
   CoordinateDescentOptions coordinate_descent;
   LassoFunction function;  // of kFunction; may be called by several threads
-  // Of kElasticNet: ρ, 0 < ρ ≤ 1. Its λ must be above 0, and its gap is that of
+  // ρ of kElasticNet, 0 < ρ ≤ 1. Its λ must be above 0, and its gap is that of
   // the elastic net.
   double elastic_net_ratio = 0.5;
 };

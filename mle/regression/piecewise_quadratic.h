@@ -36,7 +36,8 @@ class PiecewiseQuadratic {
   void Scale(double factor);
   const std::vector<Piece>& pieces() const { return pieces_; }
 
-  // Of the later piece where two meet, as LassoPath: it is known better.
+  // The value at λ. Where two pieces meet it is that of the later one, as in
+  // LassoPath: it is known better.
   double operator()(double lambda) const;
   // sums(i) += f(lambdas(i)); `lambdas` ascending. One sweep.
   void AddTo(const Eigen::VectorXd& lambdas, Eigen::VectorXd& sums) const;

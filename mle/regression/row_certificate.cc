@@ -18,8 +18,8 @@ namespace {
 constexpr double kSmall = 1e-10;
 // Above this a fit counts as not exact.
 constexpr double kExact = 1e-9;
-// Of the values of λ that are left to be looked at, at first, and where their
-// neighbours' bounds do not do.
+// The number of open values of λ whose rows are looked at first, and of those
+// added where the bounds of their neighbours do not suffice.
 constexpr std::size_t kMostLookedAt = 12;
 constexpr int kMoreLookedAt = 100;
 // Values of λ that share a bound.
@@ -196,8 +196,8 @@ Eigen::VectorXd RowGaps::FromGram(const Eigen::VectorXd& beta) const {
   return c + low;
 }
 
-// What a difference of c of at most D adds to a relative gap; ‖r‖²/N may be
-// smaller than it is.
+// An upper bound of what a `difference` of c adds to a relative gap. `square`
+// may be less than ‖r‖²/N.
 double Added(double difference, double lambda, double penalty, double square) {
   const double part = difference / lambda;
   const double primal = 0.5 * square + penalty;
@@ -232,7 +232,7 @@ class Certifier {
   // differences there, or looks at more of them.
   void BoundBetween(std::size_t first, double first_difference,
                     std::size_t last, double last_difference);
-  // What `difference` adds to the relative gap of an open value.
+  // The most that `difference` adds to the relative gap of an open value.
   double AddedAt(std::size_t at, double difference) const;
 
   RowGaps gaps_;

@@ -92,7 +92,7 @@ void UpdatableCholesky::Remove(int position, Eigen::Ref<Eigen::VectorXd> z) {
       }
     }
     for (int j = first; j < end; ++j) {
-      // What is below the rotations so far has not moved up.
+      // Entries below the rotations so far still stand in the next column.
       double* const column = factor_.col(j).data();
       for (int i = first + 1; i <= j + 1; ++i) column[i] = factor_(i, j + 1);
       Rotate<1>(up_to(first, j), 0, column + first, column + first);

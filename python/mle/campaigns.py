@@ -64,21 +64,13 @@ def study(
 
     ``campaign`` is the path of its file or what the file holds as a mapping
     (docs/formats.md: Campaign); models and plants in it may be :class:`ProcessModel`,
-    and file names are relative to its folder, of a mapping to the working folder::
-
-        mle.study({
-            "version": 1, "name": "aged gains", "seeds": {"first": 1, "count": 20},
-            "models": [{"name": "column", "model": model}],
-            "mismatches": [{"name": "aged", "plant": plant}],
-            "estimators": ["none", "output_error"],
-        }).summary
+    and file names are relative to its folder, of a mapping to the working folder.
 
     The files are written to the folder ``out``; without one they are kept in the
     result alone. A campaign in ``out`` that was interrupted resumes with ``resume``.
     ``threads`` 0 stands for all processors; results do not depend on it.
-    ``progress("runs", fraction)`` is called several times a second on the calling
-    thread; if it returns False, CancelledError is raised. Ctrl-C stops the call within
-    a second, and the runs under way end after it.
+    ``progress("runs", fraction)`` and Ctrl-C act as in :func:`correct`; the runs under
+    way end after it.
 
     Raises InvalidInputError (a ValueError) naming the JSON path of what is wrong.
     """

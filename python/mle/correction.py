@@ -259,14 +259,14 @@ def correct(
     the correction can be trusted.
 
     ``model`` is the controller's: transfer functions, step responses or a state
-    space, or the path of a file of the first two. ``records`` are paths of
-    files that the command mle_correct reads, names of databases (``postgresql://…``,
-    ``sqlite:FILE``, ``odbc:NAME``, with ``table`` or ``query``), data frames with a DatetimeIndex (or
-    times as numbers in the model's unit) and a column for each input and output,
-    by name, and each set point (``<output>_setpoint``), or :class:`Record`: one or a
-    list. ``options`` are the command's, with the same names, meaning and defaults:
-    :func:`correct_options` prints them. ``truth`` is the model of a simulated plant,
-    to be compared with.
+    space, or the path of a model file of any form. ``records`` are paths of files
+    that the command mle_correct reads, names of databases (``postgresql://…``,
+    ``sqlite:FILE``, ``odbc:NAME``, with ``table`` or ``query``), data frames with a
+    DatetimeIndex (or times as numbers in the model's unit) and a column for each
+    input and output, by name, and each set point (``<output>_setpoint``), or
+    :class:`Record`: one or a list. ``options`` are the command's, with the same names,
+    meaning and defaults: :func:`correct_options` prints them. ``truth`` is the model
+    of a simulated plant, to be compared with.
 
     ``progress(stage, fraction)`` is called on the calling thread; if it returns
     False, CancelledError is raised. Other threads of Python run meanwhile, and

@@ -65,8 +65,7 @@ def lifecycle(
 
     The files are written to the folder ``out``, from which an interrupted run of the
     same call resumes; without one they are kept in the result alone.
-    ``progress("lives", fraction)`` is called on the calling thread; if it returns
-    False, CancelledError is raised. Ctrl-C stops the call within a second.
+    ``progress("lives", fraction)`` and Ctrl-C act as in :func:`correct`.
 
     Raises InvalidInputError (a ValueError), and TypeError for an unknown option.
     """

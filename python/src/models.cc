@@ -137,8 +137,8 @@ void AddModels(py::module_& module) {
       "and outputs:\n\n    y_i(s) = sum_j g_ij(s) u_j(s),\n"
       "    g_ij(s) = e^(-L s) (b_0 s^q + ... + b_q) / (a_0 s^r + ... + "
       "a_r).\n\n"
-      "Every element is stable and proper; times are in `time_unit`. Models do "
-      "not change.")
+      "Every element is proper, and stable or integrates once; times are in "
+      "`time_unit`. Models do not change.")
       .def_static("from_json", &ParseModel, py::arg("json"),
                   py::arg("source") = "json",
                   "A model of the text of a process model file "
@@ -150,8 +150,8 @@ void AddModels(py::module_& module) {
             return ValueOrThrow(ReadModelFile(PathOf(path))).process;
           },
           py::arg("path"),
-          "A model of a file: transfer functions (JSON), or step responses "
-          "(CSV, JSON), which transfer functions then describe.")
+          "The transfer functions of a model file of any form; step responses "
+          "and state spaces are described by such.")
       .def("to_json", &FormatProcessModel,
            "The text of the process model file.")
       .def_property_readonly("name", &ProcessModel::name)

@@ -1,12 +1,10 @@
 // Mistakes in exports and what mle_correct answers: exit code 2 and one line
-// that names the file and the flag that helps. docs/records.md has the same
-// table.
+// that names the file and the flag that helps.
 
 #include <cmath>
 #include <string>
 #include <vector>
 
-#include "absl/strings/match.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
@@ -24,10 +22,10 @@ namespace {
 using ::testing::HasSubstr;
 
 struct Mistake {
-  std::string what;  // as in the table of docs/records.md
+  std::string what;
   std::vector<std::string> files;
   std::vector<std::string> flags;
-  std::string message;  // a part of it, as in the table
+  std::string message;  // a part of it
 };
 
 constexpr char kHeader[] = "time,y1,y2,u1,u2\n";
@@ -358,21 +356,6 @@ TEST(MleCorrectImport, CompressedFilesAreReadAsTheyAre) {
   EXPECT_EQ(run(example.data + ".gz", ""), plain);
   EXPECT_EQ(run("-", Content(example.data)), plain);
   EXPECT_EQ(run("-", Content(example.data + ".gz")), plain);
-}
-
-// What is tested is what is said.
-TEST(MleCorrectImport, TheTableOfMistakesIsTheOneInTheDocs) {
-  const std::string docs = Content(MLE_RECORDS_PAGE);
-  std::string table;
-  for (const Mistake& mistake : Mistakes()) {
-    const std::string row =
-        absl::StrCat("| ", mistake.what, " | ", mistake.message, " |\n");
-    absl::StrAppend(&table, row);
-    EXPECT_TRUE(absl::StrContains(docs, row)) << "not in " << MLE_RECORDS_PAGE;
-  }
-  EXPECT_TRUE(absl::StrContains(docs, "|---|---|\n" + table))
-      << "the table should be\n"
-      << table;
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "tests/apps/readable_page.h"
 
-#include <utility>
+#include <cstddef>
+#include <vector>
 
 #include "absl/strings/str_replace.h"
 #include "gmock/gmock.h"
@@ -42,16 +43,16 @@ void ExpectReadable(const std::string& path, const std::string& name,
                     int panels, const PagePromise& promise) {
   const std::string html = Content(path);
   EXPECT_LE(html.size(), 1'000'000U);
-  for (const auto& [width, mode] : {std::pair(390, report::Mode::kLight),
-                                    {768, report::Mode::kLight},
-                                    {1440, report::Mode::kLight},
-                                    {1440, report::Mode::kDark},
-                                    {1920, report::Mode::kLight}}) {
-    const report::BrowserVisit visit =
-        report::VisitPage(html, width, name, mode);
+  const std::vector<int> widths = {390, 768, 1440, 1920};
+  const auto light = report::VisitPage(html, widths, name);
+  const auto dark = report::VisitPage(html, {1440}, name, report::Mode::kDark);
+  for (std::size_t i = 0; i <= widths.size(); ++i) {
+    const bool is_dark = i == widths.size();
+    const int width = is_dark ? 1440 : widths[i];
+    const report::BrowserVisit& visit = is_dark ? dark.front() : light[i];
     ASSERT_EQ(visit.error, "");
     EXPECT_FALSE(visit.other_picture) << name << " at " << width;
-    EXPECT_EQ(visit.found["dark"], mode == report::Mode::kDark);
+    EXPECT_EQ(visit.found["dark"], is_dark);
     EXPECT_THAT(visit.console, IsEmpty());
     EXPECT_EQ(visit.found["panels"], panels);
     EXPECT_EQ(visit.found["requests"], nlohmann::json::array());
@@ -70,7 +71,8 @@ void ExpectFitsPaper(const std::string& path, const std::string& name) {
   const std::string html = absl::StrReplaceAll(
       Content(path),
       {{"@media print", "@media all"}, {"@media screen", "@media tty"}});
-  const report::BrowserVisit visit = report::VisitPage(html, kPaper, name);
+  const report::BrowserVisit visit =
+      report::VisitPage(html, {kPaper}, name).front();
   ASSERT_EQ(visit.error, "");
   EXPECT_LE(visit.found["overflow_folded"], 0);
   EXPECT_LE(visit.found["overflow"], 0);

@@ -1,5 +1,5 @@
-// What the kernels work on: raw arrays, matrices stored by columns, `stride`
-// numbers from one to the next.
+// Arguments of the kernels: raw arrays, matrices stored by columns, with
+// `stride` numbers from one column to the next.
 
 #ifndef MLE_REGRESSION_KERNELS_ARGUMENTS_H_
 #define MLE_REGRESSION_KERNELS_ARGUMENTS_H_

@@ -1,4 +1,4 @@
-// What the files that are compiled once for each instruction set share.
+// Declarations that the files compiled once for each instruction set share.
 //
 // They include no header with inline functions but of their own namespace
 // (vectors.h): the linker keeps one copy of each, and it might be one that not

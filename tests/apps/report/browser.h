@@ -23,12 +23,15 @@ bool HasBrowser();
 
 enum class Mode { kLight, kDark };
 
-// `html` in a window of `width` pixels. A screenshot is kept as
-// screenshots/NAME_WIDTH.png (or _dark.png) in the folder the test runs in.
-// That of an earlier run is compared with it where the page is the same; where
-// the page has changed it is kept as …_before.png, to be looked at.
-BrowserVisit VisitPage(const std::string& html, int width,
-                       const std::string& name, Mode mode = Mode::kLight);
+// `html` in a frame of each of `widths` pixels: a visit for each, in their
+// order. A screenshot of all is kept as screenshots/NAME.png (or NAME_dark.png)
+// in the folder the test runs in. That of an earlier run is compared with it
+// where the page is the same; where the page has changed it is kept as
+// …_before.png, to be looked at.
+std::vector<BrowserVisit> VisitPage(const std::string& html,
+                                    const std::vector<int>& widths,
+                                    const std::string& name,
+                                    Mode mode = Mode::kLight);
 
 // What a server shows, as it comes: "dom" in `found` is the document after its
 // scripts, of which `console` has the complaints.

@@ -40,6 +40,22 @@ TEST(OutputErrorCorrectionTest, RecoversAnExactPlant) {
   }
 }
 
+// A dead sensor says nothing of gains.
+TEST(OutputErrorCorrectionTest, AConstantOutputInformsNothing) {
+  auto records = MakeRecords(AgedPlant(), 400, 3, {.variance = 0.01});
+  for (const double constant : {0.0, 17.5}) {
+    records[0].outputs.row(0).setConstant(constant);
+    const auto correction = Correct(TwoElements(), records);
+    EXPECT_FALSE(correction.change_proposed);
+    for (int j = 0; j < 2; ++j) {
+      EXPECT_EQ(correction.full.element(0, j).state,
+                ElementState::kNotInformed);
+      EXPECT_EQ(Parameters(correction.full, j)[0].value,
+                TwoElements().element(0, j).StaticGain());
+    }
+  }
+}
+
 // Begun at a fit to more data, the search ends where it ends from the initial
 // values; the change is not tested again.
 TEST(OutputErrorCorrectionTest, BeginsAtAFit) {
