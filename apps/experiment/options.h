@@ -88,6 +88,9 @@ struct ExperimentOptions {
   int window_rows() const;       // samples of a window, less the order
 };
 
+// That the controller acts at samples.
+absl::Status CheckControlPeriod(double control_period, double sample_time);
+
 }  // namespace mle::experiment
 
 #endif  // APPS_EXPERIMENT_OPTIONS_H_

@@ -13,6 +13,7 @@
 #include "apps/common/model_files.h"
 #include "apps/common/option_table.h"
 #include "apps/experiment/experiment_options.h"
+#include "apps/experiment/options.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"
 #include "mle/data/civil_time.h"
@@ -106,19 +107,6 @@ absl::Status SetRates(const Request& request, Campaign& campaign) {
     campaign.rates.push_back(rate);
   }
   return absl::OkStatus();
-}
-
-absl::Status CheckPeriods(const OperationOptions& operation) {
-  const double period = operation.controller.control_period;
-  const double ratio = period / operation.sample_time;
-  if (ratio >= 1.0 - 1e-9 &&
-      std::abs(ratio - std::round(ratio)) <= 1e-9 * ratio) {
-    return absl::OkStatus();
-  }
-  return RefuseOption("control_period", ReadableNumber(period),
-                      absl::StrCat("it must be a whole multiple of "
-                                   "--sample_time=",
-                                   operation.sample_time));
 }
 
 absl::Status SetSetPoints(const Request& request, Campaign& campaign) {
@@ -279,7 +267,9 @@ absl::Status Complete(Request& request, OptionTable& table) {
   MLE_RETURN_IF_ERROR(SetRates(request, campaign));
   MLE_ASSIGN_OR_RETURN(campaign.seeds, experiment::ConsecutiveSeeds(
                                            request.first_seed, request.seeds));
-  MLE_RETURN_IF_ERROR(CheckPeriods(campaign.life.operation));
+  MLE_RETURN_IF_ERROR(experiment::CheckControlPeriod(
+      campaign.life.operation.controller.control_period,
+      campaign.life.operation.sample_time));
   MLE_RETURN_IF_ERROR(SetSetPoints(request, campaign));
   MLE_RETURN_IF_ERROR(SetOperation(request, campaign));
   MLE_RETURN_IF_ERROR(CheckLengths(request, campaign));
