@@ -8,15 +8,14 @@
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
 #include "apps/common/command_line.h"
-#include "apps/common/progress.h"
 #include "apps/common/run_again.h"
-#include "apps/common/stop_signal.h"
 #include "apps/lifecycle/campaign.h"
 #include "apps/lifecycle/report.h"
 #include "apps/lifecycle/request.h"
 #include "apps/lifecycle/summary.h"
 #include "apps/report/html.h"
 #include "apps/report/table.h"
+#include "mle/base/status.h"
 
 namespace mle {
 namespace {
@@ -54,39 +53,29 @@ void PrintFindings(const lifecycle::Campaign& campaign,
   }
 }
 
-int Main(lifecycle::Request& request, OptionTable& table) {
-  if (const absl::Status status = lifecycle::Complete(request, table);
-      !status.ok()) {
-    return Fail(status);
-  }
+absl::StatusOr<int> Run(lifecycle::Request& request, OptionTable& table) {
+  MLE_RETURN_IF_ERROR(lifecycle::Complete(request, table));
   const lifecycle::Campaign& campaign = request.campaign;
-  CatchStopSignals();
-  absl::StatusOr<lifecycle::Lives> lives =
-      lifecycle::RunCampaign(campaign, StopRequested, ShowProgress("lives"));
-  if (lives.status().code() == absl::StatusCode::kCancelled) {
-    std::cerr << "stopped; finished lives are kept in "
-              << campaign.part.FolderBelow(campaign.folder)
-              << ", and the same command resumes from there\n";
-    return kExitNotUsable;
-  }
-  if (!lives.ok()) return Fail(lives.status());
-  if (!campaign.part.is_everything()) {
-    std::cout << "Part " << campaign.part.text
-              << ": all of its lives are there. When those of the other parts "
-                 "are, give the same command without --part.\n";
-    return kExitDone;
-  }
+  const experiment::Work work = lifecycle::WorkOf(campaign);
+  MLE_ASSIGN_OR_RETURN(
+      experiment::RunFolder folder,
+      experiment::RunFolder::Open(work, campaign.folder, campaign.part,
+                                  /*resume=*/true));
+  MLE_ASSIGN_OR_RETURN(const bool whole, folder.RunAsCommand(work, "lives", "",
+                                                             campaign.threads));
+  if (!whole) return folder.is_done() ? kExitDone : kExitNotUsable;
+  MLE_ASSIGN_OR_RETURN(lifecycle::Lives lives,
+                       lifecycle::ReadLives(campaign, folder));
   const lifecycle::Results results =
-      lifecycle::Evaluate(request, *std::move(lives));
+      lifecycle::Evaluate(request, std::move(lives));
   PrintFindings(campaign, results.summaries, results.valuation);
-  if (const absl::Status status = lifecycle::WriteResults(
-          request, results,
-          {CommandLine(), ResultFlags(), HowToRunAgain(campaign.seeds)});
-      !status.ok()) {
-    return Fail(absl::IsResourceExhausted(status)
-                    ? status
-                    : absl::InternalError(status.message()));
+  const absl::Status written = lifecycle::WriteResults(
+      request, results,
+      {CommandLine(), ResultFlags(), HowToRunAgain(campaign.seeds)});
+  if (!written.ok() && !absl::IsResourceExhausted(written)) {
+    return absl::InternalError(written.message());
   }
+  MLE_RETURN_IF_ERROR(written);
   std::cout << "Report and results: " << campaign.folder << "/report.html\n";
   return kExitDone;
 }
@@ -99,5 +88,6 @@ int main(int argc, char** argv) {
   mle::OptionTable table;
   mle::lifecycle::AddOptions(request, table);
   mle::StartCommand(mle::kUsage, table, argc, argv);
-  return mle::Main(request, table);
+  const absl::StatusOr<int> code = mle::Run(request, table);
+  return code.ok() ? *code : mle::Fail(code.status());
 }

@@ -66,13 +66,7 @@ void PrintTables(const CaseResult& result) {
   }
   std::cout << report::RenderText(reproduce::ClosedLoopTable(
                    result.name, result.plant, result.ClosedLoops()))
-            << "\n"
-            << "Case " << result.name
-            << ": tuning for the corrected model, first seed\n";
-  for (const std::string& line : result.runs.front().retuning) {
-    std::cout << "  " << line << "\n";
-  }
-  std::cout << "\nRelative duality gap, every fit and every λ: at most "
+            << "\nRelative duality gap, every fit and every λ: at most "
             << report::FormatScientific(result.max_relative_gap, 2) << "\n\n";
 }
 

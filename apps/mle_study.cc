@@ -10,13 +10,10 @@
 #include "apps/common/command_line.h"
 #include "apps/common/option_table.h"
 #include "apps/common/part.h"
-#include "apps/common/progress.h"
 #include "apps/common/run_again.h"
-#include "apps/common/stop_signal.h"
 #include "apps/experiment/grid.h"
-#include "apps/experiment/row.h"
-#include "apps/study/report.h"
-#include "apps/study/run.h"
+#include "apps/experiment/report.h"
+#include "apps/experiment/study.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"
 
@@ -114,12 +111,14 @@ void PrintPlan(const Campaign& campaign, const Grid& grid) {
 }
 
 // Summarises and reports; gives the exit code.
-absl::StatusOr<int> Conclude(const Request& request, const study::Study& work,
+absl::StatusOr<int> Conclude(const Request& request,
+                             const experiment::Study& work,
                              const experiment::RunFolder& folder) {
-  MLE_ASSIGN_OR_RETURN(const study::StudySummary summary,
-                       study::Conclude(work, folder, request.figures,
-                                       HowToRunAgain(work.campaign.seeds)));
-  study::PrintSummary(work.campaign, summary);
+  MLE_ASSIGN_OR_RETURN(
+      const experiment::StudySummary summary,
+      experiment::Conclude(work, folder, request.figures,
+                           HowToRunAgain(work.campaign.seeds)));
+  experiment::PrintSummary(work.campaign, summary);
   std::cout << "Report and results: " << request.out << "/report.html\n";
   for (const auto& [kind, count] : summary.failures) {
     std::cerr << "warning: " << count << " of " << summary.runs
@@ -128,7 +127,7 @@ absl::StatusOr<int> Conclude(const Request& request, const study::Study& work,
   return summary.failed < summary.runs ? kExitDone : kExitNotUsable;
 }
 
-absl::StatusOr<study::Study> ReadCampaign(const Request& request) {
+absl::StatusOr<experiment::Study> ReadCampaign(const Request& request) {
   const absl::StatusOr<std::string> text = ReadFile(request.campaign);
   if (!text.ok()) {
     return absl::InvalidArgumentError(
@@ -137,37 +136,25 @@ absl::StatusOr<study::Study> ReadCampaign(const Request& request) {
   const std::size_t slash = request.campaign.rfind('/');
   const std::string folder =
       slash == std::string::npos ? "" : request.campaign.substr(0, slash + 1);
-  return study::ReadStudy(*text, request.campaign, folder);
+  return experiment::ReadStudy(*text, request.campaign, folder);
 }
 
 absl::StatusOr<int> Run(const Request& request) {
   MLE_RETURN_IF_ERROR(request.Validate());
-  MLE_ASSIGN_OR_RETURN(const study::Study work, ReadCampaign(request));
+  MLE_ASSIGN_OR_RETURN(const experiment::Study work, ReadCampaign(request));
   if (request.dry_run) {
     PrintPlan(work.campaign, Grid(work.campaign));
     return kExitDone;
   }
   const experiment::Work runs = WorkOf(work);
+  MLE_ASSIGN_OR_RETURN(experiment::RunFolder folder,
+                       experiment::OpenFolder(work, runs, request.out,
+                                              request.part, request.resume));
   MLE_ASSIGN_OR_RETURN(
-      experiment::RunFolder folder,
-      study::OpenFolder(work, runs, request.out, request.part, request.resume));
-  folder.PrintFound("runs");
-  CatchStopSignals();
-  MLE_RETURN_IF_ERROR(
-      folder.RunRemaining(runs, experiment::RunThreads(request.threads),
-                          StopRequested, ShowProgress("runs")));
-  if (!folder.is_done()) {
-    std::cerr
-        << "Stopped: " << folder.num_done() << " of " << folder.runs()
-        << " runs are done, in " << folder.path()
-        << "/journal.csv. Give the same command with --resume to resume.\n";
-    return kExitNotUsable;
-  }
-  if (request.part.is_everything()) return Conclude(request, work, folder);
-  std::cout << "Part " << request.part.text << ": all of its " << folder.runs()
-            << " runs are done. When the other parts are, give the same "
-               "command without --part.\n";
-  return kExitDone;
+      const bool whole,
+      folder.RunAsCommand(runs, "runs", "with --resume ", request.threads));
+  if (whole) return Conclude(request, work, folder);
+  return folder.is_done() ? kExitDone : kExitNotUsable;
 }
 
 }  // namespace

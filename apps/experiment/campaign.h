@@ -96,7 +96,7 @@ struct RandomPlants {
   Interval gain = {1.0, 20.0};           // > 0
   Interval time_constant = {5.0, 20.0};  // > 0
   Interval delay = {0.0, 8.0};           // ≥ 0
-  // Of the matrix of static gains, ≥ 1: draws above it are drawn again.
+  // Largest condition number of the static gains, ≥ 1: others are drawn again.
   double max_condition_number = 20.0;
   // And draws whose loop, with the model true, is unstable or has a larger peak
   // of sensitivity (loop_analysis.h), > 1.
@@ -147,7 +147,7 @@ struct ControllerSpec {
 // count from the begin of each run.
 struct EffectsSpec {
   std::string name = "none";
-  // Of each of the campaign's models, as their channels are; empty: none.
+  // Those of each of the campaign's models; empty: none.
   std::vector<sim::Effects> of_models;
 };
 

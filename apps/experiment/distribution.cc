@@ -17,7 +17,7 @@ double MeanOf(const std::vector<double>& values) {
   return sum / static_cast<double>(values.size());
 }
 
-// Of sorted values.
+// `sorted` is ascending.
 double Quantile(const std::vector<double>& sorted, double level) {
   const double position = level * static_cast<double>(sorted.size() - 1);
   const auto below = static_cast<std::size_t>(position);

@@ -14,7 +14,7 @@
 
 namespace mle::experiment {
 
-// Of n ≥ 0 values; NaN where there are none. Values may be infinite (> 0).
+// Statistics of n ≥ 0 values; NaN where there are none. Values may be infinite.
 struct Distribution {
   static constexpr std::array<double, 5> kLevels = {0.05, 0.25, 0.5, 0.75,
                                                     0.95};

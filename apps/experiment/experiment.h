@@ -28,6 +28,7 @@
 #include "mle/data/record.h"
 #include "mle/maintain/estimation.h"
 #include "mle/maintain/shared_fits.h"
+#include "mle/model/arx_model.h"
 #include "mle/model/process_model.h"
 #include "mle/model/step_response.h"
 
@@ -91,7 +92,7 @@ class Experiment {
   const std::vector<Record>& windows() const { return windows_; }
   const StepResponse& truth() const { return truth_; }
   StepResponse InitialResponse() const;
-  // Of the plant's own responses.
+  // The plant's own responses, judged.
   const Judgement& truth_judged() const { return truth_judged_; }
   // The information bound of E: what no unbiased estimate can beat on average
   // that knows the structure and the noise. 0 where there is no noise, or the
@@ -128,6 +129,34 @@ class Experiment {
   std::map<int, SharedFits> fits_;
   std::map<int, Hindsight> hindsights_;
   std::optional<double> limit_;
+};
+
+// E(M, R̂_λ) over the penalty λ, and the λ that is best in hindsight: what only
+// a simulation can know.
+
+// E, infinite for an unstable model whose response leaves the range of numbers.
+double DistanceOrInfinity(const StepResponse& truth,
+                          const StepResponse& response);
+
+class DistanceCurve {
+ public:
+  // All three must outlive the curve; `lambdas` ascend.
+  DistanceCurve(const Correction& correction, const Eigen::VectorXd& lambdas,
+                const StepResponse& truth);
+
+  // At λ of the grid, by number, one for all outputs.
+  double operator()(Eigen::Index i);
+  // At every λ of the grid.
+  Eigen::VectorXd Whole();
+  // The number of the smallest E: among λ that grow by 1 %, then among all
+  // between the best one's neighbours.
+  Eigen::Index Best();
+
+ private:
+  const Correction& correction_;
+  const Eigen::VectorXd& lambdas_;
+  const StepResponse& truth_;
+  ArxModel model_;
 };
 
 }  // namespace mle::experiment

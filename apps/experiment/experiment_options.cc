@@ -1,5 +1,7 @@
 #include "apps/experiment/experiment_options.h"
 
+#include <limits>
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -34,6 +36,20 @@ TextValue IntervalOf(Interval* interval, bool one_value) {
 }
 
 }  // namespace
+
+absl::StatusOr<std::vector<std::uint64_t>> ConsecutiveSeeds(std::uint64_t first,
+                                                            int count) {
+  constexpr std::uint64_t kLargest = std::numeric_limits<std::uint64_t>::max();
+  if (first > kLargest - static_cast<std::uint64_t>(count - 1)) {
+    return RefuseOption(
+        "first_seed", absl::StrCat(first),
+        absl::StrCat("--seeds=", count, " of them go beyond the largest, ",
+                     kLargest));
+  }
+  std::vector<std::uint64_t> seeds(static_cast<std::size_t>(count));
+  std::iota(seeds.begin(), seeds.end(), first);
+  return seeds;
+}
 
 TextValue RuleOf(SelectionSpec* selection) {
   const std::vector<SelectionSpec>& known = NamedSelections();

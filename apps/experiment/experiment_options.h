@@ -5,9 +5,11 @@
 #ifndef APPS_EXPERIMENT_EXPERIMENT_OPTIONS_H_
 #define APPS_EXPERIMENT_EXPERIMENT_OPTIONS_H_
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
+#include "absl/status/statusor.h"
 #include "apps/common/option_table.h"
 #include "apps/experiment/campaign.h"
 #include "apps/experiment/options.h"
@@ -22,6 +24,10 @@ std::vector<Option> OptionsOf(WindowSpec& windows);
 std::vector<Option> OptionsOf(SelectionSpec& selection);
 std::vector<Option> OptionsOf(RandomPlants& plants);
 std::vector<Option> OptionsOf(Change& change);
+
+// `count` ≥ 1 seeds from `first` on: --seeds and --first_seed.
+absl::StatusOr<std::vector<std::uint64_t>> ConsecutiveSeeds(std::uint64_t first,
+                                                            int count);
 
 // A rule for λ, or a solver, and its name.
 TextValue RuleOf(SelectionSpec* selection);

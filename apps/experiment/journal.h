@@ -36,7 +36,7 @@ struct JournalHead {
   std::int64_t runs = 0;
   // The number of the run that a line is of, or why it is of none.
   std::function<absl::StatusOr<std::int64_t>(std::string_view line)> run_of;
-  // Of a run that is not asked for: such a line stays, and is not read.
+  // The run is not asked for: its line stays, and is not read.
   static constexpr std::int64_t kNotAskedFor = -1;
 };
 

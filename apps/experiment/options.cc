@@ -30,13 +30,8 @@ absl::Status CheckTimes(const ExperimentOptions& options) {
 absl::Status CheckLoop(const ExperimentOptions& options,
                        const ProcessModel& initial) {
   const control::MpcOptions& controller = options.controller;
-  const double ratio = controller.control_period / options.sample_time;
-  if (std::round(ratio) < 1.0 ||
-      std::abs(ratio - std::round(ratio)) > 1e-9 * ratio) {
-    return absl::InvalidArgumentError(absl::StrFormat(
-        "--control_period=%g is not a whole multiple of --sample_time=%g",
-        controller.control_period, options.sample_time));
-  }
+  MLE_RETURN_IF_ERROR(
+      CheckControlPeriod(controller.control_period, options.sample_time));
   if (controller.prediction_horizon < controller.control_horizon) {
     return absl::InvalidArgumentError(absl::StrFormat(
         "--control_horizon=%d exceeds --prediction_horizon=%d",
@@ -123,6 +118,17 @@ absl::Status CheckSelection(const ExperimentOptions& options,
 }
 
 }  // namespace
+
+absl::Status CheckControlPeriod(double control_period, double sample_time) {
+  const double ratio = control_period / sample_time;
+  if (std::round(ratio) >= 1.0 &&
+      std::abs(ratio - std::round(ratio)) <= 1e-9 * ratio) {
+    return absl::OkStatus();
+  }
+  return absl::InvalidArgumentError(absl::StrFormat(
+      "--control_period=%g is not a whole multiple of --sample_time=%g",
+      control_period, sample_time));
+}
 
 absl::Status ExperimentOptions::Validate(const ProcessModel& initial) const {
   MLE_RETURN_IF_ERROR(CheckTimes(*this));

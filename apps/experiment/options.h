@@ -72,7 +72,7 @@ struct ExperimentOptions {
   sim::Effects effects;
 
   double conversion_duration = 10000.0;
-  // Of the excitation; the noise variance where there is none.
+  // Noise variance of the excitation; none: the noise variance.
   std::optional<double> conversion_noise_variance;
   ConversionOptions conversion;
   CorrectionOptions correction;
@@ -87,6 +87,9 @@ struct ExperimentOptions {
   int response_samples() const;  // N + 1
   int window_rows() const;       // samples of a window, less the order
 };
+
+// That the controller acts at samples.
+absl::Status CheckControlPeriod(double control_period, double sample_time);
 
 }  // namespace mle::experiment
 

@@ -52,7 +52,7 @@ ProcessModel DrawOnce(const RandomPlants& plants, std::mt19937_64& engine) {
   return model;
 }
 
-// Of the largest singular value to the smallest.
+// Ratio of the largest singular value to the smallest.
 double ConditionNumber(const ProcessModel& model) {
   const Eigen::VectorXd values =
       Eigen::JacobiSVD<Eigen::MatrixXd>(StaticGains(model)).singularValues();

@@ -13,6 +13,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "apps/common/command_line.h"
+#include "apps/common/stop_signal.h"
 #include "mle/base/status.h"
 
 namespace mle::experiment {
@@ -170,6 +171,30 @@ void RunFolder::PrintFound(const std::string& what) const {
     std::cerr << "Going on: " << num_done() << " of " << runs_ << " " << what
               << " are done.\n";
   }
+}
+
+absl::StatusOr<bool> RunFolder::RunAsCommand(const Work& work,
+                                             const std::string& what,
+                                             const std::string& resume,
+                                             int threads) {
+  PrintFound(what);
+  CatchStopSignals();
+  MLE_RETURN_IF_ERROR(RunRemaining(work, RunThreads(threads), StopRequested,
+                                   ShowProgress(what)));
+  if (!is_done()) {
+    std::cerr << "Stopped: " << num_done() << " of " << runs_ << " " << what
+              << " are done, in " << journal_->path()
+              << ". Give the same command " << resume << "to resume.\n";
+    return false;
+  }
+  if (!part_.is_everything()) {
+    std::cout << "Part " << part_.text << ": all of its " << runs_ << " "
+              << what
+              << " are done. When the other parts are, give the same command "
+                 "without --part.\n";
+    return false;
+  }
+  return true;
 }
 
 int RunThreads(int wanted) {

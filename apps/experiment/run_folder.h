@@ -61,8 +61,12 @@ class RunFolder {
                             const std::function<bool()>& stopped,
                             const ProgressFunction& told);
 
-  // What was found in the journal, on standard error; `what`: "runs".
-  void PrintFound(const std::string& what) const;
+  // The same as a command does it, until a signal stops it: says what was found
+  // in the journal, how far it is, and, where there is nothing to conclude yet,
+  // how to go on. Whether every run is there. `what`: "runs"; `resume`: the
+  // flag that resumes, if one is needed.
+  absl::StatusOr<bool> RunAsCommand(const Work& work, const std::string& what,
+                                    const std::string& resume, int threads);
 
   const std::string& path() const { return path_; }
   const Part& part() const { return part_; }
@@ -79,6 +83,7 @@ class RunFolder {
         lock_(std::move(lock)),
         journal_(std::move(journal)) {}
   absl::Status TakeParts(const Work& work);
+  void PrintFound(const std::string& what) const;
 
   std::string path_;
   Part part_;

@@ -14,7 +14,6 @@
 #include "apps/experiment/campaign.h"
 #include "apps/experiment/experiment.h"
 #include "apps/experiment/grid.h"
-#include "apps/experiment/row.h"
 
 namespace mle::experiment {
 
@@ -25,7 +24,7 @@ struct Outcome {
   absl::Status status;
   Experiment* experiment = nullptr;        // null where there were no records
   const Evaluation* evaluation = nullptr;  // null unless `status` is good
-  // Of processor time; what runs share counts for the first that needs it.
+  // Processor time; work that runs share counts for the first that needs it.
   double seconds = 0.0;
 };
 

@@ -33,32 +33,22 @@ std::string WithSmallLetter(std::string text) {
   return text;
 }
 
-Badge BadgeOf(Answer answer) {
+// The badge of each answer.
+report::Verdict BadgeOf(Answer answer) {
   switch (answer) {
     case Answer::kUpdate:
-      return Badge::kChanged;
+      return {Badge::kChanged, "update"};
     case Answer::kKeep:
-      return Badge::kGood;
-    default:
-      return Badge::kUnknown;
-  }
-}
-
-std::string LabelOf(Answer answer) {
-  switch (answer) {
-    case Answer::kUpdate:
-      return "update";
-    case Answer::kKeep:
-      return "leave it";
+      return {Badge::kGood, "leave it"};
     case Answer::kCannotTell:
-      return "cannot tell";
+      return {Badge::kUnknown, "cannot tell"};
     case Answer::kNoNever:
     case Answer::kNoUpdates:
-      return "no answer";
+      return {Badge::kUnknown, "no answer"};
     case Answer::kDiverged:
       break;
   }
-  return "diverged";
+  return {Badge::kUnknown, "diverged"};
 }
 
 std::string HeadlineAt(const RateSummary& rate, Answer answer,
@@ -242,8 +232,8 @@ report::Verdict VerdictOf(const Campaign& campaign,
   const RateSummary& rate = NominalRate(summaries);
   const Answer answer = AnswerAt(rate);
   const std::size_t lives = campaign.seeds.size();
-  report::Verdict verdict = {
-      BadgeOf(answer), LabelOf(answer), HeadlineAt(rate, answer, lives), {}};
+  report::Verdict verdict = BadgeOf(answer);
+  verdict.headline = HeadlineAt(rate, answer, lives);
   const std::string& currency = valuation.currency;
   if (answer == Answer::kNoUpdates) {
     verdict.sentences = {PossibleSaving(rate, currency)};

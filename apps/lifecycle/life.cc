@@ -7,7 +7,6 @@
 #include "absl/status/statusor.h"
 #include "control/mpc.h"
 #include "control/mpc_options.h"
-#include "mle/base/double_limits.h"
 #include "mle/base/status.h"
 #include "mle/data/record.h"
 #include "mle/model/process_model.h"
@@ -20,17 +19,6 @@ using Kind = Policy::Kind;
 
 // A squared error that is none.
 constexpr double kRounding = 1e-18;
-// The record with about `share` of its samples, evenly spread; the others'
-// outputs are lost.
-Record Thinned(const Record& record, double share) {
-  Record thinned = record;
-  for (int k = 0; k < record.samples(); ++k) {
-    // Kept where the count of those to be kept goes up.
-    if (std::floor((k + 1) * share) > std::floor(k * share)) continue;
-    thinned.outputs.col(k).setConstant(kNaN);
-  }
-  return thinned;
-}
 
 // Performance of a loop in a set-point change, from its record alone, relative
 // to its design:
@@ -165,14 +153,9 @@ class Years {
   // Oldest first.
   std::vector<Record> RecordsForCorrection() const {
     std::vector<Record> records;
-    const bool thin = options_.forgetting < 1.0 &&
-                      policy_.estimator == Estimator::kOutputError;
-    double share = 1.0;
     for (const Record& window : windows_) {
       if (operation_.now() - window.start_time > options_.window_age) break;
-      records.insert(records.begin(),
-                     thin && share < 1.0 ? Thinned(window, share) : window);
-      share *= options_.forgetting;
+      records.insert(records.begin(), window);
     }
     if (records.empty()) records.push_back(windows_.front());
     return records;
@@ -194,7 +177,9 @@ class Years {
     }
     model_ = *std::move(result.model);
     return absl::OkStatus();
-  }  // Tries a new model on the plant.
+  }
+
+  // Tries a new model on the plant.
   absl::StatusOr<bool> RunsWorse(const ModelInUse& model, ChangeRow& row) {
     absl::StatusOr<WatchOperation> watch =
         operation_.RunWatch(model.prediction);

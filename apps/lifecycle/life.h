@@ -28,10 +28,6 @@ struct LifeOptions {
   int windows = 4;  // records of the last changes that are kept, ≥ 1
   // Older ones are forgotten, time unit, > 0.
   double window_age = std::numeric_limits<double>::infinity();
-  // Of a record's samples, those of a change n changes ago count w^n, in (0,
-  // 1]: so many of its samples are used, evenly spread. Not for ΔR, which needs
-  // all lags of each sample.
-  double forgetting = 1.0;
   double month = 43830.0;  // in the time unit
   // A new model is watched for a quiet stretch, and reverted if the measured
   // squared error of an output is more than this many times what it was before
@@ -44,8 +40,8 @@ struct ChangeRow {
   SetPointEvent event;
   control::OperationSums quiet;      // since the last row
   control::OperationSums transient;  // after the change
-  // Of a step test after it, and of the first hours with a new model; their
-  // times are 0 without one.
+  // Sums of a step test after it, and of the first hours with a new model;
+  // their times are 0 without one.
   control::OperationSums test;
   control::OperationSums watch;
   ModelError error;  // of the model in use at the change

@@ -157,12 +157,6 @@ std::vector<Option> PartOptionsOf(LifeOptions& life, Request& request) {
       {"window_age", HoursOrNever(&request.window_age_hours),
        "Maximum age of the records of a correction. Empty: no maximum.",
        "s, min, h, d, w or y"},
-      {"forgetting",
-       &life.forgetting,
-       "Weight w of the record before the last, w² of that before, …; "
-       "estimator output-error only.",
-       "",
-       {.min = 0.0, .max = 1.0, .open_min = true}},
       {"calibrate_test", &request.calibrate_test,
        "Calibrates the test of no change by simulation where it is in doubt, "
        "as mle_correct does: several times slower. If false, hold-out "

@@ -1,12 +1,18 @@
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "apps/common/command_line.h"
 #include "apps/lifecycle/report.h"
+#include "apps/lifecycle/summary.h"
 #include "apps/report/drawing.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"
+#include "mle/data/csv_rows.h"
+#include "mle/model/json_text.h"
+#include "nlohmann/json.hpp"
 
 namespace mle::lifecycle {
 namespace {
@@ -66,29 +72,25 @@ void AddCosts(const RateSummary& rate, std::size_t lives,
   page.CloseFold();
 }
 
-void AddPolicies(const Campaign& campaign, double hours_per_unit,
-                 HtmlPage& page) {
+void AddPolicies(const Campaign& campaign, HtmlPage& page) {
   page.AddHeading("What each policy does");
   std::vector<std::pair<std::string, std::string>> terms;
   for (const Policy& policy : campaign.policies) {
     terms.emplace_back(
         ShortName(policy),
-        absl::StrCat(Description(policy, campaign, hours_per_unit),
-                     " (--policies=", policy.name, ")"));
+        absl::StrCat(Description(policy), " (--policies=", policy.name, ")"));
   }
   page.AddTerms(terms);
 }
 
 void AddRates(const std::vector<RateSummary>& summaries, std::size_t lives,
-              const std::string& currency, const Figures& figures,
-              HtmlPage& page) {
+              const std::string& currency, HtmlPage& page) {
   if (summaries.size() < 2) return;
   page.AddHeading("At other rates of ageing");
-  AddFigure(figures, "saving_map", page);
-  page.OpenFold("Shares of the avoidable cost, and cost against the rate");
-  page.AddTable(SavingTable(summaries));
-  AddFigure(figures, "cost_over_rate", page);
-  page.CloseFold();
+  if (summaries.front().Find(Policy::Kind::kNever) != nullptr &&
+      summaries.front().policies.size() > 1) {
+    page.AddTable(SavingTable(summaries, currency));
+  }
   for (const RateSummary& rate : summaries) {
     if (&rate == &NominalRate(summaries)) continue;
     page.OpenFold(absl::StrCat("Costs at ageing rate ", rate.rate));
@@ -103,11 +105,6 @@ void AddCourse(const std::vector<RateSummary>& summaries,
                const Figures& figures, HtmlPage& page) {
   page.AddHeading("Over the years");
   AddFigure(figures, "over_time", page);
-  if (HasFigure(figures, "cost_over_interval")) {
-    page.OpenFold("Cost against the time between updates");
-    AddFigure(figures, "cost_over_interval", page);
-    page.CloseFold();
-  }
   page.OpenFold("Updates, refusals, step tests and errors of the models");
   page.AddParagraph(
       "Updates, refusals and step tests are counted over a whole life. Mean "
@@ -129,8 +126,8 @@ std::string FormatPage(const Campaign& campaign,
   page.SetVerdict(VerdictOf(campaign, summaries, valuation));
   AddWarnings(summaries, lives, page);
   AddCosts(NominalRate(summaries), lives, valuation.currency, figures, page);
-  AddPolicies(campaign, valuation.hours_per_unit, page);
-  AddRates(summaries, lives, valuation.currency, figures, page);
+  AddPolicies(campaign, page);
+  AddRates(summaries, lives, valuation.currency, page);
   AddCourse(summaries, figures, page);
   page.OpenFold("Files");
   page.AddFiles({{"result.json: every number of this page", "result.json"},
@@ -155,8 +152,6 @@ Results Evaluate(const Request& request, Lives lives) {
 absl::Status WriteResults(const Request& request, const Results& results,
                           const Asked& asked) {
   const Campaign& campaign = request.campaign;
-  MLE_ASSIGN_OR_RETURN(const FolderLock lock,
-                       ClaimOutputFolder(campaign.folder));
   const auto& [lives, summaries, valuation] = results;
   std::vector<std::pair<std::string, std::string>> files = {
       {"result.json",
@@ -171,6 +166,140 @@ absl::Status WriteResults(const Request& request, const Results& results,
   files.emplace_back("report.html", FormatPage(campaign, summaries, valuation,
                                                figures, asked.run_again));
   return WriteFilesTogether(campaign.folder, files, missing);
+}
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json ToJson(const MeanOfSeeds& value) {
+  return {{"mean", value.mean}, {"half_width_95", value.half_width}};
+}
+
+Json ToJson(const PolicySummary& policy) {
+  return {{"policy", policy.policy.name},
+          {"cost_per_year", ToJson(policy.cost)},
+          {"parts_per_year",
+           {{"product", policy.parts.product},
+            {"violation", policy.parts.violation},
+            {"movement", policy.parts.movement},
+            {"test_hours", policy.parts.test_hours},
+            {"engineering", policy.parts.engineering}}},
+          {"saving_per_year", ToJson(policy.saving)},
+          {"excess_over_perfect_per_year", ToJson(policy.excess)},
+          {"over_cheapest_per_year", ToJson(policy.over_cheapest)},
+          {"told_apart_from_cheapest", ToldApart(policy.over_cheapest)},
+          {"share_saved", policy.share_saved},
+          {"updates", policy.updates},
+          {"refusals", policy.refusals},
+          {"reverted", policy.reverted},
+          {"unchanged", policy.unchanged},
+          {"step_tests", policy.tests},
+          {"step_test_hours", policy.test_hours},
+          {"distance", policy.distance},
+          {"gain_error", policy.gain_error},
+          {"delay_error", policy.delay_error},
+          {"ran_away", policy.ran_away}};
+}
+
+Json ToJson(const BreakEven& break_even) {
+  if (break_even.test.empty()) return nullptr;
+  return {{"step_test_policy", break_even.test},
+          {"correction_policy", break_even.correction},
+          {"price_of_test_hour", break_even.price}};
+}
+
+// ",value", empty where there is none.
+void Append(std::string& csv, double value) {
+  csv += ',';
+  if (std::isfinite(value)) absl::StrAppendFormat(&csv, "%.12g", value);
+}
+
+void AppendRow(const ChangeRow& row, const Campaign& campaign,
+               const Valuation& valuation, std::string& csv) {
+  const SetPointEvent& event = row.event;
+  Append(csv, event.time * valuation.hours_per_unit / 24.0);
+  const bool change = event.output >= 0;
+  absl::StrAppend(
+      &csv, ",",
+      change ? QuoteCsvField(campaign.plant.outputs()[event.output].name) : "");
+  Append(csv, change ? event.before[event.output] : NAN);
+  Append(csv, change ? event.after[event.output] : NAN);
+  Append(csv, row.error.distance);
+  Append(csv, row.error.gain);
+  Append(csv, row.error.delay);
+  const control::OperationSums total = row.Total();
+  const double hours = valuation.hours_per_unit;
+  Append(csv, hours * row.quiet.squared_error.sum());
+  Append(csv, hours * row.transient.squared_error.sum());
+  Append(csv, hours * row.test.squared_error.sum());
+  Append(csv, hours * row.watch.squared_error.sum());
+  Append(csv, hours * total.absolute_error.sum());
+  Append(csv, hours * total.violation.sum());
+  Append(csv, total.movement.sum());
+  Append(csv, hours * row.test.time);
+  const control::Cost cost = CostOf(row, valuation.prices, hours);
+  Append(csv, cost.total());
+  Append(csv, row.index);
+  absl::StrAppend(&csv, ",", std::string(NameOf(row.outcome)));
+  Append(csv, row.held_out_gain);
+  absl::StrAppend(&csv, ",", QuoteCsvField(row.reason), "\n");
+}
+
+}  // namespace
+
+std::string FormatResult(
+    const Campaign& campaign, const std::vector<RateSummary>& summaries,
+    const Valuation& valuation, const std::string& command,
+    const std::vector<std::pair<std::string, std::string>>& flags) {
+  Json json = {{"version", 1},
+               {"program", "mle_lifecycle"},
+               {"program_version", std::string(Version())},
+               {"command", command}};
+  Json flag_values = Json::object();
+  for (const auto& [name, value] : flags) flag_values[name] = value;
+  json["flags"] = std::move(flag_values);
+  json["years"] = valuation.years;
+  json["currency"] = valuation.currency;
+  json["seeds"] = campaign.seeds;
+  Json rates = Json::array();
+  for (const RateSummary& rate : summaries) {
+    Json policies = Json::array();
+    for (const PolicySummary& policy : rate.policies) {
+      policies.push_back(ToJson(policy));
+    }
+    const PolicySummary* cheapest = rate.Cheapest();
+    rates.push_back(
+        {{"ageing_rate", rate.rate},
+         {"cheapest", cheapest ? Json(cheapest->policy.name) : Json(nullptr)},
+         {"break_even", ToJson(rate.break_even)},
+         {"policies", std::move(policies)}});
+  }
+  json["rates"] = std::move(rates);
+  return FormatJson(json);
+}
+
+std::string FormatRows(const Campaign& campaign, const Lives& lives,
+                       const Valuation& valuation) {
+  std::string csv =
+      "ageing_rate,seed,policy,day,output,setpoint_before,setpoint_after,"
+      "distance,gain_error,delay_error,squared_error_quiet,"
+      "squared_error_transient,squared_error_test,squared_error_watch,absolute_"
+      "error,violation,"
+      "movement,test_hours,cost,performance_index,outcome,held_out_gain,"
+      "reason\n";
+  for (std::size_t r = 0; r < campaign.rates.size(); ++r) {
+    for (std::size_t s = 0; s < campaign.seeds.size(); ++s) {
+      for (std::size_t p = 0; p < campaign.policies.size(); ++p) {
+        for (const ChangeRow& row : lives[r][s][p].rows) {
+          absl::StrAppendFormat(&csv, "%.12g,%d,%s", campaign.rates[r],
+                                campaign.seeds[s], campaign.policies[p].name);
+          AppendRow(row, campaign, valuation, csv);
+        }
+      }
+    }
+  }
+  return csv;
 }
 
 }  // namespace mle::lifecycle

@@ -37,8 +37,19 @@ struct Policy {
 };
 
 // A comma-separated list. InvalidArgument names the part that is wrong or
-// stands twice, and what is known.
+// is duplicated, and what is known.
 absl::StatusOr<std::vector<Policy>> ParsePolicies(std::string_view text);
+
+// Policies in the words of those who run a plant.
+
+// In tables and figures: "corrected every 3rd change".
+std::string ShortName(const Policy& policy);
+
+// As an instruction: "Correct the model after every 3rd set-point change".
+std::string Instruction(const Policy& policy);
+
+// What it does and when, in sentences.
+std::string Description(const Policy& policy);
 
 }  // namespace mle::lifecycle
 

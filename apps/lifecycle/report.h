@@ -4,7 +4,6 @@
 #ifndef APPS_LIFECYCLE_REPORT_H_
 #define APPS_LIFECYCLE_REPORT_H_
 
-#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -33,18 +32,6 @@ std::string Money(const MeanOfSeeds& amount, const std::string& currency);
 // ", EUR" for captions and axes; empty without a name.
 std::string InCurrency(const std::string& currency);
 
-// Policies in the words of those who run a plant.
-
-// In tables and figures: "corrected every 3rd change".
-std::string ShortName(const Policy& policy);
-
-// As an instruction: "Correct the model after every 3rd set-point change".
-std::string Instruction(const Policy& policy);
-
-// What it does and when, in sentences. `hours_per_unit`: of the model's time.
-std::string Description(const Policy& policy, const Campaign& campaign,
-                        double hours_per_unit);
-
 // The tables of mle_lifecycle.
 
 // What a year costs under each policy, the cheapest first and the perfect model
@@ -59,62 +46,23 @@ report::Table ActivityTable(const RateSummary& rate);
 // Parts of the cost of a year.
 report::Table CostTable(const RateSummary& rate, const std::string& currency);
 
-// Policies by rates: the part of the avoidable cost that is saved, in percent.
-report::Table SavingTable(const std::vector<RateSummary>& summaries);
-
-// What the figures of lives have in common.
-
-inline constexpr char kFloorLabel[] = "perfect model: the floor";
-
-// Colour by family; its members differ in their lines.
-report::Style StyleOfPolicy(const Policy& policy, int member);
-// By its place among the policies.
-report::Style StyleAt(const std::vector<Policy>& policies, std::size_t place);
-
-report::MarkerShape MarkerOf(const std::string& family);
-
-// What is drawn of a policy: what it costs beyond the perfect model, where that
-// is known.
-MeanOfSeeds Drawn(const PolicySummary& policy);
-
-// "cost a year above the floor, EUR", or the cost itself without the perfect
-// model.
-std::string CostLabel(const RateSummary& rate, const std::string& currency);
-
-// The highest cost that a picture has to show. Step tests may cost many times
-// what all others do, and would press those flat.
-class UpperEdge {
- public:
-  void Add(const Policy& policy, double cost);
-  double value() const;
-
- private:
-  static constexpr double kMostTimes = 4.0;
-  double others_ = 0.0;
-  double tests_ = std::numeric_limits<double>::infinity();
-};
-
-// What each policy costs a year at one rate, with its interval, above the floor
-// that the perfect model is (cost_figure.cc).
-report::NamedFigure CostFigure(const RateSummary& rate,
-                               const std::string& currency);
-
-// A map of the saving of policies by rates of ageing.
-
-// A square for each policy and rate: what is saved a year against never, with
-// the half-width of its interval of 95 %. The larger a part of the largest mean
-// saving at that rate, the darker; a saving within its interval of zero is
-// white. `summaries`: by rising rate, all of the same policies, `never` among
-// them and others too.
-report::NamedFigure SavingMap(const std::vector<const RateSummary*>& summaries,
-                              const std::string& currency);
+// Policies by rates of ageing: what is saved a year against never. The larger a
+// part of the largest saving at that rate, the darker. `never` is among the
+// policies, and others too.
+report::Table SavingTable(const std::vector<RateSummary>& summaries,
+                          const std::string& currency);
 
 // The figures of mle_lifecycle.
 
-// Cost against the time between updates, the map of savings by policy and rate
-// of ageing (saving_map.h), cost against the rate, and, for the first seed at
-// the rate nearest to 1, cost and model error over time. Those that would show
-// nothing are left out: a single interval, a single rate.
+inline constexpr char kFloorLabel[] = "perfect model: the floor";
+
+// What each policy costs a year at one rate, with its interval, above the floor
+// that the perfect model is.
+report::NamedFigure CostFigure(const RateSummary& rate,
+                               const std::string& currency);
+
+// What each policy costs, and, for the first seed at the rate nearest to 1,
+// cost and model error over time.
 std::vector<report::NamedFigure> MakeFigures(
     const Campaign& campaign, const Lives& lives,
     const std::vector<RateSummary>& summaries, const Valuation& valuation);
@@ -136,7 +84,8 @@ enum class Answer {
 
 Answer AnswerAt(const RateSummary& rate);
 
-// Of the rates the one nearest to 1, the ageing as its file has it; not empty.
+// The rate nearest to 1, the ageing as its file has it. `summaries` is not
+// empty.
 const RateSummary& NominalRate(const std::vector<RateSummary>& summaries);
 
 // Badge, headline and sentences for the nominal rate, with the answers at the
@@ -175,7 +124,7 @@ struct Results {
   Valuation valuation;
 };
 
-// Of lives with what they were asked for.
+// The results of lives at the prices asked for.
 Results Evaluate(const Request& request, Lives lives);
 
 // How the results were asked for: a command or a call, its options, and how the
@@ -186,7 +135,7 @@ struct Asked {
   report::RunAgain run_again;
 };
 
-// Into the campaign's folder, all or none.
+// Into the campaign's folder, whose lock is held (run_folder.h), all or none.
 absl::Status WriteResults(const Request& request, const Results& results,
                           const Asked& asked);
 

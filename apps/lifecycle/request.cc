@@ -12,6 +12,8 @@
 #include "apps/common/controller_options.h"
 #include "apps/common/model_files.h"
 #include "apps/common/option_table.h"
+#include "apps/experiment/experiment_options.h"
+#include "apps/experiment/options.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"
 #include "mle/data/civil_time.h"
@@ -49,35 +51,38 @@ absl::Status CheckModel(const ProcessModel& model, const std::string& path) {
   return integrating.ok() ? integrating : AboutOption("model", integrating);
 }
 
-absl::Status TakeModels(const GivenModels& given, Campaign& campaign) {
-  campaign.model = given.model;
-  MLE_RETURN_IF_ERROR(CheckModel(campaign.model, "the model"));
-  campaign.plant = given.plant.value_or(given.model);
-  MLE_RETURN_IF_ERROR(
-      CheckSameChannels(campaign.model, "model", campaign.plant, "plant"));
-  MLE_ASSIGN_OR_RETURN(
-      campaign.ageing,
-      sim::ParseAgeingSchedule(given.ageing, "ageing", campaign.plant));
-  return absl::OkStatus();
-}
-
-absl::Status ReadModels(const Request& request, Campaign& campaign) {
-  if (request.given.has_value()) return TakeModels(*request.given, campaign);
+// What the paths name, into `given`.
+absl::Status ReadFiles(const Request& request, GivenModels& given) {
   if (request.model_path.empty() || request.ageing_path.empty()) {
     return absl::InvalidArgumentError(
         "--model=FILE.json and --ageing=FILE.json must be given (see --help)");
   }
-  MLE_ASSIGN_OR_RETURN(campaign.model, ReadModel("model", request.model_path));
-  MLE_RETURN_IF_ERROR(CheckModel(campaign.model, request.model_path));
-  campaign.plant = campaign.model;
+  MLE_ASSIGN_OR_RETURN(given.model, ReadModel("model", request.model_path));
   if (!request.plant_path.empty()) {
-    MLE_ASSIGN_OR_RETURN(campaign.plant,
-                         ReadModelLike(campaign.model, request.model_path,
-                                       "plant", request.plant_path));
+    MLE_ASSIGN_OR_RETURN(given.plant,
+                         ReadModelLike(given.model, request.model_path, "plant",
+                                       request.plant_path));
   }
-  absl::StatusOr<sim::AgeingSchedule> ageing =
-      sim::ReadAgeingSchedule(request.ageing_path, campaign.plant);
+  absl::StatusOr<std::string> ageing = ReadFile(request.ageing_path);
   if (!ageing.ok()) return AboutOption("ageing", ageing.status());
+  given.ageing = *std::move(ageing);
+  return absl::OkStatus();
+}
+
+absl::Status TakeModels(const GivenModels& given, const Request& request,
+                        Campaign& campaign) {
+  const bool in_memory = request.given.has_value();
+  campaign.model = given.model;
+  MLE_RETURN_IF_ERROR(
+      CheckModel(campaign.model, in_memory ? "the model" : request.model_path));
+  campaign.plant = given.plant.value_or(given.model);
+  MLE_RETURN_IF_ERROR(
+      CheckSameChannels(campaign.model, "model", campaign.plant, "plant"));
+  absl::StatusOr<sim::AgeingSchedule> ageing = sim::ParseAgeingSchedule(
+      given.ageing, in_memory ? "ageing" : request.ageing_path, campaign.plant);
+  if (!ageing.ok()) {
+    return in_memory ? ageing.status() : AboutOption("ageing", ageing.status());
+  }
   campaign.ageing = *std::move(ageing);
   return absl::OkStatus();
 }
@@ -89,7 +94,7 @@ absl::Status SetRates(const Request& request, Campaign& campaign) {
   for (const double rate : request.rates) {
     if (std::count(campaign.rates.begin(), campaign.rates.end(), rate) > 0) {
       return WrongOption("ageing_rates",
-                         absl::StrCat("'", rate, "' stands twice"));
+                         absl::StrCat("'", rate, "' is duplicated"));
     }
     absl::StatusOr<sim::AgeingSchedule> scaled =
         sim::ScaleAgeing(campaign.ageing, rate);
@@ -102,31 +107,6 @@ absl::Status SetRates(const Request& request, Campaign& campaign) {
     campaign.rates.push_back(rate);
   }
   return absl::OkStatus();
-}
-
-absl::Status SetSeeds(const Request& request, Campaign& campaign) {
-  const auto seeds = static_cast<std::uint64_t>(request.seeds);
-  if (request.first_seed > std::numeric_limits<std::uint64_t>::max() - seeds) {
-    return RefuseOption("first_seed", absl::StrCat(request.first_seed),
-                        "--seeds of them go beyond the largest");
-  }
-  for (std::uint64_t s = 0; s < seeds; ++s) {
-    campaign.seeds.push_back(request.first_seed + s);
-  }
-  return absl::OkStatus();
-}
-
-absl::Status CheckPeriods(const OperationOptions& operation) {
-  const double period = operation.controller.control_period;
-  const double ratio = period / operation.sample_time;
-  if (ratio >= 1.0 - 1e-9 &&
-      std::abs(ratio - std::round(ratio)) <= 1e-9 * ratio) {
-    return absl::OkStatus();
-  }
-  return RefuseOption("control_period", ReadableNumber(period),
-                      absl::StrCat("it must be a whole multiple of "
-                                   "--sample_time=",
-                                   operation.sample_time));
 }
 
 absl::Status SetSetPoints(const Request& request, Campaign& campaign) {
@@ -254,29 +234,27 @@ absl::Status CheckGaps(const Campaign& campaign) {
                    test, ") takes ", needed));
 }
 
-absl::Status AddSettings(const Request& request, const OptionTable& table,
-                         Campaign& campaign) {
+void AddSettings(const GivenModels& given, const OptionTable& table,
+                 Campaign& campaign) {
   for (const auto& [name, value] : table.Values()) {
     if (kNotOfALife.count(name) > 0 || name.rfind("price_", 0) == 0) continue;
     campaign.settings[name] = value;
   }
-  if (request.given.has_value()) {
-    campaign.settings["file of ageing"] = request.given->ageing;
-  } else {
-    MLE_ASSIGN_OR_RETURN(campaign.settings["file of ageing"],
-                         ReadFile(request.ageing_path));
-  }
+  campaign.settings["file of ageing"] = given.ageing;
   campaign.settings["file of model"] = FormatProcessModel(campaign.model);
   campaign.settings["file of plant"] = FormatProcessModel(campaign.plant);
   campaign.settings["program_version"] = std::string(Version());
-  return absl::OkStatus();
 }
 
 }  // namespace
 
 absl::Status Complete(Request& request, OptionTable& table) {
   Campaign& campaign = request.campaign;
-  MLE_RETURN_IF_ERROR(ReadModels(request, campaign));
+  GivenModels given = request.given.value_or(GivenModels());
+  if (!request.given.has_value()) {
+    MLE_RETURN_IF_ERROR(ReadFiles(request, given));
+  }
+  MLE_RETURN_IF_ERROR(TakeModels(given, request, campaign));
   const std::string& unit = campaign.model.time_unit();
   const std::optional<double> seconds = SecondsPerUnit(unit);
   if (!seconds.has_value()) {
@@ -287,15 +265,19 @@ absl::Status Complete(Request& request, OptionTable& table) {
   request.hours_per_unit = *seconds / 3600.0;
   MLE_RETURN_IF_ERROR(table.FitTo(campaign.model));
   MLE_RETURN_IF_ERROR(SetRates(request, campaign));
-  MLE_RETURN_IF_ERROR(SetSeeds(request, campaign));
-  MLE_RETURN_IF_ERROR(CheckPeriods(campaign.life.operation));
+  MLE_ASSIGN_OR_RETURN(campaign.seeds, experiment::ConsecutiveSeeds(
+                                           request.first_seed, request.seeds));
+  MLE_RETURN_IF_ERROR(experiment::CheckControlPeriod(
+      campaign.life.operation.controller.control_period,
+      campaign.life.operation.sample_time));
   MLE_RETURN_IF_ERROR(SetSetPoints(request, campaign));
   MLE_RETURN_IF_ERROR(SetOperation(request, campaign));
   MLE_RETURN_IF_ERROR(CheckLengths(request, campaign));
   SetLife(request, campaign);
   MLE_RETURN_IF_ERROR(CheckGaps(campaign));
   campaign.threads = request.threads;
-  return AddSettings(request, table, campaign);
+  AddSettings(given, table, campaign);
+  return absl::OkStatus();
 }
 
 }  // namespace mle::lifecycle

@@ -115,7 +115,7 @@ struct StepTestPlan {
   Eigen::VectorXd InputsAt(double time, int num_inputs) const;
 };
 
-// Of the inputs that the controller moves and that reach an output.
+// Steps the inputs that the controller moves and that reach an output.
 StepTestPlan PlanStepTest(const ProcessModel& model,
                           const StepTestOptions& options);
 

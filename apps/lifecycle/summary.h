@@ -37,7 +37,7 @@ struct PolicySummary {
   // This policy less the cheapest one (RateSummary::Cheapest); NaN where the
   // loop diverged in a life of one of them.
   MeanOfSeeds over_cheapest;
-  // Of what never costs more than perfect, the part that this policy saves;
+  // Share of what never costs more than perfect that this policy saves;
   // NaN without both, or where they do not differ.
   double share_saved = 0.0;
   // Means over lives.

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "apps/lifecycle/report.h"
@@ -13,9 +14,10 @@ using report::FormatFixed;
 using report::FormatSignificant;
 using report::Table;
 
-// Of the ground of a cell.
+// Levels of the ground of a cell.
 constexpr int kCheapestLevel = 3;
 constexpr int kAsGoodLevel = 1;
+constexpr int kDarkest = 4;
 
 std::string Percent(double share) {
   return std::isfinite(share) ? FormatFixed(100.0 * share, 0) + " %" : "–";
@@ -61,6 +63,28 @@ Comparison Compare(const PolicySummary& policy, const PolicySummary* cheapest,
     return {"cannot be told apart", kAsGoodLevel};
   }
   return {"costs more"};
+}
+
+// Beyond what chance does.
+bool Pays(const MeanOfSeeds& saving) {
+  return saving.mean > 0.0 && !(saving.half_width >= saving.mean);
+}
+
+double LargestSaving(const RateSummary& rate) {
+  double largest = 0.0;
+  for (const PolicySummary& policy : rate.policies) {
+    if (Pays(policy.saving)) largest = std::max(largest, policy.saving.mean);
+  }
+  return largest;
+}
+
+std::vector<const RateSummary*> ByRate(
+    const std::vector<RateSummary>& summaries) {
+  std::vector<const RateSummary*> sorted;
+  for (const RateSummary& rate : summaries) sorted.push_back(&rate);
+  std::sort(sorted.begin(), sorted.end(),
+            [](const auto* a, const auto* b) { return a->rate < b->rate; });
+  return sorted;
 }
 
 }  // namespace
@@ -141,26 +165,38 @@ Table CostTable(const RateSummary& rate, const std::string& currency) {
   return table;
 }
 
-Table SavingTable(const std::vector<RateSummary>& summaries) {
-  Table table{.caption =
-                  "Share of the avoidable cost (never less perfect) that each "
-                  "policy saves, by rate of ageing; negative: the policy costs "
-                  "more than never",
+Table SavingTable(const std::vector<RateSummary>& summaries,
+                  const std::string& currency) {
+  Table table{.caption = absl::StrCat(
+                  "Saving a year against never updating", InCurrency(currency),
+                  ", by policy and rate of ageing, with the half-width of its "
+                  "95 % interval. The darker, the larger the share of the "
+                  "largest saving at that rate; without colour: not "
+                  "significantly above zero"),
               .columns = {{"policy", Align::kLeft}}};
-  for (const RateSummary& rate : summaries) {
-    table.columns.push_back({absl::StrCat("rate ", rate.rate)});
+  const std::vector<const RateSummary*> by_rate = ByRate(summaries);
+  for (const RateSummary* rate : by_rate) {
+    table.columns.push_back({absl::StrCat("rate ", rate->rate)});
   }
   for (std::size_t p = 0; p < summaries.front().policies.size(); ++p) {
     const Policy& policy = summaries.front().policies[p].policy;
-    if (policy.kind == Policy::Kind::kNever ||
-        policy.kind == Policy::Kind::kPerfect) {
-      continue;
-    }
+    if (policy.kind == Policy::Kind::kNever) continue;
     std::vector<std::string> cells = {ShortName(policy)};
-    for (const RateSummary& rate : summaries) {
-      cells.push_back(Percent(rate.policies[p].share_saved));
+    std::vector<int> levels = {0};
+    for (const RateSummary* rate : by_rate) {
+      const PolicySummary& at = rate->policies[p];
+      const MeanOfSeeds& saving = at.saving;
+      cells.push_back(
+          at.ran_away > 0
+              ? "the loop diverged"
+              : absl::StrCat(saving.mean > 0.0 ? "+" : "", Money(saving)));
+      levels.push_back(Pays(saving)
+                           ? static_cast<int>(std::ceil(kDarkest * saving.mean /
+                                                        LargestSaving(*rate)))
+                           : 0);
     }
     table.AddRow(std::move(cells));
+    table.levels.push_back(std::move(levels));
   }
   return table;
 }

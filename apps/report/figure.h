@@ -47,16 +47,7 @@ enum class Role {
 };
 
 enum class LineStyle { kNone, kSolid, kDashed, kDotted, kDashDotted };
-enum class MarkerShape {
-  kNone,
-  kCross,
-  kPlus,
-  kCircle,
-  kDisc,
-  kSquare,
-  kDiamond,
-  kTriangle
-};
+enum class MarkerShape { kNone, kCross, kPlus, kCircle, kDisc };
 
 struct Style {
   Role colour = Role::kCorrected;  // whose colour is used

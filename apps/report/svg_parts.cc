@@ -27,13 +27,6 @@ std::string Outline(MarkerShape shape, double radius) {
     case MarkerShape::kDisc:
       return absl::StrCat("m-", r, " 0a", r, " ", r, " 0 1 0 ", d, " 0a", r,
                           " ", r, " 0 1 0 -", d, " 0z");
-    case MarkerShape::kSquare:
-      return absl::StrCat("m-", r, " -", r, "h", d, "v", d, "h-", d, "z");
-    case MarkerShape::kDiamond:
-      return absl::StrCat("m0 -", r, "l", r, " ", r, "l-", r, " ", r, "l-", r,
-                          " -", r, "z");
-    case MarkerShape::kTriangle:
-      return absl::StrCat("m0 -", r, "l", r, " ", d, "h-", d, "z");
   }
   return "";
 }

@@ -13,7 +13,6 @@ using report::MakeSeries;
 using report::NamedFigure;
 using report::Panel;
 using report::Role;
-using report::VerticalLine;
 
 constexpr double kColumnWidthCm = 8.5;
 constexpr int kMaxPoints = 2000;
@@ -185,84 +184,6 @@ NamedFigure ImpulseFigure(const CaseResult& result) {
   return named;
 }
 
-// The share of values up to each of them.
-void AddDistribution(Role role, const char* label, std::vector<double> values,
-                     Panel& panel) {
-  if (values.empty()) return;
-  std::sort(values.begin(), values.end());
-  std::vector<double> share = {0.0};
-  for (std::size_t i = 1; i <= values.size(); ++i) {
-    share.push_back(static_cast<double>(i) /
-                    static_cast<double>(values.size()));
-  }
-  values.insert(values.begin(), values.front());  // from nothing up
-  panel.series.push_back(
-      MakeSeries(role, label, std::move(values), std::move(share)));
-  report::Series& series = panel.series.back();
-  series.steps = true;
-  series.style.marker = report::MarkerShape::kNone;
-  series.style.width_pt = 1.25;
-  series.max_points = kMaxPoints;
-}
-
-std::vector<double> OfRuns(const CaseResult& result,
-                           double RunResult::*member) {
-  std::vector<double> values;
-  for (const RunResult& run : result.runs) values.push_back(run.*member);
-  return values;
-}
-
-std::vector<double> OfEstimator(const CaseResult& result,
-                                const std::string& name) {
-  std::vector<double> values;
-  for (const RunResult& run : result.runs) {
-    for (const MethodRun& one : run.estimators) {
-      if (one.name == name && one.status.ok()) values.push_back(one.E);
-    }
-  }
-  return values;
-}
-
-NamedFigure DistributionFigure(const std::vector<CaseResult>& cases) {
-  NamedFigure named;
-  named.name = "distance_distribution";
-  named.caption = absl::StrCat(
-      "Share of the ", cases.front().runs.size(),
-      " seeds in which the model's distance from the plant is at most E. The "
-      "further left, the better; the steeper, the more dependable.");
-  named.alt = named.caption;
-  Figure& figure = named.figure;
-  figure.columns = std::min(static_cast<int>(cases.size()), 2);
-  const int rows =
-      (static_cast<int>(cases.size()) + figure.columns - 1) / figure.columns;
-  figure.width_cm = figure.columns == 1 ? 12.0 : 2.0 * kColumnWidthCm;
-  figure.height_cm = 2.2 + 6.0 * rows;
-  for (const CaseResult& result : cases) {
-    Panel& panel = figure.AddPanel(absl::StrCat("case ", result.name));
-    panel.x = {.label = "squared distance E", .log = true};
-    panel.y = {.label = "share of seeds", .range = report::Range{0.0, 1.03}};
-    panel.lines.push_back(
-        VerticalLine(Role::kInitial, "before correction", result.E_initial));
-    AddDistribution(Role::kUnregularised, "without penalty",
-                    OfRuns(result, &RunResult::E_zero), panel);
-    AddDistribution(Role::kCorrected, "corrected, λ*",
-                    OfRuns(result, &RunResult::E_star), panel);
-    AddDistribution(Role::kBest, "best λ in hindsight",
-                    OfRuns(result, &RunResult::E_oracle), panel);
-    AddDistribution(Role::kFitted, "output_error",
-                    OfEstimator(result, "output_error"), panel);
-    double limit = 0.0;
-    for (const RunResult& run : result.runs) {
-      limit += run.E_limit / static_cast<double>(result.runs.size());
-    }
-    if (limit > 0.0) {
-      panel.lines.push_back(
-          VerticalLine(Role::kReference, "information bound", limit));
-    }
-  }
-  return named;
-}
-
 // Noise-free set-point changes under each of the models; nothing where a loop
 // could not be run.
 void FillLoopPanel(const CaseResult& result, int output, int change,
@@ -324,9 +245,6 @@ std::vector<NamedFigure> MakeFigures(const std::vector<CaseResult>& cases,
                                      const Eigen::VectorXd& lambdas) {
   std::vector<NamedFigure> figures = {OverviewFigure(cases, lambdas),
                                       DistanceFigure(cases, lambdas)};
-  if (cases.front().runs.size() > 1) {
-    figures.push_back(DistributionFigure(cases));
-  }
   for (const CaseResult& result : cases) {
     figures.push_back(StepFigure(result));
     figures.push_back(ImpulseFigure(result));

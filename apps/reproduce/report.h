@@ -23,7 +23,7 @@ using File = std::pair<std::string, std::string>;
 
 std::string FormatResults(const std::vector<CaseResult>& cases);
 
-// Of each case's first run: E and cross-validation loss over λ
+// Curves of each case's first run: E and cross-validation loss over λ
 // (curve_NAME.csv), step responses (step_response_NAME.csv: time, then
 // output/input for initial, true, corrected and unregularised).
 std::vector<File> FormatCurves(const std::vector<CaseResult>& cases,
@@ -35,8 +35,7 @@ std::vector<File> FormatCurves(const std::vector<CaseResult>& cases,
 //
 //   overview                what has changed most in each case, and E over λ
 //   distance_over_lambda    E over λ, a panel for each case (the paper's Fig.
-//   4) distance_distribution   of E over the seeds, by model; with two seeds or
-//   more step_responses_CASE     of the first run (Figs. 5 and 6)
+//   4) step_responses_CASE     of the first run (Figs. 5 and 6)
 //   impulse_responses_CASE  of the first run (Fig. 7)
 //   closed_loop_CASE        set-point changes of the first run, by the model in
 //                           the controller

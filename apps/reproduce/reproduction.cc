@@ -8,12 +8,10 @@
 
 #include "absl/strings/str_cat.h"
 #include "apps/common/progress.h"
-#include "apps/experiment/distance_curve.h"
+#include "apps/experiment/experiment.h"
 #include "apps/experiment/grid.h"
 #include "apps/experiment/unit.h"
 #include "apps/reproduce/summary.h"
-#include "control/prediction_model.h"
-#include "control/retuning.h"
 #include "mle/base/parallel.h"
 #include "mle/base/status.h"
 
@@ -223,43 +221,9 @@ absl::StatusOr<std::vector<CaseResult>> RunReproduction(
   return results;
 }
 
-namespace {
-
-using experiment::Evaluation;
-using experiment::Experiment;
-using experiment::ExperimentOptions;
-
-// The corrected model's responses must have settled: they are followed for
-// longer than they are compared.
-constexpr int kSettlingHorizons = 5;
-
-std::vector<std::string> AdviseOnTuning(const ProcessModel& initial,
-                                        const ArxModel& corrected,
-                                        const ExperimentOptions& options) {
-  const auto old_model =
-      control::PredictFromProcess(initial, options.controller.control_period);
-  if (!old_model.ok()) return {std::string(old_model.status().message())};
-  control::RetuningOptions retuning;
-  retuning.time_unit = initial.time_unit();
-  for (const OutputChannel& output : initial.outputs()) {
-    retuning.output_names.push_back(output.name);
-  }
-  for (const InputChannel& input : initial.inputs()) {
-    retuning.input_names.push_back(input.name);
-  }
-  const auto advice = control::AdviseRetuning(
-      *old_model, options.controller,
-      corrected.ComputeStepResponse(
-          kSettlingHorizons * (options.response_samples() - 1) + 1),
-      retuning);
-  if (!advice.ok()) return {std::string(advice.status().message())};
-  return advice->reasons;
-}
-
-}  // namespace
-
-absl::Status FillRun(const Experiment& experiment, const Evaluation& evaluation,
-                     bool in_full, RunResult& run) {
+absl::Status FillRun(const experiment::Experiment& experiment,
+                     const experiment::Evaluation& evaluation, bool in_full,
+                     RunResult& run) {
   const Correction& correction = *evaluation.estimate->fit.arx;
   const experiment::Hindsight& hindsight = *evaluation.hindsight;
   const StepResponse& truth = experiment.truth();
@@ -273,11 +237,11 @@ absl::Status FillRun(const Experiment& experiment, const Evaluation& evaluation,
   const StepResponse unregularised =
       correction.Model(0.0).ComputeStepResponse(truth.samples());
   run.E_zero = experiment::DistanceOrInfinity(truth, unregularised);
-  const ArxModel corrected = correction.Model();
   MLE_ASSIGN_OR_RETURN(
       run.closed_loop,
-      CompareClosedLoops(experiment.initial(), corrected, experiment.plant(),
-                         experiment.seed(), in_full, experiment.options()));
+      CompareClosedLoops(experiment.initial(), correction.Model(),
+                         experiment.plant(), experiment.seed(), in_full,
+                         experiment.options()));
   if (!in_full) {
     // The curves of all seeds would fill the memory.
     run.selection.loss.resize(0);
@@ -290,8 +254,6 @@ absl::Status FillRun(const Experiment& experiment, const Evaluation& evaluation,
           .Whole();
   run.corrected = evaluation.response;
   run.unregularised = unregularised;
-  run.retuning =
-      AdviseOnTuning(experiment.initial(), corrected, experiment.options());
   return absl::OkStatus();
 }
 

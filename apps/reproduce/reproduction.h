@@ -23,7 +23,7 @@ struct Reproduction {
   int ablation_seeds = 5;                      // the first of the seeds, ≥ 1
   int threads = 0;                             // 0: one for each processor
 
-  // Of every run, but for ablations.
+  // Options of every run, but for ablations.
   absl::StatusOr<experiment::ExperimentOptions> Options() const;
 };
 

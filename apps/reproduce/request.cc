@@ -1,7 +1,6 @@
 #include "apps/reproduce/request.h"
 
 #include <cstddef>
-#include <limits>
 #include <set>
 #include <string>
 #include <utility>
@@ -98,21 +97,6 @@ std::vector<Option> SelectionOptionsOf(experiment::SelectionSpec& selection) {
                         "selection_response_deviations"});
 }
 
-absl::Status ReadSeeds(const Request& request,
-                       std::vector<std::uint64_t>& seeds) {
-  const auto count = static_cast<std::uint64_t>(request.seeds);
-  constexpr std::uint64_t kLargest = std::numeric_limits<std::uint64_t>::max();
-  if (request.first_seed > kLargest - (count - 1)) {
-    return absl::InvalidArgumentError(absl::StrCat(
-        "--first_seed=", request.first_seed, ": --seeds=", request.seeds,
-        " of them go beyond the largest, ", kLargest));
-  }
-  for (std::uint64_t s = 0; s < count; ++s) {
-    seeds.push_back(request.first_seed + s);
-  }
-  return absl::OkStatus();
-}
-
 absl::Status ReadEstimators(const Request& request,
                             std::vector<experiment::Method>& estimators) {
   std::set<std::string> names;
@@ -185,7 +169,8 @@ void AddOptions(Request& request, OptionTable& table) {
 absl::Status Complete(Request& request, OptionTable& table) {
   Reproduction& reproduction = request.reproduction;
   Campaign& campaign = reproduction.campaign;
-  MLE_RETURN_IF_ERROR(ReadSeeds(request, campaign.seeds));
+  MLE_ASSIGN_OR_RETURN(campaign.seeds, experiment::ConsecutiveSeeds(
+                                           request.first_seed, request.seeds));
   reproduction.threads = UsableThreads(reproduction.threads);
   MLE_RETURN_IF_ERROR(ReadCases(request));
   const ProcessModel& initial = campaign.models.front().model;

@@ -59,10 +59,6 @@ struct RunResult {
   // Side by side on the same records, as asked for and in that order.
   std::vector<MethodRun> estimators;
   double E_limit = 0.0;  // Experiment::Limit(), where there are estimators
-  // How to tune the controller for the corrected model, and why; of the first
-  // seed. A single line says why there is no advice.
-  std::vector<std::string> retuning;
-
   // For figures: E at every λ of the grid, and step responses; of the first
   // seed.
   Eigen::VectorXd squared_distance;
@@ -116,7 +112,7 @@ struct CaseResult {
   std::vector<ElementErrors> elements;  // row by row (p·m)
   double max_relative_gap = 0.0;
 
-  // Of all runs.
+  // Comparisons of all runs.
   std::vector<const ClosedLoopComparison*> ClosedLoops() const;
 };
 

@@ -41,23 +41,34 @@ struct LifecycleCall {
   LifecycleCall() { lifecycle::AddOptions(request, table); }
 };
 
-absl::StatusOr<lifecycle::Lives> Live(const LifecycleCall& call,
-                                      const ProgressCallback& report) {
+absl::StatusOr<lifecycle::Lives> Live(const lifecycle::Campaign& campaign,
+                                      const experiment::Work& work,
+                                      const ProgressCallback& report,
+                                      experiment::RunFolder& folder) {
   bool stopped = false;
-  return lifecycle::RunCampaign(
-      call.request.campaign, [&] { return stopped; },
+  MLE_RETURN_IF_ERROR(folder.RunRemaining(
+      work, experiment::RunThreads(campaign.threads), [&] { return stopped; },
       [&](std::int64_t done, std::int64_t total) {
         const double fraction =
             static_cast<double>(done) / static_cast<double>(total);
         if (!report({"lives", fraction})) stopped = true;
-      });
+      }));
+  if (!folder.is_done()) return absl::CancelledError("stopped");
+  return lifecycle::ReadLives(campaign, folder);
 }
 
 absl::StatusOr<ResultFiles> RunLifecycleCall(LifecycleCall& call,
                                              const ProgressCallback& report) {
   MLE_ASSIGN_OR_RETURN(const ResultFolder out, ResultFolder::Make(call.out));
-  call.request.campaign.folder = out.path();
-  MLE_ASSIGN_OR_RETURN(lifecycle::Lives lives, Live(call, report));
+  lifecycle::Campaign& campaign = call.request.campaign;
+  campaign.folder = out.path();
+  const experiment::Work work = lifecycle::WorkOf(campaign);
+  MLE_ASSIGN_OR_RETURN(
+      experiment::RunFolder folder,
+      experiment::RunFolder::Open(work, campaign.folder, campaign.part,
+                                  /*resume=*/true));
+  MLE_ASSIGN_OR_RETURN(lifecycle::Lives lives,
+                       Live(campaign, work, report, folder));
   const lifecycle::Results results =
       lifecycle::Evaluate(call.request, std::move(lives));
   NamesAndValues options = ShapingResults(call.table.Values());

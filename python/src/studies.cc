@@ -9,7 +9,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "apps/common/run_again.h"
-#include "apps/study/run.h"
+#include "apps/experiment/study.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"
 #include "pybind11/stl.h"
@@ -24,7 +24,7 @@ namespace {
 namespace py = pybind11;
 
 struct StudyCall {
-  study::Study work;
+  experiment::Study work;
   std::string out;  // "": a folder that goes with the call
   bool resume = false;
   bool figures = true;
@@ -61,10 +61,10 @@ absl::Status RunAll(const StudyCall& call, const experiment::Work& runs,
 absl::StatusOr<ResultFiles> RunStudyCall(const StudyCall& call,
                                          const ProgressCallback& report) {
   MLE_ASSIGN_OR_RETURN(const ResultFolder out, ResultFolder::Make(call.out));
-  const experiment::Work runs = study::WorkOf(call.work);
+  const experiment::Work runs = experiment::WorkOf(call.work);
   MLE_ASSIGN_OR_RETURN(
       experiment::RunFolder folder,
-      study::OpenFolder(call.work, runs, out.path(), Part(), call.resume));
+      experiment::OpenFolder(call.work, runs, out.path(), Part(), call.resume));
   MLE_RETURN_IF_ERROR(RunAll(call, runs, folder, report));
   report::RunAgain again = HowToCallAgain(call.text, {}, {});
   MLE_RETURN_IF_ERROR(
@@ -77,7 +77,7 @@ py::dict RunStudy(const std::string& text, const std::string& source,
                   bool resume, bool figures, int threads,
                   const std::string& call_text, const py::object& progress) {
   const auto call = std::make_shared<StudyCall>();
-  call->work = ValueOrThrow(study::ReadStudy(text, source, folder));
+  call->work = ValueOrThrow(experiment::ReadStudy(text, source, folder));
   call->out = out;
   call->resume = resume;
   call->figures = figures;

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_replace.h"
 #include "absl/strings/str_split.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
@@ -73,13 +72,6 @@ class MleLifecycleTest : public ::testing::Test {
     const std::string text(std::istreambuf_iterator<char>(journal), {});
     const auto lines = std::count(text.begin(), text.end(), '\n');
     return std::max(static_cast<int>(lines) - 1, 0);
-  }
-
-  std::string Message(const std::vector<std::string>& more) {
-    const report::ProcessResult result = Run("wrong", more);
-    EXPECT_EQ(result.exit_code, 2) << result.err;
-    EXPECT_EQ(result.out, "");
-    return result.err;
   }
 
   // The cost a year of a policy in a result.
@@ -161,12 +153,7 @@ TEST_F(MleLifecycleTest, PoliciesAreComparedWithTheCheapest) {
               perfect.at("over_cheapest_per_year").at("mean"));
   EXPECT_THAT(html, HasSubstr("--policies</span>=output_error:2"));
   EXPECT_THAT(html, HasSubstr(" EUR a year against never"));
-}
-
-TEST_F(MleLifecycleTest, ThePageOpensWithWhatToDo) {
-  const report::ProcessResult run = Run("out", {"--seeds=3"});
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  const std::string html = Content(scratch_ / "out/report.html");
+  // What to do comes first, on the page and on the terminal.
   const std::size_t verdict = html.find("class=\"verdict changed\"");
   ASSERT_NE(verdict, std::string::npos);
   const std::string opening =
@@ -174,42 +161,36 @@ TEST_F(MleLifecycleTest, ThePageOpensWithWhatToDo) {
   EXPECT_THAT(opening, HasSubstr("<span class=\"badge\">update</span> Correct "
                                  "the model after every 2nd set-point change"));
   EXPECT_THAT(opening, HasSubstr("±\u00A0is half a 95\u00A0% interval"));
-  // The same on the terminal.
   EXPECT_THAT(run.out,
               HasSubstr("Correct the model after every 2nd set-point change."));
 }
 
-TEST_F(MleLifecycleTest, ThePageIsReadable) {
-  if (!report::HasBrowser()) GTEST_SKIP() << "chromium-headless-shell is not installed";
+// As vector graphics, as a document's pictures, and in the page.
+TEST_F(MleLifecycleTest, DrawsCostsAndTheirCourse) {
   const report::ProcessResult run =
       Run("out", {"--ageing_rates=0.5,1", "--seeds=3", "--figures=true",
                   "--currency=EUR",
                   "--policies=never,output_error:1,output_error:2,test:1,"
                   "test:2,on_demand:0.7,perfect"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  // Costs, the map of savings, cost over the rate, two over the years, and
-  // two over the interval.
-  ExpectReadable(scratch_ / "out/report.html", "lifecycle", 7,
-                 {.badge = "update"});
-  ExpectFitsPaper(scratch_ / "out/report.html", "lifecycle_paper");
-}
-
-// As vector graphics, as a document's pictures, and in the page.
-TEST_F(MleLifecycleTest, DrawsCostsAndTheirCourse) {
-  const report::ProcessResult run = Run(
-      "out", {"--ageing_rates=0.5,1", "--seeds=1", "--figures=true",
-              "--policies=never,output_error:1,output_error:2,test:2,perfect"});
-  ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_EQ(run.err.find("warning"), std::string::npos) << run.err;
-  const std::string page = Content(scratch_ / "out/report.html");
-  for (const char* const name : {"policy_costs", "cost_over_interval",
-                                 "saving_map", "cost_over_rate", "over_time"}) {
+  for (const char* const name : {"policy_costs", "over_time"}) {
     SCOPED_TRACE(name);
     const std::string stem = scratch_ / "out/" + name;
     EXPECT_THAT(Content(stem + ".svg"), HasSubstr("</svg>"));
     EXPECT_THAT(Content(stem + ".pdf"), StartsWith("%PDF"));
   }
-  EXPECT_EQ(report::FiguresOf(page, true).size(), 5u);
+  EXPECT_EQ(
+      report::FiguresOf(Content(scratch_ / "out/report.html"), true).size(),
+      2u);
+  EXPECT_THAT(Content(scratch_ / "out/report.html"),
+              HasSubstr("Saving a year against never updating"));
+  if (!report::HasBrowser())
+    GTEST_SKIP() << "chromium-headless-shell is not installed";
+  // Costs, and two over the years.
+  ExpectReadable(scratch_ / "out/report.html", "lifecycle", 3,
+                 {.badge = "update"});
+  ExpectFitsPaper(scratch_ / "out/report.html", "lifecycle_paper");
 }
 
 TEST_F(MleLifecycleTest, SetPointsChangeAtControlInstants) {
@@ -228,7 +209,6 @@ TEST_F(MleLifecycleTest, SetPointsChangeAtControlInstants) {
 
 TEST_F(MleLifecycleTest, ThreadsAndInterruptionsChangeNoByte) {
   ASSERT_EQ(Run("one", {"--threads=1"}).exit_code, 0);
-  ASSERT_EQ(Run("two", {"--threads=2"}).exit_code, 0);
   // A run that has lost some of its lives makes them again, and only them.
   std::filesystem::copy(scratch_ / "one", scratch_ / "rest",
                         std::filesystem::copy_options::recursive);
@@ -244,14 +224,13 @@ TEST_F(MleLifecycleTest, ThreadsAndInterruptionsChangeNoByte) {
   ASSERT_EQ(rest.exit_code, 0) << rest.err;
   EXPECT_THAT(rest.err, HasSubstr("6 of 8 lives are done"));
   const std::string lines = Content(scratch_ / "one/lifecycle.csv");
-  EXPECT_EQ(Content(scratch_ / "two/lifecycle.csv"), lines);
   EXPECT_EQ(Content(scratch_ / "rest/lifecycle.csv"), lines);
-  EXPECT_EQ(ParsedJson(scratch_ / "two/result.json").at("rates"),
+  EXPECT_EQ(ParsedJson(scratch_ / "rest/result.json").at("rates"),
             ParsedJson(scratch_ / "one/result.json").at("rates"));
   EXPECT_EQ(LivesIn("rest"), 8);
   // Parts make the same lives, and the run of all only brings them together.
   for (const char* const part : {"--part=1/2", "--part=2/2"}) {
-    const report::ProcessResult run = Run("parts", {part});
+    const report::ProcessResult run = Run("parts", {part, "--threads=2"});
     ASSERT_EQ(run.exit_code, 0) << run.err;
     EXPECT_THAT(run.out, HasSubstr("without --part"));
   }
@@ -280,7 +259,7 @@ TEST_F(MleLifecycleTest, ARunThatIsStoppedGoesOnWhereItWas) {
       EXPECT_EQ(exit_code, 128 + SIGKILL) << Content(log);
     } else {
       EXPECT_EQ(exit_code, 1) << Content(log);
-      EXPECT_THAT(Content(log), HasSubstr("stopped; finished lives are kept"));
+      EXPECT_THAT(Content(log), HasSubstr("Stopped: "));
     }
   }
   EXPECT_GT(stopped, 0);
@@ -289,7 +268,7 @@ TEST_F(MleLifecycleTest, ARunThatIsStoppedGoesOnWhereItWas) {
             Content(scratch_ / "whole/lifecycle.csv"));
 }
 
-TEST_F(MleLifecycleTest, OtherPricesNeedNoNewSimulation) {
+TEST_F(MleLifecycleTest, OtherPricesAndCurrenciesNeedNoNewSimulation) {
   const std::vector<std::string> prices = {
       "--price_movement=0", "--price_violation=0", "--price_engineer_hour=0",
       "--price_test_hour=0"};
@@ -297,28 +276,18 @@ TEST_F(MleLifecycleTest, OtherPricesNeedNoNewSimulation) {
   dear.emplace_back("--price_squared_error=700");
   std::vector<std::string> cheap = prices;
   cheap.emplace_back("--price_squared_error=100");
+  cheap.emplace_back("--currency=€");
   ASSERT_EQ(Run("out", dear).exit_code, 0);
   const nlohmann::json at_700 = ParsedJson(scratch_ / "out/result.json");
   const report::ProcessResult again = Run("out", cheap);
   ASSERT_EQ(again.exit_code, 0);
   EXPECT_THAT(again.err, HasSubstr("8 of 8 lives are done"));
+  EXPECT_THAT(again.out, HasSubstr("ageing rate 1, €"));
   const nlohmann::json at_100 = ParsedJson(scratch_ / "out/result.json");
   for (std::size_t p = 0; p < 4; ++p) {
     EXPECT_NEAR(CostOf(at_700, p), 7.0 * CostOf(at_100, p),
                 1e-9 * CostOf(at_700, p));
   }
-}
-
-TEST_F(MleLifecycleTest, ACurrencyNeedsNoNewSimulation) {
-  const std::vector<std::string> never = {"--policies=never", "--seeds=1"};
-  ASSERT_EQ(Run("out", never).exit_code, 0);
-  EXPECT_EQ(ParsedJson(scratch_ / "out/result.json").at("currency"), "");
-  std::vector<std::string> euros = never;
-  euros.emplace_back("--currency=€");
-  const report::ProcessResult again = Run("out", euros);
-  ASSERT_EQ(again.exit_code, 0);
-  EXPECT_THAT(again.err, HasSubstr("1 of 1 lives are done"));
-  EXPECT_THAT(again.out, HasSubstr("ageing rate 1, €"));
 }
 
 TEST_F(MleLifecycleTest, OtherSettingsAreSimulatedAnew) {
@@ -349,74 +318,15 @@ TEST_F(MleLifecycleTest, ThePlantMayDifferFromTheModelFromTheBeginning) {
   EXPECT_EQ(policies.at(2).at("distance"), 0.0);
 }
 
-TEST_F(MleLifecycleTest, MistakesNameTheFlagAndWhatWouldBeRight) {
-  EXPECT_THAT(Message({"--model=/none.json"}),
-              HasSubstr("--model: cannot open '/none.json'"));
-  EXPECT_THAT(Message({"--ageing="}), HasSubstr("--ageing=FILE.json"));
-  EXPECT_THAT(Message({"--change_every=30"}),
-              HasSubstr("--change_every=30: '30'"));
-  EXPECT_THAT(Message({"--change_every=1h"}),
-              HasSubstr("--change_every: changes follow each other after"));
-  EXPECT_THAT(Message({"--change_every=1y"}), HasSubstr("there would be no"));
-  EXPECT_THAT(Message({"--policies=sometimes"}),
-              HasSubstr("--policies=sometimes: 'sometimes': known are never"));
-  EXPECT_THAT(Message({"--ageing_rates=1,-2"}),
-              HasSubstr("--ageing_rates=1,-2: '-2'"));
-  EXPECT_THAT(Message({"--seeds=0"}), HasSubstr("--seeds=0"));
-  EXPECT_THAT(Message({"--forgetting=2"}), HasSubstr("--forgetting=2"));
-  EXPECT_THAT(Message({"--setpoint_range=0"}), HasSubstr("--setpoint_range=0"));
-  EXPECT_THAT(Message({"--price_movement=-1"}), HasSubstr("--price_movement"));
-  EXPECT_THAT(Message({"--currency=pounds sterling"}),
-              HasSubstr("--currency=pounds sterling: is 15 characters long"));
-  EXPECT_THAT(Message({"--sample_time=0.3"}), HasSubstr("--control_period=1"));
-  EXPECT_THAT(Message({"--sample_time=1e-6", "--years=1"}),
-              HasSubstr("samples of --sample_time=1e-06; at most 1e+07"));
-  EXPECT_THAT(Message({"--response_horizon=1e12"}),
-              HasSubstr("--response_horizon=1000000000000: it has 1e+12"));
-  EXPECT_THAT(
-      Message({"--years=1000", "--change_every=1000y", "--every_sample"}),
-      HasSubstr("--change_every"));
-  EXPECT_THAT(
-      Message({"--control_horizon=30000", "--prediction_horizon=30000"}),
-      HasSubstr("prediction_horizon = 30000 with 30000 moves"));
-  const std::string tiny = scratch_.Write(
-      "tiny.json",
-      absl::StrReplaceAll(kTank, {{"\"gain\": 2", "\"gain\": 1e-308"}}));
-  EXPECT_THAT(Message({"--model=" + tiny, "--ageing_rates=0"}),
-              HasSubstr("--setpoint_range are not finite"));
-  EXPECT_THAT(Message({"--solver=simplex"}),
-              HasSubstr("--solver=simplex: known are homotopy"));
-  EXPECT_THAT(Message({"--robust=tukey"}),
-              HasSubstr("--robust=tukey: known are none, huber"));
-  EXPECT_THAT(Message({"--ageing_rates=1,1"}),
-              HasSubstr("--ageing_rates: '1' stands twice"));
-  EXPECT_THAT(Message({"--ageing_rates="}),
-              HasSubstr("--ageing_rates: names no rate"));
-  EXPECT_THAT(Message({"--plant=/none.json"}),
-              HasSubstr("--plant: cannot open '/none.json'"));
-  EXPECT_THAT(Message({"--window_age=soon"}),
-              HasSubstr("--window_age=soon: 'soon'"));
-  EXPECT_THAT(Message({"--test_move=0"}), HasSubstr("--test_move=0"));
-  EXPECT_THAT(Message({"--first_seed=18446744073709551615"}),
-              HasSubstr("--first_seed=18446744073709551615"));
-  EXPECT_THAT(Message({"--years=0"}), HasSubstr("--years=0"));
-  EXPECT_THAT(Message({"--windows=0"}), HasSubstr("--windows=0"));
-  EXPECT_THAT(Message({"--test_cycles=0"}), HasSubstr("--test_cycles=0"));
-  EXPECT_THAT(Message({"--validation_folds=1"}),
-              HasSubstr("--validation_folds=1"));
-  EXPECT_THAT(Message({"--conversion_samples=1"}),
-              HasSubstr("--conversion_samples=1"));
-  EXPECT_THAT(Message({"--watch_limit=0.5"}), HasSubstr("--watch_limit=0.5"));
-  EXPECT_THAT(Message({"--false_alarm_probability=1"}),
-              HasSubstr("--false_alarm_probability=1"));
-  EXPECT_THAT(Message({"--test_hold=-1"}), HasSubstr("--test_hold=-1"));
-  EXPECT_THAT(Message({"--threads=-1"}), HasSubstr("--threads=-1"));
-  EXPECT_THAT(Message({"--disturbance_time=x"}),
-              HasSubstr("--disturbance_time=x: 'x'"));
-  EXPECT_THAT(Message({"--prediction_horizon=2"}),
-              HasSubstr("--prediction_horizon"));
+TEST_F(MleLifecycleTest, MistakesEndWithOneLine) {
   const std::string file = scratch_.Write("file", "");
-  EXPECT_THAT(Message({"--out=" + file}), HasSubstr(file));
+  for (const std::string& mistake :
+       {std::string("--policies=sometimes"), "--out=" + file}) {
+    const report::ProcessResult result = Run("wrong", {mistake});
+    EXPECT_EQ(result.exit_code, 2) << result.err;
+    EXPECT_EQ(result.out, "");
+    EXPECT_THAT(result.err, HasSubstr(mistake.substr(0, mistake.find('='))));
+  }
 }
 
 TEST_F(MleLifecycleTest, ALifeWithAChangedDigitIsSimulatedAgain) {

@@ -81,44 +81,18 @@ TEST(MleReproduceOutputs, HelpShowsTheFlagsMostNeeded) {
   }
 }
 
+// All of them are in docs/commands.md, which is made of this.
 TEST(MleReproduceOutputs, HelpListsEveryFlagWithItsDefault) {
-  for (const char* flag : {"--help=all", "-h=all", "--helpfull"}) {
-    const report::ProcessResult result = RunTested({flag});
-    EXPECT_EQ(result.exit_code, 0) << flag;
-    EXPECT_EQ(result.err, "") << flag;
-    for (const char* part : {"--cases [gain,delay]",
-                             "--seeds [1]",
-                             "--first_seed [1]",
-                             "--out [results]",
-                             "--model []",
-                             "--plants []",
-                             "--sample_time [0.2]",
-                             "--order [150]",
-                             "--control_period [1]",
-                             "--prediction_horizon [30]",
-                             "--control_horizon [5]",
-                             "--output_weight [0.2]",
-                             "--move_weight [0.1]",
-                             "--noise_variance [0.001]",
-                             "--conversion_noise_variance []",
-                             "--conversion_penalty [1e-06]",
-                             "--conversion_duration [10000]",
-                             "--duration [1000]",
-                             "--step_time [500]",
-                             "--window [200]",
-                             "--response_horizon [100]",
-                             "--lambda_grid_max [0.01]",
-                             "--lambda_grid_step [1e-06]",
-                             "--selection [",
-                             "--solver [homotopy]",
-                             "--threads [0]",
-                             "--setpoint_step [1]",
-                             "] min, > 0",
-                             "Exit codes"}) {
-      EXPECT_THAT(result.out, HasSubstr(part)) << flag;
-    }
-    // Not those of the libraries.
-    EXPECT_EQ(result.out.find("--logtostderr"), std::string::npos);
+  const std::string help = RunTested({"--help=all"}).out;
+  for (const char* const part :
+       {"--cases [gain,delay]", "--conversion_noise_variance []",
+        "--lambda_grid_step [1e-06]", "] min, > 0", "Exit codes"}) {
+    EXPECT_THAT(help, HasSubstr(part));
+  }
+  // Not those of the libraries.
+  EXPECT_THAT(help, Not(HasSubstr("--logtostderr")));
+  for (const char* const flag : {"-h=all", "--helpfull"}) {
+    EXPECT_EQ(RunTested({flag}).out, help) << flag;
   }
 }
 

@@ -56,9 +56,9 @@ double InitialDistance(const Fopdt (&plant)[2][2]) {
 
 report::ProcessResult RunPaper(const std::string& folder,
                                const std::vector<std::string>& more) {
-  std::vector<std::string> arguments = {"--flagfile=" MLE_SOURCE_FOLDER
-                                        "/configs/paper.flags",
-                                        "--out=" + folder, "--figures=false"};
+  std::vector<std::string> arguments = {
+      "--flagfile=" MLE_SOURCE_FOLDER "/configs/paper.flags", "--out=" + folder,
+      "--figures=false", "--estimators="};
   arguments.insert(arguments.end(), more.begin(), more.end());
   return RunTested(arguments);
 }

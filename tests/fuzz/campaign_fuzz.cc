@@ -4,19 +4,19 @@
 #include <cmath>
 #include <cstdint>
 
+#include "apps/experiment/campaign_json.h"
 #include "apps/experiment/grid.h"
-#include "apps/study/campaign.h"
 #include "tests/fuzz/fuzz.h"
 
-namespace mle::study {
+namespace mle::experiment {
 namespace {
 
-void CheckGrid(const experiment::Campaign& campaign) {
+void CheckGrid(const Campaign& campaign) {
   FUZZ_EXPECT(!campaign.seeds.empty() && !campaign.methods.empty());
   FUZZ_EXPECT(campaign.settings.correction.lambdas.allFinite());
   FUZZ_EXPECT(std::isfinite(campaign.settings.sample_time) &&
               campaign.settings.sample_time > 0.0);
-  const experiment::Grid grid(campaign);
+  const Grid grid(campaign);
   if (!grid.IsCountable() || grid.num_runs() > 2000) return;
   std::int64_t runs = 0;
   for (std::int64_t unit = 0; unit < grid.num_units(); ++unit) {
@@ -29,26 +29,26 @@ void CheckGrid(const experiment::Campaign& campaign) {
 }
 
 }  // namespace
-}  // namespace mle::study
+}  // namespace mle::experiment
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data,
                                       std::size_t size) {
   const std::string_view text = mle::fuzz::Bytes(data, size).Rest();
   const auto resolved =
-      mle::study::ResolveCampaign(text, "fuzz.json", "/nonexistent");
+      mle::experiment::ResolveCampaign(text, "fuzz.json", "/nonexistent");
   if (!resolved.ok()) {
     FUZZ_EXPECT(
         resolved.status().message().find("fuzz.json") != std::string_view::npos,
         resolved.status().ToString());
     return 0;
   }
-  const auto campaign = mle::study::ParseCampaign(*resolved, "fuzz.json");
+  const auto campaign = mle::experiment::ParseCampaign(*resolved, "fuzz.json");
   if (!campaign.ok()) {
     FUZZ_EXPECT(
         campaign.status().message().find("fuzz.json") != std::string_view::npos,
         campaign.status().ToString());
     return 0;
   }
-  mle::study::CheckGrid(*campaign);
+  mle::experiment::CheckGrid(*campaign);
   return 0;
 }

@@ -3,7 +3,7 @@
 #include <set>
 #include <vector>
 
-#include "apps/study/campaign.h"
+#include "apps/experiment/campaign_json.h"
 #include "gtest/gtest.h"
 #include "tests/apps/experiment/small_campaign.h"
 
@@ -18,7 +18,7 @@ Campaign LargeCampaign() {
   json["ablations"] = {"none", "raw_scaling"};
   json["selections"] = {"paper", "bic"};
   json["mismatches"].push_back({{"name", "none"}});
-  return *study::ParseCampaign(json.dump(), "c.json");
+  return *ParseCampaign(json.dump(), "c.json");
 }
 
 TEST(GridTest, UnitsHoldEveryRunOnce) {

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "Eigen/SVD"
-#include "apps/study/campaign.h"
+#include "apps/experiment/campaign_json.h"
 #include "control/loop_analysis.h"
 #include "control/mpc.h"
 #include "gmock/gmock.h"
@@ -16,9 +16,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-Campaign Small() {
-  return *study::ParseCampaign(SmallCampaign(2).dump(), "c.json");
-}
+Campaign Small() { return *ParseCampaign(SmallCampaign(2).dump(), "c.json"); }
 
 TEST(PlantsTest, DrawsAreWithinTheirRanges) {
   const std::vector<ControllerSpec> controllers(1);

@@ -62,7 +62,7 @@ TEST(LifeTest, CorrectionsFollowAPlantThatAges) {
   const LifeOptions options = TankLife(NoisyTank());
   const Life never = LiveBy("never", scenario, options);
   for (const char* policy :
-       {"output_error:1", "combined:1", "arx:1", "test:0.2", "on_demand:0.8"}) {
+       {"output_error:1", "combined:4", "arx:4", "test:0.2", "on_demand:0.8"}) {
     const Life life = LiveBy(policy, scenario, options);
     EXPECT_GT(Count(life, Outcome::kUpdated), 0) << policy;
     // At the end, where a gain of 0.4 has been reached.
@@ -123,17 +123,11 @@ TEST(LifeTest, FewerWindowsOfOlderChangesAreUsed) {
   options.windows = 4;
   options.window_age = 500.0;  // the record of the last change alone
   const Life young = LiveBy("output_error:1", scenario, options);
-  options.window_age = std::numeric_limits<double>::infinity();
-  options.forgetting = 0.3;
-  const Life forgetful = LiveBy("output_error:1", scenario, options);
   ASSERT_EQ(last.rows.size(), young.rows.size());
   for (std::size_t k = 0; k < last.rows.size(); ++k) {
     EXPECT_EQ(last.rows[k].error.distance, young.rows[k].error.distance);
   }
   EXPECT_NE(all.rows.back().error.distance, last.rows.back().error.distance);
-  EXPECT_NE(all.rows.back().error.distance,
-            forgetful.rows.back().error.distance);
-  EXPECT_LT(forgetful.rows.back().error.gain, 0.3);
 }
 
 TEST(LifeTest, AModelWithWhichTheLoopRunsWorseIsTakenBack) {

@@ -134,7 +134,7 @@ TEST(PolicyTest, MistakesAreNamed) {
   EXPECT_THAT(message("output_error:0"), HasSubstr("'output_error:0'"));
   EXPECT_THAT(message("output_error:1.5"), HasSubstr("whole number"));
   EXPECT_THAT(message("output_error,output_error:1"),
-              HasSubstr("stands twice"));
+              HasSubstr("is duplicated"));
   EXPECT_THAT(message("test"), HasSubstr("test:12"));
   EXPECT_THAT(message("test:x"), HasSubstr("'x' is not a number"));
   EXPECT_THAT(message("on_demand:1.2"), HasSubstr("between 0 and 1"));

@@ -1,8 +1,7 @@
-#include "apps/lifecycle/store.h"
-
 #include <cmath>
 #include <string>
 
+#include "apps/lifecycle/campaign.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "tests/apps/lifecycle/small_scenario.h"

@@ -7,27 +7,20 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "apps/study/report.h"
+#include "apps/experiment/report.h"
 
-namespace mle::study {
+namespace mle::experiment {
 namespace {
-
-using experiment::Campaign;
-using experiment::Distribution;
-using experiment::Metric;
-using experiment::Mismatch;
-using experiment::Scenario;
 
 using report::Figure;
 using report::LineStyle;
 using report::MakeSeries;
-using report::MarkerShape;
 using report::NamedFigure;
 using report::Panel;
 using report::Role;
 using report::Series;
 
-// Of the methods, in their order; more have no curve.
+// Colours of the methods, in their order; more have no curve.
 constexpr std::array<Role, 6> kMethodRoles = {
     Role::kCorrected, Role::kAlternative, Role::kFitted,
     Role::kChosen,    Role::kMeasured,    Role::kTrue};
@@ -106,27 +99,23 @@ const std::vector<double>* Shown(const Cell& cell, Metric metric) {
 }
 
 NamedFigure DistributionFigure(const Campaign& campaign,
-                               const std::vector<Group>& groups,
-                               Metric metric) {
-  const bool ratio = metric == Metric::kRatio;
+                               const std::vector<Group>& groups) {
   NamedFigure named;
-  named.name = ratio ? "ratio" : "distribution";
+  named.name = "distribution";
   named.caption =
-      ratio ? "Ratio of E to that of the best λ in hindsight: share of the "
-              "seeds with at most the ratio on the axis."
-            : "Squared distance E of the estimated model from the plant: share "
-              "of the seeds whose E is at most that on the axis. The vertical "
-              "line is the initial model (median).";
+      "Squared distance E of the estimated model from the plant: share of the "
+      "seeds whose E is at most that on the axis. The vertical line is the "
+      "initial model (median).";
   for (const Group& group : groups) {
     Panel panel;
     panel.title = group.title;
-    panel.x = {.label = ratio ? "E / E at the best λ" : "E", .log = true};
+    panel.x = {.label = "E", .log = true};
     panel.y = {.label = "share of the seeds", .range = report::Range{0.0, 1.0}};
     bool best_drawn = false;
     for (const Cell* cell : group.cells) {
       if (!ShowsMethod(*cell)) continue;
       const std::vector<double>* best = Shown(*cell, Metric::kBestE);
-      if (!ratio && best != nullptr && !best_drawn) {
+      if (best != nullptr && !best_drawn) {
         best_drawn = true;
         AddDistribution(campaign, *cell, *best, panel);
         if (!panel.series.empty()) {
@@ -136,57 +125,15 @@ NamedFigure DistributionFigure(const Campaign& campaign,
                                        .width_pt = 1.4};
         }
       }
-      const std::vector<double>* values = Shown(*cell, metric);
+      const std::vector<double>* values = Shown(*cell, Metric::kE);
       if (values != nullptr) AddDistribution(campaign, *cell, *values, panel);
     }
     if (panel.series.empty()) continue;
     const double initial = (*group.cells.front())[Metric::kInitialE].median();
-    if (!ratio && initial > 0.0) {
+    if (initial > 0.0) {
       panel.lines.push_back(
           report::VerticalLine(Role::kInitial, "model left as it is", initial));
     }
-    named.figure.panels.push_back(std::move(panel));
-  }
-  SizeFigure(named.figure);
-  return named;
-}
-
-NamedFigure LambdaFigure(const Campaign& campaign,
-                         const std::vector<Group>& groups) {
-  NamedFigure named;
-  named.name = "lambda";
-  named.caption =
-      "λ chosen from the records over the λ that is best in hindsight, a point "
-      "for each seed. On the line they are the same.";
-  for (const Group& group : groups) {
-    Panel panel;
-    panel.title = group.title;
-    panel.x = {.label = "best λ", .log = true};
-    panel.y = {.label = "λ chosen", .log = true};
-    double smallest = INFINITY;
-    double largest = 0.0;
-    for (const Cell* cell : group.cells) {
-      const std::vector<double>* best = Shown(*cell, Metric::kBestLambda);
-      const std::vector<double>* chosen = Shown(*cell, Metric::kLambdaMin);
-      if (!ShowsMethod(*cell) || best == nullptr || chosen == nullptr ||
-          best->size() != chosen->size()) {
-        continue;
-      }
-      Series series = MethodSeries(campaign, *cell, *best, *chosen);
-      series.style.line = LineStyle::kNone;
-      series.style.marker = panel.series.size() % 2 == 0 ? MarkerShape::kCircle
-                                                         : MarkerShape::kCross;
-      series.style.marker_size_pt = 3.0;
-      panel.series.push_back(std::move(series));
-      for (const double value : *best) {
-        if (value > 0.0) smallest = std::min(smallest, value);
-        largest = std::max(largest, value);
-      }
-    }
-    if (panel.series.empty() || !(smallest < largest)) continue;
-    panel.series.push_back(MakeSeries(Role::kReference, "chosen = best",
-                                      {smallest, largest},
-                                      {smallest, largest}));
     named.figure.panels.push_back(std::move(panel));
   }
   SizeFigure(named.figure);
@@ -297,11 +244,9 @@ std::vector<NamedFigure> MakeFigures(const Campaign& campaign,
                                      const StudySummary& summary) {
   const std::vector<Group> groups = GroupByScenario(campaign, summary);
   std::vector<NamedFigure> figures;
-  for (NamedFigure& figure : std::vector<NamedFigure>{
-           SweepFigure(campaign, summary),
-           DistributionFigure(campaign, groups, Metric::kE),
-           LambdaFigure(campaign, groups),
-           DistributionFigure(campaign, groups, Metric::kRatio)}) {
+  for (NamedFigure& figure :
+       std::vector<NamedFigure>{SweepFigure(campaign, summary),
+                                DistributionFigure(campaign, groups)}) {
     if (figure.figure.panels.empty()) continue;
     figure.alt = figure.caption;
     figures.push_back(std::move(figure));
@@ -309,4 +254,4 @@ std::vector<NamedFigure> MakeFigures(const Campaign& campaign,
   return figures;
 }
 
-}  // namespace mle::study
+}  // namespace mle::experiment

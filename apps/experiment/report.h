@@ -1,8 +1,8 @@
 // What mle_study makes of a summary: labels, verdict, tables, figures, the page
 // and the files beside runs.csv.
 
-#ifndef APPS_STUDY_REPORT_H_
-#define APPS_STUDY_REPORT_H_
+#ifndef APPS_EXPERIMENT_REPORT_H_
+#define APPS_EXPERIMENT_REPORT_H_
 
 #include <cstddef>
 #include <cstdint>
@@ -10,27 +10,25 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "apps/experiment/campaign_json.h"
 #include "apps/experiment/grid.h"
+#include "apps/experiment/summary.h"
 #include "apps/report/drawing.h"
 #include "apps/report/html.h"
 #include "apps/report/table.h"
-#include "apps/study/campaign.h"
-#include "apps/study/summary.h"
 
-namespace mle::study {
+namespace mle::experiment {
 
 // Short names of what is compared: only what differs within the campaign.
 
 // "gain, noise 0.001"; the campaign's mismatch where nothing else differs.
-std::string ScenarioLabel(const experiment::Campaign& campaign,
-                          const experiment::Scenario& scenario);
+std::string ScenarioLabel(const Campaign& campaign, const Scenario& scenario);
 // The same without the one axis that a figure has.
-enum class Axis { kNone, kNoise, kDrift, kSize, kWindows, kController };
-std::string ScenarioLabel(const experiment::Campaign& campaign,
-                          const experiment::Scenario& scenario, Axis without);
+enum class Axis { kNone, kNoise, kDrift, kSize };
+std::string ScenarioLabel(const Campaign& campaign, const Scenario& scenario,
+                          Axis without);
 // "arx, paper".
-std::string MethodLabel(const experiment::Campaign& campaign,
-                        const experiment::Method& method);
+std::string MethodLabel(const Campaign& campaign, const Method& method);
 
 // What a campaign says about its corrections, in a line and in counts.
 //
@@ -39,13 +37,13 @@ std::string MethodLabel(const experiment::Campaign& campaign,
 // step responses is below that of the initial model, and farther where it is
 // above.
 
-enum class Outcome { kCloser, kUnchanged, kFarther };
+enum class Ending { kCloser, kUnchanged, kFarther };
 
-// Of a case, i.e. a cell with values of E.
-Outcome OutcomeOf(const Cell& cell);
+// `cell` is a case: it has values of E.
+Ending EndingOf(const Cell& cell);
 // Whether the cell is a case, and not a model left as it is or a cell in which
 // every run failed.
-bool IsCase(const experiment::Campaign& campaign, const Cell& cell);
+bool IsCase(const Campaign& campaign, const Cell& cell);
 
 // What the cases of one method come to.
 struct MethodTally {
@@ -65,10 +63,10 @@ struct MethodTally {
 };
 
 // In the order of the campaign's methods, those that correct.
-std::vector<MethodTally> TallyMethods(const experiment::Campaign& campaign,
+std::vector<MethodTally> TallyMethods(const Campaign& campaign,
                                       const StudySummary& summary);
 
-report::Verdict VerdictOf(const experiment::Campaign& campaign,
+report::Verdict VerdictOf(const Campaign& campaign,
                           const StudySummary& summary);
 
 // The tables of mle_study: of methods, and with a row for each cell.
@@ -80,20 +78,20 @@ struct Rows {
 };
 
 // In how many scenarios each method ends closer to the plant.
-report::Table MethodTable(const experiment::Campaign& campaign,
+report::Table MethodTable(const Campaign& campaign,
                           const StudySummary& summary);
 
 // E before and after.
-report::Table ErrorTable(const experiment::Campaign& campaign,
-                         const StudySummary& summary, Rows rows);
+report::Table ErrorTable(const Campaign& campaign, const StudySummary& summary,
+                         Rows rows);
 // Mean and extremes of E.
-report::Table MeanTable(const experiment::Campaign& campaign,
-                        const StudySummary& summary, Rows rows);
+report::Table MeanTable(const Campaign& campaign, const StudySummary& summary,
+                        Rows rows);
 // λ chosen and best.
-report::Table LambdaTable(const experiment::Campaign& campaign,
-                          const StudySummary& summary, Rows rows);
+report::Table LambdaTable(const Campaign& campaign, const StudySummary& summary,
+                          Rows rows);
 // Gains and dead times.
-report::Table ElementTable(const experiment::Campaign& campaign,
+report::Table ElementTable(const Campaign& campaign,
                            const StudySummary& summary, Rows rows);
 
 // How often each failure occurred.
@@ -105,17 +103,14 @@ report::Table FailureTable(const StudySummary& summary);
 // curve:
 //   E over the axis of numbers that has the most values, where one has three
 //   how E is distributed over the seeds
-//   λ chosen over the best λ
-//   how far E is above that of the best λ
 // What a campaign has no values for is left out.
 inline constexpr int kMaxPanels = 6;
-std::vector<report::NamedFigure> MakeFigures(
-    const experiment::Campaign& campaign, const StudySummary& summary);
+std::vector<report::NamedFigure> MakeFigures(const Campaign& campaign,
+                                             const StudySummary& summary);
 
 // The report of mle_study.
 
-std::string FormatPage(const experiment::Campaign& campaign,
-                       const StudySummary& summary,
+std::string FormatPage(const Campaign& campaign, const StudySummary& summary,
                        const std::vector<report::DrawnFigure>& figures,
                        const report::RunAgain& run_again);
 
@@ -123,13 +118,11 @@ std::string FormatPage(const experiment::Campaign& campaign,
 // and report.html; and what it prints.
 
 absl::Status WriteOutputs(const std::string& folder, bool figures,
-                          const experiment::Campaign& campaign,
-                          const StudySummary& summary,
+                          const Campaign& campaign, const StudySummary& summary,
                           const report::RunAgain& run_again);
 
-void PrintSummary(const experiment::Campaign& campaign,
-                  const StudySummary& summary);
+void PrintSummary(const Campaign& campaign, const StudySummary& summary);
 
-}  // namespace mle::study
+}  // namespace mle::experiment
 
-#endif  // APPS_STUDY_REPORT_H_
+#endif  // APPS_EXPERIMENT_REPORT_H_

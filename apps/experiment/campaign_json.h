@@ -1,7 +1,7 @@
 // A campaign (apps/experiment/campaign.h) from its JSON (docs/formats.md).
 
-#ifndef APPS_STUDY_CAMPAIGN_H_
-#define APPS_STUDY_CAMPAIGN_H_
+#ifndef APPS_EXPERIMENT_CAMPAIGN_JSON_H_
+#define APPS_EXPERIMENT_CAMPAIGN_JSON_H_
 
 #include <string>
 #include <string_view>
@@ -9,7 +9,7 @@
 #include "absl/status/statusor.h"
 #include "apps/experiment/campaign.h"
 
-namespace mle::study {
+namespace mle::experiment {
 
 // The campaign's text with every file it names read in: it needs no other file
 // from here on, and its SHA-256 stands for all of them. `source` names the file
@@ -20,9 +20,9 @@ absl::StatusOr<std::string> ResolveCampaign(std::string_view text,
 
 // What ResolveCampaign() gave. Everything that can be known before a run is
 // checked; errors name the JSON path.
-absl::StatusOr<experiment::Campaign> ParseCampaign(std::string_view resolved,
-                                                   const std::string& source);
+absl::StatusOr<Campaign> ParseCampaign(std::string_view resolved,
+                                       const std::string& source);
 
-}  // namespace mle::study
+}  // namespace mle::experiment
 
-#endif  // APPS_STUDY_CAMPAIGN_H_
+#endif  // APPS_EXPERIMENT_CAMPAIGN_JSON_H_

@@ -5,16 +5,15 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "apps/experiment/report.h"
 #include "apps/report/drawing.h"
 #include "apps/report/number.h"
 #include "apps/report/table.h"
-#include "apps/study/report.h"
 #include "mle/base/file.h"
 
-namespace mle::study {
+namespace mle::experiment {
 namespace {
 
-using experiment::Campaign;
 using report::FormatInteger;
 using report::HtmlPage;
 
@@ -55,18 +54,11 @@ void AddDistances(const Campaign& campaign, const StudySummary& summary,
   page.CloseFold();
 }
 
-// The first of them open: how E depends on what was varied, or its
-// distribution.
 void AddFigures(const Figures& figures, HtmlPage& page) {
   if (figures.empty()) return;
   page.AddHeading("Over the seeds");
-  AddFigure(figures, figures.front().named.name, page);
-  if (figures.size() == 1) return;
-  page.OpenFold("More figures: distributions, and λ where it is chosen");
-  for (std::size_t i = 1; i < figures.size(); ++i) {
-    AddFigure(figures, figures[i].named.name, page);
-  }
-  page.CloseFold();
+  AddFigure(figures, "sweep", page);
+  AddFigure(figures, "distribution", page);
 }
 
 void AddDetails(const Campaign& campaign, const StudySummary& summary,
@@ -127,8 +119,6 @@ std::string FormatPage(const Campaign& campaign, const StudySummary& summary,
 
 namespace {
 
-using experiment::Campaign;
-
 constexpr std::size_t kRowsPrinted = 40;
 
 }  // namespace
@@ -162,4 +152,4 @@ void PrintSummary(const Campaign& campaign, const StudySummary& summary) {
   }
 }
 
-}  // namespace mle::study
+}  // namespace mle::experiment

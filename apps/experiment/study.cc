@@ -1,4 +1,4 @@
-#include "apps/study/run.h"
+#include "apps/experiment/study.h"
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -12,22 +12,14 @@
 #include "absl/strings/str_format.h"
 #include "apps/common/sha256.h"
 #include "apps/experiment/grid.h"
-#include "apps/experiment/row.h"
+#include "apps/experiment/report.h"
 #include "apps/experiment/unit.h"
-#include "apps/study/report.h"
 #include "mle/base/file.h"
 #include "mle/base/status.h"
 #include "mle/base/version.h"
 
-namespace mle::study {
+namespace mle::experiment {
 namespace {
-
-using experiment::Campaign;
-using experiment::Grid;
-using experiment::RowHeader;
-using experiment::RunFolder;
-using experiment::WithoutSeconds;
-using experiment::Work;
 
 // A file that takes its name once it is whole and on the disk.
 class NewFile {
@@ -83,12 +75,11 @@ Work WorkOf(const Study& study) {
   work.head.first_line = absl::StrFormat(
       "# mle_study journal 2, campaign SHA-256 %s, mle %s, %d runs",
       Sha256Of(study.resolved), std::string(LibraryVersion()), grid.num_runs());
-  work.head.columns = RowHeader(/*with_seconds=*/true);
+  work.head.columns = absl::StrCat(RowHeader(), ",seconds");
   work.head.runs = grid.num_runs();
   work.head.run_of =
       [&campaign, grid](std::string_view line) -> absl::StatusOr<std::int64_t> {
-    MLE_ASSIGN_OR_RETURN(const experiment::Row row,
-                         experiment::ParseRow(line, /*with_seconds=*/true));
+    MLE_ASSIGN_OR_RETURN(const Row row, ParseRow(line));
     const bool is_its_own =
         row.run < grid.num_runs() &&
         line.starts_with(absl::StrCat(RowStart(campaign, grid, row.run), ","));
@@ -100,11 +91,9 @@ Work WorkOf(const Study& study) {
   work.run = [&campaign, grid](const std::vector<std::int64_t>& runs,
                                const std::atomic<bool>& stop,
                                const Work::Emit& emit) {
-    RunUnit(campaign, grid, runs, stop,
-            [&](const experiment::Outcome& outcome) {
-              emit(outcome.run,
-                   RowText(campaign, grid, experiment::RowOf(outcome)));
-            });
+    RunUnit(campaign, grid, runs, stop, [&](const Outcome& outcome) {
+      emit(outcome.run, RowText(campaign, grid, RowOf(outcome)));
+    });
     return absl::OkStatus();
   };
   return work;
@@ -120,33 +109,27 @@ absl::StatusOr<RunFolder> OpenFolder(const Study& study, const Work& work,
   return folder;
 }
 
-absl::Status MergeRuns(const experiment::Journal& journal, std::int64_t runs,
-                       const std::string& folder) {
-  NewFile merged(absl::StrCat(folder, "/runs.csv"));
-  NewFile timings(absl::StrCat(folder, "/timings.csv"));
-  merged.Add(RowHeader(/*with_seconds=*/false));
-  timings.Add("run,seconds");
-  for (std::int64_t run = 0; run < runs; ++run) {
-    MLE_ASSIGN_OR_RETURN(const std::string line, journal.Line(run));
-    merged.Add(WithoutSeconds(line));
-    timings.Add(absl::StrCat(run, ",", line.substr(line.rfind(',') + 1)));
-  }
-  MLE_RETURN_IF_ERROR(merged.Finish());
-  return timings.Finish();
-}
-
 absl::StatusOr<StudySummary> Conclude(const Study& study,
                                       const RunFolder& folder, bool figures,
                                       const report::RunAgain& run_again) {
-  const Grid grid(study.campaign);
-  MLE_RETURN_IF_ERROR(
-      MergeRuns(folder.journal(), grid.num_runs(), folder.path()));
-  MLE_ASSIGN_OR_RETURN(StudySummary summary,
-                       Summarise(absl::StrCat(folder.path(), "/runs.csv"),
-                                 study.campaign, grid));
+  NewFile merged(absl::StrCat(folder.path(), "/runs.csv"));
+  NewFile timings(absl::StrCat(folder.path(), "/timings.csv"));
+  merged.Add(RowHeader());
+  timings.Add("run,seconds");
+  const auto row_of = [&](std::int64_t run) -> absl::StatusOr<Row> {
+    MLE_ASSIGN_OR_RETURN(const std::string line, folder.journal().Line(run));
+    const std::size_t comma = line.rfind(',');
+    merged.Add(line.substr(0, comma));
+    timings.Add(absl::StrCat(run, line.substr(comma)));
+    return ParseRow(line);
+  };
+  MLE_ASSIGN_OR_RETURN(const StudySummary summary,
+                       Summarise(study.campaign, Grid(study.campaign), row_of));
+  MLE_RETURN_IF_ERROR(merged.Finish());
+  MLE_RETURN_IF_ERROR(timings.Finish());
   MLE_RETURN_IF_ERROR(
       WriteOutputs(folder.path(), figures, study.campaign, summary, run_again));
   return summary;
 }
 
-}  // namespace mle::study
+}  // namespace mle::experiment

@@ -6,15 +6,11 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "apps/experiment/report.h"
 #include "apps/report/number.h"
-#include "apps/study/report.h"
 
-namespace mle::study {
+namespace mle::experiment {
 namespace {
-
-using experiment::Campaign;
-using experiment::Distribution;
-using experiment::Metric;
 
 using report::Badge;
 using report::FormatInteger;
@@ -34,29 +30,20 @@ std::string OfCases(int count, int all) {
   return absl::StrCat(count, " of ", all, all == 1 ? " case" : " cases");
 }
 
-struct Totals {
-  int closer = 0;
-  int unchanged = 0;
-  int farther = 0;
-  std::int64_t runs = 0;
-  double harmed = 0.0;
-
-  int cases() const { return closer + unchanged + farther; }
-};
-
-Totals Total(const std::vector<MethodTally>& tallies) {
-  Totals totals;
+MethodTally Total(const std::vector<MethodTally>& tallies) {
+  MethodTally total;
   for (const MethodTally& tally : tallies) {
-    totals.closer += tally.closer;
-    totals.unchanged += tally.unchanged;
-    totals.farther += tally.farther;
-    totals.runs += tally.runs;
-    totals.harmed += tally.harmed;
+    total.closer += tally.closer;
+    total.unchanged += tally.unchanged;
+    total.farther += tally.farther;
+    total.runs += tally.runs;
+    total.harmed += tally.harmed;
   }
-  return totals;
+  return total;
 }
 
-report::Verdict Opening(const StudySummary& summary, const Totals& totals) {
+report::Verdict Opening(const StudySummary& summary,
+                        const MethodTally& totals) {
   if (summary.failed == summary.runs) {
     return {Badge::kUnknown, "failed", "Every run failed", {}};
   }
@@ -108,13 +95,13 @@ std::string CaseSentence(const Campaign& campaign, const Cell& cell) {
 }
 
 void AddCases(const Campaign& campaign, const StudySummary& summary,
-              const Totals& totals, std::vector<std::string>& sentences) {
+              const MethodTally& totals, std::vector<std::string>& sentences) {
   const bool few = totals.cases() <= static_cast<int>(kMostCases);
   std::vector<std::string> farther;
   for (const Cell& cell : summary.cells) {
     if (!IsCase(campaign, cell)) continue;
     if (few) sentences.push_back(CaseSentence(campaign, cell));
-    if (OutcomeOf(cell) == Outcome::kFarther) {
+    if (EndingOf(cell) == Ending::kFarther) {
       farther.push_back(CaseLabel(campaign, cell));
     }
   }
@@ -131,7 +118,7 @@ void AddCases(const Campaign& campaign, const StudySummary& summary,
   sentences.push_back(sentence + ".");
 }
 
-std::string HarmedSentence(const Totals& totals) {
+std::string HarmedSentence(const MethodTally& totals) {
   if (totals.runs == 0) return "";
   const double share = totals.harmed / static_cast<double>(totals.runs);
   return absl::StrCat(
@@ -183,11 +170,11 @@ std::map<std::int64_t, double> Smallest(const Campaign& campaign,
 
 }  // namespace
 
-Outcome OutcomeOf(const Cell& cell) {
+Ending EndingOf(const Cell& cell) {
   const double before = cell[Metric::kInitialE].median();
   const double after = cell[Metric::kE].median();
-  if (after < before) return Outcome::kCloser;
-  return after > before ? Outcome::kFarther : Outcome::kUnchanged;
+  if (after < before) return Ending::kCloser;
+  return after > before ? Ending::kFarther : Ending::kUnchanged;
 }
 
 bool IsCase(const Campaign& campaign, const Cell& cell) {
@@ -206,10 +193,10 @@ std::vector<MethodTally> TallyMethods(const Campaign& campaign,
     std::vector<double> ratios;
     for (const Cell& cell : summary.cells) {
       if (cell.at.method != method || !IsCase(campaign, cell)) continue;
-      const Outcome outcome = OutcomeOf(cell);
-      tally.closer += outcome == Outcome::kCloser ? 1 : 0;
-      tally.unchanged += outcome == Outcome::kUnchanged ? 1 : 0;
-      tally.farther += outcome == Outcome::kFarther ? 1 : 0;
+      const Ending ending = EndingOf(cell);
+      tally.closer += ending == Ending::kCloser ? 1 : 0;
+      tally.unchanged += ending == Ending::kUnchanged ? 1 : 0;
+      tally.farther += ending == Ending::kFarther ? 1 : 0;
       const double before = cell[Metric::kInitialE].median();
       const double after = cell[Metric::kE].median();
       if (before > 0.0) ratios.push_back(after / before);
@@ -226,7 +213,7 @@ std::vector<MethodTally> TallyMethods(const Campaign& campaign,
 
 report::Verdict VerdictOf(const Campaign& campaign,
                           const StudySummary& summary) {
-  const Totals totals = Total(TallyMethods(campaign, summary));
+  const MethodTally totals = Total(TallyMethods(campaign, summary));
   report::Verdict verdict = Opening(summary, totals);
   AddCases(campaign, summary, totals, verdict.sentences);
   verdict.sentences.push_back(HarmedSentence(totals));
@@ -241,4 +228,4 @@ report::Verdict VerdictOf(const Campaign& campaign,
   return verdict;
 }
 
-}  // namespace mle::study
+}  // namespace mle::experiment

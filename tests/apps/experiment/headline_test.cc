@@ -5,15 +5,13 @@
 #include <vector>
 
 #include "absl/strings/str_join.h"
-#include "apps/study/report.h"
+#include "apps/experiment/report.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
-namespace mle::study {
+namespace mle::experiment {
 namespace {
 
-using experiment::Campaign;
-using experiment::Metric;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -26,7 +24,7 @@ Campaign SomeCampaign(int mismatches, const std::vector<std::string>& methods) {
     campaign.mismatches.emplace_back().name = "case " + std::to_string(i);
   }
   for (const std::string& name : methods) {
-    campaign.methods.push_back(*experiment::ParseMethod(name));
+    campaign.methods.push_back(*ParseMethod(name));
   }
   campaign.seeds = {1, 2, 3, 4};
   return campaign;
@@ -45,7 +43,7 @@ StudySummary SummaryOf(const std::vector<std::vector<double>>& scenarios) {
       summary.runs += 4;
       const auto set = [&](Metric metric, double value) {
         cell.metrics[static_cast<std::size_t>(metric)] =
-            experiment::Describe(std::vector<double>(4, value), 0);
+            Describe(std::vector<double>(4, value), 0);
       };
       set(Metric::kInitialE, scenarios[s][0]);
       set(Metric::kE, scenarios[s][m]);
@@ -110,7 +108,7 @@ TEST(StudyHeadlineTest, NothingComparedIsNotJudged) {
   StudySummary failed = SummaryOf({{1.0, 5.0}});
   failed.failed = failed.runs;
   failed.cells[0].failed = 4;
-  failed.cells[0].metrics.fill(experiment::Describe({}, 0));
+  failed.cells[0].metrics.fill(Describe({}, 0));
   const report::Verdict verdict =
       VerdictOf(SomeCampaign(1, {"arx:none"}), failed);
   EXPECT_EQ(verdict.label, "failed");
@@ -132,4 +130,4 @@ TEST(StudyTablesTest, AColumnOfMethodsOnlyWhereTheyDiffer) {
 }
 
 }  // namespace
-}  // namespace mle::study
+}  // namespace mle::experiment

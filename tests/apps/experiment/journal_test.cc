@@ -5,28 +5,16 @@
 #include <string>
 
 #include "absl/strings/str_cat.h"
-#include "apps/experiment/row.h"
-#include "apps/study/campaign.h"
-#include "apps/study/run.h"
+#include "apps/experiment/campaign_json.h"
+#include "apps/experiment/grid.h"
+#include "apps/experiment/study.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "tests/apps/command_runner.h"
 #include "tests/apps/experiment/small_campaign.h"
 
-namespace mle::study {
+namespace mle::experiment {
 namespace {
-
-using experiment::Campaign;
-using experiment::Grid;
-using experiment::Journal;
-using experiment::JournalHead;
-using experiment::Metric;
-using experiment::ParseRow;
-using experiment::Row;
-using experiment::RowStart;
-using experiment::RowText;
-using experiment::SmallCampaign;
-using experiment::WithoutSeconds;
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -193,22 +181,6 @@ TEST_F(JournalTest, RefusesAnotherCampaignOrVersion) {
   EXPECT_THAT(std::string(journal.status().message()), HasSubstr("--resume"));
 }
 
-TEST_F(JournalTest, MergesInTheOrderOfTheRuns) {
-  const auto journal = Open(head_, false);
-  ASSERT_TRUE(journal.ok()) << journal.status();
-  for (const int run : {3, 5, 0, 1, 4, 2}) {
-    ASSERT_TRUE((*journal)->Append(run, LineOf(run)).ok());
-  }
-  const absl::Status merged = MergeRuns(**journal, 6, scratch_ / "");
-  ASSERT_TRUE(merged.ok()) << merged;
-  const auto lines = ParsedCsv(scratch_ / "runs.csv");
-  ASSERT_EQ(lines.size(), 7U);
-  for (int run = 0; run < 6; ++run) {
-    EXPECT_EQ(lines[run + 1][0], std::to_string(run));
-    EXPECT_EQ(lines[run + 1].size(), lines[0].size());
-  }
-}
-
 TEST(RowTest, ReadsWhatItWrites) {
   const Campaign campaign = *ParseCampaign(SmallCampaign(3).dump(), "c.json");
   const Grid grid(campaign);
@@ -221,7 +193,7 @@ TEST(RowTest, ReadsWhatItWrites) {
   row.seconds = 0.25;
   const std::string text = RowText(campaign, grid, row);
   EXPECT_EQ(text.find('\n'), std::string::npos);
-  const absl::StatusOr<Row> read = ParseRow(text, true);
+  const absl::StatusOr<Row> read = ParseRow(text);
   ASSERT_TRUE(read.ok()) << read.status();
   EXPECT_EQ(read->run, 5);
   EXPECT_EQ((*read)[Metric::kE], 1.0 / 3.0);
@@ -230,9 +202,8 @@ TEST(RowTest, ReadsWhatItWrites) {
   EXPECT_TRUE(std::isnan((*read)[Metric::kPValue]));
   EXPECT_EQ(read->status, "failed: a \"quote\", a comma and a line");
   EXPECT_EQ(read->seconds, 0.25);
-  EXPECT_TRUE(ParseRow(WithoutSeconds(text), false).ok());
-  EXPECT_FALSE(ParseRow(WithoutSeconds(text), true).ok());
+  EXPECT_FALSE(ParseRow(text.substr(0, text.rfind(','))).ok());
 }
 
 }  // namespace
-}  // namespace mle::study
+}  // namespace mle::experiment

@@ -4,22 +4,14 @@
 #include "absl/strings/str_format.h"
 #include "apps/common/controller_options.h"
 #include "apps/common/option_json.h"
+#include "apps/experiment/campaign_parts.h"
 #include "apps/experiment/experiment_options.h"
 #include "apps/experiment/plants.h"
-#include "apps/study/campaign_json.h"
 #include "mle/base/status.h"
 #include "sim/effects_json.h"
 
-namespace mle::study {
+namespace mle::experiment {
 namespace {
-
-using experiment::Change;
-using experiment::CheckAgeing;
-using experiment::ControllerSpec;
-using experiment::EffectsSpec;
-using experiment::Mismatch;
-using experiment::ModelSpec;
-using experiment::WindowSpec;
 
 constexpr std::int64_t kMaxSeeds = 1'000'000;
 // The largest whole number that every JSON reader keeps exactly.
@@ -107,26 +99,13 @@ absl::StatusOr<std::vector<Mismatch>> ParseMismatch(
   return mismatches;
 }
 
-ProcessModel ChannelsOf(const ModelSpec& spec) {
-  return spec.random.has_value() ? experiment::ChannelsOf(*spec.random)
-                                 : spec.model;
-}
-
-// An object with a name and options, one of several.
-absl::Status ReadNamed(const JsonNode& node, std::vector<Option> options,
-                       std::string& name, std::set<std::string>& names) {
-  MLE_RETURN_IF_ERROR(ReadOptionsOnly(node, {"name"}, std::move(options)));
-  MLE_ASSIGN_OR_RETURN(name, node.At("name").Name());
-  return CheckNewName(node, name, names);
-}
-
 }  // namespace
 
 absl::Status CheckNewName(const JsonNode& node, const std::string& name,
                           std::set<std::string>& names) {
   if (names.insert(name).second) return absl::OkStatus();
   return node.Fault(absl::StrCat("the name '", name,
-                                 "' stands twice; every entry needs its own"));
+                                 "' is duplicated; every entry needs its own"));
 }
 
 absl::StatusOr<std::vector<double>> ParseNumberList(const JsonNode& node,
@@ -137,7 +116,7 @@ absl::StatusOr<std::vector<double>> ParseNumberList(const JsonNode& node,
   for (const JsonNode& element : elements) {
     MLE_ASSIGN_OR_RETURN(const double number, element.Number(range));
     if (!seen.insert(number).second) {
-      return element.Fault(absl::StrFormat("%g stands twice", number));
+      return element.Fault(absl::StrFormat("%g is duplicated", number));
     }
     numbers.push_back(number);
   }
@@ -167,41 +146,29 @@ absl::StatusOr<std::vector<std::uint64_t>> ParseSeeds(const JsonNode& node) {
   for (const JsonNode& element : elements) {
     MLE_ASSIGN_OR_RETURN(const std::int64_t seed, element.Integer(0, kMaxSeed));
     if (!seen.insert(seed).second) {
-      return element.Fault(absl::StrCat("the seed ", seed, " stands twice"));
+      return element.Fault(absl::StrCat("the seed ", seed, " is duplicated"));
     }
     seeds.push_back(static_cast<std::uint64_t>(seed));
   }
   return seeds;
 }
 
-absl::StatusOr<std::vector<ModelSpec>> ParseModels(const JsonNode& node) {
-  MLE_ASSIGN_OR_RETURN(const std::vector<JsonNode> elements, node.Elements());
-  std::vector<ModelSpec> models;
-  std::set<std::string> names;
-  for (const JsonNode& element : elements) {
-    MLE_RETURN_IF_ERROR(
-        element.CheckKeys({"name"}, {"file", "model", "random"}));
-    ModelSpec spec;
-    MLE_ASSIGN_OR_RETURN(spec.name, element.At("name").Name());
-    MLE_RETURN_IF_ERROR(CheckNewName(element, spec.name, names));
-    if (element.Has("model") == element.Has("random")) {
-      return element.Fault(
-          "needs one of file (or the model itself, as model) and random");
-    }
-    if (element.Has("model")) {
-      MLE_ASSIGN_OR_RETURN(spec.model, ParseModel(element.At("model")));
-      const absl::Status integrating = CheckNotIntegrating(
-          spec.model, "campaigns are those of elements that settle");
-      if (!integrating.ok()) {
-        return element.Fault(std::string(integrating.message()));
-      }
-    } else {
-      MLE_RETURN_IF_ERROR(ReadOptionsOnly(element.At("random"), {},
-                                          OptionsOf(spec.random.emplace())));
-    }
-    models.push_back(std::move(spec));
+absl::Status ParseModelSpec(const JsonNode& node, ModelSpec& spec) {
+  MLE_RETURN_IF_ERROR(node.CheckKeys({"name"}, {"file", "model", "random"}));
+  MLE_ASSIGN_OR_RETURN(spec.name, node.At("name").Name());
+  if (node.Has("model") == node.Has("random")) {
+    return node.Fault(
+        "needs one of file (or the model itself, as model) and random");
   }
-  return models;
+  if (node.Has("random")) {
+    return ReadOptionsOnly(node.At("random"), {},
+                           OptionsOf(spec.random.emplace()));
+  }
+  MLE_ASSIGN_OR_RETURN(spec.model, ParseModel(node.At("model")));
+  const absl::Status integrating = CheckNotIntegrating(
+      spec.model, "campaigns are those of elements that settle");
+  return integrating.ok() ? integrating
+                          : node.Fault(std::string(integrating.message()));
 }
 
 absl::StatusOr<std::vector<Mismatch>> ParseMismatches(
@@ -223,46 +190,34 @@ absl::StatusOr<std::vector<sim::Effects>> ParseEffectsOf(
   std::vector<sim::Effects> effects;
   for (const ModelSpec& model : models) {
     MLE_ASSIGN_OR_RETURN(effects.emplace_back(),
-                         sim::ParseEffects(node, ChannelsOf(model)));
+                         sim::ParseEffects(node, model.random.has_value()
+                                                     ? ChannelsOf(*model.random)
+                                                     : model.model));
   }
   return effects;
 }
 
-absl::StatusOr<std::vector<EffectsSpec>> ParseEffectsAxis(
-    const JsonNode& node, const std::vector<ModelSpec>& models) {
-  MLE_ASSIGN_OR_RETURN(const std::vector<JsonNode> elements, node.Elements());
-  std::vector<EffectsSpec> axis;
-  std::set<std::string> names;
-  for (const JsonNode& element : elements) {
-    MLE_RETURN_IF_ERROR(element.CheckKeys({"name"}, {"file", "effects"}));
-    EffectsSpec spec;
-    MLE_ASSIGN_OR_RETURN(spec.name, element.At("name").Name());
-    MLE_RETURN_IF_ERROR(CheckNewName(element, spec.name, names));
-    if (element.Has("effects")) {
-      MLE_ASSIGN_OR_RETURN(spec.of_models,
-                           ParseEffectsOf(element.At("effects"), models));
-    }
-    axis.push_back(std::move(spec));
-  }
-  return axis;
+absl::Status ParseEffectsSpec(const JsonNode& node,
+                              const std::vector<ModelSpec>& models,
+                              EffectsSpec& spec) {
+  MLE_RETURN_IF_ERROR(node.CheckKeys({"name"}, {"file", "effects"}));
+  MLE_ASSIGN_OR_RETURN(spec.name, node.At("name").Name());
+  if (!node.Has("effects")) return absl::OkStatus();
+  MLE_ASSIGN_OR_RETURN(spec.of_models,
+                       ParseEffectsOf(node.At("effects"), models));
+  return absl::OkStatus();
 }
 
-absl::StatusOr<std::vector<ControllerSpec>> ParseControllers(
-    const JsonNode& node) {
-  MLE_ASSIGN_OR_RETURN(const std::vector<JsonNode> elements, node.Elements());
-  std::vector<ControllerSpec> controllers;
-  std::set<std::string> names;
-  for (const JsonNode& element : elements) {
-    ControllerSpec spec;
-    MLE_RETURN_IF_ERROR(
-        ReadNamed(element, mle::OptionsOf(spec.mpc), spec.name, names));
-    controllers.push_back(std::move(spec));
-  }
-  return controllers;
+absl::Status ParseController(const JsonNode& node, ControllerSpec& spec) {
+  MLE_RETURN_IF_ERROR(
+      ReadOptionsOnly(node, {"name"}, mle::OptionsOf(spec.mpc)));
+  MLE_ASSIGN_OR_RETURN(spec.name, node.At("name").Name());
+  return absl::OkStatus();
 }
 
-// What belongs together in a window.
-absl::Status CheckWindow(const JsonNode& node, WindowSpec& spec) {
+absl::Status ParseWindow(const JsonNode& node, WindowSpec& spec) {
+  MLE_RETURN_IF_ERROR(ReadOptionsOnly(node, {"name"}, OptionsOf(spec)));
+  MLE_ASSIGN_OR_RETURN(spec.name, node.At("name").Name());
   if (spec.longest_outlier > 1 &&
       spec.longest_outlier < WindowSpec::kShortestBurst) {
     return node.At("longest_outlier")
@@ -286,17 +241,4 @@ absl::Status CheckWindow(const JsonNode& node, WindowSpec& spec) {
              : node.At("spacing").Number(AtLeast(least)).status();
 }
 
-absl::StatusOr<std::vector<WindowSpec>> ParseWindows(const JsonNode& node) {
-  MLE_ASSIGN_OR_RETURN(const std::vector<JsonNode> elements, node.Elements());
-  std::vector<WindowSpec> windows;
-  std::set<std::string> names;
-  for (const JsonNode& element : elements) {
-    WindowSpec spec;
-    MLE_RETURN_IF_ERROR(ReadNamed(element, OptionsOf(spec), spec.name, names));
-    MLE_RETURN_IF_ERROR(CheckWindow(element, spec));
-    windows.push_back(std::move(spec));
-  }
-  return windows;
-}
-
-}  // namespace mle::study
+}  // namespace mle::experiment

@@ -1,20 +1,19 @@
-#include "apps/study/campaign.h"
-
 #include <cmath>
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
 
+#include "apps/experiment/campaign_json.h"
+#include "apps/experiment/study.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "mle/base/file.h"
 #include "tests/apps/experiment/small_campaign.h"
 #include "tests/mle/base/scratch_folder.h"
 
-namespace mle::study {
+namespace mle::experiment {
 namespace {
-
-using experiment::Campaign;
-using experiment::SmallCampaign;
 
 using ::testing::HasSubstr;
 using Json = nlohmann::json;
@@ -124,7 +123,7 @@ TEST(CampaignTest, SeedsAndNumbers) {
       {[](Json& j) {
          j["seeds"] = {1, 2, 1};
        },
-       {"seeds[2]", "1 stands twice"}},
+       {"seeds[2]", "1 is duplicated"}},
       {[](Json& j) {
          j["seeds"] = {1, -2};
        },
@@ -136,7 +135,7 @@ TEST(CampaignTest, SeedsAndNumbers) {
       {[](Json& j) {
          j["noise_variances"] = {1e-3, 1e-3};
        },
-       {"noise_variances[1]", "stands twice"}},
+       {"noise_variances[1]", "is duplicated"}},
       {[](Json& j) { j["noise_variances"] = {-1}; },
        {"noise_variances[0]", "≥ 0", "-1"}},
       {[](Json& j) { j["drift_variances"] = {nullptr}; },
@@ -147,7 +146,7 @@ TEST(CampaignTest, SeedsAndNumbers) {
 TEST(CampaignTest, ModelsAndMismatches) {
   ExpectRefused({
       {[](Json& j) { j["models"].push_back(j["models"][0]); },
-       {"models[1]", "'column' stands twice"}},
+       {"models[1]", "'column' is duplicated"}},
       {[](Json& j) { j["models"][0]["random"] = Json::object(); },
        {"models[0]", "one of file"}},
       {[](Json& j) { j["models"][0]["file"] = "no/such.json"; },
@@ -163,7 +162,7 @@ TEST(CampaignTest, ModelsAndMismatches) {
        },
        {"models[0].random.gain", "5 is above 1"}},
       {[](Json& j) { j["mismatches"][0]["name"] = "delay"; },
-       {"mismatches[1]", "'delay' stands twice"}},
+       {"mismatches[1]", "'delay' is duplicated"}},
       {[](Json& j) { j["mismatches"][0]["changes"][0]["input"] = "feed"; },
        {"mismatches[0]", "column", "'feed'", "no element"}},
       {[](Json& j) { j["mismatches"][0]["changes"][0] = Json::object(); },
@@ -230,7 +229,7 @@ TEST(CampaignTest, EffectsThatAreWrong) {
          j["effects"] = {{{"name", "a"}, {"effects", Sine(0.1)}},
                          {{"name", "a"}}};
        },
-       {"effects[1]", "'a' stands twice"}},
+       {"effects[1]", "'a' is duplicated"}},
       {[](Json& j) {
          j["effects"] = {{{"name", "a"}, {"effects", {{"valves", 1}}}}};
        },
@@ -289,11 +288,11 @@ TEST(CampaignTest, ControllersWindowsAndMethods) {
       {[](Json& j) {
          j["estimators"] = {"arx", "arx"};
        },
-       {"estimators[1]", "stands twice"}},
+       {"estimators[1]", "is duplicated"}},
       {[](Json& j) {
          j["estimators"] = {"output_error", "output_error:calibrated"};
        },
-       {"estimators[1]", "stands twice"}},
+       {"estimators[1]", "is duplicated"}},
       {[](Json& j) {
          j["estimators"] = {"arx:", "output_error"};
        },
@@ -305,7 +304,7 @@ TEST(CampaignTest, ControllersWindowsAndMethods) {
       {[](Json& j) {
          j["ablations"] = {"raw_scaling", "raw_scaling"};
        },
-       {"ablations[1]", "stands twice"}},
+       {"ablations[1]", "is duplicated"}},
       {[](Json& j) { j["selections"] = {"best"}; },
        {"selections[0]", "best", "blocks"}},
       {[](Json& j) { j["solvers"] = {"simplex"}; },
@@ -343,5 +342,19 @@ TEST(CampaignTest, AGridTooLargeToCount) {
               HasSubstr("more than 1e9 runs"));
 }
 
+TEST(CampaignTest, TheExamplesAreCampaigns) {
+  int examples = 0;
+  for (const auto& entry :
+       std::filesystem::directory_iterator(MLE_SOURCE_FOLDER "/configs")) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with("campaign_")) continue;
+    ++examples;
+    const auto study = ReadStudy(*ReadFile(entry.path().string()), name,
+                                 entry.path().parent_path().string());
+    EXPECT_TRUE(study.ok()) << study.status();
+  }
+  EXPECT_GE(examples, 2);
+}
+
 }  // namespace
-}  // namespace mle::study
+}  // namespace mle::experiment

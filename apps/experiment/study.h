@@ -7,24 +7,24 @@
 //   MLE_ASSIGN_OR_RETURN(const StudySummary summary,
 //                        Conclude(study, out, figures, run_again));
 
-#ifndef APPS_STUDY_RUN_H_
-#define APPS_STUDY_RUN_H_
+#ifndef APPS_EXPERIMENT_STUDY_H_
+#define APPS_EXPERIMENT_STUDY_H_
 
 #include <string>
 #include <string_view>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "apps/experiment/campaign_json.h"
 #include "apps/experiment/run_folder.h"
+#include "apps/experiment/summary.h"
 #include "apps/report/html.h"
-#include "apps/study/campaign.h"
-#include "apps/study/summary.h"
 
-namespace mle::study {
+namespace mle::experiment {
 
 struct Study {
   std::string resolved;  // the campaign's text, which needs no other file
-  experiment::Campaign campaign;
+  Campaign campaign;
 };
 
 // Arguments as of ResolveCampaign().
@@ -33,27 +33,20 @@ absl::StatusOr<Study> ReadStudy(std::string_view text,
                                 const std::string& folder);
 
 // Its journal is journal.csv. The study must outlive it.
-experiment::Work WorkOf(const Study& study);
+Work WorkOf(const Study& study);
 
 // Opens the folder for the work of a study, and writes campaign.json.
-absl::StatusOr<experiment::RunFolder> OpenFolder(const Study& study,
-                                                 const experiment::Work& work,
-                                                 const std::string& path,
-                                                 const Part& part, bool resume);
+absl::StatusOr<RunFolder> OpenFolder(const Study& study, const Work& work,
+                                     const std::string& path, const Part& part,
+                                     bool resume);
 
-// The journal, sorted: runs.csv, whose bytes depend on the campaign alone, and
-// timings.csv. All runs must be in the journal. Files are written line by line
-// beside their place and renamed, whole or not at all.
-absl::Status MergeRuns(const experiment::Journal& journal, std::int64_t runs,
-                       const std::string& folder);
-
-// Of a journal with every run: writes runs.csv and timings.csv, what
-// WriteOutputs() writes, and gives the summary.
+// The journal has every run. Writes runs.csv, whose bytes depend on the
+// campaign alone, and timings.csv, line by line beside their place and then
+// renamed; what WriteOutputs() writes; and gives the summary.
 absl::StatusOr<StudySummary> Conclude(const Study& study,
-                                      const experiment::RunFolder& folder,
-                                      bool figures,
+                                      const RunFolder& folder, bool figures,
                                       const report::RunAgain& run_again);
 
-}  // namespace mle::study
+}  // namespace mle::experiment
 
-#endif  // APPS_STUDY_RUN_H_
+#endif  // APPS_EXPERIMENT_STUDY_H_
