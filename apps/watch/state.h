@@ -84,6 +84,11 @@ struct Acknowledgement {
   std::string note = {};
 };
 
+// Now, by `who`. InvalidArgument without a name, or where name or note are too
+// long.
+absl::StatusOr<Acknowledgement> MakeAcknowledgement(const std::string& who,
+                                                    const std::string& note);
+
 struct Alarm {
   std::string id = {};  // the same for the same alarm, whenever it is raised
   int output = 0;

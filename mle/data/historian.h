@@ -87,7 +87,7 @@ struct HistorianOptions {
   // Values of quality columns that mean good, whatever their case. All others
   // mean bad, but as long as they are these, for what is usual (IsUsuallyGood()
   // in quality_columns.h).
-  std::vector<std::string> good_qualities = {"good", "ok", "192"};
+  std::vector<std::string> good_qualities = UsualGoodQualities();
   // Values that mark a bad sample, besides an empty field, NaN and the words in
   // KnownBadWords(): as text or as a number ("-9999").
   std::vector<std::string> bad_values = {};
@@ -126,9 +126,6 @@ struct HistorianOptions {
 
   absl::Status Validate(const ProcessModel& channels) const;
 };
-
-// Whatever their case: Bad, Bad Input, No Data, I/O Timeout, null, N/A, …
-const std::vector<std::string>& KnownBadWords();
 
 // A channel's samples as they were found, in rows of the files, and what became
 // of them, in samples of the records.

@@ -10,11 +10,11 @@
 #include "mle/base/option_error.h"
 #include "mle/base/status.h"
 #include "mle/data/civil_time.h"
-#include "mle/data/column_value.h"
 #include "mle/data/csv_numbers.h"
 #include "mle/data/csv_rows.h"
 #include "mle/data/historian_importer.h"
 #include "mle/data/record.h"
+#include "mle/data/record_columns.h"
 #include "mle/data/table_import.h"
 
 namespace mle {

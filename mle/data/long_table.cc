@@ -18,16 +18,6 @@
 namespace mle {
 namespace {
 
-const std::vector<std::string>& UsualTimes() {
-  static const auto& names = *new std::vector<std::string>{
-      "time",         "timestamp",    "datetime",      "date",
-      "ts",           "date/time",    "ip_trend_time", "_time",
-      "last_changed", "last_updated", "t_stamp",       "sampletime",
-      "timestamputc", "utctime",      "localtime",     "date_time",
-      "zeitstempel",  "logtime",      "eventtime"};
-  return names;
-}
-
 const std::vector<std::string>& UsualTags() {
   static const auto& names = *new std::vector<std::string>{
       "tag",       "tagname",   "tag_name",  "tagid",  "point",
@@ -438,8 +428,6 @@ absl::StatusOr<WideTable> Samples::Widen(CsvRows& rows) {
 
 }  // namespace
 
-const std::vector<std::string>& UsualTimeColumns() { return UsualTimes(); }
-
 std::vector<std::string> LongColumnNames(const ColumnOptions& options) {
   std::vector<std::string> names;
   const auto add = [&](const std::string& declared,
@@ -450,7 +438,7 @@ std::vector<std::string> LongColumnNames(const ColumnOptions& options) {
       names.insert(names.end(), usual.begin(), usual.end());
     }
   };
-  add(DeclaredTime(options), UsualTimes());
+  add(DeclaredTime(options), UsualTimeColumns());
   add(options.tag_column, UsualTags());
   add(options.value_column, UsualValues());
   return names;
@@ -484,7 +472,7 @@ absl::StatusOr<std::optional<LongColumns>> FindLongColumns(
     columns.time = IndexOf(header, parts->first);
     columns.time_part = IndexOf(header, parts->second);
   } else {
-    columns.time = Find(header, DeclaredTime(options), UsualTimes());
+    columns.time = Find(header, DeclaredTime(options), UsualTimeColumns());
   }
   const int tags = FindTags(header, rows, wanted);
   columns.tag = !options.tag_column.empty() || tags < 0

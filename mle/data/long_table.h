@@ -36,9 +36,6 @@ struct LongColumns {
   std::vector<int> other_qualities = {};
 };
 
-// Names that columns of times have, folded (nearest_names.h).
-const std::vector<std::string>& UsualTimeColumns();
-
 // Names of such columns, for the header to be found by.
 std::vector<std::string> LongColumnNames(const ColumnOptions& options);
 

@@ -14,11 +14,11 @@
 #include "mle/base/double_limits.h"
 #include "mle/base/option_error.h"
 #include "mle/base/status.h"
-#include "mle/data/column_value.h"
 #include "mle/data/csv_numbers.h"
 #include "mle/data/nearest_names.h"
 #include "mle/data/quality_columns.h"
 #include "mle/data/record.h"
+#include "mle/data/record_columns.h"
 #include "mle/data/time_columns.h"
 
 namespace mle {

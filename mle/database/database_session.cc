@@ -13,7 +13,7 @@
 #include "absl/strings/str_split.h"
 #include "mle/base/absl_view.h"
 #include "mle/base/status.h"
-#include "mle/database/postgresql_uri.h"
+#include "mle/database/database_name.h"
 
 namespace mle {
 namespace {
@@ -71,6 +71,15 @@ bool WantsPassword(const absl::Status& status) {
 }
 
 }  // namespace
+
+std::string SqlBackend::Quote(const std::string& name) const {
+  std::string quoted = "\"";
+  for (const char c : name) {
+    if (c == '"') quoted += '"';
+    quoted += c;
+  }
+  return quoted + '"';
+}
 
 absl::Status DatabaseSession::Guard(const std::function<void()>& call) const {
   absl::StatusCode code = absl::StatusCode::kInvalidArgument;

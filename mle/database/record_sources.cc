@@ -6,7 +6,9 @@
 #include <utility>
 
 #include "absl/strings/ascii.h"
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "mle/base/absl_view.h"
 #include "mle/base/option_error.h"
 #include "mle/base/status.h"
 #include "mle/data/csv_rows.h"
@@ -189,6 +191,19 @@ HistorianSource SourceOf(const std::shared_ptr<Database>& database) {
   return source;
 }
 
+// "mysql" of mysql://…; empty for text that does not begin so.
+std::string_view SchemeOf(std::string_view text) {
+  const std::size_t end = text.find("://");
+  if (end == std::string_view::npos || end == 0) return {};
+  for (const char c : text.substr(0, end)) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (!absl::ascii_isalnum(byte) && c != '+' && c != '-' && c != '.') {
+      return {};
+    }
+  }
+  return text.substr(0, end);
+}
+
 }  // namespace
 
 absl::Status DatabaseOptions::Validate() const {
@@ -206,6 +221,13 @@ absl::Status DatabaseOptions::Validate() const {
                        "columns are those of a table; a query names its own");
   }
   return absl::OkStatus();
+}
+
+bool IsDatabase(std::string_view name) {
+  return absl::StartsWithIgnoreCase(AbslView(name), "sqlite:") ||
+         absl::StartsWithIgnoreCase(AbslView(name), "odbc:") ||
+         absl::StartsWithIgnoreCase(AbslView(name), "jdbc:") ||
+         !SchemeOf(name).empty();
 }
 
 absl::StatusOr<std::vector<HistorianSource>> RecordSources(

@@ -6,7 +6,6 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "mle/database/postgresql_uri.h"
 #include "mle/database/record_sources.h"
 #include "mle/database/table_query.h"
 
