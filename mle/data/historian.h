@@ -44,12 +44,12 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "mle/data/csv_rows.h"
+#include "mle/data/clock_options.h"
+#include "mle/data/quality_columns.h"
 #include "mle/data/record.h"
-#include "mle/data/record_clock.h"
 #include "mle/data/record_columns.h"
-#include "mle/data/record_rows.h"
 #include "mle/data/record_sink.h"
+#include "mle/data/row_source.h"
 #include "mle/data/time_names.h"
 #include "mle/model/process_model.h"
 
@@ -125,6 +125,18 @@ struct HistorianOptions {
   std::function<bool(const ImportProgress&)> progress = {};
 
   absl::Status Validate(const ProcessModel& channels) const;
+};
+
+// Why samples are bad.
+struct BadSampleCounts {
+  std::int64_t empty = 0;
+  std::int64_t not_a_number = 0;  // NaN
+  std::int64_t declared = 0;      // a bad value or a bad word
+  std::int64_t quality = 0;       // by the quality column
+
+  std::int64_t total() const {
+    return empty + not_a_number + declared + quality;
+  }
 };
 
 // A channel's samples as they were found, in rows of the files, and what became
@@ -206,15 +218,15 @@ struct HistorianImport {
 };
 
 // A file, a query of a database (mle/database), or what takes their place in a
-// test. Opened more than once, and always with the same text.
+// test. Opened more than once, and always with the same rows.
 struct HistorianSource {
   std::string name;
+  // A text, whose form is recognised.
   std::function<absl::StatusOr<std::unique_ptr<std::istream>>()> open;
-  // The text has a header, commas between fields and a row in each line, and
-  // nothing of this is to be recognised; messages name rows, not lines.
+  // Or rows, of which nothing is to be recognised.
+  std::function<absl::StatusOr<std::unique_ptr<RowSource>>()> open_rows = {};
+  // Messages name rows, not lines.
   bool is_table = false;
-  // Why a stream of open() turned bad(), where it can say more than that.
-  std::function<absl::Status()> fault = {};
   // Bytes of the text, for progress; 0: not known.
   std::int64_t bytes = 0;
 };

@@ -435,8 +435,8 @@ absl::StatusOr<HistorianImport> Import(
   if (import.ok() || !absl::StrContains(OptionOf(import.status()), "tags")) {
     return import;
   }
-  MLE_ASSIGN_OR_RETURN(const std::optional<JoinedFiles> joined,
-                       JoinFiles(sources, channels, options));
+  const std::optional<JoinedFiles> joined =
+      JoinFiles(sources, channels, options);
   if (!joined) return import;
   import =
       HistorianImporter(channels, joined->options, sink).Run({joined->source});

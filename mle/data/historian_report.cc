@@ -7,6 +7,7 @@
 #include "mle/base/status.h"
 #include "mle/data/civil_time.h"
 #include "mle/data/historian.h"
+#include "mle/data/time_range.h"
 
 namespace mle {
 namespace {

@@ -11,6 +11,7 @@
 #include "mle/base/option_error.h"
 #include "mle/base/status.h"
 #include "mle/data/csv_numbers.h"
+#include "mle/data/csv_rows.h"
 #include "mle/data/nearest_names.h"
 #include "mle/data/quality_columns.h"
 #include "mle/data/time_columns.h"
@@ -134,32 +135,46 @@ QualityKind KindOf(const std::string& name) {
   return quality ? quality->kind : QualityKind::kCode;
 }
 
-// A sample of the long table.
-struct Entry {
-  double time = 0.0;
-  int tag = 0;
-  int line = 0;
-  std::size_t begin = 0;  // in the text: time, value and quality
-  int time_size = 0;
-  int value_size = 0;
-  int quality_size = 0;
-  int repeat = 0;  // of the tag at this time
-};
+}  // namespace
 
-class Samples {
+class WideRows::Samples {
  public:
-  Samples(const std::vector<std::string>& header, const LongColumns& columns,
+  Samples(std::vector<std::string> header, LongColumns columns,
           const HistorianOptions& options, RecordClock clock)
-      : header_(header),
-        columns_(columns),
+      : header_(std::move(header)),
+        columns_(std::move(columns)),
         options_(options),
         clock_(std::move(clock)) {}
 
-  absl::Status Read(CsvRows& rows, const std::vector<std::string>& channels);
-  absl::StatusOr<WideTable> Widen(CsvRows& rows);
+  absl::Status Read(RowSource& rows, const std::vector<std::string>& channels);
+  // The samples in rows, in order of time.
+  absl::Status Arrange(const RowSource& rows);
+
+  std::int64_t rows() const { return static_cast<std::int64_t>(rows_.size()); }
+  void GetHeader(std::vector<std::string_view>& fields) const;
+  void GetRow(std::int64_t row, std::vector<std::string_view>& fields) const;
+  // Where a field of a row stands in the long table.
+  std::pair<int, int> Origin(int line, int field) const;
+
+  int tags() const { return static_cast<int>(tags_.size()); }
+  bool is_complete() const { return is_complete_; }
+  std::int64_t repeated_rows() const { return repeated_rows_; }
+  std::int64_t comment_rows() const { return comments_; }
 
  private:
-  absl::Status Add(const CsvRows& rows,
+  // A sample of the long table.
+  struct Entry {
+    double time = 0.0;
+    int tag = 0;
+    int line = 0;
+    std::size_t begin = 0;  // in the text: time, value and quality
+    int time_size = 0;
+    int value_size = 0;
+    int quality_size = 0;
+    int repeat = 0;  // of the tag at this time
+  };
+
+  absl::Status Add(const RowSource& rows,
                    const std::vector<std::string_view>& fields, int tag);
   std::size_t RowEnd(std::size_t begin) const;
   std::int64_t CountRepeated() const;
@@ -168,34 +183,40 @@ class Samples {
   std::string_view Part(const Entry& entry, int from, int size) const {
     return std::string_view(text_).substr(entry.begin + from, size);
   }
-  absl::Status AddRow(const CsvRows& rows, std::size_t begin, std::size_t end,
-                      WideTable& table, std::vector<int>& lines) const;
+  absl::Status AddRow(const RowSource& rows, std::size_t begin,
+                      std::size_t end);
+  // By tag: the first of its samples in a row, or null.
+  std::vector<const Entry*> CellsOf(std::int64_t row) const;
   int NumberOf(std::string_view tag, const std::set<std::string>& wanted);
-
   bool IsHeader(const std::vector<std::string_view>& fields) const;
 
-  const std::vector<std::string>& header_;
-  const LongColumns& columns_;
-  const HistorianOptions& options_;
+  const std::vector<std::string> header_;
+  const LongColumns columns_;
+  const HistorianOptions& options_;  // while it reads
   RecordClock clock_;
   std::string text_;
   std::vector<Entry> entries_;
+  std::vector<std::pair<std::size_t, std::size_t>> rows_;  // in entries_
+  std::vector<std::string> wide_header_;
   std::vector<std::string> tags_;
   std::vector<bool> is_kept_;  // their samples are
   std::int64_t comments_ = 0;
+  std::int64_t repeated_rows_ = 0;
+  bool is_complete_ = true;
 };
 
 // The header once more, as tables written one below the other have it.
-bool Samples::IsHeader(const std::vector<std::string_view>& fields) const {
+bool WideRows::Samples::IsHeader(
+    const std::vector<std::string_view>& fields) const {
   for (const int c : {columns_.tag, columns_.value, columns_.time}) {
     if (TrimCsvField(fields[c]) != header_[c]) return false;
   }
   return true;
 }
 
-absl::Status Samples::Add(const CsvRows& rows,
-                          const std::vector<std::string_view>& fields,
-                          int tag) {
+absl::Status WideRows::Samples::Add(const RowSource& rows,
+                                    const std::vector<std::string_view>& fields,
+                                    int tag) {
   Entry entry;
   entry.tag = tag;
   entry.line = rows.line();
@@ -238,8 +259,8 @@ absl::Status Samples::Add(const CsvRows& rows,
 // Of a tag that was not met before; −1: its samples are not kept. Where other
 // columns are not to be ignored it is a column without samples, of which the
 // header then speaks.
-int Samples::NumberOf(std::string_view tag,
-                      const std::set<std::string>& wanted) {
+int WideRows::Samples::NumberOf(std::string_view tag,
+                                const std::set<std::string>& wanted) {
   const auto& suffixes = options_.columns.quality_suffixes;
   const bool ignored = options_.columns.ignore_other_columns;
   const bool is_kept =
@@ -254,8 +275,8 @@ int Samples::NumberOf(std::string_view tag,
   return is_kept ? static_cast<int>(tags_.size()) - 1 : -1;
 }
 
-absl::Status Samples::Read(CsvRows& rows,
-                           const std::vector<std::string>& channels) {
+absl::Status WideRows::Samples::Read(RowSource& rows,
+                                     const std::vector<std::string>& channels) {
   std::set<std::string> wanted;
   for (const std::string& name : channels) wanted.insert(FoldedName(name));
   std::map<std::string, int, std::less<>> numbers;  // −1: not wanted
@@ -294,7 +315,7 @@ absl::Status Samples::Read(CsvRows& rows,
   return rows.status();
 }
 
-std::size_t Samples::RowEnd(std::size_t begin) const {
+std::size_t WideRows::Samples::RowEnd(std::size_t begin) const {
   std::size_t end = begin;
   while (end < entries_.size() && entries_[end].time == entries_[begin].time) {
     ++end;
@@ -303,7 +324,7 @@ std::size_t Samples::RowEnd(std::size_t begin) const {
 }
 
 // Samples of a tag at a time at which it has one already.
-std::int64_t Samples::CountRepeated() const {
+std::int64_t WideRows::Samples::CountRepeated() const {
   std::int64_t repeated = 0;
   std::set<int> tags;
   for (std::size_t e = 0; e < entries_.size(); ++e) {
@@ -314,7 +335,7 @@ std::int64_t Samples::CountRepeated() const {
 }
 
 // Samples of one time: the first of each tag, then the second of each.
-void Samples::RepeatRows(std::size_t begin, std::size_t end) {
+void WideRows::Samples::RepeatRows(std::size_t begin, std::size_t end) {
   std::vector<int> counts(tags_.size(), 0);
   for (std::size_t e = begin; e < end; ++e) {
     entries_[e].repeat = counts[entries_[e].tag]++;
@@ -325,10 +346,8 @@ void Samples::RepeatRows(std::size_t begin, std::size_t end) {
       [](const Entry& a, const Entry& b) { return a.repeat < b.repeat; });
 }
 
-absl::Status Samples::AddRow(const CsvRows& rows, std::size_t begin,
-                             std::size_t end, WideTable& table,
-                             std::vector<int>& lines) const {
-  const bool has_quality = columns_.quality >= 0;
+absl::Status WideRows::Samples::AddRow(const RowSource& rows, std::size_t begin,
+                                       std::size_t end) {
   std::vector<const Entry*> cells(tags_.size());
   for (std::size_t e = begin; e < end; ++e) {
     const Entry& entry = entries_[e];
@@ -344,33 +363,18 @@ absl::Status Samples::AddRow(const CsvRows& rows, std::size_t begin,
               "skip_repeated_times = true, or, if seconds were lost, "
               "spread evenly with spread_repeated_times = true"));
     }
-    if (cell != nullptr) ++table.repeated_rows;
+    if (cell != nullptr) ++repeated_rows_;
     if (cell == nullptr) cell = &entry;
   }
-  table.text +=
-      QuoteCsvField(Part(entries_[begin], 0, entries_[begin].time_size));
-  lines.push_back(entries_[begin].line);
   for (std::size_t c = 0; c < cells.size(); ++c) {
-    const Entry* const cell = cells[c];
-    table.text += ',';
-    lines.push_back(cell == nullptr ? entries_[begin].line : cell->line);
-    if (cell != nullptr) {
-      table.text +=
-          QuoteCsvField(Part(*cell, cell->time_size, cell->value_size));
-    }
-    table.is_complete = table.is_complete && (cell != nullptr || !is_kept_[c]);
-    if (!has_quality) continue;
-    table.text += ',';
-    if (cell == nullptr) continue;
-    table.text += QuoteCsvField(
-        Part(*cell, cell->time_size + cell->value_size, cell->quality_size));
+    is_complete_ = is_complete_ && (cells[c] != nullptr || !is_kept_[c]);
   }
-  table.text += '\n';
+  rows_.emplace_back(begin, end);
   return absl::OkStatus();
 }
 
 // By which the wide table tells of what kind its qualities are.
-std::string Samples::QualitySuffix() const {
+std::string WideRows::Samples::QualitySuffix() const {
   const auto& suffixes = options_.columns.quality_suffixes;
   if (columns_.quality >= 0 && AreUsualSuffixes(suffixes)) {
     return "_" + UsualQualityName(KindOf(header_[columns_.quality]));
@@ -378,55 +382,118 @@ std::string Samples::QualitySuffix() const {
   return suffixes.empty() ? "_quality" : suffixes[0];
 }
 
-absl::StatusOr<WideTable> Samples::Widen(CsvRows& rows) {
-  WideTable table;
-  const bool has_quality = columns_.quality >= 0;
+absl::Status WideRows::Samples::Arrange(const RowSource& rows) {
   const std::string suffix = QualitySuffix();
-  table.text = QuoteCsvField(options_.columns.time_column);
+  wide_header_ = {options_.columns.time_column};
   for (const std::string& tag : tags_) {
-    absl::StrAppend(&table.text, ",", QuoteCsvField(tag));
-    if (has_quality) {
-      absl::StrAppend(&table.text, ",", QuoteCsvField(tag + suffix));
-    }
+    wide_header_.push_back(tag);
+    if (columns_.quality >= 0) wide_header_.push_back(tag + suffix);
   }
-  table.text += '\n';
   std::stable_sort(
       entries_.begin(), entries_.end(),
       [](const Entry& a, const Entry& b) { return a.time < b.time; });
-  auto lines = std::make_shared<std::vector<int>>();
   for (std::size_t begin = 0; begin < entries_.size();) {
     const std::size_t end = RowEnd(begin);
     if (options_.spread_repeated_times) RepeatRows(begin, end);
     for (std::size_t from = begin; from < end;) {
       std::size_t to = from + 1;
-      if (options_.spread_repeated_times) {
-        while (to < end && entries_[to].repeat == entries_[from].repeat) ++to;
-      } else {
-        to = end;
+      while (to < end && (!options_.spread_repeated_times ||
+                          entries_[to].repeat == entries_[from].repeat)) {
+        ++to;
       }
-      MLE_RETURN_IF_ERROR(AddRow(rows, from, to, table, *lines));
+      MLE_RETURN_IF_ERROR(AddRow(rows, from, to));
       from = to;
     }
     begin = end;
   }
-  const int width = static_cast<int>(tags_.size()) + 1;
-  const int header = rows.line() > 0 ? 1 : 0;
-  table.origin = [lines, width, has_quality, header, columns = columns_](
-                     int line, int field) {
-    const int cell = field <= 1 ? 0 : (field - 2) / (has_quality ? 2 : 1) + 1;
-    const bool is_quality = has_quality && field > 1 && field % 2 == 1;
-    const auto at = static_cast<std::size_t>(line - 2) * width + cell;
-    if (line < 2 || at >= lines->size()) return std::pair(header, field);
-    return std::pair((*lines)[at], 1 + (cell == 0    ? columns.time
-                                        : is_quality ? columns.quality
-                                                     : columns.value));
-  };
-  table.tags = std::move(tags_);
-  table.comment_rows = comments_;
-  return table;
+  return absl::OkStatus();
 }
 
-}  // namespace
+std::vector<const WideRows::Samples::Entry*> WideRows::Samples::CellsOf(
+    std::int64_t row) const {
+  std::vector<const Entry*> cells(tags_.size());
+  const auto& [begin, end] = rows_[static_cast<std::size_t>(row)];
+  for (std::size_t e = begin; e < end; ++e) {
+    const Entry*& cell = cells[entries_[e].tag];
+    if (cell == nullptr) cell = &entries_[e];
+  }
+  return cells;
+}
+
+void WideRows::Samples::GetHeader(std::vector<std::string_view>& fields) const {
+  fields.assign(wide_header_.begin(), wide_header_.end());
+}
+
+void WideRows::Samples::GetRow(std::int64_t row,
+                               std::vector<std::string_view>& fields) const {
+  const Entry& first = entries_[rows_[static_cast<std::size_t>(row)].first];
+  fields.assign({Part(first, 0, first.time_size)});
+  for (const Entry* const cell : CellsOf(row)) {
+    fields.push_back(cell == nullptr
+                         ? std::string_view()
+                         : Part(*cell, cell->time_size, cell->value_size));
+    if (columns_.quality < 0) continue;
+    fields.push_back(cell == nullptr
+                         ? std::string_view()
+                         : Part(*cell, cell->time_size + cell->value_size,
+                                cell->quality_size));
+  }
+}
+
+std::pair<int, int> WideRows::Samples::Origin(int line, int field) const {
+  if (line < 2 || line - 2 >= rows()) return {1, field};
+  const int width = columns_.quality >= 0 ? 2 : 1;  // of a tag
+  const Entry* entry =
+      &entries_[rows_[static_cast<std::size_t>(line - 2)].first];
+  if (field <= 1) return {entry->line, 1 + columns_.time};
+  const int tag = (field - 2) / width;
+  if (tag >= tags()) return {1, field};
+  const Entry* const cell = CellsOf(line - 2)[static_cast<std::size_t>(tag)];
+  if (cell != nullptr) entry = cell;
+  return {entry->line,
+          1 + ((field - 2) % width > 0 ? columns_.quality : columns_.value)};
+}
+
+absl::StatusOr<std::unique_ptr<WideRows>> WideRows::Read(
+    RowSource& rows, const std::vector<std::string>& header,
+    const LongColumns& columns, const std::vector<std::string>& channels,
+    const HistorianOptions& options, RecordClock clock) {
+  const auto samples =
+      std::make_shared<Samples>(header, columns, options, std::move(clock));
+  MLE_RETURN_IF_ERROR(samples->Read(rows, channels));
+  MLE_RETURN_IF_ERROR(samples->Arrange(rows));
+  return std::unique_ptr<WideRows>(
+      new WideRows(samples, rows.source(), rows.is_table()));
+}
+
+bool WideRows::Next(std::vector<std::string_view>& fields) {
+  if (at_ > samples_->rows()) return false;
+  if (at_ == 0) {
+    samples_->GetHeader(fields);
+  } else {
+    samples_->GetRow(at_ - 1, fields);
+  }
+  row_line_ = static_cast<int>(++at_);
+  return true;
+}
+
+std::unique_ptr<RowSource> WideRows::Preview() {
+  std::unique_ptr<WideRows> rows(new WideRows(samples_, source(), is_table()));
+  rows->at_ = at_;
+  return rows;
+}
+
+std::pair<int, int> WideRows::Origin(int line, int field) const {
+  return samples_->Origin(line, field);
+}
+
+std::int64_t WideRows::rows() const { return samples_->rows(); }
+int WideRows::tags() const { return samples_->tags(); }
+bool WideRows::is_complete() const { return samples_->is_complete(); }
+std::int64_t WideRows::repeated_rows() const {
+  return samples_->repeated_rows();
+}
+std::int64_t WideRows::comment_rows() const { return samples_->comment_rows(); }
 
 std::vector<std::string> LongColumnNames(const ColumnOptions& options) {
   std::vector<std::string> names;
@@ -497,17 +564,6 @@ absl::StatusOr<std::optional<LongColumns>> FindLongColumns(
           ", value_column and time_column. The "
           "header has ",
           ListOfNames(header)));
-}
-
-absl::StatusOr<WideTable> WidenTable(CsvRows& rows,
-                                     const std::vector<std::string>& header,
-                                     const LongColumns& columns,
-                                     const std::vector<std::string>& channels,
-                                     const HistorianOptions& options,
-                                     RecordClock clock) {
-  Samples samples(header, columns, options, std::move(clock));
-  MLE_RETURN_IF_ERROR(samples.Read(rows, channels));
-  return samples.Widen(rows);
 }
 
 }  // namespace mle

@@ -13,15 +13,17 @@
 #define MLE_DATA_LONG_TABLE_H_
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "mle/data/csv_rows.h"
 #include "mle/data/historian.h"
 #include "mle/data/record_clock.h"
+#include "mle/data/row_source.h"
 
 namespace mle {
 
@@ -49,30 +51,47 @@ absl::StatusOr<std::optional<LongColumns>> FindLongColumns(
     const std::vector<std::vector<std::string>>& rows,
     const std::vector<std::string>& channels, const ColumnOptions& options);
 
-struct WideTable {
-  std::string text;        // separated by commas
-  CsvRows::Origin origin;  // of its fields, in the long table
-  std::vector<std::string> tags;
+// The wide table, a source of rows that is made of a long one.
+class WideRows : public RowSource {
+ public:
+  // Reads all rows below the header. Of tags that are not among `channels` no
+  // sample is kept, so that memory is that of the samples asked for; they are
+  // left out if other columns are to be ignored, else columns without samples.
+  // If repeated times are to be spread, samples of a tag at one time are rows
+  // of their own. InvalidArgument for a time that `clock` does not read, two
+  // samples of a tag at one time, and more than 4 · options.max_samples
+  // samples.
+  static absl::StatusOr<std::unique_ptr<WideRows>> Read(
+      RowSource& rows, const std::vector<std::string>& header,
+      const LongColumns& columns, const std::vector<std::string>& channels,
+      const HistorianOptions& options, RecordClock clock);
+
+  bool Next(std::vector<std::string_view>& fields) override;
+  std::unique_ptr<RowSource> Preview() override;
+  std::int64_t bytes_read() const override { return at_; }
+
+  std::int64_t rows() const;
+  int tags() const;
   // Every tag of which samples are kept has one at every time.
-  bool is_complete = true;
+  bool is_complete() const;
   // Rows that are left out: at a time already read, comments and the header
   // again.
-  std::int64_t repeated_rows = 0;
-  std::int64_t comment_rows = 0;
-};
+  std::int64_t repeated_rows() const;
+  std::int64_t comment_rows() const;
 
-// Reads all rows below the header. Of tags that are not among `channels` no
-// sample is kept, so that memory is that of the samples asked for; they are
-// left out if other columns are to be ignored, else columns without samples. If
-// repeated times are to be spread, samples of a tag at one time are rows of
-// their own. InvalidArgument for a time that `clock` does not read, two samples
-// of a tag at one time, and more than 4 · options.max_samples samples.
-absl::StatusOr<WideTable> WidenTable(CsvRows& rows,
-                                     const std::vector<std::string>& header,
-                                     const LongColumns& columns,
-                                     const std::vector<std::string>& channels,
-                                     const HistorianOptions& options,
-                                     RecordClock clock);
+ protected:
+  std::pair<int, int> Origin(int line, int field) const override;
+
+ private:
+  class Samples;
+
+  WideRows(std::shared_ptr<const Samples> samples, std::string source,
+           bool is_table)
+      : RowSource(std::move(source), is_table), samples_(std::move(samples)) {}
+
+  std::shared_ptr<const Samples> samples_;
+  std::int64_t at_ = 0;  // the next row; 0: the header
+};
 
 }  // namespace mle
 

@@ -205,10 +205,6 @@ std::optional<QualityName> QualityOfName(
   return QualityName{{}, word->kind};
 }
 
-bool AreUsualSuffixes(const std::vector<std::string>& suffixes) {
-  return suffixes == ColumnOptions().quality_suffixes;
-}
-
 bool AreUsualQualities(const std::vector<std::string>& good) {
   return good == UsualGoodQualities();
 }

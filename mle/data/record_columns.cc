@@ -352,6 +352,10 @@ absl::Status Matching::Check() {
 
 }  // namespace
 
+bool AreUsualSuffixes(const std::vector<std::string>& suffixes) {
+  return suffixes == ColumnOptions().quality_suffixes;
+}
+
 std::string SetPointName(std::string_view output) {
   return std::string(output).append(kSetPointSuffix);
 }

@@ -8,7 +8,6 @@
 
 #include "Eigen/Core"
 #include "absl/strings/str_cat.h"
-#include "mle/monitor/output_scores.h"
 #include "mle/nonlinear/amplitude_fit.h"
 #include "mle/nonlinear/innovations_filter.h"
 #include "mle/nonlinear/output_error_correction.h"
@@ -153,6 +152,16 @@ MatrixXd RecursiveResiduals(MatrixXd rows, Eigen::Index count) {
 }
 
 }  // namespace
+
+double RobustDeviationOf(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  for (double& value : values) value = std::abs(value);
+  const auto middle =
+      values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  constexpr double kToDeviation = 1.4826;
+  return kToDeviation * *middle;
+}
 
 absl::StatusOr<RowResponse> RowResponse::Create(const ProcessModel& model,
                                                 int output, double sample_time,
