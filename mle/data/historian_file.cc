@@ -15,6 +15,7 @@
 #include "mle/data/nearest_names.h"
 #include "mle/data/quality_columns.h"
 #include "mle/data/time_columns.h"
+#include "mle/data/wide_rows.h"
 
 namespace mle {
 namespace {
@@ -260,16 +261,16 @@ absl::Status HistorianFile::WidenLongTable(
   MLE_ASSIGN_OR_RETURN(
       std::unique_ptr<WideRows> table,
       WideRows::Read(*source_, header, **columns, names, options, clock_));
-  repeated_rows_ = table->repeated_rows();
-  comment_rows_ = table->comment_rows();
+  repeated_rows_ = table->counts().repeated_rows;
+  comment_rows_ = table->counts().comment_rows;
   notes_.push_back({absl::StrCat(report_.name,
                                  ": a long table, with a row for "
                                  "each sample, of ",
-                                 table->tags(), " tags."),
+                                 table->counts().tags, " tags."),
                     ""});
   is_long_ = true;
-  is_sparse_ = !table->is_complete();
-  bytes_ = table->rows();
+  is_sparse_ = !table->counts().is_complete;
+  bytes_ = table->counts().rows;
   source_ = std::move(table);
   csv_ = nullptr;
   header_line_ = 1;

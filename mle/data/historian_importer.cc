@@ -9,6 +9,7 @@
 #include "absl/strings/str_join.h"
 #include "mle/base/option_error.h"
 #include "mle/base/status.h"
+#include "mle/data/civil_time.h"
 #include "mle/data/joined_files.h"
 #include "mle/data/sampling.h"
 
@@ -140,8 +141,7 @@ absl::Status HistorianImporter::ChooseStepOfExceptions(
 }
 
 // An error for a row that does not follow the last, or `skip`.
-absl::Status HistorianImporter::CheckOrder(const HistorianFile& file,
-                                           const HistorianProbe& probe,
+absl::Status HistorianImporter::CheckOrder(const HistorianProbe& probe,
                                            const RowStream& rows, double time,
                                            bool is_first, bool& skip) {
   skip = false;
@@ -149,15 +149,14 @@ absl::Status HistorianImporter::CheckOrder(const HistorianFile& file,
   const bool is_repeated = time == last_time_;
   if (!(is_repeated ? options_.skip_repeated_times
                     : options_.skip_backward_times)) {
-    return OrderError(file, probe, rows, time, is_first);
+    return OrderError(probe, rows, time, is_first);
   }
   ++(is_repeated ? import_.report.repeated_rows : import_.report.backward_rows);
   skip = true;
   return absl::OkStatus();
 }
 
-absl::Status HistorianImporter::OrderError(const HistorianFile& file,
-                                           const HistorianProbe& probe,
+absl::Status HistorianImporter::OrderError(const HistorianProbe& probe,
                                            const RowStream& rows, double time,
                                            bool is_first) const {
   const bool is_repeated = time == last_time_;
@@ -167,10 +166,9 @@ absl::Status HistorianImporter::OrderError(const HistorianFile& file,
       is_repeated ? "stands twice"
                   : absl::StrCat("follows ", times.Short(last_time_)),
       "; times must increase");
-  const std::optional<double> seconds = file.clock().seconds_per_unit();
+  const std::optional<double> seconds = SecondsPerUnit(channels_.time_unit());
   const double hour = 3600.0 / seconds.value_or(1.0);
-  const bool has_dates = file.clock().has_dates();
-  if (seconds && !is_repeated && has_dates &&
+  if (seconds && !is_repeated && probe.has_dates &&
       std::abs(last_time_ - time + import_.report.step - hour) <
           0.5 * import_.report.step + 1e-9 * hour) {
     return OptionError(
@@ -179,11 +177,11 @@ absl::Status HistorianImporter::OrderError(const HistorianFile& file,
                      ". It goes back by an hour, as clocks do in autumn: "
                      "declare time_zone, such as time_zone = Europe/Berlin"));
   }
-  if (is_first && !has_dates) {
+  if (is_first && !probe.has_dates) {
     return OptionError(
         "separate_files",
         absl::StrCat(message, ". The files ", probes_[0].source.name, " and ",
-                     file.report().name,
+                     probe.source.name,
                      " have the same times: if each has a clock of its own, "
                      "separate_files = true takes them one after another"));
   }
@@ -311,18 +309,48 @@ std::string HistorianImporter::TooManySamples() const {
                       "; choose a longer sample_time, or read less at once");
 }
 
-absl::Status HistorianImporter::ShowProgress(const HistorianFile& file,
-                                             const FileReport& report) const {
+absl::Status HistorianImporter::ShowProgress(const FileReport& report,
+                                             double fraction) const {
   if (!options_.progress) return absl::OkStatus();
   const TimeNames times = import_.report.Times(channels_.time_unit());
   if (options_.progress({.source = report.name,
                          .rows = report.rows,
                          .reached = times.Short(report.last_time),
-                         .fraction = file.FractionRead()})) {
+                         .fraction = fraction})) {
     return absl::OkStatus();
   }
   return absl::CancelledError(
       absl::StrCat("stopped by the caller while reading ", report.name));
+}
+
+absl::Status HistorianImporter::TakeRows(RowStream& rows,
+                                         const HistorianProbe& probe,
+                                         const HistorianFile* file,
+                                         FileReport& report,
+                                         Resampler& resampler) {
+  const double shift = ShiftOf(probe);
+  RecordRow row;
+  while (rows.Next(row)) {
+    row.time += shift;
+    bool skip = false;
+    MLE_RETURN_IF_ERROR(
+        CheckOrder(probe, rows, row.time, report.rows == 0, skip));
+    if (report.rows == 0) report.first_time = row.time;
+    ++report.rows;
+    if (skip) continue;
+    has_last_ = true;
+    last_time_ = report.last_time = row.time;
+    if (!TakeRow(row, resampler)) {
+      return absl::InvalidArgumentError(
+          absl::StrCat(rows.TimePlace(), TooManySamples()));
+    }
+    MLE_RETURN_IF_ERROR(collector_->status());
+    if (report.rows % kRowsOfProgress == 0) {
+      MLE_RETURN_IF_ERROR(
+          ShowProgress(report, file == nullptr ? -1.0 : file->FractionRead()));
+    }
+  }
+  return rows.status();
 }
 
 absl::Status HistorianImporter::ReadSource(const HistorianProbe& probe,
@@ -336,29 +364,7 @@ absl::Status HistorianImporter::ReadSource(const HistorianProbe& probe,
   NoteForm(probe, report);
   const SpreadRows* spread = nullptr;
   const std::unique_ptr<RowStream> stream = StreamOf(*file, probe, spread);
-  RowStream& rows = *stream;
-  const double shift = ShiftOf(probe);
-  RecordRow row;
-  while (rows.Next(row)) {
-    row.time += shift;
-    bool skip = false;
-    MLE_RETURN_IF_ERROR(
-        CheckOrder(*file, probe, rows, row.time, report.rows == 0, skip));
-    if (report.rows == 0) report.first_time = row.time;
-    ++report.rows;
-    if (skip) continue;
-    has_last_ = true;
-    last_time_ = report.last_time = row.time;
-    if (!TakeRow(row, resampler)) {
-      return absl::InvalidArgumentError(
-          absl::StrCat(rows.TimePlace(), TooManySamples()));
-    }
-    MLE_RETURN_IF_ERROR(collector_->status());
-    if (report.rows % kRowsOfProgress == 0) {
-      MLE_RETURN_IF_ERROR(ShowProgress(*file, report));
-    }
-  }
-  MLE_RETURN_IF_ERROR(rows.status());
+  MLE_RETURN_IF_ERROR(TakeRows(*stream, probe, file.get(), report, resampler));
   NoteChannels(file->rows(), probe.is_unchanged);
   import_.report.rows += report.rows;
   import_.report.outside_rows += file->rows().passed_over();

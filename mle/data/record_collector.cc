@@ -59,11 +59,6 @@ void RecordCollector::EndPiece() {
   TakeWhole(std::move(record));
 }
 
-void RecordCollector::Take(Record record) {
-  samples_ += record.samples();
-  TakeWhole(std::move(record));
-}
-
 void RecordCollector::TakeWhole(Record record) {
   const std::vector<int> bridged = BridgeGaps(options_.max_bridged, record);
   const auto count = [&](const Eigen::MatrixXd& rows, int first) {

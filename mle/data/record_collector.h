@@ -60,8 +60,6 @@ class RecordCollector {
 
   // `begins`: a record begins with this sample.
   void Add(bool begins, double time, const std::vector<double>& values);
-  // A whole record at once.
-  void Take(Record record);
   // To be called after the last sample.
   void Finish();
 
