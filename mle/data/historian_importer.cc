@@ -10,6 +10,7 @@
 #include "mle/base/option_error.h"
 #include "mle/base/status.h"
 #include "mle/data/civil_time.h"
+#include "mle/data/csv_rows.h"
 #include "mle/data/joined_files.h"
 #include "mle/data/sampling.h"
 

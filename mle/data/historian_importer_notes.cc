@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
 #include "mle/base/option_error.h"
+#include "mle/data/csv_rows.h"
 #include "mle/data/historian_importer.h"
 #include "mle/data/record_columns.h"
 
